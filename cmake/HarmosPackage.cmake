@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: BSD-3-Clause
+
+# Compiler flags of Harmos' own code.
+add_library(harmos_flags INTERFACE)
+target_compile_options(harmos_flags INTERFACE -Wall -Wextra -Wshadow -Wconversion)
+if(HARMOS_WARNINGS_AS_ERRORS)
+  target_compile_options(harmos_flags INTERFACE -Werror)
+endif()
+if(HARMOS_ENABLE_NATIVE)
+  target_compile_options(harmos_flags INTERFACE -O3 -march=native)
+endif()
+
+# harmos_add_package(<name> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>])
+#
+# Makes the library harmos_<name>, known to others as Harmos::<name>.
+function(harmos_add_package name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  add_library(harmos_${name} ${ARG_SOURCES})
+  add_library(Harmos::${name} ALIAS harmos_${name})
+  target_include_directories(
+    harmos_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/src>)
+  target_link_libraries(harmos_${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} harmos_flags)
+endfunction()

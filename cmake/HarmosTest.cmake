@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: BSD-3-Clause
+find_package(GTest REQUIRED)
+# Debian's own interpreter first: it is the one that sees Debian's python3-* packages.
+find_program(
+  HARMOS_PYTHON
+  NAMES python3
+  PATHS /usr/bin
+  NO_DEFAULT_PATH)
+if(NOT HARMOS_PYTHON)
+  find_program(HARMOS_PYTHON NAMES python3 REQUIRED)
+endif()
+
+# What every test needs: one BLAS thread a rank, and an mpirun that also works as root and with
+# more ranks than cores.
+set(HARMOS_TEST_ENVIRONMENT OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 OMPI_ALLOW_RUN_AS_ROOT=1
+                            OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
+                            OMPI_MCA_hwloc_base_binding_policy=none)
+
+# harmos_add_test(NAME <name> SOURCES <files> LIBRARIES <targets> [RANKS <n>...] [LABELS <l>...])
+#
+# One executable, registered once for each number of ranks as <name>_np<n>.
+function(harmos_add_test)
+  cmake_parse_arguments(ARG "" "NAME" "SOURCES;LIBRARIES;RANKS;LABELS" ${ARGN})
+  if(NOT ARG_RANKS)
+    set(ARG_RANKS 1)
+  endif()
+  add_executable(${ARG_NAME} ${ARG_SOURCES})
+  set_target_properties(${ARG_NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests/bin")
+  target_link_libraries(${ARG_NAME} PRIVATE ${ARG_LIBRARIES} harmos_test_support harmos_flags)
+  foreach(ranks IN LISTS ARG_RANKS)
+    add_test(NAME ${ARG_NAME}_np${ranks}
+             COMMAND ${MPIEXEC_EXECUTABLE} ${MPIEXEC_NUMPROC_FLAG} ${ranks} $<TARGET_FILE:${ARG_NAME}>)
+    set_tests_properties(
+      ${ARG_NAME}_np${ranks} PROPERTIES ENVIRONMENT "${HARMOS_TEST_ENVIRONMENT}" LABELS "${ARG_LABELS}"
+                                        PROCESSORS ${ranks} TIMEOUT 300)
+  endforeach()
+endfunction()
+
+# harmos_add_script_test(NAME <name> SCRIPT <file.py> [ARGUMENTS <a>...] [LABELS <l>...] [TIMEOUT <s>])
+#
+# A Python test of whole programs. Exit status 77 is shown as SKIPPED: a dependency is missing.
+function(harmos_add_script_test)
+  cmake_parse_arguments(ARG "" "NAME;SCRIPT;TIMEOUT;PROCESSORS" "ARGUMENTS;LABELS" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 300)
+  endif()
+  if(NOT ARG_PROCESSORS)
+    set(ARG_PROCESSORS 2)
+  endif()
+  add_test(NAME ${ARG_NAME} COMMAND ${HARMOS_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/${ARG_SCRIPT}
+                                    ${ARG_ARGUMENTS})
+  set_tests_properties(
+    ${ARG_NAME}
+    PROPERTIES ENVIRONMENT
+               "${HARMOS_TEST_ENVIRONMENT};HARMOS_SOURCE_DIR=${PROJECT_SOURCE_DIR};HARMOS_BINARY_DIR=${PROJECT_BINARY_DIR};HARMOS_MPIEXEC=${MPIEXEC_EXECUTABLE};PYTHONDONTWRITEBYTECODE=1"
+               LABELS "${ARG_LABELS}"
+               SKIP_RETURN_CODE 77
+               PROCESSORS ${ARG_PROCESSORS}
+               TIMEOUT ${ARG_TIMEOUT})
+endfunction()

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_LocalMatrix.hpp"
+
+#include "Harmos_Errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace Harmos {
+
+void LocalMatrix::multiply(const double* x, double* y) const {
+  const int n = rows();
+  for (int i = 0; i < n; ++i) {
+    double sum = 0.0;
+    for (std::size_t k = offsets[static_cast<std::size_t>(i)]; k < offsets[static_cast<std::size_t>(i) + 1]; ++k)
+      sum += values[k] * x[columns[k]];
+    y[i] = sum;
+  }
+}
+
+std::vector<double> LocalMatrix::diagonal() const {
+  std::vector<double> result(offsets.size() - 1, 0.0);
+  for (std::size_t i = 0; i < result.size(); ++i)
+    for (std::size_t k = offsets[i]; k < offsets[i + 1]; ++k)
+      if (columns[k] == static_cast<int>(i))
+        result[i] = values[k];
+  return result;
+}
+
+double LocalMatrix::maxNorm() const {
+  double result = 0.0;
+  for (double value : values)
+    result = std::max(result, std::abs(value));
+  return result;
+}
+
+double LocalMatrix::infinityNorm() const {
+  double result = 0.0;
+  for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
+    double sum = 0.0;
+    for (std::size_t k = offsets[i]; k < offsets[i + 1]; ++k)
+      sum += std::abs(values[k]);
+    result = std::max(result, sum);
+  }
+  return result;
+}
+
+LocalMatrix makeLocalMatrix(int rows, std::vector<MatrixEntry> entries) {
+  std::stable_sort(entries.begin(), entries.end(), [](const MatrixEntry& a, const MatrixEntry& b) {
+    return std::tie(a.row, a.column) < std::tie(b.row, b.column);
+  });
+  LocalMatrix matrix;
+  matrix.offsets.assign(static_cast<std::size_t>(rows) + 1, 0);
+  int lastRow = -1;
+  for (const MatrixEntry& entry : entries) {
+    HARMOS_REQUIRE(entry.row >= 0 && entry.row < rows && entry.column >= 0 && entry.column < rows,
+                   "a matrix entry lies outside of the matrix");
+    if (entry.row == lastRow && matrix.columns.back() == entry.column) {
+      matrix.values.back() += entry.value;
+      continue;
+    }
+    lastRow = entry.row;
+    matrix.columns.push_back(entry.column);
+    matrix.values.push_back(entry.value);
+    ++matrix.offsets[static_cast<std::size_t>(entry.row) + 1];
+  }
+  for (std::size_t i = 0; i + 1 < matrix.offsets.size(); ++i)
+    matrix.offsets[i + 1] += matrix.offsets[i];
+  return matrix;
+}
+
+} // namespace Harmos

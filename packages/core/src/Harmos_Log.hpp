@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <iosfwd>
+#include <string>
+
+namespace Harmos {
+
+/// Where a run's messages go. Injected; libraries never write to std::cout on their own.
+///
+/// A default Log is silent. Only an active Log writes; applications make it active on rank 0 alone, so that
+/// every message appears once. Errors go to a stream of their own and are written at any verbosity.
+class Log {
+ public:
+  enum class Verbosity { Quiet, Normal, Detailed };
+
+  /// Silent.
+  Log() = default;
+
+  /// @param out progress and results; @param err errors and warnings. Both must outlive the Log.
+  Log(std::ostream& out, std::ostream& err, Verbosity verbosity, bool active);
+
+  void error(const std::string& message) const;
+  void warning(const std::string& message) const;
+  void info(const std::string& message) const;
+  void detail(const std::string& message) const;
+
+  /// True where info() would write; lets a caller skip the making of an expensive message.
+  bool writesInfo() const { return active_ && verbosity_ != Verbosity::Quiet; }
+
+ private:
+  std::ostream* out_ = nullptr;
+  std::ostream* err_ = nullptr;
+  Verbosity verbosity_ = Verbosity::Quiet;
+  bool active_ = false;
+};
+
+/// A number for people: three significant digits of scientific notation.
+std::string scientific(double value, int digits = 2);
+
+} // namespace Harmos

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Teuchos_ParameterList.hpp>
+#include <Teuchos_RCP.hpp>
+
+#include <iosfwd>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace Harmos {
+
+/// Admissible numbers; either end may be excluded.
+struct Range {
+  double least = -std::numeric_limits<double>::infinity();
+  double most = std::numeric_limits<double>::infinity();
+  bool leastExcluded = false;
+  bool mostExcluded = false;
+
+  static Range atLeast(double least) { return {least, std::numeric_limits<double>::infinity(), false, false}; }
+  static Range above(double least) { return {least, std::numeric_limits<double>::infinity(), true, false}; }
+  static Range within(double least, double most) { return {least, most, false, false}; }
+  static Range strictlyWithin(double least, double most) { return {least, most, true, true}; }
+
+  bool contains(double value) const;
+  std::string text() const;
+};
+
+/// The one description of a parameter list: type, default, range and meaning of every parameter.
+///
+/// From it come the validation of decks, the defaults, the reference pages and Teuchos' valid parameters; there
+/// is no second list anywhere. Names are matched exactly: case, spaces and all; there are no synonyms.
+///
+/// Guarded by tests/unit/core/test_parameter_spec.cpp.
+class ParameterSpec {
+ public:
+  /// An allowed value of a choice and what it means.
+  using Choice = std::pair<std::string, std::string>;
+
+  /// @param name of the list as it stands in the deck; @param meaning a sentence.
+  ParameterSpec(std::string name, std::string meaning);
+
+  ParameterSpec& integer(const std::string& name, int value, int least, int most, const std::string& meaning);
+  ParameterSpec& real(const std::string& name, double value, const Range& range, const std::string& meaning);
+  ParameterSpec& boolean(const std::string& name, bool value, const std::string& meaning);
+  ParameterSpec& text(const std::string& name, const std::string& value, const std::string& meaning);
+  ParameterSpec& choice(const std::string& name, const std::string& value, const std::vector<Choice>& allowed,
+                        const std::string& meaning);
+  ParameterSpec& list(ParameterSpec sublist);
+
+  const std::string& name() const { return name_; }
+  const std::string& meaning() const { return meaning_; }
+
+  /// The given list, checked and completed by the defaults.
+  ///
+  /// Every fault is reported at once, each with its path in the deck, what was found, what is allowed and the
+  /// nearest known name. A whole number is accepted where a real one is expected; no other conversion is made.
+  ///
+  /// @param source what the message calls the origin, a file name for instance.
+  /// @throws InputError
+  Teuchos::ParameterList validated(const Teuchos::ParameterList& given, const std::string& source) const;
+
+  /// All parameters at their defaults.
+  Teuchos::ParameterList defaults() const;
+
+  /// Defaults with documentation strings and Teuchos validators, for getValidParameters().
+  Teuchos::RCP<Teuchos::ParameterList> teuchosList() const;
+
+  /// Puts a value, given as text, at a path: "List/Sublist/Name".
+  /// @throws InputError if the path is unknown (the nearest is offered) or the text is not of its type.
+  void set(Teuchos::ParameterList& list, const std::string& path, const std::string& value,
+           const std::string& source) const;
+
+  /// A complete deck with the defaults, each parameter with its documentation string.
+  void writeXml(std::ostream& out) const;
+
+  /// Tables for the documentation.
+  void writeMarkdown(std::ostream& out) const;
+
+  /// For the terminal.
+  void writeText(std::ostream& out) const;
+
+ private:
+  enum class Type { Integer, Real, Boolean, Text, Choice };
+
+  struct Parameter {
+    std::string name;
+    Type type;
+    std::string meaning;
+    // The default; the member that the type names.
+    int integer = 0;
+    double real = 0.0;
+    bool boolean = false;
+    std::string text;
+    Range range;
+    std::vector<Choice> allowed;
+  };
+
+  Parameter& add(const std::string& name, Type type, const std::string& meaning);
+  const Parameter* find(const std::string& name) const;
+  const ParameterSpec* findList(const std::string& name) const;
+  std::vector<std::string> names() const;
+  void validate(const Teuchos::ParameterList& given, const std::string& path, Teuchos::ParameterList& result,
+                std::vector<std::string>& faults) const;
+  static void validate(const Parameter& parameter, const Teuchos::ParameterEntry& entry, const std::string& path,
+                       Teuchos::ParameterList& result, std::vector<std::string>& faults);
+  static void setDefault(const Parameter& parameter, Teuchos::ParameterList& list, bool validators);
+  void fill(Teuchos::ParameterList& list, bool validators) const;
+  static std::string expected(const Parameter& parameter);
+  static std::string typeName(Type type);
+  static std::string defaultText(const Parameter& parameter);
+  void writeMarkdown(std::ostream& out, const std::string& path) const;
+  void writeText(std::ostream& out, const std::string& path) const;
+
+  std::string name_;
+  std::string meaning_;
+  std::vector<Parameter> parameters_;
+  std::vector<ParameterSpec> lists_;
+};
+
+/// The candidate with the least edit distance to the name (letters' case ignored), or "" if none is near.
+std::string nearestName(const std::string& name, const std::vector<std::string>& candidates);
+
+} // namespace Harmos

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_BoundedLagrangian.hpp"
+#include "Harmos_SolverManager.hpp"
+
+#include <functional>
+
+namespace Harmos::qp {
+
+/// What the solvers with bounds share: the inner loop over MPRGP steps and the sentences for its failures.
+template<class Scalar, class MV, class OP>
+class BoundedSolver : public SolverManager<Scalar, MV, OP> {
+ protected:
+  using Lagrangian = BoundedLagrangian<Scalar, MV, OP>;
+  using State = IterationState<MV>;
+
+  /// Minimises L(·, μ, ρ) until the convergence test passes, the caller's precision is reached, or it fails.
+  ///
+  /// @param state of the current iterate; of the last one on return.
+  /// @param precise the inner stop; null for none. @param precision M, for the history alone.
+  /// @return true if the caller may go on with its outer iteration; false if the solver has stopped, with the
+  ///         reason set.
+  bool minimise(Lagrangian& lagrangian, State& state, const std::function<bool(const State&)>& precise,
+                double precision);
+
+  /// Makes the Lagrangian and the first state.
+  State begin(Lagrangian& lagrangian, double penalty, double precision);
+};
+
+} // namespace Harmos::qp

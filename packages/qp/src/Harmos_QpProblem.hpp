@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Teuchos_RCP.hpp>
+
+#include <string>
+
+namespace Harmos::qp {
+
+/// What is known of the equality rows; what is not known is not assumed.
+enum class EqualityStructure {
+  General,
+  /// CCᵀ = I.
+  Orthonormal,
+  /// CCᵀ = I and ACᵀ = 0: images of CᵀC and of I − CᵀC are invariant subspaces of A + ρCᵀC, as in FETI with
+  /// the natural coarse space, where A = PFP and C = G (Dostál, Horák, Vlach, eq. 3.6).
+  OrthonormalInvariant
+};
+
+/// The quadratic program
+///
+///     min ½ xᵀAx − bᵀx   subject to   l ≤ x ≤ u,  Cx = c,
+///
+/// A symmetric positive semidefinite. Mirrors Belos::LinearProblem: every setter takes the "set" mark away,
+/// setProblem() checks and gives it, and no solver accepts a problem without it.
+///
+/// Operators are applied through Belos::OperatorTraits, C also transposed. The multiplier vector lives in the
+/// range of C, which may be a locally replicated map. Nothing is copied: the solution vector is the initial
+/// guess before and the answer after solve(), and so is the multiplier.
+///
+/// Guarded by tests/unit/qp/test_solvers.cpp.
+template<class Scalar, class MV, class OP>
+class Problem {
+ public:
+  Problem() = default;
+  Problem(Teuchos::RCP<const OP> hessian, Teuchos::RCP<MV> solution, Teuchos::RCP<const MV> rhs);
+
+  void setHessian(Teuchos::RCP<const OP> hessian);
+  void setRhs(Teuchos::RCP<const MV> rhs);
+  void setSolution(Teuchos::RCP<MV> solution);
+  /// Null: no lower bound.
+  void setLowerBound(Teuchos::RCP<const MV> lower);
+  /// Null: no upper bound.
+  void setUpperBound(Teuchos::RCP<const MV> upper);
+  /// @param multiplier μ in the range of C: initial value before, answer after solve().
+  void setEquality(Teuchos::RCP<const OP> rows, Teuchos::RCP<const MV> values, Teuchos::RCP<MV> multiplier,
+                   EqualityStructure structure = EqualityStructure::General);
+  /// An estimate of ‖A‖ from above that is already known; 0 (the default) lets a solver estimate it.
+  void setHessianNorm(double norm);
+  void setLabel(const std::string& label) { label_ = label; }
+
+  /// Checks the problem: Hessian, solution and right-hand side are there, one column each, of equal length,
+  /// and the bounds are consistent.
+  /// @return whether it is ready to be solved; whyNotSet() tells the reason if not.
+  /// @note Collective.
+  bool setProblem();
+  bool isProblemSet() const { return set_; }
+  const std::string& whyNotSet() const { return fault_; }
+
+  Teuchos::RCP<const OP> hessian() const { return hessian_; }
+  Teuchos::RCP<const MV> rhs() const { return rhs_; }
+  Teuchos::RCP<MV> solution() const { return solution_; }
+  Teuchos::RCP<const MV> lowerBound() const { return lower_; }
+  Teuchos::RCP<const MV> upperBound() const { return upper_; }
+  Teuchos::RCP<const OP> equalityRows() const { return equality_; }
+  Teuchos::RCP<const MV> equalityValues() const { return equalityValues_; }
+  Teuchos::RCP<MV> multiplier() const { return multiplier_; }
+  EqualityStructure equalityStructure() const { return structure_; }
+  double hessianNorm() const { return hessianNorm_; }
+  const std::string& label() const { return label_; }
+
+  bool hasBounds() const { return !lower_.is_null() || !upper_.is_null(); }
+  bool hasEqualities() const { return !equality_.is_null(); }
+
+ private:
+  bool refuse(const std::string& fault);
+
+  Teuchos::RCP<const OP> hessian_;
+  Teuchos::RCP<const MV> rhs_;
+  Teuchos::RCP<MV> solution_;
+  Teuchos::RCP<const MV> lower_;
+  Teuchos::RCP<const MV> upper_;
+  Teuchos::RCP<const OP> equality_;
+  Teuchos::RCP<const MV> equalityValues_;
+  Teuchos::RCP<MV> multiplier_;
+  EqualityStructure structure_ = EqualityStructure::General;
+  double hessianNorm_ = 0.0;
+  bool set_ = false;
+  std::string fault_ = "setProblem() was not called after the last change";
+  std::string label_;
+};
+
+} // namespace Harmos::qp

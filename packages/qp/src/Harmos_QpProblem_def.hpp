@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_BoundTraits.hpp"
+#include "Harmos_QpProblem.hpp"
+
+#include <BelosMultiVecTraits.hpp>
+
+namespace Harmos::qp {
+
+template<class Scalar, class MV, class OP>
+Problem<Scalar, MV, OP>::Problem(Teuchos::RCP<const OP> hessian, Teuchos::RCP<MV> solution,
+                                 Teuchos::RCP<const MV> rhs)
+    : hessian_(hessian),
+      rhs_(rhs),
+      solution_(solution) {}
+
+template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::setHessian(Teuchos::RCP<const OP> hessian) {
+  hessian_ = hessian;
+  hessianNorm_ = 0.0;
+  refuse("setProblem() was not called after setHessian()");
+}
+
+template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::setRhs(Teuchos::RCP<const MV> rhs) {
+  rhs_ = rhs;
+  refuse("setProblem() was not called after setRhs()");
+}
+
+template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::setSolution(Teuchos::RCP<MV> solution) {
+  solution_ = solution;
+  refuse("setProblem() was not called after setSolution()");
+}
+
+template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::setLowerBound(Teuchos::RCP<const MV> lower) {
+  lower_ = lower;
+  refuse("setProblem() was not called after setLowerBound()");
+}
+
+template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::setUpperBound(Teuchos::RCP<const MV> upper) {
+  upper_ = upper;
+  refuse("setProblem() was not called after setUpperBound()");
+}
+
+template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::setEquality(Teuchos::RCP<const OP> rows, Teuchos::RCP<const MV> values,
+                                          Teuchos::RCP<MV> multiplier, EqualityStructure structure) {
+  equality_ = rows;
+  equalityValues_ = values;
+  multiplier_ = multiplier;
+  structure_ = structure;
+  refuse("setProblem() was not called after setEquality()");
+}
+
+template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::setHessianNorm(double norm) {
+  hessianNorm_ = norm;
+  refuse("setProblem() was not called after setHessianNorm()");
+}
+
+template<class Scalar, class MV, class OP>
+bool Problem<Scalar, MV, OP>::refuse(const std::string& fault) {
+  set_ = false;
+  fault_ = fault;
+  return false;
+}
+
+template<class Scalar, class MV, class OP>
+bool Problem<Scalar, MV, OP>::setProblem() {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  if (hessian_.is_null() || rhs_.is_null() || solution_.is_null())
+    return refuse("the Hessian, the right-hand side or the solution vector is missing");
+  if (MVT::GetNumberVecs(*rhs_) != 1 || MVT::GetNumberVecs(*solution_) != 1)
+    return refuse("the right-hand side and the solution must have one column each");
+  const auto length = MVT::GetGlobalLength(*solution_);
+  if (MVT::GetGlobalLength(*rhs_) != length)
+    return refuse("the right-hand side and the solution differ in length");
+  for (const Teuchos::RCP<const MV>& bound : {lower_, upper_})
+    if (!bound.is_null() && MVT::GetGlobalLength(*bound) != length)
+      return refuse("a bound and the solution differ in length");
+  if (!BoundTraits<Scalar, MV>::boundsAreConsistent(lower_.get(), upper_.get()))
+    return refuse("a lower bound lies above its upper bound, or a bound is not a number");
+  if (!equality_.is_null() && (equalityValues_.is_null() || multiplier_.is_null()))
+    return refuse("equality rows need their right-hand side and a multiplier vector");
+  if (!equality_.is_null() &&
+      MVT::GetGlobalLength(*equalityValues_) != MVT::GetGlobalLength(*multiplier_))
+    return refuse("the right-hand side of the equalities and the multiplier differ in length");
+  if (!(hessianNorm_ >= 0.0))
+    return refuse("the given norm of the Hessian is negative or not a number");
+  set_ = true;
+  fault_.clear();
+  return true;
+}
+
+} // namespace Harmos::qp

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_Log.hpp"
+#include "Harmos_ParameterSpec.hpp"
+#include "Harmos_QpProblem.hpp"
+#include "Harmos_QpTypes.hpp"
+#include "Harmos_StatusTest.hpp"
+
+#include <Teuchos_ParameterList.hpp>
+#include <Teuchos_RCP.hpp>
+
+#include <chrono>
+#include <string>
+
+namespace Harmos::qp {
+
+/// The contract of all solvers; mirrors Belos::SolverManager.
+///
+/// Life cycle: setParameters() (checked against the specification at once, the first call included),
+/// setProblem(), solve(). solve() reads the solution vector of the problem as initial guess and writes the answer
+/// there. By default the solver converges when ‖g^P‖ ≤ tol‖b‖ and ‖Cx − c‖ ≤ tol·max(‖c‖, ‖x‖);
+/// setConvergenceTest() puts another test in its place.
+template<class Scalar, class MV, class OP>
+class SolverManager {
+ public:
+  using ProblemType = Problem<Scalar, MV, OP>;
+
+  virtual ~SolverManager() = default;
+
+  /// "MPRGP", "SMALBE", ...
+  virtual std::string name() const = 0;
+
+  /// A new solver of the same kind and parameters, without a problem.
+  virtual Teuchos::RCP<SolverManager> clone() const = 0;
+
+  /// Type, default, range and meaning of every parameter.
+  virtual const ParameterSpec& parameterSpec() const = 0;
+
+  Teuchos::RCP<const Teuchos::ParameterList> getValidParameters() const { return parameterSpec().teuchosList(); }
+  Teuchos::RCP<const Teuchos::ParameterList> getCurrentParameters() const { return parameters_; }
+
+  /// @throws InputError for an unknown name, a wrong type or a value out of range.
+  void setParameters(const Teuchos::RCP<Teuchos::ParameterList>& parameters);
+
+  /// @throws InputError if the problem is not marked as set.
+  void setProblem(const Teuchos::RCP<ProblemType>& problem);
+  const ProblemType& getProblem() const { return *problem_; }
+
+  /// In the place of the default test; null brings the default back.
+  void setConvergenceTest(const Teuchos::RCP<StatusTest<MV>>& test) { convergenceTest_ = test; }
+
+  /// Progress goes here; silent by default.
+  void setLog(const Log& log) { log_ = log; }
+
+  /// Forgets counters and history.
+  void reset() { result_ = Result(); }
+
+  /// @throws InputError if no problem is set or its structure is not what this solver is for.
+  /// @note Collective.
+  Result solve();
+
+  int getNumIters() const { return static_cast<int>(result_.history.size()); }
+  /// ‖g^P‖ reached.
+  double achievedTol() const { return result_.projectedGradientNorm; }
+
+ protected:
+  SolverManager() = default;
+
+  /// The solution itself; result_ is fresh, the problem is set.
+  virtual void doSolve() = 0;
+
+  /// The test that is used when the caller gives none.
+  virtual Teuchos::RCP<StatusTest<MV>> defaultTest() const;
+
+  /// The parameters every solver has.
+  static void addCommonParameters(ParameterSpec& spec);
+
+  /// Applies the convergence test to a state.
+  bool converged(const IterationState<MV>& state);
+
+  /// Stores a row of the history and prints it when its turn has come.
+  void record(const IterationState<MV>& state, StepKind step, double penalty, double precision,
+              long long active);
+
+  void stop(Reason reason, const std::string& explanation) {
+    result_.reason = reason;
+    result_.explanation = explanation;
+  }
+
+  int maximumIterations() const { return parameters_->template get<int>("Maximum Iterations"); }
+
+  Teuchos::RCP<ProblemType> problem_;
+  Teuchos::RCP<Teuchos::ParameterList> parameters_;
+  Teuchos::RCP<StatusTest<MV>> convergenceTest_;
+  Log log_;
+  Result result_;
+
+ private:
+  Teuchos::RCP<StatusTest<MV>> activeTest_;
+  std::chrono::steady_clock::time_point start_;
+};
+
+} // namespace Harmos::qp
