@@ -24,7 +24,7 @@ std::vector<std::vector<char>> exchangeBytes(const Teuchos::Comm<int>& comm,
 /// @throws InternalError on every rank, if more than 2 GiB would go from one rank in one call.
 /// @note Collective.
 template<class T>
-std::vector<std::vector<T>> exchange(const Teuchos::Comm<int>& comm, const std::vector<std::vector<T>>& sends) {
+std::vector<std::vector<T>> exchangeItems(const Teuchos::Comm<int>& comm, const std::vector<std::vector<T>>& sends) {
   static_assert(std::is_trivially_copyable_v<T>, "items travel as bytes");
   std::vector<std::vector<char>> bytes(sends.size());
   for (std::size_t r = 0; r < sends.size(); ++r) {
@@ -45,7 +45,7 @@ std::vector<std::vector<T>> exchange(const Teuchos::Comm<int>& comm, const std::
 template<class T>
 std::vector<T> gatherAll(const Teuchos::Comm<int>& comm, const std::vector<T>& mine) {
   const std::vector<std::vector<T>> received =
-      exchange(comm, std::vector<std::vector<T>>(static_cast<std::size_t>(comm.getSize()), mine));
+      exchangeItems(comm, std::vector<std::vector<T>>(static_cast<std::size_t>(comm.getSize()), mine));
   std::vector<T> all;
   for (const std::vector<T>& part : received)
     all.insert(all.end(), part.begin(), part.end());

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+namespace Harmos {
+
+/// A linear condition on physical (untorn) dofs: Σ coefficient · u(dof) ≤ bound, or = bound.
+///
+/// What contact and tie conditions are made of before the bodies are torn. Rows of one kind are numbered
+/// 0, 1, ... without gaps over all ranks, each row on exactly one rank: so their order does not depend on the
+/// number of ranks.
+struct ConstraintRow {
+  struct Term {
+    long long dof;
+    double coefficient;
+  };
+  enum class Kind { Inequality, Equality };
+
+  Kind kind = Kind::Equality;
+  long long number = 0;
+  std::vector<Term> terms;
+  double bound = 0.0;
+};
+
+} // namespace Harmos

@@ -1,0 +1,346 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Constraints.hpp"
+
+#include "Harmos_Agreement.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_Log.hpp"
+
+#include <Tpetra_Import.hpp>
+#include <Tpetra_Map.hpp>
+#include <Tpetra_MultiVector.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+namespace Harmos::feti {
+namespace {
+
+// A copy of a dof, as the rendezvous rank of the dof sees it.
+struct Copy {
+  long long dof;
+  long long subdomain;
+  double value; // of the Dirichlet condition
+  int local;    // dof in the subdomain
+  int place;    // subdomain among those of its rank
+  int rank;
+  int fixed;
+};
+
+// An entry of a finished row on its way to the rank of its subdomain.
+struct RowEntry {
+  long long row;
+  double value;
+  int place;
+  int local;
+  int owner;
+};
+
+// The rest of a row on its way to its owner.
+struct RowHead {
+  long long row;
+  double bound;
+  double scale;
+  int type;
+};
+
+// Where the copies of a dof meet: equal ranges of dof numbers.
+class Rendezvous {
+ public:
+  Rendezvous(long long least, long long most, int ranks) : least_(least) {
+    width_ = std::max(1LL, (most - least) / ranks + 1);
+  }
+  std::size_t operator()(long long dof) const { return static_cast<std::size_t>((dof - least_) / width_); }
+
+ private:
+  long long least_;
+  long long width_;
+};
+
+struct RowBuilder {
+  explicit RowBuilder(std::size_t ranks) : entries(ranks), heads(ranks) {}
+
+  struct Term {
+    Copy copy;
+    double value;
+  };
+
+  void add(long long row, RowType type, const std::vector<Term>& terms, double bound, double scale) {
+    const Term* lowest = &terms.front();
+    for (const Term& term : terms)
+      if (term.copy.subdomain < lowest->copy.subdomain)
+        lowest = &term;
+    const int owner = lowest->copy.rank;
+    for (const Term& term : terms)
+      entries[static_cast<std::size_t>(term.copy.rank)].push_back(
+          {row, term.value, term.copy.place, term.copy.local, owner});
+    heads[static_cast<std::size_t>(owner)].push_back({row, bound, scale, static_cast<int>(type)});
+  }
+
+  std::vector<std::vector<RowEntry>> entries;
+  std::vector<std::vector<RowHead>> heads;
+};
+
+using CopyTable = std::map<long long, std::vector<Copy>>;
+
+// Every interface dof of this rank goes to its rendezvous rank.
+CopyTable meet(const SubdomainSystem& system, const Rendezvous& rendezvous) {
+  const Teuchos::Comm<int>& comm = *system.comm();
+  std::vector<std::vector<Copy>> sends(static_cast<std::size_t>(comm.getSize()));
+  for (int i = 0; i < system.size(); ++i) {
+    const Subdomain& s = system.subdomain(i);
+    std::map<int, const FixedDof*> fixed;
+    for (const FixedDof& f : s.fixed)
+      fixed[f.dof] = &f;
+    std::vector<int> locals = s.interface;
+    for (const FixedDof& f : s.fixed)
+      locals.push_back(f.dof);
+    std::sort(locals.begin(), locals.end());
+    locals.erase(std::unique(locals.begin(), locals.end()), locals.end());
+    for (int local : locals) {
+      const long long dof = s.dofs[static_cast<std::size_t>(local)];
+      const auto found = fixed.find(local);
+      sends[rendezvous(dof)].push_back({dof, s.number, found != fixed.end() ? found->second->value : 0.0, local, i,
+                                        comm.getRank(), found != fixed.end() ? 1 : 0});
+    }
+  }
+  CopyTable table;
+  for (const std::vector<Copy>& part : exchangeItems(comm, sends))
+    for (const Copy& copy : part)
+      table[copy.dof].push_back(copy);
+  for (auto& item : table)
+    std::sort(item.second.begin(), item.second.end(), [](const Copy& a, const Copy& b) {
+      return std::tie(a.subdomain, a.local) < std::tie(b.subdomain, b.local);
+    });
+  return table;
+}
+
+std::string dofText(const Copy& copy) {
+  return "dof " + std::to_string(copy.dof) + " (subdomain " + std::to_string(copy.subdomain) + ")";
+}
+
+// Rows that follow from the copies alone.
+void addGluingAndDirichlet(const CopyTable& table, DirichletForm form, long long& row, RowBuilder& builder) {
+  for (const auto& item : table) {
+    const std::vector<Copy>& copies = item.second;
+    const Copy* fixed = nullptr;
+    for (const Copy& copy : copies) {
+      if (copy.fixed == 0)
+        continue;
+      if (fixed != nullptr && copy.value != fixed->value)
+        throw InputError(dofText(copy) + " is fixed to " + scientific(copy.value) + " here and to " +
+                             scientific(fixed->value) + " in subdomain " + std::to_string(fixed->subdomain),
+                         {{"dof", std::to_string(copy.dof)}});
+      fixed = &copy;
+    }
+    if (fixed != nullptr && form == DirichletForm::Dual) {
+      for (const Copy& copy : copies)
+        builder.add(row++, RowType::Dirichlet, {{copy, 1.0}}, fixed->value, 1.0);
+      continue;
+    }
+    for (std::size_t k = 1; k < copies.size(); ++k) {
+      const double number = static_cast<double>(k);
+      const double length = std::sqrt(number * (number + 1.0));
+      std::vector<RowBuilder::Term> terms;
+      for (std::size_t i = 0; i < k; ++i)
+        terms.push_back({copies[i], 1.0 / length});
+      terms.push_back({copies[k], -number / length});
+      builder.add(row++, RowType::Gluing, terms, 0.0, 1.0 / length);
+    }
+  }
+}
+
+long long countGluingAndDirichlet(const CopyTable& table, DirichletForm form) {
+  long long count = 0;
+  for (const auto& item : table) {
+    const bool fixed =
+        std::any_of(item.second.begin(), item.second.end(), [](const Copy& copy) { return copy.fixed != 0; });
+    const auto copies = static_cast<long long>(item.second.size());
+    count += fixed && form == DirichletForm::Dual ? copies : copies - 1;
+  }
+  return count;
+}
+
+// The copies of the dofs in this rank's given rows, asked of the rendezvous ranks.
+CopyTable lookUp(const Teuchos::Comm<int>& comm, const CopyTable& table, const Rendezvous& rendezvous,
+                 const std::vector<ConstraintRow>& rows) {
+  std::vector<std::vector<long long>> questions(static_cast<std::size_t>(comm.getSize()));
+  for (const ConstraintRow& row : rows)
+    for (const ConstraintRow::Term& term : row.terms)
+      questions[rendezvous(term.dof)].push_back(term.dof);
+  for (std::vector<long long>& part : questions) {
+    std::sort(part.begin(), part.end());
+    part.erase(std::unique(part.begin(), part.end()), part.end());
+  }
+  const std::vector<std::vector<long long>> asked = exchangeItems(comm, questions);
+  std::vector<std::vector<Copy>> answers(asked.size());
+  for (std::size_t r = 0; r < asked.size(); ++r)
+    for (long long dof : asked[r]) {
+      const auto found = table.find(dof);
+      if (found != table.end())
+        answers[r].insert(answers[r].end(), found->second.begin(), found->second.end());
+    }
+  CopyTable result;
+  for (const std::vector<Copy>& part : exchangeItems(comm, answers))
+    for (const Copy& copy : part)
+      result[copy.dof].push_back(copy);
+  return result;
+}
+
+void addGiven(const std::vector<ConstraintRow>& rows, const CopyTable& copies, long long inequalities,
+              RowBuilder& builder) {
+  for (const ConstraintRow& row : rows) {
+    std::vector<RowBuilder::Term> terms;
+    double norm2 = 0.0;
+    for (const ConstraintRow::Term& term : row.terms) {
+      const auto found = copies.find(term.dof);
+      if (found == copies.end())
+        throw InputError("constraint row " + std::to_string(row.number) + " names dof " + std::to_string(term.dof) +
+                             ", which is not an interface dof of any subdomain",
+                         {{"dof", std::to_string(term.dof)}});
+      const double share = term.coefficient / static_cast<double>(found->second.size());
+      for (const Copy& copy : found->second) {
+        terms.push_back({copy, share});
+        norm2 += share * share;
+      }
+    }
+    if (!(norm2 > 0.0) || !std::isfinite(norm2) || !std::isfinite(row.bound))
+      throw InputError("constraint row " + std::to_string(row.number) +
+                       " is zero or not finite; check its coefficients and its gap");
+    const double scale = 1.0 / std::sqrt(norm2);
+    for (RowBuilder::Term& term : terms)
+      term.value *= scale;
+    const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
+    builder.add(inequality ? row.number : inequalities + row.number,
+                inequality ? RowType::Inequality : RowType::Equality, terms, scale * row.bound, scale);
+  }
+}
+
+void checkNumbers(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRow>& rows,
+                  ConstraintRow::Kind kind, long long count) {
+  long long most = -1, least = 0;
+  for (const ConstraintRow& row : rows)
+    if (row.kind == kind) {
+      most = std::max(most, row.number);
+      least = std::min(least, row.number);
+    }
+  if (globalMax(comm, most) + 1 > count || globalMin(comm, least) < 0)
+    throw InputError("constraint rows of one kind must be numbered 0, 1, ... without gaps over all ranks");
+}
+
+} // namespace
+
+Constraints::Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows) : system_(system) {
+  const Teuchos::Comm<int>& comm = *system.comm();
+  const auto ranks = static_cast<std::size_t>(comm.getSize());
+
+  long long least = std::numeric_limits<long long>::max(), most = std::numeric_limits<long long>::min();
+  for (int i = 0; i < system.size(); ++i)
+    for (long long dof : system.subdomain(i).dofs) {
+      least = std::min(least, dof);
+      most = std::max(most, dof);
+    }
+  least = globalMin(comm, least);
+  most = globalMax(comm, most);
+  agree(comm, [&] {
+    for (const ConstraintRow& row : rows)
+      for (const ConstraintRow::Term& term : row.terms)
+        if (term.dof < least || term.dof > most)
+          throw InputError("constraint row " + std::to_string(row.number) + " names dof " +
+                           std::to_string(term.dof) + ", which no subdomain has");
+  });
+  const Rendezvous rendezvous(least, most, comm.getSize());
+  const CopyTable table = meet(system, rendezvous);
+
+  long long mine[2] = {0, 0};
+  for (const ConstraintRow& row : rows)
+    ++mine[row.kind == ConstraintRow::Kind::Inequality ? 0 : 1];
+  inequalities_ = globalSum(comm, mine[0]);
+  const long long equalities = globalSum(comm, mine[1]);
+  checkNumbers(comm, rows, ConstraintRow::Kind::Inequality, inequalities_);
+  checkNumbers(comm, rows, ConstraintRow::Kind::Equality, equalities);
+  const long long fromCopies = countGluingAndDirichlet(table, system.dirichletForm());
+  long long nextRow = inequalities_ + equalities + exclusiveScan(comm, fromCopies);
+  dualDimension_ = inequalities_ + equalities + globalSum(comm, fromCopies);
+
+  const CopyTable copies = lookUp(comm, table, rendezvous, rows);
+  RowBuilder builder(ranks);
+  agree(comm, [&] {
+    addGluingAndDirichlet(table, system.dirichletForm(), nextRow, builder);
+    addGiven(rows, copies, inequalities_, builder);
+  });
+  const std::vector<std::vector<RowEntry>> entries = exchangeItems(comm, builder.entries);
+  const std::vector<std::vector<RowHead>> headParts = exchangeItems(comm, builder.heads);
+
+  std::vector<RowHead> heads;
+  for (const std::vector<RowHead>& part : headParts)
+    heads.insert(heads.end(), part.begin(), part.end());
+  std::sort(heads.begin(), heads.end(), [](const RowHead& a, const RowHead& b) { return a.row < b.row; });
+  Teuchos::Array<GlobalOrdinal> owned;
+  for (const RowHead& head : heads) {
+    owned.push_back(static_cast<GlobalOrdinal>(head.row));
+    types_.push_back(static_cast<RowType>(head.type));
+    scales_.push_back(head.scale);
+    bounds_.push_back(head.bound);
+  }
+
+  std::map<long long, int> overlap; // row → owner
+  for (const std::vector<RowEntry>& part : entries)
+    for (const RowEntry& entry : part)
+      overlap[entry.row] = entry.owner;
+  Teuchos::Array<GlobalOrdinal> touched;
+  std::map<long long, int> localRow;
+  for (const auto& [row, owner] : overlap) {
+    localRow[row] = static_cast<int>(touched.size());
+    touched.push_back(static_cast<GlobalOrdinal>(row));
+    overlapOwner_.push_back(owner);
+  }
+  entries_.resize(static_cast<std::size_t>(system.size()));
+  for (const std::vector<RowEntry>& part : entries)
+    for (const RowEntry& entry : part)
+      entries_[static_cast<std::size_t>(entry.place)].push_back({localRow[entry.row], entry.local, entry.value});
+  for (std::vector<Entry>& list : entries_)
+    std::sort(list.begin(), list.end(),
+              [](const Entry& a, const Entry& b) { return std::tie(a.row, a.dof) < std::tie(b.row, b.dof); });
+
+  const auto total = static_cast<Tpetra::global_size_t>(dualDimension_);
+  rowMap_ = Teuchos::rcp(new Map(total, owned(), 0, system.comm()));
+  overlapMap_ = Teuchos::rcp(
+      new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), touched(), 0, system.comm()));
+  import_ = Teuchos::rcp(new Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>(rowMap_, overlapMap_));
+}
+
+void Constraints::addBt(int subdomain, const double* overlap, double* t) const {
+  for (const Entry& entry : entries(subdomain))
+    t[entry.dof] += entry.value * overlap[entry.row];
+}
+
+void Constraints::addB(int subdomain, const double* u, double* overlap) const {
+  for (const Entry& entry : entries(subdomain))
+    overlap[entry.row] += entry.value * u[entry.dof];
+}
+
+void Constraints::applyB(const TornVector& u, MultiVector& y) const {
+  MultiVector overlap(overlapMap_, 1);
+  {
+    const auto view = overlap.getLocalViewHost(Tpetra::Access::OverwriteAll);
+    std::fill(view.data(), view.data() + view.extent(0), 0.0);
+    for (int i = 0; i < system_.size(); ++i)
+      addB(i, u[static_cast<std::size_t>(i)].data(), view.data());
+  }
+  y.putScalar(0.0);
+  y.doExport(overlap, *import_, Tpetra::ADD);
+}
+
+TornVector Constraints::applyBt(const MultiVector& lambda) const {
+  MultiVector overlap(overlapMap_, 1);
+  overlap.doImport(lambda, *import_, Tpetra::INSERT);
+  const auto view = overlap.getLocalViewHost(Tpetra::Access::ReadOnly);
+  TornVector result = system_.zeroVector();
+  for (int i = 0; i < system_.size(); ++i)
+    addBt(i, view.data(), result[static_cast<std::size_t>(i)].data());
+  return result;
+}
+
+} // namespace Harmos::feti

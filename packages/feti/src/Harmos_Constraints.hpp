@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_ConstraintRow.hpp"
+#include "Harmos_SubdomainSystem.hpp"
+#include "Harmos_Types.hpp"
+
+#include <Teuchos_RCP.hpp>
+#include <Tpetra_Export_fwd.hpp>
+#include <Tpetra_Import_fwd.hpp>
+
+#include <vector>
+
+namespace Harmos::feti {
+
+/// What a row of B stands for.
+enum class RowType {
+  Inequality, ///< B_I u ≤ c_I
+  Equality,   ///< a tie or another equality given by the application
+  Gluing,     ///< copies of a dof are equal
+  Dirichlet   ///< a prescribed value, Total FETI only
+};
+
+/// The constraints B = [B_I; B_E], c of the torn problem, distributed by rows. Immutable.
+///
+/// Rules (design of the dual problem):
+///  - at a dof with m copies, the m − 1 gluing rows are orthonormal: row k is (1, …, 1, −k, 0, …)/√(k(k + 1));
+///  - a given row takes the mean of the copies of each of its dofs, which is orthogonal to the gluing rows, and is
+///    scaled to unit length; rowScale() keeps the factor, so that residuals and multipliers are told in physical
+///    units;
+///  - with DirichletForm::Dual each fixed copy gets a row u = g and no gluing row, which would depend on those.
+///
+/// Global row numbers: given inequalities, given equalities, then gluing and Dirichlet rows by dof number. They do
+/// not depend on the number of ranks, and neither do the rows. A row is owned by the rank of the lowest of its
+/// subdomains.
+///
+/// Guarded by tests/unit/feti/test_constraints.cpp.
+class Constraints {
+ public:
+  /// A value at a local dof of a subdomain in a local (overlapping) row.
+  struct Entry {
+    int row; ///< local index in overlapMap()
+    int dof;
+    double value;
+  };
+
+  /// @param system the torn problem, to outlive this.
+  /// @param rows this rank's share of the given rows; see ConstraintRow.
+  /// @throws InputError on all ranks for rows that name a dof which is not an interface dof of any subdomain, and for
+  ///         dofs fixed to different values.
+  /// @note Collective. Rendezvous by dof number; nothing is gathered on one rank.
+  Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows);
+
+  /// Rows owned by this rank: the map of dual vectors.
+  const Teuchos::RCP<const Map>& rowMap() const { return rowMap_; }
+  /// Rows that touch a subdomain of this rank.
+  const Teuchos::RCP<const Map>& overlapMap() const { return overlapMap_; }
+  /// Rank that owns a row of overlapMap().
+  int overlapOwner(int row) const { return overlapOwner_[static_cast<std::size_t>(row)]; }
+  /// B_i, sorted by row.
+  const std::vector<Entry>& entries(int subdomain) const { return entries_[static_cast<std::size_t>(subdomain)]; }
+
+  /// Of an owned row, by local index of rowMap().
+  RowType rowType(int row) const { return types_[static_cast<std::size_t>(row)]; }
+  /// Factor by which the physical row was multiplied: residual/scale and multiplier·scale are physical.
+  double rowScale(int row) const { return scales_[static_cast<std::size_t>(row)]; }
+  /// c of the scaled row.
+  double bound(int row) const { return bounds_[static_cast<std::size_t>(row)]; }
+
+  long long dualDimension() const { return dualDimension_; }
+  long long inequalities() const { return inequalities_; }
+
+  /// y = Bu. @note Collective.
+  void applyB(const TornVector& u, MultiVector& y) const;
+
+  /// Bᵀλ. @note Collective.
+  TornVector applyBt(const MultiVector& lambda) const;
+
+  /// Bᵀ of a vector on overlapMap(), for one subdomain: t ← B_iᵀx. Local.
+  void addBt(int subdomain, const double* overlap, double* t) const;
+  /// overlap ← overlap + B_i u. Local.
+  void addB(int subdomain, const double* u, double* overlap) const;
+
+  const Teuchos::RCP<const Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>>& importer() const { return import_; }
+
+ private:
+  const SubdomainSystem& system_;
+  Teuchos::RCP<const Map> rowMap_;
+  Teuchos::RCP<const Map> overlapMap_;
+  Teuchos::RCP<const Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>> import_;
+  std::vector<int> overlapOwner_;
+  std::vector<std::vector<Entry>> entries_;
+  std::vector<RowType> types_;
+  std::vector<double> scales_;
+  std::vector<double> bounds_;
+  long long dualDimension_ = 0;
+  long long inequalities_ = 0;
+};
+
+} // namespace Harmos::feti

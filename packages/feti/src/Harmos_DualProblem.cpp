@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_DualProblem.hpp"
+
+#include "Harmos_Agreement.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_Log.hpp"
+
+#include <Tpetra_MultiVector.hpp>
+
+#include <cmath>
+#include <limits>
+
+namespace Harmos::feti {
+namespace {
+
+// ẽ = Rᵀf, the same on all ranks.
+std::vector<double> kernelLoad(const SubdomainSystem& system) {
+  std::vector<double> e(static_cast<std::size_t>(system.kernelDimension()), 0.0);
+  for (int i = 0; i < system.size(); ++i)
+    for (int k = 0; k < system.kernel(i).columns; ++k) {
+      double sum = 0.0;
+      for (std::size_t j = 0; j < system.rhs(i).size(); ++j)
+        sum += system.kernel(i).column(k)[j] * system.rhs(i)[j];
+      e[static_cast<std::size_t>(system.kernelOffset(i) + k)] = sum;
+    }
+  globalSum(*system.comm(), e);
+  return e;
+}
+
+double norm(const std::vector<double>& v) {
+  double sum = 0.0;
+  for (double entry : v)
+    sum += entry * entry;
+  return std::sqrt(sum);
+}
+
+// A dependent column of R is a rigid motion that the kept ones and the constraints leave free: its load must be
+// balanced by λ̃ all the same.
+void requireBalance(const SubdomainSystem& system, const CoarseSpace& coarse, const MultiVector& shift,
+                    const std::vector<double>& e) {
+  const std::vector<double> balanced = coarse.applyUnscaled(shift);
+  const double tolerance = 1e-10 * norm(e);
+  for (int column : coarse.dependentColumns()) {
+    const double residual = e[static_cast<std::size_t>(column)] - balanced[static_cast<std::size_t>(column)];
+    if (std::abs(residual) > tolerance)
+      throw NumericalError("the load on subdomain " + std::to_string(system.kernelOwner(column)) +
+                               " cannot be held: a rigid motion that no constraint resists carries a load of " +
+                               scientific(residual) +
+                               "; fix the body it belongs to, or balance its load",
+                           {{"subdomain", std::to_string(system.kernelOwner(column))},
+                            {"residual", scientific(residual)}});
+  }
+}
+
+} // namespace
+
+DualProblem::DualProblem(const SubdomainSystem& system, const Constraints& constraints,
+                         const LocalInverses& inverses, const DualOperator& dualOperator,
+                         const CoarseSpace& coarse) {
+  const Teuchos::RCP<const Map>& map = constraints.rowMap();
+  // d̃ = BK⁺f − c.
+  TornVector loads, images;
+  for (int i = 0; i < system.size(); ++i)
+    loads.push_back(system.rhs(i));
+  agree(*system.comm(), [&] { images = inverses.apply(loads); });
+  d_ = Teuchos::rcp(new MultiVector(map, 1));
+  constraints.applyB(images, *d_);
+  {
+    const auto view = d_->getLocalViewHost(Tpetra::Access::ReadWrite);
+    for (std::size_t r = 0; r < view.extent(0); ++r)
+      view(r, 0) -= constraints.bound(static_cast<int>(r));
+  }
+  setupApplications_ = 1;
+
+  shift_ = Teuchos::rcp(new MultiVector(map, 1));
+  projectedD_ = Teuchos::rcp(new MultiVector(map, 1));
+  if (coarse.dimension() > 0) {
+    const std::vector<double> e = kernelLoad(system);
+    const std::vector<double> w = coarse.solveL(e);
+    coarse.addGt(1.0, w, *shift_);
+    requireBalance(system, coarse, *shift_, e);
+    scaledLoadNorm_ = norm(coarse.solveLt(w));
+    MultiVector image(map, 1);
+    dualOperator.apply(*shift_, image);
+    dualOperator.rethrowFailure();
+    d_->update(-1.0, image, 1.0);
+    ++setupApplications_;
+    hessian_ = Teuchos::rcp(new ProjectedOperator(dualOperator, coarse));
+    equalityRows_ = Teuchos::rcp(new CoarseOperator(coarse, map));
+  } else {
+    hessian_ = Teuchos::rcpFromRef(static_cast<const Operator&>(dualOperator));
+  }
+  projectedD_->update(1.0, *d_, 0.0);
+  coarse.project(*projectedD_);
+
+  if (constraints.inequalities() > 0) {
+    lowerBound_ = Teuchos::rcp(new MultiVector(map, 1));
+    const auto shift = shift_->getLocalViewHost(Tpetra::Access::ReadOnly);
+    const auto bound = lowerBound_->getLocalViewHost(Tpetra::Access::OverwriteAll);
+    for (std::size_t r = 0; r < bound.extent(0); ++r)
+      bound(r, 0) = constraints.rowType(static_cast<int>(r)) == RowType::Inequality
+                        ? -shift(r, 0)
+                        : -std::numeric_limits<double>::infinity();
+  }
+}
+
+} // namespace Harmos::feti

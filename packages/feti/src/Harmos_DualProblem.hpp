@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_CoarseSpace.hpp"
+#include "Harmos_DualOperator.hpp"
+
+#include <Teuchos_RCP.hpp>
+
+#include <vector>
+
+namespace Harmos::feti {
+
+/// The dual quadratic program in shifted and projected form (Dostál, Horák, Vlach, eq. 3.5):
+///
+///     min ½λᵀPFPλ − λᵀPd   subject to   Gλ = 0,  λ_I ≥ −λ̃_I
+///
+/// with d̃ = BK⁺f − c, ẽ = Rᵀf, λ̃ = G̃ᵀ(G̃G̃ᵀ)⁻¹ẽ, d = d̃ − Fλ̃; the multiplier of the torn problem is λ + λ̃.
+/// Without a kernel there is no G and P = I. Immutable.
+///
+/// Guarded by tests/unit/feti/test_dual_problem.cpp.
+class DualProblem {
+ public:
+  /// All to outlive this. Two products with the local inverses: one for d̃, one for Fλ̃ (none without a kernel).
+  /// @throws NumericalError on all ranks if a load on a rigid motion that no constraint can hold is not zero, naming
+  ///         the subdomain.
+  /// @note Collective.
+  DualProblem(const SubdomainSystem& system, const Constraints& constraints, const LocalInverses& inverses,
+              const DualOperator& dualOperator, const CoarseSpace& coarse);
+
+  /// PFP, or F without a kernel.
+  Teuchos::RCP<const Operator> hessian() const { return hessian_; }
+  /// Pd.
+  Teuchos::RCP<const MultiVector> rhs() const { return projectedD_; }
+  const MultiVector& d() const { return *d_; }
+  /// −λ̃_I on inequality rows, −∞ elsewhere; null without inequalities.
+  Teuchos::RCP<const MultiVector> lowerBound() const { return lowerBound_; }
+  /// G, or null without a kernel.
+  Teuchos::RCP<const Operator> equalityRows() const { return equalityRows_; }
+  /// λ̃.
+  Teuchos::RCP<const MultiVector> shift() const { return shift_; }
+  /// ‖(G̃G̃ᵀ)⁻¹ẽ‖.
+  double scaledLoadNorm() const { return scaledLoadNorm_; }
+  /// Products with F spent on making d.
+  int setupApplications() const { return setupApplications_; }
+
+ private:
+  Teuchos::RCP<const Operator> hessian_;
+  Teuchos::RCP<const Operator> equalityRows_;
+  Teuchos::RCP<MultiVector> d_;
+  Teuchos::RCP<MultiVector> projectedD_;
+  Teuchos::RCP<MultiVector> shift_;
+  Teuchos::RCP<MultiVector> lowerBound_;
+  double scaledLoadNorm_ = 0.0;
+  int setupApplications_ = 0;
+};
+
+} // namespace Harmos::feti

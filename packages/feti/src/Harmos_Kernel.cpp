@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Kernel.hpp"
+
+#include "Harmos_Errors.hpp"
+
+#include <Teuchos_LAPACK.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace Harmos::feti {
+namespace {
+
+// Orthonormalises the columns in place: Householder QR, then Q.
+void orthonormalize(Kernel& kernel) {
+  if (kernel.columns == 0)
+    return;
+  if (kernel.rows < kernel.columns)
+    throw NumericalError("a kernel has more columns than the subdomain has dofs");
+  Teuchos::LAPACK<int, double> lapack;
+  std::vector<double> tau(static_cast<std::size_t>(kernel.columns)),
+      work(static_cast<std::size_t>(64 * kernel.columns));
+  int info = 0;
+  double largest = 0.0;
+  for (double value : kernel.values)
+    largest = std::max(largest, std::abs(value));
+  lapack.GEQRF(kernel.rows, kernel.columns, kernel.values.data(), kernel.rows, tau.data(), work.data(),
+               static_cast<int>(work.size()), &info);
+  for (int k = 0; k < kernel.columns; ++k)
+    if (!(std::abs(kernel.column(k)[k]) > 1e-12 * largest))
+      throw NumericalError("the columns of a kernel are linearly dependent (column " + std::to_string(k) + ")",
+                           {{"column", std::to_string(k)}});
+  lapack.ORGQR(kernel.rows, kernel.columns, kernel.columns, kernel.values.data(), kernel.rows, tau.data(),
+               work.data(), static_cast<int>(work.size()), &info);
+}
+
+} // namespace
+
+Kernel constantKernel(int rows) { return {rows, 1, std::vector<double>(static_cast<std::size_t>(rows), 1.0)}; }
+
+Kernel heldKernel(const Kernel& motions, const std::vector<int>& fixed) {
+  Kernel basis = motions;
+  orthonormalize(basis);
+  if (fixed.empty() || basis.columns == 0)
+    return basis;
+  const int k = basis.columns;
+  // The k×k Gram matrix would square the condition number: decompose the rows themselves.
+  const int m = std::max(static_cast<int>(fixed.size()), k);
+  std::vector<double> rows(static_cast<std::size_t>(m) * static_cast<std::size_t>(k), 0.0);
+  for (int c = 0; c < k; ++c)
+    for (std::size_t i = 0; i < fixed.size(); ++i)
+      rows[static_cast<std::size_t>(c) * static_cast<std::size_t>(m) + i] = basis.column(c)[fixed[i]];
+  std::vector<double> sigma(static_cast<std::size_t>(k)), vt(static_cast<std::size_t>(k * k)),
+      work(static_cast<std::size_t>(10 * (m + 3 * k)));
+  int info = 0;
+  double unused = 0.0;
+  Teuchos::LAPACK<int, double>().GESVD('N', 'A', m, k, rows.data(), m, sigma.data(), &unused, 1, vt.data(), k,
+                                       work.data(), static_cast<int>(work.size()), &unused, &info);
+  HARMOS_REQUIRE(info == 0, "the singular value decomposition of a kernel failed");
+  // Columns of the basis have length one, so one fixed dof of a body of n dofs gives about n^(-1/2).
+  const double zero = 1e-10 / std::sqrt(static_cast<double>(basis.rows));
+  Kernel result;
+  result.rows = basis.rows;
+  for (int v = 0; v < k; ++v) {
+    if (sigma[static_cast<std::size_t>(v)] > zero)
+      continue;
+    ++result.columns;
+    for (int i = 0; i < basis.rows; ++i) {
+      double sum = 0.0;
+      for (int c = 0; c < k; ++c)
+        sum += basis.column(c)[i] * vt[static_cast<std::size_t>(c * k + v)];
+      result.values.push_back(sum);
+    }
+  }
+  return result;
+}
+
+double kernelDefect(const LocalMatrix& matrix, const Kernel& kernel) {
+  const double norm = matrix.infinityNorm();
+  std::vector<double> image(static_cast<std::size_t>(kernel.rows));
+  double result = 0.0;
+  for (int k = 0; k < kernel.columns; ++k) {
+    matrix.multiply(kernel.column(k), image.data());
+    double largest = 0.0, largestImage = 0.0;
+    for (int i = 0; i < kernel.rows; ++i) {
+      largest = std::max(largest, std::abs(kernel.column(k)[i]));
+      largestImage = std::max(largestImage, std::abs(image[static_cast<std::size_t>(i)]));
+    }
+    if (norm > 0.0)
+      result = std::max(result, largestImage / (norm * largest));
+  }
+  return result;
+}
+
+} // namespace Harmos::feti

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_LocalMatrix.hpp"
+
+#include <cstddef>
+#include <vector>
+
+namespace Harmos::feti {
+
+/// A basis of the kernel of a subdomain matrix, column after column.
+struct Kernel {
+  int rows = 0;
+  int columns = 0;
+  std::vector<double> values;
+
+  const double* column(int k) const {
+    return values.data() + static_cast<std::size_t>(k) * static_cast<std::size_t>(rows);
+  }
+};
+
+/// The constants: the kernel of a scalar operator.
+Kernel constantKernel(int rows);
+
+/// An orthonormal basis of those combinations of the given motions that vanish on the fixed dofs.
+///
+/// Found by a singular value decomposition of the motions' rows at the fixed dofs; singular values below
+/// 1e-10 of the largest possible one count as zero. Without fixed dofs the given motions are orthonormalised.
+/// @throws NumericalError if the given motions are linearly dependent.
+Kernel heldKernel(const Kernel& motions, const std::vector<int>& fixed);
+
+/// max_k ‖K r_k‖_∞ / (‖K‖_∞ ‖r_k‖_∞): zero up to rounding errors if the columns are in the kernel of K.
+double kernelDefect(const LocalMatrix& matrix, const Kernel& kernel);
+
+} // namespace Harmos::feti

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_KktAudit.hpp"
+
+#include "Harmos_Exchange.hpp"
+
+#include <Tpetra_MultiVector.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace Harmos::feti {
+
+KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, const TornSolution& solution) {
+  const Teuchos::Comm<int>& comm = *system.comm();
+  KktAudit result;
+
+  const TornVector forces = constraints.applyBt(*solution.multiplier);
+  std::vector<double> sums(3, 0.0); // ‖residual‖², ‖f‖², energy
+  std::vector<double> image;
+  double largest = 0.0;
+  for (int i = 0; i < system.size(); ++i) {
+    const std::vector<double>& u = solution.displacement[static_cast<std::size_t>(i)];
+    image.resize(u.size());
+    system.matrix(i).multiply(u.data(), image.data());
+    for (std::size_t j = 0; j < u.size(); ++j) {
+      const double residual = image[j] - system.rhs(i)[j] + forces[static_cast<std::size_t>(i)][j];
+      sums[0] += residual * residual;
+      sums[1] += system.rhs(i)[j] * system.rhs(i)[j];
+      largest = std::max(largest, std::abs(u[j]));
+    }
+    const Subdomain& physical = system.subdomain(i);
+    physical.stiffness->multiply(u.data(), image.data());
+    for (std::size_t j = 0; j < u.size(); ++j)
+      sums[2] += u[j] * (0.5 * image[j] - physical.load[j]);
+  }
+  globalSum(comm, sums);
+  result.equilibrium = sums[1] > 0.0 ? std::sqrt(sums[0] / sums[1]) : std::sqrt(sums[0]);
+  result.energy = sums[2];
+  result.largestDisplacement = globalMax(comm, largest);
+
+  MultiVector rows(constraints.rowMap(), 1);
+  constraints.applyB(solution.displacement, rows);
+  double jump = 0.0, penetration = 0.0, product = 0.0, force = 0.0;
+  double least = std::numeric_limits<double>::infinity();
+  {
+    const auto values = rows.getLocalViewHost(Tpetra::Access::ReadOnly);
+    const auto lambda = solution.multiplier->getLocalViewHost(Tpetra::Access::ReadOnly);
+    for (std::size_t r = 0; r < values.extent(0); ++r) {
+      const int row = static_cast<int>(r);
+      const double scale = constraints.rowScale(row);
+      const double excess = (values(r, 0) - constraints.bound(row)) / scale;
+      if (constraints.rowType(row) == RowType::Inequality) {
+        penetration = std::max(penetration, excess);
+        least = std::min(least, lambda(r, 0) * scale);
+        force = std::max(force, std::abs(lambda(r, 0) * scale));
+        product += lambda(r, 0) * scale * excess;
+      } else {
+        jump = std::max(jump, std::abs(excess));
+      }
+    }
+  }
+  result.gluingJump = globalMax(comm, jump);
+  result.penetration = globalMax(comm, penetration);
+  least = globalMin(comm, least);
+  result.minContactMultiplier = std::isfinite(least) ? least : 0.0;
+  result.complementarity = std::abs(globalSum(comm, product));
+  result.largestMultiplier = globalMax(comm, force);
+  return result;
+}
+
+ContactState contactState(const Constraints& constraints, const TornSolution& solution) {
+  MultiVector rows(constraints.rowMap(), 1);
+  constraints.applyB(solution.displacement, rows);
+  const auto values = rows.getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto lambda = solution.multiplier->getLocalViewHost(Tpetra::Access::ReadOnly);
+  ContactState state;
+  for (std::size_t r = 0; r < values.extent(0); ++r) {
+    const int row = static_cast<int>(r);
+    if (constraints.rowType(row) != RowType::Inequality)
+      continue;
+    const double scale = constraints.rowScale(row);
+    state.row.push_back(static_cast<long long>(constraints.rowMap()->getGlobalElement(row)));
+    state.gap.push_back((constraints.bound(row) - values(r, 0)) / scale);
+    state.force.push_back(lambda(r, 0) * scale);
+  }
+  return state;
+}
+
+} // namespace Harmos::feti

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_Recovery.hpp"
+
+namespace Harmos::feti {
+
+/// The optimality conditions of the torn problem, computed from K, f, B, u and λ alone: an independent check of
+/// everything between them. In physical units, not those of scaled rows.
+struct KktAudit {
+  double equilibrium = 0.0;          ///< ‖Ku − f + Bᵀλ‖/‖f‖ (absolute if f = 0)
+  double gluingJump = 0.0;           ///< ‖B_E u − c_E‖_∞, of ties and Dirichlet rows too
+  double penetration = 0.0;          ///< max (B_I u − c_I)₊
+  double minContactMultiplier = 0.0; ///< min λ_I, 0 without inequalities
+  double complementarity = 0.0;      ///< |λ_Iᵀ(B_I u − c_I)|
+  double energy = 0.0;               ///< ½uᵀKu − fᵀu, physical K and f (no trivial equations)
+  double largestDisplacement = 0.0;  ///< ‖u‖_∞
+  double largestMultiplier = 0.0;    ///< max |λ_I|, physical
+};
+
+/// @note Collective.
+/// Guarded by tests/unit/feti/test_mixed_inverses.cpp: it objects to a wrong answer that the solver believes.
+KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, const TornSolution& solution);
+
+/// Physical value of each owned inequality row, in the order of rowMap(): the gap c_I − B_I u and the contact force λ_I.
+struct ContactState {
+  std::vector<long long> row; ///< number of the given inequality
+  std::vector<double> gap;
+  std::vector<double> force;
+};
+
+/// @note Collective.
+ContactState contactState(const Constraints& constraints, const TornSolution& solution);
+
+} // namespace Harmos::feti

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Recovery.hpp"
+
+#include "Harmos_Agreement.hpp"
+#include "Harmos_Exchange.hpp"
+
+#include <Teuchos_LAPACK.hpp>
+#include <Tpetra_MultiVector.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace Harmos::feti {
+namespace {
+
+// Minimum-norm solution of the symmetric positive semidefinite system Ax = b by its eigenvectors.
+std::vector<double> minimumNormSolution(std::vector<double> a, const std::vector<double>& b) {
+  const int n = static_cast<int>(b.size());
+  const auto size = static_cast<std::size_t>(n);
+  std::vector<double> eigenvalues(size), work(std::max<std::size_t>(1, 34 * size)), x(size, 0.0);
+  int info = 0;
+  Teuchos::LAPACK<int, double>().SYEV('V', 'L', n, a.data(), n, eigenvalues.data(), work.data(),
+                                      static_cast<int>(work.size()), &info);
+  HARMOS_REQUIRE(info == 0, "the eigenvalue decomposition of a coarse matrix failed");
+  const double zero = n * std::numeric_limits<double>::epsilon() * eigenvalues.back();
+  for (std::size_t k = 0; k < size; ++k) {
+    if (!(eigenvalues[k] > zero))
+      continue;
+    double product = 0.0;
+    for (std::size_t i = 0; i < size; ++i)
+      product += a[k * size + i] * b[i];
+    for (std::size_t i = 0; i < size; ++i)
+      x[i] += product / eigenvalues[k] * a[k * size + i];
+  }
+  return x;
+}
+
+void addRigidMotion(const SubdomainSystem& system, const std::vector<double>& alpha, TornVector& u) {
+  for (int i = 0; i < system.size(); ++i)
+    for (int k = 0; k < system.kernel(i).columns; ++k) {
+      const double factor = alpha[static_cast<std::size_t>(system.kernelOffset(i) + k)];
+      const double* column = system.kernel(i).column(k);
+      std::vector<double>& values = u[static_cast<std::size_t>(i)];
+      for (std::size_t j = 0; j < values.size(); ++j)
+        values[j] += factor * column[j];
+    }
+}
+
+} // namespace
+
+TornSolution recover(const SubdomainSystem& system, const Constraints& constraints, const LocalInverses& inverses,
+                     const CoarseSpace& coarse, const DualProblem& dual, const MultiVector& lambda,
+                     const std::vector<double>& mu) {
+  const Teuchos::Comm<int>& comm = *system.comm();
+  TornSolution solution;
+  const Teuchos::RCP<MultiVector> total = Teuchos::rcp(new MultiVector(lambda, Teuchos::Copy));
+  total->update(1.0, *dual.shift(), 1.0);
+  solution.multiplier = total;
+
+  // u₀ = K⁺(f − Bᵀλ).
+  TornVector loads = constraints.applyBt(*total);
+  for (int i = 0; i < system.size(); ++i)
+    for (std::size_t j = 0; j < system.rhs(i).size(); ++j) {
+      double& entry = loads[static_cast<std::size_t>(i)][j];
+      entry = system.rhs(i)[j] - entry;
+    }
+  agree(comm, [&] { solution.displacement = inverses.apply(loads); });
+  solution.rigidMotion.assign(static_cast<std::size_t>(coarse.kernelDimension()), 0.0);
+  if (coarse.kernelDimension() == 0)
+    return solution;
+
+  // With the shifted λ, Fλ − d = c − Bu₀: no further product with F is needed.
+  MultiVector residual(constraints.rowMap(), 1);
+  constraints.applyB(solution.displacement, residual);
+  {
+    const auto view = residual.getLocalViewHost(Tpetra::Access::ReadWrite);
+    for (std::size_t r = 0; r < view.extent(0); ++r)
+      view(r, 0) = constraints.bound(static_cast<int>(r)) - view(r, 0);
+  }
+  std::vector<double> w = coarse.applyG(residual);
+  for (std::size_t k = 0; k < w.size(); ++k)
+    w[k] -= mu.empty() ? 0.0 : mu[k];
+  std::vector<double> alpha = coarse.solveLt(w);
+
+  // δ: least squares for G̃ᵀδ = c − B(u₀ + Rα) on the rows that hold as equations.
+  const auto n = static_cast<std::size_t>(coarse.kernelDimension());
+  std::vector<double> system2(n * n + n, 0.0); // matrix and right-hand side, for one reduction
+  {
+    const auto gap = residual.getLocalViewHost(Tpetra::Access::ReadOnly);
+    const auto values = total->getLocalViewHost(Tpetra::Access::ReadOnly);
+    for (std::size_t r = 0; r < gap.extent(0); ++r) {
+      const int row = static_cast<int>(r);
+      if (constraints.rowType(row) == RowType::Inequality && !(values(r, 0) > 0.0))
+        continue;
+      double remaining = gap(r, 0);
+      for (const auto& [k, value] : coarse.row(row))
+        remaining -= value * alpha[static_cast<std::size_t>(k)];
+      for (const auto& [i, left] : coarse.row(row)) {
+        for (const auto& [j, right] : coarse.row(row))
+          system2[static_cast<std::size_t>(j) * n + static_cast<std::size_t>(i)] += left * right;
+        system2[n * n + static_cast<std::size_t>(i)] += left * remaining;
+      }
+    }
+  }
+  globalSum(comm, system2);
+  const std::vector<double> rhs(system2.begin() + static_cast<std::ptrdiff_t>(n * n), system2.end());
+  system2.resize(n * n);
+  agree(comm, [&] {
+    const std::vector<double> delta = minimumNormSolution(std::move(system2), rhs);
+    for (std::size_t k = 0; k < n; ++k)
+      alpha[k] += delta[k];
+  });
+  addRigidMotion(system, alpha, solution.displacement);
+  solution.rigidMotion = alpha;
+  return solution;
+}
+
+} // namespace Harmos::feti

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_Kernel.hpp"
+#include "Harmos_LocalMatrix.hpp"
+
+#include <Teuchos_Comm.hpp>
+#include <Teuchos_RCP.hpp>
+
+#include <memory>
+#include <vector>
+
+namespace Harmos::feti {
+
+/// A prescribed value u(dof) = value; the dof is a local one.
+struct FixedDof {
+  int dof;
+  double value;
+};
+
+/// One torn piece, as an application hands it over.
+struct Subdomain {
+  long long number = 0; ///< 0, 1, ... over all ranks, without gaps
+  std::shared_ptr<const LocalMatrix> stiffness; ///< without boundary conditions; may be shared by subdomains
+  std::vector<double> load;
+  std::vector<long long> dofs; ///< global number of each dof; equal numbers are copies of one dof; gaps allowed
+  std::vector<int> interface;  ///< local dofs that may have copies or be in constraint rows; fixed ones are added
+  std::vector<FixedDof> fixed; ///< Dirichlet conditions; the same on all copies of a dof
+  std::shared_ptr<const Kernel> motions; ///< kernel of the stiffness without boundary conditions
+};
+
+/// How Dirichlet conditions are enforced.
+enum class DirichletForm {
+  Primal, ///< FETI: in the matrix, by the trivial equation k u = k g, k the mean diagonal
+  Dual    ///< Total FETI: by a Lagrange multiplier each; every subdomain floats
+};
+
+/// A vector of values for each subdomain of this rank, copies being independent: u, f, Ku.
+using TornVector = std::vector<std::vector<double>>;
+
+/// K = diag(K_i), f and R of the torn problem, verified. Immutable.
+///
+/// The kernels are those of the matrices with the Dirichlet conditions in the chosen form, with orthonormal
+/// columns (RᵀR = I), and are verified: ‖K_i R_i‖ ≤ 1e-12 ‖K_i‖ ‖R_i‖.
+/// Guarded by tests/unit/feti/test_subdomain_system.cpp.
+class SubdomainSystem {
+ public:
+  /// @param subdomains those of this rank; a rank may have none.
+  /// @throws InputError, NumericalError on all ranks for inconsistent sizes, numbers that are not finite, a
+  ///         kernel that is none.
+  /// @note Collective.
+  SubdomainSystem(Teuchos::RCP<const Teuchos::Comm<int>> comm, std::vector<Subdomain> subdomains,
+                  DirichletForm form);
+
+  const Teuchos::RCP<const Teuchos::Comm<int>>& comm() const { return comm_; }
+  DirichletForm dirichletForm() const { return form_; }
+
+  /// Subdomains of this rank.
+  int size() const { return static_cast<int>(subdomains_.size()); }
+  const Subdomain& subdomain(int i) const { return subdomains_[static_cast<std::size_t>(i)]; }
+  /// K_i with the trivial equations of the primal form.
+  const LocalMatrix& matrix(int i) const { return *matrices_[static_cast<std::size_t>(i)]; }
+  /// f_i belonging to matrix(i).
+  const std::vector<double>& rhs(int i) const { return rhs_[static_cast<std::size_t>(i)]; }
+  /// R_i, orthonormal.
+  const Kernel& kernel(int i) const { return kernels_[static_cast<std::size_t>(i)]; }
+  /// Global number of the first column of R_i.
+  int kernelOffset(int i) const { return kernelOffsets_[static_cast<std::size_t>(i)]; }
+
+  long long globalSubdomains() const { return globalSubdomains_; }
+  long long primalDimension() const { return primalDimension_; }
+  /// Columns of R over all ranks.
+  int kernelDimension() const { return kernelDimension_; }
+  /// The subdomain, by its number, that a column of R belongs to.
+  long long kernelOwner(int column) const;
+
+  /// A vector of zeros of the right shape.
+  TornVector zeroVector() const;
+
+ private:
+  void checkInput() const;
+  void build();
+
+  Teuchos::RCP<const Teuchos::Comm<int>> comm_;
+  std::vector<Subdomain> subdomains_;
+  DirichletForm form_;
+  std::vector<std::shared_ptr<const LocalMatrix>> matrices_;
+  std::vector<std::vector<double>> rhs_;
+  std::vector<Kernel> kernels_;
+  std::vector<int> kernelOffsets_;
+  std::vector<int> allOffsets_; // by subdomain number, and the end
+  long long globalSubdomains_ = 0;
+  long long primalDimension_ = 0;
+  int kernelDimension_ = 0;
+};
+
+} // namespace Harmos::feti
