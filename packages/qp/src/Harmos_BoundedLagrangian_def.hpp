@@ -99,11 +99,13 @@ IterationState<MV> BoundedLagrangian<Scalar, MV, OP>::evaluate(int outer, int in
   if (problem_.hasEqualities()) {
     hessian_.equalityResidual(*problem_.solution(), *residual_);
     state.equalityResidual = norm<Scalar>(*residual_);
-    // g(x, μ, 0) = g(x, μ, ρ) − ρCᵀr.
-    MVT::Assign(*gradient_, *work_);
-    hessian_.addTransposed(-hessian_.penalty(), *residual_, *work_);
-    state.projectedGradient = BoundTraits<Scalar, MV>::projectedGradientNorm(
-        *problem_.solution(), *work_, problem_.lowerBound().get(), problem_.upperBound().get());
+    if (!judgePenalised_) {
+      // g(x, μ, 0) = g(x, μ, ρ) − ρCᵀr.
+      MVT::Assign(*gradient_, *work_);
+      hessian_.addTransposed(-hessian_.penalty(), *residual_, *work_);
+      state.projectedGradient = BoundTraits<Scalar, MV>::projectedGradientNorm(
+          *problem_.solution(), *work_, problem_.lowerBound().get(), problem_.upperBound().get());
+    }
   }
   state.outer = outer;
   state.inner = inner;

@@ -262,7 +262,7 @@ const ParameterSpec& DualPenaltySolver<Scalar, MV, OP>::spec() {
 
 template<class Scalar, class MV, class OP>
 Teuchos::RCP<StatusTest<MV>> DualPenaltySolver<Scalar, MV, OP>::defaultTest() const {
-  return Teuchos::rcp(new StatusTestAugmentedGradient<MV>(
+  return Teuchos::rcp(new StatusTestProjectedGradient<MV>(
       this->parameters_->template get<double>("Convergence Tolerance"), norm<Scalar>(*this->problem_->rhs())));
 }
 
@@ -278,6 +278,7 @@ void DualPenaltySolver<Scalar, MV, OP>::doSolve() {
   const bool relative = list.get<std::string>("Parameter scaling") == "relative";
   const double penalty =
       list.get<double>("Penalty") * (relative && lagrangian.hessianNorm() > 0.0 ? lagrangian.hessianNorm() : 1.0);
+  lagrangian.judgePenalised();
   IterationState<MV> state = this->begin(lagrangian, penalty, 0.0);
   this->minimise(lagrangian, state, nullptr, 0.0);
   this->result_.penalty = penalty;

@@ -18,7 +18,8 @@ namespace Harmos::qp {
 template<class MV>
 struct IterationState {
   const MV* x = nullptr;
-  double projectedGradient = 0.0;          ///< ‖g^P(x, μ, 0)‖ of the Lagrangian
+  double projectedGradient = 0.0;          ///< ‖g^P(x, μ, 0)‖ of the Lagrangian; for the penalty method, where
+                                           ///< μ = ρ(Cx − c) is implied, ‖g^P(x, 0, ρ)‖, the same thing
   double augmentedProjectedGradient = 0.0; ///< ‖g^P(x, μ, ρ)‖ of what the inner loop minimises
   double equalityResidual = 0.0;           ///< ‖Cx − c‖
   int outer = 0;
@@ -84,23 +85,6 @@ class StatusTestProjectedGradient : public StatusTestValue<MV> {
     return this->judge(state.projectedGradient, tolerance_ * scale_);
   }
   double scale() const { return scale_; }
-
- private:
-  double tolerance_;
-  double scale_;
-};
-
-/// ‖g^P(x, μ, ρ)‖ ≤ tolerance · scale: the stop of the penalty method, where μ stays 0.
-template<class MV>
-class StatusTestAugmentedGradient : public StatusTestValue<MV> {
- public:
-  StatusTestAugmentedGradient(double tolerance, double scale)
-      : StatusTestValue<MV>("projected gradient of the penalised cost"),
-        tolerance_(tolerance),
-        scale_(scale) {}
-  Status checkStatus(const IterationState<MV>& state) override {
-    return this->judge(state.augmentedProjectedGradient, tolerance_ * scale_);
-  }
 
  private:
   double tolerance_;

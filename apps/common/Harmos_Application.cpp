@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Application.hpp"
+
+#include "Harmos_Deck.hpp"
+#include "Harmos_Errors.hpp"
+#include "Harmos_Log.hpp"
+#include "Harmos_Pipeline.hpp"
+#include "Harmos_RunOptions.hpp"
+#include "Harmos_RunReport.hpp"
+#include "Harmos_Version.hpp"
+
+#include <CLI/CLI.hpp>
+#include <Tpetra_Core.hpp>
+
+#include <chrono>
+#include <iostream>
+#include <optional>
+
+namespace Harmos::app {
+namespace {
+
+constexpr int exitConverged = 0, exitNotConverged = 1, exitBadInput = 2, exitInternalError = 3;
+
+int exitStatus(const Error& error) {
+  switch (error.kind()) {
+  case Error::Kind::Input:
+    return exitBadInput;
+  case Error::Kind::Numerical:
+    return exitNotConverged;
+  case Error::Kind::Internal:
+    return exitInternalError;
+  }
+  return exitInternalError;
+}
+
+struct CommandLine {
+  std::string deck;
+  std::vector<std::string> assignments;
+  std::string output;
+  std::string printParameters;
+  bool check = false;
+  bool quiet = false;
+  bool version = false;
+};
+
+// Every rank parses the same arguments and comes to the same end; rank 0 speaks. Returns an exit status, or
+// nothing if the run is to go on.
+std::optional<int> parse(int argc, char** argv, const Application& application, bool speaks, CommandLine& line) {
+  CLI::App cli(application.description, application.name);
+  cli.add_option("deck", line.deck, "Deck: an XML (or YAML) ParameterList")->type_name("DECK");
+  cli.add_option("--set", line.assignments, "Override a parameter of the deck: \"List/Sublist/Name=value\"")
+      ->type_name("PATH=VALUE")
+      ->expected(1)
+      ->take_all();
+  cli.add_option("--output", line.output, "Directory of the results")->type_name("DIR");
+  cli.add_flag("--check", line.check, "Validate the deck and stop");
+  cli.add_option("--print-parameters", line.printParameters,
+                 "Print every parameter with type, default, range and meaning, and stop")
+      ->type_name("text|xml|markdown")
+      ->expected(0, 1)
+      ->default_str("text")
+      ->check(CLI::IsMember({"text", "xml", "markdown"}));
+  cli.add_flag("--quiet", line.quiet, "Print errors only");
+  cli.add_flag("--version", line.version, "Print the version and stop");
+  try {
+    cli.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const bool isHelp = error.get_exit_code() == 0;
+    if (speaks) {
+      if (isHelp)
+        std::cout << cli.help();
+      else
+        std::cerr << "error: command line: " << error.what() << "\nUsage: " << application.name
+                  << " [OPTIONS] DECK; see --help\n";
+    }
+    return isHelp ? exitConverged : exitBadInput;
+  }
+  if (cli.count("--print-parameters") > 0 && line.printParameters.empty())
+    line.printParameters = "text";
+  return std::nullopt;
+}
+
+ParameterSpec deckSpec(const Application& application) {
+  ParameterSpec spec(application.name, "Deck of " + application.name + ": " + application.description);
+  application.addParameters(spec);
+  scene::RunOptions::addTo(spec);
+  return spec;
+}
+
+void printParameters(const ParameterSpec& spec, const std::string& format) {
+  if (format == "xml")
+    spec.writeXml(std::cout);
+  else if (format == "markdown")
+    spec.writeMarkdown(std::cout);
+  else
+    spec.writeText(std::cout);
+}
+
+int runDeck(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Application& application,
+            const CommandLine& line, const Log& log, std::chrono::steady_clock::time_point begin) {
+  const ParameterSpec spec = deckSpec(application);
+  const Teuchos::ParameterList deck = scene::readDeck(*comm, line.deck, line.assignments, spec);
+  scene::RunOptions options = scene::RunOptions::fromDeck(deck);
+  if (!line.output.empty())
+    options.outputDirectory = line.output;
+  const scene::Scene scene = application.makeScene(deck);
+  scene::checkConsistency(scene, options);
+  if (line.check) {
+    log.info("The deck \"" + line.deck + "\" is valid.");
+    return exitConverged;
+  }
+  scene::RunReport report;
+  report.deck = line.deck;
+  try {
+    scene::run(comm, scene, options, log, begin, report);
+  } catch (const Error& error) {
+    // Agreed on by all ranks: they all come here.
+    report.converged = false;
+    report.reason = error.what();
+    scene::writeSummary(*comm, options, report);
+    throw;
+  }
+  scene::writeSummary(*comm, options, report);
+  log.info("Results are in \"" + options.outputDirectory + "\": summary.json, iterations.csv" +
+           (options.writeFields ? ", result.vtkhdf" : ""));
+  if (!report.converged)
+    log.error("the solver did not converge: " + report.reason);
+  return report.converged ? exitConverged : exitNotConverged;
+}
+
+} // namespace
+
+int main(int argc, char** argv, const Application& application) {
+  const Tpetra::ScopeGuard guard(&argc, &argv);
+  const auto begin = std::chrono::steady_clock::now();
+  const Teuchos::RCP<const Teuchos::Comm<int>> comm = Tpetra::getDefaultComm();
+  const bool speaks = comm->getRank() == 0;
+  CommandLine line;
+  if (const std::optional<int> status = parse(argc, argv, application, speaks, line))
+    return *status;
+  const Log log(std::cout, std::cerr, line.quiet ? Log::Verbosity::Quiet : Log::Verbosity::Normal, speaks);
+  try {
+    if (line.version) {
+      if (speaks)
+        std::cout << application.name << " (Harmos) " << version() << " " << gitHash() << "\n";
+      return exitConverged;
+    }
+    if (!line.printParameters.empty()) {
+      if (speaks)
+        printParameters(deckSpec(application), line.printParameters);
+      return exitConverged;
+    }
+    if (line.deck.empty())
+      throw InputError("command line: no deck was given; usage: " + application.name + " [OPTIONS] DECK");
+    log.info("Harmos " + version() + " (" + gitHash() + "), " + application.name + " \"" + line.deck + "\"");
+    return runDeck(comm, application, line, log, begin);
+  } catch (const Error& error) {
+    log.error(error.what());
+    return exitStatus(error);
+  } catch (const std::exception& error) {
+    // Not agreed on: only this rank is here, and the others may wait for it for ever.
+    std::cerr << "error: rank " << comm->getRank() << ": " << error.what() << std::endl;
+    if (comm->getSize() > 1)
+      MPI_Abort(MPI_COMM_WORLD, exitInternalError);
+    return exitInternalError;
+  }
+}
+
+} // namespace Harmos::app

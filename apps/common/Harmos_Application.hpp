@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_ParameterSpec.hpp"
+#include "Harmos_Scene.hpp"
+
+#include <Teuchos_ParameterList.hpp>
+
+#include <functional>
+#include <string>
+
+namespace Harmos::app {
+
+/// What distinguishes one application from another: its part of the deck, and the scene it makes of it.
+struct Application {
+  std::string name;
+  std::string description;
+  std::function<void(ParameterSpec&)> addParameters;
+  std::function<scene::Scene(const Teuchos::ParameterList&)> makeScene;
+};
+
+/// The command line, the deck, the run, the summary and the exit status that all applications share.
+///
+/// Exit status: 0 converged; 1 not converged or no solution; 2 bad input; 3 internal error. Initialises and
+/// finalises MPI and Kokkos. Errors are printed once, by rank 0, on the standard error stream.
+int main(int argc, char** argv, const Application& application);
+
+} // namespace Harmos::app

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+namespace Harmos::scene {
+
+/// Writes a text file that appears whole or not at all: beside, then renamed. Local.
+/// @throws InputError naming the file and the system's reason.
+void writeAtomically(const std::string& path, const std::string& text);
+
+/// Makes a directory and its parents. Local. @throws InputError
+void makeDirectory(const std::string& path);
+
+/// Where a file is written before it gets its name.
+std::string partPath(const std::string& path);
+
+/// Gives a finished file its name. Local. @throws InputError
+void renamePart(const std::string& path);
+
+} // namespace Harmos::scene

@@ -1,0 +1,351 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Pipeline.hpp"
+
+#include "Harmos_Agreement.hpp"
+#include "Harmos_AtomicFile.hpp"
+#include "Harmos_ContactFields.hpp"
+#include "Harmos_Decomposition.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_NodePairs.hpp"
+#include "Harmos_Qp.hpp"
+#include "Harmos_Recovery.hpp"
+#include "Harmos_StageTimers.hpp"
+#include "Harmos_Version.hpp"
+#include "Harmos_VtkHdf.hpp"
+
+#include <Tpetra_MultiVector.hpp>
+
+#include <fstream>
+#include <sstream>
+
+namespace Harmos::scene {
+namespace {
+
+const std::vector<std::string> stages = {"mesh",   "assembly", "factorization", "dual_operator",
+                                         "coarse", "solve",    "recovery",      "output"};
+
+using StatusTestType = qp::StatusTest<MultiVector>;
+
+// Peak of the resident memory of this process, from the kernel's accounting; 0 where there is none.
+double peakMemoryMiB() {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  while (status >> word)
+    if (word == "VmHWM:") {
+      double kib = 0.0;
+      status >> kib;
+      return kib / 1024.0;
+    }
+  return 0.0;
+}
+
+double norm(const MultiVector& x) {
+  std::vector<double> result(1);
+  x.norm2(Teuchos::arrayViewFromVector(result));
+  return result[0];
+}
+
+std::string toString(StoppingRule rule) {
+  switch (rule) {
+  case StoppingRule::Scaled:
+    return "scaled";
+  case StoppingRule::Paper:
+    return "paper";
+  case StoppingRule::Permon:
+    return "permon";
+  }
+  return "";
+}
+
+// The pairs of all interfaces of one kind, and their rows, numbered through.
+struct InterfaceRows {
+  std::vector<contact::NodePair> contactPairs;
+  std::vector<ConstraintRow> rows;
+};
+
+InterfaceRows interfaceRows(const Teuchos::Comm<int>& comm, const Scene& scene,
+                            const std::vector<OwnedSubdomain>& owned) {
+  InterfaceRows result;
+  long long inequalities = 0, equalities = 0;
+  for (const Interface& interface : scene.interfaces) {
+    std::vector<contact::SurfaceNode> first, second;
+    for (const OwnedSubdomain& item : owned) {
+      const auto append = [&](std::vector<contact::SurfaceNode>& nodes, const std::string& set) {
+        const std::vector<contact::SurfaceNode> more = contact::surfaceNodes(item.mesh, set);
+        nodes.insert(nodes.end(), more.begin(), more.end());
+      };
+      if (item.body == interface.firstBody)
+        append(first, interface.firstSet);
+      if (item.body == interface.secondBody)
+        append(second, interface.secondSet);
+    }
+    const std::string what = scene.bodies[static_cast<std::size_t>(interface.firstBody)].name + "/" +
+                             interface.firstSet + " and " +
+                             scene.bodies[static_cast<std::size_t>(interface.secondBody)].name + "/" +
+                             interface.secondSet;
+    const std::vector<contact::NodePair> pairs = contact::pairNodes(comm, first, second, what);
+    const bool isContact = interface.kind == Interface::Kind::Contact;
+    long long& offset = isContact ? inequalities : equalities;
+    for (ConstraintRow& row : isContact ? contact::contactRows(comm, pairs) : contact::tieRows(comm, pairs)) {
+      row.number += offset;
+      result.rows.push_back(std::move(row));
+    }
+    offset += static_cast<long long>(pairs.size());
+    if (isContact)
+      result.contactPairs.insert(result.contactPairs.end(), pairs.begin(), pairs.end());
+  }
+  return result;
+}
+
+// The convergence test of the stopping rule; the scales go to the report.
+struct Test {
+  Teuchos::RCP<StatusTestType> test;
+  Teuchos::RCP<qp::StatusTestEqualityResidual<MultiVector>> equality;
+};
+
+Test convergenceTest(const feti::DualProblem& dual, const RunOptions& options, bool judgeEquality,
+                     RunReport& report) {
+  report.dNorm = norm(dual.d());
+  report.gradientScale = options.stoppingRule == StoppingRule::Paper ? report.dNorm : norm(*dual.rhs());
+  Test result;
+  std::vector<Teuchos::RCP<StatusTestType>> tests = {
+      Teuchos::rcp(new qp::StatusTestProjectedGradient<MultiVector>(options.tolerance, report.gradientScale))};
+  if (!dual.equalityRows().is_null()) {
+    using EqualityTest = qp::StatusTestEqualityResidual<MultiVector>;
+    switch (options.stoppingRule) {
+    case StoppingRule::Scaled:
+      report.equalityScale = norm(*dual.shift());
+      result.equality = Teuchos::rcp(new EqualityTest(options.tolerance, report.equalityScale, dual.shift()));
+      break;
+    case StoppingRule::Paper:
+      report.equalityScale = dual.scaledLoadNorm();
+      result.equality = Teuchos::rcp(new EqualityTest(options.tolerance, report.equalityScale));
+      break;
+    case StoppingRule::Permon:
+      report.equalityScale = norm(*dual.rhs());
+      result.equality = Teuchos::rcp(new EqualityTest(options.tolerance, report.equalityScale));
+      break;
+    }
+    if (judgeEquality)
+      tests.push_back(result.equality);
+  }
+  result.test = Teuchos::rcp(new qp::StatusTestCombo<MultiVector>(
+      qp::StatusTestCombo<MultiVector>::Type::Sequence, tests));
+  return result;
+}
+
+struct DualSolution {
+  Teuchos::RCP<MultiVector> lambda;
+  std::vector<double> mu;
+};
+
+DualSolution solve(const feti::SubdomainSystem& system, const feti::Constraints& constraints,
+                   const feti::CoarseSpace& coarse, const feti::DualProblem& dual, const RunOptions& options,
+                   const Log& log, RunReport& report) {
+  DualSolution solution;
+  solution.lambda = Teuchos::rcp(new MultiVector(constraints.rowMap(), 1));
+  if (options.initialGuess == InitialGuess::HalfLoad) {
+    feti::TornVector loads;
+    for (int i = 0; i < system.size(); ++i)
+      loads.push_back(system.rhs(i));
+    constraints.applyB(loads, *solution.lambda);
+    solution.lambda->scale(0.5);
+  }
+
+  const auto problem =
+      Teuchos::rcp(new qp::TpetraProblem(dual.hessian(), solution.lambda, dual.rhs()));
+  problem->setLowerBound(dual.lowerBound());
+  Teuchos::RCP<MultiVector> multiplier;
+  if (!dual.equalityRows().is_null()) {
+    multiplier = Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1));
+    const auto zero = Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1));
+    problem->setEquality(dual.equalityRows(), zero, multiplier, qp::EqualityStructure::OrthonormalInvariant);
+  }
+  if (!problem->setProblem())
+    throw NumericalError("the dual problem cannot be solved: " + problem->whyNotSet());
+
+  const std::string method =
+      options.method == "Auto" ? qp::TpetraSolverFactory::automaticChoice(*problem) : options.method;
+  const auto list = Teuchos::parameterList();
+  list->set("Maximum Iterations", options.maximumIterations);
+  list->set("Output Frequency", options.progressFrequency);
+  // A solver takes the lists it has a use for; all of them were validated with the deck.
+  if (method != "PCPG")
+    list->sublist("MPRGP") = options.methodLists.sublist("MPRGP");
+  if (method == "SMALBE" || method == "Dual Penalty")
+    list->sublist(method) = options.methodLists.sublist(method);
+  const auto solver = qp::TpetraSolverFactory().create(method, list);
+  report.solver = solver->name();
+  const Test test = convergenceTest(dual, options, method != "Dual Penalty", report);
+  solver->setConvergenceTest(test.test);
+  solver->setLog(log);
+  solver->setProblem(problem);
+  std::ostringstream text;
+  text << "Solving by " << report.solver << " to " << scientific(options.tolerance, 0) << " (" << report.stoppingRule
+       << " rule)";
+  log.info(text.str());
+  if (options.progressFrequency > 0)
+    log.info("  outer  inner  step              |g^P|   |G lambda|   active     F*x  seconds");
+  report.result = solver->solve();
+  report.result.counters.setupApplications += dual.setupApplications();
+  report.solved = true;
+  if (!test.equality.is_null())
+    report.equalityScale = test.equality->scale();
+  report.converged = report.result.converged();
+  report.reason = qp::toString(report.result.reason);
+  if (!report.converged)
+    report.reason += ": " + report.result.explanation;
+  if (!multiplier.is_null()) {
+    const auto view = multiplier->getLocalViewHost(Tpetra::Access::ReadOnly);
+    for (std::size_t k = 0; k < view.extent(0); ++k)
+      solution.mu.push_back(view(k, 0));
+  }
+  return solution;
+}
+
+void logResult(const Log& log, const RunReport& report) {
+  const qp::Counters& c = report.result.counters;
+  std::ostringstream text;
+  text << (report.converged ? "Converged: " : "NOT converged: ") << c.outerIterations << " outer iterations, "
+       << c.hessianApplications << " products with F (" << c.cgSteps << " cg, " << c.expansionSteps
+       << " expansion, " << c.proportioningSteps << " proportioning steps, " << c.faces << " faces), "
+       << c.setupApplications << " more for set-up";
+  log.info(text.str());
+}
+
+} // namespace
+
+void run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene, const RunOptions& options,
+         const Log& log, std::chrono::steady_clock::time_point begin, RunReport& report) {
+  const StageTimers timers(stages);
+  report.ranks = comm->getSize();
+  report.scene = scene.name;
+  report.effects = scene.effects();
+  report.tolerance = options.tolerance;
+  report.stoppingRule = toString(options.stoppingRule);
+  report.dualOperator = "implicit";
+  report.subdomains = scene.subdomains();
+  const auto takeTimes = [&] {
+    const std::vector<double> seconds = timers.seconds(*comm);
+    for (std::size_t k = 0; k < stages.size(); ++k)
+      report.seconds[stages[k]] = seconds[k];
+    const std::chrono::duration<double> total = std::chrono::steady_clock::now() - begin;
+    report.seconds["total"] = globalMax(*comm, total.count());
+    report.peakMemoryMiB = globalSum(*comm, peakMemoryMiB());
+  };
+  std::string effects;
+  for (const std::string& effect : report.effects)
+    effects += (effects.empty() ? "" : ", ") + effect;
+  log.info("Scene \"" + scene.name + "\": " + std::to_string(scene.bodies.size()) + " bodies, " +
+           std::to_string(report.subdomains) + " subdomains on " + std::to_string(report.ranks) +
+           (report.ranks == 1 ? " rank" : " ranks") + "; effects: " + effects);
+
+  agree(*comm, [&] {
+    if (comm->getRank() == 0)
+      makeDirectory(options.outputDirectory);
+  });
+
+  std::vector<OwnedSubdomain> owned;
+  std::vector<feti::Subdomain> subdomains;
+  {
+    const auto scope = timers.scope("mesh");
+    agree(*comm, [&] { owned = decompose(scene, comm->getRank(), comm->getSize()); });
+  }
+  {
+    const auto scope = timers.scope("assembly");
+    agree(*comm, [&] { subdomains = assemble(scene, owned); });
+  }
+  const feti::SubdomainSystem system = [&] {
+    const auto scope = timers.scope("assembly");
+    return feti::SubdomainSystem(comm, std::move(subdomains), options.dirichlet);
+  }();
+  report.primalDimension = system.primalDimension();
+  report.kernelDimension = system.kernelDimension();
+
+  InterfaceRows interfaces;
+  const feti::Constraints constraints = [&] {
+    const auto scope = timers.scope("dual_operator");
+    interfaces = interfaceRows(*comm, scene, owned);
+    return feti::Constraints(system, interfaces.rows);
+  }();
+  report.dualDimension = constraints.dualDimension();
+  report.inequalities = constraints.inequalities();
+  log.info("Primal dimension " + std::to_string(report.primalDimension) + ", dual dimension " +
+           std::to_string(report.dualDimension) + " (" + std::to_string(report.inequalities) +
+           " inequalities), kernel dimension " + std::to_string(report.kernelDimension));
+
+  const feti::LocalInverses inverses = [&] {
+    const auto scope = timers.scope("factorization");
+    feti::ImplicitInverseOptions inverseOptions;
+    inverseOptions.fixingDofsPerKernelColumn = options.fixingDofs;
+    return feti::makeImplicitInverses(system, inverseOptions);
+  }();
+  report.distinctFactorizations =
+      globalSum(*comm, static_cast<long long>(inverses.distinctFactorizations()));
+
+  const feti::DualOperator dualOperator(system, constraints, inverses);
+  const feti::CoarseSpace coarse = [&] {
+    const auto scope = timers.scope("coarse");
+    return feti::CoarseSpace(system, constraints);
+  }();
+  report.coarseDimension = coarse.dimension();
+  if (coarse.dimension() < coarse.kernelDimension())
+    log.warning(std::to_string(coarse.kernelDimension() - coarse.dimension()) +
+                " rigid motions are held by no constraint; they are left at rest");
+  const feti::DualProblem dual = [&] {
+    const auto scope = timers.scope("dual_operator");
+    return feti::DualProblem(system, constraints, inverses, dualOperator, coarse);
+  }();
+
+  const DualSolution solution = [&] {
+    const auto scope = timers.scope("solve");
+    return solve(system, constraints, coarse, dual, options, log, report);
+  }();
+  dualOperator.rethrowFailure();
+  logResult(log, report);
+
+  const feti::TornSolution torn = [&] {
+    const auto scope = timers.scope("recovery");
+    return feti::recover(system, constraints, inverses, coarse, dual, *solution.lambda, solution.mu);
+  }();
+  {
+    const auto scope = timers.scope("recovery");
+    report.audit = feti::audit(system, constraints, torn);
+    report.audited = true;
+  }
+  log.info(auditText(report));
+
+  {
+    const auto scope = timers.scope("output");
+    agree(*comm, [&] {
+      if (comm->getRank() != 0)
+        return;
+      std::ostringstream history;
+      qp::writeHistory(history, report.result.history);
+      writeAtomically(options.outputDirectory + "/iterations.csv", history.str());
+    });
+    if (options.writeFields) {
+      const std::string path = options.outputDirectory + "/result.vtkhdf";
+      if (report.inequalities > 0) {
+        const ContactFields contact =
+            contactFields(*comm, owned, interfaces.contactPairs, feti::contactState(constraints, torn));
+        writeVtkHdf(*comm, path, owned, torn.displacement, &contact);
+      } else {
+        writeVtkHdf(*comm, path, owned, torn.displacement, nullptr);
+      }
+    }
+  }
+  takeTimes();
+  log.info(timingText(report, stages));
+}
+
+void writeSummary(const Teuchos::Comm<int>& comm, const RunOptions& options, const RunReport& report) {
+  agree(comm, [&] {
+    if (comm.getRank() != 0)
+      return;
+    makeDirectory(options.outputDirectory);
+    writeAtomically(options.outputDirectory + "/summary.json", toJson(report));
+  });
+}
+
+} // namespace Harmos::scene

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_Log.hpp"
+#include "Harmos_RunOptions.hpp"
+#include "Harmos_RunReport.hpp"
+#include "Harmos_Scene.hpp"
+
+#include <Teuchos_Comm.hpp>
+#include <Teuchos_RCP.hpp>
+
+#include <chrono>
+
+namespace Harmos::scene {
+
+/// Runs a scene from meshes to result files.
+///
+///     Scene → owned subdomains → SubdomainSystem {K, f, R} → Constraints {B, c} → LocalInverses
+///       → DualProblem {F, G, d, e, bounds} → qp::Problem → solver → λ → recovery → u → audit → output
+///
+/// @param report filled as far as the run gets, so that a failed run can be reported too.
+/// @param begin when the program began, for the total time.
+/// @throws InputError, NumericalError, InternalError on all ranks.
+/// @note Collective.
+/// Guarded by tests/verification.
+void run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene, const RunOptions& options,
+         const Log& log, std::chrono::steady_clock::time_point begin, RunReport& report);
+
+/// summary.json, on rank 0. @note Collective.
+void writeSummary(const Teuchos::Comm<int>& comm, const RunOptions& options, const RunReport& report);
+
+} // namespace Harmos::scene

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_RunOptions.hpp"
+
+#include "Harmos_Errors.hpp"
+#include "Harmos_Qp.hpp"
+
+namespace Harmos::scene {
+
+void RunOptions::addTo(ParameterSpec& deck) {
+  ParameterSpec decomposition("Decomposition", "How the bodies are torn.");
+  decomposition.choice("Dirichlet", "primal",
+                       {{"primal", "FETI: prescribed displacements stay in the subdomain matrices"},
+                        {"dual", "Total FETI: they become Lagrange multipliers; every subdomain floats"}},
+                       "How prescribed displacements are enforced.");
+  deck.list(std::move(decomposition));
+
+  ParameterSpec dual("Dual operator", "The product with F = BK⁺Bᵀ.");
+  dual.choice("Form", "implicit", {{"implicit", "a solve with each sparse factorisation a product"}},
+              "How products with F are made.");
+  dual.choice("Preconditioner", "none", {{"none", "no preconditioner"}}, "Dual preconditioner.");
+  dual.integer("Fixing dofs", 4, 1, 1000,
+               "Dofs at which a floating subdomain is held in its generalised inverse, for each rigid motion.");
+  deck.list(std::move(dual));
+
+  ParameterSpec solver("Solver", "Solution of the dual quadratic program.");
+  solver.choice("Method", "Auto",
+                {{"Auto", "PCPG without inequalities, MPRGP without floating subdomains, else SMALBE"},
+                 {"SMALBE", "augmented Lagrangians for bounds and equalities"},
+                 {"Dual Penalty", "equalities by a fixed penalty alone"},
+                 {"MPRGP", "bounds alone: no floating subdomain"},
+                 {"PCPG", "equalities alone: no contact"}},
+                "The solver.");
+  solver.real("Tolerance", 1e-4, Range::strictlyWithin(0.0, 1.0), "Relative tolerance ε of the stopping rule.");
+  solver.choice("Stopping rule", "scaled",
+                {{"scaled", "‖g^P‖ ≤ ε‖Pd‖ and ‖Gλ‖ ≤ ε max(‖λ̃‖, ‖λ + λ̃‖)"},
+                 {"paper", "‖g^P‖ ≤ ε‖d‖ and ‖Gλ‖ ≤ ε‖(G̃G̃ᵀ)⁻¹ẽ‖"},
+                 {"permon", "‖g^P‖ ≤ ε‖Pd‖ and ‖Gλ‖ ≤ ε‖Pd‖"}},
+                "What the residuals are measured against.");
+  solver.choice("Initial guess", "zero", {{"zero", "λ⁰ = 0"}, {"half load", "λ⁰ = ½Bf"}},
+                "First iterate of the shifted dual problem, before it is projected onto the bounds.");
+  solver.integer("Maximum iterations", 10000, 0, 1000000000, "Inner iterations after which the solver gives up.");
+  solver.integer("Progress frequency", 10, 0, 1000000000,
+                 "A line of progress every so many inner iterations; 0 prints none.");
+  solver.list(qp::MethodSpecs::mprgp());
+  solver.list(qp::MethodSpecs::smalbe());
+  solver.list(qp::MethodSpecs::dualPenalty());
+  deck.list(std::move(solver));
+
+  ParameterSpec output("Output", "What a run leaves behind.");
+  output.text("Directory", "run", "Where the files go; made if it is not there. The option --output overrides it.");
+  output.boolean("Fields", true, "Write result.vtkhdf for ParaView; false for timing.");
+  deck.list(std::move(output));
+}
+
+RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
+  RunOptions options;
+  options.dirichlet = deck.sublist("Decomposition").get<std::string>("Dirichlet") == "dual"
+                          ? feti::DirichletForm::Dual
+                          : feti::DirichletForm::Primal;
+  options.fixingDofs = deck.sublist("Dual operator").get<int>("Fixing dofs");
+  const Teuchos::ParameterList& solver = deck.sublist("Solver");
+  options.method = solver.get<std::string>("Method");
+  options.tolerance = solver.get<double>("Tolerance");
+  const std::string rule = solver.get<std::string>("Stopping rule");
+  options.stoppingRule = rule == "paper"    ? StoppingRule::Paper
+                         : rule == "permon" ? StoppingRule::Permon
+                                            : StoppingRule::Scaled;
+  options.initialGuess =
+      solver.get<std::string>("Initial guess") == "half load" ? InitialGuess::HalfLoad : InitialGuess::Zero;
+  options.maximumIterations = solver.get<int>("Maximum iterations");
+  options.progressFrequency = solver.get<int>("Progress frequency");
+  for (const char* method : {"MPRGP", "SMALBE", "Dual Penalty"})
+    options.methodLists.sublist(method) = solver.sublist(method);
+  options.outputDirectory = deck.sublist("Output").get<std::string>("Directory");
+  options.writeFields = deck.sublist("Output").get<bool>("Fields");
+  return options;
+}
+
+void checkConsistency(const Scene& scene, const RunOptions& options) {
+  if (options.method == "PCPG" && scene.hasInequalities())
+    throw InputError("contradictory options: \"Solver/Method\" = \"PCPG\" solves problems without inequalities, but "
+                     "the scene has contact; use \"Auto\" or \"SMALBE\", or tie the interface",
+                     {{"path", "Solver/Method"}});
+  const bool floats = scene.hasFloatingBody() || options.dirichlet == feti::DirichletForm::Dual;
+  if (options.method == "MPRGP" && floats)
+    throw InputError("contradictory options: \"Solver/Method\" = \"MPRGP\" solves problems without floating "
+                     "subdomains, but " +
+                         std::string(options.dirichlet == feti::DirichletForm::Dual
+                                         ? "with \"Decomposition/Dirichlet\" = \"dual\" every subdomain floats"
+                                         : "the scene has a body without a prescribed displacement") +
+                         "; use \"Auto\" or \"SMALBE\"",
+                     {{"path", "Solver/Method"}});
+  if (options.outputDirectory.empty())
+    throw InputError("\"Output/Directory\" is empty; name a directory, \".\" for the present one",
+                     {{"path", "Output/Directory"}});
+}
+
+} // namespace Harmos::scene

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_RunReport.hpp"
+
+#include "Harmos_Log.hpp"
+#include "Harmos_Version.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+namespace Harmos::scene {
+namespace {
+
+// JSON has no NaN: a number that is not finite becomes null.
+nlohmann::ordered_json number(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+double ratio(double value, double scale) { return scale > 0.0 ? value / scale : value; }
+
+} // namespace
+
+std::string toJson(const RunReport& report) {
+  const qp::Result& result = report.result;
+  const qp::Counters& counters = result.counters;
+  nlohmann::ordered_json json;
+  json["harmos"] = {{"version", version()}, {"git", gitHash()}};
+  json["deck"] = report.deck;
+  json["scene"] = report.scene;
+  json["ranks"] = report.ranks;
+  json["converged"] = report.converged;
+  json["reason"] = report.reason;
+  json["primal_dimension"] = report.primalDimension;
+  json["dual_dimension"] = report.dualDimension;
+  json["inequalities"] = report.inequalities;
+  json["kernel_dimension"] = report.kernelDimension;
+  json["coarse_dimension"] = report.coarseDimension;
+  json["subdomains"] = report.subdomains;
+  json["outer_iterations"] = counters.outerIterations;
+  json["hessian_applications"] = counters.hessianApplications;
+  json["setup_applications"] = counters.setupApplications;
+  json["cg_steps"] = counters.cgSteps;
+  json["expansion_steps"] = counters.expansionSteps;
+  json["proportioning_steps"] = counters.proportioningSteps;
+  json["faces"] = counters.faces;
+  json["fallbacks"] = counters.fallbacks;
+  json["step_cuts"] = counters.stepCuts;
+  json["confirmations"] = counters.confirmations;
+  json["relative_projected_gradient"] = number(ratio(result.projectedGradientNorm, report.gradientScale));
+  json["relative_equality_residual"] = number(ratio(result.equalityNorm, report.equalityScale));
+  json["tolerance"] = report.tolerance;
+  json["stopping_rule"] = report.stoppingRule;
+  json["tolerance_projected_gradient"] = number(report.tolerance * report.gradientScale);
+  json["tolerance_equality_residual"] = number(report.tolerance * report.equalityScale);
+  json["equality_residual"] = number(result.equalityNorm);
+  json["d_norm"] = number(report.dNorm);
+  json["hessian_norm"] = number(result.hessianNorm);
+  json["penalty"] = number(result.penalty);
+  json["energy"] = report.audited ? number(report.audit.energy) : nlohmann::ordered_json(nullptr);
+  if (report.audited)
+    json["audit"] = {{"equilibrium", number(report.audit.equilibrium)},
+                     {"gluing_jump", number(report.audit.gluingJump)},
+                     {"penetration", number(report.audit.penetration)},
+                     {"min_contact_multiplier", number(report.audit.minContactMultiplier)},
+                     {"complementarity", number(report.audit.complementarity)},
+                     {"largest_displacement", number(report.audit.largestDisplacement)},
+                     {"largest_contact_multiplier", number(report.audit.largestMultiplier)}};
+  else
+    json["audit"] = nullptr;
+  json["effects"] = report.effects;
+  json["dual_operator"] = report.dualOperator;
+  json["solver"] = report.solver;
+  json["distinct_local_factorizations"] = report.distinctFactorizations;
+  json["seconds"] = report.seconds;
+  json["peak_memory_mib"] = report.peakMemoryMiB;
+  return json.dump(2) + "\n";
+}
+
+std::string auditText(const RunReport& report) {
+  const feti::KktAudit& audit = report.audit;
+  std::ostringstream text;
+  text << "Audit on the primal side (independent of the solver's residuals)\n"
+       << "  equilibrium    |Ku - f + B'lambda| / |f|   " << scientific(audit.equilibrium) << "\n"
+       << "  gluing jump    max |B_E u - c_E|           " << scientific(audit.gluingJump) << "\n";
+  if (report.inequalities > 0)
+    text << "  penetration    max (B_I u - c_I)+          " << scientific(audit.penetration) << "\n"
+         << "  least contact multiplier                   " << scientific(audit.minContactMultiplier) << "\n"
+         << "  complementarity |lambda_I'(B_I u - c_I)|   " << scientific(audit.complementarity) << "\n";
+  text << "  energy         u'Ku/2 - f'u                " << scientific(audit.energy, 12);
+  return text.str();
+}
+
+std::string timingText(const RunReport& report, const std::vector<std::string>& stages) {
+  std::ostringstream text;
+  text << "Seconds (maximum over " << report.ranks << (report.ranks == 1 ? " rank)" : " ranks)") << std::fixed
+       << std::setprecision(3);
+  for (const std::string& stage : stages)
+    text << "\n  " << std::left << std::setw(14) << stage << std::right << std::setw(10) << report.seconds.at(stage);
+  text << "\n  " << std::left << std::setw(14) << "total" << std::right << std::setw(10) << report.seconds.at("total")
+       << "\nPeak memory of all ranks: " << std::setprecision(0) << report.peakMemoryMiB << " MiB";
+  return text.str();
+}
+
+} // namespace Harmos::scene

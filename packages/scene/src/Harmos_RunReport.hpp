@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_KktAudit.hpp"
+#include "Harmos_QpTypes.hpp"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace Harmos::scene {
+
+/// What is known of a run, finished or failed: the content of summary.json.
+struct RunReport {
+  std::string deck;
+  int ranks = 0;
+  std::string scene;
+  std::vector<std::string> effects;
+  long long primalDimension = 0;
+  long long dualDimension = 0;
+  long long inequalities = 0;
+  int kernelDimension = 0;
+  int coarseDimension = 0;
+  long long subdomains = 0;
+  long long distinctFactorizations = 0;
+  std::string dualOperator;
+  std::string solver;
+  std::string stoppingRule;
+  bool solved = false; ///< the solver has run
+  bool converged = false;
+  std::string reason = "not finished";
+  qp::Result result;
+  double gradientScale = 0.0; ///< ‖g^P‖ is measured against it
+  double equalityScale = 0.0; ///< ‖Gλ‖ likewise, 0 without a coarse problem
+  double tolerance = 0.0;
+  double dNorm = 0.0; ///< ‖d‖
+  bool audited = false;
+  feti::KktAudit audit;
+  std::map<std::string, double> seconds;
+  double peakMemoryMiB = 0.0;
+};
+
+/// summary.json as text.
+std::string toJson(const RunReport& report);
+
+/// The audit and the timing, for people.
+std::string auditText(const RunReport& report);
+std::string timingText(const RunReport& report, const std::vector<std::string>& stages);
+
+} // namespace Harmos::scene

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_VtkHdf.hpp"
+
+#include "Harmos_Agreement.hpp"
+#include "Harmos_AtomicFile.hpp"
+#include "Harmos_Exchange.hpp"
+
+#include <Teuchos_DefaultMpiComm.hpp>
+
+#include <array>
+#include <cstdio>
+#include <hdf5.h>
+
+namespace Harmos::scene {
+namespace {
+
+// Closes what it holds; HDF5 has a close function for each kind.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*close)(hid_t), const std::string& what) : id_(id), close_(close) {
+    if (id < 0)
+      throw InputError("the result file cannot be written: HDF5 failed at " + what +
+                       "; check that the directory is writable and the disk is not full");
+  }
+  ~Handle() { close_(id_); }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  operator hid_t() const { return id_; }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+void require(herr_t status, const std::string& what) {
+  if (status < 0)
+    throw InputError("the result file cannot be written: HDF5 failed at " + what +
+                     "; check that the directory is writable and the disk is not full");
+}
+
+template<class T>
+hid_t typeOf();
+template<>
+hid_t typeOf<double>() {
+  return H5T_NATIVE_DOUBLE;
+}
+template<>
+hid_t typeOf<long long>() {
+  return H5T_NATIVE_LLONG;
+}
+template<>
+hid_t typeOf<int>() {
+  return H5T_NATIVE_INT;
+}
+template<>
+hid_t typeOf<unsigned char>() {
+  return H5T_NATIVE_UCHAR;
+}
+
+// A dataset of rows, of which each rank writes the block from its first row on; all ranks take part.
+template<class T>
+void writeRows(hid_t group, const std::string& name, const std::vector<T>& mine, hsize_t width, long long first,
+               long long total) {
+  const hsize_t rows = mine.size() / width;
+  const std::array<hsize_t, 2> size = {static_cast<hsize_t>(total), width}, count = {rows, width},
+                               start = {static_cast<hsize_t>(first), 0};
+  const int rank = width > 1 ? 2 : 1;
+  const Handle fileSpace(H5Screate_simple(rank, size.data(), nullptr), H5Sclose, "a data space");
+  const Handle dataset(
+      H5Dcreate2(group, name.c_str(), typeOf<T>(), fileSpace, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose,
+      "dataset " + name);
+  const Handle memorySpace(H5Screate_simple(rank, count.data(), nullptr), H5Sclose, "a data space");
+  if (rows > 0)
+    require(H5Sselect_hyperslab(fileSpace, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), name);
+  else {
+    require(H5Sselect_none(fileSpace), name);
+    require(H5Sselect_none(memorySpace), name);
+  }
+  const Handle transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose, "a transfer property list");
+  require(H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE), name);
+  require(H5Dwrite(dataset, typeOf<T>(), memorySpace, fileSpace, transfer, mine.data()), "dataset " + name);
+}
+
+void writeAttributes(hid_t group) {
+  const std::array<int, 2> version = {1, 0};
+  const hsize_t two = 2;
+  const Handle versionSpace(H5Screate_simple(1, &two, nullptr), H5Sclose, "a data space");
+  const Handle versionAttribute(
+      H5Acreate2(group, "Version", H5T_NATIVE_INT, versionSpace, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, "Version");
+  require(H5Awrite(versionAttribute, H5T_NATIVE_INT, version.data()), "Version");
+  const std::string type = "UnstructuredGrid";
+  const Handle text(H5Tcopy(H5T_C_S1), H5Tclose, "a string type");
+  require(H5Tset_size(text, type.size()), "Type");
+  require(H5Tset_strpad(text, H5T_STR_NULLPAD), "Type");
+  const Handle scalar(H5Screate(H5S_SCALAR), H5Sclose, "a data space");
+  const Handle typeAttribute(H5Acreate2(group, "Type", text, scalar, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, "Type");
+  require(H5Awrite(typeAttribute, text, type.c_str()), "Type");
+}
+
+template<class T>
+std::vector<T> joined(const std::vector<std::vector<T>>& parts) {
+  std::vector<T> result;
+  for (const std::vector<T>& part : parts)
+    result.insert(result.end(), part.begin(), part.end());
+  return result;
+}
+
+constexpr unsigned char vtkQuad = 9;
+
+} // namespace
+
+void writeVtkHdf(const Teuchos::Comm<int>& comm, const std::string& path, const std::vector<OwnedSubdomain>& owned,
+                 const feti::TornVector& displacement, const ContactFields* contact) {
+  const auto* mpi = dynamic_cast<const Teuchos::MpiComm<int>*>(&comm);
+  HARMOS_REQUIRE(mpi != nullptr, "result files need an MPI communicator");
+
+  // This rank's share of each array.
+  std::vector<double> points;
+  std::vector<long long> pointCounts, cellCounts, linkCounts, links, offsets;
+  std::vector<int> subdomains, bodies;
+  for (const OwnedSubdomain& item : owned) {
+    const fem::Mesh& mesh = *item.mesh.mesh;
+    const auto corners = static_cast<std::size_t>(fem::Mesh::nodesPerCell);
+    for (int node = 0; node < mesh.numberOfNodes(); ++node)
+      for (double coordinate : item.mesh.position(node))
+        points.push_back(coordinate);
+    links.insert(links.end(), mesh.cells.begin(), mesh.cells.end());
+    for (std::size_t c = 0; c <= mesh.cells.size() / corners; ++c)
+      offsets.push_back(static_cast<long long>(c * corners));
+    const auto cells = static_cast<std::size_t>(mesh.numberOfCells());
+    subdomains.insert(subdomains.end(), cells, static_cast<int>(item.number));
+    bodies.insert(bodies.end(), cells, item.body);
+    pointCounts.push_back(mesh.numberOfNodes());
+    cellCounts.push_back(mesh.numberOfCells());
+    linkCounts.push_back(static_cast<long long>(mesh.cells.size()));
+  }
+  // decompose() gives consecutive subdomains to consecutive ranks, so a rank's first row is a sum over those below.
+  struct Extent {
+    long long first, total;
+  };
+  const auto extent = [&](std::size_t rows) {
+    return Extent{exclusiveScan(comm, static_cast<long long>(rows)), globalSum(comm, static_cast<long long>(rows))};
+  };
+  const Extent parts = extent(owned.size()), nodes = extent(points.size() / 3), cells = extent(subdomains.size()),
+               connectivity = extent(links.size()), starts = extent(offsets.size());
+
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  agree(comm, [&] {
+    const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "a file property list");
+    require(H5Pset_fapl_mpio(access, *mpi->getRawMpiComm(), MPI_INFO_NULL), "MPI access");
+    const Handle file(H5Fcreate(partPath(path).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose,
+                      "opening \"" + partPath(path) + "\"");
+    const auto makeGroup = [](hid_t parent, const char* name) {
+      return H5Gcreate2(parent, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    };
+    const Handle root(makeGroup(file, "VTKHDF"), H5Gclose, "group VTKHDF");
+    writeAttributes(root);
+    writeRows(root, "NumberOfPoints", pointCounts, 1, parts.first, parts.total);
+    writeRows(root, "NumberOfCells", cellCounts, 1, parts.first, parts.total);
+    writeRows(root, "NumberOfConnectivityIds", linkCounts, 1, parts.first, parts.total);
+    writeRows(root, "Points", points, 3, nodes.first, nodes.total);
+    writeRows(root, "Connectivity", links, 1, connectivity.first, connectivity.total);
+    writeRows(root, "Offsets", offsets, 1, starts.first, starts.total);
+    writeRows(root, "Types", std::vector<unsigned char>(subdomains.size(), vtkQuad), 1, cells.first, cells.total);
+    const Handle pointData(makeGroup(root, "PointData"), H5Gclose, "group PointData");
+    writeRows(pointData, "displacement", joined(displacement), 1, nodes.first, nodes.total);
+    if (contact != nullptr) {
+      writeRows(pointData, "contact_pressure", joined(contact->pressure), 1, nodes.first, nodes.total);
+      writeRows(pointData, "gap", joined(contact->gap), 1, nodes.first, nodes.total);
+      writeRows(pointData, "active_set", joined(contact->activeSet), 1, nodes.first, nodes.total);
+    }
+    const Handle cellData(makeGroup(root, "CellData"), H5Gclose, "group CellData");
+    writeRows(cellData, "subdomain", subdomains, 1, cells.first, cells.total);
+    writeRows(cellData, "body", bodies, 1, cells.first, cells.total);
+    require(H5Fflush(file, H5F_SCOPE_GLOBAL), "flushing");
+  });
+  agree(comm, [&] {
+    if (comm.getRank() == 0)
+      renamePart(path);
+  });
+}
+
+} // namespace Harmos::scene

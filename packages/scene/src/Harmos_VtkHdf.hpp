@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_ContactFields.hpp"
+#include "Harmos_Decomposition.hpp"
+
+#include <Teuchos_Comm.hpp>
+
+#include <string>
+#include <vector>
+
+namespace Harmos::scene {
+
+/// Writes the result for ParaView: one HDF5 file in VTK's VTKHDF UnstructuredGrid layout (version 1.0), written by
+/// all ranks together, one part a subdomain: the file does not depend on the number of ranks.
+///
+/// Point data: displacement; with contact also contact_pressure, gap, active_set. Cell data: subdomain, body.
+///
+/// @param contact null without contact.
+/// @throws InputError on all ranks if the file cannot be written; what was there before is then untouched.
+/// @note Collective.
+/// Guarded by tests/regression/test_result_file.py (VTK's own reader).
+void writeVtkHdf(const Teuchos::Comm<int>& comm, const std::string& path, const std::vector<OwnedSubdomain>& owned,
+                 const feti::TornVector& displacement, const ContactFields* contact);
+
+} // namespace Harmos::scene
