@@ -83,7 +83,9 @@ void agreeOnFailure(const Teuchos::Comm<int>& comm, const std::exception_ptr& fa
   Teuchos::broadcast<int, int>(comm, root, 1, &kind);
   broadcast(comm, root, message);
   broadcast(comm, root, data);
-  if (ranks > 1) {
+  // Bad input is read and found by rank 0 for all: its number would only puzzle the user.
+  const bool isOrdinary = static_cast<Error::Kind>(kind) == Error::Kind::Input && failures == 1 && root == 0;
+  if (ranks > 1 && !isOrdinary) {
     message += " [on rank " + std::to_string(root);
     if (failures > 1)
       message += ", and on " + std::to_string(failures - 1) + " more";

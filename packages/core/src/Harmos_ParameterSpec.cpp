@@ -92,6 +92,11 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
       nearest = candidate;
     }
   }
+  // Or its beginning: "Tol" for "Tolerance".
+  if (nearest.empty() && name.size() >= 3)
+    for (const std::string& candidate : candidates)
+      if (lowered(candidate).compare(0, name.size(), lowered(name)) == 0)
+        return candidate;
   return nearest;
 }
 

@@ -120,7 +120,8 @@ class ParameterSpec {
   std::vector<ParameterSpec> lists_;
 };
 
-/// The candidate with the least edit distance to the name (letters' case ignored), or "" if none is near.
+/// The candidate with the least edit distance to the name (letters' case ignored), or that begins with it; "" if
+/// none is near.
 std::string nearestName(const std::string& name, const std::vector<std::string>& candidates);
 
 } // namespace Harmos

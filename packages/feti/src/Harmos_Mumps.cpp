@@ -121,6 +121,10 @@ void Mumps::factorize(std::vector<double> values) {
   if (data_->isRoot)
     mumps.a = data_->values.data();
   call(jobFactorize);
+  // MUMPS factorises an indefinite matrix with SYM = 1 without a word; the count of negative pivots tells.
+  const int negative = mumps.infog[11];
+  if (mumps.sym == static_cast<MUMPS_INT>(Symmetry::PositiveDefinite) && negative > 0)
+    throw NumericalError(explain(-40, negative), {{"infog1", "-40"}, {"infog2", std::to_string(negative)}});
   // The factors are complete: a solve without iterative refinement does not read the matrix again.
   data_->values = {};
   mumps.a = nullptr;

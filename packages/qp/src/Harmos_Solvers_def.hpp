@@ -162,7 +162,7 @@ ParameterSpec SmalbeSolver<Scalar, MV, OP>::methodSpec() {
   spec.real("Equality tolerance", 0.1, Range::above(0.0), "Rule `penalty`: η₀, ‖Cx − c‖ expected at first.");
   spec.real("Tolerance factor", 0.1, Range::strictlyWithin(0.0, 1.0), "Rule `penalty`: α, η ← αη.");
   spec.real("Penalty factor", 10.0, Range::above(1.0), "Rule `penalty`: β, ρ ← βρ.");
-  spec.integer("Maximum Outer Iterations", 200, 1, 1000000, "Outer iterations after which the solver gives up.");
+  spec.integer("Maximum Outer Iterations", 10000, 1, 1000000000, "Outer iterations after which the solver gives up.");
   return spec;
 }
 
@@ -223,7 +223,9 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
     } else {
       const double value = lagrangian.value();
       const double rise = 0.5 * penalty * state.equalityResidual * state.equalityResidual;
-      if (value < previousValue + rise)
+      // Below the rounding errors of the value the comparison means nothing.
+      const double noise = 100.0 * std::numeric_limits<double>::epsilon() * std::abs(value);
+      if (rise > noise && value < previousValue + rise)
         precision *= precisionFactor;
       previousValue = value;
     }
@@ -232,8 +234,9 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
     state = lagrangian.evaluate(state.outer + 1, state.inner);
   }
   this->result_.penalty = lagrangian.penalty();
-  this->result_.projectedGradientNorm = state.projectedGradient;
-  this->result_.equalityNorm = state.equalityResidual;
+  // The last update of the multiplier may have been all that was missing.
+  if (this->result_.history.back().outer != state.outer)
+    this->record(state, StepKind::Start, lagrangian.penalty(), precision, lagrangian.active());
 }
 
 // ------------------------------------------------------------------------------------- Dual Penalty
@@ -311,21 +314,23 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
   Counters& counters = this->result_.counters;
   AugmentedHessian<Scalar, MV, OP> hessian(problem, counters);
   MV& x = *problem.solution();
-  const Teuchos::RCP<MV> g = MVT::Clone(x, 1), w = MVT::Clone(x, 1), p = MVT::Clone(x, 1), image = MVT::Clone(x, 1);
-  Teuchos::RCP<MV> rows, residual;
+  const Teuchos::RCP<MV> w = MVT::Clone(x, 1), p = MVT::Clone(x, 1), image = MVT::Clone(x, 1);
+  Teuchos::RCP<MV> rows, removed, residual;
   if (constrained) {
     rows = MVT::Clone(*problem.equalityValues(), 1);
+    removed = MVT::Clone(*problem.equalityValues(), 1);
     residual = MVT::Clone(*problem.equalityValues(), 1);
     hessian.equalityResidual(x, *residual);
     hessian.addTransposed(-1.0, *residual, x);
   }
-  // y = (I − CᵀC)v.
-  const auto project = [&](const MV& v, MV& y) {
-    MVT::Assign(v, y);
-    if (constrained) {
-      Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem.equalityRows(), v, *rows);
-      hessian.addTransposed(-1.0, *rows, y);
-    }
+  // w ← (I − CᵀC)w. The gradient is carried along projected: its other part, which stays large while this one
+  // vanishes, would spoil it by cancellation. What is removed adds up to −μ.
+  const auto project = [&] {
+    if (!constrained)
+      return;
+    Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem.equalityRows(), *w, *rows);
+    hessian.addTransposed(-1.0, *rows, *w);
+    MVT::MvAddMv(1.0, *removed, 1.0, *rows, *removed);
   };
   const auto evaluate = [&](double gradientNorm, int inner) {
     IterationState<MV> state;
@@ -340,21 +345,24 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
     state.counters = &counters;
     return state;
   };
-  // g = Ax − b, anew.
-  const auto gradient = [&] {
+  // w = P(Ax − b) and p = w, anew; returns ‖w‖².
+  const auto begin = [&] {
     if (norm<Scalar>(x) > 0.0) {
-      hessian.apply(x, *g);
-      MVT::MvAddMv(1.0, *g, -1.0, *problem.rhs(), *g);
+      hessian.apply(x, *w);
+      MVT::MvAddMv(1.0, *w, -1.0, *problem.rhs(), *w);
     } else {
-      MVT::MvAddMv(-1.0, *problem.rhs(), 0.0, *problem.rhs(), *g);
+      MVT::MvAddMv(-1.0, *problem.rhs(), 0.0, *problem.rhs(), *w);
     }
+    if (constrained)
+      MVT::MvInit(*removed, 0.0);
+    project();
+    project(); // the first projection left rounding errors of the size of the part that it removed
+    MVT::Assign(*w, *p);
+    return dot<Scalar>(*w, *w);
   };
 
   counters.outerIterations = 1;
-  gradient();
-  project(*g, *w);
-  double norm2 = dot<Scalar>(*w, *w);
-  MVT::Assign(*w, *p);
+  double norm2 = begin();
   IterationState<MV> state = evaluate(std::sqrt(norm2), 0);
   this->record(state, StepKind::Start, 0.0, 0.0, 0);
   double curvatureBound = problem.hessianNorm();
@@ -367,10 +375,7 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
     if (done || stagnant) {
       if (staleness > 0 && std::sqrt(static_cast<double>(staleness)) * attainable > 0.1 * state.projectedGradient) {
         ++counters.confirmations;
-        gradient();
-        project(*g, *w);
-        norm2 = dot<Scalar>(*w, *w);
-        MVT::Assign(*w, *p);
+        norm2 = begin();
         staleness = 0;
         state = evaluate(std::sqrt(norm2), state.inner);
         continue;
@@ -400,10 +405,10 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
       this->stop(Reason::Unbounded, Details::unboundedText());
       break;
     }
-    const double step = dot<Scalar>(*p, *g) / (curvature * directionNorm2);
+    const double step = dot<Scalar>(*p, *w) / (curvature * directionNorm2);
     MVT::MvAddMv(1.0, x, -step, *p, x);
-    MVT::MvAddMv(1.0, *g, -step, *image, *g);
-    project(*g, *w);
+    MVT::MvAddMv(1.0, *w, -step, *image, *w);
+    project();
     const double nextNorm2 = dot<Scalar>(*w, *w);
     MVT::MvAddMv(1.0, *w, nextNorm2 / norm2, *p, *p);
     norm2 = nextNorm2;
@@ -412,11 +417,9 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
     state = evaluate(std::sqrt(norm2), state.inner + 1);
     this->record(state, StepKind::Projected, 0.0, 0.0, 0);
   }
-  // g + Cᵀμ = 0 at the solution.
-  if (constrained) {
-    Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem.equalityRows(), *g, *rows);
-    MVT::MvAddMv(-1.0, *rows, 0.0, *rows, *problem.multiplier());
-  }
+  // Ax − b + Cᵀμ = 0 at the solution.
+  if (constrained)
+    MVT::MvAddMv(-1.0, *removed, 0.0, *removed, *problem.multiplier());
 }
 
 // ----------------------------------------------------------------------------------- clone, factory

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_TestModel.hpp"
+
+#include "Harmos_Decomposition.hpp"
+#include "Harmos_NodePairs.hpp"
+#include "Harmos_StructuredRectangle.hpp"
+
+#include <Teuchos_LAPACK.hpp>
+#include <Tpetra_Core.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace Harmos {
+
+Teuchos::RCP<const Teuchos::Comm<int>> testComm() { return Tpetra::getDefaultComm(); }
+
+TestModel testModel(int s, int n, bool tied) {
+  scene::Scene scene;
+  long long firstNode = 0;
+  for (int b = 0; b < 2; ++b) {
+    const auto rectangle = std::make_shared<const fem::StructuredRectangle>(
+        fem::Point{static_cast<double>(b), 0.0, 0.0}, std::array<double, 2>{1.0, 1.0}, std::array<int, 2>{s, s},
+        std::array<int, 2>{n, n}, firstNode);
+    firstNode += rectangle->numberOfNodes();
+    scene::Body body;
+    body.subdomains = rectangle->numberOfSubdomains();
+    body.subdomain = [rectangle](int k) { return rectangle->subdomain(k); };
+    if (b == 0) {
+      body.bodyForce = {{-3.0, {0.0, 0.75}, {1.0, 1.0}}};
+      body.prescribed = {{"left", 0.0}};
+    } else {
+      body.bodyForce = {{-1.0, {1.0, 0.0}, {2.0, 0.25}}};
+    }
+    scene.bodies.push_back(std::move(body));
+  }
+  const auto comm = testComm();
+  const auto owned = scene::decompose(scene, comm->getRank(), comm->getSize());
+  TestModel model;
+  model.subdomains = scene::assemble(scene, owned);
+  std::vector<contact::SurfaceNode> first, second;
+  for (const scene::OwnedSubdomain& item : owned) {
+    auto& side = item.body == 0 ? first : second;
+    const auto more = contact::surfaceNodes(item.mesh, item.body == 0 ? "right" : "left");
+    side.insert(side.end(), more.begin(), more.end());
+  }
+  const auto pairs = contact::pairNodes(*comm, first, second, "the membranes");
+  model.rows = tied ? contact::tieRows(*comm, pairs) : contact::contactRows(*comm, pairs);
+  return model;
+}
+
+std::vector<double> eigenvalues(Dense matrix) {
+  std::vector<double> result(static_cast<std::size_t>(matrix.rows)),
+      work(static_cast<std::size_t>(std::max(1, 34 * matrix.rows)));
+  int info = 0;
+  Teuchos::LAPACK<int, double>().SYEV('N', 'L', matrix.rows, matrix.values.data(), matrix.rows, result.data(),
+                                      work.data(), static_cast<int>(work.size()), &info);
+  return result;
+}
+
+std::vector<double> solveDense(Dense a, std::vector<double> b) {
+  const int n = a.rows;
+  for (int k = 0; k < n; ++k) {
+    int pivot = k;
+    for (int i = k + 1; i < n; ++i)
+      if (std::abs(a(i, k)) > std::abs(a(pivot, k)))
+        pivot = i;
+    if (std::abs(a(pivot, k)) < 1e-13)
+      return {};
+    for (int j = 0; j < n; ++j)
+      std::swap(a(k, j), a(pivot, j));
+    std::swap(b[static_cast<std::size_t>(k)], b[static_cast<std::size_t>(pivot)]);
+    for (int i = k + 1; i < n; ++i) {
+      const double factor = a(i, k) / a(k, k);
+      for (int j = k; j < n; ++j)
+        a(i, j) -= factor * a(k, j);
+      b[static_cast<std::size_t>(i)] -= factor * b[static_cast<std::size_t>(k)];
+    }
+  }
+  for (int k = n - 1; k >= 0; --k) {
+    for (int j = k + 1; j < n; ++j)
+      b[static_cast<std::size_t>(k)] -= a(k, j) * b[static_cast<std::size_t>(j)];
+    b[static_cast<std::size_t>(k)] /= a(k, k);
+  }
+  return b;
+}
+
+} // namespace Harmos

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_TestQp.hpp"
+
+#include "Harmos_Exchange.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace Harmos {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+double lowerOf(const SmallQp& qp, int i) {
+  return qp.lower.empty() ? -infinity : qp.lower[static_cast<std::size_t>(i)];
+}
+double upperOf(const SmallQp& qp, int i) {
+  return qp.upper.empty() ? infinity : qp.upper[static_cast<std::size_t>(i)];
+}
+
+std::vector<double> product(const Dense& m, const std::vector<double>& x) {
+  std::vector<double> y(static_cast<std::size_t>(m.rows), 0.0);
+  for (int j = 0; j < m.columns; ++j)
+    for (int i = 0; i < m.rows; ++i)
+      y[static_cast<std::size_t>(i)] += m(i, j) * x[static_cast<std::size_t>(j)];
+  return y;
+}
+
+} // namespace
+
+double SmallQp::cost(const std::vector<double>& x) const {
+  const std::vector<double> ax = product(a, x);
+  double f = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    f += x[i] * (0.5 * ax[i] - b[i]);
+  return f;
+}
+
+std::vector<double> bruteForce(const SmallQp& qp, std::vector<double>* multipliers) {
+  const int n = qp.size(), m = qp.c.rows;
+  std::vector<int> state(static_cast<std::size_t>(n), 0); // 0 free, 1 lower, 2 upper
+  while (true) {
+    bool admissible = true;
+    for (int i = 0; i < n; ++i) {
+      const int s = state[static_cast<std::size_t>(i)];
+      admissible = admissible && !(s == 1 && lowerOf(qp, i) == -infinity) && !(s == 2 && upperOf(qp, i) == infinity);
+    }
+    if (admissible) {
+      // Unknowns x, multipliers of C; rows of active entries say x_i = bound.
+      Dense kkt(n + m, n + m);
+      std::vector<double> rhs(static_cast<std::size_t>(n + m), 0.0);
+      for (int i = 0; i < n; ++i) {
+        const int s = state[static_cast<std::size_t>(i)];
+        if (s != 0) {
+          kkt(i, i) = 1.0;
+          rhs[static_cast<std::size_t>(i)] = s == 1 ? lowerOf(qp, i) : upperOf(qp, i);
+          continue;
+        }
+        for (int j = 0; j < n; ++j)
+          kkt(i, j) = qp.a(i, j);
+        for (int k = 0; k < m; ++k)
+          kkt(i, n + k) = qp.c(k, i);
+        rhs[static_cast<std::size_t>(i)] = qp.b[static_cast<std::size_t>(i)];
+      }
+      for (int k = 0; k < m; ++k) {
+        for (int j = 0; j < n; ++j)
+          kkt(n + k, j) = qp.c(k, j);
+        rhs[static_cast<std::size_t>(n + k)] = qp.cRhs[static_cast<std::size_t>(k)];
+      }
+      const std::vector<double> solution = solveDense(kkt, rhs);
+      if (!solution.empty()) {
+        const std::vector<double> x(solution.begin(), solution.begin() + n);
+        const std::vector<double> ax = product(qp.a, x);
+        bool optimal = true;
+        for (int i = 0; i < n && optimal; ++i) {
+          const auto k = static_cast<std::size_t>(i);
+          double g = ax[k] - qp.b[k];
+          for (int r = 0; r < m; ++r)
+            g += qp.c(r, i) * solution[static_cast<std::size_t>(n + r)];
+          optimal = x[k] >= lowerOf(qp, i) - 1e-11 && x[k] <= upperOf(qp, i) + 1e-11 &&
+                    !(state[k] == 1 && g < -1e-10) && !(state[k] == 2 && g > 1e-10);
+        }
+        if (optimal) {
+          if (multipliers != nullptr)
+            multipliers->assign(solution.begin() + n, solution.end());
+          return x;
+        }
+      }
+    }
+    int i = 0;
+    while (i < n && ++state[static_cast<std::size_t>(i)] == 3)
+      state[static_cast<std::size_t>(i++)] = 0;
+    if (i == n)
+      return {};
+  }
+}
+
+SmallQp randomQp(std::mt19937& random, int n, int equalities, bool bounds, double condition) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  SmallQp qp{Dense(n, n), {}, {}, {}, Dense(equalities, n), {}};
+  // A = QDQᵀ with Q from the orthonormalisation of a random matrix.
+  Dense q(n, n);
+  for (double& value : q.values)
+    value = unit(random);
+  for (int j = 0; j < n; ++j) {
+    for (int k = 0; k < j; ++k) {
+      double dot = 0.0;
+      for (int i = 0; i < n; ++i)
+        dot += q(i, j) * q(i, k);
+      for (int i = 0; i < n; ++i)
+        q(i, j) -= dot * q(i, k);
+    }
+    double norm = 0.0;
+    for (int i = 0; i < n; ++i)
+      norm += q(i, j) * q(i, j);
+    for (int i = 0; i < n; ++i)
+      q(i, j) /= std::sqrt(norm);
+  }
+  for (int k = 0; k < n; ++k) {
+    const double d = std::pow(condition, n > 1 ? static_cast<double>(k) / (n - 1) : 0.0);
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j)
+        qp.a(i, j) += d * q(i, k) * q(j, k);
+  }
+  std::vector<double> feasible;
+  for (int i = 0; i < n; ++i) {
+    qp.b.push_back(10.0 * unit(random));
+    feasible.push_back(unit(random));
+    if (!bounds)
+      continue;
+    // A third of the entries each: both bounds, lower only, none.
+    const double kind = unit(random);
+    qp.lower.push_back(kind < 0.33 ? feasible.back() - 0.3 * (1.0 + unit(random)) : -infinity);
+    qp.upper.push_back(kind < -0.33 ? feasible.back() + 0.3 * (1.0 + unit(random)) : infinity);
+  }
+  for (double& value : qp.c.values)
+    value = unit(random);
+  qp.cRhs = product(qp.c, feasible);
+  return qp;
+}
+
+void orthonormalizeRows(SmallQp& qp) {
+  for (int k = 0; k < qp.c.rows; ++k) {
+    for (int pass = 0; pass < 2; ++pass)
+      for (int r = 0; r < k; ++r) {
+        double dot = 0.0;
+        for (int j = 0; j < qp.size(); ++j)
+          dot += qp.c(k, j) * qp.c(r, j);
+        for (int j = 0; j < qp.size(); ++j)
+          qp.c(k, j) -= dot * qp.c(r, j);
+        qp.cRhs[static_cast<std::size_t>(k)] -= dot * qp.cRhs[static_cast<std::size_t>(r)];
+      }
+    double norm = 0.0;
+    for (int j = 0; j < qp.size(); ++j)
+      norm += qp.c(k, j) * qp.c(k, j);
+    norm = std::sqrt(norm);
+    for (int j = 0; j < qp.size(); ++j)
+      qp.c(k, j) /= norm;
+    qp.cRhs[static_cast<std::size_t>(k)] /= norm;
+  }
+}
+
+Teuchos::RCP<MultiVector> toVector(const std::vector<double>& values, const Teuchos::RCP<const Map>& map) {
+  const auto result = Teuchos::rcp(new MultiVector(map, 1));
+  const auto view = result->getLocalViewHost(Tpetra::Access::OverwriteAll);
+  for (std::size_t i = 0; i < view.extent(0); ++i)
+    view(i, 0) = values[static_cast<std::size_t>(map->getGlobalElement(static_cast<LocalOrdinal>(i)))];
+  return result;
+}
+
+std::vector<double> fromVector(const MultiVector& vector) {
+  std::vector<double> values(vector.getGlobalLength(), 0.0);
+  const auto view = vector.getLocalViewHost(Tpetra::Access::ReadOnly);
+  for (std::size_t i = 0; i < view.extent(0); ++i)
+    values[static_cast<std::size_t>(vector.getMap()->getGlobalElement(static_cast<LocalOrdinal>(i)))] = view(i, 0);
+  if (vector.isDistributed())
+    globalSum(*vector.getMap()->getComm(), values);
+  return values;
+}
+
+void DenseOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode, Scalar alpha,
+                          Scalar beta) const {
+  const std::vector<double> x = fromVector(X);
+  std::vector<double> y(Y.getGlobalLength(), 0.0);
+  for (int i = 0; i < matrix_.rows; ++i)
+    for (int j = 0; j < matrix_.columns; ++j) {
+      if (mode == Teuchos::NO_TRANS)
+        y[static_cast<std::size_t>(i)] += matrix_(i, j) * x[static_cast<std::size_t>(j)];
+      else
+        y[static_cast<std::size_t>(j)] += matrix_(i, j) * x[static_cast<std::size_t>(i)];
+    }
+  const auto image = toVector(y, Y.getMap());
+  if (beta == 0.0)
+    Y.scale(alpha, *image);
+  else
+    Y.update(alpha, *image, beta);
+}
+
+DistributedQp::DistributedQp(const SmallQp& qp, qp::EqualityStructure structure) {
+  const auto comm = testComm();
+  map = Teuchos::rcp(new Map(static_cast<Tpetra::global_size_t>(qp.size()), 0, comm));
+  solution = Teuchos::rcp(new MultiVector(map, 1));
+  problem = Teuchos::rcp(new qp::TpetraProblem(Teuchos::rcp(new DenseOperator(qp.a, map, map)), solution,
+                                               toVector(qp.b, map)));
+  if (!qp.lower.empty())
+    problem->setLowerBound(toVector(qp.lower, map));
+  if (!qp.upper.empty())
+    problem->setUpperBound(toVector(qp.upper, map));
+  if (qp.c.rows > 0) {
+    const auto rows = Teuchos::rcp(
+        new Map(static_cast<Tpetra::global_size_t>(qp.c.rows), 0, comm, Tpetra::LocallyReplicated));
+    multiplier = Teuchos::rcp(new MultiVector(rows, 1));
+    problem->setEquality(Teuchos::rcp(new DenseOperator(qp.c, map, rows)), toVector(qp.cRhs, rows), multiplier,
+                         structure);
+  }
+  problem->setProblem();
+}
+
+} // namespace Harmos

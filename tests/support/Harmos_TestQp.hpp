@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_Qp.hpp"
+#include "Harmos_TestModel.hpp"
+
+#include <Tpetra_MultiVector.hpp>
+#include <Tpetra_Operator.hpp>
+
+#include <random>
+#include <vector>
+
+namespace Harmos {
+
+/// A small quadratic program, the same on all ranks: min ½xᵀAx − bᵀx, l ≤ x ≤ u, Cx = c.
+struct SmallQp {
+  Dense a;
+  std::vector<double> b;
+  std::vector<double> lower, upper; ///< empty or ∓∞ where absent
+  Dense c;
+  std::vector<double> cRhs;
+
+  int size() const { return a.rows; }
+  double cost(const std::vector<double>& x) const;
+};
+
+/// The solution by enumeration of all active sets: exact, and shares nothing with the solvers.
+/// @param multipliers receives those of the equalities.
+std::vector<double> bruteForce(const SmallQp& qp, std::vector<double>* multipliers = nullptr);
+
+/// A strictly convex QP with eigenvalues in [1, condition], whose bounds are feasible with the equalities.
+SmallQp randomQp(std::mt19937& random, int n, int equalities, bool bounds, double condition = 100.0);
+
+/// Orthonormalises the rows of C and adapts c.
+void orthonormalizeRows(SmallQp& qp);
+
+/// A replicated dense matrix as a Tpetra operator between maps of any distribution.
+class DenseOperator : public Operator {
+ public:
+  DenseOperator(Dense matrix, Teuchos::RCP<const Map> domain, Teuchos::RCP<const Map> range)
+      : matrix_(std::move(matrix)),
+        domain_(std::move(domain)),
+        range_(std::move(range)) {}
+  Teuchos::RCP<const Map> getDomainMap() const override { return domain_; }
+  Teuchos::RCP<const Map> getRangeMap() const override { return range_; }
+  bool hasTransposeApply() const override { return true; }
+  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS, Scalar alpha = 1.0,
+             Scalar beta = 0.0) const override;
+
+ private:
+  Dense matrix_;
+  Teuchos::RCP<const Map> domain_, range_;
+};
+
+/// The same values on all ranks into a distributed or replicated vector, and back. Collective.
+Teuchos::RCP<MultiVector> toVector(const std::vector<double>& values, const Teuchos::RCP<const Map>& map);
+std::vector<double> fromVector(const MultiVector& vector);
+
+/// A SmallQp as a Problem over the ranks of the test.
+struct DistributedQp {
+  explicit DistributedQp(const SmallQp& qp, qp::EqualityStructure structure = qp::EqualityStructure::General);
+
+  Teuchos::RCP<const Map> map;
+  Teuchos::RCP<MultiVector> solution;
+  Teuchos::RCP<MultiVector> multiplier;
+  Teuchos::RCP<qp::TpetraProblem> problem;
+};
+
+} // namespace Harmos

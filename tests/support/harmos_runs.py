@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs of whole programs for the Python tests, and what these tests share.
+
+run() starts an application and returns what it printed, its exit status and what it left behind;
+table() prints measured figures; main() runs the unittest cases of a script under CTest's rules.
+
+The environment, as harmos_add_script_test() of cmake/HarmosTest.cmake sets it (in brackets what
+is taken without it, for runs by hand):
+
+    HARMOS_SOURCE_DIR   the top of the source tree [two levels above this file]
+    HARMOS_BINARY_DIR   the build tree [build in the source tree]
+    HARMOS_MPIEXEC      the MPI launcher [mpirun]
+    HARMOS_TABLES       a file to which table() appends a JSON object a line [none]
+"""
+
+import atexit
+import csv
+import itertools
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+from dataclasses import dataclass
+from pathlib import Path
+
+SOURCE = Path(os.environ.get("HARMOS_SOURCE_DIR", Path(__file__).resolve().parents[2]))
+BINARY = Path(os.environ.get("HARMOS_BINARY_DIR", SOURCE / "build"))
+MPIEXEC = os.environ.get("HARMOS_MPIEXEC", "mpirun")
+DECKS = SOURCE / "apps" / "signorini" / "decks"
+MODEL = DECKS / "model.xml"
+PAPER = DECKS / "paper.xml"
+
+SKIPPED = 77
+
+# A run that hangs is a failure of its test with the output so far, not of CTest's time limit.
+TIMEOUT = 240
+
+# The files that a finished run leaves behind.
+RESULTS = ("iterations.csv", "result.vtkhdf", "summary.json")
+
+_scratch = tempfile.TemporaryDirectory(prefix="harmos_test_")
+atexit.register(_scratch.cleanup)
+_numbers = itertools.count(1)
+
+
+@dataclass
+class Run:
+    """A finished run."""
+
+    command: list
+    returncode: int
+    stdout: str
+    stderr: str
+    summary: dict  # None if there is no summary.json
+    directory: Path  # what --output was given; None if it was not
+
+    @property
+    def errors(self):
+        """The lines that announce an error."""
+        return [line for line in self.stderr.splitlines() if line.startswith("error: ")]
+
+    def __str__(self):
+        command = " ".join(map(str, self.command))
+        return (
+            f"\n$ {command}\nexit status {self.returncode}\n--- stdout\n{self.stdout}"
+            f"--- stderr\n{self.stderr}---"
+        )
+
+    def iterations(self):
+        """iterations.csv as a list of dicts by column."""
+        with open(self.directory / "iterations.csv", newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
+
+
+def scratch(name="run"):
+    """A path that does not exist yet, in a directory that vanishes with the test."""
+    return Path(_scratch.name) / f"{name}{next(_numbers)}"
+
+
+def application(name="signorini"):
+    path = BINARY / "bin" / name
+    if not path.exists():
+        sys.exit(f"{path}: no such program; build it, or set HARMOS_BINARY_DIR")
+    return str(path)
+
+
+def environment():
+    # Set by CTest; repeated here for runs by hand. The variables of Open MPI let it run as root
+    # and with more ranks than cores. The last two save time in hundreds of short runs: a second
+    # of waiting for the other ranks after an exit status other than zero, and 0.2 seconds of
+    # search for network hardware. Other launchers ignore them all.
+    defaults = {
+        "OMP_NUM_THREADS": "1",
+        "OPENBLAS_NUM_THREADS": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT": "1",
+        "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+        "OMPI_MCA_rmaps_base_oversubscribe": "1",
+        "OMPI_MCA_hwloc_base_binding_policy": "none",
+        "OMPI_MCA_odls_base_sigkill_timeout": "0",
+        "OMPI_MCA_pml": "ob1",
+    }
+    return {**defaults, **os.environ}
+
+
+def execute(command, cwd=None, timeout=TIMEOUT):
+    """Run a command to its end; (exit status, standard output, standard error)."""
+    process = subprocess.Popen(
+        [str(word) for word in command],
+        cwd=cwd,
+        env=environment(),
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        encoding="utf-8",
+        errors="replace",
+    )
+    try:
+        out, err = process.communicate(timeout=timeout)
+    except subprocess.TimeoutExpired:
+        # mpirun ends its ranks when it is asked to; killed at once it would leave them behind.
+        process.send_signal(signal.SIGTERM)
+        try:
+            out, err = process.communicate(timeout=20)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            out, err = process.communicate()
+        words = " ".join(map(str, command))
+        raise AssertionError(
+            f"no end after {timeout} s: {words}\n--- stdout\n{out}--- stderr\n{err}---"
+        ) from None
+    return process.returncode, out, err
+
+
+def launcher(np):
+    """The words before the program; with np = 0 it runs without a launcher."""
+    return [MPIEXEC, "-n", str(np)] if np else []
+
+
+def start(words, np=2, cwd=None):
+    """Run the application with these words on its command line and nothing added to them."""
+    command = [*launcher(np), application(), *words]
+    return Run(command, *execute(command, cwd=cwd), summary=None, directory=None)
+
+
+def run(deck, sets=None, np=2, output=None, extra=()):
+    """Run the application on a deck.
+
+    sets    parameters to override, a value by path
+    np      ranks; 0 runs the program without a launcher
+    output  directory of the results; a new one below a temporary directory if not given
+    extra   more words for the command line
+    """
+    directory = Path(output) if output else scratch()
+    words = [deck, "--output", directory]
+    for path, value in (sets or {}).items():
+        text = str(value).lower() if isinstance(value, bool) else str(value)
+        words += ["--set", f"{path}={text}"]
+    result = start([*words, *extra], np=np)
+    result.directory = directory
+    summary = directory / "summary.json"
+    if summary.is_file():
+        result.summary = json.loads(summary.read_text(encoding="utf-8"))
+    return result
+
+
+def solved(case, deck, sets=None, np=2, **more):
+    """run(), with the assertion that it converged, without an error or a warning."""
+    result = run(deck, sets, np, **more)
+    case.assertEqual(result.returncode, 0, result)
+    case.assertTrue(result.summary["converged"], result)
+    case.assertEqual(result.summary["reason"], "converged", result)
+    # Not the whole stream: a launcher may have remarks of its own.
+    case.assertNotRegex(result.stderr, "(?m)^(error|warning): ", result)
+    return result
+
+
+def table(title, header, rows, note=""):
+    """Print figures in columns; append them to the file HARMOS_TABLES, a JSON object a line."""
+    cells = [[str(cell) for cell in row] for row in (header, *rows)]
+    widths = [max(map(len, column)) for column in zip(*cells)]
+    lines = ["  ".join(cell.rjust(width) for cell, width in zip(row, widths)) for row in cells]
+    sys.stderr.flush()
+    print("\n".join(["", title, *lines, *([note] if note else [])]), flush=True)
+    path = os.environ.get("HARMOS_TABLES")
+    if path:
+        record = {"title": title, "header": list(header), "rows": [list(r) for r in rows]}
+        if note:
+            record["note"] = note
+        with open(path, "a", encoding="utf-8") as file:
+            file.write(json.dumps(record) + "\n")
+
+
+def skip(reason):
+    """End the script so that CTest shows it as skipped, with the reason in its log."""
+    sys.stderr.flush()
+    print(f"SKIPPED: {reason}", flush=True)
+    sys.exit(SKIPPED)
+
+
+def main():
+    """Run the cases of the calling script; words on its command line choose classes.
+
+    Exit status 1 after a failure and when no case ran at all; 77 when what could run has passed
+    and something was skipped.
+    """
+    result = unittest.main(module="__main__", verbosity=2, exit=False).result
+    bad = len(result.failures) + len(result.errors) + len(result.unexpectedSuccesses)
+    print(
+        f"{result.testsRun} tests: {bad} failures, {len(result.skipped)} skipped", flush=True
+    )
+    if bad:
+        sys.exit(1)
+    if result.skipped:
+        skip("; ".join(sorted({reason for _, reason in result.skipped})))
+    sys.exit(0 if result.testsRun else 1)

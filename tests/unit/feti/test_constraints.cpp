@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Constraints.hpp"
+#include "Harmos_Errors.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_TestModel.hpp"
+#include "Harmos_TestQp.hpp"
+#include "Harmos_TrilinosVersion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+using namespace Harmos;
+using namespace Harmos::feti;
+
+namespace {
+
+// All entries of B as (row, subdomain, dof) → value, on every rank.
+std::map<std::tuple<long long, long long, int>, double> gatherB(const SubdomainSystem& system,
+                                                               const Constraints& constraints) {
+  struct Item {
+    long long row, subdomain;
+    int dof;
+    double value;
+  };
+  std::vector<Item> mine;
+  for (int i = 0; i < system.size(); ++i)
+    for (const Constraints::Entry& entry : constraints.entries(i))
+      mine.push_back({static_cast<long long>(constraints.overlapMap()->getGlobalElement(entry.row)),
+                      system.subdomain(i).number, entry.dof, entry.value});
+  std::map<std::tuple<long long, long long, int>, double> b;
+  for (const Item& item : gatherAll(*testComm(), mine))
+    b[{item.row, item.subdomain, item.dof}] += item.value;
+  return b;
+}
+
+Dense gram(const std::map<std::tuple<long long, long long, int>, double>& b, int rows) {
+  std::map<std::pair<long long, int>, std::vector<std::pair<long long, double>>> byDof;
+  for (const auto& [place, value] : b)
+    byDof[{std::get<1>(place), std::get<2>(place)}].emplace_back(std::get<0>(place), value);
+  Dense result(rows, rows);
+  for (const auto& item : byDof)
+    for (const auto& [i, left] : item.second)
+      for (const auto& [j, right] : item.second)
+        result(static_cast<int>(i), static_cast<int>(j)) += left * right;
+  return result;
+}
+
+} // namespace
+
+// The paper's count: sN + 1 contact nodes, and m − 1 gluing rows at each dof with m copies.
+TEST(Constraints, dimensions_follow_the_papers_count) {
+  struct Case {
+    int s, n;
+    long long dual;
+  };
+  for (const Case& c : {Case{1, 8, 9}, Case{2, 8, 87}, Case{4, 8, 447}, Case{2, 32, 327}, Case{8, 2, 591}}) {
+    const TestModel model = testModel(c.s, c.n);
+    const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Primal);
+    const Constraints constraints(system, model.rows);
+    EXPECT_EQ(constraints.dualDimension(), c.dual) << c.s << " " << c.n;
+    EXPECT_EQ(constraints.inequalities(), c.s * c.n + 1);
+    EXPECT_EQ(static_cast<long long>(constraints.rowMap()->getGlobalNumElements()), c.dual);
+    EXPECT_TRUE(constraints.rowMap()->isOneToOne());
+  }
+}
+
+// BBᵀ = I: gluing rows orthonormal at cross points, contact rows (mean of the copies) orthogonal to them, also at
+// contact nodes where subdomains of a body meet. One copy alone in a contact row gives κ(BBᵀ) = 5.8.
+TEST(Constraints, rows_are_orthonormal_in_both_forms) {
+  for (DirichletForm form : {DirichletForm::Primal, DirichletForm::Dual}) {
+    const TestModel model = testModel(3, 2);
+    const SubdomainSystem system(testComm(), model.subdomains, form);
+    const Constraints constraints(system, model.rows);
+    const int m = static_cast<int>(constraints.dualDimension());
+    const Dense bbt = gram(gatherB(system, constraints), m);
+    for (int i = 0; i < m; ++i)
+      for (int j = 0; j < m; ++j)
+        EXPECT_NEAR(bbt(i, j), i == j ? 1.0 : 0.0, 1e-14) << i << " " << j;
+  }
+}
+
+// Total FETI: a Dirichlet row for each constrained copy, and no gluing row there.
+TEST(Constraints, dirichlet_rows_take_the_place_of_gluing_rows) {
+  const int s = 3, n = 2;
+  TestModel model = testModel(s, n);
+  for (Subdomain& subdomain : model.subdomains)
+    for (FixedDof& fixed : subdomain.fixed)
+      fixed.value = 0.75;
+  const SubdomainSystem primal(testComm(), model.subdomains, DirichletForm::Primal);
+  const SubdomainSystem dual(testComm(), model.subdomains, DirichletForm::Dual);
+  const Constraints inPrimal(primal, model.rows), inDual(dual, model.rows);
+  // On x = 0: s (n + 1) copies of sn + 1 nodes; s − 1 gluing rows vanish there, s (n + 1) Dirichlet rows come.
+  EXPECT_EQ(inDual.dualDimension(), inPrimal.dualDimension() - (s - 1) + s * (n + 1));
+  long long dirichlet = 0;
+  for (int row = 0; row < static_cast<int>(localSize(*inDual.rowMap())); ++row)
+    if (inDual.rowType(row) == RowType::Dirichlet) {
+      ++dirichlet;
+      EXPECT_EQ(inDual.bound(row), 0.75);
+      EXPECT_EQ(inDual.rowScale(row), 1.0);
+    }
+  EXPECT_EQ(globalSum(*testComm(), dirichlet), s * (n + 1));
+}
+
+// Bu of a continuous u with u¹ − u² = 1 on the interface: zero at gluing rows, 1 (physical) at contact rows.
+TEST(Constraints, physical_values_of_the_rows) {
+  const TestModel model = testModel(2, 3);
+  const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Primal);
+  const Constraints constraints(system, model.rows);
+  TornVector u = system.zeroVector();
+  for (int i = 0; i < system.size(); ++i)
+    for (std::size_t j = 0; j < u[static_cast<std::size_t>(i)].size(); ++j) {
+      const long long dof = system.subdomain(i).dofs[j];
+      const bool first = dof < 49;
+      u[static_cast<std::size_t>(i)][j] = first ? 1.0 + std::sin(static_cast<double>(dof)) : 0.0;
+    }
+  MultiVector y(constraints.rowMap(), 1);
+  constraints.applyB(u, y);
+  const auto view = y.getLocalViewHost(Tpetra::Access::ReadOnly);
+  for (int row = 0; row < static_cast<int>(view.extent(0)); ++row) {
+    const double physical = view(row, 0) / constraints.rowScale(row);
+    const GlobalOrdinal number = constraints.rowMap()->getGlobalElement(row);
+    if (constraints.rowType(row) == RowType::Inequality) // node k of the side x = 1 has the number 6 + 7k
+      EXPECT_NEAR(physical, 1.0 + std::sin(static_cast<double>(6 + 7 * number)), 1e-14);
+    else
+      EXPECT_NEAR(physical, 0.0, 1e-14);
+  }
+}
+
+// (Bu)ᵀλ = uᵀ(Bᵀλ): the two products belong to one matrix, across ranks.
+TEST(Constraints, transpose_is_the_transpose) {
+  const TestModel model = testModel(3, 2);
+  const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Dual);
+  const Constraints constraints(system, model.rows);
+  MultiVector lambda(constraints.rowMap(), 1), y(constraints.rowMap(), 1);
+  qp::BoundTraits<Scalar, MultiVector>::setRandom(lambda);
+  TornVector u = system.zeroVector();
+  double right = 0.0;
+  const TornVector t = constraints.applyBt(lambda);
+  for (int i = 0; i < system.size(); ++i)
+    for (std::size_t j = 0; j < u[static_cast<std::size_t>(i)].size(); ++j) {
+      u[static_cast<std::size_t>(i)][j] = std::cos(static_cast<double>(7 * system.subdomain(i).number) + static_cast<double>(j));
+      right += u[static_cast<std::size_t>(i)][j] * t[static_cast<std::size_t>(i)][j];
+    }
+  constraints.applyB(u, y);
+  std::vector<double> left(1);
+  y.dot(lambda, Teuchos::arrayViewFromVector(left));
+  EXPECT_NEAR(left[0], globalSum(*testComm(), right), 1e-12);
+}
+
+// Rows, their numbers and their entries do not depend on the number of ranks: a check sum that weighs each entry by
+// its place, computed once on one rank.
+TEST(Constraints, rows_do_not_depend_on_the_number_of_ranks) {
+  const TestModel model = testModel(3, 2);
+  const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Primal);
+  const Constraints constraints(system, model.rows);
+  const auto b = gatherB(system, constraints);
+  // Gluing row 0 follows the inequalities: the first shared dof, at the bottom of the first cut, dof 2 of the
+  // subdomains 0 and 1.
+  const double half = std::sqrt(0.5);
+  EXPECT_NEAR(b.at({7, 0, 2}), half, 1e-15);
+  EXPECT_NEAR(b.at({7, 1, 0}), -half, 1e-15);
+  // The cross point of subdomains 0, 1, 3, 4 of the first body: dof 16 of the body.
+  std::vector<double> coefficients;
+  for (const auto& [place, value] : b)
+    if (std::get<1>(place) == 4 && std::get<2>(place) == 0)
+      coefficients.push_back(value);
+  ASSERT_EQ(coefficients.size(), 1u); // the last copy is in the last of the three rows alone
+  EXPECT_NEAR(coefficients[0], -3.0 / std::sqrt(12.0), 1e-15);
+}
+
+TEST(Constraints, wrong_rows_are_refused_on_all_ranks) {
+  TestModel model = testModel(2, 2);
+  const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Primal);
+  const auto attempt = [&](std::vector<ConstraintRow> rows) {
+    try {
+      const Constraints constraints(system, rows);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  auto rows = model.rows;
+  for (ConstraintRow& row : rows)
+    if (row.number == 0)
+      row.terms[0].dof = 6; // inside subdomain 0
+  EXPECT_NE(attempt(rows).find("names dof 6, which is not an interface dof"), std::string::npos);
+  for (ConstraintRow& row : rows)
+    if (row.number == 0)
+      row.terms[0].dof = 123456;
+  EXPECT_NE(attempt(rows).find("names dof 123456, which no subdomain has"), std::string::npos);
+  rows = model.rows;
+  for (ConstraintRow& row : rows)
+    if (row.number == 0)
+      row.number = 77;
+  EXPECT_NE(attempt(rows).find("without gaps"), std::string::npos);
+  rows = model.rows;
+  for (ConstraintRow& row : rows)
+    for (ConstraintRow::Term& term : row.terms)
+      term.coefficient = 0.0;
+  EXPECT_NE(attempt(rows).find("is zero or not finite"), std::string::npos);
+}
+
+TEST(Constraints, a_dof_fixed_to_two_values_is_refused) {
+  TestModel model = testModel(2, 2);
+  for (Subdomain& subdomain : model.subdomains)
+    for (FixedDof& fixed : subdomain.fixed)
+      fixed.value = subdomain.number == 0 ? 1.0 : 2.0;
+  const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Dual);
+  EXPECT_THROW(Constraints(system, model.rows), InputError);
+}
+
+// Global numbers with large gaps, as an embedding application may have them.
+TEST(Constraints, gaps_in_the_numbering_do_not_matter) {
+  TestModel model = testModel(2, 2);
+  const auto far = [](long long dof) { return 1000000007LL * dof + 5; };
+  for (Subdomain& subdomain : model.subdomains)
+    for (long long& dof : subdomain.dofs)
+      dof = far(dof);
+  for (ConstraintRow& row : model.rows)
+    for (ConstraintRow::Term& term : row.terms)
+      term.dof = far(term.dof);
+  const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Primal);
+  const Constraints constraints(system, model.rows);
+  const TestModel plain = testModel(2, 2);
+  const SubdomainSystem plainSystem(testComm(), plain.subdomains, DirichletForm::Primal);
+  const Constraints plainConstraints(plainSystem, plain.rows);
+  EXPECT_EQ(gatherB(system, constraints), gatherB(plainSystem, plainConstraints));
+}

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Errors.hpp"
+#include "Harmos_Kernel.hpp"
+#include "Harmos_TestModel.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace Harmos;
+using feti::Kernel;
+
+namespace {
+
+// Rigid motions of plane elasticity at points of a circle: two translations, a rotation.
+Kernel planeMotions(int nodes) {
+  Kernel kernel{2 * nodes, 3, std::vector<double>(static_cast<std::size_t>(6 * nodes), 0.0)};
+  for (int k = 0; k < nodes; ++k) {
+    const auto i = static_cast<std::size_t>(2 * k), n = static_cast<std::size_t>(2 * nodes);
+    kernel.values[i] = 1.0;
+    kernel.values[n + i + 1] = 1.0;
+    kernel.values[2 * n + i] = -std::sin(k);
+    kernel.values[2 * n + i + 1] = std::cos(k);
+  }
+  return kernel;
+}
+
+} // namespace
+
+TEST(Kernel, basis_is_orthonormal) {
+  const Kernel kernel = feti::heldKernel(planeMotions(7), {});
+  ASSERT_EQ(kernel.columns, 3);
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) {
+      double dot = 0.0;
+      for (int i = 0; i < kernel.rows; ++i)
+        dot += kernel.column(a)[i] * kernel.column(b)[i];
+      EXPECT_NEAR(dot, a == b ? 1.0 : 0.0, 1e-14);
+    }
+}
+
+// A pinned node leaves the rotation about it; two pinned nodes leave nothing; a roller leaves one motion less.
+TEST(Kernel, fixed_dofs_take_motions_away) {
+  const Kernel motions = planeMotions(7);
+  const Kernel pinned = feti::heldKernel(motions, {4, 5});
+  ASSERT_EQ(pinned.columns, 1);
+  EXPECT_NEAR(pinned.column(0)[4], 0.0, 1e-14);
+  EXPECT_NEAR(pinned.column(0)[5], 0.0, 1e-14);
+  // Rotation about node 2: velocity of node 0 is perpendicular to the line between them.
+  const double dx = std::cos(0.0) - std::cos(2.0), dy = std::sin(0.0) - std::sin(2.0);
+  EXPECT_NEAR(pinned.column(0)[0] * dx + pinned.column(0)[1] * dy, 0.0, 1e-14);
+  EXPECT_EQ(feti::heldKernel(motions, {4, 5, 8, 9}).columns, 0);
+  EXPECT_EQ(feti::heldKernel(motions, {4}).columns, 2);
+}
+
+TEST(Kernel, scalar_body_is_held_by_one_dof) {
+  EXPECT_EQ(feti::heldKernel(feti::constantKernel(10000), {17}).columns, 0);
+  EXPECT_EQ(feti::heldKernel(feti::constantKernel(10000), {}).columns, 1);
+}
+
+TEST(Kernel, dependent_motions_are_refused) {
+  Kernel kernel = planeMotions(4);
+  for (int i = 0; i < kernel.rows; ++i)
+    kernel.values[static_cast<std::size_t>(2 * kernel.rows + i)] = kernel.values[static_cast<std::size_t>(i)];
+  EXPECT_THROW(feti::heldKernel(kernel, {}), NumericalError);
+}

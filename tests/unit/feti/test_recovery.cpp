@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_TestFeti.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace Harmos;
+using namespace Harmos::feti;
+
+namespace {
+
+struct Answer {
+  KktAudit audit;
+  TornSolution torn;
+};
+
+Answer solveModel(const TestFeti& feti, double tolerance) {
+  const TestDualSolution solution = solveDual(feti.dual, feti.coarse, tolerance);
+  EXPECT_TRUE(solution.result.converged()) << solution.result.explanation;
+  Answer answer;
+  answer.torn = recover(feti.system, feti.constraints, feti.inverses, feti.coarse, feti.dual, *solution.lambda,
+                        solution.mu);
+  answer.audit = audit(feti.system, feti.constraints, answer.torn);
+  return answer;
+}
+
+} // namespace
+
+// Ten times the solver tolerance, displacements and forces being of order one.
+TEST(Recovery, audit_of_a_tight_solution_is_clean) {
+  for (DirichletForm form : {DirichletForm::Primal, DirichletForm::Dual})
+    for (int s : {1, 2, 3}) {
+      const TestFeti feti(testModel(s, 4), form);
+      const KktAudit audit = solveModel(feti, 1e-11).audit;
+      EXPECT_LT(audit.equilibrium, 1e-9) << s;
+      EXPECT_LT(audit.gluingJump, 1e-9) << s;
+      EXPECT_LT(audit.penetration, 1e-9) << s;
+      EXPECT_GE(audit.minContactMultiplier, 0.0) << s;
+      EXPECT_LT(audit.complementarity, 1e-9) << s;
+      EXPECT_GT(audit.largestDisplacement, 0.1) << s;
+    }
+}
+
+// An unloaded, floating second membrane that the first one would penetrate by δ: λ = 0 there does not fix α, the
+// formula with μ does. The gap is −δ: the second membrane must move up by δ at least.
+TEST(Recovery, unloaded_body_in_initial_penetration) {
+  TestModel model = testModel(2, 3);
+  for (Subdomain& subdomain : model.subdomains)
+    std::fill(subdomain.load.begin(), subdomain.load.end(), 0.0);
+  for (ConstraintRow& row : model.rows)
+    row.bound = -0.25; // u¹ − u² ≤ −0.25
+  const TestFeti feti(model);
+  const Answer answer = solveModel(feti, 1e-11);
+  EXPECT_LT(answer.audit.penetration, 1e-9);
+  EXPECT_LT(answer.audit.gluingJump, 1e-9);
+  EXPECT_LT(answer.audit.equilibrium, 1e-9); // absolute: f = 0
+}
+
+// Prescribed displacements that are not zero: with u = g on x = 0 everything tied is shifted by g.
+TEST(Recovery, inhomogeneous_dirichlet_conditions_in_both_forms) {
+  const double g = 0.75;
+  for (DirichletForm form : {DirichletForm::Primal, DirichletForm::Dual}) {
+    TestModel model = testModel(2, 4);
+    const TestFeti zero(model, form);
+    for (Subdomain& subdomain : model.subdomains)
+      for (FixedDof& fixed : subdomain.fixed)
+        fixed.value = g;
+    const TestFeti shifted(model, form);
+    const Answer a = solveModel(zero, 1e-11), b = solveModel(shifted, 1e-11);
+    EXPECT_LT(b.audit.gluingJump, 1e-9);
+    for (std::size_t i = 0; i < a.torn.displacement.size(); ++i)
+      for (std::size_t j = 0; j < a.torn.displacement[i].size(); ++j)
+        EXPECT_NEAR(b.torn.displacement[i][j] - a.torn.displacement[i][j], g, 1e-8);
+  }
+}

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_TestQp.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+using namespace Harmos;
+using namespace Harmos::qp;
+
+namespace {
+
+using State = IterationState<MultiVector>;
+using Combo = StatusTestCombo<MultiVector>;
+
+// Counts how often it is asked.
+class Probe : public StatusTest<MultiVector> {
+ public:
+  explicit Probe(Status answer) : answer_(answer) {}
+  Status checkStatus(const State&) override {
+    ++asked;
+    return answer_;
+  }
+  Status getStatus() const override { return answer_; }
+  void reset() override {}
+  void print(std::ostream&, int) const override {}
+  int asked = 0;
+
+ private:
+  Status answer_;
+};
+
+} // namespace
+
+TEST(StatusTest, projected_gradient_passes_at_the_limit_and_never_for_nan) {
+  StatusTestProjectedGradient<MultiVector> test(0.5, 4.0);
+  EXPECT_EQ(test.getStatus(), Status::Undefined);
+  State state;
+  state.projectedGradient = 2.0;
+  EXPECT_EQ(test.checkStatus(state), Status::Passed);
+  state.projectedGradient = 2.0000001;
+  EXPECT_EQ(test.checkStatus(state), Status::Failed);
+  state.projectedGradient = std::nan("");
+  EXPECT_EQ(test.checkStatus(state), Status::Failed);
+  test.reset();
+  EXPECT_EQ(test.getStatus(), Status::Undefined);
+}
+
+// ‖x + s‖ grows above the fixed scale: 5 against 1.
+TEST(StatusTest, equality_residual_is_measured_against_the_shifted_solution) {
+  const auto map = Teuchos::rcp(new Map(2, 0, testComm()));
+  const auto x = toVector({2.0, 4.0}, map);
+  StatusTestEqualityResidual<MultiVector> test(0.1, 1.0, toVector({1.0, 0.0}, map));
+  State state;
+  state.x = x.get();
+  state.equalityResidual = 0.49;
+  EXPECT_EQ(test.checkStatus(state), Status::Passed);
+  EXPECT_EQ(test.scale(), 5.0);
+  state.equalityResidual = 0.51;
+  EXPECT_EQ(test.checkStatus(state), Status::Failed);
+  StatusTestEqualityResidual<MultiVector> fixed(0.1, 1.0);
+  state.equalityResidual = 0.49;
+  EXPECT_EQ(fixed.checkStatus(state), Status::Failed);
+}
+
+TEST(StatusTest, iteration_limit) {
+  StatusTestMaxIterations<MultiVector> test(3);
+  State state;
+  state.inner = 2;
+  EXPECT_EQ(test.checkStatus(state), Status::Failed);
+  state.inner = 3;
+  EXPECT_EQ(test.checkStatus(state), Status::Passed);
+}
+
+TEST(StatusTest, combinations) {
+  const auto yes = Teuchos::rcp(new Probe(Status::Passed)), no = Teuchos::rcp(new Probe(Status::Failed));
+  const State state;
+  EXPECT_EQ(Combo(Combo::Type::And, {yes, no}).checkStatus(state), Status::Failed);
+  EXPECT_EQ(Combo(Combo::Type::And, {yes, yes}).checkStatus(state), Status::Passed);
+  EXPECT_EQ(Combo(Combo::Type::Or, {no, yes}).checkStatus(state), Status::Passed);
+  EXPECT_EQ(Combo(Combo::Type::Or, {no, no}).checkStatus(state), Status::Failed);
+  const auto last = Teuchos::rcp(new Probe(Status::Passed));
+  EXPECT_EQ(Combo(Combo::Type::Sequence, {no, last}).checkStatus(state), Status::Failed);
+  EXPECT_EQ(last->asked, 0); // the sequence stops at the first failure
+}
+
+TEST(StatusTest, prints_value_and_limit) {
+  StatusTestProjectedGradient<MultiVector> test(0.5, 4.0);
+  State state;
+  state.projectedGradient = 8.0;
+  test.checkStatus(state);
+  std::ostringstream text;
+  test.print(text);
+  EXPECT_EQ(text.str(), "projected gradient = 8 > 2\n");
+}

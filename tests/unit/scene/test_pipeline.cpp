@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_AtomicFile.hpp"
+#include "Harmos_Decomposition.hpp"
+#include "Harmos_Errors.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_RunReport.hpp"
+#include "Harmos_StructuredRectangle.hpp"
+#include "Harmos_TestComm.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <unistd.h>
+
+using namespace Harmos;
+
+namespace {
+
+scene::Scene grid(int s, int bodies) {
+  scene::Scene scene;
+  for (int b = 0; b < bodies; ++b) {
+    const auto rectangle = std::make_shared<const fem::StructuredRectangle>(
+        fem::Point{0, 0, 0}, std::array<double, 2>{1, 1}, std::array<int, 2>{s, s}, std::array<int, 2>{1, 1}, 100 * b);
+    scene::Body body;
+    body.subdomains = s * s;
+    body.subdomain = [rectangle](int k) { return rectangle->subdomain(k); };
+    scene.bodies.push_back(body);
+  }
+  return scene;
+}
+
+} // namespace
+
+// Every subdomain on exactly one rank, in order, and shares that differ by one at most; also with more ranks than
+// subdomains.
+TEST(Decomposition, shares_are_disjoint_complete_and_even) {
+  for (int s : {1, 2, 3})
+    for (int ranks : {1, 2, 3, 5, 40}) {
+      const scene::Scene scene = grid(s, 2);
+      long long next = 0;
+      std::size_t least = 1000, most = 0;
+      for (int rank = 0; rank < ranks; ++rank) {
+        const auto owned = scene::decompose(scene, rank, ranks);
+        least = std::min(least, owned.size());
+        most = std::max(most, owned.size());
+        for (const scene::OwnedSubdomain& item : owned) {
+          EXPECT_EQ(item.number, next);
+          EXPECT_EQ(item.body, next < s * s ? 0 : 1);
+          ++next;
+        }
+      }
+      EXPECT_EQ(next, 2 * s * s);
+      EXPECT_LE(most - least, 1u);
+    }
+}
+
+TEST(Decomposition, congruent_subdomains_share_matrix_and_kernel) {
+  const scene::Scene scene = grid(3, 1);
+  const auto subdomains = scene::assemble(scene, scene::decompose(scene, 0, 1));
+  for (const feti::Subdomain& subdomain : subdomains) {
+    EXPECT_EQ(subdomain.stiffness.get(), subdomains[0].stiffness.get());
+    EXPECT_EQ(subdomain.motions.get(), subdomains[0].motions.get());
+  }
+}
+
+TEST(RunReport, json_has_no_nan) {
+  scene::RunReport report;
+  report.audited = true;
+  report.audit.energy = std::nan("");
+  report.reason = "a \"quoted\" reason";
+  const std::string json = scene::toJson(report);
+  EXPECT_NE(json.find("\"energy\": null"), std::string::npos);
+  EXPECT_NE(json.find("a \\\"quoted\\\" reason"), std::string::npos);
+}
+
+TEST(AtomicFile, appears_whole_or_not_at_all) {
+  if (testComm()->getRank() != 0)
+    return;
+  const std::string directory = "/tmp/harmos_test_" + std::to_string(getpid()) + "/a/b";
+  scene::makeDirectory(directory);
+  scene::writeAtomically(directory + "/file", "new\n");
+  std::ifstream stream(directory + "/file");
+  std::string text;
+  EXPECT_TRUE(std::getline(stream, text) && text == "new");
+  EXPECT_FALSE(std::filesystem::exists(scene::partPath(directory + "/file")));
+  // A directory stands in the way of the name: the error says so and the part file is not taken for the result.
+  scene::makeDirectory(directory + "/taken/inside");
+  EXPECT_THROW(scene::writeAtomically(directory + "/taken", "x"), InputError);
+  EXPECT_THROW(scene::writeAtomically("/proc/no/file", "x"), InputError);
+  EXPECT_THROW(scene::makeDirectory(directory + "/file/below"), InputError);
+  std::filesystem::remove_all("/tmp/harmos_test_" + std::to_string(getpid()));
+}
