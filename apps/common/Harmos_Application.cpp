@@ -45,7 +45,8 @@ struct CommandLine {
 
 // Every rank parses the same arguments and comes to the same end; rank 0 speaks. Returns an exit status, or
 // nothing if the run is to go on.
-std::optional<int> parse(int argc, char** argv, const Application& application, bool speaks, CommandLine& line) {
+std::optional<int> parse(int argc, char** argv, const Application& application, bool speaks,
+                         CommandLine& line) {
   CLI::App cli(application.description, application.name);
   cli.add_option("deck", line.deck, "Deck: an XML (or YAML) ParameterList")->type_name("DECK");
   cli.add_option("--set", line.assignments, "Override a parameter of the deck: \"List/Sublist/Name=value\"")

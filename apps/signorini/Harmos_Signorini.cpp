@@ -5,7 +5,8 @@
 ///
 ///     min Σ ½∫|∇uⁱ|² − ∫fuⁱ   subject to   u¹ = 0 at x = 0,   u² − u¹ ≥ 0 at x = 1,
 ///
-/// f = −3 on (0,1)×[0.75,1), −1 on (1,2)×[0,0.25), 0 elsewhere. The second membrane is held by the contact alone.
+/// f = −3 on (0,1)×[0.75,1), −1 on (1,2)×[0,0.25), 0 elsewhere. The second membrane is held by the contact
+/// alone.
 
 #include "Harmos_Application.hpp"
 #include "Harmos_StructuredRectangle.hpp"
@@ -38,8 +39,8 @@ scene::Scene makeScene(const Teuchos::ParameterList& deck) {
   long long firstNode = 0;
   for (int b = 0; b < 2; ++b) {
     const auto rectangle = std::make_shared<const fem::StructuredRectangle>(
-        fem::Point{static_cast<double>(b), 0.0, 0.0}, std::array<double, 2>{1.0, 1.0}, std::array<int, 2>{s, s},
-        std::array<int, 2>{n, n}, firstNode);
+        fem::Point{static_cast<double>(b), 0.0, 0.0}, std::array<double, 2>{1.0, 1.0},
+        std::array<int, 2>{s, s}, std::array<int, 2>{n, n}, firstNode);
     firstNode += rectangle->numberOfNodes();
     scene::Body body;
     body.name = b == 0 ? "first membrane" : "second membrane";
@@ -53,13 +54,15 @@ scene::Scene makeScene(const Teuchos::ParameterList& deck) {
     }
     scene.bodies.push_back(std::move(body));
   }
-  scene.interfaces = {{tied ? scene::Interface::Kind::Tie : scene::Interface::Kind::Contact, 0, "right", 1, "left"}};
+  scene.interfaces = {
+      {tied ? scene::Interface::Kind::Tie : scene::Interface::Kind::Contact, 0, "right", 1, "left"}};
   return scene;
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-  return app::main(argc, argv,
-                   {"signorini", "the Signorini model problem: two membranes in contact", addParameters, makeScene});
+  return app::main(
+      argc, argv,
+      {"signorini", "the Signorini model problem: two membranes in contact", addParameters, makeScene});
 }

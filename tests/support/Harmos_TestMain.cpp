@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The main program of all unit tests: MPI and Kokkos around GoogleTest. The test fails if it fails on any rank;
-/// progress is printed by rank 0, failures by the rank that meets them.
+/// The main program of all unit tests: MPI and Kokkos around GoogleTest. The test fails if it fails on any
+/// rank; progress is printed by rank 0, failures by the rank that meets them.
 
 #include "Harmos_TestComm.hpp"
 

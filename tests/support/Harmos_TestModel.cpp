@@ -13,15 +13,17 @@
 
 namespace Harmos {
 
-Teuchos::RCP<const Teuchos::Comm<int>> testComm() { return Tpetra::getDefaultComm(); }
+Teuchos::RCP<const Teuchos::Comm<int>> testComm() {
+  return Tpetra::getDefaultComm();
+}
 
 TestModel testModel(int s, int n, bool tied) {
   scene::Scene scene;
   long long firstNode = 0;
   for (int b = 0; b < 2; ++b) {
     const auto rectangle = std::make_shared<const fem::StructuredRectangle>(
-        fem::Point{static_cast<double>(b), 0.0, 0.0}, std::array<double, 2>{1.0, 1.0}, std::array<int, 2>{s, s},
-        std::array<int, 2>{n, n}, firstNode);
+        fem::Point{static_cast<double>(b), 0.0, 0.0}, std::array<double, 2>{1.0, 1.0},
+        std::array<int, 2>{s, s}, std::array<int, 2>{n, n}, firstNode);
     firstNode += rectangle->numberOfNodes();
     scene::Body body;
     body.subdomains = rectangle->numberOfSubdomains();

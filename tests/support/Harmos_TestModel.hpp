@@ -23,7 +23,8 @@ struct Dense {
   int rows = 0;
   int columns = 0;
   std::vector<double> values;
-  Dense(int m, int n) : rows(m), columns(n), values(static_cast<std::size_t>(m) * static_cast<std::size_t>(n), 0.0) {}
+  Dense(int m, int n)
+      : rows(m), columns(n), values(static_cast<std::size_t>(m) * static_cast<std::size_t>(n), 0.0) {}
   double& operator()(int i, int j) {
     return values[static_cast<std::size_t>(j) * static_cast<std::size_t>(rows) + static_cast<std::size_t>(i)];
   }

@@ -43,7 +43,8 @@ std::vector<double> bruteForce(const SmallQp& qp, std::vector<double>* multiplie
     bool admissible = true;
     for (int i = 0; i < n; ++i) {
       const int s = state[static_cast<std::size_t>(i)];
-      admissible = admissible && !(s == 1 && lowerOf(qp, i) == -infinity) && !(s == 2 && upperOf(qp, i) == infinity);
+      admissible =
+          admissible && !(s == 1 && lowerOf(qp, i) == -infinity) && !(s == 2 && upperOf(qp, i) == infinity);
     }
     if (admissible) {
       // Unknowns x, multipliers of C; rows of active entries say x_i = bound.
@@ -172,7 +173,8 @@ std::vector<double> fromVector(const MultiVector& vector) {
   std::vector<double> values(vector.getGlobalLength(), 0.0);
   const auto view = vector.getLocalViewHost(Tpetra::Access::ReadOnly);
   for (std::size_t i = 0; i < view.extent(0); ++i)
-    values[static_cast<std::size_t>(vector.getMap()->getGlobalElement(static_cast<LocalOrdinal>(i)))] = view(i, 0);
+    values[static_cast<std::size_t>(vector.getMap()->getGlobalElement(static_cast<LocalOrdinal>(i)))] =
+        view(i, 0);
   if (vector.isDistributed())
     globalSum(*vector.getMap()->getComm(), values);
   return values;
@@ -200,8 +202,8 @@ DistributedQp::DistributedQp(const SmallQp& qp, qp::EqualityStructure structure)
   const auto comm = testComm();
   map = Teuchos::rcp(new Map(static_cast<Tpetra::global_size_t>(qp.size()), 0, comm));
   solution = Teuchos::rcp(new MultiVector(map, 1));
-  problem = Teuchos::rcp(new qp::TpetraProblem(Teuchos::rcp(new DenseOperator(qp.a, map, map)), solution,
-                                               toVector(qp.b, map)));
+  problem = Teuchos::rcp(
+      new qp::TpetraProblem(Teuchos::rcp(new DenseOperator(qp.a, map, map)), solution, toVector(qp.b, map)));
   if (!qp.lower.empty())
     problem->setLowerBound(toVector(qp.lower, map));
   if (!qp.upper.empty())
@@ -210,8 +212,8 @@ DistributedQp::DistributedQp(const SmallQp& qp, qp::EqualityStructure structure)
     const auto rows = Teuchos::rcp(
         new Map(static_cast<Tpetra::global_size_t>(qp.c.rows), 0, comm, Tpetra::LocallyReplicated));
     multiplier = Teuchos::rcp(new MultiVector(rows, 1));
-    problem->setEquality(Teuchos::rcp(new DenseOperator(qp.c, map, rows)), toVector(qp.cRhs, rows), multiplier,
-                         structure);
+    problem->setEquality(Teuchos::rcp(new DenseOperator(qp.c, map, rows)), toVector(qp.cRhs, rows),
+                         multiplier, structure);
   }
   problem->setProblem();
 }

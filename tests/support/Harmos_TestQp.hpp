@@ -38,14 +38,12 @@ void orthonormalizeRows(SmallQp& qp);
 class DenseOperator : public Operator {
  public:
   DenseOperator(Dense matrix, Teuchos::RCP<const Map> domain, Teuchos::RCP<const Map> range)
-      : matrix_(std::move(matrix)),
-        domain_(std::move(domain)),
-        range_(std::move(range)) {}
+      : matrix_(std::move(matrix)), domain_(std::move(domain)), range_(std::move(range)) {}
   Teuchos::RCP<const Map> getDomainMap() const override { return domain_; }
   Teuchos::RCP<const Map> getRangeMap() const override { return range_; }
   bool hasTransposeApply() const override { return true; }
-  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS, Scalar alpha = 1.0,
-             Scalar beta = 0.0) const override;
+  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
+             Scalar alpha = 1.0, Scalar beta = 0.0) const override;
 
  private:
   Dense matrix_;

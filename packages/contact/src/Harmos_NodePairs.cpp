@@ -52,7 +52,8 @@ Cell cellOf(const SurfaceNode& node, double size) {
 }
 
 double distance(const SurfaceNode& a, const SurfaceNode& b) {
-  return std::hypot(a.position[0] - b.position[0], a.position[1] - b.position[1], a.position[2] - b.position[2]);
+  return std::hypot(a.position[0] - b.position[0], a.position[1] - b.position[1],
+                    a.position[2] - b.position[2]);
 }
 
 std::vector<ConstraintRow> rows(const Teuchos::Comm<int>& comm, const std::vector<NodePair>& pairs,

@@ -13,9 +13,9 @@ namespace Harmos::contact {
 
 /// A node of a boundary part, as one subdomain sees it.
 struct SurfaceNode {
-  long long node;  ///< global number; copies on several subdomains have the same
+  long long node; ///< global number; copies on several subdomains have the same
   double position[3];
-  double length;   ///< half of the lengths of its surface edges in this subdomain
+  double length; ///< half of the lengths of its surface edges in this subdomain
 };
 
 /// The nodes of a named boundary part of a placed mesh; empty if the subdomain has none. Local.
@@ -31,8 +31,8 @@ struct NodePair {
 
 /// Pairs the nodes of two surfaces that match node to node.
 ///
-/// Every rank gets all pairs, ordered along the surface by position, whatever the number of ranks. The surfaces
-/// are gathered on every rank: their size is that of a boundary, not of a body.
+/// Every rank gets all pairs, ordered along the surface by position, whatever the number of ranks. The
+/// surfaces are gathered on every rank: their size is that of a boundary, not of a body.
 ///
 /// @param first, second this rank's nodes; copies allowed, their lengths are added up.
 /// @param tolerance of the positions, relative to the extent of the surfaces.

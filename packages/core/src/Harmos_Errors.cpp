@@ -4,9 +4,7 @@
 namespace Harmos {
 
 Error::Error(Kind kind, const std::string& message, ErrorData data)
-    : std::runtime_error(message),
-      kind_(kind),
-      data_(std::move(data)) {}
+    : std::runtime_error(message), kind_(kind), data_(std::move(data)) {}
 
 void throwError(Error::Kind kind, const std::string& message, ErrorData data) {
   switch (kind) {

@@ -24,7 +24,8 @@ std::vector<std::vector<char>> exchangeBytes(const Teuchos::Comm<int>& comm,
 /// @throws InternalError on every rank, if more than 2 GiB would go from one rank in one call.
 /// @note Collective.
 template<class T>
-std::vector<std::vector<T>> exchangeItems(const Teuchos::Comm<int>& comm, const std::vector<std::vector<T>>& sends) {
+std::vector<std::vector<T>> exchangeItems(const Teuchos::Comm<int>& comm,
+                                          const std::vector<std::vector<T>>& sends) {
   static_assert(std::is_trivially_copyable_v<T>, "items travel as bytes");
   std::vector<std::vector<char>> bytes(sends.size());
   for (std::size_t r = 0; r < sends.size(); ++r) {

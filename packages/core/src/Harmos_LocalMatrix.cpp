@@ -13,7 +13,8 @@ void LocalMatrix::multiply(const double* x, double* y) const {
   const int n = rows();
   for (int i = 0; i < n; ++i) {
     double sum = 0.0;
-    for (std::size_t k = offsets[static_cast<std::size_t>(i)]; k < offsets[static_cast<std::size_t>(i) + 1]; ++k)
+    for (std::size_t k = offsets[static_cast<std::size_t>(i)]; k < offsets[static_cast<std::size_t>(i) + 1];
+         ++k)
       sum += values[k] * x[columns[k]];
     y[i] = sum;
   }

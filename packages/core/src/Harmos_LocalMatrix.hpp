@@ -8,9 +8,9 @@ namespace Harmos {
 
 /// Square sparse matrix of one subdomain in compressed rows, on one rank.
 ///
-/// The currency between assembly, domain decomposition and embedding applications. The types of the arrays are
-/// those of a Tpetra::CrsMatrix on the host, which can therefore be a view of it. Columns are sorted in a row.
-/// Symmetric matrices are stored whole.
+/// The currency between assembly, domain decomposition and embedding applications. The types of the arrays
+/// are those of a Tpetra::CrsMatrix on the host, which can therefore be a view of it. Columns are sorted in a
+/// row. Symmetric matrices are stored whole.
 struct LocalMatrix {
   std::vector<std::size_t> offsets = {0}; ///< rows + 1 entries
   std::vector<int> columns;
@@ -27,7 +27,8 @@ struct LocalMatrix {
   /// max_ij |a_ij|.
   double maxNorm() const;
 
-  /// ‖A‖_∞, the largest row sum of absolute values; an upper bound of the spectral norm of a symmetric matrix.
+  /// ‖A‖_∞, the largest row sum of absolute values; an upper bound of the spectral norm of a symmetric
+  /// matrix.
   double infinityNorm() const;
 };
 

@@ -8,10 +8,7 @@
 namespace Harmos {
 
 Log::Log(std::ostream& out, std::ostream& err, Verbosity verbosity, bool active)
-    : out_(&out),
-      err_(&err),
-      verbosity_(verbosity),
-      active_(active) {}
+    : out_(&out), err_(&err), verbosity_(verbosity), active_(active) {}
 
 void Log::error(const std::string& message) const {
   if (active_)

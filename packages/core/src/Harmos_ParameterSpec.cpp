@@ -24,7 +24,9 @@ std::string numberText(double value) {
   return text.str();
 }
 
-std::string quoted(const std::string& text) { return "\"" + text + "\""; }
+std::string quoted(const std::string& text) {
+  return "\"" + text + "\"";
+}
 
 std::string joined(const std::vector<std::string>& texts) {
   std::string result;
@@ -110,12 +112,12 @@ bool Range::contains(double value) const {
 std::string Range::text() const {
   const bool openLeft = leastExcluded || std::isinf(least);
   const bool openRight = mostExcluded || std::isinf(most);
-  return std::string(openLeft ? "(" : "[") + numberText(least) + ", " + numberText(most) + (openRight ? ")" : "]");
+  return std::string(openLeft ? "(" : "[") + numberText(least) + ", " + numberText(most) +
+         (openRight ? ")" : "]");
 }
 
 ParameterSpec::ParameterSpec(std::string name, std::string meaning)
-    : name_(std::move(name)),
-      meaning_(std::move(meaning)) {}
+    : name_(std::move(name)), meaning_(std::move(meaning)) {}
 
 ParameterSpec::Parameter& ParameterSpec::add(const std::string& name, Type type, const std::string& meaning) {
   HARMOS_REQUIRE(find(name) == nullptr && findList(name) == nullptr,
@@ -149,7 +151,8 @@ ParameterSpec& ParameterSpec::boolean(const std::string& name, bool value, const
   return *this;
 }
 
-ParameterSpec& ParameterSpec::text(const std::string& name, const std::string& value, const std::string& meaning) {
+ParameterSpec& ParameterSpec::text(const std::string& name, const std::string& value,
+                                   const std::string& meaning) {
   add(name, Type::Text, meaning).text = value;
   return *this;
 }
@@ -266,7 +269,8 @@ void ParameterSpec::validate(const Parameter& parameter, const Teuchos::Paramete
   case Type::Real: {
     if (!entry.isType<double>() && !entry.isType<int>())
       return wrongType();
-    const double value = entry.isType<int>() ? Teuchos::getValue<int>(entry) : Teuchos::getValue<double>(entry);
+    const double value =
+        entry.isType<int>() ? Teuchos::getValue<int>(entry) : Teuchos::getValue<double>(entry);
     if (!parameter.range.contains(value))
       return outOfRange(numberText(value));
     result.set(parameter.name, value);
@@ -345,8 +349,8 @@ Teuchos::ParameterList ParameterSpec::validated(const Teuchos::ParameterList& gi
 void ParameterSpec::setDefault(const Parameter& parameter, Teuchos::ParameterList& list, bool validators) {
   Teuchos::RCP<const Teuchos::ParameterEntryValidator> validator;
   if (validators && parameter.type == Type::Integer) {
-    validator = Teuchos::rcp(new Teuchos::EnhancedNumberValidator<int>(static_cast<int>(parameter.range.least),
-                                                                       static_cast<int>(parameter.range.most)));
+    validator = Teuchos::rcp(new Teuchos::EnhancedNumberValidator<int>(
+        static_cast<int>(parameter.range.least), static_cast<int>(parameter.range.most)));
   } else if (validators && parameter.type == Type::Real) {
     // Teuchos knows closed ranges only: an excluded end moves by one representable number.
     double least = parameter.range.least;
@@ -453,7 +457,9 @@ void ParameterSpec::set(Teuchos::ParameterList& list, const std::string& path, c
   }
 }
 
-void ParameterSpec::writeXml(std::ostream& out) const { Teuchos::writeParameterListToXmlOStream(*teuchosList(), out); }
+void ParameterSpec::writeXml(std::ostream& out) const {
+  Teuchos::writeParameterListToXmlOStream(*teuchosList(), out);
+}
 
 void ParameterSpec::writeMarkdown(std::ostream& out, const std::string& path) const {
   out << "## " << path << "\n\n" << meaning_ << "\n\n";
@@ -474,7 +480,9 @@ void ParameterSpec::writeMarkdown(std::ostream& out, const std::string& path) co
     sublist.writeMarkdown(out, path + "/" + sublist.name());
 }
 
-void ParameterSpec::writeMarkdown(std::ostream& out) const { writeMarkdown(out, name_); }
+void ParameterSpec::writeMarkdown(std::ostream& out) const {
+  writeMarkdown(out, name_);
+}
 
 void ParameterSpec::writeText(std::ostream& out, const std::string& path) const {
   out << path << "  -- " << meaning_ << "\n";

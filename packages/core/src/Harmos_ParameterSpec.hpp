@@ -19,7 +19,9 @@ struct Range {
   bool leastExcluded = false;
   bool mostExcluded = false;
 
-  static Range atLeast(double least) { return {least, std::numeric_limits<double>::infinity(), false, false}; }
+  static Range atLeast(double least) {
+    return {least, std::numeric_limits<double>::infinity(), false, false};
+  }
   static Range above(double least) { return {least, std::numeric_limits<double>::infinity(), true, false}; }
   static Range within(double least, double most) { return {least, most, false, false}; }
   static Range strictlyWithin(double least, double most) { return {least, most, true, true}; }
@@ -30,8 +32,8 @@ struct Range {
 
 /// The one description of a parameter list: type, default, range and meaning of every parameter.
 ///
-/// From it come the validation of decks, the defaults, the reference pages and Teuchos' valid parameters; there
-/// is no second list anywhere. Names are matched exactly: case, spaces and all; there are no synonyms.
+/// From it come the validation of decks, the defaults, the reference pages and Teuchos' valid parameters;
+/// there is no second list anywhere. Names are matched exactly: case, spaces and all; there are no synonyms.
 ///
 /// Guarded by tests/unit/core/test_parameter_spec.cpp.
 class ParameterSpec {
@@ -56,7 +58,8 @@ class ParameterSpec {
   /// The given list, checked and completed by the defaults.
   ///
   /// Every fault is reported at once, each with its path in the deck, what was found, what is allowed and the
-  /// nearest known name. A whole number is accepted where a real one is expected; no other conversion is made.
+  /// nearest known name. A whole number is accepted where a real one is expected; no other conversion is
+  /// made.
   ///
   /// @param source what the message calls the origin, a file name for instance.
   /// @throws InputError
@@ -104,8 +107,9 @@ class ParameterSpec {
   std::vector<std::string> names() const;
   void validate(const Teuchos::ParameterList& given, const std::string& path, Teuchos::ParameterList& result,
                 std::vector<std::string>& faults) const;
-  static void validate(const Parameter& parameter, const Teuchos::ParameterEntry& entry, const std::string& path,
-                       Teuchos::ParameterList& result, std::vector<std::string>& faults);
+  static void validate(const Parameter& parameter, const Teuchos::ParameterEntry& entry,
+                       const std::string& path, Teuchos::ParameterList& result,
+                       std::vector<std::string>& faults);
   static void setDefault(const Parameter& parameter, Teuchos::ParameterList& list, bool validators);
   void fill(Teuchos::ParameterList& list, bool validators) const;
   static std::string expected(const Parameter& parameter);
@@ -120,8 +124,8 @@ class ParameterSpec {
   std::vector<ParameterSpec> lists_;
 };
 
-/// The candidate with the least edit distance to the name (letters' case ignored), or that begins with it; "" if
-/// none is near.
+/// The candidate with the least edit distance to the name (letters' case ignored), or that begins with it; ""
+/// if none is near.
 std::string nearestName(const std::string& name, const std::vector<std::string>& candidates);
 
 } // namespace Harmos

@@ -14,8 +14,8 @@ namespace Harmos {
 /// Seconds spent in the named stages of one run, on top of Teuchos::TimeMonitor.
 ///
 /// Each stage is the TimeMonitor counter "Harmos: <stage>", so that an application's own summary shows it.
-/// Counters are global to the process and grow over several runs; this object reports only what was added since
-/// it was made.
+/// Counters are global to the process and grow over several runs; this object reports only what was added
+/// since it was made.
 class StageTimers {
  public:
   /// @param stages names, in the order of reporting.

@@ -5,8 +5,12 @@
 
 namespace Harmos {
 
-std::string version() { return HARMOS_VERSION; }
+std::string version() {
+  return HARMOS_VERSION;
+}
 
-std::string gitHash() { return HARMOS_GIT_HASH; }
+std::string gitHash() {
+  return HARMOS_GIT_HASH;
+}
 
 } // namespace Harmos

@@ -52,8 +52,8 @@ CellMatrix laplaceMatrix(const CellCoordinates& x, const ReferenceElement& eleme
     const Jacobian j = jacobian(x, element, q);
     const double det = j.determinant();
     if (!(det > 0.0))
-      throw NumericalError("cell " + std::to_string(cell) +
-                               " is inverted or has no area: its Jacobian is " + std::to_string(det) +
+      throw NumericalError("cell " + std::to_string(cell) + " is inverted or has no area: its Jacobian is " +
+                               std::to_string(det) +
                                "; number its corners counter-clockwise and check their coordinates",
                            {{"cell", std::to_string(cell)}, {"jacobian", std::to_string(det)}});
     const double weight = element.quadrature().weights[static_cast<std::size_t>(q)];
@@ -93,8 +93,10 @@ LocalMatrix emptyMatrix(const Mesh& mesh) {
 }
 
 void addTo(LocalMatrix& matrix, int row, int column, double value) {
-  const auto begin = matrix.columns.begin() + static_cast<std::ptrdiff_t>(matrix.offsets[static_cast<std::size_t>(row)]);
-  const auto end = matrix.columns.begin() + static_cast<std::ptrdiff_t>(matrix.offsets[static_cast<std::size_t>(row) + 1]);
+  const auto begin =
+      matrix.columns.begin() + static_cast<std::ptrdiff_t>(matrix.offsets[static_cast<std::size_t>(row)]);
+  const auto end =
+      matrix.columns.begin() + static_cast<std::ptrdiff_t>(matrix.offsets[static_cast<std::size_t>(row) + 1]);
   const auto place = std::lower_bound(begin, end, column);
   matrix.values[static_cast<std::size_t>(place - matrix.columns.begin())] += value;
 }
@@ -118,7 +120,8 @@ std::vector<Vec2> clip(const std::vector<Vec2>& polygon, std::size_t axis, doubl
   return result;
 }
 
-// Reference coordinates of a point of a bilinear quadrilateral by Newton's method; one step for a parallelogram.
+// Reference coordinates of a point of a bilinear quadrilateral by Newton's method; one step for a
+// parallelogram.
 Vec2 toReference(const CellCoordinates& x, const Vec2& point) {
   Vec2 r = {0.0, 0.0};
   const double size = std::abs(x[2][0] - x[0][0]) + std::abs(x[2][1] - x[0][1]);
@@ -206,8 +209,8 @@ std::vector<double> assembleLoad(const PlacedMesh& placed, const std::vector<Box
       std::array<double, cellNodes> integrals{};
       if (within) {
         for (int q = 0; q < element.points(); ++q) {
-          const double measure =
-              element.quadrature().weights[static_cast<std::size_t>(q)] * jacobian(x, element, q).determinant();
+          const double measure = element.quadrature().weights[static_cast<std::size_t>(q)] *
+                                 jacobian(x, element, q).determinant();
           for (int i = 0; i < cellNodes; ++i)
             integrals[static_cast<std::size_t>(i)] += measure * element.value(i, q);
         }

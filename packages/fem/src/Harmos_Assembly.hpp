@@ -18,13 +18,13 @@ struct BoxLoad {
 /// Stiffness matrix of −Δ: K_ij = ∫ ∇φ_i·∇φ_j, one dof a node, no boundary conditions (Q1, 2×2 Gauss points).
 ///
 /// Uses relative coordinates only: congruent meshes give identical matrices.
-/// @throws NumericalError for a cell with a Jacobian that is not positive (inverted, wrong orientation), naming it.
+/// @throws NumericalError for a cell with a Jacobian that is not positive (inverted, wrong orientation),
+/// naming it.
 LocalMatrix assembleLaplace(const Mesh& mesh);
 
-/// Load vector f_i = ∫ f φ_i of box loads, integrated element-exactly: a cell that a box cuts is clipped, and only
-/// the part inside is integrated, so that the answer does not depend on whether the mesh resolves the jump. Exact
-/// for parallelograms.
-/// Guarded by tests/unit/fem/test_assembly.cpp.
+/// Load vector f_i = ∫ f φ_i of box loads, integrated element-exactly: a cell that a box cuts is clipped, and
+/// only the part inside is integrated, so that the answer does not depend on whether the mesh resolves the
+/// jump. Exact for parallelograms. Guarded by tests/unit/fem/test_assembly.cpp.
 std::vector<double> assembleLoad(const PlacedMesh& mesh, const std::vector<BoxLoad>& loads);
 
 } // namespace Harmos::fem

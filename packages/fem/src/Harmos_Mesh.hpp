@@ -16,8 +16,8 @@ enum class CellType { Quadrilateral4 };
 
 /// Geometry and connectivity of one subdomain, relative to an anchor.
 ///
-/// Coordinates are stored relative to the anchor, so that congruent subdomains have bit for bit the same mesh and
-/// can share it: nothing that is identical is kept twice.
+/// Coordinates are stored relative to the anchor, so that congruent subdomains have bit for bit the same mesh
+/// and can share it: nothing that is identical is kept twice.
 struct Mesh {
   CellType cellType = CellType::Quadrilateral4;
   std::vector<double> coordinates; ///< (x, y) of each node, relative to the anchor
@@ -34,8 +34,8 @@ struct Mesh {
 struct PlacedMesh {
   std::shared_ptr<const Mesh> mesh;
   Point anchor{};
-  std::vector<long long> nodes;                ///< global number of each node; copies have the same
-  std::vector<int> boundary;                   ///< local nodes on the boundary of the subdomain
+  std::vector<long long> nodes;                 ///< global number of each node; copies have the same
+  std::vector<int> boundary;                    ///< local nodes on the boundary of the subdomain
   std::map<std::string, std::vector<int>> sets; ///< local nodes of the body's named boundary parts, sorted
 
   Point position(int node) const {

@@ -64,7 +64,8 @@ ReferenceElement::valuesAt(const std::vector<std::array<double, 2>>& points) con
   const Intrepid2::Basis_HGRAD_QUAD_C1_FEM<Device, double, double> basis;
   View values("values", basisSize_, points.size());
   basis.getValues(values, pointsView(points), Intrepid2::OPERATOR_VALUE);
-  std::vector<std::vector<double>> result(points.size(), std::vector<double>(static_cast<std::size_t>(basisSize_)));
+  std::vector<std::vector<double>> result(points.size(),
+                                          std::vector<double>(static_cast<std::size_t>(basisSize_)));
   for (std::size_t q = 0; q < points.size(); ++q)
     for (int i = 0; i < basisSize_; ++i)
       result[q][static_cast<std::size_t>(i)] = values(i, q);

@@ -13,7 +13,8 @@ struct Quadrature {
   std::vector<double> weights;
 };
 
-/// Exact for polynomials of the given total degree on the reference triangle (0,0), (1,0), (0,1). From Intrepid2.
+/// Exact for polynomials of the given total degree on the reference triangle (0,0), (1,0), (0,1). From
+/// Intrepid2.
 Quadrature triangleQuadrature(int degree);
 
 /// Basis functions and quadrature of a cell type on its reference cell, from Intrepid2 and Shards.

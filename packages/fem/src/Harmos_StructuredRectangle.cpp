@@ -6,16 +6,13 @@
 namespace Harmos::fem {
 
 StructuredRectangle::StructuredRectangle(const Point& origin, const std::array<double, 2>& size,
-                                         const std::array<int, 2>& subdomains, const std::array<int, 2>& elements,
-                                         long long firstNode)
-    : origin_(origin),
-      size_(size),
-      subdomains_(subdomains),
-      elements_(elements),
-      firstNode_(firstNode) {
+                                         const std::array<int, 2>& subdomains,
+                                         const std::array<int, 2>& elements, long long firstNode)
+    : origin_(origin), size_(size), subdomains_(subdomains), elements_(elements), firstNode_(firstNode) {
   for (std::size_t d = 0; d < 2; ++d)
     if (!(size[d] > 0.0) || subdomains[d] < 1 || elements[d] < 1)
-      throw InputError("a structured rectangle needs positive sizes and at least one subdomain and element a side");
+      throw InputError(
+          "a structured rectangle needs positive sizes and at least one subdomain and element a side");
   auto mesh = std::make_shared<Mesh>();
   const int nx = elements[0], ny = elements[1];
   const double hx = size[0] / (static_cast<double>(subdomains[0]) * nx);
@@ -46,8 +43,8 @@ PlacedMesh StructuredRectangle::subdomain(int s) const {
   const int nx = elements_[0], ny = elements_[1];
   PlacedMesh placed;
   placed.mesh = mesh_;
-  placed.anchor = {origin_[0] + size_[0] * column / subdomains_[0], origin_[1] + size_[1] * row / subdomains_[1],
-                   origin_[2]};
+  placed.anchor = {origin_[0] + size_[0] * column / subdomains_[0],
+                   origin_[1] + size_[1] * row / subdomains_[1], origin_[2]};
   const long long stride = static_cast<long long>(subdomains_[0]) * nx + 1;
   placed.nodes.reserve(static_cast<std::size_t>(mesh_->numberOfNodes()));
   for (int j = 0; j <= ny; ++j)

@@ -17,8 +17,9 @@ class StructuredRectangle {
   /// @param subdomains, elements numbers per side (x, y); elements of one subdomain;
   /// @param firstNode global number of the first node.
   /// @throws InputError for sizes or numbers that are not positive.
-  StructuredRectangle(const Point& origin, const std::array<double, 2>& size, const std::array<int, 2>& subdomains,
-                      const std::array<int, 2>& elements, long long firstNode);
+  StructuredRectangle(const Point& origin, const std::array<double, 2>& size,
+                      const std::array<int, 2>& subdomains, const std::array<int, 2>& elements,
+                      long long firstNode);
 
   int numberOfSubdomains() const { return subdomains_[0] * subdomains_[1]; }
   long long numberOfNodes() const;

@@ -72,8 +72,7 @@ int pivotedCholesky(std::vector<double>& a, int n, std::vector<int>& pivots, dou
 } // namespace
 
 CoarseSpace::CoarseSpace(const SubdomainSystem& system, const Constraints& constraints)
-    : comm_(system.comm()),
-      kernelDimension_(system.kernelDimension()) {
+    : comm_(system.comm()), kernelDimension_(system.kernelDimension()) {
   // Each subdomain makes its rows of G̃; the entries go to the ranks that own the dual rows.
   std::vector<std::vector<CoarseEntry>> sends(static_cast<std::size_t>(comm_->getSize()));
   for (int i = 0; i < system.size(); ++i) {
@@ -116,7 +115,9 @@ CoarseSpace::CoarseSpace(const SubdomainSystem& system, const Constraints& const
       new Map(static_cast<Tpetra::global_size_t>(dimension_), 0, comm_, Tpetra::LocallyReplicated));
 }
 
-std::vector<int> CoarseSpace::dependentColumns() const { return {pivots_.begin() + dimension_, pivots_.end()}; }
+std::vector<int> CoarseSpace::dependentColumns() const {
+  return {pivots_.begin() + dimension_, pivots_.end()};
+}
 
 std::vector<double> CoarseSpace::applyUnscaled(const MultiVector& lambda, std::size_t column) const {
   std::vector<double> w(static_cast<std::size_t>(kernelDimension_), 0.0);

@@ -55,7 +55,7 @@ class CoarseSpace {
  private:
   Teuchos::RCP<const Teuchos::Comm<int>> comm_;
   std::vector<std::vector<std::pair<int, double>>> rows_;
-  std::vector<int> pivots_;   // columns of R in the order of the factorisation
+  std::vector<int> pivots_;    // columns of R in the order of the factorisation
   std::vector<double> factor_; // L, lower triangle, column after column
   Teuchos::RCP<const Map> coarseMap_;
   int dimension_ = 0;
@@ -67,13 +67,12 @@ class CoarseSpace {
 class CoarseOperator : public Operator {
  public:
   CoarseOperator(const CoarseSpace& coarse, Teuchos::RCP<const Map> dualMap)
-      : coarse_(coarse),
-        dualMap_(std::move(dualMap)) {}
+      : coarse_(coarse), dualMap_(std::move(dualMap)) {}
   Teuchos::RCP<const Map> getDomainMap() const override { return dualMap_; }
   Teuchos::RCP<const Map> getRangeMap() const override { return coarse_.coarseMap(); }
   bool hasTransposeApply() const override { return true; }
-  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS, Scalar alpha = 1.0,
-             Scalar beta = 0.0) const override;
+  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
+             Scalar alpha = 1.0, Scalar beta = 0.0) const override;
 
  private:
   const CoarseSpace& coarse_;
@@ -87,8 +86,8 @@ class ProjectedOperator : public Operator {
   Teuchos::RCP<const Map> getDomainMap() const override { return inner_.getDomainMap(); }
   Teuchos::RCP<const Map> getRangeMap() const override { return inner_.getRangeMap(); }
   bool hasTransposeApply() const override { return true; }
-  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS, Scalar alpha = 1.0,
-             Scalar beta = 0.0) const override;
+  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
+             Scalar alpha = 1.0, Scalar beta = 0.0) const override;
 
  private:
   const Operator& inner_;

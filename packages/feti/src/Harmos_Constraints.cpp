@@ -101,8 +101,8 @@ CopyTable meet(const SubdomainSystem& system, const Rendezvous& rendezvous) {
     for (int local : locals) {
       const long long dof = s.dofs[static_cast<std::size_t>(local)];
       const auto found = fixed.find(local);
-      sends[rendezvous(dof)].push_back({dof, s.number, found != fixed.end() ? found->second->value : 0.0, local, i,
-                                        comm.getRank(), found != fixed.end() ? 1 : 0});
+      sends[rendezvous(dof)].push_back({dof, s.number, found != fixed.end() ? found->second->value : 0.0,
+                                        local, i, comm.getRank(), found != fixed.end() ? 1 : 0});
     }
   }
   CopyTable table;
@@ -196,8 +196,8 @@ void addGiven(const std::vector<ConstraintRow>& rows, const CopyTable& copies, l
     for (const ConstraintRow::Term& term : row.terms) {
       const auto found = copies.find(term.dof);
       if (found == copies.end())
-        throw InputError("constraint row " + std::to_string(row.number) + " names dof " + std::to_string(term.dof) +
-                             ", which is not an interface dof of any subdomain",
+        throw InputError("constraint row " + std::to_string(row.number) + " names dof " +
+                             std::to_string(term.dof) + ", which is not an interface dof of any subdomain",
                          {{"dof", std::to_string(term.dof)}});
       const double share = term.coefficient / static_cast<double>(found->second.size());
       for (const Copy& copy : found->second) {
@@ -231,7 +231,8 @@ void checkNumbers(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRo
 
 } // namespace
 
-Constraints::Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows) : system_(system) {
+Constraints::Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows)
+    : system_(system) {
   const Teuchos::Comm<int>& comm = *system.comm();
   const auto ranks = static_cast<std::size_t>(comm.getSize());
 
@@ -299,7 +300,8 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   entries_.resize(static_cast<std::size_t>(system.size()));
   for (const std::vector<RowEntry>& part : entries)
     for (const RowEntry& entry : part)
-      entries_[static_cast<std::size_t>(entry.place)].push_back({localRow[entry.row], entry.local, entry.value});
+      entries_[static_cast<std::size_t>(entry.place)].push_back(
+          {localRow[entry.row], entry.local, entry.value});
   for (std::vector<Entry>& list : entries_)
     std::sort(list.begin(), list.end(),
               [](const Entry& a, const Entry& b) { return std::tie(a.row, a.dof) < std::tie(b.row, b.dof); });

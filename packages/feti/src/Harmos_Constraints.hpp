@@ -24,15 +24,18 @@ enum class RowType {
 /// The constraints B = [B_I; B_E], c of the torn problem, distributed by rows. Immutable.
 ///
 /// Rules (design of the dual problem):
-///  - at a dof with m copies, the m − 1 gluing rows are orthonormal: row k is (1, …, 1, −k, 0, …)/√(k(k + 1));
-///  - a given row takes the mean of the copies of each of its dofs, which is orthogonal to the gluing rows, and is
-///    scaled to unit length; rowScale() keeps the factor, so that residuals and multipliers are told in physical
-///    units;
-///  - with DirichletForm::Dual each fixed copy gets a row u = g and no gluing row, which would depend on those.
+///  - at a dof with m copies, the m − 1 gluing rows are orthonormal: row k is (1, …, 1, −k, 0, …)/√(k(k +
+///  1));
+///  - a given row takes the mean of the copies of each of its dofs, which is orthogonal to the gluing rows,
+///  and is
+///    scaled to unit length; rowScale() keeps the factor, so that residuals and multipliers are told in
+///    physical units;
+///  - with DirichletForm::Dual each fixed copy gets a row u = g and no gluing row, which would depend on
+///  those.
 ///
-/// Global row numbers: given inequalities, given equalities, then gluing and Dirichlet rows by dof number. They do
-/// not depend on the number of ranks, and neither do the rows. A row is owned by the rank of the lowest of its
-/// subdomains.
+/// Global row numbers: given inequalities, given equalities, then gluing and Dirichlet rows by dof number.
+/// They do not depend on the number of ranks, and neither do the rows. A row is owned by the rank of the
+/// lowest of its subdomains.
 ///
 /// Guarded by tests/unit/feti/test_constraints.cpp.
 class Constraints {
@@ -46,7 +49,8 @@ class Constraints {
 
   /// @param system the torn problem, to outlive this.
   /// @param rows this rank's share of the given rows; see ConstraintRow.
-  /// @throws InputError on all ranks for rows that name a dof which is not an interface dof of any subdomain, and for
+  /// @throws InputError on all ranks for rows that name a dof which is not an interface dof of any subdomain,
+  /// and for
   ///         dofs fixed to different values.
   /// @note Collective. Rendezvous by dof number; nothing is gathered on one rank.
   Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows);
@@ -58,7 +62,9 @@ class Constraints {
   /// Rank that owns a row of overlapMap().
   int overlapOwner(int row) const { return overlapOwner_[static_cast<std::size_t>(row)]; }
   /// B_i, sorted by row.
-  const std::vector<Entry>& entries(int subdomain) const { return entries_[static_cast<std::size_t>(subdomain)]; }
+  const std::vector<Entry>& entries(int subdomain) const {
+    return entries_[static_cast<std::size_t>(subdomain)];
+  }
 
   /// Of an owned row, by local index of rowMap().
   RowType rowType(int row) const { return types_[static_cast<std::size_t>(row)]; }
@@ -81,7 +87,9 @@ class Constraints {
   /// overlap ← overlap + B_i u. Local.
   void addB(int subdomain, const double* u, double* overlap) const;
 
-  const Teuchos::RCP<const Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>>& importer() const { return import_; }
+  const Teuchos::RCP<const Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>>& importer() const {
+    return import_;
+  }
 
  private:
   const SubdomainSystem& system_;

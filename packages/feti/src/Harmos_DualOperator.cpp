@@ -14,11 +14,10 @@ namespace Harmos::feti {
 
 DualOperator::DualOperator(const SubdomainSystem& system, const Constraints& constraints,
                            const LocalInverses& inverses)
-    : system_(system),
-      constraints_(constraints),
-      inverses_(inverses) {}
+    : system_(system), constraints_(constraints), inverses_(inverses) {}
 
-void DualOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp, Scalar alpha, Scalar beta) const {
+void DualOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp, Scalar alpha,
+                         Scalar beta) const {
   const std::size_t columns = X.getNumVectors();
   MultiVector in(constraints_.overlapMap(), columns), out(constraints_.overlapMap(), columns);
   in.doImport(X, *constraints_.importer(), Tpetra::INSERT);
@@ -53,6 +52,8 @@ void DualOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp,
     Y.update(alpha, image, beta);
 }
 
-void DualOperator::rethrowFailure() const { agreeOnFailure(*system_.comm(), failure_); }
+void DualOperator::rethrowFailure() const {
+  agreeOnFailure(*system_.comm(), failure_);
+}
 
 } // namespace Harmos::feti

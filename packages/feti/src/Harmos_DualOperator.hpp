@@ -12,12 +12,12 @@ namespace Harmos::feti {
 
 /// F = B K⁺ Bᵀ in its implicit form: one solve with each local factorisation a product.
 ///
-/// Symmetric positive semidefinite on vectors over Constraints::rowMap(). Cost: one neighbour exchange each way
-/// and a forward and backward substitution for each subdomain.
+/// Symmetric positive semidefinite on vectors over Constraints::rowMap(). Cost: one neighbour exchange each
+/// way and a forward and backward substitution for each subdomain.
 ///
-/// A failure of a local solve on one rank cannot be thrown at once, or the others would wait in the exchange. It is
-/// kept, and the result is poisoned with NaN, which the next reduction of any solver carries to all ranks;
-/// rethrowFailure() then makes it an agreed error. Success so costs no reduction.
+/// A failure of a local solve on one rank cannot be thrown at once, or the others would wait in the exchange.
+/// It is kept, and the result is poisoned with NaN, which the next reduction of any solver carries to all
+/// ranks; rethrowFailure() then makes it an agreed error. Success so costs no reduction.
 ///
 /// Guarded by tests/unit/feti/test_dual_operator.cpp (symmetry, independence of ranks).
 class DualOperator : public Operator {
@@ -30,8 +30,8 @@ class DualOperator : public Operator {
   bool hasTransposeApply() const override { return true; }
 
   /// Y = αFX + βY. @note Collective.
-  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS, Scalar alpha = 1.0,
-             Scalar beta = 0.0) const override;
+  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
+             Scalar alpha = 1.0, Scalar beta = 0.0) const override;
 
   /// Throws on all ranks the failure of a local solve, if one was kept. @note Collective.
   void rethrowFailure() const;

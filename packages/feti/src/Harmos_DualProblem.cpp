@@ -34,8 +34,8 @@ double norm(const std::vector<double>& v) {
   return std::sqrt(sum);
 }
 
-// A dependent column of R is a rigid motion that the kept ones and the constraints leave free: its load must be
-// balanced by λ̃ all the same.
+// A dependent column of R is a rigid motion that the kept ones and the constraints leave free: its load must
+// be balanced by λ̃ all the same.
 void requireBalance(const SubdomainSystem& system, const CoarseSpace& coarse, const MultiVector& shift,
                     const std::vector<double>& e) {
   const std::vector<double> balanced = coarse.applyUnscaled(shift);
@@ -43,12 +43,11 @@ void requireBalance(const SubdomainSystem& system, const CoarseSpace& coarse, co
   for (int column : coarse.dependentColumns()) {
     const double residual = e[static_cast<std::size_t>(column)] - balanced[static_cast<std::size_t>(column)];
     if (std::abs(residual) > tolerance)
-      throw NumericalError("the load on subdomain " + std::to_string(system.kernelOwner(column)) +
-                               " cannot be held: a rigid motion that no constraint resists carries a load of " +
-                               scientific(residual) +
-                               "; fix the body it belongs to, or balance its load",
-                           {{"subdomain", std::to_string(system.kernelOwner(column))},
-                            {"residual", scientific(residual)}});
+      throw NumericalError(
+          "the load on subdomain " + std::to_string(system.kernelOwner(column)) +
+              " cannot be held: a rigid motion that no constraint resists carries a load of " +
+              scientific(residual) + "; fix the body it belongs to, or balance its load",
+          {{"subdomain", std::to_string(system.kernelOwner(column))}, {"residual", scientific(residual)}});
   }
 }
 

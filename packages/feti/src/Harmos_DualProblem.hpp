@@ -20,8 +20,10 @@ namespace Harmos::feti {
 /// Guarded by tests/unit/feti/test_dual_problem.cpp.
 class DualProblem {
  public:
-  /// All to outlive this. Two products with the local inverses: one for d̃, one for Fλ̃ (none without a kernel).
-  /// @throws NumericalError on all ranks if a load on a rigid motion that no constraint can hold is not zero, naming
+  /// All to outlive this. Two products with the local inverses: one for d̃, one for Fλ̃ (none without a
+  /// kernel).
+  /// @throws NumericalError on all ranks if a load on a rigid motion that no constraint can hold is not zero,
+  /// naming
   ///         the subdomain.
   /// @note Collective.
   DualProblem(const SubdomainSystem& system, const Constraints& constraints, const LocalInverses& inverses,

@@ -72,7 +72,8 @@ LocalMatrix regularized(const LocalMatrix& matrix, const Kernel& kernel, const s
       double value = 0.0;
       for (int k = 0; k < n.columns; ++k)
         value += n.column(k)[a] * n.column(k)[b];
-      entries.push_back({fixing[static_cast<std::size_t>(a)], fixing[static_cast<std::size_t>(b)], rho * value});
+      entries.push_back(
+          {fixing[static_cast<std::size_t>(a)], fixing[static_cast<std::size_t>(b)], rho * value});
     }
   for (int i = 0; i < matrix.rows(); ++i)
     for (std::size_t k = matrix.offsets[static_cast<std::size_t>(i)];

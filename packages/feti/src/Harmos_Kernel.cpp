@@ -29,7 +29,8 @@ void orthonormalize(Kernel& kernel) {
                static_cast<int>(work.size()), &info);
   for (int k = 0; k < kernel.columns; ++k)
     if (!(std::abs(kernel.column(k)[k]) > 1e-12 * largest))
-      throw NumericalError("the columns of a kernel are linearly dependent (column " + std::to_string(k) + ")",
+      throw NumericalError("the columns of a kernel are linearly dependent (column " + std::to_string(k) +
+                               ")",
                            {{"column", std::to_string(k)}});
   lapack.ORGQR(kernel.rows, kernel.columns, kernel.columns, kernel.values.data(), kernel.rows, tau.data(),
                work.data(), static_cast<int>(work.size()), &info);
@@ -37,7 +38,9 @@ void orthonormalize(Kernel& kernel) {
 
 } // namespace
 
-Kernel constantKernel(int rows) { return {rows, 1, std::vector<double>(static_cast<std::size_t>(rows), 1.0)}; }
+Kernel constantKernel(int rows) {
+  return {rows, 1, std::vector<double>(static_cast<std::size_t>(rows), 1.0)};
+}
 
 Kernel heldKernel(const Kernel& motions, const std::vector<int>& fixed) {
   Kernel basis = motions;

@@ -5,8 +5,8 @@
 
 namespace Harmos::feti {
 
-/// The optimality conditions of the torn problem, computed from K, f, B, u and λ alone: an independent check of
-/// everything between them. In physical units, not those of scaled rows.
+/// The optimality conditions of the torn problem, computed from K, f, B, u and λ alone: an independent check
+/// of everything between them. In physical units, not those of scaled rows.
 struct KktAudit {
   double equilibrium = 0.0;          ///< ‖Ku − f + Bᵀλ‖/‖f‖ (absolute if f = 0)
   double gluingJump = 0.0;           ///< ‖B_E u − c_E‖_∞, of ties and Dirichlet rows too
@@ -22,7 +22,8 @@ struct KktAudit {
 /// Guarded by tests/unit/feti/test_mixed_inverses.cpp: it objects to a wrong answer that the solver believes.
 KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, const TornSolution& solution);
 
-/// Physical value of each owned inequality row, in the order of rowMap(): the gap c_I − B_I u and the contact force λ_I.
+/// Physical value of each owned inequality row, in the order of rowMap(): the gap c_I − B_I u and the contact
+/// force λ_I.
 struct ContactState {
   std::vector<long long> row; ///< number of the given inequality
   std::vector<double> gap;

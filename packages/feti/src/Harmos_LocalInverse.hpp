@@ -47,7 +47,8 @@ struct ImplicitInverseOptions {
 /// K_i⁺ = (K_i + ρN(NᵀN)⁻¹Nᵀ)⁻¹ by sparse Cholesky factorisations with MUMPS behind Amesos2.
 ///
 /// Each is verified with a fixed pseudo-random x: ‖K K⁺ K x − K x‖ ≤ 1e-8 ‖Kx‖. A disagreement, or a factor
-/// that does not exist, means that the subdomain has more rigid motions than its kernel says; the error names it.
+/// that does not exist, means that the subdomain has more rigid motions than its kernel says; the error names
+/// it.
 /// @throws NumericalError on all ranks.
 /// @note Collective.
 /// Guarded by tests/unit/feti/test_local_inverse.cpp.

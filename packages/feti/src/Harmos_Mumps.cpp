@@ -28,14 +28,16 @@ std::string sentence(int code, int detail) {
     return "its workspace is too small by " + number + " entries even after it was enlarged";
   case -10:
     return "the matrix is numerically singular (" + number +
-           " pivots found); the subdomain has more rigid motions than its kernel says: look for a mechanism, a "
+           " pivots found); the subdomain has more rigid motions than its kernel says: look for a mechanism, "
+           "a "
            "hinge, or parts that are not connected";
   case -16:
     return "the order of the matrix, " + number + ", is out of range";
   case -22:
     return "an array (number " + number + ") is missing";
   case -40:
-    return "the matrix is not positive definite; the subdomain has more rigid motions than its kernel says (a "
+    return "the matrix is not positive definite; the subdomain has more rigid motions than its kernel says "
+           "(a "
            "mechanism, a hinge, parts that are not connected), or a material has a negative stiffness";
   case -90:
     return "an out-of-core file could not be written or read";

@@ -10,9 +10,9 @@ namespace Harmos::feti {
 
 /// One factorisation by MUMPS (dmumps_c), with exceptions in the place of codes.
 ///
-/// The matrix is given on the root of the communicator as triplets. Every MUMPS error becomes a NumericalError or
-/// InternalError whose sentence names the remedy; warnings are collected. A workspace that proves too small is
-/// enlarged and the factorisation repeated.
+/// The matrix is given on the root of the communicator as triplets. Every MUMPS error becomes a
+/// NumericalError or InternalError whose sentence names the remedy; warnings are collected. A workspace that
+/// proves too small is enlarged and the factorisation repeated.
 ///
 /// Guarded by tests/unit/feti/test_mumps.cpp.
 /// @note All functions are collective over the communicator, which may be MPI_COMM_SELF.

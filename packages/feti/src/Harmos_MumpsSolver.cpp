@@ -94,15 +94,17 @@ class MumpsSolver : public Amesos2::SolverCore<MumpsSolver, Matrix, Vector> {
   bool loadA_impl(Amesos2::EPhase phase) {
     if (phase == Amesos2::SOLVE)
       return false;
-    if (this->root_) {
-      values_ = Values("values", this->globalNumNonZeros_);
-      columns_ = Columns("columns", static_cast<std::size_t>(this->globalNumNonZeros_));
-      offsets_ = Offsets("offsets", this->globalNumRows_ + 1);
-    }
+    const std::size_t entriesHere = this->root_ ? this->globalNumNonZeros_ : 0;
+    const std::size_t rowsHere = this->root_ ? this->globalNumRows_ : 0;
+    values_ = Values("values", entriesHere);
+    columns_ = Columns("columns", entriesHere);
+    offsets_ = Offsets("offsets", rowsHere + 1); // Amesos2 writes the end of the last row on every rank
     SizeType entries = 0;
-    Amesos2::Util::get_crs_helper_kokkos_view<Amesos2::MatrixAdapter<Matrix>, Values, Columns, Offsets>::do_get(
-        this->matrixA_.ptr(), values_, columns_, offsets_, entries, Amesos2::ROOTED, Amesos2::SORTED_INDICES,
-        static_cast<int>(this->rowIndexBase_));
+    Amesos2::Util::get_crs_helper_kokkos_view<Amesos2::MatrixAdapter<Matrix>, Values, Columns,
+                                              Offsets>::do_get(this->matrixA_.ptr(), values_, columns_,
+                                                               offsets_, entries, Amesos2::ROOTED,
+                                                               Amesos2::SORTED_INDICES,
+                                                               static_cast<int>(this->rowIndexBase_));
     return true;
   }
 

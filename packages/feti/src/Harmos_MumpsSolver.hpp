@@ -14,8 +14,8 @@ using DirectSolver = Amesos2::Solver<CrsMatrix, MultiVector>;
 
 /// Harmos' own concrete Amesos2 solver over MUMPS, as an Amesos2::Solver.
 ///
-/// Debian's Amesos2 is built without MUMPS, and the stock adapter treats every matrix as unsymmetric. This one
-/// factorises symmetric matrices as such.
+/// Debian's Amesos2 is built without MUMPS, and the stock adapter treats every matrix as unsymmetric. This
+/// one factorises symmetric matrices as such.
 ///
 /// Parameters, in the sublist "Harmos MUMPS" of the list "Amesos2" given to setParameters():
 ///  - "Symmetry": "general", "positive definite" (default; Cholesky, no pivot threshold), "symmetric".

@@ -49,9 +49,9 @@ void addRigidMotion(const SubdomainSystem& system, const std::vector<double>& al
 
 } // namespace
 
-TornSolution recover(const SubdomainSystem& system, const Constraints& constraints, const LocalInverses& inverses,
-                     const CoarseSpace& coarse, const DualProblem& dual, const MultiVector& lambda,
-                     const std::vector<double>& mu) {
+TornSolution recover(const SubdomainSystem& system, const Constraints& constraints,
+                     const LocalInverses& inverses, const CoarseSpace& coarse, const DualProblem& dual,
+                     const MultiVector& lambda, const std::vector<double>& mu) {
   const Teuchos::Comm<int>& comm = *system.comm();
   TornSolution solution;
   const Teuchos::RCP<MultiVector> total = Teuchos::rcp(new MultiVector(lambda, Teuchos::Copy));

@@ -16,15 +16,19 @@ namespace {
 // stands for some thousand times ε.
 constexpr double kernelTolerance = 1e-12;
 
-std::string name(const Subdomain& subdomain) { return "subdomain " + std::to_string(subdomain.number); }
+std::string name(const Subdomain& subdomain) {
+  return "subdomain " + std::to_string(subdomain.number);
+}
 
-ErrorData dataOf(const Subdomain& subdomain) { return {{"subdomain", std::to_string(subdomain.number)}}; }
+ErrorData dataOf(const Subdomain& subdomain) {
+  return {{"subdomain", std::to_string(subdomain.number)}};
+}
 
 void requireFinite(const std::vector<double>& values, const Subdomain& subdomain, const std::string& what) {
   for (std::size_t k = 0; k < values.size(); ++k)
     if (!std::isfinite(values[k]))
-      throw InputError("the " + what + " of " + name(subdomain) + " is not finite (entry " + std::to_string(k) +
-                           "); check materials, coordinates and loads",
+      throw InputError("the " + what + " of " + name(subdomain) + " is not finite (entry " +
+                           std::to_string(k) + "); check materials, coordinates and loads",
                        dataOf(subdomain));
 }
 
@@ -58,11 +62,9 @@ std::pair<std::shared_ptr<const LocalMatrix>, std::vector<double>> withTrivialEq
 
 } // namespace
 
-SubdomainSystem::SubdomainSystem(Teuchos::RCP<const Teuchos::Comm<int>> comm, std::vector<Subdomain> subdomains,
-                                 DirichletForm form)
-    : comm_(std::move(comm)),
-      subdomains_(std::move(subdomains)),
-      form_(form) {
+SubdomainSystem::SubdomainSystem(Teuchos::RCP<const Teuchos::Comm<int>> comm,
+                                 std::vector<Subdomain> subdomains, DirichletForm form)
+    : comm_(std::move(comm)), subdomains_(std::move(subdomains)), form_(form) {
   agree(*comm_, [&] {
     checkInput();
     build();
@@ -108,8 +110,9 @@ void SubdomainSystem::checkInput() const {
         throw InputError(name(s) + ": there is no interface dof " + std::to_string(dof), dataOf(s));
     for (const FixedDof& fixed : s.fixed)
       if (fixed.dof < 0 || fixed.dof >= n || !std::isfinite(fixed.value))
-        throw InputError(name(s) + ": a Dirichlet condition names a dof that is not there or a value that is not "
-                                   "finite (dof " +
+        throw InputError(name(s) +
+                             ": a Dirichlet condition names a dof that is not there or a value that is not "
+                             "finite (dof " +
                              std::to_string(fixed.dof) + ")",
                          dataOf(s));
     requireFinite(s.stiffness->values, s, "stiffness matrix");
@@ -130,11 +133,12 @@ void SubdomainSystem::build() {
   for (const Subdomain& s : subdomains_) {
     const double defect = kernelDefect(*s.stiffness, *s.motions);
     if (!(defect <= kernelTolerance))
-      throw NumericalError("the kernel given for " + name(s) + " is none: ‖KR‖/(‖K‖‖R‖) = " + scientific(defect) +
-                               ", at most " + scientific(kernelTolerance, 0) +
-                               " was expected; is the subdomain held by more than its Dirichlet conditions, or "
-                               "are its coordinates wrong?",
-                           {{"subdomain", std::to_string(s.number)}, {"defect", scientific(defect)}});
+      throw NumericalError(
+          "the kernel given for " + name(s) + " is none: ‖KR‖/(‖K‖‖R‖) = " + scientific(defect) +
+              ", at most " + scientific(kernelTolerance, 0) +
+              " was expected; is the subdomain held by more than its Dirichlet conditions, or "
+              "are its coordinates wrong?",
+          {{"subdomain", std::to_string(s.number)}, {"defect", scientific(defect)}});
     if (form_ == DirichletForm::Primal && !s.fixed.empty()) {
       auto [matrix, rhs] = withTrivialEquations(s);
       matrices_.push_back(std::move(matrix));

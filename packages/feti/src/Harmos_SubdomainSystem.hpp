@@ -20,12 +20,14 @@ struct FixedDof {
 
 /// One torn piece, as an application hands it over.
 struct Subdomain {
-  long long number = 0; ///< 0, 1, ... over all ranks, without gaps
+  long long number = 0;                         ///< 0, 1, ... over all ranks, without gaps
   std::shared_ptr<const LocalMatrix> stiffness; ///< without boundary conditions; may be shared by subdomains
   std::vector<double> load;
-  std::vector<long long> dofs; ///< global number of each dof; equal numbers are copies of one dof; gaps allowed
-  std::vector<int> interface;  ///< local dofs that may have copies or be in constraint rows; fixed ones are added
-  std::vector<FixedDof> fixed; ///< Dirichlet conditions; the same on all copies of a dof
+  std::vector<long long>
+      dofs; ///< global number of each dof; equal numbers are copies of one dof; gaps allowed
+  std::vector<int>
+      interface; ///< local dofs that may have copies or be in constraint rows; fixed ones are added
+  std::vector<FixedDof> fixed;           ///< Dirichlet conditions; the same on all copies of a dof
   std::shared_ptr<const Kernel> motions; ///< kernel of the stiffness without boundary conditions
 };
 

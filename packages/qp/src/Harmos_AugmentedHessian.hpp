@@ -15,8 +15,7 @@ class AugmentedHessian {
   using OPT = Belos::OperatorTraits<Scalar, MV, OP>;
 
   AugmentedHessian(const Problem<Scalar, MV, OP>& problem, Counters& counters)
-      : problem_(problem),
-        counters_(counters) {
+      : problem_(problem), counters_(counters) {
     if (problem.hasEqualities()) {
       rows_ = MVT::Clone(*problem.equalityValues(), 1);
       image_ = MVT::Clone(*problem.solution(), 1);

@@ -6,34 +6,35 @@
 
 namespace Harmos::qp {
 
-/// Which entries lie at a bound on this rank: −1 lower, +1 upper, 0 free. Kept between two splittings, so that
-/// changes of the face can be counted.
+/// Which entries lie at a bound on this rank: −1 lower, +1 upper, 0 free. Kept between two splittings, so
+/// that changes of the face can be counted.
 using LocalActiveSet = std::vector<signed char>;
 
 /// Sums of a gradient splitting; global, the same on all ranks.
 struct SplitSums {
-  double freeNorm2 = 0.0;      ///< φᵀφ
-  double choppedNorm2 = 0.0;   ///< βᵀβ
-  double reducedNorm2 = 0.0;   ///< φ̃ᵀφ
-  double freeDotImage = 0.0;   ///< φᵀ(Hp)
-  long long active = 0;        ///< entries at a bound
-  long long changed = 0;       ///< entries whose state differs from that in the given set
+  double freeNorm2 = 0.0;    ///< φᵀφ
+  double choppedNorm2 = 0.0; ///< βᵀβ
+  double reducedNorm2 = 0.0; ///< φ̃ᵀφ
+  double freeDotImage = 0.0; ///< φᵀ(Hp)
+  long long active = 0;      ///< entries at a bound
+  long long changed = 0;     ///< entries whose state differs from that in the given set
 
   double projectedNorm2() const { return freeNorm2 + choppedNorm2; }
 };
 
 /// Sums along a search direction; global.
 struct DirectionSums {
-  double gradientDotDirection = 0.0;  ///< gᵀp
-  double directionDotImage = 0.0;     ///< pᵀHp
-  double directionNorm2 = 0.0;        ///< pᵀp
+  double gradientDotDirection = 0.0;                            ///< gᵀp
+  double directionDotImage = 0.0;                               ///< pᵀHp
+  double directionNorm2 = 0.0;                                  ///< pᵀp
   double longestStep = std::numeric_limits<double>::infinity(); ///< max α with x − αp within the bounds
 };
 
 /// What Belos::MultiVecTraits lacks for bounds; to be specialised for each vector type.
 ///
-/// A null bound is an absent one; entries of ∓∞ are absent bounds too. Vectors have one column. The definitions,
-/// for l ≤ x ≤ u and the gradient g (Dostál, Optimal Quadratic Programming Algorithms, 2009, section 5.1):
+/// A null bound is an absent one; entries of ∓∞ are absent bounds too. Vectors have one column. The
+/// definitions, for l ≤ x ≤ u and the gradient g (Dostál, Optimal Quadratic Programming Algorithms, 2009,
+/// section 5.1):
 ///  - free gradient φ_i = g_i where l_i < x_i < u_i, else 0;
 ///  - chopped gradient β_i = min(g_i, 0) where x_i = l_i, max(g_i, 0) where x_i = u_i, else 0;
 ///  - projected gradient g^P = φ + β;

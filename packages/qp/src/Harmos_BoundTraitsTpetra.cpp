@@ -40,9 +40,7 @@ class Writer {
 class BoundReader {
  public:
   BoundReader(const MultiVector* bound, const MultiVector& instead, double absent)
-      : present_(bound != nullptr),
-        reader_(bound != nullptr ? *bound : instead),
-        absent_(absent) {}
+      : present_(bound != nullptr), reader_(bound != nullptr ? *bound : instead), absent_(absent) {}
   double operator[](std::size_t i) const { return present_ ? reader_[i] : absent_; }
 
  private:
@@ -68,7 +66,9 @@ double stepToBound(double x, double p, double lower, double upper) {
   return infinity;
 }
 
-bool isReplicated(const MultiVector& x) { return !x.isDistributed(); }
+bool isReplicated(const MultiVector& x) {
+  return !x.isDistributed();
+}
 
 void sum(const MultiVector& x, std::vector<double>& values) {
   if (!isReplicated(x))
@@ -119,10 +119,18 @@ SplitSums Traits::split(const MultiVector& x, const MultiVector& gradient, const
       ++changed;
     active[i] = state;
   }
-  std::vector<double> sums = {freeNorm2,    choppedNorm2, reducedNorm2,
-                              freeDotImage, static_cast<double>(activeCount), static_cast<double>(changed)};
+  std::vector<double> sums = {freeNorm2,
+                              choppedNorm2,
+                              reducedNorm2,
+                              freeDotImage,
+                              static_cast<double>(activeCount),
+                              static_cast<double>(changed)};
   sum(x, sums);
-  return {sums[0], sums[1], sums[2], sums[3], std::isfinite(sums[4]) ? static_cast<long long>(sums[4]) : 0,
+  return {sums[0],
+          sums[1],
+          sums[2],
+          sums[3],
+          std::isfinite(sums[4]) ? static_cast<long long>(sums[4]) : 0,
           static_cast<long long>(sums[5])};
 }
 
@@ -150,8 +158,9 @@ void Traits::choppedGradient(const MultiVector& x, const MultiVector& gradient, 
     bs[i] = choppedEntry(xs[i], gs[i], ls[i], us[i]);
 }
 
-DirectionSums Traits::direction(const MultiVector& x, const MultiVector& gradient, const MultiVector& direction,
-                                const MultiVector& image, const MultiVector* lower, const MultiVector* upper) {
+DirectionSums Traits::direction(const MultiVector& x, const MultiVector& gradient,
+                                const MultiVector& direction, const MultiVector& image,
+                                const MultiVector* lower, const MultiVector* upper) {
   const Reader xs(x), gs(gradient), ps(direction), hs(image);
   const BoundReader ls(lower, x, -infinity), us(upper, x, infinity);
   double gp = 0.0, php = 0.0, pp = 0.0, step = infinity;
@@ -184,8 +193,8 @@ void Traits::project(MultiVector& x, const MultiVector* lower, const MultiVector
   }
 }
 
-void Traits::stepToBoundary(MultiVector& x, const MultiVector& direction, double step, const MultiVector* lower,
-                            const MultiVector* upper) {
+void Traits::stepToBoundary(MultiVector& x, const MultiVector& direction, double step,
+                            const MultiVector* lower, const MultiVector* upper) {
   const Reader ps(direction);
   // A copy of the bounds' readers only: x itself is written.
   const std::size_t n = x.getLocalLength();
@@ -217,7 +226,8 @@ bool Traits::boundsAreConsistent(const MultiVector* lower, const MultiVector* up
 void Traits::setRandom(MultiVector& x) {
   const Writer xs(x);
   for (std::size_t i = 0; i < x.getLocalLength(); ++i) {
-    const auto global = static_cast<std::uint64_t>(x.getMap()->getGlobalElement(static_cast<LocalOrdinal>(i)));
+    const auto global =
+        static_cast<std::uint64_t>(x.getMap()->getGlobalElement(static_cast<LocalOrdinal>(i)));
     xs[i] = 2.0 * static_cast<double>(mix(global) >> 11) * 0x1.0p-53 - 1.0;
   }
 }

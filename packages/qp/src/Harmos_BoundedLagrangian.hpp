@@ -13,8 +13,9 @@ namespace Harmos::qp {
 ///
 ///     L(x, μ, ρ) = ½xᵀAx − bᵀx + μᵀr + ½ρ‖r‖²,   r = Cx − c,   g = Ax − b + Cᵀ(μ + ρr)
 ///
-/// What MPRGP, SMALBE and the penalty method have in common. The product Ax is made once and then carried along:
-/// changes of μ and ρ update the gradient without a product. Works without equalities (L = the cost itself).
+/// What MPRGP, SMALBE and the penalty method have in common. The product Ax is made once and then carried
+/// along: changes of μ and ρ update the gradient without a product. Works without equalities (L = the cost
+/// itself).
 template<class Scalar, class MV, class OP>
 class BoundedLagrangian {
  public:
@@ -27,8 +28,8 @@ class BoundedLagrangian {
   /// Takes the projected initial guess; a product with A only if it is not zero.
   void start(double penalty);
 
-  /// From now on evaluate() gives ‖g^P(x, μ, ρ)‖ as the projected gradient: for the penalty method, which implies
-  /// the multiplier μ + ρr and so never makes ‖g^P(x, μ, 0)‖ small.
+  /// From now on evaluate() gives ‖g^P(x, μ, ρ)‖ as the projected gradient: for the penalty method, which
+  /// implies the multiplier μ + ρr and so never makes ‖g^P(x, μ, 0)‖ small.
   void judgePenalised() { judgePenalised_ = true; }
 
   /// Residuals of the current iterate.
@@ -36,7 +37,8 @@ class BoundedLagrangian {
 
   typename Iteration::Outcome step() { return iteration_->step(); }
 
-  /// Recomputes the gradient when the rounding errors that may have gathered in it exceed a tenth of the norm.
+  /// Recomputes the gradient when the rounding errors that may have gathered in it exceed a tenth of the
+  /// norm.
   /// @return whether it did; the state is then to be evaluated anew.
   bool confirmGradient(double projectedGradient);
 

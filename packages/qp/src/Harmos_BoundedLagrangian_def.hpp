@@ -13,10 +13,7 @@ namespace Harmos::qp {
 template<class Scalar, class MV, class OP>
 BoundedLagrangian<Scalar, MV, OP>::BoundedLagrangian(const ProblemType& problem, const MprgpOptions& options,
                                                      Counters& counters)
-    : problem_(problem),
-      options_(options),
-      counters_(counters),
-      hessian_(problem, counters) {
+    : problem_(problem), options_(options), counters_(counters), hessian_(problem, counters) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using OPT = Belos::OperatorTraits<Scalar, MV, OP>;
   gradient_ = MVT::Clone(*problem.solution(), 1);
@@ -41,8 +38,8 @@ BoundedLagrangian<Scalar, MV, OP>::BoundedLagrangian(const ProblemType& problem,
       };
       int products = 0;
       BoundTraits<Scalar, MV>::setRandom(*work_);
-      normRows2_ = options.normSafety *
-                   estimateNorm<Scalar, MV>(product, *work_, options.normApplications, products);
+      normRows2_ =
+          options.normSafety * estimateNorm<Scalar, MV>(product, *work_, options.normApplications, products);
     } else {
       normRows2_ = 1.0;
     }
@@ -165,7 +162,8 @@ double BoundedLagrangian<Scalar, MV, OP>::attainableEquality() const {
   if (!problem_.hasEqualities())
     return 0.0;
   return std::numeric_limits<double>::epsilon() *
-         (std::sqrt(normRows2_) * norm<Scalar>(*problem_.solution()) + norm<Scalar>(*problem_.equalityValues()));
+         (std::sqrt(normRows2_) * norm<Scalar>(*problem_.solution()) +
+          norm<Scalar>(*problem_.equalityValues()));
 }
 
 } // namespace Harmos::qp

@@ -7,10 +7,11 @@ namespace Harmos::qp {
 
 /// "Dual Penalty": minimises ½xᵀAx − bᵀx + ½ρ‖Cx − c‖² over the bounds, μ = 0, ρ fixed.
 ///
-/// The answer violates the equalities by ‖Cx − c‖ ≤ C(1 + ε)‖b‖/ρ, in FETI with the natural coarse space with a C
-/// that does not depend on the mesh (Dostál, Horák, Vlach, section 4 and Table 5.4). It converges when the
-/// penalised problem is solved: ‖g^P(x, 0, ρ)‖ ≤ tol‖b‖; the equality residual is reported, not judged, unless a
-/// convergence test of the caller does. On exit the problem's multiplier is ρ(Cx − c), the estimate of μ.
+/// The answer violates the equalities by ‖Cx − c‖ ≤ C(1 + ε)‖b‖/ρ, in FETI with the natural coarse space with
+/// a C that does not depend on the mesh (Dostál, Horák, Vlach, section 4 and Table 5.4). It converges when
+/// the penalised problem is solved: ‖g^P(x, 0, ρ)‖ ≤ tol‖b‖; the equality residual is reported, not judged,
+/// unless a convergence test of the caller does. On exit the problem's multiplier is ρ(Cx − c), the estimate
+/// of μ.
 ///
 /// Guarded by tests/unit/qp/test_solvers.cpp.
 template<class Scalar, class MV, class OP>

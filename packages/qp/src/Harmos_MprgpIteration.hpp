@@ -41,8 +41,8 @@ struct MprgpOptions {
 /// 2009, section 5.8). Cost: a product with H for a conjugate gradient or proportioning step, two for an
 /// expansion, three if it falls back; one pass and one reduction for the splitting.
 ///
-/// ‖H‖ is an estimate: a larger curvature met along a search direction, or a cost that rises over a fixed step,
-/// corrects it.
+/// ‖H‖ is an estimate: a larger curvature met along a search direction, or a cost that rises over a fixed
+/// step, corrects it.
 ///
 /// Guarded by tests/unit/qp/test_solvers.cpp (brute force, monotone cost).
 template<class Scalar, class MV>
@@ -53,7 +53,8 @@ class MprgpIteration {
   enum class Outcome { ConjugateGradient, Expansion, Proportioning, Unbounded, Breakdown };
 
   /// @param apply y = Hx, counted by the caller; @param lower, upper null where absent, to outlive this.
-  MprgpIteration(Apply apply, const MV* lower, const MV* upper, const MprgpOptions& options, Counters& counters);
+  MprgpIteration(Apply apply, const MV* lower, const MV* upper, const MprgpOptions& options,
+                 Counters& counters);
 
   /// Starts at a feasible x with gradient g = Hx − b; both are updated in place by step().
   void start(Teuchos::RCP<MV> x, Teuchos::RCP<MV> gradient, Teuchos::RCP<const MV> rhs, double hessianNorm);

@@ -13,15 +13,11 @@ namespace Harmos::qp {
 template<class Scalar, class MV>
 MprgpIteration<Scalar, MV>::MprgpIteration(Apply apply, const MV* lower, const MV* upper,
                                            const MprgpOptions& options, Counters& counters)
-    : apply_(std::move(apply)),
-      lower_(lower),
-      upper_(upper),
-      options_(options),
-      counters_(counters) {}
+    : apply_(std::move(apply)), lower_(lower), upper_(upper), options_(options), counters_(counters) {}
 
 template<class Scalar, class MV>
-void MprgpIteration<Scalar, MV>::start(Teuchos::RCP<MV> x, Teuchos::RCP<MV> gradient, Teuchos::RCP<const MV> rhs,
-                                       double hessianNorm) {
+void MprgpIteration<Scalar, MV>::start(Teuchos::RCP<MV> x, Teuchos::RCP<MV> gradient,
+                                       Teuchos::RCP<const MV> rhs, double hessianNorm) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   x_ = x;
   g_ = gradient;
@@ -116,8 +112,7 @@ typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::step() 
   using BT = BoundTraits<Scalar, MV>;
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-  const bool proportional =
-      sums_.choppedNorm2 <= options_.gamma * options_.gamma * sums_.reducedNorm2;
+  const bool proportional = sums_.choppedNorm2 <= options_.gamma * options_.gamma * sums_.reducedNorm2;
   if (!proportional)
     BT::choppedGradient(*x_, *g_, lower_, upper_, *p_);
 

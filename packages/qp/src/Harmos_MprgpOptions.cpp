@@ -27,8 +27,9 @@ MprgpOptions MprgpOptions::fromList(const Teuchos::ParameterList& list) {
   MprgpOptions options;
   options.gamma = list.get<double>("Gamma");
   options.stepFactor = list.get<double>("Step factor");
-  options.expansion = list.get<std::string>("Expansion") == "fixed step" ? Expansion::FixedStep
-                                                                         : Expansion::ProjectedConjugateGradient;
+  options.expansion = list.get<std::string>("Expansion") == "fixed step"
+                          ? Expansion::FixedStep
+                          : Expansion::ProjectedConjugateGradient;
   options.normApplications = list.get<int>("Norm applications");
   options.normSafety = list.get<double>("Norm safety");
   return options;

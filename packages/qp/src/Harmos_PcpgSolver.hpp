@@ -8,8 +8,8 @@ namespace Harmos::qp {
 /// "PCPG": projected conjugate gradients for equalities alone; plain conjugate gradients without them.
 ///
 /// Works in the kernel of C with the projector P = I − CᵀC, which needs orthonormal rows (CCᵀ = I); other
-/// equality rows are refused, and so are bounds. The linear FETI solver (Farhat, Mandel, Roux, Comput. Methods
-/// Appl. Mech. Engrg. 115, 1994). Cost: one product with A and one projection a step.
+/// equality rows are refused, and so are bounds. The linear FETI solver (Farhat, Mandel, Roux, Comput.
+/// Methods Appl. Mech. Engrg. 115, 1994). Cost: one product with A and one projection a step.
 ///
 /// Guarded by tests/unit/qp/test_solvers.cpp.
 template<class Scalar, class MV, class OP>

@@ -19,8 +19,14 @@ template class DualPenaltySolver<Scalar, MultiVector, Operator>;
 template class PcpgSolver<Scalar, MultiVector, Operator>;
 template class SolverFactory<Scalar, MultiVector, Operator>;
 
-ParameterSpec MethodSpecs::mprgp() { return MprgpOptions::parameterSpec(); }
-ParameterSpec MethodSpecs::smalbe() { return SmalbeSolver<Scalar, MultiVector, Operator>::methodSpec(); }
-ParameterSpec MethodSpecs::dualPenalty() { return DualPenaltySolver<Scalar, MultiVector, Operator>::methodSpec(); }
+ParameterSpec MethodSpecs::mprgp() {
+  return MprgpOptions::parameterSpec();
+}
+ParameterSpec MethodSpecs::smalbe() {
+  return SmalbeSolver<Scalar, MultiVector, Operator>::methodSpec();
+}
+ParameterSpec MethodSpecs::dualPenalty() {
+  return DualPenaltySolver<Scalar, MultiVector, Operator>::methodSpec();
+}
 
 } // namespace Harmos::qp

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// The QP layer as Harmos instantiates it for Tpetra; other vector types include Harmos_Solvers_def.hpp instead.
+/// The QP layer as Harmos instantiates it for Tpetra; other vector types include Harmos_Solvers_def.hpp
+/// instead.
 
 #include "Harmos_BoundTraitsTpetra.hpp"
 #include "Harmos_SolverFactory.hpp"

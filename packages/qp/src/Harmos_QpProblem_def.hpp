@@ -11,9 +11,7 @@ namespace Harmos::qp {
 template<class Scalar, class MV, class OP>
 Problem<Scalar, MV, OP>::Problem(Teuchos::RCP<const OP> hessian, Teuchos::RCP<MV> solution,
                                  Teuchos::RCP<const MV> rhs)
-    : hessian_(hessian),
-      rhs_(rhs),
-      solution_(solution) {}
+    : hessian_(hessian), rhs_(rhs), solution_(solution) {}
 
 template<class Scalar, class MV, class OP>
 void Problem<Scalar, MV, OP>::setHessian(Teuchos::RCP<const OP> hessian) {
@@ -86,8 +84,7 @@ bool Problem<Scalar, MV, OP>::setProblem() {
     return refuse("a lower bound lies above its upper bound, or a bound is not a number");
   if (!equality_.is_null() && (equalityValues_.is_null() || multiplier_.is_null()))
     return refuse("equality rows need their right-hand side and a multiplier vector");
-  if (!equality_.is_null() &&
-      MVT::GetGlobalLength(*equalityValues_) != MVT::GetGlobalLength(*multiplier_))
+  if (!equality_.is_null() && MVT::GetGlobalLength(*equalityValues_) != MVT::GetGlobalLength(*multiplier_))
     return refuse("the right-hand side of the equalities and the multiplier differ in length");
   if (!(hessianNorm_ >= 0.0))
     return refuse("the given norm of the Hessian is negative or not a number");

@@ -39,13 +39,14 @@ std::string toString(StepKind kind) {
 }
 
 void writeHistory(std::ostream& out, const std::vector<IterationRecord>& history) {
-  out << "outer,inner,step,projected_gradient,equality_residual,penalty,M,active,hessian_applications,seconds\n"
+  out << "outer,inner,step,projected_gradient,equality_residual,penalty,M,active,hessian_applications,"
+         "seconds\n"
       << std::setprecision(17);
   for (const IterationRecord& record : history)
-    out << record.outer << ',' << record.inner << ',' << toString(record.step) << ',' << record.projectedGradient
-        << ',' << record.equalityResidual << ',' << record.penalty << ',' << record.precision << ','
-        << record.active << ',' << record.hessianApplications << ',' << std::setprecision(6) << record.seconds
-        << std::setprecision(17) << '\n';
+    out << record.outer << ',' << record.inner << ',' << toString(record.step) << ','
+        << record.projectedGradient << ',' << record.equalityResidual << ',' << record.penalty << ','
+        << record.precision << ',' << record.active << ',' << record.hessianApplications << ','
+        << std::setprecision(6) << record.seconds << std::setprecision(17) << '\n';
 }
 
 } // namespace Harmos::qp

@@ -33,9 +33,9 @@ struct Counters {
   int cgSteps = 0;
   int expansionSteps = 0;
   int proportioningSteps = 0;
-  int faces = 0;        ///< faces examined: active sets in a row that differ, the first one included
-  int fallbacks = 0;    ///< projected conjugate gradient expansions undone because the cost rose
-  int stepCuts = 0;     ///< fixed steps that proved too long
+  int faces = 0;         ///< faces examined: active sets in a row that differ, the first one included
+  int fallbacks = 0;     ///< projected conjugate gradient expansions undone because the cost rose
+  int stepCuts = 0;      ///< fixed steps that proved too long
   int confirmations = 0; ///< gradients recomputed because rounding might have spoilt the recurrence
 };
 

@@ -7,11 +7,12 @@ namespace Harmos::qp {
 
 /// "SMALBE": semimonotonic augmented Lagrangians for bounds and equalities, MPRGP inside.
 ///
-/// An outer iteration minimises L(x, μ, ρ) over the bounds to a precision tied to the feasibility ‖r‖, r = Cx − c,
-/// and then sets μ ← μ + ρr. Two rules:
+/// An outer iteration minimises L(x, μ, ρ) over the bounds to a precision tied to the feasibility ‖r‖, r = Cx
+/// − c, and then sets μ ← μ + ρr. Two rules:
 ///  - `penalty`: Algorithm 4.1 of Dostál, Horák, Vlach as printed. Inner stop ‖g^P‖ ≤ M‖r‖; if ‖r‖ ≤ η_k then
 ///    η ← αη, else ρ ← βρ.
-///  - `precision` (SMALBE-M; Dostál, Optimal Quadratic Programming Algorithms, 2009, chapter 6): ρ is fixed; inner
+///  - `precision` (SMALBE-M; Dostál, Optimal Quadratic Programming Algorithms, 2009, chapter 6): ρ is fixed;
+///  inner
 ///    stop ‖g^P‖ ≤ min(M‖r‖, η); where L(x^k, μ^k, ρ) < L(x^{k−1}, μ^{k−1}, ρ) + ½ρ‖r^k‖², M ← θM.
 ///
 /// The inner loop also ends when the convergence test itself passes (‖r‖ may vanish first), and when the

@@ -18,8 +18,8 @@ namespace Harmos::qp {
 /// The contract of all solvers; mirrors Belos::SolverManager.
 ///
 /// Life cycle: setParameters() (checked against the specification at once, the first call included),
-/// setProblem(), solve(). solve() reads the solution vector of the problem as initial guess and writes the answer
-/// there. By default the solver converges when ‖g^P‖ ≤ tol‖b‖ and ‖Cx − c‖ ≤ tol·max(‖c‖, ‖x‖);
+/// setProblem(), solve(). solve() reads the solution vector of the problem as initial guess and writes the
+/// answer there. By default the solver converges when ‖g^P‖ ≤ tol‖b‖ and ‖Cx − c‖ ≤ tol·max(‖c‖, ‖x‖);
 /// setConvergenceTest() puts another test in its place.
 template<class Scalar, class MV, class OP>
 class SolverManager {
@@ -37,7 +37,9 @@ class SolverManager {
   /// Type, default, range and meaning of every parameter.
   virtual const ParameterSpec& parameterSpec() const = 0;
 
-  Teuchos::RCP<const Teuchos::ParameterList> getValidParameters() const { return parameterSpec().teuchosList(); }
+  Teuchos::RCP<const Teuchos::ParameterList> getValidParameters() const {
+    return parameterSpec().teuchosList();
+  }
   Teuchos::RCP<const Teuchos::ParameterList> getCurrentParameters() const { return parameters_; }
 
   /// @throws InputError for an unknown name, a wrong type or a value out of range.

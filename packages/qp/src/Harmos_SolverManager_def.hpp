@@ -12,10 +12,12 @@ namespace Harmos::qp {
 
 template<class Scalar, class MV, class OP>
 void SolverManager<Scalar, MV, OP>::addCommonParameters(ParameterSpec& spec) {
-  spec.real("Convergence Tolerance", 1e-8, Range::above(0.0),
-            "Relative tolerance of the default convergence test: of the projected gradient against the right-hand "
-            "side, of the equality residual against max(‖c‖, ‖x‖).");
-  spec.integer("Maximum Iterations", 10000, 0, 1000000000, "Inner iterations after which the solver gives up.");
+  spec.real(
+      "Convergence Tolerance", 1e-8, Range::above(0.0),
+      "Relative tolerance of the default convergence test: of the projected gradient against the right-hand "
+      "side, of the equality residual against max(‖c‖, ‖x‖).");
+  spec.integer("Maximum Iterations", 10000, 0, 1000000000,
+               "Inner iterations after which the solver gives up.");
   spec.integer("Output Frequency", 0, 0, 1000000000,
                "A line of progress every so many iterations; 0 prints none.");
 }
@@ -87,10 +89,10 @@ void SolverManager<Scalar, MV, OP>::record(const IterationState<MV>& state, Step
   if (state.inner % frequency != 0)
     return;
   std::ostringstream line;
-  line << "  " << std::setw(5) << state.outer << std::setw(7) << state.inner << "  " << std::left << std::setw(14)
-       << toString(step) << std::right << std::scientific << std::setprecision(3) << std::setw(11)
-       << state.projectedGradient << std::setw(11) << state.equalityResidual << std::setw(9) << active
-       << std::setw(9) << result_.counters.hessianApplications << std::fixed << std::setprecision(2)
+  line << "  " << std::setw(5) << state.outer << std::setw(7) << state.inner << "  " << std::left
+       << std::setw(14) << toString(step) << std::right << std::scientific << std::setprecision(3)
+       << std::setw(11) << state.projectedGradient << std::setw(11) << state.equalityResidual << std::setw(9)
+       << active << std::setw(9) << result_.counters.hessianApplications << std::fixed << std::setprecision(2)
        << std::setw(9) << seconds;
   log_.info(line.str());
 }

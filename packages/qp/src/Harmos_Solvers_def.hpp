@@ -26,17 +26,20 @@ inline std::string breakdownText() {
 
 inline std::string limitText(const std::string& limit) {
   return "the limit of " + limit +
-         " iterations was reached; raise the limit, loosen the tolerance, or look at the history for a residual "
+         " iterations was reached; raise the limit, loosen the tolerance, or look at the history for a "
+         "residual "
          "that no longer falls (a problem without a solution, a badly conditioned Hessian)";
 }
 
 inline std::string unboundedText() {
-  return "the cost falls without end along a feasible direction of zero curvature: the problem has no solution "
+  return "the cost falls without end along a feasible direction of zero curvature: the problem has no "
+         "solution "
          "(is a body pulled away from all that could hold it?)";
 }
 
 inline std::string stagnationText() {
-  return "the residuals are at the level of rounding errors and cannot be reduced to the tolerance asked for; "
+  return "the residuals are at the level of rounding errors and cannot be reduced to the tolerance asked "
+         "for; "
          "loosen the tolerance";
 }
 
@@ -145,10 +148,11 @@ void MprgpSolver<Scalar, MV, OP>::doSolve() {
 template<class Scalar, class MV, class OP>
 ParameterSpec SmalbeSolver<Scalar, MV, OP>::methodSpec() {
   ParameterSpec spec("SMALBE", "Semimonotonic augmented Lagrangians for bounds and equalities.");
-  spec.choice("Update rule", "precision",
-              {{"precision", "SMALBE-M: fixed penalty ρ; M is reduced when the Lagrangian does not rise enough"},
-               {"penalty", "Algorithm 4.1 of Dostál, Horák, Vlach: fixed M; ρ grows when feasibility lags"}},
-              "What is adapted from one outer iteration to the next.");
+  spec.choice(
+      "Update rule", "precision",
+      {{"precision", "SMALBE-M: fixed penalty ρ; M is reduced when the Lagrangian does not rise enough"},
+       {"penalty", "Algorithm 4.1 of Dostál, Horák, Vlach: fixed M; ρ grows when feasibility lags"}},
+      "What is adapted from one outer iteration to the next.");
   spec.choice("Parameter scaling", "relative",
               {{"relative", "Initial penalty and M are multiples of ‖A‖, equality tolerances of ‖b‖/‖A‖ and "
                             "gradient tolerances of ‖b‖"},
@@ -162,7 +166,8 @@ ParameterSpec SmalbeSolver<Scalar, MV, OP>::methodSpec() {
   spec.real("Equality tolerance", 0.1, Range::above(0.0), "Rule `penalty`: η₀, ‖Cx − c‖ expected at first.");
   spec.real("Tolerance factor", 0.1, Range::strictlyWithin(0.0, 1.0), "Rule `penalty`: α, η ← αη.");
   spec.real("Penalty factor", 10.0, Range::above(1.0), "Rule `penalty`: β, ρ ← βρ.");
-  spec.integer("Maximum Outer Iterations", 10000, 1, 1000000000, "Outer iterations after which the solver gives up.");
+  spec.integer("Maximum Outer Iterations", 10000, 1, 1000000000,
+               "Outer iterations after which the solver gives up.");
   return spec;
 }
 
@@ -195,8 +200,8 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
   }
   double penalty = normScale * list.get<double>("Initial penalty");
   double precision = normScale * list.get<double>("M");
-  const double innerTolerance =
-      byPenalty ? std::numeric_limits<double>::infinity() : gradientScale * list.get<double>("Inner tolerance");
+  const double innerTolerance = byPenalty ? std::numeric_limits<double>::infinity()
+                                          : gradientScale * list.get<double>("Inner tolerance");
   double equalityTolerance = equalityScale * list.get<double>("Equality tolerance");
   const double toleranceFactor = list.get<double>("Tolerance factor");
   const double penaltyFactor = list.get<double>("Penalty factor");
@@ -244,9 +249,10 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
 template<class Scalar, class MV, class OP>
 ParameterSpec DualPenaltySolver<Scalar, MV, OP>::methodSpec() {
   ParameterSpec spec("Dual Penalty", "Equalities enforced by a fixed penalty alone.");
-  spec.choice("Parameter scaling", "relative",
-              {{"relative", "the penalty is a multiple of ‖A‖"}, {"absolute", "the penalty is taken as it stands"}},
-              "Unit of the penalty.");
+  spec.choice(
+      "Parameter scaling", "relative",
+      {{"relative", "the penalty is a multiple of ‖A‖"}, {"absolute", "the penalty is taken as it stands"}},
+      "Unit of the penalty.");
   spec.real("Penalty", 1e4, Range::above(0.0), "ρ; the equality residual falls like 1/ρ.");
   return spec;
 }
@@ -265,8 +271,9 @@ const ParameterSpec& DualPenaltySolver<Scalar, MV, OP>::spec() {
 
 template<class Scalar, class MV, class OP>
 Teuchos::RCP<StatusTest<MV>> DualPenaltySolver<Scalar, MV, OP>::defaultTest() const {
-  return Teuchos::rcp(new StatusTestProjectedGradient<MV>(
-      this->parameters_->template get<double>("Convergence Tolerance"), norm<Scalar>(*this->problem_->rhs())));
+  return Teuchos::rcp(
+      new StatusTestProjectedGradient<MV>(this->parameters_->template get<double>("Convergence Tolerance"),
+                                          norm<Scalar>(*this->problem_->rhs())));
 }
 
 template<class Scalar, class MV, class OP>
@@ -279,8 +286,8 @@ void DualPenaltySolver<Scalar, MV, OP>::doSolve() {
   BoundedLagrangian<Scalar, MV, OP> lagrangian(
       *this->problem_, MprgpOptions::fromList(this->parameters_->sublist("MPRGP")), this->result_.counters);
   const bool relative = list.get<std::string>("Parameter scaling") == "relative";
-  const double penalty =
-      list.get<double>("Penalty") * (relative && lagrangian.hessianNorm() > 0.0 ? lagrangian.hessianNorm() : 1.0);
+  const double penalty = list.get<double>("Penalty") *
+                         (relative && lagrangian.hessianNorm() > 0.0 ? lagrangian.hessianNorm() : 1.0);
   lagrangian.judgePenalised();
   IterationState<MV> state = this->begin(lagrangian, penalty, 0.0);
   this->minimise(lagrangian, state, nullptr, 0.0);
@@ -368,12 +375,12 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
   double curvatureBound = problem.hessianNorm();
   int staleness = 0;
   while (true) {
-    const double attainable =
-        epsilon * (curvatureBound * norm<Scalar>(x) + norm<Scalar>(*problem.rhs()));
+    const double attainable = epsilon * (curvatureBound * norm<Scalar>(x) + norm<Scalar>(*problem.rhs()));
     const bool done = this->converged(state);
     const bool stagnant = state.projectedGradient <= attainable;
     if (done || stagnant) {
-      if (staleness > 0 && std::sqrt(static_cast<double>(staleness)) * attainable > 0.1 * state.projectedGradient) {
+      if (staleness > 0 &&
+          std::sqrt(static_cast<double>(staleness)) * attainable > 0.1 * state.projectedGradient) {
         ++counters.confirmations;
         norm2 = begin();
         staleness = 0;
@@ -495,7 +502,8 @@ SolverFactory<Scalar, MV, OP>::create(const std::string& name,
     for (const std::string& candidate : supportedSolverNames())
       known += (known.empty() ? "\"" : ", \"") + candidate + "\"";
     throw InputError("there is no solver \"" + name + "\"" +
-                     (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?") + " Known: " + known + ".");
+                     (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?") + " Known: " + known +
+                     ".");
   }
   solver->setParameters(parameters);
   return solver;

@@ -18,8 +18,8 @@ namespace Harmos::qp {
 template<class MV>
 struct IterationState {
   const MV* x = nullptr;
-  double projectedGradient = 0.0;          ///< ‖g^P(x, μ, 0)‖ of the Lagrangian; for the penalty method, where
-                                           ///< μ = ρ(Cx − c) is implied, ‖g^P(x, 0, ρ)‖, the same thing
+  double projectedGradient = 0.0; ///< ‖g^P(x, μ, 0)‖ of the Lagrangian; for the penalty method, where
+                                  ///< μ = ρ(Cx − c) is implied, ‖g^P(x, 0, ρ)‖, the same thing
   double augmentedProjectedGradient = 0.0; ///< ‖g^P(x, μ, ρ)‖ of what the inner loop minimises
   double equalityResidual = 0.0;           ///< ‖Cx − c‖
   int outer = 0;
@@ -78,9 +78,7 @@ template<class MV>
 class StatusTestProjectedGradient : public StatusTestValue<MV> {
  public:
   StatusTestProjectedGradient(double tolerance, double scale)
-      : StatusTestValue<MV>("projected gradient"),
-        tolerance_(tolerance),
-        scale_(scale) {}
+      : StatusTestValue<MV>("projected gradient"), tolerance_(tolerance), scale_(scale) {}
   Status checkStatus(const IterationState<MV>& state) override {
     return this->judge(state.projectedGradient, tolerance_ * scale_);
   }
@@ -147,8 +145,7 @@ class StatusTestCombo : public StatusTest<MV> {
   enum class Type { And, Or, Sequence };
 
   StatusTestCombo(Type type, std::vector<Teuchos::RCP<StatusTest<MV>>> tests)
-      : type_(type),
-        tests_(std::move(tests)) {}
+      : type_(type), tests_(std::move(tests)) {}
 
   Status checkStatus(const IterationState<MV>& state) override {
     bool all = true, any = false;

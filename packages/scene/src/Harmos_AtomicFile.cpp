@@ -10,7 +10,9 @@
 
 namespace Harmos::scene {
 
-std::string partPath(const std::string& path) { return path + ".part"; }
+std::string partPath(const std::string& path) {
+  return path + ".part";
+}
 
 void renamePart(const std::string& path) {
   std::error_code error;

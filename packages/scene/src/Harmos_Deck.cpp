@@ -47,7 +47,8 @@ Teuchos::ParameterList parse(const std::string& file) {
     else
       Teuchos::updateParametersFromXmlString(text.str(), Teuchos::ptr(&list));
   } catch (const std::exception& error) {
-    throw InputError("the deck \"" + file + "\" is not a well-formed ParameterList: " + lastSentence(error.what()),
+    throw InputError("the deck \"" + file +
+                         "\" is not a well-formed ParameterList: " + lastSentence(error.what()),
                      {{"file", file}});
   }
   return list;

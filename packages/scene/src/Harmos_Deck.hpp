@@ -11,7 +11,8 @@
 
 namespace Harmos::scene {
 
-/// Reads a deck (XML, or YAML by the extension .yaml or .yml), applies assignments, validates and completes it.
+/// Reads a deck (XML, or YAML by the extension .yaml or .yml), applies assignments, validates and completes
+/// it.
 ///
 /// Done on rank 0 and broadcast: a fault is reported once, and no two ranks read different decks.
 ///

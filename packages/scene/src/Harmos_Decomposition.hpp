@@ -17,11 +17,12 @@ struct OwnedSubdomain {
   fem::PlacedMesh mesh;
 };
 
-/// The subdomains of this rank: blocks of consecutive numbers, as equal as possible; ranks beyond the number of
-/// subdomains have none. Local.
+/// The subdomains of this rank: blocks of consecutive numbers, as equal as possible; ranks beyond the number
+/// of subdomains have none. Local.
 std::vector<OwnedSubdomain> decompose(const Scene& scene, int rank, int ranks);
 
-/// Stiffness, load, kernel and Dirichlet conditions of each. Subdomains that share a mesh share the matrix. Local.
+/// Stiffness, load, kernel and Dirichlet conditions of each. Subdomains that share a mesh share the matrix.
+/// Local.
 std::vector<feti::Subdomain> assemble(const Scene& scene, const std::vector<OwnedSubdomain>& owned);
 
 } // namespace Harmos::scene

@@ -108,8 +108,8 @@ Test convergenceTest(const feti::DualProblem& dual, const RunOptions& options, b
   report.dNorm = norm(dual.d());
   report.gradientScale = options.stoppingRule == StoppingRule::Paper ? report.dNorm : norm(*dual.rhs());
   Test result;
-  std::vector<Teuchos::RCP<StatusTestType>> tests = {
-      Teuchos::rcp(new qp::StatusTestProjectedGradient<MultiVector>(options.tolerance, report.gradientScale))};
+  std::vector<Teuchos::RCP<StatusTestType>> tests = {Teuchos::rcp(
+      new qp::StatusTestProjectedGradient<MultiVector>(options.tolerance, report.gradientScale))};
   if (!dual.equalityRows().is_null()) {
     using EqualityTest = qp::StatusTestEqualityResidual<MultiVector>;
     switch (options.stoppingRule) {
@@ -129,8 +129,8 @@ Test convergenceTest(const feti::DualProblem& dual, const RunOptions& options, b
     if (judgeEquality)
       tests.push_back(result.equality);
   }
-  result.test = Teuchos::rcp(new qp::StatusTestCombo<MultiVector>(
-      qp::StatusTestCombo<MultiVector>::Type::Sequence, tests));
+  result.test = Teuchos::rcp(
+      new qp::StatusTestCombo<MultiVector>(qp::StatusTestCombo<MultiVector>::Type::Sequence, tests));
   return result;
 }
 
@@ -152,8 +152,7 @@ DualSolution solve(const feti::SubdomainSystem& system, const feti::Constraints&
     solution.lambda->scale(0.5);
   }
 
-  const auto problem =
-      Teuchos::rcp(new qp::TpetraProblem(dual.hessian(), solution.lambda, dual.rhs()));
+  const auto problem = Teuchos::rcp(new qp::TpetraProblem(dual.hessian(), solution.lambda, dual.rhs()));
   problem->setLowerBound(dual.lowerBound());
   Teuchos::RCP<MultiVector> multiplier;
   if (!dual.equalityRows().is_null()) {
@@ -181,8 +180,8 @@ DualSolution solve(const feti::SubdomainSystem& system, const feti::Constraints&
   solver->setLog(log);
   solver->setProblem(problem);
   std::ostringstream text;
-  text << "Solving by " << report.solver << " to " << scientific(options.tolerance, 0) << " (" << report.stoppingRule
-       << " rule)";
+  text << "Solving by " << report.solver << " to " << scientific(options.tolerance, 0) << " ("
+       << report.stoppingRule << " rule)";
   log.info(text.str());
   if (options.progressFrequency > 0)
     log.info("  outer  inner  step              |g^P|   |G lambda|   active     F*x  seconds");
@@ -280,8 +279,7 @@ void run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
     inverseOptions.fixingDofsPerKernelColumn = options.fixingDofs;
     return feti::makeImplicitInverses(system, inverseOptions);
   }();
-  report.distinctFactorizations =
-      globalSum(*comm, static_cast<long long>(inverses.distinctFactorizations()));
+  report.distinctFactorizations = globalSum(*comm, static_cast<long long>(inverses.distinctFactorizations()));
 
   const feti::DualOperator dualOperator(system, constraints, inverses);
   const feti::CoarseSpace coarse = [&] {

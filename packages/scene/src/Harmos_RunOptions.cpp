@@ -18,8 +18,9 @@ void RunOptions::addTo(ParameterSpec& deck) {
   dual.choice("Form", "implicit", {{"implicit", "a solve with each sparse factorisation a product"}},
               "How products with F are made.");
   dual.choice("Preconditioner", "none", {{"none", "no preconditioner"}}, "Dual preconditioner.");
-  dual.integer("Fixing dofs", 4, 1, 1000,
-               "Dofs at which a floating subdomain is held in its generalised inverse, for each rigid motion.");
+  dual.integer(
+      "Fixing dofs", 4, 1, 1000,
+      "Dofs at which a floating subdomain is held in its generalised inverse, for each rigid motion.");
   deck.list(std::move(dual));
 
   ParameterSpec solver("Solver", "Solution of the dual quadratic program.");
@@ -30,7 +31,8 @@ void RunOptions::addTo(ParameterSpec& deck) {
                  {"MPRGP", "bounds alone: no floating subdomain"},
                  {"PCPG", "equalities alone: no contact"}},
                 "The solver.");
-  solver.real("Tolerance", 1e-4, Range::strictlyWithin(0.0, 1.0), "Relative tolerance ε of the stopping rule.");
+  solver.real("Tolerance", 1e-4, Range::strictlyWithin(0.0, 1.0),
+              "Relative tolerance ε of the stopping rule.");
   solver.choice("Stopping rule", "scaled",
                 {{"scaled", "‖g^P‖ ≤ ε‖Pd‖ and ‖Gλ‖ ≤ ε max(‖λ̃‖, ‖λ + λ̃‖)"},
                  {"paper", "‖g^P‖ ≤ ε‖d‖ and ‖Gλ‖ ≤ ε‖(G̃G̃ᵀ)⁻¹ẽ‖"},
@@ -38,7 +40,8 @@ void RunOptions::addTo(ParameterSpec& deck) {
                 "What the residuals are measured against.");
   solver.choice("Initial guess", "zero", {{"zero", "λ⁰ = 0"}, {"half load", "λ⁰ = ½Bf"}},
                 "First iterate of the shifted dual problem, before it is projected onto the bounds.");
-  solver.integer("Maximum iterations", 10000, 0, 1000000000, "Inner iterations after which the solver gives up.");
+  solver.integer("Maximum iterations", 10000, 0, 1000000000,
+                 "Inner iterations after which the solver gives up.");
   solver.integer("Progress frequency", 10, 0, 1000000000,
                  "A line of progress every so many inner iterations; 0 prints none.");
   solver.list(qp::MethodSpecs::mprgp());
@@ -47,7 +50,8 @@ void RunOptions::addTo(ParameterSpec& deck) {
   deck.list(std::move(solver));
 
   ParameterSpec output("Output", "What a run leaves behind.");
-  output.text("Directory", "run", "Where the files go; made if it is not there. The option --output overrides it.");
+  output.text("Directory", "run",
+              "Where the files go; made if it is not there. The option --output overrides it.");
   output.boolean("Fields", true, "Write result.vtkhdf for ParaView; false for timing.");
   deck.list(std::move(output));
 }
@@ -78,18 +82,20 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
 
 void checkConsistency(const Scene& scene, const RunOptions& options) {
   if (options.method == "PCPG" && scene.hasInequalities())
-    throw InputError("contradictory options: \"Solver/Method\" = \"PCPG\" solves problems without inequalities, but "
-                     "the scene has contact; use \"Auto\" or \"SMALBE\", or tie the interface",
-                     {{"path", "Solver/Method"}});
+    throw InputError(
+        "contradictory options: \"Solver/Method\" = \"PCPG\" solves problems without inequalities, but "
+        "the scene has contact; use \"Auto\" or \"SMALBE\", or tie the interface",
+        {{"path", "Solver/Method"}});
   const bool floats = scene.hasFloatingBody() || options.dirichlet == feti::DirichletForm::Dual;
   if (options.method == "MPRGP" && floats)
-    throw InputError("contradictory options: \"Solver/Method\" = \"MPRGP\" solves problems without floating "
-                     "subdomains, but " +
-                         std::string(options.dirichlet == feti::DirichletForm::Dual
-                                         ? "with \"Decomposition/Dirichlet\" = \"dual\" every subdomain floats"
-                                         : "the scene has a body without a prescribed displacement") +
-                         "; use \"Auto\" or \"SMALBE\"",
-                     {{"path", "Solver/Method"}});
+    throw InputError(
+        "contradictory options: \"Solver/Method\" = \"MPRGP\" solves problems without floating "
+        "subdomains, but " +
+            std::string(options.dirichlet == feti::DirichletForm::Dual
+                            ? "with \"Decomposition/Dirichlet\" = \"dual\" every subdomain floats"
+                            : "the scene has a body without a prescribed displacement") +
+            "; use \"Auto\" or \"SMALBE\"",
+        {{"path", "Solver/Method"}});
   if (options.outputDirectory.empty())
     throw InputError("\"Output/Directory\" is empty; name a directory, \".\" for the present one",
                      {{"path", "Output/Directory"}});

@@ -14,8 +14,8 @@ namespace Harmos::scene {
 /// What the residuals are measured against; R with orthonormal columns.
 enum class StoppingRule {
   Scaled, ///< ‖g^P‖ ≤ ε‖Pd‖ and ‖Gλ‖ ≤ ε max(‖λ̃‖, ‖λ + λ̃‖)
-  Paper,  ///< ‖g^P‖ ≤ ε‖d‖ and ‖Gλ‖ ≤ ε‖(G̃G̃ᵀ)⁻¹ẽ‖ (Dostál, Horák, Vlach, section 5)
-  Permon  ///< ‖g^P‖ ≤ ε‖Pd‖ and ‖Gλ‖ ≤ ε‖Pd‖
+  Paper, ///< ‖g^P‖ ≤ ε‖d‖ and ‖Gλ‖ ≤ ε‖(G̃G̃ᵀ)⁻¹ẽ‖ (Dostál, Horák, Vlach, section 5)
+  Permon ///< ‖g^P‖ ≤ ε‖Pd‖ and ‖Gλ‖ ≤ ε‖Pd‖
 };
 
 /// The first iterate λ⁰, before it is projected onto the bounds.

@@ -18,7 +18,9 @@ nlohmann::ordered_json number(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
-double ratio(double value, double scale) { return scale > 0.0 ? value / scale : value; }
+double ratio(double value, double scale) {
+  return scale > 0.0 ? value / scale : value;
+}
 
 } // namespace
 
@@ -97,9 +99,11 @@ std::string timingText(const RunReport& report, const std::vector<std::string>& 
   text << "Seconds (maximum over " << report.ranks << (report.ranks == 1 ? " rank)" : " ranks)") << std::fixed
        << std::setprecision(3);
   for (const std::string& stage : stages)
-    text << "\n  " << std::left << std::setw(14) << stage << std::right << std::setw(10) << report.seconds.at(stage);
-  text << "\n  " << std::left << std::setw(14) << "total" << std::right << std::setw(10) << report.seconds.at("total")
-       << "\nPeak memory of all ranks: " << std::setprecision(0) << report.peakMemoryMiB << " MiB";
+    text << "\n  " << std::left << std::setw(14) << stage << std::right << std::setw(10)
+         << report.seconds.at(stage);
+  text << "\n  " << std::left << std::setw(14) << "total" << std::right << std::setw(10)
+       << report.seconds.at("total") << "\nPeak memory of all ranks: " << std::setprecision(0)
+       << report.peakMemoryMiB << " MiB";
   return text.str();
 }
 

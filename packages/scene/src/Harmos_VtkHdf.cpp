@@ -59,19 +59,20 @@ hid_t typeOf<unsigned char>() {
 
 // A dataset of rows, of which each rank writes the block from its first row on; all ranks take part.
 template<class T>
-void writeRows(hid_t group, const std::string& name, const std::vector<T>& mine, hsize_t width, long long first,
-               long long total) {
+void writeRows(hid_t group, const std::string& name, const std::vector<T>& mine, hsize_t width,
+               long long first, long long total) {
   const hsize_t rows = mine.size() / width;
   const std::array<hsize_t, 2> size = {static_cast<hsize_t>(total), width}, count = {rows, width},
                                start = {static_cast<hsize_t>(first), 0};
   const int rank = width > 1 ? 2 : 1;
   const Handle fileSpace(H5Screate_simple(rank, size.data(), nullptr), H5Sclose, "a data space");
   const Handle dataset(
-      H5Dcreate2(group, name.c_str(), typeOf<T>(), fileSpace, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose,
-      "dataset " + name);
+      H5Dcreate2(group, name.c_str(), typeOf<T>(), fileSpace, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+      H5Dclose, "dataset " + name);
   const Handle memorySpace(H5Screate_simple(rank, count.data(), nullptr), H5Sclose, "a data space");
   if (rows > 0)
-    require(H5Sselect_hyperslab(fileSpace, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), name);
+    require(H5Sselect_hyperslab(fileSpace, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
+            name);
   else {
     require(H5Sselect_none(fileSpace), name);
     require(H5Sselect_none(memorySpace), name);
@@ -86,14 +87,16 @@ void writeAttributes(hid_t group) {
   const hsize_t two = 2;
   const Handle versionSpace(H5Screate_simple(1, &two, nullptr), H5Sclose, "a data space");
   const Handle versionAttribute(
-      H5Acreate2(group, "Version", H5T_NATIVE_INT, versionSpace, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, "Version");
+      H5Acreate2(group, "Version", H5T_NATIVE_INT, versionSpace, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+      "Version");
   require(H5Awrite(versionAttribute, H5T_NATIVE_INT, version.data()), "Version");
   const std::string type = "UnstructuredGrid";
   const Handle text(H5Tcopy(H5T_C_S1), H5Tclose, "a string type");
   require(H5Tset_size(text, type.size()), "Type");
   require(H5Tset_strpad(text, H5T_STR_NULLPAD), "Type");
   const Handle scalar(H5Screate(H5S_SCALAR), H5Sclose, "a data space");
-  const Handle typeAttribute(H5Acreate2(group, "Type", text, scalar, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, "Type");
+  const Handle typeAttribute(H5Acreate2(group, "Type", text, scalar, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+                             "Type");
   require(H5Awrite(typeAttribute, text, type.c_str()), "Type");
 }
 
@@ -109,8 +112,9 @@ constexpr unsigned char vtkQuad = 9;
 
 } // namespace
 
-void writeVtkHdf(const Teuchos::Comm<int>& comm, const std::string& path, const std::vector<OwnedSubdomain>& owned,
-                 const feti::TornVector& displacement, const ContactFields* contact) {
+void writeVtkHdf(const Teuchos::Comm<int>& comm, const std::string& path,
+                 const std::vector<OwnedSubdomain>& owned, const feti::TornVector& displacement,
+                 const ContactFields* contact) {
   const auto* mpi = dynamic_cast<const Teuchos::MpiComm<int>*>(&comm);
   HARMOS_REQUIRE(mpi != nullptr, "result files need an MPI communicator");
 
@@ -134,15 +138,18 @@ void writeVtkHdf(const Teuchos::Comm<int>& comm, const std::string& path, const 
     cellCounts.push_back(mesh.numberOfCells());
     linkCounts.push_back(static_cast<long long>(mesh.cells.size()));
   }
-  // decompose() gives consecutive subdomains to consecutive ranks, so a rank's first row is a sum over those below.
+  // decompose() gives consecutive subdomains to consecutive ranks, so a rank's first row is a sum over those
+  // below.
   struct Extent {
     long long first, total;
   };
   const auto extent = [&](std::size_t rows) {
-    return Extent{exclusiveScan(comm, static_cast<long long>(rows)), globalSum(comm, static_cast<long long>(rows))};
+    return Extent{exclusiveScan(comm, static_cast<long long>(rows)),
+                  globalSum(comm, static_cast<long long>(rows))};
   };
-  const Extent parts = extent(owned.size()), nodes = extent(points.size() / 3), cells = extent(subdomains.size()),
-               connectivity = extent(links.size()), starts = extent(offsets.size());
+  const Extent parts = extent(owned.size()), nodes = extent(points.size() / 3),
+               cells = extent(subdomains.size()), connectivity = extent(links.size()),
+               starts = extent(offsets.size());
 
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   agree(comm, [&] {
@@ -161,7 +168,8 @@ void writeVtkHdf(const Teuchos::Comm<int>& comm, const std::string& path, const 
     writeRows(root, "Points", points, 3, nodes.first, nodes.total);
     writeRows(root, "Connectivity", links, 1, connectivity.first, connectivity.total);
     writeRows(root, "Offsets", offsets, 1, starts.first, starts.total);
-    writeRows(root, "Types", std::vector<unsigned char>(subdomains.size(), vtkQuad), 1, cells.first, cells.total);
+    writeRows(root, "Types", std::vector<unsigned char>(subdomains.size(), vtkQuad), 1, cells.first,
+              cells.total);
     const Handle pointData(makeGroup(root, "PointData"), H5Gclose, "group PointData");
     writeRows(pointData, "displacement", joined(displacement), 1, nodes.first, nodes.total);
     if (contact != nullptr) {

@@ -11,8 +11,8 @@
 
 namespace Harmos::scene {
 
-/// Writes the result for ParaView: one HDF5 file in VTK's VTKHDF UnstructuredGrid layout (version 1.0), written by
-/// all ranks together, one part a subdomain: the file does not depend on the number of ranks.
+/// Writes the result for ParaView: one HDF5 file in VTK's VTKHDF UnstructuredGrid layout (version 1.0),
+/// written by all ranks together, one part a subdomain: the file does not depend on the number of ranks.
 ///
 /// Point data: displacement; with contact also contact_pressure, gap, active_set. Cell data: subdomain, body.
 ///
@@ -20,7 +20,8 @@ namespace Harmos::scene {
 /// @throws InputError on all ranks if the file cannot be written; what was there before is then untouched.
 /// @note Collective.
 /// Guarded by tests/regression/test_result_file.py (VTK's own reader).
-void writeVtkHdf(const Teuchos::Comm<int>& comm, const std::string& path, const std::vector<OwnedSubdomain>& owned,
-                 const feti::TornVector& displacement, const ContactFields* contact);
+void writeVtkHdf(const Teuchos::Comm<int>& comm, const std::string& path,
+                 const std::vector<OwnedSubdomain>& owned, const feti::TornVector& displacement,
+                 const ContactFields* contact);
 
 } // namespace Harmos::scene

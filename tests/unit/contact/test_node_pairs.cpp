@@ -59,8 +59,9 @@ TEST(NodePairs, surfaces_that_do_not_match_are_refused_on_all_ranks) {
   const StructuredRectangle a({0, 0, 0}, {1, 1}, {1, 1}, {2, 2}, 0);
   const StructuredRectangle coarse({1, 0, 0}, {1, 1}, {1, 1}, {1, 1}, 100);
   const StructuredRectangle fine({1, 0, 0}, {1, 1}, {1, 1}, {4, 4}, 100);
-  EXPECT_NE(failure(a, coarse, "left").find("node 5 at (1.000000, 0.500000, 0.000000) of the first surface has no "
-                                            "partner"),
+  EXPECT_NE(failure(a, coarse, "left")
+                .find("node 5 at (1.000000, 0.500000, 0.000000) of the first surface has no "
+                      "partner"),
             std::string::npos)
       << failure(a, coarse, "left");
   EXPECT_NE(failure(a, fine, "left").find("of the second surface has no partner"), std::string::npos);

@@ -14,8 +14,8 @@ TEST(Agreement, success_throws_nowhere) {
   EXPECT_NO_THROW(agree(*testComm(), [] {}));
 }
 
-// A failure on the last rank alone must reach all, with its type, text and data: otherwise the others would go on
-// into the next collective call and wait for ever.
+// A failure on the last rank alone must reach all, with its type, text and data: otherwise the others would
+// go on into the next collective call and wait for ever.
 TEST(Agreement, failure_of_one_rank_is_thrown_on_all) {
   const auto comm = testComm();
   const int last = comm->getSize() - 1;

@@ -14,7 +14,8 @@ namespace {
 ParameterSpec deck() {
   ParameterSpec solver("Solver", "The solver.");
   solver.real("Tolerance", 1e-4, Range::strictlyWithin(0.0, 1.0), "Relative tolerance.");
-  solver.choice("Method", "Auto", {{"Auto", "automatic"}, {"SMALBE", "augmented Lagrangians"}}, "The method.");
+  solver.choice("Method", "Auto", {{"Auto", "automatic"}, {"SMALBE", "augmented Lagrangians"}},
+                "The method.");
   ParameterSpec model("Model", "The model.");
   model.integer("Subdomains per side", 4, 1, 1024, "1/H.");
   model.boolean("Tied", false, "Ties the bodies.");
@@ -33,7 +34,9 @@ std::string message(const Teuchos::ParameterList& list) {
   return "";
 }
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
 } // namespace
 
@@ -50,8 +53,9 @@ TEST(ParameterSpec, completes_by_defaults) {
 TEST(ParameterSpec, unknown_name_gets_the_nearest_one_and_its_path) {
   Teuchos::ParameterList list;
   list.sublist("Solver").set("Tolerence", 1e-3);
-  EXPECT_EQ(message(list), "deck.xml: unknown parameter \"Solver/Tolerence\"; did you mean \"Tolerance\"? Allowed "
-                           "here: \"Tolerance\", \"Method\".");
+  EXPECT_EQ(message(list),
+            "deck.xml: unknown parameter \"Solver/Tolerence\"; did you mean \"Tolerance\"? Allowed "
+            "here: \"Tolerance\", \"Method\".");
 }
 
 TEST(ParameterSpec, unknown_list) {
@@ -68,8 +72,9 @@ TEST(ParameterSpec, nothing_near_is_offered_for_a_far_name) {
 TEST(ParameterSpec, wrong_type) {
   Teuchos::ParameterList list;
   list.sublist("Model").set("Subdomains per side", 2.5);
-  EXPECT_EQ(message(list), "deck.xml: \"Model/Subdomains per side\" is a real number (2.5), expected an integer "
-                           "(type=\"int\") in [1, 1024]");
+  EXPECT_EQ(message(list),
+            "deck.xml: \"Model/Subdomains per side\" is a real number (2.5), expected an integer "
+            "(type=\"int\") in [1, 1024]");
 }
 
 TEST(ParameterSpec, whole_numbers_are_real_numbers) {
@@ -93,8 +98,9 @@ TEST(ParameterSpec, out_of_range_and_not_a_number) {
 TEST(ParameterSpec, choice_offers_values) {
   Teuchos::ParameterList list;
   list.sublist("Solver").set("Method", std::string("smalbe"));
-  EXPECT_EQ(message(list), "deck.xml: \"Solver/Method\" = \"smalbe\" is not allowed, expected one of \"Auto\", "
-                           "\"SMALBE\" (type=\"string\"); did you mean \"SMALBE\"?");
+  EXPECT_EQ(message(list),
+            "deck.xml: \"Solver/Method\" = \"smalbe\" is not allowed, expected one of \"Auto\", "
+            "\"SMALBE\" (type=\"string\"); did you mean \"SMALBE\"?");
 }
 
 TEST(ParameterSpec, all_faults_are_told_at_once) {
@@ -146,8 +152,9 @@ TEST(ParameterSpec, printed_xml_is_a_valid_deck_with_the_defaults) {
 TEST(ParameterSpec, markdown_names_everything) {
   std::ostringstream text;
   deck().writeMarkdown(text);
-  for (const char* part : {"## deck/Solver", "| `Tolerance` | real | `0.0001` | (0, 1) | Relative tolerance. |",
-                           "`SMALBE`: augmented Lagrangians", "## deck/Model"})
+  for (const char* part :
+       {"## deck/Solver", "| `Tolerance` | real | `0.0001` | (0, 1) | Relative tolerance. |",
+        "`SMALBE`: augmented Lagrangians", "## deck/Model"})
     EXPECT_TRUE(contains(text.str(), part)) << part;
 }
 

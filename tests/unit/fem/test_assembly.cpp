@@ -14,7 +14,8 @@ using fem::StructuredRectangle;
 namespace {
 
 double entry(const LocalMatrix& a, int i, int j) {
-  for (std::size_t k = a.offsets[static_cast<std::size_t>(i)]; k < a.offsets[static_cast<std::size_t>(i) + 1]; ++k)
+  for (std::size_t k = a.offsets[static_cast<std::size_t>(i)]; k < a.offsets[static_cast<std::size_t>(i) + 1];
+       ++k)
     if (a.columns[k] == j)
       return a.values[k];
   return 0.0;
@@ -59,7 +60,8 @@ TEST(Assembly, inner_stencil_and_kernel) {
     EXPECT_NEAR(value, 0.0, roundoff);
 }
 
-// uᵀKu is the Dirichlet integral of any bilinear function, on a distorted mesh too (patch test): ∫|∇(2x + 3y)|² = 13.
+// uᵀKu is the Dirichlet integral of any bilinear function, on a distorted mesh too (patch test): ∫|∇(2x +
+// 3y)|² = 13.
 TEST(Assembly, linear_functions_on_a_distorted_mesh) {
   fem::Mesh mesh = *single(1.0, 1.0, 2).mesh;
   mesh.coordinates[8] += 0.11; // the centre
@@ -85,8 +87,8 @@ TEST(Assembly, inverted_cell_is_named) {
   }
 }
 
-// The load of a box that cuts cells: total force and both first moments, which Q1 functions reproduce, are exact for
-// every mesh, resolved jump or not. A one-point or nodal rule fails this.
+// The load of a box that cuts cells: total force and both first moments, which Q1 functions reproduce, are
+// exact for every mesh, resolved jump or not. A one-point or nodal rule fails this.
 TEST(Assembly, load_is_exact_whether_or_not_the_mesh_resolves_the_jump) {
   for (int n : {1, 2, 3, 4, 5, 7}) {
     const fem::PlacedMesh mesh = StructuredRectangle({1, 0, 0}, {1, 1}, {1, 1}, {n, n}, 0).subdomain(0);

@@ -64,8 +64,9 @@ TEST(CoarseSpace, shift_balances_the_loads) {
     EXPECT_NEAR(balanced[k], load[k], 1e-14);
 }
 
-// Nothing holds the two bodies together but a tie to each other: G̃ has one dependent row (both may move together).
-// With loads in balance the coarse space works with the remaining rows; without balance the body is named.
+// Nothing holds the two bodies together but a tie to each other: G̃ has one dependent row (both may move
+// together). With loads in balance the coarse space works with the remaining rows; without balance the body
+// is named.
 TEST(CoarseSpace, rank_deficiency_is_found_and_judged_by_the_load) {
   TestModel model = testModel(2, 2, true);
   for (Subdomain& subdomain : model.subdomains)

@@ -19,7 +19,7 @@ namespace {
 
 // All entries of B as (row, subdomain, dof) → value, on every rank.
 std::map<std::tuple<long long, long long, int>, double> gatherB(const SubdomainSystem& system,
-                                                               const Constraints& constraints) {
+                                                                const Constraints& constraints) {
   struct Item {
     long long row, subdomain;
     int dof;
@@ -67,8 +67,8 @@ TEST(Constraints, dimensions_follow_the_papers_count) {
   }
 }
 
-// BBᵀ = I: gluing rows orthonormal at cross points, contact rows (mean of the copies) orthogonal to them, also at
-// contact nodes where subdomains of a body meet. One copy alone in a contact row gives κ(BBᵀ) = 5.8.
+// BBᵀ = I: gluing rows orthonormal at cross points, contact rows (mean of the copies) orthogonal to them,
+// also at contact nodes where subdomains of a body meet. One copy alone in a contact row gives κ(BBᵀ) = 5.8.
 TEST(Constraints, rows_are_orthonormal_in_both_forms) {
   for (DirichletForm form : {DirichletForm::Primal, DirichletForm::Dual}) {
     const TestModel model = testModel(3, 2);
@@ -92,7 +92,8 @@ TEST(Constraints, dirichlet_rows_take_the_place_of_gluing_rows) {
   const SubdomainSystem primal(testComm(), model.subdomains, DirichletForm::Primal);
   const SubdomainSystem dual(testComm(), model.subdomains, DirichletForm::Dual);
   const Constraints inPrimal(primal, model.rows), inDual(dual, model.rows);
-  // On x = 0: s (n + 1) copies of sn + 1 nodes; s − 1 gluing rows vanish there, s (n + 1) Dirichlet rows come.
+  // On x = 0: s (n + 1) copies of sn + 1 nodes; s − 1 gluing rows vanish there, s (n + 1) Dirichlet rows
+  // come.
   EXPECT_EQ(inDual.dualDimension(), inPrimal.dualDimension() - (s - 1) + s * (n + 1));
   long long dirichlet = 0;
   for (int row = 0; row < static_cast<int>(localSize(*inDual.rowMap())); ++row)
@@ -141,7 +142,8 @@ TEST(Constraints, transpose_is_the_transpose) {
   const TornVector t = constraints.applyBt(lambda);
   for (int i = 0; i < system.size(); ++i)
     for (std::size_t j = 0; j < u[static_cast<std::size_t>(i)].size(); ++j) {
-      u[static_cast<std::size_t>(i)][j] = std::cos(static_cast<double>(7 * system.subdomain(i).number) + static_cast<double>(j));
+      u[static_cast<std::size_t>(i)][j] =
+          std::cos(static_cast<double>(7 * system.subdomain(i).number) + static_cast<double>(j));
       right += u[static_cast<std::size_t>(i)][j] * t[static_cast<std::size_t>(i)][j];
     }
   constraints.applyB(u, y);
@@ -150,8 +152,8 @@ TEST(Constraints, transpose_is_the_transpose) {
   EXPECT_NEAR(left[0], globalSum(*testComm(), right), 1e-12);
 }
 
-// Rows, their numbers and their entries do not depend on the number of ranks: a check sum that weighs each entry by
-// its place, computed once on one rank.
+// Rows, their numbers and their entries do not depend on the number of ranks: a check sum that weighs each
+// entry by its place, computed once on one rank.
 TEST(Constraints, rows_do_not_depend_on_the_number_of_ranks) {
   const TestModel model = testModel(3, 2);
   const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Primal);

@@ -90,8 +90,8 @@ TEST(DualOperator, several_columns_scaling_and_accumulation) {
   }
 }
 
-// A local solve that fails on one rank must neither hang the others nor pass unseen: NaN everywhere after a norm,
-// then an agreed error.
+// A local solve that fails on one rank must neither hang the others nor pass unseen: NaN everywhere after a
+// norm, then an agreed error.
 TEST(DualOperator, local_failure_reaches_all_ranks) {
   const TestModel model = testModel(2, 2);
   const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Primal);

@@ -39,7 +39,8 @@ TEST(Kernel, basis_is_orthonormal) {
     }
 }
 
-// A pinned node leaves the rotation about it; two pinned nodes leave nothing; a roller leaves one motion less.
+// A pinned node leaves the rotation about it; two pinned nodes leave nothing; a roller leaves one motion
+// less.
 TEST(Kernel, fixed_dofs_take_motions_away) {
   const Kernel motions = planeMotions(7);
   const Kernel pinned = feti::heldKernel(motions, {4, 5});

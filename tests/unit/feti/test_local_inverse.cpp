@@ -17,7 +17,8 @@ namespace {
 LocalMatrix chain(int n) {
   std::vector<MatrixEntry> entries;
   for (int i = 0; i + 1 < n; ++i)
-    for (const auto& [a, b, v] : {std::tuple{i, i, 1.0}, {i + 1, i + 1, 1.0}, {i, i + 1, -1.0}, {i + 1, i, -1.0}})
+    for (const auto& [a, b, v] :
+         {std::tuple{i, i, 1.0}, {i + 1, i + 1, 1.0}, {i, i + 1, -1.0}, {i + 1, i, -1.0}})
       entries.push_back({a, b, v});
   return makeLocalMatrix(n, entries);
 }
@@ -48,14 +49,23 @@ TEST(FixingDofs, are_spread_and_distinct) {
 
 // A disconnected part is infinitely far: it gets a fixing dof before any part gets its second one.
 TEST(FixingDofs, reach_every_connected_part) {
-  LocalMatrix two = makeLocalMatrix(6, {{0, 0, 1}, {0, 1, -1}, {1, 0, -1}, {1, 1, 1}, {2, 2, 1}, {2, 3, -1}, {3, 2, -1},
-                                        {3, 3, 1}, {4, 4, 1}, {5, 5, 1}});
+  LocalMatrix two = makeLocalMatrix(6, {{0, 0, 1},
+                                        {0, 1, -1},
+                                        {1, 0, -1},
+                                        {1, 1, 1},
+                                        {2, 2, 1},
+                                        {2, 3, -1},
+                                        {3, 2, -1},
+                                        {3, 3, 1},
+                                        {4, 4, 1},
+                                        {5, 5, 1}});
   const std::vector<int> fixing = fixingDofs(two, 4);
-  EXPECT_TRUE(std::count(fixing.begin(), fixing.end(), 4) == 1 && std::count(fixing.begin(), fixing.end(), 5) == 1);
+  EXPECT_TRUE(std::count(fixing.begin(), fixing.end(), 4) == 1 &&
+              std::count(fixing.begin(), fixing.end(), 5) == 1);
 }
 
-// K_ρ is positive definite, and its smallest eigenvalue is not below that of K on the complement by more than the
-// number of dofs.
+// K_ρ is positive definite, and its smallest eigenvalue is not below that of K on the complement by more than
+// the number of dofs.
 TEST(FixingDofs, regularized_matrix_is_positive_definite) {
   const LocalMatrix k = chain(12);
   const Kernel kernel = heldKernel(constantKernel(12), {});

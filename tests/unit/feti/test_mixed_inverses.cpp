@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// F and d̃ from different generalised inverses: the solver converges, to a wrong answer. Only the audit on the primal
-/// side, which knows K, f, B, u and λ alone, sees it. This is why all stages take one LocalInverses object.
+/// F and d̃ from different generalised inverses: the solver converges, to a wrong answer. Only the audit on
+/// the primal side, which knows K, f, B, u and λ alone, sees it. This is why all stages take one
+/// LocalInverses object.
 
 #include "Harmos_TestFeti.hpp"
 

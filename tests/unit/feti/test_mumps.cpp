@@ -19,7 +19,8 @@ using feti::Mumps;
 namespace {
 
 // The one-dimensional Laplacian of order n: tridiag(−1, 2, −1), lower triangle or whole.
-void laplacian(int n, bool whole, std::vector<int>& rows, std::vector<int>& columns, std::vector<double>& values) {
+void laplacian(int n, bool whole, std::vector<int>& rows, std::vector<int>& columns,
+               std::vector<double>& values) {
   for (int i = 1; i <= n; ++i) {
     rows.push_back(i), columns.push_back(i), values.push_back(2.0);
     if (i > 1)
@@ -101,7 +102,8 @@ TEST(MumpsSolver, is_an_amesos2_solver) {
   for (std::size_t k = 0; k < localSize(*map); ++k) {
     const GlobalOrdinal i = map->getGlobalElement(static_cast<LocalOrdinal>(k));
     for (GlobalOrdinal j = std::max<GlobalOrdinal>(0, i - 1); j <= std::min<GlobalOrdinal>(n - 1, i + 1); ++j)
-      matrix->insertGlobalValues(i, Teuchos::tuple<GlobalOrdinal>(j), Teuchos::tuple<double>(i == j ? 2.0 : -1.0));
+      matrix->insertGlobalValues(i, Teuchos::tuple<GlobalOrdinal>(j),
+                                 Teuchos::tuple<double>(i == j ? 2.0 : -1.0));
   }
   matrix->fillComplete();
   const auto x = Teuchos::rcp(new MultiVector(map, 1)), b = Teuchos::rcp(new MultiVector(map, 1));

@@ -19,8 +19,8 @@ Answer solveModel(const TestFeti& feti, double tolerance) {
   const TestDualSolution solution = solveDual(feti.dual, feti.coarse, tolerance);
   EXPECT_TRUE(solution.result.converged()) << solution.result.explanation;
   Answer answer;
-  answer.torn = recover(feti.system, feti.constraints, feti.inverses, feti.coarse, feti.dual, *solution.lambda,
-                        solution.mu);
+  answer.torn = recover(feti.system, feti.constraints, feti.inverses, feti.coarse, feti.dual,
+                        *solution.lambda, solution.mu);
   answer.audit = audit(feti.system, feti.constraints, answer.torn);
   return answer;
 }
@@ -42,8 +42,8 @@ TEST(Recovery, audit_of_a_tight_solution_is_clean) {
     }
 }
 
-// An unloaded, floating second membrane that the first one would penetrate by δ: λ = 0 there does not fix α, the
-// formula with μ does. The gap is −δ: the second membrane must move up by δ at least.
+// An unloaded, floating second membrane that the first one would penetrate by δ: λ = 0 there does not fix α,
+// the formula with μ does. The gap is −δ: the second membrane must move up by δ at least.
 TEST(Recovery, unloaded_body_in_initial_penetration) {
   TestModel model = testModel(2, 3);
   for (Subdomain& subdomain : model.subdomains)

@@ -27,7 +27,9 @@ std::string failure(Change&& change) {
   return "";
 }
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
 } // namespace
 
@@ -108,7 +110,11 @@ TEST(SubdomainSystem, bad_numbers_are_refused_before_they_spread) {
                          s.stiffness = k;
                        }),
                        "row 2 of the stiffness matrix of subdomain 0 is zero"));
-  EXPECT_TRUE(contains(failure<InputError>([](feti::Subdomain& s) { s.load.pop_back(); }), "differ in length"));
-  EXPECT_TRUE(contains(failure<InputError>([](feti::Subdomain& s) { s.fixed.push_back({99, 0.0}); }), "dof 99"));
+  EXPECT_TRUE(
+      contains(failure<InputError>([](feti::Subdomain& s) { s.load.pop_back(); }), "differ in length"));
+  EXPECT_TRUE(contains(failure<InputError>([](feti::Subdomain& s) {
+                         s.fixed.push_back({99, 0.0});
+                       }),
+                       "dof 99"));
   EXPECT_TRUE(contains(failure<InputError>([](feti::Subdomain& s) { s.number = 100; }), "without gaps"));
 }

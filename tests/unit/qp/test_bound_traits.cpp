@@ -44,8 +44,8 @@ TEST(BoundTraits, splitting_of_every_case) {
   EXPECT_EQ(sums.active, 5);
   EXPECT_EQ(sums.changed, 9); // all are new
   EXPECT_EQ(sums.projectedNorm2(), sums.freeNorm2 + sums.choppedNorm2);
-  EXPECT_NEAR(BT::projectedGradientNorm(*c.xv, *c.gv, c.lv.get(), c.uv.get()), std::sqrt(sums.projectedNorm2()),
-              1e-14);
+  EXPECT_NEAR(BT::projectedGradientNorm(*c.xv, *c.gv, c.lv.get(), c.uv.get()),
+              std::sqrt(sums.projectedNorm2()), 1e-14);
   MultiVector beta(c.map, 1);
   BT::choppedGradient(*c.xv, *c.gv, c.lv.get(), c.uv.get(), beta);
   EXPECT_EQ(fromVector(beta), (std::vector<double>{0, 0, 0, -7, 11, 0, 0, 0, 0}));

@@ -21,9 +21,12 @@ double distance(const std::vector<double>& a, const std::vector<double>& b) {
   return std::sqrt(sum);
 }
 
-double length(const std::vector<double>& a) { return distance(a, std::vector<double>(a.size(), 0.0)); }
+double length(const std::vector<double>& a) {
+  return distance(a, std::vector<double>(a.size(), 0.0));
+}
 
-Result solve(const std::string& name, const DistributedQp& qp, const Teuchos::RCP<Teuchos::ParameterList>& list,
+Result solve(const std::string& name, const DistributedQp& qp,
+             const Teuchos::RCP<Teuchos::ParameterList>& list,
              const Teuchos::RCP<StatusTest<MultiVector>>& test = Teuchos::null) {
   const auto solver = TpetraSolverFactory().create(name, list);
   solver->setConvergenceTest(test);
@@ -39,8 +42,8 @@ Teuchos::RCP<Teuchos::ParameterList> parameters(double tolerance) {
 
 constexpr double condition = 100.0;
 constexpr double tolerance = 1e-11;
-// ‖x − x*‖ ≤ ‖g^P‖/λ_min for bounds alone (λ_min = 1, ‖b‖ ≤ 10 √8 < 30); equality residuals enter multiplied by at
-// most κ ‖C⁺‖. Ten times the solver tolerance on these scales:
+// ‖x − x*‖ ≤ ‖g^P‖/λ_min for bounds alone (λ_min = 1, ‖b‖ ≤ 10 √8 < 30); equality residuals enter multiplied
+// by at most κ ‖C⁺‖. Ten times the solver tolerance on these scales:
 constexpr double accuracy = 10.0 * tolerance * 30.0 * condition;
 
 // Records the cost at each iterate.
@@ -50,7 +53,8 @@ class CostProbe : public StatusTest<MultiVector> {
   Status checkStatus(const IterationState<MultiVector>& state) override {
     costs.push_back(qp_.cost(fromVector(*state.x)));
     for (std::size_t i = 0; i < qp_.lower.size(); ++i)
-      feasible = feasible && fromVector(*state.x)[i] >= qp_.lower[i] && fromVector(*state.x)[i] <= qp_.upper[i];
+      feasible =
+          feasible && fromVector(*state.x)[i] >= qp_.lower[i] && fromVector(*state.x)[i] <= qp_.upper[i];
     return state.projectedGradient <= limit_ ? Status::Passed : Status::Failed;
   }
   Status getStatus() const override { return Status::Undefined; }
@@ -76,12 +80,14 @@ TEST(Solvers, mprgp_agrees_with_enumeration) {
       list->sublist("MPRGP").set("Expansion", std::string(expansion));
       const Result result = solve("MPRGP", distributed, list);
       ASSERT_TRUE(result.converged()) << k << " " << result.explanation;
-      EXPECT_LE(distance(fromVector(*distributed.solution), bruteForce(qp)), accuracy) << k << " " << expansion;
+      EXPECT_LE(distance(fromVector(*distributed.solution), bruteForce(qp)), accuracy)
+          << k << " " << expansion;
     }
   }
 }
 
-// The cost falls at every step of every variant, iterates stay feasible, and the steps add up to the applications.
+// The cost falls at every step of every variant, iterates stay feasible, and the steps add up to the
+// applications.
 TEST(Solvers, mprgp_cost_never_rises) {
   std::mt19937 random(12);
   for (int k = 0; k < 40; ++k) {
@@ -100,9 +106,10 @@ TEST(Solvers, mprgp_cost_never_rises) {
       const Counters& c = result.counters;
       EXPECT_EQ(c.cgSteps + c.expansionSteps + c.proportioningSteps,
                 static_cast<int>(result.history.size()) - 1);
-      // A product each, one more for an expansion, one more for a fallback or a cut of it, one for a start ≠ 0.
-      const int expected =
-          c.cgSteps + 2 * c.expansionSteps + c.proportioningSteps + c.fallbacks + c.stepCuts + c.confirmations;
+      // A product each, one more for an expansion, one more for a fallback or a cut of it, one for a start ≠
+      // 0.
+      const int expected = c.cgSteps + 2 * c.expansionSteps + c.proportioningSteps + c.fallbacks +
+                           c.stepCuts + c.confirmations;
       EXPECT_GE(c.hessianApplications, expected);
       EXPECT_LE(c.hessianApplications, expected + 1);
     }
@@ -125,7 +132,8 @@ TEST(Solvers, mprgp_corrects_a_norm_that_is_too_small) {
     EXPECT_LE(distance(fromVector(*distributed.solution), bruteForce(qp)), accuracy);
     cuts += result.counters.stepCuts;
   }
-  // Curvatures met along the search directions correct most of the error before a fixed step is made, but not all.
+  // Curvatures met along the search directions correct most of the error before a fixed step is made, but not
+  // all.
   EXPECT_GT(cuts, 0);
 }
 

@@ -47,13 +47,16 @@ std::string failure(const DeckFile& file, const std::vector<std::string>& assign
   return "";
 }
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
 } // namespace
 
 TEST(Deck, xml_and_yaml_give_the_same_on_all_ranks) {
-  const DeckFile xml("a.xml", "<ParameterList><ParameterList name=\"Solver\"><Parameter name=\"Tolerance\" "
-                              "type=\"double\" value=\"0.1234567890123456789\"/></ParameterList></ParameterList>");
+  const DeckFile xml("a.xml",
+                     "<ParameterList><ParameterList name=\"Solver\"><Parameter name=\"Tolerance\" "
+                     "type=\"double\" value=\"0.1234567890123456789\"/></ParameterList></ParameterList>");
   const DeckFile yaml("a.yaml", "test:\n  Solver:\n    Tolerance: 0.1234567890123456789\n");
   for (const DeckFile* file : {&xml, &yaml}) {
     const auto deck = scene::readDeck(*testComm(), file->path(), {}, spec());
@@ -65,17 +68,20 @@ TEST(Deck, xml_and_yaml_give_the_same_on_all_ranks) {
 
 TEST(Deck, assignments_win_in_their_order) {
   const DeckFile xml("b.xml", "<ParameterList/>");
-  const auto deck = scene::readDeck(*testComm(), xml.path(),
-                                    {"Solver/Tolerance=1e-2", "Solver/Tolerance=1e-3", "Output/Fields=false"}, spec());
+  const auto deck =
+      scene::readDeck(*testComm(), xml.path(),
+                      {"Solver/Tolerance=1e-2", "Solver/Tolerance=1e-3", "Output/Fields=false"}, spec());
   EXPECT_EQ(deck.sublist("Solver").get<double>("Tolerance"), 1e-3);
   EXPECT_FALSE(deck.sublist("Output").get<bool>("Fields"));
 }
 
 TEST(Deck, faults_are_thrown_on_all_ranks) {
-  EXPECT_TRUE(contains(failure(DeckFile("c.xml", "<ParameterList><Parameter name=\"Solver\"</ParameterList>")),
-                       "is not a well-formed ParameterList"));
+  EXPECT_TRUE(
+      contains(failure(DeckFile("c.xml", "<ParameterList><Parameter name=\"Solver\"</ParameterList>")),
+               "is not a well-formed ParameterList"));
   EXPECT_TRUE(contains(failure(DeckFile("d.xml", "")), "is not a well-formed ParameterList"));
-  EXPECT_TRUE(contains(failure(DeckFile("e.xml", "<ParameterList/>"), {"Solver/Tolerance"}), "is not of the form"));
+  EXPECT_TRUE(
+      contains(failure(DeckFile("e.xml", "<ParameterList/>"), {"Solver/Tolerance"}), "is not of the form"));
   EXPECT_TRUE(contains(failure(DeckFile("f.xml", "<ParameterList/>"), {"Solver/Tol=1"}), "did you mean"));
   try {
     scene::readDeck(*testComm(), "/nowhere/deck.xml", {}, spec());

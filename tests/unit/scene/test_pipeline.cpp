@@ -22,7 +22,8 @@ scene::Scene grid(int s, int bodies) {
   scene::Scene scene;
   for (int b = 0; b < bodies; ++b) {
     const auto rectangle = std::make_shared<const fem::StructuredRectangle>(
-        fem::Point{0, 0, 0}, std::array<double, 2>{1, 1}, std::array<int, 2>{s, s}, std::array<int, 2>{1, 1}, 100 * b);
+        fem::Point{0, 0, 0}, std::array<double, 2>{1, 1}, std::array<int, 2>{s, s}, std::array<int, 2>{1, 1},
+        100 * b);
     scene::Body body;
     body.subdomains = s * s;
     body.subdomain = [rectangle](int k) { return rectangle->subdomain(k); };
@@ -33,8 +34,8 @@ scene::Scene grid(int s, int bodies) {
 
 } // namespace
 
-// Every subdomain on exactly one rank, in order, and shares that differ by one at most; also with more ranks than
-// subdomains.
+// Every subdomain on exactly one rank, in order, and shares that differ by one at most; also with more ranks
+// than subdomains.
 TEST(Decomposition, shares_are_disjoint_complete_and_even) {
   for (int s : {1, 2, 3})
     for (int ranks : {1, 2, 3, 5, 40}) {
@@ -85,7 +86,8 @@ TEST(AtomicFile, appears_whole_or_not_at_all) {
   std::string text;
   EXPECT_TRUE(std::getline(stream, text) && text == "new");
   EXPECT_FALSE(std::filesystem::exists(scene::partPath(directory + "/file")));
-  // A directory stands in the way of the name: the error says so and the part file is not taken for the result.
+  // A directory stands in the way of the name: the error says so and the part file is not taken for the
+  // result.
   scene::makeDirectory(directory + "/taken/inside");
   EXPECT_THROW(scene::writeAtomically(directory + "/taken", "x"), InputError);
   EXPECT_THROW(scene::writeAtomically("/proc/no/file", "x"), InputError);

@@ -1,0 +1,96 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+#
+# From a bare Debian 12 to a solved problem or a tested build:
+#
+#   cmake/bootstrap.sh run     install what is missing, build, solve the model problem on 2 ranks, draw it
+#   cmake/bootstrap.sh test    install what is missing, build, run the tests
+#
+# Runs as root or as a user with sudo; a second call skips what is done. HARMOS_JOBS sets the number of compilers at
+# work (default: all cores).
+set -euo pipefail
+
+say() { printf '== %s\n' "$*"; }
+fail() { printf 'error: %s\n' "$*" >&2; exit 2; }
+
+usage="usage: cmake/bootstrap.sh run|test"
+[ $# -eq 1 ] || fail "$usage"
+case "$1" in run | test) goal=$1 ;; *) fail "$usage" ;; esac
+
+cd "$(dirname "$0")/.."
+build=build
+jobs=${HARMOS_JOBS:-$(nproc)}
+
+as_root() {
+  if [ "$(id -u)" -eq 0 ]; then
+    "$@"
+  elif command -v sudo >/dev/null 2>&1; then
+    sudo "$@"
+  else
+    fail "\"$*\" needs root: run this as root, or install sudo"
+  fi
+}
+
+install_packages() {
+  command -v apt-get >/dev/null 2>&1 ||
+    fail "this is not Debian (no apt-get): install the packages of cmake/packages-debian.txt yourself, then use the CMake presets"
+  local wanted missing=()
+  mapfile -t wanted < <(grep -v -e '^#' -e '^$' cmake/packages-debian.txt)
+  for package in "${wanted[@]}"; do
+    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)" = installed ] || missing+=("$package")
+  done
+  if [ ${#missing[@]} -eq 0 ]; then
+    say "All ${#wanted[@]} packages are installed"
+    return
+  fi
+  say "Installing ${#missing[@]} of ${#wanted[@]} packages"
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get update -q
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}"
+}
+
+# Debian's reference BLAS is several times slower than OpenBLAS; its serial build fits one thread a rank.
+select_openblas() {
+  local triplet library name path
+  triplet=$(gcc -print-multiarch)
+  for library in blas lapack; do
+    name="lib$library.so.3-$triplet"
+    path="/usr/lib/$triplet/openblas-serial/lib$library.so.3"
+    [ -e "$path" ] || fail "OpenBLAS' $path is not there though libopenblas-serial-dev is installed"
+    if [ "$(readlink -f "/etc/alternatives/$name")" != "$(readlink -f "$path")" ]; then
+      say "Selecting OpenBLAS for $name"
+      as_root update-alternatives --set "$name" "$path"
+    fi
+  done
+}
+
+build_all() {
+  say "Configuring (preset release, in $build/)"
+  cmake --preset release -DHARMOS_ENABLE_TESTS="$1"
+  say "Building with $jobs jobs"
+  cmake --build "$build" --parallel "$jobs"
+}
+
+# One BLAS thread a rank; mpirun refuses root unless told twice, and more ranks than cores unless allowed.
+export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+export OMPI_MCA_rmaps_base_oversubscribe=1
+if [ "$(id -u)" -eq 0 ]; then
+  export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+fi
+
+install_packages
+select_openblas
+case $goal in
+run)
+  build_all OFF
+  say "Solving the model problem on 2 ranks"
+  mpirun -np 2 "$build/bin/signorini" apps/signorini/decks/model.xml --output run
+  say "Drawing the result"
+  /usr/bin/python3 docs/tools/plot_run.py run
+  say "Open run/result.vtkhdf in ParaView, or look at run/solution.png and run/convergence.png"
+  ;;
+test)
+  build_all ON
+  say "Testing (all but the tests labelled long)"
+  ctest --test-dir "$build" --output-on-failure -LE long
+  ;;
+esac
