@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "verification"))
 import harmos_runs as runs  # noqa: E402
 
 try:
-    import h5py
+    import h5py  # noqa: F401
     import numpy as np
     import oracle
 except ImportError as missing:
@@ -55,17 +55,8 @@ CONTACT = {"PointData/contact_pressure", "PointData/gap", "PointData/active_set"
 ALL = MESH | CONTACT | {"PointData/displacement"}
 
 
-def read(path):
-    """All datasets below /VTKHDF by name, and its attributes."""
-    arrays = {}
-    with h5py.File(path, "r") as file:
-        root = file["VTKHDF"]
-        root.visititems(
-            lambda name, item: arrays.update({name: item[()]})
-            if isinstance(item, h5py.Dataset)
-            else None
-        )
-        return arrays, dict(root.attrs)
+def read(run, elements=n):
+    return runs.Result(run.directory / "result.vtkhdf", elements)
 
 
 _default = None
@@ -114,34 +105,22 @@ def displacement_bound(summary):
     return 10 * jump(summary)
 
 
-class Fields:
-    """The raw arrays, and where on the grid of the oracle their nodes lie."""
-
-    def __init__(self, arrays):
-        points = arrays["NumberOfPoints"]
-        cells = arrays["NumberOfCells"]
-        first = np.concatenate([[0], np.cumsum(cells)[:-1]])
-        self.body = np.repeat(arrays["CellData/body"][first], points)
-        self.x = arrays["Points"]
-        self.i = np.rint((self.x[:, 0] - self.body) * n).astype(int)
-        self.j = np.rint(self.x[:, 1] * n).astype(int)
-        self.interface = self.x[:, 0] == 1.0
-        # The part of the interface that belongs to a node.
-        self.length = np.where((self.j == 0) | (self.j == n), 0.5, 1.0) / n
-
-
 class Raw(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.run_ = default_run(cls())
-        cls.arrays, cls.attributes = read(cls.run_.directory / "result.vtkhdf")
-        cls.fields = Fields(cls.arrays)
+        cls.result = read(cls.run_)
+        cls.arrays = cls.result.arrays
+        cls.interface = cls.result.x[:, 0] == 1.0
+        # The part of the interface that belongs to a node.
+        ends = (cls.result.j == 0) | (cls.result.j == n)
+        cls.length = np.where(ends, 0.5, 1.0) / n
         cls.oracle = oracle.solve(n)
 
     def side(self, body):
         """The nodes of one side of the interface, one copy each, by j."""
-        chosen = np.flatnonzero(self.fields.interface & (self.fields.body == body))
-        _, where = np.unique(self.fields.j[chosen], return_index=True)
+        chosen = np.flatnonzero(self.interface & (self.result.body == body))
+        _, where = np.unique(self.result.j[chosen], return_index=True)
         return chosen[where]
 
     def test_files(self):
@@ -149,8 +128,8 @@ class Raw(unittest.TestCase):
         self.assertEqual(names, runs.RESULTS)
 
     def test_kind_and_version(self):
-        self.assertEqual(self.attributes["Type"], b"UnstructuredGrid")
-        self.assertEqual(list(self.attributes["Version"]), [1, 0])
+        self.assertEqual(self.result.attributes["Type"], b"UnstructuredGrid")
+        self.assertEqual(list(self.result.attributes["Version"]), [1, 0])
 
     def test_arrays(self):
         self.assertEqual(set(self.arrays), ALL)
@@ -184,13 +163,11 @@ class Raw(unittest.TestCase):
         )
 
     def test_displacement_is_the_oracle_s(self):
-        f = self.fields
-        expected = np.stack(self.oracle.u)[f.body, f.i, f.j]
-        error = np.abs(self.arrays["PointData/displacement"] - expected).max()
+        error = self.result.displacement_error(self.oracle)
         self.assertLess(error, displacement_bound(self.run_.summary))
 
     def test_dirichlet_condition_is_exact_to_rounding(self):
-        u = self.arrays["PointData/displacement"][self.fields.x[:, 0] == 0.0]
+        u = self.result.u[self.result.x[:, 0] == 0.0]
         self.assertEqual(len(u), S * (N + 1))
         # The condition stays in the subdomain matrices, so that only rounding is left; the
         # largest displacement is about one, the condition number of a subdomain below 1e4.
@@ -198,7 +175,7 @@ class Raw(unittest.TestCase):
 
     def test_contact_fields_vanish_off_the_interface(self):
         for name in CONTACT:
-            self.assertFalse(self.arrays[name][~self.fields.interface].any(), name)
+            self.assertFalse(self.arrays[name][~self.interface].any(), name)
 
     def test_contact_fields_are_those_of_the_oracle(self):
         summary = self.run_.summary
@@ -208,7 +185,7 @@ class Raw(unittest.TestCase):
             pressure = self.arrays["PointData/contact_pressure"][side]
             gap = self.arrays["PointData/gap"][side]
             active = self.arrays["PointData/active_set"][side]
-            force = pressure * self.fields.length[side]
+            force = pressure * self.length[side]
             error = np.abs(force - self.oracle.multipliers).max()
             self.assertLess(error, force_bound(summary))
             self.assertLess(np.abs(gap - self.oracle.gap).max(), displacement_bound(summary))
@@ -217,10 +194,9 @@ class Raw(unittest.TestCase):
             np.testing.assert_array_equal(active, np.where(self.oracle.active, CLOSED, OPEN))
 
     def test_copies_of_a_node_agree(self):
-        f = self.fields
         for name in CONTACT:
-            values = self.arrays[name][f.interface]
-            j = f.j[f.interface]
+            values = self.arrays[name][self.interface]
+            j = self.result.j[self.interface]
             first = dict(zip(j[::-1].tolist(), values[::-1].tolist()))
             self.assertEqual([first[k] for k in j.tolist()], values.tolist(), name)
 
@@ -232,7 +208,7 @@ class Raw(unittest.TestCase):
         self.assertEqual(found, {OFF, OPEN, CLOSED})
 
     def test_gap_is_the_difference_of_the_displacements(self):
-        u = self.arrays["PointData/displacement"]
+        u = self.result.u
         first, second = self.side(0), self.side(1)
         gap = self.arrays["PointData/gap"][first]
         # At the cross points the row takes the mean of the copies: their jumps are left.
@@ -248,7 +224,7 @@ class Raw(unittest.TestCase):
 
     def test_contact_force_holds_the_floating_body(self):
         side = self.side(0)
-        force = self.arrays["PointData/contact_pressure"][side] @ self.fields.length[side]
+        force = self.arrays["PointData/contact_pressure"][side] @ self.length[side]
         # Its load is -1 on (1,2) x (0,1/4). What is missing is the sum over its S^2 subdomains of
         # the balances R'(f - B'lambda) = L G lambda, each times N+1 since R'R = I: at most
         # (N+1) S |L| |G lambda|, and |L| = |R'B'| <= 1 since BB' = I as well.
@@ -265,8 +241,9 @@ class VtkReader(unittest.TestCase):
         except ImportError as error:
             raise unittest.SkipTest(f"the Python module {error.name} is missing") from error
         cls.to_numpy = staticmethod(vtk_to_numpy)
-        path = default_run(cls()).directory / "result.vtkhdf"
-        cls.arrays, _ = read(path)
+        run = default_run(cls())
+        cls.arrays = read(run).arrays
+        path = run.directory / "result.vtkhdf"
         reader = vtkHDFReader()
         reader.SetFileName(str(path))
         cls.can_read = reader.CanReadFile(str(path))
@@ -325,7 +302,7 @@ class SameFile(unittest.TestCase):
             ranks: default_run(self) if ranks == 2 else runs.solved(self, runs.MODEL, SETS, ranks)
             for ranks in (1, 2, 3)
         }
-        reference, attributes = read(runs_[1].directory / "result.vtkhdf")
+        reference = read(runs_[1]).arrays
         # Each run is within the bound of the exact solution.
         summary = runs_[1].summary
         bounds = {
@@ -335,9 +312,8 @@ class SameFile(unittest.TestCase):
             "PointData/contact_pressure": 2 * force_bound(summary) * 2 * n,
         }
         for ranks in (2, 3):
-            arrays, others = read(runs_[ranks].directory / "result.vtkhdf")
+            arrays = read(runs_[ranks]).arrays
             self.assertEqual(set(arrays), set(reference))
-            self.assertEqual(others.keys(), attributes.keys())
             for name, expected in reference.items():
                 with self.subTest(ranks=ranks, dataset=name):
                     found = arrays[name]
@@ -354,7 +330,7 @@ class Variants(unittest.TestCase):
 
     def test_tie_has_no_contact_arrays(self):
         result = runs.solved(self, runs.MODEL, {**self.QUICK, "Model/Interface": "tie"})
-        arrays, _ = read(result.directory / "result.vtkhdf")
+        arrays = read(result, 8).arrays
         self.assertEqual(set(arrays), ALL - CONTACT)
         names = tuple(sorted(path.name for path in result.directory.iterdir()))
         self.assertEqual(names, runs.RESULTS)
@@ -370,7 +346,7 @@ class Variants(unittest.TestCase):
         second = runs.solved(self, runs.MODEL, self.QUICK, output=first.directory)
         names = tuple(sorted(path.name for path in second.directory.iterdir()))
         self.assertEqual(names, runs.RESULTS)
-        arrays, _ = read(second.directory / "result.vtkhdf")
+        arrays = read(second, 8).arrays
         self.assertEqual(len(arrays["Types"]), 2 * 8 * 8)
 
     def test_no_file_of_an_earlier_run_beside_a_new_summary(self):
@@ -383,14 +359,14 @@ class Variants(unittest.TestCase):
     def test_total_feti_has_the_same_arrays(self):
         sets = {**self.QUICK, "Decomposition/Dirichlet": "dual"}
         result = runs.solved(self, runs.MODEL, sets)
-        arrays, _ = read(result.directory / "result.vtkhdf")
+        arrays = read(result, 8).arrays
         self.assertEqual(set(arrays), ALL)
 
     def test_run_that_did_not_converge_has_its_fields(self):
         # To see where it went wrong.
         result = runs.run(runs.MODEL, {**self.QUICK, "Solver/Maximum iterations": 3})
         self.assertEqual(result.returncode, 1, result)
-        arrays, _ = read(result.directory / "result.vtkhdf")
+        arrays = read(result, 8).arrays
         self.assertEqual(set(arrays), ALL)
         self.assertTrue(np.isfinite(arrays["PointData/displacement"]).all())
 

@@ -2,7 +2,8 @@
 """Runs of whole programs for the Python tests, and what these tests share.
 
 run() starts an application and returns what it printed, its exit status and what it left behind;
-table() prints measured figures; main() runs the unittest cases of a script under CTest's rules.
+Result reads its fields; table() prints measured figures; main() runs the unittest cases of a
+script under CTest's rules.
 
 The environment, as harmos_add_script_test() of cmake/HarmosTest.cmake sets it (in brackets what
 is taken without it, for runs by hand):
@@ -176,6 +177,41 @@ def solved(case, deck, sets=None, np=2, **more):
     # Not the whole stream: a launcher may have remarks of its own.
     case.assertNotRegex(result.stderr, "(?m)^(error|warning): ", result)
     return result
+
+
+class Result:
+    """The fields of a result file of the model problem, and the grid points of their nodes.
+
+    arrays and attributes hold all that is below /VTKHDF, by name. Node k belongs to body[k] and
+    has the place (i[k], j[k]) in the body's grid of n x n elements.
+
+    Needs numpy and h5py; not every test that uses this module does.
+    """
+
+    def __init__(self, path, n):
+        import h5py
+        import numpy as np
+
+        self.arrays = {}
+        with h5py.File(path, "r") as file:
+            self.attributes = dict(file["VTKHDF"].attrs)
+            file["VTKHDF"].visititems(self._take)
+        cells = self.arrays["NumberOfCells"]
+        first = np.concatenate([[0], np.cumsum(cells)[:-1]])
+        self.body = np.repeat(self.arrays["CellData/body"][first], self.arrays["NumberOfPoints"])
+        self.x = self.arrays["Points"]
+        self.i = np.rint((self.x[:, 0] - self.body) * n).astype(int)
+        self.j = np.rint(self.x[:, 1] * n).astype(int)
+        self.u = self.arrays["PointData/displacement"]
+
+    def _take(self, name, item):
+        if hasattr(item, "shape"):  # a dataset, not a group
+            self.arrays[name] = item[()]
+
+    def displacement_error(self, solution):
+        """The largest difference from a solution of the oracle."""
+        bodies = [abs(self.u - u[self.i, self.j])[self.body == b] for b, u in enumerate(solution.u)]
+        return max(error.max() for error in bodies)
 
 
 def table(title, header, rows, note=""):

@@ -28,10 +28,6 @@ class BoundedLagrangian {
   /// Takes the projected initial guess; a product with A only if it is not zero.
   void start(double penalty);
 
-  /// From now on evaluate() gives ‖g^P(x, μ, ρ)‖ as the projected gradient: for the penalty method, which
-  /// implies the multiplier μ + ρr and so never makes ‖g^P(x, μ, 0)‖ small.
-  void judgePenalised() { judgePenalised_ = true; }
-
   /// Residuals of the current iterate.
   IterationState<MV> evaluate(int outer, int inner);
 
@@ -44,6 +40,9 @@ class BoundedLagrangian {
 
   /// μ ← μ + ρr, then ρ ← penalty.
   void updateMultiplier(double penalty);
+
+  /// μ ← μ + ρr, the multiplier that belongs to the last iterate; nothing else may follow.
+  void finish();
 
   /// L(x, μ, ρ).
   double value() const;
@@ -66,7 +65,6 @@ class BoundedLagrangian {
   AugmentedHessian<Scalar, MV, OP> hessian_;
   Teuchos::RCP<Iteration> iteration_;
   Teuchos::RCP<MV> gradient_, effectiveRhs_, work_, residual_;
-  bool judgePenalised_ = false;
   double normA_ = 0.0;
   double normRows2_ = 0.0; // ‖C‖²
 };

@@ -88,21 +88,13 @@ void BoundedLagrangian<Scalar, MV, OP>::start(double penalty) {
 
 template<class Scalar, class MV, class OP>
 IterationState<MV> BoundedLagrangian<Scalar, MV, OP>::evaluate(int outer, int inner) {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
   IterationState<MV> state;
   state.x = problem_.solution().get();
-  state.augmentedProjectedGradient = std::sqrt(iteration_->sums().projectedNorm2());
-  state.projectedGradient = state.augmentedProjectedGradient;
+  // Of L(·, μ, ρ), which is that of the Lagrangian with the multiplier μ + ρr: g(x, μ + ρr, 0) = g(x, μ, ρ).
+  state.projectedGradient = std::sqrt(iteration_->sums().projectedNorm2());
   if (problem_.hasEqualities()) {
     hessian_.equalityResidual(*problem_.solution(), *residual_);
     state.equalityResidual = norm<Scalar>(*residual_);
-    if (!judgePenalised_) {
-      // g(x, μ, 0) = g(x, μ, ρ) − ρCᵀr.
-      MVT::Assign(*gradient_, *work_);
-      hessian_.addTransposed(-hessian_.penalty(), *residual_, *work_);
-      state.projectedGradient = BoundTraits<Scalar, MV>::projectedGradientNorm(
-          *problem_.solution(), *work_, problem_.lowerBound().get(), problem_.upperBound().get());
-    }
   }
   state.outer = outer;
   state.inner = inner;
@@ -134,6 +126,15 @@ void BoundedLagrangian<Scalar, MV, OP>::updateMultiplier(double penalty) {
   hessian_.addTransposed(penalty, *residual_, *gradient_);
   updateEffectiveRhs();
   iteration_->restart(std::max(augmentedNorm(), iteration_->hessianNorm()));
+}
+
+template<class Scalar, class MV, class OP>
+void BoundedLagrangian<Scalar, MV, OP>::finish() {
+  if (!problem_.hasEqualities())
+    return;
+  MV& mu = *problem_.multiplier();
+  hessian_.equalityResidual(*problem_.solution(), *residual_);
+  Belos::MultiVecTraits<Scalar, MV>::MvAddMv(1.0, mu, hessian_.penalty(), *residual_, mu);
 }
 
 template<class Scalar, class MV, class OP>

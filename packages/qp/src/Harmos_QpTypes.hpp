@@ -44,7 +44,7 @@ struct IterationRecord {
   int outer;
   int inner;
   StepKind step;
-  double projectedGradient; ///< ‖g^P(x, μ, 0)‖, what the stopping rule looks at
+  double projectedGradient; ///< ‖g^P(x, μ + ρr, 0)‖, what the stopping rule looks at
   double equalityResidual;  ///< ‖Cx − c‖, 0 without equalities
   double penalty;           ///< ρ, 0 without equalities
   double precision;         ///< M of SMALBE, 0 elsewhere
@@ -58,7 +58,7 @@ struct Result {
   Reason reason = Reason::Breakdown;
   std::string explanation; ///< a sentence: what happened and, if it failed, likely causes and remedies
   Counters counters;
-  double projectedGradientNorm = 0.0; ///< ‖g^P(x, μ, 0)‖ at the end
+  double projectedGradientNorm = 0.0; ///< ‖g^P(x, μ, 0)‖ at the end, μ the multiplier returned
   double equalityNorm = 0.0;          ///< ‖Cx − c‖ at the end
   double hessianNorm = 0.0;           ///< estimate of ‖A‖ that was used, 0 if none was needed
   double penalty = 0.0;               ///< ρ at the end

@@ -78,7 +78,7 @@ bool BoundedSolver<Scalar, MV, OP>::minimise(Lagrangian& lagrangian, State& stat
   using Outcome = typename Iteration::Outcome;
   const int limit = this->maximumIterations();
   while (true) {
-    if (!std::isfinite(state.augmentedProjectedGradient) || !std::isfinite(state.equalityResidual)) {
+    if (!std::isfinite(state.projectedGradient) || !std::isfinite(state.equalityResidual)) {
       this->stop(Reason::Breakdown, Details::breakdownText());
       return false;
     }
@@ -93,7 +93,7 @@ bool BoundedSolver<Scalar, MV, OP>::minimise(Lagrangian& lagrangian, State& stat
     }
     if (precise && precise(state))
       return true;
-    if (state.augmentedProjectedGradient <= lagrangian.attainableGradient()) {
+    if (state.projectedGradient <= lagrangian.attainableGradient()) {
       if (lagrangian.confirmGradient(0.0)) {
         state = lagrangian.evaluate(state.outer, state.inner);
         continue;
@@ -209,7 +209,7 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
   const int outerLimit = list.get<int>("Maximum Outer Iterations");
 
   const auto precise = [&](const IterationState<MV>& state) {
-    return state.augmentedProjectedGradient <= std::min(precision * state.equalityResidual, innerTolerance);
+    return state.projectedGradient <= std::min(precision * state.equalityResidual, innerTolerance);
   };
 
   IterationState<MV> state = this->begin(lagrangian, penalty, precision);
@@ -239,9 +239,7 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
     state = lagrangian.evaluate(state.outer + 1, state.inner);
   }
   this->result_.penalty = lagrangian.penalty();
-  // The last update of the multiplier may have been all that was missing.
-  if (this->result_.history.back().outer != state.outer)
-    this->record(state, StepKind::Start, lagrangian.penalty(), precision, lagrangian.active());
+  lagrangian.finish();
 }
 
 // ------------------------------------------------------------------------------------- Dual Penalty
@@ -288,11 +286,10 @@ void DualPenaltySolver<Scalar, MV, OP>::doSolve() {
   const bool relative = list.get<std::string>("Parameter scaling") == "relative";
   const double penalty = list.get<double>("Penalty") *
                          (relative && lagrangian.hessianNorm() > 0.0 ? lagrangian.hessianNorm() : 1.0);
-  lagrangian.judgePenalised();
   IterationState<MV> state = this->begin(lagrangian, penalty, 0.0);
   this->minimise(lagrangian, state, nullptr, 0.0);
   this->result_.penalty = penalty;
-  lagrangian.updateMultiplier(penalty);
+  lagrangian.finish();
 }
 
 // --------------------------------------------------------------------------------------------- PCPG
@@ -342,7 +339,7 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
   const auto evaluate = [&](double gradientNorm, int inner) {
     IterationState<MV> state;
     state.x = &x;
-    state.projectedGradient = state.augmentedProjectedGradient = gradientNorm;
+    state.projectedGradient = gradientNorm;
     if (constrained) {
       hessian.equalityResidual(x, *residual);
       state.equalityResidual = norm<Scalar>(*residual);

@@ -18,10 +18,10 @@ namespace Harmos::qp {
 template<class MV>
 struct IterationState {
   const MV* x = nullptr;
-  double projectedGradient = 0.0; ///< ‖g^P(x, μ, 0)‖ of the Lagrangian; for the penalty method, where
-                                  ///< μ = ρ(Cx − c) is implied, ‖g^P(x, 0, ρ)‖, the same thing
-  double augmentedProjectedGradient = 0.0; ///< ‖g^P(x, μ, ρ)‖ of what the inner loop minimises
-  double equalityResidual = 0.0;           ///< ‖Cx − c‖
+  /// ‖g^P(x, μ⁺, 0)‖ of the Lagrangian, with the multiplier μ⁺ = μ + ρ(Cx − c) that the iterate implies; the same
+  /// as ‖g^P(x, μ, ρ)‖ of what the inner loop minimises.
+  double projectedGradient = 0.0;
+  double equalityResidual = 0.0; ///< ‖Cx − c‖
   int outer = 0;
   int inner = 0; ///< all inner iterations so far
   const Counters* counters = nullptr;
@@ -73,7 +73,7 @@ class StatusTestValue : public StatusTest<MV> {
   Status status_ = Status::Undefined;
 };
 
-/// ‖g^P(x, μ, 0)‖ ≤ tolerance · scale.
+/// ‖g^P(x, μ⁺, 0)‖ ≤ tolerance · scale.
 template<class MV>
 class StatusTestProjectedGradient : public StatusTestValue<MV> {
  public:
