@@ -462,7 +462,7 @@ void ParameterSpec::writeXml(std::ostream& out) const {
 }
 
 void ParameterSpec::writeMarkdown(std::ostream& out, const std::string& path) const {
-  out << "## " << path << "\n\n" << meaning_ << "\n\n";
+  out << (path == name_ ? "# Parameters of " : "## ") << path << "\n\n" << meaning_ << "\n\n";
   if (!parameters_.empty()) {
     out << "| Parameter | Type | Default | Allowed | Meaning |\n|---|---|---|---|---|\n";
     for (const Parameter& parameter : parameters_) {

@@ -159,7 +159,7 @@ ParameterSpec SmalbeSolver<Scalar, MV, OP>::methodSpec() {
                {"absolute", "they are taken as they stand"}},
               "Units of the parameters below.");
   spec.real("Initial penalty", 1.0, Range::above(0.0), "ρ₀.");
-  spec.real("M", 0.1, Range::above(0.0), "Inner precision ‖g^P‖ ≤ M‖Cx − c‖.");
+  spec.real("M", 10.0, Range::above(0.0), "Inner precision ‖g^P‖ ≤ M‖Cx − c‖.");
   spec.real("Inner tolerance", 0.1, Range::above(0.0),
             "Rule `precision`: η, the largest ‖g^P‖ at the end of an inner loop.");
   spec.real("Precision factor", 0.1, Range::strictlyWithin(0.0, 1.0), "Rule `precision`: θ, M ← θM.");
