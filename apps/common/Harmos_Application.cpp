@@ -97,6 +97,19 @@ void printParameters(const ParameterSpec& spec, const std::string& format) {
     spec.writeText(std::cout);
 }
 
+// An internal error of this rank alone: the others do not know of it.
+bool standsAlone(const Teuchos::Comm<int>& comm, const Error& error) {
+  return comm.getSize() > 1 && error.kind() == Error::Kind::Internal && !error.isAgreed();
+}
+
+// Ends a run of which only this rank knows that it failed: the others may wait for it for ever.
+int abortAll(const Teuchos::Comm<int>& comm, const std::string& message) {
+  std::cerr << "error: rank " << comm.getRank() << ": " << message << std::endl;
+  if (comm.getSize() > 1)
+    MPI_Abort(MPI_COMM_WORLD, exitInternalError);
+  return exitInternalError;
+}
+
 int runDeck(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Application& application,
             const CommandLine& line, const Log& log, std::chrono::steady_clock::time_point begin) {
   const ParameterSpec spec = deckSpec(application);
@@ -115,7 +128,8 @@ int runDeck(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Applicatio
   try {
     scene::run(comm, scene, options, log, begin, report);
   } catch (const Error& error) {
-    // Agreed on by all ranks: they all come here.
+    if (standsAlone(*comm, error))
+      throw;
     report.converged = false;
     report.reason = error.what();
     scene::writeSummary(*comm, options, report);
@@ -156,14 +170,12 @@ int main(int argc, char** argv, const Application& application) {
     log.info("Harmos " + version() + " (" + gitHash() + "), " + application.name + " \"" + line.deck + "\"");
     return runDeck(comm, application, line, log, begin);
   } catch (const Error& error) {
+    if (standsAlone(*comm, error))
+      return abortAll(*comm, error.what());
     log.error(error.what());
     return exitStatus(error);
   } catch (const std::exception& error) {
-    // Not agreed on: only this rank is here, and the others may wait for it for ever.
-    std::cerr << "error: rank " << comm->getRank() << ": " << error.what() << std::endl;
-    if (comm->getSize() > 1)
-      MPI_Abort(MPI_COMM_WORLD, exitInternalError);
-    return exitInternalError;
+    return abortAll(*comm, error.what());
   }
 }
 

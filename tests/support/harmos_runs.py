@@ -224,8 +224,7 @@ def table(title, header, rows, note=""):
     path = os.environ.get("HARMOS_TABLES")
     if path:
         record = {"title": title, "header": list(header), "rows": [list(r) for r in rows]}
-        if note:
-            record["note"] = note
+        record |= {"note": note, "version": start(["--version"], np=0).stdout.strip()}
         with open(path, "a", encoding="utf-8") as file:
             file.write(json.dumps(record) + "\n")
 

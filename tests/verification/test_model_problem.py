@@ -414,9 +414,6 @@ class DualPenaltyLarge(PenaltyTable):
     def test_independent_of_h(self):
         self.assert_independent_of_h((8, 32, 128))
 
-    def test_inverse_to_the_penalty(self):
-        self.assert_inverse_to_penalty(128, (30, 1000))
-
 
 class PaperTable(TableCase):
     TITLE = "Algorithm 4.1 with the paper's settings (decks/paper.xml), tolerance 1e-4"

@@ -91,7 +91,7 @@ void agreeOnFailure(const Teuchos::Comm<int>& comm, const std::exception_ptr& fa
       message += ", and on " + std::to_string(failures - 1) + " more";
     message += "]";
   }
-  throwError(static_cast<Error::Kind>(kind), message, unpack(data));
+  throwAgreedError(static_cast<Error::Kind>(kind), message, unpack(data));
 }
 
 } // namespace Harmos

@@ -6,16 +6,27 @@ namespace Harmos {
 Error::Error(Kind kind, const std::string& message, ErrorData data)
     : std::runtime_error(message), kind_(kind), data_(std::move(data)) {}
 
-void throwError(Error::Kind kind, const std::string& message, ErrorData data) {
+namespace {
+
+template<class ErrorType>
+[[noreturn]] void throwMarked(const std::string& message, ErrorData data) {
+  ErrorType error(message, std::move(data));
+  error.markAgreed();
+  throw error;
+}
+
+} // namespace
+
+void throwAgreedError(Error::Kind kind, const std::string& message, ErrorData data) {
   switch (kind) {
   case Error::Kind::Input:
-    throw InputError(message, std::move(data));
+    throwMarked<InputError>(message, std::move(data));
   case Error::Kind::Numerical:
-    throw NumericalError(message, std::move(data));
+    throwMarked<NumericalError>(message, std::move(data));
   case Error::Kind::Internal:
     break;
   }
-  throw InternalError(message, std::move(data));
+  throwMarked<InternalError>(message, std::move(data));
 }
 
 namespace Details {

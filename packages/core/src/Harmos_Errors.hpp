@@ -25,9 +25,15 @@ class Error : public std::runtime_error {
   Kind kind() const { return kind_; }
   const ErrorData& data() const { return data_; }
 
+  /// Whether every rank throws it: set where ranks agree. An internal error that is not agreed on stands
+  /// alone; the other ranks may wait for this one, and only an abort helps.
+  bool isAgreed() const { return agreed_; }
+  void markAgreed() { agreed_ = true; }
+
  private:
   Kind kind_;
   ErrorData data_;
+  bool agreed_ = false;
 };
 
 /// The user can mend it: a wrong parameter, a missing file, an inconsistent scene.
@@ -51,8 +57,8 @@ class InternalError : public Error {
       : Error(Kind::Internal, message, std::move(data)) {}
 };
 
-/// Throws an error of the given kind.
-[[noreturn]] void throwError(Error::Kind kind, const std::string& message, ErrorData data);
+/// Throws an error of the given kind, marked as agreed on.
+[[noreturn]] void throwAgreedError(Error::Kind kind, const std::string& message, ErrorData data);
 
 namespace Details {
 [[noreturn]] void throwFailedRequirement(const char* condition, const char* file, int line,

@@ -38,6 +38,14 @@ void writeAtomically(const std::string& path, const std::string& text) {
   renamePart(path);
 }
 
+void removeFile(const std::string& path) {
+  std::error_code error;
+  std::filesystem::remove(path, error);
+  if (error)
+    throw InputError("the file \"" + path + "\" of an earlier run cannot be removed: " + error.message(),
+                     {{"file", path}});
+}
+
 void makeDirectory(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);

@@ -12,6 +12,9 @@ void writeAtomically(const std::string& path, const std::string& text);
 /// Makes a directory and its parents. Local. @throws InputError
 void makeDirectory(const std::string& path);
 
+/// Removes a file if it is there. Local. @throws InputError if it stays.
+void removeFile(const std::string& path);
+
 /// Where a file is written before it gets its name.
 std::string partPath(const std::string& path);
 

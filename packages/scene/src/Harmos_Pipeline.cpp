@@ -212,11 +212,8 @@ void logResult(const Log& log, const RunReport& report) {
   log.info(text.str());
 }
 
-} // namespace
-
-void run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene, const RunOptions& options,
-         const Log& log, std::chrono::steady_clock::time_point begin, RunReport& report) {
-  const StageTimers timers(stages);
+void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
+               const RunOptions& options, const Log& log, const StageTimers& timers, RunReport& report) {
   report.ranks = comm->getSize();
   report.scene = scene.name;
   report.effects = scene.effects();
@@ -224,14 +221,6 @@ void run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
   report.stoppingRule = toString(options.stoppingRule);
   report.dualOperator = "implicit";
   report.subdomains = scene.subdomains();
-  const auto takeTimes = [&] {
-    const std::vector<double> seconds = timers.seconds(*comm);
-    for (std::size_t k = 0; k < stages.size(); ++k)
-      report.seconds[stages[k]] = seconds[k];
-    const std::chrono::duration<double> total = std::chrono::steady_clock::now() - begin;
-    report.seconds["total"] = globalMax(*comm, total.count());
-    report.peakMemoryMiB = globalSum(*comm, peakMemoryMiB());
-  };
   std::string effects;
   for (const std::string& effect : report.effects)
     effects += (effects.empty() ? "" : ", ") + effect;
@@ -240,8 +229,12 @@ void run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
            (report.ranks == 1 ? " rank" : " ranks") + "; effects: " + effects);
 
   agree(*comm, [&] {
-    if (comm->getRank() == 0)
-      makeDirectory(options.outputDirectory);
+    if (comm->getRank() != 0)
+      return;
+    makeDirectory(options.outputDirectory);
+    // Results of an earlier run must not be taken for this one's if it fails.
+    for (const char* name : {"/summary.json", "/iterations.csv", "/result.vtkhdf"})
+      removeFile(options.outputDirectory + name);
   });
 
   std::vector<OwnedSubdomain> owned;
@@ -333,7 +326,29 @@ void run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
       }
     }
   }
-  takeTimes();
+}
+
+} // namespace
+
+void run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene, const RunOptions& options,
+         const Log& log, std::chrono::steady_clock::time_point begin, RunReport& report) {
+  const StageTimers timers(stages);
+  std::exception_ptr failure;
+  try {
+    runStages(comm, scene, options, log, timers, report);
+  } catch (const Error& error) {
+    if (error.kind() == Error::Kind::Internal && !error.isAgreed())
+      throw; // of this rank alone: nothing collective may follow
+    failure = std::current_exception();
+  }
+  const std::vector<double> seconds = timers.seconds(*comm);
+  for (std::size_t k = 0; k < stages.size(); ++k)
+    report.seconds[stages[k]] = seconds[k];
+  const std::chrono::duration<double> total = std::chrono::steady_clock::now() - begin;
+  report.seconds["total"] = globalMax(*comm, total.count());
+  report.peakMemoryMiB = globalSum(*comm, peakMemoryMiB());
+  if (failure)
+    std::rethrow_exception(failure);
   log.info(timingText(report, stages));
 }
 

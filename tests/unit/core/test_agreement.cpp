@@ -27,6 +27,7 @@ TEST(Agreement, failure_of_one_rank_is_thrown_on_all) {
     FAIL() << "nothing was thrown";
   } catch (const NumericalError& error) {
     EXPECT_EQ(error.kind(), Error::Kind::Numerical);
+    EXPECT_TRUE(error.isAgreed());
     EXPECT_EQ(std::string(error.what()).find("pivot 7 is zero"), 0u);
     if (comm->getSize() > 1)
       EXPECT_NE(std::string(error.what()).find("[on rank " + std::to_string(last) + "]"), std::string::npos);
