@@ -174,12 +174,12 @@ def header_faults(source):
 
 
 def length_faults(source):
-    lengths = {file: len(source.text(file).splitlines()) for file in source.files if is_source(file)}
-    return [
-        f"{file}: {length} lines, more than {MOST_LINES}"
-        for file, length in lengths.items()
-        if length > MOST_LINES
-    ]
+    faults = []
+    for file in filter(is_source, source.files):
+        length = len(source.text(file).splitlines())
+        if length > MOST_LINES:
+            faults.append(f"{file}: {length} lines, more than {MOST_LINES}")
+    return faults
 
 
 def top_level_faults(source):

@@ -67,6 +67,8 @@ def default_run(case):
     global _default
     if _default is None:
         _default = runs.solved(case, runs.MODEL, SETS)
+        # The bounds below follow what the summary says of the tolerance.
+        case.assertEqual(_default.summary["tolerance"], SETS["Solver/Tolerance"])
     return _default
 
 

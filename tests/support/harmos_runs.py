@@ -36,7 +36,8 @@ PAPER = DECKS / "paper.xml"
 
 SKIPPED = 77
 
-# A run that hangs is a failure of its test with the output so far, not of CTest's time limit.
+# Seconds. A run that hangs fails its test with the output so far, before CTest ends it without.
+# A script of long runs sets another value.
 TIMEOUT = 240
 
 # The files that a finished run leaves behind.
@@ -106,7 +107,7 @@ def environment():
     return {**defaults, **os.environ}
 
 
-def execute(command, cwd=None, timeout=TIMEOUT):
+def execute(command, cwd=None):
     """Run a command to its end; (exit status, standard output, standard error)."""
     process = subprocess.Popen(
         [str(word) for word in command],
@@ -120,7 +121,7 @@ def execute(command, cwd=None, timeout=TIMEOUT):
         errors="replace",
     )
     try:
-        out, err = process.communicate(timeout=timeout)
+        out, err = process.communicate(timeout=TIMEOUT)
     except subprocess.TimeoutExpired:
         # mpirun ends its ranks when it is asked to; killed at once it would leave them behind.
         process.send_signal(signal.SIGTERM)
@@ -131,7 +132,7 @@ def execute(command, cwd=None, timeout=TIMEOUT):
             out, err = process.communicate()
         words = " ".join(map(str, command))
         raise AssertionError(
-            f"no end after {timeout} s: {words}\n--- stdout\n{out}--- stderr\n{err}---"
+            f"no end after {TIMEOUT} s: {words}\n--- stdout\n{out}--- stderr\n{err}---"
         ) from None
     return process.returncode, out, err
 

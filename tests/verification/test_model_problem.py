@@ -34,6 +34,9 @@ try:
 except ImportError as missing:
     runs.skip(f"the Python module {missing.name} is missing")
 
+# The largest cells, on a busy machine.
+runs.TIMEOUT = 600
+
 # In all tables: by N, then for S = 1, 2, 4, 8.
 SIDES = (1, 2, 4, 8)
 

@@ -408,26 +408,32 @@ Teuchos::RCP<Teuchos::ParameterList> ParameterSpec::teuchosList() const {
 
 void ParameterSpec::set(Teuchos::ParameterList& list, const std::string& path, const std::string& value,
                         const std::string& source) const {
+  set(list, "", path, value, source);
+}
+
+// The head is the path of this list in the deck, with its slash.
+void ParameterSpec::set(Teuchos::ParameterList& list, const std::string& head, const std::string& path,
+                        const std::string& value, const std::string& source) const {
   const std::size_t slash = path.find('/');
   if (slash != std::string::npos) {
-    const std::string head = path.substr(0, slash);
-    const ParameterSpec* sublist = findList(head);
+    const std::string first = path.substr(0, slash);
+    const ParameterSpec* sublist = findList(first);
     if (sublist == nullptr) {
       std::vector<std::string> known;
       for (const ParameterSpec& candidate : lists_)
         known.push_back(candidate.name());
-      throw InputError(source + ": " + unknownName("list", "", head, known), {{"path", path}});
+      throw InputError(source + ": " + unknownName("list", head, first, known), {{"path", head + path}});
     }
-    sublist->set(list.sublist(head), path.substr(slash + 1), value, source);
+    sublist->set(list.sublist(first), head + first + "/", path.substr(slash + 1), value, source);
     return;
   }
   const Parameter* parameter = find(path);
   if (parameter == nullptr)
-    throw InputError(source + ": " + unknownName("parameter", name_ + "/", path, names()), {{"path", path}});
+    throw InputError(source + ": " + unknownName("parameter", head, path, names()), {{"path", head + path}});
   const auto refuse = [&] {
-    throw InputError(source + ": " + quoted(value) + " cannot be the value of " + quoted(name_ + "/" + path) +
+    throw InputError(source + ": " + quoted(value) + " cannot be the value of " + quoted(head + path) +
                          ", expected " + expected(*parameter),
-                     {{"path", path}});
+                     {{"path", head + path}});
   };
   std::istringstream text(value);
   switch (parameter->type) {

@@ -86,6 +86,9 @@ class ParameterSpec {
   void writeText(std::ostream& out) const;
 
  private:
+  void set(Teuchos::ParameterList& list, const std::string& head, const std::string& path,
+           const std::string& value, const std::string& source) const;
+
   enum class Type { Integer, Real, Boolean, Text, Choice };
 
   struct Parameter {

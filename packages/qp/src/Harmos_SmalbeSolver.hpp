@@ -15,8 +15,8 @@ namespace Harmos::qp {
 ///  inner
 ///    stop ‖g^P‖ ≤ min(M‖r‖, η); where L(x^k, μ^k, ρ) < L(x^{k−1}, μ^{k−1}, ρ) + ½ρ‖r^k‖², M ← θM.
 ///
-/// The convergence test looks at the pair (x, μ + ρr), whose Lagrangian has the gradient of L(·, μ, ρ) at x: Step 2
-/// of Algorithm 4.1, and the multiplier that is returned.
+/// The convergence test looks at the pair (x, μ + ρr), whose Lagrangian has the gradient of L(·, μ, ρ) at x:
+/// Step 2 of Algorithm 4.1, and the multiplier that is returned.
 ///
 /// The inner loop also ends when the convergence test itself passes (‖r‖ may vanish first), and when the
 /// gradient has reached the level of its rounding errors.

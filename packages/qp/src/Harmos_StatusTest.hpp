@@ -18,8 +18,8 @@ namespace Harmos::qp {
 template<class MV>
 struct IterationState {
   const MV* x = nullptr;
-  /// ‖g^P(x, μ⁺, 0)‖ of the Lagrangian, with the multiplier μ⁺ = μ + ρ(Cx − c) that the iterate implies; the same
-  /// as ‖g^P(x, μ, ρ)‖ of what the inner loop minimises.
+  /// ‖g^P(x, μ⁺, 0)‖ of the Lagrangian, with the multiplier μ⁺ = μ + ρ(Cx − c) that the iterate implies; the
+  /// same as ‖g^P(x, μ, ρ)‖ of what the inner loop minimises.
   double projectedGradient = 0.0;
   double equalityResidual = 0.0; ///< ‖Cx − c‖
   int outer = 0;

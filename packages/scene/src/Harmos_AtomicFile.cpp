@@ -17,8 +17,11 @@ std::string partPath(const std::string& path) {
 void renamePart(const std::string& path) {
   std::error_code error;
   std::filesystem::rename(partPath(path), path, error);
-  if (error)
-    throw InputError("the file \"" + path + "\" cannot be written: " + error.message(), {{"file", path}});
+  if (!error)
+    return;
+  const std::string reason = error.message();
+  std::filesystem::remove(partPath(path), error);
+  throw InputError("the file \"" + path + "\" cannot be written: " + reason, {{"file", path}});
 }
 
 void writeAtomically(const std::string& path, const std::string& text) {
@@ -40,9 +43,12 @@ void writeAtomically(const std::string& path, const std::string& text) {
 
 void removeFile(const std::string& path) {
   std::error_code error;
-  std::filesystem::remove(path, error);
-  if (error)
-    throw InputError("the file \"" + path + "\" of an earlier run cannot be removed: " + error.message(),
+  const bool isDirectory = std::filesystem::is_directory(path, error);
+  if (!isDirectory)
+    std::filesystem::remove(path, error);
+  if (isDirectory || error)
+    throw InputError("the file \"" + path + "\" cannot be written: " +
+                         (isDirectory ? std::string("a directory has that name") : error.message()),
                      {{"file", path}});
 }
 

@@ -4,13 +4,18 @@
 #include "Harmos_Agreement.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
+#include <Teuchos_StringInputSource.hpp>
 #include <Teuchos_XMLParameterListCoreHelpers.hpp>
+#include <Teuchos_XMLParameterListReader.hpp>
 #include <Teuchos_YamlParameterListCoreHelpers.hpp>
 
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <set>
 #include <sstream>
 
 namespace Harmos::scene {
@@ -20,14 +25,64 @@ bool endsWith(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-// Teuchos' messages begin with file, line and failed condition of its own source: what helps comes last.
-std::string lastSentence(const std::string& message) {
+// What helps of Teuchos' messages, which also tell file, line and failed condition of its own sources.
+std::string reasonOf(const std::string& message) {
   std::istringstream lines(message);
-  std::string line, last;
-  while (std::getline(lines, line))
-    if (line.find_first_not_of(" \t\r") != std::string::npos)
-      last = line.substr(line.find_first_not_of(" \t\r"));
-  return last;
+  std::string line, reason, last;
+  while (std::getline(lines, line)) {
+    const std::size_t begin = line.find_first_not_of(" \t\r");
+    if (begin == std::string::npos)
+      continue;
+    last = line.substr(begin);
+    for (const char* sign : {"error", "failure", "Expected", "Got:"})
+      if (last.find(sign) != std::string::npos) {
+        reason += (reason.empty() ? "" : "; ") + last;
+        break;
+      }
+  }
+  return reason.empty() ? last : reason;
+}
+
+// Whether the whole text is a value of the type; Teuchos reads as much as it understands and drops the rest.
+bool isValueOf(const std::string& type, const std::string& text) {
+  if (type == "int" || type == "double") {
+    errno = 0;
+    char* end = nullptr;
+    if (type == "double") {
+      std::strtod(text.c_str(), &end);
+    } else {
+      const long value = std::strtol(text.c_str(), &end, 10);
+      if (value < std::numeric_limits<int>::min() || value > std::numeric_limits<int>::max())
+        return false;
+    }
+    const bool overflow = errno == ERANGE && type == "int";
+    return !text.empty() && end == text.c_str() + text.size() && !overflow;
+  }
+  if (type == "bool")
+    return text == "true" || text == "false";
+  return true;
+}
+
+// Faults that Teuchos' reader lets pass: values that are not of their type, names that stand twice in a list.
+void checkValues(const Teuchos::XMLObject& list, const std::string& path) {
+  std::set<std::string> names;
+  for (int k = 0; k < list.numChildren(); ++k) {
+    const Teuchos::XMLObject& child = list.getChild(k);
+    if (!child.hasAttribute("name"))
+      continue;
+    const std::string name = child.getRequired("name");
+    const std::string place = "\"" + path + name + "\"";
+    if (!names.insert(name).second)
+      throw InputError(place + " is given twice; keep one of the two");
+    if (child.getTag() == "ParameterList") {
+      checkValues(child, path + name + "/");
+    } else if (child.hasAttribute("type") && child.hasAttribute("value")) {
+      const std::string type = child.getRequired("type"), value = child.getRequired("value");
+      if (!isValueOf(type, value))
+        throw InputError(place + " has the type \"" + type + "\", but \"" + value +
+                         "\" is no value of that type" + (type == "bool" ? " (true or false)" : ""));
+    }
+  }
 }
 
 Teuchos::ParameterList parse(const std::string& file) {
@@ -42,13 +97,18 @@ Teuchos::ParameterList parse(const std::string& file) {
   text << stream.rdbuf();
   Teuchos::ParameterList list;
   try {
-    if (endsWith(file, ".yaml") || endsWith(file, ".yml"))
+    if (endsWith(file, ".yaml") || endsWith(file, ".yml")) {
       list = *Teuchos::getParametersFromYamlString(text.str());
-    else
-      Teuchos::updateParametersFromXmlString(text.str(), Teuchos::ptr(&list));
+    } else {
+      const Teuchos::XMLObject xml = Teuchos::StringInputSource(text.str()).getObject();
+      checkValues(xml, "");
+      list = Teuchos::XMLParameterListReader().toParameterList(xml);
+    }
+  } catch (const InputError& error) {
+    throw InputError(file + ": " + error.what(), {{"file", file}});
   } catch (const std::exception& error) {
     throw InputError("the deck \"" + file +
-                         "\" is not a well-formed ParameterList: " + lastSentence(error.what()),
+                         "\" is not a well-formed ParameterList: " + reasonOf(error.what()),
                      {{"file", file}});
   }
   return list;
