@@ -59,8 +59,7 @@ std::optional<int> parse(int argc, char** argv, const Application& application, 
                  "Print every parameter with type, default, range and meaning, and stop")
       ->type_name("text|xml|markdown")
       ->expected(0, 1)
-      ->default_str("text")
-      ->check(CLI::IsMember({"text", "xml", "markdown"}));
+      ->default_str("text");
   cli.add_flag("--quiet", line.quiet, "Print errors only");
   cli.add_flag("--version", line.version, "Print the version and stop");
   try {
@@ -76,8 +75,15 @@ std::optional<int> parse(int argc, char** argv, const Application& application, 
     }
     return isHelp ? exitConverged : exitBadInput;
   }
-  if (cli.count("--print-parameters") > 0 && line.printParameters.empty())
-    line.printParameters = "text";
+  if (cli.count("--print-parameters") > 0) {
+    // A word behind it that is no format is the deck.
+    const std::string word = line.printParameters;
+    if (word != "text" && word != "xml" && word != "markdown") {
+      line.printParameters = "text";
+      if (line.deck.empty())
+        line.deck = word;
+    }
+  }
   return std::nullopt;
 }
 
@@ -132,7 +138,11 @@ int runDeck(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Applicatio
       throw;
     report.converged = false;
     report.reason = error.what();
-    scene::writeSummary(*comm, options, report);
+    try {
+      scene::writeSummary(*comm, options, report);
+    } catch (const Error& second) {
+      log.error(second.what()); // the first error, which follows, is the one that matters
+    }
     throw;
   }
   scene::writeSummary(*comm, options, report);

@@ -34,7 +34,8 @@ double extent(const std::vector<SurfaceNode>& nodes) {
       least = std::min(least, node.position[d]);
       most = std::max(most, node.position[d]);
     }
-    result = std::max(result, most - least);
+    // Rounding errors of a position grow with its distance from the origin.
+    result = std::max({result, most - least, std::abs(least), std::abs(most)});
   }
   return result;
 }
@@ -110,7 +111,7 @@ std::vector<NodePair> pairNodes(const Teuchos::Comm<int>& comm, const std::vecto
   // From here on every rank has the same data and meets the same errors.
   if (a.empty() || b.empty())
     throw InputError(what + ": the " + (a.empty() ? "first" : "second") + " surface has no nodes");
-  const double size = 2.0 * tolerance * std::max({extent(a), extent(b), std::numeric_limits<double>::min()});
+  const double size = 2.0 * tolerance * std::max({extent(a), extent(b), 1e-100});
   std::map<Cell, std::vector<std::size_t>> cells;
   for (std::size_t k = 0; k < b.size(); ++k)
     cells[cellOf(b[k], size)].push_back(k);

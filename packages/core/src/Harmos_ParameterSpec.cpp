@@ -103,10 +103,10 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
 }
 
 bool Range::contains(double value) const {
-  // Written so that NaN lies in no range.
+  // NaN and the infinities lie in no range.
   const bool above = leastExcluded ? value > least : value >= least;
   const bool below = mostExcluded ? value < most : value <= most;
-  return above && below;
+  return std::isfinite(value) && above && below;
 }
 
 std::string Range::text() const {

@@ -146,7 +146,8 @@ void addGluingAndDirichlet(const CopyTable& table, DirichletForm form, long long
       for (std::size_t i = 0; i < k; ++i)
         terms.push_back({copies[i], 1.0 / length});
       terms.push_back({copies[k], -number / length});
-      builder.add(row++, RowType::Gluing, terms, 0.0, 1.0 / length);
+      // Physical: the distance of this copy from the mean of those before it.
+      builder.add(row++, RowType::Gluing, terms, 0.0, number / length);
     }
   }
 }
@@ -193,13 +194,16 @@ void addGiven(const std::vector<ConstraintRow>& rows, const CopyTable& copies, l
   for (const ConstraintRow& row : rows) {
     std::vector<RowBuilder::Term> terms;
     double norm2 = 0.0;
-    for (const ConstraintRow::Term& term : row.terms) {
-      const auto found = copies.find(term.dof);
+    std::map<long long, double> coefficients; // a dof named twice counts once, with the sum
+    for (const ConstraintRow::Term& term : row.terms)
+      coefficients[term.dof] += term.coefficient;
+    for (const auto& [dof, coefficient] : coefficients) {
+      const auto found = copies.find(dof);
       if (found == copies.end())
         throw InputError("constraint row " + std::to_string(row.number) + " names dof " +
-                             std::to_string(term.dof) + ", which is not an interface dof of any subdomain",
-                         {{"dof", std::to_string(term.dof)}});
-      const double share = term.coefficient / static_cast<double>(found->second.size());
+                             std::to_string(dof) + ", which is not an interface dof of any subdomain",
+                         {{"dof", std::to_string(dof)}});
+      const double share = coefficient / static_cast<double>(found->second.size());
       for (const Copy& copy : found->second) {
         terms.push_back({copy, share});
         norm2 += share * share;

@@ -42,7 +42,7 @@ void requireBalance(const SubdomainSystem& system, const CoarseSpace& coarse, co
   const double tolerance = 1e-10 * norm(e);
   for (int column : coarse.dependentColumns()) {
     const double residual = e[static_cast<std::size_t>(column)] - balanced[static_cast<std::size_t>(column)];
-    if (std::abs(residual) > tolerance)
+    if (!(std::abs(residual) <= tolerance))
       throw NumericalError(
           "the load on subdomain " + std::to_string(system.kernelOwner(column)) +
               " cannot be held: a rigid motion that no constraint resists carries a load of " +
@@ -73,8 +73,8 @@ DualProblem::DualProblem(const SubdomainSystem& system, const Constraints& const
 
   shift_ = Teuchos::rcp(new MultiVector(map, 1));
   projectedD_ = Teuchos::rcp(new MultiVector(map, 1));
+  const std::vector<double> e = kernelLoad(system);
   if (coarse.dimension() > 0) {
-    const std::vector<double> e = kernelLoad(system);
     const std::vector<double> w = coarse.solveL(e);
     coarse.addGt(1.0, w, *shift_);
     requireBalance(system, coarse, *shift_, e);
@@ -87,6 +87,7 @@ DualProblem::DualProblem(const SubdomainSystem& system, const Constraints& const
     hessian_ = Teuchos::rcp(new ProjectedOperator(dualOperator, coarse));
     equalityRows_ = Teuchos::rcp(new CoarseOperator(coarse, map));
   } else {
+    requireBalance(system, coarse, *shift_, e);
     hessian_ = Teuchos::rcpFromRef(static_cast<const Operator&>(dualOperator));
   }
   projectedD_->update(1.0, *d_, 0.0);

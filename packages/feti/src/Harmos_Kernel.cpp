@@ -79,6 +79,17 @@ Kernel heldKernel(const Kernel& motions, const std::vector<int>& fixed) {
   return result;
 }
 
+void removeKernel(const Kernel& kernel, std::vector<double>& v) {
+  for (int k = 0; k < kernel.columns; ++k) {
+    const double* r = kernel.column(k);
+    double product = 0.0;
+    for (std::size_t i = 0; i < v.size(); ++i)
+      product += r[i] * v[i];
+    for (std::size_t i = 0; i < v.size(); ++i)
+      v[i] -= product * r[i];
+  }
+}
+
 double kernelDefect(const LocalMatrix& matrix, const Kernel& kernel) {
   const double norm = matrix.infinityNorm();
   std::vector<double> image(static_cast<std::size_t>(kernel.rows));
@@ -90,8 +101,10 @@ double kernelDefect(const LocalMatrix& matrix, const Kernel& kernel) {
       largest = std::max(largest, std::abs(kernel.column(k)[i]));
       largestImage = std::max(largestImage, std::abs(image[static_cast<std::size_t>(i)]));
     }
-    if (norm > 0.0)
-      result = std::max(result, largestImage / (norm * largest));
+    // A column of zeros is no motion, and a NaN must not be lost in a comparison.
+    const double defect = largest > 0.0 && norm > 0.0 ? largestImage / (norm * largest) : 1.0;
+    if (!(defect <= result))
+      result = defect;
   }
   return result;
 }

@@ -29,6 +29,9 @@ Kernel constantKernel(int rows);
 /// @throws NumericalError if the given motions are linearly dependent.
 Kernel heldKernel(const Kernel& motions, const std::vector<int>& fixed);
 
+/// v ← (I − RRᵀ)v for a kernel with orthonormal columns.
+void removeKernel(const Kernel& kernel, std::vector<double>& v);
+
 /// max_k ‖K r_k‖_∞ / (‖K‖_∞ ‖r_k‖_∞): zero up to rounding errors if the columns are in the kernel of K.
 double kernelDefect(const LocalMatrix& matrix, const Kernel& kernel);
 

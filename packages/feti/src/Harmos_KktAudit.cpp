@@ -10,6 +10,24 @@
 #include <limits>
 
 namespace Harmos::feti {
+namespace {
+
+// Maximum and minimum that keep a NaN, which std::max and std::min lose.
+double largerOf(double a, double b) {
+  return std::isnan(b) || b > a ? b : a;
+}
+double smallerOf(double a, double b) {
+  return std::isnan(b) || b < a ? b : a;
+}
+
+// Over the ranks; MPI need not keep a NaN either.
+double globalLargest(const Teuchos::Comm<int>& comm, double value) {
+  const bool bad = globalMax(comm, std::isnan(value) ? 1LL : 0LL) > 0;
+  const double result = globalMax(comm, std::isnan(value) ? 0.0 : value);
+  return bad ? std::numeric_limits<double>::quiet_NaN() : result;
+}
+
+} // namespace
 
 KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, const TornSolution& solution) {
   const Teuchos::Comm<int>& comm = *system.comm();
@@ -27,7 +45,7 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
       const double residual = image[j] - system.rhs(i)[j] + forces[static_cast<std::size_t>(i)][j];
       sums[0] += residual * residual;
       sums[1] += system.rhs(i)[j] * system.rhs(i)[j];
-      largest = std::max(largest, std::abs(u[j]));
+      largest = largerOf(largest, std::abs(u[j]));
     }
     const Subdomain& physical = system.subdomain(i);
     physical.stiffness->multiply(u.data(), image.data());
@@ -37,7 +55,7 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
   globalSum(comm, sums);
   result.equilibrium = sums[1] > 0.0 ? std::sqrt(sums[0] / sums[1]) : std::sqrt(sums[0]);
   result.energy = sums[2];
-  result.largestDisplacement = globalMax(comm, largest);
+  result.largestDisplacement = globalLargest(comm, largest);
 
   MultiVector rows(constraints.rowMap(), 1);
   constraints.applyB(solution.displacement, rows);
@@ -51,21 +69,21 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
       const double scale = constraints.rowScale(row);
       const double excess = (values(r, 0) - constraints.bound(row)) / scale;
       if (constraints.rowType(row) == RowType::Inequality) {
-        penetration = std::max(penetration, excess);
-        least = std::min(least, lambda(r, 0) * scale);
-        force = std::max(force, std::abs(lambda(r, 0) * scale));
+        penetration = largerOf(penetration, excess);
+        least = smallerOf(least, lambda(r, 0) * scale);
+        force = largerOf(force, std::abs(lambda(r, 0) * scale));
         product += lambda(r, 0) * scale * excess;
       } else {
-        jump = std::max(jump, std::abs(excess));
+        jump = largerOf(jump, std::abs(excess));
       }
     }
   }
-  result.gluingJump = globalMax(comm, jump);
-  result.penetration = globalMax(comm, penetration);
-  least = globalMin(comm, least);
-  result.minContactMultiplier = std::isfinite(least) ? least : 0.0;
+  result.gluingJump = globalLargest(comm, jump);
+  result.penetration = globalLargest(comm, penetration);
+  least = -globalLargest(comm, -least);
+  result.minContactMultiplier = constraints.inequalities() > 0 ? least : 0.0;
   result.complementarity = std::abs(globalSum(comm, product));
-  result.largestMultiplier = globalMax(comm, force);
+  result.largestMultiplier = globalLargest(comm, force);
   return result;
 }
 

@@ -78,6 +78,32 @@ double inverseDefect(const LocalMatrix& matrix, const LocalInverse& inverse) {
   return norm > 0.0 ? std::sqrt(difference / norm) : std::sqrt(difference);
 }
 
+// A motion that K does not resist and R does not contain, if there is one: ‖Kv‖/(‖K‖‖v‖) of v = (I − RRᵀ)K⁺b.
+//
+// K⁺ of a right-hand side in the range of K cannot show it: K wipes the spurious part out again. That of any
+// other b is dominated by it, because K_ρ then has an eigenvalue at the level of rounding errors. Otherwise v
+// is an ordinary vector, of which K leaves a part of the size of 1/κ(K_ρ) at least.
+double hiddenMotion(const LocalMatrix& matrix, const Kernel& kernel, const LocalInverse& inverse) {
+  const auto n = static_cast<std::size_t>(matrix.rows());
+  std::vector<double> b(n), v(n), image(n);
+  for (std::size_t i = 0; i < n; ++i)
+    b[i] = std::cos(0.5 + 2.3 * static_cast<double>(i) + 0.1 * static_cast<double>(i % 5));
+  removeKernel(kernel, b); // the known motions answer b with their own part, which is not looked for
+  inverse.apply(b.data(), v.data());
+  removeKernel(kernel, v);
+  matrix.multiply(v.data(), image.data());
+  double largest = 0.0, largestImage = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    largest = std::max(largest, std::abs(v[i]));
+    largestImage = std::max(largestImage, std::abs(image[i]));
+  }
+  const double scale = matrix.infinityNorm() * largest;
+  return scale > 0.0 ? largestImage / scale : 1.0;
+}
+
+// Rounding of a row of K, some thousand times ε, as for the kernel itself.
+constexpr double hiddenTolerance = 1e-12;
+
 // ‖KK⁺Kx − Kx‖/‖Kx‖ is about κ(K_ρ)ε at worst; beyond 1e-8 nothing can be trusted.
 constexpr double inverseTolerance = 1e-8;
 
@@ -108,6 +134,15 @@ LocalInverses makeImplicitInverses(const SubdomainSystem& system, const Implicit
       } catch (const NumericalError& error) {
         throw NumericalError("subdomain " + number + ": " + error.what(), {{"subdomain", number}});
       }
+      const double resistance = hiddenMotion(matrix, kernel, *inverses.back());
+      if (!(resistance > hiddenTolerance))
+        throw NumericalError("subdomain " + number +
+                                 " has a motion that its matrix does not resist and its kernel "
+                                 "of dimension " +
+                                 std::to_string(kernel.columns) +
+                                 " does not contain: ‖Kv‖/(‖K‖‖v‖) = " + scientific(resistance) +
+                                 "; look for a mechanism, a hinge, or parts that are not connected",
+                             {{"subdomain", number}, {"resistance", scientific(resistance)}});
       const double defect = inverseDefect(matrix, *inverses.back());
       if (!(defect <= inverseTolerance))
         throw NumericalError("subdomain " + number + ": ‖KK⁺Kx − Kx‖/‖Kx‖ = " + scientific(defect) +

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 
 namespace Harmos::feti {
@@ -108,6 +109,14 @@ void SubdomainSystem::checkInput() const {
     for (int dof : s.interface)
       if (dof < 0 || dof >= n)
         throw InputError(name(s) + ": there is no interface dof " + std::to_string(dof), dataOf(s));
+    std::map<int, double> values;
+    for (const FixedDof& fixed : s.fixed)
+      if (const auto [place, isNew] = values.emplace(fixed.dof, fixed.value);
+          !isNew && place->second != fixed.value)
+        throw InputError(name(s) + ": dof " + std::to_string(fixed.dof) + " is fixed to " +
+                             scientific(place->second) + " and to " + scientific(fixed.value) +
+                             "; do two boundary parts with different values meet there?",
+                         dataOf(s));
     for (const FixedDof& fixed : s.fixed)
       if (fixed.dof < 0 || fixed.dof >= n || !std::isfinite(fixed.value))
         throw InputError(name(s) +

@@ -117,7 +117,13 @@ typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::step() 
     BT::choppedGradient(*x_, *g_, lower_, upper_, *p_);
 
   apply_(*p_, *image_);
-  const DirectionSums along = BT::direction(*x_, *g_, *p_, *image_, lower_, upper_);
+  DirectionSums along = BT::direction(*x_, *g_, *p_, *image_, lower_, upper_);
+  if (proportional && along.gradientDotDirection <= 0.0 && sums_.freeNorm2 > 0.0) {
+    // Rounding errors have turned the direction upwards; −φ always leads down.
+    MVT::Assign(*phi_, *p_);
+    apply_(*p_, *image_);
+    along = BT::direction(*x_, *g_, *p_, *image_, lower_, upper_);
+  }
   if (!std::isfinite(along.directionDotImage) || !std::isfinite(along.gradientDotDirection))
     return Outcome::Breakdown;
   if (!(along.directionNorm2 > 0.0))

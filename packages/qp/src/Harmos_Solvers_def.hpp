@@ -28,13 +28,14 @@ inline std::string limitText(const std::string& limit) {
   return "the limit of " + limit +
          " iterations was reached; raise the limit, loosen the tolerance, or look at the history for a "
          "residual "
-         "that no longer falls (a problem without a solution, a badly conditioned Hessian)";
+         "that no longer falls (a badly conditioned Hessian, or constraints that cannot be met together: in "
+         "the "
+         "dual problem of contact, a body that is pulled away from all that could hold it)";
 }
 
 inline std::string unboundedText() {
   return "the cost falls without end along a feasible direction of zero curvature: the problem has no "
-         "solution "
-         "(is a body pulled away from all that could hold it?)";
+         "solution (in the dual problem of contact: constraints or gaps that contradict each other)";
 }
 
 inline std::string stagnationText() {
@@ -76,10 +77,16 @@ bool BoundedSolver<Scalar, MV, OP>::minimise(Lagrangian& lagrangian, State& stat
                                              double precision) {
   using Iteration = typename Lagrangian::Iteration;
   using Outcome = typename Iteration::Outcome;
+  // Whatever ends the solver, what it reports is the state it ended in.
+  const auto stop = [&](Reason reason, const std::string& explanation) {
+    this->result_.projectedGradientNorm = state.projectedGradient;
+    this->result_.equalityNorm = state.equalityResidual;
+    this->stop(reason, explanation);
+  };
   const int limit = this->maximumIterations();
   while (true) {
     if (!std::isfinite(state.projectedGradient) || !std::isfinite(state.equalityResidual)) {
-      this->stop(Reason::Breakdown, Details::breakdownText());
+      stop(Reason::Breakdown, Details::breakdownText());
       return false;
     }
     if (this->converged(state)) {
@@ -88,7 +95,7 @@ bool BoundedSolver<Scalar, MV, OP>::minimise(Lagrangian& lagrangian, State& stat
         state = lagrangian.evaluate(state.outer, state.inner);
         continue;
       }
-      this->stop(Reason::Converged, "the convergence test passed");
+      stop(Reason::Converged, "the convergence test passed");
       return false;
     }
     if (precise && precise(state))
@@ -100,18 +107,18 @@ bool BoundedSolver<Scalar, MV, OP>::minimise(Lagrangian& lagrangian, State& stat
       }
       if (precise && state.equalityResidual > lagrangian.attainableEquality())
         return true; // the multiplier can still improve
-      this->stop(Reason::Stagnation, Details::stagnationText());
+      stop(Reason::Stagnation, Details::stagnationText());
       return false;
     }
     if (state.inner >= limit) {
-      this->stop(Reason::IterationLimit, Details::limitText(std::to_string(limit) + " inner"));
+      stop(Reason::IterationLimit, Details::limitText(std::to_string(limit) + " inner"));
       return false;
     }
     const Outcome outcome = lagrangian.step();
     if (outcome == Outcome::Unbounded || outcome == Outcome::Breakdown) {
       const bool unbounded = outcome == Outcome::Unbounded;
-      this->stop(unbounded ? Reason::Unbounded : Reason::Breakdown,
-                 unbounded ? Details::unboundedText() : Details::breakdownText());
+      stop(unbounded ? Reason::Unbounded : Reason::Breakdown,
+           unbounded ? Details::unboundedText() : Details::breakdownText());
       return false;
     }
     state = lagrangian.evaluate(state.outer, state.inner + 1);
@@ -421,6 +428,8 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
     state = evaluate(std::sqrt(norm2), state.inner + 1);
     this->record(state, StepKind::Projected, 0.0, 0.0, 0);
   }
+  this->result_.projectedGradientNorm = state.projectedGradient;
+  this->result_.equalityNorm = state.equalityResidual;
   // Ax − b + Cᵀμ = 0 at the solution.
   if (constrained)
     MVT::MvAddMv(-1.0, *removed, 0.0, *removed, *problem.multiplier());

@@ -188,8 +188,17 @@ DualSolution solve(const feti::SubdomainSystem& system, const feti::Constraints&
   report.result = solver->solve();
   report.result.counters.setupApplications += dual.setupApplications();
   report.solved = true;
-  if (!test.equality.is_null())
+  if (!test.equality.is_null()) {
+    // The scale that belongs to the last iterate, which the solver may not have asked for.
+    qp::IterationState<MultiVector> last;
+    last.x = solution.lambda.get();
+    last.equalityResidual = report.result.equalityNorm;
+    const bool met = test.equality->checkStatus(last) == qp::Status::Passed;
     report.equalityScale = test.equality->scale();
+    if (!met && report.result.converged())
+      log.info("Note: the penalty leaves |G lambda| = " + scientific(report.result.equalityNorm) +
+               ", above the tolerance of the stopping rule, " + scientific(test.equality->limit()));
+  }
   report.converged = report.result.converged();
   report.reason = qp::toString(report.result.reason);
   if (!report.converged)

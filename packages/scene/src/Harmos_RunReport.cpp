@@ -77,7 +77,7 @@ std::string toJson(const RunReport& report) {
   json["distinct_local_factorizations"] = report.distinctFactorizations;
   json["seconds"] = report.seconds;
   json["peak_memory_mib"] = report.peakMemoryMiB;
-  return json.dump(2) + "\n";
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 std::string auditText(const RunReport& report) {

@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdio>
 #include <hdf5.h>
+#include <memory>
 
 namespace Harmos::scene {
 namespace {
@@ -57,29 +58,36 @@ hid_t typeOf<unsigned char>() {
   return H5T_NATIVE_UCHAR;
 }
 
-// A dataset of rows, of which each rank writes the block from its first row on; all ranks take part.
+// A dataset of rows, of which each rank writes the block from its first row on; all ranks take part. A write
+// that fails on one rank (the disk is full) is agreed on before the next collective call.
 template<class T>
-void writeRows(hid_t group, const std::string& name, const std::vector<T>& mine, hsize_t width,
-               long long first, long long total) {
+void writeRows(const Teuchos::Comm<int>& comm, hid_t group, const std::string& name,
+               const std::vector<T>& mine, hsize_t width, long long first, long long total) {
   const hsize_t rows = mine.size() / width;
   const std::array<hsize_t, 2> size = {static_cast<hsize_t>(total), width}, count = {rows, width},
                                start = {static_cast<hsize_t>(first), 0};
   const int rank = width > 1 ? 2 : 1;
-  const Handle fileSpace(H5Screate_simple(rank, size.data(), nullptr), H5Sclose, "a data space");
-  const Handle dataset(
-      H5Dcreate2(group, name.c_str(), typeOf<T>(), fileSpace, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-      H5Dclose, "dataset " + name);
-  const Handle memorySpace(H5Screate_simple(rank, count.data(), nullptr), H5Sclose, "a data space");
-  if (rows > 0)
-    require(H5Sselect_hyperslab(fileSpace, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
-            name);
-  else {
-    require(H5Sselect_none(fileSpace), name);
-    require(H5Sselect_none(memorySpace), name);
-  }
-  const Handle transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose, "a transfer property list");
-  require(H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE), name);
-  require(H5Dwrite(dataset, typeOf<T>(), memorySpace, fileSpace, transfer, mine.data()), "dataset " + name);
+  std::unique_ptr<Handle> fileSpace, dataset, memorySpace, transfer;
+  agree(comm, [&] {
+    fileSpace =
+        std::make_unique<Handle>(H5Screate_simple(rank, size.data(), nullptr), H5Sclose, "a data space");
+    dataset = std::make_unique<Handle>(
+        H5Dcreate2(group, name.c_str(), typeOf<T>(), *fileSpace, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+        H5Dclose, "dataset " + name);
+    memorySpace =
+        std::make_unique<Handle>(H5Screate_simple(rank, count.data(), nullptr), H5Sclose, "a data space");
+    if (rows > 0) {
+      require(H5Sselect_hyperslab(*fileSpace, H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr),
+              name);
+    } else {
+      require(H5Sselect_none(*fileSpace), name);
+      require(H5Sselect_none(*memorySpace), name);
+    }
+    transfer = std::make_unique<Handle>(H5Pcreate(H5P_DATASET_XFER), H5Pclose, "a transfer property list");
+    require(H5Pset_dxpl_mpio(*transfer, H5FD_MPIO_COLLECTIVE), name);
+  });
+  const herr_t status = H5Dwrite(*dataset, typeOf<T>(), *memorySpace, *fileSpace, *transfer, mine.data());
+  agree(comm, [&] { require(status, "dataset " + name); });
 }
 
 void writeAttributes(hid_t group) {
@@ -151,37 +159,54 @@ void writeVtkHdf(const Teuchos::Comm<int>& comm, const std::string& path,
                cells = extent(subdomains.size()), connectivity = extent(links.size()),
                starts = extent(offsets.size());
 
+  // Before any other call: HDF5 would try again to flush a file that it could not close when the program
+  // ends, after MPI has ended.
+  H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  agree(comm, [&] {
-    const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "a file property list");
-    require(H5Pset_fapl_mpio(access, *mpi->getRawMpiComm(), MPI_INFO_NULL), "MPI access");
-    const Handle file(H5Fcreate(partPath(path).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose,
-                      "opening \"" + partPath(path) + "\"");
-    const auto makeGroup = [](hid_t parent, const char* name) {
-      return H5Gcreate2(parent, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const auto removePart = [&] {
+    if (comm.getRank() == 0)
+      std::remove(partPath(path).c_str());
+  };
+  try {
+    std::unique_ptr<Handle> access, file, root, pointData, cellData;
+    const auto makeGroup = [&](std::unique_ptr<Handle>& group, hid_t parent, const char* name) {
+      agree(comm, [&] {
+        group = std::make_unique<Handle>(H5Gcreate2(parent, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                                         H5Gclose, std::string("group ") + name);
+      });
     };
-    const Handle root(makeGroup(file, "VTKHDF"), H5Gclose, "group VTKHDF");
-    writeAttributes(root);
-    writeRows(root, "NumberOfPoints", pointCounts, 1, parts.first, parts.total);
-    writeRows(root, "NumberOfCells", cellCounts, 1, parts.first, parts.total);
-    writeRows(root, "NumberOfConnectivityIds", linkCounts, 1, parts.first, parts.total);
-    writeRows(root, "Points", points, 3, nodes.first, nodes.total);
-    writeRows(root, "Connectivity", links, 1, connectivity.first, connectivity.total);
-    writeRows(root, "Offsets", offsets, 1, starts.first, starts.total);
-    writeRows(root, "Types", std::vector<unsigned char>(subdomains.size(), vtkQuad), 1, cells.first,
+    agree(comm, [&] {
+      access = std::make_unique<Handle>(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "a file property list");
+      require(H5Pset_fapl_mpio(*access, *mpi->getRawMpiComm(), MPI_INFO_NULL), "MPI access");
+    });
+    const hid_t id = H5Fcreate(partPath(path).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, *access);
+    agree(comm, [&] { file = std::make_unique<Handle>(id, H5Fclose, "opening \"" + partPath(path) + "\""); });
+    makeGroup(root, *file, "VTKHDF");
+    agree(comm, [&] { writeAttributes(*root); });
+    writeRows(comm, *root, "NumberOfPoints", pointCounts, 1, parts.first, parts.total);
+    writeRows(comm, *root, "NumberOfCells", cellCounts, 1, parts.first, parts.total);
+    writeRows(comm, *root, "NumberOfConnectivityIds", linkCounts, 1, parts.first, parts.total);
+    writeRows(comm, *root, "Points", points, 3, nodes.first, nodes.total);
+    writeRows(comm, *root, "Connectivity", links, 1, connectivity.first, connectivity.total);
+    writeRows(comm, *root, "Offsets", offsets, 1, starts.first, starts.total);
+    writeRows(comm, *root, "Types", std::vector<unsigned char>(subdomains.size(), vtkQuad), 1, cells.first,
               cells.total);
-    const Handle pointData(makeGroup(root, "PointData"), H5Gclose, "group PointData");
-    writeRows(pointData, "displacement", joined(displacement), 1, nodes.first, nodes.total);
+    makeGroup(pointData, *root, "PointData");
+    writeRows(comm, *pointData, "displacement", joined(displacement), 1, nodes.first, nodes.total);
     if (contact != nullptr) {
-      writeRows(pointData, "contact_pressure", joined(contact->pressure), 1, nodes.first, nodes.total);
-      writeRows(pointData, "gap", joined(contact->gap), 1, nodes.first, nodes.total);
-      writeRows(pointData, "active_set", joined(contact->activeSet), 1, nodes.first, nodes.total);
+      writeRows(comm, *pointData, "contact_pressure", joined(contact->pressure), 1, nodes.first, nodes.total);
+      writeRows(comm, *pointData, "gap", joined(contact->gap), 1, nodes.first, nodes.total);
+      writeRows(comm, *pointData, "active_set", joined(contact->activeSet), 1, nodes.first, nodes.total);
     }
-    const Handle cellData(makeGroup(root, "CellData"), H5Gclose, "group CellData");
-    writeRows(cellData, "subdomain", subdomains, 1, cells.first, cells.total);
-    writeRows(cellData, "body", bodies, 1, cells.first, cells.total);
-    require(H5Fflush(file, H5F_SCOPE_GLOBAL), "flushing");
-  });
+    makeGroup(cellData, *root, "CellData");
+    writeRows(comm, *cellData, "subdomain", subdomains, 1, cells.first, cells.total);
+    writeRows(comm, *cellData, "body", bodies, 1, cells.first, cells.total);
+    const herr_t flushed = H5Fflush(*file, H5F_SCOPE_GLOBAL);
+    agree(comm, [&] { require(flushed, "flushing"); });
+  } catch (...) {
+    removePart();
+    throw;
+  }
   agree(comm, [&] {
     if (comm.getRank() == 0)
       renamePart(path);
