@@ -452,6 +452,7 @@ class Information(Case):
     def test_parameters_as_text(self):
         text = self.printed("--print-parameters")
         self.assertEqual(text, self.printed("--print-parameters", "text", np=0))
+        self.assertEqual(text, self.printed("--print-parameters", runs.MODEL, np=0))
         for path, name in self.NAMES:
             # Name, default, type; once, so that no rank repeats it.
             section = text[text.index(f"\n{path}  -- ") :]

@@ -84,9 +84,12 @@ void writeRows(const Teuchos::Comm<int>& comm, hid_t group, const std::string& n
       require(H5Sselect_none(*memorySpace), name);
     }
     transfer = std::make_unique<Handle>(H5Pcreate(H5P_DATASET_XFER), H5Pclose, "a transfer property list");
-    require(H5Pset_dxpl_mpio(*transfer, H5FD_MPIO_COLLECTIVE), name);
+    // Independent: each rank writes one block of its own, which gains nothing from aggregation, and a
+    // collective write leaves the other ranks waiting inside of MPI when it fails on one.
+    require(H5Pset_dxpl_mpio(*transfer, H5FD_MPIO_INDEPENDENT), name);
   });
-  const herr_t status = H5Dwrite(*dataset, typeOf<T>(), *memorySpace, *fileSpace, *transfer, mine.data());
+  const herr_t status =
+      rows > 0 ? H5Dwrite(*dataset, typeOf<T>(), *memorySpace, *fileSpace, *transfer, mine.data()) : 0;
   agree(comm, [&] { require(status, "dataset " + name); });
 }
 
