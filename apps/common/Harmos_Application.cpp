@@ -78,11 +78,17 @@ std::optional<int> parse(int argc, char** argv, const Application& application, 
   if (cli.count("--print-parameters") > 0) {
     // A word behind it that is no format is the deck.
     const std::string word = line.printParameters;
-    if (word != "text" && word != "xml" && word != "markdown") {
-      line.printParameters = "text";
-      if (line.deck.empty())
-        line.deck = word;
+    const bool isFormat = word == "text" || word == "xml" || word == "markdown";
+    const bool isDeck = !isFormat && line.deck.empty() && word.find_first_of("./") != std::string::npos;
+    if (!isFormat && !word.empty() && !isDeck) {
+      if (speaks)
+        std::cerr << "error: command line: --print-parameters: " << word << " not in {text,xml,markdown}\n";
+      return exitBadInput;
     }
+    if (!isFormat)
+      line.printParameters = "text";
+    if (isDeck)
+      line.deck = word;
   }
   return std::nullopt;
 }
@@ -141,7 +147,9 @@ int runDeck(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Applicatio
     try {
       scene::writeSummary(*comm, options, report);
     } catch (const Error& second) {
-      log.error(second.what()); // the first error, which follows, is the one that matters
+      // The first error is the one that matters; the same fault is not told twice.
+      if (second.data() != error.data())
+        log.warning(second.what());
     }
     throw;
   }
