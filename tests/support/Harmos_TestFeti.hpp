@@ -47,8 +47,7 @@ inline TestDualSolution solveDual(const feti::DualProblem& dual, const feti::Coa
   problem->setProblem();
   const auto list = Teuchos::parameterList();
   list->set("Convergence Tolerance", tolerance);
-  const auto solver =
-      qp::TpetraSolverFactory().create(qp::TpetraSolverFactory::automaticChoice(*problem), list);
+  const auto solver = qp::TpetraSolverFactory().create("Auto", list);
   solver->setProblem(problem);
   solution.result = solver->solve();
   if (!dual.equalityRows().is_null())

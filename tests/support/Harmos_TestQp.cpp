@@ -140,6 +140,13 @@ SmallQp randomQp(std::mt19937& random, int n, int equalities, bool bounds, doubl
   return qp;
 }
 
+Dense jacobi(const Dense& matrix) {
+  Dense result(matrix.rows, matrix.rows);
+  for (int i = 0; i < matrix.rows; ++i)
+    result(i, i) = 1.0 / matrix(i, i);
+  return result;
+}
+
 void orthonormalizeRows(SmallQp& qp) {
   for (int k = 0; k < qp.c.rows; ++k) {
     for (int pass = 0; pass < 2; ++pass)

@@ -31,6 +31,9 @@ std::vector<double> bruteForce(const SmallQp& qp, std::vector<double>* multiplie
 /// A strictly convex QP with eigenvalues in [1, condition], whose bounds are feasible with the equalities.
 SmallQp randomQp(std::mt19937& random, int n, int equalities, bool bounds, double condition = 100.0);
 
+/// The inverse of a matrix' diagonal.
+Dense jacobi(const Dense& matrix);
+
 /// Orthonormalises the rows of C and adapts c.
 void orthonormalizeRows(SmallQp& qp);
 

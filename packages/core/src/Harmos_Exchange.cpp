@@ -7,6 +7,7 @@
 #include <Teuchos_DefaultMpiComm.hpp>
 #include <Teuchos_DefaultSerialComm.hpp>
 
+#include <algorithm>
 #include <limits>
 #include <mpi.h>
 
@@ -70,6 +71,16 @@ std::vector<std::vector<char>> exchangeBytes(const Teuchos::Comm<int>& comm,
 
 namespace {
 
+// The last number is a minimum, the others are sums.
+class SumsThenMinimum : public Teuchos::ValueTypeReductionOp<int, double> {
+ public:
+  void reduce(const int count, const double in[], double inout[]) const override {
+    for (int i = 0; i + 1 < count; ++i)
+      inout[i] += in[i];
+    inout[count - 1] = std::min(inout[count - 1], in[count - 1]);
+  }
+};
+
 template<class T>
 T reduce(const Teuchos::Comm<int>& comm, Teuchos::EReductionType type, T value) {
   T result = value;
@@ -104,6 +115,19 @@ void globalSum(const Teuchos::Comm<int>& comm, std::vector<double>& values) {
   const std::vector<double> mine = values;
   Teuchos::reduceAll<int, double>(comm, Teuchos::REDUCE_SUM, static_cast<int>(mine.size()), mine.data(),
                                   values.data());
+}
+
+void globalSumAndMin(const Teuchos::Comm<int>& comm, double* values, int count, double& least) {
+  if (comm.getSize() == 1)
+    return;
+  constexpr int most = 15;
+  HARMOS_REQUIRE(count <= most, "too many numbers for one combined reduction");
+  double mine[most + 1], result[most + 1];
+  std::copy(values, values + count, mine);
+  mine[count] = least;
+  Teuchos::reduceAll<int, double>(comm, SumsThenMinimum(), count + 1, mine, result);
+  std::copy(result, result + count, values);
+  least = result[count];
 }
 
 long long exclusiveScan(const Teuchos::Comm<int>& comm, long long value) {

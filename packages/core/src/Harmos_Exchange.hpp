@@ -60,6 +60,10 @@ double globalSum(const Teuchos::Comm<int>& comm, double value);
 /// Sums an array in place over the ranks. @note Collective.
 void globalSum(const Teuchos::Comm<int>& comm, std::vector<double>& values);
 
+/// Sums an array in place over the ranks and takes the minimum of one more number: a single reduction.
+/// @note Collective.
+void globalSumAndMin(const Teuchos::Comm<int>& comm, double* values, int count, double& least);
+
 /// Maximum over the ranks. @note Collective.
 double globalMax(const Teuchos::Comm<int>& comm, double value);
 long long globalMax(const Teuchos::Comm<int>& comm, long long value);

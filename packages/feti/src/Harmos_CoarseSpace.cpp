@@ -5,14 +5,10 @@
 #include "Harmos_Exchange.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
-#include <Teuchos_BLAS.hpp>
 #include <Tpetra_MultiVector.hpp>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <map>
-#include <numeric>
 
 namespace Harmos::feti {
 namespace {
@@ -22,52 +18,6 @@ struct CoarseEntry {
   double value;
   int column;
 };
-
-std::size_t at(int i, int j, int n) {
-  return static_cast<std::size_t>(j) * static_cast<std::size_t>(n) + static_cast<std::size_t>(i);
-}
-
-// Cholesky factorisation with complete pivoting, PᵀAP = LLᵀ, stopped where the pivots are rounding errors; as
-// LAPACK's dpstrf, which Teuchos does not wrap. Returns the rank.
-int pivotedCholesky(std::vector<double>& a, int n, std::vector<int>& pivots, double& smallestRatio) {
-  pivots.resize(static_cast<std::size_t>(n));
-  std::iota(pivots.begin(), pivots.end(), 0);
-  double largest = 0.0;
-  for (int i = 0; i < n; ++i)
-    largest = std::max(largest, a[at(i, i, n)]);
-  // dpstrf's own threshold, nε max diag.
-  const double zero = n * std::numeric_limits<double>::epsilon() * largest;
-  smallestRatio = 1.0;
-  for (int k = 0; k < n; ++k) {
-    int pivot = k;
-    for (int i = k + 1; i < n; ++i)
-      if (a[at(i, i, n)] > a[at(pivot, pivot, n)])
-        pivot = i;
-    const double value = a[at(pivot, pivot, n)];
-    if (!(value > zero))
-      return k;
-    smallestRatio = std::min(smallestRatio, value / largest);
-    if (pivot != k) {
-      // Symmetric interchange of the full (symmetric) remaining matrix and of the finished rows of L.
-      for (int j = 0; j < n; ++j)
-        std::swap(a[at(k, j, n)], a[at(pivot, j, n)]);
-      for (int i = k; i < n; ++i)
-        std::swap(a[at(i, k, n)], a[at(i, pivot, n)]);
-      std::swap(pivots[static_cast<std::size_t>(k)], pivots[static_cast<std::size_t>(pivot)]);
-    }
-    const double root = std::sqrt(value);
-    a[at(k, k, n)] = root;
-    for (int i = k + 1; i < n; ++i)
-      a[at(i, k, n)] /= root;
-    for (int j = k + 1; j < n; ++j) {
-      const double factor = a[at(j, k, n)];
-      if (factor != 0.0)
-        for (int i = k + 1; i < n; ++i)
-          a[at(i, j, n)] -= a[at(i, k, n)] * factor;
-    }
-  }
-  return n;
-}
 
 } // namespace
 
@@ -104,19 +54,20 @@ CoarseSpace::CoarseSpace(const SubdomainSystem& system, const Constraints& const
     std::sort(row.begin(), row.end());
 
   const int n = kernelDimension_;
-  factor_.assign(static_cast<std::size_t>(n) * static_cast<std::size_t>(n), 0.0);
+  std::vector<double> gram(static_cast<std::size_t>(n) * static_cast<std::size_t>(n), 0.0);
   for (const auto& row : rows_)
     for (const auto& [i, left] : row)
       for (const auto& [j, right] : row)
-        factor_[at(i, j, n)] += left * right;
-  globalSum(*comm_, factor_);
-  dimension_ = pivotedCholesky(factor_, n, pivots_, smallestPivotRatio_);
+        gram[static_cast<std::size_t>(j) * static_cast<std::size_t>(n) + static_cast<std::size_t>(i)] +=
+            left * right;
+  globalSum(*comm_, gram);
+  factor_ = PivotedCholesky(std::move(gram), n);
   coarseMap_ = Teuchos::rcp(
-      new Map(static_cast<Tpetra::global_size_t>(dimension_), 0, comm_, Tpetra::LocallyReplicated));
+      new Map(static_cast<Tpetra::global_size_t>(dimension()), 0, comm_, Tpetra::LocallyReplicated));
 }
 
 std::vector<int> CoarseSpace::dependentColumns() const {
-  return {pivots_.begin() + dimension_, pivots_.end()};
+  return {factor_.pivots().begin() + factor_.rank(), factor_.pivots().end()};
 }
 
 std::vector<double> CoarseSpace::applyUnscaled(const MultiVector& lambda, std::size_t column) const {
@@ -127,29 +78,6 @@ std::vector<double> CoarseSpace::applyUnscaled(const MultiVector& lambda, std::s
       w[static_cast<std::size_t>(k)] += value * view(r, column);
   globalSum(*comm_, w);
   return w;
-}
-
-std::vector<double> CoarseSpace::solveL(const std::vector<double>& e) const {
-  std::vector<double> w(static_cast<std::size_t>(dimension_));
-  for (std::size_t k = 0; k < w.size(); ++k)
-    w[k] = e[static_cast<std::size_t>(pivots_[k])];
-  if (dimension_ > 0)
-    Teuchos::BLAS<int, double>().TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::NO_TRANS,
-                                      Teuchos::NON_UNIT_DIAG, dimension_, 1, 1.0, factor_.data(),
-                                      kernelDimension_, w.data(), dimension_);
-  return w;
-}
-
-std::vector<double> CoarseSpace::solveLt(const std::vector<double>& w) const {
-  std::vector<double> t = w;
-  if (dimension_ > 0)
-    Teuchos::BLAS<int, double>().TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::TRANS,
-                                      Teuchos::NON_UNIT_DIAG, dimension_, 1, 1.0, factor_.data(),
-                                      kernelDimension_, t.data(), dimension_);
-  std::vector<double> result(static_cast<std::size_t>(kernelDimension_), 0.0);
-  for (std::size_t k = 0; k < t.size(); ++k)
-    result[static_cast<std::size_t>(pivots_[k])] = t[k];
-  return result;
 }
 
 std::vector<double> CoarseSpace::applyG(const MultiVector& lambda, std::size_t column) const {
@@ -169,7 +97,7 @@ void CoarseSpace::addGt(double factor, const std::vector<double>& w, MultiVector
 }
 
 void CoarseSpace::project(MultiVector& v) const {
-  if (dimension_ == 0)
+  if (dimension() == 0)
     return;
   for (std::size_t c = 0; c < v.getNumVectors(); ++c)
     addGt(-1.0, applyG(v, c), v, c);

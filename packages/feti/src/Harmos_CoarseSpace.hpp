@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_Constraints.hpp"
+#include "Harmos_PivotedCholesky.hpp"
 
 #include <Tpetra_Operator.hpp>
 
@@ -22,11 +23,11 @@ class CoarseSpace {
   CoarseSpace(const SubdomainSystem& system, const Constraints& constraints);
 
   /// Rows of G; less than the kernel dimension if G̃ is rank deficient.
-  int dimension() const { return dimension_; }
+  int dimension() const { return factor_.rank(); }
   /// Rows of G̃.
   int kernelDimension() const { return kernelDimension_; }
   /// Estimated smallest over largest pivot of G̃G̃ᵀ among those kept.
-  double smallestPivotRatio() const { return smallestPivotRatio_; }
+  double smallestPivotRatio() const { return factor_.smallestPivotRatio(); }
   /// Columns of R left out because of rank deficiency.
   std::vector<int> dependentColumns() const;
 
@@ -40,9 +41,9 @@ class CoarseSpace {
   /// G̃λ, indexed by the columns of R. @note Collective.
   std::vector<double> applyUnscaled(const MultiVector& lambda, std::size_t column = 0) const;
   /// L⁻¹ of a vector indexed by the columns of R.
-  std::vector<double> solveL(const std::vector<double>& e) const;
+  std::vector<double> solveL(const std::vector<double>& e) const { return factor_.solveL(e); }
   /// L⁻ᵀw, indexed by the columns of R; zero at dependent ones.
-  std::vector<double> solveLt(const std::vector<double>& w) const;
+  std::vector<double> solveLt(const std::vector<double>& w) const { return factor_.solveLt(w); }
 
   /// G̃ of an owned row: pairs (column of R, value).
   const std::vector<std::pair<int, double>>& row(int ownedRow) const {
@@ -55,12 +56,9 @@ class CoarseSpace {
  private:
   Teuchos::RCP<const Teuchos::Comm<int>> comm_;
   std::vector<std::vector<std::pair<int, double>>> rows_;
-  std::vector<int> pivots_;    // columns of R in the order of the factorisation
-  std::vector<double> factor_; // L, lower triangle, column after column
+  PivotedCholesky factor_; // of G̃G̃ᵀ
   Teuchos::RCP<const Map> coarseMap_;
-  int dimension_ = 0;
   int kernelDimension_ = 0;
-  double smallestPivotRatio_ = 1.0;
 };
 
 /// G as a Tpetra operator from dual vectors to the replicated coarse map, and its transpose.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <string>
 #include <vector>
 
 namespace Harmos::qp {
@@ -10,24 +11,57 @@ namespace Harmos::qp {
 /// that changes of the face can be counted.
 using LocalActiveSet = std::vector<signed char>;
 
-/// Sums of a gradient splitting; global, the same on all ranks.
+/// What one pass over an iterate and its gradient yields; global, the same on all ranks.
 struct SplitSums {
   double freeNorm2 = 0.0;    ///< φᵀφ
   double choppedNorm2 = 0.0; ///< βᵀβ
   double reducedNorm2 = 0.0; ///< φ̃ᵀφ
-  double freeDotImage = 0.0; ///< φᵀ(Hp)
   long long active = 0;      ///< entries at a bound
   long long changed = 0;     ///< entries whose state differs from that in the given set
+  /// Largest α with x − αp within the bounds, p the direction written in the same pass.
+  double longestStep = std::numeric_limits<double>::infinity();
 
   double projectedNorm2() const { return freeNorm2 + choppedNorm2; }
 };
 
-/// Sums along a search direction; global.
-struct DirectionSums {
-  double gradientDotDirection = 0.0;                            ///< gᵀp
-  double directionDotImage = 0.0;                               ///< pᵀHp
-  double directionNorm2 = 0.0;                                  ///< pᵀp
-  double longestStep = std::numeric_limits<double>::infinity(); ///< max α with x − αp within the bounds
+/// What a product Hp is asked for; global.
+struct CurvatureSums {
+  double gradientDotDirection = 0.0; ///< gᵀp
+  double directionDotImage = 0.0;    ///< pᵀHp
+  double directionNorm2 = 0.0;       ///< pᵀp
+  double freeDotImage = 0.0;         ///< φᵀHp
+  double freeImageNorm2 = 0.0;       ///< ‖Hp‖² over the free entries
+};
+
+/// A step from an old iterate to a new one; global.
+struct ChangeSums {
+  double cost = 0.0;   ///< f(x) − f(x_old) = ½(x − x_old)ᵀ(g + g_old), free of cancellation
+  double moved2 = 0.0; ///< ‖x − x_old‖²
+  double gradientNorm2 = 0.0; ///< ‖g_old‖²
+};
+
+/// Entries that a primal-dual active set method has moved between the sets; global.
+struct ActiveSetChange {
+  long long active = 0;
+  long long changed = 0;
+  double violation2 = 0.0;        ///< of the bounds, squared, over free entries
+  double wrongSign2 = 0.0;        ///< of the multipliers of active entries, squared, where the sign is wrong
+  double signature[2] = {0.0, 0.0}; ///< the same for the same set; differs with all but certainty else
+};
+
+/// Infimum of wᵀx over the box.
+struct BoxInfimum {
+  double value = 0.0;      ///< over entries whose bound is there
+  double openNorm = 0.0;   ///< ‖w‖ over entries without the bound that w pushes against
+  double boundNorm = 0.0;  ///< ‖x‖ of the corner where the value is attained
+};
+
+/// A pair l_i > u_i, or a bound that is no number.
+struct BoundFault {
+  bool found = false;
+  long long entry = -1; ///< global index, if the vector type has one
+  double lower = 0.0;
+  double upper = 0.0;
 };
 
 /// What Belos::MultiVecTraits lacks for bounds; to be specialised for each vector type.
@@ -40,36 +74,79 @@ struct DirectionSums {
 ///  - projected gradient g^P = φ + β;
 ///  - reduced free gradient φ̃_i = min((x_i − l_i)/ᾱ, φ_i) for φ_i > 0, max((x_i − u_i)/ᾱ, φ_i) for φ_i < 0.
 ///
-/// All functions are collective over the vectors' communicator, unless said otherwise.
-/// Guarded by tests/unit/qp/test_bound_traits.cpp.
+/// A step of MPRGP is curvature() after the product with H, and advance(): one pass over the vectors and one
+/// reduction apart from the product and its pᵀHp. All functions are collective over the vectors'
+/// communicator, unless said otherwise.
+///
+/// Guarded by tests/unit/qp/test_bound_traits.cpp; tests/unit/qp/test_serial_reference.cpp compares whole
+/// runs with an unfused specialisation.
 template<class Scalar, class MV>
 struct BoundTraits {
-  /// One pass, one reduction: φ, the sums, and the active set, which is updated.
-  /// @param stepLength ᾱ; @param image Hp for φᵀ(Hp), or null.
+  /// Splits the gradient at x. The direction, where not null, becomes φ, and its longest step is found.
   static SplitSums split(const MV& x, const MV& gradient, const MV* lower, const MV* upper, double stepLength,
-                         const MV* image, MV& freeGradient, LocalActiveSet& active);
+                         MV* direction, LocalActiveSet& active);
+
+  /// All sums that a step along p needs. @param active of the iterate the gradient belongs to; empty: all entries are free.
+  static CurvatureSums curvature(const MV& gradient, const MV& direction, const MV& image,
+                                 const LocalActiveSet& active);
+
+  /// x ← x − αp, g ← g − αHp, next ← φ(new) − βp, and the splitting at the new x, whose direction is `next`;
+  /// one pass. `next` may be the direction itself. With toBoundary, entries that reach a bound are put exactly
+  /// onto it; without, rounding may not carry them beyond it.
+  static SplitSums advance(MV& x, MV& gradient, const MV& direction, const MV& image, double step,
+                           double beta, bool toBoundary, const MV* lower, const MV* upper, double stepLength,
+                           MV& next, LocalActiveSet& active);
+
+  /// p ← z − βp; the longest step of the new p.
+  static double conjugate(const MV& x, const MV& z, double beta, const MV* lower, const MV* upper,
+                          MV& direction);
+
+  /// p ← the chopped gradient; the longest step along it.
+  static double choppedDirection(const MV& x, const MV& gradient, const MV* lower, const MV* upper,
+                                 MV& direction);
+
+  /// x_old ← x, x ← Π(x − αp). Local.
+  static void projectedStep(MV& x, MV& xOld, const MV& direction, double step, const MV* lower,
+                            const MV* upper);
+
+  static ChangeSums change(const MV& x, const MV& xOld, const MV& gradient, const MV& gradientOld);
 
   /// ‖g^P‖.
   static double projectedGradientNorm(const MV& x, const MV& gradient, const MV* lower, const MV* upper);
 
-  /// β. Local.
-  static void choppedGradient(const MV& x, const MV& gradient, const MV* lower, const MV* upper, MV& chopped);
-
-  /// All sums along p.
-  static DirectionSums direction(const MV& x, const MV& gradient, const MV& direction, const MV& image,
-                                 const MV* lower, const MV* upper);
-
   /// x ← Π(x), the projection onto the bounds. Local.
   static void project(MV& x, const MV* lower, const MV* upper);
 
-  /// x ← x − αp with α the longest feasible step: entries that reach a bound are put exactly onto it. Local.
-  static void stepToBoundary(MV& x, const MV& direction, double step, const MV* lower, const MV* upper);
+  /// v_i ← 0 where the entry is active. Local.
+  static void maskActive(MV& v, const LocalActiveSet& active);
 
-  /// The first pair l_i > u_i or NaN among the bounds; true if there is none.
-  static bool boundsAreConsistent(const MV* lower, const MV* upper);
+  /// x_i ← its bound where the entry is active. Local.
+  static void moveToBounds(MV& x, const MV* lower, const MV* upper, const LocalActiveSet& active);
+
+  /// The update of a primal-dual active set method: an active entry is freed where its multiplier has the
+  /// wrong sign by more than gradientNoise, a free one becomes active where it violates its bound by more
+  /// than xNoise. Entries with l = u stay active. @param set to be updated; sized here if empty.
+  static ActiveSetChange updateActiveSet(const MV& x, const MV& gradient, const MV* lower, const MV* upper,
+                                         double xNoise, double gradientNoise, LocalActiveSet& set);
+
+  static BoxInfimum boxInfimum(const MV& w, const MV* lower, const MV* upper);
+
+  /// d ← its projection onto the recession cone of the box: d_i ≥ 0 where there is a lower bound, d_i ≤ 0
+  /// where there is an upper one; returns the norm of what was taken away.
+  static double projectOntoRecessionCone(MV& d, const MV* lower, const MV* upper);
+
+  static BoundFault findBoundFault(const MV* lower, const MV* upper);
 
   /// Pseudo-random entries in (−1, 1) that depend on the global index alone, not on the distribution. Local.
   static void setRandom(MV& x);
+
+  /// All entries of a short vector, on every rank.
+  static std::vector<double> gather(const MV& v);
+  /// The inverse of gather(). Local.
+  static void scatter(const std::vector<double>& values, MV& v);
+
+  /// The largest of the ranks' numbers, over the ranks that share the vector.
+  static double maximum(const MV& like, double value);
 };
 
 } // namespace Harmos::qp

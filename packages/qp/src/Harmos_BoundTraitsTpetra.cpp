@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_BoundTraitsTpetra.hpp"
 
+#include "Harmos_BoundKernels.hpp"
+#include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
-#include "Harmos_TrilinosVersion.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_MultiVector.hpp>
 
 #include <algorithm>
@@ -17,10 +17,12 @@ namespace {
 using Traits = BoundTraits<Scalar, MultiVector>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// The first column on the host.
+// The first column on the host. Views keep the data on the host current; the pointers live as long as they.
 class Reader {
  public:
   explicit Reader(const MultiVector& x) : view_(x.getLocalViewHost(Tpetra::Access::ReadOnly)) {}
+  const double* data() const { return view_.data(); }
+  std::size_t size() const { return view_.extent(0); }
   double operator[](std::size_t i) const { return view_(i, 0); }
 
  private:
@@ -30,17 +32,20 @@ class Reader {
 class Writer {
  public:
   explicit Writer(MultiVector& x) : view_(x.getLocalViewHost(Tpetra::Access::ReadWrite)) {}
+  double* data() const { return view_.data(); }
+  std::size_t size() const { return view_.extent(0); }
   double& operator[](std::size_t i) const { return view_(i, 0); }
 
  private:
   decltype(std::declval<MultiVector&>().getLocalViewHost(Tpetra::Access::ReadWrite)) view_;
 };
 
-// A bound that may be absent.
+// A bound that may be absent; `instead` only gives it something to view.
 class BoundReader {
  public:
   BoundReader(const MultiVector* bound, const MultiVector& instead, double absent)
       : present_(bound != nullptr), reader_(bound != nullptr ? *bound : instead), absent_(absent) {}
+  const double* data() const { return present_ ? reader_.data() : nullptr; }
   double operator[](std::size_t i) const { return present_ ? reader_[i] : absent_; }
 
  private:
@@ -49,30 +54,42 @@ class BoundReader {
   double absent_;
 };
 
-double choppedEntry(double x, double g, double lower, double upper) {
-  if (x <= lower)
-    return x >= upper ? 0.0 : std::min(g, 0.0); // l = u leaves nothing to move
-  if (x >= upper)
-    return std::max(g, 0.0);
-  return 0.0;
+class BoxReader {
+ public:
+  BoxReader(const MultiVector* lower, const MultiVector* upper, const MultiVector& instead)
+      : l(lower, instead, -infinity), u(upper, instead, infinity) {}
+  operator Kernels::Bounds() const { return {l.data(), u.data()}; }
+  BoundReader l, u;
+};
+
+// Replicated vectors have all entries on every rank: nothing is to be summed.
+void reduce(const MultiVector& x, double* sums, int count) {
+  if (!x.isDistributed())
+    return;
+  std::vector<double> values(sums, sums + count);
+  globalSum(*x.getMap()->getComm(), values);
+  std::copy(values.begin(), values.end(), sums);
 }
 
-// Step at which x − αp meets a bound.
-double stepToBound(double x, double p, double lower, double upper) {
-  if (p > 0.0)
-    return (x - lower) / p;
-  if (p < 0.0)
-    return (x - upper) / p;
-  return infinity;
+void reduce(const MultiVector& x, double* sums, int count, double& least) {
+  if (x.isDistributed())
+    globalSumAndMin(*x.getMap()->getComm(), sums, count, least);
 }
 
-bool isReplicated(const MultiVector& x) {
-  return !x.isDistributed();
+double least(const MultiVector& x, double value) {
+  return x.isDistributed() ? globalMin(*x.getMap()->getComm(), value) : value;
 }
 
-void sum(const MultiVector& x, std::vector<double>& values) {
-  if (!isReplicated(x))
-    globalSum(*x.getMap()->getComm(), values);
+SplitSums reduced(const MultiVector& x, SplitSums local) {
+  double sums[] = {local.freeNorm2, local.choppedNorm2, local.reducedNorm2, static_cast<double>(local.active),
+                   static_cast<double>(local.changed)};
+  reduce(x, sums, 5, local.longestStep);
+  return {sums[0],
+          sums[1],
+          sums[2],
+          static_cast<long long>(sums[3]),
+          static_cast<long long>(sums[4]),
+          local.longestStep};
 }
 
 // SplitMix64: well mixed bits of a counter (Steele, Lea, Flood: Fast splittable pseudorandom number
@@ -84,152 +101,266 @@ std::uint64_t mix(std::uint64_t z) {
   return z ^ (z >> 31);
 }
 
+std::uint64_t globalIndex(const MultiVector& x, std::size_t i) {
+  return static_cast<std::uint64_t>(x.getMap()->getGlobalElement(static_cast<LocalOrdinal>(i)));
+}
+
 } // namespace
 
 SplitSums Traits::split(const MultiVector& x, const MultiVector& gradient, const MultiVector* lower,
-                        const MultiVector* upper, double stepLength, const MultiVector* image,
-                        MultiVector& freeGradient, LocalActiveSet& active) {
-  const Reader xs(x), gs(gradient), hs(image != nullptr ? *image : gradient);
-  const BoundReader ls(lower, x, -infinity), us(upper, x, infinity);
-  const Writer fs(freeGradient);
-  const std::size_t n = x.getLocalLength();
-  const bool fresh = active.size() != n;
-  if (fresh)
-    active.assign(n, 0);
-  double freeNorm2 = 0, choppedNorm2 = 0, reducedNorm2 = 0, freeDotImage = 0;
-  long long activeCount = 0, changed = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double xi = xs[i], gi = gs[i], l = ls[i], u = us[i];
-    signed char state = 0;
-    if (xi <= l || xi >= u) {
-      state = xi <= l ? -1 : 1;
-      const double beta = choppedEntry(xi, gi, l, u);
-      choppedNorm2 += beta * beta;
-      fs[i] = 0.0;
-      ++activeCount;
-    } else {
-      const double reduced =
-          gi > 0.0 ? std::min((xi - l) / stepLength, gi) : std::max((xi - u) / stepLength, gi);
-      freeNorm2 += gi * gi;
-      reducedNorm2 += reduced * gi;
-      freeDotImage += gi * hs[i];
-      fs[i] = gi;
-    }
-    if (fresh || active[i] != state)
-      ++changed;
-    active[i] = state;
+                        const MultiVector* upper, double stepLength, MultiVector* direction,
+                        LocalActiveSet& active) {
+  SplitSums local;
+  {
+    const Reader xs(x), gs(gradient);
+    const BoxReader box(lower, upper, x);
+    const bool fresh = active.size() != xs.size();
+    if (fresh)
+      active.assign(xs.size(), 0);
+    const auto pass = [&](double* p) {
+      local = Kernels::split(xs.size(), xs.data(), gs.data(), box, stepLength, p, active.data(), fresh);
+    };
+    if (direction != nullptr)
+      pass(Writer(*direction).data());
+    else
+      pass(nullptr);
   }
-  std::vector<double> sums = {freeNorm2,
-                              choppedNorm2,
-                              reducedNorm2,
-                              freeDotImage,
-                              static_cast<double>(activeCount),
-                              static_cast<double>(changed)};
-  sum(x, sums);
-  return {sums[0],
-          sums[1],
-          sums[2],
-          sums[3],
-          std::isfinite(sums[4]) ? static_cast<long long>(sums[4]) : 0,
-          static_cast<long long>(sums[5])};
+  return reduced(x, local);
+}
+
+CurvatureSums Traits::curvature(const MultiVector& gradient, const MultiVector& direction,
+                                const MultiVector& image, const LocalActiveSet& active) {
+  const Reader gs(gradient), ps(direction), hs(image);
+  const CurvatureSums local =
+      Kernels::curvature(gs.size(), gs.data(), ps.data(), hs.data(), active.empty() ? nullptr : active.data());
+  double sums[] = {local.gradientDotDirection, local.directionDotImage, local.directionNorm2,
+                   local.freeDotImage, local.freeImageNorm2};
+  reduce(gradient, sums, 5);
+  return {sums[0], sums[1], sums[2], sums[3], sums[4]};
+}
+
+SplitSums Traits::advance(MultiVector& x, MultiVector& gradient, const MultiVector& direction,
+                          const MultiVector& image, double step, double beta, bool toBoundary,
+                          const MultiVector* lower, const MultiVector* upper, double stepLength,
+                          MultiVector& next, LocalActiveSet& active) {
+  SplitSums local;
+  {
+    const Writer xs(x), gs(gradient), ns(next);
+    // The direction may be `next` itself, which is viewed for writing.
+    const Reader hs(image);
+    const BoxReader box(lower, upper, image);
+    const auto pass = [&](const double* p) {
+      local = Kernels::advance(xs.size(), xs.data(), gs.data(), p, hs.data(), step, beta, toBoundary, box,
+                               stepLength, ns.data(), active.data());
+    };
+    if (&direction == &next)
+      pass(ns.data());
+    else
+      pass(Reader(direction).data());
+  }
+  return reduced(x, local);
+}
+
+double Traits::conjugate(const MultiVector& x, const MultiVector& z, double beta, const MultiVector* lower,
+                         const MultiVector* upper, MultiVector& direction) {
+  const Reader xs(x), zs(z);
+  const BoxReader box(lower, upper, x);
+  const double local =
+      Kernels::conjugate(xs.size(), xs.data(), zs.data(), beta, box, Writer(direction).data());
+  return least(x, local);
+}
+
+double Traits::choppedDirection(const MultiVector& x, const MultiVector& gradient, const MultiVector* lower,
+                                const MultiVector* upper, MultiVector& direction) {
+  const Reader xs(x), gs(gradient);
+  const BoxReader box(lower, upper, x);
+  const double local =
+      Kernels::choppedDirection(xs.size(), xs.data(), gs.data(), box, Writer(direction).data());
+  return least(x, local);
+}
+
+void Traits::projectedStep(MultiVector& x, MultiVector& xOld, const MultiVector& direction, double step,
+                           const MultiVector* lower, const MultiVector* upper) {
+  const Reader ps(direction);
+  const BoxReader box(lower, upper, direction);
+  Kernels::projectedStep(ps.size(), Writer(x).data(), Writer(xOld).data(), ps.data(), step, box);
+}
+
+ChangeSums Traits::change(const MultiVector& x, const MultiVector& xOld, const MultiVector& gradient,
+                          const MultiVector& gradientOld) {
+  const Reader xs(x), os(xOld), gs(gradient), gos(gradientOld);
+  const ChangeSums local = Kernels::change(xs.size(), xs.data(), os.data(), gs.data(), gos.data());
+  double sums[] = {local.cost, local.moved2, local.gradientNorm2};
+  reduce(x, sums, 3);
+  return {sums[0], sums[1], sums[2]};
 }
 
 double Traits::projectedGradientNorm(const MultiVector& x, const MultiVector& gradient,
                                      const MultiVector* lower, const MultiVector* upper) {
-  const Reader xs(x), gs(gradient);
-  const BoundReader ls(lower, x, -infinity), us(upper, x, infinity);
-  double norm2 = 0.0;
-  for (std::size_t i = 0; i < x.getLocalLength(); ++i) {
-    const bool isActive = xs[i] <= ls[i] || xs[i] >= us[i];
-    const double entry = isActive ? choppedEntry(xs[i], gs[i], ls[i], us[i]) : gs[i];
-    norm2 += entry * entry;
-  }
-  std::vector<double> sums = {norm2};
-  sum(x, sums);
-  return std::sqrt(sums[0]);
-}
-
-void Traits::choppedGradient(const MultiVector& x, const MultiVector& gradient, const MultiVector* lower,
-                             const MultiVector* upper, MultiVector& chopped) {
-  const Reader xs(x), gs(gradient);
-  const BoundReader ls(lower, x, -infinity), us(upper, x, infinity);
-  const Writer bs(chopped);
-  for (std::size_t i = 0; i < x.getLocalLength(); ++i)
-    bs[i] = choppedEntry(xs[i], gs[i], ls[i], us[i]);
-}
-
-DirectionSums Traits::direction(const MultiVector& x, const MultiVector& gradient,
-                                const MultiVector& direction, const MultiVector& image,
-                                const MultiVector* lower, const MultiVector* upper) {
-  const Reader xs(x), gs(gradient), ps(direction), hs(image);
-  const BoundReader ls(lower, x, -infinity), us(upper, x, infinity);
-  double gp = 0.0, php = 0.0, pp = 0.0, step = infinity;
-  for (std::size_t i = 0; i < x.getLocalLength(); ++i) {
-    const double p = ps[i];
-    gp += gs[i] * p;
-    php += p * hs[i];
-    pp += p * p;
-    step = std::min(step, stepToBound(xs[i], p, ls[i], us[i]));
-  }
-  std::vector<double> sums = {gp, php, pp};
-  sum(x, sums);
-  if (!isReplicated(x))
-    step = globalMin(*x.getMap()->getComm(), step);
-  return {sums[0], sums[1], sums[2], step};
+  LocalActiveSet active;
+  return std::sqrt(split(x, gradient, lower, upper, 1.0, nullptr, active).projectedNorm2());
 }
 
 void Traits::project(MultiVector& x, const MultiVector* lower, const MultiVector* upper) {
-  if (lower != nullptr) {
-    const Reader ls(*lower);
-    const Writer xs(x);
-    for (std::size_t i = 0; i < x.getLocalLength(); ++i)
-      xs[i] = std::max(xs[i], ls[i]);
-  }
-  if (upper != nullptr) {
-    const Reader us(*upper);
-    const Writer xs(x);
-    for (std::size_t i = 0; i < x.getLocalLength(); ++i)
-      xs[i] = std::min(xs[i], us[i]);
-  }
-}
-
-void Traits::stepToBoundary(MultiVector& x, const MultiVector& direction, double step,
-                            const MultiVector* lower, const MultiVector* upper) {
-  const Reader ps(direction);
-  // A copy of the bounds' readers only: x itself is written.
-  const std::size_t n = x.getLocalLength();
-  const BoundReader ls(lower, direction, -infinity), us(upper, direction, infinity);
+  if (lower == nullptr && upper == nullptr)
+    return;
   const Writer xs(x);
-  for (std::size_t i = 0; i < n; ++i) {
-    const double l = ls[i], u = us[i], p = ps[i];
-    if (p != 0.0 && stepToBound(xs[i], p, l, u) <= step)
-      xs[i] = p > 0.0 ? l : u;
-    else
-      xs[i] = std::min(std::max(xs[i] - step * p, l), u);
-  }
+  const BoxReader box(lower, upper, lower != nullptr ? *lower : *upper);
+  for (std::size_t i = 0; i < xs.size(); ++i)
+    xs[i] = std::max(box.l[i], std::min(box.u[i], xs[i]));
 }
 
-bool Traits::boundsAreConsistent(const MultiVector* lower, const MultiVector* upper) {
+void Traits::maskActive(MultiVector& v, const LocalActiveSet& active) {
+  const Writer vs(v);
+  for (std::size_t i = 0; i < active.size(); ++i)
+    if (active[i] != 0)
+      vs[i] = 0.0;
+}
+
+void Traits::moveToBounds(MultiVector& x, const MultiVector* lower, const MultiVector* upper,
+                          const LocalActiveSet& active) {
+  if (lower == nullptr && upper == nullptr)
+    return;
+  const Writer xs(x);
+  const BoxReader box(lower, upper, lower != nullptr ? *lower : *upper);
+  for (std::size_t i = 0; i < active.size(); ++i)
+    if (active[i] != 0)
+      xs[i] = active[i] < 0 ? box.l[i] : box.u[i];
+}
+
+ActiveSetChange Traits::updateActiveSet(const MultiVector& x, const MultiVector& gradient,
+                                        const MultiVector* lower, const MultiVector* upper, double xNoise,
+                                        double gradientNoise, LocalActiveSet& set) {
+  double sums[6] = {0, 0, 0, 0, 0, 0};
+  {
+    const Reader xs(x), gs(gradient);
+    const BoxReader box(lower, upper, x);
+    if (set.size() != xs.size())
+      set.assign(xs.size(), 0);
+    for (std::size_t i = 0; i < set.size(); ++i) {
+      const double l = box.l[i], u = box.u[i];
+      signed char state = set[i];
+      if (l == u)
+        state = -1;
+      else if (state != 0) {
+        // The multiplier of a lower bound is to be positive, that of an upper one negative.
+        const double wrong = std::max(state < 0 ? -gs[i] : gs[i], 0.0);
+        sums[3] += wrong * wrong;
+        if (wrong > gradientNoise)
+          state = 0;
+      } else {
+        const double below = std::max(l - xs[i], 0.0), above = std::max(xs[i] - u, 0.0);
+        sums[2] += below * below + above * above;
+        if (below > xNoise)
+          state = -1;
+        else if (above > xNoise)
+          state = 1;
+      }
+      if (state != set[i])
+        sums[1] += 1.0;
+      set[i] = state;
+      if (state != 0) {
+        sums[0] += 1.0;
+        // 32 bits an entry, so that sums over two million entries are exact.
+        const std::uint64_t bits = mix(2 * globalIndex(x, i) + (state < 0 ? 0 : 1));
+        sums[4] += static_cast<double>(bits >> 32);
+        sums[5] += static_cast<double>(bits & 0xffffffffULL);
+      }
+    }
+  }
+  reduce(x, sums, 6);
+  return {static_cast<long long>(sums[0]), static_cast<long long>(sums[1]), sums[2], sums[3], {sums[4], sums[5]}};
+}
+
+BoxInfimum Traits::boxInfimum(const MultiVector& w, const MultiVector* lower, const MultiVector* upper) {
+  const Reader ws(w);
+  const BoxReader box(lower, upper, w);
+  double sums[3] = {0, 0, 0};
+  for (std::size_t i = 0; i < ws.size(); ++i) {
+    if (ws[i] == 0.0)
+      continue;
+    const double corner = ws[i] > 0.0 ? box.l[i] : box.u[i];
+    if (std::isinf(corner)) {
+      sums[1] += ws[i] * ws[i];
+    } else {
+      sums[0] += ws[i] * corner;
+      sums[2] += corner * corner;
+    }
+  }
+  reduce(w, sums, 3);
+  return {sums[0], std::sqrt(sums[1]), std::sqrt(sums[2])};
+}
+
+double Traits::projectOntoRecessionCone(MultiVector& d, const MultiVector* lower, const MultiVector* upper) {
+  double removed = 0.0;
+  if (lower != nullptr || upper != nullptr) {
+    const Writer ds(d);
+    const BoxReader box(lower, upper, lower != nullptr ? *lower : *upper);
+    for (std::size_t i = 0; i < ds.size(); ++i) {
+      double& entry = ds[i];
+      if ((entry < 0.0 && box.l[i] > -infinity) || (entry > 0.0 && box.u[i] < infinity)) {
+        removed += entry * entry;
+        entry = 0.0;
+      }
+    }
+  }
+  reduce(d, &removed, 1);
+  return std::sqrt(removed);
+}
+
+BoundFault Traits::findBoundFault(const MultiVector* lower, const MultiVector* upper) {
   const MultiVector* any = lower != nullptr ? lower : upper;
+  BoundFault fault;
   if (any == nullptr)
-    return true;
-  const BoundReader ls(lower, *any, -infinity), us(upper, *any, infinity);
-  double faults = 0.0;
-  for (std::size_t i = 0; i < any->getLocalLength(); ++i)
-    if (!(ls[i] <= us[i]) || ls[i] == infinity || us[i] == -infinity)
-      faults += 1.0;
-  std::vector<double> sums = {faults};
-  sum(*any, sums);
-  return sums[0] == 0.0;
+    return fault;
+  const BoxReader box(lower, upper, *any);
+  const double none = infinity;
+  double first = none, l = 0.0, u = 0.0;
+  for (std::size_t i = 0; i < any->getLocalLength() && first == none; ++i)
+    if (!(box.l[i] <= box.u[i]) || box.l[i] == infinity || box.u[i] == -infinity) {
+      first = static_cast<double>(globalIndex(*any, i));
+      l = box.l[i];
+      u = box.u[i];
+    }
+  const double found = least(*any, first);
+  if (found == none)
+    return fault;
+  double values[] = {first == found ? l : 0.0, first == found ? u : 0.0};
+  reduce(*any, values, 2);
+  return {true, static_cast<long long>(found), values[0], values[1]};
 }
 
 void Traits::setRandom(MultiVector& x) {
   const Writer xs(x);
-  for (std::size_t i = 0; i < x.getLocalLength(); ++i) {
-    const auto global =
-        static_cast<std::uint64_t>(x.getMap()->getGlobalElement(static_cast<LocalOrdinal>(i)));
-    xs[i] = 2.0 * static_cast<double>(mix(global) >> 11) * 0x1.0p-53 - 1.0;
+  for (std::size_t i = 0; i < xs.size(); ++i)
+    xs[i] = 2.0 * static_cast<double>(mix(globalIndex(x, i)) >> 11) * 0x1.0p-53 - 1.0;
+}
+
+std::vector<double> Traits::gather(const MultiVector& v) {
+  const Map& map = *v.getMap();
+  if (static_cast<Tpetra::global_size_t>(map.getMaxAllGlobalIndex() - map.getIndexBase()) + 1 !=
+      map.getGlobalNumElements())
+    throw InputError("the equality rows are numbered with gaps; number them through from the index base");
+  std::vector<double> values(v.getGlobalLength(), 0.0);
+  {
+    const Reader vs(v);
+    const auto base = static_cast<std::uint64_t>(v.getMap()->getIndexBase());
+    for (std::size_t i = 0; i < vs.size(); ++i)
+      values[globalIndex(v, i) - base] = vs[i];
   }
+  reduce(v, values.data(), static_cast<int>(values.size()));
+  return values;
+}
+
+void Traits::scatter(const std::vector<double>& values, MultiVector& v) {
+  const Writer vs(v);
+  const auto base = static_cast<std::uint64_t>(v.getMap()->getIndexBase());
+  for (std::size_t i = 0; i < vs.size(); ++i)
+    vs[i] = values[globalIndex(v, i) - base];
+}
+
+double Traits::maximum(const MultiVector& like, double value) {
+  return like.getMap()->getComm()->getSize() > 1 ? globalMax(*like.getMap()->getComm(), value) : value;
 }
 
 } // namespace Harmos::qp

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_AugmentedHessian.hpp"
+#include "Harmos_EqualityRows.hpp"
+#include "Harmos_InFacePreconditioner.hpp"
 #include "Harmos_MprgpIteration.hpp"
 #include "Harmos_StatusTest.hpp"
 
@@ -11,21 +12,24 @@ namespace Harmos::qp {
 
 /// The augmented Lagrangian of a problem over its bounds, and the minimisation of it by MPRGP.
 ///
-///     L(x, μ, ρ) = ½xᵀAx − bᵀx + μᵀr + ½ρ‖r‖²,   r = Cx − c,   g = Ax − b + Cᵀ(μ + ρr)
+///     L(x, μ, ρ) = ½xᵀAx − bᵀx + μᵀr + ½ρ‖r‖²,   r = C̄x − c̄,   g = Ax − b + C̄ᵀ(μ + ρr)
 ///
-/// What MPRGP, SMALBE and the penalty method have in common. The product Ax is made once and then carried
-/// along: changes of μ and ρ update the gradient without a product. Works without equalities (L = the cost
-/// itself).
+/// with the rows of EqualityRows. What MPRGP, SMALBE and the penalty method have in common. The product Ax is
+/// made once and then carried along: changes of μ and ρ update the gradient without a product. Works without
+/// equalities (L = the cost itself).
+///
+/// A preconditioner M of A becomes (PMP + Q/ρ) of A + ρC̄ᵀC̄, Q = C̄ᵀC̄, P = I − Q, restricted to the face.
 template<class Scalar, class MV, class OP>
 class BoundedLagrangian {
  public:
   using ProblemType = Problem<Scalar, MV, OP>;
   using Iteration = MprgpIteration<Scalar, MV>;
 
-  /// Estimates ‖A‖ unless the problem knows it, which counts as setup.
-  BoundedLagrangian(const ProblemType& problem, const MprgpOptions& options, Counters& counters);
+  /// Estimates ‖A‖ unless the problem knows it, which counts as setup. All to outlive this.
+  BoundedLagrangian(const ProblemType& problem, EqualityRows<Scalar, MV, OP>& rows,
+                    const MprgpOptions& options, Counters& counters);
 
-  /// Takes the projected initial guess; a product with A only if it is not zero.
+  /// Takes the projected initial guess and the multiplier; a product with A only if the guess is not zero.
   void start(double penalty);
 
   /// Residuals of the current iterate.
@@ -41,32 +45,42 @@ class BoundedLagrangian {
   /// μ ← μ + ρr, then ρ ← penalty.
   void updateMultiplier(double penalty);
 
-  /// μ ← μ + ρr, the multiplier that belongs to the last iterate; nothing else may follow.
+  /// Gives the problem the multiplier μ + ρr that belongs to the last iterate; nothing else may follow.
   void finish();
+
+  /// After Outcome::Unbounded: the direction of descent without end, of norm 1, and how well it is one.
+  Teuchos::RCP<MV> unboundedDirection(Certificate& certificate);
 
   /// L(x, μ, ρ).
   double value() const;
+  /// ‖r‖ of the last evaluation, in the solvers' rows.
+  double residual() const { return residualNorm_; }
 
   /// Level of the rounding errors in g^P and in r: nothing below it can be asked for.
   double attainableGradient() const;
   double attainableEquality() const;
 
-  double penalty() const { return hessian_.penalty(); }
+  double penalty() const { return penalty_; }
   double hessianNorm() const { return normA_; }
   long long active() const { return iteration_->sums().active; }
+  double decrease() const { return iteration_->decrease(); }
 
  private:
   double augmentedNorm() const;
   void updateEffectiveRhs();
+  void applyHessian(const MV& x, MV& y);
+  void applyPreconditioner(const MV& phi, const LocalActiveSet& active, MV& z);
 
   const ProblemType& problem_;
+  EqualityRows<Scalar, MV, OP>& rows_;
   MprgpOptions options_;
   Counters& counters_;
-  AugmentedHessian<Scalar, MV, OP> hessian_;
+  InFacePreconditioner<Scalar, MV, OP> preconditioner_;
   Teuchos::RCP<Iteration> iteration_;
-  Teuchos::RCP<MV> gradient_, effectiveRhs_, work_, residual_;
+  Teuchos::RCP<MV> gradient_, effectiveRhs_, mu_, residual_, rowWork_, projected_, removed_;
+  double penalty_ = 0.0;
   double normA_ = 0.0;
-  double normRows2_ = 0.0; // ‖C‖²
+  double residualNorm_ = 0.0;
 };
 
 } // namespace Harmos::qp

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "Harmos_BoundedLagrangian.hpp"
+#include "Harmos_EqualityRows_def.hpp"
+#include "Harmos_MprgpIteration_def.hpp"
 #include "Harmos_NormEstimate_def.hpp"
 
 #include <algorithm>
@@ -11,78 +13,110 @@
 namespace Harmos::qp {
 
 template<class Scalar, class MV, class OP>
-BoundedLagrangian<Scalar, MV, OP>::BoundedLagrangian(const ProblemType& problem, const MprgpOptions& options,
-                                                     Counters& counters)
-    : problem_(problem), options_(options), counters_(counters), hessian_(problem, counters) {
+BoundedLagrangian<Scalar, MV, OP>::BoundedLagrangian(const ProblemType& problem,
+                                                     EqualityRows<Scalar, MV, OP>& rows,
+                                                     const MprgpOptions& options, Counters& counters)
+    : problem_(problem),
+      rows_(rows),
+      options_(options),
+      counters_(counters),
+      preconditioner_(problem, counters) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using OPT = Belos::OperatorTraits<Scalar, MV, OP>;
   gradient_ = MVT::Clone(*problem.solution(), 1);
   effectiveRhs_ = MVT::Clone(*problem.solution(), 1);
-  work_ = MVT::Clone(*problem.solution(), 1);
   normA_ = problem.hessianNorm();
   if (normA_ == 0.0) {
-    BoundTraits<Scalar, MV>::setRandom(*work_);
+    BoundTraits<Scalar, MV>::setRandom(*gradient_);
     const std::function<void(const MV&, MV&)> product = [&](const MV& x, MV& y) {
       OPT::Apply(*problem.hessian(), x, y);
     };
-    normA_ = options.normSafety *
-             estimateNorm<Scalar, MV>(product, *work_, options.normApplications, counters.setupApplications);
+    normA_ = options.normSafety * estimateNorm<Scalar, MV>(product, *gradient_, options.normApplications,
+                                                           counters.setupApplications);
   }
-  if (problem.hasEqualities()) {
-    residual_ = MVT::Clone(*problem.equalityValues(), 1);
-    if (problem.equalityStructure() == EqualityStructure::General) {
-      Teuchos::RCP<MV> rows = MVT::Clone(*problem.equalityValues(), 1);
-      const std::function<void(const MV&, MV&)> product = [&](const MV& x, MV& y) {
-        OPT::Apply(*problem.equalityRows(), x, *rows);
-        OPT::Apply(*problem.equalityRows(), *rows, y, Belos::TRANS);
-      };
-      int products = 0;
-      BoundTraits<Scalar, MV>::setRandom(*work_);
-      normRows2_ =
-          options.normSafety * estimateNorm<Scalar, MV>(product, *work_, options.normApplications, products);
-    } else {
-      normRows2_ = 1.0;
-    }
+  if (rows_.isPresent()) {
+    mu_ = rows_.makeVector();
+    residual_ = rows_.makeVector();
+    rowWork_ = rows_.makeVector();
   }
 }
 
 template<class Scalar, class MV, class OP>
 double BoundedLagrangian<Scalar, MV, OP>::augmentedNorm() const {
-  const double fromRows = hessian_.penalty() * normRows2_;
-  const double result = problem_.equalityStructure() == EqualityStructure::OrthonormalInvariant
-                            ? std::max(normA_, fromRows)
-                            : normA_ + fromRows;
+  const double fromRows = penalty_ * rows_.norm2();
+  const double result = rows_.isInvariant() ? std::max(normA_, fromRows) : normA_ + fromRows;
   // A = 0 is a legal, if odd, Hessian; any step length will do then.
   return result > 0.0 ? result : 1.0;
 }
 
-// H x − effectiveRhs is the gradient: effectiveRhs = b − Cᵀμ + ρCᵀc.
+template<class Scalar, class MV, class OP>
+void BoundedLagrangian<Scalar, MV, OP>::applyHessian(const MV& x, MV& y) {
+  ++counters_.hessianApplications;
+  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), x, y);
+  if (!rows_.isPresent() || penalty_ == 0.0)
+    return;
+  rows_.apply(x, *rowWork_);
+  rows_.addTransposed(penalty_, *rowWork_, y);
+}
+
+template<class Scalar, class MV, class OP>
+void BoundedLagrangian<Scalar, MV, OP>::applyPreconditioner(const MV& phi, const LocalActiveSet& active,
+                                                            MV& z) {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  if (!rows_.isPresent() || !rows_.isOrthonormal() || penalty_ == 0.0) {
+    preconditioner_.apply(phi, active, z);
+    return;
+  }
+  if (projected_.is_null()) {
+    projected_ = MVT::Clone(phi, 1);
+    removed_ = rows_.makeVector();
+  }
+  MVT::Assign(phi, *projected_);
+  rows_.apply(phi, *removed_);
+  rows_.addTransposed(-1.0, *removed_, *projected_);
+  BoundTraits<Scalar, MV>::maskActive(*projected_, active);
+  preconditioner_.apply(*projected_, active, z);
+  rows_.apply(z, *rowWork_);
+  rows_.addTransposed(-1.0, *rowWork_, z);
+  rows_.addTransposed(1.0 / penalty_, *removed_, z);
+  BoundTraits<Scalar, MV>::maskActive(z, active);
+}
+
+// Hx − effectiveRhs is the gradient: effectiveRhs = b − C̄ᵀμ + ρC̄ᵀc̄.
 template<class Scalar, class MV, class OP>
 void BoundedLagrangian<Scalar, MV, OP>::updateEffectiveRhs() {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  MVT::Assign(*problem_.rhs(), *effectiveRhs_);
-  if (!problem_.hasEqualities())
+  Belos::MultiVecTraits<Scalar, MV>::Assign(*problem_.rhs(), *effectiveRhs_);
+  if (!rows_.isPresent())
     return;
-  hessian_.addTransposed(-1.0, *problem_.multiplier(), *effectiveRhs_);
-  hessian_.addTransposed(hessian_.penalty(), *problem_.equalityValues(), *effectiveRhs_);
+  rows_.addTransposed(-1.0, *mu_, *effectiveRhs_);
+  rows_.addTransposed(penalty_, rows_.values(), *effectiveRhs_);
 }
 
 template<class Scalar, class MV, class OP>
 void BoundedLagrangian<Scalar, MV, OP>::start(double penalty) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   MV& x = *problem_.solution();
-  hessian_.setPenalty(penalty);
+  penalty_ = penalty;
   BoundTraits<Scalar, MV>::project(x, problem_.lowerBound().get(), problem_.upperBound().get());
+  if (rows_.isPresent())
+    rows_.toInternal(*problem_.multiplier(), *mu_);
   updateEffectiveRhs();
   if (norm<Scalar>(x) > 0.0) {
-    hessian_.apply(x, *gradient_);
+    applyHessian(x, *gradient_);
     MVT::MvAddMv(1.0, *gradient_, -1.0, *effectiveRhs_, *gradient_);
   } else {
     MVT::MvAddMv(-1.0, *effectiveRhs_, 0.0, *effectiveRhs_, *gradient_);
   }
-  iteration_ = Teuchos::rcp(new Iteration([this](const MV& in, MV& out) { hessian_.apply(in, out); },
-                                          problem_.lowerBound().get(), problem_.upperBound().get(), options_,
-                                          counters_));
+  typename Iteration::Precondition precondition;
+  if (preconditioner_.isPresent())
+    precondition = [this](const MV& phi, const LocalActiveSet& active, bool changed, MV& z) {
+      if (changed)
+        preconditioner_.invalidate();
+      applyPreconditioner(phi, active, z);
+    };
+  iteration_ = Teuchos::rcp(new Iteration([this](const MV& in, MV& out) { applyHessian(in, out); },
+                                          precondition, problem_.lowerBound().get(),
+                                          problem_.upperBound().get(), options_, counters_));
   iteration_->start(problem_.solution(), gradient_, effectiveRhs_, augmentedNorm());
 }
 
@@ -92,10 +126,12 @@ IterationState<MV> BoundedLagrangian<Scalar, MV, OP>::evaluate(int outer, int in
   state.x = problem_.solution().get();
   // Of L(·, μ, ρ), which is that of the Lagrangian with the multiplier μ + ρr: g(x, μ + ρr, 0) = g(x, μ, ρ).
   state.projectedGradient = std::sqrt(iteration_->sums().projectedNorm2());
-  if (problem_.hasEqualities()) {
-    hessian_.equalityResidual(*problem_.solution(), *residual_);
-    state.equalityResidual = norm<Scalar>(*residual_);
+  if (rows_.isPresent()) {
+    rows_.residual(*problem_.solution(), *residual_);
+    residualNorm_ = norm<Scalar>(*residual_);
+    state.equalityResidual = rows_.residualNorm();
   }
+  state.decrease = decrease();
   state.outer = outer;
   state.inner = inner;
   state.counters = &counters_;
@@ -117,38 +153,52 @@ bool BoundedLagrangian<Scalar, MV, OP>::confirmGradient(double projectedGradient
 
 template<class Scalar, class MV, class OP>
 void BoundedLagrangian<Scalar, MV, OP>::updateMultiplier(double penalty) {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  MV& mu = *problem_.multiplier();
-  hessian_.equalityResidual(*problem_.solution(), *residual_);
-  MVT::MvAddMv(1.0, mu, hessian_.penalty(), *residual_, mu);
-  // The new gradient Ax − b + Cᵀ(μ_new + ρ_new r) differs from the old one by ρ_new Cᵀr.
-  hessian_.setPenalty(penalty);
-  hessian_.addTransposed(penalty, *residual_, *gradient_);
+  rows_.residual(*problem_.solution(), *residual_);
+  Belos::MultiVecTraits<Scalar, MV>::MvAddMv(1.0, *mu_, penalty_, *residual_, *mu_);
+  // The new gradient Ax − b + C̄ᵀ(μ_new + ρ_new r) differs from the old one by ρ_new C̄ᵀr.
+  penalty_ = penalty;
+  rows_.addTransposed(penalty, *residual_, *gradient_);
   updateEffectiveRhs();
   iteration_->restart(std::max(augmentedNorm(), iteration_->hessianNorm()));
 }
 
 template<class Scalar, class MV, class OP>
 void BoundedLagrangian<Scalar, MV, OP>::finish() {
-  if (!problem_.hasEqualities())
+  if (!rows_.isPresent())
     return;
-  MV& mu = *problem_.multiplier();
-  hessian_.equalityResidual(*problem_.solution(), *residual_);
-  Belos::MultiVecTraits<Scalar, MV>::MvAddMv(1.0, mu, hessian_.penalty(), *residual_, mu);
+  rows_.residual(*problem_.solution(), *residual_);
+  Belos::MultiVecTraits<Scalar, MV>::MvAddMv(1.0, *mu_, penalty_, *residual_, *mu_);
+  rows_.toUser(*mu_, *problem_.multiplier());
+}
+
+template<class Scalar, class MV, class OP>
+Teuchos::RCP<MV> BoundedLagrangian<Scalar, MV, OP>::unboundedDirection(Certificate& certificate) {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using OPT = Belos::OperatorTraits<Scalar, MV, OP>;
+  const Teuchos::RCP<MV> d = MVT::CloneCopy(iteration_->direction());
+  MVT::MvScale(*d, -1.0);
+  BoundTraits<Scalar, MV>::projectOntoRecessionCone(*d, problem_.lowerBound().get(),
+                                                    problem_.upperBound().get());
+  MVT::MvScale(*d, 1.0 / norm<Scalar>(*d));
+  OPT::Apply(*problem_.hessian(), *d, *gradient_);
+  certificate.gap = dot<Scalar>(*problem_.rhs(), *d);
+  certificate.defect = normA_ > 0.0 ? norm<Scalar>(*gradient_) / normA_ : 0.0;
+  if (rows_.isPresent()) {
+    rows_.apply(*d, *rowWork_);
+    certificate.defect = std::max(certificate.defect, norm<Scalar>(*rowWork_) / std::sqrt(rows_.norm2()));
+  }
+  return d;
 }
 
 template<class Scalar, class MV, class OP>
 double BoundedLagrangian<Scalar, MV, OP>::value() const {
-  // With f(x) = ½xᵀ(Ax − b) − ½bᵀx and Ax − b = g − Cᵀ(μ + ρr):
-  // L = ½xᵀ(g − b) + ½μᵀr − ½cᵀ(μ + ρr).
+  // With f(x) = ½xᵀ(Ax − b) − ½bᵀx and Ax − b = g − C̄ᵀ(μ + ρr):
+  // L = ½xᵀ(g − b) + ½μᵀr − ½c̄ᵀ(μ + ρr).
   const MV& x = *problem_.solution();
   double result = 0.5 * (dot<Scalar>(x, *gradient_) - dot<Scalar>(x, *problem_.rhs()));
-  if (problem_.hasEqualities()) {
-    const MV& mu = *problem_.multiplier();
-    const MV& c = *problem_.equalityValues();
-    result += 0.5 * dot<Scalar>(mu, *residual_) -
-              0.5 * (dot<Scalar>(c, mu) + hessian_.penalty() * dot<Scalar>(c, *residual_));
-  }
+  if (rows_.isPresent())
+    result += 0.5 * dot<Scalar>(*mu_, *residual_) -
+              0.5 * (dot<Scalar>(rows_.values(), *mu_) + penalty_ * dot<Scalar>(rows_.values(), *residual_));
   return result;
 }
 
@@ -160,11 +210,10 @@ double BoundedLagrangian<Scalar, MV, OP>::attainableGradient() const {
 
 template<class Scalar, class MV, class OP>
 double BoundedLagrangian<Scalar, MV, OP>::attainableEquality() const {
-  if (!problem_.hasEqualities())
+  if (!rows_.isPresent())
     return 0.0;
   return std::numeric_limits<double>::epsilon() *
-         (std::sqrt(normRows2_) * norm<Scalar>(*problem_.solution()) +
-          norm<Scalar>(*problem_.equalityValues()));
+         (std::sqrt(rows_.norm2()) * norm<Scalar>(*problem_.solution()) + norm<Scalar>(rows_.values()));
 }
 
 } // namespace Harmos::qp

@@ -8,11 +8,12 @@
 
 namespace Harmos::qp {
 
-/// What the solvers with bounds share: the inner loop over MPRGP steps and the sentences for its failures.
+/// What the solvers with bounds share: the inner loop over MPRGP steps and the reasons for its end.
 template<class Scalar, class MV, class OP>
 class BoundedSolver : public SolverManager<Scalar, MV, OP> {
  protected:
   using Lagrangian = BoundedLagrangian<Scalar, MV, OP>;
+  using Rows = EqualityRows<Scalar, MV, OP>;
   using State = IterationState<MV>;
 
   /// Minimises L(·, μ, ρ) until the convergence test passes, the caller's precision is reached, or it fails.
@@ -26,6 +27,10 @@ class BoundedSolver : public SolverManager<Scalar, MV, OP> {
 
   /// Makes the Lagrangian and the first state.
   State begin(Lagrangian& lagrangian, double penalty, double precision);
+
+  /// Looks for a proof that the constraints contradict each other; stops the solver if there is one.
+  /// @param feasible is set where they are found not to.
+  bool stopIfInfeasible(Rows& rows, int mostSteps, bool& feasible);
 };
 
 } // namespace Harmos::qp

@@ -36,25 +36,40 @@ struct MprgpOptions {
 ///
 /// The iterate is proportional if ‖β‖² ≤ Γ²φ̃ᵀφ. Proportional: a conjugate gradient step in the face, or an
 /// expansion step if that is not feasible. Otherwise: a proportioning step along the chopped gradient β.
-/// For fixed steps ᾱ ∈ (0, 2/‖H‖] the cost falls R-linearly with a rate given by the bounds of the spectrum
-/// alone (Dostál & Schöberl, Comput. Optim. Appl. 30, 2005; Dostál, Optimal Quadratic Programming Algorithms,
-/// 2009, section 5.8). Cost: a product with H for a conjugate gradient or proportioning step, two for an
-/// expansion, three if it falls back; one pass and one reduction for the splitting.
+/// For fixed steps ᾱ ∈ (0, 2/‖H‖) and no preconditioner each step reduces the distance to the minimal cost:
+///
+///     f(x_{k+1}) − f* ≤ η (f(x_k) − f*),   η = 1 − α̂ λ_min / (ϑ + ϑΓ̂²),
+///     Γ̂ = max(Γ, 1/Γ),  α̂ = min(ᾱ, 2/‖H‖ − ᾱ),  ϑ = 2 max(ᾱ‖H‖, 1)
+///
+/// (Dostál & Schöberl, Comput. Optim. Appl. 30, 2005, for ᾱ ≤ 1/‖H‖; Dostál, Optimal Quadratic Programming
+/// Algorithms, 2009, section 5.8 up to 2/‖H‖). In all variants the cost never rises.
+///
+/// With a preconditioner the conjugate gradients work with z = (M⁻¹φ)_F (preconditioning in face); expansion
+/// by the fixed step and proportioning are left as they are, so that convergence does not depend on it.
+///
+/// Cost: a product with H for a conjugate gradient or proportioning step, two for an expansion, three if it
+/// falls back. Apart from the product and its pᵀHp, an unpreconditioned step is one pass over the vectors
+/// and one reduction: ‖Hp‖² and φᵀHp over the free entries give the β of the next direction,
+/// β = (φᵀHp − α‖Hp‖²)/pᵀHp, before the new gradient is there (Chronopoulos & Gear, J. Comput. Appl. Math. 25,
+/// 1989), so that x, g and p are updated and split in the same pass.
 ///
 /// ‖H‖ is an estimate: a larger curvature met along a search direction, or a cost that rises over a fixed
 /// step, corrects it.
 ///
-/// Guarded by tests/unit/qp/test_solvers.cpp (brute force, monotone cost).
+/// Guarded by tests/unit/qp/test_mprgp.cpp (brute force, proven decrease) and test_serial_reference.cpp.
 template<class Scalar, class MV>
 class MprgpIteration {
  public:
   using Apply = std::function<void(const MV&, MV&)>;
+  /// z = (M⁻¹φ)_F on the face given; null without a preconditioner. The flag tells whether the face is another
+  /// than at the last call.
+  using Precondition = std::function<void(const MV&, const LocalActiveSet&, bool, MV&)>;
 
   enum class Outcome { ConjugateGradient, Expansion, Proportioning, Unbounded, Breakdown };
 
   /// @param apply y = Hx, counted by the caller; @param lower, upper null where absent, to outlive this.
-  MprgpIteration(Apply apply, const MV* lower, const MV* upper, const MprgpOptions& options,
-                 Counters& counters);
+  MprgpIteration(Apply apply, Precondition precondition, const MV* lower, const MV* upper,
+                 const MprgpOptions& options, Counters& counters);
 
   /// Starts at a feasible x with gradient g = Hx − b; both are updated in place by step().
   void start(Teuchos::RCP<MV> x, Teuchos::RCP<MV> gradient, Teuchos::RCP<const MV> rhs, double hessianNorm);
@@ -73,23 +88,44 @@ class MprgpIteration {
   double hessianNorm() const { return hessianNorm_; }
   /// Steps since the gradient was computed from x itself; rounding errors grow with it.
   int staleness() const { return staleness_; }
+  /// f(x_k) − f(x_{k+1}) of the last step.
+  double decrease() const { return decrease_; }
+  /// After Outcome::Unbounded: the direction p, along −p the cost falls without end, and Hp.
+  const MV& direction() const { return *p_; }
 
  private:
-  void split(const MV* image);
-  void expandFixed(double longestStep);
+  // What is known of p for the next step in the face.
+  enum class Next {
+    Ready,    // p is the direction
+    Fresh,    // p is to be made of φ alone
+    Conjugate // p is to be made of φ and the last p
+  };
+
+  double stepLength() const { return options_.stepFactor / hessianNorm_; }
+  // Where a pass writes φ: the next direction itself, or what the preconditioner is applied to.
+  MV& freeGradient() { return precondition_ ? *phi_ : *p_; }
+  void countFace();
+  void begin();
+  void completeDirection();
+  void expandFixed(const CurvatureSums& along);
   bool expandProjected(double cgStep);
-  double costChange(const MV& xOld, const MV& gOld);
 
   Apply apply_;
+  Precondition precondition_;
   const MV* lower_;
   const MV* upper_;
   MprgpOptions options_;
   Counters& counters_;
-  Teuchos::RCP<MV> x_, g_, p_, image_, phi_, xOld_, gOld_, work_;
+  Teuchos::RCP<MV> x_, g_, p_, image_, xOld_, gOld_, phi_, z_;
   Teuchos::RCP<const MV> b_;
   LocalActiveSet active_;
   SplitSums sums_;
+  Next next_ = Next::Ready;
   double hessianNorm_ = 0.0;
+  double longestStep_ = 0.0; // along p
+  double directionDotImage_ = 0.0;
+  double decrease_ = 0.0;
+  bool faceChanged_ = true; // since the preconditioner was last asked
   int staleness_ = 0;
 };
 

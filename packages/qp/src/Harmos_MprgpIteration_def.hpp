@@ -11,9 +11,14 @@
 namespace Harmos::qp {
 
 template<class Scalar, class MV>
-MprgpIteration<Scalar, MV>::MprgpIteration(Apply apply, const MV* lower, const MV* upper,
-                                           const MprgpOptions& options, Counters& counters)
-    : apply_(std::move(apply)), lower_(lower), upper_(upper), options_(options), counters_(counters) {}
+MprgpIteration<Scalar, MV>::MprgpIteration(Apply apply, Precondition precondition, const MV* lower,
+                                           const MV* upper, const MprgpOptions& options, Counters& counters)
+    : apply_(std::move(apply)),
+      precondition_(std::move(precondition)),
+      lower_(lower),
+      upper_(upper),
+      options_(options),
+      counters_(counters) {}
 
 template<class Scalar, class MV>
 void MprgpIteration<Scalar, MV>::start(Teuchos::RCP<MV> x, Teuchos::RCP<MV> gradient,
@@ -22,8 +27,10 @@ void MprgpIteration<Scalar, MV>::start(Teuchos::RCP<MV> x, Teuchos::RCP<MV> grad
   x_ = x;
   g_ = gradient;
   b_ = rhs;
-  for (Teuchos::RCP<MV>* vector : {&p_, &image_, &phi_, &xOld_, &gOld_, &work_})
+  for (Teuchos::RCP<MV>* vector : {&p_, &image_, &xOld_, &gOld_, &phi_})
     *vector = MVT::Clone(*x, 1);
+  if (precondition_)
+    z_ = MVT::Clone(*x, 1);
   active_.clear();
   staleness_ = 0;
   restart(hessianNorm);
@@ -32,16 +39,35 @@ void MprgpIteration<Scalar, MV>::start(Teuchos::RCP<MV> x, Teuchos::RCP<MV> grad
 template<class Scalar, class MV>
 void MprgpIteration<Scalar, MV>::restart(double hessianNorm) {
   hessianNorm_ = hessianNorm;
-  split(nullptr);
-  Belos::MultiVecTraits<Scalar, MV>::Assign(*phi_, *p_);
+  begin();
 }
 
 template<class Scalar, class MV>
-void MprgpIteration<Scalar, MV>::split(const MV* image) {
-  sums_ = BoundTraits<Scalar, MV>::split(*x_, *g_, lower_, upper_, options_.stepFactor / hessianNorm_, image,
-                                         *phi_, active_);
+void MprgpIteration<Scalar, MV>::countFace() {
   if (sums_.changed > 0 || counters_.faces == 0)
     ++counters_.faces;
+  faceChanged_ = faceChanged_ || sums_.changed > 0;
+}
+
+// The splitting at x, and p = φ; preconditioned, the direction is made when a step needs it.
+template<class Scalar, class MV>
+void MprgpIteration<Scalar, MV>::begin() {
+  sums_ = BoundTraits<Scalar, MV>::split(*x_, *g_, lower_, upper_, stepLength(), &freeGradient(), active_);
+  longestStep_ = sums_.longestStep;
+  next_ = precondition_ ? Next::Fresh : Next::Ready;
+  countFace();
+}
+
+// p ← z or p ← z − βp with z = (M⁻¹φ)_F.
+template<class Scalar, class MV>
+void MprgpIteration<Scalar, MV>::completeDirection() {
+  if (next_ == Next::Ready)
+    return;
+  precondition_(*phi_, active_, faceChanged_, *z_);
+  faceChanged_ = false;
+  const double beta = next_ == Next::Conjugate ? dot<Scalar>(*z_, *image_) / directionDotImage_ : 0.0;
+  longestStep_ = BoundTraits<Scalar, MV>::conjugate(*x_, *z_, beta, lower_, upper_, *p_);
+  next_ = Next::Ready;
 }
 
 template<class Scalar, class MV>
@@ -51,26 +77,19 @@ void MprgpIteration<Scalar, MV>::refreshGradient() {
   staleness_ = 0;
 }
 
-// f(x) − f(x_old) = ½ (x − x_old)ᵀ(g + g_old), exact for a quadratic: free of the cancellation in the
-// difference of two costs.
-template<class Scalar, class MV>
-double MprgpIteration<Scalar, MV>::costChange(const MV& xOld, const MV& gOld) {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  MVT::MvAddMv(1.0, *x_, -1.0, xOld, *work_);
-  return 0.5 * (dot<Scalar>(*work_, *g_) + dot<Scalar>(*work_, gOld));
-}
-
 template<class Scalar, class MV>
 bool MprgpIteration<Scalar, MV>::expandProjected(double cgStep) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  MVT::Assign(*x_, *xOld_);
+  using BT = BoundTraits<Scalar, MV>;
   MVT::Assign(*g_, *gOld_);
   const int staleBefore = staleness_;
-  MVT::MvAddMv(1.0, *x_, -cgStep, *p_, *x_);
-  BoundTraits<Scalar, MV>::project(*x_, lower_, upper_);
+  BT::projectedStep(*x_, *xOld_, *p_, cgStep, lower_, upper_);
   refreshGradient();
-  if (costChange(*xOld_, *gOld_) < 0.0)
+  const ChangeSums change = BT::change(*x_, *xOld_, *g_, *gOld_);
+  if (change.cost < 0.0) {
+    decrease_ = -change.cost;
     return true;
+  }
   ++counters_.fallbacks;
   MVT::Assign(*xOld_, *x_);
   MVT::Assign(*gOld_, *g_);
@@ -78,51 +97,62 @@ bool MprgpIteration<Scalar, MV>::expandProjected(double cgStep) {
   return false;
 }
 
+// To the boundary along p, then x ← Π(x − ᾱφ).
 template<class Scalar, class MV>
-void MprgpIteration<Scalar, MV>::expandFixed(double longestStep) {
+void MprgpIteration<Scalar, MV>::expandFixed(const CurvatureSums& along) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using BT = BoundTraits<Scalar, MV>;
-  BT::stepToBoundary(*x_, *p_, longestStep, lower_, upper_);
-  MVT::MvAddMv(1.0, *g_, -longestStep, *image_, *g_);
-  MVT::Assign(*x_, *xOld_);
-  MVT::Assign(*g_, *gOld_);
-  // φ at the boundary point; the set examined there is not a face the iteration works in.
+  const double length = longestStep_;
+  decrease_ = length * (along.gradientDotDirection - 0.5 * length * along.directionDotImage);
+  // The set examined at the boundary point is not a face the iteration works in.
   LocalActiveSet boundary = active_;
-  BT::split(*x_, *g_, lower_, upper_, options_.stepFactor / hessianNorm_, nullptr, *phi_, boundary);
+  BT::advance(*x_, *g_, *p_, *image_, length, 0.0, true, lower_, upper_, stepLength(), *phi_, boundary);
+  MVT::Assign(*g_, *gOld_);
   constexpr int mostCuts = 60;
   for (int cut = 0; cut <= mostCuts; ++cut) {
-    MVT::MvAddMv(1.0, *xOld_, -options_.stepFactor / hessianNorm_, *phi_, *x_);
-    BT::project(*x_, lower_, upper_);
+    if (cut > 0)
+      MVT::Assign(*xOld_, *x_);
+    BT::projectedStep(*x_, *xOld_, *phi_, stepLength(), lower_, upper_);
     refreshGradient();
     // The projected step decreases the cost for every ᾱ ≤ 2/‖H‖: if it rose, ‖H‖ is larger than estimated.
     // Changes at the level of rounding errors prove nothing.
-    const double change = costChange(*xOld_, *gOld_);
-    const double moved = norm<Scalar>(*work_);
-    const double noise = 10.0 * std::numeric_limits<double>::epsilon() * moved * norm<Scalar>(*gOld_);
-    if (!(change > noise))
+    const ChangeSums change = BT::change(*x_, *xOld_, *g_, *gOld_);
+    const double noise = 10.0 * std::numeric_limits<double>::epsilon() *
+                         std::sqrt(change.moved2 * change.gradientNorm2);
+    if (!(change.cost > noise)) {
+      decrease_ -= change.cost;
       return;
+    }
     ++counters_.stepCuts;
     hessianNorm_ *= 2.0;
   }
+  // No step is short enough, which only rounding errors can bring about: stay at the boundary.
+  MVT::Assign(*xOld_, *x_);
+  MVT::Assign(*gOld_, *g_);
 }
 
 template<class Scalar, class MV>
 typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::step() {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using BT = BoundTraits<Scalar, MV>;
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
   const bool proportional = sums_.choppedNorm2 <= options_.gamma * options_.gamma * sums_.reducedNorm2;
-  if (!proportional)
-    BT::choppedGradient(*x_, *g_, lower_, upper_, *p_);
+  if (proportional)
+    completeDirection();
+  else
+    longestStep_ = BT::choppedDirection(*x_, *g_, lower_, upper_, *p_);
 
   apply_(*p_, *image_);
-  DirectionSums along = BT::direction(*x_, *g_, *p_, *image_, lower_, upper_);
+  CurvatureSums along = BT::curvature(*g_, *p_, *image_, active_);
   if (proportional && along.gradientDotDirection <= 0.0 && sums_.freeNorm2 > 0.0) {
-    // Rounding errors have turned the direction upwards; −φ always leads down.
-    MVT::Assign(*phi_, *p_);
+    // Rounding errors, or a preconditioner that is not positive definite, have turned the direction upwards;
+    // −φ always leads down.
+    if (precondition_)
+      longestStep_ = BT::conjugate(*x_, *phi_, 0.0, lower_, upper_, *p_);
+    else
+      begin();
     apply_(*p_, *image_);
-    along = BT::direction(*x_, *g_, *p_, *image_, lower_, upper_);
+    along = BT::curvature(*g_, *p_, *image_, active_);
   }
   if (!std::isfinite(along.directionDotImage) || !std::isfinite(along.gradientDotDirection))
     return Outcome::Breakdown;
@@ -135,40 +165,36 @@ typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::step() 
   if (curvature < -flat)
     return Outcome::Breakdown;
   const bool isFlat = curvature <= flat;
-  if (isFlat && !std::isfinite(along.longestStep))
+  if (isFlat && !std::isfinite(longestStep_))
     return Outcome::Unbounded;
   const double cgStep =
       isFlat ? std::numeric_limits<double>::infinity() : along.gradientDotDirection / along.directionDotImage;
+  const bool feasible = cgStep < longestStep_;
+  const double length = std::min(cgStep, longestStep_);
 
-  if (!proportional) {
-    // Towards the inside of an active bound; only another bound, on the far side, can cut the step.
-    ++counters_.proportioningSteps;
-    if (cgStep < along.longestStep) {
-      MVT::MvAddMv(1.0, *x_, -cgStep, *p_, *x_);
-      MVT::MvAddMv(1.0, *g_, -cgStep, *image_, *g_);
-    } else {
-      BT::stepToBoundary(*x_, *p_, along.longestStep, lower_, upper_);
-      MVT::MvAddMv(1.0, *g_, -along.longestStep, *image_, *g_);
-    }
+  if (!proportional || feasible) {
+    decrease_ = length * (along.gradientDotDirection - 0.5 * length * along.directionDotImage);
+    // The β of the next direction, before its φ is there.
+    const bool conjugate = proportional && !precondition_;
+    const double beta =
+        conjugate ? (along.freeDotImage - length * along.freeImageNorm2) / along.directionDotImage : 0.0;
+    sums_ = BT::advance(*x_, *g_, *p_, *image_, length, beta, !feasible, lower_, upper_, stepLength(),
+                        freeGradient(), active_);
+    longestStep_ = sums_.longestStep;
     ++staleness_;
-    split(nullptr);
-    MVT::Assign(*phi_, *p_);
-    return Outcome::Proportioning;
-  }
-
-  if (cgStep < along.longestStep) {
+    countFace();
+    directionDotImage_ = along.directionDotImage;
+    if (!proportional) {
+      // Towards the inside of an active bound; only another bound, on the far side, can cut the step.
+      ++counters_.proportioningSteps;
+      next_ = precondition_ ? Next::Fresh : Next::Ready;
+      return Outcome::Proportioning;
+    }
     ++counters_.cgSteps;
-    MVT::MvAddMv(1.0, *x_, -cgStep, *p_, *x_);
-    MVT::MvAddMv(1.0, *g_, -cgStep, *image_, *g_);
-    ++staleness_;
-    split(image_.get());
-    if (sums_.changed > 0) {
-      // Rounding put an entry onto its bound: p is no longer a direction of the face.
-      MVT::Assign(*phi_, *p_);
-    } else {
-      const double beta = sums_.freeDotImage / along.directionDotImage;
-      MVT::MvAddMv(1.0, *phi_, -beta, *p_, *p_);
-    }
+    next_ = precondition_ ? Next::Conjugate : Next::Ready;
+    // Rounding put an entry onto its bound: p is no longer conjugate within the face.
+    if (sums_.changed > 0)
+      begin();
     return Outcome::ConjugateGradient;
   }
 
@@ -176,9 +202,8 @@ typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::step() 
   ++staleness_;
   const bool projected = options_.expansion == Expansion::ProjectedConjugateGradient && !isFlat;
   if (!projected || !expandProjected(cgStep))
-    expandFixed(along.longestStep);
-  split(nullptr);
-  MVT::Assign(*phi_, *p_);
+    expandFixed(along);
+  begin();
   return Outcome::Expansion;
 }
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Qp.hpp"
 
-#include "Harmos_QpProblem_def.hpp"
-#include "Harmos_Solvers_def.hpp"
+#include "Harmos_SolverFactory_def.hpp"
 
 #include <Tpetra_MultiVector.hpp>
 #include <Tpetra_Operator.hpp>
@@ -17,6 +16,8 @@ template class MprgpSolver<Scalar, MultiVector, Operator>;
 template class SmalbeSolver<Scalar, MultiVector, Operator>;
 template class DualPenaltySolver<Scalar, MultiVector, Operator>;
 template class PcpgSolver<Scalar, MultiVector, Operator>;
+template class PdasSolver<Scalar, MultiVector, Operator>;
+template class AutoSolver<Scalar, MultiVector, Operator>;
 template class SolverFactory<Scalar, MultiVector, Operator>;
 
 ParameterSpec MethodSpecs::mprgp() {
@@ -24,6 +25,9 @@ ParameterSpec MethodSpecs::mprgp() {
 }
 ParameterSpec MethodSpecs::smalbe() {
   return SmalbeSolver<Scalar, MultiVector, Operator>::methodSpec();
+}
+ParameterSpec MethodSpecs::pdas() {
+  return PdasSolver<Scalar, MultiVector, Operator>::methodSpec();
 }
 ParameterSpec MethodSpecs::dualPenalty() {
   return DualPenaltySolver<Scalar, MultiVector, Operator>::methodSpec();

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_BoundTraits.hpp"
+#include "Harmos_FacePreconditioner.hpp"
+
 #include <Teuchos_RCP.hpp>
 
 #include <string>
@@ -47,10 +50,18 @@ class Problem {
                    EqualityStructure structure = EqualityStructure::General);
   /// An estimate of ‖A‖ from above that is already known; 0 (the default) lets a solver estimate it.
   void setHessianNorm(double norm);
+  /// An approximation of A⁻¹, symmetric positive definite, built once: on a face, its restriction to the free
+  /// entries is used (the approximate preconditioning in face of Kružík & Horák). Null: none.
+  void setPreconditioner(Teuchos::RCP<const OP> preconditioner);
+  /// Makes a preconditioner for each face: exact preconditioning in face. It has precedence. Null: none.
+  void setFacePreconditioner(Teuchos::RCP<FacePreconditioner<MV, OP>> maker);
+  /// Columns that span a part of ker A or all of it. A load on it along which the cost falls without end is
+  /// then found before the first iteration. Verified: ‖AR‖ must vanish. Null: nothing is known.
+  void setNullSpace(Teuchos::RCP<const MV> kernel);
   void setLabel(const std::string& label) { label_ = label; }
 
   /// Checks the problem: Hessian, solution and right-hand side are there, one column each, of equal length,
-  /// and the bounds are consistent.
+  /// and the bounds are numbers. Bounds with l > u are a problem without a solution, which solve() tells.
   /// @return whether it is ready to be solved; whyNotSet() tells the reason if not.
   /// @note Collective.
   bool setProblem();
@@ -65,6 +76,12 @@ class Problem {
   Teuchos::RCP<const OP> equalityRows() const { return equality_; }
   Teuchos::RCP<const MV> equalityValues() const { return equalityValues_; }
   Teuchos::RCP<MV> multiplier() const { return multiplier_; }
+  Teuchos::RCP<const OP> preconditioner() const { return preconditioner_; }
+  Teuchos::RCP<FacePreconditioner<MV, OP>> facePreconditioner() const { return facePreconditioner_; }
+  Teuchos::RCP<const MV> nullSpace() const { return nullSpace_; }
+  bool hasPreconditioner() const { return !preconditioner_.is_null() || !facePreconditioner_.is_null(); }
+  /// A pair of bounds with l > u; found by setProblem().
+  const BoundFault& crossedBounds() const { return crossedBounds_; }
   EqualityStructure equalityStructure() const { return structure_; }
   double hessianNorm() const { return hessianNorm_; }
   const std::string& label() const { return label_; }
@@ -83,6 +100,10 @@ class Problem {
   Teuchos::RCP<const OP> equality_;
   Teuchos::RCP<const MV> equalityValues_;
   Teuchos::RCP<MV> multiplier_;
+  Teuchos::RCP<const OP> preconditioner_;
+  Teuchos::RCP<FacePreconditioner<MV, OP>> facePreconditioner_;
+  Teuchos::RCP<const MV> nullSpace_;
+  BoundFault crossedBounds_;
   EqualityStructure structure_ = EqualityStructure::General;
   double hessianNorm_ = 0.0;
   bool set_ = false;

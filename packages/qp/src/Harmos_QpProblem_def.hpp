@@ -61,6 +61,24 @@ void Problem<Scalar, MV, OP>::setHessianNorm(double norm) {
 }
 
 template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::setPreconditioner(Teuchos::RCP<const OP> preconditioner) {
+  preconditioner_ = preconditioner;
+  refuse("setProblem() was not called after setPreconditioner()");
+}
+
+template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::setFacePreconditioner(Teuchos::RCP<FacePreconditioner<MV, OP>> maker) {
+  facePreconditioner_ = maker;
+  refuse("setProblem() was not called after setFacePreconditioner()");
+}
+
+template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::setNullSpace(Teuchos::RCP<const MV> kernel) {
+  nullSpace_ = kernel;
+  refuse("setProblem() was not called after setNullSpace()");
+}
+
+template<class Scalar, class MV, class OP>
 bool Problem<Scalar, MV, OP>::refuse(const std::string& fault) {
   set_ = false;
   fault_ = fault;
@@ -80,8 +98,12 @@ bool Problem<Scalar, MV, OP>::setProblem() {
   for (const Teuchos::RCP<const MV>& bound : {lower_, upper_})
     if (!bound.is_null() && MVT::GetGlobalLength(*bound) != length)
       return refuse("a bound and the solution differ in length");
-  if (!BoundTraits<Scalar, MV>::boundsAreConsistent(lower_.get(), upper_.get()))
-    return refuse("a lower bound lies above its upper bound, or a bound is not a number");
+  crossedBounds_ = BoundTraits<Scalar, MV>::findBoundFault(lower_.get(), upper_.get());
+  if (crossedBounds_.found && !(crossedBounds_.lower > crossedBounds_.upper))
+    return refuse("the bounds of entry " + std::to_string(crossedBounds_.entry) +
+                  " are not numbers, or a lower one is +infinity or an upper one -infinity");
+  if (!nullSpace_.is_null() && MVT::GetGlobalLength(*nullSpace_) != length)
+    return refuse("the null space and the solution differ in length");
   if (!equality_.is_null() && (equalityValues_.is_null() || multiplier_.is_null()))
     return refuse("equality rows need their right-hand side and a multiplier vector");
   if (!equality_.is_null() && MVT::GetGlobalLength(*equalityValues_) != MVT::GetGlobalLength(*multiplier_))

@@ -12,6 +12,10 @@ std::string toString(Reason reason) {
     return "converged";
   case Reason::IterationLimit:
     return "iteration limit";
+  case Reason::TimeLimit:
+    return "time limit";
+  case Reason::Infeasible:
+    return "infeasible";
   case Reason::Stagnation:
     return "stagnation at attainable accuracy";
   case Reason::Unbounded:
@@ -34,8 +38,20 @@ std::string toString(StepKind kind) {
     return "proportioning";
   case StepKind::Projected:
     return "pcpg";
+  case StepKind::ActiveSet:
+    return "active set";
   }
   return "";
+}
+
+Counters& Counters::operator+=(const Counters& other) {
+  for (int Counters::*field :
+       {&Counters::outerIterations, &Counters::hessianApplications, &Counters::setupApplications,
+        &Counters::cgSteps, &Counters::expansionSteps, &Counters::proportioningSteps, &Counters::faces,
+        &Counters::fallbacks, &Counters::stepCuts, &Counters::confirmations, &Counters::activeSetUpdates,
+        &Counters::safeguards, &Counters::preconditionerApplications, &Counters::preconditionerSetups})
+    this->*field += other.*field;
+  return *this;
 }
 
 void writeHistory(std::ostream& out, const std::vector<IterationRecord>& history) {

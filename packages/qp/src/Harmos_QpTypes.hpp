@@ -11,8 +11,10 @@ namespace Harmos::qp {
 enum class Reason {
   Converged,      ///< the convergence test passed
   IterationLimit, ///< more iterations than allowed
+  TimeLimit,      ///< more seconds than allowed
   Stagnation,     ///< the residuals are at the level of rounding errors, above the tolerance
-  Unbounded,      ///< a feasible direction along which the cost falls without end
+  Infeasible,     ///< no x meets the bounds and the equalities; Result::certificate proves it
+  Unbounded,      ///< a feasible direction along which the cost falls without end; so does it
   Breakdown       ///< a number that is not finite, or a Hessian that is not positive semidefinite
 };
 
@@ -20,9 +22,9 @@ enum class Reason {
 std::string toString(Reason reason);
 
 /// What an iteration did.
-enum class StepKind { Start, ConjugateGradient, Expansion, Proportioning, Projected };
+enum class StepKind { Start, ConjugateGradient, Expansion, Proportioning, Projected, ActiveSet };
 
-/// "start", "cg", "expansion", "proportioning", "pcpg".
+/// "start", "cg", "expansion", "proportioning", "pcpg", "active set".
 std::string toString(StepKind kind);
 
 /// Everything is counted: fallbacks, restarts and confirmations included.
@@ -37,6 +39,25 @@ struct Counters {
   int fallbacks = 0;     ///< projected conjugate gradient expansions undone because the cost rose
   int stepCuts = 0;      ///< fixed steps that proved too long
   int confirmations = 0; ///< gradients recomputed because rounding might have spoilt the recurrence
+  int activeSetUpdates = 0;            ///< of a primal-dual active set method
+  int safeguards = 0;                  ///< changes to a globally convergent method
+  int preconditionerApplications = 0;
+  int preconditionerSetups = 0; ///< made for a face
+
+  Counters& operator+=(const Counters& other);
+};
+
+/// The numbers that prove a problem infeasible or unbounded; the vector itself is
+/// SolverManager::certificate().
+///
+/// Infeasible: y with ‖y‖ = 1 and yᵀ(Cx − c) ≥ gap − defect‖x‖ for every x within the bounds, so that a
+/// feasible x would have ‖x‖ ≥ gap/defect. For l_i > u_i, gap is the largest l_i − u_i.
+/// Unbounded: d with ‖d‖ = 1 in the recession cone of the bounds, gap = bᵀd > 0, defect = max(‖Ad‖/‖A‖,
+/// ‖Cd‖/‖C‖).
+struct Certificate {
+  double gap = 0.0;
+  double defect = 0.0;
+  long long entry = -1; ///< global index of an inconsistent pair of bounds, −1 for none
 };
 
 /// One inner iteration, as it stands in iterations.csv.
@@ -51,6 +72,7 @@ struct IterationRecord {
   long long active;         ///< entries at a bound
   int hessianApplications;
   double seconds;
+  double decrease; ///< of the cost (or the augmented Lagrangian) over this step, NaN where it is not known
 };
 
 /// What solve() returns.
@@ -62,6 +84,8 @@ struct Result {
   double equalityNorm = 0.0;          ///< ‖Cx − c‖ at the end
   double hessianNorm = 0.0;           ///< estimate of ‖A‖ that was used, 0 if none was needed
   double penalty = 0.0;               ///< ρ at the end
+  std::string method;                 ///< the solver that did the work: what Auto chose
+  Certificate certificate;            ///< of Infeasible and Unbounded
   std::vector<IterationRecord> history;
 
   bool converged() const { return reason == Reason::Converged; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_EqualityRows.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_ParameterSpec.hpp"
 #include "Harmos_QpProblem.hpp"
@@ -11,6 +12,7 @@
 #include <Teuchos_RCP.hpp>
 
 #include <chrono>
+#include <optional>
 #include <string>
 
 namespace Harmos::qp {
@@ -21,6 +23,9 @@ namespace Harmos::qp {
 /// setProblem(), solve(). solve() reads the solution vector of the problem as initial guess and writes the
 /// answer there. By default the solver converges when ‖g^P‖ ≤ tol‖b‖ and ‖Cx − c‖ ≤ tol·max(‖c‖, ‖x‖);
 /// setConvergenceTest() puts another test in its place.
+///
+/// Before the first iteration every solver looks for what makes the problem senseless: crossed bounds,
+/// contradictory equality rows, a load along a known kernel direction that nothing stops.
 template<class Scalar, class MV, class OP>
 class SolverManager {
  public:
@@ -49,18 +54,29 @@ class SolverManager {
   void setProblem(const Teuchos::RCP<ProblemType>& problem);
   const ProblemType& getProblem() const { return *problem_; }
 
-  /// In the place of the default test; null brings the default back.
+  /// In the place of the default test; null brings the default back. A test may also stop the solver for
+  /// another reason than convergence, see StatusTest::reason().
   void setConvergenceTest(const Teuchos::RCP<StatusTest<MV>>& test) { convergenceTest_ = test; }
+
+  /// Is asked about every iterate, and its answer ignored; null for none.
+  void setDebugStatusTest(const Teuchos::RCP<StatusTest<MV>>& test) { debugTest_ = test; }
 
   /// Progress goes here; silent by default.
   void setLog(const Log& log) { log_ = log; }
 
-  /// Forgets counters and history.
-  void reset() { result_ = Result(); }
+  /// Forgets counters, history and certificate.
+  void reset() {
+    result_ = Result();
+    certificate_ = Teuchos::null;
+  }
 
   /// @throws InputError if no problem is set or its structure is not what this solver is for.
   /// @note Collective.
   Result solve();
+
+  /// After Infeasible the y, after Unbounded the d that Result::certificate speaks of; else null, and also
+  /// for crossed bounds, where the entry is the proof.
+  Teuchos::RCP<const MV> certificate() const { return certificate_; }
 
   int getNumIters() const { return static_cast<int>(result_.history.size()); }
   /// ‖g^P‖ reached.
@@ -78,8 +94,12 @@ class SolverManager {
   /// The parameters every solver has.
   static void addCommonParameters(ParameterSpec& spec);
 
-  /// Applies the convergence test to a state.
-  bool converged(const IterationState<MV>& state);
+  /// Applies the tests and limits to a state: a reason to stop, or none. A caller whose state is no candidate
+  /// yet does not take "converged" for an answer.
+  std::optional<Reason> judge(const IterationState<MV>& state);
+
+  /// The rows as solvers use them; null, with the solver stopped, if they contradict each other.
+  Teuchos::RCP<EqualityRows<Scalar, MV, OP>> makeRows();
 
   /// Stores a row of the history and prints it when its turn has come.
   void record(const IterationState<MV>& state, StepKind step, double penalty, double precision,
@@ -89,18 +109,34 @@ class SolverManager {
     result_.reason = reason;
     result_.explanation = explanation;
   }
+  /// With the residuals of a last state.
+  void stop(Reason reason, const std::string& explanation, const IterationState<MV>& state);
+  /// For a reason that judge() gave.
+  void stopFor(Reason reason, const IterationState<MV>& state);
+  void stopInfeasible(const Teuchos::RCP<const MV>& y, const Certificate& certificate);
+  void stopUnbounded(const Teuchos::RCP<const MV>& d, const Certificate& certificate);
+
+  /// Lets another solver finish the problem from the present solution, under this one's tests; its counters,
+  /// history and result are added to this one's.
+  void delegate(SolverManager& other);
 
   int maximumIterations() const { return parameters_->template get<int>("Maximum Iterations"); }
+  double elapsedSeconds() const;
 
   Teuchos::RCP<ProblemType> problem_;
   Teuchos::RCP<Teuchos::ParameterList> parameters_;
   Teuchos::RCP<StatusTest<MV>> convergenceTest_;
+  Teuchos::RCP<StatusTest<MV>> debugTest_;
+  Teuchos::RCP<const MV> certificate_;
   Log log_;
   Result result_;
 
  private:
+  bool isSenseless();
+
   Teuchos::RCP<StatusTest<MV>> activeTest_;
   std::chrono::steady_clock::time_point start_;
+  bool testGoesOn_ = false; // the test was begun by the solver that delegates to this one
 };
 
 } // namespace Harmos::qp

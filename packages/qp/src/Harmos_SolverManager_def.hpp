@@ -1,14 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_EqualityRows_def.hpp"
 #include "Harmos_Errors.hpp"
+#include "Harmos_Explanations.hpp"
 #include "Harmos_SolverManager.hpp"
 #include "Harmos_VectorOps.hpp"
 
+#include <Teuchos_SerialDenseMatrix.hpp>
+
+#include <algorithm>
+#include <cmath>
 #include <iomanip>
+#include <limits>
 #include <sstream>
 
 namespace Harmos::qp {
+
+namespace Details {
+
+template<class Solver>
+Teuchos::RCP<Solver> cloneOf(const Solver& solver) {
+  Teuchos::RCP<Solver> copy = Teuchos::rcp(new Solver);
+  if (!solver.getCurrentParameters().is_null())
+    copy->setParameters(Teuchos::rcp(new Teuchos::ParameterList(*solver.getCurrentParameters())));
+  return copy;
+}
+
+} // namespace Details
 
 template<class Scalar, class MV, class OP>
 void SolverManager<Scalar, MV, OP>::addCommonParameters(ParameterSpec& spec) {
@@ -18,6 +37,11 @@ void SolverManager<Scalar, MV, OP>::addCommonParameters(ParameterSpec& spec) {
       "side, of the equality residual against max(‖c‖, ‖x‖).");
   spec.integer("Maximum Iterations", 10000, 0, 1000000000,
                "Inner iterations after which the solver gives up.");
+  spec.real("Maximum Seconds", 0.0, Range::atLeast(0.0),
+            "Time after which the solver gives up, by the slowest rank's clock; 0 for no limit.");
+  spec.integer("Orthonormalised Rows", 500, 0, 100000,
+               "Equality rows that are not known to be orthonormal are made so, at a product with C and Cᵀ "
+               "each, if there are no more of them than this; else they are used as they stand.");
   spec.integer("Output Frequency", 0, 0, 1000000000,
                "A line of progress every so many iterations; 0 prints none.");
 }
@@ -63,26 +87,186 @@ Result SolverManager<Scalar, MV, OP>::solve() {
   if (!problem_->isProblemSet())
     throw InputError(name() + ": the problem was changed after setProblem(): " + problem_->whyNotSet());
   reset();
+  result_.method = name();
   activeTest_ = convergenceTest_.is_null() ? defaultTest() : convergenceTest_;
-  activeTest_->reset();
+  if (!testGoesOn_)
+    activeTest_->reset();
   start_ = std::chrono::steady_clock::now();
-  doSolve();
+  if (!isSenseless())
+    doSolve();
   return result_;
 }
 
 template<class Scalar, class MV, class OP>
-bool SolverManager<Scalar, MV, OP>::converged(const IterationState<MV>& state) {
-  return activeTest_->checkStatus(state) == Status::Passed;
+double SolverManager<Scalar, MV, OP>::elapsedSeconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+template<class Scalar, class MV, class OP>
+bool SolverManager<Scalar, MV, OP>::isSenseless() {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using OPT = Belos::OperatorTraits<Scalar, MV, OP>;
+  using BT = BoundTraits<Scalar, MV>;
+  const BoundFault& crossed = problem_->crossedBounds();
+  if (crossed.found) {
+    Certificate certificate;
+    certificate.gap = crossed.lower - crossed.upper;
+    certificate.entry = crossed.entry;
+    stopInfeasible(Teuchos::null, certificate);
+    return true;
+  }
+  if (problem_->nullSpace().is_null())
+    return false;
+  // The part of b in the range of R, by its normal equations: along it the cost falls at a constant rate. It
+  // does so without end if no bound and no equality row is in the way.
+  const MV& kernel = *problem_->nullSpace();
+  const int columns = static_cast<int>(MVT::GetNumberVecs(kernel));
+  Teuchos::SerialDenseMatrix<int, Scalar> gram(columns, columns), load(columns, 1);
+  MVT::MvTransMv(1.0, kernel, kernel, gram);
+  MVT::MvTransMv(1.0, kernel, *problem_->rhs(), load);
+  const auto size = static_cast<std::size_t>(columns);
+  std::vector<double> matrix(size * size), rhs(size);
+  for (int j = 0; j < columns; ++j) {
+    rhs[static_cast<std::size_t>(j)] = load(j, 0);
+    for (int i = 0; i < columns; ++i)
+      matrix[static_cast<std::size_t>(j) * size + static_cast<std::size_t>(i)] = gram(i, j);
+  }
+  const std::vector<double> amplitude = PivotedCholesky(matrix, columns).solve(rhs);
+  for (int i = 0; i < columns; ++i)
+    load(i, 0) = amplitude[static_cast<std::size_t>(i)];
+  const Teuchos::RCP<MV> d = MVT::Clone(*problem_->solution(), 1), image = MVT::Clone(*d, 1);
+  MVT::MvTimesMatAddMv(1.0, kernel, load, 0.0, *d);
+  const double length = norm<Scalar>(*d), rhsNorm = norm<Scalar>(*problem_->rhs());
+  const double noise = std::sqrt(std::numeric_limits<double>::epsilon());
+  if (!(length > noise * rhsNorm))
+    return false;
+  MVT::MvScale(*d, 1.0 / length);
+  if (BT::projectOntoRecessionCone(*d, problem_->lowerBound().get(), problem_->upperBound().get()) > noise)
+    return false;
+  Certificate certificate;
+  OPT::Apply(*problem_->hessian(), *d, *image);
+  ++result_.counters.setupApplications;
+  certificate.gap = dot<Scalar>(*problem_->rhs(), *d);
+  // In units of ‖A‖, for which any other vector's product stands in from below.
+  OPT::Apply(*problem_->hessian(), *problem_->rhs(), *d);
+  ++result_.counters.setupApplications;
+  const double hessianScale = norm<Scalar>(*d) / rhsNorm;
+  const double defect = norm<Scalar>(*image);
+  if (defect > noise * hessianScale)
+    throw InputError(name() + ": the null space given is none: ‖Ad‖ = " + scientific(defect) +
+                     " for a unit vector d in it, while ‖Ab‖/‖b‖ = " + scientific(hessianScale));
+  certificate.defect = hessianScale > 0.0 ? defect / hessianScale : 0.0;
+  MVT::MvTimesMatAddMv(1.0 / length, kernel, load, 0.0, *d);
+  if (problem_->hasEqualities()) {
+    const Teuchos::RCP<MV> rows = MVT::Clone(*problem_->equalityValues(), 1);
+    OPT::Apply(*problem_->equalityRows(), *d, *rows);
+    if (norm<Scalar>(*rows) > noise)
+      return false;
+  }
+  stopUnbounded(d, certificate);
+  return true;
+}
+
+template<class Scalar, class MV, class OP>
+Teuchos::RCP<EqualityRows<Scalar, MV, OP>> SolverManager<Scalar, MV, OP>::makeRows() {
+  Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = Teuchos::rcp(new EqualityRows<Scalar, MV, OP>(
+      *problem_, parameters_->template get<int>("Orthonormalised Rows")));
+  if (!rows->isPresent())
+    return rows;
+  const Teuchos::RCP<MV> y = rows->makeVector();
+  Certificate certificate;
+  if (rows->isConsistent(*y, certificate))
+    return rows;
+  stopInfeasible(y, certificate);
+  return Teuchos::null;
+}
+
+template<class Scalar, class MV, class OP>
+void SolverManager<Scalar, MV, OP>::stop(Reason reason, const std::string& explanation,
+                                         const IterationState<MV>& state) {
+  result_.projectedGradientNorm = state.projectedGradient;
+  result_.equalityNorm = state.equalityResidual;
+  stop(reason, explanation);
+}
+
+template<class Scalar, class MV, class OP>
+void SolverManager<Scalar, MV, OP>::stopFor(Reason reason, const IterationState<MV>& state) {
+  std::string text = Explanations::stoppedByTest(reason);
+  if (reason == Reason::Converged)
+    text = Explanations::converged();
+  else if (reason == Reason::IterationLimit)
+    text = Explanations::limit(std::to_string(state.inner) + " inner iterations");
+  else if (reason == Reason::TimeLimit)
+    text = Explanations::limit(scientific(elapsedSeconds()) + " seconds");
+  stop(reason, text, state);
+}
+
+template<class Scalar, class MV, class OP>
+void SolverManager<Scalar, MV, OP>::stopInfeasible(const Teuchos::RCP<const MV>& y,
+                                                   const Certificate& certificate) {
+  certificate_ = y;
+  result_.certificate = certificate;
+  stop(Reason::Infeasible, Explanations::infeasible(certificate));
+}
+
+template<class Scalar, class MV, class OP>
+void SolverManager<Scalar, MV, OP>::stopUnbounded(const Teuchos::RCP<const MV>& d,
+                                                  const Certificate& certificate) {
+  certificate_ = d;
+  result_.certificate = certificate;
+  stop(Reason::Unbounded, Explanations::unbounded(certificate));
+}
+
+template<class Scalar, class MV, class OP>
+void SolverManager<Scalar, MV, OP>::delegate(SolverManager& other) {
+  const int before = result_.history.empty() ? 0 : result_.history.back().inner;
+  const double seconds = elapsedSeconds();
+  other.parameters_->set("Maximum Iterations", std::max(0, maximumIterations() - before));
+  const double limit = parameters_->template get<double>("Maximum Seconds");
+  if (limit > 0.0)
+    other.parameters_->set("Maximum Seconds", std::max(1e-9, limit - seconds));
+  other.setProblem(problem_);
+  other.setConvergenceTest(activeTest_);
+  other.setDebugStatusTest(debugTest_);
+  other.setLog(log_);
+  other.testGoesOn_ = true;
+  Result result = other.solve();
+  certificate_ = other.certificate();
+  const Counters first = result_.counters;
+  for (IterationRecord& record : result.history) {
+    record.inner += before;
+    record.hessianApplications += first.hessianApplications;
+    record.seconds += seconds;
+  }
+  std::vector<IterationRecord> history = std::move(result_.history);
+  history.insert(history.end(), result.history.begin(), result.history.end());
+  result_ = std::move(result);
+  result_.history = std::move(history);
+  result_.counters += first;
+}
+
+template<class Scalar, class MV, class OP>
+std::optional<Reason> SolverManager<Scalar, MV, OP>::judge(const IterationState<MV>& state) {
+  if (!debugTest_.is_null())
+    debugTest_->checkStatus(state);
+  if (activeTest_->checkStatus(state) == Status::Passed)
+    return activeTest_->reason();
+  if (state.inner >= maximumIterations())
+    return Reason::IterationLimit;
+  const double limit = parameters_->template get<double>("Maximum Seconds");
+  if (limit > 0.0 && BoundTraits<Scalar, MV>::maximum(*state.x, elapsedSeconds()) >= limit)
+    return Reason::TimeLimit;
+  return std::nullopt;
 }
 
 template<class Scalar, class MV, class OP>
 void SolverManager<Scalar, MV, OP>::record(const IterationState<MV>& state, StepKind step, double penalty,
                                            double precision, long long active) {
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  const double seconds = elapsedSeconds();
   result_.projectedGradientNorm = state.projectedGradient;
   result_.equalityNorm = state.equalityResidual;
   result_.history.push_back({state.outer, state.inner, step, state.projectedGradient, state.equalityResidual,
-                             penalty, precision, active, result_.counters.hessianApplications, seconds});
+                             penalty, precision, active, result_.counters.hessianApplications, seconds, state.decrease});
   const int frequency = parameters_->template get<int>("Output Frequency");
   if (frequency == 0 || !log_.writesInfo())
     return;

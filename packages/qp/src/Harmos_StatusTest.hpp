@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_BoundTraits.hpp"
 #include "Harmos_QpTypes.hpp"
 
 #include <BelosMultiVecTraits.hpp>
 #include <Teuchos_RCP.hpp>
 
+#include <chrono>
 #include <cmath>
 #include <iosfwd>
 #include <ostream>
@@ -22,6 +24,7 @@ struct IterationState {
   /// same as ‖g^P(x, μ, ρ)‖ of what the inner loop minimises.
   double projectedGradient = 0.0;
   double equalityResidual = 0.0; ///< ‖Cx − c‖
+  double decrease = 0.0;         ///< of the cost over the last step, NaN where it is not known
   int outer = 0;
   int inner = 0; ///< all inner iterations so far
   const Counters* counters = nullptr;
@@ -29,7 +32,8 @@ struct IterationState {
 
 enum class Status { Passed, Failed, Undefined };
 
-/// A stopping criterion; mirrors Belos::StatusTest. Tests are composed by StatusTestCombo.
+/// A stopping criterion; mirrors Belos::StatusTest. Tests are composed by StatusTestCombo; an application
+/// derives its own. A solver stops when its test passes, for the reason that the test gives.
 ///
 /// checkStatus() is collective if the test computes norms; every rank gets the same answer.
 /// Guarded by tests/unit/qp/test_status_tests.cpp.
@@ -41,6 +45,8 @@ class StatusTest {
   virtual Status getStatus() const = 0;
   virtual void reset() = 0;
   virtual void print(std::ostream& out, int indent = 0) const = 0;
+  /// What it means for the solver that the test has passed.
+  virtual Reason reason() const { return Reason::Converged; }
 };
 
 /// Common part of tests of one number against a limit.
@@ -73,7 +79,7 @@ class StatusTestValue : public StatusTest<MV> {
   Status status_ = Status::Undefined;
 };
 
-/// ‖g^P(x, μ⁺, 0)‖ ≤ tolerance · scale.
+/// ‖g^P(x, μ⁺, 0)‖ ≤ tolerance · scale: relative to a number, ‖b‖ for instance; absolute with scale 1.
 template<class MV>
 class StatusTestProjectedGradient : public StatusTestValue<MV> {
  public:
@@ -87,6 +93,63 @@ class StatusTestProjectedGradient : public StatusTestValue<MV> {
  private:
   double tolerance_;
   double scale_;
+};
+
+/// ‖g^P‖ ≤ tolerance · ‖g^P‖ of the first iterate it is asked about after reset().
+template<class MV>
+class StatusTestInitialGradient : public StatusTestValue<MV> {
+ public:
+  explicit StatusTestInitialGradient(double tolerance)
+      : StatusTestValue<MV>("projected gradient"), tolerance_(tolerance) {}
+  Status checkStatus(const IterationState<MV>& state) override {
+    if (this->getStatus() == Status::Undefined)
+      initial_ = state.projectedGradient;
+    return this->judge(state.projectedGradient, tolerance_ * initial_);
+  }
+
+ private:
+  double tolerance_;
+  double initial_ = 0.0;
+};
+
+/// Passes when the cost has fallen by no more than tolerance times its whole decrease so far over the last
+/// `window` steps: the solver stops for stagnation. Steps whose decrease is not known end a window.
+template<class MV>
+class StatusTestCostStagnation : public StatusTestValue<MV> {
+ public:
+  StatusTestCostStagnation(double tolerance, int window)
+      : StatusTestValue<MV>("decrease of the cost"), tolerance_(tolerance), window_(window) {}
+  Status checkStatus(const IterationState<MV>& state) override {
+    if (state.inner <= lastInner_)
+      return this->getStatus() == Status::Undefined ? this->judge(1.0, 0.0) : this->getStatus();
+    lastInner_ = state.inner;
+    if (!std::isfinite(state.decrease)) {
+      recent_.clear();
+      return this->judge(1.0, 0.0);
+    }
+    total_ += state.decrease;
+    recent_.push_back(state.decrease);
+    if (static_cast<int>(recent_.size()) < window_)
+      return this->judge(1.0, 0.0);
+    double sum = 0.0;
+    for (auto k = recent_.size() - static_cast<std::size_t>(window_); k < recent_.size(); ++k)
+      sum += recent_[k];
+    return this->judge(sum, tolerance_ * total_);
+  }
+  void reset() override {
+    StatusTestValue<MV>::reset();
+    recent_.clear();
+    total_ = 0.0;
+    lastInner_ = 0;
+  }
+  Reason reason() const override { return Reason::Stagnation; }
+
+ private:
+  double tolerance_;
+  int window_;
+  int lastInner_ = 0;
+  double total_ = 0.0;
+  std::vector<double> recent_;
 };
 
 /// ‖Cx − c‖ ≤ tolerance · scale, where scale is a number or, with a shift s, max(number, ‖x + s‖).
@@ -131,9 +194,29 @@ class StatusTestMaxIterations : public StatusTestValue<MV> {
   Status checkStatus(const IterationState<MV>& state) override {
     return this->judge(static_cast<double>(most_ - state.inner), 0.0);
   }
+  Reason reason() const override { return Reason::IterationLimit; }
 
  private:
   int most_;
+};
+
+/// Passes when so many seconds have gone by since the first check after reset(), on the slowest rank.
+template<class MV, class Scalar = double>
+class StatusTestMaxTime : public StatusTestValue<MV> {
+ public:
+  explicit StatusTestMaxTime(double seconds) : StatusTestValue<MV>("seconds left"), most_(seconds) {}
+  Status checkStatus(const IterationState<MV>& state) override {
+    const auto now = std::chrono::steady_clock::now();
+    if (this->getStatus() == Status::Undefined)
+      start_ = now;
+    const double elapsed = std::chrono::duration<double>(now - start_).count();
+    return this->judge(most_ - BoundTraits<Scalar, MV>::maximum(*state.x, elapsed), 0.0);
+  }
+  Reason reason() const override { return Reason::TimeLimit; }
+
+ private:
+  double most_;
+  std::chrono::steady_clock::time_point start_;
 };
 
 /// Composition of tests.
@@ -160,6 +243,19 @@ class StatusTestCombo : public StatusTest<MV> {
     return status_;
   }
   Status getStatus() const override { return status_; }
+  /// Converged if a passed test of an Or, or all of an And, say so; else the first other reason.
+  Reason reason() const override {
+    Reason other = Reason::Converged;
+    for (const auto& test : tests_) {
+      if (test->getStatus() != Status::Passed)
+        continue;
+      if (type_ == Type::Or && test->reason() == Reason::Converged)
+        return Reason::Converged;
+      if (other == Reason::Converged)
+        other = test->reason();
+    }
+    return other;
+  }
   void reset() override {
     status_ = Status::Undefined;
     for (const auto& test : tests_)

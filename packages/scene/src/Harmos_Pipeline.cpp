@@ -163,15 +163,18 @@ DualSolution solve(const feti::SubdomainSystem& system, const feti::Constraints&
   if (!problem->setProblem())
     throw NumericalError("the dual problem cannot be solved: " + problem->whyNotSet());
 
-  const std::string method =
-      options.method == "Auto" ? qp::TpetraSolverFactory::automaticChoice(*problem) : options.method;
+  using Auto = qp::AutoSolver<Scalar, MultiVector, Operator>;
+  const std::string method = options.method == "Auto" ? Auto::choice(*problem) : options.method;
   const auto list = Teuchos::parameterList();
   list->set("Maximum Iterations", options.maximumIterations);
+  list->set("Maximum Seconds", options.maximumSeconds);
   list->set("Output Frequency", options.progressFrequency);
   // A solver takes the lists it has a use for; all of them were validated with the deck.
   if (method != "PCPG")
     list->sublist("MPRGP") = options.methodLists.sublist("MPRGP");
-  if (method == "SMALBE" || method == "Dual Penalty")
+  if (method == "SMALBE" || method == "PDAS")
+    list->sublist("SMALBE") = options.methodLists.sublist("SMALBE");
+  if (method == "Dual Penalty" || method == "PDAS")
     list->sublist(method) = options.methodLists.sublist(method);
   const auto solver = qp::TpetraSolverFactory().create(method, list);
   report.solver = solver->name();

@@ -29,7 +29,8 @@ void RunOptions::addTo(ParameterSpec& deck) {
                  {"SMALBE", "augmented Lagrangians for bounds and equalities"},
                  {"Dual Penalty", "equalities by a fixed penalty alone"},
                  {"MPRGP", "bounds alone: no floating subdomain"},
-                 {"PCPG", "equalities alone: no contact"}},
+                 {"PCPG", "equalities alone: no contact"},
+                 {"PDAS", "primal-dual active sets; falls back to SMALBE or MPRGP"}},
                 "The solver.");
   solver.real("Tolerance", 1e-4, Range::strictlyWithin(0.0, 1.0),
               "Relative tolerance ε of the stopping rule.");
@@ -42,11 +43,14 @@ void RunOptions::addTo(ParameterSpec& deck) {
                 "First iterate of the shifted dual problem, before it is projected onto the bounds.");
   solver.integer("Maximum iterations", 10000, 0, 1000000000,
                  "Inner iterations after which the solver gives up.");
+  solver.real("Maximum seconds", 0.0, Range::atLeast(0.0),
+              "Time after which the solver gives up; 0 for no limit.");
   solver.integer("Progress frequency", 10, 0, 1000000000,
                  "A line of progress every so many inner iterations; 0 prints none.");
   solver.list(qp::MethodSpecs::mprgp());
   solver.list(qp::MethodSpecs::smalbe());
   solver.list(qp::MethodSpecs::dualPenalty());
+  solver.list(qp::MethodSpecs::pdas());
   deck.list(std::move(solver));
 
   ParameterSpec output("Output", "What a run leaves behind.");
@@ -72,8 +76,9 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
   options.initialGuess =
       solver.get<std::string>("Initial guess") == "half load" ? InitialGuess::HalfLoad : InitialGuess::Zero;
   options.maximumIterations = solver.get<int>("Maximum iterations");
+  options.maximumSeconds = solver.get<double>("Maximum seconds");
   options.progressFrequency = solver.get<int>("Progress frequency");
-  for (const char* method : {"MPRGP", "SMALBE", "Dual Penalty"})
+  for (const char* method : {"MPRGP", "SMALBE", "Dual Penalty", "PDAS"})
     options.methodLists.sublist(method) = solver.sublist(method);
   options.outputDirectory = deck.sublist("Output").get<std::string>("Directory");
   options.writeFields = deck.sublist("Output").get<bool>("Fields");

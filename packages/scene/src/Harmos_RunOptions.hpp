@@ -32,6 +32,7 @@ struct RunOptions {
   StoppingRule stoppingRule = StoppingRule::Scaled;
   InitialGuess initialGuess = InitialGuess::Zero;
   std::string method;
+  double maximumSeconds = 0.0;
   int maximumIterations = 0;
   int progressFrequency = 0;
   Teuchos::ParameterList methodLists; ///< sublists MPRGP, SMALBE, Dual Penalty

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Errors.hpp"
 #include "Harmos_TestQp.hpp"
 
 #include <gtest/gtest.h>
@@ -32,28 +33,28 @@ TEST(BoundTraits, splitting_of_every_case) {
   const Cases c;
   MultiVector phi(c.map, 1);
   qp::LocalActiveSet active;
-  const auto image = toVector({1, 1, 1, 1, 1, 1, 1, 1, 1}, c.map);
   const double step = 0.5;
-  const qp::SplitSums sums = BT::split(*c.xv, *c.gv, c.lv.get(), c.uv.get(), step, image.get(), phi, active);
+  const qp::SplitSums sums = BT::split(*c.xv, *c.gv, c.lv.get(), c.uv.get(), step, &phi, active);
   EXPECT_EQ(fromVector(phi), (std::vector<double>{2, -3, 0, 0, 0, 0, 4, -6, 0}));
   EXPECT_EQ(sums.freeNorm2, 4 + 9 + 16 + 36);
   EXPECT_EQ(sums.choppedNorm2, 49 + 121); // −7 at l, 11 at u; the others point outwards, l = u does not move
-  EXPECT_EQ(sums.freeDotImage, 2 - 3 + 4 - 6);
   // φ̃: 2, −3 unbounded; min(0.1/0.5, 4) = 0.2; max(−0.1/0.5, −6) = −0.2.
   EXPECT_NEAR(sums.reducedNorm2, 4 + 9 + 0.2 * 4 + 0.2 * 6, 1e-14);
   EXPECT_EQ(sums.active, 5);
   EXPECT_EQ(sums.changed, 9); // all are new
+  EXPECT_NEAR(sums.longestStep, 0.1 / 6, 1e-16); // entry 7 meets its upper bound first: (0.9 − 1)/(−6)
   EXPECT_EQ(sums.projectedNorm2(), sums.freeNorm2 + sums.choppedNorm2);
   EXPECT_NEAR(BT::projectedGradientNorm(*c.xv, *c.gv, c.lv.get(), c.uv.get()),
               std::sqrt(sums.projectedNorm2()), 1e-14);
   MultiVector beta(c.map, 1);
-  BT::choppedGradient(*c.xv, *c.gv, c.lv.get(), c.uv.get(), beta);
+  // Along β = −7 at l = 0 the upper bound 1 is met at 1/7, along 11 at u = 1 the lower one 0 at 1/11.
+  EXPECT_EQ(BT::choppedDirection(*c.xv, *c.gv, c.lv.get(), c.uv.get(), beta), 1.0 / 11.0);
   EXPECT_EQ(fromVector(beta), (std::vector<double>{0, 0, 0, -7, 11, 0, 0, 0, 0}));
 
   auto moved = c.x;
   moved[2] = 0.25;
   const qp::SplitSums again =
-      BT::split(*toVector(moved, c.map), *c.gv, c.lv.get(), c.uv.get(), step, nullptr, phi, active);
+      BT::split(*toVector(moved, c.map), *c.gv, c.lv.get(), c.uv.get(), step, nullptr, active);
   EXPECT_EQ(again.changed, 1);
   EXPECT_EQ(again.active, 4);
 }
@@ -62,30 +63,148 @@ TEST(BoundTraits, absent_bounds_leave_all_free) {
   const Cases c;
   MultiVector phi(c.map, 1);
   qp::LocalActiveSet active;
-  const qp::SplitSums sums = BT::split(*c.xv, *c.gv, nullptr, nullptr, 1.0, nullptr, phi, active);
+  const qp::SplitSums sums = BT::split(*c.xv, *c.gv, nullptr, nullptr, 1.0, &phi, active);
   EXPECT_EQ(sums.active, 0);
   EXPECT_EQ(fromVector(phi), c.g);
   EXPECT_EQ(sums.reducedNorm2, sums.freeNorm2);
+  EXPECT_EQ(sums.longestStep, inf);
 }
 
-TEST(BoundTraits, longest_step_and_step_to_the_boundary) {
+TEST(BoundTraits, sums_of_a_product) {
+  const auto map = Teuchos::rcp(new Map(3, 0, testComm()));
+  const auto g = toVector({1, 2, 3}, map), p = toVector({4, 5, 0}, map), image = toVector({7, -8, 9}, map);
+  // Entry 2 is active on the rank that owns it.
+  qp::LocalActiveSet active;
+  for (std::size_t i = 0; i < g->getLocalLength(); ++i)
+    active.push_back(map->getGlobalElement(static_cast<LocalOrdinal>(i)) == 2 ? -1 : 0);
+  const qp::CurvatureSums sums = BT::curvature(*g, *p, *image, active);
+  EXPECT_EQ(sums.gradientDotDirection, 14);
+  EXPECT_EQ(sums.directionDotImage, -12);
+  EXPECT_EQ(sums.directionNorm2, 41);
+  EXPECT_EQ(sums.freeDotImage, -9);
+  EXPECT_EQ(sums.freeImageNorm2, 113);
+}
+
+// One fused pass against its parts, each from the definition.
+TEST(BoundTraits, advance_is_step_splitting_and_direction) {
   const auto map = Teuchos::rcp(new Map(4, 0, testComm()));
-  const auto x = toVector({1.0, 1.0, 1.0, 1.0}, map);
-  const auto p = toVector({3.0, -2.0, 0.5, 0.0}, map);
-  const auto l = toVector({0.0, 0.0, -inf, 1.0}, map);
-  const auto u = toVector({inf, 1.5, inf, 1.0}, map);
-  const qp::DirectionSums sums = BT::direction(*x, *x, *p, *p, l.get(), u.get());
-  EXPECT_EQ(sums.longestStep, 0.25); // entry 1: (1 − 1.5)/(−2); entry 0 allows 1/3
-  EXPECT_EQ(sums.gradientDotDirection, 1.5);
-  EXPECT_EQ(sums.directionNorm2, 13.25);
-  EXPECT_EQ(sums.directionDotImage, 13.25);
-  EXPECT_EQ(BT::direction(*x, *x, *p, *p, nullptr, nullptr).longestStep, inf);
+  const auto x = toVector({1.0, 1.0, 0.0, 5.0}, map), g = toVector({4.0, -4.0, 2.0, 8.0}, map),
+             p = toVector({4.0, -4.0, 0.0, 8.0}, map), image = toVector({2.0, 1.0, 1.0, 4.0}, map),
+             l = toVector({0.0, 0.0, 0.0, -inf}, map), u = toVector({inf, 3.0, inf, inf}, map);
+  qp::LocalActiveSet active;
+  BT::split(*x, *g, l.get(), u.get(), 1.0, nullptr, active);
+  const qp::SplitSums sums = BT::advance(*x, *g, *p, *image, 0.125, 0.5, false, l.get(), u.get(), 1.0, *p, active);
+  EXPECT_EQ(fromVector(*x), (std::vector<double>{0.5, 1.5, 0.0, 4.0}));
+  EXPECT_EQ(fromVector(*g), (std::vector<double>{3.75, -4.125, 1.875, 7.5}));
+  EXPECT_EQ(fromVector(*p), (std::vector<double>{1.75, -2.125, 0.0, 3.5})); // φ − p/2, nothing at the bound
+  EXPECT_EQ(sums.freeNorm2, 3.75 * 3.75 + 4.125 * 4.125 + 7.5 * 7.5);
+  EXPECT_EQ(sums.choppedNorm2, 0.0);
+  EXPECT_EQ(sums.reducedNorm2, 0.5 * 3.75 + 1.5 * 4.125 + 7.5 * 7.5);
+  EXPECT_EQ(sums.active, 1);
+  EXPECT_EQ(sums.changed, 0);
+  EXPECT_EQ(sums.longestStep, 0.5 / 1.75);
+}
+
+TEST(BoundTraits, steps_to_the_boundary_end_exactly_on_it) {
+  const auto map = Teuchos::rcp(new Map(4, 0, testComm()));
+  const auto x = toVector({1.0, 1.0, 1.0, 1.0}, map), g = toVector({0, 0, 0, 0}, map),
+             p = toVector({3.0, -2.0, 0.5, 0.0}, map), l = toVector({0.0, 0.0, -inf, 1.0}, map),
+             u = toVector({inf, 1.5, inf, 1.0}, map), next = toVector({0, 0, 0, 0}, map);
+  MultiVector direction(*p, Teuchos::Copy);
+  EXPECT_EQ(BT::conjugate(*x, *p, 0.0, l.get(), u.get(), direction), 0.25); // entry 1; entry 0 allows 1/3
+  EXPECT_EQ(BT::conjugate(*x, *p, 0.0, nullptr, nullptr, direction), inf);
+  qp::LocalActiveSet active;
+  BT::split(*x, *g, l.get(), u.get(), 1.0, nullptr, active);
   // Exactly onto the bound, however the product rounds; beyond it for none.
-  BT::stepToBoundary(*x, *p, 1.0 / 3.0, l.get(), u.get());
+  const qp::SplitSums sums =
+      BT::advance(*x, *g, *p, *g, 1.0 / 3.0, 0.0, true, l.get(), u.get(), 1.0, *next, active);
   const std::vector<double> moved = fromVector(*x);
   EXPECT_EQ(moved[0], 0.0);
   EXPECT_EQ(moved[1], 1.5);
   EXPECT_EQ(moved[3], 1.0);
+  EXPECT_EQ(sums.active, 3);
+  EXPECT_EQ(sums.changed, 2);
+}
+
+TEST(BoundTraits, projected_step_and_the_change_it_makes) {
+  const auto map = Teuchos::rcp(new Map(2, 0, testComm()));
+  const auto x = toVector({1.0, 2.0}, map), p = toVector({1.0, 8.0}, map), l = toVector({0.0, 0.0}, map),
+             gOld = toVector({2.0, 4.0}, map), g = toVector({0.0, -2.0}, map);
+  MultiVector old(map, 1);
+  BT::projectedStep(*x, old, *p, 0.5, l.get(), nullptr);
+  EXPECT_EQ(fromVector(*x), (std::vector<double>{0.5, 0.0}));
+  EXPECT_EQ(fromVector(old), (std::vector<double>{1.0, 2.0}));
+  const qp::ChangeSums change = BT::change(*x, old, *g, *gOld);
+  EXPECT_EQ(change.cost, 0.5 * (-0.5 * 2.0 - 2.0 * 2.0));
+  EXPECT_EQ(change.moved2, 4.25);
+  EXPECT_EQ(change.gradientNorm2, 20.0);
+}
+
+TEST(BoundTraits, active_sets_follow_multipliers_and_violations) {
+  const auto map = Teuchos::rcp(new Map(6, 0, testComm()));
+  //                          free,  below l, above u,  at l held, at l freed, l = u
+  const auto x = toVector({0.5, -1.0, 2.0, 0.0, 0.0, 3.0}, map), g = toVector({9.0, 0.0, 0.0, 1.0, -2.0, -5.0}, map),
+             l = toVector({0.0, 0.0, 0.0, 0.0, 0.0, 3.0}, map), u = toVector({1.0, 1.0, 1.0, 1.0, 1.0, 3.0}, map);
+  qp::LocalActiveSet set;
+  for (std::size_t i = 0; i < x->getLocalLength(); ++i)
+    set.push_back(map->getGlobalElement(static_cast<LocalOrdinal>(i)) >= 3 ? -1 : 0);
+  const qp::LocalActiveSet before = set;
+  const qp::ActiveSetChange change = BT::updateActiveSet(*x, *g, l.get(), u.get(), 0.0, 0.0, set);
+  EXPECT_EQ(change.active, 4);
+  EXPECT_EQ(change.changed, 3);
+  EXPECT_EQ(change.violation2, 2.0);
+  EXPECT_EQ(change.wrongSign2, 4.0);
+  for (std::size_t i = 0; i < set.size(); ++i) {
+    const int expected[] = {0, -1, 1, -1, 0, -1};
+    EXPECT_EQ(set[i], expected[map->getGlobalElement(static_cast<LocalOrdinal>(i))]);
+  }
+  // What lies within the noise is let be.
+  qp::LocalActiveSet tolerant = before;
+  EXPECT_EQ(BT::updateActiveSet(*x, *g, l.get(), u.get(), 1.0, 2.0, tolerant).changed, 0);
+  // Signatures: the same for the same set, another for another.
+  qp::LocalActiveSet copy = before;
+  const qp::ActiveSetChange same = BT::updateActiveSet(*x, *g, l.get(), u.get(), 0.0, 0.0, copy);
+  EXPECT_EQ(same.signature[0], change.signature[0]);
+  EXPECT_EQ(same.signature[1], change.signature[1]);
+  const qp::ActiveSetChange other = BT::updateActiveSet(*x, *g, l.get(), u.get(), 1.0, 2.0, tolerant);
+  EXPECT_NE(other.signature[0], change.signature[0]);
+  BT::moveToBounds(*x, l.get(), u.get(), set);
+  EXPECT_EQ(fromVector(*x), (std::vector<double>{0.5, 0.0, 1.0, 0.0, 0.0, 3.0}));
+  BT::maskActive(*g, set);
+  EXPECT_EQ(fromVector(*g), (std::vector<double>{9.0, 0.0, 0.0, 0.0, -2.0, 0.0}));
+}
+
+TEST(BoundTraits, infimum_over_the_box_and_recession_cone) {
+  const auto map = Teuchos::rcp(new Map(4, 0, testComm()));
+  const auto l = toVector({-2.0, -inf, -inf, 1.0}, map), u = toVector({inf, 3.0, inf, 2.0}, map);
+  const auto w = toVector({1.0, -1.0, 0.0, -4.0}, map);
+  const qp::BoxInfimum closed = BT::boxInfimum(*w, l.get(), u.get());
+  EXPECT_EQ(closed.value, -2.0 - 3.0 - 8.0);
+  EXPECT_EQ(closed.openNorm, 0.0);
+  EXPECT_EQ(closed.boundNorm, std::sqrt(4.0 + 9.0 + 4.0));
+  const qp::BoxInfimum open = BT::boxInfimum(*toVector({-3.0, 4.0, 12.0, 0.0}, map), l.get(), u.get());
+  EXPECT_EQ(open.value, 0.0);
+  EXPECT_EQ(open.openNorm, 13.0);
+  const auto d = toVector({-3.0, -1.0, 5.0, 4.0}, map);
+  EXPECT_EQ(BT::projectOntoRecessionCone(*d, l.get(), u.get()), 5.0);
+  EXPECT_EQ(fromVector(*d), (std::vector<double>{0.0, -1.0, 5.0, 0.0}));
+}
+
+TEST(BoundTraits, gather_and_scatter) {
+  const std::vector<double> values = {3, 1, 4, 1, 5, 9, 2};
+  for (const auto& map : {Teuchos::rcp(new Map(7, 0, testComm())),
+                          Teuchos::rcp(new Map(7, 0, testComm(), Tpetra::LocallyReplicated))}) {
+    MultiVector v(map, 1);
+    BT::scatter(values, v);
+    EXPECT_EQ(fromVector(v), values);
+    EXPECT_EQ(BT::gather(v), values);
+  }
+  // A map with gaps has no numbering to gather by.
+  std::vector<GlobalOrdinal> indices;
+  if (testComm()->getRank() == 0)
+    indices = {0, 5};
+  const auto gaps = Teuchos::rcp(new Map(2, Teuchos::arrayViewFromVector(indices), 0, testComm()));
+  EXPECT_THROW(BT::gather(MultiVector(gaps, 1)), InputError);
 }
 
 TEST(BoundTraits, projection) {
@@ -95,14 +214,18 @@ TEST(BoundTraits, projection) {
   EXPECT_EQ(fromVector(*x), (std::vector<double>{-5, 5, 0, 1, 0.5, 0, 1, 0.5, 2}));
 }
 
-TEST(BoundTraits, inconsistent_bounds_are_seen) {
-  const auto map = Teuchos::rcp(new Map(2, 0, testComm()));
-  const auto l = toVector({0.0, 0.0}, map);
-  EXPECT_TRUE(BT::boundsAreConsistent(l.get(), toVector({0.0, inf}, map).get()));
-  EXPECT_FALSE(BT::boundsAreConsistent(l.get(), toVector({1.0, -1e-300}, map).get()));
-  EXPECT_FALSE(BT::boundsAreConsistent(l.get(), toVector({1.0, std::nan("")}, map).get()));
-  EXPECT_FALSE(BT::boundsAreConsistent(toVector({0.0, inf}, map).get(), nullptr));
-  EXPECT_TRUE(BT::boundsAreConsistent(nullptr, nullptr));
+TEST(BoundTraits, inconsistent_bounds_are_found) {
+  const auto map = Teuchos::rcp(new Map(3, 0, testComm()));
+  const auto l = toVector({0.0, 0.0, 0.0}, map);
+  EXPECT_FALSE(BT::findBoundFault(l.get(), toVector({0.0, inf, 1.0}, map).get()).found);
+  EXPECT_FALSE(BT::findBoundFault(nullptr, nullptr).found);
+  const qp::BoundFault crossed = BT::findBoundFault(l.get(), toVector({1.0, 1.0, -0.5}, map).get());
+  EXPECT_TRUE(crossed.found);
+  EXPECT_EQ(crossed.entry, 2);
+  EXPECT_EQ(crossed.lower, 0.0);
+  EXPECT_EQ(crossed.upper, -0.5);
+  EXPECT_TRUE(std::isnan(BT::findBoundFault(l.get(), toVector({1.0, std::nan(""), 1.0}, map).get()).upper));
+  EXPECT_EQ(BT::findBoundFault(toVector({0.0, inf, 0.0}, map).get(), nullptr).entry, 1);
 }
 
 TEST(BoundTraits, random_vectors_do_not_depend_on_the_distribution) {

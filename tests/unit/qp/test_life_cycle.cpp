@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -54,9 +55,9 @@ TEST(LifeCycle, solve_without_a_problem) {
 TEST(LifeCycle, problems_that_cannot_be_set_say_why) {
   const DistributedQp qp(smallQp(1, true));
   qp.problem->setLowerBound(toVector({0, 0, 0, 0}, qp.map));
-  qp.problem->setUpperBound(toVector({1, 1, -1, 1}, qp.map));
+  qp.problem->setUpperBound(toVector({1, 1, std::nan(""), 1}, qp.map));
   EXPECT_FALSE(qp.problem->setProblem());
-  EXPECT_TRUE(contains(qp.problem->whyNotSet(), "lies above"));
+  EXPECT_TRUE(contains(qp.problem->whyNotSet(), "entry 2 are not numbers"));
   qp.problem->setUpperBound(Teuchos::rcp(new MultiVector(Teuchos::rcp(new Map(5, 0, testComm())), 1)));
   EXPECT_FALSE(qp.problem->setProblem());
   EXPECT_TRUE(contains(qp.problem->whyNotSet(), "differ in length"));
@@ -79,7 +80,19 @@ TEST(LifeCycle, solvers_refuse_structures_they_are_not_for) {
   EXPECT_TRUE(contains(solve("SMALBE", smallQp(0, true)), "use MPRGP"));
   EXPECT_TRUE(contains(solve("Dual Penalty", smallQp(0, true)), "use MPRGP"));
   EXPECT_TRUE(contains(solve("PCPG", smallQp(0, true)), "use SMALBE or MPRGP"));
-  EXPECT_TRUE(contains(solve("PCPG", smallQp(1, false)), "orthonormal"));
+  EXPECT_TRUE(contains(solve("PDAS", smallQp(1, false)), "use PCPG"));
+}
+
+// Rows that are too many to be made orthonormal are a structure PCPG and PDAS cannot use.
+TEST(LifeCycle, too_many_general_rows_are_refused_by_name) {
+  for (const char* name : {"PCPG", "PDAS"}) {
+    const DistributedQp qp(smallQp(2, std::string(name) == "PDAS"));
+    const auto list = Teuchos::parameterList();
+    list->set("Orthonormalised Rows", 1);
+    const auto solver = TpetraSolverFactory().create(name, list);
+    solver->setProblem(qp.problem);
+    EXPECT_TRUE(contains(message([&] { solver->solve(); }), "\"Orthonormalised Rows\"")) << name;
+  }
 }
 
 TEST(LifeCycle, factory_ignores_case_and_offers_the_nearest_name) {
@@ -91,14 +104,63 @@ TEST(LifeCycle, factory_ignores_case_and_offers_the_nearest_name) {
   EXPECT_TRUE(contains(message([&] { factory.create("MPRG", Teuchos::null); }), "did you mean \"MPRGP\"?"));
 }
 
-TEST(LifeCycle, automatic_choice_follows_the_structure) {
-  const auto choice = [](const SmallQp& qp) {
-    return TpetraSolverFactory::automaticChoice(*DistributedQp(qp).problem);
+TEST(LifeCycle, auto_follows_the_structure) {
+  const auto method = [](const SmallQp& qp, bool preconditioned = false) {
+    const DistributedQp distributed(qp);
+    if (preconditioned) {
+      distributed.problem->setPreconditioner(
+          Teuchos::rcp(new DenseOperator(jacobi(qp.a), distributed.map, distributed.map)));
+      distributed.problem->setProblem();
+    }
+    const auto solver = TpetraSolverFactory().create("auto", Teuchos::null);
+    solver->setProblem(distributed.problem);
+    const Result result = solver->solve();
+    EXPECT_TRUE(result.converged());
+    return result.method;
   };
-  EXPECT_EQ(choice(smallQp(0, true)), "MPRGP");
-  EXPECT_EQ(choice(smallQp(1, true)), "SMALBE");
-  EXPECT_EQ(choice(smallQp(1, false)), "PCPG");
-  EXPECT_EQ(choice(smallQp(0, false)), "PCPG");
+  EXPECT_EQ(method(smallQp(0, true)), "MPRGP");
+  EXPECT_EQ(method(smallQp(0, true), true), "PDAS");
+  EXPECT_EQ(method(smallQp(1, true)), "SMALBE");
+  EXPECT_EQ(method(smallQp(1, false)), "PCPG");
+  EXPECT_EQ(method(smallQp(0, false)), "PCPG");
+}
+
+namespace {
+
+// Sets x to a number; an application's own idea of a solver.
+class Guess : public TpetraSolverManager {
+ public:
+  std::string name() const override { return "Guess"; }
+  Teuchos::RCP<TpetraSolverManager> clone() const override { return Teuchos::rcp(new Guess); }
+  const ParameterSpec& parameterSpec() const override {
+    static const ParameterSpec spec = [] {
+      ParameterSpec result("Guess", "A guess.");
+      addCommonParameters(result);
+      return result;
+    }();
+    return spec;
+  }
+
+ protected:
+  void doSolve() override {
+    problem_->solution()->putScalar(7.0);
+    stop(Reason::Converged, "as good as any");
+  }
+};
+
+} // namespace
+
+TEST(LifeCycle, applications_add_solvers) {
+  TpetraSolverFactory factory;
+  factory.addSolver("Guess", [] { return Teuchos::rcp(new Guess); });
+  const DistributedQp qp(smallQp(0, true));
+  const auto solver = factory.create("GUESS", Teuchos::null);
+  solver->setProblem(qp.problem);
+  EXPECT_EQ(solver->solve().method, "Guess");
+  EXPECT_EQ(fromVector(*qp.solution)[0], 7.0);
+  EXPECT_TRUE(contains(message([&] { factory.addSolver("mprgp", [] { return Teuchos::rcp(new Guess); }); }),
+                       "is there already"));
+  EXPECT_FALSE(TpetraSolverFactory().isSupported("Guess"));
 }
 
 TEST(LifeCycle, parameters_are_checked_at_the_first_call) {
@@ -132,6 +194,77 @@ TEST(LifeCycle, iteration_limit_is_a_reason_with_a_sentence) {
   EXPECT_EQ(result.reason, Reason::IterationLimit);
   EXPECT_FALSE(result.converged());
   EXPECT_TRUE(contains(result.explanation, "limit of 1 inner iterations"));
+}
+
+TEST(LifeCycle, time_limit_is_a_reason) {
+  const DistributedQp qp(smallQp(1, true));
+  const auto list = Teuchos::parameterList();
+  list->set("Maximum Seconds", 1e-9);
+  const auto solver = TpetraSolverFactory().create("SMALBE", list);
+  solver->setProblem(qp.problem);
+  const Result result = solver->solve();
+  EXPECT_EQ(result.reason, Reason::TimeLimit);
+  EXPECT_TRUE(contains(result.explanation, "seconds was reached"));
+}
+
+// The reason is the test's; the debug test sees every iterate and decides nothing.
+TEST(LifeCycle, users_tests_stop_the_solver_for_their_reason) {
+  class Third : public StatusTest<MultiVector> {
+   public:
+    Status checkStatus(const IterationState<MultiVector>& state) override {
+      most = std::max(most, state.inner);
+      return state.inner >= 3 ? Status::Passed : Status::Failed;
+    }
+    Status getStatus() const override { return most >= 3 ? Status::Passed : Status::Failed; }
+    void reset() override {}
+    void print(std::ostream&, int) const override {}
+    Reason reason() const override { return Reason::Breakdown; }
+    int most = 0;
+  };
+  const DistributedQp qp(smallQp(1, true));
+  const auto solver = TpetraSolverFactory().create("SMALBE", Teuchos::null);
+  const auto test = Teuchos::rcp(new Third);
+  solver->setDebugStatusTest(test);
+  solver->setProblem(qp.problem);
+  EXPECT_TRUE(solver->solve().converged());
+  EXPECT_GT(test->most, 3);
+  qp.solution->putScalar(0.0);
+  qp.multiplier->putScalar(0.0);
+  solver->setConvergenceTest(test);
+  const Result result = solver->solve();
+  EXPECT_EQ(result.reason, Reason::Breakdown);
+  EXPECT_EQ(result.history.back().inner, 3);
+  EXPECT_TRUE(contains(result.explanation, "status test"));
+}
+
+// A known kernel direction on which the load acts, and nothing that stops it.
+TEST(LifeCycle, null_space_tells_an_unbounded_problem_before_the_first_step) {
+  SmallQp qp = smallQp(0, true);
+  qp.a = Dense(4, 4);
+  for (int i = 0; i < 3; ++i)
+    qp.a(i, i) = 2.0;
+  qp.b = {1, 1, 1, 0.5};
+  qp.lower = {0, 0, 0, -10};
+  qp.upper.clear();
+  const auto solve = [&](const std::vector<double>& kernel) {
+    const DistributedQp distributed(qp);
+    distributed.problem->setNullSpace(toVector(kernel, distributed.map));
+    EXPECT_TRUE(distributed.problem->setProblem());
+    const auto solver = TpetraSolverFactory().create("MPRGP", Teuchos::null);
+    solver->setProblem(distributed.problem);
+    const Result result = solver->solve();
+    if (result.reason == Reason::Unbounded)
+      EXPECT_EQ(fromVector(*solver->certificate()), (std::vector<double>{0, 0, 0, 1}));
+    return result;
+  };
+  const Result unbounded = solve({0, 0, 0, 3});
+  EXPECT_EQ(unbounded.reason, Reason::Unbounded);
+  EXPECT_EQ(unbounded.counters.hessianApplications, 0);
+  EXPECT_NEAR(unbounded.certificate.gap, 0.5, 1e-15);
+  EXPECT_TRUE(contains(message([&] { solve({0, 1, 0, 0}); }), "the null space given is none"));
+  // A bound in the way, or no load: the kernel is harmless.
+  qp.b[3] = -0.5;
+  EXPECT_TRUE(solve({0, 0, 0, 3}).converged());
 }
 
 // A tolerance below the rounding errors ends in "stagnation", neither in "converged" nor in an endless loop.

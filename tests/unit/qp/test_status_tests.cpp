@@ -73,6 +73,62 @@ TEST(StatusTest, iteration_limit) {
   EXPECT_EQ(test.checkStatus(state), Status::Passed);
 }
 
+TEST(StatusTest, gradient_relative_to_the_first) {
+  StatusTestInitialGradient<MultiVector> test(0.1);
+  State state;
+  state.projectedGradient = 50.0;
+  EXPECT_EQ(test.checkStatus(state), Status::Failed);
+  state.projectedGradient = 5.0;
+  EXPECT_EQ(test.checkStatus(state), Status::Passed);
+  test.reset();
+  EXPECT_EQ(test.checkStatus(state), Status::Failed); // 5 is the first now
+}
+
+// Ten units at first; then less than a tenth of all over two steps.
+TEST(StatusTest, cost_stagnation_over_a_window) {
+  StatusTestCostStagnation<MultiVector> test(0.1, 2);
+  State state;
+  const auto check = [&](double decrease) {
+    ++state.inner;
+    state.decrease = decrease;
+    return test.checkStatus(state);
+  };
+  EXPECT_EQ(check(10.0), Status::Failed);
+  EXPECT_EQ(check(0.5), Status::Failed);
+  EXPECT_EQ(check(0.4), Status::Passed); // 0.9 of 10.9
+  EXPECT_EQ(test.checkStatus(state), Status::Passed); // asked again about the same iterate
+  EXPECT_EQ(test.reason(), Reason::Stagnation);
+  EXPECT_EQ(check(std::nan("")), Status::Failed);
+  EXPECT_EQ(check(0.1), Status::Failed); // the window begins anew
+  EXPECT_EQ(check(0.1), Status::Passed);
+}
+
+TEST(StatusTest, time_limit) {
+  const auto x = toVector({1.0}, Teuchos::rcp(new Map(1, 0, testComm())));
+  State state;
+  state.x = x.get();
+  StatusTestMaxTime<MultiVector> never(1e9), at_once(0.0);
+  EXPECT_EQ(never.checkStatus(state), Status::Failed);
+  EXPECT_EQ(at_once.checkStatus(state), Status::Passed);
+  EXPECT_EQ(at_once.reason(), Reason::TimeLimit);
+}
+
+TEST(StatusTest, reason_of_a_combination) {
+  const auto gradient = Teuchos::rcp(new StatusTestProjectedGradient<MultiVector>(1.0, 1.0));
+  const auto limit = Teuchos::rcp(new StatusTestMaxIterations<MultiVector>(3));
+  Combo either(Combo::Type::Or, {limit, gradient}), both(Combo::Type::And, {gradient, limit});
+  State state;
+  state.inner = 3;
+  state.projectedGradient = 2.0;
+  EXPECT_EQ(either.checkStatus(state), Status::Passed);
+  EXPECT_EQ(either.reason(), Reason::IterationLimit);
+  state.projectedGradient = 0.5; // converged at the limit is converged
+  EXPECT_EQ(either.checkStatus(state), Status::Passed);
+  EXPECT_EQ(either.reason(), Reason::Converged);
+  EXPECT_EQ(both.checkStatus(state), Status::Passed);
+  EXPECT_EQ(both.reason(), Reason::IterationLimit);
+}
+
 TEST(StatusTest, combinations) {
   const auto yes = Teuchos::rcp(new Probe(Status::Passed)), no = Teuchos::rcp(new Probe(Status::Failed));
   const State state;

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_BoundedSolver_def.hpp"
+#include "Harmos_DualPenaltySolver.hpp"
+
+namespace Harmos::qp {
+
+template<class Scalar, class MV, class OP>
+ParameterSpec DualPenaltySolver<Scalar, MV, OP>::methodSpec() {
+  ParameterSpec spec("Dual Penalty", "Equalities enforced by a fixed penalty alone.");
+  spec.choice(
+      "Parameter scaling", "relative",
+      {{"relative", "the penalty is a multiple of ‖A‖"}, {"absolute", "the penalty is taken as it stands"}},
+      "Unit of the penalty.");
+  spec.real("Penalty", 1e4, Range::above(0.0), "ρ; the equality residual falls like 1/ρ.");
+  return spec;
+}
+
+template<class Scalar, class MV, class OP>
+const ParameterSpec& DualPenaltySolver<Scalar, MV, OP>::spec() {
+  static const ParameterSpec result = [] {
+    ParameterSpec spec("Dual Penalty", "The penalty method for bounds and equalities.");
+    SolverManager<Scalar, MV, OP>::addCommonParameters(spec);
+    spec.list(methodSpec());
+    spec.list(MprgpOptions::parameterSpec());
+    return spec;
+  }();
+  return result;
+}
+
+template<class Scalar, class MV, class OP>
+Teuchos::RCP<StatusTest<MV>> DualPenaltySolver<Scalar, MV, OP>::defaultTest() const {
+  return Teuchos::rcp(
+      new StatusTestProjectedGradient<MV>(this->parameters_->template get<double>("Convergence Tolerance"),
+                                          norm<Scalar>(*this->problem_->rhs())));
+}
+
+template<class Scalar, class MV, class OP>
+void DualPenaltySolver<Scalar, MV, OP>::doSolve() {
+  constexpr int mostProbeSteps = 1000; // each a product with C and Cᵀ
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  if (!this->problem_->hasEqualities())
+    throw InputError("Dual Penalty is for problems with equalities, but this one has none; use MPRGP");
+  const Teuchos::ParameterList& list = this->parameters_->sublist("Dual Penalty");
+  MVT::MvInit(*this->problem_->multiplier(), 0.0);
+  const Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = this->makeRows();
+  if (rows.is_null())
+    return;
+  BoundedLagrangian<Scalar, MV, OP> lagrangian(
+      *this->problem_, *rows, MprgpOptions::fromList(this->parameters_->sublist("MPRGP")),
+      this->result_.counters);
+  const bool relative = list.get<std::string>("Parameter scaling") == "relative";
+  const double penalty = list.get<double>("Penalty") *
+                         (relative && lagrangian.hessianNorm() > 0.0 ? lagrangian.hessianNorm() : 1.0);
+  IterationState<MV> state = this->begin(lagrangian, penalty, 0.0);
+  this->minimise(lagrangian, state, nullptr, 0.0);
+  this->result_.penalty = penalty;
+  lagrangian.finish();
+  // A residual that the penalty does not make small may be that of a problem without feasible points.
+  const double scale = std::sqrt(rows->norm2()) * norm<Scalar>(*this->problem_->solution()) +
+                       norm<Scalar>(rows->values());
+  bool feasible = false;
+  if (this->result_.reason != Reason::Unbounded && lagrangian.residual() > 1e-3 * scale)
+    this->stopIfInfeasible(*rows, mostProbeSteps, feasible);
+}
+
+template<class Scalar, class MV, class OP>
+Teuchos::RCP<SolverManager<Scalar, MV, OP>> DualPenaltySolver<Scalar, MV, OP>::clone() const {
+  return Details::cloneOf(*this);
+}
+
+} // namespace Harmos::qp

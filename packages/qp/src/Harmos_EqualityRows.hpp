@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_PivotedCholesky.hpp"
+#include "Harmos_QpProblem.hpp"
+#include "Harmos_QpTypes.hpp"
+
+#include <Teuchos_RCP.hpp>
+
+#include <vector>
+
+namespace Harmos::qp {
+
+/// The equality rows as the solvers use them: C̄ = TC, c̄ = Tc with orthonormal rows, C̄C̄ᵀ = I.
+///
+/// Rows that are known to be orthonormal are taken as they are (T = I). Others are orthonormalised with the
+/// dense CCᵀ, found by a product with C and Cᵀ for each row: LLᵀ = CCᵀ by Cholesky with complete pivoting,
+/// which leaves dependent rows out, done twice so that C̄C̄ᵀ = I to rounding also for ill-conditioned rows
+/// (Giraud, Langou, Rozložník: the loss of orthogonality in the Gram-Schmidt orthogonalization process, 2005).
+/// Penalties and projectors then do not depend on how a user scales or repeats rows. Beyond `mostRows` rows it
+/// would cost too much; such rows are used as they stand (isOrthonormal() tells).
+///
+/// Residuals are reported in the user's rows: residualNorm() is ‖Cx − c‖.
+///
+/// Guarded by tests/unit/qp/test_equality_rows.cpp.
+template<class Scalar, class MV, class OP>
+class EqualityRows {
+ public:
+  /// @note Collective. The problem is to outlive this.
+  EqualityRows(const Problem<Scalar, MV, OP>& problem, int mostRows);
+
+  bool isPresent() const { return problem_.hasEqualities(); }
+  bool isOrthonormal() const { return orthonormal_; }
+  /// Whether A maps ker C̄ into itself as well as the range of C̄ᵀ.
+  bool isInvariant() const {
+    return problem_.equalityStructure() == EqualityStructure::OrthonormalInvariant;
+  }
+  /// ‖C̄‖², estimated if the rows are used as they stand.
+  double norm2() const { return norm2_; }
+
+  /// Whether Cx = c has a solution at all, bounds aside; false with the proof.
+  /// @param y receives the vector of the proof, in the range of C.
+  bool isConsistent(MV& y, Certificate& certificate) const;
+
+  /// w = C̄x. @note Collective.
+  void apply(const MV& x, MV& w) const;
+  /// x ← x + factor·C̄ᵀw.
+  void addTransposed(double factor, const MV& w, MV& x) const;
+  /// r = C̄x − c̄; keeps ‖Cx − c‖ for residualNorm(). @note Collective.
+  void residual(const MV& x, MV& r);
+  double residualNorm() const { return residualNorm_; }
+  const MV& values() const { return *values_; }
+
+  /// μ̄ with C̄ᵀμ̄ = Cᵀμ, and μ with Cᵀμ = C̄ᵀμ̄.
+  void toInternal(const MV& mu, MV& internal) const;
+  void toUser(const MV& internal, MV& mu) const;
+
+  Teuchos::RCP<MV> makeVector() const;
+
+  /// C̄M_FC̄ᵀ factored, M_F the mask of the free entries; needs orthonormal rows. @note Collective.
+  PivotedCholesky faceGram(const LocalActiveSet& active) const;
+
+ private:
+  std::vector<double> gramOf(const LocalActiveSet* active) const;
+  std::vector<double> orthonormalised(std::vector<double> scaled) const;
+  std::vector<double> transform(const std::vector<double>& r) const;
+  std::vector<double> transformTransposed(const std::vector<double>& w) const;
+
+  const Problem<Scalar, MV, OP>& problem_;
+  Teuchos::RCP<MV> values_, userRows_, image_;
+  // T = L₂⁻¹L₁⁻¹ diag(1/‖C_i‖) where rows were orthonormalised, of the pivot rows; zero elsewhere.
+  std::vector<PivotedCholesky> factors_;
+  std::vector<double> rowScale_; // 1/‖C_i‖
+  std::vector<double> gram_; // of the scaled rows, kept for the consistency check
+  bool orthonormal_ = false;
+  double norm2_ = 0.0;
+  double residualNorm_ = 0.0;
+};
+
+} // namespace Harmos::qp

@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_EqualityRows.hpp"
+#include "Harmos_NormEstimate_def.hpp"
+#include "Harmos_VectorOps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace Harmos::qp {
+
+template<class Scalar, class MV, class OP>
+EqualityRows<Scalar, MV, OP>::EqualityRows(const Problem<Scalar, MV, OP>& problem, int mostRows)
+    : problem_(problem) {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  if (!isPresent())
+    return;
+  userRows_ = MVT::Clone(*problem.equalityValues(), 1);
+  image_ = MVT::Clone(*problem.solution(), 1);
+  values_ = MVT::CloneCopy(*problem.equalityValues());
+  norm2_ = 1.0;
+  orthonormal_ = problem.equalityStructure() != EqualityStructure::General;
+  if (orthonormal_)
+    return;
+  const auto rows = static_cast<int>(MVT::GetGlobalLength(*values_));
+  if (rows > mostRows) {
+    const std::function<void(const MV&, MV&)> product = [&](const MV& x, MV& y) {
+      apply(x, *userRows_);
+      MVT::MvInit(y, 0.0);
+      addTransposed(1.0, *userRows_, y);
+    };
+    int products = 0;
+    const Teuchos::RCP<MV> start = MVT::Clone(*image_, 1);
+    BoundTraits<Scalar, MV>::setRandom(*start);
+    norm2_ = 1.05 * estimateNorm<Scalar, MV>(product, *start, 20, products);
+    return;
+  }
+  gram_ = gramOf(nullptr);
+  // Rows of norm 1, so that a short row is not taken for a dependent one.
+  const auto size = static_cast<std::size_t>(rows);
+  rowScale_.assign(size, 1.0);
+  for (std::size_t i = 0; i < size; ++i)
+    if (gram_[i * size + i] > 0.0)
+      rowScale_[i] = 1.0 / std::sqrt(gram_[i * size + i]);
+  for (std::size_t j = 0; j < size; ++j)
+    for (std::size_t i = 0; i < size; ++i)
+      gram_[j * size + i] *= rowScale_[i] * rowScale_[j];
+  // Its entries are exact to ε: distances between rows below √(100 ε) cannot be told from dependence.
+  factors_.emplace_back(gram_, rows, 1e2 * std::numeric_limits<double>::epsilon());
+  factors_.emplace_back(gramOf(nullptr), rows, 0.5);
+  orthonormal_ = true;
+  BoundTraits<Scalar, MV>::scatter(transform(BoundTraits<Scalar, MV>::gather(*problem.equalityValues())),
+                                   *values_);
+}
+
+// CCᵀ, or C̄M_FC̄ᵀ as far as T is there, a column a product.
+template<class Scalar, class MV, class OP>
+std::vector<double> EqualityRows<Scalar, MV, OP>::gramOf(const LocalActiveSet* active) const {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using BT = BoundTraits<Scalar, MV>;
+  const auto rows = static_cast<std::size_t>(MVT::GetGlobalLength(*values_));
+  std::vector<double> gram;
+  gram.reserve(rows * rows);
+  const Teuchos::RCP<MV> unit = makeVector(), column = makeVector(), image = MVT::Clone(*image_, 1);
+  std::vector<double> e(rows, 0.0);
+  for (std::size_t k = 0; k < rows; ++k) {
+    e[k] = 1.0;
+    BT::scatter(e, *unit);
+    e[k] = 0.0;
+    MVT::MvInit(*image, 0.0);
+    addTransposed(1.0, *unit, *image);
+    if (active != nullptr)
+      BT::maskActive(*image, *active);
+    apply(*image, *column);
+    const std::vector<double> entries = BT::gather(*column);
+    gram.insert(gram.end(), entries.begin(), entries.end());
+  }
+  return gram;
+}
+
+template<class Scalar, class MV, class OP>
+PivotedCholesky EqualityRows<Scalar, MV, OP>::faceGram(const LocalActiveSet& active) const {
+  const auto rows = static_cast<int>(Belos::MultiVecTraits<Scalar, MV>::GetGlobalLength(*values_));
+  // The rows are orthonormal before they are restricted: pivots are relative to 1.
+  return PivotedCholesky(gramOf(&active), rows, 1e2 * std::numeric_limits<double>::epsilon());
+}
+
+template<class Scalar, class MV, class OP>
+std::vector<double> EqualityRows<Scalar, MV, OP>::transform(const std::vector<double>& r) const {
+  std::vector<double> w = r;
+  for (std::size_t i = 0; i < w.size(); ++i)
+    w[i] *= rowScale_[i];
+  return orthonormalised(w);
+}
+
+template<class Scalar, class MV, class OP>
+std::vector<double> EqualityRows<Scalar, MV, OP>::orthonormalised(std::vector<double> w) const {
+  const std::size_t rows = w.size();
+  for (const PivotedCholesky& factor : factors_) {
+    w = factor.solveL(w);
+    w.resize(rows, 0.0);
+  }
+  return w;
+}
+
+template<class Scalar, class MV, class OP>
+std::vector<double> EqualityRows<Scalar, MV, OP>::transformTransposed(const std::vector<double>& w) const {
+  std::vector<double> r = w;
+  for (auto factor = factors_.rbegin(); factor != factors_.rend(); ++factor) {
+    r.resize(static_cast<std::size_t>(factor->rank()));
+    r = factor->solveLt(r);
+  }
+  for (std::size_t i = 0; i < r.size(); ++i)
+    r[i] *= rowScale_[i];
+  return r;
+}
+
+template<class Scalar, class MV, class OP>
+bool EqualityRows<Scalar, MV, OP>::isConsistent(MV& y, Certificate& certificate) const {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using BT = BoundTraits<Scalar, MV>;
+  if (factors_.empty())
+    return true;
+  // A dependent row is a combination of the pivot rows, C_i = Σ a_j C_j: with y = e_i − a, Cᵀy = 0 and
+  // yᵀ(Cx − c) = −yᵀc for every x. The worst such row, of rows scaled to norm 1, is the proof.
+  const std::vector<double> c = BT::gather(*problem_.equalityValues());
+  const std::size_t rows = c.size();
+  std::vector<double> worst;
+  double gap = 0.0;
+  const std::vector<int>& pivots = factors_.front().pivots();
+  for (auto k = static_cast<std::size_t>(factors_.front().rank()); k < rows; ++k) {
+    const auto i = static_cast<std::size_t>(pivots[k]);
+    const std::vector<double> column(gram_.begin() + static_cast<std::ptrdiff_t>(i * rows),
+                                     gram_.begin() + static_cast<std::ptrdiff_t>((i + 1) * rows));
+    std::vector<double> combination = transformTransposed(orthonormalised(column));
+    for (std::size_t j = 0; j < rows; ++j)
+      combination[j] *= -1.0;
+    combination[i] += rowScale_[i];
+    double sum = 0.0, absolute = 0.0;
+    for (std::size_t j = 0; j < rows; ++j) {
+      sum -= combination[j] * c[j];
+      absolute += std::abs(combination[j] * c[j]);
+    }
+    // Dependence itself is only known to √(100 ε).
+    if (std::abs(sum) > std::sqrt(1e2 * std::numeric_limits<double>::epsilon()) * absolute &&
+        std::abs(sum) > gap) {
+      gap = std::abs(sum);
+      worst = combination;
+      for (double& value : worst)
+        value = sum > 0.0 ? value : -value;
+    }
+  }
+  if (worst.empty())
+    return true;
+  BT::scatter(worst, y);
+  const double length = norm<Scalar>(y);
+  MVT::MvScale(y, 1.0 / length);
+  const Teuchos::RCP<MV> w = MVT::Clone(*image_, 1);
+  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), y, *w, Belos::TRANS);
+  certificate.gap = gap / length;
+  certificate.defect = norm<Scalar>(*w);
+  return false;
+}
+
+template<class Scalar, class MV, class OP>
+void EqualityRows<Scalar, MV, OP>::apply(const MV& x, MV& w) const {
+  using BT = BoundTraits<Scalar, MV>;
+  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), x, w);
+  if (!factors_.empty())
+    BT::scatter(transform(BT::gather(w)), w);
+}
+
+template<class Scalar, class MV, class OP>
+void EqualityRows<Scalar, MV, OP>::addTransposed(double factor, const MV& w, MV& x) const {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  if (factors_.empty()) {
+    Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), w, *image_, Belos::TRANS);
+  } else {
+    toUser(w, *userRows_);
+    Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), *userRows_, *image_, Belos::TRANS);
+  }
+  MVT::MvAddMv(1.0, x, factor, *image_, x);
+}
+
+template<class Scalar, class MV, class OP>
+void EqualityRows<Scalar, MV, OP>::residual(const MV& x, MV& r) {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using BT = BoundTraits<Scalar, MV>;
+  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), x, r);
+  MVT::MvAddMv(1.0, r, -1.0, *problem_.equalityValues(), r);
+  residualNorm_ = norm<Scalar>(r);
+  if (!factors_.empty())
+    BT::scatter(transform(BT::gather(r)), r);
+}
+
+template<class Scalar, class MV, class OP>
+void EqualityRows<Scalar, MV, OP>::toUser(const MV& internal, MV& mu) const {
+  using BT = BoundTraits<Scalar, MV>;
+  if (factors_.empty())
+    Belos::MultiVecTraits<Scalar, MV>::Assign(internal, mu);
+  else
+    BT::scatter(transformTransposed(BT::gather(internal)), mu);
+}
+
+template<class Scalar, class MV, class OP>
+void EqualityRows<Scalar, MV, OP>::toInternal(const MV& mu, MV& internal) const {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  if (factors_.empty()) {
+    MVT::Assign(mu, internal);
+    return;
+  }
+  // C̄C̄ᵀ = I: μ̄ = C̄Cᵀμ.
+  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), mu, *image_, Belos::TRANS);
+  apply(*image_, internal);
+}
+
+template<class Scalar, class MV, class OP>
+Teuchos::RCP<MV> EqualityRows<Scalar, MV, OP>::makeVector() const {
+  return Belos::MultiVecTraits<Scalar, MV>::Clone(*problem_.equalityValues(), 1);
+}
+
+} // namespace Harmos::qp

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Explanations.hpp"
+
+#include "Harmos_Log.hpp"
+
+namespace Harmos::qp::Explanations {
+
+std::string converged() {
+  return "the convergence test passed";
+}
+
+std::string breakdown() {
+  return "a number is not finite or the Hessian has a negative curvature: is the operator symmetric positive "
+         "semidefinite, and are its data finite?";
+}
+
+std::string limit(const std::string& limit) {
+  return "the limit of " + limit +
+         " was reached; raise it, loosen the tolerance, or look at the history for a residual that no longer "
+         "falls (a badly conditioned Hessian, or constraints that cannot be met together: in the dual problem "
+         "of contact, a body that is pulled away from all that could hold it)";
+}
+
+std::string stagnation(double projectedGradient, double attainable) {
+  return "the projected gradient, " + scientific(projectedGradient) + ", is at the level of rounding errors, " +
+         scientific(attainable) +
+         ", and cannot be reduced to the tolerance asked for; loosen the tolerance";
+}
+
+std::string stoppedByTest(Reason reason) {
+  return "a status test stopped the solver: " + toString(reason);
+}
+
+std::string infeasible(const Certificate& certificate) {
+  if (certificate.entry >= 0)
+    return "no x meets the bounds: the lower bound of entry " + std::to_string(certificate.entry) +
+           " lies above the upper one by " + scientific(certificate.gap);
+  return "no x meets the bounds and the equalities: a combination y of the equality rows, with norm 1, has "
+         "yᵀ(Cx − c) >= " +
+         scientific(certificate.gap) + " within the bounds" +
+         (certificate.defect > 0.0 ? " (for all x with a norm up to " +
+                                         scientific(certificate.gap / certificate.defect) + ")"
+                                   : std::string()) +
+         "; see SolverManager::certificate() (in the dual problem of contact: a body is pulled away from all "
+         "that could hold it)";
+}
+
+std::string unbounded(const Certificate& certificate) {
+  return "the cost falls without end along a feasible direction d, with norm 1: bᵀd = " +
+         scientific(certificate.gap) + ", and curvature and equality rows vanish along it to " +
+         scientific(certificate.defect) +
+         "; see SolverManager::certificate() (in the dual problem of contact: constraints or gaps that "
+         "contradict each other)";
+}
+
+} // namespace Harmos::qp::Explanations

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_QpTypes.hpp"
+
+#include <string>
+
+namespace Harmos::qp::Explanations {
+
+/// The sentences of Result::explanation: what happened, the likely causes, and what helps.
+std::string converged();
+std::string breakdown();
+/// @param limit "500 inner iterations", "3 s", ...
+std::string limit(const std::string& limit);
+/// @param attainable the level of rounding errors that the projected gradient has reached.
+std::string stagnation(double projectedGradient, double attainable);
+/// Of a test of the caller's.
+std::string stoppedByTest(Reason reason);
+std::string infeasible(const Certificate& certificate);
+std::string unbounded(const Certificate& certificate);
+
+} // namespace Harmos::qp::Explanations

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_QpProblem.hpp"
+#include "Harmos_QpTypes.hpp"
+
+#include <BelosOperatorTraits.hpp>
+
+#include <functional>
+
+namespace Harmos::qp {
+
+/// z = (M⁻¹φ)_F for whatever form of preconditioner a problem has; counts what it does.
+///
+/// Exact: made for the face by the problem's FacePreconditioner, again when the face has changed.
+/// Approximate: the problem's one operator for all entries, restricted to the free ones.
+template<class Scalar, class MV, class OP>
+class InFacePreconditioner {
+ public:
+  InFacePreconditioner(const Problem<Scalar, MV, OP>& problem, Counters& counters)
+      : problem_(problem), counters_(counters) {}
+
+  bool isPresent() const { return problem_.hasPreconditioner(); }
+
+  /// To be called when the face has changed.
+  void invalidate() { forFace_ = Teuchos::null; }
+
+  /// @param phi zero on active entries, and so is the result. @note Collective.
+  void apply(const MV& phi, const LocalActiveSet& active, MV& z) {
+    using MVT = Belos::MultiVecTraits<Scalar, MV>;
+    ++counters_.preconditionerApplications;
+    if (problem_.facePreconditioner().is_null()) {
+      Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.preconditioner(), phi, z);
+    } else {
+      if (forFace_.is_null()) {
+        if (mask_.is_null())
+          mask_ = MVT::Clone(phi, 1);
+        // Without bounds there is no active set, and all entries are free.
+        MVT::MvInit(*mask_, 1.0);
+        BoundTraits<Scalar, MV>::maskActive(*mask_, active);
+        forFace_ = problem_.facePreconditioner()->build(*mask_);
+        ++counters_.preconditionerSetups;
+      }
+      Belos::OperatorTraits<Scalar, MV, OP>::Apply(*forFace_, phi, z);
+    }
+    BoundTraits<Scalar, MV>::maskActive(z, active);
+  }
+
+ private:
+  const Problem<Scalar, MV, OP>& problem_;
+  Counters& counters_;
+  Teuchos::RCP<const OP> forFace_;
+  Teuchos::RCP<MV> mask_;
+};
+
+} // namespace Harmos::qp

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_MprgpSolver_def.hpp"
+#include "Harmos_PdasSolver.hpp"
+#include "Harmos_ProjectedCg_def.hpp"
+#include "Harmos_SmalbeSolver_def.hpp"
+
+#include <cmath>
+#include <set>
+#include <utility>
+
+namespace Harmos::qp {
+
+template<class Scalar, class MV, class OP>
+ParameterSpec PdasSolver<Scalar, MV, OP>::methodSpec() {
+  ParameterSpec spec("PDAS", "Primal-dual active sets.");
+  spec.real("Inner reduction", 0.1, Range::strictlyWithin(0.0, 1.0),
+            "Reduction of the residual on a face after which the active set is looked at again, until it "
+            "settles.");
+  spec.integer("Maximum active sets", 200, 1, 1000000,
+               "Active sets tried before a globally convergent method takes over.");
+  return spec;
+}
+
+template<class Scalar, class MV, class OP>
+const ParameterSpec& PdasSolver<Scalar, MV, OP>::spec() {
+  static const ParameterSpec result = [] {
+    ParameterSpec spec("PDAS", "The primal-dual active set solver.");
+    SolverManager<Scalar, MV, OP>::addCommonParameters(spec);
+    spec.list(methodSpec());
+    spec.list(SmalbeSolver<Scalar, MV, OP>::methodSpec());
+    spec.list(MprgpOptions::parameterSpec());
+    return spec;
+  }();
+  return result;
+}
+
+template<class Scalar, class MV, class OP>
+void PdasSolver<Scalar, MV, OP>::fallBack(const std::string& why) {
+  ++this->result_.counters.safeguards;
+  const auto list = Teuchos::parameterList();
+  for (const char* name : {"Maximum Iterations", "Orthonormalised Rows", "Output Frequency"})
+    list->set(name, this->parameters_->template get<int>(name));
+  list->sublist("MPRGP") = this->parameters_->sublist("MPRGP");
+  Teuchos::RCP<SolverManager<Scalar, MV, OP>> solver;
+  if (this->problem_->hasEqualities()) {
+    solver = Teuchos::rcp(new SmalbeSolver<Scalar, MV, OP>);
+    list->sublist("SMALBE") = this->parameters_->sublist("SMALBE");
+  } else {
+    solver = Teuchos::rcp(new MprgpSolver<Scalar, MV, OP>);
+  }
+  this->log_.detail("PDAS: " + why + "; " + solver->name() + " takes over");
+  solver->setParameters(list);
+  this->delegate(*solver);
+}
+
+template<class Scalar, class MV, class OP>
+void PdasSolver<Scalar, MV, OP>::doSolve() {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using BT = BoundTraits<Scalar, MV>;
+  using Cg = ProjectedCg<Scalar, MV, OP>;
+  const Problem<Scalar, MV, OP>& problem = *this->problem_;
+  if (!problem.hasBounds())
+    throw InputError("PDAS is for problems with bounds, but this one has none; use PCPG");
+  const Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = this->makeRows();
+  if (rows.is_null())
+    return;
+  if (rows->isPresent() && !rows->isOrthonormal())
+    throw InputError("PDAS needs equality rows with CCᵀ = I; there are more than \"Orthonormalised Rows\" "
+                     "allows to make so. Use SMALBE, or raise that parameter");
+  const Teuchos::ParameterList& list = this->parameters_->sublist("PDAS");
+  const double innerReduction = list.get<double>("Inner reduction");
+  const int mostSets = list.get<int>("Maximum active sets");
+  const MV* lower = problem.lowerBound().get();
+  const MV* upper = problem.upperBound().get();
+  MV& x = *problem.solution();
+  Counters& counters = this->result_.counters;
+  const Teuchos::RCP<MV> y = MVT::Clone(x, 1), residual = rows->isPresent() ? rows->makeVector() : Teuchos::null;
+  long long active = 0;
+
+  const auto evaluate = [&](double gradientNorm, int inner) {
+    IterationState<MV> state;
+    state.x = &x;
+    state.projectedGradient = gradientNorm;
+    if (rows->isPresent()) {
+      rows->residual(x, *residual);
+      state.equalityResidual = rows->residualNorm();
+    }
+    state.decrease = std::numeric_limits<double>::quiet_NaN();
+    state.outer = counters.activeSetUpdates + 1;
+    state.inner = inner;
+    state.counters = &counters;
+    return state;
+  };
+  const auto storeMultiplier = [&](const Cg& cg) {
+    if (!rows->isPresent())
+      return;
+    const Teuchos::RCP<MV> mu = rows->makeVector();
+    cg.multiplier(*mu);
+    rows->toUser(*mu, *problem.multiplier());
+  };
+
+  // The first active set: entries at a bound that the gradient pushes against it.
+  BT::project(x, lower, upper);
+  LocalActiveSet set;
+  {
+    if (norm<Scalar>(x) > 0.0) {
+      ++counters.hessianApplications;
+      Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem.hessian(), x, *y);
+      MVT::MvAddMv(1.0, *y, -1.0, *problem.rhs(), *y);
+    } else {
+      MVT::MvAddMv(-1.0, *problem.rhs(), 0.0, *problem.rhs(), *y);
+    }
+    if (rows->isPresent()) {
+      const Teuchos::RCP<MV> mu = rows->makeVector();
+      rows->toInternal(*problem.multiplier(), *mu);
+      rows->addTransposed(1.0, *mu, *y);
+    }
+    set.clear();
+    BT::split(x, *y, lower, upper, 1.0, nullptr, set);
+    active = BT::updateActiveSet(x, *y, lower, upper, 0.0, 0.0, set).active;
+  }
+
+  Cg cg(problem, *rows, counters);
+  std::set<std::pair<double, double>> seen;
+  IterationState<MV> state = evaluate(std::numeric_limits<double>::infinity(), 0);
+  bool settled = false, newFace = true;
+  // Inexact solves may come back to a set on their way; exact ones that do so go round in circles.
+  constexpr int mostRepeats = 3;
+  int repeats = 0;
+  while (true) {
+    if (newFace) {
+      if (!cg.start(set))
+        return fallBack("the equalities cannot be met on a face");
+      ++counters.faces;
+      state = evaluate(cg.residualNorm(), state.inner);
+      this->record(state, state.inner == 0 ? StepKind::Start : StepKind::ActiveSet, 0.0, 0.0, active);
+    }
+    counters.outerIterations = counters.activeSetUpdates + 1;
+    const double target = settled ? 0.0 : innerReduction * cg.residualNorm();
+    std::optional<Reason> reason;
+    while (true) {
+      if (!std::isfinite(cg.residualNorm()))
+        return this->stop(Reason::Breakdown, Explanations::breakdown(), state);
+      reason = this->judge(state);
+      if (reason || cg.residualNorm() <= std::max(target, cg.attainable()))
+        break;
+      const typename Cg::Outcome outcome = cg.step();
+      if (outcome == Cg::Outcome::Flat)
+        return fallBack("the Hessian is singular on a face");
+      if (outcome == Cg::Outcome::Breakdown)
+        return this->stop(Reason::Breakdown, Explanations::breakdown(), state);
+      state = evaluate(cg.residualNorm(), state.inner + 1);
+      this->record(state, StepKind::Projected, 0.0, 0.0, active);
+    }
+    if (reason && *reason != Reason::Converged) {
+      BT::project(x, lower, upper);
+      storeMultiplier(cg);
+      return this->stopFor(*reason, state);
+    }
+
+    cg.lagrangianGradient(*y);
+    const double epsilon = std::numeric_limits<double>::epsilon();
+    const double curvature = cg.curvatureBound();
+    const ActiveSetChange change = BT::updateActiveSet(x, *y, lower, upper, 10.0 * epsilon * norm<Scalar>(x),
+                                                       10.0 * cg.attainable(), set);
+    active = change.active;
+    // ‖g^P‖ at the projection of x is at most ‖w‖ + ‖multipliers of the wrong sign‖ + ‖A‖‖x − Π(x)‖.
+    const double expected =
+        cg.residualNorm() + std::sqrt(change.wrongSign2) + curvature * std::sqrt(change.violation2);
+    const bool exhausted = cg.residualNorm() <= cg.attainable();
+    if (this->judge(evaluate(expected, state.inner)) == Reason::Converged ||
+        (change.changed == 0 && exhausted)) {
+      // What is believed is the gradient at the feasible point itself.
+      const bool moved = change.violation2 > 0.0;
+      BT::project(x, lower, upper);
+      if (moved || cg.staleness() > 0) {
+        ++counters.confirmations;
+        ++counters.hessianApplications;
+        Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem.hessian(), x, *y);
+        MVT::MvAddMv(1.0, *y, -1.0, *problem.rhs(), *y);
+        if (rows->isPresent()) {
+          const Teuchos::RCP<MV> mu = rows->makeVector();
+          cg.multiplier(*mu);
+          rows->addTransposed(1.0, *mu, *y);
+        }
+      }
+      state = evaluate(BT::projectedGradientNorm(x, *y, lower, upper), state.inner);
+      storeMultiplier(cg);
+      if (this->judge(state) == Reason::Converged)
+        return this->stopFor(Reason::Converged, state);
+      if (change.changed == 0 && exhausted)
+        return this->stop(Reason::Stagnation,
+                          Explanations::stagnation(state.projectedGradient, cg.attainable()), state);
+    }
+    settled = change.changed == 0;
+    newFace = !settled;
+    if (settled)
+      continue;
+    ++counters.activeSetUpdates;
+    if (counters.activeSetUpdates >= mostSets) {
+      BT::project(x, lower, upper);
+      storeMultiplier(cg);
+      return fallBack("the limit of " + std::to_string(mostSets) + " active sets was reached");
+    }
+    if (!seen.insert({change.signature[0], change.signature[1]}).second && ++repeats > mostRepeats) {
+      BT::project(x, lower, upper);
+      storeMultiplier(cg);
+      return fallBack("an active set came back");
+    }
+  }
+}
+
+template<class Scalar, class MV, class OP>
+Teuchos::RCP<SolverManager<Scalar, MV, OP>> PdasSolver<Scalar, MV, OP>::clone() const {
+  return Details::cloneOf(*this);
+}
+
+} // namespace Harmos::qp

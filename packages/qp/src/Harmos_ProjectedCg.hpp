@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_EqualityRows.hpp"
+#include "Harmos_InFacePreconditioner.hpp"
+
+#include <Teuchos_RCP.hpp>
+
+namespace Harmos::qp {
+
+/// Preconditioned conjugate gradients for min ½xᵀAx − bᵀx on { x : C̄x = c̄, x_i = bound_i for active i }, a
+/// step at a time. What PCPG (no active entries) and PDAS have in common.
+///
+/// Works with w = P_F(Ax − b), P_F = I − C_Fᵀ(C_FC_Fᵀ)⁻C_F the projector onto ker C_F, C_F = C̄ with the
+/// columns of active entries set to zero; C_FC_Fᵀ = I without active entries, else it is dense and factored
+/// for each face. The gradient is carried along projected: the part that is projected away stays large while
+/// the rest vanishes, and would spoil it by cancellation. What is removed adds up to −μ̄.
+///
+/// Cost of a step: one product with A, one or (preconditioned) two projections, one with the preconditioner.
+/// Guarded by tests/unit/qp/test_solvers.cpp.
+template<class Scalar, class MV, class OP>
+class ProjectedCg {
+ public:
+  enum class Outcome { Step, Flat, Breakdown };
+
+  /// All to outlive this.
+  ProjectedCg(const Problem<Scalar, MV, OP>& problem, EqualityRows<Scalar, MV, OP>& rows, Counters& counters);
+
+  /// Moves the problem's solution onto the face and the equalities, and begins there; a product with A.
+  /// @param active empty for none. @return false if the equalities cannot be met on the face.
+  bool start(const LocalActiveSet& active);
+
+  /// Begins again where it is, with gradients computed anew.
+  void restart();
+
+  Outcome step();
+
+  /// ‖w‖.
+  double residualNorm() const;
+  /// Level of its rounding errors.
+  double attainable() const;
+  int staleness() const { return staleness_; }
+  /// The largest curvature pᵀAp/pᵀp met so far: a lower bound of ‖A‖.
+  double curvatureBound() const { return curvatureBound_; }
+
+  /// Ax − b + C̄ᵀμ̄: w at free entries, the multipliers of the bounds at active ones. @note Needs a face.
+  void lagrangianGradient(MV& y) const;
+  /// μ̄.
+  void multiplier(MV& mu) const;
+  /// After Outcome::Flat: A vanishes along p, and the cost falls along −p.
+  const MV& direction() const { return *p_; }
+  const MV& image() const { return *image_; }
+
+ private:
+  void project(MV& w, MV* removed);
+  void makeDirection(bool conjugate);
+
+  const Problem<Scalar, MV, OP>& problem_;
+  EqualityRows<Scalar, MV, OP>& rows_;
+  Counters& counters_;
+  InFacePreconditioner<Scalar, MV, OP> preconditioner_;
+  LocalActiveSet active_;
+  bool hasFace_ = false;
+  PivotedCholesky faceGram_;
+  Teuchos::RCP<MV> w_, z_, p_, image_, gradient_, rowWork_, removed_, unused_;
+  double residual2_ = 0.0;
+  double directionDotImage_ = 0.0;
+  double curvatureBound_ = 0.0;
+  int staleness_ = 0;
+};
+
+} // namespace Harmos::qp

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_EqualityRows_def.hpp"
+#include "Harmos_ProjectedCg.hpp"
+#include "Harmos_VectorOps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace Harmos::qp {
+
+template<class Scalar, class MV, class OP>
+ProjectedCg<Scalar, MV, OP>::ProjectedCg(const Problem<Scalar, MV, OP>& problem,
+                                         EqualityRows<Scalar, MV, OP>& rows, Counters& counters)
+    : problem_(problem),
+      rows_(rows),
+      counters_(counters),
+      preconditioner_(problem, counters),
+      curvatureBound_(problem.hessianNorm()) {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  for (Teuchos::RCP<MV>* vector : {&w_, &p_, &image_})
+    *vector = MVT::Clone(*problem.solution(), 1);
+  z_ = preconditioner_.isPresent() ? MVT::Clone(*w_, 1) : w_;
+  if (rows_.isPresent()) {
+    rowWork_ = rows_.makeVector();
+    removed_ = rows_.makeVector();
+    unused_ = rows_.makeVector();
+  }
+}
+
+// w ← P_F w; what C̄ᵀ took away is added to `removed`.
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::project(MV& w, MV* removed) {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using BT = BoundTraits<Scalar, MV>;
+  if (!rows_.isPresent())
+    return;
+  rows_.apply(w, *rowWork_);
+  if (hasFace_)
+    BT::scatter(faceGram_.solve(BT::gather(*rowWork_)), *rowWork_);
+  rows_.addTransposed(-1.0, *rowWork_, w);
+  if (hasFace_)
+    BT::maskActive(w, active_);
+  if (removed != nullptr)
+    MVT::MvAddMv(1.0, *removed, 1.0, *rowWork_, *removed);
+}
+
+template<class Scalar, class MV, class OP>
+bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active) {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using BT = BoundTraits<Scalar, MV>;
+  MV& x = *problem_.solution();
+  active_ = active;
+  hasFace_ = problem_.hasBounds();
+  preconditioner_.invalidate();
+  if (hasFace_) {
+    if (gradient_.is_null())
+      gradient_ = MVT::Clone(x, 1);
+    BT::moveToBounds(x, problem_.lowerBound().get(), problem_.upperBound().get(), active_);
+  }
+  if (rows_.isPresent()) {
+    if (hasFace_)
+      faceGram_ = rows_.faceGram(active_);
+    // x_F ← x_F − C_Fᵀ(C_FC_Fᵀ)⁻(C̄x − c̄), a second time for what rounding left.
+    const Teuchos::RCP<MV> correction = MVT::Clone(x, 1);
+    for (int pass = 0; pass < 2; ++pass) {
+      rows_.residual(x, *unused_);
+      if (hasFace_)
+        BT::scatter(faceGram_.solve(BT::gather(*unused_)), *unused_);
+      MVT::MvInit(*correction, 0.0);
+      rows_.addTransposed(-1.0, *unused_, *correction);
+      if (hasFace_)
+        BT::maskActive(*correction, active_);
+      MVT::MvAddMv(1.0, x, 1.0, *correction, x);
+    }
+    rows_.residual(x, *unused_);
+    // A face that misses the equalities does so by more than rounding errors.
+    const double scale = norm<Scalar>(x) + norm<Scalar>(rows_.values());
+    if (norm<Scalar>(*unused_) > std::sqrt(std::numeric_limits<double>::epsilon()) * scale)
+      return false;
+  }
+  restart();
+  return true;
+}
+
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::restart() {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  const MV& x = *problem_.solution();
+  if (norm<Scalar>(x) > 0.0) {
+    ++counters_.hessianApplications;
+    Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), x, *w_);
+    MVT::MvAddMv(1.0, *w_, -1.0, *problem_.rhs(), *w_);
+  } else {
+    MVT::MvAddMv(-1.0, *problem_.rhs(), 0.0, *problem_.rhs(), *w_);
+  }
+  if (hasFace_) {
+    MVT::Assign(*w_, *gradient_);
+    BoundTraits<Scalar, MV>::maskActive(*w_, active_);
+  }
+  if (rows_.isPresent())
+    MVT::MvInit(*removed_, 0.0);
+  project(*w_, removed_.get());
+  project(*w_, removed_.get()); // the first projection left rounding errors of the size of what it removed
+  residual2_ = dot<Scalar>(*w_, *w_);
+  staleness_ = 0;
+  makeDirection(false);
+}
+
+// p ← z, or z made conjugate to the last p, with z = P_F M⁻¹ w.
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::makeDirection(bool conjugate) {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  if (preconditioner_.isPresent()) {
+    preconditioner_.apply(*w_, active_, *z_);
+    project(*z_, nullptr);
+  }
+  if (!conjugate) {
+    MVT::Assign(*z_, *p_);
+    return;
+  }
+  // Exactly conjugate also to a preconditioner that is not quite symmetric.
+  const double beta = dot<Scalar>(*z_, *image_) / directionDotImage_;
+  MVT::MvAddMv(1.0, *z_, -beta, *p_, *p_);
+}
+
+template<class Scalar, class MV, class OP>
+typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step() {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  ++counters_.hessianApplications;
+  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), *p_, *image_);
+  const CurvatureSums sums = BoundTraits<Scalar, MV>::curvature(*w_, *p_, *image_, active_);
+  const double curvature = sums.directionDotImage / sums.directionNorm2;
+  if (!std::isfinite(curvature) || !std::isfinite(sums.gradientDotDirection))
+    return Outcome::Breakdown;
+  curvatureBound_ = std::max(curvatureBound_, curvature);
+  if (curvature < -100.0 * epsilon * curvatureBound_)
+    return Outcome::Breakdown;
+  if (curvature <= 100.0 * epsilon * curvatureBound_)
+    return Outcome::Flat;
+  directionDotImage_ = sums.directionDotImage;
+  const double length = sums.gradientDotDirection / directionDotImage_;
+  MVT::MvAddMv(1.0, *problem_.solution(), -length, *p_, *problem_.solution());
+  if (hasFace_) {
+    MVT::MvAddMv(1.0, *gradient_, -length, *image_, *gradient_);
+    BoundTraits<Scalar, MV>::maskActive(*image_, active_);
+  }
+  MVT::MvAddMv(1.0, *w_, -length, *image_, *w_);
+  project(*w_, removed_.get());
+  residual2_ = dot<Scalar>(*w_, *w_);
+  ++counters_.cgSteps;
+  ++staleness_;
+  makeDirection(true);
+  return Outcome::Step;
+}
+
+template<class Scalar, class MV, class OP>
+double ProjectedCg<Scalar, MV, OP>::residualNorm() const {
+  return std::sqrt(residual2_);
+}
+
+template<class Scalar, class MV, class OP>
+double ProjectedCg<Scalar, MV, OP>::attainable() const {
+  return std::numeric_limits<double>::epsilon() *
+         (curvatureBound_ * norm<Scalar>(*problem_.solution()) + norm<Scalar>(*problem_.rhs()));
+}
+
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::lagrangianGradient(MV& y) const {
+  Belos::MultiVecTraits<Scalar, MV>::Assign(*gradient_, y);
+  if (rows_.isPresent())
+    rows_.addTransposed(-1.0, *removed_, y);
+}
+
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::multiplier(MV& mu) const {
+  Belos::MultiVecTraits<Scalar, MV>::MvAddMv(-1.0, *removed_, 0.0, *removed_, mu);
+}
+
+} // namespace Harmos::qp

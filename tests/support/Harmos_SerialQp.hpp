@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+/// A serial vector and operator for the QP layer, as plain as can be: each function of BoundTraits is written
+/// from its definition, in passes of its own. Whole runs with it are the reference for the fused Tpetra
+/// kernels, and the proof that the layer works on types it has never heard of.
+
+#include "Harmos_BoundTraits.hpp"
+#include "Harmos_TestModel.hpp"
+
+#include <BelosMultiVecTraits.hpp>
+#include <BelosOperatorTraits.hpp>
+#include <Teuchos_SerialDenseMatrix.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <stdexcept>
+#include <vector>
+
+namespace Harmos {
+
+struct SerialVector {
+  std::vector<std::vector<double>> columns;
+  SerialVector(std::size_t length, int count)
+      : columns(static_cast<std::size_t>(count), std::vector<double>(length, 0.0)) {}
+  explicit SerialVector(const std::vector<double>& values) : columns{values} {}
+  std::vector<double>& operator()() { return columns.front(); }
+  const std::vector<double>& operator()() const { return columns.front(); }
+};
+
+struct SerialOperator {
+  Dense matrix;
+};
+
+} // namespace Harmos
+
+namespace Belos {
+
+template<>
+class MultiVecTraits<double, Harmos::SerialVector> {
+  using MV = Harmos::SerialVector;
+  using Matrix = Teuchos::SerialDenseMatrix<int, double>;
+
+ public:
+  static Teuchos::RCP<MV> Clone(const MV& v, int n) {
+    return Teuchos::rcp(new MV(v.columns.front().size(), n));
+  }
+  static Teuchos::RCP<MV> CloneCopy(const MV& v) { return Teuchos::rcp(new MV(v)); }
+  static std::ptrdiff_t GetGlobalLength(const MV& v) {
+    return static_cast<std::ptrdiff_t>(v.columns.front().size());
+  }
+  static int GetNumberVecs(const MV& v) { return static_cast<int>(v.columns.size()); }
+  static void MvAddMv(double a, const MV& x, double b, const MV& y, MV& z) {
+    for (std::size_t c = 0; c < z.columns.size(); ++c)
+      for (std::size_t i = 0; i < z.columns[c].size(); ++i)
+        z.columns[c][i] =
+            (a == 0.0 ? 0.0 : a * x.columns[c][i]) + (b == 0.0 ? 0.0 : b * y.columns[c][i]);
+  }
+  static void MvTimesMatAddMv(double a, const MV& x, const Matrix& m, double b, MV& y) {
+    for (int c = 0; c < m.numCols(); ++c)
+      for (std::size_t i = 0; i < y.columns.front().size(); ++i) {
+        double sum = b == 0.0 ? 0.0 : b * y.columns[static_cast<std::size_t>(c)][i];
+        for (int k = 0; k < m.numRows(); ++k)
+          sum += a * x.columns[static_cast<std::size_t>(k)][i] * m(k, c);
+        y.columns[static_cast<std::size_t>(c)][i] = sum;
+      }
+  }
+  static void MvTransMv(double a, const MV& x, const MV& y, Matrix& m) {
+    for (int i = 0; i < m.numRows(); ++i)
+      for (int j = 0; j < m.numCols(); ++j) {
+        m(i, j) = 0.0;
+        for (std::size_t k = 0; k < x.columns.front().size(); ++k)
+          m(i, j) += a * x.columns[static_cast<std::size_t>(i)][k] * y.columns[static_cast<std::size_t>(j)][k];
+      }
+  }
+  static void MvScale(MV& v, double a) {
+    for (auto& column : v.columns)
+      for (double& value : column)
+        value *= a;
+  }
+  static void MvDot(const MV& x, const MV& y, std::vector<double>& dots) {
+    for (std::size_t c = 0; c < x.columns.size(); ++c) {
+      dots[c] = 0.0;
+      for (std::size_t i = 0; i < x.columns[c].size(); ++i)
+        dots[c] += x.columns[c][i] * y.columns[c][i];
+    }
+  }
+  static void MvNorm(const MV& v, std::vector<double>& norms, NormType = TwoNorm) {
+    MvDot(v, v, norms);
+    for (std::size_t c = 0; c < v.columns.size(); ++c)
+      norms[c] = std::sqrt(norms[c]);
+  }
+  static void Assign(const MV& from, MV& to) { to.columns = from.columns; }
+  static void MvInit(MV& v, double a = 0.0) {
+    for (auto& column : v.columns)
+      std::fill(column.begin(), column.end(), a);
+  }
+};
+
+template<>
+class OperatorTraits<double, Harmos::SerialVector, Harmos::SerialOperator> {
+ public:
+  static void Apply(const Harmos::SerialOperator& op, const Harmos::SerialVector& x, Harmos::SerialVector& y,
+                    ETrans mode = NOTRANS) {
+    const Harmos::Dense& m = op.matrix;
+    std::vector<double> result(static_cast<std::size_t>(mode == NOTRANS ? m.rows : m.columns), 0.0);
+    for (int i = 0; i < m.rows; ++i)
+      for (int j = 0; j < m.columns; ++j) {
+        const auto from = static_cast<std::size_t>(mode == NOTRANS ? j : i);
+        const auto to = static_cast<std::size_t>(mode == NOTRANS ? i : j);
+        result[to] += m(i, j) * x()[from];
+      }
+    y() = result;
+  }
+  static bool HasApplyTranspose(const Harmos::SerialOperator&) { return true; }
+};
+
+} // namespace Belos
+
+namespace Harmos::qp {
+
+template<>
+struct BoundTraits<double, SerialVector> {
+  using V = SerialVector;
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+
+  static double lowerOf(const V* lower, std::size_t i) { return lower == nullptr ? -infinity : (*lower)()[i]; }
+  static double upperOf(const V* upper, std::size_t i) { return upper == nullptr ? infinity : (*upper)()[i]; }
+  static bool isActive(const V& x, std::size_t i, const V* lower, const V* upper) {
+    return x()[i] <= lowerOf(lower, i) || x()[i] >= upperOf(upper, i);
+  }
+  static double phi(const V& x, const V& g, std::size_t i, const V* lower, const V* upper) {
+    return isActive(x, i, lower, upper) ? 0.0 : g()[i];
+  }
+  static double beta(const V& x, const V& g, std::size_t i, const V* lower, const V* upper) {
+    if (lowerOf(lower, i) == upperOf(upper, i) || !isActive(x, i, lower, upper))
+      return 0.0;
+    return x()[i] <= lowerOf(lower, i) ? std::min(g()[i], 0.0) : std::max(g()[i], 0.0);
+  }
+  static double longestStep(const V& x, const V& p, const V* lower, const V* upper) {
+    double step = infinity;
+    for (std::size_t i = 0; i < x().size(); ++i) {
+      if (p()[i] > 0.0)
+        step = std::min(step, (x()[i] - lowerOf(lower, i)) / p()[i]);
+      if (p()[i] < 0.0)
+        step = std::min(step, (x()[i] - upperOf(upper, i)) / p()[i]);
+    }
+    return step;
+  }
+
+  static SplitSums split(const V& x, const V& g, const V* lower, const V* upper, double stepLength,
+                         V* direction, LocalActiveSet& active) {
+    SplitSums sums;
+    const bool fresh = active.size() != x().size();
+    active.resize(x().size(), 0);
+    for (std::size_t i = 0; i < x().size(); ++i) {
+      const double f = phi(x, g, i, lower, upper), b = beta(x, g, i, lower, upper);
+      sums.freeNorm2 += f * f;
+      sums.choppedNorm2 += b * b;
+      if (f > 0.0)
+        sums.reducedNorm2 += std::min((x()[i] - lowerOf(lower, i)) / stepLength, f) * f;
+      if (f < 0.0)
+        sums.reducedNorm2 += std::max((x()[i] - upperOf(upper, i)) / stepLength, f) * f;
+      const signed char state = !isActive(x, i, lower, upper) ? 0 : x()[i] <= lowerOf(lower, i) ? -1 : 1;
+      sums.active += state != 0;
+      sums.changed += fresh || state != active[i];
+      active[i] = state;
+      if (direction != nullptr)
+        (*direction)()[i] = f;
+    }
+    if (direction != nullptr)
+      sums.longestStep = longestStep(x, *direction, lower, upper);
+    return sums;
+  }
+  static CurvatureSums curvature(const V& g, const V& p, const V& image, const LocalActiveSet& active) {
+    CurvatureSums sums;
+    for (std::size_t i = 0; i < g().size(); ++i) {
+      sums.gradientDotDirection += g()[i] * p()[i];
+      sums.directionDotImage += p()[i] * image()[i];
+      sums.directionNorm2 += p()[i] * p()[i];
+      if (active.empty() || active[i] == 0) {
+        sums.freeDotImage += g()[i] * image()[i];
+        sums.freeImageNorm2 += image()[i] * image()[i];
+      }
+    }
+    return sums;
+  }
+  static SplitSums advance(V& x, V& g, const V& p, const V& image, double step, double factor, bool toBoundary,
+                           const V* lower, const V* upper, double stepLength, V& next,
+                           LocalActiveSet& active) {
+    const V direction = p;
+    for (std::size_t i = 0; i < x().size(); ++i) {
+      V one(std::vector<double>{x()[i]}), along(std::vector<double>{direction()[i]});
+      const V l(std::vector<double>{lowerOf(lower, i)}), u(std::vector<double>{upperOf(upper, i)});
+      const bool meets = direction()[i] != 0.0 && longestStep(one, along, &l, &u) <= step;
+      x()[i] -= step * direction()[i];
+      if (toBoundary && meets)
+        x()[i] = direction()[i] > 0.0 ? l()[0] : u()[0];
+      g()[i] -= step * image()[i];
+    }
+    project(x, lower, upper);
+    SplitSums sums = split(x, g, lower, upper, stepLength, &next, active);
+    for (std::size_t i = 0; i < x().size(); ++i)
+      if (active[i] == 0)
+        next()[i] -= factor * direction()[i];
+    sums.longestStep = longestStep(x, next, lower, upper);
+    return sums;
+  }
+  static double conjugate(const V& x, const V& z, double factor, const V* lower, const V* upper, V& p) {
+    for (std::size_t i = 0; i < x().size(); ++i)
+      p()[i] = factor == 0.0 ? z()[i] : z()[i] - factor * p()[i];
+    return longestStep(x, p, lower, upper);
+  }
+  static double choppedDirection(const V& x, const V& g, const V* lower, const V* upper, V& p) {
+    for (std::size_t i = 0; i < x().size(); ++i)
+      p()[i] = beta(x, g, i, lower, upper);
+    return longestStep(x, p, lower, upper);
+  }
+  static void projectedStep(V& x, V& xOld, const V& p, double step, const V* lower, const V* upper) {
+    xOld = x;
+    for (std::size_t i = 0; i < x().size(); ++i)
+      x()[i] -= step * p()[i];
+    project(x, lower, upper);
+  }
+  static ChangeSums change(const V& x, const V& xOld, const V& g, const V& gOld) {
+    ChangeSums sums;
+    for (std::size_t i = 0; i < x().size(); ++i) {
+      sums.cost += 0.5 * (x()[i] - xOld()[i]) * (g()[i] + gOld()[i]);
+      sums.moved2 += std::pow(x()[i] - xOld()[i], 2);
+      sums.gradientNorm2 += gOld()[i] * gOld()[i];
+    }
+    return sums;
+  }
+  static double projectedGradientNorm(const V& x, const V& g, const V* lower, const V* upper) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < x().size(); ++i)
+      sum += std::pow(phi(x, g, i, lower, upper) + beta(x, g, i, lower, upper), 2);
+    return std::sqrt(sum);
+  }
+  static void project(V& x, const V* lower, const V* upper) {
+    for (std::size_t i = 0; i < x().size(); ++i)
+      x()[i] = std::max(lowerOf(lower, i), std::min(upperOf(upper, i), x()[i]));
+  }
+  static void maskActive(V& v, const LocalActiveSet& active) {
+    for (std::size_t i = 0; i < active.size(); ++i)
+      if (active[i] != 0)
+        v()[i] = 0.0;
+  }
+  static void moveToBounds(V& x, const V* lower, const V* upper, const LocalActiveSet& active) {
+    for (std::size_t i = 0; i < active.size(); ++i)
+      if (active[i] != 0)
+        x()[i] = active[i] < 0 ? lowerOf(lower, i) : upperOf(upper, i);
+  }
+  static ActiveSetChange updateActiveSet(const V& x, const V& g, const V* lower, const V* upper, double xNoise,
+                                         double gradientNoise, LocalActiveSet& set) {
+    ActiveSetChange result;
+    set.resize(x().size(), 0);
+    for (std::size_t i = 0; i < x().size(); ++i) {
+      const double l = lowerOf(lower, i), u = upperOf(upper, i);
+      const signed char before = set[i];
+      const double wrong = before < 0 ? std::max(-g()[i], 0.0) : before > 0 ? std::max(g()[i], 0.0) : 0.0;
+      if (l == u) {
+        set[i] = -1;
+      } else if (before != 0) {
+        result.wrongSign2 += wrong * wrong;
+        if (wrong > gradientNoise)
+          set[i] = 0;
+      } else {
+        const double below = std::max(l - x()[i], 0.0), above = std::max(x()[i] - u, 0.0);
+        result.violation2 += below * below + above * above;
+        if (below > xNoise)
+          set[i] = -1;
+        else if (above > xNoise)
+          set[i] = 1;
+      }
+      result.changed += set[i] != before;
+      result.active += set[i] != 0;
+      if (set[i] != 0) {
+        std::mt19937 random(static_cast<unsigned>(2 * i) + (set[i] < 0 ? 0U : 1U));
+        result.signature[0] += static_cast<double>(random());
+        result.signature[1] += static_cast<double>(random());
+      }
+    }
+    return result;
+  }
+  static BoxInfimum boxInfimum(const V& w, const V* lower, const V* upper) {
+    BoxInfimum result;
+    for (std::size_t i = 0; i < w().size(); ++i) {
+      if (w()[i] == 0.0)
+        continue;
+      const double corner = w()[i] > 0.0 ? lowerOf(lower, i) : upperOf(upper, i);
+      if (std::isinf(corner)) {
+        result.openNorm = std::hypot(result.openNorm, w()[i]);
+      } else {
+        result.value += w()[i] * corner;
+        result.boundNorm = std::hypot(result.boundNorm, corner);
+      }
+    }
+    return result;
+  }
+  static double projectOntoRecessionCone(V& d, const V* lower, const V* upper) {
+    double removed = 0.0;
+    for (std::size_t i = 0; i < d().size(); ++i)
+      if ((d()[i] < 0.0 && lowerOf(lower, i) > -infinity) || (d()[i] > 0.0 && upperOf(upper, i) < infinity)) {
+        removed = std::hypot(removed, d()[i]);
+        d()[i] = 0.0;
+      }
+    return removed;
+  }
+  static BoundFault findBoundFault(const V* lower, const V* upper) {
+    const std::size_t n = lower != nullptr ? (*lower)().size() : upper != nullptr ? (*upper)().size() : 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double l = lowerOf(lower, i), u = upperOf(upper, i);
+      if (!(l <= u) || l == infinity || u == -infinity)
+        return {true, static_cast<long long>(i), l, u};
+    }
+    return {};
+  }
+  static void setRandom(V& x) {
+    // The start vector of a norm estimate: the same entries as Tpetra's, so that runs can be compared.
+    for (std::size_t i = 0; i < x().size(); ++i) {
+      std::uint64_t z = i + 0x9e3779b97f4a7c15ULL;
+      z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+      z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+      x()[i] = 2.0 * static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53 - 1.0;
+    }
+  }
+  static std::vector<double> gather(const V& v) { return v(); }
+  static void scatter(const std::vector<double>& values, V& v) { v() = values; }
+  static double maximum(const V&, double value) { return value; }
+};
+
+} // namespace Harmos::qp
