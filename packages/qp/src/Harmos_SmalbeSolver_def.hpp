@@ -16,7 +16,8 @@ ParameterSpec SmalbeSolver<Scalar, MV, OP>::methodSpec() {
   spec.choice(
       "Update rule", "precision",
       {{"precision", "SMALBE-M: fixed penalty ρ; M is reduced when the Lagrangian does not rise enough"},
-       {"penalty", "Algorithm 4.1 of Dostál, Horák, Vlach: fixed M; ρ grows when feasibility lags"}},
+       {"penalty", "Algorithm 4.1 of Dostál, Horák, Vlach: fixed M; ρ grows when feasibility lags"},
+       {"both", "each of the two adapts its own parameter"}},
       "What is adapted from one outer iteration to the next.");
   spec.choice("Parameter scaling", "relative",
               {{"relative", "Initial penalty and M are multiples of ‖A‖, equality tolerances of ‖b‖/‖A‖ and "
@@ -31,6 +32,12 @@ ParameterSpec SmalbeSolver<Scalar, MV, OP>::methodSpec() {
   spec.real("Equality tolerance", 0.1, Range::above(0.0), "Rules `penalty` and `both`: η₀, ‖Cx − c‖ expected at first.");
   spec.real("Tolerance factor", 0.1, Range::strictlyWithin(0.0, 1.0), "Rules `penalty` and `both`: α, η ← αη.");
   spec.real("Penalty factor", 10.0, Range::above(1.0), "Rules `penalty` and `both`: β, ρ ← βρ.");
+  spec.real("Maximum penalty", 1000.0, Range::above(0.0),
+            "ρ does not grow beyond; the rounding errors of the gradient grow with it, and the method converges "
+            "with any fixed ρ.");
+  spec.integer("Slow iterations", 4, 1, 1000000,
+               "All rules: ρ ← βρ after so many outer iterations in a row that did not halve ‖Cx − c‖, which "
+               "rows that nearly depend on each other in the free entries bring about.");
   spec.integer("Maximum Outer Iterations", 10000, 1, 1000000000,
                "Outer iterations after which the solver gives up.");
   return spec;
@@ -90,6 +97,8 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
   const double toleranceFactor = list.get<double>("Tolerance factor");
   const double penaltyFactor = list.get<double>("Penalty factor");
   const double precisionFactor = list.get<double>("Precision factor");
+  const double largestPenalty = std::max(penalty, normScale * list.get<double>("Maximum penalty"));
+  const int slowLimit = list.get<int>("Slow iterations");
   const int outerLimit = list.get<int>("Maximum Outer Iterations");
 
   const auto precise = [&](const IterationState<MV>& state) {
@@ -116,11 +125,14 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
       break;
     previousResidual = residual;
     // Steps 3 and 4.
-    if (byPenalty) {
+    if (watch.slow >= slowLimit) {
+      watch.slow = 0;
+      penalty = std::min(penalty * penaltyFactor, largestPenalty);
+    } else if (byPenalty) {
       if (residual <= equalityTolerance)
         equalityTolerance *= toleranceFactor;
       else
-        penalty *= penaltyFactor;
+        penalty = std::min(penalty * penaltyFactor, largestPenalty);
     }
     if (byPrecision) {
       const double value = lagrangian.value();

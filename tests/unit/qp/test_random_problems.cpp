@@ -15,8 +15,8 @@ using namespace Harmos::qp;
 namespace {
 
 constexpr double condition = 100.0;
-// ‖x − x*‖ ≤ κ-like factors (here below 1e3) times the tolerance times ‖b‖/λ_min (below 30): 1e-12 leaves 1e-8.
-constexpr double tolerance = 1e-12;
+// ‖x − x*‖ ≤ κ-like factors (here below 1e3) times the tolerance times ‖b‖/λ_min (below 30): 1e-11 leaves 1e-8.
+constexpr double tolerance = 1e-11;
 
 struct Method {
   std::string name;
