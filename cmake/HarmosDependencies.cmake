@@ -32,6 +32,9 @@ harmos_import_trilinos(teuchos Teuchos)
 harmos_import_trilinos(tpetra Tpetra Belos)
 harmos_import_trilinos(amesos2 Amesos2)
 harmos_import_trilinos(intrepid2 Intrepid2 Shards)
+if(HARMOS_ENABLE_TESTS)
+  harmos_import_trilinos(muelu MueLu Ifpack2)
+endif()
 
 # MUMPS (double precision, parallel build).
 find_path(MUMPS_INCLUDE_DIR dmumps_c.h REQUIRED)
