@@ -31,10 +31,10 @@ double now() {
 
 struct Settings {
   std::string method = "Auto";
-  std::string preconditioner = "multigrid";
+  std::string preconditioner = "multigrid on face";
   bool nested = true;
   double tolerance = 1e-6;
-  double coarseTolerance = 1e-6;
+  double coarseTolerance = 1e-3;
   double innerReduction = 0.1;
   double faceTolerance = 0.01;
 };

@@ -38,8 +38,10 @@ Teuchos::ParameterList multigridParameters() {
 
 GridProblem gridProblem(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, int n, double lengthX,
                         double lengthY, const std::function<double(double)>& weight,
-                        const std::function<double(double, double)>& load) {
+                        const std::function<double(double, double)>& load,
+                        const std::function<double(double, double)>& boundary) {
   GridProblem grid;
+  grid.boundary = boundary;
   grid.n = n;
   grid.lengthX = lengthX;
   grid.lengthY = lengthY;
@@ -49,6 +51,7 @@ GridProblem gridProblem(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, int 
       grid, [&](double x, double y) { return load(x, y) * grid.hx() * grid.hy(); });
   grid.matrix = Teuchos::rcp(new CrsMatrix(grid.map, 5));
   const double hx = grid.hx(), hy = grid.hy();
+  const auto rhs = grid.rhs->getLocalViewHost(Tpetra::Access::ReadWrite);
   std::vector<GlobalOrdinal> columns;
   std::vector<double> values;
   for (std::size_t l = 0; l < localSize(*grid.map); ++l) {
@@ -60,16 +63,21 @@ GridProblem gridProblem(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, int 
     const double along = (4.0 * w + east + west) / 6.0 * hx / hy;
     columns = {row};
     values = {toEast + toWest + 2.0 * along};
-    const auto couple = [&](bool inside, GlobalOrdinal column, double value) {
-      if (!inside)
+    const double y = (at.j + 1) * hy;
+    const auto couple = [&](int di, int dj, double value) {
+      if (at.i + di < 0 || at.i + di >= n || at.j + dj < 0 || at.j + dj >= n) {
+        if (boundary)
+          rhs(l, 0) += value * boundary(x + di * hx, y + dj * hy);
         return;
+      }
+      const GlobalOrdinal column = row + di + static_cast<GlobalOrdinal>(dj) * n;
       columns.push_back(column);
       values.push_back(-value);
     };
-    couple(at.i > 0, row - 1, toWest);
-    couple(at.i < n - 1, row + 1, toEast);
-    couple(at.j > 0, row - n, along);
-    couple(at.j < n - 1, row + n, along);
+    couple(-1, 0, toWest);
+    couple(1, 0, toEast);
+    couple(0, -1, along);
+    couple(0, 1, along);
     grid.matrix->insertGlobalValues(row, Teuchos::arrayViewFromVector(columns),
                                     Teuchos::arrayViewFromVector(values));
   }
@@ -113,11 +121,11 @@ void interpolate(const GridProblem& coarse, const MultiVector& from, const GridP
                   Tpetra::INSERT);
   const auto source = values.getLocalViewHost(Tpetra::Access::ReadOnly);
   const auto value = [&](int i, int j) {
-    return i < 0 || j < 0 || i >= coarse.n || j >= coarse.n
-               ? 0.0
-               : source(static_cast<std::size_t>(j - first) * static_cast<std::size_t>(coarse.n) +
-                            static_cast<std::size_t>(i),
-                        0);
+    if (i < 0 || j < 0 || i >= coarse.n || j >= coarse.n)
+      return coarse.boundary ? coarse.boundary((i + 1) * coarse.hx(), (j + 1) * coarse.hy()) : 0.0;
+    return source(static_cast<std::size_t>(j - first) * static_cast<std::size_t>(coarse.n) +
+                      static_cast<std::size_t>(i),
+                  0);
   };
   const auto target = to.getLocalViewHost(Tpetra::Access::OverwriteAll);
   for (std::size_t l = 0; l < target.extent(0); ++l) {

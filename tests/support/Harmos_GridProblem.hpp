@@ -13,14 +13,15 @@ namespace Harmos {
 
 using CrsMatrix = Tpetra::CrsMatrix<Scalar, LocalOrdinal, GlobalOrdinal, Node>;
 
-/// −div(w grad v) = f with v = 0 around a rectangle, linear triangles on an n × n grid of interior points, rows
-/// of points along x shared out among the ranks.
+/// −div(w grad v) = f with v given around a rectangle (0, X) × (0, Y), linear triangles on an n × n grid of
+/// interior points, rows of points along x shared out among the ranks.
 struct GridProblem {
   int n = 0;
   double lengthX = 0.0, lengthY = 0.0;
   Teuchos::RCP<const Map> map;
   Teuchos::RCP<CrsMatrix> matrix;
   Teuchos::RCP<MultiVector> rhs;
+  std::function<double(double, double)> boundary; ///< empty: zero
 
   double hx() const { return lengthX / (n + 1); }
   double hy() const { return lengthY / (n + 1); }
@@ -29,13 +30,14 @@ struct GridProblem {
 /// @param weight w(x), constant over a triangle: the mean of its corners, as in MINPACK-2. @param load f(x, y).
 GridProblem gridProblem(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, int n, double lengthX,
                         double lengthY, const std::function<double(double)>& weight,
-                        const std::function<double(double, double)>& load);
+                        const std::function<double(double, double)>& load,
+                        const std::function<double(double, double)>& boundary = {});
 
 /// Values at the grid's points.
 Teuchos::RCP<MultiVector> gridFunction(const GridProblem& grid,
                                        const std::function<double(double, double)>& value);
 
-/// Bilinear interpolation of a coarser grid's vector, zero around. @note Collective.
+/// Bilinear interpolation of a coarser grid's vector and boundary values. @note Collective.
 void interpolate(const GridProblem& coarse, const MultiVector& from, const GridProblem& fine, MultiVector& to);
 
 /// Smoothed aggregation multigrid (MueLu) of a matrix, with symmetric Gauss-Seidel.
