@@ -7,6 +7,6 @@ if ! command -v clang-format >/dev/null 2>&1; then
   echo "SKIPPED: clang-format is not installed"
   exit 77
 fi
-mapfile -t sources < <(find packages apps tests -name '*.cpp' -o -name '*.hpp' | sort)
+mapfile -t sources < <(find packages apps tests docs -name '*.cpp' -o -name '*.hpp' | sort)
 clang-format --dry-run --Werror "${sources[@]}"
 echo "${#sources[@]} sources are in the format"

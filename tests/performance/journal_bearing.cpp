@@ -128,29 +128,30 @@ int main(int argc, char** argv) {
           interpolate(grids[k - 1], *x, grids[k], *next);
         x = next;
         const bool finest = k + 1 == grids.size();
-        history.push_back(solveLevel(grids[k], x, finest ? settings.tolerance : settings.coarseTolerance, settings));
+        history.push_back(
+            solveLevel(grids[k], x, finest ? settings.tolerance : settings.coarseTolerance, settings));
         // In units of a product on the finest grid.
         const double ratio = static_cast<double>(levels[k]) / n;
         products += history.back()["hessian_applications"].get<double>() * ratio * ratio;
       }
       const double seconds = now() - start;
-      runs.push_back({{"n", n}, {"seconds", seconds}, {"fine_equivalent_applications", products}, {"levels", history}});
+      runs.push_back(
+          {{"n", n}, {"seconds", seconds}, {"fine_equivalent_applications", products}, {"levels", history}});
       if (comm->getRank() == 0) {
         const auto& last = history.back();
         std::cout << "n " << n << "  " << last["method"].get<std::string>() << ", "
-                  << last["reason"].get<std::string>() << ": " << last["hessian_applications"] << " products, "
-                  << last["cg_steps"] << " cg, " << last["active_set_updates"] << " sets, "
+                  << last["reason"].get<std::string>() << ": " << last["hessian_applications"]
+                  << " products, " << last["cg_steps"] << " cg, " << last["active_set_updates"] << " sets, "
                   << last["preconditioner_applications"] << " V-cycles, " << products << " in all, "
-                  << last["seconds_setup"] << " s setup, " << last["seconds"] << " s, " << seconds << " s in all\n";
+                  << last["seconds_setup"] << " s setup, " << last["seconds"] << " s, " << seconds
+                  << " s in all\n";
       }
     }
   if (comm->getRank() == 0 && !output.empty()) {
-    const nlohmann::json document = {{"benchmark", "journal_bearing"},
-                                     {"harmos", {{"version", version()}, {"git", gitHash()}}},
-                                     {"ranks", comm->getSize()},
-                                     {"preconditioner", settings.preconditioner},
-                                     {"nested", settings.nested},
-                                     {"runs", runs}};
+    const nlohmann::json document = {
+        {"benchmark", "journal_bearing"}, {"harmos", {{"version", version()}, {"git", gitHash()}}},
+        {"ranks", comm->getSize()},       {"preconditioner", settings.preconditioner},
+        {"nested", settings.nested},      {"runs", runs}};
     std::ofstream(output) << document.dump(2) << "\n";
   }
   return 0;

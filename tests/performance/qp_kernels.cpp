@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The vector part of a conjugate gradient step of MPRGP, fused (BoundTraits) against the same step composed of
-/// Belos' MultiVecTraits and one function for each definition; writes JSON, see README.md.
+/// The vector part of a conjugate gradient step of MPRGP, fused (BoundTraits) against the same step composed
+/// of Belos' MultiVecTraits and one function for each definition; writes JSON, see README.md.
 
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Qp.hpp"
@@ -40,7 +40,8 @@ double dot(const MultiVector& x, const MultiVector& y) {
 
 // x ≥ 0 with a third of the entries at the bound; the same numbers for both variants.
 struct State {
-  explicit State(const Teuchos::RCP<const Map>& map) : x(map, 1), g(map, 1), p(map, 1), image(map, 1), lower(map, 1) {
+  explicit State(const Teuchos::RCP<const Map>& map)
+      : x(map, 1), g(map, 1), p(map, 1), image(map, 1), lower(map, 1) {
     BT::setRandom(x);
     BT::setRandom(g);
     BT::setRandom(image);
@@ -70,8 +71,8 @@ constexpr double step = 1e-9, stepLength = 1.0;
 Outcome fused(State& s) {
   const qp::CurvatureSums along = BT::curvature(s.g, s.p, s.image, s.active);
   const double beta = damped((along.freeDotImage - step * along.freeImageNorm2) / along.directionDotImage);
-  const qp::SplitSums sums = BT::advance(s.x, s.g, s.p, s.image, step, beta, false, &s.lower, nullptr, stepLength,
-                                         s.p, s.active);
+  const qp::SplitSums sums =
+      BT::advance(s.x, s.g, s.p, s.image, step, beta, false, &s.lower, nullptr, stepLength, s.p, s.active);
   return {sums.freeNorm2, sums.choppedNorm2, sums.reducedNorm2, sums.longestStep};
 }
 
@@ -94,28 +95,32 @@ struct Naive {
   }
 
   void freeGradient(State& s) {
-    const auto x = s.x.getLocalViewHost(Tpetra::Access::ReadOnly), g = s.g.getLocalViewHost(Tpetra::Access::ReadOnly),
+    const auto x = s.x.getLocalViewHost(Tpetra::Access::ReadOnly),
+               g = s.g.getLocalViewHost(Tpetra::Access::ReadOnly),
                l = s.lower.getLocalViewHost(Tpetra::Access::ReadOnly);
     const auto out = phi.getLocalViewHost(Tpetra::Access::OverwriteAll);
     for (std::size_t i = 0; i < x.extent(0); ++i)
       out(i, 0) = x(i, 0) > l(i, 0) ? g(i, 0) : 0.0;
   }
   void choppedGradient(State& s) {
-    const auto x = s.x.getLocalViewHost(Tpetra::Access::ReadOnly), g = s.g.getLocalViewHost(Tpetra::Access::ReadOnly),
+    const auto x = s.x.getLocalViewHost(Tpetra::Access::ReadOnly),
+               g = s.g.getLocalViewHost(Tpetra::Access::ReadOnly),
                l = s.lower.getLocalViewHost(Tpetra::Access::ReadOnly);
     const auto out = beta.getLocalViewHost(Tpetra::Access::OverwriteAll);
     for (std::size_t i = 0; i < x.extent(0); ++i)
       out(i, 0) = x(i, 0) <= l(i, 0) ? std::min(g(i, 0), 0.0) : 0.0;
   }
   void reducedGradient(State& s) {
-    const auto x = s.x.getLocalViewHost(Tpetra::Access::ReadOnly), f = phi.getLocalViewHost(Tpetra::Access::ReadOnly),
+    const auto x = s.x.getLocalViewHost(Tpetra::Access::ReadOnly),
+               f = phi.getLocalViewHost(Tpetra::Access::ReadOnly),
                l = s.lower.getLocalViewHost(Tpetra::Access::ReadOnly);
     const auto out = reduced.getLocalViewHost(Tpetra::Access::OverwriteAll);
     for (std::size_t i = 0; i < x.extent(0); ++i)
       out(i, 0) = f(i, 0) > 0.0 ? std::min((x(i, 0) - l(i, 0)) / stepLength, f(i, 0)) : f(i, 0);
   }
   double longestStep(State& s) {
-    const auto x = s.x.getLocalViewHost(Tpetra::Access::ReadOnly), p = s.p.getLocalViewHost(Tpetra::Access::ReadOnly),
+    const auto x = s.x.getLocalViewHost(Tpetra::Access::ReadOnly),
+               p = s.p.getLocalViewHost(Tpetra::Access::ReadOnly),
                l = s.lower.getLocalViewHost(Tpetra::Access::ReadOnly);
     double result = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < x.extent(0); ++i)

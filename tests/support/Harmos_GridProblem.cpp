@@ -47,8 +47,7 @@ GridProblem gridProblem(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, int 
   grid.lengthY = lengthY;
   const auto size = static_cast<Tpetra::global_size_t>(n) * static_cast<Tpetra::global_size_t>(n);
   grid.map = Teuchos::rcp(new Map(size, 0, comm));
-  grid.rhs = gridFunction(
-      grid, [&](double x, double y) { return load(x, y) * grid.hx() * grid.hy(); });
+  grid.rhs = gridFunction(grid, [&](double x, double y) { return load(x, y) * grid.hx() * grid.hy(); });
   grid.matrix = Teuchos::rcp(new CrsMatrix(grid.map, 5));
   const double hx = grid.hx(), hy = grid.hy();
   const auto rhs = grid.rhs->getLocalViewHost(Tpetra::Access::ReadWrite);

@@ -27,7 +27,8 @@ struct GridProblem {
   double hy() const { return lengthY / (n + 1); }
 };
 
-/// @param weight w(x), constant over a triangle: the mean of its corners, as in MINPACK-2. @param load f(x, y).
+/// @param weight w(x), constant over a triangle: the mean of its corners, as in MINPACK-2. @param load f(x,
+/// y).
 GridProblem gridProblem(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, int n, double lengthX,
                         double lengthY, const std::function<double(double)>& weight,
                         const std::function<double(double, double)>& load,
@@ -38,7 +39,8 @@ Teuchos::RCP<MultiVector> gridFunction(const GridProblem& grid,
                                        const std::function<double(double, double)>& value);
 
 /// Bilinear interpolation of a coarser grid's vector and boundary values. @note Collective.
-void interpolate(const GridProblem& coarse, const MultiVector& from, const GridProblem& fine, MultiVector& to);
+void interpolate(const GridProblem& coarse, const MultiVector& from, const GridProblem& fine,
+                 MultiVector& to);
 
 /// Smoothed aggregation multigrid (MueLu) of a matrix, with symmetric Gauss-Seidel.
 Teuchos::RCP<Operator> multigrid(const Teuchos::RCP<CrsMatrix>& matrix);
@@ -46,8 +48,9 @@ Teuchos::RCP<Operator> multigrid(const Teuchos::RCP<CrsMatrix>& matrix);
 /// An incomplete factorisation (Ifpack2, RILUK of fill level k) of a matrix, Schwarz between ranks.
 Teuchos::RCP<Operator> incompleteFactor(const Teuchos::RCP<CrsMatrix>& matrix, int fill);
 
-/// Multigrid for each face: couplings between free and active entries are dropped, the aggregates of the whole
-/// matrix are kept. A face that differs from the last one made for in few entries gets that one's multigrid.
+/// Multigrid for each face: couplings between free and active entries are dropped, the aggregates of the
+/// whole matrix are kept. A face that differs from the last one made for in few entries gets that one's
+/// multigrid.
 class MultigridOnFace : public qp::TpetraFacePreconditioner {
  public:
   /// @param tolerance part of the entries that may have changed sides.

@@ -102,15 +102,17 @@ double farkasInfimum(const SmallQp& qp, const std::vector<double>& y, double rad
     for (int r = 0; r < qp.c.rows; ++r)
       w += qp.c(r, i) * y[static_cast<std::size_t>(r)];
     const auto k = static_cast<std::size_t>(i);
-    const double l = qp.lower.empty() ? -infinity : qp.lower[k], u = qp.upper.empty() ? infinity : qp.upper[k];
+    const double l = qp.lower.empty() ? -infinity : qp.lower[k],
+                 u = qp.upper.empty() ? infinity : qp.upper[k];
     result += w > 0.0 ? w * std::max(l, -radius) : w * std::min(u, radius);
   }
   return result;
 }
 
 BuiltQp builtQp(std::mt19937& random, int n, int equalities, int nullity, bool degenerate) {
-  BuiltQp built{{withSpectrum(orthonormal(random, n), std::min(nullity, n - 1)), {}, {}, {}, Dense(equalities, n), {}},
-                {}};
+  BuiltQp built{
+      {withSpectrum(orthonormal(random, n), std::min(nullity, n - 1)), {}, {}, {}, Dense(equalities, n), {}},
+      {}};
   SmallQp& qp = built.qp;
   for (double& value : qp.c.values)
     value = unit(random);
@@ -205,7 +207,8 @@ SmallQp unboundedQp(std::mt19937& random, int n, int equalities, bool bounds) {
   const double length = norm(d);
   for (double& value : d)
     value /= length;
-  SmallQp qp{withSpectrum(orthonormal(random, n, {d}), 1), {}, {}, {}, Dense(std::min(equalities, n - 2), n), {}};
+  SmallQp qp{withSpectrum(orthonormal(random, n, {d}), 1), {}, {}, {},
+             Dense(std::min(equalities, n - 2), n),        {}};
   std::vector<double> feasible;
   double load = 0.0;
   for (int i = 0; i < n; ++i) {

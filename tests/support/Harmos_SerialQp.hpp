@@ -55,8 +55,7 @@ class MultiVecTraits<double, Harmos::SerialVector> {
   static void MvAddMv(double a, const MV& x, double b, const MV& y, MV& z) {
     for (std::size_t c = 0; c < z.columns.size(); ++c)
       for (std::size_t i = 0; i < z.columns[c].size(); ++i)
-        z.columns[c][i] =
-            (a == 0.0 ? 0.0 : a * x.columns[c][i]) + (b == 0.0 ? 0.0 : b * y.columns[c][i]);
+        z.columns[c][i] = (a == 0.0 ? 0.0 : a * x.columns[c][i]) + (b == 0.0 ? 0.0 : b * y.columns[c][i]);
   }
   static void MvTimesMatAddMv(double a, const MV& x, const Matrix& m, double b, MV& y) {
     for (int c = 0; c < m.numCols(); ++c)
@@ -72,7 +71,8 @@ class MultiVecTraits<double, Harmos::SerialVector> {
       for (int j = 0; j < m.numCols(); ++j) {
         m(i, j) = 0.0;
         for (std::size_t k = 0; k < x.columns.front().size(); ++k)
-          m(i, j) += a * x.columns[static_cast<std::size_t>(i)][k] * y.columns[static_cast<std::size_t>(j)][k];
+          m(i, j) +=
+              a * x.columns[static_cast<std::size_t>(i)][k] * y.columns[static_cast<std::size_t>(j)][k];
       }
   }
   static void MvScale(MV& v, double a) {
@@ -126,7 +126,9 @@ struct BoundTraits<double, SerialVector> {
   using V = SerialVector;
   static constexpr double infinity = std::numeric_limits<double>::infinity();
 
-  static double lowerOf(const V* lower, std::size_t i) { return lower == nullptr ? -infinity : (*lower)()[i]; }
+  static double lowerOf(const V* lower, std::size_t i) {
+    return lower == nullptr ? -infinity : (*lower)()[i];
+  }
   static double upperOf(const V* upper, std::size_t i) { return upper == nullptr ? infinity : (*upper)()[i]; }
   static bool isActive(const V& x, std::size_t i, const V* lower, const V* upper) {
     return x()[i] <= lowerOf(lower, i) || x()[i] >= upperOf(upper, i);
@@ -187,8 +189,8 @@ struct BoundTraits<double, SerialVector> {
     }
     return sums;
   }
-  static SplitSums advance(V& x, V& g, const V& p, const V& image, double step, double factor, bool toBoundary,
-                           const V* lower, const V* upper, double stepLength, V& next,
+  static SplitSums advance(V& x, V& g, const V& p, const V& image, double step, double factor,
+                           bool toBoundary, const V* lower, const V* upper, double stepLength, V& next,
                            LocalActiveSet& active) {
     const V direction = p;
     for (std::size_t i = 0; i < x().size(); ++i) {
@@ -253,8 +255,8 @@ struct BoundTraits<double, SerialVector> {
       if (active[i] != 0)
         x()[i] = active[i] < 0 ? lowerOf(lower, i) : upperOf(upper, i);
   }
-  static ActiveSetChange updateActiveSet(const V& x, const V& g, const V* lower, const V* upper, double xNoise,
-                                         double gradientNoise, LocalActiveSet& set) {
+  static ActiveSetChange updateActiveSet(const V& x, const V& g, const V* lower, const V* upper,
+                                         double xNoise, double gradientNoise, LocalActiveSet& set) {
     ActiveSetChange result;
     set.resize(x().size(), 0);
     for (std::size_t i = 0; i < x().size(); ++i) {

@@ -7,13 +7,14 @@ What each class guards against:
 
     Dimensions   a constraint too many or too few; a cost that grows with the number of
                  subdomains; a run that calls itself converged and is not
+    Permon       more products with F than PERMON needs to its own stopping rule
     Energy       the solution of another problem, or one that depends on the decomposition, on how
                  prescribed displacements are enforced, or on the number of ranks
     Tie          the machinery of contact in a run that does not call for it
     DualPenalty  a penalty method whose infeasibility depends on the mesh
     Paper        an Algorithm 4.1 that is not the printed one
 
-DimensionsLarge, DualPenaltyLarge and PaperLarge hold the cells that take long.
+DimensionsLarge, PermonLarge, DualPenaltyLarge and PaperLarge hold the cells that take long.
 
 H is the side of a subdomain, h that of an element; the deck's parameters are S = 1/H and N = H/h.
 The paper is Dostal, Horak, Vlach, "Toward scalable FETI algorithm for variational inequalities
@@ -223,6 +224,29 @@ class Dimensions(DimensionTable):
 class DimensionsLarge(DimensionTable):
     def test_cost_does_not_grow_with_the_number_of_subdomains(self):
         self.assert_scalable(128)
+
+
+class PermonTable(TableCase):
+    TITLE = "Model problem at the tolerance 1e-4, PERMON's stopping rule"
+    HEADER = ("H/h", "1/H", "outer", "F products", "PERMON 3.18")
+    NOTE = "Default parameters but for the stopping rule; no preconditioner in either."
+
+    def check(self, s, n):
+        run = solved(self, s, n, **{"Solver/Stopping rule": "permon"}).summary
+        total = PERMON[n][SIDES.index(s)]
+        self.rows[n, s] = (n, s, run["outer_iterations"], run["hessian_applications"], total)
+        self.assertLessEqual(run["hessian_applications"], total)
+        self.assert_audit(run, s, n)
+
+
+@cells(*((s, n) for n in (8, 32) for s in SIDES), (1, 128), (2, 128))
+class Permon(PermonTable):
+    pass
+
+
+@cells((4, 128), (8, 128))
+class PermonLarge(PermonTable):
+    pass
 
 
 class Energy(TableCase):

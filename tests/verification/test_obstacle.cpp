@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// A membrane pressed onto a plane: Δu = 1 where u > 0, u ≥ 0, on the square (−1, 1)², solved by the QP layer on
-/// Tpetra matrices. The exact solution is radial about the centre,
+/// A membrane pressed onto a plane: Δu = 1 where u > 0, u ≥ 0, on the square (−1, 1)², solved by the QP layer
+/// on Tpetra matrices. The exact solution is radial about the centre,
 ///
 ///     u = (r² − r₀²)/4 − (r₀²/2) ln(r/r₀) outside of the contact disc r ≤ r₀, 0 inside,
 ///
@@ -32,8 +32,8 @@ double exact(double x, double y) { // coordinates of the grid, (0, 2)²
   return r2 <= c2 ? 0.0 : (r2 - c2) / 4.0 - c2 / 4.0 * std::log(r2 / c2);
 }
 
-// J(u) = ½∮u ∂u/∂n + ½∫u by Green's formula with Δu = 1; both as smooth integrals over the angle, by Simpson's
-// rule, the radial one in closed form.
+// J(u) = ½∮u ∂u/∂n + ½∫u by Green's formula with Δu = 1; both as smooth integrals over the angle, by
+// Simpson's rule, the radial one in closed form.
 double exactEnergy() {
   const double c = contactRadius, c2 = c * c;
   constexpr int intervals = 2000;
@@ -76,8 +76,7 @@ std::vector<Solution> solveAll(const std::string& method, const std::vector<int>
     solution.u = Teuchos::rcp(new MultiVector(solution.grid.map, 1));
     if (!solutions.empty())
       interpolate(solutions.back().grid, *solutions.back().u, solution.grid, *solution.u);
-    const auto problem =
-        Teuchos::rcp(new TpetraProblem(solution.grid.matrix, solution.u, solution.grid.rhs));
+    const auto problem = Teuchos::rcp(new TpetraProblem(solution.grid.matrix, solution.u, solution.grid.rhs));
     problem->setLowerBound(Teuchos::rcp(new MultiVector(solution.grid.map, 1)));
     precondition(*problem, solution.grid);
     EXPECT_TRUE(problem->setProblem());
@@ -121,15 +120,16 @@ double rate(const std::vector<double>& h, const std::vector<double>& e) {
   return (m * sxy - sx * sy) / (m * sxx - sx * sx);
 }
 
-// J of the piecewise linear function with the exact boundary values, loads by the vertex rule: the energy of the
-// interior values, −½xᵀb where it is stationary, would leave the boundary's part out.
+// J of the piecewise linear function with the exact boundary values, loads by the vertex rule: the energy of
+// the interior values, −½xᵀb where it is stationary, would leave the boundary's part out.
 double energy(const Solution& solution) {
   const GridProblem& grid = solution.grid;
   const double h = grid.hx();
   // Values of the whole grid on every rank.
   std::vector<double> all(static_cast<std::size_t>(grid.n + 2) * static_cast<std::size_t>(grid.n + 2), 0.0);
   const auto at = [&](int i, int j) -> double& {
-    return all[static_cast<std::size_t>(j) * static_cast<std::size_t>(grid.n + 2) + static_cast<std::size_t>(i)];
+    return all[static_cast<std::size_t>(j) * static_cast<std::size_t>(grid.n + 2) +
+               static_cast<std::size_t>(i)];
   };
   const auto view = solution.u->getLocalViewHost(Tpetra::Access::ReadOnly);
   for (std::size_t l = 0; l < view.extent(0); ++l) {
@@ -193,9 +193,9 @@ TEST(Obstacle, energy_and_free_boundary_converge) {
       std::cout << "h " << h.back() << "  energy error " << energyErrors.back() << "  free boundary "
                 << boundaryErrors.back() << "  largest nodal error " << nodalErrors.back() << "\n";
   }
-  // Energies of linear elements converge like h² (Falk 1974 for the norm, whose square it is); values at nodes
-  // like h² up to a logarithm (Nitsche 1977); the free boundary like h where the load does not degenerate
-  // (Brezzi & Caffarelli 1983), in jumps of the grid.
+  // Energies of linear elements converge like h² (Falk 1974 for the norm, whose square it is); values at
+  // nodes like h² up to a logarithm (Nitsche 1977); the free boundary like h where the load does not
+  // degenerate (Brezzi & Caffarelli 1983), in jumps of the grid.
   EXPECT_NEAR(rate(h, energyErrors), 2.0, 0.2);
   EXPECT_NEAR(rate(h, nodalErrors), 2.0, 0.3);
   EXPECT_NEAR(rate(h, boundaryErrors), 1.0, 0.35);

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <limits>
 
-// The same source compiled for wider registers as well, chosen when the library is loaded: portable, and twice as
-// fast where they are there. Not "fma": results are to differ by the order of sums at most.
+// The same source compiled for wider registers as well, chosen when the library is loaded: portable, and
+// twice as fast where they are there. Not "fma": results are to differ by the order of sums at most.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
 #define HARMOS_WIDE __attribute__((target_clones("avx2", "default")))
 #else
@@ -104,8 +104,8 @@ inline __attribute__((always_inline)) SplitSums splitLoop(std::size_t n, const d
 
 template<bool toBoundary, class AnyBox>
 inline __attribute__((always_inline)) SplitSums
-advanceLoop(std::size_t n, double* x, double* g, const double* p, const double* image, double step, double beta,
-            AnyBox box, double inverse, double* next, signed char* active) {
+advanceLoop(std::size_t n, double* x, double* g, const double* p, const double* image, double step,
+            double beta, AnyBox box, double inverse, double* next, signed char* active) {
   SplitSums sums;
   double states[block], changed = 0.0;
   for (std::size_t begin = 0; begin < n; begin += block) {
@@ -159,9 +159,10 @@ inline __attribute__((always_inline)) auto withBox(Bounds bounds, Pass&& pass) {
 
 HARMOS_WIDE SplitSums split(std::size_t n, const double* x, const double* g, Bounds bounds, double stepLength,
                             double* direction, signed char* active, bool fresh) {
-  return withBox(bounds, [&](auto box) __attribute__((always_inline)) {
-    return splitLoop(n, x, g, box, 1.0 / stepLength, direction, active, fresh);
-  });
+  return withBox(
+      bounds, [&](auto box) __attribute__((always_inline)) {
+        return splitLoop(n, x, g, box, 1.0 / stepLength, direction, active, fresh);
+      });
 }
 
 HARMOS_WIDE CurvatureSums curvature(std::size_t n, const double* g, const double* p, const double* image,
@@ -196,11 +197,12 @@ HARMOS_WIDE CurvatureSums curvature(std::size_t n, const double* g, const double
 HARMOS_WIDE SplitSums advance(std::size_t n, double* x, double* g, const double* p, const double* image,
                               double step, double beta, bool toBoundary, Bounds bounds, double stepLength,
                               double* next, signed char* active) {
-  return withBox(bounds, [&](auto box) __attribute__((always_inline)) {
-    return toBoundary
-               ? advanceLoop<true>(n, x, g, p, image, step, beta, box, 1.0 / stepLength, next, active)
-               : advanceLoop<false>(n, x, g, p, image, step, beta, box, 1.0 / stepLength, next, active);
-  });
+  return withBox(
+      bounds, [&](auto box) __attribute__((always_inline)) {
+        return toBoundary
+                   ? advanceLoop<true>(n, x, g, p, image, step, beta, box, 1.0 / stepLength, next, active)
+                   : advanceLoop<false>(n, x, g, p, image, step, beta, box, 1.0 / stepLength, next, active);
+      });
 }
 
 double conjugate(std::size_t n, const double* x, const double* z, double beta, Bounds bounds, double* p) {

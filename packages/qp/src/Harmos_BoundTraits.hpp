@@ -35,8 +35,8 @@ struct CurvatureSums {
 
 /// A step from an old iterate to a new one; global.
 struct ChangeSums {
-  double cost = 0.0;   ///< f(x) − f(x_old) = ½(x − x_old)ᵀ(g + g_old), free of cancellation
-  double moved2 = 0.0; ///< ‖x − x_old‖²
+  double cost = 0.0;          ///< f(x) − f(x_old) = ½(x − x_old)ᵀ(g + g_old), free of cancellation
+  double moved2 = 0.0;        ///< ‖x − x_old‖²
   double gradientNorm2 = 0.0; ///< ‖g_old‖²
 };
 
@@ -44,16 +44,16 @@ struct ChangeSums {
 struct ActiveSetChange {
   long long active = 0;
   long long changed = 0;
-  double violation2 = 0.0;        ///< of the bounds, squared, over free entries
-  double wrongSign2 = 0.0;        ///< of the multipliers of active entries, squared, where the sign is wrong
+  double violation2 = 0.0; ///< of the bounds, squared, over free entries
+  double wrongSign2 = 0.0; ///< of the multipliers of active entries, squared, where the sign is wrong
   double signature[2] = {0.0, 0.0}; ///< the same for the same set; differs with all but certainty else
 };
 
 /// Infimum of wᵀx over the box.
 struct BoxInfimum {
-  double value = 0.0;      ///< over entries whose bound is there
-  double openNorm = 0.0;   ///< ‖w‖ over entries without the bound that w pushes against
-  double boundNorm = 0.0;  ///< ‖x‖ of the corner where the value is attained
+  double value = 0.0;     ///< over entries whose bound is there
+  double openNorm = 0.0;  ///< ‖w‖ over entries without the bound that w pushes against
+  double boundNorm = 0.0; ///< ‖x‖ of the corner where the value is attained
 };
 
 /// A pair l_i > u_i, or a bound that is no number.
@@ -86,13 +86,14 @@ struct BoundTraits {
   static SplitSums split(const MV& x, const MV& gradient, const MV* lower, const MV* upper, double stepLength,
                          MV* direction, LocalActiveSet& active);
 
-  /// All sums that a step along p needs. @param active of the iterate the gradient belongs to; empty: all entries are free.
+  /// All sums that a step along p needs. @param active of the iterate the gradient belongs to; empty: all
+  /// entries are free.
   static CurvatureSums curvature(const MV& gradient, const MV& direction, const MV& image,
                                  const LocalActiveSet& active);
 
   /// x ← x − αp, g ← g − αHp, next ← φ(new) − βp, and the splitting at the new x, whose direction is `next`;
-  /// one pass. `next` may be the direction itself. With toBoundary, entries that reach a bound are put exactly
-  /// onto it; without, rounding may not carry them beyond it.
+  /// one pass. `next` may be the direction itself. With toBoundary, entries that reach a bound are put
+  /// exactly onto it; without, rounding may not carry them beyond it.
   static SplitSums advance(MV& x, MV& gradient, const MV& direction, const MV& image, double step,
                            double beta, bool toBoundary, const MV* lower, const MV* upper, double stepLength,
                            MV& next, LocalActiveSet& active);

@@ -84,12 +84,9 @@ SplitSums reduced(const MultiVector& x, SplitSums local) {
   double sums[] = {local.freeNorm2, local.choppedNorm2, local.reducedNorm2, static_cast<double>(local.active),
                    static_cast<double>(local.changed)};
   reduce(x, sums, 5, local.longestStep);
-  return {sums[0],
-          sums[1],
-          sums[2],
-          static_cast<long long>(sums[3]),
-          static_cast<long long>(sums[4]),
-          local.longestStep};
+  return {
+      sums[0],          sums[1], sums[2], static_cast<long long>(sums[3]), static_cast<long long>(sums[4]),
+      local.longestStep};
 }
 
 // SplitMix64: well mixed bits of a counter (Steele, Lea, Flood: Fast splittable pseudorandom number
@@ -131,8 +128,8 @@ SplitSums Traits::split(const MultiVector& x, const MultiVector& gradient, const
 CurvatureSums Traits::curvature(const MultiVector& gradient, const MultiVector& direction,
                                 const MultiVector& image, const LocalActiveSet& active) {
   const Reader gs(gradient), ps(direction), hs(image);
-  const CurvatureSums local =
-      Kernels::curvature(gs.size(), gs.data(), ps.data(), hs.data(), active.empty() ? nullptr : active.data());
+  const CurvatureSums local = Kernels::curvature(gs.size(), gs.data(), ps.data(), hs.data(),
+                                                 active.empty() ? nullptr : active.data());
   double sums[] = {local.gradientDotDirection, local.directionDotImage, local.directionNorm2,
                    local.freeDotImage, local.freeImageNorm2};
   reduce(gradient, sums, 5);
@@ -269,7 +266,8 @@ ActiveSetChange Traits::updateActiveSet(const MultiVector& x, const MultiVector&
     }
   }
   reduce(x, sums, 6);
-  return {static_cast<long long>(sums[0]), static_cast<long long>(sums[1]), sums[2], sums[3], {sums[4], sums[5]}};
+  return {
+      static_cast<long long>(sums[0]), static_cast<long long>(sums[1]), sums[2], sums[3], {sums[4], sums[5]}};
 }
 
 BoxInfimum Traits::boxInfimum(const MultiVector& w, const MultiVector* lower, const MultiVector* upper) {

@@ -47,9 +47,9 @@ void DualPenaltySolver<Scalar, MV, OP>::doSolve() {
   const Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = this->makeRows();
   if (rows.is_null())
     return;
-  BoundedLagrangian<Scalar, MV, OP> lagrangian(
-      *this->problem_, *rows, MprgpOptions::fromList(this->parameters_->sublist("MPRGP")),
-      this->result_.counters);
+  BoundedLagrangian<Scalar, MV, OP> lagrangian(*this->problem_, *rows,
+                                               MprgpOptions::fromList(this->parameters_->sublist("MPRGP")),
+                                               this->result_.counters);
   const bool relative = list.get<std::string>("Parameter scaling") == "relative";
   const double penalty = list.get<double>("Penalty") *
                          (relative && lagrangian.hessianNorm() > 0.0 ? lagrangian.hessianNorm() : 1.0);
@@ -58,8 +58,8 @@ void DualPenaltySolver<Scalar, MV, OP>::doSolve() {
   this->result_.penalty = penalty;
   lagrangian.finish();
   // A residual that the penalty does not make small may be that of a problem without feasible points.
-  const double scale = std::sqrt(rows->norm2()) * norm<Scalar>(*this->problem_->solution()) +
-                       norm<Scalar>(rows->values());
+  const double scale =
+      std::sqrt(rows->norm2()) * norm<Scalar>(*this->problem_->solution()) + norm<Scalar>(rows->values());
   bool feasible = false;
   if (this->result_.reason != Reason::Unbounded && lagrangian.residual() > 1e-3 * scale)
     this->stopIfInfeasible(*rows, mostProbeSteps, feasible);

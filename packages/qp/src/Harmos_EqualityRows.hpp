@@ -16,9 +16,9 @@ namespace Harmos::qp {
 /// Rows that are known to be orthonormal are taken as they are (T = I). Others are orthonormalised with the
 /// dense CCᵀ, found by a product with C and Cᵀ for each row: LLᵀ = CCᵀ by Cholesky with complete pivoting,
 /// which leaves dependent rows out, done twice so that C̄C̄ᵀ = I to rounding also for ill-conditioned rows
-/// (Giraud, Langou, Rozložník: the loss of orthogonality in the Gram-Schmidt orthogonalization process, 2005).
-/// Penalties and projectors then do not depend on how a user scales or repeats rows. Beyond `mostRows` rows it
-/// would cost too much; such rows are used as they stand (isOrthonormal() tells).
+/// (Giraud, Langou, Rozložník: the loss of orthogonality in the Gram-Schmidt orthogonalization process,
+/// 2005). Penalties and projectors then do not depend on how a user scales or repeats rows. Beyond `mostRows`
+/// rows it would cost too much; such rows are used as they stand (isOrthonormal() tells).
 ///
 /// Residuals are reported in the user's rows: residualNorm() is ‖Cx − c‖.
 ///
@@ -32,9 +32,7 @@ class EqualityRows {
   bool isPresent() const { return problem_.hasEqualities(); }
   bool isOrthonormal() const { return orthonormal_; }
   /// Whether A maps ker C̄ into itself as well as the range of C̄ᵀ.
-  bool isInvariant() const {
-    return problem_.equalityStructure() == EqualityStructure::OrthonormalInvariant;
-  }
+  bool isInvariant() const { return problem_.equalityStructure() == EqualityStructure::OrthonormalInvariant; }
   /// ‖C̄‖², estimated if the rows are used as they stand.
   double norm2() const { return norm2_; }
 
@@ -71,7 +69,7 @@ class EqualityRows {
   // T = L₂⁻¹L₁⁻¹ diag(1/‖C_i‖) where rows were orthonormalised, of the pivot rows; zero elsewhere.
   std::vector<PivotedCholesky> factors_;
   std::vector<double> rowScale_; // 1/‖C_i‖
-  std::vector<double> gram_; // of the scaled rows, kept for the consistency check
+  std::vector<double> gram_;     // of the scaled rows, kept for the consistency check
   bool orthonormal_ = false;
   double norm2_ = 0.0;
   double residualNorm_ = 0.0;

@@ -17,13 +17,14 @@ std::string breakdown() {
 std::string limit(const std::string& limit) {
   return "the limit of " + limit +
          " was reached; raise it, loosen the tolerance, or look at the history for a residual that no longer "
-         "falls (a badly conditioned Hessian, or constraints that cannot be met together: in the dual problem "
+         "falls (a badly conditioned Hessian, or constraints that cannot be met together: in the dual "
+         "problem "
          "of contact, a body that is pulled away from all that could hold it)";
 }
 
 std::string stagnation(double projectedGradient, double attainable) {
-  return "the projected gradient, " + scientific(projectedGradient) + ", is at the level of rounding errors, " +
-         scientific(attainable) +
+  return "the projected gradient, " + scientific(projectedGradient) +
+         ", is at the level of rounding errors, " + scientific(attainable) +
          ", and cannot be reduced to the tolerance asked for; loosen the tolerance";
 }
 
@@ -38,9 +39,9 @@ std::string infeasible(const Certificate& certificate) {
   return "no x meets the bounds and the equalities: a combination y of the equality rows, with norm 1, has "
          "yᵀ(Cx − c) >= " +
          scientific(certificate.gap) + " within the bounds" +
-         (certificate.defect > 0.0 ? " (for all x with a norm up to " +
-                                         scientific(certificate.gap / certificate.defect) + ")"
-                                   : std::string()) +
+         (certificate.defect > 0.0
+              ? " (for all x with a norm up to " + scientific(certificate.gap / certificate.defect) + ")"
+              : std::string()) +
          "; see SolverManager::certificate() (in the dual problem of contact: a body is pulled away from all "
          "that could hold it)";
 }

@@ -76,8 +76,8 @@ class FeasibilityProbe {
     const Teuchos::RCP<MV> w = MVT::Clone(x, 1);
     MVT::MvInit(*w, 0.0);
     rows_.addTransposed(1.0 / residual, r, *w);
-    const BoxInfimum infimum = BoundTraits<Scalar, MV>::boxInfimum(*w, problem_.lowerBound().get(),
-                                                                   problem_.upperBound().get());
+    const BoxInfimum infimum =
+        BoundTraits<Scalar, MV>::boxInfimum(*w, problem_.lowerBound().get(), problem_.upperBound().get());
     const double gap = infimum.value - dot<Scalar>(r, rows_.values()) / residual;
     const double radius = 1e6 * std::max(norm<Scalar>(x), infimum.boundNorm);
     if (!(gap >= 0.5 * residual) || !(infimum.openNorm * radius <= gap))

@@ -50,8 +50,8 @@ struct MprgpOptions {
 /// Cost: a product with H for a conjugate gradient or proportioning step, two for an expansion, three if it
 /// falls back. Apart from the product and its pᵀHp, an unpreconditioned step is one pass over the vectors
 /// and one reduction: ‖Hp‖² and φᵀHp over the free entries give the β of the next direction,
-/// β = (φᵀHp − α‖Hp‖²)/pᵀHp, before the new gradient is there (Chronopoulos & Gear, J. Comput. Appl. Math. 25,
-/// 1989), so that x, g and p are updated and split in the same pass.
+/// β = (φᵀHp − α‖Hp‖²)/pᵀHp, before the new gradient is there (Chronopoulos & Gear, J. Comput. Appl. Math.
+/// 25, 1989), so that x, g and p are updated and split in the same pass.
 ///
 /// ‖H‖ is an estimate: a larger curvature met along a search direction, or a cost that rises over a fixed
 /// step, corrects it.
@@ -61,8 +61,8 @@ template<class Scalar, class MV>
 class MprgpIteration {
  public:
   using Apply = std::function<void(const MV&, MV&)>;
-  /// z = (M⁻¹φ)_F on the face given; null without a preconditioner. The flag tells whether the face is another
-  /// than at the last call.
+  /// z = (M⁻¹φ)_F on the face given; null without a preconditioner. The flag tells whether the face is
+  /// another than at the last call.
   using Precondition = std::function<void(const MV&, const LocalActiveSet&, bool, MV&)>;
 
   enum class Outcome { ConjugateGradient, Expansion, Proportioning, Unbounded, Breakdown };

@@ -117,8 +117,8 @@ void MprgpIteration<Scalar, MV>::expandFixed(const CurvatureSums& along) {
     // The projected step decreases the cost for every ᾱ ≤ 2/‖H‖: if it rose, ‖H‖ is larger than estimated.
     // Changes at the level of rounding errors prove nothing.
     const ChangeSums change = BT::change(*x_, *xOld_, *g_, *gOld_);
-    const double noise = 10.0 * std::numeric_limits<double>::epsilon() *
-                         std::sqrt(change.moved2 * change.gradientNorm2);
+    const double noise =
+        10.0 * std::numeric_limits<double>::epsilon() * std::sqrt(change.moved2 * change.gradientNorm2);
     if (!(change.cost > noise)) {
       decrease_ -= change.cost;
       return;

@@ -22,9 +22,9 @@ void MprgpSolver<Scalar, MV, OP>::doSolve() {
   if (this->problem_->hasEqualities())
     throw InputError("MPRGP is for bounds alone, but the problem has equalities; use SMALBE");
   EqualityRows<Scalar, MV, OP> none(*this->problem_, 0);
-  BoundedLagrangian<Scalar, MV, OP> lagrangian(
-      *this->problem_, none, MprgpOptions::fromList(this->parameters_->sublist("MPRGP")),
-      this->result_.counters);
+  BoundedLagrangian<Scalar, MV, OP> lagrangian(*this->problem_, none,
+                                               MprgpOptions::fromList(this->parameters_->sublist("MPRGP")),
+                                               this->result_.counters);
   IterationState<MV> state = this->begin(lagrangian, 0.0, 0.0);
   this->minimise(lagrangian, state, nullptr, 0.0);
 }

@@ -76,7 +76,8 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
   const MV* upper = problem.upperBound().get();
   MV& x = *problem.solution();
   Counters& counters = this->result_.counters;
-  const Teuchos::RCP<MV> y = MVT::Clone(x, 1), residual = rows->isPresent() ? rows->makeVector() : Teuchos::null;
+  const Teuchos::RCP<MV> y = MVT::Clone(x, 1),
+                         residual = rows->isPresent() ? rows->makeVector() : Teuchos::null;
   long long active = 0;
 
   const auto evaluate = [&](double gradientNorm, int inner) {

@@ -35,12 +35,12 @@ struct Counters {
   int cgSteps = 0;
   int expansionSteps = 0;
   int proportioningSteps = 0;
-  int faces = 0;         ///< faces examined: active sets in a row that differ, the first one included
-  int fallbacks = 0;     ///< projected conjugate gradient expansions undone because the cost rose
-  int stepCuts = 0;      ///< fixed steps that proved too long
-  int confirmations = 0; ///< gradients recomputed because rounding might have spoilt the recurrence
-  int activeSetUpdates = 0;            ///< of a primal-dual active set method
-  int safeguards = 0;                  ///< changes to a globally convergent method
+  int faces = 0;            ///< faces examined: active sets in a row that differ, the first one included
+  int fallbacks = 0;        ///< projected conjugate gradient expansions undone because the cost rose
+  int stepCuts = 0;         ///< fixed steps that proved too long
+  int confirmations = 0;    ///< gradients recomputed because rounding might have spoilt the recurrence
+  int activeSetUpdates = 0; ///< of a primal-dual active set method
+  int safeguards = 0;       ///< changes to a globally convergent method
   int preconditionerApplications = 0;
   int preconditionerSetups = 0; ///< made for a face
 

@@ -28,13 +28,17 @@ ParameterSpec SmalbeSolver<Scalar, MV, OP>::methodSpec() {
   spec.real("M", 10.0, Range::above(0.0), "Inner precision ‖g^P‖ ≤ M‖Cx − c‖.");
   spec.real("Inner tolerance", 0.1, Range::above(0.0),
             "Rules `precision` and `both`: η, the largest ‖g^P‖ at the end of an inner loop.");
-  spec.real("Precision factor", 0.1, Range::strictlyWithin(0.0, 1.0), "Rules `precision` and `both`: θ, M ← θM.");
-  spec.real("Equality tolerance", 0.1, Range::above(0.0), "Rules `penalty` and `both`: η₀, ‖Cx − c‖ expected at first.");
-  spec.real("Tolerance factor", 0.1, Range::strictlyWithin(0.0, 1.0), "Rules `penalty` and `both`: α, η ← αη.");
+  spec.real("Precision factor", 0.1, Range::strictlyWithin(0.0, 1.0),
+            "Rules `precision` and `both`: θ, M ← θM.");
+  spec.real("Equality tolerance", 0.1, Range::above(0.0),
+            "Rules `penalty` and `both`: η₀, ‖Cx − c‖ expected at first.");
+  spec.real("Tolerance factor", 0.1, Range::strictlyWithin(0.0, 1.0),
+            "Rules `penalty` and `both`: α, η ← αη.");
   spec.real("Penalty factor", 10.0, Range::above(1.0), "Rules `penalty` and `both`: β, ρ ← βρ.");
-  spec.real("Maximum penalty", 1000.0, Range::above(0.0),
-            "ρ does not grow beyond; the rounding errors of the gradient grow with it, and the method converges "
-            "with any fixed ρ.");
+  spec.real(
+      "Maximum penalty", 1000.0, Range::above(0.0),
+      "ρ does not grow beyond; the rounding errors of the gradient grow with it, and the method converges "
+      "with any fixed ρ.");
   spec.integer("Slow iterations", 4, 1, 1000000,
                "All rules: ρ ← βρ after so many outer iterations in a row that did not halve ‖Cx − c‖, which "
                "rows that nearly depend on each other in the free entries bring about.");
@@ -79,9 +83,9 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
   const Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = this->makeRows();
   if (rows.is_null())
     return;
-  BoundedLagrangian<Scalar, MV, OP> lagrangian(
-      *this->problem_, *rows, MprgpOptions::fromList(this->parameters_->sublist("MPRGP")),
-      this->result_.counters);
+  BoundedLagrangian<Scalar, MV, OP> lagrangian(*this->problem_, *rows,
+                                               MprgpOptions::fromList(this->parameters_->sublist("MPRGP")),
+                                               this->result_.counters);
 
   double normScale = 1.0, gradientScale = 1.0, equalityScale = 1.0;
   if (list.get<std::string>("Parameter scaling") == "relative" && lagrangian.hessianNorm() > 0.0) {

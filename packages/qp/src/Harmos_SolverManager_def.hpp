@@ -169,8 +169,8 @@ bool SolverManager<Scalar, MV, OP>::isSenseless() {
 
 template<class Scalar, class MV, class OP>
 Teuchos::RCP<EqualityRows<Scalar, MV, OP>> SolverManager<Scalar, MV, OP>::makeRows() {
-  Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = Teuchos::rcp(new EqualityRows<Scalar, MV, OP>(
-      *problem_, parameters_->template get<int>("Orthonormalised Rows")));
+  Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = Teuchos::rcp(
+      new EqualityRows<Scalar, MV, OP>(*problem_, parameters_->template get<int>("Orthonormalised Rows")));
   if (!rows->isPresent())
     return rows;
   const Teuchos::RCP<MV> y = rows->makeVector();
@@ -266,7 +266,8 @@ void SolverManager<Scalar, MV, OP>::record(const IterationState<MV>& state, Step
   result_.projectedGradientNorm = state.projectedGradient;
   result_.equalityNorm = state.equalityResidual;
   result_.history.push_back({state.outer, state.inner, step, state.projectedGradient, state.equalityResidual,
-                             penalty, precision, active, result_.counters.hessianApplications, seconds, state.decrease});
+                             penalty, precision, active, result_.counters.hessianApplications, seconds,
+                             state.decrease});
   const int frequency = parameters_->template get<int>("Output Frequency");
   if (frequency == 0 || !log_.writesInfo())
     return;

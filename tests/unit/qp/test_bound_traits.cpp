@@ -41,7 +41,7 @@ TEST(BoundTraits, splitting_of_every_case) {
   // φ̃: 2, −3 unbounded; min(0.1/0.5, 4) = 0.2; max(−0.1/0.5, −6) = −0.2.
   EXPECT_NEAR(sums.reducedNorm2, 4 + 9 + 0.2 * 4 + 0.2 * 6, 1e-14);
   EXPECT_EQ(sums.active, 5);
-  EXPECT_EQ(sums.changed, 9); // all are new
+  EXPECT_EQ(sums.changed, 9);                    // all are new
   EXPECT_NEAR(sums.longestStep, 0.1 / 6, 1e-16); // entry 7 meets its upper bound first: (0.9 − 1)/(−6)
   EXPECT_EQ(sums.projectedNorm2(), sums.freeNorm2 + sums.choppedNorm2);
   EXPECT_NEAR(BT::projectedGradientNorm(*c.xv, *c.gv, c.lv.get(), c.uv.get()),
@@ -93,7 +93,8 @@ TEST(BoundTraits, advance_is_step_splitting_and_direction) {
              l = toVector({0.0, 0.0, 0.0, -inf}, map), u = toVector({inf, 3.0, inf, inf}, map);
   qp::LocalActiveSet active;
   BT::split(*x, *g, l.get(), u.get(), 1.0, nullptr, active);
-  const qp::SplitSums sums = BT::advance(*x, *g, *p, *image, 0.125, 0.5, false, l.get(), u.get(), 1.0, *p, active);
+  const qp::SplitSums sums =
+      BT::advance(*x, *g, *p, *image, 0.125, 0.5, false, l.get(), u.get(), 1.0, *p, active);
   EXPECT_EQ(fromVector(*x), (std::vector<double>{0.5, 1.5, 0.0, 4.0}));
   EXPECT_EQ(fromVector(*g), (std::vector<double>{3.75, -4.125, 1.875, 7.5}));
   EXPECT_EQ(fromVector(*p), (std::vector<double>{1.75, -2.125, 0.0, 3.5})); // φ − p/2, nothing at the bound
@@ -143,8 +144,10 @@ TEST(BoundTraits, projected_step_and_the_change_it_makes) {
 TEST(BoundTraits, active_sets_follow_multipliers_and_violations) {
   const auto map = Teuchos::rcp(new Map(6, 0, testComm()));
   //                          free,  below l, above u,  at l held, at l freed, l = u
-  const auto x = toVector({0.5, -1.0, 2.0, 0.0, 0.0, 3.0}, map), g = toVector({9.0, 0.0, 0.0, 1.0, -2.0, -5.0}, map),
-             l = toVector({0.0, 0.0, 0.0, 0.0, 0.0, 3.0}, map), u = toVector({1.0, 1.0, 1.0, 1.0, 1.0, 3.0}, map);
+  const auto x = toVector({0.5, -1.0, 2.0, 0.0, 0.0, 3.0}, map),
+             g = toVector({9.0, 0.0, 0.0, 1.0, -2.0, -5.0}, map),
+             l = toVector({0.0, 0.0, 0.0, 0.0, 0.0, 3.0}, map),
+             u = toVector({1.0, 1.0, 1.0, 1.0, 1.0, 3.0}, map);
   qp::LocalActiveSet set;
   for (std::size_t i = 0; i < x->getLocalLength(); ++i)
     set.push_back(map->getGlobalElement(static_cast<LocalOrdinal>(i)) >= 3 ? -1 : 0);

@@ -15,7 +15,8 @@ using namespace Harmos::qp;
 namespace {
 
 constexpr double condition = 100.0;
-// ‖x − x*‖ ≤ κ-like factors (here below 1e3) times the tolerance times ‖b‖/λ_min (below 30): 1e-11 leaves 1e-8.
+// ‖x − x*‖ ≤ κ-like factors (here below 1e3) times the tolerance times ‖b‖/λ_min (below 30): 1e-11 leaves
+// 1e-8.
 constexpr double tolerance = 1e-11;
 
 struct Method {
@@ -71,7 +72,8 @@ void expectKkt(const SmallQp& qp, const Outcome& run, const std::string& what) {
   const double scale = 1e-8 * (1.0 + norm(qp.b) + norm(run.mu));
   const std::vector<double> g = lagrangianGradient(qp, run.x, run.mu);
   for (std::size_t i = 0; i < run.x.size(); ++i) {
-    const double l = qp.lower.empty() ? -infinity : qp.lower[i], u = qp.upper.empty() ? infinity : qp.upper[i];
+    const double l = qp.lower.empty() ? -infinity : qp.lower[i],
+                 u = qp.upper.empty() ? infinity : qp.upper[i];
     EXPECT_GE(run.x[i], l) << what;
     EXPECT_LE(run.x[i], u) << what;
     if (run.x[i] > l)
@@ -161,7 +163,8 @@ TEST(RandomProblems, dependent_equality_rows) {
   }
 }
 
-// A has a kernel; the problem was built around a solution, which need not be the only one: the minimal cost is.
+// A has a kernel; the problem was built around a solution, which need not be the only one: the minimal cost
+// is.
 TEST(RandomProblems, semidefinite) {
   std::mt19937 random(105);
   for (int k = 0; k < 200; ++k) {
@@ -197,7 +200,8 @@ TEST(RandomProblems, infeasible_ones_are_named_and_proven) {
         EXPECT_GT(qp.lower[i], qp.upper[i]) << what;
         continue;
       }
-      // The proof, evaluated here: inf yᵀ(Cx − c) over the box, entries without a bound counted to ‖x‖ = 1000.
+      // The proof, evaluated here: inf yᵀ(Cx − c) over the box, entries without a bound counted to ‖x‖ =
+      // 1000.
       ASSERT_FALSE(solver->certificate().is_null()) << what;
       const std::vector<double> y = fromVector(*solver->certificate());
       EXPECT_NEAR(norm(y), 1.0, 1e-12) << what;

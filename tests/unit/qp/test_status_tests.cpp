@@ -95,7 +95,7 @@ TEST(StatusTest, cost_stagnation_over_a_window) {
   };
   EXPECT_EQ(check(10.0), Status::Failed);
   EXPECT_EQ(check(0.5), Status::Failed);
-  EXPECT_EQ(check(0.4), Status::Passed); // 0.9 of 10.9
+  EXPECT_EQ(check(0.4), Status::Passed);              // 0.9 of 10.9
   EXPECT_EQ(test.checkStatus(state), Status::Passed); // asked again about the same iterate
   EXPECT_EQ(test.reason(), Reason::Stagnation);
   EXPECT_EQ(check(std::nan("")), Status::Failed);

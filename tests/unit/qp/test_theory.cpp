@@ -21,7 +21,8 @@ Teuchos::RCP<Teuchos::ParameterList> parameters(double tolerance) {
   return list;
 }
 
-Result solve(const std::string& name, const DistributedQp& qp, const Teuchos::RCP<Teuchos::ParameterList>& list,
+Result solve(const std::string& name, const DistributedQp& qp,
+             const Teuchos::RCP<Teuchos::ParameterList>& list,
              const Teuchos::RCP<StatusTest<MultiVector>>& debug = Teuchos::null) {
   const auto solver = TpetraSolverFactory().create(name, list);
   solver->setDebugStatusTest(debug);
@@ -53,7 +54,10 @@ double projectedGradient(const SmallQp& qp, const std::vector<double>& x, const 
   for (std::size_t i = 0; i < x.size(); ++i) {
     const bool atLower = !qp.lower.empty() && x[i] <= qp.lower[i];
     const bool atUpper = !qp.upper.empty() && x[i] >= qp.upper[i];
-    const double entry = atLower && atUpper ? 0.0 : atLower ? std::min(g[i], 0.0) : atUpper ? std::max(g[i], 0.0) : g[i];
+    const double entry = atLower && atUpper ? 0.0
+                         : atLower          ? std::min(g[i], 0.0)
+                         : atUpper          ? std::max(g[i], 0.0)
+                                            : g[i];
     sum += entry * entry;
   }
   return std::sqrt(sum);
@@ -91,7 +95,8 @@ TEST(Theory, every_step_of_mprgp_makes_the_proven_decrease) {
         ASSERT_TRUE(result.converged());
         ASSERT_EQ(result.counters.stepCuts, 0);
         const double gammaHat = std::max(gamma, 1.0 / gamma);
-        const double alphaHat = std::min(factor, 2.0 - factor) / condition, theta = 2.0 * std::max(factor, 1.0);
+        const double alphaHat = std::min(factor, 2.0 - factor) / condition,
+                     theta = 2.0 * std::max(factor, 1.0);
         const double eta = 1.0 - alphaHat / (theta * (1.0 + gammaHat * gammaHat));
         for (std::size_t i = 1; i < probe->costs.size(); ++i) {
           const double before = probe->costs[i - 1] - best, after = probe->costs[i] - best;
@@ -134,8 +139,8 @@ TEST(Theory, cost_never_rises_in_any_variant) {
   }
 }
 
-// A preconditioner that is the inverse on the face makes one step of each face; one that is no preconditioner at
-// all does no harm to the answer.
+// A preconditioner that is the inverse on the face makes one step of each face; one that is no preconditioner
+// at all does no harm to the answer.
 TEST(Theory, preconditioners_change_the_way_but_not_the_answer) {
   class FaceInverse : public TpetraFacePreconditioner {
    public:
@@ -276,8 +281,8 @@ TEST(Theory, tolerances_are_met_or_stagnation_is_told) {
         }
         ASSERT_EQ(result.reason, Reason::Stagnation) << what << ": " << result.explanation;
         ++stagnations;
-        // Only where the tolerance is out of reach, and close to what can be reached: κε relative to ‖b‖, with
-        // the penalty's thousand at most on top.
+        // Only where the tolerance is out of reach, and close to what can be reached: κε relative to ‖b‖,
+        // with the penalty's thousand at most on top.
         EXPECT_LE(tolerance, 1e-10) << what;
         EXPECT_LE(reached, 1e3 * level + condition * epsilon * norm(qp.b)) << what;
         EXPECT_NE(result.explanation.find("at the level of rounding errors"), std::string::npos);
