@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The documentation says what is true.
 
-Guards against a parameter page that was not generated anew, links that lead nowhere, and commands
-in the README that no longer work.
+Guards against a parameter page that was not generated anew, links that lead nowhere, commands in the
+README that no longer work, and examples that differ from what their page shows.
 """
 
 import pathlib
@@ -28,7 +28,8 @@ class Documents(unittest.TestCase):
 
     def test_links_lead_somewhere(self):
         for page in [ROOT / "README.md", *ROOT.glob("docs/**/*.md"), *ROOT.glob("packages/*/README.md")]:
-            for target in re.findall(r"\]\(([^)#]+)\)", page.read_text(encoding="utf-8")):
+            text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.S)
+            for target in re.findall(r"\]\(([^)#]+)\)", text):
                 if "://" not in target:
                     self.assertTrue((page.parent / target).exists(), f"{page}: {target}")
 
@@ -44,6 +45,17 @@ class Documents(unittest.TestCase):
         done = runs.start(arguments, np=2)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertTrue((pathlib.Path(directory) / "summary.json").exists())
+
+    def test_examples_are_shown_as_they_are_and_print_what_is_shown(self):
+        """Pages that show an example: its source, word for word, and its output on 1 and 2 ranks."""
+        page = (ROOT / "docs/qp.md").read_text(encoding="utf-8")
+        source = (ROOT / "docs/examples/obstacle.cpp").read_text(encoding="utf-8")
+        self.assertIn(f"```cpp\n{source}```", page)
+        self.assertLess(len(source.splitlines()), 60)
+        shown = page.split("any number of ranks it prints\n\n```\n")[1].split("```")[0]
+        for np in (1, 2):
+            status, out, err = runs.execute([*runs.launcher(np), runs.BINARY / "examples/example_obstacle"])
+            self.assertEqual((status, out), (0, shown), err)
 
     def test_decks_of_the_readme_exist(self):
         text = (ROOT / "README.md").read_text(encoding="utf-8")

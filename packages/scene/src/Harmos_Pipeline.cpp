@@ -137,6 +137,8 @@ Test convergenceTest(const feti::DualProblem& dual, const RunOptions& options, b
 struct DualSolution {
   Teuchos::RCP<MultiVector> lambda;
   std::vector<double> mu;
+  /// Where no forces can hold the bodies: amplitudes of the rigid motion that escapes, by columns of R.
+  std::vector<double> escape;
 };
 
 DualSolution solve(const feti::SubdomainSystem& system, const feti::Constraints& constraints,
@@ -202,6 +204,14 @@ DualSolution solve(const feti::SubdomainSystem& system, const feti::Constraints&
       log.info("Note: the penalty leaves |G lambda| = " + scientific(report.result.equalityNorm) +
                ", above the tolerance of the stopping rule, " + scientific(test.equality->limit()));
   }
+  if (report.result.reason == qp::Reason::Infeasible && !solver->certificate().is_null()) {
+    // y with yᵀGλ > 0 for all admissible λ: forces of one sign act on the motion R L⁻ᵀy.
+    const auto view = solver->certificate()->getLocalViewHost(Tpetra::Access::ReadOnly);
+    std::vector<double> y;
+    for (std::size_t k = 0; k < view.extent(0); ++k)
+      y.push_back(view(k, 0));
+    solution.escape = coarse.solveLt(y);
+  }
   report.converged = report.result.converged();
   report.reason = qp::toString(report.result.reason);
   if (!report.converged)
@@ -212,6 +222,24 @@ DualSolution solve(const feti::SubdomainSystem& system, const feti::Constraints&
       solution.mu.push_back(view(k, 0));
   }
   return solution;
+}
+
+// "“second membrane”": the bodies that have a share in a rigid motion.
+std::string escapingBodies(const Teuchos::Comm<int>& comm, const Scene& scene,
+                           const std::vector<OwnedSubdomain>& owned, const feti::SubdomainSystem& system,
+                           const std::vector<double>& escape) {
+  std::vector<double> squares(scene.bodies.size(), 0.0);
+  for (int i = 0; i < system.size(); ++i)
+    for (int k = 0; k < system.kernel(i).columns; ++k)
+      squares[static_cast<std::size_t>(owned[static_cast<std::size_t>(i)].body)] +=
+          std::pow(escape[static_cast<std::size_t>(system.kernelOffset(i) + k)], 2);
+  globalSum(comm, squares);
+  const double largest = *std::max_element(squares.begin(), squares.end());
+  std::string names;
+  for (std::size_t b = 0; b < squares.size(); ++b)
+    if (squares[b] > 1e-4 * largest) // a hundredth of the amplitude
+      names += (names.empty() ? "\"" : ", \"") + scene.bodies[b].name + "\"";
+  return names;
 }
 
 void logResult(const Log& log, const RunReport& report) {
@@ -305,6 +333,9 @@ void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& 
     return solve(system, constraints, coarse, dual, options, log, report);
   }();
   dualOperator.rethrowFailure();
+  if (!solution.escape.empty())
+    report.reason += "; pulled away, with nothing to hold it: " +
+                     escapingBodies(*comm, scene, owned, system, solution.escape);
   logResult(log, report);
 
   const feti::TornSolution torn = [&] {

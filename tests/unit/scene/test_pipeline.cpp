@@ -3,6 +3,7 @@
 #include "Harmos_Decomposition.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_Pipeline.hpp"
 #include "Harmos_RunReport.hpp"
 #include "Harmos_StructuredRectangle.hpp"
 #include "Harmos_TestComm.hpp"
@@ -63,6 +64,41 @@ TEST(Decomposition, congruent_subdomains_share_matrix_and_kernel) {
   for (const feti::Subdomain& subdomain : subdomains) {
     EXPECT_EQ(subdomain.stiffness.get(), subdomains[0].stiffness.get());
     EXPECT_EQ(subdomain.motions.get(), subdomains[0].motions.get());
+  }
+}
+
+// Two membranes as in the model problem, but the second one is pulled up, away from the first that it lies
+// on: no contact forces hold it, and the message says which one.
+TEST(Pipeline, body_that_is_pulled_away_is_named) {
+  scene::Scene scene;
+  for (int b = 0; b < 2; ++b) {
+    const auto rectangle = std::make_shared<const fem::StructuredRectangle>(
+        fem::Point{static_cast<double>(b), 0, 0}, std::array<double, 2>{1, 1}, std::array<int, 2>{2, 2},
+        std::array<int, 2>{4, 4}, 1000 * b);
+    scene::Body body;
+    body.name = b == 0 ? "lower" : "upper";
+    body.subdomains = 4;
+    body.subdomain = [rectangle](int k) { return rectangle->subdomain(k); };
+    if (b == 0)
+      body.prescribed = {{"left", 0.0}};
+    body.bodyForce = {{1.0, {static_cast<double>(b), 0.0}, {b + 1.0, 1.0}}};
+    scene.bodies.push_back(body);
+  }
+  scene.interfaces = {{scene::Interface::Kind::Contact, 0, "right", 1, "left"}};
+  ParameterSpec deck("deck", "A deck.");
+  scene::RunOptions::addTo(deck);
+  for (const char* form : {"primal", "dual"}) {
+    Teuchos::ParameterList list = deck.defaults();
+    list.sublist("Decomposition").set("Dirichlet", std::string(form));
+    scene::RunOptions options = scene::RunOptions::fromDeck(list);
+    options.writeFields = false;
+    options.outputDirectory = (std::filesystem::temp_directory_path() / "harmos_pulled_away").string();
+    scene::RunReport report;
+    scene::run(testComm(), scene, options, Log(), std::chrono::steady_clock::now(), report);
+    EXPECT_FALSE(report.converged);
+    EXPECT_EQ(report.result.reason, qp::Reason::Infeasible) << form;
+    EXPECT_NE(report.reason.find("nothing to hold it: \"upper\""), std::string::npos) << report.reason;
+    EXPECT_EQ(report.reason.find("lower\""), std::string::npos) << report.reason;
   }
 }
 
