@@ -11,45 +11,6 @@ double unit(std::mt19937& random) {
   return std::uniform_real_distribution<double>(-1.0, 1.0)(random);
 }
 
-// Orthonormal columns of a random matrix; the first given ones are kept as far as they go.
-Dense orthonormal(std::mt19937& random, int n, const std::vector<std::vector<double>>& first = {}) {
-  Dense q(n, n);
-  for (int j = 0; j < n; ++j) {
-    for (int i = 0; i < n; ++i)
-      q(i, j) = static_cast<std::size_t>(j) < first.size()
-                    ? first[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)]
-                    : unit(random);
-    for (int pass = 0; pass < 2; ++pass)
-      for (int k = 0; k < j; ++k) {
-        double dot = 0.0;
-        for (int i = 0; i < n; ++i)
-          dot += q(i, j) * q(i, k);
-        for (int i = 0; i < n; ++i)
-          q(i, j) -= dot * q(i, k);
-      }
-    double length = 0.0;
-    for (int i = 0; i < n; ++i)
-      length += q(i, j) * q(i, j);
-    for (int i = 0; i < n; ++i)
-      q(i, j) /= std::sqrt(length);
-  }
-  return q;
-}
-
-// Q diag(0, …, 0, 1, …, 100) Qᵀ.
-Dense withSpectrum(const Dense& q, int nullity) {
-  const int n = q.rows;
-  Dense a(n, n);
-  for (int k = nullity; k < n; ++k) {
-    const double value =
-        std::pow(100.0, n - nullity > 1 ? static_cast<double>(k - nullity) / (n - nullity - 1) : 0.0);
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; j < n; ++j)
-        a(i, j) += value * q(i, k) * q(j, k);
-  }
-  return a;
-}
-
 } // namespace
 
 double norm(const std::vector<double>& x) {
@@ -110,9 +71,13 @@ double farkasInfimum(const SmallQp& qp, const std::vector<double>& y, double rad
 }
 
 BuiltQp builtQp(std::mt19937& random, int n, int equalities, int nullity, bool degenerate) {
-  BuiltQp built{
-      {withSpectrum(orthonormal(random, n), std::min(nullity, n - 1)), {}, {}, {}, Dense(equalities, n), {}},
-      {}};
+  BuiltQp built{{withSpectrum(randomOrthonormal(random, n), std::min(nullity, n - 1), 100.0),
+                 {},
+                 {},
+                 {},
+                 Dense(equalities, n),
+                 {}},
+                {}};
   SmallQp& qp = built.qp;
   for (double& value : qp.c.values)
     value = unit(random);
@@ -207,8 +172,12 @@ SmallQp unboundedQp(std::mt19937& random, int n, int equalities, bool bounds) {
   const double length = norm(d);
   for (double& value : d)
     value /= length;
-  SmallQp qp{withSpectrum(orthonormal(random, n, {d}), 1), {}, {}, {},
-             Dense(std::min(equalities, n - 2), n),        {}};
+  SmallQp qp{withSpectrum(randomOrthonormal(random, n, {d}), 1, 100.0),
+             {},
+             {},
+             {},
+             Dense(std::min(equalities, n - 2), n),
+             {}};
   std::vector<double> feasible;
   double load = 0.0;
   for (int i = 0; i < n; ++i) {

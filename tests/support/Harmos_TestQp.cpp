@@ -96,33 +96,47 @@ std::vector<double> bruteForce(const SmallQp& qp, std::vector<double>* multiplie
   }
 }
 
-SmallQp randomQp(std::mt19937& random, int n, int equalities, bool bounds, double condition) {
+Dense randomOrthonormal(std::mt19937& random, int n, const std::vector<std::vector<double>>& first) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  SmallQp qp{Dense(n, n), {}, {}, {}, Dense(equalities, n), {}};
-  // A = QDQᵀ with Q from the orthonormalisation of a random matrix.
   Dense q(n, n);
-  for (double& value : q.values)
-    value = unit(random);
   for (int j = 0; j < n; ++j) {
-    for (int k = 0; k < j; ++k) {
-      double dot = 0.0;
-      for (int i = 0; i < n; ++i)
-        dot += q(i, j) * q(i, k);
-      for (int i = 0; i < n; ++i)
-        q(i, j) -= dot * q(i, k);
-    }
-    double norm = 0.0;
     for (int i = 0; i < n; ++i)
-      norm += q(i, j) * q(i, j);
+      q(i, j) = static_cast<std::size_t>(j) < first.size()
+                    ? first[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)]
+                    : unit(random);
+    for (int pass = 0; pass < 2; ++pass)
+      for (int k = 0; k < j; ++k) {
+        double dot = 0.0;
+        for (int i = 0; i < n; ++i)
+          dot += q(i, j) * q(i, k);
+        for (int i = 0; i < n; ++i)
+          q(i, j) -= dot * q(i, k);
+      }
+    double length = 0.0;
     for (int i = 0; i < n; ++i)
-      q(i, j) /= std::sqrt(norm);
+      length += q(i, j) * q(i, j);
+    for (int i = 0; i < n; ++i)
+      q(i, j) /= std::sqrt(length);
   }
-  for (int k = 0; k < n; ++k) {
-    const double d = std::pow(condition, n > 1 ? static_cast<double>(k) / (n - 1) : 0.0);
+  return q;
+}
+
+Dense withSpectrum(const Dense& q, int nullity, double condition) {
+  const int n = q.rows;
+  Dense a(n, n);
+  for (int k = nullity; k < n; ++k) {
+    const double value =
+        std::pow(condition, n - nullity > 1 ? static_cast<double>(k - nullity) / (n - nullity - 1) : 0.0);
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < n; ++j)
-        qp.a(i, j) += d * q(i, k) * q(j, k);
+        a(i, j) += value * q(i, k) * q(j, k);
   }
+  return a;
+}
+
+SmallQp randomQp(std::mt19937& random, int n, int equalities, bool bounds, double condition) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  SmallQp qp{withSpectrum(randomOrthonormal(random, n), 0, condition), {}, {}, {}, Dense(equalities, n), {}};
   std::vector<double> feasible;
   for (int i = 0; i < n; ++i) {
     qp.b.push_back(10.0 * unit(random));

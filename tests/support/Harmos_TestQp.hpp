@@ -28,6 +28,12 @@ struct SmallQp {
 /// @param multipliers receives those of the equalities.
 std::vector<double> bruteForce(const SmallQp& qp, std::vector<double>* multipliers = nullptr);
 
+/// Orthonormal columns made of random ones; the first given ones are kept as far as they go.
+Dense randomOrthonormal(std::mt19937& random, int n, const std::vector<std::vector<double>>& first = {});
+
+/// Q diag(0, …, 0, 1, …, condition) Qᵀ with eigenvalues in geometric progression.
+Dense withSpectrum(const Dense& q, int nullity, double condition);
+
 /// A strictly convex QP with eigenvalues in [1, condition], whose bounds are feasible with the equalities.
 SmallQp randomQp(std::mt19937& random, int n, int equalities, bool bounds, double condition = 100.0);
 

@@ -2,7 +2,9 @@
 #include "Harmos_Errors.hpp"
 #include "Harmos_ParameterSpec.hpp"
 
+#include "Harmos_TestErrors.hpp"
 #include <Teuchos_XMLParameterListCoreHelpers.hpp>
+
 #include <gtest/gtest.h>
 
 #include <sstream>
@@ -26,16 +28,7 @@ ParameterSpec deck() {
 }
 
 std::string message(const Teuchos::ParameterList& list) {
-  try {
-    deck().validated(list, "deck.xml");
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
+  return inputErrorOf([&] { deck().validated(list, "deck.xml"); });
 }
 
 } // namespace

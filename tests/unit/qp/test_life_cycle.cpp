@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Harmos_Errors.hpp"
+#include "Harmos_TestErrors.hpp"
 #include "Harmos_TestQp.hpp"
 
 #include <gtest/gtest.h>
@@ -18,20 +18,6 @@ SmallQp smallQp(int equalities, bool bounds) {
   return randomQp(random, 4, equalities, bounds);
 }
 
-template<class Call>
-std::string message(Call&& call) {
-  try {
-    call();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 } // namespace
 
 TEST(LifeCycle, a_setter_takes_the_mark_away) {
@@ -40,16 +26,16 @@ TEST(LifeCycle, a_setter_takes_the_mark_away) {
   qp.problem->setLowerBound(Teuchos::null);
   EXPECT_FALSE(qp.problem->isProblemSet());
   const auto solver = TpetraSolverFactory().create("MPRGP", Teuchos::null);
-  EXPECT_TRUE(contains(message([&] { solver->setProblem(qp.problem); }), "after setLowerBound()"));
+  EXPECT_TRUE(contains(inputErrorOf([&] { solver->setProblem(qp.problem); }), "after setLowerBound()"));
   EXPECT_TRUE(qp.problem->setProblem());
   EXPECT_NO_THROW(solver->setProblem(qp.problem));
   qp.problem->setRhs(qp.problem->rhs());
-  EXPECT_TRUE(contains(message([&] { solver->solve(); }), "was changed after setProblem()"));
+  EXPECT_TRUE(contains(inputErrorOf([&] { solver->solve(); }), "was changed after setProblem()"));
 }
 
 TEST(LifeCycle, solve_without_a_problem) {
   const auto solver = TpetraSolverFactory().create("SMALBE", Teuchos::null);
-  EXPECT_TRUE(contains(message([&] { solver->solve(); }), "without a problem"));
+  EXPECT_TRUE(contains(inputErrorOf([&] { solver->solve(); }), "without a problem"));
 }
 
 TEST(LifeCycle, problems_that_cannot_be_set_say_why) {
@@ -69,7 +55,7 @@ TEST(LifeCycle, problems_that_cannot_be_set_say_why) {
 
 TEST(LifeCycle, solvers_refuse_structures_they_are_not_for) {
   const auto solve = [](const std::string& name, const SmallQp& qp) {
-    return message([&] {
+    return inputErrorOf([&] {
       const DistributedQp distributed(qp);
       const auto solver = TpetraSolverFactory().create(name, Teuchos::null);
       solver->setProblem(distributed.problem);
@@ -91,7 +77,7 @@ TEST(LifeCycle, too_many_general_rows_are_refused_by_name) {
     list->set("Orthonormalised Rows", 1);
     const auto solver = TpetraSolverFactory().create(name, list);
     solver->setProblem(qp.problem);
-    EXPECT_TRUE(contains(message([&] { solver->solve(); }), "\"Orthonormalised Rows\"")) << name;
+    EXPECT_TRUE(contains(inputErrorOf([&] { solver->solve(); }), "\"Orthonormalised Rows\"")) << name;
   }
 }
 
@@ -101,7 +87,8 @@ TEST(LifeCycle, factory_ignores_case_and_offers_the_nearest_name) {
   EXPECT_EQ(factory.create("DUAL PENALTY", Teuchos::null)->name(), "Dual Penalty");
   EXPECT_TRUE(factory.isSupported("pcpg"));
   EXPECT_FALSE(factory.isSupported("GMRES"));
-  EXPECT_TRUE(contains(message([&] { factory.create("MPRG", Teuchos::null); }), "did you mean \"MPRGP\"?"));
+  EXPECT_TRUE(
+      contains(inputErrorOf([&] { factory.create("MPRG", Teuchos::null); }), "did you mean \"MPRGP\"?"));
 }
 
 TEST(LifeCycle, auto_follows_the_structure) {
@@ -158,16 +145,17 @@ TEST(LifeCycle, applications_add_solvers) {
   solver->setProblem(qp.problem);
   EXPECT_EQ(solver->solve().method, "Guess");
   EXPECT_EQ(fromVector(*qp.solution)[0], 7.0);
-  EXPECT_TRUE(contains(message([&] { factory.addSolver("mprgp", [] { return Teuchos::rcp(new Guess); }); }),
-                       "is there already"));
+  EXPECT_TRUE(
+      contains(inputErrorOf([&] { factory.addSolver("mprgp", [] { return Teuchos::rcp(new Guess); }); }),
+               "is there already"));
   EXPECT_FALSE(TpetraSolverFactory().isSupported("Guess"));
 }
 
 TEST(LifeCycle, parameters_are_checked_at_the_first_call) {
   const auto list = Teuchos::parameterList();
   list->sublist("MPRGP").set("Gama", 1.0);
-  EXPECT_TRUE(
-      contains(message([&] { TpetraSolverFactory().create("MPRGP", list); }), "did you mean \"Gamma\"?"));
+  EXPECT_TRUE(contains(inputErrorOf([&] { TpetraSolverFactory().create("MPRGP", list); }),
+                       "did you mean \"Gamma\"?"));
   const auto solver = TpetraSolverFactory().create("SMALBE", Teuchos::null);
   EXPECT_EQ(solver->getCurrentParameters()->sublist("MPRGP").get<double>("Gamma"), 1.0);
   EXPECT_TRUE(solver->getValidParameters()->isSublist("SMALBE"));
@@ -261,7 +249,7 @@ TEST(LifeCycle, null_space_tells_an_unbounded_problem_before_the_first_step) {
   EXPECT_EQ(unbounded.reason, Reason::Unbounded);
   EXPECT_EQ(unbounded.counters.hessianApplications, 0);
   EXPECT_NEAR(unbounded.certificate.gap, 0.5, 1e-15);
-  EXPECT_TRUE(contains(message([&] { solve({0, 1, 0, 0}); }), "the null space given is none"));
+  EXPECT_TRUE(contains(inputErrorOf([&] { solve({0, 1, 0, 0}); }), "the null space given is none"));
   // A bound in the way, or no load: the kernel is harmless.
   qp.b[3] = -0.5;
   EXPECT_TRUE(solve({0, 0, 0, 3}).converged());

@@ -3,6 +3,7 @@
 #include "Harmos_Errors.hpp"
 #include "Harmos_RunOptions.hpp"
 #include "Harmos_TestComm.hpp"
+#include "Harmos_TestErrors.hpp"
 
 #include <gtest/gtest.h>
 
@@ -39,16 +40,7 @@ ParameterSpec spec() {
 }
 
 std::string failure(const DeckFile& file, const std::vector<std::string>& assignments = {}) {
-  try {
-    scene::readDeck(*testComm(), file.path(), assignments, spec());
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
+  return inputErrorOf([&] { scene::readDeck(*testComm(), file.path(), assignments, spec()); });
 }
 
 } // namespace
