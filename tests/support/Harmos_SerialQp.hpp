@@ -160,6 +160,7 @@ struct BoundTraits<double, SerialVector> {
     for (std::size_t i = 0; i < x().size(); ++i) {
       const double f = phi(x, g, i, lower, upper), b = beta(x, g, i, lower, upper);
       sums.freeNorm2 += f * f;
+      sums.xNorm2 += x()[i] * x()[i];
       sums.choppedNorm2 += b * b;
       if (f > 0.0)
         sums.reducedNorm2 += std::min((x()[i] - lowerOf(lower, i)) / stepLength, f) * f;

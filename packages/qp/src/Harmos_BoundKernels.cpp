@@ -30,7 +30,8 @@ struct Entry {
 inline __attribute__((always_inline)) Entry split(double x, double g, double l, double u, double inverse) {
   const bool atLower = x <= l, atUpper = x >= u;
   const double phi = atLower || atUpper ? 0.0 : g;
-  const double down = g < 0.0 ? g : 0.0, up = g > 0.0 ? g : 0.0;
+  // A gradient that is no number stays one.
+  const double down = g > 0.0 ? 0.0 : g, up = g < 0.0 ? 0.0 : g;
   // l = u leaves nothing to move.
   const double chopped = atLower ? (atUpper ? 0.0 : down) : (atUpper ? up : 0.0);
   const double room = (phi > 0.0 ? x - l : x - u) * inverse;
@@ -73,11 +74,12 @@ inline __attribute__((always_inline)) SplitSums splitLoop(std::size_t n, const d
   double states[block], changed = 0.0;
   for (std::size_t begin = 0; begin < n; begin += block) {
     const std::size_t end = std::min(n, begin + block);
-    double free2 = 0.0, chopped2 = 0.0, reduced2 = 0.0, count = 0.0, longest = infinity;
-#pragma omp simd reduction(+ : free2, chopped2, reduced2, count) reduction(min : longest)
+    double free2 = 0.0, chopped2 = 0.0, reduced2 = 0.0, x2 = 0.0, count = 0.0, longest = infinity;
+#pragma omp simd reduction(+ : free2, chopped2, reduced2, x2, count) reduction(min : longest)
     for (std::size_t i = begin; i < end; ++i) {
       const double l = box.lower(i), u = box.upper(i);
       const Entry entry = split(x[i], g[i], l, u, inverse);
+      x2 += x[i] * x[i];
       free2 += entry.phi * entry.phi;
       chopped2 += entry.chopped * entry.chopped;
       reduced2 += entry.reduced * entry.phi;
@@ -95,6 +97,7 @@ inline __attribute__((always_inline)) SplitSums splitLoop(std::size_t n, const d
     sums.freeNorm2 += free2;
     sums.choppedNorm2 += chopped2;
     sums.reducedNorm2 += reduced2;
+    sums.xNorm2 += x2;
     sums.active += static_cast<long long>(count);
     changed += storeStates(end - begin, states, active + begin, fresh);
   }
@@ -110,9 +113,9 @@ advanceLoop(std::size_t n, double* x, double* g, const double* p, const double* 
   double states[block], changed = 0.0;
   for (std::size_t begin = 0; begin < n; begin += block) {
     const std::size_t end = std::min(n, begin + block);
-    double free2 = 0.0, chopped2 = 0.0, reduced2 = 0.0, count = 0.0, longest = infinity;
+    double free2 = 0.0, chopped2 = 0.0, reduced2 = 0.0, x2 = 0.0, count = 0.0, longest = infinity;
     // `next` may be p itself, entry by entry; nothing else overlaps.
-#pragma omp simd reduction(+ : free2, chopped2, reduced2, count) reduction(min : longest)
+#pragma omp simd reduction(+ : free2, chopped2, reduced2, x2, count) reduction(min : longest)
     for (std::size_t i = begin; i < end; ++i) {
       const double l = box.lower(i), u = box.upper(i), pi = p[i];
       double xi = x[i] - step * pi;
@@ -125,6 +128,7 @@ advanceLoop(std::size_t n, double* x, double* g, const double* p, const double* 
       x[i] = xi;
       g[i] = gi;
       const Entry entry = split(xi, gi, l, u, inverse);
+      x2 += xi * xi;
       free2 += entry.phi * entry.phi;
       chopped2 += entry.chopped * entry.chopped;
       reduced2 += entry.reduced * entry.phi;
@@ -138,6 +142,7 @@ advanceLoop(std::size_t n, double* x, double* g, const double* p, const double* 
     sums.freeNorm2 += free2;
     sums.choppedNorm2 += chopped2;
     sums.reducedNorm2 += reduced2;
+    sums.xNorm2 += x2;
     sums.active += static_cast<long long>(count);
     sums.longestStep = std::min(sums.longestStep, longest);
     changed += storeStates(end - begin, states, active + begin, false);

@@ -16,6 +16,7 @@ struct SplitSums {
   double freeNorm2 = 0.0;    ///< φᵀφ
   double choppedNorm2 = 0.0; ///< βᵀβ
   double reducedNorm2 = 0.0; ///< φ̃ᵀφ
+  double xNorm2 = 0.0;       ///< xᵀx
   long long active = 0;      ///< entries at a bound
   long long changed = 0;     ///< entries whose state differs from that in the given set
   /// Largest α with x − αp within the bounds, p the direction written in the same pass.

@@ -81,12 +81,20 @@ double least(const MultiVector& x, double value) {
 }
 
 SplitSums reduced(const MultiVector& x, SplitSums local) {
-  double sums[] = {local.freeNorm2, local.choppedNorm2, local.reducedNorm2, static_cast<double>(local.active),
+  double sums[] = {local.freeNorm2,
+                   local.choppedNorm2,
+                   local.reducedNorm2,
+                   local.xNorm2,
+                   static_cast<double>(local.active),
                    static_cast<double>(local.changed)};
-  reduce(x, sums, 5, local.longestStep);
-  return {
-      sums[0],          sums[1], sums[2], static_cast<long long>(sums[3]), static_cast<long long>(sums[4]),
-      local.longestStep};
+  reduce(x, sums, 6, local.longestStep);
+  local.freeNorm2 = sums[0];
+  local.choppedNorm2 = sums[1];
+  local.reducedNorm2 = sums[2];
+  local.xNorm2 = sums[3];
+  local.active = static_cast<long long>(sums[4]);
+  local.changed = static_cast<long long>(sums[5]);
+  return local;
 }
 
 // SplitMix64: well mixed bits of a counter (Steele, Lea, Flood: Fast splittable pseudorandom number

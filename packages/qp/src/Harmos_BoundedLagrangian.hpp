@@ -35,15 +35,18 @@ class BoundedLagrangian {
   /// Residuals of the current iterate.
   IterationState<MV> evaluate(int outer, int inner);
 
-  typename Iteration::Outcome step() { return iteration_->step(); }
+  typename Iteration::Outcome step() {
+    direct_ = false;
+    return iteration_->step();
+  }
 
-  /// Recomputes the gradient when the rounding errors that may have gathered in it exceed a tenth of the
-  /// norm.
+  /// Recomputes the gradient, as Ax − b + C̄ᵀμ⁺ with the μ⁺ = μ + ρr that finish() returns, when the rounding
+  /// errors that may have gathered in it exceed a tenth of the norm.
   /// @return whether it did; the state is then to be evaluated anew.
   bool confirmGradient(double projectedGradient);
 
-  /// μ ← μ + ρr, then ρ ← penalty.
-  void updateMultiplier(double penalty);
+  /// μ ← μ + factor·ρr, then ρ ← penalty.
+  void updateMultiplier(double penalty, double factor = 1.0);
 
   /// Gives the problem the multiplier μ + ρr that belongs to the last iterate; nothing else may follow.
   void finish();
@@ -81,6 +84,9 @@ class BoundedLagrangian {
   double penalty_ = 0.0;
   double normA_ = 0.0;
   double residualNorm_ = 0.0;
+  double effectiveRhsNorm_ = 0.0;
+  double level_ = 0.0;  // largest attainableGradient() since the gradient was computed directly
+  bool direct_ = false; // the gradient is Ax − b + C̄ᵀμ⁺ itself
 };
 
 } // namespace Harmos::qp

@@ -117,7 +117,11 @@ void BoundedLagrangian<Scalar, MV, OP>::start(double penalty) {
   iteration_ = Teuchos::rcp(new Iteration([this](const MV& in, MV& out) { applyHessian(in, out); },
                                           precondition, problem_.lowerBound().get(),
                                           problem_.upperBound().get(), options_, counters_));
-  iteration_->start(problem_.solution(), gradient_, effectiveRhs_, augmentedNorm());
+  effectiveRhsNorm_ = norm<Scalar>(*effectiveRhs_);
+  level_ = 0.0;
+  direct_ = false;
+  iteration_->start(problem_.solution(), gradient_, effectiveRhs_, augmentedNorm(),
+                    normA_ > 0.0 ? normA_ : 1.0);
 }
 
 template<class Scalar, class MV, class OP>
@@ -130,8 +134,10 @@ IterationState<MV> BoundedLagrangian<Scalar, MV, OP>::evaluate(int outer, int in
     rows_.residual(*problem_.solution(), *residual_);
     residualNorm_ = norm<Scalar>(*residual_);
     state.equalityResidual = rows_.residualNorm();
+    state.equalityDistance = rows_.distance();
   }
   state.decrease = decrease();
+  level_ = std::max(level_, attainableGradient());
   state.outer = outer;
   state.inner = inner;
   state.counters = &counters_;
@@ -140,25 +146,38 @@ IterationState<MV> BoundedLagrangian<Scalar, MV, OP>::evaluate(int outer, int in
 
 template<class Scalar, class MV, class OP>
 bool BoundedLagrangian<Scalar, MV, OP>::confirmGradient(double projectedGradient) {
-  // Each step adds an error of about ε(‖H‖‖x‖ + ‖b‖) to the recurrence for g; independent errors add up like
-  // the square root of their number.
-  const double drift = std::sqrt(static_cast<double>(iteration_->staleness())) * attainableGradient();
-  if (iteration_->staleness() == 0 || drift <= 0.1 * projectedGradient)
+  // Each step adds an error of about ε(‖H‖‖x‖ + ‖b‖) to the recurrence for g, of the largest x on the way;
+  // independent errors add up like the square root of their number.
+  const double drift = std::sqrt(std::max(1.0, static_cast<double>(iteration_->staleness()))) * level_;
+  if (direct_ || drift <= 0.1 * projectedGradient)
     return false;
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
   ++counters_.confirmations;
-  iteration_->refreshGradient();
+  ++counters_.hessianApplications;
+  // With the very multiplier that is returned: what its residual is off by, it is off by in both.
+  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), *problem_.solution(), *gradient_);
+  MVT::MvAddMv(1.0, *gradient_, -1.0, *problem_.rhs(), *gradient_);
+  if (rows_.isPresent()) {
+    rows_.residual(*problem_.solution(), *residual_);
+    MVT::MvAddMv(1.0, *mu_, penalty_, *residual_, *rowWork_);
+    rows_.addTransposed(1.0, *rowWork_, *gradient_);
+  }
   iteration_->restart(iteration_->hessianNorm());
+  direct_ = true;
+  level_ = attainableGradient();
   return true;
 }
 
 template<class Scalar, class MV, class OP>
-void BoundedLagrangian<Scalar, MV, OP>::updateMultiplier(double penalty) {
+void BoundedLagrangian<Scalar, MV, OP>::updateMultiplier(double penalty, double factor) {
   rows_.residual(*problem_.solution(), *residual_);
-  Belos::MultiVecTraits<Scalar, MV>::MvAddMv(1.0, *mu_, penalty_, *residual_, *mu_);
-  // The new gradient Ax − b + C̄ᵀ(μ_new + ρ_new r) differs from the old one by ρ_new C̄ᵀr.
+  Belos::MultiVecTraits<Scalar, MV>::MvAddMv(1.0, *mu_, factor * penalty_, *residual_, *mu_);
+  // The new gradient Ax − b + C̄ᵀ(μ_new + ρ_new r) differs from the old one by (ρ_new + (factor − 1)ρ)C̄ᵀr.
+  rows_.addTransposed(penalty + (factor - 1.0) * penalty_, *residual_, *gradient_);
   penalty_ = penalty;
-  rows_.addTransposed(penalty, *residual_, *gradient_);
   updateEffectiveRhs();
+  effectiveRhsNorm_ = norm<Scalar>(*effectiveRhs_);
+  direct_ = false;
   iteration_->restart(std::max(augmentedNorm(), iteration_->hessianNorm()));
 }
 
@@ -180,6 +199,7 @@ Teuchos::RCP<MV> BoundedLagrangian<Scalar, MV, OP>::unboundedDirection(Certifica
   BoundTraits<Scalar, MV>::projectOntoRecessionCone(*d, problem_.lowerBound().get(),
                                                     problem_.upperBound().get());
   MVT::MvScale(*d, 1.0 / norm<Scalar>(*d));
+  ++counters_.hessianApplications;
   OPT::Apply(*problem_.hessian(), *d, *gradient_);
   certificate.gap = dot<Scalar>(*problem_.rhs(), *d);
   certificate.defect = normA_ > 0.0 ? norm<Scalar>(*gradient_) / normA_ : 0.0;
@@ -205,7 +225,7 @@ double BoundedLagrangian<Scalar, MV, OP>::value() const {
 template<class Scalar, class MV, class OP>
 double BoundedLagrangian<Scalar, MV, OP>::attainableGradient() const {
   return std::numeric_limits<double>::epsilon() *
-         (augmentedNorm() * norm<Scalar>(*problem_.solution()) + norm<Scalar>(*effectiveRhs_));
+         (augmentedNorm() * std::sqrt(iteration_->sums().xNorm2) + effectiveRhsNorm_);
 }
 
 template<class Scalar, class MV, class OP>
@@ -213,7 +233,7 @@ double BoundedLagrangian<Scalar, MV, OP>::attainableEquality() const {
   if (!rows_.isPresent())
     return 0.0;
   return std::numeric_limits<double>::epsilon() *
-         (std::sqrt(rows_.norm2()) * norm<Scalar>(*problem_.solution()) + norm<Scalar>(rows_.values()));
+         (std::sqrt(rows_.norm2() * iteration_->sums().xNorm2) + norm<Scalar>(rows_.values()));
 }
 
 } // namespace Harmos::qp

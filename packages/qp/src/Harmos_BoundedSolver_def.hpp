@@ -16,7 +16,7 @@ IterationState<MV> BoundedSolver<Scalar, MV, OP>::begin(Lagrangian& lagrangian, 
   lagrangian.start(penalty);
   this->result_.hessianNorm = lagrangian.hessianNorm();
   this->result_.counters.outerIterations = 1;
-  State state = lagrangian.evaluate(1, 0);
+  State state = lagrangian.evaluate(1, this->firstInner_);
   this->record(state, StepKind::Start, penalty, precision, lagrangian.active());
   return state;
 }
@@ -51,7 +51,9 @@ bool BoundedSolver<Scalar, MV, OP>::minimise(Lagrangian& lagrangian, State& stat
       }
       if (precise && lagrangian.residual() > lagrangian.attainableEquality())
         return true; // the multiplier can still improve
-      this->stop(Reason::Stagnation, Explanations::stagnation(state.projectedGradient, attainable), state);
+      this->stop(Reason::Stagnation,
+                 Explanations::stagnation(state.projectedGradient, attainable, state.equalityDistance),
+                 state);
       return false;
     }
     const Outcome outcome = lagrangian.step();

@@ -31,9 +31,7 @@ const ParameterSpec& DualPenaltySolver<Scalar, MV, OP>::spec() {
 
 template<class Scalar, class MV, class OP>
 Teuchos::RCP<StatusTest<MV>> DualPenaltySolver<Scalar, MV, OP>::defaultTest() const {
-  return Teuchos::rcp(
-      new StatusTestProjectedGradient<MV>(this->parameters_->template get<double>("Convergence Tolerance"),
-                                          norm<Scalar>(*this->problem_->rhs())));
+  return this->gradientTest();
 }
 
 template<class Scalar, class MV, class OP>

@@ -22,13 +22,16 @@ namespace Harmos::qp {
 ///
 /// Residuals are reported in the user's rows: residualNorm() is ‖Cx − c‖.
 ///
-/// Guarded by tests/unit/qp/test_equality_rows.cpp.
+/// Guarded by tests/unit/qp/test_hard_problems.cpp.
 template<class Scalar, class MV, class OP>
 class EqualityRows {
  public:
+  /// @throws InputError if rows said to be orthonormal are not (seen on one vector).
   /// @note Collective. The problem is to outlive this.
   EqualityRows(const Problem<Scalar, MV, OP>& problem, int mostRows);
 
+  /// False if an entry of CCᵀ is no number.
+  bool isFinite() const { return finite_; }
   bool isPresent() const { return problem_.hasEqualities(); }
   bool isOrthonormal() const { return orthonormal_; }
   /// Whether A maps ker C̄ into itself as well as the range of C̄ᵀ.
@@ -47,6 +50,9 @@ class EqualityRows {
   /// r = C̄x − c̄; keeps ‖Cx − c‖ for residualNorm(). @note Collective.
   void residual(const MV& x, MV& r);
   double residualNorm() const { return residualNorm_; }
+  /// ‖C̄x − c̄‖ of the last residual(), or |C_ix − c_i|/‖C_i‖ where a row, taken for dependent, is further off;
+  /// in units of ‖C‖ for rows used as they stand.
+  double distance() const { return distance_; }
   const MV& values() const { return *values_; }
 
   /// μ̄ with C̄ᵀμ̄ = Cᵀμ, and μ with Cᵀμ = C̄ᵀμ̄.
@@ -59,6 +65,8 @@ class EqualityRows {
   PivotedCholesky faceGram(const LocalActiveSet& active) const;
 
  private:
+  void checkOrthonormality();
+  bool isDependence(const std::vector<double>& y) const;
   std::vector<double> gramOf(const LocalActiveSet* active) const;
   std::vector<double> orthonormalised(std::vector<double> scaled) const;
   std::vector<double> transform(const std::vector<double>& r) const;
@@ -73,6 +81,8 @@ class EqualityRows {
   bool orthonormal_ = false;
   double norm2_ = 0.0;
   double residualNorm_ = 0.0;
+  double distance_ = 0.0;
+  bool finite_ = true;
 };
 
 } // namespace Harmos::qp

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "Harmos_EqualityRows.hpp"
+#include "Harmos_Errors.hpp"
+#include "Harmos_Log.hpp"
 #include "Harmos_NormEstimate_def.hpp"
 #include "Harmos_VectorOps.hpp"
 
@@ -22,8 +24,10 @@ EqualityRows<Scalar, MV, OP>::EqualityRows(const Problem<Scalar, MV, OP>& proble
   values_ = MVT::CloneCopy(*problem.equalityValues());
   norm2_ = 1.0;
   orthonormal_ = problem.equalityStructure() != EqualityStructure::General;
-  if (orthonormal_)
+  if (orthonormal_) {
+    checkOrthonormality();
     return;
+  }
   const auto rows = static_cast<int>(MVT::GetGlobalLength(*values_));
   if (rows > mostRows) {
     const std::function<void(const MV&, MV&)> product = [&](const MV& x, MV& y) {
@@ -38,6 +42,10 @@ EqualityRows<Scalar, MV, OP>::EqualityRows(const Problem<Scalar, MV, OP>& proble
     return;
   }
   gram_ = gramOf(nullptr);
+  for (double entry : gram_)
+    finite_ = finite_ && std::isfinite(entry);
+  if (!finite_)
+    return;
   // Rows of norm 1, so that a short row is not taken for a dependent one.
   const auto size = static_cast<std::size_t>(rows);
   rowScale_.assign(size, 1.0);
@@ -143,9 +151,8 @@ bool EqualityRows<Scalar, MV, OP>::isConsistent(MV& y, Certificate& certificate)
       sum -= combination[j] * c[j];
       absolute += std::abs(combination[j] * c[j]);
     }
-    // Dependence itself is only known to √(100 ε).
     if (std::abs(sum) > std::sqrt(1e2 * std::numeric_limits<double>::epsilon()) * absolute &&
-        std::abs(sum) > gap) {
+        std::abs(sum) > gap && isDependence(combination)) {
       gap = std::abs(sum);
       worst = combination;
       for (double& value : worst)
@@ -162,6 +169,37 @@ bool EqualityRows<Scalar, MV, OP>::isConsistent(MV& y, Certificate& certificate)
   certificate.gap = gap / length;
   certificate.defect = norm<Scalar>(*w);
   return false;
+}
+
+// Whether Cᵀy vanishes but for rounding errors: CCᵀ knows dependence only to √(100 ε), and rows that nearly
+// depend on each other may well be met together, by a large x.
+template<class Scalar, class MV, class OP>
+bool EqualityRows<Scalar, MV, OP>::isDependence(const std::vector<double>& y) const {
+  const Teuchos::RCP<MV> combination = makeVector(), w = Belos::MultiVecTraits<Scalar, MV>::Clone(*image_, 1);
+  BoundTraits<Scalar, MV>::scatter(y, *combination);
+  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), *combination, *w, Belos::TRANS);
+  double terms = 0.0;
+  for (std::size_t i = 0; i < y.size(); ++i)
+    terms += std::abs(y[i]) / rowScale_[i];
+  // The combination was found from CCᵀ, to ε times its condition.
+  return norm<Scalar>(*w) <= 1e-10 * terms;
+}
+
+template<class Scalar, class MV, class OP>
+void EqualityRows<Scalar, MV, OP>::checkOrthonormality() {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  const Teuchos::RCP<MV> unit = makeVector(), back = makeVector();
+  BoundTraits<Scalar, MV>::setRandom(*unit);
+  const double length = norm<Scalar>(*unit);
+  MVT::MvInit(*image_, 0.0);
+  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), *unit, *image_, Belos::TRANS);
+  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), *image_, *back);
+  MVT::MvAddMv(1.0, *back, -1.0, *unit, *back);
+  const double defect = norm<Scalar>(*back);
+  if (std::isfinite(defect) && defect > 1e-6 * length)
+    throw InputError("the equality rows are said to be orthonormal but are not: ‖CCᵀy − y‖ = " +
+                     scientific(defect / length) +
+                     " ‖y‖; orthonormalise them or say EqualityStructure::General");
 }
 
 template<class Scalar, class MV, class OP>
@@ -191,8 +229,14 @@ void EqualityRows<Scalar, MV, OP>::residual(const MV& x, MV& r) {
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), x, r);
   MVT::MvAddMv(1.0, r, -1.0, *problem_.equalityValues(), r);
   residualNorm_ = norm<Scalar>(r);
-  if (!factors_.empty())
-    BT::scatter(transform(BT::gather(r)), r);
+  distance_ = residualNorm_ / std::sqrt(norm2_);
+  if (factors_.empty())
+    return;
+  const std::vector<double> entries = BT::gather(r);
+  BT::scatter(transform(entries), r);
+  distance_ = norm<Scalar>(r);
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    distance_ = std::max(distance_, std::abs(entries[i]) * rowScale_[i]);
 }
 
 template<class Scalar, class MV, class OP>

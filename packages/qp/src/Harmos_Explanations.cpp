@@ -14,6 +14,10 @@ std::string breakdown() {
          "semidefinite, and are its data finite?";
 }
 
+std::string notFinite(const std::string& what) {
+  return what + " holds a number that is not finite; look where it was made";
+}
+
 std::string limit(const std::string& limit) {
   return "the limit of " + limit +
          " was reached; raise it, loosen the tolerance, or look at the history for a residual that no longer "
@@ -22,9 +26,11 @@ std::string limit(const std::string& limit) {
          "of contact, a body that is pulled away from all that could hold it)";
 }
 
-std::string stagnation(double projectedGradient, double attainable) {
+std::string stagnation(double projectedGradient, double attainable, double equalityDistance) {
   return "the projected gradient, " + scientific(projectedGradient) +
          ", is at the level of rounding errors, " + scientific(attainable) +
+         (equalityDistance > 0.0 ? ", with a distance from the equalities of " + scientific(equalityDistance)
+                                 : std::string()) +
          ", and cannot be reduced to the tolerance asked for; loosen the tolerance";
 }
 

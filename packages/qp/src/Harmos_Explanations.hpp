@@ -10,10 +10,12 @@ namespace Harmos::qp::Explanations {
 /// The sentences of Result::explanation: what happened, the likely causes, and what helps.
 std::string converged();
 std::string breakdown();
+/// @param what "the right-hand side", ...
+std::string notFinite(const std::string& what);
 /// @param limit "500 inner iterations", "3 s", ...
 std::string limit(const std::string& limit);
 /// @param attainable the level of rounding errors that the projected gradient has reached.
-std::string stagnation(double projectedGradient, double attainable);
+std::string stagnation(double projectedGradient, double attainable, double equalityDistance);
 /// Of a test of the caller's.
 std::string stoppedByTest(Reason reason);
 std::string infeasible(const Certificate& certificate);

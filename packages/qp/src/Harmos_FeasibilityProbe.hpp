@@ -20,7 +20,7 @@ namespace Harmos::qp {
 /// against an entry without a bound by a rounding error, the proof holds for all y up to a norm, and that is
 /// asked to be 10⁶ times those at hand.
 ///
-/// Guarded by tests/unit/qp/test_certificates.cpp.
+/// Guarded by tests/unit/qp/test_hard_problems.cpp, test_random_problems.cpp.
 template<class Scalar, class MV, class OP>
 class FeasibilityProbe {
  public:
@@ -50,7 +50,7 @@ class FeasibilityProbe {
     MVT::MvInit(*gradient, 0.0);
     rows_.residual(*x, *r);
     rows_.addTransposed(1.0, *r, *gradient);
-    iteration.start(x, gradient, rhs, rows_.norm2());
+    iteration.start(x, gradient, rhs, rows_.norm2(), rows_.norm2());
     for (int step = 0; step <= mostSteps; ++step) {
       rows_.residual(*x, *r);
       const double residual = norm<Scalar>(*r), root = std::sqrt(rows_.norm2());
@@ -79,7 +79,9 @@ class FeasibilityProbe {
     const BoxInfimum infimum =
         BoundTraits<Scalar, MV>::boxInfimum(*w, problem_.lowerBound().get(), problem_.upperBound().get());
     const double gap = infimum.value - dot<Scalar>(r, rows_.values()) / residual;
-    const double radius = 1e6 * std::max(norm<Scalar>(x), infimum.boundNorm);
+    // No size at hand is zero for a problem that has any: c̄ ≠ 0, or x = 0 would be feasible or out of bounds.
+    const double radius = 1e6 * std::max({norm<Scalar>(x), infimum.boundNorm,
+                                          norm<Scalar>(rows_.values()) / std::sqrt(rows_.norm2())});
     if (!(gap >= 0.5 * residual) || !(infimum.openNorm * radius <= gap))
       return false;
     rows_.toUser(r, y);

@@ -56,7 +56,8 @@ struct MprgpOptions {
 /// ‖H‖ is an estimate: a larger curvature met along a search direction, or a cost that rises over a fixed
 /// step, corrects it.
 ///
-/// Guarded by tests/unit/qp/test_mprgp.cpp (brute force, proven decrease) and test_serial_reference.cpp.
+/// Guarded by tests/unit/qp/test_theory.cpp (proven decrease), test_random_problems.cpp and
+/// test_serial_reference.cpp.
 template<class Scalar, class MV>
 class MprgpIteration {
  public:
@@ -72,7 +73,9 @@ class MprgpIteration {
                  const MprgpOptions& options, Counters& counters);
 
   /// Starts at a feasible x with gradient g = Hx − b; both are updated in place by step().
-  void start(Teuchos::RCP<MV> x, Teuchos::RCP<MV> gradient, Teuchos::RCP<const MV> rhs, double hessianNorm);
+  /// @param curvatureScale ‖A‖ where H = A + ρC̄ᵀC̄: curvatures are told from zero relative to it.
+  void start(Teuchos::RCP<MV> x, Teuchos::RCP<MV> gradient, Teuchos::RCP<const MV> rhs, double hessianNorm,
+             double curvatureScale);
 
   /// To be called after the gradient, b or H were changed from outside: splits anew and drops the direction.
   void restart(double hessianNorm);
@@ -122,6 +125,7 @@ class MprgpIteration {
   SplitSums sums_;
   Next next_ = Next::Ready;
   double hessianNorm_ = 0.0;
+  double curvatureScale_ = 0.0;
   double longestStep_ = 0.0; // along p
   double directionDotImage_ = 0.0;
   double decrease_ = 0.0;

@@ -22,7 +22,8 @@ MprgpIteration<Scalar, MV>::MprgpIteration(Apply apply, Precondition preconditio
 
 template<class Scalar, class MV>
 void MprgpIteration<Scalar, MV>::start(Teuchos::RCP<MV> x, Teuchos::RCP<MV> gradient,
-                                       Teuchos::RCP<const MV> rhs, double hessianNorm) {
+                                       Teuchos::RCP<const MV> rhs, double hessianNorm,
+                                       double curvatureScale) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   x_ = x;
   g_ = gradient;
@@ -33,6 +34,7 @@ void MprgpIteration<Scalar, MV>::start(Teuchos::RCP<MV> x, Teuchos::RCP<MV> grad
     z_ = MVT::Clone(*x, 1);
   active_.clear();
   staleness_ = 0;
+  curvatureScale_ = curvatureScale;
   restart(hessianNorm);
 }
 
@@ -144,9 +146,11 @@ typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::step() 
 
   apply_(*p_, *image_);
   CurvatureSums along = BT::curvature(*g_, *p_, *image_, active_);
-  if (proportional && along.gradientDotDirection <= 0.0 && sums_.freeNorm2 > 0.0) {
-    // Rounding errors, or a preconditioner that is not positive definite, have turned the direction upwards;
-    // −φ always leads down.
+  // Rounding errors, or a preconditioner that is not positive definite, have turned the direction upwards or
+  // across; −φ always leads down.
+  constexpr double across = 1e-10;
+  if (proportional && sums_.freeNorm2 > 0.0 &&
+      !(along.gradientDotDirection > across * std::sqrt(along.directionNorm2 * sums_.freeNorm2))) {
     if (precondition_)
       longestStep_ = BT::conjugate(*x_, *phi_, 0.0, lower_, upper_, *p_);
     else
@@ -160,8 +164,9 @@ typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::step() 
     return Outcome::Breakdown;
   const double curvature = along.directionDotImage / along.directionNorm2;
   hessianNorm_ = std::max(hessianNorm_, curvature);
-  // Rounding errors of Hp: below this level, the sign of the curvature means nothing.
-  const double flat = 100.0 * epsilon * hessianNorm_;
+  // Rounding errors of Ap: below this level, the sign of the curvature means nothing. A penalty's part of Hp
+  // has none: along a direction that it does not resist, it is a square of rounding errors.
+  const double flat = 100.0 * epsilon * curvatureScale_;
   if (curvature < -flat)
     return Outcome::Breakdown;
   const bool isFlat = curvature <= flat;

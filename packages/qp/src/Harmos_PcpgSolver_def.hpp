@@ -43,6 +43,7 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
     if (rows->isPresent()) {
       rows->residual(*problem.solution(), *residual);
       state.equalityResidual = rows->residualNorm();
+      state.equalityDistance = rows->distance();
     }
     state.decrease = std::numeric_limits<double>::quiet_NaN();
     state.outer = 1;
@@ -53,7 +54,7 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
   // Without a face there is nothing the equalities could contradict: the rows are consistent.
   cg.start({});
   counters.outerIterations = 1;
-  IterationState<MV> state = evaluate(0);
+  IterationState<MV> state = evaluate(this->firstInner_);
   this->record(state, StepKind::Start, 0.0, 0.0, 0);
   while (true) {
     if (!std::isfinite(state.projectedGradient)) {
@@ -72,7 +73,9 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
         continue;
       }
       if (!done) {
-        this->stop(Reason::Stagnation, Explanations::stagnation(state.projectedGradient, attainable), state);
+        this->stop(Reason::Stagnation,
+                   Explanations::stagnation(state.projectedGradient, attainable, state.equalityDistance),
+                   state);
         break;
       }
     }

@@ -87,6 +87,7 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
     if (rows->isPresent()) {
       rows->residual(x, *residual);
       state.equalityResidual = rows->residualNorm();
+      state.equalityDistance = rows->distance();
     }
     state.decrease = std::numeric_limits<double>::quiet_NaN();
     state.outer = counters.activeSetUpdates + 1;
@@ -125,7 +126,7 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
 
   Cg cg(problem, *rows, counters);
   std::set<std::pair<double, double>> seen;
-  IterationState<MV> state = evaluate(std::numeric_limits<double>::infinity(), 0);
+  IterationState<MV> state = evaluate(std::numeric_limits<double>::infinity(), this->firstInner_);
   bool settled = false, newFace = true;
   // Inexact solves may come back to a set on their way; exact ones that do so go round in circles.
   constexpr int mostRepeats = 3;
@@ -136,11 +137,13 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
         return fallBack("the equalities cannot be met on a face");
       ++counters.faces;
       state = evaluate(cg.residualNorm(), state.inner);
-      this->record(state, state.inner == 0 ? StepKind::Start : StepKind::ActiveSet, 0.0, 0.0, active);
+      this->record(state, this->result_.history.empty() ? StepKind::Start : StepKind::ActiveSet, 0.0, 0.0,
+                   active);
     }
     counters.outerIterations = counters.activeSetUpdates + 1;
     const double target = settled ? 0.0 : innerReduction * cg.residualNorm();
     std::optional<Reason> reason;
+    bool stepped = false;
     while (true) {
       if (!std::isfinite(cg.residualNorm()))
         return this->stop(Reason::Breakdown, Explanations::breakdown(), state);
@@ -152,6 +155,7 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
         return fallBack("the Hessian is singular on a face");
       if (outcome == Cg::Outcome::Breakdown)
         return this->stop(Reason::Breakdown, Explanations::breakdown(), state);
+      stepped = true;
       state = evaluate(cg.residualNorm(), state.inner + 1);
       this->record(state, StepKind::Projected, 0.0, 0.0, active);
     }
@@ -170,7 +174,11 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
     // ‖g^P‖ at the projection of x is at most ‖w‖ + ‖multipliers of the wrong sign‖ + ‖A‖‖x − Π(x)‖.
     const double expected =
         cg.residualNorm() + std::sqrt(change.wrongSign2) + curvature * std::sqrt(change.violation2);
-    const bool exhausted = cg.residualNorm() <= cg.attainable();
+    if (!std::isfinite(expected))
+      return this->stop(Reason::Breakdown, Explanations::breakdown(), state);
+    // A settled face that the tests send back without a step would be sent back for ever: what is left of
+    // wrong signs and violations is rounding errors.
+    const bool exhausted = cg.residualNorm() <= cg.attainable() || (settled && !stepped);
     if (this->judge(evaluate(expected, state.inner)) == Reason::Converged ||
         (change.changed == 0 && exhausted)) {
       // What is believed is the gradient at the feasible point itself.
@@ -192,8 +200,10 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
       if (this->judge(state) == Reason::Converged)
         return this->stopFor(Reason::Converged, state);
       if (change.changed == 0 && exhausted)
-        return this->stop(Reason::Stagnation,
-                          Explanations::stagnation(state.projectedGradient, cg.attainable()), state);
+        return this->stop(
+            Reason::Stagnation,
+            Explanations::stagnation(state.projectedGradient, cg.attainable(), state.equalityDistance),
+            state);
     }
     settled = change.changed == 0;
     newFace = !settled;

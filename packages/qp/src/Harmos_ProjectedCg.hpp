@@ -37,7 +37,7 @@ class ProjectedCg {
 
   /// ‖w‖.
   double residualNorm() const;
-  /// Level of its rounding errors.
+  /// Level of its rounding errors: ε(‖A‖‖x‖ + ‖b‖) of the largest x since it was computed anew.
   double attainable() const;
   int staleness() const { return staleness_; }
   /// The largest curvature pᵀAp/pᵀp met so far: a lower bound of ‖A‖.
@@ -54,6 +54,7 @@ class ProjectedCg {
  private:
   void project(MV& w, MV* removed);
   void makeDirection(bool conjugate);
+  void raiseLevel();
 
   const Problem<Scalar, MV, OP>& problem_;
   EqualityRows<Scalar, MV, OP>& rows_;
@@ -66,6 +67,8 @@ class ProjectedCg {
   double residual2_ = 0.0;
   double directionDotImage_ = 0.0;
   double curvatureBound_ = 0.0;
+  double rhsNorm_ = 0.0;
+  double level_ = 0.0;
   int staleness_ = 0;
 };
 

@@ -106,6 +106,9 @@ void ProjectedCg<Scalar, MV, OP>::restart() {
   project(*w_, removed_.get()); // the first projection left rounding errors of the size of what it removed
   residual2_ = dot<Scalar>(*w_, *w_);
   staleness_ = 0;
+  rhsNorm_ = norm<Scalar>(*problem_.rhs());
+  level_ = 0.0;
+  raiseLevel();
   makeDirection(false);
 }
 
@@ -153,8 +156,15 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
   residual2_ = dot<Scalar>(*w_, *w_);
   ++counters_.cgSteps;
   ++staleness_;
+  raiseLevel();
   makeDirection(true);
   return Outcome::Step;
+}
+
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::raiseLevel() {
+  level_ = std::max(level_, std::numeric_limits<double>::epsilon() *
+                                (curvatureBound_ * norm<Scalar>(*problem_.solution()) + rhsNorm_));
 }
 
 template<class Scalar, class MV, class OP>
@@ -164,8 +174,7 @@ double ProjectedCg<Scalar, MV, OP>::residualNorm() const {
 
 template<class Scalar, class MV, class OP>
 double ProjectedCg<Scalar, MV, OP>::attainable() const {
-  return std::numeric_limits<double>::epsilon() *
-         (curvatureBound_ * norm<Scalar>(*problem_.solution()) + norm<Scalar>(*problem_.rhs()));
+  return level_;
 }
 
 template<class Scalar, class MV, class OP>

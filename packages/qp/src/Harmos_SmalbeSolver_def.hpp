@@ -88,12 +88,18 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
                                                this->result_.counters);
 
   double normScale = 1.0, gradientScale = 1.0, equalityScale = 1.0;
-  if (list.get<std::string>("Parameter scaling") == "relative" && lagrangian.hessianNorm() > 0.0) {
-    normScale = lagrangian.hessianNorm();
+  const double rowScale = std::sqrt(rows->norm2()); // 1 but for rows used as they stand
+  if (list.get<std::string>("Parameter scaling") == "relative") {
     gradientScale = norm<Scalar>(*this->problem_->rhs());
-    equalityScale = gradientScale / normScale;
+    // Without a Hessian (a linear program) the load over the distance to the equalities is all there is.
+    const double distance = norm<Scalar>(rows->values()) / rowScale;
+    normScale = lagrangian.hessianNorm();
+    if (!(normScale > 0.0))
+      normScale = gradientScale > 0.0 ? gradientScale / (distance > 0.0 ? distance : 1.0) : 1.0;
+    equalityScale = gradientScale / normScale * rowScale;
+    normScale /= rowScale;
   }
-  double penalty = normScale * list.get<double>("Initial penalty");
+  double penalty = normScale / rowScale * list.get<double>("Initial penalty");
   double precision = normScale * list.get<double>("M");
   const double innerTolerance = byPrecision ? gradientScale * list.get<double>("Inner tolerance")
                                             : std::numeric_limits<double>::infinity();
@@ -101,7 +107,7 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
   const double toleranceFactor = list.get<double>("Tolerance factor");
   const double penaltyFactor = list.get<double>("Penalty factor");
   const double precisionFactor = list.get<double>("Precision factor");
-  const double largestPenalty = std::max(penalty, normScale * list.get<double>("Maximum penalty"));
+  const double largestPenalty = std::max(penalty, normScale / rowScale * list.get<double>("Maximum penalty"));
   const int slowLimit = list.get<int>("Slow iterations");
   const int outerLimit = list.get<int>("Maximum Outer Iterations");
 
@@ -113,6 +119,8 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
   double previousValue = -std::numeric_limits<double>::infinity();
   double previousResidual = std::numeric_limits<double>::infinity();
   InfeasibilityWatch watch;
+  int previousInner = -1;
+  double stretch = 1.0;
   // Step 1: the inner loop; Step 2, the stop, is part of it.
   while (this->minimise(lagrangian, state, precise, precision)) {
     const double residual = lagrangian.residual();
@@ -147,7 +155,14 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
         precision *= precisionFactor;
       previousValue = value;
     }
-    lagrangian.updateMultiplier(penalty);
+    // An iterate held by its bounds alone, which the new multiplier has left where it was, stays there until
+    // the multiplier has grown to the size of what presses on the bounds: by ρ‖r‖ at a time that may take for
+    // ever.
+    const bool held =
+        state.inner == previousInner && state.projectedGradient <= lagrangian.attainableGradient();
+    stretch = held ? 2.0 * stretch : 1.0;
+    previousInner = state.inner;
+    lagrangian.updateMultiplier(penalty, stretch);
     this->result_.counters.outerIterations = state.outer + 1;
     state = lagrangian.evaluate(state.outer + 1, state.inner);
   }

@@ -21,8 +21,9 @@ namespace Harmos::qp {
 ///
 /// Life cycle: setParameters() (checked against the specification at once, the first call included),
 /// setProblem(), solve(). solve() reads the solution vector of the problem as initial guess and writes the
-/// answer there. By default the solver converges when ‖g^P‖ ≤ tol‖b‖ and ‖Cx − c‖ ≤ tol·max(‖c‖, ‖x‖);
-/// setConvergenceTest() puts another test in its place.
+/// answer there. By default the solver converges when ‖g^P‖ ≤ tol‖b‖ (relative to the first one where b = 0)
+/// and the distance of x from the equalities is at most tol‖x‖; setConvergenceTest() puts another test in its
+/// place.
 ///
 /// Before the first iteration every solver looks for what makes the problem senseless: crossed bounds,
 /// contradictory equality rows, a load along a known kernel direction that nothing stops.
@@ -91,6 +92,9 @@ class SolverManager {
   /// The test that is used when the caller gives none.
   virtual Teuchos::RCP<StatusTest<MV>> defaultTest() const;
 
+  /// Its part for the projected gradient: relative to ‖b‖ or, where b = 0, to the initial one.
+  Teuchos::RCP<StatusTest<MV>> gradientTest() const;
+
   /// The parameters every solver has.
   static void addCommonParameters(ParameterSpec& spec);
 
@@ -130,9 +134,11 @@ class SolverManager {
   Teuchos::RCP<const MV> certificate_;
   Log log_;
   Result result_;
+  int firstInner_ = 0; // iterations of the solver that delegates to this one
 
  private:
   bool isSenseless();
+  bool fallsAlongNullSpace();
 
   Teuchos::RCP<StatusTest<MV>> activeTest_;
   std::chrono::steady_clock::time_point start_;

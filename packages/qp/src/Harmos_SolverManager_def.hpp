@@ -4,6 +4,8 @@
 #include "Harmos_EqualityRows_def.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Explanations.hpp"
+#include "Harmos_FeasibilityProbe.hpp"
+#include "Harmos_NormEstimate_def.hpp"
 #include "Harmos_SolverManager.hpp"
 #include "Harmos_VectorOps.hpp"
 
@@ -64,18 +66,22 @@ void SolverManager<Scalar, MV, OP>::setProblem(const Teuchos::RCP<ProblemType>& 
 }
 
 template<class Scalar, class MV, class OP>
-Teuchos::RCP<StatusTest<MV>> SolverManager<Scalar, MV, OP>::defaultTest() const {
+Teuchos::RCP<StatusTest<MV>> SolverManager<Scalar, MV, OP>::gradientTest() const {
   const double tolerance = parameters_->template get<double>("Convergence Tolerance");
-  std::vector<Teuchos::RCP<StatusTest<MV>>> tests = {
-      Teuchos::rcp(new StatusTestProjectedGradient<MV>(tolerance, norm<Scalar>(*problem_->rhs())))};
-  if (problem_->hasEqualities()) {
-    using MVT = Belos::MultiVecTraits<Scalar, MV>;
-    Teuchos::RCP<MV> noShift = MVT::Clone(*problem_->solution(), 1);
-    MVT::MvInit(*noShift, 0.0);
-    tests.push_back(Teuchos::rcp(new StatusTestEqualityResidual<MV, Scalar>(
-        tolerance, norm<Scalar>(*problem_->equalityValues()), noShift)));
-  }
-  return Teuchos::rcp(new StatusTestCombo<MV>(StatusTestCombo<MV>::Type::Sequence, tests));
+  const double scale = norm<Scalar>(*problem_->rhs());
+  if (scale > 0.0)
+    return Teuchos::rcp(new StatusTestProjectedGradient<MV>(tolerance, scale));
+  return Teuchos::rcp(new StatusTestInitialGradient<MV>(tolerance));
+}
+
+template<class Scalar, class MV, class OP>
+Teuchos::RCP<StatusTest<MV>> SolverManager<Scalar, MV, OP>::defaultTest() const {
+  if (!problem_->hasEqualities())
+    return gradientTest();
+  const double tolerance = parameters_->template get<double>("Convergence Tolerance");
+  const auto equality = Teuchos::rcp(new StatusTestEqualityDistance<MV, Scalar>(tolerance, 0.0));
+  return Teuchos::rcp(
+      new StatusTestCombo<MV>(StatusTestCombo<MV>::Type::Sequence, {gradientTest(), equality}));
 }
 
 template<class Scalar, class MV, class OP>
@@ -104,10 +110,23 @@ double SolverManager<Scalar, MV, OP>::elapsedSeconds() const {
 
 template<class Scalar, class MV, class OP>
 bool SolverManager<Scalar, MV, OP>::isSenseless() {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using OPT = Belos::OperatorTraits<Scalar, MV, OP>;
-  using BT = BoundTraits<Scalar, MV>;
-  const BoundFault& crossed = problem_->crossedBounds();
+  // Vectors may have changed in place since the problem was set.
+  const std::pair<const char*, const MV*> vectors[] = {
+      {"the right-hand side", problem_->rhs().get()},
+      {"the initial guess", problem_->solution().get()},
+      {"the right-hand side of the equalities", problem_->equalityValues().get()},
+      {"the initial multiplier", problem_->multiplier().get()}};
+  for (const auto& [name, vector] : vectors)
+    if (vector != nullptr && !std::isfinite(norm<Scalar>(*vector))) {
+      stop(Reason::Breakdown, Explanations::notFinite(name));
+      return true;
+    }
+  const BoundFault crossed =
+      BoundTraits<Scalar, MV>::findBoundFault(problem_->lowerBound().get(), problem_->upperBound().get());
+  if (crossed.found && !(crossed.lower > crossed.upper)) {
+    stop(Reason::Breakdown, Explanations::notFinite("the bounds"));
+    return true;
+  }
   if (crossed.found) {
     Certificate certificate;
     certificate.gap = crossed.lower - crossed.upper;
@@ -115,54 +134,86 @@ bool SolverManager<Scalar, MV, OP>::isSenseless() {
     stopInfeasible(Teuchos::null, certificate);
     return true;
   }
-  if (problem_->nullSpace().is_null())
-    return false;
-  // The part of b in the range of R, by its normal equations: along it the cost falls at a constant rate. It
-  // does so without end if no bound and no equality row is in the way.
+  return !problem_->nullSpace().is_null() && fallsAlongNullSpace();
+}
+
+// The part d of b in the range of R: along it the cost falls at a constant rate, and without end if no bound
+// and no equality row is in the way.
+template<class Scalar, class MV, class OP>
+bool SolverManager<Scalar, MV, OP>::fallsAlongNullSpace() {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using OPT = Belos::OperatorTraits<Scalar, MV, OP>;
+  using BT = BoundTraits<Scalar, MV>;
+  const double noise = std::sqrt(std::numeric_limits<double>::epsilon());
   const MV& kernel = *problem_->nullSpace();
   const int columns = static_cast<int>(MVT::GetNumberVecs(kernel));
-  Teuchos::SerialDenseMatrix<int, Scalar> gram(columns, columns), load(columns, 1);
-  MVT::MvTransMv(1.0, kernel, kernel, gram);
-  MVT::MvTransMv(1.0, kernel, *problem_->rhs(), load);
   const auto size = static_cast<std::size_t>(columns);
-  std::vector<double> matrix(size * size), rhs(size);
+  const Teuchos::RCP<MV> d = MVT::Clone(*problem_->solution(), 1), image = MVT::Clone(*d, 1);
+
+  Counters& counters = result_.counters;
+  double hessianNorm = problem_->hessianNorm();
+  if (hessianNorm == 0.0) {
+    BT::setRandom(*d);
+    hessianNorm =
+        estimateNorm<Scalar, MV>([&](const MV& x, MV& y) { OPT::Apply(*problem_->hessian(), x, y); }, *d, 12,
+                                 counters.setupApplications);
+  }
+  Teuchos::SerialDenseMatrix<int, Scalar> gram(columns, columns), coefficients(columns, 1);
+  for (int k = 0; k < columns; ++k) {
+    coefficients.putScalar(0.0);
+    coefficients(k, 0) = 1.0;
+    MVT::MvTimesMatAddMv(1.0, kernel, coefficients, 0.0, *d);
+    OPT::Apply(*problem_->hessian(), *d, *image);
+    ++counters.setupApplications;
+    const double defect = norm<Scalar>(*image), length = norm<Scalar>(*d);
+    if (!(defect <= noise * hessianNorm * length))
+      throw InputError(name() + ": the null space given is none: ‖AR‖ = " + scientific(defect) +
+                       " for its column " + std::to_string(k) + " of norm " + scientific(length) +
+                       ", while ‖A‖ = " + scientific(hessianNorm));
+  }
+
+  MVT::MvTransMv(1.0, kernel, kernel, gram);
+  MVT::MvTransMv(1.0, kernel, *problem_->rhs(), coefficients);
+  std::vector<double> matrix(size * size), load(size);
   for (int j = 0; j < columns; ++j) {
-    rhs[static_cast<std::size_t>(j)] = load(j, 0);
+    load[static_cast<std::size_t>(j)] = coefficients(j, 0);
     for (int i = 0; i < columns; ++i)
       matrix[static_cast<std::size_t>(j) * size + static_cast<std::size_t>(i)] = gram(i, j);
   }
-  const std::vector<double> amplitude = PivotedCholesky(matrix, columns).solve(rhs);
+  const std::vector<double> amplitudes = PivotedCholesky(matrix, columns).solve(load);
   for (int i = 0; i < columns; ++i)
-    load(i, 0) = amplitude[static_cast<std::size_t>(i)];
-  const Teuchos::RCP<MV> d = MVT::Clone(*problem_->solution(), 1), image = MVT::Clone(*d, 1);
-  MVT::MvTimesMatAddMv(1.0, kernel, load, 0.0, *d);
-  const double length = norm<Scalar>(*d), rhsNorm = norm<Scalar>(*problem_->rhs());
-  const double noise = std::sqrt(std::numeric_limits<double>::epsilon());
-  if (!(length > noise * rhsNorm))
+    coefficients(i, 0) = amplitudes[static_cast<std::size_t>(i)];
+  MVT::MvTimesMatAddMv(1.0, kernel, coefficients, 0.0, *d);
+  const double length = norm<Scalar>(*d);
+  if (!(length > noise * norm<Scalar>(*problem_->rhs())))
     return false;
   MVT::MvScale(*d, 1.0 / length);
   if (BT::projectOntoRecessionCone(*d, problem_->lowerBound().get(), problem_->upperBound().get()) > noise)
     return false;
+  MVT::MvScale(*d, 1.0 / norm<Scalar>(*d));
+
   Certificate certificate;
-  OPT::Apply(*problem_->hessian(), *d, *image);
-  ++result_.counters.setupApplications;
-  certificate.gap = dot<Scalar>(*problem_->rhs(), *d);
-  // In units of ‖A‖, for which any other vector's product stands in from below.
-  OPT::Apply(*problem_->hessian(), *problem_->rhs(), *d);
-  ++result_.counters.setupApplications;
-  const double hessianScale = norm<Scalar>(*d) / rhsNorm;
-  const double defect = norm<Scalar>(*image);
-  if (defect > noise * hessianScale)
-    throw InputError(name() + ": the null space given is none: ‖Ad‖ = " + scientific(defect) +
-                     " for a unit vector d in it, while ‖Ab‖/‖b‖ = " + scientific(hessianScale));
-  certificate.defect = hessianScale > 0.0 ? defect / hessianScale : 0.0;
-  MVT::MvTimesMatAddMv(1.0 / length, kernel, load, 0.0, *d);
   if (problem_->hasEqualities()) {
-    const Teuchos::RCP<MV> rows = MVT::Clone(*problem_->equalityValues(), 1);
-    OPT::Apply(*problem_->equalityRows(), *d, *rows);
-    if (norm<Scalar>(*rows) > noise)
+    const Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = makeRows();
+    if (rows.is_null())
+      return true; // there is nothing to fall in
+    const Teuchos::RCP<MV> w = rows->makeVector();
+    rows->apply(*d, *w);
+    certificate.defect = norm<Scalar>(*w) / std::sqrt(rows->norm2());
+    if (certificate.defect > noise)
       return false;
+    Certificate infeasibility;
+    if (FeasibilityProbe<Scalar, MV, OP>(*problem_, *rows).run(1000, *w, infeasibility) ==
+        FeasibilityProbe<Scalar, MV, OP>::Verdict::Infeasible) {
+      stopInfeasible(w, infeasibility);
+      return true;
+    }
   }
+  OPT::Apply(*problem_->hessian(), *d, *image);
+  ++counters.setupApplications;
+  if (hessianNorm > 0.0)
+    certificate.defect = std::max(certificate.defect, norm<Scalar>(*image) / hessianNorm);
+  certificate.gap = dot<Scalar>(*problem_->rhs(), *d);
   stopUnbounded(d, certificate);
   return true;
 }
@@ -173,6 +224,10 @@ Teuchos::RCP<EqualityRows<Scalar, MV, OP>> SolverManager<Scalar, MV, OP>::makeRo
       new EqualityRows<Scalar, MV, OP>(*problem_, parameters_->template get<int>("Orthonormalised Rows")));
   if (!rows->isPresent())
     return rows;
+  if (!rows->isFinite()) {
+    stop(Reason::Breakdown, Explanations::notFinite("the equality rows"));
+    return Teuchos::null;
+  }
   const Teuchos::RCP<MV> y = rows->makeVector();
   Certificate certificate;
   if (rows->isConsistent(*y, certificate))
@@ -219,12 +274,14 @@ void SolverManager<Scalar, MV, OP>::stopUnbounded(const Teuchos::RCP<const MV>& 
 
 template<class Scalar, class MV, class OP>
 void SolverManager<Scalar, MV, OP>::delegate(SolverManager& other) {
-  const int before = result_.history.empty() ? 0 : result_.history.back().inner;
+  const int before = result_.history.empty() ? firstInner_ : result_.history.back().inner;
   const double seconds = elapsedSeconds();
-  other.parameters_->set("Maximum Iterations", std::max(0, maximumIterations() - before));
+  // Ranks compare a common time with this limit; it has to be common itself.
   const double limit = parameters_->template get<double>("Maximum Seconds");
   if (limit > 0.0)
-    other.parameters_->set("Maximum Seconds", std::max(1e-9, limit - seconds));
+    other.parameters_->set("Maximum Seconds", std::max(1e-9, limit - BoundTraits<Scalar, MV>::maximum(
+                                                                         *problem_->solution(), seconds)));
+  other.firstInner_ = before;
   other.setProblem(problem_);
   other.setConvergenceTest(activeTest_);
   other.setDebugStatusTest(debugTest_);
@@ -234,7 +291,6 @@ void SolverManager<Scalar, MV, OP>::delegate(SolverManager& other) {
   certificate_ = other.certificate();
   const Counters first = result_.counters;
   for (IterationRecord& record : result.history) {
-    record.inner += before;
     record.hessianApplications += first.hessianApplications;
     record.seconds += seconds;
   }

@@ -24,7 +24,9 @@ struct IterationState {
   /// same as ‖g^P(x, μ, ρ)‖ of what the inner loop minimises.
   double projectedGradient = 0.0;
   double equalityResidual = 0.0; ///< ‖Cx − c‖
-  double decrease = 0.0;         ///< of the cost over the last step, NaN where it is not known
+  /// Distance of x from what the equalities allow: ‖C̄x − c̄‖ in orthonormal rows, the rows' own units aside.
+  double equalityDistance = 0.0;
+  double decrease = 0.0; ///< of the cost over the last step, NaN where it is not known
   int outer = 0;
   int inner = 0; ///< all inner iterations so far
   const Counters* counters = nullptr;
@@ -89,6 +91,23 @@ class StatusTestProjectedGradient : public StatusTestValue<MV> {
     return this->judge(state.projectedGradient, tolerance_ * scale_);
   }
   double scale() const { return scale_; }
+
+ private:
+  double tolerance_;
+  double scale_;
+};
+
+/// Distance from the equalities ≤ tolerance · max(number, ‖x‖): independent of the rows' units.
+template<class MV, class Scalar = double>
+class StatusTestEqualityDistance : public StatusTestValue<MV> {
+ public:
+  StatusTestEqualityDistance(double tolerance, double scale)
+      : StatusTestValue<MV>("distance from the equalities"), tolerance_(tolerance), scale_(scale) {}
+  Status checkStatus(const IterationState<MV>& state) override {
+    std::vector<double> norm(1);
+    Belos::MultiVecTraits<Scalar, MV>::MvNorm(*state.x, norm);
+    return this->judge(state.equalityDistance, tolerance_ * std::max(scale_, norm[0]));
+  }
 
  private:
   double tolerance_;

@@ -274,8 +274,8 @@ TEST(Theory, tolerances_are_met_or_stagnation_is_told) {
         const double level = epsilon * (condition * norm(x) + norm(qp.b) + 3.0 * norm(mu));
         if (result.converged()) {
           EXPECT_LE(reached, tolerance * norm(qp.b) + 10.0 * level) << what;
-          EXPECT_LE(norm(equalityResidual(qp, x)),
-                    tolerance * std::max(norm(qp.cRhs), norm(x)) + 10.0 * epsilon * norm(x))
+          // ‖Cx − c‖ is at most ‖C‖ times the distance from the equalities, which is at most tol‖x‖.
+          EXPECT_LE(norm(equalityResidual(qp, x)), (tolerance + 10.0 * epsilon) * norm(qp.c.values) * norm(x))
               << what;
           continue;
         }
