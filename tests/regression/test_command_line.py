@@ -538,7 +538,7 @@ class NotConverged(Case):
         self.assertLessEqual(before, result.summary["hessian_applications"])
 
     def test_outer_iteration_limit(self):
-        sets = {"Solver/SMALBE/Maximum Outer Iterations": 1, "Solver/Tolerance": 1e-8}
+        sets = {"Solver/SMALBE/Maximum outer iterations": 1, "Solver/Tolerance": 1e-8}
         result = runs.run(runs.MODEL, sets)
         self.assertEqual(result.returncode, 1, result)
         self.assertIs(result.summary["converged"], False)

@@ -42,7 +42,7 @@ ParameterSpec SmalbeSolver<Scalar, MV, OP>::methodSpec() {
   spec.integer("Slow iterations", 4, 1, 1000000,
                "All rules: ρ ← βρ after so many outer iterations in a row that did not halve ‖Cx − c‖, which "
                "rows that nearly depend on each other in the free entries bring about.");
-  spec.integer("Maximum Outer Iterations", 10000, 1, 1000000000,
+  spec.integer("Maximum outer iterations", 10000, 1, 1000000000,
                "Outer iterations after which the solver gives up.");
   return spec;
 }
@@ -109,7 +109,7 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
   const double precisionFactor = list.get<double>("Precision factor");
   const double largestPenalty = std::max(penalty, normScale / rowScale * list.get<double>("Maximum penalty"));
   const int slowLimit = list.get<int>("Slow iterations");
-  const int outerLimit = list.get<int>("Maximum Outer Iterations");
+  const int outerLimit = list.get<int>("Maximum outer iterations");
 
   const auto precise = [&](const IterationState<MV>& state) {
     return state.projectedGradient <= std::min(precision * lagrangian.residual(), innerTolerance);

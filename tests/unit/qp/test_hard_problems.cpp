@@ -121,6 +121,21 @@ TEST(HardProblems, nearly_dependent_rows_are_not_contradictory) {
   }
 }
 
+// One orthonormalisation leaves C̄C̄ᵀ − I = ε/angle², 1e-6 here, and with it the equalities unmet; two leave ε.
+TEST(HardProblems, ill_conditioned_rows_are_met) {
+  for (double angle : {1e-4, 1e-5}) {
+    const SmallQp qp{diagonal({1, 2, 3}), {1, 1, 1}, {}, {}, rows({{1, 1, 0}, {1, 1 + angle, 0}}),
+                     {1, 1 + 2 * angle}};
+    for (const char* name : {"PCPG"}) {
+      const Answer answer = solve(name, qp, 1e-10);
+      ASSERT_TRUE(answer.result.converged()) << name << " " << angle << " " << answer.result.explanation;
+      // x₁ + x₂ = 1 and x₂ = 2, the latter through a difference of rows: ε/angle at best.
+      EXPECT_NEAR(answer.x[0], -1.0, 1e-10 / angle) << name << " " << angle;
+      EXPECT_NEAR(answer.x[1], 2.0, 1e-10 / angle) << name << " " << angle;
+    }
+  }
+}
+
 // Degenerate faces and tolerances at the level of rounding errors: an end in any case.
 TEST(HardProblems, active_sets_come_to_an_end) {
   const auto start = std::chrono::steady_clock::now();
@@ -306,6 +321,30 @@ TEST(HardProblems, rows_used_as_they_stand_converge_in_any_units) {
     ASSERT_TRUE(result.converged()) << s << " " << result.explanation;
     EXPECT_LE(distance(fromVector(*distributed.solution), bruteForce(qp)), 1e-5) << s;
   }
+}
+
+// A test is reset when the solver begins, not when another takes over: what it remembers stays.
+TEST(HardProblems, tests_go_on_through_a_change_of_solvers) {
+  class Resets : public StatusTestProjectedGradient<MultiVector> {
+   public:
+    using StatusTestProjectedGradient<MultiVector>::StatusTestProjectedGradient;
+    void reset() override {
+      StatusTestProjectedGradient<MultiVector>::reset();
+      ++resets;
+    }
+    int resets = 0;
+  };
+  std::mt19937 random(306);
+  const SmallQp qp = randomQp(random, 7, 2, true, 1e4);
+  const DistributedQp distributed(qp);
+  const auto list = Teuchos::parameterList();
+  list->sublist("PDAS").set("Maximum active sets", 1);
+  const auto solver = TpetraSolverFactory().create("PDAS", list);
+  const auto test = Teuchos::rcp(new Resets(1e-8, norm(qp.b)));
+  solver->setConvergenceTest(test);
+  solver->setProblem(distributed.problem);
+  EXPECT_EQ(solver->solve().counters.safeguards, 1);
+  EXPECT_EQ(test->resets, 1);
 }
 
 // "All inner iterations so far", also after another solver has taken over.
