@@ -182,6 +182,19 @@ def length_faults(source):
     return faults
 
 
+GUARD = re.compile(r"\btests/[\w/]+\.(?:cpp|py)\b")
+
+
+def guard_faults(source):
+    """Tests that a comment names as its guard and that are not there."""
+    faults = []
+    for file in source.below("packages", suffixes=(".hpp", ".cpp")):
+        for name in sorted(set(GUARD.findall(source.text(file)))):
+            if name not in source.files:
+                faults.append(f"{file}: names {name}, which does not exist")
+    return faults
+
+
 def top_level_faults(source):
     found = {file.split("/")[0] for file in source.files}
     return [
@@ -256,6 +269,9 @@ class Tree(Checks):
     def test_length(self):
         self.assert_none(length_faults(self.source))
 
+    def test_guards_exist(self):
+        self.assert_none(guard_faults(self.source))
+
     def test_top_level(self):
         self.assert_none(top_level_faults(self.source))
 
@@ -286,6 +302,12 @@ class Planted(Checks):
         copy = Source(self.top, set(self.source.files) | {file})
         found = check(copy)
         self.assertEqual([line for line in found if line not in before], [fault])
+
+    def test_guard_that_is_not_there(self):
+        file = "packages/qp/src/Harmos_Planted.hpp"
+        name = "tests/unit/qp/test_planted.cpp"
+        fault = f"{file}: names {name}, which does not exist"
+        self.assert_found(guard_faults, file, f"#pragma once\n/// Guarded by {name}.\n", fault)
 
     def test_forbidden_includes(self):
         for package, other in (

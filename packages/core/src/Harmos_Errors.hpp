@@ -14,7 +14,7 @@ using ErrorData = std::vector<std::pair<std::string, std::string>>;
 /// Base of everything Harmos throws on purpose.
 ///
 /// The message names the cause, the place and the remedy; data() carries the same facts for programs.
-/// Guarded by tests/unit/core/test_errors.cpp.
+/// Guarded by tests/unit/core/test_agreement.cpp.
 class Error : public std::runtime_error {
  public:
   /// Who can do something about it; the order is that of the exit status of the applications.

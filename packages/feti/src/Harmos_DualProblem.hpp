@@ -17,7 +17,7 @@ namespace Harmos::feti {
 /// with d̃ = BK⁺f − c, ẽ = Rᵀf, λ̃ = G̃ᵀ(G̃G̃ᵀ)⁻¹ẽ, d = d̃ − Fλ̃; the multiplier of the torn problem is λ + λ̃.
 /// Without a kernel there is no G and P = I. Immutable.
 ///
-/// Guarded by tests/unit/feti/test_dual_problem.cpp.
+/// Guarded by tests/unit/feti/test_mixed_inverses.cpp and test_recovery.cpp.
 class DualProblem {
  public:
   /// All to outlive this. Two products with the local inverses: one for d̃, one for Fλ̃ (none without a

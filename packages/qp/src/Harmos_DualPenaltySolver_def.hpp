@@ -49,8 +49,9 @@ void DualPenaltySolver<Scalar, MV, OP>::doSolve() {
                                                MprgpOptions::fromList(this->parameters_->sublist("MPRGP")),
                                                this->result_.counters);
   const bool relative = list.get<std::string>("Parameter scaling") == "relative";
-  const double penalty = list.get<double>("Penalty") *
-                         (relative && lagrangian.hessianNorm() > 0.0 ? lagrangian.hessianNorm() : 1.0);
+  const double penalty =
+      list.get<double>("Penalty") *
+      (relative && lagrangian.hessianNorm() > 0.0 ? lagrangian.hessianNorm() / rows->norm2() : 1.0);
   IterationState<MV> state = this->begin(lagrangian, penalty, 0.0);
   this->minimise(lagrangian, state, nullptr, 0.0);
   this->result_.penalty = penalty;

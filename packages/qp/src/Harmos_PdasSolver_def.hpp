@@ -103,6 +103,22 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
     rows->toUser(*mu, *problem.multiplier());
   };
 
+  // What is reported and believed is the gradient at the projection of x, computed anew.
+  const auto measure = [&](const Cg& cg, int inner) {
+    BT::project(x, lower, upper);
+    ++counters.confirmations;
+    ++counters.hessianApplications;
+    Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem.hessian(), x, *y);
+    MVT::MvAddMv(1.0, *y, -1.0, *problem.rhs(), *y);
+    if (rows->isPresent()) {
+      const Teuchos::RCP<MV> mu = rows->makeVector();
+      cg.multiplier(*mu);
+      rows->addTransposed(1.0, *mu, *y);
+    }
+    storeMultiplier(cg);
+    return evaluate(BT::projectedGradientNorm(x, *y, lower, upper), inner);
+  };
+
   // The first active set: entries at a bound that the gradient pushes against it.
   BT::project(x, lower, upper);
   LocalActiveSet set;
@@ -160,8 +176,7 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
       this->record(state, StepKind::Projected, 0.0, 0.0, active);
     }
     if (reason && *reason != Reason::Converged) {
-      BT::project(x, lower, upper);
-      storeMultiplier(cg);
+      state = measure(cg, state.inner);
       return this->stopFor(*reason, state);
     }
 
@@ -181,22 +196,7 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
     const bool exhausted = cg.residualNorm() <= cg.attainable() || (settled && !stepped);
     if (this->judge(evaluate(expected, state.inner)) == Reason::Converged ||
         (change.changed == 0 && exhausted)) {
-      // What is believed is the gradient at the feasible point itself.
-      const bool moved = change.violation2 > 0.0;
-      BT::project(x, lower, upper);
-      if (moved || cg.staleness() > 0) {
-        ++counters.confirmations;
-        ++counters.hessianApplications;
-        Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem.hessian(), x, *y);
-        MVT::MvAddMv(1.0, *y, -1.0, *problem.rhs(), *y);
-        if (rows->isPresent()) {
-          const Teuchos::RCP<MV> mu = rows->makeVector();
-          cg.multiplier(*mu);
-          rows->addTransposed(1.0, *mu, *y);
-        }
-      }
-      state = evaluate(BT::projectedGradientNorm(x, *y, lower, upper), state.inner);
-      storeMultiplier(cg);
+      state = measure(cg, state.inner);
       if (this->judge(state) == Reason::Converged)
         return this->stopFor(Reason::Converged, state);
       if (change.changed == 0 && exhausted)

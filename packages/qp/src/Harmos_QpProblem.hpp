@@ -80,8 +80,6 @@ class Problem {
   Teuchos::RCP<FacePreconditioner<MV, OP>> facePreconditioner() const { return facePreconditioner_; }
   Teuchos::RCP<const MV> nullSpace() const { return nullSpace_; }
   bool hasPreconditioner() const { return !preconditioner_.is_null() || !facePreconditioner_.is_null(); }
-  /// A pair of bounds with l > u; found by setProblem().
-  const BoundFault& crossedBounds() const { return crossedBounds_; }
   EqualityStructure equalityStructure() const { return structure_; }
   double hessianNorm() const { return hessianNorm_; }
   const std::string& label() const { return label_; }
@@ -103,7 +101,6 @@ class Problem {
   Teuchos::RCP<const OP> preconditioner_;
   Teuchos::RCP<FacePreconditioner<MV, OP>> facePreconditioner_;
   Teuchos::RCP<const MV> nullSpace_;
-  BoundFault crossedBounds_;
   EqualityStructure structure_ = EqualityStructure::General;
   double hessianNorm_ = 0.0;
   bool set_ = false;

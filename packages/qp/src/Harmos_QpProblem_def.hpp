@@ -98,9 +98,9 @@ bool Problem<Scalar, MV, OP>::setProblem() {
   for (const Teuchos::RCP<const MV>& bound : {lower_, upper_})
     if (!bound.is_null() && MVT::GetGlobalLength(*bound) != length)
       return refuse("a bound and the solution differ in length");
-  crossedBounds_ = BoundTraits<Scalar, MV>::findBoundFault(lower_.get(), upper_.get());
-  if (crossedBounds_.found && !(crossedBounds_.lower > crossedBounds_.upper))
-    return refuse("the bounds of entry " + std::to_string(crossedBounds_.entry) +
+  const BoundFault fault = BoundTraits<Scalar, MV>::findBoundFault(lower_.get(), upper_.get());
+  if (fault.found && !(fault.lower > fault.upper))
+    return refuse("the bounds of entry " + std::to_string(fault.entry) +
                   " are not numbers, or a lower one is +infinity or an upper one -infinity");
   if (!nullSpace_.is_null() && MVT::GetGlobalLength(*nullSpace_) != length)
     return refuse("the null space and the solution differ in length");

@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -138,7 +137,6 @@ TEST(HardProblems, ill_conditioned_rows_are_met) {
 
 // Degenerate faces and tolerances at the level of rounding errors: an end in any case.
 TEST(HardProblems, active_sets_come_to_an_end) {
-  const auto start = std::chrono::steady_clock::now();
   std::mt19937 random(77);
   for (int k = 0; k < 30; ++k) {
     const BuiltQp built = builtQp(random, k % 2 == 0 ? 2 : 40, k % 3, 0, true);
@@ -149,8 +147,6 @@ TEST(HardProblems, active_sets_come_to_an_end) {
       EXPECT_LE(distance(answer.x, built.x), 1e-9 * norm(built.x)) << k;
     }
   }
-  // No assertion on speed: without an end there is no end.
-  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 250.0);
 }
 
 TEST(HardProblems, numbers_that_are_not_finite_are_no_answer) {
