@@ -36,13 +36,14 @@ if(HARMOS_ENABLE_TESTS)
   harmos_import_trilinos(muelu MueLu Ifpack2)
 endif()
 
-# MUMPS (double precision, parallel build).
+# MUMPS (double and single precision, parallel build).
 find_path(MUMPS_INCLUDE_DIR dmumps_c.h REQUIRED)
 find_library(MUMPS_DMUMPS_LIBRARY dmumps REQUIRED)
+find_library(MUMPS_SMUMPS_LIBRARY smumps REQUIRED)
 find_library(MUMPS_COMMON_LIBRARY mumps_common REQUIRED)
 add_library(harmos_dep_mumps INTERFACE)
 add_library(harmos_dep::mumps ALIAS harmos_dep_mumps)
-target_link_libraries(harmos_dep_mumps INTERFACE ${MUMPS_DMUMPS_LIBRARY} ${MUMPS_COMMON_LIBRARY}
+target_link_libraries(harmos_dep_mumps INTERFACE ${MUMPS_DMUMPS_LIBRARY} ${MUMPS_SMUMPS_LIBRARY} ${MUMPS_COMMON_LIBRARY}
                                                  MPI::MPI_C)
 target_include_directories(harmos_dep_mumps SYSTEM INTERFACE ${MUMPS_INCLUDE_DIR})
 

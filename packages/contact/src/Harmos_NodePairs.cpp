@@ -80,11 +80,11 @@ std::vector<SurfaceNode> surfaceNodes(const fem::PlacedMesh& placed, const std::
     return {};
   const std::vector<int>& nodes = found->second;
   std::vector<SurfaceNode> result;
-  std::map<int, std::size_t> place;
+  std::vector<int> place(static_cast<std::size_t>(placed.mesh->numberOfNodes()), -1); // in the result
   for (int node : nodes) {
     const fem::Point x = placed.position(node);
-    place[node] = result.size();
-    result.push_back({placed.nodes[static_cast<std::size_t>(node)], {x[0], x[1], x[2]}, 0.0});
+    place[static_cast<std::size_t>(node)] = static_cast<int>(result.size());
+    result.push_back({placed.number(node), {x[0], x[1], x[2]}, 0.0});
   }
   // Each cell edge with both ends on the surface gives half of its length to either. An edge inside the
   // subdomain would be met in two cells; a boundary edge is met in one.
@@ -92,13 +92,15 @@ std::vector<SurfaceNode> surfaceNodes(const fem::PlacedMesh& placed, const std::
   constexpr std::size_t corners = fem::Mesh::nodesPerCell;
   for (std::size_t c = 0; c < cells.size(); c += corners)
     for (std::size_t i = 0; i < corners; ++i) {
-      const auto a = place.find(cells[c + i]);
-      const auto b = place.find(cells[c + (i + 1) % corners]);
-      if (a == place.end() || b == place.end())
+      const int a = place[static_cast<std::size_t>(cells[c + i])];
+      const int b = place[static_cast<std::size_t>(cells[c + (i + 1) % corners])];
+      if (a < 0 || b < 0)
         continue;
-      const double half = 0.5 * distance(result[a->second], result[b->second]);
-      result[a->second].length += half;
-      result[b->second].length += half;
+      SurfaceNode& first = result[static_cast<std::size_t>(a)];
+      SurfaceNode& second = result[static_cast<std::size_t>(b)];
+      const double half = 0.5 * distance(first, second);
+      first.length += half;
+      second.length += half;
     }
   return result;
 }

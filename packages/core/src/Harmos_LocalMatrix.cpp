@@ -47,6 +47,30 @@ double LocalMatrix::infinityNorm() const {
   return result;
 }
 
+std::size_t patternHash(const LocalMatrix& matrix) {
+  // FNV-1a, a word at a time.
+  std::size_t hash = 1469598103934665603ULL;
+  const auto mix = [&](std::size_t word) { hash = (hash ^ word) * 1099511628211ULL; };
+  mix(matrix.offsets.size());
+  for (std::size_t offset : matrix.offsets)
+    mix(offset);
+  for (int column : matrix.columns)
+    mix(static_cast<std::size_t>(column));
+  return hash;
+}
+
+bool sameContent(const LocalMatrix& a, const LocalMatrix& b, double tolerance) {
+  if (&a == &b)
+    return true;
+  if (a.offsets != b.offsets || a.columns != b.columns)
+    return false;
+  const double most = tolerance * std::max(a.maxNorm(), b.maxNorm());
+  for (std::size_t k = 0; k < a.values.size(); ++k)
+    if (!(std::abs(a.values[k] - b.values[k]) <= most))
+      return false;
+  return true;
+}
+
 LocalMatrix makeLocalMatrix(int rows, std::vector<MatrixEntry> entries) {
   std::stable_sort(entries.begin(), entries.end(), [](const MatrixEntry& a, const MatrixEntry& b) {
     return std::tie(a.row, a.column) < std::tie(b.row, b.column);

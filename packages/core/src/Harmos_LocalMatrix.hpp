@@ -32,6 +32,12 @@ struct LocalMatrix {
   double infinityNorm() const;
 };
 
+/// Hash of the sparsity pattern.
+std::size_t patternHash(const LocalMatrix& matrix);
+
+/// Whether two matrices have the same pattern, and entries that differ by at most tolerance · max_ij |a_ij|.
+bool sameContent(const LocalMatrix& a, const LocalMatrix& b, double tolerance);
+
 /// A matrix entry for makeLocalMatrix().
 struct MatrixEntry {
   int row;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 namespace Harmos::fem {
@@ -184,18 +185,35 @@ LocalMatrix assembleLaplace(const Mesh& mesh) {
   return matrix;
 }
 
-std::vector<double> assembleLoad(const PlacedMesh& placed, const std::vector<BoxLoad>& loads) {
-  const Mesh& mesh = *placed.mesh;
+std::vector<BoxLoad> localLoads(const PlacedMesh& placed, const std::vector<BoxLoad>& loads) {
+  const std::vector<double>& x = placed.mesh->coordinates;
+  Vec2 least = {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  Vec2 most = {-least[0], -least[1]};
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    least[k % 2] = std::min(least[k % 2], x[k]);
+    most[k % 2] = std::max(most[k % 2], x[k]);
+  }
+  std::vector<BoxLoad> result;
+  for (const BoxLoad& load : loads) {
+    BoxLoad local = load;
+    bool meets = true;
+    for (std::size_t d = 0; d < 2; ++d) {
+      local.least[d] = std::max(least[d], load.least[d] - placed.anchor[d]);
+      local.most[d] = std::min(most[d], load.most[d] - placed.anchor[d]);
+      meets = meets && local.least[d] < local.most[d];
+    }
+    if (meets)
+      result.push_back(local);
+  }
+  return result;
+}
+
+std::vector<double> assembleLoad(const Mesh& mesh, const std::vector<BoxLoad>& loads) {
   const ReferenceElement element(mesh.cellType, 2);
   const Quadrature triangle = triangleQuadrature(4);
   std::vector<double> f(static_cast<std::size_t>(mesh.numberOfNodes()), 0.0);
   for (const BoxLoad& load : loads) {
-    // The box in the coordinates of the mesh.
-    Vec2 least, most;
-    for (std::size_t d = 0; d < 2; ++d) {
-      least[d] = load.least[d] - placed.anchor[d];
-      most[d] = load.most[d] - placed.anchor[d];
-    }
+    const Vec2 &least = load.least, &most = load.most;
     for (int c = 0; c < mesh.numberOfCells(); ++c) {
       const CellCoordinates x = cellCoordinates(mesh, c);
       bool disjoint = false, within = true;

@@ -22,9 +22,15 @@ struct BoxLoad {
 /// naming it.
 LocalMatrix assembleLaplace(const Mesh& mesh);
 
-/// Load vector f_i = ∫ f φ_i of box loads, integrated element-exactly: a cell that a box cuts is clipped, and
-/// only the part inside is integrated, so that the answer does not depend on whether the mesh resolves the
-/// jump. Exact for parallelograms. Guarded by tests/unit/fem/test_assembly.cpp.
-std::vector<double> assembleLoad(const PlacedMesh& mesh, const std::vector<BoxLoad>& loads);
+/// The loads as a subdomain sees them: boxes cut to the bounding box of its mesh, in the mesh's coordinates;
+/// those that miss it are left out. Congruent subdomains under the same load get the same answer, up to
+/// rounding where a box cuts them.
+std::vector<BoxLoad> localLoads(const PlacedMesh& placed, const std::vector<BoxLoad>& loads);
+
+/// Load vector f_i = ∫ f φ_i of box loads in the mesh's coordinates, integrated element-exactly: a cell that
+/// a box cuts is clipped, and only the part inside is integrated, so that the answer does not depend on
+/// whether the mesh resolves the jump. Exact for parallelograms. Guarded by
+/// tests/unit/fem/test_assembly.cpp.
+std::vector<double> assembleLoad(const Mesh& mesh, const std::vector<BoxLoad>& loads);
 
 } // namespace Harmos::fem

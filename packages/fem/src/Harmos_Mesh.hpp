@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <map>
@@ -22,6 +23,7 @@ struct Mesh {
   CellType cellType = CellType::Quadrilateral4;
   std::vector<double> coordinates; ///< (x, y) of each node, relative to the anchor
   std::vector<int> cells;          ///< nodes of each cell, counter-clockwise
+  std::vector<int> boundary;       ///< nodes on the boundary, rising
 
   static constexpr int dimension = 2;
   static constexpr int nodesPerCell = 4;
@@ -30,13 +32,18 @@ struct Mesh {
   int numberOfCells() const { return static_cast<int>(cells.size()) / nodesPerCell; }
 };
 
-/// A mesh at its place in a body.
+/// A mesh at its place in a body. It holds only what differs between congruent subdomains.
 struct PlacedMesh {
   std::shared_ptr<const Mesh> mesh;
   Point anchor{};
-  std::vector<long long> nodes;                 ///< global number of each node; copies have the same
-  std::vector<int> boundary;                    ///< local nodes on the boundary of the subdomain
+  std::vector<long long> boundaryNumbers; ///< global number of each node of mesh->boundary; copies have the same
   std::map<std::string, std::vector<int>> sets; ///< local nodes of the body's named boundary parts, sorted
+
+  /// Global number of a node on the boundary.
+  long long number(int boundaryNode) const {
+    const auto place = std::lower_bound(mesh->boundary.begin(), mesh->boundary.end(), boundaryNode);
+    return boundaryNumbers[static_cast<std::size_t>(place - mesh->boundary.begin())];
+  }
 
   Point position(int node) const {
     const std::size_t k = static_cast<std::size_t>(node) * Mesh::dimension;

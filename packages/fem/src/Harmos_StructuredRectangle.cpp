@@ -21,6 +21,8 @@ StructuredRectangle::StructuredRectangle(const Point& origin, const std::array<d
     for (int i = 0; i <= nx; ++i) {
       mesh->coordinates.push_back(i * hx);
       mesh->coordinates.push_back(j * hy);
+      if (i == 0 || i == nx || j == 0 || j == ny)
+        mesh->boundary.push_back(j * (nx + 1) + i);
     }
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {
@@ -46,23 +48,19 @@ PlacedMesh StructuredRectangle::subdomain(int s) const {
   placed.anchor = {origin_[0] + size_[0] * column / subdomains_[0],
                    origin_[1] + size_[1] * row / subdomains_[1], origin_[2]};
   const long long stride = static_cast<long long>(subdomains_[0]) * nx + 1;
-  placed.nodes.reserve(static_cast<std::size_t>(mesh_->numberOfNodes()));
-  for (int j = 0; j <= ny; ++j)
-    for (int i = 0; i <= nx; ++i) {
-      const int local = j * (nx + 1) + i;
-      placed.nodes.push_back(firstNode_ + (static_cast<long long>(row) * ny + j) * stride +
-                             static_cast<long long>(column) * nx + i);
-      if (i == 0 || i == nx || j == 0 || j == ny)
-        placed.boundary.push_back(local);
-      if (i == 0 && column == 0)
-        placed.sets["left"].push_back(local);
-      if (i == nx && column == subdomains_[0] - 1)
-        placed.sets["right"].push_back(local);
-      if (j == 0 && row == 0)
-        placed.sets["bottom"].push_back(local);
-      if (j == ny && row == subdomains_[1] - 1)
-        placed.sets["top"].push_back(local);
-    }
+  for (int local : mesh_->boundary) {
+    const int i = local % (nx + 1), j = local / (nx + 1);
+    placed.boundaryNumbers.push_back(firstNode_ + (static_cast<long long>(row) * ny + j) * stride +
+                                     static_cast<long long>(column) * nx + i);
+    if (i == 0 && column == 0)
+      placed.sets["left"].push_back(local);
+    if (i == nx && column == subdomains_[0] - 1)
+      placed.sets["right"].push_back(local);
+    if (j == 0 && row == 0)
+      placed.sets["bottom"].push_back(local);
+    if (j == ny && row == subdomains_[1] - 1)
+      placed.sets["top"].push_back(local);
+  }
   return placed;
 }
 

@@ -4,6 +4,7 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Log.hpp"
+#include "Harmos_TrilinosVersion.hpp"
 
 #include <Tpetra_Import.hpp>
 #include <Tpetra_Map.hpp>
@@ -93,13 +94,9 @@ CopyTable meet(const SubdomainSystem& system, const Rendezvous& rendezvous) {
     std::map<int, const FixedDof*> fixed;
     for (const FixedDof& f : s.fixed)
       fixed[f.dof] = &f;
-    std::vector<int> locals = s.interface;
-    for (const FixedDof& f : s.fixed)
-      locals.push_back(f.dof);
-    std::sort(locals.begin(), locals.end());
-    locals.erase(std::unique(locals.begin(), locals.end()), locals.end());
-    for (int local : locals) {
-      const long long dof = s.dofs[static_cast<std::size_t>(local)];
+    for (std::size_t k = 0; k < s.numbers.size(); ++k) {
+      const int local = (*s.interface)[k];
+      const long long dof = s.numbers[k];
       const auto found = fixed.find(local);
       sends[rendezvous(dof)].push_back({dof, s.number, found != fixed.end() ? found->second->value : 0.0,
                                         local, i, comm.getRank(), found != fixed.end() ? 1 : 0});
@@ -242,7 +239,7 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
 
   long long least = std::numeric_limits<long long>::max(), most = std::numeric_limits<long long>::min();
   for (int i = 0; i < system.size(); ++i)
-    for (long long dof : system.subdomain(i).dofs) {
+    for (long long dof : system.subdomain(i).numbers) {
       least = std::min(least, dof);
       most = std::max(most, dof);
     }
@@ -328,25 +325,27 @@ void Constraints::addB(int subdomain, const double* u, double* overlap) const {
 }
 
 void Constraints::applyB(const TornVector& u, MultiVector& y) const {
-  MultiVector overlap(overlapMap_, 1);
-  {
-    const auto view = overlap.getLocalViewHost(Tpetra::Access::OverwriteAll);
-    std::fill(view.data(), view.data() + view.extent(0), 0.0);
-    for (int i = 0; i < system_.size(); ++i)
-      addB(i, u[static_cast<std::size_t>(i)].data(), view.data());
-  }
-  y.putScalar(0.0);
-  y.doExport(overlap, *import_, Tpetra::ADD);
+  std::vector<double> overlap(localSize(*overlapMap_), 0.0);
+  for (int i = 0; i < system_.size(); ++i)
+    addB(i, u[static_cast<std::size_t>(i)].data(), overlap.data());
+  fromOverlap(overlap, y);
 }
 
-TornVector Constraints::applyBt(const MultiVector& lambda) const {
+void Constraints::fromOverlap(const std::vector<double>& overlap, MultiVector& y) const {
+  MultiVector vector(overlapMap_, 1);
+  {
+    const auto view = vector.getLocalViewHost(Tpetra::Access::OverwriteAll);
+    std::copy(overlap.begin(), overlap.end(), view.data());
+  }
+  y.putScalar(0.0);
+  y.doExport(vector, *import_, Tpetra::ADD);
+}
+
+std::vector<double> Constraints::toOverlap(const MultiVector& lambda) const {
   MultiVector overlap(overlapMap_, 1);
   overlap.doImport(lambda, *import_, Tpetra::INSERT);
   const auto view = overlap.getLocalViewHost(Tpetra::Access::ReadOnly);
-  TornVector result = system_.zeroVector();
-  for (int i = 0; i < system_.size(); ++i)
-    addBt(i, view.data(), result[static_cast<std::size_t>(i)].data());
-  return result;
+  return {view.data(), view.data() + view.extent(0)};
 }
 
 } // namespace Harmos::feti

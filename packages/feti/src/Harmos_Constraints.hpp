@@ -79,8 +79,10 @@ class Constraints {
   /// y = Bu. @note Collective.
   void applyB(const TornVector& u, MultiVector& y) const;
 
-  /// Bᵀλ. @note Collective.
-  TornVector applyBt(const MultiVector& lambda) const;
+  /// λ on overlapMap(): what addBt() takes. @note Collective, one neighbour exchange.
+  std::vector<double> toOverlap(const MultiVector& lambda) const;
+  /// y = the sum over the ranks of vectors on overlapMap(). @note Collective, one neighbour exchange.
+  void fromOverlap(const std::vector<double>& overlap, MultiVector& y) const;
 
   /// Bᵀ of a vector on overlapMap(), for one subdomain: t ← B_iᵀx. Local.
   void addBt(int subdomain, const double* overlap, double* t) const;

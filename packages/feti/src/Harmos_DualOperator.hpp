@@ -1,46 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_Constraints.hpp"
-#include "Harmos_LocalInverse.hpp"
-
-#include <Tpetra_Operator.hpp>
-
-#include <exception>
+#include "Harmos_LocalInverses.hpp"
+#include "Harmos_SubdomainSum.hpp"
 
 namespace Harmos::feti {
 
-/// F = B K⁺ Bᵀ in its implicit form: one solve with each local factorisation a product.
+/// F = B K⁺ Bᵀ, in the form of the local inverses.
 ///
 /// Symmetric positive semidefinite on vectors over Constraints::rowMap(). Cost: one neighbour exchange each
-/// way and a forward and backward substitution for each subdomain.
+/// way; locally, for each class of congruent subdomains one matrix-matrix product with its S⁺ (condensed) or
+/// one solve with many right-hand sides (implicit).
 ///
-/// A failure of a local solve on one rank cannot be thrown at once, or the others would wait in the exchange.
-/// It is kept, and the result is poisoned with NaN, which the next reduction of any solver carries to all
-/// ranks; rethrowFailure() then makes it an agreed error. Success so costs no reduction.
-///
-/// Guarded by tests/unit/feti/test_dual_operator.cpp (symmetry, independence of ranks).
-class DualOperator : public Operator {
+/// Guarded by tests/unit/feti/test_dual_operator.cpp (symmetry, independence of ranks and forms).
+class DualOperator : public SubdomainSum {
  public:
   /// All to outlive this.
-  DualOperator(const SubdomainSystem& system, const Constraints& constraints, const LocalInverses& inverses);
-
-  Teuchos::RCP<const Map> getDomainMap() const override { return constraints_.rowMap(); }
-  Teuchos::RCP<const Map> getRangeMap() const override { return constraints_.rowMap(); }
-  bool hasTransposeApply() const override { return true; }
-
-  /// Y = αFX + βY. @note Collective.
-  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
-             Scalar alpha = 1.0, Scalar beta = 0.0) const override;
-
-  /// Throws on all ranks the failure of a local solve, if one was kept. @note Collective.
-  void rethrowFailure() const;
-
- private:
-  const SubdomainSystem& system_;
-  const Constraints& constraints_;
-  const LocalInverses& inverses_;
-  mutable std::exception_ptr failure_;
+  DualOperator(const Constraints& constraints, const LocalInverses& inverses);
 };
+
+/// What a group needs of a class: the entries of B_i counted by boundary dofs.
+std::vector<SubdomainSum::Entry> boundaryEntries(const Constraints& constraints, const CongruenceClass& ofClass);
 
 } // namespace Harmos::feti

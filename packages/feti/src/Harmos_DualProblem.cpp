@@ -4,11 +4,14 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Log.hpp"
+#include "Harmos_TrilinosVersion.hpp"
 
 #include <Tpetra_MultiVector.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 namespace Harmos::feti {
 namespace {
@@ -34,6 +37,35 @@ double norm(const std::vector<double>& v) {
   return std::sqrt(sum);
 }
 
+bool isZero(const std::vector<double>& v) {
+  return std::all_of(v.begin(), v.end(), [](double entry) { return entry == 0.0; });
+}
+
+// d̃ = BK⁺f − c. Each distinct load of a class is solved for once, loads of zero not at all.
+void applyInverseToLoads(const SubdomainSystem& system, const Constraints& constraints,
+                         const LocalInverses& inverses, MultiVector& d) {
+  std::vector<double> overlap(localSize(*constraints.overlapMap()), 0.0);
+  agree(*system.comm(), [&] {
+    for (std::size_t c = 0; c < inverses.classes().size(); ++c) {
+      std::map<const std::vector<double>*, std::vector<int>> byLoad;
+      for (int i : inverses.classes()[c].members)
+        byLoad[&system.rhs(i)].push_back(i);
+      for (const auto& [load, members] : byLoad) {
+        if (isZero(*load))
+          continue;
+        std::vector<double> x = *load;
+        inverses.inverse(c).apply(x.data(), 1);
+        for (int i : members)
+          constraints.addB(i, x.data(), overlap.data());
+      }
+    }
+  });
+  constraints.fromOverlap(overlap, d);
+  const auto view = d.getLocalViewHost(Tpetra::Access::ReadWrite);
+  for (std::size_t r = 0; r < view.extent(0); ++r)
+    view(r, 0) -= constraints.bound(static_cast<int>(r));
+}
+
 // A dependent column of R is a rigid motion that the kept ones and the constraints leave free: its load must
 // be balanced by λ̃ all the same.
 void requireBalance(const SubdomainSystem& system, const CoarseSpace& coarse, const MultiVector& shift,
@@ -57,18 +89,8 @@ DualProblem::DualProblem(const SubdomainSystem& system, const Constraints& const
                          const LocalInverses& inverses, const DualOperator& dualOperator,
                          const CoarseSpace& coarse) {
   const Teuchos::RCP<const Map>& map = constraints.rowMap();
-  // d̃ = BK⁺f − c.
-  TornVector loads, images;
-  for (int i = 0; i < system.size(); ++i)
-    loads.push_back(system.rhs(i));
-  agree(*system.comm(), [&] { images = inverses.apply(loads); });
   d_ = Teuchos::rcp(new MultiVector(map, 1));
-  constraints.applyB(images, *d_);
-  {
-    const auto view = d_->getLocalViewHost(Tpetra::Access::ReadWrite);
-    for (std::size_t r = 0; r < view.extent(0); ++r)
-      view(r, 0) -= constraints.bound(static_cast<int>(r));
-  }
+  applyInverseToLoads(system, constraints, inverses, *d_);
   setupApplications_ = 1;
 
   shift_ = Teuchos::rcp(new MultiVector(map, 1));

@@ -4,7 +4,9 @@
 #include "Harmos_Errors.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace Harmos::feti {
 namespace {
@@ -33,9 +35,66 @@ int farthest(const std::vector<int>& distance) {
   return static_cast<int>(std::max_element(distance.begin(), distance.end()) - distance.begin());
 }
 
+// Of the dofs around a place those that hold motions of their own there: the place itself, then whichever
+// row of R sticks out most of those taken. In elasticity these are the components of one displacement.
+std::vector<int> dofsAt(const LocalMatrix& matrix, const Kernel& kernel, int place) {
+  const auto columns = static_cast<std::size_t>(kernel.columns);
+  const auto rowOf = [&](int dof) {
+    std::vector<double> row(columns);
+    for (int k = 0; k < kernel.columns; ++k)
+      row[static_cast<std::size_t>(k)] = kernel.column(k)[dof];
+    return row;
+  };
+  const auto dot = [](const std::vector<double>& a, const std::vector<double>& b) {
+    return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
+  };
+  const auto i = static_cast<std::size_t>(place);
+  std::vector<int> candidates(matrix.columns.begin() + static_cast<std::ptrdiff_t>(matrix.offsets[i]),
+                              matrix.columns.begin() + static_cast<std::ptrdiff_t>(matrix.offsets[i + 1]));
+  std::vector<std::vector<double>> rest;
+  for (int candidate : candidates)
+    rest.push_back(rowOf(candidate));
+  const double scale = std::sqrt(dot(rowOf(place), rowOf(place)));
+  constexpr double independent = 0.3; // of the length of a row; neighbouring nodes differ by less
+  std::vector<int> result;
+  int next = static_cast<int>(std::find(candidates.begin(), candidates.end(), place) - candidates.begin());
+  while (next >= 0 && static_cast<int>(result.size()) < kernel.columns) {
+    const auto chosen = static_cast<std::size_t>(next);
+    const std::vector<double> direction = rest[chosen];
+    const double length2 = dot(direction, direction);
+    result.push_back(candidates[chosen]);
+    next = -1;
+    double longest = independent * scale;
+    for (std::size_t c = 0; c < rest.size(); ++c) {
+      const double product = length2 > 0.0 ? dot(rest[c], direction) / length2 : 0.0;
+      for (std::size_t k = 0; k < columns; ++k)
+        rest[c][k] -= product * direction[k];
+      const double length = std::sqrt(dot(rest[c], rest[c]));
+      if (length > longest * (1.0 + 1e-8)) { // of equals the first
+        longest = length;
+        next = static_cast<int>(c);
+      }
+    }
+  }
+  return result;
+}
+
+// N^T N is far from singular: rows of R at evenly spread dofs have singular values of sqrt(m/n).
+bool holds(const Kernel& kernel, const std::vector<int>& dofs) {
+  if (static_cast<int>(dofs.size()) < kernel.columns)
+    return false;
+  Kernel rows;
+  rows.rows = static_cast<int>(dofs.size());
+  rows.columns = kernel.columns;
+  for (int k = 0; k < kernel.columns; ++k)
+    for (int dof : dofs)
+      rows.values.push_back(kernel.column(k)[dof]);
+  return smallestSingularValue(rows) >= 0.1 * std::sqrt(static_cast<double>(rows.rows) / kernel.rows);
+}
+
 } // namespace
 
-std::vector<int> fixingDofs(const LocalMatrix& matrix, int count) {
+std::vector<int> fixingDofs(const LocalMatrix& matrix, const Kernel& kernel, int places) {
   const int n = matrix.rows();
   std::vector<int> result;
   if (n == 0)
@@ -45,9 +104,16 @@ std::vector<int> fixingDofs(const LocalMatrix& matrix, int count) {
   spread(matrix, 0, distance);
   const int first = farthest(distance);
   distance = far;
-  for (int next = first; static_cast<int>(result.size()) < std::min(count, n); next = farthest(distance)) {
-    result.push_back(next);
+  int taken = 0;
+  for (int next = first; taken < n && distance[static_cast<std::size_t>(next)] > 0; next = farthest(distance)) {
+    // Places are added until they hold the kernel, should the wanted number not do.
+    if (taken >= places && holds(kernel, result))
+      break;
+    for (int dof : dofsAt(matrix, kernel, next))
+      if (std::find(result.begin(), result.end(), dof) == result.end())
+        result.push_back(dof);
     spread(matrix, next, distance);
+    ++taken;
   }
   std::sort(result.begin(), result.end());
   return result;

@@ -8,12 +8,16 @@
 
 namespace Harmos::feti {
 
-/// Dofs spread over a subdomain, at which its kernel is held: the farthest-first traversal of the matrix
-/// graph.
+/// Dofs at which a kernel is held: places spread over the subdomain by farthest-first traversal of the matrix
+/// graph, at each the dofs that hold motions of their own (one for a scalar kernel, the components of a
+/// displacement for an elastic one).
 ///
-/// Each next dof is the one farthest, in edges of the graph, from those chosen, beginning with one that is
-/// far from dof 0; deterministic. @param count how many; all dofs if there are fewer.
-std::vector<int> fixingDofs(const LocalMatrix& matrix, int count);
+/// Each next place is the one farthest, in edges of the graph, from those chosen, beginning with one that is
+/// far from dof 0; deterministic. Places are added beyond the wanted number until the smallest singular value
+/// of the kernel's rows there is a tenth of what evenly spread dofs would give: three places at least that are
+/// not on a line for a solid.
+/// @param kernel with orthonormal columns. @return rising.
+std::vector<int> fixingDofs(const LocalMatrix& matrix, const Kernel& kernel, int places);
 
 /// The regularised matrix K_ρ = K + ρ N(NᵀN)⁻¹Nᵀ, N the rows of the kernel at the fixing dofs, zero
 /// elsewhere.

@@ -90,6 +90,20 @@ void removeKernel(const Kernel& kernel, std::vector<double>& v) {
   }
 }
 
+double smallestSingularValue(const Kernel& kernel) {
+  const int m = kernel.rows, k = kernel.columns;
+  if (k == 0 || m < k)
+    return 0.0;
+  std::vector<double> a = kernel.values, sigma(static_cast<std::size_t>(k)),
+                      work(static_cast<std::size_t>(10 * (m + 3 * k)));
+  int info = 0;
+  double unused = 0.0;
+  Teuchos::LAPACK<int, double>().GESVD('N', 'N', m, k, a.data(), m, sigma.data(), &unused, 1, &unused, 1,
+                                       work.data(), static_cast<int>(work.size()), &unused, &info);
+  HARMOS_REQUIRE(info == 0, "the singular value decomposition of a kernel failed");
+  return sigma.back();
+}
+
 double kernelDefect(const LocalMatrix& matrix, const Kernel& kernel) {
   const double norm = matrix.infinityNorm();
   std::vector<double> image(static_cast<std::size_t>(kernel.rows));

@@ -32,6 +32,9 @@ Kernel heldKernel(const Kernel& motions, const std::vector<int>& fixed);
 /// v ← (I − RRᵀ)v for a kernel with orthonormal columns.
 void removeKernel(const Kernel& kernel, std::vector<double>& v);
 
+/// The smallest singular value of the kernel as a matrix; 0 if it has more columns than rows, or none.
+double smallestSingularValue(const Kernel& kernel);
+
 /// max_k ‖K r_k‖_∞ / (‖K‖_∞ ‖r_k‖_∞): zero up to rounding errors if the columns are in the kernel of K.
 double kernelDefect(const LocalMatrix& matrix, const Kernel& kernel);
 

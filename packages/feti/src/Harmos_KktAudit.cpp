@@ -33,24 +33,34 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
   const Teuchos::Comm<int>& comm = *system.comm();
   KktAudit result;
 
-  const TornVector forces = constraints.applyBt(*solution.multiplier);
+  const std::vector<double> overlap = constraints.toOverlap(*solution.multiplier);
   std::vector<double> sums(3, 0.0); // ‖residual‖², ‖f‖², energy
   std::vector<double> image;
   double largest = 0.0;
   for (int i = 0; i < system.size(); ++i) {
     const std::vector<double>& u = solution.displacement[static_cast<std::size_t>(i)];
+    const Subdomain& physical = system.subdomain(i);
     image.resize(u.size());
+    const auto addEnergy = [&] {
+      for (std::size_t j = 0; j < u.size(); ++j)
+        sums[2] += u[j] * (0.5 * image[j] - (*physical.load)[j]);
+    };
+    const bool hasTrivialEquations = physical.stiffness.get() != &system.matrix(i);
+    if (hasTrivialEquations) {
+      physical.stiffness->multiply(u.data(), image.data());
+      addEnergy();
+    }
     system.matrix(i).multiply(u.data(), image.data());
+    if (!hasTrivialEquations)
+      addEnergy();
+    for (std::size_t j = 0; j < u.size(); ++j)
+      image[j] -= system.rhs(i)[j];
+    constraints.addBt(i, overlap.data(), image.data());
     for (std::size_t j = 0; j < u.size(); ++j) {
-      const double residual = image[j] - system.rhs(i)[j] + forces[static_cast<std::size_t>(i)][j];
-      sums[0] += residual * residual;
+      sums[0] += image[j] * image[j];
       sums[1] += system.rhs(i)[j] * system.rhs(i)[j];
       largest = largerOf(largest, std::abs(u[j]));
     }
-    const Subdomain& physical = system.subdomain(i);
-    physical.stiffness->multiply(u.data(), image.data());
-    for (std::size_t j = 0; j < u.size(); ++j)
-      sums[2] += u[j] * (0.5 * image[j] - physical.load[j]);
   }
   globalSum(comm, sums);
   result.equilibrium = sums[1] > 0.0 ? std::sqrt(sums[0] / sums[1]) : std::sqrt(sums[0]);

@@ -1,57 +1,103 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_SubdomainSystem.hpp"
+#include "Harmos_BoundaryOperator.hpp"
+#include "Harmos_Kernel.hpp"
+#include "Harmos_LocalMatrix.hpp"
 
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace Harmos::feti {
 
-/// A generalised inverse K⁺ of one subdomain matrix: K K⁺ K = K.
+/// A generalised inverse K⁺ of one subdomain matrix, K K⁺ K = K, and its restriction to the boundary dofs b.
 class LocalInverse {
  public:
   virtual ~LocalInverse() = default;
 
-  /// x = K⁺b. @throws NumericalError, InternalError.
-  virtual void apply(const double* b, double* x) const = 0;
+  /// X ← K⁺X for count vectors, column after column. @throws NumericalError, InternalError. Local.
+  virtual void apply(double* x, int count) const = 0;
+
+  /// (K⁺)_bb.
+  virtual const BoundaryOperator& boundaryOperator() const = 0;
+
+  /// S = K_bb − K_bi K_ii⁻¹ K_ib; made at the first call where the form does not have it anyway.
+  /// @throws NumericalError, InternalError.
+  virtual std::shared_ptr<const BoundaryOperator> schurComplement() const = 0;
+
+  /// Memory held by factors and dense blocks.
+  virtual double bytes() const = 0;
 };
 
-/// One generalised inverse for every subdomain of a rank: the only one that F, d̃ and the recovery may use.
-///
-/// Different generalised inverses give different F and d̃ (only PFP and Pd agree). Whoever mixes them gets a
-/// solver that converges to a wrong answer, which tests/unit/feti/test_mixed_inverses.cpp shows. Therefore
-/// DualOperator, DualProblem and Recovery take this one object.
-class LocalInverses {
+/// What the making of a local inverse needs to know.
+struct LocalInverseSettings {
+  Precision precision = Precision::Double; ///< of dense blocks, or of sparse factors
+  /// Amesos2 solver of the implicit form: "MUMPS" for Harmos' own, or a name that Amesos2 knows.
+  std::string implicitSolver = "MUMPS";
+  double blockLowRank = 0.0; ///< MumpsOptions::blockLowRank
+  int fixingPlaces = 4;      ///< see fixingDofs()
+  bool keepSchur = false;    ///< the condensed form is to keep S, for a Dirichlet preconditioner
+};
+
+/// Orders of elimination by pattern, for matrices that are factored one after the other: the first one pays
+/// for the ordering. A wrong guess would cost time, not correctness.
+class OrderingCache {
  public:
-  LocalInverses(std::vector<std::unique_ptr<LocalInverse>> inverses) : inverses_(std::move(inverses)) {}
-
-  const LocalInverse& operator[](int i) const { return *inverses_[static_cast<std::size_t>(i)]; }
-  int size() const { return static_cast<int>(inverses_.size()); }
-  /// Factorisations held on this rank.
-  int distinctFactorizations() const { return size(); }
-
-  /// x_i = K_i⁺ b_i.
-  TornVector apply(const TornVector& b) const;
+  struct Key {
+    std::size_t pattern;
+    std::vector<int> boundary;
+    bool operator<(const Key& other) const {
+      return pattern != other.pattern ? pattern < other.pattern : boundary < other.boundary;
+    }
+  };
+  std::vector<int>& operator[](const Key& key) { return positions_[key]; }
 
  private:
-  std::vector<std::unique_ptr<LocalInverse>> inverses_;
+  std::map<Key, std::vector<int>> positions_;
 };
 
-/// How the implicit inverses are made.
-struct ImplicitInverseOptions {
-  /// Fixing dofs for each kernel column; more spread the regularisation, one suffices in theory.
-  int fixingDofsPerKernelColumn = 4;
-};
-
-/// K_i⁺ = (K_i + ρN(NᵀN)⁻¹Nᵀ)⁻¹ by sparse Cholesky factorisations with MUMPS behind Amesos2.
+/// K⁺ = (K + ρN(NᵀN)⁻¹Nᵀ)⁻¹ by a sparse Cholesky factorisation; see regularized(). A product on the boundary is a
+/// solve.
 ///
-/// Each is verified with a fixed pseudo-random x: ‖K K⁺ K x − K x‖ ≤ 1e-8 ‖Kx‖. A disagreement, or a factor
-/// that does not exist, means that the subdomain has more rigid motions than its kernel says; the error names
-/// it.
-/// @throws NumericalError on all ranks.
-/// @note Collective.
-/// Guarded by tests/unit/feti/test_local_inverse.cpp.
-LocalInverses makeImplicitInverses(const SubdomainSystem& system, const ImplicitInverseOptions& options = {});
+/// With Precision::Single the factors are in single precision, and each solve is followed by one step of
+/// iterative refinement with a residual in double.
+/// @param boundary rising. @param columns how many vectors a product on the boundary usually has.
+std::unique_ptr<LocalInverse> makeImplicitInverse(const LocalMatrix& matrix, const Kernel& kernel,
+                                                  const std::vector<int>& boundary,
+                                                  const LocalInverseSettings& settings);
+
+/// With S the Schur complement on b and R_b the rows of the kernel there,
+///
+///     (K⁺)_bb = S⁺ = (S + ρR_b(R_bᵀR_b)⁻¹R_bᵀ)⁻¹,   u_b = S⁺(f_b − K_bi K_ii⁻¹ f_i),   u_i = K_ii⁻¹(f_i − K_ib u_b)
+///
+/// S⁺ is a dense matrix: a product on the boundary is one with it. Needs R_b of full column rank; see
+/// boundaryWithSupport().
+std::unique_ptr<LocalInverse> makeCondensedInverse(const LocalMatrix& matrix, const Kernel& kernel,
+                                                   const std::vector<int>& boundary, int columns,
+                                                   const LocalInverseSettings& settings,
+                                                   OrderingCache& orderings);
+
+/// The boundary, extended by fixing dofs where it alone would not hold the kernel (a subdomain that is touched
+/// at one node) or where it is empty.
+std::vector<int> boundaryWithSupport(const LocalMatrix& matrix, const Kernel& kernel,
+                                     const std::vector<int>& boundary, int fixingPlaces);
+
+/// How well an inverse does, found with two fixed pseudo-random vectors.
+struct InverseQuality {
+  double defect = 0.0;     ///< ‖KK⁺Kx − Kx‖/‖Kx‖
+  double resistance = 0.0; ///< ‖Kv‖/(‖K‖‖v‖), v = (I − RRᵀ)K⁺b: rounding errors if K has a kernel that R misses
+  /// An estimate from below of the condition number of K on the complement of its kernel.
+  double condition() const { return 1.0 / resistance; }
+};
+InverseQuality inverseQuality(const LocalMatrix& matrix, const Kernel& kernel, const LocalInverse& inverse);
+
+/// Number of null pivots that MUMPS finds in K (LDLᵀ, threshold 1e-8): to compare with the kernel's dimension.
+/// A cross-check only, which can miscount where materials vary much.
+int countNullPivots(const LocalMatrix& matrix);
+
+/// Why a matrix may have a kernel that was not expected, in words for an error message.
+std::string causeOfHiddenMotion(const LocalMatrix& matrix, const Kernel& kernel);
 
 } // namespace Harmos::feti

@@ -4,6 +4,10 @@
 #include "Harmos_Errors.hpp"
 
 #include <dmumps_c.h>
+#include <smumps_c.h>
+
+#include <algorithm>
+#include <type_traits>
 
 namespace Harmos::feti {
 namespace {
@@ -15,6 +19,13 @@ std::string sentence(int code, int detail) {
   switch (code) {
   case -1:
     return "an error on rank " + number + " of the factorisation's communicator";
+  case -2:
+    return "the number of entries, " + number + ", is out of range";
+  case -3:
+    return "a phase was called before the one it needs: analyse, factorize and solve in this order";
+  case -4:
+    return "the given ordering is no permutation (entry " + number +
+           "); give each row a position of its own, or another ordering";
   case -5:
   case -7:
   case -13:
@@ -25,20 +36,33 @@ std::string sentence(int code, int detail) {
            "); look for a node that no element uses, or a material of zero stiffness";
   case -8:
   case -9:
+  case -11:
+  case -12:
+  case -14:
+  case -15:
+  case -17:
+  case -18:
+  case -20:
     return "its workspace is too small by " + number + " entries even after it was enlarged";
   case -10:
     return "the matrix is numerically singular (" + number +
            " pivots found); the subdomain has more rigid motions than its kernel says: look for a mechanism, "
-           "a "
-           "hinge, or parts that are not connected";
+           "a hinge, or parts that are not connected";
   case -16:
     return "the order of the matrix, " + number + ", is out of range";
+  case -19:
+    return "the memory limit is too small by " + number +
+           " entries (in millions if negative); raise it, or use smaller subdomains";
   case -22:
     return "an array (number " + number + ") is missing";
   case -40:
     return "the matrix is not positive definite; the subdomain has more rigid motions than its kernel says "
-           "(a "
-           "mechanism, a hinge, parts that are not connected), or a material has a negative stiffness";
+           "(a mechanism, a hinge, parts that are not connected), or a material has a negative stiffness";
+  case -51:
+    return "the matrix has too many entries for 32-bit graphs (" + number +
+           "); use smaller subdomains, or the ordering \"AMD\"";
+  case -52:
+    return "the ordering library was built for other integers; use the ordering \"AMD\"";
   case -90:
     return "an out-of-core file could not be written or read";
   default:
@@ -46,105 +70,296 @@ std::string sentence(int code, int detail) {
   }
 }
 
-} // namespace
-
-struct Mumps::Data {
-  DMUMPS_STRUC_C mumps{};
-  std::vector<int> rows, columns;
-  std::vector<double> values;
-  bool isRoot = false;
+// What differs between dmumps_c and smumps_c.
+struct DoubleKind {
+  using Structure = DMUMPS_STRUC_C;
+  using Value = double;
+  static void call(Structure& s) { dmumps_c(&s); }
 };
+struct SingleKind {
+  using Structure = SMUMPS_STRUC_C;
+  using Value = float;
+  static void call(Structure& s) { smumps_c(&s); }
+};
+
+// Sizes above 2^31 are given in millions with a negative sign.
+double sizeFrom(int info) {
+  return info < 0 ? -1e6 * info : info;
+}
+
+} // namespace
 
 std::string Mumps::explain(int code, int detail) {
   return "MUMPS: " + sentence(code, detail) + " [INFOG(1) = " + std::to_string(code) +
          ", INFOG(2) = " + std::to_string(detail) + "]";
 }
 
-Mumps::Mumps(MPI_Comm comm, Symmetry symmetry) : data_(std::make_unique<Data>()) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
-  data_->isRoot = rank == 0;
-  DMUMPS_STRUC_C& mumps = data_->mumps;
-  mumps.comm_fortran = static_cast<MUMPS_INT>(MPI_Comm_c2f(comm));
-  mumps.sym = static_cast<MUMPS_INT>(symmetry);
-  mumps.par = 1; // the root works too
-  call(jobInitialise);
-  // Nothing on standard output: errors become exceptions.
-  for (int stream : {0, 1, 2})
-    mumps.icntl[stream] = -1;
-  mumps.icntl[3] = 0;
+std::string Mumps::explainWarning(int code) {
+  std::string text;
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+  if (code & 1)
+    add("entries outside of the matrix were ignored: an index is out of range");
+  if (code & 2)
+    add("a solution is zero to rounding, its error was not estimated");
+  if (code & 4)
+    add("a null pivot was met, or the matrix was changed to avoid one: rely on no digit of the solution in "
+        "that direction");
+  if (code & 8)
+    add("iterative refinement did not reach its accuracy: the matrix is badly conditioned");
+  if (text.empty())
+    text = "see the MUMPS users' guide";
+  return "MUMPS warned: " + text + " [INFOG(1) = " + std::to_string(code) + "]";
 }
 
-Mumps::~Mumps() {
-  data_->mumps.job = jobEnd;
-  dmumps_c(&data_->mumps);
-}
+class Mumps::Engine {
+ public:
+  virtual ~Engine() = default;
+  virtual void analyse(int order, std::vector<int> rows, std::vector<int> columns, std::vector<int> schurRows,
+                       const std::vector<int>& position) = 0;
+  virtual std::vector<int> ordering() const = 0;
+  virtual void factorize(std::vector<double> values) = 0;
+  virtual std::vector<double> schurComplement() = 0;
+  /// @param stage ICNTL(26): 0 solve, 1 condense, 2 expand.
+  virtual void solve(double* rightHandSides, double* reduced, int count, int stage) = 0;
+  virtual std::vector<int> nullPivots() const = 0;
 
-void Mumps::call(int job) {
-  DMUMPS_STRUC_C& mumps = data_->mumps;
-  constexpr int mostEnlargements = 4;
-  for (int attempt = 0;; ++attempt) {
-    mumps.job = job;
-    dmumps_c(&mumps);
-    const int code = mumps.infog[0], detail = mumps.infog[1];
-    if (code > 0)
-      warnings_.push_back("MUMPS warned with INFOG(1) = " + std::to_string(code));
-    if (code >= 0)
-      return;
-    if ((code == -8 || code == -9) && job == jobFactorize && attempt < mostEnlargements) {
-      mumps.icntl[13] = 2 * mumps.icntl[13] + 20; // workspace relaxation in per cent
-      continue;
+  Mumps::Statistics statistics;
+  std::vector<std::string> warnings;
+};
+
+namespace {
+
+template<class Kind>
+class EngineOf : public Mumps::Engine {
+  using Value = typename Kind::Value;
+  static constexpr bool isDouble = std::is_same_v<Value, double>;
+
+ public:
+  EngineOf(MPI_Comm comm, const MumpsOptions& options) : options_(options) {
+    int rank = 0;
+    MPI_Comm_rank(comm, &rank);
+    isRoot_ = rank == 0;
+    mumps_.comm_fortran = static_cast<MUMPS_INT>(MPI_Comm_c2f(comm));
+    mumps_.sym = static_cast<MUMPS_INT>(options.symmetry);
+    mumps_.par = 1; // the root works too
+    call(jobInitialise);
+    // Nothing on standard output: errors become exceptions.
+    for (int stream : {1, 2, 3})
+      icntl(stream) = -1;
+    icntl(4) = 0;
+    icntl(23) = options.memoryMiB;
+    if (options.nullPivotThreshold > 0.0) {
+      icntl(24) = 1;
+      // A positive CNTL(3) is relative to the norm of the scaled matrix. The default, 0, misses kernels.
+      mumps_.cntl[2] = static_cast<Value>(options.nullPivotThreshold);
     }
-    const ErrorData data = {{"infog1", std::to_string(code)}, {"infog2", std::to_string(detail)}};
-    if (code == -6 || code == -10 || code == -40)
-      throw NumericalError(explain(code, detail), data);
-    throw InternalError(explain(code, detail), data);
+    if (options.blockLowRank > 0.0) {
+      icntl(35) = 2; // compressed factors are kept and used in the solves
+      mumps_.cntl[6] = static_cast<Value>(options.blockLowRank);
+    }
   }
+
+  ~EngineOf() override {
+    mumps_.job = jobEnd;
+    Kind::call(mumps_);
+  }
+
+  void analyse(int order, std::vector<int> rows, std::vector<int> columns, std::vector<int> schurRows,
+               const std::vector<int>& position) override {
+    rows_ = std::move(rows);
+    columns_ = std::move(columns);
+    schurRows_ = std::move(schurRows);
+    schurSize_ = static_cast<int>(schurRows_.size());
+    for (int& row : schurRows_)
+      ++row;
+    position_ = position;
+    order_ = order;
+    if (isRoot_) {
+      mumps_.n = order;
+      mumps_.nnz = static_cast<MUMPS_INT8>(rows_.size());
+      mumps_.irn = rows_.data();
+      mumps_.jcn = columns_.data();
+      mumps_.perm_in = position_.empty() ? nullptr : position_.data();
+    }
+    icntl(7) = static_cast<MUMPS_INT>(position.empty() && options_.ordering == MumpsOptions::Ordering::Given
+                                          ? MumpsOptions::Ordering::Metis
+                                          : options_.ordering);
+    icntl(28) = 1; // sequential analysis
+    if (schurSize_ > 0) {
+      icntl(19) = 1; // the Schur complement whole, on the root
+      mumps_.size_schur = schurSize_;
+      mumps_.listvar_schur = schurRows_.data();
+    }
+    call(jobAnalyse);
+    statistics.factorEntries = sizeFrom(mumps_.infog[19]);
+    statistics.factorizationFlops = static_cast<double>(mumps_.rinfog[0]);
+    statistics.memoryMiB = mumps_.infog[16];
+  }
+
+  std::vector<int> ordering() const override {
+    HARMOS_REQUIRE(!isRoot_ || mumps_.sym_perm != nullptr, "an ordering is known after the analysis only");
+    return isRoot_ ? std::vector<int>(mumps_.sym_perm, mumps_.sym_perm + order_) : std::vector<int>();
+  }
+
+  void factorize(std::vector<double> values) override {
+    std::vector<Value> converted;
+    if constexpr (isDouble)
+      converted = std::move(values);
+    else
+      converted.assign(values.begin(), values.end());
+    if (isRoot_) {
+      mumps_.a = converted.data();
+      schur_.assign(static_cast<std::size_t>(schurSize_) * static_cast<std::size_t>(schurSize_), Value(0));
+      mumps_.schur = schur_.data();
+    }
+    call(jobFactorize);
+    // MUMPS factorises an indefinite matrix with SYM = 1 without a word; the count of negative pivots tells.
+    const int negative = mumps_.infog[11];
+    if (options_.symmetry == MumpsOptions::Symmetry::PositiveDefinite && negative > 0)
+      throw NumericalError(Mumps::explain(-40, negative),
+                           {{"infog1", "-40"}, {"infog2", std::to_string(negative)}});
+    // The factors are complete: a solve without iterative refinement does not read the matrix again.
+    mumps_.a = nullptr;
+    statistics.factorEntries = sizeFrom(mumps_.infog[28]);
+    statistics.factorizationFlops = static_cast<double>(mumps_.rinfog[2]);
+    statistics.memoryMiB = mumps_.infog[21];
+  }
+
+  std::vector<double> schurComplement() override {
+    std::vector<double> s(schur_.begin(), schur_.end());
+    schur_ = {};
+    const auto n = static_cast<std::size_t>(schurSize_);
+    // By rows. Of symmetric matrices MUMPS gives one triangle.
+    for (std::size_t i = 0; i < n && !s.empty(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        if (options_.symmetry == MumpsOptions::Symmetry::General)
+          std::swap(s[i * n + j], s[j * n + i]);
+        else
+          s[j * n + i] = s[i * n + j];
+      }
+    return s;
+  }
+
+  void solve(double* rightHandSides, double* reduced, int count, int stage) override {
+    std::vector<Value> rhs, red; // copies for single precision
+    const std::size_t length = static_cast<std::size_t>(order_) * static_cast<std::size_t>(count);
+    const std::size_t reducedLength = static_cast<std::size_t>(schurSize_) * static_cast<std::size_t>(count);
+    if (isRoot_) {
+      if constexpr (isDouble) {
+        mumps_.rhs = rightHandSides;
+        mumps_.redrhs = reduced;
+      } else {
+        rhs.assign(rightHandSides, rightHandSides + length);
+        red.resize(reducedLength);
+        if (stage == 2)
+          std::copy(reduced, reduced + reducedLength, red.begin());
+        mumps_.rhs = rhs.data();
+        mumps_.redrhs = red.data();
+      }
+      mumps_.nrhs = count;
+      mumps_.lrhs = mumps_.n;
+      mumps_.lredrhs = schurSize_;
+    }
+    icntl(26) = stage;
+    call(jobSolve);
+    if (!isDouble && isRoot_) {
+      std::copy(rhs.begin(), rhs.end(), rightHandSides);
+      if (stage == 1)
+        std::copy(red.begin(), red.end(), reduced);
+    }
+  }
+
+  std::vector<int> nullPivots() const override {
+    std::vector<int> result;
+    if (isRoot_ && mumps_.pivnul_list != nullptr)
+      for (int k = 0; k < mumps_.infog[27]; ++k)
+        result.push_back(mumps_.pivnul_list[k] - 1);
+    return result;
+  }
+
+ private:
+  MUMPS_INT& icntl(int number) { return mumps_.icntl[number - 1]; }
+
+  void call(int job) {
+    constexpr int mostEnlargements = 4;
+    for (int attempt = 0;; ++attempt) {
+      mumps_.job = job;
+      Kind::call(mumps_);
+      const int code = mumps_.infog[0], detail = mumps_.infog[1];
+      if (code > 0)
+        warnings.push_back(Mumps::explainWarning(code));
+      if (code >= 0)
+        return;
+      if ((code == -8 || code == -9) && job == jobFactorize && attempt < mostEnlargements) {
+        icntl(14) = 2 * icntl(14) + 20; // workspace relaxation in per cent
+        continue;
+      }
+      const ErrorData data = {{"infog1", std::to_string(code)}, {"infog2", std::to_string(detail)}};
+      if (code == -6 || code == -10 || code == -40)
+        throw NumericalError(Mumps::explain(code, detail), data);
+      throw InternalError(Mumps::explain(code, detail), data);
+    }
+  }
+
+  MumpsOptions options_;
+  typename Kind::Structure mumps_{};
+  std::vector<int> rows_, columns_, schurRows_, position_;
+  std::vector<Value> schur_;
+  int order_ = 0;
+  int schurSize_ = 0;
+  bool isRoot_ = false;
+};
+
+} // namespace
+
+Mumps::Mumps(MPI_Comm comm, const MumpsOptions& options) {
+  if (options.precision == MumpsOptions::Precision::Double)
+    engine_ = std::make_unique<EngineOf<DoubleKind>>(comm, options);
+  else
+    engine_ = std::make_unique<EngineOf<SingleKind>>(comm, options);
 }
 
-void Mumps::analyse(int order, std::vector<int> rows, std::vector<int> columns) {
-  DMUMPS_STRUC_C& mumps = data_->mumps;
-  data_->rows = std::move(rows);
-  data_->columns = std::move(columns);
-  if (data_->isRoot) {
-    mumps.n = order;
-    mumps.nnz = static_cast<MUMPS_INT8>(data_->rows.size());
-    mumps.irn = data_->rows.data();
-    mumps.jcn = data_->columns.data();
-  }
-  mumps.icntl[6] = 5;  // METIS; MUMPS falls back to another ordering where it was built without it
-  mumps.icntl[27] = 1; // sequential analysis
-  call(jobAnalyse);
+Mumps::~Mumps() = default;
+
+void Mumps::analyse(int order, std::vector<int> rows, std::vector<int> columns, std::vector<int> schurRows,
+                    const std::vector<int>& position) {
+  engine_->analyse(order, std::move(rows), std::move(columns), std::move(schurRows), position);
+}
+
+std::vector<int> Mumps::ordering() const {
+  return engine_->ordering();
 }
 
 void Mumps::factorize(std::vector<double> values) {
-  DMUMPS_STRUC_C& mumps = data_->mumps;
-  data_->values = std::move(values);
-  if (data_->isRoot)
-    mumps.a = data_->values.data();
-  call(jobFactorize);
-  // MUMPS factorises an indefinite matrix with SYM = 1 without a word; the count of negative pivots tells.
-  const int negative = mumps.infog[11];
-  if (mumps.sym == static_cast<MUMPS_INT>(Symmetry::PositiveDefinite) && negative > 0)
-    throw NumericalError(explain(-40, negative), {{"infog1", "-40"}, {"infog2", std::to_string(negative)}});
-  // The factors are complete: a solve without iterative refinement does not read the matrix again.
-  data_->values = {};
-  mumps.a = nullptr;
-  // Sizes above 2^31 are given in millions with a negative sign.
-  const double entries = mumps.infog[28];
-  statistics_.factorEntries = entries < 0 ? -1e6 * entries : entries;
-  statistics_.factorizationFlops = mumps.rinfog[2];
-  statistics_.memoryMiB = mumps.infog[21];
+  engine_->factorize(std::move(values));
+}
+
+std::vector<double> Mumps::schurComplement() {
+  return engine_->schurComplement();
 }
 
 void Mumps::solve(double* rightHandSides, int count) {
-  DMUMPS_STRUC_C& mumps = data_->mumps;
-  if (data_->isRoot) {
-    mumps.rhs = rightHandSides;
-    mumps.nrhs = count;
-    mumps.lrhs = mumps.n;
-  }
-  call(jobSolve);
+  engine_->solve(rightHandSides, nullptr, count, 0);
+}
+
+void Mumps::condense(double* rightHandSides, double* reduced, int count) {
+  engine_->solve(rightHandSides, reduced, count, 1);
+}
+
+void Mumps::expand(double* rightHandSides, double* reduced, int count) {
+  engine_->solve(rightHandSides, reduced, count, 2);
+}
+
+std::vector<int> Mumps::nullPivots() const {
+  return engine_->nullPivots();
+}
+
+const Mumps::Statistics& Mumps::statistics() const {
+  return engine_->statistics;
+}
+
+const std::vector<std::string>& Mumps::warnings() const {
+  return engine_->warnings;
 }
 
 } // namespace Harmos::feti

@@ -17,7 +17,7 @@ namespace Harmos::feti {
 namespace {
 
 template<class Matrix, class Vector>
-class MumpsSolver : public Amesos2::SolverCore<MumpsSolver, Matrix, Vector> {
+class MumpsSolver : public Amesos2::SolverCore<MumpsSolver, Matrix, Vector>, public MumpsExtras {
   friend class Amesos2::SolverCore<MumpsSolver, Matrix, Vector>;
 
  public:
@@ -29,20 +29,38 @@ class MumpsSolver : public Amesos2::SolverCore<MumpsSolver, Matrix, Vector> {
   MumpsSolver(Teuchos::RCP<const Matrix> matrix, Teuchos::RCP<Vector> x, Teuchos::RCP<const Vector> b)
       : Core(matrix, x, b) {}
 
+  void setSchurRows(std::vector<int> rows) override { schurRows_ = std::move(rows); }
+  std::vector<double> schurComplement() override { return factored().schurComplement(); }
+  void condense(double* rightHandSides, double* reduced, int count) override {
+    factored().condense(rightHandSides, reduced, count);
+  }
+  void expand(double* rightHandSides, double* reduced, int count) override {
+    factored().expand(rightHandSides, reduced, count);
+  }
+  std::vector<int> nullPivots() const override { return factored().nullPivots(); }
+  Mumps::Statistics statistics() const override { return factored().statistics(); }
+  std::vector<std::string> warnings() const override { return factored().warnings(); }
+
  private:
+  Mumps& factored() const {
+    if (!mumps_)
+      throw InputError("the MUMPS solver has factored nothing yet; call numericFactorization() first");
+    return *mumps_;
+  }
+
   int preOrdering_impl() { return 0; }
 
   int symbolicFactorization_impl() {
     const auto mpi = Teuchos::rcp_dynamic_cast<const Teuchos::MpiComm<int>>(this->getComm());
     HARMOS_REQUIRE(!mpi.is_null(), "the MUMPS solver needs a matrix on an MPI communicator");
-    mumps_ = std::make_unique<Mumps>(*mpi->getRawMpiComm(), symmetry_);
+    mumps_ = std::make_unique<Mumps>(*mpi->getRawMpiComm(), options_);
     std::vector<int> rows, columns;
     if (this->root_)
       forEachEntry([&](int i, int j, double) {
         rows.push_back(i + 1);
         columns.push_back(j + 1);
       });
-    mumps_->analyse(static_cast<int>(this->globalNumRows_), std::move(rows), std::move(columns));
+    mumps_->analyse(static_cast<int>(this->globalNumRows_), std::move(rows), std::move(columns), schurRows_);
     return 0;
   }
 
@@ -51,6 +69,7 @@ class MumpsSolver : public Amesos2::SolverCore<MumpsSolver, Matrix, Vector> {
     if (this->root_)
       forEachEntry([&](int, int, double value) { values.push_back(value); });
     mumps_->factorize(std::move(values));
+    this->setNnzLU(static_cast<std::size_t>(mumps_->statistics().factorEntries));
     values_ = {};
     columns_ = {};
     offsets_ = {};
@@ -73,19 +92,40 @@ class MumpsSolver : public Amesos2::SolverCore<MumpsSolver, Matrix, Vector> {
   bool matrixShapeOK_impl() const { return this->globalNumRows_ == this->globalNumCols_; }
 
   void setParameters_impl(const Teuchos::RCP<Teuchos::ParameterList>& list) {
-    const std::string symmetry = list->get<std::string>("Symmetry", "positive definite");
-    symmetry_ = symmetry == "general"     ? Mumps::Symmetry::General
-                : symmetry == "symmetric" ? Mumps::Symmetry::Symmetric
-                                          : Mumps::Symmetry::PositiveDefinite;
+    const Teuchos::ParameterList& valid = *getValidParameters_impl();
+    list->validateParametersAndSetDefaults(valid);
+    const auto choice = [&](const char* parameter) {
+      return Teuchos::getIntegralValue<int>(*list, parameter);
+    };
+    options_.symmetry = static_cast<MumpsOptions::Symmetry>(choice("Symmetry"));
+    options_.ordering = static_cast<MumpsOptions::Ordering>(choice("Ordering"));
+    options_.precision = static_cast<MumpsOptions::Precision>(choice("Precision"));
+    options_.nullPivotThreshold = list->get<double>("Null pivot threshold");
+    options_.blockLowRank = list->get<double>("Block low rank tolerance");
+    options_.memoryMiB = list->get<int>("Memory limit MiB");
   }
 
   Teuchos::RCP<const Teuchos::ParameterList> getValidParameters_impl() const {
     static const Teuchos::RCP<const Teuchos::ParameterList> valid = [] {
-      Teuchos::RCP<Teuchos::ParameterList> list = Teuchos::parameterList();
-      const auto allowed = Teuchos::rcp(new Teuchos::StringValidator(
-          Teuchos::tuple<std::string>("general", "positive definite", "symmetric")));
-      list->set("Symmetry", "positive definite", "Kind of the factorisation.", allowed);
-      return list;
+      const MumpsOptions defaults;
+      const auto list = Teuchos::parameterList();
+      Teuchos::setStringToIntegralParameter<int>("Symmetry", "positive definite",
+                                                 "Kind of the factorisation.",
+                                                 Teuchos::tuple<std::string>("general", "positive definite", "symmetric"),
+                                                 Teuchos::tuple<int>(0, 1, 2), list.get());
+      Teuchos::setStringToIntegralParameter<int>(
+          "Ordering", "METIS", "Order of elimination.",
+          Teuchos::tuple<std::string>("AMD", "AMF", "SCOTCH", "PORD", "METIS", "QAMD", "automatic"),
+          Teuchos::tuple<int>(0, 2, 3, 4, 5, 6, 7), list.get());
+      Teuchos::setStringToIntegralParameter<int>("Precision", "double", "Of the factors.",
+                                                 Teuchos::tuple<std::string>("double", "single"),
+                                                 Teuchos::tuple<int>(0, 1), list.get());
+      list->set("Null pivot threshold", defaults.nullPivotThreshold,
+                "Pivots below this part of the norm are null; 0 looks for none.");
+      list->set("Block low rank tolerance", defaults.blockLowRank,
+                "Relative accuracy of compressed factors; 0 for none.");
+      list->set("Memory limit MiB", defaults.memoryMiB, "Working memory of each rank; 0 for no limit.");
+      return Teuchos::rcp_const_cast<const Teuchos::ParameterList>(list);
     }();
     return valid;
   }
@@ -114,7 +154,7 @@ class MumpsSolver : public Amesos2::SolverCore<MumpsSolver, Matrix, Vector> {
     for (std::size_t i = 0; i + 1 < offsets_.extent(0); ++i)
       for (auto k = offsets_(i); k < offsets_(i + 1); ++k) {
         const int j = static_cast<int>(columns_(k));
-        if (symmetry_ == Mumps::Symmetry::General || j <= static_cast<int>(i))
+        if (options_.symmetry == MumpsOptions::Symmetry::General || j <= static_cast<int>(i))
           visit(static_cast<int>(i), j, values_(k));
       }
   }
@@ -124,7 +164,8 @@ class MumpsSolver : public Amesos2::SolverCore<MumpsSolver, Matrix, Vector> {
   using Columns = Kokkos::View<int*, Host>;
   using Offsets = Kokkos::View<SizeType*, Host>;
 
-  Mumps::Symmetry symmetry_ = Mumps::Symmetry::PositiveDefinite;
+  MumpsOptions options_;
+  std::vector<int> schurRows_;
   std::unique_ptr<Mumps> mumps_;
   Values values_;
   Columns columns_;

@@ -76,18 +76,39 @@ TornSolution recover(const SubdomainSystem& system, const Constraints& constrain
   total->update(1.0, *dual.shift(), 1.0);
   solution.multiplier = total;
 
-  // u₀ = K⁺(f − Bᵀλ).
-  TornVector loads = constraints.applyBt(*total);
-  for (int i = 0; i < system.size(); ++i)
-    for (std::size_t j = 0; j < system.rhs(i).size(); ++j) {
-      double& entry = loads[static_cast<std::size_t>(i)][j];
-      entry = system.rhs(i)[j] - entry;
+  // u₀ = K⁺(f − Bᵀλ), in parts of a class: many right-hand sides at once.
+  const std::vector<double> overlap = constraints.toOverlap(*total);
+  solution.displacement.resize(static_cast<std::size_t>(system.size()));
+  agree(comm, [&] {
+    constexpr std::size_t mostAtOnce = 32;
+    std::vector<double> x;
+    for (std::size_t c = 0; c < inverses.classes().size(); ++c) {
+      const std::vector<int>& members = inverses.classes()[c].members;
+      for (std::size_t begin = 0; begin < members.size(); begin += mostAtOnce) {
+        const std::size_t count = std::min(mostAtOnce, members.size() - begin);
+        const auto n = static_cast<std::size_t>(system.matrix(members[begin]).rows());
+        x.resize(n * count);
+        std::vector<double> load;
+        for (std::size_t m = 0; m < count; ++m) {
+          const int i = members[begin + m];
+          load.assign(n, 0.0);
+          constraints.addBt(i, overlap.data(), load.data());
+          for (std::size_t j = 0; j < n; ++j)
+            load[j] = system.rhs(i)[j] - load[j];
+          // Gλ vanishes to the tolerance only, so that the loads are not quite in balance. K⁺ would answer the
+          // rest by point forces where it holds the kernel, and u depend on the choice: R_iᵀ of the loads is
+          // taken out.
+          removeKernel(system.kernel(i), load);
+          std::copy(load.begin(), load.end(), x.begin() + static_cast<std::ptrdiff_t>(m * n));
+        }
+        inverses.inverse(c).apply(x.data(), static_cast<int>(count));
+        for (std::size_t m = 0; m < count; ++m)
+          solution.displacement[static_cast<std::size_t>(members[begin + m])]
+              .assign(x.begin() + static_cast<std::ptrdiff_t>(m * n),
+                      x.begin() + static_cast<std::ptrdiff_t>((m + 1) * n));
+      }
     }
-  // Gλ vanishes to the tolerance only, so that the loads are not quite in balance. K⁺ would answer the rest
-  // by point forces at its fixing dofs, and u depend on their choice: R_iᵀ of the loads is taken out.
-  for (int i = 0; i < system.size(); ++i)
-    removeKernel(system.kernel(i), loads[static_cast<std::size_t>(i)]);
-  agree(comm, [&] { solution.displacement = inverses.apply(loads); });
+  });
   solution.rigidMotion.assign(static_cast<std::size_t>(coarse.kernelDimension()), 0.0);
   if (coarse.kernelDimension() == 0)
     return solution;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <string>
 
 namespace Harmos::feti {
@@ -16,6 +17,9 @@ namespace {
 // Rounding of a row of nnz entries is at most nnz ε relative to ‖K‖_∞‖r‖_∞; assembly adds a few ε more. 1e-12
 // stands for some thousand times ε.
 constexpr double kernelTolerance = 1e-12;
+
+// Assembly of congruent subdomains at different places differs by rounding errors.
+constexpr double sharingTolerance = 1e-12;
 
 std::string name(const Subdomain& subdomain) {
   return "subdomain " + std::to_string(subdomain.number);
@@ -33,33 +37,75 @@ void requireFinite(const std::vector<double>& values, const Subdomain& subdomain
                        dataOf(subdomain));
 }
 
-// K and f with the trivial equations: rows and columns of fixed dofs cleared, k on their diagonal.
-std::pair<std::shared_ptr<const LocalMatrix>, std::vector<double>> withTrivialEquations(const Subdomain& s) {
-  auto matrix = std::make_shared<LocalMatrix>(*s.stiffness);
-  std::vector<double> rhs = s.load;
+std::vector<int> fixedDofs(const Subdomain& s) {
+  std::vector<int> dofs;
+  for (const FixedDof& fixed : s.fixed)
+    dofs.push_back(fixed.dof);
+  std::sort(dofs.begin(), dofs.end());
+  dofs.erase(std::unique(dofs.begin(), dofs.end()), dofs.end());
+  return dofs;
+}
+
+double meanDiagonal(const LocalMatrix& matrix) {
   double mean = 0.0;
-  for (double entry : matrix->diagonal())
+  for (double entry : matrix.diagonal())
     mean += entry;
-  mean /= std::max(1, matrix->rows());
-  std::vector<double> value(static_cast<std::size_t>(matrix->rows()), 0.0);
-  std::vector<bool> isFixed(static_cast<std::size_t>(matrix->rows()), false);
+  return mean / std::max(1, matrix.rows());
+}
+
+// K with the trivial equations: rows and columns of fixed dofs cleared, k on their diagonal.
+LocalMatrix matrixWithTrivialEquations(const LocalMatrix& stiffness, const std::vector<int>& fixed) {
+  LocalMatrix matrix = stiffness;
+  const double mean = meanDiagonal(stiffness);
+  std::vector<bool> isFixed(static_cast<std::size_t>(matrix.rows()), false);
+  for (int dof : fixed)
+    isFixed[static_cast<std::size_t>(dof)] = true;
+  for (std::size_t i = 0; i < isFixed.size(); ++i)
+    for (std::size_t k = matrix.offsets[i]; k < matrix.offsets[i + 1]; ++k) {
+      const auto j = static_cast<std::size_t>(matrix.columns[k]);
+      if (isFixed[i] || isFixed[j])
+        matrix.values[k] = i == j ? mean : 0.0;
+    }
+  return matrix;
+}
+
+// f that belongs to it.
+std::vector<double> loadWithTrivialEquations(const Subdomain& s) {
+  const LocalMatrix& stiffness = *s.stiffness;
+  std::vector<double> rhs = *s.load;
+  std::vector<double> value(rhs.size(), 0.0);
+  std::vector<bool> isFixed(rhs.size(), false);
+  bool moved = false;
   for (const FixedDof& fixed : s.fixed) {
     value[static_cast<std::size_t>(fixed.dof)] = fixed.value;
     isFixed[static_cast<std::size_t>(fixed.dof)] = true;
+    moved = moved || fixed.value != 0.0;
   }
-  for (std::size_t i = 0; i < isFixed.size(); ++i)
-    for (std::size_t k = matrix->offsets[i]; k < matrix->offsets[i + 1]; ++k) {
-      const auto j = static_cast<std::size_t>(matrix->columns[k]);
-      if (!isFixed[i] && !isFixed[j])
-        continue;
-      if (!isFixed[i])
-        rhs[i] -= matrix->values[k] * value[j];
-      matrix->values[k] = i == j ? mean : 0.0;
-    }
+  if (moved)
+    for (std::size_t i = 0; i < rhs.size(); ++i)
+      for (std::size_t k = stiffness.offsets[i]; !isFixed[i] && k < stiffness.offsets[i + 1]; ++k)
+        rhs[i] -= stiffness.values[k] * value[static_cast<std::size_t>(stiffness.columns[k])];
+  const double mean = meanDiagonal(stiffness);
   for (const FixedDof& fixed : s.fixed)
     rhs[static_cast<std::size_t>(fixed.dof)] = mean * fixed.value;
-  return {matrix, rhs};
+  return rhs;
 }
+
+// The first of equal keys makes the value, the others get the same object.
+template<class Key, class Value>
+class Shared {
+ public:
+  template<class Make>
+  std::shared_ptr<const Value> get(const Key& key, Make&& make) {
+    std::shared_ptr<const Value>& value = values_[key];
+    if (!value)
+      value = std::make_shared<const Value>(make());
+    return value;
+  }
+
+ private:
+  std::map<Key, std::shared_ptr<const Value>> values_;
+};
 
 } // namespace
 
@@ -68,6 +114,7 @@ SubdomainSystem::SubdomainSystem(Teuchos::RCP<const Teuchos::Comm<int>> comm,
     : comm_(std::move(comm)), subdomains_(std::move(subdomains)), form_(form) {
   agree(*comm_, [&] {
     checkInput();
+    shareStiffness();
     build();
   });
 
@@ -99,16 +146,26 @@ SubdomainSystem::SubdomainSystem(Teuchos::RCP<const Teuchos::Comm<int>> comm,
 }
 
 void SubdomainSystem::checkInput() const {
+  std::set<const void*> checked; // what is shared is looked at once
   for (const Subdomain& s : subdomains_) {
-    if (!s.stiffness || !s.motions)
-      throw InputError(name(s) + " has no stiffness matrix or no kernel", dataOf(s));
+    if (!s.stiffness || !s.motions || !s.load || !s.interface)
+      throw InputError(name(s) + " has no stiffness matrix, kernel, load or list of interface dofs", dataOf(s));
     const int n = s.stiffness->rows();
     const auto length = static_cast<std::size_t>(n);
-    if (s.load.size() != length || s.dofs.size() != length || s.motions->rows != n)
-      throw InputError(name(s) + ": stiffness, load, dof numbers and kernel differ in length", dataOf(s));
-    for (int dof : s.interface)
-      if (dof < 0 || dof >= n)
-        throw InputError(name(s) + ": there is no interface dof " + std::to_string(dof), dataOf(s));
+    if (s.load->size() != length || s.motions->rows != n)
+      throw InputError(name(s) + ": stiffness, load and kernel differ in length", dataOf(s));
+    if (s.interface->size() != s.numbers.size())
+      throw InputError(name(s) + ": each interface dof needs one global number", dataOf(s));
+    if (checked.insert(s.interface.get()).second)
+      for (std::size_t k = 0; k < s.interface->size(); ++k) {
+        const int dof = (*s.interface)[k];
+        if (dof < 0 || dof >= n)
+          throw InputError(name(s) + ": there is no interface dof " + std::to_string(dof), dataOf(s));
+        if (k > 0 && dof <= (*s.interface)[k - 1])
+          throw InputError(name(s) + ": interface dofs must be given once each, in rising order (dof " +
+                               std::to_string(dof) + ")",
+                           dataOf(s));
+      }
     std::map<int, double> values;
     for (const FixedDof& fixed : s.fixed)
       if (const auto [place, isNew] = values.emplace(fixed.dof, fixed.value);
@@ -117,15 +174,21 @@ void SubdomainSystem::checkInput() const {
                              scientific(place->second) + " and to " + scientific(fixed.value) +
                              "; do two boundary parts with different values meet there?",
                          dataOf(s));
-    for (const FixedDof& fixed : s.fixed)
-      if (fixed.dof < 0 || fixed.dof >= n || !std::isfinite(fixed.value))
-        throw InputError(name(s) +
-                             ": a Dirichlet condition names a dof that is not there or a value that is not "
-                             "finite (dof " +
-                             std::to_string(fixed.dof) + ")",
+    for (const FixedDof& fixed : s.fixed) {
+      if (!std::binary_search(s.interface->begin(), s.interface->end(), fixed.dof))
+        throw InputError(name(s) + ": dof " + std::to_string(fixed.dof) +
+                             " has a Dirichlet condition but is no interface dof; add it to them",
                          dataOf(s));
+      if (!std::isfinite(fixed.value))
+        throw InputError(name(s) + ": the prescribed value of dof " + std::to_string(fixed.dof) +
+                             " is not finite",
+                         dataOf(s));
+    }
+    if (checked.insert(s.load.get()).second)
+      requireFinite(*s.load, s, "load");
+    if (!checked.insert(s.stiffness.get()).second)
+      continue;
     requireFinite(s.stiffness->values, s, "stiffness matrix");
-    requireFinite(s.load, s, "load");
     for (std::size_t i = 0; i < length; ++i) {
       double largest = 0.0;
       for (std::size_t k = s.stiffness->offsets[i]; k < s.stiffness->offsets[i + 1]; ++k)
@@ -138,28 +201,50 @@ void SubdomainSystem::checkInput() const {
   }
 }
 
+// Candidates have the same pattern; entries decide. Most comparisons of different matrices end at the first
+// entry.
+void SubdomainSystem::shareStiffness() {
+  std::map<std::size_t, std::vector<std::shared_ptr<const LocalMatrix>>> representatives;
+  std::map<const LocalMatrix*, std::shared_ptr<const LocalMatrix>> known;
+  for (Subdomain& s : subdomains_) {
+    std::shared_ptr<const LocalMatrix>& representative = known[s.stiffness.get()];
+    if (!representative) {
+      auto& candidates = representatives[patternHash(*s.stiffness)];
+      const auto found = std::find_if(candidates.begin(), candidates.end(), [&](const auto& candidate) {
+        return sameContent(*candidate, *s.stiffness, sharingTolerance);
+      });
+      representative = found != candidates.end() ? *found : candidates.emplace_back(s.stiffness);
+    }
+    s.stiffness = representative;
+  }
+}
+
 void SubdomainSystem::build() {
+  using Dofs = std::vector<int>;
+  Shared<std::pair<const LocalMatrix*, Dofs>, LocalMatrix> matrices;
+  Shared<std::pair<const Kernel*, Dofs>, Kernel> kernels;
+  std::set<std::pair<const LocalMatrix*, const Kernel*>> verified;
   for (const Subdomain& s : subdomains_) {
-    const double defect = kernelDefect(*s.stiffness, *s.motions);
-    if (!(defect <= kernelTolerance))
-      throw NumericalError(
-          "the kernel given for " + name(s) + " is none: ‖KR‖/(‖K‖‖R‖) = " + scientific(defect) +
-              ", at most " + scientific(kernelTolerance, 0) +
-              " was expected; is the subdomain held by more than its Dirichlet conditions, or "
-              "are its coordinates wrong?",
-          {{"subdomain", std::to_string(s.number)}, {"defect", scientific(defect)}});
-    if (form_ == DirichletForm::Primal && !s.fixed.empty()) {
-      auto [matrix, rhs] = withTrivialEquations(s);
-      matrices_.push_back(std::move(matrix));
-      rhs_.push_back(std::move(rhs));
-      std::vector<int> fixed;
-      for (const FixedDof& f : s.fixed)
-        fixed.push_back(f.dof);
-      kernels_.push_back(heldKernel(*s.motions, fixed));
+    if (verified.insert({s.stiffness.get(), s.motions.get()}).second) {
+      const double defect = kernelDefect(*s.stiffness, *s.motions);
+      if (!(defect <= kernelTolerance))
+        throw NumericalError(
+            "the kernel given for " + name(s) + " is none: ‖KR‖/(‖K‖‖R‖) = " + scientific(defect) +
+                ", at most " + scientific(kernelTolerance, 0) +
+                " was expected; is the subdomain held by more than its Dirichlet conditions, or "
+                "are its coordinates wrong?",
+            {{"subdomain", std::to_string(s.number)}, {"defect", scientific(defect)}});
+    }
+    const bool held = form_ == DirichletForm::Primal && !s.fixed.empty();
+    const Dofs fixed = held ? fixedDofs(s) : Dofs();
+    kernels_.push_back(kernels.get({s.motions.get(), fixed}, [&] { return heldKernel(*s.motions, fixed); }));
+    if (held) {
+      matrices_.push_back(matrices.get({s.stiffness.get(), fixed},
+                                       [&] { return matrixWithTrivialEquations(*s.stiffness, fixed); }));
+      rhs_.push_back(std::make_shared<const std::vector<double>>(loadWithTrivialEquations(s)));
     } else {
       matrices_.push_back(s.stiffness);
       rhs_.push_back(s.load);
-      kernels_.push_back(heldKernel(*s.motions, {}));
     }
   }
 }

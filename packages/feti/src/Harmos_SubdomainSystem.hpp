@@ -18,15 +18,16 @@ struct FixedDof {
   double value;
 };
 
-/// One torn piece, as an application hands it over.
+/// One torn piece, as an application hands it over. What is the same in several subdomains is to be shared by
+/// them: matrices, loads, kernels and lists of interface dofs are held by pointer.
 struct Subdomain {
-  long long number = 0;                         ///< 0, 1, ... over all ranks, without gaps
-  std::shared_ptr<const LocalMatrix> stiffness; ///< without boundary conditions; may be shared by subdomains
-  std::vector<double> load;
-  std::vector<long long>
-      dofs; ///< global number of each dof; equal numbers are copies of one dof; gaps allowed
-  std::vector<int>
-      interface; ///< local dofs that may have copies or be in constraint rows; fixed ones are added
+  long long number = 0;                              ///< 0, 1, ... over all ranks, without gaps
+  std::shared_ptr<const LocalMatrix> stiffness;      ///< without boundary conditions
+  std::shared_ptr<const std::vector<double>> load;   ///< a value for each row of the stiffness
+  std::shared_ptr<const std::vector<int>> interface; ///< local dofs that may have copies in other subdomains,
+                                                     ///< be fixed, or be in constraint rows; rising
+  std::vector<long long> numbers;        ///< global number of each interface dof; equal numbers are copies of
+                                         ///< one dof; gaps allowed
   std::vector<FixedDof> fixed;           ///< Dirichlet conditions; the same on all copies of a dof
   std::shared_ptr<const Kernel> motions; ///< kernel of the stiffness without boundary conditions
 };
@@ -44,6 +45,9 @@ using TornVector = std::vector<std::vector<double>>;
 ///
 /// The kernels are those of the matrices with the Dirichlet conditions in the chosen form, with orthonormal
 /// columns (RᵀR = I), and are verified: ‖K_i R_i‖ ≤ 1e-12 ‖K_i‖ ‖R_i‖.
+///
+/// Stiffness matrices that agree to 1e-12 max|k_ij| are held once, whatever the application gave: matrix(i) of
+/// congruent subdomains with the same Dirichlet dofs is one object, and its address tells.
 /// Guarded by tests/unit/feti/test_subdomain_system.cpp.
 class SubdomainSystem {
  public:
@@ -63,9 +67,9 @@ class SubdomainSystem {
   /// K_i with the trivial equations of the primal form.
   const LocalMatrix& matrix(int i) const { return *matrices_[static_cast<std::size_t>(i)]; }
   /// f_i belonging to matrix(i).
-  const std::vector<double>& rhs(int i) const { return rhs_[static_cast<std::size_t>(i)]; }
+  const std::vector<double>& rhs(int i) const { return *rhs_[static_cast<std::size_t>(i)]; }
   /// R_i, orthonormal.
-  const Kernel& kernel(int i) const { return kernels_[static_cast<std::size_t>(i)]; }
+  const Kernel& kernel(int i) const { return *kernels_[static_cast<std::size_t>(i)]; }
   /// Global number of the first column of R_i.
   int kernelOffset(int i) const { return kernelOffsets_[static_cast<std::size_t>(i)]; }
 
@@ -81,14 +85,15 @@ class SubdomainSystem {
 
  private:
   void checkInput() const;
+  void shareStiffness();
   void build();
 
   Teuchos::RCP<const Teuchos::Comm<int>> comm_;
   std::vector<Subdomain> subdomains_;
   DirichletForm form_;
   std::vector<std::shared_ptr<const LocalMatrix>> matrices_;
-  std::vector<std::vector<double>> rhs_;
-  std::vector<Kernel> kernels_;
+  std::vector<std::shared_ptr<const std::vector<double>>> rhs_;
+  std::vector<std::shared_ptr<const Kernel>> kernels_;
   std::vector<int> kernelOffsets_;
   std::vector<int> allOffsets_; // by subdomain number, and the end
   long long globalSubdomains_ = 0;

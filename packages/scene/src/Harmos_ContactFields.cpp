@@ -31,12 +31,12 @@ ContactFields contactFields(const Teuchos::Comm<int>& comm, const std::vector<Ow
 
   ContactFields fields;
   for (const OwnedSubdomain& subdomain : owned) {
-    const std::size_t nodes = subdomain.mesh.nodes.size();
+    const auto nodes = static_cast<std::size_t>(subdomain.mesh.mesh->numberOfNodes());
     std::vector<double> pressure(nodes, 0.0), gap(nodes, 0.0);
     std::vector<unsigned char> active(nodes, 0);
-    for (int node : subdomain.mesh.boundary) {
-      const auto k = static_cast<std::size_t>(node);
-      const auto found = atNode.find(subdomain.mesh.nodes[k]);
+    for (std::size_t place = 0; place < subdomain.mesh.boundaryNumbers.size(); ++place) {
+      const auto k = static_cast<std::size_t>(subdomain.mesh.mesh->boundary[place]);
+      const auto found = atNode.find(subdomain.mesh.boundaryNumbers[place]);
       if (found == atNode.end())
         continue;
       pressure[k] = found->second.pressure;

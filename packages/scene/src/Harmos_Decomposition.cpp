@@ -7,6 +7,31 @@
 #include <map>
 
 namespace Harmos::scene {
+namespace {
+
+// Load vectors, of which those that are the same exist once: the key is what a load looks like from within
+// the subdomain, the boxes cut to it, relative to its anchor.
+class LoadCache {
+ public:
+  std::shared_ptr<const std::vector<double>> of(const fem::PlacedMesh& placed,
+                                                const std::vector<fem::BoxLoad>& loads) {
+    const std::vector<fem::BoxLoad> local = fem::localLoads(placed, loads);
+    Key key = {placed.mesh.get(), {}};
+    for (const fem::BoxLoad& load : local)
+      for (double entry : {load.value, load.least[0], load.least[1], load.most[0], load.most[1]})
+        key.second.push_back(entry);
+    std::shared_ptr<const std::vector<double>>& load = loads_[key];
+    if (!load)
+      load = std::make_shared<std::vector<double>>(fem::assembleLoad(*placed.mesh, local));
+    return load;
+  }
+
+ private:
+  using Key = std::pair<const fem::Mesh*, std::vector<double>>;
+  std::map<Key, std::shared_ptr<const std::vector<double>>> loads_;
+};
+
+} // namespace
 
 std::vector<OwnedSubdomain> decompose(const Scene& scene, int rank, int ranks) {
   const long long total = scene.subdomains();
@@ -25,6 +50,7 @@ std::vector<OwnedSubdomain> decompose(const Scene& scene, int rank, int ranks) {
 std::vector<feti::Subdomain> assemble(const Scene& scene, const std::vector<OwnedSubdomain>& owned) {
   std::map<const fem::Mesh*, std::shared_ptr<const LocalMatrix>> matrices;
   std::map<int, std::shared_ptr<const feti::Kernel>> kernels;
+  LoadCache loads;
   std::vector<feti::Subdomain> result;
   for (const OwnedSubdomain& item : owned) {
     const Body& body = scene.bodies[static_cast<std::size_t>(item.body)];
@@ -40,9 +66,9 @@ std::vector<feti::Subdomain> assemble(const Scene& scene, const std::vector<Owne
     subdomain.number = item.number;
     subdomain.stiffness = matrix;
     subdomain.motions = kernel;
-    subdomain.load = fem::assembleLoad(item.mesh, body.bodyForce);
-    subdomain.dofs = item.mesh.nodes;
-    subdomain.interface = item.mesh.boundary;
+    subdomain.load = loads.of(item.mesh, body.bodyForce);
+    subdomain.interface = {item.mesh.mesh, &item.mesh.mesh->boundary};
+    subdomain.numbers = item.mesh.boundaryNumbers;
     for (const Body::PrescribedDisplacement& prescribed : body.prescribed) {
       const auto set = item.mesh.sets.find(prescribed.set);
       if (set != item.mesh.sets.end())

@@ -10,6 +10,7 @@
 #include "Harmos_Qp.hpp"
 #include "Harmos_Recovery.hpp"
 #include "Harmos_StageTimers.hpp"
+#include "Harmos_TrilinosVersion.hpp"
 #include "Harmos_Version.hpp"
 #include "Harmos_VtkHdf.hpp"
 
@@ -147,10 +148,10 @@ DualSolution solve(const feti::SubdomainSystem& system, const feti::Constraints&
   DualSolution solution;
   solution.lambda = Teuchos::rcp(new MultiVector(constraints.rowMap(), 1));
   if (options.initialGuess == InitialGuess::HalfLoad) {
-    feti::TornVector loads;
+    std::vector<double> overlap(localSize(*constraints.overlapMap()), 0.0);
     for (int i = 0; i < system.size(); ++i)
-      loads.push_back(system.rhs(i));
-    constraints.applyB(loads, *solution.lambda);
+      constraints.addB(i, system.rhs(i).data(), overlap.data());
+    constraints.fromOverlap(overlap, *solution.lambda);
     solution.lambda->scale(0.5);
   }
 
@@ -308,13 +309,15 @@ void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& 
 
   const feti::LocalInverses inverses = [&] {
     const auto scope = timers.scope("factorization");
-    feti::ImplicitInverseOptions inverseOptions;
-    inverseOptions.fixingDofsPerKernelColumn = options.fixingDofs;
-    return feti::makeImplicitInverses(system, inverseOptions);
+    feti::LocalInverseOptions inverseOptions;
+    inverseOptions.fixingPlaces = options.fixingDofs;
+    inverseOptions.form = options.form;
+    inverseOptions.share = options.share;
+    return feti::makeLocalInverses(system, constraints, inverseOptions);
   }();
   report.distinctFactorizations = globalSum(*comm, static_cast<long long>(inverses.distinctFactorizations()));
 
-  const feti::DualOperator dualOperator(system, constraints, inverses);
+  const feti::DualOperator dualOperator(constraints, inverses);
   const feti::CoarseSpace coarse = [&] {
     const auto scope = timers.scope("coarse");
     return feti::CoarseSpace(system, constraints);

@@ -15,8 +15,9 @@ void RunOptions::addTo(ParameterSpec& deck) {
   deck.list(std::move(decomposition));
 
   ParameterSpec dual("Dual operator", "The product with F = BK⁺Bᵀ.");
-  dual.choice("Form", "implicit", {{"implicit", "a solve with each sparse factorisation a product"}},
+  dual.choice("Form", "condensed", {{"implicit", "a solve with each sparse factorisation a product"},{"condensed", "dense"}},
               "How products with F are made.");
+  dual.boolean("Share identical subdomains", true, "share");
   dual.choice("Preconditioner", "none", {{"none", "no preconditioner"}}, "Dual preconditioner.");
   dual.integer(
       "Fixing dofs", 4, 1, 1000,
@@ -65,6 +66,8 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
   options.dirichlet = deck.sublist("Decomposition").get<std::string>("Dirichlet") == "dual"
                           ? feti::DirichletForm::Dual
                           : feti::DirichletForm::Primal;
+  options.form = deck.sublist("Dual operator").get<std::string>("Form")=="implicit" ? feti::DualForm::Implicit : feti::DualForm::Condensed;
+  options.share = deck.sublist("Dual operator").get<bool>("Share identical subdomains");
   options.fixingDofs = deck.sublist("Dual operator").get<int>("Fixing dofs");
   const Teuchos::ParameterList& solver = deck.sublist("Solver");
   options.method = solver.get<std::string>("Method");

@@ -3,7 +3,7 @@
 
 #include "Harmos_ParameterSpec.hpp"
 #include "Harmos_Scene.hpp"
-#include "Harmos_SubdomainSystem.hpp"
+#include "Harmos_LocalInverses.hpp"
 
 #include <Teuchos_ParameterList.hpp>
 
@@ -27,6 +27,8 @@ enum class InitialGuess {
 /// The lists of a deck that every application shares: Decomposition, Dual operator, Solver, Output.
 struct RunOptions {
   feti::DirichletForm dirichlet = feti::DirichletForm::Primal;
+  feti::DualForm form = feti::DualForm::Condensed;
+  bool share = true;
   int fixingDofs = 4;
   double tolerance = 1e-4;
   StoppingRule stoppingRule = StoppingRule::Scaled;

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_LocalInverses.hpp"
+
+#include "Harmos_Agreement.hpp"
+#include "Harmos_Log.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace Harmos::feti {
+namespace {
+
+// Rounding of a row of K, some thousand times ε, as for the kernel itself.
+constexpr double hiddenTolerance = 1e-12;
+
+// ‖KK⁺Kx − Kx‖/‖Kx‖ is about κ(K_ρ)ε at worst; beyond 1e-8 nothing can be trusted. In single precision the
+// dense block is exact to some 1e-7, and the inverse with it.
+constexpr double inverseTolerance = 1e-8;
+constexpr double inverseToleranceSingle = 1e-4;
+
+std::vector<int> touchedDofs(const Constraints& constraints, const std::vector<int>& members) {
+  std::vector<int> dofs;
+  for (int i : members)
+    for (const Constraints::Entry& entry : constraints.entries(i))
+      dofs.push_back(entry.dof);
+  std::sort(dofs.begin(), dofs.end());
+  dofs.erase(std::unique(dofs.begin(), dofs.end()), dofs.end());
+  return dofs;
+}
+
+void verify(const LocalMatrix& matrix, const Kernel& kernel, const InverseQuality& quality,
+            const LocalInverseOptions& options, const std::string& number) {
+  if (!(quality.resistance > hiddenTolerance))
+    throw NumericalError("subdomain " + number +
+                             " has a motion that its matrix does not resist and its kernel of dimension " +
+                             std::to_string(kernel.columns) +
+                             " does not contain: ‖Kv‖/(‖K‖‖v‖) = " + scientific(quality.resistance) + "; " +
+                             causeOfHiddenMotion(matrix, kernel),
+                         {{"subdomain", number}, {"resistance", scientific(quality.resistance)}});
+  const double tolerance = options.precision == Precision::Single || options.blockLowRank > 0.0
+                               ? std::max(inverseToleranceSingle, 10.0 * options.blockLowRank * quality.condition())
+                               : inverseTolerance;
+  if (!(quality.defect <= tolerance))
+    throw NumericalError("subdomain " + number + ": ‖KK⁺Kx − Kx‖/‖Kx‖ = " + scientific(quality.defect) +
+                             ", at most " + scientific(tolerance, 0) +
+                             " was expected; its material varies too much, or its kernel of dimension " +
+                             std::to_string(kernel.columns) + " is too small: " +
+                             causeOfHiddenMotion(matrix, kernel),
+                         {{"subdomain", number}, {"defect", scientific(quality.defect)}});
+  if (options.checkNullPivots) {
+    const int pivots = countNullPivots(matrix);
+    if (pivots != kernel.columns)
+      throw NumericalError("subdomain " + number + ": MUMPS finds " + std::to_string(pivots) +
+                               " null pivots, its kernel has dimension " + std::to_string(kernel.columns) + "; " +
+                               (pivots > kernel.columns ? causeOfHiddenMotion(matrix, kernel)
+                                                        : "the check misses pivots where materials vary much"),
+                           {{"subdomain", number}, {"null pivots", std::to_string(pivots)}});
+  }
+}
+
+} // namespace
+
+std::vector<CongruenceClass> congruenceClasses(const SubdomainSystem& system, const Constraints& constraints,
+                                               bool share, int fixingPlaces) {
+  std::vector<CongruenceClass> classes;
+  std::map<const LocalMatrix*, std::size_t> known;
+  for (int i = 0; i < system.size(); ++i) {
+    const auto [place, isNew] = known.emplace(&system.matrix(i), classes.size());
+    if (isNew || !share)
+      classes.push_back({{i}, {}});
+    else
+      classes[place->second].members.push_back(i);
+  }
+  for (CongruenceClass& item : classes) {
+    const int first = item.members.front();
+    item.boundary = boundaryWithSupport(system.matrix(first), system.kernel(first),
+                                        touchedDofs(constraints, item.members), fixingPlaces);
+  }
+  return classes;
+}
+
+LocalInverses::LocalInverses(std::vector<CongruenceClass> classes,
+                             std::vector<std::unique_ptr<LocalInverse>> inverses)
+    : classes_(std::move(classes)), inverses_(std::move(inverses)) {
+  HARMOS_REQUIRE(classes_.size() == inverses_.size(), "each class of subdomains needs one inverse");
+}
+
+double LocalInverses::bytes() const {
+  double sum = 0.0;
+  for (const auto& inverse : inverses_)
+    sum += inverse->bytes();
+  return sum;
+}
+
+LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints& constraints,
+                                const LocalInverseOptions& options) {
+  std::vector<CongruenceClass> classes;
+  std::vector<std::unique_ptr<LocalInverse>> inverses;
+  double condition = 1.0;
+  agree(*system.comm(), [&] {
+    OrderingCache orderings;
+    classes = congruenceClasses(system, constraints, options.share, options.fixingPlaces);
+    for (const CongruenceClass& item : classes) {
+      const int first = item.members.front();
+      const LocalMatrix& matrix = system.matrix(first);
+      const Kernel& kernel = system.kernel(first);
+      const std::string number = std::to_string(system.subdomain(first).number);
+      try {
+        inverses.push_back(
+            options.form == DualForm::Implicit
+                ? makeImplicitInverse(matrix, kernel, item.boundary, options)
+                : makeCondensedInverse(matrix, kernel, item.boundary, static_cast<int>(item.members.size()),
+                                       options, orderings));
+      } catch (const NumericalError& error) {
+        throw NumericalError("subdomain " + number + ": " + error.what() + "; " + causeOfHiddenMotion(matrix, kernel),
+                             {{"subdomain", number}});
+      }
+      const InverseQuality quality = inverseQuality(matrix, kernel, *inverses.back());
+      verify(matrix, kernel, quality, options, number);
+      condition = std::max(condition, quality.condition());
+    }
+  });
+  LocalInverses result(std::move(classes), std::move(inverses));
+  result.condition_ = condition;
+  return result;
+}
+
+} // namespace Harmos::feti

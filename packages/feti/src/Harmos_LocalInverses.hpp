@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_Constraints.hpp"
+#include "Harmos_LocalInverse.hpp"
+#include "Harmos_SubdomainSystem.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace Harmos::feti {
+
+/// The two forms of the dual operator.
+enum class DualForm {
+  Implicit, ///< a product is a solve with each sparse factorisation
+  Condensed ///< a product is one with a dense matrix of each subdomain's boundary
+};
+
+/// How local inverses are made.
+struct LocalInverseOptions : LocalInverseSettings {
+  DualForm form = DualForm::Condensed;
+  bool share = true;            ///< congruent subdomains share one factorisation
+  bool checkNullPivots = false; ///< compare the kernels with MUMPS' null pivots
+};
+
+/// Subdomains of this rank with one matrix and one boundary, which share what is made of them.
+struct CongruenceClass {
+  std::vector<int> members;  ///< subdomains of this rank
+  std::vector<int> boundary; ///< dofs that a constraint touches in any of them, and what it takes to hold the
+                             ///< kernel; rising
+};
+
+/// The classes of a system; each subdomain its own if nothing is to be shared. Local.
+std::vector<CongruenceClass> congruenceClasses(const SubdomainSystem& system, const Constraints& constraints,
+                                               bool share, int fixingPlaces);
+
+/// One generalised inverse for every subdomain of a rank: the only one that F, d̃ and the recovery may use.
+///
+/// Different generalised inverses give different F and d̃ (only PFP and Pd agree). Whoever mixes them gets a
+/// solver that converges to a wrong answer, which tests/unit/feti/test_mixed_inverses.cpp shows. Therefore
+/// DualOperator, DualProblem and recover() take this one object.
+///
+/// Congruent subdomains share an inverse: one factorisation, one S, one S⁺, and products with all of them at
+/// once. What makes them congruent is the content of their matrices, see SubdomainSystem.
+class LocalInverses {
+ public:
+  /// An inverse for each class.
+  LocalInverses(std::vector<CongruenceClass> classes, std::vector<std::unique_ptr<LocalInverse>> inverses);
+
+  const std::vector<CongruenceClass>& classes() const { return classes_; }
+  const LocalInverse& inverse(std::size_t ofClass) const { return *inverses_[ofClass]; }
+  /// Factorisations held on this rank.
+  int distinctFactorizations() const { return static_cast<int>(inverses_.size()); }
+  /// The largest of the estimated condition numbers, on this rank; 1 without subdomains.
+  double condition() const { return condition_; }
+  /// Memory held on this rank.
+  double bytes() const;
+
+ private:
+  friend LocalInverses makeLocalInverses(const SubdomainSystem&, const Constraints&, const LocalInverseOptions&);
+
+  std::vector<CongruenceClass> classes_;
+  std::vector<std::unique_ptr<LocalInverse>> inverses_;
+  double condition_ = 1.0;
+};
+
+/// Makes them and verifies each: ‖K K⁺ K x − K x‖ ≤ 1e-8 ‖Kx‖ and ‖Kv‖ > 1e-12 ‖K‖‖v‖ for v = (I − RRᵀ)K⁺b,
+/// with pseudo-random x and b. A disagreement, or a factor that does not exist, means that the subdomain has
+/// more rigid motions than its kernel says; the error names it and the cause.
+/// @throws NumericalError on all ranks.
+/// @note Collective.
+/// Guarded by tests/unit/feti/test_local_inverse.cpp.
+LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints& constraints,
+                                const LocalInverseOptions& options = {});
+
+} // namespace Harmos::feti

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_BoundaryOperator.hpp"
+#include "Harmos_LocalMatrix.hpp"
+#include "Harmos_MumpsSolver.hpp"
+
+#include <Teuchos_RCP.hpp>
+
+#include <memory>
+#include <string>
+
+namespace Harmos::feti {
+
+/// The factorisation of one rank's sparse symmetric positive definite matrix, by any solver that Amesos2 offers.
+class SparseSolve {
+ public:
+  /// @param solver "MUMPS" for Harmos' own adapter, or a name that Amesos2 knows: "KLU2", ...
+  /// @param precision Single: factors in float, each solve with one step of refinement; MUMPS only.
+  /// @throws InputError for a solver that this Amesos2 lacks, NumericalError, InternalError.
+  SparseSolve(const LocalMatrix& matrix, const std::string& solver, Precision precision, double blockLowRank);
+  ~SparseSolve();
+
+  /// Overwrites count right-hand sides, column after column, by the solutions.
+  void solve(double* x, int count) const;
+
+  /// Of the factors, as far as the solver tells.
+  double bytes() const;
+  /// Operations of a solve with one right-hand side.
+  double flops() const;
+
+ private:
+  void solveOnce(double* x, int count) const;
+
+  LocalMatrix refined_; // the matrix itself, where residuals are to be computed
+  Precision precision_;
+  int rows_;
+  Teuchos::RCP<const Map> map_;
+  Teuchos::RCP<DirectSolver> solver_;
+  mutable Teuchos::RCP<MultiVector> b_, x_;
+};
+
+} // namespace Harmos::feti

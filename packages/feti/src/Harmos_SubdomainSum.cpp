@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_SubdomainSum.hpp"
+
+#include "Harmos_Agreement.hpp"
+
+#include <Tpetra_Import.hpp>
+#include <Tpetra_MultiVector.hpp>
+
+#include <algorithm>
+#include <limits>
+
+namespace Harmos::feti {
+
+SubdomainSum::SubdomainSum(Teuchos::RCP<const Import> importer, std::vector<Group> groups)
+    : importer_(std::move(importer)), groups_(std::move(groups)) {}
+
+Teuchos::RCP<const Map> SubdomainSum::getDomainMap() const {
+  return importer_->getSourceMap();
+}
+
+void SubdomainSum::applyLocally(const double* in, double* out) const {
+  for (const Group& group : groups_) {
+    t_.assign(static_cast<std::size_t>(group.op->size()) * static_cast<std::size_t>(group.members), 0.0);
+    u_.resize(t_.size());
+    for (const Entry& entry : group.entries)
+      t_[static_cast<std::size_t>(entry.place)] += entry.value * in[entry.row];
+    group.op->apply(t_.data(), u_.data(), group.members);
+    for (const Entry& entry : group.entries)
+      out[entry.row] += entry.value * u_[static_cast<std::size_t>(entry.place)];
+  }
+}
+
+void SubdomainSum::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp, Scalar alpha,
+                         Scalar beta) const {
+  const std::size_t columns = X.getNumVectors();
+  if (in_.is_null() || in_->getNumVectors() != columns) {
+    in_ = Teuchos::rcp(new MultiVector(importer_->getTargetMap(), columns));
+    out_ = Teuchos::rcp(new MultiVector(importer_->getTargetMap(), columns));
+    image_ = Teuchos::rcp(new MultiVector(getDomainMap(), columns));
+  }
+  in_->doImport(X, *importer_, Tpetra::INSERT);
+  {
+    const auto in = in_->getLocalViewHost(Tpetra::Access::ReadOnly);
+    const auto out = out_->getLocalViewHost(Tpetra::Access::OverwriteAll);
+    const std::size_t rows = out.extent(0);
+    for (std::size_t c = 0; c < columns && rows > 0; ++c) {
+      double* result = &out(0, c);
+      std::fill(result, result + rows, 0.0);
+      try {
+        applyLocally(&in(0, c), result);
+      } catch (...) {
+        failure_ = std::current_exception();
+        std::fill(result, result + rows, std::numeric_limits<double>::quiet_NaN());
+      }
+    }
+  }
+  image_->putScalar(0.0);
+  image_->doExport(*out_, *importer_, Tpetra::ADD);
+  if (beta == 0.0)
+    Y.scale(alpha, *image_); // Y may be uninitialised: 0·NaN is to be avoided
+  else
+    Y.update(alpha, *image_, beta);
+}
+
+void SubdomainSum::rethrowFailure() const {
+  agreeOnFailure(*getDomainMap()->getComm(), failure_);
+}
+
+} // namespace Harmos::feti
