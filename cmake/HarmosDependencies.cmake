@@ -47,6 +47,14 @@ target_link_libraries(harmos_dep_mumps INTERFACE ${MUMPS_DMUMPS_LIBRARY} ${MUMPS
                                                  MPI::MPI_C)
 target_include_directories(harmos_dep_mumps SYSTEM INTERFACE ${MUMPS_INCLUDE_DIR})
 
+# METIS.
+find_path(METIS_INCLUDE_DIR metis.h REQUIRED)
+find_library(METIS_LIBRARY metis REQUIRED)
+add_library(harmos_dep_metis INTERFACE)
+add_library(harmos_dep::metis ALIAS harmos_dep_metis)
+target_link_libraries(harmos_dep_metis INTERFACE ${METIS_LIBRARY})
+target_include_directories(harmos_dep_metis SYSTEM INTERFACE ${METIS_INCLUDE_DIR})
+
 # HDF5 with MPI.
 set(HDF5_PREFER_PARALLEL ON)
 find_package(HDF5 REQUIRED COMPONENTS C)

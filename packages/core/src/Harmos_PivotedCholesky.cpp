@@ -79,4 +79,22 @@ std::vector<double> PivotedCholesky::solveLt(const std::vector<double>& w) const
   return result;
 }
 
+std::vector<double> PivotedCholesky::multiplyL(const std::vector<double>& w) const {
+  std::vector<double> result(static_cast<std::size_t>(n_), 0.0);
+  for (int i = 0; i < rank_; ++i)
+    for (int k = 0; k <= i; ++k)
+      result[static_cast<std::size_t>(pivots_[static_cast<std::size_t>(i)])] +=
+          factor_[at(i, k, n_)] * w[static_cast<std::size_t>(k)];
+  return result;
+}
+
+std::vector<double> PivotedCholesky::multiplyLt(const std::vector<double>& v) const {
+  std::vector<double> w(static_cast<std::size_t>(rank_), 0.0);
+  for (int k = 0; k < rank_; ++k)
+    for (int i = k; i < rank_; ++i)
+      w[static_cast<std::size_t>(k)] +=
+          factor_[at(i, k, n_)] * v[static_cast<std::size_t>(pivots_[static_cast<std::size_t>(i)])];
+  return w;
+}
+
 } // namespace Harmos

@@ -31,6 +31,10 @@ class PivotedCholesky {
   std::vector<double> solveL(const std::vector<double>& e) const;
   /// L⁻ᵀ of a vector of rank() entries, scattered to size() entries; zero at dependent rows.
   std::vector<double> solveLt(const std::vector<double>& w) const;
+  /// Lw, scattered to size() entries; zero at dependent rows.
+  std::vector<double> multiplyL(const std::vector<double>& w) const;
+  /// Lᵀ of the pivot rows' entries of a vector of size(); rank() entries.
+  std::vector<double> multiplyLt(const std::vector<double>& v) const;
   /// A⁻ of a vector of size(): a solution of Ax = e if there is one.
   std::vector<double> solve(const std::vector<double>& e) const { return solveLt(solveL(e)); }
 

@@ -7,8 +7,12 @@
 
 #include <Tpetra_MultiVector.hpp>
 
+#include <Teuchos_CommHelpers.hpp>
 #include <algorithm>
-#include <map>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <tuple>
 
 namespace Harmos::feti {
 namespace {
@@ -19,10 +23,55 @@ struct CoarseEntry {
   int column;
 };
 
+// What rank 0 has, on all ranks.
+void broadcast(const Teuchos::Comm<int>& comm, std::vector<double>& values) {
+  if (!values.empty())
+    Teuchos::broadcast<int, double>(comm, 0, static_cast<int>(values.size()), values.data());
+}
+
 } // namespace
 
-CoarseSpace::CoarseSpace(const SubdomainSystem& system, const Constraints& constraints)
-    : comm_(system.comm()), kernelDimension_(system.kernelDimension()) {
+CoarseFactor::CoarseFactor(int n, const std::vector<int>& rows, const std::vector<int>& columns,
+                           const std::vector<double>& values, double relativeThreshold, int mostDenseRows)
+    : isDense_(n <= mostDenseRows) {
+  if (!isDense_) {
+    sparse_ = SparseCholesky(n, rows, columns, values, relativeThreshold);
+    return;
+  }
+  const auto size = static_cast<std::size_t>(n);
+  std::vector<double> matrix(size * size, 0.0);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const auto i = static_cast<std::size_t>(rows[k]), j = static_cast<std::size_t>(columns[k]);
+    matrix[j * size + i] = matrix[i * size + j] = values[k];
+  }
+  dense_ = PivotedCholesky(std::move(matrix), n, relativeThreshold);
+}
+
+std::vector<int> CoarseFactor::dependent() const {
+  if (!isDense_)
+    return sparse_.dependent();
+  return {dense_.pivots().begin() + dense_.rank(), dense_.pivots().end()};
+}
+
+double CoarseFactor::entries() const {
+  return isDense_ ? 0.5 * dense_.size() * (dense_.size() + 1.0) : sparse_.entries();
+}
+
+std::vector<double> CoarseFactor::solveL(const std::vector<double>& e) const {
+  return isDense_ ? dense_.solveL(e) : sparse_.solveL(e);
+}
+std::vector<double> CoarseFactor::solveLt(const std::vector<double>& w) const {
+  return isDense_ ? dense_.solveLt(w) : sparse_.solveLt(w);
+}
+std::vector<double> CoarseFactor::multiplyL(const std::vector<double>& w) const {
+  return isDense_ ? dense_.multiplyL(w) : sparse_.multiplyL(w);
+}
+std::vector<double> CoarseFactor::multiplyLt(const std::vector<double>& v) const {
+  return isDense_ ? dense_.multiplyLt(v) : sparse_.multiplyLt(v);
+}
+
+CoarseSpace::CoarseSpace(const SubdomainSystem& system, const Constraints& constraints, int mostDense)
+    : comm_(system.comm()), kernelDimension_(system.kernelDimension()), mostDense_(mostDense) {
   // Each subdomain makes its rows of G̃; the entries go to the ranks that own the dual rows.
   std::vector<std::vector<CoarseEntry>> sends(static_cast<std::size_t>(comm_->getSize()));
   for (int i = 0; i < system.size(); ++i) {
@@ -44,38 +93,143 @@ CoarseSpace::CoarseSpace(const SubdomainSystem& system, const Constraints& const
       begin = end;
     }
   }
-  rows_.resize(localSize(*constraints.rowMap()));
+  std::vector<std::pair<int, CoarseEntry>> owned; // with local rows
   for (const std::vector<CoarseEntry>& part : exchangeItems(*comm_, sends))
     for (const CoarseEntry& entry : part)
-      rows_[static_cast<std::size_t>(
-                constraints.rowMap()->getLocalElement(static_cast<GlobalOrdinal>(entry.row)))]
-          .emplace_back(entry.column, entry.value);
-  for (auto& row : rows_)
-    std::sort(row.begin(), row.end());
+      owned.emplace_back(constraints.rowMap()->getLocalElement(static_cast<GlobalOrdinal>(entry.row)), entry);
+  std::sort(owned.begin(), owned.end(), [](const auto& a, const auto& b) {
+    return std::tie(a.first, a.second.column) < std::tie(b.first, b.second.column);
+  });
+  for (const auto& [row, entry] : owned) {
+    offsets_.resize(static_cast<std::size_t>(row) + 1, columns_.size());
+    columns_.push_back(entry.column);
+    values_.push_back(entry.value);
+  }
+  offsets_.resize(localSize(*constraints.rowMap()) + 1, columns_.size());
 
-  const int n = kernelDimension_;
-  std::vector<double> gram(static_cast<std::size_t>(n) * static_cast<std::size_t>(n), 0.0);
-  for (const auto& row : rows_)
-    for (const auto& [i, left] : row)
-      for (const auto& [j, right] : row)
-        gram[static_cast<std::size_t>(j) * static_cast<std::size_t>(n) + static_cast<std::size_t>(i)] +=
-            left * right;
-  globalSum(*comm_, gram);
-  factor_ = PivotedCholesky(std::move(gram), n);
+  makePattern();
+  std::vector<double> whole = gram(nullptr);
+  factor_ = CoarseFactor(kernelDimension_, gramRows_, gramColumns_, whole, 0.0, mostDense_);
   coarseMap_ = Teuchos::rcp(
       new Map(static_cast<Tpetra::global_size_t>(dimension()), 0, comm_, Tpetra::LocallyReplicated));
 }
 
-std::vector<int> CoarseSpace::dependentColumns() const {
-  return {factor_.pivots().begin() + factor_.rank(), factor_.pivots().end()};
+// Places of G̃G̃ᵀ that any rank fills.
+void CoarseSpace::makePattern() {
+  std::vector<std::pair<int, int>> mine;
+  for (std::size_t r = 0; r + 1 < offsets_.size(); ++r)
+    for (std::size_t i = offsets_[r]; i < offsets_[r + 1]; ++i)
+      for (std::size_t j = offsets_[r]; j <= i; ++j) // columns of a row rise
+        mine.emplace_back(columns_[i], columns_[j]);
+  std::vector<std::pair<int, int>> places = mine;
+  const auto makeUnique = [](std::vector<std::pair<int, int>>& list) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  };
+  makeUnique(places);
+  struct Place {
+    int row, column;
+  };
+  std::vector<Place> sent;
+  for (const auto& [row, column] : places)
+    sent.push_back({row, column});
+  places.clear();
+  for (const Place& place : gatherAll(*comm_, sent))
+    places.emplace_back(place.row, place.column);
+  makeUnique(places);
+  for (const auto& [row, column] : places) {
+    gramRows_.push_back(row);
+    gramColumns_.push_back(column);
+  }
+  for (const auto& pair : mine)
+    gramPlaces_.push_back(
+        static_cast<int>(std::lower_bound(places.begin(), places.end(), pair) - places.begin()));
+}
+
+// G̃M_FG̃ᵀ at the places of the pattern; the same to the last bit on all ranks, whose decisions must agree.
+std::vector<double> CoarseSpace::gram(const double* mask) const {
+  std::vector<double> values(gramRows_.size(), 0.0);
+  std::size_t pair = 0;
+  for (std::size_t r = 0; r + 1 < offsets_.size(); ++r)
+    for (std::size_t i = offsets_[r]; i < offsets_[r + 1]; ++i)
+      for (std::size_t j = offsets_[r]; j <= i; ++j, ++pair)
+        if (mask == nullptr || mask[r] != 0.0)
+          values[static_cast<std::size_t>(gramPlaces_[pair])] += values_[i] * values_[j];
+  globalSum(*comm_, values);
+  broadcast(*comm_, values);
+  return values;
+}
+
+CoarseFactor CoarseSpace::faceFactor(const MultiVector& mask) const {
+  std::vector<double> values;
+  {
+    const auto view = mask.getLocalViewHost(Tpetra::Access::ReadOnly);
+    values = gram(view.data());
+  }
+  // Rows that were left out of G are left out here.
+  for (int column : dependentColumns())
+    for (std::size_t k = 0; k < values.size(); ++k)
+      if (gramRows_[k] == column || gramColumns_[k] == column)
+        values[k] = 0.0;
+  // What a face takes away may leave pivots that are nothing but rounding errors.
+  constexpr double threshold = 1e2 * std::numeric_limits<double>::epsilon();
+  return CoarseFactor(kernelDimension_, gramRows_, gramColumns_, values, threshold, mostDense_);
+}
+
+std::vector<double> CoarseSpace::solveOnFace(const CoarseFactor& face, const std::vector<double>& r) const {
+  return factor_.multiplyLt(face.solveLt(face.solveL(factor_.multiplyL(r))));
+}
+
+std::vector<double> CoarseSpace::minimumNormSolution(const MultiVector& mask,
+                                                     const std::vector<double>& r) const {
+  std::vector<double> values;
+  {
+    const auto view = mask.getLocalViewHost(Tpetra::Access::ReadOnly);
+    values = gram(view.data());
+  }
+  const double threshold = 1e2 * kernelDimension_ * std::numeric_limits<double>::epsilon();
+  const CoarseFactor factor(kernelDimension_, gramRows_, gramColumns_, values, threshold, mostDense_);
+  const auto solve = [&](const std::vector<double>& b) { return factor.solveLt(factor.solveL(b)); };
+  std::vector<double> x = solve(r);
+  // Each row left out gives a null vector z: z_d = 1 there, −A⁻A_d at the kept rows. They are made orthonormal,
+  // and taken out of the solution.
+  std::vector<std::vector<double>> nullVectors;
+  const auto remove = [](const std::vector<double>& z, std::vector<double>& v) {
+    const double product = std::inner_product(z.begin(), z.end(), v.begin(), 0.0);
+    for (std::size_t k = 0; k < v.size(); ++k)
+      v[k] -= product * z[k];
+  };
+  for (int d : factor.dependent()) {
+    std::vector<double> column(x.size(), 0.0);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (gramColumns_[k] == d)
+        column[static_cast<std::size_t>(gramRows_[k])] = values[k];
+      if (gramRows_[k] == d)
+        column[static_cast<std::size_t>(gramColumns_[k])] = values[k];
+    }
+    std::vector<double> z = solve(column);
+    for (double& entry : z)
+      entry = -entry;
+    z[static_cast<std::size_t>(d)] = 1.0;
+    for (int pass = 0; pass < 2; ++pass)
+      for (const std::vector<double>& other : nullVectors)
+        remove(other, z);
+    const double length = std::sqrt(std::inner_product(z.begin(), z.end(), z.begin(), 0.0));
+    for (double& entry : z)
+      entry /= length;
+    nullVectors.push_back(std::move(z));
+  }
+  for (const std::vector<double>& z : nullVectors)
+    remove(z, x);
+  return x;
 }
 
 std::vector<double> CoarseSpace::applyUnscaled(const MultiVector& lambda, std::size_t column) const {
   std::vector<double> w(static_cast<std::size_t>(kernelDimension_), 0.0);
   const auto view = lambda.getLocalViewHost(Tpetra::Access::ReadOnly);
-  for (std::size_t r = 0; r < rows_.size(); ++r)
-    for (const auto& [k, value] : rows_[r])
-      w[static_cast<std::size_t>(k)] += value * view(r, column);
+  for (std::size_t r = 0; r + 1 < offsets_.size(); ++r)
+    for (std::size_t k = offsets_[r]; k < offsets_[r + 1]; ++k)
+      w[static_cast<std::size_t>(columns_[k])] += values_[k] * view(r, column);
   globalSum(*comm_, w);
   return w;
 }
@@ -88,10 +242,10 @@ void CoarseSpace::addGt(double factor, const std::vector<double>& w, MultiVector
                         std::size_t column) const {
   const std::vector<double> s = solveLt(w);
   const auto view = lambda.getLocalViewHost(Tpetra::Access::ReadWrite);
-  for (std::size_t r = 0; r < rows_.size(); ++r) {
+  for (std::size_t r = 0; r + 1 < offsets_.size(); ++r) {
     double sum = 0.0;
-    for (const auto& [k, value] : rows_[r])
-      sum += value * s[static_cast<std::size_t>(k)];
+    for (std::size_t k = offsets_[r]; k < offsets_[r + 1]; ++k)
+      sum += values_[k] * s[static_cast<std::size_t>(columns_[k])];
     view(r, column) += factor * sum;
   }
 }

@@ -3,6 +3,7 @@
 
 #include "Harmos_Constraints.hpp"
 #include "Harmos_PivotedCholesky.hpp"
+#include "Harmos_SparseCholesky.hpp"
 
 #include <Tpetra_Operator.hpp>
 
@@ -10,17 +11,51 @@
 
 namespace Harmos::feti {
 
+/// LLᵀ of a symmetric positive semidefinite matrix that every rank holds: dense with complete pivoting if it is
+/// small, sparse otherwise; both reveal the rank.
+class CoarseFactor {
+ public:
+  /// Matrices up to this order are dense.
+  static constexpr int mostDense = 200;
+
+  CoarseFactor() = default;
+  /// @param rows, columns, values the lower triangle, each place once.
+  CoarseFactor(int n, const std::vector<int>& rows, const std::vector<int>& columns,
+               const std::vector<double>& values, double relativeThreshold = 0.0, int mostDenseRows = mostDense);
+
+  int rank() const { return isDense_ ? dense_.rank() : sparse_.rank(); }
+  double smallestPivotRatio() const {
+    return isDense_ ? dense_.smallestPivotRatio() : sparse_.smallestPivotRatio();
+  }
+  std::vector<int> dependent() const;
+  bool isDense() const { return isDense_; }
+  /// Entries of L.
+  double entries() const;
+
+  // See PivotedCholesky and SparseCholesky.
+  std::vector<double> solveL(const std::vector<double>& e) const;
+  std::vector<double> solveLt(const std::vector<double>& w) const;
+  std::vector<double> multiplyL(const std::vector<double>& w) const;
+  std::vector<double> multiplyLt(const std::vector<double>& v) const;
+
+ private:
+  bool isDense_ = true;
+  PivotedCholesky dense_;
+  SparseCholesky sparse_;
+};
+
 /// The natural coarse space: G̃ = RᵀBᵀ, its orthonormalised form G = L⁻¹G̃ with LLᵀ = G̃G̃ᵀ, and P = I − GᵀG.
 ///
-/// G̃G̃ᵀ is dense and held on every rank; its Cholesky factorisation with complete pivoting reveals the rank.
-/// Rows of G̃ that depend on the others are left out: G then has the same kernel and orthonormal rows all the
-/// same. A product with G costs one reduction of the coarse dimension, one with Gᵀ none.
+/// G̃G̃ᵀ and its factor are held by every rank: a product with G costs one reduction of the coarse dimension, one
+/// with Gᵀ none. Rows of G̃ that depend on the others are left out: G then has the same kernel and orthonormal
+/// rows all the same. Rank 0 decides the rank for all: sums over ranks need not be equal to the last bit.
 ///
-/// Guarded by tests/unit/feti/test_coarse_space.cpp (P² = P, GGᵀ = I, rank deficiency).
+/// Guarded by tests/unit/feti/test_coarse_space.cpp (P² = P, GGᵀ = I, rank deficiency, dense and sparse).
 class CoarseSpace {
  public:
-  /// @note Collective.
-  CoarseSpace(const SubdomainSystem& system, const Constraints& constraints);
+  /// @param mostDense see CoarseFactor. @note Collective.
+  CoarseSpace(const SubdomainSystem& system, const Constraints& constraints,
+              int mostDense = CoarseFactor::mostDense);
 
   /// Rows of G; less than the kernel dimension if G̃ is rank deficient.
   int dimension() const { return factor_.rank(); }
@@ -29,7 +64,14 @@ class CoarseSpace {
   /// Estimated smallest over largest pivot of G̃G̃ᵀ among those kept.
   double smallestPivotRatio() const { return factor_.smallestPivotRatio(); }
   /// Columns of R left out because of rank deficiency.
-  std::vector<int> dependentColumns() const;
+  std::vector<int> dependentColumns() const { return factor_.dependent(); }
+  const CoarseFactor& factor() const { return factor_; }
+
+  /// G_F G_Fᵀ for the rows of B with mask 1, factored in a form of its own: solveOnFace() solves with it.
+  /// @param mask 1 or 0 for each dual row. @note Collective, one reduction.
+  CoarseFactor faceFactor(const MultiVector& mask) const;
+  /// y with G_F G_Fᵀ y = r: y = Lᵀ(G̃_F G̃_Fᵀ)⁻Lr. Local.
+  std::vector<double> solveOnFace(const CoarseFactor& face, const std::vector<double>& r) const;
 
   /// w = Gλ, the same on all ranks. @note Collective, one reduction.
   std::vector<double> applyG(const MultiVector& lambda, std::size_t column = 0) const;
@@ -45,20 +87,36 @@ class CoarseSpace {
   /// L⁻ᵀw, indexed by the columns of R; zero at dependent ones.
   std::vector<double> solveLt(const std::vector<double>& w) const { return factor_.solveLt(w); }
 
-  /// G̃ of an owned row: pairs (column of R, value).
-  const std::vector<std::pair<int, double>>& row(int ownedRow) const {
-    return rows_[static_cast<std::size_t>(ownedRow)];
+  /// G̃ of an owned row: calls visit(column of R, value) for each entry.
+  template<class Visit>
+  void forRow(int ownedRow, Visit&& visit) const {
+    for (std::size_t k = offsets_[static_cast<std::size_t>(ownedRow)];
+         k < offsets_[static_cast<std::size_t>(ownedRow) + 1]; ++k)
+      visit(columns_[k], values_[k]);
   }
+
+  /// The solution of least norm of G̃_F G̃_Fᵀ δ = r, for r in its range, rows of B with mask 1; indexed by the
+  /// columns of R. @note Collective, one reduction.
+  std::vector<double> minimumNormSolution(const MultiVector& mask, const std::vector<double>& r) const;
 
   /// Map of vectors w = Gλ: replicated on all ranks.
   const Teuchos::RCP<const Map>& coarseMap() const { return coarseMap_; }
 
  private:
+  void makePattern();
+  std::vector<double> gram(const double* mask) const;
+
   Teuchos::RCP<const Teuchos::Comm<int>> comm_;
-  std::vector<std::vector<std::pair<int, double>>> rows_;
-  PivotedCholesky factor_; // of G̃G̃ᵀ
+  // G̃ᵀ by owned rows.
+  std::vector<std::size_t> offsets_ = {0};
+  std::vector<int> columns_;
+  std::vector<double> values_;
+  // Lower triangle of G̃G̃ᵀ, and for each pair of entries of an owned row its place there, row after row.
+  std::vector<int> gramRows_, gramColumns_, gramPlaces_;
+  CoarseFactor factor_; // of G̃G̃ᵀ
   Teuchos::RCP<const Map> coarseMap_;
   int kernelDimension_ = 0;
+  int mostDense_;
 };
 
 /// G as a Tpetra operator from dual vectors to the replicated coarse map, and its transpose.

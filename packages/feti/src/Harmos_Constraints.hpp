@@ -66,6 +66,9 @@ class Constraints {
     return entries_[static_cast<std::size_t>(subdomain)];
   }
 
+  /// B_i of all subdomains of this rank.
+  const std::vector<std::vector<Entry>>& entries() const { return entries_; }
+
   /// Of an owned row, by local index of rowMap().
   RowType rowType(int row) const { return types_[static_cast<std::size_t>(row)]; }
   /// Factor by which the physical row was multiplied: residual/scale and multiplier·scale are physical.

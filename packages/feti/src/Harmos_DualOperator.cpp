@@ -17,7 +17,7 @@ std::vector<SubdomainSum::Group> makeGroups(const Constraints& constraints, cons
     // Owned by the inverses, which outlive the operator.
     group.op = {std::shared_ptr<const void>(), &inverses.inverse(c).boundaryOperator()};
     group.members = static_cast<int>(item.members.size());
-    group.entries = boundaryEntries(constraints, item);
+    group.entries = boundaryEntries(constraints.entries(), item);
     groups.push_back(std::move(group));
   }
   return groups;
@@ -25,18 +25,18 @@ std::vector<SubdomainSum::Group> makeGroups(const Constraints& constraints, cons
 
 } // namespace
 
-std::vector<SubdomainSum::Entry> boundaryEntries(const Constraints& constraints,
+std::vector<SubdomainSum::Entry> boundaryEntries(const std::vector<std::vector<Constraints::Entry>>& entries,
                                                  const CongruenceClass& ofClass) {
-  std::vector<SubdomainSum::Entry> entries;
+  std::vector<SubdomainSum::Entry> result;
   const std::vector<int>& boundary = ofClass.boundary;
   const int size = static_cast<int>(boundary.size());
   for (std::size_t m = 0; m < ofClass.members.size(); ++m)
-    for (const Constraints::Entry& entry : constraints.entries(ofClass.members[m])) {
+    for (const Constraints::Entry& entry : entries[static_cast<std::size_t>(ofClass.members[m])]) {
       const auto place = std::lower_bound(boundary.begin(), boundary.end(), entry.dof);
-      entries.push_back({entry.row, static_cast<int>(m) * size + static_cast<int>(place - boundary.begin()),
+      result.push_back({entry.row, static_cast<int>(m) * size + static_cast<int>(place - boundary.begin()),
                          entry.value});
     }
-  return entries;
+  return result;
 }
 
 DualOperator::DualOperator(const Constraints& constraints, const LocalInverses& inverses)

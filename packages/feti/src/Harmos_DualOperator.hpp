@@ -19,7 +19,8 @@ class DualOperator : public SubdomainSum {
   DualOperator(const Constraints& constraints, const LocalInverses& inverses);
 };
 
-/// What a group needs of a class: the entries of B_i counted by boundary dofs.
-std::vector<SubdomainSum::Entry> boundaryEntries(const Constraints& constraints, const CongruenceClass& ofClass);
+/// The entries of B, or B_D, of the members of a class, counted by boundary dofs. @param entries by subdomains.
+std::vector<SubdomainSum::Entry> boundaryEntries(const std::vector<std::vector<Constraints::Entry>>& entries,
+                                                 const CongruenceClass& ofClass);
 
 } // namespace Harmos::feti

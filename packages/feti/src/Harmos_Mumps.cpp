@@ -220,6 +220,10 @@ class EngineOf : public Mumps::Engine {
                            {{"infog1", "-40"}, {"infog2", std::to_string(negative)}});
     // The factors are complete: a solve without iterative refinement does not read the matrix again.
     mumps_.a = nullptr;
+    mumps_.irn = mumps_.jcn = nullptr;
+    rows_ = {};
+    columns_ = {};
+    position_ = {};
     statistics.factorEntries = sizeFrom(mumps_.infog[28]);
     statistics.factorizationFlops = static_cast<double>(mumps_.rinfog[2]);
     statistics.memoryMiB = mumps_.infog[21];

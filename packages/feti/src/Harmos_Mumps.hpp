@@ -64,7 +64,7 @@ class Mumps {
   /// The order of elimination found by analyse(), on the root: what `position` takes.
   std::vector<int> ordering() const;
 
-  /// Numerical factorisation of the values of the analysed entries; only the root's are read. May be repeated.
+  /// Numerical factorisation of the values of the analysed entries; only the root's are read. Once.
   void factorize(std::vector<double> values);
 
   /// S, whole and symmetric for symmetric matrices, column after column; on the root. It is handed over once.

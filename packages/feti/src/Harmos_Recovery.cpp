@@ -4,7 +4,6 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_Exchange.hpp"
 
-#include <Teuchos_LAPACK.hpp>
 #include <Tpetra_MultiVector.hpp>
 
 #include <algorithm>
@@ -13,46 +12,6 @@
 
 namespace Harmos::feti {
 namespace {
-
-// Minimum-norm solution of the symmetric positive semidefinite system Ax = b by its eigenvectors.
-std::vector<double> minimumNormSolution(std::vector<double> a, const std::vector<double>& b) {
-  const int n = static_cast<int>(b.size());
-  const auto size = static_cast<std::size_t>(n);
-  // The eigenvectors are many times dearer than a Cholesky factor and only needed where the matrix is
-  // singular.
-  {
-    std::vector<double> factor = a, solution = b;
-    int info = 0;
-    Teuchos::LAPACK<int, double>().POTRF('L', n, factor.data(), n, &info);
-    double least = std::numeric_limits<double>::infinity(), most = 0.0;
-    for (std::size_t k = 0; info == 0 && k < size; ++k) {
-      const double pivot = factor[k * size + k] * factor[k * size + k];
-      least = std::min(least, pivot);
-      most = std::max(most, pivot);
-    }
-    if (info == 0 && least > 100.0 * n * std::numeric_limits<double>::epsilon() * most) {
-      Teuchos::LAPACK<int, double>().POTRS('L', n, 1, factor.data(), n, solution.data(), n, &info);
-      if (info == 0)
-        return solution;
-    }
-  }
-  std::vector<double> eigenvalues(size), work(std::max<std::size_t>(1, 34 * size)), x(size, 0.0);
-  int info = 0;
-  Teuchos::LAPACK<int, double>().SYEV('V', 'L', n, a.data(), n, eigenvalues.data(), work.data(),
-                                      static_cast<int>(work.size()), &info);
-  HARMOS_REQUIRE(info == 0, "the eigenvalue decomposition of a coarse matrix failed");
-  const double zero = n * std::numeric_limits<double>::epsilon() * eigenvalues.back();
-  for (std::size_t k = 0; k < size; ++k) {
-    if (!(eigenvalues[k] > zero))
-      continue;
-    double product = 0.0;
-    for (std::size_t i = 0; i < size; ++i)
-      product += a[k * size + i] * b[i];
-    for (std::size_t i = 0; i < size; ++i)
-      x[i] += product / eigenvalues[k] * a[k * size + i];
-  }
-  return x;
-}
 
 void addRigidMotion(const SubdomainSystem& system, const std::vector<double>& alpha, TornVector& u) {
   for (int i = 0; i < system.size(); ++i)
@@ -127,33 +86,26 @@ TornSolution recover(const SubdomainSystem& system, const Constraints& constrain
   std::vector<double> alpha = coarse.solveLt(w);
 
   // δ: least squares for G̃ᵀδ = c − B(u₀ + Rα) on the rows that hold as equations.
-  const auto n = static_cast<std::size_t>(coarse.kernelDimension());
-  std::vector<double> system2(n * n + n, 0.0); // matrix and right-hand side, for one reduction
+  MultiVector holds(constraints.rowMap(), 1);
+  std::vector<double> rhs(static_cast<std::size_t>(coarse.kernelDimension()), 0.0);
   {
     const auto gap = residual.getLocalViewHost(Tpetra::Access::ReadOnly);
     const auto values = total->getLocalViewHost(Tpetra::Access::ReadOnly);
+    const auto mask = holds.getLocalViewHost(Tpetra::Access::OverwriteAll);
     for (std::size_t r = 0; r < gap.extent(0); ++r) {
       const int row = static_cast<int>(r);
-      if (constraints.rowType(row) == RowType::Inequality && !(values(r, 0) > 0.0))
+      mask(r, 0) = constraints.rowType(row) == RowType::Inequality && !(values(r, 0) > 0.0) ? 0.0 : 1.0;
+      if (mask(r, 0) == 0.0)
         continue;
       double remaining = gap(r, 0);
-      for (const auto& [k, value] : coarse.row(row))
-        remaining -= value * alpha[static_cast<std::size_t>(k)];
-      for (const auto& [i, left] : coarse.row(row)) {
-        for (const auto& [j, right] : coarse.row(row))
-          system2[static_cast<std::size_t>(j) * n + static_cast<std::size_t>(i)] += left * right;
-        system2[n * n + static_cast<std::size_t>(i)] += left * remaining;
-      }
+      coarse.forRow(row, [&](int k, double value) { remaining -= value * alpha[static_cast<std::size_t>(k)]; });
+      coarse.forRow(row, [&](int k, double value) { rhs[static_cast<std::size_t>(k)] += value * remaining; });
     }
   }
-  globalSum(comm, system2);
-  const std::vector<double> rhs(system2.begin() + static_cast<std::ptrdiff_t>(n * n), system2.end());
-  system2.resize(n * n);
-  agree(comm, [&] {
-    const std::vector<double> delta = minimumNormSolution(std::move(system2), rhs);
-    for (std::size_t k = 0; k < n; ++k)
-      alpha[k] += delta[k];
-  });
+  globalSum(comm, rhs);
+  const std::vector<double> delta = coarse.minimumNormSolution(holds, rhs);
+  for (std::size_t k = 0; k < delta.size(); ++k)
+    alpha[k] += delta[k];
   addRigidMotion(system, alpha, solution.displacement);
   solution.rigidMotion = alpha;
   return solution;

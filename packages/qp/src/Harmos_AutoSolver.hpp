@@ -7,13 +7,15 @@ namespace Harmos::qp {
 
 /// "Auto": lets the solver that suits the problem's structure do the work; Result::method tells which.
 ///
-///     no bounds                             PCPG
-///     bounds, no equalities, preconditioner PDAS
-///     bounds, no equalities                 MPRGP
-///     bounds and equalities                 SMALBE
+///     no bounds                                          PCPG
+///     bounds, preconditioner, no equalities              PDAS
+///     bounds, preconditioner, equalities with FaceGram   PDAS
+///     bounds, no equalities                              MPRGP
+///     bounds and equalities                              SMALBE
 ///
 /// With a good preconditioner a face is solved in a few steps, and PDAS needs few faces; without one MPRGP
-/// leaves a face before it has been solved too well.
+/// leaves a face before it has been solved too well. With equalities PDAS needs a factor of C_FC_Fᵀ for each
+/// face, which is cheap only where an application knows their structure.
 ///
 /// Guarded by tests/unit/qp/test_life_cycle.cpp.
 template<class Scalar, class MV, class OP>

@@ -24,9 +24,10 @@ template<class Scalar, class MV, class OP>
 std::string AutoSolver<Scalar, MV, OP>::choice(const Problem<Scalar, MV, OP>& problem) {
   if (!problem.hasBounds())
     return "PCPG";
-  if (problem.hasEqualities())
-    return "SMALBE";
-  return problem.hasPreconditioner() ? "PDAS" : "MPRGP";
+  const bool cheapFaces = !problem.hasEqualities() || !problem.faceGram().is_null();
+  if (problem.hasPreconditioner() && cheapFaces)
+    return "PDAS";
+  return problem.hasEqualities() ? "SMALBE" : "MPRGP";
 }
 
 template<class Scalar, class MV, class OP>

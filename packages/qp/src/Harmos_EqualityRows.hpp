@@ -62,7 +62,7 @@ class EqualityRows {
   Teuchos::RCP<MV> makeVector() const;
 
   /// C̄M_FC̄ᵀ factored, M_F the mask of the free entries; needs orthonormal rows. @note Collective.
-  PivotedCholesky faceGram(const LocalActiveSet& active) const;
+  Teuchos::RCP<const FaceGram> faceGram(const LocalActiveSet& active) const;
 
  private:
   void checkOrthonormality();

@@ -89,10 +89,19 @@ std::vector<double> EqualityRows<Scalar, MV, OP>::gramOf(const LocalActiveSet* a
 }
 
 template<class Scalar, class MV, class OP>
-PivotedCholesky EqualityRows<Scalar, MV, OP>::faceGram(const LocalActiveSet& active) const {
-  const auto rows = static_cast<int>(Belos::MultiVecTraits<Scalar, MV>::GetGlobalLength(*values_));
+Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::faceGram(const LocalActiveSet& active) const {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  const bool asTheyStand = factors_.empty();
+  if (asTheyStand && !problem_.faceGram().is_null()) {
+    const Teuchos::RCP<MV> free = MVT::Clone(*image_, 1);
+    MVT::MvInit(*free, 1.0);
+    BoundTraits<Scalar, MV>::maskActive(*free, active);
+    return problem_.faceGram()->build(*free);
+  }
+  const auto rows = static_cast<int>(MVT::GetGlobalLength(*values_));
   // The rows are orthonormal before they are restricted: pivots are relative to 1.
-  return PivotedCholesky(gramOf(&active), rows, 1e2 * std::numeric_limits<double>::epsilon());
+  return Teuchos::rcp(
+      new DenseFaceGram(PivotedCholesky(gramOf(&active), rows, 1e2 * std::numeric_limits<double>::epsilon())));
 }
 
 template<class Scalar, class MV, class OP>

@@ -15,7 +15,7 @@ namespace Harmos::qp {
 template<class Scalar, class MV, class OP>
 ParameterSpec PdasSolver<Scalar, MV, OP>::methodSpec() {
   ParameterSpec spec("PDAS", "Primal-dual active sets.");
-  spec.real("Inner reduction", 0.1, Range::strictlyWithin(0.0, 1.0),
+  spec.real("Inner reduction", 0.5, Range::strictlyWithin(0.0, 1.0),
             "Reduction of the residual on a face after which the active set is looked at again, until it "
             "settles.");
   spec.integer("Maximum active sets", 200, 1, 1000000,
@@ -103,8 +103,18 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
     rows->toUser(*mu, *problem.multiplier());
   };
 
-  // What is reported and believed is the gradient at the projection of x, computed anew.
-  const auto measure = [&](const Cg& cg, int inner) {
+  // What is reported and believed is the gradient at the projection of x, computed anew; or the one that was
+  // carried along, where x is within the bounds to the last bit and the rounding errors that may have gathered
+  // are below a tenth of it.
+  const auto measure = [&](const Cg& cg, int inner, bool feasible) {
+    if (feasible && cg.staleness() > 0) {
+      cg.lagrangianGradient(*y);
+      const double carried = BT::projectedGradientNorm(x, *y, lower, upper);
+      if (10.0 * cg.attainable() <= carried) {
+        storeMultiplier(cg);
+        return evaluate(carried, inner);
+      }
+    }
     BT::project(x, lower, upper);
     ++counters.confirmations;
     ++counters.hessianApplications;
@@ -176,7 +186,7 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
       this->record(state, StepKind::Projected, 0.0, 0.0, active);
     }
     if (reason && *reason != Reason::Converged) {
-      state = measure(cg, state.inner);
+      state = measure(cg, state.inner, false);
       return this->stopFor(*reason, state);
     }
 
@@ -196,7 +206,7 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
     const bool exhausted = cg.residualNorm() <= cg.attainable() || (settled && !stepped);
     if (this->judge(evaluate(expected, state.inner)) == Reason::Converged ||
         (change.changed == 0 && exhausted)) {
-      state = measure(cg, state.inner);
+      state = measure(cg, state.inner, change.violation2 == 0.0);
       if (this->judge(state) == Reason::Converged)
         return this->stopFor(Reason::Converged, state);
       if (change.changed == 0 && exhausted)

@@ -62,7 +62,7 @@ class ProjectedCg {
   InFacePreconditioner<Scalar, MV, OP> preconditioner_;
   LocalActiveSet active_;
   bool hasFace_ = false;
-  PivotedCholesky faceGram_;
+  Teuchos::RCP<const FaceGram> faceGram_;
   Teuchos::RCP<MV> w_, z_, p_, image_, gradient_, rowWork_, removed_, unused_;
   double residual2_ = 0.0;
   double directionDotImage_ = 0.0;

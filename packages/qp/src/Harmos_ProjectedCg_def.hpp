@@ -39,7 +39,7 @@ void ProjectedCg<Scalar, MV, OP>::project(MV& w, MV* removed) {
     return;
   rows_.apply(w, *rowWork_);
   if (hasFace_)
-    BT::scatter(faceGram_.solve(BT::gather(*rowWork_)), *rowWork_);
+    BT::scatter(faceGram_->solve(BT::gather(*rowWork_)), *rowWork_);
   rows_.addTransposed(-1.0, *rowWork_, w);
   if (hasFace_)
     BT::maskActive(w, active_);
@@ -68,7 +68,7 @@ bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active) {
     for (int pass = 0; pass < 2; ++pass) {
       rows_.residual(x, *unused_);
       if (hasFace_)
-        BT::scatter(faceGram_.solve(BT::gather(*unused_)), *unused_);
+        BT::scatter(faceGram_->solve(BT::gather(*unused_)), *unused_);
       MVT::MvInit(*correction, 0.0);
       rows_.addTransposed(-1.0, *unused_, *correction);
       if (hasFace_)

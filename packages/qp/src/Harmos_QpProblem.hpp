@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_BoundTraits.hpp"
+#include "Harmos_FaceGram.hpp"
 #include "Harmos_FacePreconditioner.hpp"
 
 #include <Teuchos_RCP.hpp>
@@ -48,6 +49,8 @@ class Problem {
   /// @param multiplier μ in the range of C: initial value before, answer after solve().
   void setEquality(Teuchos::RCP<const OP> rows, Teuchos::RCP<const MV> values, Teuchos::RCP<MV> multiplier,
                    EqualityStructure structure = EqualityStructure::General);
+  /// A quick way to C_FC_Fᵀ on faces, for orthonormal rows. Null: the general way.
+  void setFaceGram(Teuchos::RCP<const FaceGramMaker<MV>> maker) { faceGram_ = std::move(maker); }
   /// An estimate of ‖A‖ from above that is already known; 0 (the default) lets a solver estimate it.
   void setHessianNorm(double norm);
   /// An approximation of A⁻¹, symmetric positive definite, built once: on a face, its restriction to the free
@@ -78,6 +81,7 @@ class Problem {
   Teuchos::RCP<MV> multiplier() const { return multiplier_; }
   Teuchos::RCP<const OP> preconditioner() const { return preconditioner_; }
   Teuchos::RCP<FacePreconditioner<MV, OP>> facePreconditioner() const { return facePreconditioner_; }
+  Teuchos::RCP<const FaceGramMaker<MV>> faceGram() const { return faceGram_; }
   Teuchos::RCP<const MV> nullSpace() const { return nullSpace_; }
   bool hasPreconditioner() const { return !preconditioner_.is_null() || !facePreconditioner_.is_null(); }
   EqualityStructure equalityStructure() const { return structure_; }
@@ -100,6 +104,7 @@ class Problem {
   Teuchos::RCP<MV> multiplier_;
   Teuchos::RCP<const OP> preconditioner_;
   Teuchos::RCP<FacePreconditioner<MV, OP>> facePreconditioner_;
+  Teuchos::RCP<const FaceGramMaker<MV>> faceGram_;
   Teuchos::RCP<const MV> nullSpace_;
   EqualityStructure structure_ = EqualityStructure::General;
   double hessianNorm_ = 0.0;

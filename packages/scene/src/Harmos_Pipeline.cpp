@@ -5,6 +5,7 @@
 #include "Harmos_AtomicFile.hpp"
 #include "Harmos_ContactFields.hpp"
 #include "Harmos_Decomposition.hpp"
+#include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_NodePairs.hpp"
 #include "Harmos_Qp.hpp"
@@ -98,6 +99,32 @@ InterfaceRows interfaceRows(const Teuchos::Comm<int>& comm, const Scene& scene,
   return result;
 }
 
+// What PDAS needs of G on faces, by the structure of the coarse space.
+class CoarseFaceGram : public qp::FaceGramMaker<MultiVector> {
+ public:
+  explicit CoarseFaceGram(const feti::CoarseSpace& coarse) : coarse_(coarse) {}
+
+  Teuchos::RCP<const qp::FaceGram> build(const MultiVector& free) const override {
+    return Teuchos::rcp(new Face(coarse_, free));
+  }
+
+ private:
+  class Face : public qp::FaceGram {
+   public:
+    Face(const feti::CoarseSpace& coarse, const MultiVector& free)
+        : coarse_(coarse), factor_(coarse.faceFactor(free)) {}
+    std::vector<double> solve(const std::vector<double>& r) const override {
+      return coarse_.solveOnFace(factor_, r);
+    }
+
+   private:
+    const feti::CoarseSpace& coarse_;
+    feti::CoarseFactor factor_;
+  };
+
+  const feti::CoarseSpace& coarse_;
+};
+
 // The convergence test of the stopping rule; the scales go to the report.
 struct Test {
   Teuchos::RCP<StatusTestType> test;
@@ -143,7 +170,8 @@ struct DualSolution {
 };
 
 DualSolution solve(const feti::SubdomainSystem& system, const feti::Constraints& constraints,
-                   const feti::CoarseSpace& coarse, const feti::DualProblem& dual, const RunOptions& options,
+                   const feti::CoarseSpace& coarse, const feti::DualProblem& dual,
+                   const Teuchos::RCP<const Operator>& preconditioner, const RunOptions& options,
                    const Log& log, RunReport& report) {
   DualSolution solution;
   solution.lambda = Teuchos::rcp(new MultiVector(constraints.rowMap(), 1));
@@ -162,7 +190,10 @@ DualSolution solve(const feti::SubdomainSystem& system, const feti::Constraints&
     multiplier = Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1));
     const auto zero = Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1));
     problem->setEquality(dual.equalityRows(), zero, multiplier, qp::EqualityStructure::OrthonormalInvariant);
+    problem->setFaceGram(Teuchos::rcp(new CoarseFaceGram(coarse)));
   }
+  if (!preconditioner.is_null())
+    problem->setPreconditioner(preconditioner);
   if (!problem->setProblem())
     throw NumericalError("the dual problem cannot be solved: " + problem->whyNotSet());
 
@@ -313,11 +344,19 @@ void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& 
     inverseOptions.fixingPlaces = options.fixingDofs;
     inverseOptions.form = options.form;
     inverseOptions.share = options.share;
+    inverseOptions.keepSchur = options.preconditioner == feti::PreconditionerKind::Dirichlet;
     return feti::makeLocalInverses(system, constraints, inverseOptions);
   }();
   report.distinctFactorizations = globalSum(*comm, static_cast<long long>(inverses.distinctFactorizations()));
 
   const feti::DualOperator dualOperator(constraints, inverses);
+  const Teuchos::RCP<const feti::DualPreconditioner> preconditioner = [&] {
+    const auto scope = timers.scope("dual_operator");
+    return options.preconditioner == feti::PreconditionerKind::None
+               ? Teuchos::null
+               : Teuchos::rcp(new feti::DualPreconditioner(system, constraints, inverses,
+                                                           options.preconditioner, options.scaling));
+  }();
   const feti::CoarseSpace coarse = [&] {
     const auto scope = timers.scope("coarse");
     return feti::CoarseSpace(system, constraints);
@@ -333,7 +372,7 @@ void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& 
 
   const DualSolution solution = [&] {
     const auto scope = timers.scope("solve");
-    return solve(system, constraints, coarse, dual, options, log, report);
+    return solve(system, constraints, coarse, dual, preconditioner, options, log, report);
   }();
   dualOperator.rethrowFailure();
   if (!solution.escape.empty())

@@ -18,7 +18,8 @@ void RunOptions::addTo(ParameterSpec& deck) {
   dual.choice("Form", "condensed", {{"implicit", "a solve with each sparse factorisation a product"},{"condensed", "dense"}},
               "How products with F are made.");
   dual.boolean("Share identical subdomains", true, "share");
-  dual.choice("Preconditioner", "none", {{"none", "no preconditioner"}}, "Dual preconditioner.");
+  dual.choice("Preconditioner", "none", {{"none", "no preconditioner"},{"lumped","l"},{"Dirichlet","d"}}, "Dual preconditioner.");
+  dual.choice("Scaling","multiplicity",{{"multiplicity","m"},{"stiffness","s"}},"Scaling");
   dual.integer(
       "Fixing dofs", 4, 1, 1000,
       "Dofs at which a floating subdomain is held in its generalised inverse, for each rigid motion.");
@@ -68,6 +69,9 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
                           : feti::DirichletForm::Primal;
   options.form = deck.sublist("Dual operator").get<std::string>("Form")=="implicit" ? feti::DualForm::Implicit : feti::DualForm::Condensed;
   options.share = deck.sublist("Dual operator").get<bool>("Share identical subdomains");
+  const std::string kind = deck.sublist("Dual operator").get<std::string>("Preconditioner");
+  options.preconditioner = kind == "lumped" ? feti::PreconditionerKind::Lumped : kind == "Dirichlet" ? feti::PreconditionerKind::Dirichlet : feti::PreconditionerKind::None;
+  options.scaling = deck.sublist("Dual operator").get<std::string>("Scaling")=="stiffness" ? feti::PreconditionerScaling::Stiffness : feti::PreconditionerScaling::Multiplicity;
   options.fixingDofs = deck.sublist("Dual operator").get<int>("Fixing dofs");
   const Teuchos::ParameterList& solver = deck.sublist("Solver");
   options.method = solver.get<std::string>("Method");

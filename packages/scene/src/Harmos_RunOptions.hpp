@@ -3,6 +3,7 @@
 
 #include "Harmos_ParameterSpec.hpp"
 #include "Harmos_Scene.hpp"
+#include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_LocalInverses.hpp"
 
 #include <Teuchos_ParameterList.hpp>
@@ -29,6 +30,8 @@ struct RunOptions {
   feti::DirichletForm dirichlet = feti::DirichletForm::Primal;
   feti::DualForm form = feti::DualForm::Condensed;
   bool share = true;
+  feti::PreconditionerKind preconditioner = feti::PreconditionerKind::None;
+  feti::PreconditionerScaling scaling = feti::PreconditionerScaling::Multiplicity;
   int fixingDofs = 4;
   double tolerance = 1e-4;
   StoppingRule stoppingRule = StoppingRule::Scaled;

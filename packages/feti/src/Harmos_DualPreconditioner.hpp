@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_LocalInverses.hpp"
+#include "Harmos_SubdomainSum.hpp"
+
+#include <memory>
+
+namespace Harmos::feti {
+
+/// Approximations of the inverse of F.
+enum class PreconditionerKind {
+  None,
+  Lumped,   ///< K_bb in the place of S: cheap, weaker
+  Dirichlet ///< S = K_bb − K_bi K_ii⁻¹ K_ib: what makes the condition number grow like (1 + log(H/h))² only
+};
+
+/// How the copies of a dof share a jump.
+enum class PreconditionerScaling {
+  Multiplicity, ///< equally: D is the same at all copies of a dof, and drops out
+  Stiffness     ///< the softer copy takes more of it: D = diag(K); for materials that jump across an interface
+};
+
+/// The dual preconditioner M⁻¹ = B_D S B_Dᵀ, B_D = (BD⁻¹Bᵀ)⁻¹BD⁻¹ (Klawonn, Widlund: FETI and Neumann–Neumann
+/// iterative substructuring methods, Comm. Pure Appl. Math. 54, 2001, in the form for rows that are not
+/// redundant).
+///
+/// BD⁻¹Bᵀ couples rows that share a copy of a dof: small groups (the rows at a cross point), each inverted
+/// densely. Groups of more than `mostRows` rows (mortar conditions along a surface) are inverted by their
+/// diagonal. With orthonormal rows and Scaling::Multiplicity, B_D = B. Cost of a product: as of F in the
+/// condensed form.
+///
+/// To be used between projections: PM⁻¹P.
+/// Guarded by tests/unit/feti/test_dual_preconditioner.cpp.
+class DualPreconditioner : public SubdomainSum {
+ public:
+  static constexpr int mostRows = 64;
+
+  /// @param kind not None. All to outlive this.
+  /// @throws NumericalError on all ranks. @note Collective.
+  DualPreconditioner(const SubdomainSystem& system, const Constraints& constraints,
+                     const LocalInverses& inverses, PreconditionerKind kind, PreconditionerScaling scaling);
+};
+
+/// The entries of B_D by subdomains, over an overlapping map of their own.
+struct ScaledConstraints {
+  Teuchos::RCP<const SubdomainSum::Import> importer;
+  std::vector<std::vector<Constraints::Entry>> entries; ///< of each subdomain of this rank
+};
+
+/// @note Collective.
+ScaledConstraints scaledConstraints(const SubdomainSystem& system, const Constraints& constraints,
+                                    PreconditionerScaling scaling);
+
+} // namespace Harmos::feti

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+namespace Harmos::feti {
+
+/// A = LLᵀ of a sparse symmetric positive semidefinite matrix, in METIS' nested dissection order, with rows
+/// left out whose pivot is a rounding error: it reveals the rank like PivotedCholesky, which it replaces where
+/// the matrix is too large to be dense. Unlike the solvers behind Amesos2 it gives L⁻¹ and L⁻ᵀ apart.
+///
+/// Up-looking, by the elimination tree (Davis: Direct methods for sparse linear systems, SIAM 2006, chapter 4).
+/// Guarded by tests/unit/feti/test_sparse_cholesky.cpp.
+class SparseCholesky {
+ public:
+  SparseCholesky() = default;
+
+  /// @param rows, columns, values the lower triangle, entry by entry, each place once.
+  /// @param relativeThreshold pivots up to this part of the largest diagonal entry count as zero; nε at least.
+  SparseCholesky(int n, const std::vector<int>& rows, const std::vector<int>& columns,
+                 const std::vector<double>& values, double relativeThreshold = 0.0);
+
+  int size() const { return n_; }
+  int rank() const { return static_cast<int>(kept_.size()); }
+  /// Rows left out, in no special order.
+  const std::vector<int>& dependent() const { return dependent_; }
+  /// Smallest over largest pivot among those kept; 1 for rank 0.
+  double smallestPivotRatio() const { return smallestRatio_; }
+  /// Entries of L.
+  double entries() const;
+
+  /// L⁻¹ of the kept rows' entries of a vector of size(); the result has rank() entries.
+  std::vector<double> solveL(const std::vector<double>& e) const;
+  /// L⁻ᵀ of a vector of rank() entries, scattered to size() entries; zero at rows left out.
+  std::vector<double> solveLt(const std::vector<double>& w) const;
+  /// Lw, scattered to size() entries; zero at rows left out.
+  std::vector<double> multiplyL(const std::vector<double>& w) const;
+  /// Lᵀ of the kept rows' entries of a vector of size(); rank() entries.
+  std::vector<double> multiplyLt(const std::vector<double>& v) const;
+
+ private:
+  struct Entry {
+    int row; ///< in the order of elimination
+    double value;
+  };
+  int n_ = 0;
+  std::vector<int> order_;                  // row of A at each place of the order of elimination
+  std::vector<std::vector<Entry>> columns_; // of L below the diagonal
+  std::vector<double> diagonal_;
+  std::vector<int> kept_; // places that were kept
+  std::vector<int> dependent_;
+  double smallestRatio_ = 1.0;
+};
+
+} // namespace Harmos::feti

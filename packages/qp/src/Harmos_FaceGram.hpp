@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_PivotedCholesky.hpp"
+
+#include <Teuchos_RCP.hpp>
+
+#include <utility>
+#include <vector>
+
+namespace Harmos::qp {
+
+/// C_FC_Fᵀ of the equality rows on one face, factored; C_F has the columns of active entries set to zero.
+class FaceGram {
+ public:
+  virtual ~FaceGram() = default;
+
+  /// A solution of C_FC_Fᵀy = r, where there is one; the same on all ranks. Local.
+  virtual std::vector<double> solve(const std::vector<double>& r) const = 0;
+};
+
+/// Makes them for orthonormal rows whose structure is known to the application: where nothing is known, a
+/// solver multiplies by C and Cᵀ once for each row and each face.
+///
+/// Guarded by tests/unit/feti/test_coarse_space.cpp.
+template<class MV>
+class FaceGramMaker {
+ public:
+  virtual ~FaceGramMaker() = default;
+
+  /// @param free 1 at free entries, 0 elsewhere. @note Collective.
+  virtual Teuchos::RCP<const FaceGram> build(const MV& free) const = 0;
+};
+
+/// The general one: a dense matrix.
+class DenseFaceGram : public FaceGram {
+ public:
+  explicit DenseFaceGram(PivotedCholesky factor) : factor_(std::move(factor)) {}
+  std::vector<double> solve(const std::vector<double>& r) const override { return factor_.solve(r); }
+
+ private:
+  PivotedCholesky factor_;
+};
+
+} // namespace Harmos::qp
