@@ -7,7 +7,10 @@
 #include <smumps_c.h>
 
 #include <algorithm>
+#include <cmath>
+#include <sys/mman.h>
 #include <type_traits>
+#include <unistd.h>
 
 namespace Harmos::feti {
 namespace {
@@ -82,6 +85,44 @@ struct SingleKind {
   static void call(Structure& s) { smumps_c(&s); }
 };
 
+// Memory whose tail can be given back to the system while the rest stays where it is.
+class Workspace {
+ public:
+  Workspace() = default;
+  Workspace(const Workspace&) = delete;
+  Workspace& operator=(const Workspace&) = delete;
+  ~Workspace() { release(); }
+
+  void* allocate(std::size_t bytes) {
+    release();
+    data_ = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (data_ == MAP_FAILED) {
+      data_ = nullptr;
+      throw InternalError("a factorisation could not allocate " + std::to_string(bytes >> 20) +
+                          " MiB; use more ranks, smaller subdomains or a coarser mesh");
+    }
+    bytes_ = bytes;
+    return data_;
+  }
+
+  /// Gives the pages beyond the first bytes back. They may be used again, as scratch.
+  void keepOnly(std::size_t bytes) {
+    const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    const std::size_t kept = (bytes + page - 1) / page * page;
+    if (kept < bytes_)
+      madvise(static_cast<char*>(data_) + kept, bytes_ - kept, MADV_DONTNEED);
+  }
+
+ private:
+  void release() {
+    if (data_ != nullptr)
+      munmap(data_, bytes_);
+    data_ = nullptr;
+  }
+  void* data_ = nullptr;
+  std::size_t bytes_ = 0;
+};
+
 // Sizes above 2^31 are given in millions with a negative sign.
 double sizeFrom(int info) {
   return info < 0 ? -1e6 * info : info;
@@ -148,6 +189,11 @@ class EngineOf : public Mumps::Engine {
       icntl(stream) = -1;
     icntl(4) = 0;
     icntl(23) = options.memoryMiB;
+    // Without pivoting and compression its size is known beforehand.
+    int ranks = 1;
+    MPI_Comm_size(comm, &ranks);
+    ownsWorkspace_ = ranks == 1 && options.symmetry == MumpsOptions::Symmetry::PositiveDefinite &&
+                     options.blockLowRank == 0.0 && options.memoryMiB == 0;
     if (options.nullPivotThreshold > 0.0) {
       icntl(24) = 1;
       // A positive CNTL(3) is relative to the norm of the scaled matrix. The default, 0, misses kernels.
@@ -212,7 +258,12 @@ class EngineOf : public Mumps::Engine {
       schur_.assign(static_cast<std::size_t>(schurSize_) * static_cast<std::size_t>(schurSize_), Value(0));
       mumps_.schur = schur_.data();
     }
+    if (ownsWorkspace_)
+      provideWorkspace(sizeFrom(mumps_.info[7]));
     call(jobFactorize);
+    // The factors stand at the beginning, the rest was needed while they were made: often as much again.
+    if (ownsWorkspace_)
+      workspace_.keepOnly(static_cast<std::size_t>(sizeFrom(mumps_.info[8])) * sizeof(Value));
     // MUMPS factorises an indefinite matrix with SYM = 1 without a word; the count of negative pivots tells.
     const int negative = mumps_.infog[11];
     if (options_.symmetry == MumpsOptions::Symmetry::PositiveDefinite && negative > 0)
@@ -284,6 +335,16 @@ class EngineOf : public Mumps::Engine {
  private:
   MUMPS_INT& icntl(int number) { return mumps_.icntl[number - 1]; }
 
+  // MUMPS' main array, of the given number of entries.
+  void provideWorkspace(double entries) {
+    // Larger ones are told in millions with a negative sign.
+    constexpr double mostEntries = 2e9;
+    const bool large = entries > mostEntries;
+    const double length = large ? 1e6 * std::ceil(1e-6 * entries) : std::ceil(entries);
+    mumps_.wk_user = static_cast<Value*>(workspace_.allocate(static_cast<std::size_t>(length) * sizeof(Value)));
+    mumps_.lwk_user = static_cast<MUMPS_INT>(large ? -1e-6 * length : length);
+  }
+
   void call(int job) {
     constexpr int mostEnlargements = 4;
     for (int attempt = 0;; ++attempt) {
@@ -296,6 +357,8 @@ class EngineOf : public Mumps::Engine {
         return;
       if ((code == -8 || code == -9) && job == jobFactorize && attempt < mostEnlargements) {
         icntl(14) = 2 * icntl(14) + 20; // workspace relaxation in per cent
+        if (ownsWorkspace_)
+          provideWorkspace(sizeFrom(mumps_.info[7]) * (1.0 + 0.01 * icntl(14)));
         continue;
       }
       const ErrorData data = {{"infog1", std::to_string(code)}, {"infog2", std::to_string(detail)}};
@@ -312,6 +375,8 @@ class EngineOf : public Mumps::Engine {
   int order_ = 0;
   int schurSize_ = 0;
   bool isRoot_ = false;
+  Workspace workspace_;
+  bool ownsWorkspace_ = false;
 };
 
 } // namespace
