@@ -11,11 +11,11 @@ namespace Harmos {
 /// All stages from torn bodies to the dual problem of the two-membrane model.
 struct TestFeti {
   explicit TestFeti(const TestModel& model, feti::DirichletForm form = feti::DirichletForm::Primal,
-                    int fixingDofs = 4)
+                    const feti::LocalInverseOptions& options = {})
       : system(testComm(), model.subdomains, form),
         constraints(system, model.rows),
-        inverses(feti::makeImplicitInverses(system, {fixingDofs})),
-        dualOperator(system, constraints, inverses),
+        inverses(feti::makeLocalInverses(system, constraints, options)),
+        dualOperator(constraints, inverses),
         coarse(system, constraints),
         dual(system, constraints, inverses, dualOperator, coarse) {}
 
@@ -26,6 +26,14 @@ struct TestFeti {
   feti::CoarseSpace coarse;
   feti::DualProblem dual;
 };
+
+/// Options of the implicit form, which holds a kernel at so many places.
+inline feti::LocalInverseOptions implicitOptions(int fixingPlaces = 4) {
+  feti::LocalInverseOptions options;
+  options.form = feti::DualForm::Implicit;
+  options.fixingPlaces = fixingPlaces;
+  return options;
+}
 
 /// λ (shifted) and μ of a dual problem by SMALBE, or PCPG without inequalities.
 struct TestDualSolution {

@@ -18,6 +18,14 @@ struct TestModel {
 /// @param s 1/H; @param n H/h; @param tied equalities in the place of the inequalities.
 TestModel testModel(int s, int n, bool tied = false);
 
+/// Changes a copy of a load, which subdomains may share.
+template<class Change>
+void changeLoad(feti::Subdomain& subdomain, Change&& change) {
+  auto load = std::make_shared<std::vector<double>>(*subdomain.load);
+  change(*load);
+  subdomain.load = load;
+}
+
 /// A dense matrix, column after column, for comparisons on small problems.
 struct Dense {
   int rows = 0;

@@ -309,8 +309,8 @@ std::vector<int> boundaryWithSupport(const LocalMatrix& matrix, const Kernel& ke
                                      const std::vector<int>& boundary, int fixingPlaces) {
   // Columns of R have length one: rows of b that hold R well have singular values of √(n_b/n). A tenth of it
   // squares to the loss of two digits in S⁺.
-  if (!boundary.empty() && kernel.columns == 0)
-    return boundary;
+  if (kernel.columns == 0)
+    return boundary.empty() ? std::vector<int>{0} : boundary;
   if (!boundary.empty() && smallestSingularValue(rowsOf(kernel, boundary)) >
                                0.1 * std::sqrt(static_cast<double>(boundary.size()) / matrix.rows()))
     return boundary;

@@ -28,6 +28,10 @@ fem::PlacedMesh single(double width, double height, int n) {
   return StructuredRectangle({0, 0, 0}, {width, height}, {1, 1}, {n, n}, 0).subdomain(0);
 }
 
+std::vector<double> load(const fem::PlacedMesh& mesh, const fem::BoxLoad& box) {
+  return fem::assembleLoad(*mesh.mesh, fem::localLoads(mesh, {box}));
+}
+
 } // namespace
 
 // Closed form for the square: 2/3 on the diagonal, −1/6 along edges, −1/3 across.
@@ -92,7 +96,7 @@ TEST(Assembly, inverted_cell_is_named) {
 TEST(Assembly, load_is_exact_whether_or_not_the_mesh_resolves_the_jump) {
   for (int n : {1, 2, 3, 4, 5, 7}) {
     const fem::PlacedMesh mesh = StructuredRectangle({1, 0, 0}, {1, 1}, {1, 1}, {n, n}, 0).subdomain(0);
-    const std::vector<double> f = fem::assembleLoad(mesh, {{-3.0, {1.0, 0.75}, {2.0, 1.0}}});
+    const std::vector<double> f = load(mesh, {-3.0, {1.0, 0.75}, {2.0, 1.0}});
     double force = 0.0, mx = 0.0, my = 0.0, mxy = 0.0;
     for (int node = 0; node < mesh.mesh->numberOfNodes(); ++node) {
       const fem::Point x = mesh.position(node);
@@ -111,7 +115,7 @@ TEST(Assembly, load_is_exact_whether_or_not_the_mesh_resolves_the_jump) {
 
 // Nodal values of a cut element: ∫₀¹∫_{3/4}¹ of the bilinear functions of the unit square.
 TEST(Assembly, load_of_one_cut_cell) {
-  const std::vector<double> f = fem::assembleLoad(single(1.0, 1.0, 1), {{1.0, {0.0, 0.75}, {1.0, 1.0}}});
+  const std::vector<double> f = load(single(1.0, 1.0, 1), {1.0, {0.0, 0.75}, {1.0, 1.0}});
   const double low = 0.5 * (0.25 - 0.5 * (1.0 - 0.5625)), high = 0.5 * 0.5 * (1.0 - 0.5625);
   EXPECT_NEAR(f[0], low, roundoff);
   EXPECT_NEAR(f[1], low, roundoff);
@@ -120,6 +124,19 @@ TEST(Assembly, load_of_one_cut_cell) {
 }
 
 TEST(Assembly, box_outside_gives_nothing) {
-  for (double value : fem::assembleLoad(single(1.0, 1.0, 3), {{1.0, {2.0, 0.0}, {3.0, 1.0}}}))
+  EXPECT_TRUE(fem::localLoads(single(1.0, 1.0, 3), {{1.0, {2.0, 0.0}, {3.0, 1.0}}}).empty());
+  for (double value : load(single(1.0, 1.0, 3), {1.0, {2.0, 0.0}, {3.0, 1.0}}))
     EXPECT_EQ(value, 0.0);
+}
+
+// What a load looks like from within does not depend on where the subdomain lies, if the box covers it.
+TEST(Assembly, covered_subdomains_see_the_same_load) {
+  const StructuredRectangle rectangle({0, 0, 0}, {1, 1}, {3, 3}, {2, 2}, 0);
+  const std::vector<fem::BoxLoad> loads = {{2.0, {-1.0, -1.0}, {5.0, 5.0}}};
+  const fem::BoxLoad first = fem::localLoads(rectangle.subdomain(0), loads).front();
+  for (int s = 1; s < 9; ++s) {
+    const fem::BoxLoad other = fem::localLoads(rectangle.subdomain(s), loads).front();
+    EXPECT_EQ(first.least, other.least);
+    EXPECT_EQ(first.most, other.most);
+  }
 }

@@ -78,17 +78,16 @@ TEST(CoarseSpace, rank_deficiency_is_found_and_judged_by_the_load) {
     EXPECT_EQ(coarse.kernelDimension(), 8);
     EXPECT_EQ(coarse.dimension(), 7);
     EXPECT_EQ(coarse.dependentColumns().size(), 1u);
-    const LocalInverses inverses = makeImplicitInverses(system);
-    const DualOperator dualOperator(system, constraints, inverses);
+    const LocalInverses inverses = makeLocalInverses(system, constraints);
+    const DualOperator dualOperator(constraints, inverses);
     EXPECT_THROW(DualProblem(system, constraints, inverses, dualOperator, coarse), NumericalError);
   }
   // Loads −1 and +1 on the first dof of the first and the last subdomain.
   for (Subdomain& subdomain : model.subdomains) {
-    std::fill(subdomain.load.begin(), subdomain.load.end(), 0.0);
-    if (subdomain.number == 0)
-      subdomain.load[0] = -1.0;
-    if (subdomain.number == 7)
-      subdomain.load[0] = 1.0;
+    changeLoad(subdomain, [&](std::vector<double>& load) {
+      std::fill(load.begin(), load.end(), 0.0);
+      load[0] = subdomain.number == 0 ? -1.0 : (subdomain.number == 7 ? 1.0 : 0.0);
+    });
   }
   const TestFeti feti(model);
   const TestDualSolution solution = solveDual(feti.dual, feti.coarse, 1e-11);
@@ -98,4 +97,74 @@ TEST(CoarseSpace, rank_deficiency_is_found_and_judged_by_the_load) {
   const KktAudit result = audit(feti.system, feti.constraints, torn);
   EXPECT_LT(result.equilibrium, 1e-9);
   EXPECT_LT(result.gluingJump, 1e-9);
+}
+
+// Dense and sparse factors give the same projector, and on faces the same solutions; GGᵀ = I in either form.
+TEST(CoarseSpace, dense_and_sparse_factors_agree) {
+  const TestFeti feti(testModel(4, 2));
+  const CoarseSpace dense(feti.system, feti.constraints, 1000), sparse(feti.system, feti.constraints, 0);
+  ASSERT_TRUE(dense.factor().isDense());
+  ASSERT_FALSE(sparse.factor().isDense());
+  ASSERT_EQ(dense.dimension(), sparse.dimension());
+  MultiVector a(feti.constraints.rowMap(), 1), b(feti.constraints.rowMap(), 1);
+  qp::BoundTraits<Scalar, MultiVector>::setRandom(a);
+  b.assign(a);
+  dense.project(a);
+  sparse.project(b);
+  const std::vector<double> first = fromVector(a), second = fromVector(b);
+  for (std::size_t k = 0; k < first.size(); ++k)
+    EXPECT_NEAR(first[k], second[k], 1e-13);
+
+  // A face without the inequality rows of even number.
+  MultiVector mask(feti.constraints.rowMap(), 1);
+  {
+    const auto view = mask.getLocalViewHost(Tpetra::Access::OverwriteAll);
+    for (std::size_t r = 0; r < view.extent(0); ++r) {
+      const auto row = static_cast<int>(r);
+      const bool active = feti.constraints.rowType(row) == RowType::Inequality &&
+                          feti.constraints.rowMap()->getGlobalElement(row) % 2 == 0;
+      view(r, 0) = active ? 0.0 : 1.0;
+    }
+  }
+  for (const CoarseSpace* coarse : {&dense, &sparse}) {
+    // G M Gᵀ x for x = solveOnFace(r) is r.
+    std::vector<double> r(static_cast<std::size_t>(coarse->dimension()));
+    for (std::size_t k = 0; k < r.size(); ++k)
+      r[k] = std::sin(1.0 + static_cast<double>(k));
+    const std::vector<double> x = coarse->solveOnFace(coarse->faceFactor(mask), r);
+    MultiVector v(feti.constraints.rowMap(), 1);
+    coarse->addGt(1.0, x, v);
+    v.elementWiseMultiply(1.0, *mask.getVector(0), v, 0.0);
+    const std::vector<double> image = coarse->applyG(v);
+    for (std::size_t k = 0; k < r.size(); ++k)
+      EXPECT_NEAR(image[k], r[k], 1e-11);
+  }
+}
+
+// The least-norm solution of a singular coarse system: among all solutions the one orthogonal to the null
+// vector, which moves both bodies together.
+TEST(CoarseSpace, minimum_norm_solution_of_a_singular_system) {
+  TestModel model = testModel(2, 2, true);
+  for (Subdomain& subdomain : model.subdomains)
+    subdomain.fixed.clear();
+  const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Primal);
+  const Constraints constraints(system, model.rows);
+  for (int mostDense : {0, 1000}) {
+    const CoarseSpace coarse(system, constraints, mostDense);
+    MultiVector ones(constraints.rowMap(), 1);
+    ones.putScalar(1.0);
+    // r = G̃G̃ᵀ e for e without a share in the null vector, whose entries are all equal for equal subdomains.
+    const std::vector<double> e = {1, -2, 3, -4, 5, -6, 7, -4};
+    MultiVector v(constraints.rowMap(), 1);
+    {
+      const auto view = v.getLocalViewHost(Tpetra::Access::ReadWrite);
+      for (std::size_t row = 0; row < view.extent(0); ++row)
+        coarse.forRow(static_cast<int>(row), [&](int k, double value) {
+          view(row, 0) += value * e[static_cast<std::size_t>(k)];
+        });
+    }
+    const std::vector<double> x = coarse.minimumNormSolution(ones, coarse.applyUnscaled(v));
+    for (std::size_t k = 0; k < e.size(); ++k)
+      EXPECT_NEAR(x[k], e[k], 1e-12) << mostDense;
+  }
 }

@@ -31,9 +31,20 @@ Dense toDense(const Operator& op) {
 }
 
 // A subdomain inverse that fails.
-class Broken : public LocalInverse {
+class Broken : public LocalInverse, public BoundaryOperator {
  public:
-  void apply(const double*, double*) const override { throw NumericalError("pivot lost"); }
+  explicit Broken(int size) : size_(size) {}
+  void apply(double*, int) const override { throw NumericalError("pivot lost"); }
+  const BoundaryOperator& boundaryOperator() const override { return *this; }
+  std::shared_ptr<const BoundaryOperator> schurComplement() const override { return nullptr; }
+  int size() const override { return size_; }
+  void apply(const double*, double*, int) const override { throw NumericalError("pivot lost"); }
+  double bytes() const override { return 0.0; }
+  double bytesRead(int) const override { return 0.0; }
+  double flops() const override { return 0.0; }
+
+ private:
+  int size_;
 };
 
 } // namespace
@@ -56,7 +67,7 @@ TEST(DualOperator, is_symmetric_and_projected_positive_semidefinite) {
 // PFP and Pd do not depend on the generalised inverse, F and d do.
 TEST(DualOperator, projected_forms_do_not_depend_on_the_generalised_inverse) {
   const TestModel model = testModel(2, 2);
-  const TestFeti one(model, DirichletForm::Primal, 1), many(model, DirichletForm::Primal, 7);
+  const TestFeti one(model, DirichletForm::Primal, implicitOptions(1)), many(model);
   const Dense a = toDense(*one.dual.hessian()), b = toDense(*many.dual.hessian());
   double difference = 0.0, rawDifference = 0.0;
   for (std::size_t k = 0; k < a.values.size(); ++k)
@@ -69,6 +80,29 @@ TEST(DualOperator, projected_forms_do_not_depend_on_the_generalised_inverse) {
   const std::vector<double> pd = fromVector(*one.dual.rhs()), other = fromVector(*many.dual.rhs());
   for (std::size_t k = 0; k < pd.size(); ++k)
     EXPECT_NEAR(pd[k], other[k], 1e-12);
+}
+
+// The two forms, with and without sharing, in single precision: PFP is the same, to rounding or to what single
+// precision loses.
+TEST(DualOperator, forms_and_sharing_agree) {
+  const TestModel model = testModel(3, 3);
+  LocalInverseOptions options;
+  const TestFeti reference(model, DirichletForm::Primal, options);
+  const Dense expected = toDense(*reference.dual.hessian());
+  for (DualForm form : {DualForm::Condensed, DualForm::Implicit})
+    for (bool share : {true, false})
+      for (Precision precision : {Precision::Double, Precision::Single}) {
+        options.form = form;
+        options.share = share;
+        options.precision = precision;
+        const TestFeti feti(model, DirichletForm::Primal, options);
+        const Dense pfp = toDense(*feti.dual.hessian());
+        double difference = 0.0;
+        for (std::size_t k = 0; k < pfp.values.size(); ++k)
+          difference = std::max(difference, std::abs(pfp.values[k] - expected.values[k]));
+        EXPECT_LT(difference, precision == Precision::Double ? 1e-12 : 1e-5)
+            << (form == DualForm::Condensed) << share;
+      }
 }
 
 TEST(DualOperator, several_columns_scaling_and_accumulation) {
@@ -97,10 +131,11 @@ TEST(DualOperator, local_failure_reaches_all_ranks) {
   const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Primal);
   const Constraints constraints(system, model.rows);
   std::vector<std::unique_ptr<LocalInverse>> broken;
-  for (int i = 0; i < system.size(); ++i)
-    broken.push_back(std::make_unique<Broken>());
-  const LocalInverses inverses(std::move(broken));
-  const DualOperator dualOperator(system, constraints, inverses);
+  const std::vector<CongruenceClass> classes = congruenceClasses(system, constraints, true, 4);
+  for (const CongruenceClass& item : classes)
+    broken.push_back(std::make_unique<Broken>(static_cast<int>(item.boundary.size())));
+  const LocalInverses inverses(classes, std::move(broken));
+  const DualOperator dualOperator(constraints, inverses);
   MultiVector x(constraints.rowMap(), 1), y(constraints.rowMap(), 1);
   x.putScalar(1.0);
   dualOperator.apply(x, y);

@@ -15,8 +15,9 @@ TEST(MixedInverses, the_solver_believes_and_the_audit_objects) {
   const TestModel model = testModel(2, 4);
   const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Primal);
   const Constraints constraints(system, model.rows);
-  const LocalInverses forF = makeImplicitInverses(system, {1}), forD = makeImplicitInverses(system, {7});
-  const DualOperator dualOperator(system, constraints, forF);
+  const LocalInverses forF = makeLocalInverses(system, constraints, implicitOptions(1)),
+                      forD = makeLocalInverses(system, constraints);
+  const DualOperator dualOperator(constraints, forF);
   const CoarseSpace coarse(system, constraints);
   const double tolerance = 1e-9;
 

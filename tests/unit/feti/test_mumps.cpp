@@ -15,6 +15,8 @@
 
 using namespace Harmos;
 using feti::Mumps;
+using feti::MumpsOptions;
+using Symmetry = feti::MumpsOptions::Symmetry;
 
 namespace {
 
@@ -40,12 +42,13 @@ MPI_Comm worldComm() {
 TEST(Mumps, each_kind_of_symmetry_on_one_rank_and_on_all) {
   const int n = 50;
   for (MPI_Comm comm : {MPI_COMM_SELF, worldComm()})
-    for (Mumps::Symmetry symmetry :
-         {Mumps::Symmetry::General, Mumps::Symmetry::PositiveDefinite, Mumps::Symmetry::Symmetric}) {
+    for (Symmetry symmetry : {Symmetry::General, Symmetry::PositiveDefinite, Symmetry::Symmetric}) {
       std::vector<int> rows, columns;
       std::vector<double> values;
-      laplacian(n, symmetry == Mumps::Symmetry::General, rows, columns, values);
-      Mumps mumps(comm, symmetry);
+      laplacian(n, symmetry == Symmetry::General, rows, columns, values);
+      MumpsOptions options;
+      options.symmetry = symmetry;
+      Mumps mumps(comm, options);
       mumps.analyse(n, rows, columns);
       mumps.factorize(values);
       EXPECT_GT(mumps.statistics().factorEntries, 0.0);
@@ -65,7 +68,7 @@ TEST(Mumps, each_kind_of_symmetry_on_one_rank_and_on_all) {
 }
 
 TEST(Mumps, indefinite_matrix_is_refused_by_cholesky_with_a_remedy) {
-  Mumps mumps(MPI_COMM_SELF, Mumps::Symmetry::PositiveDefinite);
+  Mumps mumps(MPI_COMM_SELF);
   mumps.analyse(2, {1, 2, 2}, {1, 1, 2});
   try {
     mumps.factorize({1.0, 2.0, 1.0});
@@ -77,7 +80,9 @@ TEST(Mumps, indefinite_matrix_is_refused_by_cholesky_with_a_remedy) {
 }
 
 TEST(Mumps, structurally_singular_matrix_is_named) {
-  Mumps mumps(MPI_COMM_SELF, Mumps::Symmetry::General);
+  MumpsOptions options;
+  options.symmetry = Symmetry::General;
+  Mumps mumps(MPI_COMM_SELF, options);
   try {
     mumps.analyse(3, {1, 2}, {1, 1});
     mumps.factorize({1.0, 1.0});
@@ -88,9 +93,131 @@ TEST(Mumps, structurally_singular_matrix_is_named) {
 }
 
 TEST(Mumps, every_error_has_a_sentence) {
-  for (int code : {-1, -5, -6, -7, -8, -9, -10, -13, -16, -22, -40, -90, -999})
+  for (int code : {-1, -2, -3, -4, -5, -6, -7, -8, -9, -10, -13, -16, -19, -22, -40, -51, -52, -90, -999})
     EXPECT_GT(Mumps::explain(code, 1).size(), 30u);
   EXPECT_NE(Mumps::explain(-999, 1).find("users' guide"), std::string::npos);
+}
+
+// Orders of elimination, and one that is handed over; single precision; compressed factors: each as accurate as it
+// should be. κ = 4(n + 1)²/π² ≈ 1e3.
+TEST(Mumps, orderings_precisions_and_compression) {
+  const int n = 50;
+  std::vector<int> rows, columns, position;
+  std::vector<double> values;
+  laplacian(n, false, rows, columns, values);
+  const auto error = [&](const MumpsOptions& options) {
+    Mumps mumps(MPI_COMM_SELF, options);
+    mumps.analyse(n, rows, columns, {}, options.ordering == MumpsOptions::Ordering::Given ? position : std::vector<int>());
+    if (position.empty())
+      position = mumps.ordering();
+    mumps.factorize(values);
+    std::vector<double> x(static_cast<std::size_t>(n), 1.0);
+    mumps.solve(x.data(), 1);
+    double largest = 0.0;
+    for (int i = 1; i <= n; ++i)
+      largest = std::max(largest, std::abs(x[static_cast<std::size_t>(i - 1)] / (0.5 * i * (n + 1 - i)) - 1.0));
+    return largest;
+  };
+  using Ordering = MumpsOptions::Ordering;
+  MumpsOptions options;
+  for (Ordering ordering : {Ordering::Metis, Ordering::Amd, Ordering::Amf, Ordering::Scotch, Ordering::Pord,
+                            Ordering::Qamd, Ordering::Automatic, Ordering::Given}) {
+    options.ordering = ordering;
+    EXPECT_LT(error(options), 1e-12) << static_cast<int>(ordering);
+  }
+  options.precision = MumpsOptions::Precision::Single;
+  EXPECT_LT(error(options), 1e-3);
+  EXPECT_GT(error(options), 1e-9);
+  options.precision = MumpsOptions::Precision::Double;
+  options.blockLowRank = 1e-8;
+  EXPECT_LT(error(options), 1e-4);
+}
+
+TEST(Mumps, a_given_order_that_is_none_is_named) {
+  MumpsOptions options;
+  options.ordering = MumpsOptions::Ordering::Given;
+  Mumps mumps(MPI_COMM_SELF, options);
+  try {
+    mumps.analyse(3, {1, 2, 3}, {1, 2, 3}, {}, {1, 1, 2});
+    FAIL() << "nothing was thrown";
+  } catch (const InternalError& error) {
+    EXPECT_NE(std::string(error.what()).find("no permutation"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Mumps, warnings_are_sentences) {
+  EXPECT_NE(Mumps::explainWarning(1).find("out of range"), std::string::npos);
+  EXPECT_NE(Mumps::explainWarning(9).find("refinement"), std::string::npos);
+  MumpsOptions options;
+  options.symmetry = Symmetry::General;
+  Mumps mumps(MPI_COMM_SELF, options);
+  mumps.analyse(2, {1, 2, 7}, {1, 2, 1}); // an entry outside of the matrix
+  ASSERT_FALSE(mumps.warnings().empty());
+  EXPECT_NE(mumps.warnings()[0].find("out of range"), std::string::npos);
+}
+
+// The chain condensed to its two ends: S = [1/h 1/h] with n − 1 springs in a row, without and with all ranks; general
+// and symmetric. Condensing and expanding a load is solving.
+TEST(Mumps, schur_complement_condenses_and_expands) {
+  const int n = 21;
+  for (MPI_Comm comm : {MPI_COMM_SELF, worldComm()})
+    for (Symmetry symmetry : {Symmetry::General, Symmetry::PositiveDefinite, Symmetry::Symmetric}) {
+      std::vector<int> rows, columns;
+      std::vector<double> values;
+      laplacian(n, symmetry == Symmetry::General, rows, columns, values);
+      MumpsOptions options;
+      options.symmetry = symmetry;
+      Mumps mumps(comm, options);
+      const int b0 = 4, b1 = 15; // 4 springs to the left of b0, 11 between, 5 to the right of b1
+      mumps.analyse(n, rows, columns, {b1, b0});
+      mumps.factorize(values);
+      const std::vector<double> s = mumps.schurComplement();
+      std::vector<double> x(static_cast<std::size_t>(n), 1.0), g(2), xb(2);
+      mumps.condense(x.data(), g.data(), 1);
+      int rank = 0;
+      MPI_Comm_rank(comm, &rank);
+      if (rank == 0) {
+        // In the order given: b1 first. Springs in a row of m have the stiffness 1/m.
+        EXPECT_NEAR(s[0], 1.0 / 6 + 1.0 / 11, 1e-13);
+        EXPECT_NEAR(s[3], 1.0 / 5 + 1.0 / 11, 1e-13);
+        EXPECT_NEAR(s[1], -1.0 / 11, 1e-13);
+        EXPECT_NEAR(s[2], -1.0 / 11, 1e-13);
+        const double det = s[0] * s[3] - s[1] * s[2];
+        xb = {(s[3] * g[0] - s[2] * g[1]) / det, (s[0] * g[1] - s[1] * g[0]) / det};
+      }
+      mumps.expand(x.data(), xb.data(), 1);
+      if (rank == 0)
+        for (int i = 1; i <= n; ++i)
+          EXPECT_NEAR(x[static_cast<std::size_t>(i - 1)], 0.5 * i * (n + 1 - i), 1e-11);
+      // Without condensing, b is held.
+      std::fill(x.begin(), x.end(), 1.0);
+      mumps.solve(x.data(), 1);
+      if (rank == 0) {
+        EXPECT_EQ(x[static_cast<std::size_t>(b0)], 0.0);
+        EXPECT_NEAR(x[0], 2.0, 1e-13); // four free nodes before b0: i(5 − i)/2
+      }
+    }
+}
+
+// Null pivots of two free chains: one each, with the threshold; none are looked for by Cholesky.
+TEST(Mumps, null_pivots_are_found_with_a_threshold) {
+  std::vector<int> rows, columns;
+  std::vector<double> values;
+  for (int part : {0, 10})
+    for (int i = 1; i <= 10; ++i) {
+      rows.push_back(part + i), columns.push_back(part + i), values.push_back(i == 1 || i == 10 ? 1.0 : 2.0);
+      if (i > 1)
+        rows.push_back(part + i), columns.push_back(part + i - 1), values.push_back(-1.0);
+    }
+  MumpsOptions options;
+  options.symmetry = Symmetry::Symmetric;
+  options.nullPivotThreshold = 1e-8;
+  Mumps mumps(MPI_COMM_SELF, options);
+  mumps.analyse(20, rows, columns);
+  mumps.factorize(values);
+  const std::vector<int> pivots = mumps.nullPivots();
+  ASSERT_EQ(pivots.size(), 2u);
+  EXPECT_NE(pivots[0] < 10, pivots[1] < 10);
 }
 
 // The Amesos2 seam: a distributed Tpetra matrix on all ranks of the test.
@@ -122,4 +249,39 @@ TEST(MumpsSolver, is_an_amesos2_solver) {
       EXPECT_NEAR(view(k, 0), 0.5 * i * (n + 1 - i), 1e-10) << symmetry;
     }
   }
+}
+
+// What goes beyond Amesos2's interface, on the same object: S of a matrix that is distributed over all ranks.
+TEST(MumpsSolver, offers_schur_complements_and_refuses_wrong_parameters) {
+  const auto comm = testComm();
+  const int n = 21;
+  const auto map = Teuchos::rcp(new Map(n, 0, comm));
+  const auto matrix = Teuchos::rcp(new feti::CrsMatrix(map, 3));
+  for (std::size_t k = 0; k < localSize(*map); ++k) {
+    const GlobalOrdinal i = map->getGlobalElement(static_cast<LocalOrdinal>(k));
+    for (GlobalOrdinal j = std::max<GlobalOrdinal>(0, i - 1); j <= std::min<GlobalOrdinal>(n - 1, i + 1); ++j)
+      matrix->insertGlobalValues(i, Teuchos::tuple<GlobalOrdinal>(j),
+                                 Teuchos::tuple<double>(i == j ? 2.0 : -1.0));
+  }
+  matrix->fillComplete();
+  const auto x = Teuchos::rcp(new MultiVector(map, 1)), b = Teuchos::rcp(new MultiVector(map, 1));
+  const auto solver = feti::makeMumpsSolver(matrix, x, b);
+  const auto extras = Teuchos::rcp_dynamic_cast<feti::MumpsExtras>(solver, true);
+  EXPECT_THROW(extras->schurComplement(), InputError); // nothing is factored
+  extras->setSchurRows({10});
+  solver->symbolicFactorization().numericFactorization();
+  const std::vector<double> s = extras->schurComplement();
+  if (comm->getRank() == 0) {
+    ASSERT_EQ(s.size(), 1u);
+    EXPECT_NEAR(s[0], 2.0 / 11.0, 1e-13); // eleven springs on either side
+  }
+  EXPECT_GT(extras->statistics().factorizationFlops, 0.0);
+  EXPECT_TRUE(extras->warnings().empty());
+  EXPECT_GT(solver->getStatus().getNnzLU(), 0u);
+  const auto wrong = Teuchos::parameterList("Amesos2");
+  wrong->sublist("Harmos MUMPS").set("Symetry", std::string("general"));
+  EXPECT_THROW(solver->setParameters(wrong), std::exception);
+  const auto value = Teuchos::parameterList("Amesos2");
+  value->sublist("Harmos MUMPS").set("Ordering", std::string("alphabetical"));
+  EXPECT_THROW(solver->setParameters(value), std::exception);
 }

@@ -47,7 +47,7 @@ TEST(Recovery, audit_of_a_tight_solution_is_clean) {
 TEST(Recovery, unloaded_body_in_initial_penetration) {
   TestModel model = testModel(2, 3);
   for (Subdomain& subdomain : model.subdomains)
-    std::fill(subdomain.load.begin(), subdomain.load.end(), 0.0);
+    changeLoad(subdomain, [](std::vector<double>& load) { std::fill(load.begin(), load.end(), 0.0); });
   for (ConstraintRow& row : model.rows)
     row.bound = -0.25; // u¹ − u² ≤ −0.25
   const TestFeti feti(model);
@@ -79,7 +79,7 @@ TEST(Recovery, inhomogeneous_dirichlet_conditions_in_both_forms) {
 // choice of the fixing dofs all the same; without the projection of the loads it does, in the second digit.
 TEST(Recovery, loose_solution_does_not_depend_on_the_generalised_inverse) {
   const TestModel model = testModel(2, 8);
-  const TestFeti one(model, DirichletForm::Primal, 1), many(model, DirichletForm::Primal, 20);
+  const TestFeti one(model, DirichletForm::Primal, implicitOptions(1)), many(model);
   const TestDualSolution solution = solveDual(one.dual, one.coarse, 1e-3);
   ASSERT_GT(solution.result.equalityNorm, 1e-6); // else the test would be empty
   // One λ and μ, recovered with either inverse; PFP and Pd do not depend on it.
