@@ -7,6 +7,7 @@
 #include "Harmos_Decomposition.hpp"
 #include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_FormChoice.hpp"
 #include "Harmos_NodePairs.hpp"
 #include "Harmos_Qp.hpp"
 #include "Harmos_Recovery.hpp"
@@ -18,6 +19,7 @@
 #include <Tpetra_MultiVector.hpp>
 
 #include <fstream>
+#include <iomanip>
 #include <sstream>
 
 namespace Harmos::scene {
@@ -124,6 +126,32 @@ class CoarseFaceGram : public qp::FaceGramMaker<MultiVector> {
 
   const feti::CoarseSpace& coarse_;
 };
+
+feti::LocalInverses makeInverses(const feti::SubdomainSystem& system, const feti::Constraints& constraints,
+                                 const DualOptions& options, const Log& log, RunReport& report) {
+  feti::LocalInverseOptions inverseOptions = options.inverses;
+  if (options.form && options.memoryBudgetMiB == 0) {
+    inverseOptions.form = *options.form;
+  } else {
+    const feti::FormChoice choice =
+        feti::chooseForm(system, constraints, inverseOptions, options.form ? &*options.form : nullptr,
+                         options.expectedProducts, options.memoryBudgetMiB);
+    inverseOptions.form = choice.form;
+    log.info(choice.reason);
+  }
+  report.dualOperator = options.describe(inverseOptions.form);
+  feti::LocalInverses inverses = feti::makeLocalInverses(system, constraints, inverseOptions);
+  report.distinctFactorizations =
+      globalSum(*system.comm(), static_cast<long long>(inverses.distinctFactorizations()));
+  report.localCondition = globalMax(*system.comm(), inverses.condition());
+  report.dualOperatorMiB = globalSum(*system.comm(), inverses.bytes() / 1048576.0);
+  std::ostringstream text;
+  text << report.distinctFactorizations << " local factorisations of " << report.subdomains << " subdomains, "
+       << std::fixed << std::setprecision(0) << report.dualOperatorMiB
+       << " MiB; condition of the subdomains about " << scientific(report.localCondition, 0);
+  log.info(text.str());
+  return inverses;
+}
 
 // The convergence test of the stopping rule; the scales go to the report.
 struct Test {
@@ -291,7 +319,6 @@ void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& 
   report.effects = scene.effects();
   report.tolerance = options.tolerance;
   report.stoppingRule = toString(options.stoppingRule);
-  report.dualOperator = "implicit";
   report.subdomains = scene.subdomains();
   std::string effects;
   for (const std::string& effect : report.effects)
@@ -340,22 +367,15 @@ void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& 
 
   const feti::LocalInverses inverses = [&] {
     const auto scope = timers.scope("factorization");
-    feti::LocalInverseOptions inverseOptions;
-    inverseOptions.fixingPlaces = options.fixingDofs;
-    inverseOptions.form = options.form;
-    inverseOptions.share = options.share;
-    inverseOptions.keepSchur = options.preconditioner == feti::PreconditionerKind::Dirichlet;
-    return feti::makeLocalInverses(system, constraints, inverseOptions);
+    return makeInverses(system, constraints, options.dual, log, report);
   }();
-  report.distinctFactorizations = globalSum(*comm, static_cast<long long>(inverses.distinctFactorizations()));
-
   const feti::DualOperator dualOperator(constraints, inverses);
   const Teuchos::RCP<const feti::DualPreconditioner> preconditioner = [&] {
     const auto scope = timers.scope("dual_operator");
-    return options.preconditioner == feti::PreconditionerKind::None
+    return options.dual.preconditioner == feti::PreconditionerKind::None
                ? Teuchos::null
                : Teuchos::rcp(new feti::DualPreconditioner(system, constraints, inverses,
-                                                           options.preconditioner, options.scaling));
+                                                           options.dual.preconditioner, options.dual.scaling));
   }();
   const feti::CoarseSpace coarse = [&] {
     const auto scope = timers.scope("coarse");

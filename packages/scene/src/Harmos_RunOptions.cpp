@@ -14,20 +14,12 @@ void RunOptions::addTo(ParameterSpec& deck) {
                        "How prescribed displacements are enforced.");
   deck.list(std::move(decomposition));
 
-  ParameterSpec dual("Dual operator", "The product with F = BK⁺Bᵀ.");
-  dual.choice("Form", "condensed", {{"implicit", "a solve with each sparse factorisation a product"},{"condensed", "dense"}},
-              "How products with F are made.");
-  dual.boolean("Share identical subdomains", true, "share");
-  dual.choice("Preconditioner", "none", {{"none", "no preconditioner"},{"lumped","l"},{"Dirichlet","d"}}, "Dual preconditioner.");
-  dual.choice("Scaling","multiplicity",{{"multiplicity","m"},{"stiffness","s"}},"Scaling");
-  dual.integer(
-      "Fixing dofs", 4, 1, 1000,
-      "Dofs at which a floating subdomain is held in its generalised inverse, for each rigid motion.");
-  deck.list(std::move(dual));
+  DualOptions::addTo(deck);
 
   ParameterSpec solver("Solver", "Solution of the dual quadratic program.");
   solver.choice("Method", "Auto",
-                {{"Auto", "PCPG without inequalities, MPRGP without floating subdomains, else SMALBE"},
+                {{"Auto", "PCPG without inequalities; else PDAS with a preconditioner; else MPRGP without floating "
+                          "subdomains and SMALBE with them"},
                  {"SMALBE", "augmented Lagrangians for bounds and equalities"},
                  {"Dual Penalty", "equalities by a fixed penalty alone"},
                  {"MPRGP", "bounds alone: no floating subdomain"},
@@ -67,12 +59,7 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
   options.dirichlet = deck.sublist("Decomposition").get<std::string>("Dirichlet") == "dual"
                           ? feti::DirichletForm::Dual
                           : feti::DirichletForm::Primal;
-  options.form = deck.sublist("Dual operator").get<std::string>("Form")=="implicit" ? feti::DualForm::Implicit : feti::DualForm::Condensed;
-  options.share = deck.sublist("Dual operator").get<bool>("Share identical subdomains");
-  const std::string kind = deck.sublist("Dual operator").get<std::string>("Preconditioner");
-  options.preconditioner = kind == "lumped" ? feti::PreconditionerKind::Lumped : kind == "Dirichlet" ? feti::PreconditionerKind::Dirichlet : feti::PreconditionerKind::None;
-  options.scaling = deck.sublist("Dual operator").get<std::string>("Scaling")=="stiffness" ? feti::PreconditionerScaling::Stiffness : feti::PreconditionerScaling::Multiplicity;
-  options.fixingDofs = deck.sublist("Dual operator").get<int>("Fixing dofs");
+  options.dual = DualOptions::fromList(deck.sublist("Dual operator"));
   const Teuchos::ParameterList& solver = deck.sublist("Solver");
   options.method = solver.get<std::string>("Method");
   options.tolerance = solver.get<double>("Tolerance");

@@ -3,8 +3,7 @@
 
 #include "Harmos_ParameterSpec.hpp"
 #include "Harmos_Scene.hpp"
-#include "Harmos_DualPreconditioner.hpp"
-#include "Harmos_LocalInverses.hpp"
+#include "Harmos_DualOptions.hpp"
 
 #include <Teuchos_ParameterList.hpp>
 
@@ -28,11 +27,7 @@ enum class InitialGuess {
 /// The lists of a deck that every application shares: Decomposition, Dual operator, Solver, Output.
 struct RunOptions {
   feti::DirichletForm dirichlet = feti::DirichletForm::Primal;
-  feti::DualForm form = feti::DualForm::Condensed;
-  bool share = true;
-  feti::PreconditionerKind preconditioner = feti::PreconditionerKind::None;
-  feti::PreconditionerScaling scaling = feti::PreconditionerScaling::Multiplicity;
-  int fixingDofs = 4;
+  DualOptions dual;
   double tolerance = 1e-4;
   StoppingRule stoppingRule = StoppingRule::Scaled;
   InitialGuess initialGuess = InitialGuess::Zero;

@@ -73,6 +73,8 @@ std::string toJson(const RunReport& report) {
     json["audit"] = nullptr;
   json["effects"] = report.effects;
   json["dual_operator"] = report.dualOperator;
+  json["local_condition"] = number(report.localCondition);
+  json["dual_operator_mib"] = number(report.dualOperatorMiB);
   json["solver"] = report.solver;
   json["distinct_local_factorizations"] = report.distinctFactorizations;
   json["seconds"] = report.seconds;

@@ -24,6 +24,8 @@ struct RunReport {
   long long subdomains = 0;
   long long distinctFactorizations = 0;
   std::string dualOperator;
+  double localCondition = 0.0;  ///< largest estimate of κ(K_i) on the complement of the kernel
+  double dualOperatorMiB = 0.0; ///< factors and dense blocks of all ranks
   std::string solver;
   std::string stoppingRule;
   bool solved = false; ///< the solver has run

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_DualOptions.hpp"
+
+#include "Harmos_FormChoice.hpp"
+
+namespace Harmos::scene {
+
+void DualOptions::addTo(ParameterSpec& deck) {
+  const DualOptions defaults;
+  ParameterSpec dual("Dual operator", "The product with F = BK⁺Bᵀ, and its preconditioner.");
+  dual.choice("Form", "auto",
+              {{"implicit", "a solve with each sparse factorisation a product: least memory"},
+               {"condensed", "a dense matrix for the boundary of each subdomain: fastest products"},
+               {"auto", "the faster of the two by the cost model, within the memory budget"}},
+              "How products with F are made.");
+  dual.boolean("Share identical subdomains", defaults.inverses.share,
+               "Subdomains with equal matrices share one factorisation, and products with all of them are made "
+               "at once.");
+  dual.choice("Preconditioner", "Dirichlet",
+              {{"none", "no preconditioner"},
+               {"lumped", "the boundary block of the stiffness matrix: cheap, weaker"},
+               {"Dirichlet", "the Schur complement of the stiffness matrix; free to set up in the condensed form"}},
+              "Approximation of the inverse of F.");
+  dual.choice("Scaling", "multiplicity",
+              {{"multiplicity", "copies of a dof share a jump equally"},
+               {"stiffness", "the softer copy takes more of it: for materials that jump across interfaces"}},
+              "Scaling of the preconditioner.");
+  dual.choice("Precision", "double",
+              {{"double", "64 bits"},
+               {"single", "dense blocks (condensed) or factors (implicit) in 32 bits, sums in 64: half the memory; "
+                          "tolerances below 1e-6 are out of reach"}},
+              "In which precision blocks and factors are kept.");
+  dual.text("Implicit solver", defaults.inverses.implicitSolver,
+            "Sparse direct solver of the implicit form: MUMPS (Harmos' own adapter), or a name that Amesos2 "
+            "knows, such as KLU2.");
+  dual.real("Block low rank tolerance", defaults.inverses.blockLowRank, Range::within(0.0, 1.0),
+            "Relative accuracy to which MUMPS compresses factors; 0 for exact factors.");
+  dual.integer("Fixing places", defaults.inverses.fixingPlaces, 1, 1000,
+               "Places at which a floating subdomain is held in its generalised inverse; more are added where they "
+               "do not hold all rigid motions.");
+  dual.boolean("Check null pivots", defaults.inverses.checkNullPivots,
+               "Compare each kernel with the null pivots that MUMPS finds; costs a factorisation more.");
+  dual.integer("Expected products", defaults.expectedProducts, 1, 1000000,
+               "Products with F that the cost model of Form = auto reckons with.");
+  dual.integer("Memory budget MiB", defaults.memoryBudgetMiB, 0, 2000000000,
+               "Limit of what factors and dense blocks may take on a rank, by the cost model; 0 for none.");
+  deck.list(std::move(dual));
+}
+
+DualOptions DualOptions::fromList(const Teuchos::ParameterList& list) {
+  DualOptions options;
+  const std::string form = list.get<std::string>("Form");
+  if (form != "auto")
+    options.form = form == "implicit" ? feti::DualForm::Implicit : feti::DualForm::Condensed;
+  const std::string kind = list.get<std::string>("Preconditioner");
+  options.preconditioner = kind == "none"     ? feti::PreconditionerKind::None
+                           : kind == "lumped" ? feti::PreconditionerKind::Lumped
+                                              : feti::PreconditionerKind::Dirichlet;
+  options.scaling = list.get<std::string>("Scaling") == "stiffness" ? feti::PreconditionerScaling::Stiffness
+                                                                    : feti::PreconditionerScaling::Multiplicity;
+  options.expectedProducts = list.get<int>("Expected products");
+  options.memoryBudgetMiB = list.get<int>("Memory budget MiB");
+  feti::LocalInverseOptions& inverses = options.inverses;
+  inverses.share = list.get<bool>("Share identical subdomains");
+  inverses.precision =
+      list.get<std::string>("Precision") == "single" ? feti::Precision::Single : feti::Precision::Double;
+  inverses.implicitSolver = list.get<std::string>("Implicit solver");
+  inverses.blockLowRank = list.get<double>("Block low rank tolerance");
+  inverses.fixingPlaces = list.get<int>("Fixing places");
+  inverses.checkNullPivots = list.get<bool>("Check null pivots");
+  inverses.keepSchur = options.preconditioner == feti::PreconditionerKind::Dirichlet;
+  return options;
+}
+
+std::string DualOptions::describe(feti::DualForm used) const {
+  std::string text = feti::toString(used);
+  text += inverses.precision == feti::Precision::Single ? ", single" : ", double";
+  switch (preconditioner) {
+  case feti::PreconditionerKind::None:
+    return text + ", no preconditioner";
+  case feti::PreconditionerKind::Lumped:
+    return text + ", lumped preconditioner";
+  case feti::PreconditionerKind::Dirichlet:
+    return text + ", Dirichlet preconditioner";
+  }
+  return text;
+}
+
+} // namespace Harmos::scene

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_DualPreconditioner.hpp"
+#include "Harmos_LocalInverses.hpp"
+#include "Harmos_ParameterSpec.hpp"
+
+#include <Teuchos_ParameterList.hpp>
+
+#include <optional>
+#include <string>
+
+namespace Harmos::scene {
+
+/// The list "Dual operator" of a deck: how products with F and with its preconditioner are made.
+struct DualOptions {
+  std::optional<feti::DualForm> form; ///< nothing: by the cost model
+  feti::LocalInverseOptions inverses; ///< its form is decided by the run
+  feti::PreconditionerKind preconditioner = feti::PreconditionerKind::Dirichlet;
+  feti::PreconditionerScaling scaling = feti::PreconditionerScaling::Multiplicity;
+  int expectedProducts = 30;
+  int memoryBudgetMiB = 0;
+
+  /// Adds the list to the specification of a deck.
+  static void addTo(ParameterSpec& deck);
+  /// From a validated list.
+  static DualOptions fromList(const Teuchos::ParameterList& list);
+
+  /// "condensed, double, Dirichlet": what a run used, for its summary.
+  std::string describe(feti::DualForm used) const;
+};
+
+} // namespace Harmos::scene
