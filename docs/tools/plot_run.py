@@ -41,6 +41,7 @@ STEPS = {
     "expansion": ("#D55E00", "^", 5.5),
     "proportioning": ("#009E73", "s", 4.6),
     "pcpg": ("#56B4E9", "o", 3.2),
+    "active set": ("#E69F00", "D", 4.6),
 }
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 VTK_CORNERS = {5: 3, 9: 4}  # VTK_TRIANGLE, VTK_QUAD
 
-STEPS = ("start", "cg", "expansion", "proportioning", "pcpg")
+STEPS = ("start", "cg", "expansion", "proportioning", "pcpg", "active set")
 
 COLUMNS = (
     "outer",

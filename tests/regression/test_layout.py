@@ -87,7 +87,8 @@ def owners(source):
     owner = dict(GENERATED)
     faults = []
     for package in source.packages():
-        for file in source.below("packages", package, suffixes=(".hpp",)):
+        # Code that is included more than once, within a namespace, is named .inc.
+        for file in source.below("packages", package, suffixes=(".hpp", ".inc")):
             name = Path(file).name
             if name in owner:
                 faults.append(f"{file}: {name} also belongs to {owner[name]}")

@@ -36,8 +36,8 @@ TestSolid testSolid(int dimension, int n, double modulus, bool isHinge) {
       const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
       for (int p = 0; p < dimension; ++p)
         for (int q = 0; q < dimension; ++q) {
-          const double value = modulus / length * d[static_cast<std::size_t>(p)] * d[static_cast<std::size_t>(q)] /
-                               (length * length);
+          const double value = modulus / length * d[static_cast<std::size_t>(p)] *
+                               d[static_cast<std::size_t>(q)] / (length * length);
           entries.push_back({dimension * a + p, dimension * a + q, value});
           entries.push_back({dimension * b + p, dimension * b + q, value});
           entries.push_back({dimension * a + p, dimension * b + q, -value});

@@ -12,8 +12,8 @@ namespace Harmos {
 
 /// An elastic block on a grid of n cells a direction: its stiffness and its rigid body modes.
 ///
-/// The elements are trusses along edges and diagonals of the cells (stiffness EA/length): as a solid it has exactly
-/// the rigid motions of the plane (3) or of space (6) for a kernel, which is what the tests need.
+/// The elements are trusses along edges and diagonals of the cells (stiffness EA/length): as a solid it has
+/// exactly the rigid motions of the plane (3) or of space (6) for a kernel, which is what the tests need.
 struct TestSolid {
   LocalMatrix stiffness;
   feti::Kernel motions;
@@ -21,8 +21,8 @@ struct TestSolid {
   int dimension;
 };
 
-/// @param dimension 2 or 3. @param isHinge leaves out all members of the right half but those at its lowest left
-/// node: two blocks joined at one node.
+/// @param dimension 2 or 3. @param isHinge leaves out all members of the right half but those at its lowest
+/// left node: two blocks joined at one node.
 TestSolid testSolid(int dimension, int n, double modulus = 1.0, bool isHinge = false);
 
 } // namespace Harmos

@@ -6,7 +6,10 @@
 What each class guards against:
 
     Dimensions   a constraint too many or too few; a cost that grows with the number of
-                 subdomains; a run that calls itself converged and is not
+                 subdomains, or above what the preconditioner promises; a run that calls itself
+                 converged and is not
+    Operators    a form of the dual operator, a preconditioner, a precision or a factorisation
+                 that is shared which changes the answer
     Permon       more products with F than PERMON needs to its own stopping rule
     Energy       the solution of another problem, or one that depends on the decomposition, on how
                  prescribed displacements are enforced, or on the number of ranks
@@ -21,6 +24,7 @@ The paper is Dostal, Horak, Vlach, "Toward scalable FETI algorithm for variation
 with applications to composites".
 """
 
+import re
 import sys
 import unittest
 from pathlib import Path
@@ -154,7 +158,10 @@ class TableCase(unittest.TestCase):
         # that is 9/8 sqrt(N) |G lambda|. And |f| is 1.58 h: -3 h^2 at a quarter of the nodes of
         # one body, -h^2 at a quarter of those of the other.
         load = 1.58 / (s * n)
-        self.assertLess(audit["equilibrium"], 1.125 * n**0.5 * summary["equality_residual"] / load)
+        # Rounding of a row of Ku is nine epsilon |K| |u| with |K| <= 16/3 and |u| <= 0.4, below 5e-15.
+        rounding = 5e-15 * summary["primal_dimension"] ** 0.5
+        forces = 1.125 * n**0.5 * summary["equality_residual"]
+        self.assertLess(audit["equilibrium"], (forces + rounding) / load)
 
 
 class DimensionTable(TableCase):
@@ -203,8 +210,11 @@ class DimensionTable(TableCase):
             # A bracket, not an equality: counts move by a few with the compiler and the BLAS.
             # Below it the counting is broken, above it the method is.
             total = PERMON[n][column]
-            self.assertGreaterEqual(summary["hessian_applications"], 0.3 * total)
-            self.assertLessEqual(summary["hessian_applications"], 1.5 * total)
+            self.assertGreaterEqual(summary["hessian_applications"], 0.15 * total)
+            # At most the paper's conjugate gradient steps, which do not count other products, and on
+            # the finest meshes, where the preconditioner matters, at most 0.6 of them.
+            limit = PAPER_CG[n][column] * (0.6 if n == 128 else 1.0)
+            self.assertLessEqual(summary["hessian_applications"], limit)
 
     def assert_scalable(self, n):
         """At fixed H/h the cost is bounded; from 8 to 128 subdomains it at most doubles."""
@@ -229,10 +239,11 @@ class DimensionsLarge(DimensionTable):
 class PermonTable(TableCase):
     TITLE = "Model problem at the tolerance 1e-4, PERMON's stopping rule"
     HEADER = ("H/h", "1/H", "outer", "F products", "PERMON 3.18")
-    NOTE = "Default parameters but for the stopping rule; no preconditioner in either."
+    NOTE = "Default parameters but for the stopping rule and the preconditioner; none in either."
 
     def check(self, s, n):
-        run = solved(self, s, n, **{"Solver/Stopping rule": "permon"}).summary
+        sets = {"Solver/Stopping rule": "permon", "Dual operator/Preconditioner": "none"}
+        run = solved(self, s, n, **sets).summary
         total = PERMON[n][SIDES.index(s)]
         self.rows[n, s] = (n, s, run["outer_iterations"], run["hessian_applications"], total)
         self.assertLessEqual(run["hessian_applications"], total)
@@ -322,6 +333,91 @@ for _n in (8, 16, 32, 64, 128):
             f"test_h_1_{_n:03}_{_form}",
             lambda self, n=_n, form=_form: self.check(n, form),
         )
+
+
+class Operators(TableCase):
+    """Every form, preconditioner and precision solves the same problem.
+
+    At the tolerance 1e-8 the energy is the oracle's to 1e-7 (as for class Energy, a hundred times
+    looser); in single precision to 1e-5 at the tolerance 1e-5.
+    """
+
+    TITLE = "Dual operator, 1/H = 4, H/h = 8: relative error of the energy at the tolerance 1e-8"
+    HEADER = ("form", "shared", "precision", "preconditioner", "factors", "F products", "error")
+
+    def check(self, ranks=2, tolerance=1e-8, bound=1e-7, **sets):
+        paths = {f"Dual operator/{name}": value for name, value in sets.items()}
+        run = solved(self, 4, 8, np=ranks, **{"Solver/Tolerance": tolerance, **paths}).summary
+        value = error(run, exact(32))
+        key = (sets.get("Form", "auto"), sets.get("Share identical subdomains", True),
+               sets.get("Precision", "double"), sets.get("Preconditioner", "Dirichlet"))  # fmt: skip
+        if ranks == 2:
+            self.rows[tuple(map(str, key)) + (str(sorted(sets.items())),)] = (
+                *key, run["distinct_local_factorizations"], run["hessian_applications"],
+                f"{value:.1e}",
+            )  # fmt: skip
+        self.assertLess(value, bound)
+        return run
+
+    def test_forms_preconditioners_and_sharing(self):
+        for form in ("implicit", "condensed"):
+            for kind in ("none", "lumped", "Dirichlet"):
+                for share in (True, False):
+                    sets = {
+                        "Form": form,
+                        "Preconditioner": kind,
+                        "Share identical subdomains": share,
+                    }
+                    with self.subTest(**sets):
+                        run = self.check(**sets)
+                        self.assertIn(form, run["dual_operator"])
+                        count = run["distinct_local_factorizations"]
+                        # Two ranks; the first one has subdomains that are held and others.
+                        self.assertEqual(count, 3 if share else 32)
+
+    def test_preconditioners_pay(self):
+        counts = [
+            self.check(**{"Preconditioner": kind})["hessian_applications"]
+            for kind in ("none", "lumped", "Dirichlet")
+        ]
+        self.assertGreater(counts[0], counts[2])
+        self.assertGreater(counts[1], counts[2])
+
+    def test_stiffness_scaling_and_ranks(self):
+        for ranks in (1, 2, 4):
+            with self.subTest(ranks=ranks):
+                self.check(ranks=ranks, Scaling="stiffness")
+
+    def test_single_precision(self):
+        for form in ("implicit", "condensed"):
+            with self.subTest(form=form):
+                self.check(tolerance=1e-5, bound=1e-5, Form=form, Precision="single")
+
+    def test_other_solvers_and_compression(self):
+        self.check(Form="implicit", **{"Implicit solver": "KLU2"})
+        self.check(Form="implicit", **{"Block low rank tolerance": 1e-12})
+        self.check(Form="condensed", **{"Check null pivots": True})
+
+    def test_memory_budget(self):
+        sets = {
+            "Model/Subdomains per side": 2,
+            "Model/Elements per subdomain side": 128,
+            "Dual operator/Share identical subdomains": False,
+            "Dual operator/Preconditioner": "none",
+            "Output/Fields": False,
+        }
+        budget = "Dual operator/Memory budget MiB"
+        result = runs.run(runs.MODEL, {**sets, budget: 1})
+        self.assertEqual(result.returncode, 2, result)
+        self.assertIn("memory budget of 1 MiB", result.errors[0])
+        implicit, condensed = (int(x) for x in re.findall(r"(\d+) MiB a rank", result.errors[0])[1:])
+        self.assertLess(implicit, condensed)
+        # Condensed, unless there is no room for it.
+        free = runs.solved(self, runs.MODEL, sets).summary
+        self.assertIn("condensed", free["dual_operator"])
+        tight = runs.solved(self, runs.MODEL, {**sets, budget: implicit}).summary
+        self.assertIn("implicit", tight["dual_operator"])
+        self.assertLess(abs(free["energy"] - tight["energy"]), 1e-5 * abs(free["energy"]))
 
 
 class Tie(TableCase):

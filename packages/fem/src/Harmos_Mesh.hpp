@@ -36,7 +36,8 @@ struct Mesh {
 struct PlacedMesh {
   std::shared_ptr<const Mesh> mesh;
   Point anchor{};
-  std::vector<long long> boundaryNumbers; ///< global number of each node of mesh->boundary; copies have the same
+  std::vector<long long>
+      boundaryNumbers; ///< global number of each node of mesh->boundary; copies have the same
   std::map<std::string, std::vector<int>> sets; ///< local nodes of the body's named boundary parts, sorted
 
   /// Global number of a node on the boundary.

@@ -9,8 +9,8 @@
 
 namespace Harmos::feti {
 
-/// A symmetric operator on the boundary dofs of one subdomain matrix: (K⁺)_bb for the dual operator, the Schur
-/// complement S or K_bb for the preconditioners.
+/// A symmetric operator on the boundary dofs of one subdomain matrix: (K⁺)_bb for the dual operator, the
+/// Schur complement S or K_bb for the preconditioners.
 class BoundaryOperator {
  public:
   virtual ~BoundaryOperator() = default;

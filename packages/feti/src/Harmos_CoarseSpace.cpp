@@ -191,8 +191,8 @@ std::vector<double> CoarseSpace::minimumNormSolution(const MultiVector& mask,
   const CoarseFactor factor(kernelDimension_, gramRows_, gramColumns_, values, threshold, mostDense_);
   const auto solve = [&](const std::vector<double>& b) { return factor.solveLt(factor.solveL(b)); };
   std::vector<double> x = solve(r);
-  // Each row left out gives a null vector z: z_d = 1 there, −A⁻A_d at the kept rows. They are made orthonormal,
-  // and taken out of the solution.
+  // Each row left out gives a null vector z: z_d = 1 there, −A⁻A_d at the kept rows. They are made
+  // orthonormal, and taken out of the solution.
   std::vector<std::vector<double>> nullVectors;
   const auto remove = [](const std::vector<double>& z, std::vector<double>& v) {
     const double product = std::inner_product(z.begin(), z.end(), v.begin(), 0.0);

@@ -11,8 +11,8 @@
 
 namespace Harmos::feti {
 
-/// LLᵀ of a symmetric positive semidefinite matrix that every rank holds: dense with complete pivoting if it is
-/// small, sparse otherwise; both reveal the rank.
+/// LLᵀ of a symmetric positive semidefinite matrix that every rank holds: dense with complete pivoting if it
+/// is small, sparse otherwise; both reveal the rank.
 class CoarseFactor {
  public:
   /// Matrices up to this order are dense.
@@ -21,7 +21,8 @@ class CoarseFactor {
   CoarseFactor() = default;
   /// @param rows, columns, values the lower triangle, each place once.
   CoarseFactor(int n, const std::vector<int>& rows, const std::vector<int>& columns,
-               const std::vector<double>& values, double relativeThreshold = 0.0, int mostDenseRows = mostDense);
+               const std::vector<double>& values, double relativeThreshold = 0.0,
+               int mostDenseRows = mostDense);
 
   int rank() const { return isDense_ ? dense_.rank() : sparse_.rank(); }
   double smallestPivotRatio() const {
@@ -46,9 +47,10 @@ class CoarseFactor {
 
 /// The natural coarse space: G̃ = RᵀBᵀ, its orthonormalised form G = L⁻¹G̃ with LLᵀ = G̃G̃ᵀ, and P = I − GᵀG.
 ///
-/// G̃G̃ᵀ and its factor are held by every rank: a product with G costs one reduction of the coarse dimension, one
-/// with Gᵀ none. Rows of G̃ that depend on the others are left out: G then has the same kernel and orthonormal
-/// rows all the same. Rank 0 decides the rank for all: sums over ranks need not be equal to the last bit.
+/// G̃G̃ᵀ and its factor are held by every rank: a product with G costs one reduction of the coarse dimension,
+/// one with Gᵀ none. Rows of G̃ that depend on the others are left out: G then has the same kernel and
+/// orthonormal rows all the same. Rank 0 decides the rank for all: sums over ranks need not be equal to the
+/// last bit.
 ///
 /// Guarded by tests/unit/feti/test_coarse_space.cpp (P² = P, GGᵀ = I, rank deficiency, dense and sparse).
 class CoarseSpace {

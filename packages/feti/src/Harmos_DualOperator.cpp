@@ -33,8 +33,8 @@ std::vector<SubdomainSum::Entry> boundaryEntries(const std::vector<std::vector<C
   for (std::size_t m = 0; m < ofClass.members.size(); ++m)
     for (const Constraints::Entry& entry : entries[static_cast<std::size_t>(ofClass.members[m])]) {
       const auto place = std::lower_bound(boundary.begin(), boundary.end(), entry.dof);
-      result.push_back({entry.row, static_cast<int>(m) * size + static_cast<int>(place - boundary.begin()),
-                         entry.value});
+      result.push_back(
+          {entry.row, static_cast<int>(m) * size + static_cast<int>(place - boundary.begin()), entry.value});
     }
   return result;
 }

@@ -19,7 +19,8 @@ class DualOperator : public SubdomainSum {
   DualOperator(const Constraints& constraints, const LocalInverses& inverses);
 };
 
-/// The entries of B, or B_D, of the members of a class, counted by boundary dofs. @param entries by subdomains.
+/// The entries of B, or B_D, of the members of a class, counted by boundary dofs. @param entries by
+/// subdomains.
 std::vector<SubdomainSum::Entry> boundaryEntries(const std::vector<std::vector<Constraints::Entry>>& entries,
                                                  const CongruenceClass& ofClass);
 

@@ -41,8 +41,8 @@ bool hasOrthonormalRows(const SubdomainSystem& system, const Constraints& constr
   {
     const auto view = x.getLocalViewHost(Tpetra::Access::OverwriteAll);
     for (std::size_t r = 0; r < view.extent(0); ++r)
-      view(r, 0) = std::sin(
-          1.0 + 1.3 * static_cast<double>(constraints.rowMap()->getGlobalElement(static_cast<LocalOrdinal>(r))));
+      view(r, 0) = std::sin(1.0 + 1.3 * static_cast<double>(constraints.rowMap()->getGlobalElement(
+                                            static_cast<LocalOrdinal>(r))));
   }
   const std::vector<double> overlap = constraints.toOverlap(x);
   std::vector<double> image(overlap.size(), 0.0), t;
@@ -61,9 +61,8 @@ bool hasOrthonormalRows(const SubdomainSystem& system, const Constraints& constr
 
 // Entries of a subdomain sorted by dof: rows that share a copy stand together.
 std::vector<Constraints::Entry> byDof(std::vector<Constraints::Entry> entries) {
-  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) {
-    return std::tie(a.dof, a.row) < std::tie(b.dof, b.row);
-  });
+  std::sort(entries.begin(), entries.end(),
+            [](const auto& a, const auto& b) { return std::tie(a.dof, a.row) < std::tie(b.dof, b.row); });
   return entries;
 }
 
@@ -133,7 +132,8 @@ void scaleGroup(Iterator begin, Iterator end, std::vector<std::vector<ScaledEntr
       diagonal[static_cast<std::size_t>(rows[e->row])] += e->value * e->value * e->weight;
     for (Iterator e = begin; e != end; ++e)
       sends[static_cast<std::size_t>(e->rank)].push_back(
-          {e->row, e->value * e->weight / diagonal[static_cast<std::size_t>(rows[e->row])], e->place, e->dof});
+          {e->row, e->value * e->weight / diagonal[static_cast<std::size_t>(rows[e->row])], e->place,
+           e->dof});
     return;
   }
   std::vector<double> b(m * n, 0.0), weighted(m * n, 0.0), w(m * m, 0.0); // by columns

@@ -105,7 +105,8 @@ std::vector<int> fixingDofs(const LocalMatrix& matrix, const Kernel& kernel, int
   const int first = farthest(distance);
   distance = far;
   int taken = 0;
-  for (int next = first; taken < n && distance[static_cast<std::size_t>(next)] > 0; next = farthest(distance)) {
+  for (int next = first; taken < n && distance[static_cast<std::size_t>(next)] > 0;
+       next = farthest(distance)) {
     // Places are added until they hold the kernel, should the wanted number not do.
     if (taken >= places && holds(kernel, result))
       break;

@@ -14,8 +14,8 @@ namespace Harmos::feti {
 ///
 /// Each next place is the one farthest, in edges of the graph, from those chosen, beginning with one that is
 /// far from dof 0; deterministic. Places are added beyond the wanted number until the smallest singular value
-/// of the kernel's rows there is a tenth of what evenly spread dofs would give: three places at least that are
-/// not on a line for a solid.
+/// of the kernel's rows there is a tenth of what evenly spread dofs would give: three places at least that
+/// are not on a line for a solid.
 /// @param kernel with orthonormal columns. @return rising.
 std::vector<int> fixingDofs(const LocalMatrix& matrix, const Kernel& kernel, int places);
 

@@ -13,8 +13,19 @@
 namespace Harmos::feti {
 namespace {
 
+// What is known without an analysis: L has at least the entries of the lower triangle of K.
+FactorizationEstimate lowerBound(const LocalMatrix& matrix, const std::vector<int>& boundary) {
+  FactorizationEstimate estimate;
+  estimate.rows = matrix.rows();
+  estimate.boundary = static_cast<int>(boundary.size());
+  estimate.entries = 0.5 * (static_cast<double>(matrix.entries()) + estimate.rows);
+  return estimate;
+}
+
 // MUMPS' analysis of K with the boundary for Schur rows.
 FactorizationEstimate analyse(const LocalMatrix& matrix, const std::vector<int>& boundary) {
+  if (static_cast<int>(boundary.size()) == matrix.rows())
+    return lowerBound(matrix, boundary); // nothing is to be eliminated
   std::vector<int> rows, columns;
   for (int i = 0; i < matrix.rows(); ++i)
     for (std::size_t k = matrix.offsets[static_cast<std::size_t>(i)];
@@ -32,15 +43,6 @@ FactorizationEstimate analyse(const LocalMatrix& matrix, const std::vector<int>&
   const double b = estimate.boundary;
   estimate.entries = std::max(mumps.statistics().factorEntries - b * b, static_cast<double>(estimate.rows));
   estimate.flops = mumps.statistics().factorizationFlops;
-  return estimate;
-}
-
-// What is known without an analysis: L has at least the entries of the lower triangle of K.
-FactorizationEstimate lowerBound(const LocalMatrix& matrix, const std::vector<int>& boundary) {
-  FactorizationEstimate estimate;
-  estimate.rows = matrix.rows();
-  estimate.boundary = static_cast<int>(boundary.size());
-  estimate.entries = 0.5 * (static_cast<double>(matrix.entries()) + estimate.rows);
   return estimate;
 }
 
@@ -67,8 +69,8 @@ FormPrediction sumOverClasses(DualForm form, const SubdomainSystem& system,
 
 std::string describe(const char* name, const FormPrediction& p, int products) {
   std::ostringstream text;
-  text << std::setprecision(2) << name << " " << p.seconds(products) << " s and " << std::ceil(p.bytes / 1048576.0)
-       << " MiB a rank";
+  text << std::setprecision(2) << name << " " << p.seconds(products) << " s and "
+       << std::ceil(p.bytes / 1048576.0) << " MiB a rank";
   return text.str();
 }
 
@@ -102,11 +104,12 @@ FormPrediction predict(DualForm form, const FactorizationEstimate& estimate, int
   const double word = options.precision == Precision::Single ? 4.0 : 8.0;
   const bool packed = members < 3;
   const double block = word * b * b * (packed ? 0.5 : 1.0);
-  const double product = packed ? m * block / rates.streamBytes : m * 2.0 * b * b / rates.denseFlops * word / 8.0;
+  const double product =
+      packed ? m * block / rates.streamBytes : m * 2.0 * b * b / rates.denseFlops * word / 8.0;
   const double blocks = options.keepSchur ? 2.0 : 1.0;
   p.setupSeconds += b * b * b / rates.denseFlops;
   p.productSeconds = blocks * product;
-  p.bytes += blocks * block;
+  p.bytes += blocks * block + 8.0 * b * b; // MUMPS keeps a copy of S
   return p;
 }
 
@@ -132,8 +135,8 @@ FormChoice chooseForm(const SubdomainSystem& system, const Constraints& constrai
       choice.condensed = sumOverClasses(DualForm::Condensed, system, classes, largest, estimate, options);
     };
     predictWith(lowerBound(matrix, classes[largest].boundary));
-    const bool isClear = budgetMiB == 0.0 &&
-                         choice.condensed.seconds(expectedProducts) < choice.implicit.seconds(expectedProducts);
+    const bool isClear = budgetMiB == 0.0 && choice.condensed.seconds(expectedProducts) <
+                                                 choice.implicit.seconds(expectedProducts);
     if (!isClear)
       predictWith(analyse(matrix, classes[largest].boundary));
     wasAnalysed = isClear ? 0 : 1;
@@ -144,17 +147,21 @@ FormChoice chooseForm(const SubdomainSystem& system, const Constraints& constrai
     for (double* value : {&p->setupSeconds, &p->productSeconds, &p->bytes})
       *value = globalMax(comm, *value);
 
-  const auto fits = [&](const FormPrediction& p) { return budgetMiB == 0.0 || p.bytes <= budgetMiB * 1048576.0; };
+  const auto fits = [&](const FormPrediction& p) {
+    return budgetMiB == 0.0 || p.bytes <= budgetMiB * 1048576.0;
+  };
   const bool implicitAllowed = (wanted == nullptr || *wanted == DualForm::Implicit) && fits(choice.implicit);
-  const bool condensedAllowed = (wanted == nullptr || *wanted == DualForm::Condensed) && fits(choice.condensed);
+  const bool condensedAllowed =
+      (wanted == nullptr || *wanted == DualForm::Condensed) && fits(choice.condensed);
   const std::string both = describe("implicit", choice.implicit, expectedProducts) + ", " +
                            describe("condensed", choice.condensed, expectedProducts);
   if (!implicitAllowed && !condensedAllowed)
-    throw InputError("the memory budget of " + std::to_string(static_cast<long long>(budgetMiB)) +
-                         " MiB a rank does not suffice; expected: " + both +
-                         ". Raise it, use more ranks, smaller subdomains, single precision, or share identical "
-                         "subdomains",
-                     {{"path", "Dual operator/Memory budget MiB"}});
+    throw InputError(
+        "the memory budget of " + std::to_string(static_cast<long long>(budgetMiB)) +
+            " MiB a rank does not suffice; expected: " + both +
+            ". Raise it, use more ranks, smaller subdomains, single precision, or share identical "
+            "subdomains",
+        {{"path", "Dual operator/Memory budget MiB"}});
   const bool faster = choice.condensed.seconds(expectedProducts) <= choice.implicit.seconds(expectedProducts);
   choice.form = condensedAllowed && (faster || !implicitAllowed) ? DualForm::Condensed : DualForm::Implicit;
   choice.reason = std::string("Dual operator: ") + toString(choice.form) + ", expected for " +

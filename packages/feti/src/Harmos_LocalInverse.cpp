@@ -15,7 +15,8 @@
 namespace Harmos::feti {
 namespace {
 
-// Vectors that are solved for at once: MUMPS then works with matrix-matrix products, and the copies stay small.
+// Vectors that are solved for at once: MUMPS then works with matrix-matrix products, and the copies stay
+// small.
 constexpr int mostColumns = 32;
 
 // Calls work(first, number) for parts of count columns.
@@ -51,11 +52,13 @@ void throughAllDofs(int n, const std::vector<int>& boundary, const double* t, do
     x.assign(size * static_cast<std::size_t>(number), 0.0);
     for (std::size_t c = 0; c < static_cast<std::size_t>(number); ++c)
       for (std::size_t k = 0; k < b; ++k)
-        x[c * size + static_cast<std::size_t>(boundary[k])] = t[(static_cast<std::size_t>(first) + c) * b + k];
+        x[c * size + static_cast<std::size_t>(boundary[k])] =
+            t[(static_cast<std::size_t>(first) + c) * b + k];
     work(x.data(), number);
     for (std::size_t c = 0; c < static_cast<std::size_t>(number); ++c)
       for (std::size_t k = 0; k < b; ++k)
-        u[(static_cast<std::size_t>(first) + c) * b + k] = x[c * size + static_cast<std::size_t>(boundary[k])];
+        u[(static_cast<std::size_t>(first) + c) * b + k] =
+            x[c * size + static_cast<std::size_t>(boundary[k])];
   });
 }
 
@@ -103,7 +106,9 @@ class SchurBySolves : public BoundaryOperator {
   }
 
   double bytes() const override { return interiorSolve_->bytes(); }
-  double bytesRead(int count) const override { return 2.0 * bytes() * std::ceil(count / double(mostColumns)); }
+  double bytesRead(int count) const override {
+    return 2.0 * bytes() * std::ceil(count / double(mostColumns));
+  }
   double flops() const override { return interiorSolve_->flops(); }
 
  private:
@@ -122,7 +127,8 @@ class ImplicitInverse : public LocalInverse {
 
   void apply(double* x, int count) const override {
     const auto n = static_cast<std::size_t>(matrix_.rows());
-    inParts(count, [&](int first, int number) { solve_.solve(x + static_cast<std::size_t>(first) * n, number); });
+    inParts(count,
+            [&](int first, int number) { solve_.solve(x + static_cast<std::size_t>(first) * n, number); });
   }
 
   const BoundaryOperator& boundaryOperator() const override { return boundary_; }
@@ -160,15 +166,15 @@ class ImplicitInverse : public LocalInverse {
   Restriction boundary_;
 };
 
-
 // Inverse of a dense symmetric positive definite matrix, whole.
 void invert(std::vector<double>& a, int n) {
   int info = 0;
   Teuchos::LAPACK<int, double> lapack;
   lapack.POTRF('L', n, a.data(), n, &info);
   if (info > 0)
-    throw NumericalError("the Schur complement is not positive definite on the complement of the kernel (order " +
-                         std::to_string(info) + " of " + std::to_string(n) + ")");
+    throw NumericalError(
+        "the Schur complement is not positive definite on the complement of the kernel (order " +
+        std::to_string(info) + " of " + std::to_string(n) + ")");
   HARMOS_REQUIRE(info == 0, "dpotrf refused its arguments");
   lapack.POTRI('L', n, a.data(), n, &info);
   HARMOS_REQUIRE(info == 0, "dpotri failed");
@@ -193,18 +199,7 @@ class CondensedInverse : public LocalInverse {
   CondensedInverse(const LocalMatrix& matrix, const Kernel& kernel, const std::vector<int>& boundary,
                    int columns, const LocalInverseSettings& settings, OrderingCache& orderings)
       : n_(matrix.rows()), b_(static_cast<int>(boundary.size())) {
-    MumpsOptions options;
-    options.blockLowRank = settings.blockLowRank;
-    std::vector<int>& position = orderings[{patternHash(matrix), boundary}];
-    if (!position.empty())
-      options.ordering = MumpsOptions::Ordering::Given;
-    mumps_ = std::make_unique<Mumps>(MPI_COMM_SELF, options);
-    Triplets triplets(matrix);
-    mumps_->analyse(n_, std::move(triplets.rows), std::move(triplets.columns), boundary, position);
-    if (position.empty())
-      position = mumps_->ordering();
-    mumps_->factorize(std::move(triplets.values));
-    std::vector<double> s = mumps_->schurComplement();
+    std::vector<double> s = condense(matrix, boundary, settings, orderings);
     if (settings.keepSchur)
       schur_ = std::make_shared<DenseOperator>(s, b_, settings.precision, columns);
     if (kernel.columns > 0) {
@@ -229,6 +224,11 @@ class CondensedInverse : public LocalInverse {
       double* part = x + static_cast<std::size_t>(first) * static_cast<std::size_t>(n_);
       reduced.resize(static_cast<std::size_t>(b_) * static_cast<std::size_t>(number));
       boundary.resize(reduced.size());
+      if (mumps_ == nullptr) { // all dofs are on the boundary
+        inverse_->apply(part, boundary.data(), number);
+        std::copy(boundary.begin(), boundary.end(), part);
+        return;
+      }
       mumps_->condense(part, reduced.data(), number);
       inverse_->apply(reduced.data(), boundary.data(), number);
       mumps_->expand(part, boundary.data(), number);
@@ -243,13 +243,39 @@ class CondensedInverse : public LocalInverse {
   }
 
   double bytes() const override {
-    return 8.0 * mumps_->statistics().factorEntries + inverse_->bytes() + (schur_ ? schur_->bytes() : 0.0);
+    const double factors = mumps_ == nullptr ? 0.0 : 8.0 * mumps_->statistics().factorEntries;
+    return factors + inverse_->bytes() + (schur_ ? schur_->bytes() : 0.0);
   }
 
  private:
+  // S; keeps the factorisation of K_ii, if there is an interior.
+  std::vector<double> condense(const LocalMatrix& matrix, const std::vector<int>& boundary,
+                               const LocalInverseSettings& settings, OrderingCache& orderings) {
+    if (b_ == n_) {
+      std::vector<double> whole(static_cast<std::size_t>(n_) * static_cast<std::size_t>(n_), 0.0);
+      for (std::size_t i = 0; i + 1 < matrix.offsets.size(); ++i)
+        for (std::size_t k = matrix.offsets[i]; k < matrix.offsets[i + 1]; ++k)
+          whole[static_cast<std::size_t>(matrix.columns[k]) * static_cast<std::size_t>(n_) + i] =
+              matrix.values[k];
+      return whole;
+    }
+    MumpsOptions options;
+    options.blockLowRank = settings.blockLowRank;
+    std::vector<int>& position = orderings[{patternHash(matrix), boundary}];
+    if (!position.empty())
+      options.ordering = MumpsOptions::Ordering::Given;
+    mumps_ = std::make_unique<Mumps>(MPI_COMM_SELF, options);
+    Triplets triplets(matrix);
+    mumps_->analyse(n_, std::move(triplets.rows), std::move(triplets.columns), boundary, position);
+    if (position.empty())
+      position = mumps_->ordering();
+    mumps_->factorize(std::move(triplets.values));
+    return mumps_->schurComplement();
+  }
+
   int n_;
   int b_;
-  std::unique_ptr<Mumps> mumps_;
+  std::unique_ptr<Mumps> mumps_; ///< of K_ii, with b for Schur rows
   std::unique_ptr<DenseOperator> inverse_;
   std::shared_ptr<const DenseOperator> schur_;
 };
@@ -295,7 +321,8 @@ std::unique_ptr<LocalInverse> makeImplicitInverse(const LocalMatrix& matrix, con
   if (kernel.columns == 0)
     return std::make_unique<ImplicitInverse>(matrix, matrix, boundary, settings);
   return std::make_unique<ImplicitInverse>(
-      matrix, regularized(matrix, kernel, fixingDofs(matrix, kernel, settings.fixingPlaces)), boundary, settings);
+      matrix, regularized(matrix, kernel, fixingDofs(matrix, kernel, settings.fixingPlaces)), boundary,
+      settings);
 }
 
 std::unique_ptr<LocalInverse> makeCondensedInverse(const LocalMatrix& matrix, const Kernel& kernel,
@@ -323,15 +350,16 @@ std::vector<int> boundaryWithSupport(const LocalMatrix& matrix, const Kernel& ke
 
 InverseQuality inverseQuality(const LocalMatrix& matrix, const Kernel& kernel, const LocalInverse& inverse) {
   const auto n = static_cast<std::size_t>(matrix.rows());
-  // First column: Kx, for the defect. Second: b outside of the range of K. K⁺ of a right-hand side in the
-  // range of K cannot show a motion that K does not resist and R does not contain: K wipes the spurious part
-  // out again. That of any other b is dominated by it, because the regularised matrix then has an eigenvalue
-  // at the level of rounding errors. Otherwise v is an ordinary vector, of which K leaves a part of the size
-  // of 1/κ at least.
+  // First column: Kx, for the defect. Second: b outside of the range of K, with much of the slow modes. K⁺ of
+  // a right-hand side in the range of K cannot show a motion that K does not resist and R does not contain: K
+  // wipes the spurious part out again. That of any other b is dominated by it, because the regularised matrix
+  // then has an eigenvalue at the level of rounding errors. Otherwise v is an ordinary vector, of which K
+  // leaves a part of the size of 1/κ at least.
   std::vector<double> x(n), columns(2 * n), image(n), b(n);
   for (std::size_t i = 0; i < n; ++i) {
     x[i] = std::sin(1.0 + 1.7 * static_cast<double>(i) + 0.3 * static_cast<double>(i % 7));
-    b[i] = std::cos(0.5 + 2.3 * static_cast<double>(i) + 0.1 * static_cast<double>(i % 5));
+    b[i] = (2 * i < n ? 1.0 : -1.0) +
+           0.5 * std::cos(0.5 + 2.3 * static_cast<double>(i) + 0.1 * static_cast<double>(i % 5));
   }
   removeKernel(kernel, b); // the known motions answer b with their own part, which is not looked for
   std::vector<double> kx(n);
@@ -378,7 +406,8 @@ std::string causeOfHiddenMotion(const LocalMatrix& matrix, const Kernel& kernel)
            " parts that are not connected; make a subdomain of each, or connect them";
   if (kernel.columns == 0)
     return "it lacks support: its Dirichlet conditions, or what else is to hold it, leave it movable";
-  return "it contains a mechanism or a hinge: parts that are joined at too few nodes, or a material of almost no "
+  return "it contains a mechanism or a hinge: parts that are joined at too few nodes, or a material of "
+         "almost no "
          "stiffness";
 }
 

@@ -58,8 +58,8 @@ class OrderingCache {
   std::map<Key, std::vector<int>> positions_;
 };
 
-/// K⁺ = (K + ρN(NᵀN)⁻¹Nᵀ)⁻¹ by a sparse Cholesky factorisation; see regularized(). A product on the boundary is a
-/// solve.
+/// K⁺ = (K + ρN(NᵀN)⁻¹Nᵀ)⁻¹ by a sparse Cholesky factorisation; see regularized(). A product on the boundary
+/// is a solve.
 ///
 /// With Precision::Single the factors are in single precision, and each solve is followed by one step of
 /// iterative refinement with a residual in double.
@@ -70,7 +70,8 @@ std::unique_ptr<LocalInverse> makeImplicitInverse(const LocalMatrix& matrix, con
 
 /// With S the Schur complement on b and R_b the rows of the kernel there,
 ///
-///     (K⁺)_bb = S⁺ = (S + ρR_b(R_bᵀR_b)⁻¹R_bᵀ)⁻¹,   u_b = S⁺(f_b − K_bi K_ii⁻¹ f_i),   u_i = K_ii⁻¹(f_i − K_ib u_b)
+///     (K⁺)_bb = S⁺ = (S + ρR_b(R_bᵀR_b)⁻¹R_bᵀ)⁻¹,   u_b = S⁺(f_b − K_bi K_ii⁻¹ f_i),   u_i = K_ii⁻¹(f_i −
+///     K_ib u_b)
 ///
 /// S⁺ is a dense matrix: a product on the boundary is one with it. Needs R_b of full column rank; see
 /// boundaryWithSupport().
@@ -79,22 +80,23 @@ std::unique_ptr<LocalInverse> makeCondensedInverse(const LocalMatrix& matrix, co
                                                    const LocalInverseSettings& settings,
                                                    OrderingCache& orderings);
 
-/// The boundary, extended by fixing dofs where it alone would not hold the kernel (a subdomain that is touched
-/// at one node) or where it is empty.
+/// The boundary, extended by fixing dofs where it alone would not hold the kernel (a subdomain that is
+/// touched at one node) or where it is empty.
 std::vector<int> boundaryWithSupport(const LocalMatrix& matrix, const Kernel& kernel,
                                      const std::vector<int>& boundary, int fixingPlaces);
 
 /// How well an inverse does, found with two fixed pseudo-random vectors.
 struct InverseQuality {
-  double defect = 0.0;     ///< ‖KK⁺Kx − Kx‖/‖Kx‖
-  double resistance = 0.0; ///< ‖Kv‖/(‖K‖‖v‖), v = (I − RRᵀ)K⁺b: rounding errors if K has a kernel that R misses
+  double defect = 0.0; ///< ‖KK⁺Kx − Kx‖/‖Kx‖
+  double resistance =
+      0.0; ///< ‖Kv‖/(‖K‖‖v‖), v = (I − RRᵀ)K⁺b: rounding errors if K has a kernel that R misses
   /// An estimate from below of the condition number of K on the complement of its kernel.
   double condition() const { return 1.0 / resistance; }
 };
 InverseQuality inverseQuality(const LocalMatrix& matrix, const Kernel& kernel, const LocalInverse& inverse);
 
-/// Number of null pivots that MUMPS finds in K (LDLᵀ, threshold 1e-8): to compare with the kernel's dimension.
-/// A cross-check only, which can miscount where materials vary much.
+/// Number of null pivots that MUMPS finds in K (LDLᵀ, threshold 1e-8): to compare with the kernel's
+/// dimension. A cross-check only, which can miscount where materials vary much.
 int countNullPivots(const LocalMatrix& matrix);
 
 /// Why a matrix may have a kernel that was not expected, in words for an error message.

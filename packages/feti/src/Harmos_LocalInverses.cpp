@@ -33,28 +33,29 @@ void verify(const LocalMatrix& matrix, const Kernel& kernel, const InverseQualit
   if (!(quality.resistance > hiddenTolerance))
     throw NumericalError("subdomain " + number +
                              " has a motion that its matrix does not resist and its kernel of dimension " +
-                             std::to_string(kernel.columns) +
-                             " does not contain: ‖Kv‖/(‖K‖‖v‖) = " + scientific(quality.resistance) + "; " +
-                             causeOfHiddenMotion(matrix, kernel),
+                             std::to_string(kernel.columns) + " does not contain: ‖Kv‖/(‖K‖‖v‖) = " +
+                             scientific(quality.resistance) + "; " + causeOfHiddenMotion(matrix, kernel),
                          {{"subdomain", number}, {"resistance", scientific(quality.resistance)}});
-  const double tolerance = options.precision == Precision::Single || options.blockLowRank > 0.0
-                               ? std::max(inverseToleranceSingle, 10.0 * options.blockLowRank * quality.condition())
-                               : inverseTolerance;
+  const double tolerance =
+      options.precision == Precision::Single || options.blockLowRank > 0.0
+          ? std::max(inverseToleranceSingle, 10.0 * options.blockLowRank * quality.condition())
+          : inverseTolerance;
   if (!(quality.defect <= tolerance))
     throw NumericalError("subdomain " + number + ": ‖KK⁺Kx − Kx‖/‖Kx‖ = " + scientific(quality.defect) +
                              ", at most " + scientific(tolerance, 0) +
                              " was expected; its material varies too much, or its kernel of dimension " +
-                             std::to_string(kernel.columns) + " is too small: " +
-                             causeOfHiddenMotion(matrix, kernel),
+                             std::to_string(kernel.columns) +
+                             " is too small: " + causeOfHiddenMotion(matrix, kernel),
                          {{"subdomain", number}, {"defect", scientific(quality.defect)}});
   if (options.checkNullPivots) {
     const int pivots = countNullPivots(matrix);
     if (pivots != kernel.columns)
-      throw NumericalError("subdomain " + number + ": MUMPS finds " + std::to_string(pivots) +
-                               " null pivots, its kernel has dimension " + std::to_string(kernel.columns) + "; " +
-                               (pivots > kernel.columns ? causeOfHiddenMotion(matrix, kernel)
-                                                        : "the check misses pivots where materials vary much"),
-                           {{"subdomain", number}, {"null pivots", std::to_string(pivots)}});
+      throw NumericalError(
+          "subdomain " + number + ": MUMPS finds " + std::to_string(pivots) +
+              " null pivots, its kernel has dimension " + std::to_string(kernel.columns) + "; " +
+              (pivots > kernel.columns ? causeOfHiddenMotion(matrix, kernel)
+                                       : "the check misses pivots where materials vary much"),
+          {{"subdomain", number}, {"null pivots", std::to_string(pivots)}});
   }
 }
 
@@ -106,13 +107,14 @@ LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints
       const Kernel& kernel = system.kernel(first);
       const std::string number = std::to_string(system.subdomain(first).number);
       try {
-        inverses.push_back(
-            options.form == DualForm::Implicit
-                ? makeImplicitInverse(matrix, kernel, item.boundary, options)
-                : makeCondensedInverse(matrix, kernel, item.boundary, static_cast<int>(item.members.size()),
-                                       options, orderings));
+        inverses.push_back(options.form == DualForm::Implicit
+                               ? makeImplicitInverse(matrix, kernel, item.boundary, options)
+                               : makeCondensedInverse(matrix, kernel, item.boundary,
+                                                      static_cast<int>(item.members.size()), options,
+                                                      orderings));
       } catch (const NumericalError& error) {
-        throw NumericalError("subdomain " + number + ": " + error.what() + "; " + causeOfHiddenMotion(matrix, kernel),
+        throw NumericalError("subdomain " + number + ": " + error.what() + "; " +
+                                 causeOfHiddenMotion(matrix, kernel),
                              {{"subdomain", number}});
       }
       const InverseQuality quality = inverseQuality(matrix, kernel, *inverses.back());

@@ -57,7 +57,8 @@ class LocalInverses {
   double bytes() const;
 
  private:
-  friend LocalInverses makeLocalInverses(const SubdomainSystem&, const Constraints&, const LocalInverseOptions&);
+  friend LocalInverses makeLocalInverses(const SubdomainSystem&, const Constraints&,
+                                         const LocalInverseOptions&);
 
   std::vector<CongruenceClass> classes_;
   std::vector<std::unique_ptr<LocalInverse>> inverses_;

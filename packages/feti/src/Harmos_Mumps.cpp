@@ -341,7 +341,8 @@ class EngineOf : public Mumps::Engine {
     constexpr double mostEntries = 2e9;
     const bool large = entries > mostEntries;
     const double length = large ? 1e6 * std::ceil(1e-6 * entries) : std::ceil(entries);
-    mumps_.wk_user = static_cast<Value*>(workspace_.allocate(static_cast<std::size_t>(length) * sizeof(Value)));
+    mumps_.wk_user =
+        static_cast<Value*>(workspace_.allocate(static_cast<std::size_t>(length) * sizeof(Value)));
     mumps_.lwk_user = static_cast<MUMPS_INT>(large ? -1e-6 * length : length);
   }
 

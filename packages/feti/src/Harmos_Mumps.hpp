@@ -13,7 +13,16 @@ struct MumpsOptions {
   /// MUMPS' SYM. With a symmetric kind, one triangle is to be given: MUMPS sums what it gets twice.
   enum class Symmetry { General = 0, PositiveDefinite = 1, Symmetric = 2 };
   /// ICNTL(7); MUMPS falls back to another ordering where it was built without the wanted one.
-  enum class Ordering { Amd = 0, Given = 1, Amf = 2, Scotch = 3, Pord = 4, Metis = 5, Qamd = 6, Automatic = 7 };
+  enum class Ordering {
+    Amd = 0,
+    Given = 1,
+    Amf = 2,
+    Scotch = 3,
+    Pord = 4,
+    Metis = 5,
+    Qamd = 6,
+    Automatic = 7
+  };
   enum class Precision { Double, Single };
 
   Symmetry symmetry = Symmetry::PositiveDefinite;
@@ -46,7 +55,7 @@ struct MumpsOptions {
 class Mumps {
  public:
   struct Statistics {
-    double factorEntries = 0.0;      ///< entries of the factors, INFOG(29); estimated by the analysis, INFOG(20)
+    double factorEntries = 0.0; ///< entries of the factors, INFOG(29); estimated by the analysis, INFOG(20)
     double factorizationFlops = 0.0; ///< RINFOG(3); estimated by the analysis, RINFOG(1)
     double memoryMiB = 0.0;          ///< on all ranks of the communicator, INFOG(22); estimated, INFOG(17)
   };
@@ -57,7 +66,8 @@ class Mumps {
   Mumps& operator=(const Mumps&) = delete;
 
   /// Analysis. @param rows, columns one-based; only the root's are read. @param schurRows zero-based.
-  /// @param position for Ordering::Given: of each row in the order of elimination, one-based, Schur rows last.
+  /// @param position for Ordering::Given: of each row in the order of elimination, one-based, Schur rows
+  /// last.
   void analyse(int order, std::vector<int> rows, std::vector<int> columns, std::vector<int> schurRows = {},
                const std::vector<int>& position = {});
 

@@ -109,10 +109,10 @@ class MumpsSolver : public Amesos2::SolverCore<MumpsSolver, Matrix, Vector>, pub
     static const Teuchos::RCP<const Teuchos::ParameterList> valid = [] {
       const MumpsOptions defaults;
       const auto list = Teuchos::parameterList();
-      Teuchos::setStringToIntegralParameter<int>("Symmetry", "positive definite",
-                                                 "Kind of the factorisation.",
-                                                 Teuchos::tuple<std::string>("general", "positive definite", "symmetric"),
-                                                 Teuchos::tuple<int>(0, 1, 2), list.get());
+      Teuchos::setStringToIntegralParameter<int>(
+          "Symmetry", "positive definite", "Kind of the factorisation.",
+          Teuchos::tuple<std::string>("general", "positive definite", "symmetric"),
+          Teuchos::tuple<int>(0, 1, 2), list.get());
       Teuchos::setStringToIntegralParameter<int>(
           "Ordering", "METIS", "Order of elimination.",
           Teuchos::tuple<std::string>("AMD", "AMF", "SCOTCH", "PORD", "METIS", "QAMD", "automatic"),

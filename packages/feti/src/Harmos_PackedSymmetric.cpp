@@ -14,7 +14,7 @@ constexpr std::size_t tile = width * width;
 constexpr std::size_t ahead = 32;
 
 namespace Portable {
-#include "Harmos_PackedSymmetric_product.hpp"
+#include "Harmos_PackedSymmetric_product.inc"
 } // namespace Portable
 
 // The same source compiled for wider registers as well, chosen when the program runs. Not by target_clones:
@@ -23,7 +23,7 @@ namespace Portable {
 #pragma GCC push_options
 #pragma GCC target("avx2,fma")
 namespace Wide {
-#include "Harmos_PackedSymmetric_product.hpp"
+#include "Harmos_PackedSymmetric_product.inc"
 } // namespace Wide
 #pragma GCC pop_options
 

@@ -54,17 +54,17 @@ TornSolution recover(const SubdomainSystem& system, const Constraints& constrain
           constraints.addBt(i, overlap.data(), load.data());
           for (std::size_t j = 0; j < n; ++j)
             load[j] = system.rhs(i)[j] - load[j];
-          // Gλ vanishes to the tolerance only, so that the loads are not quite in balance. K⁺ would answer the
-          // rest by point forces where it holds the kernel, and u depend on the choice: R_iᵀ of the loads is
-          // taken out.
+          // Gλ vanishes to the tolerance only, so that the loads are not quite in balance. K⁺ would answer
+          // the rest by point forces where it holds the kernel, and u depend on the choice: R_iᵀ of the loads
+          // is taken out.
           removeKernel(system.kernel(i), load);
           std::copy(load.begin(), load.end(), x.begin() + static_cast<std::ptrdiff_t>(m * n));
         }
         inverses.inverse(c).apply(x.data(), static_cast<int>(count));
         for (std::size_t m = 0; m < count; ++m)
-          solution.displacement[static_cast<std::size_t>(members[begin + m])]
-              .assign(x.begin() + static_cast<std::ptrdiff_t>(m * n),
-                      x.begin() + static_cast<std::ptrdiff_t>((m + 1) * n));
+          solution.displacement[static_cast<std::size_t>(members[begin + m])].assign(
+              x.begin() + static_cast<std::ptrdiff_t>(m * n),
+              x.begin() + static_cast<std::ptrdiff_t>((m + 1) * n));
       }
     }
   });
@@ -98,7 +98,8 @@ TornSolution recover(const SubdomainSystem& system, const Constraints& constrain
       if (mask(r, 0) == 0.0)
         continue;
       double remaining = gap(r, 0);
-      coarse.forRow(row, [&](int k, double value) { remaining -= value * alpha[static_cast<std::size_t>(k)]; });
+      coarse.forRow(row,
+                    [&](int k, double value) { remaining -= value * alpha[static_cast<std::size_t>(k)]; });
       coarse.forRow(row, [&](int k, double value) { rhs[static_cast<std::size_t>(k)] += value * remaining; });
     }
   }

@@ -6,17 +6,18 @@
 namespace Harmos::feti {
 
 /// A = LLᵀ of a sparse symmetric positive semidefinite matrix, in METIS' nested dissection order, with rows
-/// left out whose pivot is a rounding error: it reveals the rank like PivotedCholesky, which it replaces where
-/// the matrix is too large to be dense. Unlike the solvers behind Amesos2 it gives L⁻¹ and L⁻ᵀ apart.
+/// left out whose pivot is a rounding error: it reveals the rank like PivotedCholesky, which it replaces
+/// where the matrix is too large to be dense. Unlike the solvers behind Amesos2 it gives L⁻¹ and L⁻ᵀ apart.
 ///
-/// Up-looking, by the elimination tree (Davis: Direct methods for sparse linear systems, SIAM 2006, chapter 4).
-/// Guarded by tests/unit/feti/test_sparse_cholesky.cpp.
+/// Up-looking, by the elimination tree (Davis: Direct methods for sparse linear systems, SIAM 2006, chapter
+/// 4). Guarded by tests/unit/feti/test_sparse_cholesky.cpp.
 class SparseCholesky {
  public:
   SparseCholesky() = default;
 
   /// @param rows, columns, values the lower triangle, entry by entry, each place once.
-  /// @param relativeThreshold pivots up to this part of the largest diagonal entry count as zero; nε at least.
+  /// @param relativeThreshold pivots up to this part of the largest diagonal entry count as zero; nε at
+  /// least.
   SparseCholesky(int n, const std::vector<int>& rows, const std::vector<int>& columns,
                  const std::vector<double>& values, double relativeThreshold = 0.0);
 

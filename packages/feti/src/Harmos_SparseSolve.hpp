@@ -12,7 +12,8 @@
 
 namespace Harmos::feti {
 
-/// The factorisation of one rank's sparse symmetric positive definite matrix, by any solver that Amesos2 offers.
+/// The factorisation of one rank's sparse symmetric positive definite matrix, by any solver that Amesos2
+/// offers.
 class SparseSolve {
  public:
   /// @param solver "MUMPS" for Harmos' own adapter, or a name that Amesos2 knows: "KLU2", ...

@@ -149,7 +149,8 @@ void SubdomainSystem::checkInput() const {
   std::set<const void*> checked; // what is shared is looked at once
   for (const Subdomain& s : subdomains_) {
     if (!s.stiffness || !s.motions || !s.load || !s.interface)
-      throw InputError(name(s) + " has no stiffness matrix, kernel, load or list of interface dofs", dataOf(s));
+      throw InputError(name(s) + " has no stiffness matrix, kernel, load or list of interface dofs",
+                       dataOf(s));
     const int n = s.stiffness->rows();
     const auto length = static_cast<std::size_t>(n);
     if (s.load->size() != length || s.motions->rows != n)

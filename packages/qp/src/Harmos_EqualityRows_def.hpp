@@ -100,8 +100,8 @@ Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::faceGram(const LocalA
   }
   const auto rows = static_cast<int>(MVT::GetGlobalLength(*values_));
   // The rows are orthonormal before they are restricted: pivots are relative to 1.
-  return Teuchos::rcp(
-      new DenseFaceGram(PivotedCholesky(gramOf(&active), rows, 1e2 * std::numeric_limits<double>::epsilon())));
+  return Teuchos::rcp(new DenseFaceGram(
+      PivotedCholesky(gramOf(&active), rows, 1e2 * std::numeric_limits<double>::epsilon())));
 }
 
 template<class Scalar, class MV, class OP>

@@ -104,8 +104,8 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
   };
 
   // What is reported and believed is the gradient at the projection of x, computed anew; or the one that was
-  // carried along, where x is within the bounds to the last bit and the rounding errors that may have gathered
-  // are below a tenth of it.
+  // carried along, where x is within the bounds to the last bit and the rounding errors that may have
+  // gathered are below a tenth of it.
   const auto measure = [&](const Cg& cg, int inner, bool feasible) {
     if (feasible && cg.staleness() > 0) {
       cg.lagrangianGradient(*y);

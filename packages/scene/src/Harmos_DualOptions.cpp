@@ -13,31 +13,35 @@ void DualOptions::addTo(ParameterSpec& deck) {
                {"condensed", "a dense matrix for the boundary of each subdomain: fastest products"},
                {"auto", "the faster of the two by the cost model, within the memory budget"}},
               "How products with F are made.");
-  dual.boolean("Share identical subdomains", defaults.inverses.share,
-               "Subdomains with equal matrices share one factorisation, and products with all of them are made "
-               "at once.");
-  dual.choice("Preconditioner", "Dirichlet",
-              {{"none", "no preconditioner"},
-               {"lumped", "the boundary block of the stiffness matrix: cheap, weaker"},
-               {"Dirichlet", "the Schur complement of the stiffness matrix; free to set up in the condensed form"}},
-              "Approximation of the inverse of F.");
+  dual.boolean(
+      "Share identical subdomains", defaults.inverses.share,
+      "Subdomains with equal matrices share one factorisation, and products with all of them are made "
+      "at once.");
+  dual.choice(
+      "Preconditioner", "Dirichlet",
+      {{"none", "no preconditioner"},
+       {"lumped", "the boundary block of the stiffness matrix: cheap, weaker"},
+       {"Dirichlet", "the Schur complement of the stiffness matrix; free to set up in the condensed form"}},
+      "Approximation of the inverse of F.");
   dual.choice("Scaling", "multiplicity",
               {{"multiplicity", "copies of a dof share a jump equally"},
                {"stiffness", "the softer copy takes more of it: for materials that jump across interfaces"}},
               "Scaling of the preconditioner.");
-  dual.choice("Precision", "double",
-              {{"double", "64 bits"},
-               {"single", "dense blocks (condensed) or factors (implicit) in 32 bits, sums in 64: half the memory; "
-                          "tolerances below 1e-6 are out of reach"}},
-              "In which precision blocks and factors are kept.");
+  dual.choice(
+      "Precision", "double",
+      {{"double", "64 bits"},
+       {"single", "dense blocks (condensed) or factors (implicit) in 32 bits, sums in 64: half the memory; "
+                  "tolerances below 1e-6 are out of reach"}},
+      "In which precision blocks and factors are kept.");
   dual.text("Implicit solver", defaults.inverses.implicitSolver,
             "Sparse direct solver of the implicit form: MUMPS (Harmos' own adapter), or a name that Amesos2 "
             "knows, such as KLU2.");
   dual.real("Block low rank tolerance", defaults.inverses.blockLowRank, Range::within(0.0, 1.0),
             "Relative accuracy to which MUMPS compresses factors; 0 for exact factors.");
-  dual.integer("Fixing places", defaults.inverses.fixingPlaces, 1, 1000,
-               "Places at which a floating subdomain is held in its generalised inverse; more are added where they "
-               "do not hold all rigid motions.");
+  dual.integer(
+      "Fixing places", defaults.inverses.fixingPlaces, 1, 1000,
+      "Places at which a floating subdomain is held in its generalised inverse; more are added where they "
+      "do not hold all rigid motions.");
   dual.boolean("Check null pivots", defaults.inverses.checkNullPivots,
                "Compare each kernel with the null pivots that MUMPS finds; costs a factorisation more.");
   dual.integer("Expected products", defaults.expectedProducts, 1, 1000000,
@@ -56,8 +60,9 @@ DualOptions DualOptions::fromList(const Teuchos::ParameterList& list) {
   options.preconditioner = kind == "none"     ? feti::PreconditionerKind::None
                            : kind == "lumped" ? feti::PreconditionerKind::Lumped
                                               : feti::PreconditionerKind::Dirichlet;
-  options.scaling = list.get<std::string>("Scaling") == "stiffness" ? feti::PreconditionerScaling::Stiffness
-                                                                    : feti::PreconditionerScaling::Multiplicity;
+  options.scaling = list.get<std::string>("Scaling") == "stiffness"
+                        ? feti::PreconditionerScaling::Stiffness
+                        : feti::PreconditionerScaling::Multiplicity;
   options.expectedProducts = list.get<int>("Expected products");
   options.memoryBudgetMiB = list.get<int>("Memory budget MiB");
   feti::LocalInverseOptions& inverses = options.inverses;

@@ -374,8 +374,8 @@ void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& 
     const auto scope = timers.scope("dual_operator");
     return options.dual.preconditioner == feti::PreconditionerKind::None
                ? Teuchos::null
-               : Teuchos::rcp(new feti::DualPreconditioner(system, constraints, inverses,
-                                                           options.dual.preconditioner, options.dual.scaling));
+               : Teuchos::rcp(new feti::DualPreconditioner(
+                     system, constraints, inverses, options.dual.preconditioner, options.dual.scaling));
   }();
   const feti::CoarseSpace coarse = [&] {
     const auto scope = timers.scope("coarse");

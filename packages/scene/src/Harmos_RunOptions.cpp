@@ -17,15 +17,16 @@ void RunOptions::addTo(ParameterSpec& deck) {
   DualOptions::addTo(deck);
 
   ParameterSpec solver("Solver", "Solution of the dual quadratic program.");
-  solver.choice("Method", "Auto",
-                {{"Auto", "PCPG without inequalities; else PDAS with a preconditioner; else MPRGP without floating "
-                          "subdomains and SMALBE with them"},
-                 {"SMALBE", "augmented Lagrangians for bounds and equalities"},
-                 {"Dual Penalty", "equalities by a fixed penalty alone"},
-                 {"MPRGP", "bounds alone: no floating subdomain"},
-                 {"PCPG", "equalities alone: no contact"},
-                 {"PDAS", "primal-dual active sets; falls back to SMALBE or MPRGP"}},
-                "The solver.");
+  solver.choice(
+      "Method", "Auto",
+      {{"Auto", "PCPG without inequalities; else PDAS with a preconditioner; else MPRGP without floating "
+                "subdomains and SMALBE with them"},
+       {"SMALBE", "augmented Lagrangians for bounds and equalities"},
+       {"Dual Penalty", "equalities by a fixed penalty alone"},
+       {"MPRGP", "bounds alone: no floating subdomain"},
+       {"PCPG", "equalities alone: no contact"},
+       {"PDAS", "primal-dual active sets; falls back to SMALBE or MPRGP"}},
+      "The solver.");
   solver.real("Tolerance", 1e-4, Range::strictlyWithin(0.0, 1.0),
               "Relative tolerance ε of the stopping rule.");
   solver.choice("Stopping rule", "scaled",

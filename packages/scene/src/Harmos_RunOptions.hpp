@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_DualOptions.hpp"
 #include "Harmos_ParameterSpec.hpp"
 #include "Harmos_Scene.hpp"
-#include "Harmos_DualOptions.hpp"
 
 #include <Teuchos_ParameterList.hpp>
 

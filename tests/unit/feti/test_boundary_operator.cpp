@@ -44,8 +44,9 @@ std::vector<double> product(const std::vector<double>& a, const std::vector<doub
 
 } // namespace
 
-// Both storages and precisions, at all remainders of the tile width. |sum| ≤ n; errors of a sum are nε in double;
-// in single precision entries are rounded to 2^-24 each, and sums of 128 terms add 128 · 2^-24 at most.
+// Both storages and precisions, at all remainders of the tile width. |sum| ≤ n; errors of a sum are nε in
+// double; in single precision entries are rounded to 2^-24 each, and sums of 128 terms add 128 · 2^-24 at
+// most.
 TEST(DenseOperator, product_of_each_storage_and_precision) {
   for (int n : {1, 2, 3, 4, 5, 7, 8, 9, 31, 64, 130, 257})
     for (int count : {1, 2, 3, 5, 40})
@@ -54,7 +55,8 @@ TEST(DenseOperator, product_of_each_storage_and_precision) {
         const DenseOperator op(a, n, precision, count);
         std::vector<double> u(t.size(), std::nan(""));
         op.apply(t.data(), u.data(), count);
-        const double tolerance = precision == Precision::Double ? 2.3e-16 * n * 2 : 6e-8 * (2.0 * n + std::min(n, 128));
+        const double tolerance =
+            precision == Precision::Double ? 2.3e-16 * n * 2 : 6e-8 * (2.0 * n + std::min(n, 128));
         double largest = 0.0;
         for (std::size_t k = 0; k < u.size(); ++k) {
           EXPECT_NEAR(u[k], expected[k], tolerance) << n << " " << count;

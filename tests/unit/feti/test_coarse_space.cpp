@@ -159,9 +159,8 @@ TEST(CoarseSpace, minimum_norm_solution_of_a_singular_system) {
     {
       const auto view = v.getLocalViewHost(Tpetra::Access::ReadWrite);
       for (std::size_t row = 0; row < view.extent(0); ++row)
-        coarse.forRow(static_cast<int>(row), [&](int k, double value) {
-          view(row, 0) += value * e[static_cast<std::size_t>(k)];
-        });
+        coarse.forRow(static_cast<int>(row),
+                      [&](int k, double value) { view(row, 0) += value * e[static_cast<std::size_t>(k)]; });
     }
     const std::vector<double> x = coarse.minimumNormSolution(ones, coarse.applyUnscaled(v));
     for (std::size_t k = 0; k < e.size(); ++k)

@@ -82,8 +82,8 @@ TEST(DualOperator, projected_forms_do_not_depend_on_the_generalised_inverse) {
     EXPECT_NEAR(pd[k], other[k], 1e-12);
 }
 
-// The two forms, with and without sharing, in single precision: PFP is the same, to rounding or to what single
-// precision loses.
+// The two forms, with and without sharing, in single precision: PFP is the same, to rounding or to what
+// single precision loses.
 TEST(DualOperator, forms_and_sharing_agree) {
   const TestModel model = testModel(3, 3);
   LocalInverseOptions options;

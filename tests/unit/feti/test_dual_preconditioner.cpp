@@ -33,7 +33,8 @@ LocalInverseOptions withSchur() {
 }
 
 // y = B D⁻¹ B_Dᵀ x or y = B_D Bᵀ x with the entries of both, over all ranks.
-std::vector<double> multiply(const TestFeti& feti, const ScaledConstraints& scaled, const std::vector<double>& x) {
+std::vector<double> multiply(const TestFeti& feti, const ScaledConstraints& scaled,
+                             const std::vector<double>& x) {
   MultiVector y(feti.constraints.rowMap(), 1);
   const Teuchos::RCP<MultiVector> in = toVector(x, feti.constraints.rowMap());
   const std::vector<double> overlap = feti.constraints.toOverlap(*in);
@@ -51,7 +52,8 @@ std::vector<double> multiply(const TestFeti& feti, const ScaledConstraints& scal
   return fromVector(y);
 }
 
-// Largest over smallest eigenvalue of PM⁻¹P·PFP on the range of P, by the dense LᵀPM⁻¹PL, LLᵀ = PFP + trace·Q.
+// Largest over smallest eigenvalue of PM⁻¹P·PFP on the range of P, by the dense LᵀPM⁻¹PL, LLᵀ = PFP +
+// trace·Q.
 double conditionOf(const TestFeti& feti, const Operator* preconditioner) {
   const auto map = feti.constraints.rowMap();
   const int n = static_cast<int>(map->getGlobalNumElements());
@@ -118,7 +120,8 @@ double conditionOf(const TestFeti& feti, const Operator* preconditioner) {
 // B_D Bᵀ = I whatever the scaling: (BD⁻¹Bᵀ)⁻¹ BD⁻¹Bᵀ.
 TEST(DualPreconditioner, scaled_rows_are_a_left_inverse) {
   for (DirichletForm form : {DirichletForm::Primal, DirichletForm::Dual})
-    for (PreconditionerScaling scaling : {PreconditionerScaling::Multiplicity, PreconditionerScaling::Stiffness}) {
+    for (PreconditionerScaling scaling :
+         {PreconditionerScaling::Multiplicity, PreconditionerScaling::Stiffness}) {
       const TestFeti feti(jumping(3, 2, 1e4), form, withSchur());
       const ScaledConstraints scaled = scaledConstraints(feti.system, feti.constraints, scaling);
       std::vector<double> x;
@@ -130,8 +133,8 @@ TEST(DualPreconditioner, scaled_rows_are_a_left_inverse) {
     }
 }
 
-// Stiffness scaling gives a jump to the softer side: with a factor φ between two subdomains, the stiff copy takes
-// 1/(1 + φ) of it.
+// Stiffness scaling gives a jump to the softer side: with a factor φ between two subdomains, the stiff copy
+// takes 1/(1 + φ) of it.
 TEST(DualPreconditioner, stiffness_scaling_moves_the_softer_copy) {
   const double factor = 1e4;
   const TestFeti feti(jumping(2, 4, factor), DirichletForm::Dual, withSchur());
@@ -154,8 +157,8 @@ TEST(DualPreconditioner, stiffness_scaling_moves_the_softer_copy) {
   EXPECT_GT(globalSum(*testComm(), checked), 10);
 }
 
-// What it is for: condition numbers on the range of P. Dirichlet beats lumped beats none; with a jump of 1e4 in the
-// material stiffness scaling beats multiplicity.
+// What it is for: condition numbers on the range of P. Dirichlet beats lumped beats none; with a jump of 1e4
+// in the material stiffness scaling beats multiplicity.
 TEST(DualPreconditioner, condition_numbers) {
   const TestFeti plain(testModel(2, 6), DirichletForm::Primal, withSchur());
   const auto make = [](const TestFeti& feti, PreconditionerKind kind, PreconditionerScaling scaling) {
@@ -163,8 +166,10 @@ TEST(DualPreconditioner, condition_numbers) {
   };
   const double none = conditionOf(plain, nullptr);
   const auto lumpedOperator = make(plain, PreconditionerKind::Lumped, PreconditionerScaling::Multiplicity);
-  const auto dirichletOperator = make(plain, PreconditionerKind::Dirichlet, PreconditionerScaling::Multiplicity);
-  const double lumped = conditionOf(plain, &lumpedOperator), dirichlet = conditionOf(plain, &dirichletOperator);
+  const auto dirichletOperator =
+      make(plain, PreconditionerKind::Dirichlet, PreconditionerScaling::Multiplicity);
+  const double lumped = conditionOf(plain, &lumpedOperator),
+               dirichlet = conditionOf(plain, &dirichletOperator);
   EXPECT_LT(dirichlet, 0.5 * lumped);
   EXPECT_LT(dirichlet, 0.5 * none);
   EXPECT_LT(dirichlet, 6.0);

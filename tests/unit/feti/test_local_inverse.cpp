@@ -28,7 +28,8 @@ LocalMatrix chain(int n) {
 }
 
 LocalMatrix square(int n) {
-  return fem::assembleLaplace(*fem::StructuredRectangle({0, 0, 0}, {1, 1}, {1, 1}, {n, n}, 0).subdomain(0).mesh);
+  return fem::assembleLaplace(
+      *fem::StructuredRectangle({0, 0, 0}, {1, 1}, {1, 1}, {n, n}, 0).subdomain(0).mesh);
 }
 
 Dense toDense(const LocalMatrix& matrix) {
@@ -75,7 +76,8 @@ std::vector<Piece> pieces() {
   result.push_back({"scalar", square(4), heldKernel(constantKernel(25), {}), {0, 4, 10, 14, 20, 24}});
   for (int dimension : {2, 3}) {
     const TestSolid solid = testSolid(dimension, 3, 7.0);
-    Piece piece = {std::to_string(dimension) + "D elastic", solid.stiffness, heldKernel(solid.motions, {}), {}};
+    Piece piece = {
+        std::to_string(dimension) + "D elastic", solid.stiffness, heldKernel(solid.motions, {}), {}};
     for (std::size_t node = 0; node < solid.nodes.size(); ++node)
       if (solid.nodes[node][0] == 0.0 || solid.nodes[node][0] == 1.0)
         for (int p = 0; p < dimension; ++p)
@@ -85,7 +87,8 @@ std::vector<Piece> pieces() {
   return result;
 }
 
-std::unique_ptr<LocalInverse> make(const Piece& piece, DualForm form, const LocalInverseSettings& settings = {}) {
+std::unique_ptr<LocalInverse> make(const Piece& piece, DualForm form,
+                                   const LocalInverseSettings& settings = {}) {
   OrderingCache orderings;
   if (form == DualForm::Implicit)
     return makeImplicitInverse(piece.matrix, piece.kernel, piece.boundary, settings);
@@ -186,8 +189,8 @@ TEST(FixingDofs, regularized_matrix_is_positive_definite) {
   }
 }
 
-// K K⁺ K = K and K⁺ symmetric, entry by entry; (K⁺)_bb is K⁺ at the boundary. Relative to ‖K‖ and to the largest
-// entry of K⁺: errors are of the order κε.
+// K K⁺ K = K and K⁺ symmetric, entry by entry; (K⁺)_bb is K⁺ at the boundary. Relative to ‖K‖ and to the
+// largest entry of K⁺: errors are of the order κε.
 TEST(LocalInverse, is_a_symmetric_generalised_inverse_of_each_kernel_in_each_form) {
   for (const Piece& piece : pieces())
     for (DualForm form : {DualForm::Implicit, DualForm::Condensed}) {
@@ -220,7 +223,8 @@ TEST(LocalInverse, is_a_symmetric_generalised_inverse_of_each_kernel_in_each_for
     }
 }
 
-// S by the condensed form (MUMPS' Schur complement), by the implicit one (solves with K_ii), and by elimination.
+// S by the condensed form (MUMPS' Schur complement), by the implicit one (solves with K_ii), and by
+// elimination.
 TEST(LocalInverse, schur_complements_of_both_forms_agree_with_elimination) {
   for (const Piece& piece : pieces()) {
     LocalInverseSettings settings;
@@ -319,14 +323,15 @@ TEST(LocalInverse, condition_estimate_is_of_the_right_order) {
   for (const Piece& piece : pieces()) {
     const std::vector<double> spectrum = eigenvalues(toDense(piece.matrix));
     const double condition = spectrum.back() / spectrum[static_cast<std::size_t>(piece.kernel.columns)];
-    const double estimate = inverseQuality(piece.matrix, piece.kernel, *make(piece, DualForm::Condensed)).condition();
+    const double estimate =
+        inverseQuality(piece.matrix, piece.kernel, *make(piece, DualForm::Condensed)).condition();
     EXPECT_LT(estimate, 10.0 * condition) << piece.name; // in the maximum norm
     EXPECT_GT(estimate, 0.02 * condition) << piece.name;
   }
 }
 
-// Subdomains with one matrix share one inverse, whatever their place; a content that differs by rounding counts
-// as the same, one that differs by more does not.
+// Subdomains with one matrix share one inverse, whatever their place; a content that differs by rounding
+// counts as the same, one that differs by more does not.
 TEST(LocalInverses, congruent_subdomains_share_a_factorisation) {
   TestModel model = testModel(4, 3);
   const auto count = [&](bool share, DirichletForm form) {
@@ -344,7 +349,8 @@ TEST(LocalInverses, congruent_subdomains_share_a_factorisation) {
   for (Subdomain& subdomain : model.subdomains) {
     auto copy = std::make_shared<LocalMatrix>(*subdomain.stiffness);
     for (std::size_t k = 0; k < copy->values.size(); ++k)
-      copy->values[k] *= 1.0 + 1e-15 * static_cast<double>((subdomain.number + static_cast<long long>(k)) % 5);
+      copy->values[k] *=
+          1.0 + 1e-15 * static_cast<double>((subdomain.number + static_cast<long long>(k)) % 5);
     subdomain.stiffness = copy;
   }
   EXPECT_EQ(count(true, DirichletForm::Dual), 1);
@@ -359,9 +365,9 @@ TEST(LocalInverses, congruent_subdomains_share_a_factorisation) {
   EXPECT_EQ(count(true, DirichletForm::Dual), 2);
 }
 
-// Two parts that are not connected, with the kernel of one: the subdomain and the cause are named on all ranks.
-// Their singular K_ρ mostly factorises with a tiny positive pivot, and KK⁺Kx = Kx holds to rounding: only a probe
-// outside of the range of K shows the second constant.
+// Two parts that are not connected, with the kernel of one: the subdomain and the cause are named on all
+// ranks. Their singular K_ρ mostly factorises with a tiny positive pivot, and KK⁺Kx = Kx holds to rounding:
+// only a probe outside of the range of K shows the second constant.
 TEST(LocalInverses, disconnected_parts_are_found_at_every_size_in_both_forms) {
   for (int n : {3, 4, 5, 7, 9, 12})
     for (DualForm form : {DualForm::Implicit, DualForm::Condensed}) {
@@ -394,8 +400,8 @@ TEST(LocalInverses, missing_support_and_mechanisms_are_told_apart) {
   }
 }
 
-// The cross-check by MUMPS' null pivots, for each kernel; and its objection to a kernel that is too small where
-// the other checks are not asked.
+// The cross-check by MUMPS' null pivots, for each kernel; and its objection to a kernel that is too small
+// where the other checks are not asked.
 TEST(LocalInverses, null_pivots_count_the_kernel) {
   for (const Piece& piece : pieces())
     EXPECT_EQ(countNullPivots(piece.matrix), piece.kernel.columns) << piece.name;

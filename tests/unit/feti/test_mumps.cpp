@@ -98,8 +98,8 @@ TEST(Mumps, every_error_has_a_sentence) {
   EXPECT_NE(Mumps::explain(-999, 1).find("users' guide"), std::string::npos);
 }
 
-// Orders of elimination, and one that is handed over; single precision; compressed factors: each as accurate as it
-// should be. κ = 4(n + 1)²/π² ≈ 1e3.
+// Orders of elimination, and one that is handed over; single precision; compressed factors: each as accurate
+// as it should be. κ = 4(n + 1)²/π² ≈ 1e3.
 TEST(Mumps, orderings_precisions_and_compression) {
   const int n = 50;
   std::vector<int> rows, columns, position;
@@ -107,7 +107,8 @@ TEST(Mumps, orderings_precisions_and_compression) {
   laplacian(n, false, rows, columns, values);
   const auto error = [&](const MumpsOptions& options) {
     Mumps mumps(MPI_COMM_SELF, options);
-    mumps.analyse(n, rows, columns, {}, options.ordering == MumpsOptions::Ordering::Given ? position : std::vector<int>());
+    mumps.analyse(n, rows, columns, {},
+                  options.ordering == MumpsOptions::Ordering::Given ? position : std::vector<int>());
     if (position.empty())
       position = mumps.ordering();
     mumps.factorize(values);
@@ -115,7 +116,8 @@ TEST(Mumps, orderings_precisions_and_compression) {
     mumps.solve(x.data(), 1);
     double largest = 0.0;
     for (int i = 1; i <= n; ++i)
-      largest = std::max(largest, std::abs(x[static_cast<std::size_t>(i - 1)] / (0.5 * i * (n + 1 - i)) - 1.0));
+      largest =
+          std::max(largest, std::abs(x[static_cast<std::size_t>(i - 1)] / (0.5 * i * (n + 1 - i)) - 1.0));
     return largest;
   };
   using Ordering = MumpsOptions::Ordering;
@@ -156,8 +158,8 @@ TEST(Mumps, warnings_are_sentences) {
   EXPECT_NE(mumps.warnings()[0].find("out of range"), std::string::npos);
 }
 
-// The chain condensed to its two ends: S = [1/h 1/h] with n − 1 springs in a row, without and with all ranks; general
-// and symmetric. Condensing and expanding a load is solving.
+// The chain condensed to its two ends: S = [1/h 1/h] with n − 1 springs in a row, without and with all ranks;
+// general and symmetric. Condensing and expanding a load is solving.
 TEST(Mumps, schur_complement_condenses_and_expands) {
   const int n = 21;
   for (MPI_Comm comm : {MPI_COMM_SELF, worldComm()})

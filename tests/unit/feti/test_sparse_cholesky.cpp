@@ -60,8 +60,10 @@ TEST(SparseCholesky, factors_solve_and_multiply) {
     const SparseCholesky factor(n, a.rows, a.columnsOf, a.values);
     ASSERT_EQ(factor.rank(), n);
     const std::vector<double> x = wave(static_cast<std::size_t>(n)), ax = a.multiply(x);
-    const std::vector<double> llx = factor.multiplyL(factor.multiplyLt(x)), solved = factor.solveLt(factor.solveL(ax));
-    const std::vector<double> w = wave(static_cast<std::size_t>(n)), back = factor.solveL(factor.multiplyL(w));
+    const std::vector<double> llx = factor.multiplyL(factor.multiplyLt(x)),
+                              solved = factor.solveLt(factor.solveL(ax));
+    const std::vector<double> w = wave(static_cast<std::size_t>(n)),
+                              back = factor.solveL(factor.multiplyL(w));
     for (std::size_t k = 0; k < x.size(); ++k) {
       EXPECT_NEAR(llx[k], ax[k], 1e-12) << n;
       EXPECT_NEAR(solved[k], x[k], 1e-14 / factor.smallestPivotRatio() * n) << n;

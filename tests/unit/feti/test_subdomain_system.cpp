@@ -112,10 +112,10 @@ TEST(SubdomainSystem, bad_numbers_are_refused_before_they_spread) {
                          s.stiffness = k;
                        }),
                        "row 2 of the stiffness matrix of subdomain 0 is zero"));
-  EXPECT_TRUE(
-      contains(failure<InputError>([](feti::Subdomain& s) {
-        changeLoad(s, [](std::vector<double>& load) { load.pop_back(); });
-      }), "differ in length"));
+  EXPECT_TRUE(contains(failure<InputError>([](feti::Subdomain& s) {
+                         changeLoad(s, [](std::vector<double>& load) { load.pop_back(); });
+                       }),
+                       "differ in length"));
   EXPECT_TRUE(contains(failure<InputError>([](feti::Subdomain& s) {
                          s.fixed.push_back({99, 0.0});
                        }),
