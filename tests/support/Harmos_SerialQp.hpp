@@ -177,6 +177,15 @@ struct BoundTraits<double, SerialVector> {
       sums.longestStep = longestStep(x, *direction, lower, upper);
     return sums;
   }
+  static ResidualSums residualSums(const V& w, const V& z, const V& image, const V& x) {
+    ResidualSums sums;
+    for (std::size_t i = 0; i < w.columns[0].size(); ++i) {
+      sums.residualNorm2 += w.columns[0][i] * w.columns[0][i];
+      sums.preconditionedDotImage += z.columns[0][i] * image.columns[0][i];
+      sums.iterateNorm2 += x.columns[0][i] * x.columns[0][i];
+    }
+    return sums;
+  }
   static CurvatureSums curvature(const V& g, const V& p, const V& image, const LocalActiveSet& active) {
     CurvatureSums sums;
     for (std::size_t i = 0; i < g().size(); ++i) {

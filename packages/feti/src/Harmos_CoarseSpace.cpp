@@ -281,10 +281,14 @@ void CoarseOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETrans
 
 void ProjectedOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp, Scalar alpha,
                               Scalar beta) const {
-  MultiVector projected(X, Teuchos::Copy);
-  coarse_.project(projected);
   MultiVector image(Y.getMap(), X.getNumVectors());
-  inner_.apply(projected, image);
+  if (onKernel_) {
+    inner_.apply(X, image);
+  } else {
+    MultiVector projected(X, Teuchos::Copy);
+    coarse_.project(projected);
+    inner_.apply(projected, image);
+  }
   coarse_.project(image);
   if (beta == 0.0)
     Y.scale(alpha, image);

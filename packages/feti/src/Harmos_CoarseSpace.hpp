@@ -137,10 +137,11 @@ class CoarseOperator : public Operator {
   Teuchos::RCP<const Map> dualMap_;
 };
 
-/// PFP as a Tpetra operator.
+/// PFP as a Tpetra operator; or PF, which is the same on vectors with Gλ = 0 and saves a reduction.
 class ProjectedOperator : public Operator {
  public:
-  ProjectedOperator(const Operator& inner, const CoarseSpace& coarse) : inner_(inner), coarse_(coarse) {}
+  ProjectedOperator(const Operator& inner, const CoarseSpace& coarse, bool onKernel = false)
+      : inner_(inner), coarse_(coarse), onKernel_(onKernel) {}
   Teuchos::RCP<const Map> getDomainMap() const override { return inner_.getDomainMap(); }
   Teuchos::RCP<const Map> getRangeMap() const override { return inner_.getRangeMap(); }
   bool hasTransposeApply() const override { return true; }
@@ -150,6 +151,7 @@ class ProjectedOperator : public Operator {
  private:
   const Operator& inner_;
   const CoarseSpace& coarse_;
+  bool onKernel_;
 };
 
 } // namespace Harmos::feti

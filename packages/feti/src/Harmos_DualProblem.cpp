@@ -107,6 +107,7 @@ DualProblem::DualProblem(const SubdomainSystem& system, const Constraints& const
     d_->update(-1.0, image, 1.0);
     ++setupApplications_;
     hessian_ = Teuchos::rcp(new ProjectedOperator(dualOperator, coarse));
+    hessianOnKernel_ = Teuchos::rcp(new ProjectedOperator(dualOperator, coarse, true));
     equalityRows_ = Teuchos::rcp(new CoarseOperator(coarse, map));
   } else {
     requireBalance(system, coarse, *shift_, e);

@@ -31,6 +31,8 @@ class DualProblem {
 
   /// PFP, or F without a kernel.
   Teuchos::RCP<const Operator> hessian() const { return hessian_; }
+  /// PF, equal to PFP where Gλ = 0; null without a kernel.
+  Teuchos::RCP<const Operator> hessianOnKernel() const { return hessianOnKernel_; }
   /// Pd.
   Teuchos::RCP<const MultiVector> rhs() const { return projectedD_; }
   const MultiVector& d() const { return *d_; }
@@ -47,6 +49,7 @@ class DualProblem {
 
  private:
   Teuchos::RCP<const Operator> hessian_;
+  Teuchos::RCP<const Operator> hessianOnKernel_;
   Teuchos::RCP<const Operator> equalityRows_;
   Teuchos::RCP<MultiVector> d_;
   Teuchos::RCP<MultiVector> projectedD_;

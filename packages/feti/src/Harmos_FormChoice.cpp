@@ -86,14 +86,15 @@ FormPrediction predict(DualForm form, const FactorizationEstimate& estimate, int
   constexpr double atOnce = 32.0;
   constexpr double overhead = 1.5; // MUMPS' integers and what it cannot give back
   FormPrediction p;
-  p.setupSeconds = estimate.flops / rates.sparseFlops;
+  p.setupSeconds = estimate.flops / rates.sparseFlops + e / rates.setupEntries;
   p.bytes = overhead * 8.0 * e;
   if (form == DualForm::Implicit) {
     const double word = options.precision == Precision::Single ? 0.5 : 1.0;
     const double solves = options.precision == Precision::Single ? 2.0 : 1.0; // one for the refinement
     p.bytes *= word;
     p.productSeconds = solves * (std::ceil(m / atOnce) * 16.0 * word * e / rates.solveBytes +
-                                 m * 4.0 * e * word / rates.solveFlops);
+                                 m * 4.0 * e / rates.solveFlops);
+    p.setupSeconds += e / rates.orderingEntries;
     if (options.keepSchur) {
       p.setupSeconds *= 2.0;
       p.productSeconds *= 2.0;

@@ -26,20 +26,24 @@ struct FactorizationEstimate {
 /// Rates of a machine. The defaults are those of one core of an AMD EPYC with two cores in use and OpenBLAS,
 /// measured by tests/performance/dual_operator; only their ratios decide.
 struct MachineRates {
-  double sparseFlops = 7e9;    ///< of a sparse factorisation
-  double denseFlops = 3e10;    ///< of matrix-matrix products and dense factorisations
-  double solveFlops = 5e9;     ///< of sparse solves with many right-hand sides
-  double solveBytes = 4e9;     ///< at which a sparse solve reads its factors
-  double streamBytes = 1.8e10; ///< at which a packed dense matrix is read
+  double sparseFlops = 7e9;     ///< of a sparse factorisation
+  double denseFlops = 3e10;     ///< of matrix-matrix products and dense factorisations
+  double setupEntries = 2e7;    ///< factor entries a second in analysis, assembly and verification
+  double orderingEntries = 1e7; ///< factor entries a second in METIS, which the condensed form does without
+  double solveFlops = 2.7e9;    ///< of sparse solves with many right-hand sides
+  double solveBytes = 2.2e9;    ///< at which a sparse solve reads its factors
+  double streamBytes = 1.8e10;  ///< at which a packed dense matrix is read
 };
 
 /// Costs of one class of m congruent subdomains, e entries and c flops of the factorisation, n_b boundary
 /// dofs:
 ///
-///                implicit                                            condensed
-///     set-up     c/sparse                                            c/sparse + n_b³/dense
-///     product    ⌈m/32⌉·2·8e/solveBytes + m·4e/solveFlops            m·2n_b²/dense, or m·4n_b²/stream for m
-///     < 3 bytes      12e                                                 12e + 8n_b²
+///     implicit    set-up   c/sparse + e/setup + e/ordering
+///                 product  ⌈m/32⌉·2·8e/solveBytes + m·4e/solveFlops
+///                 bytes    12e
+///     condensed   set-up   c/sparse + e/setup + n_b³/dense
+///                 product  m·2n_b²/dense; for m < 3, packed, m·4n_b²/stream
+///                 bytes    12e + 16n_b²; packed 12e + 12n_b²
 ///
 /// A Dirichlet preconditioner doubles the product; the implicit form's set-up and memory too, the condensed
 /// one's by another dense block.

@@ -170,6 +170,18 @@ HARMOS_WIDE SplitSums split(std::size_t n, const double* x, const double* g, Bou
       });
 }
 
+HARMOS_WIDE ResidualSums residualSums(std::size_t n, const double* w, const double* z, const double* image,
+                                      const double* x) {
+  double residual = 0.0, product = 0.0, iterate = 0.0;
+#pragma omp simd reduction(+ : residual, product, iterate)
+  for (std::size_t i = 0; i < n; ++i) {
+    residual += w[i] * w[i];
+    product += z[i] * image[i];
+    iterate += x[i] * x[i];
+  }
+  return {residual, product, iterate};
+}
+
 HARMOS_WIDE CurvatureSums curvature(std::size_t n, const double* g, const double* p, const double* image,
                                     const signed char* active) {
   CurvatureSums sums;

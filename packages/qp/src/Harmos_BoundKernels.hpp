@@ -23,6 +23,9 @@ SplitSums split(std::size_t n, const double* x, const double* g, Bounds bounds, 
 CurvatureSums curvature(std::size_t n, const double* g, const double* p, const double* image,
                         const signed char* active);
 
+ResidualSums residualSums(std::size_t n, const double* w, const double* z, const double* image,
+                          const double* x);
+
 SplitSums advance(std::size_t n, double* x, double* g, const double* p, const double* image, double step,
                   double beta, bool toBoundary, Bounds bounds, double stepLength, double* next,
                   signed char* active);

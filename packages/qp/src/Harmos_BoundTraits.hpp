@@ -34,6 +34,13 @@ struct CurvatureSums {
   double freeImageNorm2 = 0.0;       ///< ‖Hp‖² over the free entries
 };
 
+/// What a conjugate gradient step ends with; global.
+struct ResidualSums {
+  double residualNorm2 = 0.0;          ///< wᵀw
+  double preconditionedDotImage = 0.0; ///< zᵀHp
+  double iterateNorm2 = 0.0;           ///< xᵀx
+};
+
 /// A step from an old iterate to a new one; global.
 struct ChangeSums {
   double cost = 0.0;          ///< f(x) − f(x_old) = ½(x − x_old)ᵀ(g + g_old), free of cancellation
@@ -91,6 +98,9 @@ struct BoundTraits {
   /// entries are free.
   static CurvatureSums curvature(const MV& gradient, const MV& direction, const MV& image,
                                  const LocalActiveSet& active);
+
+  /// Sums over all entries, in one pass and one reduction. z may be w.
+  static ResidualSums residualSums(const MV& w, const MV& z, const MV& image, const MV& x);
 
   /// x ← x − αp, g ← g − αHp, next ← φ(new) − βp, and the splitting at the new x, whose direction is `next`;
   /// one pass. `next` may be the direction itself. With toBoundary, entries that reach a bound are put

@@ -133,6 +133,15 @@ SplitSums Traits::split(const MultiVector& x, const MultiVector& gradient, const
   return reduced(x, local);
 }
 
+ResidualSums Traits::residualSums(const MultiVector& w, const MultiVector& z, const MultiVector& image,
+                                  const MultiVector& x) {
+  const Reader ws(w), zs(z), hs(image), xs(x);
+  const ResidualSums local = Kernels::residualSums(ws.size(), ws.data(), zs.data(), hs.data(), xs.data());
+  double sums[] = {local.residualNorm2, local.preconditionedDotImage, local.iterateNorm2};
+  reduce(w, sums, 3);
+  return {sums[0], sums[1], sums[2]};
+}
+
 CurvatureSums Traits::curvature(const MultiVector& gradient, const MultiVector& direction,
                                 const MultiVector& image, const LocalActiveSet& active) {
   const Reader gs(gradient), ps(direction), hs(image);

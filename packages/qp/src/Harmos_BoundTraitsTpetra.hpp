@@ -14,6 +14,8 @@ struct BoundTraits<Scalar, MultiVector> {
                          LocalActiveSet& active);
   static CurvatureSums curvature(const MultiVector& gradient, const MultiVector& direction,
                                  const MultiVector& image, const LocalActiveSet& active);
+  static ResidualSums residualSums(const MultiVector& w, const MultiVector& z, const MultiVector& image,
+                                   const MultiVector& x);
   static SplitSums advance(MultiVector& x, MultiVector& gradient, const MultiVector& direction,
                            const MultiVector& image, double step, double beta, bool toBoundary,
                            const MultiVector* lower, const MultiVector* upper, double stepLength,

@@ -16,8 +16,8 @@ namespace Harmos::qp {
 /// for each face. The gradient is carried along projected: the part that is projected away stays large while
 /// the rest vanishes, and would spoil it by cancellation. What is removed adds up to −μ̄.
 ///
-/// Cost of a step: one product with A, one or (preconditioned) two projections, one with the preconditioner.
-/// Guarded by tests/unit/qp/test_solvers.cpp.
+/// Cost of a step: one product with A, one or (preconditioned) two projections, one with the preconditioner,
+/// and two reductions for scalars. Guarded by tests/unit/qp/test_solvers.cpp.
 template<class Scalar, class MV, class OP>
 class ProjectedCg {
  public:
@@ -53,8 +53,8 @@ class ProjectedCg {
 
  private:
   void project(MV& w, MV* removed);
-  void makeDirection(bool conjugate);
-  void raiseLevel();
+  void precondition();
+  void raiseLevel(double iterateNorm2);
 
   const Problem<Scalar, MV, OP>& problem_;
   EqualityRows<Scalar, MV, OP>& rows_;

@@ -108,25 +108,18 @@ void ProjectedCg<Scalar, MV, OP>::restart() {
   staleness_ = 0;
   rhsNorm_ = norm<Scalar>(*problem_.rhs());
   level_ = 0.0;
-  raiseLevel();
-  makeDirection(false);
+  raiseLevel(dot<Scalar>(x, x));
+  precondition();
+  MVT::Assign(*z_, *p_);
 }
 
-// p ← z, or z made conjugate to the last p, with z = P_F M⁻¹ w.
+// z = P_F M⁻¹ w; without a preconditioner z is w.
 template<class Scalar, class MV, class OP>
-void ProjectedCg<Scalar, MV, OP>::makeDirection(bool conjugate) {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  if (preconditioner_.isPresent()) {
-    preconditioner_.apply(*w_, active_, *z_);
-    project(*z_, nullptr);
-  }
-  if (!conjugate) {
-    MVT::Assign(*z_, *p_);
+void ProjectedCg<Scalar, MV, OP>::precondition() {
+  if (!preconditioner_.isPresent())
     return;
-  }
-  // Exactly conjugate also to a preconditioner that is not quite symmetric.
-  const double beta = dot<Scalar>(*z_, *image_) / directionDotImage_;
-  MVT::MvAddMv(1.0, *z_, -beta, *p_, *p_);
+  preconditioner_.apply(*w_, active_, *z_);
+  project(*z_, nullptr);
 }
 
 template<class Scalar, class MV, class OP>
@@ -134,7 +127,10 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
   ++counters_.hessianApplications;
-  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), *p_, *image_);
+  // p lies in the kernel of the rows.
+  const Teuchos::RCP<const OP> onKernel = problem_.hessianOnKernel();
+  Belos::OperatorTraits<Scalar, MV, OP>::Apply(onKernel.is_null() ? *problem_.hessian() : *onKernel, *p_,
+                                               *image_);
   const CurvatureSums sums = BoundTraits<Scalar, MV>::curvature(*w_, *p_, *image_, active_);
   const double curvature = sums.directionDotImage / sums.directionNorm2;
   if (!std::isfinite(curvature) || !std::isfinite(sums.gradientDotDirection))
@@ -153,18 +149,22 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
   }
   MVT::MvAddMv(1.0, *w_, -length, *image_, *w_);
   project(*w_, removed_.get());
-  residual2_ = dot<Scalar>(*w_, *w_);
+  precondition();
+  const ResidualSums after = BoundTraits<Scalar, MV>::residualSums(*w_, *z_, *image_, *problem_.solution());
+  residual2_ = after.residualNorm2;
   ++counters_.cgSteps;
   ++staleness_;
-  raiseLevel();
-  makeDirection(true);
+  raiseLevel(after.iterateNorm2);
+  // Exactly conjugate to the last direction also with a preconditioner that is not quite symmetric.
+  const double beta = after.preconditionedDotImage / directionDotImage_;
+  MVT::MvAddMv(1.0, *z_, -beta, *p_, *p_);
   return Outcome::Step;
 }
 
 template<class Scalar, class MV, class OP>
-void ProjectedCg<Scalar, MV, OP>::raiseLevel() {
+void ProjectedCg<Scalar, MV, OP>::raiseLevel(double iterateNorm2) {
   level_ = std::max(level_, std::numeric_limits<double>::epsilon() *
-                                (curvatureBound_ * norm<Scalar>(*problem_.solution()) + rhsNorm_));
+                                (curvatureBound_ * std::sqrt(iterateNorm2) + rhsNorm_));
 }
 
 template<class Scalar, class MV, class OP>

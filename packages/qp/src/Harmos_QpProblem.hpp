@@ -53,6 +53,9 @@ class Problem {
   void setFaceGram(Teuchos::RCP<const FaceGramMaker<MV>> maker) { faceGram_ = std::move(maker); }
   /// An estimate of ‖A‖ from above that is already known; 0 (the default) lets a solver estimate it.
   void setHessianNorm(double norm);
+  /// An operator that equals A on the kernel of the rows and is cheaper, such as PF where A = PFP. Null:
+  /// none.
+  void setHessianOnKernel(Teuchos::RCP<const OP> hessian) { hessianOnKernel_ = std::move(hessian); }
   /// An approximation of A⁻¹, symmetric positive definite, built once: on a face, its restriction to the free
   /// entries is used (the approximate preconditioning in face of Kružík & Horák). Null: none.
   void setPreconditioner(Teuchos::RCP<const OP> preconditioner);
@@ -72,6 +75,7 @@ class Problem {
   const std::string& whyNotSet() const { return fault_; }
 
   Teuchos::RCP<const OP> hessian() const { return hessian_; }
+  Teuchos::RCP<const OP> hessianOnKernel() const { return hessianOnKernel_; }
   Teuchos::RCP<const MV> rhs() const { return rhs_; }
   Teuchos::RCP<MV> solution() const { return solution_; }
   Teuchos::RCP<const MV> lowerBound() const { return lower_; }
@@ -95,6 +99,7 @@ class Problem {
   bool refuse(const std::string& fault);
 
   Teuchos::RCP<const OP> hessian_;
+  Teuchos::RCP<const OP> hessianOnKernel_;
   Teuchos::RCP<const MV> rhs_;
   Teuchos::RCP<MV> solution_;
   Teuchos::RCP<const MV> lower_;

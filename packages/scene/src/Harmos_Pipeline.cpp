@@ -218,6 +218,7 @@ DualSolution solve(const feti::SubdomainSystem& system, const feti::Constraints&
     multiplier = Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1));
     const auto zero = Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1));
     problem->setEquality(dual.equalityRows(), zero, multiplier, qp::EqualityStructure::OrthonormalInvariant);
+    problem->setHessianOnKernel(dual.hessianOnKernel());
     problem->setFaceGram(Teuchos::rcp(new CoarseFaceGram(coarse)));
   }
   if (!preconditioner.is_null())
