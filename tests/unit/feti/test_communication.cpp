@@ -112,7 +112,8 @@ TEST(Communication, reductions_of_a_step) {
   for (const Case& item :
        {Case{"PCPG", true, false, 5, 5}, {"PCPG", true, true, 6, 6}, {"PDAS", false, true, 6, 10}}) {
     const PerStep count = perStep(item.method, item.tied, item.preconditioned);
-    EXPECT_GE(count.reductions, item.least) << item.method << item.preconditioned;
+    if (testComm()->getSize() > 1) // alone, scalars are not reduced
+      EXPECT_GE(count.reductions, item.least) << item.method << item.preconditioned;
     EXPECT_LE(count.reductions, item.most) << item.method << item.preconditioned;
     EXPECT_EQ(count.others, 0.0) << item.method; // nothing is gathered, nothing broadcast
   }
