@@ -58,6 +58,45 @@ class Programs(unittest.TestCase):
         # The bracket of the users' guide: 1.5 from one mesh to others.
         self.assertLessEqual(counts[1], 1.5 * counts[0])
 
+    def test_dual_operator(self):
+        document = run("dual_operator", "--subdomains", "2", "--sizes", "8", "--repetitions", "1")
+        # Two forms, shared or not, two precisions.
+        self.assertEqual(len(document["runs"]), 8)
+        self.assertGreater(document["read_gigabytes_per_second"], 0)
+        for item in document["runs"]:
+            self.assertEqual(set(item), described("dual_operator"))
+            self.assertEqual(item["factorizations"], 3 if item["shared"] else 8)
+
+    def script(self, name, *arguments):
+        output = runs.scratch(name)
+        words = [sys.executable, Path(__file__).parent / name, *arguments, "--output", output]
+        status, _, errors = runs.execute(words)
+        self.assertEqual(status, 0, errors)
+        return json.loads(output.read_text(encoding="utf-8"))
+
+    def test_model_problem(self):
+        document = self.script(
+            "model_problem.py", "--cells", "2x8", "--kinds", "shared,unshared,tied", "--repetitions", "1"
+        )
+        shared, unshared, tied = document["runs"]
+        self.assertEqual((shared["factorizations"], unshared["factorizations"]), (3, 8))
+        self.assertEqual(tied["solver"], "PCPG")
+        self.assertLess(abs(shared["energy"] - unshared["energy"]), 1e-4)
+
+    def test_scaling(self):
+        document = self.script("scaling.py", "--cells", "2x8", "--repetitions", "1")
+        self.assertEqual([item["kind"] for item in document["speedups"]], ["unshared", "shared"])
+        self.assertEqual([item["ranks"] for item in document["steps"]], [1, 2, 1, 2])
+
+    def test_performance_model(self):
+        document = self.script("performance_model.py")
+        steps = document["steps"]
+        # Weak scaling: the local work stays, the coarse problem grows and takes over.
+        self.assertEqual(steps[0]["products"], steps[-1]["products"])
+        self.assertLess(steps[0]["coarse"], steps[-1]["coarse"])
+        where = document["coarse_takes_over_at"]
+        self.assertTrue(steps[0]["ranks"] < where < steps[-1]["ranks"])
+
 
 if __name__ == "__main__":
     runs.main()
