@@ -71,6 +71,19 @@ bool sameContent(const LocalMatrix& a, const LocalMatrix& b, double tolerance) {
   return true;
 }
 
+Triplets lowerTriangle(const LocalMatrix& matrix, int base) {
+  Triplets result;
+  for (int i = 0; i < matrix.rows(); ++i)
+    for (std::size_t k = matrix.offsets[static_cast<std::size_t>(i)];
+         k < matrix.offsets[static_cast<std::size_t>(i) + 1]; ++k)
+      if (matrix.columns[k] <= i) {
+        result.rows.push_back(i + base);
+        result.columns.push_back(matrix.columns[k] + base);
+        result.values.push_back(matrix.values[k]);
+      }
+  return result;
+}
+
 LocalMatrix makeLocalMatrix(int rows, std::vector<MatrixEntry> entries) {
   std::stable_sort(entries.begin(), entries.end(), [](const MatrixEntry& a, const MatrixEntry& b) {
     return std::tie(a.row, a.column) < std::tie(b.row, b.column);

@@ -38,6 +38,13 @@ std::size_t patternHash(const LocalMatrix& matrix);
 /// Whether two matrices have the same pattern, and entries that differ by at most tolerance · max_ij |a_ij|.
 bool sameContent(const LocalMatrix& a, const LocalMatrix& b, double tolerance);
 
+/// The lower triangle, entry by entry, with row and column numbers counted from `base`.
+struct Triplets {
+  std::vector<int> rows, columns;
+  std::vector<double> values;
+};
+Triplets lowerTriangle(const LocalMatrix& matrix, int base);
+
 /// A matrix entry for makeLocalMatrix().
 struct MatrixEntry {
   int row;

@@ -83,12 +83,7 @@ std::vector<int> dofsAt(const LocalMatrix& matrix, const Kernel& kernel, int pla
 bool holds(const Kernel& kernel, const std::vector<int>& dofs) {
   if (static_cast<int>(dofs.size()) < kernel.columns)
     return false;
-  Kernel rows;
-  rows.rows = static_cast<int>(dofs.size());
-  rows.columns = kernel.columns;
-  for (int k = 0; k < kernel.columns; ++k)
-    for (int dof : dofs)
-      rows.values.push_back(kernel.column(k)[dof]);
+  const Kernel rows = restricted(kernel, dofs);
   return smallestSingularValue(rows) >= 0.1 * std::sqrt(static_cast<double>(rows.rows) / kernel.rows);
 }
 
@@ -122,12 +117,7 @@ std::vector<int> fixingDofs(const LocalMatrix& matrix, const Kernel& kernel, int
 
 LocalMatrix regularized(const LocalMatrix& matrix, const Kernel& kernel, const std::vector<int>& fixing) {
   // N with orthonormal columns makes N(NᵀN)⁻¹Nᵀ = NNᵀ.
-  Kernel rows;
-  rows.rows = static_cast<int>(fixing.size());
-  rows.columns = kernel.columns;
-  for (int k = 0; k < kernel.columns; ++k)
-    for (int dof : fixing)
-      rows.values.push_back(kernel.column(k)[dof]);
+  const Kernel rows = restricted(kernel, fixing);
   const Kernel n = heldKernel(rows, {});
   double rho = 0.0;
   for (double entry : matrix.diagonal())

@@ -26,16 +26,9 @@ FactorizationEstimate lowerBound(const LocalMatrix& matrix, const std::vector<in
 FactorizationEstimate analyse(const LocalMatrix& matrix, const std::vector<int>& boundary) {
   if (static_cast<int>(boundary.size()) == matrix.rows())
     return lowerBound(matrix, boundary); // nothing is to be eliminated
-  std::vector<int> rows, columns;
-  for (int i = 0; i < matrix.rows(); ++i)
-    for (std::size_t k = matrix.offsets[static_cast<std::size_t>(i)];
-         k < matrix.offsets[static_cast<std::size_t>(i) + 1]; ++k)
-      if (matrix.columns[k] <= i) {
-        rows.push_back(i + 1);
-        columns.push_back(matrix.columns[k] + 1);
-      }
+  Triplets triplets = lowerTriangle(matrix, 1);
   Mumps mumps(MPI_COMM_SELF);
-  mumps.analyse(matrix.rows(), std::move(rows), std::move(columns), boundary);
+  mumps.analyse(matrix.rows(), std::move(triplets.rows), std::move(triplets.columns), boundary);
   FactorizationEstimate estimate;
   estimate.rows = matrix.rows();
   estimate.boundary = static_cast<int>(boundary.size());

@@ -90,6 +90,16 @@ void removeKernel(const Kernel& kernel, std::vector<double>& v) {
   }
 }
 
+Kernel restricted(const Kernel& kernel, const std::vector<int>& dofs) {
+  Kernel rows;
+  rows.rows = static_cast<int>(dofs.size());
+  rows.columns = kernel.columns;
+  for (int k = 0; k < kernel.columns; ++k)
+    for (int dof : dofs)
+      rows.values.push_back(kernel.column(k)[dof]);
+  return rows;
+}
+
 double smallestSingularValue(const Kernel& kernel) {
   const int m = kernel.rows, k = kernel.columns;
   if (k == 0 || m < k)

@@ -32,6 +32,9 @@ Kernel heldKernel(const Kernel& motions, const std::vector<int>& fixed);
 /// v ← (I − RRᵀ)v for a kernel with orthonormal columns.
 void removeKernel(const Kernel& kernel, std::vector<double>& v);
 
+/// The rows of the kernel at the given dofs, in their order.
+Kernel restricted(const Kernel& kernel, const std::vector<int>& dofs);
+
 /// The smallest singular value of the kernel as a matrix; 0 if it has more columns than rows, or none.
 double smallestSingularValue(const Kernel& kernel);
 

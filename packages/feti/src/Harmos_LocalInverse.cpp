@@ -26,22 +26,6 @@ void inParts(int count, Work&& work) {
     work(first, std::min(mostColumns, count - first));
 }
 
-// The lower triangle of a symmetric matrix, as MUMPS wants it.
-struct Triplets {
-  explicit Triplets(const LocalMatrix& matrix) {
-    for (int i = 0; i < matrix.rows(); ++i)
-      for (std::size_t k = matrix.offsets[static_cast<std::size_t>(i)];
-           k < matrix.offsets[static_cast<std::size_t>(i) + 1]; ++k)
-        if (matrix.columns[k] <= i) {
-          rows.push_back(i + 1);
-          columns.push_back(matrix.columns[k] + 1);
-          values.push_back(matrix.values[k]);
-        }
-  }
-  std::vector<int> rows, columns;
-  std::vector<double> values;
-};
-
 // K⁻¹ or S as an operator on the boundary, given how to work on all dofs at once.
 template<class OnAllDofs>
 void throughAllDofs(int n, const std::vector<int>& boundary, const double* t, double* u, int count,
@@ -184,16 +168,6 @@ void invert(std::vector<double>& a, int n) {
       a[i * size + j] = a[j * size + i];
 }
 
-Kernel rowsOf(const Kernel& kernel, const std::vector<int>& dofs) {
-  Kernel rows;
-  rows.rows = static_cast<int>(dofs.size());
-  rows.columns = kernel.columns;
-  for (int k = 0; k < kernel.columns; ++k)
-    for (int dof : dofs)
-      rows.values.push_back(kernel.column(k)[dof]);
-  return rows;
-}
-
 class CondensedInverse : public LocalInverse {
  public:
   CondensedInverse(const LocalMatrix& matrix, const Kernel& kernel, const std::vector<int>& boundary,
@@ -204,7 +178,7 @@ class CondensedInverse : public LocalInverse {
       schur_ = std::make_shared<DenseOperator>(s, b_, settings.precision, columns);
     if (kernel.columns > 0) {
       // R_b with orthonormal columns makes R_b(R_bᵀR_b)⁻¹R_bᵀ = R_bR_bᵀ.
-      const Kernel r = heldKernel(rowsOf(kernel, boundary), {});
+      const Kernel r = heldKernel(restricted(kernel, boundary), {});
       double rho = 0.0;
       for (int k = 0; k < b_; ++k)
         rho = std::max(rho, s[static_cast<std::size_t>(k) * static_cast<std::size_t>(b_ + 1)]);
@@ -265,7 +239,7 @@ class CondensedInverse : public LocalInverse {
     if (!position.empty())
       options.ordering = MumpsOptions::Ordering::Given;
     mumps_ = std::make_unique<Mumps>(MPI_COMM_SELF, options);
-    Triplets triplets(matrix);
+    Triplets triplets = lowerTriangle(matrix, 1);
     mumps_->analyse(n_, std::move(triplets.rows), std::move(triplets.columns), boundary, position);
     if (position.empty())
       position = mumps_->ordering();
@@ -338,7 +312,7 @@ std::vector<int> boundaryWithSupport(const LocalMatrix& matrix, const Kernel& ke
   // squares to the loss of two digits in S⁺.
   if (kernel.columns == 0)
     return boundary.empty() ? std::vector<int>{0} : boundary;
-  if (!boundary.empty() && smallestSingularValue(rowsOf(kernel, boundary)) >
+  if (!boundary.empty() && smallestSingularValue(restricted(kernel, boundary)) >
                                0.1 * std::sqrt(static_cast<double>(boundary.size()) / matrix.rows()))
     return boundary;
   std::vector<int> result = fixingDofs(matrix, kernel, fixingPlaces);
@@ -393,7 +367,7 @@ int countNullPivots(const LocalMatrix& matrix) {
   options.symmetry = MumpsOptions::Symmetry::Symmetric;
   options.nullPivotThreshold = 1e-8;
   Mumps mumps(MPI_COMM_SELF, options);
-  Triplets triplets(matrix);
+  Triplets triplets = lowerTriangle(matrix, 1);
   mumps.analyse(matrix.rows(), std::move(triplets.rows), std::move(triplets.columns));
   mumps.factorize(std::move(triplets.values));
   return static_cast<int>(mumps.nullPivots().size());

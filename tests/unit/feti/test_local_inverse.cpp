@@ -146,12 +146,7 @@ TEST(FixingDofs, hold_elastic_kernels) {
   for (const Piece& piece : pieces()) {
     for (int places : {1, 4, 8}) {
       const std::vector<int> dofs = fixingDofs(piece.matrix, piece.kernel, places);
-      Kernel rows;
-      rows.rows = static_cast<int>(dofs.size());
-      rows.columns = piece.kernel.columns;
-      for (int k = 0; k < rows.columns; ++k)
-        for (int dof : dofs)
-          rows.values.push_back(piece.kernel.column(k)[dof]);
+      const Kernel rows = restricted(piece.kernel, dofs);
       EXPECT_GE(smallestSingularValue(rows), 0.1 * std::sqrt(double(rows.rows) / piece.matrix.rows()))
           << piece.name << " " << places;
       EXPECT_LE(rows.rows, 3 * std::max(4, places)) << piece.name; // not everything

@@ -32,6 +32,20 @@ void laplacian(int n, bool whole, std::vector<int>& rows, std::vector<int>& colu
   }
 }
 
+// The same, over all ranks.
+Teuchos::RCP<const feti::CrsMatrix> distributedLaplacian(int n) {
+  const auto map = Teuchos::rcp(new Map(n, 0, testComm()));
+  const auto matrix = Teuchos::rcp(new feti::CrsMatrix(map, 3));
+  for (std::size_t k = 0; k < localSize(*map); ++k) {
+    const GlobalOrdinal i = map->getGlobalElement(static_cast<LocalOrdinal>(k));
+    for (GlobalOrdinal j = std::max<GlobalOrdinal>(0, i - 1); j <= std::min<GlobalOrdinal>(n - 1, i + 1); ++j)
+      matrix->insertGlobalValues(i, Teuchos::tuple<GlobalOrdinal>(j),
+                                 Teuchos::tuple<double>(i == j ? 2.0 : -1.0));
+  }
+  matrix->fillComplete();
+  return matrix;
+}
+
 MPI_Comm worldComm() {
   return *dynamic_cast<const Teuchos::MpiComm<int>&>(*testComm()).getRawMpiComm();
 }
@@ -224,17 +238,9 @@ TEST(Mumps, null_pivots_are_found_with_a_threshold) {
 
 // The Amesos2 seam: a distributed Tpetra matrix on all ranks of the test.
 TEST(MumpsSolver, is_an_amesos2_solver) {
-  const auto comm = testComm();
   const int n = 40;
-  const auto map = Teuchos::rcp(new Map(n, 0, comm));
-  const auto matrix = Teuchos::rcp(new feti::CrsMatrix(map, 3));
-  for (std::size_t k = 0; k < localSize(*map); ++k) {
-    const GlobalOrdinal i = map->getGlobalElement(static_cast<LocalOrdinal>(k));
-    for (GlobalOrdinal j = std::max<GlobalOrdinal>(0, i - 1); j <= std::min<GlobalOrdinal>(n - 1, i + 1); ++j)
-      matrix->insertGlobalValues(i, Teuchos::tuple<GlobalOrdinal>(j),
-                                 Teuchos::tuple<double>(i == j ? 2.0 : -1.0));
-  }
-  matrix->fillComplete();
+  const auto matrix = distributedLaplacian(n);
+  const Teuchos::RCP<const Map> map = matrix->getRowMap();
   const auto x = Teuchos::rcp(new MultiVector(map, 1)), b = Teuchos::rcp(new MultiVector(map, 1));
   b->putScalar(1.0);
   for (const char* symmetry : {"general", "positive definite", "symmetric"}) {
@@ -257,15 +263,8 @@ TEST(MumpsSolver, is_an_amesos2_solver) {
 TEST(MumpsSolver, offers_schur_complements_and_refuses_wrong_parameters) {
   const auto comm = testComm();
   const int n = 21;
-  const auto map = Teuchos::rcp(new Map(n, 0, comm));
-  const auto matrix = Teuchos::rcp(new feti::CrsMatrix(map, 3));
-  for (std::size_t k = 0; k < localSize(*map); ++k) {
-    const GlobalOrdinal i = map->getGlobalElement(static_cast<LocalOrdinal>(k));
-    for (GlobalOrdinal j = std::max<GlobalOrdinal>(0, i - 1); j <= std::min<GlobalOrdinal>(n - 1, i + 1); ++j)
-      matrix->insertGlobalValues(i, Teuchos::tuple<GlobalOrdinal>(j),
-                                 Teuchos::tuple<double>(i == j ? 2.0 : -1.0));
-  }
-  matrix->fillComplete();
+  const auto matrix = distributedLaplacian(n);
+  const Teuchos::RCP<const Map> map = matrix->getRowMap();
   const auto x = Teuchos::rcp(new MultiVector(map, 1)), b = Teuchos::rcp(new MultiVector(map, 1));
   const auto solver = feti::makeMumpsSolver(matrix, x, b);
   const auto extras = Teuchos::rcp_dynamic_cast<feti::MumpsExtras>(solver, true);
