@@ -392,6 +392,10 @@ class Operators(TableCase):
         for form in ("implicit", "condensed"):
             with self.subTest(form=form):
                 self.check(tolerance=1e-5, bound=1e-5, Form=form, Precision="single")
+        sets = {"Solver/Tolerance": 1e-7, "Dual operator/Precision": "single"}
+        result = runs.run(runs.MODEL, sets)
+        self.assertEqual(result.returncode, 2, result)
+        self.assertIn("out of reach of dense blocks in single precision", result.errors[0])
 
     def test_other_solvers_and_compression(self):
         self.check(Form="implicit", **{"Implicit solver": "KLU2"})

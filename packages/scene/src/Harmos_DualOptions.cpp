@@ -31,7 +31,7 @@ void DualOptions::addTo(ParameterSpec& deck) {
       "Precision", "double",
       {{"double", "64 bits"},
        {"single", "dense blocks (condensed) or factors (implicit) in 32 bits, sums in 64: half the memory; "
-                  "tolerances below 1e-6 are out of reach"}},
+                  "tolerances below 1e-6 need the implicit form"}},
       "In which precision blocks and factors are kept.");
   dual.text("Implicit solver", defaults.inverses.implicitSolver,
             "Sparse direct solver of the implicit form: MUMPS (Harmos' own adapter), or a name that Amesos2 "

@@ -2,6 +2,7 @@
 #include "Harmos_RunOptions.hpp"
 
 #include "Harmos_Errors.hpp"
+#include "Harmos_Log.hpp"
 #include "Harmos_Qp.hpp"
 
 namespace Harmos::scene {
@@ -96,6 +97,16 @@ void checkConsistency(const Scene& scene, const RunOptions& options) {
                             : "the scene has a body without a prescribed displacement") +
             "; use \"Auto\" or \"SMALBE\"",
         {{"path", "Solver/Method"}});
+  // Residuals are those of a problem whose dense blocks are rounded to 6e-8: smaller ones would say nothing.
+  constexpr double singleReaches = 1e-6;
+  if (options.dual.inverses.precision == feti::Precision::Single && options.tolerance < singleReaches &&
+      options.dual.form != feti::DualForm::Implicit)
+    throw InputError(
+        "\"Solver/Tolerance\" = " + scientific(options.tolerance, 0) +
+            " is out of reach of dense blocks in single precision; set \"Dual operator/Precision\" = "
+            "\"double\", or \"Dual operator/Form\" = \"implicit\", whose solves are refined, or a tolerance "
+            "of 1e-6 at least",
+        {{"path", "Solver/Tolerance"}});
   if (options.outputDirectory.empty())
     throw InputError("\"Output/Directory\" is empty; name a directory, \".\" for the present one",
                      {{"path", "Output/Directory"}});
