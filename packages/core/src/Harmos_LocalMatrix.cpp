@@ -62,12 +62,20 @@ std::size_t patternHash(const LocalMatrix& matrix) {
 bool sameContent(const LocalMatrix& a, const LocalMatrix& b, double tolerance) {
   if (&a == &b)
     return true;
-  if (a.offsets != b.offsets || a.columns != b.columns)
+  if (a.offsets.size() != b.offsets.size() || a.values.size() != b.values.size())
     return false;
-  const double most = tolerance * std::max(a.maxNorm(), b.maxNorm());
-  for (std::size_t k = 0; k < a.values.size(); ++k)
-    if (!(std::abs(a.values[k] - b.values[k]) <= most))
+  // Values first: matrices of different materials differ in one of the first.
+  const std::vector<double> diagonal = a.diagonal();
+  for (std::size_t i = 0; i < diagonal.size(); ++i) {
+    if (a.offsets[i + 1] != b.offsets[i + 1])
       return false;
+    for (std::size_t k = a.offsets[i]; k < a.offsets[i + 1]; ++k) {
+      const auto j = static_cast<std::size_t>(a.columns[k]);
+      if (a.columns[k] != b.columns[k] || !(std::abs(a.values[k] - b.values[k]) <=
+                                            tolerance * std::sqrt(diagonal[i]) * std::sqrt(diagonal[j])))
+        return false;
+    }
+  }
   return true;
 }
 

@@ -35,7 +35,8 @@ struct LocalMatrix {
 /// Hash of the sparsity pattern.
 std::size_t patternHash(const LocalMatrix& matrix);
 
-/// Whether two matrices have the same pattern, and entries that differ by at most tolerance · max_ij |a_ij|.
+/// Whether two matrices with positive diagonals have the same pattern, and entries that differ by at most
+/// tolerance · √(a_ii a_jj): soft parts are compared as sharply as stiff ones.
 bool sameContent(const LocalMatrix& a, const LocalMatrix& b, double tolerance);
 
 /// The lower triangle, entry by entry, with row and column numbers counted from `base`.

@@ -39,7 +39,8 @@ enum class Precision { Double, Single };
 /// so that each entry is read once and in the order of storage.
 ///
 /// In single precision entries are rounded to float; sums are gathered in double: over all terms when packed,
-/// over every 128 terms otherwise. Relative error of a product: 6e-8 from rounding, some 1e-7 for the sums.
+/// over every 128 terms otherwise, where the vectors are rounded to float as well. Relative error of a
+/// product: 6e-8 from rounding, some 1e-7 for the sums.
 ///
 /// Guarded by tests/unit/feti/test_boundary_operator.cpp.
 class DenseOperator : public BoundaryOperator {

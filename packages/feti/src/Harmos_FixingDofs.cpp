@@ -115,22 +115,33 @@ std::vector<int> fixingDofs(const LocalMatrix& matrix, const Kernel& kernel, int
   return result;
 }
 
-LocalMatrix regularized(const LocalMatrix& matrix, const Kernel& kernel, const std::vector<int>& fixing) {
-  // N with orthonormal columns makes N(NᵀN)⁻¹Nᵀ = NNᵀ.
-  const Kernel rows = restricted(kernel, fixing);
-  const Kernel n = heldKernel(rows, {});
-  double rho = 0.0;
-  for (double entry : matrix.diagonal())
-    rho = std::max(rho, entry);
+Kernel regularization(const Kernel& rows, const std::vector<double>& diagonal) {
+  const auto scaleRows = [&](Kernel& kernel) {
+    for (int k = 0; k < kernel.columns; ++k)
+      for (int i = 0; i < kernel.rows; ++i)
+        kernel.values[static_cast<std::size_t>(k) * static_cast<std::size_t>(kernel.rows) +
+                      static_cast<std::size_t>(i)] *= std::sqrt(diagonal[static_cast<std::size_t>(i)]);
+  };
+  Kernel v = rows;
+  scaleRows(v);
+  v = heldKernel(v, {});
+  scaleRows(v);
+  return v;
+}
 
+LocalMatrix regularized(const LocalMatrix& matrix, const Kernel& kernel, const std::vector<int>& fixing) {
+  const std::vector<double> diagonal = matrix.diagonal();
+  std::vector<double> weights;
+  for (int dof : fixing)
+    weights.push_back(diagonal[static_cast<std::size_t>(dof)]);
+  const Kernel v = regularization(restricted(kernel, fixing), weights);
   std::vector<MatrixEntry> entries;
-  for (int a = 0; a < rows.rows; ++a)
-    for (int b = 0; b < rows.rows; ++b) {
+  for (int a = 0; a < v.rows; ++a)
+    for (int b = 0; b < v.rows; ++b) {
       double value = 0.0;
-      for (int k = 0; k < n.columns; ++k)
-        value += n.column(k)[a] * n.column(k)[b];
-      entries.push_back(
-          {fixing[static_cast<std::size_t>(a)], fixing[static_cast<std::size_t>(b)], rho * value});
+      for (int k = 0; k < v.columns; ++k)
+        value += v.column(k)[a] * v.column(k)[b];
+      entries.push_back({fixing[static_cast<std::size_t>(a)], fixing[static_cast<std::size_t>(b)], value});
     }
   for (int i = 0; i < matrix.rows(); ++i)
     for (std::size_t k = matrix.offsets[static_cast<std::size_t>(i)];

@@ -19,14 +19,17 @@ namespace Harmos::feti {
 /// @param kernel with orthonormal columns. @return rising.
 std::vector<int> fixingDofs(const LocalMatrix& matrix, const Kernel& kernel, int places);
 
-/// The regularised matrix K_ρ = K + ρ N(NᵀN)⁻¹Nᵀ, N the rows of the kernel at the fixing dofs, zero
-/// elsewhere.
-///
-/// K_ρ is positive definite and K_ρ⁻¹ a generalised inverse of K: K K_ρ⁻¹ K = K, for any ρ > 0 (Brzobohatý,
-/// Dostál, Kozubek, Kovář, Markopoulos: Cholesky decomposition with fixing nodes to stable computation of a
-/// generalized inverse, Int. J. Numer. Meth. Engng. 88, 2011). ρ is the largest diagonal entry of K, so that
-/// K_ρ is not worse conditioned than need be.
-/// @throws NumericalError if the kernel is not determined by its rows at the fixing dofs.
+/// V with VVᵀ = WN(NᵀWN)⁻¹NᵀW, W the diagonal of the matrix: what makes A + VVᵀ definite and its inverse a
+/// generalised inverse of A, for any V with NᵀV regular (Brzobohatý, Dostál, Kozubek, Kovář, Markopoulos:
+/// Cholesky decomposition with fixing nodes to stable computation of a generalized inverse, Int. J. Numer.
+/// Meth. Engng. 88, 2011, with W = ρI). Weighted, because ρ as large as the stiffest entry would wipe out the
+/// digits of soft ones.
+/// @param rows N: the kernel at the dofs that hold it. @param diagonal of A there.
+/// @throws NumericalError if the kernel is not determined by its rows at these dofs.
+Kernel regularization(const Kernel& rows, const std::vector<double>& diagonal);
+
+/// The regularised matrix K_ρ = K + VVᵀ, V of the fixing dofs.
+/// @throws NumericalError as above.
 LocalMatrix regularized(const LocalMatrix& matrix, const Kernel& kernel, const std::vector<int>& fixing);
 
 } // namespace Harmos::feti

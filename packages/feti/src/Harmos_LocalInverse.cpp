@@ -177,16 +177,15 @@ class CondensedInverse : public LocalInverse {
     if (settings.keepSchur)
       schur_ = std::make_shared<DenseOperator>(s, b_, settings.precision, columns);
     if (kernel.columns > 0) {
-      // R_b with orthonormal columns makes R_b(R_bᵀR_b)⁻¹R_bᵀ = R_bR_bᵀ.
-      const Kernel r = heldKernel(restricted(kernel, boundary), {});
-      double rho = 0.0;
+      std::vector<double> diagonal;
       for (int k = 0; k < b_; ++k)
-        rho = std::max(rho, s[static_cast<std::size_t>(k) * static_cast<std::size_t>(b_ + 1)]);
-      for (int k = 0; k < r.columns; ++k)
+        diagonal.push_back(s[static_cast<std::size_t>(k) * static_cast<std::size_t>(b_ + 1)]);
+      const Kernel v = regularization(restricted(kernel, boundary), diagonal);
+      for (int k = 0; k < v.columns; ++k)
         for (int j = 0; j < b_; ++j)
           for (int i = 0; i < b_; ++i)
             s[static_cast<std::size_t>(j) * static_cast<std::size_t>(b_) + static_cast<std::size_t>(i)] +=
-                rho * r.column(k)[i] * r.column(k)[j];
+                v.column(k)[i] * v.column(k)[j];
     }
     invert(s, b_);
     inverse_ = std::make_unique<DenseOperator>(std::move(s), b_, settings.precision, columns);
@@ -235,7 +234,7 @@ class CondensedInverse : public LocalInverse {
     }
     MumpsOptions options;
     options.blockLowRank = settings.blockLowRank;
-    std::vector<int>& position = orderings[{patternHash(matrix), boundary}];
+    std::vector<int>& position = orderings[{n_, patternHash(matrix), boundary}];
     if (!position.empty())
       options.ordering = MumpsOptions::Ordering::Given;
     mumps_ = std::make_unique<Mumps>(MPI_COMM_SELF, options);
@@ -254,11 +253,25 @@ class CondensedInverse : public LocalInverse {
   std::shared_ptr<const DenseOperator> schur_;
 };
 
-double norm(const double* v, std::size_t n) {
-  double sum = 0.0;
+// Maximum that keeps a NaN, which std::max loses.
+double largerOf(double a, double b) {
+  return b <= a ? a : b;
+}
+
+double largestOf(const double* v, std::size_t n) {
+  double result = 0.0;
   for (std::size_t i = 0; i < n; ++i)
-    sum += v[i] * v[i];
-  return std::sqrt(sum);
+    result = largerOf(result, std::abs(v[i]));
+  return result;
+}
+
+// Without underflow: squares of numbers near 1e-300 are zero.
+double norm(const double* v, std::size_t n) {
+  const double largest = largestOf(v, n);
+  double sum = 0.0;
+  for (std::size_t i = 0; largest > 0.0 && i < n; ++i)
+    sum += (v[i] / largest) * (v[i] / largest);
+  return largest > 0.0 ? largest * std::sqrt(sum) : largest;
 }
 
 // Connected parts of the graph of the entries that are not zero.
@@ -266,8 +279,16 @@ int connectedParts(const LocalMatrix& matrix) {
   std::vector<int> part(static_cast<std::size_t>(matrix.rows()), -1);
   int parts = 0;
   std::vector<int> front;
+  // A row with nothing but a diagonal is a prescribed displacement.
+  const auto isAlone = [&](int row) {
+    const auto i = static_cast<std::size_t>(row);
+    for (std::size_t k = matrix.offsets[i]; k < matrix.offsets[i + 1]; ++k)
+      if (matrix.columns[k] != row && matrix.values[k] != 0.0)
+        return false;
+    return true;
+  };
   for (int start = 0; start < matrix.rows(); ++start) {
-    if (part[static_cast<std::size_t>(start)] >= 0)
+    if (part[static_cast<std::size_t>(start)] >= 0 || isAlone(start))
       continue;
     front = {start};
     part[static_cast<std::size_t>(start)] = parts;
@@ -324,11 +345,11 @@ std::vector<int> boundaryWithSupport(const LocalMatrix& matrix, const Kernel& ke
 
 InverseQuality inverseQuality(const LocalMatrix& matrix, const Kernel& kernel, const LocalInverse& inverse) {
   const auto n = static_cast<std::size_t>(matrix.rows());
-  // First column: Kx, for the defect. Second: b outside of the range of K, with much of the slow modes. K⁺ of
-  // a right-hand side in the range of K cannot show a motion that K does not resist and R does not contain: K
-  // wipes the spurious part out again. That of any other b is dominated by it, because the regularised matrix
-  // then has an eigenvalue at the level of rounding errors. Otherwise v is an ordinary vector, of which K
-  // leaves a part of the size of 1/κ at least.
+  // First column: Kx, for the defect. Second: b with much of the slow modes and without the known motions. K⁺
+  // of a right-hand side in the range of K cannot show a motion that K does not resist and R does not
+  // contain: K wipes the spurious part out again. That of any other b is dominated by it, because the
+  // regularised matrix then has an eigenvalue at the level of rounding errors. Otherwise v is an ordinary
+  // vector, of which K, its rows divided by their diagonal, leaves a part of the size of 1/κ at least.
   std::vector<double> x(n), columns(2 * n), image(n), b(n);
   for (std::size_t i = 0; i < n; ++i) {
     x[i] = std::sin(1.0 + 1.7 * static_cast<double>(i) + 0.3 * static_cast<double>(i % 7));
@@ -347,18 +368,15 @@ InverseQuality inverseQuality(const LocalMatrix& matrix, const Kernel& kernel, c
   for (std::size_t i = 0; i < n; ++i)
     image[i] -= kx[i];
   const double scale = norm(kx.data(), n);
-  quality.defect = scale > 0.0 ? norm(image.data(), n) / scale : norm(image.data(), n);
+  quality.defect = norm(image.data(), n) / scale; // no number is a failure as well
 
   std::vector<double> v(columns.begin() + static_cast<std::ptrdiff_t>(n), columns.end());
   removeKernel(kernel, v);
   matrix.multiply(v.data(), image.data());
-  double largest = 0.0, largestImage = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    largest = std::max(largest, std::abs(v[i]));
-    largestImage = std::max(largestImage, std::abs(image[i]));
-  }
-  const double whole = matrix.infinityNorm() * largest;
-  quality.resistance = whole > 0.0 ? largestImage / whole : 1.0;
+  const std::vector<double> diagonal = matrix.diagonal();
+  for (std::size_t i = 0; i < n; ++i)
+    image[i] /= diagonal[i];
+  quality.resistance = largestOf(image.data(), n) / largestOf(v.data(), n);
   return quality;
 }
 

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace Harmos::feti {
@@ -45,20 +46,14 @@ struct LocalInverseSettings {
 /// for the ordering. A wrong guess would cost time, not correctness.
 class OrderingCache {
  public:
-  struct Key {
-    std::size_t pattern;
-    std::vector<int> boundary;
-    bool operator<(const Key& other) const {
-      return pattern != other.pattern ? pattern < other.pattern : boundary < other.boundary;
-    }
-  };
+  using Key = std::tuple<int, std::size_t, std::vector<int>>; ///< order, hash of the pattern, boundary
   std::vector<int>& operator[](const Key& key) { return positions_[key]; }
 
  private:
   std::map<Key, std::vector<int>> positions_;
 };
 
-/// K⁺ = (K + ρN(NᵀN)⁻¹Nᵀ)⁻¹ by a sparse Cholesky factorisation; see regularized(). A product on the boundary
+/// K⁺ = (K + VVᵀ)⁻¹ by a sparse Cholesky factorisation; see regularized(). A product on the boundary
 /// is a solve.
 ///
 /// With Precision::Single the factors are in single precision, and each solve is followed by one step of
@@ -70,11 +65,10 @@ std::unique_ptr<LocalInverse> makeImplicitInverse(const LocalMatrix& matrix, con
 
 /// With S the Schur complement on b and R_b the rows of the kernel there,
 ///
-///     (K⁺)_bb = S⁺ = (S + ρR_b(R_bᵀR_b)⁻¹R_bᵀ)⁻¹,   u_b = S⁺(f_b − K_bi K_ii⁻¹ f_i),   u_i = K_ii⁻¹(f_i −
-///     K_ib u_b)
+///     (K⁺)_bb = S⁺ = (S + VVᵀ)⁻¹,   u_b = S⁺(f_b − K_bi K_ii⁻¹ f_i),   u_i = K_ii⁻¹(f_i − K_ib u_b)
 ///
-/// S⁺ is a dense matrix: a product on the boundary is one with it. Needs R_b of full column rank; see
-/// boundaryWithSupport().
+/// V see regularization(). S⁺ is a dense matrix: a product on the boundary is one with it. Needs R_b of full
+/// column rank; see boundaryWithSupport().
 std::unique_ptr<LocalInverse> makeCondensedInverse(const LocalMatrix& matrix, const Kernel& kernel,
                                                    const std::vector<int>& boundary, int columns,
                                                    const LocalInverseSettings& settings,
@@ -87,10 +81,12 @@ std::vector<int> boundaryWithSupport(const LocalMatrix& matrix, const Kernel& ke
 
 /// How well an inverse does, found with two fixed pseudo-random vectors.
 struct InverseQuality {
-  double defect = 0.0; ///< ‖KK⁺Kx − Kx‖/‖Kx‖
-  double resistance =
-      0.0; ///< ‖Kv‖/(‖K‖‖v‖), v = (I − RRᵀ)K⁺b: rounding errors if K has a kernel that R misses
-  /// An estimate from below of the condition number of K on the complement of its kernel.
+  /// ‖KK⁺Kx − Kx‖/‖Kx‖
+  double defect = 0.0;
+  /// ‖D⁻¹Kv‖/‖v‖ in the maximum norm, v = (I − RRᵀ)K⁺b, D the diagonal of K: rounding errors if K has a
+  /// kernel that R misses.
+  double resistance = 0.0;
+  /// An estimate from below of the condition number of D⁻¹K on the complement of the kernel of K.
   double condition() const { return 1.0 / resistance; }
 };
 InverseQuality inverseQuality(const LocalMatrix& matrix, const Kernel& kernel, const LocalInverse& inverse);

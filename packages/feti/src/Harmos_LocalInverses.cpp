@@ -17,6 +17,8 @@ constexpr double hiddenTolerance = 1e-12;
 // dense block is exact to some 1e-7, and the inverse with it.
 constexpr double inverseTolerance = 1e-8;
 constexpr double inverseToleranceSingle = 1e-4;
+// With compressed factors the user's accuracy times the condition number, but no more than two digits less.
+constexpr double inverseToleranceCompressed = 1e-2;
 
 std::vector<int> touchedDofs(const Constraints& constraints, const std::vector<int>& members) {
   std::vector<int> dofs;
@@ -33,13 +35,13 @@ void verify(const LocalMatrix& matrix, const Kernel& kernel, const InverseQualit
   if (!(quality.resistance > hiddenTolerance))
     throw NumericalError("subdomain " + number +
                              " has a motion that its matrix does not resist and its kernel of dimension " +
-                             std::to_string(kernel.columns) + " does not contain: ‖Kv‖/(‖K‖‖v‖) = " +
+                             std::to_string(kernel.columns) + " does not contain: ‖D⁻¹Kv‖/‖v‖ = " +
                              scientific(quality.resistance) + "; " + causeOfHiddenMotion(matrix, kernel),
                          {{"subdomain", number}, {"resistance", scientific(quality.resistance)}});
-  const double tolerance =
-      options.precision == Precision::Single || options.blockLowRank > 0.0
-          ? std::max(inverseToleranceSingle, 10.0 * options.blockLowRank * quality.condition())
-          : inverseTolerance;
+  const double compressed =
+      std::min(inverseToleranceCompressed, 10.0 * options.blockLowRank * quality.condition());
+  const double tolerance = std::max(
+      options.precision == Precision::Single ? inverseToleranceSingle : inverseTolerance, compressed);
   if (!(quality.defect <= tolerance))
     throw NumericalError("subdomain " + number + ": ‖KK⁺Kx − Kx‖/‖Kx‖ = " + scientific(quality.defect) +
                              ", at most " + scientific(tolerance, 0) +
@@ -64,9 +66,12 @@ void verify(const LocalMatrix& matrix, const Kernel& kernel, const InverseQualit
 std::vector<CongruenceClass> congruenceClasses(const SubdomainSystem& system, const Constraints& constraints,
                                                bool share, int fixingPlaces) {
   std::vector<CongruenceClass> classes;
-  std::map<const LocalMatrix*, std::size_t> known;
+  // A matrix that is equal but said to have another kernel is to be tried by itself. Kernels of one dimension
+  // are the same space: each was seen to be one.
+  std::map<std::pair<const LocalMatrix*, int>, std::size_t> known;
   for (int i = 0; i < system.size(); ++i) {
-    const auto [place, isNew] = known.emplace(&system.matrix(i), classes.size());
+    const auto [place, isNew] =
+        known.emplace(std::make_pair(&system.matrix(i), system.kernel(i).columns), classes.size());
     if (isNew || !share)
       classes.push_back({{i}, {}});
     else

@@ -65,7 +65,7 @@ class LocalInverses {
   double condition_ = 1.0;
 };
 
-/// Makes them and verifies each: ‖K K⁺ K x − K x‖ ≤ 1e-8 ‖Kx‖ and ‖Kv‖ > 1e-12 ‖K‖‖v‖ for v = (I − RRᵀ)K⁺b,
+/// Makes them and verifies each: ‖K K⁺ K x − K x‖ ≤ 1e-8 ‖Kx‖ and ‖D⁻¹Kv‖ > 1e-12 ‖v‖ for v = (I − RRᵀ)K⁺b,
 /// with pseudo-random x and b. A disagreement, or a factor that does not exist, means that the subdomain has
 /// more rigid motions than its kernel says; the error names it and the cause.
 /// @throws NumericalError on all ranks.

@@ -212,6 +212,7 @@ class EngineOf : public Mumps::Engine {
 
   void analyse(int order, std::vector<int> rows, std::vector<int> columns, std::vector<int> schurRows,
                const std::vector<int>& position) override {
+    checkSchurRows(order, schurRows);
     rows_ = std::move(rows);
     columns_ = std::move(columns);
     schurRows_ = std::move(schurRows);
@@ -235,6 +236,10 @@ class EngineOf : public Mumps::Engine {
       icntl(19) = 1; // the Schur complement whole, on the root
       mumps_.size_schur = schurSize_;
       mumps_.listvar_schur = schurRows_.data();
+    } else {
+      icntl(19) = 0;
+      mumps_.size_schur = 0;
+      mumps_.listvar_schur = nullptr;
     }
     call(jobAnalyse);
     statistics.factorEntries = sizeFrom(mumps_.infog[19]);
@@ -248,6 +253,8 @@ class EngineOf : public Mumps::Engine {
   }
 
   void factorize(std::vector<double> values) override {
+    HARMOS_REQUIRE(!rows_.empty() || !isRoot_, "a matrix is factored once, after its analysis");
+    scale(values);
     std::vector<Value> converted;
     if constexpr (isDouble)
       converted = std::move(values);
@@ -269,6 +276,7 @@ class EngineOf : public Mumps::Engine {
     if (options_.symmetry == MumpsOptions::Symmetry::PositiveDefinite && negative > 0)
       throw NumericalError(Mumps::explain(-40, negative),
                            {{"infog1", "-40"}, {"infog2", std::to_string(negative)}});
+    isFactored_ = true;
     // The factors are complete: a solve without iterative refinement does not read the matrix again.
     mumps_.a = nullptr;
     mumps_.irn = mumps_.jcn = nullptr;
@@ -283,6 +291,8 @@ class EngineOf : public Mumps::Engine {
   std::vector<double> schurComplement() override {
     std::vector<double> s(schur_.begin(), schur_.end());
     schur_ = {};
+    for (double& entry : s)
+      entry /= scale_;
     const auto n = static_cast<std::size_t>(schurSize_);
     // By rows. Of symmetric matrices MUMPS gives one triangle.
     for (std::size_t i = 0; i < n && !s.empty(); ++i)
@@ -299,7 +309,13 @@ class EngineOf : public Mumps::Engine {
     std::vector<Value> rhs, red; // copies for single precision
     const std::size_t length = static_cast<std::size_t>(order_) * static_cast<std::size_t>(count);
     const std::size_t reducedLength = static_cast<std::size_t>(schurSize_) * static_cast<std::size_t>(count);
+    HARMOS_REQUIRE(isFactored_, "a solve needs a factorisation");
+    HARMOS_REQUIRE(stage != 2 || count == condensed_,
+                   "expand() is for the right-hand sides of the last condense()");
+    condensed_ = stage == 1 ? count : 0;
     if (isRoot_) {
+      for (std::size_t k = 0; stage != 2 && k < length; ++k)
+        rightHandSides[k] *= scale_;
       if constexpr (isDouble) {
         mumps_.rhs = rightHandSides;
         mumps_.redrhs = reduced;
@@ -322,6 +338,8 @@ class EngineOf : public Mumps::Engine {
       if (stage == 1)
         std::copy(red.begin(), red.end(), reduced);
     }
+    for (std::size_t k = 0; isRoot_ && stage == 1 && k < reducedLength; ++k)
+      reduced[k] /= scale_;
   }
 
   std::vector<int> nullPivots() const override {
@@ -334,6 +352,34 @@ class EngineOf : public Mumps::Engine {
 
  private:
   MUMPS_INT& icntl(int number) { return mumps_.icntl[number - 1]; }
+
+  static void checkSchurRows(int order, std::vector<int> rows) {
+    std::sort(rows.begin(), rows.end());
+    if (!rows.empty() && (rows.front() < 0 || rows.back() >= order))
+      throw InputError("a Schur row is out of range: rows are 0 to " + std::to_string(order - 1));
+    if (std::adjacent_find(rows.begin(), rows.end()) != rows.end())
+      throw InputError("a Schur row is named twice");
+    if (!rows.empty() && static_cast<int>(rows.size()) == order)
+      throw InputError(
+          "all rows are Schur rows: nothing is left to be eliminated, the matrix itself is the answer");
+  }
+
+  // By a power of two, so that the largest entry is about one. MUMPS takes pivots below some absolute size
+  // for null and changes them, and single precision has a short range.
+  void scale(std::vector<double>& values) {
+    double largest = 0.0;
+    for (double value : values) {
+      if (!std::isfinite(value))
+        throw InputError("a matrix to be factored has an entry that is not finite");
+      largest = std::max(largest, std::abs(value));
+    }
+    scale_ = largest > 0.0 ? std::exp2(-std::floor(std::log2(largest))) : 1.0;
+    // Beyond the range of numbers there is no such power.
+    if (!std::isfinite(scale_) || scale_ == 0.0)
+      scale_ = 1.0;
+    for (double& value : values)
+      value *= scale_;
+  }
 
   // MUMPS' main array, of the given number of entries.
   void provideWorkspace(double entries) {
@@ -378,6 +424,9 @@ class EngineOf : public Mumps::Engine {
   bool isRoot_ = false;
   Workspace workspace_;
   bool ownsWorkspace_ = false;
+  double scale_ = 1.0; // of the factored matrix
+  bool isFactored_ = false;
+  int condensed_ = 0; // right-hand sides of the last condense()
 };
 
 } // namespace

@@ -47,7 +47,7 @@ SparseSolve::SparseSolve(const LocalMatrix& matrix, const std::string& solver, P
     own.set("Block low rank tolerance", blockLowRank);
     solver_->setParameters(list);
   } else {
-    if (!Amesos2::query(solver))
+    if (!isAvailable(solver))
       throw InputError("this Trilinos has no direct solver \"" + solver +
                        "\" in Amesos2; use \"MUMPS\" or \"KLU2\"");
     solver_ = Amesos2::create<CrsMatrix, MultiVector>(solver, tpetra, x_, b_);
@@ -60,6 +60,10 @@ SparseSolve::SparseSolve(const LocalMatrix& matrix, const std::string& solver, P
 }
 
 SparseSolve::~SparseSolve() = default;
+
+bool SparseSolve::isAvailable(const std::string& solver) {
+  return solver == "MUMPS" || Amesos2::query(solver);
+}
 
 void SparseSolve::solveOnce(double* x, int count) const {
   if (b_->getNumVectors() != static_cast<std::size_t>(count)) {
@@ -97,7 +101,8 @@ void SparseSolve::solve(double* x, int count) const {
 
 double SparseSolve::bytes() const {
   const double entries = static_cast<double>(solver_->getStatus().getNnzLU());
-  return entries * (precision_ == Precision::Single ? 4.0 : 8.0);
+  const double kept = 12.0 * static_cast<double>(refined_.entries());
+  return entries * (precision_ == Precision::Single ? 4.0 : 8.0) + kept;
 }
 
 double SparseSolve::flops() const {

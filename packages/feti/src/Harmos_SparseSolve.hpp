@@ -16,6 +16,9 @@ namespace Harmos::feti {
 /// offers.
 class SparseSolve {
  public:
+  /// Whether there is such a solver.
+  static bool isAvailable(const std::string& solver);
+
   /// @param solver "MUMPS" for Harmos' own adapter, or a name that Amesos2 knows: "KLU2", ...
   /// @param precision Single: factors in float, each solve with one step of refinement; MUMPS only.
   /// @throws InputError for a solver that this Amesos2 lacks, NumericalError, InternalError.

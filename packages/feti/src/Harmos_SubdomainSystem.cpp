@@ -202,8 +202,7 @@ void SubdomainSystem::checkInput() const {
   }
 }
 
-// Candidates have the same pattern; entries decide. Most comparisons of different matrices end at the first
-// entry.
+// Candidates have the same hash of the pattern; entries decide.
 void SubdomainSystem::shareStiffness() {
   std::map<std::size_t, std::vector<std::shared_ptr<const LocalMatrix>>> representatives;
   std::map<const LocalMatrix*, std::shared_ptr<const LocalMatrix>> known;

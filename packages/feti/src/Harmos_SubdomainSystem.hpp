@@ -46,9 +46,9 @@ using TornVector = std::vector<std::vector<double>>;
 /// The kernels are those of the matrices with the Dirichlet conditions in the chosen form, with orthonormal
 /// columns (RᵀR = I), and are verified: ‖K_i R_i‖ ≤ 1e-12 ‖K_i‖ ‖R_i‖.
 ///
-/// Stiffness matrices that agree to 1e-12 max|k_ij| are held once, whatever the application gave: matrix(i)
-/// of congruent subdomains with the same Dirichlet dofs is one object, and its address tells. Guarded by
-/// tests/unit/feti/test_subdomain_system.cpp.
+/// Stiffness matrices that agree to 1e-12 √(k_ii k_jj) are held once, whatever the application gave:
+/// matrix(i) of congruent subdomains with the same Dirichlet dofs is one object, and its address tells.
+/// Guarded by tests/unit/feti/test_subdomain_system.cpp.
 class SubdomainSystem {
  public:
   /// @param subdomains those of this rank; a rank may have none.

@@ -36,7 +36,7 @@ void DualOptions::addTo(ParameterSpec& deck) {
   dual.text("Implicit solver", defaults.inverses.implicitSolver,
             "Sparse direct solver of the implicit form: MUMPS (Harmos' own adapter), or a name that Amesos2 "
             "knows, such as KLU2.");
-  dual.real("Block low rank tolerance", defaults.inverses.blockLowRank, Range::within(0.0, 1.0),
+  dual.real("Block low rank tolerance", defaults.inverses.blockLowRank, Range::within(0.0, 1e-2),
             "Relative accuracy to which MUMPS compresses factors; 0 for exact factors.");
   dual.integer(
       "Fixing places", defaults.inverses.fixingPlaces, 1, 1000,

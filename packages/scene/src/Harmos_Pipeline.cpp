@@ -313,6 +313,19 @@ void logResult(const Log& log, const RunReport& report) {
   log.info(text.str());
 }
 
+// The solver's residuals and the audit are about the same errors in other units: a factor of a hundred is
+// beyond what norms and scalings explain.
+void warnOfAudit(const Log& log, const RunReport& report) {
+  const double allowed = 100.0 * report.tolerance;
+  const feti::KktAudit& audit = report.audit;
+  const double length = audit.largestDisplacement;
+  if (report.converged && !(audit.gluingJump <= allowed * length && audit.penetration <= allowed * length &&
+                            audit.equilibrium <= allowed))
+    log.warning("the solver has converged, but the audit does not bear it out: see the figures above. "
+                "Materials that vary "
+                "by many orders of magnitude, single precision and tolerances near rounding errors do this");
+}
+
 void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
                const RunOptions& options, const Log& log, const StageTimers& timers, RunReport& report) {
   report.ranks = comm->getSize();
@@ -396,6 +409,8 @@ void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& 
     return solve(system, constraints, coarse, dual, preconditioner, options, log, report);
   }();
   dualOperator.rethrowFailure();
+  if (!preconditioner.is_null())
+    preconditioner->rethrowFailure();
   if (!solution.escape.empty())
     report.reason += "; pulled away, with nothing to hold it: " +
                      escapingBodies(*comm, scene, owned, system, solution.escape);
@@ -411,6 +426,7 @@ void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& 
     report.audited = true;
   }
   log.info(auditText(report));
+  warnOfAudit(log, report);
 
   {
     const auto scope = timers.scope("output");

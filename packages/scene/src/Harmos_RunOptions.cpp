@@ -4,6 +4,7 @@
 #include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_Qp.hpp"
+#include "Harmos_SparseSolve.hpp"
 
 namespace Harmos::scene {
 
@@ -107,6 +108,19 @@ void checkConsistency(const Scene& scene, const RunOptions& options) {
             "\"double\", or \"Dual operator/Form\" = \"implicit\", whose solves are refined, or a tolerance "
             "of 1e-6 at least",
         {{"path", "Solver/Tolerance"}});
+  const feti::LocalInverseOptions& inverses = options.dual.inverses;
+  if (options.dual.form != feti::DualForm::Condensed && inverses.implicitSolver != "MUMPS") {
+    if (!feti::SparseSolve::isAvailable(inverses.implicitSolver))
+      throw InputError("\"Dual operator/Implicit solver\" = \"" + inverses.implicitSolver +
+                           "\" is no direct solver of this Trilinos; use \"MUMPS\" or \"KLU2\"",
+                       {{"path", "Dual operator/Implicit solver"}});
+    if (inverses.precision == feti::Precision::Single || inverses.blockLowRank > 0.0)
+      throw InputError(
+          "contradictory options: single precision and block low rank factors are MUMPS' alone, but "
+          "\"Dual operator/Implicit solver\" = \"" +
+              inverses.implicitSolver + "\"",
+          {{"path", "Dual operator/Implicit solver"}});
+  }
   if (options.outputDirectory.empty())
     throw InputError("\"Output/Directory\" is empty; name a directory, \".\" for the present one",
                      {{"path", "Output/Directory"}});

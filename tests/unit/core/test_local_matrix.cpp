@@ -25,3 +25,17 @@ TEST(LocalMatrix, refuses_entries_outside) {
   EXPECT_THROW(makeLocalMatrix(2, {{0, 2, 1.0}}), InternalError);
   EXPECT_THROW(makeLocalMatrix(2, {{-1, 0, 1.0}}), InternalError);
 }
+
+// Soft parts are compared as sharply as stiff ones: 5e-4 of a part 1e9 times softer is a difference.
+TEST(LocalMatrix, same_content_is_relative_to_each_entry) {
+  const LocalMatrix a = makeLocalMatrix(2, {{0, 0, 1e9}, {0, 1, -1.0}, {1, 0, -1.0}, {1, 1, 1.0}});
+  LocalMatrix b = a;
+  EXPECT_TRUE(sameContent(a, b, 1e-12));
+  b.values[0] *= 1.0 + 1e-14;
+  b.values[3] *= 1.0 + 1e-14;
+  EXPECT_TRUE(sameContent(a, b, 1e-12));
+  b.values[3] *= 1.0005;
+  EXPECT_FALSE(sameContent(a, b, 1e-12));
+  EXPECT_FALSE(sameContent(a, makeLocalMatrix(2, {{0, 0, 1e9}, {1, 1, 1.0}}), 1e-12));
+  EXPECT_EQ(patternHash(a), patternHash(b));
+}

@@ -405,3 +405,62 @@ TEST(LocalInverses, null_pivots_count_the_kernel) {
   options.checkNullPivots = true;
   EXPECT_EQ(OneSubdomain(square(4), constantKernel(25)).failure(options), "");
 }
+
+// A jump of the material inside of a subdomain: the regularisation must not wipe out the digits of the soft
+// part, and a soft part is not a mechanism. Units of any size.
+TEST(LocalInverses, jumps_inside_and_units) {
+  for (double contrast : {1.0, 1e6, 1e9, 1e12})
+    for (double unit : {1e-300, 1e-17, 1.0, 1e45})
+      for (DualForm form : {DualForm::Implicit, DualForm::Condensed}) {
+        const int n = 8;
+        const fem::PlacedMesh mesh =
+            fem::StructuredRectangle({0, 0, 0}, {1, 1}, {1, 1}, {n, n}, 0).subdomain(0);
+        // Two halves assembled apart.
+        std::vector<MatrixEntry> entries;
+        for (int half : {0, 1}) {
+          fem::Mesh part = *mesh.mesh;
+          part.cells.clear();
+          for (std::size_t c = 0; c < mesh.mesh->cells.size(); c += 4)
+            if ((static_cast<int>(c / 4) % n < n / 2) == (half == 0))
+              part.cells.insert(part.cells.end(), mesh.mesh->cells.begin() + static_cast<std::ptrdiff_t>(c),
+                                mesh.mesh->cells.begin() + static_cast<std::ptrdiff_t>(c + 4));
+          const LocalMatrix k = fem::assembleLaplace(part);
+          for (int i = 0; i < k.rows(); ++i)
+            for (std::size_t e = k.offsets[static_cast<std::size_t>(i)];
+                 e < k.offsets[static_cast<std::size_t>(i) + 1]; ++e)
+              entries.push_back({i, k.columns[e], unit * k.values[e] * (half == 0 ? contrast : 1.0)});
+        }
+        LocalInverseOptions options;
+        options.form = form;
+        const OneSubdomain one(makeLocalMatrix((n + 1) * (n + 1), entries),
+                               constantKernel((n + 1) * (n + 1)));
+        EXPECT_EQ(one.failure(options), "") << contrast << " " << unit;
+      }
+}
+
+// Equal matrices of which one is said to have another kernel: the wrong one is found, shared or not.
+TEST(LocalInverses, a_kernel_of_its_own_is_tried_by_itself) {
+  TestModel model = testModel(2, 3);
+  for (Subdomain& subdomain : model.subdomains)
+    if (subdomain.number == 3)
+      subdomain.motions = std::make_shared<Kernel>(Kernel{subdomain.stiffness->rows(), 0, {}});
+  const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Dual);
+  const Constraints constraints(system, model.rows);
+  for (bool share : {true, false}) {
+    LocalInverseOptions options;
+    options.share = share;
+    try {
+      makeLocalInverses(system, constraints, options);
+      FAIL() << "nothing was thrown";
+    } catch (const NumericalError& error) {
+      EXPECT_TRUE(contains(error.what(), "subdomain 3")) << error.what();
+      EXPECT_TRUE(contains(error.what(), "lacks support")) << error.what();
+    }
+  }
+}
+
+// Prescribed displacements are no parts of their own in a diagnosis.
+TEST(LocalInverses, held_dofs_do_not_count_as_parts) {
+  const LocalMatrix matrix = makeLocalMatrix(3, {{0, 0, 1}, {1, 1, 1}, {1, 2, -1}, {2, 1, -1}, {2, 2, 1}});
+  EXPECT_TRUE(contains(causeOfHiddenMotion(matrix, Kernel{3, 0, {}}), "lacks support"));
+}

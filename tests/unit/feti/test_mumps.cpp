@@ -236,6 +236,57 @@ TEST(Mumps, null_pivots_are_found_with_a_threshold) {
   EXPECT_NE(pivots[0] < 10, pivots[1] < 10);
 }
 
+// Wrong use is told, not suffered: MUMPS itself would end the process or write beyond arrays.
+TEST(Mumps, misuse_is_refused) {
+  const int n = 5;
+  std::vector<int> rows, columns;
+  std::vector<double> values;
+  laplacian(n, false, rows, columns, values);
+  Mumps mumps(MPI_COMM_SELF);
+  EXPECT_THROW(mumps.factorize(values), InternalError);
+  EXPECT_THROW(mumps.analyse(n, rows, columns, {7}), InputError);
+  EXPECT_THROW(mumps.analyse(n, rows, columns, {1, 1}), InputError);
+  EXPECT_THROW(mumps.analyse(n, rows, columns, {0, 1, 2, 3, 4}), InputError);
+  mumps.analyse(n, rows, columns, {0, 1});
+  mumps.analyse(n, rows, columns); // without Schur rows after all
+  std::vector<double> x(2 * n, 1.0), reduced(4);
+  EXPECT_THROW(mumps.solve(x.data(), 1), InternalError);
+  std::vector<double> bad = values;
+  bad[2] = std::nan("");
+  EXPECT_THROW(mumps.factorize(bad), InputError);
+  mumps.factorize(values);
+  mumps.solve(x.data(), 1);
+  EXPECT_NEAR(x[2], 4.5, 1e-14); // 3 (6 − 3)/2
+  EXPECT_THROW(mumps.expand(x.data(), reduced.data(), 2), InternalError);
+}
+
+// Units: MUMPS changes pivots that are small in absolute terms, unless the matrix is scaled first.
+TEST(Mumps, units_do_not_matter) {
+  for (double unit : {1e-300, 1e-45, 1e-19, 1.0, 1e19, 1e45, 1e300})
+    for (MumpsOptions::Precision precision :
+         {MumpsOptions::Precision::Double, MumpsOptions::Precision::Single}) {
+      std::vector<int> rows, columns;
+      std::vector<double> values;
+      laplacian(6, false, rows, columns, values);
+      for (double& value : values)
+        value *= unit;
+      MumpsOptions options;
+      options.precision = precision;
+      Mumps mumps(MPI_COMM_SELF, options);
+      mumps.analyse(6, rows, columns, {0, 5});
+      mumps.factorize(values);
+      const std::vector<double> s = mumps.schurComplement();
+      const double tolerance = precision == MumpsOptions::Precision::Double ? 1e-14 : 1e-6;
+      EXPECT_NEAR(s[0] / unit, 1.2, tolerance) << unit;
+      EXPECT_NEAR(s[1] / unit, -0.2, tolerance) << unit;
+      std::vector<double> x(6, unit), g(2), ends = {3.0, 3.0}; // u = i (7 − i)/2
+      mumps.condense(x.data(), g.data(), 1);
+      EXPECT_NEAR(g[0] / unit, 3.0, 10 * tolerance) << unit; // S u = g
+      mumps.expand(x.data(), ends.data(), 1);
+      EXPECT_NEAR(x[2], 6.0, 10 * tolerance) << unit;
+    }
+}
+
 // The Amesos2 seam: a distributed Tpetra matrix on all ranks of the test.
 TEST(MumpsSolver, is_an_amesos2_solver) {
   const int n = 40;
