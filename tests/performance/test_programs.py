@@ -62,7 +62,7 @@ class Programs(unittest.TestCase):
         document = run("dual_operator", "--subdomains", "2", "--sizes", "8", "--repetitions", "1")
         # Two forms, shared or not, two precisions.
         self.assertEqual(len(document["runs"]), 8)
-        self.assertGreater(document["read_gigabytes_per_second"], 0)
+        self.assertGreater(document["stream_gigabytes_per_second"], 0)
         for item in document["runs"]:
             self.assertEqual(set(item), described("dual_operator"))
             self.assertEqual(item["factorizations"], 3 if item["shared"] else 8)
