@@ -1,49 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_CoarseFactor.hpp"
 #include "Harmos_Constraints.hpp"
-#include "Harmos_PivotedCholesky.hpp"
-#include "Harmos_SparseCholesky.hpp"
 
 #include <Tpetra_Operator.hpp>
 
 #include <vector>
 
 namespace Harmos::feti {
-
-/// LLᵀ of a symmetric positive semidefinite matrix that every rank holds: dense with complete pivoting if it
-/// is small, sparse otherwise; both reveal the rank.
-class CoarseFactor {
- public:
-  /// Matrices up to this order are dense.
-  static constexpr int mostDense = 200;
-
-  CoarseFactor() = default;
-  /// @param rows, columns, values the lower triangle, each place once.
-  CoarseFactor(int n, const std::vector<int>& rows, const std::vector<int>& columns,
-               const std::vector<double>& values, double relativeThreshold = 0.0,
-               int mostDenseRows = mostDense);
-
-  int rank() const { return isDense_ ? dense_.rank() : sparse_.rank(); }
-  double smallestPivotRatio() const {
-    return isDense_ ? dense_.smallestPivotRatio() : sparse_.smallestPivotRatio();
-  }
-  std::vector<int> dependent() const;
-  bool isDense() const { return isDense_; }
-  /// Entries of L.
-  double entries() const;
-
-  // See PivotedCholesky and SparseCholesky.
-  std::vector<double> solveL(const std::vector<double>& e) const;
-  std::vector<double> solveLt(const std::vector<double>& w) const;
-  std::vector<double> multiplyL(const std::vector<double>& w) const;
-  std::vector<double> multiplyLt(const std::vector<double>& v) const;
-
- private:
-  bool isDense_ = true;
-  PivotedCholesky dense_;
-  SparseCholesky sparse_;
-};
 
 /// The natural coarse space: G̃ = RᵀBᵀ, its orthonormalised form G = L⁻¹G̃ with LLᵀ = G̃G̃ᵀ, and P = I − GᵀG.
 ///

@@ -2,6 +2,7 @@
 #include "Harmos_LocalInverses.hpp"
 
 #include "Harmos_Agreement.hpp"
+#include "Harmos_InverseQuality.hpp"
 #include "Harmos_Log.hpp"
 
 #include <algorithm>

@@ -2,6 +2,7 @@
 #include "Harmos_Assembly.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_FixingDofs.hpp"
+#include "Harmos_InverseQuality.hpp"
 #include "Harmos_LocalInverses.hpp"
 #include "Harmos_StructuredRectangle.hpp"
 #include "Harmos_TestElasticity.hpp"

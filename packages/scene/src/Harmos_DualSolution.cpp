@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_DualSolution.hpp"
+
+#include "Harmos_Errors.hpp"
+#include "Harmos_Qp.hpp"
+#include "Harmos_TrilinosVersion.hpp"
+
+#include <Tpetra_MultiVector.hpp>
+
+#include <sstream>
+
+namespace Harmos::scene {
+namespace {
+
+using StatusTestType = qp::StatusTest<MultiVector>;
+
+double norm(const MultiVector& x) {
+  std::vector<double> result(1);
+  x.norm2(Teuchos::arrayViewFromVector(result));
+  return result[0];
+}
+
+// What PDAS needs of G on faces, by the structure of the coarse space.
+class CoarseFaceGram : public qp::FaceGramMaker<MultiVector> {
+ public:
+  explicit CoarseFaceGram(const feti::CoarseSpace& coarse) : coarse_(coarse) {}
+
+  Teuchos::RCP<const qp::FaceGram> build(const MultiVector& free) const override {
+    return Teuchos::rcp(new Face(coarse_, free));
+  }
+
+ private:
+  class Face : public qp::FaceGram {
+   public:
+    Face(const feti::CoarseSpace& coarse, const MultiVector& free)
+        : coarse_(coarse), factor_(coarse.faceFactor(free)) {}
+    std::vector<double> solve(const std::vector<double>& r) const override {
+      return coarse_.solveOnFace(factor_, r);
+    }
+
+   private:
+    const feti::CoarseSpace& coarse_;
+    feti::CoarseFactor factor_;
+  };
+
+  const feti::CoarseSpace& coarse_;
+};
+
+// The convergence test of the stopping rule; the scales go to the report.
+struct Test {
+  Teuchos::RCP<StatusTestType> test;
+  Teuchos::RCP<qp::StatusTestEqualityResidual<MultiVector>> equality;
+};
+
+Test convergenceTest(const feti::DualProblem& dual, const RunOptions& options, bool judgeEquality,
+                     RunReport& report) {
+  report.dNorm = norm(dual.d());
+  report.gradientScale = options.stoppingRule == StoppingRule::Paper ? report.dNorm : norm(*dual.rhs());
+  Test result;
+  std::vector<Teuchos::RCP<StatusTestType>> tests = {Teuchos::rcp(
+      new qp::StatusTestProjectedGradient<MultiVector>(options.tolerance, report.gradientScale))};
+  if (!dual.equalityRows().is_null()) {
+    using EqualityTest = qp::StatusTestEqualityResidual<MultiVector>;
+    switch (options.stoppingRule) {
+    case StoppingRule::Scaled:
+      report.equalityScale = norm(*dual.shift());
+      result.equality = Teuchos::rcp(new EqualityTest(options.tolerance, report.equalityScale, dual.shift()));
+      break;
+    case StoppingRule::Paper:
+      report.equalityScale = dual.scaledLoadNorm();
+      result.equality = Teuchos::rcp(new EqualityTest(options.tolerance, report.equalityScale));
+      break;
+    case StoppingRule::Permon:
+      report.equalityScale = norm(*dual.rhs());
+      result.equality = Teuchos::rcp(new EqualityTest(options.tolerance, report.equalityScale));
+      break;
+    }
+    if (judgeEquality)
+      tests.push_back(result.equality);
+  }
+  result.test = Teuchos::rcp(
+      new qp::StatusTestCombo<MultiVector>(qp::StatusTestCombo<MultiVector>::Type::Sequence, tests));
+  return result;
+}
+
+} // namespace
+
+DualSolution solveDualProblem(const feti::SubdomainSystem& system, const feti::Constraints& constraints,
+                              const feti::CoarseSpace& coarse, const feti::DualProblem& dual,
+                              const Teuchos::RCP<const Operator>& preconditioner, const RunOptions& options,
+                              const Log& log, RunReport& report) {
+  DualSolution solution;
+  solution.lambda = Teuchos::rcp(new MultiVector(constraints.rowMap(), 1));
+  if (options.initialGuess == InitialGuess::HalfLoad) {
+    std::vector<double> overlap(localSize(*constraints.overlapMap()), 0.0);
+    for (int i = 0; i < system.size(); ++i)
+      constraints.addB(i, system.rhs(i).data(), overlap.data());
+    constraints.fromOverlap(overlap, *solution.lambda);
+    solution.lambda->scale(0.5);
+  }
+
+  const auto problem = Teuchos::rcp(new qp::TpetraProblem(dual.hessian(), solution.lambda, dual.rhs()));
+  problem->setLowerBound(dual.lowerBound());
+  Teuchos::RCP<MultiVector> multiplier;
+  if (!dual.equalityRows().is_null()) {
+    multiplier = Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1));
+    const auto zero = Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1));
+    problem->setEquality(dual.equalityRows(), zero, multiplier, qp::EqualityStructure::OrthonormalInvariant);
+    problem->setHessianOnKernel(dual.hessianOnKernel());
+    problem->setFaceGram(Teuchos::rcp(new CoarseFaceGram(coarse)));
+  }
+  if (!preconditioner.is_null())
+    problem->setPreconditioner(preconditioner);
+  if (!problem->setProblem())
+    throw NumericalError("the dual problem cannot be solved: " + problem->whyNotSet());
+
+  using Auto = qp::AutoSolver<Scalar, MultiVector, Operator>;
+  const std::string method = options.method == "Auto" ? Auto::choice(*problem) : options.method;
+  const auto list = Teuchos::parameterList();
+  list->set("Maximum Iterations", options.maximumIterations);
+  list->set("Maximum Seconds", options.maximumSeconds);
+  list->set("Output Frequency", options.progressFrequency);
+  // A solver takes the lists it has a use for; all of them were validated with the deck.
+  if (method != "PCPG")
+    list->sublist("MPRGP") = options.methodLists.sublist("MPRGP");
+  if (method == "SMALBE" || method == "PDAS")
+    list->sublist("SMALBE") = options.methodLists.sublist("SMALBE");
+  if (method == "Dual Penalty" || method == "PDAS")
+    list->sublist(method) = options.methodLists.sublist(method);
+  const auto solver = qp::TpetraSolverFactory().create(method, list);
+  report.solver = solver->name();
+  const Test test = convergenceTest(dual, options, method != "Dual Penalty", report);
+  solver->setConvergenceTest(test.test);
+  solver->setLog(log);
+  solver->setProblem(problem);
+  std::ostringstream text;
+  text << "Solving by " << report.solver << " to " << scientific(options.tolerance, 0) << " ("
+       << report.stoppingRule << " rule)";
+  log.info(text.str());
+  if (options.progressFrequency > 0)
+    log.info("  outer  inner  step              |g^P|   |G lambda|   active     F*x  seconds");
+  report.result = solver->solve();
+  report.result.counters.setupApplications += dual.setupApplications();
+  report.solved = true;
+  if (!test.equality.is_null()) {
+    // The scale that belongs to the last iterate, which the solver may not have asked for.
+    qp::IterationState<MultiVector> last;
+    last.x = solution.lambda.get();
+    last.equalityResidual = report.result.equalityNorm;
+    const bool met = test.equality->checkStatus(last) == qp::Status::Passed;
+    report.equalityScale = test.equality->scale();
+    if (!met && report.result.converged())
+      log.info("Note: the penalty leaves |G lambda| = " + scientific(report.result.equalityNorm) +
+               ", above the tolerance of the stopping rule, " + scientific(test.equality->limit()));
+  }
+  if (report.result.reason == qp::Reason::Infeasible && !solver->certificate().is_null()) {
+    // y with yᵀGλ > 0 for all admissible λ: forces of one sign act on the motion R L⁻ᵀy.
+    const auto view = solver->certificate()->getLocalViewHost(Tpetra::Access::ReadOnly);
+    std::vector<double> y;
+    for (std::size_t k = 0; k < view.extent(0); ++k)
+      y.push_back(view(k, 0));
+    solution.escape = coarse.solveLt(y);
+  }
+  report.converged = report.result.converged();
+  report.reason = qp::toString(report.result.reason);
+  if (!report.converged)
+    report.reason += ": " + report.result.explanation;
+  if (!multiplier.is_null()) {
+    const auto view = multiplier->getLocalViewHost(Tpetra::Access::ReadOnly);
+    for (std::size_t k = 0; k < view.extent(0); ++k)
+      solution.mu.push_back(view(k, 0));
+  }
+  return solution;
+}
+
+} // namespace Harmos::scene
