@@ -54,7 +54,7 @@ void SubdomainSum::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp,
       }
     }
   }
-  image_->putScalar(0.0);
+  image_->putScalar(0.0); // versions of Tpetra differ in whether ADD overwrites what is the rank's own
   image_->doExport(*out_, *importer_, Tpetra::ADD);
   if (beta == 0.0)
     Y.scale(alpha, *image_); // Y may be uninitialised: 0·NaN is to be avoided

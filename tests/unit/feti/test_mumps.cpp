@@ -215,6 +215,18 @@ TEST(Mumps, schur_complement_condenses_and_expands) {
     }
 }
 
+// Rows and columns of an unsymmetric Schur complement: [2 −⅓; 4 5], by hand.
+TEST(Mumps, schur_complement_of_an_unsymmetric_matrix) {
+  MumpsOptions options;
+  options.symmetry = Symmetry::General;
+  Mumps mumps(MPI_COMM_SELF, options);
+  mumps.analyse(3, {1, 1, 2, 2, 3, 3}, {1, 2, 2, 3, 1, 3}, {0, 2});
+  mumps.factorize({2, 1, 3, 1, 4, 5});
+  const std::vector<double> s = mumps.schurComplement(), expected = {2, 4, -1.0 / 3.0, 5};
+  for (std::size_t k = 0; k < 4; ++k)
+    EXPECT_NEAR(s[k], expected[k], 1e-14) << k;
+}
+
 // Null pivots of two free chains: one each, with the threshold; none are looked for by Cholesky.
 TEST(Mumps, null_pivots_are_found_with_a_threshold) {
   std::vector<int> rows, columns;
