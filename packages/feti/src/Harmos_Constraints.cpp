@@ -245,6 +245,8 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
     }
   least = globalMin(comm, least);
   most = globalMax(comm, most);
+  if (most < least) // no subdomain has an interface
+    least = most = 0;
   agree(comm, [&] {
     for (const ConstraintRow& row : rows)
       for (const ConstraintRow::Term& term : row.terms)
