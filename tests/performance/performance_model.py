@@ -16,12 +16,12 @@ problem (scalar, square subdomains of N x N elements, s of them on a rank), weak
     scalars    two reductions of a few numbers: log2(P) latencies up, and as many down
     coarse     four reductions of n_c = s P numbers: as above, and twice the vector by the
                bandwidth; seven solves with L (three projections, one residual), replicated on each
-               rank: dense, n_c^2/2 entries, up to 200, else 31/4 n_c log2(n_c) entries, the count
-               of nested dissection on a grid (George 1973)
+               rank: dense, n_c^2/2 entries, up to 200, else 5 n_c log2(n_c) entries, as coarse_factor
+               counts them (3.8 to 5.1 for grids of 32^2 to 256^2 subdomains)
 
-The counts of reductions are those of tests/unit/feti/test_communication.cpp. Rates of this machine
-are measured by dual_operator and scaling.py; latency and bandwidth of a network are to be given,
-the defaults are those of a common cluster and not measured here.
+The counts of reductions are those of tests/unit/feti/test_communication.cpp. Rates of products and of
+reading are those that dual_operator shows on one rank of two, solves those of coarse_factor; the overhead is fitted to scaling.py. Latency and bandwidth of a network are to be
+given; the defaults are assumptions about a common cluster and not measured.
 """
 
 import argparse
@@ -37,7 +37,8 @@ class Machine:
 
     gemm: float = 4.0e10  # operations a second
     read: float = 1.9e10  # bytes a second
-    solve: float = 8.0e8  # entries of L a second
+    solve: float = 1.1e9  # entries of L a second, while L is in cache
+    solve_from_memory: float = 2.5e8  # the same, when it is not
     latency: float = 2.0e-6  # seconds
     bandwidth: float = 1.0e10  # bytes a second
     overhead: float = 1.0e-4  # seconds of a step that depend on nothing
@@ -68,9 +69,10 @@ def step(ranks, machine, problem):
     if coarse_size <= 200:
         entries = 0.5 * coarse_size**2
     else:
-        entries = 31 / 4 * coarse_size * math.log2(coarse_size)
+        entries = 5 * coarse_size * math.log2(coarse_size)
+    solve = machine.solve if entries < 5e5 else machine.solve_from_memory
     transfer = 2 * 8 * coarse_size / machine.bandwidth if ranks > 1 else 0
-    coarse = 4 * (tree + transfer) + 7 * entries / machine.solve
+    coarse = 4 * (tree + transfer) + 7 * entries / solve
     return {
         "products": products,
         "vectors": vectors + machine.overhead,
@@ -96,8 +98,8 @@ def main():
     parser.add_argument("--subdomains-per-rank", type=int, default=16)
     parser.add_argument("--elements", type=int, default=128)
     parser.add_argument("--shared", action="store_true")
-    for name in ("gemm", "read", "solve", "latency", "bandwidth", "overhead"):
-        parser.add_argument(f"--{name}", type=float, default=getattr(Machine, name))
+    for name in ("gemm", "read", "solve", "solve_from_memory", "latency", "bandwidth", "overhead"):
+        parser.add_argument(f"--{name.replace('_', '-')}", type=float, default=getattr(Machine, name))
     parser.add_argument("--output")
     given = parser.parse_args()
     machine = Machine(*(getattr(given, name) for name in asdict(Machine())))

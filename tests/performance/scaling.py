@@ -49,7 +49,7 @@ def main():
                 sets = model_problem.KINDS["unshared"] if kind != "tied" else {}
                 run = model_problem.measure(s, n, "tied", np, given.repetitions, sets)
                 measured = run["seconds"]["solve"] / run["products"]
-                # Ranks of one machine: reductions cost a microsecond, and memory is the network.
+                # Between ranks of one machine memory is the network; both numbers are assumptions.
                 machine = performance_model.Machine(latency=1e-6, bandwidth=5e9)
                 problem = performance_model.Problem(2 * s * s // np, n, kind == "tied")
                 expected = sum(performance_model.step(np, machine, problem).values())

@@ -67,6 +67,12 @@ class Programs(unittest.TestCase):
             self.assertEqual(set(item), described("dual_operator"))
             self.assertEqual(item["factorizations"], 3 if item["shared"] else 8)
 
+    def test_coarse_factor(self):
+        document = run("coarse_factor", "--sides", "8,16", np=0)
+        for item, order in zip(document["runs"], (64, 256)):
+            self.assertEqual(set(item), described("coarse_factor"))
+            self.assertEqual(item["order"], order)
+
     def script(self, name, *arguments):
         output = runs.scratch(name)
         words = [sys.executable, Path(__file__).parent / name, *arguments, "--output", output]

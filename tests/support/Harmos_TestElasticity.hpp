@@ -21,8 +21,7 @@ struct TestSolid {
   int dimension;
 };
 
-/// @param dimension 2 or 3. @param isHinge leaves out all members of the right half but those at its lowest
-/// left node: two blocks joined at one node.
+/// @param dimension 2 or 3. @param isHinge two such blocks side by side, joined at one node.
 TestSolid testSolid(int dimension, int n, double modulus = 1.0, bool isHinge = false);
 
 } // namespace Harmos

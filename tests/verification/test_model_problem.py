@@ -349,13 +349,11 @@ class Operators(TableCase):
         paths = {f"Dual operator/{name}": value for name, value in sets.items()}
         run = solved(self, 4, 8, np=ranks, **{"Solver/Tolerance": tolerance, **paths}).summary
         value = error(run, exact(32))
-        key = (sets.get("Form", "auto"), sets.get("Share identical subdomains", True),
-               sets.get("Precision", "double"), sets.get("Preconditioner", "Dirichlet"))  # fmt: skip
+        names = ("Form", "Share identical subdomains", "Precision", "Preconditioner")
+        key = tuple(str(sets.get(name, "default")) for name in names)
         if ranks == 2:
-            self.rows[tuple(map(str, key)) + (str(sorted(sets.items())),)] = (
-                *key, run["distinct_local_factorizations"], run["hessian_applications"],
-                f"{value:.1e}",
-            )  # fmt: skip
+            factors, products = run["distinct_local_factorizations"], run["hessian_applications"]
+            self.rows[key + (str(sets),)] = (*key, factors, products, f"{value:.1e}")
         self.assertLess(value, bound)
         return run
 
@@ -363,11 +361,8 @@ class Operators(TableCase):
         for form in ("implicit", "condensed"):
             for kind in ("none", "lumped", "Dirichlet"):
                 for share in (True, False):
-                    sets = {
-                        "Form": form,
-                        "Preconditioner": kind,
-                        "Share identical subdomains": share,
-                    }
+                    sets = {"Form": form, "Preconditioner": kind}
+                    sets["Share identical subdomains"] = share
                     with self.subTest(**sets):
                         run = self.check(**sets)
                         self.assertIn(form, run["dual_operator"])
@@ -399,6 +394,13 @@ class Operators(TableCase):
 
     def test_other_solvers_and_compression(self):
         self.check(Form="implicit", **{"Implicit solver": "KLU2"})
+        for sets, text in (
+            ({"Implicit solver": "nonsense"}, "is no direct solver of this Trilinos"),
+            ({"Implicit solver": "KLU2", "Precision": "single"}, "are MUMPS' alone"),
+        ):
+            result = runs.run(runs.MODEL, {f"Dual operator/{k}": v for k, v in sets.items()})
+            self.assertEqual(result.returncode, 2, result)
+            self.assertIn(text, result.errors[0])
         self.check(Form="implicit", **{"Block low rank tolerance": 1e-12})
         self.check(Form="condensed", **{"Check null pivots": True})
 

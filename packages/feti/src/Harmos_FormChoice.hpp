@@ -24,7 +24,7 @@ struct FactorizationEstimate {
 };
 
 /// Rates of a machine. The defaults are those of one core of an AMD EPYC with two cores in use and OpenBLAS,
-/// measured by tests/performance/dual_operator; only their ratios decide.
+/// fitted to what tests/performance/dual_operator measures; only their ratios decide.
 struct MachineRates {
   double sparseFlops = 7e9;     ///< of a sparse factorisation
   double denseFlops = 3e10;     ///< of matrix-matrix products and dense factorisations

@@ -190,6 +190,7 @@ void SubdomainSystem::checkInput() const {
     if (!checked.insert(s.stiffness.get()).second)
       continue;
     requireFinite(s.stiffness->values, s, "stiffness matrix");
+    const std::vector<double> diagonal = s.stiffness->diagonal();
     for (std::size_t i = 0; i < length; ++i) {
       double largest = 0.0;
       for (std::size_t k = s.stiffness->offsets[i]; k < s.stiffness->offsets[i + 1]; ++k)
@@ -197,6 +198,12 @@ void SubdomainSystem::checkInput() const {
       if (largest == 0.0)
         throw InputError("row " + std::to_string(i) + " of the stiffness matrix of " + name(s) +
                              " is zero: a material has zero stiffness, or a node belongs to no element",
+                         dataOf(s));
+      if (!(diagonal[i] > 0.0))
+        throw InputError("the stiffness matrix of " + name(s) +
+                             " is not positive semidefinite: its diagonal entry " + std::to_string(i) +
+                             " is " + scientific(diagonal[i]) +
+                             "; does a material have a negative stiffness?",
                          dataOf(s));
     }
   }

@@ -82,6 +82,12 @@ std::string toJson(const RunReport& report) {
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
+bool auditAgrees(const RunReport& report) {
+  const feti::KktAudit& audit = report.audit;
+  const double allowed = 100.0 * report.tolerance * audit.largestDisplacement;
+  return audit.gluingJump <= allowed && audit.penetration <= allowed && audit.equilibrium <= 0.5;
+}
+
 std::string auditText(const RunReport& report) {
   const feti::KktAudit& audit = report.audit;
   std::ostringstream text;

@@ -45,6 +45,12 @@ struct RunReport {
 /// summary.json as text.
 std::string toJson(const RunReport& report);
 
+/// Whether the audit bears out that a run has converged. The solver's residuals and the audit are about the
+/// same errors in other units: a factor of a hundred in the jumps is beyond what norms and scalings explain;
+/// forces out of balance by half the load are no solution by any rule. A number that is none objects. Guarded
+/// by tests/unit/scene/test_pipeline.cpp.
+bool auditAgrees(const RunReport& report);
+
 /// The audit and the timing, for people.
 std::string auditText(const RunReport& report);
 std::string timingText(const RunReport& report, const std::vector<std::string>& stages);

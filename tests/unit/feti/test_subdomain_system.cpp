@@ -120,5 +120,12 @@ TEST(SubdomainSystem, bad_numbers_are_refused_before_they_spread) {
                          s.fixed.push_back({99, 0.0});
                        }),
                        "dof 99"));
+  EXPECT_TRUE(contains(failure<InputError>([](feti::Subdomain& s) {
+                         auto k = std::make_shared<LocalMatrix>(*s.stiffness);
+                         for (double& value : k->values)
+                           value = -value;
+                         s.stiffness = k;
+                       }),
+                       "not positive semidefinite"));
   EXPECT_TRUE(contains(failure<InputError>([](feti::Subdomain& s) { s.number = 100; }), "without gaps"));
 }

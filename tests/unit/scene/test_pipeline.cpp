@@ -130,3 +130,22 @@ TEST(AtomicFile, appears_whole_or_not_at_all) {
   EXPECT_THROW(scene::makeDirectory(directory + "/file/below"), InputError);
   std::filesystem::remove_all("/tmp/harmos_test_" + std::to_string(getpid()));
 }
+
+// The audit objects to jumps of a hundred times the tolerance, to forces that are no balance, and to what is
+// no number.
+TEST(RunReport, audit_agrees_or_objects) {
+  scene::RunReport report;
+  report.tolerance = 1e-4;
+  report.audit.largestDisplacement = 2.0;
+  EXPECT_TRUE(scene::auditAgrees(report));
+  report.audit.gluingJump = report.audit.penetration = 1.9e-2;
+  report.audit.equilibrium = 0.4;
+  EXPECT_TRUE(scene::auditAgrees(report));
+  for (double feti::KktAudit::*field :
+       {&feti::KktAudit::gluingJump, &feti::KktAudit::penetration, &feti::KktAudit::equilibrium})
+    for (double bad : {0.6, std::nan("")}) {
+      scene::RunReport wrong = report;
+      wrong.audit.*field = bad;
+      EXPECT_FALSE(scene::auditAgrees(wrong));
+    }
+}
