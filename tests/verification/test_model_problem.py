@@ -371,10 +371,8 @@ class Operators(TableCase):
                         self.assertEqual(count, 3 if share else 32)
 
     def test_preconditioners_pay(self):
-        counts = [
-            self.check(**{"Preconditioner": kind})["hessian_applications"]
-            for kind in ("none", "lumped", "Dirichlet")
-        ]
+        kinds = ("none", "lumped", "Dirichlet")
+        counts = [self.check(Preconditioner=kind)["hessian_applications"] for kind in kinds]
         self.assertGreater(counts[0], counts[2])
         self.assertGreater(counts[1], counts[2])
 
