@@ -9,7 +9,7 @@
 /// alone.
 
 #include "Harmos_Application.hpp"
-#include "Harmos_StructuredRectangle.hpp"
+#include "Harmos_StructuredBlock.hpp"
 
 #include <memory>
 
@@ -38,9 +38,9 @@ scene::Scene makeScene(const Teuchos::ParameterList& deck) {
   scene.name = "two membranes";
   long long firstNode = 0;
   for (int b = 0; b < 2; ++b) {
-    const auto rectangle = std::make_shared<const fem::StructuredRectangle>(
-        fem::Point{static_cast<double>(b), 0.0, 0.0}, std::array<double, 2>{1.0, 1.0},
-        std::array<int, 2>{s, s}, std::array<int, 2>{n, n}, firstNode);
+    const auto rectangle = std::make_shared<const fem::StructuredBlock>(
+        fem::makeRectangle(fem::Point{static_cast<double>(b), 0.0, 0.0}, std::array<double, 2>{1.0, 1.0},
+                           std::array<int, 2>{s, s}, std::array<int, 2>{n, n}, firstNode));
     firstNode += rectangle->numberOfNodes();
     scene::Body body;
     body.name = b == 0 ? "first membrane" : "second membrane";

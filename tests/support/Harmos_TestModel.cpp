@@ -3,7 +3,7 @@
 
 #include "Harmos_Decomposition.hpp"
 #include "Harmos_NodePairs.hpp"
-#include "Harmos_StructuredRectangle.hpp"
+#include "Harmos_StructuredBlock.hpp"
 
 #include <Teuchos_LAPACK.hpp>
 #include <Tpetra_Core.hpp>
@@ -21,9 +21,9 @@ TestModel testModel(int s, int n, bool tied) {
   scene::Scene scene;
   long long firstNode = 0;
   for (int b = 0; b < 2; ++b) {
-    const auto rectangle = std::make_shared<const fem::StructuredRectangle>(
-        fem::Point{static_cast<double>(b), 0.0, 0.0}, std::array<double, 2>{1.0, 1.0},
-        std::array<int, 2>{s, s}, std::array<int, 2>{n, n}, firstNode);
+    const auto rectangle = std::make_shared<const fem::StructuredBlock>(
+        fem::makeRectangle(fem::Point{static_cast<double>(b), 0.0, 0.0}, std::array<double, 2>{1.0, 1.0},
+                           std::array<int, 2>{s, s}, std::array<int, 2>{n, n}, firstNode));
     firstNode += rectangle->numberOfNodes();
     scene::Body body;
     body.subdomains = rectangle->numberOfSubdomains();

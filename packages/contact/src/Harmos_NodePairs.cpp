@@ -89,7 +89,7 @@ std::vector<SurfaceNode> surfaceNodes(const fem::PlacedMesh& placed, const std::
   // Each cell edge with both ends on the surface gives half of its length to either. An edge inside the
   // subdomain would be met in two cells; a boundary edge is met in one.
   const std::vector<int>& cells = placed.mesh->cells;
-  constexpr std::size_t corners = fem::Mesh::nodesPerCell;
+  constexpr std::size_t corners = 4;
   for (std::size_t c = 0; c < cells.size(); c += corners)
     for (std::size_t i = 0; i < corners; ++i) {
       const int a = place[static_cast<std::size_t>(cells[c + i])];

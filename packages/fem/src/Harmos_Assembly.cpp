@@ -1,105 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Assembly.hpp"
 
+#include "Harmos_CellIntegrator.hpp"
 #include "Harmos_Errors.hpp"
-#include "Harmos_ReferenceElement.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 
 namespace Harmos::fem {
 namespace {
 
 using Vec2 = std::array<double, 2>;
-constexpr int cellNodes = Mesh::nodesPerCell;
+constexpr int cellNodes = 4; // box loads are for quadrilaterals of four nodes
 using CellCoordinates = std::array<Vec2, cellNodes>;
 
 CellCoordinates cellCoordinates(const Mesh& mesh, int cell) {
   CellCoordinates result;
   for (std::size_t i = 0; i < cellNodes; ++i) {
-    const auto node = static_cast<std::size_t>(mesh.cells[static_cast<std::size_t>(cell) * cellNodes + i]);
-    result[i] = {mesh.coordinates[2 * node], mesh.coordinates[2 * node + 1]};
+    const Point x = mesh.local(mesh.cell(cell)[i]);
+    result[i] = {x[0], x[1]};
   }
   return result;
-}
-
-struct Jacobian {
-  double xr = 0, xs = 0, yr = 0, ys = 0; // ∂x/∂r, ∂x/∂s, ∂y/∂r, ∂y/∂s
-  double determinant() const { return xr * ys - xs * yr; }
-};
-
-// The coordinates relative to the first corner keep the cell's place out of the rounding errors.
-Jacobian jacobian(const CellCoordinates& x, const ReferenceElement& element, int q) {
-  Jacobian j;
-  for (int i = 1; i < cellNodes; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const double dx = x[k][0] - x[0][0], dy = x[k][1] - x[0][1];
-    const Vec2& gradient = element.gradient(i, q);
-    j.xr += dx * gradient[0];
-    j.xs += dx * gradient[1];
-    j.yr += dy * gradient[0];
-    j.ys += dy * gradient[1];
-  }
-  return j;
-}
-
-using CellMatrix = std::array<std::array<double, cellNodes>, cellNodes>;
-
-CellMatrix laplaceMatrix(const CellCoordinates& x, const ReferenceElement& element, int cell) {
-  CellMatrix k{};
-  for (int q = 0; q < element.points(); ++q) {
-    const Jacobian j = jacobian(x, element, q);
-    const double det = j.determinant();
-    if (!(det > 0.0))
-      throw NumericalError("cell " + std::to_string(cell) + " is inverted or has no area: its Jacobian is " +
-                               std::to_string(det) +
-                               "; number its corners counter-clockwise and check their coordinates",
-                           {{"cell", std::to_string(cell)}, {"jacobian", std::to_string(det)}});
-    const double weight = element.quadrature().weights[static_cast<std::size_t>(q)];
-    std::array<Vec2, cellNodes> gradient;
-    for (int i = 0; i < cellNodes; ++i) {
-      const Vec2& g = element.gradient(i, q);
-      gradient[static_cast<std::size_t>(i)] = {(j.ys * g[0] - j.yr * g[1]) / det,
-                                               (j.xr * g[1] - j.xs * g[0]) / det};
-    }
-    for (std::size_t a = 0; a < cellNodes; ++a)
-      for (std::size_t b = 0; b < cellNodes; ++b)
-        k[a][b] += weight * det * (gradient[a][0] * gradient[b][0] + gradient[a][1] * gradient[b][1]);
-  }
-  return k;
-}
-
-// Columns of each row from the cells around each node.
-LocalMatrix emptyMatrix(const Mesh& mesh) {
-  const auto n = static_cast<std::size_t>(mesh.numberOfNodes());
-  std::vector<std::vector<int>> neighbours(n);
-  for (std::size_t c = 0; c < mesh.cells.size(); c += cellNodes)
-    for (std::size_t a = 0; a < cellNodes; ++a) {
-      std::vector<int>& row = neighbours[static_cast<std::size_t>(mesh.cells[c + a])];
-      row.insert(row.end(), mesh.cells.begin() + static_cast<std::ptrdiff_t>(c),
-                 mesh.cells.begin() + static_cast<std::ptrdiff_t>(c + cellNodes));
-    }
-  LocalMatrix matrix;
-  matrix.offsets.reserve(n + 1);
-  for (std::vector<int>& row : neighbours) {
-    std::sort(row.begin(), row.end());
-    row.erase(std::unique(row.begin(), row.end()), row.end());
-    matrix.columns.insert(matrix.columns.end(), row.begin(), row.end());
-    matrix.offsets.push_back(matrix.columns.size());
-  }
-  matrix.values.assign(matrix.columns.size(), 0.0);
-  return matrix;
-}
-
-void addTo(LocalMatrix& matrix, int row, int column, double value) {
-  const auto begin =
-      matrix.columns.begin() + static_cast<std::ptrdiff_t>(matrix.offsets[static_cast<std::size_t>(row)]);
-  const auto end =
-      matrix.columns.begin() + static_cast<std::ptrdiff_t>(matrix.offsets[static_cast<std::size_t>(row) + 1]);
-  const auto place = std::lower_bound(begin, end, column);
-  matrix.values[static_cast<std::size_t>(place - matrix.columns.begin())] += value;
 }
 
 // The part of a convex polygon on one side of an axis-parallel line: Sutherland–Hodgman.
@@ -153,16 +75,18 @@ Vec2 toReference(const CellCoordinates& x, const Vec2& point) {
 
 // ∫ φ_i over a convex polygon inside a cell.
 std::array<double, cellNodes> integrateOver(const std::vector<Vec2>& polygon, const CellCoordinates& x,
-                                            const ReferenceElement& element, const Quadrature& triangle) {
+                                            const Quadrature& triangle) {
   std::array<double, cellNodes> result{};
   for (std::size_t k = 1; k + 1 < polygon.size(); ++k) {
     const Vec2 &a = polygon[0], &b = polygon[k], &c = polygon[k + 1];
     const double det = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
-    std::vector<Vec2> points;
-    for (const Vec2& q : triangle.points)
-      points.push_back(toReference(x, {a[0] + q[0] * (b[0] - a[0]) + q[1] * (c[0] - a[0]),
-                                       a[1] + q[0] * (b[1] - a[1]) + q[1] * (c[1] - a[1])}));
-    const std::vector<std::vector<double>> values = element.valuesAt(points);
+    std::vector<Point> points;
+    for (const Point& q : triangle.points) {
+      const Vec2 r = toReference(x, {a[0] + q[0] * (b[0] - a[0]) + q[1] * (c[0] - a[0]),
+                                     a[1] + q[0] * (b[1] - a[1]) + q[1] * (c[1] - a[1])});
+      points.push_back({r[0], r[1], 0.0});
+    }
+    const std::vector<std::vector<double>> values = basisValues(CellType::Quadrilateral4, points);
     for (std::size_t q = 0; q < points.size(); ++q)
       for (std::size_t i = 0; i < cellNodes; ++i)
         result[i] += triangle.weights[q] * det * values[q][i];
@@ -173,16 +97,25 @@ std::array<double, cellNodes> integrateOver(const std::vector<Vec2>& polygon, co
 } // namespace
 
 LocalMatrix assembleLaplace(const Mesh& mesh) {
-  const ReferenceElement element(mesh.cellType, 2);
-  LocalMatrix matrix = emptyMatrix(mesh);
+  const CellShape& shape = shapeOf(mesh.cellType);
+  const ReferenceElement element(mesh.cellType, shape.isSimplex ? 2 * (shape.order - 1) : 2 * shape.order);
+  CellIntegrator cell(mesh, element);
+  BlockAssembler assembler(mesh, 1);
+  const auto n = static_cast<std::size_t>(cell.basisSize());
+  std::vector<double> k(n * n);
   for (int c = 0; c < mesh.numberOfCells(); ++c) {
-    const CellMatrix k = laplaceMatrix(cellCoordinates(mesh, c), element, c);
-    const int* nodes = &mesh.cells[static_cast<std::size_t>(c) * cellNodes];
-    for (std::size_t a = 0; a < cellNodes; ++a)
-      for (std::size_t b = 0; b < cellNodes; ++b)
-        addTo(matrix, nodes[a], nodes[b], k[a][b]);
+    cell.turnTo(c);
+    std::fill(k.begin(), k.end(), 0.0);
+    for (int q = 0; q < cell.points(); ++q)
+      for (std::size_t a = 0; a < n; ++a)
+        for (std::size_t b = 0; b < n; ++b) {
+          const Point &ga = cell.gradient(static_cast<int>(a), q),
+                      &gb = cell.gradient(static_cast<int>(b), q);
+          k[a * n + b] += cell.measure(q) * (ga[0] * gb[0] + ga[1] * gb[1] + ga[2] * gb[2]);
+        }
+    assembler.add(c, k);
   }
-  return matrix;
+  return assembler.take();
 }
 
 std::vector<BoxLoad> localLoads(const PlacedMesh& placed, const std::vector<BoxLoad>& loads) {
@@ -209,8 +142,13 @@ std::vector<BoxLoad> localLoads(const PlacedMesh& placed, const std::vector<BoxL
 }
 
 std::vector<double> assembleLoad(const Mesh& mesh, const std::vector<BoxLoad>& loads) {
+  HARMOS_REQUIRE(loads.empty() || mesh.cellType == CellType::Quadrilateral4,
+                 "box loads are for quadrilaterals of four nodes");
+  if (loads.empty())
+    return std::vector<double>(static_cast<std::size_t>(mesh.numberOfNodes()), 0.0);
   const ReferenceElement element(mesh.cellType, 2);
-  const Quadrature triangle = triangleQuadrature(4);
+  CellIntegrator cell(mesh, element);
+  const Quadrature triangle = quadratureOn(CellType::Triangle3, 4);
   std::vector<double> f(static_cast<std::size_t>(mesh.numberOfNodes()), 0.0);
   for (const BoxLoad& load : loads) {
     const Vec2 &least = load.least, &most = load.most;
@@ -226,19 +164,17 @@ std::vector<double> assembleLoad(const Mesh& mesh, const std::vector<BoxLoad>& l
         continue;
       std::array<double, cellNodes> integrals{};
       if (within) {
-        for (int q = 0; q < element.points(); ++q) {
-          const double measure = element.quadrature().weights[static_cast<std::size_t>(q)] *
-                                 jacobian(x, element, q).determinant();
+        cell.turnTo(c);
+        for (int q = 0; q < cell.points(); ++q)
           for (int i = 0; i < cellNodes; ++i)
-            integrals[static_cast<std::size_t>(i)] += measure * element.value(i, q);
-        }
+            integrals[static_cast<std::size_t>(i)] += cell.measure(q) * cell.value(i, q);
       } else {
         std::vector<Vec2> polygon(x.begin(), x.end());
         for (std::size_t d = 0; d < 2 && !polygon.empty(); ++d) {
           polygon = clip(polygon, d, least[d], true);
           polygon = clip(polygon, d, most[d], false);
         }
-        integrals = integrateOver(polygon, x, element, triangle);
+        integrals = integrateOver(polygon, x, triangle);
       }
       for (std::size_t i = 0; i < cellNodes; ++i)
         f[static_cast<std::size_t>(mesh.cells[static_cast<std::size_t>(c) * cellNodes + i])] +=

@@ -15,7 +15,7 @@ struct BoxLoad {
   std::array<double, 2> most;
 };
 
-/// Stiffness matrix of −Δ: K_ij = ∫ ∇φ_i·∇φ_j, one dof a node, no boundary conditions (Q1, 2×2 Gauss points).
+/// Stiffness matrix of −Δ: K_ij = ∫ ∇φ_i·∇φ_j, one dof a node, no boundary conditions.
 ///
 /// Uses relative coordinates only: congruent meshes give identical matrices.
 /// @throws NumericalError for a cell with a Jacobian that is not positive (inverted, wrong orientation),

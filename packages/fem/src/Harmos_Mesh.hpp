@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_CellType.hpp"
+
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <map>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace Harmos::fem {
 
-using Point = std::array<double, 3>;
-
-enum class CellType { Quadrilateral4 };
+/// A side of a cell: an edge in the plane, a face in space.
+struct Side {
+  int cell;
+  int side; ///< as in CellShape::sides
+};
 
 /// Geometry and connectivity of one subdomain, relative to an anchor.
 ///
@@ -21,15 +25,34 @@ enum class CellType { Quadrilateral4 };
 /// and can share it: nothing that is identical is kept twice.
 struct Mesh {
   CellType cellType = CellType::Quadrilateral4;
-  std::vector<double> coordinates; ///< (x, y) of each node, relative to the anchor
-  std::vector<int> cells;          ///< nodes of each cell, counter-clockwise
+  std::vector<double> coordinates; ///< dimension() numbers a node, relative to the anchor
+  std::vector<int> cells;          ///< nodes of each cell, in the order of shapeOf(cellType)
   std::vector<int> boundary;       ///< nodes on the boundary, rising
+  std::vector<int> regions;        ///< region of each cell; empty: all are in region 0
 
-  static constexpr int dimension = 2;
-  static constexpr int nodesPerCell = 4;
-
-  int numberOfNodes() const { return static_cast<int>(coordinates.size()) / dimension; }
-  int numberOfCells() const { return static_cast<int>(cells.size()) / nodesPerCell; }
+  int dimension() const { return shapeOf(cellType).dimension; }
+  int nodesPerCell() const { return shapeOf(cellType).nodes; }
+  int numberOfNodes() const { return static_cast<int>(coordinates.size()) / dimension(); }
+  int numberOfCells() const { return static_cast<int>(cells.size()) / nodesPerCell(); }
+  int region(int cell) const { return regions.empty() ? 0 : regions[static_cast<std::size_t>(cell)]; }
+  const int* cell(int c) const {
+    return cells.data() + static_cast<std::size_t>(c) * static_cast<std::size_t>(nodesPerCell());
+  }
+  /// Position of a node relative to the anchor; z = 0 in the plane.
+  Point local(int node) const {
+    Point x{};
+    const auto d = static_cast<std::size_t>(dimension());
+    for (std::size_t k = 0; k < d; ++k)
+      x[k] = coordinates[static_cast<std::size_t>(node) * d + k];
+    return x;
+  }
+  /// Nodes of a side, in the order of shapeOf(shape.side).
+  std::vector<int> nodesOf(const Side& side) const {
+    std::vector<int> nodes = shapeOf(cellType).sides[static_cast<std::size_t>(side.side)];
+    for (int& node : nodes)
+      node = cell(side.cell)[node];
+    return nodes;
+  }
 };
 
 /// A mesh at its place in a body. It holds only what differs between congruent subdomains.
@@ -38,7 +61,9 @@ struct PlacedMesh {
   Point anchor{};
   std::vector<long long>
       boundaryNumbers; ///< global number of each node of mesh->boundary; copies have the same
-  std::map<std::string, std::vector<int>> sets; ///< local nodes of the body's named boundary parts, sorted
+  std::map<std::string, std::vector<int>> sets;   ///< local nodes of the body's named boundary parts, sorted;
+                                                  ///< those that only touch a part are among them
+  std::map<std::string, std::vector<Side>> sides; ///< sides of cells that make up the named boundary parts
 
   /// Global number of a node on the boundary.
   long long number(int boundaryNode) const {
@@ -47,9 +72,15 @@ struct PlacedMesh {
   }
 
   Point position(int node) const {
-    const std::size_t k = static_cast<std::size_t>(node) * Mesh::dimension;
-    return {anchor[0] + mesh->coordinates[k], anchor[1] + mesh->coordinates[k + 1], anchor[2]};
+    const Point x = mesh->local(node);
+    return {anchor[0] + x[0], anchor[1] + x[1], anchor[2] + x[2]};
   }
 };
+
+/// The sides of cells that no other cell shares: the boundary. Sorted by cell. Local.
+std::vector<Side> boundarySides(const Mesh& mesh);
+
+/// The nodes of the given sides, sorted, once each. Local.
+std::vector<int> nodesOf(const Mesh& mesh, const std::vector<Side>& sides);
 
 } // namespace Harmos::fem

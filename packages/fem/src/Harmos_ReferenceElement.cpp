@@ -4,72 +4,151 @@
 #include "Harmos_Errors.hpp"
 
 #include <Intrepid2_DefaultCubatureFactory.hpp>
+#include <Intrepid2_HGRAD_HEX_C1_FEM.hpp>
+#include <Intrepid2_HGRAD_HEX_C2_FEM.hpp>
+#include <Intrepid2_HGRAD_LINE_C1_FEM.hpp>
+#include <Intrepid2_HGRAD_LINE_Cn_FEM.hpp>
 #include <Intrepid2_HGRAD_QUAD_C1_FEM.hpp>
+#include <Intrepid2_HGRAD_QUAD_C2_FEM.hpp>
+#include <Intrepid2_HGRAD_TET_C1_FEM.hpp>
+#include <Intrepid2_HGRAD_TET_C2_FEM.hpp>
+#include <Intrepid2_HGRAD_TRI_C1_FEM.hpp>
+#include <Intrepid2_HGRAD_TRI_C2_FEM.hpp>
 #include <Shards_CellTopology.hpp>
+
+#include <algorithm>
+#include <memory>
+#include <numeric>
 
 namespace Harmos::fem {
 namespace {
 
 using Device = Kokkos::DefaultHostExecutionSpace;
 using View = Kokkos::DynRankView<double, Device>;
+using Basis = Intrepid2::Basis<Device, double, double>;
 
-Quadrature makeQuadrature(const shards::CellTopology& topology, int degree) {
-  const auto rule = Intrepid2::DefaultCubatureFactory::create<Device, double, double>(topology, degree);
-  const int n = rule->getNumPoints();
-  View points("points", n, 2), weights("weights", n);
-  rule->getCubature(points, weights);
-  Quadrature quadrature;
-  for (int q = 0; q < n; ++q) {
-    quadrature.points.push_back({points(q, 0), points(q, 1)});
-    quadrature.weights.push_back(weights(q));
+std::shared_ptr<const Basis> basisOf(CellType type) {
+  switch (type) {
+  case CellType::Line2:
+    return std::make_shared<Intrepid2::Basis_HGRAD_LINE_C1_FEM<Device, double, double>>();
+  case CellType::Line3:
+    return std::make_shared<Intrepid2::Basis_HGRAD_LINE_Cn_FEM<Device, double, double>>(
+        2, Intrepid2::POINTTYPE_EQUISPACED);
+  case CellType::Triangle3:
+    return std::make_shared<Intrepid2::Basis_HGRAD_TRI_C1_FEM<Device, double, double>>();
+  case CellType::Triangle6:
+    return std::make_shared<Intrepid2::Basis_HGRAD_TRI_C2_FEM<Device, double, double>>();
+  case CellType::Quadrilateral4:
+    return std::make_shared<Intrepid2::Basis_HGRAD_QUAD_C1_FEM<Device, double, double>>();
+  case CellType::Quadrilateral9:
+    return std::make_shared<Intrepid2::Basis_HGRAD_QUAD_C2_FEM<Device, double, double>>();
+  case CellType::Tetrahedron4:
+    return std::make_shared<Intrepid2::Basis_HGRAD_TET_C1_FEM<Device, double, double>>();
+  case CellType::Tetrahedron10:
+    return std::make_shared<Intrepid2::Basis_HGRAD_TET_C2_FEM<Device, double, double>>();
+  case CellType::Hexahedron8:
+    return std::make_shared<Intrepid2::Basis_HGRAD_HEX_C1_FEM<Device, double, double>>();
+  case CellType::Hexahedron27:
+    return std::make_shared<Intrepid2::Basis_HGRAD_HEX_C2_FEM<Device, double, double>>();
   }
-  return quadrature;
+  HARMOS_REQUIRE(false, "the cell type has no basis");
+  return nullptr;
 }
 
-View pointsView(const std::vector<std::array<double, 2>>& points) {
-  View view("points", points.size(), 2);
-  for (std::size_t q = 0; q < points.size(); ++q) {
-    view(q, 0) = points[q][0];
-    view(q, 1) = points[q][1];
-  }
+// Intrepid2's line elements of higher order number their nodes along the line in some versions; everything
+// here has the corners first, as Shards does.
+std::vector<int> order(CellType type, const Basis& basis) {
+  std::vector<int> result(static_cast<std::size_t>(basis.getCardinality()));
+  std::iota(result.begin(), result.end(), 0);
+  if (type != CellType::Line3)
+    return result;
+  View x("coordinates", 3, 1);
+  basis.getDofCoords(x);
+  std::sort(result.begin(), result.end(), [&](int a, int b) { return x(a, 0) < x(b, 0); });
+  return {result[0], result[2], result[1]};
+}
+
+std::size_t dimensionOf(const Basis& basis) {
+  return basis.getBaseCellTopology().getDimension();
+}
+
+View pointsView(const std::vector<Point>& points, std::size_t dimension) {
+  View view("points", points.size(), dimension);
+  for (std::size_t q = 0; q < points.size(); ++q)
+    for (std::size_t d = 0; d < dimension; ++d)
+      view(q, d) = points[q][d];
   return view;
 }
 
 } // namespace
 
-Quadrature triangleQuadrature(int degree) {
-  return makeQuadrature(shards::CellTopology(shards::getCellTopologyData<shards::Triangle<3>>()), degree);
+Quadrature quadratureOn(CellType type, int degree) {
+  const auto topology = basisOf(type)->getBaseCellTopology();
+  const auto rule = Intrepid2::DefaultCubatureFactory::create<Device, double, double>(topology, degree);
+  const int n = rule->getNumPoints();
+  const auto dimension = static_cast<std::size_t>(topology.getDimension());
+  View points("points", n, dimension), weights("weights", n);
+  rule->getCubature(points, weights);
+  Quadrature quadrature;
+  for (int q = 0; q < n; ++q) {
+    Point point{};
+    for (std::size_t d = 0; d < dimension; ++d)
+      point[d] = points(q, d);
+    quadrature.points.push_back(point);
+    quadrature.weights.push_back(weights(q));
+  }
+  return quadrature;
 }
 
-ReferenceElement::ReferenceElement(CellType type, int degree) {
-  HARMOS_REQUIRE(type == CellType::Quadrilateral4, "the cell type has no reference element");
-  const Intrepid2::Basis_HGRAD_QUAD_C1_FEM<Device, double, double> basis;
-  basisSize_ = static_cast<int>(basis.getCardinality());
-  quadrature_ =
-      makeQuadrature(shards::CellTopology(shards::getCellTopologyData<shards::Quadrilateral<4>>()), degree);
-  const std::size_t n = quadrature_.points.size();
-  const View points = pointsView(quadrature_.points);
-  View values("values", basisSize_, n), gradients("gradients", basisSize_, n, 2);
-  basis.getValues(values, points, Intrepid2::OPERATOR_VALUE);
-  basis.getValues(gradients, points, Intrepid2::OPERATOR_GRAD);
-  for (std::size_t q = 0; q < n; ++q)
-    for (int i = 0; i < basisSize_; ++i) {
-      values_.push_back(values(i, q));
-      gradients_.push_back({gradients(i, q, 0), gradients(i, q, 1)});
-    }
-}
-
-std::vector<std::vector<double>>
-ReferenceElement::valuesAt(const std::vector<std::array<double, 2>>& points) const {
-  const Intrepid2::Basis_HGRAD_QUAD_C1_FEM<Device, double, double> basis;
-  View values("values", basisSize_, points.size());
-  basis.getValues(values, pointsView(points), Intrepid2::OPERATOR_VALUE);
-  std::vector<std::vector<double>> result(points.size(),
-                                          std::vector<double>(static_cast<std::size_t>(basisSize_)));
-  for (std::size_t q = 0; q < points.size(); ++q)
-    for (int i = 0; i < basisSize_; ++i)
-      result[q][static_cast<std::size_t>(i)] = values(i, q);
+std::vector<Point> nodeCoordinates(CellType type) {
+  const std::shared_ptr<const Basis> basis = basisOf(type);
+  const std::size_t dimension = dimensionOf(*basis);
+  View coordinates("coordinates", basis->getCardinality(), dimension);
+  basis->getDofCoords(coordinates);
+  std::vector<Point> result;
+  for (int i : order(type, *basis)) {
+    Point point{};
+    for (std::size_t d = 0; d < dimension; ++d)
+      point[d] = coordinates(i, d);
+    result.push_back(point);
+  }
   return result;
+}
+
+std::vector<std::vector<double>> basisValues(CellType type, const std::vector<Point>& points) {
+  const std::shared_ptr<const Basis> basis = basisOf(type);
+  View values("values", basis->getCardinality(), points.size());
+  basis->getValues(values, pointsView(points, dimensionOf(*basis)), Intrepid2::OPERATOR_VALUE);
+  std::vector<std::vector<double>> result(points.size());
+  for (std::size_t q = 0; q < points.size(); ++q)
+    for (int i : order(type, *basis))
+      result[q].push_back(values(i, q));
+  return result;
+}
+
+std::vector<std::vector<Point>> basisGradients(CellType type, const std::vector<Point>& points) {
+  const std::shared_ptr<const Basis> basis = basisOf(type);
+  const std::size_t dimension = dimensionOf(*basis);
+  View gradients("gradients", basis->getCardinality(), points.size(), dimension);
+  basis->getValues(gradients, pointsView(points, dimension), Intrepid2::OPERATOR_GRAD);
+  std::vector<std::vector<Point>> result(points.size());
+  for (std::size_t q = 0; q < points.size(); ++q)
+    for (int i : order(type, *basis)) {
+      Point gradient{};
+      for (std::size_t d = 0; d < dimension; ++d)
+        gradient[d] = gradients(i, q, d);
+      result[q].push_back(gradient);
+    }
+  return result;
+}
+
+ReferenceElement::ReferenceElement(CellType type, int degree) : quadrature_(quadratureOn(type, degree)) {
+  for (const std::vector<double>& row : basisValues(type, quadrature_.points)) {
+    basisSize_ = static_cast<int>(row.size());
+    values_.insert(values_.end(), row.begin(), row.end());
+  }
+  for (const std::vector<Point>& row : basisGradients(type, quadrature_.points))
+    gradients_.insert(gradients_.end(), row.begin(), row.end());
 }
 
 } // namespace Harmos::fem

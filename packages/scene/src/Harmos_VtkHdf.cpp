@@ -135,7 +135,7 @@ void writeVtkHdf(const Teuchos::Comm<int>& comm, const std::string& path,
   std::vector<int> subdomains, bodies;
   for (const OwnedSubdomain& item : owned) {
     const fem::Mesh& mesh = *item.mesh.mesh;
-    const auto corners = static_cast<std::size_t>(fem::Mesh::nodesPerCell);
+    const auto corners = static_cast<std::size_t>(mesh.nodesPerCell());
     for (int node = 0; node < mesh.numberOfNodes(); ++node)
       for (double coordinate : item.mesh.position(node))
         points.push_back(coordinate);

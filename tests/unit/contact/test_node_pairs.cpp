@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Errors.hpp"
 #include "Harmos_NodePairs.hpp"
-#include "Harmos_StructuredRectangle.hpp"
+#include "Harmos_StructuredBlock.hpp"
 #include "Harmos_TestComm.hpp"
 
 #include <gtest/gtest.h>
@@ -10,12 +10,13 @@
 
 using namespace Harmos;
 using contact::SurfaceNode;
-using fem::StructuredRectangle;
+using fem::makeRectangle;
+using fem::StructuredBlock;
 
 namespace {
 
 // Subdomains s with s mod ranks = rank.
-std::vector<SurfaceNode> share(const StructuredRectangle& body, const std::string& set) {
+std::vector<SurfaceNode> share(const StructuredBlock& body, const std::string& set) {
   const auto comm = testComm();
   std::vector<SurfaceNode> nodes;
   for (int s = comm->getRank(); s < body.numberOfSubdomains(); s += comm->getSize()) {
@@ -25,7 +26,7 @@ std::vector<SurfaceNode> share(const StructuredRectangle& body, const std::strin
   return nodes;
 }
 
-std::string failure(const StructuredRectangle& a, const StructuredRectangle& b, const std::string& set) {
+std::string failure(const StructuredBlock& a, const StructuredBlock& b, const std::string& set) {
   try {
     contact::pairNodes(*testComm(), share(a, "right"), share(b, set), "left body and right body");
   } catch (const InputError& error) {
@@ -37,8 +38,8 @@ std::string failure(const StructuredRectangle& a, const StructuredRectangle& b, 
 } // namespace
 
 TEST(NodePairs, matching_sides_are_paired_once_with_their_lengths) {
-  const StructuredRectangle a({0, 0, 0}, {1, 1}, {2, 3}, {2, 2}, 0);
-  const StructuredRectangle b({1, 0, 0}, {1, 1}, {1, 2}, {3, 3}, a.numberOfNodes());
+  const StructuredBlock a = makeRectangle({0, 0, 0}, {1, 1}, {2, 3}, {2, 2}, 0);
+  const StructuredBlock b = makeRectangle({1, 0, 0}, {1, 1}, {1, 2}, {3, 3}, a.numberOfNodes());
   const auto pairs = contact::pairNodes(*testComm(), share(a, "right"), share(b, "left"), "test");
   ASSERT_EQ(pairs.size(), 7u);
   double length = 0.0;
@@ -56,9 +57,9 @@ TEST(NodePairs, matching_sides_are_paired_once_with_their_lengths) {
 }
 
 TEST(NodePairs, surfaces_that_do_not_match_are_refused_on_all_ranks) {
-  const StructuredRectangle a({0, 0, 0}, {1, 1}, {1, 1}, {2, 2}, 0);
-  const StructuredRectangle coarse({1, 0, 0}, {1, 1}, {1, 1}, {1, 1}, 100);
-  const StructuredRectangle fine({1, 0, 0}, {1, 1}, {1, 1}, {4, 4}, 100);
+  const StructuredBlock a = makeRectangle({0, 0, 0}, {1, 1}, {1, 1}, {2, 2}, 0);
+  const StructuredBlock coarse = makeRectangle({1, 0, 0}, {1, 1}, {1, 1}, {1, 1}, 100);
+  const StructuredBlock fine = makeRectangle({1, 0, 0}, {1, 1}, {1, 1}, {4, 4}, 100);
   EXPECT_NE(failure(a, coarse, "left")
                 .find("node 5 at (1.000000, 0.500000, 0.000000) of the first surface has no "
                       "partner"),

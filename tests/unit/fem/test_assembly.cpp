@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Assembly.hpp"
 #include "Harmos_Errors.hpp"
-#include "Harmos_StructuredRectangle.hpp"
+#include "Harmos_StructuredBlock.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,8 @@
 #include <numeric>
 
 using namespace Harmos;
-using fem::StructuredRectangle;
+using fem::makeRectangle;
+using fem::StructuredBlock;
 
 namespace {
 
@@ -25,7 +26,7 @@ double entry(const LocalMatrix& a, int i, int j) {
 constexpr double roundoff = 1e-14;
 
 fem::PlacedMesh single(double width, double height, int n) {
-  return StructuredRectangle({0, 0, 0}, {width, height}, {1, 1}, {n, n}, 0).subdomain(0);
+  return makeRectangle({0, 0, 0}, {width, height}, {1, 1}, {n, n}, 0).subdomain(0);
 }
 
 std::vector<double> load(const fem::PlacedMesh& mesh, const fem::BoxLoad& box) {
@@ -95,7 +96,7 @@ TEST(Assembly, inverted_cell_is_named) {
 // exact for every mesh, resolved jump or not. A one-point or nodal rule fails this.
 TEST(Assembly, load_is_exact_whether_or_not_the_mesh_resolves_the_jump) {
   for (int n : {1, 2, 3, 4, 5, 7}) {
-    const fem::PlacedMesh mesh = StructuredRectangle({1, 0, 0}, {1, 1}, {1, 1}, {n, n}, 0).subdomain(0);
+    const fem::PlacedMesh mesh = makeRectangle({1, 0, 0}, {1, 1}, {1, 1}, {n, n}, 0).subdomain(0);
     const std::vector<double> f = load(mesh, {-3.0, {1.0, 0.75}, {2.0, 1.0}});
     double force = 0.0, mx = 0.0, my = 0.0, mxy = 0.0;
     for (int node = 0; node < mesh.mesh->numberOfNodes(); ++node) {
@@ -131,7 +132,7 @@ TEST(Assembly, box_outside_gives_nothing) {
 
 // What a load looks like from within does not depend on where the subdomain lies, if the box covers it.
 TEST(Assembly, covered_subdomains_see_the_same_load) {
-  const StructuredRectangle rectangle({0, 0, 0}, {1, 1}, {3, 3}, {2, 2}, 0);
+  const StructuredBlock rectangle = makeRectangle({0, 0, 0}, {1, 1}, {3, 3}, {2, 2}, 0);
   const std::vector<fem::BoxLoad> loads = {{2.0, {-1.0, -1.0}, {5.0, 5.0}}};
   const fem::BoxLoad first = fem::localLoads(rectangle.subdomain(0), loads).front();
   for (int s = 1; s < 9; ++s) {

@@ -4,7 +4,7 @@
 #include "Harmos_FixingDofs.hpp"
 #include "Harmos_InverseQuality.hpp"
 #include "Harmos_LocalInverses.hpp"
-#include "Harmos_StructuredRectangle.hpp"
+#include "Harmos_StructuredBlock.hpp"
 #include "Harmos_TestElasticity.hpp"
 #include "Harmos_TestModel.hpp"
 
@@ -29,8 +29,7 @@ LocalMatrix chain(int n) {
 }
 
 LocalMatrix square(int n) {
-  return fem::assembleLaplace(
-      *fem::StructuredRectangle({0, 0, 0}, {1, 1}, {1, 1}, {n, n}, 0).subdomain(0).mesh);
+  return fem::assembleLaplace(*fem::makeRectangle({0, 0, 0}, {1, 1}, {1, 1}, {n, n}, 0).subdomain(0).mesh);
 }
 
 Dense toDense(const LocalMatrix& matrix) {
@@ -414,8 +413,7 @@ TEST(LocalInverses, jumps_inside_and_units) {
     for (double unit : {1e-300, 1e-17, 1.0, 1e45})
       for (DualForm form : {DualForm::Implicit, DualForm::Condensed}) {
         const int n = 8;
-        const fem::PlacedMesh mesh =
-            fem::StructuredRectangle({0, 0, 0}, {1, 1}, {1, 1}, {n, n}, 0).subdomain(0);
+        const fem::PlacedMesh mesh = fem::makeRectangle({0, 0, 0}, {1, 1}, {1, 1}, {n, n}, 0).subdomain(0);
         // Two halves assembled apart.
         std::vector<MatrixEntry> entries;
         for (int half : {0, 1}) {

@@ -5,7 +5,7 @@
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Pipeline.hpp"
 #include "Harmos_RunReport.hpp"
-#include "Harmos_StructuredRectangle.hpp"
+#include "Harmos_StructuredBlock.hpp"
 #include "Harmos_TestComm.hpp"
 
 #include <gtest/gtest.h>
@@ -22,9 +22,9 @@ namespace {
 scene::Scene grid(int s, int bodies) {
   scene::Scene scene;
   for (int b = 0; b < bodies; ++b) {
-    const auto rectangle = std::make_shared<const fem::StructuredRectangle>(
-        fem::Point{0, 0, 0}, std::array<double, 2>{1, 1}, std::array<int, 2>{s, s}, std::array<int, 2>{1, 1},
-        100 * b);
+    const auto rectangle = std::make_shared<const fem::StructuredBlock>(
+        fem::makeRectangle(fem::Point{0, 0, 0}, std::array<double, 2>{1, 1}, std::array<int, 2>{s, s},
+                           std::array<int, 2>{1, 1}, 100 * b));
     scene::Body body;
     body.subdomains = s * s;
     body.subdomain = [rectangle](int k) { return rectangle->subdomain(k); };
@@ -72,9 +72,9 @@ TEST(Decomposition, congruent_subdomains_share_matrix_and_kernel) {
 TEST(Pipeline, body_that_is_pulled_away_is_named) {
   scene::Scene scene;
   for (int b = 0; b < 2; ++b) {
-    const auto rectangle = std::make_shared<const fem::StructuredRectangle>(
-        fem::Point{static_cast<double>(b), 0, 0}, std::array<double, 2>{1, 1}, std::array<int, 2>{2, 2},
-        std::array<int, 2>{4, 4}, 1000 * b);
+    const auto rectangle = std::make_shared<const fem::StructuredBlock>(
+        fem::makeRectangle(fem::Point{static_cast<double>(b), 0, 0}, std::array<double, 2>{1, 1},
+                           std::array<int, 2>{2, 2}, std::array<int, 2>{4, 4}, 1000 * b));
     scene::Body body;
     body.name = b == 0 ? "lower" : "upper";
     body.subdomains = 4;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Errors.hpp"
-#include "Harmos_StructuredRectangle.hpp"
+#include "Harmos_StructuredBlock.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,11 @@
 #include <set>
 
 using namespace Harmos;
-using fem::StructuredRectangle;
+using fem::makeRectangle;
+using fem::StructuredBlock;
 
-TEST(StructuredRectangle, copies_have_equal_numbers_and_places) {
-  const StructuredRectangle rectangle({1.0, 2.0, 0.0}, {3.0, 1.0}, {3, 2}, {2, 4}, 100);
+TEST(StructuredBlock, copies_have_equal_numbers_and_places) {
+  const StructuredBlock rectangle = makeRectangle({1.0, 2.0, 0.0}, {3.0, 1.0}, {3, 2}, {2, 4}, 100);
   EXPECT_EQ(rectangle.numberOfSubdomains(), 6);
   EXPECT_EQ(rectangle.numberOfNodes(), 7 * 9);
   std::map<long long, fem::Point> places;
@@ -33,13 +34,13 @@ TEST(StructuredRectangle, copies_have_equal_numbers_and_places) {
   EXPECT_EQ(places.rbegin()->first, 162);
 }
 
-TEST(StructuredRectangle, congruent_subdomains_share_one_mesh) {
-  const StructuredRectangle rectangle({0, 0, 0}, {1, 1}, {4, 4}, {3, 3}, 0);
+TEST(StructuredBlock, congruent_subdomains_share_one_mesh) {
+  const StructuredBlock rectangle = makeRectangle({0, 0, 0}, {1, 1}, {4, 4}, {3, 3}, 0);
   EXPECT_EQ(rectangle.subdomain(0).mesh.get(), rectangle.subdomain(15).mesh.get());
 }
 
-TEST(StructuredRectangle, boundary_parts_lie_where_their_names_say) {
-  const StructuredRectangle rectangle({0, 0, 0}, {2, 1}, {2, 2}, {3, 3}, 0);
+TEST(StructuredBlock, boundary_parts_lie_where_their_names_say) {
+  const StructuredBlock rectangle = makeRectangle({0, 0, 0}, {2, 1}, {2, 2}, {3, 3}, 0);
   std::map<std::string, std::set<long long>> nodes;
   for (int s = 0; s < 4; ++s) {
     const fem::PlacedMesh mesh = rectangle.subdomain(s);
@@ -57,7 +58,7 @@ TEST(StructuredRectangle, boundary_parts_lie_where_their_names_say) {
     EXPECT_EQ(nodes[name].size(), 7u) << name;
 }
 
-TEST(StructuredRectangle, refuses_empty_ones) {
-  EXPECT_THROW(StructuredRectangle({0, 0, 0}, {0, 1}, {1, 1}, {1, 1}, 0), InputError);
-  EXPECT_THROW(StructuredRectangle({0, 0, 0}, {1, 1}, {0, 1}, {1, 1}, 0), InputError);
+TEST(StructuredBlock, refuses_empty_ones) {
+  EXPECT_THROW(makeRectangle({0, 0, 0}, {0, 1}, {1, 1}, {1, 1}, 0), InputError);
+  EXPECT_THROW(makeRectangle({0, 0, 0}, {1, 1}, {0, 1}, {1, 1}, 0), InputError);
 }

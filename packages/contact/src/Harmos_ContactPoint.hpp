@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_ConstraintRow.hpp"
+#include "Harmos_Surface.hpp"
+
+#include <Teuchos_Comm.hpp>
+
+#include <string>
+#include <vector>
+
+namespace Harmos::contact {
+
+/// A place where two surfaces, or a surface and an obstacle, may touch: one inequality row.
+///
+/// With the relative displacement w = Σ weight · u(node): normal · w ≤ gap. The weights of the first surface
+/// (the one that carries the multipliers, "slave" in the literature) sum to 1, those of the second one to −1.
+struct ContactPoint {
+  struct Term {
+    long long node;
+    double weight;
+  };
+  long long node = 0;      ///< of the first surface, which the point belongs to
+  std::vector<Term> terms; ///< by rising node number
+  fem::Point normal{};     ///< outward from the first surface
+  double gap = 0.0;        ///< initial distance along the normal; negative: penetration
+  double area = 0.0;       ///< tributary area: force of the row / area = contact pressure
+};
+
+/// Where two surfaces touch initially in nodes of the same position: u¹ − u² at each pair.
+///
+/// The normal is that of the first surface, averaged with the opposite one of the second surface.
+/// @param tolerance of the positions, relative to the extent of the surfaces and their distance from the
+/// origin.
+/// @return ordered by node number of the first surface; the same on every rank.
+/// @throws InputError if a node of either has no partner, naming it. Local: every rank holds the surfaces.
+std::vector<ContactPoint> matchNodes(const Surface& first, const Surface& second, double tolerance = 1e-9);
+
+/// Whether matchNodes() would find a partner for each node of both.
+bool nodesMatch(const Surface& first, const Surface& second, double tolerance = 1e-9);
+
+/// Mortar coupling of surfaces that need not match, with dual Lagrange multipliers (Wohlmuth 2000; Popp,
+/// Gitterle, Gee, Wall 2010): a point for each node i of the first surface,
+///
+///     w_i = Σ_j D_ij u_j − Σ_k M_ik u_k, divided by D_ii,   D_ij = ∫ψ_i φ_j = δ_ij ∫φ_i,   M_ik = ∫ψ_i
+///     φ_k∘χ,
+///
+/// gap_i = ∫ψ_i g / D_ii, both integrals over the part of the first surface that has a counterpart: ψ_i are
+/// made there too (Cichosz & Bischoff 2011), so that the patch test holds at the ends of the surfaces.
+/// In the plane edges are cut at projections of nodes along the averaged normals; in space facets are clipped
+/// against each other in the plane of the facet of the first surface (Puso & Laursen 2004).
+///
+/// @param reach counterparts farther than this are none; 0: a tenth of the extent of the smaller surface.
+/// @return ordered by node number; nodes without a counterpart give none.
+/// @throws InputError if no node has a counterpart (the pair never meets), and for surfaces whose facets
+///         are not supported (triangles of six nodes on the first surface). Local.
+std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& second, double reach = 0.0);
+
+/// A rigid body, at rest.
+struct Obstacle {
+  enum class Shape { HalfSpace, Cylinder, Sphere };
+  Shape shape = Shape::HalfSpace;
+  fem::Point point{};     ///< on the plane; on the axis; the centre
+  fem::Point direction{}; ///< outward normal of the half-space; of the axis; not used by spheres. In the
+                          ///< plane cylinders have the axis (0, 0, 1)
+  double radius = 0.0; ///< negative: the elastic body is inside of a hollow cylinder or sphere
+};
+
+/// Contact with a rigid obstacle: n·u ≤ gap at each node of the surface, n the direction towards the
+/// obstacle at the initial position of the node, gap its distance.
+/// @return ordered by node number.
+/// @throws InputError for a direction of length zero, a radius of zero, and a node at the centre. Local.
+std::vector<ContactPoint> obstaclePoints(const Surface& surface, const Obstacle& obstacle);
+
+/// Rows n·w ≤ gap, one a point, numbered from `firstNumber`; row k of them is given on rank k mod ranks.
+/// @param components dofs a node: dof = node · components + component; 1 for scalar problems, where w is the
+///        displacement itself and the normal plays no part.
+std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
+                                       const std::vector<ContactPoint>& points, int components,
+                                       long long firstNumber);
+
+/// Rows w_c = 0, one a point and component.
+std::vector<ConstraintRow> tieRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points,
+                                   int components, long long firstNumber);
+
+} // namespace Harmos::contact

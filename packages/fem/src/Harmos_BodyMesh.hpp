@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_Mesh.hpp"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace Harmos::fem {
+
+/// A whole body, as a file or a generator gives it: on one rank only.
+struct BodyMesh {
+  std::string name;
+  Mesh mesh;                                      ///< boundary: all nodes on the body's boundary
+  std::vector<std::string> regions;               ///< names of the regions that mesh.regions counts
+  std::map<std::string, std::vector<Side>> sides; ///< named boundary parts
+  std::map<std::string, std::vector<int>> nodes;  ///< named points, which are no sides
+};
+
+} // namespace Harmos::fem

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace Harmos::fem {
+
+using Point = std::array<double, 3>;
+
+/// Lagrange elements, by the number of their nodes. Lines are sides of plane cells only.
+enum class CellType {
+  Line2,
+  Line3,
+  Triangle3,
+  Triangle6,
+  Quadrilateral4,
+  Quadrilateral9,
+  Tetrahedron4,
+  Tetrahedron10,
+  Hexahedron8,
+  Hexahedron27
+};
+
+/// What is known of a cell type without any mesh. Node orders are those of Shards and Intrepid2: corners
+/// first, then edges, faces, the inside.
+struct CellShape {
+  std::string name; ///< "triangle of 6 nodes"
+  int dimension;
+  int nodes;
+  int corners;
+  int order;                           ///< 1 or 2
+  bool isSimplex;                      ///< line: no
+  std::vector<Point> nodeCoordinates;  ///< on the reference cell
+  CellType side;                       ///< type of its sides; itself for lines
+  std::vector<std::vector<int>> sides; ///< nodes of each side, corners first, so ordered that the normal of
+                                       ///< sideNormal() looks outward
+};
+
+const CellShape& shapeOf(CellType type);
+
+} // namespace Harmos::fem

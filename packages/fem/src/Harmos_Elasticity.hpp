@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_LocalMatrix.hpp"
+#include "Harmos_Material.hpp"
+#include "Harmos_Mesh.hpp"
+
+#include <functional>
+#include <vector>
+
+namespace Harmos::fem {
+
+/// How volume changes enter.
+enum class Dilatation {
+  Full,     ///< as the displacements give it; locks as Poisson's ratio nears 1/2
+  Projected ///< B-bar: in each cell projected onto constants (linear and P2 elements) or linear functions
+            ///< (Q2) (Hughes: Generalization of selective integration procedures, Int. J. Numer. Meth. Engng.
+            ///< 15, 1980); with Q2 the stable pair Q2/P-1. Without effect on linear triangles and tetrahedra,
+            ///< which lock, and in plane stress, where nothing does
+};
+
+/// Linear elasticity on a mesh: what is integrated, and with what. dof = node · dimension + component.
+struct Elasticity {
+  Kinematics kinematics = Kinematics::PlaneStrain;
+  Dilatation dilatation = Dilatation::Full;
+  std::vector<Material> materials; ///< of each region
+};
+
+/// A vector field in space: density of a force, a displacement. The position is the global one.
+using VectorField = std::function<Point(const Point&)>;
+
+/// K = Σ ∫ B̄ᵀ C B̄, no boundary conditions; thickness one in the plane. Relative coordinates only: congruent
+/// meshes give identical matrices.
+/// @throws NumericalError for inverted cells; InternalError if a region has no material.
+/// Guarded by tests/unit/fem/test_elasticity.cpp and tests/verification/test_elements.cpp.
+LocalMatrix assembleElasticity(const Mesh& mesh, const Elasticity& elasticity);
+
+/// f_i = ∫ b φ_i of a body force. @param anchor of the mesh: the field is given globally.
+std::vector<double> assembleBodyForce(const Mesh& mesh, const Point& anchor, const VectorField& force);
+
+/// f_i = ∫ t φ_i over sides, of a force per area, which may depend on the outward unit normal.
+using Traction = std::function<Point(const Point& position, const Point& normal)>;
+std::vector<double> assembleTraction(const Mesh& mesh, const Point& anchor, const std::vector<Side>& sides,
+                                     const Traction& traction);
+
+/// f = ∫ B̄ᵀ C ε_T, the load of a temperature rise.
+std::vector<double> assembleThermalLoad(const Mesh& mesh, const Elasticity& elasticity, double temperature);
+
+/// Stresses at nodes, to be averaged over subdomains: sums over the cells around each node of size times
+/// stress, and of size.
+struct StressSums {
+  std::vector<Voigt> weighted;
+  std::vector<double> size;
+};
+
+/// In each cell, stresses at the points of the rule one order lower (where they are superconvergent: Barlow
+/// 1976) are fitted by a polynomial one degree lower than the element and taken at the nodes.
+/// σ = C(ε̄ − ε_T); in plane strain σ_zz is among them.
+StressSums stressSums(const Mesh& mesh, const Elasticity& elasticity, const std::vector<double>& displacement,
+                      double temperature);
+
+/// ∫|u_h − u|² and the energy product of the error ∫ (ε(u_h) − ε) : C : (ε(u_h) − ε), over the mesh, by a
+/// rule of high degree. For verification.
+struct SquaredErrors {
+  double l2 = 0.0;
+  double energy = 0.0;
+};
+/// @param gradient of u: result[i][j] = ∂u_i/∂x_j.
+SquaredErrors squaredErrors(const Mesh& mesh, const Point& anchor, const Elasticity& elasticity,
+                            const std::vector<double>& displacement, const VectorField& exact,
+                            const std::function<std::array<Point, 3>(const Point&)>& gradient);
+
+} // namespace Harmos::fem

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <string>
+
+namespace Harmos::fem {
+
+/// What a cross-section may do.
+enum class Kinematics {
+  PlaneStrain, ///< ε_zz = ε_xz = ε_yz = 0
+  PlaneStress, ///< σ_zz = σ_xz = σ_yz = 0
+  Solid        ///< three dimensions
+};
+
+/// Stresses and strains in the order of VTK: xx, yy, zz, xy, yz, xz; shear strains are twice the tensor's.
+using Voigt = std::array<double, 6>;
+using VoigtMatrix = std::array<Voigt, 6>;
+
+/// A linear elastic orthotropic material, its axes turned about z by an angle.
+///
+/// Compliance: ε_11 = σ_11/E_1 − ν_12 σ_22/E_1 − ν_13 σ_33/E_1, ..., γ_12 = σ_12/G_12, with
+/// ν_ij/E_i = ν_ji/E_j (Jones: Mechanics of Composite Materials, 1999, section 2.3).
+struct Material {
+  std::array<double, 3> young = {1.0, 1.0, 1.0};                   ///< E_1, E_2, E_3
+  std::array<double, 3> poisson = {0.3, 0.3, 0.3};                 ///< ν_12, ν_13, ν_23
+  std::array<double, 3> shear = {1.0 / 2.6, 1.0 / 2.6, 1.0 / 2.6}; ///< G_12, G_13, G_23
+  double angle = 0.0;                                              ///< of axis 1 from x, in radians
+  std::array<double, 3> expansion = {0.0, 0.0, 0.0};               ///< thermal, along the axes
+
+  static Material isotropic(double young, double poisson);
+  /// Plane strain bulk modulus etc. follow from these.
+  bool isIsotropic() const;
+
+  /// @throws InputError, naming the material and the value that is out of range: moduli not positive or not
+  /// finite, or an energy that is not positive definite (isotropic: −1 < ν < 0.5).
+  void check(const std::string& name) const;
+
+  /// σ = C ε of the solid or the cross-section. For plane stress the rows and columns zz, yz, xz are zero.
+  VoigtMatrix stiffness(Kinematics kinematics) const;
+  /// Strain of free expansion by one degree.
+  Voigt thermalStrain() const;
+};
+
+} // namespace Harmos::fem
