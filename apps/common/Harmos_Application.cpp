@@ -122,6 +122,11 @@ int abortAll(const Teuchos::Comm<int>& comm, const std::string& message) {
   return exitInternalError;
 }
 
+std::string directoryOf(const std::string& file) {
+  const std::size_t slash = file.rfind('/');
+  return slash == std::string::npos ? "." : file.substr(0, slash + 1);
+}
+
 int runDeck(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Application& application,
             const CommandLine& line, const Log& log, std::chrono::steady_clock::time_point begin) {
   const ParameterSpec spec = deckSpec(application);
@@ -129,7 +134,7 @@ int runDeck(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Applicatio
   scene::RunOptions options = scene::RunOptions::fromDeck(deck);
   if (!line.output.empty())
     options.outputDirectory = line.output;
-  const scene::Scene scene = application.makeScene(deck);
+  const scene::Scene scene = application.makeScene({*comm, deck, directoryOf(line.deck)});
   scene::checkConsistency(scene, options);
   if (line.check) {
     log.info("The deck \"" + line.deck + "\" is valid.");
@@ -152,6 +157,11 @@ int runDeck(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Applicatio
         log.warning(second.what());
     }
     throw;
+  }
+  if (application.evaluate) {
+    application.evaluate(deck, report);
+    for (const auto& [name, value] : report.results)
+      log.info(name + ": " + scientific(value, 6));
   }
   scene::writeSummary(*comm, options, report);
   log.info("Results are in \"" + options.outputDirectory + "\": summary.json, iterations.csv" +

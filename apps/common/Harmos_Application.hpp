@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_ParameterSpec.hpp"
+#include "Harmos_RunReport.hpp"
 #include "Harmos_Scene.hpp"
 
 #include <Teuchos_ParameterList.hpp>
@@ -11,12 +12,23 @@
 
 namespace Harmos::app {
 
+/// What a scene is made from.
+struct DeckContext {
+  const Teuchos::Comm<int>& comm;
+  const Teuchos::ParameterList& deck; ///< validated
+  std::string directory;              ///< of the deck: what its file names are relative to
+};
+
 /// What distinguishes one application from another: its part of the deck, and the scene it makes of it.
 struct Application {
   std::string name;
   std::string description;
   std::function<void(ParameterSpec&)> addParameters;
-  std::function<scene::Scene(const Teuchos::ParameterList&)> makeScene;
+  /// Collective: meshes may have to be read. Errors are to be agreed on.
+  std::function<scene::Scene(const DeckContext&)> makeScene;
+  /// Puts what the application alone can say of a finished run into report.results; may be null. Local; every
+  /// rank has the same report.
+  std::function<void(const Teuchos::ParameterList&, scene::RunReport&)> evaluate;
 };
 
 /// The command line, the deck, the run, the summary and the exit status that all applications share.

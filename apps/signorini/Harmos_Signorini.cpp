@@ -28,8 +28,8 @@ void addParameters(ParameterSpec& deck) {
   deck.list(std::move(model));
 }
 
-scene::Scene makeScene(const Teuchos::ParameterList& deck) {
-  const Teuchos::ParameterList& model = deck.sublist("Model");
+scene::Scene makeScene(const app::DeckContext& context) {
+  const Teuchos::ParameterList& model = context.deck.sublist("Model");
   const int s = model.get<int>("Subdomains per side");
   const int n = model.get<int>("Elements per subdomain side");
   const bool tied = model.get<std::string>("Interface") == "tie";
@@ -62,7 +62,7 @@ scene::Scene makeScene(const Teuchos::ParameterList& deck) {
 } // namespace
 
 int main(int argc, char** argv) {
-  return app::main(
-      argc, argv,
-      {"signorini", "the Signorini model problem: two membranes in contact", addParameters, makeScene});
+  return app::main(argc, argv,
+                   {"signorini", "the Signorini model problem: two membranes in contact", addParameters,
+                    makeScene, nullptr});
 }

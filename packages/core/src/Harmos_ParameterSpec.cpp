@@ -4,13 +4,11 @@
 #include "Harmos_Errors.hpp"
 
 #include <Teuchos_StandardParameterEntryValidators.hpp>
-#include <Teuchos_XMLParameterListCoreHelpers.hpp>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <iomanip>
-#include <ostream>
 #include <sstream>
 
 namespace Harmos {
@@ -35,28 +33,6 @@ std::string joined(const std::vector<std::string>& texts) {
   return result;
 }
 
-std::string lowered(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
-std::size_t editDistance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j)
-    row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t substitution = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substitution});
-    }
-  }
-  return row[b.size()];
-}
-
 std::string unknownName(const std::string& what, const std::string& path, const std::string& name,
                         const std::vector<std::string>& candidates) {
   std::string message = "unknown " + what + " " + quoted(path + name);
@@ -78,29 +54,38 @@ std::string foundText(const Teuchos::ParameterEntry& entry) {
     return "a real number (" + numberText(Teuchos::getValue<double>(entry)) + ")";
   if (entry.isType<std::string>())
     return "a string (" + quoted(value.str()) + ")";
+  if (entry.isType<Teuchos::Array<double>>() || entry.isType<Teuchos::Array<int>>() ||
+      entry.isType<Teuchos::Array<std::string>>())
+    return "an array (" + value.str() + ")";
   return "of type " + entry.getAny(false).typeName();
 }
 
-} // namespace
-
-std::string nearestName(const std::string& name, const std::vector<std::string>& candidates) {
-  std::string nearest;
-  // Further away than half of its letters, a name is no longer a misspelling.
-  std::size_t best = std::max<std::size_t>(2, name.size() / 2) + 1;
-  for (const std::string& candidate : candidates) {
-    const std::size_t distance = editDistance(lowered(name), lowered(candidate));
-    if (distance < best) {
-      best = distance;
-      nearest = candidate;
-    }
-  }
-  // Or its beginning: "Tol" for "Tolerance".
-  if (nearest.empty() && name.size() >= 3)
-    for (const std::string& candidate : candidates)
-      if (lowered(candidate).compare(0, name.size(), lowered(name)) == 0)
-        return candidate;
-  return nearest;
+template<class T>
+Teuchos::Array<T> arrayOf(const std::vector<T>& values) {
+  return Teuchos::Array<T>(values.begin(), values.end());
 }
+
+// "{1, 2}" or "1, 2".
+std::vector<std::string> splitArray(std::string text) {
+  text.erase(std::remove_if(text.begin(), text.end(), [](char c) { return c == '{' || c == '}'; }),
+             text.end());
+  std::vector<std::string> result;
+  std::istringstream stream(text);
+  for (std::string item; std::getline(stream, item, ',');) {
+    const std::size_t first = item.find_first_not_of(" \t"), last = item.find_last_not_of(" \t");
+    result.push_back(first == std::string::npos ? "" : item.substr(first, last - first + 1));
+  }
+  return result;
+}
+
+// The whole text as a value, or nothing.
+template<class T>
+bool parseNumber(const std::string& text, T& value) {
+  std::istringstream stream(text);
+  return static_cast<bool>(stream >> value) && (stream >> std::ws).eof();
+}
+
+} // namespace
 
 bool Range::contains(double value) const {
   // NaN and the infinities lie in no range.
@@ -165,6 +150,34 @@ ParameterSpec& ParameterSpec::choice(const std::string& name, const std::string&
   return *this;
 }
 
+ParameterSpec& ParameterSpec::reals(const std::string& name, const std::vector<double>& value,
+                                    const Range& range, const std::string& meaning) {
+  Parameter& parameter = add(name, Type::Reals, meaning);
+  parameter.reals = value;
+  parameter.range = range;
+  return *this;
+}
+
+ParameterSpec& ParameterSpec::integers(const std::string& name, const std::vector<int>& value, int least,
+                                       int most, const std::string& meaning) {
+  Parameter& parameter = add(name, Type::Integers, meaning);
+  parameter.integers = value;
+  parameter.range = Range::within(least, most);
+  return *this;
+}
+
+ParameterSpec& ParameterSpec::texts(const std::string& name, const std::vector<std::string>& value,
+                                    const std::string& meaning) {
+  add(name, Type::Texts, meaning).texts = value;
+  return *this;
+}
+
+ParameterSpec& ParameterSpec::family(ParameterSpec member) {
+  HARMOS_REQUIRE(family_.empty(), "the list \"" + name_ + "\" has two families");
+  family_.push_back(std::move(member));
+  return *this;
+}
+
 ParameterSpec& ParameterSpec::list(ParameterSpec sublist) {
   HARMOS_REQUIRE(find(sublist.name()) == nullptr && findList(sublist.name()) == nullptr,
                  "the list " + quoted(sublist.name()) + " is specified twice");
@@ -207,6 +220,12 @@ std::string ParameterSpec::typeName(Type type) {
     return "string";
   case Type::Choice:
     return "choice";
+  case Type::Integers:
+    return "integers";
+  case Type::Reals:
+    return "reals";
+  case Type::Texts:
+    return "strings";
   }
   return "";
 }
@@ -227,6 +246,14 @@ std::string ParameterSpec::expected(const Parameter& parameter) {
       values.push_back(allowed.first);
     return "one of " + joined(values) + " (type=\"string\")";
   }
+  case Type::Integers:
+    return std::to_string(parameter.integers.size()) + " integers (type=\"Array(int)\") in " +
+           parameter.range.text();
+  case Type::Reals:
+    return std::to_string(parameter.reals.size()) + " real numbers (type=\"Array(double)\") in " +
+           parameter.range.text();
+  case Type::Texts:
+    return "strings (type=\"Array(string)\")";
   }
   return "";
 }
@@ -242,6 +269,12 @@ std::string ParameterSpec::defaultText(const Parameter& parameter) {
   case Type::Text:
   case Type::Choice:
     return quoted(parameter.text);
+  case Type::Integers:
+    return arrayOf(parameter.integers).toString();
+  case Type::Reals:
+    return arrayOf(parameter.reals).toString();
+  case Type::Texts:
+    return arrayOf(parameter.texts).toString();
   }
   return "";
 }
@@ -302,6 +335,41 @@ void ParameterSpec::validate(const Parameter& parameter, const Teuchos::Paramete
     result.set(parameter.name, value);
     return;
   }
+  case Type::Integers: {
+    if (!entry.isType<Teuchos::Array<int>>())
+      return wrongType();
+    const auto values = Teuchos::getValue<Teuchos::Array<int>>(entry);
+    if (static_cast<std::size_t>(values.size()) != parameter.integers.size())
+      return wrongType();
+    for (int value : values)
+      if (!parameter.range.contains(value))
+        return outOfRange(std::to_string(value));
+    result.set(parameter.name, values);
+    return;
+  }
+  case Type::Reals: {
+    Teuchos::Array<double> values;
+    if (entry.isType<Teuchos::Array<int>>()) {
+      for (int value : Teuchos::getValue<Teuchos::Array<int>>(entry))
+        values.push_back(value);
+    } else if (entry.isType<Teuchos::Array<double>>()) {
+      values = Teuchos::getValue<Teuchos::Array<double>>(entry);
+    } else {
+      return wrongType();
+    }
+    if (static_cast<std::size_t>(values.size()) != parameter.reals.size())
+      return wrongType();
+    for (double value : values)
+      if (!parameter.range.contains(value))
+        return outOfRange(numberText(value));
+    result.set(parameter.name, values);
+    return;
+  }
+  case Type::Texts:
+    if (!entry.isType<Teuchos::Array<std::string>>())
+      return wrongType();
+    result.set(parameter.name, Teuchos::getValue<Teuchos::Array<std::string>>(entry));
+    return;
   }
 }
 
@@ -314,7 +382,12 @@ void ParameterSpec::validate(const Teuchos::ParameterList& given, const std::str
       const ParameterSpec* sublist = findList(name);
       if (sublist != nullptr)
         sublist->validate(given.sublist(name), path + name + "/", result.sublist(name), faults);
-      else if (find(name) != nullptr)
+      else if (!family_.empty()) {
+        Teuchos::ParameterList& member = result.sublist(name);
+        family_.front().fill(member, false);
+        member.setName(name);
+        family_.front().validate(given.sublist(name), path + name + "/", member, faults);
+      } else if (find(name) != nullptr)
         faults.push_back(quoted(path + name) + " is a list, expected " + expected(*find(name)));
       else
         faults.push_back(unknownName("list", path, name, names()));
@@ -383,6 +456,15 @@ void ParameterSpec::setDefault(const Parameter& parameter, Teuchos::ParameterLis
   case Type::Choice:
     list.set(parameter.name, parameter.text, doc, validator);
     return;
+  case Type::Integers:
+    list.set(parameter.name, arrayOf(parameter.integers), doc);
+    return;
+  case Type::Reals:
+    list.set(parameter.name, arrayOf(parameter.reals), doc);
+    return;
+  case Type::Texts:
+    list.set(parameter.name, arrayOf(parameter.texts), doc);
+    return;
   }
 }
 
@@ -418,6 +500,8 @@ void ParameterSpec::set(Teuchos::ParameterList& list, const std::string& head, c
   if (slash != std::string::npos) {
     const std::string first = path.substr(0, slash);
     const ParameterSpec* sublist = findList(first);
+    if (sublist == nullptr && !family_.empty())
+      sublist = &family_.front(); // a member that the deck does not have yet is made
     if (sublist == nullptr) {
       std::vector<std::string> known;
       for (const ParameterSpec& candidate : lists_)
@@ -435,22 +519,44 @@ void ParameterSpec::set(Teuchos::ParameterList& list, const std::string& head, c
                          ", expected " + expected(*parameter),
                      {{"path", head + path}});
   };
-  std::istringstream text(value);
   switch (parameter->type) {
   case Type::Integer: {
     int number = 0;
-    if (!(text >> number) || !(text >> std::ws).eof())
+    if (!parseNumber(value, number))
       refuse();
     list.set(path, number);
     return;
   }
   case Type::Real: {
     double number = 0.0;
-    if (!(text >> number) || !(text >> std::ws).eof())
+    if (!parseNumber(value, number))
       refuse();
     list.set(path, number);
     return;
   }
+  case Type::Integers: {
+    Teuchos::Array<int> numbers;
+    for (const std::string& item : splitArray(value)) {
+      numbers.push_back(0);
+      if (!parseNumber(item, numbers.back()))
+        refuse();
+    }
+    list.set(path, numbers);
+    return;
+  }
+  case Type::Reals: {
+    Teuchos::Array<double> numbers;
+    for (const std::string& item : splitArray(value)) {
+      numbers.push_back(0.0);
+      if (!parseNumber(item, numbers.back()))
+        refuse();
+    }
+    list.set(path, numbers);
+    return;
+  }
+  case Type::Texts:
+    list.set(path, arrayOf(splitArray(value)));
+    return;
   case Type::Boolean:
     if (value != "true" && value != "false")
       refuse();
@@ -461,56 +567,6 @@ void ParameterSpec::set(Teuchos::ParameterList& list, const std::string& head, c
     list.set(path, value);
     return;
   }
-}
-
-void ParameterSpec::writeXml(std::ostream& out) const {
-  Teuchos::writeParameterListToXmlOStream(*teuchosList(), out);
-}
-
-void ParameterSpec::writeMarkdown(std::ostream& out, const std::string& path) const {
-  out << (path == name_ ? "# Parameters of " : "## ") << path << "\n\n" << meaning_ << "\n\n";
-  if (!parameters_.empty()) {
-    out << "| Parameter | Type | Default | Allowed | Meaning |\n|---|---|---|---|---|\n";
-    for (const Parameter& parameter : parameters_) {
-      std::string allowed;
-      if (parameter.type == Type::Integer || parameter.type == Type::Real)
-        allowed = parameter.range.text();
-      for (const Choice& choice : parameter.allowed)
-        allowed += (allowed.empty() ? "" : "; ") + ("`" + choice.first + "`: " + choice.second);
-      out << "| `" << parameter.name << "` | " << typeName(parameter.type) << " | `" << defaultText(parameter)
-          << "` | " << allowed << " | " << parameter.meaning << " |\n";
-    }
-    out << "\n";
-  }
-  for (const ParameterSpec& sublist : lists_)
-    sublist.writeMarkdown(out, path + "/" + sublist.name());
-}
-
-void ParameterSpec::writeMarkdown(std::ostream& out) const {
-  writeMarkdown(out, name_);
-}
-
-void ParameterSpec::writeText(std::ostream& out, const std::string& path) const {
-  out << path << "  -- " << meaning_ << "\n";
-  for (const Parameter& parameter : parameters_) {
-    out << "  " << parameter.name << " = " << defaultText(parameter) << "   [" << typeName(parameter.type);
-    if (parameter.type == Type::Integer || parameter.type == Type::Real)
-      out << " in " << parameter.range.text();
-    out << "]\n      " << parameter.meaning << "\n";
-    for (const Choice& choice : parameter.allowed)
-      out << "      " << quoted(choice.first) << ": " << choice.second << "\n";
-  }
-  out << "\n";
-  for (const ParameterSpec& sublist : lists_)
-    sublist.writeText(out, (path.empty() ? "" : path + "/") + sublist.name());
-}
-
-void ParameterSpec::writeText(std::ostream& out) const {
-  out << meaning_ << "\n\n";
-  for (const Parameter& parameter : parameters_)
-    out << "  " << parameter.name << " = " << defaultText(parameter) << "   " << parameter.meaning << "\n";
-  for (const ParameterSpec& sublist : lists_)
-    sublist.writeText(out, sublist.name());
 }
 
 } // namespace Harmos

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_NearestName.hpp"
+
 #include <Teuchos_ParameterList.hpp>
 #include <Teuchos_RCP.hpp>
 
@@ -50,7 +52,18 @@ class ParameterSpec {
   ParameterSpec& text(const std::string& name, const std::string& value, const std::string& meaning);
   ParameterSpec& choice(const std::string& name, const std::string& value, const std::vector<Choice>& allowed,
                         const std::string& meaning);
+  /// As many numbers as the default has; type "Array(double)" and "Array(int)" in a deck.
+  ParameterSpec& reals(const std::string& name, const std::vector<double>& value, const Range& range,
+                       const std::string& meaning);
+  ParameterSpec& integers(const std::string& name, const std::vector<int>& value, int least, int most,
+                          const std::string& meaning);
+  /// Any number of texts; type "Array(string)".
+  ParameterSpec& texts(const std::string& name, const std::vector<std::string>& value,
+                       const std::string& meaning);
   ParameterSpec& list(ParameterSpec sublist);
+  /// Sublists of any names, each as the member describes; the member's own name is what the reference calls
+  /// such a name: "<body>".
+  ParameterSpec& family(ParameterSpec member);
 
   const std::string& name() const { return name_; }
   const std::string& meaning() const { return meaning_; }
@@ -89,7 +102,7 @@ class ParameterSpec {
   void set(Teuchos::ParameterList& list, const std::string& head, const std::string& path,
            const std::string& value, const std::string& source) const;
 
-  enum class Type { Integer, Real, Boolean, Text, Choice };
+  enum class Type { Integer, Real, Boolean, Text, Choice, Integers, Reals, Texts };
 
   struct Parameter {
     std::string name;
@@ -100,6 +113,9 @@ class ParameterSpec {
     double real = 0.0;
     bool boolean = false;
     std::string text;
+    std::vector<int> integers;
+    std::vector<double> reals;
+    std::vector<std::string> texts;
     Range range;
     std::vector<Choice> allowed;
   };
@@ -117,6 +133,7 @@ class ParameterSpec {
   void fill(Teuchos::ParameterList& list, bool validators) const;
   static std::string expected(const Parameter& parameter);
   static std::string typeName(Type type);
+  static bool hasRange(Type type);
   static std::string defaultText(const Parameter& parameter);
   void writeMarkdown(std::ostream& out, const std::string& path) const;
   void writeText(std::ostream& out, const std::string& path) const;
@@ -125,10 +142,7 @@ class ParameterSpec {
   std::string meaning_;
   std::vector<Parameter> parameters_;
   std::vector<ParameterSpec> lists_;
+  std::vector<ParameterSpec> family_; // none or one
 };
-
-/// The candidate with the least edit distance to the name (letters' case ignored), or that begins with it; ""
-/// if none is near.
-std::string nearestName(const std::string& name, const std::vector<std::string>& candidates);
 
 } // namespace Harmos

@@ -42,6 +42,40 @@ Kernel constantKernel(int rows) {
   return {rows, 1, std::vector<double>(static_cast<std::size_t>(rows), 1.0)};
 }
 
+Kernel rigidBodyKernel(const std::vector<double>& coordinates, int dimension) {
+  HARMOS_REQUIRE(dimension == 2 || dimension == 3,
+                 "rigid motions are those of a body in the plane or in space");
+  const auto d = static_cast<std::size_t>(dimension);
+  const std::size_t points = coordinates.size() / d;
+  std::vector<double> centre(d, 0.0);
+  for (std::size_t k = 0; k < points * d; ++k)
+    centre[k % d] += coordinates[k] / static_cast<double>(points);
+  // Rotations of a size near one, whatever the units of length.
+  double extent = 0.0;
+  for (std::size_t k = 0; k < points * d; ++k)
+    extent = std::max(extent, std::abs(coordinates[k] - centre[k % d]));
+  const double scale = extent > 0.0 ? 1.0 / extent : 1.0;
+
+  Kernel kernel;
+  kernel.rows = static_cast<int>(points * d);
+  kernel.columns = dimension == 2 ? 3 : 6;
+  kernel.values.assign(points * d * static_cast<std::size_t>(kernel.columns), 0.0);
+  const auto at = [&](std::size_t point, std::size_t component, std::size_t column) -> double& {
+    return kernel.values[column * points * d + point * d + component];
+  };
+  for (std::size_t point = 0; point < points; ++point) {
+    for (std::size_t c = 0; c < d; ++c)
+      at(point, c, c) = 1.0;
+    std::size_t column = d;
+    for (std::size_t a = 0; a < d; ++a)
+      for (std::size_t b = a + 1; b < d; ++b, ++column) { // in the plane of axes a and b
+        at(point, a, column) = -scale * (coordinates[point * d + b] - centre[b]);
+        at(point, b, column) = scale * (coordinates[point * d + a] - centre[a]);
+      }
+  }
+  return kernel;
+}
+
 Kernel heldKernel(const Kernel& motions, const std::vector<int>& fixed) {
   Kernel basis = motions;
   orthonormalize(basis);

@@ -22,6 +22,12 @@ struct Kernel {
 /// The constants: the kernel of a scalar operator.
 Kernel constantKernel(int rows);
 
+/// The rigid motions of an elastic body at given points, about their centre: two translations and a rotation
+/// in the plane, three of each in space. dof = point · dimension + component.
+/// @param coordinates dimension numbers a point.
+/// @throws InternalError unless the dimension is 2 or 3.
+Kernel rigidBodyKernel(const std::vector<double>& coordinates, int dimension);
+
 /// An orthonormal basis of those combinations of the given motions that vanish on the fixed dofs.
 ///
 /// Found by a singular value decomposition of the motions' rows at the fixed dofs; singular values below

@@ -7,8 +7,9 @@
 
 namespace Harmos::scene {
 
-ContactFields contactFields(const Teuchos::Comm<int>& comm, const std::vector<OwnedSubdomain>& owned,
-                            const std::vector<contact::NodePair>& pairs, const feti::ContactState& state) {
+std::vector<ContactState> contactStates(const Teuchos::Comm<int>& comm,
+                                        const std::vector<contact::ContactPoint>& points,
+                                        const feti::ContactState& state) {
   struct Item {
     long long row;
     double gap;
@@ -17,18 +18,29 @@ ContactFields contactFields(const Teuchos::Comm<int>& comm, const std::vector<Ow
   std::vector<Item> mine;
   for (std::size_t k = 0; k < state.row.size(); ++k)
     mine.push_back({state.row[k], state.gap[k], state.force[k]});
-  struct Value {
-    double pressure, gap;
-    bool closed;
-  };
-  std::unordered_map<long long, Value> atNode;
+  std::vector<ContactState> result(points.size());
   for (const Item& item : gatherAll(comm, mine)) {
-    const contact::NodePair& pair = pairs[static_cast<std::size_t>(item.row)];
-    const Value value = {item.force / pair.length, item.gap, item.force > 0.0};
-    atNode[pair.first] = value;
-    atNode[pair.second] = value;
+    const double area = points[static_cast<std::size_t>(item.row)].area;
+    result[static_cast<std::size_t>(item.row)] = {item.force / area, item.force, item.gap, item.force > 0.0};
   }
+  return result;
+}
 
+ContactFields contactFields(const std::vector<OwnedSubdomain>& owned,
+                            const std::vector<contact::ContactPoint>& points,
+                            const std::vector<ContactState>& states) {
+  std::unordered_map<long long, const ContactState*> atNode;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const std::vector<contact::ContactPoint::Term>& terms = points[k].terms;
+    const bool nodeToNode = terms.size() == 2 && terms[0].weight * terms[1].weight == -1.0;
+    for (const contact::ContactPoint::Term& term : terms)
+      if (term.node == points[k].node || nodeToNode) {
+        // A node of two interfaces shows the one that is closed.
+        const ContactState*& shown = atNode[term.node];
+        if (shown == nullptr || !shown->closed)
+          shown = &states[k];
+      }
+  }
   ContactFields fields;
   for (const OwnedSubdomain& subdomain : owned) {
     const auto nodes = static_cast<std::size_t>(subdomain.mesh.mesh->numberOfNodes());
@@ -39,9 +51,9 @@ ContactFields contactFields(const Teuchos::Comm<int>& comm, const std::vector<Ow
       const auto found = atNode.find(subdomain.mesh.boundaryNumbers[place]);
       if (found == atNode.end())
         continue;
-      pressure[k] = found->second.pressure;
-      gap[k] = found->second.gap;
-      active[k] = found->second.closed ? 2 : 1;
+      pressure[k] = found->second->pressure;
+      gap[k] = found->second->gap;
+      active[k] = found->second->closed ? 2 : 1;
     }
     fields.pressure.push_back(std::move(pressure));
     fields.gap.push_back(std::move(gap));

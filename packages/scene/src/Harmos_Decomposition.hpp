@@ -17,12 +17,32 @@ struct OwnedSubdomain {
   fem::PlacedMesh mesh;
 };
 
-/// The subdomains of this rank: blocks of consecutive numbers, as equal as possible; ranks beyond the number
-/// of subdomains have none. Local.
-std::vector<OwnedSubdomain> decompose(const Scene& scene, int rank, int ranks);
+/// Subdomains begin ... end − 1 of a rank.
+struct Share {
+  long long begin;
+  long long end;
+};
+
+/// Blocks of consecutive numbers, as equal as possible; ranks beyond the number of subdomains have none.
+Share shareOf(int rank, int ranks, long long subdomains);
+
+/// The subdomains of this rank, see shareOf(). Meshes that rank 0 alone has are distributed.
+/// @note Collective.
+std::vector<OwnedSubdomain> decompose(const Teuchos::Comm<int>& comm, const Scene& scene);
+
+/// Refuses boundary parts that a scene names and its bodies do not have, offering the nearest one.
+/// @throws InputError on all ranks.
+/// @note Collective.
+void checkBoundaryParts(const Teuchos::Comm<int>& comm, const Scene& scene,
+                        const std::vector<OwnedSubdomain>& owned);
 
 /// Stiffness, load, kernel and Dirichlet conditions of each. Subdomains that share a mesh share the matrix.
+/// @throws InputError for materials out of range and cells that are inverted or have no area, naming body,
+///         cell and place.
 /// Local.
 std::vector<feti::Subdomain> assemble(const Scene& scene, const std::vector<OwnedSubdomain>& owned);
+
+/// A body's elastic properties as the fem package takes them.
+fem::Elasticity elasticityOf(const Scene& scene, const Body& body);
 
 } // namespace Harmos::scene

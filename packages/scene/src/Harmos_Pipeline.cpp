@@ -4,15 +4,16 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_AtomicFile.hpp"
 #include "Harmos_ContactFields.hpp"
+#include "Harmos_ContactSetup.hpp"
 #include "Harmos_Decomposition.hpp"
 #include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_DualSolution.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_FormChoice.hpp"
-#include "Harmos_NodePairs.hpp"
 #include "Harmos_Qp.hpp"
 #include "Harmos_Recovery.hpp"
 #include "Harmos_StageTimers.hpp"
+#include "Harmos_StressRecovery.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 #include "Harmos_Version.hpp"
 #include "Harmos_VtkHdf.hpp"
@@ -52,46 +53,6 @@ std::string toString(StoppingRule rule) {
     return "permon";
   }
   return "";
-}
-
-// The pairs of all interfaces of one kind, and their rows, numbered through.
-struct InterfaceRows {
-  std::vector<contact::NodePair> contactPairs;
-  std::vector<ConstraintRow> rows;
-};
-
-InterfaceRows interfaceRows(const Teuchos::Comm<int>& comm, const Scene& scene,
-                            const std::vector<OwnedSubdomain>& owned) {
-  InterfaceRows result;
-  long long inequalities = 0, equalities = 0;
-  for (const Interface& interface : scene.interfaces) {
-    std::vector<contact::SurfaceNode> first, second;
-    for (const OwnedSubdomain& item : owned) {
-      const auto append = [&](std::vector<contact::SurfaceNode>& nodes, const std::string& set) {
-        const std::vector<contact::SurfaceNode> more = contact::surfaceNodes(item.mesh, set);
-        nodes.insert(nodes.end(), more.begin(), more.end());
-      };
-      if (item.body == interface.firstBody)
-        append(first, interface.firstSet);
-      if (item.body == interface.secondBody)
-        append(second, interface.secondSet);
-    }
-    const std::string what = scene.bodies[static_cast<std::size_t>(interface.firstBody)].name + "/" +
-                             interface.firstSet + " and " +
-                             scene.bodies[static_cast<std::size_t>(interface.secondBody)].name + "/" +
-                             interface.secondSet;
-    const std::vector<contact::NodePair> pairs = contact::pairNodes(comm, first, second, what);
-    const bool isContact = interface.kind == Interface::Kind::Contact;
-    long long& offset = isContact ? inequalities : equalities;
-    for (ConstraintRow& row : isContact ? contact::contactRows(comm, pairs) : contact::tieRows(comm, pairs)) {
-      row.number += offset;
-      result.rows.push_back(std::move(row));
-    }
-    offset += static_cast<long long>(pairs.size());
-    if (isContact)
-      result.contactPairs.insert(result.contactPairs.end(), pairs.begin(), pairs.end());
-  }
-  return result;
 }
 
 feti::LocalInverses makeInverses(const feti::SubdomainSystem& system, const feti::Constraints& constraints,
@@ -162,6 +123,8 @@ void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& 
   log.info("Scene \"" + scene.name + "\": " + std::to_string(scene.bodies.size()) + " bodies, " +
            std::to_string(report.subdomains) + " subdomains on " + std::to_string(report.ranks) +
            (report.ranks == 1 ? " rank" : " ranks") + "; effects: " + effects);
+  for (const std::string& note : scene.notes)
+    log.info(note);
 
   agree(*comm, [&] {
     if (comm->getRank() != 0)
@@ -176,7 +139,8 @@ void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& 
   std::vector<feti::Subdomain> subdomains;
   {
     const auto scope = timers.scope("mesh");
-    agree(*comm, [&] { owned = decompose(scene, comm->getRank(), comm->getSize()); });
+    owned = decompose(*comm, scene);
+    checkBoundaryParts(*comm, scene, owned);
   }
   {
     const auto scope = timers.scope("assembly");
@@ -189,11 +153,11 @@ void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& 
   report.primalDimension = system.primalDimension();
   report.kernelDimension = system.kernelDimension();
 
-  InterfaceRows interfaces;
+  ContactSetup contact;
   const feti::Constraints constraints = [&] {
     const auto scope = timers.scope("dual_operator");
-    interfaces = interfaceRows(*comm, scene, owned);
-    return feti::Constraints(system, interfaces.rows);
+    contact = setUpContact(*comm, scene, owned);
+    return feti::Constraints(system, contact.rows);
   }();
   report.dualDimension = constraints.dualDimension();
   report.inequalities = constraints.inequalities();
@@ -246,6 +210,10 @@ void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& 
     const auto scope = timers.scope("recovery");
     report.audit = feti::audit(system, constraints, torn);
     report.audited = true;
+    if (report.inequalities > 0) {
+      report.contact = contactStates(*comm, contact.points, feti::contactState(constraints, torn));
+      report.contactPoints = std::move(contact.points);
+    }
   }
   log.info(auditText(report));
   // The penalty method leaves jumps by design, and has said so.
@@ -264,14 +232,20 @@ void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& 
       writeAtomically(options.outputDirectory + "/iterations.csv", history.str());
     });
     if (options.writeFields) {
-      const std::string path = options.outputDirectory + "/result.vtkhdf";
-      if (report.inequalities > 0) {
-        const ContactFields contact =
-            contactFields(*comm, owned, interfaces.contactPairs, feti::contactState(constraints, torn));
-        writeVtkHdf(*comm, path, owned, torn.displacement, &contact);
-      } else {
-        writeVtkHdf(*comm, path, owned, torn.displacement, nullptr);
+      ResultFields fields;
+      fields.displacement = &torn.displacement;
+      fields.components = scene.components();
+      std::vector<std::vector<fem::Voigt>> stress;
+      if (options.writeStresses && scene.physics != Physics::Membrane) {
+        stress = recoverStress(*comm, scene, owned, torn.displacement);
+        fields.stress = &stress;
       }
+      ContactFields atNodes;
+      if (report.inequalities > 0) {
+        atNodes = contactFields(owned, report.contactPoints, report.contact);
+        fields.contact = &atNodes;
+      }
+      writeVtkHdf(*comm, options.outputDirectory + "/result.vtkhdf", owned, fields);
     }
   }
 }

@@ -54,6 +54,7 @@ void RunOptions::addTo(ParameterSpec& deck) {
   output.text("Directory", "run",
               "Where the files go; made if it is not there. The option --output overrides it.");
   output.boolean("Fields", true, "Write result.vtkhdf for ParaView; false for timing.");
+  output.boolean("Stresses", true, "Recover stresses at the nodes of elastic bodies and write them too.");
   deck.list(std::move(output));
 }
 
@@ -79,6 +80,7 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
     options.methodLists.sublist(method) = solver.sublist(method);
   options.outputDirectory = deck.sublist("Output").get<std::string>("Directory");
   options.writeFields = deck.sublist("Output").get<bool>("Fields");
+  options.writeStresses = deck.sublist("Output").get<bool>("Stresses");
   return options;
 }
 

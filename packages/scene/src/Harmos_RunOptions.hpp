@@ -38,6 +38,7 @@ struct RunOptions {
   Teuchos::ParameterList methodLists; ///< sublists MPRGP, SMALBE, Dual Penalty
   std::string outputDirectory;
   bool writeFields = true;
+  bool writeStresses = true;
 
   /// Adds the lists to the specification of a deck.
   static void addTo(ParameterSpec& deck);

@@ -77,6 +77,9 @@ std::string toJson(const RunReport& report) {
   json["dual_operator_mib"] = number(report.dualOperatorMiB);
   json["solver"] = report.solver;
   json["distinct_local_factorizations"] = report.distinctFactorizations;
+  json["results"] = nlohmann::ordered_json::object();
+  for (const auto& [name, value] : report.results)
+    json["results"][name] = number(value);
   json["seconds"] = report.seconds;
   json["peak_memory_mib"] = report.peakMemoryMiB;
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ContactFields.hpp"
 #include "Harmos_KktAudit.hpp"
 #include "Harmos_QpTypes.hpp"
 
@@ -38,6 +39,10 @@ struct RunReport {
   double dNorm = 0.0; ///< ‖d‖
   bool audited = false;
   feti::KktAudit audit;
+  // With inequalities; the same on every rank. For what applications make of them.
+  std::vector<contact::ContactPoint> contactPoints;
+  std::vector<ContactState> contact;     ///< of each point
+  std::map<std::string, double> results; ///< of the application
   std::map<std::string, double> seconds;
   double peakMemoryMiB = 0.0;
 };

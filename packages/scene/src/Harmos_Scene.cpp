@@ -4,6 +4,38 @@
 #include <algorithm>
 
 namespace Harmos::scene {
+namespace {
+
+template<class Condition>
+bool anyBody(const Scene& scene, Condition&& condition) {
+  return std::any_of(scene.bodies.begin(), scene.bodies.end(), condition);
+}
+
+bool anyInterface(const Scene& scene, Interface::Kind kind) {
+  return std::any_of(scene.interfaces.begin(), scene.interfaces.end(),
+                     [kind](const Interface& interface) { return interface.kind == kind; });
+}
+
+} // namespace
+
+int componentsOf(Physics physics) {
+  switch (physics) {
+  case Physics::Membrane:
+    return 1;
+  case Physics::PlaneStrain:
+  case Physics::PlaneStress:
+    return 2;
+  case Physics::Solid:
+    return 3;
+  }
+  return 0;
+}
+
+fem::Kinematics kinematicsOf(Physics physics) {
+  return physics == Physics::PlaneStress ? fem::Kinematics::PlaneStress
+         : physics == Physics::Solid     ? fem::Kinematics::Solid
+                                         : fem::Kinematics::PlaneStrain;
+}
 
 int Scene::subdomains() const {
   int count = 0;
@@ -13,25 +45,29 @@ int Scene::subdomains() const {
 }
 
 bool Scene::hasInequalities() const {
-  return std::any_of(interfaces.begin(), interfaces.end(),
-                     [](const Interface& interface) { return interface.kind == Interface::Kind::Contact; });
+  return !obstacles.empty() || anyInterface(*this, Interface::Kind::Contact);
 }
 
 bool Scene::hasFloatingBody() const {
-  return std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return body.prescribed.empty(); });
+  return anyBody(*this, [](const Body& body) { return body.prescribed.empty(); });
 }
 
 std::vector<std::string> Scene::effects() const {
   std::vector<std::string> result;
-  if (std::any_of(interfaces.begin(), interfaces.end(),
-                  [](const Interface& interface) { return interface.kind == Interface::Kind::Tie; }))
+  if (anyInterface(*this, Interface::Kind::Tie))
     result.push_back("Tie");
-  if (hasInequalities())
+  if (anyInterface(*this, Interface::Kind::Contact))
     result.push_back("Contact");
-  if (std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return !body.bodyForce.empty(); }))
+  if (!obstacles.empty())
+    result.push_back("Obstacle");
+  if (anyBody(*this, [](const Body& body) { return !body.bodyForce.empty() || !body.forces.empty(); }))
     result.push_back("Body force");
-  if (std::any_of(bodies.begin(), bodies.end(), [](const Body& body) { return !body.prescribed.empty(); }))
+  if (anyBody(*this, [](const Body& body) { return !body.tractions.empty(); }))
+    result.push_back("Traction");
+  if (anyBody(*this, [](const Body& body) { return !body.prescribed.empty(); }))
     result.push_back("Prescribed displacement");
+  if (anyBody(*this, [](const Body& body) { return body.temperature != 0.0; }))
+    result.push_back("Thermal strain");
   return result;
 }
 

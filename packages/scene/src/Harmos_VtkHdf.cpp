@@ -7,7 +7,9 @@
 
 #include <Teuchos_DefaultMpiComm.hpp>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <hdf5.h>
 #include <memory>
@@ -119,30 +121,107 @@ std::vector<T> joined(const std::vector<std::vector<T>>& parts) {
   return result;
 }
 
-constexpr unsigned char vtkQuad = 9;
+struct VtkCell {
+  unsigned char type;
+  std::vector<int> nodes; ///< our node at each place of VTK's order
+};
+
+// VTK's cells agree with ours but for the order of the nodes of a hexahedron of 27, which is found from where
+// they lie (VTK file formats: VTK_TRIQUADRATIC_HEXAHEDRON).
+VtkCell vtkCell(fem::CellType type) {
+  const fem::CellShape& shape = fem::shapeOf(type);
+  VtkCell cell{0, {}};
+  for (int k = 0; k < shape.nodes; ++k)
+    cell.nodes.push_back(k);
+  switch (type) {
+  case fem::CellType::Line2:
+    cell.type = 3;
+    break;
+  case fem::CellType::Line3:
+    cell.type = 21;
+    break;
+  case fem::CellType::Triangle3:
+    cell.type = 5;
+    break;
+  case fem::CellType::Triangle6:
+    cell.type = 22;
+    break;
+  case fem::CellType::Quadrilateral4:
+    cell.type = 9;
+    break;
+  case fem::CellType::Quadrilateral9:
+    cell.type = 28;
+    break;
+  case fem::CellType::Tetrahedron4:
+    cell.type = 10;
+    break;
+  case fem::CellType::Tetrahedron10:
+    cell.type = 24;
+    break;
+  case fem::CellType::Hexahedron8:
+    cell.type = 12;
+    break;
+  case fem::CellType::Hexahedron27: {
+    cell.type = 29;
+    static const std::array<fem::Point, 27> places = {
+        {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1},  {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1},
+         {-1, 1, 1},   {0, -1, -1}, {1, 0, -1},  {0, 1, -1},  {-1, 0, -1}, {0, -1, 1}, {1, 0, 1},
+         {0, 1, 1},    {-1, 0, 1},  {-1, -1, 0}, {1, -1, 0},  {1, 1, 0},   {-1, 1, 0}, {-1, 0, 0},
+         {1, 0, 0},    {0, -1, 0},  {0, 1, 0},   {0, 0, -1},  {0, 0, 1},   {0, 0, 0}}};
+    for (std::size_t k = 0; k < places.size(); ++k)
+      cell.nodes[k] =
+          static_cast<int>(std::find(shape.nodeCoordinates.begin(), shape.nodeCoordinates.end(), places[k]) -
+                           shape.nodeCoordinates.begin());
+    break;
+  }
+  }
+  return cell;
+}
+
+// Displacements as VTK wants vectors: three components.
+std::vector<double> vectors(const feti::TornVector& displacement, int components) {
+  std::vector<double> result;
+  for (const std::vector<double>& part : displacement)
+    for (std::size_t k = 0; k < part.size(); ++k) {
+      result.push_back(part[k]);
+      if (components == 2 && k % 2 == 1)
+        result.push_back(0.0);
+    }
+  return result;
+}
+
+double vonMises(const fem::Voigt& s) {
+  return std::sqrt(0.5 * (std::pow(s[0] - s[1], 2) + std::pow(s[1] - s[2], 2) + std::pow(s[2] - s[0], 2)) +
+                   3.0 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
+}
 
 } // namespace
 
 void writeVtkHdf(const Teuchos::Comm<int>& comm, const std::string& path,
-                 const std::vector<OwnedSubdomain>& owned, const feti::TornVector& displacement,
-                 const ContactFields* contact) {
+                 const std::vector<OwnedSubdomain>& owned, const ResultFields& fields) {
   const auto* mpi = dynamic_cast<const Teuchos::MpiComm<int>*>(&comm);
   HARMOS_REQUIRE(mpi != nullptr, "result files need an MPI communicator");
 
   // This rank's share of each array.
   std::vector<double> points;
   std::vector<long long> pointCounts, cellCounts, linkCounts, links, offsets;
-  std::vector<int> subdomains, bodies;
+  std::vector<int> subdomains, bodies, regions;
+  std::vector<unsigned char> types;
   for (const OwnedSubdomain& item : owned) {
     const fem::Mesh& mesh = *item.mesh.mesh;
-    const auto corners = static_cast<std::size_t>(mesh.nodesPerCell());
+    const VtkCell vtk = vtkCell(mesh.cellType);
     for (int node = 0; node < mesh.numberOfNodes(); ++node)
       for (double coordinate : item.mesh.position(node))
         points.push_back(coordinate);
-    links.insert(links.end(), mesh.cells.begin(), mesh.cells.end());
-    for (std::size_t c = 0; c <= mesh.cells.size() / corners; ++c)
-      offsets.push_back(static_cast<long long>(c * corners));
+    for (int c = 0; c < mesh.numberOfCells(); ++c) {
+      offsets.push_back(static_cast<long long>(c) * mesh.nodesPerCell());
+      for (int node : vtk.nodes)
+        links.push_back(mesh.cell(c)[node]);
+      regions.push_back(mesh.region(c));
+    }
+    offsets.push_back(static_cast<long long>(mesh.cells.size()));
     const auto cells = static_cast<std::size_t>(mesh.numberOfCells());
+    types.insert(types.end(), cells, vtk.type);
     subdomains.insert(subdomains.end(), cells, static_cast<int>(item.number));
     bodies.insert(bodies.end(), cells, item.body);
     pointCounts.push_back(mesh.numberOfNodes());
@@ -192,18 +271,30 @@ void writeVtkHdf(const Teuchos::Comm<int>& comm, const std::string& path,
     writeRows(comm, *root, "Points", points, 3, nodes.first, nodes.total);
     writeRows(comm, *root, "Connectivity", links, 1, connectivity.first, connectivity.total);
     writeRows(comm, *root, "Offsets", offsets, 1, starts.first, starts.total);
-    writeRows(comm, *root, "Types", std::vector<unsigned char>(subdomains.size(), vtkQuad), 1, cells.first,
-              cells.total);
+    writeRows(comm, *root, "Types", types, 1, cells.first, cells.total);
     makeGroup(pointData, *root, "PointData");
-    writeRows(comm, *pointData, "displacement", joined(displacement), 1, nodes.first, nodes.total);
-    if (contact != nullptr) {
-      writeRows(comm, *pointData, "contact_pressure", joined(contact->pressure), 1, nodes.first, nodes.total);
-      writeRows(comm, *pointData, "gap", joined(contact->gap), 1, nodes.first, nodes.total);
-      writeRows(comm, *pointData, "active_set", joined(contact->activeSet), 1, nodes.first, nodes.total);
+    writeRows(comm, *pointData, "displacement", vectors(*fields.displacement, fields.components),
+              fields.components == 1 ? 1 : 3, nodes.first, nodes.total);
+    if (fields.stress != nullptr) {
+      std::vector<double> stress, equivalent;
+      for (const std::vector<fem::Voigt>& part : *fields.stress)
+        for (const fem::Voigt& s : part) {
+          stress.insert(stress.end(), s.begin(), s.end());
+          equivalent.push_back(vonMises(s));
+        }
+      writeRows(comm, *pointData, "stress", stress, 6, nodes.first, nodes.total);
+      writeRows(comm, *pointData, "von_mises", equivalent, 1, nodes.first, nodes.total);
+    }
+    if (fields.contact != nullptr) {
+      const ContactFields& contact = *fields.contact;
+      writeRows(comm, *pointData, "contact_pressure", joined(contact.pressure), 1, nodes.first, nodes.total);
+      writeRows(comm, *pointData, "gap", joined(contact.gap), 1, nodes.first, nodes.total);
+      writeRows(comm, *pointData, "active_set", joined(contact.activeSet), 1, nodes.first, nodes.total);
     }
     makeGroup(cellData, *root, "CellData");
     writeRows(comm, *cellData, "subdomain", subdomains, 1, cells.first, cells.total);
     writeRows(comm, *cellData, "body", bodies, 1, cells.first, cells.total);
+    writeRows(comm, *cellData, "region", regions, 1, cells.first, cells.total);
     const herr_t flushed = H5Fflush(*file, H5F_SCOPE_GLOBAL);
     agree(comm, [&] { require(flushed, "flushing"); });
   } catch (...) {

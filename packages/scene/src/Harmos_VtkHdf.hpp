@@ -11,17 +11,24 @@
 
 namespace Harmos::scene {
 
+/// What is drawn: values at the nodes of this rank's subdomains.
+struct ResultFields {
+  const feti::TornVector* displacement = nullptr;
+  int components = 1;                                           ///< of the displacement at a node
+  const std::vector<std::vector<fem::Voigt>>* stress = nullptr; ///< null: none
+  const ContactFields* contact = nullptr;                       ///< null without contact
+};
+
 /// Writes the result for ParaView: one HDF5 file in VTK's VTKHDF UnstructuredGrid layout (version 1.0),
 /// written by all ranks together, one part a subdomain: the file does not depend on the number of ranks.
 ///
-/// Point data: displacement; with contact also contact_pressure, gap, active_set. Cell data: subdomain, body.
+/// Point data: displacement (a scalar for membranes, else a vector); stress (xx, yy, zz, xy, yz, xz) and
+/// von_mises; with contact also contact_pressure, gap, active_set. Cell data: subdomain, body, region.
 ///
-/// @param contact null without contact.
 /// @throws InputError on all ranks if the file cannot be written; what was there before is then untouched.
 /// @note Collective.
 /// Guarded by tests/regression/test_result_file.py (VTK's own reader).
 void writeVtkHdf(const Teuchos::Comm<int>& comm, const std::string& path,
-                 const std::vector<OwnedSubdomain>& owned, const feti::TornVector& displacement,
-                 const ContactFields* contact);
+                 const std::vector<OwnedSubdomain>& owned, const ResultFields& fields);
 
 } // namespace Harmos::scene

@@ -38,29 +38,37 @@ scene::Scene grid(int s, int bodies) {
 // Every subdomain on exactly one rank, in order, and shares that differ by one at most; also with more ranks
 // than subdomains.
 TEST(Decomposition, shares_are_disjoint_complete_and_even) {
-  for (int s : {1, 2, 3})
+  for (long long total : {1, 2, 8, 18})
     for (int ranks : {1, 2, 3, 5, 40}) {
-      const scene::Scene scene = grid(s, 2);
-      long long next = 0;
-      std::size_t least = 1000, most = 0;
+      long long next = 0, least = 1000, most = 0;
       for (int rank = 0; rank < ranks; ++rank) {
-        const auto owned = scene::decompose(scene, rank, ranks);
-        least = std::min(least, owned.size());
-        most = std::max(most, owned.size());
-        for (const scene::OwnedSubdomain& item : owned) {
-          EXPECT_EQ(item.number, next);
-          EXPECT_EQ(item.body, next < s * s ? 0 : 1);
-          ++next;
-        }
+        const scene::Share share = scene::shareOf(rank, ranks, total);
+        EXPECT_EQ(share.begin, next);
+        next = share.end;
+        least = std::min(least, share.end - share.begin);
+        most = std::max(most, share.end - share.begin);
       }
-      EXPECT_EQ(next, 2 * s * s);
-      EXPECT_LE(most - least, 1u);
+      EXPECT_EQ(next, total);
+      EXPECT_LE(most - least, 1);
     }
+}
+
+TEST(Decomposition, each_rank_makes_its_share) {
+  const scene::Scene scene = grid(3, 2);
+  const auto comm = testComm();
+  const scene::Share share = scene::shareOf(comm->getRank(), comm->getSize(), 18);
+  long long next = share.begin;
+  for (const scene::OwnedSubdomain& item : scene::decompose(*comm, scene)) {
+    EXPECT_EQ(item.number, next);
+    EXPECT_EQ(item.body, next < 9 ? 0 : 1);
+    ++next;
+  }
+  EXPECT_EQ(next, share.end);
 }
 
 TEST(Decomposition, congruent_subdomains_share_matrix_and_kernel) {
   const scene::Scene scene = grid(3, 1);
-  const auto subdomains = scene::assemble(scene, scene::decompose(scene, 0, 1));
+  const auto subdomains = scene::assemble(scene, scene::decompose(*testComm(), scene));
   for (const feti::Subdomain& subdomain : subdomains) {
     EXPECT_EQ(subdomain.stiffness.get(), subdomains[0].stiffness.get());
     EXPECT_EQ(subdomain.motions.get(), subdomains[0].motions.get());

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The fibre composite of Dostál, Horák, Vlach (section 5, figure 5.1): a sample of square cells, each a
+/// circular fibre inserted into its hole in the matrix without adhesion, stretched or compressed.
+
+#include "Harmos_Application.hpp"
+#include "Harmos_Composite.hpp"
+
+#include <cmath>
+
+namespace {
+
+using namespace Harmos;
+using composite::Sample;
+
+void addMaterial(ParameterSpec& deck, const std::string& name, const std::string& meaning, double young) {
+  ParameterSpec material(name, meaning);
+  material.real("Young's modulus", young, Range::above(0.0), "In units of your choice.");
+  material.real("Poisson's ratio", 0.3, Range::strictlyWithin(-1.0, 0.5), "");
+  deck.list(std::move(material));
+}
+
+void addParameters(ParameterSpec& deck) {
+  ParameterSpec model("Model", "Geometry and discretisation of the sample.");
+  model.integer("Columns", 4, 1, 10000, "Cells along x.");
+  model.integer("Rows", 4, 1, 10000, "Cells along y.");
+  model.real("Cell size", 1.0, Range::above(0.0), "Side of a cell.");
+  model.real("Volume fraction", 0.4, Range::within(0.01, 0.7),
+             "Share of the fibres; the radius follows from it.");
+  model.integer("Elements per side", 5, 2, 1000,
+                "Along a side of a cell; four times as many around a fibre.");
+  model.integer("Fibre layers", 3, 1, 1000, "Layers of elements around the core of a fibre.");
+  model.integer("Matrix layers", 4, 1, 1000,
+                "Layers of elements between the fibre and the side of the cell.");
+  model.integer("Element order", 1, 1, 2, "1: bilinear quadrilaterals; 2: biquadratic ones, curved.");
+  model.real("Radius scatter", 0.0, Range::within(0.0, 0.9),
+             "Radii vary evenly by this much up and down, relative.");
+  model.real("Offset scatter", 0.0, Range::within(0.0, 0.5),
+             "Centres vary evenly by this much in each direction, in sides of a cell.");
+  model.integer("Seed", 1, 0, 2147483647, "Of the scatter.");
+  model.integer("Subdomains per fibre", 1, 1, 10000, "More than one: by METIS.");
+  model.integer("Subdomains per matrix cell", 1, 1, 10000, "More than one: by METIS.");
+  model.choice("Interface", "contact",
+               {{"contact", "fibres inserted without adhesion or friction: unilateral contact all around"},
+                {"tie", "fibres bonded to the matrix"},
+                {"holes", "no fibres"},
+                {"homogeneous", "bonded fibres of the matrix' own material"}},
+               "What holds between fibre and matrix.");
+  model.choice("Load", "stretch",
+               {{"stretch", "the right side moves to the right"},
+                {"compression", "the right side moves to the left"},
+                {"biaxial", "the right side moves to the right and the top upward"}},
+               "The left side is held in x, the bottom in y; other displacements are free.");
+  model.real("Strain", 0.01, Range::above(0.0), "Displacement of a side over the length of the sample.");
+  model.choice("Physics", "plane strain", {{"plane strain", ""}, {"plane stress", ""}},
+               "Of the cross-section.");
+  deck.list(std::move(model));
+  ParameterSpec materials("Materials", "Isotropic, linear elastic.");
+  addMaterial(materials, "Matrix", "Of the matrix.", 1.0);
+  addMaterial(materials, "Fibre", "Of the fibres.", 10.0);
+  deck.list(std::move(materials));
+}
+
+fem::Material material(const Teuchos::ParameterList& list) {
+  return fem::Material::isotropic(list.get<double>("Young's modulus"), list.get<double>("Poisson's ratio"));
+}
+
+Sample sampleOf(const Teuchos::ParameterList& deck) {
+  const Teuchos::ParameterList& model = deck.sublist("Model");
+  Sample sample;
+  sample.columns = model.get<int>("Columns");
+  sample.rows = model.get<int>("Rows");
+  sample.cell.size = model.get<double>("Cell size");
+  sample.cell.radius = sample.cell.size * std::sqrt(model.get<double>("Volume fraction") / std::acos(-1.0));
+  sample.cell.elementsPerSide = model.get<int>("Elements per side");
+  sample.cell.fibreLayers = model.get<int>("Fibre layers");
+  sample.cell.matrixLayers = model.get<int>("Matrix layers");
+  sample.cell.cellType =
+      model.get<int>("Element order") == 1 ? fem::CellType::Quadrilateral4 : fem::CellType::Quadrilateral9;
+  sample.radiusScatter = model.get<double>("Radius scatter");
+  sample.offsetScatter = model.get<double>("Offset scatter");
+  sample.seed = model.get<int>("Seed");
+  sample.fibreSubdomains = model.get<int>("Subdomains per fibre");
+  sample.matrixSubdomains = model.get<int>("Subdomains per matrix cell");
+  const std::string interface = model.get<std::string>("Interface"), load = model.get<std::string>("Load");
+  sample.interface = interface == "contact" ? Sample::Interface::Contact
+                     : interface == "tie"   ? Sample::Interface::Tie
+                     : interface == "holes" ? Sample::Interface::Holes
+                                            : Sample::Interface::Homogeneous;
+  sample.load = load == "stretch"       ? Sample::Load::Stretch
+                : load == "compression" ? Sample::Load::Compression
+                                        : Sample::Load::Biaxial;
+  sample.strain = model.get<double>("Strain");
+  sample.physics = model.get<std::string>("Physics") == "plane stress" ? scene::Physics::PlaneStress
+                                                                       : scene::Physics::PlaneStrain;
+  sample.matrix = material(deck.sublist("Materials").sublist("Matrix"));
+  sample.fibre = material(deck.sublist("Materials").sublist("Fibre"));
+  return sample;
+}
+
+scene::Scene makeScene(const app::DeckContext& context) {
+  return composite::makeScene(sampleOf(context.deck));
+}
+
+// With displacements prescribed on the sides alone and contact without initial gap, the problem is
+// homogeneous of degree two: force times displacement = twice the energy.
+void evaluate(const Teuchos::ParameterList& deck, scene::RunReport& report) {
+  const Sample sample = sampleOf(deck);
+  report.results["effective_modulus"] =
+      2.0 * report.audit.energy / (sample.strain * sample.strain * sample.area());
+  if (report.contact.empty())
+    return;
+  double closed = 0.0, largest = 0.0;
+  for (const scene::ContactState& state : report.contact) {
+    closed += state.closed ? 1.0 / static_cast<double>(report.contact.size()) : 0.0;
+    largest = std::max(largest, state.pressure);
+  }
+  report.results["closed_fraction"] = closed;
+  report.results["largest_contact_pressure"] = largest;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  app::Application application;
+  application.name = "fiber_composite";
+  application.description = "a fibre composite without adhesion between fibres and matrix";
+  application.addParameters = addParameters;
+  application.makeScene = makeScene;
+  application.evaluate = evaluate;
+  return app::main(argc, argv, application);
+}

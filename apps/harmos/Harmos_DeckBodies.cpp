@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_DeckBodies.hpp"
+
+#include "Harmos_Agreement.hpp"
+#include "Harmos_GmshFile.hpp"
+#include "Harmos_Partition.hpp"
+#include "Harmos_StructuredBlock.hpp"
+#include "Harmos_TornBody.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include <cmath>
+
+namespace Harmos::app {
+namespace {
+
+using Teuchos::ParameterList;
+
+std::vector<std::string> texts(const ParameterList& list, const std::string& name) {
+  const auto& array = list.get<Teuchos::Array<std::string>>(name);
+  return {array.begin(), array.end()};
+}
+
+template<class T>
+std::array<T, 3> triple(const ParameterList& list, const std::string& name) {
+  const auto& array = list.get<Teuchos::Array<T>>(name);
+  return {array[0], array[1], array[2]};
+}
+
+std::vector<std::string> namesIn(const ParameterList& list) {
+  std::vector<std::string> names;
+  for (auto item = list.begin(); item != list.end(); ++item)
+    if (list.entry(item).isList())
+      names.push_back(list.name(item));
+  return names;
+}
+
+fem::Material materialFrom(const ParameterList& list) {
+  fem::Material material;
+  if (list.get<std::string>("Type") == "isotropic") {
+    material =
+        fem::Material::isotropic(list.get<double>("Young's modulus"), list.get<double>("Poisson's ratio"));
+  } else {
+    material.young = triple<double>(list, "Young's moduli");
+    material.poisson = triple<double>(list, "Poisson's ratios");
+    material.shear = triple<double>(list, "Shear moduli");
+    material.angle = list.get<double>("Angle") * std::acos(-1.0) / 180.0;
+  }
+  material.expansion = triple<double>(list, "Thermal expansion");
+  return material;
+}
+
+fem::Material materialNamed(const ParameterList& deck, const std::string& name, const std::string& body) {
+  const ParameterList& materials = deck.sublist("Materials");
+  if (!materials.isSublist(name))
+    throw InputError("\"Bodies/" + body + "/Materials\" names the material \"" + name +
+                         "\", which is not in \"Materials\"" + offer(name, namesIn(materials)),
+                     {{"path", "Bodies/" + body + "/Materials"}});
+  const fem::Material material = materialFrom(materials.sublist(name));
+  material.check(name);
+  return material;
+}
+
+fem::CellType cellTypeOf(const std::string& name, int dimension) {
+  if (dimension == 2)
+    return name == "Q1"   ? fem::CellType::Quadrilateral4
+           : name == "Q2" ? fem::CellType::Quadrilateral9
+           : name == "P1" ? fem::CellType::Triangle3
+                          : fem::CellType::Triangle6;
+  return name == "Q1"   ? fem::CellType::Hexahedron8
+         : name == "Q2" ? fem::CellType::Hexahedron27
+         : name == "P1" ? fem::CellType::Tetrahedron4
+                        : fem::CellType::Tetrahedron10;
+}
+
+std::vector<std::string> groupsOf(const std::string& name, const ParameterList& list) {
+  const std::vector<std::string> groups = texts(list, "Groups");
+  return groups.empty() ? std::vector<std::string>{name} : groups;
+}
+
+// Incompressible enough for the full form to lose accuracy noticeably on linear elements.
+constexpr double projectAbove = 0.4;
+
+fem::Dilatation dilatationOf(const ParameterList& list, const std::vector<fem::Material>& materials) {
+  const std::string choice = list.get<std::string>("Dilatation");
+  bool project = choice == "projected";
+  if (choice == "auto")
+    for (const fem::Material& material : materials)
+      for (double ratio : material.poisson)
+        project = project || ratio > projectAbove;
+  return project ? fem::Dilatation::Projected : fem::Dilatation::Full;
+}
+
+// Bodies from the mesh file: read and cut on rank 0; the others learn how many parts and nodes there are.
+void readBodies(const DeckContext& context, int dimension, const std::vector<std::size_t>& which,
+                scene::Scene& scene, long long& firstNode) {
+  const ParameterList& bodies = context.deck.sublist("Bodies");
+  std::string file = context.deck.sublist("Model").get<std::string>("Mesh file");
+  if (file.empty())
+    throw InputError("\"Model/Mesh file\" is empty, but body \"" + scene.bodies[which.front()].name +
+                         "\" is to come from a file; name it, or choose another \"Source\"",
+                     {{"path", "Model/Mesh file"}});
+  if (file.front() != '/')
+    file = context.directory + "/" + file;
+  std::vector<long long> counts(2 * which.size(), 0); // parts, nodes
+  std::vector<std::shared_ptr<std::vector<fem::PlacedMesh>>> torn(which.size());
+  std::vector<std::vector<std::string>> notes(which.size());
+  agree(context.comm, [&] {
+    if (context.comm.getRank() != 0)
+      return;
+    std::vector<fem::GmshBody> wanted;
+    for (std::size_t b : which)
+      wanted.push_back(
+          {scene.bodies[b].name, groupsOf(scene.bodies[b].name, bodies.sublist(scene.bodies[b].name))});
+    const std::vector<fem::BodyMesh> meshes = fem::readGmsh(file, wanted, dimension);
+    long long first = firstNode;
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      const std::string& name = scene.bodies[which[k]].name;
+      const fem::Partition partition =
+          fem::partitionCells(meshes[k], bodies.sublist(name).get<int>("Subdomains"));
+      torn[k] = std::make_shared<std::vector<fem::PlacedMesh>>(
+          fem::tear(meshes[k], partition.part, partition.parts, first));
+      counts[2 * k] = partition.parts;
+      counts[2 * k + 1] = meshes[k].mesh.numberOfNodes();
+      first += counts[2 * k + 1];
+      for (const std::string& note : partition.notes)
+        scene.notes.push_back("Body \"" + name + "\": " + note);
+    }
+  });
+  Teuchos::broadcast<int, long long>(context.comm, 0, static_cast<int>(counts.size()), counts.data());
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    scene.bodies[which[k]].subdomains = static_cast<int>(counts[2 * k]);
+    scene.bodies[which[k]].onRoot = torn[k];
+    firstNode += counts[2 * k + 1];
+  }
+}
+
+void makeBlock(const ParameterList& list, int dimension, scene::Body& body, long long& firstNode) {
+  fem::StructuredBlock::Options options;
+  options.cellType = cellTypeOf(list.get<std::string>("Element"), dimension);
+  options.origin = triple<double>(list, "Origin");
+  options.size = triple<double>(list, "Size");
+  options.subdomains = triple<int>(list, "Subdomains a side");
+  options.elements = triple<int>(list, "Elements a side");
+  options.firstNode = firstNode;
+  const auto block = std::make_shared<const fem::StructuredBlock>(options);
+  firstNode += block->numberOfNodes();
+  body.subdomains = block->numberOfSubdomains();
+  body.subdomain = [block](int k) { return block->subdomain(k); };
+}
+
+} // namespace
+
+std::string offer(const std::string& name, const std::vector<std::string>& known) {
+  const std::string nearest = nearestName(name, known);
+  std::string text = nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?";
+  std::string list;
+  for (const std::string& other : known)
+    list += (list.empty() ? "\"" : ", \"") + other + "\"";
+  return text + (list.empty() ? " (there are none)" : " (there are " + list + ")");
+}
+
+void addBodyParameters(ParameterSpec& deck) {
+  ParameterSpec material("<material>", "A linear elastic material, by a name of your choice.");
+  material.choice("Type", "isotropic",
+                  {{"isotropic", "by Young's modulus and Poisson's ratio"},
+                   {"orthotropic", "by three of each and three shear moduli, about turned axes"}},
+                  "");
+  material.real("Young's modulus", 1.0, Range::above(0.0), "Isotropic.");
+  material.real("Poisson's ratio", 0.3, Range::strictlyWithin(-1.0, 0.5), "Isotropic.");
+  material.reals("Young's moduli", {1.0, 1.0, 1.0}, Range::above(0.0), "Orthotropic: E_1, E_2, E_3.");
+  material.reals("Poisson's ratios", {0.3, 0.3, 0.3}, Range(),
+                 "Orthotropic: ν_12, ν_13, ν_23; ν_ij/E_i = ν_ji/E_j.");
+  material.reals("Shear moduli", {0.4, 0.4, 0.4}, Range::above(0.0), "Orthotropic: G_12, G_13, G_23.");
+  material.real("Angle", 0.0, Range(), "Orthotropic: of axis 1 from x, about z, in degrees.");
+  material.reals("Thermal expansion", {0.0, 0.0, 0.0}, Range(), "Along the three axes, strain per degree.");
+  ParameterSpec materials("Materials", "Materials, which bodies name.");
+  materials.family(std::move(material));
+  deck.list(std::move(materials));
+
+  ParameterSpec body("<body>", "A body, by a name of your choice.");
+  body.choice(
+      "Source", "file",
+      {{"file", "from \"Model/Mesh file\""},
+       {"block", "a rectangle (of plane scenes) or a brick with a regular grid; boundary parts left, right, "
+                 "bottom, top, in space also front, back"}},
+      "Where its mesh comes from.");
+  body.texts(
+      "Groups", {},
+      "Source file: the physical groups that make it up, each a region; none: the one of the body's name.");
+  body.integer("Subdomains", 1, 1, 1000000, "Source file: METIS cuts it into so many.");
+  body.reals("Origin", {0.0, 0.0, 0.0}, Range(), "Source block: the corner of least coordinates.");
+  body.reals("Size", {1.0, 1.0, 1.0}, Range::above(0.0), "Source block.");
+  body.integers("Subdomains a side", {1, 1, 1}, 1, 100000, "Source block.");
+  body.integers("Elements a side", {8, 8, 8}, 1, 100000, "Source block: of one subdomain.");
+  body.choice("Element", "Q1",
+              {{"Q1", "quadrilaterals of 4, hexahedra of 8 nodes"},
+               {"Q2", "of 9 and 27 nodes"},
+               {"P1", "triangles of 3, tetrahedra of 4 nodes"},
+               {"P2", "of 6 and 10 nodes"}},
+              "Source block.");
+  body.texts("Materials", {}, "Of each region, in the order of the groups; one name serves for all.");
+  body.choice("Dilatation", "auto",
+              {{"auto", "projected if a Poisson's ratio is above 0.4"},
+               {"full", "as the displacements give it"},
+               {"projected", "B-bar, for nearly incompressible materials"}},
+              "How changes of volume enter the stiffness.");
+  ParameterSpec bodies("Bodies", "The bodies of the scene.");
+  bodies.family(std::move(body));
+  deck.list(std::move(bodies));
+}
+
+void addBodies(const DeckContext& context, scene::Scene& scene) {
+  const ParameterList& bodies = context.deck.sublist("Bodies");
+  const int dimension = scene.physics == scene::Physics::Solid ? 3 : 2;
+  std::vector<std::size_t> fromFile;
+  long long firstNode = 0;
+  for (const std::string& name : namesIn(bodies)) {
+    const ParameterList& list = bodies.sublist(name);
+    scene::Body body;
+    body.name = name;
+    const bool isFile = list.get<std::string>("Source") == "file";
+    if (scene.physics != scene::Physics::Membrane) {
+      const std::size_t regions = isFile ? groupsOf(name, list).size() : 1;
+      const std::vector<std::string> materials = texts(list, "Materials");
+      if (materials.size() != 1 && materials.size() != regions)
+        throw InputError("\"Bodies/" + name + "/Materials\" names " + std::to_string(materials.size()) +
+                             " materials for " + std::to_string(regions) +
+                             " regions; name one for all or one for each",
+                         {{"path", "Bodies/" + name + "/Materials"}});
+      for (std::size_t r = 0; r < regions; ++r)
+        body.materials.push_back(
+            materialNamed(context.deck, materials[std::min(r, materials.size() - 1)], name));
+      body.dilatation = dilatationOf(list, body.materials);
+    }
+    if (isFile)
+      fromFile.push_back(scene.bodies.size());
+    else
+      makeBlock(list, dimension, body, firstNode);
+    scene.bodies.push_back(std::move(body));
+  }
+  if (scene.bodies.empty())
+    throw InputError("\"Bodies\" is empty; a scene needs a body", {{"path", "Bodies"}});
+  if (!fromFile.empty())
+    readBodies(context, dimension, fromFile, scene, firstNode);
+}
+
+} // namespace Harmos::app

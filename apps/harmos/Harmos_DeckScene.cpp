@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_DeckScene.hpp"
+
+#include "Harmos_DeckBodies.hpp"
+#include "Harmos_DeckEffects.hpp"
+
+namespace Harmos::app {
+namespace {
+
+const std::vector<std::pair<std::string, scene::Physics>> physics = {
+    {"plane strain", scene::Physics::PlaneStrain},
+    {"plane stress", scene::Physics::PlaneStress},
+    {"solid", scene::Physics::Solid},
+    {"membrane", scene::Physics::Membrane}};
+
+} // namespace
+
+void addSceneParameters(ParameterSpec& deck) {
+  ParameterSpec model("Model", "What the scene is.");
+  model.choice("Physics", "plane strain",
+               {{"plane strain", "elastic, no strain out of the plane"},
+                {"plane stress", "elastic, no stress out of the plane"},
+                {"solid", "elastic, three dimensions"},
+                {"membrane", "−Δu = f in the plane, one displacement a node"}},
+               "One for all bodies.");
+  model.text("Name", "scene", "What the log and the summary call it.");
+  model.text("Mesh file", "",
+             "File that Gmsh reads (.msh; .geo and .step are meshed first), relative to the deck; for bodies "
+             "whose source is \"file\".");
+  deck.list(std::move(model));
+  addBodyParameters(deck);
+  addEffectParameters(deck);
+}
+
+scene::Scene sceneFromDeck(const DeckContext& context) {
+  const Teuchos::ParameterList& model = context.deck.sublist("Model");
+  scene::Scene scene;
+  scene.name = model.get<std::string>("Name");
+  for (const auto& [name, kind] : physics)
+    if (name == model.get<std::string>("Physics"))
+      scene.physics = kind;
+  addBodies(context, scene);
+  addEffects(context.deck, scene);
+  return scene;
+}
+
+} // namespace Harmos::app

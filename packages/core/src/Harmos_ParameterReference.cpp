@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The part of ParameterSpec that writes the reference of parameters.
+
+#include "Harmos_ParameterSpec.hpp"
+
+#include <Teuchos_XMLParameterListCoreHelpers.hpp>
+
+#include <ostream>
+
+namespace Harmos {
+namespace {
+
+std::string quoted(const std::string& text) {
+  return "\"" + text + "\"";
+}
+
+} // namespace
+
+bool ParameterSpec::hasRange(Type type) {
+  return type == Type::Integer || type == Type::Real || type == Type::Integers || type == Type::Reals;
+}
+
+void ParameterSpec::writeXml(std::ostream& out) const {
+  Teuchos::writeParameterListToXmlOStream(*teuchosList(), out);
+}
+
+void ParameterSpec::writeMarkdown(std::ostream& out, const std::string& path) const {
+  out << (path == name_ ? "# Parameters of " : "## ") << path << "\n\n" << meaning_ << "\n\n";
+  if (!parameters_.empty()) {
+    out << "| Parameter | Type | Default | Allowed | Meaning |\n|---|---|---|---|---|\n";
+    for (const Parameter& parameter : parameters_) {
+      std::string allowed;
+      if (hasRange(parameter.type))
+        allowed = parameter.range.text();
+      for (const Choice& choice : parameter.allowed)
+        allowed += (allowed.empty() ? "" : "; ") + ("`" + choice.first + "`: " + choice.second);
+      out << "| `" << parameter.name << "` | " << typeName(parameter.type) << " | `" << defaultText(parameter)
+          << "` | " << allowed << " | " << parameter.meaning << " |\n";
+    }
+    out << "\n";
+  }
+  for (const ParameterSpec& sublist : lists_)
+    sublist.writeMarkdown(out, path + "/" + sublist.name());
+  for (const ParameterSpec& member : family_)
+    member.writeMarkdown(out, path + "/" + member.name());
+}
+
+void ParameterSpec::writeMarkdown(std::ostream& out) const {
+  writeMarkdown(out, name_);
+}
+
+void ParameterSpec::writeText(std::ostream& out, const std::string& path) const {
+  out << path << "  -- " << meaning_ << "\n";
+  for (const Parameter& parameter : parameters_) {
+    out << "  " << parameter.name << " = " << defaultText(parameter) << "   [" << typeName(parameter.type);
+    if (hasRange(parameter.type))
+      out << " in " << parameter.range.text();
+    out << "]\n      " << parameter.meaning << "\n";
+    for (const Choice& choice : parameter.allowed)
+      out << "      " << quoted(choice.first) << ": " << choice.second << "\n";
+  }
+  out << "\n";
+  for (const ParameterSpec& sublist : lists_)
+    sublist.writeText(out, (path.empty() ? "" : path + "/") + sublist.name());
+  for (const ParameterSpec& member : family_)
+    member.writeText(out, path + "/" + member.name());
+}
+
+void ParameterSpec::writeText(std::ostream& out) const {
+  out << meaning_ << "\n\n";
+  for (const Parameter& parameter : parameters_)
+    out << "  " << parameter.name << " = " << defaultText(parameter) << "   " << parameter.meaning << "\n";
+  for (const ParameterSpec& sublist : lists_)
+    sublist.writeText(out, sublist.name());
+}
+
+} // namespace Harmos

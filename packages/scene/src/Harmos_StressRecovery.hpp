@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_Decomposition.hpp"
+
+#include <Teuchos_Comm.hpp>
+
+#include <vector>
+
+namespace Harmos::scene {
+
+/// Stresses at the nodes of this rank's subdomains (see fem::stressSums()), averaged over all cells of the
+/// body around a node, across subdomains; not across bodies.
+/// @note Collective.
+std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& comm, const Scene& scene,
+                                                   const std::vector<OwnedSubdomain>& owned,
+                                                   const feti::TornVector& displacement);
+
+} // namespace Harmos::scene
