@@ -55,6 +55,16 @@ add_library(harmos_dep::metis ALIAS harmos_dep_metis)
 target_link_libraries(harmos_dep_metis INTERFACE ${METIS_LIBRARY})
 target_include_directories(harmos_dep_metis SYSTEM INTERFACE ${METIS_INCLUDE_DIR})
 
+# Gmsh.
+if(HARMOS_ENABLE_GMSH)
+  find_path(GMSH_INCLUDE_DIR gmsh.h REQUIRED)
+  find_library(GMSH_LIBRARY gmsh REQUIRED)
+  add_library(harmos_dep_gmsh INTERFACE)
+  add_library(harmos_dep::gmsh ALIAS harmos_dep_gmsh)
+  target_link_libraries(harmos_dep_gmsh INTERFACE ${GMSH_LIBRARY})
+  target_include_directories(harmos_dep_gmsh SYSTEM INTERFACE ${GMSH_INCLUDE_DIR})
+endif()
+
 # HDF5 with MPI.
 set(HDF5_PREFER_PARALLEL ON)
 find_package(HDF5 REQUIRED COMPONENTS C)

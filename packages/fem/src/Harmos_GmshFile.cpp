@@ -1,0 +1,584 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_GmshFile.hpp"
+
+#include "Harmos_Errors.hpp"
+
+#ifdef HARMOS_HAVE_GMSH
+
+#include "Harmos_ParameterSpec.hpp"
+#include "Harmos_ReferenceElement.hpp"
+
+#include <gmsh.h>
+
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <fcntl.h>
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <sstream>
+#include <unistd.h>
+#include <unordered_map>
+
+namespace Harmos::fem {
+namespace {
+
+using Tag = std::size_t;
+
+// Nothing reaches standard output while this lives: OpenCASCADE, which reads .step files for Gmsh, prints to
+// it whatever Gmsh's options say.
+class Silence {
+ public:
+  Silence() : output_(dup(STDOUT_FILENO)) {
+    flush();
+    const int nowhere = open("/dev/null", O_WRONLY);
+    if (output_ >= 0 && nowhere >= 0)
+      dup2(nowhere, STDOUT_FILENO);
+    if (nowhere >= 0)
+      close(nowhere);
+  }
+  ~Silence() {
+    flush();
+    if (output_ >= 0) {
+      dup2(output_, STDOUT_FILENO);
+      close(output_);
+    }
+  }
+  Silence(const Silence&) = delete;
+  Silence& operator=(const Silence&) = delete;
+
+ private:
+  static void flush() {
+    std::cout.flush();
+    std::fflush(stdout);
+  }
+
+  int output_;
+};
+
+// Gmsh has one global state; this is its life time.
+class Session {
+ public:
+  Session() {
+    gmsh::initialize(0, nullptr, false);
+    gmsh::option::setNumber("General.Terminal", 0);
+    gmsh::option::setNumber("General.AbortOnError", 2); // throw
+    gmsh::option::setNumber("General.NumThreads", 1);   // the same mesh at every run
+  }
+  ~Session() {
+    try {
+      gmsh::finalize();
+    } catch (...) { // nothing is left to be done about it
+    }
+  }
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+ private:
+  Silence silence_;
+};
+
+std::string quoted(const std::string& text) {
+  return "\"" + text + "\"";
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names)
+    text += (text.empty() ? "" : ", ") + quoted(name);
+  return text;
+}
+
+std::string placeText(const Point& x) {
+  std::ostringstream text;
+  text << "(" << x[0] << ", " << x[1] << ", " << x[2] << ")";
+  return text.str();
+}
+
+const char* entityName(int dimension) {
+  static const std::array<const char*, 4> names = {"point", "curve", "surface", "volume"};
+  return names[static_cast<std::size_t>(dimension)];
+}
+
+/// The geometric entities of each group, by dimension and name.
+using Groups = std::array<std::map<std::string, std::vector<int>>, 4>;
+
+Groups groupsOfModel() {
+  Groups groups;
+  gmsh::vectorpair all;
+  gmsh::model::getPhysicalGroups(all);
+  for (const auto& [dimension, tag] : all) {
+    std::string name;
+    gmsh::model::getPhysicalName(dimension, tag, name);
+    std::vector<int> entities;
+    gmsh::model::getEntitiesForPhysicalGroup(dimension, tag, entities);
+    std::vector<int>& group =
+        groups[static_cast<std::size_t>(dimension)][name.empty() ? std::to_string(tag) : name];
+    group.insert(group.end(), entities.begin(), entities.end());
+  }
+  if (all.empty()) {
+    gmsh::model::getEntities(all);
+    for (const auto& [dimension, tag] : all)
+      groups[static_cast<std::size_t>(dimension)][entityName(dimension) + (" " + std::to_string(tag))] = {
+          tag};
+  }
+  for (auto& ofDimension : groups)
+    for (auto& [name, entities] : ofDimension) {
+      std::sort(entities.begin(), entities.end());
+      entities.erase(std::unique(entities.begin(), entities.end()), entities.end());
+    }
+  return groups;
+}
+
+/// An element type of Gmsh, and ours if there is one.
+struct ElementType {
+  std::string name;
+  int dimension = 0;
+  std::size_t nodes = 0;
+  std::size_t corners = 0;
+  std::optional<CellType> ours;
+  std::vector<std::size_t> order; // our node i is Gmsh's order[i]
+};
+
+bool isSamePlace(const Point& a, const Point& b) {
+  constexpr double tolerance = 1e-8; // on a reference cell of size 1
+  return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]) < tolerance;
+}
+
+// For each of the places, which one of the others it is; empty if they are not the same places.
+std::vector<std::size_t> matched(const std::vector<Point>& places, const std::vector<Point>& others) {
+  std::vector<std::size_t> result;
+  for (const Point& place : places)
+    for (std::size_t k = 0; k < others.size(); ++k)
+      if (isSamePlace(place, others[k])) {
+        result.push_back(k);
+        break;
+      }
+  return places.size() == others.size() && result.size() == places.size() ? result
+                                                                          : std::vector<std::size_t>{};
+}
+
+ElementType makeElementType(int type) {
+  ElementType result;
+  int order = 0, nodes = 0, corners = 0;
+  std::vector<double> coordinates;
+  gmsh::model::mesh::getElementProperties(type, result.name, result.dimension, order, nodes, coordinates,
+                                          corners);
+  result.nodes = static_cast<std::size_t>(nodes);
+  result.corners = static_cast<std::size_t>(corners);
+  const auto dimension = static_cast<std::size_t>(result.dimension);
+  if (result.dimension < 2)
+    return result; // sides of plane cells and points: only their corners are used
+  std::vector<Point> places(result.nodes);
+  for (std::size_t i = 0; i < result.nodes; ++i)
+    for (std::size_t d = 0; d < dimension; ++d)
+      places[i][d] = coordinates[i * dimension + d];
+  for (CellType candidate :
+       {CellType::Triangle3, CellType::Triangle6, CellType::Quadrilateral4, CellType::Quadrilateral9,
+        CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8, CellType::Hexahedron27}) {
+    const CellShape& shape = shapeOf(candidate);
+    if (shape.dimension != result.dimension || shape.corners != corners)
+      continue;
+    result.order = matched(shape.nodeCoordinates, places);
+    if (!result.order.empty()) {
+      result.ours = candidate;
+      break;
+    }
+  }
+  return result;
+}
+
+/// The elements of an entity, type by type.
+struct Elements {
+  std::vector<int> types;
+  std::vector<std::vector<Tag>> tags;
+  std::vector<std::vector<Tag>> nodes;
+};
+
+Elements elementsOf(int dimension, int entity) {
+  Elements elements;
+  gmsh::model::mesh::getElements(elements.types, elements.tags, elements.nodes, dimension, entity);
+  return elements;
+}
+
+/// A file's mesh, as far as bodies are made from it.
+class Reader {
+ public:
+  Reader(std::string path, int dimension) : path_(std::move(path)), dimension_(dimension) {
+    open();
+    groups_ = groupsOfModel();
+    std::vector<Tag> tags;
+    std::vector<double> unused;
+    gmsh::model::mesh::getNodes(tags, coordinates_, unused, -1, -1, false, false);
+    for (std::size_t k = 0; k < tags.size(); ++k)
+      places_.emplace(tags[k], k);
+  }
+
+  BodyMesh body(const GmshBody& wanted) {
+    BodyMesh body;
+    body.name = wanted.name;
+    body.regions = wanted.groups;
+    if (wanted.groups.empty())
+      throw InputError("body " + quoted(wanted.name) + " is made of no group of \"" + path_ +
+                       "\"; name at least one. There are: " + listed(names(dimension_)));
+    const CellType type = typeOf(wanted);
+    body.mesh.cellType = type;
+    const std::vector<Tag> cells = cellsOf(wanted, type, body.mesh.regions);
+    std::vector<Tag> nodes = cells;
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    std::unordered_map<Tag, int> numbers;
+    for (Tag node : nodes)
+      numbers.emplace(node, static_cast<int>(numbers.size()));
+    for (Tag node : cells)
+      body.mesh.cells.push_back(numbers.at(node));
+    if (dimension_ == 2)
+      requirePlane(wanted.name, nodes);
+    for (Tag node : nodes) {
+      const Point x = place(node);
+      body.mesh.coordinates.insert(body.mesh.coordinates.end(), x.begin(), x.begin() + dimension_);
+    }
+    nameSides(body, numbers);
+    nameNodes(body, numbers);
+    return body;
+  }
+
+ private:
+  void open() const {
+    std::error_code failure;
+    if (!std::filesystem::exists(path_, failure))
+      throw InputError("there is no mesh file \"" + path_ + "\"; check its path");
+    if (!std::filesystem::is_regular_file(path_, failure))
+      throw InputError("\"" + path_ + "\" is no file, but a mesh is to be read from it; check its path");
+    gmsh::open(path_);
+    std::vector<int> types;
+    gmsh::model::mesh::getElementTypes(types, dimension_);
+    if (types.empty()) {
+      gmsh::vectorpair entities;
+      gmsh::model::getEntities(entities, dimension_);
+      if (!entities.empty())
+        gmsh::model::mesh::generate(dimension_);
+      gmsh::model::mesh::getElementTypes(types, dimension_);
+    }
+    if (types.empty())
+      throw InputError("\"" + path_ + "\" holds no cells of dimension " + std::to_string(dimension_) +
+                       " and no geometry to make them from: it is no mesh, or one of another dimension");
+  }
+
+  Point place(Tag node) const {
+    const std::size_t k = 3 * places_.at(node);
+    return {coordinates_[k], coordinates_[k + 1], coordinates_[k + 2]};
+  }
+
+  const ElementType& elementType(int type) {
+    const auto found = types_.find(type);
+    return found != types_.end() ? found->second : types_.emplace(type, makeElementType(type)).first->second;
+  }
+
+  const std::map<std::string, std::vector<int>>& groups(int dimension) const {
+    return groups_[static_cast<std::size_t>(dimension)];
+  }
+
+  std::vector<std::string> names(int dimension) const {
+    std::vector<std::string> result;
+    for (const auto& group : groups(dimension))
+      result.push_back(group.first);
+    return result;
+  }
+
+  const std::vector<int>& entities(const std::string& body, const std::string& group) const {
+    const auto found = groups(dimension_).find(group);
+    if (found != groups(dimension_).end())
+      return found->second;
+    const std::string what = "body " + quoted(body) + ": \"" + path_ + "\" has no physical " +
+                             entityName(dimension_) + " " + quoted(group);
+    for (int other = 0; other < 4; ++other)
+      if (groups(other).count(group) != 0)
+        throw InputError(what + "; that is a " + entityName(other) + " there. The " + entityName(dimension_) +
+                         "s are: " + listed(names(dimension_)));
+    const std::string nearest = nearestName(group, names(dimension_));
+    throw InputError(what + (nearest.empty() ? "" : "; did you mean " + quoted(nearest) + "?") + " There " +
+                     (names(dimension_).empty() ? "are none: add Physical groups to the geometry"
+                                                : "are: " + listed(names(dimension_))));
+  }
+
+  // The only cell type of a body.
+  CellType typeOf(const GmshBody& body) {
+    std::map<int, std::size_t> counts;
+    for (const std::string& group : body.groups)
+      for (int entity : entities(body.name, group)) {
+        const Elements elements = elementsOf(dimension_, entity);
+        for (std::size_t k = 0; k < elements.types.size(); ++k)
+          counts[elements.types[k]] += elements.tags[k].size();
+      }
+    const std::string place = "body " + quoted(body.name) + " of \"" + path_ + "\"";
+    if (counts.empty())
+      throw InputError(place + " has no cells: its groups (" + listed(body.groups) +
+                       ") are not meshed. Save the mesh with all its physical groups");
+    std::string kinds;
+    for (const auto& [type, count] : counts) {
+      const ElementType& element = elementType(type);
+      kinds += (kinds.empty() ? "" : ", ") + std::to_string(count) + " × " +
+               (element.ours ? shapeOf(*element.ours).name : element.name);
+    }
+    for (const auto& [type, count] : counts)
+      if (!elementType(type).ours)
+        throw InputError(place + " has cells of a type that Harmos does not have (" + kinds +
+                         "). Use triangles of 3 or 6 nodes, quadrilaterals of 4 or 9, tetrahedra of 4 or "
+                         "10, hexahedra of 8 or 27: Mesh.ElementOrder = 1 or 2, "
+                         "Mesh.SecondOrderIncomplete = 0");
+    if (counts.size() > 1)
+      throw InputError(place + " has cells of more than one type (" + kinds +
+                       "), but a body has one. Make it more than one body, or mesh it with one type: "
+                       "Recombine for all or none of its surfaces, Mesh.SubdivisionAlgorithm = 1 (plane) or "
+                       "2 (space) where triangles remain");
+    return *elementType(counts.begin()->first).ours;
+  }
+
+  // Tags of the nodes of each cell, in our order.
+  std::vector<Tag> cellsOf(const GmshBody& body, CellType type, std::vector<int>& regions) {
+    std::vector<Tag> cells;
+    for (std::size_t region = 0; region < body.groups.size(); ++region)
+      for (int entity : entities(body.name, body.groups[region])) {
+        const std::string owner = "group " + quoted(body.groups[region]) + " of body " + quoted(body.name);
+        const auto [previous, isNew] = owners_.emplace(entity, owner);
+        if (!isNew)
+          throw InputError("in \"" + path_ + "\", " + entityName(dimension_) + " " + std::to_string(entity) +
+                           " belongs to " + previous->second + " and to " + owner +
+                           ", but each cell is in one region of one body. Make the groups disjoint");
+        const Elements elements = elementsOf(dimension_, entity);
+        for (std::size_t k = 0; k < elements.types.size(); ++k) {
+          const ElementType& element = elementType(elements.types[k]);
+          std::vector<Tag> ours;
+          ours.reserve(elements.nodes[k].size());
+          for (std::size_t first = 0; first < elements.nodes[k].size(); first += element.nodes)
+            for (std::size_t i : element.order)
+              ours.push_back(elements.nodes[k][first + i]);
+          orient(type, entity, ours);
+          cells.insert(cells.end(), ours.begin(), ours.end());
+          if (body.groups.size() > 1)
+            regions.insert(regions.end(), elements.tags[k].size(), static_cast<int>(region));
+        }
+      }
+    return cells;
+  }
+
+  // Renumbers the cells of an entity if all are mirrored.
+  void orient(CellType type, int entity, std::vector<Tag>& cells) const {
+    const CellShape& shape = shapeOf(type);
+    const auto nodes = static_cast<std::size_t>(shape.nodes);
+    std::size_t mirrored = 0, right = 0;
+    Point odd{};
+    for (std::size_t first = 0; first < cells.size(); first += nodes) {
+      const int sign = orientation(shape, &cells[first]);
+      if (sign < 0) {
+        ++mirrored;
+        odd = place(cells[first]);
+      }
+      right += sign > 0 ? 1 : 0;
+    }
+    if (mirrored == 0)
+      return;
+    if (right > 0)
+      throw InputError("in \"" + path_ + "\", " + std::to_string(mirrored) + " cells of " +
+                       entityName(dimension_) + " " + std::to_string(entity) + ", one of them at " +
+                       placeText(odd) + ", are inverted, and " + std::to_string(right) +
+                       " are not: the mesh is folded. Mend it in Gmsh (a finer mesh, Mesh.Optimize)");
+    std::vector<Point> swapped = shape.nodeCoordinates;
+    for (Point& x : swapped)
+      std::swap(x[0], x[1]);
+    const std::vector<std::size_t> order = matched(swapped, shape.nodeCoordinates);
+    std::vector<Tag> cell(nodes);
+    for (std::size_t first = 0; first < cells.size(); first += nodes) {
+      for (std::size_t i = 0; i < nodes; ++i)
+        cell[i] = cells[first + order[i]];
+      std::copy(cell.begin(), cell.end(), cells.begin() + static_cast<std::ptrdiff_t>(first));
+    }
+  }
+
+  // 1 or −1 if the Jacobian has this sign at every corner of the cell with straight edges; 0 otherwise, which
+  // is left for the integration to judge.
+  int orientation(const CellShape& shape, const Tag* cell) const {
+    const auto corners = static_cast<std::size_t>(shape.corners);
+    const auto dimension = static_cast<std::size_t>(dimension_);
+    std::size_t positive = 0, negative = 0;
+    for (std::size_t c = 0; c < corners; ++c) {
+      // Along the edges to the neighbours: those that differ in one reference coordinate, or for simplices
+      // the edges from the first corner, which tell of all.
+      std::array<Point, 3> edges = {Point{1, 0, 0}, Point{0, 1, 0}, Point{0, 0, 1}};
+      const Point at = place(cell[c]);
+      for (std::size_t d = 0; d < dimension; ++d) {
+        std::size_t other = d + 1;
+        double sign = 1.0;
+        if (!shape.isSimplex) {
+          Point target = shape.nodeCoordinates[c];
+          sign = target[d] < 0.0 ? 1.0 : -1.0;
+          target[d] = -target[d];
+          for (std::size_t k = 0; k < corners; ++k)
+            if (isSamePlace(shape.nodeCoordinates[k], target))
+              other = k;
+        }
+        const Point end = place(cell[other]);
+        for (std::size_t k = 0; k < dimension; ++k)
+          edges[d][k] = sign * (end[k] - at[k]);
+      }
+      const auto& [u, v, w] = edges;
+      const double jacobian = u[0] * (v[1] * w[2] - v[2] * w[1]) - u[1] * (v[0] * w[2] - v[2] * w[0]) +
+                              u[2] * (v[0] * w[1] - v[1] * w[0]);
+      positive += jacobian > 0.0 ? 1 : 0;
+      negative += jacobian < 0.0 ? 1 : 0;
+      if (shape.isSimplex)
+        return jacobian > 0.0 ? 1 : jacobian < 0.0 ? -1 : 0;
+    }
+    return positive == corners ? 1 : negative == corners ? -1 : 0;
+  }
+
+  void requirePlane(const std::string& body, const std::vector<Tag>& nodes) const {
+    Point least = place(nodes.front()), most = least;
+    for (Tag node : nodes)
+      for (std::size_t d = 0; d < 3; ++d) {
+        least[d] = std::min(least[d], place(node)[d]);
+        most[d] = std::max(most[d], place(node)[d]);
+      }
+    constexpr double tolerance = 1e-9; // relative: files hold coordinates with some 16 digits
+    const double size = std::max(most[0] - least[0], most[1] - least[1]);
+    if (most[2] - least[2] > tolerance * size) {
+      std::ostringstream heights;
+      heights << least[2] << " to " << most[2];
+      throw InputError(
+          "body " + quoted(body) + " of \"" + path_ + "\" reaches from z = " + heights.str() +
+          ", but a body of dimension 2 lies in a plane z = constant. Turn it into the x-y plane");
+    }
+  }
+
+  void nameSides(BodyMesh& body, const std::unordered_map<Tag, int>& numbers) {
+    const std::vector<Side> boundary = boundarySides(body.mesh);
+    body.mesh.boundary = nodesOf(body.mesh, boundary);
+    const auto corners = static_cast<std::size_t>(shapeOf(shapeOf(body.mesh.cellType).side).corners);
+    std::map<std::vector<int>, Side> byCorners;
+    for (const Side& side : boundary) {
+      std::vector<int> nodes = body.mesh.nodesOf(side);
+      nodes.resize(corners);
+      std::sort(nodes.begin(), nodes.end());
+      byCorners.emplace(nodes, side);
+    }
+    for (const auto& [name, entities] : groups(dimension_ - 1)) {
+      std::vector<Side> sides;
+      for (int entity : entities) {
+        const Elements elements = elementsOf(dimension_ - 1, entity);
+        for (std::size_t k = 0; k < elements.types.size(); ++k) {
+          const ElementType& element = elementType(elements.types[k]);
+          for (std::size_t first = 0; first < elements.nodes[k].size(); first += element.nodes) {
+            std::vector<int> nodes;
+            for (std::size_t i = 0; i < element.corners; ++i) {
+              const auto found = numbers.find(elements.nodes[k][first + i]);
+              if (found != numbers.end())
+                nodes.push_back(found->second);
+            }
+            std::sort(nodes.begin(), nodes.end());
+            const auto side = byCorners.find(nodes);
+            if (side != byCorners.end())
+              sides.push_back(side->second);
+          }
+        }
+      }
+      const auto rank = [](const Side& s) { return std::make_pair(s.cell, s.side); };
+      std::sort(sides.begin(), sides.end(), [&](const Side& a, const Side& b) { return rank(a) < rank(b); });
+      sides.erase(std::unique(sides.begin(), sides.end(),
+                              [&](const Side& a, const Side& b) { return rank(a) == rank(b); }),
+                  sides.end());
+      if (!sides.empty())
+        body.sides[name] = sides;
+    }
+  }
+
+  void nameNodes(BodyMesh& body, const std::unordered_map<Tag, int>& numbers) const {
+    for (int dimension = 0; dimension < dimension_ - 1; ++dimension)
+      for (const auto& [name, entities] : groups(dimension)) {
+        std::vector<int> nodes;
+        for (int entity : entities)
+          for (const std::vector<Tag>& ofType : elementsOf(dimension, entity).nodes)
+            for (Tag node : ofType) {
+              const auto found = numbers.find(node);
+              if (found != numbers.end())
+                nodes.push_back(found->second);
+            }
+        if (nodes.empty())
+          continue;
+        std::vector<int>& all = body.nodes[name]; // a point and a curve may have one name
+        all.insert(all.end(), nodes.begin(), nodes.end());
+        std::sort(all.begin(), all.end());
+        all.erase(std::unique(all.begin(), all.end()), all.end());
+      }
+  }
+
+  std::string path_;
+  int dimension_;
+  Groups groups_;
+  std::vector<double> coordinates_;
+  std::unordered_map<Tag, std::size_t> places_; // of a node's coordinates
+  std::map<int, ElementType> types_;
+  std::map<int, std::string> owners_; // of entities
+};
+
+[[noreturn]] void throwGmshError(const std::string& path, const std::string& reason) {
+  throw InputError("Gmsh cannot read or mesh \"" + path +
+                   "\": " + (reason.empty() ? "it does not say why" : reason) +
+                   ". Open the file in Gmsh to see where it fails");
+}
+
+} // namespace
+
+bool canReadGmsh() {
+  return true;
+}
+
+std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBody>& bodies, int dimension) {
+  HARMOS_REQUIRE(dimension == 2 || dimension == 3, "bodies have two or three dimensions");
+  // Gmsh throws strings, in other versions numbers and exceptions.
+  try {
+    const Session session;
+    try {
+      Reader reader(path, dimension);
+      std::vector<BodyMesh> result;
+      for (const GmshBody& body : bodies)
+        result.push_back(reader.body(body));
+      return result;
+    } catch (int) {
+      std::string reason;
+      gmsh::logger::getLastError(reason);
+      throwGmshError(path, reason);
+    }
+  } catch (const Error&) {
+    throw;
+  } catch (const std::bad_alloc&) {
+    throw;
+  } catch (const std::exception& error) {
+    throwGmshError(path, error.what());
+  } catch (const std::string& reason) {
+    throwGmshError(path, reason);
+  } catch (const char* reason) {
+    throwGmshError(path, reason);
+  }
+}
+
+} // namespace Harmos::fem
+
+#else
+
+namespace Harmos::fem {
+
+bool canReadGmsh() {
+  return false;
+}
+
+std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBody>&, int) {
+  throw InputError("\"" + path +
+                   "\" cannot be read: this Harmos was built without Gmsh. Install libgmsh-dev and "
+                   "configure with -DHARMOS_ENABLE_GMSH=ON");
+}
+
+} // namespace Harmos::fem
+
+#endif

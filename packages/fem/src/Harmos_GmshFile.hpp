@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_BodyMesh.hpp"
+
+#include <string>
+#include <vector>
+
+namespace Harmos::fem {
+
+/// What a body is made of in a mesh file.
+struct GmshBody {
+  std::string name;
+  /// Physical groups of the highest dimension that make it up; each is a region of the body.
+  std::vector<std::string> groups;
+};
+
+/// Whether this build can read Gmsh's files (CMake option HARMOS_ENABLE_GMSH).
+bool canReadGmsh();
+
+/// Reads bodies from a file that Gmsh can open: .msh; .geo, .step and other geometries are meshed first.
+///
+/// Bodies share no nodes: a node that two bodies use in the file becomes one of each. Within a body, regions
+/// share theirs. Nodes and cells are numbered anew, nodes in the order of the file's tags, cells group by
+/// group. Of the physical groups below the highest dimension, those of sides (curves in the plane, surfaces
+/// in space) become named boundary parts of every body that has such sides on its boundary, so that one
+/// between two bodies belongs to both; sides inside a body are left out. Those of lower dimension become
+/// named nodes. A group without a name is called by its number.
+///
+/// A file without any physical group (as .step files are) has its geometric entities for groups, called
+/// "volume 1", "surface 4", "curve 2", "point 3". Sizes and groups are better given by a .geo file that
+/// merges the .step file.
+///
+/// Gmsh lets surfaces and extruded volumes be numbered in a mirrored way: when every cell of such an entity
+/// has negative Jacobians at its corners, all its cells are renumbered. An entity with cells of both kinds is
+/// refused.
+///
+/// Node orders are matched by the places of the nodes on the reference cells of both sides. Serial: to be
+/// called on one rank, while no other thread writes to standard output: it is shut meanwhile, because
+/// OpenCASCADE, which reads .step files for Gmsh, prints to it. Gmsh's messages go into the errors.
+///
+/// Guarded by tests/unit/fem/test_gmsh_file.cpp.
+///
+/// @param dimension of the bodies, 2 or 3. Plane meshes lie in a plane z = constant.
+/// @throws InputError if this build has no Gmsh; for a file that is missing, broken or empty; for groups it
+/// does not have; for a body with cells of more than one type or of one that Harmos does not have; for cells
+/// that belong to two regions; for folded meshes; for plane ones that are not in a plane.
+std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBody>& bodies, int dimension);
+
+} // namespace Harmos::fem

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_BodyMesh.hpp"
+#include "Harmos_StructuredBlock.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace Harmos {
+
+/// A bent block of two regions with n cells (simplices: pairs or sixes) a direction as one body, with the
+/// block's boundary parts and one named node in its middle, "centre".
+inline fem::BodyMesh testBody(fem::CellType type, int n) {
+  fem::StructuredBlock::Options options;
+  options.cellType = type;
+  options.origin = {3.0, 1.0, -2.0};
+  options.elements = {n, n, n};
+  options.map = [](const fem::Point& x) {
+    return fem::Point{x[0] + 0.1 * x[1] * x[1], x[1] + 0.05 * x[0], x[2] - 0.03 * x[0] * x[1]};
+  };
+  const fem::PlacedMesh placed = fem::StructuredBlock(options).subdomain(0);
+  fem::BodyMesh body;
+  body.name = "block";
+  body.mesh = *placed.mesh;
+  const auto dimension = static_cast<std::size_t>(body.mesh.dimension());
+  for (std::size_t k = 0; k < body.mesh.coordinates.size(); ++k)
+    body.mesh.coordinates[k] += placed.anchor[k % dimension];
+  body.regions = {"first", "second"};
+  for (int c = 0; c < body.mesh.numberOfCells(); ++c)
+    body.mesh.regions.push_back(2 * c < body.mesh.numberOfCells() ? 0 : 1);
+  body.sides = placed.sides;
+  body.nodes["centre"] = {body.mesh.numberOfNodes() / 2};
+  return body;
+}
+
+/// Whether all fields of two subdomains are the same, to the bit.
+inline void expectSame(const fem::PlacedMesh& a, const fem::PlacedMesh& b) {
+  EXPECT_EQ(a.mesh->cellType, b.mesh->cellType);
+  EXPECT_EQ(a.mesh->coordinates, b.mesh->coordinates);
+  EXPECT_EQ(a.mesh->cells, b.mesh->cells);
+  EXPECT_EQ(a.mesh->boundary, b.mesh->boundary);
+  EXPECT_EQ(a.mesh->regions, b.mesh->regions);
+  EXPECT_EQ(a.anchor, b.anchor);
+  EXPECT_EQ(a.boundaryNumbers, b.boundaryNumbers);
+  EXPECT_EQ(a.sets, b.sets);
+  ASSERT_EQ(a.sides.size(), b.sides.size());
+  for (const auto& [name, sides] : a.sides) {
+    ASSERT_EQ(b.sides.count(name), 1u) << name;
+    const std::vector<fem::Side>& others = b.sides.at(name);
+    ASSERT_EQ(sides.size(), others.size()) << name;
+    for (std::size_t k = 0; k < sides.size(); ++k) {
+      EXPECT_EQ(sides[k].cell, others[k].cell);
+      EXPECT_EQ(sides[k].side, others[k].side);
+    }
+  }
+}
+
+} // namespace Harmos

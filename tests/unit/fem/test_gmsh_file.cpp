@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_CellIntegrator.hpp"
+#include "Harmos_GmshFile.hpp"
+#include "Harmos_TestErrors.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <unistd.h>
+
+using namespace Harmos;
+using fem::BodyMesh;
+using fem::CellType;
+using fem::Point;
+using fem::readGmsh;
+
+namespace {
+
+/// A directory of its own for the files of a test.
+class GmshFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!fem::canReadGmsh())
+      GTEST_SKIP() << "this build has no Gmsh (HARMOS_ENABLE_GMSH)";
+    directory_ = std::filesystem::temp_directory_path() / ("harmos_gmsh_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(directory_);
+  }
+  void TearDown() override {
+    std::error_code failure;
+    std::filesystem::remove_all(directory_, failure);
+  }
+  std::string path(const std::string& name) const { return (directory_ / name).string(); }
+  std::string file(const std::string& name, const std::string& text) const {
+    std::ofstream(path(name)) << text;
+    return path(name);
+  }
+
+ private:
+  std::filesystem::path directory_;
+};
+
+/// A square of side 2 with a disc of radius 1/2, whose surface is oriented clockwise.
+std::string discInSquare(bool quadrilaterals, int order, double z = 0.0) {
+  const std::string height = ", " + std::to_string(z) + ", 0.3};\n";
+  return "Point(1) = {0, 0" + height + "Point(2) = {2, 0" + height + "Point(3) = {2, 2" + height +
+         "Point(4) = {0, 2" + height + "Point(5) = {1, 1" + height + "Point(6) = {1.5, 1" + height +
+         "Point(7) = {1, 1.5" + height + "Point(8) = {0.5, 1" + height + "Point(9) = {1, 0.5" + height +
+         R"(
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
+Circle(5) = {6, 5, 7}; Circle(6) = {7, 5, 8}; Circle(7) = {8, 5, 9}; Circle(8) = {9, 5, 6};
+Curve Loop(1) = {1, 2, 3, 4}; Curve Loop(2) = {5, 6, 7, 8}; Curve Loop(3) = {-8, -7, -6, -5};
+Plane Surface(1) = {1, 2}; Plane Surface(2) = {3};
+Physical Surface("matrix") = {1}; Physical Surface("inclusion") = {2};
+Physical Curve("bottom") = {1}; Physical Curve("outside") = {1, 2, 3, 4}; Physical Curve("circle") = {5, 6, 7, 8};
+Physical Point("corner") = {1};
+)" + (quadrilaterals ? "Recombine Surface{:}; Mesh.SubdivisionAlgorithm = 1;\n" : "") +
+         "Mesh.ElementOrder = " + std::to_string(order) + ";\n";
+}
+
+/// Two unit cubes, one on the other; the second is extruded downwards if wanted.
+std::string twoCubes(bool hexahedra, int order, bool isDownwards = false) {
+  const std::string layers = hexahedra ? " Layers{2}; Recombine;" : "";
+  const std::string height = isDownwards ? "-1" : "1";
+  return R"(
+Point(1) = {0, 0, 0, 0.5}; Point(2) = {1, 0, 0, 0.5}; Point(3) = {1, 1, 0, 0.5}; Point(4) = {0, 1, 0, 0.5};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
+Curve Loop(1) = {1, 2, 3, 4}; Plane Surface(1) = {1};
+)" +
+         std::string(hexahedra ? "Transfinite Curve{:} = 4; Transfinite Surface{1}; Recombine Surface{1};\n"
+                               : "") +
+         "a[] = Extrude {0, 0, " + height + "} { Surface{1};" + layers + " };\n" + "b[] = Extrude {0, 0, " +
+         height + "} { Surface{a[0]};" + layers + " };\n" + R"(
+Physical Volume("lower") = {a[1]}; Physical Volume("upper") = {b[1]};
+Physical Surface("bottom") = {1}; Physical Surface("middle") = {a[0]}; Physical Surface("top") = {b[0]};
+Physical Curve("edge") = {1}; Physical Point("corner") = {1};
+Mesh.ElementOrder = )" +
+         std::to_string(order) + ";\n";
+}
+
+/// Area or volume; throws for cells with a Jacobian that is not positive.
+double sizeOf(const BodyMesh& body) {
+  constexpr int degree = 4;
+  const fem::ReferenceElement element(body.mesh.cellType, degree);
+  fem::CellIntegrator integrator(body.mesh, element);
+  double sum = 0.0;
+  for (int c = 0; c < body.mesh.numberOfCells(); ++c) {
+    integrator.turnTo(c);
+    sum += integrator.size();
+  }
+  return sum;
+}
+
+double distanceOf(const Point& a, const Point& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
+double triangle(const Point& a, const Point& b, const Point& c) {
+  const double x = distanceOf(a, b), y = distanceOf(b, c), z = distanceOf(c, a), s = 0.5 * (x + y + z);
+  return std::sqrt(s * (s - x) * (s - y) * (s - z));
+}
+
+/// Length or area of a boundary part, its sides taken as straight.
+double sizeOfPart(const BodyMesh& body, const std::string& name) {
+  double sum = 0.0;
+  for (const fem::Side& side : body.sides.at(name)) {
+    const std::vector<int> nodes = body.mesh.nodesOf(side);
+    const auto x = [&](std::size_t k) { return body.mesh.local(nodes[k]); };
+    const int corners = shapeOf(shapeOf(body.mesh.cellType).side).corners;
+    if (corners == 2)
+      sum += distanceOf(x(0), x(1));
+    else
+      sum += triangle(x(0), x(1), x(2)) + (corners == 4 ? triangle(x(0), x(2), x(3)) : 0.0);
+  }
+  return sum;
+}
+
+std::string refusalOf(const std::string& path, const std::vector<fem::GmshBody>& bodies, int dimension = 2) {
+  return inputErrorOf([&] { readGmsh(path, bodies, dimension); });
+}
+
+} // namespace
+
+TEST(GmshFileWithoutGmsh, says_how_to_get_it) {
+  if (fem::canReadGmsh())
+    GTEST_SKIP() << "this build has Gmsh";
+  const std::string text = refusalOf("scene.msh", {});
+  EXPECT_TRUE(contains(text, "\"scene.msh\" cannot be read")) << text;
+  EXPECT_TRUE(contains(text, "-DHARMOS_ENABLE_GMSH=ON")) << text;
+}
+
+TEST_F(GmshFile, plane_bodies_of_all_types) {
+  for (const CellType type :
+       {CellType::Triangle3, CellType::Triangle6, CellType::Quadrilateral4, CellType::Quadrilateral9}) {
+    const fem::CellShape& shape = shapeOf(type);
+    SCOPED_TRACE(shape.name);
+    const std::string geo = file("disc.geo", discInSquare(!shape.isSimplex, shape.order));
+    const std::vector<BodyMesh> bodies = readGmsh(geo, {{"outer", {"matrix"}}, {"inner", {"inclusion"}}}, 2);
+    ASSERT_EQ(bodies.size(), 2u);
+    const BodyMesh &outer = bodies[0], &inner = bodies[1];
+    EXPECT_EQ(outer.name, "outer");
+    EXPECT_EQ(inner.regions, std::vector<std::string>{"inclusion"});
+    for (const BodyMesh& body : bodies) {
+      EXPECT_EQ(body.mesh.cellType, type);
+      EXPECT_GT(body.mesh.numberOfCells(), 8);
+      EXPECT_EQ(body.mesh.boundary, nodesOf(body.mesh, boundarySides(body.mesh)));
+    }
+    // The disc's boundary is the same in both, so that their sum is exact.
+    EXPECT_NEAR(sizeOf(outer) + sizeOf(inner), 4.0, 1e-12);
+    EXPECT_NEAR(sizeOf(inner), M_PI / 4, shape.order == 1 ? 0.05 : 5e-4);
+    EXPECT_NEAR(sizeOfPart(outer, "bottom"), 2.0, 1e-12);
+    EXPECT_NEAR(sizeOfPart(outer, "outside"), 8.0, 1e-12);
+    EXPECT_NEAR(sizeOfPart(outer, "circle"), M_PI, 0.05);
+    EXPECT_NEAR(sizeOfPart(outer, "circle"), sizeOfPart(inner, "circle"), 1e-12);
+    EXPECT_EQ(inner.sides.count("bottom"), 0u);
+    ASSERT_EQ(outer.nodes.at("corner").size(), 1u);
+    EXPECT_LT(distanceOf(outer.mesh.local(outer.nodes.at("corner").front()), {0, 0, 0}), 1e-14);
+    EXPECT_EQ(inner.nodes.count("corner"), 0u);
+    // All nodes of the circle, those on the edges as well.
+    for (const BodyMesh& body : bodies)
+      for (int node : nodesOf(body.mesh, body.sides.at("circle")))
+        EXPECT_NEAR(distanceOf(body.mesh.local(node), {1, 1, 0}), 0.5, 1e-6);
+  }
+}
+
+TEST_F(GmshFile, solid_bodies_of_all_types) {
+  for (const CellType type :
+       {CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8, CellType::Hexahedron27})
+    for (const bool isDownwards : {false, true}) {
+      const fem::CellShape& shape = shapeOf(type);
+      SCOPED_TRACE(shape.name + (isDownwards ? ", downwards" : ""));
+      const std::string geo = file("cubes.geo", twoCubes(!shape.isSimplex, shape.order, isDownwards));
+      const std::vector<BodyMesh> bodies = readGmsh(geo, {{"a", {"lower"}}, {"b", {"upper"}}}, 3);
+      for (const BodyMesh& body : bodies) {
+        EXPECT_EQ(body.mesh.cellType, type);
+        EXPECT_NEAR(sizeOf(body), 1.0, 1e-12);
+        EXPECT_NEAR(sizeOfPart(body, "middle"), 1.0, 1e-12);
+      }
+      EXPECT_NEAR(sizeOfPart(bodies[0], "bottom"), 1.0, 1e-12);
+      EXPECT_NEAR(sizeOfPart(bodies[1], "top"), 1.0, 1e-12);
+      EXPECT_EQ(bodies[0].sides.count("top"), 0u);
+      EXPECT_EQ(bodies[0].nodes.at("corner").size(), 1u);
+      EXPECT_GE(bodies[0].nodes.at("edge").size(), 3u);
+      for (int node : bodies[0].nodes.at("edge")) {
+        EXPECT_NEAR(bodies[0].mesh.local(node)[1], 0.0, 1e-14);
+        EXPECT_NEAR(bodies[0].mesh.local(node)[2], 0.0, 1e-14);
+      }
+      if (!shape.isSimplex)
+        EXPECT_EQ(bodies[0].mesh.numberOfCells(), 18);
+    }
+}
+
+TEST_F(GmshFile, regions_of_a_body_share_nodes_and_bodies_do_not) {
+  const std::string geo = file("cubes.geo", twoCubes(true, 1));
+  const std::vector<BodyMesh> apart = readGmsh(geo, {{"a", {"lower"}}, {"b", {"upper"}}}, 3);
+  const std::vector<BodyMesh> one = readGmsh(geo, {{"both", {"lower", "upper"}}}, 3);
+  EXPECT_EQ(apart[0].mesh.numberOfNodes(), 48);
+  EXPECT_EQ(apart[1].mesh.numberOfNodes(), 48);
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_EQ(one[0].mesh.numberOfNodes(), 48 + 48 - 16);
+  EXPECT_EQ(one[0].regions, (std::vector<std::string>{"lower", "upper"}));
+  EXPECT_EQ(std::count(one[0].mesh.regions.begin(), one[0].mesh.regions.end(), 1), 18);
+  EXPECT_EQ(one[0].mesh.region(0), 0);
+  EXPECT_EQ(one[0].sides.count("middle"), 0u) << "an inner surface is no boundary part";
+  EXPECT_NEAR(sizeOf(one[0]), 2.0, 1e-12);
+}
+
+TEST_F(GmshFile, a_saved_mesh_is_that_of_its_geometry) {
+  const std::string geo =
+      file("saving.geo", discInSquare(false, 2) + "Mesh 2;\nSave \"" + path("saved.msh") + "\";\n");
+  const std::vector<fem::GmshBody> wanted = {{"all", {"matrix", "inclusion"}}};
+  const BodyMesh meshed = readGmsh(geo, wanted, 2).front();
+  const BodyMesh saved = readGmsh(path("saved.msh"), wanted, 2).front();
+  EXPECT_EQ(meshed.mesh.cells, saved.mesh.cells);
+  EXPECT_EQ(meshed.mesh.regions, saved.mesh.regions);
+  ASSERT_EQ(meshed.mesh.coordinates.size(), saved.mesh.coordinates.size());
+  for (std::size_t k = 0; k < meshed.mesh.coordinates.size(); ++k) // files hold sixteen digits
+    EXPECT_NEAR(meshed.mesh.coordinates[k], saved.mesh.coordinates[k], 1e-14);
+  EXPECT_EQ(meshed.sides.size(), saved.sides.size());
+  EXPECT_NEAR(sizeOf(saved), 4.0, 1e-12);
+}
+
+TEST_F(GmshFile, a_step_file_has_its_entities_for_groups) {
+  const std::string step = path("box.step");
+  file("box.geo", "SetFactory(\"OpenCASCADE\"); Box(1) = {0, 0, 0, 1, 2, 3}; Save \"" + step + "\";\n");
+  EXPECT_TRUE(contains(refusalOf(path("box.geo"), {{"box", {"no"}}}, 3), "\"volume 1\""));
+  ASSERT_TRUE(std::filesystem::exists(step));
+  const BodyMesh box = readGmsh(step, {{"box", {"volume 1"}}}, 3).front();
+  // Gmsh takes the file's lengths for millimetres, and so do we.
+  EXPECT_NEAR(sizeOf(box), 6.0, 1e-9);
+  EXPECT_EQ(box.sides.size(), 6u);
+  double area = 0.0;
+  for (const auto& part : box.sides)
+    area += sizeOfPart(box, part.first);
+  EXPECT_NEAR(area, 22.0, 1e-9);
+}
+
+TEST_F(GmshFile, prints_nothing) {
+  testing::internal::CaptureStdout();
+  readGmsh(file("disc.geo", discInSquare(false, 1)), {{"all", {"matrix"}}}, 2);
+  // OpenCASCADE prints what it dislikes about this one.
+  const std::string text = refusalOf(file("rubbish.step", "hello\n"), {{"a", {"volume 1"}}}, 3);
+  std::cout << "afterwards";
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "afterwards");
+  EXPECT_TRUE(contains(text, "Gmsh cannot read or mesh") && contains(text, "Could not read file")) << text;
+}
+
+TEST_F(GmshFile, refuses_files_that_are_none) {
+  std::string text = refusalOf(path("absent.msh"), {{"a", {"b"}}});
+  EXPECT_TRUE(contains(text, "there is no mesh file") && contains(text, "absent.msh")) << text;
+  text = refusalOf(path(""), {{"a", {"b"}}});
+  EXPECT_TRUE(contains(text, "is no file")) << text;
+  text = refusalOf(file("rubbish.msh", "garbage text here\n"), {{"a", {"b"}}});
+  EXPECT_TRUE(contains(text, "rubbish.msh") && contains(text, "syntax error")) << text;
+  text = refusalOf(file("cut.msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 2 3"), {{"a", {"b"}}});
+  EXPECT_TRUE(contains(text, "Could not read nodes")) << text;
+  text = refusalOf(file("empty.geo", "Point(1) = {0, 0, 0};\n"), {{"a", {"b"}}});
+  EXPECT_TRUE(contains(text, "holds no cells of dimension 2")) << text;
+  text = refusalOf(file("flat.geo", discInSquare(false, 1)), {{"a", {"matrix"}}}, 3);
+  EXPECT_TRUE(contains(text, "holds no cells of dimension 3")) << text;
+}
+
+TEST_F(GmshFile, refuses_groups_that_are_not_there) {
+  const std::string geo = file("disc.geo", discInSquare(false, 1));
+  std::string text = refusalOf(geo, {{"inner", {"inclsion"}}});
+  EXPECT_TRUE(contains(text, "body \"inner\"") && contains(text, "no physical surface \"inclsion\"")) << text;
+  EXPECT_TRUE(contains(text, "did you mean \"inclusion\"?")) << text;
+  EXPECT_TRUE(contains(text, "There are: \"inclusion\", \"matrix\"")) << text;
+  text = refusalOf(geo, {{"inner", {"circle"}}});
+  EXPECT_TRUE(contains(text, "that is a curve there")) << text;
+  text = refusalOf(geo, {{"inner", {}}});
+  EXPECT_TRUE(contains(text, "made of no group")) << text;
+  text = refusalOf(geo, {{"a", {"matrix"}}, {"b", {"inclusion", "matrix"}}});
+  EXPECT_TRUE(contains(text, "surface 1 belongs to group \"matrix\" of body \"a\" and to group \"matrix\" of "
+                             "body \"b\""))
+      << text;
+}
+
+TEST_F(GmshFile, refuses_cells_it_does_not_have) {
+  std::string text =
+      refusalOf(file("mixed.geo", discInSquare(false, 1) + "Recombine Surface{2};"
+                                                           "Mesh.RecombinationAlgorithm = 0;\n"),
+                {{"all", {"matrix", "inclusion"}}});
+  EXPECT_TRUE(contains(text, "more than one type") && contains(text, "triangle of 3 nodes") &&
+              contains(text, "quadrilateral of 4 nodes"))
+      << text;
+  text = refusalOf(file("serendipity.geo", discInSquare(true, 2) + "Mesh.SecondOrderIncomplete = 1;\n"),
+                   {{"all", {"matrix"}}});
+  EXPECT_TRUE(contains(text, "does not have") && contains(text, "Mesh.SecondOrderIncomplete = 0")) << text;
+  text = refusalOf(file("cubic.geo", discInSquare(false, 3)), {{"all", {"matrix"}}});
+  EXPECT_TRUE(contains(text, "Triangle 10")) << text;
+}
+
+TEST_F(GmshFile, refuses_plane_bodies_out_of_the_plane) {
+  const std::string lifted = file("lifted.geo", discInSquare(false, 1, 0.5));
+  EXPECT_NEAR(sizeOf(readGmsh(lifted, {{"all", {"matrix", "inclusion"}}}, 2).front()), 4.0, 1e-12);
+  const std::string text = refusalOf(
+      file("tilted.geo", discInSquare(false, 1) + "Rotate{{1, 0, 0}, {0, 0, 0}, 0.1}{Surface{:};}\n"),
+      {{"all", {"matrix"}}});
+  EXPECT_TRUE(contains(text, "reaches from z = 0 to") && contains(text, "z = constant")) << text;
+}
+
+TEST_F(GmshFile, refuses_folded_meshes) {
+  // Two triangles that lie on each other's side of their common edge.
+  const std::string text = refusalOf(file("folded.msh", R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+4
+1 0 0 0
+2 1 0 0
+3 0 1 0
+4 1 1 0
+$EndNodes
+$Elements
+2
+1 2 2 1 1 1 2 3
+2 2 2 1 1 2 3 4
+$EndElements
+)"),
+                                     {{"all", {"1"}}});
+  EXPECT_TRUE(contains(text, "1 cells of surface 1") && contains(text, "folded")) << text;
+}
