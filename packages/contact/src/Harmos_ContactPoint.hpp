@@ -63,7 +63,7 @@ struct Obstacle {
   fem::Point point{};     ///< on the plane; on the axis; the centre
   fem::Point direction{}; ///< outward normal of the half-space; of the axis; not used by spheres. In the
                           ///< plane cylinders have the axis (0, 0, 1)
-  double radius = 0.0; ///< negative: the elastic body is inside of a hollow cylinder or sphere
+  double radius = 0.0;    ///< negative: the elastic body is inside of a hollow cylinder or sphere
 };
 
 /// Contact with a rigid obstacle: n·u ≤ gap at each node of the surface, n the direction towards the
