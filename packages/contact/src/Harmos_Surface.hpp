@@ -28,8 +28,10 @@ struct Surface {
   std::vector<long long> numbers;    ///< global node numbers, rising
   std::vector<fem::Point> positions; ///< of each node
   std::vector<fem::Point> normals;   ///< of each node, outward, of length one
-  std::vector<double> areas;         ///< ∫ φ_i: lengths in the plane (per unit thickness)
-  std::vector<int> facets;           ///< nodes (places in numbers) of each facet, in the order of its shape
+  std::vector<double> areas; ///< ∫ φ_i: lengths in the plane (per unit thickness); 0 at the corners of
+                             ///< straight triangles of six nodes
+  std::vector<int> facets;   ///< nodes (places in numbers) of each facet, in the order of its shape,
+                             ///< seen from outside
 
   int numberOfNodes() const { return static_cast<int>(numbers.size()); }
   int nodesPerFacet() const { return fem::shapeOf(facetType).nodes; }
@@ -41,11 +43,18 @@ struct Surface {
 /// Facets are ordered by their node numbers, so that the answer does not depend on the decomposition or the
 /// number of ranks, but for rounding in sums.
 /// @param parts this rank's subdomains of the body. @param field null: averaged facet normals.
-/// @throws InputError on all ranks if the part is empty, is not a manifold (more than two facets at an edge,
-///         in the plane more than two at a node; named by position), or has a facet without area, or if a
-///         node's averaged normal vanishes.
+/// @throws InputError on all ranks if the part is empty, has facets of different types, is not a manifold
+///         (more than two facets at an edge, in the plane more than two at a node, or two that look to
+///         opposite sides; named by position), or has a facet without area, if a node's averaged normal
+///         vanishes, or if the field does not look outward.
 /// @note Collective.
+/// Guarded by tests/unit/contact/test_surface.cpp.
 Surface gatherSurface(const Teuchos::Comm<int>& comm, const std::vector<const fem::PlacedMesh*>& parts,
                       const std::string& set, const std::string& name, const NormalField& field = nullptr);
+
+/// The part of the surface that belongs to each node, for contact pressures: force of a node / area. As
+/// Surface::areas, but with positive areas for the corners of triangles of six nodes, from the functions that
+/// are linear on the four triangles which the nodes cut each facet into. Local.
+std::vector<double> tributaryAreas(const Surface& surface);
 
 } // namespace Harmos::contact

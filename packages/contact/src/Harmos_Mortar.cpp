@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_BoxTree.hpp"
+#include "Harmos_ContactPoint.hpp"
+#include "Harmos_Errors.hpp"
+#include "Harmos_Log.hpp"
+#include "Harmos_MortarSamples.hpp"
+#include "Harmos_PointAlgebra.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+namespace Harmos::contact {
+namespace {
+
+using fem::CellType;
+using fem::Point;
+
+// What is gathered for a node of the first surface, each divided by nothing yet.
+struct NodeSums {
+  double area = 0.0;                  // D_ii
+  double magnitude = 0.0;             // ∫|ψ_i|
+  double gap = 0.0;                   // ∫ψ_i g
+  std::map<long long, double> others; // M_ik
+};
+
+// For each function j of a facet its dual function divided by ∫φ_j, at each sample: result[j][q] with
+// Σ_q weight_q result[j][q] φ_k(q) = δ_jk.
+//
+// These are the rows of M⁻¹Φ. From a QR factorisation of the weighted values rather than from the mass matrix
+// M itself, whose condition is the square: little of a facet may be covered. None if the samples do not
+// determine it.
+std::optional<std::vector<std::vector<double>>> dualFunctions(const std::vector<MortarSample>& samples,
+                                                              const std::vector<FacetBasis>& values,
+                                                              std::size_t n) {
+  std::vector<std::vector<double>> q(n, std::vector<double>(samples.size()));
+  std::vector<std::vector<double>> r(n, std::vector<double>(n, 0.0));
+  for (std::size_t j = 0; j < n; ++j) {
+    double before = 0.0;
+    for (std::size_t s = 0; s < samples.size(); ++s) {
+      q[j][s] = std::sqrt(samples[s].weight) * values[s].values[j];
+      before += q[j][s] * q[j][s];
+    }
+    for (int pass = 0; pass < 2; ++pass) // twice is enough (Kahan, Parlett)
+      for (std::size_t i = 0; i < j; ++i) {
+        double product = 0.0;
+        for (std::size_t s = 0; s < samples.size(); ++s)
+          product += q[i][s] * q[j][s];
+        r[i][j] += product;
+        for (std::size_t s = 0; s < samples.size(); ++s)
+          q[j][s] -= product * q[i][s];
+      }
+    double after = 0.0;
+    for (double x : q[j])
+      after += x * x;
+    if (!(after > 1e-20 * before) || !(before > 0.0))
+      return std::nullopt;
+    r[j][j] = std::sqrt(after);
+    for (double& x : q[j])
+      x /= r[j][j];
+  }
+  // R⁻¹Qᵀ from the last row up.
+  for (std::size_t j = n; j-- > 0;)
+    for (std::size_t s = 0; s < samples.size(); ++s) {
+      for (std::size_t k = j + 1; k < n; ++k)
+        q[j][s] -= r[j][k] * q[k][s];
+      q[j][s] /= r[j][j];
+    }
+  for (std::vector<double>& row : q)
+    for (std::size_t s = 0; s < samples.size(); ++s)
+      row[s] /= std::sqrt(samples[s].weight);
+  return q;
+}
+
+void add(const std::vector<MortarSample>& samples, const Facet& facet, const Surface& first,
+         const Surface& second, std::vector<NodeSums>& sums) {
+  std::vector<FacetBasis> own, opposite;
+  for (const MortarSample& sample : samples) {
+    HARMOS_REQUIRE(sample.weight > 0.0, "mortar quadrature needs positive weights");
+    own.push_back(facetBasis(first.facetType, sample.place));
+    opposite.push_back(facetBasis(second.facetType, sample.oppositePlace));
+  }
+  const auto duals = dualFunctions(samples, own, facet.size());
+  if (!duals)
+    return;
+  const auto others = static_cast<std::size_t>(second.nodesPerFacet());
+  for (std::size_t j = 0; j < facet.size(); ++j) {
+    NodeSums& sum = sums[facet.node(j)];
+    double area = 0.0;
+    for (std::size_t q = 0; q < samples.size(); ++q)
+      area += samples[q].weight * own[q].values[j];
+    sum.area += area;
+    for (std::size_t q = 0; q < samples.size(); ++q) {
+      const double weight = area * samples[q].weight * (*duals)[j][q];
+      sum.magnitude += std::abs(weight);
+      sum.gap += weight * samples[q].gap;
+      const Facet other(second, samples[q].opposite);
+      for (std::size_t k = 0; k < others; ++k)
+        sum.others[second.numbers[other.node(k)]] += weight * opposite[q].values[k];
+    }
+  }
+}
+
+// Second-order facets bulge beyond the box of their nodes, by at most a quarter of its size.
+Box boxOf(const Surface& surface, int f) {
+  const Facet facet(surface, f);
+  std::vector<Point> points;
+  for (std::size_t k = 0; k < facet.size(); ++k)
+    points.push_back(facet.position(k));
+  const Box box = boxAround(points);
+  const double bulge = fem::shapeOf(surface.facetType).order == 2 ? 0.25 : 1e-9;
+  return widened(box, bulge * norm(difference(box.high, box.low)));
+}
+
+double extent(const Surface& surface) {
+  const Box box = boxAround(surface.positions);
+  const Point size = difference(box.high, box.low);
+  return std::max({size[0], size[1], size[2]});
+}
+
+void requireSupported(const Surface& first, const Surface& second, double reach) {
+  const std::string both = first.name + " and " + second.name;
+  if (first.dimension != second.dimension)
+    throw InputError(both + ": one surface is in the plane and the other in space");
+  if (first.facetType == CellType::Triangle6)
+    throw InputError(both +
+                     ": triangles of six nodes cannot carry the multipliers of mortar contact, for "
+                     "their corner functions have no area; give the other surface as the first one, "
+                     "or mesh the body of " +
+                     first.name + " with linear elements");
+  if (!(reach >= 0.0))
+    throw InputError(both + ": the reach is " + std::to_string(reach) +
+                     "; give a positive distance, or 0 for a tenth of the smaller surface");
+}
+
+// Rows that magnify the displacement of the other surface more than this stem from nodes with a hair's
+// breadth of coverage at the far end of a facet; they would spoil the condition of the problem for no force
+// at all.
+constexpr double mostMagnification = 1e4;
+constexpr double leastCoverage = 1e-8;
+constexpr double negligibleWeight = 1e-13;
+
+} // namespace
+
+std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& second, double reach) {
+  requireSupported(first, second, reach);
+  const double distance = reach > 0.0 ? reach : 0.1 * std::min(extent(first), extent(second));
+  std::vector<Box> boxes;
+  for (int f = 0; f < second.numberOfFacets(); ++f)
+    boxes.push_back(boxOf(second, f));
+  const BoxTree tree(boxes);
+  std::vector<NodeSums> sums(first.numbers.size());
+  for (int f = 0; f < first.numberOfFacets(); ++f) {
+    const std::vector<int> candidates = tree.touching(widened(boxOf(first, f), distance));
+    if (candidates.empty())
+      continue;
+    add(first.dimension == 2 ? planeSamples(first, f, second, candidates, distance)
+                             : spaceSamples(first, f, second, candidates, distance),
+        Facet(first, f), first, second, sums);
+  }
+  std::vector<ContactPoint> points;
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const NodeSums& sum = sums[i];
+    if (!(sum.area > leastCoverage * first.areas[i]) || sum.magnitude > mostMagnification * sum.area)
+      continue;
+    ContactPoint point;
+    point.node = first.numbers[i];
+    std::map<long long, double> weights = {{point.node, 1.0}};
+    for (const auto& [node, integral] : sum.others)
+      if (std::abs(integral) > negligibleWeight * sum.area)
+        weights[node] -= integral / sum.area;
+    for (const auto& [node, weight] : weights)
+      point.terms.push_back({node, weight});
+    point.normal = first.normals[i];
+    point.gap = sum.gap / sum.area;
+    point.area = sum.area;
+    points.push_back(point);
+  }
+  if (points.empty())
+    throw InputError(first.name + " and " + second.name +
+                     ": the surfaces never meet: no facet of the first one faces one of the second within " +
+                     scientific(distance) + "; check their positions and names, or give a longer reach");
+  return points;
+}
+
+} // namespace Harmos::contact

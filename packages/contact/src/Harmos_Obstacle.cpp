@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_ContactPoint.hpp"
+#include "Harmos_Errors.hpp"
+#include "Harmos_PointAlgebra.hpp"
+
+namespace Harmos::contact {
+namespace {
+
+using fem::Point;
+
+struct Separation {
+  Point normal; // towards the obstacle
+  double gap;
+};
+
+Point direction(const Obstacle& obstacle, int dimension, const std::string& name) {
+  Point given = obstacle.direction;
+  if (dimension == 2)
+    given =
+        obstacle.shape == Obstacle::Shape::Cylinder ? Point{0.0, 0.0, 1.0} : Point{given[0], given[1], 0.0};
+  const double length = norm(given);
+  if (!(length > 0.0) || !std::isfinite(length))
+    throw InputError("obstacle of surface " + name + ": its direction " + placeText(obstacle.direction) +
+                     " has no length; give the outward normal of the half-space, or the axis of the "
+                     "cylinder");
+  return scaled(1.0 / length, given);
+}
+
+Separation roundSeparation(const Point& fromCentre, double radius, const Surface& surface, std::size_t i) {
+  const double distance = norm(fromCentre);
+  if (!(distance > 1e-12 * std::abs(radius)))
+    throw InputError("obstacle of surface " + surface.name + ": node " + std::to_string(surface.numbers[i]) +
+                         " at " + placeText(surface.positions[i]) +
+                         " is at its centre, where no direction is that of contact; move the obstacle",
+                     {{"node", std::to_string(surface.numbers[i])}});
+  if (radius > 0.0)
+    return {scaled(-1.0 / distance, fromCentre), distance - radius};
+  return {scaled(1.0 / distance, fromCentre), -radius - distance};
+}
+
+} // namespace
+
+std::vector<ContactPoint> obstaclePoints(const Surface& surface, const Obstacle& obstacle) {
+  const bool isRound = obstacle.shape != Obstacle::Shape::HalfSpace;
+  if (isRound && (obstacle.radius == 0.0 || !std::isfinite(obstacle.radius)))
+    throw InputError("obstacle of surface " + surface.name + ": its radius is " +
+                     std::to_string(obstacle.radius) +
+                     "; give a positive one, or a negative one for a hollow body");
+  const Point axis = obstacle.shape == Obstacle::Shape::Sphere
+                         ? Point{}
+                         : direction(obstacle, surface.dimension, surface.name);
+  const std::vector<double> areas = tributaryAreas(surface);
+  std::vector<ContactPoint> points;
+  for (std::size_t i = 0; i < surface.numbers.size(); ++i) {
+    Point offset = difference(surface.positions[i], obstacle.point);
+    if (surface.dimension == 2)
+      offset[2] = 0.0;
+    Separation separation{};
+    switch (obstacle.shape) {
+    case Obstacle::Shape::HalfSpace:
+      separation = {scaled(-1.0, axis), dot(offset, axis)};
+      break;
+    case Obstacle::Shape::Cylinder:
+      separation =
+          roundSeparation(difference(offset, scaled(dot(offset, axis), axis)), obstacle.radius, surface, i);
+      break;
+    case Obstacle::Shape::Sphere:
+      separation = roundSeparation(offset, obstacle.radius, surface, i);
+      break;
+    }
+    ContactPoint point;
+    point.node = surface.numbers[i];
+    point.terms = {{point.node, 1.0}};
+    point.normal = separation.normal;
+    point.gap = separation.gap;
+    point.area = areas[i];
+    points.push_back(point);
+  }
+  return points;
+}
+
+} // namespace Harmos::contact

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_ContactPoint.hpp"
+#include "Harmos_Errors.hpp"
+#include "Harmos_PointAlgebra.hpp"
+#include "Harmos_StructuredBlock.hpp"
+#include "Harmos_TestComm.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace Harmos::contact {
+
+using Map = std::function<fem::Point(const fem::Point&)>;
+
+inline fem::StructuredBlock block(fem::CellType type, const fem::Point& origin, const fem::Point& size,
+                                  const std::array<int, 3>& subdomains, const std::array<int, 3>& elements,
+                                  long long firstNode = 0, const Map& map = nullptr) {
+  fem::StructuredBlock::Options options;
+  options.cellType = type;
+  options.origin = origin;
+  options.size = size;
+  options.subdomains = subdomains;
+  options.elements = elements;
+  options.firstNode = firstNode;
+  options.map = map;
+  return fem::StructuredBlock(options);
+}
+
+/// This rank's subdomains of a body: s with s mod ranks = rank.
+inline std::vector<fem::PlacedMesh> share(const fem::StructuredBlock& body) {
+  const auto comm = testComm();
+  std::vector<fem::PlacedMesh> meshes;
+  for (int s = comm->getRank(); s < body.numberOfSubdomains(); s += comm->getSize())
+    meshes.push_back(body.subdomain(s));
+  return meshes;
+}
+
+inline Surface gather(const std::vector<fem::PlacedMesh>& meshes, const std::string& set,
+                      const std::string& name, const NormalField& field = nullptr) {
+  std::vector<const fem::PlacedMesh*> parts;
+  for (const fem::PlacedMesh& mesh : meshes)
+    parts.push_back(&mesh);
+  return gatherSurface(*testComm(), parts, set, name, field);
+}
+
+inline Surface surfaceOf(const fem::StructuredBlock& body, const std::string& set,
+                         const NormalField& field = nullptr) {
+  return gather(share(body), set, "body/" + set, field);
+}
+
+/// The message of an InputError, or nothing.
+template<class Work>
+std::string messageOf(Work&& work) {
+  try {
+    work();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+inline std::map<long long, fem::Point> positionsOf(const Surface& first, const Surface& second) {
+  std::map<long long, fem::Point> positions;
+  for (const Surface* surface : {&first, &second})
+    for (std::size_t i = 0; i < surface->numbers.size(); ++i)
+      positions[surface->numbers[i]] = surface->positions[i];
+  return positions;
+}
+
+/// Largest |Σ weight · u(x)| of a row, by the sum of its |weight| and the size of u.
+inline double rowError(const std::vector<ContactPoint>& points, const Surface& first, const Surface& second,
+                       const std::function<double(const fem::Point&)>& u) {
+  const auto positions = positionsOf(first, second);
+  double size = 0.0, error = 0.0;
+  for (const auto& item : positions)
+    size = std::max(size, std::abs(u(item.second)));
+  for (const ContactPoint& point : points) {
+    double sum = 0.0, weights = 0.0;
+    for (const ContactPoint::Term& term : point.terms) {
+      sum += term.weight * u(positions.at(term.node));
+      weights += std::abs(term.weight);
+    }
+    error = std::max(error, std::abs(sum) / (size * weights));
+  }
+  return error;
+}
+
+/// Rounding of a row: it comes from a factorisation of at most nine columns whose condition is below 100
+/// where a tenth of a facet or more is covered, and sums of some hundred terms.
+constexpr double rounding = 1e-12;
+
+/// ∫ over the common part of 1 and of x, as the multipliers of the points see it: Σ area, Σ area · x.
+struct Resultant {
+  double force = 0.0;
+  fem::Point moment{};
+};
+inline Resultant resultantOf(const std::vector<ContactPoint>& points, const Surface& surface, bool isFirst) {
+  std::map<long long, fem::Point> positions;
+  for (std::size_t i = 0; i < surface.numbers.size(); ++i)
+    positions[surface.numbers[i]] = surface.positions[i];
+  Resultant result;
+  for (const ContactPoint& point : points)
+    for (const ContactPoint::Term& term : point.terms) {
+      if ((term.node == point.node) != isFirst)
+        continue;
+      const double force = point.area * term.weight;
+      result.force += force;
+      result.moment = sum(result.moment, scaled(force, positions.at(term.node)));
+    }
+  return result;
+}
+
+inline fem::Point rotated(const fem::Point& x, double angle) {
+  return {std::cos(angle) * x[0] - std::sin(angle) * x[1], std::sin(angle) * x[0] + std::cos(angle) * x[1],
+          x[2]};
+}
+
+} // namespace Harmos::contact

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_BoxTree.hpp"
+#include "Harmos_ContactTestSupport.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_Facet.hpp"
+#include "Harmos_ReferenceElement.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+using namespace Harmos;
+using namespace Harmos::contact;
+using fem::CellType;
+using fem::Point;
+
+namespace {
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+Point polar(const Point& x) {
+  return {x[0] * std::cos(x[1]), x[0] * std::sin(x[1]), x[2]};
+}
+
+double total(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (double value : values)
+    sum += value;
+  return sum;
+}
+
+} // namespace
+
+TEST(Facet, basis_is_that_of_the_elements) {
+  for (CellType type : {CellType::Line2, CellType::Line3, CellType::Triangle3, CellType::Triangle6,
+                        CellType::Quadrilateral4, CellType::Quadrilateral9}) {
+    const std::vector<Point> places = {{0.1, 0.2, 0.0}, {0.7, 0.15, 0.0}, {0.0, 1.0, 0.0}};
+    const auto values = fem::basisValues(type, places);
+    const auto gradients = fem::basisGradients(type, places);
+    for (std::size_t q = 0; q < places.size(); ++q) {
+      const FacetBasis basis = facetBasis(type, {places[q][0], places[q][1]});
+      for (std::size_t k = 0; k < values[q].size(); ++k) {
+        EXPECT_NEAR(basis.values[k], values[q][k], 1e-15);
+        EXPECT_NEAR(basis.gradients[k][0], gradients[q][k][0], 1e-14);
+        EXPECT_NEAR(basis.gradients[k][1], gradients[q][k][1], 1e-14);
+      }
+    }
+  }
+}
+
+TEST(BoxTree, finds_what_comparing_all_boxes_finds) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> number(0.0, 1.0);
+  std::vector<Box> boxes;
+  for (int k = 0; k < 300; ++k) {
+    const Point low = {number(random), number(random), k % 3 == 0 ? 0.5 : number(random)};
+    const double size = k % 50 == 0 ? 0.5 : 0.05;
+    boxes.push_back({low, {low[0] + size * number(random), low[1] + size, low[2]}});
+  }
+  const BoxTree tree(boxes);
+  for (const Box& box : boxes) {
+    std::vector<int> expected;
+    for (std::size_t k = 0; k < boxes.size(); ++k)
+      if (boxes[k].touches(widened(box, 0.01)))
+        expected.push_back(static_cast<int>(k));
+    EXPECT_EQ(tree.touching(widened(box, 0.01)), expected);
+  }
+  EXPECT_TRUE(BoxTree({}).touching({{0, 0, 0}, {1, 1, 1}}).empty());
+}
+
+TEST(Surface, sides_of_a_rectangle_look_outward) {
+  const std::map<std::string, Point> outward = {
+      {"left", {-1, 0, 0}}, {"right", {1, 0, 0}}, {"bottom", {0, -1, 0}}, {"top", {0, 1, 0}}};
+  for (CellType type :
+       {CellType::Triangle3, CellType::Triangle6, CellType::Quadrilateral4, CellType::Quadrilateral9}) {
+    const auto body = block(type, {1, 2, 0}, {3, 2, 0}, {2, 2, 1}, {3, 1, 1}, 7);
+    for (const auto& [set, normal] : outward) {
+      const Surface surface = surfaceOf(body, set);
+      EXPECT_EQ(surface.dimension, 2);
+      EXPECT_NEAR(total(surface.areas), normal[0] == 0.0 ? 3.0 : 2.0, 1e-14);
+      for (std::size_t i = 0; i < surface.numbers.size(); ++i)
+        EXPECT_LT(norm(difference(surface.normals[i], normal)), 1e-15) << set;
+    }
+  }
+}
+
+TEST(Surface, sides_of_a_brick_look_outward) {
+  const std::map<std::string, Point> outward = {{"left", {-1, 0, 0}},   {"right", {1, 0, 0}},
+                                                {"front", {0, -1, 0}},  {"back", {0, 1, 0}},
+                                                {"bottom", {0, 0, -1}}, {"top", {0, 0, 1}}};
+  for (CellType type :
+       {CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8, CellType::Hexahedron27}) {
+    const auto body = block(type, {1, 2, 0}, {3, 2, 1}, {2, 1, 2}, {1, 2, 1}, 7);
+    for (const auto& [set, normal] : outward) {
+      const Surface surface = surfaceOf(body, set);
+      EXPECT_EQ(surface.dimension, 3);
+      EXPECT_NEAR(total(surface.areas), 6.0 / std::abs(normal[0] * 3 + normal[1] * 2 + normal[2]), 1e-13);
+      for (std::size_t i = 0; i < surface.numbers.size(); ++i)
+        EXPECT_LT(norm(difference(surface.normals[i], normal)), 1e-15) << set;
+    }
+  }
+}
+
+TEST(Surface, areas_are_integrals_of_the_basis_functions) {
+  // Of lines of three nodes 1/6, 4/6, 1/6 of the length; of triangles of six nodes 0 and a third of the area.
+  const Surface line =
+      surfaceOf(block(CellType::Quadrilateral9, {0, 0, 0}, {1, 1, 0}, {1, 1, 1}, {2, 1, 1}), "top");
+  const std::vector<double> expected = {1.0 / 12, 4.0 / 12, 2.0 / 12, 4.0 / 12, 1.0 / 12};
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    EXPECT_NEAR(line.areas[i], expected[i], 1e-15);
+  const Surface six =
+      surfaceOf(block(CellType::Tetrahedron10, {0, 0, 0}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}), "top");
+  const std::vector<double> tributary = tributaryAreas(six);
+  EXPECT_NEAR(total(six.areas), 1.0, 1e-14);
+  EXPECT_NEAR(total(tributary), 1.0, 1e-14);
+  for (std::size_t i = 0; i < six.areas.size(); ++i) {
+    const Point& x = six.positions[i];
+    const bool isCorner = std::abs(x[0] - 0.5) > 0.1 && std::abs(x[1] - 0.5) > 0.1;
+    if (isCorner)
+      EXPECT_NEAR(six.areas[i], 0.0, 1e-15);
+    EXPECT_GT(tributary[i], 0.04); // at least the third of one of the eight pieces of the square
+  }
+}
+
+TEST(Surface, does_not_depend_on_the_decomposition) {
+  const Map bend = [](const Point& x) {
+    return Point{x[0] + 0.1 * x[1] * x[1], x[1], x[2] + 0.2 * x[0] * x[1]};
+  };
+  for (CellType type : {CellType::Hexahedron8, CellType::Tetrahedron10, CellType::Hexahedron27}) {
+    const Surface whole = surfaceOf(block(type, {0, 0, 0}, {1, 1, 1}, {1, 1, 1}, {6, 4, 2}, 5, bend), "top");
+    const Surface parts = surfaceOf(block(type, {0, 0, 0}, {1, 1, 1}, {3, 2, 1}, {2, 2, 2}, 5, bend), "top");
+    ASSERT_EQ(whole.numbers, parts.numbers);
+    ASSERT_EQ(whole.facets.size(), parts.facets.size());
+    EXPECT_EQ(whole.facets, parts.facets);
+    for (std::size_t i = 0; i < whole.numbers.size(); ++i) {
+      // Positions differ by the rounding of another anchor.
+      EXPECT_LT(norm(difference(whole.positions[i], parts.positions[i])), 1e-15);
+      EXPECT_LT(norm(difference(whole.normals[i], parts.normals[i])), 1e-13);
+      EXPECT_NEAR(whole.areas[i], parts.areas[i], 1e-15);
+    }
+  }
+}
+
+TEST(Surface, every_rank_has_the_same_bits) {
+  const auto body = block(CellType::Hexahedron8, {0.1, 0.2, 0.3}, {1, 1, 1}, {3, 2, 1}, {2, 2, 1});
+  const Surface surface = surfaceOf(body, "top");
+  std::vector<double> mine;
+  for (std::size_t i = 0; i < surface.numbers.size(); ++i) {
+    mine.push_back(surface.areas[i]);
+    mine.insert(mine.end(), surface.positions[i].begin(), surface.positions[i].end());
+    mine.insert(mine.end(), surface.normals[i].begin(), surface.normals[i].end());
+  }
+  const std::vector<double> all = gatherAll(*testComm(), mine);
+  ASSERT_EQ(all.size(), mine.size() * static_cast<std::size_t>(testComm()->getSize()));
+  for (std::size_t k = 0; k < all.size(); ++k)
+    EXPECT_EQ(all[k], mine[k % mine.size()]);
+}
+
+TEST(Surface, normals_of_an_arc_are_radial_where_facets_lie_to_both_sides) {
+  const auto ring = block(CellType::Quadrilateral9, {1, 0, 0}, {1, 1.5, 0}, {1, 2, 1}, {1, 4, 1}, 0, polar);
+  const Surface inner = surfaceOf(ring, "left");
+  // A parabola through three points of an arc of angle h = 1.5/8 has the length of the arc but for O(h⁵).
+  EXPECT_NEAR(total(inner.areas), 1.5, 1e-5);
+  for (std::size_t i = 1; i + 1 < inner.numbers.size(); ++i)
+    EXPECT_LT(norm(sum(inner.normals[i], inner.positions[i])), 1e-12); // by symmetry
+  const NormalField field = [](const Point& x) { return scaled(-3.0, x); };
+  const Surface given = surfaceOf(ring, "left", field);
+  for (std::size_t i = 0; i < given.numbers.size(); ++i)
+    EXPECT_LT(norm(sum(given.normals[i], given.positions[i])), 1e-14);
+}
+
+TEST(Surface, an_edge_between_two_parts_has_a_normal_in_each) {
+  const auto body = block(CellType::Hexahedron8, {0, 0, 0}, {1, 1, 1}, {1, 1, 1}, {2, 2, 2});
+  const Surface top = surfaceOf(body, "top"), right = surfaceOf(body, "right");
+  const long long shared = 2 + 3 * 1 + 9 * 2; // at (1, 0.5, 1)
+  const auto normalIn = [&](const Surface& surface) {
+    const auto place = std::find(surface.numbers.begin(), surface.numbers.end(), shared);
+    return surface.normals[static_cast<std::size_t>(place - surface.numbers.begin())];
+  };
+  EXPECT_LT(norm(difference(normalIn(top), {0, 0, 1})), 1e-15);
+  EXPECT_LT(norm(difference(normalIn(right), {1, 0, 0})), 1e-15);
+}
+
+TEST(Surface, what_is_no_surface_is_refused_on_all_ranks) {
+  const auto body = block(CellType::Quadrilateral4, {0, 0, 0}, {1, 1, 0}, {2, 1, 1}, {2, 2, 1});
+  const std::string empty = messageOf([&] { surfaceOf(body, "lid"); });
+  EXPECT_TRUE(contains(empty, "surface body/lid: the part \"lid\" has no sides of cells")) << empty;
+
+  // Either subdomain brings its side of the interface between them.
+  auto both = share(body);
+  for (fem::PlacedMesh& mesh : both)
+    for (const fem::Side& side : fem::boundarySides(*mesh.mesh))
+      mesh.sides["all"].push_back(side);
+  const std::string crossing = messageOf([&] { gather(both, "all", "body/all"); });
+  EXPECT_TRUE(contains(crossing, "body/all: it is not a manifold: 4 facets meet at the node at (0.500000, "
+                                 "0.000000, 0.000000), more than two"))
+      << crossing;
+
+  auto twice = share(body);
+  for (fem::PlacedMesh& mesh : twice)
+    if (mesh.sides.count("right"))
+      mesh.sides["right"].push_back(mesh.sides["right"].back());
+  const std::string repeated = messageOf([&] { gather(twice, "right", "body/right"); });
+  EXPECT_TRUE(contains(repeated, "not a manifold")) << repeated;
+
+  const auto brick = block(CellType::Hexahedron8, {0, 0, 0}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1});
+  auto same = share(brick);
+  for (fem::PlacedMesh& mesh : same)
+    mesh.sides["top"].push_back(mesh.sides["top"].front());
+  const std::string again = messageOf([&] { gather(same, "top", "brick/top"); });
+  EXPECT_TRUE(contains(again, "2 facets meet at the edge at")) << again;
+  EXPECT_TRUE(contains(again, "or are the same facet twice")) << again;
+
+  auto mixed = share(body);
+  for (const fem::PlacedMesh& mesh :
+       share(block(CellType::Quadrilateral9, {2, 0, 0}, {1, 1, 0}, {1, 1, 1}, {2, 2, 1}, 100)))
+    mixed.push_back(mesh);
+  const std::string types = messageOf([&] { gather(mixed, "top", "body/top"); });
+  EXPECT_TRUE(contains(types, "line of 2 nodes and line of 3 nodes")) << types;
+}
+
+TEST(Surface, degenerate_geometry_is_refused_on_all_ranks) {
+  const Map collapse = [](const Point& x) { return Point{x[0] * (1.0 - x[1]), x[1], 0.0}; };
+  const std::string flat = messageOf([&] {
+    surfaceOf(block(CellType::Quadrilateral4, {0, 0, 0}, {1, 1, 0}, {1, 1, 1}, {2, 2, 1}, 0, collapse),
+              "top");
+  });
+  EXPECT_TRUE(contains(flat, "body/top: the facet at (0.000000, 1.000000, 0.000000) has no area")) << flat;
+
+  const Map fold = [](const Point& x) { return Point{std::abs(x[0]), x[1], 0.0}; };
+  const std::string folded = messageOf([&] {
+    surfaceOf(block(CellType::Quadrilateral4, {-1, 0, 0}, {2, 1, 0}, {1, 1, 1}, {2, 1, 1}, 0, fold), "top");
+  });
+  EXPECT_TRUE(contains(folded, "it is folded at node 4 at (0.000000, 1.000000, 0.000000)")) << folded;
+
+  const auto body = block(CellType::Quadrilateral4, {0, 0, 0}, {1, 1, 0}, {1, 1, 1}, {1, 1, 1});
+  const std::string inward = messageOf([&] {
+    surfaceOf(body, "top", [](const Point&) { return Point{0, -1, 0}; });
+  });
+  EXPECT_TRUE(contains(inward, "does not look outward")) << inward;
+  const std::string zero = messageOf([&] { surfaceOf(body, "top", [](const Point&) { return Point{}; }); });
+  EXPECT_TRUE(contains(zero, "does not look outward")) << zero;
+}
