@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_TestModel.hpp"
 
+#include "Harmos_ContactSetup.hpp"
 #include "Harmos_Decomposition.hpp"
-#include "Harmos_NodePairs.hpp"
 #include "Harmos_StructuredBlock.hpp"
 
 #include <Teuchos_LAPACK.hpp>
@@ -36,18 +36,13 @@ TestModel testModel(int s, int n, bool tied) {
     }
     scene.bodies.push_back(std::move(body));
   }
+  scene.interfaces = {
+      {tied ? scene::Interface::Kind::Tie : scene::Interface::Kind::Contact, 0, "right", 1, "left"}};
   const auto comm = testComm();
-  const auto owned = scene::decompose(scene, comm->getRank(), comm->getSize());
+  const auto owned = scene::decompose(*comm, scene);
   TestModel model;
   model.subdomains = scene::assemble(scene, owned);
-  std::vector<contact::SurfaceNode> first, second;
-  for (const scene::OwnedSubdomain& item : owned) {
-    auto& side = item.body == 0 ? first : second;
-    const auto more = contact::surfaceNodes(item.mesh, item.body == 0 ? "right" : "left");
-    side.insert(side.end(), more.begin(), more.end());
-  }
-  const auto pairs = contact::pairNodes(*comm, first, second, "the membranes");
-  model.rows = tied ? contact::tieRows(*comm, pairs) : contact::contactRows(*comm, pairs);
+  model.rows = scene::setUpContact(*comm, scene, owned).rows;
   return model;
 }
 

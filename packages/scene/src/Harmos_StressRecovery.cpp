@@ -10,7 +10,7 @@
 namespace Harmos::scene {
 namespace {
 
-struct Share {
+struct NodalShare {
   long long node;
   fem::Voigt weighted;
   double size;
@@ -31,7 +31,7 @@ std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& com
   });
   // Copies meet on the rank that their number names, and the sums go back.
   const auto ranks = static_cast<std::size_t>(comm.getSize());
-  std::vector<std::vector<Share>> sends(ranks);
+  std::vector<std::vector<NodalShare>> sends(ranks);
   for (std::size_t i = 0; i < owned.size(); ++i)
     for (std::size_t k = 0; k < owned[i].mesh.boundaryNumbers.size(); ++k) {
       const long long number = owned[i].mesh.boundaryNumbers[k];
@@ -39,24 +39,24 @@ std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& com
       sends[static_cast<std::size_t>(number) % ranks].push_back(
           {number, sums[i].weighted[node], sums[i].size[node]});
     }
-  std::vector<std::vector<Share>> received = exchangeItems(comm, sends);
-  std::map<long long, Share> total;
-  for (const std::vector<Share>& part : received)
-    for (const Share& share : part) {
-      Share& sum = total.emplace(share.node, Share{share.node, {}, 0.0}).first->second;
+  std::vector<std::vector<NodalShare>> received = exchangeItems(comm, sends);
+  std::map<long long, NodalShare> total;
+  for (const std::vector<NodalShare>& part : received)
+    for (const NodalShare& share : part) {
+      NodalShare& sum = total.emplace(share.node, NodalShare{share.node, {}, 0.0}).first->second;
       sum.size += share.size;
       for (std::size_t r = 0; r < 6; ++r)
         sum.weighted[r] += share.weighted[r];
     }
-  for (std::vector<Share>& part : received)
-    for (Share& share : part)
+  for (std::vector<NodalShare>& part : received)
+    for (NodalShare& share : part)
       share = total.at(share.node);
-  const std::vector<std::vector<Share>> answers = exchangeItems(comm, received);
+  const std::vector<std::vector<NodalShare>> answers = exchangeItems(comm, received);
   std::vector<std::size_t> next(ranks, 0); // answers come in the order of the questions
   for (std::size_t i = 0; i < owned.size(); ++i)
     for (std::size_t k = 0; k < owned[i].mesh.boundaryNumbers.size(); ++k) {
       const std::size_t r = static_cast<std::size_t>(owned[i].mesh.boundaryNumbers[k]) % ranks;
-      const Share& share = answers[r][next[r]++];
+      const NodalShare& share = answers[r][next[r]++];
       const auto node = static_cast<std::size_t>(owned[i].mesh.mesh->boundary[k]);
       sums[i].weighted[node] = share.weighted;
       sums[i].size[node] = share.size;
