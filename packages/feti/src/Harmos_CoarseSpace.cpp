@@ -152,36 +152,59 @@ std::vector<double> CoarseSpace::minimumNormSolution(const MultiVector& mask,
   const CoarseFactor factor(kernelDimension_, gramRows_, gramColumns_, values, threshold, mostDense_);
   const auto solve = [&](const std::vector<double>& b) { return factor.solveLt(factor.solveL(b)); };
   std::vector<double> x = solve(r);
-  // Each row left out gives a null vector z: z_d = 1 there, −A⁻A_d at the kept rows. They are made
-  // orthonormal, and taken out of the solution.
-  std::vector<std::vector<double>> nullVectors;
-  const auto remove = [](const std::vector<double>& z, std::vector<double>& v) {
-    const double product = std::inner_product(z.begin(), z.end(), v.begin(), 0.0);
-    for (std::size_t k = 0; k < v.size(); ++k)
-      v[k] -= product * z[k];
-  };
-  for (int d : factor.dependent()) {
+  // Each row left out gives a null vector z: z_d = 1 there, −A⁻A_d at the kept rows. With Z of these columns
+  // the least norm is that of x − Z(ZᵀZ)⁻¹Zᵀx, ZᵀZ = I + a Gram matrix: well conditioned. Motions of single
+  // bodies touch few entries, and there may be thousands of them: Z is kept sparse.
+  const std::vector<int>& dependent = factor.dependent();
+  if (dependent.empty())
+    return x;
+  std::vector<std::vector<std::pair<int, double>>> ofColumn(x.size());
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    ofColumn[static_cast<std::size_t>(gramColumns_[k])].emplace_back(gramRows_[k], values[k]);
+    if (gramRows_[k] != gramColumns_[k])
+      ofColumn[static_cast<std::size_t>(gramRows_[k])].emplace_back(gramColumns_[k], values[k]);
+  }
+  std::vector<std::vector<std::pair<int, double>>> nullVectors, atRow(x.size());
+  std::vector<int> rows, columns;
+  std::vector<double> products, touched(dependent.size(), 0.0), moments(dependent.size(), 0.0);
+  for (std::size_t v = 0; v < dependent.size(); ++v) {
     std::vector<double> column(x.size(), 0.0);
-    for (std::size_t k = 0; k < values.size(); ++k) {
-      if (gramColumns_[k] == d)
-        column[static_cast<std::size_t>(gramRows_[k])] = values[k];
-      if (gramRows_[k] == d)
-        column[static_cast<std::size_t>(gramColumns_[k])] = values[k];
+    for (const auto& [row, value] : ofColumn[static_cast<std::size_t>(dependent[v])])
+      column[static_cast<std::size_t>(row)] = value;
+    const std::vector<double> solved = solve(column);
+    std::vector<std::pair<int, double>> z;
+    for (std::size_t k = 0; k < solved.size(); ++k) {
+      const double entry = static_cast<int>(k) == dependent[v] ? 1.0 : -solved[k];
+      // Beside the one; what falls below is lost in rounding anyway.
+      if (std::abs(entry) > std::numeric_limits<double>::epsilon())
+        z.emplace_back(static_cast<int>(k), entry);
     }
-    std::vector<double> z = solve(column);
-    for (double& entry : z)
-      entry = -entry;
-    z[static_cast<std::size_t>(d)] = 1.0;
-    for (int pass = 0; pass < 2; ++pass)
-      for (const std::vector<double>& other : nullVectors)
-        remove(other, z);
-    const double length = std::sqrt(std::inner_product(z.begin(), z.end(), z.begin(), 0.0));
-    for (double& entry : z)
-      entry /= length;
+    std::vector<std::size_t> met;
+    for (const auto& [k, entry] : z) {
+      moments[v] += entry * x[static_cast<std::size_t>(k)];
+      atRow[static_cast<std::size_t>(k)].emplace_back(static_cast<int>(v), entry);
+      for (const auto& [other, value] : atRow[static_cast<std::size_t>(k)]) {
+        if (touched[static_cast<std::size_t>(other)] == 0.0)
+          met.push_back(static_cast<std::size_t>(other));
+        touched[static_cast<std::size_t>(other)] += entry * value;
+      }
+    }
+    std::sort(met.begin(), met.end());
+    met.erase(std::unique(met.begin(), met.end()), met.end());
+    for (std::size_t other : met) {
+      rows.push_back(static_cast<int>(v));
+      columns.push_back(static_cast<int>(other));
+      products.push_back(touched[other]);
+      touched[other] = 0.0;
+    }
     nullVectors.push_back(std::move(z));
   }
-  for (const std::vector<double>& z : nullVectors)
-    remove(z, x);
+  const CoarseFactor gramOfNull(static_cast<int>(dependent.size()), rows, columns, products, threshold,
+                                mostDense_);
+  const std::vector<double> y = gramOfNull.solveLt(gramOfNull.solveL(moments));
+  for (std::size_t v = 0; v < nullVectors.size(); ++v)
+    for (const auto& [k, entry] : nullVectors[v])
+      x[static_cast<std::size_t>(k)] -= y[v] * entry;
   return x;
 }
 

@@ -119,17 +119,23 @@ std::string dofText(const Copy& copy) {
 
 // Rows that follow from the copies alone.
 void addGluingAndDirichlet(const CopyTable& table, DirichletForm form, long long& row, RowBuilder& builder) {
+  // Values that come from a function of the position differ by rounding from copy to copy.
+  double largest = 0.0;
+  for (const auto& item : table)
+    for (const Copy& copy : item.second)
+      largest = std::max(largest, copy.fixed != 0 ? std::abs(copy.value) : 0.0);
+  const double same = 1e-12 * largest;
   for (const auto& item : table) {
     const std::vector<Copy>& copies = item.second;
     const Copy* fixed = nullptr;
     for (const Copy& copy : copies) {
       if (copy.fixed == 0)
         continue;
-      if (fixed != nullptr && copy.value != fixed->value)
+      if (fixed != nullptr && std::abs(copy.value - fixed->value) > same)
         throw InputError(dofText(copy) + " is fixed to " + scientific(copy.value) + " here and to " +
                              scientific(fixed->value) + " in subdomain " + std::to_string(fixed->subdomain),
                          {{"dof", std::to_string(copy.dof)}});
-      fixed = &copy;
+      fixed = fixed == nullptr ? &copy : fixed;
     }
     if (fixed != nullptr && form == DirichletForm::Dual) {
       for (const Copy& copy : copies)

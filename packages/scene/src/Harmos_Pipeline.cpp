@@ -109,7 +109,7 @@ void logResult(const Log& log, const RunReport& report) {
   log.info(text.str());
 }
 
-void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
+Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
                const RunOptions& options, const Log& log, const StageTimers& timers, RunReport& report) {
   report.ranks = comm->getSize();
   report.scene = scene.name;
@@ -183,8 +183,9 @@ void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& 
   }();
   report.coarseDimension = coarse.dimension();
   if (coarse.dimension() < coarse.kernelDimension())
-    log.warning(std::to_string(coarse.kernelDimension() - coarse.dimension()) +
-                " rigid motions are held by no constraint; they are left at rest");
+    log.info(std::to_string(coarse.kernelDimension() - coarse.dimension()) +
+             " rigid motions are held by no constraint (a round body without friction rotates freely); they "
+             "are left at rest");
   const feti::DualProblem dual = [&] {
     const auto scope = timers.scope("dual_operator");
     return feti::DualProblem(system, constraints, inverses, dualOperator, coarse);
@@ -248,16 +249,18 @@ void runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& 
       writeVtkHdf(*comm, options.outputDirectory + "/result.vtkhdf", owned, fields);
     }
   }
+  return {std::move(owned), torn.displacement};
 }
 
 } // namespace
 
-void run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene, const RunOptions& options,
+Solution run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene, const RunOptions& options,
          const Log& log, std::chrono::steady_clock::time_point begin, RunReport& report) {
   const StageTimers timers(stages);
   std::exception_ptr failure;
+  Solution solution;
   try {
-    runStages(comm, scene, options, log, timers, report);
+    solution = runStages(comm, scene, options, log, timers, report);
   } catch (const Error& error) {
     if (error.kind() == Error::Kind::Internal && !error.isAgreed())
       throw; // of this rank alone: nothing collective may follow
@@ -272,6 +275,7 @@ void run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
   if (failure)
     std::rethrow_exception(failure);
   log.info(timingText(report, stages));
+  return solution;
 }
 
 void writeSummary(const Teuchos::Comm<int>& comm, const RunOptions& options, const RunReport& report) {

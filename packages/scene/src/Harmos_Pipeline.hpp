@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_Decomposition.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_RunOptions.hpp"
 #include "Harmos_RunReport.hpp"
@@ -13,6 +14,13 @@
 
 namespace Harmos::scene {
 
+/// What a run finds: the meshes of this rank's subdomains and the displacements of their nodes, dof = node ·
+/// components + component.
+struct Solution {
+  std::vector<OwnedSubdomain> owned;
+  feti::TornVector displacement;
+};
+
 /// Runs a scene from meshes to result files.
 ///
 ///     Scene → owned subdomains → SubdomainSystem {K, f, R} → Constraints {B, c} → LocalInverses
@@ -23,7 +31,7 @@ namespace Harmos::scene {
 /// @throws InputError, NumericalError, InternalError on all ranks.
 /// @note Collective.
 /// Guarded by tests/verification.
-void run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene, const RunOptions& options,
+Solution run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene, const RunOptions& options,
          const Log& log, std::chrono::steady_clock::time_point begin, RunReport& report);
 
 /// summary.json, on rank 0. @note Collective.

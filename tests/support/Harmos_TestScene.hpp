@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_Pipeline.hpp"
+#include "Harmos_StructuredBlock.hpp"
+
+namespace Harmos {
+
+/// A body of one structured block; its nodes are numbered from options.firstNode on, which is moved past
+/// them.
+scene::Body blockBody(const std::string& name, fem::StructuredBlock::Options& options,
+                      const fem::Material& material);
+
+/// A finished run of a scene, without files beyond the summary's directory.
+struct TestRun {
+  scene::Solution solution;
+  scene::RunReport report;
+};
+
+/// Runs a scene on all ranks with the default deck, to a tolerance; assignments as with --set.
+TestRun runScene(const scene::Scene& scene, double tolerance,
+                 const std::vector<std::string>& assignments = {});
+
+/// The message of the error that a run ends in; "" if it ends well.
+std::string failureOf(const scene::Scene& scene);
+
+/// Fits log(error) = rate · log(h) + constant by least squares.
+double fittedRate(const std::vector<double>& h, const std::vector<double>& error);
+
+} // namespace Harmos
