@@ -15,7 +15,7 @@
 #include <exception>
 #include <fcntl.h>
 #include <filesystem>
-#include <iostream>
+#include <new>
 #include <optional>
 #include <sstream>
 #include <unistd.h>
@@ -49,10 +49,7 @@ class Silence {
   Silence& operator=(const Silence&) = delete;
 
  private:
-  static void flush() {
-    std::cout.flush();
-    std::fflush(stdout);
-  }
+  static void flush() { std::fflush(stdout); } // C++ streams pass it on at once
 
   int output_;
 };
@@ -202,6 +199,12 @@ Elements elementsOf(int dimension, int entity) {
   return elements;
 }
 
+[[noreturn]] void throwGmshError(const std::string& path, const std::string& reason) {
+  throw InputError("Gmsh cannot read or mesh \"" + path +
+                   "\": " + (reason.empty() ? "it does not say why" : reason) +
+                   ". Open the file in Gmsh to see where it fails");
+}
+
 /// A file's mesh, as far as bodies are made from it.
 class Reader {
  public:
@@ -251,15 +254,21 @@ class Reader {
       throw InputError("there is no mesh file \"" + path_ + "\"; check its path");
     if (!std::filesystem::is_regular_file(path_, failure))
       throw InputError("\"" + path_ + "\" is no file, but a mesh is to be read from it; check its path");
-    gmsh::open(path_);
     std::vector<int> types;
-    gmsh::model::mesh::getElementTypes(types, dimension_);
-    if (types.empty()) {
-      gmsh::vectorpair entities;
-      gmsh::model::getEntities(entities, dimension_);
-      if (!entities.empty())
-        gmsh::model::mesh::generate(dimension_);
+    try {
+      gmsh::open(path_);
       gmsh::model::mesh::getElementTypes(types, dimension_);
+      if (types.empty()) {
+        gmsh::vectorpair entities;
+        gmsh::model::getEntities(entities, dimension_);
+        if (!entities.empty())
+          gmsh::model::mesh::generate(dimension_);
+        gmsh::model::mesh::getElementTypes(types, dimension_);
+      }
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& error) {
+      throwGmshError(path_, error.what());
     }
     if (types.empty())
       throw InputError("\"" + path_ + "\" holds no cells of dimension " + std::to_string(dimension_) +
@@ -355,13 +364,41 @@ class Reader {
           for (std::size_t first = 0; first < elements.nodes[k].size(); first += element.nodes)
             for (std::size_t i : element.order)
               ours.push_back(elements.nodes[k][first + i]);
+          dropCopies(type, ours);
           orient(type, entity, ours);
           cells.insert(cells.end(), ours.begin(), ours.end());
           if (body.groups.size() > 1)
-            regions.insert(regions.end(), elements.tags[k].size(), static_cast<int>(region));
+            regions.insert(regions.end(), ours.size() / element.nodes, static_cast<int>(region));
         }
       }
     return cells;
+  }
+
+  // Files of format 2 hold the cells of an entity once for each of its groups.
+  static void dropCopies(CellType type, std::vector<Tag>& cells) {
+    const CellShape& shape = shapeOf(type);
+    const auto nodes = static_cast<std::size_t>(shape.nodes);
+    constexpr std::size_t most = 8;
+    std::vector<std::pair<std::array<Tag, most>, std::size_t>> keys; // sorted corners, first node
+    for (std::size_t first = 0; first < cells.size(); first += nodes) {
+      std::array<Tag, most> key{};
+      std::copy_n(cells.begin() + static_cast<std::ptrdiff_t>(first), shape.corners, key.begin());
+      std::sort(key.begin(), key.end());
+      keys.emplace_back(key, first);
+    }
+    std::sort(keys.begin(), keys.end());
+    const auto end = std::unique(keys.begin(), keys.end(),
+                                 [](const auto& a, const auto& b) { return a.first == b.first; });
+    if (end == keys.end())
+      return;
+    keys.erase(end, keys.end());
+    std::sort(keys.begin(), keys.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    std::vector<Tag> once;
+    for (const auto& key : keys) {
+      const auto begin = cells.begin() + static_cast<std::ptrdiff_t>(key.second);
+      once.insert(once.end(), begin, begin + shape.nodes);
+    }
+    cells = std::move(once);
   }
 
   // Renumbers the cells of an entity if all are mirrored.
@@ -522,12 +559,6 @@ class Reader {
   std::map<int, std::string> owners_; // of entities
 };
 
-[[noreturn]] void throwGmshError(const std::string& path, const std::string& reason) {
-  throw InputError("Gmsh cannot read or mesh \"" + path +
-                   "\": " + (reason.empty() ? "it does not say why" : reason) +
-                   ". Open the file in Gmsh to see where it fails");
-}
-
 } // namespace
 
 bool canReadGmsh() {
@@ -536,7 +567,7 @@ bool canReadGmsh() {
 
 std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBody>& bodies, int dimension) {
   HARMOS_REQUIRE(dimension == 2 || dimension == 3, "bodies have two or three dimensions");
-  // Gmsh throws strings, in other versions numbers and exceptions.
+  // Gmsh throws strings, and numbers where it knows no more.
   try {
     const Session session;
     try {
@@ -550,15 +581,7 @@ std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBo
       gmsh::logger::getLastError(reason);
       throwGmshError(path, reason);
     }
-  } catch (const Error&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& error) {
-    throwGmshError(path, error.what());
   } catch (const std::string& reason) {
-    throwGmshError(path, reason);
-  } catch (const char* reason) {
     throwGmshError(path, reason);
   }
 }

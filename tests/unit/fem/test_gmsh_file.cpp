@@ -222,6 +222,20 @@ TEST_F(GmshFile, a_saved_mesh_is_that_of_its_geometry) {
   EXPECT_NEAR(sizeOf(saved), 4.0, 1e-12);
 }
 
+TEST_F(GmshFile, cells_that_a_file_repeats_count_once) {
+  const std::string geo = file("repeating.geo", discInSquare(false, 1) + R"(
+Physical Surface("everything") = {1, 2}; Physical Curve("left") = {4};
+Mesh 2; Mesh.MshFileVersion = 2.2; Save ")" + path("repeated.msh") +
+                                                    "\";\n");
+  const BodyMesh meshed = readGmsh(geo, {{"all", {"everything"}}}, 2).front();
+  const BodyMesh repeated = readGmsh(path("repeated.msh"), {{"all", {"everything"}}}, 2).front();
+  EXPECT_EQ(meshed.mesh.cells, repeated.mesh.cells);
+  EXPECT_EQ(meshed.mesh.boundary, repeated.mesh.boundary);
+  EXPECT_NEAR(sizeOf(repeated), 4.0, 1e-12);
+  EXPECT_NEAR(sizeOfPart(repeated, "outside"), 8.0, 1e-12);
+  EXPECT_NEAR(sizeOfPart(repeated, "left"), 2.0, 1e-12);
+}
+
 TEST_F(GmshFile, a_step_file_has_its_entities_for_groups) {
   const std::string step = path("box.step");
   file("box.geo", "SetFactory(\"OpenCASCADE\"); Box(1) = {0, 0, 0, 1, 2, 3}; Save \"" + step + "\";\n");
