@@ -5,76 +5,21 @@
 
 #ifdef HARMOS_HAVE_GMSH
 
+#include "Harmos_GmshModel.hpp"
 #include "Harmos_ParameterSpec.hpp"
-#include "Harmos_ReferenceElement.hpp"
 
 #include <gmsh.h>
 
-#include <cmath>
-#include <cstdio>
 #include <exception>
-#include <fcntl.h>
 #include <filesystem>
 #include <new>
-#include <optional>
 #include <sstream>
-#include <unistd.h>
 #include <unordered_map>
 
 namespace Harmos::fem {
 namespace {
 
-using Tag = std::size_t;
-
-// Nothing reaches standard output while this lives: OpenCASCADE, which reads .step files for Gmsh, prints to
-// it whatever Gmsh's options say.
-class Silence {
- public:
-  Silence() : output_(dup(STDOUT_FILENO)) {
-    flush();
-    const int nowhere = open("/dev/null", O_WRONLY);
-    if (output_ >= 0 && nowhere >= 0)
-      dup2(nowhere, STDOUT_FILENO);
-    if (nowhere >= 0)
-      close(nowhere);
-  }
-  ~Silence() {
-    flush();
-    if (output_ >= 0) {
-      dup2(output_, STDOUT_FILENO);
-      close(output_);
-    }
-  }
-  Silence(const Silence&) = delete;
-  Silence& operator=(const Silence&) = delete;
-
- private:
-  static void flush() { std::fflush(stdout); } // C++ streams pass it on at once
-
-  int output_;
-};
-
-// Gmsh has one global state; this is its life time.
-class Session {
- public:
-  Session() {
-    gmsh::initialize(0, nullptr, false);
-    gmsh::option::setNumber("General.Terminal", 0);
-    gmsh::option::setNumber("General.AbortOnError", 2); // throw
-    gmsh::option::setNumber("General.NumThreads", 1);   // the same mesh at every run
-  }
-  ~Session() {
-    try {
-      gmsh::finalize();
-    } catch (...) { // nothing is left to be done about it
-    }
-  }
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-
- private:
-  Silence silence_;
-};
+using namespace Details;
 
 std::string quoted(const std::string& text) {
   return "\"" + text + "\"";
@@ -91,112 +36,6 @@ std::string placeText(const Point& x) {
   std::ostringstream text;
   text << "(" << x[0] << ", " << x[1] << ", " << x[2] << ")";
   return text.str();
-}
-
-const char* entityName(int dimension) {
-  static const std::array<const char*, 4> names = {"point", "curve", "surface", "volume"};
-  return names[static_cast<std::size_t>(dimension)];
-}
-
-/// The geometric entities of each group, by dimension and name.
-using Groups = std::array<std::map<std::string, std::vector<int>>, 4>;
-
-Groups groupsOfModel() {
-  Groups groups;
-  gmsh::vectorpair all;
-  gmsh::model::getPhysicalGroups(all);
-  for (const auto& [dimension, tag] : all) {
-    std::string name;
-    gmsh::model::getPhysicalName(dimension, tag, name);
-    std::vector<int> entities;
-    gmsh::model::getEntitiesForPhysicalGroup(dimension, tag, entities);
-    std::vector<int>& group =
-        groups[static_cast<std::size_t>(dimension)][name.empty() ? std::to_string(tag) : name];
-    group.insert(group.end(), entities.begin(), entities.end());
-  }
-  if (all.empty()) {
-    gmsh::model::getEntities(all);
-    for (const auto& [dimension, tag] : all)
-      groups[static_cast<std::size_t>(dimension)][entityName(dimension) + (" " + std::to_string(tag))] = {
-          tag};
-  }
-  for (auto& ofDimension : groups)
-    for (auto& [name, entities] : ofDimension) {
-      std::sort(entities.begin(), entities.end());
-      entities.erase(std::unique(entities.begin(), entities.end()), entities.end());
-    }
-  return groups;
-}
-
-/// An element type of Gmsh, and ours if there is one.
-struct ElementType {
-  std::string name;
-  int dimension = 0;
-  std::size_t nodes = 0;
-  std::size_t corners = 0;
-  std::optional<CellType> ours;
-  std::vector<std::size_t> order; // our node i is Gmsh's order[i]
-};
-
-bool isSamePlace(const Point& a, const Point& b) {
-  constexpr double tolerance = 1e-8; // on a reference cell of size 1
-  return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]) < tolerance;
-}
-
-// For each of the places, which one of the others it is; empty if they are not the same places.
-std::vector<std::size_t> matched(const std::vector<Point>& places, const std::vector<Point>& others) {
-  std::vector<std::size_t> result;
-  for (const Point& place : places)
-    for (std::size_t k = 0; k < others.size(); ++k)
-      if (isSamePlace(place, others[k])) {
-        result.push_back(k);
-        break;
-      }
-  return places.size() == others.size() && result.size() == places.size() ? result
-                                                                          : std::vector<std::size_t>{};
-}
-
-ElementType makeElementType(int type) {
-  ElementType result;
-  int order = 0, nodes = 0, corners = 0;
-  std::vector<double> coordinates;
-  gmsh::model::mesh::getElementProperties(type, result.name, result.dimension, order, nodes, coordinates,
-                                          corners);
-  result.nodes = static_cast<std::size_t>(nodes);
-  result.corners = static_cast<std::size_t>(corners);
-  const auto dimension = static_cast<std::size_t>(result.dimension);
-  if (result.dimension < 2)
-    return result; // sides of plane cells and points: only their corners are used
-  std::vector<Point> places(result.nodes);
-  for (std::size_t i = 0; i < result.nodes; ++i)
-    for (std::size_t d = 0; d < dimension; ++d)
-      places[i][d] = coordinates[i * dimension + d];
-  for (CellType candidate :
-       {CellType::Triangle3, CellType::Triangle6, CellType::Quadrilateral4, CellType::Quadrilateral9,
-        CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8, CellType::Hexahedron27}) {
-    const CellShape& shape = shapeOf(candidate);
-    if (shape.dimension != result.dimension || shape.corners != corners)
-      continue;
-    result.order = matched(shape.nodeCoordinates, places);
-    if (!result.order.empty()) {
-      result.ours = candidate;
-      break;
-    }
-  }
-  return result;
-}
-
-/// The elements of an entity, type by type.
-struct Elements {
-  std::vector<int> types;
-  std::vector<std::vector<Tag>> tags;
-  std::vector<std::vector<Tag>> nodes;
-};
-
-Elements elementsOf(int dimension, int entity) {
-  Elements elements;
-  gmsh::model::mesh::getElements(elements.types, elements.tags, elements.nodes, dimension, entity);
-  return elements;
 }
 
 [[noreturn]] void throwGmshError(const std::string& path, const std::string& reason) {
@@ -569,7 +408,7 @@ std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBo
   HARMOS_REQUIRE(dimension == 2 || dimension == 3, "bodies have two or three dimensions");
   // Gmsh throws strings, and numbers where it knows no more.
   try {
-    const Session session;
+    const GmshSession session;
     try {
       Reader reader(path, dimension);
       std::vector<BodyMesh> result;
