@@ -5,79 +5,21 @@
 
 #ifdef HARMOS_HAVE_GMSH
 
+#include "Harmos_GmshModel.hpp"
 #include "Harmos_ParameterSpec.hpp"
-#include "Harmos_ReferenceElement.hpp"
 
 #include <gmsh.h>
 
-#include <cmath>
-#include <cstdio>
 #include <exception>
-#include <fcntl.h>
 #include <filesystem>
-#include <iostream>
-#include <optional>
+#include <new>
 #include <sstream>
-#include <unistd.h>
 #include <unordered_map>
 
 namespace Harmos::fem {
 namespace {
 
-using Tag = std::size_t;
-
-// Nothing reaches standard output while this lives: OpenCASCADE, which reads .step files for Gmsh, prints to
-// it whatever Gmsh's options say.
-class Silence {
- public:
-  Silence() : output_(dup(STDOUT_FILENO)) {
-    flush();
-    const int nowhere = open("/dev/null", O_WRONLY);
-    if (output_ >= 0 && nowhere >= 0)
-      dup2(nowhere, STDOUT_FILENO);
-    if (nowhere >= 0)
-      close(nowhere);
-  }
-  ~Silence() {
-    flush();
-    if (output_ >= 0) {
-      dup2(output_, STDOUT_FILENO);
-      close(output_);
-    }
-  }
-  Silence(const Silence&) = delete;
-  Silence& operator=(const Silence&) = delete;
-
- private:
-  static void flush() {
-    std::cout.flush();
-    std::fflush(stdout);
-  }
-
-  int output_;
-};
-
-// Gmsh has one global state; this is its life time.
-class Session {
- public:
-  Session() {
-    gmsh::initialize(0, nullptr, false);
-    gmsh::option::setNumber("General.Terminal", 0);
-    gmsh::option::setNumber("General.AbortOnError", 2); // throw
-    gmsh::option::setNumber("General.NumThreads", 1);   // the same mesh at every run
-  }
-  ~Session() {
-    try {
-      gmsh::finalize();
-    } catch (...) { // nothing is left to be done about it
-    }
-  }
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-
- private:
-  Silence silence_;
-};
+using namespace Details;
 
 std::string quoted(const std::string& text) {
   return "\"" + text + "\"";
@@ -96,110 +38,10 @@ std::string placeText(const Point& x) {
   return text.str();
 }
 
-const char* entityName(int dimension) {
-  static const std::array<const char*, 4> names = {"point", "curve", "surface", "volume"};
-  return names[static_cast<std::size_t>(dimension)];
-}
-
-/// The geometric entities of each group, by dimension and name.
-using Groups = std::array<std::map<std::string, std::vector<int>>, 4>;
-
-Groups groupsOfModel() {
-  Groups groups;
-  gmsh::vectorpair all;
-  gmsh::model::getPhysicalGroups(all);
-  for (const auto& [dimension, tag] : all) {
-    std::string name;
-    gmsh::model::getPhysicalName(dimension, tag, name);
-    std::vector<int> entities;
-    gmsh::model::getEntitiesForPhysicalGroup(dimension, tag, entities);
-    std::vector<int>& group =
-        groups[static_cast<std::size_t>(dimension)][name.empty() ? std::to_string(tag) : name];
-    group.insert(group.end(), entities.begin(), entities.end());
-  }
-  if (all.empty()) {
-    gmsh::model::getEntities(all);
-    for (const auto& [dimension, tag] : all)
-      groups[static_cast<std::size_t>(dimension)][entityName(dimension) + (" " + std::to_string(tag))] = {
-          tag};
-  }
-  for (auto& ofDimension : groups)
-    for (auto& [name, entities] : ofDimension) {
-      std::sort(entities.begin(), entities.end());
-      entities.erase(std::unique(entities.begin(), entities.end()), entities.end());
-    }
-  return groups;
-}
-
-/// An element type of Gmsh, and ours if there is one.
-struct ElementType {
-  std::string name;
-  int dimension = 0;
-  std::size_t nodes = 0;
-  std::size_t corners = 0;
-  std::optional<CellType> ours;
-  std::vector<std::size_t> order; // our node i is Gmsh's order[i]
-};
-
-bool isSamePlace(const Point& a, const Point& b) {
-  constexpr double tolerance = 1e-8; // on a reference cell of size 1
-  return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]) < tolerance;
-}
-
-// For each of the places, which one of the others it is; empty if they are not the same places.
-std::vector<std::size_t> matched(const std::vector<Point>& places, const std::vector<Point>& others) {
-  std::vector<std::size_t> result;
-  for (const Point& place : places)
-    for (std::size_t k = 0; k < others.size(); ++k)
-      if (isSamePlace(place, others[k])) {
-        result.push_back(k);
-        break;
-      }
-  return places.size() == others.size() && result.size() == places.size() ? result
-                                                                          : std::vector<std::size_t>{};
-}
-
-ElementType makeElementType(int type) {
-  ElementType result;
-  int order = 0, nodes = 0, corners = 0;
-  std::vector<double> coordinates;
-  gmsh::model::mesh::getElementProperties(type, result.name, result.dimension, order, nodes, coordinates,
-                                          corners);
-  result.nodes = static_cast<std::size_t>(nodes);
-  result.corners = static_cast<std::size_t>(corners);
-  const auto dimension = static_cast<std::size_t>(result.dimension);
-  if (result.dimension < 2)
-    return result; // sides of plane cells and points: only their corners are used
-  std::vector<Point> places(result.nodes);
-  for (std::size_t i = 0; i < result.nodes; ++i)
-    for (std::size_t d = 0; d < dimension; ++d)
-      places[i][d] = coordinates[i * dimension + d];
-  for (CellType candidate :
-       {CellType::Triangle3, CellType::Triangle6, CellType::Quadrilateral4, CellType::Quadrilateral9,
-        CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8, CellType::Hexahedron27}) {
-    const CellShape& shape = shapeOf(candidate);
-    if (shape.dimension != result.dimension || shape.corners != corners)
-      continue;
-    result.order = matched(shape.nodeCoordinates, places);
-    if (!result.order.empty()) {
-      result.ours = candidate;
-      break;
-    }
-  }
-  return result;
-}
-
-/// The elements of an entity, type by type.
-struct Elements {
-  std::vector<int> types;
-  std::vector<std::vector<Tag>> tags;
-  std::vector<std::vector<Tag>> nodes;
-};
-
-Elements elementsOf(int dimension, int entity) {
-  Elements elements;
-  gmsh::model::mesh::getElements(elements.types, elements.tags, elements.nodes, dimension, entity);
-  return elements;
+[[noreturn]] void throwGmshError(const std::string& path, const std::string& reason) {
+  throw InputError("Gmsh cannot read or mesh \"" + path +
+                   "\": " + (reason.empty() ? "it does not say why" : reason) +
+                   ". Open the file in Gmsh to see where it fails");
 }
 
 /// A file's mesh, as far as bodies are made from it.
@@ -251,15 +93,21 @@ class Reader {
       throw InputError("there is no mesh file \"" + path_ + "\"; check its path");
     if (!std::filesystem::is_regular_file(path_, failure))
       throw InputError("\"" + path_ + "\" is no file, but a mesh is to be read from it; check its path");
-    gmsh::open(path_);
     std::vector<int> types;
-    gmsh::model::mesh::getElementTypes(types, dimension_);
-    if (types.empty()) {
-      gmsh::vectorpair entities;
-      gmsh::model::getEntities(entities, dimension_);
-      if (!entities.empty())
-        gmsh::model::mesh::generate(dimension_);
+    try {
+      gmsh::open(path_);
       gmsh::model::mesh::getElementTypes(types, dimension_);
+      if (types.empty()) {
+        gmsh::vectorpair entities;
+        gmsh::model::getEntities(entities, dimension_);
+        if (!entities.empty())
+          gmsh::model::mesh::generate(dimension_);
+        gmsh::model::mesh::getElementTypes(types, dimension_);
+      }
+    } catch (const std::bad_alloc&) {
+      throw;
+    } catch (const std::exception& error) {
+      throwGmshError(path_, error.what());
     }
     if (types.empty())
       throw InputError("\"" + path_ + "\" holds no cells of dimension " + std::to_string(dimension_) +
@@ -355,13 +203,41 @@ class Reader {
           for (std::size_t first = 0; first < elements.nodes[k].size(); first += element.nodes)
             for (std::size_t i : element.order)
               ours.push_back(elements.nodes[k][first + i]);
+          dropCopies(type, ours);
           orient(type, entity, ours);
           cells.insert(cells.end(), ours.begin(), ours.end());
           if (body.groups.size() > 1)
-            regions.insert(regions.end(), elements.tags[k].size(), static_cast<int>(region));
+            regions.insert(regions.end(), ours.size() / element.nodes, static_cast<int>(region));
         }
       }
     return cells;
+  }
+
+  // Files of format 2 hold the cells of an entity once for each of its groups.
+  static void dropCopies(CellType type, std::vector<Tag>& cells) {
+    const CellShape& shape = shapeOf(type);
+    const auto nodes = static_cast<std::size_t>(shape.nodes);
+    constexpr std::size_t most = 8;
+    std::vector<std::pair<std::array<Tag, most>, std::size_t>> keys; // sorted corners, first node
+    for (std::size_t first = 0; first < cells.size(); first += nodes) {
+      std::array<Tag, most> key{};
+      std::copy_n(cells.begin() + static_cast<std::ptrdiff_t>(first), shape.corners, key.begin());
+      std::sort(key.begin(), key.end());
+      keys.emplace_back(key, first);
+    }
+    std::sort(keys.begin(), keys.end());
+    const auto end = std::unique(keys.begin(), keys.end(),
+                                 [](const auto& a, const auto& b) { return a.first == b.first; });
+    if (end == keys.end())
+      return;
+    keys.erase(end, keys.end());
+    std::sort(keys.begin(), keys.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    std::vector<Tag> once;
+    for (const auto& key : keys) {
+      const auto begin = cells.begin() + static_cast<std::ptrdiff_t>(key.second);
+      once.insert(once.end(), begin, begin + shape.nodes);
+    }
+    cells = std::move(once);
   }
 
   // Renumbers the cells of an entity if all are mirrored.
@@ -522,12 +398,6 @@ class Reader {
   std::map<int, std::string> owners_; // of entities
 };
 
-[[noreturn]] void throwGmshError(const std::string& path, const std::string& reason) {
-  throw InputError("Gmsh cannot read or mesh \"" + path +
-                   "\": " + (reason.empty() ? "it does not say why" : reason) +
-                   ". Open the file in Gmsh to see where it fails");
-}
-
 } // namespace
 
 bool canReadGmsh() {
@@ -536,9 +406,9 @@ bool canReadGmsh() {
 
 std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBody>& bodies, int dimension) {
   HARMOS_REQUIRE(dimension == 2 || dimension == 3, "bodies have two or three dimensions");
-  // Gmsh throws strings, in other versions numbers and exceptions.
+  // Gmsh throws strings, and numbers where it knows no more.
   try {
-    const Session session;
+    const GmshSession session;
     try {
       Reader reader(path, dimension);
       std::vector<BodyMesh> result;
@@ -550,15 +420,7 @@ std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBo
       gmsh::logger::getLastError(reason);
       throwGmshError(path, reason);
     }
-  } catch (const Error&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& error) {
-    throwGmshError(path, error.what());
   } catch (const std::string& reason) {
-    throwGmshError(path, reason);
-  } catch (const char* reason) {
     throwGmshError(path, reason);
   }
 }

@@ -35,6 +35,8 @@ bool canReadGmsh();
 /// has negative Jacobians at its corners, all its cells are renumbered. An entity with cells of both kinds is
 /// refused.
 ///
+/// Cells that a file holds more than once (format 2, an entity in several groups) count once.
+///
 /// Node orders are matched by the places of the nodes on the reference cells of both sides. Serial: to be
 /// called on one rank, while no other thread writes to standard output: it is shut meanwhile, because
 /// OpenCASCADE, which reads .step files for Gmsh, prints to it. Gmsh's messages go into the errors.

@@ -222,6 +222,20 @@ TEST_F(GmshFile, a_saved_mesh_is_that_of_its_geometry) {
   EXPECT_NEAR(sizeOf(saved), 4.0, 1e-12);
 }
 
+TEST_F(GmshFile, cells_that_a_file_repeats_count_once) {
+  const std::string geo = file("repeating.geo", discInSquare(false, 1) + R"(
+Physical Surface("everything") = {1, 2}; Physical Curve("left") = {4};
+Mesh 2; Mesh.MshFileVersion = 2.2; Save ")" + path("repeated.msh") +
+                                                    "\";\n");
+  const BodyMesh meshed = readGmsh(geo, {{"all", {"everything"}}}, 2).front();
+  const BodyMesh repeated = readGmsh(path("repeated.msh"), {{"all", {"everything"}}}, 2).front();
+  EXPECT_EQ(meshed.mesh.cells, repeated.mesh.cells);
+  EXPECT_EQ(meshed.mesh.boundary, repeated.mesh.boundary);
+  EXPECT_NEAR(sizeOf(repeated), 4.0, 1e-12);
+  EXPECT_NEAR(sizeOfPart(repeated, "outside"), 8.0, 1e-12);
+  EXPECT_NEAR(sizeOfPart(repeated, "left"), 2.0, 1e-12);
+}
+
 TEST_F(GmshFile, a_step_file_has_its_entities_for_groups) {
   const std::string step = path("box.step");
   file("box.geo", "SetFactory(\"OpenCASCADE\"); Box(1) = {0, 0, 0, 1, 2, 3}; Save \"" + step + "\";\n");
@@ -300,6 +314,41 @@ TEST_F(GmshFile, refuses_plane_bodies_out_of_the_plane) {
       file("tilted.geo", discInSquare(false, 1) + "Rotate{{1, 0, 0}, {0, 0, 0}, 0.1}{Surface{:};}\n"),
       {{"all", {"matrix"}}});
   EXPECT_TRUE(contains(text, "reaches from z = 0 to") && contains(text, "z = constant")) << text;
+}
+
+TEST_F(GmshFile, mirrored_solids_are_renumbered) {
+  // Corners of a unit cube, which a hexahedron and a tetrahedron number the wrong way round.
+  const std::string nodes = R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+8
+1 0 0 0
+2 1 0 0
+3 1 1 0
+4 0 1 0
+5 0 0 1
+6 1 0 1
+7 1 1 1
+8 0 1 1
+$EndNodes
+$Elements
+)";
+  const BodyMesh cube = readGmsh(file("cube.msh", nodes + R"(3
+1 5 2 1 1 5 6 7 8 1 2 3 4
+2 3 2 2 2 1 2 3 4
+3 3 2 3 3 2 3 7 6
+$EndElements
+)"),
+                                 {{"cube", {"1"}}}, 3)
+                            .front();
+  EXPECT_NEAR(sizeOf(cube), 1.0, 1e-14);
+  EXPECT_EQ(nodesOf(cube.mesh, cube.sides.at("2")), (std::vector<int>{0, 1, 2, 3}));
+  EXPECT_EQ(nodesOf(cube.mesh, cube.sides.at("3")), (std::vector<int>{1, 2, 5, 6}));
+  const BodyMesh corner =
+      readGmsh(file("corner.msh", nodes + "1\n1 4 2 1 1 1 4 2 5\n$EndElements\n"), {{"corner", {"1"}}}, 3)
+          .front();
+  EXPECT_NEAR(sizeOf(corner), 1.0 / 6.0, 1e-14);
 }
 
 TEST_F(GmshFile, refuses_folded_meshes) {

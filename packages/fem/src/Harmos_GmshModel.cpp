@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_GmshModel.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fcntl.h>
+#include <gmsh.h>
+#include <unistd.h>
+
+namespace Harmos::fem::Details {
+namespace {
+
+void flushOutput() {
+  std::fflush(stdout);
+} // C++ streams pass it on at once
+
+} // namespace
+
+Silence::Silence() : output_(dup(STDOUT_FILENO)) {
+  flushOutput();
+  const int nowhere = open("/dev/null", O_WRONLY);
+  if (output_ >= 0 && nowhere >= 0)
+    dup2(nowhere, STDOUT_FILENO);
+  if (nowhere >= 0)
+    close(nowhere);
+}
+
+Silence::~Silence() {
+  flushOutput();
+  if (output_ >= 0) {
+    dup2(output_, STDOUT_FILENO);
+    close(output_);
+  }
+}
+
+GmshSession::GmshSession() {
+  gmsh::initialize(0, nullptr, false);
+  gmsh::option::setNumber("General.Terminal", 0);
+  gmsh::option::setNumber("General.AbortOnError", 2); // throw
+  gmsh::option::setNumber("General.NumThreads", 1);   // the same mesh at every run
+}
+
+GmshSession::~GmshSession() {
+  try {
+    gmsh::finalize();
+  } catch (...) { // nothing is left to be done about it
+  }
+}
+
+const char* entityName(int dimension) {
+  static const std::array<const char*, 4> names = {"point", "curve", "surface", "volume"};
+  return names[static_cast<std::size_t>(dimension)];
+}
+
+Groups groupsOfModel() {
+  Groups groups;
+  gmsh::vectorpair all;
+  gmsh::model::getPhysicalGroups(all);
+  for (const auto& [dimension, tag] : all) {
+    std::string name;
+    gmsh::model::getPhysicalName(dimension, tag, name);
+    std::vector<int> entities;
+    gmsh::model::getEntitiesForPhysicalGroup(dimension, tag, entities);
+    std::vector<int>& group =
+        groups[static_cast<std::size_t>(dimension)][name.empty() ? std::to_string(tag) : name];
+    group.insert(group.end(), entities.begin(), entities.end());
+  }
+  if (all.empty()) {
+    gmsh::model::getEntities(all);
+    for (const auto& [dimension, tag] : all)
+      groups[static_cast<std::size_t>(dimension)][entityName(dimension) + (" " + std::to_string(tag))] = {
+          tag};
+  }
+  for (auto& ofDimension : groups)
+    for (auto& [name, entities] : ofDimension) {
+      std::sort(entities.begin(), entities.end());
+      entities.erase(std::unique(entities.begin(), entities.end()), entities.end());
+    }
+  return groups;
+}
+
+bool isSamePlace(const Point& a, const Point& b) {
+  constexpr double tolerance = 1e-8; // on a reference cell of size 1
+  return std::abs(a[0] - b[0]) + std::abs(a[1] - b[1]) + std::abs(a[2] - b[2]) < tolerance;
+}
+
+std::vector<std::size_t> matched(const std::vector<Point>& places, const std::vector<Point>& others) {
+  std::vector<std::size_t> result;
+  for (const Point& place : places)
+    for (std::size_t k = 0; k < others.size(); ++k)
+      if (isSamePlace(place, others[k])) {
+        result.push_back(k);
+        break;
+      }
+  return places.size() == others.size() && result.size() == places.size() ? result
+                                                                          : std::vector<std::size_t>{};
+}
+
+ElementType makeElementType(int type) {
+  ElementType result;
+  int order = 0, nodes = 0, corners = 0;
+  std::vector<double> coordinates;
+  gmsh::model::mesh::getElementProperties(type, result.name, result.dimension, order, nodes, coordinates,
+                                          corners);
+  result.nodes = static_cast<std::size_t>(nodes);
+  result.corners = static_cast<std::size_t>(corners);
+  const auto dimension = static_cast<std::size_t>(result.dimension);
+  if (result.dimension < 2)
+    return result; // sides of plane cells and points: only their corners are used
+  std::vector<Point> places(result.nodes);
+  for (std::size_t i = 0; i < result.nodes; ++i)
+    for (std::size_t d = 0; d < dimension; ++d)
+      places[i][d] = coordinates[i * dimension + d];
+  for (CellType candidate :
+       {CellType::Triangle3, CellType::Triangle6, CellType::Quadrilateral4, CellType::Quadrilateral9,
+        CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8, CellType::Hexahedron27}) {
+    const CellShape& shape = shapeOf(candidate);
+    if (shape.dimension != result.dimension || shape.corners != corners)
+      continue;
+    result.order = matched(shape.nodeCoordinates, places);
+    if (!result.order.empty()) {
+      result.ours = candidate;
+      break;
+    }
+  }
+  return result;
+}
+
+Elements elementsOf(int dimension, int entity) {
+  Elements elements;
+  gmsh::model::mesh::getElements(elements.types, elements.tags, elements.nodes, dimension, entity);
+  return elements;
+}
+
+} // namespace Harmos::fem::Details

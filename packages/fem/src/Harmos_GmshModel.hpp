@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_CellType.hpp"
+
+#include <array>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// What Gmsh's interface tells of the model it has open, in our terms. Internal to Harmos_GmshFile.cpp; only
+/// compiled with Gmsh.
+namespace Harmos::fem::Details {
+
+using Tag = std::size_t; ///< of a node or an element
+
+/// Nothing reaches standard output while this lives: OpenCASCADE, which reads .step files for Gmsh, prints to
+/// it whatever Gmsh's options say.
+class Silence {
+ public:
+  Silence();
+  ~Silence();
+  Silence(const Silence&) = delete;
+  Silence& operator=(const Silence&) = delete;
+
+ private:
+  int output_;
+};
+
+/// Gmsh has one global state; this is its life time.
+class GmshSession {
+ public:
+  GmshSession();
+  ~GmshSession();
+  GmshSession(const GmshSession&) = delete;
+  GmshSession& operator=(const GmshSession&) = delete;
+
+ private:
+  Silence silence_;
+};
+
+/// "point", "curve", "surface", "volume".
+const char* entityName(int dimension);
+
+/// The geometric entities of each group, by dimension and name.
+using Groups = std::array<std::map<std::string, std::vector<int>>, 4>;
+
+/// Physical groups; all entities, each by itself, if there are none.
+Groups groupsOfModel();
+
+/// An element type of Gmsh, and ours if there is one.
+struct ElementType {
+  std::string name;
+  int dimension = 0;
+  std::size_t nodes = 0;
+  std::size_t corners = 0;
+  std::optional<CellType> ours;
+  std::vector<std::size_t> order; // our node i is Gmsh's order[i]
+};
+
+ElementType makeElementType(int type);
+
+/// The elements of an entity, type by type.
+struct Elements {
+  std::vector<int> types;
+  std::vector<std::vector<Tag>> tags;
+  std::vector<std::vector<Tag>> nodes;
+};
+
+Elements elementsOf(int dimension, int entity);
+
+bool isSamePlace(const Point& a, const Point& b);
+
+/// For each of the places, which one of the others it is; empty if they are not the same places.
+std::vector<std::size_t> matched(const std::vector<Point>& places, const std::vector<Point>& others);
+
+} // namespace Harmos::fem::Details
