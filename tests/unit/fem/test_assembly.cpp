@@ -88,7 +88,8 @@ TEST(Assembly, inverted_cell_is_named) {
     fem::assembleLaplace(mesh);
     FAIL() << "nothing was thrown";
   } catch (const NumericalError& error) {
-    EXPECT_NE(std::string(error.what()).find("cell 3 (quadrilateral of 4 nodes) is inverted"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("cell 3 (quadrilateral of 4 nodes) is inverted"),
+              std::string::npos);
   }
 }
 
