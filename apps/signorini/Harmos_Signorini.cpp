@@ -1,68 +1,64 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// The semicoercive model problem of Dostál, Horák, Vlach (section 2): two membranes over (0,1)×(0,1) and
-/// (1,2)×(0,1),
-///
-///     min Σ ½∫|∇uⁱ|² − ∫fuⁱ   subject to   u¹ = 0 at x = 0,   u² − u¹ ≥ 0 at x = 1,
-///
-/// f = −3 on (0,1)×[0.75,1), −1 on (1,2)×[0,0.25), 0 elsewhere. The second membrane is held by the contact
-/// alone.
+/// Signorini problems: the model problem of two membranes, and elastic bodies on a rigid plane.
 
 #include "Harmos_Application.hpp"
-#include "Harmos_StructuredBlock.hpp"
-
-#include <memory>
+#include "Harmos_ElasticSignorini.hpp"
+#include "Harmos_Membranes.hpp"
 
 namespace {
 
 using namespace Harmos;
 
+std::string problemOf(const Teuchos::ParameterList& deck) {
+  return deck.sublist("Model").get<std::string>("Problem");
+}
+
 void addParameters(ParameterSpec& deck) {
-  ParameterSpec model("Model", "Geometry and discretisation of the two membranes.");
-  model.integer("Subdomains per side", 4, 1, 1024, "1/H: each membrane is cut into its square.");
-  model.integer("Elements per subdomain side", 8, 1, 4096, "H/h: Q1 elements along the side of a subdomain.");
+  ParameterSpec model("Model", "The problem, its geometry and discretisation.");
+  model.choice("Problem", "membranes",
+               {{"membranes", "two membranes in contact: the model problem of Dostál, Horák, Vlach"},
+                {"block", "a heavy elastic square or cube on a rigid plane, lifted at one side"},
+                {"hertz cylinder", "an elastic cylinder between rigid plates, a quarter of its cross-section"},
+                {"hertz ball", "an elastic ball between rigid plates, an eighth of it"}},
+               "Which one.");
+  model.integer("Subdomains per side", 4, 1, 1024, "1/H: each body is cut into its square, or cube in space.");
+  model.integer("Elements per subdomain side", 8, 1, 4096, "H/h: elements along the side of a subdomain.");
   model.choice("Interface", "contact",
                {{"contact", "the second membrane lies on or above the first one: u² − u¹ ≥ 0"},
                 {"tie", "the membranes are tied: u² = u¹"}},
-               "What holds at x = 1.");
+               "Membranes: what holds at x = 1.");
+  model.integer("Element order", 1, 1, 2, "Elastic bodies: 1 for Q1, 2 for Q2 elements.");
+  model.integer("Dimension", 2, 2, 3, "Block: a square in plane strain or a cube.");
+  model.real("Weight", 0.01, Range::above(0.0), "Block: force per volume.");
+  model.real("Approach", 0.002, Range::above(0.0),
+             "Hertz: way of the middle plane towards the plate, in radii.");
   deck.list(std::move(model));
+  ParameterSpec material("Material", "Of elastic bodies: isotropic.");
+  material.real("Young's modulus", 1.0, Range::above(0.0), "");
+  material.real("Poisson's ratio", 0.3, Range::strictlyWithin(-1.0, 0.5), "");
+  deck.list(std::move(material));
 }
 
 scene::Scene makeScene(const app::DeckContext& context) {
-  const Teuchos::ParameterList& model = context.deck.sublist("Model");
-  const int s = model.get<int>("Subdomains per side");
-  const int n = model.get<int>("Elements per subdomain side");
-  const bool tied = model.get<std::string>("Interface") == "tie";
+  const std::string problem = problemOf(context.deck);
+  if (problem == "block")
+    return signorini::block(context.deck);
+  if (problem == "hertz cylinder" || problem == "hertz ball")
+    return signorini::hertz(context.deck, problem == "hertz ball");
+  return signorini::membranes(context.deck.sublist("Model"));
+}
 
-  scene::Scene scene;
-  scene.name = "two membranes";
-  long long firstNode = 0;
-  for (int b = 0; b < 2; ++b) {
-    const auto rectangle = std::make_shared<const fem::StructuredBlock>(
-        fem::makeRectangle(fem::Point{static_cast<double>(b), 0.0, 0.0}, std::array<double, 2>{1.0, 1.0},
-                           std::array<int, 2>{s, s}, std::array<int, 2>{n, n}, firstNode));
-    firstNode += rectangle->numberOfNodes();
-    scene::Body body;
-    body.name = b == 0 ? "first membrane" : "second membrane";
-    body.subdomains = rectangle->numberOfSubdomains();
-    body.subdomain = [rectangle](int k) { return rectangle->subdomain(k); };
-    if (b == 0) {
-      body.bodyForce = {{-3.0, {0.0, 0.75}, {1.0, 1.0}}};
-      body.prescribed = {{"left", 0.0}};
-    } else {
-      body.bodyForce = {{-1.0, {1.0, 0.0}, {2.0, 0.25}}};
-    }
-    scene.bodies.push_back(std::move(body));
-  }
-  scene.interfaces = {
-      {tied ? scene::Interface::Kind::Tie : scene::Interface::Kind::Contact, 0, "right", 1, "left"}};
-  return scene;
+void evaluate(const Teuchos::ParameterList& deck, scene::RunReport& report) {
+  const std::string problem = problemOf(deck);
+  if (problem == "hertz cylinder" || problem == "hertz ball")
+    signorini::evaluateHertz(deck, problem == "hertz ball", report);
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-  return app::main(argc, argv,
-                   {"signorini", "the Signorini model problem: two membranes in contact", addParameters,
-                    makeScene, nullptr});
+  return app::main(
+      argc, argv,
+      {"signorini", "Signorini problems: membranes in contact, elastic bodies on a plane", addParameters, makeScene, evaluate});
 }

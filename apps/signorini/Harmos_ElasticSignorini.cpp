@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_ElasticSignorini.hpp"
+
+#include "Harmos_StructuredBlock.hpp"
+
+#include <cmath>
+#include <memory>
+
+namespace Harmos::signorini {
+namespace {
+
+using fem::Point;
+
+constexpr double radius = 1.0;
+
+fem::Material materialOf(const Teuchos::ParameterList& deck) {
+  const Teuchos::ParameterList& list = deck.sublist("Material");
+  return fem::Material::isotropic(list.get<double>("Young's modulus"), list.get<double>("Poisson's ratio"));
+}
+
+scene::Body bodyOf(const fem::StructuredBlock::Options& options, const std::string& name,
+                   const fem::Material& material) {
+  const auto block = std::make_shared<const fem::StructuredBlock>(options);
+  scene::Body body;
+  body.name = name;
+  body.subdomains = block->numberOfSubdomains();
+  body.subdomain = [block](int k) { return block->subdomain(k); };
+  body.materials = {material};
+  return body;
+}
+
+fem::StructuredBlock::Options optionsOf(const Teuchos::ParameterList& model, bool isSpace) {
+  const int s = model.get<int>("Subdomains per side"), n = model.get<int>("Elements per subdomain side");
+  const bool linear = model.get<int>("Element order") == 1;
+  fem::StructuredBlock::Options options;
+  options.cellType = isSpace ? (linear ? fem::CellType::Hexahedron8 : fem::CellType::Hexahedron27)
+                             : (linear ? fem::CellType::Quadrilateral4 : fem::CellType::Quadrilateral9);
+  options.subdomains = {s, s, s};
+  options.elements = {n, n, n};
+  return options;
+}
+
+scene::ObstacleContact planeAt(double height, bool isSpace) {
+  scene::ObstacleContact contact;
+  contact.name = "plane";
+  contact.body = 0;
+  contact.set = "bottom";
+  contact.obstacle.shape = contact::Obstacle::Shape::HalfSpace;
+  const std::size_t up = isSpace ? 2 : 1;
+  contact.obstacle.point[up] = height;
+  contact.obstacle.direction[up] = 1.0;
+  return contact;
+}
+
+// From 0 to 1, slowly at first: the spacing at 0 is a fourteenth of an even one.
+double graded(double x) {
+  constexpr double growth = 4.0;
+  return std::expm1(growth * x) / std::expm1(growth);
+}
+
+// A square onto a disc and a cube onto a ball, of which concentric squares become circles (Nowell: Mapping a
+// cube to a sphere, 2005; Fong: Analytical methods for squaring the disc, 2014).
+Point toBall(const Point& p) {
+  const double x = p[0] * p[0], y = p[1] * p[1], z = p[2] * p[2];
+  return {radius * p[0] * std::sqrt(1.0 - y / 2 - z / 2 + y * z / 3),
+          radius * p[1] * std::sqrt(1.0 - x / 2 - z / 2 + x * z / 3),
+          radius * p[2] * std::sqrt(1.0 - x / 2 - y / 2 + x * y / 3)};
+}
+
+} // namespace
+
+scene::Scene block(const Teuchos::ParameterList& deck) {
+  const Teuchos::ParameterList& model = deck.sublist("Model");
+  const bool isSpace = model.get<int>("Dimension") == 3;
+  const double weight = model.get<double>("Weight");
+  const std::size_t up = isSpace ? 2 : 1;
+  scene::Scene scene;
+  scene.name = "block on a plane";
+  scene.physics = isSpace ? scene::Physics::Solid : scene::Physics::PlaneStrain;
+  scene::Body body = bodyOf(optionsOf(model, isSpace), "block", materialOf(deck));
+  body.prescribed.push_back({"left", 0.0, 0});
+  if (isSpace)
+    body.prescribed.push_back({"front", 0.0, 1});
+  Point down{}, pull{};
+  down[up] = -weight;
+  pull[up] = 0.25 * weight;
+  body.forces.push_back([down](const Point&) { return down; });
+  body.tractions.push_back({"right", [pull](const Point&, const Point&) { return pull; }});
+  scene.bodies.push_back(std::move(body));
+  scene.obstacles.push_back(planeAt(0.0, isSpace));
+  return scene;
+}
+
+scene::Scene hertz(const Teuchos::ParameterList& deck, bool isBall) {
+  const Teuchos::ParameterList& model = deck.sublist("Model");
+  const std::size_t up = isBall ? 2 : 1;
+  fem::StructuredBlock::Options options = optionsOf(model, isBall);
+  options.map = [up](const Point& x) {
+    Point p{};
+    for (std::size_t d = 0; d < up; ++d)
+      p[d] = graded(x[d]);
+    p[up] = graded(x[up]) - 1.0;
+    return toBall(p);
+  };
+  scene::Scene scene;
+  scene.name = isBall ? "Hertz ball" : "Hertz cylinder";
+  scene.physics = isBall ? scene::Physics::Solid : scene::Physics::PlaneStrain;
+  scene::Body body = bodyOf(options, isBall ? "ball" : "cylinder", materialOf(deck));
+  body.prescribed.push_back({"left", 0.0, 0});
+  if (isBall)
+    body.prescribed.push_back({"front", 0.0, 1});
+  body.prescribed.push_back({"top", -model.get<double>("Approach"), static_cast<int>(up)});
+  scene.bodies.push_back(std::move(body));
+  scene.obstacles.push_back(planeAt(-radius, isBall));
+  return scene;
+}
+
+void evaluateHertz(const Teuchos::ParameterList& deck, bool isBall, scene::RunReport& report) {
+  const double pi = std::acos(-1.0);
+  const fem::Material material = materialOf(deck);
+  const double modulus = material.young[0] / (1.0 - material.poisson[0] * material.poisson[0]);
+  const double approach = deck.sublist("Model").get<double>("Approach");
+  double load = 0.0, moment = 0.0, peak = 0.0;
+  for (std::size_t k = 0; k < report.contact.size(); ++k) {
+    const Point& x = report.contactPoints[k].position;
+    load += report.contact[k].force;
+    moment += report.contact[k].force * (x[0] * x[0] + (isBall ? x[1] * x[1] : 0.0));
+    peak = std::max(peak, report.contact[k].pressure);
+  }
+  const double halfWidth = load > 0.0 ? std::sqrt((isBall ? 2.5 : 4.0) * moment / load) : 0.0;
+  load *= isBall ? 4.0 : 2.0; // of the whole body
+  const double a = isBall ? std::cbrt(0.75 * load * radius / modulus) : std::sqrt(4.0 * load * radius / (pi * modulus));
+  report.results["load"] = load;
+  report.results["half_width"] = halfWidth;
+  report.results["half_width_theory"] = a;
+  report.results["peak_pressure"] = peak;
+  report.results["peak_pressure_theory"] = load > 0.0 ? (isBall ? 1.5 * load / (pi * a * a) : 2.0 * load / (pi * a)) : 0.0;
+  report.results["approach"] = approach;
+  report.results["approach_theory"] =
+      load > 0.0 ? (isBall ? a * a / radius : load / (pi * modulus) * (2.0 * std::log(4.0 * radius / a) - 1.0)) : 0.0;
+}
+
+} // namespace Harmos::signorini

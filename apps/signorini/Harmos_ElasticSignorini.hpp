@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_RunReport.hpp"
+#include "Harmos_Scene.hpp"
+
+#include <Teuchos_ParameterList.hpp>
+
+namespace Harmos::signorini {
+
+/// Elastic bodies on a rigid plane, of a deck with the lists Model and Material.
+
+/// A heavy square or cube of side one on the plane, held sideways at the left, pulled up at the right by a
+/// quarter of its weight: it lifts off there. Vertically it is held by the contact alone.
+scene::Scene block(const Teuchos::ParameterList& deck);
+
+/// A disc (plane strain) or ball of radius one between two rigid plates that approach each other: by symmetry
+/// a quarter or an eighth of it, whose middle plane moves towards the plate below by the approach. Elements
+/// are the finer the closer they are to the point of contact.
+scene::Scene hertz(const Teuchos::ParameterList& deck, bool isBall);
+
+/// Puts load, contact half-width, peak pressure and approach of a Hertz problem into the results, each beside
+/// what theory says for that load.
+///
+/// Cylinder: a² = 4PR/(πE*), p₀ = 2P/(πa), δ = P/(πE*) (2 ln(4R/a) − 1); ball: a³ = 3PR/(4E*),
+/// p₀ = 3P/(2πa²), δ = a²/R; E* = E/(1 − ν²) (Johnson: Contact Mechanics, 1985, sections 4.2, 5.6).
+/// The half-width of a computed solution is that of the Hertz pressure with the same second moment:
+/// ∫p x² = P a²/4 for the cylinder, ∫p r² = 2P a²/5 for the ball.
+void evaluateHertz(const Teuchos::ParameterList& deck, bool isBall, scene::RunReport& report);
+
+} // namespace Harmos::signorini
