@@ -163,6 +163,40 @@ TEST(MortarPlane, every_area_is_positive_on_facets_of_second_order) {
   }
 }
 
+TEST(MortarPlane, a_touch_of_rounding_width_gives_no_point) {
+  // The last node's area is that of the overlap; half a facet has 1/4.
+  const auto touching = [](double width) {
+    return pairOf(CellType::Quadrilateral4, 3, CellType::Quadrilateral4, 3, 3.0 - width, 6.0, 0.0, 0.0);
+  };
+  const Pair thin = touching(1e-6), rounding = touching(1e-9);
+  const auto points = mortarPoints(thin.lower, thin.upper);
+  ASSERT_EQ(points.size(), 1u);
+  EXPECT_EQ(points[0].node, thin.lower.numbers.back());
+  EXPECT_NEAR(points[0].area, 1e-6, 2e-12);
+  EXPECT_NE(messageOf([&] { mortarPoints(rounding.lower, rounding.upper); }).find("never meet"),
+            std::string::npos);
+}
+
+TEST(MortarPlane, areas_that_cancel_give_no_point) {
+  // Facets of three nodes over [0, 1] and [1, 5]. The node between them has the area 1/6 on the first one and
+  // 4 (2a³/3 − a²/2) on the part a of the second one next to its other end, which is −1/6 at a = 1/2, its
+  // least.
+  const Map stretch = [](const Point& x) { return Point{x[0] < 1.0 ? x[0] : 4.0 * x[0] - 3.0, x[1], 0.0}; };
+  const Surface lower = surfaceOf(
+      block(CellType::Quadrilateral9, {0, -1, 0}, {2, 1, 0}, {1, 1, 1}, {2, 1, 1}, 0, stretch), "top");
+  for (double a : {0.501, 0.6}) {
+    auto meshes = share(block(CellType::Quadrilateral4, {0, 0, 0}, {1, 1, 0}, {1, 1, 1}, {1, 1, 1}, 100));
+    for (const fem::PlacedMesh& mesh : share(block(CellType::Quadrilateral4, {5.0 - 4.0 * a, 0, 0},
+                                                   {4.0 * a, 1, 0}, {1, 1, 1}, {1, 1, 1}, 200)))
+      meshes.push_back(mesh);
+    const Surface upper = gather(meshes, "bottom", "pieces");
+    const auto points = mortarPoints(lower, upper);
+    // 1e-3 from there it is 4e-6: 1/6 from either facet is divided by that, which makes 1e5.
+    EXPECT_EQ(points.size(), a < 0.55 ? 4u : 5u);
+    EXPECT_LT(rowError(points, lower, upper, slope), 1e-11);
+  }
+}
+
 TEST(MortarPlane, only_surfaces_that_face_each_other_within_reach_count) {
   const Pair pair = pairOf(CellType::Quadrilateral4, 3, CellType::Quadrilateral4, 3, 0.0, 3.0, 0.5, 0.0);
   // A tenth of the extent of 3 is 0.3.
@@ -205,22 +239,23 @@ TEST(MortarPlane, of_surfaces_behind_each_other_the_nearest_counts) {
 namespace {
 
 // Largest error of the gap between arcs of radius 2 and 2.05, of n and n + 3 facets, over an angle of 1.2.
-double arcGapError(CellType type, int n) {
+double arcGapError(CellType type, int n, bool outerFirst = false) {
   const Map polar = [](const Point& x) { return Point{x[0] * std::cos(x[1]), x[0] * std::sin(x[1]), 0.0}; };
   const NormalField outward = [](const Point& x) { return x; };
+  const NormalField inward = [](const Point& x) { return scaled(-1.0, x); };
   const Surface inner =
       surfaceOf(block(type, {1, 0, 0}, {1, 1.2, 0}, {1, 1, 1}, {1, n, 1}, 0, polar), "right", outward);
-  const Surface outer =
-      surfaceOf(block(type, {2.05, 0, 0}, {1, 1.2, 0}, {1, 1, 1}, {1, n + 3, 1}, upperFirst, polar), "left");
-  const auto points = mortarPoints(inner, outer);
-  EXPECT_EQ(points.size(), inner.numbers.size());
-  double error = 0.0, length = 0.0;
+  const Surface outer = surfaceOf(
+      block(type, {2.05, 0, 0}, {1, 1.2, 0}, {1, 1, 1}, {1, n + 3, 1}, upperFirst, polar), "left", inward);
+  const Surface& first = outerFirst ? outer : inner;
+  const auto points = mortarPoints(first, outerFirst ? inner : outer);
+  EXPECT_EQ(points.size(), first.numbers.size());
+  double error = 0.0, length = 0.0, whole = 0.0;
   for (const ContactPoint& point : points) {
     error = std::max(error, std::abs(point.gap - 0.05));
     length += point.area;
   }
-  double whole = 0.0;
-  for (double area : inner.areas)
+  for (double area : first.areas)
     whole += area;
   // The arcs end on the same rays: everything is covered, up to the rounding of a root.
   EXPECT_NEAR(length, whole, 1e-11);
@@ -235,6 +270,26 @@ TEST(MortarPlane, gap_between_arcs_converges) {
   EXPECT_GT(arcGapError(CellType::Quadrilateral4, 8) / arcGapError(CellType::Quadrilateral4, 32), 10.0);
   EXPECT_GT(arcGapError(CellType::Quadrilateral9, 8) / arcGapError(CellType::Quadrilateral9, 32), 64.0);
   EXPECT_LT(arcGapError(CellType::Quadrilateral9, 32), 1e-6);
+  EXPECT_GT(arcGapError(CellType::Quadrilateral4, 8, true) / arcGapError(CellType::Quadrilateral4, 32, true),
+            10.0);
+  EXPECT_GT(arcGapError(CellType::Quadrilateral9, 8, true) / arcGapError(CellType::Quadrilateral9, 32, true),
+            64.0);
+}
+
+TEST(MortarPlane, counterparts_aside_of_a_facet_are_found) {
+  // One facet of angle 1.2 about the x axis; the arc behind it is half as large again.
+  const Map polar = [](const Point& x) { return Point{x[0] * std::cos(x[1]), x[0] * std::sin(x[1]), 0.0}; };
+  const NormalField outward = [](const Point& x) { return x; };
+  const Surface inner =
+      surfaceOf(block(CellType::Quadrilateral4, {1, -0.6, 0}, {1, 1.2, 0}, {1, 1, 1}, {1, 1, 1}, 0, polar),
+                "right", outward);
+  const Surface outer = surfaceOf(
+      block(CellType::Quadrilateral4, {3, -1, 0}, {1, 2, 0}, {1, 1, 1}, {1, 40, 1}, upperFirst, polar),
+      "left");
+  double length = 0.0;
+  for (const ContactPoint& point : mortarPoints(inner, outer, 1.5))
+    length += point.area;
+  EXPECT_NEAR(length, 4.0 * std::sin(0.6), 1e-11);
 }
 
 TEST(MortarPlane, does_not_depend_on_the_decomposition_and_is_the_same_on_every_rank) {

@@ -217,6 +217,46 @@ TEST(MortarSpace, gap_between_cylinders_converges) {
   }
 }
 
+namespace {
+
+// Between patches of spheres of radius 2 and 2.05, over angles of 0.8, the outer one larger. Facets are
+// warped.
+Gap sphereGap(CellType type, int n) {
+  const Map sphere = [](const Point& x) {
+    return Point{x[2] * std::sin(x[0]) * std::cos(x[1]), x[2] * std::sin(x[1]),
+                 x[2] * std::cos(x[0]) * std::cos(x[1])};
+  };
+  const NormalField outward = [](const Point& x) { return x; };
+  const Surface inner =
+      surfaceOf(block(type, {-0.4, -0.4, 1}, {0.8, 0.8, 1}, {1, 1, 1}, {n, n, 1}, 0, sphere), "top", outward);
+  const int m = 11 * n / 8;
+  const Surface outer = surfaceOf(
+      block(type, {-0.5, -0.5, 2.05}, {1, 1, 1}, {1, 1, 1}, {m, m, 1}, upperFirst, sphere), "bottom");
+  Gap gap{0.0, 0.0};
+  const auto points = mortarPoints(inner, outer);
+  EXPECT_EQ(points.size(), inner.numbers.size());
+  EXPECT_LT(rowError(points, inner, outer, one), 10 * rounding);
+  for (const ContactPoint& point : points) {
+    gap.error = std::max(gap.error, std::abs(point.gap - 0.05));
+    gap.area += point.area;
+  }
+  return gap;
+}
+
+} // namespace
+
+TEST(MortarSpace, gap_between_spheres_converges) {
+  const double area = 4.0 * 0.8 * 2.0 * std::sin(0.4);
+  for (CellType type : firsts) {
+    const Gap coarse = sphereGap(type, 8), fine = sphereGap(type, 32);
+    // Sagittas in two directions, of both surfaces. O(h²) makes 16; the largest error has its whims.
+    EXPECT_LT(coarse.error, 4.0 * 2.0 * 0.1 * 0.1 / 8.0);
+    EXPECT_GT(coarse.error / fine.error, 10.0) << coarse.error << " " << fine.error;
+    // For second order too: sides are taken as straight where the surface ends.
+    EXPECT_GT(std::abs(coarse.area - area) / std::abs(fine.area - area), 12.0);
+  }
+}
+
 TEST(MortarSpace, does_not_depend_on_the_decomposition_and_is_the_same_on_every_rank) {
   const auto make = [](CellType type, std::array<int, 3> subdomains, std::array<int, 3> elements) {
     const Map bend = [](const Point& x) { return Point{x[0], x[1], x[2] + 0.1 * x[0] * x[0]}; };
