@@ -206,6 +206,10 @@ TEST(MortarPlane, only_surfaces_that_face_each_other_within_reach_count) {
             std::string::npos)
       << far;
   EXPECT_EQ(mortarPoints(pair.lower, pair.upper, 0.6).size(), 7u);
+  const Pair turned = pairOf(CellType::Quadrilateral4, 3, CellType::Quadrilateral4, 3, 0.0, 3.0, 0.31, 0.7);
+  EXPECT_NE(messageOf([&] { mortarPoints(turned.lower, turned.upper, 0.3); }).find("never meet"),
+            std::string::npos);
+  EXPECT_EQ(mortarPoints(turned.lower, turned.upper, 0.32).size(), 7u);
   // The top of the upper body is as near as its bottom, but looks the other way.
   const Surface away = surfaceOf(
       block(CellType::Quadrilateral4, {0, -0.9, 0}, {3, 1, 0}, {1, 1, 1}, {3, 1, 1}, upperFirst), "top");
@@ -276,8 +280,9 @@ TEST(MortarPlane, gap_between_arcs_converges) {
             64.0);
 }
 
-TEST(MortarPlane, counterparts_aside_of_a_facet_are_found) {
-  // One facet of angle 1.2 about the x axis; the arc behind it is half as large again.
+TEST(MortarPlane, rays_follow_the_interpolated_normals) {
+  // One facet of angle 1.2 about the x axis, its normals radial: so are those between, and their rays reach
+  // parts of the arc behind it that lie aside of the facet.
   const Map polar = [](const Point& x) { return Point{x[0] * std::cos(x[1]), x[0] * std::sin(x[1]), 0.0}; };
   const NormalField outward = [](const Point& x) { return x; };
   const Surface inner =
@@ -286,10 +291,30 @@ TEST(MortarPlane, counterparts_aside_of_a_facet_are_found) {
   const Surface outer = surfaceOf(
       block(CellType::Quadrilateral4, {3, -1, 0}, {1, 2, 0}, {1, 1, 1}, {1, 40, 1}, upperFirst, polar),
       "left");
-  double length = 0.0;
-  for (const ContactPoint& point : mortarPoints(inner, outer, 1.5))
+  double length = 0.0, gap = 0.0;
+  for (const ContactPoint& point : mortarPoints(inner, outer, 1.5)) {
     length += point.area;
+    gap += point.area * point.gap;
+  }
   EXPECT_NEAR(length, 4.0 * std::sin(0.6), 1e-11);
+  // ∫ 3 − |x| along the chord x = (c, s), −e < s < e; the sagitta of the outer facets is 1e-3.
+  const double c = 2.0 * std::cos(0.6), e = 2.0 * std::sin(0.6);
+  EXPECT_NEAR(gap, 6.0 * e - (2.0 * e + c * c * std::asinh(e / c)), 1e-3 * length);
+}
+
+TEST(MortarPlane, a_ring_is_not_met_through_its_hole) {
+  // The far part of the hole looks at the disk too, but from behind.
+  const Map polar = [](const Point& x) { return Point{x[0] * std::cos(x[1]), x[0] * std::sin(x[1]), 0.0}; };
+  const Surface disk = surfaceOf(
+      block(CellType::Quadrilateral4, {0.5, -0.5, 0}, {0.5, 1, 0}, {1, 1, 1}, {1, 4, 1}, 0, polar), "right");
+  const auto hole = [&](double middle) {
+    return surfaceOf(block(CellType::Quadrilateral4, {1.2, middle - 0.5, 0}, {1, 1, 0}, {1, 1, 1}, {1, 3, 1},
+                           upperFirst, polar),
+                     "left");
+  };
+  EXPECT_EQ(mortarPoints(disk, hole(0.0), 3.0).size(), 5u);
+  const Surface far = hole(3.14159265358979);
+  EXPECT_NE(messageOf([&] { mortarPoints(disk, far, 3.0); }).find("never meet"), std::string::npos);
 }
 
 TEST(MortarPlane, does_not_depend_on_the_decomposition_and_is_the_same_on_every_rank) {

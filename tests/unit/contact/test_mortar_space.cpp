@@ -137,6 +137,19 @@ TEST(MortarSpace, gap_is_the_distance_and_negative_for_penetration) {
     }
 }
 
+TEST(MortarSpace, a_steep_flank_is_no_counterpart) {
+  // The bottom of the upper body rises at 87 degrees from x = 0.5 on, and would cover 0.03 more.
+  const Map flank = [](const Point& x) {
+    const double beyond = std::max(0.0, x[0] - 0.5);
+    return Point{x[0] - 0.94 * beyond, x[1], x[2] + 1.2 * beyond};
+  };
+  const Surface lower =
+      surfaceOf(block(CellType::Hexahedron8, {0, 0, -1}, {1, 1, 1}, {1, 1, 1}, {3, 2, 1}), "top");
+  const Surface upper = surfaceOf(
+      block(CellType::Hexahedron8, {0, 0, 0}, {1, 1, 1}, {1, 1, 1}, {4, 3, 1}, upperFirst, flank), "bottom");
+  EXPECT_NEAR(resultantOf(mortarPoints(lower, upper), lower, true).force, 0.5, 10 * rounding);
+}
+
 TEST(MortarSpace, slivers_of_coverage_give_no_wild_rows) {
   for (double sliver : {1e-3, 1e-5, 1e-8, 1e-12}) {
     // Facets of a quarter by a third; the third column is covered by a sliver.

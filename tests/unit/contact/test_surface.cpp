@@ -159,7 +159,7 @@ TEST(Surface, normals_are_weighted_by_the_area_of_facets) {
 
 TEST(Surface, does_not_depend_on_the_order_of_the_subdomains) {
   // Thirds and odd anchors: copies of a node differ by rounding.
-  const auto body = block(CellType::Hexahedron8, {0.1, 0.2, 0.3}, {1.1, 1.3, 1}, {3, 3, 1}, {3, 3, 1});
+  const auto body = block(CellType::Hexahedron8, {0.1, 0.2, 0.3}, {1.1, 1.3, 1}, {7, 5, 1}, {3, 3, 1});
   auto meshes = share(body);
   const Surface one = gather(meshes, "top", "top");
   std::reverse(meshes.begin(), meshes.end());
