@@ -21,6 +21,7 @@ struct ContactPoint {
     double weight;
   };
   long long node = 0;      ///< of the first surface, which the point belongs to
+  fem::Point position{};   ///< of that node
   std::vector<Term> terms; ///< by rising node number
   fem::Point normal{};     ///< outward from the first surface
   double gap = 0.0;        ///< initial distance along the normal; negative: penetration
@@ -29,11 +30,15 @@ struct ContactPoint {
 
 /// Where two surfaces touch initially in nodes of the same position: u¹ − u² at each pair.
 ///
-/// The normal is that of the first surface, averaged with the opposite one of the second surface.
+/// The normal is that of the first surface, averaged with the opposite one of the second surface; the area
+/// that of tributaryAreas().
 /// @param tolerance of the positions, relative to the extent of the surfaces and their distance from the
 /// origin.
 /// @return ordered by node number of the first surface; the same on every rank.
-/// @throws InputError if a node of either has no partner, naming it. Local: every rank holds the surfaces.
+/// @throws InputError if a node of either has no partner, naming it, or if both surfaces look the same way
+/// there.
+///         Local: every rank holds the surfaces.
+/// Guarded by tests/unit/contact/test_match_nodes.cpp.
 std::vector<ContactPoint> matchNodes(const Surface& first, const Surface& second, double tolerance = 1e-9);
 
 /// Whether matchNodes() would find a partner for each node of both.
@@ -42,18 +47,34 @@ bool nodesMatch(const Surface& first, const Surface& second, double tolerance = 
 /// Mortar coupling of surfaces that need not match, with dual Lagrange multipliers (Wohlmuth 2000; Popp,
 /// Gitterle, Gee, Wall 2010): a point for each node i of the first surface,
 ///
-///     w_i = Σ_j D_ij u_j − Σ_k M_ik u_k, divided by D_ii,   D_ij = ∫ψ_i φ_j = δ_ij ∫φ_i,   M_ik = ∫ψ_i
-///     φ_k∘χ,
+///     w_i = Σ_j D_ij u_j − Σ_k M_ik u_k, divided by D_ii,
+///     D_ij = ∫ψ_i φ_j = δ_ij ∫φ_i,   M_ik = ∫ψ_i φ_k∘χ,
 ///
-/// gap_i = ∫ψ_i g / D_ii, both integrals over the part of the first surface that has a counterpart: ψ_i are
-/// made there too (Cichosz & Bischoff 2011), so that the patch test holds at the ends of the surfaces.
+/// gap_i = ∫ψ_i g / D_ii, all integrals over the part of the first surface that has a counterpart: ψ_i are
+/// made there too (Cichosz & Bischoff 2011), so that the patch test holds at the ends of the surfaces. The
+/// area of a point is D_ii, its normal that of the node.
 /// In the plane edges are cut at projections of nodes along the averaged normals; in space facets are clipped
 /// against each other in the plane of the facet of the first surface (Puso & Laursen 2004).
 ///
+/// Linear displacements of flat surfaces are reproduced to rounding, whatever the quadrature, for ψ_i are
+/// dual in the sums of the very same quadrature; rigid translations always. Gaps of curved surfaces converge
+/// with h², those of second order faster, down to the error O(gap² h²) of projecting a facet along one
+/// normal.
+///
+/// Nodes whose ∫φ_i over the covered part is not positive, or so small that weights would exceed 1e4, give no
+/// point: nodes at the far end of a facet that is covered by less than 1e-4 of its length, and far nodes of
+/// second-order facets covered by less than three quarters. A constant pressure has its exact resultant but
+/// for them.
+///
+/// Cost: proportional to the number of facets, but for the search, which is O(n log n); on every rank. 20 000
+/// facets of each surface take less than a second.
+///
 /// @param reach counterparts farther than this are none; 0: a tenth of the extent of the smaller surface.
 /// @return ordered by node number; nodes without a counterpart give none.
-/// @throws InputError if no node has a counterpart (the pair never meets), and for surfaces whose facets
-///         are not supported (triangles of six nodes on the first surface). Local.
+/// @throws InputError if no node has a counterpart (the pair never meets), for surfaces whose facets are not
+///         supported (triangles of six nodes on the first surface), for surfaces of different dimensions and
+///         a negative reach, and for facets too distorted to be projected. Local.
+/// Guarded by tests/unit/contact/test_mortar_plane.cpp and tests/unit/contact/test_mortar_space.cpp.
 std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& second, double reach = 0.0);
 
 /// A rigid body, at rest.
@@ -68,18 +89,21 @@ struct Obstacle {
 
 /// Contact with a rigid obstacle: n·u ≤ gap at each node of the surface, n the direction towards the
 /// obstacle at the initial position of the node, gap its distance.
-/// @return ordered by node number.
+/// @return ordered by node number; areas from tributaryAreas().
 /// @throws InputError for a direction of length zero, a radius of zero, and a node at the centre. Local.
+/// Guarded by tests/unit/contact/test_obstacle.cpp.
 std::vector<ContactPoint> obstaclePoints(const Surface& surface, const Obstacle& obstacle);
 
 /// Rows n·w ≤ gap, one a point, numbered from `firstNumber`; row k of them is given on rank k mod ranks.
 /// @param components dofs a node: dof = node · components + component; 1 for scalar problems, where w is the
-///        displacement itself and the normal plays no part.
+///        displacement itself and the normal plays no part. Components of a normal that are rounding errors
+///        (below 1e-14) give no terms.
+/// Guarded by tests/unit/contact/test_contact_rows.cpp.
 std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
                                        const std::vector<ContactPoint>& points, int components,
                                        long long firstNumber);
 
-/// Rows w_c = 0, one a point and component.
+/// Rows w_c = 0, one a point and component: row k · components + c for component c of point k.
 std::vector<ConstraintRow> tieRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points,
                                    int components, long long firstNumber);
 

@@ -96,6 +96,7 @@ std::vector<ContactPoint> matchNodes(const Surface& first, const Surface& second
       throwUnmatched(first, second, true, i);
     ContactPoint point;
     point.node = first.numbers[i];
+    point.position = first.positions[i];
     point.terms = {{first.numbers[i], 1.0}, {second.numbers[k], -1.0}};
     std::sort(point.terms.begin(), point.terms.end(),
               [](const ContactPoint::Term& a, const ContactPoint::Term& b) { return a.node < b.node; });

@@ -16,7 +16,7 @@ namespace {
 using fem::CellType;
 using fem::Point;
 
-// What is gathered for a node of the first surface, each divided by nothing yet.
+// What is gathered for a node of the first surface, not yet divided by D_ii.
 struct NodeSums {
   double area = 0.0;                  // D_ii
   double magnitude = 0.0;             // ∫|ψ_i|
@@ -101,15 +101,28 @@ void add(const std::vector<MortarSample>& samples, const Facet& facet, const Sur
   }
 }
 
-// Second-order facets bulge beyond the box of their nodes, by at most a quarter of its size.
-Box boxOf(const Surface& surface, int f) {
-  const Facet facet(surface, f);
+// Of points of a facet. Second-order facets bulge beyond the box of their nodes, by at most a quarter of its
+// size.
+Box boxOf(const Surface& surface, const Facet& facet, std::vector<Point> points) {
+  std::vector<Point> nodes;
+  for (std::size_t k = 0; k < facet.size(); ++k)
+    nodes.push_back(facet.position(k));
+  const Box own = boxAround(nodes);
+  const double bulge = fem::shapeOf(surface.facetType).order == 2 ? 0.25 : 1e-9;
+  points.insert(points.end(), nodes.begin(), nodes.end());
+  return widened(boxAround(points), bulge * norm(difference(own.high, own.low)));
+}
+
+// Where counterparts of a facet may be: along the normals alone, for the reach may be many facets wide.
+Box boxWithin(const Surface& surface, const Facet& facet, double reach) {
+  const Point areaNormal = facet.at(facetCentre(surface.facetType)).areaNormal;
+  const Point middle = scaled(1.0 / norm(areaNormal), areaNormal);
   std::vector<Point> points;
   for (std::size_t k = 0; k < facet.size(); ++k)
-    points.push_back(facet.position(k));
-  const Box box = boxAround(points);
-  const double bulge = fem::shapeOf(surface.facetType).order == 2 ? 0.25 : 1e-9;
-  return widened(box, bulge * norm(difference(box.high, box.low)));
+    for (const Point& normal : {surface.normals[facet.node(k)], middle})
+      for (double side : {-1.1, 1.1}) // a little more, as normals between the nodes differ from these
+        points.push_back(sum(facet.position(k), scaled(side * reach, normal)));
+  return boxOf(surface, facet, points);
 }
 
 double extent(const Surface& surface) {
@@ -147,11 +160,11 @@ std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& seco
   const double distance = reach > 0.0 ? reach : 0.1 * std::min(extent(first), extent(second));
   std::vector<Box> boxes;
   for (int f = 0; f < second.numberOfFacets(); ++f)
-    boxes.push_back(boxOf(second, f));
+    boxes.push_back(boxOf(second, Facet(second, f), {}));
   const BoxTree tree(boxes);
   std::vector<NodeSums> sums(first.numbers.size());
   for (int f = 0; f < first.numberOfFacets(); ++f) {
-    const std::vector<int> candidates = tree.touching(widened(boxOf(first, f), distance));
+    const std::vector<int> candidates = tree.touching(boxWithin(first, Facet(first, f), distance));
     if (candidates.empty())
       continue;
     add(first.dimension == 2 ? planeSamples(first, f, second, candidates, distance)
@@ -165,6 +178,7 @@ std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& seco
       continue;
     ContactPoint point;
     point.node = first.numbers[i];
+    point.position = first.positions[i];
     std::map<long long, double> weights = {{point.node, 1.0}};
     for (const auto& [node, integral] : sum.others)
       if (std::abs(integral) > negligibleWeight * sum.area)

@@ -13,6 +13,10 @@ using fem::Point;
 using Place = std::array<double, 2>; // in the auxiliary plane
 using Polygon = std::vector<Place>;  // counter-clockwise
 
+// Cosine of the angle between facets: at more than 84 degrees their projections are ill-conditioned, and no
+// pressure passes from one to the other.
+constexpr double leastFacing = 0.1;
+
 // The plane in which facets are clipped: through the centre of a facet of the first surface.
 struct Plane {
   Point origin, normal, first, second;
@@ -139,7 +143,7 @@ std::vector<MortarSample> spaceSamples(const Surface& first, int f, const Surfac
     Polygon other = cornersOf(opposite, plane);
     std::reverse(other.begin(), other.end()); // facing surfaces have opposite orientations
     const Point away = opposite.at(facetCentre(second.facetType)).areaNormal;
-    if (!(dot(away, plane.normal) < -1e-6 * norm(away)) || !(area(other) > 0.0))
+    if (!(dot(away, plane.normal) < -leastFacing * norm(away)) || !(area(other) > 0.0))
       continue;
     const Polygon common = clipped(own, other);
     if (common.size() < 3 || area(common) < 1e-14 * whole)

@@ -28,8 +28,8 @@ std::vector<MortarSample> planeSamples(const Surface& first, int facet, const Su
                                        const std::vector<int>& candidates, double reach);
 
 /// In space: polygons of the corners, clipped in the plane of the facet of the first surface at its centre.
-/// Facets are taken as convex, and sides of second order as straight: their bends give slivers of second
-/// order that are counted twice or not at all.
+/// Facets are taken as convex, and their sides of second order as straight: bends give slivers that are
+/// counted twice or not at all. Facets at more than 84 degrees to each other do not face.
 std::vector<MortarSample> spaceSamples(const Surface& first, int facet, const Surface& second,
                                        const std::vector<int>& candidates, double reach);
 

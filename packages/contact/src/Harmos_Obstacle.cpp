@@ -70,6 +70,7 @@ std::vector<ContactPoint> obstaclePoints(const Surface& surface, const Obstacle&
     }
     ContactPoint point;
     point.node = surface.numbers[i];
+    point.position = surface.positions[i];
     point.terms = {{point.node, 1.0}};
     point.normal = separation.normal;
     point.gap = separation.gap;

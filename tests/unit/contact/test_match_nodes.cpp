@@ -69,6 +69,23 @@ TEST(MatchNodes, far_from_the_origin_positions_need_not_agree_to_the_bit) {
   EXPECT_TRUE(nodesMatch(surfaceOf(a, "right"), surfaceOf(b, "left")));
 }
 
+TEST(MatchNodes, two_nodes_at_a_place_have_two_partners) {
+  // Two bodies side by side that are not joined, against two others.
+  const auto row = [](double y, long long firstNode) {
+    auto meshes =
+        share(block(CellType::Quadrilateral4, {0, y, 0}, {1, 1, 0}, {1, 1, 1}, {1, 1, 1}, firstNode));
+    for (const fem::PlacedMesh& mesh :
+         share(block(CellType::Quadrilateral4, {1, y, 0}, {1, 1, 0}, {1, 1, 1}, {1, 1, 1}, firstNode + 10)))
+      meshes.push_back(mesh);
+    return meshes;
+  };
+  const auto points = matchNodes(gather(row(0, 0), "top", "lower"), gather(row(1, 100), "bottom", "upper"));
+  std::set<long long> partners;
+  for (const ContactPoint& point : points)
+    partners.insert(point.terms[1].node);
+  EXPECT_EQ(partners, (std::set<long long>{100, 101, 110, 111}));
+}
+
 TEST(MatchNodes, surfaces_that_do_not_match_are_refused) {
   const auto text = [](const fem::StructuredBlock& a, const fem::StructuredBlock& b, const std::string& set) {
     const Surface first = surfaceOf(a, "right"), second = surfaceOf(b, set);

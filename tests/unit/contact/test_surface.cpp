@@ -143,6 +143,32 @@ TEST(Surface, does_not_depend_on_the_decomposition) {
   }
 }
 
+TEST(Surface, normals_are_weighted_by_the_area_of_facets) {
+  // Facets from (0, 1) to (1, 1) and on to (4, 5): lengths 1 and 5.
+  const Map bend = [](const Point& x) {
+    const double beyond = std::max(0.0, x[0] - 1.0);
+    return Point{x[0] + 2.0 * beyond, x[1] + 4.0 * beyond, 0.0};
+  };
+  const Surface top =
+      surfaceOf(block(CellType::Quadrilateral4, {0, 0, 0}, {2, 1, 0}, {1, 1, 1}, {2, 1, 1}, 0, bend), "top");
+  EXPECT_LT(norm(difference(top.normals[0], {0, 1, 0})), 1e-15);
+  EXPECT_LT(norm(difference(top.normals[1], {-std::sqrt(0.5), std::sqrt(0.5), 0})),
+            1e-15); // (0, 1) + (−4, 3)
+  EXPECT_LT(norm(difference(top.normals[2], {-0.8, 0.6, 0})), 1e-15);
+}
+
+TEST(Surface, does_not_depend_on_the_order_of_the_subdomains) {
+  // Thirds and odd anchors: copies of a node differ by rounding.
+  const auto body = block(CellType::Hexahedron8, {0.1, 0.2, 0.3}, {1.1, 1.3, 1}, {7, 5, 1}, {3, 3, 1});
+  auto meshes = share(body);
+  const Surface one = gather(meshes, "top", "top");
+  std::reverse(meshes.begin(), meshes.end());
+  const Surface other = gather(meshes, "top", "top");
+  EXPECT_EQ(one.positions, other.positions);
+  EXPECT_EQ(one.normals, other.normals);
+  EXPECT_EQ(one.areas, other.areas);
+}
+
 TEST(Surface, every_rank_has_the_same_bits) {
   const auto body = block(CellType::Hexahedron8, {0.1, 0.2, 0.3}, {1, 1, 1}, {3, 2, 1}, {2, 2, 1});
   const Surface surface = surfaceOf(body, "top");
