@@ -17,18 +17,18 @@ renamed, so that a reader never sees half of one.
 
 convergence.png draws the norms of the projected gradient and of the equality residual against
 the number of Hessian applications, the cost that is independent of the machine; solution.png is
-described in plot_solution.py.
+described in plot_solution.py for membranes and in plot_deformed.py for elastic bodies.
 """
 
 import argparse
-import os
 import sys
 from pathlib import Path
 
 import numpy as np
-from plot_style import FAINT, INK, STYLE, caption_of, finish
+from plot_deformed import plot_deformed
+from plot_style import FAINT, INK, STYLE, caption_of, finish, save
 from plot_solution import plot_solution
-from run_results import PlotError, read_field, read_iterations, read_summary
+from run_results import PlotError, Solid, read_iterations, read_result, read_summary
 
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
@@ -144,23 +144,6 @@ def plot_convergence(table, summary, title, caption):
     return figure
 
 
-def save(figure, path, dpi):
-    """Write beside the place and rename: the name never stands for half a picture."""
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        # No entry that differs between two runs on the same data.
-        figure.savefig(temporary, format="png", dpi=dpi, metadata={"Software": None})
-        os.replace(temporary, path)
-    except OSError as error:
-        raise PlotError(
-            f"{path}: cannot write ({error.strerror}); give a writable directory with --output"
-        ) from error
-    finally:
-        temporary.unlink(missing_ok=True)
-        plt.close(figure)
-    print(path)
-
-
 def run(options):
     directory = Path(options.directory)
     if not directory.is_dir():
@@ -173,12 +156,16 @@ def run(options):
     summary = read_summary(directory / "summary.json")
     table = read_iterations(directory / "iterations.csv")
     result = directory / "result.vtkhdf"
-    field = read_field(result) if result.exists() else None
+    field = read_result(result) if result.exists() else None
 
     caption = caption_of(summary)
     with plt.rc_context(STYLE):
         if field is not None:
-            save(plot_solution(field, options.title, caption), output / "solution.png", options.dpi)
+            if isinstance(field, Solid):
+                figure = plot_deformed([field], options.title, caption)
+            else:
+                figure = plot_solution(field, options.title, caption)
+            save(figure, output / "solution.png", options.dpi)
         else:
             print(
                 f"{result}: not there (output of fields was off); only convergence.png is made",

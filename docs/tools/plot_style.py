@@ -5,7 +5,10 @@ Colours, made for colour-blind readers: M. Okabe, K. Ito, "Color universal desig
 map viridis of N. Smith and S. van der Walt.
 """
 
+import os
+
 import matplotlib
+from run_results import PlotError
 
 matplotlib.use("Agg")
 
@@ -74,3 +77,20 @@ def finish(figure, title, caption):
             lines[-1] = longer
     text = "\n".join(lines)
     figure.text(0.5, 0.015, text, ha="center", va="bottom", fontsize=8, color="#555555")
+
+
+def save(figure, path, dpi):
+    """Write beside the place and rename: the name never stands for half a picture."""
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        # No entry that differs between two runs on the same data.
+        figure.savefig(temporary, format="png", dpi=dpi, metadata={"Software": None})
+        os.replace(temporary, path)
+    except OSError as error:
+        raise PlotError(
+            f"{path}: cannot write ({error.strerror}); give a writable directory with --output"
+        ) from error
+    finally:
+        temporary.unlink(missing_ok=True)
+        plt.close(figure)
+    print(path)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Reads what a run leaves behind: summary.json, iterations.csv, result.vtkhdf.
 
+Membranes (a scalar displacement) become a Field, elastic bodies (a vector) a Solid.
+
 File layout: "VTKHDF file format", VTK documentation, version 1.0, UnstructuredGrid with one part a
 subdomain.
 """
@@ -13,6 +15,37 @@ from dataclasses import dataclass
 import numpy as np
 
 VTK_CORNERS = {5: 3, 9: 4}  # VTK_TRIANGLE, VTK_QUAD
+
+# For elastic bodies: what is drawn of each type of cell, as flat pieces in the plane and as faces
+# in space. A triangle repeats its last corner. Cells with nodes between the corners are cut up.
+TRIANGLE_6 = ((0, 3, 5, 5), (3, 1, 4, 4), (5, 4, 2, 2), (3, 4, 5, 5))
+QUAD_9 = ((0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3))
+TETRA_FACES = ((0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (2, 0, 3, 6, 7, 9), (0, 2, 1, 6, 5, 4))
+HEX_FACES = (
+    (0, 4, 7, 3, 16, 15, 19, 11, 20),
+    (1, 2, 6, 5, 9, 18, 13, 17, 21),
+    (0, 1, 5, 4, 8, 17, 12, 16, 22),
+    (3, 7, 6, 2, 19, 14, 18, 10, 23),
+    (0, 3, 2, 1, 11, 10, 9, 8, 24),
+    (4, 5, 6, 7, 12, 13, 14, 15, 25),
+)
+
+
+def cut(faces, pieces):
+    return tuple(tuple(face[k] for k in piece) for face in faces for piece in pieces)
+
+
+# By type: dimension, nodes, pieces.
+VTK_PIECES = {
+    5: (2, 3, ((0, 1, 2, 2),)),
+    9: (2, 4, ((0, 1, 2, 3),)),
+    22: (2, 6, TRIANGLE_6),
+    28: (2, 9, QUAD_9),
+    10: (3, 4, cut(TETRA_FACES, ((0, 1, 2, 2),))),
+    12: (3, 8, cut(HEX_FACES, ((0, 1, 2, 3),))),
+    24: (3, 10, cut(TETRA_FACES, TRIANGLE_6)),
+    29: (3, 27, cut(HEX_FACES, QUAD_9)),
+}
 
 STEPS = ("start", "cg", "expansion", "proportioning", "pcpg", "active set")
 
@@ -47,6 +80,49 @@ class Field:
     cells: np.ndarray  # (cells, 4) point numbers; a triangle repeats its last corner
     part_of_cell: np.ndarray
     parts: int
+
+
+@dataclass
+class Solid:
+    """The drawn part of elastic bodies; parts are the subdomains, which share no points."""
+
+    dimension: int
+    xyz: np.ndarray  # (points, 3)
+    displacement: np.ndarray  # (points, 3)
+    von_mises: np.ndarray  # (points,); None if the result has no stresses
+    pressure: np.ndarray  # (points,)
+    gap: np.ndarray  # (points,)
+    active: np.ndarray  # (points,) 0 off the interface, 1 open, 2 closed
+    part_of_point: np.ndarray
+    body_of_point: np.ndarray
+    place: np.ndarray  # (points,) the same number for all copies of a node within its body
+    cells: np.ndarray  # (cells, 4) pieces of the cells in the plane, in space their outer faces
+    part_of_cell: np.ndarray
+    parts: int
+
+    @property
+    def xy(self):
+        return self.xyz[:, :2]
+
+    @property
+    def extent(self):
+        return float(np.ptp(self.xyz, axis=0).max())
+
+
+def places(xyz, body):
+    """Number of the node of which each point is a copy."""
+    extent = np.ptp(xyz, axis=0).max() or 1.0
+    # Shifted by an odd amount: multiples of simple fractions lie on no border of the boxes.
+    box = np.floor((xyz / extent + 0.2718281828459) * 2**26).astype(np.int64)
+    _, number = np.unique(np.column_stack([body, box]), axis=0, return_inverse=True)
+    return number.ravel()
+
+
+def outer_faces(faces, place):
+    """Bool for each face: whether it belongs to one cell only."""
+    keys = np.sort(place[faces], axis=1)
+    _, which, counts = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
+    return counts[which.ravel()] == 1
 
 
 def read_summary(path):
@@ -118,7 +194,16 @@ def read_iterations(path):
 
 
 def read_field(path):
-    """Read a VTKHDF UnstructuredGrid with one part a subdomain."""
+    """The membranes of a VTKHDF UnstructuredGrid with one part a subdomain."""
+    return read_with(path, parse_field)
+
+
+def read_result(path):
+    """A Field or a Solid, as the displacement is a scalar or a vector."""
+    return read_with(path, parse_result)
+
+
+def read_with(path, parse):
     try:
         import h5py
     except ImportError as error:
@@ -127,102 +212,184 @@ def read_field(path):
         ) from error
     try:
         with h5py.File(path, "r") as file:
-            return parse_field(path, file)
+            return parse(Source(path, file))
     except OSError as error:
         raise PlotError(f"{path}: not a readable HDF5 file ({error}); repeat the run") from error
 
 
-def parse_field(path, file):
-    def fail(what, remedy="the file is not a result of this version, repeat the run"):
-        raise PlotError(f"{path}: {what}; {remedy}")
+class Source:
+    """The arrays of an open file, and its points and cells."""
 
-    def dataset(name, length=None):
-        if name not in file["VTKHDF"]:
-            fail(f"dataset /VTKHDF/{name} is missing")
-        values = file["VTKHDF"][name][()]
+    def __init__(self, path, file):
+        self.path = path
+        if "VTKHDF" not in file:
+            self.fail("no group /VTKHDF")
+        self.root = file["VTKHDF"]
+        kind = self.root.attrs.get("Type", b"")
+        kind = kind.decode() if isinstance(kind, bytes) else str(kind)
+        if kind != "UnstructuredGrid":
+            self.fail(f"/VTKHDF is of type {kind!r}, not 'UnstructuredGrid'")
+
+        self.points = self.dataset("NumberOfPoints").astype(np.int64)
+        self.parts = len(self.points)
+        self.cells = self.dataset("NumberOfCells", self.parts).astype(np.int64)
+        self.ids = self.dataset("NumberOfConnectivityIds", self.parts).astype(np.int64)
+        self.n_points, self.n_cells = int(self.points.sum()), int(self.cells.sum())
+        if self.n_cells == 0:
+            self.fail("the result has no cells")
+        self.part_of_cell = np.repeat(np.arange(self.parts), self.cells)
+        self.part_of_point = np.repeat(np.arange(self.parts), self.points)
+
+    def fail(self, what, remedy="the file is not a result of this version, repeat the run"):
+        raise PlotError(f"{self.path}: {what}; {remedy}")
+
+    def __contains__(self, name):
+        return name in self.root
+
+    def dataset(self, name, length=None):
+        if name not in self.root:
+            self.fail(f"dataset /VTKHDF/{name} is missing")
+        values = self.root[name][()]
         if length is not None and len(values) != length:
-            fail(f"/VTKHDF/{name} has {len(values)} entries where {length} belong")
+            self.fail(f"/VTKHDF/{name} has {len(values)} entries where {length} belong")
         return values
 
-    def scalar(name, length):
-        values = dataset(name, length)
+    def column(self, name, length):
+        values = self.dataset(name, length)
         if values.ndim == 2 and values.shape[1] == 1:
             values = values[:, 0]
         return values
 
-    if "VTKHDF" not in file:
-        fail("no group /VTKHDF")
-    kind = file["VTKHDF"].attrs.get("Type", b"")
-    kind = kind.decode() if isinstance(kind, bytes) else str(kind)
-    if kind != "UnstructuredGrid":
-        fail(f"/VTKHDF is of type {kind!r}, not 'UnstructuredGrid'")
+    def point_data(self, name):
+        """Values at the points, all zero if the scene did not call for them."""
+        if f"PointData/{name}" not in self:
+            return np.zeros(self.n_points)
+        return self.column(f"PointData/{name}", self.n_points)
 
-    points = dataset("NumberOfPoints").astype(np.int64)
-    parts = len(points)
-    cells = dataset("NumberOfCells", parts).astype(np.int64)
-    ids = dataset("NumberOfConnectivityIds", parts).astype(np.int64)
-    n_points, n_cells = int(points.sum()), int(cells.sum())
-    if n_cells == 0:
-        fail("the result has no cells")
+    def require_finite(self, **arrays):
+        for name, values in arrays.items():
+            if not np.isfinite(values).all():
+                self.fail(
+                    f"{name} has values that are not finite", "look at the run, it has failed"
+                )
 
-    xyz = dataset("Points", n_points)
-    displacement = scalar("PointData/displacement", n_points)
-    if displacement.ndim != 1:
-        fail(
-            f"displacement has {displacement.shape[1]} components; vector displacements "
-            "(elasticity) are not supported yet",
-            "only membranes can be drawn, use ParaView for this result",
+    def corners(self, sizes, types):
+        """The cells' numbers and their nodes' numbers, (cells, nodes), by type.
+
+        sizes  nodes by type
+        """
+        # Every part has one offset more than cells, and counts its points and ids from zero.
+        part = self.part_of_cell
+        offsets = self.dataset("Offsets", self.n_cells + self.parts)
+        begin = offsets[np.arange(self.n_cells) + part]
+        end = offsets[np.arange(self.n_cells) + part + 1]
+        connectivity = self.dataset("Connectivity", int(self.ids.sum()))
+        first_id = (np.cumsum(self.ids) - self.ids)[part]
+        begin, end = begin + first_id, end + first_id
+        first_point = (np.cumsum(self.points) - self.points)[part]
+        result = {}
+        for kind in np.unique(types).tolist():
+            chosen = np.flatnonzero(types == kind)
+            if (end[chosen] - begin[chosen] != sizes[kind]).any():
+                self.fail("Offsets do not fit the cell types")
+            nodes = connectivity[begin[chosen, None] + np.arange(sizes[kind])].astype(np.int64)
+            if nodes.min() < 0 or (nodes >= self.points[part[chosen], None]).any():
+                self.fail("Connectivity names points outside their part")
+            result[kind] = (chosen, nodes + first_point[chosen, None])
+        return result
+
+    def types(self, known, words):
+        types = self.dataset("Types", self.n_cells)
+        strange = sorted(set(np.unique(types).tolist()) - set(known))
+        if strange:
+            self.fail(
+                f"cell type(s) {strange}; {words} can be drawn", "use ParaView for this result"
+            )
+        return types
+
+
+def components(source):
+    displacement = source.column("PointData/displacement", source.n_points)
+    return displacement.shape[1] if displacement.ndim == 2 else 1
+
+
+def parse_result(source):
+    return parse_field(source) if components(source) == 1 else parse_solid(source)
+
+
+def parse_field(source):
+    xyz = source.dataset("Points", source.n_points)
+    if components(source) > 1:
+        source.fail(
+            f"displacement has {components(source)} components; these are no membranes",
+            "use read_result(), which also reads elastic bodies",
         )
-    # A scene without contact writes neither.
-    if "contact_pressure" in file["VTKHDF/PointData"]:
-        pressure = scalar("PointData/contact_pressure", n_points)
-        active = scalar("PointData/active_set", n_points)
-    else:
-        pressure = np.zeros(n_points)
-        active = np.zeros(n_points, dtype=np.uint8)
-    body = scalar("CellData/body", n_cells)
+    displacement = source.column("PointData/displacement", source.n_points)
+    pressure, active = source.point_data("contact_pressure"), source.point_data("active_set")
+    body = source.column("CellData/body", source.n_cells)
+    source.require_finite(displacement=displacement, contact_pressure=pressure)
 
-    for name, values in (("displacement", displacement), ("contact_pressure", pressure)):
-        if not np.isfinite(values).all():
-            fail(f"{name} has values that are not finite", "look at the run, it has failed")
+    types = source.types(VTK_CORNERS, "triangles (5) and quadrilaterals (9)")
+    corners = np.empty((source.n_cells, 4), dtype=np.int64)
+    for chosen, nodes in source.corners(VTK_CORNERS, types).values():
+        corners[chosen] = nodes[:, np.minimum(np.arange(4), nodes.shape[1] - 1)]
 
-    types = dataset("Types", n_cells)
-    strange = sorted(set(np.unique(types).tolist()) - set(VTK_CORNERS))
-    if strange:
-        fail(
-            f"cell type(s) {strange}; triangles (5) and quadrilaterals (9) can be drawn",
-            "use ParaView for this result",
-        )
-    sizes = np.where(types == 5, 3, 4)
-
-    # Every part has one offset more than cells, and counts its points and ids from zero.
-    part_of_cell = np.repeat(np.arange(parts), cells)
-    first_id = np.concatenate([[0], np.cumsum(ids)[:-1]])
-    first_point = np.concatenate([[0], np.cumsum(points)[:-1]])
-    offsets = dataset("Offsets", n_cells + parts)
-    begin = offsets[np.arange(n_cells) + part_of_cell]
-    end = offsets[np.arange(n_cells) + part_of_cell + 1]
-    if not np.array_equal(end - begin, sizes):
-        fail("Offsets do not fit the cell types")
-    connectivity = dataset("Connectivity", int(ids.sum()))
-    begin = begin + first_id[part_of_cell]
-    corners = np.empty((n_cells, 4), dtype=np.int64)
-    for k in range(4):
-        corners[:, k] = connectivity[begin + np.minimum(k, sizes - 1)]
-    if corners.min() < 0 or (corners >= points[part_of_cell][:, None]).any():
-        fail("Connectivity names points outside their part")
-    corners += first_point[part_of_cell][:, None]
-
-    body_of_point = np.zeros(n_points, dtype=np.int64)
+    body_of_point = np.zeros(source.n_points, dtype=np.int64)
     body_of_point[corners] = body[:, None]
     return Field(
         xy=xyz[:, :2].astype(float),
         displacement=displacement.astype(float),
         pressure=pressure.astype(float),
         active=active.astype(int),
-        part_of_point=np.repeat(np.arange(parts), points),
+        part_of_point=source.part_of_point,
         body_of_point=body_of_point,
         cells=corners,
-        part_of_cell=part_of_cell,
-        parts=parts,
+        part_of_cell=source.part_of_cell,
+        parts=source.parts,
+    )
+
+
+def parse_solid(source):
+    xyz = source.dataset("Points", source.n_points).astype(float)
+    displacement = np.zeros((source.n_points, 3))
+    displacement[:, : components(source)] = source.dataset("PointData/displacement")
+    pressure, gap = source.point_data("contact_pressure"), source.point_data("gap")
+    stress = source.point_data("von_mises") if "PointData/von_mises" in source else None
+    body = source.column("CellData/body", source.n_cells)
+    source.require_finite(displacement=displacement, contact_pressure=pressure, gap=gap)
+    if stress is not None:
+        source.require_finite(von_mises=stress)
+
+    types = source.types(VTK_PIECES, f"the types {sorted(VTK_PIECES)}")
+    dimensions = {VTK_PIECES[kind][0] for kind in np.unique(types).tolist()}
+    if len(dimensions) > 1:
+        source.fail("cells of the plane and of space in one result", "use ParaView for this result")
+    dimension = dimensions.pop()
+    body_of_point = np.zeros(source.n_points, dtype=np.int64)
+    pieces, parts = [], []
+    sizes = {kind: size for kind, (_, size, _) in VTK_PIECES.items()}
+    for kind, (chosen, nodes) in source.corners(sizes, types).items():
+        body_of_point[nodes] = body[chosen, None]
+        cut_up = nodes[:, np.array(VTK_PIECES[kind][2])]
+        pieces.append(cut_up.reshape(-1, 4))
+        parts.append(np.repeat(source.part_of_cell[chosen], cut_up.shape[1]))
+    pieces, parts = np.concatenate(pieces), np.concatenate(parts)
+    place = places(xyz, body_of_point)
+    if dimension == 3:
+        outer = outer_faces(pieces, place)
+        pieces, parts = pieces[outer], parts[outer]
+    return Solid(
+        dimension=dimension,
+        xyz=xyz,
+        displacement=displacement,
+        von_mises=stress,
+        pressure=pressure.astype(float),
+        gap=gap.astype(float),
+        active=source.point_data("active_set").astype(int),
+        part_of_point=source.part_of_point,
+        body_of_point=body_of_point,
+        place=place,
+        cells=pieces,
+        part_of_cell=parts,
+        parts=source.parts,
     )
