@@ -129,15 +129,24 @@ void evaluateHertz(const Teuchos::ParameterList& deck, bool isBall, scene::RunRe
   }
   const double halfWidth = load > 0.0 ? std::sqrt((isBall ? 2.5 : 4.0) * moment / load) : 0.0;
   load *= isBall ? 4.0 : 2.0; // of the whole body
-  const double a = isBall ? std::cbrt(0.75 * load * radius / modulus) : std::sqrt(4.0 * load * radius / (pi * modulus));
+  const double a =
+      isBall ? std::cbrt(0.75 * load * radius / modulus) : std::sqrt(4.0 * load * radius / (pi * modulus));
   report.results["load"] = load;
   report.results["half_width"] = halfWidth;
   report.results["half_width_theory"] = a;
   report.results["peak_pressure"] = peak;
-  report.results["peak_pressure_theory"] = load > 0.0 ? (isBall ? 1.5 * load / (pi * a * a) : 2.0 * load / (pi * a)) : 0.0;
+  report.results["peak_pressure_theory"] =
+      load > 0.0 ? (isBall ? 1.5 * load / (pi * a * a) : 2.0 * load / (pi * a)) : 0.0;
   report.results["approach"] = approach;
-  report.results["approach_theory"] =
-      load > 0.0 ? (isBall ? a * a / radius : load / (pi * modulus) * (2.0 * std::log(4.0 * radius / a) - 1.0)) : 0.0;
+  double theory = load / (pi * modulus) * (2.0 * std::log(4.0 * radius / a) - 1.0);
+  if (isBall) {
+    // Each plate moves the other's contact too: on a half-space it would be a²/R alone.
+    const double nu = material.poisson[0], far = a * a + 4.0 * radius * radius;
+    theory = a * a / radius -
+             load / (pi * material.young[0]) *
+                 (2.0 * (1.0 + nu) * radius * radius / std::pow(far, 1.5) + (1.0 - nu * nu) / std::sqrt(far));
+  }
+  report.results["approach_theory"] = load > 0.0 ? theory : 0.0;
 }
 
 } // namespace Harmos::signorini

@@ -23,7 +23,9 @@ scene::Scene hertz(const Teuchos::ParameterList& deck, bool isBall);
 /// what theory says for that load.
 ///
 /// Cylinder: a² = 4PR/(πE*), p₀ = 2P/(πa), δ = P/(πE*) (2 ln(4R/a) − 1); ball: a³ = 3PR/(4E*),
-/// p₀ = 3P/(2πa²), δ = a²/R; E* = E/(1 − ν²) (Johnson: Contact Mechanics, 1985, sections 4.2, 5.6).
+/// p₀ = 3P/(2πa²), δ = a²/R − P/(πE) (2(1 + ν)R²/(a² + 4R²)^{3/2} + (1 − ν²)/(a² + 4R²)^{1/2});
+/// E* = E/(1 − ν²) (Johnson: Contact Mechanics, 1985, sections 4.2, 5.6; the part of the other plate in the
+/// ball's approach: Tatara, J. Eng. Mater. Technol. 113, 1991).
 /// The half-width of a computed solution is that of the Hertz pressure with the same second moment:
 /// ∫p x² = P a²/4 for the cylinder, ∫p r² = 2P a²/5 for the ball.
 void evaluateHertz(const Teuchos::ParameterList& deck, bool isBall, scene::RunReport& report);

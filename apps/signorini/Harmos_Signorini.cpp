@@ -16,13 +16,15 @@ std::string problemOf(const Teuchos::ParameterList& deck) {
 
 void addParameters(ParameterSpec& deck) {
   ParameterSpec model("Model", "The problem, its geometry and discretisation.");
-  model.choice("Problem", "membranes",
-               {{"membranes", "two membranes in contact: the model problem of Dostál, Horák, Vlach"},
-                {"block", "a heavy elastic square or cube on a rigid plane, lifted at one side"},
-                {"hertz cylinder", "an elastic cylinder between rigid plates, a quarter of its cross-section"},
-                {"hertz ball", "an elastic ball between rigid plates, an eighth of it"}},
-               "Which one.");
-  model.integer("Subdomains per side", 4, 1, 1024, "1/H: each body is cut into its square, or cube in space.");
+  model.choice(
+      "Problem", "membranes",
+      {{"membranes", "two membranes in contact: the model problem of Dostál, Horák, Vlach"},
+       {"block", "a heavy elastic square or cube on a rigid plane, lifted at one side"},
+       {"hertz cylinder", "an elastic cylinder between rigid plates, a quarter of its cross-section"},
+       {"hertz ball", "an elastic ball between rigid plates, an eighth of it"}},
+      "Which one.");
+  model.integer("Subdomains per side", 4, 1, 1024,
+                "1/H: each body is cut into its square, or cube in space.");
   model.integer("Elements per subdomain side", 8, 1, 4096, "H/h: elements along the side of a subdomain.");
   model.choice("Interface", "contact",
                {{"contact", "the second membrane lies on or above the first one: u² − u¹ ≥ 0"},
@@ -58,7 +60,7 @@ void evaluate(const Teuchos::ParameterList& deck, scene::RunReport& report) {
 } // namespace
 
 int main(int argc, char** argv) {
-  return app::main(
-      argc, argv,
-      {"signorini", "Signorini problems: membranes in contact, elastic bodies on a plane", addParameters, makeScene, evaluate});
+  return app::main(argc, argv,
+                   {"signorini", "Signorini problems: membranes in contact, elastic bodies on a plane",
+                    addParameters, makeScene, evaluate});
 }

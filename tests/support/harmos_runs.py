@@ -33,6 +33,7 @@ MPIEXEC = os.environ.get("HARMOS_MPIEXEC", "mpirun")
 DECKS = SOURCE / "apps" / "signorini" / "decks"
 MODEL = DECKS / "model.xml"
 PAPER = DECKS / "paper.xml"
+COMPOSITE = SOURCE / "apps" / "fiber_composite" / "decks" / "composite.xml"
 
 SKIPPED = 77
 
@@ -142,14 +143,14 @@ def launcher(np):
     return [MPIEXEC, "-n", str(np)] if np else []
 
 
-def start(words, np=2, cwd=None):
-    """Run the application with these words on its command line and nothing added to them."""
-    command = [*launcher(np), application(), *words]
+def start(words, np=2, cwd=None, program="signorini"):
+    """Run an application with these words on its command line and nothing added to them."""
+    command = [*launcher(np), application(program), *words]
     return Run(command, *execute(command, cwd=cwd), summary=None, directory=None)
 
 
-def run(deck, sets=None, np=2, output=None, extra=()):
-    """Run the application on a deck.
+def run(deck, sets=None, np=2, output=None, extra=(), program="signorini"):
+    """Run an application on a deck.
 
     sets    parameters to override, a value by path
     np      ranks; 0 runs the program without a launcher
@@ -161,7 +162,7 @@ def run(deck, sets=None, np=2, output=None, extra=()):
     for path, value in (sets or {}).items():
         text = str(value).lower() if isinstance(value, bool) else str(value)
         words += ["--set", f"{path}={text}"]
-    result = start([*words, *extra], np=np)
+    result = start([*words, *extra], np=np, program=program)
     result.directory = directory
     summary = directory / "summary.json"
     if summary.is_file():

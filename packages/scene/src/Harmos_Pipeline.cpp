@@ -110,7 +110,7 @@ void logResult(const Log& log, const RunReport& report) {
 }
 
 Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
-               const RunOptions& options, const Log& log, const StageTimers& timers, RunReport& report) {
+                   const RunOptions& options, const Log& log, const StageTimers& timers, RunReport& report) {
   report.ranks = comm->getSize();
   report.scene = scene.name;
   report.effects = scene.effects();
@@ -254,8 +254,9 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
 
 } // namespace
 
-Solution run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene, const RunOptions& options,
-         const Log& log, std::chrono::steady_clock::time_point begin, RunReport& report) {
+Solution run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
+             const RunOptions& options, const Log& log, std::chrono::steady_clock::time_point begin,
+             RunReport& report) {
   const StageTimers timers(stages);
   std::exception_ptr failure;
   Solution solution;

@@ -31,8 +31,9 @@ struct Solution {
 /// @throws InputError, NumericalError, InternalError on all ranks.
 /// @note Collective.
 /// Guarded by tests/verification.
-Solution run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene, const RunOptions& options,
-         const Log& log, std::chrono::steady_clock::time_point begin, RunReport& report);
+Solution run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
+             const RunOptions& options, const Log& log, std::chrono::steady_clock::time_point begin,
+             RunReport& report);
 
 /// summary.json, on rank 0. @note Collective.
 void writeSummary(const Teuchos::Comm<int>& comm, const RunOptions& options, const RunReport& report);
