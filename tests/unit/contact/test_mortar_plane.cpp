@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_ContactTestSupport.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_MortarSamples.hpp"
 
 #include <gtest/gtest.h>
 
@@ -303,18 +304,37 @@ TEST(MortarPlane, rays_follow_the_interpolated_normals) {
 }
 
 TEST(MortarPlane, a_ring_is_not_met_through_its_hole) {
-  // The far part of the hole looks at the disk too, but from behind.
+  // The rest of the hole looks at the back of the disk, from beyond the centre where the normals meet.
   const Map polar = [](const Point& x) { return Point{x[0] * std::cos(x[1]), x[0] * std::sin(x[1]), 0.0}; };
   const Surface disk = surfaceOf(
       block(CellType::Quadrilateral4, {0.5, -0.5, 0}, {0.5, 1, 0}, {1, 1, 1}, {1, 4, 1}, 0, polar), "right");
-  const auto hole = [&](double middle) {
-    return surfaceOf(block(CellType::Quadrilateral4, {1.2, middle - 0.5, 0}, {1, 1, 0}, {1, 1, 1}, {1, 3, 1},
+  const auto hole = [&](double from, double to) {
+    return surfaceOf(block(CellType::Quadrilateral4, {1.2, from, 0}, {1, to - from, 0}, {1, 1, 1}, {1, 3, 1},
                            upperFirst, polar),
                      "left");
   };
-  EXPECT_EQ(mortarPoints(disk, hole(0.0), 3.0).size(), 5u);
-  const Surface far = hole(3.14159265358979);
-  EXPECT_NE(messageOf([&] { mortarPoints(disk, far, 3.0); }).find("never meet"), std::string::npos);
+  EXPECT_EQ(mortarPoints(disk, hole(-0.5, 0.5), 3.0).size(), 5u);
+  for (double angle : {1.7, 2.2, 2.7}) {
+    const Surface far = hole(angle, 6.2831853071795865 - angle);
+    EXPECT_NE(messageOf([&] { mortarPoints(disk, far, 5.0); }).find("never meet"), std::string::npos)
+        << angle;
+  }
+}
+
+TEST(MortarPlane, a_facet_beyond_the_crossing_of_the_normals_is_no_counterpart) {
+  // The normals of the first facet meet at the origin. Behind it the order of the projections says nothing:
+  // that of these two nodes is the right one, but their facet looks the same way.
+  Surface first, second;
+  first.dimension = second.dimension = 2;
+  first.facetType = second.facetType = CellType::Line2;
+  first.facets = second.facets = {0, 1};
+  first.positions = {{1, -0.5, 0}, {1, 0.5, 0}};
+  for (const Point& x : first.positions)
+    first.normals.push_back(scaled(1.0 / norm(x), x));
+  second.positions = {{-1, 1, 0}, {-3, 1.5, 0}};
+  EXPECT_TRUE(planeSamples(first, 0, second, {0}, 10.0).empty());
+  second.positions = {{2, 2, 0}, {2, -2, 0}};
+  EXPECT_FALSE(planeSamples(first, 0, second, {0}, 10.0).empty());
 }
 
 TEST(MortarPlane, does_not_depend_on_the_decomposition_and_is_the_same_on_every_rank) {

@@ -52,6 +52,9 @@ TEST(Obstacle, gap_and_normal_lead_to_it) {
   expectTouching(plane, make(Shape::Cylinder, {1, 1.5, 0}, {}, -2.0),
                  [](const Point& x) { return 2.0 - std::hypot(x[0] - 1.0, x[1] - 1.5); });
 
+  expectTouching(plane, make(Shape::Sphere, {1, -1, 5}, {}, 1.9),
+                 [](const Point& x) { return std::hypot(x[0] - 1.0, x[1] + 1.0) - 1.9; });
+
   const Surface space =
       surfaceOf(block(CellType::Hexahedron8, {0, 0, 1}, {1, 1, 1}, {2, 1, 1}, {2, 2, 2}), "bottom");
   expectTouching(space, make(Shape::HalfSpace, {0, 0, 0.5}, {0, 0, 2}, 0.0),
