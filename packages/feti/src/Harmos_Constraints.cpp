@@ -200,19 +200,37 @@ void addGiven(const std::vector<ConstraintRow>& rows, const CopyTable& copies, l
     std::map<long long, double> coefficients; // a dof named twice counts once, with the sum
     for (const ConstraintRow::Term& term : row.terms)
       coefficients[term.dof] += term.coefficient;
+    // A prescribed value is no unknown: its share goes to the bound (equality rows may be added to any row),
+    // or the force of the row would move the trivial equation. A row of prescribed values alone stays as it
+    // is.
+    double bound = row.bound;
+    const auto isFixed = [&](long long dof) {
+      const auto found = copies.find(dof);
+      return found != copies.end() && std::any_of(found->second.begin(), found->second.end(),
+                                                  [](const Copy& copy) { return copy.fixed != 0; });
+    };
+    const bool hasUnknown = std::any_of(coefficients.begin(), coefficients.end(), [&](const auto& term) {
+      return term.second != 0.0 && !isFixed(term.first);
+    });
     for (const auto& [dof, coefficient] : coefficients) {
       const auto found = copies.find(dof);
       if (found == copies.end())
         throw InputError("constraint row " + std::to_string(row.number) + " names dof " +
                              std::to_string(dof) + ", which is not an interface dof of any subdomain",
                          {{"dof", std::to_string(dof)}});
+      if (hasUnknown && isFixed(dof)) {
+        const auto fixed = std::find_if(found->second.begin(), found->second.end(),
+                                        [](const Copy& copy) { return copy.fixed != 0; });
+        bound -= coefficient * fixed->value;
+        continue;
+      }
       const double share = coefficient / static_cast<double>(found->second.size());
       for (const Copy& copy : found->second) {
         terms.push_back({copy, share});
         norm2 += share * share;
       }
     }
-    if (!(norm2 > 0.0) || !std::isfinite(norm2) || !std::isfinite(row.bound))
+    if (!(norm2 > 0.0) || !std::isfinite(norm2) || !std::isfinite(bound))
       throw InputError("constraint row " + std::to_string(row.number) +
                        " is zero or not finite; check its coefficients and its gap");
     const double scale = 1.0 / std::sqrt(norm2);
@@ -220,7 +238,7 @@ void addGiven(const std::vector<ConstraintRow>& rows, const CopyTable& copies, l
       term.value *= scale;
     const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
     builder.add(inequality ? row.number : inequalities + row.number,
-                inequality ? RowType::Inequality : RowType::Equality, terms, scale * row.bound, scale);
+                inequality ? RowType::Inequality : RowType::Equality, terms, scale * bound, scale);
   }
 }
 

@@ -30,6 +30,7 @@ enum class RowType {
 ///  and is
 ///    scaled to unit length; rowScale() keeps the factor, so that residuals and multipliers are told in
 ///    physical units;
+///  - prescribed values in a given row go to its bound, unless there is nothing else in it;
 ///  - with DirichletForm::Dual each fixed copy gets a row u = g and no gluing row, which would depend on
 ///  those.
 ///

@@ -64,12 +64,12 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
   }
   globalSum(comm, sums);
   result.equilibrium = sums[1] > 0.0 ? std::sqrt(sums[0] / sums[1]) : std::sqrt(sums[0]);
-  result.energy = sums[2];
+  result.primalEnergy = sums[2];
   result.largestDisplacement = globalLargest(comm, largest);
 
   MultiVector rows(constraints.rowMap(), 1);
   constraints.applyB(solution.displacement, rows);
-  double jump = 0.0, penetration = 0.0, product = 0.0, force = 0.0;
+  double jump = 0.0, penetration = 0.0, product = 0.0, work = 0.0, force = 0.0;
   double least = std::numeric_limits<double>::infinity();
   {
     const auto values = rows.getLocalViewHost(Tpetra::Access::ReadOnly);
@@ -78,6 +78,7 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
       const int row = static_cast<int>(r);
       const double scale = constraints.rowScale(row);
       const double excess = (values(r, 0) - constraints.bound(row)) / scale;
+      work += lambda(r, 0) * scale * excess;
       if (constraints.rowType(row) == RowType::Inequality) {
         penetration = largerOf(penetration, excess);
         least = smallerOf(least, lambda(r, 0) * scale);
@@ -93,6 +94,7 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
   least = -globalLargest(comm, -least);
   result.minContactMultiplier = constraints.inequalities() > 0 ? least : 0.0;
   result.complementarity = std::abs(globalSum(comm, product));
+  result.energy = result.primalEnergy + globalSum(comm, work);
   result.largestMultiplier = globalLargest(comm, force);
   return result;
 }

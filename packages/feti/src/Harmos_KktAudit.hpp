@@ -13,9 +13,12 @@ struct KktAudit {
   double penetration = 0.0;          ///< max (B_I u − c_I)₊
   double minContactMultiplier = 0.0; ///< min λ_I, 0 without inequalities
   double complementarity = 0.0;      ///< |λ_Iᵀ(B_I u − c_I)|
-  double energy = 0.0;               ///< ½uᵀKu − fᵀu, physical K and f (no trivial equations)
-  double largestDisplacement = 0.0;  ///< ‖u‖_∞
-  double largestMultiplier = 0.0;    ///< max |λ_I|, physical
+  double primalEnergy = 0.0;         ///< ½uᵀKu − fᵀu, physical K and f (no trivial equations)
+  /// ½uᵀKu − fᵀu + λᵀ(Bu − c): the same at the solution, but stationary there. Jumps of the order ε change
+  /// the primal energy by λᵀ(Bu − c), of the order ε; the error of this is of the order ε².
+  double energy = 0.0;
+  double largestDisplacement = 0.0; ///< ‖u‖_∞
+  double largestMultiplier = 0.0;   ///< max |λ_I|, physical
 };
 
 /// @note Collective.

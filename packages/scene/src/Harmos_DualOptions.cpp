@@ -23,8 +23,9 @@ void DualOptions::addTo(ParameterSpec& deck) {
        {"lumped", "the boundary block of the stiffness matrix: cheap, weaker"},
        {"Dirichlet", "the Schur complement of the stiffness matrix; free to set up in the condensed form"}},
       "Approximation of the inverse of F.");
-  dual.choice("Scaling", "multiplicity",
-              {{"multiplicity", "copies of a dof share a jump equally"},
+  dual.choice("Scaling", "auto",
+              {{"auto", "stiffness if the scene has more than one material, else multiplicity"},
+               {"multiplicity", "copies of a dof share a jump equally"},
                {"stiffness", "the softer copy takes more of it: for materials that jump across interfaces"}},
               "Scaling of the preconditioner.");
   dual.choice(
@@ -60,9 +61,10 @@ DualOptions DualOptions::fromList(const Teuchos::ParameterList& list) {
   options.preconditioner = kind == "none"     ? feti::PreconditionerKind::None
                            : kind == "lumped" ? feti::PreconditionerKind::Lumped
                                               : feti::PreconditionerKind::Dirichlet;
-  options.scaling = list.get<std::string>("Scaling") == "stiffness"
-                        ? feti::PreconditionerScaling::Stiffness
-                        : feti::PreconditionerScaling::Multiplicity;
+  const std::string scaling = list.get<std::string>("Scaling");
+  if (scaling != "auto")
+    options.scaling = scaling == "stiffness" ? feti::PreconditionerScaling::Stiffness
+                                             : feti::PreconditionerScaling::Multiplicity;
   options.expectedProducts = list.get<int>("Expected products");
   options.memoryBudgetMiB = list.get<int>("Memory budget MiB");
   feti::LocalInverseOptions& inverses = options.inverses;

@@ -17,7 +17,8 @@ struct DualOptions {
   std::optional<feti::DualForm> form; ///< nothing: by the cost model
   feti::LocalInverseOptions inverses; ///< its form is decided by the run
   feti::PreconditionerKind preconditioner = feti::PreconditionerKind::Dirichlet;
-  feti::PreconditionerScaling scaling = feti::PreconditionerScaling::Multiplicity;
+  /// Null: stiffness where materials differ from body to body or region to region, else multiplicity.
+  std::optional<feti::PreconditionerScaling> scaling;
   int expectedProducts = 30;
   int memoryBudgetMiB = 0;
 

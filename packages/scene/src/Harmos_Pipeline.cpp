@@ -175,7 +175,10 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
     return options.dual.preconditioner == feti::PreconditionerKind::None
                ? Teuchos::null
                : Teuchos::rcp(new feti::DualPreconditioner(
-                     system, constraints, inverses, options.dual.preconditioner, options.dual.scaling));
+                     system, constraints, inverses, options.dual.preconditioner,
+                     options.dual.scaling.value_or(scene.hasSeveralMaterials()
+                                                       ? feti::PreconditionerScaling::Stiffness
+                                                       : feti::PreconditionerScaling::Multiplicity)));
   }();
   const feti::CoarseSpace coarse = [&] {
     const auto scope = timers.scope("coarse");

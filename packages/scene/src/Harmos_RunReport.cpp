@@ -61,6 +61,8 @@ std::string toJson(const RunReport& report) {
   json["hessian_norm"] = number(result.hessianNorm);
   json["penalty"] = number(result.penalty);
   json["energy"] = report.audited ? number(report.audit.energy) : nlohmann::ordered_json(nullptr);
+  json["primal_energy"] =
+      report.audited ? number(report.audit.primalEnergy) : nlohmann::ordered_json(nullptr);
   if (report.audited)
     json["audit"] = {{"equilibrium", number(report.audit.equilibrium)},
                      {"gluing_jump", number(report.audit.gluingJump)},
@@ -101,7 +103,7 @@ std::string auditText(const RunReport& report) {
     text << "  penetration    max (B_I u - c_I)+          " << scientific(audit.penetration) << "\n"
          << "  least contact multiplier                   " << scientific(audit.minContactMultiplier) << "\n"
          << "  complementarity |lambda_I'(B_I u - c_I)|   " << scientific(audit.complementarity) << "\n";
-  text << "  energy         u'Ku/2 - f'u                " << scientific(audit.energy, 12);
+  text << "  energy         u'Ku/2 - f'u + lambda'(Bu-c)" << scientific(audit.energy, 12);
   return text.str();
 }
 

@@ -2,6 +2,7 @@
 #include "Harmos_Scene.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 namespace Harmos::scene {
 namespace {
@@ -50,6 +51,18 @@ bool Scene::hasInequalities() const {
 
 bool Scene::hasFloatingBody() const {
   return anyBody(*this, [](const Body& body) { return body.prescribed.empty(); });
+}
+
+bool Scene::hasSeveralMaterials() const {
+  const auto elastic = [](const fem::Material& m) { return std::tie(m.young, m.poisson, m.shear, m.angle); };
+  const fem::Material* first = nullptr;
+  for (const Body& body : bodies)
+    for (const fem::Material& material : body.materials) {
+      if (first != nullptr && elastic(material) != elastic(*first))
+        return true;
+      first = &material;
+    }
+  return false;
 }
 
 std::vector<std::string> Scene::effects() const {

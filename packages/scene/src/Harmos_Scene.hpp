@@ -104,6 +104,8 @@ struct Scene {
   bool hasInequalities() const;
   /// A body without a prescribed displacement floats.
   bool hasFloatingBody() const;
+  /// Whether stiffnesses differ from body to body or region to region.
+  bool hasSeveralMaterials() const;
   /// Names of the effects that are on, in a fixed order.
   std::vector<std::string> effects() const;
 };
