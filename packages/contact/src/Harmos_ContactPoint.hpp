@@ -6,6 +6,7 @@
 
 #include <Teuchos_Comm.hpp>
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -103,8 +104,18 @@ std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
                                        const std::vector<ContactPoint>& points, int components,
                                        long long firstNumber);
 
-/// Rows w_c = 0, one a point and component: row k · components + c for component c of point k.
-std::vector<ConstraintRow> tieRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points,
-                                   int components, long long firstNumber);
+/// Rows of a tie.
+struct TieRows {
+  std::vector<ConstraintRow> rows; ///< this rank's share: row k is given on rank k mod ranks
+  long long count = 0;             ///< over all ranks
+};
+
+/// Rows w_c = 0, one a point and component, numbered from `firstNumber` in this order.
+/// @param held dofs with prescribed values. A row whose own dof and one of whose counterparts are held is
+/// left
+///        out: both surfaces end there on a held boundary, and what the row has beside them, the small
+///        weights of nodes further inside, would hold those too.
+TieRows tieRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points, int components,
+                long long firstNumber, const std::set<long long>& held = {});
 
 } // namespace Harmos::contact

@@ -2,6 +2,7 @@
 #include "Harmos_ContactPoint.hpp"
 #include "Harmos_Errors.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace Harmos::contact {
@@ -40,22 +41,30 @@ std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
   return rows;
 }
 
-std::vector<ConstraintRow> tieRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points,
-                                   int components, long long firstNumber) {
+TieRows tieRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points, int components,
+                long long firstNumber, const std::set<long long>& held) {
   HARMOS_REQUIRE(components >= 1 && components <= 3, "a node has one to three dofs");
-  std::vector<ConstraintRow> rows;
-  const auto width = static_cast<std::size_t>(components);
-  for (std::size_t k = 0; k < points.size() * width; ++k) {
-    if (!isMine(comm, k))
-      continue;
-    ConstraintRow row;
-    row.kind = ConstraintRow::Kind::Equality;
-    row.number = firstNumber + static_cast<long long>(k);
-    for (const ContactPoint::Term& term : points[k / width].terms)
-      row.terms.push_back({term.node * components + static_cast<long long>(k % width), term.weight});
-    rows.push_back(row);
-  }
-  return rows;
+  TieRows result;
+  for (const ContactPoint& point : points)
+    for (int c = 0; c < components; ++c) {
+      const auto isHeld = [&](long long node) { return held.count(node * components + c) > 0; };
+      const bool bothHeld =
+          isHeld(point.node) && std::any_of(point.terms.begin(), point.terms.end(), [&](const auto& term) {
+            return term.node != point.node && isHeld(term.node);
+          });
+      if (bothHeld)
+        continue;
+      if (isMine(comm, static_cast<std::size_t>(result.count))) {
+        ConstraintRow row;
+        row.kind = ConstraintRow::Kind::Equality;
+        row.number = firstNumber + result.count;
+        for (const ContactPoint::Term& term : point.terms)
+          row.terms.push_back({term.node * components + c, term.weight});
+        result.rows.push_back(row);
+      }
+      ++result.count;
+    }
+  return result;
 }
 
 } // namespace Harmos::contact

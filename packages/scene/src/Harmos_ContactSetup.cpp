@@ -2,9 +2,12 @@
 #include "Harmos_ContactSetup.hpp"
 
 #include "Harmos_Errors.hpp"
+#include "Harmos_Exchange.hpp"
 
-#include <cmath>
+#include <algorithm>
+#include <iterator>
 #include <map>
+#include <set>
 
 namespace Harmos::scene {
 namespace {
@@ -26,6 +29,31 @@ class Parts {
  private:
   std::map<std::pair<int, std::string>, std::vector<const fem::PlacedMesh*>> parts_;
 };
+
+// Dofs of both surfaces of an interface that have prescribed values; the same on every rank. Collective.
+std::set<long long> heldDofs(const Teuchos::Comm<int>& comm, const Scene& scene,
+                             const std::vector<OwnedSubdomain>& owned, const Interface& interface) {
+  const int components = scene.components();
+  std::vector<long long> mine;
+  for (const OwnedSubdomain& item : owned)
+    for (const auto& [body, name] : {std::make_pair(interface.firstBody, interface.firstSet),
+                                     std::make_pair(interface.secondBody, interface.secondSet)}) {
+      const auto surface = item.mesh.sets.find(name);
+      if (item.body != body || surface == item.mesh.sets.end())
+        continue;
+      for (const Body::PrescribedDisplacement& prescribed :
+           scene.bodies[static_cast<std::size_t>(body)].prescribed)
+        if (const auto set = item.mesh.sets.find(prescribed.set); set != item.mesh.sets.end()) {
+          std::vector<int> both;
+          std::set_intersection(surface->second.begin(), surface->second.end(), set->second.begin(),
+                                set->second.end(), std::back_inserter(both));
+          for (int node : both)
+            mine.push_back(item.mesh.number(node) * components + prescribed.component);
+        }
+    }
+  const std::vector<long long> all = gatherAll(comm, mine);
+  return {all.begin(), all.end()};
+}
 
 std::vector<contact::ContactPoint> pointsOf(const Interface& interface, const contact::Surface& first,
                                             const contact::Surface& second) {
@@ -71,8 +99,10 @@ ContactSetup setUpContact(const Teuchos::Comm<int>& comm, const Scene& scene,
     if (interface.kind == Interface::Kind::Contact) {
       addContact(points);
     } else {
-      append(contact::tieRows(comm, points, components, equalities));
-      equalities += static_cast<long long>(points.size()) * components;
+      const contact::TieRows ties =
+          contact::tieRows(comm, points, components, equalities, heldDofs(comm, scene, owned, interface));
+      append(ties.rows);
+      equalities += ties.count;
     }
   }
   for (const ObstacleContact& contact : scene.obstacles)

@@ -68,7 +68,7 @@ TEST(ContactRows, scalar_rows_know_no_normal) {
 }
 
 TEST(ContactRows, ties_have_a_row_for_each_component) {
-  const auto rows = tieRows(*testComm(), somePoints(), 2, 3);
+  const auto rows = tieRows(*testComm(), somePoints(), 2, 3).rows;
   expectNumbered(rows, 3, 10);
   for (const ConstraintRow& row : rows) {
     const long long k = (row.number - 3) / 2, c = (row.number - 3) % 2;
