@@ -50,6 +50,7 @@ MESH = {
     "Types",
     "CellData/subdomain",
     "CellData/body",
+    "CellData/region",
 }
 CONTACT = {"PointData/contact_pressure", "PointData/gap", "PointData/active_set"}
 ALL = MESH | CONTACT | {"PointData/displacement"}
@@ -296,6 +297,61 @@ class VtkReader(unittest.TestCase):
         expected = (raw * weights.ravel()).sum()
         # A sum of 2048 terms of one sign, rounded: 2048 * 1.1e-16 relative, rounded up.
         self.assertLess(abs(found - expected), 1e-12 * abs(expected))
+
+
+class Elastic(unittest.TestCase):
+    """Vectors, stresses and the node order of each cell, as VTK sees them."""
+
+    def grid(self, sets):
+        try:
+            from vtkmodules.util.numpy_support import vtk_to_numpy
+            from vtkmodules.vtkIOHDF import vtkHDFReader
+        except ImportError as error:
+            raise unittest.SkipTest(f"the Python module {error.name} is missing") from error
+        run = runs.solved(self, runs.MODEL, {"Model/Problem": "block", "Model/Elements per subdomain side": 2,
+                                             "Model/Subdomains per side": 2, **sets})
+        reader = vtkHDFReader()
+        reader.SetFileName(str(run.directory / "result.vtkhdf"))
+        reader.Update()
+        return reader.GetOutputDataObject(0), vtk_to_numpy
+
+    def test_nodes_are_where_vtk_expects_them(self):
+        for dimension in (2, 3):
+            for order in (1, 2):
+                grid, _ = self.grid({"Model/Dimension": dimension, "Model/Element order": order})
+                for k in range(grid.GetNumberOfCells()):
+                    cell = grid.GetCell(k)
+                    bounds = np.reshape(cell.GetBounds(), (3, 2))[:dimension]
+                    places = np.reshape(cell.GetParametricCoords(), (-1, 3))
+                    self.assertEqual(len(places), cell.GetNumberOfPoints())
+                    for i, place in enumerate(places):
+                        point = cell.GetPoints().GetPoint(i)
+                        expected = bounds[:, 0] + place[:dimension] * (bounds[:, 1] - bounds[:, 0])
+                        np.testing.assert_allclose(point[:dimension], expected, atol=1e-14)
+
+    def test_vectors_and_stresses(self):
+        grid, to_numpy = self.grid({"Model/Dimension": 3})
+        data = grid.GetPointData()
+        self.assertEqual(data.GetArray("displacement").GetNumberOfComponents(), 3)
+        stress = to_numpy(data.GetArray("stress"))
+        self.assertEqual(stress.shape[1], 6)
+        xx, yy, zz, xy, yz, xz = stress.T
+        equivalent = np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2)
+                             + 3.0 * (xy**2 + yz**2 + xz**2))
+        np.testing.assert_allclose(to_numpy(data.GetArray("von_mises")), equivalent, rtol=1e-12)
+        # Copies of a node have the same stress: it is averaged over subdomains.
+        points = to_numpy(grid.GetPoints().GetData())
+        order = np.lexsort(np.round(points, 9).T)
+        same = np.all(np.abs(np.diff(points[order], axis=0)) < 1e-9, axis=1)
+        self.assertTrue(same.any())
+        np.testing.assert_allclose(stress[order[1:][same]], stress[order[:-1][same]], atol=1e-15)
+        # Weight below, lifted at the right: pressed together at the lower left.
+        corner = np.argmin(points.sum(axis=1))
+        self.assertLess(zz[corner], 0.0)
+
+    def test_stresses_can_be_left_out(self):
+        grid, _ = self.grid({"Output/Stresses": False})
+        self.assertIsNone(grid.GetPointData().GetArray("stress"))
 
 
 class SameFile(unittest.TestCase):
