@@ -20,6 +20,7 @@
 
 #include <Tpetra_MultiVector.hpp>
 
+#include <cmath>
 #include <fstream>
 #include <iomanip>
 #include <sstream>
@@ -189,6 +190,12 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
     log.info(std::to_string(coarse.kernelDimension() - coarse.dimension()) +
              " rigid motions are held by no constraint (a round body without friction rotates freely); they "
              "are left at rest");
+  // Of G̃G̃ᵀ, whose pivots go with the squares of the singular values of G̃.
+  constexpr double weak = 1e-6;
+  if (coarse.dimension() > 0 && coarse.smallestPivotRatio() < weak)
+    log.info("a rigid motion is held only weakly: the smallest singular value of G is about " +
+             scientific(std::sqrt(coarse.smallestPivotRatio()), 0) +
+             " of the largest; a round body whose normals come from its facets rotates almost freely");
   const feti::DualProblem dual = [&] {
     const auto scope = timers.scope("dual_operator");
     return feti::DualProblem(system, constraints, inverses, dualOperator, coarse);
