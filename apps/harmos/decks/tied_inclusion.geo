@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A square plate with a round inclusion; both use the circle "interface".
+r = 0.5; h = 0.16;
+Point(1) = {-1, -1, 0, h};
+Point(2) = { 1, -1, 0, h};
+Point(3) = { 1,  1, 0, h};
+Point(4) = {-1,  1, 0, h};
+Line(1) = {1, 2};
+Line(2) = {2, 3};
+Line(3) = {3, 4};
+Line(4) = {4, 1};
+Point(10) = { 0,  0, 0, h};
+Point(11) = { r,  0, 0, h};
+Point(12) = { 0,  r, 0, h};
+Point(13) = {-r,  0, 0, h};
+Point(14) = { 0, -r, 0, h};
+Circle(11) = {11, 10, 12};
+Circle(12) = {12, 10, 13};
+Circle(13) = {13, 10, 14};
+Circle(14) = {14, 10, 11};
+Curve Loop(1) = {1, 2, 3, 4};
+Curve Loop(2) = {11, 12, 13, 14};
+Plane Surface(1) = {1, 2};
+Plane Surface(2) = {2};
+Physical Curve("left") = {4};
+Physical Curve("right") = {2};
+Physical Curve("interface") = {11, 12, 13, 14};
+Physical Surface("plate") = {1};
+Physical Surface("inclusion") = {2};
+Mesh.ElementOrder = 2;
