@@ -54,7 +54,7 @@ std::optional<int> parse(int argc, char** argv, const Application& application, 
       ->expected(1)
       ->take_all();
   cli.add_option("--output", line.output, "Directory of the results")->type_name("DIR");
-  cli.add_flag("--check", line.check, "Validate the deck and stop");
+  cli.add_flag("--check", line.check, "Validate the deck, its meshes, materials and contacts, and stop");
   cli.add_option("--print-parameters", line.printParameters,
                  "Print every parameter with type, default, range and meaning, and stop")
       ->type_name("text|xml|markdown")
@@ -137,6 +137,7 @@ int runDeck(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Applicatio
   const scene::Scene scene = application.makeScene({*comm, deck, directoryOf(line.deck)});
   scene::checkConsistency(scene, options);
   if (line.check) {
+    scene::checkScene(*comm, scene);
     log.info("The deck \"" + line.deck + "\" is valid.");
     return exitConverged;
   }

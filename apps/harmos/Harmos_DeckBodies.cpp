@@ -123,8 +123,7 @@ void readBodies(const DeckContext& context, int dimension, const std::vector<std
       counts[2 * k] = partition.parts;
       counts[2 * k + 1] = meshes[k].mesh.numberOfNodes();
       first += counts[2 * k + 1];
-      for (const std::string& note : partition.notes)
-        scene.notes.push_back("Body \"" + name + "\": " + note);
+      scene.notes.insert(scene.notes.end(), partition.notes.begin(), partition.notes.end());
     }
   });
   Teuchos::broadcast<int, long long>(context.comm, 0, static_cast<int>(counts.size()), counts.data());

@@ -69,6 +69,11 @@ scene::Interface interfaceFrom(const ParameterList& list, const std::string& pat
                                scene::Interface::Kind kind) {
   using Coupling = scene::Interface::Coupling;
   const Part first = partIn(scene, list, "First", path), second = partIn(scene, list, "Second", path);
+  if (first.body == second.body && first.set == second.set)
+    throw InputError("\"" + path +
+                         "\": \"First\" and \"Second\" are the same boundary part; name two that face "
+                         "each other",
+                     {{"path", path}});
   scene::Interface interface;
   interface.kind = kind;
   interface.firstBody = first.body;
@@ -108,6 +113,23 @@ Effect tie() {
           }};
 }
 
+void requireGeometry(const contact::Obstacle& obstacle, const scene::Scene& scene, const std::string& path) {
+  using Shape = contact::Obstacle::Shape;
+  const bool inPlane = scene.components() == 2;
+  const auto& [x, y, z] = obstacle.direction;
+  const bool needsDirection =
+      obstacle.shape == Shape::HalfSpace || (obstacle.shape == Shape::Cylinder && !inPlane);
+  if (needsDirection && x == 0.0 && y == 0.0 && (inPlane || z == 0.0))
+    throw InputError("\"" + path + "/Direction\" has no length" + (inPlane ? " in the plane" : "") +
+                         "; give the outward normal of the half-space, or the axis of the cylinder",
+                     {{"path", path + "/Direction"}});
+  if (obstacle.shape != Shape::HalfSpace && obstacle.radius == 0.0)
+    throw InputError("\"" + path +
+                         "/Radius\" is 0; give a positive one, or a negative one for a hollow obstacle with "
+                         "the body inside",
+                     {{"path", path + "/Radius"}});
+}
+
 Effect obstacle() {
   ParameterSpec spec("<obstacle>", "A boundary part does not penetrate a rigid obstacle at rest.");
   spec.text("Part", "", "\"body/boundary part\".");
@@ -136,6 +158,7 @@ Effect obstacle() {
             contact.obstacle.point = point(list, "Point");
             contact.obstacle.direction = point(list, "Direction");
             contact.obstacle.radius = list.get<double>("Radius");
+            requireGeometry(contact.obstacle, scene, path);
             scene.obstacles.push_back(contact);
           }};
 }
@@ -150,6 +173,7 @@ Effect prescribedDisplacement() {
             const Part part = partIn(scene, list, "Part", path);
             const auto& components = list.get<Teuchos::Array<std::string>>("Components");
             const fem::Point value = point(list, "Displacement");
+            int held = 0;
             for (const std::string& component : components) {
               const std::size_t c = std::string("xyz").find(component);
               if (component.size() != 1 || c == std::string::npos)
@@ -157,10 +181,18 @@ Effect prescribedDisplacement() {
                                      "\", expected \"x\", \"y\" or \"z\"",
                                  {{"path", path + "/Components"}});
               // In the plane z is held already.
-              if (static_cast<int>(c) < scene.components())
-                scene.bodies[static_cast<std::size_t>(part.body)].prescribed.push_back(
-                    {part.set, value[c], static_cast<int>(c)});
+              if (static_cast<int>(c) >= scene.components())
+                continue;
+              ++held;
+              scene.bodies[static_cast<std::size_t>(part.body)].prescribed.push_back(
+                  {part.set, value[c], static_cast<int>(c)});
             }
+            if (held == 0)
+              throw InputError(
+                  "\"" + path +
+                      "/Components\" names none of the components of this physics; membranes have "
+                      "\"x\", plane scenes \"x\" and \"y\"",
+                  {{"path", path + "/Components"}});
           }};
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-length = 4; height = 0.3; h = 0.05;
+length = 2; height = 0.4; h = 0.05;
 Point(1) = {0, 0, 0, h};
 Point(2) = {length, 0, 0, h};
 Point(3) = {length, height, 0, h};

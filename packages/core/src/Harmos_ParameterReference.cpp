@@ -15,6 +15,14 @@ std::string quoted(const std::string& text) {
   return "\"" + text + "\"";
 }
 
+// Markdown takes <...> for HTML, which it does not show.
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (char c : text)
+    result += (c == '<' ? "\\" : "") + std::string(1, c);
+  return result;
+}
+
 } // namespace
 
 bool ParameterSpec::hasRange(Type type) {
@@ -26,13 +34,17 @@ void ParameterSpec::writeXml(std::ostream& out) const {
 }
 
 void ParameterSpec::writeMarkdown(std::ostream& out, const std::string& path) const {
-  out << (path == name_ ? "# Parameters of " : "## ") << path << "\n\n" << meaning_ << "\n\n";
+  out << (path == name_ ? "# Parameters of " : "## ") << escaped(path) << "\n\n" << meaning_ << "\n\n";
   if (!parameters_.empty()) {
     out << "| Parameter | Type | Default | Allowed | Meaning |\n|---|---|---|---|---|\n";
     for (const Parameter& parameter : parameters_) {
       std::string allowed;
       if (hasRange(parameter.type))
         allowed = parameter.range.text();
+      else if (parameter.type == Type::Boolean)
+        allowed = "`true`, `false`";
+      else if (parameter.type == Type::Text || parameter.type == Type::Texts)
+        allowed = "any";
       for (const Choice& choice : parameter.allowed)
         allowed += (allowed.empty() ? "" : "; ") + ("`" + choice.first + "`: " + choice.second);
       out << "| `" << parameter.name << "` | " << typeName(parameter.type) << " | `" << defaultText(parameter)

@@ -43,6 +43,14 @@ std::string unknownName(const std::string& what, const std::string& path, const 
   return message;
 }
 
+template<class List, class Text>
+std::string arrayText(const List& values, Text&& text) {
+  std::string result;
+  for (const auto& value : values)
+    result += (result.empty() ? "" : ", ") + text(value);
+  return "{" + result + "}";
+}
+
 std::string foundText(const Teuchos::ParameterEntry& entry) {
   std::ostringstream value;
   entry.getAny(false).print(value);
@@ -54,8 +62,9 @@ std::string foundText(const Teuchos::ParameterEntry& entry) {
     return "a real number (" + numberText(Teuchos::getValue<double>(entry)) + ")";
   if (entry.isType<std::string>())
     return "a string (" + quoted(value.str()) + ")";
-  if (entry.isType<Teuchos::Array<double>>() || entry.isType<Teuchos::Array<int>>() ||
-      entry.isType<Teuchos::Array<std::string>>())
+  if (entry.isType<Teuchos::Array<double>>())
+    return "an array (" + arrayText(Teuchos::getValue<Teuchos::Array<double>>(entry), numberText) + ")";
+  if (entry.isType<Teuchos::Array<int>>() || entry.isType<Teuchos::Array<std::string>>())
     return "an array (" + value.str() + ")";
   return "of type " + entry.getAny(false).typeName();
 }
@@ -272,7 +281,7 @@ std::string ParameterSpec::defaultText(const Parameter& parameter) {
   case Type::Integers:
     return arrayOf(parameter.integers).toString();
   case Type::Reals:
-    return arrayOf(parameter.reals).toString();
+    return arrayText(parameter.reals, numberText);
   case Type::Texts:
     return arrayOf(parameter.texts).toString();
   }

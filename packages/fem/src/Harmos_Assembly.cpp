@@ -142,40 +142,45 @@ std::vector<BoxLoad> localLoads(const PlacedMesh& placed, const std::vector<BoxL
 }
 
 std::vector<double> assembleLoad(const Mesh& mesh, const std::vector<BoxLoad>& loads) {
-  HARMOS_REQUIRE(loads.empty() || mesh.cellType == CellType::Quadrilateral4,
-                 "box loads are for quadrilaterals of four nodes");
   if (loads.empty())
     return std::vector<double>(static_cast<std::size_t>(mesh.numberOfNodes()), 0.0);
-  const ReferenceElement element(mesh.cellType, 2);
+  const CellShape& shape = shapeOf(mesh.cellType);
+  const ReferenceElement element(mesh.cellType, 2 * shape.order);
   CellIntegrator cell(mesh, element);
   const Quadrature triangle = quadratureOn(CellType::Triangle3, 4);
   std::vector<double> f(static_cast<std::size_t>(mesh.numberOfNodes()), 0.0);
   for (const BoxLoad& load : loads) {
     const Vec2 &least = load.least, &most = load.most;
     for (int c = 0; c < mesh.numberOfCells(); ++c) {
-      const CellCoordinates x = cellCoordinates(mesh, c);
       bool disjoint = false, within = true;
       for (std::size_t d = 0; d < 2; ++d) {
-        const auto [lo, hi] = std::minmax({x[0][d], x[1][d], x[2][d], x[3][d]});
+        double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+        for (int i = 0; i < shape.nodes; ++i) {
+          const double x = mesh.local(mesh.cell(c)[i])[d];
+          lo = std::min(lo, x);
+          hi = std::max(hi, x);
+        }
         disjoint = disjoint || hi <= least[d] || lo >= most[d];
         within = within && lo >= least[d] && hi <= most[d];
       }
       if (disjoint)
         continue;
-      std::array<double, cellNodes> integrals{};
       if (within) {
         cell.turnTo(c);
         for (int q = 0; q < cell.points(); ++q)
-          for (int i = 0; i < cellNodes; ++i)
-            integrals[static_cast<std::size_t>(i)] += cell.measure(q) * cell.value(i, q);
-      } else {
-        std::vector<Vec2> polygon(x.begin(), x.end());
-        for (std::size_t d = 0; d < 2 && !polygon.empty(); ++d) {
-          polygon = clip(polygon, d, least[d], true);
-          polygon = clip(polygon, d, most[d], false);
-        }
-        integrals = integrateOver(polygon, x, triangle);
+          for (int i = 0; i < cell.basisSize(); ++i)
+            f[static_cast<std::size_t>(mesh.cell(c)[i])] += load.value * cell.measure(q) * cell.value(i, q);
+        continue;
       }
+      HARMOS_REQUIRE(mesh.cellType == CellType::Quadrilateral4,
+                     "loads whose edges cut cells are for quadrilaterals of four nodes");
+      const CellCoordinates x = cellCoordinates(mesh, c);
+      std::vector<Vec2> polygon(x.begin(), x.end());
+      for (std::size_t d = 0; d < 2 && !polygon.empty(); ++d) {
+        polygon = clip(polygon, d, least[d], true);
+        polygon = clip(polygon, d, most[d], false);
+      }
+      const std::array<double, cellNodes> integrals = integrateOver(polygon, x, triangle);
       for (std::size_t i = 0; i < cellNodes; ++i)
         f[static_cast<std::size_t>(mesh.cells[static_cast<std::size_t>(c) * cellNodes + i])] +=
             load.value * integrals[i];

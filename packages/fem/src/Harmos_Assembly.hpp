@@ -29,8 +29,9 @@ std::vector<BoxLoad> localLoads(const PlacedMesh& placed, const std::vector<BoxL
 
 /// Load vector f_i = ∫ f φ_i of box loads in the mesh's coordinates, integrated element-exactly: a cell that
 /// a box cuts is clipped, and only the part inside is integrated, so that the answer does not depend on
-/// whether the mesh resolves the jump. Exact for parallelograms. Guarded by
-/// tests/unit/fem/test_assembly.cpp.
+/// whether the mesh resolves the jump. Exact for parallelograms. Meshes of other cells than quadrilaterals of
+/// four nodes take loads that cut none of them.
+/// Guarded by tests/unit/fem/test_assembly.cpp.
 std::vector<double> assembleLoad(const Mesh& mesh, const std::vector<BoxLoad>& loads);
 
 } // namespace Harmos::fem

@@ -10,6 +10,7 @@
 
 #include <gmsh.h>
 
+#include <cmath>
 #include <exception>
 #include <filesystem>
 #include <new>
@@ -240,17 +241,31 @@ class Reader {
     cells = std::move(once);
   }
 
+  // For messages: what a cell is called in the file.
+  std::string cellText(const CellShape& shape, const Tag* cell) const {
+    std::string nodes;
+    for (int i = 0; i < shape.corners; ++i)
+      nodes += (i == 0 ? "" : ", ") + std::to_string(cell[i]);
+    return "the cell at " + placeText(place(cell[0])) + " with the corner nodes " + nodes;
+  }
+
   // Renumbers the cells of an entity if all are mirrored.
   void orient(CellType type, int entity, std::vector<Tag>& cells) const {
     const CellShape& shape = shapeOf(type);
     const auto nodes = static_cast<std::size_t>(shape.nodes);
     std::size_t mirrored = 0, right = 0;
-    Point odd{};
+    std::string odd;
     for (std::size_t first = 0; first < cells.size(); first += nodes) {
       const int sign = orientation(shape, &cells[first]);
+      if (sign == 0 && shape.isSimplex)
+        throw InputError(
+            "in \"" + path_ + "\", " + entityName(dimension_) + " " + std::to_string(entity) + ", " +
+            cellText(shape, &cells[first]) + " has no " +
+            (dimension_ == 2 ? "area: its corners lie on a line" : "volume: its corners lie in a plane") +
+            ". Mend it in Gmsh (Mesh.Optimize), or drop the cell");
       if (sign < 0) {
         ++mirrored;
-        odd = place(cells[first]);
+        odd = cellText(shape, &cells[first]);
       }
       right += sign > 0 ? 1 : 0;
     }
@@ -258,8 +273,8 @@ class Reader {
       return;
     if (right > 0)
       throw InputError("in \"" + path_ + "\", " + std::to_string(mirrored) + " cells of " +
-                       entityName(dimension_) + " " + std::to_string(entity) + ", one of them at " +
-                       placeText(odd) + ", are inverted, and " + std::to_string(right) +
+                       entityName(dimension_) + " " + std::to_string(entity) + ", one of them " + odd +
+                       ", are inverted, and " + std::to_string(right) +
                        " are not: the mesh is folded. Mend it in Gmsh (a finer mesh, Mesh.Optimize)");
     std::vector<Point> swapped = shape.nodeCoordinates;
     for (Point& x : swapped)
@@ -304,8 +319,13 @@ class Reader {
                               u[2] * (v[0] * w[1] - v[1] * w[0]);
       positive += jacobian > 0.0 ? 1 : 0;
       negative += jacobian < 0.0 ? 1 : 0;
-      if (shape.isSimplex)
-        return jacobian > 0.0 ? 1 : jacobian < 0.0 ? -1 : 0;
+      if (shape.isSimplex) {
+        double edgeProduct = 1.0; // the largest Jacobian that edges of these lengths can have
+        for (std::size_t d = 0; d < dimension; ++d)
+          edgeProduct *= std::hypot(edges[d][0], edges[d][1], edges[d][2]);
+        constexpr double rounding = 1e-14;
+        return std::abs(jacobian) <= rounding * edgeProduct ? 0 : jacobian > 0.0 ? 1 : -1;
+      }
     }
     return positive == corners ? 1 : negative == corners ? -1 : 0;
   }

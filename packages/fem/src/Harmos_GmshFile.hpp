@@ -46,7 +46,8 @@ bool canReadGmsh();
 /// @param dimension of the bodies, 2 or 3. Plane meshes lie in a plane z = constant.
 /// @throws InputError if this build has no Gmsh; for a file that is missing, broken or empty; for groups it
 /// does not have; for a body with cells of more than one type or of one that Harmos does not have; for cells
-/// that belong to two regions; for folded meshes; for plane ones that are not in a plane.
+/// that belong to two regions; for folded meshes and simplices of no size, naming the cell; for plane meshes
+/// that are not in a plane.
 std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBody>& bodies, int dimension);
 
 } // namespace Harmos::fem

@@ -214,6 +214,8 @@ Partition partitionCells(const BodyMesh& body, int wanted) {
     label += shares[k];
   }
   Partition result = mended(graph, labels);
+  for (std::string& note : result.notes)
+    note = "Body \"" + body.name + "\": " + note;
   result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
   if (result.parts != wanted)
     result.notes.push_back("Body \"" + body.name + "\" is cut into " + std::to_string(result.parts) +

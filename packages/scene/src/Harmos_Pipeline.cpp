@@ -100,6 +100,24 @@ std::string escapingBodies(const Teuchos::Comm<int>& comm, const Scene& scene,
   return names;
 }
 
+// feti knows subdomains only; whoever reads the message knows bodies.
+NumericalError withBody(const Scene& scene, const NumericalError& error) {
+  for (const auto& [name, value] : error.data()) {
+    if (name != "subdomain")
+      continue;
+    long long number = std::stoll(value);
+    for (const Body& body : scene.bodies) {
+      if (number < body.subdomains) {
+        ErrorData data = error.data();
+        data.emplace_back("body", body.name);
+        return NumericalError("body \"" + body.name + "\": " + error.what(), std::move(data));
+      }
+      number -= body.subdomains;
+    }
+  }
+  return error;
+}
+
 void logResult(const Log& log, const RunReport& report) {
   const qp::Counters& c = report.result.counters;
   std::ostringstream text;
@@ -229,9 +247,11 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
   log.info(auditText(report));
   // The penalty method leaves jumps by design, and has said so.
   if (report.converged && report.solver != "Dual Penalty" && !auditAgrees(report))
-    log.warning("the solver has converged, but the audit does not bear it out: see the figures above. "
-                "Materials that vary "
-                "by many orders of magnitude, single precision and tolerances near rounding errors do this");
+    log.warning(
+        "the solver has converged, but the audit does not bear it out: see the figures above. "
+        "Materials that vary by many orders of magnitude, single precision and tolerances near rounding "
+        "errors do this, and so do slender bodies, whose pieces bend more when cut than the whole does: "
+        "there a smaller \"Solver/Tolerance\" helps");
 
   {
     const auto scope = timers.scope("output");
@@ -272,6 +292,8 @@ Solution run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& sc
   Solution solution;
   try {
     solution = runStages(comm, scene, options, log, timers, report);
+  } catch (const NumericalError& error) {
+    failure = std::make_exception_ptr(withBody(scene, error));
   } catch (const Error& error) {
     if (error.kind() == Error::Kind::Internal && !error.isAgreed())
       throw; // of this rank alone: nothing collective may follow
@@ -287,6 +309,13 @@ Solution run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& sc
     std::rethrow_exception(failure);
   log.info(timingText(report, stages));
   return solution;
+}
+
+void checkScene(const Teuchos::Comm<int>& comm, const Scene& scene) {
+  const std::vector<OwnedSubdomain> owned = decompose(comm, scene);
+  checkBoundaryParts(comm, scene, owned);
+  agree(comm, [&] { assemble(scene, owned); });
+  setUpContact(comm, scene, owned);
 }
 
 void writeSummary(const Teuchos::Comm<int>& comm, const RunOptions& options, const RunReport& report) {

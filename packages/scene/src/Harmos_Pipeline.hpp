@@ -35,6 +35,14 @@ Solution run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& sc
              const RunOptions& options, const Log& log, std::chrono::steady_clock::time_point begin,
              RunReport& report);
 
+/// What run() refuses before anything is factorised: boundary parts that are not there, cells of no size,
+/// materials out of range, surfaces that never meet. Cost: meshes, assembly and contact search; nothing is
+/// kept or written.
+/// @throws InputError on all ranks.
+/// @note Collective.
+/// Guarded by tests/regression/test_scene_input.py.
+void checkScene(const Teuchos::Comm<int>& comm, const Scene& scene);
+
 /// summary.json, on rank 0. @note Collective.
 void writeSummary(const Teuchos::Comm<int>& comm, const RunOptions& options, const RunReport& report);
 

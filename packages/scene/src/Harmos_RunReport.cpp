@@ -103,7 +103,7 @@ std::string auditText(const RunReport& report) {
     text << "  penetration    max (B_I u - c_I)+          " << scientific(audit.penetration) << "\n"
          << "  least contact multiplier                   " << scientific(audit.minContactMultiplier) << "\n"
          << "  complementarity |lambda_I'(B_I u - c_I)|   " << scientific(audit.complementarity) << "\n";
-  text << "  energy         u'Ku/2 - f'u + lambda'(Bu-c)" << scientific(audit.energy, 12);
+  text << "  energy  u'Ku/2 - f'u + lambda'(Bu - c)     " << scientific(audit.energy, 12);
   return text.str();
 }
 

@@ -31,6 +31,30 @@ std::string message(const Teuchos::ParameterList& list) {
   return inputErrorOf([&] { deck().validated(list, "deck.xml"); });
 }
 
+// Arrays, and a family: lists of the same kind by names of the user's choice.
+ParameterSpec scene() {
+  ParameterSpec body("<body>", "A body.");
+  body.reals("Size", {1.0, 1.0, 1.0}, Range::above(0.0), "Its sides.");
+  body.integers("Elements", {8, 4}, 1, 100, "Of each side.");
+  body.texts("Materials", {}, "Their names.");
+  body.list(ParameterSpec("Options", "Of the body.").boolean("Rigid", false, "Whether it bends."));
+  ParameterSpec bodies("Bodies", "All bodies.");
+  bodies.integer("Count", 0, 0, 9, "A parameter beside the family.");
+  bodies.family(body);
+  ParameterSpec spec("scene", "A scene.");
+  spec.list(bodies);
+  return spec;
+}
+
+std::string sceneMessage(const Teuchos::ParameterList& list) {
+  return inputErrorOf([&] { scene().validated(list, "scene.xml"); });
+}
+
+template<class T>
+Teuchos::Array<T> array(std::initializer_list<T> values) {
+  return Teuchos::Array<T>(values);
+}
+
 } // namespace
 
 TEST(ParameterSpec, completes_by_defaults) {
@@ -160,4 +184,136 @@ TEST(ParameterSpec, teuchos_validators_refuse_what_the_specification_refuses) {
   EXPECT_NO_THROW(list.validateParameters(*valid));
   list.sublist("Solver").set("Method", std::string("None"));
   EXPECT_ANY_THROW(list.validateParameters(*valid));
+}
+
+TEST(ParameterSpec, members_of_families_are_completed_by_defaults) {
+  Teuchos::ParameterList list;
+  list.sublist("Bodies").sublist("wheel").set("Size", array({2.0, 3.0, 4.0}));
+  list.sublist("Bodies").sublist("axle").set("Materials", array<std::string>({"steel", "brass"}));
+  const Teuchos::ParameterList result = scene().validated(list, "scene.xml").sublist("Bodies");
+  EXPECT_EQ(result.name(result.begin()), "Count");
+  EXPECT_EQ(result.numParams(), 3); // no member but those that were given
+  EXPECT_EQ(result.sublist("wheel").get<Teuchos::Array<double>>("Size"), array({2.0, 3.0, 4.0}));
+  EXPECT_EQ(result.sublist("wheel").get<Teuchos::Array<int>>("Elements"), array({8, 4}));
+  EXPECT_EQ(result.sublist("wheel").get<Teuchos::Array<std::string>>("Materials").size(), 0);
+  EXPECT_FALSE(result.sublist("wheel").sublist("Options").get<bool>("Rigid"));
+  EXPECT_EQ(result.sublist("axle").get<Teuchos::Array<double>>("Size"), array({1.0, 1.0, 1.0}));
+  EXPECT_EQ(result.sublist("axle").get<Teuchos::Array<std::string>>("Materials"),
+            array<std::string>({"steel", "brass"}));
+}
+
+TEST(ParameterSpec, faults_in_members_of_families_have_their_path) {
+  Teuchos::ParameterList list;
+  list.sublist("Bodies").sublist("wheel").set("Sise", array({2.0, 3.0, 4.0}));
+  EXPECT_EQ(
+      sceneMessage(list),
+      "scene.xml: unknown parameter \"Bodies/wheel/Sise\"; did you mean \"Size\"? Allowed here: \"Size\", "
+      "\"Elements\", \"Materials\", \"Options\".");
+  Teuchos::ParameterList nested;
+  nested.sublist("Bodies").sublist("wheel").sublist("Options").set("Rigidd", true);
+  EXPECT_TRUE(contains(sceneMessage(nested), "unknown parameter \"Bodies/wheel/Options/Rigidd\""));
+  Teuchos::ParameterList value;
+  value.sublist("Bodies").set("wheel", 3);
+  EXPECT_TRUE(contains(sceneMessage(value), "unknown parameter \"Bodies/wheel\""));
+}
+
+TEST(ParameterSpec, arrays_of_wrong_length) {
+  Teuchos::ParameterList list;
+  list.sublist("Bodies").sublist("wheel").set("Size", array({0.1, 2.0}));
+  EXPECT_EQ(sceneMessage(list),
+            "scene.xml: \"Bodies/wheel/Size\" is an array ({0.1, 2}), expected 3 real numbers "
+            "(type=\"Array(double)\") in (0, inf)");
+  Teuchos::ParameterList empty;
+  empty.sublist("Bodies").sublist("wheel").set("Elements", Teuchos::Array<int>());
+  EXPECT_EQ(sceneMessage(empty), "scene.xml: \"Bodies/wheel/Elements\" is an array ({}), expected 2 integers "
+                                 "(type=\"Array(int)\") in [1, 100]");
+}
+
+TEST(ParameterSpec, arrays_of_wrong_type) {
+  const auto messageWith = [](const std::string& name, auto value) {
+    Teuchos::ParameterList list;
+    list.sublist("Bodies").sublist("wheel").set(name, value);
+    return sceneMessage(list);
+  };
+  EXPECT_TRUE(
+      contains(messageWith("Elements", array({1.0, 2.0})), "is an array ({1, 2}), expected 2 integers"));
+  EXPECT_TRUE(contains(messageWith("Size", 2.5), "is a real number (2.5), expected 3 real numbers"));
+  EXPECT_TRUE(contains(messageWith("Size", array<std::string>({"a", "b", "c"})), "expected 3 real numbers"));
+  EXPECT_TRUE(contains(messageWith("Materials", std::string("steel")),
+                       "is a string (\"steel\"), expected strings (type=\"Array(string)\")"));
+  // Whole numbers are real numbers, in arrays as well.
+  Teuchos::ParameterList list;
+  list.sublist("Bodies").sublist("wheel").set("Size", array({1, 2, 3}));
+  EXPECT_EQ(
+      scene().validated(list, "").sublist("Bodies").sublist("wheel").get<Teuchos::Array<double>>("Size"),
+      array({1.0, 2.0, 3.0}));
+}
+
+TEST(ParameterSpec, every_entry_of_an_array_is_in_range) {
+  Teuchos::ParameterList list;
+  list.sublist("Bodies").sublist("wheel").set("Size", array({1.0, 2.0, 0.0}));
+  EXPECT_TRUE(contains(sceneMessage(list), "\"Bodies/wheel/Size\" = 0 is out of range"));
+  list.sublist("Bodies").sublist("wheel").set("Size",
+                                              array({1.0, std::numeric_limits<double>::quiet_NaN(), 1.0}));
+  EXPECT_TRUE(contains(sceneMessage(list), "is out of range"));
+  list.sublist("Bodies").sublist("wheel").set("Size", array({1.0, 2.0, 3.0}));
+  list.sublist("Bodies").sublist("wheel").set("Elements", array({1, 101}));
+  EXPECT_TRUE(contains(sceneMessage(list), "\"Bodies/wheel/Elements\" = 101 is out of range"));
+}
+
+TEST(ParameterSpec, assignment_of_arrays_and_to_members_of_families) {
+  const ParameterSpec spec = scene();
+  Teuchos::ParameterList list;
+  spec.set(list, "Bodies/wheel/Size", "{1, 2.5, 3e-1}", "--set");
+  spec.set(list, "Bodies/wheel/Elements", " 3,4 ", "--set"); // braces may be left out
+  spec.set(list, "Bodies/wheel/Materials", "{red brass, steel}", "--set");
+  spec.set(list, "Bodies/wheel/Options/Rigid", "true", "--set");
+  const Teuchos::ParameterList wheel = spec.validated(list, "").sublist("Bodies").sublist("wheel");
+  EXPECT_EQ(wheel.get<Teuchos::Array<double>>("Size"), array({1.0, 2.5, 0.3}));
+  EXPECT_EQ(wheel.get<Teuchos::Array<int>>("Elements"), array({3, 4}));
+  EXPECT_EQ(wheel.get<Teuchos::Array<std::string>>("Materials"), array<std::string>({"red brass", "steel"}));
+  EXPECT_TRUE(wheel.sublist("Options").get<bool>("Rigid"));
+  EXPECT_EQ(inputErrorOf([&] { spec.set(list, "Bodies/wheel/Elements", "{3, 4.5}", "--set"); }),
+            "--set: \"{3, 4.5}\" cannot be the value of \"Bodies/wheel/Elements\", expected 2 integers "
+            "(type=\"Array(int)\") in [1, 100]");
+  EXPECT_THROW(spec.set(list, "Bodies/wheel/Size", "{1, two, 3}", "--set"), InputError);
+  EXPECT_TRUE(contains(inputErrorOf([&] { spec.set(list, "Bodies/wheel/Sise", "1", "--set"); }),
+                       "unknown parameter \"Bodies/wheel/Sise\"; did you mean \"Size\"?"));
+}
+
+TEST(ParameterSpec, families_in_the_reference) {
+  std::ostringstream markdown, text, xml;
+  scene().writeMarkdown(markdown);
+  // The sign would begin an HTML element, and the name would not be shown.
+  for (const char* part :
+       {"## scene/Bodies/\\<body>\n\nA body.\n", "| `Size` | reals | `{1, 1, 1}` | (0, inf) | Its sides. |",
+        "| `Elements` | integers | `{8, 4}` | [1, 100] | Of each side. |",
+        "| `Materials` | strings | `{}` | any | Their names. |",
+        "| `Rigid` | boolean | `false` | `true`, `false` | Whether it bends. |",
+        "## scene/Bodies/\\<body>/Options\n"})
+    EXPECT_TRUE(contains(markdown.str(), part)) << part << "\n" << markdown.str();
+  scene().writeText(text);
+  for (const char* part : {"Bodies/<body>  -- A body.", "  Size = {1, 1, 1}   [reals in (0, inf)]",
+                           "  Materials = {}   [strings]", "Bodies/<body>/Options  -- Of the body."})
+    EXPECT_TRUE(contains(text.str(), part)) << part << "\n" << text.str();
+  // A deck with the defaults: it has no member.
+  scene().writeXml(xml);
+  EXPECT_FALSE(contains(xml.str(), "body"));
+  Teuchos::ParameterList list;
+  Teuchos::updateParametersFromXmlString(xml.str(), Teuchos::ptr(&list));
+  EXPECT_TRUE(Teuchos::haveSameValues(scene().validated(list, "printed"), scene().defaults()));
+}
+
+// Decks pass through XML on their way to the other ranks.
+TEST(ParameterSpec, validated_arrays_survive_xml) {
+  Teuchos::ParameterList list;
+  list.sublist("Bodies").sublist("wheel").set("Size", array({0.1, 1.0 / 3.0, 1e-300}));
+  const Teuchos::ParameterList before = scene().validated(list, "");
+  std::ostringstream text;
+  Teuchos::writeParameterListToXmlOStream(before, text);
+  Teuchos::ParameterList after;
+  Teuchos::updateParametersFromXmlString(text.str(), Teuchos::ptr(&after));
+  EXPECT_EQ(after.sublist("Bodies").sublist("wheel").get<Teuchos::Array<double>>("Size"),
+            before.sublist("Bodies").sublist("wheel").get<Teuchos::Array<double>>("Size"));
+  EXPECT_EQ(after.sublist("Bodies").sublist("wheel").get<Teuchos::Array<std::string>>("Materials").size(), 0);
 }

@@ -142,3 +142,25 @@ TEST(Assembly, covered_subdomains_see_the_same_load) {
     EXPECT_EQ(first.most, other.most);
   }
 }
+
+// f_i = ∫ f φ_i: the sum is the whole force, the first moment that of the force, whatever the cells are.
+TEST(Assembly, load_on_all_of_a_body_of_any_cells) {
+  for (const fem::CellType type : {fem::CellType::Triangle3, fem::CellType::Triangle6,
+                                   fem::CellType::Quadrilateral4, fem::CellType::Quadrilateral9}) {
+    StructuredBlock::Options options;
+    options.cellType = type;
+    options.origin = {3.0, -1.0, 0.0};
+    options.size = {2.0, 0.5, 1.0};
+    options.elements = {3, 2, 1};
+    const fem::PlacedMesh mesh = StructuredBlock(options).subdomain(0);
+    const double all = 1e300, density = -1.5;
+    const std::vector<double> f = load(mesh, {density, {-all, -all}, {all, all}});
+    double force = 0.0, moment = 0.0;
+    for (std::size_t i = 0; i < f.size(); ++i) {
+      force += f[i];
+      moment += f[i] * mesh.position(static_cast<int>(i))[0];
+    }
+    EXPECT_NEAR(force, density * 1.0, 1e-13) << fem::shapeOf(type).name;
+    EXPECT_NEAR(moment, density * 1.0 * 4.0, 1e-12) << fem::shapeOf(type).name;
+  }
+}

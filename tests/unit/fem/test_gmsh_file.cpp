@@ -371,4 +371,28 @@ $EndElements
 )"),
                                      {{"all", {"1"}}});
   EXPECT_TRUE(contains(text, "1 cells of surface 1") && contains(text, "folded")) << text;
+  EXPECT_TRUE(contains(text, "at (1, 0, 0) with the corner nodes 2, 3, 4")) << text;
+}
+
+TEST_F(GmshFile, refuses_cells_of_no_size) {
+  // The corners of the second triangle lie on a line, but for the rounding of their coordinates.
+  const std::string text = refusalOf(file("flat.msh", R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+5
+1 0 0 0
+2 1 0 0
+3 0 1 0
+4 0.1 0.3 0
+5 0.2 0.6000000000000001 0
+$EndNodes
+$Elements
+2
+1 2 2 1 1 1 2 3
+2 2 2 1 1 1 4 5
+$EndElements
+)"),
+                                     {{"all", {"1"}}});
+  EXPECT_TRUE(contains(text, "at (0, 0, 0) with the corner nodes 1, 4, 5 has no area")) << text;
 }

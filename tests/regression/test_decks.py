@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every deck under apps/*/decks prints what the log beside it says.
+
+    test_decks.py [--update] [CLASS...]
+
+A log (NAME.log beside NAME.xml) holds what a run on two ranks prints, but for what differs from run
+to run: version, paths, seconds, memory, the table of progress. --update writes the logs anew; look
+at the difference before you commit it.
+
+What is compared, and how closely:
+
+    words                       equal
+    dimensions and other counts equal
+    iteration counts            within 30 % and 3: the path may differ by rounding, not by a method
+    energy                      1e-6, relative: of second order in the error, and the tolerance of all
+                                decks is 1e-4 or less
+    audit                       at most ten times as large: where an iteration stops short of a
+                                tolerance is chance, but not its order
+    condition, named results    factor of two; 1 %, of first order in the tolerance
+    estimates of the cost model not compared
+
+Meshes made from .geo files are those of Debian 12's Gmsh 4.8; another version makes others.
+
+What it guards against: decks that no longer run, answers that change without anyone's intention, answers
+that depend on the number of ranks.
+"""
+
+import re
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+
+import harmos_runs as runs  # noqa: E402
+
+DECKS = sorted((runs.SOURCE / "apps").glob("*/decks/*.xml"))
+NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]\d+)?(?![\w.]*[A-Za-z_])")
+AUDIT = "  equilibrium", "  gluing jump", "  penetration", "  least contact", "  complementarity"
+
+
+def normalised(text, deck, directory):
+    """The lines of a log that two runs of the same deck have in common, but for their numbers."""
+    lines = []
+    skipping = False
+    for line in text.splitlines():
+        if line.startswith("Converged"):
+            skipping = False
+        if not skipping and not line.startswith("Peak memory"):
+            lines.append(line)
+        if line.startswith("  outer  inner"):
+            lines.append("  ...")
+            skipping = True
+        elif line.startswith("Seconds"):
+            lines.pop()
+            skipping = True
+        elif line.startswith("Peak memory"):
+            skipping = False
+    result = "\n".join(lines) + "\n"
+    result = re.sub(r"^Harmos \S+ \(\S+\)", "Harmos VERSION (COMMIT)", result)
+    return result.replace(str(deck), str(deck.relative_to(runs.SOURCE))).replace(
+        str(directory), "DIRECTORY"
+    )
+
+
+def allowed(line, position, value):
+    """The least and the most that a number of a line may be, or None: anything."""
+    if line.startswith("Dual operator: "):
+        return None
+    if line.startswith(("Converged: ", "NOT converged: ")):
+        spread = 0.3 * value + 3
+        return value - spread, value + spread
+    if "local factorisations" in line:
+        if position < 2:
+            return value, value
+        return (value / 2, value * 2) if "condition" in line and position == 3 else (0, value + 1)
+    if line.startswith("  energy"):
+        return value - 1e-6 * abs(value), value + 1e-6 * abs(value)
+    if line.startswith(AUDIT):
+        # A zero may become a rounding error, 1e-9 of quantities of order one at most.
+        return min(10 * value, 0) - 1e-9, max(10 * value, 0) + 1e-9
+    if re.match(r"\w+: ", line):
+        return value - 0.01 * abs(value), value + 0.01 * abs(value)
+    return value, value
+
+
+def split(line):
+    """A line's words with a mark for each number, and the numbers."""
+    return NUMBER.sub("#", re.sub(r" +", " ", line)), [float(x) for x in NUMBER.findall(line)]
+
+
+def differences(expected, found):
+    """What is not as expected, line by line."""
+    result = []
+    expected, found = expected.splitlines(), found.splitlines()
+    for line, other in zip(expected, found):
+        (words, numbers), (other_words, others) = split(line), split(other)
+        if words != other_words:
+            result.append(f"expected: {line}\n   found: {other}")
+            continue
+        for position, (value, other_value) in enumerate(zip(numbers, others)):
+            limits = allowed(line, position, value)
+            if limits is not None and not limits[0] <= other_value <= limits[1]:
+                result.append(
+                    f"{other_value} is not in [{limits[0]}, {limits[1]}]\n"
+                    f"expected: {line}\n   found: {other}"
+                )
+    if len(expected) != len(found):
+        result.append(f"{len(expected)} lines expected, {len(found)} found")
+    return result
+
+
+def log_of(deck):
+    return deck.with_suffix(".log")
+
+
+def program_of(deck):
+    return deck.parents[1].name
+
+
+def printed(case, deck, np):
+    """A run of a deck, converged without a warning, and its normalised log."""
+    done = runs.solved(case, deck, np=np, program=program_of(deck))
+    return done, normalised(done.stdout, deck, done.directory)
+
+
+class Comparison(unittest.TestCase):
+    """The comparison sees what it is meant to see."""
+
+    LOG = (
+        "Primal dimension 162, dual dimension 9 (9 inequalities), kernel dimension 2\n"
+        "Converged: 3 outer iterations, 20 products with F (10 cg)\n"
+        "  penetration    max (B_I u - c_I)+          1.00e-07\n"
+        "  energy  u'Ku/2 - f'u + lambda'(Bu - c)     -1.000000000000e-03\n"
+    )
+
+    def test_same(self):
+        self.assertEqual(differences(self.LOG, self.LOG), [])
+
+    def test_within_and_beyond(self):
+        for old, new, good in (
+            ("162", "163", False),
+            ("Primal", "Dual", False),
+            ("20 products", "29 products", True),
+            ("20 products", "30 products", False),
+            ("1.00e-07", "0.00e+00", True),
+            ("1.00e-07", "9.00e-07", True),
+            ("1.00e-07", "1.10e-06", False),
+            ("-1.000000000000e-03", "-1.000000900000e-03", True),
+            ("-1.000000000000e-03", "-1.000001100000e-03", False),
+            ("-1.000000000000e-03", "1.000000000000e-03", False),
+            ("Converged: 3", "Converged: 3\nmore", False),
+        ):
+            with self.subTest(old=old, new=new):
+                found = differences(self.LOG, self.LOG.replace(old, new))
+                self.assertEqual(found == [], good, found)
+
+
+class Logs(unittest.TestCase):
+    def test_every_deck_has_a_log(self):
+        self.assertGreater(len(DECKS), 9)
+        for deck in DECKS:
+            self.assertTrue(log_of(deck).exists(), f"{log_of(deck)}: make it with --update")
+
+    def test_every_log_has_a_deck(self):
+        for log in (runs.SOURCE / "apps").glob("*/decks/*.log"):
+            self.assertTrue(log.with_suffix(".xml").exists(), log)
+
+    def test_logs(self):
+        for deck in DECKS:
+            with self.subTest(deck=deck.name):
+                expected = log_of(deck).read_text(encoding="utf-8")
+                found = differences(expected, printed(self, deck, 2)[1])
+                self.assertEqual(found, [], "\n".join(["", *found]))
+
+
+class Ranks(unittest.TestCase):
+    """The scenes of the application harmos have one answer on any number of ranks."""
+
+    def test_energies(self):
+        for deck in DECKS:
+            if program_of(deck) != "harmos":
+                continue
+            log = log_of(deck).read_text(encoding="utf-8")
+            energy = float(re.search(r"(?m)^  energy .* (\S+)$", log).group(1))
+            for np in (1, 4):
+                with self.subTest(deck=deck.name, ranks=np):
+                    done = printed(self, deck, np)[0]
+                    self.assertAlmostEqual(done.summary["energy"] / energy, 1.0, delta=1e-6)
+
+
+def update():
+    for deck in DECKS:
+        log_of(deck).write_text(printed(unittest.TestCase(), deck, 2)[1], encoding="utf-8")
+        print(log_of(deck))
+
+
+if __name__ == "__main__":
+    if "--update" in sys.argv:
+        update()
+    else:
+        runs.main()
