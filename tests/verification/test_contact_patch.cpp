@@ -122,6 +122,22 @@ TEST(ContactPatch, meshes_that_do_not_match) {
     }
 }
 
+// The same contact named twice, once with the surfaces exchanged, is one contact.
+TEST(ContactPatch, contact_that_is_named_twice) {
+  const CellType type = CellType::Quadrilateral4;
+  scene::Scene scene = tower(type, type, {2, 2, 1}, {2, 2, 1}, Interface::Kind::Contact, 0.0);
+  const long long once = runScene(scene, tolerance).report.inequalities;
+  Interface back = scene.interfaces[0];
+  std::swap(back.firstBody, back.secondBody);
+  std::swap(back.firstSet, back.secondSet);
+  back.gap = 0.5; // the smaller gap counts
+  scene.interfaces.push_back(back);
+  scene.interfaces.push_back(scene.interfaces[0]);
+  const TestRun run = runScene(scene, tolerance);
+  EXPECT_EQ(run.report.inequalities, once);
+  expectConstantStrain(scene, run, "named twice");
+}
+
 // A gap closes before it bears, a penetration is pushed out: rigid motion of the upper block in ±z.
 TEST(ContactPatch, initial_gap_and_penetration) {
   for (double gap : {0.02, -0.02}) {

@@ -5,9 +5,11 @@
 #include "Harmos_Exchange.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <set>
+#include <unordered_map>
 
 namespace Harmos::scene {
 namespace {
@@ -55,6 +57,51 @@ std::set<long long> heldDofs(const Teuchos::Comm<int>& comm, const Scene& scene,
   return {all.begin(), all.end()};
 }
 
+// Points whose rows differ. Effects that overlap give the same row twice, perhaps with the surfaces
+// exchanged; two of them would be dependent, and of contacts the one with the smaller gap is enough.
+class DistinctPoints {
+ public:
+  // Ties have rows in every direction: their normals do not matter.
+  explicit DistinctPoints(bool normalsMatter) : normalsMatter_(normalsMatter) {}
+
+  void add(const std::vector<contact::ContactPoint>& more) {
+    for (const contact::ContactPoint& point : more) {
+      std::vector<std::size_t>& here = withNode_[point.terms.front().node];
+      const auto twin =
+          std::find_if(here.begin(), here.end(), [&](std::size_t k) { return sameRow(all_[k], point); });
+      if (twin != here.end()) {
+        all_[*twin].gap = std::min(all_[*twin].gap, point.gap);
+        continue;
+      }
+      here.push_back(all_.size());
+      all_.push_back(point);
+    }
+  }
+  std::vector<contact::ContactPoint>& all() { return all_; }
+
+ private:
+  bool sameRow(const contact::ContactPoint& a, const contact::ContactPoint& b) const {
+    constexpr double rounding = 1e-12;
+    if (a.terms.size() != b.terms.size())
+      return false;
+    for (double sign : {1.0, -1.0}) {
+      bool same = true;
+      for (std::size_t d = 0; d < 3 && normalsMatter_; ++d)
+        same = same && std::abs(a.normal[d] - sign * b.normal[d]) <= rounding;
+      for (std::size_t k = 0; same && k < a.terms.size(); ++k)
+        same = a.terms[k].node == b.terms[k].node &&
+               std::abs(a.terms[k].weight - sign * b.terms[k].weight) <= rounding;
+      if (same)
+        return true;
+    }
+    return false;
+  }
+
+  bool normalsMatter_;
+  std::vector<contact::ContactPoint> all_;
+  std::unordered_map<long long, std::vector<std::size_t>> withNode_; // by the lowest node
+};
+
 std::vector<contact::ContactPoint> pointsOf(const Interface& interface, const contact::Surface& first,
                                             const contact::Surface& second) {
   using Coupling = Interface::Coupling;
@@ -82,31 +129,26 @@ ContactSetup setUpContact(const Teuchos::Comm<int>& comm, const Scene& scene,
     return contact::gatherSurface(comm, parts.of(body, set), set,
                                   scene.bodies[static_cast<std::size_t>(body)].name + "/" + set, normal);
   };
-  const auto append = [&](std::vector<ConstraintRow> more) {
-    setup.rows.insert(setup.rows.end(), std::make_move_iterator(more.begin()),
-                      std::make_move_iterator(more.end()));
-  };
-  const int components = scene.components();
-  long long equalities = 0;
-  const auto addContact = [&](const std::vector<contact::ContactPoint>& points) {
-    append(contact::contactRows(comm, points, components, static_cast<long long>(setup.points.size())));
-    setup.points.insert(setup.points.end(), points.begin(), points.end());
-  };
+  DistinctPoints contacts(scene.physics != Physics::Membrane), ties(false);
+  std::set<long long> held; // dofs at ties
   for (const Interface& interface : scene.interfaces) {
     const contact::Surface first = surface(interface.firstBody, interface.firstSet, interface.normal);
     const contact::Surface second = surface(interface.secondBody, interface.secondSet, nullptr);
     const std::vector<contact::ContactPoint> points = pointsOf(interface, first, second);
     if (interface.kind == Interface::Kind::Contact) {
-      addContact(points);
+      contacts.add(points);
     } else {
-      const contact::TieRows ties =
-          contact::tieRows(comm, points, components, equalities, heldDofs(comm, scene, owned, interface));
-      append(ties.rows);
-      equalities += ties.count;
+      ties.add(points);
+      held.merge(heldDofs(comm, scene, owned, interface));
     }
   }
   for (const ObstacleContact& contact : scene.obstacles)
-    addContact(contact::obstaclePoints(surface(contact.body, contact.set, nullptr), contact.obstacle));
+    contacts.add(contact::obstaclePoints(surface(contact.body, contact.set, nullptr), contact.obstacle));
+  setup.points = std::move(contacts.all());
+  setup.rows = contact::contactRows(comm, setup.points, scene.components(), 0);
+  const std::vector<ConstraintRow> equalities =
+      contact::tieRows(comm, ties.all(), scene.components(), 0, held).rows;
+  setup.rows.insert(setup.rows.end(), equalities.begin(), equalities.end());
   return setup;
 }
 
