@@ -3,7 +3,7 @@
 
 #include "Harmos_ContactSetup.hpp"
 #include "Harmos_Decomposition.hpp"
-#include "Harmos_StructuredBlock.hpp"
+#include "Harmos_Membranes.hpp"
 
 #include <Teuchos_LAPACK.hpp>
 #include <Tpetra_Core.hpp>
@@ -18,26 +18,11 @@ Teuchos::RCP<const Teuchos::Comm<int>> testComm() {
 }
 
 TestModel testModel(int s, int n, bool tied) {
-  scene::Scene scene;
-  long long firstNode = 0;
-  for (int b = 0; b < 2; ++b) {
-    const auto rectangle = std::make_shared<const fem::StructuredBlock>(
-        fem::makeRectangle(fem::Point{static_cast<double>(b), 0.0, 0.0}, std::array<double, 2>{1.0, 1.0},
-                           std::array<int, 2>{s, s}, std::array<int, 2>{n, n}, firstNode));
-    firstNode += rectangle->numberOfNodes();
-    scene::Body body;
-    body.subdomains = rectangle->numberOfSubdomains();
-    body.subdomain = [rectangle](int k) { return rectangle->subdomain(k); };
-    if (b == 0) {
-      body.bodyForce = {{-3.0, {0.0, 0.75}, {1.0, 1.0}}};
-      body.prescribed = {{"left", 0.0}};
-    } else {
-      body.bodyForce = {{-1.0, {1.0, 0.0}, {2.0, 0.25}}};
-    }
-    scene.bodies.push_back(std::move(body));
-  }
-  scene.interfaces = {
-      {tied ? scene::Interface::Kind::Tie : scene::Interface::Kind::Contact, 0, "right", 1, "left"}};
+  Teuchos::ParameterList list;
+  list.set("Subdomains per side", s);
+  list.set("Elements per subdomain side", n);
+  list.set("Interface", std::string(tied ? "tie" : "contact"));
+  const scene::Scene scene = signorini::membranes(list);
   const auto comm = testComm();
   const auto owned = scene::decompose(*comm, scene);
   TestModel model;

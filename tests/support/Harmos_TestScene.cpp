@@ -4,7 +4,6 @@
 #include "Harmos_Errors.hpp"
 #include "Harmos_TestComm.hpp"
 
-#include <cmath>
 #include <filesystem>
 #include <unistd.h>
 
@@ -52,19 +51,6 @@ std::string failureOf(const scene::Scene& scene) {
     return error.what();
   }
   return "";
-}
-
-double fittedRate(const std::vector<double>& h, const std::vector<double>& error) {
-  const auto n = static_cast<double>(h.size());
-  double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
-  for (std::size_t k = 0; k < h.size(); ++k) {
-    const double x = std::log(h[k]), y = std::log(error[k]);
-    sx += x;
-    sy += y;
-    sxx += x * x;
-    sxy += x * y;
-  }
-  return (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 
 } // namespace Harmos

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_FittedRate.hpp"
 #include "Harmos_Pipeline.hpp"
 #include "Harmos_StructuredBlock.hpp"
 
@@ -23,8 +24,5 @@ TestRun runScene(const scene::Scene& scene, double tolerance,
 
 /// The message of the error that a run ends in; "" if it ends well.
 std::string failureOf(const scene::Scene& scene);
-
-/// Fits log(error) = rate · log(h) + constant by least squares.
-double fittedRate(const std::vector<double>& h, const std::vector<double>& error);
 
 } // namespace Harmos

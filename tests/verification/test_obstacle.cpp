@@ -11,7 +11,9 @@
 #include "Harmos_GridProblem.hpp"
 #include "Harmos_TestComm.hpp"
 
+#include "Harmos_FittedRate.hpp"
 #include <Tpetra_CrsMatrix.hpp>
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -106,20 +108,6 @@ std::string text(const std::vector<int>& counts) {
   return result;
 }
 
-// Slope of the least squares line through (log h, log e).
-double rate(const std::vector<double>& h, const std::vector<double>& e) {
-  double sx = 0, sy = 0, sxx = 0, sxy = 0;
-  for (std::size_t k = 0; k < h.size(); ++k) {
-    const double x = std::log(h[k]), y = std::log(e[k]);
-    sx += x;
-    sy += y;
-    sxx += x * x;
-    sxy += x * y;
-  }
-  const auto m = static_cast<double>(h.size());
-  return (m * sxy - sx * sy) / (m * sxx - sx * sx);
-}
-
 // J of the piecewise linear function with the exact boundary values, loads by the vertex rule: the energy of
 // the interior values, −½xᵀb where it is stationary, would leave the boundary's part out.
 double energy(const Solution& solution) {
@@ -196,9 +184,9 @@ TEST(Obstacle, energy_and_free_boundary_converge) {
   // Energies of linear elements converge like h² (Falk 1974 for the norm, whose square it is); values at
   // nodes like h² up to a logarithm (Nitsche 1977); the free boundary like h where the load does not
   // degenerate (Brezzi & Caffarelli 1983), in jumps of the grid.
-  EXPECT_NEAR(rate(h, energyErrors), 2.0, 0.2);
-  EXPECT_NEAR(rate(h, nodalErrors), 2.0, 0.3);
-  EXPECT_NEAR(rate(h, boundaryErrors), 1.0, 0.35);
+  EXPECT_NEAR(fittedRate(h, energyErrors), 2.0, 0.2);
+  EXPECT_NEAR(fittedRate(h, nodalErrors), 2.0, 0.3);
+  EXPECT_NEAR(fittedRate(h, boundaryErrors), 1.0, 0.35);
   for (std::size_t k = 0; k < h.size(); ++k)
     EXPECT_LE(boundaryErrors[k], 2.0 * h[k]);
 }
