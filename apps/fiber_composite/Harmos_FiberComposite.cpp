@@ -16,7 +16,8 @@ using composite::Sample;
 void addMaterial(ParameterSpec& deck, const std::string& name, const std::string& meaning, double young) {
   ParameterSpec material(name, meaning);
   material.real("Young's modulus", young, Range::above(0.0), "In units of your choice.");
-  material.real("Poisson's ratio", 0.3, Range::strictlyWithin(-1.0, 0.5), "");
+  material.real("Poisson's ratio", 0.3, Range::strictlyWithin(-1.0, 0.5),
+                "Sideways contraction over stretch.");
   deck.list(std::move(material));
 }
 
@@ -52,8 +53,10 @@ void addParameters(ParameterSpec& deck) {
                 {"biaxial", "the right side moves to the right and the top upward"}},
                "The left side is held in x, the bottom in y; other displacements are free.");
   model.real("Strain", 0.01, Range::above(0.0), "Displacement of a side over the length of the sample.");
-  model.choice("Physics", "plane strain", {{"plane strain", ""}, {"plane stress", ""}},
-               "Of the cross-section.");
+  model.choice(
+      "Physics", "plane strain",
+      {{"plane strain", "no strain out of the plane"}, {"plane stress", "no stress out of the plane"}},
+      "Of the cross-section.");
   deck.list(std::move(model));
   ParameterSpec materials("Materials", "Isotropic, linear elastic.");
   addMaterial(materials, "Matrix", "Of the matrix.", 1.0);

@@ -91,6 +91,17 @@ fem::Dilatation dilatationOf(const ParameterList& list, const std::vector<fem::M
   return project ? fem::Dilatation::Projected : fem::Dilatation::Full;
 }
 
+// The projection does nothing for them, so that the user should know.
+void noteLocking(const scene::Body& body, scene::Physics physics, fem::CellType type,
+                 std::vector<std::string>& notes) {
+  const fem::CellShape& shape = fem::shapeOf(type);
+  if (body.dilatation == fem::Dilatation::Projected && shape.isSimplex && shape.order == 1 &&
+      physics != scene::Physics::PlaneStress)
+    notes.push_back("Body \"" + body.name + "\": a " + shape.name +
+                    " is too stiff (locks) near incompressibility, projected or not; use elements of second "
+                    "order, or quadrilaterals or hexahedra");
+}
+
 // Bodies from the mesh file: read and cut on rank 0; the others learn how many parts and nodes there are.
 void readBodies(const DeckContext& context, int dimension, const std::vector<std::size_t>& which,
                 scene::Scene& scene, long long& firstNode) {
@@ -124,6 +135,7 @@ void readBodies(const DeckContext& context, int dimension, const std::vector<std
       counts[2 * k + 1] = meshes[k].mesh.numberOfNodes();
       first += counts[2 * k + 1];
       scene.notes.insert(scene.notes.end(), partition.notes.begin(), partition.notes.end());
+      noteLocking(scene.bodies[which[k]], scene.physics, meshes[k].mesh.cellType, scene.notes);
     }
   });
   Teuchos::broadcast<int, long long>(context.comm, 0, static_cast<int>(counts.size()), counts.data());
@@ -134,7 +146,8 @@ void readBodies(const DeckContext& context, int dimension, const std::vector<std
   }
 }
 
-void makeBlock(const ParameterList& list, int dimension, scene::Body& body, long long& firstNode) {
+void makeBlock(const ParameterList& list, int dimension, scene::Body& body, long long& firstNode,
+               scene::Scene& scene) {
   fem::StructuredBlock::Options options;
   options.cellType = cellTypeOf(list.get<std::string>("Element"), dimension);
   options.origin = triple<double>(list, "Origin");
@@ -146,6 +159,7 @@ void makeBlock(const ParameterList& list, int dimension, scene::Body& body, long
   firstNode += block->numberOfNodes();
   body.subdomains = block->numberOfSubdomains();
   body.subdomain = [block](int k) { return block->subdomain(k); };
+  noteLocking(body, scene.physics, options.cellType, scene.notes);
 }
 
 } // namespace
@@ -164,15 +178,17 @@ void addBodyParameters(ParameterSpec& deck) {
   material.choice("Type", "isotropic",
                   {{"isotropic", "by Young's modulus and Poisson's ratio"},
                    {"orthotropic", "by three of each and three shear moduli, about turned axes"}},
-                  "");
-  material.real("Young's modulus", 1.0, Range::above(0.0), "Isotropic.");
-  material.real("Poisson's ratio", 0.3, Range::strictlyWithin(-1.0, 0.5), "Isotropic.");
+                  "How its elasticity is given.");
+  material.real("Young's modulus", 1.0, Range::above(0.0), "Isotropic: force per area.");
+  material.real("Poisson's ratio", 0.3, Range::strictlyWithin(-1.0, 0.5),
+                "Isotropic; above 0.4 see \"Dilatation\" of the bodies.");
   material.reals("Young's moduli", {1.0, 1.0, 1.0}, Range::above(0.0), "Orthotropic: E_1, E_2, E_3.");
   material.reals("Poisson's ratios", {0.3, 0.3, 0.3}, Range(),
                  "Orthotropic: ν_12, ν_13, ν_23; ν_ij/E_i = ν_ji/E_j.");
   material.reals("Shear moduli", {0.4, 0.4, 0.4}, Range::above(0.0), "Orthotropic: G_12, G_13, G_23.");
   material.real("Angle", 0.0, Range(), "Orthotropic: of axis 1 from x, about z, in degrees.");
-  material.reals("Thermal expansion", {0.0, 0.0, 0.0}, Range(), "Along the three axes, strain per degree.");
+  material.reals("Thermal expansion", {0.0, 0.0, 0.0}, Range(),
+                 "Along the axes 1, 2, 3 (x, y, z where isotropic): strain per degree.");
   ParameterSpec materials("Materials", "Materials, which bodies name.");
   materials.family(std::move(material));
   deck.list(std::move(materials));
@@ -188,17 +204,23 @@ void addBodyParameters(ParameterSpec& deck) {
       "Groups", {},
       "Source file: the physical groups that make it up, each a region; none: the one of the body's name.");
   body.integer("Subdomains", 1, 1, 1000000, "Source file: METIS cuts it into so many.");
-  body.reals("Origin", {0.0, 0.0, 0.0}, Range(), "Source block: the corner of least coordinates.");
-  body.reals("Size", {1.0, 1.0, 1.0}, Range::above(0.0), "Source block.");
-  body.integers("Subdomains a side", {1, 1, 1}, 1, 100000, "Source block.");
-  body.integers("Elements a side", {8, 8, 8}, 1, 100000, "Source block: of one subdomain.");
-  body.choice("Element", "Q1",
-              {{"Q1", "quadrilaterals of 4, hexahedra of 8 nodes"},
-               {"Q2", "of 9 and 27 nodes"},
-               {"P1", "triangles of 3, tetrahedra of 4 nodes"},
-               {"P2", "of 6 and 10 nodes"}},
-              "Source block.");
-  body.texts("Materials", {}, "Of each region, in the order of the groups; one name serves for all.");
+  body.reals("Origin", {0.0, 0.0, 0.0}, Range(), "Source block: its corner of least coordinates.");
+  body.reals("Size", {1.0, 1.0, 1.0}, Range::above(0.0),
+             "Source block: along x, y, z; plane scenes do not use the third.");
+  body.integers("Subdomains a side", {1, 1, 1}, 1, 100000, "Source block: equal subdomains along x, y, z.");
+  body.integers("Elements a side", {8, 8, 8}, 1, 100000,
+                "Source block: elements of one subdomain along x, y, z.");
+  body.choice(
+      "Element", "Q1",
+      {{"Q1", "quadrilaterals of 4, hexahedra of 8 nodes"},
+       {"Q2", "of 9 and 27 nodes"},
+       {"P1", "triangles of 3, tetrahedra of 4 nodes"},
+       {"P2", "of 6 and 10 nodes"}},
+      "Source block: the cells. P1 and P2 cut each quadrilateral into two, each hexahedron into six.");
+  body.texts("Materials", {},
+             "Names from the list Materials, one for each region in the order of the groups; a single name "
+             "serves for all. "
+             "Membranes have none.");
   body.choice("Dilatation", "auto",
               {{"auto", "projected if a Poisson's ratio is above 0.4"},
                {"full", "as the displacements give it"},
@@ -235,7 +257,7 @@ void addBodies(const DeckContext& context, scene::Scene& scene) {
     if (isFile)
       fromFile.push_back(scene.bodies.size());
     else
-      makeBlock(list, dimension, body, firstNode);
+      makeBlock(list, dimension, body, firstNode, scene);
     scene.bodies.push_back(std::move(body));
   }
   if (scene.bodies.empty())

@@ -54,8 +54,9 @@ void requireElastic(const scene::Scene& scene, const std::string& path) {
 }
 
 void addSurfaces(ParameterSpec& spec) {
-  spec.text("First", "", "\"body/boundary part\" that carries the multipliers: the finer or softer one.");
-  spec.text("Second", "", "\"body/boundary part\" opposite to it.");
+  spec.text("First", "",
+            "\"body/boundary part\" that carries the multipliers: the finer or softer one. Required.");
+  spec.text("Second", "", "\"body/boundary part\" opposite to it. Required.");
   spec.choice("Coupling", "automatic",
               {{"automatic", "nodes where they match, else mortar"},
                {"nodes", "node to node; the nodes have to match"},
@@ -132,16 +133,16 @@ void requireGeometry(const contact::Obstacle& obstacle, const scene::Scene& scen
 
 Effect obstacle() {
   ParameterSpec spec("<obstacle>", "A boundary part does not penetrate a rigid obstacle at rest.");
-  spec.text("Part", "", "\"body/boundary part\".");
+  spec.text("Part", "", "Where: \"body/boundary part\". Required.");
   spec.choice("Shape", "half-space",
               {{"half-space", "behind the plane through \"Point\" that \"Direction\" leaves"},
                {"cylinder", "about the axis through \"Point\" along \"Direction\""},
                {"sphere", "about \"Point\""}},
-              "");
+              "What the obstacle is.");
   spec.reals("Point", {0.0, 0.0, 0.0}, Range(), "On the plane, on the axis, or the centre.");
-  spec.reals(
-      "Direction", {0.0, 1.0, 0.0}, Range(),
-      "Outward normal of the half-space, towards the body; direction of the axis (0, 0, 1 in the plane).");
+  spec.reals("Direction", {0.0, 1.0, 0.0}, Range(),
+             "Half-space: its outward normal, towards the body. Cylinder: its axis; in the plane always 0, "
+             "0, 1. Spheres have none.");
   spec.real("Radius", 0.0, Range(), "Of cylinder and sphere; negative: the body is inside of a hollow one.");
   return {spec, [](const ParameterList& list, const std::string& path, scene::Scene& scene) {
             requireElastic(scene, path);
@@ -165,7 +166,7 @@ Effect obstacle() {
 
 Effect prescribedDisplacement() {
   ParameterSpec spec("<displacement>", "A boundary part is held at given displacements.");
-  spec.text("Part", "", "\"body/boundary part\".");
+  spec.text("Part", "", "Where: \"body/boundary part\". Required.");
   spec.texts("Components", {"x", "y", "z"},
              "Which are held; the others are free. Membranes have \"x\" alone.");
   spec.reals("Displacement", {0.0, 0.0, 0.0}, Range(), "In x, y, z; only those of the components count.");
@@ -198,8 +199,9 @@ Effect prescribedDisplacement() {
 
 Effect bodyForce() {
   ParameterSpec spec("<force>", "A force on all of a body.");
-  spec.text("Body", "", "Its name.");
-  spec.reals("Density", {0.0, 0.0, 0.0}, Range(), "Force per volume.");
+  spec.text("Body", "", "The name of the body. Required.");
+  spec.reals("Density", {0.0, 0.0, 0.0}, Range(),
+             "Force per volume along x, y, z; of membranes per area, the first number alone.");
   return {spec, [](const ParameterList& list, const std::string& path, scene::Scene& scene) {
             const int body = bodyNamed(scene, list.get<std::string>("Body"), path + "/Body");
             const fem::Point density = point(list, "Density");
@@ -216,8 +218,9 @@ Effect bodyForce() {
 
 Effect traction() {
   ParameterSpec spec("<traction>", "A force on a boundary part.");
-  spec.text("Part", "", "\"body/boundary part\".");
-  spec.reals("Density", {0.0, 0.0, 0.0}, Range(), "Force per area.");
+  spec.text("Part", "", "Where: \"body/boundary part\". Required.");
+  spec.reals("Density", {0.0, 0.0, 0.0}, Range(),
+             "Force per area along x, y, z; constant, whatever the normal.");
   spec.real("Pressure", 0.0, Range(), "Force per area against the outward normal.");
   return {spec, [](const ParameterList& list, const std::string& path, scene::Scene& scene) {
             requireElastic(scene, path);
@@ -236,8 +239,9 @@ Effect traction() {
 
 Effect thermalStrain() {
   ParameterSpec spec("<temperature>", "A body is warmer than when it was free of stress.");
-  spec.text("Body", "", "Its name.");
-  spec.real("Temperature", 0.0, Range(), "Rise, in degrees.");
+  spec.text("Body", "", "The name of the body. Required.");
+  spec.real("Temperature", 0.0, Range(),
+            "Rise in degrees; negative: the body was cooled. Rises of several effects add up.");
   return {spec, [](const ParameterList& list, const std::string& path, scene::Scene& scene) {
             requireElastic(scene, path);
             const int body = bodyNamed(scene, list.get<std::string>("Body"), path + "/Body");

@@ -37,8 +37,9 @@ void addParameters(ParameterSpec& deck) {
              "Hertz: way of the middle plane towards the plate, in radii.");
   deck.list(std::move(model));
   ParameterSpec material("Material", "Of elastic bodies: isotropic.");
-  material.real("Young's modulus", 1.0, Range::above(0.0), "");
-  material.real("Poisson's ratio", 0.3, Range::strictlyWithin(-1.0, 0.5), "");
+  material.real("Young's modulus", 1.0, Range::above(0.0), "In units of your choice.");
+  material.real("Poisson's ratio", 0.3, Range::strictlyWithin(-1.0, 0.5),
+                "Sideways contraction over stretch.");
   deck.list(std::move(material));
 }
 

@@ -167,6 +167,14 @@ class Good(Case):
             runs.solved(self, self.write(scene, mesh), np=0, program="harmos")
 
 
+    def test_elements_that_lock_are_told(self):
+        scene = changed(SCENE, "Materials/steel/Poisson's ratio", 0.49)
+        for element, told in (("P1", 1), ("Q1", 0), ("P2", 0)):
+            deck = self.write(changed(scene, "Bodies/lower/Element", element))
+            run = runs.solved(self, deck, np=0, program="harmos")
+            self.assertEqual(run.stdout.count('Body "lower": a triangle of 3 nodes is too stiff'), told)
+
+
 class Names(Case):
     def test_material(self):
         self.refuse(
