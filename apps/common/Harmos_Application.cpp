@@ -124,7 +124,7 @@ int abortAll(const Teuchos::Comm<int>& comm, const std::string& message) {
 
 std::string directoryOf(const std::string& file) {
   const std::size_t slash = file.rfind('/');
-  return slash == std::string::npos ? "." : file.substr(0, slash + 1);
+  return slash == std::string::npos ? "./" : file.substr(0, slash + 1);
 }
 
 int runDeck(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Application& application,
@@ -134,7 +134,9 @@ int runDeck(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Applicatio
   scene::RunOptions options = scene::RunOptions::fromDeck(deck);
   if (!line.output.empty())
     options.outputDirectory = line.output;
-  const scene::Scene scene = application.makeScene({*comm, deck, directoryOf(line.deck)});
+  const auto start = std::chrono::steady_clock::now();
+  scene::Scene scene = application.makeScene({*comm, deck, directoryOf(line.deck), log});
+  scene.secondsToMake = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   scene::checkConsistency(scene, options);
   if (line.check) {
     scene::checkScene(*comm, scene);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_Log.hpp"
 #include "Harmos_ParameterSpec.hpp"
 #include "Harmos_RunReport.hpp"
 #include "Harmos_Scene.hpp"
@@ -16,7 +17,8 @@ namespace Harmos::app {
 struct DeckContext {
   const Teuchos::Comm<int>& comm;
   const Teuchos::ParameterList& deck; ///< validated
-  std::string directory;              ///< of the deck: what its file names are relative to
+  std::string directory;              ///< of the deck, with a slash: what its file names are relative to
+  const Log& log;
 };
 
 /// What distinguishes one application from another: its part of the deck, and the scene it makes of it.

@@ -111,11 +111,11 @@ void readBodies(const DeckContext& context, int dimension, const std::vector<std
     throw InputError("\"Model/Mesh file\" is empty, but body \"" + scene.bodies[which.front()].name +
                          "\" is to come from a file; name it, or choose another \"Source\"",
                      {{"path", "Model/Mesh file"}});
+  context.log.info("Reading the mesh file \"" + file + "\"");
   if (file.front() != '/')
-    file = context.directory + "/" + file;
+    file = context.directory + file;
   std::vector<long long> counts(2 * which.size(), 0); // parts, nodes
   std::vector<std::shared_ptr<std::vector<fem::PlacedMesh>>> torn(which.size());
-  std::vector<std::vector<std::string>> notes(which.size());
   agree(context.comm, [&] {
     if (context.comm.getRank() != 0)
       return;
@@ -134,6 +134,10 @@ void readBodies(const DeckContext& context, int dimension, const std::vector<std
       counts[2 * k] = partition.parts;
       counts[2 * k + 1] = meshes[k].mesh.numberOfNodes();
       first += counts[2 * k + 1];
+      context.log.info("Body \"" + name + "\": " + std::to_string(counts[2 * k + 1]) + " nodes, " +
+                       std::to_string(meshes[k].mesh.numberOfCells()) + " cells (" +
+                       fem::shapeOf(meshes[k].mesh.cellType).name + "), cut into " +
+                       std::to_string(partition.parts));
       scene.notes.insert(scene.notes.end(), partition.notes.begin(), partition.notes.end());
       noteLocking(scene.bodies[which[k]], scene.physics, meshes[k].mesh.cellType, scene.notes);
     }

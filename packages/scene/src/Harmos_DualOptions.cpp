@@ -45,8 +45,10 @@ void DualOptions::addTo(ParameterSpec& deck) {
       "do not hold all rigid motions.");
   dual.boolean("Check null pivots", defaults.inverses.checkNullPivots,
                "Compare each kernel with the null pivots that MUMPS finds; costs a factorisation more.");
-  dual.integer("Expected products", defaults.expectedProducts, 1, 1000000,
-               "Products with F that the cost model of Form = auto reckons with.");
+  dual.integer(
+      "Expected products", defaults.expectedProducts, 0, 1000000,
+      "Products with F that the cost model of Form = auto reckons with; 0: 30 for membranes, 100 for "
+      "elastic bodies.");
   dual.integer("Memory budget MiB", defaults.memoryBudgetMiB, 0, 2000000000,
                "Limit of what factors and dense blocks may take on a rank, by the cost model; 0 for none.");
   deck.list(std::move(dual));

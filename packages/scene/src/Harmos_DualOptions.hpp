@@ -19,7 +19,7 @@ struct DualOptions {
   feti::PreconditionerKind preconditioner = feti::PreconditionerKind::Dirichlet;
   /// Null: stiffness where materials differ from body to body or region to region, else multiplicity.
   std::optional<feti::PreconditionerScaling> scaling;
-  int expectedProducts = 30;
+  int expectedProducts = 0; ///< 0: 30 for membranes, 100 for elastic bodies
   int memoryBudgetMiB = 0;
 
   /// Adds the list to the specification of a deck.

@@ -57,14 +57,16 @@ std::string toString(StoppingRule rule) {
 }
 
 feti::LocalInverses makeInverses(const feti::SubdomainSystem& system, const feti::Constraints& constraints,
-                                 const DualOptions& options, const Log& log, RunReport& report) {
+                                 const DualOptions& options, bool elastic, const Log& log,
+                                 RunReport& report) {
   feti::LocalInverseOptions inverseOptions = options.inverses;
   if (options.form && options.memoryBudgetMiB == 0) {
     inverseOptions.form = *options.form;
   } else {
+    const int expectedProducts = options.expectedProducts > 0 ? options.expectedProducts : elastic ? 100 : 30;
     const feti::FormChoice choice =
         feti::chooseForm(system, constraints, inverseOptions, options.form ? &*options.form : nullptr,
-                         options.expectedProducts, options.memoryBudgetMiB);
+                         expectedProducts, options.memoryBudgetMiB);
     inverseOptions.form = choice.form;
     log.info(choice.reason);
   }
@@ -186,7 +188,7 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
 
   const feti::LocalInverses inverses = [&] {
     const auto scope = timers.scope("factorization");
-    return makeInverses(system, constraints, options.dual, log, report);
+    return makeInverses(system, constraints, options.dual, scene.physics != Physics::Membrane, log, report);
   }();
   const feti::DualOperator dualOperator(constraints, inverses);
   const Teuchos::RCP<const feti::DualPreconditioner> preconditioner = [&] {
@@ -302,6 +304,7 @@ Solution run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& sc
   const std::vector<double> seconds = timers.seconds(*comm);
   for (std::size_t k = 0; k < stages.size(); ++k)
     report.seconds[stages[k]] = seconds[k];
+  report.seconds["mesh"] += globalMax(*comm, scene.secondsToMake);
   const std::chrono::duration<double> total = std::chrono::steady_clock::now() - begin;
   report.seconds["total"] = globalMax(*comm, total.count());
   report.peakMemoryMiB = globalSum(*comm, peakMemoryMiB());

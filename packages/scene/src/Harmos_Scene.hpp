@@ -98,6 +98,7 @@ struct Scene {
   std::vector<Interface> interfaces;
   std::vector<ObstacleContact> obstacles;
   std::vector<std::string> notes; ///< told at the beginning of the run
+  double secondsToMake = 0.0;     ///< of reading and cutting meshes before the run: part of its mesh stage
 
   int components() const { return componentsOf(physics); }
   int subdomains() const;
