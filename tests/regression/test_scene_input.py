@@ -442,7 +442,7 @@ class Surfaces(Case):
                 "upper": block((0, 0, 1), Element="P2", **{"Elements a side": [1, 1, 1]}),
             },
             "Effects": {
-                "Contact": SCENE["Effects"]["Contact"],
+                "Contact": {"joint": {**SCENE["Effects"]["Contact"]["joint"], "Coupling": "mortar"}},
                 "Prescribed displacement": {"ground": {"Part": "lower/bottom"}},
             },
         }
