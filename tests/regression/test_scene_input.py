@@ -47,13 +47,8 @@ def xml(name, tree):
 
 
 def block(origin, material="steel", **more):
-    return {
-        "Source": "block",
-        "Origin": [float(x) for x in origin],
-        "Elements a side": [2, 2, 2],
-        "Materials": [material],
-        **more,
-    }
+    usual = {"Source": "block", "Elements a side": [2, 2, 2], "Materials": [material]}
+    return {**usual, "Origin": [float(x) for x in origin], **more}
 
 
 # Two blocks on top of each other, the lower one held: a scene with nothing wrong.
@@ -435,6 +430,26 @@ class Surfaces(Case):
             changed(scene, "Bodies/upper/Elements a side", [3, 2, 2]),
             "upper/bottom and lower/top: the surfaces do not match",
             "couple them by mortar",
+            reported=True,
+        )
+
+    def test_that_cannot_carry_multipliers(self):
+        scene = {
+            "Model": {"Physics": "solid"},
+            "Materials": SCENE["Materials"],
+            "Bodies": {
+                "lower": block((0, 0, 0)),
+                "upper": block((0, 0, 1), Element="P2", **{"Elements a side": [1, 1, 1]}),
+            },
+            "Effects": {
+                "Contact": {"joint": {**SCENE["Effects"]["Contact"]["joint"], "Coupling": "mortar"}},
+                "Prescribed displacement": {"ground": {"Part": "lower/bottom"}},
+            },
+        }
+        self.refuse(
+            scene,
+            "upper/bottom and lower/top: triangles of six nodes cannot carry the multipliers",
+            "give the other surface as the first one",
             reported=True,
         )
 

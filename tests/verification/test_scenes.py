@@ -80,6 +80,40 @@ class Theory(unittest.TestCase):
         np.testing.assert_allclose(u, -left - right + right**2 / 2, atol=4 * h**2 / 12)
 
 
+class Same(unittest.TestCase):
+    def test_regions_of_a_body_and_tied_bodies(self):
+        """One body of two regions, cut across them, is the same as two bodies glued together where
+        their nodes match."""
+        energies = []
+        for groups in (None, "{plate, inclusion}"):
+            deck = (DECKS / "tied_inclusion.xml").read_text(encoding="utf-8")
+            deck = deck.replace("tied_inclusion.geo", str(DECKS / "tied_inclusion.geo"))
+            sets = {"Solver/Tolerance": 1e-8}
+            if groups:
+                deck = self.without(self.without(deck, "inclusion"), "Tie")
+                sets |= {
+                    "Bodies/plate/Groups": groups,
+                    "Bodies/plate/Materials": "{laminate, rubber}",
+                    "Bodies/plate/Dilatation": "projected",
+                }
+            else:
+                sets |= {f"Bodies/{body}/Dilatation": "projected" for body in ("plate", "inclusion")}
+            path = runs.scratch("deck").with_suffix(".xml")
+            path.write_text(deck, encoding="utf-8")
+            energies.append(runs.solved(self, path, sets, program="harmos").summary["energy"])
+        # Of second order in the tolerance; room for rounding, which the bulk modulus magnifies.
+        self.assertAlmostEqual(energies[0] / energies[1], 1.0, delta=1e-10)
+
+    @staticmethod
+    def without(deck, name):
+        """The deck without the list of this name."""
+        lines = deck.splitlines()
+        begin = next(k for k, line in enumerate(lines) if f'<ParameterList name="{name}">' in line)
+        indent = lines[begin][: lines[begin].index("<")]
+        end = lines.index(f"{indent}</ParameterList>", begin)
+        return "\n".join(lines[:begin] + lines[end + 1 :])
+
+
 class Oracle(unittest.TestCase):
     """Energies, of second order in a tolerance of 1e-8: 1e-9 leaves room for sums of rounding."""
 
