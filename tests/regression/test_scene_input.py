@@ -12,6 +12,7 @@ waiting would be a hang. What each class guards against:
     NoSolution  bodies that nothing holds and whose load pulls them away, without a word of which
 """
 
+import concurrent.futures
 import copy
 import re
 import sys
@@ -124,15 +125,25 @@ class Case(unittest.TestCase):
         for fragment in fragments:
             self.assertEqual(text.count(fragment), 1, f"{fragment!r}{result}")
 
+    @staticmethod
+    def together(deck, ways):
+        """Runs at the same time, in directories of their own: (ranks, more words) each."""
+        with concurrent.futures.ThreadPoolExecutor() as pool:
+            jobs = [
+                pool.submit(runs.run, deck, np=np, extra=extra, program="harmos")
+                for np, extra in ways
+            ]
+            return [job.result() for job in jobs]
+
     def refuse(self, scene, *fragments, mesh=None, reported=False):
         """Refused by --check on one rank, and by a run on two.
 
         reported  the run begins before it finds out: its summary holds the reason
         """
         deck = self.write(scene, mesh)
-        for np, extra in ((0, ["--check"]), (2, [])):
+        ways = ((0, ["--check"]), (2, []))
+        for (np, extra), result in zip(ways, self.together(deck, ways)):
             with self.subTest(ranks=max(np, 1), words=extra):
-                result = runs.run(deck, np=np, extra=extra, program="harmos")
                 self.assertEqual(result.returncode, 2, result)
                 self.assert_told(result, fragments)
                 if reported and not extra:
@@ -144,10 +155,10 @@ class Case(unittest.TestCase):
     def has_no_solution(self, scene, *fragments):
         """Valid, but runs end with exit status 1 and say why."""
         deck = self.write(scene)
-        self.assertEqual(runs.run(deck, np=0, extra=["--check"], program="harmos").returncode, 0)
-        for np in (0, 2):
-            with self.subTest(ranks=max(np, 1)):
-                result = runs.run(deck, np=np, program="harmos")
+        checked, *ran = self.together(deck, ((0, ["--check"]), (0, []), (2, [])))
+        self.assertEqual(checked.returncode, 0, checked)
+        for result in ran:
+            with self.subTest(command=result.command[:3]):
                 self.assertEqual(result.returncode, 1, result)
                 self.assert_told(result, fragments)
                 self.assertIs(result.summary["converged"], False)
