@@ -145,6 +145,12 @@ std::vector<Cell> scatteredCells(const Sample& sample) {
   return cells;
 }
 
+fem::Dilatation dilatationOf(const Sample& sample, const fem::Material& material) {
+  const bool project = sample.dilatation == "projected" ||
+                       (sample.dilatation == "auto" && fem::nearlyIncompressible(material));
+  return project ? fem::Dilatation::Projected : fem::Dilatation::Full;
+}
+
 } // namespace
 
 scene::Scene makeScene(const Sample& sample) {
@@ -164,6 +170,7 @@ scene::Scene makeScene(const Sample& sample) {
   matrix.subdomains = count * layout->matrix->count();
   matrix.subdomain = [layout](int k) { return matrixPiece(*layout, k); };
   matrix.materials = {sample.matrix};
+  matrix.dilatation = dilatationOf(sample, sample.matrix);
   const double stretch = sample.load == Sample::Load::Compression ? -sample.strain : sample.strain;
   matrix.prescribed = {{"left", 0.0, 0}, {"right", stretch * width, 0}, {"bottom", 0.0, 1}};
   if (sample.load == Sample::Load::Biaxial)
@@ -187,6 +194,7 @@ scene::Scene makeScene(const Sample& sample) {
       return mesh;
     };
     fibre.materials = {sample.interface == Sample::Interface::Homogeneous ? sample.matrix : sample.fibre};
+    fibre.dilatation = dilatationOf(sample, fibre.materials[0]);
     scene.bodies.push_back(std::move(fibre));
 
     scene::Interface interface;

@@ -4,6 +4,8 @@
 #include "Harmos_CompositeCell.hpp"
 #include "Harmos_Scene.hpp"
 
+#include <string>
+
 namespace Harmos::composite {
 
 /// A sample of a fibre composite (Dostál, Horák, Vlach, section 5): columns × rows of square cells, each a
@@ -30,6 +32,7 @@ struct Sample {
   double strain = 0.01;
   scene::Physics physics = scene::Physics::PlaneStrain;
   fem::Material matrix, fibre;
+  std::string dilatation = "auto"; ///< "full", "projected", or by Poisson's ratio
 
   double area() const { return columns * rows * cell.size * cell.size; }
 };

@@ -53,6 +53,11 @@ void addParameters(ParameterSpec& deck) {
                 {"biaxial", "the right side moves to the right and the top upward"}},
                "The left side is held in x, the bottom in y; other displacements are free.");
   model.real("Strain", 0.01, Range::above(0.0), "Displacement of a side over the length of the sample.");
+  model.choice("Dilatation", "auto",
+               {{"auto", "projected where Poisson's ratio is above 0.4"},
+                {"full", "as the displacements give it"},
+                {"projected", "B-bar, for nearly incompressible materials"}},
+               "How changes of volume enter the stiffness.");
   model.choice(
       "Physics", "plane strain",
       {{"plane strain", "no strain out of the plane"}, {"plane stress", "no stress out of the plane"}},
@@ -96,6 +101,7 @@ Sample sampleOf(const Teuchos::ParameterList& deck) {
   sample.strain = model.get<double>("Strain");
   sample.physics = model.get<std::string>("Physics") == "plane stress" ? scene::Physics::PlaneStress
                                                                        : scene::Physics::PlaneStrain;
+  sample.dilatation = model.get<std::string>("Dilatation");
   sample.matrix = material(deck.sublist("Materials").sublist("Matrix"));
   sample.fibre = material(deck.sublist("Materials").sublist("Fibre"));
   return sample;

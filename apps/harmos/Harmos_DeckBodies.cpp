@@ -9,6 +9,7 @@
 
 #include <Teuchos_CommHelpers.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace Harmos::app {
@@ -78,16 +79,11 @@ std::vector<std::string> groupsOf(const std::string& name, const ParameterList& 
   return groups.empty() ? std::vector<std::string>{name} : groups;
 }
 
-// Incompressible enough for the full form to lose accuracy noticeably on linear elements.
-constexpr double projectAbove = 0.4;
-
 fem::Dilatation dilatationOf(const ParameterList& list, const std::vector<fem::Material>& materials) {
   const std::string choice = list.get<std::string>("Dilatation");
-  bool project = choice == "projected";
-  if (choice == "auto")
-    for (const fem::Material& material : materials)
-      for (double ratio : material.poisson)
-        project = project || ratio > projectAbove;
+  const bool project =
+      choice == "projected" ||
+      (choice == "auto" && std::any_of(materials.begin(), materials.end(), fem::nearlyIncompressible));
   return project ? fem::Dilatation::Projected : fem::Dilatation::Full;
 }
 

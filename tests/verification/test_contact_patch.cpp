@@ -5,6 +5,7 @@
 
 #include "Harmos_Exchange.hpp"
 #include "Harmos_TestComm.hpp"
+#include "Harmos_TestErrors.hpp"
 #include "Harmos_TestScene.hpp"
 
 #include <gtest/gtest.h>
@@ -136,6 +137,99 @@ TEST(ContactPatch, contact_that_is_named_twice) {
   const TestRun run = runScene(scene, tolerance);
   EXPECT_EQ(run.report.inequalities, once);
   expectConstantStrain(scene, run, "named twice");
+}
+
+// A plate that is held all over, tied onto a block that is held at its side: wherever the plate is the first
+// surface or the second, the block follows it. Rows of the tie are left out only where both end on held
+// sides.
+TEST(ContactPatch, tie_to_a_plate_that_is_held) {
+  const double shift = 0.01;
+  std::vector<double> energies;
+  for (bool plateFirst : {false, true}) {
+    scene::Scene scene = tower(CellType::Quadrilateral4, CellType::Quadrilateral4, {3, 2, 1}, {4, 2, 1},
+                               Interface::Kind::Tie, 0.0);
+    scene.bodies[0].prescribed = {{"bottom", 0.0, 0}, {"bottom", 0.0, 1}};
+    scene.bodies[1].prescribed = {{"bottom", shift, 0}, {"bottom", 0.0, 1}};
+    scene.bodies[1].tractions.clear();
+    if (plateFirst) {
+      std::swap(scene.interfaces[0].firstBody, scene.interfaces[0].secondBody);
+      std::swap(scene.interfaces[0].firstSet, scene.interfaces[0].secondSet);
+    }
+    const TestRun run = runScene(scene, tolerance);
+    EXPECT_TRUE(run.report.converged);
+    double worst = 0.0;
+    for (std::size_t i = 0; i < run.solution.owned.size(); ++i)
+      if (const auto top = run.solution.owned[i].mesh.sets.find("top");
+          run.solution.owned[i].body == 0 && top != run.solution.owned[i].mesh.sets.end())
+        for (int node : top->second)
+          worst = std::max(
+              worst, std::abs(run.solution.displacement[i][2 * static_cast<std::size_t>(node)] - shift));
+    EXPECT_LE(globalMax(*testComm(), worst), 1e-9 * shift) << plateFirst;
+    energies.push_back(run.report.audit.energy);
+  }
+  EXPECT_NEAR(energies[0], energies[1], 1e-9 * energies[0]);
+}
+
+// What is prescribed cannot be changed by contact or ties: scenes that ask for it are refused, whatever the
+// form of the Dirichlet conditions.
+TEST(ContactPatch, prescribed_displacements_that_contradict_contact_or_ties) {
+  fem::StructuredBlock::Options options;
+  options.subdomains = {2, 1, 1};
+  options.elements = {2, 2, 1};
+  scene::Scene scene;
+  scene.physics = Physics::PlaneStrain;
+  scene.bodies.push_back(blockBody("block", options, fem::Material::isotropic(1.0, 0.3)));
+  scene.bodies[0].prescribed = {{"bottom", -0.1, 1}, {"bottom", 0.0, 0}};
+  scene::ObstacleContact floor{"floor", 0, "bottom", {}};
+  floor.obstacle.direction = {0.0, 1.0, 0.0};
+  scene.obstacles = {floor};
+  for (const char* form : {"primal", "dual"}) {
+    const std::string text =
+        inputErrorOf([&] { runScene(scene, tolerance, {std::string("Decomposition/Dirichlet=") + form}); });
+    EXPECT_TRUE(contains(text, "contradict a contact or an obstacle")) << text;
+  }
+  scene.bodies[0].prescribed = {{"bottom", 0.1, 1}, {"bottom", 0.0, 0}}; // above the floor
+  EXPECT_TRUE(runScene(scene, tolerance).report.converged);
+
+  scene::Scene tied = tower(CellType::Quadrilateral4, CellType::Quadrilateral4, {2, 2, 1}, {2, 2, 1},
+                            Interface::Kind::Tie, 0.0);
+  tied.bodies[1].prescribed = {{"left", 0.1, 0}};
+  const std::string text = inputErrorOf([&] { runScene(tied, tolerance); });
+  EXPECT_TRUE(contains(text, "a tie contradicts prescribed displacements")) << text;
+}
+
+// A contact row whose node is held in one component: the prescribed share belongs to the gap. A block is
+// pushed by its held top, u_y = −0.02, onto a floor that leans by 45°, and slides sideways: x + y ≥ 0 below
+// it.
+TEST(ContactPatch, prescribed_share_of_a_contact_row) {
+  fem::StructuredBlock::Options options;
+  options.subdomains = {2, 2, 1};
+  options.elements = {2, 2, 1};
+  scene::Scene scene;
+  scene.physics = Physics::PlaneStress;
+  scene.bodies.push_back(blockBody("block", options, fem::Material::isotropic(1.0, 0.0)));
+  for (const char* set : {"left", "right", "bottom", "top"}) // rigid in y
+    scene.bodies[0].prescribed.push_back({set, -0.02, 1});
+  scene::ObstacleContact ramp{"ramp", 0, "left", {}};
+  ramp.obstacle.point = {0.0, 0.0, 0.0};
+  ramp.obstacle.direction = {1.0, 1.0, 0.0};
+  scene.obstacles = {ramp};
+  scene.bodies[0].tractions.push_back({"right", [](const Point&, const Point&) {
+                                         return Point{-0.001, 0, 0};
+                                       }});
+  for (const char* form : {"primal", "dual"}) {
+    const TestRun run = runScene(scene, 1e-12, {std::string("Decomposition/Dirichlet=") + form});
+    EXPECT_TRUE(run.report.converged) << run.report.reason;
+    // The lower left corner meets the ramp: u_x + u_y = 0 there.
+    double corner = 0.0;
+    for (std::size_t i = 0; i < run.solution.owned.size(); ++i)
+      for (int node = 0; node < run.solution.owned[i].mesh.mesh->numberOfNodes(); ++node) {
+        const Point x = run.solution.owned[i].mesh.position(node);
+        if (std::abs(x[0]) + std::abs(x[1]) < 1e-12)
+          corner = run.solution.displacement[i][2 * static_cast<std::size_t>(node)];
+      }
+    EXPECT_NEAR(globalMax(*testComm(), corner), 0.02, 1e-9) << form;
+  }
 }
 
 // A gap closes before it bears, a penetration is pushed out: rigid motion of the upper block in ±z.

@@ -6,7 +6,7 @@
 
 #include <Teuchos_Comm.hpp>
 
-#include <set>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -111,11 +111,11 @@ struct TieRows {
 };
 
 /// Rows w_c = 0, one a point and component, numbered from `firstNumber` in this order.
-/// @param held dofs with prescribed values. A row whose own dof and one of whose counterparts are held is
-/// left
-///        out: both surfaces end there on a held boundary, and what the row has beside them, the small
-///        weights of nodes further inside, would hold those too.
+/// @param held dofs with prescribed values, and these. A row whose own dof is held, and at most half of the
+///        weight of whose counterparts is not, is left out: both surfaces end there on a held boundary, and
+///        what the row has beside them, the small weights of nodes further inside, would hold those too.
+/// @throws InputError if a row that is left out has prescribed values alone and they differ, naming the node.
 TieRows tieRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points, int components,
-                long long firstNumber, const std::set<long long>& held = {});
+                long long firstNumber, const std::map<long long, double>& held = {});
 
 } // namespace Harmos::contact

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_ContactPoint.hpp"
 #include "Harmos_Errors.hpp"
+#include "Harmos_Log.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,33 @@ constexpr double leastComponent = 1e-14;
 
 bool isMine(const Teuchos::Comm<int>& comm, std::size_t row) {
   return row % static_cast<std::size_t>(comm.getSize()) == static_cast<std::size_t>(comm.getRank());
+}
+
+bool isHeldOnBothSides(const ContactPoint& point, int components, int component,
+                       const std::map<long long, double>& held) {
+  const auto own = held.find(point.node * components + component);
+  if (own == held.end())
+    return false;
+  double freeWeight = 0.0, difference = 0.0, size = std::abs(own->second);
+  bool anyHeld = false;
+  for (const ContactPoint::Term& term : point.terms) {
+    const auto value = held.find(term.node * components + component);
+    if (value == held.end()) {
+      freeWeight += std::abs(term.weight);
+      continue;
+    }
+    anyHeld = anyHeld || term.node != point.node;
+    difference += term.weight * value->second;
+    size = std::max(size, std::abs(value->second));
+  }
+  constexpr double rounding = 1e-9;
+  if (anyHeld && freeWeight <= rounding && std::abs(difference) > rounding * size)
+    throw InputError("a tie contradicts prescribed displacements: both sides are held at node " +
+                         std::to_string(point.node) + ", but at values that differ by " +
+                         scientific(std::abs(difference)) + " in component " + std::to_string(component) +
+                         "; prescribe equal ones or leave one of them free there",
+                     {{"node", std::to_string(point.node)}});
+  return anyHeld && freeWeight <= 0.5;
 }
 
 } // namespace
@@ -42,17 +70,12 @@ std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
 }
 
 TieRows tieRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points, int components,
-                long long firstNumber, const std::set<long long>& held) {
+                long long firstNumber, const std::map<long long, double>& held) {
   HARMOS_REQUIRE(components >= 1 && components <= 3, "a node has one to three dofs");
   TieRows result;
   for (const ContactPoint& point : points)
     for (int c = 0; c < components; ++c) {
-      const auto isHeld = [&](long long node) { return held.count(node * components + c) > 0; };
-      const bool bothHeld =
-          isHeld(point.node) && std::any_of(point.terms.begin(), point.terms.end(), [&](const auto& term) {
-            return term.node != point.node && isHeld(term.node);
-          });
-      if (bothHeld)
+      if (isHeldOnBothSides(point, components, c, held))
         continue;
       if (isMine(comm, static_cast<std::size_t>(result.count))) {
         ConstraintRow row;

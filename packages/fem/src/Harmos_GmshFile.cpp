@@ -361,6 +361,7 @@ class Reader {
     }
     for (const auto& [name, entities] : groups(dimension_ - 1)) {
       std::vector<Side> sides;
+      std::vector<int>& inside = body.nodes[name]; // of sides that are not on the boundary
       for (int entity : entities) {
         const Elements elements = elementsOf(dimension_ - 1, entity);
         for (std::size_t k = 0; k < elements.types.size(); ++k) {
@@ -376,6 +377,9 @@ class Reader {
             const auto side = byCorners.find(nodes);
             if (side != byCorners.end())
               sides.push_back(side->second);
+            else if (nodes.size() == element.corners)
+              for (std::size_t i = 0; i < element.nodes; ++i)
+                inside.push_back(numbers.at(elements.nodes[k][first + i]));
           }
         }
       }
@@ -386,6 +390,10 @@ class Reader {
                   sides.end());
       if (!sides.empty())
         body.sides[name] = sides;
+      std::sort(inside.begin(), inside.end());
+      inside.erase(std::unique(inside.begin(), inside.end()), inside.end());
+      if (inside.empty())
+        body.nodes.erase(name);
     }
   }
 

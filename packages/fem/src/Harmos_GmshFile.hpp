@@ -24,7 +24,8 @@ bool canReadGmsh();
 /// share theirs. Nodes and cells are numbered anew, nodes in the order of the file's tags, cells group by
 /// group. Of the physical groups below the highest dimension, those of sides (curves in the plane, surfaces
 /// in space) become named boundary parts of every body that has such sides on its boundary, so that one
-/// between two bodies belongs to both; sides inside a body are left out. Those of lower dimension become
+/// between two bodies belongs to both; of sides inside a body the
+/// nodes are named, for prescribed displacements. Those of lower dimension become
 /// named nodes. A group without a name is called by its number.
 ///
 /// A file without any physical group (as .step files are) has its geometric entities for groups, called

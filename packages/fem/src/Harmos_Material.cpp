@@ -4,6 +4,7 @@
 #include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace Harmos::fem {
@@ -129,6 +130,12 @@ Voigt Material::thermalStrain() const {
           2.0 * c * d * (expansion[0] - expansion[1]),
           0.0,
           0.0};
+}
+
+bool nearlyIncompressible(const Material& material) {
+  constexpr double limit = 0.4;
+  return std::any_of(material.poisson.begin(), material.poisson.end(),
+                     [](double ratio) { return ratio > limit; });
 }
 
 } // namespace Harmos::fem

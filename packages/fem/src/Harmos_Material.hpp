@@ -42,4 +42,8 @@ struct Material {
   Voigt thermalStrain() const;
 };
 
+/// Whether a Poisson's ratio is above 0.4: from there on elements of the first order lose accuracy noticeably
+/// unless their dilatation is projected.
+bool nearlyIncompressible(const Material& material);
+
 } // namespace Harmos::fem

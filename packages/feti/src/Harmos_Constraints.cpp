@@ -192,6 +192,29 @@ CopyTable lookUp(const Teuchos::Comm<int>& comm, const CopyTable& table, const R
   return result;
 }
 
+// A row of prescribed values alone has to hold already: no force can change it.
+void requireMet(const ConstraintRow& row, const std::map<long long, double>& coefficients,
+                const CopyTable& copies) {
+  double value = 0.0, size = std::abs(row.bound);
+  for (const auto& [dof, coefficient] : coefficients)
+    for (const Copy& copy : copies.at(dof))
+      if (copy.fixed != 0) {
+        value += coefficient * copy.value;
+        size = std::max(size, std::abs(coefficient * copy.value));
+        break;
+      }
+  const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
+  const double excess = inequality ? value - row.bound : std::abs(value - row.bound);
+  if (excess > 1e-9 * size)
+    throw InputError("prescribed displacements contradict " +
+                         std::string(inequality ? "a contact or an obstacle" : "a tie") +
+                         ": constraint row " + std::to_string(row.number) + " (" +
+                         dofText(copies.at(coefficients.begin()->first).front()) +
+                         ") holds prescribed values alone, and they violate it by " + scientific(excess) +
+                         "; free a component there or move the obstacle",
+                     {{"row", std::to_string(row.number)}});
+}
+
 void addGiven(const std::vector<ConstraintRow>& rows, const CopyTable& copies, long long inequalities,
               RowBuilder& builder) {
   for (const ConstraintRow& row : rows) {
@@ -233,6 +256,8 @@ void addGiven(const std::vector<ConstraintRow>& rows, const CopyTable& copies, l
     if (!(norm2 > 0.0) || !std::isfinite(norm2) || !std::isfinite(bound))
       throw InputError("constraint row " + std::to_string(row.number) +
                        " is zero or not finite; check its coefficients and its gap");
+    if (!hasUnknown)
+      requireMet(row, coefficients, copies);
     const double scale = 1.0 / std::sqrt(norm2);
     for (RowBuilder::Term& term : terms)
       term.value *= scale;

@@ -8,8 +8,8 @@ namespace Harmos::feti {
 /// The optimality conditions of the torn problem, computed from K, f, B, u and λ alone: an independent check
 /// of everything between them. In physical units, not those of scaled rows.
 struct KktAudit {
-  double equilibrium = 0.0;          ///< ‖Ku − f + Bᵀλ‖/‖f‖ (absolute if f = 0)
-  double gluingJump = 0.0;           ///< ‖B_E u − c_E‖_∞, of ties and Dirichlet rows too
+  double equilibrium = 0.0; ///< ‖Ku − f + Bᵀλ‖ / max(‖Ku‖, ‖f‖, ‖Bᵀλ‖, 1e-6 ‖diag(K)u‖)
+  double gluingJump = 0.0;           ///< ‖B_E u − c_E‖_∞, of ties and prescribed values too
   double penetration = 0.0;          ///< max (B_I u − c_I)₊
   double minContactMultiplier = 0.0; ///< min λ_I, 0 without inequalities
   double complementarity = 0.0;      ///< |λ_Iᵀ(B_I u − c_I)|

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <iterator>
 #include <map>
-#include <set>
 #include <unordered_map>
 
 namespace Harmos::scene {
@@ -33,10 +32,14 @@ class Parts {
 };
 
 // Dofs of both surfaces of an interface that have prescribed values; the same on every rank. Collective.
-std::set<long long> heldDofs(const Teuchos::Comm<int>& comm, const Scene& scene,
-                             const std::vector<OwnedSubdomain>& owned, const Interface& interface) {
+std::map<long long, double> heldDofs(const Teuchos::Comm<int>& comm, const Scene& scene,
+                                     const std::vector<OwnedSubdomain>& owned, const Interface& interface) {
   const int components = scene.components();
-  std::vector<long long> mine;
+  struct Held {
+    long long dof;
+    double value;
+  };
+  std::vector<Held> mine;
   for (const OwnedSubdomain& item : owned)
     for (const auto& [body, name] : {std::make_pair(interface.firstBody, interface.firstSet),
                                      std::make_pair(interface.secondBody, interface.secondSet)}) {
@@ -50,11 +53,15 @@ std::set<long long> heldDofs(const Teuchos::Comm<int>& comm, const Scene& scene,
           std::set_intersection(surface->second.begin(), surface->second.end(), set->second.begin(),
                                 set->second.end(), std::back_inserter(both));
           for (int node : both)
-            mine.push_back(item.mesh.number(node) * components + prescribed.component);
+            mine.push_back(
+                {item.mesh.number(node) * components + prescribed.component,
+                 prescribed.field ? prescribed.field(item.mesh.position(node)) : prescribed.value});
         }
     }
-  const std::vector<long long> all = gatherAll(comm, mine);
-  return {all.begin(), all.end()};
+  std::map<long long, double> held;
+  for (const Held& item : gatherAll(comm, mine))
+    held.emplace(item.dof, item.value);
+  return held;
 }
 
 // Points whose rows differ. Effects that overlap give the same row twice, perhaps with the surfaces
@@ -130,11 +137,16 @@ ContactSetup setUpContact(const Teuchos::Comm<int>& comm, const Scene& scene,
                                   scene.bodies[static_cast<std::size_t>(body)].name + "/" + set, normal);
   };
   DistinctPoints contacts(scene.physics != Physics::Membrane), ties(false);
-  std::set<long long> held; // dofs at ties
+  std::map<long long, double> held; // dofs at ties
   for (const Interface& interface : scene.interfaces) {
     const contact::Surface first = surface(interface.firstBody, interface.firstSet, interface.normal);
     const contact::Surface second = surface(interface.secondBody, interface.secondSet, nullptr);
     const std::vector<contact::ContactPoint> points = pointsOf(interface, first, second);
+    if (points.size() < first.numbers.size())
+      setup.notes.push_back(std::to_string(first.numbers.size() - points.size()) + " of the " +
+                            std::to_string(first.numbers.size()) + " nodes of " + first.name +
+                            " have no counterpart on " + second.name +
+                            " within reach and may move freely through it");
     if (interface.kind == Interface::Kind::Contact) {
       contacts.add(points);
     } else {

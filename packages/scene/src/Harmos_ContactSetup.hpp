@@ -7,6 +7,7 @@
 
 #include <Teuchos_Comm.hpp>
 
+#include <string>
 #include <vector>
 
 namespace Harmos::scene {
@@ -17,6 +18,7 @@ struct ContactSetup {
   /// same on every rank.
   std::vector<contact::ContactPoint> points;
   std::vector<ConstraintRow> rows; ///< this rank's share, ties too
+  std::vector<std::string> notes;  ///< what the user should know; sentences
 };
 
 /// Gathers the surfaces that the scene names, pairs them, and makes the rows.

@@ -164,54 +164,93 @@ std::vector<OwnedSubdomain> decompose(const Teuchos::Comm<int>& comm, const Scen
   return owned;
 }
 
-void checkBoundaryParts(const Teuchos::Comm<int>& comm, const Scene& scene,
-                        const std::vector<OwnedSubdomain>& owned) {
-  // Names this rank has, body after body; names are gathered as text.
-  std::vector<std::set<std::string>> names(scene.bodies.size());
-  for (const OwnedSubdomain& item : owned)
+namespace {
+
+// Names of boundary parts, body after body: all, and those that have sides.
+struct PartNames {
+  std::vector<std::set<std::string>> all, withSides;
+};
+
+// Collective: names travel as text, a line each.
+PartNames gatherPartNames(const Teuchos::Comm<int>& comm, std::size_t bodies,
+                          const std::vector<OwnedSubdomain>& owned) {
+  std::set<std::string> lines;
+  for (const OwnedSubdomain& item : owned) {
     for (const auto& set : item.mesh.sets)
-      names[static_cast<std::size_t>(item.body)].insert(set.first);
+      lines.insert(std::to_string(item.body) + " n" + set.first + '\n');
+    for (const auto& sides : item.mesh.sides)
+      lines.insert(std::to_string(item.body) + " s" + sides.first + '\n');
+  }
   std::vector<char> text;
-  for (std::size_t b = 0; b < names.size(); ++b)
-    for (const std::string& name : names[b]) {
-      const std::string line = std::to_string(b) + ' ' + name + '\n';
-      text.insert(text.end(), line.begin(), line.end());
-    }
+  for (const std::string& line : lines)
+    text.insert(text.end(), line.begin(), line.end());
+  PartNames names;
+  names.all.resize(bodies);
+  names.withSides.resize(bodies);
   const std::vector<char> all = gatherAll(comm, text);
   for (auto begin = all.begin(); begin != all.end();) {
     const auto space = std::find(begin, all.end(), ' '), end = std::find(begin, all.end(), '\n');
-    names[std::stoul(std::string(begin, space))].insert(std::string(space + 1, end));
+    const std::size_t body = std::stoul(std::string(begin, space));
+    names.all[body].insert(std::string(space + 2, end));
+    if (*(space + 1) == 's')
+      names.withSides[body].insert(std::string(space + 2, end));
     begin = end + 1;
   }
-  const auto require = [&](int b, const std::string& set, const std::string& what) {
-    const std::set<std::string>& known = names[static_cast<std::size_t>(b)];
-    if (known.count(set) > 0)
-      return;
-    const std::string& body = scene.bodies[static_cast<std::size_t>(b)].name;
-    const std::vector<std::string> candidates(known.begin(), known.end());
-    const std::string nearest = nearestName(set, candidates);
-    std::string list;
-    for (const std::string& name : candidates)
-      list += (list.empty() ? "\"" : ", \"") + name + "\"";
-    throw InputError(what + " names the boundary part \"" + set + "\" of body \"" + body +
-                         "\", which it does not have" +
-                         (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?") +
-                         (list.empty() ? " (it has none)" : " (it has " + list + ")"),
-                     {{"set", set}, {"body", body}});
-  };
+  return names;
+}
+
+void requireBody(const Scene& scene, int body, const std::string& what) {
+  if (body < 0 || body >= static_cast<int>(scene.bodies.size()))
+    throw InputError(what + " names body number " + std::to_string(body) + ", but the scene has " +
+                     std::to_string(scene.bodies.size()) + " bodies");
+}
+
+void requirePart(const Scene& scene, const PartNames& names, int b, const std::string& set,
+                 const std::string& what, bool needsSides) {
+  requireBody(scene, b, what);
+  const auto body = static_cast<std::size_t>(b);
+  const std::set<std::string>& known = needsSides ? names.withSides[body] : names.all[body];
+  if (known.count(set) > 0)
+    return;
+  const std::vector<std::string> candidates(known.begin(), known.end());
+  const std::string nearest = nearestName(set, candidates);
+  std::string list;
+  for (const std::string& name : candidates)
+    list += (list.empty() ? "\"" : ", \"") + name + "\"";
+  throw InputError(what + " names the boundary part \"" + set + "\" of body \"" + scene.bodies[body].name +
+                       (names.all[body].count(set) > 0
+                            ? "\", which has nodes but no sides of cells on the boundary"
+                            : "\", which it does not have") +
+                       (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?") +
+                       (list.empty() ? " (it has none)" : " (it has " + list + ")"),
+                   {{"set", set}, {"body", scene.bodies[body].name}});
+}
+
+} // namespace
+
+void checkBoundaryParts(const Teuchos::Comm<int>& comm, const Scene& scene,
+                        const std::vector<OwnedSubdomain>& owned) {
+  const PartNames names = gatherPartNames(comm, scene.bodies.size(), owned);
+  // From here on every rank has the same data and meets the same errors.
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-    for (const Body::PrescribedDisplacement& prescribed : scene.bodies[b].prescribed)
-      require(static_cast<int>(b), prescribed.set, "a prescribed displacement");
-    for (const Body::Traction& traction : scene.bodies[b].tractions)
-      require(static_cast<int>(b), traction.set, "a traction");
+    const Body& body = scene.bodies[b];
+    for (const Body::PrescribedDisplacement& prescribed : body.prescribed) {
+      requirePart(scene, names, static_cast<int>(b), prescribed.set, "a prescribed displacement", false);
+      if (prescribed.component < 0 || prescribed.component >= scene.components())
+        throw InputError("a prescribed displacement of body \"" + body.name + "\" is of component " +
+                         std::to_string(prescribed.component) + ", but a node has " +
+                         std::to_string(scene.components()));
+    }
+    for (const Body::Traction& traction : body.tractions)
+      requirePart(scene, names, static_cast<int>(b), traction.set, "a traction", true);
   }
   for (const Interface& interface : scene.interfaces) {
     const std::string what = interface.kind == Interface::Kind::Tie ? "a tie" : "a contact";
-    require(interface.firstBody, interface.firstSet, what);
-    require(interface.secondBody, interface.secondSet, what);
+    requirePart(scene, names, interface.firstBody, interface.firstSet, what, true);
+    requirePart(scene, names, interface.secondBody, interface.secondSet, what, true);
   }
   for (const ObstacleContact& obstacle : scene.obstacles)
-    require(obstacle.body, obstacle.set, "obstacle \"" + obstacle.name + "\"");
+    requirePart(scene, names, obstacle.body, obstacle.set, "obstacle \"" + obstacle.name + "\"", true);
 }
 
 std::vector<feti::Subdomain> assemble(const Scene& scene, const std::vector<OwnedSubdomain>& owned) {

@@ -180,6 +180,8 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
     contact = setUpContact(*comm, scene, owned);
     return feti::Constraints(system, contact.rows);
   }();
+  for (const std::string& note : contact.notes)
+    log.info(note);
   report.dualDimension = constraints.dualDimension();
   report.inequalities = constraints.inequalities();
   log.info("Primal dimension " + std::to_string(report.primalDimension) + ", dual dimension " +

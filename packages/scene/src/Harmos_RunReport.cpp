@@ -73,6 +73,8 @@ std::string toJson(const RunReport& report) {
                      {"largest_contact_multiplier", number(report.audit.largestMultiplier)}};
   else
     json["audit"] = nullptr;
+  json["audit_agrees"] =
+      report.audited ? nlohmann::ordered_json(auditAgrees(report)) : nlohmann::ordered_json(nullptr);
   json["effects"] = report.effects;
   json["dual_operator"] = report.dualOperator;
   json["local_condition"] = number(report.localCondition);
@@ -97,7 +99,7 @@ std::string auditText(const RunReport& report) {
   const feti::KktAudit& audit = report.audit;
   std::ostringstream text;
   text << "Audit on the primal side (independent of the solver's residuals)\n"
-       << "  equilibrium    |Ku - f + B'lambda| / |f|   " << scientific(audit.equilibrium) << "\n"
+       << "  equilibrium    |Ku - f + B'lambda| relative" << scientific(audit.equilibrium) << "\n"
        << "  gluing jump    max |B_E u - c_E|           " << scientific(audit.gluingJump) << "\n";
   if (report.inequalities > 0)
     text << "  penetration    max (B_I u - c_I)+          " << scientific(audit.penetration) << "\n"
