@@ -396,3 +396,22 @@ $EndElements
                                      {{"all", {"1"}}});
   EXPECT_TRUE(contains(text, "at (0, 0, 0) with the corner nodes 1, 4, 5 has no area")) << text;
 }
+
+// A curve between two regions of a body has no sides on its boundary, but nodes, which displacements may be
+// prescribed at; between two bodies it is a boundary part of both.
+TEST_F(GmshFile, groups_inside_a_body_name_nodes) {
+  for (int order : {1, 2}) {
+    const std::string name = file("disc.geo", discInSquare(false, order));
+    const BodyMesh one = readGmsh(name, {{"plate", {"matrix", "inclusion"}}}, 2)[0];
+    EXPECT_EQ(one.sides.count("circle"), 0u);
+    ASSERT_EQ(one.nodes.count("circle"), 1u);
+    const std::vector<BodyMesh> two = readGmsh(name, {{"matrix", {"matrix"}}, {"disc", {"inclusion"}}}, 2);
+    const std::vector<int> onSides = fem::nodesOf(two[1].mesh, two[1].sides.at("circle"));
+    EXPECT_EQ(one.nodes.at("circle").size(), onSides.size());
+    EXPECT_EQ(two[1].nodes.count("circle"), 0u);
+    for (int node : one.nodes.at("circle")) {
+      const Point x = one.mesh.local(node);
+      EXPECT_NEAR(std::hypot(x[0] - 1.0, x[1] - 1.0), 0.5, 1e-6) << order; // as exact as Gmsh's own nodes
+    }
+  }
+}

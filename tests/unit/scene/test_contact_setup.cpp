@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_ContactFields.hpp"
+#include "Harmos_ContactSetup.hpp"
+#include "Harmos_StructuredBlock.hpp"
+#include "Harmos_TestComm.hpp"
+#include "Harmos_TestErrors.hpp"
+#include "Harmos_TestScene.hpp"
+
+#include <gtest/gtest.h>
+
+using namespace Harmos;
+
+namespace {
+
+// A short block above a long one, 0.01 apart.
+scene::Scene stack() {
+  scene::Scene scene;
+  scene.physics = scene::Physics::PlaneStrain;
+  fem::StructuredBlock::Options options;
+  options.size = {2.0, 1.0, 1.0};
+  options.subdomains = {2, 1, 1};
+  options.elements = {2, 2, 1};
+  scene.bodies.push_back(blockBody("lower", options, fem::Material()));
+  options.size[0] = 1.0;
+  options.origin[1] = 1.01;
+  scene.bodies.push_back(blockBody("upper", options, fem::Material()));
+  scene.interfaces = {{scene::Interface::Kind::Contact, 0, "top", 1, "bottom"}};
+  return scene;
+}
+
+scene::ContactSetup setUp(const scene::Scene& scene) {
+  const auto comm = testComm();
+  const auto owned = scene::decompose(*comm, scene);
+  scene::checkBoundaryParts(*comm, scene, owned);
+  return scene::setUpContact(*comm, scene, owned);
+}
+
+} // namespace
+
+// The nodes of the lower block beyond the upper one have no counterpart, and the user learns how many; a
+// reach shorter than the gap finds none at all.
+TEST(ContactSetup, nodes_without_counterpart_are_told) {
+  const scene::ContactSetup setup = setUp(stack());
+  EXPECT_LT(setup.points.size(), 5u);
+  EXPECT_GE(setup.points.size(), 3u);
+  for (const contact::ContactPoint& point : setup.points)
+    EXPECT_NEAR(point.gap, 0.01, 1e-12);
+  ASSERT_EQ(setup.notes.size(), 1u);
+  EXPECT_TRUE(
+      contains(setup.notes[0], std::to_string(5 - setup.points.size()) + " of the 5 nodes of lower/top"))
+      << setup.notes[0];
+  scene::Scene scene = stack();
+  scene.interfaces[0].reach = 0.005;
+  EXPECT_NE(inputErrorOf([&] { setUp(scene); }), "");
+}
+
+TEST(ContactSetup, references_that_lead_nowhere_are_refused) {
+  scene::Scene scene = stack();
+  scene.interfaces[0].firstBody = 5;
+  EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }), "names body number 5"));
+  scene = stack();
+  scene.bodies[0].prescribed = {{"bottom", 0.0, 2}};
+  EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }), "component 2, but a node has 2"));
+  scene = stack();
+  scene.interfaces[0].secondSet = "botom";
+  EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }), "did you mean \"bottom\"?"));
+}
+
+// A part that has nodes alone, a corner for instance, can be held, but not pulled at.
+TEST(ContactSetup, tractions_need_sides) {
+  scene::Scene scene = stack();
+  const auto whole = scene.bodies[0].subdomain;
+  scene.bodies[0].subdomain = [whole](int k) {
+    fem::PlacedMesh mesh = whole(k);
+    if (k == 0)
+      mesh.sets["corner"] = {0};
+    return mesh;
+  };
+  scene.bodies[0].prescribed = {{"corner", 0.0, 0}};
+  EXPECT_EQ(inputErrorOf([&] { setUp(scene); }), "");
+  scene.bodies[0].tractions.push_back(
+      {"corner", [](const fem::Point&, const fem::Point&) { return fem::Point{}; }});
+  EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }), "no sides of cells on the boundary"));
+}
+
+// A node of two contacts shows the one that is closed, whatever their order.
+TEST(ContactFields, node_of_two_contacts_shows_the_closed_one) {
+  scene::Scene scene = stack();
+  const auto owned = scene::decompose(*testComm(), scene);
+  std::vector<contact::ContactPoint> points(2);
+  for (contact::ContactPoint& point : points) {
+    point.node = 0;
+    point.terms = {{0, 1.0}};
+  }
+  const scene::ContactState open{0.0, 0.0, 0.5, false}, closed{3.0, 1.5, 0.0, true};
+  for (const auto& states : {std::vector<scene::ContactState>{open, closed}, {closed, open}}) {
+    const scene::ContactFields fields = scene::contactFields(owned, points, states);
+    for (std::size_t i = 0; i < owned.size(); ++i)
+      for (std::size_t k = 0; k < owned[i].mesh.boundaryNumbers.size(); ++k) {
+        const auto node = static_cast<std::size_t>(owned[i].mesh.mesh->boundary[k]);
+        const bool isIt = owned[i].mesh.boundaryNumbers[k] == 0;
+        EXPECT_EQ(fields.activeSet[i][node], isIt ? 2 : 0);
+        EXPECT_EQ(fields.pressure[i][node], isIt ? 3.0 : 0.0);
+      }
+  }
+}
