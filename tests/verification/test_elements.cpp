@@ -3,6 +3,7 @@
 /// Patch tests and manufactured solutions of linear elasticity for each element, solved by the whole pipeline
 /// on several subdomains.
 
+#include "Harmos_ErrorNorms.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_TestComm.hpp"
 #include "Harmos_TestScene.hpp"

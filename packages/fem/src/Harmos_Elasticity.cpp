@@ -24,10 +24,6 @@ int stiffnessDegree(const CellShape& shape) {
   return shape.order == 1 ? 3 : 5;
 }
 
-int loadDegree(const CellShape& shape) {
-  return shape.isSimplex ? (shape.order == 1 ? 3 : 5) : (shape.order == 1 ? 4 : 6);
-}
-
 // Functions of a coordinate relative to the centre of the cell: 1, or 1, x, y(, z).
 int polynomials(int degree, int dimension) {
   return degree == 0 ? 1 : 1 + dimension;
@@ -155,15 +151,6 @@ const VoigtMatrix& of(const std::vector<VoigtMatrix>& all, int region) {
   return all[static_cast<std::size_t>(region)];
 }
 
-// f_i += ∫ values φ_i
-void addLoad(const CellIntegrator& cell, const int* nodes, std::size_t dimension, int q, const Point& density,
-             std::vector<double>& f) {
-  for (int i = 0; i < cell.basisSize(); ++i)
-    for (std::size_t d = 0; d < dimension; ++d)
-      f[static_cast<std::size_t>(nodes[i]) * dimension + d] +=
-          cell.measure(q) * cell.value(i, q) * density[d];
-}
-
 } // namespace
 
 LocalMatrix assembleElasticity(const Mesh& mesh, const Elasticity& elasticity) {
@@ -199,62 +186,6 @@ LocalMatrix assembleElasticity(const Mesh& mesh, const Elasticity& elasticity) {
     assembler.add(c, k);
   }
   return assembler.take();
-}
-
-std::vector<double> assembleBodyForce(const Mesh& mesh, const Point& anchor, const VectorField& force) {
-  const ReferenceElement element(mesh.cellType, loadDegree(shapeOf(mesh.cellType)));
-  CellIntegrator cell(mesh, element);
-  const auto dimension = static_cast<std::size_t>(mesh.dimension());
-  std::vector<double> f(static_cast<std::size_t>(mesh.numberOfNodes()) * dimension, 0.0);
-  for (int c = 0; c < mesh.numberOfCells(); ++c) {
-    cell.turnTo(c);
-    for (int q = 0; q < cell.points(); ++q) {
-      Point x = cell.position(q);
-      for (std::size_t d = 0; d < 3; ++d)
-        x[d] += anchor[d];
-      addLoad(cell, mesh.cell(c), dimension, q, force(x), f);
-    }
-  }
-  return f;
-}
-
-std::vector<double> assembleTraction(const Mesh& mesh, const Point& anchor, const std::vector<Side>& sides,
-                                     const Traction& traction) {
-  const CellShape& shape = shapeOf(mesh.cellType);
-  const ReferenceElement element(shape.side, loadDegree(shapeOf(shape.side)));
-  const auto dimension = static_cast<std::size_t>(mesh.dimension());
-  std::vector<double> f(static_cast<std::size_t>(mesh.numberOfNodes()) * dimension, 0.0);
-  for (const Side& side : sides) {
-    const std::vector<int> nodes = mesh.nodesOf(side);
-    for (int q = 0; q < element.points(); ++q) {
-      Point x = anchor, normal{};
-      std::array<Point, 2> tangent{};
-      for (std::size_t i = 0; i < nodes.size(); ++i) {
-        const Point place = mesh.local(nodes[i]);
-        const Point& g = element.gradient(static_cast<int>(i), q);
-        for (std::size_t d = 0; d < 3; ++d) {
-          x[d] += element.value(static_cast<int>(i), q) * place[d];
-          tangent[0][d] += g[0] * place[d];
-          tangent[1][d] += g[1] * place[d];
-        }
-      }
-      if (dimension == 2)
-        normal = {tangent[0][1], -tangent[0][0], 0.0};
-      else
-        for (std::size_t d = 0; d < 3; ++d)
-          normal[d] = tangent[0][(d + 1) % 3] * tangent[1][(d + 2) % 3] -
-                      tangent[0][(d + 2) % 3] * tangent[1][(d + 1) % 3];
-      const double area = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-      for (double& entry : normal)
-        entry /= area;
-      const Point t = traction(x, normal);
-      for (std::size_t i = 0; i < nodes.size(); ++i)
-        for (std::size_t d = 0; d < dimension; ++d)
-          f[static_cast<std::size_t>(nodes[i]) * dimension + d] +=
-              element.weight(q) * area * element.value(static_cast<int>(i), q) * t[d];
-    }
-  }
-  return f;
 }
 
 std::vector<double> assembleThermalLoad(const Mesh& mesh, const Elasticity& elasticity, double temperature) {
@@ -344,46 +275,6 @@ StressSums stressSums(const Mesh& mesh, const Elasticity& elasticity, const std:
     }
   }
   return sums;
-}
-
-SquaredErrors squaredErrors(const Mesh& mesh, const Point& anchor, const Elasticity& elasticity,
-                            const std::vector<double>& displacement, const VectorField& exact,
-                            const std::function<std::array<Point, 3>(const Point&)>& gradient) {
-  const ReferenceElement element(mesh.cellType, 8);
-  CellIntegrator cell(mesh, element);
-  const std::vector<VoigtMatrix> stiffness = stiffnesses(elasticity);
-  const auto dimension = static_cast<std::size_t>(mesh.dimension());
-  SquaredErrors errors;
-  for (int c = 0; c < mesh.numberOfCells(); ++c) {
-    cell.turnTo(c);
-    const VoigtMatrix& material = of(stiffness, mesh.region(c));
-    for (int q = 0; q < cell.points(); ++q) {
-      Point x = cell.position(q), u{};
-      for (std::size_t d = 0; d < 3; ++d)
-        x[d] += anchor[d];
-      const Point truth = exact(x);
-      std::array<Point, 3> g = gradient(x);
-      for (std::size_t d = 0; d < 3; ++d)
-        u[d] -= truth[d];
-      for (auto& row : g)
-        for (double& entry : row)
-          entry = -entry;
-      for (int i = 0; i < cell.basisSize(); ++i)
-        for (std::size_t a = 0; a < dimension; ++a) {
-          const double value = displacement[static_cast<std::size_t>(mesh.cell(c)[i]) * dimension + a];
-          u[a] += cell.value(i, q) * value;
-          for (std::size_t b = 0; b < dimension; ++b)
-            g[a][b] += cell.gradient(i, q)[b] * value;
-        }
-      const Voigt e = {g[0][0], g[1][1], g[2][2], g[0][1] + g[1][0], g[1][2] + g[2][1], g[0][2] + g[2][0]};
-      for (std::size_t d = 0; d < dimension; ++d)
-        errors.l2 += cell.measure(q) * u[d] * u[d];
-      for (std::size_t r = 0; r < 6; ++r)
-        for (std::size_t s = 0; s < 6; ++s)
-          errors.energy += cell.measure(q) * e[r] * material[r][s] * e[s];
-    }
-  }
-  return errors;
 }
 
 } // namespace Harmos::fem

@@ -5,7 +5,6 @@
 #include "Harmos_Material.hpp"
 #include "Harmos_Mesh.hpp"
 
-#include <functional>
 #include <vector>
 
 namespace Harmos::fem {
@@ -26,22 +25,11 @@ struct Elasticity {
   std::vector<Material> materials; ///< of each region
 };
 
-/// A vector field in space: density of a force, a displacement. The position is the global one.
-using VectorField = std::function<Point(const Point&)>;
-
 /// K = Σ ∫ B̄ᵀ C B̄, no boundary conditions; thickness one in the plane. Relative coordinates only: congruent
 /// meshes give identical matrices.
 /// @throws NumericalError for inverted cells; InternalError if a region has no material.
 /// Guarded by tests/unit/fem/test_elasticity.cpp and tests/verification/test_elements.cpp.
 LocalMatrix assembleElasticity(const Mesh& mesh, const Elasticity& elasticity);
-
-/// f_i = ∫ b φ_i of a body force. @param anchor of the mesh: the field is given globally.
-std::vector<double> assembleBodyForce(const Mesh& mesh, const Point& anchor, const VectorField& force);
-
-/// f_i = ∫ t φ_i over sides, of a force per area, which may depend on the outward unit normal.
-using Traction = std::function<Point(const Point& position, const Point& normal)>;
-std::vector<double> assembleTraction(const Mesh& mesh, const Point& anchor, const std::vector<Side>& sides,
-                                     const Traction& traction);
 
 /// f = ∫ B̄ᵀ C ε_T, the load of a temperature rise.
 std::vector<double> assembleThermalLoad(const Mesh& mesh, const Elasticity& elasticity, double temperature);
@@ -58,16 +46,5 @@ struct StressSums {
 /// σ = C(ε̄ − ε_T); in plane strain σ_zz is among them.
 StressSums stressSums(const Mesh& mesh, const Elasticity& elasticity, const std::vector<double>& displacement,
                       double temperature);
-
-/// ∫|u_h − u|² and the energy product of the error ∫ (ε(u_h) − ε) : C : (ε(u_h) − ε), over the mesh, by a
-/// rule of high degree. For verification.
-struct SquaredErrors {
-  double l2 = 0.0;
-  double energy = 0.0;
-};
-/// @param gradient of u: result[i][j] = ∂u_i/∂x_j.
-SquaredErrors squaredErrors(const Mesh& mesh, const Point& anchor, const Elasticity& elasticity,
-                            const std::vector<double>& displacement, const VectorField& exact,
-                            const std::function<std::array<Point, 3>(const Point&)>& gradient);
 
 } // namespace Harmos::fem

@@ -4,6 +4,7 @@
 #include "Harmos_Assembly.hpp"
 #include "Harmos_ContactPoint.hpp"
 #include "Harmos_Elasticity.hpp"
+#include "Harmos_Loads.hpp"
 #include "Harmos_Mesh.hpp"
 
 #include <functional>

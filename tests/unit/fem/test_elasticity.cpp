@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Elasticity.hpp"
 #include "Harmos_Errors.hpp"
+#include "Harmos_Loads.hpp"
 #include "Harmos_StructuredBlock.hpp"
 #include "Harmos_TestErrors.hpp"
 

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Loads.hpp"
+
+#include "Harmos_CellIntegrator.hpp"
+
+#include <cmath>
+
+namespace Harmos::fem {
+namespace {
+
+// Products of a basis function and a load that varies as much as the basis, on affine cells.
+int loadDegree(const CellShape& shape) {
+  return shape.isSimplex ? (shape.order == 1 ? 3 : 5) : (shape.order == 1 ? 4 : 6);
+}
+
+// f_i += ∫ values φ_i
+void addLoad(const CellIntegrator& cell, const int* nodes, std::size_t dimension, int q, const Point& density,
+             std::vector<double>& f) {
+  for (int i = 0; i < cell.basisSize(); ++i)
+    for (std::size_t d = 0; d < dimension; ++d)
+      f[static_cast<std::size_t>(nodes[i]) * dimension + d] +=
+          cell.measure(q) * cell.value(i, q) * density[d];
+}
+
+} // namespace
+
+std::vector<double> assembleBodyForce(const Mesh& mesh, const Point& anchor, const VectorField& force) {
+  const ReferenceElement element(mesh.cellType, loadDegree(shapeOf(mesh.cellType)));
+  CellIntegrator cell(mesh, element);
+  const auto dimension = static_cast<std::size_t>(mesh.dimension());
+  std::vector<double> f(static_cast<std::size_t>(mesh.numberOfNodes()) * dimension, 0.0);
+  for (int c = 0; c < mesh.numberOfCells(); ++c) {
+    cell.turnTo(c);
+    for (int q = 0; q < cell.points(); ++q) {
+      Point x = cell.position(q);
+      for (std::size_t d = 0; d < 3; ++d)
+        x[d] += anchor[d];
+      addLoad(cell, mesh.cell(c), dimension, q, force(x), f);
+    }
+  }
+  return f;
+}
+
+std::vector<double> assembleTraction(const Mesh& mesh, const Point& anchor, const std::vector<Side>& sides,
+                                     const Traction& traction) {
+  const CellShape& shape = shapeOf(mesh.cellType);
+  const ReferenceElement element(shape.side, loadDegree(shapeOf(shape.side)));
+  const auto dimension = static_cast<std::size_t>(mesh.dimension());
+  std::vector<double> f(static_cast<std::size_t>(mesh.numberOfNodes()) * dimension, 0.0);
+  for (const Side& side : sides) {
+    const std::vector<int> nodes = mesh.nodesOf(side);
+    for (int q = 0; q < element.points(); ++q) {
+      Point x = anchor, normal{};
+      std::array<Point, 2> tangent{};
+      for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const Point place = mesh.local(nodes[i]);
+        const Point& g = element.gradient(static_cast<int>(i), q);
+        for (std::size_t d = 0; d < 3; ++d) {
+          x[d] += element.value(static_cast<int>(i), q) * place[d];
+          tangent[0][d] += g[0] * place[d];
+          tangent[1][d] += g[1] * place[d];
+        }
+      }
+      if (dimension == 2)
+        normal = {tangent[0][1], -tangent[0][0], 0.0};
+      else
+        for (std::size_t d = 0; d < 3; ++d)
+          normal[d] = tangent[0][(d + 1) % 3] * tangent[1][(d + 2) % 3] -
+                      tangent[0][(d + 2) % 3] * tangent[1][(d + 1) % 3];
+      const double area = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+      for (double& entry : normal)
+        entry /= area;
+      const Point t = traction(x, normal);
+      for (std::size_t i = 0; i < nodes.size(); ++i)
+        for (std::size_t d = 0; d < dimension; ++d)
+          f[static_cast<std::size_t>(nodes[i]) * dimension + d] +=
+              element.weight(q) * area * element.value(static_cast<int>(i), q) * t[d];
+    }
+  }
+  return f;
+}
+
+} // namespace Harmos::fem
