@@ -123,7 +123,9 @@ std::string causeOfHiddenMotion(const LocalMatrix& matrix, const Kernel& kernel)
     return "it lacks support: its Dirichlet conditions, or what else is to hold it, leave it movable";
   return "it contains a mechanism or a hinge: parts that are joined at too few nodes, or a material of "
          "almost no "
-         "stiffness";
+         "stiffness; or its cells are so thin, and its material so nearly incompressible, that rounding "
+         "errors "
+         "hide what holds it";
 }
 
 } // namespace Harmos::feti
