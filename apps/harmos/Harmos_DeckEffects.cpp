@@ -148,7 +148,7 @@ Effect obstacle() {
             requireElastic(scene, path);
             const Part part = partIn(scene, list, "Part", path);
             scene::ObstacleContact contact;
-            contact.name = list.name();
+            contact.name = path.substr(path.rfind('/') + 1);
             contact.body = part.body;
             contact.set = part.set;
             using Shape = contact::Obstacle::Shape;

@@ -487,7 +487,10 @@ class Surfaces(Case):
         mesh = msh(SQUARE, cells).replace('3\n1 2 "left"', '4\n0 1 "tip"\n1 2 "left"')
         scene = changed(FILED, "Effects/Obstacle/wall", {"Part": "plate/tip"})
         self.refuse(
-            scene, 'surface plate/tip: the part "tip" has no sides', mesh=mesh, reported=True
+            scene,
+            'obstacle "wall" names the boundary part "tip" of body "plate", which has nodes but no sides',
+            mesh=mesh,
+            reported=True,
         )
 
 

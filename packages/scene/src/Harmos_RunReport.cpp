@@ -99,7 +99,7 @@ std::string auditText(const RunReport& report) {
   const feti::KktAudit& audit = report.audit;
   std::ostringstream text;
   text << "Audit on the primal side (independent of the solver's residuals)\n"
-       << "  equilibrium    |Ku - f + B'lambda| relative" << scientific(audit.equilibrium) << "\n"
+       << "  equilibrium    |Ku - f + B'lambda|, rel.   " << scientific(audit.equilibrium) << "\n"
        << "  gluing jump    max |B_E u - c_E|           " << scientific(audit.gluingJump) << "\n";
   if (report.inequalities > 0)
     text << "  penetration    max (B_I u - c_I)+          " << scientific(audit.penetration) << "\n"
