@@ -86,7 +86,7 @@ void expectConstantStrain(const scene::Scene& scene, const TestRun& run, const s
     }
   EXPECT_LE(globalMax(*testComm(), worst), 1e-10 * pressure * 2.0) << what;
   for (const scene::ContactState& state : run.report.contact)
-    EXPECT_NEAR(state.pressure, pressure, 1e-10 * pressure * 100.0) << what;
+    EXPECT_NEAR(state.pressure, pressure, 1e-10 * pressure) << what;
 }
 
 } // namespace
@@ -192,6 +192,12 @@ TEST(ContactPatch, prescribed_displacements_that_contradict_contact_or_ties) {
   }
   scene.bodies[0].prescribed = {{"bottom", 0.1, 1}, {"bottom", 0.0, 0}}; // above the floor
   EXPECT_TRUE(runScene(scene, tolerance).report.converged);
+  // On the floor, up to rounding of its height: that is no contradiction.
+  scene.bodies[0].prescribed = {{"bottom", 0.0, 1}, {"bottom", 0.0, 0}};
+  for (double height : {1e-16, -1e-16}) {
+    scene.obstacles[0].obstacle.point[1] = height;
+    EXPECT_TRUE(runScene(scene, tolerance).report.converged);
+  }
 
   scene::Scene tied = tower(CellType::Quadrilateral4, CellType::Quadrilateral4, {2, 2, 1}, {2, 2, 1},
                             Interface::Kind::Tie, 0.0);
@@ -275,7 +281,7 @@ TEST(ContactPatch, block_in_a_corner_of_obstacles) {
     }
   EXPECT_LE(globalMax(*testComm(), worst), 1e-10 * pressure);
   for (const scene::ContactState& state : run.report.contact)
-    EXPECT_NEAR(state.pressure, pressure, 1e-8 * pressure);
+    EXPECT_NEAR(state.pressure, pressure, 1e-10 * pressure);
 }
 
 // A fibre of radius a tied in a ring [a, b] under an inner-less pressure q outside (plane strain), a quarter
@@ -355,6 +361,8 @@ TEST(Lame, fibre_tied_in_a_ring) {
       std::cout << "Lame: largest errors of displacement " << errors[0] << " " << errors[1] << " "
                 << errors[2] << " " << errors[3] << ", rate " << fittedRate(h, errors) << "\n";
     EXPECT_NEAR(fittedRate(h, errors), 2.0, 0.3);
-    EXPECT_LE(errors.back(), 1e-3 * q);
+    // Bilinear elements, h/a = 1/40 across the fibre: (h/a)^2 = 6e-4 of the largest displacement, below q
+    // b/E.
+    EXPECT_LE(errors.back(), 6e-4 * q * b / em);
   }
 }

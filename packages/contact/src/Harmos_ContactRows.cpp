@@ -50,6 +50,11 @@ std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
                                        const std::vector<ContactPoint>& points, int components,
                                        long long firstNumber) {
   HARMOS_REQUIRE(components >= 1 && components <= 3, "a node has one to three dofs");
+  // Gaps are differences of coordinates; some thousand times their rounding errors.
+  double largest = 0.0;
+  for (const ContactPoint& point : points)
+    for (double coordinate : point.position)
+      largest = std::max(largest, std::abs(coordinate));
   std::vector<ConstraintRow> rows;
   for (std::size_t k = 0; k < points.size(); ++k) {
     if (!isMine(comm, k))
@@ -58,6 +63,7 @@ std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
     row.kind = ConstraintRow::Kind::Inequality;
     row.number = firstNumber + static_cast<long long>(k);
     row.bound = points[k].gap;
+    row.rounding = 1e-12 * largest;
     for (const ContactPoint::Term& term : points[k].terms)
       for (int c = 0; c < components; ++c) {
         const double direction = components == 1 ? 1.0 : points[k].normal[static_cast<std::size_t>(c)];

@@ -21,6 +21,7 @@ struct ConstraintRow {
   long long number = 0;
   std::vector<Term> terms;
   double bound = 0.0;
+  double rounding = 0.0; ///< the bound is known up to this: gaps are differences of coordinates
 };
 
 } // namespace Harmos

@@ -34,15 +34,6 @@ Material Material::isotropic(double young, double poisson) {
   return material;
 }
 
-bool Material::isIsotropic() const {
-  const double g = 0.5 * young[0] / (1.0 + poisson[0]);
-  bool result = true;
-  for (std::size_t k = 0; k < 3; ++k)
-    result =
-        result && young[k] == young[0] && poisson[k] == poisson[0] && std::abs(shear[k] - g) <= 1e-12 * g;
-  return result;
-}
-
 void Material::check(const std::string& name) const {
   const auto fail = [&](const std::string& what, double value, const std::string& allowed) {
     throw InputError("material \"" + name + "\": " + what + " is " + scientific(value, 6) + "; " + allowed,

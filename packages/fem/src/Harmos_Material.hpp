@@ -29,9 +29,6 @@ struct Material {
   std::array<double, 3> expansion = {0.0, 0.0, 0.0};               ///< thermal, along the axes
 
   static Material isotropic(double young, double poisson);
-  /// Plane strain bulk modulus etc. follow from these.
-  bool isIsotropic() const;
-
   /// @throws InputError, naming the material and the value that is out of range: moduli not positive or not
   /// finite, or an energy that is not positive definite (isotropic: −1 < ν < 0.5).
   void check(const std::string& name) const;

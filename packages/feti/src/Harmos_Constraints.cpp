@@ -205,7 +205,8 @@ void requireMet(const ConstraintRow& row, const std::map<long long, double>& coe
       }
   const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
   const double excess = inequality ? value - row.bound : std::abs(value - row.bound);
-  if (excess > 1e-9 * size)
+  // Prescribed values and gaps come from decks and coordinates.
+  if (excess > std::max(1e-9 * size, row.rounding))
     throw InputError("prescribed displacements contradict " +
                          std::string(inequality ? "a contact or an obstacle" : "a tie") +
                          ": constraint row " + std::to_string(row.number) + " (" +

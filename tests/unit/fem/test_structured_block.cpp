@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -61,4 +62,49 @@ TEST(StructuredBlock, boundary_parts_lie_where_their_names_say) {
 TEST(StructuredBlock, refuses_empty_ones) {
   EXPECT_THROW(makeRectangle({0, 0, 0}, {0, 1}, {1, 1}, {1, 1}, 0), InputError);
   EXPECT_THROW(makeRectangle({0, 0, 0}, {1, 1}, {0, 1}, {1, 1}, 0), InputError);
+}
+
+// Every cell type, bent: copies of a node agree in number and place, the named sides make up the surface, and
+// every subdomain's share of a number range is what the lattice says.
+TEST(StructuredBlock, subdomains_of_every_cell_type_fit_together) {
+  for (int t = static_cast<int>(fem::CellType::Triangle3); t <= static_cast<int>(fem::CellType::Hexahedron27);
+       ++t) {
+    fem::StructuredBlock::Options options;
+    options.cellType = static_cast<fem::CellType>(t);
+    const fem::CellShape& shape = fem::shapeOf(options.cellType);
+    options.subdomains = {2, 3, 2};
+    options.elements = {2, 1, 2};
+    const double lean = shape.dimension == 3 ? 0.1 : 0.0;
+    options.map = [lean](const fem::Point& x) {
+      return fem::Point{x[0] + 0.1 * x[1] * x[1], x[1], x[2] - lean * x[0]};
+    };
+    const StructuredBlock block(options);
+    EXPECT_EQ(block.numberOfSubdomains(), shape.dimension == 2 ? 6 : 12) << shape.name;
+    const int p = shape.order;
+    EXPECT_EQ(block.numberOfNodes(), (4LL * p + 1) * (3 * p + 1) * (shape.dimension == 2 ? 1 : 4 * p + 1));
+    std::map<long long, fem::Point> places;
+    std::map<std::string, int> sides;
+    for (int s = 0; s < block.numberOfSubdomains(); ++s) {
+      const fem::PlacedMesh mesh = block.subdomain(s);
+      EXPECT_EQ(fem::nodesOf(*mesh.mesh, fem::boundarySides(*mesh.mesh)), mesh.mesh->boundary) << shape.name;
+      for (int node : mesh.mesh->boundary) {
+        const fem::Point x = mesh.position(node);
+        const fem::Point known = places.emplace(mesh.number(node), x).first->second;
+        for (std::size_t d = 0; d < 3; ++d)
+          EXPECT_NEAR(known[d], x[d], 1e-14) << shape.name;
+      }
+      for (const auto& [name, part] : mesh.sides) {
+        sides[name] += static_cast<int>(part.size());
+        EXPECT_EQ(fem::nodesOf(*mesh.mesh, part), mesh.sets.at(name)) << shape.name << " " << name;
+      }
+    }
+    std::set<fem::Point> distinct; // equal numbers, equal places; different numbers, different ones
+    for (const auto& item : places)
+      distinct.insert({std::round(1e9 * item.second[0]), std::round(1e9 * item.second[1]),
+                       std::round(1e9 * item.second[2])});
+    EXPECT_EQ(distinct.size(), places.size()) << shape.name;
+    const int cut = shape.isSimplex && shape.dimension == 3 ? 2 : 1; // triangles on a square
+    EXPECT_EQ(sides["left"], shape.dimension == 2 ? 3 : 3 * 4 * cut) << shape.name;
+    EXPECT_EQ(sides["top"], shape.dimension == 2 ? 4 : 4 * 3 * cut) << shape.name;
+  }
 }
