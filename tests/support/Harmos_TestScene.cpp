@@ -21,6 +21,56 @@ scene::Body blockBody(const std::string& name, fem::StructuredBlock::Options& op
   return body;
 }
 
+namespace {
+
+void addInterface(scene::Scene& scene, scene::Interface::Kind kind, const Part& first, const Part& second,
+                  double gap) {
+  scene::Interface interface;
+  interface.kind = kind;
+  interface.firstBody = first.body;
+  interface.firstSet = first.set;
+  interface.secondBody = second.body;
+  interface.secondSet = second.set;
+  interface.gap = gap;
+  scene.interfaces.push_back(interface);
+}
+
+scene::Body& bodyOf(scene::Scene& scene, int body) {
+  return scene.bodies.at(static_cast<std::size_t>(body));
+}
+
+} // namespace
+
+void addContact(scene::Scene& scene, const Part& first, const Part& second, double gap) {
+  addInterface(scene, scene::Interface::Kind::Contact, first, second, gap);
+}
+
+void addTie(scene::Scene& scene, const Part& first, const Part& second) {
+  addInterface(scene, scene::Interface::Kind::Tie, first, second, 0.0);
+}
+
+void addObstacle(scene::Scene& scene, const Part& part, const contact::Obstacle& obstacle) {
+  scene.obstacles.push_back({"obstacle", part.body, part.set, obstacle});
+}
+
+void prescribe(scene::Scene& scene, const Part& part, int component, double value) {
+  bodyOf(scene, part.body).prescribed.push_back({part.set, value, component});
+}
+
+void addTraction(scene::Scene& scene, const Part& part, const fem::Point& density) {
+  bodyOf(scene, part.body).tractions.push_back({part.set, [density](const fem::Point&, const fem::Point&) {
+                                                  return density;
+                                                }});
+}
+
+void addForce(scene::Scene& scene, int body, const fem::Point& density) {
+  bodyOf(scene, body).forces.push_back([density](const fem::Point&) { return density; });
+}
+
+void addTemperature(scene::Scene& scene, int body, double rise) {
+  bodyOf(scene, body).temperature += rise;
+}
+
 TestRun runScene(const scene::Scene& scene, double tolerance, const std::vector<std::string>& assignments) {
   ParameterSpec deck("deck", "A deck.");
   scene::RunOptions::addTo(deck);

@@ -12,6 +12,22 @@ namespace Harmos {
 scene::Body blockBody(const std::string& name, fem::StructuredBlock::Options& options,
                       const fem::Material& material);
 
+/// A boundary part of a body, by its number in the scene.
+struct Part {
+  int body;
+  std::string set;
+};
+
+// What tests put into scenes; the first part of a pair carries the multipliers.
+void addContact(scene::Scene& scene, const Part& first, const Part& second, double gap = 0.0);
+void addTie(scene::Scene& scene, const Part& first, const Part& second);
+void addObstacle(scene::Scene& scene, const Part& part, const contact::Obstacle& obstacle);
+void prescribe(scene::Scene& scene, const Part& part, int component, double value = 0.0);
+void addTraction(scene::Scene& scene, const Part& part, const fem::Point& density);
+/// Per volume, of elastic bodies.
+void addForce(scene::Scene& scene, int body, const fem::Point& density);
+void addTemperature(scene::Scene& scene, int body, double rise);
+
 /// A finished run of a scene, without files beyond the summary's directory.
 struct TestRun {
   scene::Solution solution;
