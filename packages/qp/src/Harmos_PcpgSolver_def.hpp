@@ -51,6 +51,13 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
     state.counters = &counters;
     return state;
   };
+  const auto storeMultiplier = [&] {
+    if (!rows->isPresent())
+      return;
+    const Teuchos::RCP<MV> mu = rows->makeVector();
+    cg.multiplier(*mu);
+    rows->toUser(*mu, *problem.multiplier());
+  };
   // Without a face there is nothing the equalities could contradict: the rows are consistent.
   cg.start({});
   counters.outerIterations = 1;
@@ -79,6 +86,11 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
         break;
       }
     }
+    if (done) {
+      storeMultiplier();
+      if (!this->accepted())
+        continue; // the test is stricter now
+    }
     if (reason) {
       this->stopFor(*reason, state);
       break;
@@ -101,11 +113,7 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
     state = evaluate(state.inner + 1);
     this->record(state, StepKind::Projected, 0.0, 0.0, 0);
   }
-  if (rows->isPresent()) {
-    const Teuchos::RCP<MV> mu = rows->makeVector();
-    cg.multiplier(*mu);
-    rows->toUser(*mu, *problem.multiplier());
-  }
+  storeMultiplier();
 }
 
 template<class Scalar, class MV, class OP>

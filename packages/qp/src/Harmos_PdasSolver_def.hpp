@@ -207,9 +207,13 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
     if (this->judge(evaluate(expected, state.inner)) == Reason::Converged ||
         (change.changed == 0 && exhausted)) {
       state = measure(cg, state.inner, change.violation2 == 0.0);
-      if (this->judge(state) == Reason::Converged)
-        return this->stopFor(Reason::Converged, state);
-      if (change.changed == 0 && exhausted)
+      bool sentBack = false;
+      while (this->judge(state) == Reason::Converged) {
+        if (this->accepted())
+          return this->stopFor(Reason::Converged, state);
+        sentBack = true; // the test is stricter now
+      }
+      if (change.changed == 0 && (cg.residualNorm() <= cg.attainable() || (exhausted && !sentBack)))
         return this->stop(
             Reason::Stagnation,
             Explanations::stagnation(state.projectedGradient, cg.attainable(), state.equalityDistance),
