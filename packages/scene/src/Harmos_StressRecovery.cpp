@@ -23,10 +23,14 @@ std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& com
                                                    const feti::TornVector& displacement) {
   std::vector<fem::StressSums> sums;
   agree(comm, [&] {
+    std::vector<double> temperature(scene.bodies.size(), 0.0);
+    for (const auto& effect : scene.effects)
+      for (int b : effect->bodies())
+        temperature[static_cast<std::size_t>(b)] += effect->temperatureRise(b);
     for (std::size_t i = 0; i < owned.size(); ++i) {
-      const Body& body = scene.bodies[static_cast<std::size_t>(owned[i].body)];
-      sums.push_back(
-          fem::stressSums(*owned[i].mesh.mesh, elasticityOf(scene, body), displacement[i], body.temperature));
+      const auto b = static_cast<std::size_t>(owned[i].body);
+      sums.push_back(fem::stressSums(*owned[i].mesh.mesh, elasticityOf(scene, scene.bodies[b]),
+                                     displacement[i], temperature[b]));
     }
   });
   // Copies meet on the rank that their number names, and the sums go back.
