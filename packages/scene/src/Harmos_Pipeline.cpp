@@ -142,7 +142,7 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
                    const RunOptions& options, const Log& log, const StageTimers& timers, RunReport& report) {
   report.ranks = comm->getSize();
   report.scene = scene.name;
-  report.effects = scene.effects();
+  report.effects = scene.effectKinds();
   report.tolerance = options.tolerance;
   report.toleranceRule = options.toleranceRule == ToleranceRule::Balanced ? "balanced" : "fixed";
   report.stoppingRule = toString(options.stoppingRule);
@@ -165,6 +165,7 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
       removeFile(options.outputDirectory + name);
   });
 
+  EffectCosts costs(scene);
   std::vector<OwnedSubdomain> owned;
   std::vector<feti::Subdomain> subdomains;
   {
@@ -174,7 +175,7 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
   }
   {
     const auto scope = timers.scope("assembly");
-    agree(*comm, [&] { subdomains = assemble(scene, owned); });
+    agree(*comm, [&] { subdomains = assemble(scene, owned, costs); });
   }
   const feti::SubdomainSystem system = [&] {
     const auto scope = timers.scope("assembly");
@@ -186,7 +187,7 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
   ContactSetup contact;
   const feti::Constraints constraints = [&] {
     const auto scope = timers.scope("dual_operator");
-    contact = setUpContact(*comm, scene, owned);
+    contact = setUpContact(*comm, scene, owned, costs);
     return feti::Constraints(system, contact.rows);
   }();
   for (const std::string& note : contact.notes)

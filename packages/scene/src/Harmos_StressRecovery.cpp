@@ -72,6 +72,10 @@ struct Group {
 
 std::vector<Group> groupsOf(const Scene& scene, const std::vector<OwnedSubdomain>& owned,
                             const feti::TornVector& displacement) {
+  std::vector<double> temperature(scene.bodies.size(), 0.0);
+  for (const auto& effect : scene.effects)
+    for (int b : effect->bodies())
+      temperature[static_cast<std::size_t>(b)] += effect->temperatureRise(b);
   std::map<std::pair<const fem::Mesh*, int>, std::size_t> places;
   std::vector<Group> groups;
   for (std::size_t i = 0; i < owned.size(); ++i) {
@@ -81,7 +85,7 @@ std::vector<Group> groupsOf(const Scene& scene, const std::vector<OwnedSubdomain
       groups.push_back({&scene.bodies[static_cast<std::size_t>(owned[i].body)], mesh, {}, {}});
     Group& group = groups[place->second];
     group.members.push_back(i);
-    group.solutions.push_back({&displacement[i], group.body->temperature});
+    group.solutions.push_back({&displacement[i], temperature[static_cast<std::size_t>(owned[i].body)]});
   }
   return groups;
 }
