@@ -29,6 +29,7 @@ const ParameterSpec& PdasSolver<Scalar, MV, OP>::spec() {
     ParameterSpec spec("PDAS", "The primal-dual active set solver.");
     SolverManager<Scalar, MV, OP>::addCommonParameters(spec);
     spec.list(methodSpec());
+    spec.list(CgOptions::parameterSpec());
     spec.list(SmalbeSolver<Scalar, MV, OP>::methodSpec());
     spec.list(MprgpOptions::parameterSpec());
     return spec;
@@ -150,7 +151,7 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
     active = BT::updateActiveSet(x, *y, lower, upper, 0.0, 0.0, set).active;
   }
 
-  Cg cg(problem, *rows, counters);
+  Cg cg(problem, *rows, CgOptions::fromList(this->parameters_->sublist("PCPG")), counters);
   std::set<std::pair<double, double>> seen;
   IterationState<MV> state = evaluate(std::numeric_limits<double>::infinity(), this->firstInner_);
   bool settled = false, newFace = true;
