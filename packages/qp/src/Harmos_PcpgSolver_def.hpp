@@ -14,6 +14,7 @@ const ParameterSpec& PcpgSolver<Scalar, MV, OP>::spec() {
   static const ParameterSpec result = [] {
     ParameterSpec spec("PCPG", "The solver for equalities alone.");
     SolverManager<Scalar, MV, OP>::addCommonParameters(spec);
+    spec.list(CgOptions::parameterSpec());
     return spec;
   }();
   return result;
@@ -34,7 +35,7 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
                      "allows to make so. Orthonormalise them and say so with EqualityStructure::Orthonormal, "
                      "or raise that parameter");
   Counters& counters = this->result_.counters;
-  Cg cg(problem, *rows, counters);
+  Cg cg(problem, *rows, CgOptions::fromList(this->parameters_->sublist("PCPG")), counters);
   const Teuchos::RCP<MV> residual = rows->isPresent() ? rows->makeVector() : Teuchos::null;
   const auto evaluate = [&](int inner) {
     IterationState<MV> state;

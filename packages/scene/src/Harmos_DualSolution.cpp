@@ -141,6 +141,8 @@ DualSolution solveDualProblem(const feti::SubdomainSystem& system, const feti::C
     list->sublist("MPRGP") = options.methodLists.sublist("MPRGP");
   if (method == "SMALBE" || method == "PDAS")
     list->sublist("SMALBE") = options.methodLists.sublist("SMALBE");
+  if (method == "PCPG" || method == "PDAS")
+    list->sublist("PCPG") = options.methodLists.sublist("PCPG");
   if (method == "Dual Penalty" || method == "PDAS")
     list->sublist(method) = options.methodLists.sublist(method);
   const auto solver = qp::TpetraSolverFactory().create(method, list);

@@ -54,6 +54,7 @@ void RunOptions::addTo(ParameterSpec& deck) {
   solver.list(qp::MethodSpecs::mprgp());
   solver.list(qp::MethodSpecs::smalbe());
   solver.list(qp::MethodSpecs::dualPenalty());
+  solver.list(qp::MethodSpecs::pcpg());
   solver.list(qp::MethodSpecs::pdas());
   deck.list(std::move(solver));
 
@@ -86,7 +87,7 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
   options.maximumIterations = solver.get<int>("Maximum iterations");
   options.maximumSeconds = solver.get<double>("Maximum seconds");
   options.progressFrequency = solver.get<int>("Progress frequency");
-  for (const char* method : {"MPRGP", "SMALBE", "Dual Penalty", "PDAS"})
+  for (const char* method : {"MPRGP", "SMALBE", "Dual Penalty", "PCPG", "PDAS"})
     options.methodLists.sublist(method) = solver.sublist(method);
   options.outputDirectory = deck.sublist("Output").get<std::string>("Directory");
   options.writeFields = deck.sublist("Output").get<bool>("Fields");
