@@ -71,7 +71,7 @@ void addTemperature(scene::Scene& scene, int body, double rise) {
   bodyOf(scene, body).temperature += rise;
 }
 
-TestRun runScene(const scene::Scene& scene, double tolerance, const std::vector<std::string>& assignments) {
+scene::RunOptions testOptions(double tolerance, const std::vector<std::string>& assignments) {
   ParameterSpec deck("deck", "A deck.");
   scene::RunOptions::addTo(deck);
   Teuchos::ParameterList list = deck.defaults();
@@ -89,6 +89,11 @@ TestRun runScene(const scene::Scene& scene, double tolerance, const std::vector<
        ("harmos_" + std::filesystem::read_symlink("/proc/self/exe").filename().string() + "_np" +
         std::to_string(testComm()->getSize())))
           .string();
+  return options;
+}
+
+TestRun runScene(const scene::Scene& scene, double tolerance, const std::vector<std::string>& assignments) {
+  const scene::RunOptions options = testOptions(tolerance, assignments);
   TestRun run;
   run.solution = scene::run(testComm(), scene, options, Log(), std::chrono::steady_clock::now(), run.report);
   return run;
