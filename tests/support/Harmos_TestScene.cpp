@@ -100,7 +100,7 @@ void removeEffects(scene::Scene& scene, const std::string& kind) {
                       scene.effects.end());
 }
 
-TestRun runScene(const scene::Scene& scene, double tolerance, const std::vector<std::string>& assignments) {
+scene::RunOptions testOptions(double tolerance, const std::vector<std::string>& assignments) {
   ParameterSpec deck("deck", "A deck.");
   scene::RunOptions::addTo(deck);
   Teuchos::ParameterList list = deck.defaults();
@@ -118,6 +118,11 @@ TestRun runScene(const scene::Scene& scene, double tolerance, const std::vector<
        ("harmos_" + std::filesystem::read_symlink("/proc/self/exe").filename().string() + "_np" +
         std::to_string(testComm()->getSize())))
           .string();
+  return options;
+}
+
+TestRun runScene(const scene::Scene& scene, double tolerance, const std::vector<std::string>& assignments) {
+  const scene::RunOptions options = testOptions(tolerance, assignments);
   TestRun run;
   run.solution = scene::run(testComm(), scene, options, Log(), std::chrono::steady_clock::now(), run.report);
   return run;

@@ -50,6 +50,9 @@ struct TestRun {
   scene::RunReport report;
 };
 
+/// The options of the default deck, but for these; without files beyond the summary's directory.
+scene::RunOptions testOptions(double tolerance, const std::vector<std::string>& assignments = {});
+
 /// Runs a scene on all ranks with the default deck, to a tolerance; assignments as with --set.
 TestRun runScene(const scene::Scene& scene, double tolerance,
                  const std::vector<std::string>& assignments = {});
