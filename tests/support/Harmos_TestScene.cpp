@@ -71,7 +71,8 @@ void addTemperature(scene::Scene& scene, int body, double rise) {
   bodyOf(scene, body).temperature += rise;
 }
 
-TestRun runScene(const scene::Scene& scene, double tolerance, const std::vector<std::string>& assignments) {
+TestRun runScene(const scene::Scene& scene, double tolerance, const std::vector<std::string>& assignments,
+                 const Teuchos::RCP<const Teuchos::Comm<int>>& comm) {
   ParameterSpec deck("deck", "A deck.");
   scene::RunOptions::addTo(deck);
   Teuchos::ParameterList list = deck.defaults();
@@ -87,10 +88,12 @@ TestRun runScene(const scene::Scene& scene, double tolerance, const std::vector<
   options.outputDirectory =
       (std::filesystem::temp_directory_path() /
        ("harmos_" + std::filesystem::read_symlink("/proc/self/exe").filename().string() + "_np" +
-        std::to_string(testComm()->getSize())))
+        std::to_string(testComm()->getSize()) +
+        (comm.is_null() ? "" : "_rank" + std::to_string(testComm()->getRank()))))
           .string();
   TestRun run;
-  run.solution = scene::run(testComm(), scene, options, Log(), std::chrono::steady_clock::now(), run.report);
+  run.solution = scene::run(comm.is_null() ? testComm() : comm, scene, options, Log(),
+                            std::chrono::steady_clock::now(), run.report);
   return run;
 }
 

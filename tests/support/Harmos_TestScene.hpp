@@ -34,9 +34,11 @@ struct TestRun {
   scene::RunReport report;
 };
 
-/// Runs a scene on all ranks with the default deck, to a tolerance; assignments as with --set.
+/// Runs a scene with the default deck, to a tolerance; assignments as with --set.
+/// @param comm null: all ranks. Each rank may also run a scene by itself.
 TestRun runScene(const scene::Scene& scene, double tolerance,
-                 const std::vector<std::string>& assignments = {});
+                 const std::vector<std::string>& assignments = {},
+                 const Teuchos::RCP<const Teuchos::Comm<int>>& comm = Teuchos::null);
 
 /// The message of the error that a run ends in; "" if it ends well.
 std::string failureOf(const scene::Scene& scene);
