@@ -6,13 +6,14 @@
 ///  - by its own audit,
 ///  - by the equations of the bodies before they are torn (Harmos_SceneJudge.hpp), to a hundred times the
 ///    tolerance asked for, in units of the solution, which is what the audit promises,
-///  - by its energy: another run, without any cuts within bodies, by another method and form of the dual
+///  - every second one by its energy: another run, without any cuts within bodies, by another method and form
+///  of the dual
 ///    operator, to a tolerance of 1e-10, must agree to ten times the tolerance. It is judged itself.
 /// Errors and runs that do not converge are allowed, but at least 95 % of the scenes that have a solution
 /// must converge, and scenes without one never.
 ///
-/// Every number of ranks has scenes of its own, and 60 in common; of these each rank computes the energy once
-/// more by itself, and they must agree.
+/// Of 520 scenes most are run on one rank, a tenth on two and a tenth on four, and the first 60 on all; of
+/// these rank 0 computes the energy once more by itself, and they must agree.
 ///
 ///     build/tests/bin/stability_random_scenes                            as in the test
 ///     HARMOS_SCENES=3000 build/tests/bin/stability_random_scenes         more of them
@@ -48,12 +49,14 @@ unsigned fromEnvironment(const char* name, unsigned otherwise) {
 std::vector<unsigned> seeds() {
   if (std::getenv("HARMOS_SCENE_SEED") != nullptr)
     return {fromEnvironment("HARMOS_SCENE_SEED", 0)};
-  const unsigned count = fromEnvironment("HARMOS_SCENES", 540);
-  const unsigned third = testComm()->getSize() == 1 ? 0 : testComm()->getSize() == 2 ? 1 : 2;
+  const unsigned count = fromEnvironment("HARMOS_SCENES", 520);
+  // Runs on one rank are the fastest: most scenes are theirs.
   std::vector<unsigned> result;
-  for (unsigned seed = 0; seed < count; ++seed)
-    if (seed < commonScenes || seed % 3 == third)
+  for (unsigned seed = 0; seed < count; ++seed) {
+    const int ranks = seed % 10 == 0 ? 2 : seed % 10 == 1 ? 4 : 1;
+    if (seed < commonScenes || ranks == testComm()->getSize())
       result.push_back(seed);
+  }
   return result;
 }
 
@@ -150,7 +153,8 @@ void compareEnergies(const RandomScene& random, const Outcome& outcome, const Ju
   const Judgement there = judge(random.untorn, reference.run);
   const std::string wrong = contradictions(random.untorn, referenceTolerance, settings, reference.run, there);
   if (!wrong.empty()) {
-    ADD_FAILURE() << "reference of " << random.text() << "\n" << wrong;
+    if (testComm()->getRank() == 0)
+      ADD_FAILURE() << "reference of " << random.text() << "\n" << wrong;
     return;
   }
   ++tally.energies;
@@ -162,8 +166,10 @@ void compareEnergies(const RandomScene& random, const Outcome& outcome, const Ju
       << " and " << there.displacement;
 }
 
-// The same scene on one rank.
+// The same scene on rank 0 alone, while the others wait.
 void compareRanks(const RandomScene& random, const Outcome& outcome, const Judgement& found) {
+  if (testComm()->getRank() != 0)
+    return;
   const Teuchos::RCP<const Teuchos::Comm<int>> self = Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF));
   const Outcome alone = outcomeOf(random.scene, random.tolerance, random.settings, self);
   ASSERT_TRUE(alone.converged()) << "on one rank: " << alone.failure << "\n" << random.text();
@@ -196,10 +202,12 @@ void tryScene(unsigned seed, Tally& tally) {
   const std::string wrong =
       contradictions(random.scene, random.tolerance, random.settings, outcome.run, found);
   if (!wrong.empty()) {
-    ADD_FAILURE() << random.text() << "\n" << wrong;
+    if (testComm()->getRank() == 0) // all ranks see the same
+      ADD_FAILURE() << random.text() << "\n" << wrong;
     return;
   }
-  compareEnergies(random, outcome, found, tally);
+  if (seed % 2 == 0)
+    compareEnergies(random, outcome, found, tally);
   if (testComm()->getSize() > 1 && seed < commonScenes)
     compareRanks(random, outcome, found);
 }
@@ -221,6 +229,6 @@ TEST(RandomScenes, none_is_wrong_and_said_to_have_converged) {
   if (std::getenv("HARMOS_SCENE_SEED") != nullptr)
     return;
   EXPECT_GE(tally.converged, 0.95 * tally.solvable) << text.str();
-  EXPECT_GE(tally.withoutSolution, 5);
+  EXPECT_GE(tally.withoutSolution, 3);
   EXPECT_GE(tally.energies, 0.9 * tally.references) << "too few references converged";
 }

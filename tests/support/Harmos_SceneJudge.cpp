@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_SceneJudge.hpp"
 
+#include "Harmos_Agreement.hpp"
 #include "Harmos_ContactSetup.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_TestComm.hpp"
 
+#include <Teuchos_CommHelpers.hpp>
 #include <Teuchos_DefaultSerialComm.hpp>
 
 #include <algorithm>
@@ -62,7 +64,11 @@ class Whole {
         isFixed_[dofs_[i][static_cast<std::size_t>(fixed.dof)]] = true;
   }
 
-  Judgement judge(const std::vector<double>& torn, const std::vector<scene::ContactState>& contact) const {
+  Judgement judge(const std::vector<double>& torn, const scene::RunReport& report) const {
+    const std::vector<scene::ContactState>& contact = report.contact;
+    // Rounding errors of displacements, rigid parts included: local problems are solved to κε, and stiff
+    // bodies that are moved far have forces that are small beside those errors.
+    const double unit = 1e2 * std::numeric_limits<double>::epsilon() * std::max(10.0, report.localCondition);
     Judgement result;
     std::vector<double> imbalance(size_, 0.0), load(size_, 0.0), image(size_, 0.0), ku;
     std::vector<double> least(size_, 1e300), most(size_, -1e300), sum(size_, 0.0), copies(size_, 0.0);
@@ -115,9 +121,6 @@ class Whole {
 
  private:
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
-  // Of displacements with a large rigid part: rows of K have up to some hundred entries, and rigid motions
-  // are added to what K⁺ gives.
-  static constexpr double unit = 1e3 * std::numeric_limits<double>::epsilon();
 
   void judgeRows(const std::vector<double>& u, const std::vector<scene::ContactState>& contact,
                  std::vector<double>& imbalance, Judgement& result) const {
@@ -195,7 +198,15 @@ Judgement judge(const scene::Scene& scene, const TestRun& run) {
   for (const std::vector<double>& values : run.solution.displacement)
     mine.insert(mine.end(), values.begin(), values.end());
   // Ranks own consecutive subdomains.
-  return Whole(scene).judge(gatherAll(*testComm(), mine), run.report.contact);
+  const Teuchos::Comm<int>& comm = *testComm();
+  const std::vector<double> all = gatherAll(comm, mine);
+  Judgement result;
+  agree(comm, [&] {
+    if (comm.getRank() == 0)
+      result = Whole(scene).judge(all, run.report);
+  });
+  Teuchos::broadcast(comm, 0, static_cast<int>(sizeof(result)), reinterpret_cast<char*>(&result));
+  return result;
 }
 
 } // namespace Harmos

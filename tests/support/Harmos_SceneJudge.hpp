@@ -27,7 +27,7 @@ struct Judgement {
   double energyRounding = 0.0; ///< what rounding errors of u may change; not small beside large rigid motions
 };
 
-/// @note Collective; every rank makes the whole scene and judges it.
+/// The same on every rank. @note Collective; rank 0 makes the whole scene and judges it.
 Judgement judge(const scene::Scene& scene, const TestRun& run);
 
 } // namespace Harmos
