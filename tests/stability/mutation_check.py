@@ -126,8 +126,8 @@ def misfits(source):
         text = (source / item.file).read_text(encoding="utf-8")
         for old, new in item.replacements:
             if text.count(old) != 1:
-                result.append(f"fault {number} ({item.what}): {item.file} has {text.count(old)} times "
-                              f"{old!r}")
+                result.append(f"fault {number} ({item.what}): {item.file} has "
+                              f"{text.count(old)} times {old!r}")
             if old == new:
                 result.append(f"fault {number} ({item.what}): nothing is replaced")
     return result
