@@ -51,11 +51,14 @@ struct TestRun {
 };
 
 /// The options of the default deck, but for these; without files beyond the summary's directory.
-scene::RunOptions testOptions(double tolerance, const std::vector<std::string>& assignments = {});
+scene::RunOptions testOptions(double tolerance, const std::vector<std::string>& assignments = {},
+                              const Teuchos::RCP<const Teuchos::Comm<int>>& comm = Teuchos::null);
 
-/// Runs a scene on all ranks with the default deck, to a tolerance; assignments as with --set.
+/// Runs a scene with the default deck, to a tolerance; assignments as with --set.
+/// @param comm null: all ranks. Each rank may also run a scene by itself.
 TestRun runScene(const scene::Scene& scene, double tolerance,
-                 const std::vector<std::string>& assignments = {});
+                 const std::vector<std::string>& assignments = {},
+                 const Teuchos::RCP<const Teuchos::Comm<int>>& comm = Teuchos::null);
 
 /// The message of the error that a run ends in; "" if it ends well.
 std::string failureOf(const scene::Scene& scene);

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace Harmos::feti {
@@ -177,9 +178,15 @@ class CondensedInverse : public LocalInverse {
     if (settings.keepSchur)
       schur_ = std::make_shared<DenseOperator>(s, b_, settings.precision, columns);
     if (kernel.columns > 0) {
+      // As many boundary dofs as rigid motions: nothing is left of S but rounding errors of K, which must not
+      // be what holds the kernel.
+      const double least = std::sqrt(std::numeric_limits<double>::epsilon());
+      const std::vector<double> whole = matrix.diagonal();
       std::vector<double> diagonal;
       for (int k = 0; k < b_; ++k)
-        diagonal.push_back(s[static_cast<std::size_t>(k) * static_cast<std::size_t>(b_ + 1)]);
+        diagonal.push_back(
+            std::max(s[static_cast<std::size_t>(k) * static_cast<std::size_t>(b_ + 1)],
+                     least * whole[static_cast<std::size_t>(boundary[static_cast<std::size_t>(k)])]));
       const Kernel v = regularization(restricted(kernel, boundary), diagonal);
       for (int k = 0; k < v.columns; ++k)
         for (int j = 0; j < b_; ++j)

@@ -97,6 +97,17 @@ TEST(CoarseSpace, rank_deficiency_is_found_and_judged_by_the_load) {
   const KktAudit result = audit(feti.system, feti.constraints, torn);
   EXPECT_LT(result.equilibrium, 1e-9);
   EXPECT_LT(result.gluingJump, 1e-9);
+  // Loads that balance themselves within each subdomain, up to rounding: 0.1 + 0.2 − 0.3 is not zero.
+  for (Subdomain& subdomain : model.subdomains) {
+    changeLoad(subdomain, [](std::vector<double>& load) {
+      std::fill(load.begin(), load.end(), 0.0);
+      load[0] = 0.1;
+      load[1] = 0.2;
+      load[2] = -0.3;
+    });
+  }
+  const TestFeti balanced(model);
+  EXPECT_TRUE(solveDual(balanced.dual, balanced.coarse, 1e-11).result.converged());
 }
 
 // Dense and sparse factors give the same projector, and on faces the same solutions; GGᵀ = I in either form.

@@ -313,6 +313,25 @@ TEST(LocalInverse, boundary_is_extended_where_it_does_not_hold_the_kernel) {
   }
 }
 
+// The Schur complement of as many boundary dofs as rigid motions vanishes: its rounding errors, of either
+// sign, must not be taken for stiffness.
+TEST(LocalInverse, boundary_that_only_just_holds_the_kernel) {
+  for (const Piece& piece : pieces())
+    for (int dof : piece.boundary) {
+      if (piece.kernel.columns != 1)
+        continue;
+      OrderingCache orderings;
+      const auto inverse = makeCondensedInverse(piece.matrix, piece.kernel, {dof}, 1, {}, orderings);
+      EXPECT_LT(inverseQuality(piece.matrix, piece.kernel, *inverse).defect, 1e-12) << piece.name;
+      // K⁺ holds the dof by the square root of ε times its stiffness.
+      double largest = 0.0;
+      for (double value : toDense(*inverse, piece.matrix.rows()).values)
+        largest = std::max(largest, std::abs(value));
+      const std::vector<double> diagonal = piece.matrix.diagonal();
+      EXPECT_LT(largest, 1e2 / (1.5e-8 * *std::min_element(diagonal.begin(), diagonal.end()))) << piece.name;
+    }
+}
+
 // The estimate is a lower bound of κ on the complement of the kernel, and not far below it.
 TEST(LocalInverse, condition_estimate_is_of_the_right_order) {
   for (const Piece& piece : pieces()) {

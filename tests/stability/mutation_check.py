@@ -1,0 +1,277 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Does the suite notice when the library is wrong? Plants known faults, one at a time, and sees.
+
+    python3 tests/stability/mutation_check.py                   all faults
+    python3 tests/stability/mutation_check.py --list            what they are; nothing is built
+    python3 tests/stability/mutation_check.py --only 3 --only 7
+
+Faults go into a copy of the sources (of the files that git knows, as they are now) with a build
+tree of its own; the sources themselves are never touched. Of each fault only the tests named with
+it are built and run, until one fails. A table tells which did, and the exit status is 1 if a fault
+survives, or if the tests fail without any.
+
+Each fault is an exact piece of text and what takes its place; a piece that is not there exactly
+once is refused (exit status 2), also by --list, which a test runs: so the faults cannot rot.
+
+The first build takes a quarter of an hour on two cores, less with ccache, each fault about a
+minute. --build-dir keeps the copy and its build tree for the next time. --lock takes a file that
+is locked while building, for machines that are shared.
+"""
+
+import argparse
+import contextlib
+import fcntl
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parents[2]
+TEST_SECONDS = 600
+CONTACT = ("unit_contact", "verification_contact_patch")
+FETI = ("unit_feti", "verification_contact_patch")
+
+
+@dataclass
+class Fault:
+    """A fault: what is wrong, where, by which replacements, and the tests that are to see it."""
+
+    what: str
+    file: str
+    replacements: tuple
+    tests: tuple
+
+
+def fault(what, file, old, new, tests):
+    return Fault(what, file, ((old, new),), tests)
+
+
+FAULTS = (
+    fault(
+        "sign of a contact row", "packages/contact/src/Harmos_ContactRows.cpp",
+        "row.terms.push_back({term.node * components + c, term.weight * direction});",
+        "row.terms.push_back({term.node * components + c, -term.weight * direction});", CONTACT),
+    Fault(
+        "a dropped gluing row where four subdomains meet",
+        "packages/feti/src/Harmos_Constraints.cpp",
+        (("for (std::size_t k = 1; k < copies.size(); ++k) {",
+          "for (std::size_t k = 1; k < std::min<std::size_t>(copies.size(), 3); ++k) {"),
+         ("DirichletForm::Dual ? copies : copies - 1;",
+          "DirichletForm::Dual ? copies : std::min(copies - 1, 2LL);")), FETI),
+    fault(
+        "wrong kernel: a rotation that is none", "packages/feti/src/Harmos_Kernel.cpp",
+        "at(point, a, column) = -scale *", "at(point, a, column) = scale *", FETI),
+    fault(
+        "too long step of MPRGP", "packages/qp/src/Harmos_MprgpIteration.hpp",
+        "return options_.stepFactor / hessianNorm_;",
+        "return 4.0 * options_.stepFactor / hessianNorm_;",
+        ("unit_qp_serial", "unit_qp", "unit_qp_random")),
+    fault(
+        "sign of the multiplier's update in SMALBE",
+        "packages/qp/src/Harmos_BoundedLagrangian_def.hpp",
+        "MvAddMv(1.0, *mu_, factor * penalty_, *residual_, *mu_);",
+        "MvAddMv(1.0, *mu_, -factor * penalty_, *residual_, *mu_);",
+        ("unit_qp_serial", "unit_qp")),
+    fault(
+        "swapped scaling of the preconditioner",
+        "packages/feti/src/Harmos_DualPreconditioner.cpp",
+        "const double weight = scaling == PreconditionerScaling::Stiffness\n",
+        "const double weight = scaling == PreconditionerScaling::Multiplicity\n", FETI),
+    fault(
+        "half of the projector", "packages/feti/src/Harmos_CoarseSpace.cpp",
+        "addGt(-1.0, applyG(v, c), v, c);", "addGt(-0.5, applyG(v, c), v, c);", FETI),
+    fault(
+        "sign of the gap in the dual load", "packages/feti/src/Harmos_DualProblem.cpp",
+        "view(r, 0) -= constraints.bound(", "view(r, 0) += constraints.bound(", FETI),
+    fault(
+        "prescribed values added to bounds", "packages/feti/src/Harmos_Constraints.cpp",
+        "bound -= coefficient * fixed->value;", "bound += coefficient * fixed->value;", FETI),
+    fault(
+        "rigid motion of the wrong sign in the recovery",
+        "packages/feti/src/Harmos_Recovery.cpp",
+        "values[j] += factor * column[j];", "values[j] -= factor * column[j];", FETI),
+    fault(
+        "rounding errors of S hold the kernel", "packages/feti/src/Harmos_LocalInverse.cpp",
+        "const double least = std::sqrt(std::numeric_limits<double>::epsilon());",
+        "const double least = 0.0;", FETI),
+    fault(
+        "gap of mortar contact reversed", "packages/contact/src/Harmos_Mortar.cpp",
+        "point.gap = sum.gap / sum.area;", "point.gap = -sum.gap / sum.area;", CONTACT),
+    fault(
+        "gap of an obstacle reversed", "packages/contact/src/Harmos_Obstacle.cpp",
+        "point.gap = separation.gap;", "point.gap = -separation.gap;", CONTACT),
+    fault(
+        "thermal strain of the wrong sign", "packages/fem/src/Harmos_Elasticity.cpp",
+        "e[r] -= temperature * expansion[r];", "e[r] += temperature * expansion[r];",
+        ("unit_fem", "verification_elements")),
+    fault(
+        "outward normal that looks inward", "packages/fem/src/Harmos_Loads.cpp",
+        "normal = {tangent[0][1], -tangent[0][0], 0.0};",
+        "normal = {-tangent[0][1], tangent[0][0], 0.0};",
+        ("unit_fem", "verification_elements")),
+    fault(
+        "the audit forgets penetration", "packages/scene/src/Harmos_RunReport.cpp",
+        "audit.penetration <= allowed", "audit.penetration <= 1e9 * allowed", ("unit_scene",)),
+)
+
+
+def misfits(source):
+    """Sentences about replacements whose text is not in its file exactly once."""
+    result = []
+    for number, item in enumerate(FAULTS, 1):
+        text = (source / item.file).read_text(encoding="utf-8")
+        for old, new in item.replacements:
+            if text.count(old) != 1:
+                result.append(f"fault {number} ({item.what}): {item.file} has "
+                              f"{text.count(old)} times {old!r}")
+            if old == new:
+                result.append(f"fault {number} ({item.what}): nothing is replaced")
+    return result
+
+
+class Copy:
+    """A copy of the sources, where faults are planted, and its build tree."""
+
+    def __init__(self, directory, jobs, lock):
+        self.source = Path(directory) / "source"
+        self.build = self.source / "build"
+        self.jobs, self.lock = jobs, lock
+        self.log = Path(directory) / "mutation_check.log"
+        self.source.mkdir(parents=True, exist_ok=True)
+        files = subprocess.run(["git", "ls-files", "-z"], cwd=SOURCE, check=True,
+                               capture_output=True, text=True).stdout
+        for name in filter(None, files.split("\0")):
+            self.restore(name)
+
+    def restore(self, name):
+        """The file as it is in the sources; unchanged ones keep their time and are not rebuilt."""
+        there, here = SOURCE / name, self.source / name
+        if not there.is_file():
+            return
+        here.parent.mkdir(parents=True, exist_ok=True)
+        if not here.exists() or here.read_bytes() != there.read_bytes():
+            shutil.copyfile(there, here)
+            shutil.copymode(there, here)
+
+    def plant(self, item):
+        path = self.source / item.file
+        text = path.read_text(encoding="utf-8")
+        for old, new in item.replacements:
+            text = text.replace(old, new)
+        path.write_text(text, encoding="utf-8")
+
+    def call(self, command, timeout=None):
+        with open(self.log, "a", encoding="utf-8") as log:
+            log.write("$ " + " ".join(map(str, command)) + "\n")
+            log.flush()
+            try:
+                return subprocess.run(
+                    command, stdout=log, stderr=log, timeout=timeout, env=environment()).returncode
+            except subprocess.TimeoutExpired:
+                log.write("timed out\n")
+                return -1
+
+    def configure(self):
+        if self.call(["cmake", "-S", self.source, "-B", self.build, "-DCMAKE_BUILD_TYPE=Release",
+                      "-DHARMOS_ENABLE_GMSH=ON", "-DHARMOS_ENABLE_TESTS=ON"]) != 0:
+            raise SystemExit(f"cannot be configured; see {self.log}")
+
+    def make(self, targets):
+        with locked(self.lock):
+            return self.call(["cmake", "--build", self.build, f"-j{self.jobs}", "--target",
+                              *targets]) == 0
+
+    def passes(self, test):
+        """On two ranks where the test knows them: faults of the exchange show too."""
+        ranks = "1" if test in ("unit_fem", "unit_qp_serial") else "2"
+        program = self.build / "tests" / "bin" / test
+        return self.call([os.environ.get("HARMOS_MPIEXEC", "mpirun"), "-np", ranks, program],
+                         timeout=TEST_SECONDS) == 0
+
+
+def environment():
+    return dict(
+        os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", OMPI_ALLOW_RUN_AS_ROOT="1",
+        OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_rmaps_base_oversubscribe="1",
+        OMPI_MCA_hwloc_base_binding_policy="none")
+
+
+@contextlib.contextmanager
+def locked(path):
+    if path is None:
+        yield
+        return
+    with open(path, "w", encoding="utf-8") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+def caught_by(copy, item):
+    """The test that fails with the fault, "" if none does."""
+    copy.plant(item)
+    try:
+        for test in item.tests:
+            if not copy.make([test]):
+                return "the compiler"  # no fault of the kind that is meant
+            if not copy.passes(test):
+                return test
+        return ""
+    finally:
+        copy.restore(item.file)
+
+
+def check(copy, numbers):
+    """Plants the faults; the exit status."""
+    copy.configure()
+    tests = sorted({test for number in numbers for test in FAULTS[number - 1].tests})
+    failing = ["the build"] if not copy.make(tests) else [t for t in tests if not copy.passes(t)]
+    if failing:
+        print(f"without any fault: {', '.join(failing)} fails; see {copy.log}")
+        return 1
+    print(f"| {'fault':<52} | {'caught by':<28} | seconds |", flush=True)
+    survivors = 0
+    for number in numbers:
+        item = FAULTS[number - 1]
+        begin = time.monotonic()
+        test = caught_by(copy, item)
+        is_caught = test not in ("", "the compiler")
+        survivors += 0 if is_caught else 1
+        name = test if is_caught else ("NOT COMPILED" if test else "SURVIVES")
+        seconds = time.monotonic() - begin
+        print(f"| {number:>2} {item.what:<49} | {name:<28} | {seconds:7.0f} |", flush=True)
+    return 1 if survivors else 0
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--list", action="store_true", help="list the faults and check their texts")
+    parser.add_argument("--only", type=int, action="append", metavar="N",
+                        help="this fault; may be repeated")
+    parser.add_argument("--jobs", type=int, default=2, help="of the build [2]")
+    parser.add_argument("--build-dir",
+                        help="where the copy and its build are kept [a temporary directory]")
+    parser.add_argument("--lock", help="a file that is locked while building")
+    arguments = parser.parse_args()
+    numbers = arguments.only or list(range(1, len(FAULTS) + 1))
+    if any(not 1 <= number <= len(FAULTS) for number in numbers):
+        parser.error(f"faults are numbered 1 to {len(FAULTS)}")
+    wrong = misfits(SOURCE)
+    if wrong:
+        print("\n".join(wrong))
+        return 2
+    if arguments.list:
+        for number, item in enumerate(FAULTS, 1):
+            print(f"{number:>2} {item.what} ({item.file}): {', '.join(item.tests)}")
+        return 0
+    if arguments.build_dir:
+        return check(Copy(arguments.build_dir, arguments.jobs, arguments.lock), numbers)
+    with tempfile.TemporaryDirectory(prefix="harmos_mutations_") as directory:
+        return check(Copy(directory, arguments.jobs, arguments.lock), numbers)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

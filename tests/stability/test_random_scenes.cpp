@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// A sweep over random scenes and settings: none may return a wrong answer and say that it has converged.
+///
+/// Guards against wrong answers that no one has thought of. Every run that says it has converged is judged
+///  - by its own audit,
+///  - by the equations of the bodies before they are torn (Harmos_SceneJudge.hpp), to a hundred times the
+///    tolerance asked for, in units of the solution, which is what the audit promises,
+///  - every second one by its energy: another run, without any cuts within bodies, by another method and form
+///  of the dual
+///    operator, to a tolerance of 1e-10, must agree to ten times the tolerance. It is judged itself.
+/// Errors and runs that do not converge are allowed, but at least 95 % of the scenes that have a solution
+/// must converge, and scenes without one never.
+///
+/// Of 520 scenes most are run on one rank, a tenth on two and a tenth on four, and the first 60 on all; of
+/// these rank 0 computes the energy once more by itself, and they must agree.
+///
+///     build/tests/bin/stability_random_scenes                            as in the test
+///     HARMOS_SCENES=3000 build/tests/bin/stability_random_scenes         more of them
+///     HARMOS_SCENE_SEED=17 build/tests/bin/stability_random_scenes       one of them, with its figures
+
+#include "Harmos_Errors.hpp"
+#include "Harmos_Log.hpp"
+#include "Harmos_RandomScene.hpp"
+#include "Harmos_SceneJudge.hpp"
+#include "Harmos_TestComm.hpp"
+
+#include <Teuchos_DefaultMpiComm.hpp>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <iostream>
+#include <map>
+#include <sstream>
+
+using namespace Harmos;
+
+namespace {
+
+constexpr unsigned commonScenes = 60;
+
+unsigned fromEnvironment(const char* name, unsigned otherwise) {
+  const char* text = std::getenv(name);
+  return text == nullptr ? otherwise : static_cast<unsigned>(std::stoul(text));
+}
+
+// The scenes of this number of ranks.
+std::vector<unsigned> seeds() {
+  if (std::getenv("HARMOS_SCENE_SEED") != nullptr)
+    return {fromEnvironment("HARMOS_SCENE_SEED", 0)};
+  const unsigned count = fromEnvironment("HARMOS_SCENES", 520);
+  // Runs on one rank are the fastest: most scenes are theirs.
+  std::vector<unsigned> result;
+  for (unsigned seed = 0; seed < count; ++seed) {
+    const int ranks = seed % 10 == 0 ? 2 : seed % 10 == 1 ? 4 : 1;
+    if (seed < commonScenes || ranks == testComm()->getSize())
+      result.push_back(seed);
+  }
+  return result;
+}
+
+struct Outcome {
+  TestRun run;
+  std::string failure; ///< "" if the run has converged
+  bool converged() const { return failure.empty(); }
+};
+
+Outcome outcomeOf(const scene::Scene& scene, double tolerance, const std::vector<std::string>& settings,
+                  const Teuchos::RCP<const Teuchos::Comm<int>>& comm = Teuchos::null) {
+  Outcome outcome;
+  try {
+    outcome.run = runScene(scene, tolerance, settings, comm);
+    if (!outcome.run.report.converged)
+      outcome.failure = outcome.run.report.reason;
+  } catch (const Error& error) {
+    outcome.failure = error.what();
+  }
+  return outcome;
+}
+
+bool has(const std::vector<std::string>& settings, const std::string& setting) {
+  return std::find(settings.begin(), settings.end(), setting) != settings.end();
+}
+
+// What contradicts a run's claim to have converged; "" if nothing does.
+std::string contradictions(const scene::Scene& scene, double tolerance,
+                           const std::vector<std::string>& settings, const TestRun& run,
+                           const Judgement& found) {
+  std::ostringstream text;
+  const auto require = [&](const char* name, double value, double most) {
+    if (!(value <= most))
+      text << "  " << name << " is " << scientific(value) << ", at most " << scientific(most) << "\n";
+  };
+  if (!scene::auditAgrees(run.report))
+    text << "  the audit does not agree: jump " << scientific(run.report.audit.gluingJump) << ", penetration "
+         << scientific(run.report.audit.penetration) << ", equilibrium "
+         << scientific(run.report.audit.equilibrium) << ", displacement "
+         << scientific(run.report.audit.largestDisplacement) << "\n";
+  const double length = 100.0 * tolerance * found.displacement;
+  // The rows of gluing are of length one: two copies that differ by √2 have a jump of one; m copies differ by
+  // at most twice that.
+  require("the tear between subdomains", found.tear, 2.0 * length);
+  require("the error of prescribed values", found.prescribed, length);
+  require("the jump of ties", found.tieJump, length);
+  require("the penetration", found.penetration, length);
+  require("the distance over which contact acts", found.forceAtDistance, length);
+  // Multipliers are projected onto their bounds, which are differences: rounding errors of the shift.
+  require("the pull of contact", found.pull, 1e-10);
+  // Beside the tolerance as far as local solves are verified to be exact, see LocalInverses.
+  const bool isSingle = has(settings, "Dual operator/Precision=single");
+  require("the imbalance of forces", found.imbalance, 100.0 * tolerance + (isSingle ? 1e-4 : 1e-8));
+  // The same displacements by the run and by the judge.
+  EXPECT_NEAR(run.report.audit.largestDisplacement, found.displacement, 1e-12 * found.displacement)
+      << scene.name;
+  return text.str();
+}
+
+// Another way to the same answer.
+std::vector<std::string> otherSettings(const TestRun& run, const std::vector<std::string>& settings) {
+  const bool wasCondensed = run.report.dualOperator.find("condensed") == 0;
+  std::vector<std::string> other = {std::string("Dual operator/Form=") +
+                                    (wasCondensed ? "implicit" : "condensed")};
+  if (run.report.solver == "PDAS" && !has(settings, "Decomposition/Dirichlet=dual")) {
+    other.push_back("Decomposition/Dirichlet=dual"); // so that there are equalities for SMALBE
+    other.push_back("Solver/Method=SMALBE");
+  }
+  return other;
+}
+
+// Counts, and what is to be told in the end.
+struct Tally {
+  int scenes = 0, solvable = 0, converged = 0, withoutSolution = 0, energies = 0, references = 0;
+  std::map<std::string, int> reasons; ///< without their numbers
+  void addReason(const std::string& failure) {
+    std::string kind = failure.substr(failure[0] == 'b' ? failure.find(": ") + 2 : 0, 60);
+    for (char& c : kind)
+      if (c >= '0' && c <= '9')
+        c = '#';
+    ++reasons[kind];
+  }
+};
+
+constexpr double referenceTolerance = 1e-10;
+
+void compareEnergies(const RandomScene& random, const Outcome& outcome, const Judgement& found,
+                     Tally& tally) {
+  const std::vector<std::string> settings = otherSettings(outcome.run, random.settings);
+  ++tally.references;
+  const Outcome reference = outcomeOf(random.untorn, referenceTolerance, settings);
+  if (!reference.converged())
+    return;
+  const Judgement there = judge(random.untorn, reference.run);
+  const std::string wrong = contradictions(random.untorn, referenceTolerance, settings, reference.run, there);
+  if (!wrong.empty()) {
+    if (testComm()->getRank() == 0)
+      ADD_FAILURE() << "reference of " << random.text() << "\n" << wrong;
+    return;
+  }
+  ++tally.energies;
+  // Energies are stationary: jumps of the order of the tolerance change them by less. The reference's own
+  // scale: a wrong answer may have a large one.
+  EXPECT_NEAR(outcome.run.report.audit.energy, reference.run.report.audit.energy,
+              10.0 * random.tolerance * there.energyScale + there.energyRounding + found.energyRounding)
+      << random.text() << "\n  scale " << there.energyScale << ", displacements " << found.displacement
+      << " and " << there.displacement;
+}
+
+// The same scene on rank 0 alone, while the others wait.
+void compareRanks(const RandomScene& random, const Outcome& outcome, const Judgement& found) {
+  if (testComm()->getRank() != 0)
+    return;
+  const Teuchos::RCP<const Teuchos::Comm<int>> self = Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF));
+  const Outcome alone = outcomeOf(random.scene, random.tolerance, random.settings, self);
+  ASSERT_TRUE(alone.converged()) << "on one rank: " << alone.failure << "\n" << random.text();
+  EXPECT_NEAR(outcome.run.report.audit.energy, alone.run.report.audit.energy,
+              10.0 * random.tolerance * found.energyScale + found.energyRounding)
+      << random.text();
+}
+
+void tryScene(unsigned seed, Tally& tally) {
+  const RandomScene random = randomScene(seed);
+  const bool prints = testComm()->getRank() == 0 && std::getenv("HARMOS_SCENE_SEED") != nullptr;
+  ++tally.scenes;
+  (random.isSolvable ? tally.solvable : tally.withoutSolution) += 1;
+  const Outcome outcome = outcomeOf(random.scene, random.tolerance, random.settings);
+  if (prints)
+    std::cout << random.text() << "\n"
+              << outcome.failure << "\n"
+              << scene::auditText(outcome.run.report) << "\n";
+  if (!outcome.converged()) {
+    if (random.isSolvable)
+      tally.addReason(outcome.failure);
+    if (random.isSolvable && testComm()->getRank() == 0)
+      std::cout << "not converged: " << outcome.failure.substr(0, 150) << "\n  " << random.text()
+                << std::endl;
+    return;
+  }
+  EXPECT_TRUE(random.isSolvable) << "converged without a solution: " << random.text();
+  tally.converged += random.isSolvable ? 1 : 0;
+  const Judgement found = judge(random.scene, outcome.run);
+  const std::string wrong =
+      contradictions(random.scene, random.tolerance, random.settings, outcome.run, found);
+  if (!wrong.empty()) {
+    if (testComm()->getRank() == 0) // all ranks see the same
+      ADD_FAILURE() << random.text() << "\n" << wrong;
+    return;
+  }
+  if (seed % 2 == 0)
+    compareEnergies(random, outcome, found, tally);
+  if (testComm()->getSize() > 1 && seed < commonScenes)
+    compareRanks(random, outcome, found);
+}
+
+} // namespace
+
+TEST(RandomScenes, none_is_wrong_and_said_to_have_converged) {
+  Tally tally;
+  for (unsigned seed : seeds())
+    tryScene(seed, tally);
+  std::ostringstream text;
+  text << tally.scenes << " scenes: " << tally.converged << " of " << tally.solvable
+       << " with a solution converged, " << tally.withoutSolution << " without one did not; "
+       << tally.energies << " energies compared\n";
+  for (const auto& [reason, count] : tally.reasons)
+    text << "  " << count << " x " << reason << "\n";
+  if (testComm()->getRank() == 0)
+    std::cout << text.str();
+  if (std::getenv("HARMOS_SCENE_SEED") != nullptr)
+    return;
+  EXPECT_GE(tally.converged, 0.95 * tally.solvable) << text.str();
+  EXPECT_GE(tally.withoutSolution, 3);
+  EXPECT_GE(tally.energies, 0.9 * tally.references) << "too few references converged";
+}
