@@ -39,6 +39,7 @@ struct CommandLine {
   std::string output;
   std::string printParameters;
   bool check = false;
+  bool listEffects = false;
   bool quiet = false;
   bool version = false;
 };
@@ -60,6 +61,9 @@ std::optional<int> parse(int argc, char** argv, const Application& application, 
       ->type_name("text|xml|markdown")
       ->expected(0, 1)
       ->default_str("text");
+  if (application.effects != nullptr)
+    cli.add_flag("--list-effects", line.listEffects,
+                 "Print the effects that a deck may name, with their parameters, and stop");
   cli.add_flag("--quiet", line.quiet, "Print errors only");
   cli.add_flag("--version", line.version, "Print the version and stop");
   try {
@@ -189,6 +193,11 @@ int main(int argc, char** argv, const Application& application) {
     if (line.version) {
       if (speaks)
         std::cout << application.name << " (Harmos) " << version() << " " << gitHash() << "\n";
+      return exitConverged;
+    }
+    if (line.listEffects) {
+      if (speaks)
+        application.effects->write(std::cout);
       return exitConverged;
     }
     if (!line.printParameters.empty()) {

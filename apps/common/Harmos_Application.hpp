@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_EffectRegistry.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_ParameterSpec.hpp"
 #include "Harmos_RunReport.hpp"
@@ -31,6 +32,8 @@ struct Application {
   /// Puts what the application alone can say of a finished run into report.results; may be null. Local; every
   /// rank has the same report.
   std::function<void(const Teuchos::ParameterList&, scene::RunReport&)> evaluate;
+  /// The effects that its decks may name, for --list-effects; null if its decks name none.
+  const scene::EffectRegistry* effects = nullptr;
 };
 
 /// The command line, the deck, the run, the summary and the exit status that all applications share.

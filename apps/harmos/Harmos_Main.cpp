@@ -17,5 +17,6 @@ int main(int argc, char** argv) {
   application.makeScene = [&](const app::DeckContext& context) {
     return app::sceneFromDeck(context, registry);
   };
+  application.effects = &registry;
   return app::main(argc, argv, application);
 }

@@ -12,7 +12,9 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "docs/tools"))
 import harmos_runs as runs  # noqa: E402
+import parameter_pages  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -22,13 +24,12 @@ class Documents(unittest.TestCase):
         for program in ("signorini", "harmos", "fiber_composite"):
             printed = runs.start(["--print-parameters", "markdown"], np=1, program=program)
             self.assertEqual(printed.returncode, 0, printed.stderr)
-            path = f"docs/parameters/{program}.md"
-            self.assertEqual(
-                (ROOT / path).read_text(encoding="utf-8"), printed.stdout,
-                f"generate it: build/bin/{program} --print-parameters markdown > {path}")
+            for path, text in parameter_pages.pages(program, printed.stdout).items():
+                self.assertEqual((ROOT / path).read_text(encoding="utf-8"), text,
+                                 f"{path}: generate it by docs/tools/parameter_pages.py")
             for line in printed.stdout.splitlines():
                 # Neither a cell nor the meaning of a choice is empty.
-                self.assertNotRegex(line, r"\|\s*\||: (;|\|)", path)
+                self.assertNotRegex(line, r"\|\s*\||: (;|\|)", program)
 
     def test_links_lead_somewhere(self):
         for page in [ROOT / "README.md", *ROOT.glob("docs/**/*.md"), *ROOT.glob("packages/*/README.md")]:
@@ -87,6 +88,17 @@ class Documents(unittest.TestCase):
         for np in (1, 2):
             status, out, err = runs.execute([*runs.launcher(np), runs.BINARY / "examples/example_obstacle"])
             self.assertEqual((status, out), (0, shown), err)
+
+    def test_quoted_code_is_that_of_the_file(self):
+        """A block of code below a paragraph that ends in "`path`:" stands in that file, word for word."""
+        quoted = re.compile(r"`([\w/.]+)`:\n\n```\w+\n(.*?)```", re.S)
+        found = []
+        for page in ROOT.glob("docs/**/*.md"):
+            for path, code in quoted.findall(page.read_text(encoding="utf-8")):
+                with self.subTest(page=page.name, path=path):
+                    self.assertIn(code, (ROOT / path).read_text(encoding="utf-8"))
+                found.append(path)
+        self.assertTrue(found)
 
     def test_decks_that_are_named_exist(self):
         for page in ("README.md", "docs/scenes.md"):
