@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_MprgpSolver_def.hpp"
+#include "Harmos_PcpgSolver_def.hpp"
 #include "Harmos_PdasSolver.hpp"
 #include "Harmos_ProjectedCg_def.hpp"
 #include "Harmos_SmalbeSolver_def.hpp"
@@ -20,7 +21,7 @@ ParameterSpec PdasSolver<Scalar, MV, OP>::methodSpec() {
             "settles.");
   spec.integer("Maximum active sets", 200, 1, 1000000,
                "Active sets tried before a globally convergent method takes over.");
-  spec.real("Share of iterations", 0.5, Range::strictlyWithin(0.0, 1.0),
+  spec.real("Share of iterations", 0.5, Range{0.0, 1.0, true, false},
             "Part of \"Maximum Iterations\" after which a globally convergent method takes over.");
   return spec;
 }
@@ -42,19 +43,12 @@ const ParameterSpec& PdasSolver<Scalar, MV, OP>::spec() {
 template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::fallBack(const std::string& why) {
   ++this->result_.counters.safeguards;
-  const auto list = Teuchos::parameterList();
-  for (const char* name : {"Maximum Iterations", "Orthonormalised Rows", "Output Frequency"})
-    list->set(name, this->parameters_->template get<int>(name));
-  list->sublist("MPRGP") = this->parameters_->sublist("MPRGP");
   Teuchos::RCP<SolverManager<Scalar, MV, OP>> solver;
-  if (this->problem_->hasEqualities()) {
+  if (this->problem_->hasEqualities())
     solver = Teuchos::rcp(new SmalbeSolver<Scalar, MV, OP>);
-    list->sublist("SMALBE") = this->parameters_->sublist("SMALBE");
-  } else {
+  else
     solver = Teuchos::rcp(new MprgpSolver<Scalar, MV, OP>);
-  }
   this->log_.detail("PDAS: " + why + "; " + solver->name() + " takes over");
-  solver->setParameters(list);
   this->delegate(*solver);
 }
 
@@ -64,8 +58,11 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
   using BT = BoundTraits<Scalar, MV>;
   using Cg = ProjectedCg<Scalar, MV, OP>;
   const Problem<Scalar, MV, OP>& problem = *this->problem_;
-  if (!problem.hasBounds())
-    throw InputError("PDAS is for problems with bounds, but this one has none; use PCPG");
+  if (!problem.hasBounds()) {
+    this->log_.info("Note: without bounds, PDAS is PCPG");
+    PcpgSolver<Scalar, MV, OP> solver;
+    return this->delegate(solver);
+  }
   const Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = this->makeRows();
   if (rows.is_null())
     return;
