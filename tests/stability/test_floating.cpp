@@ -30,7 +30,6 @@
 #include <map>
 
 using namespace Harmos;
-using fem::CellType;
 using fem::Point;
 using scene::Physics;
 

@@ -29,7 +29,8 @@ double norm(const std::vector<double>& v) {
   return std::sqrt(sum);
 }
 
-// ‖g^P‖ and ‖Gλ‖ of the answer, from F, d and G by products of this function's own.
+// ‖g^P‖ and ‖Gλ‖ of the answer, from F, d and G by products of this function's own, and from the multiplier
+// that is returned.
 struct Residuals {
   double gradient;
   double equality;
@@ -40,11 +41,13 @@ Residuals residualsOf(const TestFeti& feti, const TornRun& run) {
   lambda.update(-1.0, *feti.dual.shift(), 1.0);
   const std::vector<double> equality = feti.coarse.applyG(lambda);
   MultiVector g(map, 1);
+  const std::vector<double> x = fromVector(lambda), lower = fromVector(*feti.dual.lowerBound());
+  feti.coarse.project(lambda);
   feti.dualOperator.apply(lambda, g);
   g.update(-1.0, feti.dual.d(), 1.0);
   feti.coarse.project(g);
-  const std::vector<double> gradient = fromVector(g), x = fromVector(lambda),
-                            lower = fromVector(*feti.dual.lowerBound());
+  feti.coarse.addGt(1.0, run.mu, g);
+  const std::vector<double> gradient = fromVector(g);
   std::vector<double> projected;
   for (std::size_t k = 0; k < x.size(); ++k)
     projected.push_back(x[k] <= lower[k] ? std::min(gradient[k], 0.0) : gradient[k]);
@@ -57,8 +60,8 @@ TEST(Stability, penalty_from_1e_3_to_1e9) {
   const scene::Scene scene = valley();
   const ReferenceSolution reference = referenceSolution(scene);
   ASSERT_TRUE(reference.solvable);
-  // At 1e9 rounding errors of ρGᵀGλ are of the order ε·1e9 = 2e-7 of the gradient.
-  const double tolerance = 1e-6;
+  // With ρ = 1e9‖PFP‖ rounding errors of ρGᵀGλ are ε·1e9 = 2e-7 of ‖PFP‖‖λ‖, some ten times ‖Pd‖.
+  const double tolerance = 1e-5;
   for (double penalty : {1e-3, 1.0, 1e3, 1e6, 1e9}) {
     std::ostringstream text;
     text << penalty;
@@ -75,7 +78,7 @@ TEST(Stability, penalty_from_1e_3_to_1e9) {
     tellFigure("rho = " + text.str() + ", no multiplier: products", products(off.report));
     tellFigure("rho = " + text.str() + ", no multiplier: deviation", deviation(reference, off).largest());
     if (penalty <= 1.0)
-      EXPECT_GT(deviation(reference, off).largest(), 1e4 * tolerance);
+      EXPECT_GT(deviation(reference, off).largest(), 0.1);
   }
 }
 

@@ -82,6 +82,7 @@ TornRun solveTorn(const TestFeti& feti, double tolerance, const std::vector<std:
       feti.system, feti.constraints, feti.coarse, feti.dual, preconditioner, options, Log(), run.report);
   run.torn = feti::recover(feti.system, feti.constraints, feti.inverses, feti.coarse, feti.dual,
                            *solution.lambda, solution.mu);
+  run.mu = solution.mu;
   run.report.audit = feti::audit(feti.system, feti.constraints, run.torn);
   run.report.audited = true;
   const feti::ContactState state = feti::contactState(feti.constraints, run.torn);

@@ -38,6 +38,7 @@ TestModel modelOf(const scene::Scene& scene);
 /// What solveTorn() finds.
 struct TornRun {
   feti::TornSolution torn;
+  std::vector<double> mu;    ///< multiplier of Gλ = 0
   std::vector<double> force; ///< of each inequality, by its number, on every rank
   scene::RunReport report;   ///< audited
 };
