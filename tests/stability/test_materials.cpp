@@ -80,7 +80,7 @@ TEST(Stability, material_jump_across_interfaces) {
     expectJump(plate(9, squares, black, {1.0, jump}), jump, "1 to " + std::to_string(static_cast<int>(jump)),
                factor);
   const auto four = [&](const Point& x) { return squares(x) % 4; };
-  expectJump(plate(9, squares, four, {1.0, 1e9, 1e-3, 1e3}), 1e12, "1e-3 to 1e9", 3.0);
+  expectJump(plate(6, squares, four, {1.0, 1e9, 1e-3, 1e3}), 1e12, "1e-3 to 1e9", 1.5);
 }
 
 TEST(Stability, material_jump_along_interfaces) {
@@ -89,8 +89,8 @@ TEST(Stability, material_jump_along_interfaces) {
   for (const auto& [jump, factor] : {std::make_pair(1.0, 1.0), {1e2, 1.3}, {1e4, 1.3}, {1e6, 1.3}})
     expectJump(plate(9, squares, layers, {1.0, jump}), jump, "1 to " + std::to_string(static_cast<int>(jump)),
                factor);
-  const auto four = [](const Point& x) { return place(x[1], 9) % 4; };
-  expectJump(plate(9, squares, four, {1.0, 1e9, 1e-3, 1e3}), 1e12, "1e-3 to 1e9", 3.0);
+  const auto four = [](const Point& x) { return place(x[1], 6) % 4; }; // half a subdomain each
+  expectJump(plate(6, squares, four, {1.0, 1e9, 1e-3, 1e3}), 1e12, "1e-3 to 1e9", 1.5);
 }
 
 namespace {
@@ -124,7 +124,7 @@ double total(const std::vector<double>& forces) {
 
 TEST(Stability, nearly_incompressible) {
   for (double poisson : {0.3, 0.49, 0.4999}) {
-    const double fine = total(referenceSolution(pressed(16, poisson, fem::Dilatation::Projected)).force);
+    const double fine = total(referenceSolution(pressed(12, poisson, fem::Dilatation::Projected)).force);
     const std::string name = "nu = " + std::to_string(poisson);
     for (fem::Dilatation dilatation : {fem::Dilatation::Projected, fem::Dilatation::Full}) {
       const bool locks = dilatation == fem::Dilatation::Full;
