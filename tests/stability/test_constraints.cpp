@@ -272,6 +272,8 @@ TEST(Stability, initial_gap) {
     for (const char* form : {"primal", "dual"}) {
       const TestRun run = runScene(scene, tolerance, {std::string("Decomposition/Dirichlet=") + form});
       expectReference(reference, run, bound, form);
+      tellFigure(std::to_string(gap) + ", " + form + ": products", products(run.report));
+      tellFigure(std::to_string(gap) + ", " + form + ": deviation", deviation(reference, run).largest());
     }
   }
 }
@@ -292,12 +294,17 @@ TEST(Stability, initial_penetration) {
       expectReference(reference, runScene(scene, tolerance), bound);
       continue;
     }
-    // Without a load any position above is an answer.
-    for (const scene::RunReport& report : {run.report, runScene(scene, tolerance).report}) {
-      EXPECT_TRUE(report.converged);
-      EXPECT_LE(report.audit.penetration, bound * 0.02);
-      EXPECT_LE(report.audit.largestMultiplier, bound * 0.02);
-      EXPECT_LE(std::abs(report.audit.energy), bound * 0.02 * 0.02);
+    // Without a load any position above is an answer, all forces vanish, and with them what ‖Gλ‖ is measured
+    // against: whether the solver calls that converged is not asked here.
+    const TestRun usual = runScene(scene, tolerance);
+    for (const scene::RunReport* report : {&run.report, &usual.report}) {
+      const std::string name = report == &usual.report ? "preconditioned" : "not preconditioned";
+      EXPECT_LE(report->audit.penetration, bound * 0.02) << name;
+      EXPECT_LE(report->audit.largestMultiplier, bound * 0.02) << name;
+      EXPECT_LE(std::abs(report->audit.energy), bound * 0.02 * 0.02) << name;
+      tellFigure("unloaded, " + name + ": products", products(*report));
+      tellFigure("unloaded, " + name + ": penetration", report->audit.penetration);
+      RecordProperty("unloaded, " + name, report->reason);
     }
     // α from the rows that carry a force alone: none does, and glued rows are at rest where nothing moves.
     feti::TornSolution off = run.torn;
