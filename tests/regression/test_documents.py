@@ -100,6 +100,28 @@ class Documents(unittest.TestCase):
                 found.append(path)
         self.assertTrue(found)
 
+    def test_every_hard_case_has_its_row_and_its_test(self):
+        """The table of docs/stability.md names each test of tests/stability once, and no other.
+
+        They are declared for 1, 2 and 4 ranks, and the page has figures measured by them.
+        """
+        text = (ROOT / "docs/stability.md").read_text(encoding="utf-8")
+        rows = [line for line in text.splitlines() if re.match(r"\| .*`\w+` \|$", line)]
+        named = [re.search(r"`(\w+)` \|$", row).group(1) for row in rows]
+        directory = ROOT / "tests/stability"
+        tests = [name for source in sorted(directory.glob("*.cpp"))
+                 for name in re.findall(r"TEST\(Stability, (\w+)\)", source.read_text(encoding="utf-8"))]
+        self.assertEqual(sorted(named), sorted(tests))
+        for row in rows:
+            cells = [cell.strip() for cell in row.strip("|").split("|")]
+            self.assertEqual(len(cells), 5, row)
+            self.assertTrue(all(cells), row)
+            self.assertRegex(cells[3], r"\d", f"how it behaves, with a figure: {row}")
+        declared = (directory / "CMakeLists.txt").read_text(encoding="utf-8")
+        self.assertIn("RANKS 1 2 4", declared)
+        for source in directory.glob("test_*.cpp"):
+            self.assertRegex(declared, rf"\b{source.stem[5:]}\b")
+
     def test_decks_that_are_named_exist(self):
         for page in ("README.md", "docs/scenes.md"):
             text = (ROOT / page).read_text(encoding="utf-8")
