@@ -16,14 +16,6 @@ std::size_t strainSize(const Mesh& mesh) {
   return mesh.dimension() == 2 ? 4 : 6;
 }
 
-// Products of the basis and the stiffness: on curved or distorted cells no degree is exact; this is that of
-// affine ones, and for order 2 one more, for curved sides.
-int stiffnessDegree(const CellShape& shape) {
-  if (shape.isSimplex)
-    return shape.order == 1 ? 1 : 4;
-  return shape.order == 1 ? 3 : 5;
-}
-
 // Functions of a coordinate relative to the centre of the cell: 1, or 1, x, y(, z).
 int polynomials(int degree, int dimension) {
   return degree == 0 ? 1 : 1 + dimension;
@@ -153,8 +145,15 @@ const VoigtMatrix& of(const std::vector<VoigtMatrix>& all, int region) {
 
 } // namespace
 
+int stiffnessDegree(CellType type) {
+  const CellShape& shape = shapeOf(type);
+  if (shape.isSimplex)
+    return shape.order == 1 ? 1 : 4;
+  return shape.order == 1 ? 3 : 5;
+}
+
 LocalMatrix assembleElasticity(const Mesh& mesh, const Elasticity& elasticity) {
-  const ReferenceElement element(mesh.cellType, stiffnessDegree(shapeOf(mesh.cellType)));
+  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh.cellType));
   CellIntegrator cell(mesh, element);
   StrainOperator strain(mesh, cell, isProjected(mesh, elasticity));
   const std::vector<VoigtMatrix> stiffness = stiffnesses(elasticity);
@@ -189,7 +188,7 @@ LocalMatrix assembleElasticity(const Mesh& mesh, const Elasticity& elasticity) {
 }
 
 std::vector<double> assembleThermalLoad(const Mesh& mesh, const Elasticity& elasticity, double temperature) {
-  const ReferenceElement element(mesh.cellType, stiffnessDegree(shapeOf(mesh.cellType)));
+  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh.cellType));
   CellIntegrator cell(mesh, element);
   StrainOperator strain(mesh, cell, isProjected(mesh, elasticity));
   const std::vector<VoigtMatrix> stiffness = stiffnesses(elasticity);
@@ -217,7 +216,7 @@ StressSums stressSums(const Mesh& mesh, const Elasticity& elasticity, const std:
                       double temperature) {
   const CellShape& shape = shapeOf(mesh.cellType);
   // The projection needs the points of the stiffness matrix; stresses are sampled at fewer.
-  const ReferenceElement full(mesh.cellType, stiffnessDegree(shape));
+  const ReferenceElement full(mesh.cellType, stiffnessDegree(mesh.cellType));
   const int sampleDegree = shape.order == 1 ? 1 : (shape.isSimplex ? 2 : 3);
   const ReferenceElement sample(mesh.cellType, sampleDegree);
   const bool projected = isProjected(mesh, elasticity);
