@@ -146,6 +146,8 @@ int runStudy(const app::ProgramContext& context) {
            " repetitions each; " + std::to_string(all.size() - todo.size()) +
            " are in the table already and not run again");
   ErrorJudge judge(comm, plan, log);
+  if (!todo.empty())
+    judge.referenceErrors(); // here, so that it does not count for the time that is left
   const auto start = std::chrono::steady_clock::now();
   for (std::size_t k = 0; k < todo.size(); ++k) {
     std::vector<std::string> assignments = plan.sceneAssignments(todo[k]);
@@ -165,7 +167,7 @@ int runStudy(const app::ProgramContext& context) {
     log.info(std::to_string(k + 1) + "/" + std::to_string(todo.size()) + " " + plan.label(todo[k]) + ": " +
              told(row) + (left > 0 ? "; " + duration(past.count() / done * left) + " left" : ""));
   }
-  bool anyJudged = false;
+  bool anyConverged = false, drawn = false;
   agree(*comm, [&] {
     if (!table)
       return;
@@ -173,14 +175,13 @@ int runStudy(const app::ProgramContext& context) {
     scene::writeAtomically(plan.output + "/study.json", toJson(plan, *table, result, comm->getSize()));
     for (const std::string& sentence : result.sentences)
       log.info(sentence);
-    anyJudged = std::any_of(result.points.begin(), result.points.end(),
-                            [](const Point& point) { return point.converged; });
-    if (plan.charts)
-      drawCharts(plan.output, log);
+    anyConverged = std::any_of(result.points.begin(), result.points.end(),
+                               [](const Point& point) { return point.converged; });
+    drawn = plan.charts && drawCharts(plan.output, log);
   });
   log.info("Results are in \"" + plan.output + "\": study.csv, study.json" +
-           (plan.charts ? ", charts as PNG and SVG" : ""));
-  if (globalMax(*comm, anyJudged ? 1LL : 0LL) == 0) {
+           (drawn ? ", charts as PNG and SVG" : ""));
+  if (globalMax(*comm, anyConverged ? 1LL : 0LL) == 0) {
     log.error("no run of the study converged; the table says why");
     return 1;
   }

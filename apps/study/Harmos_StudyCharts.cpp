@@ -21,17 +21,18 @@ bool succeeds(const std::string& command) {
 
 } // namespace
 
-void drawCharts(const std::string& directory, const Log& log) {
+bool drawCharts(const std::string& directory, const Log& log) {
   const std::string script = HARMOS_TOOLS_DIR "/plot_study.py";
   // Debian's own interpreter first: it is the one that sees Debian's python3-* packages.
   for (const std::string python : {"/usr/bin/python3", "python3"}) {
     if (!std::filesystem::exists(script) || !succeeds(python + " -c 'import matplotlib' > /dev/null 2>&1"))
       continue;
     if (succeeds(python + " " + quoted(script) + " " + quoted(directory) + " > /dev/null"))
-      return;
+      return true;
   }
   log.info("The charts are not drawn (Python with Matplotlib is needed): python3 docs/tools/plot_study.py " +
            quoted(directory));
+  return false;
 }
 
 } // namespace Harmos::study

@@ -10,6 +10,7 @@ namespace Harmos::study {
 /// Draws the charts of a finished study into its directory by docs/tools/plot_study.py, in a process of its
 /// own. Where Python, Matplotlib or the script is not to be found, or it fails, a sentence says so with the
 /// command to draw them later; that is no failure of the study. Local.
-void drawCharts(const std::string& directory, const Log& log);
+/// @return whether they are drawn.
+bool drawCharts(const std::string& directory, const Log& log);
 
 } // namespace Harmos::study

@@ -76,9 +76,10 @@ void ErrorJudge::makeReference() {
     const double ratio = first[k] > 0.0 ? second[k] / first[k] : 8.0;
     own_[k] = first[k] / (std::clamp(ratio, std::sqrt(2.0), 8.0) - 1.0);
   }
-  double largest = 0.0;
-  for (const contact::ContactPoint& point : reference_->points)
-    largest = std::max(largest, point.area);
+  double largest = 0.0; // of a point within the zone: graded surfaces are coarse far from it
+  for (std::size_t k = 0; k < reference_->points.size(); ++k)
+    if (reference_->states[k].closed)
+      largest = std::max(largest, reference_->points[k].area);
   if (norms_.contactArea > 0.0)
     own_[3] = std::max(own_[3], 0.5 * largest / norms_.contactArea);
   log_.info("Reference solved to " + scientific(finest.tolerance, 0) +

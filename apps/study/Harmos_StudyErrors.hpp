@@ -31,7 +31,8 @@ struct ErrorParts {
 /// alone are kept. The reference's own error is Richardson's estimate from three meshes: with differences d₁
 /// = ‖u_coarser − u_finest‖ and d₂ = ‖u_coarsest − u_coarser‖ of one rate, e = d₁²/(d₂ − d₁) = d₁/(d₂/d₁ −
 /// 1). The ratio d₂/d₁ is taken within [√2, 8]: half an order to three orders, if meshes are halved. Sizes of
-/// contact zones are sums of the areas of whole points: they are known to half the largest area at best.
+/// contact zones are sums of the areas of whole points: they are known to half the largest area of a closed
+/// one at best.
 class ErrorJudge {
  public:
   ErrorJudge(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Plan& plan, const Log& log);

@@ -12,7 +12,8 @@ reads DIR/study.json and writes, each as PNG and SVG, to DIR2 (default: DIR)
     stages                  where the time of the runs on the front of the first measure goes
     iterations              products with F against the solver's tolerance, by mesh
     error_parts             discretisation, solver and local-solve error of each mesh against the
-                            solver's tolerance, their sum in squares is near the total
+                            solver's tolerance; solver errors that the tight run is not ten times
+                            better than are left out
 
 Charts for which a study has no data (an axis of tolerances, errors of contact) are left out.
 """
@@ -29,6 +30,7 @@ from run_results import PlotError
 
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 # Okabe-Ito, see plot_style.py, in the order of use.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#8A8A8A")
@@ -121,6 +123,18 @@ def caption(figure, study):
     figure.text(0.995, 0.005, words, ha="right", va="bottom", fontsize=7, color=FAINT)
 
 
+def legend_below(figure, handles, columns):
+    """In a strip of its own under the axes."""
+    columns = min(columns, len(handles))
+    rows = -(-len(handles) // columns)
+    strip = (0.17 * rows + 0.22) / figure.get_figheight()
+    figure.get_layout_engine().set(rect=(0, strip, 1, 1 - strip))
+    figure.legend(
+        handles=handles, loc="lower center", bbox_to_anchor=(0.5, 0.12 / figure.get_figheight()),
+        ncol=columns, fontsize=8, borderaxespad=0.0,
+    )
+
+
 def panels(count, width=4.6, height=3.9):
     columns = min(count, 2)
     rows = -(-count // columns)
@@ -143,6 +157,14 @@ def spread(axes, values):
         1.0, math.log10(high / low)
     )
     return low * 10**-extra, high * 10**extra
+
+
+def label_decades(axis, low, high):
+    """Where a logarithmic axis spans less than two decades, 2 and 5 have labels too."""
+    if high / low < 100:
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(NullFormatter())
 
 
 def error_against_seconds(study):
@@ -182,6 +204,8 @@ def error_against_seconds(study):
         limits = spread(axes, [error(run, name) for run in runs])
         if limits:
             axes.set_ylim(*limits)
+        label_decades(axes.xaxis, *axes.get_xlim())
+        label_decades(axes.yaxis, *axes.get_ylim())
         axes.set_title(study["measures"][name])
         axes.set_xlabel("seconds")
         axes.set_ylabel("relative error")
@@ -203,7 +227,7 @@ def error_against_seconds(study):
         Line2D([], [], linestyle="none", marker="o", color=FAINT, markerfacecolor="none",
                markersize=5, label="hollow: not judged")
     )
-    figure.legend(handles=handles, loc="outside lower center", ncol=min(5, len(handles)), fontsize=8)
+    legend_below(figure, handles, 5)
     return figure
 
 
@@ -237,7 +261,7 @@ def stages(study):
     axes.set_title(f"Where the time goes: {what}")
     for side in ("top", "right", "left"):
         axes.spines[side].set_visible(False)
-    figure.legend(loc="outside lower center", ncol=8, fontsize=8)
+    legend_below(figure, axes.get_legend_handles_labels()[0], 8)
     return figure
 
 
@@ -294,12 +318,12 @@ def iterations(study):
                    label=", ".join(label_of(a, v) for a, v in zip(others, keys[k])))
             for k in shown
         ]
-    figure.legend(handles=handles, loc="outside lower center", ncol=3, fontsize=8)
+    legend_below(figure, handles, 3)
     return figure
 
 
 def error_parts(study):
-    """In the energy norm; of several other settings the first one is drawn, and each inexact local solve."""
+    """In the first measure, the energy norm: medians over the other settings, of local solves the worst."""
     axis, mesh, runs = axis_with(study, TOLERANCE), mesh_axis(study), converged(study)
     if axis is None or not runs:
         return None
@@ -314,10 +338,12 @@ def error_parts(study):
             best = {}
             for run in here:
                 x = float(setting(run, axis).split(";")[place])
-                best.setdefault(x, []).append(error(run, measure, part))
+                known = part != "solver" or run["solver_judged"]
+                best.setdefault(x, []).append(error(run, measure, part) if known else math.nan)
             xs = sorted(best)
-            chosen = max if part == "local" else np.nanmedian
-            ys = [chosen(best[x]) for x in xs]
+            chosen = np.max if part == "local" else np.median
+            here_and_known = [[y for y in best[x] if y >= 0] for x in xs]  # nan is not
+            ys = [chosen(some) if some else math.nan for some in here_and_known]
             ys = [y if y > 0 else math.nan for y in ys]
             values += ys
             axes.plot(xs, ys, color=colour, marker=marker or None, markersize=4, linewidth=1.3,
@@ -342,7 +368,7 @@ def error_parts(study):
         for part, (colour, marker, label) in PARTS.items()
     ]
     handles.append(Line2D([], [], color=FAINT, linestyle=(0, (2, 3)), label="the reference's own"))
-    figure.legend(handles=handles, loc="outside lower center", ncol=5, fontsize=8)
+    legend_below(figure, handles, 5)
     return figure
 
 

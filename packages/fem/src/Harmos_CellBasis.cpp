@@ -20,13 +20,23 @@ void lineBasis(double node, int order, double x, double& value, double& derivati
 
 void tensorBasis(const CellShape& shape, const Point& x, CellBasis& basis) {
   const auto dimension = static_cast<std::size_t>(shape.dimension);
+  // Of nodes at −1, 0 and 1, in each direction.
+  std::array<std::array<double, 3>, 3> value, derivative;
+  for (std::size_t d = 0; d < 3; ++d) {
+    value[d] = {1.0, 1.0, 1.0};
+    derivative[d] = {0.0, 0.0, 0.0};
+    for (std::size_t k = 0; d < dimension && k < 3; ++k)
+      lineBasis(static_cast<double>(k) - 1.0, shape.order, x[d], value[d][k], derivative[d][k]);
+  }
   for (std::size_t i = 0; i < shape.nodeCoordinates.size(); ++i) {
-    std::array<double, 3> value = {1.0, 1.0, 1.0}, derivative = {0.0, 0.0, 0.0};
-    for (std::size_t d = 0; d < dimension; ++d)
-      lineBasis(shape.nodeCoordinates[i][d], shape.order, x[d], value[d], derivative[d]);
-    basis.values[i] = value[0] * value[1] * value[2];
-    basis.gradients[i] = {derivative[0] * value[1] * value[2], value[0] * derivative[1] * value[2],
-                          value[0] * value[1] * derivative[2]};
+    const Point& node = shape.nodeCoordinates[i];
+    std::array<std::size_t, 3> at{};
+    for (std::size_t d = 0; d < 3; ++d)
+      at[d] = node[d] < -0.5 ? 0 : node[d] < 0.5 ? 1 : 2;
+    const double a = value[0][at[0]], b = value[1][at[1]], c = value[2][at[2]];
+    basis.values[i] = a * b * c;
+    basis.gradients[i] = {derivative[0][at[0]] * b * c, a * derivative[1][at[1]] * c,
+                          a * b * derivative[2][at[2]]};
   }
 }
 
@@ -77,8 +87,7 @@ void simplexBasis(const CellShape& shape, const Point& x, CellBasis& basis) {
 
 } // namespace
 
-void cellBasis(CellType type, const Point& reference, CellBasis& basis) {
-  const CellShape& shape = shapeOf(type);
+void cellBasis(const CellShape& shape, const Point& reference, CellBasis& basis) {
   if (shape.isSimplex)
     simplexBasis(shape, reference, basis);
   else

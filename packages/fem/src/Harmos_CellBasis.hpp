@@ -14,6 +14,6 @@ struct CellBasis {
 /// Lagrange basis of any cell type at any point of its reference cell, without memory or tables: for places
 /// that are not known beforehand. Where they are, ReferenceElement is faster.
 /// Guarded by tests/unit/fem/test_point_locator.cpp.
-void cellBasis(CellType type, const Point& reference, CellBasis& basis);
+void cellBasis(const CellShape& shape, const Point& reference, CellBasis& basis);
 
 } // namespace Harmos::fem

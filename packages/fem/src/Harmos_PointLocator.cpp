@@ -107,7 +107,7 @@ bool PointLocator::solve(const Piece& piece, const Point& x, Point& reference, d
   reference = centreOf(shape);
   constexpr int mostSteps = 30;
   for (int step = 0; step < mostSteps; ++step) {
-    cellBasis(piece.type, reference, basis);
+    cellBasis(shape, reference, basis);
     Point residual = x;
     std::array<Point, 3> jacobian{}; // jacobian[b] = ∂X/∂ξ_b
     for (std::size_t i = 0; i < count; ++i) {
@@ -173,7 +173,7 @@ double PointLocator::nearestOn(const Piece& piece, const Point& x, Point& refere
     if (distance < least) {
       least = distance;
       CellBasis basis;
-      cellBasis(shape.side, onSide, basis);
+      cellBasis(shapeOf(shape.side), onSide, basis);
       reference = {};
       for (std::size_t k = 0; k < side.size(); ++k)
         for (std::size_t d = 0; d < 3; ++d)
@@ -208,7 +208,7 @@ PointLocator::Place PointLocator::nearest(const Point& x, int hint) const {
 
 Point PointLocator::position(const Place& place) const {
   CellBasis basis;
-  cellBasis(type_, place.reference, basis);
+  cellBasis(shape_, place.reference, basis);
   const Piece here = piece(place.cell);
   Point x{};
   for (std::size_t i = 0; i < static_cast<std::size_t>(shape_.nodes); ++i)
@@ -219,7 +219,7 @@ Point PointLocator::position(const Place& place) const {
 
 Point PointLocator::value(const Place& place, const std::vector<double>& values, int components) const {
   CellBasis basis;
-  cellBasis(type_, place.reference, basis);
+  cellBasis(shape_, place.reference, basis);
   const Piece here = piece(place.cell);
   const auto m = static_cast<std::size_t>(components);
   Point result{};
@@ -232,15 +232,15 @@ Point PointLocator::value(const Place& place, const std::vector<double>& values,
 FieldValue PointLocator::valueAndGradient(const Place& place, const std::vector<double>& values,
                                           int components) const {
   CellBasis basis;
-  cellBasis(type_, place.reference, basis);
-  const Piece here = piece(place.cell);
+  cellBasis(shape_, place.reference, basis);
+  const int* here = cells_.data() + static_cast<std::ptrdiff_t>(place.cell) * shape_.nodes;
   const auto m = static_cast<std::size_t>(components);
   const auto dimension = static_cast<std::size_t>(shape_.dimension);
   FieldValue result;
   // ∂u_a/∂ξ_b and Jᵀ with Jᵀ[b][c] = ∂X_c/∂ξ_b; then Jᵀ ∇u = ∂u/∂ξ.
   std::array<Point, 3> slope{}, jacobian{};
   for (std::size_t i = 0; i < static_cast<std::size_t>(shape_.nodes); ++i) {
-    const auto node = static_cast<std::size_t>(here.nodes[i]);
+    const auto node = static_cast<std::size_t>(here[i]);
     for (std::size_t a = 0; a < m; ++a) {
       const double u = values[node * m + a];
       result.value[a] += basis.values[i] * u;
@@ -251,18 +251,19 @@ FieldValue PointLocator::valueAndGradient(const Place& place, const std::vector<
       for (std::size_t c = 0; c < dimension; ++c)
         jacobian[b][c] += basis.gradients[i][b] * nodes_[node][c];
   }
-  for (std::size_t a = 0; a < m; ++a) {
-    // J Jᵀ ∇u = J ∂u/∂ξ keeps the matrix symmetric positive definite.
-    std::array<Point, 3> matrix{};
-    Point g{};
+  // J Jᵀ ∇u = J ∂u/∂ξ keeps the matrix symmetric positive definite.
+  std::array<Point, 3> matrix{};
+  for (std::size_t b = 0; b < dimension; ++b)
     for (std::size_t c = 0; c < dimension; ++c)
-      for (std::size_t b = 0; b < dimension; ++b) {
+      for (std::size_t e = 0; e < dimension; ++e)
+        matrix[c][e] += jacobian[b][c] * jacobian[b][e];
+  for (std::size_t a = 0; a < m; ++a) {
+    Point& g = result.gradient[a];
+    for (std::size_t b = 0; b < dimension; ++b)
+      for (std::size_t c = 0; c < dimension; ++c)
         g[c] += jacobian[b][c] * slope[a][b];
-        for (std::size_t e = 0; e < dimension; ++e)
-          matrix[c][e] += jacobian[b][c] * jacobian[b][e];
-      }
-    HARMOS_REQUIRE(solveSmall(matrix, g, dimension), "a cell has no volume");
-    result.gradient[a] = g;
+    std::array<Point, 3> copy = matrix;
+    HARMOS_REQUIRE(solveSmall(copy, g, dimension), "a cell has no volume");
   }
   return result;
 }

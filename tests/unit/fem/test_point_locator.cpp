@@ -94,7 +94,7 @@ TEST(CellBasis, is_that_of_the_elements) {
     const auto gradients = basisGradients(type, places);
     for (std::size_t q = 0; q < places.size(); ++q) {
       CellBasis basis;
-      cellBasis(type, places[q], basis);
+      cellBasis(shapeOf(type), places[q], basis);
       for (std::size_t i = 0; i < values[q].size(); ++i) {
         EXPECT_NEAR(basis.values[i], values[q][i], 1e-14) << shapeOf(type).name;
         for (std::size_t d = 0; d < static_cast<std::size_t>(shapeOf(type).dimension); ++d)
