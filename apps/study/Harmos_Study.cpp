@@ -50,6 +50,8 @@ std::string yes(bool value) {
 Row rowOf(const Plan& plan, const Setting& setting, const Outcome& outcome, const ErrorParts& parts,
           const Errors& reference) {
   Row row;
+  for (const std::string& column : columnsOf(plan))
+    row[column] = "";
   for (std::size_t a = 0; a < plan.axes.size(); ++a)
     row[plan.axes[a].name] = plan.axes[a].text(setting[a]);
   const scene::RunReport& report = outcome.report;

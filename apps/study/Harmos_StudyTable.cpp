@@ -48,9 +48,8 @@ std::string joinCsv(const std::vector<std::string>& fields) {
 }
 
 double numberOf(const Row& row, const std::string& column) {
-  const auto at = row.find(column);
-  return at == row.end() || at->second.empty() ? std::numeric_limits<double>::quiet_NaN()
-                                               : std::strtod(at->second.c_str(), nullptr);
+  const std::string& text = row.at(column);
+  return text.empty() ? std::numeric_limits<double>::quiet_NaN() : std::strtod(text.c_str(), nullptr);
 }
 
 std::string textOf(double value) {
@@ -103,10 +102,8 @@ void Table::add(Row row) {
   std::string text = joinCsv(columns_) + "\n";
   for (const Row& each : rows_) {
     std::vector<std::string> fields;
-    for (const std::string& column : columns_) {
-      const auto at = each.find(column);
-      fields.push_back(at == each.end() ? "" : at->second);
-    }
+    for (const std::string& column : columns_)
+      fields.push_back(each.at(column));
     text += joinCsv(fields) + "\n";
   }
   scene::writeAtomically(path_, text);

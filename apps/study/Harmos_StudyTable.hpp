@@ -9,7 +9,7 @@
 
 namespace Harmos::study {
 
-/// A row of study.csv by column; a column that is not there is empty.
+/// A row of study.csv: a text for each column.
 using Row = std::map<std::string, std::string>;
 
 /// study.csv: a row a run, kept by what it was run with, so that a study that was ended goes on where it was.
@@ -38,7 +38,7 @@ class Table {
 std::vector<std::string> splitCsv(const std::string& line);
 std::string joinCsv(const std::vector<std::string>& fields);
 
-/// The number in a field; NaN if it is empty or "nan".
+/// The number in a field; NaN if it is empty.
 double numberOf(const Row& row, const std::string& column);
 /// With six digits; empty for what is not finite.
 std::string textOf(double value);

@@ -15,7 +15,6 @@ What each class guards against:
 import csv
 import json
 import math
-import os
 import signal
 import subprocess
 import sys
@@ -66,8 +65,14 @@ def finished(case):
     return _done["it"]
 
 
+CORNERS = ((0, 0), (1, 0), (1, 1), (0, 1))
+
+
 class Grid:
-    """A solution of the model problem as nodal values on grids, of both membranes."""
+    """A solution of the model problem, cell by cell: u[body, i, j, corner].
+
+    Cells of different subdomains have copies of their common nodes, which a loose tolerance leaves apart.
+    """
 
     def __init__(self, elements, tolerance):
         sets = {
@@ -80,34 +85,41 @@ class Grid:
         assert run.returncode == 0, run
         result = runs.Result(run.directory / "result.vtkhdf", elements)
         self.n = elements
-        self.u = np.zeros((2, elements + 1, elements + 1))
-        self.u[result.body, result.i, result.j] = result.u
+        points = np.repeat(
+            np.concatenate([[0], np.cumsum(result.arrays["NumberOfPoints"])[:-1]]),
+            result.arrays["NumberOfConnectivityIds"],
+        )
+        cells = (result.arrays["Connectivity"] + points).reshape(-1, 4)
+        i, j = result.i[cells].min(axis=1), result.j[cells].min(axis=1)
+        self.u = np.full((2, elements, elements, 4), np.nan)
+        for k, (dx, dy) in enumerate(CORNERS):
+            at = (result.i[cells] == i[:, None] + dx) & (result.j[cells] == j[:, None] + dy)
+            self.u[result.body[cells[:, 0]], i, j, k] = result.u[cells[at]]
         edge = (result.body == 0) & (result.i == elements)
         self.pressure, self.closed = np.zeros(elements + 1), np.zeros(elements + 1, dtype=bool)
         self.pressure[result.j[edge]] = result.arrays["PointData/contact_pressure"][edge]
         self.closed[result.j[edge]] = result.arrays["PointData/active_set"][edge] == 2
 
     def on(self, n):
-        """Interpolated on a finer grid whose cells lie within those of this one."""
-        x = np.arange(n + 1) * self.n / n
-        left = np.minimum(x.astype(int), self.n - 1)
-        t = x - left
-        weights = np.zeros((n + 1, self.n + 1))
-        weights[np.arange(n + 1), left] = 1 - t
-        weights[np.arange(n + 1), left + 1] += t
-        return np.einsum("ia,bac,jc->bij", weights, self.u, weights), weights @ self.pressure
+        """On a finer grid whose cells lie within those of this one: (u, pressure)."""
+        ratio = n // self.n
+        fine = np.empty((2, n, n, 4))
+        for p in range(ratio):
+            for q in range(ratio):
+                for k, (dx, dy) in enumerate(CORNERS):
+                    x, y = (p + dx) / ratio, (q + dy) / ratio
+                    weights = [(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y]
+                    fine[:, p::ratio, q::ratio, k] = self.u @ weights
+        x = np.arange(n + 1) / ratio
+        return fine, np.interp(x, np.arange(self.n + 1), self.pressure)
 
 
 def norms(u, n):
     """Energy and L2 norm of a bilinear field on squares of side 1/n, by the element matrices."""
-    corners = np.stack([u[:, :-1, :-1], u[:, 1:, :-1], u[:, 1:, 1:], u[:, :-1, 1:]])
-    corners = corners.reshape(4, -1)
+    corners = u.reshape(-1, 4)
     stiffness = np.array([[4, -1, -2, -1], [-1, 4, -1, -2], [-2, -1, 4, -1], [-1, -2, -1, 4]]) / 6
     mass = np.array([[4, 2, 1, 2], [2, 4, 2, 1], [1, 2, 4, 2], [2, 1, 2, 4]]) / 36 / n**2
-    return (
-        math.sqrt(np.einsum("ac,ab,bc->", corners, stiffness, corners)),
-        math.sqrt(np.einsum("ac,ab,bc->", corners, mass, corners)),
-    )
+    return tuple(math.sqrt(np.sum((corners @ m) * corners)) for m in (stiffness, mass))
 
 
 def areas(n):
@@ -167,8 +179,7 @@ class Content(unittest.TestCase):
                 }
                 for measure, value in expected.items():
                     with self.subTest(mesh=mesh, tolerance=tolerance, measure=measure):
-                        # Six digits in the table; the runs differ by rounding, and the pressure of a
-                        # run to 1e-1 by what rounding does to the path.
+                        # Six digits in the table; the same runs but for rounding.
                         self.assertAlmostEqual(number(row[f"{measure}_error"]) / value, 1, delta=1e-4)
 
     def test_the_errors_of_the_parts(self):
@@ -255,28 +266,27 @@ class Resume(unittest.TestCase):
         self.assertRegex(other.errors[0], "is a table of another study: .*--output")
 
     def test_killed_and_started_again(self):
+        # Without a launcher, whose ranks would live on for a while.
         directory = runs.scratch()
         words = [str(DECK), "--output", str(directory), "--set", "Study/Charts=false"]
         process = subprocess.Popen(
-            [*runs.launcher(2), runs.application("study"), *words],
+            [runs.application("study"), *words],
             env=runs.environment(),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
-            start_new_session=True,
         )
         end = time.monotonic() + runs.TIMEOUT
         while time.monotonic() < end and process.poll() is None:
             if (directory / "study.csv").exists() and len(rows_of(directory)) >= 2:
                 break
             time.sleep(0.01)
-        # The launcher and its ranks, which are all in the session of this process.
-        os.killpg(process.pid, signal.SIGKILL)
+        process.send_signal(signal.SIGKILL)
         process.wait()
         before = rows_of(directory)
         self.assertGreaterEqual(len(before), 2)
         self.assertLess(len(before), 12)
-        again = study(directory, sets={"Study/Repetitions": 3})
+        again = study(directory, np_=0, sets={"Study/Repetitions": 3})
         self.assertEqual(again.returncode, 0, again)
         self.assertIn(f"; {len(before)} are in the table already", again.stdout)
         rows = rows_of(directory)
@@ -381,8 +391,14 @@ class Ranks(unittest.TestCase):
                 for measure in MEASURES:
                     for part in ("error", "discretisation"):
                         key = f"{measure}_{part}"
-                        # Sums in another order; blocks of single precision round by 6e-8.
-                        self.assertAlmostEqual(number(row[key]) / number(other[key]), 1, delta=1e-4)
+                        first, second = number(row[key]), number(other[key])
+                        # Sums in another order, and blocks of single precision, which round by 6e-8. With a
+                        # loose tolerance rounding may turn the path; both ends are as far from the tight run
+                        # as their solver errors say.
+                        allowed = 1e-4 * first
+                        if part == "error":
+                            allowed += number(row[f"{measure}_solver"]) + number(other[f"{measure}_solver"])
+                        self.assertAlmostEqual(first, second, delta=allowed)
 
 
 if __name__ == "__main__":

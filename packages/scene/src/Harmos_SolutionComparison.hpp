@@ -44,10 +44,10 @@ SolutionNorms differenceOnSameMesh(const Teuchos::Comm<int>& comm, const Finishe
 ///
 /// Integrals go over the cells of the reference, distributed as it is, with the rule of its stiffness
 /// matrix (fem::errorDegree()) and its materials; the other solution is evaluated at the quadrature points,
-/// body by body (fem::PointLocator), which loses nothing where cells of the reference lie within those of
-/// the other mesh. Dilatation counts in full, also where the stiffness projects it. Contact pressures are
-/// compared at the contact points of the reference with their areas; between its nodes the other pressure
-/// goes like the trace of the displacement.
+/// body by body (fem::PointLocator) and as torn as it is, which loses nothing where cells of the reference
+/// lie within those of the other mesh. Dilatation counts in full, also where the stiffness projects it.
+/// Contact pressures are compared at the contact points of the reference with their areas; between its nodes
+/// the other pressure goes like the trace of the displacement.
 ///
 /// Points are located once, at construction; the other mesh is gathered on every rank. Memory: 32 bytes a
 /// quadrature point of the reference, and the other mesh.
