@@ -158,7 +158,12 @@ int runStudy(const app::ProgramContext& context) {
     const Errors reference = judge.referenceErrors();
     Outcome outcome = runSetting(comm, plan, assignments, plan.repetitions);
     outcome.report.ranks = comm->getSize();
-    const ErrorParts parts = judge.partsOf(todo[k], outcome);
+    ErrorParts parts = ErrorJudge::unknown();
+    try {
+      parts = judge.partsOf(todo[k], outcome);
+    } catch (const NumericalError& error) { // on all ranks: a tight run has no solution
+      outcome.reason += std::string("; its errors are not known: ") + error.what();
+    }
     const Row row = rowOf(plan, todo[k], outcome, parts, reference);
     agree(*comm, [&] {
       if (table)

@@ -112,6 +112,10 @@ void ErrorJudge::turnTo(const Setting& setting) {
   scene_ = scene;
 }
 
+ErrorParts ErrorJudge::unknown() {
+  return {filled(nan), filled(nan), filled(nan), filled(nan), nan};
+}
+
 ErrorParts ErrorJudge::partsOf(const Setting& setting, const Outcome& outcome) {
   turnTo(setting);
   ErrorParts parts{filled(nan), discretisation_, filled(nan), filled(0.0), tight_.tolerance};

@@ -37,6 +37,9 @@ class ErrorJudge {
  public:
   ErrorJudge(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Plan& plan, const Log& log);
 
+  /// Of a run of which nothing is known.
+  static ErrorParts unknown();
+
   /// @throws NumericalError on all ranks if the reference or a tight run has no solution. @note Collective.
   ErrorParts partsOf(const Setting& setting, const Outcome& outcome);
 

@@ -342,6 +342,9 @@ class Refused(unittest.TestCase):
             self.assertEqual((row["seconds"], row["energy_error"]), ("", ""))
         data = json.loads((run.directory / "study.json").read_text(encoding="utf-8"))
         self.assertFalse(any("1e-8, single" in s for s in data["sentences"]))
+        # Their reasons, with commas and quotes, are read again.
+        again = study(run.directory, sets=sets)
+        self.assertIn("; 8 are in the table already", again.stdout)
 
 
 class Charts(unittest.TestCase):
