@@ -21,7 +21,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 class Documents(unittest.TestCase):
     def test_parameter_pages_are_what_the_programs_print(self):
-        for program in ("signorini", "harmos", "fiber_composite"):
+        for program in ("signorini", "harmos", "fiber_composite", "study"):
             printed = runs.start(["--print-parameters", "markdown"], np=1, program=program)
             self.assertEqual(printed.returncode, 0, printed.stderr)
             for path, text in parameter_pages.pages(program, printed.stdout).items():
@@ -123,7 +123,7 @@ class Documents(unittest.TestCase):
             self.assertRegex(declared, rf"\b{source.stem[5:]}\b")
 
     def test_decks_that_are_named_exist(self):
-        for page in ("README.md", "docs/scenes.md"):
+        for page in ("README.md", "docs/scenes.md", "docs/accuracy.md"):
             text = (ROOT / page).read_text(encoding="utf-8")
             for deck in re.findall(r"`(apps/[^`]*\.xml)`", text):
                 self.assertTrue(list(ROOT.glob(deck)), deck)
