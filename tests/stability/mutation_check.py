@@ -99,6 +99,10 @@ FAULTS = (
         "const double least = std::sqrt(std::numeric_limits<double>::epsilon());",
         "const double least = 0.0;", FETI),
     fault(
+        "rounding errors of G hold a motion", "packages/feti/src/Harmos_CoarseSpace.cpp",
+        "constexpr double rounding = 1e2 * std::numeric_limits<double>::epsilon();",
+        "constexpr double rounding = 0.0;", ("unit_scene",)),
+    fault(
         "gap of mortar contact reversed", "packages/contact/src/Harmos_Mortar.cpp",
         "point.gap = sum.gap / sum.area;", "point.gap = -sum.gap / sum.area;", CONTACT),
     fault(
