@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Composite.hpp"
 
+#include "Harmos_Contact.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_Partition.hpp"
+#include "Harmos_PrescribedDisplacement.hpp"
+#include "Harmos_Tie.hpp"
 #include "Harmos_TornBody.hpp"
 
 #include <cmath>
@@ -151,6 +154,47 @@ fem::Dilatation dilatationOf(const Sample& sample, const fem::Material& material
   return project ? fem::Dilatation::Projected : fem::Dilatation::Full;
 }
 
+// A fibre in each cell, as bodies 1, 2, …, and what holds it.
+void addFibres(const std::shared_ptr<Layout>& layout, scene::Scene& scene) {
+  const Sample& sample = layout->sample;
+  const int count = layout->cellCount();
+  layout->fibres = std::make_unique<Pieces>(sample.cell, fibreMesh, sample.fibreSubdomains);
+  const long long firstFibreNode = layout->latticeNodes() + count * layout->innerNodes();
+  for (int k = 0; k < count; ++k) {
+    scene::Body fibre;
+    fibre.name = "fibre " + std::to_string(k);
+    fibre.subdomains = layout->fibres->count();
+    fibre.subdomain = [layout, k, firstFibreNode](int part) {
+      PlacedMesh mesh =
+          moved(layout->fibres->piece(layout->cells[static_cast<std::size_t>(k)], layout->isRegular, part),
+                layout->centre(k));
+      for (long long& number : mesh.boundaryNumbers)
+        number += firstFibreNode + k * layout->fibreNodes();
+      return mesh;
+    };
+    fibre.materials = {sample.interface == Sample::Interface::Homogeneous ? sample.matrix : sample.fibre};
+    fibre.dilatation = dilatationOf(sample, fibre.materials[0]);
+    scene.bodies.push_back(std::move(fibre));
+
+    effects::SurfacePair circle;
+    circle.first = {k + 1, "surface"};
+    circle.second = {0, holeName(k)};
+    circle.coupling = effects::Coupling::Nodes;
+    // The circle's own normals: with those of its facets a fibre would rotate almost, but not quite, freely.
+    Point centre = layout->centre(k);
+    for (std::size_t d = 0; d < 2; ++d)
+      centre[d] += layout->cells[static_cast<std::size_t>(k)].centre[d];
+    circle.normal = [centre](const Point& x) {
+      const double dx = x[0] - centre[0], dy = x[1] - centre[1], r = std::hypot(dx, dy);
+      return Point{dx / r, dy / r, 0.0};
+    };
+    if (sample.interface == Sample::Interface::Contact)
+      scene.effects.push_back(std::make_shared<effects::Contact>(std::move(circle)));
+    else
+      scene.effects.push_back(std::make_shared<effects::Tie>(std::move(circle)));
+  }
+}
+
 } // namespace
 
 scene::Scene makeScene(const Sample& sample) {
@@ -172,49 +216,14 @@ scene::Scene makeScene(const Sample& sample) {
   matrix.materials = {sample.matrix};
   matrix.dilatation = dilatationOf(sample, sample.matrix);
   const double stretch = sample.load == Sample::Load::Compression ? -sample.strain : sample.strain;
-  matrix.prescribed = {{"left", 0.0, 0}, {"right", stretch * width, 0}, {"bottom", 0.0, 1}};
-  if (sample.load == Sample::Load::Biaxial)
-    matrix.prescribed.push_back({"top", stretch * height, 1});
   scene.bodies.push_back(std::move(matrix));
-  if (sample.interface == Sample::Interface::Holes)
-    return scene;
-
-  layout->fibres = std::make_unique<Pieces>(sample.cell, fibreMesh, sample.fibreSubdomains);
-  const long long firstFibreNode = layout->latticeNodes() + count * layout->innerNodes();
-  for (int k = 0; k < count; ++k) {
-    scene::Body fibre;
-    fibre.name = "fibre " + std::to_string(k);
-    fibre.subdomains = layout->fibres->count();
-    fibre.subdomain = [layout, k, firstFibreNode](int part) {
-      PlacedMesh mesh =
-          moved(layout->fibres->piece(layout->cells[static_cast<std::size_t>(k)], layout->isRegular, part),
-                layout->centre(k));
-      for (long long& number : mesh.boundaryNumbers)
-        number += firstFibreNode + k * layout->fibreNodes();
-      return mesh;
-    };
-    fibre.materials = {sample.interface == Sample::Interface::Homogeneous ? sample.matrix : sample.fibre};
-    fibre.dilatation = dilatationOf(sample, fibre.materials[0]);
-    scene.bodies.push_back(std::move(fibre));
-
-    scene::Interface interface;
-    interface.kind = sample.interface == Sample::Interface::Contact ? scene::Interface::Kind::Contact
-                                                                    : scene::Interface::Kind::Tie;
-    interface.firstBody = k + 1;
-    interface.firstSet = "surface";
-    interface.secondBody = 0;
-    interface.secondSet = holeName(k);
-    interface.coupling = scene::Interface::Coupling::Nodes;
-    // The circle's own normals: with those of its facets a fibre would rotate almost, but not quite, freely.
-    Point centre = layout->centre(k);
-    for (std::size_t d = 0; d < 2; ++d)
-      centre[d] += layout->cells[static_cast<std::size_t>(k)].centre[d];
-    interface.normal = [centre](const Point& x) {
-      const double dx = x[0] - centre[0], dy = x[1] - centre[1], r = std::hypot(dx, dy);
-      return Point{dx / r, dy / r, 0.0};
-    };
-    scene.interfaces.push_back(std::move(interface));
-  }
+  if (sample.interface != Sample::Interface::Holes)
+    addFibres(layout, scene);
+  scene.effects.push_back(effects::hold({0, "left"}, 0));
+  scene.effects.push_back(effects::hold({0, "right"}, 0, stretch * width));
+  scene.effects.push_back(effects::hold({0, "bottom"}, 1));
+  if (sample.load == Sample::Load::Biaxial)
+    scene.effects.push_back(effects::hold({0, "top"}, 1, stretch * height));
   return scene;
 }
 

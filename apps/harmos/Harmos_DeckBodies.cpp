@@ -164,15 +164,6 @@ void makeBlock(const ParameterList& list, int dimension, scene::Body& body, long
 
 } // namespace
 
-std::string offer(const std::string& name, const std::vector<std::string>& known) {
-  const std::string nearest = nearestName(name, known);
-  std::string text = nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?";
-  std::string list;
-  for (const std::string& other : known)
-    list += (list.empty() ? "\"" : ", \"") + other + "\"";
-  return text + (list.empty() ? " (there are none)" : " (there are " + list + ")");
-}
-
 void addBodyParameters(ParameterSpec& deck) {
   ParameterSpec material("<material>", "A linear elastic material, by a name of your choice.");
   material.choice("Type", "isotropic",

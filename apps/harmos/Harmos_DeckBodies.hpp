@@ -13,7 +13,4 @@ void addBodyParameters(ParameterSpec& deck);
 /// @note Collective.
 void addBodies(const DeckContext& context, scene::Scene& scene);
 
-/// "did you mean …" and the names there are.
-std::string offer(const std::string& name, const std::vector<std::string>& known);
-
 } // namespace Harmos::app

@@ -2,7 +2,6 @@
 #include "Harmos_DeckScene.hpp"
 
 #include "Harmos_DeckBodies.hpp"
-#include "Harmos_DeckEffects.hpp"
 
 namespace Harmos::app {
 namespace {
@@ -15,7 +14,7 @@ const std::vector<std::pair<std::string, scene::Physics>> physics = {
 
 } // namespace
 
-void addSceneParameters(ParameterSpec& deck) {
+void addSceneParameters(ParameterSpec& deck, const scene::EffectRegistry& registry) {
   ParameterSpec model("Model", "What the scene is.");
   model.choice("Physics", "plane strain",
                {{"plane strain", "elastic, no strain out of the plane"},
@@ -29,10 +28,10 @@ void addSceneParameters(ParameterSpec& deck) {
              "whose source is \"file\".");
   deck.list(std::move(model));
   addBodyParameters(deck);
-  addEffectParameters(deck);
+  registry.addParameters(deck);
 }
 
-scene::Scene sceneFromDeck(const DeckContext& context) {
+scene::Scene sceneFromDeck(const DeckContext& context, const scene::EffectRegistry& registry) {
   const Teuchos::ParameterList& model = context.deck.sublist("Model");
   scene::Scene scene;
   scene.name = model.get<std::string>("Name");
@@ -40,7 +39,7 @@ scene::Scene sceneFromDeck(const DeckContext& context) {
     if (name == model.get<std::string>("Physics"))
       scene.physics = kind;
   addBodies(context, scene);
-  addEffects(context.deck, scene);
+  registry.addEffects(context.deck, scene);
   return scene;
 }
 

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_ElasticSignorini.hpp"
 
+#include "Harmos_BodyForce.hpp"
+#include "Harmos_PrescribedDisplacement.hpp"
+#include "Harmos_RigidObstacle.hpp"
 #include "Harmos_StructuredBlock.hpp"
+#include "Harmos_Traction.hpp"
 
 #include <cmath>
 #include <memory>
@@ -40,16 +44,13 @@ fem::StructuredBlock::Options optionsOf(const Teuchos::ParameterList& model, boo
   return options;
 }
 
-scene::ObstacleContact planeAt(double height, bool isSpace) {
-  scene::ObstacleContact contact;
-  contact.name = "plane";
-  contact.body = 0;
-  contact.set = "bottom";
-  contact.obstacle.shape = contact::Obstacle::Shape::HalfSpace;
+std::shared_ptr<const scene::Effect> planeAt(double height, bool isSpace) {
+  contact::Obstacle plane;
+  plane.shape = contact::Obstacle::Shape::HalfSpace;
   const std::size_t up = isSpace ? 2 : 1;
-  contact.obstacle.point[up] = height;
-  contact.obstacle.direction[up] = 1.0;
-  return contact;
+  plane.point[up] = height;
+  plane.direction[up] = 1.0;
+  return std::make_shared<effects::RigidObstacle>(effects::Part{0, "bottom"}, plane, "plane");
 }
 
 // From 0 to 1, slowly at first: the spacing at 0 is a fourteenth of an even one.
@@ -77,17 +78,17 @@ scene::Scene block(const Teuchos::ParameterList& deck) {
   scene::Scene scene;
   scene.name = "block on a plane";
   scene.physics = isSpace ? scene::Physics::Solid : scene::Physics::PlaneStrain;
-  scene::Body body = bodyOf(optionsOf(model, isSpace), "block", materialOf(deck));
-  body.prescribed.push_back({"left", 0.0, 0});
-  if (isSpace)
-    body.prescribed.push_back({"front", 0.0, 1});
+  scene.bodies.push_back(bodyOf(optionsOf(model, isSpace), "block", materialOf(deck)));
   Point down{}, pull{};
   down[up] = -weight;
   pull[up] = 0.25 * weight;
-  body.forces.push_back([down](const Point&) { return down; });
-  body.tractions.push_back({"right", [pull](const Point&, const Point&) { return pull; }});
-  scene.bodies.push_back(std::move(body));
-  scene.obstacles.push_back(planeAt(0.0, isSpace));
+  scene.effects.push_back(planeAt(0.0, isSpace));
+  scene.effects.push_back(std::make_shared<effects::BodyForce>(0, down));
+  scene.effects.push_back(std::make_shared<effects::Traction>(
+      effects::Part{0, "right"}, [pull](const Point&, const Point&) { return pull; }));
+  scene.effects.push_back(effects::hold({0, "left"}, 0));
+  if (isSpace)
+    scene.effects.push_back(effects::hold({0, "front"}, 1));
   return scene;
 }
 
@@ -105,13 +106,12 @@ scene::Scene hertz(const Teuchos::ParameterList& deck, bool isBall) {
   scene::Scene scene;
   scene.name = isBall ? "Hertz ball" : "Hertz cylinder";
   scene.physics = isBall ? scene::Physics::Solid : scene::Physics::PlaneStrain;
-  scene::Body body = bodyOf(options, isBall ? "ball" : "cylinder", materialOf(deck));
-  body.prescribed.push_back({"left", 0.0, 0});
+  scene.bodies.push_back(bodyOf(options, isBall ? "ball" : "cylinder", materialOf(deck)));
+  scene.effects.push_back(planeAt(-radius, isBall));
+  scene.effects.push_back(effects::hold({0, "left"}, 0));
   if (isBall)
-    body.prescribed.push_back({"front", 0.0, 1});
-  body.prescribed.push_back({"top", -model.get<double>("Approach"), static_cast<int>(up)});
-  scene.bodies.push_back(std::move(body));
-  scene.obstacles.push_back(planeAt(-radius, isBall));
+    scene.effects.push_back(effects::hold({0, "front"}, 1));
+  scene.effects.push_back(effects::hold({0, "top"}, static_cast<int>(up), -model.get<double>("Approach")));
   return scene;
 }
 

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Membranes.hpp"
 
+#include "Harmos_BodyForce.hpp"
+#include "Harmos_Contact.hpp"
+#include "Harmos_PrescribedDisplacement.hpp"
 #include "Harmos_StructuredBlock.hpp"
+#include "Harmos_Tie.hpp"
 
 #include <memory>
 
@@ -24,16 +28,20 @@ scene::Scene membranes(const Teuchos::ParameterList& model) {
     body.name = b == 0 ? "first membrane" : "second membrane";
     body.subdomains = rectangle->numberOfSubdomains();
     body.subdomain = [rectangle](int k) { return rectangle->subdomain(k); };
-    if (b == 0) {
-      body.bodyForce = {{-3.0, {0.0, 0.75}, {1.0, 1.0}}};
-      body.prescribed = {{"left", 0.0}};
-    } else {
-      body.bodyForce = {{-1.0, {1.0, 0.0}, {2.0, 0.25}}};
-    }
     scene.bodies.push_back(std::move(body));
   }
-  scene.interfaces = {
-      {tied ? scene::Interface::Kind::Tie : scene::Interface::Kind::Contact, 0, "right", 1, "left"}};
+  effects::SurfacePair seam;
+  seam.first = {0, "right"};
+  seam.second = {1, "left"};
+  if (tied)
+    scene.effects.push_back(std::make_shared<effects::Tie>(seam));
+  else
+    scene.effects.push_back(std::make_shared<effects::Contact>(seam));
+  const std::vector<fem::BoxLoad> onFirst = {{-3.0, {0.0, 0.75}, {1.0, 1.0}}},
+                                  onSecond = {{-1.0, {1.0, 0.0}, {2.0, 0.25}}};
+  scene.effects.push_back(std::make_shared<effects::BodyForce>(0, onFirst));
+  scene.effects.push_back(std::make_shared<effects::BodyForce>(1, onSecond));
+  scene.effects.push_back(effects::hold({0, "left"}, 0));
   return scene;
 }
 

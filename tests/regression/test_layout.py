@@ -31,6 +31,7 @@ SEES = {
     "fem": {"core"},
     "contact": {"core", "fem"},
     "scene": {"core", "qp", "feti", "fem", "contact"},
+    "effects": {"core", "feti", "fem", "contact", "scene"},
 }
 
 # Headers that the build makes, and the package that they belong to.
@@ -322,6 +323,7 @@ class Planted(Checks):
             ("contact", "feti"),
             ("core", "qp"),
             ("feti", "scene"),
+            ("scene", "effects"),
         ):
             with self.subTest(package=package, other=other):
                 name = self.header(other)

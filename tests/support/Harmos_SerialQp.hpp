@@ -47,6 +47,15 @@ class MultiVecTraits<double, Harmos::SerialVector> {
   static Teuchos::RCP<MV> Clone(const MV& v, int n) {
     return Teuchos::rcp(new MV(v.columns.front().size(), n));
   }
+  static Teuchos::RCP<const MV> CloneView(const MV& v, const Teuchos::Range1D& range) {
+    const Teuchos::RCP<MV> copy = Clone(v, static_cast<int>(range.size()));
+    std::copy(v.columns.begin() + range.lbound(), v.columns.begin() + range.ubound() + 1,
+              copy->columns.begin());
+    return copy;
+  }
+  static void SetBlock(const MV& from, const Teuchos::Range1D& range, MV& to) {
+    std::copy(from.columns.begin(), from.columns.begin() + range.size(), to.columns.begin() + range.lbound());
+  }
   static Teuchos::RCP<MV> CloneCopy(const MV& v) { return Teuchos::rcp(new MV(v)); }
   static std::ptrdiff_t GetGlobalLength(const MV& v) {
     return static_cast<std::ptrdiff_t>(v.columns.front().size());

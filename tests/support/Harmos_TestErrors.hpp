@@ -18,6 +18,17 @@ std::string inputErrorOf(Call&& call) {
   return "";
 }
 
+/// The same of a NumericalError.
+template<class Call>
+std::string numericalErrorOf(Call&& call) {
+  try {
+    call();
+  } catch (const NumericalError& error) {
+    return error.what();
+  }
+  return "";
+}
+
 inline bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }

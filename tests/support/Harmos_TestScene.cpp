@@ -1,9 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_TestScene.hpp"
 
+#include "Harmos_BodyForce.hpp"
+#include "Harmos_Contact.hpp"
 #include "Harmos_Errors.hpp"
+#include "Harmos_PrescribedDisplacement.hpp"
+#include "Harmos_RigidObstacle.hpp"
 #include "Harmos_TestComm.hpp"
+#include "Harmos_ThermalStrain.hpp"
+#include "Harmos_Tie.hpp"
+#include "Harmos_Traction.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <unistd.h>
 
@@ -23,56 +31,76 @@ scene::Body blockBody(const std::string& name, fem::StructuredBlock::Options& op
 
 namespace {
 
-void addInterface(scene::Scene& scene, scene::Interface::Kind kind, const Part& first, const Part& second,
-                  double gap) {
-  scene::Interface interface;
-  interface.kind = kind;
-  interface.firstBody = first.body;
-  interface.firstSet = first.set;
-  interface.secondBody = second.body;
-  interface.secondSet = second.set;
-  interface.gap = gap;
-  scene.interfaces.push_back(interface);
+effects::SurfacePair pairOf(const Part& first, const Part& second) {
+  effects::SurfacePair pair;
+  pair.first = {first.body, first.set};
+  pair.second = {second.body, second.set};
+  return pair;
 }
 
-scene::Body& bodyOf(scene::Scene& scene, int body) {
-  return scene.bodies.at(static_cast<std::size_t>(body));
+template<class Effect, class... Arguments>
+void add(scene::Scene& scene, Arguments&&... arguments) {
+  scene.effects.push_back(std::make_shared<Effect>(std::forward<Arguments>(arguments)...));
 }
 
 } // namespace
 
-void addContact(scene::Scene& scene, const Part& first, const Part& second, double gap) {
-  addInterface(scene, scene::Interface::Kind::Contact, first, second, gap);
+void addContact(scene::Scene& scene, const Part& first, const Part& second, double gap, double reach) {
+  effects::SurfacePair pair = pairOf(first, second);
+  pair.reach = reach;
+  add<effects::Contact>(scene, pair, gap);
 }
 
 void addTie(scene::Scene& scene, const Part& first, const Part& second) {
-  addInterface(scene, scene::Interface::Kind::Tie, first, second, 0.0);
+  add<effects::Tie>(scene, pairOf(first, second));
 }
 
 void addObstacle(scene::Scene& scene, const Part& part, const contact::Obstacle& obstacle) {
-  scene.obstacles.push_back({"obstacle", part.body, part.set, obstacle});
+  add<effects::RigidObstacle>(scene, effects::Part{part.body, part.set}, obstacle);
 }
 
 void prescribe(scene::Scene& scene, const Part& part, int component, double value) {
-  bodyOf(scene, part.body).prescribed.push_back({part.set, value, component});
+  scene.effects.push_back(effects::hold({part.body, part.set}, component, value));
+}
+
+void prescribe(scene::Scene& scene, const Part& part, int component,
+               const std::function<double(const fem::Point&)>& field) {
+  using effects::PrescribedDisplacement;
+  add<PrescribedDisplacement>(scene, effects::Part{part.body, part.set},
+                              std::vector<PrescribedDisplacement::Component>{{component, 0.0, field}});
 }
 
 void addTraction(scene::Scene& scene, const Part& part, const fem::Point& density) {
-  bodyOf(scene, part.body).tractions.push_back({part.set, [density](const fem::Point&, const fem::Point&) {
-                                                  return density;
-                                                }});
+  addTraction(scene, part, [density](const fem::Point&, const fem::Point&) { return density; });
+}
+
+void addTraction(scene::Scene& scene, const Part& part, const fem::Traction& density) {
+  add<effects::Traction>(scene, effects::Part{part.body, part.set}, density);
 }
 
 void addForce(scene::Scene& scene, int body, const fem::Point& density) {
-  bodyOf(scene, body).forces.push_back([density](const fem::Point&) { return density; });
+  add<effects::BodyForce>(scene, body, density);
+}
+
+void addForce(scene::Scene& scene, int body, const fem::VectorField& density) {
+  add<effects::BodyForce>(scene, body, density);
+}
+
+void addForce(scene::Scene& scene, int body, const std::vector<fem::BoxLoad>& loads) {
+  add<effects::BodyForce>(scene, body, loads);
 }
 
 void addTemperature(scene::Scene& scene, int body, double rise) {
-  bodyOf(scene, body).temperature += rise;
+  add<effects::ThermalStrain>(scene, body, rise);
 }
 
-TestRun runScene(const scene::Scene& scene, double tolerance, const std::vector<std::string>& assignments,
-                 const Teuchos::RCP<const Teuchos::Comm<int>>& comm) {
+void removeEffects(scene::Scene& scene, const std::string& kind) {
+  scene.effects.erase(std::remove_if(scene.effects.begin(), scene.effects.end(),
+                                     [&](const auto& effect) { return effect->kind() == kind; }),
+                      scene.effects.end());
+}
+
+scene::RunOptions testOptions(double tolerance, const std::vector<std::string>& assignments) {
   ParameterSpec deck("deck", "A deck.");
   scene::RunOptions::addTo(deck);
   Teuchos::ParameterList list = deck.defaults();
@@ -88,9 +116,16 @@ TestRun runScene(const scene::Scene& scene, double tolerance, const std::vector<
   options.outputDirectory =
       (std::filesystem::temp_directory_path() /
        ("harmos_" + std::filesystem::read_symlink("/proc/self/exe").filename().string() + "_np" +
-        std::to_string(testComm()->getSize()) +
-        (comm.is_null() ? "" : "_rank" + std::to_string(testComm()->getRank()))))
+        std::to_string(testComm()->getSize())))
           .string();
+  return options;
+}
+
+TestRun runScene(const scene::Scene& scene, double tolerance, const std::vector<std::string>& assignments,
+                 const Teuchos::RCP<const Teuchos::Comm<int>>& comm) {
+  scene::RunOptions options = testOptions(tolerance, assignments);
+  if (!comm.is_null())
+    options.outputDirectory += "_rank" + std::to_string(testComm()->getRank());
   TestRun run;
   run.solution = scene::run(comm.is_null() ? testComm() : comm, scene, options, Log(),
                             std::chrono::steady_clock::now(), run.report);

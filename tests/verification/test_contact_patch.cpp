@@ -15,7 +15,6 @@
 using namespace Harmos;
 using fem::CellType;
 using fem::Point;
-using scene::Interface;
 using scene::Physics;
 
 namespace {
@@ -24,10 +23,12 @@ constexpr double pressure = 0.01;
 // Of the solver; the answers may be wrong by the condition of the constraints times it.
 constexpr double tolerance = 1e-13;
 
+enum class Joint { Contact, Tie };
+
 // Two blocks, the lower one [0,1]² × [0,1], the upper one above it; the left (and front) sides held sideways,
 // the bottom held upward, a pressure on top. The upper block is held by the interface alone.
 scene::Scene tower(CellType lower, CellType upper, const std::array<int, 3>& lowerElements,
-                   const std::array<int, 3>& upperElements, Interface::Kind kind, double tilt) {
+                   const std::array<int, 3>& upperElements, Joint joint, double tilt) {
   const bool isSpace = fem::shapeOf(lower).dimension == 3;
   const int up = isSpace ? 2 : 1;
   scene::Scene scene;
@@ -48,24 +49,19 @@ scene::Scene tower(CellType lower, CellType upper, const std::array<int, 3>& low
   options.elements = upperElements;
   options.origin[static_cast<std::size_t>(up)] = 1.0;
   scene.bodies.push_back(blockBody("upper", options, fem::Material::isotropic(1.0, 0.3)));
-  for (scene::Body& body : scene.bodies) {
-    body.prescribed.push_back({"left", 0.0, 0});
+  for (int body : {0, 1}) {
+    prescribe(scene, {body, "left"}, 0);
     if (isSpace)
-      body.prescribed.push_back({"front", 0.0, 1});
+      prescribe(scene, {body, "front"}, 1);
   }
-  scene.bodies[0].prescribed.push_back({"bottom", 0.0, up});
-  scene.bodies[1].tractions.push_back({"top", [up](const Point&, const Point&) {
-                                         Point t{};
-                                         t[static_cast<std::size_t>(up)] = -pressure;
-                                         return t;
-                                       }});
-  Interface interface;
-  interface.kind = kind;
-  interface.firstBody = 0;
-  interface.firstSet = "top";
-  interface.secondBody = 1;
-  interface.secondSet = "bottom";
-  scene.interfaces = {interface};
+  prescribe(scene, {0, "bottom"}, up);
+  Point down{};
+  down[static_cast<std::size_t>(up)] = -pressure;
+  addTraction(scene, {1, "top"}, down);
+  if (joint == Joint::Contact)
+    addContact(scene, {0, "top"}, {1, "bottom"});
+  else
+    addTie(scene, {0, "top"}, {1, "bottom"});
   return scene;
 }
 
@@ -95,7 +91,7 @@ TEST(ContactPatch, matching_meshes) {
   for (CellType type :
        {CellType::Triangle3, CellType::Quadrilateral4, CellType::Hexahedron8, CellType::Tetrahedron4})
     for (double tilt : {0.0, 0.05}) {
-      const scene::Scene scene = tower(type, type, {2, 2, 3}, {2, 2, 3}, Interface::Kind::Contact, tilt);
+      const scene::Scene scene = tower(type, type, {2, 2, 3}, {2, 2, 3}, Joint::Contact, tilt);
       expectConstantStrain(scene, runScene(scene, tolerance), fem::shapeOf(type).name);
     }
 }
@@ -104,7 +100,7 @@ TEST(ContactPatch, matching_meshes) {
 // asked of node to node contact; but mortar coupling in the plane has both.
 TEST(ContactPatch, matching_meshes_of_the_second_order) {
   for (CellType type : {CellType::Triangle6, CellType::Quadrilateral9, CellType::Hexahedron27}) {
-    const scene::Scene scene = tower(type, type, {2, 2, 2}, {2, 2, 2}, Interface::Kind::Contact, 0.03);
+    const scene::Scene scene = tower(type, type, {2, 2, 2}, {2, 2, 2}, Joint::Contact, 0.03);
     expectConstantStrain(scene, runScene(scene, tolerance), fem::shapeOf(type).name);
   }
 }
@@ -116,8 +112,8 @@ TEST(ContactPatch, meshes_that_do_not_match) {
       {CellType::Hexahedron8, CellType::Hexahedron8},       {CellType::Hexahedron8, CellType::Tetrahedron4},
       {CellType::Tetrahedron4, CellType::Hexahedron8}};
   for (const auto& [lower, upper] : pairs)
-    for (Interface::Kind kind : {Interface::Kind::Contact, Interface::Kind::Tie}) {
-      const scene::Scene scene = tower(lower, upper, {2, 3, 2}, {3, 2, 2}, kind, 0.05);
+    for (Joint joint : {Joint::Contact, Joint::Tie}) {
+      const scene::Scene scene = tower(lower, upper, {2, 3, 2}, {3, 2, 2}, joint, 0.05);
       expectConstantStrain(scene, runScene(scene, tolerance),
                            fem::shapeOf(lower).name + " under " + fem::shapeOf(upper).name);
     }
@@ -126,14 +122,10 @@ TEST(ContactPatch, meshes_that_do_not_match) {
 // The same contact named twice, once with the surfaces exchanged, is one contact.
 TEST(ContactPatch, contact_that_is_named_twice) {
   const CellType type = CellType::Quadrilateral4;
-  scene::Scene scene = tower(type, type, {2, 2, 1}, {2, 2, 1}, Interface::Kind::Contact, 0.0);
+  scene::Scene scene = tower(type, type, {2, 2, 1}, {2, 2, 1}, Joint::Contact, 0.0);
   const long long once = runScene(scene, tolerance).report.inequalities;
-  Interface back = scene.interfaces[0];
-  std::swap(back.firstBody, back.secondBody);
-  std::swap(back.firstSet, back.secondSet);
-  back.gap = 0.5; // the smaller gap counts
-  scene.interfaces.push_back(back);
-  scene.interfaces.push_back(scene.interfaces[0]);
+  addContact(scene, {1, "bottom"}, {0, "top"}, 0.5); // the smaller gap counts
+  addContact(scene, {0, "top"}, {1, "bottom"});
   const TestRun run = runScene(scene, tolerance);
   EXPECT_EQ(run.report.inequalities, once);
   expectConstantStrain(scene, run, "named twice");
@@ -146,15 +138,18 @@ TEST(ContactPatch, tie_to_a_plate_that_is_held) {
   const double shift = 0.01;
   std::vector<double> energies;
   for (bool plateFirst : {false, true}) {
-    scene::Scene scene = tower(CellType::Quadrilateral4, CellType::Quadrilateral4, {3, 2, 1}, {4, 2, 1},
-                               Interface::Kind::Tie, 0.0);
-    scene.bodies[0].prescribed = {{"bottom", 0.0, 0}, {"bottom", 0.0, 1}, {"left", 0.0, 1}};
-    scene.bodies[1].prescribed = {{"bottom", shift, 0}, {"bottom", 0.0, 1}};
-    scene.bodies[1].tractions.clear();
-    if (plateFirst) {
-      std::swap(scene.interfaces[0].firstBody, scene.interfaces[0].secondBody);
-      std::swap(scene.interfaces[0].firstSet, scene.interfaces[0].secondSet);
+    scene::Scene scene =
+        tower(CellType::Quadrilateral4, CellType::Quadrilateral4, {3, 2, 1}, {4, 2, 1}, Joint::Tie, 0.0);
+    scene.effects.clear();
+    for (int component : {0, 1}) {
+      prescribe(scene, {0, "bottom"}, component);
+      prescribe(scene, {1, "bottom"}, component, component == 0 ? shift : 0.0);
     }
+    prescribe(scene, {0, "left"}, 1);
+    if (plateFirst)
+      addTie(scene, {1, "bottom"}, {0, "top"});
+    else
+      addTie(scene, {0, "top"}, {1, "bottom"});
     const TestRun run = runScene(scene, tolerance);
     EXPECT_TRUE(run.report.converged);
     double worst = 0.0;
@@ -181,27 +176,36 @@ TEST(ContactPatch, prescribed_displacements_that_contradict_contact_or_ties) {
   scene::Scene scene;
   scene.physics = Physics::PlaneStrain;
   scene.bodies.push_back(blockBody("block", options, fem::Material::isotropic(1.0, 0.3)));
-  scene.bodies[0].prescribed = {{"bottom", -0.1, 1}, {"bottom", 0.0, 0}};
-  scene::ObstacleContact floor{"floor", 0, "bottom", {}};
-  floor.obstacle.direction = {0.0, 1.0, 0.0};
-  scene.obstacles = {floor};
+  // The height that the bottom is held at, and that of the floor.
+  const auto onFloor = [&](double height, double floorHeight) {
+    scene.effects.clear();
+    prescribe(scene, {0, "bottom"}, 1, height);
+    prescribe(scene, {0, "bottom"}, 0);
+    contact::Obstacle floor;
+    floor.point[1] = floorHeight;
+    floor.direction = {0.0, 1.0, 0.0};
+    addObstacle(scene, {0, "bottom"}, floor);
+  };
+  onFloor(-0.1, 0.0);
   for (const char* form : {"primal", "dual"}) {
     const std::string text =
         inputErrorOf([&] { runScene(scene, tolerance, {std::string("Decomposition/Dirichlet=") + form}); });
     EXPECT_TRUE(contains(text, "contradict a contact or an obstacle")) << text;
   }
-  scene.bodies[0].prescribed = {{"bottom", 0.1, 1}, {"bottom", 0.0, 0}}; // above the floor
+  onFloor(0.1, 0.0); // above it
   EXPECT_TRUE(runScene(scene, tolerance).report.converged);
   // On the floor, up to rounding of its height: that is no contradiction.
-  scene.bodies[0].prescribed = {{"bottom", 0.0, 1}, {"bottom", 0.0, 0}};
   for (double height : {1e-16, -1e-16}) {
-    scene.obstacles[0].obstacle.point[1] = height;
+    onFloor(0.0, height);
     EXPECT_TRUE(runScene(scene, tolerance).report.converged);
   }
 
-  scene::Scene tied = tower(CellType::Quadrilateral4, CellType::Quadrilateral4, {2, 2, 1}, {2, 2, 1},
-                            Interface::Kind::Tie, 0.0);
-  tied.bodies[1].prescribed = {{"left", 0.1, 0}};
+  scene::Scene tied =
+      tower(CellType::Quadrilateral4, CellType::Quadrilateral4, {2, 2, 1}, {2, 2, 1}, Joint::Tie, 0.0);
+  removeEffects(tied, "Prescribed displacement");
+  prescribe(tied, {0, "left"}, 0);
+  prescribe(tied, {0, "bottom"}, 1);
+  prescribe(tied, {1, "left"}, 0, 0.1);
   const std::string text = inputErrorOf([&] { runScene(tied, tolerance); });
   EXPECT_TRUE(contains(text, "a tie contradicts prescribed displacements")) << text;
 }
@@ -217,14 +221,11 @@ TEST(ContactPatch, prescribed_share_of_a_contact_row) {
   scene.physics = Physics::PlaneStress;
   scene.bodies.push_back(blockBody("block", options, fem::Material::isotropic(1.0, 0.0)));
   for (const char* set : {"left", "right", "bottom", "top"}) // rigid in y
-    scene.bodies[0].prescribed.push_back({set, -0.02, 1});
-  scene::ObstacleContact ramp{"ramp", 0, "left", {}};
-  ramp.obstacle.point = {0.0, 0.0, 0.0};
-  ramp.obstacle.direction = {1.0, 1.0, 0.0};
-  scene.obstacles = {ramp};
-  scene.bodies[0].tractions.push_back({"right", [](const Point&, const Point&) {
-                                         return Point{-0.001, 0, 0};
-                                       }});
+    prescribe(scene, {0, set}, 1, -0.02);
+  contact::Obstacle ramp;
+  ramp.direction = {1.0, 1.0, 0.0};
+  addObstacle(scene, {0, "left"}, ramp);
+  addTraction(scene, {0, "right"}, Point{-0.001, 0, 0});
   for (const char* form : {"primal", "dual"}) {
     const TestRun run = runScene(scene, 1e-12, {std::string("Decomposition/Dirichlet=") + form});
     EXPECT_TRUE(run.report.converged) << run.report.reason;
@@ -243,9 +244,10 @@ TEST(ContactPatch, prescribed_share_of_a_contact_row) {
 // A gap closes before it bears, a penetration is pushed out: rigid motion of the upper block in ±z.
 TEST(ContactPatch, initial_gap_and_penetration) {
   for (double gap : {0.02, -0.02}) {
-    scene::Scene scene = tower(CellType::Quadrilateral4, CellType::Quadrilateral4, {2, 2, 1}, {3, 2, 1},
-                               Interface::Kind::Contact, 0.0);
-    scene.interfaces[0].gap = gap;
+    scene::Scene scene =
+        tower(CellType::Quadrilateral4, CellType::Quadrilateral4, {2, 2, 1}, {3, 2, 1}, Joint::Contact, 0.0);
+    removeEffects(scene, "Contact");
+    addContact(scene, {0, "top"}, {1, "bottom"}, gap);
     TestRun run = runScene(scene, tolerance);
     for (std::size_t i = 0; i < run.solution.owned.size(); ++i)
       if (run.solution.owned[i].body == 1)
@@ -264,13 +266,14 @@ TEST(ContactPatch, block_in_a_corner_of_obstacles) {
   scene.physics = Physics::PlaneStress;
   scene.bodies.push_back(blockBody("block", options, fem::Material::isotropic(1.0, 0.25)));
   for (const char* set : {"right", "top"})
-    scene.bodies[0].tractions.push_back({set, [](const Point&, const Point& n) {
-                                           return Point{-pressure * n[0], -pressure * n[1], 0.0};
-                                         }});
-  scene::ObstacleContact wall{"wall", 0, "left", {}}, floor{"floor", 0, "bottom", {}};
-  wall.obstacle.direction = {1.0, 0.0, 0.0};
-  floor.obstacle.direction = {0.0, 1.0, 0.0};
-  scene.obstacles = {wall, floor};
+    addTraction(scene, {0, set}, [](const Point&, const Point& n) {
+      return Point{-pressure * n[0], -pressure * n[1], 0.0};
+    });
+  contact::Obstacle wall, floor;
+  wall.direction = {1.0, 0.0, 0.0};
+  floor.direction = {0.0, 1.0, 0.0};
+  addObstacle(scene, {0, "left"}, wall);
+  addObstacle(scene, {0, "bottom"}, floor);
   const TestRun run = runScene(scene, tolerance);
   EXPECT_TRUE(run.report.converged) << run.report.reason;
   double worst = 0.0; // u = −p(1 − ν)x
@@ -321,22 +324,16 @@ TEST(Lame, fibre_tied_in_a_ring) {
         return Point{r * std::cos(phi), r * std::sin(phi), 0.0};
       };
       scene.bodies.push_back(blockBody("ring", options, fem::Material::isotropic(em, nm)));
-      scene.bodies[0].prescribed = {{"left", 0.0, 0}, {"bottom", 0.0, 1}};
+      prescribe(scene, {0, "left"}, 0);
+      prescribe(scene, {0, "bottom"}, 1);
       // The ends of both circles lie on held sides.
-      scene.bodies[1].prescribed = {{"top", 0.0, 0}, {"bottom", 0.0, 1}};
-      scene.bodies[1].tractions.push_back({"right", [q](const Point&, const Point& normal) {
-                                             return Point{-q * normal[0], -q * normal[1], 0.0};
-                                           }});
-      for (const char* side : {"right", "top"}) { // of the square: half of the circle each
-        Interface interface;
-        interface.kind = Interface::Kind::Tie;
-        interface.firstBody = 0;
-        interface.firstSet = side;
-        interface.secondBody = 1;
-        interface.secondSet = "left";
-        interface.coupling = Interface::Coupling::Mortar;
-        scene.interfaces.push_back(interface);
-      }
+      prescribe(scene, {1, "top"}, 0);
+      prescribe(scene, {1, "bottom"}, 1);
+      addTraction(scene, {1, "right"}, [q](const Point&, const Point& normal) {
+        return Point{-q * normal[0], -q * normal[1], 0.0};
+      });
+      for (const char* side : {"right", "top"}) // of the square: half of the circle each
+        addTie(scene, {0, side}, {1, "left"});
       const TestRun run = runScene(scene, 1e-10);
       ASSERT_TRUE(run.report.converged) << run.report.reason;
       double worst = 0.0;

@@ -111,16 +111,16 @@ scene::Scene waveScene(const Case& c, int elements, const Wave& wave, const fem:
   options.elements = {elements / 2, elements / 2, elements / 2};
   scene::Scene scene;
   scene.physics = c.physics;
-  scene::Body body = blockBody("block", options, material);
-  body.dilatation = dilatation;
+  scene.bodies.push_back(blockBody("block", options, material));
+  scene.bodies[0].dilatation = dilatation;
   const fem::VoigtMatrix stiffness = material.stiffness(scene::kinematicsOf(c.physics));
   for (const std::string& side : c.isSpace ? spaceSides : planeSides)
     for (int component = 0; component < scene.components() && side != "right"; ++component)
-      body.prescribed.push_back({side, 0.0, component, [wave, component](const Point& x) {
-                                   return wave.value(x)[static_cast<std::size_t>(component)];
-                                 }});
+      prescribe(scene, {0, side}, component, [wave, component](const Point& x) {
+        return wave.value(x)[static_cast<std::size_t>(component)];
+      });
   // ∂_j ε of the wave: derivatives of the cosine in its gradient.
-  body.forces.push_back([wave, stiffness](const Point& x) {
+  addForce(scene, 0, [wave, stiffness](const Point& x) {
     Point f{};
     for (std::size_t j = 0; j < 3; ++j) {
       std::array<Point, 3> second{};
@@ -133,15 +133,14 @@ scene::Scene waveScene(const Case& c, int elements, const Wave& wave, const fem:
     }
     return f;
   });
-  body.tractions.push_back({"right", [wave, stiffness](const Point& x, const Point& normal) {
-                              const fem::Voigt s = times(stiffness, strainOf(wave.gradient(x)));
-                              Point t{};
-                              for (std::size_t i = 0; i < 3; ++i)
-                                for (std::size_t j = 0; j < 3; ++j)
-                                  t[i] += rowOf(s, i)[j] * normal[j];
-                              return t;
-                            }});
-  scene.bodies.push_back(std::move(body));
+  addTraction(scene, {0, "right"}, [wave, stiffness](const Point& x, const Point& normal) {
+    const fem::Voigt s = times(stiffness, strainOf(wave.gradient(x)));
+    Point t{};
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j)
+        t[i] += rowOf(s, i)[j] * normal[j];
+    return t;
+  });
   return scene;
 }
 
@@ -185,13 +184,12 @@ TEST(PatchTest, constant_strain_on_bent_meshes) {
       options.map = bend;
       scene::Scene scene;
       scene.physics = c.physics;
-      scene::Body body = blockBody("block", options, orthotropic());
-      body.dilatation = dilatation;
+      scene.bodies.push_back(blockBody("block", options, orthotropic()));
+      scene.bodies[0].dilatation = dilatation;
       for (const std::string& side : c.isSpace ? spaceSides : planeSides)
         for (int component = 0; component < scene.components(); ++component)
-          body.prescribed.push_back(
-              {side, 0.0, component, [exact, component](const Point& x) { return exact(x, component); }});
-      scene.bodies.push_back(std::move(body));
+          prescribe(scene, {0, side}, component,
+                    [exact, component](const Point& x) { return exact(x, component); });
       const TestRun run = runScene(scene, 1e-12);
       EXPECT_TRUE(run.report.converged) << nameOf(c);
       double worst = 0.0;

@@ -116,4 +116,22 @@ LocalMatrix makeLocalMatrix(int rows, std::vector<MatrixEntry> entries) {
   return matrix;
 }
 
+LocalMatrix sum(const LocalMatrix& a, const LocalMatrix& b) {
+  HARMOS_REQUIRE(a.rows() == b.rows(), "matrices of different orders cannot be added");
+  LocalMatrix result;
+  for (std::size_t i = 0; i + 1 < a.offsets.size(); ++i) {
+    std::size_t k = a.offsets[i], l = b.offsets[i];
+    while (k < a.offsets[i + 1] || l < b.offsets[i + 1]) {
+      const bool fromB = k == a.offsets[i + 1] || (l < b.offsets[i + 1] && b.columns[l] < a.columns[k]);
+      const bool both = !fromB && l < b.offsets[i + 1] && b.columns[l] == a.columns[k];
+      result.columns.push_back(fromB ? b.columns[l] : a.columns[k]);
+      result.values.push_back(fromB ? b.values[l] : both ? a.values[k] + b.values[l] : a.values[k]);
+      k += fromB ? 0 : 1;
+      l += fromB || both ? 1 : 0;
+    }
+    result.offsets.push_back(result.columns.size());
+  }
+  return result;
+}
+
 } // namespace Harmos

@@ -57,4 +57,7 @@ struct MatrixEntry {
 /// @throws InternalError if an entry lies outside.
 LocalMatrix makeLocalMatrix(int rows, std::vector<MatrixEntry> entries);
 
+/// A + B of the same order.
+LocalMatrix sum(const LocalMatrix& a, const LocalMatrix& b);
+
 } // namespace Harmos

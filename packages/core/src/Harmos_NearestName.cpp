@@ -50,4 +50,13 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
   return nearest;
 }
 
+std::string offer(const std::string& name, const std::vector<std::string>& known) {
+  const std::string nearest = nearestName(name, known);
+  std::string text = nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?";
+  std::string list;
+  for (const std::string& other : known)
+    list += (list.empty() ? "\"" : ", \"") + other + "\"";
+  return text + (list.empty() ? " (there are none)" : " (there are " + list + ")");
+}
+
 } // namespace Harmos

@@ -10,4 +10,7 @@ namespace Harmos {
 /// if none is near.
 std::string nearestName(const std::string& name, const std::vector<std::string>& candidates);
 
+/// The end of a sentence about a name that is not known: "; did you mean …?", and the names there are.
+std::string offer(const std::string& name, const std::vector<std::string>& known);
+
 } // namespace Harmos

@@ -34,17 +34,4 @@ LocalMatrix assembleElasticity(const Mesh& mesh, const Elasticity& elasticity);
 /// f = ∫ B̄ᵀ C ε_T, the load of a temperature rise.
 std::vector<double> assembleThermalLoad(const Mesh& mesh, const Elasticity& elasticity, double temperature);
 
-/// Stresses at nodes, to be averaged over subdomains: sums over the cells around each node of size times
-/// stress, and of size.
-struct StressSums {
-  std::vector<Voigt> weighted;
-  std::vector<double> size;
-};
-
-/// In each cell, stresses at the points of the rule one order lower (where they are superconvergent: Barlow
-/// 1976) are fitted by a polynomial one degree lower than the element and taken at the nodes.
-/// σ = C(ε̄ − ε_T); in plane strain σ_zz is among them.
-StressSums stressSums(const Mesh& mesh, const Elasticity& elasticity, const std::vector<double>& displacement,
-                      double temperature);
-
 } // namespace Harmos::fem

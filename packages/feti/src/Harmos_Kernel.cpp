@@ -36,6 +36,34 @@ void orthonormalize(Kernel& kernel) {
                work.data(), static_cast<int>(work.size()), &info);
 }
 
+// The combinations Bα of the columns of an orthonormal basis B for which Mα = 0; M has m ≥ k rows, columns
+// one after the other. Singular values up to `zero` are none.
+Kernel combinationsThatVanish(const Kernel& basis, std::vector<double> image, int m, double zero) {
+  const int k = basis.columns;
+  std::vector<double> sigma(static_cast<std::size_t>(k)), vt(static_cast<std::size_t>(k * k)),
+      work(static_cast<std::size_t>(10 * (m + 3 * k)));
+  int info = 0;
+  double unused = 0.0;
+  // The k×k Gram matrix would square the condition number: decompose the rows themselves.
+  Teuchos::LAPACK<int, double>().GESVD('N', 'A', m, k, image.data(), m, sigma.data(), &unused, 1, vt.data(),
+                                       k, work.data(), static_cast<int>(work.size()), &unused, &info);
+  HARMOS_REQUIRE(info == 0, "the singular value decomposition of a kernel failed");
+  Kernel result;
+  result.rows = basis.rows;
+  for (int v = 0; v < k; ++v) {
+    if (sigma[static_cast<std::size_t>(v)] > zero)
+      continue;
+    ++result.columns;
+    for (int i = 0; i < basis.rows; ++i) {
+      double sum = 0.0;
+      for (int c = 0; c < k; ++c)
+        sum += basis.column(c)[i] * vt[static_cast<std::size_t>(c * k + v)];
+      result.values.push_back(sum);
+    }
+  }
+  return result;
+}
+
 } // namespace
 
 Kernel constantKernel(int rows) {
@@ -82,35 +110,28 @@ Kernel heldKernel(const Kernel& motions, const std::vector<int>& fixed) {
   if (fixed.empty() || basis.columns == 0)
     return basis;
   const int k = basis.columns;
-  // The k×k Gram matrix would square the condition number: decompose the rows themselves.
   const int m = std::max(static_cast<int>(fixed.size()), k);
   std::vector<double> rows(static_cast<std::size_t>(m) * static_cast<std::size_t>(k), 0.0);
   for (int c = 0; c < k; ++c)
     for (std::size_t i = 0; i < fixed.size(); ++i)
       rows[static_cast<std::size_t>(c) * static_cast<std::size_t>(m) + i] = basis.column(c)[fixed[i]];
-  std::vector<double> sigma(static_cast<std::size_t>(k)), vt(static_cast<std::size_t>(k * k)),
-      work(static_cast<std::size_t>(10 * (m + 3 * k)));
-  int info = 0;
-  double unused = 0.0;
-  Teuchos::LAPACK<int, double>().GESVD('N', 'A', m, k, rows.data(), m, sigma.data(), &unused, 1, vt.data(), k,
-                                       work.data(), static_cast<int>(work.size()), &unused, &info);
-  HARMOS_REQUIRE(info == 0, "the singular value decomposition of a kernel failed");
   // Columns of the basis have length one, so one fixed dof of a body of n dofs gives about n^(-1/2).
-  const double zero = 1e-10 / std::sqrt(static_cast<double>(basis.rows));
-  Kernel result;
-  result.rows = basis.rows;
-  for (int v = 0; v < k; ++v) {
-    if (sigma[static_cast<std::size_t>(v)] > zero)
-      continue;
-    ++result.columns;
-    for (int i = 0; i < basis.rows; ++i) {
-      double sum = 0.0;
-      for (int c = 0; c < k; ++c)
-        sum += basis.column(c)[i] * vt[static_cast<std::size_t>(c * k + v)];
-      result.values.push_back(sum);
-    }
-  }
-  return result;
+  return combinationsThatVanish(basis, std::move(rows), m,
+                                1e-10 / std::sqrt(static_cast<double>(basis.rows)));
+}
+
+Kernel keptKernel(const Kernel& motions, const LocalMatrix& addition) {
+  Kernel basis = motions;
+  orthonormalize(basis);
+  if (basis.columns == 0)
+    return basis;
+  const auto n = static_cast<std::size_t>(basis.rows);
+  std::vector<double> image(n * static_cast<std::size_t>(basis.columns), 0.0);
+  for (int c = 0; c < basis.columns; ++c)
+    addition.multiply(basis.column(c), image.data() + static_cast<std::size_t>(c) * n);
+  // As above; and what counts as zero must also pass for zero when the kernel is verified.
+  return combinationsThatVanish(basis, std::move(image), basis.rows,
+                                1e-12 * addition.infinityNorm() / std::sqrt(static_cast<double>(n)));
 }
 
 void removeKernel(const Kernel& kernel, std::vector<double>& v) {

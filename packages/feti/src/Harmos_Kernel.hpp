@@ -35,6 +35,12 @@ Kernel rigidBodyKernel(const std::vector<double>& coordinates, int dimension);
 /// @throws NumericalError if the given motions are linearly dependent.
 Kernel heldKernel(const Kernel& motions, const std::vector<int>& fixed);
 
+/// An orthonormal basis of those combinations of the given motions R that a symmetric positive semidefinite
+/// matrix A does not feel, ARα = 0: as xᵀ(K + A)x = 0 only where both terms vanish, the kernel of K + A if R
+/// spans that of K. Singular values of AR below 1e-12 of the largest possible one count as zero.
+/// @throws NumericalError if the given motions are linearly dependent.
+Kernel keptKernel(const Kernel& motions, const LocalMatrix& addition);
+
 /// v ← (I − RRᵀ)v for a kernel with orthonormal columns.
 void removeKernel(const Kernel& kernel, std::vector<double>& v);
 

@@ -40,7 +40,7 @@ class BoundedLagrangian {
     return iteration_->step();
   }
 
-  /// Recomputes the gradient, as Ax − b + C̄ᵀμ⁺ with the μ⁺ = μ + ρr that finish() returns, when the rounding
+  /// Recomputes the gradient, as Ax − b + C̄ᵀμ⁺ with the μ⁺ = μ + ρr of storeMultiplier(), when the rounding
   /// errors that may have gathered in it exceed a tenth of the norm.
   /// @return whether it did; the state is then to be evaluated anew.
   bool confirmGradient(double projectedGradient);
@@ -48,8 +48,8 @@ class BoundedLagrangian {
   /// μ ← μ + factor·ρr, then ρ ← penalty.
   void updateMultiplier(double penalty, double factor = 1.0);
 
-  /// Gives the problem the multiplier μ + ρr that belongs to the last iterate; nothing else may follow.
-  void finish();
+  /// Gives the problem the multiplier μ + ρr that belongs to the present iterate.
+  void storeMultiplier();
 
   /// After Outcome::Unbounded: the direction of descent without end, of norm 1, and how well it is one.
   Teuchos::RCP<MV> unboundedDirection(Certificate& certificate);

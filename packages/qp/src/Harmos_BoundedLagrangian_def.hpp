@@ -182,12 +182,12 @@ void BoundedLagrangian<Scalar, MV, OP>::updateMultiplier(double penalty, double 
 }
 
 template<class Scalar, class MV, class OP>
-void BoundedLagrangian<Scalar, MV, OP>::finish() {
+void BoundedLagrangian<Scalar, MV, OP>::storeMultiplier() {
   if (!rows_.isPresent())
     return;
   rows_.residual(*problem_.solution(), *residual_);
-  Belos::MultiVecTraits<Scalar, MV>::MvAddMv(1.0, *mu_, penalty_, *residual_, *mu_);
-  rows_.toUser(*mu_, *problem_.multiplier());
+  Belos::MultiVecTraits<Scalar, MV>::MvAddMv(1.0, *mu_, penalty_, *residual_, *rowWork_);
+  rows_.toUser(*rowWork_, *problem_.multiplier());
 }
 
 template<class Scalar, class MV, class OP>

@@ -38,6 +38,11 @@ bool BoundedSolver<Scalar, MV, OP>::minimise(Lagrangian& lagrangian, State& stat
         state = lagrangian.evaluate(state.outer, state.inner);
         continue;
       }
+      if (*reason == Reason::Converged) {
+        lagrangian.storeMultiplier();
+        if (!this->accepted())
+          continue; // the test is stricter now
+      }
       this->stopFor(*reason, state);
       return false;
     }

@@ -55,7 +55,7 @@ void DualPenaltySolver<Scalar, MV, OP>::doSolve() {
   IterationState<MV> state = this->begin(lagrangian, penalty, 0.0);
   this->minimise(lagrangian, state, nullptr, 0.0);
   this->result_.penalty = penalty;
-  lagrangian.finish();
+  lagrangian.storeMultiplier();
   // A residual that the penalty does not make small may be that of a problem without feasible points.
   const double scale =
       std::sqrt(rows->norm2()) * norm<Scalar>(*this->problem_->solution()) + norm<Scalar>(rows->values());

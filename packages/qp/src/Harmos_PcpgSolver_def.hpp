@@ -14,6 +14,7 @@ const ParameterSpec& PcpgSolver<Scalar, MV, OP>::spec() {
   static const ParameterSpec result = [] {
     ParameterSpec spec("PCPG", "The solver for equalities alone.");
     SolverManager<Scalar, MV, OP>::addCommonParameters(spec);
+    spec.list(CgOptions::parameterSpec());
     return spec;
   }();
   return result;
@@ -34,7 +35,7 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
                      "allows to make so. Orthonormalise them and say so with EqualityStructure::Orthonormal, "
                      "or raise that parameter");
   Counters& counters = this->result_.counters;
-  Cg cg(problem, *rows, counters);
+  Cg cg(problem, *rows, CgOptions::fromList(this->parameters_->sublist("PCPG")), counters);
   const Teuchos::RCP<MV> residual = rows->isPresent() ? rows->makeVector() : Teuchos::null;
   const auto evaluate = [&](int inner) {
     IterationState<MV> state;
@@ -50,6 +51,13 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
     state.inner = inner;
     state.counters = &counters;
     return state;
+  };
+  const auto storeMultiplier = [&] {
+    if (!rows->isPresent())
+      return;
+    const Teuchos::RCP<MV> mu = rows->makeVector();
+    cg.multiplier(*mu);
+    rows->toUser(*mu, *problem.multiplier());
   };
   // Without a face there is nothing the equalities could contradict: the rows are consistent.
   cg.start({});
@@ -79,6 +87,11 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
         break;
       }
     }
+    if (done) {
+      storeMultiplier();
+      if (!this->accepted())
+        continue; // the test is stricter now
+    }
     if (reason) {
       this->stopFor(*reason, state);
       break;
@@ -101,11 +114,7 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
     state = evaluate(state.inner + 1);
     this->record(state, StepKind::Projected, 0.0, 0.0, 0);
   }
-  if (rows->isPresent()) {
-    const Teuchos::RCP<MV> mu = rows->makeVector();
-    cg.multiplier(*mu);
-    rows->toUser(*mu, *problem.multiplier());
-  }
+  storeMultiplier();
 }
 
 template<class Scalar, class MV, class OP>

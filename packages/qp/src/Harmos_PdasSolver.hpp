@@ -16,13 +16,15 @@ namespace Harmos::qp {
 /// gradient tells the first active set.
 ///
 /// There is no global convergence theory: when a set comes back, when the equalities cannot be met on a face,
-/// when A is singular there, or when there were too many guesses, MPRGP or SMALBE takes over from the present
-/// iterate (counters: safeguards).
+/// when A is singular there, when conjugate gradients take twice its dimension, when there were too many
+/// guesses, or when the share of the iterations is used up that is meant for it, MPRGP or SMALBE takes over
+/// from the present iterate (counters: safeguards) and has the rest of the iterations.
 ///
 /// Needs orthonormal rows (made so if they are few). With equalities the dense C_FC_Fᵀ is factored for each
 /// guess, at a product with C and Cᵀ a row.
 ///
-/// Guarded by tests/unit/qp/test_random_problems.cpp and tests/verification/test_obstacle.cpp.
+/// Guarded by tests/unit/qp/test_pdas_budget.cpp, tests/unit/qp/test_random_problems.cpp and
+/// tests/verification/test_obstacle.cpp.
 template<class Scalar, class MV, class OP>
 class PdasSolver : public SolverManager<Scalar, MV, OP> {
  public:

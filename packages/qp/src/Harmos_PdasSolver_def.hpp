@@ -20,6 +20,8 @@ ParameterSpec PdasSolver<Scalar, MV, OP>::methodSpec() {
             "settles.");
   spec.integer("Maximum active sets", 200, 1, 1000000,
                "Active sets tried before a globally convergent method takes over.");
+  spec.real("Share of iterations", 0.5, Range::strictlyWithin(0.0, 1.0),
+            "Part of \"Maximum Iterations\" after which a globally convergent method takes over.");
   return spec;
 }
 
@@ -29,6 +31,7 @@ const ParameterSpec& PdasSolver<Scalar, MV, OP>::spec() {
     ParameterSpec spec("PDAS", "The primal-dual active set solver.");
     SolverManager<Scalar, MV, OP>::addCommonParameters(spec);
     spec.list(methodSpec());
+    spec.list(CgOptions::parameterSpec());
     spec.list(SmalbeSolver<Scalar, MV, OP>::methodSpec());
     spec.list(MprgpOptions::parameterSpec());
     return spec;
@@ -72,6 +75,9 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
   const Teuchos::ParameterList& list = this->parameters_->sublist("PDAS");
   const double innerReduction = list.get<double>("Inner reduction");
   const int mostSets = list.get<int>("Maximum active sets");
+  const int budget = this->firstInner_ + static_cast<int>(list.get<double>("Share of iterations") *
+                                                          (this->maximumIterations() - this->firstInner_));
+  const auto length = static_cast<long long>(MVT::GetGlobalLength(*problem.solution()));
   const MV* lower = problem.lowerBound().get();
   const MV* upper = problem.upperBound().get();
   MV& x = *problem.solution();
@@ -150,7 +156,7 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
     active = BT::updateActiveSet(x, *y, lower, upper, 0.0, 0.0, set).active;
   }
 
-  Cg cg(problem, *rows, counters);
+  Cg cg(problem, *rows, CgOptions::fromList(this->parameters_->sublist("PCPG")), counters);
   std::set<std::pair<double, double>> seen;
   IterationState<MV> state = evaluate(std::numeric_limits<double>::infinity(), this->firstInner_);
   bool settled = false, newFace = true;
@@ -170,12 +176,20 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
     const double target = settled ? 0.0 : innerReduction * cg.residualNorm();
     std::optional<Reason> reason;
     bool stepped = false;
+    long long faceSteps = 0;
     while (true) {
       if (!std::isfinite(cg.residualNorm()))
         return this->stop(Reason::Breakdown, Explanations::breakdown(), state);
       reason = this->judge(state);
       if (reason || cg.residualNorm() <= std::max(target, cg.attainable()))
         break;
+      // Exact conjugate gradients end within the dimension of the face.
+      if (state.inner >= budget || faceSteps++ > 2 * (length - active) + 10) {
+        BT::project(x, lower, upper);
+        storeMultiplier(cg);
+        return fallBack(state.inner >= budget ? "its share of the iterations is used up"
+                                              : "conjugate gradients crawl on a face");
+      }
       const typename Cg::Outcome outcome = cg.step();
       if (outcome == Cg::Outcome::Flat)
         return fallBack("the Hessian is singular on a face");
@@ -207,9 +221,13 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
     if (this->judge(evaluate(expected, state.inner)) == Reason::Converged ||
         (change.changed == 0 && exhausted)) {
       state = measure(cg, state.inner, change.violation2 == 0.0);
-      if (this->judge(state) == Reason::Converged)
-        return this->stopFor(Reason::Converged, state);
-      if (change.changed == 0 && exhausted)
+      bool sentBack = false;
+      while (this->judge(state) == Reason::Converged) {
+        if (this->accepted())
+          return this->stopFor(Reason::Converged, state);
+        sentBack = true; // the test is stricter now
+      }
+      if (change.changed == 0 && (cg.residualNorm() <= cg.attainable() || (exhausted && !sentBack)))
         return this->stop(
             Reason::Stagnation,
             Explanations::stagnation(state.projectedGradient, cg.attainable(), state.equalityDistance),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ConjugateDirections.hpp"
 #include "Harmos_EqualityRows.hpp"
 #include "Harmos_InFacePreconditioner.hpp"
 
@@ -17,14 +18,16 @@ namespace Harmos::qp {
 /// the rest vanishes, and would spoil it by cancellation. What is removed adds up to −μ̄.
 ///
 /// Cost of a step: one product with A, one or (preconditioned) two projections, one with the preconditioner,
-/// and two reductions for scalars. Guarded by tests/unit/qp/test_solvers.cpp.
+/// and two reductions for scalars; what full conjugation adds see ConjugateDirections. Guarded by
+/// tests/unit/qp/test_solvers.cpp.
 template<class Scalar, class MV, class OP>
 class ProjectedCg {
  public:
   enum class Outcome { Step, Flat, Breakdown };
 
   /// All to outlive this.
-  ProjectedCg(const Problem<Scalar, MV, OP>& problem, EqualityRows<Scalar, MV, OP>& rows, Counters& counters);
+  ProjectedCg(const Problem<Scalar, MV, OP>& problem, EqualityRows<Scalar, MV, OP>& rows,
+              const CgOptions& options, Counters& counters);
 
   /// Moves the problem's solution onto the face and the equalities, and begins there; a product with A.
   /// @param active empty for none. @return false if the equalities cannot be met on the face.
@@ -60,6 +63,7 @@ class ProjectedCg {
   EqualityRows<Scalar, MV, OP>& rows_;
   Counters& counters_;
   InFacePreconditioner<Scalar, MV, OP> preconditioner_;
+  ConjugateDirections<Scalar, MV> directions_;
   LocalActiveSet active_;
   bool hasFace_ = false;
   Teuchos::RCP<const FaceGram> faceGram_;

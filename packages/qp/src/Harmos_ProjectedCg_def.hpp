@@ -13,11 +13,13 @@ namespace Harmos::qp {
 
 template<class Scalar, class MV, class OP>
 ProjectedCg<Scalar, MV, OP>::ProjectedCg(const Problem<Scalar, MV, OP>& problem,
-                                         EqualityRows<Scalar, MV, OP>& rows, Counters& counters)
+                                         EqualityRows<Scalar, MV, OP>& rows, const CgOptions& options,
+                                         Counters& counters)
     : problem_(problem),
       rows_(rows),
       counters_(counters),
       preconditioner_(problem, counters),
+      directions_(options),
       curvatureBound_(problem.hessianNorm()) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   for (Teuchos::RCP<MV>* vector : {&w_, &p_, &image_})
@@ -109,6 +111,7 @@ void ProjectedCg<Scalar, MV, OP>::restart() {
   rhsNorm_ = norm<Scalar>(*problem_.rhs());
   level_ = 0.0;
   raiseLevel(dot<Scalar>(x, x));
+  directions_.clear();
   precondition();
   MVT::Assign(*z_, *p_);
 }
@@ -143,6 +146,7 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
   directionDotImage_ = sums.directionDotImage;
   const double length = sums.gradientDotDirection / directionDotImage_;
   MVT::MvAddMv(1.0, *problem_.solution(), -length, *p_, *problem_.solution());
+  directions_.add(*p_, *image_, directionDotImage_);
   if (hasFace_) {
     MVT::MvAddMv(1.0, *gradient_, -length, *image_, *gradient_);
     BoundTraits<Scalar, MV>::maskActive(*image_, active_);
@@ -158,6 +162,7 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
   // Exactly conjugate to the last direction also with a preconditioner that is not quite symmetric.
   const double beta = after.preconditionedDotImage / directionDotImage_;
   MVT::MvAddMv(1.0, *z_, -beta, *p_, *p_);
+  directions_.conjugate(*p_);
   return Outcome::Step;
 }
 

@@ -26,6 +26,9 @@ ParameterSpec MethodSpecs::mprgp() {
 ParameterSpec MethodSpecs::smalbe() {
   return SmalbeSolver<Scalar, MultiVector, Operator>::methodSpec();
 }
+ParameterSpec MethodSpecs::pcpg() {
+  return CgOptions::parameterSpec();
+}
 ParameterSpec MethodSpecs::pdas() {
   return PdasSolver<Scalar, MultiVector, Operator>::methodSpec();
 }

@@ -26,6 +26,7 @@ extern template class SolverFactory<Scalar, MultiVector, Operator>;
 struct MethodSpecs {
   static ParameterSpec mprgp();
   static ParameterSpec smalbe();
+  static ParameterSpec pcpg();
   static ParameterSpec pdas();
   static ParameterSpec dualPenalty();
 };

@@ -167,7 +167,7 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
     state = lagrangian.evaluate(state.outer + 1, state.inner);
   }
   this->result_.penalty = lagrangian.penalty();
-  lagrangian.finish();
+  lagrangian.storeMultiplier();
   // Of a problem without feasible points, neither a descent without end nor a limit is the reason.
   if (this->result_.reason == Reason::Unbounded || this->result_.reason == Reason::IterationLimit ||
       this->result_.reason == Reason::Stagnation)

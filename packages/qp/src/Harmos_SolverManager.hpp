@@ -12,6 +12,7 @@
 #include <Teuchos_RCP.hpp>
 
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -59,6 +60,12 @@ class SolverManager {
   /// another reason than convergence, see StatusTest::reason().
   void setConvergenceTest(const Teuchos::RCP<StatusTest<MV>>& test) { convergenceTest_ = test; }
 
+  /// Is asked when the solver would stop as converged, with x and the multiplier in the problem as they would
+  /// be returned; if it says no, having made the convergence test stricter, the solver goes on from where it
+  /// is, conjugate directions and all. For criteria that cost too much to be looked at in every iteration.
+  /// Null: what passes the test is accepted. Called on all ranks at once; the answer has to be the same.
+  void setAcceptance(std::function<bool()> acceptance) { acceptance_ = std::move(acceptance); }
+
   /// Is asked about every iterate, and its answer ignored; null for none.
   void setDebugStatusTest(const Teuchos::RCP<StatusTest<MV>>& test) { debugTest_ = test; }
 
@@ -102,6 +109,9 @@ class SolverManager {
   /// yet does not take "converged" for an answer.
   std::optional<Reason> judge(const IterationState<MV>& state);
 
+  /// What setAcceptance() was given says of the answer that the problem holds now.
+  bool accepted() const { return !acceptance_ || acceptance_(); }
+
   /// The rows as solvers use them; null, with the solver stopped, if they contradict each other.
   Teuchos::RCP<EqualityRows<Scalar, MV, OP>> makeRows();
 
@@ -131,6 +141,7 @@ class SolverManager {
   Teuchos::RCP<Teuchos::ParameterList> parameters_;
   Teuchos::RCP<StatusTest<MV>> convergenceTest_;
   Teuchos::RCP<StatusTest<MV>> debugTest_;
+  std::function<bool()> acceptance_;
   Teuchos::RCP<const MV> certificate_;
   Log log_;
   Result result_;

@@ -284,6 +284,7 @@ void SolverManager<Scalar, MV, OP>::delegate(SolverManager& other) {
   other.firstInner_ = before;
   other.setProblem(problem_);
   other.setConvergenceTest(activeTest_);
+  other.setAcceptance(acceptance_);
   other.setDebugStatusTest(debugTest_);
   other.setLog(log_);
   other.testGoesOn_ = true;

@@ -91,6 +91,7 @@ class StatusTestProjectedGradient : public StatusTestValue<MV> {
     return this->judge(state.projectedGradient, tolerance_ * scale_);
   }
   double scale() const { return scale_; }
+  void setTolerance(double tolerance) { tolerance_ = tolerance; }
 
  private:
   double tolerance_;
@@ -196,6 +197,7 @@ class StatusTestEqualityResidual : public StatusTestValue<MV> {
     return this->judge(state.equalityResidual, tolerance_ * scale_);
   }
   double scale() const { return scale_; }
+  void setTolerance(double tolerance) { tolerance_ = tolerance; }
 
  private:
   double tolerance_;

@@ -5,7 +5,8 @@
 #include "Harmos_Assembly.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Log.hpp"
-#include "Harmos_ParameterSpec.hpp"
+#include "Harmos_NearestName.hpp"
+#include "Harmos_SubdomainEffects.hpp"
 #include "Harmos_TornBody.hpp"
 
 #include <algorithm>
@@ -15,70 +16,9 @@
 namespace Harmos::scene {
 namespace {
 
-// Load vectors of membranes, of which those that are the same exist once: the key is what a load looks like
-// from within the subdomain, the boxes cut to it, relative to its anchor.
-class BoxLoads {
- public:
-  std::shared_ptr<const std::vector<double>> of(const fem::PlacedMesh& placed,
-                                                const std::vector<fem::BoxLoad>& loads) {
-    const std::vector<fem::BoxLoad> local = fem::localLoads(placed, loads);
-    Key key = {placed.mesh.get(), {}};
-    for (const fem::BoxLoad& load : local)
-      for (double entry : {load.value, load.least[0], load.least[1], load.most[0], load.most[1]})
-        key.second.push_back(entry);
-    std::shared_ptr<const std::vector<double>>& load = loads_[key];
-    if (!load)
-      load = std::make_shared<std::vector<double>>(fem::assembleLoad(*placed.mesh, local));
-    return load;
-  }
-
- private:
-  using Key = std::pair<const fem::Mesh*, std::vector<double>>;
-  std::map<Key, std::shared_ptr<const std::vector<double>>> loads_;
-};
-
-void addTo(std::vector<double>& sum, const std::vector<double>& more) {
-  for (std::size_t k = 0; k < sum.size(); ++k)
-    sum[k] += more[k];
-}
-
-// All loads of an elastic subdomain; those without any share a vector of zeros.
-class ElasticLoads {
- public:
-  std::shared_ptr<const std::vector<double>> of(const fem::PlacedMesh& placed, const Body& body,
-                                                const fem::Elasticity& elasticity) {
-    const fem::Mesh& mesh = *placed.mesh;
-    const auto dofs = static_cast<std::size_t>(mesh.numberOfNodes() * mesh.dimension());
-    const auto hasSides = [&](const Body::Traction& traction) {
-      return placed.sides.count(traction.set) > 0;
-    };
-    if (body.forces.empty() && body.temperature == 0.0 &&
-        std::none_of(body.tractions.begin(), body.tractions.end(), hasSides)) {
-      std::shared_ptr<const std::vector<double>>& zero = zeros_[dofs];
-      if (!zero)
-        zero = std::make_shared<std::vector<double>>(dofs, 0.0);
-      return zero;
-    }
-    const auto load = std::make_shared<std::vector<double>>(dofs, 0.0);
-    for (const fem::VectorField& force : body.forces)
-      addTo(*load, fem::assembleBodyForce(mesh, placed.anchor, force));
-    for (const Body::Traction& traction : body.tractions)
-      if (hasSides(traction))
-        addTo(*load,
-              fem::assembleTraction(mesh, placed.anchor, placed.sides.at(traction.set), traction.density));
-    if (body.temperature != 0.0)
-      addTo(*load, fem::assembleThermalLoad(mesh, elasticity, body.temperature));
-    return load;
-  }
-
- private:
-  std::map<std::size_t, std::shared_ptr<const std::vector<double>>> zeros_;
-};
-
 // What subdomains of the same mesh and body share.
 struct SharedParts {
-  std::shared_ptr<const LocalMatrix> stiffness;
-  std::shared_ptr<const feti::Kernel> motions;
+  SubdomainEffects::Stiffness elastic;
   std::shared_ptr<const std::vector<int>> interface;
 };
 
@@ -86,13 +26,15 @@ SharedParts sharedParts(const Scene& scene, const Body& body, const std::shared_
   const int components = scene.components();
   SharedParts parts;
   if (scene.physics == Physics::Membrane) {
-    parts.stiffness = std::make_shared<LocalMatrix>(fem::assembleLaplace(*mesh));
-    parts.motions = std::make_shared<feti::Kernel>(feti::constantKernel(mesh->numberOfNodes()));
+    parts.elastic.matrix = std::make_shared<LocalMatrix>(fem::assembleLaplace(*mesh));
+    parts.elastic.motions = std::make_shared<feti::Kernel>(feti::constantKernel(mesh->numberOfNodes()));
     parts.interface = {mesh, &mesh->boundary};
     return parts;
   }
-  parts.stiffness = std::make_shared<LocalMatrix>(fem::assembleElasticity(*mesh, elasticityOf(scene, body)));
-  parts.motions = std::make_shared<feti::Kernel>(feti::rigidBodyKernel(mesh->coordinates, mesh->dimension()));
+  parts.elastic.matrix =
+      std::make_shared<LocalMatrix>(fem::assembleElasticity(*mesh, elasticityOf(scene, body)));
+  parts.elastic.motions =
+      std::make_shared<feti::Kernel>(feti::rigidBodyKernel(mesh->coordinates, mesh->dimension()));
   const auto interface = std::make_shared<std::vector<int>>();
   for (int node : mesh->boundary)
     for (int c = 0; c < components; ++c)
@@ -123,10 +65,6 @@ void checkBody(const Scene& scene, const Body& body, const fem::Mesh& mesh) {
 }
 
 } // namespace
-
-fem::Elasticity elasticityOf(const Scene& scene, const Body& body) {
-  return {kinematicsOf(scene.physics), body.dilatation, body.materials};
-}
 
 Share shareOf(int rank, int ranks, long long subdomains) {
   return {subdomains * rank / ranks, subdomains * (rank + 1) / ranks};
@@ -205,11 +143,12 @@ void requireBody(const Scene& scene, int body, const std::string& what) {
                      std::to_string(scene.bodies.size()) + " bodies");
 }
 
-void requirePart(const Scene& scene, const PartNames& names, int b, const std::string& set,
-                 const std::string& what, bool needsSides) {
-  requireBody(scene, b, what);
-  const auto body = static_cast<std::size_t>(b);
-  const std::set<std::string>& known = needsSides ? names.withSides[body] : names.all[body];
+void requirePart(const Scene& scene, const PartNames& names, const Effect::BoundaryPart& part,
+                 const std::string& what) {
+  requireBody(scene, part.body, what);
+  const auto body = static_cast<std::size_t>(part.body);
+  const std::string& set = part.set;
+  const std::set<std::string>& known = part.needsSides ? names.withSides[body] : names.all[body];
   if (known.count(set) > 0)
     return;
   const std::vector<std::string> candidates(known.begin(), known.end());
@@ -232,49 +171,42 @@ void checkBoundaryParts(const Teuchos::Comm<int>& comm, const Scene& scene,
                         const std::vector<OwnedSubdomain>& owned) {
   const PartNames names = gatherPartNames(comm, scene.bodies.size(), owned);
   // From here on every rank has the same data and meets the same errors.
-  for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-    const Body& body = scene.bodies[b];
-    for (const Body::PrescribedDisplacement& prescribed : body.prescribed) {
-      requirePart(scene, names, static_cast<int>(b), prescribed.set, "a prescribed displacement", false);
-      if (prescribed.component < 0 || prescribed.component >= scene.components())
-        throw InputError("a prescribed displacement of body \"" + body.name + "\" is of component " +
-                         std::to_string(prescribed.component) + ", but a node has " +
-                         std::to_string(scene.components()));
-    }
-    for (const Body::Traction& traction : body.tractions)
-      requirePart(scene, names, static_cast<int>(b), traction.set, "a traction", true);
+  for (const auto& effect : scene.effects) {
+    for (int body : effect->bodies())
+      requireBody(scene, body, effect->label());
+    effect->check(scene);
+    for (const Effect::BoundaryPart& part : effect->boundaryParts())
+      requirePart(scene, names, part, effect->label());
   }
-  for (const Interface& interface : scene.interfaces) {
-    const std::string what = interface.kind == Interface::Kind::Tie ? "a tie" : "a contact";
-    requirePart(scene, names, interface.firstBody, interface.firstSet, what, true);
-    requirePart(scene, names, interface.secondBody, interface.secondSet, what, true);
-  }
-  for (const ObstacleContact& obstacle : scene.obstacles)
-    requirePart(scene, names, obstacle.body, obstacle.set, "obstacle \"" + obstacle.name + "\"", true);
 }
 
 std::vector<feti::Subdomain> assemble(const Scene& scene, const std::vector<OwnedSubdomain>& owned) {
+  EffectCosts costs(scene);
+  return assemble(scene, owned, costs);
+}
+
+std::vector<feti::Subdomain> assemble(const Scene& scene, const std::vector<OwnedSubdomain>& owned,
+                                      EffectCosts& costs) {
   std::map<std::pair<const fem::Mesh*, int>, SharedParts> shared;
-  BoxLoads boxLoads;
-  ElasticLoads elasticLoads;
+  SubdomainEffects effects(scene, costs);
   const int components = scene.components();
   std::vector<feti::Subdomain> result;
   for (const OwnedSubdomain& item : owned) {
     const Body& body = scene.bodies[static_cast<std::size_t>(item.body)];
-    const bool isMembrane = scene.physics == Physics::Membrane;
     feti::Subdomain subdomain;
     subdomain.number = item.number;
     try {
       SharedParts& parts = shared[{item.mesh.mesh.get(), item.body}];
-      if (!parts.stiffness) {
+      if (!parts.elastic.matrix) {
         checkBody(scene, body, *item.mesh.mesh);
         parts = sharedParts(scene, body, item.mesh.mesh);
       }
-      subdomain.stiffness = parts.stiffness;
-      subdomain.motions = parts.motions;
+      const SubdomainEffects::Stiffness stiffness = effects.stiffness(item, parts.elastic);
+      subdomain.stiffness = stiffness.matrix;
+      subdomain.motions = stiffness.motions;
       subdomain.interface = parts.interface;
-      subdomain.load = isMembrane ? boxLoads.of(item.mesh, body.bodyForce)
-                                  : elasticLoads.of(item.mesh, body, elasticityOf(scene, body));
+      subdomain.load = effects.load(item);
+      subdomain.fixed = effects.countedPrescribed(item);
     } catch (const NumericalError& error) {
       const fem::Point& anchor = item.mesh.anchor;
       throw InputError("body \"" + body.name + "\", subdomain " + std::to_string(item.number) +
@@ -285,14 +217,6 @@ std::vector<feti::Subdomain> assemble(const Scene& scene, const std::vector<Owne
     for (long long number : item.mesh.boundaryNumbers)
       for (int c = 0; c < components; ++c)
         subdomain.numbers.push_back(number * components + c);
-    for (const Body::PrescribedDisplacement& prescribed : body.prescribed) {
-      const auto set = item.mesh.sets.find(prescribed.set);
-      if (set != item.mesh.sets.end())
-        for (int node : set->second)
-          subdomain.fixed.push_back(
-              {node * components + prescribed.component,
-               prescribed.field ? prescribed.field(item.mesh.position(node)) : prescribed.value});
-    }
     result.push_back(std::move(subdomain));
   }
   return result;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_EffectCosts.hpp"
+#include "Harmos_OwnedSubdomain.hpp"
 #include "Harmos_Scene.hpp"
 #include "Harmos_SubdomainSystem.hpp"
 
@@ -9,13 +11,6 @@
 #include <vector>
 
 namespace Harmos::scene {
-
-/// A subdomain of a body with its mesh, on the rank that owns it.
-struct OwnedSubdomain {
-  long long number; ///< over all bodies
-  int body;
-  fem::PlacedMesh mesh;
-};
 
 /// Subdomains begin ... end − 1 of a rank.
 struct Share {
@@ -30,19 +25,20 @@ Share shareOf(int rank, int ranks, long long subdomains);
 /// @note Collective.
 std::vector<OwnedSubdomain> decompose(const Teuchos::Comm<int>& comm, const Scene& scene);
 
-/// Refuses boundary parts that a scene names and its bodies do not have, offering the nearest one.
+/// Refuses bodies and boundary parts that effects name and that are not there, offering the nearest part, and
+/// what the effects themselves refuse.
 /// @throws InputError on all ranks.
 /// @note Collective.
 void checkBoundaryParts(const Teuchos::Comm<int>& comm, const Scene& scene,
                         const std::vector<OwnedSubdomain>& owned);
 
-/// Stiffness, load, kernel and Dirichlet conditions of each. Subdomains that share a mesh share the matrix.
+/// Stiffness, load, kernel and Dirichlet conditions of each, with what the effects add to them. Subdomains
+/// that share a mesh share the matrix.
 /// @throws InputError for materials out of range and cells that are inverted or have no area, naming body,
 ///         cell and place.
 /// Local.
+std::vector<feti::Subdomain> assemble(const Scene& scene, const std::vector<OwnedSubdomain>& owned,
+                                      EffectCosts& costs);
 std::vector<feti::Subdomain> assemble(const Scene& scene, const std::vector<OwnedSubdomain>& owned);
-
-/// A body's elastic properties as the fem package takes them.
-fem::Elasticity elasticityOf(const Scene& scene, const Body& body);
 
 } // namespace Harmos::scene

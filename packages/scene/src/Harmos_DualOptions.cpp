@@ -81,6 +81,11 @@ DualOptions DualOptions::fromList(const Teuchos::ParameterList& list) {
   return options;
 }
 
+feti::PreconditionerScaling DualOptions::scalingFor(const Scene& scene) const {
+  return scaling.value_or(scene.hasSeveralMaterials() ? feti::PreconditionerScaling::Stiffness
+                                                      : feti::PreconditionerScaling::Multiplicity);
+}
+
 std::string DualOptions::describe(feti::DualForm used) const {
   std::string text = feti::toString(used);
   text += inverses.precision == feti::Precision::Single ? ", single" : ", double";

@@ -4,6 +4,7 @@
 #include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_LocalInverses.hpp"
 #include "Harmos_ParameterSpec.hpp"
+#include "Harmos_Scene.hpp"
 
 #include <Teuchos_ParameterList.hpp>
 
@@ -19,6 +20,7 @@ struct DualOptions {
   feti::PreconditionerKind preconditioner = feti::PreconditionerKind::Dirichlet;
   /// Null: stiffness where materials differ from body to body or region to region, else multiplicity.
   std::optional<feti::PreconditionerScaling> scaling;
+  feti::PreconditionerScaling scalingFor(const Scene& scene) const;
   int expectedProducts = 0; ///< 0: 30 for membranes, 100 for elastic bodies
   int memoryBudgetMiB = 0;
 

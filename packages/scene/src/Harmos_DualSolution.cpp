@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_DualSolution.hpp"
 
+#include "Harmos_AnswerCheck.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Qp.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
 #include <Tpetra_MultiVector.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <sstream>
 
 namespace Harmos::scene {
@@ -18,6 +21,17 @@ double norm(const MultiVector& x) {
   std::vector<double> result(1);
   x.norm2(Teuchos::arrayViewFromVector(result));
   return result[0];
+}
+
+// Of a vector that every rank has whole; empty for null.
+std::vector<double> valuesOf(const Teuchos::RCP<const MultiVector>& vector) {
+  std::vector<double> values;
+  if (vector.is_null())
+    return values;
+  const auto view = vector->getLocalViewHost(Tpetra::Access::ReadOnly);
+  for (std::size_t k = 0; k < view.extent(0); ++k)
+    values.push_back(view(k, 0));
+  return values;
 }
 
 // What PDAS needs of G on faces, by the structure of the coarse space.
@@ -49,30 +63,32 @@ class CoarseFaceGram : public qp::FaceGramMaker<MultiVector> {
 // The convergence test of the stopping rule; the scales go to the report.
 struct Test {
   Teuchos::RCP<StatusTestType> test;
+  Teuchos::RCP<qp::StatusTestProjectedGradient<MultiVector>> gradient;
   Teuchos::RCP<qp::StatusTestEqualityResidual<MultiVector>> equality;
 };
 
-Test convergenceTest(const feti::DualProblem& dual, const RunOptions& options, bool judgeEquality,
-                     RunReport& report) {
+Test convergenceTest(const feti::DualProblem& dual, const RunOptions& options, double tolerance,
+                     bool judgeEquality, RunReport& report) {
   report.dNorm = norm(dual.d());
   report.gradientScale = options.stoppingRule == StoppingRule::Paper ? report.dNorm : norm(*dual.rhs());
   Test result;
-  std::vector<Teuchos::RCP<StatusTestType>> tests = {Teuchos::rcp(
-      new qp::StatusTestProjectedGradient<MultiVector>(options.tolerance, report.gradientScale))};
+  result.gradient =
+      Teuchos::rcp(new qp::StatusTestProjectedGradient<MultiVector>(tolerance, report.gradientScale));
+  std::vector<Teuchos::RCP<StatusTestType>> tests = {result.gradient};
   if (!dual.equalityRows().is_null()) {
     using EqualityTest = qp::StatusTestEqualityResidual<MultiVector>;
     switch (options.stoppingRule) {
     case StoppingRule::Scaled:
       report.equalityScale = norm(*dual.shift());
-      result.equality = Teuchos::rcp(new EqualityTest(options.tolerance, report.equalityScale, dual.shift()));
+      result.equality = Teuchos::rcp(new EqualityTest(tolerance, report.equalityScale, dual.shift()));
       break;
     case StoppingRule::Paper:
       report.equalityScale = dual.scaledLoadNorm();
-      result.equality = Teuchos::rcp(new EqualityTest(options.tolerance, report.equalityScale));
+      result.equality = Teuchos::rcp(new EqualityTest(tolerance, report.equalityScale));
       break;
     case StoppingRule::Permon:
       report.equalityScale = norm(*dual.rhs());
-      result.equality = Teuchos::rcp(new EqualityTest(options.tolerance, report.equalityScale));
+      result.equality = Teuchos::rcp(new EqualityTest(tolerance, report.equalityScale));
       break;
     }
     if (judgeEquality)
@@ -88,7 +104,7 @@ Test convergenceTest(const feti::DualProblem& dual, const RunOptions& options, b
 DualSolution solveDualProblem(const feti::SubdomainSystem& system, const feti::Constraints& constraints,
                               const feti::CoarseSpace& coarse, const feti::DualProblem& dual,
                               const Teuchos::RCP<const Operator>& preconditioner, const RunOptions& options,
-                              const Log& log, RunReport& report) {
+                              const Acceptance& acceptance, const Log& log, RunReport& report) {
   DualSolution solution;
   solution.lambda = Teuchos::rcp(new MultiVector(constraints.rowMap(), 1));
   if (options.initialGuess == InitialGuess::HalfLoad) {
@@ -125,17 +141,38 @@ DualSolution solveDualProblem(const feti::SubdomainSystem& system, const feti::C
     list->sublist("MPRGP") = options.methodLists.sublist("MPRGP");
   if (method == "SMALBE" || method == "PDAS")
     list->sublist("SMALBE") = options.methodLists.sublist("SMALBE");
+  if (method == "PCPG" || method == "PDAS")
+    list->sublist("PCPG") = options.methodLists.sublist("PCPG");
   if (method == "Dual Penalty" || method == "PDAS")
     list->sublist(method) = options.methodLists.sublist(method);
   const auto solver = qp::TpetraSolverFactory().create(method, list);
   report.solver = solver->name();
-  const Test test = convergenceTest(dual, options, method != "Dual Penalty", report);
+  const bool isPenalty = method == "Dual Penalty";
+  double tolerance =
+      options.toleranceRule == ToleranceRule::Balanced ? firstBalancedTolerance() : options.tolerance;
+  const Test test = convergenceTest(dual, options, tolerance, !isPenalty, report);
   solver->setConvergenceTest(test.test);
+  if (!isPenalty)
+    solver->setAcceptance([&] {
+      // The tolerance that these residuals would just meet.
+      double met = tolerance * test.gradient->value() / test.gradient->limit();
+      if (!test.equality.is_null())
+        met = std::max(met, tolerance * test.equality->value() / test.equality->limit());
+      const std::optional<double> next =
+          acceptance(*solution.lambda, valuesOf(multiplier), std::isfinite(met) ? met : tolerance);
+      if (!next)
+        return true;
+      tolerance = *next;
+      test.gradient->setTolerance(tolerance);
+      if (!test.equality.is_null())
+        test.equality->setTolerance(tolerance);
+      return false;
+    });
   solver->setLog(log);
   solver->setProblem(problem);
   std::ostringstream text;
-  text << "Solving by " << report.solver << " to " << scientific(options.tolerance, 0) << " ("
-       << report.stoppingRule << " rule)";
+  text << "Solving by " << report.solver << " to " << scientific(tolerance, 0) << " (" << report.stoppingRule
+       << " rule" << (options.toleranceRule == ToleranceRule::Balanced ? "), and on as needed" : ")");
   log.info(text.str());
   if (options.progressFrequency > 0)
     log.info("  outer  inner  step              |g^P|   |G lambda|   active     F*x  seconds");
@@ -155,21 +192,13 @@ DualSolution solveDualProblem(const feti::SubdomainSystem& system, const feti::C
   }
   if (report.result.reason == qp::Reason::Infeasible && !solver->certificate().is_null()) {
     // y with yᵀGλ > 0 for all admissible λ: forces of one sign act on the motion R L⁻ᵀy.
-    const auto view = solver->certificate()->getLocalViewHost(Tpetra::Access::ReadOnly);
-    std::vector<double> y;
-    for (std::size_t k = 0; k < view.extent(0); ++k)
-      y.push_back(view(k, 0));
-    solution.escape = coarse.solveLt(y);
+    solution.escape = coarse.solveLt(valuesOf(solver->certificate()));
   }
   report.converged = report.result.converged();
   report.reason = qp::toString(report.result.reason);
   if (!report.converged)
     report.reason += ": " + report.result.explanation;
-  if (!multiplier.is_null()) {
-    const auto view = multiplier->getLocalViewHost(Tpetra::Access::ReadOnly);
-    for (std::size_t k = 0; k < view.extent(0); ++k)
-      solution.mu.push_back(view(k, 0));
-  }
+  solution.mu = valuesOf(multiplier);
   return solution;
 }
 

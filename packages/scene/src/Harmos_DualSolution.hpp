@@ -6,6 +6,8 @@
 #include "Harmos_RunOptions.hpp"
 #include "Harmos_RunReport.hpp"
 
+#include <functional>
+#include <optional>
 #include <vector>
 
 namespace Harmos::scene {
@@ -18,13 +20,17 @@ struct DualSolution {
   std::vector<double> escape;
 };
 
+/// Is asked about λ and μ that just meet a tolerance: the tolerance to go on to, or nothing. Collective.
+using Acceptance = std::function<std::optional<double>(const MultiVector& lambda,
+                                                       const std::vector<double>& mu, double tolerance)>;
+
 /// Hands the dual problem to the quadratic programming layer, with the solver, stopping rule and
 /// preconditioner of the options, and puts what became of it into the report.
-/// @param preconditioner or null.
+/// @param preconditioner or null. @param acceptance not of the penalty method.
 /// @throws NumericalError, InternalError on all ranks. @note Collective.
 DualSolution solveDualProblem(const feti::SubdomainSystem& system, const feti::Constraints& constraints,
                               const feti::CoarseSpace& coarse, const feti::DualProblem& dual,
                               const Teuchos::RCP<const Operator>& preconditioner, const RunOptions& options,
-                              const Log& log, RunReport& report);
+                              const Acceptance& acceptance, const Log& log, RunReport& report);
 
 } // namespace Harmos::scene

@@ -30,7 +30,14 @@ void RunOptions::addTo(ParameterSpec& deck) {
        {"PDAS", "primal-dual active sets; falls back to SMALBE or MPRGP"}},
       "The solver.");
   solver.real("Tolerance", 1e-4, Range::strictlyWithin(0.0, 1.0),
-              "Relative tolerance ε of the stopping rule.");
+              "Relative tolerance ε of the stopping rule; not used by the tolerance rule \"balanced\".");
+  solver.choice("Tolerance rule", "fixed",
+                {{"fixed", "ε is \"Tolerance\""},
+                 {"balanced", "ε is lowered until the solver's error is below a share of the discretisation "
+                              "error; both are estimated during the run, in the energy norm"}},
+                "What the tolerance is.");
+  solver.real("Solver error share", 0.3, Range::above(0.0),
+              "Rule \"balanced\": the largest solver error, as a share of the discretisation error.");
   solver.choice("Stopping rule", "scaled",
                 {{"scaled", "‖g^P‖ ≤ ε‖Pd‖ and ‖Gλ‖ ≤ ε max(‖λ̃‖, ‖λ + λ̃‖)"},
                  {"paper", "‖g^P‖ ≤ ε‖d‖ and ‖Gλ‖ ≤ ε‖(G̃G̃ᵀ)⁻¹ẽ‖"},
@@ -47,6 +54,7 @@ void RunOptions::addTo(ParameterSpec& deck) {
   solver.list(qp::MethodSpecs::mprgp());
   solver.list(qp::MethodSpecs::smalbe());
   solver.list(qp::MethodSpecs::dualPenalty());
+  solver.list(qp::MethodSpecs::pcpg());
   solver.list(qp::MethodSpecs::pdas());
   deck.list(std::move(solver));
 
@@ -67,6 +75,9 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
   const Teuchos::ParameterList& solver = deck.sublist("Solver");
   options.method = solver.get<std::string>("Method");
   options.tolerance = solver.get<double>("Tolerance");
+  options.toleranceRule = solver.get<std::string>("Tolerance rule") == "balanced" ? ToleranceRule::Balanced
+                                                                                  : ToleranceRule::Fixed;
+  options.solverErrorShare = solver.get<double>("Solver error share");
   const std::string rule = solver.get<std::string>("Stopping rule");
   options.stoppingRule = rule == "paper"    ? StoppingRule::Paper
                          : rule == "permon" ? StoppingRule::Permon
@@ -76,7 +87,7 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
   options.maximumIterations = solver.get<int>("Maximum iterations");
   options.maximumSeconds = solver.get<double>("Maximum seconds");
   options.progressFrequency = solver.get<int>("Progress frequency");
-  for (const char* method : {"MPRGP", "SMALBE", "Dual Penalty", "PDAS"})
+  for (const char* method : {"MPRGP", "SMALBE", "Dual Penalty", "PCPG", "PDAS"})
     options.methodLists.sublist(method) = solver.sublist(method);
   options.outputDirectory = deck.sublist("Output").get<std::string>("Directory");
   options.writeFields = deck.sublist("Output").get<bool>("Fields");
@@ -100,10 +111,15 @@ void checkConsistency(const Scene& scene, const RunOptions& options) {
                             : "the scene has a body without a prescribed displacement") +
             "; use \"Auto\" or \"SMALBE\"",
         {{"path", "Solver/Method"}});
+  if (options.toleranceRule == ToleranceRule::Balanced && options.method == "Dual Penalty")
+    throw InputError(
+        "contradictory options: the penalty method leaves jumps by design, whatever the tolerance, but "
+        "\"Solver/Tolerance rule\" = \"balanced\"; use \"fixed\" or another method",
+        {{"path", "Solver/Tolerance rule"}});
   // Residuals are those of a problem whose dense blocks are rounded to 6e-8: smaller ones would say nothing.
   constexpr double singleReaches = 1e-6;
   if (options.dual.inverses.precision == feti::Precision::Single && options.tolerance < singleReaches &&
-      options.dual.form != feti::DualForm::Implicit)
+      options.toleranceRule == ToleranceRule::Fixed && options.dual.form != feti::DualForm::Implicit)
     throw InputError(
         "\"Solver/Tolerance\" = " + scientific(options.tolerance, 0) +
             " is out of reach of dense blocks in single precision; set \"Dual operator/Precision\" = "

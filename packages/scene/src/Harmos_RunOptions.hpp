@@ -18,6 +18,12 @@ enum class StoppingRule {
   Permon ///< ‖g^P‖ ≤ ε‖Pd‖ and ‖Gλ‖ ≤ ε‖Pd‖
 };
 
+/// What the tolerance is.
+enum class ToleranceRule {
+  Fixed,   ///< ε as given
+  Balanced ///< such that the solver's error is a given share of the discretisation error; see AnswerCheck
+};
+
 /// The first iterate λ⁰, before it is projected onto the bounds.
 enum class InitialGuess {
   Zero,
@@ -28,7 +34,9 @@ enum class InitialGuess {
 struct RunOptions {
   feti::DirichletForm dirichlet = feti::DirichletForm::Primal;
   DualOptions dual;
-  double tolerance = 1e-4;
+  ToleranceRule toleranceRule = ToleranceRule::Fixed;
+  double tolerance = 1e-4;       ///< of the rule Fixed
+  double solverErrorShare = 0.3; ///< of the rule Balanced
   StoppingRule stoppingRule = StoppingRule::Scaled;
   InitialGuess initialGuess = InitialGuess::Zero;
   std::string method;

@@ -29,14 +29,20 @@ struct RunReport {
   double dualOperatorMiB = 0.0; ///< factors and dense blocks of all ranks
   std::string solver;
   std::string stoppingRule;
+  std::string toleranceRule;
   bool solved = false; ///< the solver has run
   bool converged = false;
   std::string reason = "not finished";
   qp::Result result;
-  double gradientScale = 0.0; ///< ‖g^P‖ is measured against it
-  double equalityScale = 0.0; ///< ‖Gλ‖ likewise, 0 without a coarse problem
-  double tolerance = 0.0;
-  double dNorm = 0.0; ///< ‖d‖
+  double gradientScale = 0.0;    ///< ‖g^P‖ is measured against it
+  double equalityScale = 0.0;    ///< ‖Gλ‖ likewise, 0 without a coarse problem
+  double tolerance = 0.0;        ///< asked for, or chosen by the rule "balanced"
+  double reachedTolerance = 0.0; ///< below that, where the audit asked for more
+  /// Rule "balanced" only: estimates relative to the solution, in the energy norm.
+  double discretisationError = 0.0;
+  double solverError = 0.0;
+  double dNorm = 0.0;       ///< ‖d‖
+  double gapRounding = 0.0; ///< gaps are known up to this: they are differences of coordinates
   bool audited = false;
   feti::KktAudit audit;
   // With inequalities; the same on every rank. For what applications make of them.

@@ -2,23 +2,10 @@
 #include "Harmos_Scene.hpp"
 
 #include <algorithm>
+#include <set>
 #include <tuple>
 
 namespace Harmos::scene {
-namespace {
-
-template<class Condition>
-bool anyBody(const Scene& scene, Condition&& condition) {
-  return std::any_of(scene.bodies.begin(), scene.bodies.end(), condition);
-}
-
-bool anyInterface(const Scene& scene, Interface::Kind kind) {
-  return std::any_of(scene.interfaces.begin(), scene.interfaces.end(),
-                     [kind](const Interface& interface) { return interface.kind == kind; });
-}
-
-} // namespace
-
 int componentsOf(Physics physics) {
   switch (physics) {
   case Physics::Membrane:
@@ -46,11 +33,19 @@ int Scene::subdomains() const {
 }
 
 bool Scene::hasInequalities() const {
-  return !obstacles.empty() || anyInterface(*this, Interface::Kind::Contact);
+  return std::any_of(effects.begin(), effects.end(),
+                     [](const auto& effect) { return effect->givesInequalities(); });
 }
 
 bool Scene::hasFloatingBody() const {
-  return anyBody(*this, [](const Body& body) { return body.prescribed.empty(); });
+  std::set<int> held;
+  for (const auto& effect : effects)
+    for (int body : effect->heldBodies())
+      held.insert(body);
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    if (held.count(static_cast<int>(b)) == 0)
+      return true;
+  return false;
 }
 
 bool Scene::hasSeveralMaterials() const {
@@ -65,23 +60,16 @@ bool Scene::hasSeveralMaterials() const {
   return false;
 }
 
-std::vector<std::string> Scene::effects() const {
-  std::vector<std::string> result;
-  if (anyInterface(*this, Interface::Kind::Tie))
-    result.push_back("Tie");
-  if (anyInterface(*this, Interface::Kind::Contact))
-    result.push_back("Contact");
-  if (!obstacles.empty())
-    result.push_back("Obstacle");
-  if (anyBody(*this, [](const Body& body) { return !body.bodyForce.empty() || !body.forces.empty(); }))
-    result.push_back("Body force");
-  if (anyBody(*this, [](const Body& body) { return !body.tractions.empty(); }))
-    result.push_back("Traction");
-  if (anyBody(*this, [](const Body& body) { return !body.prescribed.empty(); }))
-    result.push_back("Prescribed displacement");
-  if (anyBody(*this, [](const Body& body) { return body.temperature != 0.0; }))
-    result.push_back("Thermal strain");
-  return result;
+std::vector<std::string> Scene::effectKinds() const {
+  std::vector<std::string> kinds;
+  for (const auto& effect : effects)
+    if (std::find(kinds.begin(), kinds.end(), effect->kind()) == kinds.end())
+      kinds.push_back(effect->kind());
+  return kinds;
+}
+
+fem::Elasticity elasticityOf(const Scene& scene, const Body& body) {
+  return {kinematicsOf(scene.physics), body.dilatation, body.materials};
 }
 
 } // namespace Harmos::scene

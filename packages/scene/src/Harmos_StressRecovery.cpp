@@ -4,7 +4,10 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_Exchange.hpp"
 
+#include "Harmos_StressSums.hpp"
+
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 namespace Harmos::scene {
@@ -14,22 +17,13 @@ struct NodalShare {
   long long node;
   fem::Voigt weighted;
   double size;
+  std::array<int, 2> regions;
 };
 
-} // namespace
-
-std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& comm, const Scene& scene,
-                                                   const std::vector<OwnedSubdomain>& owned,
-                                                   const feti::TornVector& displacement) {
-  std::vector<fem::StressSums> sums;
-  agree(comm, [&] {
-    for (std::size_t i = 0; i < owned.size(); ++i) {
-      const Body& body = scene.bodies[static_cast<std::size_t>(owned[i].body)];
-      sums.push_back(
-          fem::stressSums(*owned[i].mesh.mesh, elasticityOf(scene, body), displacement[i], body.temperature));
-    }
-  });
-  // Copies meet on the rank that their number names, and the sums go back.
+// Brings together what the copies of a node have, in place. Copies meet on the rank that their number names,
+// and the sums go back. Collective.
+void addCopies(const Teuchos::Comm<int>& comm, const std::vector<OwnedSubdomain>& owned,
+               std::vector<fem::StressSums>& sums) {
   const auto ranks = static_cast<std::size_t>(comm.getSize());
   std::vector<std::vector<NodalShare>> sends(ranks);
   for (std::size_t i = 0; i < owned.size(); ++i)
@@ -37,16 +31,20 @@ std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& com
       const long long number = owned[i].mesh.boundaryNumbers[k];
       const auto node = static_cast<std::size_t>(owned[i].mesh.mesh->boundary[k]);
       sends[static_cast<std::size_t>(number) % ranks].push_back(
-          {number, sums[i].weighted[node], sums[i].size[node]});
+          {number, sums[i].weighted[node], sums[i].size[node], sums[i].regions[node]});
     }
   std::vector<std::vector<NodalShare>> received = exchangeItems(comm, sends);
   std::map<long long, NodalShare> total;
   for (const std::vector<NodalShare>& part : received)
     for (const NodalShare& share : part) {
-      NodalShare& sum = total.emplace(share.node, NodalShare{share.node, {}, 0.0}).first->second;
+      const auto [place, isNew] = total.emplace(share.node, share);
+      if (isNew)
+        continue;
+      NodalShare& sum = place->second;
       sum.size += share.size;
       for (std::size_t r = 0; r < 6; ++r)
         sum.weighted[r] += share.weighted[r];
+      sum.regions = {std::min(sum.regions[0], share.regions[0]), std::max(sum.regions[1], share.regions[1])};
     }
   for (std::vector<NodalShare>& part : received)
     for (NodalShare& share : part)
@@ -60,15 +58,93 @@ std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& com
       const auto node = static_cast<std::size_t>(owned[i].mesh.mesh->boundary[k]);
       sums[i].weighted[node] = share.weighted;
       sums[i].size[node] = share.size;
+      sums[i].regions[node] = share.regions;
     }
-  std::vector<std::vector<fem::Voigt>> result;
-  for (fem::StressSums& sum : sums) {
+}
+
+// Subdomains of one body that share a mesh: gone through together.
+struct Group {
+  const Body* body;
+  const fem::Mesh* mesh;
+  std::vector<std::size_t> members;
+  std::vector<fem::NodalSolution> solutions;
+};
+
+std::vector<Group> groupsOf(const Scene& scene, const std::vector<OwnedSubdomain>& owned,
+                            const feti::TornVector& displacement) {
+  std::vector<double> temperature(scene.bodies.size(), 0.0);
+  for (const auto& effect : scene.effects)
+    for (int b : effect->bodies())
+      temperature[static_cast<std::size_t>(b)] += effect->temperatureRise(b);
+  std::map<std::pair<const fem::Mesh*, int>, std::size_t> places;
+  std::vector<Group> groups;
+  for (std::size_t i = 0; i < owned.size(); ++i) {
+    const fem::Mesh* mesh = owned[i].mesh.mesh.get();
+    const auto [place, isNew] = places.emplace(std::make_pair(mesh, owned[i].body), groups.size());
+    if (isNew)
+      groups.push_back({&scene.bodies[static_cast<std::size_t>(owned[i].body)], mesh, {}, {}});
+    Group& group = groups[place->second];
+    group.members.push_back(i);
+    group.solutions.push_back({&displacement[i], temperature[static_cast<std::size_t>(owned[i].body)]});
+  }
+  return groups;
+}
+
+// Mean stresses at the nodes of each subdomain, over its copies' cells too. Collective.
+std::vector<fem::StressSums> nodalStresses(const Teuchos::Comm<int>& comm, const Scene& scene,
+                                           const std::vector<OwnedSubdomain>& owned,
+                                           const std::vector<Group>& groups) {
+  std::vector<fem::StressSums> sums(owned.size());
+  agree(comm, [&] {
+    for (const Group& group : groups) {
+      std::vector<fem::StressSums> part =
+          scene.physics == Physics::Membrane
+              ? fem::fluxSums(*group.mesh, group.solutions)
+              : fem::stressSums(*group.mesh, elasticityOf(scene, *group.body), group.solutions);
+      for (std::size_t k = 0; k < part.size(); ++k)
+        sums[group.members[k]] = std::move(part[k]);
+    }
+  });
+  addCopies(comm, owned, sums);
+  for (fem::StressSums& sum : sums)
     for (std::size_t node = 0; node < sum.weighted.size(); ++node)
       for (double& entry : sum.weighted[node])
         entry /= sum.size[node];
+  return sums;
+}
+
+} // namespace
+
+std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& comm, const Scene& scene,
+                                                   const std::vector<OwnedSubdomain>& owned,
+                                                   const feti::TornVector& displacement) {
+  std::vector<std::vector<fem::Voigt>> result;
+  for (fem::StressSums& sum : nodalStresses(comm, scene, owned, groupsOf(scene, owned, displacement)))
     result.push_back(std::move(sum.weighted));
-  }
   return result;
+}
+
+DiscretisationError estimateDiscretisationError(const Teuchos::Comm<int>& comm, const Scene& scene,
+                                                const std::vector<OwnedSubdomain>& owned,
+                                                const feti::TornVector& displacement) {
+  const std::vector<Group> groups = groupsOf(scene, owned, displacement);
+  const std::vector<fem::StressSums> means = nodalStresses(comm, scene, owned, groups);
+  std::vector<double> squares(2, 0.0);
+  agree(comm, [&] {
+    for (const Group& group : groups) {
+      std::vector<const fem::StressSums*> recovered;
+      for (std::size_t i : group.members)
+        recovered.push_back(&means[i]);
+      const fem::RecoveryError part =
+          scene.physics == Physics::Membrane
+              ? fem::fluxRecoveryError(*group.mesh, group.solutions, recovered)
+              : fem::recoveryError(*group.mesh, elasticityOf(scene, *group.body), group.solutions, recovered);
+      squares[0] += part.error;
+      squares[1] += part.energy;
+    }
+  });
+  globalSum(comm, squares);
+  return {std::sqrt(squares[0]), std::sqrt(squares[1])};
 }
 
 } // namespace Harmos::scene

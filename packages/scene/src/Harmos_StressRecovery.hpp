@@ -16,4 +16,17 @@ std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& com
                                                    const std::vector<OwnedSubdomain>& owned,
                                                    const feti::TornVector& displacement);
 
+/// Energy norms: √∫ σ : C⁻¹ : σ, of membranes √∫ |∇u|².
+struct DiscretisationError {
+  double error; ///< of the finite element solution, estimated
+  double norm;  ///< of the solution
+};
+
+/// Estimates by the recovered stresses how far the finite element solution is from that of the continuous
+/// problem; see fem::recoveryError().
+/// @note Collective.
+DiscretisationError estimateDiscretisationError(const Teuchos::Comm<int>& comm, const Scene& scene,
+                                                const std::vector<OwnedSubdomain>& owned,
+                                                const feti::TornVector& displacement);
+
 } // namespace Harmos::scene

@@ -21,6 +21,18 @@ TEST(LocalMatrix, sums_entries_at_equal_places_and_sorts_them) {
   EXPECT_EQ(a.infinityNorm(), 6.0);
 }
 
+TEST(LocalMatrix, sum_has_the_entries_of_both) {
+  const LocalMatrix a = makeLocalMatrix(3, {{0, 0, 1.0}, {0, 2, 2.0}, {2, 2, 3.0}});
+  const LocalMatrix b = makeLocalMatrix(3, {{0, 1, 10.0}, {0, 2, 20.0}, {1, 0, 30.0}, {2, 0, 40.0}});
+  const LocalMatrix both = sum(a, b);
+  const LocalMatrix expected =
+      makeLocalMatrix(3, {{0, 0, 1.0}, {0, 1, 10.0}, {0, 2, 22.0}, {1, 0, 30.0}, {2, 0, 40.0}, {2, 2, 3.0}});
+  EXPECT_EQ(both.offsets, expected.offsets);
+  EXPECT_EQ(both.columns, expected.columns);
+  EXPECT_EQ(both.values, expected.values);
+  EXPECT_THROW(sum(a, makeLocalMatrix(2, {})), InternalError);
+}
+
 TEST(LocalMatrix, refuses_entries_outside) {
   EXPECT_THROW(makeLocalMatrix(2, {{0, 2, 1.0}}), InternalError);
   EXPECT_THROW(makeLocalMatrix(2, {{-1, 0, 1.0}}), InternalError);

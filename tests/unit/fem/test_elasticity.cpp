@@ -2,6 +2,7 @@
 #include "Harmos_Elasticity.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Loads.hpp"
+#include "Harmos_StressSums.hpp"
 #include "Harmos_StructuredBlock.hpp"
 #include "Harmos_TestErrors.hpp"
 
@@ -176,7 +177,7 @@ TEST(Elasticity, rigid_motions_are_free_and_linear_fields_have_their_energy) {
       const double energy = std::inner_product(u.begin(), u.end(), image.begin(), 0.0);
       EXPECT_NEAR(energy, density * size, 1e-11 * density * size) << fem::shapeOf(type).name;
       // Stresses of a linear field are constant.
-      const fem::StressSums sums = fem::stressSums(*mesh.mesh, elasticity, u, 0.0);
+      const fem::StressSums sums = fem::stressSums(*mesh.mesh, elasticity, {{&u}}).front();
       for (std::size_t node = 0; node < sums.size.size(); ++node)
         for (std::size_t r = 0; r < (isSpace ? 6u : 4u); ++r) {
           double expected = 0.0;
@@ -237,7 +238,7 @@ TEST(Elasticity, free_thermal_expansion_is_without_stress) {
     const std::vector<double> f = fem::assembleThermalLoad(*mesh.mesh, elasticity, 20.0);
     for (std::size_t i = 0; i < f.size(); ++i)
       EXPECT_NEAR(image[i], f[i], 1e-12) << fem::shapeOf(type).name;
-    const fem::StressSums sums = fem::stressSums(*mesh.mesh, elasticity, u, 20.0);
+    const fem::StressSums sums = fem::stressSums(*mesh.mesh, elasticity, {{&u, 20.0}}).front();
     for (const Voigt& s : sums.weighted)
       for (double component : s)
         EXPECT_NEAR(component, 0.0, 1e-12) << fem::shapeOf(type).name;

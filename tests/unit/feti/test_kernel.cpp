@@ -54,6 +54,38 @@ TEST(Kernel, fixed_dofs_take_motions_away) {
   EXPECT_EQ(feti::heldKernel(motions, {4}).columns, 2);
 }
 
+// Springs take away the motions that stretch them: two upright ones leave sliding aside, a third that leans
+// nothing; how stiff they are does not matter.
+TEST(Kernel, springs_take_motions_away) {
+  const Kernel motions = planeMotions(7);
+  const auto spring = [](int node, double x, double y, double stiffness) {
+    std::vector<MatrixEntry> entries;
+    const double direction[] = {x, y};
+    for (int a = 0; a < 2; ++a)
+      for (int b = 0; b < 2; ++b)
+        entries.push_back({2 * node + a, 2 * node + b, stiffness * direction[a] * direction[b]});
+    return entries;
+  };
+  for (double stiffness : {1e-9, 1.0, 1e9}) {
+    std::vector<MatrixEntry> springs = spring(2, 0, 1, stiffness);
+    EXPECT_EQ(feti::keptKernel(motions, makeLocalMatrix(14, springs)).columns, 2);
+    for (const MatrixEntry& entry : spring(5, 0, 1, stiffness))
+      springs.push_back(entry);
+    const LocalMatrix two = makeLocalMatrix(14, springs);
+    const Kernel left = feti::keptKernel(motions, two);
+    ASSERT_EQ(left.columns, 1);
+    EXPECT_LE(feti::kernelDefect(two, left), 1e-15);
+    for (int node = 0; node < 7; ++node) {
+      EXPECT_NEAR(std::abs(left.column(0)[2 * node]), 1.0 / std::sqrt(7.0), 1e-14);
+      EXPECT_NEAR(left.column(0)[2 * node + 1], 0.0, 1e-14);
+    }
+    for (const MatrixEntry& entry : spring(0, 0.6, 0.8, stiffness))
+      springs.push_back(entry);
+    EXPECT_EQ(feti::keptKernel(motions, makeLocalMatrix(14, springs)).columns, 0);
+  }
+  EXPECT_EQ(feti::keptKernel(motions, makeLocalMatrix(14, {})).columns, 3);
+}
+
 TEST(Kernel, scalar_body_is_held_by_one_dof) {
   EXPECT_EQ(feti::heldKernel(feti::constantKernel(10000), {17}).columns, 0);
   EXPECT_EQ(feti::heldKernel(feti::constantKernel(10000), {}).columns, 1);

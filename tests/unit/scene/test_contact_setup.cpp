@@ -13,7 +13,7 @@ using namespace Harmos;
 namespace {
 
 // A short block above a long one, 0.01 apart.
-scene::Scene stack() {
+scene::Scene blocks() {
   scene::Scene scene;
   scene.physics = scene::Physics::PlaneStrain;
   fem::StructuredBlock::Options options;
@@ -24,7 +24,13 @@ scene::Scene stack() {
   options.size[0] = 1.0;
   options.origin[1] = 1.01;
   scene.bodies.push_back(blockBody("upper", options, fem::Material()));
-  scene.interfaces = {{scene::Interface::Kind::Contact, 0, "top", 1, "bottom"}};
+  return scene;
+}
+
+// With a contact between them.
+scene::Scene stack(double reach = 0.0) {
+  scene::Scene scene = blocks();
+  addContact(scene, {0, "top"}, {1, "bottom"}, 0.0, reach);
   return scene;
 }
 
@@ -49,20 +55,18 @@ TEST(ContactSetup, nodes_without_counterpart_are_told) {
   EXPECT_TRUE(
       contains(setup.notes[0], std::to_string(5 - setup.points.size()) + " of the 5 nodes of lower/top"))
       << setup.notes[0];
-  scene::Scene scene = stack();
-  scene.interfaces[0].reach = 0.005;
-  EXPECT_NE(inputErrorOf([&] { setUp(scene); }), "");
+  EXPECT_NE(inputErrorOf([&] { setUp(stack(0.005)); }), "");
 }
 
 TEST(ContactSetup, references_that_lead_nowhere_are_refused) {
-  scene::Scene scene = stack();
-  scene.interfaces[0].firstBody = 5;
+  scene::Scene scene = blocks();
+  addContact(scene, {5, "top"}, {1, "bottom"});
   EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }), "names body number 5"));
   scene = stack();
-  scene.bodies[0].prescribed = {{"bottom", 0.0, 2}};
+  prescribe(scene, {0, "bottom"}, 2);
   EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }), "component 2, but a node has 2"));
-  scene = stack();
-  scene.interfaces[0].secondSet = "botom";
+  scene = blocks();
+  addContact(scene, {0, "top"}, {1, "botom"});
   EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }), "did you mean \"bottom\"?"));
 }
 
@@ -76,10 +80,9 @@ TEST(ContactSetup, tractions_need_sides) {
       mesh.sets["corner"] = {0};
     return mesh;
   };
-  scene.bodies[0].prescribed = {{"corner", 0.0, 0}};
+  prescribe(scene, {0, "corner"}, 0);
   EXPECT_EQ(inputErrorOf([&] { setUp(scene); }), "");
-  scene.bodies[0].tractions.push_back(
-      {"corner", [](const fem::Point&, const fem::Point&) { return fem::Point{}; }});
+  addTraction(scene, {0, "corner"}, fem::Point{});
   EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }), "no sides of cells on the boundary"));
 }
 

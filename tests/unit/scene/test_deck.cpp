@@ -4,6 +4,7 @@
 #include "Harmos_RunOptions.hpp"
 #include "Harmos_TestComm.hpp"
 #include "Harmos_TestErrors.hpp"
+#include "Harmos_TestScene.hpp"
 
 #include <gtest/gtest.h>
 
@@ -86,8 +87,8 @@ TEST(Deck, faults_are_thrown_on_all_ranks) {
 TEST(Deck, contradictions_are_refused) {
   scene::Scene scene;
   scene.bodies.resize(2);
-  scene.bodies[0].prescribed = {{"left", 0.0}};
-  scene.interfaces = {{scene::Interface::Kind::Contact, 0, "right", 1, "left"}};
+  prescribe(scene, {0, "left"}, 0);
+  addContact(scene, {0, "right"}, {1, "left"});
   Teuchos::ParameterList deck = spec().defaults();
   const auto attempt = [&](const std::string& method) {
     deck.sublist("Solver").set("Method", method);
@@ -101,10 +102,11 @@ TEST(Deck, contradictions_are_refused) {
   EXPECT_EQ(attempt("Auto"), "");
   EXPECT_TRUE(contains(attempt("PCPG"), "without inequalities"));
   EXPECT_TRUE(contains(attempt("MPRGP"), "a body without a prescribed displacement"));
-  scene.bodies[1].prescribed = {{"right", 0.0}};
+  prescribe(scene, {1, "right"}, 0);
   EXPECT_EQ(attempt("MPRGP"), "");
   deck.sublist("Decomposition").set("Dirichlet", std::string("dual"));
   EXPECT_TRUE(contains(attempt("MPRGP"), "every subdomain floats"));
-  scene.interfaces[0].kind = scene::Interface::Kind::Tie;
+  removeEffects(scene, "Contact");
+  addTie(scene, {0, "right"}, {1, "left"});
   EXPECT_EQ(attempt("PCPG"), "");
 }

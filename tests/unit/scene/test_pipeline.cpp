@@ -88,12 +88,11 @@ TEST(Pipeline, body_that_is_pulled_away_is_named) {
     body.name = b == 0 ? "lower" : "upper";
     body.subdomains = 4;
     body.subdomain = [rectangle](int k) { return rectangle->subdomain(k); };
-    if (b == 0)
-      body.prescribed = {{"left", 0.0}};
-    body.bodyForce = {{1.0, {static_cast<double>(b), 0.0}, {b + 1.0, 1.0}}};
     scene.bodies.push_back(body);
+    addForce(scene, b, std::vector<fem::BoxLoad>{{1.0, {static_cast<double>(b), 0.0}, {b + 1.0, 1.0}}});
   }
-  scene.interfaces = {{scene::Interface::Kind::Contact, 0, "right", 1, "left"}};
+  prescribe(scene, {0, "left"}, 0);
+  addContact(scene, {0, "right"}, {1, "left"});
   ParameterSpec deck("deck", "A deck.");
   scene::RunOptions::addTo(deck);
   for (const char* form : {"primal", "dual"}) {

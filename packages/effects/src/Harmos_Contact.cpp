@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Contact.hpp"
+
+namespace Harmos::effects {
+
+scene::EffectKind Contact::registration() {
+  ParameterSpec spec("<contact>",
+                     "Two boundary parts do not penetrate each other; no friction, no adhesion.");
+  SurfacePair::addTo(spec);
+  spec.real("Gap", 0.0, Range(), "Added to the distance of the meshes; negative: initial penetration.");
+  return {kindName, spec,
+          [](const Teuchos::ParameterList& list, const std::string& path, const scene::Scene& scene) {
+            return std::make_shared<Contact>(SurfacePair::fromList(list, path, scene),
+                                             list.get<double>("Gap"), scene::nameIn(path));
+          }};
+}
+
+Contact::Contact(SurfacePair pair, double gap, std::string name)
+    : Effect(kindName, std::move(name)), pair_(std::move(pair)), gap_(gap) {}
+
+void Contact::addConstraints(scene::ConstraintCollector& collector) const {
+  std::vector<contact::ContactPoint> points = pair_.points(collector);
+  for (contact::ContactPoint& point : points)
+    point.gap += gap_;
+  collector.addContacts(points);
+}
+
+} // namespace Harmos::effects

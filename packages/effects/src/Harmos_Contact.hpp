@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_SurfacePair.hpp"
+
+namespace Harmos::effects {
+
+/// Two boundary parts do not penetrate each other, without friction or adhesion: n·(u¹ − u²) ≤ gap.
+///
+/// Guarded by tests/verification/test_contact_patch.cpp and tests/unit/scene/test_contact_setup.cpp.
+class Contact : public scene::Effect {
+ public:
+  static constexpr const char* kindName = "Contact";
+  static scene::EffectKind registration();
+
+  /// @param gap added to the distance of the meshes; negative: penetration.
+  explicit Contact(SurfacePair pair, double gap = 0.0, std::string name = "");
+
+  std::vector<BoundaryPart> boundaryParts() const override { return pair_.parts(); }
+  bool givesInequalities() const override { return true; }
+  void addConstraints(scene::ConstraintCollector& collector) const override;
+
+ private:
+  SurfacePair pair_;
+  double gap_;
+};
+
+} // namespace Harmos::effects

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_RigidObstacle.hpp"
+
+#include "Harmos_ConstraintCollector.hpp"
+#include "Harmos_Errors.hpp"
+
+namespace Harmos::effects {
+namespace {
+
+using Shape = contact::Obstacle::Shape;
+
+void requireGeometry(const contact::Obstacle& obstacle, const scene::Scene& scene, const std::string& path) {
+  const bool inPlane = scene.components() == 2;
+  const auto& [x, y, z] = obstacle.direction;
+  const bool needsDirection =
+      obstacle.shape == Shape::HalfSpace || (obstacle.shape == Shape::Cylinder && !inPlane);
+  if (needsDirection && x == 0.0 && y == 0.0 && (inPlane || z == 0.0))
+    throw InputError("\"" + path + "/Direction\" has no length" + (inPlane ? " in the plane" : "") +
+                         "; give the outward normal of the half-space, or the axis of the cylinder",
+                     {{"path", path + "/Direction"}});
+  if (obstacle.shape != Shape::HalfSpace && obstacle.radius == 0.0)
+    throw InputError("\"" + path +
+                         "/Radius\" is 0; give a positive one, or a negative one for a hollow obstacle with "
+                         "the body inside",
+                     {{"path", path + "/Radius"}});
+}
+
+std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, const std::string& path,
+                                          const scene::Scene& scene) {
+  requireElastic(scene, "\"" + path + "\"");
+  const Part part = partIn(scene, list, "Part", path);
+  const std::string shape = list.get<std::string>("Shape");
+  contact::Obstacle obstacle;
+  obstacle.shape = shape == "cylinder" ? Shape::Cylinder
+                   : shape == "sphere" ? Shape::Sphere
+                                       : Shape::HalfSpace;
+  obstacle.point = pointIn(list, "Point");
+  obstacle.direction = pointIn(list, "Direction");
+  obstacle.radius = list.get<double>("Radius");
+  requireGeometry(obstacle, scene, path);
+  return std::make_shared<RigidObstacle>(part, obstacle, scene::nameIn(path));
+}
+
+} // namespace
+
+scene::EffectKind RigidObstacle::registration() {
+  ParameterSpec spec("<obstacle>", "A boundary part does not penetrate a rigid obstacle at rest.");
+  spec.text("Part", "", "Where: \"body/boundary part\". Required.");
+  spec.choice("Shape", "half-space",
+              {{"half-space", "behind the plane through \"Point\" that \"Direction\" leaves"},
+               {"cylinder", "about the axis through \"Point\" along \"Direction\""},
+               {"sphere", "about \"Point\""}},
+              "What the obstacle is.");
+  spec.reals("Point", {0.0, 0.0, 0.0}, Range(), "On the plane, on the axis, or the centre.");
+  spec.reals("Direction", {0.0, 1.0, 0.0}, Range(),
+             "Half-space: its outward normal, towards the body. Cylinder: its axis; in the plane always 0, "
+             "0, 1. Spheres have none.");
+  spec.real("Radius", 0.0, Range(), "Of cylinder and sphere; negative: the body is inside of a hollow one.");
+  return {kindName, spec, make};
+}
+
+RigidObstacle::RigidObstacle(Part part, const contact::Obstacle& obstacle, std::string name)
+    : Effect(kindName, std::move(name)), part_(std::move(part)), obstacle_(obstacle) {}
+
+void RigidObstacle::addConstraints(scene::ConstraintCollector& collector) const {
+  collector.addContacts(contact::obstaclePoints(collector.surface(part_.body, part_.set), obstacle_));
+}
+
+} // namespace Harmos::effects

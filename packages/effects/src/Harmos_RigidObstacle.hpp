@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_ContactPoint.hpp"
+#include "Harmos_DeckPlaces.hpp"
+
+namespace Harmos::effects {
+
+/// A boundary part of an elastic body does not penetrate a rigid body at rest: n·u ≤ gap, see
+/// contact::obstaclePoints().
+///
+/// Guarded by tests/verification/test_contact_patch.cpp.
+class RigidObstacle : public scene::Effect {
+ public:
+  static constexpr const char* kindName = "Obstacle";
+  static scene::EffectKind registration();
+
+  RigidObstacle(Part part, const contact::Obstacle& obstacle, std::string name = "");
+
+  std::vector<BoundaryPart> boundaryParts() const override { return {{part_.body, part_.set, true}}; }
+  bool givesInequalities() const override { return true; }
+  void check(const scene::Scene& scene) const override { requireElastic(scene, label()); }
+  void addConstraints(scene::ConstraintCollector& collector) const override;
+
+ private:
+  Part part_;
+  contact::Obstacle obstacle_;
+};
+
+} // namespace Harmos::effects

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_ConstraintCollector.hpp"
+#include "Harmos_DeckPlaces.hpp"
+
+namespace Harmos::effects {
+
+/// How the meshes of two surfaces are brought together.
+enum class Coupling {
+  Automatic, ///< node to node where the nodes match, else mortar
+  Nodes,
+  Mortar
+};
+
+/// Two boundary parts that face each other: what contacts and ties are about.
+struct SurfacePair {
+  Part first; ///< the one that carries the multipliers
+  Part second;
+  Coupling coupling = Coupling::Automatic;
+  double reach = 0.0;                    ///< counterparts farther than this are none; 0: automatic
+  contact::NormalField normal = nullptr; ///< of the first surface, where it is known
+
+  std::vector<scene::Effect::BoundaryPart> parts() const;
+
+  /// The points of the first surface that have counterparts; a note tells of those that have none.
+  /// @throws InputError on all ranks, see contact::gatherSurface(), contact::matchNodes() and
+  ///         contact::mortarPoints().
+  /// @note Collective.
+  std::vector<contact::ContactPoint> points(scene::ConstraintCollector& collector) const;
+
+  static void addTo(ParameterSpec& spec);
+  /// @throws InputError for parts that are not there or are the same one.
+  static SurfacePair fromList(const Teuchos::ParameterList& list, const std::string& path,
+                              const scene::Scene& scene);
+};
+
+} // namespace Harmos::effects

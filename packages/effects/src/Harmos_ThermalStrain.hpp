@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_DeckPlaces.hpp"
+
+namespace Harmos::effects {
+
+/// An elastic body is warmer than when it was free of stress: f = ∫ B̄ᵀ C ε_T, and σ = C(ε̄ − ε_T). Rises of
+/// several effects add up.
+///
+/// Guarded by tests/unit/fem/test_elasticity.cpp and tests/verification/test_scenes.py.
+class ThermalStrain : public scene::Effect {
+ public:
+  static constexpr const char* kindName = "Thermal strain";
+  static scene::EffectKind registration();
+
+  /// @param rise in degrees.
+  ThermalStrain(int body, double rise, std::string name = "");
+
+  std::vector<int> bodies() const override { return {body_}; }
+  void check(const scene::Scene& scene) const override { requireElastic(scene, label()); }
+  std::optional<Key> loadKey(const scene::Scene& scene,
+                             const scene::OwnedSubdomain& subdomain) const override;
+  void addLoad(const scene::Scene& scene, const scene::OwnedSubdomain& subdomain,
+               std::vector<double>& load) const override;
+  double temperatureRise(int body) const override { return body == body_ ? rise_ : 0.0; }
+
+ private:
+  int body_;
+  double rise_;
+};
+
+} // namespace Harmos::effects

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Tie.hpp"
+
+namespace Harmos::effects {
+
+scene::EffectKind Tie::registration() {
+  ParameterSpec spec("<tie>", "Two boundary parts are glued together.");
+  SurfacePair::addTo(spec);
+  return {kindName, spec,
+          [](const Teuchos::ParameterList& list, const std::string& path, const scene::Scene& scene) {
+            return std::make_shared<Tie>(SurfacePair::fromList(list, path, scene), scene::nameIn(path));
+          }};
+}
+
+Tie::Tie(SurfacePair pair, std::string name) : Effect(kindName, std::move(name)), pair_(std::move(pair)) {}
+
+void Tie::addConstraints(scene::ConstraintCollector& collector) const {
+  collector.addTies(pair_.points(collector),
+                    {{pair_.first.body, pair_.first.set}, {pair_.second.body, pair_.second.set}});
+}
+
+} // namespace Harmos::effects

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_DeckPlaces.hpp"
+#include "Harmos_Loads.hpp"
+
+namespace Harmos::effects {
+
+/// A force on a boundary part of an elastic body: f_i = ∫ t φ_i.
+///
+/// Guarded by tests/verification/test_elements.cpp.
+class Traction : public scene::Effect {
+ public:
+  static constexpr const char* kindName = "Traction";
+  static scene::EffectKind registration();
+
+  /// @param density force per area.
+  Traction(Part part, fem::Traction density, std::string name = "");
+
+  std::vector<BoundaryPart> boundaryParts() const override { return {{part_.body, part_.set, true}}; }
+  std::vector<int> bodies() const override { return {part_.body}; }
+  void check(const scene::Scene& scene) const override { requireElastic(scene, label()); }
+  std::optional<Key> loadKey(const scene::Scene& scene,
+                             const scene::OwnedSubdomain& subdomain) const override;
+  void addLoad(const scene::Scene& scene, const scene::OwnedSubdomain& subdomain,
+               std::vector<double>& load) const override;
+
+ private:
+  Part part_;
+  fem::Traction density_;
+};
+
+} // namespace Harmos::effects

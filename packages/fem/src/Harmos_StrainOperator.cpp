@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_StrainOperator.hpp"
+
+#include "Harmos_Errors.hpp"
+
+#include <Teuchos_LAPACK.hpp>
+
+#include <cmath>
+
+namespace Harmos::fem {
+namespace {
+
+std::size_t strainSize(const Mesh& mesh) {
+  return mesh.dimension() == 2 ? 4 : 6;
+}
+
+} // namespace
+
+int stiffnessDegree(const CellShape& shape) {
+  if (shape.isSimplex)
+    return shape.order == 1 ? 1 : 4;
+  return shape.order == 1 ? 3 : 5;
+}
+
+void solveSmall(int n, std::vector<double>& matrix, int columns, double* rhs) {
+  int info = 0;
+  Teuchos::LAPACK<int, double>().POSV('L', n, columns, matrix.data(), n, rhs, n, &info);
+  HARMOS_REQUIRE(info == 0, "a cell has too few quadrature points for its polynomials");
+}
+
+bool isProjected(const Mesh& mesh, const Elasticity& elasticity) {
+  const CellShape& shape = shapeOf(mesh.cellType);
+  return elasticity.dilatation == Dilatation::Projected && elasticity.kinematics != Kinematics::PlaneStress &&
+         !(shape.isSimplex && shape.order == 1);
+}
+
+std::vector<VoigtMatrix> stiffnesses(const Elasticity& elasticity) {
+  std::vector<VoigtMatrix> result;
+  for (const Material& material : elasticity.materials)
+    result.push_back(material.stiffness(elasticity.kinematics));
+  return result;
+}
+
+const VoigtMatrix& stiffnessOf(const std::vector<VoigtMatrix>& all, int region) {
+  HARMOS_REQUIRE(region >= 0 && region < static_cast<int>(all.size()), "a region has no material");
+  return all[static_cast<std::size_t>(region)];
+}
+
+StrainOperator::StrainOperator(const Mesh& mesh, const CellIntegrator& cell, bool projected)
+    : cell_(cell),
+      dimension_(static_cast<std::size_t>(mesh.dimension())),
+      rows_(strainSize(mesh)),
+      dofs_(static_cast<std::size_t>(cell.basisSize()) * dimension_),
+      projected_(projected) {
+  const CellShape& shape = shapeOf(mesh.cellType);
+  // Functions of a coordinate relative to the centre of the cell: 1, or 1, x, y(, z).
+  functions_ = shape.order == 2 && !shape.isSimplex ? 1 + mesh.dimension() : 1;
+  values_.resize(static_cast<std::size_t>(cell.points()) * rows_ * dofs_);
+}
+
+void StrainOperator::update() {
+  std::fill(values_.begin(), values_.end(), 0.0);
+  for (int q = 0; q < cell_.points(); ++q)
+    for (int i = 0; i < cell_.basisSize(); ++i) {
+      const Point& g = cell_.gradient(i, q);
+      const std::size_t k = static_cast<std::size_t>(i) * dimension_;
+      at(q, 0)[k] = g[0];
+      at(q, 1)[k + 1] = g[1];
+      at(q, 3)[k] = g[1];
+      at(q, 3)[k + 1] = g[0];
+      if (dimension_ == 3) {
+        at(q, 2)[k + 2] = g[2];
+        at(q, 4)[k + 1] = g[2];
+        at(q, 4)[k + 2] = g[1];
+        at(q, 5)[k] = g[2];
+        at(q, 5)[k + 2] = g[0];
+      }
+    }
+  if (projected_)
+    project();
+}
+
+// The divergence d of each basis function becomes its L2 projection d̄: ε̄ = ε + (d̄ − d)/3 · I.
+void StrainOperator::project() {
+  const auto m = static_cast<std::size_t>(functions_);
+  std::vector<double> gram(m * m, 0.0), moments(m * dofs_, 0.0);
+  const auto points = static_cast<std::size_t>(cell_.points());
+  std::vector<double> psi(points * m, 1.0);
+  Point centre{};
+  const double size = cell_.size();
+  for (int q = 0; q < cell_.points(); ++q)
+    for (std::size_t d = 0; d < 3; ++d)
+      centre[d] += cell_.measure(q) / size * cell_.position(q)[d];
+  const double length = std::pow(size, 1.0 / static_cast<double>(dimension_));
+  std::vector<double> divergence(points * dofs_);
+  for (std::size_t q = 0; q < points; ++q) {
+    const int iq = static_cast<int>(q);
+    const Point x = cell_.position(iq);
+    for (std::size_t a = 1; a < m; ++a)
+      psi[q * m + a] = (x[a - 1] - centre[a - 1]) / length;
+    for (std::size_t j = 0; j < dofs_; ++j)
+      divergence[q * dofs_ + j] = row(iq, 0)[j] + row(iq, 1)[j] + (dimension_ == 3 ? row(iq, 2)[j] : 0.0);
+    for (std::size_t a = 0; a < m; ++a) {
+      const double weight = cell_.measure(iq) * psi[q * m + a];
+      for (std::size_t b = 0; b < m; ++b)
+        gram[a * m + b] += weight * psi[q * m + b];
+      for (std::size_t j = 0; j < dofs_; ++j)
+        moments[j * m + a] += weight * divergence[q * dofs_ + j];
+    }
+  }
+  solveSmall(functions_, gram, static_cast<int>(dofs_), moments.data());
+  for (std::size_t q = 0; q < points; ++q)
+    for (std::size_t j = 0; j < dofs_; ++j) {
+      double projected = 0.0;
+      for (std::size_t a = 0; a < m; ++a)
+        projected += psi[q * m + a] * moments[j * m + a];
+      const double change = (projected - divergence[q * dofs_ + j]) / 3.0;
+      for (std::size_t r = 0; r < 3; ++r)
+        at(static_cast<int>(q), r)[j] += change;
+    }
+}
+
+Voigt StrainOperator::stress(int q, const double* values, const VoigtMatrix& stiffness,
+                             const Voigt& thermalStrain) const {
+  Voigt e{}, s{};
+  for (std::size_t r = 0; r < rows_; ++r)
+    for (std::size_t j = 0; j < dofs_; ++j)
+      e[r] += row(q, r)[j] * values[j];
+  for (std::size_t r = 0; r < 6; ++r)
+    e[r] -= thermalStrain[r];
+  for (std::size_t r = 0; r < 6; ++r)
+    for (std::size_t k = 0; k < 6; ++k)
+      s[r] += stiffness[r][k] * e[k];
+  return s;
+}
+
+} // namespace Harmos::fem

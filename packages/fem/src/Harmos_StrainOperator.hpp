@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_CellIntegrator.hpp"
+#include "Harmos_Elasticity.hpp"
+
+#include <vector>
+
+namespace Harmos::fem {
+
+/// Degree of the rule that stiffness matrices are integrated with: on curved or distorted cells no degree is
+/// exact; this is that of affine ones, and for order 2 one more, for curved sides.
+int stiffnessDegree(const CellShape& shape);
+
+/// Solves the symmetric positive definite system of order n for several right-hand sides (columns).
+void solveSmall(int n, std::vector<double>& matrix, int columns, double* rhs);
+
+/// Whether the dilatation of this mesh's cells is projected.
+bool isProjected(const Mesh& mesh, const Elasticity& elasticity);
+
+/// C of each region.
+std::vector<VoigtMatrix> stiffnesses(const Elasticity& elasticity);
+/// @throws InternalError if the region has no material.
+const VoigtMatrix& stiffnessOf(const std::vector<VoigtMatrix>& all, int region);
+
+/// B̄ of a cell at all its quadrature points: strains of the basis functions, see Dilatation.
+class StrainOperator {
+ public:
+  /// All to outlive this.
+  StrainOperator(const Mesh& mesh, const CellIntegrator& cell, bool projected);
+
+  /// Rows of strains that take part: xx, yy, zz, xy in the plane, else six.
+  std::size_t rows() const { return rows_; }
+  std::size_t dofs() const { return dofs_; }
+
+  /// Row r of B̄ at point q.
+  const double* row(int q, std::size_t r) const {
+    return values_.data() + (static_cast<std::size_t>(q) * rows_ + r) * dofs_;
+  }
+
+  /// For the cell that the integrator has turned to.
+  void update();
+
+  /// σ = C(ε̄ − ε_T) at a point. @param values the cell's displacements, node by node.
+  Voigt stress(int q, const double* values, const VoigtMatrix& stiffness, const Voigt& thermalStrain) const;
+
+ private:
+  double* at(int q, std::size_t r) {
+    return values_.data() + (static_cast<std::size_t>(q) * rows_ + r) * dofs_;
+  }
+  void project();
+
+  const CellIntegrator& cell_;
+  std::size_t dimension_, rows_, dofs_;
+  bool projected_;
+  int functions_ = 1;
+  std::vector<double> values_;
+};
+
+} // namespace Harmos::fem

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_AnswerCheck.hpp"
+
+#include "Harmos_Exchange.hpp"
+#include "Harmos_KktAudit.hpp"
+
+#include <Tpetra_MultiVector.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace Harmos::scene {
+namespace {
+
+// Nothing is to be had below: products with dense blocks in single precision, or rounding errors.
+double leastTolerance(const DualOptions& options) {
+  return options.inverses.precision == feti::Precision::Single ? 1e-7 : 1e-15;
+}
+
+} // namespace
+
+double firstBalancedTolerance() {
+  return 0.1;
+}
+
+AnswerCheck::AnswerCheck(const Teuchos::Comm<int>& comm, const Scene& scene,
+                         const std::vector<OwnedSubdomain>& owned, const DualStages& stages,
+                         const RunOptions& options, const Log& log, RunReport& report)
+    : comm_(comm),
+      scene_(scene),
+      owned_(owned),
+      stages_(stages),
+      options_(options),
+      log_(log),
+      report_(report) {
+  if (options.toleranceRule == ToleranceRule::Fixed)
+    return;
+  extension_ = stages.preconditioner;
+  if (extension_.is_null())
+    extension_ = Teuchos::rcp(new feti::DualPreconditioner(stages.system, stages.constraints, stages.inverses,
+                                                           feti::PreconditionerKind::Lumped,
+                                                           options.dual.scalingFor(scene)));
+}
+
+void AnswerCheck::recover(const MultiVector& lambda, const std::vector<double>& mu) {
+  torn_ = feti::recover(stages_.system, stages_.constraints, stages_.inverses, stages_.coarse,
+                        stages_.problem, lambda, mu);
+  report_.audit = feti::audit(stages_.system, stages_.constraints, torn_);
+  report_.audited = true;
+}
+
+// √(rᵀM⁻¹r).
+double AnswerCheck::solverError() const {
+  MultiVector jumps(stages_.constraints.rowMap(), 1), forces(stages_.constraints.rowMap(), 1);
+  stages_.constraints.applyB(torn_.displacement, jumps);
+  {
+    const auto lambda = torn_.multiplier->getLocalViewHost(Tpetra::Access::ReadOnly);
+    const auto view = jumps.getLocalViewHost(Tpetra::Access::ReadWrite);
+    for (std::size_t r = 0; r < view.extent(0); ++r) {
+      const int row = static_cast<int>(r);
+      view(r, 0) -= stages_.constraints.bound(row);
+      const bool isOpen =
+          stages_.constraints.rowType(row) == feti::RowType::Inequality && !(lambda(r, 0) > 0.0);
+      if (isOpen)
+        view(r, 0) = std::max(view(r, 0), 0.0);
+    }
+  }
+  extension_->apply(jumps, forces);
+  std::vector<double> product(1);
+  jumps.dot(forces, Teuchos::arrayViewFromVector(product));
+  return std::sqrt(std::max(product[0], 0.0));
+}
+
+std::optional<double> AnswerCheck::balance(double tolerance) {
+  const double solver = solverError();
+  // Jumps are errors of the stresses too: an estimate from an answer whose own error is larger than what it
+  // estimates is good for no more than the next step.
+  if (!discretisation_ || (!trusted_ && solver <= options_.solverErrorShare * discretisation_->error)) {
+    discretisation_ = estimateDiscretisationError(comm_, scene_, owned_, torn_.displacement);
+    trusted_ = solver <= discretisation_->error;
+  }
+  report_.discretisationError = discretisation_->error / discretisation_->norm;
+  report_.solverError = solver / discretisation_->norm;
+  const double allowed = options_.solverErrorShare * discretisation_->error;
+  const bool enough = solver <= allowed;
+  std::ostringstream text;
+  text << "Tolerance " << scientific(tolerance, 1) << ": the solver's error is about "
+       << scientific(report_.solverError, 1) << " in the energy norm, that of the discretisation "
+       << scientific(report_.discretisationError, 1) << (trusted_ ? "" : " at most")
+       << (enough ? "; that is enough" : "");
+  log_.info(text.str());
+  if (enough)
+    return std::nullopt;
+  // Errors fall about like residuals; a third and more, so that few checks are needed, and no more than a
+  // hundredth, since the estimate of a bad answer is bad itself.
+  return tolerance * std::clamp(0.7 * allowed / solver, 0.01, 1.0 / 3.0);
+}
+
+std::optional<double> AnswerCheck::judge(const MultiVector& lambda, const std::vector<double>& mu,
+                                         double tolerance) {
+  recover(lambda, mu);
+  report_.reachedTolerance = tolerance;
+  std::optional<double> next;
+  if (options_.toleranceRule == ToleranceRule::Balanced) {
+    report_.tolerance = tolerance;
+    next = balance(tolerance);
+  }
+  if (!next && !auditAgrees(report_)) {
+    log_.info("The audit contradicts the residuals (jump " + scientific(report_.audit.gluingJump) +
+              ", penetration " + scientific(report_.audit.penetration) + ", displacements up to " +
+              scientific(report_.audit.largestDisplacement) + "): going on to a smaller tolerance");
+    next = tolerance / 10.0;
+  }
+  if (next && *next < leastTolerance(options_.dual))
+    return std::nullopt;
+  return next;
+}
+
+feti::TornSolution AnswerCheck::finish(const MultiVector& lambda, const std::vector<double>& mu,
+                                       bool isLastJudged) {
+  if (!isLastJudged)
+    recover(lambda, mu);
+  return std::move(torn_);
+}
+
+} // namespace Harmos::scene

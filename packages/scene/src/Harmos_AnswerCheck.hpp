@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_Decomposition.hpp"
+#include "Harmos_DualPreconditioner.hpp"
+#include "Harmos_Log.hpp"
+#include "Harmos_Recovery.hpp"
+#include "Harmos_RunOptions.hpp"
+#include "Harmos_RunReport.hpp"
+#include "Harmos_StressRecovery.hpp"
+
+#include <optional>
+
+namespace Harmos::scene {
+
+/// The dual side of a run, as far as answers are judged by it. All to outlive what is made with it.
+struct DualStages {
+  const feti::SubdomainSystem& system;
+  const feti::Constraints& constraints;
+  const feti::LocalInverses& inverses;
+  const feti::CoarseSpace& coarse;
+  const feti::DualProblem& problem;
+  Teuchos::RCP<const Operator> preconditioner; ///< or null
+};
+
+/// Looks from the primal side at answers that meet the solver's tolerance, and says whether to go on.
+///
+/// Two reasons to go on. The audit contradicts the answer (auditAgrees()): residuals of the dual problem are
+/// no measure of the jumps of u where the condition of F is bad. And, by the tolerance rule "balanced", the
+/// solver's error is still more than its share of the discretisation error:
+///
+///  - the solver's error in the energy norm is at most ‖u − v‖, where u is in equilibrium with the
+///  multipliers
+///    and v meets the constraints (hypercircle of Prager, Synge: Approximations in elasticity based on the
+///    concept of function space, Quart. Appl. Math. 5, 1947). With the jumps r = Bu − c shared out by the
+///    preconditioner's B_D and extended into the subdomains, ‖u − v‖² = rᵀM⁻¹r for the Dirichlet one; the
+///    lumped one extends them by zero, which costs more energy and bounds it too. Rows of contacts that are
+///    open, with λ = 0, count where they are violated only;
+///  - the discretisation error comes from recovered stresses, see estimateDiscretisationError().
+///
+/// Guarded by tests/unit/scene/test_answer_check.cpp.
+class AnswerCheck {
+ public:
+  AnswerCheck(const Teuchos::Comm<int>& comm, const Scene& scene, const std::vector<OwnedSubdomain>& owned,
+              const DualStages& stages, const RunOptions& options, const Log& log, RunReport& report);
+
+  /// @param lambda, mu an answer; @param tolerance that it meets.
+  /// @return the tolerance to go on to; nothing if the answer is accepted, or going on would not help.
+  /// @note Collective. Audit and estimates go to the report.
+  std::optional<double> judge(const MultiVector& lambda, const std::vector<double>& mu, double tolerance);
+
+  /// The solution that belongs to an answer, audited; that of the last one judged is at hand.
+  /// @param isLastJudged whether it is that one. @note Collective.
+  feti::TornSolution finish(const MultiVector& lambda, const std::vector<double>& mu, bool isLastJudged);
+
+ private:
+  void recover(const MultiVector& lambda, const std::vector<double>& mu);
+  double solverError() const;
+  std::optional<double> balance(double tolerance);
+
+  const Teuchos::Comm<int>& comm_;
+  const Scene& scene_;
+  const std::vector<OwnedSubdomain>& owned_;
+  const DualStages& stages_;
+  const RunOptions& options_;
+  const Log& log_;
+  RunReport& report_;
+  Teuchos::RCP<const Operator> extension_; // M⁻¹ of the estimate
+  feti::TornSolution torn_;
+  std::optional<DiscretisationError> discretisation_;
+  bool trusted_ = false; // that estimate is not about the solver's error
+};
+
+/// The tolerance that a balanced run starts with.
+double firstBalancedTolerance();
+
+} // namespace Harmos::scene

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_ConstraintCollector.hpp"
+
+#include "Harmos_Exchange.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace Harmos::scene {
+namespace {
+
+using contact::ContactPoint;
+
+std::size_t bytesOf(const ContactPoint& point) {
+  return sizeof(ContactPoint) + point.terms.size() * sizeof(ContactPoint::Term);
+}
+
+std::size_t bytesOf(const ConstraintRow& row) {
+  return sizeof(ConstraintRow) + row.terms.size() * sizeof(ConstraintRow::Term);
+}
+
+} // namespace
+
+void DistinctPoints::add(const std::vector<ContactPoint>& more, const std::string& kind) {
+  for (const ContactPoint& point : more) {
+    std::vector<std::size_t>& here = withNode_[point.terms.front().node];
+    const auto twin =
+        std::find_if(here.begin(), here.end(), [&](std::size_t k) { return sameRow(all_[k], point); });
+    if (twin != here.end()) {
+      all_[*twin].gap = std::min(all_[*twin].gap, point.gap);
+      continue;
+    }
+    here.push_back(all_.size());
+    all_.push_back(point);
+    kinds_.push_back(kind);
+  }
+}
+
+bool DistinctPoints::sameRow(const ContactPoint& a, const ContactPoint& b) const {
+  constexpr double rounding = 1e-12;
+  if (a.terms.size() != b.terms.size())
+    return false;
+  for (double sign : {1.0, -1.0}) {
+    bool same = true;
+    for (std::size_t d = 0; d < 3 && normalsMatter_; ++d)
+      same = same && std::abs(a.normal[d] - sign * b.normal[d]) <= rounding;
+    for (std::size_t k = 0; same && k < a.terms.size(); ++k)
+      same = a.terms[k].node == b.terms[k].node &&
+             std::abs(a.terms[k].weight - sign * b.terms[k].weight) <= rounding;
+    if (same)
+      return true;
+  }
+  return false;
+}
+
+ConstraintCollector::ConstraintCollector(const Teuchos::Comm<int>& comm, const Scene& scene,
+                                         const std::vector<OwnedSubdomain>& owned, EffectCosts& costs)
+    : comm_(comm),
+      scene_(scene),
+      costs_(costs),
+      effects_(scene, costs),
+      contacts_(scene.physics != Physics::Membrane),
+      ties_(false) {
+  for (const OwnedSubdomain& item : owned) {
+    for (const auto& set : item.mesh.sides)
+      withSides_[{item.body, set.first}].push_back(&item.mesh);
+    for (const auto& set : item.mesh.sets)
+      withNodes_[{item.body, set.first}].push_back(&item);
+  }
+}
+
+contact::Surface ConstraintCollector::surface(int body, const std::string& set,
+                                              const contact::NormalField& normal) const {
+  const auto found = withSides_.find({body, set});
+  return contact::gatherSurface(
+      comm_, found == withSides_.end() ? std::vector<const fem::PlacedMesh*>() : found->second, set,
+      scene_.bodies[static_cast<std::size_t>(body)].name + "/" + set, normal);
+}
+
+void ConstraintCollector::addContacts(const std::vector<ContactPoint>& points) {
+  contacts_.add(points, kind_);
+}
+
+void ConstraintCollector::addTies(const std::vector<ContactPoint>& points,
+                                  const std::vector<Part>& surfaces) {
+  ties_.add(points, kind_);
+  findHeldDofs(surfaces);
+}
+
+// The same on every rank.
+void ConstraintCollector::findHeldDofs(const std::vector<Part>& surfaces) {
+  const int components = scene_.components();
+  struct Held {
+    long long dof;
+    double value;
+  };
+  std::vector<Held> mine;
+  for (const Part& part : surfaces) {
+    const auto subdomains = withNodes_.find(part);
+    if (subdomains == withNodes_.end())
+      continue;
+    for (const OwnedSubdomain* item : subdomains->second) {
+      const std::vector<int>& nodes = item->mesh.sets.at(part.second);
+      for (const feti::FixedDof& fixed : effects_.prescribed(*item))
+        if (const int node = fixed.dof / components; std::binary_search(nodes.begin(), nodes.end(), node))
+          mine.push_back({item->mesh.number(node) * components + fixed.dof % components, fixed.value});
+    }
+  }
+  for (const Held& item : gatherAll(comm_, mine))
+    held_.emplace(item.dof, item.value);
+}
+
+void ConstraintCollector::collect(const Effect& effect) {
+  kind_ = effect.kind();
+  const auto scope = costs_.scope(effect);
+  effect.addConstraints(*this);
+}
+
+ContactSetup ConstraintCollector::finish() {
+  ContactSetup result;
+  const int components = scene_.components();
+  result.rows = contact::contactRows(comm_, contacts_.all(), components, 0);
+  for (const ConstraintRow& row : result.rows) {
+    const std::string& kind = contacts_.kind(static_cast<std::size_t>(row.number));
+    costs_.addRows(kind, 1);
+    costs_.addBytes(kind, bytesOf(row));
+  }
+  // Ties kind after kind, to know whose rows are whose; their points are not kept.
+  const std::vector<ContactPoint>& ties = ties_.all();
+  long long first = 0;
+  for (std::size_t begin = 0, end = 0; begin < ties.size(); begin = end) {
+    while (end < ties.size() && ties_.kind(end) == ties_.kind(begin))
+      ++end;
+    const auto at = [&](std::size_t k) { return ties.begin() + static_cast<std::ptrdiff_t>(k); };
+    const contact::TieRows part =
+        contact::tieRows(comm_, std::vector<ContactPoint>(at(begin), at(end)), components, first, held_);
+    first += part.count;
+    for (const ConstraintRow& row : part.rows)
+      costs_.addBytes(ties_.kind(begin), bytesOf(row));
+    costs_.addRows(ties_.kind(begin), static_cast<long long>(part.rows.size()));
+    result.rows.insert(result.rows.end(), part.rows.begin(), part.rows.end());
+  }
+  for (std::size_t k = 0; k < contacts_.all().size(); ++k)
+    costs_.addBytes(contacts_.kind(k), bytesOf(contacts_.all()[k]));
+  result.points = std::move(contacts_.all());
+  result.notes = std::move(notes_);
+  return result;
+}
+
+} // namespace Harmos::scene

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_ContactSetup.hpp"
+#include "Harmos_SubdomainEffects.hpp"
+
+#include <Teuchos_Comm.hpp>
+
+#include <map>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace Harmos::scene {
+
+/// Points whose rows differ. Effects that overlap give the same row twice, perhaps with the surfaces
+/// exchanged; two of them would be dependent, and of contacts the one with the smaller gap is enough.
+class DistinctPoints {
+ public:
+  /// @param normalsMatter not for ties, which have rows in every direction, nor for scalar problems.
+  explicit DistinctPoints(bool normalsMatter) : normalsMatter_(normalsMatter) {}
+
+  /// @param kind of the effect that they are of.
+  void add(const std::vector<contact::ContactPoint>& more, const std::string& kind);
+  std::vector<contact::ContactPoint>& all() { return all_; }
+  /// Of the effect that named a point first.
+  const std::string& kind(std::size_t point) const { return kinds_[point]; }
+
+ private:
+  bool sameRow(const contact::ContactPoint& a, const contact::ContactPoint& b) const;
+
+  bool normalsMatter_;
+  std::vector<contact::ContactPoint> all_;
+  std::vector<std::string> kinds_;
+  std::unordered_map<long long, std::vector<std::size_t>> withNode_; // by the lowest node
+};
+
+/// Where effects put their constraints, and what they need to find them. Every row is told apart from those
+/// of all effects before.
+class ConstraintCollector {
+ public:
+  /// All of these have to outlive it.
+  ConstraintCollector(const Teuchos::Comm<int>& comm, const Scene& scene,
+                      const std::vector<OwnedSubdomain>& owned, EffectCosts& costs);
+
+  // For effects.
+
+  /// A boundary part, on every rank; see contact::gatherSurface(). @note Collective.
+  contact::Surface surface(int body, const std::string& set,
+                           const contact::NormalField& normal = nullptr) const;
+
+  /// Inequality rows n·w ≤ gap, one a point. The same on every rank.
+  void addContacts(const std::vector<contact::ContactPoint>& points);
+
+  /// Equality rows w_c = 0, one a point and component; points as above. Where both sides end on prescribed
+  /// displacements rows are left out, see contact::tieRows().
+  /// @param surfaces that the points belong to: body and boundary part.
+  /// @note Collective.
+  void addTies(const std::vector<contact::ContactPoint>& points,
+               const std::vector<std::pair<int, std::string>>& surfaces);
+
+  /// What the user should know; a sentence.
+  void note(const std::string& text) { notes_.push_back(text); }
+
+  // For the run.
+
+  /// Asks an effect. @note Collective.
+  void collect(const Effect& effect);
+
+  /// All that was collected; the collector is empty then.
+  /// @throws InputError on all ranks if a tie contradicts prescribed displacements. Local.
+  ContactSetup finish();
+
+ private:
+  void findHeldDofs(const std::vector<std::pair<int, std::string>>& surfaces);
+
+  const Teuchos::Comm<int>& comm_;
+  const Scene& scene_;
+  EffectCosts& costs_;
+  SubdomainEffects effects_;
+  // This rank's subdomains by body and boundary part: scenes may have thousands of parts.
+  using Part = std::pair<int, std::string>;
+  std::map<Part, std::vector<const fem::PlacedMesh*>> withSides_;
+  std::map<Part, std::vector<const OwnedSubdomain*>> withNodes_;
+  std::string kind_; // of the effect that is asked
+  DistinctPoints contacts_, ties_;
+  std::map<long long, double> held_; // dofs at ties with prescribed values
+  std::vector<std::string> notes_;
+};
+
+} // namespace Harmos::scene

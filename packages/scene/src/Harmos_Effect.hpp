@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_LocalMatrix.hpp"
+#include "Harmos_OwnedSubdomain.hpp"
+#include "Harmos_SubdomainSystem.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace Harmos::scene {
+
+struct Scene;
+class ConstraintCollector;
+
+/// An effect that is on in a scene: a contact, a load, a support. Immutable.
+///
+/// A run asks each effect of its scene what it adds to the discrete problem
+///
+///     min ½uᵀKu − fᵀu   subject to   B_I u ≤ c_I,  B_E u = c_E :
+///
+/// to K and f of a subdomain, Dirichlet conditions, and rows of B. Every answer is "nothing" unless a class
+/// says otherwise, and nothing is kept for it: what no effect of a scene names does not exist in its run.
+///
+/// What effects to come need beyond that has its place here. Two-sided bounds (Tresca friction: |λ_t| ≤ s):
+/// a kind of row more in ConstraintCollector, for qp takes any box already. An update between solves (Coulomb
+/// friction, debonding): a hook after the recovery, from which the run goes back to the constraints. Output
+/// fields: a hook beside writeVtkHdf(), as ContactFields are for inequality rows.
+///
+/// Guarded by tests/unit/effects/test_registry.cpp.
+class Effect {
+ public:
+  /// @param kind as in the registry: "Contact". @param name its own, as in the deck; may be empty.
+  Effect(std::string kind, std::string name);
+  virtual ~Effect();
+  Effect(const Effect&) = delete;
+  Effect& operator=(const Effect&) = delete;
+
+  const std::string& kind() const { return kind_; }
+  const std::string& name() const { return name_; }
+  /// For messages: contact "joint"; "a contact" if it has no name.
+  std::string label() const;
+
+  /// How many effects of a kind this process has: now, and since it began. Thread-safe. For tests that a run
+  /// makes none.
+  struct Count {
+    long long living = 0;
+    long long made = 0;
+  };
+  static Count count(const std::string& kind);
+
+  // What it refers to, so that what is not there is refused before the run, and others know what to expect.
+
+  struct BoundaryPart {
+    int body;
+    std::string set;
+    bool needsSides; ///< sides of cells; else nodes are enough
+  };
+  virtual std::vector<BoundaryPart> boundaryParts() const { return {}; }
+  /// Bodies whose subdomains it is asked about: for Dirichlet conditions, loads and stiffness.
+  virtual std::vector<int> bodies() const { return {}; }
+  /// Bodies that it holds against rigid motions by itself, without inequalities.
+  virtual std::vector<int> heldBodies() const { return {}; }
+  virtual bool givesInequalities() const { return false; }
+  /// @throws InputError for settings that the scene does not admit. Local; the same on all ranks.
+  virtual void check(const Scene&) const {}
+
+  // What it adds to a subdomain. Local.
+
+  /// What an addition looks like from within the subdomain: subdomains of the same mesh and body get the same
+  /// addition where keys are equal, and share its result.
+  using Key = std::vector<double>;
+  /// Of additions that nothing else shares.
+  static Key ownKey(const OwnedSubdomain& subdomain) { return {static_cast<double>(subdomain.number)}; }
+
+  virtual void addPrescribed(const Scene&, const OwnedSubdomain&, std::vector<feti::FixedDof>&) const {}
+  /// Nothing where the subdomain has no such load; else addLoad() follows for the first of each key.
+  virtual std::optional<Key> loadKey(const Scene&, const OwnedSubdomain&) const { return std::nullopt; }
+  /// f += ...; a number for each dof = node · components + component.
+  virtual void addLoad(const Scene&, const OwnedSubdomain&, std::vector<double>&) const {}
+  /// As loadKey(), for addStiffness().
+  virtual std::optional<Key> stiffnessKey(const Scene&, const OwnedSubdomain&) const { return std::nullopt; }
+  /// K += a symmetric positive semidefinite matrix; entries at equal places add up. The kernel of the sum
+  /// follows by itself (feti::keptKernel()).
+  virtual void addStiffness(const Scene&, const OwnedSubdomain&, std::vector<MatrixEntry>&) const {}
+  /// Rise of the temperature of a body, which stresses at given displacements depend on.
+  virtual double temperatureRise(int) const { return 0.0; }
+
+  // What it adds to the constraints.
+
+  /// @note Collective.
+  virtual void addConstraints(ConstraintCollector&) const {}
+
+ protected:
+  /// sum += more, for vectors of the same length.
+  static void addTo(std::vector<double>& sum, const std::vector<double>& more);
+
+ private:
+  std::string kind_, name_;
+};
+
+} // namespace Harmos::scene

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_EffectRegistry.hpp"
+
+#include "Harmos_Errors.hpp"
+
+#include <ostream>
+
+namespace Harmos::scene {
+
+void EffectRegistry::add(EffectKind kind) {
+  for (const EffectKind& other : kinds_)
+    HARMOS_REQUIRE(other.name != kind.name, "two effects are registered by the name \"" + kind.name + "\"");
+  HARMOS_REQUIRE(static_cast<bool>(kind.make), "the effect \"" + kind.name + "\" cannot be made");
+  kinds_.push_back(std::move(kind));
+}
+
+void EffectRegistry::addParameters(ParameterSpec& deck) const {
+  ParameterSpec list("Effects", "What happens to the bodies; what is not named costs nothing.");
+  for (const EffectKind& kind : kinds_) {
+    ParameterSpec ofKind(kind.name, "Effects of this kind, each by a name of your choice.");
+    ofKind.family(kind.parameters);
+    list.list(std::move(ofKind));
+  }
+  deck.list(std::move(list));
+}
+
+void EffectRegistry::addEffects(const Teuchos::ParameterList& deck, Scene& scene) const {
+  for (const EffectKind& kind : kinds_) {
+    const Teuchos::ParameterList& list = deck.sublist("Effects").sublist(kind.name);
+    for (auto item = list.begin(); item != list.end(); ++item) {
+      const std::string& name = list.name(item);
+      scene.effects.push_back(kind.make(list.sublist(name), "Effects/" + kind.name + "/" + name, scene));
+    }
+  }
+}
+
+void EffectRegistry::write(std::ostream& out) const {
+  for (const EffectKind& kind : kinds_) {
+    out << kind.name << "\n";
+    kind.parameters.writeText(out);
+    out << "\n";
+  }
+}
+
+std::string nameIn(const std::string& path) {
+  return path.substr(path.rfind('/') + 1);
+}
+
+} // namespace Harmos::scene

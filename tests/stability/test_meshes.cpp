@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Hard cases of meshes and the pieces they are cut into.
+///
+///  - Hinge and mechanism subdomains: pieces that hang together in a node have more motions than the rigid
+///    ones; K⁺ made with those alone is the inverse of a matrix that is singular to rounding. Cure: parts are
+///    cut where they do not share a side (fem::mendParts); what is left is found by a probe outside of the
+///    range of K and named; a kernel may be given with the hinge's motion.
+///  - Disconnected METIS subdomain (Karypis, Kumar 1998, do not promise connected parts): as above.
+///  - Slivers and bad aspect ratio: K_ρ held at neighbouring places is worse conditioned than K by the aspect
+///    ratio squared. Cure: places spread by farthest-first traversal until they hold the kernel (Brzobohatý
+///    et al. 2011, IJNME 88).
+
+#include "Harmos_FixingDofs.hpp"
+#include "Harmos_HardCase.hpp"
+#include "Harmos_InverseQuality.hpp"
+#include "Harmos_Partition.hpp"
+#include "Harmos_PlateMesh.hpp"
+#include "Harmos_SparseSolve.hpp"
+#include "Harmos_TestErrors.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <iostream>
+
+using namespace Harmos;
+using fem::Point;
+using scene::Physics;
+
+namespace {
+
+// Of the solver. Answers may be wrong by it times the condition of the dual problem, some hundreds here.
+constexpr double tolerance = 1e-10;
+constexpr double bound = 1e3 * tolerance;
+
+double products(const scene::RunReport& report) {
+  return report.result.counters.hessianApplications;
+}
+
+contact::Obstacle halfSpace(const Point& point, const Point& direction) {
+  contact::Obstacle obstacle;
+  obstacle.point = point;
+  obstacle.direction = direction;
+  return obstacle;
+}
+
+// Two squares that share a node: the left one is held, the other one turns about the node, pressed down,
+// until it leans against a wall.
+fem::BodyMesh hingedSquares() {
+  fem::StructuredBlock::Options options;
+  options.elements = {4, 4, 1};
+  const fem::BodyMesh block = wholeBlock(options);
+  const std::vector<int> kept =
+      cellsBy(block.mesh, [](const Point& x) { return (x[0] < 0.5) == (x[1] < 0.5) ? 0 : 1; });
+  return extracted(block, kept, 0, "cut");
+}
+
+scene::Scene hinge(const std::vector<int>& part) {
+  scene::Scene scene;
+  scene.physics = Physics::PlaneStrain;
+  long long next = 0;
+  scene.bodies.push_back(tornBody(hingedSquares(), part, next, {fem::Material::isotropic(1.0, 0.3)}));
+  for (int component : {0, 1})
+    prescribe(scene, {0, "left"}, component);
+  addForce(scene, 0, {0.0, -0.02, 0.0});
+  addObstacle(scene, {0, "right"}, halfSpace({1.0, 0.0, 0.0}, {-1.0, 0.0, 0.0}));
+  return scene;
+}
+
+// A plate on a floor, pressed down, held sideways at its left.
+scene::Scene plate(const fem::BodyMesh& body, const std::vector<int>& part) {
+  scene::Scene scene;
+  scene.physics = Physics::PlaneStrain;
+  long long next = 0;
+  scene.bodies.push_back(tornBody(body, part, next, {fem::Material::isotropic(1.0, 0.3)}));
+  prescribe(scene, {0, "left"}, 0);
+  addForce(scene, 0, {0.01, -0.02, 0.0});
+  addObstacle(scene, {0, "bottom"}, halfSpace({}, {0.0, 1.0, 0.0}));
+  return scene;
+}
+
+// K⁺ with the kernel held at given dofs.
+class HeldAt : public feti::LocalInverse {
+ public:
+  HeldAt(const LocalMatrix& matrix, const feti::Kernel& kernel, const std::vector<int>& dofs)
+      : solve_(feti::regularized(matrix, kernel, dofs), "MUMPS", feti::Precision::Double, 0.0),
+        block_(matrix, dofs) {}
+  void apply(double* x, int count) const override { solve_.solve(x, count); }
+  const feti::BoundaryOperator& boundaryOperator() const override { return block_; }
+  std::shared_ptr<const feti::BoundaryOperator> schurComplement() const override { return nullptr; }
+  double bytes() const override { return 0.0; }
+
+ private:
+  feti::SparseSolve solve_;
+  feti::SparseOperator block_; // not asked for
+};
+
+} // namespace
+
+TEST(Stability, hinge_and_mechanism_subdomains) {
+  const fem::BodyMesh body = hingedSquares();
+  const std::vector<int> one(static_cast<std::size_t>(body.mesh.numberOfCells()), 0);
+  const fem::Partition mended = fem::mendParts(body, one);
+  EXPECT_EQ(mended.parts, 2);
+  const scene::Scene scene = hinge(mended.part), whole = hinge(one);
+  const ReferenceSolution reference = referenceSolution(scene), sameReference = referenceSolution(whole);
+  ASSERT_TRUE(reference.solvable && sameReference.solvable);
+  EXPECT_NEAR(reference.energy, sameReference.energy, 1e-12 * std::abs(reference.energy));
+  const TestRun run = runScene(scene, tolerance);
+  expectReference(reference, run, bound);
+  tellFigure("products", products(run.report));
+  tellFigure("deviation", deviation(reference, run).largest());
+
+  // As one subdomain, with the rigid motions alone: an error that tells the cause.
+  for (const char* form : {"primal", "dual"})
+    for (const char* how : {"condensed", "implicit"}) {
+      const std::string text = numericalErrorOf([&] {
+        runScene(whole, tolerance,
+                 {std::string("Decomposition/Dirichlet=") + form, std::string("Dual operator/Form=") + how});
+      });
+      EXPECT_TRUE(contains(text, "subdomain 0") &&
+                  contains(text, form[0] == 'd' ? "a mechanism or a hinge" : "lacks support"))
+          << text;
+    }
+  // With the hinge's motion in the kernel all is well again.
+  TestModel model = modelOf(whole);
+  for (feti::Subdomain& s : model.subdomains) {
+    auto motions = std::make_shared<feti::Kernel>(*s.motions);
+    for (int node = 0; node < body.mesh.numberOfNodes(); ++node) {
+      const Point x = body.mesh.local(node);
+      const bool turns = x[0] > 0.5 || x[1] > 0.5;
+      motions->values.push_back(turns ? 0.5 - x[1] : 0.0);
+      motions->values.push_back(turns ? x[0] - 0.5 : 0.0);
+    }
+    ++motions->columns;
+    s.motions = motions;
+  }
+  const TornRun given = solveTorn(model, tolerance);
+  expectReference(sameReference, given, bound, "given kernel");
+}
+
+TEST(Stability, disconnected_METIS_subdomain) {
+  fem::StructuredBlock::Options options;
+  options.elements = {6, 6, 1};
+  const fem::BodyMesh body = wholeBlock(options);
+  // As METIS may answer: the left and the right third are one part.
+  const std::vector<int> part =
+      cellsBy(body.mesh, [](const Point& x) { return std::abs(x[0] - 0.5) < 1.0 / 6 ? 1 : 0; });
+  const fem::Partition mended = fem::mendParts(body, part);
+  EXPECT_EQ(mended.parts, 3);
+  const scene::Scene scene = plate(body, mended.part);
+  const ReferenceSolution reference = referenceSolution(scene);
+  ASSERT_TRUE(reference.solvable);
+  for (const char* form : {"primal", "dual"}) {
+    const TestRun run = runScene(scene, tolerance, {std::string("Decomposition/Dirichlet=") + form});
+    expectReference(reference, run, bound, form);
+    tellFigure(std::string("products, ") + form, products(run.report));
+    tellFigure(std::string("deviation, ") + form, deviation(reference, run).largest());
+    const std::string text = numericalErrorOf(
+        [&] { runScene(plate(body, part), tolerance, {std::string("Decomposition/Dirichlet=") + form}); });
+    EXPECT_TRUE(contains(text, "subdomain 0") && contains(text, "2 parts that are not connected")) << text;
+  }
+}
+
+TEST(Stability, slivers_and_bad_aspect_ratio) {
+  // A foil with cells of 1:1000 between a floor and a block that presses on it; held sideways only.
+  for (fem::CellType type : {fem::CellType::Quadrilateral4, fem::CellType::Triangle3}) {
+    scene::Scene scene;
+    scene.physics = Physics::PlaneStrain;
+    fem::StructuredBlock::Options options;
+    options.cellType = type;
+    options.subdomains = {2, 1, 1};
+    options.elements = {4, 2, 1};
+    const double thickness = 2 * 0.125 / 1000.0;
+    options.size = {1.0, thickness, 0.0};
+    scene.bodies.push_back(blockBody("foil", options, fem::Material::isotropic(1.0, 0.3)));
+    options.origin[1] = thickness;
+    options.size[1] = 1.0;
+    scene.bodies.push_back(blockBody("block", options, fem::Material::isotropic(1.0, 0.3)));
+    for (int body : {0, 1})
+      prescribe(scene, {body, "left"}, 0);
+    addTraction(scene, {1, "top"}, {0.0, -0.01, 0.0});
+    addForce(scene, 1, {0.005, 0.0, 0.0});
+    addObstacle(scene, {0, "bottom"}, halfSpace({}, {0.0, 1.0, 0.0}));
+    addContact(scene, {0, "top"}, {1, "bottom"});
+    const ReferenceSolution reference = referenceSolution(scene);
+    ASSERT_TRUE(reference.solvable);
+    const std::string name = fem::shapeOf(type).name;
+    for (const char* form : {"primal", "dual"}) {
+      const TestRun run = runScene(scene, tolerance, {std::string("Decomposition/Dirichlet=") + form});
+      tellFigure(name + " condition, " + form, run.report.localCondition);
+      tellFigure(name + " products, " + form, products(run.report));
+      tellFigure(name + " displacement, " + form, deviation(reference, run).displacement);
+      tellFigure(name + " force, " + form, deviation(reference, run).force);
+      tellFigure(name + " energy, " + form, deviation(reference, run).energy);
+      tellFigure(name + " converged, " + form, run.report.converged);
+      tellFigure(name + " agrees, " + form, scene::auditAgrees(run.report));
+    }
+
+    // The kernel of a piece of foil held at spread places, and at two neighbouring nodes.
+    const TestModel model = modelOf(scene);
+    double spread = 0.0, close = 0.0;
+    for (const feti::Subdomain& s : model.subdomains)
+      if (s.number == 1) { // not at the left
+        const feti::Kernel kernel = feti::heldKernel(*s.motions, {});
+        spread = feti::inverseQuality(*s.stiffness, kernel,
+                                      HeldAt(*s.stiffness, kernel, feti::fixingDofs(*s.stiffness, kernel, 4)))
+                     .defect;
+        close =
+            feti::inverseQuality(*s.stiffness, kernel, HeldAt(*s.stiffness, kernel, {0, 1, 10, 11})).defect;
+        std::cout << "spread " << spread << " close " << close << std::endl;
+      }
+  }
+}

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_HardCase.hpp"
+
+#include "Harmos_ContactSetup.hpp"
+#include "Harmos_DualPreconditioner.hpp"
+#include "Harmos_DualSolution.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_FormChoice.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <limits>
+#include <map>
+#include <sstream>
+
+namespace Harmos {
+
+TestModel modelOf(const scene::Scene& scene) {
+  const auto comm = testComm();
+  const std::vector<scene::OwnedSubdomain> owned = scene::decompose(*comm, scene);
+  TestModel model;
+  model.subdomains = scene::assemble(scene, owned);
+  model.rows = scene::setUpContact(*comm, scene, owned).rows;
+  return model;
+}
+
+TornRun solveTorn(const TestModel& model, double tolerance, const std::vector<std::string>& assignments) {
+  const scene::RunOptions options = testOptions(tolerance, assignments);
+  feti::LocalInverseOptions inverses = options.dual.inverses;
+  inverses.form = options.dual.form.value_or(feti::DualForm::Condensed);
+  return solveTorn(TestFeti(model, options.dirichlet, inverses), tolerance, assignments);
+}
+
+TornRun solveTorn(const TestFeti& feti, double tolerance, const std::vector<std::string>& assignments) {
+  const scene::RunOptions options = testOptions(tolerance, assignments);
+  Teuchos::RCP<const feti::DualPreconditioner> preconditioner;
+  if (options.dual.preconditioner != feti::PreconditionerKind::None)
+    preconditioner = Teuchos::rcp(new feti::DualPreconditioner(
+        feti.system, feti.constraints, feti.inverses, options.dual.preconditioner,
+        options.dual.scaling.value_or(feti::PreconditionerScaling::Multiplicity)));
+  TornRun run;
+  run.report.tolerance = tolerance;
+  run.report.inequalities = feti.constraints.inequalities();
+  const scene::DualSolution solution = scene::solveDualProblem(
+      feti.system, feti.constraints, feti.coarse, feti.dual, preconditioner, options, Log(), run.report);
+  run.torn = feti::recover(feti.system, feti.constraints, feti.inverses, feti.coarse, feti.dual,
+                           *solution.lambda, solution.mu);
+  run.report.audit = feti::audit(feti.system, feti.constraints, run.torn);
+  run.report.audited = true;
+  const feti::ContactState state = feti::contactState(feti.constraints, run.torn);
+  run.force.assign(static_cast<std::size_t>(feti.constraints.inequalities()), 0.0);
+  for (std::size_t k = 0; k < state.row.size(); ++k)
+    run.force[static_cast<std::size_t>(state.row[k])] = state.force[k];
+  globalSum(*testComm(), run.force);
+  return run;
+}
+
+Deviation deviation(const ReferenceSolution& reference, const TornRun& run) {
+  return deviation(reference, run.torn.displacement, run.force, run.report.audit.energy);
+}
+
+namespace {
+
+void expectSound(const ReferenceSolution& reference, const scene::RunReport& report, const Deviation& off,
+                 double bound, const std::string& what) {
+  EXPECT_TRUE(reference.solvable) << what;
+  EXPECT_TRUE(report.converged) << what << ": " << report.reason;
+  EXPECT_TRUE(scene::auditAgrees(report)) << what << "\n" << scene::auditText(report);
+  EXPECT_LE(off.displacement, bound) << what;
+  EXPECT_LE(off.force, bound) << what;
+  EXPECT_LE(off.energy, bound) << what;
+  EXPECT_GE(report.audit.minContactMultiplier, -bound * report.audit.largestMultiplier) << what;
+}
+
+} // namespace
+
+void expectReference(const ReferenceSolution& reference, const TestRun& run, double bound,
+                     const std::string& what) {
+  expectSound(reference, run.report, deviation(reference, run), bound, what);
+}
+
+void expectReference(const ReferenceSolution& reference, const TornRun& run, double bound,
+                     const std::string& what) {
+  expectSound(reference, run.report, deviation(reference, run), bound, what);
+}
+
+void tellFigure(const std::string& name, double value) {
+  std::ostringstream text;
+  text.precision(3);
+  text << value;
+  testing::Test::RecordProperty(name, text.str());
+  if (testComm()->getRank() == 0)
+    std::cout << "[  figure  ] " << name << ": " << text.str() << std::endl;
+}
+
+TestModel withRows(const TestModel& model, Gluing gluing, Copies copies) {
+  const auto comm = testComm();
+  struct Copy {
+    long long dof, subdomain;
+    int fixed;
+  };
+  std::vector<Copy> mine;
+  for (const feti::Subdomain& s : model.subdomains)
+    for (std::size_t k = 0; k < s.numbers.size(); ++k) {
+      const int dof = (*s.interface)[k];
+      mine.push_back({s.numbers[k], s.number,
+                      std::any_of(s.fixed.begin(), s.fixed.end(),
+                                  [dof](const feti::FixedDof& f) { return f.dof == dof; })
+                          ? 1
+                          : 0});
+    }
+  std::map<long long, std::vector<Copy>> table;
+  for (const Copy& copy : gatherAll(*comm, mine))
+    table[copy.dof].push_back(copy);
+  // Its own number for each copy, by dofs and subdomains: the same on any number of ranks.
+  std::map<std::pair<long long, long long>, long long> number;
+  for (auto& [dof, list] : table) {
+    std::sort(list.begin(), list.end(),
+              [](const Copy& a, const Copy& b) { return a.subdomain < b.subdomain; });
+    for (const Copy& copy : list)
+      number.emplace(std::make_pair(dof, copy.subdomain), static_cast<long long>(number.size()));
+  }
+
+  TestModel result = model;
+  for (feti::Subdomain& s : result.subdomains)
+    for (long long& dof : s.numbers)
+      dof = number.at({dof, s.number});
+  long long equalities = 0;
+  for (const ConstraintRow& row : model.rows)
+    equalities += row.kind == ConstraintRow::Kind::Equality ? 1 : 0;
+  equalities = globalSum(*comm, equalities);
+  for (ConstraintRow& row : result.rows) {
+    std::vector<ConstraintRow::Term> terms;
+    for (const ConstraintRow::Term& term : row.terms) {
+      const std::vector<Copy>& list = table.at(term.dof);
+      const std::size_t taken = copies == Copies::Mean ? list.size() : 1;
+      for (std::size_t k = 0; k < taken; ++k)
+        terms.push_back(
+            {number.at({term.dof, list[k].subdomain}), term.coefficient / static_cast<double>(taken)});
+    }
+    row.terms = terms;
+  }
+  if (comm->getRank() != 0)
+    return result;
+  const auto add = [&](const std::vector<ConstraintRow::Term>& terms) {
+    result.rows.push_back({ConstraintRow::Kind::Equality, equalities++, terms, 0.0, 0.0});
+  };
+  for (const auto& [dof, list] : table)
+    for (std::size_t k = 1; k < list.size(); ++k) {
+      const auto at = [&](std::size_t i) { return number.at({dof, list[i].subdomain}); };
+      switch (gluing) {
+      case Gluing::Orthonormal: {
+        std::vector<ConstraintRow::Term> terms;
+        for (std::size_t i = 0; i < k; ++i)
+          terms.push_back({at(i), 1.0});
+        terms.push_back({at(k), -static_cast<double>(k)});
+        add(terms);
+        break;
+      }
+      case Gluing::Chain:
+        add({{at(k - 1), 1.0}, {at(k), -1.0}});
+        break;
+      case Gluing::AllPairs:
+        for (std::size_t i = 0; i < k; ++i)
+          add({{at(i), 1.0}, {at(k), -1.0}});
+        break;
+      }
+    }
+  return result;
+}
+
+double conditionOfRows(const TestModel& model) {
+  const auto comm = testComm();
+  const feti::SubdomainSystem system(comm, model.subdomains, feti::DirichletForm::Primal);
+  const feti::Constraints constraints(system, model.rows);
+  struct Entry {
+    long long row, subdomain;
+    int dof;
+    double value;
+  };
+  std::vector<Entry> entries;
+  for (int i = 0; i < system.size(); ++i)
+    for (const feti::Constraints::Entry& entry : constraints.entries(i))
+      entries.push_back({static_cast<long long>(constraints.overlapMap()->getGlobalElement(entry.row)),
+                         system.subdomain(i).number, entry.dof, entry.value});
+  std::map<std::pair<long long, int>, std::vector<std::pair<int, double>>> byDof;
+  for (const Entry& entry : gatherAll(*comm, entries))
+    byDof[{entry.subdomain, entry.dof}].emplace_back(static_cast<int>(entry.row), entry.value);
+  const int n = static_cast<int>(constraints.dualDimension());
+  Dense gram(n, n);
+  for (const auto& item : byDof)
+    for (const auto& [a, x] : item.second)
+      for (const auto& [b, y] : item.second)
+        gram(a, b) += x * y;
+  const std::vector<double> spectrum = eigenvalues(gram);
+  return spectrum.front() > 1e-12 * spectrum.back() ? spectrum.back() / spectrum.front()
+                                                    : std::numeric_limits<double>::infinity();
+}
+
+} // namespace Harmos
