@@ -109,8 +109,9 @@ FAULTS = (
         "gap of an obstacle reversed", "packages/contact/src/Harmos_Obstacle.cpp",
         "point.gap = separation.gap;", "point.gap = -separation.gap;", CONTACT),
     fault(
-        "thermal strain of the wrong sign", "packages/fem/src/Harmos_Elasticity.cpp",
-        "e[r] -= temperature * expansion[r];", "e[r] += temperature * expansion[r];",
+        "thermal load of the wrong sign", "packages/fem/src/Harmos_Elasticity.cpp",
+        "stress += material[r][s] * expansion[s] * temperature;",
+        "stress -= material[r][s] * expansion[s] * temperature;",
         ("unit_fem", "verification_elements")),
     fault(
         "outward normal that looks inward", "packages/fem/src/Harmos_Loads.cpp",
