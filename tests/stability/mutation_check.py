@@ -150,10 +150,10 @@ class Copy:
         files = subprocess.run(["git", "ls-files", "-z"], cwd=SOURCE, check=True,
                                capture_output=True, text=True).stdout
         for name in filter(None, files.split("\0")):
-            self.restore(name)
+            self.take_over(name)
 
-    def restore(self, name):
-        """The file as it is in the sources; unchanged ones keep their time and are not rebuilt."""
+    def take_over(self, name):
+        """A file as it is in the sources; unchanged ones keep their time and are not rebuilt."""
         there, here = SOURCE / name, self.source / name
         if not there.is_file():
             return
@@ -162,12 +162,19 @@ class Copy:
             shutil.copyfile(there, here)
             shutil.copymode(there, here)
 
-    def plant(self, item):
+    @contextlib.contextmanager
+    def planted(self, item):
+        """With the fault in its file, which is as before afterwards, whatever becomes of the sources."""
         path = self.source / item.file
-        text = path.read_text(encoding="utf-8")
+        before = path.read_text(encoding="utf-8")
+        text = before
         for old, new in item.replacements:
             text = text.replace(old, new)
         path.write_text(text, encoding="utf-8")
+        try:
+            yield
+        finally:
+            path.write_text(before, encoding="utf-8")
 
     def call(self, command, timeout=None):
         with open(self.log, "a", encoding="utf-8") as log:
@@ -231,16 +238,12 @@ def build_all(copy, numbers):
     with locked(copy.lock):
         for number in [0, *numbers]:
             item = FAULTS[number - 1] if number else None
-            if item:
-                copy.plant(item)
-            try:
-                if not copy.make(item.tests if item else all_tests(numbers)):
+            tests = item.tests if item else all_tests(numbers)
+            with copy.planted(item) if item else contextlib.nullcontext():
+                if copy.make(tests):
+                    copy.put_aside(number, tests)
+                else:
                     failing.append(number)
-                    continue
-                copy.put_aside(number, item.tests if item else all_tests(numbers))
-            finally:
-                if item:
-                    copy.restore(item.file)
     return failing
 
 
