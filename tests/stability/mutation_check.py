@@ -164,7 +164,7 @@ class Copy:
 
     @contextlib.contextmanager
     def planted(self, item):
-        """With the fault in its file, which is as before afterwards, whatever becomes of the sources."""
+        """With the fault in its file, which afterwards is as it was before."""
         path = self.source / item.file
         before = path.read_text(encoding="utf-8")
         text = before
