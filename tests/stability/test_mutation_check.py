@@ -2,7 +2,7 @@
 """The mutation check is ready to run: every fault that it plants still has its place in the sources.
 
 Guards against faults that rot when the sources change, and against a check that does not notice.
-Faults are planted and tests run by hand, see docs/stability_mutations.md: that takes half an hour.
+Faults are planted and tests run by hand, see docs/stability_checks.md: that takes half an hour.
 """
 
 import subprocess

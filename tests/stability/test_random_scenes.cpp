@@ -103,8 +103,8 @@ std::string contradictions(const scene::Scene& scene, double tolerance,
   require("the tear between subdomains", found.tear, 2.0 * length);
   require("the error of prescribed values", found.prescribed, length);
   require("the jump of ties", found.tieJump, length);
-  require("the penetration", found.penetration, length);
-  require("the distance over which contact acts", found.forceAtDistance, length);
+  require("the penetration", found.penetration, length + run.report.gapRounding);
+  require("the distance over which contact acts", found.forceAtDistance, length + run.report.gapRounding);
   // Multipliers are projected onto their bounds, which are differences: rounding errors of the shift.
   require("the pull of contact", found.pull, 1e-10);
   // Beside the tolerance as far as local solves are verified to be exact, see LocalInverses.

@@ -271,11 +271,11 @@ class Generator {
   // Over the whole of it, whatever the rounding at its edges.
   void addMembraneLoad(scene::Scene& scene, std::size_t b, double density) const {
     const fem::StructuredBlock::Options& options = blocks_[b].options;
-    addForce(
-        scene, static_cast<int>(b),
-        {{density,
-          {options.origin[0] - length_, options.origin[1] - length_},
-          {options.origin[0] + options.size[0] + length_, options.origin[1] + options.size[1] + length_}}});
+    const std::vector<fem::BoxLoad> loads = {
+        {density,
+         {options.origin[0] - length_, options.origin[1] - length_},
+         {options.origin[0] + options.size[0] + length_, options.origin[1] + options.size[1] + length_}}};
+    addForce(scene, static_cast<int>(b), loads);
   }
 
   void load() {

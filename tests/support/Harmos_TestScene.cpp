@@ -100,8 +100,7 @@ void removeEffects(scene::Scene& scene, const std::string& kind) {
                       scene.effects.end());
 }
 
-scene::RunOptions testOptions(double tolerance, const std::vector<std::string>& assignments,
-                              const Teuchos::RCP<const Teuchos::Comm<int>>& comm) {
+scene::RunOptions testOptions(double tolerance, const std::vector<std::string>& assignments) {
   ParameterSpec deck("deck", "A deck.");
   scene::RunOptions::addTo(deck);
   Teuchos::ParameterList list = deck.defaults();
@@ -117,15 +116,16 @@ scene::RunOptions testOptions(double tolerance, const std::vector<std::string>& 
   options.outputDirectory =
       (std::filesystem::temp_directory_path() /
        ("harmos_" + std::filesystem::read_symlink("/proc/self/exe").filename().string() + "_np" +
-        std::to_string(testComm()->getSize()) +
-        (comm.is_null() ? "" : "_rank" + std::to_string(testComm()->getRank()))))
+        std::to_string(testComm()->getSize())))
           .string();
   return options;
 }
 
 TestRun runScene(const scene::Scene& scene, double tolerance, const std::vector<std::string>& assignments,
                  const Teuchos::RCP<const Teuchos::Comm<int>>& comm) {
-  const scene::RunOptions options = testOptions(tolerance, assignments, comm);
+  scene::RunOptions options = testOptions(tolerance, assignments);
+  if (!comm.is_null())
+    options.outputDirectory += "_rank" + std::to_string(testComm()->getRank());
   TestRun run;
   run.solution = scene::run(comm.is_null() ? testComm() : comm, scene, options, Log(),
                             std::chrono::steady_clock::now(), run.report);

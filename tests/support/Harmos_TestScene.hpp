@@ -51,8 +51,7 @@ struct TestRun {
 };
 
 /// The options of the default deck, but for these; without files beyond the summary's directory.
-scene::RunOptions testOptions(double tolerance, const std::vector<std::string>& assignments = {},
-                              const Teuchos::RCP<const Teuchos::Comm<int>>& comm = Teuchos::null);
+scene::RunOptions testOptions(double tolerance, const std::vector<std::string>& assignments = {});
 
 /// Runs a scene with the default deck, to a tolerance; assignments as with --set.
 /// @param comm null: all ranks. Each rank may also run a scene by itself.
