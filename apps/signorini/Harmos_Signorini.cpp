@@ -60,5 +60,5 @@ void evaluate(const Teuchos::ParameterList& deck, scene::RunReport& report) {
 
 Harmos::app::Application Harmos::app::signoriniApplication() {
   return {"signorini", "Signorini problems: membranes in contact, elastic bodies on a plane", addParameters,
-          makeScene, evaluate};
+          makeScene, evaluate, nullptr};
 }
