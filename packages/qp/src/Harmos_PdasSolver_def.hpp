@@ -132,28 +132,49 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
     return evaluate(BT::projectedGradientNorm(x, *y, lower, upper), inner);
   };
 
-  // The first active set: entries at a bound that the gradient pushes against it.
+  Cg cg(problem, *rows, CgOptions::fromList(this->parameters_->sublist("PCPG")), counters);
   BT::project(x, lower, upper);
   LocalActiveSet set;
-  {
-    if (norm<Scalar>(x) > 0.0) {
+  // The first active set: entries at a bound that the gradient pushes against it. The gradient costs a
+  // product where x is not zero. If that at zero, which costs nothing, mostly pushes against these bounds,
+  // the product is made on the face where all of them are active, as the first one of its solution.
+  const auto addMultiplier = [&] {
+    if (!rows->isPresent())
+      return;
+    const Teuchos::RCP<MV> mu = rows->makeVector();
+    rows->toInternal(*problem.multiplier(), *mu);
+    rows->addTransposed(1.0, *mu, *y);
+  };
+  MVT::MvAddMv(-1.0, *problem.rhs(), 0.0, *problem.rhs(), *y);
+  addMultiplier();
+  BT::split(x, *y, lower, upper, 1.0, nullptr, set);
+  LocalActiveSet pushed = set;
+  ActiveSetChange change = BT::updateActiveSet(x, *y, lower, upper, 0.0, 0.0, pushed);
+  bool started = false;
+  if (norm<Scalar>(x) > 0.0) {
+    const Teuchos::RCP<MV> projected = MVT::CloneCopy(x), free = MVT::CloneCopy(*y);
+    BT::maskActive(*free, set);
+    const double atBounds2 = dot<Scalar>(*y, *y) - dot<Scalar>(*free, *free);
+    started = change.wrongSign2 <= 0.1 * atBounds2 && cg.start(set);
+    if (started) {
+      cg.lagrangianGradient(*y);
+      change = BT::updateActiveSet(x, *y, lower, upper,
+                                   10.0 * std::numeric_limits<double>::epsilon() * norm<Scalar>(x),
+                                   10.0 * cg.attainable(), set);
+      started = change.changed == 0;
+    } else {
+      MVT::Assign(*projected, x);
       ++counters.hessianApplications;
       Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem.hessian(), x, *y);
       MVT::MvAddMv(1.0, *y, -1.0, *problem.rhs(), *y);
-    } else {
-      MVT::MvAddMv(-1.0, *problem.rhs(), 0.0, *problem.rhs(), *y);
+      addMultiplier();
+      change = BT::updateActiveSet(x, *y, lower, upper, 0.0, 0.0, set);
     }
-    if (rows->isPresent()) {
-      const Teuchos::RCP<MV> mu = rows->makeVector();
-      rows->toInternal(*problem.multiplier(), *mu);
-      rows->addTransposed(1.0, *mu, *y);
-    }
-    set.clear();
-    BT::split(x, *y, lower, upper, 1.0, nullptr, set);
-    active = BT::updateActiveSet(x, *y, lower, upper, 0.0, 0.0, set).active;
+  } else {
+    set = pushed;
   }
+  active = change.active;
 
-  Cg cg(problem, *rows, CgOptions::fromList(this->parameters_->sublist("PCPG")), counters);
   std::set<std::pair<double, double>> seen;
   IterationState<MV> state = evaluate(std::numeric_limits<double>::infinity(), this->firstInner_);
   bool settled = false, newFace = true;
@@ -162,8 +183,9 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
   int repeats = 0;
   while (true) {
     if (newFace) {
-      if (!cg.start(set))
+      if (!started && !cg.start(set))
         return fallBack("the equalities cannot be met on a face");
+      started = false;
       ++counters.faces;
       state = evaluate(cg.residualNorm(), state.inner);
       this->record(state, this->result_.history.empty() ? StepKind::Start : StepKind::ActiveSet, 0.0, 0.0,
@@ -204,8 +226,8 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
     cg.lagrangianGradient(*y);
     const double epsilon = std::numeric_limits<double>::epsilon();
     const double curvature = cg.curvatureBound();
-    const ActiveSetChange change = BT::updateActiveSet(x, *y, lower, upper, 10.0 * epsilon * norm<Scalar>(x),
-                                                       10.0 * cg.attainable(), set);
+    change = BT::updateActiveSet(x, *y, lower, upper, 10.0 * epsilon * norm<Scalar>(x),
+                                 10.0 * cg.attainable(), set);
     active = change.active;
     // ‖g^P‖ at the projection of x is at most ‖w‖ + ‖multipliers of the wrong sign‖ + ‖A‖‖x − Π(x)‖.
     const double expected =
