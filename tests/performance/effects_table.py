@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What each effect adds to a run: scenes with everything on against the same with one effect off.
+
+    effects_table.py [--elements 24,8] [--repetitions 5] [--np 2] [--output FILE] [--page FILE]
+
+Writes docs/effects.md (or --page) and, with --output, JSON. Seconds and MiB are medians.
+"""
+
+import argparse
+import copy
+import json
+import os
+import statistics
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+
+import harmos_runs as runs  # noqa: E402
+from harmos_decks import xml  # noqa: E402
+
+PAGE = runs.SOURCE / "docs/effects.md"
+COLUMNS = (
+    ("primal dimension", "primal_dimension"),
+    ("dual dimension", "dual_dimension"),
+    ("inequalities", "inequalities"),
+    ("kernel", "kernel_dimension"),
+    ("products", "hessian_applications"),
+    ("seconds", "seconds"),
+    ("MiB", "mib"),
+)
+
+
+def steps(physics, elements):
+    """Three blocks: A below B, and D tied to the right side of B, above a floor of its own.
+
+    Every effect is on; without any one of them there is a solution too.
+    """
+    is_space = physics == "solid"
+
+    def vector(x, height):
+        return [x, 0.0, height] if is_space else [x, height, 0.0]
+
+    def block(x, height):
+        sides = [2, 1, 2] if is_space else [4, 4, 1]
+        return {
+            "Source": "block",
+            "Origin": vector(x, height),
+            "Subdomains a side": sides,
+            "Elements a side": [elements] * 3,
+            "Materials": ["steel"],
+        }
+
+    walls = {
+        f"left wall of {body}": {"Part": f"{body}/left", "Direction": vector(1.0, 0.0)} for body in "AB"
+    }
+    held = {
+        "base": {"Part": "A/bottom"},
+        "side": {"Part": "B/left", "Components": ["x"]},
+    }
+    if is_space:
+        for body in "ABD":
+            held[f"front of {body}"] = {"Part": f"{body}/front", "Components": ["y"]}
+    return {
+        "Model": {"Physics": physics, "Name": f"steps, {physics}"},
+        "Materials": {
+            "steel": {
+                "Young's modulus": 1.0,
+                "Poisson's ratio": 0.3,
+                "Thermal expansion": [0.01, 0.01, 0.01],
+            }
+        },
+        "Bodies": {"A": block(0.0, 0.0), "B": block(0.0, 1.0), "D": block(1.0, 1.0)},
+        "Effects": {
+            "Tie": {"seam": {"First": "D/left", "Second": "B/right"}},
+            "Contact": {"joint": {"First": "B/bottom", "Second": "A/top"}},
+            "Obstacle": {
+                "floor": {
+                    "Part": "D/bottom",
+                    "Point": vector(0.0, 1.0),
+                    "Direction": vector(0.0, 1.0),
+                },
+                "ground": {"Part": "A/bottom", "Direction": vector(0.0, 1.0)},
+                "right wall": {
+                    "Part": "D/right",
+                    "Point": vector(2.0, 0.0),
+                    "Direction": vector(-1.0, 0.0),
+                },
+                **walls,
+            },
+            "Body force": {
+                f"on {body}": {"Body": body, "Density": vector(0.001 if body == "D" else -0.002, -0.01)}
+                for body in "ABD"
+            },
+            "Traction": {
+                "on B": {"Part": "B/top", "Pressure": 0.02},
+                "on D": {"Part": "D/top", "Pressure": 0.01},
+            },
+            "Prescribed displacement": held,
+            "Thermal strain": {"warm": {"Body": "D", "Temperature": 1.0}},
+            "Elastic foundation": {"soil": {"Part": "A/right", "Normal stiffness": 0.5}},
+        },
+        "Solver": {"Tolerance": 1e-6, "Progress frequency": 0},
+        "Output": {"Fields": False},
+    }
+
+
+def run(tree, np):
+    deck = runs.scratch("deck").with_suffix(".xml")
+    deck.write_text(xml("harmos", tree), encoding="utf-8")
+    done = runs.run(deck, np=np, program="harmos")
+    if done.returncode != 0:
+        sys.exit(f"{done}")
+    return done.summary
+
+
+def medians(summaries):
+    last = summaries[-1]
+    kept = {key: last[key] for _, key in COLUMNS if key in last}
+    return {
+        **kept,
+        "effects": last["effects"],
+        "effect_costs": last["effect_costs"],
+        "seconds": statistics.median(item["seconds"]["total"] for item in summaries),
+        "mib": statistics.median(item["peak_memory_mib"] for item in summaries),
+    }
+
+
+def without(scene, effect):
+    less = copy.deepcopy(scene)
+    less["Effects"].pop(effect, None)
+    return less
+
+
+def measure(scene, np, repetitions):
+    """By effect that is off, None for none. They take turns, so that a busy moment is nobody's alone."""
+    results = {}
+    for _ in range(repetitions):
+        for effect in (None, *scene["Effects"]):
+            results.setdefault(effect, []).append(run(without(scene, effect), np))
+    return {effect: medians(summaries) for effect, summaries in results.items()}
+
+
+def cell(off, on, key):
+    if key == "seconds":
+        return f"{off[key]:.2f} → {on[key]:.2f}"
+    if key == "mib":
+        return f"{off[key]:.0f} → {on[key]:.0f}"
+    return f"{off[key]} → {on[key]}" if off[key] != on[key] else f"{on[key]}"
+
+
+HEAD = """# What an effect adds
+
+Generated by `tests/performance/effects_table.py`. Each scene has every effect of the table; a line compares the
+run without the effect with the one with it (off → on; one number: the same in both). Effects that a
+scene does not name have no object, row, timer or memory in its run, and a run without one is bit for
+bit that of a program without its class (`tests/unit/effects/test_absence.cpp`); what the others add shows
+here, to all of a run, and in its log and `summary.json` (`effect_costs`) by themselves.
+
+Seconds are those of the whole run without result files, medians of {repetitions} on {np} ranks; memory is the sum of
+the ranks' peaks. Fewer effects may take more iterations: it is another problem. The machine had {cores} cores and a
+load of {load:.1f} when the measurement began; with a load near or above the cores, seconds say little.
+"""
+
+
+def page(document):
+    text = [HEAD.format(**document)]
+    for scene in dict.fromkeys(item["scene"] for item in document["runs"]):
+        items = [item for item in document["runs"] if item["scene"] == scene]
+        text.append(f"## {scene[0].upper()}{scene[1:]}\n")
+        text.append("| effect | " + " | ".join(name for name, _ in COLUMNS) + " |")
+        text.append("|---|" + "---:|" * len(COLUMNS))
+        for item in items:
+            cells = [cell(item["off"], item["on"], key) for _, key in COLUMNS]
+            text.append(f"| {item['effect']} | " + " | ".join(cells) + " |")
+        text.append("\nBy themselves, with everything on:\n")
+        text.append("| effect | number | rows | seconds | KiB |\n|---|---:|---:|---:|---:|")
+        for cost in items[0]["on"]["effect_costs"]:
+            text.append(
+                f"| {cost['kind']} | {cost['effects']} | {cost['rows']} | {cost['seconds']:.4f} | "
+                f"{cost['bytes'] / 1024:.1f} |"
+            )
+        text.append("")
+    return "\n".join(text)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
+    parser.add_argument("--elements", default="24,8", help="of a subdomain's side, in the plane and in space")
+    parser.add_argument("--repetitions", type=int, default=5)
+    parser.add_argument("--np", type=int, default=2)
+    parser.add_argument("--output")
+    parser.add_argument("--page", default=PAGE)
+    given = parser.parse_args()
+    plane, *space = map(int, given.elements.split(","))
+    scenes = [steps("plane strain", plane), steps("solid", space[0] if space else plane)]
+    document = {
+        "benchmark": "effects",
+        "ranks": given.np,
+        "np": given.np,
+        "repetitions": given.repetitions,
+        "cores": os.cpu_count(),
+        "load": os.getloadavg()[0],
+        "runs": [],
+    }
+    for scene in scenes:
+        measured = measure(scene, given.np, given.repetitions)
+        name, on = scene["Model"]["Name"], measured.pop(None)
+        for effect, off in measured.items():
+            document["runs"].append({"scene": name, "effect": effect, "off": off, "on": on})
+            print(f"{name}, {effect}: {off['seconds']:.3f} s off, {on['seconds']:.3f} s on")
+    Path(given.page).write_text(page(document), encoding="utf-8")
+    if given.output:
+        Path(given.output).write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
