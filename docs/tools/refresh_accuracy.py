@@ -46,8 +46,9 @@ def ratio_table(study):
     """How far from the front the runs with each value of an axis are."""
     name, title = next(iter(study["measures"].items()))
     lines = [
-        f"| Setting | Runs judged | On the front | Seconds over the front's at the same error ({title}):"
-        " median | largest |",
+        f"Seconds over those of the front at the same error ({title}):",
+        "",
+        "| Setting | Runs judged | On the front | Median | Largest |",
         "|---|---|---|---|---|",
     ]
     for axis in study["axes"]:
@@ -94,7 +95,7 @@ def parts_table(study):
 
 def block(study):
     lines = [
-        f"*{len(study['runs'])} settings on {study['ranks']} ranks, Harmos {study['harmos']['version']}"
+        f"*{len(study['runs'])} settings on {plot_study.ranks_of(study)}, Harmos {study['harmos']['version']}"
         f" ({study['harmos']['git']}). {reference_line(study)}*",
         "",
         "```",
