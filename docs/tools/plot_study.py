@@ -282,7 +282,7 @@ def iterations(study):
     for run in runs:
         key = tuple(setting(run, a) for a in others)
         groups.setdefault(key, []).append(run)
-    figure = plt.figure(figsize=(7.6, 4.6), layout="constrained")
+    figure = plt.figure(figsize=(9.4, 5.6), layout="constrained")
     axes = figure.add_subplot()
     styles = ("-", "--", ":", "-.")
     meshes = values_of(mesh)
