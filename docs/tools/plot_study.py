@@ -117,15 +117,22 @@ def tidy(axes):
         axes.spines[side].set_visible(False)
 
 
+def ranks_of(study):
+    return "1 rank" if study["ranks"] == 1 else f"{study['ranks']} ranks"
+
+
 def caption(figure, study):
     git = study["harmos"]["git"]
-    words = f"{study['application']}, {study['ranks']} ranks, Harmos {study['harmos']['version']} ({git})"
+    words = f"{study['application']}, {ranks_of(study)}, Harmos {study['harmos']['version']} ({git})"
     figure.text(0.995, 0.005, words, ha="right", va="bottom", fontsize=7, color=FAINT)
 
 
 def legend_below(figure, handles, columns):
     """In a strip of its own under the axes."""
-    columns = min(columns, len(handles))
+    longest = max(len(handle.get_label()) for handle in handles)
+    # Inches: a line of a sample, then letters of this size.
+    fitting = int(figure.get_figwidth() / (0.55 + 0.062 * longest))
+    columns = max(1, min(columns, len(handles), fitting))
     rows = -(-len(handles) // columns)
     strip = (0.17 * rows + 0.22) / figure.get_figheight()
     figure.get_layout_engine().set(rect=(0, strip, 1, 1 - strip))
@@ -275,7 +282,7 @@ def iterations(study):
     for run in runs:
         key = tuple(setting(run, a) for a in others)
         groups.setdefault(key, []).append(run)
-    figure = plt.figure(figsize=(7.6, 4.6), layout="constrained")
+    figure = plt.figure(figsize=(9.4, 5.6), layout="constrained")
     axes = figure.add_subplot()
     styles = ("-", "--", ":", "-.")
     meshes = values_of(mesh)
@@ -298,7 +305,11 @@ def iterations(study):
             )
     axes.set_xscale("log")
     axes.invert_xaxis()
-    axes.set_ylim(bottom=0)
+    counts = [run["products"] for run in runs if run["products"] > 0]
+    if counts and max(counts) > 20 * min(counts):
+        axes.set_yscale("log")
+    else:
+        axes.set_ylim(bottom=0)
     axes.set_xlabel("relative tolerance of the solver")
     axes.set_ylabel("products with F")
     axes.set_title("Iterations against tolerance")

@@ -8,6 +8,7 @@ What each class guards against:
               a front, sentences or ratios that do not follow from the rows
     Resume    runs that are repeated, lost or spoiled when a study is ended and started again
     Refused   bad decks that are accepted, or refused without saying where
+    Decks     decks of the page that are not valid, pictures that are not shown or too large
     Charts    charts that are not drawn
     Ranks     errors that depend on the number of ranks
 """
@@ -345,6 +346,26 @@ class Refused(unittest.TestCase):
         # Their reasons, with commas and quotes, are read again.
         again = study(run.directory, sets=sets)
         self.assertIn("; 8 are in the table already", again.stdout)
+
+
+class Decks(unittest.TestCase):
+    """The decks of the three scenes are valid, and on the page with figures and pictures."""
+
+    def test_decks_and_page(self):
+        page = (runs.SOURCE / "docs" / "accuracy.md").read_text(encoding="utf-8")
+        decks = [deck for deck in DECK.parent.glob("*.xml") if deck != DECK]
+        self.assertEqual(len(decks), 3)
+        for deck in decks:
+            with self.subTest(deck=deck.name):
+                run = study(deck=deck, np_=1, extra=["--check"])
+                self.assertEqual(run.returncode, 0, run)
+                block = page.split(f"<!-- begin {deck.stem}: ")[1].split(f"<!-- end {deck.stem} -->")[0]
+                self.assertIn("energy norm to ", block)
+                pictures = list((runs.SOURCE / "docs" / "images").glob(f"accuracy_{deck.stem}_*.png"))
+                self.assertGreaterEqual(len(pictures), 3)
+                for picture in pictures:
+                    self.assertLess(picture.stat().st_size, 150_000, picture)
+                    self.assertIn(f"](images/{picture.name})", page)
 
 
 class Charts(unittest.TestCase):
