@@ -33,21 +33,10 @@ int exitStatus(const Error& error) {
   return exitInternalError;
 }
 
-struct CommandLine {
-  std::string deck;
-  std::vector<std::string> assignments;
-  std::string output;
-  std::string printParameters;
-  bool check = false;
-  bool quiet = false;
-  bool version = false;
-};
-
 // Every rank parses the same arguments and comes to the same end; rank 0 speaks. Returns an exit status, or
 // nothing if the run is to go on.
-std::optional<int> parse(int argc, char** argv, const Application& application, bool speaks,
-                         CommandLine& line) {
-  CLI::App cli(application.description, application.name);
+std::optional<int> parse(int argc, char** argv, const Program& program, bool speaks, CommandLine& line) {
+  CLI::App cli(program.description, program.name);
   cli.add_option("deck", line.deck, "Deck: an XML (or YAML) ParameterList")->type_name("DECK");
   cli.add_option("--set", line.assignments, "Override a parameter of the deck: \"List/Sublist/Name=value\"")
       ->type_name("PATH=VALUE")
@@ -60,6 +49,9 @@ std::optional<int> parse(int argc, char** argv, const Application& application, 
       ->type_name("text|xml|markdown")
       ->expected(0, 1)
       ->default_str("text");
+  if (program.effects != nullptr)
+    cli.add_flag("--list-effects", line.listEffects,
+                 "Print the effects that a deck may name, with their parameters, and stop");
   cli.add_flag("--quiet", line.quiet, "Print errors only");
   cli.add_flag("--version", line.version, "Print the version and stop");
   try {
@@ -70,7 +62,7 @@ std::optional<int> parse(int argc, char** argv, const Application& application, 
       if (isHelp)
         std::cout << cli.help();
       else
-        std::cerr << "error: command line: " << error.what() << "\nUsage: " << application.name
+        std::cerr << "error: command line: " << error.what() << "\nUsage: " << program.name
                   << " [OPTIONS] DECK; see --help\n";
     }
     return isHelp ? exitConverged : exitBadInput;
@@ -93,13 +85,6 @@ std::optional<int> parse(int argc, char** argv, const Application& application, 
   return std::nullopt;
 }
 
-ParameterSpec deckSpec(const Application& application) {
-  ParameterSpec spec(application.name, "Deck of " + application.name + ": " + application.description);
-  application.addParameters(spec);
-  scene::RunOptions::addTo(spec);
-  return spec;
-}
-
 void printParameters(const ParameterSpec& spec, const std::string& format) {
   if (format == "xml")
     spec.writeXml(std::cout);
@@ -107,11 +92,6 @@ void printParameters(const ParameterSpec& spec, const std::string& format) {
     spec.writeMarkdown(std::cout);
   else
     spec.writeText(std::cout);
-}
-
-// An internal error of this rank alone: the others do not know of it.
-bool standsAlone(const Teuchos::Comm<int>& comm, const Error& error) {
-  return comm.getSize() > 1 && error.kind() == Error::Kind::Internal && !error.isAgreed();
 }
 
 // Ends a run of which only this rank knows that it failed: the others may wait for it for ever.
@@ -122,13 +102,8 @@ int abortAll(const Teuchos::Comm<int>& comm, const std::string& message) {
   return exitInternalError;
 }
 
-std::string directoryOf(const std::string& file) {
-  const std::size_t slash = file.rfind('/');
-  return slash == std::string::npos ? "./" : file.substr(0, slash + 1);
-}
-
-int runDeck(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Application& application,
-            const CommandLine& line, const Log& log, std::chrono::steady_clock::time_point begin) {
+int runDeck(const Application& application, const ProgramContext& context) {
+  const auto& [comm, line, log, begin] = context;
   const ParameterSpec spec = deckSpec(application);
   const Teuchos::ParameterList deck = scene::readDeck(*comm, line.deck, line.assignments, spec);
   scene::RunOptions options = scene::RunOptions::fromDeck(deck);
@@ -176,30 +151,51 @@ int runDeck(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Applicatio
 
 } // namespace
 
-int main(int argc, char** argv, const Application& application) {
+ParameterSpec deckSpec(const Application& application) {
+  ParameterSpec spec(application.name, "Deck of " + application.name + ": " + application.description);
+  application.addParameters(spec);
+  scene::RunOptions::addTo(spec);
+  return spec;
+}
+
+bool standsAlone(const Teuchos::Comm<int>& comm, const Error& error) {
+  return comm.getSize() > 1 && error.kind() == Error::Kind::Internal && !error.isAgreed();
+}
+
+std::string directoryOf(const std::string& file) {
+  const std::size_t slash = file.rfind('/');
+  return slash == std::string::npos ? "./" : file.substr(0, slash + 1);
+}
+
+int main(int argc, char** argv, const Program& program) {
   const Tpetra::ScopeGuard guard(&argc, &argv);
   const auto begin = std::chrono::steady_clock::now();
   const Teuchos::RCP<const Teuchos::Comm<int>> comm = Tpetra::getDefaultComm();
   const bool speaks = comm->getRank() == 0;
   CommandLine line;
-  if (const std::optional<int> status = parse(argc, argv, application, speaks, line))
+  if (const std::optional<int> status = parse(argc, argv, program, speaks, line))
     return *status;
   const Log log(std::cout, std::cerr, line.quiet ? Log::Verbosity::Quiet : Log::Verbosity::Normal, speaks);
   try {
     if (line.version) {
       if (speaks)
-        std::cout << application.name << " (Harmos) " << version() << " " << gitHash() << "\n";
+        std::cout << program.name << " (Harmos) " << version() << " " << gitHash() << "\n";
+      return exitConverged;
+    }
+    if (line.listEffects) {
+      if (speaks)
+        program.effects->write(std::cout);
       return exitConverged;
     }
     if (!line.printParameters.empty()) {
       if (speaks)
-        printParameters(deckSpec(application), line.printParameters);
+        printParameters(program.deckSpec(), line.printParameters);
       return exitConverged;
     }
     if (line.deck.empty())
-      throw InputError("command line: no deck was given; usage: " + application.name + " [OPTIONS] DECK");
-    log.info("Harmos " + version() + " (" + gitHash() + "), " + application.name + " \"" + line.deck + "\"");
-    return runDeck(comm, application, line, log, begin);
+      throw InputError("command line: no deck was given; usage: " + program.name + " [OPTIONS] DECK");
+    log.info("Harmos " + version() + " (" + gitHash() + "), " + program.name + " \"" + line.deck + "\"");
+    return program.run({comm, line, log, begin});
   } catch (const Error& error) {
     if (standsAlone(*comm, error))
       return abortAll(*comm, error.what());
@@ -208,6 +204,16 @@ int main(int argc, char** argv, const Application& application) {
   } catch (const std::exception& error) {
     return abortAll(*comm, error.what());
   }
+}
+
+int main(int argc, char** argv, const Application& application) {
+  Program program;
+  program.name = application.name;
+  program.description = application.description;
+  program.deckSpec = [&] { return deckSpec(application); };
+  program.effects = application.effects;
+  program.run = [&](const ProgramContext& context) { return runDeck(application, context); };
+  return main(argc, argv, program);
 }
 
 } // namespace Harmos::app

@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_EffectRegistry.hpp"
+#include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_ParameterSpec.hpp"
 #include "Harmos_RunReport.hpp"
 #include "Harmos_Scene.hpp"
 
+#include <Teuchos_Comm.hpp>
 #include <Teuchos_ParameterList.hpp>
+#include <Teuchos_RCP.hpp>
 
+#include <chrono>
 #include <functional>
+#include <memory>
 #include <string>
+#include <vector>
 
 namespace Harmos::app {
 
@@ -31,7 +38,52 @@ struct Application {
   /// Puts what the application alone can say of a finished run into report.results; may be null. Local; every
   /// rank has the same report.
   std::function<void(const Teuchos::ParameterList&, scene::RunReport&)> evaluate;
+  /// The effects that its decks may name, for --list-effects; null if its decks name none.
+  std::shared_ptr<const scene::EffectRegistry> effects;
 };
+
+/// The command line, as far as a program has to know it.
+struct CommandLine {
+  std::string deck;
+  std::vector<std::string> assignments; ///< "List/Sublist/Name=value"
+  std::string output;                   ///< "": as the deck says
+  std::string printParameters;
+  bool check = false;
+  bool listEffects = false;
+  bool quiet = false;
+  bool version = false;
+};
+
+/// What a program is given to do its work.
+struct ProgramContext {
+  Teuchos::RCP<const Teuchos::Comm<int>> comm;
+  const CommandLine& line;
+  const Log& log;
+  std::chrono::steady_clock::time_point begin; ///< of the program
+};
+
+/// A program with a deck.
+struct Program {
+  std::string name;
+  std::string description;
+  std::function<ParameterSpec()> deckSpec;
+  /// The work, collective; returns the exit status. Errors that it throws are printed by whoever called it.
+  std::function<int(const ProgramContext&)> run;
+  std::shared_ptr<const scene::EffectRegistry> effects =
+      nullptr; ///< for --list-effects; null: it has no such option
+};
+
+/// The whole deck of an application: its own part, and the lists that all share.
+ParameterSpec deckSpec(const Application& application);
+
+/// "path/of/" of "path/of/file"; "./" of "file".
+std::string directoryOf(const std::string& file);
+
+/// An internal error of this rank alone: the others do not know of it, and nothing collective may follow.
+bool standsAlone(const Teuchos::Comm<int>& comm, const Error& error);
+
+/// The command line and the exit status that all programs share, see the other main().
+int main(int argc, char** argv, const Program& program);
 
 /// The command line, the deck, the run, the summary and the exit status that all applications share.
 ///

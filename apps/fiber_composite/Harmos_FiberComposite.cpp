@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_FiberComposite.hpp"
 
-/// The fibre composite of Dostál, Horák, Vlach (section 5, figure 5.1): a sample of square cells, each a
-/// circular fibre inserted into its hole in the matrix without adhesion, stretched or compressed.
-
-#include "Harmos_Application.hpp"
 #include "Harmos_Composite.hpp"
 
 #include <cmath>
@@ -130,12 +127,12 @@ void evaluate(const Teuchos::ParameterList& deck, scene::RunReport& report) {
 
 } // namespace
 
-int main(int argc, char** argv) {
+Harmos::app::Application Harmos::app::fiberCompositeApplication() {
   app::Application application;
   application.name = "fiber_composite";
   application.description = "a fibre composite without adhesion between fibres and matrix";
   application.addParameters = addParameters;
   application.makeScene = makeScene;
   application.evaluate = evaluate;
-  return app::main(argc, argv, application);
+  return application;
 }

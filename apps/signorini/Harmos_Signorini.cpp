@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Signorini.hpp"
 
-/// Signorini problems: the model problem of two membranes, and elastic bodies on a rigid plane.
-
-#include "Harmos_Application.hpp"
 #include "Harmos_ElasticSignorini.hpp"
 #include "Harmos_Membranes.hpp"
 
@@ -60,8 +58,7 @@ void evaluate(const Teuchos::ParameterList& deck, scene::RunReport& report) {
 
 } // namespace
 
-int main(int argc, char** argv) {
-  return app::main(argc, argv,
-                   {"signorini", "Signorini problems: membranes in contact, elastic bodies on a plane",
-                    addParameters, makeScene, evaluate});
+Harmos::app::Application Harmos::app::signoriniApplication() {
+  return {"signorini", "Signorini problems: membranes in contact, elastic bodies on a plane", addParameters,
+          makeScene, evaluate, nullptr};
 }

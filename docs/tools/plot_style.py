@@ -79,12 +79,17 @@ def finish(figure, title, caption):
     figure.text(0.5, 0.015, text, ha="center", va="bottom", fontsize=8, color="#555555")
 
 
-def save(figure, path, dpi):
-    """Write beside the place and rename: the name never stands for half a picture."""
+def save(figure, path, dpi, close=True):
+    """Write beside the place and rename: the name never stands for half a picture.
+
+    SVG where the path ends in .svg, else PNG.
+    """
     temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
+    form = "svg" if path.suffix == ".svg" else "png"
+    # No entry that differs between two runs on the same data.
+    metadata = {"Software": None} if form == "png" else {"Date": None}
     try:
-        # No entry that differs between two runs on the same data.
-        figure.savefig(temporary, format="png", dpi=dpi, metadata={"Software": None})
+        figure.savefig(temporary, format=form, dpi=dpi, metadata=metadata)
         os.replace(temporary, path)
     except OSError as error:
         raise PlotError(
@@ -92,5 +97,6 @@ def save(figure, path, dpi):
         ) from error
     finally:
         temporary.unlink(missing_ok=True)
-        plt.close(figure)
+        if close:
+            plt.close(figure)
     print(path)

@@ -67,6 +67,14 @@ class Programs(unittest.TestCase):
             self.assertEqual(set(item), described("dual_operator"))
             self.assertEqual(item["factorizations"], 3 if item["shared"] else 8)
 
+    def test_linear_limit(self):
+        document = run("linear_limit", "--subdomains", "4", "--sizes", "8", "--repetitions", "1")
+        self.assertEqual([r["contact"] for r in document["runs"]], ["closed", "open"])
+        for item in document["runs"]:
+            self.assertEqual(set(item), described("linear_limit"))
+            self.assertTrue(item["converged"])
+            self.assertLessEqual(item["products"], 1.1 * item["linear_products"] + 1)
+
     def test_coarse_factor(self):
         document = run("coarse_factor", "--sides", "8,16", np=0)
         for item, order in zip(document["runs"], (64, 256)):

@@ -12,23 +12,24 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "docs/tools"))
 import harmos_runs as runs  # noqa: E402
+import parameter_pages  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 class Documents(unittest.TestCase):
     def test_parameter_pages_are_what_the_programs_print(self):
-        for program in ("signorini", "harmos", "fiber_composite"):
+        for program in ("signorini", "harmos", "fiber_composite", "study"):
             printed = runs.start(["--print-parameters", "markdown"], np=1, program=program)
             self.assertEqual(printed.returncode, 0, printed.stderr)
-            path = f"docs/parameters/{program}.md"
-            self.assertEqual(
-                (ROOT / path).read_text(encoding="utf-8"), printed.stdout,
-                f"generate it: build/bin/{program} --print-parameters markdown > {path}")
+            for path, text in parameter_pages.pages(program, printed.stdout).items():
+                self.assertEqual((ROOT / path).read_text(encoding="utf-8"), text,
+                                 f"{path}: generate it by docs/tools/parameter_pages.py")
             for line in printed.stdout.splitlines():
                 # Neither a cell nor the meaning of a choice is empty.
-                self.assertNotRegex(line, r"\|\s*\||: (;|\|)", path)
+                self.assertNotRegex(line, r"\|\s*\||: (;|\|)", program)
 
     def test_links_lead_somewhere(self):
         for page in [ROOT / "README.md", *ROOT.glob("docs/**/*.md"), *ROOT.glob("packages/*/README.md")]:
@@ -88,8 +89,41 @@ class Documents(unittest.TestCase):
             status, out, err = runs.execute([*runs.launcher(np), runs.BINARY / "examples/example_obstacle"])
             self.assertEqual((status, out), (0, shown), err)
 
+    def test_quoted_code_is_that_of_the_file(self):
+        """A block of code below a paragraph that ends in "`path`:" stands in that file, word for word."""
+        quoted = re.compile(r"`([\w/.]+)`:\n\n```\w+\n(.*?)```", re.S)
+        found = []
+        for page in ROOT.glob("docs/**/*.md"):
+            for path, code in quoted.findall(page.read_text(encoding="utf-8")):
+                with self.subTest(page=page.name, path=path):
+                    self.assertIn(code, (ROOT / path).read_text(encoding="utf-8"))
+                found.append(path)
+        self.assertTrue(found)
+
+    def test_every_hard_case_has_its_row_and_its_test(self):
+        """The table of docs/stability.md names each test of tests/stability once, and no other.
+
+        They are declared for 1, 2 and 4 ranks, and the page has figures measured by them.
+        """
+        text = (ROOT / "docs/stability.md").read_text(encoding="utf-8")
+        rows = [line for line in text.splitlines() if re.match(r"\| .*`\w+` \|$", line)]
+        named = [re.search(r"`(\w+)` \|$", row).group(1) for row in rows]
+        directory = ROOT / "tests/stability"
+        tests = [name for source in sorted(directory.glob("*.cpp"))
+                 for name in re.findall(r"TEST\(Stability, (\w+)\)", source.read_text(encoding="utf-8"))]
+        self.assertEqual(sorted(named), sorted(tests))
+        for row in rows:
+            cells = [cell.strip() for cell in row.strip("|").split("|")]
+            self.assertEqual(len(cells), 5, row)
+            self.assertTrue(all(cells), row)
+            self.assertRegex(cells[3], r"\d", f"how it behaves, with a figure: {row}")
+        declared = (directory / "CMakeLists.txt").read_text(encoding="utf-8")
+        self.assertIn("RANKS 1 2 4", declared)
+        for source in directory.glob("test_*.cpp"):
+            self.assertRegex(declared, rf"\b{source.stem[5:]}\b")
+
     def test_decks_that_are_named_exist(self):
-        for page in ("README.md", "docs/scenes.md"):
+        for page in ("README.md", "docs/scenes.md", "docs/accuracy.md"):
             text = (ROOT / page).read_text(encoding="utf-8")
             for deck in re.findall(r"`(apps/[^`]*\.xml)`", text):
                 self.assertTrue(list(ROOT.glob(deck)), deck)

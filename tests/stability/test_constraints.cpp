@@ -34,10 +34,6 @@ namespace {
 constexpr double tolerance = 1e-10;
 constexpr double bound = 1e3 * tolerance;
 
-double products(const scene::RunReport& report) {
-  return report.result.counters.hessianApplications;
-}
-
 // A disc of triangles cut into sectors that all meet at the centre, lying in a rigid ring.
 scene::Scene discOfSectors(int sectors) {
   constexpr int rings = 2, pieces = 2;
@@ -160,25 +156,6 @@ Manufactured touching(int every) {
   return result;
 }
 
-// Two blocks on top of each other with a gap between them, the upper one guided at its left and pressed down.
-scene::Scene tower(double gap, double pressure) {
-  scene::Scene scene;
-  scene.physics = Physics::PlaneStrain;
-  fem::StructuredBlock::Options options;
-  options.subdomains = {2, 2, 1};
-  options.elements = {2, 2, 1};
-  scene.bodies.push_back(blockBody("lower", options, fem::Material::isotropic(1.0, 0.3)));
-  options.origin[1] = 1.0;
-  scene.bodies.push_back(blockBody("upper", options, fem::Material::isotropic(1.0, 0.3)));
-  for (int component : {0, 1})
-    prescribe(scene, {0, "bottom"}, component);
-  prescribe(scene, {1, "left"}, 0);
-  addTraction(scene, {1, "top"}, {0.0, -pressure, 0.0});
-  addForce(scene, 1, {0.5 * pressure, 0.0, 0.0});
-  addContact(scene, {0, "top"}, {1, "bottom"}, gap);
-  return scene;
-}
-
 } // namespace
 
 TEST(Stability, cross_points_with_many_subdomains) {
@@ -236,7 +213,7 @@ TEST(Stability, contact_node_at_a_cross_point) {
 }
 
 TEST(Stability, duplicated_and_redundant_contact_rows) {
-  scene::Scene scene = tower(0.0, 0.01);
+  scene::Scene scene = valley();
   const ReferenceSolution reference = referenceSolution(scene);
   ASSERT_TRUE(reference.solvable);
   const TestModel once = modelOf(scene);
@@ -287,34 +264,47 @@ TEST(Stability, violated_strict_complementarity) {
 TEST(Stability, initial_gap) {
   // The upper block falls through the gap before it bears.
   for (double gap : {1e-3, 0.02, 0.5}) {
-    const scene::Scene scene = tower(gap, 0.01);
+    Valley options;
+    options.gap = gap;
+    const scene::Scene scene = valley(options);
     const ReferenceSolution reference = referenceSolution(scene);
     ASSERT_TRUE(reference.solvable);
     for (const char* form : {"primal", "dual"}) {
       const TestRun run = runScene(scene, tolerance, {std::string("Decomposition/Dirichlet=") + form});
       expectReference(reference, run, bound, form);
+      tellFigure(std::to_string(gap) + ", " + form + ": products", products(run.report));
+      tellFigure(std::to_string(gap) + ", " + form + ": deviation", deviation(reference, run).largest());
     }
   }
 }
 
 TEST(Stability, initial_penetration) {
-  for (double pressure : {0.01, 0.0}) {
-    const scene::Scene scene = tower(-0.02, pressure);
+  for (double load : {0.02, 0.0}) {
+    Valley options;
+    options.gap = -0.02;
+    options.load = load;
+    options.aside = 0.35 * load;
+    const scene::Scene scene = valley(options);
     const ReferenceSolution reference = referenceSolution(scene);
     ASSERT_TRUE(reference.solvable);
     const TestFeti feti(modelOf(scene));
     const TornRun run = solveTorn(feti, tolerance, {"Dual operator/Preconditioner=none"});
-    if (pressure > 0.0) {
+    if (load > 0.0) {
       expectReference(reference, run, bound);
       expectReference(reference, runScene(scene, tolerance), bound);
       continue;
     }
-    // Without a load any position above is an answer.
-    for (const scene::RunReport& report : {run.report, runScene(scene, tolerance).report}) {
-      EXPECT_TRUE(report.converged);
-      EXPECT_LE(report.audit.penetration, bound * 0.02);
-      EXPECT_LE(report.audit.largestMultiplier, bound * 0.02);
-      EXPECT_LE(std::abs(report.audit.energy), bound * 0.02 * 0.02);
+    // Without a load any position above is an answer, all forces vanish, and with them what ‖Gλ‖ is measured
+    // against: whether the solver calls that converged is not asked here.
+    const TestRun usual = runScene(scene, tolerance);
+    for (const scene::RunReport* report : {&run.report, &usual.report}) {
+      const std::string name = report == &usual.report ? "preconditioned" : "not preconditioned";
+      EXPECT_LE(report->audit.penetration, bound * 0.02) << name;
+      EXPECT_LE(report->audit.largestMultiplier, bound * 0.02) << name;
+      EXPECT_LE(std::abs(report->audit.energy), bound * 0.02 * 0.02) << name;
+      tellFigure("unloaded, " + name + ": products", products(*report));
+      tellFigure("unloaded, " + name + ": penetration", report->audit.penetration);
+      RecordProperty("unloaded, " + name, report->reason);
     }
     // α from the rows that carry a force alone: none does, and glued rows are at rest where nothing moves.
     feti::TornSolution off = run.torn;
@@ -326,7 +316,9 @@ TEST(Stability, initial_penetration) {
 }
 
 TEST(Stability, infeasible_start) {
-  const scene::Scene scene = tower(-0.02, 0.01);
+  Valley options;
+  options.gap = -0.02;
+  const scene::Scene scene = valley(options);
   const ReferenceSolution reference = referenceSolution(scene);
   ASSERT_TRUE(reference.solvable);
   for (const char* method : {"PDAS", "SMALBE"})

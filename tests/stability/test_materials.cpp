@@ -15,7 +15,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <iostream>
+#include <limits>
 #include <numeric>
 
 using namespace Harmos;
@@ -26,10 +26,6 @@ namespace {
 
 // Of the solver. Answers may be wrong by it times the condition of the dual problem.
 constexpr double tolerance = 1e-10;
-
-double products(const scene::RunReport& report) {
-  return report.result.counters.hessianApplications;
-}
 
 int place(double x, int n) {
   return std::min(n - 1, static_cast<int>(x * n));
@@ -53,50 +49,48 @@ scene::Scene plate(int n, const std::function<int(const Point&)>& part,
   prescribe(scene, {0, "left"}, 0);
   addTraction(scene, {0, "top"}, {0.0, -0.01, 0.0});
   addTraction(scene, {0, "right"}, {0.005, 0.005, 0.0});
-  contact::Obstacle floor;
-  floor.direction = {0.0, 1.0, 0.0};
-  addObstacle(scene, {0, "bottom"}, floor);
+  addObstacle(scene, {0, "bottom"}, halfSpace({}, {0.0, 1.0, 0.0}));
   return scene;
 }
 
-void study(const std::string& name, const scene::Scene& scene) {
+// Reached with scaling by stiffness; by multiplicity only in so many more products.
+void expectJump(const scene::Scene& scene, double ratio, const std::string& name, double factor) {
   const ReferenceSolution reference = referenceSolution(scene);
   ASSERT_TRUE(reference.solvable);
-  for (const char* scaling : {"stiffness", "multiplicity"}) {
-    const TestRun run = runScene(scene, tolerance, {std::string("Dual operator/Scaling=") + scaling});
-    const Deviation off = deviation(reference, run);
-    const std::string what = name + ", " + scaling;
-    tellFigure(what + ": converged", run.report.converged);
-    tellFigure(what + ": agrees", scene::auditAgrees(run.report));
-    tellFigure(what + ": products", products(run.report));
-    tellFigure(what + ": displacement", off.displacement);
-    tellFigure(what + ": force", off.force);
-    tellFigure(what + ": energy", off.energy);
-    tellFigure(what + ": condition", run.report.localCondition);
-    if (!run.report.converged && testComm()->getRank() == 0)
-      std::cout << run.report.reason << std::endl;
-  }
+  // K itself is known to ε of its stiffest entries, which stand beside soft ones.
+  const double bound = 1e3 * tolerance + 100 * std::numeric_limits<double>::epsilon() * ratio;
+  const TestRun run = runScene(scene, tolerance); // the scaling that is chosen where materials differ
+  expectReference(reference, run, bound, name);
+  tellFigure(name + ": products", products(run.report));
+  tellFigure(name + ": deviation", deviation(reference, run).largest());
+  const auto most = static_cast<int>(factor * products(run.report));
+  const TestRun off =
+      runScene(scene, tolerance,
+               {"Dual operator/Scaling=multiplicity", "Solver/Maximum iterations=" + std::to_string(most)});
+  if (factor > 1.0)
+    EXPECT_FALSE(off.report.converged) << name;
 }
 
 } // namespace
 
 TEST(Stability, material_jump_across_interfaces) {
   const auto squares = [](const Point& x) { return 3 * place(x[1], 3) + place(x[0], 3); };
-  for (double jump : {1.0, 1e2, 1e4, 1e6})
-    study("jump " + std::to_string(jump),
-          plate(9, squares, [&](const Point& x) { return squares(x) % 2; }, {1.0, jump}));
-  study("1e-3 to 1e9",
-        plate(9, squares, [&](const Point& x) { return squares(x) % 4; }, {1.0, 1e9, 1e-3, 1e3}));
+  const auto black = [&](const Point& x) { return squares(x) % 2; };
+  for (const auto& [jump, factor] : {std::make_pair(1.0, 1.0), {1e2, 1.5}, {1e4, 1.0}, {1e6, 1.0}})
+    expectJump(plate(9, squares, black, {1.0, jump}), jump, "1 to " + std::to_string(static_cast<int>(jump)),
+               factor);
+  const auto four = [&](const Point& x) { return squares(x) % 4; };
+  expectJump(plate(6, squares, four, {1.0, 1e9, 1e-3, 1e3}), 1e12, "1e-3 to 1e9", 1.5);
 }
 
 TEST(Stability, material_jump_along_interfaces) {
   const auto squares = [](const Point& x) { return 3 * place(x[1], 3) + place(x[0], 3); };
-  // Layers of a third of a subdomain.
-  for (double jump : {1.0, 1e2, 1e4, 1e6})
-    study("jump " + std::to_string(jump),
-          plate(9, squares, [&](const Point& x) { return place(x[1], 9) % 2; }, {1.0, jump}));
-  study("1e-3 to 1e9",
-        plate(9, squares, [&](const Point& x) { return place(x[1], 9) % 4; }, {1.0, 1e9, 1e-3, 1e3}));
+  const auto layers = [](const Point& x) { return place(x[1], 9) % 2; }; // a third of a subdomain each
+  for (const auto& [jump, factor] : {std::make_pair(1.0, 1.0), {1e2, 1.3}, {1e4, 1.3}, {1e6, 1.3}})
+    expectJump(plate(9, squares, layers, {1.0, jump}), jump, "1 to " + std::to_string(static_cast<int>(jump)),
+               factor);
+  const auto four = [](const Point& x) { return place(x[1], 6) % 4; }; // half a subdomain each
+  expectJump(plate(6, squares, four, {1.0, 1e9, 1e-3, 1e3}), 1e12, "1e-3 to 1e9", 1.5);
 }
 
 namespace {
@@ -130,19 +124,26 @@ double total(const std::vector<double>& forces) {
 
 TEST(Stability, nearly_incompressible) {
   for (double poisson : {0.3, 0.49, 0.4999}) {
-    const double fine = total(referenceSolution(pressed(16, poisson, fem::Dilatation::Projected)).force);
+    const double fine = total(referenceSolution(pressed(12, poisson, fem::Dilatation::Projected)).force);
+    const std::string name = "nu = " + std::to_string(poisson);
     for (fem::Dilatation dilatation : {fem::Dilatation::Projected, fem::Dilatation::Full}) {
+      const bool locks = dilatation == fem::Dilatation::Full;
       const scene::Scene scene = pressed(8, poisson, dilatation);
       const ReferenceSolution reference = referenceSolution(scene);
       ASSERT_TRUE(reference.solvable);
+      const std::string which = name + (locks ? ", full" : "");
       const TestRun run = runScene(scene, tolerance);
-      const std::string name = std::string(dilatation == fem::Dilatation::Full ? "full" : "projected") +
-                               ", " + std::to_string(poisson);
-      tellFigure("products, " + name, products(run.report));
-      tellFigure("deviation, " + name, deviation(reference, run).largest());
-      tellFigure("condition, " + name, run.report.localCondition);
-      tellFigure("force over fine mesh's, " + name, total(reference.force) / fine);
-      tellFigure("converged, " + name, run.report.converged);
+      expectReference(reference, run, 1e3 * tolerance, which);
+      double force = 0.0;
+      for (const scene::ContactState& state : run.report.contact)
+        force += state.force;
+      if (!locks)
+        EXPECT_NEAR(force, fine, 0.05 * fine) << which; // the error of the mesh
+      else if (poisson > 0.499)
+        EXPECT_GT(force, 3.0 * fine) << which;
+      tellFigure(which + ": products", products(run.report));
+      tellFigure(which + ": deviation", deviation(reference, run).largest());
+      tellFigure(which + ": force over that of the fine mesh", force / fine);
     }
   }
 }

@@ -16,35 +16,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <iostream>
+#include <sstream>
 
 using namespace Harmos;
-using scene::Physics;
 
 namespace {
-
-double products(const scene::RunReport& report) {
-  return report.result.counters.hessianApplications;
-}
-
-// Two blocks on top of each other, the upper one guided at its left, pressed down and tilted.
-scene::Scene tower() {
-  scene::Scene scene;
-  scene.physics = Physics::PlaneStrain;
-  fem::StructuredBlock::Options options;
-  options.subdomains = {2, 2, 1};
-  options.elements = {3, 3, 1};
-  scene.bodies.push_back(blockBody("lower", options, fem::Material::isotropic(1.0, 0.3)));
-  options.origin[1] = 1.0;
-  scene.bodies.push_back(blockBody("upper", options, fem::Material::isotropic(1.0, 0.3)));
-  for (int component : {0, 1})
-    prescribe(scene, {0, "bottom"}, component);
-  prescribe(scene, {1, "left"}, 0);
-  addTraction(scene, {1, "top"}, {0.0, -0.01, 0.0});
-  addForce(scene, 1, {0.01, 0.0, 0.0});
-  addContact(scene, {0, "top"}, {1, "bottom"});
-  return scene;
-}
 
 double norm(const std::vector<double>& v) {
   double sum = 0.0;
@@ -53,7 +29,8 @@ double norm(const std::vector<double>& v) {
   return std::sqrt(sum);
 }
 
-// ‖g^P‖ and ‖Gλ‖ of the answer, from F, d and G by products of this function's own.
+// ‖g^P‖ and ‖Gλ‖ of the answer, from F, d and G by products of this function's own, and from the multiplier
+// that is returned.
 struct Residuals {
   double gradient;
   double equality;
@@ -64,11 +41,13 @@ Residuals residualsOf(const TestFeti& feti, const TornRun& run) {
   lambda.update(-1.0, *feti.dual.shift(), 1.0);
   const std::vector<double> equality = feti.coarse.applyG(lambda);
   MultiVector g(map, 1);
+  const std::vector<double> x = fromVector(lambda), lower = fromVector(*feti.dual.lowerBound());
+  feti.coarse.project(lambda);
   feti.dualOperator.apply(lambda, g);
   g.update(-1.0, feti.dual.d(), 1.0);
   feti.coarse.project(g);
-  const std::vector<double> gradient = fromVector(g), x = fromVector(lambda),
-                            lower = fromVector(*feti.dual.lowerBound());
+  feti.coarse.addGt(1.0, run.mu, g);
+  const std::vector<double> gradient = fromVector(g);
   std::vector<double> projected;
   for (std::size_t k = 0; k < x.size(); ++k)
     projected.push_back(x[k] <= lower[k] ? std::min(gradient[k], 0.0) : gradient[k]);
@@ -78,10 +57,11 @@ Residuals residualsOf(const TestFeti& feti, const TornRun& run) {
 } // namespace
 
 TEST(Stability, penalty_from_1e_3_to_1e9) {
-  const scene::Scene scene = tower();
+  const scene::Scene scene = valley();
   const ReferenceSolution reference = referenceSolution(scene);
   ASSERT_TRUE(reference.solvable);
-  const double tolerance = 1e-8;
+  // With ρ = 1e9‖PFP‖ rounding errors of ρGᵀGλ are ε·1e9 = 2e-7 of ‖PFP‖‖λ‖, some ten times ‖Pd‖.
+  const double tolerance = 1e-5;
   for (double penalty : {1e-3, 1.0, 1e3, 1e6, 1e9}) {
     std::ostringstream text;
     text << penalty;
@@ -89,27 +69,21 @@ TEST(Stability, penalty_from_1e_3_to_1e9) {
       const TestRun run = runScene(scene, tolerance,
                                    {"Solver/Method=SMALBE", "Solver/SMALBE/Initial penalty=" + text.str(),
                                     std::string("Dual operator/Preconditioner=") + kind});
-      const std::string name = std::string("SMALBE ") + kind + ", rho = " + text.str();
-      tellFigure("products, " + name, products(run.report));
-      tellFigure("deviation, " + name, deviation(reference, run).largest());
-      tellFigure("converged, " + name, run.report.converged);
-      if (!run.report.converged && testComm()->getRank() == 0)
-        std::cout << run.report.reason << std::endl;
+      expectReference(reference, run, 1e3 * tolerance, text.str());
+      tellFigure("rho = " + text.str() + ", " + kind + ": products", products(run.report));
+      tellFigure("rho = " + text.str() + ", " + kind + ": deviation", deviation(reference, run).largest());
     }
     const TestRun off = runScene(scene, tolerance,
                                  {"Solver/Method=Dual Penalty", "Solver/Dual Penalty/Penalty=" + text.str()});
-    const std::string name = "penalty alone, rho = " + text.str();
-    tellFigure("products, " + name, products(off.report));
-    tellFigure("deviation, " + name, deviation(reference, off).largest());
-    tellFigure("converged, " + name, off.report.converged);
-    tellFigure("agrees, " + name, scene::auditAgrees(off.report));
-    if (!off.report.converged && testComm()->getRank() == 0)
-      std::cout << off.report.reason << std::endl;
+    tellFigure("rho = " + text.str() + ", no multiplier: products", products(off.report));
+    tellFigure("rho = " + text.str() + ", no multiplier: deviation", deviation(reference, off).largest());
+    if (penalty <= 1.0)
+      EXPECT_GT(deviation(reference, off).largest(), 0.1);
   }
 }
 
 TEST(Stability, tolerance_from_1e_2_to_1e_12) {
-  const scene::Scene scene = tower();
+  const scene::Scene scene = valley();
   const ReferenceSolution reference = referenceSolution(scene);
   ASSERT_TRUE(reference.solvable);
   for (const char* form : {"primal", "dual"})
@@ -122,36 +96,43 @@ TEST(Stability, tolerance_from_1e_2_to_1e_12) {
         const TestFeti feti(modelOf(scene), options.dirichlet, options.dual.inverses);
         for (double tolerance : {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
           const TornRun run = solveTorn(feti, tolerance, how);
-          const Residuals true_ = residualsOf(feti, run);
-          const std::string name =
-              std::string(form) + ", " + method + ", " + kind + ", " + std::to_string(tolerance);
-          tellFigure("products, " + name, products(run.report));
-          tellFigure("deviation, " + name, deviation(reference, run).largest() / tolerance);
-          tellFigure("gradient/allowed, " + name, true_.gradient / (tolerance * run.report.gradientScale));
-          tellFigure("gradient/told, " + name, true_.gradient / run.report.result.projectedGradient);
-          tellFigure("equality/allowed, " + name, true_.equality / (tolerance * run.report.equalityScale));
-          tellFigure("converged, " + name, run.report.converged);
-          if (!run.report.converged && testComm()->getRank() == 0)
-            std::cout << run.report.reason << std::endl;
+          std::ostringstream name;
+          name << form << ", " << method << ", " << kind << ", " << tolerance;
+          expectReference(reference, run, 1e2 * tolerance, name.str());
+          // What is told, what was asked for, and what is found from F, d and G anew: the last one with
+          // rounding errors of its own.
+          const scene::RunReport& report = run.report;
+          const Residuals anew = residualsOf(feti, run);
+          const double rounding = 1e-14;
+          EXPECT_LE(anew.gradient, (1.01 * tolerance + rounding) * report.gradientScale) << name.str();
+          EXPECT_LE(anew.equality, (1.01 * tolerance + rounding) * report.equalityScale) << name.str();
+          EXPECT_NEAR(anew.gradient, report.result.projectedGradientNorm,
+                      0.1 * anew.gradient + rounding * report.gradientScale)
+              << name.str();
+          if (kind[0] == 'D' && form[0] == 'p') {
+            tellFigure(name.str() + ": products", products(report));
+            tellFigure(name.str() + ": deviation", deviation(reference, run).largest());
+          }
         }
       }
 }
 
 TEST(Stability, stagnation_detected) {
-  const scene::Scene scene = tower();
+  const scene::Scene scene = valley();
   const ReferenceSolution reference = referenceSolution(scene);
   ASSERT_TRUE(reference.solvable);
-  for (const char* method : {"PDAS", "SMALBE"})
-    for (const char* kind : {"none", "Dirichlet"})
-      for (double tolerance : {1e-15, 1e-18}) {
-        const TestRun run = runScene(
-            scene, tolerance,
-            {std::string("Solver/Method=") + method, std::string("Dual operator/Preconditioner=") + kind});
-        const std::string name =
-            std::string(method) + ", " + kind + (tolerance < 1e-16 ? ", 1e-18" : ", 1e-15");
-        if (testComm()->getRank() == 0)
-          std::cout << run.report.reason << std::endl;
-        tellFigure("products, " + name, products(run.report));
-        tellFigure("deviation, " + name, deviation(reference, run).largest());
-      }
+  for (const char* method : {"PDAS", "SMALBE"}) {
+    const std::string how = std::string("Solver/Method=") + method;
+    const TestRun run = runScene(scene, 1e-18, {how});
+    EXPECT_FALSE(run.report.converged);
+    EXPECT_EQ(run.report.result.reason, qp::Reason::Stagnation);
+    EXPECT_TRUE(contains(run.report.reason, "at the level of rounding errors")) << run.report.reason;
+    // The answer is as good as it gets, and costs little more than one to a tolerance that can be met.
+    EXPECT_LE(deviation(reference, run).largest(), 1e-10);
+    const double wanted = products(runScene(scene, 1e-12, {how}).report);
+    EXPECT_LE(products(run.report), 2.0 * wanted + 10.0);
+    tellFigure(std::string(method) + ": products", products(run.report));
+    tellFigure(std::string(method) + ": products at 1e-12", wanted);
+    tellFigure(std::string(method) + ": deviation", deviation(reference, run).largest());
+  }
 }

@@ -18,6 +18,40 @@
 
 namespace Harmos {
 
+scene::Scene valley(const Valley& o) {
+  scene::Scene scene;
+  scene.physics = scene::Physics::PlaneStrain;
+  fem::StructuredBlock::Options options;
+  options.size = {o.length, o.length, 0.0};
+  options.subdomains = {o.subdomains, o.subdomains, 1};
+  options.elements = {o.elements, o.elements, 1};
+  const double length = o.length;
+  options.map = [length](const fem::Point& x) {
+    const double bend = x[1] <= length ? x[1] : 2.0 * length - x[1];
+    return fem::Point{x[0], x[1] + 0.5 * std::abs(x[0] / length - 0.5) * bend, 0.0};
+  };
+  scene.bodies.push_back(blockBody("valley", options, fem::Material::isotropic(o.modulus, 0.3)));
+  options.origin[1] = length;
+  scene.bodies.push_back(blockBody("floating", options, fem::Material::isotropic(2.0 * o.modulus, 0.25)));
+  for (int component : {0, 1})
+    prescribe(scene, {0, o.held[static_cast<std::size_t>(component)]}, component);
+  const double unit = o.modulus / length;
+  addForce(scene, 1, {o.aside * unit, -o.load * unit, 0.0});
+  addContact(scene, {0, "top"}, {1, "bottom"}, o.gap * length);
+  return scene;
+}
+
+contact::Obstacle halfSpace(const fem::Point& point, const fem::Point& direction) {
+  contact::Obstacle obstacle;
+  obstacle.point = point;
+  obstacle.direction = direction;
+  return obstacle;
+}
+
+double products(const scene::RunReport& report) {
+  return report.result.counters.hessianApplications;
+}
+
 TestModel modelOf(const scene::Scene& scene) {
   const auto comm = testComm();
   const std::vector<scene::OwnedSubdomain> owned = scene::decompose(*comm, scene);
@@ -44,10 +78,12 @@ TornRun solveTorn(const TestFeti& feti, double tolerance, const std::vector<std:
   TornRun run;
   run.report.tolerance = tolerance;
   run.report.inequalities = feti.constraints.inequalities();
-  const scene::DualSolution solution = scene::solveDualProblem(
-      feti.system, feti.constraints, feti.coarse, feti.dual, preconditioner, options, Log(), run.report);
+  const scene::DualSolution solution =
+      scene::solveDualProblem(feti.system, feti.constraints, feti.coarse, feti.dual, preconditioner, options,
+                              nullptr, Log(), run.report);
   run.torn = feti::recover(feti.system, feti.constraints, feti.inverses, feti.coarse, feti.dual,
                            *solution.lambda, solution.mu);
+  run.mu = solution.mu;
   run.report.audit = feti::audit(feti.system, feti.constraints, run.torn);
   run.report.audited = true;
   const feti::ContactState state = feti::contactState(feti.constraints, run.torn);

@@ -5,10 +5,32 @@
 #include "Harmos_TestFeti.hpp"
 #include "Harmos_TestScene.hpp"
 
+#include <array>
 #include <string>
 #include <vector>
 
 namespace Harmos {
+
+/// Two blocks with a valley between them, in which the upper one, "floating", lies on the lower one,
+/// "valley", that is held at its bottom; plane strain, matching meshes. The upper one is pulled down and
+/// aside by a force per volume; it bears on the valley's two slopes, but not with all of its nodes.
+struct Valley {
+  int subdomains = 2; ///< a side of each block
+  int elements = 2;   ///< a side of each subdomain
+  double length = 1.0;
+  double modulus = 1.0; ///< of the lower block; twice that for the upper one
+  double load = 0.02;   ///< downwards, a part of modulus / length
+  double aside = 0.007; ///< likewise
+  double gap = 0.0;     ///< a part of the length
+  std::array<std::string, 2> held = {"bottom", "bottom"}; ///< where each component is
+};
+scene::Scene valley(const Valley& options = {});
+
+/// A rigid half-space below all points with direction · (x − point) = 0.
+contact::Obstacle halfSpace(const fem::Point& point, const fem::Point& direction);
+
+/// Products with F from the first iterate to the stop.
+double products(const scene::RunReport& report);
 
 /// The raw input of the feti package that a scene gives.
 TestModel modelOf(const scene::Scene& scene);
@@ -16,6 +38,7 @@ TestModel modelOf(const scene::Scene& scene);
 /// What solveTorn() finds.
 struct TornRun {
   feti::TornSolution torn;
+  std::vector<double> mu;    ///< multiplier of Gλ = 0
   std::vector<double> force; ///< of each inequality, by its number, on every rank
   scene::RunReport report;   ///< audited
 };

@@ -135,6 +135,11 @@ bool solveLinearComplementarity(const DenseReal& h, const std::vector<Real>& q, 
   constexpr Real rounding = 1e-15L;
   if (m == 0 || tableau(leaving, last) >= -rounding * scale)
     return true;
+  const auto takeSolution = [&] {
+    for (int i = 0; i < m; ++i)
+      if (const int b = basis[static_cast<std::size_t>(i)]; b >= m && b < artificial)
+        z[static_cast<std::size_t>(b - m)] = std::max(tableau(i, last), Real(0.0));
+  };
   int entering = artificial;
   const int most = 50 * (m + 2);
   for (int step = 0; step < most; ++step) {
@@ -151,9 +156,7 @@ bool solveLinearComplementarity(const DenseReal& h, const std::vector<Real>& q, 
     const int left = basis[static_cast<std::size_t>(leaving)];
     basis[static_cast<std::size_t>(leaving)] = entering;
     if (left == artificial) {
-      for (int i = 0; i < m; ++i)
-        if (const int b = basis[static_cast<std::size_t>(i)]; b >= m && b < artificial)
-          z[static_cast<std::size_t>(b - m)] = std::max(tableau(i, last), Real(0.0));
+      takeSolution();
       return true;
     }
     entering = left < m ? left + m : left - m;
@@ -181,8 +184,15 @@ bool solveLinearComplementarity(const DenseReal& h, const std::vector<Real>& q, 
     for (int i = 0; i < m; ++i)
       if (tableau(i, entering) > 1e-12L * columnSize && (leaving < 0 || comesFirst(i, leaving)))
         leaving = i;
-    if (leaving < 0)
-      return false; // a ray
+    if (leaving >= 0)
+      continue;
+    // A ray; or z₀ has come down to a rounding error in a basis that is degenerate (no forces at all).
+    for (int i = 0; i < m; ++i)
+      if (basis[static_cast<std::size_t>(i)] == artificial && tableau(i, last) <= 1e-13L * scale) {
+        takeSolution();
+        return true;
+      }
+    return false;
   }
   throw InternalError("Lemke's algorithm did not end");
 }

@@ -13,8 +13,12 @@
 namespace Harmos::contact {
 namespace {
 
+using fem::Box;
+using fem::boxAround;
+using fem::BoxTree;
 using fem::CellType;
 using fem::Point;
+using fem::widened;
 
 // What is gathered for a node of the first surface, not yet divided by D_ii.
 struct NodeSums {

@@ -6,12 +6,12 @@
 
 namespace Harmos::effects {
 
-scene::EffectKind BodyForce::registration() {
+scene::EffectKind kindOfBodyForce() {
   ParameterSpec spec("<force>", "A force on all of a body.");
   spec.text("Body", "", "The name of the body. Required.");
   spec.reals("Density", {0.0, 0.0, 0.0}, Range(),
              "Force per volume along x, y, z; of membranes per area, the first number alone.");
-  return {kindName, spec,
+  return {BodyForce::kindName, spec,
           [](const Teuchos::ParameterList& list, const std::string& path, const scene::Scene& scene) {
             const int body = bodyIn(scene, list, "Body", path);
             const fem::Point density = pointIn(list, "Density");

@@ -15,7 +15,6 @@ namespace Harmos::effects {
 class BodyForce : public scene::Effect {
  public:
   static constexpr const char* kindName = "Body force";
-  static scene::EffectKind registration();
 
   /// The same everywhere, per volume of an elastic body.
   BodyForce(int body, const fem::Point& density, std::string name = "");
@@ -38,5 +37,8 @@ class BodyForce : public scene::Effect {
   fem::VectorField density_;
   std::vector<fem::BoxLoad> boxes_;
 };
+
+/// What decks may say of it.
+scene::EffectKind kindOfBodyForce();
 
 } // namespace Harmos::effects

@@ -3,12 +3,12 @@
 
 namespace Harmos::effects {
 
-scene::EffectKind Contact::registration() {
+scene::EffectKind kindOfContact() {
   ParameterSpec spec("<contact>",
                      "Two boundary parts do not penetrate each other; no friction, no adhesion.");
   SurfacePair::addTo(spec);
   spec.real("Gap", 0.0, Range(), "Added to the distance of the meshes; negative: initial penetration.");
-  return {kindName, spec,
+  return {Contact::kindName, spec,
           [](const Teuchos::ParameterList& list, const std::string& path, const scene::Scene& scene) {
             return std::make_shared<Contact>(SurfacePair::fromList(list, path, scene),
                                              list.get<double>("Gap"), scene::nameIn(path));

@@ -11,7 +11,6 @@ namespace Harmos::effects {
 class Contact : public scene::Effect {
  public:
   static constexpr const char* kindName = "Contact";
-  static scene::EffectKind registration();
 
   /// @param gap added to the distance of the meshes; negative: penetration.
   explicit Contact(SurfacePair pair, double gap = 0.0, std::string name = "");
@@ -24,5 +23,8 @@ class Contact : public scene::Effect {
   SurfacePair pair_;
   double gap_;
 };
+
+/// What decks may say of it.
+scene::EffectKind kindOfContact();
 
 } // namespace Harmos::effects

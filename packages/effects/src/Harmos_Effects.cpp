@@ -1,24 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Effects.hpp"
 
-#include "Harmos_BodyForce.hpp"
-#include "Harmos_Contact.hpp"
-#include "Harmos_PrescribedDisplacement.hpp"
-#include "Harmos_RigidObstacle.hpp"
-#include "Harmos_ThermalStrain.hpp"
-#include "Harmos_Tie.hpp"
-#include "Harmos_Traction.hpp"
-
 namespace Harmos::effects {
 
+// What their headers declare, so that a new effect is a line in the list alone.
+#define HARMOS_EFFECT(Class) scene::EffectKind kindOf##Class();
+#include "Harmos_EffectList.inc"
+#undef HARMOS_EFFECT
+
 void registerEffects(scene::EffectRegistry& registry) {
-  registry.add(Tie::registration());
-  registry.add(Contact::registration());
-  registry.add(RigidObstacle::registration());
-  registry.add(BodyForce::registration());
-  registry.add(Traction::registration());
-  registry.add(PrescribedDisplacement::registration());
-  registry.add(ThermalStrain::registration());
+#define HARMOS_EFFECT(Class) registry.add(kindOf##Class());
+#include "Harmos_EffectList.inc"
+#undef HARMOS_EFFECT
 }
 
 } // namespace Harmos::effects

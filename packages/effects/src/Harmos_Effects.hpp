@@ -5,8 +5,7 @@
 
 namespace Harmos::effects {
 
-/// Registers every effect of this package, a line each. The order is that of decks' references, rows and
-/// logs: constraints, loads, supports.
+/// Registers every effect of this package, in the order of Harmos_EffectList.inc.
 void registerEffects(scene::EffectRegistry& registry);
 
 } // namespace Harmos::effects

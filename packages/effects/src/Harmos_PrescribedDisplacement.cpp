@@ -31,13 +31,13 @@ std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, co
 
 } // namespace
 
-scene::EffectKind PrescribedDisplacement::registration() {
+scene::EffectKind kindOfPrescribedDisplacement() {
   ParameterSpec spec("<displacement>", "A boundary part is held at given displacements.");
   spec.text("Part", "", "Where: \"body/boundary part\". Required.");
   spec.texts("Components", {"x", "y", "z"},
              "Which are held; the others are free. Membranes have \"x\" alone.");
   spec.reals("Displacement", {0.0, 0.0, 0.0}, Range(), "In x, y, z; only those of the components count.");
-  return {kindName, spec, make};
+  return {PrescribedDisplacement::kindName, spec, make};
 }
 
 PrescribedDisplacement::PrescribedDisplacement(Part part, std::vector<Component> components, std::string name)

@@ -13,7 +13,6 @@ namespace Harmos::effects {
 class PrescribedDisplacement : public scene::Effect {
  public:
   static constexpr const char* kindName = "Prescribed displacement";
-  static scene::EffectKind registration();
 
   struct Component {
     int component = 0;
@@ -35,6 +34,9 @@ class PrescribedDisplacement : public scene::Effect {
   Part part_;
   std::vector<Component> components_;
 };
+
+/// What decks may say of it.
+scene::EffectKind kindOfPrescribedDisplacement();
 
 /// Holds a part in one component.
 std::shared_ptr<const PrescribedDisplacement> hold(const Part& part, int component, double value = 0.0);

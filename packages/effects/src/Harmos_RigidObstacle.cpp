@@ -43,7 +43,7 @@ std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, co
 
 } // namespace
 
-scene::EffectKind RigidObstacle::registration() {
+scene::EffectKind kindOfRigidObstacle() {
   ParameterSpec spec("<obstacle>", "A boundary part does not penetrate a rigid obstacle at rest.");
   spec.text("Part", "", "Where: \"body/boundary part\". Required.");
   spec.choice("Shape", "half-space",
@@ -56,7 +56,7 @@ scene::EffectKind RigidObstacle::registration() {
              "Half-space: its outward normal, towards the body. Cylinder: its axis; in the plane always 0, "
              "0, 1. Spheres have none.");
   spec.real("Radius", 0.0, Range(), "Of cylinder and sphere; negative: the body is inside of a hollow one.");
-  return {kindName, spec, make};
+  return {RigidObstacle::kindName, spec, make};
 }
 
 RigidObstacle::RigidObstacle(Part part, const contact::Obstacle& obstacle, std::string name)

@@ -13,7 +13,6 @@ namespace Harmos::effects {
 class RigidObstacle : public scene::Effect {
  public:
   static constexpr const char* kindName = "Obstacle";
-  static scene::EffectKind registration();
 
   RigidObstacle(Part part, const contact::Obstacle& obstacle, std::string name = "");
 
@@ -26,5 +25,8 @@ class RigidObstacle : public scene::Effect {
   Part part_;
   contact::Obstacle obstacle_;
 };
+
+/// What decks may say of it.
+scene::EffectKind kindOfRigidObstacle();
 
 } // namespace Harmos::effects

@@ -3,12 +3,12 @@
 
 namespace Harmos::effects {
 
-scene::EffectKind ThermalStrain::registration() {
+scene::EffectKind kindOfThermalStrain() {
   ParameterSpec spec("<temperature>", "A body is warmer than when it was free of stress.");
   spec.text("Body", "", "The name of the body. Required.");
   spec.real("Temperature", 0.0, Range(),
             "Rise in degrees; negative: the body was cooled. Rises of several effects add up.");
-  return {kindName, spec,
+  return {ThermalStrain::kindName, spec,
           [](const Teuchos::ParameterList& list, const std::string& path, const scene::Scene& scene) {
             requireElastic(scene, "\"" + path + "\"");
             return std::make_shared<ThermalStrain>(bodyIn(scene, list, "Body", path),

@@ -12,7 +12,6 @@ namespace Harmos::effects {
 class ThermalStrain : public scene::Effect {
  public:
   static constexpr const char* kindName = "Thermal strain";
-  static scene::EffectKind registration();
 
   /// @param rise in degrees.
   ThermalStrain(int body, double rise, std::string name = "");
@@ -29,5 +28,8 @@ class ThermalStrain : public scene::Effect {
   int body_;
   double rise_;
 };
+
+/// What decks may say of it.
+scene::EffectKind kindOfThermalStrain();
 
 } // namespace Harmos::effects

@@ -3,10 +3,10 @@
 
 namespace Harmos::effects {
 
-scene::EffectKind Tie::registration() {
+scene::EffectKind kindOfTie() {
   ParameterSpec spec("<tie>", "Two boundary parts are glued together.");
   SurfacePair::addTo(spec);
-  return {kindName, spec,
+  return {Tie::kindName, spec,
           [](const Teuchos::ParameterList& list, const std::string& path, const scene::Scene& scene) {
             return std::make_shared<Tie>(SurfacePair::fromList(list, path, scene), scene::nameIn(path));
           }};

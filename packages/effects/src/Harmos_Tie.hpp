@@ -12,7 +12,6 @@ namespace Harmos::effects {
 class Tie : public scene::Effect {
  public:
   static constexpr const char* kindName = "Tie";
-  static scene::EffectKind registration();
 
   explicit Tie(SurfacePair pair, std::string name = "");
 
@@ -22,5 +21,8 @@ class Tie : public scene::Effect {
  private:
   SurfacePair pair_;
 };
+
+/// What decks may say of it.
+scene::EffectKind kindOfTie();
 
 } // namespace Harmos::effects

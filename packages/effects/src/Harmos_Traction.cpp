@@ -3,13 +3,13 @@
 
 namespace Harmos::effects {
 
-scene::EffectKind Traction::registration() {
+scene::EffectKind kindOfTraction() {
   ParameterSpec spec("<traction>", "A force on a boundary part.");
   spec.text("Part", "", "Where: \"body/boundary part\". Required.");
   spec.reals("Density", {0.0, 0.0, 0.0}, Range(),
              "Force per area along x, y, z; constant, whatever the normal.");
   spec.real("Pressure", 0.0, Range(), "Force per area against the outward normal.");
-  return {kindName, spec,
+  return {Traction::kindName, spec,
           [](const Teuchos::ParameterList& list, const std::string& path, const scene::Scene& scene) {
             requireElastic(scene, "\"" + path + "\"");
             const Part part = partIn(scene, list, "Part", path);

@@ -12,7 +12,6 @@ namespace Harmos::effects {
 class Traction : public scene::Effect {
  public:
   static constexpr const char* kindName = "Traction";
-  static scene::EffectKind registration();
 
   /// @param density force per area.
   Traction(Part part, fem::Traction density, std::string name = "");
@@ -29,5 +28,8 @@ class Traction : public scene::Effect {
   Part part_;
   fem::Traction density_;
 };
+
+/// What decks may say of it.
+scene::EffectKind kindOfTraction();
 
 } // namespace Harmos::effects

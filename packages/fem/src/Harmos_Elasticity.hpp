@@ -25,6 +25,10 @@ struct Elasticity {
   std::vector<Material> materials; ///< of each region
 };
 
+/// Degree of the quadrature of stiffness matrices: on curved or distorted cells none is exact; this is that
+/// of affine ones, and for order 2 one more, for curved sides.
+int stiffnessDegree(CellType type);
+
 /// K = Σ ∫ B̄ᵀ C B̄, no boundary conditions; thickness one in the plane. Relative coordinates only: congruent
 /// meshes give identical matrices.
 /// @throws NumericalError for inverted cells; InternalError if a region has no material.

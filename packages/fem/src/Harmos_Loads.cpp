@@ -41,22 +41,24 @@ std::vector<double> assembleBodyForce(const Mesh& mesh, const Point& anchor, con
   return f;
 }
 
-std::vector<double> assembleTraction(const Mesh& mesh, const Point& anchor, const std::vector<Side>& sides,
-                                     const Traction& traction) {
-  const CellShape& shape = shapeOf(mesh.cellType);
-  const ReferenceElement element(shape.side, loadDegree(shapeOf(shape.side)));
+void visitSides(const Mesh& mesh, const std::vector<Side>& sides, int degree,
+                const std::function<void(const SidePoint&)>& visit) {
+  const ReferenceElement element(shapeOf(mesh.cellType).side, degree);
   const auto dimension = static_cast<std::size_t>(mesh.dimension());
-  std::vector<double> f(static_cast<std::size_t>(mesh.numberOfNodes()) * dimension, 0.0);
   for (const Side& side : sides) {
-    const std::vector<int> nodes = mesh.nodesOf(side);
+    SidePoint point;
+    point.nodes = mesh.nodesOf(side);
+    point.values.resize(point.nodes.size());
     for (int q = 0; q < element.points(); ++q) {
-      Point x = anchor, normal{};
+      Point normal{};
       std::array<Point, 2> tangent{};
-      for (std::size_t i = 0; i < nodes.size(); ++i) {
-        const Point place = mesh.local(nodes[i]);
+      point.position = {};
+      for (std::size_t i = 0; i < point.nodes.size(); ++i) {
+        const Point place = mesh.local(point.nodes[i]);
         const Point& g = element.gradient(static_cast<int>(i), q);
+        point.values[i] = element.value(static_cast<int>(i), q);
         for (std::size_t d = 0; d < 3; ++d) {
-          x[d] += element.value(static_cast<int>(i), q) * place[d];
+          point.position[d] += point.values[i] * place[d];
           tangent[0][d] += g[0] * place[d];
           tangent[1][d] += g[1] * place[d];
         }
@@ -68,15 +70,27 @@ std::vector<double> assembleTraction(const Mesh& mesh, const Point& anchor, cons
           normal[d] = tangent[0][(d + 1) % 3] * tangent[1][(d + 2) % 3] -
                       tangent[0][(d + 2) % 3] * tangent[1][(d + 1) % 3];
       const double area = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
-      for (double& entry : normal)
-        entry /= area;
-      const Point t = traction(x, normal);
-      for (std::size_t i = 0; i < nodes.size(); ++i)
-        for (std::size_t d = 0; d < dimension; ++d)
-          f[static_cast<std::size_t>(nodes[i]) * dimension + d] +=
-              element.weight(q) * area * element.value(static_cast<int>(i), q) * t[d];
+      for (std::size_t d = 0; d < 3; ++d)
+        point.normal[d] = normal[d] / area;
+      point.measure = element.weight(q) * area;
+      visit(point);
     }
   }
+}
+
+std::vector<double> assembleTraction(const Mesh& mesh, const Point& anchor, const std::vector<Side>& sides,
+                                     const Traction& traction) {
+  const auto dimension = static_cast<std::size_t>(mesh.dimension());
+  std::vector<double> f(static_cast<std::size_t>(mesh.numberOfNodes()) * dimension, 0.0);
+  visitSides(mesh, sides, loadDegree(shapeOf(shapeOf(mesh.cellType).side)), [&](const SidePoint& point) {
+    Point x = anchor;
+    for (std::size_t d = 0; d < 3; ++d)
+      x[d] += point.position[d];
+    const Point t = traction(x, point.normal);
+    for (std::size_t i = 0; i < point.nodes.size(); ++i)
+      for (std::size_t d = 0; d < dimension; ++d)
+        f[static_cast<std::size_t>(point.nodes[i]) * dimension + d] += point.measure * point.values[i] * t[d];
+  });
   return f;
 }
 

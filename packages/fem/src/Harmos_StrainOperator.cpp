@@ -16,7 +16,8 @@ std::size_t strainSize(const Mesh& mesh) {
 
 } // namespace
 
-int stiffnessDegree(const CellShape& shape) {
+int stiffnessDegree(CellType type) {
+  const CellShape& shape = shapeOf(type);
   if (shape.isSimplex)
     return shape.order == 1 ? 1 : 4;
   return shape.order == 1 ? 3 : 5;

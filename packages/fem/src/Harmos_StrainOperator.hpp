@@ -8,10 +8,6 @@
 
 namespace Harmos::fem {
 
-/// Degree of the rule that stiffness matrices are integrated with: on curved or distorted cells no degree is
-/// exact; this is that of affine ones, and for order 2 one more, for curved sides.
-int stiffnessDegree(const CellShape& shape);
-
 /// Solves the symmetric positive definite system of order n for several right-hand sides (columns).
 void solveSmall(int n, std::vector<double>& matrix, int columns, double* rhs);
 

@@ -81,8 +81,8 @@ std::vector<StressSums> sumsOf(const Mesh& mesh, const Elasticity* elasticity,
   // Stresses are sampled at fewer points than stiffness has; with a projected dilatation, which needs those,
   // where they are integrated.
   const int sampleDegree = shape.order == 1 ? 1 : (shape.isSimplex ? 2 : 3);
-  const ReferenceElement element(mesh.cellType,
-                                 projected && shape.order == 2 ? stiffnessDegree(shape) : sampleDegree);
+  const ReferenceElement element(mesh.cellType, projected && shape.order == 2 ? stiffnessDegree(mesh.cellType)
+                                                                              : sampleDegree);
   CellIntegrator cell(mesh, element);
   CellStress stress(mesh, cell, elasticity);
   const auto nodes = static_cast<std::size_t>(mesh.numberOfNodes());
@@ -176,7 +176,7 @@ std::vector<VoigtMatrix> compliances(const Elasticity& elasticity) {
 RecoveryError errorOf(const Mesh& mesh, const Elasticity* elasticity,
                       const std::vector<NodalSolution>& solutions,
                       const std::vector<const StressSums*>& recovered) {
-  const ReferenceElement element(mesh.cellType, stiffnessDegree(shapeOf(mesh.cellType)));
+  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh.cellType));
   CellIntegrator cell(mesh, element);
   CellStress stress(mesh, cell, elasticity);
   const std::vector<VoigtMatrix> compliance =

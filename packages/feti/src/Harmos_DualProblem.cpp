@@ -63,9 +63,15 @@ void applyInverseToLoads(const SubdomainSystem& system, const Constraints& const
   std::vector<double> overlap(localSize(*constraints.overlapMap()), 0.0);
   agree(*system.comm(), [&] {
     for (std::size_t c = 0; c < inverses.classes().size(); ++c) {
-      std::map<const std::vector<double>*, std::vector<int>> byLoad;
-      for (int i : inverses.classes()[c].members)
-        byLoad[&system.rhs(i)].push_back(i);
+      // In the order of the subdomains, not of addresses: sums are to be the same in every run.
+      std::map<const std::vector<double>*, std::size_t> places;
+      std::vector<std::pair<const std::vector<double>*, std::vector<int>>> byLoad;
+      for (int i : inverses.classes()[c].members) {
+        const auto [place, isNew] = places.emplace(&system.rhs(i), byLoad.size());
+        if (isNew)
+          byLoad.push_back({&system.rhs(i), {}});
+        byLoad[place->second].second.push_back(i);
+      }
       for (const auto& [load, members] : byLoad) {
         if (isZero(*load))
           continue;

@@ -103,6 +103,19 @@ InverseQuality inverseQuality(const LocalMatrix& matrix, const Kernel& kernel, c
   return quality;
 }
 
+DefectLimit defectLimit(const InverseQuality& quality, const LocalInverseSettings& settings) {
+  // Where κ is small, and what compressed factors leave: the user's accuracy times κ.
+  const bool single = settings.precision == Precision::Single;
+  const double factor = single ? 300.0 : 3000.0, unitRoundoff = single ? 0x1p-24 : 0x1p-53;
+  const double least = single ? 1e-4 : 1e-8;
+  const double accuracy = std::max(factor * unitRoundoff, 10.0 * settings.blockLowRank);
+  // Two digits are the least that an answer is worth; double precision is to stay below the tolerance of an
+  // ordinary run, 1e-4, by a factor.
+  const double most = single || settings.blockLowRank > 0.0 ? 1e-2 : 1e-5;
+  const double rounding = std::max(least, accuracy * quality.condition());
+  return {rounding, std::min(most, rounding)};
+}
+
 int countNullPivots(const LocalMatrix& matrix) {
   MumpsOptions options;
   options.symmetry = MumpsOptions::Symmetry::Symmetric;

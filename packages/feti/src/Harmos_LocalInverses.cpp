@@ -14,13 +14,6 @@ namespace {
 // Rounding of a row of K, some thousand times ε, as for the kernel itself.
 constexpr double hiddenTolerance = 1e-12;
 
-// ‖KK⁺Kx − Kx‖/‖Kx‖ is about κ(K_ρ)ε at worst; beyond 1e-8 nothing can be trusted. In single precision the
-// dense block is exact to some 1e-7, and the inverse with it.
-constexpr double inverseTolerance = 1e-8;
-constexpr double inverseToleranceSingle = 1e-4;
-// With compressed factors the user's accuracy times the condition number, but no more than two digits less.
-constexpr double inverseToleranceCompressed = 1e-2;
-
 std::vector<int> touchedDofs(const Constraints& constraints, const std::vector<int>& members) {
   std::vector<int> dofs;
   for (int i : members)
@@ -31,6 +24,18 @@ std::vector<int> touchedDofs(const Constraints& constraints, const std::vector<i
   return dofs;
 }
 
+// Where rounding errors alone explain a bad inverse, in words.
+std::string tooIllConditioned(const InverseQuality& quality, const LocalInverseOptions& options) {
+  const bool single = options.precision == Precision::Single;
+  return "the condition number of its matrix, " + scientific(quality.condition(), 0) +
+         " at least, times the rounding errors of " + (single ? "single" : "double") +
+         " precision explains that; " +
+         (single
+              ? "set \"Dual operator/Precision\" = \"double\""
+              : "set \"Dual operator/Form\" = \"implicit\", whose solves are exact to rounding errors of K") +
+         ", or make cells less thin, the jump of materials smaller, or Poisson's ratio further from 0.5";
+}
+
 void verify(const LocalMatrix& matrix, const Kernel& kernel, const InverseQuality& quality,
             const LocalInverseOptions& options, const std::string& number) {
   if (!(quality.resistance > hiddenTolerance))
@@ -39,17 +44,21 @@ void verify(const LocalMatrix& matrix, const Kernel& kernel, const InverseQualit
                              std::to_string(kernel.columns) + " does not contain: ‖D⁻¹Kv‖/‖v‖ = " +
                              scientific(quality.resistance) + "; " + causeOfHiddenMotion(matrix, kernel),
                          {{"subdomain", number}, {"resistance", scientific(quality.resistance)}});
-  const double compressed =
-      std::min(inverseToleranceCompressed, 10.0 * options.blockLowRank * quality.condition());
-  const double tolerance = std::max(
-      options.precision == Precision::Single ? inverseToleranceSingle : inverseTolerance, compressed);
-  if (!(quality.defect <= tolerance))
-    throw NumericalError("subdomain " + number + ": ‖KK⁺Kx − Kx‖/‖Kx‖ = " + scientific(quality.defect) +
-                             ", at most " + scientific(tolerance, 0) +
-                             " was expected; its material varies too much, or its kernel of dimension " +
+  const DefectLimit limit = defectLimit(quality, options);
+  if (!(quality.defect <= limit.acceptable)) {
+    const std::string found = "subdomain " + number + ": ‖KK⁺Kx − Kx‖/‖Kx‖ = " + scientific(quality.defect) +
+                              ", at most " + scientific(limit.acceptable, 0) + " was expected; ";
+    const std::vector<std::pair<std::string, std::string>> data = {
+        {"subdomain", number},
+        {"defect", scientific(quality.defect)},
+        {"condition", scientific(quality.condition())}};
+    if (quality.defect <= limit.rounding)
+      throw NumericalError(found + tooIllConditioned(quality, options), data);
+    throw NumericalError(found + "its material varies too much, or its kernel of dimension " +
                              std::to_string(kernel.columns) +
                              " is too small: " + causeOfHiddenMotion(matrix, kernel),
-                         {{"subdomain", number}, {"defect", scientific(quality.defect)}});
+                         data);
+  }
   if (options.checkNullPivots) {
     const int pivots = countNullPivots(matrix);
     if (pivots != kernel.columns)
@@ -119,7 +128,12 @@ LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints
                                                       static_cast<int>(item.members.size()), options,
                                                       orderings));
       } catch (const NumericalError& error) {
-        throw NumericalError("subdomain " + number + ": " + error.what() + "; " +
+        const std::string precision =
+            options.precision == Precision::Single
+                ? "single precision is too short for its condition number (\"Dual operator/Precision\" = "
+                  "\"double\" tells), or "
+                : "";
+        throw NumericalError("subdomain " + number + ": " + error.what() + "; " + precision +
                                  causeOfHiddenMotion(matrix, kernel),
                              {{"subdomain", number}});
       }

@@ -65,9 +65,9 @@ class LocalInverses {
   double condition_ = 1.0;
 };
 
-/// Makes them and verifies each: ‖K K⁺ K x − K x‖ ≤ 1e-8 ‖Kx‖ and ‖D⁻¹Kv‖ > 1e-12 ‖v‖ for v = (I − RRᵀ)K⁺b,
-/// with pseudo-random x and b. A disagreement, or a factor that does not exist, means that the subdomain has
-/// more rigid motions than its kernel says; the error names it and the cause.
+/// Makes them and verifies each: ‖K K⁺ K x − K x‖ ≤ δ ‖Kx‖, δ see defectLimit(), and ‖D⁻¹Kv‖ > 1e-12 ‖v‖ for
+/// v = (I − RRᵀ)K⁺b, with pseudo-random x and b. A disagreement, or a factor that does not exist, means that
+/// the subdomain has more rigid motions than its kernel says; the error names it and the cause.
 /// @throws NumericalError on all ranks.
 /// @note Collective.
 /// Guarded by tests/unit/feti/test_local_inverse.cpp.

@@ -43,13 +43,6 @@ void AutoSolver<Scalar, MV, OP>::doSolve() {
     solver = Teuchos::rcp(new PdasSolver<Scalar, MV, OP>);
   else
     solver = Teuchos::rcp(new MprgpSolver<Scalar, MV, OP>);
-  // Of this solver's parameters, those that the chosen one knows.
-  const auto list = Teuchos::parameterList();
-  const auto known = solver->getValidParameters();
-  for (const auto& entry : *this->parameters_)
-    if (known->isParameter(entry.first))
-      list->setEntry(entry.first, entry.second);
-  solver->setParameters(list);
   this->delegate(*solver);
 }
 

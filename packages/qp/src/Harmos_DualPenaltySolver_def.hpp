@@ -3,6 +3,7 @@
 
 #include "Harmos_BoundedSolver_def.hpp"
 #include "Harmos_DualPenaltySolver.hpp"
+#include "Harmos_MprgpSolver_def.hpp"
 
 namespace Harmos::qp {
 
@@ -38,8 +39,11 @@ template<class Scalar, class MV, class OP>
 void DualPenaltySolver<Scalar, MV, OP>::doSolve() {
   constexpr int mostProbeSteps = 1000; // each a product with C and Cᵀ
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  if (!this->problem_->hasEqualities())
-    throw InputError("Dual Penalty is for problems with equalities, but this one has none; use MPRGP");
+  if (!this->problem_->hasEqualities()) {
+    this->log_.info("Note: without equalities, Dual Penalty is MPRGP");
+    MprgpSolver<Scalar, MV, OP> solver;
+    return this->delegate(solver);
+  }
   const Teuchos::ParameterList& list = this->parameters_->sublist("Dual Penalty");
   MVT::MvInit(*this->problem_->multiplier(), 0.0);
   const Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = this->makeRows();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_MprgpSolver_def.hpp"
+#include "Harmos_PcpgSolver_def.hpp"
 #include "Harmos_PdasSolver.hpp"
 #include "Harmos_ProjectedCg_def.hpp"
 #include "Harmos_SmalbeSolver_def.hpp"
@@ -20,7 +21,7 @@ ParameterSpec PdasSolver<Scalar, MV, OP>::methodSpec() {
             "settles.");
   spec.integer("Maximum active sets", 200, 1, 1000000,
                "Active sets tried before a globally convergent method takes over.");
-  spec.real("Share of iterations", 0.5, Range::strictlyWithin(0.0, 1.0),
+  spec.real("Share of iterations", 0.5, Range{0.0, 1.0, true, false},
             "Part of \"Maximum Iterations\" after which a globally convergent method takes over.");
   return spec;
 }
@@ -42,19 +43,12 @@ const ParameterSpec& PdasSolver<Scalar, MV, OP>::spec() {
 template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::fallBack(const std::string& why) {
   ++this->result_.counters.safeguards;
-  const auto list = Teuchos::parameterList();
-  for (const char* name : {"Maximum Iterations", "Orthonormalised Rows", "Output Frequency"})
-    list->set(name, this->parameters_->template get<int>(name));
-  list->sublist("MPRGP") = this->parameters_->sublist("MPRGP");
   Teuchos::RCP<SolverManager<Scalar, MV, OP>> solver;
-  if (this->problem_->hasEqualities()) {
+  if (this->problem_->hasEqualities())
     solver = Teuchos::rcp(new SmalbeSolver<Scalar, MV, OP>);
-    list->sublist("SMALBE") = this->parameters_->sublist("SMALBE");
-  } else {
+  else
     solver = Teuchos::rcp(new MprgpSolver<Scalar, MV, OP>);
-  }
   this->log_.detail("PDAS: " + why + "; " + solver->name() + " takes over");
-  solver->setParameters(list);
   this->delegate(*solver);
 }
 
@@ -64,8 +58,11 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
   using BT = BoundTraits<Scalar, MV>;
   using Cg = ProjectedCg<Scalar, MV, OP>;
   const Problem<Scalar, MV, OP>& problem = *this->problem_;
-  if (!problem.hasBounds())
-    throw InputError("PDAS is for problems with bounds, but this one has none; use PCPG");
+  if (!problem.hasBounds()) {
+    this->log_.info("Note: without bounds, PDAS is PCPG");
+    PcpgSolver<Scalar, MV, OP> solver;
+    return this->delegate(solver);
+  }
   const Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = this->makeRows();
   if (rows.is_null())
     return;
@@ -135,28 +132,49 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
     return evaluate(BT::projectedGradientNorm(x, *y, lower, upper), inner);
   };
 
-  // The first active set: entries at a bound that the gradient pushes against it.
+  Cg cg(problem, *rows, CgOptions::fromList(this->parameters_->sublist("PCPG")), counters);
   BT::project(x, lower, upper);
   LocalActiveSet set;
-  {
-    if (norm<Scalar>(x) > 0.0) {
+  // The first active set: entries at a bound that the gradient pushes against it. The gradient costs a
+  // product where x is not zero. If that at zero, which costs nothing, mostly pushes against these bounds,
+  // the product is made on the face where all of them are active, as the first one of its solution.
+  const auto addMultiplier = [&] {
+    if (!rows->isPresent())
+      return;
+    const Teuchos::RCP<MV> mu = rows->makeVector();
+    rows->toInternal(*problem.multiplier(), *mu);
+    rows->addTransposed(1.0, *mu, *y);
+  };
+  MVT::MvAddMv(-1.0, *problem.rhs(), 0.0, *problem.rhs(), *y);
+  addMultiplier();
+  BT::split(x, *y, lower, upper, 1.0, nullptr, set);
+  LocalActiveSet pushed = set;
+  ActiveSetChange change = BT::updateActiveSet(x, *y, lower, upper, 0.0, 0.0, pushed);
+  bool started = false;
+  if (norm<Scalar>(x) > 0.0) {
+    const Teuchos::RCP<MV> projected = MVT::CloneCopy(x), free = MVT::CloneCopy(*y);
+    BT::maskActive(*free, set);
+    const double atBounds2 = dot<Scalar>(*y, *y) - dot<Scalar>(*free, *free);
+    started = change.wrongSign2 <= 0.1 * atBounds2 && cg.start(set);
+    if (started) {
+      cg.lagrangianGradient(*y);
+      change = BT::updateActiveSet(x, *y, lower, upper,
+                                   10.0 * std::numeric_limits<double>::epsilon() * norm<Scalar>(x),
+                                   10.0 * cg.attainable(), set);
+      started = change.changed == 0;
+    } else {
+      MVT::Assign(*projected, x);
       ++counters.hessianApplications;
       Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem.hessian(), x, *y);
       MVT::MvAddMv(1.0, *y, -1.0, *problem.rhs(), *y);
-    } else {
-      MVT::MvAddMv(-1.0, *problem.rhs(), 0.0, *problem.rhs(), *y);
+      addMultiplier();
+      change = BT::updateActiveSet(x, *y, lower, upper, 0.0, 0.0, set);
     }
-    if (rows->isPresent()) {
-      const Teuchos::RCP<MV> mu = rows->makeVector();
-      rows->toInternal(*problem.multiplier(), *mu);
-      rows->addTransposed(1.0, *mu, *y);
-    }
-    set.clear();
-    BT::split(x, *y, lower, upper, 1.0, nullptr, set);
-    active = BT::updateActiveSet(x, *y, lower, upper, 0.0, 0.0, set).active;
+  } else {
+    set = pushed;
   }
+  active = change.active;
 
-  Cg cg(problem, *rows, CgOptions::fromList(this->parameters_->sublist("PCPG")), counters);
   std::set<std::pair<double, double>> seen;
   IterationState<MV> state = evaluate(std::numeric_limits<double>::infinity(), this->firstInner_);
   bool settled = false, newFace = true;
@@ -165,8 +183,9 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
   int repeats = 0;
   while (true) {
     if (newFace) {
-      if (!cg.start(set))
+      if (!started && !cg.start(set))
         return fallBack("the equalities cannot be met on a face");
+      started = false;
       ++counters.faces;
       state = evaluate(cg.residualNorm(), state.inner);
       this->record(state, this->result_.history.empty() ? StepKind::Start : StepKind::ActiveSet, 0.0, 0.0,
@@ -207,8 +226,8 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
     cg.lagrangianGradient(*y);
     const double epsilon = std::numeric_limits<double>::epsilon();
     const double curvature = cg.curvatureBound();
-    const ActiveSetChange change = BT::updateActiveSet(x, *y, lower, upper, 10.0 * epsilon * norm<Scalar>(x),
-                                                       10.0 * cg.attainable(), set);
+    change = BT::updateActiveSet(x, *y, lower, upper, 10.0 * epsilon * norm<Scalar>(x),
+                                 10.0 * cg.attainable(), set);
     active = change.active;
     // ‖g^P‖ at the projection of x is at most ‖w‖ + ‖multipliers of the wrong sign‖ + ‖A‖‖x − Π(x)‖.
     const double expected =

@@ -40,7 +40,7 @@ void ProjectedCg<Scalar, MV, OP>::project(MV& w, MV* removed) {
   if (!rows_.isPresent())
     return;
   rows_.apply(w, *rowWork_);
-  if (hasFace_)
+  if (!faceGram_.is_null())
     BT::scatter(faceGram_->solve(BT::gather(*rowWork_)), *rowWork_);
   rows_.addTransposed(-1.0, *rowWork_, w);
   if (hasFace_)
@@ -63,13 +63,15 @@ bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active) {
     BT::moveToBounds(x, problem_.lowerBound().get(), problem_.upperBound().get(), active_);
   }
   if (rows_.isPresent()) {
-    if (hasFace_)
-      faceGram_ = rows_.faceGram(active_);
+    // Without active entries C_FC_Fᵀ = I.
+    const bool isWhole =
+        std::all_of(active_.begin(), active_.end(), [](signed char side) { return side == 0; });
+    faceGram_ = BT::maximum(x, isWhole ? 0.0 : 1.0) > 0.0 ? rows_.faceGram(active_) : Teuchos::null;
     // x_F ← x_F − C_Fᵀ(C_FC_Fᵀ)⁻(C̄x − c̄), a second time for what rounding left.
     const Teuchos::RCP<MV> correction = MVT::Clone(x, 1);
     for (int pass = 0; pass < 2; ++pass) {
       rows_.residual(x, *unused_);
-      if (hasFace_)
+      if (!faceGram_.is_null())
         BT::scatter(faceGram_->solve(BT::gather(*unused_)), *unused_);
       MVT::MvInit(*correction, 0.0);
       rows_.addTransposed(-1.0, *unused_, *correction);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_BoundedSolver_def.hpp"
+#include "Harmos_MprgpSolver_def.hpp"
 #include "Harmos_SmalbeSolver.hpp"
 
 #include <algorithm>
@@ -75,8 +76,11 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
       return true;
     }
   };
-  if (!this->problem_->hasEqualities())
-    throw InputError("SMALBE is for problems with equalities, but this one has none; use MPRGP");
+  if (!this->problem_->hasEqualities()) {
+    this->log_.info("Note: without equalities, SMALBE is MPRGP");
+    MprgpSolver<Scalar, MV, OP> solver;
+    return this->delegate(solver);
+  }
   const Teuchos::ParameterList& list = this->parameters_->sublist("SMALBE");
   const std::string rule = list.get<std::string>("Update rule");
   const bool byPenalty = rule != "precision", byPrecision = rule != "penalty";

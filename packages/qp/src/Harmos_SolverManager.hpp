@@ -130,8 +130,8 @@ class SolverManager {
   void stopInfeasible(const Teuchos::RCP<const MV>& y, const Certificate& certificate);
   void stopUnbounded(const Teuchos::RCP<const MV>& d, const Certificate& certificate);
 
-  /// Lets another solver finish the problem from the present solution, under this one's tests; its counters,
-  /// history and result are added to this one's.
+  /// Lets another solver finish the problem from the present solution, under this one's tests and with those
+  /// of its parameters that the other one knows; its counters, history and result are added to this one's.
   void delegate(SolverManager& other);
 
   int maximumIterations() const { return parameters_->template get<int>("Maximum Iterations"); }

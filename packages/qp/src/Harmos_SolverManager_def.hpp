@@ -276,6 +276,12 @@ template<class Scalar, class MV, class OP>
 void SolverManager<Scalar, MV, OP>::delegate(SolverManager& other) {
   const int before = result_.history.empty() ? firstInner_ : result_.history.back().inner;
   const double seconds = elapsedSeconds();
+  const auto list = Teuchos::parameterList();
+  const auto known = other.getValidParameters();
+  for (const auto& entry : *parameters_)
+    if (known->isParameter(entry.first))
+      list->setEntry(entry.first, entry.second);
+  other.setParameters(list);
   // Ranks compare a common time with this limit; it has to be common itself.
   const double limit = parameters_->template get<double>("Maximum Seconds");
   if (limit > 0.0)

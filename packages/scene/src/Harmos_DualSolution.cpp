@@ -152,7 +152,7 @@ DualSolution solveDualProblem(const feti::SubdomainSystem& system, const feti::C
       options.toleranceRule == ToleranceRule::Balanced ? firstBalancedTolerance() : options.tolerance;
   const Test test = convergenceTest(dual, options, tolerance, !isPenalty, report);
   solver->setConvergenceTest(test.test);
-  if (!isPenalty)
+  if (acceptance && !isPenalty)
     solver->setAcceptance([&] {
       // The tolerance that these residuals would just meet.
       double met = tolerance * test.gradient->value() / test.gradient->limit();

@@ -26,7 +26,8 @@ using Acceptance = std::function<std::optional<double>(const MultiVector& lambda
 
 /// Hands the dual problem to the quadratic programming layer, with the solver, stopping rule and
 /// preconditioner of the options, and puts what became of it into the report.
-/// @param preconditioner or null. @param acceptance not of the penalty method.
+/// @param preconditioner or null. @param acceptance null: what meets the tolerance is accepted; of
+/// the penalty method always.
 /// @throws NumericalError, InternalError on all ranks. @note Collective.
 DualSolution solveDualProblem(const feti::SubdomainSystem& system, const feti::Constraints& constraints,
                               const feti::CoarseSpace& coarse, const feti::DualProblem& dual,

@@ -28,7 +28,7 @@ class ConstraintCollector;
 /// friction, debonding): a hook after the recovery, from which the run goes back to the constraints. Output
 /// fields: a hook beside writeVtkHdf(), as ContactFields are for inequality rows.
 ///
-/// Guarded by tests/unit/effects/test_registry.cpp.
+/// Guarded by tests/unit/effects/test_absence.cpp.
 class Effect {
  public:
   /// @param kind as in the registry: "Contact". @param name its own, as in the deck; may be empty.

@@ -63,15 +63,13 @@ std::vector<EffectCost> EffectCosts::total(const Teuchos::Comm<int>& comm) const
 }
 
 std::string costText(const std::vector<EffectCost>& costs) {
-  std::size_t width = 0;
-  for (const EffectCost& cost : costs)
-    width = std::max(width, cost.kind.size());
   std::ostringstream text;
+  text << "Effects that are on                 number      rows   seconds       MiB" << std::fixed
+       << std::setprecision(3);
   for (const EffectCost& cost : costs)
-    text << (text.tellp() > 0 ? "\n" : "Effects: how many, rows of the dual problem, seconds, MiB\n") << "  "
-         << std::left << std::setw(static_cast<int>(width)) << cost.kind << std::right << std::setw(8)
-         << cost.effects << std::setw(10) << cost.rows << std::fixed << std::setprecision(3) << std::setw(10)
-         << cost.seconds << std::setw(10) << cost.bytes / 1048576.0;
+    text << "\n  " << std::left << std::setw(30) << cost.kind << std::right << std::setw(10) << cost.effects
+         << std::setw(10) << cost.rows << std::setw(10) << cost.seconds << std::setw(10)
+         << cost.bytes / 1048576.0;
   return text.str();
 }
 

@@ -24,6 +24,8 @@ struct EffectCost {
 
 /// Gathers the cost of the effects that are on in a scene. There is a timer, the Teuchos::TimeMonitor counter
 /// "Harmos: effect <kind>", for each kind that is on, and for no other.
+///
+/// Guarded by tests/unit/effects/test_absence.cpp.
 class EffectCosts {
  public:
   explicit EffectCosts(const Scene& scene);
@@ -50,7 +52,7 @@ class EffectCosts {
   StageTimers timers_;
 };
 
-/// A line a kind, for people; "" without effects.
+/// A line a kind, for people.
 std::string costText(const std::vector<EffectCost>& costs);
 
 } // namespace Harmos::scene

@@ -3,8 +3,6 @@
 
 #include "Harmos_Errors.hpp"
 
-#include <ostream>
-
 namespace Harmos::scene {
 
 void EffectRegistry::add(EffectKind kind) {
@@ -14,14 +12,18 @@ void EffectRegistry::add(EffectKind kind) {
   kinds_.push_back(std::move(kind));
 }
 
-void EffectRegistry::addParameters(ParameterSpec& deck) const {
+ParameterSpec EffectRegistry::spec() const {
   ParameterSpec list("Effects", "What happens to the bodies; what is not named costs nothing.");
   for (const EffectKind& kind : kinds_) {
     ParameterSpec ofKind(kind.name, "Effects of this kind, each by a name of your choice.");
     ofKind.family(kind.parameters);
     list.list(std::move(ofKind));
   }
-  deck.list(std::move(list));
+  return list;
+}
+
+void EffectRegistry::addParameters(ParameterSpec& deck) const {
+  deck.list(spec());
 }
 
 void EffectRegistry::addEffects(const Teuchos::ParameterList& deck, Scene& scene) const {
@@ -35,11 +37,7 @@ void EffectRegistry::addEffects(const Teuchos::ParameterList& deck, Scene& scene
 }
 
 void EffectRegistry::write(std::ostream& out) const {
-  for (const EffectKind& kind : kinds_) {
-    out << kind.name << "\n";
-    kind.parameters.writeText(out);
-    out << "\n";
-  }
+  spec().writeText(out);
 }
 
 std::string nameIn(const std::string& path) {

@@ -48,6 +48,8 @@ class EffectRegistry {
   void write(std::ostream& out) const;
 
  private:
+  ParameterSpec spec() const;
+
   std::vector<EffectKind> kinds_;
 };
 

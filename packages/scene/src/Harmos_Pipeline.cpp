@@ -195,11 +195,16 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
   for (const ConstraintRow& row : contact.rows)
     report.gapRounding = std::max(report.gapRounding, row.rounding);
   report.gapRounding = globalMax(*comm, report.gapRounding);
+  if (options.dirichlet == feti::DirichletForm::Dual)
+    costs.countPrescribedAsRows();
+  report.effectCosts = costs.total(*comm);
   report.dualDimension = constraints.dualDimension();
   report.inequalities = constraints.inequalities();
   log.info("Primal dimension " + std::to_string(report.primalDimension) + ", dual dimension " +
            std::to_string(report.dualDimension) + " (" + std::to_string(report.inequalities) +
            " inequalities), kernel dimension " + std::to_string(report.kernelDimension));
+  if (!report.effectCosts.empty())
+    log.info(costText(report.effectCosts));
 
   const feti::LocalInverses inverses = [&] {
     const auto scope = timers.scope("factorization");
@@ -293,7 +298,7 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
       writeVtkHdf(*comm, options.outputDirectory + "/result.vtkhdf", owned, fields);
     }
   }
-  return {std::move(owned), torn.displacement};
+  return {std::move(owned), torn.displacement, solution.lambda};
 }
 
 } // namespace

@@ -6,6 +6,7 @@
 #include "Harmos_RunOptions.hpp"
 #include "Harmos_RunReport.hpp"
 #include "Harmos_Scene.hpp"
+#include "Harmos_Types.hpp"
 
 #include <Teuchos_Comm.hpp>
 #include <Teuchos_RCP.hpp>
@@ -14,11 +15,12 @@
 
 namespace Harmos::scene {
 
-/// What a run finds: the meshes of this rank's subdomains and the displacements of their nodes, dof = node ·
-/// components + component.
+/// What a run finds: the meshes of this rank's subdomains, the displacements of their nodes, dof = node ·
+/// components + component, and the multipliers.
 struct Solution {
   std::vector<OwnedSubdomain> owned;
   feti::TornVector displacement;
+  Teuchos::RCP<const MultiVector> multipliers; ///< λ, in the rows of feti::Constraints
 };
 
 /// Runs a scene from meshes to result files.

@@ -82,6 +82,13 @@ std::string toJson(const RunReport& report) {
   json["audit_agrees"] =
       report.audited ? nlohmann::ordered_json(auditAgrees(report)) : nlohmann::ordered_json(nullptr);
   json["effects"] = report.effects;
+  json["effect_costs"] = nlohmann::ordered_json::array();
+  for (const EffectCost& cost : report.effectCosts)
+    json["effect_costs"].push_back({{"kind", cost.kind},
+                                    {"effects", cost.effects},
+                                    {"rows", cost.rows},
+                                    {"seconds", cost.seconds},
+                                    {"bytes", cost.bytes}});
   json["dual_operator"] = report.dualOperator;
   json["local_condition"] = number(report.localCondition);
   json["dual_operator_mib"] = number(report.dualOperatorMiB);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_ContactFields.hpp"
+#include "Harmos_EffectCosts.hpp"
 #include "Harmos_KktAudit.hpp"
 #include "Harmos_QpTypes.hpp"
 
@@ -17,6 +18,7 @@ struct RunReport {
   int ranks = 0;
   std::string scene;
   std::vector<std::string> effects;
+  std::vector<EffectCost> effectCosts; ///< of each kind, once the constraints are set up
   long long primalDimension = 0;
   long long dualDimension = 0;
   long long inequalities = 0;

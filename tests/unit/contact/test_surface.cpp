@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Harmos_BoxTree.hpp"
 #include "Harmos_ContactTestSupport.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Facet.hpp"
 #include "Harmos_ReferenceElement.hpp"
 
 #include <gtest/gtest.h>
-
-#include <random>
 
 using namespace Harmos;
 using namespace Harmos::contact;
@@ -48,26 +45,6 @@ TEST(Facet, basis_is_that_of_the_elements) {
       }
     }
   }
-}
-
-TEST(BoxTree, finds_what_comparing_all_boxes_finds) {
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> number(0.0, 1.0);
-  std::vector<Box> boxes;
-  for (int k = 0; k < 300; ++k) {
-    const Point low = {number(random), number(random), k % 3 == 0 ? 0.5 : number(random)};
-    const double size = k % 50 == 0 ? 0.5 : 0.05;
-    boxes.push_back({low, {low[0] + size * number(random), low[1] + size, low[2]}});
-  }
-  const BoxTree tree(boxes);
-  for (const Box& box : boxes) {
-    std::vector<int> expected;
-    for (std::size_t k = 0; k < boxes.size(); ++k)
-      if (boxes[k].touches(widened(box, 0.01)))
-        expected.push_back(static_cast<int>(k));
-    EXPECT_EQ(tree.touching(widened(box, 0.01)), expected);
-  }
-  EXPECT_TRUE(BoxTree({}).touching({{0, 0, 0}, {1, 1, 1}}).empty());
 }
 
 TEST(Surface, sides_of_a_rectangle_look_outward) {

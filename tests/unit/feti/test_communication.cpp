@@ -79,6 +79,8 @@ PerStep perStep(const std::string& method, bool tied, bool preconditioned) {
     const auto list = Teuchos::parameterList();
     list->set("Maximum Iterations", steps[k]);
     list->set("Convergence Tolerance", 1e-14);
+    if (std::string(method) == "PDAS")
+      list->sublist("PDAS").set("Share of iterations", 1.0);
     const auto solver = qp::TpetraSolverFactory().create(method, list);
     solver->setProblem(problem);
     const long long before = reductions, othersBefore = otherCollectives;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <sstream>
 
 using namespace Harmos;
 using namespace Harmos::qp;
@@ -63,10 +64,39 @@ TEST(LifeCycle, solvers_refuse_structures_they_are_not_for) {
     });
   };
   EXPECT_TRUE(contains(solve("MPRGP", smallQp(1, true)), "use SMALBE"));
-  EXPECT_TRUE(contains(solve("SMALBE", smallQp(0, true)), "use MPRGP"));
-  EXPECT_TRUE(contains(solve("Dual Penalty", smallQp(0, true)), "use MPRGP"));
   EXPECT_TRUE(contains(solve("PCPG", smallQp(0, true)), "use SMALBE or MPRGP"));
-  EXPECT_TRUE(contains(solve("PDAS", smallQp(1, false)), "use PCPG"));
+}
+
+// What a method has beyond a simpler one is of no use without equalities, or without bounds: the simpler one
+// does the work, to the last bit, and a note says so.
+TEST(LifeCycle, methods_become_simpler_with_the_problem) {
+  const struct {
+    std::string method, simpler;
+    SmallQp qp;
+  } cases[] = {{"SMALBE", "MPRGP", smallQp(0, true)},
+               {"Dual Penalty", "MPRGP", smallQp(0, true)},
+               {"PDAS", "PCPG", smallQp(1, false)},
+               {"PDAS", "PCPG", smallQp(0, false)}};
+  for (const auto& [method, simpler, qp] : cases) {
+    std::ostringstream text;
+    const DistributedQp first(qp), second(qp);
+    const auto solve = [&](const std::string& name, const DistributedQp& distributed) {
+      const auto list = Teuchos::parameterList();
+      list->set("Convergence Tolerance", 1e-10);
+      const auto solver = TpetraSolverFactory().create(name, list);
+      solver->setLog(Log(text, text, Log::Verbosity::Normal, true));
+      solver->setProblem(distributed.problem);
+      return solver->solve();
+    };
+    const Result result = solve(method, first);
+    EXPECT_TRUE(result.converged()) << method;
+    EXPECT_EQ(result.method, simpler);
+    EXPECT_TRUE(contains(text.str(), method + " is " + simpler)) << text.str();
+    const Result expected = solve(simpler, second);
+    EXPECT_EQ(result.counters.hessianApplications, expected.counters.hessianApplications) << method;
+    EXPECT_EQ(result.counters.safeguards, 0) << method;
+    EXPECT_EQ(fromVector(*first.solution), fromVector(*second.solution)) << method;
+  }
 }
 
 // Rows that are too many to be made orthonormal are a structure PCPG and PDAS cannot use.

@@ -5,11 +5,11 @@
 
 #include <vector>
 
-namespace Harmos::contact {
+namespace Harmos::fem {
 
 /// A box along the axes.
 struct Box {
-  fem::Point low{}, high{};
+  Point low{}, high{};
   bool touches(const Box& other) const {
     for (std::size_t d = 0; d < 3; ++d)
       if (low[d] > other.high[d] || other.low[d] > high[d])
@@ -19,7 +19,7 @@ struct Box {
 };
 
 /// The smallest box around points. @pre not empty.
-Box boxAround(const std::vector<fem::Point>& points);
+Box boxAround(const std::vector<Point>& points);
 /// Larger by a margin to each side.
 Box widened(const Box& box, double margin);
 
@@ -45,4 +45,4 @@ class BoxTree {
   std::vector<Branch> branches_;
 };
 
-} // namespace Harmos::contact
+} // namespace Harmos::fem

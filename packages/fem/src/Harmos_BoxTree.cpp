@@ -5,7 +5,7 @@
 #include <numeric>
 #include <tuple>
 
-namespace Harmos::contact {
+namespace Harmos::fem {
 namespace {
 
 constexpr std::size_t leafSize = 4;
@@ -21,9 +21,9 @@ Box joined(const Box& a, const Box& b) {
 
 } // namespace
 
-Box boxAround(const std::vector<fem::Point>& points) {
+Box boxAround(const std::vector<Point>& points) {
   Box box{points.front(), points.front()};
-  for (const fem::Point& x : points)
+  for (const Point& x : points)
     box = joined(box, {x, x});
   return box;
 }
@@ -92,4 +92,4 @@ void BoxTree::collect(std::size_t branch, const Box& box, std::vector<int>& foun
       found.push_back(order_[k]);
 }
 
-} // namespace Harmos::contact
+} // namespace Harmos::fem

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_HarmosApplication.hpp"
+
+#include "Harmos_DeckScene.hpp"
+#include "Harmos_Effects.hpp"
+
+namespace Harmos::app {
+
+Application harmosApplication() {
+  const auto registry = std::make_shared<scene::EffectRegistry>();
+  effects::registerEffects(*registry);
+  Application application;
+  application.name = "harmos";
+  application.description = "contact of elastic bodies, from a deck alone";
+  application.addParameters = [registry](ParameterSpec& deck) { addSceneParameters(deck, *registry); };
+  application.makeScene = [registry](const DeckContext& context) {
+    return sceneFromDeck(context, *registry);
+  };
+  application.effects = registry;
+  return application;
+}
+
+} // namespace Harmos::app

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_StudyRun.hpp"
+
+#include "Harmos_Exchange.hpp"
+#include "Harmos_Pipeline.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <malloc.h>
+
+namespace Harmos::study {
+namespace {
+
+// Of /proc/self/status, in MiB; 0 where there is none.
+double statusMiB(const std::string& key) {
+  std::ifstream status("/proc/self/status");
+  std::string word;
+  while (status >> word)
+    if (word == key + ":") {
+      double kib = 0.0;
+      status >> kib;
+      return kib / 1024.0;
+    }
+  return 0.0;
+}
+
+// What is resident before a run, the peak set back to it.
+double residentMiB() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+  std::ofstream("/proc/self/clear_refs") << "5";
+  return statusMiB("VmRSS");
+}
+
+// The part of the deck by which solves with subdomains are inexact.
+std::vector<std::string> inexactLocalSolver(const Teuchos::ParameterList& dual) {
+  const std::string precision = dual.get<std::string>("Precision");
+  const double lowRank = dual.get<double>("Block low rank tolerance");
+  if (precision == "double" && lowRank == 0.0)
+    return {};
+  return {"Dual operator/Form=" + dual.get<std::string>("Form"), "Dual operator/Precision=" + precision,
+          "Dual operator/Block low rank tolerance=" + scientific(lowRank, 6)};
+}
+
+} // namespace
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+Outcome runSetting(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Plan& plan,
+                   const std::vector<std::string>& assignments, int repetitions) {
+  const Log silent;
+  Outcome outcome;
+  std::map<std::string, std::vector<double>> seconds;
+  for (int repetition = 0; repetition < repetitions; ++repetition) {
+    scene::RunReport report;
+    report.deck = plan.deck;
+    try {
+      const Teuchos::ParameterList deck = plan.readDeck(*comm, assignments);
+      scene::RunOptions options = scene::RunOptions::fromDeck(deck);
+      options.outputDirectory = plan.output + "/last_run";
+      options.writeFields = false;
+      options.progressFrequency = 0;
+      const double resident = residentMiB();
+      comm->barrier(); // so that no rank's time holds another one's waiting
+      const auto begin = std::chrono::steady_clock::now();
+      scene::Scene scene = plan.application.makeScene({*comm, deck, app::directoryOf(plan.deck), silent});
+      const std::chrono::duration<double> making = std::chrono::steady_clock::now() - begin;
+      scene.secondsToMake = making.count();
+      scene::checkConsistency(scene, options);
+      scene::Solution solution = scene::run(comm, scene, options, silent, begin, report);
+      report.seconds["total"] -= report.seconds["output"];
+      if (repetition == 0) {
+        outcome.memoryMiB = globalSum(*comm, statusMiB("VmHWM") - resident);
+        outcome.run = std::make_shared<scene::FinishedRun>();
+        *outcome.run = {std::move(scene), std::move(solution), report.contactPoints, report.contact};
+        outcome.reason = report.reason;
+        outcome.report = report;
+        outcome.localSolver = inexactLocalSolver(deck.sublist("Dual operator"));
+      }
+    } catch (const Error& error) {
+      if (app::standsAlone(*comm, error))
+        throw;
+      outcome.report = report;
+      outcome.report.converged = false;
+      outcome.reason = error.what();
+      outcome.run = nullptr;
+      return outcome;
+    }
+    for (const auto& [stage, value] : report.seconds)
+      seconds[stage].push_back(value);
+    if (!report.converged)
+      break; // its time is not asked for
+  }
+  for (const auto& [stage, values] : seconds)
+    outcome.seconds[stage] = median(values);
+  return outcome;
+}
+
+} // namespace Harmos::study

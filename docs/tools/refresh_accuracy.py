@@ -1,0 +1,155 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+r"""Brings docs/accuracy.md up to date with studies that have been run.
+
+    refresh_accuracy.py DIR...
+
+Each DIR is the output of study on a deck apps/study/decks/NAME.xml. What stands on the page between
+
+    <!-- begin NAME: made by docs/tools/refresh_accuracy.py -->
+    <!-- end NAME -->
+
+is written anew from DIR/study.json, and the pictures that the page shows, docs/images/accuracy_NAME_CHART.png,
+are drawn from it. Everything else on the page stays as it is.
+"""
+
+import argparse
+import math
+import re
+import sys
+import tempfile
+from pathlib import Path
+
+import plot_study
+from run_results import PlotError
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs" / "accuracy.md"
+MOST_BYTES = 150_000
+
+
+def sign(value, digits=1):
+    return "" if value is None or not math.isfinite(value) else f"{value:.{digits}e}"
+
+
+def reference_line(study):
+    run = study["runs"][0]
+    words = [
+        f"{title} {sign(run['errors'][name]['reference'])}"
+        for name, title in study["measures"].items()
+        if run["errors"][name]["reference"] is not None
+    ]
+    return "The reference's own errors, by estimate: " + ", ".join(words) + "."
+
+
+def ratio_table(study):
+    """How far from the front the runs with each value of an axis are."""
+    name, title = next(iter(study["measures"].items()))
+    lines = [
+        f"| Setting | Runs judged | On the front | Seconds over the front's at the same error ({title}):"
+        " median | largest |",
+        "|---|---|---|---|---|",
+    ]
+    for axis in study["axes"]:
+        for value in axis["values"]:
+            ratio = value["ratio_to_front"][name]
+            if ratio["runs"] == 0:
+                lines.append(f"| {value['label']} | 0 | | | |")
+                continue
+            lines.append(
+                f"| {value['label']} | {ratio['runs']} | {ratio['on_front']} |"
+                f" {ratio['median']:.2g} | {ratio['largest']:.2g} |"
+            )
+    return lines
+
+
+def parts_table(study):
+    """Of each mesh, what the mesh alone is off by, and what each tolerance adds."""
+    mesh = plot_study.mesh_axis(study)
+    tolerance = plot_study.axis_with(study, plot_study.TOLERANCE)
+    name, title = next(iter(study["measures"].items()))
+    if mesh is None or tolerance is None:
+        return []
+    head = [f"solver error at {value['label'].split()[-1]}" for value in tolerance["values"]]
+    lines = [
+        f"| Mesh | Discretisation error ({title}) | " + " | ".join(head) + " | Local solve, worst |",
+        "|" + "---|" * (3 + len(head)),
+    ]
+    for value in mesh["values"]:
+        runs = [r for r in plot_study.converged(study) if r["settings"][mesh["name"]] == value["value"]]
+        if not runs:
+            continue
+        cells = [value["label"], sign(runs[0]["errors"][name]["discretisation"])]
+        for each in tolerance["values"]:
+            solver = [
+                r["errors"][name]["solver"]
+                for r in runs
+                if r["settings"][tolerance["name"]] == each["value"] and r["solver_judged"]
+            ]
+            cells.append(sign(sorted(solver)[len(solver) // 2]) if solver else "")
+        cells.append(sign(max(r["errors"][name]["local"] for r in runs)))
+        lines.append("| " + " | ".join(cells) + " |")
+    return lines
+
+
+def block(study):
+    lines = [
+        f"*{len(study['runs'])} settings on {study['ranks']} ranks, Harmos {study['harmos']['version']}"
+        f" ({study['harmos']['git']}). {reference_line(study)}*",
+        "",
+        "```",
+        *study["sentences"],
+        "```",
+        "",
+    ]
+    parts = parts_table(study)
+    lines += [*parts, ""] if parts else []
+    return "\n".join([*lines, *ratio_table(study)]) + "\n"
+
+
+def refresh(text, name, study):
+    pattern = re.compile(
+        rf"(<!-- begin {re.escape(name)}: [^>]*-->\n).*?(<!-- end {re.escape(name)} -->)", re.DOTALL
+    )
+    if not pattern.search(text):
+        raise PlotError(f"{PAGE}: no block \"begin {name}\"")
+    return pattern.sub(lambda found: found.group(1) + block(study) + found.group(2), text)
+
+
+def draw(directory, name, text):
+    """The charts that the page shows."""
+    wanted = re.findall(rf"\]\(images/accuracy_{re.escape(name)}_(\w+)\.png\)", text)
+    with tempfile.TemporaryDirectory() as scratch:
+        for dpi in (110, 95, 80, 65):
+            if plot_study.main([str(directory), "--output", scratch, "--dpi", str(dpi)]) != 0:
+                raise PlotError(f"{directory}: the charts cannot be drawn")
+            files = {chart: Path(scratch) / f"{chart}.png" for chart in wanted}
+            if all(file.stat().st_size < MOST_BYTES for file in files.values()):
+                break
+        for chart, file in files.items():
+            target = ROOT / "docs" / "images" / f"accuracy_{name}_{chart}.png"
+            target.write_bytes(file.read_bytes())
+            print(target)
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(description="Brings docs/accuracy.md up to date.")
+    parser.add_argument("directories", metavar="DIR", nargs="+", help="output of a finished study")
+    options = parser.parse_args(arguments)
+    text = PAGE.read_text(encoding="utf-8")
+    try:
+        for directory in map(Path, options.directories):
+            study = plot_study.read_study(directory / "study.json")
+            name = Path(study["deck"]).stem
+            text = refresh(text, name, study)
+            draw(directory, name, text)
+    except PlotError as error:
+        print(f"refresh_accuracy.py: {error}", file=sys.stderr)
+        return 2
+    PAGE.write_text(text, encoding="utf-8")
+    print(PAGE)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

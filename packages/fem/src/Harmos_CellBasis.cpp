@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_CellBasis.hpp"
+
+namespace Harmos::fem {
+namespace {
+
+// The Lagrange polynomial of a node at −1, 0 or 1 on the line, and its derivative.
+void lineBasis(double node, int order, double x, double& value, double& derivative) {
+  if (order == 1) {
+    value = 0.5 * (1.0 + node * x);
+    derivative = 0.5 * node;
+  } else if (node == 0.0) {
+    value = 1.0 - x * x;
+    derivative = -2.0 * x;
+  } else {
+    value = 0.5 * x * (x + node);
+    derivative = x + 0.5 * node;
+  }
+}
+
+void tensorBasis(const CellShape& shape, const Point& x, CellBasis& basis) {
+  const auto dimension = static_cast<std::size_t>(shape.dimension);
+  // Of nodes at −1, 0 and 1, in each direction.
+  std::array<std::array<double, 3>, 3> value, derivative;
+  for (std::size_t d = 0; d < 3; ++d) {
+    value[d] = {1.0, 1.0, 1.0};
+    derivative[d] = {0.0, 0.0, 0.0};
+    for (std::size_t k = 0; d < dimension && k < 3; ++k)
+      lineBasis(static_cast<double>(k) - 1.0, shape.order, x[d], value[d][k], derivative[d][k]);
+  }
+  for (std::size_t i = 0; i < shape.nodeCoordinates.size(); ++i) {
+    const Point& node = shape.nodeCoordinates[i];
+    std::array<std::size_t, 3> at{};
+    for (std::size_t d = 0; d < 3; ++d)
+      at[d] = node[d] < -0.5 ? 0 : node[d] < 0.5 ? 1 : 2;
+    const double a = value[0][at[0]], b = value[1][at[1]], c = value[2][at[2]];
+    basis.values[i] = a * b * c;
+    basis.gradients[i] = {derivative[0][at[0]] * b * c, a * derivative[1][at[1]] * c,
+                          a * b * derivative[2][at[2]]};
+  }
+}
+
+// Barycentric coordinate k of a point of the simplex, and its constant gradient.
+double barycentric(std::size_t k, std::size_t dimension, const Point& x) {
+  if (k > 0)
+    return x[k - 1];
+  double sum = 1.0;
+  for (std::size_t d = 0; d < dimension; ++d)
+    sum -= x[d];
+  return sum;
+}
+Point barycentricGradient(std::size_t k, std::size_t dimension) {
+  Point g{};
+  if (k > 0)
+    g[k - 1] = 1.0;
+  else
+    for (std::size_t d = 0; d < dimension; ++d)
+      g[d] = -1.0;
+  return g;
+}
+
+// Corners λ or λ(2λ − 1), middles of edges 4 λ_a λ_b.
+void simplexBasis(const CellShape& shape, const Point& x, CellBasis& basis) {
+  const auto dimension = static_cast<std::size_t>(shape.dimension);
+  for (std::size_t i = 0; i < shape.nodeCoordinates.size(); ++i) {
+    std::array<std::size_t, 2> touching{};
+    std::size_t count = 0;
+    for (std::size_t k = 0; k <= dimension; ++k)
+      if (barycentric(k, dimension, shape.nodeCoordinates[i]) > 0.25)
+        touching[count++] = k;
+    const double a = barycentric(touching[0], dimension, x);
+    const Point ga = barycentricGradient(touching[0], dimension);
+    if (count == 1) {
+      const bool linear = shape.order == 1;
+      basis.values[i] = linear ? a : a * (2.0 * a - 1.0);
+      for (std::size_t d = 0; d < 3; ++d)
+        basis.gradients[i][d] = (linear ? 1.0 : 4.0 * a - 1.0) * ga[d];
+    } else {
+      const double b = barycentric(touching[1], dimension, x);
+      const Point gb = barycentricGradient(touching[1], dimension);
+      basis.values[i] = 4.0 * a * b;
+      for (std::size_t d = 0; d < 3; ++d)
+        basis.gradients[i][d] = 4.0 * (a * gb[d] + b * ga[d]);
+    }
+  }
+}
+
+} // namespace
+
+void cellBasis(const CellShape& shape, const Point& reference, CellBasis& basis) {
+  if (shape.isSimplex)
+    simplexBasis(shape, reference, basis);
+  else
+    tensorBasis(shape, reference, basis);
+}
+
+} // namespace Harmos::fem

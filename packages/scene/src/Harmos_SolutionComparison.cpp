@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_SolutionComparison.hpp"
+
+#include "Harmos_Agreement.hpp"
+#include "Harmos_CellIntegrator.hpp"
+#include "Harmos_Exchange.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <unordered_map>
+
+namespace Harmos::scene {
+namespace {
+
+using fem::CellType;
+using fem::Point;
+
+fem::EnergyDensity energyOf(const Scene& scene, int body) {
+  return scene.physics == Physics::Membrane
+             ? fem::membraneEnergy()
+             : fem::elasticEnergy(elasticityOf(scene, scene.bodies[static_cast<std::size_t>(body)]));
+}
+
+// The sums of all subdomains of this rank, each compared with a field of its own; then of all ranks.
+SolutionNorms integrated(const Teuchos::Comm<int>& comm, const FinishedRun& run,
+                         const std::function<const std::vector<double>&(std::size_t)>& displacement,
+                         const std::function<fem::FieldSample(std::size_t)>& other) {
+  std::vector<double> sums(2, 0.0);
+  agree(comm, [&] {
+    for (std::size_t i = 0; i < run.solution.owned.size(); ++i) {
+      const OwnedSubdomain& item = run.solution.owned[i];
+      const fem::SquaredErrors errors = fem::squaredErrors(
+          *item.mesh.mesh, item.mesh.anchor, fem::errorDegree(item.mesh.mesh->cellType),
+          run.scene.components(), displacement(i), energyOf(run.scene, item.body), other(i));
+      sums[0] += errors.energy;
+      sums[1] += errors.l2;
+    }
+  });
+  globalSum(comm, sums);
+  SolutionNorms norms;
+  norms.energy = std::sqrt(std::max(0.0, sums[0]));
+  norms.displacement = std::sqrt(sums[1]);
+  return norms;
+}
+
+fem::FieldValue nothing(int, int, const Point&) {
+  return {};
+}
+
+double closedArea(const FinishedRun& run) {
+  double area = 0.0;
+  for (std::size_t k = 0; k < run.points.size(); ++k)
+    area += run.states[k].closed ? run.points[k].area : 0.0;
+  return area;
+}
+
+// All nodes and cells of a body on every rank: rank by rank, subdomain by subdomain.
+struct GatheredBody {
+  CellType type{};
+  std::vector<Point> nodes;
+  std::vector<int> cells;
+};
+
+GatheredBody gatherBody(const Teuchos::Comm<int>& comm, const std::vector<OwnedSubdomain>& owned, int body) {
+  std::vector<Point> nodes;
+  std::vector<int> cells, types;
+  for (const OwnedSubdomain& item : owned) {
+    if (item.body != body)
+      continue;
+    const auto first = static_cast<int>(nodes.size());
+    for (int node = 0; node < item.mesh.mesh->numberOfNodes(); ++node)
+      nodes.push_back(item.mesh.position(node));
+    for (int node : item.mesh.mesh->cells)
+      cells.push_back(first + node);
+    types = {static_cast<int>(item.mesh.mesh->cellType)};
+  }
+  const auto before = exclusiveScan(comm, static_cast<long long>(nodes.size()));
+  for (int& node : cells)
+    node += static_cast<int>(before);
+  GatheredBody result;
+  result.nodes = gatherAll(comm, nodes);
+  result.cells = gatherAll(comm, cells);
+  types = gatherAll(comm, types);
+  agree(comm, [&] {
+    if (types.empty())
+      throw InputError("a body without cells cannot be compared");
+    if (std::any_of(types.begin(), types.end(), [&](int type) { return type != types.front(); }))
+      throw InternalError("the subdomains of a body have cells of several types");
+  });
+  result.type = static_cast<CellType>(types.front());
+  return result;
+}
+
+std::vector<double> gatherValues(const Teuchos::Comm<int>& comm, const Solution& solution, int body) {
+  std::vector<double> mine;
+  for (std::size_t i = 0; i < solution.owned.size(); ++i)
+    if (solution.owned[i].body == body)
+      mine.insert(mine.end(), solution.displacement[i].begin(), solution.displacement[i].end());
+  return gatherAll(comm, mine);
+}
+
+// A facet whose nodes are contact points all of them.
+struct ContactFacet {
+  int type;
+  std::array<Point, 9> nodes;
+  std::array<int, 9> points;
+};
+
+// Boundary sides between the nodes that carry contact points, each once.
+std::vector<ContactFacet> contactFacets(const FinishedRun& run) {
+  // A node of two contacts shows the one that bears.
+  std::unordered_map<long long, int> pointOf;
+  for (std::size_t k = 0; k < run.points.size(); ++k) {
+    const auto [at, isNew] = pointOf.emplace(run.points[k].node, static_cast<int>(k));
+    if (!isNew && run.states[k].force > run.states[static_cast<std::size_t>(at->second)].force)
+      at->second = static_cast<int>(k);
+  }
+  std::vector<ContactFacet> facets;
+  for (const OwnedSubdomain& item : run.solution.owned) {
+    const fem::Mesh& mesh = *item.mesh.mesh;
+    std::set<std::pair<int, int>> taken;
+    for (const auto& [name, sides] : item.mesh.sides)
+      for (const fem::Side& side : sides) {
+        const std::vector<int> nodes = mesh.nodesOf(side);
+        ContactFacet facet{static_cast<int>(fem::shapeOf(mesh.cellType).side), {}, {}};
+        bool all = true;
+        for (std::size_t k = 0; all && k < nodes.size(); ++k) {
+          const auto found = pointOf.find(item.mesh.number(nodes[k]));
+          all = found != pointOf.end();
+          if (all) {
+            facet.nodes[k] = item.mesh.position(nodes[k]);
+            facet.points[k] = found->second;
+          }
+        }
+        if (all && taken.insert({side.cell, side.side}).second)
+          facets.push_back(facet);
+      }
+  }
+  return facets;
+}
+
+} // namespace
+
+SolutionNorms normsOf(const Teuchos::Comm<int>& comm, const FinishedRun& run) {
+  SolutionNorms norms = integrated(
+      comm, run, [&](std::size_t i) -> const std::vector<double>& { return run.solution.displacement[i]; },
+      [](std::size_t) { return nothing; });
+  double sum = 0.0;
+  for (std::size_t k = 0; k < run.points.size(); ++k)
+    sum += run.points[k].area * std::pow(run.states[k].pressure, 2);
+  norms.pressure = std::sqrt(sum);
+  norms.contactArea = closedArea(run);
+  return norms;
+}
+
+SolutionNorms differenceOnSameMesh(const Teuchos::Comm<int>& comm, const FinishedRun& first,
+                                   const FinishedRun& second) {
+  feti::TornVector difference = first.solution.displacement;
+  agree(comm, [&] {
+    const feti::TornVector& other = second.solution.displacement;
+    HARMOS_REQUIRE(other.size() == difference.size() && first.points.size() == second.points.size(),
+                   "two runs are not on the same meshes");
+    for (std::size_t i = 0; i < other.size(); ++i) {
+      HARMOS_REQUIRE(other[i].size() == difference[i].size(), "two runs are not on the same meshes");
+      for (std::size_t k = 0; k < other[i].size(); ++k)
+        difference[i][k] -= other[i][k];
+    }
+  });
+  SolutionNorms norms = integrated(
+      comm, first, [&](std::size_t i) -> const std::vector<double>& { return difference[i]; },
+      [](std::size_t) { return nothing; });
+  double sum = 0.0;
+  for (std::size_t k = 0; k < first.points.size(); ++k)
+    sum += first.points[k].area * std::pow(first.states[k].pressure - second.states[k].pressure, 2);
+  norms.pressure = std::sqrt(sum);
+  norms.contactArea = std::abs(closedArea(first) - closedArea(second));
+  return norms;
+}
+
+SolutionComparison::SolutionComparison(const Teuchos::Comm<int>& comm, const FinishedRun& reference,
+                                       const FinishedRun& other)
+    : comm_(comm), reference_(reference) {
+  agree(comm, [&] {
+    if (reference.scene.bodies.size() != other.scene.bodies.size() ||
+        reference.scene.physics != other.scene.physics)
+      throw InputError("scenes cannot be compared unless they have the same bodies and physics (bodies: " +
+                       std::to_string(other.scene.bodies.size()) + " here, " +
+                       std::to_string(reference.scene.bodies.size()) + " in the reference)");
+  });
+  for (std::size_t b = 0; b < reference.scene.bodies.size(); ++b) {
+    GatheredBody body = gatherBody(comm, other.solution.owned, static_cast<int>(b));
+    bodies_.emplace_back(body.type, std::move(body.nodes), std::move(body.cells));
+  }
+  agree(comm, [&] {
+    for (const OwnedSubdomain& item : reference.solution.owned) {
+      const fem::Mesh& mesh = *item.mesh.mesh;
+      const fem::PointLocator& locator = bodies_[static_cast<std::size_t>(item.body)];
+      const fem::ReferenceElement element(mesh.cellType, fem::errorDegree(mesh.cellType));
+      fem::CellIntegrator cell(mesh, element);
+      std::vector<Place> places;
+      int hint = -1;
+      for (int c = 0; c < mesh.numberOfCells(); ++c) {
+        cell.turnTo(c);
+        for (int q = 0; q < cell.points(); ++q) {
+          Point x = cell.position(q);
+          for (std::size_t d = 0; d < 3; ++d)
+            x[d] += item.mesh.anchor[d];
+          const fem::PointLocator::Place place = locator.nearest(x, hint);
+          hint = place.cell;
+          places.push_back({place.cell, place.reference});
+        }
+      }
+      places_.push_back(std::move(places));
+    }
+  });
+  locateSurface(other);
+}
+
+void SolutionComparison::locateSurface(const FinishedRun& other) {
+  std::map<int, std::vector<ContactFacet>> byType;
+  for (const ContactFacet& facet : gatherAll(comm_, contactFacets(other)))
+    byType[facet.type].push_back(facet);
+  for (const auto& [type, facets] : byType) {
+    const auto count = static_cast<std::size_t>(fem::shapeOf(static_cast<CellType>(type)).nodes);
+    std::vector<Point> nodes;
+    std::vector<int> cells, pointOfNode;
+    for (const ContactFacet& facet : facets)
+      for (std::size_t k = 0; k < count; ++k) {
+        cells.push_back(static_cast<int>(nodes.size()));
+        nodes.push_back(facet.nodes[k]);
+        pointOfNode.push_back(facet.points[k]);
+      }
+    surfaces_.push_back({fem::PointLocator(static_cast<CellType>(type), std::move(nodes), std::move(cells)),
+                         std::move(pointOfNode)});
+  }
+  agree(comm_, [&] {
+    for (const contact::ContactPoint& point : reference_.points) {
+      SurfacePlace best;
+      best.place.distance = std::numeric_limits<double>::infinity();
+      for (const Surface& surface : surfaces_) {
+        const fem::PointLocator::Place place = surface.locator.nearest(point.position);
+        if (place.distance < best.place.distance)
+          best = {&surface.locator, &surface.pointOfNode, place};
+      }
+      surfacePlaces_.push_back(best);
+    }
+  });
+}
+
+double SolutionComparison::pressureDifference(const FinishedRun& run) const {
+  std::map<const std::vector<int>*, std::vector<double>> nodal;
+  for (const Surface& surface : surfaces_)
+    for (int point : surface.pointOfNode)
+      nodal[&surface.pointOfNode].push_back(run.states[static_cast<std::size_t>(point)].pressure);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < reference_.points.size(); ++k) {
+    const SurfacePlace& at = surfacePlaces_[k];
+    const double pressure =
+        at.surface == nullptr ? 0.0 : at.surface->value(at.place, nodal[at.pointOfNode], 1)[0];
+    sum += reference_.points[k].area * std::pow(pressure - reference_.states[k].pressure, 2);
+  }
+  return std::sqrt(sum);
+}
+
+SolutionNorms SolutionComparison::difference(const FinishedRun& run) const {
+  const int components = reference_.scene.components();
+  std::vector<std::vector<double>> values;
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    values.push_back(gatherValues(comm_, run.solution, static_cast<int>(b)));
+  agree(comm_, [&] {
+    for (std::size_t b = 0; b < bodies_.size(); ++b)
+      HARMOS_REQUIRE(values[b].size() == bodies_[b].numberOfNodes() * static_cast<std::size_t>(components),
+                     "a run is not on the meshes that were located");
+    for (const Surface& surface : surfaces_)
+      for (int point : surface.pointOfNode)
+        HARMOS_REQUIRE(static_cast<std::size_t>(point) < run.states.size(),
+                       "a run has not the contact points that were located");
+  });
+  SolutionNorms norms = integrated(
+      comm_, reference_,
+      [&](std::size_t i) -> const std::vector<double>& { return reference_.solution.displacement[i]; },
+      [&](std::size_t i) {
+        const auto body = static_cast<std::size_t>(reference_.solution.owned[i].body);
+        const std::vector<Place>& places = places_[i];
+        std::size_t next = 0; // cells and points come in the order in which they were located
+        return [&, body, next](int, int, const Point&) mutable {
+          const Place& place = places[next++];
+          return bodies_[body].valueAndGradient({place.cell, place.reference, 0.0}, values[body], components);
+        };
+      });
+  norms.pressure = pressureDifference(run);
+  norms.contactArea = std::abs(closedArea(run) - closedArea(reference_));
+  return norms;
+}
+
+} // namespace Harmos::scene
