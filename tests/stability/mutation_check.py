@@ -69,7 +69,7 @@ FAULTS = (
         "too long step of MPRGP", "packages/qp/src/Harmos_MprgpIteration.hpp",
         "return options_.stepFactor / hessianNorm_;",
         "return 4.0 * options_.stepFactor / hessianNorm_;",
-        ("unit_qp_serial", "unit_qp", "unit_qp_random")),
+        ("unit_qp", "unit_qp_random")),
     fault(
         "sign of the multiplier's update in SMALBE",
         "packages/qp/src/Harmos_BoundedLagrangian_def.hpp",

@@ -54,6 +54,27 @@ TEST(Kernel, fixed_dofs_take_motions_away) {
   EXPECT_EQ(feti::heldKernel(motions, {4}).columns, 2);
 }
 
+// Rigid motions, to the first order, leave distances as they are: (u_p − u_q)·(x_p − x_q) = 0 for any two
+// points.
+TEST(Kernel, rigid_motions_keep_distances) {
+  const std::vector<double> coordinates = {0.3, 1.7, -2.1, 0.9, 0.4, 3.3, -1.2, 2.2, 0.8, 1.9, -0.7, 0.1};
+  for (int dimension : {2, 3}) {
+    const Kernel kernel = feti::rigidBodyKernel(coordinates, dimension);
+    const int points = static_cast<int>(coordinates.size()) / dimension;
+    EXPECT_EQ(kernel.columns, dimension == 2 ? 3 : 6);
+    for (int k = 0; k < kernel.columns; ++k)
+      for (int p = 0; p < points; ++p)
+        for (int q = 0; q < p; ++q) {
+          double product = 0.0;
+          for (int c = 0; c < dimension; ++c)
+            product += (kernel.column(k)[p * dimension + c] - kernel.column(k)[q * dimension + c]) *
+                       (coordinates[static_cast<std::size_t>(p * dimension + c)] -
+                        coordinates[static_cast<std::size_t>(q * dimension + c)]);
+          EXPECT_NEAR(product, 0.0, 1e-14) << "dimension " << dimension << ", motion " << k;
+        }
+  }
+}
+
 // Springs take away the motions that stretch them: two upright ones leave sliding aside, a third that leans
 // nothing; how stiff they are does not matter.
 TEST(Kernel, springs_take_motions_away) {
