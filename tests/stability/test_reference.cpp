@@ -20,7 +20,7 @@ TEST(ReferenceSolvers, linear_complementarity_finds_what_enumeration_finds) {
       qp.lower.push_back(std::uniform_real_distribution<double>(-1.0, 1.0)(random));
     const std::vector<double> expected = bruteForce(qp);
     DenseReal h(6, 6);
-    std::vector<Real> q, z;
+    std::vector<LongReal> q, z;
     for (int i = 0; i < 6; ++i) {
       q.push_back(-qp.b[static_cast<std::size_t>(i)]);
       for (int j = 0; j < 6; ++j) {
@@ -38,7 +38,7 @@ TEST(ReferenceSolvers, a_ray_is_no_solution) {
   DenseReal h(2, 2); // z₁ = z₂ is free to grow, and q pulls along it
   h(0, 0) = h(1, 1) = 1.0;
   h(0, 1) = h(1, 0) = -1.0;
-  std::vector<Real> z;
+  std::vector<LongReal> z;
   EXPECT_FALSE(solveLinearComplementarity(h, {-1.0, 0.5}, z));
   ASSERT_TRUE(solveLinearComplementarity(h, {-1.0, 1.0}, z));
   EXPECT_NEAR(static_cast<double>(z[0] - z[1]), 1.0, 1e-15);
@@ -55,7 +55,7 @@ TEST(ReferenceSolvers, elimination_reveals_rank_and_kernel) {
   ASSERT_EQ(kernel.size(), 1u);
   EXPECT_NEAR(static_cast<double>(kernel[0][0] / kernel[0][1]), 1.0, 1e-15);
   EXPECT_NEAR(static_cast<double>(kernel[0][2] / kernel[0][1]), 1.0, 1e-15);
-  std::vector<Real> balanced = {1.0, 0.0, -1.0}, pulled = {1.0, 0.0, 0.0};
+  std::vector<LongReal> balanced = {1.0, 0.0, -1.0}, pulled = {1.0, 0.0, 0.0};
   EXPECT_FALSE(elimination.solve(pulled));
   ASSERT_TRUE(elimination.solve(balanced));
   EXPECT_NEAR(static_cast<double>(balanced[0] - balanced[2]), 2.0, 1e-15);

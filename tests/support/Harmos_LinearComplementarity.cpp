@@ -9,18 +9,18 @@
 
 namespace Harmos {
 
-FullPivotElimination::FullPivotElimination(DenseReal matrix, Real threshold)
+FullPivotElimination::FullPivotElimination(DenseReal matrix, LongReal threshold)
     : original_(matrix), factors_(std::move(matrix)), threshold_(threshold) {
   const int n = factors_.rows;
   rowOrder_.resize(static_cast<std::size_t>(n));
   columnOrder_.resize(static_cast<std::size_t>(n));
   std::iota(rowOrder_.begin(), rowOrder_.end(), 0);
   std::iota(columnOrder_.begin(), columnOrder_.end(), 0);
-  Real first = 0.0;
+  LongReal first = 0.0;
   for (; rank_ < n; ++rank_) {
     const int k = rank_;
     int row = k, column = k;
-    Real largest = 0.0;
+    LongReal largest = 0.0;
     for (int i = k; i < n; ++i)
       for (int j = k; j < n; ++j)
         if (std::abs(factors_(i, j)) > largest) {
@@ -40,19 +40,19 @@ FullPivotElimination::FullPivotElimination(DenseReal matrix, Real threshold)
     for (int i = k + 1; i < n; ++i) {
       if (factors_(i, k) == 0.0L)
         continue;
-      const Real factor = factors_(i, k) /= factors_(k, k);
-      Real* to = &factors_(i, 0);
-      const Real* from = &factors_(k, 0);
+      const LongReal factor = factors_(i, k) /= factors_(k, k);
+      LongReal* to = &factors_(i, 0);
+      const LongReal* from = &factors_(k, 0);
       for (int j = k + 1; j < n; ++j)
         to[j] -= factor * from[j];
     }
   }
 }
 
-bool FullPivotElimination::solveOnce(std::vector<Real>& b) const {
+bool FullPivotElimination::solveOnce(std::vector<LongReal>& b) const {
   const int n = factors_.rows;
-  std::vector<Real> y;
-  Real largest = 0.0;
+  std::vector<LongReal> y;
+  LongReal largest = 0.0;
   for (int i = 0; i < n; ++i) {
     y.push_back(b[static_cast<std::size_t>(rowOrder_[static_cast<std::size_t>(i)])]);
     largest = std::max(largest, std::abs(y.back()));
@@ -76,8 +76,8 @@ bool FullPivotElimination::solveOnce(std::vector<Real>& b) const {
   return true;
 }
 
-bool FullPivotElimination::solve(std::vector<Real>& b) const {
-  std::vector<Real> x = b, residual = b;
+bool FullPivotElimination::solve(std::vector<LongReal>& b) const {
+  std::vector<LongReal> x = b, residual = b;
   if (!solveOnce(x))
     return false;
   const int n = factors_.rows;
@@ -92,19 +92,19 @@ bool FullPivotElimination::solve(std::vector<Real>& b) const {
   return true;
 }
 
-std::vector<std::vector<Real>> FullPivotElimination::kernel() const {
+std::vector<std::vector<LongReal>> FullPivotElimination::kernel() const {
   const int n = factors_.rows;
-  std::vector<std::vector<Real>> basis;
+  std::vector<std::vector<LongReal>> basis;
   for (int c = rank_; c < n; ++c) {
-    std::vector<Real> y(static_cast<std::size_t>(n), 0.0);
+    std::vector<LongReal> y(static_cast<std::size_t>(n), 0.0);
     y[static_cast<std::size_t>(c)] = 1.0;
     for (int i = rank_ - 1; i >= 0; --i) {
-      Real sum = -factors_(i, c);
+      LongReal sum = -factors_(i, c);
       for (int j = i + 1; j < rank_; ++j)
         sum -= factors_(i, j) * y[static_cast<std::size_t>(j)];
       y[static_cast<std::size_t>(i)] = sum / factors_(i, i);
     }
-    std::vector<Real> v(static_cast<std::size_t>(n), 0.0);
+    std::vector<LongReal> v(static_cast<std::size_t>(n), 0.0);
     for (int i = 0; i < n; ++i)
       v[static_cast<std::size_t>(columnOrder_[static_cast<std::size_t>(i)])] = y[static_cast<std::size_t>(i)];
     basis.push_back(v);
@@ -112,14 +112,15 @@ std::vector<std::vector<Real>> FullPivotElimination::kernel() const {
   return basis;
 }
 
-bool solveLinearComplementarity(const DenseReal& h, const std::vector<Real>& q, std::vector<Real>& z) {
+bool solveLinearComplementarity(const DenseReal& h, const std::vector<LongReal>& q,
+                                std::vector<LongReal>& z) {
   const int m = h.rows;
   z.assign(static_cast<std::size_t>(m), 0.0);
   // Columns of the tableau: w, z, the artificial z₀, the right-hand side; w − Hz − z₀·1 = q.
   const int artificial = 2 * m, last = 2 * m + 1;
   DenseReal tableau(m, last + 1);
   std::vector<int> basis;
-  Real scale = 0.0;
+  LongReal scale = 0.0;
   int leaving = -1;
   for (int i = 0; i < m; ++i) {
     basis.push_back(i);
@@ -132,22 +133,22 @@ bool solveLinearComplementarity(const DenseReal& h, const std::vector<Real>& q, 
     if (leaving < 0 || q[static_cast<std::size_t>(i)] < q[static_cast<std::size_t>(leaving)])
       leaving = i;
   }
-  constexpr Real rounding = 1e-15L;
+  constexpr LongReal rounding = 1e-15L;
   if (m == 0 || tableau(leaving, last) >= -rounding * scale)
     return true;
   const auto takeSolution = [&] {
     for (int i = 0; i < m; ++i)
       if (const int b = basis[static_cast<std::size_t>(i)]; b >= m && b < artificial)
-        z[static_cast<std::size_t>(b - m)] = std::max(tableau(i, last), Real(0.0));
+        z[static_cast<std::size_t>(b - m)] = std::max(tableau(i, last), LongReal(0.0));
   };
   int entering = artificial;
   const int most = 50 * (m + 2);
   for (int step = 0; step < most; ++step) {
-    const Real pivot = tableau(leaving, entering);
+    const LongReal pivot = tableau(leaving, entering);
     for (int j = 0; j <= last; ++j)
       tableau(leaving, j) /= pivot;
     for (int i = 0; i < m; ++i) {
-      const Real factor = tableau(i, entering);
+      const LongReal factor = tableau(i, entering);
       if (i == leaving || factor == 0.0L)
         continue;
       for (int j = 0; j <= last; ++j)
@@ -160,22 +161,22 @@ bool solveLinearComplementarity(const DenseReal& h, const std::vector<Real>& q, 
       return true;
     }
     entering = left < m ? left + m : left - m;
-    Real columnSize = 0.0;
+    LongReal columnSize = 0.0;
     for (int i = 0; i < m; ++i)
       columnSize = std::max(columnSize, std::abs(tableau(i, entering)));
     // Lexicographic rule: of equal ratios the one whose whole row, divided by its pivot, comes first.
     leaving = -1;
     const auto comesFirst = [&](int a, int b) {
-      const Real pa = tableau(a, entering), pb = tableau(b, entering);
-      const Real difference = tableau(a, last) / pa - tableau(b, last) / pb;
-      const Real size = std::max(std::abs(tableau(a, last) / pa), std::abs(tableau(b, last) / pb));
+      const LongReal pa = tableau(a, entering), pb = tableau(b, entering);
+      const LongReal difference = tableau(a, last) / pa - tableau(b, last) / pb;
+      const LongReal size = std::max(std::abs(tableau(a, last) / pa), std::abs(tableau(b, last) / pb));
       if (std::abs(difference) > rounding * size)
         return difference < 0.0L;
       if (basis[static_cast<std::size_t>(a)] == artificial ||
           basis[static_cast<std::size_t>(b)] == artificial)
         return basis[static_cast<std::size_t>(a)] == artificial;
       for (int j = 0; j < m; ++j) {
-        const Real x = tableau(a, j) / pa, y = tableau(b, j) / pb;
+        const LongReal x = tableau(a, j) / pa, y = tableau(b, j) / pb;
         if (std::abs(x - y) > rounding * std::max(std::abs(x), std::abs(y)))
           return x < y;
       }

@@ -18,21 +18,21 @@ namespace {
 // The glued problem, the same on every rank.
 struct GluedProblem {
   int size = 0;
-  std::vector<Real> stiffness; // row after row
-  std::vector<Real> load;
-  std::map<int, Real> fixed;
+  std::vector<LongReal> stiffness; // row after row
+  std::vector<LongReal> load;
+  std::map<int, LongReal> fixed;
   struct Row {
-    std::map<int, Real> terms;
-    Real bound = 0.0;
+    std::map<int, LongReal> terms;
+    LongReal bound = 0.0;
   };
   std::vector<Row> inequalities, equalities; // by number
   std::vector<std::vector<int>> places;      // unknown of each dof of this rank's subdomains
 
-  Real& at(int i, int j) {
+  LongReal& at(int i, int j) {
     return stiffness[static_cast<std::size_t>(i) * static_cast<std::size_t>(size) +
                      static_cast<std::size_t>(j)];
   }
-  Real at(int i, int j) const { return const_cast<GluedProblem*>(this)->at(i, j); }
+  LongReal at(int i, int j) const { return const_cast<GluedProblem*>(this)->at(i, j); }
 };
 
 // A dof by its global number, or an inner one by its subdomain and place there.
@@ -133,27 +133,27 @@ struct SaddleSystem {
       if (problem.fixed.count(i) == 0) {
         place[static_cast<std::size_t>(i)] = static_cast<int>(free.size());
         free.push_back(i);
-        const Real diagonal = problem.at(i, i);
-        scale.push_back(diagonal > 0.0 ? 1.0 / std::sqrt(diagonal) : Real(1.0));
+        const LongReal diagonal = problem.at(i, i);
+        scale.push_back(diagonal > 0.0 ? 1.0 / std::sqrt(diagonal) : LongReal(1.0));
       }
     const auto addRows = [&](const std::vector<GluedProblem::Row>& from, bool inequality) {
       for (std::size_t k = 0; k < from.size(); ++k) {
-        std::map<int, Real> terms;
-        Real bound = from[k].bound, squares = 0.0;
+        std::map<int, LongReal> terms;
+        LongReal bound = from[k].bound, squares = 0.0;
         for (const auto& [i, value] : from[k].terms) {
           const int p = place[static_cast<std::size_t>(i)];
           if (p < 0) {
             bound -= value * problem.fixed.at(i);
             continue;
           }
-          const Real scaled = value * scale[static_cast<std::size_t>(p)];
+          const LongReal scaled = value * scale[static_cast<std::size_t>(p)];
           if (scaled != 0.0)
             terms[p] = scaled;
           squares += scaled * scaled;
         }
         if (terms.empty())
           continue; // of prescribed values alone
-        const Real length = std::sqrt(squares);
+        const LongReal length = std::sqrt(squares);
         for (auto& term : terms)
           term.second /= length;
         rows.push_back({terms, bound / length});
@@ -170,7 +170,7 @@ struct SaddleSystem {
     const int n = static_cast<int>(free.size());
     for (int i = 0; i < n; ++i) {
       const auto a = static_cast<std::size_t>(i);
-      Real load = problem.load[static_cast<std::size_t>(free[a])];
+      LongReal load = problem.load[static_cast<std::size_t>(free[a])];
       for (const auto& [j, value] : problem.fixed)
         load -= problem.at(free[a], j) * value;
       rhs[a] = load * scale[a];
@@ -188,23 +188,23 @@ struct SaddleSystem {
   }
 
   std::vector<int> free, place;
-  std::vector<Real> scale;
+  std::vector<LongReal> scale;
   std::vector<GluedProblem::Row> rows; // inequalities, then equalities
-  std::vector<Real> lengths;
+  std::vector<LongReal> lengths;
   std::vector<int> inequalities; // their numbers
   DenseReal matrix;
-  std::vector<Real> rhs;
+  std::vector<LongReal> rhs;
 };
 
 // Largest violation of the optimality conditions, relative to the largest of the terms in each kind.
-Real optimalityDefect(const SaddleSystem& system, const std::vector<Real>& x,
-                      const std::vector<Real>& slack) {
+LongReal optimalityDefect(const SaddleSystem& system, const std::vector<LongReal>& x,
+                          const std::vector<LongReal>& slack) {
   const auto n = system.free.size(), m = system.inequalities.size();
-  Real forces = 0.0, force = 0.0, lengths = 0.0, length = 0.0, sign = 0.0;
+  LongReal forces = 0.0, force = 0.0, lengths = 0.0, length = 0.0, sign = 0.0;
   for (std::size_t r = 0; r < x.size(); ++r) {
-    Real sum = -system.rhs[r], terms = std::abs(system.rhs[r]);
+    LongReal sum = -system.rhs[r], terms = std::abs(system.rhs[r]);
     for (std::size_t c = 0; c < x.size(); ++c) {
-      const Real term = system.matrix(static_cast<int>(r), static_cast<int>(c)) * x[c];
+      const LongReal term = system.matrix(static_cast<int>(r), static_cast<int>(c)) * x[c];
       sum += term;
       terms = std::max(terms, std::abs(term));
     }
@@ -217,7 +217,7 @@ Real optimalityDefect(const SaddleSystem& system, const std::vector<Real>& x,
   }
   for (std::size_t k = 0; k < n; ++k) // rows of length one: a gap may be closed to rounding errors
     lengths = std::max(lengths, std::abs(x[k]));
-  Real product = 0.0;
+  LongReal product = 0.0;
   for (std::size_t k = 0; k < m; ++k)
     product += std::abs(x[n + k] * slack[k]);
   for (std::size_t k = 0; k < m; ++k) {
@@ -226,12 +226,14 @@ Real optimalityDefect(const SaddleSystem& system, const std::vector<Real>& x,
     if (lengths > 0.0)
       sign = std::max(sign, -slack[k] / lengths);
   }
-  const auto relative = [](Real value, Real scale) { return scale > 0.0 ? value / scale : Real(0.0); };
+  const auto relative = [](LongReal value, LongReal scale) {
+    return scale > 0.0 ? value / scale : LongReal(0.0);
+  };
   return std::max(
       {relative(force, forces), relative(length, lengths), sign, relative(product, forces * lengths)});
 }
 
-feti::TornVector torn(const GluedProblem& problem, const std::vector<Real>& u) {
+feti::TornVector torn(const GluedProblem& problem, const std::vector<LongReal>& u) {
   feti::TornVector result;
   for (const std::vector<int>& places : problem.places) {
     result.emplace_back();
@@ -273,9 +275,9 @@ ReferenceSolution referenceSolution(const Teuchos::Comm<int>& comm,
   const SaddleSystem system(problem);
   const auto n = system.free.size(), m = system.inequalities.size();
   // Columns: the load, and a unit slack of each inequality.
-  std::vector<std::vector<Real>> columns = {system.rhs};
+  std::vector<std::vector<LongReal>> columns = {system.rhs};
   for (std::size_t k = 0; k < m; ++k) {
-    std::vector<Real> column(system.rhs.size(), 0.0);
+    std::vector<LongReal> column(system.rhs.size(), 0.0);
     column[n + k] = -1.0;
     columns.push_back(column);
   }
@@ -288,27 +290,27 @@ ReferenceSolution referenceSolution(const Teuchos::Comm<int>& comm,
       result.solvable = false;
       return result;
     }
-  std::vector<Real> q;
+  std::vector<LongReal> q;
   DenseReal h(static_cast<int>(m), static_cast<int>(m));
   for (std::size_t r = 0; r < m; ++r) {
     q.push_back(columns[0][n + r]);
     for (std::size_t c = 0; c < m; ++c)
       h(static_cast<int>(r), static_cast<int>(c)) = columns[c + 1][n + r];
   }
-  std::vector<Real> slack(m, 0.0);
+  std::vector<LongReal> slack(m, 0.0);
   if (!solveLinearComplementarity(h, q, slack)) {
     result.solvable = false;
     return result;
   }
-  std::vector<Real> x = columns[0];
+  std::vector<LongReal> x = columns[0];
   for (std::size_t k = 0; k < m; ++k)
     for (std::size_t r = 0; r < x.size(); ++r)
       x[r] += slack[k] * columns[k + 1][r];
-  const Real defect = optimalityDefect(system, x, slack);
+  const LongReal defect = optimalityDefect(system, x, slack);
   HARMOS_REQUIRE(defect <= 1e-12L, "the reference solution misses its optimality conditions by " +
                                        std::to_string(static_cast<double>(defect)));
 
-  std::vector<Real> u(static_cast<std::size_t>(problem.size), 0.0);
+  std::vector<LongReal> u(static_cast<std::size_t>(problem.size), 0.0);
   for (const auto& [i, value] : problem.fixed)
     u[static_cast<std::size_t>(i)] = value;
   for (std::size_t i = 0; i < n; ++i)
@@ -319,15 +321,15 @@ ReferenceSolution referenceSolution(const Teuchos::Comm<int>& comm,
     result.force[static_cast<std::size_t>(system.inequalities[k])] =
         static_cast<double>(x[n + k] / system.lengths[k]);
   for (std::size_t k = 0; k < problem.inequalities.size(); ++k) {
-    Real gap = problem.inequalities[k].bound;
+    LongReal gap = problem.inequalities[k].bound;
     for (const auto& [i, value] : problem.inequalities[k].terms)
       gap -= value * u[static_cast<std::size_t>(i)];
     result.gap[k] = static_cast<double>(gap);
   }
-  Real energy = 0.0;
+  LongReal energy = 0.0;
   for (int i = 0; i < problem.size; ++i) {
     const auto a = static_cast<std::size_t>(i);
-    Real image = 0.0;
+    LongReal image = 0.0;
     for (int j = 0; j < problem.size; ++j)
       image += problem.at(i, j) * u[static_cast<std::size_t>(j)];
     energy += u[a] * (0.5L * image - problem.load[a]);
@@ -335,8 +337,8 @@ ReferenceSolution referenceSolution(const Teuchos::Comm<int>& comm,
   result.energy = static_cast<double>(energy);
   result.displacement = torn(problem, u);
   result.largestDisplacement = largestOf(comm, result.displacement);
-  for (const std::vector<Real>& motion : elimination.kernel()) {
-    std::vector<Real> v(static_cast<std::size_t>(problem.size), 0.0);
+  for (const std::vector<LongReal>& motion : elimination.kernel()) {
+    std::vector<LongReal> v(static_cast<std::size_t>(problem.size), 0.0);
     for (std::size_t i = 0; i < n; ++i)
       v[static_cast<std::size_t>(system.free[i])] = motion[i] * system.scale[i];
     feti::TornVector t = torn(problem, v);
