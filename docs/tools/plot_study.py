@@ -334,7 +334,7 @@ def iterations(study):
 
 
 def error_parts(study):
-    """In the first measure, the energy norm: medians over the other settings, of local solves the worst."""
+    """In the energy norm: medians over the other settings, of local solves the worst."""
     axis, mesh, runs = axis_with(study, TOLERANCE), mesh_axis(study), converged(study)
     if axis is None or not runs:
         return None
