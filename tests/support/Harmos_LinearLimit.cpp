@@ -63,7 +63,7 @@ scene::RunReport LimitProblem::solve(double tolerance) {
   options.progressFrequency = 0;
   scene::RunReport report;
   solution_ = scene::solveDualProblem(*system_, *constraints_, *coarse_, *dual_, preconditioner_, options,
-                                      Log(), report);
+                                      nullptr, Log(), report);
   return report;
 }
 
