@@ -59,6 +59,7 @@ void evaluate(const Teuchos::ParameterList& deck, scene::RunReport& report) {
 } // namespace
 
 Harmos::app::Application Harmos::app::signoriniApplication() {
-  return {"signorini", "Signorini problems: membranes in contact, elastic bodies on a plane", addParameters,
-          makeScene, evaluate, nullptr};
+  return {"signorini",   "Signorini problems: membranes in contact, elastic bodies on a plane",
+          addParameters, makeScene,
+          evaluate,      nullptr};
 }

@@ -131,6 +131,7 @@ std::vector<std::string> otherSettings(const TestRun& run, const std::vector<std
 // Counts, and what is to be told in the end.
 struct Tally {
   int scenes = 0, solvable = 0, converged = 0, withoutSolution = 0, energies = 0, references = 0;
+  int triedAlone = 0, convergedAlone = 0;
   std::map<std::string, int> reasons; ///< without their numbers
   void addReason(const std::string& failure) {
     std::string kind = failure.substr(failure[0] == 'b' ? failure.find(": ") + 2 : 0, 60);
@@ -166,13 +167,20 @@ void compareEnergies(const RandomScene& random, const Outcome& outcome, const Ju
       << " and " << there.displacement;
 }
 
-// The same scene on rank 0 alone, while the others wait.
-void compareRanks(const RandomScene& random, const Outcome& outcome, const Judgement& found) {
+// The same scene on rank 0 alone, while the others wait. Another order of sums may take a hard one beyond the
+// limit of iterations: that is told, and no wrong answer.
+void compareRanks(const RandomScene& random, const Outcome& outcome, const Judgement& found, Tally& tally) {
   if (testComm()->getRank() != 0)
     return;
   const Teuchos::RCP<const Teuchos::Comm<int>> self = Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF));
   const Outcome alone = outcomeOf(random.scene, random.tolerance, random.settings, self);
-  ASSERT_TRUE(alone.converged()) << "on one rank: " << alone.failure << "\n" << random.text();
+  ++tally.triedAlone;
+  if (!alone.converged()) {
+    std::cout << "not converged on one rank: " << alone.failure.substr(0, 150) << "\n  " << random.text()
+              << std::endl;
+    return;
+  }
+  ++tally.convergedAlone;
   EXPECT_NEAR(outcome.run.report.audit.energy, alone.run.report.audit.energy,
               10.0 * random.tolerance * found.energyScale + found.energyRounding)
       << random.text();
@@ -209,7 +217,7 @@ void tryScene(unsigned seed, Tally& tally) {
   if (seed % 2 == 0)
     compareEnergies(random, outcome, found, tally);
   if (testComm()->getSize() > 1 && seed < commonScenes)
-    compareRanks(random, outcome, found);
+    compareRanks(random, outcome, found, tally);
 }
 
 } // namespace
@@ -229,6 +237,7 @@ TEST(RandomScenes, none_is_wrong_and_said_to_have_converged) {
   if (std::getenv("HARMOS_SCENE_SEED") != nullptr)
     return;
   EXPECT_GE(tally.converged, 0.95 * tally.solvable) << text.str();
+  EXPECT_GE(tally.convergedAlone, 0.95 * tally.triedAlone);
   EXPECT_GE(tally.withoutSolution, 3);
   EXPECT_GE(tally.energies, 0.9 * tally.references) << "too few references converged";
 }

@@ -34,7 +34,8 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
   KktAudit result;
 
   const std::vector<double> overlap = constraints.toOverlap(*solution.multiplier);
-  std::vector<double> sums(6, 0.0); // ‖residual‖², ‖f‖², energy, ‖Ku‖², ‖Bᵀλ‖², ‖diag(K)u‖²
+  // ‖residual‖², ‖f‖², energy, ‖Ku‖², ‖Bᵀλ‖², ‖diag(K)u‖², uᵀKu, uᵀdiag(K)u, tr K
+  std::vector<double> sums(9, 0.0);
   std::vector<double> image, force;
   double largest = 0.0, fromPrescribed = 0.0;
   for (int i = 0; i < system.size(); ++i) {
@@ -46,8 +47,10 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
     std::vector<double> strained = u;
     removeKernel(system.kernel(i), strained);
     const auto addEnergy = [&] {
-      for (std::size_t j = 0; j < u.size(); ++j)
+      for (std::size_t j = 0; j < u.size(); ++j) {
         sums[2] += 0.5 * strained[j] * image[j] - u[j] * (*physical.load)[j];
+        sums[6] += strained[j] * image[j];
+      }
     };
     for (const FixedDof& fixed : physical.fixed)
       fromPrescribed =
@@ -62,14 +65,24 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
       addEnergy();
     constraints.addBt(i, overlap.data(), force.data());
     const std::vector<double> diagonal = system.matrix(i).diagonal();
+    // Trivial equations k u = k g say nothing of forces; k g, which may be large, would hide those out of
+    // balance. Prescribed values are audited above.
+    std::vector<bool> isTrivial(u.size(), false);
+    if (hasTrivialEquations)
+      for (const FixedDof& fixed : physical.fixed)
+        isTrivial[static_cast<std::size_t>(fixed.dof)] = true;
     for (std::size_t j = 0; j < u.size(); ++j) {
+      largest = largerOf(largest, std::abs(u[j]));
+      sums[7] += diagonal[j] * u[j] * u[j];
+      sums[8] += diagonal[j];
+      if (isTrivial[j])
+        continue;
       const double residual = image[j] - system.rhs(i)[j] + force[j];
       sums[0] += residual * residual;
       sums[1] += system.rhs(i)[j] * system.rhs(i)[j];
       sums[3] += image[j] * image[j];
       sums[4] += force[j] * force[j];
       sums[5] += std::pow(diagonal[j] * u[j], 2);
-      largest = largerOf(largest, std::abs(u[j]));
     }
   }
   globalSum(comm, sums);
@@ -79,6 +92,9 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
   const double forces = std::max({sums[1], sums[3], sums[4], least * sums[5]});
   result.equilibrium = forces > 0.0 ? std::sqrt(sums[0] / forces) : 0.0;
   result.primalEnergy = sums[2];
+  result.energyNorm = std::sqrt(std::max(sums[6], 0.0));
+  result.displacementEnergy = std::sqrt(sums[7]);
+  result.unitEnergy = std::sqrt(sums[8]);
   result.largestDisplacement = globalLargest(comm, largest);
 
   MultiVector rows(constraints.rowMap(), 1);

@@ -17,8 +17,11 @@ struct KktAudit {
   /// ½uᵀKu − fᵀu + λᵀ(Bu − c): the same at the solution, but stationary there. Jumps of the order ε change
   /// the primal energy by λᵀ(Bu − c), of the order ε; the error of this is of the order ε².
   double energy = 0.0;
+  double energyNorm = 0.0;          ///< √(uᵀKu)
   double largestDisplacement = 0.0; ///< ‖u‖_∞
-  double largestMultiplier = 0.0;   ///< max |λ_I|, physical
+  double displacementEnergy = 0.0; ///< √(uᵀ diag(K) u), that of moving each dof alone: the scale of rounding
+  double unitEnergy = 0.0;         ///< √(tr K), the same for displacements of one
+  double largestMultiplier = 0.0; ///< max |λ_I|, physical
 };
 
 /// @note Collective.

@@ -22,7 +22,9 @@ ParameterSpec PdasSolver<Scalar, MV, OP>::methodSpec() {
   spec.integer("Maximum active sets", 200, 1, 1000000,
                "Active sets tried before a globally convergent method takes over.");
   spec.real("Share of iterations", 0.5, Range{0.0, 1.0, true, false},
-            "Part of \"Maximum Iterations\" after which a globally convergent method takes over.");
+            "Part of \"Maximum Iterations\" after which a globally convergent method takes over; all of them "
+            "if there "
+            "are no more than 100.");
   return spec;
 }
 
@@ -72,8 +74,12 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
   const Teuchos::ParameterList& list = this->parameters_->sublist("PDAS");
   const double innerReduction = list.get<double>("Inner reduction");
   const int mostSets = list.get<int>("Maximum active sets");
-  const int budget = this->firstInner_ + static_cast<int>(list.get<double>("Share of iterations") *
-                                                          (this->maximumIterations() - this->firstInner_));
+  const int left = this->maximumIterations() - this->firstInner_;
+  // Another method makes nothing of a handful of iterations.
+  constexpr int fewIterations = 100;
+  const int budget =
+      this->firstInner_ +
+      (left <= fewIterations ? left : static_cast<int>(list.get<double>("Share of iterations") * left));
   const auto length = static_cast<long long>(MVT::GetGlobalLength(*problem.solution()));
   const MV* lower = problem.lowerBound().get();
   const MV* upper = problem.upperBound().get();
@@ -203,11 +209,12 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
       if (reason || cg.residualNorm() <= std::max(target, cg.attainable()))
         break;
       // Exact conjugate gradients end within the dimension of the face.
-      if (state.inner >= budget || faceSteps++ > 2 * (length - active) + 10) {
+      const bool isSpent = state.inner >= budget && budget < this->maximumIterations();
+      if (isSpent || faceSteps++ > 2 * (length - active) + 10) {
         BT::project(x, lower, upper);
         storeMultiplier(cg);
-        return fallBack(state.inner >= budget ? "its share of the iterations is used up"
-                                              : "conjugate gradients crawl on a face");
+        return fallBack(isSpent ? "its share of the iterations is used up"
+                                : "conjugate gradients crawl on a face");
       }
       const typename Cg::Outcome outcome = cg.step();
       if (outcome == Cg::Outcome::Flat)

@@ -34,10 +34,9 @@ AnswerCheck::AnswerCheck(const Teuchos::Comm<int>& comm, const Scene& scene,
       options_(options),
       log_(log),
       report_(report) {
-  if (options.toleranceRule == ToleranceRule::Fixed)
-    return;
   extension_ = stages.preconditioner;
-  if (extension_.is_null())
+  // Without one, a bound that is too large by far would cost iterations: only who asks for it gets it.
+  if (extension_.is_null() && options.toleranceRule == ToleranceRule::Balanced)
     extension_ = Teuchos::rcp(new feti::DualPreconditioner(stages.system, stages.constraints, stages.inverses,
                                                            feti::PreconditionerKind::Lumped,
                                                            options.dual.scalingFor(scene)));
@@ -48,6 +47,8 @@ void AnswerCheck::recover(const MultiVector& lambda, const std::vector<double>& 
                         stages_.problem, lambda, mu);
   report_.audit = feti::audit(stages_.system, stages_.constraints, torn_);
   report_.audited = true;
+  if (!extension_.is_null())
+    report_.solverError = solverError();
 }
 
 // √(rᵀM⁻¹r).
@@ -73,7 +74,7 @@ double AnswerCheck::solverError() const {
 }
 
 std::optional<double> AnswerCheck::balance(double tolerance) {
-  const double solver = solverError();
+  const double solver = report_.solverError;
   // Jumps are errors of the stresses too: an estimate from an answer whose own error is larger than what it
   // estimates is good for no more than the next step.
   if (!discretisation_ || (!trusted_ && solver <= options_.solverErrorShare * discretisation_->error)) {
@@ -81,12 +82,11 @@ std::optional<double> AnswerCheck::balance(double tolerance) {
     trusted_ = solver <= discretisation_->error;
   }
   report_.discretisationError = discretisation_->error / discretisation_->norm;
-  report_.solverError = solver / discretisation_->norm;
   const double allowed = options_.solverErrorShare * discretisation_->error;
   const bool enough = solver <= allowed;
   std::ostringstream text;
   text << "Tolerance " << scientific(tolerance, 1) << ": the solver's error is about "
-       << scientific(report_.solverError, 1) << " in the energy norm, that of the discretisation "
+       << scientific(solver / discretisation_->norm, 1) << " in the energy norm, that of the discretisation "
        << scientific(report_.discretisationError, 1) << (trusted_ ? "" : " at most")
        << (enough ? "; that is enough" : "");
   log_.info(text.str());
@@ -109,7 +109,9 @@ std::optional<double> AnswerCheck::judge(const MultiVector& lambda, const std::v
   if (!next && !auditAgrees(report_)) {
     log_.info("The audit contradicts the residuals (jump " + scientific(report_.audit.gluingJump) +
               ", penetration " + scientific(report_.audit.penetration) + ", displacements up to " +
-              scientific(report_.audit.largestDisplacement) + "): going on to a smaller tolerance");
+              scientific(report_.audit.largestDisplacement) + "; error " + scientific(report_.solverError) +
+              " of " + scientific(report_.audit.energyNorm) +
+              " in the energy norm): going on to a smaller tolerance");
     next = tolerance / 10.0;
   }
   if (next && *next < leastTolerance(options_.dual))

@@ -40,11 +40,11 @@ struct RunReport {
   double equalityScale = 0.0;    ///< ‖Gλ‖ likewise, 0 without a coarse problem
   double tolerance = 0.0;        ///< asked for, or chosen by the rule "balanced"
   double reachedTolerance = 0.0; ///< below that, where the audit asked for more
-  /// Rule "balanced" only: estimates relative to the solution, in the energy norm.
-  double discretisationError = 0.0;
-  double solverError = 0.0;
-  double dNorm = 0.0;       ///< ‖d‖
-  double gapRounding = 0.0; ///< gaps are known up to this: they are differences of coordinates
+  // Estimates in the energy norm; 0 where they were not made.
+  double solverError = 0.0;         ///< with a preconditioner; see AnswerCheck
+  double discretisationError = 0.0; ///< rule "balanced" only, relative to the solution
+  double dNorm = 0.0;               ///< ‖d‖
+  double gapRounding = 0.0;         ///< gaps are known up to this: they are differences of coordinates
   bool audited = false;
   feti::KktAudit audit;
   // With inequalities; the same on every rank. For what applications make of them.
@@ -59,9 +59,10 @@ struct RunReport {
 std::string toJson(const RunReport& report);
 
 /// Whether the audit bears out that a run has converged. The solver's residuals and the audit are about the
-/// same errors in other units: a factor of a hundred in the jumps is beyond what norms and scalings explain;
-/// forces out of balance by half the load are no solution by any rule. A number that is none objects. Guarded
-/// by tests/unit/scene/test_pipeline.cpp.
+/// same errors in other units: a factor of a hundred in the jumps, or in the error in the energy norm where
+/// it is estimated, is beyond what norms and scalings explain, and a tenth of the solution is too much by any
+/// tolerance; forces out of balance by half the load are no solution by any rule. A number that is none
+/// objects. Guarded by tests/unit/scene/test_pipeline.cpp.
 bool auditAgrees(const RunReport& report);
 
 /// The audit and the timing, for people.

@@ -33,7 +33,7 @@ struct Answer {
 
 // With a test of the projected gradient that the acceptance makes stricter by a hundred, `times` over.
 Answer solve(const SmallQp& qp, const char* method, double tolerance, int times,
-          std::vector<std::vector<double>>* asked = nullptr) {
+             std::vector<std::vector<double>>* asked = nullptr) {
   const DistributedQp distributed(qp);
   const auto solver = TpetraSolverFactory().create(method, Teuchos::null);
   const double scale = distance(qp.b, std::vector<double>(qp.b.size(), 0.0));
