@@ -272,8 +272,15 @@ def stages(study):
     return figure
 
 
+def with_tolerance(study, axis):
+    """Converged runs whose tolerance was given: not chosen by the rule "balanced"."""
+    runs = converged(study)
+    return [r for r in runs if "balanced" not in setting(r, axis).split(";")] if axis else runs
+
+
 def iterations(study):
-    axis, mesh, runs = axis_with(study, TOLERANCE), mesh_axis(study), converged(study)
+    axis, mesh = axis_with(study, TOLERANCE), mesh_axis(study)
+    runs = with_tolerance(study, axis)
     if axis is None or len(axis["values"]) < 2 or not runs:
         return None
     place = axis["parameters"].index(TOLERANCE)
@@ -335,7 +342,8 @@ def iterations(study):
 
 def error_parts(study):
     """In the energy norm: medians over the other settings, of local solves the worst."""
-    axis, mesh, runs = axis_with(study, TOLERANCE), mesh_axis(study), converged(study)
+    axis, mesh = axis_with(study, TOLERANCE), mesh_axis(study)
+    runs = with_tolerance(study, axis)
     if axis is None or not runs:
         return None
     measure = measures_of(study)[0]
