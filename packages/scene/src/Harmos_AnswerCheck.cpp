@@ -21,7 +21,8 @@ double leastTolerance(const DualOptions& options) {
 } // namespace
 
 double firstBalancedTolerance() {
-  return 0.1;
+  // The few products from 0.1 to here cost less than a look at an answer that is too bad to be judged.
+  return 0.01;
 }
 
 AnswerCheck::AnswerCheck(const Teuchos::Comm<int>& comm, const Scene& scene,
