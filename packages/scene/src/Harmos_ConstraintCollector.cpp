@@ -27,7 +27,9 @@ void DistinctPoints::add(const std::vector<ContactPoint>& more, const std::strin
     const auto twin =
         std::find_if(here.begin(), here.end(), [&](std::size_t k) { return sameRow(all_[k], point); });
     if (twin != here.end()) {
-      all_[*twin].gap = std::min(all_[*twin].gap, point.gap);
+      double& gap = all_[*twin].gap;
+      if (std::isnan(point.gap) || point.gap < gap) // a NaN is kept, to be refused
+        gap = point.gap;
       continue;
     }
     here.push_back(all_.size());
