@@ -61,7 +61,7 @@ Row rowOf(const Plan& plan, const Setting& setting, const Outcome& outcome, cons
   row["study"] = plan.fingerprint;
   row["converged"] = yes(outcome.run && report.converged);
   row["reason"] = outcome.reason;
-  row["repetitions"] = std::to_string(plan.repetitions);
+  row["repetitions"] = std::to_string(outcome.repetitions);
   row["tight_tolerance"] = textOf(parts.tightTolerance);
   // A tight run is the measure of runs that are ten times less tight.
   row["solver_judged"] = yes(outcome.run && report.tolerance > 9.99 * parts.tightTolerance);
@@ -145,7 +145,7 @@ int runStudy(const app::ProgramContext& context) {
   });
   const std::vector<Setting> todo = missing(*comm, plan, table.get(), all);
   log.info(std::to_string(all.size()) + " settings, " + std::to_string(plan.repetitions) +
-           " repetitions each; " + std::to_string(all.size() - todo.size()) +
+           " repetitions each or more; " + std::to_string(all.size() - todo.size()) +
            " are in the table already and not run again");
   ErrorJudge judge(comm, plan, log);
   if (!todo.empty())
@@ -156,7 +156,7 @@ int runStudy(const app::ProgramContext& context) {
     const std::vector<std::string> more = plan.solverAssignments(todo[k]);
     assignments.insert(assignments.end(), more.begin(), more.end());
     const Errors reference = judge.referenceErrors();
-    Outcome outcome = runSetting(comm, plan, assignments, plan.repetitions);
+    Outcome outcome = runSetting(comm, plan, assignments, Repetition::Planned);
     outcome.report.ranks = comm->getSize();
     ErrorParts parts = ErrorJudge::unknown();
     try {

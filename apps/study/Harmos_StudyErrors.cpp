@@ -46,7 +46,7 @@ ErrorJudge::Tight ErrorJudge::tightRun(std::vector<std::string> assignments, con
   for (double tolerance = plan_.tightTolerance; tolerance <= 1.001 * loosest; tolerance *= 10.0) {
     std::vector<std::string> all = assignments;
     all.push_back("Solver/Tolerance=" + scientific(tolerance, 6));
-    const Outcome outcome = runSetting(comm_, plan_, all, 1);
+    const Outcome outcome = runSetting(comm_, plan_, all, Repetition::Once);
     if (outcome.run && outcome.report.converged)
       return {outcome.run, tolerance};
     reason = outcome.reason;

@@ -103,7 +103,10 @@ ParameterSpec Plan::deckSpec() {
                "Whose deck it is.");
   study.text("Deck", "", "Of the application, relative to this deck.");
   study.texts("Set", {}, "What all runs change in it: \"List/Name=value\". Arrays are written [2 2 1].");
-  study.integer("Repetitions", 3, 1, 1000, "Of each run; seconds are medians.");
+  study.integer("Repetitions", 3, 1, 1000, "Of each run, at least; seconds are medians.");
+  study.real("Least seconds", 0.5, Range::atLeast(0.0),
+             "Runs that take so little that all repetitions stay below this are repeated further, up to a "
+             "hundred times: seconds of single short runs are noise.");
   study.texts("Targets", {"1e-1", "1e-2"},
               "Relative errors that the closing sentences name the cheapest settings for.");
   study.real(
@@ -142,6 +145,7 @@ Plan::Plan(const Teuchos::Comm<int>& comm, const app::CommandLine& line) : study
                      ", relative to this one");
   deck = file.front() == '/' ? file : app::directoryOf(line.deck) + file;
   repetitions = study.get<int>("Repetitions");
+  leastSeconds = study.get<double>("Least seconds");
   tightTolerance = study.get<double>("Tight tolerance");
   charts = study.get<bool>("Charts");
   output = line.output.empty() ? study.get<std::string>("Output") : line.output;

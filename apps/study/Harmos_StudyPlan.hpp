@@ -32,6 +32,7 @@ struct Plan {
   std::vector<std::string> reference, coarser, coarsest; ///< assignments of the reference meshes
   std::vector<double> targets;
   int repetitions = 1;
+  double leastSeconds = 0.0; ///< of all repetitions together
   double tightTolerance = 0.0;
   bool charts = true;
   std::string output;

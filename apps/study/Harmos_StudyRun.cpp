@@ -53,11 +53,14 @@ double median(std::vector<double> values) {
 }
 
 Outcome runSetting(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Plan& plan,
-                   const std::vector<std::string>& assignments, int repetitions) {
+                   const std::vector<std::string>& assignments, Repetition repetition) {
+  const bool isOnce = repetition == Repetition::Once;
+  const int least = isOnce ? 1 : plan.repetitions, most = isOnce ? 1 : 100;
   const Log silent;
   Outcome outcome;
   std::map<std::string, std::vector<double>> seconds;
-  for (int repetition = 0; repetition < repetitions; ++repetition) {
+  double sum = 0.0; // the same on all ranks, as seconds of reports are
+  for (int run = 0; run < least || (run < most && sum < plan.leastSeconds); ++run) {
     scene::RunReport report;
     report.deck = plan.deck;
     try {
@@ -75,7 +78,7 @@ Outcome runSetting(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Pla
       scene::checkConsistency(scene, options);
       scene::Solution solution = scene::run(comm, scene, options, silent, begin, report);
       report.seconds["total"] -= report.seconds["output"];
-      if (repetition == 0) {
+      if (run == 0) {
         outcome.memoryMiB = globalSum(*comm, statusMiB("VmHWM") - resident);
         outcome.run = std::make_shared<scene::FinishedRun>();
         *outcome.run = {std::move(scene), std::move(solution), report.contactPoints, report.contact};
@@ -94,6 +97,8 @@ Outcome runSetting(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Pla
     }
     for (const auto& [stage, value] : report.seconds)
       seconds[stage].push_back(value);
+    sum += report.seconds["total"];
+    ++outcome.repetitions;
     if (!report.converged)
       break; // its time is not asked for
   }

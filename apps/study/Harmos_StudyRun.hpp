@@ -9,12 +9,16 @@
 
 namespace Harmos::study {
 
+/// How often a setting is run: as the plan says, or for its solution alone.
+enum class Repetition { Planned, Once };
+
 /// What became of a setting.
 struct Outcome {
   scene::RunReport report;                 ///< of the first repetition
   std::shared_ptr<scene::FinishedRun> run; ///< null if it threw
   std::string reason;                      ///< "converged", or why not
   std::map<std::string, double> seconds;   ///< medians over the repetitions; "total" is without output
+  int repetitions = 0;
   double memoryMiB = 0.0; ///< growth of the resident memory of all ranks during the run, at its peak
   std::vector<std::string>
       localSolver; ///< assignments that make it inexact; none of exact ones in double precision
@@ -26,7 +30,7 @@ struct Outcome {
 /// that an earlier run left to the heap are given back first, as far as the C library does so.
 /// @throws InternalError if a rank fails alone; any other failure is an outcome. @note Collective.
 Outcome runSetting(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Plan& plan,
-                   const std::vector<std::string>& assignments, int repetitions);
+                   const std::vector<std::string>& assignments, Repetition repetition);
 
 /// The middle one, or the mean of the two in the middle. @pre not empty.
 double median(std::vector<double> values);

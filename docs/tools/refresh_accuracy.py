@@ -16,6 +16,7 @@ are drawn from it. Everything else on the page stays as it is.
 import argparse
 import math
 import re
+import statistics
 import sys
 import tempfile
 from pathlib import Path
@@ -64,6 +65,59 @@ def ratio_table(study):
     return lines
 
 
+def rule_table(study):
+    """What the rule "balanced" costs beside the best of the tolerances that were given.
+
+    Of runs with the same settings but for the tolerance: its seconds over the least of those that are at least as
+    accurate. The median and the largest of these ratios, mesh by mesh.
+    """
+    mesh = plot_study.mesh_axis(study)
+    tolerance = plot_study.axis_with(study, plot_study.TOLERANCE)
+    name, title = next(iter(study["measures"].items()))
+    if mesh is None or tolerance is None:
+        return []
+    skipped = tolerance["name"]
+
+    def others(run):
+        return {key: value for key, value in run["settings"].items() if key != skipped}
+
+    def is_balanced(run):
+        return "balanced" in run["settings"][tolerance["name"]].split(";")
+
+    runs = plot_study.converged(study)
+    lines = [
+        "The rule `balanced` against the best of the given tolerances, all else being equal:",
+        "",
+        f"| Mesh | Error ({title}) | Products | Products of the best | Seconds over the best, median | largest |",
+        "|---|---|---|---|---|---|",
+    ]
+    for value in mesh["values"]:
+        ratios, products, least = [], [], []
+        mine = [r for r in runs if is_balanced(r) and r["settings"][mesh["name"]] == value["value"]]
+        for run in mine:
+            front = [
+                r
+                for r in runs
+                if not is_balanced(r)
+                and others(r) == others(run)
+                and r["errors"][name]["total"] <= run["errors"][name]["total"]
+            ]
+            best = min([run, *front], key=lambda r: r["seconds"]["total"])
+            ratios.append(run["seconds"]["total"] / best["seconds"]["total"])
+            products.append(int(run["products"]))
+            least.append(int(best["products"]))
+        if not mine:
+            continue
+        error = max(r["errors"][name]["total"] for r in mine)
+        judged = "" if all(r["errors"][name]["judged"] for r in mine) else " (not judged)"
+        span = [" to ".join(str(x) for x in sorted({min(c), max(c)})) for c in (products, least)]
+        lines.append(
+            f"| {value['label']} | {sign(error)}{judged} | {span[0]} | {span[1]} |"
+            f" {statistics.median(ratios):.2f} | {max(ratios):.2f} |"
+        )
+    return [*lines, ""] if len(lines) > 4 else []
+
+
 def parts_table(study):
     """Of each mesh, what the mesh alone is off by, and what each tolerance adds."""
     mesh = plot_study.mesh_axis(study)
@@ -105,6 +159,7 @@ def block(study):
     ]
     parts = parts_table(study)
     lines += [*parts, ""] if parts else []
+    lines += rule_table(study)
     return "\n".join([*lines, *ratio_table(study)]) + "\n"
 
 

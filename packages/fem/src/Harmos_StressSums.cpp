@@ -16,11 +16,22 @@ int polynomials(int degree, int dimension) {
   return degree == 0 ? 1 : 1 + dimension;
 }
 
-// Stresses of an elastic mesh, or the gradient of a membrane in the first two entries, cell after cell.
+// Of stresses: six of an elastic mesh, two of a membrane, whose other entries are zero. Known to the
+// compiler, since loops over them are the innermost ones.
+template<std::size_t Entries>
+using Stress = std::array<double, Entries>;
+
+constexpr std::size_t elastic = 6, membrane = 2;
+
+// Stresses of an elastic mesh, or the gradient of a membrane, cell after cell.
+template<std::size_t Entries>
 class CellStress {
  public:
   CellStress(const Mesh& mesh, const CellIntegrator& cell, const Elasticity* elasticity)
-      : mesh_(mesh), cell_(cell) {
+      : mesh_(mesh),
+        cell_(cell),
+        components_(Entries == membrane ? 1 : static_cast<std::size_t>(mesh.dimension())),
+        values_(static_cast<std::size_t>(cell.basisSize()) * components_) {
     if (elasticity == nullptr)
       return;
     materials_ = &elasticity->materials;
@@ -40,31 +51,33 @@ class CellStress {
 
   // For one of the solutions on the mesh.
   void setSolution(const NodalSolution& solution) {
-    const std::size_t components = materials_ == nullptr ? 1 : static_cast<std::size_t>(mesh_.dimension());
-    values_.clear();
+    const double* all = solution.values->data();
+    double* next = values_.data();
     for (int i = 0; i < cell_.basisSize(); ++i)
-      for (std::size_t d = 0; d < components; ++d)
-        values_.push_back((*solution.values)[static_cast<std::size_t>(members_[i]) * components + d]);
+      for (std::size_t d = 0; d < components_; ++d)
+        *next++ = all[static_cast<std::size_t>(members_[i]) * components_ + d];
     for (std::size_t r = 0; r < 6; ++r)
       thermal_[r] = solution.temperature * expansion_[r];
   }
 
-  // Entries that are not zero always: two of a membrane.
-  std::size_t entries() const { return materials_ == nullptr ? 2 : 6; }
-
-  Voigt at(int q) const {
-    if (materials_ != nullptr)
+  Stress<Entries> at(int q) const {
+    if constexpr (Entries == elastic) {
       return strain_->stress(q, values_.data(), *material_, thermal_);
-    Voigt flux{};
-    for (int i = 0; i < cell_.basisSize(); ++i)
-      for (std::size_t d = 0; d < 2; ++d)
-        flux[d] += cell_.gradient(i, q)[d] * values_[static_cast<std::size_t>(i)];
-    return flux;
+    } else {
+      Stress<Entries> flux{};
+      for (int i = 0; i < cell_.basisSize(); ++i) {
+        const Point& gradient = cell_.gradient(i, q);
+        for (std::size_t d = 0; d < Entries; ++d)
+          flux[d] += gradient[d] * values_[static_cast<std::size_t>(i)];
+      }
+      return flux;
+    }
   }
 
  private:
   const Mesh& mesh_;
   const CellIntegrator& cell_;
+  std::size_t components_;
   const std::vector<Material>* materials_ = nullptr;
   std::vector<VoigtMatrix> stiffness_;
   std::unique_ptr<StrainOperator> strain_;
@@ -74,6 +87,7 @@ class CellStress {
   Voigt expansion_{}, thermal_{};
 };
 
+template<std::size_t Entries>
 std::vector<StressSums> sumsOf(const Mesh& mesh, const Elasticity* elasticity,
                                const std::vector<NodalSolution>& solutions) {
   const CellShape& shape = shapeOf(mesh.cellType);
@@ -84,16 +98,15 @@ std::vector<StressSums> sumsOf(const Mesh& mesh, const Elasticity* elasticity,
   const ReferenceElement element(mesh.cellType, projected && shape.order == 2 ? stiffnessDegree(mesh.cellType)
                                                                               : sampleDegree);
   CellIntegrator cell(mesh, element);
-  CellStress stress(mesh, cell, elasticity);
+  CellStress<Entries> stress(mesh, cell, elasticity);
   const auto nodes = static_cast<std::size_t>(mesh.numberOfNodes());
-  const std::size_t entries = stress.entries();
   const int m = polynomials(shape.order - 1, mesh.dimension());
   const auto functions = static_cast<std::size_t>(m), points = static_cast<std::size_t>(cell.points()),
              size = static_cast<std::size_t>(cell.basisSize());
   std::vector<StressSums> all(solutions.size(), {std::vector<Voigt>(nodes), std::vector<double>(nodes, 0.0),
                                                  std::vector<std::array<int, 2>>(nodes, {INT_MAX, INT_MIN})});
   std::vector<double> gram, toNodes(size * points);
-  std::vector<Voigt> values(points);
+  std::vector<Stress<Entries>> values(points);
   for (int c = 0; c < mesh.numberOfCells(); ++c) {
     cell.turnTo(c);
     stress.turnTo(c);
@@ -142,11 +155,12 @@ std::vector<StressSums> sumsOf(const Mesh& mesh, const Elasticity* elasticity,
       for (std::size_t i = 0; i < size; ++i) {
         const auto node = static_cast<std::size_t>(members[i]);
         sums.size[node] += area;
-        sums.regions[node] = {std::min(sums.regions[node][0], region),
-                              std::max(sums.regions[node][1], region)};
+        std::array<int, 2>& regions = sums.regions[node];
+        regions = {std::min(regions[0], region), std::max(regions[1], region)};
+        Voigt& weighted = sums.weighted[node];
         for (std::size_t q = 0; q < points; ++q)
-          for (std::size_t r = 0; r < entries; ++r)
-            sums.weighted[node][r] += toNodes[i * points + q] * values[q][r];
+          for (std::size_t r = 0; r < Entries; ++r)
+            weighted[r] += toNodes[i * points + q] * values[q][r];
       }
     }
   }
@@ -173,30 +187,36 @@ std::vector<VoigtMatrix> compliances(const Elasticity& elasticity) {
   return result;
 }
 
+template<std::size_t Entries>
 RecoveryError errorOf(const Mesh& mesh, const Elasticity* elasticity,
                       const std::vector<NodalSolution>& solutions,
                       const std::vector<const StressSums*>& recovered) {
   const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh.cellType));
   CellIntegrator cell(mesh, element);
-  CellStress stress(mesh, cell, elasticity);
+  CellStress<Entries> stress(mesh, cell, elasticity);
   const std::vector<VoigtMatrix> compliance =
       elasticity != nullptr ? compliances(*elasticity) : std::vector<VoigtMatrix>{};
   RecoveryError result;
-  const std::size_t entries = stress.entries();
-  const auto size = static_cast<std::size_t>(cell.basisSize());
-  std::vector<Voigt> nodal(size);
+  const auto size = static_cast<std::size_t>(cell.basisSize()),
+             points = static_cast<std::size_t>(cell.points());
+  std::vector<double> basis; // the same in all cells
+  for (int q = 0; q < cell.points(); ++q)
+    for (int i = 0; i < cell.basisSize(); ++i)
+      basis.push_back(cell.value(i, q));
+  std::vector<Stress<Entries>> nodal(size);
   for (int c = 0; c < mesh.numberOfCells(); ++c) {
     cell.turnTo(c);
     stress.turnTo(c);
     const int* members = mesh.cell(c);
     const VoigtMatrix* inverse = elasticity != nullptr ? &stiffnessOf(compliance, mesh.region(c)) : nullptr;
-    const auto product = [&](const Voigt& s) {
-      if (inverse == nullptr)
-        return s[0] * s[0] + s[1] * s[1];
+    const auto product = [&](const Stress<Entries>& s) {
       double sum = 0.0;
-      for (std::size_t r = 0; r < 6; ++r)
-        for (std::size_t k = 0; k < 6; ++k)
-          sum += s[r] * (*inverse)[r][k] * s[k];
+      for (std::size_t r = 0; r < Entries; ++r)
+        if constexpr (Entries == membrane)
+          sum += s[r] * s[r];
+        else
+          for (std::size_t k = 0; k < Entries; ++k)
+            sum += s[r] * (*inverse)[r][k] * s[k];
       return sum;
     };
     for (std::size_t k = 0; k < solutions.size(); ++k) {
@@ -204,18 +224,20 @@ RecoveryError errorOf(const Mesh& mesh, const Elasticity* elasticity,
       bool counts = true;
       for (std::size_t i = 0; i < size; ++i) {
         const auto node = static_cast<std::size_t>(members[i]);
-        counts = counts && recovered[k]->regions[node][0] == recovered[k]->regions[node][1];
-        nodal[i] = recovered[k]->weighted[node];
+        const std::array<int, 2>& regions = recovered[k]->regions[node];
+        counts = counts && regions[0] == regions[1];
+        std::copy_n(recovered[k]->weighted[node].begin(), Entries, nodal[i].begin());
       }
-      for (int q = 0; q < cell.points(); ++q) {
-        Voigt difference = stress.at(q);
-        result.energy += cell.measure(q) * product(difference);
+      for (std::size_t q = 0; q < points; ++q) {
+        const double measure = cell.measure(static_cast<int>(q));
+        Stress<Entries> difference = stress.at(static_cast<int>(q));
+        result.energy += measure * product(difference);
         if (!counts)
           continue;
         for (std::size_t i = 0; i < size; ++i)
-          for (std::size_t r = 0; r < entries; ++r)
-            difference[r] -= cell.value(static_cast<int>(i), q) * nodal[i][r];
-        result.error += cell.measure(q) * product(difference);
+          for (std::size_t r = 0; r < Entries; ++r)
+            difference[r] -= basis[q * size + i] * nodal[i][r];
+        result.error += measure * product(difference);
       }
     }
   }
@@ -226,22 +248,22 @@ RecoveryError errorOf(const Mesh& mesh, const Elasticity* elasticity,
 
 std::vector<StressSums> stressSums(const Mesh& mesh, const Elasticity& elasticity,
                                    const std::vector<NodalSolution>& solutions) {
-  return sumsOf(mesh, &elasticity, solutions);
+  return sumsOf<elastic>(mesh, &elasticity, solutions);
 }
 
 std::vector<StressSums> fluxSums(const Mesh& mesh, const std::vector<NodalSolution>& solutions) {
-  return sumsOf(mesh, nullptr, solutions);
+  return sumsOf<membrane>(mesh, nullptr, solutions);
 }
 
 RecoveryError recoveryError(const Mesh& mesh, const Elasticity& elasticity,
                             const std::vector<NodalSolution>& solutions,
                             const std::vector<const StressSums*>& recovered) {
-  return errorOf(mesh, &elasticity, solutions, recovered);
+  return errorOf<elastic>(mesh, &elasticity, solutions, recovered);
 }
 
 RecoveryError fluxRecoveryError(const Mesh& mesh, const std::vector<NodalSolution>& solutions,
                                 const std::vector<const StressSums*>& recovered) {
-  return errorOf(mesh, nullptr, solutions, recovered);
+  return errorOf<membrane>(mesh, nullptr, solutions, recovered);
 }
 
 } // namespace Harmos::fem

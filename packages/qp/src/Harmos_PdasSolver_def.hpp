@@ -21,6 +21,10 @@ ParameterSpec PdasSolver<Scalar, MV, OP>::methodSpec() {
             "settles.");
   spec.integer("Maximum active sets", 200, 1, 1000000,
                "Active sets tried before a globally convergent method takes over.");
+  spec.integer(
+      "Active sets without progress", 10, 1, 1000000,
+      "Active sets tried in a row, none of which halves the bound on the projected gradient, before a "
+      "globally convergent method takes over.");
   spec.real("Share of iterations", 0.5, Range{0.0, 1.0, true, false},
             "Part of \"Maximum Iterations\" after which a globally convergent method takes over; all of them "
             "if there "
@@ -73,6 +77,7 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
                      "allows to make so. Use SMALBE, or raise that parameter");
   const Teuchos::ParameterList& list = this->parameters_->sublist("PDAS");
   const double innerReduction = list.get<double>("Inner reduction");
+  const int patience = list.get<int>("Active sets without progress");
   const int mostSets = list.get<int>("Maximum active sets");
   const int left = this->maximumIterations() - this->firstInner_;
   // Another method makes nothing of a handful of iterations.
@@ -140,6 +145,7 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
 
   Cg cg(problem, *rows, CgOptions::fromList(this->parameters_->sublist("PCPG")), counters);
   BT::project(x, lower, upper);
+  const Teuchos::RCP<const MV> initial = MVT::CloneCopy(x);
   LocalActiveSet set;
   // The first active set: entries at a bound that the gradient pushes against it. The gradient costs a
   // product where x is not zero. If that at zero, which costs nothing, mostly pushes against these bounds,
@@ -187,6 +193,11 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
   // Inexact solves may come back to a set on their way; exact ones that do so go round in circles.
   constexpr int mostRepeats = 3;
   int repeats = 0;
+  // The least bound on ‖g^P‖ so far, and what it was when it had last fallen by half. Newton's method on sets
+  // has no such decrease far from the solution: it may wander for hundreds of sets, where matrices are far
+  // from M-matrices (elements of second order in contact).
+  double least = std::numeric_limits<double>::infinity(), mark = least;
+  int setsSinceMark = 0;
   while (true) {
     if (newFace) {
       if (!started && !cg.start(set))
@@ -230,7 +241,8 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
       return this->stopFor(*reason, state);
     }
 
-    cg.lagrangianGradient(*y);
+    if (active > 0) // multipliers of active bounds are all that it is asked for
+      cg.lagrangianGradient(*y);
     const double epsilon = std::numeric_limits<double>::epsilon();
     const double curvature = cg.curvatureBound();
     change = BT::updateActiveSet(x, *y, lower, upper, 10.0 * epsilon * norm<Scalar>(x),
@@ -268,6 +280,15 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
       BT::project(x, lower, upper);
       storeMultiplier(cg);
       return fallBack("the limit of " + std::to_string(mostSets) + " active sets was reached");
+    }
+    least = std::min(least, expected);
+    if (least < 0.5 * mark) {
+      mark = least;
+      setsSinceMark = 0;
+    } else if (++setsSinceMark >= patience) {
+      // Where it has wandered to is further from the solution than where it began.
+      MVT::Assign(*initial, x);
+      return fallBack(std::to_string(patience) + " active sets brought no progress");
     }
     if (!seen.insert({change.signature[0], change.signature[1]}).second && ++repeats > mostRepeats) {
       BT::project(x, lower, upper);

@@ -21,8 +21,9 @@ double leastTolerance(const DualOptions& options) {
 } // namespace
 
 double firstBalancedTolerance() {
-  // The few products from 0.1 to here cost less than a look at an answer that is too bad to be judged.
-  return 0.01;
+  // The few products from 0.1 to here cost less than a look at an answer that is too bad to be judged, and
+  // where meshes are coarse, less than a second look.
+  return 1e-3;
 }
 
 AnswerCheck::AnswerCheck(const Teuchos::Comm<int>& comm, const Scene& scene,
@@ -84,6 +85,7 @@ std::optional<double> AnswerCheck::balance(double tolerance) {
   }
   report_.discretisationError = discretisation_->error / discretisation_->norm;
   const double allowed = options_.solverErrorShare * discretisation_->error;
+  report_.allowedError = allowed / discretisation_->norm;
   const bool enough = solver <= allowed;
   std::ostringstream text;
   text << "Tolerance " << scientific(tolerance, 1) << ": the solver's error is about "

@@ -107,7 +107,7 @@ std::string toJson(const RunReport& report) {
 bool auditAgrees(const RunReport& report) {
   const feti::KktAudit& audit = report.audit;
   // Jumps of a tenth are no answer, however loose the tolerance.
-  const double share = std::min(100.0 * report.tolerance, 0.1);
+  const double share = std::min(std::max(100.0 * report.tolerance, report.allowedError), 0.1);
   const double allowed = share * audit.largestDisplacement + report.gapRounding;
   // Of sums over all dofs; gaps are known no better than coordinates.
   constexpr double rounding = 1e-12;

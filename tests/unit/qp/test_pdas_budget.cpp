@@ -59,13 +59,33 @@ TEST(PdasBudget, sets_that_go_on_changing_leave_their_share) {
     for (double share : {0.25, 0.5}) {
       const auto list = Teuchos::parameterList();
       list->set("Maximum Iterations", most);
-      list->sublist("PDAS").set("Maximum active sets", 1000000).set("Share of iterations", share);
+      list->sublist("PDAS")
+          .set("Maximum active sets", 1000000)
+          .set("Active sets without progress", 1000000)
+          .set("Share of iterations", share);
       const Outcome outcome = solved(qp, "PDAS", list);
       EXPECT_EQ(outcome.result.counters.safeguards, 1) << seed;
       EXPECT_EQ(outcome.result.method, "MPRGP") << seed;
       EXPECT_LE(outcome.ownSteps(), share * most) << seed;
       EXPECT_LE(distance(outcome.x, direct.x), accuracy(qp)) << seed;
     }
+  }
+}
+
+// The same problems: it is seen long before the share is used up, and what follows begins where the solver
+// began, so that no more is lost than these sets took.
+TEST(PdasBudget, sets_without_progress_are_given_up_early) {
+  for (unsigned seed : {1u, 2u, 3u}) {
+    std::mt19937 random(seed);
+    SmallQp qp = randomQp(random, n, 0, false, 1e6);
+    qp.lower.assign(n, 0.0);
+    const Outcome direct = solved(qp, "MPRGP"), outcome = solved(qp, "PDAS");
+    EXPECT_EQ(outcome.result.counters.safeguards, 1) << seed;
+    EXPECT_EQ(outcome.result.method, "MPRGP") << seed;
+    EXPECT_LE(outcome.ownSteps(), direct.result.history.back().inner / 2) << seed;
+    EXPECT_EQ(outcome.result.history.back().inner - outcome.ownSteps(), direct.result.history.back().inner)
+        << seed;
+    EXPECT_LE(distance(outcome.x, direct.x), accuracy(qp)) << seed;
   }
 }
 
