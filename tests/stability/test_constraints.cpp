@@ -156,6 +156,13 @@ Manufactured touching(int every) {
   return result;
 }
 
+// Products with F of a torn problem, whose solution is checked.
+double checkedProducts(const ReferenceSolution& reference, const TestModel& rows, const std::string& kind) {
+  const TornRun torn = solveTorn(rows, tolerance, {"Dual operator/Preconditioner=" + kind});
+  expectReference(reference, torn, bound, kind.c_str());
+  return products(torn.report);
+}
+
 } // namespace
 
 TEST(Stability, cross_points_with_many_subdomains) {
@@ -178,16 +185,12 @@ TEST(Stability, cross_points_with_many_subdomains) {
   EXPECT_TRUE(std::isinf(conditionOfRows(pairs)));
   tellFigure("condition of BB', chain", conditionOfRows(chain));
   // The preconditioner B_D S B_D' with B_D = (BB')^-1 B mends most of it; without one it is paid in full.
-  const auto count = [&](const TestModel& rows, const char* kind) {
-    const TornRun torn = solveTorn(rows, tolerance, {std::string("Dual operator/Preconditioner=") + kind});
-    expectReference(reference, torn, bound, kind);
-    return products(torn.report);
-  };
-  const double cured = count(model, "none"), off = count(chain, "none");
+  const double cured = checkedProducts(reference, model, "none"),
+               off = checkedProducts(reference, chain, "none");
   tellFigure("products without preconditioner", cured);
   tellFigure("products without preconditioner, chain", off);
   EXPECT_GT(off, 1.2 * cured);
-  tellFigure("products, chain", count(chain, "Dirichlet"));
+  tellFigure("products, chain", checkedProducts(reference, chain, "Dirichlet"));
 }
 
 TEST(Stability, contact_node_at_a_cross_point) {
@@ -200,16 +203,12 @@ TEST(Stability, contact_node_at_a_cross_point) {
   // Three gluing rows and the contact row at four copies that meet two bodies' cross points: 3 + sqrt(8).
   EXPECT_NEAR(conditionOfRows(one), 3.0 + std::sqrt(8.0), 1e-10);
   tellFigure("condition of BB', one copy", conditionOfRows(one));
-  const auto count = [&](const TestModel& rows, const char* kind) {
-    const TornRun torn = solveTorn(rows, tolerance, {std::string("Dual operator/Preconditioner=") + kind});
-    expectReference(reference, torn, bound, kind);
-    return products(torn.report);
-  };
-  const double cured = count(model, "none"), off = count(one, "none");
+  const double cured = checkedProducts(reference, model, "none"),
+               off = checkedProducts(reference, one, "none");
   tellFigure("products without preconditioner", cured);
   tellFigure("products without preconditioner, one copy", off);
   EXPECT_GT(off, 1.1 * cured);
-  tellFigure("products", count(model, "Dirichlet"));
+  tellFigure("products", checkedProducts(reference, model, "Dirichlet"));
 }
 
 TEST(Stability, duplicated_and_redundant_contact_rows) {

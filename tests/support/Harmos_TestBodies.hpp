@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_BodyMesh.hpp"
-#include "Harmos_StructuredBlock.hpp"
+#include "Harmos_PlateMesh.hpp"
 
 #include <gtest/gtest.h>
 
@@ -20,17 +19,10 @@ inline fem::BodyMesh testBody(fem::CellType type, int n) {
   options.map = [](const fem::Point& x) {
     return fem::Point{x[0] + 0.1 * x[1] * x[1], x[1] + 0.05 * x[0], x[2] - 0.03 * x[0] * x[1]};
   };
-  const fem::PlacedMesh placed = fem::StructuredBlock(options).subdomain(0);
-  fem::BodyMesh body;
-  body.name = "block";
-  body.mesh = *placed.mesh;
-  const auto dimension = static_cast<std::size_t>(body.mesh.dimension());
-  for (std::size_t k = 0; k < body.mesh.coordinates.size(); ++k)
-    body.mesh.coordinates[k] += placed.anchor[k % dimension];
+  fem::BodyMesh body = wholeBlock(options);
   body.regions = {"first", "second"};
   for (int c = 0; c < body.mesh.numberOfCells(); ++c)
     body.mesh.regions.push_back(2 * c < body.mesh.numberOfCells() ? 0 : 1);
-  body.sides = placed.sides;
   body.nodes["centre"] = {body.mesh.numberOfNodes() / 2};
   return body;
 }

@@ -184,3 +184,17 @@ TEST(RunReport, audit_agrees_or_objects) {
       EXPECT_FALSE(scene::auditAgrees(wrong));
     }
 }
+
+// What the rule "balanced" claims is the error that it allows, whatever tolerance it has come to: else the
+// audit asks for the next one at each that is reached, down to rounding errors.
+TEST(RunReport, audit_of_a_balanced_run_goes_by_the_error_it_allows) {
+  scene::RunReport report;
+  report.tolerance = 1e-8;
+  report.audit.energyNorm = 2.0;
+  report.solverError = 1e-3;
+  EXPECT_FALSE(scene::auditAgrees(report));
+  report.allowedError = 1e-3; // of the energy norm
+  EXPECT_TRUE(scene::auditAgrees(report));
+  report.solverError = 3e-3;
+  EXPECT_FALSE(scene::auditAgrees(report));
+}
