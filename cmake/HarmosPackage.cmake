@@ -12,12 +12,22 @@ endif()
 
 # harmos_add_package(<name> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>])
 #
-# Makes the library harmos_<name>, known to others as Harmos::<name>.
+# Makes the library harmos_<name>, known to others as Harmos::<name>, and installs it with its headers.
 function(harmos_add_package name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(harmos_${name} ${ARG_SOURCES})
   add_library(Harmos::${name} ALIAS harmos_${name})
   target_include_directories(
-    harmos_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/src>)
-  target_link_libraries(harmos_${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} harmos_flags)
+    harmos_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/src>
+                          $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/harmos>)
+  target_compile_features(harmos_${name} PUBLIC cxx_std_17)
+  target_link_libraries(harmos_${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:harmos_flags>)
+  set_target_properties(harmos_${name} PROPERTIES EXPORT_NAME ${name})
+  install(TARGETS harmos_${name} EXPORT HarmosTargets COMPONENT development)
+  install(
+    DIRECTORY src/
+    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/harmos
+    COMPONENT development
+    FILES_MATCHING
+    PATTERN "Harmos_*.hpp")
 endfunction()

@@ -19,10 +19,20 @@ bool succeeds(const std::string& command) {
   return std::system(command.c_str()) == 0;
 }
 
+// Of an installed program beside it, prefix/share/harmos/tools, wherever the prefix was moved to; else that
+// of the sources.
+std::string scriptOf(const std::string& name) {
+  std::error_code failure;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", failure);
+  const std::filesystem::path installed =
+      program.parent_path().parent_path() / "share" / "harmos" / "tools" / name;
+  return !failure && std::filesystem::exists(installed) ? installed.string() : HARMOS_TOOLS_DIR "/" + name;
+}
+
 } // namespace
 
 bool drawCharts(const std::string& directory, const Log& log) {
-  const std::string script = HARMOS_TOOLS_DIR "/plot_study.py";
+  const std::string script = scriptOf("plot_study.py");
   // Debian's own interpreter first: it is the one that sees Debian's python3-* packages.
   for (const std::string python : {"/usr/bin/python3", "python3"}) {
     if (!std::filesystem::exists(script) || !succeeds(python + " -c 'import matplotlib' > /dev/null 2>&1"))
