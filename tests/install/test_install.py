@@ -50,10 +50,16 @@ class Installed(unittest.TestCase):
 
 
 class Consumer(Installed):
-    EXAMPLES = {"obstacle": ("MPRGP", "converged", "900 of 4096")}
+    EXAMPLES = {
+        "obstacle": ("MPRGP", "converged", "900 of 4096"),
+        "embed_qp": ("half 0: converged", "half 1: converged"),
+        "embed_feti": ("new factorisations 0",),
+        "embed_stratimikos": ("residual below 1e-8: yes",),
+        "embed_operators": ("stiffness of the chain 0.2",),
+    }
 
     def test_builds_and_runs(self):
-        build, configured = self.configure("consumer", "qp", "feti", "scene")
+        build, configured = self.configure("consumer", "qp", "feti", "thyra", "scene")
         self.assertEqual(configured.returncode, 0, configured.stdout + configured.stderr)
         run("cmake", "--build", build, "--parallel", "2")
         for example, words in self.EXAMPLES.items():

@@ -89,6 +89,22 @@ class Documents(unittest.TestCase):
             status, out, err = runs.execute([*runs.launcher(np), runs.BINARY / "examples/example_obstacle"])
             self.assertEqual((status, out), (0, shown), err)
 
+    def test_programs_print_what_pages_say_they_print(self):
+        """`mpirun -np N build/examples/PROGRAM` prints: what stands below; the same on more ranks."""
+        said = re.compile(r"`mpirun -np (\d+) build/examples/(\w+)` prints:\n\n```\n(.*?)```", re.S)
+        found = set()
+        for page in ROOT.glob("docs/*.md"):
+            for np, program, shown in said.findall(page.read_text(encoding="utf-8")):
+                found.add(program)
+                for ranks in (int(np), 4):
+                    with self.subTest(program=program, ranks=ranks):
+                        status, out, err = runs.execute(
+                            [*runs.launcher(ranks), runs.BINARY / "examples" / program]
+                        )
+                        self.assertEqual((status, out), (0, shown), err)
+        examples = {f"example_{path.stem}" for path in (ROOT / "docs/examples").glob("embed_*.cpp")}
+        self.assertEqual(found, examples)
+
     def test_quoted_code_is_that_of_the_file(self):
         """A block of code below a paragraph that ends in "`path`:" stands in that file, word for word."""
         quoted = re.compile(r"`([\w/.]+)`:\n\n```\w+\n(.*?)```", re.S)

@@ -43,7 +43,7 @@ constexpr double bound = 1e3 * tolerance;
 TestModel withoutCoarseProblem(TestModel model) {
   for (feti::Subdomain& s : model.subdomains) {
     const feti::Kernel kernel = feti::heldKernel(*s.motions, {});
-    const LocalMatrix& matrix = *s.stiffness;
+    const LocalMatrix matrix = *s.stiffness; // kept: the pointer may be the last one to it
     if (s.fixed.empty())
       s.stiffness = std::make_shared<LocalMatrix>(
           feti::regularized(matrix, kernel, feti::fixingDofs(matrix, kernel, 4)));

@@ -80,6 +80,8 @@ class HeldAt : public feti::LocalInverse {
   const feti::BoundaryOperator& boundaryOperator() const override { return block_; }
   std::shared_ptr<const feti::BoundaryOperator> schurComplement() const override { return nullptr; }
   double bytes() const override { return 0.0; }
+  void refactor(const LocalMatrix& matrix, const feti::Kernel&) override { solve_.refactor(matrix); }
+  feti::FactorizationCounts counts() const override { return solve_.counts(); }
 
  private:
   feti::SparseSolve solve_;

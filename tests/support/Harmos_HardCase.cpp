@@ -78,9 +78,9 @@ TornRun solveTorn(const TestFeti& feti, double tolerance, const std::vector<std:
   TornRun run;
   run.report.tolerance = tolerance;
   run.report.inequalities = feti.constraints.inequalities();
-  const scene::DualSolution solution =
-      scene::solveDualProblem(feti.system, feti.constraints, feti.coarse, feti.dual, preconditioner, options,
-                              nullptr, Log(), run.report);
+  const feti::DualSolution solution = feti::solveDualProblem(
+      {feti.system, feti.constraints, feti.inverses, feti.coarse, feti.dual, preconditioner}, options,
+      nullptr, nullptr, Log(), run.report);
   run.torn = feti::recover(feti.system, feti.constraints, feti.inverses, feti.coarse, feti.dual,
                            *solution.lambda, solution.mu);
   run.mu = solution.mu;

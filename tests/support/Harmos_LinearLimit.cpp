@@ -3,6 +3,7 @@
 
 #include "Harmos_DualOperator.hpp"
 #include "Harmos_Recovery.hpp"
+#include "Harmos_RunOptions.hpp"
 
 #include <cmath>
 
@@ -62,8 +63,8 @@ scene::RunReport LimitProblem::solve(double tolerance) {
   options.tolerance = tolerance;
   options.progressFrequency = 0;
   scene::RunReport report;
-  solution_ = scene::solveDualProblem(*system_, *constraints_, *coarse_, *dual_, preconditioner_, options,
-                                      nullptr, Log(), report);
+  solution_ = feti::solveDualProblem({*system_, *constraints_, *inverses_, *coarse_, *dual_, preconditioner_},
+                                     options, nullptr, nullptr, Log(), report);
   return report;
 }
 

@@ -4,6 +4,7 @@
 #include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_DualSolution.hpp"
 #include "Harmos_KktAudit.hpp"
+#include "Harmos_RunReport.hpp"
 #include "Harmos_TestModel.hpp"
 
 #include <memory>
@@ -42,7 +43,7 @@ class LimitProblem {
   std::unique_ptr<feti::CoarseSpace> coarse_;
   std::unique_ptr<feti::DualProblem> dual_;
   Teuchos::RCP<const Operator> preconditioner_;
-  scene::DualSolution solution_;
+  feti::DualSolution solution_;
 };
 
 } // namespace Harmos

@@ -366,6 +366,18 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   import_ = Teuchos::rcp(new Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>(rowMap_, overlapMap_));
 }
 
+void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
+  const Constraints changed(system_, rows);
+  agree(*system_.comm(), [&] {
+    if (changed.types_ != types_ || changed.entries_ != entries_ ||
+        !changed.rowMap_->isLocallyFitted(*rowMap_))
+      throw InputError(
+          "constraint rows are given new bounds, but their number, kinds, dofs or coefficients have "
+          "changed too; new constraints are needed");
+  });
+  bounds_ = changed.bounds_;
+}
+
 void Constraints::addBt(int subdomain, const double* overlap, double* t) const {
   for (const Entry& entry : entries(subdomain))
     t[entry.dof] += entry.value * overlap[entry.row];

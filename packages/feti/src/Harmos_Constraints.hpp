@@ -21,7 +21,8 @@ enum class RowType {
   Dirichlet   ///< a prescribed value, Total FETI only
 };
 
-/// The constraints B = [B_I; B_E], c of the torn problem, distributed by rows. Immutable.
+/// The constraints B = [B_I; B_E], c of the torn problem, distributed by rows. B is immutable; c may be set
+/// anew.
 ///
 /// Rules (design of the dual problem):
 ///  - at a dof with m copies, the m − 1 gluing rows are orthonormal: row k is (1, …, 1, −k, 0, …)/√(k(k +
@@ -46,6 +47,9 @@ class Constraints {
     int row; ///< local index in overlapMap()
     int dof;
     double value;
+    bool operator==(const Entry& other) const {
+      return row == other.row && dof == other.dof && value == other.value;
+    }
   };
 
   /// @param system the torn problem, to outlive this.
@@ -55,6 +59,11 @@ class Constraints {
   ///         dofs fixed to different values.
   /// @note Collective. Rendezvous by dof number; nothing is gathered on one rank.
   Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows);
+
+  /// New bounds c of the rows that were given, and of what the system prescribes now.
+  /// @param rows those given to the constructor, with other bounds.
+  /// @throws InputError on all ranks if they differ in more, and as the constructor. @note Collective.
+  void setBounds(const std::vector<ConstraintRow>& rows);
 
   /// Rows owned by this rank: the map of dual vectors.
   const Teuchos::RCP<const Map>& rowMap() const { return rowMap_; }

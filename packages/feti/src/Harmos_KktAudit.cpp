@@ -129,6 +129,20 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
   return result;
 }
 
+bool auditAgrees(const KktAudit& audit, double share, double boundRounding, double energyError) {
+  const double allowed = share * audit.largestDisplacement + boundRounding;
+  // Of sums over all dofs; gaps are known no better than coordinates.
+  constexpr double rounding = 1e-12;
+  const double allowedError =
+      share * audit.energyNorm + rounding * audit.displacementEnergy + boundRounding * audit.unitEnergy;
+  return audit.gluingJump <= allowed && audit.penetration <= allowed && audit.equilibrium <= 0.5 &&
+         energyError <= allowedError;
+}
+
+double auditShare(double tolerance) {
+  return std::min(100.0 * tolerance, 0.1);
+}
+
 ContactState contactState(const Constraints& constraints, const TornSolution& solution) {
   MultiVector rows(constraints.rowMap(), 1);
   constraints.applyB(solution.displacement, rows);

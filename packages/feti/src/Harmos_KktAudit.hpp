@@ -28,6 +28,17 @@ struct KktAudit {
 /// Guarded by tests/unit/feti/test_mixed_inverses.cpp: it objects to a wrong answer that the solver believes.
 KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, const TornSolution& solution);
 
+/// Whether an audit bears out an answer: jumps and penetrations are at most a share of the largest
+/// displacement, beside what the bounds are known to; the error in the energy norm, where it was estimated,
+/// is at most that share too, beside rounding; forces are out of balance by less than half the load. A number
+/// that is none objects.
+bool auditAgrees(const KktAudit& audit, double share, double boundRounding, double energyError = 0.0);
+
+/// The share for a relative tolerance of the residuals: these and the audit are about the same errors in
+/// other units, and a factor of a hundred is beyond what norms and scalings explain; a tenth of the solution
+/// is too much by any tolerance.
+double auditShare(double tolerance);
+
 /// Physical value of each owned inequality row, in the order of rowMap(): the gap c_I − B_I u and the contact
 /// force λ_I.
 struct ContactState {

@@ -4,7 +4,6 @@
 #include "Harmos_Errors.hpp"
 #include "Harmos_FixingDofs.hpp"
 #include "Harmos_Mumps.hpp"
-#include "Harmos_SparseSolve.hpp"
 
 #include <Teuchos_LAPACK.hpp>
 
@@ -51,31 +50,26 @@ void throughAllDofs(int n, const std::vector<int>& boundary, const double* t, do
 class SchurBySolves : public BoundaryOperator {
  public:
   SchurBySolves(const LocalMatrix& matrix, std::vector<int> boundary)
-      : matrix_(matrix), boundary_(std::move(boundary)) {
-    // K_ii, with the identity at boundary dofs.
-    LocalMatrix interior = matrix;
-    std::vector<bool> isBoundary(static_cast<std::size_t>(matrix.rows()), false);
-    for (int dof : boundary_)
-      isBoundary[static_cast<std::size_t>(dof)] = true;
-    const std::vector<double> diagonal = matrix.diagonal();
-    for (std::size_t i = 0; i < isBoundary.size(); ++i)
-      for (std::size_t k = interior.offsets[i]; k < interior.offsets[i + 1]; ++k) {
-        const auto j = static_cast<std::size_t>(interior.columns[k]);
-        if (isBoundary[i] || isBoundary[j])
-          interior.values[k] = i == j ? diagonal[i] : 0.0;
-      }
-    interiorSolve_ = std::make_unique<SparseSolve>(interior, "MUMPS", Precision::Double, 0.0);
+      : matrix_(&matrix), boundary_(std::move(boundary)) {
+    interiorSolve_ = std::make_unique<SparseSolve>(interior(), "MUMPS", Precision::Double, 0.0);
   }
+
+  void refactor(const LocalMatrix& matrix) {
+    matrix_ = &matrix;
+    interiorSolve_->refactor(interior());
+  }
+
+  FactorizationCounts counts() const { return interiorSolve_->counts(); }
 
   int size() const override { return static_cast<int>(boundary_.size()); }
 
   void apply(const double* t, double* u, int count) const override {
-    const auto n = static_cast<std::size_t>(matrix_.rows());
+    const auto n = static_cast<std::size_t>(matrix_->rows());
     std::vector<double> image;
-    throughAllDofs(matrix_.rows(), boundary_, t, u, count, [&](double* x, int number) {
+    throughAllDofs(matrix_->rows(), boundary_, t, u, count, [&](double* x, int number) {
       image.resize(n * static_cast<std::size_t>(number));
       for (std::size_t c = 0; c < static_cast<std::size_t>(number); ++c) {
-        matrix_.multiply(x + c * n, image.data() + c * n); // (K_bb t, K_ib t)
+        matrix_->multiply(x + c * n, image.data() + c * n); // (K_bb t, K_ib t)
         for (int dof : boundary_)
           image[c * n + static_cast<std::size_t>(dof)] = 0.0;
       }
@@ -84,7 +78,7 @@ class SchurBySolves : public BoundaryOperator {
       for (std::size_t k = 0; k < image.size(); ++k)
         x[k] -= image[k];
       for (std::size_t c = 0; c < static_cast<std::size_t>(number); ++c) {
-        matrix_.multiply(x + c * n, image.data() + c * n);
+        matrix_->multiply(x + c * n, image.data() + c * n);
         std::copy(image.data() + c * n, image.data() + (c + 1) * n, x + c * n);
       }
     });
@@ -97,21 +91,37 @@ class SchurBySolves : public BoundaryOperator {
   double flops() const override { return interiorSolve_->flops(); }
 
  private:
-  const LocalMatrix& matrix_;
+  // K_ii, with the diagonal at boundary dofs.
+  LocalMatrix interior() const {
+    LocalMatrix result = *matrix_;
+    std::vector<bool> isBoundary(static_cast<std::size_t>(result.rows()), false);
+    for (int dof : boundary_)
+      isBoundary[static_cast<std::size_t>(dof)] = true;
+    for (std::size_t i = 0; i < isBoundary.size(); ++i)
+      for (std::size_t k = result.offsets[i]; k < result.offsets[i + 1]; ++k) {
+        const auto j = static_cast<std::size_t>(result.columns[k]);
+        if (i != j && (isBoundary[i] || isBoundary[j]))
+          result.values[k] = 0.0;
+      }
+    return result;
+  }
+
+  const LocalMatrix* matrix_;
   std::vector<int> boundary_;
   std::unique_ptr<SparseSolve> interiorSolve_;
 };
 
 class ImplicitInverse : public LocalInverse {
  public:
-  ImplicitInverse(const LocalMatrix& matrix, const LocalMatrix& regularizedMatrix, std::vector<int> boundary,
+  ImplicitInverse(const LocalMatrix& matrix, const Kernel& kernel, std::vector<int> boundary,
                   const LocalInverseSettings& settings)
-      : matrix_(matrix),
-        solve_(regularizedMatrix, settings.implicitSolver, settings.precision, settings.blockLowRank),
+      : matrix_(&matrix),
+        fixing_(kernel.columns > 0 ? fixingDofs(matrix, kernel, settings.fixingPlaces) : std::vector<int>()),
+        solve_(definite(kernel), settings.implicitSolver, settings.precision, settings.blockLowRank),
         boundary_(*this, std::move(boundary)) {}
 
   void apply(double* x, int count) const override {
-    const auto n = static_cast<std::size_t>(matrix_.rows());
+    const auto n = static_cast<std::size_t>(matrix_->rows());
     inParts(count,
             [&](int first, int number) { solve_.solve(x + static_cast<std::size_t>(first) * n, number); });
   }
@@ -119,19 +129,41 @@ class ImplicitInverse : public LocalInverse {
   const BoundaryOperator& boundaryOperator() const override { return boundary_; }
 
   std::shared_ptr<const BoundaryOperator> schurComplement() const override {
-    return std::make_shared<SchurBySolves>(matrix_, boundary_.boundary());
+    if (!schur_)
+      schur_ = std::make_shared<SchurBySolves>(*matrix_, boundary_.boundary());
+    return schur_;
   }
 
   double bytes() const override { return solve_.bytes(); }
 
+  void refactor(const LocalMatrix& matrix, const Kernel& kernel) override {
+    HARMOS_REQUIRE((kernel.columns == 0) == fixing_.empty(), "the kernel has appeared or vanished");
+    matrix_ = &matrix;
+    solve_.refactor(definite(kernel));
+    if (schur_)
+      schur_->refactor(matrix);
+  }
+
+  FactorizationCounts counts() const override {
+    FactorizationCounts sum = solve_.counts();
+    if (schur_)
+      sum += schur_->counts();
+    return sum;
+  }
+
  private:
+  // K, or K + VVᵀ.
+  LocalMatrix definite(const Kernel& kernel) const {
+    return fixing_.empty() ? *matrix_ : regularized(*matrix_, kernel, fixing_);
+  }
+
   class Restriction : public BoundaryOperator {
    public:
     Restriction(const ImplicitInverse& inverse, std::vector<int> boundary)
         : inverse_(inverse), boundary_(std::move(boundary)) {}
     int size() const override { return static_cast<int>(boundary_.size()); }
     void apply(const double* t, double* u, int count) const override {
-      throughAllDofs(inverse_.matrix_.rows(), boundary_, t, u, count,
+      throughAllDofs(inverse_.matrix_->rows(), boundary_, t, u, count,
                      [&](double* x, int number) { inverse_.solve_.solve(x, number); });
     }
     double bytes() const override { return inverse_.bytes(); }
@@ -146,9 +178,11 @@ class ImplicitInverse : public LocalInverse {
     std::vector<int> boundary_;
   };
 
-  const LocalMatrix& matrix_;
+  const LocalMatrix* matrix_;
+  std::vector<int> fixing_; ///< dofs that hold the kernel; none without one
   SparseSolve solve_;
   Restriction boundary_;
+  mutable std::shared_ptr<SchurBySolves> schur_; ///< made when it is asked for
 };
 
 // Inverse of a dense symmetric positive definite matrix, whole.
@@ -173,29 +207,19 @@ class CondensedInverse : public LocalInverse {
  public:
   CondensedInverse(const LocalMatrix& matrix, const Kernel& kernel, const std::vector<int>& boundary,
                    int columns, const LocalInverseSettings& settings, OrderingCache& orderings)
-      : n_(matrix.rows()), b_(static_cast<int>(boundary.size())) {
-    std::vector<double> s = condense(matrix, boundary, settings, orderings);
-    if (settings.keepSchur)
-      schur_ = std::make_shared<DenseOperator>(s, b_, settings.precision, columns);
-    if (kernel.columns > 0) {
-      // As many boundary dofs as rigid motions: nothing is left of S but rounding errors of K, which must not
-      // be what holds the kernel.
-      const double least = std::sqrt(std::numeric_limits<double>::epsilon());
-      const std::vector<double> whole = matrix.diagonal();
-      std::vector<double> diagonal;
-      for (int k = 0; k < b_; ++k)
-        diagonal.push_back(
-            std::max(s[static_cast<std::size_t>(k) * static_cast<std::size_t>(b_ + 1)],
-                     least * whole[static_cast<std::size_t>(boundary[static_cast<std::size_t>(k)])]));
-      const Kernel v = regularization(restricted(kernel, boundary), diagonal);
-      for (int k = 0; k < v.columns; ++k)
-        for (int j = 0; j < b_; ++j)
-          for (int i = 0; i < b_; ++i)
-            s[static_cast<std::size_t>(j) * static_cast<std::size_t>(b_) + static_cast<std::size_t>(i)] +=
-                v.column(k)[i] * v.column(k)[j];
-    }
-    invert(s, b_);
-    inverse_ = std::make_unique<DenseOperator>(std::move(s), b_, settings.precision, columns);
+      : n_(matrix.rows()),
+        b_(static_cast<int>(boundary.size())),
+        boundary_(boundary),
+        columns_(columns),
+        settings_(settings) {
+    make(matrix, kernel, &orderings);
+  }
+
+  void refactor(const LocalMatrix& matrix, const Kernel& kernel) override { make(matrix, kernel, nullptr); }
+
+  FactorizationCounts counts() const override {
+    return mumps_ ? FactorizationCounts{mumps_->statistics().analyses, mumps_->statistics().factorizations}
+                  : FactorizationCounts{};
   }
 
   void apply(double* x, int count) const override {
@@ -228,9 +252,34 @@ class CondensedInverse : public LocalInverse {
   }
 
  private:
+  // S, and S⁺ from it. @param orderings null: by the analysis that is there.
+  void make(const LocalMatrix& matrix, const Kernel& kernel, OrderingCache* orderings) {
+    std::vector<double> s = condense(matrix, orderings);
+    if (settings_.keepSchur)
+      schur_ = std::make_shared<DenseOperator>(s, b_, settings_.precision, columns_);
+    if (kernel.columns > 0) {
+      // As many boundary dofs as rigid motions: nothing is left of S but rounding errors of K, which must not
+      // be what holds the kernel.
+      const double least = std::sqrt(std::numeric_limits<double>::epsilon());
+      const std::vector<double> whole = matrix.diagonal();
+      std::vector<double> diagonal;
+      for (int k = 0; k < b_; ++k)
+        diagonal.push_back(
+            std::max(s[static_cast<std::size_t>(k) * static_cast<std::size_t>(b_ + 1)],
+                     least * whole[static_cast<std::size_t>(boundary_[static_cast<std::size_t>(k)])]));
+      const Kernel v = regularization(restricted(kernel, boundary_), diagonal);
+      for (int k = 0; k < v.columns; ++k)
+        for (int j = 0; j < b_; ++j)
+          for (int i = 0; i < b_; ++i)
+            s[static_cast<std::size_t>(j) * static_cast<std::size_t>(b_) + static_cast<std::size_t>(i)] +=
+                v.column(k)[i] * v.column(k)[j];
+    }
+    invert(s, b_);
+    inverse_ = std::make_unique<DenseOperator>(std::move(s), b_, settings_.precision, columns_);
+  }
+
   // S; keeps the factorisation of K_ii, if there is an interior.
-  std::vector<double> condense(const LocalMatrix& matrix, const std::vector<int>& boundary,
-                               const LocalInverseSettings& settings, OrderingCache& orderings) {
+  std::vector<double> condense(const LocalMatrix& matrix, OrderingCache* orderings) {
     if (b_ == n_) {
       std::vector<double> whole(static_cast<std::size_t>(n_) * static_cast<std::size_t>(n_), 0.0);
       for (std::size_t i = 0; i + 1 < matrix.offsets.size(); ++i)
@@ -239,14 +288,22 @@ class CondensedInverse : public LocalInverse {
               matrix.values[k];
       return whole;
     }
+    Triplets triplets = lowerTriangle(matrix, 1);
+    const std::size_t hash = patternHash(matrix);
+    if (orderings == nullptr) {
+      if (hash != patternHash_)
+        throw InputError("a matrix is to be factored by the analysis of another one, but its graph differs");
+      mumps_->refactorize(std::move(triplets.rows), std::move(triplets.columns), std::move(triplets.values));
+      return mumps_->schurComplement();
+    }
+    patternHash_ = hash;
     MumpsOptions options;
-    options.blockLowRank = settings.blockLowRank;
-    std::vector<int>& position = orderings[{n_, patternHash(matrix), boundary}];
+    options.blockLowRank = settings_.blockLowRank;
+    std::vector<int>& position = (*orderings)[{n_, hash, boundary_}];
     if (!position.empty())
       options.ordering = MumpsOptions::Ordering::Given;
     mumps_ = std::make_unique<Mumps>(MPI_COMM_SELF, options);
-    Triplets triplets = lowerTriangle(matrix, 1);
-    mumps_->analyse(n_, std::move(triplets.rows), std::move(triplets.columns), boundary, position);
+    mumps_->analyse(n_, std::move(triplets.rows), std::move(triplets.columns), boundary_, position);
     if (position.empty())
       position = mumps_->ordering();
     mumps_->factorize(std::move(triplets.values));
@@ -255,6 +312,10 @@ class CondensedInverse : public LocalInverse {
 
   int n_;
   int b_;
+  std::vector<int> boundary_;
+  int columns_;
+  LocalInverseSettings settings_;
+  std::size_t patternHash_ = 0;
   std::unique_ptr<Mumps> mumps_; ///< of K_ii, with b for Schur rows
   std::unique_ptr<DenseOperator> inverse_;
   std::shared_ptr<const DenseOperator> schur_;
@@ -265,11 +326,7 @@ class CondensedInverse : public LocalInverse {
 std::unique_ptr<LocalInverse> makeImplicitInverse(const LocalMatrix& matrix, const Kernel& kernel,
                                                   const std::vector<int>& boundary,
                                                   const LocalInverseSettings& settings) {
-  if (kernel.columns == 0)
-    return std::make_unique<ImplicitInverse>(matrix, matrix, boundary, settings);
-  return std::make_unique<ImplicitInverse>(
-      matrix, regularized(matrix, kernel, fixingDofs(matrix, kernel, settings.fixingPlaces)), boundary,
-      settings);
+  return std::make_unique<ImplicitInverse>(matrix, kernel, boundary, settings);
 }
 
 std::unique_ptr<LocalInverse> makeCondensedInverse(const LocalMatrix& matrix, const Kernel& kernel,

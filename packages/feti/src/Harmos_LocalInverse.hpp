@@ -4,6 +4,7 @@
 #include "Harmos_BoundaryOperator.hpp"
 #include "Harmos_Kernel.hpp"
 #include "Harmos_LocalMatrix.hpp"
+#include "Harmos_SparseSolve.hpp"
 
 #include <map>
 #include <memory>
@@ -30,6 +31,14 @@ class LocalInverse {
 
   /// Memory held by factors and dense blocks.
   virtual double bytes() const = 0;
+
+  /// Becomes the inverse of another matrix with the same graph, and a kernel of the same dimension, by the
+  /// analysis that is there. Boundary operators that were handed out before are not to be used again.
+  /// @throws InputError if the graph differs; NumericalError, InternalError.
+  virtual void refactor(const LocalMatrix& matrix, const Kernel& kernel) = 0;
+
+  /// Of the sparse factors.
+  virtual FactorizationCounts counts() const = 0;
 };
 
 /// What the making of a local inverse needs to know.

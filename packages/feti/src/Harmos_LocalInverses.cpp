@@ -71,6 +71,32 @@ void verify(const LocalMatrix& matrix, const Kernel& kernel, const InverseQualit
   }
 }
 
+// Its condition.
+double verified(const LocalMatrix& matrix, const Kernel& kernel, const LocalInverse& inverse,
+                const LocalInverseOptions& options, const std::string& number) {
+  const InverseQuality quality = inverseQuality(matrix, kernel, inverse);
+  verify(matrix, kernel, quality, options, number);
+  return quality.condition();
+}
+
+// With the subdomain's name and what may be wrong with it.
+template<class Make>
+void rethrowing(const LocalMatrix& matrix, const Kernel& kernel, const LocalInverseOptions& options,
+                const std::string& number, Make&& make) {
+  try {
+    make();
+  } catch (const NumericalError& error) {
+    const std::string precision =
+        options.precision == Precision::Single
+            ? "single precision is too short for its condition number (\"Dual operator/Precision\" = "
+              "\"double\" tells), or "
+            : "";
+    throw NumericalError("subdomain " + number + ": " + error.what() + "; " + precision +
+                             causeOfHiddenMotion(matrix, kernel),
+                         {{"subdomain", number}});
+  }
+}
+
 } // namespace
 
 std::vector<CongruenceClass> congruenceClasses(const SubdomainSystem& system, const Constraints& constraints,
@@ -108,6 +134,34 @@ double LocalInverses::bytes() const {
   return sum;
 }
 
+FactorizationCounts LocalInverses::counts() const {
+  FactorizationCounts sum;
+  for (const auto& inverse : inverses_)
+    sum += inverse->counts();
+  return sum;
+}
+
+void LocalInverses::refactor(const SubdomainSystem& system, const LocalInverseOptions& options) {
+  agree(*system.comm(), [&] {
+    condition_ = 1.0;
+    for (std::size_t c = 0; c < classes_.size(); ++c) {
+      const int first = classes_[c].members.front();
+      const LocalMatrix& matrix = system.matrix(first);
+      const Kernel& kernel = system.kernel(first);
+      const std::string number = std::to_string(system.subdomain(first).number);
+      for (int member : classes_[c].members)
+        if (&system.matrix(member) != &matrix)
+          throw InputError("subdomains " + number + " and " +
+                               std::to_string(system.subdomain(member).number) +
+                               " shared a factorisation, but their new matrices differ; make the inverses "
+                               "anew, or do not share",
+                           {{"subdomain", number}});
+      rethrowing(matrix, kernel, options, number, [&] { inverses_[c]->refactor(matrix, kernel); });
+      condition_ = std::max(condition_, verified(matrix, kernel, *inverses_[c], options, number));
+    }
+  });
+}
+
 LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints& constraints,
                                 const LocalInverseOptions& options) {
   std::vector<CongruenceClass> classes;
@@ -121,25 +175,14 @@ LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints
       const LocalMatrix& matrix = system.matrix(first);
       const Kernel& kernel = system.kernel(first);
       const std::string number = std::to_string(system.subdomain(first).number);
-      try {
+      rethrowing(matrix, kernel, options, number, [&] {
         inverses.push_back(options.form == DualForm::Implicit
                                ? makeImplicitInverse(matrix, kernel, item.boundary, options)
                                : makeCondensedInverse(matrix, kernel, item.boundary,
                                                       static_cast<int>(item.members.size()), options,
                                                       orderings));
-      } catch (const NumericalError& error) {
-        const std::string precision =
-            options.precision == Precision::Single
-                ? "single precision is too short for its condition number (\"Dual operator/Precision\" = "
-                  "\"double\" tells), or "
-                : "";
-        throw NumericalError("subdomain " + number + ": " + error.what() + "; " + precision +
-                                 causeOfHiddenMotion(matrix, kernel),
-                             {{"subdomain", number}});
-      }
-      const InverseQuality quality = inverseQuality(matrix, kernel, *inverses.back());
-      verify(matrix, kernel, quality, options, number);
-      condition = std::max(condition, quality.condition());
+      });
+      condition = std::max(condition, verified(matrix, kernel, *inverses.back(), options, number));
     }
   });
   LocalInverses result(std::move(classes), std::move(inverses));

@@ -55,6 +55,14 @@ class LocalInverses {
   double condition() const { return condition_; }
   /// Memory held on this rank.
   double bytes() const;
+  /// What was spent on this rank's factors so far.
+  FactorizationCounts counts() const;
+
+  /// Become those of a system whose matrices have other values, and are verified again: numerical
+  /// factorisations by the analyses that are there. Operators made from these inverses are to be made anew.
+  /// @throws InputError on all ranks if a graph has changed, or subdomains that shared an inverse no longer
+  ///         have one matrix; NumericalError as makeLocalInverses(). @note Collective.
+  void refactor(const SubdomainSystem& system, const LocalInverseOptions& options);
 
  private:
   friend LocalInverses makeLocalInverses(const SubdomainSystem&, const Constraints&,

@@ -159,6 +159,7 @@ class Mumps::Engine {
                        const std::vector<int>& position) = 0;
   virtual std::vector<int> ordering() const = 0;
   virtual void factorize(std::vector<double> values) = 0;
+  virtual void refactorize(std::vector<int> rows, std::vector<int> columns, std::vector<double> values) = 0;
   virtual std::vector<double> schurComplement() = 0;
   /// @param stage ICNTL(26): 0 solve, 1 condense, 2 expand.
   virtual void solve(double* rightHandSides, double* reduced, int count, int stage) = 0;
@@ -242,6 +243,9 @@ class EngineOf : public Mumps::Engine {
       mumps_.listvar_schur = nullptr;
     }
     call(jobAnalyse);
+    ++statistics.analyses;
+    analysedEntries_ = rows_.size();
+    workspaceEntries_ = sizeFrom(mumps_.info[7]);
     statistics.factorEntries = sizeFrom(mumps_.infog[19]);
     statistics.factorizationFlops = static_cast<double>(mumps_.rinfog[0]);
     statistics.memoryMiB = mumps_.infog[16];
@@ -266,8 +270,9 @@ class EngineOf : public Mumps::Engine {
       mumps_.schur = schur_.data();
     }
     if (ownsWorkspace_)
-      provideWorkspace(sizeFrom(mumps_.info[7]));
+      provideWorkspace(workspaceEntries_);
     call(jobFactorize);
+    ++statistics.factorizations;
     // The factors stand at the beginning, the rest was needed while they were made: often as much again.
     if (ownsWorkspace_)
       workspace_.keepOnly(static_cast<std::size_t>(sizeFrom(mumps_.info[8])) * sizeof(Value));
@@ -286,6 +291,24 @@ class EngineOf : public Mumps::Engine {
     statistics.factorEntries = sizeFrom(mumps_.infog[28]);
     statistics.factorizationFlops = static_cast<double>(mumps_.rinfog[2]);
     statistics.memoryMiB = mumps_.infog[21];
+  }
+
+  void refactorize(std::vector<int> rows, std::vector<int> columns, std::vector<double> values) override {
+    HARMOS_REQUIRE(isFactored_, "a matrix is factored again after it has been factored");
+    if (isRoot_ && (rows.size() != analysedEntries_ || values.size() != analysedEntries_))
+      throw InputError("a matrix with " + std::to_string(values.size()) +
+                       " entries is to be factored by an "
+                       "analysis of " +
+                       std::to_string(analysedEntries_) + "; its graph has changed");
+    rows_ = std::move(rows);
+    columns_ = std::move(columns);
+    if (isRoot_) {
+      mumps_.irn = rows_.data();
+      mumps_.jcn = columns_.data();
+    }
+    isFactored_ = false;
+    condensed_ = 0;
+    factorize(std::move(values));
   }
 
   std::vector<double> schurComplement() override {
@@ -405,7 +428,7 @@ class EngineOf : public Mumps::Engine {
       if ((code == -8 || code == -9) && job == jobFactorize && attempt < mostEnlargements) {
         icntl(14) = 2 * icntl(14) + 20; // workspace relaxation in per cent
         if (ownsWorkspace_)
-          provideWorkspace(sizeFrom(mumps_.info[7]) * (1.0 + 0.01 * icntl(14)));
+          provideWorkspace(workspaceEntries_ * (1.0 + 0.01 * icntl(14)));
         continue;
       }
       const ErrorData data = {{"infog1", std::to_string(code)}, {"infog2", std::to_string(detail)}};
@@ -420,6 +443,8 @@ class EngineOf : public Mumps::Engine {
   std::vector<int> rows_, columns_, schurRows_, position_;
   std::vector<Value> schur_;
   int order_ = 0;
+  std::size_t analysedEntries_ = 0;
+  double workspaceEntries_ = 0.0; // INFO(8) of the analysis
   int schurSize_ = 0;
   bool isRoot_ = false;
   Workspace workspace_;
@@ -451,6 +476,10 @@ std::vector<int> Mumps::ordering() const {
 
 void Mumps::factorize(std::vector<double> values) {
   engine_->factorize(std::move(values));
+}
+
+void Mumps::refactorize(std::vector<int> rows, std::vector<int> columns, std::vector<double> values) {
+  engine_->refactorize(std::move(rows), std::move(columns), std::move(values));
 }
 
 std::vector<double> Mumps::schurComplement() {

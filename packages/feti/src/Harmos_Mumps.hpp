@@ -58,6 +58,7 @@ class Mumps {
     double factorEntries = 0.0; ///< entries of the factors, INFOG(29); estimated by the analysis, INFOG(20)
     double factorizationFlops = 0.0; ///< RINFOG(3); estimated by the analysis, RINFOG(1)
     double memoryMiB = 0.0;          ///< on all ranks of the communicator, INFOG(22); estimated, INFOG(17)
+    int analyses = 0, factorizations = 0; ///< that were made
   };
 
   explicit Mumps(MPI_Comm comm, const MumpsOptions& options = {});
@@ -76,6 +77,11 @@ class Mumps {
 
   /// Numerical factorisation of the values of the analysed entries; only the root's are read. Once.
   void factorize(std::vector<double> values);
+
+  /// The same of other values, with the analysis that is there: a step of Newton's method, of time. The
+  /// entries, which factorize() has let go, are those that were analysed, in their order.
+  /// @throws InputError if their number differs.
+  void refactorize(std::vector<int> rows, std::vector<int> columns, std::vector<double> values);
 
   /// S, whole and symmetric for symmetric matrices, column after column; on the root. It is handed over once.
   std::vector<double> schurComplement();

@@ -68,7 +68,17 @@ class MumpsSolver : public Amesos2::SolverCore<MumpsSolver, Matrix, Vector>, pub
     std::vector<double> values;
     if (this->root_)
       forEachEntry([&](int, int, double value) { values.push_back(value); });
-    mumps_->factorize(std::move(values));
+    if (mumps_->statistics().factorizations == 0) {
+      mumps_->factorize(std::move(values));
+    } else {
+      std::vector<int> rows, columns;
+      if (this->root_)
+        forEachEntry([&](int i, int j, double) {
+          rows.push_back(i + 1);
+          columns.push_back(j + 1);
+        });
+      mumps_->refactorize(std::move(rows), std::move(columns), std::move(values));
+    }
     this->setNnzLU(static_cast<std::size_t>(mumps_->statistics().factorEntries));
     values_ = {};
     columns_ = {};

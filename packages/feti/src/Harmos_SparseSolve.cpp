@@ -31,7 +31,7 @@ Teuchos::RCP<const CrsMatrix> toTpetra(const LocalMatrix& matrix, const Teuchos:
 
 SparseSolve::SparseSolve(const LocalMatrix& matrix, const std::string& solver, Precision precision,
                          double blockLowRank)
-    : precision_(precision), rows_(matrix.rows()) {
+    : patternHash_(patternHash(matrix)), precision_(precision), rows_(matrix.rows()) {
   // Teuchos::SerialComm makes Amesos2 crash; the rank's own MPI communicator does not.
   const auto self = Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF));
   map_ = Teuchos::rcp(new Map(static_cast<Tpetra::global_size_t>(rows_), 0, self, Tpetra::LocallyReplicated));
@@ -60,6 +60,23 @@ SparseSolve::SparseSolve(const LocalMatrix& matrix, const std::string& solver, P
 }
 
 SparseSolve::~SparseSolve() = default;
+
+void SparseSolve::refactor(const LocalMatrix& matrix) {
+  if (patternHash(matrix) != patternHash_)
+    throw InputError("a matrix is to be factored by the analysis of another one, but its graph differs");
+  solver_->setA(toTpetra(matrix, map_), Amesos2::SYMBFACT);
+  solver_->numericFactorization();
+  ++factorizations_;
+  if (precision_ == Precision::Single)
+    refined_ = matrix;
+}
+
+FactorizationCounts SparseSolve::counts() const {
+  // Amesos2 begins to count anew with each matrix.
+  const auto mumps = Teuchos::rcp_dynamic_cast<const MumpsExtras>(solver_);
+  return {mumps.is_null() ? solver_->getStatus().getNumSymbolicFact() : mumps->statistics().analyses,
+          factorizations_};
+}
 
 bool SparseSolve::isAvailable(const std::string& solver) {
   return solver == "MUMPS" || Amesos2::query(solver);

@@ -12,6 +12,18 @@
 
 namespace Harmos::feti {
 
+/// What was spent on factors.
+struct FactorizationCounts {
+  int analyses = 0;       ///< symbolic factorisations: orders of elimination, structures of factors
+  int factorizations = 0; ///< numerical ones
+
+  FactorizationCounts& operator+=(const FactorizationCounts& other) {
+    analyses += other.analyses;
+    factorizations += other.factorizations;
+    return *this;
+  }
+};
+
 /// The factorisation of one rank's sparse symmetric positive definite matrix, by any solver that Amesos2
 /// offers.
 class SparseSolve {
@@ -25,6 +37,10 @@ class SparseSolve {
   SparseSolve(const LocalMatrix& matrix, const std::string& solver, Precision precision, double blockLowRank);
   ~SparseSolve();
 
+  /// The same for other values at the same places: no new analysis.
+  /// @throws InputError if the graph differs, and as the constructor.
+  void refactor(const LocalMatrix& matrix);
+
   /// Overwrites count right-hand sides, column after column, by the solutions.
   void solve(double* x, int count) const;
 
@@ -32,10 +48,14 @@ class SparseSolve {
   double bytes() const;
   /// Operations of a solve with one right-hand side.
   double flops() const;
+  /// Analyses and factorisations that were made.
+  FactorizationCounts counts() const;
 
  private:
   void solveOnce(double* x, int count) const;
 
+  std::size_t patternHash_;
+  int factorizations_ = 1;
   LocalMatrix refined_; // the matrix itself, where residuals are to be computed
   Precision precision_;
   int rows_;

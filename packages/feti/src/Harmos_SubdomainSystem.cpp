@@ -226,7 +226,90 @@ void SubdomainSystem::shareStiffness() {
   }
 }
 
+void SubdomainSystem::setLoads(std::vector<std::shared_ptr<const std::vector<double>>> loads) {
+  agree(*comm_, [&] {
+    if (loads.size() != subdomains_.size())
+      throw InputError("new loads are needed for each subdomain of the rank: " +
+                       std::to_string(subdomains_.size()) + ", not " + std::to_string(loads.size()));
+    for (std::size_t i = 0; i < loads.size(); ++i) {
+      if (!loads[i] || loads[i]->size() != subdomains_[i].load->size())
+        throw InputError(name(subdomains_[i]) + ": a load needs a value for each row of the stiffness matrix",
+                         dataOf(subdomains_[i]));
+      requireFinite(*loads[i], subdomains_[i], "load");
+    }
+  });
+  for (std::size_t i = 0; i < loads.size(); ++i)
+    subdomains_[i].load = std::move(loads[i]);
+  updateRhs();
+}
+
+void SubdomainSystem::setPrescribed(const std::vector<std::vector<double>>& values) {
+  agree(*comm_, [&] {
+    for (std::size_t i = 0; i < std::max(values.size(), subdomains_.size()); ++i) {
+      if (i >= values.size() || i >= subdomains_.size() || values[i].size() != subdomains_[i].fixed.size())
+        throw InputError(
+            "new prescribed values are needed for each Dirichlet condition of each subdomain of the "
+            "rank");
+      requireFinite(values[i], subdomains_[i], "prescribed value");
+    }
+  });
+  for (std::size_t i = 0; i < values.size(); ++i)
+    for (std::size_t k = 0; k < values[i].size(); ++k)
+      subdomains_[i].fixed[k].value = values[i][k];
+  updateRhs();
+}
+
+void SubdomainSystem::setMatrices(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
+                                  const std::vector<std::shared_ptr<const Kernel>>& motions) {
+  const std::vector<Subdomain> before = subdomains_;
+  const auto matrices = matrices_;
+  const auto rhs = rhs_;
+  const auto kernels = kernels_;
+  try {
+    agree(*comm_, [&] {
+      if (stiffness.size() != before.size() || (!motions.empty() && motions.size() != before.size()))
+        throw InputError("new matrices are needed for each subdomain of the rank: " +
+                         std::to_string(before.size()) + ", not " + std::to_string(stiffness.size()));
+      for (std::size_t i = 0; i < before.size(); ++i) {
+        if (!stiffness[i] || stiffness[i]->offsets != before[i].stiffness->offsets ||
+            stiffness[i]->columns != before[i].stiffness->columns)
+          throw InputError(name(before[i]) + ": the new stiffness matrix has another graph",
+                           dataOf(before[i]));
+        subdomains_[i].stiffness = stiffness[i];
+        if (!motions.empty() && motions[i])
+          subdomains_[i].motions = motions[i];
+      }
+      checkInput();
+      shareStiffness();
+      build();
+      for (std::size_t i = 0; i < before.size(); ++i)
+        if (kernels_[i]->columns != kernels[i]->columns)
+          throw InputError(name(before[i]) + ": the new matrix has a kernel of dimension " +
+                               std::to_string(kernels_[i]->columns) + ", the old one of " +
+                               std::to_string(kernels[i]->columns),
+                           dataOf(before[i]));
+    });
+  } catch (...) {
+    subdomains_ = before;
+    matrices_ = matrices;
+    rhs_ = rhs;
+    kernels_ = kernels;
+    throw;
+  }
+}
+
+// f of the subdomains, with the trivial equations.
+void SubdomainSystem::updateRhs() {
+  rhs_.clear();
+  for (const Subdomain& s : subdomains_)
+    rhs_.push_back(form_ == DirichletForm::Primal && !s.fixed.empty()
+                       ? std::make_shared<const std::vector<double>>(loadWithTrivialEquations(s))
+                       : s.load);
+}
+
 void SubdomainSystem::build() {
+  matrices_.clear();
+  kernels_.clear();
   using Dofs = std::vector<int>;
   Shared<std::pair<const LocalMatrix*, Dofs>, LocalMatrix> matrices;
   Shared<std::pair<const Kernel*, Dofs>, Kernel> kernels;
@@ -248,12 +331,11 @@ void SubdomainSystem::build() {
     if (held) {
       matrices_.push_back(matrices.get({s.stiffness.get(), fixed},
                                        [&] { return matrixWithTrivialEquations(*s.stiffness, fixed); }));
-      rhs_.push_back(std::make_shared<const std::vector<double>>(loadWithTrivialEquations(s)));
     } else {
       matrices_.push_back(s.stiffness);
-      rhs_.push_back(s.load);
     }
   }
+  updateRhs();
 }
 
 long long SubdomainSystem::kernelOwner(int column) const {

@@ -41,7 +41,8 @@ enum class DirichletForm {
 /// A vector of values for each subdomain of this rank, copies being independent: u, f, Ku.
 using TornVector = std::vector<std::vector<double>>;
 
-/// K = diag(K_i), f and R of the torn problem, verified. Immutable.
+/// K = diag(K_i), f and R of the torn problem, verified. Its structure is immutable; loads, prescribed values
+/// and the values of the matrices may be set anew.
 ///
 /// The kernels are those of the matrices with the Dirichlet conditions in the chosen form, with orthonormal
 /// columns (RᵀR = I), and are verified: ‖K_i R_i‖ ≤ 1e-12 ‖K_i‖ ‖R_i‖.
@@ -57,6 +58,23 @@ class SubdomainSystem {
   /// @note Collective.
   SubdomainSystem(Teuchos::RCP<const Teuchos::Comm<int>> comm, std::vector<Subdomain> subdomains,
                   DirichletForm form);
+
+  /// New loads, by this rank's subdomains; all else stays. What was made of the old ones (DualProblem) is to
+  /// be made anew.
+  /// @throws InputError on all ranks for loads of another length, or that are not finite. @note Collective.
+  void setLoads(std::vector<std::shared_ptr<const std::vector<double>>> loads);
+  /// New values of the Dirichlet conditions, by this rank's subdomains and in the order of Subdomain::fixed,
+  /// whose dofs stay. What was made of the old ones (Constraints::setBounds(), DualProblem) is to be made
+  /// anew.
+  /// @throws InputError on all ranks likewise. @note Collective.
+  void setPrescribed(const std::vector<std::vector<double>>& values);
+  /// New stiffness matrices with the graphs of the old ones, and their kernels where they change too. What
+  /// was made of the old ones is to be made anew; see LocalInverses::refactor().
+  /// @param motions null pointers: as they were.
+  /// @throws InputError, NumericalError on all ranks, as the constructor, and for another graph.
+  /// @note Collective. The system is as it was if this throws.
+  void setMatrices(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
+                   const std::vector<std::shared_ptr<const Kernel>>& motions = {});
 
   const Teuchos::RCP<const Teuchos::Comm<int>>& comm() const { return comm_; }
   DirichletForm dirichletForm() const { return form_; }
@@ -87,6 +105,7 @@ class SubdomainSystem {
   void checkInput() const;
   void shareStiffness();
   void build();
+  void updateRhs();
 
   Teuchos::RCP<const Teuchos::Comm<int>> comm_;
   std::vector<Subdomain> subdomains_;

@@ -14,7 +14,7 @@ namespace Harmos::scene {
 namespace {
 
 // Nothing is to be had below: products with dense blocks in single precision, or rounding errors.
-double leastTolerance(const DualOptions& options) {
+double leastTolerance(const feti::DualOptions& options) {
   return options.inverses.precision == feti::Precision::Single ? 1e-7 : 1e-15;
 }
 
@@ -27,7 +27,7 @@ double firstBalancedTolerance() {
 }
 
 AnswerCheck::AnswerCheck(const Teuchos::Comm<int>& comm, const Scene& scene,
-                         const std::vector<OwnedSubdomain>& owned, const DualStages& stages,
+                         const std::vector<OwnedSubdomain>& owned, const feti::DualStages& stages,
                          const RunOptions& options, const Log& log, RunReport& report)
     : comm_(comm),
       scene_(scene),
@@ -39,9 +39,9 @@ AnswerCheck::AnswerCheck(const Teuchos::Comm<int>& comm, const Scene& scene,
   extension_ = stages.preconditioner;
   // Without one, a bound that is too large by far would cost iterations: only who asks for it gets it.
   if (extension_.is_null() && options.toleranceRule == ToleranceRule::Balanced)
-    extension_ = Teuchos::rcp(new feti::DualPreconditioner(stages.system, stages.constraints, stages.inverses,
-                                                           feti::PreconditionerKind::Lumped,
-                                                           options.dual.scalingFor(scene)));
+    extension_ = Teuchos::rcp(new feti::DualPreconditioner(
+        stages.system, stages.constraints, stages.inverses, feti::PreconditionerKind::Lumped,
+        options.dual.scalingFor(scene.hasSeveralMaterials())));
 }
 
 void AnswerCheck::recover(const MultiVector& lambda, const std::vector<double>& mu) {

@@ -13,16 +13,6 @@
 
 namespace Harmos::scene {
 
-/// The dual side of a run, as far as answers are judged by it. All to outlive what is made with it.
-struct DualStages {
-  const feti::SubdomainSystem& system;
-  const feti::Constraints& constraints;
-  const feti::LocalInverses& inverses;
-  const feti::CoarseSpace& coarse;
-  const feti::DualProblem& problem;
-  Teuchos::RCP<const Operator> preconditioner; ///< or null
-};
-
 /// Looks from the primal side at answers that meet the solver's tolerance, and says whether to go on.
 ///
 /// Two reasons to go on. The audit contradicts the answer (auditAgrees()): residuals of the dual problem are
@@ -42,7 +32,7 @@ struct DualStages {
 class AnswerCheck {
  public:
   AnswerCheck(const Teuchos::Comm<int>& comm, const Scene& scene, const std::vector<OwnedSubdomain>& owned,
-              const DualStages& stages, const RunOptions& options, const Log& log, RunReport& report);
+              const feti::DualStages& stages, const RunOptions& options, const Log& log, RunReport& report);
 
   /// @param lambda, mu an answer; @param tolerance that it meets.
   /// @return the tolerance to go on to; nothing if the answer is accepted, or going on would not help.
@@ -61,7 +51,7 @@ class AnswerCheck {
   const Teuchos::Comm<int>& comm_;
   const Scene& scene_;
   const std::vector<OwnedSubdomain>& owned_;
-  const DualStages& stages_;
+  const feti::DualStages& stages_;
   const RunOptions& options_;
   const Log& log_;
   RunReport& report_;

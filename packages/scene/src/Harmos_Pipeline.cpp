@@ -10,7 +10,6 @@
 #include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_DualSolution.hpp"
 #include "Harmos_Exchange.hpp"
-#include "Harmos_FormChoice.hpp"
 #include "Harmos_Qp.hpp"
 #include "Harmos_Recovery.hpp"
 #include "Harmos_StageTimers.hpp"
@@ -46,32 +45,12 @@ double peakMemoryMiB() {
   return 0.0;
 }
 
-std::string toString(StoppingRule rule) {
-  switch (rule) {
-  case StoppingRule::Scaled:
-    return "scaled";
-  case StoppingRule::Paper:
-    return "paper";
-  case StoppingRule::Permon:
-    return "permon";
-  }
-  return "";
-}
-
 feti::LocalInverses makeInverses(const feti::SubdomainSystem& system, const feti::Constraints& constraints,
-                                 const DualOptions& options, bool elastic, const Log& log,
+                                 const feti::DualOptions& options, bool elastic, const Log& log,
                                  RunReport& report) {
-  feti::LocalInverseOptions inverseOptions = options.inverses;
-  if (options.form && options.memoryBudgetMiB == 0) {
-    inverseOptions.form = *options.form;
-  } else {
-    const int expectedProducts = options.expectedProducts > 0 ? options.expectedProducts : elastic ? 100 : 30;
-    const feti::FormChoice choice =
-        feti::chooseForm(system, constraints, inverseOptions, options.form ? &*options.form : nullptr,
-                         expectedProducts, options.memoryBudgetMiB);
-    inverseOptions.form = choice.form;
-    log.info(choice.reason);
-  }
+  constexpr int usualProducts[] = {30, 100}; // of membranes, of elastic bodies
+  const feti::LocalInverseOptions inverseOptions =
+      options.decided(system, constraints, usualProducts[elastic ? 1 : 0], log);
   report.dualOperator = options.describe(inverseOptions.form);
   feti::LocalInverses inverses = feti::makeLocalInverses(system, constraints, inverseOptions);
   report.distinctFactorizations =
@@ -145,7 +124,7 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
   report.effects = scene.effectKinds();
   report.tolerance = options.tolerance;
   report.toleranceRule = options.toleranceRule == ToleranceRule::Balanced ? "balanced" : "fixed";
-  report.stoppingRule = toString(options.stoppingRule);
+  report.stoppingRule = feti::toString(options.stoppingRule);
   report.subdomains = scene.subdomains();
   std::string effects;
   for (const std::string& effect : report.effects)
@@ -215,9 +194,9 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
     const auto scope = timers.scope("dual_operator");
     return options.dual.preconditioner == feti::PreconditionerKind::None
                ? Teuchos::null
-               : Teuchos::rcp(new feti::DualPreconditioner(system, constraints, inverses,
-                                                           options.dual.preconditioner,
-                                                           options.dual.scalingFor(scene)));
+               : Teuchos::rcp(
+                     new feti::DualPreconditioner(system, constraints, inverses, options.dual.preconditioner,
+                                                  options.dual.scalingFor(scene.hasSeveralMaterials())));
   }();
   const feti::CoarseSpace coarse = [&] {
     const auto scope = timers.scope("coarse");
@@ -239,14 +218,17 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
     return feti::DualProblem(system, constraints, inverses, dualOperator, coarse);
   }();
 
-  const DualStages stagesOfDual{system, constraints, inverses, coarse, dual, preconditioner};
+  const feti::DualStages stagesOfDual{system, constraints, inverses, coarse, dual, preconditioner};
   AnswerCheck check(*comm, scene, owned, stagesOfDual, options, log, report);
-  const DualSolution solution = [&] {
+  const feti::DualSolution solution = [&] {
     const auto scope = timers.scope("solve");
     const auto accept = [&](const MultiVector& lambda, const std::vector<double>& mu, double tolerance) {
       return check.judge(lambda, mu, tolerance);
     };
-    return solveDualProblem(system, constraints, coarse, dual, preconditioner, options, accept, log, report);
+    feti::SolverOptions first = options;
+    if (options.toleranceRule == ToleranceRule::Balanced)
+      first.tolerance = firstBalancedTolerance();
+    return feti::solveDualProblem(stagesOfDual, first, nullptr, accept, log, report);
   }();
   dualOperator.rethrowFailure();
   if (!preconditioner.is_null())

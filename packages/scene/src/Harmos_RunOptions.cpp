@@ -3,34 +3,16 @@
 
 #include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"
-#include "Harmos_Qp.hpp"
 #include "Harmos_SparseSolve.hpp"
 
 namespace Harmos::scene {
 
 void RunOptions::addTo(ParameterSpec& deck) {
-  ParameterSpec decomposition("Decomposition", "How the bodies are torn.");
-  decomposition.choice("Dirichlet", "primal",
-                       {{"primal", "FETI: prescribed displacements stay in the subdomain matrices"},
-                        {"dual", "Total FETI: they become Lagrange multipliers; every subdomain floats"}},
-                       "How prescribed displacements are enforced.");
-  deck.list(std::move(decomposition));
-
-  DualOptions::addTo(deck);
+  feti::DualOptions::addDecompositionTo(deck);
+  feti::DualOptions::addTo(deck);
 
   ParameterSpec solver("Solver", "Solution of the dual quadratic program.");
-  solver.choice(
-      "Method", "Auto",
-      {{"Auto", "PCPG without inequalities; else PDAS with a preconditioner; else MPRGP without floating "
-                "subdomains and SMALBE with them"},
-       {"SMALBE", "augmented Lagrangians for bounds and equalities"},
-       {"Dual Penalty", "equalities by a fixed penalty alone"},
-       {"MPRGP", "bounds alone: no floating subdomain"},
-       {"PCPG", "equalities alone: no contact"},
-       {"PDAS", "primal-dual active sets; falls back to SMALBE or MPRGP"}},
-      "The solver.");
-  solver.real("Tolerance", 1e-4, Range::strictlyWithin(0.0, 1.0),
-              "Relative tolerance ε of the stopping rule; not used by the tolerance rule \"balanced\".");
+  feti::SolverOptions::addTo(solver);
   solver.choice("Tolerance rule", "fixed",
                 {{"fixed", "ε is \"Tolerance\""},
                  {"balanced", "ε is lowered until the solver's error is below a share of the discretisation "
@@ -38,24 +20,6 @@ void RunOptions::addTo(ParameterSpec& deck) {
                 "What the tolerance is.");
   solver.real("Solver error share", 0.3, Range::above(0.0),
               "Rule \"balanced\": the largest solver error, as a share of the discretisation error.");
-  solver.choice("Stopping rule", "scaled",
-                {{"scaled", "‖g^P‖ ≤ ε‖Pd‖ and ‖Gλ‖ ≤ ε max(‖λ̃‖, ‖λ + λ̃‖)"},
-                 {"paper", "‖g^P‖ ≤ ε‖d‖ and ‖Gλ‖ ≤ ε‖(G̃G̃ᵀ)⁻¹ẽ‖"},
-                 {"permon", "‖g^P‖ ≤ ε‖Pd‖ and ‖Gλ‖ ≤ ε‖Pd‖"}},
-                "What the residuals are measured against.");
-  solver.choice("Initial guess", "zero", {{"zero", "λ⁰ = 0"}, {"half load", "λ⁰ = ½Bf"}},
-                "First iterate of the shifted dual problem, before it is projected onto the bounds.");
-  solver.integer("Maximum iterations", 10000, 0, 1000000000,
-                 "Inner iterations after which the solver gives up.");
-  solver.real("Maximum seconds", 0.0, Range::atLeast(0.0),
-              "Time after which the solver gives up; 0 for no limit.");
-  solver.integer("Progress frequency", 10, 0, 1000000000,
-                 "A line of progress every so many inner iterations; 0 prints none.");
-  solver.list(qp::MethodSpecs::mprgp());
-  solver.list(qp::MethodSpecs::smalbe());
-  solver.list(qp::MethodSpecs::dualPenalty());
-  solver.list(qp::MethodSpecs::pcpg());
-  solver.list(qp::MethodSpecs::pdas());
   deck.list(std::move(solver));
 
   ParameterSpec output("Output", "What a run leaves behind.");
@@ -67,28 +31,14 @@ void RunOptions::addTo(ParameterSpec& deck) {
 }
 
 RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
-  RunOptions options;
-  options.dirichlet = deck.sublist("Decomposition").get<std::string>("Dirichlet") == "dual"
-                          ? feti::DirichletForm::Dual
-                          : feti::DirichletForm::Primal;
-  options.dual = DualOptions::fromList(deck.sublist("Dual operator"));
   const Teuchos::ParameterList& solver = deck.sublist("Solver");
-  options.method = solver.get<std::string>("Method");
-  options.tolerance = solver.get<double>("Tolerance");
+  RunOptions options;
+  static_cast<feti::SolverOptions&>(options) = feti::SolverOptions::fromList(solver);
+  options.dirichlet = feti::DualOptions::decompositionFrom(deck.sublist("Decomposition"));
+  options.dual = feti::DualOptions::fromList(deck.sublist("Dual operator"));
   options.toleranceRule = solver.get<std::string>("Tolerance rule") == "balanced" ? ToleranceRule::Balanced
                                                                                   : ToleranceRule::Fixed;
   options.solverErrorShare = solver.get<double>("Solver error share");
-  const std::string rule = solver.get<std::string>("Stopping rule");
-  options.stoppingRule = rule == "paper"    ? StoppingRule::Paper
-                         : rule == "permon" ? StoppingRule::Permon
-                                            : StoppingRule::Scaled;
-  options.initialGuess =
-      solver.get<std::string>("Initial guess") == "half load" ? InitialGuess::HalfLoad : InitialGuess::Zero;
-  options.maximumIterations = solver.get<int>("Maximum iterations");
-  options.maximumSeconds = solver.get<double>("Maximum seconds");
-  options.progressFrequency = solver.get<int>("Progress frequency");
-  for (const char* method : {"MPRGP", "SMALBE", "Dual Penalty", "PCPG", "PDAS"})
-    options.methodLists.sublist(method) = solver.sublist(method);
   options.outputDirectory = deck.sublist("Output").get<std::string>("Directory");
   options.writeFields = deck.sublist("Output").get<bool>("Fields");
   options.writeStresses = deck.sublist("Output").get<bool>("Stresses");

@@ -105,16 +105,8 @@ std::string toJson(const RunReport& report) {
 }
 
 bool auditAgrees(const RunReport& report) {
-  const feti::KktAudit& audit = report.audit;
-  // Jumps of a tenth are no answer, however loose the tolerance.
-  const double share = std::min(std::max(100.0 * report.tolerance, report.allowedError), 0.1);
-  const double allowed = share * audit.largestDisplacement + report.gapRounding;
-  // Of sums over all dofs; gaps are known no better than coordinates.
-  constexpr double rounding = 1e-12;
-  const double allowedError =
-      share * audit.energyNorm + rounding * audit.displacementEnergy + report.gapRounding * audit.unitEnergy;
-  return audit.gluingJump <= allowed && audit.penetration <= allowed && audit.equilibrium <= 0.5 &&
-         report.solverError <= allowedError;
+  const double share = std::max(feti::auditShare(report.tolerance), std::min(report.allowedError, 0.1));
+  return feti::auditAgrees(report.audit, share, report.gapRounding, report.solverError);
 }
 
 std::string auditText(const RunReport& report) {

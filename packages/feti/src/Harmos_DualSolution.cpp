@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_DualSolution.hpp"
 
-#include "Harmos_AnswerCheck.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Qp.hpp"
 #include "Harmos_TrilinosVersion.hpp"
@@ -12,7 +11,7 @@
 #include <cmath>
 #include <sstream>
 
-namespace Harmos::scene {
+namespace Harmos::feti {
 namespace {
 
 using StatusTestType = qp::StatusTest<MultiVector>;
@@ -37,7 +36,7 @@ std::vector<double> valuesOf(const Teuchos::RCP<const MultiVector>& vector) {
 // What PDAS needs of G on faces, by the structure of the coarse space.
 class CoarseFaceGram : public qp::FaceGramMaker<MultiVector> {
  public:
-  explicit CoarseFaceGram(const feti::CoarseSpace& coarse) : coarse_(coarse) {}
+  explicit CoarseFaceGram(const CoarseSpace& coarse) : coarse_(coarse) {}
 
   Teuchos::RCP<const qp::FaceGram> build(const MultiVector& free) const override {
     return Teuchos::rcp(new Face(coarse_, free));
@@ -46,18 +45,18 @@ class CoarseFaceGram : public qp::FaceGramMaker<MultiVector> {
  private:
   class Face : public qp::FaceGram {
    public:
-    Face(const feti::CoarseSpace& coarse, const MultiVector& free)
+    Face(const CoarseSpace& coarse, const MultiVector& free)
         : coarse_(coarse), factor_(coarse.faceFactor(free)) {}
     std::vector<double> solve(const std::vector<double>& r) const override {
       return coarse_.solveOnFace(factor_, r);
     }
 
    private:
-    const feti::CoarseSpace& coarse_;
-    feti::CoarseFactor factor_;
+    const CoarseSpace& coarse_;
+    CoarseFactor factor_;
   };
 
-  const feti::CoarseSpace& coarse_;
+  const CoarseSpace& coarse_;
 };
 
 // The convergence test of the stopping rule; the scales go to the report.
@@ -67,8 +66,8 @@ struct Test {
   Teuchos::RCP<qp::StatusTestEqualityResidual<MultiVector>> equality;
 };
 
-Test convergenceTest(const feti::DualProblem& dual, const RunOptions& options, double tolerance,
-                     bool judgeEquality, RunReport& report) {
+Test convergenceTest(const DualProblem& dual, const SolverOptions& options, double tolerance,
+                     bool judgeEquality, SolveReport& report) {
   report.dNorm = norm(dual.d());
   report.gradientScale = options.stoppingRule == StoppingRule::Paper ? report.dNorm : norm(*dual.rhs());
   Test result;
@@ -101,13 +100,19 @@ Test convergenceTest(const feti::DualProblem& dual, const RunOptions& options, d
 
 } // namespace
 
-DualSolution solveDualProblem(const feti::SubdomainSystem& system, const feti::Constraints& constraints,
-                              const feti::CoarseSpace& coarse, const feti::DualProblem& dual,
-                              const Teuchos::RCP<const Operator>& preconditioner, const RunOptions& options,
-                              const Acceptance& acceptance, const Log& log, RunReport& report) {
+DualSolution solveDualProblem(const DualStages& stages, const SolverOptions& options, const WarmStart* start,
+                              const Acceptance& acceptance, const Log& log, SolveReport& report) {
+  const SubdomainSystem& system = stages.system;
+  const Constraints& constraints = stages.constraints;
+  const CoarseSpace& coarse = stages.coarse;
+  const DualProblem& dual = stages.problem;
   DualSolution solution;
   solution.lambda = Teuchos::rcp(new MultiVector(constraints.rowMap(), 1));
-  if (options.initialGuess == InitialGuess::HalfLoad) {
+  if (start != nullptr) {
+    Tpetra::deep_copy(*solution.lambda, *start->multiplier);
+    solution.lambda->update(-1.0, *dual.shift(), 1.0);
+    coarse.project(*solution.lambda);
+  } else if (options.initialGuess == InitialGuess::HalfLoad) {
     std::vector<double> overlap(localSize(*constraints.overlapMap()), 0.0);
     for (int i = 0; i < system.size(); ++i)
       constraints.addB(i, system.rhs(i).data(), overlap.data());
@@ -120,13 +125,17 @@ DualSolution solveDualProblem(const feti::SubdomainSystem& system, const feti::C
   Teuchos::RCP<MultiVector> multiplier;
   if (!dual.equalityRows().is_null()) {
     multiplier = Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1));
+    if (start != nullptr && start->mu.size() == multiplier->getLocalLength()) {
+      const auto view = multiplier->getLocalViewHost(Tpetra::Access::OverwriteAll);
+      std::copy(start->mu.begin(), start->mu.end(), view.data());
+    }
     const auto zero = Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1));
     problem->setEquality(dual.equalityRows(), zero, multiplier, qp::EqualityStructure::OrthonormalInvariant);
     problem->setHessianOnKernel(dual.hessianOnKernel());
     problem->setFaceGram(Teuchos::rcp(new CoarseFaceGram(coarse)));
   }
-  if (!preconditioner.is_null())
-    problem->setPreconditioner(preconditioner);
+  if (!stages.preconditioner.is_null())
+    problem->setPreconditioner(stages.preconditioner);
   if (!problem->setProblem())
     throw NumericalError("the dual problem cannot be solved: " + problem->whyNotSet());
 
@@ -148,8 +157,7 @@ DualSolution solveDualProblem(const feti::SubdomainSystem& system, const feti::C
   const auto solver = qp::TpetraSolverFactory().create(method, list);
   report.solver = solver->name();
   const bool isPenalty = method == "Dual Penalty";
-  double tolerance =
-      options.toleranceRule == ToleranceRule::Balanced ? firstBalancedTolerance() : options.tolerance;
+  double tolerance = options.tolerance;
   const Test test = convergenceTest(dual, options, tolerance, !isPenalty, report);
   solver->setConvergenceTest(test.test);
   if (acceptance && !isPenalty)
@@ -171,8 +179,8 @@ DualSolution solveDualProblem(const feti::SubdomainSystem& system, const feti::C
   solver->setLog(log);
   solver->setProblem(problem);
   std::ostringstream text;
-  text << "Solving by " << report.solver << " to " << scientific(tolerance, 0) << " (" << report.stoppingRule
-       << " rule" << (options.toleranceRule == ToleranceRule::Balanced ? "), and on as needed" : ")");
+  text << "Solving by " << report.solver << " to " << scientific(tolerance, 0) << " ("
+       << toString(options.stoppingRule) << " rule)";
   log.info(text.str());
   if (options.progressFrequency > 0)
     log.info("  outer  inner  step              |g^P|   |G lambda|   active     F*x  seconds");
@@ -202,4 +210,4 @@ DualSolution solveDualProblem(const feti::SubdomainSystem& system, const feti::C
   return solution;
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::feti

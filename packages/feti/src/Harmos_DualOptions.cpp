@@ -3,7 +3,7 @@
 
 #include "Harmos_FormChoice.hpp"
 
-namespace Harmos::scene {
+namespace Harmos::feti {
 
 void DualOptions::addTo(ParameterSpec& deck) {
   const DualOptions defaults;
@@ -58,46 +58,73 @@ DualOptions DualOptions::fromList(const Teuchos::ParameterList& list) {
   DualOptions options;
   const std::string form = list.get<std::string>("Form");
   if (form != "auto")
-    options.form = form == "implicit" ? feti::DualForm::Implicit : feti::DualForm::Condensed;
+    options.form = form == "implicit" ? DualForm::Implicit : DualForm::Condensed;
   const std::string kind = list.get<std::string>("Preconditioner");
-  options.preconditioner = kind == "none"     ? feti::PreconditionerKind::None
-                           : kind == "lumped" ? feti::PreconditionerKind::Lumped
-                                              : feti::PreconditionerKind::Dirichlet;
+  options.preconditioner = kind == "none"     ? PreconditionerKind::None
+                           : kind == "lumped" ? PreconditionerKind::Lumped
+                                              : PreconditionerKind::Dirichlet;
   const std::string scaling = list.get<std::string>("Scaling");
   if (scaling != "auto")
-    options.scaling = scaling == "stiffness" ? feti::PreconditionerScaling::Stiffness
-                                             : feti::PreconditionerScaling::Multiplicity;
+    options.scaling =
+        scaling == "stiffness" ? PreconditionerScaling::Stiffness : PreconditionerScaling::Multiplicity;
   options.expectedProducts = list.get<int>("Expected products");
   options.memoryBudgetMiB = list.get<int>("Memory budget MiB");
-  feti::LocalInverseOptions& inverses = options.inverses;
+  LocalInverseOptions& inverses = options.inverses;
   inverses.share = list.get<bool>("Share identical subdomains");
-  inverses.precision =
-      list.get<std::string>("Precision") == "single" ? feti::Precision::Single : feti::Precision::Double;
+  inverses.precision = list.get<std::string>("Precision") == "single" ? Precision::Single : Precision::Double;
   inverses.implicitSolver = list.get<std::string>("Implicit solver");
   inverses.blockLowRank = list.get<double>("Block low rank tolerance");
   inverses.fixingPlaces = list.get<int>("Fixing places");
   inverses.checkNullPivots = list.get<bool>("Check null pivots");
-  inverses.keepSchur = options.preconditioner == feti::PreconditionerKind::Dirichlet;
+  inverses.keepSchur = options.preconditioner == PreconditionerKind::Dirichlet;
   return options;
 }
 
-feti::PreconditionerScaling DualOptions::scalingFor(const Scene& scene) const {
-  return scaling.value_or(scene.hasSeveralMaterials() ? feti::PreconditionerScaling::Stiffness
-                                                      : feti::PreconditionerScaling::Multiplicity);
+void DualOptions::addDecompositionTo(ParameterSpec& deck) {
+  ParameterSpec decomposition("Decomposition", "How the bodies are torn.");
+  decomposition.choice("Dirichlet", "primal",
+                       {{"primal", "FETI: prescribed displacements stay in the subdomain matrices"},
+                        {"dual", "Total FETI: they become Lagrange multipliers; every subdomain floats"}},
+                       "How prescribed displacements are enforced.");
+  deck.list(std::move(decomposition));
 }
 
-std::string DualOptions::describe(feti::DualForm used) const {
-  std::string text = feti::toString(used);
-  text += inverses.precision == feti::Precision::Single ? ", single" : ", double";
+DirichletForm DualOptions::decompositionFrom(const Teuchos::ParameterList& list) {
+  return list.get<std::string>("Dirichlet") == "dual" ? DirichletForm::Dual : DirichletForm::Primal;
+}
+
+LocalInverseOptions DualOptions::decided(const SubdomainSystem& system, const Constraints& constraints,
+                                         int usualProducts, const Log& log) const {
+  LocalInverseOptions result = inverses;
+  if (form && memoryBudgetMiB == 0) {
+    result.form = *form;
+    return result;
+  }
+  const FormChoice choice =
+      chooseForm(system, constraints, inverses, form ? &*form : nullptr,
+                 expectedProducts > 0 ? expectedProducts : usualProducts, memoryBudgetMiB);
+  result.form = choice.form;
+  log.info(choice.reason);
+  return result;
+}
+
+PreconditionerScaling DualOptions::scalingFor(bool hasSeveralMaterials) const {
+  return scaling.value_or(hasSeveralMaterials ? PreconditionerScaling::Stiffness
+                                              : PreconditionerScaling::Multiplicity);
+}
+
+std::string DualOptions::describe(DualForm used) const {
+  std::string text = toString(used);
+  text += inverses.precision == Precision::Single ? ", single" : ", double";
   switch (preconditioner) {
-  case feti::PreconditionerKind::None:
+  case PreconditionerKind::None:
     return text + ", no preconditioner";
-  case feti::PreconditionerKind::Lumped:
+  case PreconditionerKind::Lumped:
     return text + ", lumped preconditioner";
-  case feti::PreconditionerKind::Dirichlet:
+  case PreconditionerKind::Dirichlet:
     return text + ", Dirichlet preconditioner";
   }
   return text;
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::feti

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_DualProblem.hpp"
+#include "Harmos_Log.hpp"
+#include "Harmos_QpTypes.hpp"
+#include "Harmos_SolverOptions.hpp"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace Harmos::feti {
+
+/// The dual side of a torn problem, stage after stage. All to outlive what is made with it.
+struct DualStages {
+  const SubdomainSystem& system;
+  const Constraints& constraints;
+  const LocalInverses& inverses;
+  const CoarseSpace& coarse;
+  const DualProblem& problem;
+  Teuchos::RCP<const Operator> preconditioner; ///< or null
+};
+
+/// What became of a solution of the dual problem.
+struct SolveReport {
+  std::string solver;  ///< the method that was chosen
+  bool solved = false; ///< the solver has run
+  bool converged = false;
+  std::string reason = "not finished";
+  qp::Result result;
+  double gradientScale = 0.0; ///< ‖g^P‖ is measured against it
+  double equalityScale = 0.0; ///< ‖Gλ‖ likewise, 0 without a coarse problem
+  double dNorm = 0.0;         ///< ‖d‖
+};
+
+/// The answer to the dual problem.
+struct DualSolution {
+  Teuchos::RCP<MultiVector> lambda;
+  std::vector<double> mu;
+  /// Where no forces can hold the bodies: amplitudes of the rigid motion that escapes, by columns of R.
+  std::vector<double> escape;
+};
+
+/// Where to start: the solution of a problem nearby.
+struct WarmStart {
+  Teuchos::RCP<const MultiVector> multiplier; ///< λ + λ̃; what G sees of them is not used
+  std::vector<double> mu;                     ///< of Gλ = 0: without it active sets are guessed wrong
+};
+
+/// Is asked about λ and μ that just meet a tolerance: the tolerance to go on to, or nothing. Collective.
+using Acceptance = std::function<std::optional<double>(const MultiVector& lambda,
+                                                       const std::vector<double>& mu, double tolerance)>;
+
+/// Hands the dual problem to the quadratic programming layer, with the solver, stopping rule and
+/// preconditioner of the options, and puts what became of it into the report.
+/// @param start or null: as the options say. @param acceptance null: what meets the tolerance is accepted; of
+/// the penalty method always.
+/// @throws NumericalError, InternalError on all ranks. @note Collective.
+DualSolution solveDualProblem(const DualStages& stages, const SolverOptions& options, const WarmStart* start,
+                              const Acceptance& acceptance, const Log& log, SolveReport& report);
+
+} // namespace Harmos::feti

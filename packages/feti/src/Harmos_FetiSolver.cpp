@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_FetiSolver.hpp"
+
+#include "Harmos_Errors.hpp"
+#include "Harmos_Exchange.hpp"
+
+#include <algorithm>
+
+namespace Harmos::feti {
+
+ParameterSpec FetiSolver::parameters() {
+  ParameterSpec spec("Harmos FETI", "A torn problem of an application's own.");
+  DualOptions::addDecompositionTo(spec);
+  DualOptions::addTo(spec);
+  ParameterSpec solver("Solver", "Solution of the dual quadratic program.");
+  SolverOptions::addTo(solver);
+  spec.list(std::move(solver));
+  return spec;
+}
+
+FetiSolver::FetiSolver(Teuchos::RCP<const Teuchos::Comm<int>> comm, std::vector<Subdomain> subdomains,
+                       const std::vector<ConstraintRow>& rows, const Teuchos::ParameterList& given,
+                       const Log& log)
+    : log_(log), list_(parameters().validated(given, "the parameters given")) {
+  dual_ = DualOptions::fromList(list_.sublist("Dual operator"));
+  options_ = SolverOptions::fromList(list_.sublist("Solver"));
+  const DirichletForm form = DualOptions::decompositionFrom(list_.sublist("Decomposition"));
+  for (const ConstraintRow& row : rows)
+    rounding_ = std::max(rounding_, row.rounding);
+  rounding_ = globalMax(*comm, rounding_);
+  system_ = std::make_unique<SubdomainSystem>(std::move(comm), std::move(subdomains), form);
+  constraints_ = std::make_unique<Constraints>(*system_, rows);
+  setUpInverses();
+  setUpOperators();
+}
+
+FetiSolver::~FetiSolver() = default;
+
+void FetiSolver::setUpInverses() {
+  if (inverses_)
+    spent_ += inverses_->counts();
+  inverseOptions_ = dual_.decided(*system_, *constraints_, 100, log_);
+  inverses_ = std::make_unique<LocalInverses>(makeLocalInverses(*system_, *constraints_, inverseOptions_));
+}
+
+// All that is made of the inverses and kernels.
+void FetiSolver::setUpOperators() {
+  problem_.reset();
+  operator_ = std::make_unique<DualOperator>(*constraints_, *inverses_);
+  coarse_ = std::make_unique<CoarseSpace>(*system_, *constraints_);
+  preconditioner_ = dual_.preconditioner == PreconditionerKind::None
+                        ? Teuchos::null
+                        : Teuchos::rcp(new DualPreconditioner(*system_, *constraints_, *inverses_,
+                                                              dual_.preconditioner, dual_.scalingFor(false)));
+}
+
+void FetiSolver::setLoads(std::vector<std::shared_ptr<const std::vector<double>>> loads) {
+  system_->setLoads(std::move(loads));
+  problem_.reset();
+}
+
+void FetiSolver::setPrescribed(const std::vector<std::vector<double>>& values) {
+  system_->setPrescribed(values);
+  problem_.reset();
+}
+
+void FetiSolver::setBounds(const std::vector<ConstraintRow>& rows) {
+  constraints_->setBounds(rows);
+  problem_.reset();
+}
+
+void FetiSolver::setMatrices(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
+                             const std::vector<std::shared_ptr<const Kernel>>& motions) {
+  system_->setMatrices(stiffness, motions);
+  const std::vector<CongruenceClass> classes =
+      congruenceClasses(*system_, *constraints_, inverseOptions_.share, inverseOptions_.fixingPlaces);
+  const auto same = [](const CongruenceClass& a, const CongruenceClass& b) {
+    return a.members == b.members && a.boundary == b.boundary;
+  };
+  const bool isSame = std::equal(classes.begin(), classes.end(), inverses_->classes().begin(),
+                                 inverses_->classes().end(), same);
+  if (globalMin(*system_->comm(), isSame ? 1LL : 0LL) > 0)
+    inverses_->refactor(*system_, inverseOptions_);
+  else
+    setUpInverses();
+  setUpOperators();
+}
+
+const SolveReport& FetiSolver::solve() {
+  return solve(options_.tolerance);
+}
+
+const SolveReport& FetiSolver::solve(double tolerance) {
+  if (!problem_)
+    problem_ = std::make_unique<DualProblem>(*system_, *constraints_, *inverses_, *operator_, *coarse_);
+  const DualStages stages{*system_, *constraints_, *inverses_, *coarse_, *problem_, preconditioner_};
+  WarmStart start;
+  if (solution_)
+    start = {solution_->multiplier, mu_};
+  TornSolution torn;
+  const auto look = [&](const MultiVector& lambda, const std::vector<double>& mu) {
+    torn = recover(*system_, *constraints_, *inverses_, *coarse_, *problem_, lambda, mu);
+    audit_ = feti::audit(*system_, *constraints_, torn);
+    return auditAgrees(audit_, auditShare(tolerance), rounding_);
+  };
+  const auto accept = [&](const MultiVector& lambda, const std::vector<double>& mu,
+                          double reached) -> std::optional<double> {
+    const double least = inverseOptions_.precision == Precision::Single ? 1e-7 : 1e-15;
+    if (look(lambda, mu) || reached / 10.0 < least)
+      return std::nullopt;
+    log_.info("The audit contradicts the residuals: going on to a smaller tolerance");
+    return reached / 10.0;
+  };
+  report_ = {};
+  SolverOptions options = options_;
+  options.tolerance = tolerance;
+  const DualSolution dual =
+      solveDualProblem(stages, options, solution_ ? &start : nullptr, accept, log_, report_);
+  operator_->rethrowFailure();
+  if (!preconditioner_.is_null())
+    preconditioner_->rethrowFailure();
+  if (!look(*dual.lambda, dual.mu) && report_.converged && report_.solver != "Dual Penalty") {
+    report_.converged = false;
+    report_.reason = "the residuals of the dual problem are as small as they get, but the audit of "
+                     "displacements and forces contradicts them";
+  }
+  solution_ = std::make_unique<TornSolution>(std::move(torn));
+  mu_ = dual.mu;
+  return report_;
+}
+
+const TornSolution& FetiSolver::solution() const {
+  if (!solution_)
+    throw InputError("there is no solution yet; call solve() first");
+  return *solution_;
+}
+
+FactorizationCounts FetiSolver::factorizations() const {
+  FactorizationCounts sum = spent_;
+  sum += inverses_->counts();
+  return sum;
+}
+
+} // namespace Harmos::feti

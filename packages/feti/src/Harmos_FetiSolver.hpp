@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_DualOptions.hpp"
+#include "Harmos_DualSolution.hpp"
+#include "Harmos_KktAudit.hpp"
+
+#include <Teuchos_ParameterList.hpp>
+
+#include <memory>
+
+namespace Harmos::feti {
+
+/// A torn problem from an application's own matrices to displacements and contact forces, as many times as
+/// loads, bounds or the values of the matrices change:
+///
+///     min ½uᵀKu − fᵀu   subject to   copies equal,  B_I u ≤ c_I,  B_E u = c_E
+///
+/// What a change costs: of loads, prescribed values and bounds two products with F; of matrices with the same
+/// graphs numerical factorisations and no analysis. Every solution after the first one starts with the
+/// multipliers of the one before.
+///
+/// Nothing is printed but what the Log is given; neither MPI nor Kokkos is initialised or finalised; the
+/// communicator may be any. Parameters: the lists "Decomposition", "Dual operator" and "Solver" of a deck,
+/// see parameters() and docs/parameters; unknown names are refused.
+///
+/// Guarded by tests/unit/feti/test_feti_solver.cpp.
+class FetiSolver {
+ public:
+  /// Sets up: constraints, factorisations, coarse problem, preconditioner.
+  /// @param subdomains those of this rank, which may have none; see Subdomain and Harmos_SubdomainInput.hpp.
+  /// @param rows this rank's share of contacts and ties on global dofs; see ConstraintRow.
+  /// @param given parameters that differ from the defaults.
+  /// @throws InputError, NumericalError on all ranks, with the subdomain and a remedy. @note Collective.
+  FetiSolver(Teuchos::RCP<const Teuchos::Comm<int>> comm, std::vector<Subdomain> subdomains,
+             const std::vector<ConstraintRow>& rows, const Teuchos::ParameterList& given = {},
+             const Log& log = {});
+  ~FetiSolver();
+  FetiSolver(const FetiSolver&) = delete;
+  FetiSolver& operator=(const FetiSolver&) = delete;
+
+  /// What parameters there are, with defaults and meaning.
+  static ParameterSpec parameters();
+
+  /// For the next solve(); see SubdomainSystem for the arguments and errors. All collective.
+  void setLoads(std::vector<std::shared_ptr<const std::vector<double>>> loads);
+  void setPrescribed(const std::vector<std::vector<double>>& values);
+  /// @param rows those of the constructor, with other bounds.
+  void setBounds(const std::vector<ConstraintRow>& rows);
+  /// @param motions null pointers, or nothing: kernels as they were. Where subdomains that had equal matrices
+  /// have not any more, or the other way round, everything is made anew.
+  void setMatrices(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
+                   const std::vector<std::shared_ptr<const Kernel>>& motions = {});
+
+  /// Solves, and judges the answer by its audit: where that contradicts the residuals, the solver goes on,
+  /// and an answer that it contradicts to the end is not called converged. That there is no solution is no
+  /// error, but a report with the reason.
+  /// @throws NumericalError, InternalError on all ranks. @note Collective.
+  const SolveReport& solve();
+  /// To another tolerance than that of the parameters.
+  const SolveReport& solve(double tolerance);
+  double tolerance() const { return options_.tolerance; }
+  /// The next solution starts cold, as the options say.
+  void forgetSolution() { solution_.reset(); }
+
+  /// Of the last solution, copies of a dof in each subdomain.
+  const TornVector& displacement() const { return solution().displacement; }
+  const KktAudit& audit() const { return audit_; }
+  /// Gaps and forces of inequality rows that this rank owns. @note Collective.
+  ContactState contact() const { return contactState(*constraints_, solution()); }
+  const TornSolution& solution() const;
+
+  const SubdomainSystem& system() const { return *system_; }
+  const Constraints& constraints() const { return *constraints_; }
+  const LocalInverses& inverses() const { return *inverses_; }
+  /// F, to be used alone. Made anew with new matrices.
+  const DualOperator& dualOperator() const { return *operator_; }
+  /// What this rank spent on factors so far.
+  FactorizationCounts factorizations() const;
+
+ private:
+  void setUpInverses();
+  void setUpOperators();
+
+  Log log_;
+  Teuchos::ParameterList list_;
+  DualOptions dual_;
+  SolverOptions options_;
+  LocalInverseOptions inverseOptions_;
+  double rounding_ = 0.0;     // bounds are known up to this
+  FactorizationCounts spent_; // on inverses that are no more
+  std::unique_ptr<SubdomainSystem> system_;
+  std::unique_ptr<Constraints> constraints_;
+  std::unique_ptr<LocalInverses> inverses_;
+  std::unique_ptr<DualOperator> operator_;
+  std::unique_ptr<CoarseSpace> coarse_;
+  std::unique_ptr<DualProblem> problem_;
+  Teuchos::RCP<const DualPreconditioner> preconditioner_;
+  std::unique_ptr<TornSolution> solution_;
+  std::vector<double> mu_; // that belongs to it
+  KktAudit audit_;
+  SolveReport report_;
+};
+
+} // namespace Harmos::feti
