@@ -75,6 +75,15 @@ class Programs(unittest.TestCase):
             self.assertTrue(item["converged"])
             self.assertLessEqual(item["products"], 1.1 * item["linear_products"] + 1)
 
+    def test_load_steps(self):
+        document = run("load_steps", "--subdomains", "4", "--elements", "8")
+        for item in document["runs"]:
+            self.assertEqual(set(item), described("load_steps"))
+            self.assertTrue(item["converged"])
+            self.assertEqual(item["steps"], 100)
+            self.assertEqual(item["later_factorizations"], 0)
+            self.assertLessEqual(item["step_products"], 0.5 * item["cold_step_products"])
+
     def test_coarse_factor(self):
         document = run("coarse_factor", "--sides", "8,16", np=0)
         for item, order in zip(document["runs"], (64, 256)):

@@ -28,6 +28,7 @@ SEES = {
     "core": set(),
     "qp": {"core"},
     "feti": {"core", "qp"},
+    "thyra": {"core", "qp", "feti"},
     "fem": {"core"},
     "contact": {"core", "fem"},
     "scene": {"core", "qp", "feti", "fem", "contact"},

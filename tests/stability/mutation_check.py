@@ -119,7 +119,7 @@ FAULTS = (
         "normal = {-tangent[0][1], tangent[0][0], 0.0};",
         ("unit_fem", "verification_elements")),
     fault(
-        "the audit forgets penetration", "packages/scene/src/Harmos_RunReport.cpp",
+        "the audit forgets penetration", "packages/feti/src/Harmos_KktAudit.cpp",
         "audit.penetration <= allowed", "audit.penetration <= 1e9 * allowed", ("unit_scene",)),
 )
 

@@ -112,6 +112,15 @@ DualSolution solveDualProblem(const DualStages& stages, const SolverOptions& opt
     Tpetra::deep_copy(*solution.lambda, *start->multiplier);
     solution.lambda->update(-1.0, *dual.shift(), 1.0);
     coarse.project(*solution.lambda);
+    // Open contacts stay at their bounds to the last bit, or active sets would begin without them.
+    if (!dual.lowerBound().is_null()) {
+      const auto total = start->multiplier->getLocalViewHost(Tpetra::Access::ReadOnly);
+      const auto lower = dual.lowerBound()->getLocalViewHost(Tpetra::Access::ReadOnly);
+      const auto lambda = solution.lambda->getLocalViewHost(Tpetra::Access::ReadWrite);
+      for (std::size_t k = 0; k < total.extent(0); ++k)
+        if (total(k, 0) == 0.0 && std::isfinite(lower(k, 0)))
+          lambda(k, 0) = lower(k, 0);
+    }
   } else if (options.initialGuess == InitialGuess::HalfLoad) {
     std::vector<double> overlap(localSize(*constraints.overlapMap()), 0.0);
     for (int i = 0; i < system.size(); ++i)

@@ -4,6 +4,8 @@
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
 
+#include <Tpetra_MultiVector.hpp>
+
 #include <algorithm>
 
 namespace Harmos::feti {
@@ -46,6 +48,7 @@ void FetiSolver::setUpInverses() {
 // All that is made of the inverses and kernels.
 void FetiSolver::setUpOperators() {
   problem_.reset();
+  history_.clear();
   operator_ = std::make_unique<DualOperator>(*constraints_, *inverses_);
   coarse_ = std::make_unique<CoarseSpace>(*system_, *constraints_);
   preconditioner_ = dual_.preconditioner == PreconditionerKind::None
@@ -94,9 +97,7 @@ const SolveReport& FetiSolver::solve(double tolerance) {
   if (!problem_)
     problem_ = std::make_unique<DualProblem>(*system_, *constraints_, *inverses_, *operator_, *coarse_);
   const DualStages stages{*system_, *constraints_, *inverses_, *coarse_, *problem_, preconditioner_};
-  WarmStart start;
-  if (solution_)
-    start = {solution_->multiplier, mu_};
+  const std::optional<WarmStart> start = history_.start(*problem_, tolerance);
   TornSolution torn;
   const auto look = [&](const MultiVector& lambda, const std::vector<double>& mu) {
     torn = recover(*system_, *constraints_, *inverses_, *coarse_, *problem_, lambda, mu);
@@ -115,7 +116,7 @@ const SolveReport& FetiSolver::solve(double tolerance) {
   SolverOptions options = options_;
   options.tolerance = tolerance;
   const DualSolution dual =
-      solveDualProblem(stages, options, solution_ ? &start : nullptr, accept, log_, report_);
+      solveDualProblem(stages, options, start ? &*start : nullptr, accept, log_, report_);
   operator_->rethrowFailure();
   if (!preconditioner_.is_null())
     preconditioner_->rethrowFailure();
@@ -125,7 +126,8 @@ const SolveReport& FetiSolver::solve(double tolerance) {
                      "displacements and forces contradicts them";
   }
   solution_ = std::make_unique<TornSolution>(std::move(torn));
-  mu_ = dual.mu;
+  if (report_.converged)
+    history_.add(*problem_, solution_->multiplier, dual.mu);
   return report_;
 }
 

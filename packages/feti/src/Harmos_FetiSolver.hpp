@@ -4,6 +4,7 @@
 #include "Harmos_DualOptions.hpp"
 #include "Harmos_DualSolution.hpp"
 #include "Harmos_KktAudit.hpp"
+#include "Harmos_SolutionHistory.hpp"
 
 #include <Teuchos_ParameterList.hpp>
 
@@ -17,8 +18,8 @@ namespace Harmos::feti {
 ///     min ½uᵀKu − fᵀu   subject to   copies equal,  B_I u ≤ c_I,  B_E u = c_E
 ///
 /// What a change costs: of loads, prescribed values and bounds two products with F; of matrices with the same
-/// graphs numerical factorisations and no analysis. Every solution after the first one starts with the
-/// multipliers of the one before.
+/// graphs numerical factorisations and no analysis. Solutions start where those before suggest: see
+/// SolutionHistory.
 ///
 /// Nothing is printed but what the Log is given; neither MPI nor Kokkos is initialised or finalised; the
 /// communicator may be any. Parameters: the lists "Decomposition", "Dual operator" and "Solver" of a deck,
@@ -61,7 +62,7 @@ class FetiSolver {
   const SolveReport& solve(double tolerance);
   double tolerance() const { return options_.tolerance; }
   /// The next solution starts cold, as the options say.
-  void forgetSolution() { solution_.reset(); }
+  void forgetSolutions() { history_.clear(); }
 
   /// Of the last solution, copies of a dof in each subdomain.
   const TornVector& displacement() const { return solution().displacement; }
@@ -97,7 +98,7 @@ class FetiSolver {
   std::unique_ptr<DualProblem> problem_;
   Teuchos::RCP<const DualPreconditioner> preconditioner_;
   std::unique_ptr<TornSolution> solution_;
-  std::vector<double> mu_; // that belongs to it
+  SolutionHistory history_;
   KktAudit audit_;
   SolveReport report_;
 };
