@@ -121,6 +121,10 @@ FAULTS = (
     fault(
         "the audit forgets penetration", "packages/feti/src/Harmos_KktAudit.cpp",
         "audit.penetration <= allowed", "audit.penetration <= 1e9 * allowed", ("unit_scene",)),
+    fault(
+        "sign of the bound in the solver's error", "packages/scene/src/Harmos_AnswerCheck.cpp",
+        "view(r, 0) -= stages_.constraints.bound(row);",
+        "view(r, 0) += stages_.constraints.bound(row);", ("unit_scene",)),
 )
 
 
