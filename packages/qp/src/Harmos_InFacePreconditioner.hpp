@@ -4,6 +4,7 @@
 #include "Harmos_QpProblem.hpp"
 #include "Harmos_QpTypes.hpp"
 
+#include <BelosMultiVecTraits.hpp>
 #include <BelosOperatorTraits.hpp>
 
 #include <functional>
