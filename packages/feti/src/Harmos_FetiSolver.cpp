@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_FetiSolver.hpp"
 
+#include "Harmos_Agreement.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
 
@@ -75,8 +76,15 @@ void FetiSolver::setBounds(const std::vector<ConstraintRow>& rows) {
 void FetiSolver::setMatrices(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
                              const std::vector<std::shared_ptr<const Kernel>>& motions) {
   system_->setMatrices(stiffness, motions);
-  const std::vector<CongruenceClass> classes =
-      congruenceClasses(*system_, *constraints_, inverseOptions_.share, inverseOptions_.fixingPlaces);
+  // From here on nothing that was made of the old matrices may be used, also if a factorisation fails.
+  problem_.reset();
+  history_.clear();
+  operator_.reset();
+  preconditioner_ = Teuchos::null;
+  std::vector<CongruenceClass> classes;
+  agree(*system_->comm(), [&] {
+    classes = congruenceClasses(*system_, *constraints_, inverseOptions_.share, inverseOptions_.fixingPlaces);
+  });
   const auto same = [](const CongruenceClass& a, const CongruenceClass& b) {
     return a.members == b.members && a.boundary == b.boundary;
   };
@@ -94,6 +102,9 @@ const SolveReport& FetiSolver::solve() {
 }
 
 const SolveReport& FetiSolver::solve(double tolerance) {
+  if (!operator_)
+    throw InputError(
+        "the last setMatrices() failed; give matrices that can be factored, or make a new solver");
   if (!problem_)
     problem_ = std::make_unique<DualProblem>(*system_, *constraints_, *inverses_, *operator_, *coarse_);
   const DualStages stages{*system_, *constraints_, *inverses_, *coarse_, *problem_, preconditioner_};

@@ -49,7 +49,8 @@ class FetiSolver {
   /// @param rows those of the constructor, with other bounds.
   void setBounds(const std::vector<ConstraintRow>& rows);
   /// @param motions null pointers, or nothing: kernels as they were. Where subdomains that had equal matrices
-  /// have not any more, or the other way round, everything is made anew.
+  /// have not any more, or the other way round, everything is made anew. After a factorisation that fails
+  /// (NumericalError) no solve() until matrices that succeed were set.
   void setMatrices(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
                    const std::vector<std::shared_ptr<const Kernel>>& motions = {});
 

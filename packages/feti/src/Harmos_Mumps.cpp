@@ -294,7 +294,8 @@ class EngineOf : public Mumps::Engine {
   }
 
   void refactorize(std::vector<int> rows, std::vector<int> columns, std::vector<double> values) override {
-    HARMOS_REQUIRE(isFactored_, "a matrix is factored again after it has been factored");
+    // Also after a factorisation that failed: the analysis is still good.
+    HARMOS_REQUIRE(statistics.analyses > 0, "a matrix is factored again after its analysis");
     if (isRoot_ && (rows.size() != analysedEntries_ || values.size() != analysedEntries_))
       throw InputError("a matrix with " + std::to_string(values.size()) +
                        " entries is to be factored by an "

@@ -16,6 +16,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 using namespace Harmos;
 
@@ -196,6 +197,31 @@ TEST(FetiSolver, refuses_what_does_not_fit) {
   Teuchos::ParameterList unknown;
   unknown.sublist("Solver").set("Tolerence", 1e-3);
   EXPECT_THROW(feti::FetiSolver(testComm(), model.subdomains, model.rows, unknown), InputError);
+}
+
+// A matrix that has its graph and kernel and is indefinite: an error on all ranks, then none of the old
+// factors is used, and good matrices make the solver whole again.
+TEST(FetiSolver, matrices_that_cannot_be_factored) {
+  for (const char* form : {"condensed", "implicit"}) {
+    const TestModel model = stiffened(testModel(2, 4));
+    TestModel bad = model;
+    for (feti::Subdomain& subdomain : bad.subdomains)
+      if (subdomain.number == 1) { // K − 2aaᵀ, a = e₆ − e₇: constants stay in the kernel
+        auto matrix = std::make_shared<LocalMatrix>(*subdomain.stiffness);
+        for (const auto& [i, j, value] : {std::tuple{6, 6, -1.0}, {6, 7, 1.0}, {7, 6, 1.0}, {7, 7, -1.0}})
+          for (std::size_t k = matrix->offsets[static_cast<std::size_t>(i)];
+               k < matrix->offsets[static_cast<std::size_t>(i) + 1]; ++k)
+            if (matrix->columns[k] == j)
+              matrix->values[k] += 2.0 * value;
+        subdomain.stiffness = matrix;
+      }
+    feti::FetiSolver solver(testComm(), model.subdomains, model.rows, parametersOf(form));
+    expectReference(model, solver, form);
+    EXPECT_THROW(solver.setMatrices(matricesOf(bad)), NumericalError) << form;
+    EXPECT_THROW(solver.solve(), InputError) << form;
+    solver.setMatrices(matricesOf(model));
+    expectReference(model, solver, std::string(form) + ", good again");
+  }
 }
 
 TEST(FetiSolver, there_is_no_solution_before_it_is_asked_for) {
