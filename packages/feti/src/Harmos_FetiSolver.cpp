@@ -105,8 +105,16 @@ const SolveReport& FetiSolver::solve(double tolerance) {
   if (!operator_)
     throw InputError(
         "the last setMatrices() failed; give matrices that can be factored, or make a new solver");
-  if (!problem_)
-    problem_ = std::make_unique<DualProblem>(*system_, *constraints_, *inverses_, *operator_, *coarse_);
+  if (!problem_) {
+    try {
+      problem_ = std::make_unique<DualProblem>(*system_, *constraints_, *inverses_, *operator_, *coarse_);
+    } catch (const NumericalError& error) { // on all ranks: loads on a motion that nothing can hold
+      report_ = {};
+      report_.reason = error.what();
+      solution_.reset();
+      return report_;
+    }
+  }
   const DualStages stages{*system_, *constraints_, *inverses_, *coarse_, *problem_, preconditioner_};
   const std::optional<WarmStart> start = history_.start(*problem_, tolerance);
   TornSolution torn;

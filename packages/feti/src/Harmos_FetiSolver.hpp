@@ -71,6 +71,8 @@ class FetiSolver {
   /// Gaps and forces of inequality rows that this rank owns. @note Collective.
   ContactState contact() const { return contactState(*constraints_, solution()); }
   const TornSolution& solution() const;
+  /// Not before solve(), nor where loads cannot be held.
+  bool hasSolution() const { return solution_ != nullptr; }
 
   const SubdomainSystem& system() const { return *system_; }
   const Constraints& constraints() const { return *constraints_; }

@@ -97,7 +97,8 @@ FetiLinearOpWithSolve::solveImpl(Thyra::EOpTransp, const Thyra::MultiVectorBase<
     while (true) {
       const feti::SolveReport& report = solver_->solve(tolerance);
       status.message = report.reason;
-      operator_->join(solver_->displacement(), *x, c);
+      if (solver_->hasSolution())
+        operator_->join(solver_->displacement(), *x, c);
       if (!report.converged) {
         status.solveStatus = Thyra::SOLVE_STATUS_UNCONVERGED;
         break;

@@ -150,13 +150,9 @@ TEST(Thyra, no_solution_is_a_status) {
     subdomain.fixed.clear();
   const System system(std::move(free));
   const auto op = Thyra::linearOpWithSolve(*factory(), wrapped(system.op));
-  try {
-    const auto status = solved(*op, system);
-    EXPECT_EQ(status.solveStatus, Thyra::SOLVE_STATUS_UNCONVERGED);
-    EXPECT_FALSE(status.message.empty());
-  } catch (const NumericalError& error) { // loads that no constraint can take up are found at set-up
-    EXPECT_NE(std::string(error.what()).find("load"), std::string::npos) << error.what();
-  }
+  const auto status = solved(*op, system);
+  EXPECT_EQ(status.solveStatus, Thyra::SOLVE_STATUS_UNCONVERGED);
+  EXPECT_NE(status.message.find("load"), std::string::npos) << status.message;
 }
 
 TEST(Thyra, refuses_what_it_cannot_solve_with) {
