@@ -1,25 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Application.hpp"
 
+#include "Harmos_CheckpointFile.hpp"
 #include "Harmos_Deck.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_Pipeline.hpp"
 #include "Harmos_RunOptions.hpp"
 #include "Harmos_RunReport.hpp"
+#include "Harmos_Signals.hpp"
+#include "Harmos_Terminal.hpp"
 #include "Harmos_Version.hpp"
 
 #include <CLI/CLI.hpp>
+#include <Teuchos_XMLParameterListHelpers.hpp>
 #include <Tpetra_Core.hpp>
 
 #include <chrono>
 #include <iostream>
 #include <optional>
+#include <sstream>
 
 namespace Harmos::app {
 namespace {
 
-constexpr int exitConverged = 0, exitNotConverged = 1, exitBadInput = 2, exitInternalError = 3;
+constexpr int exitConverged = 0, exitNotConverged = 1, exitBadInput = 2, exitInternalError = 3,
+              exitInterrupted = 4;
 
 int exitStatus(const Error& error) {
   switch (error.kind()) {
@@ -43,6 +49,12 @@ std::optional<int> parse(int argc, char** argv, const Program& program, bool spe
       ->expected(1)
       ->take_all();
   cli.add_option("--output", line.output, "Directory of the results")->type_name("DIR");
+  if (program.restarts)
+    cli.add_option(
+           "--restart", line.restart,
+           "Go on from the checkpoint in the output directory of an earlier run; without a deck, with "
+           "the deck and the overrides of that run")
+        ->type_name("DIR");
   cli.add_flag("--check", line.check, "Validate the deck, its meshes, materials and contacts, and stop");
   cli.add_option("--print-parameters", line.printParameters,
                  "Print every parameter with type, default, range and meaning, and stop")
@@ -109,6 +121,14 @@ int runDeck(const Application& application, const ProgramContext& context) {
   scene::RunOptions options = scene::RunOptions::fromDeck(deck);
   if (!line.output.empty())
     options.outputDirectory = line.output;
+  std::ostringstream text;
+  Teuchos::writeParameterListToXmlOStream(deck, text);
+  options.checkpoint.deck = text.str();
+  options.checkpoint.deckFile = line.deck;
+  options.checkpoint.assignments = line.assignments;
+  options.checkpoint.restart = line.restart;
+  const Signals signals;
+  options.checkpoint.told = Signals::told;
   const auto start = std::chrono::steady_clock::now();
   scene::Scene scene = application.makeScene({*comm, deck, directoryOf(line.deck), log});
   scene.secondsToMake = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -143,7 +163,13 @@ int runDeck(const Application& application, const ProgramContext& context) {
   }
   scene::writeSummary(*comm, options, report);
   log.info("Results are in \"" + options.outputDirectory + "\": summary.json, iterations.csv" +
-           (options.writeFields ? ", result.vtkhdf" : ""));
+           (report.isInterrupted() ? ", checkpoint.h5"
+            : options.writeFields  ? ", result.vtkhdf"
+                                   : ""));
+  if (report.isInterrupted() && report.checkpointFault.empty()) {
+    log.warning(report.reason);
+    return exitInterrupted;
+  }
   if (!report.converged)
     log.error("the solver did not converge: " + report.reason);
   return report.converged ? exitConverged : exitNotConverged;
@@ -175,7 +201,7 @@ int main(int argc, char** argv, const Program& program) {
   CommandLine line;
   if (const std::optional<int> status = parse(argc, argv, program, speaks, line))
     return *status;
-  const Log log(std::cout, std::cerr, line.quiet ? Log::Verbosity::Quiet : Log::Verbosity::Normal, speaks);
+  Log log(std::cout, std::cerr, line.quiet ? Log::Verbosity::Quiet : Log::Verbosity::Normal, speaks);
   try {
     if (line.version) {
       if (speaks)
@@ -192,6 +218,19 @@ int main(int argc, char** argv, const Program& program) {
         printParameters(program.deckSpec(), line.printParameters);
       return exitConverged;
     }
+    if (line.deck.empty() && !line.restart.empty()) {
+      const scene::CheckpointReader checkpoint(*comm, scene::checkpointPath(line.restart));
+      line.deck = checkpoint.text("deck file");
+      std::istringstream stored(checkpoint.text("assignments"));
+      std::vector<std::string> assignments;
+      for (std::string assignment; std::getline(stored, assignment);)
+        assignments.push_back(assignment);
+      line.assignments.insert(line.assignments.begin(), assignments.begin(), assignments.end());
+    }
+    if (line.output.empty())
+      line.output = line.restart;
+    if (const int width = speaks ? terminalWidth() : 0; width > 0)
+      log.showStatus(width);
     if (line.deck.empty())
       throw InputError("command line: no deck was given; usage: " + program.name + " [OPTIONS] DECK");
     log.info("Harmos " + version() + " (" + gitHash() + "), " + program.name + " \"" + line.deck + "\"");
@@ -212,6 +251,7 @@ int main(int argc, char** argv, const Application& application) {
   program.description = application.description;
   program.deckSpec = [&] { return deckSpec(application); };
   program.effects = application.effects;
+  program.restarts = true;
   program.run = [&](const ProgramContext& context) { return runDeck(application, context); };
   return main(argc, argv, program);
 }

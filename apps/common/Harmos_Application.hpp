@@ -47,6 +47,7 @@ struct CommandLine {
   std::string deck;
   std::vector<std::string> assignments; ///< "List/Sublist/Name=value"
   std::string output;                   ///< "": as the deck says
+  std::string restart;                  ///< output directory of the run to go on from; "": none
   std::string printParameters;
   bool check = false;
   bool listEffects = false;
@@ -69,6 +70,7 @@ struct Program {
   std::function<ParameterSpec()> deckSpec;
   /// The work, collective; returns the exit status. Errors that it throws are printed by whoever called it.
   std::function<int(const ProgramContext&)> run;
+  bool restarts = false; ///< has the option --restart
   std::shared_ptr<const scene::EffectRegistry> effects =
       nullptr; ///< for --list-effects; null: it has no such option
 };
@@ -87,8 +89,9 @@ int main(int argc, char** argv, const Program& program);
 
 /// The command line, the deck, the run, the summary and the exit status that all applications share.
 ///
-/// Exit status: 0 converged; 1 not converged or no solution; 2 bad input; 3 internal error. Initialises and
-/// finalises MPI and Kokkos. Errors are printed once, by rank 0, on the standard error stream.
+/// Exit status: 0 converged; 1 not converged or no solution; 2 bad input; 3 internal error; 4 stopped by a
+/// signal with a checkpoint to go on from. Initialises and finalises MPI and Kokkos. Errors are printed once,
+/// by rank 0, on the standard error stream.
 int main(int argc, char** argv, const Application& application);
 
 } // namespace Harmos::app

@@ -269,6 +269,15 @@ struct BoundTraits<double, SerialVector> {
       if (active[i] != 0)
         v()[i] = 0.0;
   }
+  static void activeToVector(const LocalActiveSet& active, V& v) {
+    v().assign(v().size(), 0.0);
+    std::copy(active.begin(), active.end(), v().begin());
+  }
+  static void vectorToActive(const V& v, LocalActiveSet& active) {
+    active.assign(v().size(), 0);
+    for (std::size_t i = 0; i < active.size(); ++i)
+      active[i] = static_cast<signed char>(v()[i]);
+  }
   static void moveToBounds(V& x, const V* lower, const V* upper, const LocalActiveSet& active) {
     for (std::size_t i = 0; i < active.size(); ++i)
       if (active[i] != 0)

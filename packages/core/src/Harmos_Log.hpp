@@ -2,6 +2,7 @@
 #pragma once
 
 #include <iosfwd>
+#include <memory>
 #include <string>
 
 namespace Harmos {
@@ -25,10 +26,23 @@ class Log {
   void info(const std::string& message) const;
   void detail(const std::string& message) const;
 
+  /// From now on status() shows a line, of at most `width` characters: for a terminal.
+  void showStatus(int width);
+  bool showsStatus() const { return status_ != nullptr && writesInfo(); }
+  /// A line that takes the place of the one before it; other messages come above it. "" takes it away.
+  void status(const std::string& line) const;
+
   /// True where info() would write; lets a caller skip the making of an expensive message.
   bool writesInfo() const { return active_ && verbosity_ != Verbosity::Quiet; }
 
  private:
+  struct Status {
+    int width;
+    bool shown = false;
+  };
+  void clearStatus() const;
+
+  std::shared_ptr<Status> status_; // of all copies: they share the terminal
   std::ostream* out_ = nullptr;
   std::ostream* err_ = nullptr;
   Verbosity verbosity_ = Verbosity::Quiet;

@@ -23,12 +23,17 @@ StageTimers::Scope StageTimers::scope(const std::string& stage) const {
   return Scope(*found->second.time);
 }
 
-std::vector<double> StageTimers::seconds(const Teuchos::Comm<int>& comm) const {
+std::vector<double> StageTimers::ownSeconds() const {
   std::vector<double> mine;
   for (const std::string& stage : stages_) {
     const Counter& counter = counters_.at(stage);
     mine.push_back(counter.time->totalElapsedTime() - counter.before);
   }
+  return mine;
+}
+
+std::vector<double> StageTimers::seconds(const Teuchos::Comm<int>& comm) const {
+  const std::vector<double> mine = ownSeconds();
   std::vector<double> result(mine.size(), 0.0);
   if (!mine.empty())
     Teuchos::reduceAll<int, double>(comm, Teuchos::REDUCE_MAX, static_cast<int>(mine.size()), mine.data(),

@@ -35,6 +35,9 @@ class StageTimers {
 
   const std::vector<std::string>& stages() const { return stages_; }
 
+  /// Seconds of each stage on this rank, in the order of stages(). Local.
+  std::vector<double> ownSeconds() const;
+
   /// Seconds of each stage, in the order of stages(): the maximum over the ranks. @note Collective.
   std::vector<double> seconds(const Teuchos::Comm<int>& comm) const;
 

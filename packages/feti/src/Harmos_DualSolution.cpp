@@ -98,10 +98,44 @@ Test convergenceTest(const DualProblem& dual, const SolverOptions& options, doub
   return result;
 }
 
+// Adds to what the solver knows the tolerance that an acceptance has come to.
+class MonitorWithTolerance : public qp::SolverMonitor<MultiVector> {
+ public:
+  MonitorWithTolerance(const Teuchos::RCP<DualMonitor>& monitor, double asked, double& tolerance)
+      : monitor_(monitor), asked_(asked), tolerance_(tolerance) {}
+
+  // A run that asks for another tolerance begins with that.
+  void exchange(Archive& archive) {
+    double asked = asked_, tolerance = tolerance_;
+    archive.number("tolerance asked", asked);
+    archive.number("tolerance", tolerance);
+    if (asked == asked_)
+      tolerance_ = tolerance;
+  }
+
+  void recorded(const qp::IterationRecord& record) override { monitor_->recorded(record); }
+  Wish ask(const qp::IterationState<MultiVector>& state) override { return monitor_->ask(state); }
+  void save(const Exchange& state) override {
+    monitor_->save([&](Archive& archive) {
+      exchange(archive);
+      state(archive);
+    });
+  }
+  bool hasState() const override { return monitor_->hasState(); }
+  bool holds(const std::string& name) const override { return monitor_->holds(name); }
+  void restore(const Exchange& state) override { monitor_->restore(state); }
+
+ private:
+  Teuchos::RCP<DualMonitor> monitor_;
+  double asked_;
+  double& tolerance_;
+};
+
 } // namespace
 
 DualSolution solveDualProblem(const DualStages& stages, const SolverOptions& options, const WarmStart* start,
-                              const Acceptance& acceptance, const Log& log, SolveReport& report) {
+                              const Acceptance& acceptance, const Log& log, SolveReport& report,
+                              const Teuchos::RCP<DualMonitor>& monitor) {
   const SubdomainSystem& system = stages.system;
   const Constraints& constraints = stages.constraints;
   const CoarseSpace& coarse = stages.coarse;
@@ -185,6 +219,23 @@ DualSolution solveDualProblem(const DualStages& stages, const SolverOptions& opt
         test.equality->setTolerance(tolerance);
       return false;
     });
+  MonitorWithTolerance watched(monitor, options.tolerance, tolerance);
+  if (!monitor.is_null()) {
+    monitor->begins({stages, method, [&] {
+                       // What the tests last measured against.
+                       DualTargets targets{tolerance * report.gradientScale, 0.0};
+                       if (!test.equality.is_null())
+                         targets.equality = tolerance * test.equality->scale();
+                       return targets;
+                     }});
+    solver->setMonitor(Teuchos::rcpFromRef<qp::SolverMonitor<MultiVector>>(watched));
+    if (monitor->hasState()) {
+      monitor->restore([&](qp::StateArchive<MultiVector>& archive) { watched.exchange(archive); });
+      test.gradient->setTolerance(tolerance);
+      if (!test.equality.is_null())
+        test.equality->setTolerance(tolerance);
+    }
+  }
   solver->setLog(log);
   solver->setProblem(problem);
   std::ostringstream text;

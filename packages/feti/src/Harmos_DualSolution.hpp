@@ -4,6 +4,7 @@
 #include "Harmos_DualProblem.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_QpTypes.hpp"
+#include "Harmos_SolverMonitor.hpp"
 #include "Harmos_SolverOptions.hpp"
 
 #include <functional>
@@ -49,6 +50,26 @@ struct WarmStart {
   std::vector<double> mu;                     ///< of Gλ = 0: without it active sets are guessed wrong
 };
 
+/// Where the residuals are to get to.
+struct DualTargets {
+  double gradient = 0.0; ///< of ‖g^P‖
+  double equality = 0.0; ///< of ‖Gλ‖, 0 without a coarse problem
+};
+
+/// A solution of the dual problem that is about to begin.
+struct DualRun {
+  const DualStages& stages;
+  std::string method;
+  std::function<DualTargets()> targets; ///< those of now: an acceptance may have made them stricter
+};
+
+/// Looks after the solution of a dual problem.
+class DualMonitor : public qp::SolverMonitor<MultiVector> {
+ public:
+  /// Before the first iteration, or before the state of an earlier run is asked for. @note Collective.
+  virtual void begins(const DualRun& run) = 0;
+};
+
 /// Is asked about λ and μ that just meet a tolerance: the tolerance to go on to, or nothing. Collective.
 using Acceptance = std::function<std::optional<double>(const MultiVector& lambda,
                                                        const std::vector<double>& mu, double tolerance)>;
@@ -56,9 +77,10 @@ using Acceptance = std::function<std::optional<double>(const MultiVector& lambda
 /// Hands the dual problem to the quadratic programming layer, with the solver, stopping rule and
 /// preconditioner of the options, and puts what became of it into the report.
 /// @param start or null: as the options say. @param acceptance null: what meets the tolerance is accepted; of
-/// the penalty method always.
+/// the penalty method always. @param monitor or null; with a state to go on from, in the place of `start`.
 /// @throws NumericalError, InternalError on all ranks. @note Collective.
 DualSolution solveDualProblem(const DualStages& stages, const SolverOptions& options, const WarmStart* start,
-                              const Acceptance& acceptance, const Log& log, SolveReport& report);
+                              const Acceptance& acceptance, const Log& log, SolveReport& report,
+                              const Teuchos::RCP<DualMonitor>& monitor = Teuchos::null);
 
 } // namespace Harmos::feti

@@ -132,6 +132,11 @@ struct BoundTraits {
   /// v_i ← 0 where the entry is active. Local.
   static void maskActive(MV& v, const LocalActiveSet& active);
 
+  /// v_i ← −1, 0 or 1, and back: an active set as a vector. An empty set comes back as one without active
+  /// entries. Local.
+  static void activeToVector(const LocalActiveSet& active, MV& v);
+  static void vectorToActive(const MV& v, LocalActiveSet& active);
+
   /// x_i ← its bound where the entry is active. Local.
   static void moveToBounds(MV& x, const MV* lower, const MV* upper, const LocalActiveSet& active);
 

@@ -231,6 +231,20 @@ void Traits::maskActive(MultiVector& v, const LocalActiveSet& active) {
       vs[i] = 0.0;
 }
 
+void Traits::activeToVector(const LocalActiveSet& active, MultiVector& v) {
+  v.putScalar(0.0);
+  const Writer vs(v);
+  for (std::size_t i = 0; i < active.size(); ++i)
+    vs[i] = active[i];
+}
+
+void Traits::vectorToActive(const MultiVector& v, LocalActiveSet& active) {
+  const Reader vs(v);
+  active.resize(v.getLocalLength());
+  for (std::size_t i = 0; i < active.size(); ++i)
+    active[i] = static_cast<signed char>(vs[i]);
+}
+
 void Traits::moveToBounds(MultiVector& x, const MultiVector* lower, const MultiVector* upper,
                           const LocalActiveSet& active) {
   if (lower == nullptr && upper == nullptr)

@@ -32,6 +32,8 @@ struct BoundTraits<Scalar, MultiVector> {
                                       const MultiVector* lower, const MultiVector* upper);
   static void project(MultiVector& x, const MultiVector* lower, const MultiVector* upper);
   static void maskActive(MultiVector& v, const LocalActiveSet& active);
+  static void activeToVector(const LocalActiveSet& active, MultiVector& v);
+  static void vectorToActive(const MultiVector& v, LocalActiveSet& active);
   static void moveToBounds(MultiVector& x, const MultiVector* lower, const MultiVector* upper,
                            const LocalActiveSet& active);
   static ActiveSetChange updateActiveSet(const MultiVector& x, const MultiVector& gradient,

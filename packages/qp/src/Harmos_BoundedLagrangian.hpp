@@ -4,6 +4,7 @@
 #include "Harmos_EqualityRows.hpp"
 #include "Harmos_InFacePreconditioner.hpp"
 #include "Harmos_MprgpIteration.hpp"
+#include "Harmos_SolverMonitor.hpp"
 #include "Harmos_StatusTest.hpp"
 
 #include <Teuchos_RCP.hpp>
@@ -25,12 +26,16 @@ class BoundedLagrangian {
   using ProblemType = Problem<Scalar, MV, OP>;
   using Iteration = MprgpIteration<Scalar, MV>;
 
-  /// Estimates ‖A‖ unless the problem knows it, which counts as setup. All to outlive this.
+  /// Estimates ‖A‖ unless the problem knows it, which counts as setup, or exchange() is to tell it.
+  /// All to outlive this.
   BoundedLagrangian(const ProblemType& problem, EqualityRows<Scalar, MV, OP>& rows,
-                    const MprgpOptions& options, Counters& counters);
+                    const MprgpOptions& options, Counters& counters, bool resumes = false);
 
   /// Takes the projected initial guess and the multiplier; a product with A only if the guess is not zero.
   void start(double penalty);
+
+  /// Iterate, multiplier and all that belongs to them. Reading takes the place of start(), without a product.
+  void exchange(StateArchive<MV>& archive);
 
   /// Residuals of the current iterate.
   IterationState<MV> evaluate(int outer, int inner);
@@ -70,6 +75,8 @@ class BoundedLagrangian {
 
  private:
   double augmentedNorm() const;
+  void startIteration();
+  void exchangeActive(StateArchive<MV>& archive);
   void updateEffectiveRhs();
   void applyHessian(const MV& x, MV& y);
   void applyPreconditioner(const MV& phi, const LocalActiveSet& active, MV& z);

@@ -15,7 +15,8 @@ namespace Harmos::qp {
 template<class Scalar, class MV, class OP>
 BoundedLagrangian<Scalar, MV, OP>::BoundedLagrangian(const ProblemType& problem,
                                                      EqualityRows<Scalar, MV, OP>& rows,
-                                                     const MprgpOptions& options, Counters& counters)
+                                                     const MprgpOptions& options, Counters& counters,
+                                                     bool resumes)
     : problem_(problem),
       rows_(rows),
       options_(options),
@@ -26,7 +27,7 @@ BoundedLagrangian<Scalar, MV, OP>::BoundedLagrangian(const ProblemType& problem,
   gradient_ = MVT::Clone(*problem.solution(), 1);
   effectiveRhs_ = MVT::Clone(*problem.solution(), 1);
   normA_ = problem.hessianNorm();
-  if (normA_ == 0.0) {
+  if (normA_ == 0.0 && !resumes) {
     BoundTraits<Scalar, MV>::setRandom(*gradient_);
     const std::function<void(const MV&, MV&)> product = [&](const MV& x, MV& y) {
       OPT::Apply(*problem.hessian(), x, y);
@@ -107,6 +108,54 @@ void BoundedLagrangian<Scalar, MV, OP>::start(double penalty) {
   } else {
     MVT::MvAddMv(-1.0, *effectiveRhs_, 0.0, *effectiveRhs_, *gradient_);
   }
+  startIteration();
+}
+
+template<class Scalar, class MV, class OP>
+void BoundedLagrangian<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
+  archive.vector("x", *problem_.solution());
+  archive.vector("gradient", *gradient_);
+  exchangeActive(archive);
+  if (rows_.isPresent())
+    archive.rowVector("multiplier", *mu_);
+  archive.number("penalty", penalty_);
+  archive.number("hessian norm", normA_);
+  double level = level_;
+  bool direct = direct_;
+  archive.number("rounding level", level);
+  archive.number("gradient is direct", direct);
+  if (archive.isReading()) {
+    updateEffectiveRhs();
+    startIteration();
+    level_ = level;
+    direct_ = direct;
+  }
+  iteration_->exchange(archive);
+}
+
+// Entries at a bound are to be there to the last bit also where another number of ranks has rounded the
+// bounds differently.
+template<class Scalar, class MV, class OP>
+void BoundedLagrangian<Scalar, MV, OP>::exchangeActive(StateArchive<MV>& archive) {
+  using BT = BoundTraits<Scalar, MV>;
+  MV& x = *problem_.solution();
+  const MV* lower = problem_.lowerBound().get();
+  const MV* upper = problem_.upperBound().get();
+  const Teuchos::RCP<MV> states = Belos::MultiVecTraits<Scalar, MV>::Clone(x, 1);
+  LocalActiveSet active;
+  if (!archive.isReading())
+    active = iteration_->active();
+  BT::activeToVector(active, *states);
+  archive.vector("active set", *states);
+  if (!archive.isReading())
+    return;
+  BT::vectorToActive(*states, active);
+  BT::project(x, lower, upper);
+  BT::moveToBounds(x, lower, upper, active);
+}
+
+template<class Scalar, class MV, class OP>
+void BoundedLagrangian<Scalar, MV, OP>::startIteration() {
   typename Iteration::Precondition precondition;
   if (preconditioner_.isPresent())
     precondition = [this](const MV& phi, const LocalActiveSet& active, bool changed, MV& z) {

@@ -3,6 +3,7 @@
 
 #include "Harmos_BoundedLagrangian.hpp"
 #include "Harmos_SolverManager.hpp"
+#include "Harmos_SolverMonitor.hpp"
 
 #include <functional>
 
@@ -25,12 +26,18 @@ class BoundedSolver : public SolverManager<Scalar, MV, OP> {
   bool minimise(Lagrangian& lagrangian, State& state, const std::function<bool(const State&)>& precise,
                 double precision);
 
-  /// Makes the Lagrangian and the first state.
-  State begin(Lagrangian& lagrangian, double penalty, double precision);
+  /// Makes the Lagrangian and the first state; or those of the run that this one goes on from.
+  /// @param own what the caller knows beyond the Lagrangian, where there is more; to live as long as
+  /// minimise() is used.
+  State begin(Lagrangian& lagrangian, double penalty, double precision,
+              const std::function<void(StateArchive<MV>&)>& own = nullptr);
 
   /// Looks for a proof that the constraints contradict each other; stops the solver if there is one.
   /// @param feasible is set where they are found not to.
   bool stopIfInfeasible(Rows& rows, int mostSteps, bool& feasible);
+
+ private:
+  int outer_ = 0, inner_ = 0; // of the state that minimise() is about to leave
 };
 
 } // namespace Harmos::qp

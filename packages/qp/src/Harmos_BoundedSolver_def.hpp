@@ -12,7 +12,19 @@ namespace Harmos::qp {
 
 template<class Scalar, class MV, class OP>
 IterationState<MV> BoundedSolver<Scalar, MV, OP>::begin(Lagrangian& lagrangian, double penalty,
-                                                        double precision) {
+                                                        double precision,
+                                                        const std::function<void(StateArchive<MV>&)>& own) {
+  this->describeState([&lagrangian, own, this](StateArchive<MV>& archive) {
+    archive.number("outer", outer_);
+    archive.number("inner", inner_);
+    lagrangian.exchange(archive);
+    if (own)
+      own(archive);
+  });
+  if (this->resumes()) {
+    this->resume();
+    return lagrangian.evaluate(outer_, inner_);
+  }
   lagrangian.start(penalty);
   this->result_.hessianNorm = lagrangian.hessianNorm();
   this->result_.counters.outerIterations = 1;
@@ -28,6 +40,8 @@ bool BoundedSolver<Scalar, MV, OP>::minimise(Lagrangian& lagrangian, State& stat
   using Iteration = typename Lagrangian::Iteration;
   using Outcome = typename Iteration::Outcome;
   while (true) {
+    outer_ = state.outer;
+    inner_ = state.inner;
     if (!std::isfinite(state.projectedGradient) || !std::isfinite(state.equalityResidual)) {
       this->stop(Reason::Breakdown, Explanations::breakdown(), state);
       return false;
@@ -43,6 +57,7 @@ bool BoundedSolver<Scalar, MV, OP>::minimise(Lagrangian& lagrangian, State& stat
         if (!this->accepted())
           continue; // the test is stricter now
       }
+      this->keepState(*reason);
       this->stopFor(*reason, state);
       return false;
     }
@@ -61,6 +76,8 @@ bool BoundedSolver<Scalar, MV, OP>::minimise(Lagrangian& lagrangian, State& stat
                  state);
       return false;
     }
+    if (this->isInterrupted(state))
+      return false;
     const Outcome outcome = lagrangian.step();
     if (outcome == Outcome::Unbounded) {
       Certificate certificate;

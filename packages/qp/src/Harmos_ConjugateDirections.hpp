@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_CgOptions.hpp"
+#include "Harmos_SolverMonitor.hpp"
 
 #include <BelosMultiVecTraits.hpp>
 #include <Teuchos_RCP.hpp>
@@ -68,6 +69,29 @@ class ConjugateDirections {
     energies_.resize(static_cast<std::size_t>(count_));
     energies_.push_back(energy);
     ++count_;
+  }
+
+  /// All of them. @param like a vector of their shape. @note Collective.
+  void exchange(StateArchive<MV>& archive, const MV& like) {
+    archive.number("directions stored", count_);
+    archive.number("directions since checks", steps_);
+    archive.number("directions conjugated", isOn_);
+    archive.numbers("directions energies", energies_);
+    if (count_ == 0)
+      return;
+    const Teuchos::Range1D stored(0, count_ - 1);
+    if (archive.isReading())
+      capacity_ = std::max(capacity_, count_);
+    for (Teuchos::RCP<MV>* block : {&directions_, &images_}) {
+      const Teuchos::RCP<MV> columns = MVT::Clone(like, count_);
+      if (!archive.isReading())
+        MVT::SetBlock(*view(**block), stored, *columns);
+      archive.vector(block == &directions_ ? "directions" : "directions images", *columns);
+      if (archive.isReading()) {
+        *block = MVT::Clone(like, capacity_);
+        MVT::SetBlock(*columns, stored, **block);
+      }
+    }
   }
 
   /// p ← p − P(PᵀQ)⁻¹(Qᵀp), if conjugation is on. @note Collective.

@@ -51,7 +51,7 @@ void DualPenaltySolver<Scalar, MV, OP>::doSolve() {
     return;
   BoundedLagrangian<Scalar, MV, OP> lagrangian(*this->problem_, *rows,
                                                MprgpOptions::fromList(this->parameters_->sublist("MPRGP")),
-                                               this->result_.counters);
+                                               this->result_.counters, this->resumes());
   const bool relative = list.get<std::string>("Parameter scaling") == "relative";
   const double penalty =
       list.get<double>("Penalty") *

@@ -14,6 +14,10 @@ std::string breakdown() {
          "semidefinite, and are its data finite?";
 }
 
+std::string interrupted() {
+  return "the program was told to stop";
+}
+
 std::string notFinite(const std::string& what) {
   return what + " holds a number that is not finite; look where it was made";
 }

@@ -10,6 +10,7 @@ namespace Harmos::qp::Explanations {
 /// The sentences of Result::explanation: what happened, the likely causes, and what helps.
 std::string converged();
 std::string breakdown();
+std::string interrupted();
 /// @param what "the right-hand side", ...
 std::string notFinite(const std::string& what);
 /// @param limit "500 inner iterations", "3 s", ...

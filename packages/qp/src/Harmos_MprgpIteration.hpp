@@ -4,6 +4,7 @@
 #include "Harmos_BoundTraits.hpp"
 #include "Harmos_ParameterSpec.hpp"
 #include "Harmos_QpTypes.hpp"
+#include "Harmos_SolverMonitor.hpp"
 
 #include <Teuchos_ParameterList.hpp>
 #include <Teuchos_RCP.hpp>
@@ -80,6 +81,10 @@ class MprgpIteration {
   /// To be called after the gradient, b or H were changed from outside: splits anew and drops the direction.
   void restart(double hessianNorm);
 
+  /// Direction, splitting and all else but x, g and b, which are their owners'. Reading: after start() at the
+  /// iterate that was written.
+  void exchange(StateArchive<MV>& archive);
+
   /// One step; the splitting is that of the new iterate afterwards.
   /// @note Collective.
   Outcome step();
@@ -88,6 +93,7 @@ class MprgpIteration {
   void refreshGradient();
 
   const SplitSums& sums() const { return sums_; }
+  const LocalActiveSet& active() const { return active_; }
   double hessianNorm() const { return hessianNorm_; }
   /// Steps since the gradient was computed from x itself; rounding errors grow with it.
   int staleness() const { return staleness_; }

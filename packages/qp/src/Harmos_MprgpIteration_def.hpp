@@ -45,6 +45,22 @@ void MprgpIteration<Scalar, MV>::restart(double hessianNorm) {
 }
 
 template<class Scalar, class MV>
+void MprgpIteration<Scalar, MV>::exchange(StateArchive<MV>& archive) {
+  archive.vector("mprgp direction", *p_);
+  archive.vector("mprgp image", *image_);
+  archive.number("mprgp next", next_);
+  archive.number("mprgp free norm", sums_.freeNorm2);
+  archive.number("mprgp chopped norm", sums_.choppedNorm2);
+  archive.number("mprgp reduced norm", sums_.reducedNorm2);
+  archive.number("mprgp iterate norm", sums_.xNorm2);
+  archive.number("mprgp hessian norm", hessianNorm_);
+  archive.number("mprgp longest step", longestStep_);
+  archive.number("mprgp direction dot image", directionDotImage_);
+  archive.number("mprgp decrease", decrease_);
+  archive.number("mprgp staleness", staleness_);
+}
+
+template<class Scalar, class MV>
 void MprgpIteration<Scalar, MV>::countFace() {
   if (sums_.changed > 0 || counters_.faces == 0)
     ++counters_.faces;

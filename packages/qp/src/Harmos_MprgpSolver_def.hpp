@@ -24,7 +24,7 @@ void MprgpSolver<Scalar, MV, OP>::doSolve() {
   EqualityRows<Scalar, MV, OP> none(*this->problem_, 0);
   BoundedLagrangian<Scalar, MV, OP> lagrangian(*this->problem_, none,
                                                MprgpOptions::fromList(this->parameters_->sublist("MPRGP")),
-                                               this->result_.counters);
+                                               this->result_.counters, this->resumes());
   IterationState<MV> state = this->begin(lagrangian, 0.0, 0.0);
   this->minimise(lagrangian, state, nullptr, 0.0);
 }

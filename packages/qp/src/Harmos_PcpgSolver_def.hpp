@@ -59,12 +59,24 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
     cg.multiplier(*mu);
     rows->toUser(*mu, *problem.multiplier());
   };
-  // Without a face there is nothing the equalities could contradict: the rows are consistent.
-  cg.start({});
-  counters.outerIterations = 1;
-  IterationState<MV> state = evaluate(this->firstInner_);
-  this->record(state, StepKind::Start, 0.0, 0.0, 0);
+  int inner = this->firstInner_;
+  this->describeState([&](StateArchive<MV>& archive) {
+    archive.number("inner", inner);
+    cg.exchange(archive);
+  });
+  IterationState<MV> state;
+  if (this->resumes()) {
+    this->resume();
+    state = evaluate(inner);
+  } else {
+    // Without a face there is nothing the equalities could contradict: the rows are consistent.
+    cg.start({});
+    counters.outerIterations = 1;
+    state = evaluate(inner);
+    this->record(state, StepKind::Start, 0.0, 0.0, 0);
+  }
   while (true) {
+    inner = state.inner;
     if (!std::isfinite(state.projectedGradient)) {
       this->stop(Reason::Breakdown, Explanations::breakdown(), state);
       break;
@@ -93,9 +105,12 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
         continue; // the test is stricter now
     }
     if (reason) {
+      this->keepState(*reason);
       this->stopFor(*reason, state);
       break;
     }
+    if (this->isInterrupted(state))
+      break;
     const typename Cg::Outcome outcome = cg.step();
     if (outcome == Cg::Outcome::Breakdown) {
       this->stop(Reason::Breakdown, Explanations::breakdown(), state);

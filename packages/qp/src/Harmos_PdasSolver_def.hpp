@@ -69,6 +69,8 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
     PcpgSolver<Scalar, MV, OP> solver;
     return this->delegate(solver);
   }
+  if (this->resumesDelegate())
+    return fallBack("in the run before this one");
   const Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = this->makeRows();
   if (rows.is_null())
     return;
@@ -145,7 +147,7 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
 
   Cg cg(problem, *rows, CgOptions::fromList(this->parameters_->sublist("PCPG")), counters);
   BT::project(x, lower, upper);
-  const Teuchos::RCP<const MV> initial = MVT::CloneCopy(x);
+  const Teuchos::RCP<MV> initial = MVT::CloneCopy(x);
   LocalActiveSet set;
   // The first active set: entries at a bound that the gradient pushes against it. The gradient costs a
   // product where x is not zero. If that at zero, which costs nothing, mostly pushes against these bounds,
@@ -157,38 +159,40 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
     rows->toInternal(*problem.multiplier(), *mu);
     rows->addTransposed(1.0, *mu, *y);
   };
-  MVT::MvAddMv(-1.0, *problem.rhs(), 0.0, *problem.rhs(), *y);
-  addMultiplier();
-  BT::split(x, *y, lower, upper, 1.0, nullptr, set);
-  LocalActiveSet pushed = set;
-  ActiveSetChange change = BT::updateActiveSet(x, *y, lower, upper, 0.0, 0.0, pushed);
+  ActiveSetChange change;
   bool started = false;
-  if (norm<Scalar>(x) > 0.0) {
-    const Teuchos::RCP<MV> projected = MVT::CloneCopy(x), free = MVT::CloneCopy(*y);
-    BT::maskActive(*free, set);
-    const double atBounds2 = dot<Scalar>(*y, *y) - dot<Scalar>(*free, *free);
-    started = change.wrongSign2 <= 0.1 * atBounds2 && cg.start(set);
-    if (started) {
-      cg.lagrangianGradient(*y);
-      change = BT::updateActiveSet(x, *y, lower, upper,
-                                   10.0 * std::numeric_limits<double>::epsilon() * norm<Scalar>(x),
-                                   10.0 * cg.attainable(), set);
-      started = change.changed == 0;
+  const auto guess = [&] {
+    MVT::MvAddMv(-1.0, *problem.rhs(), 0.0, *problem.rhs(), *y);
+    addMultiplier();
+    BT::split(x, *y, lower, upper, 1.0, nullptr, set);
+    LocalActiveSet pushed = set;
+    change = BT::updateActiveSet(x, *y, lower, upper, 0.0, 0.0, pushed);
+    if (norm<Scalar>(x) > 0.0) {
+      const Teuchos::RCP<MV> projected = MVT::CloneCopy(x), free = MVT::CloneCopy(*y);
+      BT::maskActive(*free, set);
+      const double atBounds2 = dot<Scalar>(*y, *y) - dot<Scalar>(*free, *free);
+      started = change.wrongSign2 <= 0.1 * atBounds2 && cg.start(set);
+      if (started) {
+        cg.lagrangianGradient(*y);
+        change = BT::updateActiveSet(x, *y, lower, upper,
+                                     10.0 * std::numeric_limits<double>::epsilon() * norm<Scalar>(x),
+                                     10.0 * cg.attainable(), set);
+        started = change.changed == 0;
+      } else {
+        MVT::Assign(*projected, x);
+        ++counters.hessianApplications;
+        Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem.hessian(), x, *y);
+        MVT::MvAddMv(1.0, *y, -1.0, *problem.rhs(), *y);
+        addMultiplier();
+        change = BT::updateActiveSet(x, *y, lower, upper, 0.0, 0.0, set);
+      }
     } else {
-      MVT::Assign(*projected, x);
-      ++counters.hessianApplications;
-      Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem.hessian(), x, *y);
-      MVT::MvAddMv(1.0, *y, -1.0, *problem.rhs(), *y);
-      addMultiplier();
-      change = BT::updateActiveSet(x, *y, lower, upper, 0.0, 0.0, set);
+      set = pushed;
     }
-  } else {
-    set = pushed;
-  }
-  active = change.active;
+    active = change.active;
+  };
 
   std::set<std::pair<double, double>> seen;
-  IterationState<MV> state = evaluate(std::numeric_limits<double>::infinity(), this->firstInner_);
   bool settled = false, newFace = true;
   // Inexact solves may come back to a set on their way; exact ones that do so go round in circles.
   constexpr int mostRepeats = 3;
@@ -198,6 +202,45 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
   // from M-matrices (elements of second order in contact).
   double least = std::numeric_limits<double>::infinity(), mark = least;
   int setsSinceMark = 0;
+  // On a face.
+  double target = 0.0;
+  bool stepped = false, resumed = false;
+  long long faceSteps = 0;
+  int inner = this->firstInner_;
+  this->describeState([&](StateArchive<MV>& archive) {
+    archive.number("inner", inner);
+    archive.number("pdas active", active);
+    archive.number("pdas settled", settled);
+    archive.number("pdas target", target);
+    archive.number("pdas stepped", stepped);
+    archive.number("pdas face steps", faceSteps);
+    archive.number("pdas repeats", repeats);
+    archive.number("pdas least", least);
+    archive.number("pdas mark", mark);
+    archive.number("pdas sets since mark", setsSinceMark);
+    std::vector<double> signatures;
+    for (const auto& [first, second] : seen)
+      signatures.insert(signatures.end(), {first, second});
+    archive.numbers("pdas sets seen", signatures);
+    for (std::size_t k = 0; k + 1 < signatures.size(); k += 2)
+      seen.insert({signatures[k], signatures[k + 1]});
+    archive.vector("pdas initial", *initial);
+    const Teuchos::RCP<MV> states = MVT::Clone(x, 1);
+    BT::activeToVector(set, *states);
+    archive.vector("pdas active set", *states);
+    if (archive.isReading())
+      BT::vectorToActive(*states, set);
+    cg.exchange(archive);
+  });
+  if (this->resumes()) {
+    this->resume();
+    resumed = true;
+    newFace = false;
+  } else {
+    guess();
+  }
+  IterationState<MV> state =
+      evaluate(resumed ? cg.residualNorm() : std::numeric_limits<double>::infinity(), inner);
   while (true) {
     if (newFace) {
       if (!started && !cg.start(set))
@@ -209,16 +252,22 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
                    active);
     }
     counters.outerIterations = counters.activeSetUpdates + 1;
-    const double target = settled ? 0.0 : innerReduction * cg.residualNorm();
+    if (!resumed) {
+      target = settled ? 0.0 : innerReduction * cg.residualNorm();
+      stepped = false;
+      faceSteps = 0;
+    }
+    resumed = false;
     std::optional<Reason> reason;
-    bool stepped = false;
-    long long faceSteps = 0;
     while (true) {
+      inner = state.inner;
       if (!std::isfinite(cg.residualNorm()))
         return this->stop(Reason::Breakdown, Explanations::breakdown(), state);
       reason = this->judge(state);
       if (reason || cg.residualNorm() <= std::max(target, cg.attainable()))
         break;
+      if (this->isInterrupted(state))
+        return;
       // Exact conjugate gradients end within the dimension of the face.
       const bool isSpent = state.inner >= budget && budget < this->maximumIterations();
       if (isSpent || faceSteps++ > 2 * (length - active) + 10) {
@@ -237,6 +286,7 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
       this->record(state, StepKind::Projected, 0.0, 0.0, active);
     }
     if (reason && *reason != Reason::Converged) {
+      this->keepState(*reason);
       state = measure(cg, state.inner, false);
       return this->stopFor(*reason, state);
     }

@@ -4,6 +4,7 @@
 #include "Harmos_ConjugateDirections.hpp"
 #include "Harmos_EqualityRows.hpp"
 #include "Harmos_InFacePreconditioner.hpp"
+#include "Harmos_SolverMonitor.hpp"
 
 #include <Teuchos_RCP.hpp>
 
@@ -36,6 +37,9 @@ class ProjectedCg {
   /// Begins again where it is, with gradients computed anew.
   void restart();
 
+  /// Iterate, gradients and directions. Reading takes the place of start(), without a product with A.
+  void exchange(StateArchive<MV>& archive);
+
   Outcome step();
 
   /// ‖w‖.
@@ -58,6 +62,7 @@ class ProjectedCg {
   void project(MV& w, MV* removed);
   void precondition();
   void raiseLevel(double iterateNorm2);
+  void makeFaceGram();
 
   const Problem<Scalar, MV, OP>& problem_;
   EqualityRows<Scalar, MV, OP>& rows_;

@@ -63,10 +63,7 @@ bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active) {
     BT::moveToBounds(x, problem_.lowerBound().get(), problem_.upperBound().get(), active_);
   }
   if (rows_.isPresent()) {
-    // Without active entries C_FC_Fᵀ = I.
-    const bool isWhole =
-        std::all_of(active_.begin(), active_.end(), [](signed char side) { return side == 0; });
-    faceGram_ = BT::maximum(x, isWhole ? 0.0 : 1.0) > 0.0 ? rows_.faceGram(active_) : Teuchos::null;
+    makeFaceGram();
     // x_F ← x_F − C_Fᵀ(C_FC_Fᵀ)⁻(C̄x − c̄), a second time for what rounding left.
     const Teuchos::RCP<MV> correction = MVT::Clone(x, 1);
     for (int pass = 0; pass < 2; ++pass) {
@@ -87,6 +84,52 @@ bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active) {
   }
   restart();
   return true;
+}
+
+// Without active entries C_FC_Fᵀ = I.
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::makeFaceGram() {
+  const bool isWhole =
+      std::all_of(active_.begin(), active_.end(), [](signed char side) { return side == 0; });
+  const double anyActive = BoundTraits<Scalar, MV>::maximum(*problem_.solution(), isWhole ? 0.0 : 1.0);
+  faceGram_ = anyActive > 0.0 ? rows_.faceGram(active_) : Teuchos::null;
+}
+
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using BT = BoundTraits<Scalar, MV>;
+  archive.vector("x", *problem_.solution());
+  archive.vector("cg gradient on the face", *w_);
+  archive.vector("cg direction", *p_);
+  archive.number("cg has a face", hasFace_);
+  if (hasFace_) {
+    if (gradient_.is_null())
+      gradient_ = MVT::Clone(*w_, 1);
+    archive.vector("cg gradient", *gradient_);
+    const Teuchos::RCP<MV> active = MVT::Clone(*w_, 1);
+    BT::activeToVector(active_, *active);
+    archive.vector("cg active set", *active);
+    if (archive.isReading()) {
+      BT::vectorToActive(*active, active_);
+      // Bounds that another number of ranks has rounded differently.
+      BT::moveToBounds(*problem_.solution(), problem_.lowerBound().get(), problem_.upperBound().get(),
+                       active_);
+    }
+  }
+  if (rows_.isPresent())
+    archive.rowVector("cg projected away", *removed_);
+  archive.number("cg residual", residual2_);
+  archive.number("cg curvature bound", curvatureBound_);
+  archive.number("cg load", rhsNorm_);
+  archive.number("cg rounding level", level_);
+  archive.number("cg staleness", staleness_);
+  directions_.exchange(archive, *w_);
+  if (!archive.isReading())
+    return;
+  preconditioner_.invalidate();
+  if (rows_.isPresent())
+    makeFaceGram();
 }
 
 template<class Scalar, class MV, class OP>

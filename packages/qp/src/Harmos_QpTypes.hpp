@@ -15,6 +15,7 @@ enum class Reason {
   Stagnation,     ///< the residuals are at the level of rounding errors, above the tolerance
   Infeasible,     ///< no x meets the bounds and the equalities; Result::certificate proves it
   Unbounded,      ///< a feasible direction along which the cost falls without end; so does it
+  Interrupted,    ///< the monitor asked the solver to stop
   Breakdown       ///< a number that is not finite, or a Hessian that is not positive semidefinite
 };
 
@@ -93,5 +94,14 @@ struct Result {
 
 /// Writes the history with one header line; numbers in full precision.
 void writeHistory(std::ostream& out, const std::vector<IterationRecord>& history);
+/// Its header line, and one of its rows, each with the end of the line.
+void writeHistoryHeader(std::ostream& out);
+void writeHistoryRow(std::ostream& out, const IterationRecord& record);
+
+/// Counters and history as numbers, and back: integers are exact up to 2⁵³.
+std::vector<double> toNumbers(const Counters& counters);
+Counters countersOf(const std::vector<double>& numbers);
+std::vector<double> toNumbers(const std::vector<IterationRecord>& history);
+std::vector<IterationRecord> historyOf(const std::vector<double>& numbers);
 
 } // namespace Harmos::qp

@@ -89,7 +89,7 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
     return;
   BoundedLagrangian<Scalar, MV, OP> lagrangian(*this->problem_, *rows,
                                                MprgpOptions::fromList(this->parameters_->sublist("MPRGP")),
-                                               this->result_.counters);
+                                               this->result_.counters, this->resumes());
 
   double normScale = 1.0, gradientScale = 1.0, equalityScale = 1.0;
   const double rowScale = std::sqrt(rows->norm2()); // 1 but for rows used as they stand
@@ -105,13 +105,13 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
   }
   double penalty = normScale / rowScale * list.get<double>("Initial penalty");
   double precision = normScale * list.get<double>("M");
-  const double innerTolerance = byPrecision ? gradientScale * list.get<double>("Inner tolerance")
-                                            : std::numeric_limits<double>::infinity();
+  double innerTolerance = byPrecision ? gradientScale * list.get<double>("Inner tolerance")
+                                      : std::numeric_limits<double>::infinity();
   double equalityTolerance = equalityScale * list.get<double>("Equality tolerance");
   const double toleranceFactor = list.get<double>("Tolerance factor");
   const double penaltyFactor = list.get<double>("Penalty factor");
   const double precisionFactor = list.get<double>("Precision factor");
-  const double largestPenalty = std::max(penalty, normScale / rowScale * list.get<double>("Maximum penalty"));
+  double largestPenalty = std::max(penalty, normScale / rowScale * list.get<double>("Maximum penalty"));
   const int slowLimit = list.get<int>("Slow iterations");
   const int outerLimit = list.get<int>("Maximum outer iterations");
 
@@ -119,12 +119,26 @@ void SmalbeSolver<Scalar, MV, OP>::doSolve() {
     return state.projectedGradient <= std::min(precision * lagrangian.residual(), innerTolerance);
   };
 
-  IterationState<MV> state = this->begin(lagrangian, penalty, precision);
   double previousValue = -std::numeric_limits<double>::infinity();
   double previousResidual = std::numeric_limits<double>::infinity();
   InfeasibilityWatch watch;
   int previousInner = -1;
   double stretch = 1.0;
+  const auto own = [&](StateArchive<MV>& archive) {
+    archive.number("smalbe penalty", penalty);
+    archive.number("smalbe precision", precision);
+    archive.number("smalbe inner tolerance", innerTolerance);
+    archive.number("smalbe equality tolerance", equalityTolerance);
+    archive.number("smalbe largest penalty", largestPenalty);
+    archive.number("smalbe previous value", previousValue);
+    archive.number("smalbe previous residual", previousResidual);
+    archive.number("smalbe feasible", watch.feasible);
+    archive.number("smalbe slow", watch.slow);
+    archive.number("smalbe patience", watch.patience);
+    archive.number("smalbe previous inner", previousInner);
+    archive.number("smalbe stretch", stretch);
+  };
+  IterationState<MV> state = this->begin(lagrangian, penalty, precision, own);
   // Step 1: the inner loop; Step 2, the stop, is part of it.
   while (this->minimise(lagrangian, state, precise, precision)) {
     const double residual = lagrangian.residual();

@@ -6,6 +6,7 @@
 #include "Harmos_ParameterSpec.hpp"
 #include "Harmos_QpProblem.hpp"
 #include "Harmos_QpTypes.hpp"
+#include "Harmos_SolverMonitor.hpp"
 #include "Harmos_StatusTest.hpp"
 
 #include <Teuchos_ParameterList.hpp>
@@ -69,6 +70,11 @@ class SolverManager {
   /// Is asked about every iterate, and its answer ignored; null for none.
   void setDebugStatusTest(const Teuchos::RCP<StatusTest<MV>>& test) { debugTest_ = test; }
 
+  /// Looks after the solver while it works: live views, checkpoints, signals. Null for none. With a state to
+  /// go on from, solve() goes on from there: the iterates are those of the run that was left, up to what
+  /// another number of ranks rounds differently.
+  void setMonitor(const Teuchos::RCP<SolverMonitor<MV>>& monitor) { monitor_ = monitor; }
+
   /// Progress goes here; silent by default.
   void setLog(const Log& log) { log_ = log; }
 
@@ -115,6 +121,22 @@ class SolverManager {
   /// The rows as solvers use them; null, with the solver stopped, if they contradict each other.
   Teuchos::RCP<EqualityRows<Scalar, MV, OP>> makeRows();
 
+  using Archive = StateArchive<MV>;
+
+  /// Describes what doSolve() knows; to be said once, before the first iteration. What it refers to has to
+  /// live as long as doSolve() works.
+  void describeState(const std::function<void(Archive&)>& own) { state_ = own; }
+  /// Whether doSolve() is to go on from a state instead of beginning.
+  bool resumes() const { return !hasResumed_ && hasStateOf(depth_); }
+  /// The same, where that state belongs to the solver to which this one delegated.
+  bool resumesDelegate() const { return resumes() && hasStateOf(depth_ + 1); }
+  /// Brings the described state back, counters and history too.
+  void resume();
+  /// Asks the monitor, at a point where the described state is all there is; true if the solver has stopped.
+  bool isInterrupted(const IterationState<MV>& state);
+  /// At a limit: another run may go on from here.
+  void keepState(Reason reason);
+
   /// Stores a row of the history and prints it when its turn has come.
   void record(const IterationState<MV>& state, StepKind step, double penalty, double precision,
               long long active);
@@ -150,7 +172,21 @@ class SolverManager {
  private:
   bool isSenseless();
   bool fallsAlongNullSpace();
+  static std::string prefix(int depth) { return "solver" + std::to_string(depth) + " "; }
+  bool hasStateOf(int depth) const {
+    return !monitor_.is_null() && monitor_->hasState() && monitor_->holds(prefix(depth) + "seconds");
+  }
+  void save();
+  double sessionSeconds() const;
 
+  Teuchos::RCP<SolverMonitor<MV>> monitor_;
+  std::function<void(Archive&)> state_;  // of doSolve()
+  std::function<void(Archive&)> before_; // of the solvers that delegate to this one
+  int depth_ = 0;                        // the number of those
+  int productsBefore_ = 0;               // of those, as their seconds
+  double startedAfter_ = 0.0;
+  bool hasResumed_ = false;
+  double secondsBefore_ = 0.0; // of the runs before this one
   Teuchos::RCP<StatusTest<MV>> activeTest_;
   std::chrono::steady_clock::time_point start_;
   bool testGoesOn_ = false; // the test was begun by the solver that delegates to this one

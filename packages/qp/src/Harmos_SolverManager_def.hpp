@@ -98,14 +98,72 @@ Result SolverManager<Scalar, MV, OP>::solve() {
   if (!testGoesOn_)
     activeTest_->reset();
   start_ = std::chrono::steady_clock::now();
+  secondsBefore_ = 0.0;
+  hasResumed_ = false;
+  state_ = nullptr;
+  // It refers to what doSolve() leaves behind.
+  struct Forget {
+    std::function<void(Archive&)>& state;
+    ~Forget() { state = nullptr; }
+  } forget{state_};
   if (!isSenseless())
     doSolve();
   return result_;
 }
 
+// Of this run alone: what a limit is about.
+template<class Scalar, class MV, class OP>
+double SolverManager<Scalar, MV, OP>::sessionSeconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
 template<class Scalar, class MV, class OP>
 double SolverManager<Scalar, MV, OP>::elapsedSeconds() const {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  return secondsBefore_ + sessionSeconds();
+}
+
+template<class Scalar, class MV, class OP>
+void SolverManager<Scalar, MV, OP>::save() {
+  if (monitor_.is_null() || !state_)
+    return;
+  monitor_->save([&](Archive& archive) {
+    if (before_)
+      before_(archive);
+    double seconds = elapsedSeconds();
+    archive.number(prefix(depth_) + "seconds", seconds);
+    exchangeResult(archive, prefix(depth_), result_);
+    state_(archive);
+  });
+}
+
+template<class Scalar, class MV, class OP>
+void SolverManager<Scalar, MV, OP>::resume() {
+  hasResumed_ = true;
+  monitor_->restore([&](Archive& archive) {
+    archive.number(prefix(depth_) + "seconds", secondsBefore_);
+    state_(archive);
+    exchangeResult(archive, prefix(depth_), result_);
+  });
+}
+
+template<class Scalar, class MV, class OP>
+bool SolverManager<Scalar, MV, OP>::isInterrupted(const IterationState<MV>& state) {
+  if (monitor_.is_null())
+    return false;
+  const auto wish = monitor_->ask(state);
+  if (wish == SolverMonitor<MV>::Wish::GoOn)
+    return false;
+  save();
+  if (wish == SolverMonitor<MV>::Wish::Save)
+    return false;
+  stop(Reason::Interrupted, Explanations::interrupted(), state);
+  return true;
+}
+
+template<class Scalar, class MV, class OP>
+void SolverManager<Scalar, MV, OP>::keepState(Reason reason) {
+  if (reason == Reason::IterationLimit || reason == Reason::TimeLimit)
+    save();
 }
 
 template<class Scalar, class MV, class OP>
@@ -274,8 +332,17 @@ void SolverManager<Scalar, MV, OP>::stopUnbounded(const Teuchos::RCP<const MV>& 
 
 template<class Scalar, class MV, class OP>
 void SolverManager<Scalar, MV, OP>::delegate(SolverManager& other) {
-  const int before = result_.history.empty() ? firstInner_ : result_.history.back().inner;
-  const double seconds = elapsedSeconds();
+  double seconds = elapsedSeconds();
+  const auto before = [&, this](Archive& archive) {
+    if (before_ && !archive.isReading())
+      before_(archive);
+    archive.number(prefix(depth_) + "seconds", seconds);
+    exchangeResult(archive, prefix(depth_), result_);
+  };
+  if (resumesDelegate()) {
+    monitor_->restore(before);
+    hasResumed_ = true;
+  }
   const auto list = Teuchos::parameterList();
   const auto known = other.getValidParameters();
   for (const auto& entry : *parameters_)
@@ -284,10 +351,16 @@ void SolverManager<Scalar, MV, OP>::delegate(SolverManager& other) {
   other.setParameters(list);
   // Ranks compare a common time with this limit; it has to be common itself.
   const double limit = parameters_->template get<double>("Maximum Seconds");
-  if (limit > 0.0)
-    other.parameters_->set("Maximum Seconds", std::max(1e-9, limit - BoundTraits<Scalar, MV>::maximum(
-                                                                         *problem_->solution(), seconds)));
-  other.firstInner_ = before;
+  if (limit > 0.0) {
+    const double used = BoundTraits<Scalar, MV>::maximum(*problem_->solution(), sessionSeconds());
+    other.parameters_->set("Maximum Seconds", std::max(1e-9, limit - used));
+  }
+  other.firstInner_ = result_.history.empty() ? firstInner_ : result_.history.back().inner;
+  other.monitor_ = monitor_;
+  other.before_ = before;
+  other.depth_ = depth_ + 1;
+  other.productsBefore_ = productsBefore_ + result_.counters.hessianApplications;
+  other.startedAfter_ = startedAfter_ + seconds;
   other.setProblem(problem_);
   other.setConvergenceTest(activeTest_);
   other.setAcceptance(acceptance_);
@@ -317,7 +390,7 @@ std::optional<Reason> SolverManager<Scalar, MV, OP>::judge(const IterationState<
   if (state.inner >= maximumIterations())
     return Reason::IterationLimit;
   const double limit = parameters_->template get<double>("Maximum Seconds");
-  if (limit > 0.0 && BoundTraits<Scalar, MV>::maximum(*state.x, elapsedSeconds()) >= limit)
+  if (limit > 0.0 && BoundTraits<Scalar, MV>::maximum(*state.x, sessionSeconds()) >= limit)
     return Reason::TimeLimit;
   return std::nullopt;
 }
@@ -331,6 +404,12 @@ void SolverManager<Scalar, MV, OP>::record(const IterationState<MV>& state, Step
   result_.history.push_back({state.outer, state.inner, step, state.projectedGradient, state.equalityResidual,
                              penalty, precision, active, result_.counters.hessianApplications, seconds,
                              state.decrease});
+  if (!monitor_.is_null()) {
+    IterationRecord record = result_.history.back();
+    record.hessianApplications += productsBefore_;
+    record.seconds += startedAfter_;
+    monitor_->recorded(record);
+  }
   const int frequency = parameters_->template get<int>("Output Frequency");
   if (frequency == 0 || !log_.writesInfo())
     return;

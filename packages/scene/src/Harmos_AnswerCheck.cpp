@@ -122,6 +122,16 @@ std::optional<double> AnswerCheck::judge(const MultiVector& lambda, const std::v
   return next;
 }
 
+void AnswerCheck::exchange(qp::StateArchive<MultiVector>& archive) {
+  std::vector<double> known;
+  if (discretisation_)
+    known = {discretisation_->error, discretisation_->norm};
+  archive.numbers("discretisation error", known);
+  archive.number("discretisation error trusted", trusted_);
+  if (known.size() == 2)
+    discretisation_ = DiscretisationError{known[0], known[1]};
+}
+
 feti::TornSolution AnswerCheck::finish(const MultiVector& lambda, const std::vector<double>& mu,
                                        bool isLastJudged) {
   if (!isLastJudged)

@@ -39,6 +39,9 @@ class AnswerCheck {
   /// @note Collective. Audit and estimates go to the report.
   std::optional<double> judge(const MultiVector& lambda, const std::vector<double>& mu, double tolerance);
 
+  /// What it has learnt of the discretisation error. @note Collective.
+  void exchange(qp::StateArchive<MultiVector>& archive);
+
   /// The solution that belongs to an answer, audited; that of the last one judged is at hand.
   /// @param isLastJudged whether it is that one. @note Collective.
   feti::TornSolution finish(const MultiVector& lambda, const std::vector<double>& mu, bool isLastJudged);

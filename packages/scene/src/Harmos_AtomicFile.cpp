@@ -5,13 +5,45 @@
 
 #include <cerrno>
 #include <cstring>
+#include <fcntl.h>
 #include <filesystem>
 #include <fstream>
+#include <unistd.h>
 
 namespace Harmos::scene {
 
 std::string partPath(const std::string& path) {
   return path + ".part";
+}
+
+void requireSpace(const std::string& path, long long bytes) {
+  const std::string part = partPath(path);
+  const int file = ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  int fault = file < 0 ? errno : 0;
+  if (file >= 0) {
+    // Not posix_fallocate(), which writes where a file system knows no reservation.
+    if (bytes > 0 && ::fallocate(file, 0, 0, bytes) != 0 && errno != EOPNOTSUPP && errno != ENOSYS)
+      fault = errno;
+    ::close(file);
+    ::unlink(part.c_str());
+  }
+  if (fault != 0)
+    throw InputError("the file \"" + path + "\" cannot be written, it needs " +
+                         std::to_string((bytes + 1048575) / 1048576) + " MiB: " + std::strerror(fault) +
+                         "; check that the directory is writable and the disk is not full",
+                     {{"file", path}});
+}
+
+void syncPart(const std::string& path) {
+  const int file = ::open(partPath(path).c_str(), O_RDONLY);
+  const bool failed = file < 0 || ::fsync(file) != 0;
+  const std::string reason = failed ? std::strerror(errno) : "";
+  if (file >= 0)
+    ::close(file);
+  if (failed)
+    throw InputError("the file \"" + path + "\" cannot be written: " + reason +
+                         "; check that the disk is not full",
+                     {{"file", path}});
 }
 
 void renamePart(const std::string& path) {

@@ -18,6 +18,13 @@ void removeFile(const std::string& path);
 /// Where a file is written before it gets its name.
 std::string partPath(const std::string& path);
 
+/// Sees to it that so many bytes fit where a file is to be written, as far as the file system tells. Local.
+/// @throws InputError with what would be needed.
+void requireSpace(const std::string& path, long long bytes);
+
+/// Waits until the disk has what was written to partPath(). Local. @throws InputError
+void syncPart(const std::string& path);
+
 /// Gives a finished file its name. Local. @throws InputError
 void renamePart(const std::string& path);
 

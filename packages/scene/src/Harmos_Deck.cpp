@@ -114,7 +114,39 @@ Teuchos::ParameterList parse(const std::string& file) {
   return list;
 }
 
+std::string differenceBelow(const Teuchos::ParameterList& one, const Teuchos::ParameterList& other,
+                            const std::vector<std::string>& ignored, const std::string& place) {
+  const auto textOf = [](const Teuchos::ParameterList& list, const std::string& name) -> std::string {
+    if (!list.isParameter(name))
+      return "absent";
+    return list.isSublist(name) ? "a list" : Teuchos::toString(list.getEntry(name).getAny(false));
+  };
+  for (const auto& entry : one) {
+    const std::string& name = entry.first;
+    const std::string path = place + name;
+    if (std::find(ignored.begin(), ignored.end(), path) != ignored.end())
+      continue;
+    std::string found;
+    if (entry.second.isList() && other.isSublist(name))
+      found = differenceBelow(one.sublist(name), other.sublist(name), ignored, path + "/");
+    else if (entry.second.isList() || !other.isParameter(name) || other.isSublist(name) ||
+             !(entry.second.getAny(false) == other.getEntry(name).getAny(false)))
+      found = "\"" + path + "\" was " + textOf(one, name) + ", is " + textOf(other, name);
+    if (!found.empty())
+      return found;
+  }
+  for (const auto& entry : other)
+    if (!one.isParameter(entry.first))
+      return "\"" + place + entry.first + "\" was absent, is " + textOf(other, entry.first);
+  return "";
+}
+
 } // namespace
+
+std::string firstDifference(const Teuchos::ParameterList& one, const Teuchos::ParameterList& other,
+                            const std::vector<std::string>& ignored) {
+  return differenceBelow(one, other, ignored, "");
+}
 
 Teuchos::ParameterList readDeck(const Teuchos::Comm<int>& comm, const std::string& file,
                                 const std::vector<std::string>& assignments, const ParameterSpec& spec) {

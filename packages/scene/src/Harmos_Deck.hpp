@@ -23,4 +23,9 @@ namespace Harmos::scene {
 Teuchos::ParameterList readDeck(const Teuchos::Comm<int>& comm, const std::string& file,
                                 const std::vector<std::string>& assignments, const ParameterSpec& spec);
 
+/// The first parameter, "List/Name", in which two decks differ, with both values; "" if there is none.
+/// @param ignored lists and parameters that may differ. Local.
+std::string firstDifference(const Teuchos::ParameterList& one, const Teuchos::ParameterList& other,
+                            const std::vector<std::string>& ignored);
+
 } // namespace Harmos::scene

@@ -4,20 +4,25 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_AnswerCheck.hpp"
 #include "Harmos_AtomicFile.hpp"
+#include "Harmos_CheckpointFile.hpp"
 #include "Harmos_ContactFields.hpp"
 #include "Harmos_ContactSetup.hpp"
+#include "Harmos_Deck.hpp"
 #include "Harmos_Decomposition.hpp"
 #include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_DualSolution.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Qp.hpp"
+#include "Harmos_RankTable.hpp"
 #include "Harmos_Recovery.hpp"
+#include "Harmos_RunMonitor.hpp"
 #include "Harmos_StageTimers.hpp"
 #include "Harmos_StressRecovery.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 #include "Harmos_Version.hpp"
 #include "Harmos_VtkHdf.hpp"
 
+#include <Teuchos_XMLParameterListHelpers.hpp>
 #include <Tpetra_MultiVector.hpp>
 
 #include <algorithm>
@@ -117,8 +122,53 @@ void logResult(const Log& log, const RunReport& report) {
   log.info(text.str());
 }
 
+// The checkpoint to go on from; null for none.
+std::unique_ptr<CheckpointReader> openCheckpoint(const Teuchos::Comm<int>& comm, const RunOptions& options,
+                                                 RunReport& report) {
+  if (options.checkpoint.restart.empty())
+    return nullptr;
+  auto checkpoint = std::make_unique<CheckpointReader>(comm, checkpointPath(options.checkpoint.restart));
+  report.restartedFrom = checkpoint->path();
+  agree(comm, [&] {
+    const std::string before = checkpoint->text("deck"), &now = options.checkpoint.deck;
+    if (before.empty() || now.empty())
+      return; // of an application without decks
+    const std::string difference = firstDifference(*Teuchos::getParametersFromXmlString(before),
+                                                   *Teuchos::getParametersFromXmlString(now),
+                                                   {"Output", "Solver/Tolerance", "Solver/Maximum iterations",
+                                                    "Solver/Maximum seconds", "Solver/Progress frequency"});
+    if (!difference.empty())
+      throw InputError("the checkpoint \"" + checkpoint->path() + "\" is of another deck: " + difference +
+                           "; restart with the deck that wrote it (tolerance, limits and output may differ)",
+                       {{"file", checkpoint->path()}});
+  });
+  return checkpoint;
+}
+
+// The rest is rank 0's, and no reason to fail.
+void removeQuietly(const Teuchos::Comm<int>& comm, const std::string& path) {
+  if (comm.getRank() != 0)
+    return;
+  try {
+    removeFile(path);
+  } catch (const InputError&) {
+  }
+}
+
+void writeIterations(const Teuchos::Comm<int>& comm, const RunOptions& options, const RunReport& report) {
+  agree(comm, [&] {
+    if (comm.getRank() != 0)
+      return;
+    std::ostringstream history;
+    qp::writeHistory(history, report.result.history);
+    writeAtomically(options.outputDirectory + "/iterations.csv", history.str());
+  });
+}
+
 Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
-                   const RunOptions& options, const Log& log, const StageTimers& timers, RunReport& report) {
+                   const RunOptions& options, const Log& log, const StageTimers& timers, RunReport& report,
+                   RankShare& share) {
+  const std::unique_ptr<CheckpointReader> checkpoint = openCheckpoint(*comm, options, report);
   report.ranks = comm->getSize();
   report.scene = scene.name;
   report.effects = scene.effectKinds();
@@ -140,7 +190,8 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
       return;
     makeDirectory(options.outputDirectory);
     // Results of an earlier run must not be taken for this one's if it fails.
-    for (const char* name : {"/summary.json", "/iterations.csv", "/result.vtkhdf"})
+    for (const char* name :
+         {"/summary.json", "/iterations.csv", "/result.vtkhdf", "/contact.csv", "/ranks.csv"})
       removeFile(options.outputDirectory + name);
   });
 
@@ -160,6 +211,9 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
     const auto scope = timers.scope("assembly");
     return feti::SubdomainSystem(comm, std::move(subdomains), options.dirichlet);
   }();
+  share.subdomains = system.size();
+  for (int i = 0; i < system.size(); ++i)
+    share.primalDimension += static_cast<long long>(system.rhs(i).size());
   report.primalDimension = system.primalDimension();
   report.kernelDimension = system.kernelDimension();
 
@@ -189,6 +243,7 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
     const auto scope = timers.scope("factorization");
     return makeInverses(system, constraints, options.dual, scene.physics != Physics::Membrane, log, report);
   }();
+  share.dualOperatorMiB = inverses.bytes() / 1048576.0;
   const feti::DualOperator dualOperator(constraints, inverses);
   const Teuchos::RCP<const feti::DualPreconditioner> preconditioner = [&] {
     const auto scope = timers.scope("dual_operator");
@@ -222,17 +277,34 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
   AnswerCheck check(*comm, scene, owned, stagesOfDual, options, log, report);
   const feti::DualSolution solution = [&] {
     const auto scope = timers.scope("solve");
+    const auto monitor =
+        Teuchos::rcp(new RunMonitor(*comm, options, checkpoint.get(), contact.points, log, report));
+    monitor->addState([&](qp::StateArchive<MultiVector>& archive) { check.exchange(archive); });
     const auto accept = [&](const MultiVector& lambda, const std::vector<double>& mu, double tolerance) {
       return check.judge(lambda, mu, tolerance);
     };
     feti::SolverOptions first = options;
     if (options.toleranceRule == ToleranceRule::Balanced)
       first.tolerance = firstBalancedTolerance();
-    return feti::solveDualProblem(stagesOfDual, first, nullptr, accept, log, report);
+    if (log.showsStatus())
+      first.progressFrequency = 0;
+    return feti::solveDualProblem(stagesOfDual, first, nullptr, accept, log, report, monitor);
   }();
   dualOperator.rethrowFailure();
   if (!preconditioner.is_null())
     preconditioner->rethrowFailure();
+  removeQuietly(*comm, options.outputDirectory + "/contact.csv");
+  if (report.isInterrupted()) {
+    // There may be little time left.
+    const auto scope = timers.scope("output");
+    report.audited = false;
+    report.reason += report.checkpointFault.empty()
+                         ? "; go on with --restart \"" + options.outputDirectory + "\""
+                         : "; no checkpoint: " + report.checkpointFault;
+    logResult(log, report);
+    writeIterations(*comm, options, report);
+    return {std::move(owned), {}, solution.lambda};
+  }
   if (!solution.escape.empty())
     report.reason += "; pulled away, with nothing to hold it: " +
                      escapingBodies(*comm, scene, owned, system, solution.escape);
@@ -256,13 +328,7 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
 
   {
     const auto scope = timers.scope("output");
-    agree(*comm, [&] {
-      if (comm->getRank() != 0)
-        return;
-      std::ostringstream history;
-      qp::writeHistory(history, report.result.history);
-      writeAtomically(options.outputDirectory + "/iterations.csv", history.str());
-    });
+    writeIterations(*comm, options, report);
     if (options.writeFields) {
       ResultFields fields;
       fields.displacement = &torn.displacement;
@@ -280,6 +346,10 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
       writeVtkHdf(*comm, options.outputDirectory + "/result.vtkhdf", owned, fields);
     }
   }
+  // It has served. One of another run is left alone.
+  const std::string own = checkpointPath(options.outputDirectory);
+  if (report.converged && (report.checkpoints > 0 || report.restartedFrom == own))
+    removeQuietly(*comm, own);
   return {std::move(owned), torn.displacement, solution.lambda};
 }
 
@@ -289,10 +359,11 @@ Solution run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& sc
              const RunOptions& options, const Log& log, std::chrono::steady_clock::time_point begin,
              RunReport& report) {
   const StageTimers timers(stages);
+  RankShare share;
   std::exception_ptr failure;
   Solution solution;
   try {
-    solution = runStages(comm, scene, options, log, timers, report);
+    solution = runStages(comm, scene, options, log, timers, report, share);
   } catch (const NumericalError& error) {
     failure = std::make_exception_ptr(withBody(scene, error));
   } catch (const Error& error) {
@@ -306,7 +377,17 @@ Solution run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& sc
   report.seconds["mesh"] += globalMax(*comm, scene.secondsToMake);
   const std::chrono::duration<double> total = std::chrono::steady_clock::now() - begin;
   report.seconds["total"] = globalMax(*comm, total.count());
-  report.peakMemoryMiB = globalSum(*comm, peakMemoryMiB());
+  share.peakMemoryMiB = peakMemoryMiB();
+  report.peakMemoryMiB = globalSum(*comm, share.peakMemoryMiB);
+  if (options.writeRanks) {
+    share.seconds = timers.ownSeconds();
+    try {
+      writeRankTable(*comm, options.outputDirectory + "/ranks.csv", stages, share);
+    } catch (const InputError&) {
+      if (!failure) // the first failure is the one that matters
+        throw;
+    }
+  }
   if (failure)
     std::rethrow_exception(failure);
   log.info(timingText(report, stages));

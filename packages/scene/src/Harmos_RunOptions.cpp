@@ -27,6 +27,20 @@ void RunOptions::addTo(ParameterSpec& deck) {
               "Where the files go; made if it is not there. The option --output overrides it.");
   output.boolean("Fields", true, "Write result.vtkhdf for ParaView; false for timing.");
   output.boolean("Stresses", true, "Recover stresses at the nodes of elastic bodies and write them too.");
+  output.boolean("Rank diagnostics", false,
+                 "Write ranks.csv: host, subdomains, memory and seconds of each rank.");
+  output.real("Live seconds", RunOptions().liveSeconds, Range::atLeast(0.0),
+              "While the solver works, contact.csv is written anew after so many seconds, for plot_run.py "
+              "--follow; 0 for never.");
+  ParameterSpec checkpoint("Checkpoint",
+                           "When checkpoint.h5 is written, from which --restart goes on. Signals ask for one "
+                           "at any time.");
+  checkpoint.integer("Outer iterations", CheckpointOptions().outerIterations, 0, 1000000000,
+                     "Outer iterations (of SMALBE; active sets of PDAS) from one to the next; 0 for no such "
+                     "rule. PCPG and MPRGP have one outer iteration only.");
+  checkpoint.real("Minutes", CheckpointOptions().minutes, Range::atLeast(0.0),
+                  "Minutes from one to the next; 0 for no such rule.");
+  output.list(std::move(checkpoint));
   deck.list(std::move(output));
 }
 
@@ -42,6 +56,11 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
   options.outputDirectory = deck.sublist("Output").get<std::string>("Directory");
   options.writeFields = deck.sublist("Output").get<bool>("Fields");
   options.writeStresses = deck.sublist("Output").get<bool>("Stresses");
+  options.writeRanks = deck.sublist("Output").get<bool>("Rank diagnostics");
+  options.liveSeconds = deck.sublist("Output").get<double>("Live seconds");
+  const Teuchos::ParameterList& checkpoint = deck.sublist("Output").sublist("Checkpoint");
+  options.checkpoint.outerIterations = checkpoint.get<int>("Outer iterations");
+  options.checkpoint.minutes = checkpoint.get<double>("Minutes");
   return options;
 }
 

@@ -8,7 +8,9 @@
 
 #include <Teuchos_ParameterList.hpp>
 
+#include <functional>
 #include <string>
+#include <vector>
 
 namespace Harmos::scene {
 
@@ -16,6 +18,26 @@ namespace Harmos::scene {
 enum class ToleranceRule {
   Fixed,   ///< ε as given
   Balanced ///< such that the solver's error is a given share of the discretisation error; see AnswerCheck
+};
+
+/// What a run was told from outside.
+enum class Told {
+  Nothing,
+  Save, ///< to write a checkpoint
+  Stop  ///< to write one and stop
+};
+
+/// When a run writes a checkpoint, and which one it goes on from. What is needed to take the run up again
+/// goes into the checkpoint with it.
+struct CheckpointOptions {
+  int outerIterations = 0; ///< between two checkpoints; 0 for none
+  double minutes = 30.0;   ///< likewise
+  /// What this rank was told since it was last asked; null: nothing. Local.
+  std::function<Told()> told;
+  std::string restart;                  ///< the output directory of the run to go on from; "" for none
+  std::string deck;                     ///< the validated deck, as XML
+  std::string deckFile;                 ///< where it was read
+  std::vector<std::string> assignments; ///< that were applied to it
 };
 
 /// The lists of a deck that every application shares: Decomposition, Dual operator, Solver, Output. Its
@@ -28,6 +50,9 @@ struct RunOptions : feti::SolverOptions {
   std::string outputDirectory;
   bool writeFields = true;
   bool writeStresses = true;
+  bool writeRanks = false;  ///< ranks.csv
+  double liveSeconds = 5.0; ///< between two contact.csv; 0 for none
+  CheckpointOptions checkpoint;
 
   /// Adds the lists to the specification of a deck.
   static void addTo(ParameterSpec& deck);

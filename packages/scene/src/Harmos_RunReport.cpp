@@ -91,6 +91,8 @@ std::string toJson(const RunReport& report) {
                                     {"rows", cost.rows},
                                     {"seconds", cost.seconds},
                                     {"bytes", cost.bytes}});
+  json["restarted_from"] = report.restartedFrom;
+  json["checkpoints"] = report.checkpoints;
   json["dual_operator"] = report.dualOperator;
   json["local_condition"] = number(report.localCondition);
   json["dual_operator_mib"] = number(report.dualOperatorMiB);

@@ -46,6 +46,11 @@ struct RunReport : feti::SolveReport {
   std::map<std::string, double> results; ///< of the application
   std::map<std::string, double> seconds;
   double peakMemoryMiB = 0.0;
+  std::string restartedFrom;   ///< the checkpoint, "" for none
+  int checkpoints = 0;         ///< written by this run
+  std::string checkpoint;      ///< the last one
+  std::string checkpointFault; ///< why the last one is not there, "" if it is
+  bool isInterrupted() const { return solved && result.reason == qp::Reason::Interrupted; }
 };
 
 /// summary.json as text.

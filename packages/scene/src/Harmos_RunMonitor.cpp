@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_RunMonitor.hpp"
+
+#include "Harmos_Agreement.hpp"
+#include "Harmos_AtomicFile.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_StatusTest.hpp"
+#include "Harmos_TrilinosVersion.hpp"
+
+#include <Tpetra_MultiVector.hpp>
+#include <Tpetra_Operator.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+namespace Harmos::scene {
+namespace {
+
+constexpr double lookInterval = 0.25; // seconds between two reductions
+
+double norm(const MultiVector& x) {
+  std::vector<double> result(1);
+  x.norm2(Teuchos::arrayViewFromVector(result));
+  return result[0];
+}
+
+} // namespace
+
+RunMonitor::RunMonitor(const Teuchos::Comm<int>& comm, const RunOptions& options,
+                       const CheckpointReader* checkpoint, const std::vector<contact::ContactPoint>& points,
+                       const Log& log, RunReport& report)
+    : comm_(comm),
+      options_(options),
+      checkpoint_(checkpoint),
+      points_(points),
+      log_(log),
+      report_(report),
+      start_(std::chrono::steady_clock::now()) {}
+
+RunMonitor::~RunMonitor() = default;
+
+void RunMonitor::begins(const feti::DualRun& run) {
+  run_.emplace(run);
+  view_ = std::make_unique<LiveView>(
+      comm_.getRank() == 0 ? options_.outputDirectory + "/iterations.csv" : std::string(), run.method, log_);
+  start_ = std::chrono::steady_clock::now();
+  if (checkpoint_ == nullptr)
+    return;
+  restore([&](Archive& archive) { exchangeProblem(archive); });
+  for (const Exchange& state : states_)
+    restore(state);
+  view_->begin(rows_);
+  if (!rows_.empty()) {
+    lastOuter_ = rows_.back().outer;
+    log_.info("Going on from iteration " + std::to_string(rows_.back().inner) + " of \"" +
+              checkpoint_->path() + "\"");
+  }
+}
+
+// What tells whether this is still the problem that was being solved.
+void RunMonitor::exchangeProblem(Archive& archive) {
+  const feti::DualProblem& problem = run_->stages.problem;
+  MultiVector d(problem.d(), Teuchos::Copy);
+  archive.vector("d of the problem", d);
+  std::vector<double> method(run_->method.begin(), run_->method.end());
+  archive.numbers("method", method);
+  std::vector<double> rows = qp::toNumbers(rows_);
+  archive.numbers("rows shown", rows);
+  rows_ = qp::historyOf(rows);
+  if (!archive.isReading())
+    return;
+  const std::string before(method.begin(), method.end());
+  if (before != run_->method)
+    throw InputError("the checkpoint \"" + checkpoint_->path() + "\" is of the method " + before +
+                         ", but this run takes " + run_->method +
+                         "; restart with the deck of the run that wrote it",
+                     {{"file", checkpoint_->path()}});
+  d.update(-1.0, problem.d(), 1.0);
+  // Another number of ranks changes d by rounding errors times the condition of the subdomains; another mesh,
+  // in the first digits.
+  constexpr double different = 1e-3;
+  if (norm(d) > different * norm(problem.d()))
+    throw InputError("the checkpoint \"" + checkpoint_->path() +
+                         "\" is of another problem: the right-hand side d of the dual problem differs by " +
+                         scientific(norm(d) / norm(problem.d()), 0) +
+                         " of its norm; restart with the deck and the meshes of the run that wrote it",
+                     {{"file", checkpoint_->path()}});
+}
+
+void RunMonitor::recorded(const qp::IterationRecord& record) {
+  rows_.push_back(record);
+  view_->add(record, run_->targets());
+}
+
+// The slowest rank's clock, and what any rank was told.
+RunMonitor::Look RunMonitor::look() {
+  const Told mine = options_.checkpoint.told ? options_.checkpoint.told() : Told::Nothing;
+  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  double values[2] = {elapsed, static_cast<double>(mine)}, most[2] = {0.0, 0.0};
+  Teuchos::reduceAll<int, double>(comm_, Teuchos::REDUCE_MAX, 2, values, most);
+  const double perIteration =
+      (most[0] - lastElapsed_) / static_cast<double>(std::max(1LL, asked_ - lastLook_));
+  const double steps = std::clamp(lookInterval / std::max(perIteration, 1e-9), 1.0, 1000.0);
+  lastLook_ = asked_;
+  nextLook_ = asked_ + static_cast<long long>(steps);
+  lastElapsed_ = most[0];
+  return {most[0], static_cast<Told>(static_cast<int>(most[1]))};
+}
+
+RunMonitor::Wish RunMonitor::ask(const qp::IterationState<MultiVector>& state) {
+  checkpoint_ = nullptr; // the solver is beyond it
+  ++asked_;
+  const CheckpointOptions& options = options_.checkpoint;
+  Wish wish = Wish::GoOn;
+  if (options.outerIterations > 0 && state.outer - lastOuter_ >= options.outerIterations) {
+    lastOuter_ = state.outer;
+    wish = Wish::Save;
+  }
+  if (asked_ < nextLook_)
+    return wish;
+  const Look now = look();
+  if (options.minutes > 0.0 && now.elapsed - lastSave_ >= 60.0 * options.minutes)
+    wish = Wish::Save;
+  if (wish == Wish::Save)
+    lastSave_ = now.elapsed;
+  if (now.told == Told::Save)
+    wish = Wish::Save;
+  if (now.told == Told::Stop)
+    wish = Wish::SaveAndStop;
+  if (options_.liveSeconds > 0.0 && now.elapsed - lastShow_ >= options_.liveSeconds && !points_.empty()) {
+    lastShow_ = now.elapsed;
+    showContact(*state.x);
+  }
+  return wish;
+}
+
+RowBasis RunMonitor::basis() const {
+  const Teuchos::RCP<const Operator> rows = run_->stages.problem.equalityRows();
+  return {[rows](const MultiVector& mu, MultiVector& dual) { rows->apply(mu, dual, Teuchos::TRANS); },
+          [rows](const MultiVector& dual, MultiVector& mu) { rows->apply(dual, mu); }};
+}
+
+void RunMonitor::save(const Exchange& state) {
+  const std::string path = checkpointPath(options_.outputDirectory);
+  try {
+    std::string assignments;
+    for (const std::string& assignment : options_.checkpoint.assignments)
+      assignments += assignment + "\n";
+    const auto all = [&](Archive& archive) {
+      exchangeProblem(archive);
+      state(archive);
+      for (const Exchange& other : states_)
+        other(archive);
+    };
+    StateSize size;
+    all(size);
+    const std::size_t texts =
+        options_.checkpoint.deck.size() + options_.checkpoint.deckFile.size() + assignments.size();
+    CheckpointWriter writer(comm_, path, basis(), size.bytes() + static_cast<long long>(texts));
+    writer.text("deck", options_.checkpoint.deck);
+    writer.text("deck file", options_.checkpoint.deckFile);
+    writer.text("assignments", assignments);
+    all(writer);
+    writer.commit();
+  } catch (const InputError& error) {
+    // The run itself may still come to an end.
+    report_.checkpointFault = error.what();
+    log_.warning(std::string("no checkpoint: ") + error.what());
+    return;
+  }
+  report_.checkpointFault.clear();
+  report_.checkpoint = path;
+  ++report_.checkpoints;
+  log_.info("Checkpoint at iteration " + std::to_string(rows_.empty() ? 0 : rows_.back().inner) + ": \"" +
+            path + "\"");
+}
+
+void RunMonitor::restore(const Exchange& state) {
+  checkpoint_->restore(basis(), [&](Archive& archive) { state(archive); });
+}
+
+// contact.csv: the forces that the present multipliers stand for.
+void RunMonitor::showContact(const MultiVector& lambda) const {
+  struct Item {
+    long long row;
+    double force;
+  };
+  const feti::Constraints& constraints = run_->stages.constraints;
+  std::vector<Item> mine;
+  {
+    const auto free = lambda.getLocalViewHost(Tpetra::Access::ReadOnly);
+    const auto shift = run_->stages.problem.shift()->getLocalViewHost(Tpetra::Access::ReadOnly);
+    for (std::size_t r = 0; r < free.extent(0); ++r) {
+      const int row = static_cast<int>(r);
+      if (constraints.rowType(row) == feti::RowType::Inequality)
+        mine.push_back(
+            {static_cast<long long>(constraints.rowMap()->getGlobalElement(static_cast<LocalOrdinal>(row))),
+             std::max(0.0, (free(r, 0) + shift(r, 0)) * constraints.rowScale(row))});
+    }
+  }
+  const std::vector<Item> all = gatherAll(comm_, mine);
+  if (comm_.getRank() != 0)
+    return;
+  std::vector<double> force(points_.size(), 0.0);
+  for (const Item& item : all)
+    force[static_cast<std::size_t>(item.row)] = item.force;
+  std::ostringstream text;
+  text << "x,y,z,pressure,closed\n" << std::setprecision(9);
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    text << points_[k].position[0] << ',' << points_[k].position[1] << ',' << points_[k].position[2] << ','
+         << force[k] / points_[k].area << ',' << (force[k] > 0.0 ? 1 : 0) << '\n';
+  try {
+    writeAtomically(options_.outputDirectory + "/contact.csv", text.str());
+  } catch (const InputError&) {
+    // A view of the run, not a result.
+  }
+}
+
+} // namespace Harmos::scene

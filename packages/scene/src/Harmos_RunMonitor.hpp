@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_CheckpointFile.hpp"
+#include "Harmos_ContactPoint.hpp"
+#include "Harmos_DualSolution.hpp"
+#include "Harmos_LiveView.hpp"
+#include "Harmos_Log.hpp"
+#include "Harmos_RunOptions.hpp"
+#include "Harmos_RunReport.hpp"
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace Harmos::scene {
+
+/// Looks after the solver of a run: iterations.csv while it grows, contact.csv every few seconds, checkpoints
+/// when they are due or asked for, and the way back from one.
+///
+/// Clocks and signals of the ranks are compared by a reduction, about four times a second.
+/// Guarded by tests/regression/test_checkpoint.py.
+class RunMonitor : public feti::DualMonitor {
+ public:
+  /// @param checkpoint to go on from, or null. All to outlive this. Checkpoints and their fate go to the
+  /// report.
+  RunMonitor(const Teuchos::Comm<int>& comm, const RunOptions& options, const CheckpointReader* checkpoint,
+             const std::vector<contact::ContactPoint>& points, const Log& log, RunReport& report);
+  ~RunMonitor() override;
+
+  /// What else belongs to a checkpoint.
+  void addState(const Exchange& state) { states_.push_back(state); }
+
+  void begins(const feti::DualRun& run) override;
+  void recorded(const qp::IterationRecord& record) override;
+  Wish ask(const qp::IterationState<MultiVector>& state) override;
+  void save(const Exchange& state) override;
+  bool hasState() const override { return checkpoint_ != nullptr; }
+  bool holds(const std::string& name) const override { return checkpoint_->holds(name); }
+  void restore(const Exchange& state) override;
+
+ private:
+  struct Look {
+    double elapsed;
+    Told told;
+  };
+  Look look();
+  RowBasis basis() const;
+  void showContact(const MultiVector& lambda) const;
+  void exchangeProblem(Archive& archive);
+
+  const Teuchos::Comm<int>& comm_;
+  const RunOptions& options_;
+  const CheckpointReader* checkpoint_;
+  const std::vector<contact::ContactPoint>& points_;
+  const Log& log_;
+  RunReport& report_;
+  std::vector<Exchange> states_;
+  std::optional<feti::DualRun> run_;
+  std::unique_ptr<LiveView> view_;
+  std::chrono::steady_clock::time_point start_;
+  long long asked_ = 0, nextLook_ = 1, lastLook_ = 0;
+  double lastElapsed_ = 0.0, lastSave_ = 0.0, lastShow_ = 0.0;
+  int lastOuter_ = 1;
+  std::vector<qp::IterationRecord> rows_;
+};
+
+} // namespace Harmos::scene

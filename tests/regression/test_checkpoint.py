@@ -1,0 +1,489 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs that are stopped, by themselves, by a signal or by force, and taken up again.
+
+What each class guards against:
+
+    SameHistory  a run that is taken up again on the same or another number of ranks and takes
+                 other steps, or comes to another answer; counts and histories that begin anew
+    Stopped      signals that go unheard, or end a run without a checkpoint; another exit status
+    Killed       a rank that dies and leaves the others waiting, or half a checkpoint
+    Faults       a checkpoint that cannot be written ending the run, or taking the last one with
+                 it; a damaged or foreign one that is believed
+    WhileItRuns  nothing to look at before the end: iterations.csv, contact.csv, the status line
+    Ranks        ranks.csv
+"""
+
+import csv
+import os
+import pty
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+
+import harmos_runs as runs  # noqa: E402
+
+BLOCKS = runs.SOURCE / "apps" / "harmos" / "decks" / "two_blocks.xml"
+
+# Some two hundred steps of some ten milliseconds and more: long enough to be met on the way.
+LONG = {
+    "Model/Subdomains per side": 4,
+    "Model/Elements per subdomain side": 24,
+    "Solver/Method": "SMALBE",
+    "Solver/Tolerance": 1e-8,
+    "Dual operator/Preconditioner": "none",
+    "Dual operator/Form": "implicit",
+    "Dual operator/Share identical subdomains": False,
+}
+# The same steps in an instant.
+SHORT = LONG | {"Model/Elements per subdomain side": 8, "Dual operator/Form": "condensed"}
+
+METHODS = {
+    "PDAS": {"Solver/Method": "PDAS"},
+    "SMALBE": {"Solver/Method": "SMALBE"},
+    "SMALBE, no preconditioner": {
+        "Solver/Method": "SMALBE",
+        "Dual operator/Preconditioner": "none",
+    },
+    "Dual Penalty": {"Solver/Method": "Dual Penalty"},
+    "PDAS, then SMALBE": {"Solver/PDAS/Maximum active sets": 2},
+    "balanced": {"Solver/Tolerance rule": "balanced"},
+}
+# Without "seconds": everything else is to be the same.
+COLUMNS = (
+    "outer inner step projected_gradient equality_residual penalty M active hessian_applications"
+).split()
+COUNTERS = (
+    "outer_iterations hessian_applications setup_applications cg_steps expansion_steps "
+    "proportioning_steps faces fallbacks step_cuts confirmations"
+).split()
+
+
+def history(run):
+    return [[row[name] for name in COLUMNS] for row in run.iterations()]
+
+
+def restarted(case, directory, np=2, status=0, sets=None, words=(), program="signorini"):
+    """A run that goes on from a directory, in a copy of it, with the deck that it knows."""
+    copy = runs.scratch("restart")
+    shutil.copytree(directory, copy)
+    words = ["--restart", copy, *words]
+    for path, value in (sets or {}).items():
+        words += ["--set", f"{path}={value}"]
+    run = runs.start(words, np=np, program=program)
+    run.directory = copy
+    case.assertEqual(run.returncode, status, run)
+    if (copy / "summary.json").is_file():
+        run.summary = runs.json.loads((copy / "summary.json").read_text())
+    return run
+
+
+class Background:
+    """A run that goes on while the test looks at it."""
+
+    def __init__(self, sets, np=2, words=()):
+        self.directory = runs.scratch("background")
+        self.out = runs.scratch("out")
+        command = [*runs.launcher(np), runs.application(), runs.MODEL, "--output", self.directory]
+        for path, value in sets.items():
+            command += ["--set", f"{path}={str(value).lower() if value is False else value}"]
+        with open(self.out, "wb") as out:
+            self.process = subprocess.Popen(
+                [str(word) for word in [*command, *words]],
+                env=runs.environment() | {"OMPI_MCA_odls_base_sigkill_timeout": "20"},
+                stdin=subprocess.DEVNULL,
+                stdout=out,
+                stderr=subprocess.STDOUT,
+            )
+
+    def wait_for(self, name, seconds=120):
+        """Until the file is there. False if the run came to its end without it."""
+        end = time.monotonic() + seconds
+        while not (self.directory / name).is_file():
+            if self.process.poll() is not None:
+                return False
+            if time.monotonic() > end:
+                self.process.kill()
+                raise AssertionError(f"no {name} after {seconds} s\n{self.text()}")
+            time.sleep(0.01)
+        return True
+
+    def ranks(self):
+        """The process numbers of the ranks."""
+        found = []
+        for entry in Path("/proc").iterdir():
+            if not entry.name.isdigit():
+                continue
+            try:
+                words = (entry / "cmdline").read_bytes().split(b"\0")
+            except OSError:
+                continue
+            if words[0].endswith(b"/signorini") and str(self.directory).encode() in words:
+                found.append(int(entry.name))
+        return found
+
+    def end(self, seconds=120):
+        try:
+            self.process.wait(timeout=seconds)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            raise AssertionError(f"no end after {seconds} s\n{self.text()}") from None
+        return self.process.returncode
+
+    def text(self):
+        return self.out.read_text(encoding="utf-8", errors="replace")
+
+
+class SameHistory(unittest.TestCase):
+    def compare(self, run, plain, first, exact):
+        mine, theirs = history(run), history(plain)
+        if exact:
+            self.assertEqual(mine, theirs, run)
+            for name in COUNTERS + ["energy", "tolerance", "converged"]:
+                self.assertEqual(run.summary[name], plain.summary[name], name)
+            return
+        # Other ranks round differently. What was kept is kept to the last digit; the next steps
+        # differ by rounding errors, which a step of conjugate gradients multiplies by no more
+        # than the condition of the preconditioned operator, some hundred.
+        self.assertEqual(mine[: first + 1], theirs[: first + 1])
+        for row, other in zip(mine[first + 1 : first + 4], theirs[first + 1 : first + 4]):
+            self.assertEqual(row[:3], other[:3])
+            self.assertAlmostEqual(float(row[3]) / float(other[3]), 1.0, delta=1e-8)
+        self.assertLessEqual(abs(len(mine) - len(theirs)), 0.1 * len(theirs) + 2)
+        # Ten times the tolerance of both; the energy is quadratic in the error, so there is room.
+        tolerance = 10.0 * plain.summary["tolerance"]
+        self.assertAlmostEqual(
+            run.summary["energy"] / plain.summary["energy"], 1.0, delta=tolerance
+        )
+
+    def test_history_goes_on(self):
+        for name, sets in METHODS.items():
+            with self.subTest(name):
+                sets = {
+                    "Model/Subdomains per side": 4,
+                    "Model/Elements per subdomain side": 8,
+                    "Solver/Tolerance": 1e-7,
+                } | sets
+                plain = runs.solved(self, runs.MODEL, sets)
+                steps = int(plain.iterations()[-1]["inner"])
+                self.assertGreater(steps, 3, plain)
+                half = steps // 2
+                cut = runs.run(runs.MODEL, sets | {"Solver/Maximum iterations": half})
+                self.assertEqual(cut.returncode, 1, cut)
+                self.assertTrue((cut.directory / "checkpoint.h5").is_file(), cut)
+                for np in (2, 1, 4):
+                    run = restarted(
+                        self, cut.directory, np, sets={"Solver/Maximum iterations": 10000}
+                    )
+                    self.compare(run, plain, half, exact=np == 2)
+                    self.assertTrue(run.summary["restarted_from"], run)
+                    # It has served.
+                    self.assertFalse((run.directory / "checkpoint.h5").exists(), run)
+
+    def test_every_outer_iteration(self):
+        """Checkpoints change nothing; a chain of runs comes to the same end."""
+        plain = runs.solved(self, runs.MODEL, SHORT)
+        every = {"Output/Checkpoint/Outer iterations": 1}
+        kept = runs.solved(self, runs.MODEL, SHORT | every)
+        self.compare(kept, plain, 0, exact=True)
+        self.assertGreaterEqual(kept.summary["checkpoints"], 3, kept)
+        directory, most, links = None, 0, 0
+        while True:
+            most += 15
+            links += 1
+            limit = {"Solver/Maximum iterations": most}
+            if directory is None:
+                run = runs.run(runs.MODEL, SHORT | limit)
+            else:
+                status = 0 if most >= len(history(plain)) else 1
+                run = restarted(self, directory, status=status, sets=limit)
+            directory = run.directory
+            if run.returncode == 0:
+                break
+        self.assertGreater(links, 2)
+        self.compare(run, plain, 0, exact=True)
+
+    def test_other_tolerance(self):
+        """A run that asks for more goes on to it, and ends where that tolerance alone leads."""
+        plain = runs.solved(self, runs.MODEL, SHORT | {"Solver/Tolerance": 1e-10})
+        cut = runs.run(runs.MODEL, SHORT | {"Solver/Maximum iterations": 20})
+        run = restarted(
+            self,
+            cut.directory,
+            sets={"Solver/Maximum iterations": 10000, "Solver/Tolerance": 1e-10},
+        )
+        self.assertEqual(history(run)[:20], history(plain)[:20])
+        self.assertAlmostEqual(
+            run.summary["energy"] / plain.summary["energy"], 1.0, delta=10.0 * 1e-10
+        )
+
+    def test_scene(self):
+        """Of the harmos app, three-dimensional bodies in contact."""
+        plain = runs.solved(self, BLOCKS, program="harmos")
+        steps = int(plain.iterations()[-1]["inner"])
+        cut = runs.run(BLOCKS, {"Solver/Maximum iterations": steps // 2}, program="harmos")
+        run = restarted(
+            self,
+            cut.directory,
+            sets={"Solver/Maximum iterations": 10000},
+            program="harmos",
+        )
+        self.compare(run, plain, steps // 2, exact=True)
+
+
+class Stopped(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.plain = runs.run(runs.MODEL, LONG)
+
+    def stop(self, send):
+        run = Background(LONG | {"Output/Checkpoint/Outer iterations": 1})
+        self.assertTrue(run.wait_for("checkpoint.h5"), run.text())
+        send(run)
+        self.assertEqual(run.end(), 4, run.text())
+        text = run.text()
+        self.assertIn("go on with --restart", text)
+        summary = runs.json.loads((run.directory / "summary.json").read_text())
+        self.assertFalse(summary["converged"])
+        self.assertTrue(summary["reason"].startswith("interrupted"), summary["reason"])
+        self.assertIsNone(summary["audit"])
+        again = restarted(self, run.directory)
+        self.assertEqual(history(again), history(self.plain), text)
+        self.assertEqual(again.summary["energy"], self.plain.summary["energy"])
+
+    def test_signal_to_the_launcher(self):
+        self.stop(lambda run: run.process.send_signal(signal.SIGUSR1))
+
+    def test_signal_to_one_rank(self):
+        """The others learn of it."""
+        self.stop(lambda run: os.kill(run.ranks()[0], signal.SIGTERM))
+
+    def test_checkpoint_on_request(self):
+        run = Background(LONG)
+        self.assertTrue(run.wait_for("iterations.csv"), run.text())
+        for rank in run.ranks():
+            os.kill(rank, signal.SIGUSR2)
+        self.assertEqual(run.end(), 0, run.text())
+        self.assertIn("Checkpoint at iteration", run.text())
+
+    def test_minutes(self):
+        run = runs.solved(self, runs.MODEL, LONG | {"Output/Checkpoint/Minutes": 1e-3})
+        self.assertGreater(run.summary["checkpoints"], 0, run)
+        self.assertEqual(history(run), history(self.plain))
+
+    def test_time_limit(self):
+        """What a limit of time ends is kept too, and the limit is of each run alone."""
+        limit = {"Solver/Maximum seconds": 0.1}
+        run = runs.run(runs.MODEL, LONG | limit)
+        self.assertEqual(run.returncode, 1, run)
+        self.assertTrue((run.directory / "checkpoint.h5").is_file(), run)
+        again = restarted(self, run.directory, sets={"Solver/Maximum seconds": 0})
+        self.assertEqual(history(again), history(self.plain))
+
+
+class Killed(unittest.TestCase):
+    def test_rank_dies(self):
+        plain = runs.run(runs.MODEL, LONG)
+        run = Background(LONG | {"Output/Checkpoint/Outer iterations": 1})
+        self.assertTrue(run.wait_for("checkpoint.h5"), run.text())
+        time.sleep(0.05)
+        os.kill(run.ranks()[-1], signal.SIGKILL)
+        # No rank is left waiting: the launcher ends them all.
+        self.assertNotEqual(run.end(60), 0, run.text())
+        self.assertEqual(run.ranks(), [])
+        # A file that was being written is no checkpoint; the last whole one is there.
+        for np in (2, 1):
+            again = restarted(self, run.directory, np)
+            self.assertAlmostEqual(
+                again.summary["energy"] / plain.summary["energy"], 1.0, delta=10.0 * 1e-8
+            )
+            if np == 2:
+                self.assertEqual(history(again), history(plain))
+
+
+class Faults(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.cut = runs.run(runs.MODEL, SHORT | {"Solver/Maximum iterations": 20})
+        cls.on = {"Solver/Maximum iterations": 10000}
+
+    def damaged(self, damage):
+        """A restart from a checkpoint to which something was done; its error."""
+        copy = runs.scratch("damaged")
+        shutil.copytree(self.cut.directory, copy)
+        path = copy / "checkpoint.h5"
+        damage(path)
+        before = path.read_bytes()
+        run = restarted(self, copy, status=2, sets=self.on)
+        self.assertEqual(len(run.errors), 1, run)
+        # Nothing was computed, and nothing lost.
+        self.assertNotIn("local factorisations", run.stdout)
+        self.assertEqual((run.directory / "checkpoint.h5").read_bytes(), before)
+        return run.errors[0]
+
+    def test_every_kind_of_damage(self):
+        whole = (self.cut.directory / "checkpoint.h5").read_bytes()
+
+        def cut_short(path):
+            path.write_bytes(whole[: len(whole) // 2])
+
+        def emptied(path):
+            path.write_bytes(b"")
+
+        def text(path):
+            path.write_text("not an HDF5 file\n")
+
+        for damage in (cut_short, emptied, text):
+            with self.subTest(damage.__name__):
+                error = self.damaged(damage)
+                self.assertIn("is damaged", error)
+                self.assertIn("without --restart", error)
+
+    def test_a_bit_of_any_data(self):
+        try:
+            import h5py
+        except ImportError:
+            self.skipTest("the Python module h5py is missing")
+        names = []
+        with h5py.File(self.cut.directory / "checkpoint.h5", "r") as file:
+            file.visititems(lambda name, item: names.append(name) if hasattr(item, "shape") else None)
+        self.assertIn("vectors/x", names)
+        for name in ("vectors/x", "vectors/gradient", "numbers", "texts/deck", "checksums", "lengths"):
+            with self.subTest(name):
+
+                def flip(path, name=name):
+                    with h5py.File(path, "r+") as file:
+                        data = file[name][...]
+                        bits = data.view("uint8").reshape(-1)
+                        bits[len(bits) // 2] ^= 1
+                        file[name][...] = data
+
+                error = self.damaged(flip)
+                self.assertIn("is damaged", error)
+                if name not in ("checksums", "lengths"):
+                    self.assertIn("checksum", error)
+
+    def test_no_checkpoint(self):
+        run = restarted(self, Path(runs.solved(self, runs.MODEL, SHORT).directory), status=2,
+                        words=[runs.MODEL])
+        self.assertIn("there is no checkpoint", run.errors[0])
+
+    def test_other_deck(self):
+        run = restarted(
+            self,
+            self.cut.directory,
+            status=2,
+            sets=self.on | {"Model/Elements per subdomain side": 4},
+        )
+        self.assertIn("is of another deck", run.errors[0])
+        self.assertIn('"Model/Elements per subdomain side" was 8, is 4', run.errors[0])
+        self.assertTrue((run.directory / "checkpoint.h5").is_file())
+
+    def test_disk_is_full(self):
+        """Files of at most 30 kB, which no checkpoint of this run is: it goes on without."""
+        sets = LONG | {"Output/Checkpoint/Outer iterations": 1, "Output/Fields": False}
+        run = Background(sets)
+        self.assertTrue(run.wait_for("iterations.csv"), run.text())
+        for rank in run.ranks():
+            resource.prlimit(rank, resource.RLIMIT_FSIZE, (30000, 30000))
+        self.assertEqual(run.end(), 0, run.text())
+        self.assertIn("warning: no checkpoint: ", run.text())
+        self.assertIn("the disk is not full", run.text())
+        left = sorted(path.name for path in run.directory.iterdir())
+        self.assertEqual(left, ["iterations.csv", "summary.json"], run.text())
+
+    def test_place_is_taken(self):
+        """The last checkpoint stays where the next one cannot be written."""
+        copy = runs.scratch("taken")
+        shutil.copytree(self.cut.directory, copy)
+        (copy / "checkpoint.h5.part").mkdir()
+        before = (copy / "checkpoint.h5").read_bytes()
+        run = restarted(self, copy, status=1, sets={"Solver/Maximum iterations": 30})
+        self.assertIn("warning: no checkpoint: ", run.stderr)
+        self.assertEqual((run.directory / "checkpoint.h5").read_bytes(), before)
+
+
+class WhileItRuns(unittest.TestCase):
+    def test_files_grow(self):
+        run = Background(LONG | {"Output/Live seconds": 0.1})
+        self.assertTrue(run.wait_for("contact.csv"), run.text())
+        seen = []
+        while run.process.poll() is None:
+            try:
+                with open(run.directory / "iterations.csv", newline="", encoding="utf-8") as file:
+                    seen.append(len(list(csv.DictReader(file))))
+                contact = (run.directory / "contact.csv").read_text().splitlines()
+            except FileNotFoundError:
+                break  # the end
+            self.assertEqual(contact[0], "x,y,z,pressure,closed")
+            self.assertEqual(len(contact), 1 + 4 * 24 + 1)
+            time.sleep(0.05)
+        self.assertEqual(run.end(), 0, run.text())
+        self.assertEqual(seen, sorted(seen))
+        self.assertGreater(len(set(seen)), 2, seen)
+        left = sorted(path.name for path in run.directory.iterdir())
+        self.assertEqual(left, sorted(runs.RESULTS))
+
+    def test_status_line(self):
+        """On a terminal, and only there; the launcher's terminal is what counts."""
+        master, slave = pty.openpty()
+        directory = runs.scratch("terminal")
+        command = [*runs.launcher(2), runs.application(), runs.MODEL, "--output", directory]
+        for path, value in LONG.items():
+            command += ["--set", f"{path}={str(value).lower() if value is False else value}"]
+        process = subprocess.Popen(
+            [str(word) for word in command],
+            env=runs.environment(),
+            stdin=subprocess.DEVNULL,
+            stdout=slave,
+            stderr=subprocess.STDOUT,
+        )
+        os.close(slave)
+        shown = b""
+        while True:
+            try:
+                part = os.read(master, 65536)
+            except OSError:
+                break
+            if not part:
+                break
+            shown += part
+        self.assertEqual(process.wait(), 0)
+        text = shown.decode(errors="replace")
+        lines = re.findall(r"SMALBE  outer \d+  inner \d+  \|g\^P\| \S+ -> \S+  \|G lambda\|", text)
+        self.assertGreater(len(lines), 2, text)
+        self.assertIn("\r\x1b[K", text)
+        # The table gives way to it.
+        self.assertNotIn("outer  inner  step", text)
+        piped = runs.solved(self, runs.MODEL, SHORT)
+        self.assertNotIn("\r\x1b[K", piped.stdout)
+        self.assertIn("outer  inner  step", piped.stdout)
+
+
+class Ranks(unittest.TestCase):
+    def test_table(self):
+        run = runs.solved(self, runs.MODEL, SHORT | {"Output/Rank diagnostics": True}, np=3)
+        with open(run.directory / "ranks.csv", newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([row["rank"] for row in rows], ["0", "1", "2"])
+        total = {name: sum(float(row[name]) for row in rows) for name in rows[0] if name != "host"}
+        self.assertEqual(total["subdomains"], run.summary["subdomains"])
+        self.assertEqual(total["primal_dimension"], run.summary["primal_dimension"])
+        # Of nine digits each.
+        self.assertAlmostEqual(
+            total["peak_memory_mib"] / run.summary["peak_memory_mib"], 1.0, delta=1e-6
+        )
+        self.assertTrue(all(float(row["solve"]) > 0.0 for row in rows))
+        plain = runs.solved(self, runs.MODEL, SHORT)
+        self.assertFalse((plain.directory / "ranks.csv").exists())
+
+
+if __name__ == "__main__":
+    runs.main()
