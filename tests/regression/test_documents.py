@@ -19,6 +19,13 @@ import parameter_pages  # noqa: E402
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
+def anchors(page):
+    """The headings of a page, as links call them."""
+    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.S)
+    headings = re.findall(r"^#+ (.*)$", text, re.M)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
 class Documents(unittest.TestCase):
     def test_parameter_pages_are_what_the_programs_print(self):
         for program in ("signorini", "harmos", "fiber_composite", "study"):
@@ -32,11 +39,37 @@ class Documents(unittest.TestCase):
                 self.assertNotRegex(line, r"\|\s*\||: (;|\|)", program)
 
     def test_links_lead_somewhere(self):
+        """To files that exist, and with an anchor to a heading as GitHub names it."""
         for page in [ROOT / "README.md", *ROOT.glob("docs/**/*.md"), *ROOT.glob("packages/*/README.md")]:
             text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.S)
-            for target in re.findall(r"\]\(([^)#]+)\)", text):
-                if "://" not in target:
-                    self.assertTrue((page.parent / target).exists(), f"{page}: {target}")
+            for link in re.findall(r"\]\(([^)]+)\)", text):
+                target, _, anchor = link.partition("#")
+                if "://" in link:
+                    continue
+                file = page.parent / target if target else page
+                self.assertTrue(file.exists(), f"{page}: {link}")
+                if anchor:
+                    self.assertIn(anchor, anchors(file), f"{page}: {link}")
+
+    def test_names_in_the_theory_are_in_the_code(self):
+        """What its sections on signs and symbols name is declared in a header, or is a parameter's name."""
+        text = (ROOT / "docs/theory.md").read_text(encoding="utf-8").split("\n## Signs\n")[1]
+        headers = [path.read_text(encoding="utf-8") for path in ROOT.glob("packages/*/src/*.hpp")]
+        sources = [path.read_text(encoding="utf-8") for path in
+                   [*ROOT.glob("packages/*/src/*.?pp"), *ROOT.glob("apps/*/*.cpp")]]
+        names = set(re.findall(r"`([^`]+)`", text))
+        self.assertGreater(len(names), 50)
+        for name in sorted(names):
+            with self.subTest(name=name):
+                if re.fullmatch(r"\w+( \w+)+|[A-Z][a-z]+", name) and any(f'"{name}"' in text for text in sources):
+                    continue
+                owner, _, member = name.removesuffix("()").rpartition("::")
+                places = headers
+                if owner and owner not in ("effects", "feti"):
+                    place = re.compile(rf"\b(class|struct) {owner.removeprefix('feti::')}\b[^;]*{{")
+                    places = [text for text in headers if place.search(text)]
+                said = re.compile(rf"\b{member}\b")
+                self.assertTrue(any(said.search(text) for text in places), name)
 
     def test_commands_run(self):
         """The blocks of shell commands of these pages, with their output directory moved.
