@@ -51,6 +51,12 @@ class Documents(unittest.TestCase):
                 if anchor:
                     self.assertIn(anchor, anchors(file), f"{page}: {link}")
 
+    def test_index_has_every_page(self):
+        text = (ROOT / "docs/README.md").read_text(encoding="utf-8")
+        for page in [*ROOT.glob("docs/*.md"), *ROOT.glob("docs/parameters/*.md")]:
+            if page.name != "README.md":
+                self.assertIn(f"]({page.relative_to(ROOT / 'docs').as_posix()}", text)
+
     def test_names_in_the_theory_are_in_the_code(self):
         """What its sections on signs and symbols name is declared in a header, or is a parameter's name."""
         text = (ROOT / "docs/theory.md").read_text(encoding="utf-8").split("\n## Signs\n")[1]
