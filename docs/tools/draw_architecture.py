@@ -4,9 +4,9 @@ r"""The packages of Harmos and what they link, drawn from their CMake files.
 
     draw_architecture.py [--output docs/images/architecture.svg] [--dpi 110]
 
-An arrow points from a package to one that it links; those that follow from others are left out. In small
-letters: libraries outside of Harmos. As SVG (names stay text, which tests/regression/test_documents.py
-reads) or as PNG, by the ending of the output.
+An arrow points from a package to one that it links; those that follow from others are left out. In
+small letters: libraries outside of Harmos. As SVG (names stay text, which
+tests/regression/test_documents.py reads) or as PNG, by the ending of the output.
 """
 
 import argparse
@@ -128,9 +128,11 @@ def draw(root=ROOT):
                 head, body, foot = name, PURPOSES[name], ", ".join(sorted(known[name][1]))
             axes.text(x, y + 0.25, head, ha="center", va="center", fontsize=12, color=colour,
                       fontweight="bold", zorder=3)
-            axes.text(x, y + (-0.02 if foot else -0.1), body, ha="center", va="center", fontsize=8.5,
-                      color=INK, zorder=3)
-            axes.text(x, y - 0.27, foot, ha="center", va="center", fontsize=7.5, color=FAINT, zorder=3)
+            middle = -0.02 if foot else -0.1
+            axes.text(x, y + middle, body, ha="center", va="center", fontsize=8.5, color=INK,
+                      zorder=3)
+            axes.text(x, y - 0.27, foot, ha="center", va="center", fontsize=7.5, color=FAINT,
+                      zorder=3)
     for name, other in sorted(arrows(graph)):
         (x0, y0), (x1, y1) = places[name], places[other]
         arrow = FancyArrowPatch((x0, y0 - 0.5 * height), (x1, y1 + 0.5 * height),

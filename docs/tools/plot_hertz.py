@@ -4,9 +4,10 @@ r"""Contact pressure of Hertz' problems beside theory.
 
     plot_hertz.py DIR [DIR2] [--output FILE] [--dpi 150]
 
-reads finished runs of signorini with "Model/Problem" = "hertz cylinder" or "hertz ball" and draws a panel a
-run: the pressure at each contact node, over the distance from the middle, and the half ellipse
-p = p0 sqrt(1 - (r/a)^2) of the half-width a and peak pressure p0 that theory gives for the load of the run.
+reads finished runs of signorini with "Model/Problem" = "hertz cylinder" or "hertz ball" and draws a
+panel a run: the pressure at each contact node, over the distance from the middle, and the half
+ellipse p = p0 sqrt(1 - (r/a)^2) of the half-width a and peak pressure p0 that theory gives for the
+load of the run.
 Without --output the picture is DIR/pressure.png.
 """
 
@@ -29,7 +30,8 @@ def profile(directory):
     solid, summary = read_solid(directory), read_summary(directory / "summary.json")
     results = summary.get("results", {})
     if any(name not in results for name in NEEDED):
-        raise PlotError(f"{directory}: no Hertz problem; run apps/signorini/decks/hertz_cylinder.xml")
+        deck = "apps/signorini/decks/hertz_cylinder.xml"
+        raise PlotError(f"{directory}: no Hertz problem; run {deck}")
     a, peak = results["half_width_theory"], results["peak_pressure_theory"]
     if not a > 0:
         raise PlotError(f"{directory}: the body does not touch the plate; raise Model/Approach")
@@ -47,9 +49,11 @@ def draw(directories):
         s = np.linspace(0.0, 1.0, 400)
         panel.plot(s, np.sqrt(1.0 - s * s), color=INK, linewidth=1.2, label="Hertz")
         near = r <= 2.0
-        closed = near & (p > 0)
-        panel.plot(r[closed], p[closed], "o", markersize=4, color=CLOSED, label="closed")
-        panel.plot(r[near & ~closed], p[near & ~closed], "o", markersize=4, color=OPEN, label="open")
+        for chosen, colour, label in (
+            (near & (p > 0), CLOSED, "closed"),
+            (near & ~(p > 0), OPEN, "open"),
+        ):
+            panel.plot(r[chosen], p[chosen], "o", markersize=4, color=colour, label=label)
         panel.set_title("cylinder" if dimension == 2 else "ball")
         panel.set_xlabel("distance from the middle / half-width")
         panel.set_xlim(0.0, 2.0)
@@ -71,7 +75,7 @@ def draw(directories):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(description="Contact pressure of Hertz' problems beside theory.")
+    parser = argparse.ArgumentParser(description="Hertz' problems beside theory.")
     parser.add_argument("directory", type=Path, nargs="+")
     parser.add_argument("--output", type=Path)
     parser.add_argument("--dpi", type=int, default=150)
@@ -80,7 +84,8 @@ def main(arguments=None):
         parser.error("one run or two")
     try:
         with plt.rc_context(STYLE):
-            save(draw(options.directory), options.output or options.directory[0] / "pressure.png", options.dpi)
+            output = options.output or options.directory[0] / "pressure.png"
+            save(draw(options.directory), output, options.dpi)
     except PlotError as error:
         print(f"error: {error}", file=sys.stderr)
         return 2

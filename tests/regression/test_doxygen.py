@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Doxygen reads the public headers without a warning. Skipped where Doxygen is not installed.
 
-Guards against: comments on parameters that are no longer there, references that lead nowhere, headers
-that Doxygen no longer reads, and this test finding nothing because it looks at nothing.
+Guards against: comments on parameters that are no longer there, references that lead nowhere,
+headers that Doxygen no longer reads, and this test finding nothing because it looks at nothing.
 """
 
 import os
@@ -19,8 +19,8 @@ import harmos_runs as runs  # noqa: E402
 
 DOXYGEN = shutil.which("doxygen")
 
-# A header with each kind of fault, and what Doxygen says of it. Of functions as well as of members: those
-# of a namespace are read only where all is extracted.
+# A header with each kind of fault, and what Doxygen says of it. Of functions as well as of members:
+# those of a namespace are read only where all is extracted.
 PLANTED = """#pragma once
 namespace Harmos {
 /// @param nothing is not there.
@@ -45,7 +45,7 @@ SAID = (
 
 
 def doxygen(top):
-    """Reads the headers below a directory; exit status, what was printed, and where the pages are."""
+    """Reads the headers below a directory; exit status, what was printed, where the pages are."""
     output = runs.scratch("doxygen")
     output.mkdir()
     done = subprocess.run(
@@ -69,14 +69,16 @@ class Doxygen(unittest.TestCase):
         # A class, a function of a namespace, and a namespace that has a text.
         for name in ("classHarmos_1_1feti_1_1FetiSolver", "namespaceHarmos_1_1qp"):
             self.assertTrue((html / f"{name}.html").exists(), name)
-        self.assertIn("gatherSurface", (html / "namespaceHarmos_1_1contact.html").read_text(encoding="utf-8"))
+        contact = (html / "namespaceHarmos_1_1contact.html").read_text(encoding="utf-8")
+        self.assertIn("gatherSurface", contact)
 
     def test_namespaces_have_a_text(self):
         text = (runs.SOURCE / "docs/namespaces.dox").read_text(encoding="utf-8")
         described = set(re.findall(r"@namespace ([\w:]+)", text))
+        opened = re.compile(r"^namespace (Harmos(?:::[a-z]\w*)?) \{", re.M)
         found = set()
         for header in runs.SOURCE.glob("packages/*/src/*.hpp"):
-            found.update(re.findall(r"^namespace (Harmos(?:::[a-z]\w*)?) \{", header.read_text(encoding="utf-8"), re.M))
+            found.update(opened.findall(header.read_text(encoding="utf-8")))
         self.assertEqual(described, found)
 
     def test_planted_faults_are_found(self):
