@@ -94,7 +94,7 @@ def write_cells(kind, shifts, scalar=False):
 
 
 def hertz_run(results):
-    """Three squares in a row, each a subdomain; their lower sides may touch, with pressure 2 - x."""
+    """Three squares in a row, each a subdomain; pressure 2 - x on their lower sides."""
     square = np.array(elastic_oracle.NODES[9], dtype=float)
     square = (square - square.min(axis=0)) / np.ptp(square, axis=0)
     parts = [(0, square + [s, 0.0], np.arange(4)[None]) for s in range(3)]
