@@ -15,7 +15,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PLACE = "docs/parameters"
-PROGRAMS = ("signorini", "harmos", "fiber_composite")
+PROGRAMS = ("signorini", "harmos", "fiber_composite", "study")
 
 
 def pages(program, printed):

@@ -8,6 +8,7 @@ What each class guards against:
     Pictures  scripts that fail, or that draw nothing
 """
 
+import json
 import math
 import subprocess
 import sys
@@ -25,6 +26,7 @@ try:
     import h5py  # noqa: F401
     import numpy as np
     import plot_deformed
+    import plot_hertz
     import run_results
     import synthetic_composite
 except ImportError as missing:
@@ -89,6 +91,38 @@ def write_cells(kind, shifts, scalar=False):
     directory = runs.scratch("cells")
     synthetic_composite.write_run(directory, parts, {"displacement": u}, kind=kind)
     return directory
+
+
+def hertz_run(results):
+    """Three squares in a row, each a subdomain; pressure 2 - x on their lower sides."""
+    square = np.array(elastic_oracle.NODES[9], dtype=float)
+    square = (square - square.min(axis=0)) / np.ptp(square, axis=0)
+    parts = [(0, square + [s, 0.0], np.arange(4)[None]) for s in range(3)]
+    points = np.concatenate([p for _, p, _ in parts])
+    touching = points[:, 1] == 0.0
+    pressure = np.where(touching, np.maximum(0.0, 2.0 - points[:, 0]), 0.0)
+    data = {
+        "displacement": np.zeros((len(points), 3)),
+        "contact_pressure": pressure,
+        "active_set": np.where(touching, np.where(pressure > 0, CLOSED, OPEN), 0).astype(np.uint8),
+        "gap": np.zeros(len(points)),
+    }
+    directory = runs.scratch("hertz")
+    synthetic_composite.write_run(directory, parts, data)
+    path = directory / "summary.json"
+    summary = json.loads(path.read_text(encoding="utf-8"))
+    summary.update(results=results, primal_dimension=24)
+    path.write_text(json.dumps(summary), encoding="utf-8")
+    return directory
+
+
+HERTZ = {
+    "half_width": 1.96,
+    "half_width_theory": 2.0,
+    "peak_pressure": 4.0,
+    "peak_pressure_theory": 4.0,
+    "load": 1.0,
+}
 
 
 def read(directory):
@@ -196,6 +230,14 @@ class Numbers(unittest.TestCase):
         far.displacement[:] = 0
         self.assertEqual(plot_deformed.automatic_scale([far]), 1)
 
+    def test_hertz_profile(self):
+        """A node once, whatever its copies; lengths and pressures in those of theory."""
+        r, p, dimension, _ = plot_hertz.profile(hertz_run(HERTZ))
+        order = np.argsort(r)
+        np.testing.assert_allclose(r[order], np.arange(4) / 2.0, atol=1e-14)
+        np.testing.assert_allclose(p[order], np.array([2.0, 1.0, 0.0, 0.0]) / 4.0, atol=1e-14)
+        self.assertEqual(dimension, 2)
+
     def test_many_faces_are_thinned(self):
         solid = read(write_cells(12, np.arange(200.0)))
         faces = plot_deformed.thin_faces(solid, 300)
@@ -256,6 +298,22 @@ class Pictures(unittest.TestCase):
             )
             made.append(target.read_bytes())
         self.assertEqual(*made)
+
+    def test_hertz(self):
+        one, other = hertz_run(HERTZ), hertz_run(HERTZ)
+        self.assert_drawn(self.script("plot_hertz.py", one), one / "pressure.png")
+        target = runs.scratch("picture").with_suffix(".png")
+        self.assert_drawn(self.script("plot_hertz.py", one, other, "--output", target), target)
+        for directory, message in (
+            (runs.scratch("nowhere"), "no such directory"),
+            (hertz_run({}), "no Hertz problem"),
+            (hertz_run({**HERTZ, "half_width_theory": 0.0}), "does not touch"),
+        ):
+            with self.subTest(message):
+                result = self.script("plot_hertz.py", directory)
+                self.assertEqual(result.returncode, 2)
+                self.assertRegex(result.stderr, message)
+                self.assertNotIn("Traceback", result.stderr)
 
     def test_what_cannot_be_drawn_is_said(self):
         first = composite()[0]

@@ -67,7 +67,7 @@ class OrderingCache {
 ///
 /// With Precision::Single the factors are in single precision, and each solve is followed by one step of
 /// iterative refinement with a residual in double.
-/// @param boundary rising. @param columns how many vectors a product on the boundary usually has.
+/// @param boundary rising.
 std::unique_ptr<LocalInverse> makeImplicitInverse(const LocalMatrix& matrix, const Kernel& kernel,
                                                   const std::vector<int>& boundary,
                                                   const LocalInverseSettings& settings);
@@ -78,6 +78,7 @@ std::unique_ptr<LocalInverse> makeImplicitInverse(const LocalMatrix& matrix, con
 ///
 /// V see regularization(). S⁺ is a dense matrix: a product on the boundary is one with it. Needs R_b of full
 /// column rank; see boundaryWithSupport().
+/// @param boundary rising. @param columns how many vectors a product on the boundary usually has.
 std::unique_ptr<LocalInverse> makeCondensedInverse(const LocalMatrix& matrix, const Kernel& kernel,
                                                    const std::vector<int>& boundary, int columns,
                                                    const LocalInverseSettings& settings,
