@@ -5,6 +5,7 @@
 #include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_ParameterSpec.hpp"
+#include "Harmos_RunPlan.hpp"
 #include "Harmos_RunReport.hpp"
 #include "Harmos_Scene.hpp"
 
@@ -49,6 +50,8 @@ struct CommandLine {
   std::string output;                   ///< "": as the deck says
   std::string printParameters;
   bool check = false;
+  bool plan = false;
+  scene::PlanRequest planRequest; ///< of --plan
   bool listEffects = false;
   bool quiet = false;
   bool version = false;
@@ -70,7 +73,8 @@ struct Program {
   /// The work, collective; returns the exit status. Errors that it throws are printed by whoever called it.
   std::function<int(const ProgramContext&)> run;
   std::shared_ptr<const scene::EffectRegistry> effects =
-      nullptr; ///< for --list-effects; null: it has no such option
+      nullptr;        ///< for --list-effects; null: it has no such option
+  bool plans = false; ///< whether it has --plan
 };
 
 /// The whole deck of an application: its own part, and the lists that all share.

@@ -44,12 +44,14 @@ class Documents(unittest.TestCase):
         Pictures are drawn as the page says; what bootstraps, configures or builds is left out, for
         whoever runs this test has done it.
         """
-        for page in ("README.md", "docs/scenes.md"):
+        for page in ("README.md", "docs/scenes.md", "docs/clusters.md"):
             text = (ROOT / page).read_text(encoding="utf-8")
             blocks = [b for b in re.findall(r"```sh\n(.*?)```", text, re.S) if "build/bin/" in b]
             self.assertTrue(blocks, page)
             for block in blocks:
                 self.run_block(page, block)
+
+    PICTURES = {"plot_run.py": ["solution.png"], "plot_scaling.py": ["scaling.png"]}
 
     def run_block(self, page, block):
         directory = runs.scratch()
@@ -70,13 +72,15 @@ class Documents(unittest.TestCase):
                 if program.endswith("python3"):
                     status, out, err = runs.execute([sys.executable, *rest])
                     self.assertEqual(status, 0, err)
-                    self.assertTrue((directory / "solution.png").exists())
+                    for picture in self.PICTURES.get(pathlib.Path(rest[0]).name, ()):
+                        self.assertTrue((directory / picture).exists(), picture)
                     continue
-                self.assertIn("build/bin/", program)
+                self.assertIn("/bin/", program)
                 done = runs.start(rest, np=np, program=pathlib.Path(program).name)
                 self.assertEqual(done.returncode, 0, done.stderr)
                 if str(directory) in rest:
-                    self.assertTrue((directory / "summary.json").exists())
+                    left = "plan.json" if "--plan" in rest else "summary.json"
+                    self.assertTrue((directory / left).exists())
 
     def test_examples_are_shown_as_they_are_and_print_what_is_shown(self):
         """Pages that show an example: its source, word for word, and its output on 1 and 2 ranks."""
