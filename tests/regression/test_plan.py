@@ -51,8 +51,9 @@ class Case(unittest.TestCase):
 
 
 class Prediction(Case):
-    # Predicted over measured peaks of the runs in docs/clusters.md lie between 0.87 and 1.33; half as
-    # much again is left for other libraries, whose own memory stands for most of a small run.
+    # Predicted over measured peaks: 0.91 to 1.20 for these runs, up to 1.52 where a run has taken few
+    # products (docs/clusters.md). A program's own memory stands for most of a small run, and other builds
+    # of the libraries have another: a third is left for that, on either side.
     LEAST, MOST = 0.6, 2.0
 
     CASES = (
@@ -94,7 +95,10 @@ class Prediction(Case):
         for program, deck, sets in (self.CASES[0], self.CASES[3], self.CASES[5]):
             one = self.plan(deck, sets, program=program)
             three = self.plan(deck, sets, np=3, program=program)
-            for name in ("coarse_factor_entries", "distinct_matrices", "dual_dimension", "products"):
+            # Entries of G̃ that are nothing but rounding errors are left out, and rounding depends on ranks.
+            name = "coarse_factor_entries"
+            self.assertAlmostEqual(one[name], three[name], delta=0.01 * one[name])
+            for name in ("distinct_matrices", "dual_dimension", "products"):
                 self.assertEqual(one[name], three[name], name)
             self.assertEqual(len(one["rows"]), len(three["rows"]))
             for a, b in zip(one["rows"], three["rows"]):
@@ -141,8 +145,6 @@ class Table(Case):
             step = row["seconds"]["step"]
             self.assertAlmostEqual(step["reductions"], 2 * tree, 12)
             self.assertAlmostEqual(step["coarse"], 4 * (tree + transfer) + 7 * entries / machine.solve, 12)
-            # 24 gluing rows a side of nine nodes and cross points: more rows than the busiest rank has
-            # are not.
             self.assertGreater(step["vectors"], machine.overhead)
             most = machine.overhead + 40 * 8 * plan["dual_dimension"] / machine.read
             self.assertLessEqual(step["vectors"], most)
@@ -160,7 +162,7 @@ class Table(Case):
             self.assertAlmostEqual(seconds["setup"], setup, 12)
             step = seconds["product"] + sum(seconds["step"].values())
             self.assertAlmostEqual(seconds["run"][0], setup + seconds["face"] + least * step, 12)
-            self.assertAlmostEqual(seconds["run"][1], setup + 12 * seconds["face"] + most * step, 12)
+            self.assertAlmostEqual(seconds["run"][1], setup + 14 * seconds["face"] + most * step, 12)
             memory = row["memory_mib"]
             parts = ("program", "mesh", "factors", "dense", "coarse", "directions", "temporary")
             self.assertAlmostEqual(memory["rank"], sum(memory[name] for name in parts), 9)
@@ -203,15 +205,15 @@ class Rates(Case):
 
     def test_named_rates_are_used(self):
         slow = {"dense_flops": 3e8, "latency": 1e-3}
-        plain = self.plan(runs.MODEL, model(4, 32), "--plan-ranks", "2")
+        plain = self.plan(runs.MODEL, model(4, 32), "--plan-ranks", "1")
         path = self.rates(slow)
-        plan = self.plan(runs.MODEL, model(4, 32), "--plan-ranks", "2", "--plan-rates", path)
+        plan = self.plan(runs.MODEL, model(4, 32), "--plan-ranks", "1", "--plan-rates", path)
         self.assertEqual(plan["rates"]["source"], str(path))
         self.assertIn(str(path), plan["printed"])
         for name, value in plain["rates"].items():
             if name != "source":
                 self.assertEqual(plan["rates"][name], slow.get(name, value))
-        # The default is 3e10, and shared blocks are multiplied as matrices.
+        # The default is 3e10, and blocks that four subdomains or more share are multiplied as matrices.
         ratio = plan["rows"][0]["seconds"]["product"] / plain["rows"][0]["seconds"]["product"]
         self.assertAlmostEqual(ratio, 100.0, 6)
 

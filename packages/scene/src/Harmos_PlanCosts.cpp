@@ -199,7 +199,7 @@ ProductRange expectedProducts(const Scene& scene, const RunOptions& options) {
     double least, most;
   };
   constexpr Range membranes[] = {{1.0, 12.5}, {1.0, 15.5}, {3.0, 15.5}};
-  constexpr Range elastic[] = {{2.5, 18.0}, {3.7, 26.0}, {8.5, 36.0}};
+  constexpr Range elastic[] = {{2.5, 20.0}, {3.7, 26.0}, {8.5, 36.0}};
   const int kind = options.dual.preconditioner == feti::PreconditionerKind::Dirichlet ? 0
                    : options.dual.preconditioner == feti::PreconditionerKind::Lumped  ? 1
                                                                                       : 2;
@@ -261,8 +261,8 @@ PlanRow planRow(const PlanSurvey& survey, const RunOptions& options, bool elasti
   shape.coarseDimension = survey.coarseDimension;
   shape.coarseEntries = survey.coarseFactorEntries;
   row.step = feti::predictStep(shape, rates.step);
-  // Active sets of the decks that come with Harmos.
-  constexpr double fewestFaces = 1.0, mostFaces = 12.0;
+  // Active sets that the decks that come with Harmos take, and their refinements.
+  constexpr double fewestFaces = 1.0, mostFaces = 14.0;
   row.face = survey.inequalities > 0 ? survey.secondsOfCoarseFactor : 0.0;
   row.least = row.setup() + fewestFaces * row.face + products.least * row.perStep();
   row.most = row.setup() + mostFaces * row.face + products.most * row.perStep();

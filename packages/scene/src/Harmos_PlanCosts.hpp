@@ -44,12 +44,12 @@ struct PlanRow {
 
 /// Products with F that runs to the tolerance of the options are expected to take.
 ///
-/// They grow with log₁₀(1/ε); the decks that come with Harmos and the model problem took, for each power of
-/// ten:
+/// They grow with log₁₀(1/ε); the decks that come with Harmos, a finer one of them, and the model problem
+/// took, for each power of ten:
 ///
 ///                 Dirichlet    lumped       none
 ///     membranes   1 … 12.5     1 … 15.5     3 … 15.5
-///     elastic     2.5 … 18     3.7 … 26     8.5 … 36
+///     elastic     2.5 … 20     3.7 … 26     8.5 … 36
 ///
 /// Ill-conditioned problems take more: that is a range, no bound.
 struct ProductRange {
