@@ -4,11 +4,11 @@ r"""Submits a run of Harmos to Slurm or PBS, or a scaling run of several.
 
     submit.py DECK --ranks 64 --ranks-per-node 32 --time 04:00:00 --memory 2000 --output run
     submit.py DECK --scaling strong --ranks 1,2,4,8 --output scaling ...
-    submit.py DECK --scaling weak --ranks 1,2,4,8 --set "Model/Columns={16*ranks}" --output scaling ...
+    submit.py DECK --scaling weak --ranks 1,2,4 --set "Model/Columns={16*ranks}" --output scaling
 
 Some minutes before the time limit (--margin) the ranks are asked to write a checkpoint and stop;
 the job then submits itself again, at most --resubmissions times, and goes on from there.
---dry-run prints the scripts and submits nothing; --local runs at once, here and without a scheduler.
+--dry-run prints the scripts and submits nothing; --local runs at once, here, without a scheduler.
 Needs nothing but Python's standard library.
 """
 
@@ -63,7 +63,7 @@ def value_of(node, ranks):
 
 
 def expand(setting, ranks):
-    """ "Model/Columns={16*ranks}" for so many ranks; braces without ranks are arrays of the deck."""
+    """A setting for so many ranks: {16*ranks} becomes a number, other braces are the deck's arrays."""
 
     def replace(match):
         text = match.group(1)
@@ -99,7 +99,9 @@ def program_of(given):
     if "/" in given.app:
         places = [Path(given.app)]
     else:
-        places = [HERE.parents[2] / "bin" / given.app, HERE.parents[1] / "build" / "bin" / given.app]
+        places = [
+            HERE.parents[2] / "bin" / given.app, HERE.parents[1] / "build" / "bin" / given.app
+        ]
         on_path = shutil.which(given.app)
         places += [Path(on_path)] if on_path else []
     for place in places:
@@ -136,7 +138,9 @@ class Job:
         if scheduler == "pbs":
             # PBS sends no signal before the limit.
             limit = seconds_of(self.given.time) - self.given.margin
-            words = ["timeout", "--foreground", "--preserve-status", "-s", "USR1", str(limit), *words]
+            words = [
+                "timeout", "--foreground", "--preserve-status", "-s", "USR1", str(limit), *words
+            ]
         return words
 
     def select(self):
@@ -149,13 +153,13 @@ class Job:
         )
 
     def options(self, scheduler):
-        slurm = scheduler == "slurm"
-        mark = "#SBATCH" if slurm else "#PBS"
+        queue, account = ("--partition=", "--account=") if scheduler == "slurm" else ("-q ", "-A ")
+        mark = "#SBATCH" if scheduler == "slurm" else "#PBS"
         lines = []
         if self.given.queue:
-            lines.append(f"{mark} --partition={self.given.queue}" if slurm else f"{mark} -q {self.given.queue}")
+            lines.append(f"{mark} {queue}{self.given.queue}")
         if self.given.account:
-            lines.append(f"{mark} --account={self.given.account}" if slurm else f"{mark} -A {self.given.account}")
+            lines.append(f"{mark} {account}{self.given.account}")
         return "\n".join(lines)
 
     def script_path(self, scheduler):
@@ -172,7 +176,8 @@ class Job:
             "memory": given.memory,
             "output": self.output,
             "select": self.select(),
-            # To the steps, which srun starts; mpirun is none on the first node, so the script passes it on.
+            # To the steps, which srun starts; mpirun is none on the first node, so the script
+            # passes it on.
             "signal": ("" if given.launcher == "srun" else "B:") + f"USR1@{given.margin}",
             "options": self.options(scheduler),
             "script": shlex.quote(str(self.script_path(scheduler))),
@@ -205,7 +210,9 @@ def check(given, jobs):
             raise Refused(f'{option} "{text}" holds blanks or signs that schedulers do not take')
     limit = seconds_of(given.time)
     if not 0 < given.margin < limit:
-        raise Refused(f"--margin {given.margin} must lie between 0 and the time limit, {limit} seconds")
+        raise Refused(
+            f"--margin {given.margin} must lie between 0 and the time limit, {limit} seconds"
+        )
     if given.launcher == "srun" and (given.scheduler == "pbs" or given.local):
         raise Refused("--launcher srun belongs to Slurm; use mpirun")
     if given.scaling == "weak" and not any(
@@ -261,28 +268,53 @@ def submit(job, scheduler):
 
 def arguments():
     parser = argparse.ArgumentParser(
-        description=__doc__.split("\n\n", 1)[0], formatter_class=argparse.ArgumentDefaultsHelpFormatter
+        description=__doc__.split("\n\n", 1)[0],
+        formatter_class=argparse.ArgumentDefaultsHelpFormatter,
     )
     add = parser.add_argument
     add("deck", help="deck of the application")
     add("--app", default="harmos", help="harmos, signorini, fiber_composite, or a path")
     add("--ranks", default="1", help="number of ranks; for a scaling run several, as in 1,2,4")
-    add("--ranks-per-node", type=int, help="cores of a node that ranks take; all on one node if not given")
+    add(
+        "--ranks-per-node",
+        type=int,
+        help="cores of a node that ranks take; all on one node if not given",
+    )
     add("--time", default="01:00:00", help="time limit, hours:minutes:seconds")
-    add("--margin", type=int, default=300, help="seconds before it at which a checkpoint is asked for")
-    add("--memory", type=int, default=2000, help="MiB a rank; --plan of the application tells how much")
+    add(
+        "--margin",
+        type=int,
+        default=300,
+        help="seconds before it at which a checkpoint is asked for",
+    )
+    add(
+        "--memory",
+        type=int,
+        default=2000,
+        help="MiB a rank; --plan of the application tells how much",
+    )
     add("--queue", "--partition", help="queue of PBS, partition of Slurm")
     add("--account", help="account that pays")
     add("--module", action="append", default=[], help="environment module to load; repeat for more")
     add("--output", default="run", help="directory of the results, of a scaling run's directories")
-    add("--set", action="append", default=[], metavar="PATH=VALUE", help="as of the application; {ranks} is known")
+    add(
+        "--set",
+        action="append",
+        default=[],
+        metavar="PATH=VALUE",
+        help="as of the application; {ranks} is known",
+    )
     add("--resubmissions", type=int, default=10, help="most times that a job submits itself again")
     add("--restart", action="store_true", help="go on from the checkpoint in the output directory")
     add("--job-name", default="harmos", help="what the queue shows")
     add("--scheduler", choices=sorted(SUBMIT), help="default: the one whose command is on PATH")
     add("--launcher", choices=("mpirun", "srun"), default="mpirun", help="what starts the ranks")
     add("--bind", choices=("core", "none"), help="ranks to cores; default: core, with --local none")
-    add("--scaling", choices=("strong", "weak"), help="one run for each number of ranks, in DIR/ranks_N")
+    add(
+        "--scaling",
+        choices=("strong", "weak"),
+        help="one run for each number of ranks, in DIR/ranks_N",
+    )
     add("--local", action="store_true", help="run here, without a scheduler, one after the other")
     add("--dry-run", action="store_true", help="print what would be submitted, and stop")
     given = parser.parse_args()
@@ -313,7 +345,8 @@ def main():
         scheduler = scheduler_of(given)
         statuses = [submit(job, scheduler) for job in jobs]
     if given.scaling:
-        print(f"When they have finished: plot_scaling.py {shlex.quote(str(top))} --kind {given.scaling}")
+        words = ["plot_scaling.py", str(top), "--kind", given.scaling]
+        print("When they have finished: " + shlex.join(words))
     return next((status for status in statuses if status), 0)
 
 

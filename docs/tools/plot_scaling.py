@@ -47,7 +47,9 @@ def summaries(directory):
         else:
             print(f"warning: {path.parent} has not converged; it is left out", file=sys.stderr)
     if not found:
-        raise PlotError(f"{directory}: no converged run in its directories; has the scaling run finished?")
+        raise PlotError(
+            f"{directory}: no converged run in its directories; has the scaling run finished?"
+        )
     found.sort(key=lambda summary: summary["ranks"])
     counts = [summary["ranks"] for summary in found]
     if len(set(counts)) < len(counts):
@@ -59,7 +61,9 @@ def kind_of(found, kind):
     """As asked for, or by whether the problem grows."""
     sizes = {summary["primal_dimension"] for summary in found}
     if kind == "strong" and len(sizes) > 1:
-        raise PlotError(f"strong scaling compares runs of one problem, but there are {len(sizes)} sizes")
+        raise PlotError(
+            f"strong scaling compares runs of one problem, but there are {len(sizes)} sizes"
+        )
     return kind or ("weak" if len(sizes) > 1 else "strong")
 
 
@@ -83,7 +87,8 @@ def table_of(found, kind):
     for item in rows:
         work = item["ranks"] / first["ranks"] if kind == "strong" else 1.0
         for name, seconds in (("efficiency", "total"), ("solve_efficiency", "solve")):
-            item[name] = first[seconds] / (work * item[seconds]) if item[seconds] > 0 else float("nan")
+            spent = work * item[seconds]
+            item[name] = first[seconds] / spent if spent > 0 else float("nan")
     return rows
 
 
@@ -102,7 +107,9 @@ def write_table(rows, path):
         os.replace(temporary, path)
     except OSError as error:
         temporary.unlink(missing_ok=True)
-        raise PlotError(f"{path}: cannot write ({error.strerror}); name a writable --output") from error
+        raise PlotError(
+            f"{path}: cannot write ({error.strerror}); name a writable --output"
+        ) from error
     cells = [COLUMNS, *([text_of(item[name]) for name in COLUMNS] for item in rows)]
     widths = [max(map(len, column)) for column in zip(*cells)]
     for line in cells:
@@ -118,7 +125,14 @@ def draw(rows, kind, title):
         bottom = [0.0] * len(rows)
         for stage, colour in STAGES.items():
             heights = [item[stage] for item in rows]
-            left.bar(places, heights, bottom=bottom, color=colour, width=0.7, label=stage.replace("_", " "))
+            left.bar(
+                places,
+                heights,
+                bottom=bottom,
+                color=colour,
+                width=0.7,
+                label=stage.replace("_", " "),
+            )
             bottom = [b + h for b, h in zip(bottom, heights)]
         left.set_ylabel("seconds")
         left.legend(fontsize=8)
@@ -132,9 +146,13 @@ def draw(rows, kind, title):
         for axes in (left, right):
             axes.set_xlabel("ranks")
             axes.set_xticks(list(places), names)
-        figure.subplots_adjust(left=0.08, right=0.98, top=0.9 if title else 0.96, bottom=0.22, wspace=0.22)
+        figure.subplots_adjust(
+            left=0.08, right=0.98, top=0.9 if title else 0.96, bottom=0.22, wspace=0.22
+        )
         dimensions = sorted({item["primal_dimension"] for item in rows})
-        caption = [" to ".join(f"{d:,}" for d in sorted({dimensions[0], dimensions[-1]})) + " unknowns"]
+        caption = [
+            " to ".join(f"{d:,}" for d in sorted({dimensions[0], dimensions[-1]})) + " unknowns"
+        ]
         finish(figure, title, caption)
         return figure
 
@@ -142,7 +160,9 @@ def draw(rows, kind, title):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("directory", type=Path)
-    parser.add_argument("--kind", choices=("strong", "weak"), help="default: weak if the problem grows")
+    parser.add_argument(
+        "--kind", choices=("strong", "weak"), help="default: weak if the problem grows"
+    )
     parser.add_argument("--output", type=Path, help="default: DIR")
     parser.add_argument("--dpi", type=int, default=150)
     parser.add_argument("--title", default="")

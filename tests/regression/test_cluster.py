@@ -6,10 +6,10 @@ the job scripts are run as they are.
 
 What each class guards against:
 
-    Scripts     templates with gaps or that the shell cannot read; limits, threads or signals that are
-                not in them; requests that make no sense and are submitted all the same
-    Chain       jobs that stop with a checkpoint and are not continued, continue without it, continue
-                for ever, or hide how they ended; signals that do not reach the ranks
+    Scripts     templates with gaps or that the shell cannot read; limits, threads or signals that
+                are not in them; requests that make no sense and are submitted all the same
+    Chain       jobs that stop with a checkpoint and are not continued, continue without it,
+                continue for ever, or hide how they ended; signals that do not reach the ranks
     Scaling     runs that are not those asked for; efficiencies that are not what their names say
 """
 
@@ -32,8 +32,8 @@ CLUSTER = runs.SOURCE / "apps" / "cluster"
 TOOLS = runs.SOURCE / "docs" / "tools"
 SUBMIT = {"slurm": "sbatch", "pbs": "qsub"}
 
-# A scheduler that writes down its words and then runs the script with the environment that was asked
-# for. SIGNAL_AFTER: seconds after which Slurm signals the batch script, as with --signal=B:.
+# A scheduler that writes down its words and then runs the script with the environment that was
+# asked for. SIGNAL_AFTER: seconds after which Slurm signals the batch script, as with --signal=B:.
 FAKE_SCHEDULER = r"""#!/bin/bash
 printf '%s\n' "$*" >> "$RECORD/submissions"
 script="${@: -1}"
@@ -88,7 +88,15 @@ class Place(unittest.TestCase):
         return path
 
     def submit(self, *words, deck=runs.MODEL, app=None, script=CLUSTER / "submit.py"):
-        command = [sys.executable, script, deck, "--app", app or runs.application(), "--output", self.output]
+        command = [
+            sys.executable,
+            script,
+            deck,
+            "--app",
+            app or runs.application(),
+            "--output",
+            self.output,
+        ]
         command += words
         return subprocess.run(
             [str(word) for word in command],
@@ -156,8 +164,8 @@ class Scripts(Place):
         text = self.script("pbs")
         self.assert_good(text)
         wanted = {
-            "-N study", "-l walltime=02:30:00", "-j oe", f"-o {self.output}/job.log", "-S /bin/bash",
-            "-q long", "-A p42",
+            "-N study", "-l walltime=02:30:00", "-j oe", f"-o {self.output}/job.log",
+            "-S /bin/bash", "-q long", "-A p42",
             # Ten ranks on nodes of four: two whole ones and half of one.
             "-l select=2:ncpus=4:mpiprocs=4:mem=6000mb+1:ncpus=2:mpiprocs=2:mem=3000mb",
         }  # fmt: skip
@@ -269,7 +277,9 @@ class Scaling(Place):
 
     def collect(self, *words):
         drawn = subprocess.run(
-            [sys.executable, TOOLS / "plot_scaling.py", self.output, *words], capture_output=True, text=True
+            [sys.executable, TOOLS / "plot_scaling.py", self.output, *words],
+            capture_output=True,
+            text=True,
         )
         if "No module named" in drawn.stderr:
             self.skipTest(drawn.stderr.splitlines()[-1])
@@ -283,7 +293,9 @@ class Scaling(Place):
         done = self.submit("--local", "--scaling", "strong", "--ranks", "1,2", *self.TINY)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         for ranks in (1, 2):
-            summary = json.loads((self.output / f"ranks_{ranks}" / "summary.json").read_text(encoding="utf-8"))
+            summary = json.loads(
+                (self.output / f"ranks_{ranks}" / "summary.json").read_text(encoding="utf-8")
+            )
             self.assertEqual((summary["ranks"], summary["converged"]), (ranks, True))
         drawn = self.collect("--kind", "strong")
         self.assertEqual(drawn.returncode, 0, drawn.stderr)
@@ -305,7 +317,9 @@ class Scaling(Place):
         self.assertEqual(done.stdout.count("'List/Array={1, 2}'"), 2)
 
     def write(self, ranks, solve, mesh, dimension, converged=True):
-        seconds = dict.fromkeys(("assembly", "factorization", "dual_operator", "coarse", "recovery"), 0.0)
+        seconds = dict.fromkeys(
+            ("assembly", "factorization", "dual_operator", "coarse", "recovery"), 0.0
+        )
         seconds |= {"mesh": mesh, "solve": solve, "output": 5.0, "total": 5.0 + solve + mesh}
         directory = self.output / f"ranks_{ranks}"
         directory.mkdir(parents=True)
@@ -316,7 +330,7 @@ class Scaling(Place):
         (directory / "summary.json").write_text(json.dumps(summary), encoding="utf-8")
 
     def test_efficiencies_by_hand(self):
-        """Two ranks against eight; writing does not count, and what has not converged is left out."""
+        """Two ranks against eight; writing does not count, nor does what has not converged."""
         for kind, dimension, total, solve in (
             ("strong", 100, (8 + 4) * 2 / ((4 + 2) * 8), 8 * 2 / (4 * 8)),
             ("weak", 400, (8 + 4) / (4 + 2), 8 / 4),

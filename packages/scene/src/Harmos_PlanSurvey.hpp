@@ -50,8 +50,6 @@ struct PlanSurvey {
   double secondsOfConstraints = 0.0;
   double secondsOfCoarseRows = 0.0;   ///< G̃, the pattern of G̃G̃ᵀ and its values
   double secondsOfCoarseFactor = 0.0; ///< L, which each rank computes whole
-
-  double coarseBytes() const { return 8.0 * coarseFactorEntries; }
 };
 
 /// Meshes, assembles and sets up constraints and the coarse problem as a run does, and counts. Only the
