@@ -63,7 +63,7 @@ def value_of(node, ranks):
 
 
 def expand(setting, ranks):
-    """A setting for so many ranks: {16*ranks} becomes a number, other braces are the deck's arrays."""
+    """A setting for so many ranks: {16*ranks} becomes a number, other braces are arrays."""
 
     def replace(match):
         text = match.group(1)

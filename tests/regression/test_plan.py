@@ -227,9 +227,11 @@ class Rates(Case):
 
     def test_named_rates_are_used(self):
         slow = {"dense_flops": 3e8, "latency": 1e-3}
-        plain = self.plan(runs.MODEL, model(4, 32), "--plan-ranks", "1")
+        # By itself the plan would turn to the implicit form where products with dense blocks are slow.
+        sets = {**model(4, 32), "Dual operator/Form": "condensed"}
+        plain = self.plan(runs.MODEL, sets, "--plan-ranks", "1")
         path = self.rates(slow)
-        plan = self.plan(runs.MODEL, model(4, 32), "--plan-ranks", "1", "--plan-rates", path)
+        plan = self.plan(runs.MODEL, sets, "--plan-ranks", "1", "--plan-rates", path)
         self.assertEqual(plan["rates"]["source"], str(path))
         self.assertIn(str(path), plan["printed"])
         for name, value in plain["rates"].items():
