@@ -51,7 +51,7 @@ class Case(unittest.TestCase):
 
 
 class Prediction(Case):
-    # Predicted over measured peaks: 0.91 to 1.20 for these runs, up to 1.52 where a run has taken
+    # Predicted over measured peaks: 0.91 to 1.21 for these runs, up to 1.52 where a run has taken
     # few products (docs/clusters.md). A program's own memory stands for most of a small run, and
     # other builds of the libraries have another: a third is left for that, on either side.
     LEAST, MOST = 0.6, 2.0
@@ -227,7 +227,7 @@ class Rates(Case):
 
     def test_named_rates_are_used(self):
         slow = {"dense_flops": 3e8, "latency": 1e-3}
-        # By itself the plan would turn to the implicit form where products with dense blocks are slow.
+        # Where dense products are slow the plan would turn to the implicit form by itself.
         sets = {**model(4, 32), "Dual operator/Form": "condensed"}
         plain = self.plan(runs.MODEL, sets, "--plan-ranks", "1")
         path = self.rates(slow)
