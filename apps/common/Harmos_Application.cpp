@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Application.hpp"
 
+#include "Harmos_Agreement.hpp"
+#include "Harmos_AtomicFile.hpp"
 #include "Harmos_CheckpointFile.hpp"
 #include "Harmos_Deck.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_Pipeline.hpp"
+#include "Harmos_ProcessMemory.hpp"
 #include "Harmos_RunOptions.hpp"
 #include "Harmos_RunReport.hpp"
 #include "Harmos_Signals.hpp"
@@ -39,6 +42,26 @@ int exitStatus(const Error& error) {
   return exitInternalError;
 }
 
+void addPlanOptions(CLI::App& cli, CommandLine& line) {
+  scene::PlanRequest& request = line.planRequest;
+  CLI::Option* plan = cli.add_flag(
+      "--plan", line.plan,
+      "Advise on ranks and memory without solving, and stop; with --output also write DIR/plan.json");
+  cli.add_option("--plan-ranks", request.ranks, "Numbers of ranks to compare, as in 1,2,4")
+      ->type_name("LIST")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->needs(plan);
+  cli.add_option("--plan-memory", request.memoryMiB, "Memory that a rank may take")
+      ->type_name("MIB")
+      ->check(CLI::PositiveNumber)
+      ->needs(plan);
+  cli.add_option("--plan-rates", request.ratesFile,
+                 "Rates of your machine: a JSON file, see docs/clusters.md")
+      ->type_name("FILE")
+      ->needs(plan);
+}
+
 // Every rank parses the same arguments and comes to the same end; rank 0 speaks. Returns an exit status, or
 // nothing if the run is to go on.
 std::optional<int> parse(int argc, char** argv, const Program& program, bool speaks, CommandLine& line) {
@@ -56,6 +79,8 @@ std::optional<int> parse(int argc, char** argv, const Program& program, bool spe
            "the deck and the overrides of that run")
         ->type_name("DIR");
   cli.add_flag("--check", line.check, "Validate the deck, its meshes, materials and contacts, and stop");
+  if (program.plans)
+    addPlanOptions(cli, line);
   cli.add_option("--print-parameters", line.printParameters,
                  "Print every parameter with type, default, range and meaning, and stop")
       ->type_name("text|xml|markdown")
@@ -114,6 +139,19 @@ int abortAll(const Teuchos::Comm<int>& comm, const std::string& message) {
   return exitInternalError;
 }
 
+int planDeck(const ProgramContext& context, const scene::Scene& scene, const scene::RunOptions& options,
+             const scene::PlanRequest& request) {
+  const scene::RunPlan plan = scene::makeRunPlan(context.comm, scene, options, request);
+  context.log.info(scene::planText(plan));
+  agree(*context.comm, [&] {
+    if (context.line.output.empty() || context.comm->getRank() != 0)
+      return;
+    scene::makeDirectory(context.line.output);
+    scene::writeAtomically(context.line.output + "/plan.json", scene::planJson(plan, context.line.deck));
+  });
+  return exitConverged;
+}
+
 int runDeck(const Application& application, const ProgramContext& context) {
   const auto& [comm, line, log, begin] = context;
   const ParameterSpec spec = deckSpec(application);
@@ -129,6 +167,8 @@ int runDeck(const Application& application, const ProgramContext& context) {
   options.checkpoint.restart = line.restart;
   const Signals signals;
   options.checkpoint.told = Signals::told;
+  scene::PlanRequest planRequest = line.planRequest;
+  planRequest.programMiB = scene::peakMemoryMiB();
   const auto start = std::chrono::steady_clock::now();
   scene::Scene scene = application.makeScene({*comm, deck, directoryOf(line.deck), log});
   scene.secondsToMake = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -138,6 +178,8 @@ int runDeck(const Application& application, const ProgramContext& context) {
     log.info("The deck \"" + line.deck + "\" is valid.");
     return exitConverged;
   }
+  if (line.plan)
+    return planDeck(context, scene, options, planRequest);
   scene::RunReport report;
   report.deck = line.deck;
   try {
@@ -252,6 +294,7 @@ int main(int argc, char** argv, const Application& application) {
   program.deckSpec = [&] { return deckSpec(application); };
   program.effects = application.effects;
   program.restarts = true;
+  program.plans = true;
   program.run = [&](const ProgramContext& context) { return runDeck(application, context); };
   return main(argc, argv, program);
 }

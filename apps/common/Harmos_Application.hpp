@@ -5,6 +5,7 @@
 #include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_ParameterSpec.hpp"
+#include "Harmos_RunPlan.hpp"
 #include "Harmos_RunReport.hpp"
 #include "Harmos_Scene.hpp"
 
@@ -50,6 +51,8 @@ struct CommandLine {
   std::string restart;                  ///< output directory of the run to go on from; "": none
   std::string printParameters;
   bool check = false;
+  bool plan = false;
+  scene::PlanRequest planRequest; ///< of --plan
   bool listEffects = false;
   bool quiet = false;
   bool version = false;
@@ -72,7 +75,8 @@ struct Program {
   std::function<int(const ProgramContext&)> run;
   bool restarts = false; ///< has the option --restart
   std::shared_ptr<const scene::EffectRegistry> effects =
-      nullptr; ///< for --list-effects; null: it has no such option
+      nullptr;        ///< for --list-effects; null: it has no such option
+  bool plans = false; ///< whether it has --plan
 };
 
 /// The whole deck of an application: its own part, and the lists that all share.

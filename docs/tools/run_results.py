@@ -140,11 +140,20 @@ def read_summary(path):
     return summary
 
 
-def read_iterations(path):
-    """The columns as arrays by name; an empty cell becomes NaN."""
+def read_iterations(path, growing=False):
+    """The columns as arrays by name; an empty cell becomes NaN.
+
+    growing     of a file that is being written: what follows the last end of a line is left out,
+                and None is returned where there is no row yet
+    """
     try:
         with open(path, newline="", encoding="utf-8") as file:
-            rows = [row for row in csv.reader(file) if row]
+            text = file.read()
+        if growing:
+            text = text[: text.rfind("\n") + 1]
+            if text.count("\n") < 2:
+                return None
+        rows = [row for row in csv.reader(text.splitlines()) if row]
     except OSError as error:
         raise PlotError(
             f"{path}: {error.strerror}; name the directory of a finished run"

@@ -110,6 +110,20 @@ class Programs(Installed):
             self.assertTrue((output / name).is_file(), name)
         self.assertTrue((prefix / "share" / "harmos" / "tools" / "plot_run.py").is_file())
 
+    def test_jobs_are_made_from_the_installed_tree(self):
+        share = self.tree.prefix / "share" / "harmos"
+        for scheduler in ("slurm", "pbs"):
+            script = run(
+                share / "cluster" / "submit.py",
+                share / "decks" / "harmos" / "two_blocks.xml",
+                "--dry-run",
+                "--scheduler",
+                scheduler,
+                "--output",
+                self.tree.scratch / "job",
+            ).stdout
+            self.assertIn(str((self.tree.prefix / "bin" / "harmos").resolve()), script)
+
 
 class Package(unittest.TestCase):
     def test_debian_package(self):

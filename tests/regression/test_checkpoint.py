@@ -431,6 +431,26 @@ class WhileItRuns(unittest.TestCase):
         left = sorted(path.name for path in run.directory.iterdir())
         self.assertEqual(left, sorted(runs.RESULTS))
 
+    def test_pictures_follow(self):
+        """plot_run.py --follow, begun before there is anything to see."""
+        try:
+            import matplotlib  # noqa: F401
+            import numpy  # noqa: F401
+        except ImportError as missing:
+            self.skipTest(f"the Python module {missing.name} is missing")
+        run = Background(LONG | {"Output/Live seconds": 0.1})
+        pictures = runs.scratch("pictures")
+        tool = runs.SOURCE / "docs" / "tools" / "plot_run.py"
+        words = [sys.executable, tool, run.directory, "--follow", "--interval", 0.1]
+        status, out, err = runs.execute([*words, "--output", pictures, "--dpi", 50])
+        self.assertEqual(run.end(), 0, run.text())
+        self.assertEqual(status, 0, err)
+        for name in ("convergence.png", "contact.png", "solution.png"):
+            self.assertTrue((pictures / name).is_file(), out)
+        # Drawn while it ran, and once more at its end.
+        self.assertGreaterEqual(out.count("contact.png"), 1, out)
+        self.assertGreaterEqual(out.count("convergence.png"), 2, out)
+
     def test_status_line(self):
         """On a terminal, and only there; the launcher's terminal is what counts."""
         master, slave = pty.openpty()

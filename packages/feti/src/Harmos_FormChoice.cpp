@@ -22,23 +22,6 @@ FactorizationEstimate lowerBound(const LocalMatrix& matrix, const std::vector<in
   return estimate;
 }
 
-// MUMPS' analysis of K with the boundary for Schur rows.
-FactorizationEstimate analyse(const LocalMatrix& matrix, const std::vector<int>& boundary) {
-  if (static_cast<int>(boundary.size()) == matrix.rows())
-    return lowerBound(matrix, boundary); // nothing is to be eliminated
-  Triplets triplets = lowerTriangle(matrix, 1);
-  Mumps mumps(MPI_COMM_SELF);
-  mumps.analyse(matrix.rows(), std::move(triplets.rows), std::move(triplets.columns), boundary);
-  FactorizationEstimate estimate;
-  estimate.rows = matrix.rows();
-  estimate.boundary = static_cast<int>(boundary.size());
-  // MUMPS counts the dense block among the entries.
-  const double b = estimate.boundary;
-  estimate.entries = std::max(mumps.statistics().factorEntries - b * b, static_cast<double>(estimate.rows));
-  estimate.flops = mumps.statistics().factorizationFlops;
-  return estimate;
-}
-
 FormPrediction sumOverClasses(DualForm form, const SubdomainSystem& system,
                               const std::vector<CongruenceClass>& classes, std::size_t analysed,
                               const FactorizationEstimate& estimate, const LocalInverseOptions& options) {
@@ -71,6 +54,21 @@ std::string describe(const char* name, const FormPrediction& p, int products) {
 
 const char* toString(DualForm form) {
   return form == DualForm::Implicit ? "implicit" : "condensed";
+}
+
+FactorizationEstimate analyseFactorization(const LocalMatrix& matrix, const std::vector<int>& boundary) {
+  if (static_cast<int>(boundary.size()) == matrix.rows())
+    return lowerBound(matrix, boundary); // nothing is to be eliminated
+  Triplets triplets = lowerTriangle(matrix, 1);
+  Mumps mumps(MPI_COMM_SELF);
+  mumps.analyse(matrix.rows(), std::move(triplets.rows), std::move(triplets.columns), boundary);
+  FactorizationEstimate estimate;
+  estimate.rows = matrix.rows();
+  estimate.boundary = static_cast<int>(boundary.size());
+  // MUMPS counts the columns of what is eliminated, without the dense block that is left.
+  estimate.entries = std::max(mumps.statistics().factorEntries, static_cast<double>(estimate.rows));
+  estimate.flops = mumps.statistics().factorizationFlops;
+  return estimate;
 }
 
 FormPrediction predict(DualForm form, const FactorizationEstimate& estimate, int members,
@@ -132,7 +130,7 @@ FormChoice chooseForm(const SubdomainSystem& system, const Constraints& constrai
     const bool isClear = budgetMiB == 0.0 && choice.condensed.seconds(expectedProducts) <
                                                  choice.implicit.seconds(expectedProducts);
     if (!isClear)
-      predictWith(analyse(matrix, classes[largest].boundary));
+      predictWith(analyseFactorization(matrix, classes[largest].boundary));
     wasAnalysed = isClear ? 0 : 1;
   });
   // Ranks that looked closer decide for all: their numbers are larger.

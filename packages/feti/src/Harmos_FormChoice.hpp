@@ -23,6 +23,10 @@ struct FactorizationEstimate {
   double flops = 0.0;   ///< of the factorisation with the Schur complement
 };
 
+/// What MUMPS' analysis of K, with the boundary for Schur rows, expects; nothing is factored.
+/// @param boundary rising. @throws NumericalError, InternalError. Local.
+FactorizationEstimate analyseFactorization(const LocalMatrix& matrix, const std::vector<int>& boundary);
+
 /// Rates of a machine. The defaults are those of one core of an AMD EPYC with two cores in use and OpenBLAS,
 /// fitted to what tests/performance/dual_operator measures; only their ratios decide.
 struct MachineRates {

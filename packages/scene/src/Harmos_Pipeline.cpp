@@ -12,6 +12,7 @@
 #include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_DualSolution.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_ProcessMemory.hpp"
 #include "Harmos_Qp.hpp"
 #include "Harmos_RankTable.hpp"
 #include "Harmos_Recovery.hpp"
@@ -27,7 +28,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iomanip>
 #include <sstream>
 
@@ -36,19 +36,6 @@ namespace {
 
 const std::vector<std::string> stages = {"mesh",   "assembly", "factorization", "dual_operator",
                                          "coarse", "solve",    "recovery",      "output"};
-
-// Peak of the resident memory of this process, from the kernel's accounting; 0 where there is none.
-double peakMemoryMiB() {
-  std::ifstream status("/proc/self/status");
-  std::string word;
-  while (status >> word)
-    if (word == "VmHWM:") {
-      double kib = 0.0;
-      status >> kib;
-      return kib / 1024.0;
-    }
-  return 0.0;
-}
 
 feti::LocalInverses makeInverses(const feti::SubdomainSystem& system, const feti::Constraints& constraints,
                                  const feti::DualOptions& options, bool elastic, const Log& log,

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_StepModel.hpp"
+
+#include <cmath>
+
+namespace Harmos::feti {
+
+StepSeconds predictStep(const StepShape& shape, const StepRates& rates) {
+  constexpr double passes = 40.0, word = 8.0, inCache = 5e5;
+  const bool several = shape.ranks > 1;
+  const double tree = 2.0 * std::log2(shape.ranks) * rates.latency;
+  StepSeconds step;
+  step.vectors = passes * word * shape.rows / rates.readBytes + rates.overhead;
+  if (several)
+    step.exchange = 4.0 * (shape.neighbours * rates.latency + word * shape.sharedRows / rates.bandwidth);
+  step.reductions = 2.0 * tree;
+  const double transfer = several ? 2.0 * word * shape.coarseDimension / rates.bandwidth : 0.0;
+  step.coarse = 4.0 * (tree + transfer) +
+                7.0 * shape.coarseEntries /
+                    (shape.coarseEntries < inCache ? rates.coarseEntries : rates.coarseFromMemory);
+  return step;
+}
+
+} // namespace Harmos::feti

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace Harmos::feti {
+
+/// What a step of projected conjugate gradients takes beside products with dense blocks and factors.
+///
+/// Rates of solves and of reading are those of one core of an AMD EPYC with two cores in use
+/// (tests/performance/coarse_factor, dual_operator); the overhead is fitted to tests/performance/scaling.py.
+/// Latency and bandwidth are assumptions about a common cluster and not measured.
+struct StepRates {
+  double readBytes = 1.9e10;       ///< a second, of vectors
+  double coarseEntries = 1.1e9;    ///< of L a second in coarse solves, while L is in cache
+  double coarseFromMemory = 2.5e8; ///< the same, when it is not
+  double latency = 2e-6;           ///< seconds of a message
+  double bandwidth = 1e10;         ///< bytes a second between two ranks
+  double overhead = 1e-4;          ///< seconds of a step that depend on nothing
+};
+
+/// A step on the busiest of the ranks.
+struct StepShape {
+  int ranks = 1;
+  double rows = 0.0;            ///< of dual vectors
+  double sharedRows = 0.0;      ///< those that other ranks touch too
+  int neighbours = 0;           ///< ranks that it exchanges them with
+  double coarseDimension = 0.0; ///< n_c
+  double coarseEntries = 0.0;   ///< of L
+};
+
+struct StepSeconds {
+  double vectors = 0.0, exchange = 0.0, reductions = 0.0, coarse = 0.0;
+  double sum() const { return vectors + exchange + reductions + coarse; }
+};
+
+/// With P ranks, a tree t = 2 log₂P · latency:
+///
+///     vectors     40 passes · 8 rows/readBytes + overhead
+///     exchange    4 (neighbours · latency + 8 sharedRows/bandwidth), for P > 1
+///     reductions  2t
+///     coarse      4 (t + 16 n_c/bandwidth) + 7 coarseEntries/rate, rate by whether they are fewer than 5e5
+///
+/// Exchanges and reductions as tests/unit/feti/test_communication.cpp counts them; the formulas are those of
+/// tests/performance/performance_model.py, see docs/dual_operator.md. Guarded by
+/// tests/unit/feti/test_step_model.cpp.
+StepSeconds predictStep(const StepShape& shape, const StepRates& rates = {});
+
+} // namespace Harmos::feti

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_PlanCosts.hpp"
+
+#include "Harmos_CgOptions.hpp"
+#include "Harmos_Decomposition.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace Harmos::scene {
+namespace {
+
+using feti::DualForm;
+
+// What a rank has, and what it is expected to do with it.
+struct RankLoad {
+  long long subdomains = 0;
+  long long classes = 0;
+  feti::FormPrediction implicit, condensed;
+  double factorBytes = 0.0;     // of the sparse factors, condensed
+  double recoverySeconds = 0.0; // of K⁺ applied to all dofs
+  double largestBoundary = 0.0, largestRows = 0.0, largestStiffness = 0.0;
+  double sharedBytes = 0.0; // of meshes and matrices, each once
+  double assembledBytes = 0.0;
+  double ownBytes = 0.0, rows = 0.0, nodes = 0.0, cells = 0.0, links = 0.0;
+  double constraintEntries = 0.0, touchedRows = 0.0, ownedRows = 0.0;
+  double coarseEntries = 0.0, coarsePairs = 0.0;
+
+  const feti::FormPrediction& of(DualForm form) const {
+    return form == DualForm::Implicit ? implicit : condensed;
+  }
+};
+
+struct Class {
+  int matrix = 0, members = 0;
+  std::vector<int> boundary;
+};
+
+void add(feti::FormPrediction& sum, const feti::FormPrediction& one) {
+  sum.setupSeconds += one.setupSeconds;
+  sum.productSeconds += one.productSeconds;
+  sum.bytes += one.bytes;
+}
+
+RankLoad loadOf(const PlanSurvey& survey, const feti::LocalInverseOptions& options,
+                const feti::MachineRates& rates, const Share& share) {
+  RankLoad load;
+  load.subdomains = share.end - share.begin;
+  std::map<long long, Class> classes;
+  std::set<int> meshes, stiffnesses, matrices;
+  for (long long number = share.begin; number < share.end; ++number) {
+    const auto place = static_cast<std::size_t>(number);
+    const SurveyedSubdomain& s = survey.subdomains[place];
+    Class& item = classes[options.share ? s.matrix : number];
+    item.matrix = s.matrix;
+    ++item.members;
+    item.boundary.insert(item.boundary.end(), survey.boundaries[place].begin(),
+                         survey.boundaries[place].end());
+    if (meshes.insert(s.mesh).second)
+      load.sharedBytes += survey.meshBytes[static_cast<std::size_t>(s.mesh)];
+    if (stiffnesses.insert(s.stiffness).second) {
+      load.assembledBytes += survey.stiffnessBytes[static_cast<std::size_t>(s.stiffness)];
+      load.largestStiffness =
+          std::max(load.largestStiffness, survey.stiffnessBytes[static_cast<std::size_t>(s.stiffness)]);
+    }
+    if (matrices.insert(s.matrix).second)
+      load.sharedBytes += survey.matrixBytes[static_cast<std::size_t>(s.matrix)];
+    load.ownBytes += s.ownBytes;
+    load.rows += s.rows;
+    load.nodes += s.nodes;
+    load.cells += s.cells;
+    load.links += static_cast<double>(s.cells) * s.nodesPerCell;
+    load.constraintEntries += s.constraintEntries;
+    load.touchedRows += s.touchedRows;
+    load.ownedRows += s.ownedRows;
+    load.coarseEntries += s.coarseEntries;
+    load.coarsePairs += s.coarsePairs;
+    load.largestRows = std::max(load.largestRows, static_cast<double>(s.rows));
+  }
+  load.sharedBytes += load.assembledBytes;
+  load.classes = static_cast<long long>(classes.size());
+  for (auto& [key, item] : classes) {
+    std::sort(item.boundary.begin(), item.boundary.end());
+    item.boundary.erase(std::unique(item.boundary.begin(), item.boundary.end()), item.boundary.end());
+    feti::FactorizationEstimate estimate = survey.matrices[static_cast<std::size_t>(item.matrix)];
+    estimate.boundary = static_cast<int>(item.boundary.size());
+    add(load.implicit, feti::predict(DualForm::Implicit, estimate, item.members, options, rates));
+    add(load.condensed, feti::predict(DualForm::Condensed, estimate, item.members, options, rates));
+    feti::FactorizationEstimate sparse = estimate;
+    sparse.boundary = 0;
+    load.factorBytes += feti::predict(DualForm::Condensed, sparse, item.members, options, rates).bytes;
+    feti::LocalInverseOptions plain = options;
+    plain.keepSchur = false;
+    load.recoverySeconds +=
+        feti::predict(DualForm::Implicit, estimate, item.members, plain, rates).productSeconds;
+    load.largestBoundary = std::max(load.largestBoundary, static_cast<double>(estimate.boundary));
+  }
+  return load;
+}
+
+// As feti::chooseForm() decides.
+DualForm formOf(const std::vector<RankLoad>& loads, const feti::DualOptions& options, int usualProducts) {
+  feti::FormPrediction implicit, condensed;
+  for (const RankLoad& load : loads)
+    for (auto member : {&feti::FormPrediction::setupSeconds, &feti::FormPrediction::productSeconds,
+                        &feti::FormPrediction::bytes}) {
+      implicit.*member = std::max(implicit.*member, load.implicit.*member);
+      condensed.*member = std::max(condensed.*member, load.condensed.*member);
+    }
+  if (options.form)
+    return *options.form;
+  const int products = options.expectedProducts > 0 ? options.expectedProducts : usualProducts;
+  const double budget = options.memoryBudgetMiB * 1048576.0;
+  if (budget > 0.0 && condensed.bytes > budget)
+    return DualForm::Implicit;
+  if (budget > 0.0 && implicit.bytes > budget)
+    return DualForm::Condensed;
+  return condensed.seconds(products) <= implicit.seconds(products) ? DualForm::Condensed : DualForm::Implicit;
+}
+
+// Directions that conjugate gradients have room for: twenty, doubled when they do not do; see
+// ConjugateDirections.
+double directionsFor(const RunOptions& options, int products) {
+  const bool keeps =
+      options.method == "PCPG" || options.method == "PDAS" ||
+      (options.method == "Auto" && options.dual.preconditioner != feti::PreconditionerKind::None);
+  const qp::CgOptions cg = qp::CgOptions::fromList(options.methodLists.sublist("PCPG"));
+  if (!keeps || cg.reorthogonalisation == qp::Reorthogonalisation::None)
+    return 0.0;
+  int capacity = 20;
+  while (capacity < products)
+    capacity *= 2;
+  return std::min(capacity, cg.storedDirections);
+}
+
+// Bytes an item, from the sources named.
+RankMemory memoryOf(const RankLoad& load, const PlanSurvey& survey, const RunOptions& options, DualForm form,
+                    bool elastic, double directions) {
+  RankMemory memory;
+  const bool hasPreconditioner = options.dual.preconditioner != feti::PreconditionerKind::None;
+  // An entry of B is held by Constraints (16), and gathered and scattered by F and by M⁻¹ (16 each); a row
+  // has its places in two maps with their tables, in Import's lists, and some twenty vectors.
+  constexpr double perRow = 160.0 + 2.0 * 50.0;
+  const double perEntry = 16.0 + 2.0 * 16.0 + (hasPreconditioner ? 2.0 * 16.0 : 0.0);
+  memory.mesh = load.sharedBytes + load.ownBytes + perEntry * load.constraintEntries +
+                perRow * load.touchedRows + survey.contactBytes;
+  const double whole = load.of(form).bytes;
+  memory.factors = form == DualForm::Implicit ? whole : load.factorBytes;
+  memory.dense = whole - memory.factors;
+  // G̃ᵀ by rows, places of its pairs; L, dense or with a row number an entry, and once more on a face of PDAS;
+  // the pattern.
+  const double inverse = 16.0 * survey.coarseFactorEntries;
+  memory.coarse = 12.0 * load.coarseEntries + 4.0 * load.coarsePairs + 2.0 * inverse;
+  memory.directions = 16.0 * directions * load.ownedRows;
+
+  // While the largest S is inverted: MUMPS' triplets and front, S and S⁺.
+  const double b = form == DualForm::Condensed ? load.largestBoundary : 0.0;
+  const double whileFactoring = 2.0 * 8.0 * b * b + load.largestStiffness;
+  // Pairs of columns, in the order of rows and sorted.
+  const double whileCoarse = 16.0 * load.coarsePairs;
+  // Displacements; 32 right-hand sides at once; a result file: see writeVtkHdf().
+  double whileEnding = 2.0 * 8.0 * load.rows + 32.0 * 8.0 * load.largestRows;
+  if (options.writeFields) {
+    const bool hasStress = elastic && options.writeStresses;
+    double perNode = 24.0 + (elastic ? 24.0 : 8.0);
+    if (hasStress)
+      perNode += 48.0 + 64.0;
+    if (survey.inequalities > 0)
+      perNode += 24.0 + 8.0;
+    whileEnding += perNode * load.nodes + (8.0 + 13.0) * load.cells + 8.0 * load.links;
+  }
+  memory.temporary = std::max({whileFactoring - memory.coarse - memory.directions,
+                               whileCoarse - memory.directions, whileEnding, 0.0});
+  return memory;
+}
+
+double most(const std::vector<RankLoad>& loads, double RankLoad::*member) {
+  double result = 0.0;
+  for (const RankLoad& load : loads)
+    result = std::max(result, load.*member);
+  return result;
+}
+
+std::vector<RankLoad> loadsOf(const PlanSurvey& survey, const RunOptions& options, const PlanRates& rates,
+                              int ranks) {
+  std::vector<RankLoad> loads;
+  const auto total = static_cast<long long>(survey.subdomains.size());
+  for (int rank = 0; rank < ranks; ++rank)
+    loads.push_back(loadOf(survey, options.dual.inverses, rates.local, shareOf(rank, ranks, total)));
+  return loads;
+}
+
+} // namespace
+
+ProductRange expectedProducts(const Scene& scene, const RunOptions& options) {
+  struct Range {
+    double least, most;
+  };
+  constexpr Range membranes[] = {{1.0, 12.5}, {1.0, 15.5}, {3.0, 15.5}};
+  constexpr Range elastic[] = {{2.5, 20.0}, {3.7, 26.0}, {8.5, 36.0}};
+  const int kind = options.dual.preconditioner == feti::PreconditionerKind::Dirichlet ? 0
+                   : options.dual.preconditioner == feti::PreconditionerKind::Lumped  ? 1
+                                                                                      : 2;
+  const Range& perDigit = (scene.physics == Physics::Membrane ? membranes : elastic)[kind];
+  const double digits = -std::log10(options.tolerance);
+  return {static_cast<int>(std::ceil(perDigit.least * digits)),
+          static_cast<int>(std::ceil(perDigit.most * digits))};
+}
+
+PlanRow planRow(const PlanSurvey& survey, const RunOptions& options, bool elastic,
+                const ProductRange& products, const PlanRates& rates, double programBytes, double sceneBytes,
+                int ranks) {
+  PlanRow row;
+  row.ranks = ranks;
+  const std::vector<RankLoad> loads = loadsOf(survey, options, rates, ranks);
+  row.leastSubdomains = loads.front().subdomains;
+  for (const RankLoad& load : loads) {
+    row.leastSubdomains = std::min(row.leastSubdomains, load.subdomains);
+    row.mostSubdomains = std::max(row.mostSubdomains, load.subdomains);
+    row.factorizations += load.classes;
+  }
+  const auto total = static_cast<double>(survey.subdomains.size());
+  row.imbalance = static_cast<double>(row.mostSubdomains) * ranks / total;
+  row.form = formOf(loads, options.dual, elastic ? 100 : 30);
+  const double directions = directionsFor(options, products.most);
+  for (std::size_t rank = 0; rank < loads.size(); ++rank) {
+    RankMemory memory = memoryOf(loads[rank], survey, options, row.form, elastic, directions);
+    // MUMPS, BLAS, HDF5 and MPI touch more of themselves than a plan does: 7 to 12 MiB on small runs.
+    constexpr double libraries = 10.0 * 1048576.0;
+    memory.program = programBytes + libraries + (rank == 0 ? sceneBytes : 0.0);
+    row.totalMemory += memory.sum();
+    if (memory.sum() > row.memory.sum())
+      row.memory = memory;
+    const feti::FormPrediction& prediction = loads[rank].of(row.form);
+    row.factorization = std::max(row.factorization, prediction.setupSeconds);
+    row.product = std::max(row.product, prediction.productSeconds);
+    row.recovery = std::max(row.recovery, 2.0 * loads[rank].recoverySeconds);
+  }
+  // What the survey measured, by what it goes with.
+  const std::vector<RankLoad> surveyed = loadsOf(survey, options, rates, survey.ranks);
+  const auto scaled = [&](double seconds, double RankLoad::*member) {
+    const double before = most(surveyed, member);
+    return before > 0.0 ? seconds * most(loads, member) / before : seconds;
+  };
+  row.mesh = scaled(survey.secondsOfMeshes, &RankLoad::nodes);
+  row.assembly = scaled(survey.secondsOfAssembly, &RankLoad::assembledBytes);
+  row.constraints = scaled(survey.secondsOfConstraints, &RankLoad::constraintEntries);
+  row.coarseSetup = scaled(survey.secondsOfCoarseRows, &RankLoad::coarsePairs) + survey.secondsOfCoarseFactor;
+  // A rank's share is about a square or a cube of subdomains: rows on its rim, and neighbours on all sides.
+  const double d = survey.dimension;
+  feti::StepShape shape;
+  shape.ranks = ranks;
+  shape.rows = most(loads, &RankLoad::ownedRows);
+  double touched = 0.0;
+  for (const SurveyedSubdomain& s : survey.subdomains)
+    touched += s.touchedRows / total;
+  shape.sharedRows = touched * std::pow(static_cast<double>(row.mostSubdomains), (d - 1.0) / d);
+  shape.neighbours = static_cast<int>(std::min(std::pow(3.0, d), static_cast<double>(ranks))) - 1;
+  shape.coarseDimension = survey.coarseDimension;
+  shape.coarseEntries = survey.coarseFactorEntries;
+  row.step = feti::predictStep(shape, rates.step);
+  // Active sets that the decks that come with Harmos take, and their refinements.
+  constexpr double fewestFaces = 1.0, mostFaces = 14.0;
+  row.face = survey.inequalities > 0 ? survey.secondsOfCoarseFactor : 0.0;
+  row.least = row.setup() + fewestFaces * row.face + products.least * row.perStep();
+  row.most = row.setup() + mostFaces * row.face + products.most * row.perStep();
+  return row;
+}
+
+} // namespace Harmos::scene

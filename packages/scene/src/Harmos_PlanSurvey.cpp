@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_PlanSurvey.hpp"
+
+#include "Harmos_Agreement.hpp"
+#include "Harmos_CoarseSpace.hpp"
+#include "Harmos_ContactSetup.hpp"
+#include "Harmos_Decomposition.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_TrilinosVersion.hpp"
+
+#include <Tpetra_MultiVector.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+
+namespace Harmos::scene {
+namespace {
+
+// What tells an object from others without sending it. Equal stiffness matrices of different ranks differ by
+// rounding, see SubdomainSystem: sums are compared, not their bits.
+struct Fingerprint {
+  long long hash;
+  int rows, columns;
+  double entries, sum, size, bytes;
+};
+
+bool sameObject(const Fingerprint& a, const Fingerprint& b) {
+  // Entries agree to 1e-12 √(k_ii k_jj); of elastic matrices these are some ten times the entries.
+  constexpr double tolerance = 1e-10;
+  return std::tie(a.hash, a.rows, a.columns, a.entries) == std::tie(b.hash, b.rows, b.columns, b.entries) &&
+         std::abs(a.sum - b.sum) <= tolerance * a.size && std::abs(a.size - b.size) <= tolerance * a.size;
+}
+
+// Weights without structure, so that entries that have changed places do not go unseen.
+template<class Values>
+void addSums(const Values& values, Fingerprint& print) {
+  double weight = 0.0;
+  for (const auto& value : values) {
+    weight = std::fmod(weight + 0.6180339887498949, 1.0);
+    print.sum += (0.5 + weight) * static_cast<double>(value);
+    print.size += std::abs(static_cast<double>(value));
+  }
+}
+
+Fingerprint fingerprint(const fem::Mesh& mesh) {
+  Fingerprint print{static_cast<int>(mesh.cellType),
+                    mesh.numberOfNodes(),
+                    mesh.numberOfCells(),
+                    static_cast<double>(mesh.boundary.size()),
+                    0.0,
+                    0.0,
+                    0.0};
+  addSums(mesh.coordinates, print);
+  addSums(mesh.cells, print);
+  addSums(mesh.regions, print);
+  print.bytes = 8.0 * static_cast<double>(mesh.coordinates.size()) +
+                4.0 * static_cast<double>(mesh.cells.size() + mesh.regions.size() + mesh.boundary.size());
+  return print;
+}
+
+Fingerprint fingerprint(const LocalMatrix& matrix, int kernelColumns) {
+  Fingerprint print{static_cast<long long>(patternHash(matrix)),
+                    matrix.rows(),
+                    kernelColumns,
+                    static_cast<double>(matrix.entries()),
+                    0.0,
+                    0.0,
+                    0.0};
+  addSums(matrix.values, print);
+  print.bytes = 12.0 * static_cast<double>(matrix.entries()) + 8.0 * (1.0 + kernelColumns) * matrix.rows();
+  return print;
+}
+
+// Numbers for what this rank has found to be distinct, the same for what is equal on all ranks; and the bytes
+// of each. Collective.
+std::vector<int> globalNumbers(const Teuchos::Comm<int>& comm, const std::vector<Fingerprint>& mine,
+                               std::vector<double>& bytes) {
+  const auto first = static_cast<std::size_t>(exclusiveScan(comm, static_cast<long long>(mine.size())));
+  const std::vector<Fingerprint> all = gatherAll(comm, mine);
+  std::map<long long, std::vector<int>> candidates; // by hash
+  std::vector<Fingerprint> distinct;
+  std::vector<int> numbers;
+  for (const Fingerprint& print : all) {
+    std::vector<int>& known = candidates[print.hash];
+    const auto found = std::find_if(known.begin(), known.end(), [&](int k) {
+      return sameObject(distinct[static_cast<std::size_t>(k)], print);
+    });
+    if (found != known.end()) {
+      numbers.push_back(*found);
+      continue;
+    }
+    numbers.push_back(static_cast<int>(distinct.size()));
+    known.push_back(numbers.back());
+    distinct.push_back(print);
+    bytes.push_back(print.bytes);
+  }
+  const auto begin = numbers.begin() + static_cast<std::ptrdiff_t>(first);
+  return {begin, begin + static_cast<std::ptrdiff_t>(mine.size())};
+}
+
+// The objects of this rank, each once.
+template<class Key>
+class Distinct {
+ public:
+  template<class Print>
+  int place(const Key& key, Print&& print) {
+    const auto [item, isNew] = places_.emplace(key, static_cast<int>(prints.size()));
+    if (isNew)
+      prints.push_back(print());
+    return item->second;
+  }
+  std::vector<Fingerprint> prints;
+
+ private:
+  std::map<Key, int> places_;
+};
+
+class Stopwatch {
+ public:
+  explicit Stopwatch(const Teuchos::Comm<int>& comm) : comm_(comm) {}
+  // Since the last call, on the slowest rank. Collective.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    const double slowest = globalMax(comm_, seconds);
+    last_ = std::chrono::steady_clock::now();
+    return slowest;
+  }
+
+ private:
+  const Teuchos::Comm<int>& comm_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+double bytesOf(const fem::PlacedMesh& mesh) {
+  double bytes = 16.0 * static_cast<double>(mesh.boundaryNumbers.size());
+  for (const auto& set : mesh.sets)
+    bytes += 4.0 * static_cast<double>(set.second.size());
+  for (const auto& sides : mesh.sides)
+    bytes += 8.0 * static_cast<double>(sides.second.size());
+  return bytes;
+}
+
+// Lists of different lengths, by the numbers of their subdomains. Collective.
+std::vector<std::vector<int>> gatherLists(const Teuchos::Comm<int>& comm,
+                                          const std::vector<long long>& numbers,
+                                          const std::vector<std::vector<int>>& lists, std::size_t total) {
+  struct Head {
+    long long number;
+    std::size_t length;
+  };
+  std::vector<Head> heads;
+  std::vector<int> items;
+  for (std::size_t i = 0; i < lists.size(); ++i) {
+    heads.push_back({numbers[i], lists[i].size()});
+    items.insert(items.end(), lists[i].begin(), lists[i].end());
+  }
+  const std::vector<Head> allHeads = gatherAll(comm, heads);
+  const std::vector<int> allItems = gatherAll(comm, items);
+  std::vector<std::vector<int>> result(total);
+  auto next = allItems.begin();
+  for (const Head& head : allHeads) {
+    const auto end = next + static_cast<std::ptrdiff_t>(head.length);
+    result[static_cast<std::size_t>(head.number)].assign(next, end);
+    next = end;
+  }
+  return result;
+}
+
+// By MUMPS' analysis of one member of each matrix, where there are not too many, by a rank that has it.
+std::vector<feti::FactorizationEstimate> analyses(const Teuchos::Comm<int>& comm, const PlanSurvey& survey,
+                                                  const feti::SubdomainSystem& system) {
+  constexpr std::size_t mostAnalyses = 64;
+  const std::size_t count = survey.matrixBytes.size();
+  std::vector<std::set<int>> boundaries(count);
+  std::vector<long long> holder(count, -1);
+  for (std::size_t s = survey.subdomains.size(); s-- > 0;) {
+    const auto m = static_cast<std::size_t>(survey.subdomains[s].matrix);
+    boundaries[m].insert(survey.boundaries[s].begin(), survey.boundaries[s].end());
+    holder[m] = static_cast<long long>(s);
+  }
+  std::vector<std::size_t> bySize(count);
+  for (std::size_t m = 0; m < count; ++m)
+    bySize[m] = m;
+  const auto rowsOf = [&](std::size_t m) {
+    return survey.subdomains[static_cast<std::size_t>(holder[m])].rows;
+  };
+  std::stable_sort(bySize.begin(), bySize.end(),
+                   [&](std::size_t a, std::size_t b) { return rowsOf(a) < rowsOf(b); });
+  // Evenly spread over the sizes, the largest among them.
+  std::vector<std::size_t> reference(count);
+  const std::size_t parts = std::min(count, mostAnalyses);
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t part = k * parts / count;
+    reference[bySize[k]] = bySize[(part + 1) * count / parts - 1];
+  }
+  struct Item {
+    std::size_t matrix;
+    feti::FactorizationEstimate estimate;
+  };
+  std::vector<Item> mine;
+  agree(comm, [&] {
+    for (int i = 0; i < system.size(); ++i) {
+      const long long number = system.subdomain(i).number;
+      const auto m = static_cast<std::size_t>(survey.subdomains[static_cast<std::size_t>(number)].matrix);
+      if (holder[m] == number && reference[m] == m)
+        mine.push_back(
+            {m, feti::analyseFactorization(system.matrix(i), {boundaries[m].begin(), boundaries[m].end()})});
+    }
+  });
+  std::vector<feti::FactorizationEstimate> found(count);
+  for (const Item& item : gatherAll(comm, mine))
+    found[item.matrix] = item.estimate;
+  std::vector<feti::FactorizationEstimate> result;
+  for (std::size_t m = 0; m < count; ++m) {
+    feti::FactorizationEstimate estimate = found[reference[m]];
+    const double factor = static_cast<double>(rowsOf(m)) / estimate.rows;
+    estimate.rows = rowsOf(m);
+    estimate.boundary = static_cast<int>(boundaries[m].size());
+    estimate.entries *= factor;
+    estimate.flops *= factor;
+    result.push_back(estimate);
+  }
+  return result;
+}
+
+} // namespace
+
+PlanSurvey survey(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
+                  const RunOptions& options) {
+  PlanSurvey result;
+  result.ranks = comm->getSize();
+  result.dimension = scene.physics == Physics::Solid ? 3 : 2;
+  Stopwatch watch(*comm);
+  const std::vector<OwnedSubdomain> owned = decompose(*comm, scene);
+  checkBoundaryParts(*comm, scene, owned);
+  result.secondsOfMeshes = watch.lap();
+  std::vector<feti::Subdomain> assembled;
+  agree(*comm, [&] { assembled = assemble(scene, owned); });
+  const feti::SubdomainSystem system(comm, std::move(assembled), options.dirichlet);
+  result.secondsOfAssembly = watch.lap();
+  const ContactSetup contact = setUpContact(*comm, scene, owned);
+  const feti::Constraints constraints(system, contact.rows);
+  result.secondsOfConstraints = watch.lap();
+  const feti::CoarseSpace coarse(system, constraints);
+  const double whole = watch.lap();
+  {
+    MultiVector all(constraints.rowMap(), 1);
+    all.putScalar(1.0);
+    watch.lap();
+    coarse.faceFactor(all); // values and factor once more
+    result.secondsOfCoarseFactor = std::min(watch.lap(), whole);
+  }
+  result.secondsOfCoarseRows = whole - result.secondsOfCoarseFactor;
+
+  result.primalDimension = system.primalDimension();
+  result.dualDimension = constraints.dualDimension();
+  result.inequalities = constraints.inequalities();
+  result.kernelDimension = system.kernelDimension();
+  result.coarseDimension = coarse.dimension();
+  result.coarseFactorEntries = coarse.factor().entries();
+  result.coarseIsDense = coarse.factor().isDense();
+  for (const contact::ContactPoint& point : contact.points)
+    result.contactBytes += static_cast<double>(sizeof(contact::ContactPoint) +
+                                               point.terms.size() * sizeof(contact::ContactPoint::Term));
+
+  struct Item {
+    long long number;
+    SurveyedSubdomain subdomain;
+  };
+  std::vector<Item> mine;
+  std::vector<long long> numbers;
+  std::vector<std::vector<int>> boundaries;
+  Distinct<const fem::Mesh*> meshes;
+  Distinct<const LocalMatrix*> stiffnesses;
+  Distinct<std::pair<const LocalMatrix*, int>> matrices;
+  std::map<const void*, int> loads;
+  for (int i = 0; i < system.size(); ++i)
+    ++loads[system.subdomain(i).load.get()];
+  std::vector<bool> isCounted(localSize(*constraints.overlapMap()), false);
+  agree(*comm, [&] {
+    for (int i = 0; i < system.size(); ++i) {
+      const feti::Subdomain& subdomain = system.subdomain(i);
+      const fem::PlacedMesh& placed = owned[static_cast<std::size_t>(i)].mesh;
+      const feti::Kernel& kernel = system.kernel(i);
+      SurveyedSubdomain s;
+      s.mesh = meshes.place(placed.mesh.get(), [&] { return fingerprint(*placed.mesh); });
+      s.stiffness = stiffnesses.place(subdomain.stiffness.get(), [&] {
+        return fingerprint(*subdomain.stiffness, subdomain.motions->columns);
+      });
+      s.matrix = matrices.place({&system.matrix(i), kernel.columns}, [&] {
+        Fingerprint print = fingerprint(system.matrix(i), kernel.columns);
+        if (subdomain.stiffness.get() == &system.matrix(i)) // only the kernel is another one
+          print.bytes = 8.0 * kernel.columns * kernel.rows;
+        return print;
+      });
+      s.rows = system.matrix(i).rows();
+      s.kernelColumns = kernel.columns;
+      s.nodes = placed.mesh->numberOfNodes();
+      s.nodesPerCell = placed.mesh->nodesPerCell();
+      s.cells = placed.mesh->numberOfCells();
+      s.ownBytes = bytesOf(placed) + 8.0 * static_cast<double>(subdomain.numbers.size());
+      if (loads[subdomain.load.get()] == 1)
+        s.ownBytes += 8.0 * s.rows;
+      if (&system.rhs(i) != subdomain.load.get())
+        s.ownBytes += 8.0 * s.rows;
+      std::vector<int> touched;
+      int last = -1;
+      for (const feti::Constraints::Entry& entry : constraints.entries(i)) {
+        touched.push_back(entry.dof);
+        s.constraintEntries += 1.0;
+        if (entry.row == last)
+          continue;
+        last = entry.row;
+        s.touchedRows += 1.0;
+        // A row belongs to the rank of its lowest subdomain; subdomains come here by rising numbers.
+        const auto row = static_cast<std::size_t>(entry.row);
+        if (constraints.overlapOwner(entry.row) != comm->getRank() || isCounted[row])
+          continue;
+        isCounted[row] = true;
+        s.ownedRows += 1.0;
+        double entries = 0.0;
+        coarse.forRow(
+            constraints.rowMap()->getLocalElement(constraints.overlapMap()->getGlobalElement(entry.row)),
+            [&](int, double) { entries += 1.0; });
+        s.coarseEntries += entries;
+        s.coarsePairs += 0.5 * entries * (entries + 1.0);
+      }
+      std::sort(touched.begin(), touched.end());
+      touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+      boundaries.push_back(
+          feti::boundaryWithSupport(system.matrix(i), kernel, touched, options.dual.inverses.fixingPlaces));
+      numbers.push_back(subdomain.number);
+      mine.push_back({subdomain.number, s});
+    }
+  });
+  const std::vector<int> meshNumbers = globalNumbers(*comm, meshes.prints, result.meshBytes);
+  const std::vector<int> stiffnessNumbers = globalNumbers(*comm, stiffnesses.prints, result.stiffnessBytes);
+  const std::vector<int> matrixNumbers = globalNumbers(*comm, matrices.prints, result.matrixBytes);
+  for (Item& item : mine) {
+    item.subdomain.mesh = meshNumbers[static_cast<std::size_t>(item.subdomain.mesh)];
+    item.subdomain.stiffness = stiffnessNumbers[static_cast<std::size_t>(item.subdomain.stiffness)];
+    item.subdomain.matrix = matrixNumbers[static_cast<std::size_t>(item.subdomain.matrix)];
+  }
+  result.subdomains.resize(static_cast<std::size_t>(system.globalSubdomains()));
+  for (const Item& item : gatherAll(*comm, mine))
+    result.subdomains[static_cast<std::size_t>(item.number)] = item.subdomain;
+  result.boundaries = gatherLists(*comm, numbers, boundaries, result.subdomains.size());
+  result.matrices = analyses(*comm, result, system);
+  return result;
+}
+
+} // namespace Harmos::scene

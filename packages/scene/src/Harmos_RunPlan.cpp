@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_RunPlan.hpp"
+
+#include "Harmos_Agreement.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_ProcessMemory.hpp"
+#include "Harmos_Version.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+namespace Harmos::scene {
+namespace {
+
+constexpr double mebi = 1048576.0;
+
+std::vector<int> rankCounts(const PlanRequest& request, long long subdomains) {
+  if (!request.ranks.empty()) {
+    for (int ranks : request.ranks)
+      if (ranks < 1)
+        throw InputError("command line: --plan-ranks: " + std::to_string(ranks) +
+                         " is no number of ranks; name positive ones, as in --plan-ranks 1,2,4");
+    std::vector<int> counts = request.ranks;
+    std::sort(counts.begin(), counts.end());
+    counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
+    return counts;
+  }
+  std::vector<int> counts;
+  for (long long ranks = 1; ranks < subdomains; ranks *= 2)
+    counts.push_back(static_cast<int>(ranks));
+  counts.push_back(static_cast<int>(subdomains));
+  return counts;
+}
+
+double typicalSeconds(const PlanRow& row) {
+  return std::sqrt(row.least * row.most);
+}
+
+// Seconds without more digits than a model has.
+std::string seconds(double value) {
+  std::ostringstream text;
+  text << std::setprecision(2) << value;
+  return text.str();
+}
+
+std::string ranksText(int ranks) {
+  return std::to_string(ranks) + (ranks == 1 ? " rank" : " ranks");
+}
+
+void recommend(RunPlan& plan, double memoryMiB) {
+  const auto fits = [&](const PlanRow& row) {
+    return memoryMiB <= 0.0 || row.memory.sum() <= memoryMiB * mebi;
+  };
+  constexpr double worthwhile = 0.5; // of a rank's time
+  const PlanRow* first = nullptr;
+  double efficiency = 1.0;
+  for (std::size_t k = 0; k < plan.rows.size(); ++k) {
+    const PlanRow& row = plan.rows[k];
+    if (!fits(row))
+      continue;
+    if (first == nullptr)
+      first = &row;
+    const double now = typicalSeconds(*first) * first->ranks / (typicalSeconds(row) * row.ranks);
+    if (&row == first || (now >= worthwhile && row.leastSubdomains > 0)) {
+      plan.recommended = static_cast<int>(k);
+      efficiency = now;
+    }
+  }
+  if (plan.recommended < 0) {
+    plan.reason =
+        "none of these fits into " + std::to_string(static_cast<long long>(memoryMiB)) +
+        " MiB a rank; use more ranks (--plan-ranks), smaller subdomains, or \"Dual operator/Precision\" = "
+        "\"single\"";
+    return;
+  }
+  const PlanRow& row = plan.rows[static_cast<std::size_t>(plan.recommended)];
+  std::ostringstream text;
+  text << ranksText(row.ranks) << ": ";
+  if (&row == first)
+    text << "more of them are expected to waste over half of their time";
+  else
+    text << "the most that are expected to use at least half of their time as well as "
+         << ranksText(first->ranks) << " (" << std::fixed << std::setprecision(2) << efficiency << " of it)";
+  if (plan.rows.size() == 1)
+    text.str(ranksText(row.ranks) + ": the only number asked about");
+  else if (static_cast<std::size_t>(plan.recommended) + 1 == plan.rows.size() && &row == first)
+    text.str(ranksText(row.ranks) + ": no smaller number fits into the memory");
+  plan.reason = text.str();
+}
+
+std::string number(double value, int width) {
+  std::ostringstream text;
+  text << std::setw(width) << std::setprecision(2) << value;
+  return text.str();
+}
+
+} // namespace
+
+RunPlan makeRunPlan(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
+                    const RunOptions& options, const PlanRequest& request) {
+  RunPlan plan;
+  // The survey takes time: what is wrong with the request is told before.
+  std::vector<int> counts;
+  agree(*comm, [&] {
+    counts = rankCounts(request, scene.subdomains());
+    if (!request.ratesFile.empty())
+      plan.rates = ratesFromFile(request.ratesFile);
+  });
+  const double program = globalMax(*comm, request.programMiB) * mebi;
+  // What reading and cutting of meshes took stays resident on rank 0.
+  const double scenery = std::max(0.0, globalMax(*comm, peakMemoryMiB()) * mebi - program);
+  plan.survey = survey(comm, scene, options);
+  plan.survey.secondsOfMeshes += globalMax(*comm, scene.secondsToMake);
+  plan.products = expectedProducts(scene, options);
+  for (int ranks : counts)
+    plan.rows.push_back(planRow(plan.survey, options, scene.physics != Physics::Membrane, plan.products,
+                                plan.rates, program, scenery, ranks));
+  recommend(plan, request.memoryMiB);
+  return plan;
+}
+
+std::string planText(const RunPlan& plan) {
+  const PlanSurvey& s = plan.survey;
+  std::ostringstream text;
+  text << "Primal dimension " << s.primalDimension << ", dual dimension " << s.dualDimension << " ("
+       << s.inequalities << " inequalities), kernel dimension " << s.kernelDimension << ", coarse dimension "
+       << s.coarseDimension << "\n"
+       << s.subdomains.size() << " subdomains with " << s.matrices.size() << " distinct matrices; "
+       << plan.products.least << " to " << plan.products.most << " products with F are usual\n\n"
+       << "    ranks  subdomains  imbalance    MiB a rank: factors   dense  meshes  coarse  | seconds: "
+          "set-up  "
+          "product  coarse   a run";
+  for (std::size_t k = 0; k < plan.rows.size(); ++k) {
+    const PlanRow& row = plan.rows[k];
+    const RankMemory& m = row.memory;
+    const std::string subdomains =
+        row.leastSubdomains == row.mostSubdomains
+            ? std::to_string(row.mostSubdomains)
+            : std::to_string(row.leastSubdomains) + "-" + std::to_string(row.mostSubdomains);
+    text << "\n"
+         << (static_cast<int>(k) == plan.recommended ? "  * " : "    ") << std::setw(5) << row.ranks
+         << std::setw(12) << subdomains << std::fixed << std::setprecision(2) << std::setw(11)
+         << row.imbalance << std::setprecision(0) << std::setw(14) << m.sum() / mebi << std::setw(9)
+         << m.factors / mebi << std::setw(8) << m.dense / mebi << std::setw(8) << m.mesh / mebi
+         << std::setw(8) << m.coarse / mebi << std::defaultfloat << "  |" << number(row.setup(), 16)
+         << number(row.product, 9) << number(row.step.coarse, 8) << "   " << seconds(row.least) << " to "
+         << seconds(row.most);
+  }
+  const PlanRow& row = plan.rows[plan.recommended < 0 ? 0 : static_cast<std::size_t>(plan.recommended)];
+  text << "\n\n"
+       << (plan.recommended < 0 ? "No recommendation: " : "Recommended: ") << plan.reason << ".\n"
+       << "Threads: one BLAS thread a rank (OPENBLAS_NUM_THREADS=1, OMP_NUM_THREADS=1). Harmos runs one "
+          "thread a "
+          "rank; BLAS alone could use more, which pays at most where cores outnumber the "
+       << s.subdomains.size() << " subdomains: ranks beyond that number have nothing to do.\n"
+       << std::fixed << std::setprecision(0) << "Memory: ask for "
+       << std::ceil(1.25 * row.memory.sum() / mebi) << " MiB a rank on " << ranksText(row.ranks)
+       << ", a quarter more than expected; of this " << std::fixed << std::setprecision(0)
+       << row.memory.program / mebi << " MiB for the program and what the scene was read with, "
+       << row.memory.directions / mebi << " MiB for stored directions, " << row.memory.temporary / mebi
+       << " MiB for a while.\n"
+       << "Rates: " << plan.rates.source
+       << ". Seconds are without the writing of fields. Set-up: measured here and scaled, factorisations "
+          "predicted.";
+  return text.str();
+}
+
+std::string planJson(const RunPlan& plan, const std::string& deck) {
+  const PlanSurvey& s = plan.survey;
+  nlohmann::ordered_json json;
+  json["harmos"] = {{"version", version()}, {"git", gitHash()}};
+  json["deck"] = deck;
+  json["ranks_of_the_survey"] = s.ranks;
+  json["primal_dimension"] = s.primalDimension;
+  json["dual_dimension"] = s.dualDimension;
+  json["inequalities"] = s.inequalities;
+  json["kernel_dimension"] = s.kernelDimension;
+  json["coarse_dimension"] = s.coarseDimension;
+  json["coarse_factor_entries"] = s.coarseFactorEntries;
+  json["subdomains"] = s.subdomains.size();
+  json["distinct_matrices"] = s.matrices.size();
+  json["products"] = {plan.products.least, plan.products.most};
+  json["rates"] = {{"source", plan.rates.source}};
+  for (const auto& [name, value] : namedRates(plan.rates))
+    json["rates"][name] = value;
+  json["rows"] = nlohmann::ordered_json::array();
+  for (const PlanRow& row : plan.rows) {
+    const RankMemory& m = row.memory;
+    json["rows"].push_back({{"ranks", row.ranks},
+                            {"subdomains", {row.leastSubdomains, row.mostSubdomains}},
+                            {"imbalance", row.imbalance},
+                            {"factorizations", row.factorizations},
+                            {"form", feti::toString(row.form)},
+                            {"memory_mib",
+                             {{"program", m.program / mebi},
+                              {"mesh", m.mesh / mebi},
+                              {"factors", m.factors / mebi},
+                              {"dense", m.dense / mebi},
+                              {"coarse", m.coarse / mebi},
+                              {"directions", m.directions / mebi},
+                              {"temporary", m.temporary / mebi},
+                              {"rank", m.sum() / mebi},
+                              {"all_ranks", row.totalMemory / mebi}}},
+                            {"seconds",
+                             {{"mesh", row.mesh},
+                              {"assembly", row.assembly},
+                              {"constraints", row.constraints},
+                              {"factorization", row.factorization},
+                              {"coarse", row.coarseSetup},
+                              {"recovery", row.recovery},
+                              {"setup", row.setup()},
+                              {"face", row.face},
+                              {"product", row.product},
+                              {"step",
+                               {{"vectors", row.step.vectors},
+                                {"exchange", row.step.exchange},
+                                {"reductions", row.step.reductions},
+                                {"coarse", row.step.coarse}}},
+                              {"run", {row.least, row.most}}}}});
+  }
+  json["recommended_ranks"] =
+      plan.recommended < 0
+          ? nlohmann::ordered_json(nullptr)
+          : nlohmann::ordered_json(plan.rows[static_cast<std::size_t>(plan.recommended)].ranks);
+  json["reason"] = plan.reason;
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+} // namespace Harmos::scene

@@ -1,0 +1,320 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""`--plan`: what it says of a run, against the run.
+
+What each class guards against:
+
+    Prediction   dimensions or factorisations that a run does not have; memory that is far from what
+                 a run takes
+    Table        rank counts and shares of subdomains that are not those of a run; times that do not
+                 follow from the model; recommendations that break their own rule
+    Rates        rates that are not used, or nonsense that is
+    Request      plans that solve, leave files behind, or take requests that make no sense
+"""
+
+import json
+import math
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "performance"))
+
+import harmos_runs as runs  # noqa: E402
+import performance_model  # noqa: E402
+
+BLOCK = runs.DECKS / "block.xml"
+HARMOS = runs.SOURCE / "apps" / "harmos" / "decks"
+
+
+def words_of(sets):
+    return [word for path, value in (sets or {}).items() for word in ("--set", f"{path}={value}")]
+
+
+def model(sides, elements):
+    return {"Model/Subdomains per side": sides, "Model/Elements per subdomain side": elements}
+
+
+class Case(unittest.TestCase):
+    def plan(self, deck, sets=None, *words, np=0, program="signorini"):
+        """plan.json, after a look at what was printed and left behind."""
+        directory = runs.scratch("plan")
+        done = runs.start(
+            [deck, "--plan", "--output", directory, *words_of(sets), *words], np=np, program=program
+        )
+        self.assertEqual(done.returncode, 0, done)
+        self.assertEqual([path.name for path in directory.iterdir()], ["plan.json"])
+        self.assertNotIn("products with F (", done.stdout, "it solves")
+        plan = json.loads((directory / "plan.json").read_text(encoding="utf-8"))
+        plan["printed"] = done.stdout
+        return plan
+
+
+class Prediction(Case):
+    # Predicted over measured peaks: 0.91 to 1.21 for these runs, up to 1.52 where a run has taken
+    # few products (docs/clusters.md). A program's own memory stands for most of a small run, and
+    # other builds of the libraries have another: a third is left for that, on either side.
+    LEAST, MOST = 0.6, 2.0
+
+    CASES = (
+        ("signorini", runs.MODEL, model(4, 32)),
+        ("signorini", runs.MODEL, model(8, 64)),
+        (
+            "signorini",
+            runs.MODEL,
+            {**model(8, 32), "Dual operator/Share identical subdomains": "false"},
+        ),
+        ("signorini", BLOCK, {"Model/Dimension": 3, **model(4, 6)}),
+        ("fiber_composite", runs.COMPOSITE, {"Model/Columns": 12, "Model/Rows": 12}),
+        ("harmos", HARMOS / "punch.xml", {}),
+        ("harmos", HARMOS / "shrink_fit.xml", {}),
+    )
+
+    def test_dimensions_and_memory_are_those_of_runs(self):
+        table = []
+        for program, deck, sets in self.CASES:
+            plan = self.plan(deck, sets, "--plan-ranks", "1,2", program=program)
+            for row in plan["rows"]:
+                ranks = row["ranks"]
+                with self.subTest(deck=deck.name, sets=sets, ranks=ranks):
+                    summary = runs.solved(self, deck, sets, np=ranks, program=program).summary
+                    for name in (
+                        "primal_dimension",
+                        "dual_dimension",
+                        "inequalities",
+                        "kernel_dimension",
+                        "coarse_dimension",
+                        "subdomains",
+                    ):
+                        self.assertEqual(plan[name], summary[name], name)
+                    self.assertEqual(
+                        row["factorizations"], summary["distinct_local_factorizations"]
+                    )
+                    self.assertEqual(row["form"], summary["dual_operator"].split(",")[0])
+                    expected, found = row["memory_mib"]["all_ranks"], summary["peak_memory_mib"]
+                    table.append(
+                        (deck.stem, ranks, round(expected), round(found), f"{expected / found:.2f}")
+                    )
+                    self.assertLess(self.LEAST, expected / found, table[-1])
+                    self.assertLess(expected / found, self.MOST, table[-1])
+        runs.table(
+            "Memory of all ranks, MiB", ("deck", "ranks", "predicted", "measured", "ratio"), table
+        )
+
+    def test_plan_does_not_depend_on_the_ranks_that_make_it(self):
+        for program, deck, sets in (self.CASES[0], self.CASES[3], self.CASES[5]):
+            one = self.plan(deck, sets, program=program)
+            three = self.plan(deck, sets, np=3, program=program)
+            # Entries of G̃ that are nothing but rounding errors are left out, and rounding depends
+            # on ranks.
+            name = "coarse_factor_entries"
+            self.assertAlmostEqual(one[name], three[name], delta=0.01 * one[name])
+            for name in ("distinct_matrices", "dual_dimension", "products"):
+                self.assertEqual(one[name], three[name], name)
+            self.assertEqual(len(one["rows"]), len(three["rows"]))
+            for a, b in zip(one["rows"], three["rows"]):
+                for name in ("ranks", "subdomains", "factorizations", "form"):
+                    self.assertEqual(a[name], b[name], name)
+                # What measured memory and times are in differs.
+                for name in ("mesh", "factors", "dense", "coarse", "directions", "temporary"):
+                    expected = a["memory_mib"][name]
+                    self.assertAlmostEqual(
+                        b["memory_mib"][name], expected, delta=1e-3 + 0.02 * expected
+                    )
+                expected = a["seconds"]["product"]
+                self.assertAlmostEqual(
+                    b["seconds"]["product"], expected, delta=1e-9 + 0.02 * expected
+                )
+
+
+class Table(Case):
+    def test_powers_of_two_up_to_the_subdomains(self):
+        for sides, counts in ((2, [1, 2, 4, 8]), (3, [1, 2, 4, 8, 16, 18])):
+            plan = self.plan(runs.MODEL, model(sides, 4))
+            self.assertEqual(plan["subdomains"], 2 * sides * sides)
+            self.assertEqual([row["ranks"] for row in plan["rows"]], counts)
+
+    def test_shares_of_subdomains(self):
+        """18 subdomains, dealt out one by one: as equal as can be, and none to ranks beyond."""
+        plan = self.plan(runs.MODEL, model(3, 4), "--plan-ranks", "5,18,7,20,5")
+        self.assertEqual([row["ranks"] for row in plan["rows"]], [5, 7, 18, 20])
+        for row in plan["rows"]:
+            dealt = [0] * row["ranks"]
+            for subdomain in range(18):
+                dealt[subdomain % row["ranks"]] += 1
+            self.assertEqual(row["subdomains"], [min(dealt), max(dealt)])
+            self.assertAlmostEqual(row["imbalance"], max(dealt) / (sum(dealt) / len(dealt)))
+            # Congruence is a matter of each rank: two kinds of subdomains, held at a side or not.
+            self.assertLessEqual(row["factorizations"], 18)
+
+    def test_steps_are_those_of_the_performance_model(self):
+        """Rates and formulas of tests/performance/performance_model.py, by its own machine."""
+        machine = performance_model.Machine()
+        plan = self.plan(runs.MODEL, model(4, 8))
+        n, entries = plan["coarse_dimension"], plan["coarse_factor_entries"]
+        self.assertEqual(entries, n * (n + 1) / 2)
+        for row in plan["rows"]:
+            tree = 2 * math.log2(row["ranks"]) * machine.latency
+            transfer = 2 * 8 * n / machine.bandwidth if row["ranks"] > 1 else 0
+            step = row["seconds"]["step"]
+            self.assertAlmostEqual(step["reductions"], 2 * tree, 12)
+            self.assertAlmostEqual(
+                step["coarse"], 4 * (tree + transfer) + 7 * entries / machine.solve, 12
+            )
+            self.assertGreater(step["vectors"], machine.overhead)
+            most = machine.overhead + 40 * 8 * plan["dual_dimension"] / machine.read
+            self.assertLessEqual(step["vectors"], most)
+            self.assertEqual(step["exchange"] > 0, row["ranks"] > 1)
+        self.assertAlmostEqual(plan["rows"][0]["seconds"]["step"]["vectors"], most, 12)
+
+    def test_seconds_add_up(self):
+        plan = self.plan(runs.MODEL, model(4, 8))
+        least, most = plan["products"]
+        self.assertLess(least, most)
+        for row in plan["rows"]:
+            seconds = row["seconds"]
+            stages = ("mesh", "assembly", "constraints", "factorization", "coarse", "recovery")
+            setup = sum(seconds[name] for name in stages)
+            self.assertAlmostEqual(seconds["setup"], setup, 12)
+            step = seconds["product"] + sum(seconds["step"].values())
+            self.assertAlmostEqual(seconds["run"][0], setup + seconds["face"] + least * step, 12)
+            self.assertAlmostEqual(
+                seconds["run"][1], setup + 14 * seconds["face"] + most * step, 12
+            )
+            memory = row["memory_mib"]
+            parts = ("program", "mesh", "factors", "dense", "coarse", "directions", "temporary")
+            self.assertAlmostEqual(memory["rank"], sum(memory[name] for name in parts), 9)
+            self.assertLessEqual(memory["all_ranks"], row["ranks"] * memory["rank"] * (1 + 1e-12))
+
+    def recommended(self, plan, limit=math.inf):
+        """The rule, anew."""
+        fitting = [row for row in plan["rows"] if row["memory_mib"]["rank"] <= limit]
+
+        def cost(row):
+            return row["ranks"] * math.sqrt(row["seconds"]["run"][0] * row["seconds"]["run"][1])
+
+        good = [
+            row for row in fitting if cost(row) <= 2 * cost(fitting[0]) and row["subdomains"][0] > 0
+        ]
+        return max((row["ranks"] for row in good), default=fitting[0]["ranks"]) if fitting else None
+
+    def test_recommendation_follows_its_rule(self):
+        sets = {**model(8, 32), "Dual operator/Share identical subdomains": "false"}
+        plan = self.plan(runs.MODEL, sets, "--plan-ranks", "1,2,4,8,16,32,64,128,256")
+        self.assertEqual(plan["recommended_ranks"], self.recommended(plan))
+        self.assertLessEqual(plan["recommended_ranks"], plan["subdomains"])
+        self.assertIn(f"Recommended: {plan['recommended_ranks']} rank", plan["printed"])
+        self.assertIn(plan["reason"], plan["printed"])
+        # Between what the first and the second row take.
+        first, second = (row["memory_mib"]["rank"] for row in plan["rows"][:2])
+        self.assertLess(second, first)
+        limit = (first + second) / 2
+        plan = self.plan(runs.MODEL, sets, "--plan-ranks", "1,2,4", "--plan-memory", str(limit))
+        self.assertEqual(plan["recommended_ranks"], self.recommended(plan, limit))
+        self.assertGreater(plan["recommended_ranks"], 1)
+        plan = self.plan(runs.MODEL, sets, "--plan-memory", "1")
+        self.assertIsNone(plan["recommended_ranks"])
+        self.assertIn("No recommendation: none of these fits into 1 MiB a rank", plan["printed"])
+
+
+class Rates(Case):
+    def rates(self, content):
+        path = runs.scratch("rates").with_suffix(".json")
+        path.write_text(
+            content if isinstance(content, str) else json.dumps(content), encoding="utf-8"
+        )
+        return path
+
+    def test_named_rates_are_used(self):
+        slow = {"dense_flops": 3e8, "latency": 1e-3}
+        # Where dense products are slow the plan would turn to the implicit form by itself.
+        sets = {**model(4, 32), "Dual operator/Form": "condensed"}
+        plain = self.plan(runs.MODEL, sets, "--plan-ranks", "1")
+        path = self.rates(slow)
+        plan = self.plan(runs.MODEL, sets, "--plan-ranks", "1", "--plan-rates", path)
+        self.assertEqual(plan["rates"]["source"], str(path))
+        self.assertIn(str(path), plan["printed"])
+        for name, value in plain["rates"].items():
+            if name != "source":
+                self.assertEqual(plan["rates"][name], slow.get(name, value))
+        # The default is 3e10, and blocks that four subdomains or more share are multiplied as
+        # matrices.
+        ratio = plan["rows"][0]["seconds"]["product"] / plain["rows"][0]["seconds"]["product"]
+        self.assertAlmostEqual(ratio, 100.0, 6)
+
+    def test_benchmarks_of_this_machine(self):
+        """What dual_operator writes: here products twice, and set-up half as fast as expected."""
+        run = {
+            "precision": "double", "expected_setup_seconds": 1.0, "setup_seconds": 2.0,
+            "expected_product_seconds": 1.0, "product_seconds": 0.5,
+        }  # fmt: skip
+        forms = [(form, shared) for form in ("condensed", "implicit") for shared in (True, False)]
+        document = {
+            "benchmark": "dual_operator",
+            "runs": [{**run, "form": form, "shared": shared} for form, shared in forms],
+        }
+        plain = self.plan(runs.MODEL, model(2, 4))["rates"]
+        found = self.plan(runs.MODEL, model(2, 4), "--plan-rates", self.rates(document))["rates"]
+        for name in ("sparse_flops", "setup_entries", "ordering_entries"):
+            self.assertAlmostEqual(found[name] / plain[name], 0.5)
+        for name in ("dense_flops", "stream_bytes", "read_bytes", "solve_flops", "solve_bytes"):
+            self.assertAlmostEqual(found[name] / plain[name], 2.0)
+        self.assertEqual(found["latency"], plain["latency"])
+        document = {
+            "benchmark": "coarse_factor",
+            "runs": [
+                {"entries": 1e4, "entries_per_second": 7e8},
+                {"entries": 1e6, "entries_per_second": 1e8},
+            ],
+        }
+        found = self.plan(runs.MODEL, model(2, 4), "--plan-rates", self.rates(document))["rates"]
+        self.assertEqual((found["coarse_entries"], found["coarse_from_memory"]), (7e8, 1e8))
+
+    def test_nonsense(self):
+        for content, message in (
+            ('{"dense_flop": 1}', 'unknown rate "dense_flop"; did you mean "dense_flops"?'),
+            ('{"latency": 0}', 'the rate "latency" is no positive number'),
+            ("[1]", "is no JSON object of rates"),
+            ("{", "is no JSON of rates"),
+            ('{"benchmark": "scaling"}', "rates are taken from dual_operator and coarse_factor"),
+            ('{"benchmark": "dual_operator", "runs": [{}]}', "is no JSON of rates"),
+        ):
+            done = runs.start([runs.MODEL, "--plan", "--plan-rates", self.rates(content)], np=2)
+            self.assertEqual(done.returncode, 2, done)
+            self.assertEqual(len(done.errors), 1, done)
+            self.assertIn(message, done.errors[0])
+
+
+class Request(Case):
+    def test_without_output_nothing_is_left(self):
+        place = runs.scratch("place")
+        place.mkdir()
+        done = runs.start(["--plan", "--plan-ranks", "1,2", runs.MODEL], np=1, cwd=place)
+        self.assertEqual(done.returncode, 0, done)
+        self.assertEqual(list(place.iterdir()), [])
+        for words in (
+            "distinct matrices", "Recommended:", "OPENBLAS_NUM_THREADS=1", "one core of an AMD EPYC"
+        ):
+            self.assertEqual(done.stdout.count(words), 1, done)
+
+    def test_requests_that_make_no_sense(self):
+        for words, message in (
+            (["--plan", "--plan-ranks", "2,0"], "0 is no number of ranks"),
+            (["--plan", "--plan-ranks", "two"], "--plan-ranks"),
+            (["--plan-ranks", "2"], "--plan"),
+            (["--plan", "--plan-memory", "-1"], "--plan-memory"),
+            (["--plan", "--plan-rates", "nowhere.json"], 'cannot read the rates "nowhere.json"'),
+            (["--plan", "--set", "Solver/Tolerence=1"], 'unknown parameter "Solver/Tolerence"'),
+        ):
+            done = runs.start([runs.MODEL, *words], np=2)
+            self.assertEqual(done.returncode, 2, done)
+            self.assertEqual(len(done.errors), 1, done)
+            self.assertIn(message, done.stderr)
+
+    def test_study_has_none(self):
+        done = runs.start(["--help"], np=0, program="study")
+        self.assertNotIn("--plan", done.stdout)
+
+
+if __name__ == "__main__":
+    runs.main()
