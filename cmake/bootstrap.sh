@@ -5,6 +5,7 @@
 #
 #   cmake/bootstrap.sh run     install what is missing, build, solve the model problem on 2 ranks, draw it
 #   cmake/bootstrap.sh test    install what is missing, build, run the tests
+#   cmake/bootstrap.sh packages    install what is missing, no more
 #
 # Runs as root or as a user with sudo; a second call skips what is done. HARMOS_JOBS sets the number of compilers at
 # work (default: all cores).
@@ -13,9 +14,9 @@ set -euo pipefail
 say() { printf '== %s\n' "$*"; }
 fail() { printf 'error: %s\n' "$*" >&2; exit 2; }
 
-usage="usage: cmake/bootstrap.sh run|test"
+usage="usage: cmake/bootstrap.sh run|test|packages"
 [ $# -eq 1 ] || fail "$usage"
-case "$1" in run | test) goal=$1 ;; *) fail "$usage" ;; esac
+case "$1" in run | test | packages) goal=$1 ;; *) fail "$usage" ;; esac
 
 cd "$(dirname "$0")/.."
 build=build
@@ -80,6 +81,7 @@ fi
 install_packages
 select_openblas
 case $goal in
+packages) ;;
 run)
   build_all OFF
   say "Solving the model problem on 2 ranks"
