@@ -71,15 +71,9 @@ build_all() {
   cmake --build "$build" --parallel "$jobs"
 }
 
-# One BLAS thread a rank; mpirun refuses root unless told twice, and more ranks than cores unless allowed.
-export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
-export OMPI_MCA_rmaps_base_oversubscribe=1
-if [ "$(id -u)" -eq 0 ]; then
-  export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
-fi
-
 install_packages
 select_openblas
+. cmake/environment.sh
 case $goal in
 packages) ;;
 run)

@@ -13,7 +13,7 @@
 # /srv/harmos.git, for trials of what begins with a clone.
 #
 # Needs root, debootstrap and git. The mirror is that of this machine's apt; nothing else of this machine is shared
-# with the chroot. /proc and /dev/shm are mounted in a namespace of the command's own, so that nothing stays mounted
+# with the chroot. /proc, /sys and /dev are mounted in a namespace of the command's own, so that nothing stays mounted
 # and no process stays behind.
 set -euo pipefail
 
@@ -80,6 +80,7 @@ exec unshare --mount --pid --fork --kill-child bash -c '
   shift 2
   mount --make-rprivate /
   mount -t proc proc "$root/proc"
+  mount -t sysfs -o ro sysfs "$root/sys"
   mount --bind /dev "$root/dev"
   mkdir -p "$root/dev/shm"
   mount -t tmpfs tmpfs "$root/dev/shm"
