@@ -5,7 +5,11 @@
 #
 #   cmake/bootstrap.sh run     install what is missing, build, solve the model problem on 2 ranks, draw it
 #   cmake/bootstrap.sh test    install what is missing, build, run the tests
-#   cmake/bootstrap.sh packages    install what is missing, no more
+#
+# and the parts of these:
+#
+#   cmake/bootstrap.sh packages    install what is missing
+#   cmake/bootstrap.sh show        solve the model problem with what is built, draw it
 #
 # Runs as root or as a user with sudo; a second call skips what is done. HARMOS_JOBS sets the number of compilers at
 # work (default: all cores).
@@ -14,9 +18,9 @@ set -euo pipefail
 say() { printf '== %s\n' "$*"; }
 fail() { printf 'error: %s\n' "$*" >&2; exit 2; }
 
-usage="usage: cmake/bootstrap.sh run|test|packages"
+usage="usage: cmake/bootstrap.sh run|test|packages|show"
 [ $# -eq 1 ] || fail "$usage"
-case "$1" in run | test | packages) goal=$1 ;; *) fail "$usage" ;; esac
+case "$1" in run | test | packages | show) goal=$1 ;; *) fail "$usage" ;; esac
 
 cd "$(dirname "$0")/.."
 build=build
@@ -71,18 +75,25 @@ build_all() {
   cmake --build "$build" --parallel "$jobs"
 }
 
-install_packages
-select_openblas
-. cmake/environment.sh
-case $goal in
-packages) ;;
-run)
-  build_all OFF
+show_model() {
   say "Solving the model problem on 2 ranks"
   mpirun -np 2 "$build/bin/signorini" apps/signorini/decks/model.xml --output run
   say "Drawing the result"
   /usr/bin/python3 docs/tools/plot_run.py run
   say "Open run/result.vtkhdf in ParaView, or look at run/solution.png and run/convergence.png"
+}
+
+if [ $goal != show ]; then
+  install_packages
+  select_openblas
+fi
+. cmake/environment.sh
+case $goal in
+packages) ;;
+show) show_model ;;
+run)
+  build_all OFF
+  show_model
   ;;
 test)
   build_all ON

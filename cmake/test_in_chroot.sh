@@ -3,14 +3,13 @@
 #
 # Builds and tests the committed state of this checkout in a bare Debian of any release:
 #
-#   cmake/test_in_chroot.sh SUITE DIRECTORY [COMMAND [ARGUMENT...]]
+#   cmake/test_in_chroot.sh [--bare] SUITE DIRECTORY [COMMAND [ARGUMENT...]]
 #
 #   SUITE       bookworm, trixie, sid, or experimental (sid, with Trilinos' packages from experimental)
 #   DIRECTORY   of the chroot; made by debootstrap if it is not there, else used again with what it holds
 #   COMMAND     run in the checkout (/root/harmos in the chroot); default: cmake/bootstrap.sh test
-#
-# HARMOS_CHROOT_BARE=1 leaves the checkout away: the command runs in /root, and finds the repository in
-# /srv/harmos.git, for trials of what begins with a clone.
+#   --bare      without a checkout: the command runs in /root and finds the repository in /srv/harmos.git, for trials
+#               of what begins with a clone
 #
 # Needs root, debootstrap and git. The mirror is that of this machine's apt; nothing else of this machine is shared
 # with the chroot. /proc, /sys and /dev are mounted in a namespace of the command's own, so that nothing stays mounted
@@ -20,7 +19,12 @@ set -euo pipefail
 say() { printf '== %s\n' "$*" >&2; }
 fail() { printf 'error: %s\n' "$*" >&2; exit 2; }
 
-[ $# -ge 2 ] || fail "usage: cmake/test_in_chroot.sh SUITE DIRECTORY [COMMAND [ARGUMENT...]]"
+bare=
+if [ "${1:-}" = --bare ]; then
+  bare=yes
+  shift
+fi
+[ $# -ge 2 ] || fail "usage: cmake/test_in_chroot.sh [--bare] SUITE DIRECTORY [COMMAND [ARGUMENT...]]"
 suite=$1
 mkdir -p "$2"
 root=$(cd "$2" && pwd)
@@ -65,7 +69,7 @@ say "Copying commit $(here_git rev-parse --short HEAD)"
 rm -rf "$root/srv/harmos.git"
 git -c safe.directory='*' clone -q --bare --no-hardlinks "$source" "$root/srv/harmos.git"
 place=/root
-if [ -z "${HARMOS_CHROOT_BARE:-}" ]; then
+if [ -z "$bare" ]; then
   place=/root/harmos
   [ -d "$root$place/.git" ] || git init -q "$root$place"
   git -C "$root$place" fetch -q "$root/srv/harmos.git" HEAD
