@@ -39,12 +39,12 @@ BUILD_COMMAND = "cmake/bootstrap.sh run"
 
 # Two pictures of one size are compared by the means of their squares of BLOCK x BLOCK pixels, for
 # each colour, from 0 to 1. Right ones differ by
-#   PALETTE: the page's have 256 colours; --refresh measures what that costs and refuses more;
+#   PALETTE: the page's have 256 colours, mixed; --refresh measures what that costs and refuses more;
 #   1 / BLOCK: the solution is right to the decks' 1e-4, less than a pixel of 2000, but drawing
 #       rounds axes to whole pixels: a line one pixel aside fills or leaves a row of a square.
 # Pictures of other runs differ by more (Measure below). The caption is left out: it tells the commit.
 BLOCK = 16
-PALETTE = 0.04
+PALETTE = 0.025
 TOLERANCE = PALETTE + 1 / BLOCK
 # Up to three lines of 8 points, at 150 dots an inch, above a margin (docs/tools/plot_style.py).
 CAPTION = 3 * 20 + 15
@@ -186,8 +186,8 @@ def refresh():
         sys.exit(f"exit status {status}\n{printed}{errors}")
     for made, shown in pictures().items():
         image = Image.open(checkout / made).convert("RGB")
-        # Of Pillow's methods the one with the smallest largest error.
-        image.quantize(256, method=Image.MAXCOVERAGE).save(shown, optimize=True)
+        palette = image.quantize(256, method=Image.MAXCOVERAGE)
+        image.quantize(palette=palette, dither=Image.FLOYDSTEINBERG).save(shown, optimize=True)
         off = difference(pixels(checkout / made), pixels(shown))
         print(f"{shown}: {shown.stat().st_size} bytes, a square is off by {off:.3f}")
         if off > PALETTE:
