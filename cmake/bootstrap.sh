@@ -39,17 +39,26 @@ as_root() {
 install_packages() {
   command -v apt-get >/dev/null 2>&1 ||
     fail "this is not Debian (no apt-get): install the packages of cmake/packages-debian.txt yourself, then use the CMake presets"
-  local wanted missing=()
+  local wanted missing=() name mark
   mapfile -t wanted < <(grep -v -e '^#' -e '^$' cmake/packages-debian.txt)
   for package in "${wanted[@]}"; do
-    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)" = installed ] || missing+=("$package")
+    [ "$(dpkg-query -W -f='${db:Status-Status}' "${package% \?}" 2>/dev/null || true)" = installed ] || missing+=("$package")
   done
+  if [ ${#missing[@]} -gt 0 ]; then
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get update -q
+    # What this release does not have and need not have.
+    local there=()
+    for package in "${missing[@]}"; do
+      read -r name mark <<<"$package"
+      [ "$mark" = "?" ] && ! apt-cache show "$name" >/dev/null 2>&1 || there+=("$name")
+    done
+    missing=("${there[@]}")
+  fi
   if [ ${#missing[@]} -eq 0 ]; then
-    say "All ${#wanted[@]} packages are installed"
+    say "All packages are installed"
     return
   fi
   say "Installing ${#missing[@]} of ${#wanted[@]} packages"
-  as_root env DEBIAN_FRONTEND=noninteractive apt-get update -q
   as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}"
 }
 
