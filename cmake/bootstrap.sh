@@ -39,26 +39,22 @@ as_root() {
 install_packages() {
   command -v apt-get >/dev/null 2>&1 ||
     fail "this is not Debian (no apt-get): install the packages of cmake/packages-debian.txt yourself, then use the CMake presets"
-  local wanted missing=() name mark
-  mapfile -t wanted < <(grep -v -e '^#' -e '^$' cmake/packages-debian.txt)
-  for package in "${wanted[@]}"; do
-    [ "$(dpkg-query -W -f='${db:Status-Status}' "${package% \?}" 2>/dev/null || true)" = installed ] || missing+=("$package")
+  local name mark required=() optional=() all=0
+  while read -r name mark; do
+    all=$((all + 1))
+    [ "$(dpkg-query -W -f='${db:Status-Status}' "$name" 2>/dev/null || true)" != installed ] || continue
+    if [ "$mark" = "?" ]; then optional+=("$name"); else required+=("$name"); fi
+  done < <(grep -v -e '^#' -e '^$' cmake/packages-debian.txt)
+  [ ${#required[@]} -eq 0 ] || as_root env DEBIAN_FRONTEND=noninteractive apt-get update -q
+  local missing=("${required[@]}")
+  for name in "${optional[@]}"; do
+    if LC_ALL=C apt-cache policy "$name" | grep -q 'Candidate: [^(]'; then missing+=("$name"); fi
   done
-  if [ ${#missing[@]} -gt 0 ]; then
-    as_root env DEBIAN_FRONTEND=noninteractive apt-get update -q
-    # What this release does not have and need not have.
-    local there=()
-    for package in "${missing[@]}"; do
-      read -r name mark <<<"$package"
-      [ "$mark" = "?" ] && ! apt-cache show "$name" >/dev/null 2>&1 || there+=("$name")
-    done
-    missing=("${there[@]}")
-  fi
   if [ ${#missing[@]} -eq 0 ]; then
     say "All packages are installed"
     return
   fi
-  say "Installing ${#missing[@]} of ${#wanted[@]} packages"
+  say "Installing ${#missing[@]} of $all packages"
   as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}"
 }
 

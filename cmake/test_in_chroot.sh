@@ -49,8 +49,8 @@ make_chroot() {
   apt-config dump | grep -E '^Acquire::(http|https|Check-|Retries)' >"$root/etc/apt/apt.conf.d/00machine" || true
   if [ "$suite" = experimental ]; then
     printf 'deb %s experimental main\n' "$mirror" >>"$root/etc/apt/sources.list"
-    # Packages of experimental are only taken where they are asked for.
-    printf 'Package: src:trilinos\nPin: release a=experimental\nPin-Priority: 990\n' \
+    # Nothing but Trilinos is taken from experimental, and all of Trilinos.
+    printf 'Package: src:trilinos\nPin: release a=%s\nPin-Priority: %s\n\n' experimental 990 unstable -1 \
       >"$root/etc/apt/preferences.d/trilinos"
   fi
   printf '%s\n' "$suite" >"$root/etc/harmos_suite"
