@@ -48,7 +48,10 @@ install_packages() {
   [ ${#required[@]} -eq 0 ] || as_root env DEBIAN_FRONTEND=noninteractive apt-get update -q
   local missing=("${required[@]}")
   for name in "${optional[@]}"; do
-    if LC_ALL=C apt-cache policy "$name" | grep -q 'Candidate: [^(]'; then missing+=("$name"); fi
+    case $(LC_ALL=C apt-cache policy "$name") in
+    *"Candidate: (none)"* | "") ;;
+    *) missing+=("$name") ;;
+    esac
   done
   if [ ${#missing[@]} -eq 0 ]; then
     say "All packages are installed"
