@@ -40,7 +40,7 @@ here_git() { git -c safe.directory='*' -C "$source" "$@"; }
 make_chroot() {
   local mirror base=$suite
   mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Origin: Debian' 'Label: Debian' |
-    head -n 1)
+    sed -n 1p)
   [ -n "$mirror" ] || fail "apt on this machine has no source of Debian to take the mirror from"
   [ "$suite" != experimental ] || base=sid
   say "Making a chroot of $base in $root"
