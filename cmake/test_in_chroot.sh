@@ -60,7 +60,8 @@ if [ -e "$root/etc/harmos_suite" ]; then
   [ "$(cat "$root/etc/harmos_suite")" = "$suite" ] ||
     fail "$root holds a chroot of $(cat "$root/etc/harmos_suite"), not of $suite: name another directory"
 else
-  [ -z "$(ls -A "$root")" ] || fail "$root is neither empty nor a chroot that this script finished: name another directory"
+  [ -z "$(ls -A "$root")" ] ||
+    fail "$root is neither empty nor a chroot that this script finished: name another directory"
   make_chroot
 fi
 cp /etc/resolv.conf "$root/etc/resolv.conf"

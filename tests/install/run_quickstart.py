@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """docs/quickstart.md does what it says: its commands, run as they stand there, end in its pictures.
 
-    run_quickstart.py                     what follows the build, with the build that there is: seconds
+    run_quickstart.py                     what follows the build, with the build there is: seconds
     run_quickstart.py --chroot DIRECTORY  all of it, in a bare Debian that is made in DIRECTORY
-    run_quickstart.py --refresh           draws the pictures of the page anew, with the build that there is
+    run_quickstart.py --refresh           draw the page's pictures anew, with the build there is
 
 The blocks of shell commands are taken literally from the page and run in order by one shell, which
 starts in a fresh directory. Two replacements are made: URL by the path of the repository; and,
@@ -39,18 +39,18 @@ BUILD_COMMAND = "cmake/bootstrap.sh run"
 
 # Two pictures of one size are compared by the means of their squares of BLOCK x BLOCK pixels, for
 # each colour, from 0 to 1. Right ones differ by
-#   PALETTE: the page's have 256 colours, mixed; --refresh measures what that costs and refuses more;
+#   PALETTE: the page's have 256 colours, mixed; --refresh measures what that costs, refuses more;
 #   1 / BLOCK: the solution is right to the decks' 1e-4, less than a pixel of 2000, but drawing
 #       rounds axes to whole pixels: a line one pixel aside fills or leaves a row of a square.
-# Pictures of other runs differ by more (Measure below). The caption is left out: it tells the commit.
+# Pictures of other runs differ by more (Measure below). The caption is left out: it has the commit.
 BLOCK = 16
 PALETTE = 0.025
 TOLERANCE = PALETTE + 1 / BLOCK
 # Up to three lines of 8 points, at 150 dots an inch, above a margin (docs/tools/plot_style.py).
 CAPTION = 3 * 20 + 15
 
-# Energies are right to the square of the decks' 1e-4, times what the dual problem is conditioned by:
-# 100 is allowed for.
+# Energies are right to the square of the decks' 1e-4, times the condition of the dual problem, for
+# which 100 is allowed.
 DIGITS = 1e-6
 
 SHELL = re.compile(r"```sh\n(.*?)```", re.S)
@@ -61,14 +61,15 @@ PRINTED = re.compile(r"```sh\n([^`]*)```\n\nprints:\n\n```\n(.*?)```", re.S)
 
 def blocks():
     found = SHELL.findall(PAGE.read_text(encoding="utf-8"))
-    if BUILD_COMMAND + "\n" not in found[0]:
+    if not found[0].endswith(BUILD_COMMAND + "\n"):
         raise AssertionError(f"the first block of {PAGE} does not end in {BUILD_COMMAND}")
     return found
 
 
 def pictures():
     """What the commands make, below the checkout, and the picture of the page that shows it."""
-    return {made: PAGE.parent / shown for made, shown in PICTURE.findall(PAGE.read_text(encoding="utf-8"))}
+    found = PICTURE.findall(PAGE.read_text(encoding="utf-8"))
+    return {made: PAGE.parent / shown for made, shown in found}
 
 
 def pixels(path):
@@ -97,8 +98,8 @@ def in_links():
     (checkout / "build").symlink_to(runs.BINARY)
     script = "".join(["cd harmos\ncmake/bootstrap.sh show\n", *blocks()[1:]])
     # In a shell that knows nothing of this test.
-    bare = ["env", "-i", *(f"{name}={os.environ[name]}" for name in ("PATH", "HOME") if name in os.environ)]
-    return checkout, runs.execute([*bare, "bash", "-euc", script], cwd=directory)
+    kept = [f"{name}={os.environ[name]}" for name in ("PATH", "HOME") if name in os.environ]
+    return checkout, runs.execute(["env", "-i", *kept, "bash", "-euc", script], cwd=directory)
 
 
 def in_chroot(root, suite):
@@ -111,7 +112,8 @@ def in_chroot(root, suite):
     subprocess.run([*enter, "true"], check=True)
     begin = time.time()
     lines = []
-    with subprocess.Popen([*enter, "bash", "-euc", script], stdout=subprocess.PIPE, text=True) as process:
+    command = [*enter, "bash", "-euc", script]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         for line in process.stdout:
             print(line, end="", flush=True)
             lines.append(line)
@@ -167,7 +169,7 @@ class Measure(unittest.TestCase):
                 self.assertEqual(difference(right, right), 0.0)
 
     def test_runs_that_differ_in_a_parameter(self):
-        """The same model, cut into fewer subdomains: the solution is the same, its lines are not."""
+        """The same model, cut into fewer subdomains: the solution is the same, lines are not."""
         run = runs.solved(self, runs.MODEL, {"Model/Subdomains per side": 2})
         status, _, errors = runs.execute(
             [sys.executable, runs.SOURCE / "docs" / "tools" / "plot_run.py", run.directory]
@@ -206,5 +208,6 @@ if __name__ == "__main__":
         refresh()
     else:
         if options.chroot:
-            Quickstart.trial = staticmethod(lambda: in_chroot(options.chroot.resolve(), options.suite))
+            root = options.chroot.resolve()
+            Quickstart.trial = staticmethod(lambda: in_chroot(root, options.suite))
         runs.main()

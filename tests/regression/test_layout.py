@@ -186,7 +186,7 @@ def length_faults(source):
     return faults
 
 
-# Where the differences between releases of Trilinos are confined to, and what would tell of one elsewhere.
+# Where differences between releases of Trilinos are confined to, and what tells of one elsewhere.
 VERSION_HEADER = "packages/core/src/Harmos_TrilinosVersion.hpp"
 VERSION = re.compile(r"\bTRILINOS_(?:MAJOR|MINOR|VERSION|RELEASE)\w*|\bTrilinos_version\.h\b")
 
@@ -197,8 +197,8 @@ def version_faults(source):
     for top in ("packages", "apps", "tests", "docs"):
         for file in source.below(top, suffixes=(".hpp", ".cpp", ".h", ".c", ".inc")):
             if file != VERSION_HEADER:
-                found = sorted(set(VERSION.findall(COMMENT.sub("", source.text(file)))))
-                faults += [f"{file}: {name} belongs to {VERSION_HEADER}" for name in found]
+                names = set(VERSION.findall(COMMENT.sub("", source.text(file))))
+                faults += [f"{file}: {name} belongs to {VERSION_HEADER}" for name in sorted(names)]
     return faults
 
 
@@ -414,7 +414,7 @@ class Planted(Checks):
 
     def test_trilinos_version_elsewhere(self):
         for name, text in (
-            ("TRILINOS_MAJOR_MINOR_VERSION", "#if TRILINOS_MAJOR_MINOR_VERSION >= 160100\n#endif\n"),
+            ("TRILINOS_MAJOR_MINOR_VERSION", "#if TRILINOS_MAJOR_MINOR_VERSION > 160100\n#endif\n"),
             ("Trilinos_version.h", "#include <Trilinos_version.h>\n"),
         ):
             file = "packages/feti/src/Harmos_Planted.cpp"

@@ -95,8 +95,8 @@ def application(name="signorini"):
 @functools.cache
 def _shell_environment():
     command = ["env", "-i", f"PATH={os.environ['PATH']}", "sh", "-c", ". ./environment.sh && env"]
-    printed = subprocess.run(command, cwd=SOURCE / "cmake", capture_output=True, text=True, check=True)
-    pairs = (line.split("=", 1) for line in printed.stdout.splitlines())
+    printed = subprocess.check_output(command, cwd=SOURCE / "cmake", text=True)
+    pairs = (line.split("=", 1) for line in printed.splitlines())
     return {name: value for name, value in pairs if re.match("(OMP|OPENBLAS|OMPI|PRTE)_", name)}
 
 
