@@ -3,7 +3,9 @@
 # by HarmosConfig.cmake, so that both find the same things in the same way.
 #
 # Trilinos 13 exports variables and targets without include directories, Trilinos 14 and later
-# exports complete targets `<Package>::all_libs`: both are wrapped here and nowhere else.
+# exports complete targets `<Package>::all_libs`: both are wrapped here and nowhere else. Headers of Trilinos 16
+# (Amesos2, Thyra, MueLu) still include those of Epetra, each of which has a #warning that Epetra is deprecated: with
+# -Werror nothing would compile, and SYSTEM does not silence it.
 
 find_package(MPI REQUIRED COMPONENTS C CXX)
 
@@ -16,6 +18,7 @@ function(harmos_import_trilinos name)
   foreach(package IN LISTS ARGN)
     if(TARGET ${package}::all_libs)
       target_link_libraries(harmos_dep::${name} INTERFACE ${package}::all_libs)
+      target_compile_options(harmos_dep::${name} INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-cpp>)
     else()
       # Include directories of imported targets are SYSTEM: our warning flags are not for other people's headers.
       target_link_libraries(harmos_dep::${name} INTERFACE ${${package}_LIBRARIES} ${${package}_TPL_LIBRARIES})

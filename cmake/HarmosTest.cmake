@@ -10,11 +10,13 @@ if(NOT HARMOS_PYTHON)
   find_program(HARMOS_PYTHON NAMES python3 REQUIRED)
 endif()
 
-# What every test needs: one BLAS thread a rank, and an mpirun that also works as root and with
-# more ranks than cores.
-set(HARMOS_TEST_ENVIRONMENT OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 OMPI_ALLOW_RUN_AS_ROOT=1
-                            OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
-                            OMPI_MCA_hwloc_base_binding_policy=none)
+# What every test needs: the variables that cmake/environment.sh sets in an empty environment.
+execute_process(
+  COMMAND env -i "PATH=$ENV{PATH}" sh -c ". ./environment.sh && env | grep -E '^(OMP|OPENBLAS|OMPI|PRTE)_'"
+  WORKING_DIRECTORY "${CMAKE_CURRENT_LIST_DIR}"
+  OUTPUT_VARIABLE HARMOS_TEST_ENVIRONMENT
+  OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+string(REPLACE "\n" ";" HARMOS_TEST_ENVIRONMENT "${HARMOS_TEST_ENVIRONMENT}")
 
 # harmos_add_test(NAME <name> SOURCES <files> LIBRARIES <targets> [RANKS <n>...] [LABELS <l>...])
 #

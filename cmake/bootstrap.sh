@@ -6,6 +6,11 @@
 #   cmake/bootstrap.sh run     install what is missing, build, solve the model problem on 2 ranks, draw it
 #   cmake/bootstrap.sh test    install what is missing, build, run the tests
 #
+# and the parts of these:
+#
+#   cmake/bootstrap.sh packages    install what is missing
+#   cmake/bootstrap.sh show        solve the model problem with what is built, draw it
+#
 # Runs as root or as a user with sudo; a second call skips what is done. HARMOS_JOBS sets the number of compilers at
 # work (default: all cores).
 set -euo pipefail
@@ -13,9 +18,9 @@ set -euo pipefail
 say() { printf '== %s\n' "$*"; }
 fail() { printf 'error: %s\n' "$*" >&2; exit 2; }
 
-usage="usage: cmake/bootstrap.sh run|test"
+usage="usage: cmake/bootstrap.sh run|test|packages|show"
 [ $# -eq 1 ] || fail "$usage"
-case "$1" in run | test) goal=$1 ;; *) fail "$usage" ;; esac
+case "$1" in run | test | packages | show) goal=$1 ;; *) fail "$usage" ;; esac
 
 cd "$(dirname "$0")/.."
 build=build
@@ -34,17 +39,25 @@ as_root() {
 install_packages() {
   command -v apt-get >/dev/null 2>&1 ||
     fail "this is not Debian (no apt-get): install the packages of cmake/packages-debian.txt yourself, then use the CMake presets"
-  local wanted missing=()
-  mapfile -t wanted < <(grep -v -e '^#' -e '^$' cmake/packages-debian.txt)
-  for package in "${wanted[@]}"; do
-    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)" = installed ] || missing+=("$package")
+  local name mark required=() optional=() all=0
+  while read -r name mark; do
+    all=$((all + 1))
+    [ "$(dpkg-query -W -f='${db:Status-Status}' "$name" 2>/dev/null || true)" != installed ] || continue
+    if [ "$mark" = "?" ]; then optional+=("$name"); else required+=("$name"); fi
+  done < <(grep -v -e '^#' -e '^$' cmake/packages-debian.txt)
+  [ ${#required[@]} -eq 0 ] || as_root env DEBIAN_FRONTEND=noninteractive apt-get update -q
+  local missing=("${required[@]}")
+  for name in "${optional[@]}"; do
+    case $(LC_ALL=C apt-cache policy "$name") in
+    *"Candidate: (none)"* | "") ;;
+    *) missing+=("$name") ;;
+    esac
   done
   if [ ${#missing[@]} -eq 0 ]; then
-    say "All ${#wanted[@]} packages are installed"
+    say "All packages are installed"
     return
   fi
-  say "Installing ${#missing[@]} of ${#wanted[@]} packages"
-  as_root env DEBIAN_FRONTEND=noninteractive apt-get update -q
+  say "Installing ${#missing[@]} of $all packages"
   as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}"
 }
 
@@ -70,23 +83,25 @@ build_all() {
   cmake --build "$build" --parallel "$jobs"
 }
 
-# One BLAS thread a rank; mpirun refuses root unless told twice, and more ranks than cores unless allowed.
-export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
-export OMPI_MCA_rmaps_base_oversubscribe=1
-if [ "$(id -u)" -eq 0 ]; then
-  export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
-fi
-
-install_packages
-select_openblas
-case $goal in
-run)
-  build_all OFF
+show_model() {
   say "Solving the model problem on 2 ranks"
   mpirun -np 2 "$build/bin/signorini" apps/signorini/decks/model.xml --output run
   say "Drawing the result"
   /usr/bin/python3 docs/tools/plot_run.py run
   say "Open run/result.vtkhdf in ParaView, or look at run/solution.png and run/convergence.png"
+}
+
+if [ $goal != show ]; then
+  install_packages
+  select_openblas
+fi
+. cmake/environment.sh
+case $goal in
+packages) ;;
+show) show_model ;;
+run)
+  build_all OFF
+  show_model
   ;;
 test)
   build_all ON

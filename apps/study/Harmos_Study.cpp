@@ -128,7 +128,9 @@ std::string told(const Row& row) {
 }
 
 int runStudy(const app::ProgramContext& context) {
-  const auto& [comm, line, log, begin] = context;
+  const auto& comm = context.comm; // C++17's lambdas capture no structured bindings
+  const app::CommandLine& line = context.line;
+  const Log& log = context.log;
   const Plan plan(*comm, line);
   const std::vector<Setting> all = plan.settings();
   if (line.check) {

@@ -61,6 +61,10 @@ def tolerance(summary, name):
     return None
 
 
+# What is that far below the least tolerance is not drawn: rounding errors, others on each machine.
+SHOWN_BELOW_TOLERANCE = 0.1
+
+
 def plot_convergence(table, summary, title, caption):
     figure = plt.figure(figsize=(9.0, 6.4))
     upper = figure.add_axes([0.1, 0.37, 0.87, 0.47 if title else 0.51])
@@ -88,12 +92,18 @@ def plot_convergence(table, summary, title, caption):
                 Line2D([], [], linestyle="none", marker=marker, color=colour, markersize=size,
                        label=f"step: {kind}")
             )
+    tolerances = [tolerance(summary, f"tolerance_{name}")
+                  for name in ("projected_gradient", "equality_residual")]
+    floor = SHOWN_BELOW_TOLERANCE * min(filter(None, tolerances), default=0.0)
     if np.isfinite(equality).any():
+        label = "equality residual"
+        if np.nanmax(equality) < floor:
+            label += f", below {floor:.0e}"
         upper.plot(
             x, equality, color="#CC79A7", linewidth=1.6, zorder=2,
             marker="." if len(x) <= 3 else None,
         )
-        handles.append(Line2D([], [], color="#CC79A7", linewidth=1.6, label="equality residual"))
+        handles.append(Line2D([], [], color="#CC79A7", linewidth=1.6, label=label))
 
     for name, colour, text in (
         ("tolerance_projected_gradient", "#0072B2", "tolerance, gradient"),
@@ -118,6 +128,9 @@ def plot_convergence(table, summary, title, caption):
 
     if np.isfinite(gradient).any() or np.isfinite(equality).any():
         upper.set_yscale("log")
+        if upper.get_ylim()[0] < floor:
+            highest = max(np.nanmax(v) for v in (gradient, equality) if np.isfinite(v).any())
+            upper.set_ylim(floor, max(highest, 10 * floor) * 2)
         upper.grid(axis="y", color="#E4E4E4", linewidth=0.6)
     else:
         upper.set_yticks([])

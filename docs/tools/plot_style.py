@@ -36,6 +36,9 @@ STYLE = {
     "legend.frameon": False,
     "mathtext.fontset": "dejavusans",
 }
+# Margins about axes in space: matplotlib 3.6 always has them, 3.10 if it is asked to.
+if "axes3d.automargin" in matplotlib.rcParams:
+    STYLE["axes3d.automargin"] = True
 
 
 def caption_of(summary):

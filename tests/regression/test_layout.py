@@ -7,7 +7,8 @@ What each class guards against:
                meshes, or anything that would close a cycle; a library that prints by itself or
                assumes that all of MPI belongs to it
     Tree       files without licence, headers without include guard, sources too long to read,
-               things at the top level that belong further down
+               things at the top level that belong further down, a second place that knows about
+               releases of Trilinos
     Planted    this checker finding nothing because it looks at nothing: each fault is planted in
                a copy of the tree and must be found
 """
@@ -185,6 +186,22 @@ def length_faults(source):
     return faults
 
 
+# Where differences between releases of Trilinos are confined to, and what tells of one elsewhere.
+VERSION_HEADER = "packages/core/src/Harmos_TrilinosVersion.hpp"
+VERSION = re.compile(r"\bTRILINOS_(?:MAJOR|MINOR|VERSION|RELEASE)\w*|\bTrilinos_version\.h\b")
+
+
+def version_faults(source):
+    """Sources that ask for the release of Trilinos, or include what tells it."""
+    faults = []
+    for top in ("packages", "apps", "tests", "docs"):
+        for file in source.below(top, suffixes=(".hpp", ".cpp", ".h", ".c", ".inc")):
+            if file != VERSION_HEADER:
+                names = set(VERSION.findall(COMMENT.sub("", source.text(file))))
+                faults += [f"{file}: {name} belongs to {VERSION_HEADER}" for name in sorted(names)]
+    return faults
+
+
 GUARD = re.compile(r"\btests/[\w/]+\.(?:cpp|py)\b")
 
 
@@ -274,6 +291,9 @@ class Tree(Checks):
 
     def test_guards_exist(self):
         self.assert_none(guard_faults(self.source))
+
+    def test_trilinos_version_in_one_header(self):
+        self.assert_none(version_faults(self.source))
 
     def test_top_level(self):
         self.assert_none(top_level_faults(self.source))
@@ -391,6 +411,16 @@ class Planted(Checks):
     def test_header_without_guard(self):
         file = "tests/support/Planted.hpp"
         self.assert_found(header_faults, file, "#include <a>\n", f"{file}: no #pragma once")
+
+    def test_trilinos_version_elsewhere(self):
+        for name, text in (
+            ("TRILINOS_MAJOR_MINOR_VERSION", "#if TRILINOS_MAJOR_MINOR_VERSION > 160100\n#endif\n"),
+            ("Trilinos_version.h", "#include <Trilinos_version.h>\n"),
+        ):
+            file = "packages/feti/src/Harmos_Planted.cpp"
+            fault = f"{file}: {name} belongs to {VERSION_HEADER}"
+            self.assert_found(version_faults, file, text, fault)
+            (self.top / file).unlink()
 
     def test_long_source(self):
         file = "apps/Planted.cpp"

@@ -30,6 +30,10 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+
+import harmos_runs as runs  # noqa: E402
+
 SOURCE = Path(__file__).resolve().parents[2]
 TEST_SECONDS = 600
 CONTACT = ("unit_contact", "verification_contact_patch")
@@ -186,7 +190,7 @@ class Copy:
             log.flush()
             try:
                 return subprocess.run(
-                    command, stdout=log, stderr=log, timeout=timeout, env=environment()).returncode
+                    command, stdout=log, stderr=log, timeout=timeout, env=runs.environment()).returncode
             except subprocess.TimeoutExpired:
                 log.write("timed out\n")
                 return -1
@@ -216,13 +220,6 @@ class Copy:
         program = self.programs(number) / test
         return self.call([os.environ.get("HARMOS_MPIEXEC", "mpirun"), "-np", ranks, program],
                          timeout=TEST_SECONDS) == 0
-
-
-def environment():
-    return dict(
-        os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", OMPI_ALLOW_RUN_AS_ROOT="1",
-        OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_rmaps_base_oversubscribe="1",
-        OMPI_MCA_hwloc_base_binding_policy="none")
 
 
 @contextlib.contextmanager

@@ -92,7 +92,7 @@ class MumpsSolver : public Amesos2::SolverCore<MumpsSolver, Matrix, Vector>, pub
     const std::size_t count = X->getGlobalNumVectors();
     Teuchos::Array<double> data(static_cast<Teuchos::Array<double>::size_type>(this->root_ ? n * count : 0));
     Amesos2::Util::get_1d_copy_helper<Amesos2::MultiVecAdapter<Vector>, double>::do_get(
-        B, data(), n, Amesos2::ROOTED, this->rowIndexBase_);
+        B, data(), n, Amesos2::ROOTED, static_cast<GlobalOrdinal>(this->rowIndexBase_));
     mumps_->solve(data.getRawPtr(), static_cast<int>(count));
     Amesos2::Util::put_1d_data_helper<Amesos2::MultiVecAdapter<Vector>, double>::do_put(X, data(), n,
                                                                                         Amesos2::ROOTED);

@@ -50,8 +50,9 @@ TEST(MortarPlane, rigid_and_linear_displacements_do_not_open_or_close) {
     for (CellType upper : plane)
       for (const auto& [begin, end] : ranges) {
         const Pair pair = pairOf(lower, 3, upper, 3, begin, end);
-        for (const auto& [first, second] :
-             {std::make_pair(&pair.lower, &pair.upper), std::make_pair(&pair.upper, &pair.lower)}) {
+        const std::vector<std::pair<const Surface*, const Surface*>> both = {{&pair.lower, &pair.upper},
+                                                                             {&pair.upper, &pair.lower}};
+        for (const auto& [first, second] : both) {
           const auto points = mortarPoints(*first, *second);
           EXPECT_GE(points.size(), 4u);
           EXPECT_LT(rowError(points, *first, *second, one), rounding);
