@@ -443,7 +443,6 @@ class Information(Case):
 
     def test_help(self):
         text = self.printed("--help")
-        # Before it CLI11 2.1 says "Usage: ", CLI11 2.6 does not.
         self.assertEqual(text.count("signorini [OPTIONS] [deck]"), 1)
         for option in ("--set", "--output", "--check", "--print-parameters", "--quiet"):
             self.assertIn(option, text)
