@@ -443,7 +443,7 @@ class Information(Case):
 
     def test_help(self):
         text = self.printed("--help")
-        self.assertEqual(text.count("Usage: signorini"), 1)
+        self.assertEqual(text.count("signorini [OPTIONS] [deck]"), 1)
         for option in ("--set", "--output", "--check", "--print-parameters", "--quiet"):
             self.assertIn(option, text)
 
