@@ -20,6 +20,7 @@
 #include <Tpetra_Core.hpp>
 
 #include <chrono>
+#include <filesystem>
 #include <iostream>
 #include <optional>
 #include <sstream>
@@ -162,10 +163,10 @@ int runDeck(const Application& application, const ProgramContext& context) {
   std::ostringstream text;
   Teuchos::writeParameterListToXmlOStream(deck, text);
   options.checkpoint.deck = text.str();
-  options.checkpoint.deckFile = line.deck;
+  // Also from another directory.
+  options.checkpoint.deckFile = std::filesystem::absolute(line.deck).string();
   options.checkpoint.assignments = line.assignments;
   options.checkpoint.restart = line.restart;
-  const Signals signals;
   options.checkpoint.told = Signals::told;
   scene::PlanRequest planRequest = line.planRequest;
   planRequest.programMiB = scene::peakMemoryMiB();
@@ -175,6 +176,8 @@ int runDeck(const Application& application, const ProgramContext& context) {
   scene::checkConsistency(scene, options);
   if (line.check) {
     scene::checkScene(*comm, scene);
+    if (!line.restart.empty())
+      const scene::CheckpointReader readable(*comm, scene::checkpointPath(line.restart));
     log.info("The deck \"" + line.deck + "\" is valid.");
     return exitConverged;
   }
@@ -198,7 +201,7 @@ int runDeck(const Application& application, const ProgramContext& context) {
     }
     throw;
   }
-  if (application.evaluate) {
+  if (application.evaluate && !report.isInterrupted()) {
     application.evaluate(deck, report);
     for (const auto& [name, value] : report.results)
       log.info(name + ": " + scientific(value, 6));
@@ -244,6 +247,10 @@ int main(int argc, char** argv, const Program& program) {
   if (const std::optional<int> status = parse(argc, argv, program, speaks, line))
     return *status;
   Log log(std::cout, std::cerr, line.quiet ? Log::Verbosity::Quiet : Log::Verbosity::Normal, speaks);
+  // From here on: what tells a run to stop is not to end it without a checkpoint.
+  std::optional<Signals> signals;
+  if (program.restarts && !line.check && !line.plan)
+    signals.emplace();
   try {
     if (line.version) {
       if (speaks)
@@ -265,11 +272,11 @@ int main(int argc, char** argv, const Program& program) {
       line.deck = checkpoint.text("deck file");
       std::istringstream stored(checkpoint.text("assignments"));
       std::vector<std::string> assignments;
-      for (std::string assignment; std::getline(stored, assignment);)
+      for (std::string assignment; std::getline(stored, assignment, '\0');)
         assignments.push_back(assignment);
       line.assignments.insert(line.assignments.begin(), assignments.begin(), assignments.end());
     }
-    if (line.output.empty())
+    if (line.output.empty() && !line.plan)
       line.output = line.restart;
     if (const int width = speaks ? terminalWidth() : 0; width > 0)
       log.showStatus(width);

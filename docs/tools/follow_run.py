@@ -7,7 +7,9 @@ before it, so that a viewer which looks at the file again shows the present one.
 """
 
 import csv
+import json
 import math
+import sys
 import time
 
 import numpy as np
@@ -16,6 +18,7 @@ from run_results import PlotError, read_iterations
 
 import matplotlib.pyplot as plt
 
+QUIET = 60  # seconds
 CONTACT = ("x", "y", "z", "pressure", "closed")
 
 
@@ -87,8 +90,17 @@ def stamp(path):
         return None
 
 
+def has_ended(summary):
+    """Whether a summary is there that another session does not continue: see --restart."""
+    try:
+        reason = json.loads(summary.read_text(encoding="utf-8")).get("reason", "")
+    except (OSError, ValueError):
+        return False
+    return not reason.startswith("interrupted")
+
+
 def follow(directory, output, dpi, interval, plot_convergence):
-    """Draw until the run has written summary.json; return when it has.
+    """Draw until the run has come to its end, by whatever number of sessions.
 
     plot_convergence    (table, summary, title, caption) -> figure
     """
@@ -97,7 +109,11 @@ def follow(directory, output, dpi, interval, plot_convergence):
     )
     drawn = {iterations: None, contact: None}
     print(f"following {directory}; stop with Ctrl-C", flush=True)
-    while not end.exists():
+    quiet = time.monotonic()
+    while not has_ended(end):
+        if time.monotonic() - quiet > QUIET:
+            quiet = time.monotonic()
+            print(f"nothing new in {directory} for {QUIET} s; waiting", file=sys.stderr, flush=True)
         for path in drawn:
             now = stamp(path)
             if now is None or now == drawn[path]:
@@ -119,4 +135,5 @@ def follow(directory, output, dpi, interval, plot_convergence):
                     caption = [f"running: {closed} of {len(points)} contact points are closed"]
                     save(plot_contact(points, caption), output / "contact.png", dpi)
             drawn[path] = now
+            quiet = time.monotonic()
         time.sleep(interval)

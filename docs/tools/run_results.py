@@ -155,6 +155,8 @@ def read_iterations(path, growing=False):
                 return None
         rows = [row for row in csv.reader(text.splitlines()) if row]
     except OSError as error:
+        if growing and isinstance(error, FileNotFoundError):
+            return None
         raise PlotError(
             f"{path}: {error.strerror}; name the directory of a finished run"
         ) from error

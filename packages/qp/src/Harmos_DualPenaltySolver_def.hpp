@@ -58,7 +58,7 @@ void DualPenaltySolver<Scalar, MV, OP>::doSolve() {
       (relative && lagrangian.hessianNorm() > 0.0 ? lagrangian.hessianNorm() / rows->norm2() : 1.0);
   IterationState<MV> state = this->begin(lagrangian, penalty, 0.0);
   this->minimise(lagrangian, state, nullptr, 0.0);
-  this->result_.penalty = penalty;
+  this->result_.penalty = lagrangian.penalty();
   lagrangian.storeMultiplier();
   // A residual that the penalty does not make small may be that of a problem without feasible points.
   const double scale =

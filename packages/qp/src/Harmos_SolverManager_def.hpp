@@ -308,7 +308,7 @@ void SolverManager<Scalar, MV, OP>::stopFor(Reason reason, const IterationState<
   if (reason == Reason::Converged)
     text = Explanations::converged();
   else if (reason == Reason::IterationLimit)
-    text = Explanations::limit(std::to_string(state.inner) + " inner iterations");
+    text = Explanations::limit(std::to_string(maximumIterations()) + " inner iterations");
   else if (reason == Reason::TimeLimit)
     text = Explanations::limit(scientific(elapsedSeconds()) + " seconds");
   stop(reason, text, state);

@@ -16,7 +16,7 @@ std::string partPath(const std::string& path) {
   return path + ".part";
 }
 
-void requireSpace(const std::string& path, long long bytes) {
+void makePart(const std::string& path, long long bytes) {
   const std::string part = partPath(path);
   const int file = ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
   int fault = file < 0 ? errno : 0;
@@ -24,14 +24,26 @@ void requireSpace(const std::string& path, long long bytes) {
     // Not posix_fallocate(), which writes where a file system knows no reservation.
     if (bytes > 0 && ::fallocate(file, 0, 0, bytes) != 0 && errno != EOPNOTSUPP && errno != ENOSYS)
       fault = errno;
+    if (::ftruncate(file, 0) != 0 && fault == 0)
+      fault = errno;
     ::close(file);
-    ::unlink(part.c_str());
+    if (fault != 0)
+      ::unlink(part.c_str());
   }
   if (fault != 0)
     throw InputError("the file \"" + path + "\" cannot be written, it needs " +
                          std::to_string((bytes + 1048575) / 1048576) + " MiB: " + std::strerror(fault) +
                          "; check that the directory is writable and the disk is not full",
                      {{"file", path}});
+}
+
+void requirePart(const std::string& path) {
+  const int file = ::open(partPath(path).c_str(), O_WRONLY);
+  if (file < 0)
+    throw InputError("the file \"" + path + "\" cannot be written by all ranks: " + std::strerror(errno) +
+                         "; the output directory has to be one that all nodes see",
+                     {{"file", path}});
+  ::close(file);
 }
 
 void syncPart(const std::string& path) {

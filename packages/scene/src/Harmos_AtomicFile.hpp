@@ -18,9 +18,12 @@ void removeFile(const std::string& path);
 /// Where a file is written before it gets its name.
 std::string partPath(const std::string& path);
 
-/// Sees to it that so many bytes fit where a file is to be written, as far as the file system tells. Local.
-/// @throws InputError with what would be needed.
-void requireSpace(const std::string& path, long long bytes);
+/// Makes an empty partPath(), and sees to it that so many bytes fit there, as far as the file system tells.
+/// Local. @throws InputError with what would be needed.
+void makePart(const std::string& path, long long bytes);
+
+/// Sees to it that this rank can open the partPath() that another one has made. Local. @throws InputError
+void requirePart(const std::string& path);
 
 /// Waits until the disk has what was written to partPath(). Local. @throws InputError
 void syncPart(const std::string& path);

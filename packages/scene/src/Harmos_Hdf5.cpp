@@ -97,8 +97,10 @@ Hdf5Writer::Hdf5Writer(const Teuchos::Comm<int>& comm, const std::string& path, 
     // For HDF5's own book-keeping.
     constexpr long long margin = 65536;
     if (comm.getRank() == 0)
-      requireSpace(path, bytes + bytes / 50 + margin);
+      makePart(path, bytes + bytes / 50 + margin);
   });
+  // A file that one rank alone cannot open would leave the others waiting inside of MPI.
+  agree(comm, [&] { requirePart(path); });
   std::unique_ptr<Handle> access;
   agree(comm, [&] {
     access =

@@ -28,6 +28,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iomanip>
 #include <sstream>
 
@@ -132,6 +133,28 @@ std::unique_ptr<CheckpointReader> openCheckpoint(const Teuchos::Comm<int>& comm,
   return checkpoint;
 }
 
+// Whether the run goes on from a checkpoint in its own output directory.
+bool isOwn(const RunOptions& options, const RunReport& report) {
+  std::error_code error;
+  return !report.restartedFrom.empty() &&
+         std::filesystem::equivalent(report.restartedFrom, checkpointPath(options.outputDirectory), error);
+}
+
+// A checkpoint of another run is not to be taken for one of this, and not to be lost.
+void putAside(const RunOptions& options, const RunReport& report, const Log& log) {
+  const std::string path = checkpointPath(options.outputDirectory);
+  if (!std::filesystem::exists(path) || isOwn(options, report))
+    return;
+  const std::string aside = options.outputDirectory + "/checkpoint.previous.h5";
+  std::error_code error;
+  std::filesystem::rename(path, aside, error);
+  if (error)
+    throw InputError("the checkpoint \"" + path + "\" of an earlier run cannot be put aside: " +
+                         error.message() + "; remove it, or choose another output directory",
+                     {{"file", path}});
+  log.info("The checkpoint of an earlier run is \"" + aside + "\" now");
+}
+
 // The rest is rank 0's, and no reason to fail.
 void removeQuietly(const Teuchos::Comm<int>& comm, const std::string& path) {
   if (comm.getRank() != 0)
@@ -180,6 +203,7 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
     for (const char* name :
          {"/summary.json", "/iterations.csv", "/result.vtkhdf", "/contact.csv", "/ranks.csv"})
       removeFile(options.outputDirectory + name);
+    putAside(options, report, log);
   });
 
   EffectCosts costs(scene);
@@ -333,10 +357,11 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
       writeVtkHdf(*comm, options.outputDirectory + "/result.vtkhdf", owned, fields);
     }
   }
-  // It has served. One of another run is left alone.
-  const std::string own = checkpointPath(options.outputDirectory);
-  if (report.converged && (report.checkpoints > 0 || report.restartedFrom == own))
-    removeQuietly(*comm, own);
+  // It has served: there is nothing left to go on to.
+  const qp::Reason reason = report.result.reason;
+  if (reason == qp::Reason::Converged || reason == qp::Reason::Infeasible || reason == qp::Reason::Unbounded)
+    if (report.checkpoints > 0 || isOwn(options, report))
+      removeQuietly(*comm, checkpointPath(options.outputDirectory));
   return {std::move(owned), torn.displacement, solution.lambda};
 }
 
