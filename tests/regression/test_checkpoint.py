@@ -42,6 +42,8 @@ LONG = {
     "Dual operator/Form": "implicit",
     "Dual operator/Share identical subdomains": False,
 }
+# Some seconds, so that matplotlib is there before the end.
+WATCHED = LONG | {"Model/Elements per subdomain side": 48, "Output/Live seconds": 0.1}
 # The same steps in an instant.
 SHORT = LONG | {"Model/Elements per subdomain side": 8, "Dual operator/Form": "condensed"}
 
@@ -464,10 +466,7 @@ class Faults(unittest.TestCase):
 
 class WhileItRuns(unittest.TestCase):
     def test_files_grow(self):
-        side = 40  # some seconds, of which a row of numbers comes four times a second
-        run = Background(
-            LONG | {"Model/Elements per subdomain side": side, "Output/Live seconds": 0.1}
-        )
+        run = Background(WATCHED)
         self.assertTrue(run.wait_for("contact.csv"), run.text())
         seen = []
         while run.process.poll() is None:
@@ -478,7 +477,7 @@ class WhileItRuns(unittest.TestCase):
             except FileNotFoundError:
                 break  # the end
             self.assertEqual(contact[0], "x,y,z,pressure,closed")
-            self.assertEqual(len(contact), 1 + 4 * side + 1)
+            self.assertEqual(len(contact), 1 + 4 * WATCHED["Model/Elements per subdomain side"] + 1)
             time.sleep(0.05)
         self.assertEqual(run.end(), 0, run.text())
         self.assertEqual(seen, sorted(seen))
@@ -493,7 +492,7 @@ class WhileItRuns(unittest.TestCase):
             import numpy  # noqa: F401
         except ImportError as missing:
             self.skipTest(f"the Python module {missing.name} is missing")
-        run = Background(LONG | {"Output/Live seconds": 0.1})
+        run = Background(WATCHED)
         pictures = runs.scratch("pictures")
         tool = runs.SOURCE / "docs" / "tools" / "plot_run.py"
         words = [sys.executable, tool, run.directory, "--follow", "--interval", 0.1]
