@@ -282,6 +282,24 @@ class Stopped(unittest.TestCase):
         """The others learn of it."""
         self.stop(lambda run: os.kill(run.ranks()[0], signal.SIGTERM))
 
+    def test_signal_before_the_solver(self):
+        """Heard as soon as there is a line of output, obeyed when there is something to keep."""
+        run = Background(LONG)
+        end = time.monotonic() + 60
+        while "Harmos" not in run.text():
+            self.assertLess(time.monotonic(), end, run.text())
+            time.sleep(0.002)
+        # The rank that printed: another one may not be as far.
+        first = [
+            rank
+            for rank in run.ranks()
+            if b"OMPI_COMM_WORLD_RANK=0\0" in Path(f"/proc/{rank}/environ").read_bytes()
+        ]
+        os.kill(first[0], signal.SIGUSR1)
+        self.assertEqual(run.end(), 4, run.text())
+        again = restarted(self, run.directory)
+        self.assertEqual(history(again), history(self.plain), run.text())
+
     def test_checkpoint_on_request(self):
         run = Background(LONG)
         self.assertTrue(run.wait_for("iterations.csv"), run.text())

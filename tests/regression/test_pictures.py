@@ -6,6 +6,7 @@ What each class guards against:
     Reading   cells or copies of nodes taken for others than they are
     Numbers   pictures of something else than the contact pressure, the gaps and the outlines
     Pictures  scripts that fail, or that draw nothing
+    Following an end that is none, half a row, a contact zone seen from its edge
 """
 
 import json
@@ -23,6 +24,7 @@ import harmos_runs as runs  # noqa: E402
 
 try:
     import elastic_oracle
+    import follow_run
     import h5py  # noqa: F401
     import numpy as np
     import plot_deformed
@@ -333,6 +335,53 @@ class Pictures(unittest.TestCase):
                 self.assertEqual(result.returncode, 2)
                 self.assertRegex(result.stderr, message)
                 self.assertNotIn("Traceback", result.stderr)
+
+
+
+class Following(unittest.TestCase):
+    """Runs that go on: what counts as their end, and contact zones from contact.csv."""
+
+    def test_end(self):
+        place = runs.scratch("follow")
+        place.mkdir()
+        summary = place / "summary.json"
+        self.assertFalse(follow_run.has_ended(summary))
+        for text, ended in (
+            ("", False),
+            ('{"reason": "interrupted: the program was told to stop"}', False),
+            ('{"reason": "converged"}', True),
+            ('{"reason": "iteration limit: ..."}', True),
+        ):
+            summary.write_text(text, encoding="utf-8")
+            self.assertEqual(follow_run.has_ended(summary), ended, text)
+
+    def test_growing_file(self):
+        place = runs.scratch("follow")
+        place.mkdir()
+        path = place / "iterations.csv"
+        self.assertIsNone(run_results.read_iterations(path, growing=True))
+        header = (
+            "outer,inner,step,projected_gradient,equality_residual,penalty,M,active,"
+            "hessian_applications,seconds\n"
+        )
+        row = "1,0,start,0.5,0.1,0,0,3,1,0.2\n"
+        for text, rows in ((header, None), (header + row[:9], None), (header + row + row[:9], 1)):
+            path.write_text(text, encoding="utf-8")
+            table = run_results.read_iterations(path, growing=True)
+            self.assertEqual(None if table is None else len(table["step"]), rows, text)
+
+    def test_principal_axes(self):
+        """A line is a line however it lies, and so is a surface."""
+        along = np.array([1.0, 2.0, -2.0]) / 3.0
+        across = np.array([2.0, 1.0, 2.0]) / 3.0
+        s, t = np.meshgrid(np.linspace(0, 5, 11), np.linspace(0, 2, 5))
+        line = np.outer(s[0], along)
+        _, extents = follow_run.principal(line)
+        # Rounding errors of a singular value decomposition of numbers below 5.
+        np.testing.assert_allclose(extents, [5, 0, 0], atol=1e-14)
+        surface = np.outer(s.ravel(), along) + np.outer(t.ravel(), across)
+        _, extents = follow_run.principal(surface)
+        np.testing.assert_allclose(extents, [5, 2, 0], atol=1e-14)
 
 
 if __name__ == "__main__":
