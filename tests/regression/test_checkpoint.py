@@ -103,7 +103,7 @@ class Background:
         with open(self.out, "wb") as out:
             self.process = subprocess.Popen(
                 [str(word) for word in [*command, *words]],
-                env=runs.environment() | {"OMPI_MCA_odls_base_sigkill_timeout": "20"},
+                env=runs.environment(),
                 stdin=subprocess.DEVNULL,
                 stdout=out,
                 stderr=subprocess.STDOUT,
@@ -528,7 +528,7 @@ class WhileItRuns(unittest.TestCase):
         master, slave = pty.openpty()
         directory = runs.scratch("terminal")
         command = [*runs.launcher(2), runs.application(), runs.MODEL, "--output", directory]
-        for path, value in LONG.items():
+        for path, value in WATCHED.items():
             command += ["--set", f"{path}={str(value).lower() if value is False else value}"]
         process = subprocess.Popen(
             [str(word) for word in command],
@@ -549,7 +549,7 @@ class WhileItRuns(unittest.TestCase):
             shown += part
         self.assertEqual(process.wait(), 0)
         text = shown.decode(errors="replace")
-        lines = re.findall(r"SMALBE  outer \d+  inner \d+  \|g\^P\| \S+ -> \S+  \|G lambda\|", text)
+        lines = re.findall(r"SMALBE \d+/\d+  [^|]* s[^|]*  \|g\^P\| \S+/\S+  \|G l\| ", text)
         self.assertGreater(len(lines), 2, text)
         self.assertIn("\r\x1b[K", text)
         # The table gives way to it.

@@ -66,14 +66,13 @@ std::optional<double> RemainingTime::seconds() const {
 std::string statusLine(const std::string& method, const qp::IterationRecord& record,
                        const feti::DualTargets& targets, const std::optional<double>& remaining) {
   std::ostringstream text;
-  text << method << "  outer " << record.outer << "  inner " << record.inner << "  |g^P| "
-       << scientific(record.projectedGradient, 1) << " -> " << scientific(targets.gradient, 1);
-  if (targets.equality > 0.0)
-    text << "  |G lambda| " << scientific(record.equalityResidual, 1) << " -> "
-         << scientific(targets.equality, 1);
-  text << "  " << duration(record.seconds);
+  // In the order of what may be cut off where a terminal has 80 columns.
+  text << method << ' ' << record.outer << '/' << record.inner << "  " << duration(record.seconds);
   if (remaining)
-    text << ", about " << duration(*remaining) << " left";
+    text << ", " << duration(*remaining) << " left";
+  text << "  |g^P| " << scientific(record.projectedGradient, 1) << '/' << scientific(targets.gradient, 1);
+  if (targets.equality > 0.0)
+    text << "  |G l| " << scientific(record.equalityResidual, 1) << '/' << scientific(targets.equality, 1);
   return text.str();
 }
 

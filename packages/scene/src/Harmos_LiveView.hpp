@@ -55,7 +55,8 @@ class LiveView {
   std::chrono::steady_clock::time_point last_;
 };
 
-/// "PDAS  outer 3  inner 120  |g^P| 2.1e-03 -> 1.0e-06  |G lambda| ...  12 s, about 30 s left".
+/// "PDAS 3/120  41 s, 12 s left  |g^P| 2.1e-03/1.0e-06  |G l| 3.4e-09/2.0e-05": outer and inner iteration,
+/// times, ‖g^P‖ and ‖Gλ‖ against their targets.
 std::string statusLine(const std::string& method, const qp::IterationRecord& record,
                        const feti::DualTargets& targets, const std::optional<double>& remaining);
 
