@@ -7,7 +7,7 @@
 #
 #   SUITE       bookworm, trixie, sid, or experimental (sid, with Trilinos' packages from experimental)
 #   DIRECTORY   of the chroot; made by debootstrap if it is not there, else used again with what it holds
-#   COMMAND     run in the checkout (/root/harmos in the chroot); default: cmake/bootstrap.sh test
+#   COMMAND     run in the checkout (/srv/harmos in the chroot); default: cmake/bootstrap.sh test
 #   --bare      without a checkout: the command runs in /root and finds the repository in /srv/harmos.git, for trials
 #               of what begins with a clone
 #
@@ -71,7 +71,7 @@ rm -rf "$root/srv/harmos.git"
 git -c safe.directory='*' clone -q --bare --no-hardlinks "$source" "$root/srv/harmos.git"
 place=/root
 if [ -z "$bare" ]; then
-  place=/root/harmos
+  place=/srv/harmos
   [ -d "$root$place/.git" ] || git init -q "$root$place"
   git -C "$root$place" fetch -q "$root/srv/harmos.git" HEAD
   git -C "$root$place" checkout -q --force --detach FETCH_HEAD
