@@ -10,24 +10,31 @@ if(HARMOS_ENABLE_NATIVE)
   target_compile_options(harmos_flags INTERFACE -O3 -march=native)
 endif()
 
-# harmos_add_package(<name> SOURCES <files> [PUBLIC <targets>] [PRIVATE <targets>])
+# harmos_add_package(<name> SOURCES <files> [FOLDERS <f>...] [PUBLIC <targets>] [PRIVATE <targets>])
 #
-# Makes the library harmos_<name>, known to others as Harmos::<name>, and installs it with its headers.
+# Makes the library harmos_<name>, known to others as Harmos::<name>, and installs it with its headers. Headers lie in
+# src and in its FOLDERS; they are included and installed by their names alone, so that a file may move from folder to
+# folder.
 function(harmos_add_package name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;FOLDERS;PUBLIC;PRIVATE" ${ARGN})
   add_library(harmos_${name} ${ARG_SOURCES})
   add_library(Harmos::${name} ALIAS harmos_${name})
-  target_include_directories(
-    harmos_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/src>
-                          $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/harmos>)
+  set(source_directories src)
+  list(TRANSFORM ARG_FOLDERS PREPEND src/ OUTPUT_VARIABLE folders)
+  list(APPEND source_directories ${folders})
+  foreach(directory IN LISTS source_directories)
+    target_include_directories(harmos_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/${directory}>)
+    install(
+      DIRECTORY ${directory}/
+      DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/harmos
+      COMPONENT development
+      FILES_MATCHING
+      PATTERN "Harmos_*.hpp"
+      REGEX "/packages/${name}/src/[^/.]+$" EXCLUDE)
+  endforeach()
+  target_include_directories(harmos_${name} PUBLIC $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/harmos>)
   target_compile_features(harmos_${name} PUBLIC cxx_std_17)
   target_link_libraries(harmos_${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:harmos_flags>)
   set_target_properties(harmos_${name} PROPERTIES EXPORT_NAME ${name})
   install(TARGETS harmos_${name} EXPORT HarmosTargets COMPONENT development)
-  install(
-    DIRECTORY src/
-    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/harmos
-    COMPONENT development
-    FILES_MATCHING
-    PATTERN "Harmos_*.hpp")
 endfunction()

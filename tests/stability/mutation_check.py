@@ -61,49 +61,49 @@ FAULTS = (
         "row.terms.push_back({term.node * components + c, -term.weight * direction});", CONTACT),
     Fault(
         "a dropped gluing row where four subdomains meet",
-        "packages/feti/src/Harmos_Constraints.cpp",
+        "packages/feti/src/torn/Harmos_Constraints.cpp",
         (("for (std::size_t k = 1; k < copies.size(); ++k) {",
           "for (std::size_t k = 1; k < std::min<std::size_t>(copies.size(), 3); ++k) {"),
          ("DirichletForm::Dual ? copies : copies - 1;",
           "DirichletForm::Dual ? copies : std::min(copies - 1, 2LL);")), FETI),
     fault(
-        "wrong kernel: a rotation that is none", "packages/feti/src/Harmos_Kernel.cpp",
+        "wrong kernel: a rotation that is none", "packages/feti/src/torn/Harmos_Kernel.cpp",
         "at(point, a, column) = -scale *", "at(point, a, column) = scale *", FETI),
     fault(
-        "too long step of MPRGP", "packages/qp/src/Harmos_MprgpIteration.hpp",
+        "too long step of MPRGP", "packages/qp/src/iterations/Harmos_MprgpIteration.hpp",
         "return options_.stepFactor / hessianNorm_;",
         "return 4.0 * options_.stepFactor / hessianNorm_;",
         ("unit_qp", "unit_qp_random")),
     fault(
         "sign of the multiplier's update in SMALBE",
-        "packages/qp/src/Harmos_BoundedLagrangian_def.hpp",
+        "packages/qp/src/iterations/Harmos_BoundedLagrangian_def.hpp",
         "MvAddMv(1.0, *mu_, factor * penalty_, *residual_, *mu_);",
         "MvAddMv(1.0, *mu_, -factor * penalty_, *residual_, *mu_);",
         ("unit_qp_serial", "unit_qp")),
     fault(
         "swapped scaling of the preconditioner",
-        "packages/feti/src/Harmos_DualPreconditioner.cpp",
+        "packages/feti/src/dual/Harmos_DualPreconditioner.cpp",
         "const double weight = scaling == PreconditionerScaling::Stiffness\n",
         "const double weight = scaling == PreconditionerScaling::Multiplicity\n", FETI),
     fault(
-        "half of the projector", "packages/feti/src/Harmos_CoarseSpace.cpp",
+        "half of the projector", "packages/feti/src/coarse/Harmos_CoarseSpace.cpp",
         "addGt(-1.0, applyG(v, c), v, c);", "addGt(-0.5, applyG(v, c), v, c);", FETI),
     fault(
-        "sign of the gap in the dual load", "packages/feti/src/Harmos_DualProblem.cpp",
+        "sign of the gap in the dual load", "packages/feti/src/dual/Harmos_DualProblem.cpp",
         "view(r, 0) -= constraints.bound(", "view(r, 0) += constraints.bound(", FETI),
     fault(
-        "prescribed values added to bounds", "packages/feti/src/Harmos_Constraints.cpp",
+        "prescribed values added to bounds", "packages/feti/src/torn/Harmos_Constraints.cpp",
         "bound -= coefficient * fixed->value;", "bound += coefficient * fixed->value;", FETI),
     fault(
         "rigid motion of the wrong sign in the recovery",
-        "packages/feti/src/Harmos_Recovery.cpp",
+        "packages/feti/src/solve/Harmos_Recovery.cpp",
         "values[j] += factor * column[j];", "values[j] -= factor * column[j];", FETI),
     fault(
-        "rounding errors of S hold the kernel", "packages/feti/src/Harmos_LocalInverse.cpp",
+        "rounding errors of S hold the kernel", "packages/feti/src/local/Harmos_LocalInverse.cpp",
         "const double least = std::sqrt(std::numeric_limits<double>::epsilon());",
         "const double least = 0.0;", FETI),
     fault(
-        "rounding errors of G hold a motion", "packages/feti/src/Harmos_CoarseSpace.cpp",
+        "rounding errors of G hold a motion", "packages/feti/src/coarse/Harmos_CoarseSpace.cpp",
         "constexpr double rounding = 1e2 * std::numeric_limits<double>::epsilon();",
         "constexpr double rounding = 0.0;", ("unit_scene",)),
     fault(
@@ -113,20 +113,20 @@ FAULTS = (
         "gap of an obstacle reversed", "packages/contact/src/Harmos_Obstacle.cpp",
         "point.gap = separation.gap;", "point.gap = -separation.gap;", CONTACT),
     fault(
-        "thermal load of the wrong sign", "packages/fem/src/Harmos_Elasticity.cpp",
+        "thermal load of the wrong sign", "packages/fem/src/integrals/Harmos_Elasticity.cpp",
         "stress += material[r][s] * expansion[s] * temperature;",
         "stress -= material[r][s] * expansion[s] * temperature;",
         ("unit_fem", "verification_elements")),
     fault(
-        "outward normal that looks inward", "packages/fem/src/Harmos_Loads.cpp",
+        "outward normal that looks inward", "packages/fem/src/integrals/Harmos_Loads.cpp",
         "normal = {tangent[0][1], -tangent[0][0], 0.0};",
         "normal = {-tangent[0][1], tangent[0][0], 0.0};",
         ("unit_fem", "verification_elements")),
     fault(
-        "the audit forgets penetration", "packages/feti/src/Harmos_KktAudit.cpp",
+        "the audit forgets penetration", "packages/feti/src/solve/Harmos_KktAudit.cpp",
         "audit.penetration <= allowed", "audit.penetration <= 1e9 * allowed", ("unit_scene",)),
     fault(
-        "sign of the bound in the solver's error", "packages/scene/src/Harmos_AnswerCheck.cpp",
+        "sign of the bound in the solver's error", "packages/run/src/Harmos_AnswerCheck.cpp",
         "view(r, 0) -= stages_.constraints.bound(row);",
         "view(r, 0) += stages_.constraints.bound(row);", ("unit_scene",)),
 )

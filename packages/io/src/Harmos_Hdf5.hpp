@@ -15,7 +15,7 @@ namespace Harmos::scene {
 ///
 /// A write that fails on one rank (the disk is full) is agreed on before the next collective call. All
 /// members are collective. @throws InputError on all ranks, with the name of the file and what to look at.
-/// Guarded by tests/unit/scene/test_hdf5.cpp.
+/// Guarded by tests/unit/io/test_hdf5.cpp.
 class Hdf5Writer {
  public:
   /// @param comm an MPI communicator; @param what the file is, for messages: "the result file".

@@ -8,7 +8,7 @@ namespace Harmos::scene {
 
 /// Memory of a rank in bytes.
 ///
-/// What the sources hold: packages/scene/src/Harmos_PlanCosts.cpp lists the terms. Peaks of set-up (the
+/// What the sources hold: packages/plan/src/Harmos_PlanCosts.cpp lists the terms. Peaks of set-up (the
 /// copies of the largest dense block while it is made; the pairs of entries that make G̃G̃ᵀ) and of the end
 /// (vectors of all dofs, arrays of the result file) do not come together: the largest counts.
 struct RankMemory {

@@ -28,7 +28,7 @@ namespace Harmos::scene {
 ///    open, with λ = 0, count where they are violated only;
 ///  - the discretisation error comes from recovered stresses, see estimateDiscretisationError().
 ///
-/// Guarded by tests/unit/scene/test_answer_check.cpp.
+/// Guarded by tests/unit/run/test_answer_check.cpp.
 class AnswerCheck {
  public:
   AnswerCheck(const Teuchos::Comm<int>& comm, const Scene& scene, const std::vector<OwnedSubdomain>& owned,

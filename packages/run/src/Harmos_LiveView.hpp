@@ -16,7 +16,7 @@ namespace Harmos::scene {
 /// How long a solver will take to get from its residuals to its targets, if these go on falling as they did
 /// over the last iterations: the line through the logarithm of the larger of ‖g^P‖/target and ‖Gλ‖/target, by
 /// least squares.
-/// Guarded by tests/unit/scene/test_live_view.cpp.
+/// Guarded by tests/unit/run/test_live_view.cpp.
 class RemainingTime {
  public:
   static constexpr std::size_t window = 50;

@@ -51,7 +51,7 @@ SolutionNorms differenceOnSameMesh(const Teuchos::Comm<int>& comm, const Finishe
 ///
 /// Points are located once, at construction; the other mesh is gathered on every rank. Memory: 32 bytes a
 /// quadrature point of the reference, and the other mesh.
-/// Guarded by tests/unit/scene/test_solution_comparison.cpp.
+/// Guarded by tests/unit/run/test_solution_comparison.cpp.
 class SolutionComparison {
  public:
   /// @param reference has to outlive this. @param other any run on the other mesh.

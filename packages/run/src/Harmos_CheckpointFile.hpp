@@ -43,7 +43,7 @@ class StateSize : public qp::StateArchive<MultiVector> {
 ///
 /// The checksum of a dataset is the sum modulo 2⁶⁴ of mixed pairs of place and value, so that it does not
 /// depend on how many ranks make it. All members are collective, with the errors of Hdf5Writer.
-/// Guarded by tests/unit/scene/test_checkpoint_file.cpp.
+/// Guarded by tests/unit/run/test_checkpoint_file.cpp.
 class CheckpointWriter : public qp::StateArchive<MultiVector> {
  public:
   /// @param basis of the vectors of the equality rows. @param bytes of all that is to be written.

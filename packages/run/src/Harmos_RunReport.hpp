@@ -58,7 +58,7 @@ std::string toJson(const RunReport& report);
 
 /// Whether the audit bears out that a run has converged: feti::auditAgrees() with the share of the tolerance.
 /// Where the rule "balanced" chose it, the error that the rule allows is what the run claims.
-/// Guarded by tests/unit/scene/test_pipeline.cpp.
+/// Guarded by tests/unit/run/test_pipeline.cpp.
 bool auditAgrees(const RunReport& report);
 
 /// The audit and the timing, for people.
