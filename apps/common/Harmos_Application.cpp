@@ -44,7 +44,7 @@ int exitStatus(const Error& error) {
 }
 
 void addPlanOptions(CLI::App& cli, CommandLine& line) {
-  scene::PlanRequest& request = line.planRequest;
+  plan::PlanRequest& request = line.planRequest;
   CLI::Option* plan = cli.add_flag(
       "--plan", line.plan,
       "Advise on ranks and memory without solving, and stop; with --output also write DIR/plan.json");
@@ -140,15 +140,15 @@ int abortAll(const Teuchos::Comm<int>& comm, const std::string& message) {
   return exitInternalError;
 }
 
-int planDeck(const ProgramContext& context, const scene::Scene& scene, const scene::RunOptions& options,
-             const scene::PlanRequest& request) {
-  const scene::RunPlan plan = scene::makeRunPlan(context.comm, scene, options, request);
-  context.log.info(scene::planText(plan));
+int planDeck(const ProgramContext& context, const scene::Scene& scene, const run::RunOptions& options,
+             const plan::PlanRequest& request) {
+  const plan::RunPlan plan = plan::makeRunPlan(context.comm, scene, options, request);
+  context.log.info(plan::planText(plan));
   agree(*context.comm, [&] {
     if (context.line.output.empty() || context.comm->getRank() != 0)
       return;
-    scene::makeDirectory(context.line.output);
-    scene::writeAtomically(context.line.output + "/plan.json", scene::planJson(plan, context.line.deck));
+    io::makeDirectory(context.line.output);
+    io::writeAtomically(context.line.output + "/plan.json", plan::planJson(plan, context.line.deck));
   });
   return exitConverged;
 }
@@ -157,7 +157,7 @@ int runDeck(const Application& application, const ProgramContext& context) {
   const auto& [comm, line, log, begin] = context;
   const ParameterSpec spec = deckSpec(application);
   const Teuchos::ParameterList deck = scene::readDeck(*comm, line.deck, line.assignments, spec);
-  scene::RunOptions options = scene::RunOptions::fromDeck(deck);
+  run::RunOptions options = run::RunOptions::fromDeck(deck);
   if (!line.output.empty())
     options.outputDirectory = line.output;
   std::ostringstream text;
@@ -168,32 +168,32 @@ int runDeck(const Application& application, const ProgramContext& context) {
   options.checkpoint.assignments = line.assignments;
   options.checkpoint.restart = line.restart;
   options.checkpoint.told = Signals::told;
-  scene::PlanRequest planRequest = line.planRequest;
-  planRequest.programMiB = scene::peakMemoryMiB();
+  plan::PlanRequest planRequest = line.planRequest;
+  planRequest.programMiB = run::peakMemoryMiB();
   const auto start = std::chrono::steady_clock::now();
   scene::Scene scene = application.makeScene({*comm, deck, directoryOf(line.deck), log});
   scene.secondsToMake = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  scene::checkConsistency(scene, options);
+  run::checkConsistency(scene, options);
   if (line.check) {
-    scene::checkScene(*comm, scene);
+    run::checkScene(*comm, scene);
     if (!line.restart.empty())
-      const scene::CheckpointReader readable(*comm, scene::checkpointPath(line.restart));
+      const run::CheckpointReader readable(*comm, run::checkpointPath(line.restart));
     log.info("The deck \"" + line.deck + "\" is valid.");
     return exitConverged;
   }
   if (line.plan)
     return planDeck(context, scene, options, planRequest);
-  scene::RunReport report;
+  run::RunReport report;
   report.deck = line.deck;
   try {
-    scene::run(comm, scene, options, log, begin, report);
+    run::runScene(comm, scene, options, log, begin, report);
   } catch (const Error& error) {
     if (standsAlone(*comm, error))
       throw;
     report.converged = false;
     report.reason = error.what();
     try {
-      scene::writeSummary(*comm, options, report);
+      run::writeSummary(*comm, options, report);
     } catch (const Error& second) {
       // The first error is the one that matters; the same fault is not told twice.
       if (second.data() != error.data())
@@ -206,7 +206,7 @@ int runDeck(const Application& application, const ProgramContext& context) {
     for (const auto& [name, value] : report.results)
       log.info(name + ": " + scientific(value, 6));
   }
-  scene::writeSummary(*comm, options, report);
+  run::writeSummary(*comm, options, report);
   log.info("Results are in \"" + options.outputDirectory + "\": summary.json, iterations.csv" +
            (report.isInterrupted() ? ", checkpoint.h5"
             : options.writeFields  ? ", result.vtkhdf"
@@ -225,7 +225,7 @@ int runDeck(const Application& application, const ProgramContext& context) {
 ParameterSpec deckSpec(const Application& application) {
   ParameterSpec spec(application.name, "Deck of " + application.name + ": " + application.description);
   application.addParameters(spec);
-  scene::RunOptions::addTo(spec);
+  run::RunOptions::addTo(spec);
   return spec;
 }
 
@@ -268,7 +268,7 @@ int main(int argc, char** argv, const Program& program) {
       return exitConverged;
     }
     if (line.deck.empty() && !line.restart.empty()) {
-      const scene::CheckpointReader checkpoint(*comm, scene::checkpointPath(line.restart));
+      const run::CheckpointReader checkpoint(*comm, run::checkpointPath(line.restart));
       line.deck = checkpoint.text("deck file");
       std::istringstream stored(checkpoint.text("assignments"));
       std::vector<std::string> assignments;

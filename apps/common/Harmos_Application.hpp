@@ -38,7 +38,7 @@ struct Application {
   std::function<scene::Scene(const DeckContext&)> makeScene;
   /// Puts what the application alone can say of a finished run into report.results; may be null. Local; every
   /// rank has the same report.
-  std::function<void(const Teuchos::ParameterList&, scene::RunReport&)> evaluate;
+  std::function<void(const Teuchos::ParameterList&, run::RunReport&)> evaluate;
   /// The effects that its decks may name, for --list-effects; null if its decks name none.
   std::shared_ptr<const scene::EffectRegistry> effects;
 };
@@ -52,7 +52,7 @@ struct CommandLine {
   std::string printParameters;
   bool check = false;
   bool plan = false;
-  scene::PlanRequest planRequest; ///< of --plan
+  plan::PlanRequest planRequest; ///< of --plan
   bool listEffects = false;
   bool quiet = false;
   bool version = false;

@@ -33,12 +33,12 @@ Signals::~Signals() {
     sigaction(signals[k], &before[k], nullptr);
 }
 
-scene::Told Signals::told() {
+run::Told Signals::told() {
   if (isToStop != 0)
-    return scene::Told::Stop;
+    return run::Told::Stop;
   const bool save = isToSave != 0;
   isToSave = 0;
-  return save ? scene::Told::Save : scene::Told::Nothing;
+  return save ? run::Told::Save : run::Told::Nothing;
 }
 
 } // namespace Harmos::app

@@ -18,7 +18,7 @@ class Signals {
   Signals& operator=(const Signals&) = delete;
 
   /// Since the last call; a wish to stop stays.
-  static scene::Told told();
+  static run::Told told();
 };
 
 } // namespace Harmos::app

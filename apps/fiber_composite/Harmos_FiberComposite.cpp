@@ -110,14 +110,14 @@ scene::Scene makeScene(const app::DeckContext& context) {
 
 // With displacements prescribed on the sides alone and contact without initial gap, the problem is
 // homogeneous of degree two: force times displacement = twice the energy.
-void evaluate(const Teuchos::ParameterList& deck, scene::RunReport& report) {
+void evaluate(const Teuchos::ParameterList& deck, run::RunReport& report) {
   const Sample sample = sampleOf(deck);
   report.results["effective_modulus"] =
       2.0 * report.audit.energy / (sample.strain * sample.strain * sample.area());
   if (report.contact.empty())
     return;
   double closed = 0.0, largest = 0.0;
-  for (const scene::ContactState& state : report.contact) {
+  for (const run::ContactState& state : report.contact) {
     closed += state.closed ? 1.0 / static_cast<double>(report.contact.size()) : 0.0;
     largest = std::max(largest, state.pressure);
   }

@@ -115,7 +115,7 @@ scene::Scene hertz(const Teuchos::ParameterList& deck, bool isBall) {
   return scene;
 }
 
-void evaluateHertz(const Teuchos::ParameterList& deck, bool isBall, scene::RunReport& report) {
+void evaluateHertz(const Teuchos::ParameterList& deck, bool isBall, run::RunReport& report) {
   const double pi = std::acos(-1.0);
   const fem::Material material = materialOf(deck);
   const double modulus = material.young[0] / (1.0 - material.poisson[0] * material.poisson[0]);

@@ -50,7 +50,7 @@ scene::Scene makeScene(const app::DeckContext& context) {
   return signorini::membranes(context.deck.sublist("Model"));
 }
 
-void evaluate(const Teuchos::ParameterList& deck, scene::RunReport& report) {
+void evaluate(const Teuchos::ParameterList& deck, run::RunReport& report) {
   const std::string problem = problemOf(deck);
   if (problem == "hertz cylinder" || problem == "hertz ball")
     signorini::evaluateHertz(deck, problem == "hertz ball", report);

@@ -54,7 +54,7 @@ Row rowOf(const Plan& plan, const Setting& setting, const Outcome& outcome, cons
     row[column] = "";
   for (std::size_t a = 0; a < plan.axes.size(); ++a)
     row[plan.axes[a].name] = plan.axes[a].text(setting[a]);
-  const scene::RunReport& report = outcome.report;
+  const run::RunReport& report = outcome.report;
   const qp::Counters& counters = report.result.counters;
   row["ranks"] = std::to_string(report.ranks);
   row["git"] = gitHash();
@@ -142,7 +142,7 @@ int runStudy(const app::ProgramContext& context) {
   agree(*comm, [&] {
     if (comm->getRank() != 0)
       return;
-    scene::makeDirectory(plan.output);
+    io::makeDirectory(plan.output);
     table = std::make_unique<Table>(plan, columnsOf(plan));
   });
   const std::vector<Setting> todo = missing(*comm, plan, table.get(), all);
@@ -181,7 +181,7 @@ int runStudy(const app::ProgramContext& context) {
     if (!table)
       return;
     const Result result(plan, *table, comm->getSize());
-    scene::writeAtomically(plan.output + "/study.json", toJson(plan, *table, result, comm->getSize()));
+    io::writeAtomically(plan.output + "/study.json", toJson(plan, *table, result, comm->getSize()));
     for (const std::string& sentence : result.sentences)
       log.info(sentence);
     anyConverged = std::any_of(result.points.begin(), result.points.end(),

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-Errors arrayOf(const scene::SolutionNorms& norms) {
+Errors arrayOf(const run::SolutionNorms& norms) {
   return {norms.energy, norms.displacement, norms.pressure, norms.contactArea};
 }
 
@@ -30,7 +30,7 @@ Errors filled(double value) {
 ErrorJudge::ErrorJudge(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Plan& plan, const Log& log)
     : comm_(comm), plan_(plan), log_(log) {}
 
-Errors ErrorJudge::relative(const scene::SolutionNorms& norms) const {
+Errors ErrorJudge::relative(const run::SolutionNorms& norms) const {
   const Errors values = arrayOf(norms), scales = arrayOf(norms_);
   Errors result{};
   for (std::size_t k = 0; k < measures; ++k)
@@ -67,11 +67,11 @@ void ErrorJudge::makeReference() {
   const Tight coarser = tightRun(exact(plan_.coarser), "the coarser reference");
   const Tight coarsest = tightRun(exact(plan_.coarsest), "the coarsest reference");
   reference_ = finest.run;
-  norms_ = scene::normsOf(*comm_, *reference_);
+  norms_ = run::normsOf(*comm_, *reference_);
   const Errors first =
-      relative(scene::SolutionComparison(*comm_, *finest.run, *coarser.run).difference(*coarser.run));
+      relative(run::SolutionComparison(*comm_, *finest.run, *coarser.run).difference(*coarser.run));
   const Errors second =
-      relative(scene::SolutionComparison(*comm_, *coarser.run, *coarsest.run).difference(*coarsest.run));
+      relative(run::SolutionComparison(*comm_, *coarser.run, *coarsest.run).difference(*coarsest.run));
   for (std::size_t k = 0; k < measures; ++k) {
     const double ratio = first[k] > 0.0 ? second[k] / first[k] : 8.0;
     own_[k] = first[k] / (std::clamp(ratio, std::sqrt(2.0), 8.0) - 1.0);
@@ -107,7 +107,7 @@ void ErrorJudge::turnTo(const Setting& setting) {
   assignments.push_back("Dual operator/Precision=double");
   assignments.push_back("Dual operator/Block low rank tolerance=0");
   tight_ = tightRun(assignments, "the tight run for " + plan_.label(setting));
-  comparison_ = std::make_unique<const scene::SolutionComparison>(*comm_, *reference_, *tight_.run);
+  comparison_ = std::make_unique<const run::SolutionComparison>(*comm_, *reference_, *tight_.run);
   discretisation_ = relative(comparison_->difference(*tight_.run));
   scene_ = scene;
 }
@@ -133,10 +133,10 @@ ErrorParts ErrorJudge::partsOf(const Setting& setting, const Outcome& outcome) {
                .first;
     }
     tight = &at->second;
-    parts.local = relative(scene::differenceOnSameMesh(*comm_, *tight->run, *tight_.run));
+    parts.local = relative(run::differenceOnSameMesh(*comm_, *tight->run, *tight_.run));
   }
   parts.total = relative(comparison_->difference(*outcome.run));
-  parts.solver = relative(scene::differenceOnSameMesh(*comm_, *outcome.run, *tight->run));
+  parts.solver = relative(run::differenceOnSameMesh(*comm_, *outcome.run, *tight->run));
   parts.tightTolerance = tight->tolerance;
   return parts;
 }

@@ -48,24 +48,24 @@ class ErrorJudge {
 
  private:
   struct Tight {
-    std::shared_ptr<const scene::FinishedRun> run;
+    std::shared_ptr<const run::FinishedRun> run;
     double tolerance;
   };
   Tight tightRun(std::vector<std::string> assignments, const std::string& what) const;
   void makeReference();
   void turnTo(const Setting& setting);
-  Errors relative(const scene::SolutionNorms& norms) const;
+  Errors relative(const run::SolutionNorms& norms) const;
 
   Teuchos::RCP<const Teuchos::Comm<int>> comm_;
   const Plan& plan_;
   const Log& log_;
-  std::shared_ptr<const scene::FinishedRun> reference_;
-  scene::SolutionNorms norms_;
+  std::shared_ptr<const run::FinishedRun> reference_;
+  run::SolutionNorms norms_;
   Errors own_{};
   // Of the present scene.
   std::vector<std::string> scene_;
   Tight tight_;
-  std::unique_ptr<const scene::SolutionComparison> comparison_;
+  std::unique_ptr<const run::SolutionComparison> comparison_;
   Errors discretisation_{};
   std::map<std::vector<std::string>, Tight> inexact_; ///< tight runs by local solver
 };

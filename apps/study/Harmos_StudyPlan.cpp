@@ -58,7 +58,7 @@ std::string lastName(const std::string& path) {
   return name;
 }
 
-// What leaves meshes and effects as they are, see scene::RunOptions::addTo().
+// What leaves meshes and effects as they are, see run::RunOptions::addTo().
 bool isOfSolver(const std::string& path) {
   static const std::set<std::string> lists = {"Decomposition", "Dual operator", "Solver", "Output"};
   return lists.count(path.substr(0, path.find('/'))) > 0;

@@ -61,11 +61,11 @@ Outcome runSetting(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Pla
   std::map<std::string, std::vector<double>> seconds;
   double sum = 0.0; // the same on all ranks, as seconds of reports are
   for (int run = 0; run < least || (run < most && sum < plan.leastSeconds); ++run) {
-    scene::RunReport report;
+    run::RunReport report;
     report.deck = plan.deck;
     try {
       const Teuchos::ParameterList deck = plan.readDeck(*comm, assignments);
-      scene::RunOptions options = scene::RunOptions::fromDeck(deck);
+      run::RunOptions options = run::RunOptions::fromDeck(deck);
       options.outputDirectory = plan.output + "/last_run";
       options.writeFields = false;
       options.progressFrequency = 0;
@@ -75,12 +75,12 @@ Outcome runSetting(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Pla
       scene::Scene scene = plan.application.makeScene({*comm, deck, app::directoryOf(plan.deck), silent});
       const std::chrono::duration<double> making = std::chrono::steady_clock::now() - begin;
       scene.secondsToMake = making.count();
-      scene::checkConsistency(scene, options);
-      scene::Solution solution = scene::run(comm, scene, options, silent, begin, report);
+      run::checkConsistency(scene, options);
+      run::Solution solution = run::runScene(comm, scene, options, silent, begin, report);
       report.seconds["total"] -= report.seconds["output"];
       if (run == 0) {
         outcome.memoryMiB = globalSum(*comm, statusMiB("VmHWM") - resident);
-        outcome.run = std::make_shared<scene::FinishedRun>();
+        outcome.run = std::make_shared<run::FinishedRun>();
         *outcome.run = {std::move(scene), std::move(solution), report.contactPoints, report.contact};
         outcome.reason = report.reason;
         outcome.report = report;

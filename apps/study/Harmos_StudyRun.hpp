@@ -14,10 +14,10 @@ enum class Repetition { Planned, Once };
 
 /// What became of a setting.
 struct Outcome {
-  scene::RunReport report;                 ///< of the first repetition
-  std::shared_ptr<scene::FinishedRun> run; ///< null if it threw
-  std::string reason;                      ///< "converged", or why not
-  std::map<std::string, double> seconds;   ///< medians over the repetitions; "total" is without output
+  run::RunReport report;                 ///< of the first repetition
+  std::shared_ptr<run::FinishedRun> run; ///< null if it threw
+  std::string reason;                    ///< "converged", or why not
+  std::map<std::string, double> seconds; ///< medians over the repetitions; "total" is without output
   int repetitions = 0;
   double memoryMiB = 0.0; ///< growth of the resident memory of all ranks during the run, at its peak
   std::vector<std::string>

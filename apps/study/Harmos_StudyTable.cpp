@@ -106,7 +106,7 @@ void Table::add(Row row) {
       fields.push_back(each.at(column));
     text += joinCsv(fields) + "\n";
   }
-  scene::writeAtomically(path_, text);
+  io::writeAtomically(path_, text);
 }
 
 } // namespace Harmos::study

@@ -32,7 +32,7 @@ double median(std::vector<double> values) {
 
 // Seconds of some solutions in a row, on the slowest rank.
 double timed(const Teuchos::Comm<int>& comm, int calls, LimitProblem& problem, double tolerance,
-             scene::RunReport& report) {
+             run::RunReport& report) {
   comm.barrier();
   const double start = now();
   for (int k = 0; k < calls; ++k)
@@ -76,7 +76,7 @@ int main(int argc, char* argv[]) {
         constexpr int pattern = 2; // loads that differ between subdomains: the most steps
         const LinearLimit limit(s, n, closed, pattern);
         LimitProblem contact(limit.contact), linear(limit.linear);
-        scene::RunReport mine, theirs;
+        run::RunReport mine, theirs;
         const double estimate = timed(*comm, 1, linear, tolerance, theirs);
         const int calls = std::clamp(static_cast<int>(0.05 / estimate), 1, 100);
         const double whole = timedWhole(*comm, 1, limit.linear, tolerance);

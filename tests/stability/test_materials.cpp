@@ -135,7 +135,7 @@ TEST(Stability, nearly_incompressible) {
       const TestRun run = runScene(scene, tolerance);
       expectReference(reference, run, 1e3 * tolerance, which);
       double force = 0.0;
-      for (const scene::ContactState& state : run.report.contact)
+      for (const run::ContactState& state : run.report.contact)
         force += state.force;
       if (!locks)
         EXPECT_NEAR(force, fine, 0.05 * fine) << which; // the error of the mesh

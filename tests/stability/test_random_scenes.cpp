@@ -92,7 +92,7 @@ std::string contradictions(const scene::Scene& scene, double tolerance,
     if (!(value <= most))
       text << "  " << name << " is " << scientific(value) << ", at most " << scientific(most) << "\n";
   };
-  if (!scene::auditAgrees(run.report))
+  if (!run::auditAgrees(run.report))
     text << "  the audit does not agree: jump " << scientific(run.report.audit.gluingJump) << ", penetration "
          << scientific(run.report.audit.penetration) << ", equilibrium "
          << scientific(run.report.audit.equilibrium) << ", displacement "
@@ -195,7 +195,7 @@ void tryScene(unsigned seed, Tally& tally) {
   if (prints)
     std::cout << random.text() << "\n"
               << outcome.failure << "\n"
-              << scene::auditText(outcome.run.report) << "\n";
+              << run::auditText(outcome.run.report) << "\n";
   if (!outcome.converged()) {
     if (random.isSolvable)
       tally.addReason(outcome.failure);

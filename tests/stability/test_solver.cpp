@@ -92,7 +92,7 @@ TEST(Stability, tolerance_from_1e_2_to_1e_12) {
         const std::vector<std::string> how = {std::string("Decomposition/Dirichlet=") + form,
                                               std::string("Solver/Method=") + method,
                                               std::string("Dual operator/Preconditioner=") + kind};
-        const scene::RunOptions options = testOptions(1e-2, how);
+        const run::RunOptions options = testOptions(1e-2, how);
         const TestFeti feti(modelOf(scene), options.dirichlet, options.dual.inverses);
         for (double tolerance : {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
           const TornRun run = solveTorn(feti, tolerance, how);
@@ -101,7 +101,7 @@ TEST(Stability, tolerance_from_1e_2_to_1e_12) {
           expectReference(reference, run, 1e2 * tolerance, name.str());
           // What is told, what was asked for, and what is found from F, d and G anew: the last one with
           // rounding errors of its own.
-          const scene::RunReport& report = run.report;
+          const run::RunReport& report = run.report;
           const Residuals anew = residualsOf(feti, run);
           const double rounding = 1e-14;
           EXPECT_LE(anew.gradient, (1.01 * tolerance + rounding) * report.gradientScale) << name.str();

@@ -48,7 +48,7 @@ contact::Obstacle halfSpace(const fem::Point& point, const fem::Point& direction
   return obstacle;
 }
 
-double products(const scene::RunReport& report) {
+double products(const run::RunReport& report) {
   return report.result.counters.hessianApplications;
 }
 
@@ -62,14 +62,14 @@ TestModel modelOf(const scene::Scene& scene) {
 }
 
 TornRun solveTorn(const TestModel& model, double tolerance, const std::vector<std::string>& assignments) {
-  const scene::RunOptions options = testOptions(tolerance, assignments);
+  const run::RunOptions options = testOptions(tolerance, assignments);
   feti::LocalInverseOptions inverses = options.dual.inverses;
   inverses.form = options.dual.form.value_or(feti::DualForm::Condensed);
   return solveTorn(TestFeti(model, options.dirichlet, inverses), tolerance, assignments);
 }
 
 TornRun solveTorn(const TestFeti& feti, double tolerance, const std::vector<std::string>& assignments) {
-  const scene::RunOptions options = testOptions(tolerance, assignments);
+  const run::RunOptions options = testOptions(tolerance, assignments);
   Teuchos::RCP<const feti::DualPreconditioner> preconditioner;
   if (options.dual.preconditioner != feti::PreconditionerKind::None)
     preconditioner = Teuchos::rcp(new feti::DualPreconditioner(
@@ -100,11 +100,11 @@ Deviation deviation(const ReferenceSolution& reference, const TornRun& run) {
 
 namespace {
 
-void expectSound(const ReferenceSolution& reference, const scene::RunReport& report, const Deviation& off,
+void expectSound(const ReferenceSolution& reference, const run::RunReport& report, const Deviation& off,
                  double bound, const std::string& what) {
   EXPECT_TRUE(reference.solvable) << what;
   EXPECT_TRUE(report.converged) << what << ": " << report.reason;
-  EXPECT_TRUE(scene::auditAgrees(report)) << what << "\n" << scene::auditText(report);
+  EXPECT_TRUE(run::auditAgrees(report)) << what << "\n" << run::auditText(report);
   EXPECT_LE(off.displacement, bound) << what;
   EXPECT_LE(off.force, bound) << what;
   EXPECT_LE(off.energy, bound) << what;

@@ -30,7 +30,7 @@ scene::Scene valley(const Valley& options = {});
 contact::Obstacle halfSpace(const fem::Point& point, const fem::Point& direction);
 
 /// Products with F from the first iterate to the stop.
-double products(const scene::RunReport& report);
+double products(const run::RunReport& report);
 
 /// The raw input of the feti package that a scene gives.
 TestModel modelOf(const scene::Scene& scene);
@@ -40,7 +40,7 @@ struct TornRun {
   feti::TornSolution torn;
   std::vector<double> mu;    ///< multiplier of Gλ = 0
   std::vector<double> force; ///< of each inequality, by its number, on every rank
-  scene::RunReport report;   ///< audited
+  run::RunReport report;     ///< audited
 };
 
 /// The stages of a run from torn bodies on, so that tests can change what goes in: matrices, kernels, rows.

@@ -56,13 +56,13 @@ LimitProblem::LimitProblem(const TestModel& model) {
                                                               feti::PreconditionerScaling::Multiplicity));
 }
 
-scene::RunReport LimitProblem::solve(double tolerance) {
+run::RunReport LimitProblem::solve(double tolerance) {
   ParameterSpec deck("deck", "A deck.");
-  scene::RunOptions::addTo(deck);
-  scene::RunOptions options = scene::RunOptions::fromDeck(deck.defaults());
+  run::RunOptions::addTo(deck);
+  run::RunOptions options = run::RunOptions::fromDeck(deck.defaults());
   options.tolerance = tolerance;
   options.progressFrequency = 0;
-  scene::RunReport report;
+  run::RunReport report;
   solution_ = feti::solveDualProblem({*system_, *constraints_, *inverses_, *coarse_, *dual_, preconditioner_},
                                      options, nullptr, nullptr, Log(), report);
   return report;

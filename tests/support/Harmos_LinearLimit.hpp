@@ -28,7 +28,7 @@ class LimitProblem {
   explicit LimitProblem(const TestModel& model);
 
   /// The dual problem alone, by the default method to a relative tolerance. @note Collective.
-  scene::RunReport solve(double tolerance);
+  run::RunReport solve(double tolerance);
 
   const feti::CoarseSpace& coarse() const { return *coarse_; }
   const feti::DualProblem& dual() const { return *dual_; }

@@ -395,7 +395,7 @@ Deviation deviation(const ReferenceSolution& reference, const feti::TornVector& 
 
 Deviation deviation(const ReferenceSolution& reference, const TestRun& run) {
   std::vector<double> force;
-  for (const scene::ContactState& state : run.report.contact)
+  for (const run::ContactState& state : run.report.contact)
     force.push_back(state.force);
   return deviation(reference, run.solution.displacement, force, run.report.audit.energy);
 }

@@ -64,8 +64,8 @@ class Whole {
         isFixed_[dofs_[i][static_cast<std::size_t>(fixed.dof)]] = true;
   }
 
-  Judgement judge(const std::vector<double>& torn, const scene::RunReport& report) const {
-    const std::vector<scene::ContactState>& contact = report.contact;
+  Judgement judge(const std::vector<double>& torn, const run::RunReport& report) const {
+    const std::vector<run::ContactState>& contact = report.contact;
     // Rounding errors of displacements, rigid parts included: local problems are solved to κε, and stiff
     // bodies that are moved far have forces that are small beside those errors.
     const double unit = 1e2 * std::numeric_limits<double>::epsilon() * std::max(10.0, report.localCondition);
@@ -122,7 +122,7 @@ class Whole {
  private:
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
 
-  void judgeRows(const std::vector<double>& u, const std::vector<scene::ContactState>& contact,
+  void judgeRows(const std::vector<double>& u, const std::vector<run::ContactState>& contact,
                  std::vector<double>& imbalance, Judgement& result) const {
     double largest = 0.0, leastForce = 0.0, total = 0.0, moment = 0.0;
     std::size_t inequality = 0;
@@ -148,7 +148,7 @@ class Whole {
     result.forceAtDistance = total > 0.0 ? moment / total : 0.0;
   }
 
-  std::vector<double> contactForces(const std::vector<scene::ContactState>& contact) const {
+  std::vector<double> contactForces(const std::vector<run::ContactState>& contact) const {
     std::vector<double> forces(size_, 0.0);
     std::size_t inequality = 0;
     for (const ConstraintRow& row : rows_)

@@ -100,15 +100,15 @@ void removeEffects(scene::Scene& scene, const std::string& kind) {
                       scene.effects.end());
 }
 
-scene::RunOptions testOptions(double tolerance, const std::vector<std::string>& assignments) {
+run::RunOptions testOptions(double tolerance, const std::vector<std::string>& assignments) {
   ParameterSpec deck("deck", "A deck.");
-  scene::RunOptions::addTo(deck);
+  run::RunOptions::addTo(deck);
   Teuchos::ParameterList list = deck.defaults();
   for (const std::string& assignment : assignments) {
     const std::size_t sign = assignment.find('=');
     deck.set(list, assignment.substr(0, sign), assignment.substr(sign + 1), "test");
   }
-  scene::RunOptions options = scene::RunOptions::fromDeck(deck.validated(list, "test"));
+  run::RunOptions options = run::RunOptions::fromDeck(deck.validated(list, "test"));
   options.tolerance = tolerance;
   options.writeFields = false;
   options.progressFrequency = 0;
@@ -123,12 +123,12 @@ scene::RunOptions testOptions(double tolerance, const std::vector<std::string>& 
 
 TestRun runScene(const scene::Scene& scene, double tolerance, const std::vector<std::string>& assignments,
                  const Teuchos::RCP<const Teuchos::Comm<int>>& comm) {
-  scene::RunOptions options = testOptions(tolerance, assignments);
+  run::RunOptions options = testOptions(tolerance, assignments);
   if (!comm.is_null())
     options.outputDirectory += "_rank" + std::to_string(testComm()->getRank());
   TestRun run;
-  run.solution = scene::run(comm.is_null() ? testComm() : comm, scene, options, Log(),
-                            std::chrono::steady_clock::now(), run.report);
+  run.solution = run::runScene(comm.is_null() ? testComm() : comm, scene, options, Log(),
+                               std::chrono::steady_clock::now(), run.report);
   return run;
 }
 

@@ -46,12 +46,12 @@ void removeEffects(scene::Scene& scene, const std::string& kind);
 
 /// A finished run of a scene, without files beyond the summary's directory.
 struct TestRun {
-  scene::Solution solution;
-  scene::RunReport report;
+  run::Solution solution;
+  run::RunReport report;
 };
 
 /// The options of the default deck, but for these; without files beyond the summary's directory.
-scene::RunOptions testOptions(double tolerance, const std::vector<std::string>& assignments = {});
+run::RunOptions testOptions(double tolerance, const std::vector<std::string>& assignments = {});
 
 /// Runs a scene with the default deck, to a tolerance; assignments as with --set.
 /// @param comm null: all ranks. Each rank may also run a scene by itself.

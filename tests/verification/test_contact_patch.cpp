@@ -81,7 +81,7 @@ void expectConstantStrain(const scene::Scene& scene, const TestRun& run, const s
       worst = std::max(worst, std::abs(run.solution.displacement[i][k] - exact));
     }
   EXPECT_LE(globalMax(*testComm(), worst), 1e-10 * pressure * 2.0) << what;
-  for (const scene::ContactState& state : run.report.contact)
+  for (const run::ContactState& state : run.report.contact)
     EXPECT_NEAR(state.pressure, pressure, 1e-10 * pressure) << what;
 }
 
@@ -283,7 +283,7 @@ TEST(ContactPatch, block_in_a_corner_of_obstacles) {
       worst = std::max(worst, std::abs(run.solution.displacement[i][k] + 0.75 * pressure * x[k % 2]));
     }
   EXPECT_LE(globalMax(*testComm(), worst), 1e-10 * pressure);
-  for (const scene::ContactState& state : run.report.contact)
+  for (const run::ContactState& state : run.report.contact)
     EXPECT_NEAR(state.pressure, pressure, 1e-10 * pressure);
 }
 

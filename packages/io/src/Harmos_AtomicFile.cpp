@@ -10,7 +10,7 @@
 #include <fstream>
 #include <unistd.h>
 
-namespace Harmos::scene {
+namespace Harmos::io {
 
 std::string partPath(const std::string& path) {
   return path + ".part";
@@ -105,4 +105,4 @@ void makeDirectory(const std::string& path) {
                      {{"directory", path}});
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::io

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace Harmos::scene {
+namespace Harmos::io {
 
 /// Writes a text file that appears whole or not at all: beside, then renamed. Local.
 /// @throws InputError naming the file and the system's reason.
@@ -31,4 +31,4 @@ void syncPart(const std::string& path);
 /// Gives a finished file its name. Local. @throws InputError
 void renamePart(const std::string& path);
 
-} // namespace Harmos::scene
+} // namespace Harmos::io

@@ -11,7 +11,7 @@
 #include <hdf5.h>
 #include <unistd.h>
 
-namespace Harmos::scene {
+namespace Harmos::io {
 namespace {
 
 // Closes what it holds; HDF5 has a close function for each kind.
@@ -282,4 +282,4 @@ template std::vector<long long> Hdf5Reader::rows(const std::string&, long long, 
 template std::vector<int> Hdf5Reader::rows(const std::string&, long long, long long) const;
 template std::vector<unsigned char> Hdf5Reader::rows(const std::string&, long long, long long) const;
 
-} // namespace Harmos::scene
+} // namespace Harmos::io

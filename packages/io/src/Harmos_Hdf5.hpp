@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace Harmos::scene {
+namespace Harmos::io {
 
 /// An HDF5 file that all ranks write at once, and that is there whole or not at all: it takes its name when
 /// all of it is on the disk, and until then a file of that name is left alone. Elements are double, long
@@ -77,4 +77,4 @@ class Hdf5Reader {
   std::unique_ptr<File> file_;
 };
 
-} // namespace Harmos::scene
+} // namespace Harmos::io

@@ -9,7 +9,7 @@
 #include <map>
 #include <set>
 
-namespace Harmos::scene {
+namespace Harmos::plan {
 namespace {
 
 using feti::DualForm;
@@ -45,7 +45,7 @@ void add(feti::FormPrediction& sum, const feti::FormPrediction& one) {
 }
 
 RankLoad loadOf(const PlanSurvey& survey, const feti::LocalInverseOptions& options,
-                const feti::MachineRates& rates, const Share& share) {
+                const feti::MachineRates& rates, const scene::Share& share) {
   RankLoad load;
   load.subdomains = share.end - share.begin;
   std::map<long long, Class> classes;
@@ -122,7 +122,7 @@ DualForm formOf(const std::vector<RankLoad>& loads, const feti::DualOptions& opt
 
 // Directions that conjugate gradients have room for: twenty, doubled when they do not do; see
 // ConjugateDirections.
-double directionsFor(const RunOptions& options, int products) {
+double directionsFor(const run::RunOptions& options, int products) {
   const bool keeps =
       options.method == "PCPG" || options.method == "PDAS" ||
       (options.method == "Auto" && options.dual.preconditioner != feti::PreconditionerKind::None);
@@ -136,8 +136,8 @@ double directionsFor(const RunOptions& options, int products) {
 }
 
 // Bytes an item, from the sources named.
-RankMemory memoryOf(const RankLoad& load, const PlanSurvey& survey, const RunOptions& options, DualForm form,
-                    bool elastic, double directions) {
+RankMemory memoryOf(const RankLoad& load, const PlanSurvey& survey, const run::RunOptions& options,
+                    DualForm form, bool elastic, double directions) {
   RankMemory memory;
   const bool hasPreconditioner = options.dual.preconditioner != feti::PreconditionerKind::None;
   // An entry of B is held by Constraints (16), and gathered and scattered by F and by M⁻¹ (16 each); a row
@@ -183,18 +183,18 @@ double most(const std::vector<RankLoad>& loads, double RankLoad::*member) {
   return result;
 }
 
-std::vector<RankLoad> loadsOf(const PlanSurvey& survey, const RunOptions& options, const PlanRates& rates,
-                              int ranks) {
+std::vector<RankLoad> loadsOf(const PlanSurvey& survey, const run::RunOptions& options,
+                              const PlanRates& rates, int ranks) {
   std::vector<RankLoad> loads;
   const auto total = static_cast<long long>(survey.subdomains.size());
   for (int rank = 0; rank < ranks; ++rank)
-    loads.push_back(loadOf(survey, options.dual.inverses, rates.local, shareOf(rank, ranks, total)));
+    loads.push_back(loadOf(survey, options.dual.inverses, rates.local, scene::shareOf(rank, ranks, total)));
   return loads;
 }
 
 } // namespace
 
-ProductRange expectedProducts(const Scene& scene, const RunOptions& options) {
+ProductRange expectedProducts(const scene::Scene& scene, const run::RunOptions& options) {
   struct Range {
     double least, most;
   };
@@ -203,13 +203,13 @@ ProductRange expectedProducts(const Scene& scene, const RunOptions& options) {
   const int kind = options.dual.preconditioner == feti::PreconditionerKind::Dirichlet ? 0
                    : options.dual.preconditioner == feti::PreconditionerKind::Lumped  ? 1
                                                                                       : 2;
-  const Range& perDigit = (scene.physics == Physics::Membrane ? membranes : elastic)[kind];
+  const Range& perDigit = (scene.physics == scene::Physics::Membrane ? membranes : elastic)[kind];
   const double digits = -std::log10(options.tolerance);
   return {static_cast<int>(std::ceil(perDigit.least * digits)),
           static_cast<int>(std::ceil(perDigit.most * digits))};
 }
 
-PlanRow planRow(const PlanSurvey& survey, const RunOptions& options, bool elastic,
+PlanRow planRow(const PlanSurvey& survey, const run::RunOptions& options, bool elastic,
                 const ProductRange& products, const PlanRates& rates, double programBytes, double sceneBytes,
                 int ranks) {
   PlanRow row;
@@ -269,4 +269,4 @@ PlanRow planRow(const PlanSurvey& survey, const RunOptions& options, bool elasti
   return row;
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::plan

@@ -4,7 +4,7 @@
 #include "Harmos_PlanRates.hpp"
 #include "Harmos_PlanSurvey.hpp"
 
-namespace Harmos::scene {
+namespace Harmos::plan {
 
 /// Memory of a rank in bytes.
 ///
@@ -55,12 +55,12 @@ struct PlanRow {
 struct ProductRange {
   int least, most;
 };
-ProductRange expectedProducts(const Scene& scene, const RunOptions& options);
+ProductRange expectedProducts(const scene::Scene& scene, const run::RunOptions& options);
 
 /// @param programBytes of a process before it has a scene. @param sceneBytes what rank 0 has read scenes
 /// with.
-PlanRow planRow(const PlanSurvey& survey, const RunOptions& options, bool elastic,
+PlanRow planRow(const PlanSurvey& survey, const run::RunOptions& options, bool elastic,
                 const ProductRange& products, const PlanRates& rates, double programBytes, double sceneBytes,
                 int ranks);
 
-} // namespace Harmos::scene
+} // namespace Harmos::plan

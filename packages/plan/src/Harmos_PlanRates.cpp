@@ -10,7 +10,7 @@
 #include <fstream>
 #include <map>
 
-namespace Harmos::scene {
+namespace Harmos::plan {
 namespace {
 
 // Each name and where its rate stands.
@@ -126,4 +126,4 @@ std::vector<std::pair<std::string, double>> namedRates(const PlanRates& rates) {
   return result;
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::plan

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace Harmos::scene {
+namespace Harmos::plan {
 
 /// Rates of the machine that a run is planned for.
 struct PlanRates {
@@ -24,4 +24,4 @@ PlanRates ratesFromFile(const std::string& path);
 /// The same, name by name, as plan.json has them.
 std::vector<std::pair<std::string, double>> namedRates(const PlanRates& rates);
 
-} // namespace Harmos::scene
+} // namespace Harmos::plan

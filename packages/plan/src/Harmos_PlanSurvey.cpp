@@ -17,7 +17,7 @@
 #include <set>
 #include <tuple>
 
-namespace Harmos::scene {
+namespace Harmos::plan {
 namespace {
 
 // What tells an object from others without sending it. Equal stiffness matrices of different ranks differ by
@@ -230,20 +230,20 @@ std::vector<feti::FactorizationEstimate> analyses(const Teuchos::Comm<int>& comm
 
 } // namespace
 
-PlanSurvey survey(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
-                  const RunOptions& options) {
+PlanSurvey survey(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
+                  const run::RunOptions& options) {
   PlanSurvey result;
   result.ranks = comm->getSize();
-  result.dimension = scene.physics == Physics::Solid ? 3 : 2;
+  result.dimension = scene.physics == scene::Physics::Solid ? 3 : 2;
   Stopwatch watch(*comm);
-  const std::vector<OwnedSubdomain> owned = decompose(*comm, scene);
-  checkBoundaryParts(*comm, scene, owned);
+  const std::vector<scene::OwnedSubdomain> owned = scene::decompose(*comm, scene);
+  scene::checkBoundaryParts(*comm, scene, owned);
   result.secondsOfMeshes = watch.lap();
   std::vector<feti::Subdomain> assembled;
-  agree(*comm, [&] { assembled = assemble(scene, owned); });
+  agree(*comm, [&] { assembled = scene::assemble(scene, owned); });
   const feti::SubdomainSystem system(comm, std::move(assembled), options.dirichlet);
   result.secondsOfAssembly = watch.lap();
-  const ContactSetup contact = setUpContact(*comm, scene, owned);
+  const scene::ContactSetup contact = scene::setUpContact(*comm, scene, owned);
   const feti::Constraints constraints(system, contact.rows);
   result.secondsOfConstraints = watch.lap();
   const feti::CoarseSpace coarse(system, constraints);
@@ -354,4 +354,4 @@ PlanSurvey survey(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scen
   return result;
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::plan

@@ -10,7 +10,7 @@
 
 #include <vector>
 
-namespace Harmos::scene {
+namespace Harmos::plan {
 
 /// What the plan of a run has to know of a subdomain.
 struct SurveyedSubdomain {
@@ -55,7 +55,7 @@ struct PlanSurvey {
 /// Meshes, assembles and sets up constraints and the coarse problem as a run does, and counts. Only the
 /// coarse matrix is factored.
 /// @throws as a run up to there. @note Collective.
-PlanSurvey survey(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
-                  const RunOptions& options);
+PlanSurvey survey(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
+                  const run::RunOptions& options);
 
-} // namespace Harmos::scene
+} // namespace Harmos::plan

@@ -13,7 +13,7 @@
 #include <iomanip>
 #include <sstream>
 
-namespace Harmos::scene {
+namespace Harmos::plan {
 namespace {
 
 constexpr double mebi = 1048576.0;
@@ -100,8 +100,8 @@ std::string number(double value, int width) {
 
 } // namespace
 
-RunPlan makeRunPlan(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
-                    const RunOptions& options, const PlanRequest& request) {
+RunPlan makeRunPlan(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
+                    const run::RunOptions& options, const PlanRequest& request) {
   RunPlan plan;
   // The survey takes time: what is wrong with the request is told before.
   std::vector<int> counts;
@@ -112,13 +112,13 @@ RunPlan makeRunPlan(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sc
   });
   const double program = globalMax(*comm, request.programMiB) * mebi;
   // What reading and cutting of meshes took stays resident on rank 0.
-  const double scenery = std::max(0.0, globalMax(*comm, peakMemoryMiB()) * mebi - program);
+  const double scenery = std::max(0.0, globalMax(*comm, run::peakMemoryMiB()) * mebi - program);
   plan.survey = survey(comm, scene, options);
   plan.survey.secondsOfMeshes += globalMax(*comm, scene.secondsToMake);
   plan.products = expectedProducts(scene, options);
   for (int ranks : counts)
-    plan.rows.push_back(planRow(plan.survey, options, scene.physics != Physics::Membrane, plan.products,
-                                plan.rates, program, scenery, ranks));
+    plan.rows.push_back(planRow(plan.survey, options, scene.physics != scene::Physics::Membrane,
+                                plan.products, plan.rates, program, scenery, ranks));
   recommend(plan, request.memoryMiB);
   return plan;
 }
@@ -230,4 +230,4 @@ std::string planJson(const RunPlan& plan, const std::string& deck) {
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::plan

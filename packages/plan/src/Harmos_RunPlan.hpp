@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace Harmos::scene {
+namespace Harmos::plan {
 
 /// What a plan is asked for.
 struct PlanRequest {
@@ -36,12 +36,12 @@ struct RunPlan {
 /// to use at least half of its ranks' time as well as the smallest number in the table that fits.
 /// @throws InputError on all ranks for counts below one and for rates that cannot be read; as survey().
 /// @note Collective. Guarded by tests/regression/test_plan.py.
-RunPlan makeRunPlan(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
-                    const RunOptions& options, const PlanRequest& request);
+RunPlan makeRunPlan(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
+                    const run::RunOptions& options, const PlanRequest& request);
 
 /// For the terminal.
 std::string planText(const RunPlan& plan);
 /// plan.json as text.
 std::string planJson(const RunPlan& plan, const std::string& deck);
 
-} // namespace Harmos::scene
+} // namespace Harmos::plan

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <sstream>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 namespace {
 
 // Nothing is to be had below: products with dense blocks in single precision, or rounding errors.
@@ -26,8 +26,8 @@ double firstBalancedTolerance() {
   return 1e-3;
 }
 
-AnswerCheck::AnswerCheck(const Teuchos::Comm<int>& comm, const Scene& scene,
-                         const std::vector<OwnedSubdomain>& owned, const feti::DualStages& stages,
+AnswerCheck::AnswerCheck(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
+                         const std::vector<scene::OwnedSubdomain>& owned, const feti::DualStages& stages,
                          const RunOptions& options, const Log& log, RunReport& report)
     : comm_(comm),
       scene_(scene),
@@ -139,4 +139,4 @@ feti::TornSolution AnswerCheck::finish(const MultiVector& lambda, const std::vec
   return std::move(torn_);
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

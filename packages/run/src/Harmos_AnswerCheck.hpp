@@ -11,7 +11,7 @@
 
 #include <optional>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 
 /// Looks from the primal side at answers that meet the solver's tolerance, and says whether to go on.
 ///
@@ -31,8 +31,9 @@ namespace Harmos::scene {
 /// Guarded by tests/unit/run/test_answer_check.cpp.
 class AnswerCheck {
  public:
-  AnswerCheck(const Teuchos::Comm<int>& comm, const Scene& scene, const std::vector<OwnedSubdomain>& owned,
-              const feti::DualStages& stages, const RunOptions& options, const Log& log, RunReport& report);
+  AnswerCheck(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
+              const std::vector<scene::OwnedSubdomain>& owned, const feti::DualStages& stages,
+              const RunOptions& options, const Log& log, RunReport& report);
 
   /// @param lambda, mu an answer; @param tolerance that it meets.
   /// @return the tolerance to go on to; nothing if the answer is accepted, or going on would not help.
@@ -52,8 +53,8 @@ class AnswerCheck {
   std::optional<double> balance(double tolerance);
 
   const Teuchos::Comm<int>& comm_;
-  const Scene& scene_;
-  const std::vector<OwnedSubdomain>& owned_;
+  const scene::Scene& scene_;
+  const std::vector<scene::OwnedSubdomain>& owned_;
   const feti::DualStages& stages_;
   const RunOptions& options_;
   const Log& log_;
@@ -67,4 +68,4 @@ class AnswerCheck {
 /// The tolerance that a balanced run starts with.
 double firstBalancedTolerance();
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

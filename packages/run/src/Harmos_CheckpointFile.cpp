@@ -15,7 +15,7 @@
 #include <filesystem>
 #include <sstream>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 namespace {
 
 const char* const format = "Harmos checkpoint 2";
@@ -182,7 +182,7 @@ CheckpointReader::CheckpointReader(const Teuchos::Comm<int>& comm, const std::st
                        {{"file", path}});
   });
   try {
-    agree(comm, [&] { file_ = std::make_unique<Hdf5Reader>(path, what); });
+    agree(comm, [&] { file_ = std::make_unique<io::Hdf5Reader>(path, what); });
     verify();
     agree(comm, [&] {
       if (text("format") != format)
@@ -225,7 +225,7 @@ void CheckpointReader::verify() const {
       std::vector<T> mine;
       long long first = 0;
       agree(comm_, [&] {
-        const Hdf5Reader::Shape shape = file_->shape(name);
+        const io::Hdf5Reader::Shape shape = file_->shape(name);
         first = shape.rows * rank / ranks;
         mine = file_->rows<T>(name, first, shape.rows * (rank + 1) / ranks - first);
         first *= static_cast<long long>(shape.width);
@@ -270,7 +270,7 @@ class CheckpointReader::Archive : public qp::StateArchive<MultiVector> {
     agree(reader_.comm_, [&] {
       if (!reader_.file_->has(dataset))
         throw unfit("it has no \"" + name + "\"");
-      const Hdf5Reader::Shape shape = reader_.file_->shape(dataset);
+      const io::Hdf5Reader::Shape shape = reader_.file_->shape(dataset);
       if (shape.rows != static_cast<long long>(map->getGlobalNumElements()) || shape.width != width)
         throw unfit("its \"" + name + "\" has " + std::to_string(shape.rows) + " rows of " +
                     std::to_string(shape.width) + ", not " + std::to_string(map->getGlobalNumElements()) +
@@ -324,4 +324,4 @@ void CheckpointReader::restore(const RowBasis& basis,
   exchange(archive);
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

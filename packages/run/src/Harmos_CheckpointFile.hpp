@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 
 /// Where a run's checkpoint lies.
 std::string checkpointPath(const std::string& directory);
@@ -66,7 +66,7 @@ class CheckpointWriter : public qp::StateArchive<MultiVector> {
 
   const Teuchos::Comm<int>& comm_;
   RowBasis basis_;
-  Hdf5Writer file_;
+  io::Hdf5Writer file_;
   std::map<std::string, std::vector<double>> numbers_;
   Teuchos::RCP<MultiVector> dualLike_; // a vector of the shape of Gᵀμ
   std::string names_;                  // of the datasets, a line each
@@ -95,9 +95,9 @@ class CheckpointReader {
 
   const Teuchos::Comm<int>& comm_;
   std::string path_;
-  std::unique_ptr<Hdf5Reader> file_;
+  std::unique_ptr<io::Hdf5Reader> file_;
   std::map<std::string, std::vector<double>> numbers_;
   std::map<std::string, std::string> texts_;
 };
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

@@ -5,7 +5,7 @@
 
 #include <unordered_map>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 
 std::vector<ContactState> contactStates(const Teuchos::Comm<int>& comm,
                                         const std::vector<contact::ContactPoint>& points,
@@ -26,7 +26,7 @@ std::vector<ContactState> contactStates(const Teuchos::Comm<int>& comm,
   return result;
 }
 
-ContactFields contactFields(const std::vector<OwnedSubdomain>& owned,
+ContactFields contactFields(const std::vector<scene::OwnedSubdomain>& owned,
                             const std::vector<contact::ContactPoint>& points,
                             const std::vector<ContactState>& states) {
   std::unordered_map<long long, const ContactState*> atNode;
@@ -42,7 +42,7 @@ ContactFields contactFields(const std::vector<OwnedSubdomain>& owned,
       }
   }
   ContactFields fields;
-  for (const OwnedSubdomain& subdomain : owned) {
+  for (const scene::OwnedSubdomain& subdomain : owned) {
     const auto nodes = static_cast<std::size_t>(subdomain.mesh.mesh->numberOfNodes());
     std::vector<double> pressure(nodes, 0.0), gap(nodes, 0.0);
     std::vector<unsigned char> active(nodes, 0);
@@ -62,4 +62,4 @@ ContactFields contactFields(const std::vector<OwnedSubdomain>& owned,
   return fields;
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

@@ -9,7 +9,7 @@
 
 #include <vector>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 
 /// The state of a contact point in the solution.
 struct ContactState {
@@ -35,8 +35,8 @@ struct ContactFields {
 /// Brings the states to the nodes; every copy of a node gets the same values. With node to node contact both
 /// sides have them, with mortar coupling the side that carries the multipliers.
 /// Local.
-ContactFields contactFields(const std::vector<OwnedSubdomain>& owned,
+ContactFields contactFields(const std::vector<scene::OwnedSubdomain>& owned,
                             const std::vector<contact::ContactPoint>& points,
                             const std::vector<ContactState>& states);
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

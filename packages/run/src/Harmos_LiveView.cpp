@@ -6,7 +6,7 @@
 #include <iomanip>
 #include <sstream>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 namespace {
 
 constexpr double interval = 0.25; // seconds between two updates: as often as an eye can follow
@@ -111,4 +111,4 @@ void LiveView::add(const qp::IterationRecord& record, const feti::DualTargets& t
     log_.status(statusLine(method_, record, targets, remaining_.seconds()));
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

@@ -11,7 +11,7 @@
 #include <optional>
 #include <string>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 
 /// How long a solver will take to get from its residuals to its targets, if these go on falling as they did
 /// over the last iterations: the line through the logarithm of the larger of ‖g^P‖/target and ‖Gλ‖/target, by
@@ -60,4 +60,4 @@ class LiveView {
 std::string statusLine(const std::string& method, const qp::IterationRecord& record,
                        const feti::DualTargets& targets, const std::optional<double>& remaining);
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

@@ -32,7 +32,7 @@
 #include <iomanip>
 #include <sstream>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 namespace {
 
 const std::vector<std::string> stages = {"mesh",   "assembly", "factorization", "dual_operator",
@@ -59,9 +59,9 @@ feti::LocalInverses makeInverses(const feti::SubdomainSystem& system, const feti
 }
 
 // "“second membrane”": the bodies that have a share in a rigid motion.
-std::string escapingBodies(const Teuchos::Comm<int>& comm, const Scene& scene,
-                           const std::vector<OwnedSubdomain>& owned, const feti::SubdomainSystem& system,
-                           const std::vector<double>& escape) {
+std::string escapingBodies(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
+                           const std::vector<scene::OwnedSubdomain>& owned,
+                           const feti::SubdomainSystem& system, const std::vector<double>& escape) {
   std::vector<double> squares(scene.bodies.size(), 0.0);
   for (int i = 0; i < system.size(); ++i)
     for (int k = 0; k < system.kernel(i).columns; ++k)
@@ -77,12 +77,12 @@ std::string escapingBodies(const Teuchos::Comm<int>& comm, const Scene& scene,
 }
 
 // feti knows subdomains only; whoever reads the message knows bodies.
-NumericalError withBody(const Scene& scene, const NumericalError& error) {
+NumericalError withBody(const scene::Scene& scene, const NumericalError& error) {
   for (const auto& [name, value] : error.data()) {
     if (name != "subdomain")
       continue;
     long long number = std::stoll(value);
-    for (const Body& body : scene.bodies) {
+    for (const scene::Body& body : scene.bodies) {
       if (number < body.subdomains) {
         ErrorData data = error.data();
         data.emplace_back("body", body.name);
@@ -121,10 +121,10 @@ std::unique_ptr<CheckpointReader> openCheckpoint(const Teuchos::Comm<int>& comm,
     const std::string before = checkpoint->text("deck"), &now = options.checkpoint.deck;
     if (before.empty() || now.empty())
       return; // of an application without decks
-    const std::string difference = firstDifference(*Teuchos::getParametersFromXmlString(before),
-                                                   *Teuchos::getParametersFromXmlString(now),
-                                                   {"Output", "Solver/Tolerance", "Solver/Maximum iterations",
-                                                    "Solver/Maximum seconds", "Solver/Progress frequency"});
+    const std::string difference = scene::firstDifference(
+        *Teuchos::getParametersFromXmlString(before), *Teuchos::getParametersFromXmlString(now),
+        {"Output", "Solver/Tolerance", "Solver/Maximum iterations", "Solver/Maximum seconds",
+         "Solver/Progress frequency"});
     if (!difference.empty())
       throw InputError("the checkpoint \"" + checkpoint->path() + "\" is of another deck: " + difference +
                            "; restart with the deck that wrote it (tolerance, limits and output may differ)",
@@ -160,7 +160,7 @@ void removeQuietly(const Teuchos::Comm<int>& comm, const std::string& path) {
   if (comm.getRank() != 0)
     return;
   try {
-    removeFile(path);
+    io::removeFile(path);
   } catch (const InputError&) {
   }
 }
@@ -171,11 +171,11 @@ void writeIterations(const Teuchos::Comm<int>& comm, const RunOptions& options, 
       return;
     std::ostringstream history;
     qp::writeHistory(history, report.result.history);
-    writeAtomically(options.outputDirectory + "/iterations.csv", history.str());
+    io::writeAtomically(options.outputDirectory + "/iterations.csv", history.str());
   });
 }
 
-Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
+Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
                    const RunOptions& options, const Log& log, const StageTimers& timers, RunReport& report,
                    RankShare& share) {
   const std::unique_ptr<CheckpointReader> checkpoint = openCheckpoint(*comm, options, report);
@@ -198,25 +198,25 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
   agree(*comm, [&] {
     if (comm->getRank() != 0)
       return;
-    makeDirectory(options.outputDirectory);
+    io::makeDirectory(options.outputDirectory);
     // Results of an earlier run must not be taken for this one's if it fails.
     for (const char* name :
          {"/summary.json", "/iterations.csv", "/result.vtkhdf", "/contact.csv", "/ranks.csv"})
-      removeFile(options.outputDirectory + name);
+      io::removeFile(options.outputDirectory + name);
     putAside(options, report, log);
   });
 
-  EffectCosts costs(scene);
-  std::vector<OwnedSubdomain> owned;
+  scene::EffectCosts costs(scene);
+  std::vector<scene::OwnedSubdomain> owned;
   std::vector<feti::Subdomain> subdomains;
   {
     const auto scope = timers.scope("mesh");
-    owned = decompose(*comm, scene);
-    checkBoundaryParts(*comm, scene, owned);
+    owned = scene::decompose(*comm, scene);
+    scene::checkBoundaryParts(*comm, scene, owned);
   }
   {
     const auto scope = timers.scope("assembly");
-    agree(*comm, [&] { subdomains = assemble(scene, owned, costs); });
+    agree(*comm, [&] { subdomains = scene::assemble(scene, owned, costs); });
   }
   const feti::SubdomainSystem system = [&] {
     const auto scope = timers.scope("assembly");
@@ -228,10 +228,10 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
   report.primalDimension = system.primalDimension();
   report.kernelDimension = system.kernelDimension();
 
-  ContactSetup contact;
+  scene::ContactSetup contact;
   const feti::Constraints constraints = [&] {
     const auto scope = timers.scope("dual_operator");
-    contact = setUpContact(*comm, scene, owned, costs);
+    contact = scene::setUpContact(*comm, scene, owned, costs);
     return feti::Constraints(system, contact.rows);
   }();
   for (const std::string& note : contact.notes)
@@ -248,11 +248,12 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
            std::to_string(report.dualDimension) + " (" + std::to_string(report.inequalities) +
            " inequalities), kernel dimension " + std::to_string(report.kernelDimension));
   if (!report.effectCosts.empty())
-    log.info(costText(report.effectCosts));
+    log.info(scene::costText(report.effectCosts));
 
   const feti::LocalInverses inverses = [&] {
     const auto scope = timers.scope("factorization");
-    return makeInverses(system, constraints, options.dual, scene.physics != Physics::Membrane, log, report);
+    return makeInverses(system, constraints, options.dual, scene.physics != scene::Physics::Membrane, log,
+                        report);
   }();
   share.dualOperatorMiB = inverses.bytes() / 1048576.0;
   const feti::DualOperator dualOperator(constraints, inverses);
@@ -345,7 +346,7 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
       fields.displacement = &torn.displacement;
       fields.components = scene.components();
       std::vector<std::vector<fem::Voigt>> stress;
-      if (options.writeStresses && scene.physics != Physics::Membrane) {
+      if (options.writeStresses && scene.physics != scene::Physics::Membrane) {
         stress = recoverStress(*comm, scene, owned, torn.displacement);
         fields.stress = &stress;
       }
@@ -367,9 +368,9 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Sce
 
 } // namespace
 
-Solution run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
-             const RunOptions& options, const Log& log, std::chrono::steady_clock::time_point begin,
-             RunReport& report) {
+Solution runScene(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
+                  const RunOptions& options, const Log& log, std::chrono::steady_clock::time_point begin,
+                  RunReport& report) {
   const StageTimers timers(stages);
   RankShare share;
   std::exception_ptr failure;
@@ -406,20 +407,20 @@ Solution run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& sc
   return solution;
 }
 
-void checkScene(const Teuchos::Comm<int>& comm, const Scene& scene) {
-  const std::vector<OwnedSubdomain> owned = decompose(comm, scene);
-  checkBoundaryParts(comm, scene, owned);
-  agree(comm, [&] { assemble(scene, owned); });
-  setUpContact(comm, scene, owned);
+void checkScene(const Teuchos::Comm<int>& comm, const scene::Scene& scene) {
+  const std::vector<scene::OwnedSubdomain> owned = scene::decompose(comm, scene);
+  scene::checkBoundaryParts(comm, scene, owned);
+  agree(comm, [&] { scene::assemble(scene, owned); });
+  scene::setUpContact(comm, scene, owned);
 }
 
 void writeSummary(const Teuchos::Comm<int>& comm, const RunOptions& options, const RunReport& report) {
   agree(comm, [&] {
     if (comm.getRank() != 0)
       return;
-    makeDirectory(options.outputDirectory);
-    writeAtomically(options.outputDirectory + "/summary.json", toJson(report));
+    io::makeDirectory(options.outputDirectory);
+    io::writeAtomically(options.outputDirectory + "/summary.json", toJson(report));
   });
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

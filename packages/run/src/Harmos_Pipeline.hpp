@@ -13,12 +13,12 @@
 
 #include <chrono>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 
 /// What a run finds: the meshes of this rank's subdomains, the displacements of their nodes, dof = node ·
 /// components + component, and the multipliers.
 struct Solution {
-  std::vector<OwnedSubdomain> owned;
+  std::vector<scene::OwnedSubdomain> owned;
   feti::TornVector displacement;
   Teuchos::RCP<const MultiVector> multipliers; ///< λ, in the rows of feti::Constraints
 };
@@ -33,9 +33,9 @@ struct Solution {
 /// @throws InputError, NumericalError, InternalError on all ranks.
 /// @note Collective.
 /// Guarded by tests/verification.
-Solution run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& scene,
-             const RunOptions& options, const Log& log, std::chrono::steady_clock::time_point begin,
-             RunReport& report);
+Solution runScene(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
+                  const RunOptions& options, const Log& log, std::chrono::steady_clock::time_point begin,
+                  RunReport& report);
 
 /// What run() refuses before anything is factorised: boundary parts that are not there, cells of no size,
 /// materials out of range, surfaces that never meet. Cost: meshes, assembly and contact search; nothing is
@@ -43,9 +43,9 @@ Solution run(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Scene& sc
 /// @throws InputError on all ranks.
 /// @note Collective.
 /// Guarded by tests/regression/test_scene_input.py.
-void checkScene(const Teuchos::Comm<int>& comm, const Scene& scene);
+void checkScene(const Teuchos::Comm<int>& comm, const scene::Scene& scene);
 
 /// summary.json, on rank 0. @note Collective.
 void writeSummary(const Teuchos::Comm<int>& comm, const RunOptions& options, const RunReport& report);
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <string>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 
 double peakMemoryMiB() {
   std::ifstream status("/proc/self/status");
@@ -18,4 +18,4 @@ double peakMemoryMiB() {
   return 0.0;
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

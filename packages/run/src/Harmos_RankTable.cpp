@@ -10,7 +10,7 @@
 #include <sstream>
 #include <unistd.h>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 
 void writeRankTable(const Teuchos::Comm<int>& comm, const std::string& path,
                     const std::vector<std::string>& stages, const RankShare& share) {
@@ -37,8 +37,8 @@ void writeRankTable(const Teuchos::Comm<int>& comm, const std::string& path,
         text << ',' << all[rank * mine.size() + k];
       text << '\n';
     }
-    writeAtomically(path, text.str());
+    io::writeAtomically(path, text.str());
   });
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 
 /// What one rank had to do with a run.
 struct RankShare {
@@ -23,4 +23,4 @@ struct RankShare {
 void writeRankTable(const Teuchos::Comm<int>& comm, const std::string& path,
                     const std::vector<std::string>& stages, const RankShare& share);
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

@@ -16,7 +16,7 @@
 #include <limits>
 #include <sstream>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 namespace {
 
 constexpr double lookInterval = 0.25; // seconds between two reductions
@@ -216,10 +216,10 @@ void RunMonitor::showContact(const MultiVector& lambda) const {
     text << points_[k].position[0] << ',' << points_[k].position[1] << ',' << points_[k].position[2] << ','
          << force[k] / points_[k].area << ',' << (force[k] > 0.0 ? 1 : 0) << '\n';
   try {
-    writeAtomically(options_.outputDirectory + "/contact.csv", text.str());
+    io::writeAtomically(options_.outputDirectory + "/contact.csv", text.str());
   } catch (const InputError&) {
     // A view of the run, not a result.
   }
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 
 /// Looks after the solver of a run: iterations.csv while it grows, contact.csv every few seconds, checkpoints
 /// when they are due or asked for, and the way back from one.
@@ -67,4 +67,4 @@ class RunMonitor : public feti::DualMonitor {
   std::vector<qp::IterationRecord> rows_;
 };
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

@@ -5,7 +5,7 @@
 #include "Harmos_Log.hpp"
 #include "Harmos_SparseSolve.hpp"
 
-namespace Harmos::scene {
+namespace Harmos::run {
 
 void RunOptions::addTo(ParameterSpec& deck) {
   feti::DualOptions::addDecompositionTo(deck);
@@ -64,7 +64,7 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
   return options;
 }
 
-void checkConsistency(const Scene& scene, const RunOptions& options) {
+void checkConsistency(const scene::Scene& scene, const RunOptions& options) {
   if (options.method == "PCPG" && scene.hasInequalities())
     throw InputError(
         "contradictory options: \"Solver/Method\" = \"PCPG\" solves problems without inequalities, but "
@@ -113,4 +113,4 @@ void checkConsistency(const Scene& scene, const RunOptions& options) {
                      {{"path", "Output/Directory"}});
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

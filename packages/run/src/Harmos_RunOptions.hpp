@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 
 /// What the tolerance is.
 enum class ToleranceRule {
@@ -62,6 +62,6 @@ struct RunOptions : feti::SolverOptions {
 
 /// Refuses options that contradict each other or the scene, before anything is computed.
 /// @throws InputError
-void checkConsistency(const Scene& scene, const RunOptions& options);
+void checkConsistency(const scene::Scene& scene, const RunOptions& options);
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

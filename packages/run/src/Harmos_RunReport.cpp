@@ -11,7 +11,7 @@
 #include <iomanip>
 #include <sstream>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 namespace {
 
 // JSON has no NaN: a number that is not finite becomes null.
@@ -85,7 +85,7 @@ std::string toJson(const RunReport& report) {
       report.audited ? nlohmann::ordered_json(auditAgrees(report)) : nlohmann::ordered_json(nullptr);
   json["effects"] = report.effects;
   json["effect_costs"] = nlohmann::ordered_json::array();
-  for (const EffectCost& cost : report.effectCosts)
+  for (const scene::EffectCost& cost : report.effectCosts)
     json["effect_costs"].push_back({{"kind", cost.kind},
                                     {"effects", cost.effects},
                                     {"rows", cost.rows},
@@ -138,4 +138,4 @@ std::string timingText(const RunReport& report, const std::vector<std::string>& 
   return text.str();
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

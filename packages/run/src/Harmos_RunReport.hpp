@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 
 /// What is known of a run, finished or failed: the content of summary.json.
 struct RunReport : feti::SolveReport {
@@ -18,7 +18,7 @@ struct RunReport : feti::SolveReport {
   int ranks = 0;
   std::string scene;
   std::vector<std::string> effects;
-  std::vector<EffectCost> effectCosts; ///< of each kind, once the constraints are set up
+  std::vector<scene::EffectCost> effectCosts; ///< of each kind, once the constraints are set up
   long long primalDimension = 0;
   long long dualDimension = 0;
   long long inequalities = 0;
@@ -65,4 +65,4 @@ bool auditAgrees(const RunReport& report);
 std::string auditText(const RunReport& report);
 std::string timingText(const RunReport& report, const std::vector<std::string>& stages);
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

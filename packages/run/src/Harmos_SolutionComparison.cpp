@@ -11,16 +11,16 @@
 #include <set>
 #include <unordered_map>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 namespace {
 
 using fem::CellType;
 using fem::Point;
 
-fem::EnergyDensity energyOf(const Scene& scene, int body) {
-  return scene.physics == Physics::Membrane
+fem::EnergyDensity energyOf(const scene::Scene& scene, int body) {
+  return scene.physics == scene::Physics::Membrane
              ? fem::membraneEnergy()
-             : fem::elasticEnergy(elasticityOf(scene, scene.bodies[static_cast<std::size_t>(body)]));
+             : fem::elasticEnergy(scene::elasticityOf(scene, scene.bodies[static_cast<std::size_t>(body)]));
 }
 
 // The sums of all subdomains of this rank, each compared with a field of its own; then of all ranks.
@@ -30,7 +30,7 @@ SolutionNorms integrated(const Teuchos::Comm<int>& comm, const FinishedRun& run,
   std::vector<double> sums(2, 0.0);
   agree(comm, [&] {
     for (std::size_t i = 0; i < run.solution.owned.size(); ++i) {
-      const OwnedSubdomain& item = run.solution.owned[i];
+      const scene::OwnedSubdomain& item = run.solution.owned[i];
       const fem::SquaredErrors errors = fem::squaredErrors(
           *item.mesh.mesh, item.mesh.anchor, fem::errorDegree(item.mesh.mesh->cellType),
           run.scene.components(), displacement(i), energyOf(run.scene, item.body), other(i));
@@ -63,10 +63,11 @@ struct GatheredBody {
   std::vector<int> cells;
 };
 
-GatheredBody gatherBody(const Teuchos::Comm<int>& comm, const std::vector<OwnedSubdomain>& owned, int body) {
+GatheredBody gatherBody(const Teuchos::Comm<int>& comm, const std::vector<scene::OwnedSubdomain>& owned,
+                        int body) {
   std::vector<Point> nodes;
   std::vector<int> cells, types;
-  for (const OwnedSubdomain& item : owned) {
+  for (const scene::OwnedSubdomain& item : owned) {
     if (item.body != body)
       continue;
     const auto first = static_cast<int>(nodes.size());
@@ -118,7 +119,7 @@ std::vector<ContactFacet> contactFacets(const FinishedRun& run) {
       at->second = static_cast<int>(k);
   }
   std::vector<ContactFacet> facets;
-  for (const OwnedSubdomain& item : run.solution.owned) {
+  for (const scene::OwnedSubdomain& item : run.solution.owned) {
     const fem::Mesh& mesh = *item.mesh.mesh;
     std::set<std::pair<int, int>> taken;
     for (const auto& [name, sides] : item.mesh.sides)
@@ -194,7 +195,7 @@ SolutionComparison::SolutionComparison(const Teuchos::Comm<int>& comm, const Fin
     bodies_.emplace_back(body.type, std::move(body.nodes), std::move(body.cells));
   }
   agree(comm, [&] {
-    for (const OwnedSubdomain& item : reference.solution.owned) {
+    for (const scene::OwnedSubdomain& item : reference.solution.owned) {
       const fem::Mesh& mesh = *item.mesh.mesh;
       const fem::PointLocator& locator = bodies_[static_cast<std::size_t>(item.body)];
       const fem::ReferenceElement element(mesh.cellType, fem::errorDegree(mesh.cellType));
@@ -295,4 +296,4 @@ SolutionNorms SolutionComparison::difference(const FinishedRun& run) const {
   return norms;
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

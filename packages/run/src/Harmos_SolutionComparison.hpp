@@ -13,7 +13,7 @@
 #include <map>
 #include <vector>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 
 /// Norms of a solution or of a difference of two.
 struct SolutionNorms {
@@ -26,7 +26,7 @@ struct SolutionNorms {
 /// A finished run as comparisons need it: the scene for its materials, meshes and displacements of this
 /// rank, contact on every rank.
 struct FinishedRun {
-  Scene scene;
+  scene::Scene scene;
   Solution solution;
   std::vector<contact::ContactPoint> points; ///< none without contact
   std::vector<ContactState> states;          ///< of each point
@@ -88,4 +88,4 @@ class SolutionComparison {
   std::vector<SurfacePlace> surfacePlaces_; ///< of the reference's contact points
 };
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <map>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 namespace {
 
 struct NodalShare {
@@ -22,7 +22,7 @@ struct NodalShare {
 
 // Brings together what the copies of a node have, in place. Copies meet on the rank that their number names,
 // and the sums go back. Collective.
-void addCopies(const Teuchos::Comm<int>& comm, const std::vector<OwnedSubdomain>& owned,
+void addCopies(const Teuchos::Comm<int>& comm, const std::vector<scene::OwnedSubdomain>& owned,
                std::vector<fem::StressSums>& sums) {
   const auto ranks = static_cast<std::size_t>(comm.getSize());
   std::vector<std::vector<NodalShare>> sends(ranks);
@@ -64,13 +64,13 @@ void addCopies(const Teuchos::Comm<int>& comm, const std::vector<OwnedSubdomain>
 
 // Subdomains of one body that share a mesh: gone through together.
 struct Group {
-  const Body* body;
+  const scene::Body* body;
   const fem::Mesh* mesh;
   std::vector<std::size_t> members;
   std::vector<fem::NodalSolution> solutions;
 };
 
-std::vector<Group> groupsOf(const Scene& scene, const std::vector<OwnedSubdomain>& owned,
+std::vector<Group> groupsOf(const scene::Scene& scene, const std::vector<scene::OwnedSubdomain>& owned,
                             const feti::TornVector& displacement) {
   std::vector<double> temperature(scene.bodies.size(), 0.0);
   for (const auto& effect : scene.effects)
@@ -91,16 +91,16 @@ std::vector<Group> groupsOf(const Scene& scene, const std::vector<OwnedSubdomain
 }
 
 // Mean stresses at the nodes of each subdomain, over its copies' cells too. Collective.
-std::vector<fem::StressSums> nodalStresses(const Teuchos::Comm<int>& comm, const Scene& scene,
-                                           const std::vector<OwnedSubdomain>& owned,
+std::vector<fem::StressSums> nodalStresses(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
+                                           const std::vector<scene::OwnedSubdomain>& owned,
                                            const std::vector<Group>& groups) {
   std::vector<fem::StressSums> sums(owned.size());
   agree(comm, [&] {
     for (const Group& group : groups) {
       std::vector<fem::StressSums> part =
-          scene.physics == Physics::Membrane
+          scene.physics == scene::Physics::Membrane
               ? fem::fluxSums(*group.mesh, group.solutions)
-              : fem::stressSums(*group.mesh, elasticityOf(scene, *group.body), group.solutions);
+              : fem::stressSums(*group.mesh, scene::elasticityOf(scene, *group.body), group.solutions);
       for (std::size_t k = 0; k < part.size(); ++k)
         sums[group.members[k]] = std::move(part[k]);
     }
@@ -115,8 +115,8 @@ std::vector<fem::StressSums> nodalStresses(const Teuchos::Comm<int>& comm, const
 
 } // namespace
 
-std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& comm, const Scene& scene,
-                                                   const std::vector<OwnedSubdomain>& owned,
+std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
+                                                   const std::vector<scene::OwnedSubdomain>& owned,
                                                    const feti::TornVector& displacement) {
   std::vector<std::vector<fem::Voigt>> result;
   for (fem::StressSums& sum : nodalStresses(comm, scene, owned, groupsOf(scene, owned, displacement)))
@@ -124,8 +124,8 @@ std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& com
   return result;
 }
 
-DiscretisationError estimateDiscretisationError(const Teuchos::Comm<int>& comm, const Scene& scene,
-                                                const std::vector<OwnedSubdomain>& owned,
+DiscretisationError estimateDiscretisationError(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
+                                                const std::vector<scene::OwnedSubdomain>& owned,
                                                 const feti::TornVector& displacement) {
   const std::vector<Group> groups = groupsOf(scene, owned, displacement);
   const std::vector<fem::StressSums> means = nodalStresses(comm, scene, owned, groups);
@@ -136,9 +136,10 @@ DiscretisationError estimateDiscretisationError(const Teuchos::Comm<int>& comm, 
       for (std::size_t i : group.members)
         recovered.push_back(&means[i]);
       const fem::RecoveryError part =
-          scene.physics == Physics::Membrane
+          scene.physics == scene::Physics::Membrane
               ? fem::fluxRecoveryError(*group.mesh, group.solutions, recovered)
-              : fem::recoveryError(*group.mesh, elasticityOf(scene, *group.body), group.solutions, recovered);
+              : fem::recoveryError(*group.mesh, scene::elasticityOf(scene, *group.body), group.solutions,
+                                   recovered);
       squares[0] += part.error;
       squares[1] += part.energy;
     }
@@ -147,4 +148,4 @@ DiscretisationError estimateDiscretisationError(const Teuchos::Comm<int>& comm, 
   return {std::sqrt(squares[0]), std::sqrt(squares[1])};
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

@@ -7,13 +7,13 @@
 
 #include <vector>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 
 /// Stresses at the nodes of this rank's subdomains (see fem::stressSums()), averaged over all cells of the
 /// body around a node, across subdomains; not across bodies.
 /// @note Collective.
-std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& comm, const Scene& scene,
-                                                   const std::vector<OwnedSubdomain>& owned,
+std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
+                                                   const std::vector<scene::OwnedSubdomain>& owned,
                                                    const feti::TornVector& displacement);
 
 /// Energy norms: √∫ σ : C⁻¹ : σ, of membranes √∫ |∇u|².
@@ -25,8 +25,8 @@ struct DiscretisationError {
 /// Estimates by the recovered stresses how far the finite element solution is from that of the continuous
 /// problem; see fem::recoveryError().
 /// @note Collective.
-DiscretisationError estimateDiscretisationError(const Teuchos::Comm<int>& comm, const Scene& scene,
-                                                const std::vector<OwnedSubdomain>& owned,
+DiscretisationError estimateDiscretisationError(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
+                                                const std::vector<scene::OwnedSubdomain>& owned,
                                                 const feti::TornVector& displacement);
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 namespace {
 
 template<class T>
@@ -96,13 +96,13 @@ double vonMises(const fem::Voigt& s) {
 } // namespace
 
 void writeVtkHdf(const Teuchos::Comm<int>& comm, const std::string& path,
-                 const std::vector<OwnedSubdomain>& owned, const ResultFields& fields) {
+                 const std::vector<scene::OwnedSubdomain>& owned, const ResultFields& fields) {
   // This rank's share of each array.
   std::vector<double> points;
   std::vector<long long> pointCounts, cellCounts, linkCounts, links, offsets;
   std::vector<int> subdomains, bodies, regions;
   std::vector<unsigned char> types;
-  for (const OwnedSubdomain& item : owned) {
+  for (const scene::OwnedSubdomain& item : owned) {
     const fem::Mesh& mesh = *item.mesh.mesh;
     const VtkCell vtk = vtkCell(mesh.cellType);
     for (int node = 0; node < mesh.numberOfNodes(); ++node)
@@ -144,7 +144,7 @@ void writeVtkHdf(const Teuchos::Comm<int>& comm, const std::string& path,
       bytes(points.size() + 3 * places, 8) + (fields.stress != nullptr ? bytes(7 * places, 8) : 0) +
       (fields.contact != nullptr ? bytes(places, 17) : 0) +
       bytes(links.size() + offsets.size() + 3 * owned.size(), 8) + bytes(subdomains.size(), 3 * 4 + 1);
-  Hdf5Writer file(comm, path, "the result file", globalSum(comm, share));
+  io::Hdf5Writer file(comm, path, "the result file", globalSum(comm, share));
   file.group("/VTKHDF");
   file.attribute("/VTKHDF", "Version", std::vector<int>{1, 0});
   file.attribute("/VTKHDF", "Type", std::string("UnstructuredGrid"));
@@ -184,4 +184,4 @@ void writeVtkHdf(const Teuchos::Comm<int>& comm, const std::string& path,
   file.commit();
 }
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace Harmos::scene {
+namespace Harmos::run {
 
 /// What is drawn: values at the nodes of this rank's subdomains.
 struct ResultFields {
@@ -29,6 +29,6 @@ struct ResultFields {
 /// @note Collective.
 /// Guarded by tests/regression/test_result_file.py (VTK's own reader).
 void writeVtkHdf(const Teuchos::Comm<int>& comm, const std::string& path,
-                 const std::vector<OwnedSubdomain>& owned, const ResultFields& fields);
+                 const std::vector<scene::OwnedSubdomain>& owned, const ResultFields& fields);
 
-} // namespace Harmos::scene
+} // namespace Harmos::run

@@ -34,7 +34,7 @@ Outcome solved(const app::Application& application, const std::vector<std::strin
     spec.set(given, assignment.substr(0, sign), assignment.substr(sign + 1), "the test");
   }
   const Teuchos::ParameterList deck = spec.validated(given, "the test");
-  scene::RunOptions options = scene::RunOptions::fromDeck(deck);
+  run::RunOptions options = run::RunOptions::fromDeck(deck);
   options.tolerance = tolerance;
   options.writeFields = false;
   // Ranks that run alone write beside each other.
@@ -42,8 +42,8 @@ Outcome solved(const app::Application& application, const std::vector<std::strin
                             application.name + std::to_string(testComm()->getRank() - comm->getRank());
   const Log silent;
   const scene::Scene scene = application.makeScene({*comm, deck, "./", silent});
-  scene::RunReport report;
-  scene::run(comm, scene, options, silent, std::chrono::steady_clock::now(), report);
+  run::RunReport report;
+  run::runScene(comm, scene, options, silent, std::chrono::steady_clock::now(), report);
   EXPECT_TRUE(report.converged) << application.name << ": " << report.reason;
   return {report.audit.energy, static_cast<int>(report.result.history.size())};
 }

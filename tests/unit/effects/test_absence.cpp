@@ -108,7 +108,7 @@ bool hasTimer(const std::string& kind) {
   return !Teuchos::TimeMonitor::lookupCounter(counterOf(kind)).is_null();
 }
 
-const scene::EffectCost* costOf(const scene::RunReport& report, const std::string& kind) {
+const scene::EffectCost* costOf(const run::RunReport& report, const std::string& kind) {
   const auto found = std::find_if(report.effectCosts.begin(), report.effectCosts.end(),
                                   [&](const scene::EffectCost& cost) { return cost.kind == kind; });
   return found == report.effectCosts.end() ? nullptr : &*found;

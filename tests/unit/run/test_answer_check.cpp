@@ -69,7 +69,7 @@ TEST(AnswerCheck, balanced_runs_keep_the_share) {
         const TestRun run = runScene(
             scene, 1e-4, {balanced[0], choice, "Solver/Solver error share=" + std::to_string(share)});
         ASSERT_TRUE(run.report.converged) << run.report.reason;
-        const scene::RunReport& report = run.report;
+        const run::RunReport& report = run.report;
         const double solver = missing(run, exact.report.audit.energy);
         // A bound, but for the rounding errors of the difference of energies.
         EXPECT_LE(solver, 1.001 * report.solverError) << preconditioner << elements;
@@ -104,7 +104,7 @@ TEST(AnswerCheck, jumps_that_contradict_small_residuals) {
   const std::vector<std::string> weak = {"Dual operator/Preconditioner=none"};
   const TestRun run = runScene(scene, 1e-3, weak);
   ASSERT_TRUE(run.report.converged) << run.report.reason;
-  EXPECT_TRUE(scene::auditAgrees(run.report));
+  EXPECT_TRUE(run::auditAgrees(run.report));
   EXPECT_LT(run.report.reachedTolerance, 0.5 * 1e-3);
   EXPECT_EQ(run.report.tolerance, 1e-3);
 }

@@ -94,15 +94,15 @@ TEST(Pipeline, body_that_is_pulled_away_is_named) {
   prescribe(scene, {0, "left"}, 0);
   addContact(scene, {0, "right"}, {1, "left"});
   ParameterSpec deck("deck", "A deck.");
-  scene::RunOptions::addTo(deck);
+  run::RunOptions::addTo(deck);
   for (const char* form : {"primal", "dual"}) {
     Teuchos::ParameterList list = deck.defaults();
     list.sublist("Decomposition").set("Dirichlet", std::string(form));
-    scene::RunOptions options = scene::RunOptions::fromDeck(list);
+    run::RunOptions options = run::RunOptions::fromDeck(list);
     options.writeFields = false;
     options.outputDirectory = (std::filesystem::temp_directory_path() / "harmos_pulled_away").string();
-    scene::RunReport report;
-    scene::run(testComm(), scene, options, Log(), std::chrono::steady_clock::now(), report);
+    run::RunReport report;
+    run::runScene(testComm(), scene, options, Log(), std::chrono::steady_clock::now(), report);
     EXPECT_FALSE(report.converged);
     EXPECT_EQ(report.result.reason, qp::Reason::Infeasible) << form;
     EXPECT_NE(report.reason.find("nothing to hold it: \"upper\""), std::string::npos) << report.reason;
@@ -138,11 +138,11 @@ TEST(Pipeline, motions_that_nothing_holds_stay_at_rest) {
 }
 
 TEST(RunReport, json_has_no_nan) {
-  scene::RunReport report;
+  run::RunReport report;
   report.audited = true;
   report.audit.energy = std::nan("");
   report.reason = "a \"quoted\" reason";
-  const std::string json = scene::toJson(report);
+  const std::string json = run::toJson(report);
   EXPECT_NE(json.find("\"energy\": null"), std::string::npos);
   EXPECT_NE(json.find("a \\\"quoted\\\" reason"), std::string::npos);
 }
@@ -151,50 +151,50 @@ TEST(AtomicFile, appears_whole_or_not_at_all) {
   if (testComm()->getRank() != 0)
     return;
   const std::string directory = "/tmp/harmos_test_" + std::to_string(getpid()) + "/a/b";
-  scene::makeDirectory(directory);
-  scene::writeAtomically(directory + "/file", "new\n");
+  io::makeDirectory(directory);
+  io::writeAtomically(directory + "/file", "new\n");
   std::ifstream stream(directory + "/file");
   std::string text;
   EXPECT_TRUE(std::getline(stream, text) && text == "new");
-  EXPECT_FALSE(std::filesystem::exists(scene::partPath(directory + "/file")));
+  EXPECT_FALSE(std::filesystem::exists(io::partPath(directory + "/file")));
   // A directory stands in the way of the name: the error says so and the part file is not taken for the
   // result.
-  scene::makeDirectory(directory + "/taken/inside");
-  EXPECT_THROW(scene::writeAtomically(directory + "/taken", "x"), InputError);
-  EXPECT_THROW(scene::writeAtomically("/proc/no/file", "x"), InputError);
-  EXPECT_THROW(scene::makeDirectory(directory + "/file/below"), InputError);
+  io::makeDirectory(directory + "/taken/inside");
+  EXPECT_THROW(io::writeAtomically(directory + "/taken", "x"), InputError);
+  EXPECT_THROW(io::writeAtomically("/proc/no/file", "x"), InputError);
+  EXPECT_THROW(io::makeDirectory(directory + "/file/below"), InputError);
   std::filesystem::remove_all("/tmp/harmos_test_" + std::to_string(getpid()));
 }
 
 // The audit objects to jumps of a hundred times the tolerance, to forces that are no balance, and to what is
 // no number.
 TEST(RunReport, audit_agrees_or_objects) {
-  scene::RunReport report;
+  run::RunReport report;
   report.tolerance = 1e-4;
   report.audit.largestDisplacement = 2.0;
-  EXPECT_TRUE(scene::auditAgrees(report));
+  EXPECT_TRUE(run::auditAgrees(report));
   report.audit.gluingJump = report.audit.penetration = 1.9e-2;
   report.audit.equilibrium = 0.4;
-  EXPECT_TRUE(scene::auditAgrees(report));
+  EXPECT_TRUE(run::auditAgrees(report));
   for (double feti::KktAudit::*field :
        {&feti::KktAudit::gluingJump, &feti::KktAudit::penetration, &feti::KktAudit::equilibrium})
     for (double bad : {0.6, std::nan("")}) {
-      scene::RunReport wrong = report;
+      run::RunReport wrong = report;
       wrong.audit.*field = bad;
-      EXPECT_FALSE(scene::auditAgrees(wrong));
+      EXPECT_FALSE(run::auditAgrees(wrong));
     }
 }
 
 // What the rule "balanced" claims is the error that it allows, whatever tolerance it has come to: else the
 // audit asks for the next one at each that is reached, down to rounding errors.
 TEST(RunReport, audit_of_a_balanced_run_goes_by_the_error_it_allows) {
-  scene::RunReport report;
+  run::RunReport report;
   report.tolerance = 1e-8;
   report.audit.energyNorm = 2.0;
   report.solverError = 1e-3;
-  EXPECT_FALSE(scene::auditAgrees(report));
+  EXPECT_FALSE(run::auditAgrees(report));
   report.allowedError = 1e-3; // of the energy norm
-  EXPECT_TRUE(scene::auditAgrees(report));
+  EXPECT_TRUE(run::auditAgrees(report));
   report.solverError = 3e-3;
-  EXPECT_FALSE(scene::auditAgrees(report));
+  EXPECT_FALSE(run::auditAgrees(report));
 }

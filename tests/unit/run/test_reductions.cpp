@@ -23,7 +23,7 @@ void expectLinearCost(int s, int n, bool closed, int pattern, double tolerance) 
                            std::to_string(tolerance);
   const LinearLimit limit(s, n, closed, pattern);
   LimitProblem contact(limit.contact), linear(limit.linear);
-  const scene::RunReport first = contact.solve(tolerance), second = linear.solve(tolerance);
+  const run::RunReport first = contact.solve(tolerance), second = linear.solve(tolerance);
   ASSERT_TRUE(first.converged && second.converged) << what << first.reason << second.reason;
   EXPECT_EQ(first.solver, "PDAS") << what;
   EXPECT_EQ(second.solver, "PCPG") << what;

@@ -19,9 +19,9 @@ using Field = std::function<Point(const Point&)>;
 
 // Two blocks, one upon the other, with displacements that are given; not solved. The upper one bears on the
 // lower one with a pressure that is given.
-scene::FinishedRun given(CellType type, int subdomains, int elements, const Field& displacement,
-                         const std::function<double(double)>& pressure) {
-  scene::FinishedRun run;
+run::FinishedRun given(CellType type, int subdomains, int elements, const Field& displacement,
+                       const std::function<double(double)>& pressure) {
+  run::FinishedRun run;
   run.scene.physics = scene::Physics::PlaneStrain;
   fem::StructuredBlock::Options options;
   options.cellType = type;
@@ -76,10 +76,9 @@ Point linear(const Point& x) {
 
 TEST(SolutionComparison, linear_fields_are_the_same_on_any_two_meshes) {
   for (CellType type : {CellType::Quadrilateral4, CellType::Quadrilateral9, CellType::Triangle3}) {
-    const scene::FinishedRun fine = given(CellType::Quadrilateral4, 3, 4, linear, linearPressure);
-    const scene::FinishedRun coarse = given(type, 2, 3, linear, linearPressure);
-    const scene::SolutionNorms norms =
-        scene::SolutionComparison(*testComm(), fine, coarse).difference(coarse);
+    const run::FinishedRun fine = given(CellType::Quadrilateral4, 3, 4, linear, linearPressure);
+    const run::FinishedRun coarse = given(type, 2, 3, linear, linearPressure);
+    const run::SolutionNorms norms = run::SolutionComparison(*testComm(), fine, coarse).difference(coarse);
     // Rounding: eps times values of order one over h = 1/12.
     EXPECT_LE(norms.energy, 1e-12);
     EXPECT_LE(norms.displacement, 1e-13);
@@ -89,8 +88,8 @@ TEST(SolutionComparison, linear_fields_are_the_same_on_any_two_meshes) {
 }
 
 TEST(SolutionComparison, norms_of_known_fields) {
-  const scene::SolutionNorms norms =
-      scene::normsOf(*testComm(), given(CellType::Quadrilateral4, 3, 4, linear, linearPressure));
+  const run::SolutionNorms norms =
+      run::normsOf(*testComm(), given(CellType::Quadrilateral4, 3, 4, linear, linearPressure));
   double energy = 0.0;
   const std::array<Point, 3> g = {{{1.0, -2.0, 0.0}, {0.0, 0.3, 0.0}, {}}};
   for (const fem::Material& material :
@@ -106,11 +105,11 @@ TEST(SolutionComparison, norms_of_known_fields) {
 TEST(SolutionComparison, quadratic_field_against_its_linear_interpolant) {
   const Field quadratic = [](const Point& x) { return Point{x[0] * x[0], 0.0, 0.0}; };
   // The reference is exact: of second order, its cells within those of the other mesh.
-  const scene::FinishedRun exact = given(CellType::Quadrilateral9, 2, 6, quadratic, linearPressure);
+  const run::FinishedRun exact = given(CellType::Quadrilateral9, 2, 6, quadratic, linearPressure);
   for (int s : {1, 2, 3}) { // 6 cells a side, cut in several ways
-    const scene::FinishedRun run =
+    const run::FinishedRun run =
         given(CellType::Quadrilateral4, s, 6 / s, quadratic, [](double x) { return x < 0.4 ? 1.0 : 0.0; });
-    const scene::SolutionNorms norms = scene::SolutionComparison(*testComm(), exact, run).difference(run);
+    const run::SolutionNorms norms = run::SolutionComparison(*testComm(), exact, run).difference(run);
     const double h = 1.0 / 6.0; // ∫(2x − u_h')² = h²/3, ∫(x² − u_h)² = h⁴/30
     double modulus = 0.0;
     for (const auto& [e, nu] : {std::pair{2.0, 0.3}, std::pair{1.0, 0.2}})
@@ -132,12 +131,11 @@ TEST(SolutionComparison, quadratic_field_against_its_linear_interpolant) {
 
 TEST(SolutionComparison, on_the_same_mesh_it_is_the_difference_of_the_nodes) {
   const Field other = [](const Point& x) { return Point{std::sin(x[0]), x[0] * x[1]}; };
-  const scene::FinishedRun first = given(CellType::Quadrilateral4, 2, 5, linear, linearPressure);
-  const scene::FinishedRun second =
+  const run::FinishedRun first = given(CellType::Quadrilateral4, 2, 5, linear, linearPressure);
+  const run::FinishedRun second =
       given(CellType::Quadrilateral4, 2, 5, other, [](double x) { return x > 0.5 ? x : 0.0; });
-  const scene::SolutionNorms same = scene::differenceOnSameMesh(*testComm(), first, second);
-  const scene::SolutionNorms general =
-      scene::SolutionComparison(*testComm(), first, second).difference(second);
+  const run::SolutionNorms same = run::differenceOnSameMesh(*testComm(), first, second);
+  const run::SolutionNorms general = run::SolutionComparison(*testComm(), first, second).difference(second);
   EXPECT_NEAR(same.energy, general.energy, 1e-12 * same.energy);
   EXPECT_NEAR(same.displacement, general.displacement, 1e-12 * same.displacement);
   EXPECT_NEAR(same.pressure, general.pressure, 1e-12 * same.pressure);
@@ -146,10 +144,10 @@ TEST(SolutionComparison, on_the_same_mesh_it_is_the_difference_of_the_nodes) {
 }
 
 TEST(SolutionComparison, scenes_that_differ_are_refused) {
-  const scene::FinishedRun first = given(CellType::Quadrilateral4, 2, 2, linear, linearPressure);
-  scene::FinishedRun second = first;
+  const run::FinishedRun first = given(CellType::Quadrilateral4, 2, 2, linear, linearPressure);
+  run::FinishedRun second = first;
   second.scene.bodies.pop_back();
   const std::string message =
-      inputErrorOf([&] { const scene::SolutionComparison comparison(*testComm(), first, second); });
+      inputErrorOf([&] { const run::SolutionComparison comparison(*testComm(), first, second); });
   EXPECT_TRUE(contains(message, "bodies: 1 here, 2 in the reference")) << message;
 }

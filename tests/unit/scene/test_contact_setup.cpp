@@ -95,9 +95,9 @@ TEST(ContactFields, node_of_two_contacts_shows_the_closed_one) {
     point.node = 0;
     point.terms = {{0, 1.0}};
   }
-  const scene::ContactState open{0.0, 0.0, 0.5, false}, closed{3.0, 1.5, 0.0, true};
-  for (const auto& states : {std::vector<scene::ContactState>{open, closed}, {closed, open}}) {
-    const scene::ContactFields fields = scene::contactFields(owned, points, states);
+  const run::ContactState open{0.0, 0.0, 0.5, false}, closed{3.0, 1.5, 0.0, true};
+  for (const auto& states : {std::vector<run::ContactState>{open, closed}, {closed, open}}) {
+    const run::ContactFields fields = run::contactFields(owned, points, states);
     for (std::size_t i = 0; i < owned.size(); ++i)
       for (std::size_t k = 0; k < owned[i].mesh.boundaryNumbers.size(); ++k) {
         const auto node = static_cast<std::size_t>(owned[i].mesh.mesh->boundary[k]);

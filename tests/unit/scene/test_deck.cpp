@@ -36,7 +36,7 @@ class DeckFile {
 
 ParameterSpec spec() {
   ParameterSpec result("test", "A deck.");
-  scene::RunOptions::addTo(result);
+  run::RunOptions::addTo(result);
   return result;
 }
 
@@ -55,7 +55,7 @@ TEST(Deck, xml_and_yaml_give_the_same_on_all_ranks) {
     const auto deck = scene::readDeck(*testComm(), file->path(), {}, spec());
     // Every bit survives the way to the other ranks.
     EXPECT_EQ(deck.sublist("Solver").get<double>("Tolerance"), 0.1234567890123456789);
-    EXPECT_EQ(scene::RunOptions::fromDeck(deck).method, "Auto");
+    EXPECT_EQ(run::RunOptions::fromDeck(deck).method, "Auto");
   }
 }
 
@@ -93,7 +93,7 @@ TEST(Deck, contradictions_are_refused) {
   const auto attempt = [&](const std::string& method) {
     deck.sublist("Solver").set("Method", method);
     try {
-      scene::checkConsistency(scene, scene::RunOptions::fromDeck(deck));
+      run::checkConsistency(scene, run::RunOptions::fromDeck(deck));
     } catch (const InputError& error) {
       return std::string(error.what());
     }
