@@ -135,6 +135,15 @@ double directionsFor(const run::RunOptions& options, int products) {
   return std::min(capacity, cg.storedDirections);
 }
 
+// While the result file is written: fields that were recovered, and the largest array, see run::writeResult().
+double resultBytes(const RankLoad& load, const PlanSurvey& survey, const run::RunOptions& options,
+                   bool elastic) {
+  const bool hasStress = elastic && options.writeStresses;
+  const double kept = (hasStress ? 48.0 : 0.0) + (survey.inequalities > 0 ? 17.0 : 0.0);
+  const double atNode = hasStress ? 56.0 : 24.0; // stress and that of von Mises; coordinates
+  return kept * load.nodes + std::max(atNode * load.nodes, 8.0 * load.links + 9.0 * load.cells);
+}
+
 // Bytes an item, from the sources named.
 RankMemory memoryOf(const RankLoad& load, const PlanSurvey& survey, const run::RunOptions& options,
                     DualForm form, bool elastic, double directions) {
@@ -160,17 +169,9 @@ RankMemory memoryOf(const RankLoad& load, const PlanSurvey& survey, const run::R
   const double whileFactoring = 2.0 * 8.0 * b * b + load.largestStiffness;
   // Pairs of columns, in the order of rows and sorted.
   const double whileCoarse = 16.0 * load.coarsePairs;
-  // Displacements; 32 right-hand sides at once; a result file: see writeVtkHdf().
-  double whileEnding = 2.0 * 8.0 * load.rows + 32.0 * 8.0 * load.largestRows;
-  if (options.writeFields) {
-    const bool hasStress = elastic && options.writeStresses;
-    double perNode = 24.0 + (elastic ? 24.0 : 8.0);
-    if (hasStress)
-      perNode += 48.0 + 64.0;
-    if (survey.inequalities > 0)
-      perNode += 24.0 + 8.0;
-    whileEnding += perNode * load.nodes + (8.0 + 13.0) * load.cells + 8.0 * load.links;
-  }
+  // Displacements; 32 right-hand sides at once.
+  const double whileEnding = 2.0 * 8.0 * load.rows + 32.0 * 8.0 * load.largestRows +
+                             (options.writeFields ? resultBytes(load, survey, options, elastic) : 0.0);
   memory.temporary = std::max({whileFactoring - memory.coarse - memory.directions,
                                whileCoarse - memory.directions, whileEnding, 0.0});
   return memory;

@@ -21,7 +21,7 @@
 #include "Harmos_StressRecovery.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 #include "Harmos_Version.hpp"
-#include "Harmos_VtkHdf.hpp"
+#include "Harmos_ResultFile.hpp"
 
 #include <Teuchos_XMLParameterListHelpers.hpp>
 #include <Tpetra_MultiVector.hpp>
@@ -355,7 +355,7 @@ Solution runStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const sce
         atNodes = contactFields(owned, report.contactPoints, report.contact);
         fields.contact = &atNodes;
       }
-      writeVtkHdf(*comm, options.outputDirectory + "/result.vtkhdf", owned, fields);
+      writeResult(*comm, options.outputDirectory + "/result.vtkhdf", owned, fields);
     }
   }
   // It has served: there is nothing left to go on to.

@@ -5,6 +5,7 @@
 #include "Harmos_EqualityRows.hpp"
 #include "Harmos_InFacePreconditioner.hpp"
 #include "Harmos_SolverMonitor.hpp"
+#include "Harmos_StatusTest.hpp"
 
 #include <Teuchos_RCP.hpp>
 
@@ -54,6 +55,10 @@ class ProjectedCg {
   void lagrangianGradient(MV& y) const;
   /// μ̄.
   void multiplier(MV& mu) const;
+  /// Gives μ̄ to the problem.
+  void storeMultiplier() const;
+  /// The problem's present solution for the tests. @param gradientNorm ‖g^P‖ there.
+  IterationState<MV> evaluate(double gradientNorm, int outer, int inner);
   /// After Outcome::Flat: A vanishes along p, and the cost falls along −p.
   const MV& direction() const { return *p_; }
   const MV& image() const { return *image_; }

@@ -239,4 +239,30 @@ void ProjectedCg<Scalar, MV, OP>::multiplier(MV& mu) const {
   Belos::MultiVecTraits<Scalar, MV>::MvAddMv(-1.0, *removed_, 0.0, *removed_, mu);
 }
 
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::storeMultiplier() const {
+  if (!rows_.isPresent())
+    return;
+  const Teuchos::RCP<MV> mu = rows_.makeVector();
+  multiplier(*mu);
+  rows_.toUser(*mu, *problem_.multiplier());
+}
+
+template<class Scalar, class MV, class OP>
+IterationState<MV> ProjectedCg<Scalar, MV, OP>::evaluate(double gradientNorm, int outer, int inner) {
+  IterationState<MV> state;
+  state.x = problem_.solution().get();
+  state.projectedGradient = gradientNorm;
+  if (rows_.isPresent()) {
+    rows_.residual(*problem_.solution(), *unused_);
+    state.equalityResidual = rows_.residualNorm();
+    state.equalityDistance = rows_.distance();
+  }
+  state.decrease = std::numeric_limits<double>::quiet_NaN(); // not known
+  state.outer = outer;
+  state.inner = inner;
+  state.counters = &counters_;
+  return state;
+}
+
 } // namespace Harmos::qp

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ProjectedCg.hpp"
 #include "Harmos_SolverManager.hpp"
 
 namespace Harmos::qp {
@@ -22,6 +23,37 @@ class PcpgSolver : public SolverManager<Scalar, MV, OP> {
 
  protected:
   void doSolve() override;
+
+ private:
+  class Run;
+};
+
+/// One solution of a problem: steps of ProjectedCg, until the tests are met by residuals that can be
+/// believed.
+template<class Scalar, class MV, class OP>
+class PcpgSolver<Scalar, MV, OP>::Run {
+ public:
+  /// All to outlive this.
+  Run(PcpgSolver& solver, EqualityRows<Scalar, MV, OP>& rows);
+  void go();
+
+ private:
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using Cg = ProjectedCg<Scalar, MV, OP>;
+
+  void begin();
+  bool isConfirmed();
+  bool advance();
+  void stopFlat();
+  IterationState<MV> evaluate(int inner);
+
+  PcpgSolver& solver_;
+  EqualityRows<Scalar, MV, OP>& rows_;
+  const Problem<Scalar, MV, OP>& problem_;
+  Counters& counters_;
+  Cg cg_;
+  int inner_;
+  IterationState<MV> state_;
 };
 
 } // namespace Harmos::qp

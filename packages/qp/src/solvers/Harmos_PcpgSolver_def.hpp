@@ -22,10 +22,7 @@ const ParameterSpec& PcpgSolver<Scalar, MV, OP>::spec() {
 
 template<class Scalar, class MV, class OP>
 void PcpgSolver<Scalar, MV, OP>::doSolve() {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using Cg = ProjectedCg<Scalar, MV, OP>;
-  const Problem<Scalar, MV, OP>& problem = *this->problem_;
-  if (problem.hasBounds())
+  if (this->problem_->hasBounds())
     throw InputError("PCPG is for equalities alone, but the problem has bounds; use SMALBE or MPRGP");
   const Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = this->makeRows();
   if (rows.is_null())
@@ -34,102 +31,115 @@ void PcpgSolver<Scalar, MV, OP>::doSolve() {
     throw InputError("PCPG needs equality rows with CCᵀ = I; there are more than \"Orthonormalised Rows\" "
                      "allows to make so. Orthonormalise them and say so with EqualityStructure::Orthonormal, "
                      "or raise that parameter");
-  Counters& counters = this->result_.counters;
-  Cg cg(problem, *rows, CgOptions::fromList(this->parameters_->sublist("PCPG")), counters);
-  const Teuchos::RCP<MV> residual = rows->isPresent() ? rows->makeVector() : Teuchos::null;
-  const auto evaluate = [&](int inner) {
-    IterationState<MV> state;
-    state.x = problem.solution().get();
-    state.projectedGradient = cg.residualNorm();
-    if (rows->isPresent()) {
-      rows->residual(*problem.solution(), *residual);
-      state.equalityResidual = rows->residualNorm();
-      state.equalityDistance = rows->distance();
-    }
-    state.decrease = std::numeric_limits<double>::quiet_NaN();
-    state.outer = 1;
-    state.inner = inner;
-    state.counters = &counters;
-    return state;
-  };
-  const auto storeMultiplier = [&] {
-    if (!rows->isPresent())
-      return;
-    const Teuchos::RCP<MV> mu = rows->makeVector();
-    cg.multiplier(*mu);
-    rows->toUser(*mu, *problem.multiplier());
-  };
-  int inner = this->firstInner_;
-  this->describeState([&](StateArchive<MV>& archive) {
-    archive.number("inner", inner);
-    cg.exchange(archive);
+  Run(*this, *rows).go();
+}
+
+template<class Scalar, class MV, class OP>
+PcpgSolver<Scalar, MV, OP>::Run::Run(PcpgSolver& solver, EqualityRows<Scalar, MV, OP>& rows)
+    : solver_(solver),
+      rows_(rows),
+      problem_(*solver.problem_),
+      counters_(solver.result_.counters),
+      cg_(problem_, rows, CgOptions::fromList(solver.parameters_->sublist("PCPG")), counters_),
+      inner_(solver.firstInner_) {}
+
+template<class Scalar, class MV, class OP>
+void PcpgSolver<Scalar, MV, OP>::Run::begin() {
+  solver_.describeState([this](StateArchive<MV>& archive) {
+    archive.number("inner", inner_);
+    cg_.exchange(archive);
   });
-  IterationState<MV> state;
-  if (this->resumes()) {
-    this->resume();
-    state = evaluate(inner);
-  } else {
-    // Without a face there is nothing the equalities could contradict: the rows are consistent.
-    cg.start({});
-    counters.outerIterations = 1;
-    state = evaluate(inner);
-    this->record(state, StepKind::Start, 0.0, 0.0, 0);
+  if (solver_.resumes()) {
+    solver_.resume();
+    state_ = evaluate(inner_);
+    return;
   }
+  // Without a face there is nothing the equalities could contradict: the rows are consistent.
+  cg_.start({});
+  counters_.outerIterations = 1;
+  state_ = evaluate(inner_);
+  solver_.record(state_, StepKind::Start, 0.0, 0.0, 0);
+}
+
+template<class Scalar, class MV, class OP>
+void PcpgSolver<Scalar, MV, OP>::Run::go() {
+  begin();
   while (true) {
-    inner = state.inner;
-    if (!std::isfinite(state.projectedGradient)) {
-      this->stop(Reason::Breakdown, Explanations::breakdown(), state);
+    inner_ = state_.inner;
+    if (!std::isfinite(state_.projectedGradient)) {
+      solver_.stop(Reason::Breakdown, Explanations::breakdown(), state_);
       break;
     }
-    const std::optional<Reason> reason = this->judge(state);
-    const double attainable = cg.attainable();
-    const bool done = reason == Reason::Converged, stagnant = state.projectedGradient <= attainable;
-    if (done || (!reason && stagnant)) {
-      if (cg.staleness() > 0 &&
-          std::sqrt(static_cast<double>(cg.staleness())) * attainable > 0.1 * state.projectedGradient) {
-        ++counters.confirmations;
-        cg.restart();
-        state = evaluate(state.inner);
-        continue;
-      }
-      if (!done) {
-        this->stop(Reason::Stagnation,
-                   Explanations::stagnation(state.projectedGradient, attainable, state.equalityDistance),
-                   state);
-        break;
-      }
+    const std::optional<Reason> reason = solver_.judge(state_);
+    const bool isStagnant = !reason && state_.projectedGradient <= cg_.attainable();
+    if ((reason == Reason::Converged || isStagnant) && !isConfirmed())
+      continue;
+    if (isStagnant) {
+      solver_.stop(
+          Reason::Stagnation,
+          Explanations::stagnation(state_.projectedGradient, cg_.attainable(), state_.equalityDistance),
+          state_);
+      break;
     }
-    if (done) {
-      storeMultiplier();
-      if (!this->accepted())
+    if (reason == Reason::Converged) {
+      cg_.storeMultiplier();
+      if (!solver_.accepted())
         continue; // the test is stricter now
     }
     if (reason) {
-      this->keepState(*reason);
-      this->stopFor(*reason, state);
+      solver_.keepState(*reason);
+      solver_.stopFor(*reason, state_);
       break;
     }
-    if (this->isInterrupted(state))
+    if (solver_.isInterrupted(state_) || !advance())
       break;
-    const typename Cg::Outcome outcome = cg.step();
-    if (outcome == Cg::Outcome::Breakdown) {
-      this->stop(Reason::Breakdown, Explanations::breakdown(), state);
-      break;
-    }
-    if (outcome == Cg::Outcome::Flat) {
-      const Teuchos::RCP<MV> d = MVT::CloneCopy(cg.direction());
-      MVT::MvScale(*d, -1.0 / norm<Scalar>(*d));
-      Certificate certificate;
-      certificate.gap = dot<Scalar>(*problem.rhs(), *d);
-      if (cg.curvatureBound() > 0.0)
-        certificate.defect = norm<Scalar>(cg.image()) / (norm<Scalar>(cg.direction()) * cg.curvatureBound());
-      this->stopUnbounded(d, certificate);
-      break;
-    }
-    state = evaluate(state.inner + 1);
-    this->record(state, StepKind::Projected, 0.0, 0.0, 0);
   }
-  storeMultiplier();
+  cg_.storeMultiplier();
+}
+
+// Whether the recurrence can be believed; if not, the gradient is computed anew.
+template<class Scalar, class MV, class OP>
+bool PcpgSolver<Scalar, MV, OP>::Run::isConfirmed() {
+  if (cg_.staleness() <= 0 ||
+      std::sqrt(static_cast<double>(cg_.staleness())) * cg_.attainable() <= 0.1 * state_.projectedGradient)
+    return true;
+  ++counters_.confirmations;
+  cg_.restart();
+  state_ = evaluate(state_.inner);
+  return false;
+}
+
+template<class Scalar, class MV, class OP>
+bool PcpgSolver<Scalar, MV, OP>::Run::advance() {
+  const typename Cg::Outcome outcome = cg_.step();
+  if (outcome == Cg::Outcome::Breakdown) {
+    solver_.stop(Reason::Breakdown, Explanations::breakdown(), state_);
+    return false;
+  }
+  if (outcome == Cg::Outcome::Flat) {
+    stopFlat();
+    return false;
+  }
+  state_ = evaluate(state_.inner + 1);
+  solver_.record(state_, StepKind::Projected, 0.0, 0.0, 0);
+  return true;
+}
+
+template<class Scalar, class MV, class OP>
+IterationState<MV> PcpgSolver<Scalar, MV, OP>::Run::evaluate(int inner) {
+  return cg_.evaluate(cg_.residualNorm(), 1, inner);
+}
+
+// The cost falls without end along the last direction.
+template<class Scalar, class MV, class OP>
+void PcpgSolver<Scalar, MV, OP>::Run::stopFlat() {
+  const Teuchos::RCP<MV> d = MVT::CloneCopy(cg_.direction());
+  MVT::MvScale(*d, -1.0 / norm<Scalar>(*d));
+  Certificate certificate;
+  certificate.gap = dot<Scalar>(*problem_.rhs(), *d);
+  if (cg_.curvatureBound() > 0.0)
+    certificate.defect = norm<Scalar>(cg_.image()) / (norm<Scalar>(cg_.direction()) * cg_.curvatureBound());
+  solver_.stopUnbounded(d, certificate);
 }
 
 template<class Scalar, class MV, class OP>

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ProjectedCg.hpp"
 #include "Harmos_SolverManager.hpp"
+
+#include <limits>
+#include <set>
+#include <utility>
 
 namespace Harmos::qp {
 
@@ -39,7 +44,94 @@ class PdasSolver : public SolverManager<Scalar, MV, OP> {
   void doSolve() override;
 
  private:
+  class Run;
   void fallBack(const std::string& why);
+};
+
+/// One solution of a problem, from the first active set to the answer or to the hand-over:
+///
+///     begin() → enterFace() → descend() → look() ┬→ isCandidate(), isAnswer() → the end
+///                   ↑             ↑              ├→ settled: descend() to the end
+///                   └─────────────┴──────────────┴→ another set: mayGoOn()
+template<class Scalar, class MV, class OP>
+class PdasSolver<Scalar, MV, OP>::Run {
+ public:
+  /// All to outlive this.
+  Run(PdasSolver& solver, EqualityRows<Scalar, MV, OP>& rows);
+  void go();
+
+ private:
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using BT = BoundTraits<Scalar, MV>;
+  using Cg = ProjectedCg<Scalar, MV, OP>;
+
+  // How the sets get on.
+  struct Progress {
+    std::set<std::pair<double, double>> seen; // signatures
+    // Inexact solves may come back to a set on their way; exact ones that do so go round in circles.
+    static constexpr int mostRepeats = 3;
+    int repeats = 0;
+    // The least bound on ‖g^P‖ so far, and what it was when it had last fallen by half. Newton's method on
+    // sets has no such decrease far from the solution: it may wander for hundreds of sets, where matrices are
+    // far from M-matrices (elements of second order in contact).
+    double least = std::numeric_limits<double>::infinity(), mark = least;
+    int setsSinceMark = 0;
+
+    void exchange(StateArchive<MV>& archive);
+    /// Whether there were as many sets as `patience` since the bound was last halved.
+    bool isLost(double bound, int patience);
+    /// Whether sets have come back too often.
+    bool isCircle(const ActiveSetChange& change);
+  };
+
+  // The steps, in their order. Where one of them returns false, the solver has stopped or handed over.
+  void begin();
+  bool enterFace();
+  void aim();
+  bool descend();
+  bool advance();
+  void look();
+  bool isCandidate();
+  bool isAnswer();
+  bool mayGoOn();
+
+  void describeState();
+  void guess();
+  bool startsWithActive();
+  void addMultiplier();
+  bool isExhausted() const;
+  IterationState<MV> evaluate(double gradientNorm, int inner);
+  IterationState<MV> measure(int inner, bool feasible);
+  void handOver(const std::string& why);
+
+  PdasSolver& solver_;
+  EqualityRows<Scalar, MV, OP>& rows_;
+  const Problem<Scalar, MV, OP>& problem_;
+  Counters& counters_;
+  MV& x_;
+  const MV* lower_;
+  const MV* upper_;
+
+  double innerReduction_;
+  int patience_, mostSets_;
+  int budget_; // inner iterations before another method takes over
+
+  Teuchos::RCP<MV> y_, initial_;
+  Cg cg_;
+  LocalActiveSet set_;
+  ActiveSetChange change_; // by the last look
+  double expected_ = 0.0;  // ‖g^P‖ at the projection of x is at most that
+  long long active_ = 0;
+  Progress progress_;
+
+  bool settled_ = false; // the last look changed nothing
+  bool newFace_ = true, started_ = false;
+  // On a face.
+  double target_ = 0.0;
+  bool stepped_ = false, resumed_ = false;
+  long long faceSteps_ = 0;
+  int inner_;
+  IterationState<MV> state_;
 };
 
 } // namespace Harmos::qp

@@ -7,9 +7,8 @@
 #include "Harmos_ProjectedCg_def.hpp"
 #include "Harmos_SmalbeSolver_def.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <set>
-#include <utility>
 
 namespace Harmos::qp {
 
@@ -60,11 +59,7 @@ void PdasSolver<Scalar, MV, OP>::fallBack(const std::string& why) {
 
 template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::doSolve() {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
-  using Cg = ProjectedCg<Scalar, MV, OP>;
-  const Problem<Scalar, MV, OP>& problem = *this->problem_;
-  if (!problem.hasBounds()) {
+  if (!this->problem_->hasBounds()) {
     this->log_.info("Note: without bounds, PDAS is PCPG");
     PcpgSolver<Scalar, MV, OP> solver;
     return this->delegate(solver);
@@ -77,275 +72,347 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
   if (rows->isPresent() && !rows->isOrthonormal())
     throw InputError("PDAS needs equality rows with CCᵀ = I; there are more than \"Orthonormalised Rows\" "
                      "allows to make so. Use SMALBE, or raise that parameter");
-  const Teuchos::ParameterList& list = this->parameters_->sublist("PDAS");
-  const double innerReduction = list.get<double>("Inner reduction");
-  const int patience = list.get<int>("Active sets without progress");
-  const int mostSets = list.get<int>("Maximum active sets");
-  const int left = this->maximumIterations() - this->firstInner_;
+  Run(*this, *rows).go();
+}
+
+template<class Scalar, class MV, class OP>
+PdasSolver<Scalar, MV, OP>::Run::Run(PdasSolver& solver, EqualityRows<Scalar, MV, OP>& rows)
+    : solver_(solver),
+      rows_(rows),
+      problem_(*solver.problem_),
+      counters_(solver.result_.counters),
+      x_(*problem_.solution()),
+      lower_(problem_.lowerBound().get()),
+      upper_(problem_.upperBound().get()),
+      y_(MVT::Clone(x_, 1)),
+      cg_(problem_, rows, CgOptions::fromList(solver.parameters_->sublist("PCPG")), counters_),
+      inner_(solver.firstInner_) {
+  const Teuchos::ParameterList& list = solver.parameters_->sublist("PDAS");
+  innerReduction_ = list.get<double>("Inner reduction");
+  patience_ = list.get<int>("Active sets without progress");
+  mostSets_ = list.get<int>("Maximum active sets");
+  const int left = solver.maximumIterations() - solver.firstInner_;
   // Another method makes nothing of a handful of iterations.
   constexpr int fewIterations = 100;
-  const int budget =
-      this->firstInner_ +
-      (left <= fewIterations ? left : static_cast<int>(list.get<double>("Share of iterations") * left));
-  const auto length = static_cast<long long>(MVT::GetGlobalLength(*problem.solution()));
-  const MV* lower = problem.lowerBound().get();
-  const MV* upper = problem.upperBound().get();
-  MV& x = *problem.solution();
-  Counters& counters = this->result_.counters;
-  const Teuchos::RCP<MV> y = MVT::Clone(x, 1),
-                         residual = rows->isPresent() ? rows->makeVector() : Teuchos::null;
-  long long active = 0;
+  budget_ = solver.firstInner_ +
+            (left <= fewIterations ? left : static_cast<int>(list.get<double>("Share of iterations") * left));
+}
 
-  const auto evaluate = [&](double gradientNorm, int inner) {
-    IterationState<MV> state;
-    state.x = &x;
-    state.projectedGradient = gradientNorm;
-    if (rows->isPresent()) {
-      rows->residual(x, *residual);
-      state.equalityResidual = rows->residualNorm();
-      state.equalityDistance = rows->distance();
-    }
-    state.decrease = std::numeric_limits<double>::quiet_NaN();
-    state.outer = counters.activeSetUpdates + 1;
-    state.inner = inner;
-    state.counters = &counters;
-    return state;
-  };
-  const auto storeMultiplier = [&](const Cg& cg) {
-    if (!rows->isPresent())
+template<class Scalar, class MV, class OP>
+void PdasSolver<Scalar, MV, OP>::Run::go() {
+  begin();
+  while (true) {
+    if (newFace_ && !enterFace())
       return;
-    const Teuchos::RCP<MV> mu = rows->makeVector();
-    cg.multiplier(*mu);
-    rows->toUser(*mu, *problem.multiplier());
-  };
-
-  // What is reported and believed is the gradient at the projection of x, computed anew; or the one that was
-  // carried along, where x is within the bounds to the last bit and the rounding errors that may have
-  // gathered are below a tenth of it.
-  const auto measure = [&](const Cg& cg, int inner, bool feasible) {
-    if (feasible && cg.staleness() > 0) {
-      cg.lagrangianGradient(*y);
-      const double carried = BT::projectedGradientNorm(x, *y, lower, upper);
-      if (10.0 * cg.attainable() <= carried) {
-        storeMultiplier(cg);
-        return evaluate(carried, inner);
-      }
-    }
-    BT::project(x, lower, upper);
-    ++counters.confirmations;
-    ++counters.hessianApplications;
-    Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem.hessian(), x, *y);
-    MVT::MvAddMv(1.0, *y, -1.0, *problem.rhs(), *y);
-    if (rows->isPresent()) {
-      const Teuchos::RCP<MV> mu = rows->makeVector();
-      cg.multiplier(*mu);
-      rows->addTransposed(1.0, *mu, *y);
-    }
-    storeMultiplier(cg);
-    return evaluate(BT::projectedGradientNorm(x, *y, lower, upper), inner);
-  };
-
-  Cg cg(problem, *rows, CgOptions::fromList(this->parameters_->sublist("PCPG")), counters);
-  BT::project(x, lower, upper);
-  const Teuchos::RCP<MV> initial = MVT::CloneCopy(x);
-  LocalActiveSet set;
-  // The first active set: entries at a bound that the gradient pushes against it. The gradient costs a
-  // product where x is not zero. If that at zero, which costs nothing, mostly pushes against these bounds,
-  // the product is made on the face where all of them are active, as the first one of its solution.
-  const auto addMultiplier = [&] {
-    if (!rows->isPresent())
+    aim();
+    if (!descend())
       return;
-    const Teuchos::RCP<MV> mu = rows->makeVector();
-    rows->toInternal(*problem.multiplier(), *mu);
-    rows->addTransposed(1.0, *mu, *y);
-  };
-  ActiveSetChange change;
-  bool started = false;
-  const auto guess = [&] {
-    MVT::MvAddMv(-1.0, *problem.rhs(), 0.0, *problem.rhs(), *y);
-    addMultiplier();
-    BT::split(x, *y, lower, upper, 1.0, nullptr, set);
-    LocalActiveSet pushed = set;
-    change = BT::updateActiveSet(x, *y, lower, upper, 0.0, 0.0, pushed);
-    if (norm<Scalar>(x) > 0.0) {
-      const Teuchos::RCP<MV> projected = MVT::CloneCopy(x), free = MVT::CloneCopy(*y);
-      BT::maskActive(*free, set);
-      const double atBounds2 = dot<Scalar>(*y, *y) - dot<Scalar>(*free, *free);
-      started = change.wrongSign2 <= 0.1 * atBounds2 && cg.start(set);
-      if (started) {
-        cg.lagrangianGradient(*y);
-        change = BT::updateActiveSet(x, *y, lower, upper,
-                                     10.0 * std::numeric_limits<double>::epsilon() * norm<Scalar>(x),
-                                     10.0 * cg.attainable(), set);
-        started = change.changed == 0;
-      } else {
-        MVT::Assign(*projected, x);
-        ++counters.hessianApplications;
-        Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem.hessian(), x, *y);
-        MVT::MvAddMv(1.0, *y, -1.0, *problem.rhs(), *y);
-        addMultiplier();
-        change = BT::updateActiveSet(x, *y, lower, upper, 0.0, 0.0, set);
-      }
-    } else {
-      set = pushed;
-    }
-    active = change.active;
-  };
+    look();
+    if (!std::isfinite(expected_))
+      return solver_.stop(Reason::Breakdown, Explanations::breakdown(), state_);
+    if (isCandidate() && isAnswer())
+      return;
+    settled_ = change_.changed == 0;
+    newFace_ = !settled_;
+    if (newFace_ && !mayGoOn())
+      return;
+  }
+}
 
-  std::set<std::pair<double, double>> seen;
-  bool settled = false, newFace = true;
-  // Inexact solves may come back to a set on their way; exact ones that do so go round in circles.
-  constexpr int mostRepeats = 3;
-  int repeats = 0;
-  // The least bound on ‖g^P‖ so far, and what it was when it had last fallen by half. Newton's method on sets
-  // has no such decrease far from the solution: it may wander for hundreds of sets, where matrices are far
-  // from M-matrices (elements of second order in contact).
-  double least = std::numeric_limits<double>::infinity(), mark = least;
-  int setsSinceMark = 0;
-  // On a face.
-  double target = 0.0;
-  bool stepped = false, resumed = false;
-  long long faceSteps = 0;
-  int inner = this->firstInner_;
-  this->describeState([&](StateArchive<MV>& archive) {
-    archive.number("inner", inner);
-    archive.number("pdas active", active);
-    archive.number("pdas settled", settled);
-    archive.number("pdas target", target);
-    archive.number("pdas stepped", stepped);
-    archive.number("pdas face steps", faceSteps);
-    archive.number("pdas repeats", repeats);
-    archive.number("pdas least", least);
-    archive.number("pdas mark", mark);
-    archive.number("pdas sets since mark", setsSinceMark);
-    std::vector<double> signatures;
-    for (const auto& [first, second] : seen)
-      signatures.insert(signatures.end(), {first, second});
-    archive.numbers("pdas sets seen", signatures);
-    for (std::size_t k = 0; k + 1 < signatures.size(); k += 2)
-      seen.insert({signatures[k], signatures[k + 1]});
-    archive.vector("pdas initial", *initial);
-    const Teuchos::RCP<MV> states = MVT::Clone(x, 1);
-    BT::activeToVector(set, *states);
-    archive.vector("pdas active set", *states);
-    if (archive.isReading())
-      BT::vectorToActive(*states, set);
-    cg.exchange(archive);
-  });
-  if (this->resumes()) {
-    this->resume();
-    resumed = true;
-    newFace = false;
+template<class Scalar, class MV, class OP>
+void PdasSolver<Scalar, MV, OP>::Run::begin() {
+  BT::project(x_, lower_, upper_);
+  initial_ = MVT::CloneCopy(x_);
+  describeState();
+  if (solver_.resumes()) {
+    solver_.resume();
+    resumed_ = true;
+    newFace_ = false;
   } else {
     guess();
   }
-  IterationState<MV> state =
-      evaluate(resumed ? cg.residualNorm() : std::numeric_limits<double>::infinity(), inner);
-  while (true) {
-    if (newFace) {
-      if (!started && !cg.start(set))
-        return fallBack("the equalities cannot be met on a face");
-      started = false;
-      ++counters.faces;
-      state = evaluate(cg.residualNorm(), state.inner);
-      this->record(state, this->result_.history.empty() ? StepKind::Start : StepKind::ActiveSet, 0.0, 0.0,
-                   active);
-    }
-    counters.outerIterations = counters.activeSetUpdates + 1;
-    if (!resumed) {
-      target = settled ? 0.0 : innerReduction * cg.residualNorm();
-      stepped = false;
-      faceSteps = 0;
-    }
-    resumed = false;
-    std::optional<Reason> reason;
-    while (true) {
-      inner = state.inner;
-      if (!std::isfinite(cg.residualNorm()))
-        return this->stop(Reason::Breakdown, Explanations::breakdown(), state);
-      reason = this->judge(state);
-      if (reason || cg.residualNorm() <= std::max(target, cg.attainable()))
-        break;
-      if (this->isInterrupted(state))
-        return;
-      // Exact conjugate gradients end within the dimension of the face.
-      const bool isSpent = state.inner >= budget && budget < this->maximumIterations();
-      if (isSpent || faceSteps++ > 2 * (length - active) + 10) {
-        BT::project(x, lower, upper);
-        storeMultiplier(cg);
-        return fallBack(isSpent ? "its share of the iterations is used up"
-                                : "conjugate gradients crawl on a face");
-      }
-      const typename Cg::Outcome outcome = cg.step();
-      if (outcome == Cg::Outcome::Flat)
-        return fallBack("the Hessian is singular on a face");
-      if (outcome == Cg::Outcome::Breakdown)
-        return this->stop(Reason::Breakdown, Explanations::breakdown(), state);
-      stepped = true;
-      state = evaluate(cg.residualNorm(), state.inner + 1);
-      this->record(state, StepKind::Projected, 0.0, 0.0, active);
-    }
-    if (reason && *reason != Reason::Converged) {
-      this->keepState(*reason);
-      state = measure(cg, state.inner, false);
-      return this->stopFor(*reason, state);
-    }
+  state_ = evaluate(resumed_ ? cg_.residualNorm() : std::numeric_limits<double>::infinity(), inner_);
+}
 
-    if (active > 0) // multipliers of active bounds are all that it is asked for
-      cg.lagrangianGradient(*y);
-    const double epsilon = std::numeric_limits<double>::epsilon();
-    const double curvature = cg.curvatureBound();
-    change = BT::updateActiveSet(x, *y, lower, upper, 10.0 * epsilon * norm<Scalar>(x),
-                                 10.0 * cg.attainable(), set);
-    active = change.active;
-    // ‖g^P‖ at the projection of x is at most ‖w‖ + ‖multipliers of the wrong sign‖ + ‖A‖‖x − Π(x)‖.
-    const double expected =
-        cg.residualNorm() + std::sqrt(change.wrongSign2) + curvature * std::sqrt(change.violation2);
-    if (!std::isfinite(expected))
-      return this->stop(Reason::Breakdown, Explanations::breakdown(), state);
-    // A settled face that the tests send back without a step would be sent back for ever: what is left of
-    // wrong signs and violations is rounding errors.
-    const bool exhausted = cg.residualNorm() <= cg.attainable() || (settled && !stepped);
-    if (this->judge(evaluate(expected, state.inner)) == Reason::Converged ||
-        (change.changed == 0 && exhausted)) {
-      state = measure(cg, state.inner, change.violation2 == 0.0);
-      bool sentBack = false;
-      while (this->judge(state) == Reason::Converged) {
-        if (this->accepted())
-          return this->stopFor(Reason::Converged, state);
-        sentBack = true; // the test is stricter now
-      }
-      if (change.changed == 0 && (cg.residualNorm() <= cg.attainable() || (exhausted && !sentBack)))
-        return this->stop(
-            Reason::Stagnation,
-            Explanations::stagnation(state.projectedGradient, cg.attainable(), state.equalityDistance),
-            state);
+template<class Scalar, class MV, class OP>
+void PdasSolver<Scalar, MV, OP>::Run::describeState() {
+  solver_.describeState([this](StateArchive<MV>& archive) {
+    archive.number("inner", inner_);
+    archive.number("pdas active", active_);
+    archive.number("pdas settled", settled_);
+    archive.number("pdas target", target_);
+    archive.number("pdas stepped", stepped_);
+    archive.number("pdas face steps", faceSteps_);
+    progress_.exchange(archive);
+    archive.vector("pdas initial", *initial_);
+    const Teuchos::RCP<MV> states = MVT::Clone(x_, 1);
+    BT::activeToVector(set_, *states);
+    archive.vector("pdas active set", *states);
+    if (archive.isReading())
+      BT::vectorToActive(*states, set_);
+    cg_.exchange(archive);
+  });
+}
+
+template<class Scalar, class MV, class OP>
+void PdasSolver<Scalar, MV, OP>::Run::Progress::exchange(StateArchive<MV>& archive) {
+  archive.number("pdas repeats", repeats);
+  archive.number("pdas least", least);
+  archive.number("pdas mark", mark);
+  archive.number("pdas sets since mark", setsSinceMark);
+  std::vector<double> signatures;
+  for (const auto& [first, second] : seen)
+    signatures.insert(signatures.end(), {first, second});
+  archive.numbers("pdas sets seen", signatures);
+  for (std::size_t k = 0; k + 1 < signatures.size(); k += 2)
+    seen.insert({signatures[k], signatures[k + 1]});
+}
+
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::Progress::isLost(double bound, int patience) {
+  least = std::min(least, bound);
+  if (least < 0.5 * mark) {
+    mark = least;
+    setsSinceMark = 0;
+    return false;
+  }
+  return ++setsSinceMark >= patience;
+}
+
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::Progress::isCircle(const ActiveSetChange& change) {
+  return !seen.insert({change.signature[0], change.signature[1]}).second && ++repeats > mostRepeats;
+}
+
+// The first active set: entries at a bound that the gradient pushes against it. The gradient costs a product
+// where x is not zero.
+template<class Scalar, class MV, class OP>
+void PdasSolver<Scalar, MV, OP>::Run::guess() {
+  MVT::MvAddMv(-1.0, *problem_.rhs(), 0.0, *problem_.rhs(), *y_);
+  addMultiplier();
+  BT::split(x_, *y_, lower_, upper_, 1.0, nullptr, set_);
+  LocalActiveSet pushed = set_;
+  change_ = BT::updateActiveSet(x_, *y_, lower_, upper_, 0.0, 0.0, pushed);
+  if (norm<Scalar>(x_) > 0.0)
+    started_ = startsWithActive();
+  else
+    set_ = pushed;
+  active_ = change_.active;
+}
+
+// If the gradient at zero, which costs nothing, mostly pushes against the bounds that x is at, its product is
+// made on the face where all of them are active, as the first one of that face's solution.
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::startsWithActive() {
+  const Teuchos::RCP<MV> projected = MVT::CloneCopy(x_), free = MVT::CloneCopy(*y_);
+  BT::maskActive(*free, set_);
+  const double atBounds2 = dot<Scalar>(*y_, *y_) - dot<Scalar>(*free, *free);
+  if (change_.wrongSign2 <= 0.1 * atBounds2 && cg_.start(set_)) {
+    cg_.lagrangianGradient(*y_);
+    change_ = BT::updateActiveSet(x_, *y_, lower_, upper_,
+                                  10.0 * std::numeric_limits<double>::epsilon() * norm<Scalar>(x_),
+                                  10.0 * cg_.attainable(), set_);
+    return change_.changed == 0;
+  }
+  MVT::Assign(*projected, x_);
+  ++counters_.hessianApplications;
+  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), x_, *y_);
+  MVT::MvAddMv(1.0, *y_, -1.0, *problem_.rhs(), *y_);
+  addMultiplier();
+  change_ = BT::updateActiveSet(x_, *y_, lower_, upper_, 0.0, 0.0, set_);
+  return false;
+}
+
+// Cᵀμ of the problem's multiplier.
+template<class Scalar, class MV, class OP>
+void PdasSolver<Scalar, MV, OP>::Run::addMultiplier() {
+  if (!rows_.isPresent())
+    return;
+  const Teuchos::RCP<MV> mu = rows_.makeVector();
+  rows_.toInternal(*problem_.multiplier(), *mu);
+  rows_.addTransposed(1.0, *mu, *y_);
+}
+
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::enterFace() {
+  if (!started_ && !cg_.start(set_)) {
+    solver_.fallBack("the equalities cannot be met on a face");
+    return false;
+  }
+  started_ = false;
+  ++counters_.faces;
+  state_ = evaluate(cg_.residualNorm(), state_.inner);
+  solver_.record(state_, solver_.result_.history.empty() ? StepKind::Start : StepKind::ActiveSet, 0.0, 0.0,
+                 active_);
+  return true;
+}
+
+// How far this face is followed.
+template<class Scalar, class MV, class OP>
+void PdasSolver<Scalar, MV, OP>::Run::aim() {
+  counters_.outerIterations = counters_.activeSetUpdates + 1;
+  if (!resumed_) {
+    target_ = settled_ ? 0.0 : innerReduction_ * cg_.residualNorm();
+    stepped_ = false;
+    faceSteps_ = 0;
+  }
+  resumed_ = false;
+}
+
+// Conjugate gradients on the face, until its target or the tests are met.
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::descend() {
+  while (true) {
+    inner_ = state_.inner;
+    if (!std::isfinite(cg_.residualNorm())) {
+      solver_.stop(Reason::Breakdown, Explanations::breakdown(), state_);
+      return false;
     }
-    settled = change.changed == 0;
-    newFace = !settled;
-    if (settled)
-      continue;
-    ++counters.activeSetUpdates;
-    if (counters.activeSetUpdates >= mostSets) {
-      BT::project(x, lower, upper);
-      storeMultiplier(cg);
-      return fallBack("the limit of " + std::to_string(mostSets) + " active sets was reached");
+    const std::optional<Reason> reason = solver_.judge(state_);
+    if (reason && *reason != Reason::Converged) {
+      solver_.keepState(*reason);
+      state_ = measure(state_.inner, false);
+      solver_.stopFor(*reason, state_);
+      return false;
     }
-    least = std::min(least, expected);
-    if (least < 0.5 * mark) {
-      mark = least;
-      setsSinceMark = 0;
-    } else if (++setsSinceMark >= patience) {
-      // Where it has wandered to is further from the solution than where it began.
-      MVT::Assign(*initial, x);
-      return fallBack(std::to_string(patience) + " active sets brought no progress");
+    if (reason || cg_.residualNorm() <= std::max(target_, cg_.attainable()))
+      return true;
+    if (solver_.isInterrupted(state_) || !advance())
+      return false;
+  }
+}
+
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::advance() {
+  // Exact conjugate gradients end within the dimension of the face.
+  const auto length = static_cast<long long>(MVT::GetGlobalLength(x_));
+  const bool isSpent = state_.inner >= budget_ && budget_ < solver_.maximumIterations();
+  if (isSpent || faceSteps_++ > 2 * (length - active_) + 10) {
+    handOver(isSpent ? "its share of the iterations is used up" : "conjugate gradients crawl on a face");
+    return false;
+  }
+  const typename Cg::Outcome outcome = cg_.step();
+  if (outcome == Cg::Outcome::Flat) {
+    solver_.fallBack("the Hessian is singular on a face");
+    return false;
+  }
+  if (outcome == Cg::Outcome::Breakdown) {
+    solver_.stop(Reason::Breakdown, Explanations::breakdown(), state_);
+    return false;
+  }
+  stepped_ = true;
+  state_ = evaluate(cg_.residualNorm(), state_.inner + 1);
+  solver_.record(state_, StepKind::Projected, 0.0, 0.0, active_);
+  return true;
+}
+
+// The next active set, and what the present iterate is worth.
+template<class Scalar, class MV, class OP>
+void PdasSolver<Scalar, MV, OP>::Run::look() {
+  if (active_ > 0) // multipliers of active bounds are all that it is asked for
+    cg_.lagrangianGradient(*y_);
+  const double epsilon = std::numeric_limits<double>::epsilon();
+  const double curvature = cg_.curvatureBound();
+  change_ = BT::updateActiveSet(x_, *y_, lower_, upper_, 10.0 * epsilon * norm<Scalar>(x_),
+                                10.0 * cg_.attainable(), set_);
+  active_ = change_.active;
+  // ‖g^P‖ at the projection of x is at most ‖w‖ + ‖multipliers of the wrong sign‖ + ‖A‖‖x − Π(x)‖.
+  expected_ = cg_.residualNorm() + std::sqrt(change_.wrongSign2) + curvature * std::sqrt(change_.violation2);
+}
+
+// A settled face that the tests send back without a step would be sent back for ever: what is left of wrong
+// signs and violations is rounding errors.
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::isExhausted() const {
+  return cg_.residualNorm() <= cg_.attainable() || (settled_ && !stepped_);
+}
+
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::isCandidate() {
+  return solver_.judge(evaluate(expected_, state_.inner)) == Reason::Converged ||
+         (change_.changed == 0 && isExhausted());
+}
+
+// Whether the projection of x is the answer, or as near to it as rounding errors allow.
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::isAnswer() {
+  const bool exhausted = isExhausted();
+  state_ = measure(state_.inner, change_.violation2 == 0.0);
+  bool sentBack = false;
+  while (solver_.judge(state_) == Reason::Converged) {
+    if (solver_.accepted()) {
+      solver_.stopFor(Reason::Converged, state_);
+      return true;
     }
-    if (!seen.insert({change.signature[0], change.signature[1]}).second && ++repeats > mostRepeats) {
-      BT::project(x, lower, upper);
-      storeMultiplier(cg);
-      return fallBack("an active set came back");
+    sentBack = true; // the test is stricter now
+  }
+  if (change_.changed != 0 || (cg_.residualNorm() > cg_.attainable() && (!exhausted || sentBack)))
+    return false;
+  solver_.stop(Reason::Stagnation,
+               Explanations::stagnation(state_.projectedGradient, cg_.attainable(), state_.equalityDistance),
+               state_);
+  return true;
+}
+
+// To another set.
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::mayGoOn() {
+  ++counters_.activeSetUpdates;
+  if (counters_.activeSetUpdates >= mostSets_) {
+    handOver("the limit of " + std::to_string(mostSets_) + " active sets was reached");
+    return false;
+  }
+  if (progress_.isLost(expected_, patience_)) {
+    // Where it has wandered to is further from the solution than where it began.
+    MVT::Assign(*initial_, x_);
+    solver_.fallBack(std::to_string(patience_) + " active sets brought no progress");
+    return false;
+  }
+  if (progress_.isCircle(change_)) {
+    handOver("an active set came back");
+    return false;
+  }
+  return true;
+}
+
+template<class Scalar, class MV, class OP>
+IterationState<MV> PdasSolver<Scalar, MV, OP>::Run::evaluate(double gradientNorm, int inner) {
+  return cg_.evaluate(gradientNorm, counters_.activeSetUpdates + 1, inner);
+}
+
+// What is reported and believed is the gradient at the projection of x, computed anew; or the one that was
+// carried along, where x is within the bounds to the last bit and the rounding errors that may have gathered
+// are below a tenth of it.
+template<class Scalar, class MV, class OP>
+IterationState<MV> PdasSolver<Scalar, MV, OP>::Run::measure(int inner, bool feasible) {
+  if (feasible && cg_.staleness() > 0) {
+    cg_.lagrangianGradient(*y_);
+    const double carried = BT::projectedGradientNorm(x_, *y_, lower_, upper_);
+    if (10.0 * cg_.attainable() <= carried) {
+      cg_.storeMultiplier();
+      return evaluate(carried, inner);
     }
   }
+  BT::project(x_, lower_, upper_);
+  ++counters_.confirmations;
+  ++counters_.hessianApplications;
+  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), x_, *y_);
+  MVT::MvAddMv(1.0, *y_, -1.0, *problem_.rhs(), *y_);
+  if (rows_.isPresent()) {
+    const Teuchos::RCP<MV> mu = rows_.makeVector();
+    cg_.multiplier(*mu);
+    rows_.addTransposed(1.0, *mu, *y_);
+  }
+  cg_.storeMultiplier();
+  return evaluate(BT::projectedGradientNorm(x_, *y_, lower_, upper_), inner);
+}
+
+// Another method goes on from here.
+template<class Scalar, class MV, class OP>
+void PdasSolver<Scalar, MV, OP>::Run::handOver(const std::string& why) {
+  BT::project(x_, lower_, upper_);
+  cg_.storeMultiplier();
+  solver_.fallBack(why);
 }
 
 template<class Scalar, class MV, class OP>

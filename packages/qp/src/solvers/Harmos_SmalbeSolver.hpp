@@ -3,6 +3,9 @@
 
 #include "Harmos_BoundedSolver.hpp"
 
+#include <algorithm>
+#include <limits>
+
 namespace Harmos::qp {
 
 /// "SMALBE": semimonotonic augmented Lagrangians for bounds and equalities, MPRGP inside.
@@ -39,6 +42,69 @@ class SmalbeSolver : public BoundedSolver<Scalar, MV, OP> {
 
  protected:
   void doSolve() override;
+
+ private:
+  class Run;
+};
+
+/// One solution of a problem: an outer iteration minimises to the precision of now, watches feasibility,
+/// adapts ρ and M, and updates the multiplier.
+template<class Scalar, class MV, class OP>
+class SmalbeSolver<Scalar, MV, OP>::Run {
+ public:
+  /// All to outlive this.
+  Run(SmalbeSolver& solver, EqualityRows<Scalar, MV, OP>& rows);
+  void go();
+
+ private:
+  // Asks for a probe when feasibility has not improved twice in a row, the next time after twice as long.
+  struct InfeasibilityWatch {
+    bool feasible = false;
+    int slow = 0;
+    int patience = 2;
+    bool suspects(bool isSlow) {
+      slow = isSlow ? slow + 1 : 0;
+      if (feasible || slow < patience)
+        return false;
+      patience *= 2;
+      return true;
+    }
+  };
+  // What turns the parameters of the list into those of the problem.
+  struct Scales {
+    double norm = 1.0, gradient = 1.0, equality = 1.0;
+    double row = 1.0; // 1 but for rows used as they stand
+  };
+
+  static constexpr int mostProbeSteps = 1000; // each a product with C and Cᵀ
+
+  Scales scales() const;
+  void exchange(StateArchive<MV>& archive);
+  bool isPrecise(const IterationState<MV>& state) const {
+    return state.projectedGradient <= std::min(precision_ * lagrangian_.residual(), innerTolerance_);
+  }
+  // Of an outer iteration, in their order. Where one of them returns true, the solver has stopped.
+  bool isSpent();
+  bool isInfeasible();
+  void adaptPenalty();
+  void adaptPrecision();
+  void updateMultiplier();
+  void finish();
+
+  SmalbeSolver& solver_;
+  EqualityRows<Scalar, MV, OP>& rows_;
+  const Teuchos::ParameterList& list_;
+  bool byPenalty_, byPrecision_;
+  BoundedLagrangian<Scalar, MV, OP> lagrangian_;
+  double penalty_, largestPenalty_;           // ρ
+  double precision_;                          // M
+  double innerTolerance_, equalityTolerance_; // η of the rules
+  IterationState<MV> state_;
+  double previousValue_ = -std::numeric_limits<double>::infinity();
+  double previousResidual_ = std::numeric_limits<double>::infinity();
+  InfeasibilityWatch watch_;
+  int previousInner_ = -1;
+  double stretch_ = 1.0; // of the multiplier's update
 };
 
 } // namespace Harmos::qp

@@ -62,135 +62,155 @@ const ParameterSpec& SmalbeSolver<Scalar, MV, OP>::spec() {
 
 template<class Scalar, class MV, class OP>
 void SmalbeSolver<Scalar, MV, OP>::doSolve() {
-  constexpr int mostProbeSteps = 1000; // each a product with C and Cᵀ
-  // Asks for a probe when feasibility has not improved twice in a row, the next time after twice as long.
-  struct InfeasibilityWatch {
-    bool feasible = false;
-    int slow = 0;
-    int patience = 2;
-    bool suspects(bool isSlow) {
-      slow = isSlow ? slow + 1 : 0;
-      if (feasible || slow < patience)
-        return false;
-      patience *= 2;
-      return true;
-    }
-  };
   if (!this->problem_->hasEqualities()) {
     this->log_.info("Note: without equalities, SMALBE is MPRGP");
     MprgpSolver<Scalar, MV, OP> solver;
     return this->delegate(solver);
   }
-  const Teuchos::ParameterList& list = this->parameters_->sublist("SMALBE");
-  const std::string rule = list.get<std::string>("Update rule");
-  const bool byPenalty = rule != "precision", byPrecision = rule != "penalty";
   const Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = this->makeRows();
-  if (rows.is_null())
-    return;
-  BoundedLagrangian<Scalar, MV, OP> lagrangian(*this->problem_, *rows,
-                                               MprgpOptions::fromList(this->parameters_->sublist("MPRGP")),
-                                               this->result_.counters, this->resumes());
+  if (!rows.is_null())
+    Run(*this, *rows).go();
+}
 
-  double normScale = 1.0, gradientScale = 1.0, equalityScale = 1.0;
-  const double rowScale = std::sqrt(rows->norm2()); // 1 but for rows used as they stand
-  if (list.get<std::string>("Parameter scaling") == "relative") {
-    gradientScale = norm<Scalar>(*this->problem_->rhs());
-    // Without a Hessian (a linear program) the load over the distance to the equalities is all there is.
-    const double distance = norm<Scalar>(rows->values()) / rowScale;
-    normScale = lagrangian.hessianNorm();
-    if (!(normScale > 0.0))
-      normScale = gradientScale > 0.0 ? gradientScale / (distance > 0.0 ? distance : 1.0) : 1.0;
-    equalityScale = gradientScale / normScale * rowScale;
-    normScale /= rowScale;
-  }
-  double penalty = normScale / rowScale * list.get<double>("Initial penalty");
-  double precision = normScale * list.get<double>("M");
-  double innerTolerance = byPrecision ? gradientScale * list.get<double>("Inner tolerance")
-                                      : std::numeric_limits<double>::infinity();
-  double equalityTolerance = equalityScale * list.get<double>("Equality tolerance");
-  const double toleranceFactor = list.get<double>("Tolerance factor");
-  const double penaltyFactor = list.get<double>("Penalty factor");
-  const double precisionFactor = list.get<double>("Precision factor");
-  double largestPenalty = std::max(penalty, normScale / rowScale * list.get<double>("Maximum penalty"));
-  const int slowLimit = list.get<int>("Slow iterations");
-  const int outerLimit = list.get<int>("Maximum outer iterations");
+template<class Scalar, class MV, class OP>
+SmalbeSolver<Scalar, MV, OP>::Run::Run(SmalbeSolver& solver, EqualityRows<Scalar, MV, OP>& rows)
+    : solver_(solver),
+      rows_(rows),
+      list_(solver.parameters_->sublist("SMALBE")),
+      byPenalty_(list_.get<std::string>("Update rule") != "precision"),
+      byPrecision_(list_.get<std::string>("Update rule") != "penalty"),
+      lagrangian_(*solver.problem_, rows, MprgpOptions::fromList(solver.parameters_->sublist("MPRGP")),
+                  solver.result_.counters, solver.resumes()) {
+  const Scales scale = scales();
+  penalty_ = scale.norm / scale.row * list_.get<double>("Initial penalty");
+  precision_ = scale.norm * list_.get<double>("M");
+  innerTolerance_ = byPrecision_ ? scale.gradient * list_.get<double>("Inner tolerance")
+                                 : std::numeric_limits<double>::infinity();
+  equalityTolerance_ = scale.equality * list_.get<double>("Equality tolerance");
+  largestPenalty_ = std::max(penalty_, scale.norm / scale.row * list_.get<double>("Maximum penalty"));
+}
 
-  const auto precise = [&](const IterationState<MV>& state) {
-    return state.projectedGradient <= std::min(precision * lagrangian.residual(), innerTolerance);
-  };
+template<class Scalar, class MV, class OP>
+typename SmalbeSolver<Scalar, MV, OP>::Run::Scales SmalbeSolver<Scalar, MV, OP>::Run::scales() const {
+  Scales scale;
+  scale.row = std::sqrt(rows_.norm2());
+  if (list_.get<std::string>("Parameter scaling") != "relative")
+    return scale;
+  scale.gradient = norm<Scalar>(*solver_.problem_->rhs());
+  // Without a Hessian (a linear program) the load over the distance to the equalities is all there is.
+  const double distance = norm<Scalar>(rows_.values()) / scale.row;
+  scale.norm = lagrangian_.hessianNorm();
+  if (!(scale.norm > 0.0))
+    scale.norm = scale.gradient > 0.0 ? scale.gradient / (distance > 0.0 ? distance : 1.0) : 1.0;
+  scale.equality = scale.gradient / scale.norm * scale.row;
+  scale.norm /= scale.row;
+  return scale;
+}
 
-  double previousValue = -std::numeric_limits<double>::infinity();
-  double previousResidual = std::numeric_limits<double>::infinity();
-  InfeasibilityWatch watch;
-  int previousInner = -1;
-  double stretch = 1.0;
-  const auto own = [&](StateArchive<MV>& archive) {
-    archive.number("smalbe penalty", penalty);
-    archive.number("smalbe precision", precision);
-    archive.number("smalbe inner tolerance", innerTolerance);
-    archive.number("smalbe equality tolerance", equalityTolerance);
-    archive.number("smalbe largest penalty", largestPenalty);
-    archive.number("smalbe previous value", previousValue);
-    archive.number("smalbe previous residual", previousResidual);
-    archive.number("smalbe feasible", watch.feasible);
-    archive.number("smalbe slow", watch.slow);
-    archive.number("smalbe patience", watch.patience);
-    archive.number("smalbe previous inner", previousInner);
-    archive.number("smalbe stretch", stretch);
-  };
-  IterationState<MV> state = this->begin(lagrangian, penalty, precision, own);
+template<class Scalar, class MV, class OP>
+void SmalbeSolver<Scalar, MV, OP>::Run::exchange(StateArchive<MV>& archive) {
+  archive.number("smalbe penalty", penalty_);
+  archive.number("smalbe precision", precision_);
+  archive.number("smalbe inner tolerance", innerTolerance_);
+  archive.number("smalbe equality tolerance", equalityTolerance_);
+  archive.number("smalbe largest penalty", largestPenalty_);
+  archive.number("smalbe previous value", previousValue_);
+  archive.number("smalbe previous residual", previousResidual_);
+  archive.number("smalbe feasible", watch_.feasible);
+  archive.number("smalbe slow", watch_.slow);
+  archive.number("smalbe patience", watch_.patience);
+  archive.number("smalbe previous inner", previousInner_);
+  archive.number("smalbe stretch", stretch_);
+}
+
+template<class Scalar, class MV, class OP>
+void SmalbeSolver<Scalar, MV, OP>::Run::go() {
+  state_ = solver_.begin(lagrangian_, penalty_, precision_,
+                         [this](StateArchive<MV>& archive) { exchange(archive); });
+  const auto precise = [this](const IterationState<MV>& state) { return isPrecise(state); };
   // Step 1: the inner loop; Step 2, the stop, is part of it.
-  while (this->minimise(lagrangian, state, precise, precision)) {
-    const double residual = lagrangian.residual();
-    this->result_.penalty = lagrangian.penalty();
-    if (state.outer >= outerLimit) {
-      this->stop(Reason::IterationLimit,
-                 Explanations::limit(std::to_string(outerLimit) + " outer iterations"), state);
+  while (solver_.minimise(lagrangian_, state_, precise, precision_)) {
+    solver_.result_.penalty = lagrangian_.penalty();
+    if (isSpent() || isInfeasible())
       break;
-    }
-    // Where feasible points exist, ‖r‖ falls from one outer iteration to the next; where it does not, the
-    // multiplier grows without end.
-    if (watch.suspects(residual > 0.5 * previousResidual) &&
-        this->stopIfInfeasible(*rows, mostProbeSteps, watch.feasible))
-      break;
-    previousResidual = residual;
     // Steps 3 and 4.
-    if (watch.slow >= slowLimit) {
-      watch.slow = 0;
-      penalty = std::min(penalty * penaltyFactor, largestPenalty);
-    } else if (byPenalty) {
-      if (residual <= equalityTolerance)
-        equalityTolerance *= toleranceFactor;
-      else
-        penalty = std::min(penalty * penaltyFactor, largestPenalty);
-    }
-    if (byPrecision) {
-      const double value = lagrangian.value();
-      const double rise = 0.5 * lagrangian.penalty() * residual * residual;
-      // Below the rounding errors of the value the comparison means nothing.
-      const double noise = 100.0 * std::numeric_limits<double>::epsilon() * std::abs(value);
-      if (rise > noise && value < previousValue + rise)
-        precision *= precisionFactor;
-      previousValue = value;
-    }
-    // An iterate held by its bounds alone, which the new multiplier has left where it was, stays there until
-    // the multiplier has grown to the size of what presses on the bounds: by ρ‖r‖ at a time that may take for
-    // ever.
-    const bool held =
-        state.inner == previousInner && state.projectedGradient <= lagrangian.attainableGradient();
-    stretch = held ? 2.0 * stretch : 1.0;
-    previousInner = state.inner;
-    lagrangian.updateMultiplier(penalty, stretch);
-    this->result_.counters.outerIterations = state.outer + 1;
-    state = lagrangian.evaluate(state.outer + 1, state.inner);
+    adaptPenalty();
+    if (byPrecision_)
+      adaptPrecision();
+    updateMultiplier();
   }
-  this->result_.penalty = lagrangian.penalty();
-  lagrangian.storeMultiplier();
+  finish();
+}
+
+template<class Scalar, class MV, class OP>
+bool SmalbeSolver<Scalar, MV, OP>::Run::isSpent() {
+  const int limit = list_.get<int>("Maximum outer iterations");
+  if (state_.outer < limit)
+    return false;
+  solver_.stop(Reason::IterationLimit, Explanations::limit(std::to_string(limit) + " outer iterations"),
+               state_);
+  return true;
+}
+
+// Where feasible points exist, ‖r‖ falls from one outer iteration to the next; where it does not, the
+// multiplier grows without end.
+template<class Scalar, class MV, class OP>
+bool SmalbeSolver<Scalar, MV, OP>::Run::isInfeasible() {
+  const bool isSlow = lagrangian_.residual() > 0.5 * previousResidual_;
+  if (watch_.suspects(isSlow) && solver_.stopIfInfeasible(rows_, mostProbeSteps, watch_.feasible))
+    return true;
+  previousResidual_ = lagrangian_.residual();
+  return false;
+}
+
+template<class Scalar, class MV, class OP>
+void SmalbeSolver<Scalar, MV, OP>::Run::adaptPenalty() {
+  const double grown = std::min(penalty_ * list_.get<double>("Penalty factor"), largestPenalty_);
+  if (watch_.slow >= list_.get<int>("Slow iterations")) {
+    watch_.slow = 0;
+    penalty_ = grown;
+  } else if (byPenalty_) {
+    if (lagrangian_.residual() <= equalityTolerance_)
+      equalityTolerance_ *= list_.get<double>("Tolerance factor");
+    else
+      penalty_ = grown;
+  }
+}
+
+template<class Scalar, class MV, class OP>
+void SmalbeSolver<Scalar, MV, OP>::Run::adaptPrecision() {
+  const double value = lagrangian_.value();
+  const double rise = 0.5 * lagrangian_.penalty() * lagrangian_.residual() * lagrangian_.residual();
+  // Below the rounding errors of the value the comparison means nothing.
+  const double noise = 100.0 * std::numeric_limits<double>::epsilon() * std::abs(value);
+  if (rise > noise && value < previousValue_ + rise)
+    precision_ *= list_.get<double>("Precision factor");
+  previousValue_ = value;
+}
+
+// An iterate held by its bounds alone, which the new multiplier has left where it was, stays there until the
+// multiplier has grown to the size of what presses on the bounds: by ρ‖r‖ at a time that may take for ever.
+template<class Scalar, class MV, class OP>
+void SmalbeSolver<Scalar, MV, OP>::Run::updateMultiplier() {
+  const bool held =
+      state_.inner == previousInner_ && state_.projectedGradient <= lagrangian_.attainableGradient();
+  stretch_ = held ? 2.0 * stretch_ : 1.0;
+  previousInner_ = state_.inner;
+  lagrangian_.updateMultiplier(penalty_, stretch_);
+  solver_.result_.counters.outerIterations = state_.outer + 1;
+  state_ = lagrangian_.evaluate(state_.outer + 1, state_.inner);
+}
+
+template<class Scalar, class MV, class OP>
+void SmalbeSolver<Scalar, MV, OP>::Run::finish() {
+  Result& result = solver_.result_;
+  result.penalty = lagrangian_.penalty();
+  lagrangian_.storeMultiplier();
   // Of a problem without feasible points, neither a descent without end nor a limit is the reason.
-  if (this->result_.reason == Reason::Unbounded || this->result_.reason == Reason::IterationLimit ||
-      this->result_.reason == Reason::Stagnation)
-    if (!watch.feasible)
-      this->stopIfInfeasible(*rows, mostProbeSteps, watch.feasible);
+  if (result.reason == Reason::Unbounded || result.reason == Reason::IterationLimit ||
+      result.reason == Reason::Stagnation)
+    if (!watch_.feasible)
+      solver_.stopIfInfeasible(rows_, mostProbeSteps, watch_.feasible);
 }
 
 template<class Scalar, class MV, class OP>

@@ -26,7 +26,7 @@ class ConstraintCollector;
 /// What effects to come need beyond that has its place here. Two-sided bounds (Tresca friction: |λ_t| ≤ s):
 /// a kind of row more in ConstraintCollector, for qp takes any box already. An update between solves (Coulomb
 /// friction, debonding): a hook after the recovery, from which the run goes back to the constraints. Output
-/// fields: a hook beside writeVtkHdf(), as ContactFields are for inequality rows.
+/// fields: a hook beside run::writeResult(), as ContactFields are for inequality rows.
 ///
 /// Guarded by tests/unit/effects/test_absence.cpp.
 class Effect {

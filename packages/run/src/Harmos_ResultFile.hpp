@@ -19,16 +19,17 @@ struct ResultFields {
   const ContactFields* contact = nullptr;                       ///< null without contact
 };
 
-/// Writes the result for ParaView: one HDF5 file in VTK's VTKHDF UnstructuredGrid layout (version 1.0),
-/// written by all ranks together, one part a subdomain: the file does not depend on the number of ranks.
+/// Writes the result for ParaView by io::VtkHdfWriter, one part a subdomain: the file does not depend on the
+/// number of ranks.
 ///
 /// Point data: displacement (a scalar for membranes, else a vector); stress (xx, yy, zz, xy, yz, xz) and
 /// von_mises; with contact also contact_pressure, gap, active_set. Cell data: subdomain, body, region.
 ///
+/// Each array is made when it is written: no two of the result's size are there at once.
 /// @throws InputError on all ranks if the file cannot be written; what was there before is then untouched.
 /// @note Collective.
 /// Guarded by tests/regression/test_result_file.py (VTK's own reader).
-void writeVtkHdf(const Teuchos::Comm<int>& comm, const std::string& path,
+void writeResult(const Teuchos::Comm<int>& comm, const std::string& path,
                  const std::vector<scene::OwnedSubdomain>& owned, const ResultFields& fields);
 
 } // namespace Harmos::run
