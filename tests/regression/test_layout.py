@@ -5,10 +5,11 @@ What each class guards against:
 
     Packages   a package that includes or links what it must not know: qp and FETI, FETI and
                meshes, or anything that would close a cycle; a library that prints by itself or
-               assumes that all of MPI belongs to it
-    Tree       files without licence, headers without include guard, sources too long to read,
-               things at the top level that belong further down, a second place that knows about
-               releases of Trilinos
+               assumes that all of MPI belongs to it; folders of a package that include each
+               other in a circle
+    Tree       files without licence, headers without include guard, sources and functions too long
+               to read, folders too full to find anything, things at the top level that belong
+               further down, a second place that knows about releases of Trilinos
     Planted    this checker finding nothing because it looks at nothing: each fault is planted in
                a copy of the tree and must be found
 """
@@ -23,17 +24,21 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 
 import harmos_runs as runs  # noqa: E402
+from harmos_functions import functions  # noqa: E402
 
 # What a package may see; a new package enters here.
 SEES = {
     "core": set(),
+    "io": {"core"},
     "qp": {"core"},
     "feti": {"core", "qp"},
     "thyra": {"core", "qp", "feti"},
     "fem": {"core"},
     "contact": {"core", "fem"},
-    "scene": {"core", "qp", "feti", "fem", "contact"},
+    "scene": {"core", "feti", "fem", "contact"},
     "effects": {"core", "feti", "fem", "contact", "scene"},
+    "run": {"core", "io", "qp", "feti", "fem", "contact", "scene"},
+    "plan": {"core", "qp", "feti", "fem", "contact", "scene", "run"},
 }
 
 # Headers that the build makes, and the package that they belong to.
@@ -55,6 +60,8 @@ TOP_LEVEL = {
 LICENCE = "SPDX-License-Identifier: BSD-3-Clause"
 LICENSED = {".cpp", ".hpp", ".h", ".c", ".cmake", ".py", ".sh"}
 MOST_LINES = 600
+MOST_FUNCTION_LINES = 100
+MOST_MODULES = 20  # side by side in a folder
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
@@ -151,8 +158,67 @@ def package_faults(source):
             if f"packages/{package}/{name}" not in source.files:
                 faults.append(f"packages/{package}: no {name}")
         for file in source.below("packages", package):
-            if not re.fullmatch(rf"packages/{package}/src/Harmos_\w+\.[ch]pp", file):
-                faults.append(f"{file}: the place is packages/{package}/src/Harmos_<Class>.*pp")
+            if not re.fullmatch(rf"packages/{package}/src/(?:[a-z]+/)?Harmos_\w+\.[ch]pp", file):
+                faults.append(
+                    f"{file}: the place is packages/{package}/src[/<folder>]/Harmos_<Class>.*pp"
+                )
+    return faults
+
+
+def circle_of(sees):
+    """Those that a walk along `sees`, from name to names, may come back to; empty for none."""
+    left = dict(sees)
+    while left:
+        free = [name for name, seen in left.items() if not seen & set(left)]
+        if not free:
+            return set(left)
+        for name in free:
+            del left[name]
+    return set()
+
+
+def folder_faults(source):
+    """Folders of a package that include each other in a circle."""
+    faults = []
+    for package in source.packages():
+        files = source.below("packages", package, suffixes=(".hpp", ".cpp", ".inc"))
+        place = {Path(file).name: str(Path(file).parent) for file in files}
+        sees = {folder: set() for folder in place.values()}
+        for file in files:
+            names = {Path(name).name for _, name in INCLUDE.findall(source.text(file))}
+            sees[str(Path(file).parent)] |= {place[name] for name in names & set(place)}
+        circle = circle_of({folder: seen - {folder} for folder, seen in sees.items()})
+        if circle:
+            faults.append(f"packages/{package}: a circle of includes in {', '.join(sorted(circle))}")
+    return faults
+
+
+def module_faults(source):
+    """Folders with more modules, header and source counted once, than a reader takes in."""
+    modules = {}
+    for file in source.files:
+        path = Path(file)
+        if path.suffix in (".hpp", ".cpp", ".inc", ".py", ".sh"):
+            stem = re.sub(r"_(def|product)$", "", path.stem)
+            modules.setdefault(str(path.parent), set()).add(stem)
+    return [
+        f"{folder}: {len(names)} modules side by side, more than {MOST_MODULES}"
+        for folder, names in sorted(modules.items())
+        if len(names) > MOST_MODULES
+    ]
+
+
+def function_faults(source):
+    faults = []
+    for file in source.files:
+        if Path(file).suffix not in (".hpp", ".cpp", ".inc"):
+            continue
+        for first, last, head in functions(source.text(file)):
+            if last - first + 1 > MOST_FUNCTION_LINES:
+                faults.append(
+                    f"{file}:{first}: {last - first + 1} lines, more than {MOST_FUNCTION_LINES}: "
+                    f"{head[-60:]}"
+                )
     return faults
 
 
@@ -260,17 +326,16 @@ class Packages(Checks):
         self.assertEqual(self.source.packages(), sorted(SEES))
 
     def test_table_has_no_cycle(self):
-        done = set()
-        while len(done) < len(SEES):
-            ready = {p for p, seen in SEES.items() if p not in done and seen <= done}
-            self.assertTrue(ready, f"a cycle among {set(SEES) - done}")
-            done |= ready
+        self.assertEqual(circle_of(SEES), set())
 
     def test_includes(self):
         self.assert_none(include_faults(self.source))
 
     def test_links(self):
         self.assert_none(link_faults(self.source))
+
+    def test_folders_have_no_circle(self):
+        self.assert_none(folder_faults(self.source))
 
     def test_libraries_do_not_print(self):
         self.assert_none(output_faults(self.source))
@@ -288,6 +353,12 @@ class Tree(Checks):
 
     def test_length(self):
         self.assert_none(length_faults(self.source))
+
+    def test_length_of_functions(self):
+        self.assert_none(function_faults(self.source))
+
+    def test_modules_of_a_folder(self):
+        self.assert_none(module_faults(self.source))
 
     def test_guards_exist(self):
         self.assert_none(guard_faults(self.source))
@@ -345,6 +416,9 @@ class Planted(Checks):
             ("core", "qp"),
             ("feti", "scene"),
             ("scene", "effects"),
+            ("scene", "run"),
+            ("io", "scene"),
+            ("run", "plan"),
         ):
             with self.subTest(package=package, other=other):
                 name = self.header(other)
@@ -426,6 +500,41 @@ class Planted(Checks):
         file = "apps/Planted.cpp"
         fault = f"{file}: {MOST_LINES + 1} lines, more than {MOST_LINES}"
         self.assert_found(length_faults, file, (MOST_LINES + 1) * "\n", fault)
+
+    def test_long_function(self):
+        file = "apps/Planted.cpp"
+        for head in (
+            "int f(int a) {",
+            "template<class T>\nT C<T>::f() const noexcept {",
+            "class C {\n void f() {",
+            "C::C(int a)\n    : a_(1), b_{a} {",
+        ):
+            with self.subTest(head=head):
+                lines = (MOST_FUNCTION_LINES - 1) * "  g({1}); // }\n"
+                end = "}\n};\n" if head.startswith("class") else "}\n"
+                before = 1 + head.count("\n")
+                opened = head.splitlines()[-1] + "\n"
+                text = "".join(line + "\n" for line in head.splitlines()[:-1]) + opened + lines
+                words = " ".join(head.split())
+                words = re.sub(r"^class C { | {$", "", words)
+                fault = (
+                    f"{file}:{before}: {MOST_FUNCTION_LINES + 1} lines, more than "
+                    f"{MOST_FUNCTION_LINES}: {words}"
+                )
+                self.assert_found(function_faults, file, text + end, fault)
+                (self.top / file).unlink()
+
+    def test_full_folder(self):
+        names = [f"docs/planted/module{k}.py" for k in range(MOST_MODULES + 1)]
+        fault = f"docs/planted: {MOST_MODULES + 1} modules side by side, more than {MOST_MODULES}"
+        self.assertEqual(module_faults(Source(self.top, names)), [fault])
+
+    def test_folders_in_a_circle(self):
+        file = "packages/fem/src/elements/Harmos_Planted.hpp"
+        text = '#pragma once\n#include "Harmos_Mesh.hpp"\n'
+        circle = "packages/fem/src/elements, packages/fem/src/files, packages/fem/src/integrals"
+        fault = f"packages/fem: a circle of includes in {circle}, packages/fem/src/mesh"
+        self.assert_found(folder_faults, file, text, fault)
 
     def test_top_level(self):
         fault = "notes: does not belong at the top level"

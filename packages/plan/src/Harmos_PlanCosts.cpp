@@ -135,7 +135,8 @@ double directionsFor(const run::RunOptions& options, int products) {
   return std::min(capacity, cg.storedDirections);
 }
 
-// While the result file is written: fields that were recovered, and the largest array, see run::writeResult().
+// While the result file is written: fields that were recovered, and the largest array, see
+// run::writeResult().
 double resultBytes(const RankLoad& load, const PlanSurvey& survey, const run::RunOptions& options,
                    bool elastic) {
   const bool hasStress = elastic && options.writeStresses;

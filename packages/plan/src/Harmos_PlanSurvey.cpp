@@ -14,6 +14,7 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 
@@ -228,130 +229,212 @@ std::vector<feti::FactorizationEstimate> analyses(const Teuchos::Comm<int>& comm
   return result;
 }
 
-} // namespace
-
-PlanSurvey survey(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
-                  const run::RunOptions& options) {
-  PlanSurvey result;
-  result.ranks = comm->getSize();
-  result.dimension = scene.physics == scene::Physics::Solid ? 3 : 2;
-  Stopwatch watch(*comm);
-  const std::vector<scene::OwnedSubdomain> owned = scene::decompose(*comm, scene);
-  scene::checkBoundaryParts(*comm, scene, owned);
-  result.secondsOfMeshes = watch.lap();
-  std::vector<feti::Subdomain> assembled;
-  agree(*comm, [&] { assembled = scene::assemble(scene, owned); });
-  const feti::SubdomainSystem system(comm, std::move(assembled), options.dirichlet);
-  result.secondsOfAssembly = watch.lap();
-  const scene::ContactSetup contact = scene::setUpContact(*comm, scene, owned);
-  const feti::Constraints constraints(system, contact.rows);
-  result.secondsOfConstraints = watch.lap();
-  const feti::CoarseSpace coarse(system, constraints);
-  const double whole = watch.lap();
-  {
-    MultiVector all(constraints.rowMap(), 1);
-    all.putScalar(1.0);
-    watch.lap();
-    coarse.faceFactor(all); // values and factor once more
-    result.secondsOfCoarseFactor = std::min(watch.lap(), whole);
+// Makes a survey, as far as a run makes its dual problem.
+class Surveyor {
+ public:
+  Surveyor(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
+           const run::RunOptions& options)
+      : comm_(*comm), scene_(scene), options_(options), watch_(*comm) {
+    survey_.ranks = comm->getSize();
+    survey_.dimension = scene.physics == scene::Physics::Solid ? 3 : 2;
+    makeSystem(comm);
+    makeConstraints();
+    makeCoarse();
   }
-  result.secondsOfCoarseRows = whole - result.secondsOfCoarseFactor;
 
-  result.primalDimension = system.primalDimension();
-  result.dualDimension = constraints.dualDimension();
-  result.inequalities = constraints.inequalities();
-  result.kernelDimension = system.kernelDimension();
-  result.coarseDimension = coarse.dimension();
-  result.coarseFactorEntries = coarse.factor().entries();
-  result.coarseIsDense = coarse.factor().isDense();
-  for (const contact::ContactPoint& point : contact.points)
-    result.contactBytes += static_cast<double>(sizeof(contact::ContactPoint) +
-                                               point.terms.size() * sizeof(contact::ContactPoint::Term));
+  PlanSurvey go() {
+    countDimensions();
+    for (int i = 0; i < system_->size(); ++i)
+      ++loads_[system_->subdomain(i).load.get()];
+    isCounted_.assign(localSize(*constraints_->overlapMap()), false);
+    agree(comm_, [&] {
+      for (int i = 0; i < system_->size(); ++i)
+        count(i);
+    });
+    gather();
+    survey_.matrices = analyses(comm_, survey_, *system_);
+    return std::move(survey_);
+  }
 
+ private:
   struct Item {
     long long number;
     SurveyedSubdomain subdomain;
   };
-  std::vector<Item> mine;
-  std::vector<long long> numbers;
-  std::vector<std::vector<int>> boundaries;
-  Distinct<const fem::Mesh*> meshes;
-  Distinct<const LocalMatrix*> stiffnesses;
-  Distinct<std::pair<const LocalMatrix*, int>> matrices;
-  std::map<const void*, int> loads;
-  for (int i = 0; i < system.size(); ++i)
-    ++loads[system.subdomain(i).load.get()];
-  std::vector<bool> isCounted(localSize(*constraints.overlapMap()), false);
-  agree(*comm, [&] {
-    for (int i = 0; i < system.size(); ++i) {
-      const feti::Subdomain& subdomain = system.subdomain(i);
-      const fem::PlacedMesh& placed = owned[static_cast<std::size_t>(i)].mesh;
-      const feti::Kernel& kernel = system.kernel(i);
-      SurveyedSubdomain s;
-      s.mesh = meshes.place(placed.mesh.get(), [&] { return fingerprint(*placed.mesh); });
-      s.stiffness = stiffnesses.place(subdomain.stiffness.get(), [&] {
-        return fingerprint(*subdomain.stiffness, subdomain.motions->columns);
-      });
-      s.matrix = matrices.place({&system.matrix(i), kernel.columns}, [&] {
-        Fingerprint print = fingerprint(system.matrix(i), kernel.columns);
-        if (subdomain.stiffness.get() == &system.matrix(i)) // only the kernel is another one
-          print.bytes = 8.0 * kernel.columns * kernel.rows;
-        return print;
-      });
-      s.rows = system.matrix(i).rows();
-      s.kernelColumns = kernel.columns;
-      s.nodes = placed.mesh->numberOfNodes();
-      s.nodesPerCell = placed.mesh->nodesPerCell();
-      s.cells = placed.mesh->numberOfCells();
-      s.ownBytes = bytesOf(placed) + 8.0 * static_cast<double>(subdomain.numbers.size());
-      if (loads[subdomain.load.get()] == 1)
-        s.ownBytes += 8.0 * s.rows;
-      if (&system.rhs(i) != subdomain.load.get())
-        s.ownBytes += 8.0 * s.rows;
-      std::vector<int> touched;
-      int last = -1;
-      for (const feti::Constraints::Entry& entry : constraints.entries(i)) {
-        touched.push_back(entry.dof);
-        s.constraintEntries += 1.0;
-        if (entry.row == last)
-          continue;
-        last = entry.row;
-        s.touchedRows += 1.0;
-        // A row belongs to the rank of its lowest subdomain; subdomains come here by rising numbers.
-        const auto row = static_cast<std::size_t>(entry.row);
-        if (constraints.overlapOwner(entry.row) != comm->getRank() || isCounted[row])
-          continue;
-        isCounted[row] = true;
-        s.ownedRows += 1.0;
-        double entries = 0.0;
-        coarse.forRow(
-            constraints.rowMap()->getLocalElement(constraints.overlapMap()->getGlobalElement(entry.row)),
-            [&](int, double) { entries += 1.0; });
-        s.coarseEntries += entries;
-        s.coarsePairs += 0.5 * entries * (entries + 1.0);
-      }
-      std::sort(touched.begin(), touched.end());
-      touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-      boundaries.push_back(
-          feti::boundaryWithSupport(system.matrix(i), kernel, touched, options.dual.inverses.fixingPlaces));
-      numbers.push_back(subdomain.number);
-      mine.push_back({subdomain.number, s});
-    }
+
+  void makeSystem(const Teuchos::RCP<const Teuchos::Comm<int>>& comm);
+  void makeConstraints();
+  void makeCoarse();
+  void countDimensions();
+  void count(int i);
+  void numberObjects(int i, SurveyedSubdomain& s);
+  double ownBytes(int i) const;
+  std::vector<int> countRows(int i, SurveyedSubdomain& s);
+  void countCoarse(int overlapRow, SurveyedSubdomain& s) const;
+  void gather();
+
+  const Teuchos::Comm<int>& comm_;
+  const scene::Scene& scene_;
+  const run::RunOptions& options_;
+  Stopwatch watch_;
+  PlanSurvey survey_;
+  std::vector<scene::OwnedSubdomain> owned_;
+  std::optional<feti::SubdomainSystem> system_;
+  scene::ContactSetup contact_;
+  std::optional<feti::Constraints> constraints_;
+  std::optional<feti::CoarseSpace> coarse_;
+
+  // Of this rank's subdomains, as they are counted.
+  std::vector<Item> mine_;
+  std::vector<long long> numbers_;
+  std::vector<std::vector<int>> boundaries_;
+  Distinct<const fem::Mesh*> meshes_;
+  Distinct<const LocalMatrix*> stiffnesses_;
+  Distinct<std::pair<const LocalMatrix*, int>> matrices_;
+  std::map<const void*, int> loads_; // how many subdomains share each
+  std::vector<bool> isCounted_;      // rows of the overlap
+};
+
+void Surveyor::makeSystem(const Teuchos::RCP<const Teuchos::Comm<int>>& comm) {
+  owned_ = scene::decompose(comm_, scene_);
+  scene::checkBoundaryParts(comm_, scene_, owned_);
+  survey_.secondsOfMeshes = watch_.lap();
+  std::vector<feti::Subdomain> assembled;
+  agree(comm_, [&] { assembled = scene::assemble(scene_, owned_); });
+  system_.emplace(comm, std::move(assembled), options_.dirichlet);
+  survey_.secondsOfAssembly = watch_.lap();
+}
+
+void Surveyor::makeConstraints() {
+  contact_ = scene::setUpContact(comm_, scene_, owned_);
+  constraints_.emplace(*system_, contact_.rows);
+  survey_.secondsOfConstraints = watch_.lap();
+}
+
+void Surveyor::makeCoarse() {
+  coarse_.emplace(*system_, *constraints_);
+  const double whole = watch_.lap();
+  MultiVector all(constraints_->rowMap(), 1);
+  all.putScalar(1.0);
+  watch_.lap();
+  coarse_->faceFactor(all); // values and factor once more
+  survey_.secondsOfCoarseFactor = std::min(watch_.lap(), whole);
+  survey_.secondsOfCoarseRows = whole - survey_.secondsOfCoarseFactor;
+}
+
+void Surveyor::countDimensions() {
+  survey_.primalDimension = system_->primalDimension();
+  survey_.dualDimension = constraints_->dualDimension();
+  survey_.inequalities = constraints_->inequalities();
+  survey_.kernelDimension = system_->kernelDimension();
+  survey_.coarseDimension = coarse_->dimension();
+  survey_.coarseFactorEntries = coarse_->factor().entries();
+  survey_.coarseIsDense = coarse_->factor().isDense();
+  for (const contact::ContactPoint& point : contact_.points)
+    survey_.contactBytes += static_cast<double>(sizeof(contact::ContactPoint) +
+                                                point.terms.size() * sizeof(contact::ContactPoint::Term));
+}
+
+void Surveyor::count(int i) {
+  const fem::Mesh& mesh = *owned_[static_cast<std::size_t>(i)].mesh.mesh;
+  SurveyedSubdomain s;
+  numberObjects(i, s);
+  s.rows = system_->matrix(i).rows();
+  s.kernelColumns = system_->kernel(i).columns;
+  s.nodes = mesh.numberOfNodes();
+  s.nodesPerCell = mesh.nodesPerCell();
+  s.cells = mesh.numberOfCells();
+  s.ownBytes = ownBytes(i);
+  const std::vector<int> touched = countRows(i, s);
+  boundaries_.push_back(feti::boundaryWithSupport(system_->matrix(i), system_->kernel(i), touched,
+                                                  options_.dual.inverses.fixingPlaces));
+  numbers_.push_back(system_->subdomain(i).number);
+  mine_.push_back({numbers_.back(), s});
+}
+
+// What it may share with others, by numbers of this rank.
+void Surveyor::numberObjects(int i, SurveyedSubdomain& s) {
+  const feti::Subdomain& subdomain = system_->subdomain(i);
+  const fem::Mesh* mesh = owned_[static_cast<std::size_t>(i)].mesh.mesh.get();
+  const feti::Kernel& kernel = system_->kernel(i);
+  s.mesh = meshes_.place(mesh, [&] { return fingerprint(*mesh); });
+  s.stiffness = stiffnesses_.place(subdomain.stiffness.get(), [&] {
+    return fingerprint(*subdomain.stiffness, subdomain.motions->columns);
   });
-  const std::vector<int> meshNumbers = globalNumbers(*comm, meshes.prints, result.meshBytes);
-  const std::vector<int> stiffnessNumbers = globalNumbers(*comm, stiffnesses.prints, result.stiffnessBytes);
-  const std::vector<int> matrixNumbers = globalNumbers(*comm, matrices.prints, result.matrixBytes);
-  for (Item& item : mine) {
-    item.subdomain.mesh = meshNumbers[static_cast<std::size_t>(item.subdomain.mesh)];
-    item.subdomain.stiffness = stiffnessNumbers[static_cast<std::size_t>(item.subdomain.stiffness)];
-    item.subdomain.matrix = matrixNumbers[static_cast<std::size_t>(item.subdomain.matrix)];
+  s.matrix = matrices_.place({&system_->matrix(i), kernel.columns}, [&] {
+    Fingerprint print = fingerprint(system_->matrix(i), kernel.columns);
+    if (subdomain.stiffness.get() == &system_->matrix(i)) // only the kernel is another one
+      print.bytes = 8.0 * kernel.columns * kernel.rows;
+    return print;
+  });
+}
+
+double Surveyor::ownBytes(int i) const {
+  const feti::Subdomain& subdomain = system_->subdomain(i);
+  const double vector = 8.0 * system_->matrix(i).rows();
+  double bytes =
+      bytesOf(owned_[static_cast<std::size_t>(i)].mesh) + 8.0 * static_cast<double>(subdomain.numbers.size());
+  if (loads_.at(subdomain.load.get()) == 1)
+    bytes += vector;
+  if (&system_->rhs(i) != subdomain.load.get())
+    bytes += vector;
+  return bytes;
+}
+
+// The rows of B_i. Returns the dofs that they touch.
+std::vector<int> Surveyor::countRows(int i, SurveyedSubdomain& s) {
+  std::vector<int> touched;
+  int last = -1;
+  for (const feti::Constraints::Entry& entry : constraints_->entries(i)) {
+    touched.push_back(entry.dof);
+    s.constraintEntries += 1.0;
+    if (entry.row == last)
+      continue;
+    last = entry.row;
+    s.touchedRows += 1.0;
+    // A row belongs to the rank of its lowest subdomain; subdomains come here by rising numbers.
+    const auto row = static_cast<std::size_t>(entry.row);
+    if (constraints_->overlapOwner(entry.row) != comm_.getRank() || isCounted_[row])
+      continue;
+    isCounted_[row] = true;
+    countCoarse(entry.row, s);
   }
-  result.subdomains.resize(static_cast<std::size_t>(system.globalSubdomains()));
-  for (const Item& item : gatherAll(*comm, mine))
-    result.subdomains[static_cast<std::size_t>(item.number)] = item.subdomain;
-  result.boundaries = gatherLists(*comm, numbers, boundaries, result.subdomains.size());
-  result.matrices = analyses(*comm, result, system);
-  return result;
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  return touched;
+}
+
+// A row of G̃ᵀ.
+void Surveyor::countCoarse(int overlapRow, SurveyedSubdomain& s) const {
+  s.ownedRows += 1.0;
+  double entries = 0.0;
+  coarse_->forRow(
+      constraints_->rowMap()->getLocalElement(constraints_->overlapMap()->getGlobalElement(overlapRow)),
+      [&](int, double) { entries += 1.0; });
+  s.coarseEntries += entries;
+  s.coarsePairs += 0.5 * entries * (entries + 1.0);
+}
+
+void Surveyor::gather() {
+  const std::vector<int> meshes = globalNumbers(comm_, meshes_.prints, survey_.meshBytes);
+  const std::vector<int> stiffnesses = globalNumbers(comm_, stiffnesses_.prints, survey_.stiffnessBytes);
+  const std::vector<int> matrices = globalNumbers(comm_, matrices_.prints, survey_.matrixBytes);
+  for (Item& item : mine_) {
+    item.subdomain.mesh = meshes[static_cast<std::size_t>(item.subdomain.mesh)];
+    item.subdomain.stiffness = stiffnesses[static_cast<std::size_t>(item.subdomain.stiffness)];
+    item.subdomain.matrix = matrices[static_cast<std::size_t>(item.subdomain.matrix)];
+  }
+  survey_.subdomains.resize(static_cast<std::size_t>(system_->globalSubdomains()));
+  for (const Item& item : gatherAll(comm_, mine_))
+    survey_.subdomains[static_cast<std::size_t>(item.number)] = item.subdomain;
+  survey_.boundaries = gatherLists(comm_, numbers_, boundaries_, survey_.subdomains.size());
+}
+
+} // namespace
+
+PlanSurvey survey(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
+                  const run::RunOptions& options) {
+  return Surveyor(comm, scene, options).go();
 }
 
 } // namespace Harmos::plan

@@ -203,7 +203,8 @@ void writeResult(const Teuchos::Comm<int>& comm, const std::string& path,
   file.cellData("subdomain",
                 cellNumbers(owned, [](const Item& item, int) { return static_cast<int>(item.number); }));
   file.cellData("body", cellNumbers(owned, [](const Item& item, int) { return item.body; }));
-  file.cellData("region", cellNumbers(owned, [](const Item& item, int c) { return item.mesh.mesh->region(c); }));
+  file.cellData("region",
+                cellNumbers(owned, [](const Item& item, int c) { return item.mesh.mesh->region(c); }));
   file.commit();
 }
 

@@ -131,143 +131,234 @@ class MonitorWithTolerance : public qp::SolverMonitor<MultiVector> {
   double& tolerance_;
 };
 
+// One solution of the dual problem: where it starts, what the quadratic programming layer gets, what became
+// of it.
+class DualSolve {
+ public:
+  // All to outlive this.
+  DualSolve(const DualStages& stages, const SolverOptions& options, const Acceptance& acceptance,
+            const Log& log, SolveReport& report, const Teuchos::RCP<DualMonitor>& monitor)
+      : stages_(stages),
+        dual_(stages.problem),
+        options_(options),
+        acceptance_(acceptance),
+        log_(log),
+        report_(report),
+        monitor_(monitor),
+        tolerance_(options.tolerance),
+        watched_(monitor, options.tolerance, tolerance_) {}
+
+  DualSolution go(const WarmStart* start) {
+    guess(start);
+    makeProblem(start);
+    makeSolver();
+    if (acceptance_ && !isPenalty())
+      solver_->setAcceptance([this] { return isAccepted(); });
+    if (!monitor_.is_null())
+      watch();
+    announce();
+    report_.result = solver_->solve();
+    conclude();
+    return std::move(solution_);
+  }
+
+ private:
+  void guess(const WarmStart* start);
+  void startFrom(const WarmStart& start);
+  void startFromHalfLoad();
+  void makeProblem(const WarmStart* start);
+  void addEquality(const WarmStart* start);
+  void makeSolver();
+  Teuchos::RCP<Teuchos::ParameterList> parametersOf(const std::string& method) const;
+  bool isAccepted();
+  void watch();
+  void announce() const;
+  void conclude();
+  void measureEquality();
+  bool isPenalty() const { return method_ == "Dual Penalty"; }
+  void setTolerance();
+
+  const DualStages& stages_;
+  const DualProblem& dual_;
+  const SolverOptions& options_;
+  const Acceptance& acceptance_;
+  const Log& log_;
+  SolveReport& report_;
+  Teuchos::RCP<DualMonitor> monitor_; // or null
+  double tolerance_;                  // an acceptance may lower it
+  MonitorWithTolerance watched_;
+
+  DualSolution solution_;
+  Teuchos::RCP<MultiVector> multiplier_; // μ, null without a coarse problem
+  Teuchos::RCP<qp::TpetraProblem> problem_;
+  std::string method_;
+  Teuchos::RCP<qp::TpetraSolverManager> solver_;
+  Test test_;
+};
+
+void DualSolve::guess(const WarmStart* start) {
+  solution_.lambda = Teuchos::rcp(new MultiVector(stages_.constraints.rowMap(), 1));
+  if (start != nullptr)
+    startFrom(*start);
+  else if (options_.initialGuess == InitialGuess::HalfLoad)
+    startFromHalfLoad();
+}
+
+void DualSolve::startFrom(const WarmStart& start) {
+  Tpetra::deep_copy(*solution_.lambda, *start.multiplier);
+  solution_.lambda->update(-1.0, *dual_.shift(), 1.0);
+  stages_.coarse.project(*solution_.lambda);
+  if (dual_.lowerBound().is_null())
+    return;
+  // Open contacts stay at their bounds to the last bit, or active sets would begin without them.
+  const auto total = start.multiplier->getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto lower = dual_.lowerBound()->getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto lambda = solution_.lambda->getLocalViewHost(Tpetra::Access::ReadWrite);
+  for (std::size_t k = 0; k < total.extent(0); ++k)
+    if (total(k, 0) == 0.0 && std::isfinite(lower(k, 0)))
+      lambda(k, 0) = lower(k, 0);
+}
+
+// λ⁰ = ½Bf.
+void DualSolve::startFromHalfLoad() {
+  const Constraints& constraints = stages_.constraints;
+  std::vector<double> overlap(localSize(*constraints.overlapMap()), 0.0);
+  for (int i = 0; i < stages_.system.size(); ++i)
+    constraints.addB(i, stages_.system.rhs(i).data(), overlap.data());
+  constraints.fromOverlap(overlap, *solution_.lambda);
+  solution_.lambda->scale(0.5);
+}
+
+void DualSolve::makeProblem(const WarmStart* start) {
+  problem_ = Teuchos::rcp(new qp::TpetraProblem(dual_.hessian(), solution_.lambda, dual_.rhs()));
+  problem_->setLowerBound(dual_.lowerBound());
+  if (!dual_.equalityRows().is_null())
+    addEquality(start);
+  if (!stages_.preconditioner.is_null())
+    problem_->setPreconditioner(stages_.preconditioner);
+  if (!problem_->setProblem())
+    throw NumericalError("the dual problem cannot be solved: " + problem_->whyNotSet());
+}
+
+// Gλ = 0.
+void DualSolve::addEquality(const WarmStart* start) {
+  const CoarseSpace& coarse = stages_.coarse;
+  multiplier_ = Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1));
+  if (start != nullptr && start->mu.size() == multiplier_->getLocalLength()) {
+    const auto view = multiplier_->getLocalViewHost(Tpetra::Access::OverwriteAll);
+    std::copy(start->mu.begin(), start->mu.end(), view.data());
+  }
+  const auto zero = Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1));
+  problem_->setEquality(dual_.equalityRows(), zero, multiplier_, qp::EqualityStructure::OrthonormalInvariant);
+  problem_->setHessianOnKernel(dual_.hessianOnKernel());
+  problem_->setFaceGram(Teuchos::rcp(new CoarseFaceGram(coarse)));
+}
+
+void DualSolve::makeSolver() {
+  using Auto = qp::AutoSolver<Scalar, MultiVector, Operator>;
+  method_ = options_.method == "Auto" ? Auto::choice(*problem_) : options_.method;
+  solver_ = qp::TpetraSolverFactory().create(method_, parametersOf(method_));
+  report_.solver = solver_->name();
+  test_ = convergenceTest(dual_, options_, tolerance_, !isPenalty(), report_);
+  solver_->setConvergenceTest(test_.test);
+  solver_->setLog(log_);
+  solver_->setProblem(problem_);
+}
+
+// A solver takes the lists it has a use for; all of them were validated with the deck.
+Teuchos::RCP<Teuchos::ParameterList> DualSolve::parametersOf(const std::string& method) const {
+  const auto list = Teuchos::parameterList();
+  list->set("Maximum Iterations", options_.maximumIterations);
+  list->set("Maximum Seconds", options_.maximumSeconds);
+  list->set("Output Frequency", options_.progressFrequency);
+  if (method != "PCPG")
+    list->sublist("MPRGP") = options_.methodLists.sublist("MPRGP");
+  if (method == "SMALBE" || method == "PDAS")
+    list->sublist("SMALBE") = options_.methodLists.sublist("SMALBE");
+  if (method == "PCPG" || method == "PDAS")
+    list->sublist("PCPG") = options_.methodLists.sublist("PCPG");
+  if (method == "Dual Penalty" || method == "PDAS")
+    list->sublist(method) = options_.methodLists.sublist(method);
+  return list;
+}
+
+void DualSolve::setTolerance() {
+  test_.gradient->setTolerance(tolerance_);
+  if (!test_.equality.is_null())
+    test_.equality->setTolerance(tolerance_);
+}
+
+bool DualSolve::isAccepted() {
+  // The tolerance that these residuals would just meet.
+  double met = tolerance_ * test_.gradient->value() / test_.gradient->limit();
+  if (!test_.equality.is_null())
+    met = std::max(met, tolerance_ * test_.equality->value() / test_.equality->limit());
+  const std::optional<double> next =
+      acceptance_(*solution_.lambda, valuesOf(multiplier_), std::isfinite(met) ? met : tolerance_);
+  if (!next)
+    return true;
+  tolerance_ = *next;
+  setTolerance();
+  return false;
+}
+
+void DualSolve::watch() {
+  monitor_->begins({stages_, method_, [this] {
+                      // What the tests last measured against.
+                      DualTargets targets{tolerance_ * report_.gradientScale, 0.0};
+                      if (!test_.equality.is_null())
+                        targets.equality = tolerance_ * test_.equality->scale();
+                      return targets;
+                    }});
+  solver_->setMonitor(Teuchos::rcpFromRef<qp::SolverMonitor<MultiVector>>(watched_));
+  if (!monitor_->hasState())
+    return;
+  monitor_->restore([this](qp::StateArchive<MultiVector>& archive) { watched_.exchange(archive); });
+  setTolerance();
+}
+
+void DualSolve::announce() const {
+  std::ostringstream text;
+  text << "Solving by " << report_.solver << " to " << scientific(tolerance_, 0) << " ("
+       << toString(options_.stoppingRule) << " rule)";
+  log_.info(text.str());
+  if (options_.progressFrequency > 0)
+    log_.info("  outer  inner  step              |g^P|   |G lambda|   active     F*x  seconds");
+}
+
+void DualSolve::conclude() {
+  report_.result.counters.setupApplications += dual_.setupApplications();
+  report_.solved = true;
+  if (!test_.equality.is_null())
+    measureEquality();
+  // y with yᵀGλ > 0 for all admissible λ: forces of one sign act on the motion R L⁻ᵀy.
+  if (report_.result.reason == qp::Reason::Infeasible && !solver_->certificate().is_null())
+    solution_.escape = stages_.coarse.solveLt(valuesOf(solver_->certificate()));
+  report_.converged = report_.result.converged();
+  report_.reason = qp::toString(report_.result.reason);
+  if (!report_.converged)
+    report_.reason += ": " + report_.result.explanation;
+  solution_.mu = valuesOf(multiplier_);
+}
+
+// The scale that belongs to the last iterate, which the solver may not have asked for.
+void DualSolve::measureEquality() {
+  qp::IterationState<MultiVector> last;
+  last.x = solution_.lambda.get();
+  last.equalityResidual = report_.result.equalityNorm;
+  const bool met = test_.equality->checkStatus(last) == qp::Status::Passed;
+  report_.equalityScale = test_.equality->scale();
+  if (!met && report_.result.converged())
+    log_.info("Note: the penalty leaves |G lambda| = " + scientific(report_.result.equalityNorm) +
+              ", above the tolerance of the stopping rule, " + scientific(test_.equality->limit()));
+}
+
 } // namespace
 
 DualSolution solveDualProblem(const DualStages& stages, const SolverOptions& options, const WarmStart* start,
                               const Acceptance& acceptance, const Log& log, SolveReport& report,
                               const Teuchos::RCP<DualMonitor>& monitor) {
-  const SubdomainSystem& system = stages.system;
-  const Constraints& constraints = stages.constraints;
-  const CoarseSpace& coarse = stages.coarse;
-  const DualProblem& dual = stages.problem;
-  DualSolution solution;
-  solution.lambda = Teuchos::rcp(new MultiVector(constraints.rowMap(), 1));
-  if (start != nullptr) {
-    Tpetra::deep_copy(*solution.lambda, *start->multiplier);
-    solution.lambda->update(-1.0, *dual.shift(), 1.0);
-    coarse.project(*solution.lambda);
-    // Open contacts stay at their bounds to the last bit, or active sets would begin without them.
-    if (!dual.lowerBound().is_null()) {
-      const auto total = start->multiplier->getLocalViewHost(Tpetra::Access::ReadOnly);
-      const auto lower = dual.lowerBound()->getLocalViewHost(Tpetra::Access::ReadOnly);
-      const auto lambda = solution.lambda->getLocalViewHost(Tpetra::Access::ReadWrite);
-      for (std::size_t k = 0; k < total.extent(0); ++k)
-        if (total(k, 0) == 0.0 && std::isfinite(lower(k, 0)))
-          lambda(k, 0) = lower(k, 0);
-    }
-  } else if (options.initialGuess == InitialGuess::HalfLoad) {
-    std::vector<double> overlap(localSize(*constraints.overlapMap()), 0.0);
-    for (int i = 0; i < system.size(); ++i)
-      constraints.addB(i, system.rhs(i).data(), overlap.data());
-    constraints.fromOverlap(overlap, *solution.lambda);
-    solution.lambda->scale(0.5);
-  }
-
-  const auto problem = Teuchos::rcp(new qp::TpetraProblem(dual.hessian(), solution.lambda, dual.rhs()));
-  problem->setLowerBound(dual.lowerBound());
-  Teuchos::RCP<MultiVector> multiplier;
-  if (!dual.equalityRows().is_null()) {
-    multiplier = Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1));
-    if (start != nullptr && start->mu.size() == multiplier->getLocalLength()) {
-      const auto view = multiplier->getLocalViewHost(Tpetra::Access::OverwriteAll);
-      std::copy(start->mu.begin(), start->mu.end(), view.data());
-    }
-    const auto zero = Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1));
-    problem->setEquality(dual.equalityRows(), zero, multiplier, qp::EqualityStructure::OrthonormalInvariant);
-    problem->setHessianOnKernel(dual.hessianOnKernel());
-    problem->setFaceGram(Teuchos::rcp(new CoarseFaceGram(coarse)));
-  }
-  if (!stages.preconditioner.is_null())
-    problem->setPreconditioner(stages.preconditioner);
-  if (!problem->setProblem())
-    throw NumericalError("the dual problem cannot be solved: " + problem->whyNotSet());
-
-  using Auto = qp::AutoSolver<Scalar, MultiVector, Operator>;
-  const std::string method = options.method == "Auto" ? Auto::choice(*problem) : options.method;
-  const auto list = Teuchos::parameterList();
-  list->set("Maximum Iterations", options.maximumIterations);
-  list->set("Maximum Seconds", options.maximumSeconds);
-  list->set("Output Frequency", options.progressFrequency);
-  // A solver takes the lists it has a use for; all of them were validated with the deck.
-  if (method != "PCPG")
-    list->sublist("MPRGP") = options.methodLists.sublist("MPRGP");
-  if (method == "SMALBE" || method == "PDAS")
-    list->sublist("SMALBE") = options.methodLists.sublist("SMALBE");
-  if (method == "PCPG" || method == "PDAS")
-    list->sublist("PCPG") = options.methodLists.sublist("PCPG");
-  if (method == "Dual Penalty" || method == "PDAS")
-    list->sublist(method) = options.methodLists.sublist(method);
-  const auto solver = qp::TpetraSolverFactory().create(method, list);
-  report.solver = solver->name();
-  const bool isPenalty = method == "Dual Penalty";
-  double tolerance = options.tolerance;
-  const Test test = convergenceTest(dual, options, tolerance, !isPenalty, report);
-  solver->setConvergenceTest(test.test);
-  if (acceptance && !isPenalty)
-    solver->setAcceptance([&] {
-      // The tolerance that these residuals would just meet.
-      double met = tolerance * test.gradient->value() / test.gradient->limit();
-      if (!test.equality.is_null())
-        met = std::max(met, tolerance * test.equality->value() / test.equality->limit());
-      const std::optional<double> next =
-          acceptance(*solution.lambda, valuesOf(multiplier), std::isfinite(met) ? met : tolerance);
-      if (!next)
-        return true;
-      tolerance = *next;
-      test.gradient->setTolerance(tolerance);
-      if (!test.equality.is_null())
-        test.equality->setTolerance(tolerance);
-      return false;
-    });
-  MonitorWithTolerance watched(monitor, options.tolerance, tolerance);
-  if (!monitor.is_null()) {
-    monitor->begins({stages, method, [&] {
-                       // What the tests last measured against.
-                       DualTargets targets{tolerance * report.gradientScale, 0.0};
-                       if (!test.equality.is_null())
-                         targets.equality = tolerance * test.equality->scale();
-                       return targets;
-                     }});
-    solver->setMonitor(Teuchos::rcpFromRef<qp::SolverMonitor<MultiVector>>(watched));
-    if (monitor->hasState()) {
-      monitor->restore([&](qp::StateArchive<MultiVector>& archive) { watched.exchange(archive); });
-      test.gradient->setTolerance(tolerance);
-      if (!test.equality.is_null())
-        test.equality->setTolerance(tolerance);
-    }
-  }
-  solver->setLog(log);
-  solver->setProblem(problem);
-  std::ostringstream text;
-  text << "Solving by " << report.solver << " to " << scientific(tolerance, 0) << " ("
-       << toString(options.stoppingRule) << " rule)";
-  log.info(text.str());
-  if (options.progressFrequency > 0)
-    log.info("  outer  inner  step              |g^P|   |G lambda|   active     F*x  seconds");
-  report.result = solver->solve();
-  report.result.counters.setupApplications += dual.setupApplications();
-  report.solved = true;
-  if (!test.equality.is_null()) {
-    // The scale that belongs to the last iterate, which the solver may not have asked for.
-    qp::IterationState<MultiVector> last;
-    last.x = solution.lambda.get();
-    last.equalityResidual = report.result.equalityNorm;
-    const bool met = test.equality->checkStatus(last) == qp::Status::Passed;
-    report.equalityScale = test.equality->scale();
-    if (!met && report.result.converged())
-      log.info("Note: the penalty leaves |G lambda| = " + scientific(report.result.equalityNorm) +
-               ", above the tolerance of the stopping rule, " + scientific(test.equality->limit()));
-  }
-  if (report.result.reason == qp::Reason::Infeasible && !solver->certificate().is_null()) {
-    // y with yᵀGλ > 0 for all admissible λ: forces of one sign act on the motion R L⁻ᵀy.
-    solution.escape = coarse.solveLt(valuesOf(solver->certificate()));
-  }
-  report.converged = report.result.converged();
-  report.reason = qp::toString(report.result.reason);
-  if (!report.converged)
-    report.reason += ": " + report.result.explanation;
-  solution.mu = valuesOf(multiplier);
-  return solution;
+  return DualSolve(stages, options, acceptance, log, report, monitor).go(start);
 }
 
 } // namespace Harmos::feti

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_RunStages.hpp"
+
+#include "Harmos_Agreement.hpp"
+#include "Harmos_ContactFields.hpp"
+#include "Harmos_Decomposition.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_Recovery.hpp"
+#include "Harmos_ResultFile.hpp"
+#include "Harmos_RunMonitor.hpp"
+#include "Harmos_StressRecovery.hpp"
+#include "Harmos_TrilinosVersion.hpp"
+
+#include <Tpetra_MultiVector.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+namespace Harmos::run {
+namespace {
+
+constexpr double mebi = 1048576.0;
+
+const char* const contradiction =
+    "the residuals of the dual problem are as small as they get, but the audit of displacements and forces "
+    "contradicts them. Materials that vary by many orders of magnitude and single precision do this, and so "
+    "do slender bodies, whose pieces bend more when cut than the whole does; fewer subdomains, or "
+    "\"Dual operator/Precision\" = \"double\", help";
+
+void logResult(const Log& log, const RunReport& report) {
+  const qp::Counters& c = report.result.counters;
+  std::ostringstream text;
+  text << (report.converged ? "Converged: " : "NOT converged: ") << c.outerIterations << " outer iterations, "
+       << c.hessianApplications << " products with F (" << c.cgSteps << " cg, " << c.expansionSteps
+       << " expansion, " << c.proportioningSteps << " proportioning steps, " << c.faces << " faces), "
+       << c.setupApplications << " more for set-up";
+  log.info(text.str());
+}
+
+} // namespace
+
+const std::vector<std::string>& RunStages::names() {
+  static const std::vector<std::string> result = {"mesh",   "assembly", "factorization", "dual_operator",
+                                                  "coarse", "solve",    "recovery",      "output"};
+  return result;
+}
+
+RunStages::RunStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
+                     const RunOptions& options, const Log& log, const StageTimers& timers, RunReport& report,
+                     RankShare& share)
+    : comm_(comm),
+      scene_(scene),
+      options_(options),
+      log_(log),
+      timers_(timers),
+      report_(report),
+      share_(share),
+      directory_(*comm, options),
+      costs_(scene) {}
+
+Solution RunStages::go() {
+  report_.restartedFrom = directory_.restartedFrom();
+  directory_.checkDeck();
+  announce();
+  directory_.prepare(log_);
+  decompose();
+  assemble();
+  constrain();
+  factorise();
+  makeDualProblem();
+  solve();
+  if (report_.isInterrupted()) {
+    leaveInterrupted();
+    return {std::move(owned_), {}, solution_.lambda};
+  }
+  recover();
+  write();
+  // The checkpoint has served, unless a limit stopped the solver.
+  const qp::Reason reason = report_.result.reason;
+  if (reason == qp::Reason::Converged || reason == qp::Reason::Infeasible || reason == qp::Reason::Unbounded)
+    directory_.removeCheckpoint(report_.checkpoints > 0);
+  return {std::move(owned_), std::move(torn_.displacement), solution_.lambda};
+}
+
+void RunStages::announce() {
+  report_.ranks = comm_->getSize();
+  report_.scene = scene_.name;
+  report_.effects = scene_.effectKinds();
+  report_.tolerance = options_.tolerance;
+  report_.toleranceRule = options_.toleranceRule == ToleranceRule::Balanced ? "balanced" : "fixed";
+  report_.stoppingRule = feti::toString(options_.stoppingRule);
+  report_.subdomains = scene_.subdomains();
+  std::string effects;
+  for (const std::string& effect : report_.effects)
+    effects += (effects.empty() ? "" : ", ") + effect;
+  log_.info("Scene \"" + scene_.name + "\": " + std::to_string(scene_.bodies.size()) + " bodies, " +
+            std::to_string(report_.subdomains) + " subdomains on " + std::to_string(report_.ranks) +
+            (report_.ranks == 1 ? " rank" : " ranks") + "; effects: " + effects);
+  for (const std::string& note : scene_.notes)
+    log_.info(note);
+}
+
+void RunStages::decompose() {
+  const auto scope = timers_.scope("mesh");
+  owned_ = scene::decompose(*comm_, scene_);
+  scene::checkBoundaryParts(*comm_, scene_, owned_);
+}
+
+void RunStages::assemble() {
+  {
+    const auto scope = timers_.scope("assembly");
+    std::vector<feti::Subdomain> subdomains;
+    agree(*comm_, [&] { subdomains = scene::assemble(scene_, owned_, costs_); });
+    system_.emplace(comm_, std::move(subdomains), options_.dirichlet);
+  }
+  share_.subdomains = system_->size();
+  for (int i = 0; i < system_->size(); ++i)
+    share_.primalDimension += static_cast<long long>(system_->rhs(i).size());
+  report_.primalDimension = system_->primalDimension();
+  report_.kernelDimension = system_->kernelDimension();
+}
+
+void RunStages::constrain() {
+  {
+    const auto scope = timers_.scope("dual_operator");
+    contact_ = scene::setUpContact(*comm_, scene_, owned_, costs_);
+    constraints_.emplace(*system_, contact_.rows);
+  }
+  for (const std::string& note : contact_.notes)
+    log_.info(note);
+  for (const ConstraintRow& row : contact_.rows)
+    report_.gapRounding = std::max(report_.gapRounding, row.rounding);
+  report_.gapRounding = globalMax(*comm_, report_.gapRounding);
+  if (options_.dirichlet == feti::DirichletForm::Dual)
+    costs_.countPrescribedAsRows();
+  report_.effectCosts = costs_.total(*comm_);
+  report_.dualDimension = constraints_->dualDimension();
+  report_.inequalities = constraints_->inequalities();
+  log_.info("Primal dimension " + std::to_string(report_.primalDimension) + ", dual dimension " +
+            std::to_string(report_.dualDimension) + " (" + std::to_string(report_.inequalities) +
+            " inequalities), kernel dimension " + std::to_string(report_.kernelDimension));
+  if (!report_.effectCosts.empty())
+    log_.info(scene::costText(report_.effectCosts));
+}
+
+void RunStages::factorise() {
+  {
+    const auto scope = timers_.scope("factorization");
+    constexpr int usualProducts[] = {30, 100}; // of membranes, of elastic bodies
+    const feti::LocalInverseOptions inverseOptions =
+        options_.dual.decided(*system_, *constraints_, usualProducts[isElastic() ? 1 : 0], log_);
+    report_.dualOperator = options_.dual.describe(inverseOptions.form);
+    inverses_.emplace(feti::makeLocalInverses(*system_, *constraints_, inverseOptions));
+    share_.dualOperatorMiB = inverses_->bytes() / mebi;
+    report_.distinctFactorizations =
+        globalSum(*comm_, static_cast<long long>(inverses_->distinctFactorizations()));
+    report_.localCondition = globalMax(*comm_, inverses_->condition());
+    report_.dualOperatorMiB = globalSum(*comm_, share_.dualOperatorMiB);
+  }
+  std::ostringstream text;
+  text << report_.distinctFactorizations << " local factorisations of " << report_.subdomains
+       << " subdomains, " << std::fixed << std::setprecision(0) << report_.dualOperatorMiB
+       << " MiB; condition of the subdomains about " << scientific(report_.localCondition, 0);
+  log_.info(text.str());
+}
+
+void RunStages::makeDualProblem() {
+  dualOperator_.emplace(*constraints_, *inverses_);
+  if (options_.dual.preconditioner != feti::PreconditionerKind::None) {
+    const auto scope = timers_.scope("dual_operator");
+    preconditioner_ = Teuchos::rcp(
+        new feti::DualPreconditioner(*system_, *constraints_, *inverses_, options_.dual.preconditioner,
+                                     options_.dual.scalingFor(scene_.hasSeveralMaterials())));
+  }
+  {
+    const auto scope = timers_.scope("coarse");
+    coarse_.emplace(*system_, *constraints_);
+  }
+  report_.coarseDimension = coarse_->dimension();
+  sayCoarse();
+  {
+    const auto scope = timers_.scope("dual_operator");
+    dual_.emplace(*system_, *constraints_, *inverses_, *dualOperator_, *coarse_);
+  }
+  dualStages_.emplace(
+      feti::DualStages{*system_, *constraints_, *inverses_, *coarse_, *dual_, preconditioner_});
+}
+
+void RunStages::sayCoarse() const {
+  if (coarse_->dimension() < coarse_->kernelDimension())
+    log_.info(std::to_string(coarse_->kernelDimension() - coarse_->dimension()) +
+              " rigid motions are held by no constraint (a round body without friction rotates freely); they "
+              "are left at rest");
+  // Of G̃G̃ᵀ, whose pivots go with the squares of the singular values of G̃.
+  constexpr double weak = 1e-6;
+  if (coarse_->dimension() > 0 && coarse_->smallestPivotRatio() < weak)
+    log_.info("a rigid motion is held only weakly: the smallest singular value of G is about " +
+              scientific(std::sqrt(coarse_->smallestPivotRatio()), 0) +
+              " of the largest; a round body whose normals come from its facets rotates almost freely");
+}
+
+void RunStages::solve() {
+  check_.emplace(*comm_, scene_, owned_, *dualStages_, options_, log_, report_);
+  {
+    const auto scope = timers_.scope("solve");
+    askSolver();
+  }
+  dualOperator_->rethrowFailure();
+  if (!preconditioner_.is_null())
+    preconditioner_->rethrowFailure();
+  directory_.removeQuietly(directory_.place("contact.csv"));
+}
+
+void RunStages::askSolver() {
+  const auto monitor =
+      Teuchos::rcp(new RunMonitor(*comm_, options_, directory_.checkpoint(), contact_.points, log_, report_));
+  monitor->addState([&](qp::StateArchive<MultiVector>& archive) { check_->exchange(archive); });
+  const auto accept = [&](const MultiVector& lambda, const std::vector<double>& mu, double tolerance) {
+    return check_->judge(lambda, mu, tolerance);
+  };
+  feti::SolverOptions first = options_;
+  if (options_.toleranceRule == ToleranceRule::Balanced)
+    first.tolerance = firstBalancedTolerance();
+  if (log_.showsStatus())
+    first.progressFrequency = 0;
+  solution_ = feti::solveDualProblem(*dualStages_, first, nullptr, accept, log_, report_, monitor);
+}
+
+// There may be little time left.
+void RunStages::leaveInterrupted() {
+  const auto scope = timers_.scope("output");
+  report_.audited = false;
+  report_.reason += report_.checkpointFault.empty()
+                        ? "; go on with --restart \"" + options_.outputDirectory + "\""
+                        : "; no checkpoint: " + report_.checkpointFault;
+  logResult(log_, report_);
+  directory_.writeIterations(report_.result.history);
+}
+
+void RunStages::recover() {
+  if (!solution_.escape.empty())
+    report_.reason += "; pulled away, with nothing to hold it: " + escapingBodies();
+  {
+    const auto scope = timers_.scope("recovery");
+    torn_ = check_->finish(*solution_.lambda, solution_.mu, report_.converged && !leavesJumps());
+  }
+  judgeAudit();
+  logResult(log_, report_);
+  if (report_.inequalities > 0) {
+    const auto scope = timers_.scope("recovery");
+    report_.contact = contactStates(*comm_, contact_.points, feti::contactState(*constraints_, torn_));
+    report_.contactPoints = std::move(contact_.points);
+  }
+  log_.info(auditText(report_));
+}
+
+void RunStages::judgeAudit() {
+  if (!report_.converged || leavesJumps() || auditAgrees(report_))
+    return;
+  report_.converged = false;
+  report_.reason = contradiction;
+}
+
+// "“second membrane”": the bodies that have a share in a rigid motion.
+std::string RunStages::escapingBodies() const {
+  std::vector<double> squares(scene_.bodies.size(), 0.0);
+  for (int i = 0; i < system_->size(); ++i)
+    for (int k = 0; k < system_->kernel(i).columns; ++k)
+      squares[static_cast<std::size_t>(owned_[static_cast<std::size_t>(i)].body)] +=
+          std::pow(solution_.escape[static_cast<std::size_t>(system_->kernelOffset(i) + k)], 2);
+  globalSum(*comm_, squares);
+  const double largest = *std::max_element(squares.begin(), squares.end());
+  std::string names;
+  for (std::size_t b = 0; b < squares.size(); ++b)
+    if (squares[b] > 1e-4 * largest) // a hundredth of the amplitude
+      names += (names.empty() ? "\"" : ", \"") + scene_.bodies[b].name + "\"";
+  return names;
+}
+
+void RunStages::write() {
+  const auto scope = timers_.scope("output");
+  directory_.writeIterations(report_.result.history);
+  if (options_.writeFields)
+    writeFields();
+}
+
+void RunStages::writeFields() {
+  ResultFields fields;
+  fields.displacement = &torn_.displacement;
+  fields.components = scene_.components();
+  std::vector<std::vector<fem::Voigt>> stress;
+  if (options_.writeStresses && isElastic()) {
+    stress = recoverStress(*comm_, scene_, owned_, torn_.displacement);
+    fields.stress = &stress;
+  }
+  ContactFields atNodes;
+  if (report_.inequalities > 0) {
+    atNodes = contactFields(owned_, report_.contactPoints, report_.contact);
+    fields.contact = &atNodes;
+  }
+  writeResult(*comm_, directory_.place("result.vtkhdf"), owned_, fields);
+}
+
+} // namespace Harmos::run
