@@ -7,7 +7,8 @@
 # (Amesos2, Thyra, MueLu) still include those of Epetra, each of which has a #warning that Epetra is deprecated: with
 # -Werror nothing would compile, and SYSTEM does not silence it.
 
-find_package(MPI REQUIRED COMPONENTS C CXX)
+# C++ alone: applications that find Harmos need not enable C, though MUMPS and HDF5 are C libraries.
+find_package(MPI REQUIRED COMPONENTS CXX)
 
 function(harmos_import_trilinos name)
   foreach(package IN LISTS ARGN)
@@ -64,7 +65,7 @@ macro(harmos_find_dependencies)
       harmos_import(
         mumps
         INCLUDE ${MUMPS_INCLUDE_DIR}
-        LIBRARIES ${MUMPS_DMUMPS_LIBRARY} ${MUMPS_SMUMPS_LIBRARY} ${MUMPS_COMMON_LIBRARY} MPI::MPI_C)
+        LIBRARIES ${MUMPS_DMUMPS_LIBRARY} ${MUMPS_SMUMPS_LIBRARY} ${MUMPS_COMMON_LIBRARY} MPI::MPI_CXX)
     elseif(harmos_dependency STREQUAL "metis")
       find_path(METIS_INCLUDE_DIR metis.h REQUIRED)
       find_library(METIS_LIBRARY metis REQUIRED)
@@ -74,15 +75,28 @@ macro(harmos_find_dependencies)
       find_library(GMSH_LIBRARY gmsh REQUIRED)
       harmos_import(gmsh INCLUDE ${GMSH_INCLUDE_DIR} LIBRARIES ${GMSH_LIBRARY})
     elseif(harmos_dependency STREQUAL "hdf5")
-      set(HDF5_PREFER_PARALLEL ON)
-      find_package(HDF5 REQUIRED COMPONENTS C)
+      # CMake's module compiles a program in C. A project without C takes the HDF5 that Harmos was built with.
+      get_property(harmos_languages GLOBAL PROPERTY ENABLED_LANGUAGES)
+      if("C" IN_LIST harmos_languages)
+        set(HDF5_PREFER_PARALLEL ON)
+        find_package(HDF5 REQUIRED COMPONENTS C)
+      elseif(EXISTS "${Harmos_HDF5_INCLUDE_DIR}/hdf5.h")
+        set(HDF5_C_INCLUDE_DIRS "${Harmos_HDF5_INCLUDE_DIR}")
+        set(HDF5_C_LIBRARIES "${Harmos_HDF5_LIBRARIES}")
+        set(HDF5_IS_PARALLEL TRUE)
+      else()
+        message(
+          FATAL_ERROR
+            "The HDF5 that Harmos was built with is not in \"${Harmos_HDF5_INCLUDE_DIR}\"; enable the language C, so "
+            "that CMake can look for another one: project(... LANGUAGES C CXX).")
+      endif()
       if(NOT HDF5_IS_PARALLEL)
         message(
           FATAL_ERROR
             "Harmos writes its results with parallel HDF5, but the HDF5 that was found (${HDF5_INCLUDE_DIRS}) is "
             "serial. Install libhdf5-openmpi-dev or set HDF5_ROOT.")
       endif()
-      harmos_import(hdf5 INCLUDE ${HDF5_C_INCLUDE_DIRS} LIBRARIES ${HDF5_C_LIBRARIES} MPI::MPI_C)
+      harmos_import(hdf5 INCLUDE ${HDF5_C_INCLUDE_DIRS} LIBRARIES ${HDF5_C_LIBRARIES} MPI::MPI_CXX)
     elseif(harmos_dependency STREQUAL "json")
       find_package(nlohmann_json CONFIG REQUIRED)
       harmos_import(json LIBRARIES nlohmann_json::nlohmann_json)

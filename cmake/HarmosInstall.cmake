@@ -3,6 +3,9 @@
 # applications: the configuration for find_package(Harmos CONFIG), and a Debian package.
 include(CMakePackageConfigHelpers)
 
+# Where hdf5.h lies among the directories that the module found.
+find_path(HDF5_C_INCLUDE_DIR hdf5.h PATHS ${HDF5_C_INCLUDE_DIRS} NO_DEFAULT_PATH REQUIRED)
+mark_as_advanced(HDF5_C_INCLUDE_DIR)
 set(config_directory "${CMAKE_INSTALL_LIBDIR}/cmake/Harmos")
 configure_package_config_file(
   cmake/HarmosConfig.cmake.in "${PROJECT_BINARY_DIR}/HarmosConfig.cmake"

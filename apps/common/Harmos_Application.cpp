@@ -238,13 +238,50 @@ std::string directoryOf(const std::string& file) {
   return slash == std::string::npos ? "./" : file.substr(0, slash + 1);
 }
 
+namespace {
+
+// The words of the command line that a library may look at, and the rest: Kokkos answers --help with forty
+// lines of its own on every rank. What begins with --kokkos is taken away by Kokkos.
+class Words {
+ public:
+  Words(int argc, char** argv) {
+    for (int k = 0; k < argc; ++k) {
+      const std::string word = argv[k];
+      (word == "--help" || word == "-h" ? kept_ : shown_).push_back(argv[k]);
+    }
+    count = static_cast<int>(shown_.size());
+    shown_.push_back(nullptr);
+    data = shown_.data();
+  }
+  Words(const Words&) = delete;
+  Words& operator=(const Words&) = delete;
+
+  int count;
+  char** data;
+
+  /// With those that were kept back.
+  std::vector<char*> all() const {
+    std::vector<char*> words(data, data + count);
+    words.insert(words.end(), kept_.begin(), kept_.end());
+    return words;
+  }
+
+ private:
+  std::vector<char*> shown_, kept_;
+};
+
+} // namespace
+
 int main(int argc, char** argv, const Program& program) {
-  const Tpetra::ScopeGuard guard(&argc, &argv);
+  Words words(argc, argv);
+  const Tpetra::ScopeGuard guard(&words.count, &words.data);
   const auto begin = std::chrono::steady_clock::now();
   const Teuchos::RCP<const Teuchos::Comm<int>> comm = Tpetra::getDefaultComm();
   const bool speaks = comm->getRank() == 0;
   CommandLine line;
-  if (const std::optional<int> status = parse(argc, argv, program, speaks, line))
+  std::vector<char*> all = words.all();
+  if (const std::optional<int> status =
+          parse(static_cast<int>(all.size()), all.data(), program, speaks, line))
     return *status;
   Log log(std::cout, std::cerr, line.quiet ? Log::Verbosity::Quiet : Log::Verbosity::Normal, speaks);
   // From here on: what tells a run to stop is not to end it without a checkpoint.

@@ -4,6 +4,7 @@
 What each class guards against:
 
     Consumer    a target without what it needs, a header that was left behind, a path of the machine that built it;
+                a language or a header that an embedder would not think of;
                 components that ask for more than they stand on, or that are not refused when there are none
     Programs    installed programs that look for their tools and decks in the sources
     Package     a Debian package without its dependencies or files
@@ -31,12 +32,12 @@ class Installed(unittest.TestCase):
     def tearDownClass(cls):
         cls.tree.remove()
 
-    def configure(self, name, *components, **more):
+    def configure(self, name, *components, project="consumer", **more):
         build = self.tree.scratch / name
         return build, run(
             "cmake",
             "-S",
-            SOURCE / "tests" / "install" / "consumer",
+            SOURCE / "tests" / "install" / project,
             "-B",
             build,
             f"-DCMAKE_PREFIX_PATH={self.tree.prefix}",
@@ -66,6 +67,18 @@ class Consumer(Installed):
             printed = run(MPIEXEC, "-np", "2", build / example).stdout
             for word in words:
                 self.assertIn(word, printed)
+
+    def test_a_project_of_cxx_alone_with_one_header(self):
+        build, configured = self.configure("first_hour", project="first_hour")
+        self.assertEqual(configured.returncode, 0, configured.stdout + configured.stderr)
+        run("cmake", "--build", build, "--parallel", "2")
+        for ranks in ("1", "2"):
+            printed = run(MPIEXEC, "-np", ranks, build / "first_hour").stdout
+            self.assertIn("down: converged\n", printed)
+            self.assertRegex(
+                printed, r"up: .*nothing to hold it: subdomains 0, 1, 2, 3, 4, 5, 6, 7, 8\n"
+            )
+            self.assertRegex(printed, r'refused: .*"Tolerence".*"Tolerance"')
 
     def test_one_component_asks_for_no_more_than_it_needs(self):
         # Where MUMPS, METIS and HDF5 are hidden.

@@ -442,8 +442,15 @@ class Information(Case):
             self.assertRegex(self.printed("--version", np=np), pattern)
 
     def test_help(self):
-        text = self.printed("--help")
+        for words, np in ((("--help",), 0), (("--help",), 2), (("-h",), 0), ((runs.MODEL, "--help"), 2)):
+            with self.subTest(words=words, np=np):
+                self.check_help(self.printed(*words, np=np))
+
+    def check_help(self, text):
         self.assertEqual(text.count("signorini [OPTIONS] [deck]"), 1)
+        # Kokkos' own help is forty lines and more, from every rank.
+        self.assertNotIn("Kokkos Core", text)
+        self.assertLess(len(text.splitlines()), 50)
         for option in ("--set", "--output", "--check", "--print-parameters", "--quiet"):
             self.assertIn(option, text)
 

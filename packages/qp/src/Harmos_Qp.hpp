@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// The QP layer as Harmos instantiates it for Tpetra; other vector types include Harmos_SolverFactory_def.hpp
+/// The QP layer as Harmos instantiates it for Tpetra, and the errors that it throws; other vector types include Harmos_SolverFactory_def.hpp
 /// instead.
 
 #include "Harmos_AutoSolver.hpp"
 #include "Harmos_BoundTraitsTpetra.hpp"
+#include "Harmos_Errors.hpp"
 #include "Harmos_SolverFactory.hpp"
+#include "Harmos_Types.hpp"
 
 #include <BelosTpetraAdapter.hpp>
 

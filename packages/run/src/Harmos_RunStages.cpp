@@ -265,17 +265,14 @@ void RunStages::judgeAudit() {
 
 // "“second membrane”": the bodies that have a share in a rigid motion.
 std::string RunStages::escapingBodies() const {
-  std::vector<double> squares(scene_.bodies.size(), 0.0);
-  for (int i = 0; i < system_->size(); ++i)
-    for (int k = 0; k < system_->kernel(i).columns; ++k)
-      squares[static_cast<std::size_t>(owned_[static_cast<std::size_t>(i)].body)] +=
-          std::pow(solution_.escape[static_cast<std::size_t>(system_->kernelOffset(i) + k)], 2);
-  globalSum(*comm_, squares);
-  const double largest = *std::max_element(squares.begin(), squares.end());
+  std::vector<long long> bodyOf;
+  for (const scene::OwnedSubdomain& item : owned_)
+    bodyOf.push_back(item.body);
   std::string names;
-  for (std::size_t b = 0; b < squares.size(); ++b)
-    if (squares[b] > 1e-4 * largest) // a hundredth of the amplitude
-      names += (names.empty() ? "\"" : ", \"") + scene_.bodies[b].name + "\"";
+  for (const long long body : feti::escapingParts(*system_, solution_.escape, bodyOf,
+                                                  static_cast<long long>(scene_.bodies.size())))
+    names +=
+        (names.empty() ? "\"" : ", \"") + scene_.bodies[static_cast<std::size_t>(body)].name + "\"";
   return names;
 }
 

@@ -224,6 +224,28 @@ TEST(FetiSolver, matrices_that_cannot_be_factored) {
   }
 }
 
+// The second membrane, subdomains 4 to 7, is held by the contact alone.
+TEST(FetiSolver, names_the_subdomains_that_nothing_holds) {
+  for (const char* dirichlet : {"primal", "dual"}) {
+    TestModel model = testModel(2, 4);
+    for (feti::Subdomain& subdomain : model.subdomains)
+      if (subdomain.number >= 4)
+        changeLoad(subdomain, [](std::vector<double>& load) {
+          for (double& value : load)
+            value = -value;
+        });
+    Teuchos::ParameterList list = parametersOf("condensed");
+    list.sublist("Decomposition").set("Dirichlet", dirichlet);
+    feti::FetiSolver solver(testComm(), model.subdomains, model.rows, list);
+    const feti::SolveReport& report = solver.solve();
+    EXPECT_FALSE(report.converged) << dirichlet;
+    EXPECT_EQ(report.result.reason, qp::Reason::Infeasible) << dirichlet;
+    EXPECT_NE(report.reason.find("; pulled away, with nothing to hold it: subdomains 4, 5, 6, 7"),
+              std::string::npos)
+        << dirichlet << ": " << report.reason;
+  }
+}
+
 TEST(FetiSolver, there_is_no_solution_before_it_is_asked_for) {
   const TestModel model = testModel(1, 2);
   const feti::FetiSolver solver(testComm(), model.subdomains, model.rows);

@@ -2,6 +2,7 @@
 #include "Harmos_DualSolution.hpp"
 
 #include "Harmos_Errors.hpp"
+#include "Harmos_Exchange.hpp"
 #include "Harmos_Qp.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
@@ -359,6 +360,22 @@ DualSolution solveDualProblem(const DualStages& stages, const SolverOptions& opt
                               const Acceptance& acceptance, const Log& log, SolveReport& report,
                               const Teuchos::RCP<DualMonitor>& monitor) {
   return DualSolve(stages, options, acceptance, log, report, monitor).go(start);
+}
+
+std::vector<long long> escapingParts(const SubdomainSystem& system, const std::vector<double>& escape,
+                                     const std::vector<long long>& partOf, long long parts) {
+  std::vector<double> squares(static_cast<std::size_t>(parts), 0.0);
+  for (int i = 0; i < system.size(); ++i)
+    for (int k = 0; k < system.kernel(i).columns; ++k)
+      squares[static_cast<std::size_t>(partOf[static_cast<std::size_t>(i)])] +=
+          std::pow(escape[static_cast<std::size_t>(system.kernelOffset(i) + k)], 2);
+  globalSum(*system.comm(), squares);
+  const double largest = *std::max_element(squares.begin(), squares.end());
+  std::vector<long long> result;
+  for (std::size_t part = 0; part < squares.size(); ++part)
+    if (squares[part] > 1e-4 * largest)
+      result.push_back(static_cast<long long>(part));
+  return result;
 }
 
 } // namespace Harmos::feti

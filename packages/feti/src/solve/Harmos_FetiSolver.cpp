@@ -142,6 +142,8 @@ const SolveReport& FetiSolver::solve(double tolerance) {
   operator_->rethrowFailure();
   if (!preconditioner_.is_null())
     preconditioner_->rethrowFailure();
+  if (!dual.escape.empty())
+    report_.reason += "; pulled away, with nothing to hold it: " + escapingSubdomains(dual);
   // An answer that was accepted has been looked at last.
   if (!looked || !report_.converged)
     agrees = look(*dual.lambda, dual.mu);
@@ -154,6 +156,22 @@ const SolveReport& FetiSolver::solve(double tolerance) {
   if (report_.converged)
     history_.add(*problem_, solution_->multiplier, dual.mu);
   return report_;
+}
+
+// "subdomains 4, 5, 6": whoever made them knows what bodies they are of.
+std::string FetiSolver::escapingSubdomains(const DualSolution& dual) const {
+  constexpr std::size_t mostNamed = 20;
+  std::vector<long long> numbers;
+  for (int i = 0; i < system_->size(); ++i)
+    numbers.push_back(system_->subdomain(i).number);
+  const std::vector<long long> parts =
+      escapingParts(*system_, dual.escape, numbers, system_->globalSubdomains());
+  std::string text = parts.size() == 1 ? "subdomain" : "subdomains";
+  for (std::size_t k = 0; k < std::min(parts.size(), mostNamed); ++k)
+    text += (k == 0 ? " " : ", ") + std::to_string(parts[k]);
+  if (parts.size() > mostNamed)
+    text += " and " + std::to_string(parts.size() - mostNamed) + " more";
+  return text;
 }
 
 const TornSolution& FetiSolver::solution() const {

@@ -56,7 +56,7 @@ class FetiSolver {
 
   /// Solves, and judges the answer by its audit: where that contradicts the residuals, the solver goes on,
   /// and an answer that it contradicts to the end is not called converged. That there is no solution is no
-  /// error, but a report with the reason.
+  /// error, but a report with the reason, which names the subdomains that nothing holds.
   /// @throws NumericalError, InternalError on all ranks. @note Collective.
   const SolveReport& solve();
   /// To another tolerance than that of the parameters.
@@ -85,6 +85,7 @@ class FetiSolver {
  private:
   void setUpInverses();
   void setUpOperators();
+  std::string escapingSubdomains(const DualSolution& dual) const;
 
   Log log_;
   Teuchos::ParameterList list_;
