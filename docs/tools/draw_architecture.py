@@ -23,13 +23,16 @@ from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 ROOT = Path(__file__).resolve().parents[2]
 PURPOSES = {
     "core": "errors, parameters, logs, timers",
+    "io": "files that are whole or not there: HDF5, VTK",
     "qp": "quadratic programs with bounds and equalities",
     "feti": "torn problems, dual operator, recovery, audit",
     "thyra": "FETI behind Thyra and Stratimikos",
     "fem": "meshes, elements, materials, assembly",
     "contact": "surfaces, gaps, mortar, constraint rows",
-    "scene": "decks, pipeline, results",
+    "scene": "bodies and effects; decks; discretisation",
     "effects": "contact, ties, loads, supports",
+    "run": "stages, judgement, checkpoints, results",
+    "plan": "ranks, memory, seconds before a run",
 }
 APPS = "apps"
 
@@ -96,18 +99,26 @@ def levels(graph):
     return [rows[level] for level in sorted(rows)]
 
 
+def outlet(place, target, width, height, gap):
+    """Where an arrow leaves a box: below; at its side, where it has to pass another row of boxes."""
+    (x, y), (x1, y1) = place, target
+    if y - y1 > 1.5 * (height + gap) and x != x1:
+        return x + 0.5 * width * (1 if x1 > x else -1), y
+    return x, y - 0.5 * height
+
+
 def draw(root=ROOT):
     known, (programs, _), graph = packages(root), applications(root), links(root)
     missing = set(known) - set(PURPOSES)
     if missing:
         raise PlotError(f"say in PURPOSES of {Path(__file__).name} what {sorted(missing)} is for")
-    width, height, gap = 3.7, 0.86, 0.42
+    width, height, gap, between = 3.5, 0.86, 0.42, 0.5
     rows = levels(graph)
-    total = 2 * width + 1.0
+    total = max(map(len, rows)) * (width + between)
     plt.rcParams.update(STYLE)
     # A fixed salt: the same tree gives the same file.
     plt.rcParams.update({"svg.fonttype": "none", "svg.hashsalt": "harmos"})
-    figure = plt.figure(figsize=(8.6, len(rows) * (height + gap) + 0.1))
+    figure = plt.figure(figsize=(total, len(rows) * (height + gap) + 0.1))
     axes = figure.add_axes([0.01, 0.01, 0.98, 0.98])
     axes.set_axis_off()
     places = {}
@@ -134,8 +145,8 @@ def draw(root=ROOT):
             axes.text(x, y - 0.27, foot, ha="center", va="center", fontsize=7.5, color=FAINT,
                       zorder=3)
     for name, other in sorted(arrows(graph)):
-        (x0, y0), (x1, y1) = places[name], places[other]
-        arrow = FancyArrowPatch((x0, y0 - 0.5 * height), (x1, y1 + 0.5 * height),
+        begin, (x1, y1) = outlet(places[name], places[other], width, height, gap), places[other]
+        arrow = FancyArrowPatch(begin, (x1, y1 + 0.5 * height),
                                 arrowstyle="-|>", mutation_scale=11, color=INK, linewidth=1.0,
                                 shrinkA=0, shrinkB=1, zorder=1)
         arrow.set_gid(f"link-{name}-{other}")

@@ -179,7 +179,8 @@ class Documents(unittest.TestCase):
         for name, link, files in listed:
             self.assertEqual(name, link)
             for file in re.findall(r"`(\w+\.hpp)`", files):
-                self.assertTrue((ROOT / "packages" / name / "src" / file).exists(), file)
+                places = list((ROOT / "packages" / name / "src").rglob(file))
+                self.assertEqual(len(places), 1, file)
         section = text.split("| Label | What |\n|---|---|\n")[1].split("\n\n")[0]
         labels = re.findall(r"^\| `(\w+)` \|", section, re.M)
         used = set()

@@ -105,7 +105,7 @@ FAULTS = (
     fault(
         "rounding errors of G hold a motion", "packages/feti/src/coarse/Harmos_CoarseSpace.cpp",
         "constexpr double rounding = 1e2 * std::numeric_limits<double>::epsilon();",
-        "constexpr double rounding = 0.0;", ("unit_scene",)),
+        "constexpr double rounding = 0.0;", ("unit_run",)),
     fault(
         "gap of mortar contact reversed", "packages/contact/src/Harmos_Mortar.cpp",
         "point.gap = sum.gap / sum.area;", "point.gap = -sum.gap / sum.area;", CONTACT),
@@ -124,11 +124,11 @@ FAULTS = (
         ("unit_fem", "verification_elements")),
     fault(
         "the audit forgets penetration", "packages/feti/src/solve/Harmos_KktAudit.cpp",
-        "audit.penetration <= allowed", "audit.penetration <= 1e9 * allowed", ("unit_scene",)),
+        "audit.penetration <= allowed", "audit.penetration <= 1e9 * allowed", ("unit_run",)),
     fault(
         "sign of the bound in the solver's error", "packages/run/src/Harmos_AnswerCheck.cpp",
         "view(r, 0) -= stages_.constraints.bound(row);",
-        "view(r, 0) += stages_.constraints.bound(row);", ("unit_scene",)),
+        "view(r, 0) += stages_.constraints.bound(row);", ("unit_run",)),
 )
 
 
