@@ -142,8 +142,9 @@ def largest(entries):
         {large['unknowns'] / 1e6:.0f} million unknowns: {seconds(large)} s, {gib(large)} GiB. An
         elastic cube of {cube['unknowns']} unknowns on a rigid plane (`block.xml`), to 1e-4, as
         8 × 8 × 8 subdomains of 8 × 8 × 8 elements: {cube['products']} products,
-        {seconds(cube)} s, {gib(cube)} GiB; as 6 × 6 × 6 of 11 × 11 × 11: {other_cube['products']} products,
-        {seconds(other_cube)} s, {gib(other_cube)} GiB. The fibre composite of 30 × 30 cells,
+        {seconds(cube)} s, {gib(cube)} GiB; as 6 × 6 × 6 of 11 × 11 × 11:
+        {other_cube['products']} products, {seconds(other_cube)} s, {gib(other_cube)} GiB. The
+        fibre composite of 30 × 30 cells,
         {stretch['unknowns']} unknowns and {stretch['inequalities']} inequalities:
         {stretch['products']} products and {seconds(stretch)} s stretched,
         {compression['products']} and {seconds(compression)} s compressed. Half a ball of
@@ -205,41 +206,39 @@ def row(entry):
     )
 
 
-HEAD = """# Headline figures
-
+INTRODUCTION = """
 What the [README](../README.md#what-works) claims, as it was measured: written by
 `tests/performance/headline.py` from [headline.json](headline.json), and so are the figures of the
-README; a test compares all three.
+README; a test compares all three."""
 
+MEASURED = """
 Measured on {date} with `{harmos}`, {compiler}, {ranks} ranks{quick}. Machine: {processor}, {cores}
-cores, {gib} of memory, a load of {load} when the measurement began. Seconds and memory are medians
-of {repetitions} runs, memory is the sum of the ranks' peaks. Tolerance 1e-4, Hertz' problems 1e-6;
-without result files, but for the case that says so.
-"""
+cores, {gib} of memory, a load of {load} when the measurement began. Seconds and memory are
+{statistic}, memory is the sum of the ranks' peaks. Tolerance 1e-4, Hertz' problems 1e-6; without
+result files, but for the case that says so."""
 
-PRODUCTS = """## Products of the model problem
-
+PRODUCTS = """
 PERMON's are all Hessian applications of PERMON 3.18 with tuned options on two ranks, the paper's
 are conjugate gradient iterations (Dostál, Horák, Vlach). Stopping rules: ours is `scaled`; that of
-PERMON is `permon` ([theory](theory.md)).
-"""
+PERMON is `permon` ([theory](theory.md))."""
 
 PEERS = f"""
 The largest problem of the paper takes PERMON 3.18 with CHOLMOD, on a machine of two cores,
 {PERMON_LARGEST_PRODUCTS} products, {PERMON_LARGEST_SECONDS} s and {PERMON_LARGEST_GB} GB; it took
-the paper {PAPER_LARGEST_SECONDS} s on 64 processors of its time.
-"""
+the paper {PAPER_LARGEST_SECONDS} s on 64 processors of its time."""
 
 
 def head(document):
     machine = document["machine"]
-    size = machine["memory_mib"]
-    return HEAD.format(**{
+    size, count = machine["memory_mib"], document["repetitions"]
+    measured = MEASURED.format(**{
         **document,
         **machine,
         "quick": ", **tiny forms of the cases**" if document["quick"] else "",
         "gib": f"{size / 1024:.0f} GiB" if size else "unknown size",
+        "statistic": f"medians of {count} runs" if count > 1 else "those of one run",
     })
+    return "\n\n".join(["# Headline figures", wrapped(INTRODUCTION), wrapped(measured), ""])
 
 
 def theory_table(entries):
@@ -276,7 +275,8 @@ def page(document):
     others = [entry for entry in document["runs"] if not entry["group"]]
     text = [head(document)]
     if cells:
-        text += [PRODUCTS, products_table(entries, permon_rule=True), ""]
+        text += ["## Products of the model problem", "", wrapped(PRODUCTS), ""]
+        text += [products_table(entries, permon_rule=True), ""]
         text += [f"* `{e['name']}`: {e['problem']}" for e in cells if e["problem"]]
     if others:
         text.append("## Large and hard problems\n")
@@ -285,7 +285,7 @@ def page(document):
             "| Seconds in all (least, most); solving | Memory, GiB |"
         )
         text.append("|---" * 7 + "|")
-        text += [*map(row, others), PEERS, theory_table(entries)]
+        text += [*map(row, others), "", wrapped(PEERS), "", theory_table(entries)]
     text.append("## Commands\n")
     text.append("All of it: `/usr/bin/python3 tests/performance/headline.py`; case by case:\n")
     text.append(f"```sh\n{commands(document)}\n```")

@@ -112,7 +112,7 @@ class Programs(unittest.TestCase):
         self.assertLess(abs(shared["energy"] - unshared["energy"]), 1e-4)
 
     def test_headline(self):
-        """Tiny forms of all cases: each converges, and page and README can be written from the JSON."""
+        """Tiny forms of all cases converge; page and README can be written from the JSON."""
         page = runs.scratch("page")
         document = self.script("headline.py", "--quick", "--page", page)
         self.assertTrue(document["quick"])
@@ -130,7 +130,7 @@ class Programs(unittest.TestCase):
         self.assertEqual(json.loads(headline_page.as_json(document)), document)
         for item in document["runs"]:
             if item["name"].startswith("hertz"):
-                self.assertEqual(set(item["from_theory"]), {"half_width", "peak_pressure", "approach"})
+                self.assertEqual(len(item["from_theory"]), 3, item["name"])
         headline_page.readme_block(document)
         # Not a single case may be missing where the README is written.
         for gone in ("large", "plain-4x32"):
