@@ -10,12 +10,12 @@ implicit (shared), tied (shared), unpreconditioned (shared). Medians of the repe
 
 import argparse
 import json
-import statistics
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 
+import harmos_measure  # noqa: E402
 import harmos_runs as runs  # noqa: E402
 
 runs.TIMEOUT = 900
@@ -30,25 +30,21 @@ KINDS = {
 CELLS = [(s, n) for n in (8, 32, 128) for s in (1, 2, 4, 8)]
 
 
-def measure(s, n, kind, np, repetitions, sets):
-    """The median run of a cell."""
-    sets = {
+def cell_sets(s, n, kind):
+    """What a cell overrides in the deck."""
+    return {
         "Model/Subdomains per side": s,
         "Model/Elements per subdomain side": n,
         "Output/Fields": False,
         **KINDS[kind],
-        **sets,
     }
-    summaries = []
-    for _ in range(repetitions):
-        run = runs.run(runs.MODEL, sets, np=np)
-        assert run.returncode == 0, run
-        summaries.append(run.summary)
+
+
+def measure(s, n, kind, np, repetitions, sets):
+    """The median run of a cell."""
+    sets = {**cell_sets(s, n, kind), **sets}
+    summaries = harmos_measure.repeated(repetitions, runs.MODEL, sets, np)
     last = summaries[-1]
-    seconds = {
-        name: statistics.median(summary["seconds"][name] for summary in summaries)
-        for name in last["seconds"]
-    }
     return {
         "subdomains_per_side": s,
         "elements_per_subdomain_side": n,
@@ -61,8 +57,8 @@ def measure(s, n, kind, np, repetitions, sets):
         "factorizations": last["distinct_local_factorizations"],
         "products": last["hessian_applications"],
         "outer_iterations": last["outer_iterations"],
-        "seconds": seconds,
-        "peak_memory_mib": statistics.median(s["peak_memory_mib"] for s in summaries),
+        "seconds": harmos_measure.median_seconds(summaries),
+        "peak_memory_mib": harmos_measure.median_memory(summaries),
         "energy": last["energy"],
     }
 
@@ -93,18 +89,12 @@ def main():
     if given.output:
         document = {
             "benchmark": "model_problem",
-            "harmos": run_version(),
+            "harmos": harmos_measure.version(),
             "ranks": given.np,
             "runs": results,
         }
         Path(given.output).write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
     return 0
-
-
-def run_version():
-    status, out, _ = runs.execute([runs.application(), "--version"])
-    assert status == 0
-    return out.strip()
 
 
 if __name__ == "__main__":

@@ -13,8 +13,10 @@ import json
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "support")]
 
+import harmos_measure  # noqa: E402
 import model_problem  # noqa: E402
 import performance_model  # noqa: E402
 
@@ -72,7 +74,7 @@ def main():
     if given.output:
         document = {
             "benchmark": "scaling",
-            "harmos": model_problem.run_version(),
+            "harmos": harmos_measure.version(),
             "speedups": speedups,
             "steps": steps,
         }

@@ -5,17 +5,22 @@ Guards against: a benchmark that rots; a document whose fields are not those des
 grow with the mesh where the users' guide says that they do not.
 """
 
+import argparse
 import json
 import re
 import sys
 import unittest
+import unittest.mock
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent / "support")]
 
 import harmos_runs as runs  # noqa: E402
+import headline  # noqa: E402
+import headline_page  # noqa: E402
 
-README = Path(__file__).parent / "README.md"
+README = HERE / "README.md"
 
 
 def run(program, *arguments, np=2):
@@ -92,7 +97,7 @@ class Programs(unittest.TestCase):
 
     def script(self, name, *arguments):
         output = runs.scratch(name)
-        words = [sys.executable, Path(__file__).parent / name, *arguments, "--output", output]
+        words = [sys.executable, HERE / name, *arguments, "--output", output]
         status, _, errors = runs.execute(words)
         self.assertEqual(status, 0, errors)
         return json.loads(output.read_text(encoding="utf-8"))
@@ -105,6 +110,57 @@ class Programs(unittest.TestCase):
         self.assertEqual((shared["factorizations"], unshared["factorizations"]), (3, 8))
         self.assertEqual(tied["solver"], "PCPG")
         self.assertLess(abs(shared["energy"] - unshared["energy"]), 1e-4)
+
+    def test_headline(self):
+        """Tiny forms of all cases converge; page and README can be written from the JSON."""
+        page = runs.scratch("page")
+        document = self.script("headline.py", "--quick", "--page", page)
+        self.assertTrue(document["quick"])
+        self.assertEqual([item["name"] for item in document["runs"]], list(headline.CASES))
+        for item in document["runs"]:
+            self.assertIsNone(item["problem"], item["name"])
+            self.assertEqual(set(item), described("headline"))
+            self.assertTrue(item["converged"], item["name"])
+            for field in ("unknowns", "multipliers", "inequalities", "products"):
+                self.assertGreater(item[field], 0, item["name"])
+            for field in ("seconds_total", "seconds_solve", "peak_memory_mib"):
+                least, median, most = (item[field][key] for key in ("least", "median", "most"))
+                self.assertTrue(0.0 < least <= median <= most, item["name"])
+        self.assertEqual(page.read_text(encoding="utf-8"), headline_page.page(document))
+        self.assertEqual(json.loads(headline_page.as_json(document)), document)
+        for item in document["runs"]:
+            if item["name"].startswith("hertz"):
+                self.assertEqual(len(item["from_theory"]), 3, item["name"])
+        headline_page.readme_block(document)
+        # Not a single case may be missing where the README is written.
+        for gone in ("large", "plain-4x32"):
+            rest = [item for item in document["runs"] if item["name"] != gone]
+            with self.assertRaisesRegex(headline_page.Incomplete, gone):
+                headline_page.readme_block({**document, "runs": rest})
+
+    def test_headline_shows_what_it_skips(self):
+        """Too little memory: the case is not run, JSON and page say why, the README is refused."""
+        case = headline.CASES["paper-unshared"]
+        given = argparse.Namespace(quick=False, runs=1, np=2)
+        with unittest.mock.patch.object(headline, "memory_mib", lambda field: 100):
+            entry = headline.measure(case, given)
+        self.assertEqual(entry["problem"], "skipped: wants 9216 MiB of free memory, there are 100")
+        self.assertIn(entry["problem"], headline_page.row(entry))
+        self.assertTrue(headline.keeps_its_promise(entry))
+        with self.assertRaisesRegex(headline_page.Incomplete, "paper-unshared was skipped"):
+            headline_page.needed({case.name: entry}, case.name)
+
+    def test_headline_keeps_promises_of_memory(self):
+        entry = {"problem": None, "converged": True, "memory_limit_mib": 8192}
+        for most, kept in ((8191, True), (8192, False)):
+            entry["peak_memory_mib"] = {"least": 8000, "median": 8100, "most": most}
+            self.assertEqual(headline.keeps_its_promise(entry), kept)
+
+    def test_headline_names_the_nearest_case(self):
+        script = [sys.executable, HERE / "headline.py"]
+        status, _, errors = runs.execute([*script, "--only", "paper-shard"])
+        self.assertEqual(status, 2)
+        self.assertIn("there is no case paper-shard; did you mean paper-shared?", errors)
 
     def test_scaling(self):
         document = self.script("scaling.py", "--cells", "2x8", "--repetitions", "1")

@@ -2,9 +2,11 @@
 """The documentation says what is true.
 
 Guards against parameter pages that were not generated anew, links that lead nowhere, commands and decks of
-the README and the guide that no longer work, and examples that differ from what their page shows.
+the README and the guide that no longer work, examples that differ from what their page shows, and figures
+of the README that nobody measured.
 """
 
+import json
 import pathlib
 import re
 import shlex
@@ -12,8 +14,10 @@ import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "performance"))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "docs/tools"))
 import harmos_runs as runs  # noqa: E402
+import headline_page  # noqa: E402
 import parameter_pages  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -214,6 +218,23 @@ class Documents(unittest.TestCase):
             # All links can be followed in the picture, and no arrow leads where nothing is linked.
             self.assertLessEqual(linked, seen - {name}, name)
             self.assertLessEqual(down[name], linked, name)
+
+    def test_headline_figures_are_those_of_the_measurement(self):
+        """docs/headline.json → docs/headline.md and the README's block, word for word."""
+        text = (ROOT / "docs/headline.json").read_text(encoding="utf-8")
+        document = json.loads(text)
+        remedy = "write it by tests/performance/headline.py --render"
+        self.assertEqual(headline_page.as_json(document), text, "docs/headline.json")
+        self.assertFalse(document["quick"])
+        page = (ROOT / "docs/headline.md").read_text(encoding="utf-8")
+        self.assertEqual(headline_page.page(document), page, f"docs/headline.md: {remedy}")
+        readme = (ROOT / "README.md").read_text(encoding="utf-8")
+        self.assertEqual(headline_page.with_block(readme, document), readme, f"README.md: {remedy}")
+        # The same digits in both.
+        block = headline_page.readme_block(document)
+        shown = set(re.findall(r"\d[\d.]*", page))
+        for figure, unit in re.findall(r"(\d[\d.]*) (s\b|GiB|GB|products)", block):
+            self.assertIn(figure, shown, f"{figure} {unit} of the README")
 
     def test_every_hard_case_has_its_row_and_its_test(self):
         """The table of docs/stability.md names each test of tests/stability once, and no other.

@@ -32,6 +32,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 
 import harmos_runs as runs  # noqa: E402
+from published_figures import PAPER_CG, PERMON, SIDES  # noqa: E402
 
 try:
     import h5py  # noqa: F401
@@ -42,9 +43,7 @@ except ImportError as missing:
 # The largest cells, on a busy machine.
 runs.TIMEOUT = 600
 
-# In all tables: by N, then for S = 1, 2, 4, 8.
-SIDES = (1, 2, 4, 8)
-
+# All tables are by N, then for S in SIDES.
 # The paper prints 10365 for the last primal dimension of N = 8; 2 S^2 (N+1)^2 is 10368.
 PRIMAL = {
     8: (162, 648, 2592, 10368),
@@ -58,11 +57,6 @@ DUAL = {
     64: (None, None, None, 14975),
     128: (129, 1287, 6687, 29823),
 }
-
-# At the tolerance 1e-4: the paper's conjugate gradient iterations; all Hessian applications of
-# PERMON 3.18 with tuned options on two ranks.
-PAPER_CG = {8: (10, 20, 23, 27), 32: (17, 33, 30, 37), 128: (28, 59, 36, 47)}
-PERMON = {8: (17, 22, 28, 40), 32: (20, 29, 38, 54), 128: (24, 45, 56, 84)}
 
 # The paper's Table 5.4: |G lambda| / |d| for S = 8, by rho and N.
 TABLE_5_4 = {
