@@ -45,6 +45,7 @@ AnswerCheck::AnswerCheck(const Teuchos::Comm<int>& comm, const scene::Scene& sce
 }
 
 void AnswerCheck::recover(const MultiVector& lambda, const std::vector<double>& mu) {
+  torn_ = {}; // not two of them at once
   torn_ = feti::recover(stages_.system, stages_.constraints, stages_.inverses, stages_.coarse,
                         stages_.problem, lambda, mu);
   report_.audit = feti::audit(stages_.system, stages_.constraints, torn_);
