@@ -36,7 +36,10 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 # Shared libraries that the applications need, by dpkg-shlibdeps; what a build against the libraries needs is
 # cmake/packages-debian.txt.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "openmpi-bin")
+# All tools want python3. What pictures need besides is of no use on a node that only computes; harmos-plot names what is
+# missing.
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "openmpi-bin, python3")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-h5py, python3-matplotlib, python3-numpy")
 file(STRINGS cmake/packages-debian.txt packages REGEX "^lib.*-dev")
 list(TRANSFORM packages REPLACE " [?]$" "")
 list(REMOVE_ITEM packages libgtest-dev libcli11-dev)

@@ -87,7 +87,7 @@ show_model() {
   say "Solving the model problem on 2 ranks"
   mpirun -np 2 "$build/bin/signorini" apps/signorini/decks/model.xml --output run
   say "Drawing the result"
-  /usr/bin/python3 docs/tools/plot_run.py run
+  "$build/bin/harmos-plot" run
   say "Open run/result.vtkhdf in ParaView, or look at run/solution.png and run/convergence.png"
 }
 

@@ -19,28 +19,25 @@ bool succeeds(const std::string& command) {
   return std::system(command.c_str()) == 0;
 }
 
-// Of an installed program beside it, prefix/share/harmos/tools, wherever the prefix was moved to; else that
-// of the sources.
-std::string scriptOf(const std::string& name) {
+// Beside this program, in the build tree and in an installed one, wherever it was moved to.
+std::string toolOfCharts() {
   std::error_code failure;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", failure);
-  const std::filesystem::path installed =
-      program.parent_path().parent_path() / "share" / "harmos" / "tools" / name;
-  return !failure && std::filesystem::exists(installed) ? installed.string() : HARMOS_TOOLS_DIR "/" + name;
+  return failure ? "" : (program.parent_path() / "harmos-study-plot").string();
 }
 
 } // namespace
 
 bool drawCharts(const std::string& directory, const Log& log) {
-  const std::string script = scriptOf("plot_study.py");
+  const std::string tool = toolOfCharts();
   // Debian's own interpreter first: it is the one that sees Debian's python3-* packages.
   for (const std::string python : {"/usr/bin/python3", "python3"}) {
-    if (!std::filesystem::exists(script) || !succeeds(python + " -c 'import matplotlib' > /dev/null 2>&1"))
+    if (!std::filesystem::exists(tool) || !succeeds(python + " -c 'import matplotlib' > /dev/null 2>&1"))
       continue;
-    if (succeeds(python + " " + quoted(script) + " " + quoted(directory) + " > /dev/null"))
+    if (succeeds(python + " " + quoted(tool) + " " + quoted(directory) + " > /dev/null"))
       return true;
   }
-  log.info("The charts are not drawn (Python with Matplotlib is needed): python3 docs/tools/plot_study.py " +
+  log.info("The charts are not drawn (Python with Matplotlib is needed): harmos-study-plot " +
            quoted(directory));
   return false;
 }

@@ -7,9 +7,9 @@
 
 namespace Harmos::study {
 
-/// Draws the charts of a finished study into its directory by docs/tools/plot_study.py, in a process of its
-/// own. Where Python, Matplotlib or the script is not to be found, or it fails, a sentence says so with the
-/// command to draw them later; that is no failure of the study. Local.
+/// Draws the charts of a finished study into its directory by harmos-study-plot, in a process of its own.
+/// Where Python, Matplotlib or the tool is not to be found, or it fails, a sentence says so with the command
+/// to draw them later; that is no failure of the study. Local.
 /// @return whether they are drawn.
 bool drawCharts(const std::string& directory, const Log& log);
 

@@ -14,13 +14,15 @@ import re
 import sys
 from pathlib import Path
 
-from plot_style import BODY_COLOURS, FAINT, INK, STYLE, save
-from run_results import PlotError
-
-import matplotlib.pyplot as plt
-from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
-
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "apps" / "tools"))
+
+from plot_style import BODY_COLOURS, FAINT, INK, STYLE, save  # noqa: E402
+from run_results import PlotError  # noqa: E402
+
+import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.patches import FancyArrowPatch, FancyBboxPatch  # noqa: E402
+
 PURPOSES = {
     "core": "errors, parameters, logs, timers",
     "io": "files that are whole or not there: HDF5, VTK",
@@ -58,7 +60,7 @@ def applications(root=ROOT):
     files = sorted((root / "apps").glob("*/CMakeLists.txt"))
     text = "\n".join(without_comments(file.read_text(encoding="utf-8")) for file in files)
     return (
-        [name for file in files if (name := file.parent.name) != "common"],
+        [name for file in files if (name := file.parent.name) not in ("common", "tools")],
         set(re.findall(r"\bHarmos::(\w+)", text)),
     )
 

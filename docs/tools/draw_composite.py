@@ -16,11 +16,13 @@ import argparse
 import sys
 from pathlib import Path
 
-from plot_deformed import contact_polar, plot_deformed, plot_polar
-from plot_style import STYLE, caption_of, save
-from run_results import PlotError, Solid, read_result, read_summary
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "apps" / "tools"))
 
-import matplotlib.pyplot as plt
+from plot_deformed import contact_polar, plot_deformed, plot_polar  # noqa: E402
+from plot_style import STYLE, caption_of, save  # noqa: E402
+from run_results import PlotError, Solid, read_result, read_summary  # noqa: E402
+
+import matplotlib.pyplot as plt  # noqa: E402
 
 
 def read_solid(directory):
@@ -31,7 +33,7 @@ def read_solid(directory):
         raise PlotError(f"{path}: not there (output of fields was off); repeat the run with it")
     solid = read_result(path)
     if not isinstance(solid, Solid):
-        raise PlotError(f"{path}: membranes, not elastic bodies; draw it by plot_run.py")
+        raise PlotError(f"{path}: membranes, not elastic bodies; draw it by harmos-plot")
     return solid
 
 

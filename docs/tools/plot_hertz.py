@@ -16,11 +16,14 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from draw_composite import read_solid
-from plot_style import CLOSED, FAINT, INK, OPEN, STYLE, finish, save
-from run_results import PlotError, read_summary
 
-import matplotlib.pyplot as plt
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "apps" / "tools"))
+
+from draw_composite import read_solid  # noqa: E402
+from plot_style import CLOSED, FAINT, INK, OPEN, STYLE, finish, save  # noqa: E402
+from run_results import PlotError, read_summary  # noqa: E402
+
+import matplotlib.pyplot as plt  # noqa: E402
 
 NEEDED = ("half_width_theory", "peak_pressure_theory", "half_width", "load")
 

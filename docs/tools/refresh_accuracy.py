@@ -21,10 +21,12 @@ import sys
 import tempfile
 from pathlib import Path
 
-import plot_study
-from run_results import PlotError
-
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "apps" / "tools"))
+
+import plot_study  # noqa: E402
+from run_results import PlotError  # noqa: E402
+
 PAGE = ROOT / "docs" / "accuracy.md"
 MOST_BYTES = 150_000
 
@@ -178,8 +180,9 @@ def draw(directory, name, text):
     with tempfile.TemporaryDirectory() as scratch:
         pending = set(wanted)
         for dpi in (110, 95, 80, 65):  # as sharp as the size allows, each
-            if plot_study.main([str(directory), "--output", scratch, "--dpi", str(dpi)]) != 0:
-                raise PlotError(f"{directory}: the charts cannot be drawn")
+            plot_study.run(
+                argparse.Namespace(directory=directory, output=scratch, dpi=dpi, title="")
+            )
             for chart in sorted(pending):
                 data = (Path(scratch) / f"{chart}.png").read_bytes()
                 if len(data) < MOST_BYTES:

@@ -8,11 +8,12 @@
 The blocks of shell commands are taken literally from the page and run in order by one shell, which
 starts in a fresh directory. Two replacements are made: URL by the path of the repository; and,
 with the build that there is, the first block by `cmake/bootstrap.sh show`, the end of what it does,
-in a directory of links to the sources and to the build. --chroot needs root and debootstrap (see
+in a directory of links to the sources and to the build. Then all of it again with what the page's
+section on installing has installed, in a directory without sources. --chroot needs root and debootstrap (see
 cmake/test_in_chroot.sh) and takes about as long as a build; CI does not use it.
 
-Guards against commands that no longer work, or only where their author sat; pictures that are not
-those of the commands; output that differs from what the page shows.
+Guards against commands that no longer work, or only where their author sat or the sources lie;
+pictures that are not those of the commands; output that differs from what the page shows.
 """
 
 import argparse
@@ -36,6 +37,19 @@ except ImportError as missing:
 
 PAGE = runs.SOURCE / "docs" / "quickstart.md"
 BUILD_COMMAND = "cmake/bootstrap.sh run"
+INSTALL_COMMAND = "cmake --install build"
+
+# What the page's section on installing says of its other commands.
+SHARE = "~/.local/share/harmos"
+INSTALLED = (
+    (r"\bbuild/bin/", ""),
+    (r"\bapps/(\w+)/decks/", rf"{SHARE}/decks/\1/"),
+    (r"\bcmake/environment\.sh", f"{SHARE}/environment.sh"),
+)
+# The end of what cmake/bootstrap.sh run does.
+SHOW = """mpirun -np 2 build/bin/signorini apps/signorini/decks/model.xml --output run
+build/bin/harmos-plot run
+"""
 
 # Two pictures of one size are compared by the means of their squares of BLOCK x BLOCK pixels, for
 # each colour, from 0 to 1. Right ones differ by
@@ -46,7 +60,7 @@ BUILD_COMMAND = "cmake/bootstrap.sh run"
 BLOCK = 16
 PALETTE = 0.025
 TOLERANCE = PALETTE + 1 / BLOCK
-# Up to three lines of 8 points, at 150 dots an inch, above a margin (docs/tools/plot_style.py).
+# Up to three lines of 8 points, at 150 dots an inch, above a margin (apps/tools/plot_style.py).
 CAPTION = 3 * 20 + 15
 
 # Energies are right to the square of the decks' 1e-4, times the condition of the dual problem, for
@@ -88,6 +102,13 @@ def difference(first, second):
     return float(abs(first - second).max())
 
 
+def by_a_stranger(directory, *commands):
+    """Run by a shell that knows nothing of this test, at home in a directory; what was printed."""
+    environment = [f"PATH={os.environ['PATH']}", f"HOME={directory}"]
+    command = ["env", "-i", *environment, "bash", "-euc", "".join(commands)]
+    return runs.execute(command, cwd=directory)
+
+
 def in_links():
     """Run what follows the build; the checkout of links, and what was printed."""
     directory = runs.scratch("stranger")
@@ -96,10 +117,22 @@ def in_links():
     for entry in ("apps", "cmake", "docs"):
         (checkout / entry).symlink_to(runs.SOURCE / entry)
     (checkout / "build").symlink_to(runs.BINARY)
-    script = "".join(["cd harmos\ncmake/bootstrap.sh show\n", *blocks()[1:]])
-    # In a shell that knows nothing of this test.
-    kept = [f"{name}={os.environ[name]}" for name in ("PATH", "HOME") if name in os.environ]
-    return checkout, runs.execute(["env", "-i", *kept, "bash", "-euc", script], cwd=directory)
+    begin = "cd harmos\ncmake/bootstrap.sh show\n"
+    return checkout, by_a_stranger(directory, begin, *blocks()[1:])
+
+
+def installed():
+    """Install as the page says, run the other blocks as it says for that; where, what was printed."""
+    (install,) = (block for block in blocks() if INSTALL_COMMAND in block)
+    others = "".join([SHOW, *(block for block in blocks()[1:] if block != install)])
+    for here, there in INSTALLED:
+        others = re.sub(here, there, others)
+    directory = runs.scratch("elsewhere")
+    directory.mkdir()
+    (directory / "build").symlink_to(runs.BINARY)
+    # Nothing but what is installed is left.
+    begin = install + "rm build\n" + f". {SHARE}/environment.sh\n"
+    return directory, by_a_stranger(directory, begin, others)
 
 
 def in_chroot(root, suite):
@@ -156,6 +189,15 @@ class Quickstart(unittest.TestCase):
                 self.assertLessEqual(abs(float(first) - float(second)), DIGITS * abs(float(first)))
 
 
+class QuickstartInstalled(Quickstart):
+    trial = staticmethod(installed)
+
+    def test_nothing_is_taken_from_elsewhere(self):
+        self.assertFalse((self.checkout / "build").exists())
+        for command in ("signorini", "harmos", "harmos-plot"):
+            self.assertTrue((self.checkout / ".local" / "bin" / command).exists(), command)
+
+
 class Measure(unittest.TestCase):
     """Pictures of other runs are told from those of the page."""
 
@@ -172,7 +214,7 @@ class Measure(unittest.TestCase):
         """The same model, cut into fewer subdomains: the solution is the same, lines are not."""
         run = runs.solved(self, runs.MODEL, {"Model/Subdomains per side": 2})
         status, _, errors = runs.execute(
-            [sys.executable, runs.SOURCE / "docs" / "tools" / "plot_run.py", run.directory]
+            [sys.executable, runs.application("harmos-plot"), run.directory]
         )
         self.assertEqual(status, 0, errors)
         for made, shown in pictures().items():

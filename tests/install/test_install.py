@@ -6,10 +6,13 @@ What each class guards against:
     Consumer    a target without what it needs, a header that was left behind, a path of the machine that built it;
                 a language or a header that an embedder would not think of;
                 components that ask for more than they stand on, or that are not refused when there are none
-    Programs    installed programs that look for their tools and decks in the sources
-    Package     a Debian package without its dependencies or files
+    Programs    installed programs that look for their decks in the sources
+    Tools       tools that are not on PATH, or take a module or a template from the sources; that do not explain themselves,
+                or end in a traceback where Python lacks what they need
+    Package     a Debian package without its dependencies or files, or whose tools do not find their modules
 """
 
+import functools
 import os
 import shutil
 import sys
@@ -121,21 +124,102 @@ class Programs(Installed):
         )
         for name in ("summary.json", "iterations.csv", "result.vtkhdf"):
             self.assertTrue((output / name).is_file(), name)
-        self.assertTrue((prefix / "share" / "harmos" / "tools" / "plot_run.py").is_file())
 
-    def test_jobs_are_made_from_the_installed_tree(self):
-        share = self.tree.prefix / "share" / "harmos"
+
+class Tools(Installed):
+    # What --help has to speak of, beside what all do.
+    HELP = {
+        "harmos-plot": ("result.vtkhdf", "solution.png", "convergence.png", "contact.png", "scaling.csv", "--follow"),
+        "harmos-study-plot": ("study.json", "error_against_seconds", "error_parts"),
+        "harmos-submit": ("harmos.slurm", "harmos.pbs", "--scaling weak", "--dry-run", "--resubmissions"),
+    }
+
+    def tool(self, name, *words, hidden=None):
+        """By its name on PATH, with another python3 before it; hidden is a module that cannot be imported."""
+        place = self.tree.scratch / f"without_{hidden}"
+        place.mkdir(exist_ok=True)
+        if hidden:
+            (place / f"{hidden}.py").write_text("raise ImportError('hidden by a test')\n")
+        (place / "python3").write_text("#!/bin/sh\nexit 99\n")
+        (place / "python3").chmod(0o755)
+        path = f"PATH={place}:{self.tree.prefix / 'bin'}:{os.environ['PATH']}"
+        return run("env", path, f"PYTHONPATH={place}", name, *words, check=False)
+
+    @functools.cached_property
+    def finished(self):
+        """The directory of a small run."""
+        output = self.tree.scratch / f"{self.id()}_run"
+        deck = self.tree.prefix / "share" / "harmos" / "decks" / "signorini" / "model.xml"
+        run(self.tree.prefix / "bin" / "signorini", deck, "--output", output)
+        return output
+
+    def test_each_explains_itself(self):
+        for name, words in self.HELP.items():
+            with self.subTest(name):
+                # Where pictures cannot be drawn, too.
+                told = self.tool(name, "--help", hidden="numpy")
+                self.assertEqual((told.returncode, told.stderr), (0, ""))
+                self.assertRegex(told.stdout, r"Reads\s(.|\n)*[Ww]rites\s(.|\n)*Exit status: 0 ")
+                for word in (f"\nexamples:\n  {name} ", "(default: ", *words):
+                    self.assertIn(word, told.stdout)
+
+    def test_nothing_is_taken_from_the_sources(self):
+        for name in self.HELP:
+            place = (self.tree.prefix / "bin" / name).resolve()
+            self.assertIn(self.tree.prefix.resolve(), place.parents)
+        for pattern in ("*.py", "jobs/*"):
+            here, there = SOURCE / "apps" / "tools", self.tree.prefix / "share" / "harmos" / "tools"
+            self.assertEqual({p.name for p in there.glob(pattern)}, {p.name for p in here.glob(pattern)})
+
+    def test_pictures_are_drawn_through_a_link(self):
+        link = self.tree.scratch / "link"
+        link.symlink_to(self.tree.prefix / "bin" / "harmos-plot")
+        drawn = self.tool(link, self.finished, "--dpi", "50")
+        if "cannot import" in drawn.stderr:
+            self.skipTest(drawn.stderr)
+        self.assertEqual((drawn.returncode, drawn.stderr), (0, ""))
+        for name in ("solution.png", "convergence.png"):
+            self.assertTrue((self.finished / name).is_file(), drawn.stdout)
+
+    def test_every_module_is_there(self):
+        """As far as the sentence that there is nothing to draw."""
+        empty = self.tree.scratch / "empty"
+        empty.mkdir()
+        for words, sentence in (
+            (("harmos-plot", empty), "summary.json"),
+            (("harmos-plot", empty, "--scaling", "auto"), "no converged run"),
+            (("harmos-study-plot", empty), "run study first"),
+        ):
+            refused = self.tool(*words)
+            if "cannot import" in refused.stderr:
+                self.skipTest(refused.stderr)
+            self.assertEqual(refused.returncode, 2, refused.stderr)
+            self.assertRegex(refused.stderr, rf"^{words[0]}: .*{sentence}.*\n$")
+
+    def test_a_missing_module_is_named(self):
+        for name, module in (
+            ("harmos-plot", "numpy"),
+            ("harmos-plot", "matplotlib"),
+            ("harmos-plot", "h5py"),
+            ("harmos-study-plot", "matplotlib"),
+        ):
+            with self.subTest(name=name, module=module):
+                refused = self.tool(name, self.finished, hidden=module)
+                self.assertEqual((refused.returncode, refused.stdout), (2, ""), refused.stderr)
+                self.assertRegex(
+                    refused.stderr,
+                    rf"^{name}: .*/python3 cannot import {module} \(hidden by a test\): install Debian's package "
+                    rf"python3-{module}, which /usr/bin/python3 sees, or name an interpreter that has it, as in "
+                    rf"PYTHON \S+/{name} DIR\n$",
+                )
+
+    def test_jobs_are_made(self):
+        deck = self.tree.prefix / "share" / "harmos" / "decks" / "harmos" / "two_blocks.xml"
         for scheduler in ("slurm", "pbs"):
-            script = run(
-                share / "cluster" / "submit.py",
-                share / "decks" / "harmos" / "two_blocks.xml",
-                "--dry-run",
-                "--scheduler",
-                scheduler,
-                "--output",
-                self.tree.scratch / "job",
-            ).stdout
-            self.assertIn(str((self.tree.prefix / "bin" / "harmos").resolve()), script)
+            words = (deck, "--dry-run", "--scheduler", scheduler, "--output", self.tree.scratch / "job")
+            made = self.tool("harmos-submit", *words, hidden="numpy")
+            self.assertEqual((made.returncode, made.stderr), (0, ""))
+            self.assertIn(str((self.tree.prefix / "bin" / "harmos").resolve()), made.stdout)
 
 
 class Package(unittest.TestCase):
@@ -149,9 +233,19 @@ class Package(unittest.TestCase):
             fields = run("dpkg-deb", "--field", package).stdout
             for library in ("libtrilinos-tpetra", "libmumps", "libmetis", "libhdf5"):
                 self.assertIn(library, fields)
+            for module in ("h5py", "matplotlib", "numpy"):
+                self.assertRegex(fields, rf"(?m)^Recommends: .*\bpython3-{module}\b")
+            self.assertRegex(fields, r"(?m)^Depends: .*\bpython3(,|$)")
             files = run("dpkg-deb", "--contents", package).stdout
             for name in ("/usr/bin/signorini", "/usr/include/harmos/Harmos_Qp.hpp", "HarmosConfig.cmake"):
                 self.assertIn(name, files)
+            unpacked = scratch / "unpacked"
+            run("dpkg-deb", "--extract", package, unpacked)
+            for name in Tools.HELP:
+                # It begins with its module, which lies elsewhere in the package.
+                self.assertIn("examples:", run(unpacked / "usr" / "bin" / name, "--help").stdout)
+            for name in ("plot_run.py", "plot_study.py", "plot_scaling.py", "jobs/harmos.slurm", "jobs/job.sh"):
+                self.assertIn(f"/usr/share/harmos/tools/{name}\n", files)
         finally:
             shutil.rmtree(scratch, ignore_errors=True)
 

@@ -504,7 +504,7 @@ class WhileItRuns(unittest.TestCase):
         self.assertEqual(left, sorted(runs.RESULTS))
 
     def test_pictures_follow(self):
-        """plot_run.py --follow, begun before there is anything to see."""
+        """harmos-plot --follow, begun before there is anything to see."""
         try:
             import matplotlib  # noqa: F401
             import numpy  # noqa: F401
@@ -512,7 +512,7 @@ class WhileItRuns(unittest.TestCase):
             self.skipTest(f"the Python module {missing.name} is missing")
         run = Background(WATCHED)
         pictures = runs.scratch("pictures")
-        tool = runs.SOURCE / "docs" / "tools" / "plot_run.py"
+        tool = runs.application("harmos-plot")
         words = [sys.executable, tool, run.directory, "--follow", "--interval", 0.1]
         status, out, err = runs.execute([*words, "--output", pictures, "--dpi", 50])
         self.assertEqual(run.end(), 0, run.text())

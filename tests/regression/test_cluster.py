@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Jobs on clusters: what submit.py hands to a scheduler, and scaling runs to their picture.
+"""Jobs on clusters: what harmos-submit hands to a scheduler, and scaling runs to their picture.
 
 Schedulers, and where a signal is to be seen also the program, are small scripts put first on PATH;
 the job scripts are run as they are.
@@ -28,8 +28,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 
 import harmos_runs as runs  # noqa: E402
 
-CLUSTER = runs.SOURCE / "apps" / "cluster"
-TOOLS = runs.SOURCE / "docs" / "tools"
 SUBMIT = {"slurm": "sbatch", "pbs": "qsub"}
 
 # A scheduler that writes down its words and then runs the script with the environment that was
@@ -87,10 +85,10 @@ class Place(unittest.TestCase):
         path.chmod(0o755)
         return path
 
-    def submit(self, *words, deck=runs.MODEL, app=None, script=CLUSTER / "submit.py"):
+    def submit(self, *words, deck=runs.MODEL, app=None):
         command = [
             sys.executable,
-            script,
+            runs.application("harmos-submit"),
             deck,
             "--app",
             app or runs.application(),
@@ -275,13 +273,13 @@ class Chain(Place):
 class Scaling(Place):
     TINY = ("--set", "Model/Elements per subdomain side=4", "--set", "Output/Fields=false")
 
-    def collect(self, *words):
+    def collect(self, kind):
         drawn = subprocess.run(
-            [sys.executable, TOOLS / "plot_scaling.py", self.output, *words],
+            [sys.executable, runs.application("harmos-plot"), self.output, "--scaling", kind],
             capture_output=True,
             text=True,
         )
-        if "No module named" in drawn.stderr:
+        if "cannot import" in drawn.stderr:
             self.skipTest(drawn.stderr.splitlines()[-1])
         return drawn
 
@@ -297,7 +295,7 @@ class Scaling(Place):
                 (self.output / f"ranks_{ranks}" / "summary.json").read_text(encoding="utf-8")
             )
             self.assertEqual((summary["ranks"], summary["converged"]), (ranks, True))
-        drawn = self.collect("--kind", "strong")
+        drawn = self.collect("strong")
         self.assertEqual(drawn.returncode, 0, drawn.stderr)
         self.assertTrue((self.output / "scaling.png").read_bytes().startswith(b"\x89PNG"))
         rows = self.rows()
@@ -340,7 +338,7 @@ class Scaling(Place):
                 self.write(2, 8.0, 4.0, 100)
                 self.write(8, 4.0, 2.0, dimension)
                 self.write(16, 1.0, 1.0, 100, converged=False)
-                drawn = self.collect()
+                drawn = self.collect("auto")
                 self.assertEqual(drawn.returncode, 0, drawn.stderr)
                 self.assertIn("ranks_16 has not converged", drawn.stderr)
                 rows = self.rows()
@@ -351,11 +349,11 @@ class Scaling(Place):
 
     def test_what_cannot_be_compared(self):
         self.output.mkdir(parents=True)
-        self.assertIn("no converged run", self.collect().stderr)
+        self.assertIn("no converged run", self.collect("auto").stderr)
         self.write(1, 1.0, 1.0, 100)
         self.write(2, 1.0, 1.0, 200)
-        drawn = self.collect("--kind", "strong")
-        self.assertEqual(drawn.returncode, 1)
+        drawn = self.collect("strong")
+        self.assertEqual(drawn.returncode, 2)
         self.assertIn("2 sizes", drawn.stderr)
 
 

@@ -442,17 +442,12 @@ class Information(Case):
             self.assertRegex(self.printed("--version", np=np), pattern)
 
     def test_help(self):
-        for words, np in ((("--help",), 0), (("--help",), 2), (("-h",), 0), ((runs.MODEL, "--help"), 2)):
-            with self.subTest(words=words, np=np):
-                self.check_help(self.printed(*words, np=np))
-
-    def check_help(self, text):
-        self.assertEqual(text.count("signorini [OPTIONS] [deck]"), 1)
-        # Kokkos' own help is forty lines and more, from every rank.
-        self.assertNotIn("Kokkos Core", text)
-        self.assertLess(len(text.splitlines()), 50)
-        for option in ("--set", "--output", "--check", "--print-parameters", "--quiet"):
-            self.assertIn(option, text)
+        for words, np in ((("--help",), 0), (("-h",), 2), ((runs.MODEL, "--help"), 2)):
+            text = self.printed(*words, np=np)
+            self.assertEqual(text.count("signorini [OPTIONS] [deck]"), 1)
+            self.assertNotIn("kokkos", text.lower())  # forty lines of its own, from every rank
+            for option in ("--set", "--output", "--check", "--print-parameters", "--quiet"):
+                self.assertIn(option, text)
 
     def test_parameters_as_text(self):
         text = self.printed("--print-parameters")
@@ -590,15 +585,13 @@ class Ranks(Case):
             self.assertEqual(result.summary["subdomains"], 2)
             self.assertEqual(result.summary["distinct_local_factorizations"], 2)
             energies.append(result.summary["energy"])
-        # The energy at the minimum is of second order in the error, but for the part that
-        # violates the constraints: that is of first order, 1e-10 of the multipliers. A factor of
-        # ten for their norm against their work.
+        # The energy at the minimum is of second order in the error, but for the part that violates
+        # the constraints: of first order, 1e-10 of the multipliers; ten for norm against work.
         self.assertLess(max(energies) - min(energies), 1e-9 * abs(energies[0]))
 
     def test_check_and_errors_on_ranks_without_subdomains(self):
         words = [runs.MODEL, "--set", "Model/Subdomains per side=1"]
-        result = self.start([*words, "--check"], 3)
-        self.assertEqual(result.returncode, 0, result)
+        self.assertEqual(self.start([*words, "--check"], 3).returncode, 0)
         result = self.start([*words, "--set", "Solver/Tolerance=7"], 3)
         self.assert_refused(result, ['"Solver/Tolerance" = 7 is out of range'])
 

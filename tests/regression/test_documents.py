@@ -95,7 +95,13 @@ class Documents(unittest.TestCase):
             for block in blocks:
                 self.run_block(page, block)
 
-    PICTURES = {"plot_run.py": ["solution.png"], "plot_scaling.py": ["scaling.png"]}
+    @staticmethod
+    def pictures_of(words):
+        """What a tool's command draws; nothing if it draws nothing."""
+        tool = pathlib.Path(words[0]).name
+        if tool == "harmos-plot":
+            return ["scaling.png" if "--scaling" in words else "solution.png"]
+        return ["*.png"] if tool.startswith(("plot", "draw")) else []
 
     def run_block(self, page, block):
         directory = runs.scratch()
@@ -115,15 +121,14 @@ class Documents(unittest.TestCase):
                 else:
                     program, *rest = words
                     np = 0
-                if program.endswith("python3"):
+                tool = pathlib.Path(program).name.startswith("harmos-")
+                if tool or program.endswith("python3"):
                     for picture in directory.glob("*.png"):
                         picture.unlink()
-                    status, out, err = runs.execute([sys.executable, *rest])
+                    command = [runs.BINARY / "bin" / pathlib.Path(program).name] if tool else [sys.executable]
+                    status, out, err = runs.execute([*command, *rest])
                     self.assertEqual(status, 0, err)
-                    tool = pathlib.Path(rest[0]).name
-                    other = ["*.png"] if tool.startswith(("plot", "draw")) else []
-                    drawn = self.PICTURES.get(tool, other)
-                    for picture in drawn:
+                    for picture in self.pictures_of(words if tool else rest):
                         self.assertTrue(list(directory.glob(picture)), picture)
                     continue
                 self.assertIn("/bin/", program)

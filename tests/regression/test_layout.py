@@ -223,7 +223,9 @@ def function_faults(source):
 
 
 def is_source(file):
-    return Path(file).suffix in LICENSED or Path(file).name == "CMakeLists.txt"
+    # Commands have no suffix.
+    command = re.fullmatch(r"apps/tools/harmos-[a-z-]+", file)
+    return command or Path(file).suffix in LICENSED or Path(file).name == "CMakeLists.txt"
 
 
 def licence_faults(source):
@@ -477,7 +479,7 @@ class Planted(Checks):
         self.assertIn("packages/core: no README.md", found)
 
     def test_licence(self):
-        for file in ("docs/tools/planted.sh", "cmake/Planted.cmake", "tests/planted.py"):
+        for file in ("apps/tools/harmos-planted", "cmake/Planted.cmake", "tests/planted.py", "docs/planted.sh"):
             fault = f"{file}: no {LICENCE} in the first two lines"
             self.assert_found(licence_faults, file, f"#\n#\n# {LICENCE}\n", fault)
             (self.top / file).unlink()

@@ -19,6 +19,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "verification"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs" / "tools"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "apps" / "tools"))
 
 import harmos_runs as runs  # noqa: E402
 
@@ -252,8 +253,9 @@ class Numbers(unittest.TestCase):
 
 class Pictures(unittest.TestCase):
     def script(self, name, *words):
+        path = TOOLS / name if name.endswith(".py") else runs.application(name)
         return subprocess.run(
-            [sys.executable, TOOLS / name, *words], capture_output=True, text=True, timeout=120
+            [sys.executable, path, *words], capture_output=True, text=True, timeout=120
         )
 
     def assert_drawn(self, result, *paths):
@@ -265,7 +267,7 @@ class Pictures(unittest.TestCase):
             # An empty pair of axes has less.
             self.assertGreater(len(data), 20_000, path)
 
-    def test_plot_run_of_bodies_and_of_membranes(self):
+    def test_harmos_plot_of_bodies_and_of_membranes(self):
         for name, directory in (
             ("plane", composite()[0]),
             ("space", write_cells(12, np.arange(3.0))),
@@ -274,7 +276,7 @@ class Pictures(unittest.TestCase):
         ):
             with self.subTest(name):
                 target = runs.scratch("pictures")
-                result = self.script("plot_run.py", directory, "--output", target)
+                result = self.script("harmos-plot", directory, "--output", target)
                 self.assert_drawn(result, target / "solution.png", target / "convergence.png")
 
     def test_deformed(self):
@@ -323,7 +325,7 @@ class Pictures(unittest.TestCase):
         space = write_cells(12, [0.0])
         for words, message in (
             ([runs.scratch("nowhere")], "no such directory"),
-            ([membranes], "plot_run.py"),
+            ([membranes], "harmos-plot"),
             ([first, space], "one by one"),
             ([first, "--polar", "7"], r"bodies in contact are \[0, 1, 2\]"),
             ([space, "--polar", "0"], "in the plane only"),

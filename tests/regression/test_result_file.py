@@ -8,7 +8,7 @@ What each class guards against:
     VtkReader  a file that h5py reads and VTK, hence ParaView, does not, or not as it was meant
     SameFile   a file that depends on the number of ranks
     Variants   arrays or files that the deck does not call for, files half written
-    Pictures   docs/tools/plot_run.py falling behind the file format
+    Pictures   harmos-plot falling behind the file format
 """
 
 import subprocess
@@ -451,7 +451,7 @@ class Pictures(unittest.TestCase):
             raise unittest.SkipTest(f"the Python module {error.name} is missing") from error
 
     def draw(self, directory):
-        script = runs.SOURCE / "docs" / "tools" / "plot_run.py"
+        script = runs.application("harmos-plot")
         self.pictures = runs.scratch("pictures")
         return subprocess.run(
             [sys.executable, script, directory, "--output", self.pictures],

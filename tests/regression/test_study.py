@@ -387,11 +387,9 @@ class Charts(unittest.TestCase):
             svg = (directory / f"{name}.svg").read_text(encoding="utf-8")
             self.assertIn("</svg>", svg)
 
-    def test_without_python_a_sentence_says_so(self):
-        tools = runs.SOURCE / "docs" / "tools"
-        sys.path.insert(0, str(tools))
+    def test_without_a_study_a_sentence_says_so(self):
         result = subprocess.run(
-            [sys.executable, tools / "plot_study.py", runs.scratch()],
+            [sys.executable, runs.application("harmos-study-plot"), runs.scratch()],
             capture_output=True, text=True, timeout=120,
         )
         self.assertEqual(result.returncode, 2, result.stderr)

@@ -30,7 +30,7 @@ void RunOptions::addTo(ParameterSpec& deck) {
   output.boolean("Rank diagnostics", false,
                  "Write ranks.csv: host, subdomains, memory and seconds of each rank.");
   output.real("Live seconds", RunOptions().liveSeconds, Range::atLeast(0.0),
-              "While the solver works, contact.csv is written anew after so many seconds, for plot_run.py "
+              "While the solver works, contact.csv is written anew after so many seconds, for harmos-plot "
               "--follow; 0 for never.");
   ParameterSpec checkpoint("Checkpoint",
                            "When checkpoint.h5 is written, from which --restart goes on. Signals ask for one "

@@ -45,7 +45,7 @@ if [ "$status" -eq 4 ]; then
       echo "error: stopped with a checkpoint, but the scheduler refused the next job" >&2
     fi
   else
-    echo "error: stopped with a checkpoint after $most resubmissions; go on by submit.py --restart" >&2
+    echo "error: stopped with a checkpoint after $most resubmissions; go on by harmos-submit --restart" >&2
   fi
 fi
 exit "$status"

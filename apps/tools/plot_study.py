@@ -1,31 +1,12 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-r"""Charts of a study: what accuracy costs in time.
+"""The charts of harmos-study-plot, whose --help says what each shows."""
 
-    plot_study.py DIR [--output DIR2] [--dpi 110] [--title TEXT]
-
-reads DIR/study.json and writes, each as PNG and SVG, to DIR2 (default: DIR)
-
-    error_against_seconds   a point a run, a panel a measure of the error; the Pareto front is the
-                            line. Hollow: the reference is not ten times better, such errors are
-                            upper or lower than drawn and take no part in the front
-    stages                  where the time of the runs on the front of the first measure goes
-    iterations              products with F against the solver's tolerance, by mesh
-    error_parts             discretisation, solver and local-solve error of each mesh against the
-                            solver's tolerance; solver errors that the tight run is not ten times
-                            better than are left out
-
-Charts for which a study has no data (an axis of tolerances, errors of contact) are left out.
-"""
-
-import argparse
 import json
 import math
-import sys
 from pathlib import Path
 
 import numpy as np
-from plot_style import FAINT, INK, STYLE, save
+from plot_style import FAINT, INK, STYLE, output_of, save
 from run_results import PlotError
 
 import matplotlib.pyplot as plt
@@ -400,13 +381,8 @@ CHARTS = {
 
 
 def run(options):
-    directory = Path(options.directory)
-    output = Path(options.output) if options.output else directory
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as failure:
-        raise PlotError(f"{output}: cannot be made ({failure.strerror})") from failure
-    study = read_study(directory / "study.json")
+    output = output_of(options)
+    study = read_study(Path(options.directory) / "study.json")
     style = {**STYLE, "svg.hashsalt": "harmos", "svg.fonttype": "path"}
     with plt.rc_context(style):
         for name, draw in CHARTS.items():
@@ -418,24 +394,3 @@ def run(options):
             caption(figure, study)
             save(figure, output / f"{name}.svg", options.dpi, close=False)
             save(figure, output / f"{name}.png", options.dpi)
-
-
-def main(arguments=None):
-    parser = argparse.ArgumentParser(description="Charts of a study.")
-    parser.add_argument("directory", metavar="DIR", help="directory of a finished study")
-    parser.add_argument("--output", metavar="DIR2", help="where the charts go (default: DIR)")
-    parser.add_argument("--dpi", type=float, default=110, help="dots an inch (default: 110)")
-    parser.add_argument("--title", default="", help="heading of the charts")
-    options = parser.parse_args(arguments)
-    if not 10 <= options.dpi <= 1200:
-        parser.error(f"--dpi {options.dpi:g} is out of range; choose 10 to 1200")
-    try:
-        run(options)
-    except PlotError as failure:
-        print(f"plot_study.py: {failure}", file=sys.stderr)
-        return 2
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Colours, fonts and captions of all pictures.
+"""Colours, fonts, captions and places of all pictures.
 
 Colours, made for colour-blind readers: M. Okabe, K. Ito, "Color universal design", 2008, and the
 map viridis of N. Smith and S. van der Walt.
 """
 
 import os
+from pathlib import Path
 
 import matplotlib
 from run_results import PlotError
@@ -80,6 +81,16 @@ def finish(figure, title, caption):
             lines[-1] = longer
     text = "\n".join(lines)
     figure.text(0.5, 0.015, text, ha="center", va="bottom", fontsize=8, color="#555555")
+
+
+def output_of(options):
+    """The directory that --output names, made; else that of the data."""
+    output = Path(options.output or options.directory)
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise PlotError(f"{output}: cannot be made ({error.strerror}); choose another") from error
+    return output
 
 
 def save(figure, path, dpi, close=True):

@@ -1,25 +1,21 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Table and picture of a scaling run: scaling.csv and scaling.png.
+"""Table and picture of a scaling run, harmos-plot --scaling: scaling.csv and scaling.png.
 
-    plot_scaling.py DIR [--kind strong|weak] [--output DIR2] [--dpi 150] [--title TEXT]
-
-reads the summary.json of all directories in DIR, one for each number of ranks, as
-apps/cluster/submit.py --scaling leaves them. Runs that have not converged are named and left out.
+Of the summary.json of all directories in a directory, one for each number of ranks. Runs that have
+not converged are named and left out.
 
 Efficiency compares with the run on the fewest ranks P0: T(P0) P0 / (T(P) P) for strong scaling, the
 problem staying as it is; T(P0) / T(P) for weak scaling, the problem growing with the ranks. T is
 the total time without the writing of results; `solve` is that of the stage alone.
 """
 
-import argparse
 import csv
 import io
 import os
 import sys
 from pathlib import Path
 
-from plot_style import FAINT, STYLE, finish, save
+from plot_style import FAINT, STYLE, finish, output_of, save
 from run_results import PlotError, read_summary
 
 import matplotlib.pyplot as plt
@@ -64,7 +60,9 @@ def kind_of(found, kind):
         raise PlotError(
             f"strong scaling compares runs of one problem, but there are {len(sizes)} sizes"
         )
-    return kind or ("weak" if len(sizes) > 1 else "strong")
+    if kind == "auto":
+        return "weak" if len(sizes) > 1 else "strong"
+    return kind
 
 
 def table_of(found, kind):
@@ -157,28 +155,10 @@ def draw(rows, kind, title):
         return figure
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
-    parser.add_argument("directory", type=Path)
-    parser.add_argument(
-        "--kind", choices=("strong", "weak"), help="default: weak if the problem grows"
-    )
-    parser.add_argument("--output", type=Path, help="default: DIR")
-    parser.add_argument("--dpi", type=int, default=150)
-    parser.add_argument("--title", default="")
-    given = parser.parse_args()
-    try:
-        found = summaries(given.directory)
-        kind = kind_of(found, given.kind)
-        rows = table_of(found, kind)
-        output = given.output or given.directory
-        write_table(rows, output / "scaling.csv")
-        save(draw(rows, kind, given.title), output / "scaling.png", given.dpi)
-    except PlotError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 1
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+def run(options):
+    found = summaries(Path(options.directory))
+    kind = kind_of(found, options.scaling)
+    rows = table_of(found, kind)
+    output = output_of(options)
+    write_table(rows, output / "scaling.csv")
+    save(draw(rows, kind, options.title), output / "scaling.png", options.dpi)

@@ -13,6 +13,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from command_line import missing
 
 VTK_CORNERS = {5: 3, 9: 4}  # VTK_TRIANGLE, VTK_QUAD
 
@@ -218,9 +219,7 @@ def read_with(path, parse):
     try:
         import h5py
     except ImportError as error:
-        raise PlotError(
-            f"{path}: reading it needs the Python package h5py (Debian: python3-h5py)"
-        ) from error
+        raise PlotError(f"{path}: {missing('h5py', error)}") from error
     try:
         with h5py.File(path, "r") as file:
             return parse(Source(path, file))

@@ -1,36 +1,19 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-r"""Pictures of a run: solution.png and convergence.png; while it goes on, contact.png.
-
-Purpose
--------
-    plot_run.py DIR [--output DIR2] [--dpi 150] [--title TEXT] [--follow [--interval 2]]
-
-reads the run's directory DIR, which holds
-
-    summary.json     the result in figures; only the caption and the tolerance lines use it
-    iterations.csv   one line a step of the solver
-    result.vtkhdf    the fields; when it is missing only convergence.png is made
-
-and writes the pictures to DIR2 (default: DIR).  A picture is written beside its place and then
-renamed, so that a reader never sees half of one.
-
-With --follow the run need not be finished, nor begun: convergence.png and contact.png are drawn
-anew as it goes on, see follow_run.py, and the pictures of the finished run when it ends.
+"""The pictures of a run: solution.png and convergence.png; while it goes on, contact.png.
 
 convergence.png draws the norms of the projected gradient and of the equality residual against
 the number of Hessian applications, the cost that is independent of the machine; solution.png is
-described in plot_solution.py for membranes and in plot_deformed.py for elastic bodies.
+described in plot_solution.py for membranes and in plot_deformed.py for elastic bodies, pictures of
+a run that goes on in follow_run.py.
 """
 
-import argparse
 import sys
 from pathlib import Path
 
 import numpy as np
 from follow_run import follow
 from plot_deformed import plot_deformed
-from plot_style import FAINT, INK, STYLE, caption_of, finish, save
+from plot_style import FAINT, INK, STYLE, caption_of, finish, output_of, save
 from plot_solution import plot_solution
 from run_results import PlotError, Solid, read_iterations, read_result, read_summary
 
@@ -165,11 +148,7 @@ def run(options):
     directory = Path(options.directory)
     if not directory.is_dir() and not options.follow:
         raise PlotError(f"{directory}: no such directory; name the directory of a finished run")
-    output = Path(options.output) if options.output else directory
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise PlotError(f"{output}: cannot be made ({error.strerror}); choose another") from error
+    output = output_of(options)
     if options.follow:
         follow(directory, output, options.dpi, options.interval, plot_convergence)
     summary = read_summary(directory / "summary.json")
@@ -192,34 +171,3 @@ def run(options):
             )
         figure = plot_convergence(table, summary, options.title, caption)
         save(figure, output / "convergence.png", options.dpi)
-
-
-def main(arguments=None):
-    parser = argparse.ArgumentParser(description="Pictures of a run.")
-    parser.add_argument("directory", metavar="DIR", help="directory of a run")
-    parser.add_argument("--output", metavar="DIR2", help="where the pictures go (default: DIR)")
-    parser.add_argument("--dpi", type=float, default=150, help="dots an inch (default: 150)")
-    parser.add_argument(
-        "--follow", action="store_true", help="draw a run that goes on, until it has ended"
-    )
-    parser.add_argument(
-        "--interval", type=float, default=2.0, help="seconds between two looks (default: 2)"
-    )
-    parser.add_argument("--title", default="", help="heading of both pictures")
-    options = parser.parse_args(arguments)
-    if not 10 <= options.dpi <= 1200:
-        parser.error(f"--dpi {options.dpi:g} is out of range; choose 10 to 1200")
-    if not 0.05 <= options.interval <= 3600:
-        parser.error(f"--interval {options.interval:g} is out of range; choose 0.05 to 3600")
-    try:
-        run(options)
-    except KeyboardInterrupt:
-        return 130
-    except PlotError as error:
-        print(f"plot_run.py: {error}", file=sys.stderr)
-        return 2
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
