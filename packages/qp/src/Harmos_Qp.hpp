@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// The QP layer as Harmos instantiates it for Tpetra, and the errors that it throws; other vector types include Harmos_SolverFactory_def.hpp
-/// instead.
+/// The QP layer as Harmos instantiates it for Tpetra, and the errors that it throws; other vector types
+/// include Harmos_SolverFactory_def.hpp instead.
 
 #include "Harmos_AutoSolver.hpp"
 #include "Harmos_BoundTraitsTpetra.hpp"

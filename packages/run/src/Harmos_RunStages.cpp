@@ -269,10 +269,9 @@ std::string RunStages::escapingBodies() const {
   for (const scene::OwnedSubdomain& item : owned_)
     bodyOf.push_back(item.body);
   std::string names;
-  for (const long long body : feti::escapingParts(*system_, solution_.escape, bodyOf,
-                                                  static_cast<long long>(scene_.bodies.size())))
-    names +=
-        (names.empty() ? "\"" : ", \"") + scene_.bodies[static_cast<std::size_t>(body)].name + "\"";
+  for (const long long body :
+       feti::escapingParts(*system_, solution_.escape, bodyOf, static_cast<long long>(scene_.bodies.size())))
+    names += (names.empty() ? "\"" : ", \"") + scene_.bodies[static_cast<std::size_t>(body)].name + "\"";
   return names;
 }
 

@@ -57,9 +57,8 @@ void solve(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const std::string
   Teuchos::ParameterList parameters;
   parameters.sublist("Solver").set("Tolerance", 1e-7);
   change(parameters);
-  feti::FetiSolver solver(
-      comm, subdomains(-1.0),
-      contact ? membrane.obstacle(*comm, 0.1) : std::vector<ConstraintRow>(), parameters);
+  feti::FetiSolver solver(comm, subdomains(-1.0),
+                          contact ? membrane.obstacle(*comm, 0.1) : std::vector<ConstraintRow>(), parameters);
   for (double pressure : {1.0, 1.3, 0.2}) {
     std::vector<std::shared_ptr<const std::vector<double>>> loads;
     for (const feti::Subdomain& subdomain : subdomains(-pressure))
@@ -72,8 +71,9 @@ void solve(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const std::string
   }
 }
 
-Change method(const std::string& name, const std::string& preconditioner = "none",
-              const Change& more = [](Teuchos::ParameterList&) {}) {
+Change method(
+    const std::string& name, const std::string& preconditioner = "none",
+    const Change& more = [](Teuchos::ParameterList&) {}) {
   return [=](Teuchos::ParameterList& list) {
     list.sublist("Solver").set("Method", name);
     list.sublist("Dual operator").set("Preconditioner", preconditioner);
@@ -111,8 +111,7 @@ int main(int argc, char** argv) {
   solve(comm, "PDAS, two sets", true, true, method("PDAS", "none", set("PDAS", "Maximum active sets", 2)));
   solve(comm, "PDAS, no patience", true, true,
         method("PDAS", "Dirichlet", set("PDAS", "Active sets without progress", 1)));
-  solve(comm, "PDAS, no share", true, true,
-        method("PDAS", "none", [](Teuchos::ParameterList& list) {
+  solve(comm, "PDAS, no share", true, true, method("PDAS", "none", [](Teuchos::ParameterList& list) {
           list.sublist("Solver").set("Maximum iterations", 120);
           list.sublist("Solver").sublist("PDAS").set("Share of iterations", 0.02);
         }));
