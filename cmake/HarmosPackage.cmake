@@ -19,18 +19,21 @@ function(harmos_add_package name)
   cmake_parse_arguments(ARG "" "" "SOURCES;FOLDERS;PUBLIC;PRIVATE" ${ARGN})
   add_library(harmos_${name} ${ARG_SOURCES})
   add_library(Harmos::${name} ALIAS harmos_${name})
-  set(source_directories src)
   list(TRANSFORM ARG_FOLDERS PREPEND src/ OUTPUT_VARIABLE folders)
-  list(APPEND source_directories ${folders})
-  foreach(directory IN LISTS source_directories)
+  foreach(directory IN ITEMS src LISTS folders)
     target_include_directories(harmos_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/${directory}>)
+    set(below "")
+    foreach(folder IN LISTS folders)
+      if(directory STREQUAL "src") # folders are installed by themselves
+        list(APPEND below REGEX "/packages/${name}/${folder}$" EXCLUDE)
+      endif()
+    endforeach()
     install(
       DIRECTORY ${directory}/
       DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/harmos
       COMPONENT development
       FILES_MATCHING
-      PATTERN "Harmos_*.hpp"
-      REGEX "/packages/${name}/src/[^/.]+$" EXCLUDE)
+      PATTERN "Harmos_*.hpp" ${below})
   endforeach()
   target_include_directories(harmos_${name} PUBLIC $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/harmos>)
   target_compile_features(harmos_${name} PUBLIC cxx_std_17)

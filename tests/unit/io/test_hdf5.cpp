@@ -11,7 +11,7 @@
 #include <fstream>
 
 using namespace Harmos;
-using namespace Harmos::scene;
+using namespace Harmos::io;
 
 namespace {
 

@@ -16,7 +16,7 @@
 #include <limits>
 
 using namespace Harmos;
-using namespace Harmos::scene;
+using namespace Harmos::run;
 
 namespace {
 

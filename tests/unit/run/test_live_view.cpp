@@ -6,7 +6,7 @@
 #include <cmath>
 
 using namespace Harmos;
-using namespace Harmos::scene;
+using namespace Harmos::run;
 
 namespace {
 
