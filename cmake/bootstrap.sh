@@ -106,6 +106,7 @@ run)
 test)
   build_all ON
   say "Testing (all but the tests labelled long)"
-  ctest --test-dir "$build" --output-on-failure -LE long
+  # Tests say how many processors they take: those of one rank go side by side.
+  ctest --test-dir "$build" --output-on-failure -LE long --parallel "$(nproc)"
   ;;
 esac

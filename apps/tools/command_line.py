@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What harmos-plot and harmos-study-plot share: options, and a sentence for what they cannot do.
+"""What harmos-plot and harmos-study-plot share: options, and sentences for what cannot be drawn.
 
 Needs Python's standard library alone, so that --help works where nothing can be drawn.
 """
@@ -10,6 +10,10 @@ import sys
 from pathlib import Path
 
 NEEDED = ("numpy", "matplotlib")  # h5py only where there are fields, see run_results.py
+
+
+class PlotError(Exception):
+    """Input that cannot be drawn; the message says what, where and how to mend it."""
 
 
 def missing(module, error):
@@ -57,8 +61,6 @@ def draw(module, options):
         except ImportError as error:
             print(f"{name}: {missing(needed, error)}", file=sys.stderr)
             return 2
-    from run_results import PlotError
-
     try:
         importlib.import_module(module).run(options)
     except KeyboardInterrupt:

@@ -14,7 +14,8 @@ import time
 
 import numpy as np
 from plot_style import CLOSED, FAINT, OPEN, PRESSURE, STYLE, finish, save
-from run_results import PlotError, read_iterations
+from command_line import PlotError
+from run_results import read_iterations
 
 import matplotlib.pyplot as plt
 

@@ -22,7 +22,7 @@ from matplotlib.tri import Triangulation
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from plot_solution import CANDIDATE_CLOSED, boundary_edges, shaded, thin_cells
 from plot_style import CLOSED, DISPLACEMENT_MAP, FAINT, INK, OPEN, PRESSURE, finish
-from run_results import PlotError
+from command_line import PlotError
 
 MAX_PIECES = 250_000  # drawn in the plane; more take long and show no more at this size
 MAX_FACES = 40_000  # drawn in space

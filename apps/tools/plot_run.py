@@ -15,7 +15,8 @@ from follow_run import follow
 from plot_deformed import plot_deformed
 from plot_style import FAINT, INK, STYLE, caption_of, finish, output_of, save
 from plot_solution import plot_solution
-from run_results import PlotError, Solid, read_iterations, read_result, read_summary
+from command_line import PlotError
+from run_results import Solid, read_iterations, read_result, read_summary
 
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D

@@ -16,7 +16,8 @@ import sys
 from pathlib import Path
 
 from plot_style import FAINT, STYLE, finish, output_of, save
-from run_results import PlotError, read_summary
+from command_line import PlotError
+from run_results import read_summary
 
 import matplotlib.pyplot as plt
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 from plot_style import FAINT, INK, STYLE, output_of, save
-from run_results import PlotError
+from command_line import PlotError
 
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D

@@ -9,7 +9,7 @@ import os
 from pathlib import Path
 
 import matplotlib
-from run_results import PlotError
+from command_line import PlotError
 
 matplotlib.use("Agg")
 

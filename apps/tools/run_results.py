@@ -13,7 +13,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from command_line import missing
+from command_line import PlotError, missing
 
 VTK_CORNERS = {5: 3, 9: 4}  # VTK_TRIANGLE, VTK_QUAD
 
@@ -62,10 +62,6 @@ COLUMNS = (
     "hessian_applications",
     "seconds",
 )
-
-
-class PlotError(Exception):
-    """Input that cannot be drawn; the message says what, where and how to mend it."""
 
 
 @dataclass

@@ -64,9 +64,9 @@ class Documents(unittest.TestCase):
     def test_names_in_the_theory_are_in_the_code(self):
         """What its sections on signs and symbols name is in a header, or is a parameter's name."""
         text = (ROOT / "docs/theory.md").read_text(encoding="utf-8").split("\n## Signs\n")[1]
-        headers = [path.read_text(encoding="utf-8") for path in ROOT.glob("packages/*/src/*.hpp")]
+        headers = [path.read_text(encoding="utf-8") for path in ROOT.glob("packages/*/src/**/*.hpp")]
         sources = [path.read_text(encoding="utf-8") for path in
-                   [*ROOT.glob("packages/*/src/*.?pp"), *ROOT.glob("apps/*/*.cpp")]]
+                   [*ROOT.glob("packages/*/src/**/*.?pp"), *ROOT.glob("apps/*/*.cpp")]]
         names = set(re.findall(r"`([^`]+)`", text))
         self.assertGreater(len(names), 50)
         for name in sorted(names):

@@ -63,7 +63,7 @@ class Doxygen(unittest.TestCase):
         status, printed, html = doxygen(runs.SOURCE)
         self.assertEqual((status, printed), (0, ""))
         pages = "\n".join(page.read_text(encoding="utf-8") for page in html.glob("*.html"))
-        for header in sorted(runs.SOURCE.glob("packages/*/src/*.hpp")):
+        for header in sorted(runs.SOURCE.glob("packages/*/src/**/*.hpp")):
             if not header.stem.endswith("_def"):
                 self.assertRegex(pages, rf"\b{header.name}\b")
         # A class, a function of a namespace, and a namespace that has a text.
@@ -77,7 +77,7 @@ class Doxygen(unittest.TestCase):
         described = set(re.findall(r"@namespace ([\w:]+)", text))
         opened = re.compile(r"^namespace (Harmos(?:::[a-z]\w*)?) \{", re.M)
         found = set()
-        for header in runs.SOURCE.glob("packages/*/src/*.hpp"):
+        for header in runs.SOURCE.glob("packages/*/src/**/*.hpp"):
             found.update(opened.findall(header.read_text(encoding="utf-8")))
         self.assertEqual(described, found)
 

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_Decomposition.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_RunOptions.hpp"
 #include "Harmos_RunReport.hpp"
 #include "Harmos_Scene.hpp"
-#include "Harmos_Types.hpp"
+#include "Harmos_Solution.hpp"
 
 #include <Teuchos_Comm.hpp>
 #include <Teuchos_RCP.hpp>
@@ -14,14 +13,6 @@
 #include <chrono>
 
 namespace Harmos::run {
-
-/// What a run finds: the meshes of this rank's subdomains, the displacements of their nodes, dof = node ·
-/// components + component, and the multipliers.
-struct Solution {
-  std::vector<scene::OwnedSubdomain> owned;
-  feti::TornVector displacement;
-  Teuchos::RCP<const MultiVector> multipliers; ///< λ, in the rows of feti::Constraints
-};
 
 /// Runs a scene from meshes to result files.
 ///

@@ -7,9 +7,11 @@
 #include "Harmos_DualOperator.hpp"
 #include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_DualSolution.hpp"
-#include "Harmos_Pipeline.hpp"
 #include "Harmos_RankTable.hpp"
 #include "Harmos_RunDirectory.hpp"
+#include "Harmos_RunOptions.hpp"
+#include "Harmos_RunReport.hpp"
+#include "Harmos_Solution.hpp"
 #include "Harmos_StageTimers.hpp"
 
 #include <optional>

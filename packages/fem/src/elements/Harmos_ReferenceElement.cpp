@@ -68,6 +68,10 @@ std::vector<int> order(CellType type, const Basis& basis) {
   return {result[0], result[2], result[1]};
 }
 
+std::size_t cardinalityOf(const Basis& basis) {
+  return static_cast<std::size_t>(basis.getCardinality());
+}
+
 std::size_t dimensionOf(const Basis& basis) {
   return basis.getBaseCellTopology().getDimension();
 }
@@ -85,12 +89,12 @@ View pointsView(const std::vector<Point>& points, std::size_t dimension) {
 Quadrature quadratureOn(CellType type, int degree) {
   const auto topology = basisOf(type)->getBaseCellTopology();
   const auto rule = Intrepid2::DefaultCubatureFactory::create<Device, double, double>(topology, degree);
-  const int n = rule->getNumPoints();
+  const auto n = static_cast<std::size_t>(rule->getNumPoints());
   const auto dimension = static_cast<std::size_t>(topology.getDimension());
   View points("points", n, dimension), weights("weights", n);
   rule->getCubature(points, weights);
   Quadrature quadrature;
-  for (int q = 0; q < n; ++q) {
+  for (std::size_t q = 0; q < n; ++q) {
     Point point{};
     for (std::size_t d = 0; d < dimension; ++d)
       point[d] = points(q, d);
@@ -103,7 +107,7 @@ Quadrature quadratureOn(CellType type, int degree) {
 std::vector<Point> nodeCoordinates(CellType type) {
   const std::shared_ptr<const Basis> basis = basisOf(type);
   const std::size_t dimension = dimensionOf(*basis);
-  View coordinates("coordinates", basis->getCardinality(), dimension);
+  View coordinates("coordinates", cardinalityOf(*basis), dimension);
   basis->getDofCoords(coordinates);
   std::vector<Point> result;
   for (int i : order(type, *basis)) {
@@ -117,7 +121,7 @@ std::vector<Point> nodeCoordinates(CellType type) {
 
 std::vector<std::vector<double>> basisValues(CellType type, const std::vector<Point>& points) {
   const std::shared_ptr<const Basis> basis = basisOf(type);
-  View values("values", basis->getCardinality(), points.size());
+  View values("values", cardinalityOf(*basis), points.size());
   basis->getValues(values, pointsView(points, dimensionOf(*basis)), Intrepid2::OPERATOR_VALUE);
   std::vector<std::vector<double>> result(points.size());
   for (std::size_t q = 0; q < points.size(); ++q)
@@ -129,7 +133,7 @@ std::vector<std::vector<double>> basisValues(CellType type, const std::vector<Po
 std::vector<std::vector<Point>> basisGradients(CellType type, const std::vector<Point>& points) {
   const std::shared_ptr<const Basis> basis = basisOf(type);
   const std::size_t dimension = dimensionOf(*basis);
-  View gradients("gradients", basis->getCardinality(), points.size(), dimension);
+  View gradients("gradients", cardinalityOf(*basis), points.size(), dimension);
   basis->getValues(gradients, pointsView(points, dimension), Intrepid2::OPERATOR_GRAD);
   std::vector<std::vector<Point>> result(points.size());
   for (std::size_t q = 0; q < points.size(); ++q)

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_ContactSetup.hpp"
+#include "Harmos_ConstraintRow.hpp"
+#include "Harmos_ContactPoint.hpp"
+#include "Harmos_EffectCosts.hpp"
+#include "Harmos_OwnedSubdomain.hpp"
+#include "Harmos_Scene.hpp"
 #include "Harmos_SubdomainEffects.hpp"
 
 #include <Teuchos_Comm.hpp>
@@ -13,6 +17,14 @@
 #include <vector>
 
 namespace Harmos::scene {
+
+/// Where bodies may touch each other and obstacles, and the rows that follow.
+struct ContactSetup {
+  /// The points of the inequality rows, in their order, which is that of the effects. The same on every rank.
+  std::vector<contact::ContactPoint> points;
+  std::vector<ConstraintRow> rows; ///< this rank's share, ties too
+  std::vector<std::string> notes;  ///< what the user should know; sentences
+};
 
 /// Points whose rows differ. Effects that overlap give the same row twice, perhaps with the surfaces
 /// exchanged; two of them would be dependent, and of contacts the one with the smaller gap is enough.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_ContactSetup.hpp"
 
-#include "Harmos_ConstraintCollector.hpp"
-
 namespace Harmos::scene {
 
 ContactSetup setUpContact(const Teuchos::Comm<int>& comm, const Scene& scene,
