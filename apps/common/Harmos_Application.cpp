@@ -19,9 +19,11 @@
 #include <Teuchos_XMLParameterListHelpers.hpp>
 #include <Tpetra_Core.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <optional>
 #include <sstream>
 
@@ -240,15 +242,13 @@ std::string directoryOf(const std::string& file) {
 
 namespace {
 
-// The words of the command line that a library may look at, and the rest: Kokkos answers --help with forty
-// lines of its own on every rank. What begins with --kokkos is taken away by Kokkos.
+// The words of the command line, of which Kokkos sees those without --help: it would answer with forty lines
+// of its own on every rank. Kokkos takes its own words away.
 class Words {
  public:
-  Words(int argc, char** argv) {
-    for (int k = 0; k < argc; ++k) {
-      const std::string word = argv[k];
-      (word == "--help" || word == "-h" ? kept_ : shown_).push_back(argv[k]);
-    }
+  Words(int argc, char** argv) : all_(argv, argv + argc) {
+    std::copy_if(all_.begin(), all_.end(), std::back_inserter(shown_),
+                 [](const char* word) { return !asksForHelp(word); });
     count = static_cast<int>(shown_.size());
     shown_.push_back(nullptr);
     data = shown_.data();
@@ -259,15 +259,19 @@ class Words {
   int count;
   char** data;
 
-  /// With those that were kept back.
-  std::vector<char*> all() const {
-    std::vector<char*> words(data, data + count);
-    words.insert(words.end(), kept_.begin(), kept_.end());
+  /// Those that were not taken away, in their order.
+  std::vector<char*> left() const {
+    std::vector<char*> words;
+    for (char* word : all_)
+      if (asksForHelp(word) || std::find(data, data + count, word) != data + count) // the same pointer
+        words.push_back(word);
     return words;
   }
 
  private:
-  std::vector<char*> shown_, kept_;
+  static bool asksForHelp(const std::string& word) { return word.rfind("--help", 0) == 0 || word == "-h"; }
+
+  std::vector<char*> all_, shown_;
 };
 
 } // namespace
@@ -279,9 +283,9 @@ int main(int argc, char** argv, const Program& program) {
   const Teuchos::RCP<const Teuchos::Comm<int>> comm = Tpetra::getDefaultComm();
   const bool speaks = comm->getRank() == 0;
   CommandLine line;
-  std::vector<char*> all = words.all();
+  std::vector<char*> left = words.left();
   if (const std::optional<int> status =
-          parse(static_cast<int>(all.size()), all.data(), program, speaks, line))
+          parse(static_cast<int>(left.size()), left.data(), program, speaks, line))
     return *status;
   Log log(std::cout, std::cerr, line.quiet ? Log::Verbosity::Quiet : Log::Verbosity::Normal, speaks);
   // From here on: what tells a run to stop is not to end it without a checkpoint.

@@ -61,11 +61,21 @@ def draw(module, options):
         except ImportError as error:
             print(f"{name}: {missing(needed, error)}", file=sys.stderr)
             return 2
+    options.title = options.title.replace("$", r"\$")  # no formula
     try:
         importlib.import_module(module).run(options)
     except KeyboardInterrupt:
         return 130
     except PlotError as error:
         print(f"{name}: {error}", file=sys.stderr)
+        return 2
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        # Files that can be read and hold something else: each may lack anything.
+        fault = " ".join(f"{type(error).__name__}: {error}".split())
+        print(
+            f"{name}: {options.directory}: its files are not what a finished run leaves behind "
+            f"({fault}); repeat the run",
+            file=sys.stderr,
+        )
         return 2
     return 0

@@ -381,8 +381,8 @@ CHARTS = {
 
 
 def run(options):
-    output = output_of(options)
     study = read_study(Path(options.directory) / "study.json")
+    output = output_of(options)
     style = {**STYLE, "svg.hashsalt": "harmos", "svg.fonttype": "path"}
     with plt.rc_context(style):
         for name, draw in CHARTS.items():

@@ -81,7 +81,7 @@ class Consumer(Installed):
             self.assertRegex(
                 printed, r"up: .*nothing to hold it: subdomains 0, 1, 2, 3, 4, 5, 6, 7, 8\n"
             )
-            self.assertRegex(printed, r'refused: .*"Tolerence".*"Tolerance"')
+            self.assertRegex(printed, r'refused: .*"Solver/Tolerence"; did you mean "Tolerance"')
 
     def test_one_component_asks_for_no_more_than_it_needs(self):
         # Where MUMPS, METIS and HDF5 are hidden.
@@ -212,6 +212,27 @@ class Tools(Installed):
                     rf"python3-{module}, which /usr/bin/python3 sees, or name an interpreter that has it, as in "
                     rf"PYTHON \S+/{name} DIR\n$",
                 )
+
+    def test_files_of_something_else_are_refused_in_a_sentence(self):
+        place = self.tree.scratch / "else"
+        (place / "1").mkdir(parents=True)
+        (place / "iterations.csv").write_bytes(b"\xff\xfe")
+        (place / "summary.json").write_text("{}")
+        (place / "1" / "summary.json").write_text('{"converged": true}')
+        (place / "study.json").write_text('{"runs": [1]}')
+        for words in (
+            ("harmos-plot", place),
+            ("harmos-plot", place, "--scaling", "auto"),
+            ("harmos-study-plot", place),
+            ("harmos-study-plot", self.tree.scratch / "nowhere"),
+        ):
+            with self.subTest(words=words):
+                refused = self.tool(*words)
+                if "cannot import" in refused.stderr:
+                    self.skipTest(refused.stderr)
+                self.assertEqual((refused.returncode, refused.stdout), (2, ""), refused.stderr)
+                self.assertEqual(refused.stderr.count("\n"), 1, refused.stderr)
+        self.assertFalse((self.tree.scratch / "nowhere").exists())
 
     def test_jobs_are_made(self):
         deck = self.tree.prefix / "share" / "harmos" / "decks" / "harmos" / "two_blocks.xml"

@@ -178,15 +178,21 @@ def circle_of(sees):
 
 
 def folder_faults(source):
-    """Folders of a package that include each other in a circle."""
+    """Folders that include what their package names after them, and circles of folders."""
     faults = []
     for package in source.packages():
+        cmake = source.text(f"packages/{package}/CMakeLists.txt")
+        named = re.search(r"\bFOLDERS\s+([a-z\s]+?)\n", cmake)
+        order = [f"packages/{package}/src/{name}" for name in named.group(1).split()] if named else []
         files = source.below("packages", package, suffixes=(".hpp", ".cpp", ".inc"))
         place = {Path(file).name: str(Path(file).parent) for file in files}
         sees = {folder: set() for folder in place.values()}
         for file in files:
             names = {Path(name).name for _, name in INCLUDE.findall(source.text(file))}
             sees[str(Path(file).parent)] |= {place[name] for name in names & set(place)}
+        for number, folder in enumerate(order):
+            for other in sorted(sees.get(folder, set()) & set(order[number + 1 :])):
+                faults.append(f"{folder} includes {other}, which FOLDERS names after it")
         circle = circle_of({folder: seen - {folder} for folder, seen in sees.items()})
         if circle:
             faults.append(f"packages/{package}: a circle of includes in {', '.join(sorted(circle))}")
@@ -242,6 +248,19 @@ def header_faults(source):
         for file in source.files
         if Path(file).suffix in (".hpp", ".h")
         and not re.search(r"^#pragma once$", source.text(file), re.MULTILINE)
+    ]
+
+
+CONFLICT = re.compile(r"^(?:<{7} |>{7} |={7}$)", re.MULTILINE)
+
+
+def conflict_faults(source):
+    """Files that a merge was left in."""
+    texts = (".md", ".xml", ".json", ".txt", ".geo", ".log", ".yaml", *LICENSED)
+    return [
+        f"{file}: marks of a merge"
+        for file in source.files
+        if Path(file).suffix in texts and CONFLICT.search(source.text(file))
     ]
 
 
@@ -352,6 +371,9 @@ class Tree(Checks):
 
     def test_include_guards(self):
         self.assert_none(header_faults(self.source))
+
+    def test_no_marks_of_a_merge(self):
+        self.assert_none(conflict_faults(self.source))
 
     def test_length(self):
         self.assert_none(length_faults(self.source))
@@ -510,21 +532,38 @@ class Planted(Checks):
             "template<class T>\nT C<T>::f() const noexcept {",
             "class C {\n void f() {",
             "C::C(int a)\n    : a_(1), b_{a} {",
+            "int f(int a, std::vector<int> b = {}) {",
+            "static const T x = [] {",
+            "template<class T>\nclass C : public B<T> {\n void f() {",
         ):
             with self.subTest(head=head):
                 lines = (MOST_FUNCTION_LINES - 1) * "  g({1}); // }\n"
-                end = "}\n};\n" if head.startswith("class") else "}\n"
+                end = "}\n};\n" if "class C" in head else "}\n"
                 before = 1 + head.count("\n")
                 opened = head.splitlines()[-1] + "\n"
                 text = "".join(line + "\n" for line in head.splitlines()[:-1]) + opened + lines
                 words = " ".join(head.split())
-                words = re.sub(r"^class C { | {$", "", words)
+                words = re.sub(r"^.*class C[^{]* { | {$", "", words)
                 fault = (
                     f"{file}:{before}: {MOST_FUNCTION_LINES + 1} lines, more than "
                     f"{MOST_FUNCTION_LINES}: {words}"
                 )
                 self.assert_found(function_faults, file, text + end, fault)
                 (self.top / file).unlink()
+
+    def test_marks_of_a_merge(self):
+        file = "docs/planted.md"
+        self.assert_found(conflict_faults, file, 7 * "<" + " HEAD\n", f"{file}: marks of a merge")
+
+    def test_folder_that_looks_up(self):
+        file = "packages/scene/src/model/Harmos_Planted.hpp"
+        text = '#pragma once\n#include "Harmos_Decomposition.hpp"\n'
+        places = [f"packages/scene/src/{folder}" for folder in ("model", "discretisation")]
+        before = folder_faults(self.source)
+        (self.top / file).write_text(text, encoding="utf-8")
+        found = folder_faults(Source(self.top, {*self.source.files, file}))
+        fault = f"{places[0]} includes {places[1]}, which FOLDERS names after it"
+        self.assertIn(fault, [line for line in found if line not in before])
 
     def test_full_folder(self):
         names = [f"docs/planted/module{k}.py" for k in range(MOST_MODULES + 1)]
@@ -534,9 +573,10 @@ class Planted(Checks):
     def test_folders_in_a_circle(self):
         file = "packages/fem/src/elements/Harmos_Planted.hpp"
         text = '#pragma once\n#include "Harmos_Mesh.hpp"\n'
+        (self.top / file).write_text(text, encoding="utf-8")
+        found = folder_faults(Source(self.top, {*self.source.files, file}))
         circle = "packages/fem/src/elements, packages/fem/src/files, packages/fem/src/integrals"
-        fault = f"packages/fem: a circle of includes in {circle}, packages/fem/src/mesh"
-        self.assert_found(folder_faults, file, text, fault)
+        self.assertIn(f"packages/fem: a circle of includes in {circle}, packages/fem/src/mesh", found)
 
     def test_top_level(self):
         fault = "notes: does not belong at the top level"

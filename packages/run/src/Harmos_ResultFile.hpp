@@ -25,7 +25,8 @@ struct ResultFields {
 /// Point data: displacement (a scalar for membranes, else a vector); stress (xx, yy, zz, xy, yz, xz) and
 /// von_mises; with contact also contact_pressure, gap, active_set. Cell data: subdomain, body, region.
 ///
-/// Each array is made when it is written: no two of the result's size are there at once.
+/// Arrays are made when they are written and then let go of: cells with their types and offsets, stresses
+/// with those of von Mises, all else one by one.
 /// @throws InputError on all ranks if the file cannot be written; what was there before is then untouched.
 /// @note Collective.
 /// Guarded by tests/regression/test_result_file.py (VTK's own reader).

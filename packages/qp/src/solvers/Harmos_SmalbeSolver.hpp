@@ -93,7 +93,7 @@ class SmalbeSolver<Scalar, MV, OP>::Run {
 
   SmalbeSolver& solver_;
   EqualityRows<Scalar, MV, OP>& rows_;
-  const Teuchos::ParameterList& list_;
+  Teuchos::ParameterList list_; // a copy: a monitor may give the solver other parameters
   bool byPenalty_, byPrecision_;
   BoundedLagrangian<Scalar, MV, OP> lagrangian_;
   double penalty_, largestPenalty_;           // ρ
