@@ -18,22 +18,26 @@ execute_process(
   OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
 string(REPLACE "\n" ";" HARMOS_TEST_ENVIRONMENT "${HARMOS_TEST_ENVIRONMENT}")
 
-# harmos_add_test(NAME <name> SOURCES <files> LIBRARIES <targets> [RANKS <n>...] [LABELS <l>...])
+# harmos_add_test(NAME <name> SOURCES <files> LIBRARIES <targets> [RANKS <n>...] [LONG_RANKS <n>...] [LABELS <l>...])
 #
-# One executable, registered once for each number of ranks as <name>_np<n>.
+# One executable, registered once for each number of ranks as <name>_np<n>; with LONG_RANKS the test is long.
 function(harmos_add_test)
-  cmake_parse_arguments(ARG "" "NAME" "SOURCES;LIBRARIES;RANKS;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "NAME" "SOURCES;LIBRARIES;RANKS;LONG_RANKS;LABELS" ${ARGN})
   if(NOT ARG_RANKS)
     set(ARG_RANKS 1)
   endif()
   add_executable(${ARG_NAME} ${ARG_SOURCES})
   set_target_properties(${ARG_NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests/bin")
   target_link_libraries(${ARG_NAME} PRIVATE ${ARG_LIBRARIES} harmos_test_support harmos_flags)
-  foreach(ranks IN LISTS ARG_RANKS)
+  foreach(ranks IN LISTS ARG_RANKS ARG_LONG_RANKS)
+    set(labels ${ARG_LABELS})
+    if(ranks IN_LIST ARG_LONG_RANKS)
+      list(APPEND labels long)
+    endif()
     add_test(NAME ${ARG_NAME}_np${ranks}
              COMMAND ${MPIEXEC_EXECUTABLE} ${MPIEXEC_NUMPROC_FLAG} ${ranks} $<TARGET_FILE:${ARG_NAME}>)
     set_tests_properties(
-      ${ARG_NAME}_np${ranks} PROPERTIES ENVIRONMENT "${HARMOS_TEST_ENVIRONMENT}" LABELS "${ARG_LABELS}"
+      ${ARG_NAME}_np${ranks} PROPERTIES ENVIRONMENT "${HARMOS_TEST_ENVIRONMENT}" LABELS "${labels}"
                                         PROCESSORS ${ranks} TIMEOUT 300)
   endforeach()
 endfunction()
