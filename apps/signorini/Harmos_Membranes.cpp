@@ -34,9 +34,9 @@ scene::Scene membranes(const Teuchos::ParameterList& model) {
   seam.first = {0, "right"};
   seam.second = {1, "left"};
   if (tied)
-    scene.effects.push_back(std::make_shared<effects::Tie>(seam));
+    scene.effects.push_back(std::make_shared<effects::Tie>(seam, "seam"));
   else
-    scene.effects.push_back(std::make_shared<effects::Contact>(seam));
+    scene.effects.push_back(std::make_shared<effects::Contact>(seam, 0.0, "seam"));
   const std::vector<fem::BoxLoad> onFirst = {{-3.0, {0.0, 0.75}, {1.0, 1.0}}},
                                   onSecond = {{-1.0, {1.0, 0.0}, {2.0, 0.25}}};
   scene.effects.push_back(std::make_shared<effects::BodyForce>(0, onFirst));

@@ -106,7 +106,13 @@ std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
 
 /// Rows of a tie.
 struct TieRows {
+  /// What a row is about.
+  struct Origin {
+    std::size_t point;
+    int component;
+  };
   std::vector<ConstraintRow> rows; ///< this rank's share: row k is given on rank k mod ranks
+  std::vector<Origin> origins;     ///< of each of these
   long long count = 0;             ///< over all ranks
 };
 

@@ -79,8 +79,9 @@ TieRows tieRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>&
                 long long firstNumber, const std::map<long long, double>& held) {
   HARMOS_REQUIRE(components >= 1 && components <= 3, "a node has one to three dofs");
   TieRows result;
-  for (const ContactPoint& point : points)
+  for (std::size_t k = 0; k < points.size(); ++k)
     for (int c = 0; c < components; ++c) {
+      const ContactPoint& point = points[k];
       if (isHeldOnBothSides(point, components, c, held))
         continue;
       if (isMine(comm, static_cast<std::size_t>(result.count))) {
@@ -90,6 +91,7 @@ TieRows tieRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>&
         for (const ContactPoint::Term& term : point.terms)
           row.terms.push_back({term.node * components + c, term.weight});
         result.rows.push_back(row);
+        result.origins.push_back({k, c});
       }
       ++result.count;
     }

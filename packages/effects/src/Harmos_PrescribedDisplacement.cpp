@@ -64,7 +64,7 @@ void PrescribedDisplacement::addPrescribed(const scene::Scene& scene, const scen
 
 std::shared_ptr<const PrescribedDisplacement> hold(const Part& part, int component, double value) {
   return std::make_shared<PrescribedDisplacement>(
-      part, std::vector<PrescribedDisplacement::Component>{{component, value}});
+      part, std::vector<PrescribedDisplacement::Component>{{component, value}}, part.set);
 }
 
 } // namespace Harmos::effects

@@ -38,7 +38,7 @@ class PrescribedDisplacement : public scene::Effect {
 /// What decks may say of it.
 scene::EffectKind kindOfPrescribedDisplacement();
 
-/// Holds a part in one component.
+/// Holds a part in one component, and has the name of the part.
 std::shared_ptr<const PrescribedDisplacement> hold(const Part& part, int component, double value = 0.0);
 
 } // namespace Harmos::effects

@@ -16,6 +16,7 @@ class Tie : public scene::Effect {
   explicit Tie(SurfacePair pair, std::string name = "");
 
   std::vector<BoundaryPart> boundaryParts() const override { return pair_.parts(); }
+  bool exertsForce() const override { return true; }
   void addConstraints(scene::ConstraintCollector& collector) const override;
 
  private:

@@ -19,6 +19,10 @@ nlohmann::ordered_json number(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
+nlohmann::ordered_json numbers(const fem::Point& values) {
+  return {number(values[0]), number(values[1]), number(values[2])};
+}
+
 double ratio(double value, double scale) {
   return scale > 0.0 ? value / scale : value;
 }
@@ -78,11 +82,15 @@ std::string toJson(const RunReport& report) {
                      {"min_contact_multiplier", number(report.audit.minContactMultiplier)},
                      {"complementarity", number(report.audit.complementarity)},
                      {"largest_displacement", number(report.audit.largestDisplacement)},
-                     {"largest_contact_multiplier", number(report.audit.largestMultiplier)}};
+                     {"largest_contact_multiplier", number(report.audit.largestMultiplier)},
+                     {"balance", number(report.forces.balance)}};
   else
     json["audit"] = nullptr;
   json["audit_agrees"] =
       report.audited ? nlohmann::ordered_json(auditAgrees(report)) : nlohmann::ordered_json(nullptr);
+  json["forces"] = nlohmann::ordered_json::object();
+  for (const auto& [path, resultant] : report.forces.effects)
+    json["forces"][path] = {{"force", numbers(resultant.force)}, {"moment", numbers(resultant.moment)}};
   json["effects"] = report.effects;
   json["effect_costs"] = nlohmann::ordered_json::array();
   for (const scene::EffectCost& cost : report.effectCosts)
@@ -116,6 +124,7 @@ std::string auditText(const RunReport& report) {
   std::ostringstream text;
   text << "Audit on the primal side (independent of the solver's residuals)\n"
        << "  equilibrium    |Ku - f + B'lambda|, rel.   " << scientific(audit.equilibrium) << "\n"
+       << "  balance        |sum of all forces|, rel.   " << scientific(report.forces.balance) << "\n"
        << "  gluing jump    max |B_E u - c_E|           " << scientific(audit.gluingJump) << "\n";
   if (report.inequalities > 0)
     text << "  penetration    max (B_I u - c_I)+          " << scientific(audit.penetration) << "\n"

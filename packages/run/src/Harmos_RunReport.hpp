@@ -4,6 +4,7 @@
 #include "Harmos_ContactFields.hpp"
 #include "Harmos_DualSolution.hpp"
 #include "Harmos_EffectCosts.hpp"
+#include "Harmos_Forces.hpp"
 #include "Harmos_KktAudit.hpp"
 
 #include <map>
@@ -40,6 +41,7 @@ struct RunReport : feti::SolveReport {
   double gapRounding = 0.0;         ///< gaps are known up to this: they are differences of coordinates
   bool audited = false;
   feti::KktAudit audit;
+  Forces forces; ///< audited runs only; the same on every rank
   // With inequalities; the same on every rank. For what applications make of them.
   std::vector<contact::ContactPoint> contactPoints;
   std::vector<ContactState> contact;     ///< of each point

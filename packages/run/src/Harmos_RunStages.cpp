@@ -253,6 +253,12 @@ void RunStages::recover() {
     report_.contact = contactStates(*comm_, contact_.points, feti::contactState(*constraints_, torn_));
     report_.contactPoints = std::move(contact_.points);
   }
+  {
+    const auto scope = timers_.scope("recovery");
+    report_.forces = forcesOf(*comm_, scene_, owned_, *system_, *constraints_, contact_, torn_);
+  }
+  if (const std::string text = forcesText(report_.forces); !text.empty())
+    log_.info(text);
   log_.info(auditText(report_));
 }
 

@@ -4,6 +4,7 @@
 #include "Harmos_DualOptions.hpp"
 #include "Harmos_DualSolution.hpp"
 #include "Harmos_KktAudit.hpp"
+#include "Harmos_Reactions.hpp"
 #include "Harmos_SolutionHistory.hpp"
 
 #include <Teuchos_ParameterList.hpp>
@@ -70,6 +71,14 @@ class FetiSolver {
   const KktAudit& audit() const { return audit_; }
   /// Gaps and forces of inequality rows that this rank owns. @note Collective.
   ContactState contact() const { return contactState(*constraints_, solution()); }
+  /// The forces by which the Dirichlet conditions of each subdomain hold it, see feti::reactions().
+  /// @note Collective.
+  std::vector<std::vector<double>> reactions() const {
+    return feti::reactions(*system_, *constraints_, solution());
+  }
+  /// Of the rows that this rank gave, in their order: a row exerts −coefficient · force on its dofs.
+  /// @note Collective.
+  std::vector<double> rowForces() const { return constraints_->givenMultipliers(*solution().multiplier); }
   const TornSolution& solution() const;
   /// Not before solve(), nor where loads cannot be held.
   bool hasSolution() const { return solution_ != nullptr; }

@@ -29,14 +29,7 @@ struct Copy {
   int fixed;
 };
 
-// An entry of a finished row on its way to the rank of its subdomain.
-struct RowEntry {
-  long long row;
-  double value;
-  int place;
-  int local;
-  int owner;
-};
+using RowEntry = Details::RowEntry;
 
 // The rest of a row on its way to its owner.
 struct RowHead {
@@ -59,8 +52,17 @@ class Rendezvous {
   long long width_;
 };
 
+using Importer = Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>;
+
+std::vector<double> brought(const MultiVector& rows, const Importer& importer) {
+  MultiVector target(importer.getTargetMap(), 1);
+  target.doImport(rows, importer, Tpetra::INSERT);
+  const auto view = target.getLocalViewHost(Tpetra::Access::ReadOnly);
+  return {view.data(), view.data() + view.extent(0)};
+}
+
 struct RowBuilder {
-  explicit RowBuilder(std::size_t ranks) : entries(ranks), heads(ranks) {}
+  explicit RowBuilder(std::size_t ranks) : entries(ranks), held(ranks), heads(ranks) {}
 
   struct Term {
     Copy copy;
@@ -79,7 +81,14 @@ struct RowBuilder {
     heads[static_cast<std::size_t>(owner)].push_back({row, bound, scale, static_cast<int>(type)});
   }
 
-  std::vector<std::vector<RowEntry>> entries;
+  // What a given row is at prescribed dofs, scaled like the rest of it.
+  void addHeld(long long row, const std::vector<Term>& terms) {
+    for (const Term& term : terms)
+      held[static_cast<std::size_t>(term.copy.rank)].push_back(
+          {row, term.value, term.copy.place, term.copy.local, 0});
+  }
+
+  std::vector<std::vector<RowEntry>> entries, held;
   std::vector<std::vector<RowHead>> heads;
 };
 
@@ -216,10 +225,14 @@ void requireMet(const ConstraintRow& row, const std::map<long long, double>& coe
                      {{"row", std::to_string(row.number)}});
 }
 
+long long globalNumber(const ConstraintRow& row, long long inequalities) {
+  return row.kind == ConstraintRow::Kind::Inequality ? row.number : inequalities + row.number;
+}
+
 void addGiven(const std::vector<ConstraintRow>& rows, const CopyTable& copies, long long inequalities,
               RowBuilder& builder) {
   for (const ConstraintRow& row : rows) {
-    std::vector<RowBuilder::Term> terms;
+    std::vector<RowBuilder::Term> terms, held;
     double norm2 = 0.0;
     std::map<long long, double> coefficients; // a dof named twice counts once, with the sum
     for (const ConstraintRow::Term& term : row.terms)
@@ -242,13 +255,16 @@ void addGiven(const std::vector<ConstraintRow>& rows, const CopyTable& copies, l
         throw InputError("constraint row " + std::to_string(row.number) + " names dof " +
                              std::to_string(dof) + ", which is not an interface dof of any subdomain",
                          {{"dof", std::to_string(dof)}});
+      const double share = coefficient / static_cast<double>(found->second.size());
+      if (isFixed(dof))
+        for (const Copy& copy : found->second)
+          held.push_back({copy, share});
       if (hasUnknown && isFixed(dof)) {
         const auto fixed = std::find_if(found->second.begin(), found->second.end(),
                                         [](const Copy& copy) { return copy.fixed != 0; });
         bound -= coefficient * fixed->value;
         continue;
       }
-      const double share = coefficient / static_cast<double>(found->second.size());
       for (const Copy& copy : found->second) {
         terms.push_back({copy, share});
         norm2 += share * share;
@@ -260,11 +276,13 @@ void addGiven(const std::vector<ConstraintRow>& rows, const CopyTable& copies, l
     if (!hasUnknown)
       requireMet(row, coefficients, copies);
     const double scale = 1.0 / std::sqrt(norm2);
-    for (RowBuilder::Term& term : terms)
-      term.value *= scale;
+    for (std::vector<RowBuilder::Term>* part : {&terms, &held})
+      for (RowBuilder::Term& term : *part)
+        term.value *= scale;
     const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
-    builder.add(inequality ? row.number : inequalities + row.number,
-                inequality ? RowType::Inequality : RowType::Equality, terms, scale * bound, scale);
+    const long long number = globalNumber(row, inequalities);
+    builder.add(number, inequality ? RowType::Inequality : RowType::Equality, terms, scale * bound, scale);
+    builder.addHeld(number, held);
   }
 }
 
@@ -350,20 +368,48 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
     touched.push_back(static_cast<GlobalOrdinal>(row));
     overlapOwner_.push_back(owner);
   }
-  entries_.resize(static_cast<std::size_t>(system.size()));
-  for (const std::vector<RowEntry>& part : entries)
-    for (const RowEntry& entry : part)
-      entries_[static_cast<std::size_t>(entry.place)].push_back(
-          {localRow[entry.row], entry.local, entry.value});
-  for (std::vector<Entry>& list : entries_)
-    std::sort(list.begin(), list.end(),
-              [](const Entry& a, const Entry& b) { return std::tie(a.row, a.dof) < std::tie(b.row, b.dof); });
+  entries_ = bySubdomain(entries, localRow, system.size());
 
   const auto total = static_cast<Tpetra::global_size_t>(dualDimension_);
   rowMap_ = Teuchos::rcp(new Map(total, owned(), 0, system.comm()));
   overlapMap_ = Teuchos::rcp(
       new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), touched(), 0, system.comm()));
   import_ = Teuchos::rcp(new Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>(rowMap_, overlapMap_));
+  keepFullRows(exchangeItems(comm, builder.held), rows);
+}
+
+void Constraints::keepFullRows(const std::vector<std::vector<RowEntry>>& held,
+                               const std::vector<ConstraintRow>& rows) {
+  std::map<long long, int> localRow;
+  for (const std::vector<RowEntry>& part : held)
+    for (const RowEntry& entry : part)
+      localRow[entry.row] = 0;
+  Teuchos::Array<GlobalOrdinal> touched, given;
+  for (auto& [row, place] : localRow) {
+    place = static_cast<int>(touched.size());
+    touched.push_back(static_cast<GlobalOrdinal>(row));
+  }
+  heldEntries_ = bySubdomain(held, localRow, system_.size());
+  for (const ConstraintRow& row : rows)
+    given.push_back(static_cast<GlobalOrdinal>(globalNumber(row, inequalities_)));
+  const auto unknown = Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid();
+  heldMap_ = Teuchos::rcp(new Map(unknown, touched(), 0, system_.comm()));
+  givenMap_ = Teuchos::rcp(new Map(unknown, given(), 0, system_.comm()));
+}
+
+// Sorted by row.
+std::vector<std::vector<Constraints::Entry>>
+Constraints::bySubdomain(const std::vector<std::vector<RowEntry>>& entries,
+                         const std::map<long long, int>& localRow, int subdomains) {
+  std::vector<std::vector<Entry>> result(static_cast<std::size_t>(subdomains));
+  for (const std::vector<RowEntry>& part : entries)
+    for (const RowEntry& entry : part)
+      result[static_cast<std::size_t>(entry.place)].push_back(
+          {localRow.at(entry.row), entry.local, entry.value});
+  for (std::vector<Entry>& list : result)
+    std::sort(list.begin(), list.end(),
+              [](const Entry& a, const Entry& b) { return std::tie(a.row, a.dof) < std::tie(b.row, b.dof); });
+  return result;
 }
 
 void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
@@ -406,10 +452,32 @@ void Constraints::fromOverlap(const std::vector<double>& overlap, MultiVector& y
 }
 
 std::vector<double> Constraints::toOverlap(const MultiVector& lambda) const {
-  MultiVector overlap(overlapMap_, 1);
-  overlap.doImport(lambda, *import_, Tpetra::INSERT);
-  const auto view = overlap.getLocalViewHost(Tpetra::Access::ReadOnly);
-  return {view.data(), view.data() + view.extent(0)};
+  return brought(lambda, *import_);
+}
+
+// An exchange of its own, for what is asked once a solution.
+std::vector<double> Constraints::givenMultipliers(const MultiVector& lambda) const {
+  MultiVector physical(lambda, Teuchos::Copy);
+  {
+    const auto view = physical.getLocalViewHost(Tpetra::Access::ReadWrite);
+    for (std::size_t r = 0; r < view.extent(0); ++r)
+      view(r, 0) *= scales_[r];
+  }
+  return brought(physical, Importer(rowMap_, givenMap_));
+}
+
+std::vector<std::vector<double>> Constraints::heldForces(const MultiVector& lambda) const {
+  const std::vector<double> multipliers = brought(lambda, Importer(rowMap_, heldMap_));
+  std::vector<std::vector<double>> result;
+  for (int i = 0; i < system_.size(); ++i) {
+    std::map<int, double> atDof;
+    for (const Entry& entry : heldEntries_[static_cast<std::size_t>(i)])
+      atDof[entry.dof] += entry.value * multipliers[static_cast<std::size_t>(entry.row)];
+    std::vector<double>& forces = result.emplace_back();
+    for (const FixedDof& fixed : system_.subdomain(i).fixed)
+      forces.push_back(atDof.count(fixed.dof) > 0 ? atDof[fixed.dof] : 0.0);
+  }
+  return result;
 }
 
 } // namespace Harmos::feti

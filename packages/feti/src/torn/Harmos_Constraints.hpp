@@ -9,9 +9,21 @@
 #include <Tpetra_Export_fwd.hpp>
 #include <Tpetra_Import_fwd.hpp>
 
+#include <map>
 #include <vector>
 
 namespace Harmos::feti {
+
+namespace Details {
+/// An entry of a finished row on its way to the rank of its subdomain.
+struct RowEntry {
+  long long row;
+  double value;
+  int place; ///< of the subdomain among those of its rank
+  int local; ///< dof
+  int owner; ///< rank of the row
+};
+} // namespace Details
 
 /// What a row of B stands for.
 enum class RowType {
@@ -31,7 +43,8 @@ enum class RowType {
 ///  and is
 ///    scaled to unit length; rowScale() keeps the factor, so that residuals and multipliers are told in
 ///    physical units;
-///  - prescribed values in a given row go to its bound, unless there is nothing else in it;
+///  - prescribed values in a given row go to its bound, unless there is nothing else in it; what the row is at
+///    them is kept beside, for the forces of the full row (heldForces());
 ///  - with DirichletForm::Dual each fixed copy gets a row u = g and no gluing row, which would depend on
 ///  those.
 ///
@@ -106,13 +119,30 @@ class Constraints {
     return import_;
   }
 
+  /// Physical multipliers of the rows that this rank gave to the constructor, in their order: with Ku = f −
+  /// Bᵀλ each row exerts −coefficient · multiplier on its dofs. @note Collective.
+  std::vector<double> givenMultipliers(const MultiVector& lambda) const;
+
+  /// Bᵀλ of the given rows, in full, at dofs with prescribed values: of each subdomain a value for each of
+  /// Subdomain::fixed. @note Collective.
+  std::vector<std::vector<double>> heldForces(const MultiVector& lambda) const;
+
  private:
+  using Sent = std::vector<std::vector<Details::RowEntry>>; // by sender
+  void keepFullRows(const Sent& held, const std::vector<ConstraintRow>& rows);
+  static std::vector<std::vector<Entry>> bySubdomain(const Sent& entries,
+                                                     const std::map<long long, int>& localRow, int subdomains);
+
   const SubdomainSystem& system_;
   Teuchos::RCP<const Map> rowMap_;
   Teuchos::RCP<const Map> overlapMap_;
   Teuchos::RCP<const Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>> import_;
   std::vector<int> overlapOwner_;
   std::vector<std::vector<Entry>> entries_;
+  // What given rows are at prescribed dofs: by row of heldMap_.
+  Teuchos::RCP<const Map> heldMap_;
+  std::vector<std::vector<Entry>> heldEntries_;
+  Teuchos::RCP<const Map> givenMap_; // rows of this rank, as given
   std::vector<RowType> types_;
   std::vector<double> scales_;
   std::vector<double> bounds_;

@@ -21,7 +21,7 @@ std::size_t bytesOf(const ConstraintRow& row) {
 
 } // namespace
 
-void DistinctPoints::add(const std::vector<ContactPoint>& more, const std::string& kind) {
+void DistinctPoints::add(const std::vector<ContactPoint>& more, const Effect& effect) {
   for (const ContactPoint& point : more) {
     std::vector<std::size_t>& here = withNode_[point.terms.front().node];
     const auto twin =
@@ -34,7 +34,7 @@ void DistinctPoints::add(const std::vector<ContactPoint>& more, const std::strin
     }
     here.push_back(all_.size());
     all_.push_back(point);
-    kinds_.push_back(kind);
+    effects_.push_back(&effect);
   }
 }
 
@@ -80,12 +80,12 @@ contact::Surface ConstraintCollector::surface(int body, const std::string& set,
 }
 
 void ConstraintCollector::addContacts(const std::vector<ContactPoint>& points) {
-  contacts_.add(points, kind_);
+  contacts_.add(points, *asked_);
 }
 
 void ConstraintCollector::addTies(const std::vector<ContactPoint>& points,
                                   const std::vector<Part>& surfaces) {
-  ties_.add(points, kind_);
+  ties_.add(points, *asked_);
   findHeldDofs(surfaces);
 }
 
@@ -113,37 +113,53 @@ void ConstraintCollector::findHeldDofs(const std::vector<Part>& surfaces) {
 }
 
 void ConstraintCollector::collect(const Effect& effect) {
-  kind_ = effect.kind();
+  asked_ = &effect;
   const auto scope = costs_.scope(effect);
   effect.addConstraints(*this);
 }
 
-ContactSetup ConstraintCollector::finish() {
-  ContactSetup result;
-  const int components = scene_.components();
-  result.rows = contact::contactRows(comm_, contacts_.all(), components, 0);
-  for (const ConstraintRow& row : result.rows) {
-    const std::string& kind = contacts_.kind(static_cast<std::size_t>(row.number));
-    costs_.addRows(kind, 1);
-    costs_.addBytes(kind, bytesOf(row));
+void ConstraintCollector::addContactRows(ContactSetup& setup) {
+  const std::vector<ContactPoint>& points = contacts_.all();
+  setup.rows = contact::contactRows(comm_, points, scene_.components(), 0);
+  const bool isScalar = scene_.components() == 1;
+  for (const ConstraintRow& row : setup.rows) {
+    const auto k = static_cast<std::size_t>(row.number);
+    const Effect& effect = contacts_.effect(k);
+    costs_.addRows(effect.kind(), 1);
+    costs_.addBytes(effect.kind(), bytesOf(row));
+    setup.origins.push_back(
+        {&effect, points[k].position, isScalar ? directionOf(scene_, 0) : points[k].normal});
   }
-  // Ties kind after kind, to know whose rows are whose; their points are not kept.
+}
+
+// Kind after kind, to know whose rows are whose; their points are not kept.
+void ConstraintCollector::addTieRows(ContactSetup& setup) {
   const std::vector<ContactPoint>& ties = ties_.all();
   long long first = 0;
   for (std::size_t begin = 0, end = 0; begin < ties.size(); begin = end) {
-    while (end < ties.size() && ties_.kind(end) == ties_.kind(begin))
+    const std::string& kind = ties_.effect(begin).kind();
+    while (end < ties.size() && ties_.effect(end).kind() == kind)
       ++end;
     const auto at = [&](std::size_t k) { return ties.begin() + static_cast<std::ptrdiff_t>(k); };
-    const contact::TieRows part =
-        contact::tieRows(comm_, std::vector<ContactPoint>(at(begin), at(end)), components, first, held_);
+    const contact::TieRows part = contact::tieRows(comm_, std::vector<ContactPoint>(at(begin), at(end)),
+                                                   scene_.components(), first, held_);
     first += part.count;
     for (const ConstraintRow& row : part.rows)
-      costs_.addBytes(ties_.kind(begin), bytesOf(row));
-    costs_.addRows(ties_.kind(begin), static_cast<long long>(part.rows.size()));
-    result.rows.insert(result.rows.end(), part.rows.begin(), part.rows.end());
+      costs_.addBytes(kind, bytesOf(row));
+    costs_.addRows(kind, static_cast<long long>(part.rows.size()));
+    setup.rows.insert(setup.rows.end(), part.rows.begin(), part.rows.end());
+    for (const auto& [point, component] : part.origins)
+      setup.origins.push_back({&ties_.effect(begin + point), ties[begin + point].position,
+                               directionOf(scene_, component)});
   }
+}
+
+ContactSetup ConstraintCollector::finish() {
+  ContactSetup result;
+  addContactRows(result);
+  addTieRows(result);
   for (std::size_t k = 0; k < contacts_.all().size(); ++k)
-    costs_.addBytes(contacts_.kind(k), bytesOf(contacts_.all()[k]));
+    costs_.addBytes(contacts_.effect(k).kind(), bytesOf(contacts_.all()[k]));
   result.points = std::move(contacts_.all());
   result.notes = std::move(notes_);
   return result;

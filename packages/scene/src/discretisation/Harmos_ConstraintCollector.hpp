@@ -20,9 +20,15 @@ namespace Harmos::scene {
 
 /// Where bodies may touch each other and obstacles, and the rows that follow.
 struct ContactSetup {
+  /// What a row's multiplier does: −multiplier · direction is the force on the first body, at the position.
+  struct Origin {
+    const Effect* effect;
+    fem::Point position, direction;
+  };
   /// The points of the inequality rows, in their order, which is that of the effects. The same on every rank.
   std::vector<contact::ContactPoint> points;
   std::vector<ConstraintRow> rows; ///< this rank's share, ties too
+  std::vector<Origin> origins;     ///< of each of these; a row that two effects ask for is the first one's
   std::vector<std::string> notes;  ///< what the user should know; sentences
 };
 
@@ -33,18 +39,18 @@ class DistinctPoints {
   /// @param normalsMatter not for ties, which have rows in every direction, nor for scalar problems.
   explicit DistinctPoints(bool normalsMatter) : normalsMatter_(normalsMatter) {}
 
-  /// @param kind of the effect that they are of.
-  void add(const std::vector<contact::ContactPoint>& more, const std::string& kind);
+  /// @param effect that they are of.
+  void add(const std::vector<contact::ContactPoint>& more, const Effect& effect);
   std::vector<contact::ContactPoint>& all() { return all_; }
-  /// Of the effect that named a point first.
-  const std::string& kind(std::size_t point) const { return kinds_[point]; }
+  /// The one that named a point first.
+  const Effect& effect(std::size_t point) const { return *effects_[point]; }
 
  private:
   bool sameRow(const contact::ContactPoint& a, const contact::ContactPoint& b) const;
 
   bool normalsMatter_;
   std::vector<contact::ContactPoint> all_;
-  std::vector<std::string> kinds_;
+  std::vector<const Effect*> effects_;
   std::unordered_map<long long, std::vector<std::size_t>> withNode_; // by the lowest node
 };
 
@@ -85,6 +91,8 @@ class ConstraintCollector {
   ContactSetup finish();
 
  private:
+  void addContactRows(ContactSetup& setup);
+  void addTieRows(ContactSetup& setup);
   void findHeldDofs(const std::vector<std::pair<int, std::string>>& surfaces);
 
   const Teuchos::Comm<int>& comm_;
@@ -95,7 +103,7 @@ class ConstraintCollector {
   using Part = std::pair<int, std::string>;
   std::map<Part, std::vector<const fem::PlacedMesh*>> withSides_;
   std::map<Part, std::vector<const OwnedSubdomain*>> withNodes_;
-  std::string kind_; // of the effect that is asked
+  const Effect* asked_ = nullptr;
   DistinctPoints contacts_, ties_;
   std::map<long long, double> held_; // dofs at ties with prescribed values
   std::vector<std::string> notes_;

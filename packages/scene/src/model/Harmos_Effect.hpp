@@ -63,6 +63,9 @@ class Effect {
   /// Bodies that it holds against rigid motions by itself, without inequalities.
   virtual std::vector<int> heldBodies() const { return {}; }
   virtual bool givesInequalities() const { return false; }
+  /// Whether a run tells the force that it exerts: as a support, a foundation, an obstacle, or between two
+  /// bodies.
+  virtual bool exertsForce() const { return givesInequalities() || !heldBodies().empty(); }
   /// @throws InputError for settings that the scene does not admit. Local; the same on all ranks.
   virtual void check(const Scene&) const {}
 

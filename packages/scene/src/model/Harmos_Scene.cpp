@@ -2,6 +2,7 @@
 #include "Harmos_Scene.hpp"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <tuple>
 
@@ -66,6 +67,27 @@ std::vector<std::string> Scene::effectKinds() const {
     if (std::find(kinds.begin(), kinds.end(), effect->kind()) == kinds.end())
       kinds.push_back(effect->kind());
   return kinds;
+}
+
+std::vector<std::string> Scene::effectPaths() const {
+  std::vector<std::string> paths;
+  std::set<std::string> taken;
+  std::map<std::string, int> unnamed; // by kind
+  for (const auto& effect : effects) {
+    const std::string own =
+        effect->name().empty() ? std::to_string(++unnamed[effect->kind()]) : effect->name();
+    std::string path = effect->kind() + "/" + own;
+    for (int k = 2; !taken.insert(path).second; ++k)
+      path = effect->kind() + "/" + own + " " + std::to_string(k);
+    paths.push_back(path);
+  }
+  return paths;
+}
+
+fem::Point directionOf(const Scene& scene, int component) {
+  fem::Point direction{};
+  direction[scene.components() == 1 ? 2 : static_cast<std::size_t>(component)] = 1.0;
+  return direction;
 }
 
 fem::Elasticity elasticityOf(const Scene& scene, const Body& body) {

@@ -59,7 +59,13 @@ struct Scene {
   bool hasSeveralMaterials() const;
   /// Kinds of the effects that are on, each once, in their order.
   std::vector<std::string> effectKinds() const;
+  /// Of each effect, for people and files: "Contact/joint"; one without a name has its number among those of
+  /// its kind, "Contact/1". Each once.
+  std::vector<std::string> effectPaths() const;
 };
+
+/// The direction in space of a component of the displacement; that of membranes is z.
+fem::Point directionOf(const Scene& scene, int component);
 
 /// A body's elastic properties as the fem package takes them.
 fem::Elasticity elasticityOf(const Scene& scene, const Body& body);

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_ContactSetup.hpp"
+#include "Harmos_Reactions.hpp"
+
+#include <Teuchos_Comm.hpp>
+
+#include <string>
+#include <vector>
+
+namespace Harmos::run {
+
+/// A force and its moment about the origin, in space. In the plane both are per thickness, and the moment is
+/// about z; membranes have forces along z alone.
+struct Resultant {
+  fem::Point force{}, moment{};
+};
+
+/// With what force each effect of a scene presses, holds or pulls.
+struct Forces {
+  struct Of {
+    std::string path; ///< of the effect, see scene::Scene::effectPaths()
+    Resultant resultant;
+  };
+  /// Of each effect that exerts a force, in the order of the scene: by a prescribed displacement, an obstacle
+  /// or a foundation on the body; by the second body of a contact or tie on the first.
+  std::vector<Of> effects;
+  /// |Σ of all loads and reactions| / Σ of their sizes, node by node; moments take no part.
+  double balance = 0.0;
+};
+
+/// Resultants of a solution, from the rows of B in full: what they are at prescribed values, too. A dof that
+/// two effects hold, and a row that two effects ask for, counts for the first of them.
+/// @param system, contact of the scene and this rank's subdomains.
+/// @return the same on every rank.
+/// @note Collective.
+/// Guarded by tests/unit/run/test_forces.cpp.
+Forces forcesOf(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
+                const std::vector<scene::OwnedSubdomain>& owned, const feti::SubdomainSystem& system,
+                const feti::Constraints& constraints, const scene::ContactSetup& contact,
+                const feti::TornSolution& solution);
+
+/// A table for people; of many effects the first ones. "" without any.
+std::string forcesText(const Forces& forces);
+
+} // namespace Harmos::run
