@@ -173,7 +173,7 @@ int runDeck(const Application& application, const ProgramContext& context) {
   plan::PlanRequest planRequest = line.planRequest;
   planRequest.programMiB = run::peakMemoryMiB();
   const auto start = std::chrono::steady_clock::now();
-  scene::Scene scene = application.makeScene({*comm, deck, directoryOf(line.deck), log});
+  scene::Scene scene = sceneOf(application, {*comm, deck, directoryOf(line.deck), log});
   scene.secondsToMake = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   run::checkConsistency(scene, options);
   if (line.check) {
@@ -210,9 +210,10 @@ int runDeck(const Application& application, const ProgramContext& context) {
   }
   run::writeSummary(*comm, options, report);
   log.info("Results are in \"" + options.outputDirectory + "\": summary.json, iterations.csv" +
-           (report.isInterrupted() ? ", checkpoint.h5"
-            : options.writeFields  ? ", result.vtkhdf"
-                                   : ""));
+           (report.isInterrupted()         ? ", checkpoint.h5"
+            : !scene.timeline.hasSteps()   ? (options.writeFields ? ", result.vtkhdf" : "")
+            : options.writeFields          ? ", steps.csv, result.vtkhdf.series"
+                                           : ", steps.csv"));
   if (report.isInterrupted() && report.checkpointFault.empty()) {
     log.warning(report.reason);
     return exitInterrupted;
@@ -223,6 +224,14 @@ int runDeck(const Application& application, const ProgramContext& context) {
 }
 
 } // namespace
+
+scene::Scene sceneOf(const Application& application, const DeckContext& context) {
+  scene::Timeline timeline = scene::Timeline::fromDeck(context.deck);
+  scene::Scene scene = application.makeScene(context);
+  timeline.followAsIn(scene.timeline);
+  scene.timeline = std::move(timeline);
+  return scene;
+}
 
 ParameterSpec deckSpec(const Application& application) {
   ParameterSpec spec(application.name, "Deck of " + application.name + ": " + application.description);

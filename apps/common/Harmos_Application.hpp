@@ -79,6 +79,9 @@ struct Program {
   bool plans = false; ///< whether it has --plan
 };
 
+/// The scene of an application's deck, with its timeline. @note Collective.
+scene::Scene sceneOf(const Application& application, const DeckContext& context);
+
 /// The whole deck of an application: its own part, and the lists that all share.
 ParameterSpec deckSpec(const Application& application);
 

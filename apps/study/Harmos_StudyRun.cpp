@@ -72,7 +72,7 @@ Outcome runSetting(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Pla
       const double resident = residentMiB();
       comm->barrier(); // so that no rank's time holds another one's waiting
       const auto begin = std::chrono::steady_clock::now();
-      scene::Scene scene = plan.application.makeScene({*comm, deck, app::directoryOf(plan.deck), silent});
+      scene::Scene scene = app::sceneOf(plan.application, {*comm, deck, app::directoryOf(plan.deck), silent});
       const std::chrono::duration<double> making = std::chrono::steady_clock::now() - begin;
       scene.secondsToMake = making.count();
       run::checkConsistency(scene, options);

@@ -10,6 +10,12 @@ namespace Harmos {
 Log::Log(std::ostream& out, std::ostream& err, Verbosity verbosity, bool active)
     : out_(&out), err_(&err), verbosity_(verbosity), active_(active) {}
 
+Log Log::withoutInfo() const {
+  Log muted = *this;
+  muted.isMuted_ = true;
+  return muted;
+}
+
 void Log::showStatus(int width) {
   status_ = std::make_shared<Status>(Status{width});
 }
@@ -44,12 +50,16 @@ void Log::warning(const std::string& message) const {
 }
 
 void Log::info(const std::string& message) const {
+  if (isMuted_)
+    return;
   clearStatus();
   if (writesInfo())
     *out_ << message << std::endl;
 }
 
 void Log::detail(const std::string& message) const {
+  if (isMuted_)
+    return;
   clearStatus();
   if (active_ && verbosity_ == Verbosity::Detailed)
     *out_ << message << std::endl;

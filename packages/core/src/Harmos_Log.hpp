@@ -26,14 +26,19 @@ class Log {
   void info(const std::string& message) const;
   void detail(const std::string& message) const;
 
+  /// The same, but silent where info() and detail() would write; the status line goes on.
+  Log withoutInfo() const;
+
   /// From now on status() shows a line, of at most `width` characters: for a terminal.
   void showStatus(int width);
-  bool showsStatus() const { return status_ != nullptr && writesInfo(); }
+  bool showsStatus() const {
+    return status_ != nullptr && active_ && verbosity_ != Verbosity::Quiet;
+  }
   /// A line that takes the place of the one before it; other messages come above it. "" takes it away.
   void status(const std::string& line) const;
 
   /// True where info() would write; lets a caller skip the making of an expensive message.
-  bool writesInfo() const { return active_ && verbosity_ != Verbosity::Quiet; }
+  bool writesInfo() const { return active_ && !isMuted_ && verbosity_ != Verbosity::Quiet; }
 
  private:
   struct Status {
@@ -47,6 +52,7 @@ class Log {
   std::ostream* err_ = nullptr;
   Verbosity verbosity_ = Verbosity::Quiet;
   bool active_ = false;
+  bool isMuted_ = false; // info and detail
 };
 
 /// A number for people: three significant digits of scientific notation.

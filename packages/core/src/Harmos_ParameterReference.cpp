@@ -26,7 +26,8 @@ std::string escaped(const std::string& text) {
 } // namespace
 
 bool ParameterSpec::hasRange(Type type) {
-  return type == Type::Integer || type == Type::Real || type == Type::Integers || type == Type::Reals;
+  return type == Type::Integer || type == Type::Real || type == Type::Integers || type == Type::Reals ||
+         type == Type::Series;
 }
 
 void ParameterSpec::writeXml(std::ostream& out) const {

@@ -167,6 +167,17 @@ ParameterSpec& ParameterSpec::reals(const std::string& name, const std::vector<d
   return *this;
 }
 
+ParameterSpec& ParameterSpec::series(const std::string& name, const Range& range,
+                                     const std::string& meaning) {
+  add(name, Type::Series, meaning).range = range;
+  return *this;
+}
+
+ParameterSpec& ParameterSpec::absent(const std::string& name, const std::string& why) {
+  absent_.emplace_back(name, why);
+  return *this;
+}
+
 ParameterSpec& ParameterSpec::integers(const std::string& name, const std::vector<int>& value, int least,
                                        int most, const std::string& meaning) {
   Parameter& parameter = add(name, Type::Integers, meaning);
@@ -233,6 +244,8 @@ std::string ParameterSpec::typeName(Type type) {
     return "integers";
   case Type::Reals:
     return "reals";
+  case Type::Series:
+    return "reals, any number of them";
   case Type::Texts:
     return "strings";
   }
@@ -261,6 +274,8 @@ std::string ParameterSpec::expected(const Parameter& parameter) {
   case Type::Reals:
     return std::to_string(parameter.reals.size()) + " real numbers (type=\"Array(double)\") in " +
            parameter.range.text();
+  case Type::Series:
+    return "real numbers (type=\"Array(double)\") in " + parameter.range.text();
   case Type::Texts:
     return "strings (type=\"Array(string)\")";
   }
@@ -281,6 +296,7 @@ std::string ParameterSpec::defaultText(const Parameter& parameter) {
   case Type::Integers:
     return arrayOf(parameter.integers).toString();
   case Type::Reals:
+  case Type::Series:
     return arrayText(parameter.reals, numberText);
   case Type::Texts:
     return arrayOf(parameter.texts).toString();
@@ -356,7 +372,8 @@ void ParameterSpec::validate(const Parameter& parameter, const Teuchos::Paramete
     result.set(parameter.name, values);
     return;
   }
-  case Type::Reals: {
+  case Type::Reals:
+  case Type::Series: {
     Teuchos::Array<double> values;
     if (entry.isType<Teuchos::Array<int>>()) {
       for (int value : Teuchos::getValue<Teuchos::Array<int>>(entry))
@@ -366,7 +383,7 @@ void ParameterSpec::validate(const Parameter& parameter, const Teuchos::Paramete
     } else {
       return wrongType();
     }
-    if (static_cast<std::size_t>(values.size()) != parameter.reals.size())
+    if (parameter.type == Type::Reals && static_cast<std::size_t>(values.size()) != parameter.reals.size())
       return wrongType();
     for (double value : values)
       if (!parameter.range.contains(value))
@@ -407,9 +424,16 @@ void ParameterSpec::validate(const Teuchos::ParameterList& given, const std::str
       else if (findList(name) != nullptr)
         faults.push_back(quoted(path + name) + " is a single value, expected a ParameterList");
       else
-        faults.push_back(unknownName("parameter", path, name, names()));
+        faults.push_back(unknownParameter(path, name));
     }
   }
+}
+
+std::string ParameterSpec::unknownParameter(const std::string& path, const std::string& name) const {
+  for (const auto& [absent, why] : absent_)
+    if (absent == name)
+      return "there is no parameter " + quoted(path + name) + ": " + why;
+  return unknownName("parameter", path, name, names());
 }
 
 Teuchos::ParameterList ParameterSpec::validated(const Teuchos::ParameterList& given,
@@ -469,6 +493,7 @@ void ParameterSpec::setDefault(const Parameter& parameter, Teuchos::ParameterLis
     list.set(parameter.name, arrayOf(parameter.integers), doc);
     return;
   case Type::Reals:
+  case Type::Series:
     list.set(parameter.name, arrayOf(parameter.reals), doc);
     return;
   case Type::Texts:
@@ -522,7 +547,7 @@ void ParameterSpec::set(Teuchos::ParameterList& list, const std::string& head, c
   }
   const Parameter* parameter = find(path);
   if (parameter == nullptr)
-    throw InputError(source + ": " + unknownName("parameter", head, path, names()), {{"path", head + path}});
+    throw InputError(source + ": " + unknownParameter(head, path), {{"path", head + path}});
   const auto refuse = [&] {
     throw InputError(source + ": " + quoted(value) + " cannot be the value of " + quoted(head + path) +
                          ", expected " + expected(*parameter),
@@ -553,7 +578,8 @@ void ParameterSpec::set(Teuchos::ParameterList& list, const std::string& head, c
     list.set(path, numbers);
     return;
   }
-  case Type::Reals: {
+  case Type::Reals:
+  case Type::Series: {
     Teuchos::Array<double> numbers;
     for (const std::string& item : splitArray(value)) {
       numbers.push_back(0.0);

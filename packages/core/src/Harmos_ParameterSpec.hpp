@@ -55,6 +55,8 @@ class ParameterSpec {
   /// As many numbers as the default has; type "Array(double)" and "Array(int)" in a deck.
   ParameterSpec& reals(const std::string& name, const std::vector<double>& value, const Range& range,
                        const std::string& meaning);
+  /// Any number of numbers, none by default; type "Array(double)".
+  ParameterSpec& series(const std::string& name, const Range& range, const std::string& meaning);
   ParameterSpec& integers(const std::string& name, const std::vector<int>& value, int least, int most,
                           const std::string& meaning);
   /// Any number of texts; type "Array(string)".
@@ -64,6 +66,10 @@ class ParameterSpec {
   /// Sublists of any names, each as the member describes; the member's own name is what the reference calls
   /// such a name: "<body>".
   ParameterSpec& family(ParameterSpec member);
+
+  /// A name that people may expect and that is none here; they are told why, in a clause: "a contact has no
+  /// magnitude".
+  ParameterSpec& absent(const std::string& name, const std::string& why);
 
   const std::string& name() const { return name_; }
   const std::string& meaning() const { return meaning_; }
@@ -102,7 +108,7 @@ class ParameterSpec {
   void set(Teuchos::ParameterList& list, const std::string& head, const std::string& path,
            const std::string& value, const std::string& source) const;
 
-  enum class Type { Integer, Real, Boolean, Text, Choice, Integers, Reals, Texts };
+  enum class Type { Integer, Real, Boolean, Text, Choice, Integers, Reals, Series, Texts };
 
   struct Parameter {
     std::string name;
@@ -124,6 +130,7 @@ class ParameterSpec {
   const Parameter* find(const std::string& name) const;
   const ParameterSpec* findList(const std::string& name) const;
   std::vector<std::string> names() const;
+  std::string unknownParameter(const std::string& path, const std::string& name) const;
   void validate(const Teuchos::ParameterList& given, const std::string& path, Teuchos::ParameterList& result,
                 std::vector<std::string>& faults) const;
   static void validate(const Parameter& parameter, const Teuchos::ParameterEntry& entry,
@@ -143,6 +150,7 @@ class ParameterSpec {
   std::vector<Parameter> parameters_;
   std::vector<ParameterSpec> lists_;
   std::vector<ParameterSpec> family_; // none or one
+  std::vector<std::pair<std::string, std::string>> absent_;
 };
 
 } // namespace Harmos

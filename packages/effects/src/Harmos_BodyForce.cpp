@@ -20,7 +20,8 @@ scene::EffectKind kindOfBodyForce() {
             constexpr double all = 1e300;
             const std::vector<fem::BoxLoad> everywhere = {{density[0], {-all, -all}, {all, all}}};
             return std::make_shared<BodyForce>(body, everywhere, scene::nameIn(path));
-          }};
+          },
+          true};
 }
 
 BodyForce::BodyForce(int body, const fem::Point& density, std::string name)

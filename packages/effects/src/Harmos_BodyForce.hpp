@@ -24,6 +24,7 @@ class BodyForce : public scene::Effect {
   BodyForce(int body, std::vector<fem::BoxLoad> loads, std::string name = "");
 
   std::vector<int> bodies() const override { return {body_}; }
+  bool hasMagnitude() const override { return true; }
   /// @throws InputError for a load of a membrane on an elastic body, and the other way round.
   void check(const scene::Scene& scene) const override;
   std::optional<Key> loadKey(const scene::Scene& scene,

@@ -13,7 +13,8 @@ scene::EffectKind kindOfThermalStrain() {
             requireElastic(scene, "\"" + path + "\"");
             return std::make_shared<ThermalStrain>(bodyIn(scene, list, "Body", path),
                                                    list.get<double>("Temperature"), scene::nameIn(path));
-          }};
+          },
+          true};
 }
 
 ThermalStrain::ThermalStrain(int body, double rise, std::string name)

@@ -17,6 +17,7 @@ class ThermalStrain : public scene::Effect {
   ThermalStrain(int body, double rise, std::string name = "");
 
   std::vector<int> bodies() const override { return {body_}; }
+  bool hasMagnitude() const override { return true; }
   void check(const scene::Scene& scene) const override { requireElastic(scene, label()); }
   std::optional<Key> loadKey(const scene::Scene& scene,
                              const scene::OwnedSubdomain& subdomain) const override;

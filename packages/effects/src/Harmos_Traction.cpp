@@ -22,7 +22,8 @@ scene::EffectKind kindOfTraction() {
               return t;
             };
             return std::make_shared<Traction>(part, total, scene::nameIn(path));
-          }};
+          },
+          true};
 }
 
 Traction::Traction(Part part, fem::Traction density, std::string name)

@@ -28,12 +28,13 @@ double firstBalancedTolerance() {
 
 AnswerCheck::AnswerCheck(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
                          const std::vector<scene::OwnedSubdomain>& owned, const feti::DualStages& stages,
-                         const RunOptions& options, const Log& log, RunReport& report)
+                         const RunOptions& options, double time, const Log& log, RunReport& report)
     : comm_(comm),
       scene_(scene),
       owned_(owned),
       stages_(stages),
       options_(options),
+      time_(time),
       log_(log),
       report_(report) {
   extension_ = stages.preconditioner;
@@ -81,7 +82,7 @@ std::optional<double> AnswerCheck::balance(double tolerance) {
   // Jumps are errors of the stresses too: an estimate from an answer whose own error is larger than what it
   // estimates is good for no more than the next step.
   if (!discretisation_ || (!trusted_ && solver <= options_.solverErrorShare * discretisation_->error)) {
-    discretisation_ = estimateDiscretisationError(comm_, scene_, owned_, torn_.displacement);
+    discretisation_ = estimateDiscretisationError(comm_, scene_, owned_, torn_.displacement, time_);
     trusted_ = solver <= discretisation_->error;
   }
   report_.discretisationError = discretisation_->error / discretisation_->norm;

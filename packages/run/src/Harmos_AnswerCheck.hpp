@@ -31,9 +31,10 @@ namespace Harmos::run {
 /// Guarded by tests/unit/run/test_answer_check.cpp.
 class AnswerCheck {
  public:
+  /// @param time of the loads.
   AnswerCheck(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
               const std::vector<scene::OwnedSubdomain>& owned, const feti::DualStages& stages,
-              const RunOptions& options, const Log& log, RunReport& report);
+              const RunOptions& options, double time, const Log& log, RunReport& report);
 
   /// @param lambda, mu an answer; @param tolerance that it meets.
   /// @return the tolerance to go on to; nothing if the answer is accepted, or going on would not help.
@@ -57,7 +58,8 @@ class AnswerCheck {
   const std::vector<scene::OwnedSubdomain>& owned_;
   const feti::DualStages& stages_;
   const RunOptions& options_;
-  const Log& log_;
+  double time_;
+  Log log_; // by value: it may be the muted one of a step
   RunReport& report_;
   Teuchos::RCP<const Operator> extension_; // M⁻¹ of the estimate
   feti::TornSolution torn_;

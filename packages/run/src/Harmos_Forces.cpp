@@ -181,13 +181,13 @@ void addRows(const scene::Scene& scene, const scene::ContactSetup& contact,
 
 Forces forcesOf(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
                 const std::vector<scene::OwnedSubdomain>& owned, const feti::SubdomainSystem& system,
-                const feti::Constraints& constraints, const scene::ContactSetup& contact,
-                const feti::TornSolution& solution) {
+                const scene::ContactSetup& contact, const feti::TornVector& displacement,
+                const std::vector<std::vector<double>>& reactions, const std::vector<double>& multipliers) {
   Sums sums(scene);
   addLoads(scene, system, sums);
-  addReactions(scene, owned, system, feti::reactions(system, constraints, solution), sums);
-  addSprings(scene, owned, solution.displacement, sums);
-  addRows(scene, contact, constraints.givenMultipliers(*solution.multiplier), sums);
+  addReactions(scene, owned, system, reactions, sums);
+  addSprings(scene, owned, displacement, sums);
+  addRows(scene, contact, multipliers, sums);
   return sums.total(comm);
 }
 

@@ -32,14 +32,15 @@ struct Forces {
 
 /// Resultants of a solution, from the rows of B in full: what they are at prescribed values, too. A dof that
 /// two effects hold, and a row that two effects ask for, counts for the first of them.
-/// @param system, contact of the scene and this rank's subdomains.
+/// @param system, contact of the scene and this rank's subdomains. @param reactions see feti::reactions().
+/// @param multipliers see feti::Constraints::givenMultipliers(), of the rows of the contact.
 /// @return the same on every rank.
 /// @note Collective.
 /// Guarded by tests/unit/run/test_forces.cpp.
 Forces forcesOf(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
                 const std::vector<scene::OwnedSubdomain>& owned, const feti::SubdomainSystem& system,
-                const feti::Constraints& constraints, const scene::ContactSetup& contact,
-                const feti::TornSolution& solution);
+                const scene::ContactSetup& contact, const feti::TornVector& displacement,
+                const std::vector<std::vector<double>>& reactions, const std::vector<double>& multipliers);
 
 /// A table for people; of many effects the first ones. "" without any.
 std::string forcesText(const Forces& forces);

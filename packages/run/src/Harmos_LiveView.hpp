@@ -43,17 +43,21 @@ class LiveView {
   /// Takes the line off the terminal.
   ~LiveView();
 
-  /// Rows of a run that this one goes on from.
-  void begin(const std::vector<qp::IterationRecord>& rows);
+  /// Rows of the steps before, after which this one's are counted on, and of a run that this one goes on from.
+  void begin(const std::vector<qp::IterationRecord>& earlier, const std::vector<qp::IterationRecord>& rows);
   void add(const qp::IterationRecord& record, const feti::DualTargets& targets);
 
  private:
   const Log& log_;
   std::string method_;
   std::ofstream history_;
+  qp::IterationRecord before_{}; // the last row of the steps before
   RemainingTime remaining_;
   std::chrono::steady_clock::time_point last_;
 };
+
+/// Rows of one solve, counted on from the last row of those before it.
+qp::IterationRecord countedOn(const qp::IterationRecord& row, const qp::IterationRecord& before);
 
 /// "PDAS 3/120  41 s, 12 s left  |g^P| 2.1e-03/1.0e-06  |G l| 3.4e-09/2.0e-05": outer and inner iteration,
 /// times, ‖g^P‖ and ‖Gλ‖ against their targets.

@@ -10,6 +10,7 @@
 #include "Harmos_RankTable.hpp"
 #include "Harmos_RunStages.hpp"
 #include "Harmos_StageTimers.hpp"
+#include "Harmos_StepSequence.hpp"
 
 namespace Harmos::run {
 namespace {
@@ -43,7 +44,9 @@ Solution runScene(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scen
   std::exception_ptr failure;
   Solution solution;
   try {
-    solution = RunStages(comm, scene, options, log, timers, report, share).go();
+    RunStages run(comm, scene, options, log, timers, report, share);
+    solution = scene.timeline.hasSteps() ? StepSequence(comm, scene, options, log, run, report).go()
+                                         : run.goOnce();
   } catch (const NumericalError& error) {
     failure = std::make_exception_ptr(withBody(scene, error));
   } catch (const Error& error) {

@@ -6,11 +6,29 @@
 #include "Harmos_Deck.hpp"
 
 #include <Teuchos_XMLParameterListHelpers.hpp>
+#include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <filesystem>
+#include <iomanip>
+#include <set>
 #include <sstream>
 
 namespace Harmos::run {
+namespace {
+
+// result_0001.vtkhdf
+bool isResultOfStep(const std::string& name) {
+  const std::string begin = "result_", end = ".vtkhdf";
+  if (name.size() <= begin.size() + end.size() || name.rfind(begin, 0) != 0 ||
+      name.compare(name.size() - end.size(), end.size(), end) != 0)
+    return false;
+  return std::all_of(name.begin() + static_cast<std::ptrdiff_t>(begin.size()),
+                     name.end() - static_cast<std::ptrdiff_t>(end.size()),
+                     [](char c) { return c >= '0' && c <= '9'; });
+}
+
+} // namespace
 
 RunDirectory::RunDirectory(const Teuchos::Comm<int>& comm, const RunOptions& options)
     : comm_(comm), options_(options) {
@@ -49,7 +67,86 @@ void RunDirectory::prepare(const Log& log) const {
     io::makeDirectory(options_.outputDirectory);
     for (const char* name : {"summary.json", "iterations.csv", "result.vtkhdf", "contact.csv", "ranks.csv"})
       io::removeFile(place(name));
+    removeResults();
     putCheckpointAside(log);
+    bringResults();
+  });
+}
+
+// Of steps.
+void RunDirectory::removeResults() const {
+  std::set<std::string> kept;
+  if (goesOnInPlace())
+    for (const Written& written : writtenBefore())
+      kept.insert(resultOf(written.step));
+  if (kept.empty()) {
+    io::removeFile(place("steps.csv"));
+    io::removeFile(place("result.vtkhdf.series"));
+  }
+  for (const auto& item : std::filesystem::directory_iterator(options_.outputDirectory)) {
+    const std::string name = item.path().filename().string();
+    if (isResultOfStep(name) && kept.count(name) == 0)
+      io::removeFile(place(name));
+  }
+}
+
+void RunDirectory::bringResults() const {
+  if (!checkpoint_ || goesOnInPlace())
+    return;
+  for (const Written& written : writtenBefore()) {
+    const std::string file = options_.checkpoint.restart + "/" + resultOf(written.step);
+    std::error_code error;
+    std::filesystem::copy_file(file, place(resultOf(written.step)),
+                               std::filesystem::copy_options::overwrite_existing, error);
+    if (error)
+      throw InputError("the result file \"" + file + "\" of a step before the checkpoint cannot be copied: " +
+                           error.message() + "; restart into the directory of the checkpoint itself",
+                       {{"file", file}});
+  }
+}
+
+std::string RunDirectory::resultOf(int step) {
+  std::ostringstream name;
+  name << "result_" << std::setw(4) << std::setfill('0') << step << ".vtkhdf";
+  return name.str();
+}
+
+void RunDirectory::exchange(qp::StateArchive<MultiVector>& archive, std::vector<Written>& written) {
+  std::vector<double> values;
+  for (const Written& item : written) {
+    values.push_back(item.step);
+    values.push_back(item.time);
+  }
+  archive.numbers("result files", values);
+  written.clear();
+  for (std::size_t k = 0; k + 1 < values.size(); k += 2)
+    written.push_back({static_cast<int>(values[k]), values[k + 1]});
+}
+
+std::vector<RunDirectory::Written> RunDirectory::writtenBefore() const {
+  std::vector<Written> written;
+  if (checkpoint_ && checkpoint_->holds("result files"))
+    checkpoint_->restore({}, [&](qp::StateArchive<MultiVector>& archive) { exchange(archive, written); });
+  return written;
+}
+
+void RunDirectory::writeSeries(const std::vector<Written>& written) const {
+  agree(comm_, [&] {
+    if (comm_.getRank() != 0)
+      return;
+    nlohmann::ordered_json json;
+    json["file-series-version"] = "1.0";
+    json["files"] = nlohmann::ordered_json::array();
+    for (const Written& item : written)
+      json["files"].push_back({{"name", resultOf(item.step)}, {"time", item.time}});
+    io::writeAtomically(place("result.vtkhdf.series"), json.dump(2) + "\n");
+  });
+}
+
+void RunDirectory::writeSteps(const std::vector<StepRow>& rows) const {
+  agree(comm_, [&] {
+    if (comm_.getRank() == 0)
+      io::writeAtomically(place("steps.csv"), toCsv(rows));
   });
 }
 

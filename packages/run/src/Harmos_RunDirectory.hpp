@@ -5,6 +5,7 @@
 #include "Harmos_Log.hpp"
 #include "Harmos_QpTypes.hpp"
 #include "Harmos_RunOptions.hpp"
+#include "Harmos_StepTable.hpp"
 
 #include <Teuchos_Comm.hpp>
 
@@ -34,12 +35,28 @@ class RunDirectory {
   std::string place(const std::string& file) const { return options_.outputDirectory + "/" + file; }
 
   /// Makes it. Results of an earlier run are removed, so that they are not taken for this one's if it fails;
-  /// a checkpoint that this run does not go on from is put aside.
+  /// a checkpoint that this run does not go on from is put aside. Results of steps that were done before the
+  /// checkpoint stay, or are brought from where the checkpoint lies.
   /// @throws InputError on all ranks. @note Collective.
   void prepare(const Log& log) const;
 
   /// iterations.csv, whole. @throws InputError on all ranks. @note Collective.
   void writeIterations(const std::vector<qp::IterationRecord>& history) const;
+
+  /// steps.csv, whole. @throws InputError on all ranks. @note Collective.
+  void writeSteps(const std::vector<StepRow>& rows) const;
+
+  /// The result file of a step, and the series of those that were written: result.vtkhdf.series, in the JSON
+  /// that ParaView reads.
+  struct Written {
+    int step;
+    double time;
+  };
+  static std::string resultOf(int step);
+  void writeSeries(const std::vector<Written>& written) const;
+  /// Those that the checkpoint tells of; none without one. @note Collective.
+  std::vector<Written> writtenBefore() const;
+  static void exchange(qp::StateArchive<MultiVector>& archive, std::vector<Written>& written);
 
   /// A file that is of no use any more, or a view of the run: that it stays is no reason to fail. Local.
   void removeQuietly(const std::string& file) const;
@@ -50,6 +67,8 @@ class RunDirectory {
 
  private:
   bool goesOnInPlace() const;
+  void removeResults() const;
+  void bringResults() const;
   void putCheckpointAside(const Log& log) const;
 
   const Teuchos::Comm<int>& comm_;

@@ -31,13 +31,14 @@ double norm(const MultiVector& x) {
 
 RunMonitor::RunMonitor(const Teuchos::Comm<int>& comm, const RunOptions& options,
                        const CheckpointReader* checkpoint, const std::vector<contact::ContactPoint>& points,
-                       const Log& log, RunReport& report)
+                       const Log& log, RunReport& report, SolvePlace place)
     : comm_(comm),
       options_(options),
       checkpoint_(checkpoint),
       points_(points),
       log_(log),
       report_(report),
+      place_(std::move(place)),
       start_(std::chrono::steady_clock::now()) {}
 
 RunMonitor::~RunMonitor() = default;
@@ -45,14 +46,17 @@ RunMonitor::~RunMonitor() = default;
 void RunMonitor::begins(const feti::DualRun& run) {
   run_.emplace(run);
   view_ = std::make_unique<LiveView>(
-      comm_.getRank() == 0 ? options_.outputDirectory + "/iterations.csv" : std::string(), run.method, log_);
+      comm_.getRank() == 0 ? options_.outputDirectory + "/iterations.csv" : std::string(),
+      place_.text + run.method, log_);
   start_ = std::chrono::steady_clock::now();
-  if (checkpoint_ == nullptr)
+  if (checkpoint_ == nullptr) {
+    view_->begin(place_.earlier, {});
     return;
+  }
   restore([&](Archive& archive) { exchangeProblem(archive); });
   for (const Exchange& state : states_)
     restore(state);
-  view_->begin(rows_);
+  view_->begin(place_.earlier, rows_);
   if (!rows_.empty()) {
     lastOuter_ = rows_.back().outer;
     log_.info("Going on from iteration " + std::to_string(rows_.back().inner) + " of \"" +
@@ -140,29 +144,39 @@ RunMonitor::Wish RunMonitor::ask(const qp::IterationState<MultiVector>& state) {
   return wish;
 }
 
-RowBasis RunMonitor::basis() const {
-  const Teuchos::RCP<const Operator> rows = run_->stages.problem.equalityRows();
+RowBasis rowBasis(const feti::DualProblem& problem) {
+  const Teuchos::RCP<const Operator> rows = problem.equalityRows();
   return {[rows](const MultiVector& mu, MultiVector& dual) { rows->apply(mu, dual, Teuchos::TRANS); },
           [rows](const MultiVector& dual, MultiVector& mu) { rows->apply(dual, mu); }};
 }
 
 void RunMonitor::save(const Exchange& state) {
+  write([&](Archive& archive) {
+    exchangeProblem(archive);
+    state(archive);
+    for (const Exchange& other : states_)
+      other(archive);
+  });
+}
+
+void RunMonitor::saveBetween(const Exchange& state) {
+  write([&](Archive& archive) {
+    exchangeProblem(archive);
+    state(archive);
+  });
+}
+
+void RunMonitor::write(const Exchange& all) {
   const std::string path = checkpointPath(options_.outputDirectory);
   try {
     std::string assignments;
     for (const std::string& assignment : options_.checkpoint.assignments)
       assignments += assignment + '\0'; // which none of them contains
-    const auto all = [&](Archive& archive) {
-      exchangeProblem(archive);
-      state(archive);
-      for (const Exchange& other : states_)
-        other(archive);
-    };
     StateSize size;
     all(size);
     const std::size_t texts =
         options_.checkpoint.deck.size() + options_.checkpoint.deckFile.size() + assignments.size();
-    CheckpointWriter writer(comm_, path, basis(), size.bytes() + static_cast<long long>(texts));
+    CheckpointWriter writer(comm_, path, rowBasis(run_->stages.problem), size.bytes() + static_cast<long long>(texts));
     writer.text("deck", options_.checkpoint.deck);
     writer.text("deck file", options_.checkpoint.deckFile);
     writer.text("assignments", assignments);
@@ -182,7 +196,7 @@ void RunMonitor::save(const Exchange& state) {
 }
 
 void RunMonitor::restore(const Exchange& state) {
-  checkpoint_->restore(basis(), [&](Archive& archive) { state(archive); });
+  checkpoint_->restore(rowBasis(run_->stages.problem), [&](Archive& archive) { state(archive); });
 }
 
 // contact.csv: the forces that the present multipliers stand for.

@@ -17,6 +17,15 @@
 
 namespace Harmos::run {
 
+/// Of the equality rows of a problem.
+RowBasis rowBasis(const feti::DualProblem& problem);
+
+/// The place of a solve in a run of several.
+struct SolvePlace {
+  std::string text;                         ///< before the status line: "step 3/5, time 0.6"
+  std::vector<qp::IterationRecord> earlier; ///< of the steps before
+};
+
 /// Looks after the solver of a run: iterations.csv while it grows, contact.csv every few seconds, checkpoints
 /// when they are due or asked for, and the way back from one.
 ///
@@ -27,7 +36,8 @@ class RunMonitor : public feti::DualMonitor {
   /// @param checkpoint to go on from, or null. All to outlive this. Checkpoints and their fate go to the
   /// report.
   RunMonitor(const Teuchos::Comm<int>& comm, const RunOptions& options, const CheckpointReader* checkpoint,
-             const std::vector<contact::ContactPoint>& points, const Log& log, RunReport& report);
+             const std::vector<contact::ContactPoint>& points, const Log& log, RunReport& report,
+             SolvePlace place = {});
   ~RunMonitor() override;
 
   /// What else belongs to a checkpoint.
@@ -41,13 +51,16 @@ class RunMonitor : public feti::DualMonitor {
   bool holds(const std::string& name) const override { return checkpoint_->holds(name); }
   void restore(const Exchange& state) override;
 
+  /// After the solver has finished: a checkpoint without its state. @note Collective.
+  void saveBetween(const Exchange& state);
+
  private:
   struct Look {
     double elapsed;
     Told told;
   };
   Look look();
-  RowBasis basis() const;
+  void write(const Exchange& all);
   void showContact(const MultiVector& lambda) const;
   void exchangeProblem(Archive& archive);
 
@@ -57,6 +70,7 @@ class RunMonitor : public feti::DualMonitor {
   const std::vector<contact::ContactPoint>& points_;
   const Log& log_;
   RunReport& report_;
+  SolvePlace place_;
   std::vector<Exchange> states_;
   std::optional<feti::DualRun> run_;
   std::unique_ptr<LiveView> view_;

@@ -10,6 +10,7 @@ namespace Harmos::run {
 void RunOptions::addTo(ParameterSpec& deck) {
   feti::DualOptions::addDecompositionTo(deck);
   feti::DualOptions::addTo(deck);
+  scene::Timeline::addTo(deck);
 
   ParameterSpec solver("Solver", "Solution of the dual quadratic program.");
   feti::SolverOptions::addTo(solver);
@@ -27,6 +28,9 @@ void RunOptions::addTo(ParameterSpec& deck) {
               "Where the files go; made if it is not there. The option --output overrides it.");
   output.boolean("Fields", true, "Write result.vtkhdf for ParaView; false for timing.");
   output.boolean("Stresses", true, "Recover stresses at the nodes of elastic bodies and write them too.");
+  output.integer("Every", 1, 1, 1000000000,
+                 "Of a run with several steps: fields are written for every step whose number is a multiple of "
+                 "this, and for the last.");
   output.boolean("Rank diagnostics", false,
                  "Write ranks.csv: host, subdomains, memory and seconds of each rank.");
   output.real("Live seconds", RunOptions().liveSeconds, Range::atLeast(0.0),
@@ -40,6 +44,8 @@ void RunOptions::addTo(ParameterSpec& deck) {
                      "rule. PCPG and MPRGP have one outer iteration only.");
   checkpoint.real("Minutes", CheckpointOptions().minutes, Range::atLeast(0.0),
                   "Minutes from one to the next; 0 for no such rule.");
+  checkpoint.integer("Steps", CheckpointOptions().steps, 0, 1000000000,
+                     "Steps from one to the next, of a run with several; 0 for no such rule.");
   output.list(std::move(checkpoint));
   deck.list(std::move(output));
 }
@@ -56,15 +62,18 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
   options.outputDirectory = deck.sublist("Output").get<std::string>("Directory");
   options.writeFields = deck.sublist("Output").get<bool>("Fields");
   options.writeStresses = deck.sublist("Output").get<bool>("Stresses");
+  options.every = deck.sublist("Output").get<int>("Every");
   options.writeRanks = deck.sublist("Output").get<bool>("Rank diagnostics");
   options.liveSeconds = deck.sublist("Output").get<double>("Live seconds");
   const Teuchos::ParameterList& checkpoint = deck.sublist("Output").sublist("Checkpoint");
   options.checkpoint.outerIterations = checkpoint.get<int>("Outer iterations");
   options.checkpoint.minutes = checkpoint.get<double>("Minutes");
+  options.checkpoint.steps = checkpoint.get<int>("Steps");
   return options;
 }
 
 void checkConsistency(const scene::Scene& scene, const RunOptions& options) {
+  scene.timeline.check();
   if (options.method == "PCPG" && scene.hasInequalities())
     throw InputError(
         "contradictory options: \"Solver/Method\" = \"PCPG\" solves problems without inequalities, but "

@@ -32,6 +32,7 @@ enum class Told {
 struct CheckpointOptions {
   int outerIterations = 0; ///< between two checkpoints; 0 for none
   double minutes = 30.0;   ///< likewise
+  int steps = 1;           ///< likewise, of a run with several steps
   /// What this rank was told since it was last asked; null: nothing. Local.
   std::function<Told()> told;
   std::string restart;                  ///< the output directory of the run to go on from; "" for none
@@ -50,6 +51,7 @@ struct RunOptions : feti::SolverOptions {
   std::string outputDirectory;
   bool writeFields = true;
   bool writeStresses = true;
+  int every = 1;            ///< of several steps, the first of those whose fields are written
   bool writeRanks = false;  ///< ranks.csv
   double liveSeconds = 5.0; ///< between two contact.csv; 0 for none
   CheckpointOptions checkpoint;

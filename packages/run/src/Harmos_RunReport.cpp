@@ -23,6 +23,20 @@ nlohmann::ordered_json numbers(const fem::Point& values) {
   return {number(values[0]), number(values[1]), number(values[2])};
 }
 
+// The keys of steps.csv.
+nlohmann::ordered_json toJson(const StepRow& row) {
+  nlohmann::ordered_json json;
+  for (const auto& [name, value] : row.numbers())
+    json[name] = number(value);
+  for (const char* name : {"step", "products", "active_sets", "closed", "open", "sticking", "slipping", "broken"})
+    json[name] = static_cast<long long>(json[name].get<double>());
+  json["converged"] = row.converged;
+  for (const auto& [path, resultant] : row.forces)
+    for (std::size_t d = 0; d < 3; ++d)
+      json[path + "/f" + "xyz"[d]] = number(resultant.force[d]);
+  return json;
+}
+
 double ratio(double value, double scale) {
   return scale > 0.0 ? value / scale : value;
 }
@@ -91,6 +105,9 @@ std::string toJson(const RunReport& report) {
   json["forces"] = nlohmann::ordered_json::object();
   for (const auto& [path, resultant] : report.forces.effects)
     json["forces"][path] = {{"force", numbers(resultant.force)}, {"moment", numbers(resultant.moment)}};
+  json["steps"] = nlohmann::ordered_json::array();
+  for (const StepRow& row : report.steps)
+    json["steps"].push_back(toJson(row));
   json["effects"] = report.effects;
   json["effect_costs"] = nlohmann::ordered_json::array();
   for (const scene::EffectCost& cost : report.effectCosts)
@@ -106,12 +123,27 @@ std::string toJson(const RunReport& report) {
   json["dual_operator_mib"] = number(report.dualOperatorMiB);
   json["solver"] = report.solver;
   json["distinct_local_factorizations"] = report.distinctFactorizations;
+  json["local_factorizations"] = report.factorisations;
   json["results"] = nlohmann::ordered_json::object();
   for (const auto& [name, value] : report.results)
     json["results"][name] = number(value);
   json["seconds"] = report.seconds;
   json["peak_memory_mib"] = report.peakMemoryMiB;
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+StepRow stepRow(const RunReport& report, const EnergyAccount& energy) {
+  StepRow row;
+  row.converged = report.converged;
+  row.products = report.result.counters.hessianApplications;
+  row.activeSets = report.result.counters.faces;
+  row.energy = energy.stored();
+  row.externalWork = energy.externalWork();
+  row.closed = std::count_if(report.contact.begin(), report.contact.end(),
+                             [](const ContactState& point) { return point.closed; });
+  row.open = static_cast<long long>(report.contact.size()) - row.closed;
+  row.forces = report.forces.effects;
+  return row;
 }
 
 bool auditAgrees(const RunReport& report) {

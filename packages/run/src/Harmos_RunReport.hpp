@@ -4,8 +4,10 @@
 #include "Harmos_ContactFields.hpp"
 #include "Harmos_DualSolution.hpp"
 #include "Harmos_EffectCosts.hpp"
+#include "Harmos_EnergyAccount.hpp"
 #include "Harmos_Forces.hpp"
 #include "Harmos_KktAudit.hpp"
+#include "Harmos_StepTable.hpp"
 
 #include <map>
 #include <string>
@@ -42,6 +44,8 @@ struct RunReport : feti::SolveReport {
   bool audited = false;
   feti::KktAudit audit;
   Forces forces; ///< audited runs only; the same on every rank
+  std::vector<StepRow> steps; ///< that were accepted, or the one there is
+  long long factorisations = 0; ///< numerical ones of subdomains, on all ranks, in the whole run
   // With inequalities; the same on every rank. For what applications make of them.
   std::vector<contact::ContactPoint> contactPoints;
   std::vector<ContactState> contact;     ///< of each point
@@ -54,6 +58,9 @@ struct RunReport : feti::SolveReport {
   std::string checkpointFault; ///< why the last one is not there, "" if it is
   bool isInterrupted() const { return solved && result.reason == qp::Reason::Interrupted; }
 };
+
+/// The row of an answer that has been audited; step and time are left.
+StepRow stepRow(const RunReport& report, const EnergyAccount& energy);
 
 /// summary.json as text.
 std::string toJson(const RunReport& report);

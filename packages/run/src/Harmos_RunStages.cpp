@@ -4,6 +4,7 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_ContactFields.hpp"
 #include "Harmos_Decomposition.hpp"
+#include "Harmos_EnergyAccount.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Recovery.hpp"
 #include "Harmos_ResultFile.hpp"
@@ -15,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <iomanip>
 #include <sstream>
 
@@ -58,11 +60,13 @@ RunStages::RunStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const s
       report_(report),
       share_(share),
       directory_(*comm, options),
-      costs_(scene) {}
+      costs_(scene),
+      time_(scene.timeline.ends().front()) {}
 
-Solution RunStages::go() {
+void RunStages::setUp() {
   report_.restartedFrom = directory_.restartedFrom();
   directory_.checkDeck();
+  scene_.timeline.check();
   announce();
   directory_.prepare(log_);
   decompose();
@@ -70,17 +74,60 @@ Solution RunStages::go() {
   constrain();
   factorise();
   makeDualProblem();
-  solve();
+}
+
+Solution RunStages::goOnce() {
+  setUp();
+  solve(nullptr, monitor(directory_.checkpoint(), log_, {}), log_);
   if (report_.isInterrupted()) {
     leaveInterrupted();
     return {std::move(owned_), {}, solution_.lambda};
   }
   recover();
+  tellResult();
+  report_.steps = {onlyStep()};
   write();
   // The checkpoint has served, unless a limit stopped the solver.
   const qp::Reason reason = report_.result.reason;
   if (reason == qp::Reason::Converged || reason == qp::Reason::Infeasible || reason == qp::Reason::Unbounded)
     directory_.removeCheckpoint(report_.checkpoints > 0);
+  return hand();
+}
+
+// Of the state there is; loads and displacements went up together.
+StepRow RunStages::onlyStep() {
+  const double strainEnergy = 0.5 * report_.audit.energyNorm * report_.audit.energyNorm;
+  const auto answer = [&](const scene::TimedLoads& loads) {
+    return EnergyAccount::Answer{loads.factors(time_),
+                                 loads.products(*comm_, torn_.displacement, reactions_), strainEnergy,
+                                 scene::freeStrainEnergy(*comm_, scene_, owned_, time_)};
+  };
+  const std::vector<double> rises = scene_.temperatureRises(time_);
+  std::optional<EnergyAccount> energy;
+  if (std::any_of(rises.begin(), rises.end(), [](double rise) { return rise != 0.0; })) {
+    const scene::TimedLoads loads(scene_, owned_, costs_);
+    energy.emplace(loads.cases());
+    energy->reach(answer(loads));
+  } else { // all loads are at hand: fᵀu = ½uᵀKu − (½uᵀKu − fᵀu)
+    double motion = 0.0;
+    for (std::size_t i = 0; i < owned_.size(); ++i) {
+      const std::vector<feti::FixedDof>& fixed = system_->subdomain(static_cast<int>(i)).fixed;
+      std::set<int> counted;
+      for (std::size_t k = 0; k < fixed.size(); ++k)
+        if (counted.insert(fixed[k].dof).second)
+          motion += fixed[k].value * reactions_[i][k];
+    }
+    energy.emplace(std::vector<scene::TimedLoads::Case>(1));
+    energy->reach(
+        {{1.0}, {{strainEnergy - report_.audit.primalEnergy}, {globalSum(*comm_, motion)}}, strainEnergy, 0.0});
+  }
+  StepRow row = stepRow(report_, *energy);
+  row.time = time_;
+  return row;
+}
+
+Solution RunStages::hand() {
+  report_.contactPoints = std::move(contact_.points);
   return {std::move(owned_), std::move(torn_.displacement), solution_.lambda};
 }
 
@@ -156,6 +203,7 @@ void RunStages::factorise() {
     share_.dualOperatorMiB = inverses_->bytes() / mebi;
     report_.distinctFactorizations =
         globalSum(*comm_, static_cast<long long>(inverses_->distinctFactorizations()));
+    countFactorisations();
     report_.localCondition = globalMax(*comm_, inverses_->condition());
     report_.dualOperatorMiB = globalSum(*comm_, share_.dualOperatorMiB);
   }
@@ -164,6 +212,10 @@ void RunStages::factorise() {
        << " subdomains, " << std::fixed << std::setprecision(0) << report_.dualOperatorMiB
        << " MiB; condition of the subdomains about " << scientific(report_.localCondition, 0);
   log_.info(text.str());
+}
+
+void RunStages::countFactorisations() {
+  report_.factorisations = globalSum(*comm_, static_cast<long long>(inverses_->counts().factorizations));
 }
 
 void RunStages::makeDualProblem() {
@@ -201,21 +253,31 @@ void RunStages::sayCoarse() const {
               " of the largest; a round body whose normals come from its facets rotates almost freely");
 }
 
-void RunStages::solve() {
-  check_.emplace(*comm_, scene_, owned_, *dualStages_, options_, log_, report_);
-  {
-    const auto scope = timers_.scope("solve");
-    askSolver();
-  }
-  dualOperator_->rethrowFailure();
-  if (!preconditioner_.is_null())
-    preconditioner_->rethrowFailure();
-  directory_.removeQuietly(directory_.place("contact.csv"));
+void RunStages::prepare(const Data& data) {
+  const auto scope = timers_.scope("dual_operator");
+  time_ = data.time;
+  system_->setLoads(data.loads);
+  if (data.prescribed != nullptr)
+    system_->setPrescribed(*data.prescribed);
+  if (data.rows != nullptr)
+    constraints_->setBounds(*data.rows);
+  dual_.emplace(*system_, *constraints_, *inverses_, *dualOperator_, *coarse_);
 }
 
-void RunStages::askSolver() {
-  const auto monitor =
-      Teuchos::rcp(new RunMonitor(*comm_, options_, directory_.checkpoint(), contact_.points, log_, report_));
+void RunStages::checkBounds(const std::vector<std::vector<double>>& prescribed) {
+  system_->setPrescribed(prescribed);
+  constraints_->setBounds(contact_.rows);
+}
+
+Teuchos::RCP<RunMonitor> RunStages::monitor(const CheckpointReader* checkpoint, const Log& log,
+                                            SolvePlace place) {
+  return Teuchos::rcp(
+      new RunMonitor(*comm_, options_, checkpoint, contact_.points, log, report_, std::move(place)));
+}
+
+void RunStages::solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log) {
+  static_cast<feti::SolveReport&>(report_) = {};
+  check_.emplace(*comm_, scene_, owned_, *dualStages_, options_, time_, log, report_);
   monitor->addState([&](qp::StateArchive<MultiVector>& archive) { check_->exchange(archive); });
   const auto accept = [&](const MultiVector& lambda, const std::vector<double>& mu, double tolerance) {
     return check_->judge(lambda, mu, tolerance);
@@ -223,9 +285,16 @@ void RunStages::askSolver() {
   feti::SolverOptions first = options_;
   if (options_.toleranceRule == ToleranceRule::Balanced)
     first.tolerance = firstBalancedTolerance();
-  if (log_.showsStatus())
+  if (log.showsStatus() || !log.writesInfo())
     first.progressFrequency = 0;
-  solution_ = feti::solveDualProblem(*dualStages_, first, nullptr, accept, log_, report_, monitor);
+  {
+    const auto scope = timers_.scope("solve");
+    solution_ = feti::solveDualProblem(*dualStages_, first, start, accept, log, report_, monitor);
+  }
+  dualOperator_->rethrowFailure();
+  if (!preconditioner_.is_null())
+    preconditioner_->rethrowFailure();
+  directory_.removeQuietly(directory_.place("contact.csv"));
 }
 
 // There may be little time left.
@@ -247,16 +316,16 @@ void RunStages::recover() {
     torn_ = check_->finish(*solution_.lambda, solution_.mu, report_.converged && !leavesJumps());
   }
   judgeAudit();
-  logResult(log_, report_);
-  if (report_.inequalities > 0) {
-    const auto scope = timers_.scope("recovery");
+  const auto scope = timers_.scope("recovery");
+  if (report_.inequalities > 0)
     report_.contact = contactStates(*comm_, contact_.points, feti::contactState(*constraints_, torn_));
-    report_.contactPoints = std::move(contact_.points);
-  }
-  {
-    const auto scope = timers_.scope("recovery");
-    report_.forces = forcesOf(*comm_, scene_, owned_, *system_, *constraints_, contact_, torn_);
-  }
+  reactions_ = feti::reactions(*system_, *constraints_, torn_);
+  report_.forces = forcesOf(*comm_, scene_, owned_, *system_, contact_, torn_.displacement, reactions_,
+                            constraints_->givenMultipliers(*torn_.multiplier));
+}
+
+void RunStages::tellResult() const {
+  logResult(log_, report_);
   if (const std::string text = forcesText(report_.forces); !text.empty())
     log_.info(text);
   log_.info(auditText(report_));
@@ -285,24 +354,24 @@ void RunStages::write() {
   const auto scope = timers_.scope("output");
   directory_.writeIterations(report_.result.history);
   if (options_.writeFields)
-    writeFields();
+    writeFields("result.vtkhdf");
 }
 
-void RunStages::writeFields() {
+void RunStages::writeFields(const std::string& file) {
   ResultFields fields;
   fields.displacement = &torn_.displacement;
   fields.components = scene_.components();
   std::vector<std::vector<fem::Voigt>> stress;
   if (options_.writeStresses && isElastic()) {
-    stress = recoverStress(*comm_, scene_, owned_, torn_.displacement);
+    stress = recoverStress(*comm_, scene_, owned_, torn_.displacement, time_);
     fields.stress = &stress;
   }
   ContactFields atNodes;
   if (report_.inequalities > 0) {
-    atNodes = contactFields(owned_, report_.contactPoints, report_.contact);
+    atNodes = contactFields(owned_, contact_.points, report_.contact);
     fields.contact = &atNodes;
   }
-  writeResult(*comm_, directory_.place("result.vtkhdf"), owned_, fields);
+  writeResult(*comm_, directory_.place(file), owned_, fields);
 }
 
 } // namespace Harmos::run

@@ -10,10 +10,12 @@
 #include "Harmos_RankTable.hpp"
 #include "Harmos_RunDirectory.hpp"
 #include "Harmos_RunOptions.hpp"
+#include "Harmos_RunMonitor.hpp"
 #include "Harmos_RunReport.hpp"
 #include "Harmos_Solution.hpp"
 #include "Harmos_StageTimers.hpp"
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -26,6 +28,9 @@ namespace Harmos::run {
 ///     decompose() → assemble() → constrain() → factorise() → makeDualProblem() → solve() → recover() →
 ///     write()
 ///
+/// A run of several steps (StepSequence) goes through the first ones once, and for each step from prepare(),
+/// which brings new loads and bounds to what is there, to write().
+///
 /// All members are collective; they throw what run::runScene() throws, on all ranks.
 class RunStages {
  public:
@@ -37,8 +42,48 @@ class RunStages {
             const RunOptions& options, const Log& log, const StageTimers& timers, RunReport& report,
             RankShare& share);
 
-  /// All of them, once.
-  Solution go();
+  /// All of them, once: a static state.
+  Solution goOnce();
+
+  /// From the meshes to the dual problem of the first step.
+  void setUp();
+  /// Loads, prescribed values and bounds of another time, by subdomain and row as the system and the
+  /// constraints take them; the dual problem is made anew.
+  struct Data {
+    double time;
+    std::vector<std::shared_ptr<const std::vector<double>>> loads;
+    const std::vector<std::vector<double>>* prescribed; ///< null: as they were
+    const std::vector<ConstraintRow>* rows;             ///< null: as they were
+  };
+  void prepare(const Data& data);
+  /// Whether prescribed values of some time can be met; prepare() has to follow.
+  /// @throws InputError on all ranks if they contradict each other or a row that holds nothing else.
+  void checkBounds(const std::vector<std::vector<double>>& prescribed);
+  /// Solves from a start, or from the options' own. @param monitor or null. @param log for what is told of the
+  /// solution.
+  void solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log);
+  /// The solution on the primal side, judged, and its contact states and forces.
+  void recover();
+  /// The fields, to a file of the output directory.
+  void writeFields(const std::string& file);
+  /// What the log says of the last solution.
+  void tellResult() const;
+  /// Counts numerical factorisations so far into the report.
+  void countFactorisations();
+  /// The solution, of which this keeps nothing.
+  Solution hand();
+
+  // What there is, once it has been set up, and after a solution.
+  const std::vector<scene::OwnedSubdomain>& owned() const { return owned_; }
+  const scene::ContactSetup& contact() const { return contact_; }
+  const feti::DualProblem& dualProblem() const { return *dual_; }
+  const feti::DualSolution& dualSolution() const { return solution_; }
+  const feti::TornSolution& torn() const { return torn_; }
+  const std::vector<std::vector<double>>& reactions() const { return reactions_; }
+  const RunDirectory& directory() const { return directory_; }
+  scene::EffectCosts& costs() { return costs_; }
+  /// A monitor of the next solution. @param checkpoint that it goes on from, or null.
+  Teuchos::RCP<RunMonitor> monitor(const CheckpointReader* checkpoint, const Log& log, SolvePlace place);
 
  private:
   void announce();
@@ -47,16 +92,13 @@ class RunStages {
   void constrain();
   void factorise();
   void makeDualProblem();
-  void solve();
-  void recover();
   void write();
 
   void sayConstraints();
   void sayCoarse() const;
-  void askSolver();
   void leaveInterrupted();
+  StepRow onlyStep();
   void judgeAudit();
-  void writeFields();
   std::string escapingBodies() const;
   bool isElastic() const { return scene_.physics != scene::Physics::Membrane; }
   // The penalty method leaves jumps by design, and says so.
@@ -86,6 +128,8 @@ class RunStages {
   std::optional<AnswerCheck> check_;
   feti::DualSolution solution_;
   feti::TornSolution torn_;
+  std::vector<std::vector<double>> reactions_; // of prescribed values
+  double time_;                                // of loads and bounds
 };
 
 } // namespace Harmos::run

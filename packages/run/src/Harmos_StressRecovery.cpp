@@ -71,11 +71,8 @@ struct Group {
 };
 
 std::vector<Group> groupsOf(const scene::Scene& scene, const std::vector<scene::OwnedSubdomain>& owned,
-                            const feti::TornVector& displacement) {
-  std::vector<double> temperature(scene.bodies.size(), 0.0);
-  for (const auto& effect : scene.effects)
-    for (int b : effect->bodies())
-      temperature[static_cast<std::size_t>(b)] += effect->temperatureRise(b);
+                            const feti::TornVector& displacement, double time) {
+  const std::vector<double> temperature = scene.temperatureRises(time);
   std::map<std::pair<const fem::Mesh*, int>, std::size_t> places;
   std::vector<Group> groups;
   for (std::size_t i = 0; i < owned.size(); ++i) {
@@ -117,17 +114,17 @@ std::vector<fem::StressSums> nodalStresses(const Teuchos::Comm<int>& comm, const
 
 std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
                                                    const std::vector<scene::OwnedSubdomain>& owned,
-                                                   const feti::TornVector& displacement) {
+                                                   const feti::TornVector& displacement, double time) {
   std::vector<std::vector<fem::Voigt>> result;
-  for (fem::StressSums& sum : nodalStresses(comm, scene, owned, groupsOf(scene, owned, displacement)))
+  for (fem::StressSums& sum : nodalStresses(comm, scene, owned, groupsOf(scene, owned, displacement, time)))
     result.push_back(std::move(sum.weighted));
   return result;
 }
 
 DiscretisationError estimateDiscretisationError(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
                                                 const std::vector<scene::OwnedSubdomain>& owned,
-                                                const feti::TornVector& displacement) {
-  const std::vector<Group> groups = groupsOf(scene, owned, displacement);
+                                                const feti::TornVector& displacement, double time) {
+  const std::vector<Group> groups = groupsOf(scene, owned, displacement, time);
   const std::vector<fem::StressSums> means = nodalStresses(comm, scene, owned, groups);
   std::vector<double> squares(2, 0.0);
   agree(comm, [&] {

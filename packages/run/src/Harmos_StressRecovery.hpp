@@ -11,10 +11,11 @@ namespace Harmos::run {
 
 /// Stresses at the nodes of this rank's subdomains (see fem::stressSums()), averaged over all cells of the
 /// body around a node, across subdomains; not across bodies.
+/// @param time at which the scene's magnitudes count: of its temperatures.
 /// @note Collective.
 std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
                                                    const std::vector<scene::OwnedSubdomain>& owned,
-                                                   const feti::TornVector& displacement);
+                                                   const feti::TornVector& displacement, double time);
 
 /// Energy norms: √∫ σ : C⁻¹ : σ, of membranes √∫ |∇u|².
 struct DiscretisationError {
@@ -27,6 +28,6 @@ struct DiscretisationError {
 /// @note Collective.
 DiscretisationError estimateDiscretisationError(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
                                                 const std::vector<scene::OwnedSubdomain>& owned,
-                                                const feti::TornVector& displacement);
+                                                const feti::TornVector& displacement, double time);
 
 } // namespace Harmos::run

@@ -67,4 +67,27 @@ std::vector<double> assembleThermalLoad(const Mesh& mesh, const Elasticity& elas
   return f;
 }
 
+double thermalEnergy(const Mesh& mesh, const Elasticity& elasticity) {
+  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh.cellType));
+  CellIntegrator cell(mesh, element);
+  std::vector<double> densities; // of each region
+  const std::vector<VoigtMatrix> stiffness = stiffnesses(elasticity);
+  for (std::size_t region = 0; region < elasticity.materials.size(); ++region) {
+    const Voigt expansion = elasticity.materials[region].thermalStrain();
+    const VoigtMatrix& material = stiffnessOf(stiffness, static_cast<int>(region));
+    double density = 0.0;
+    for (std::size_t r = 0; r < 6; ++r)
+      for (std::size_t s = 0; s < 6; ++s)
+        density += 0.5 * expansion[r] * material[r][s] * expansion[s];
+    densities.push_back(density);
+  }
+  double energy = 0.0;
+  for (int c = 0; c < mesh.numberOfCells(); ++c) {
+    cell.turnTo(c);
+    for (int q = 0; q < cell.points(); ++q)
+      energy += cell.measure(q) * densities[static_cast<std::size_t>(mesh.region(c))];
+  }
+  return energy;
+}
+
 } // namespace Harmos::fem

@@ -38,4 +38,7 @@ LocalMatrix assembleElasticity(const Mesh& mesh, const Elasticity& elasticity);
 /// f = ∫ B̄ᵀ C ε_T, the load of a temperature rise.
 std::vector<double> assembleThermalLoad(const Mesh& mesh, const Elasticity& elasticity, double temperature);
 
+/// ½∫ε_T:C:ε_T for a temperature of one degree. Local.
+double thermalEnergy(const Mesh& mesh, const Elasticity& elasticity);
+
 } // namespace Harmos::fem

@@ -6,6 +6,10 @@
 #include <Teuchos_LAPACK.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_MultiVector.hpp>
+#include <Tpetra_Operator.hpp>
+
+#include <algorithm>
+#include <utility>
 
 namespace Harmos::feti {
 namespace {
@@ -39,6 +43,33 @@ void SolutionHistory::add(const DualProblem& problem, const Teuchos::RCP<const M
   entries_.push_back({copyOf(problem.d()), copyOf(*problem.shift()), multiplier, mu});
   if (entries_.size() > most)
     entries_.pop_front();
+}
+
+void SolutionHistory::exchange(qp::StateArchive<MultiVector>& archive, const DualProblem& problem) {
+  std::size_t count = entries_.size();
+  archive.number("solutions", count);
+  if (archive.isReading())
+    entries_.assign(count, {});
+  for (std::size_t k = 0; k < count; ++k) {
+    Entry& entry = entries_[k];
+    const std::string name = "solution " + std::to_string(k);
+    for (const auto& [part, vector] : {std::pair{", d", &entry.d}, std::pair{", shift", &entry.shift},
+                                       std::pair{", multiplier", &entry.multiplier}}) {
+      const auto copy = Teuchos::rcp(new MultiVector(problem.d().getMap(), 1));
+      if (!archive.isReading())
+        Tpetra::deep_copy(*copy, **vector);
+      archive.vector(name + part, *copy);
+      *vector = copy;
+    }
+    if (problem.equalityRows().is_null())
+      continue;
+    MultiVector mu(problem.equalityRows()->getRangeMap(), 1);
+    if (!archive.isReading())
+      std::copy(entry.mu.begin(), entry.mu.end(), mu.getLocalViewHost(Tpetra::Access::OverwriteAll).data());
+    archive.rowVector(name + ", mu", mu);
+    const auto view = mu.getLocalViewHost(Tpetra::Access::ReadOnly);
+    entry.mu.assign(view.data(), view.data() + view.extent(0));
+  }
 }
 
 std::optional<WarmStart> SolutionHistory::start(const DualProblem& problem, double tolerance) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_DualSolution.hpp"
+#include "Harmos_SolverMonitor.hpp"
 
 #include <deque>
 #include <optional>
@@ -26,11 +27,13 @@ class SolutionHistory {
   /// Nothing without a solution. @param tolerance of the solutions. @note Collective.
   std::optional<WarmStart> start(const DualProblem& problem, double tolerance) const;
   void clear() { entries_.clear(); }
+  /// For checkpoints. @param problem any of those with this K and B. @note Collective.
+  void exchange(qp::StateArchive<MultiVector>& archive, const DualProblem& problem);
 
  private:
   struct Entry {
     Teuchos::RCP<const MultiVector> d, shift, multiplier;
-    std::vector<double> mu;
+    std::vector<double> mu; // empty without equality rows
   };
   std::deque<Entry> entries_;
 };

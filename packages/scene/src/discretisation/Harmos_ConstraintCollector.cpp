@@ -63,6 +63,10 @@ ConstraintCollector::ConstraintCollector(const Teuchos::Comm<int>& comm, const S
       effects_(scene, costs),
       contacts_(scene.physics != Physics::Membrane),
       ties_(false) {
+  held_[scene.timeline.ends().front()];
+  if (scene.timeline.hasSteps())
+    for (double time : scene.timeline.corners())
+      held_[time];
   for (const OwnedSubdomain& item : owned) {
     for (const auto& set : item.mesh.sides)
       withSides_[{item.body, set.first}].push_back(&item.mesh);
@@ -92,24 +96,26 @@ void ConstraintCollector::addTies(const std::vector<ContactPoint>& points,
 // The same on every rank.
 void ConstraintCollector::findHeldDofs(const std::vector<Part>& surfaces) {
   const int components = scene_.components();
-  struct Held {
+  struct Item {
     long long dof;
-    double value;
+    double time, value;
   };
-  std::vector<Held> mine;
+  std::vector<Item> mine;
   for (const Part& part : surfaces) {
     const auto subdomains = withNodes_.find(part);
     if (subdomains == withNodes_.end())
       continue;
     for (const OwnedSubdomain* item : subdomains->second) {
       const std::vector<int>& nodes = item->mesh.sets.at(part.second);
-      for (const feti::FixedDof& fixed : effects_.prescribed(*item))
-        if (const int node = fixed.dof / components; std::binary_search(nodes.begin(), nodes.end(), node))
-          mine.push_back({item->mesh.number(node) * components + fixed.dof % components, fixed.value});
+      for (const auto& timed : held_)
+        for (const feti::FixedDof& fixed : effects_.prescribed(*item, timed.first))
+          if (const int node = fixed.dof / components; std::binary_search(nodes.begin(), nodes.end(), node))
+            mine.push_back({item->mesh.number(node) * components + fixed.dof % components, timed.first,
+                            fixed.value});
     }
   }
-  for (const Held& item : gatherAll(comm_, mine))
-    held_.emplace(item.dof, item.value);
+  for (const Item& item : gatherAll(comm_, mine))
+    held_.at(item.time).emplace(item.dof, item.value);
 }
 
 void ConstraintCollector::collect(const Effect& effect) {
@@ -141,8 +147,10 @@ void ConstraintCollector::addTieRows(ContactSetup& setup) {
     while (end < ties.size() && ties_.effect(end).kind() == kind)
       ++end;
     const auto at = [&](std::size_t k) { return ties.begin() + static_cast<std::ptrdiff_t>(k); };
-    const contact::TieRows part = contact::tieRows(comm_, std::vector<ContactPoint>(at(begin), at(end)),
-                                                   scene_.components(), first, held_);
+    const std::vector<ContactPoint> points(at(begin), at(end));
+    contact::TieRows part;
+    for (const auto& timed : held_) // the same rows each time, or a contradiction
+      part = contact::tieRows(comm_, points, scene_.components(), first, timed.second);
     first += part.count;
     for (const ConstraintRow& row : part.rows)
       costs_.addBytes(kind, bytesOf(row));
@@ -158,8 +166,10 @@ ContactSetup ConstraintCollector::finish() {
   ContactSetup result;
   addContactRows(result);
   addTieRows(result);
-  for (std::size_t k = 0; k < contacts_.all().size(); ++k)
+  for (std::size_t k = 0; k < contacts_.all().size(); ++k) {
     costs_.addBytes(contacts_.effect(k).kind(), bytesOf(contacts_.all()[k]));
+    result.effects.push_back(&contacts_.effect(k));
+  }
   result.points = std::move(contacts_.all());
   result.notes = std::move(notes_);
   return result;

@@ -27,6 +27,7 @@ struct ContactSetup {
   };
   /// The points of the inequality rows, in their order, which is that of the effects. The same on every rank.
   std::vector<contact::ContactPoint> points;
+  std::vector<const Effect*> effects; ///< of each point
   std::vector<ConstraintRow> rows; ///< this rank's share, ties too
   std::vector<Origin> origins;     ///< of each of these; a row that two effects ask for is the first one's
   std::vector<std::string> notes;  ///< what the user should know; sentences
@@ -105,7 +106,8 @@ class ConstraintCollector {
   std::map<Part, std::vector<const OwnedSubdomain*>> withNodes_;
   const Effect* asked_ = nullptr;
   DistinctPoints contacts_, ties_;
-  std::map<long long, double> held_; // dofs at ties with prescribed values
+  using Held = std::map<long long, double>; // dofs at ties with prescribed values
+  std::map<double, Held> held_;             // by time
   std::vector<std::string> notes_;
 };
 

@@ -6,17 +6,32 @@
 namespace Harmos::scene {
 
 SubdomainEffects::SubdomainEffects(const Scene& scene, EffectCosts& costs)
-    : scene_(scene), costs_(costs), ofBody_(scene.bodies.size()) {
+    : scene_(scene), costs_(costs), time_(scene.timeline.ends().front()), ofBody_(scene.bodies.size()) {
   for (const auto& effect : scene.effects)
     for (int body : effect->bodies())
       ofBody_.at(static_cast<std::size_t>(body)).push_back(effect.get());
 }
 
-std::vector<feti::FixedDof> SubdomainEffects::prescribed(const OwnedSubdomain& subdomain) const {
+void SubdomainEffects::addPrescribed(const Effect& effect, const OwnedSubdomain& subdomain, double time,
+                                     std::vector<feti::FixedDof>& fixed) const {
+  const std::size_t before = fixed.size();
+  effect.addPrescribed(scene_, subdomain, fixed);
+  if (fixed.size() == before)
+    return;
+  if (const double factor = scene_.timeline.factor(effect, time); factor != 1.0)
+    for (std::size_t k = before; k < fixed.size(); ++k)
+      fixed[k].value *= factor;
+}
+
+std::vector<feti::FixedDof> SubdomainEffects::prescribed(const OwnedSubdomain& subdomain, double time) const {
   std::vector<feti::FixedDof> fixed;
   for (const Effect* effect : ofBody_[static_cast<std::size_t>(subdomain.body)])
-    effect->addPrescribed(scene_, subdomain, fixed);
+    addPrescribed(*effect, subdomain, time, fixed);
   return fixed;
+}
+
+std::vector<feti::FixedDof> SubdomainEffects::prescribed(const OwnedSubdomain& subdomain) const {
+  return prescribed(subdomain, time_);
 }
 
 std::vector<feti::FixedDof> SubdomainEffects::countedPrescribed(const OwnedSubdomain& subdomain) {
@@ -26,7 +41,7 @@ std::vector<feti::FixedDof> SubdomainEffects::countedPrescribed(const OwnedSubdo
     const std::size_t before = fixed.size(), known = dofs.size();
     {
       const auto scope = costs_.scope(*effect);
-      effect->addPrescribed(scene_, subdomain, fixed);
+      addPrescribed(*effect, subdomain, time_, fixed);
     }
     if (fixed.size() == before)
       continue;
@@ -38,11 +53,15 @@ std::vector<feti::FixedDof> SubdomainEffects::countedPrescribed(const OwnedSubdo
   return fixed;
 }
 
-SubdomainEffects::Acting SubdomainEffects::acting(const OwnedSubdomain& subdomain, KeyOf keyOf) const {
+SubdomainEffects::Acting
+SubdomainEffects::acting(const OwnedSubdomain& subdomain, KeyOf keyOf,
+                         const std::function<bool(const Effect&)>& takes) const {
   Acting acting{{subdomain.mesh.mesh.get(), subdomain.body, {}}, {}};
   std::vector<double>& keys = std::get<2>(acting.place);
   const std::vector<const Effect*>& effects = ofBody_[static_cast<std::size_t>(subdomain.body)];
   for (std::size_t k = 0; k < effects.size(); ++k) {
+    if (takes && !takes(*effects[k]))
+      continue;
     const auto scope = costs_.scope(*effects[k]);
     if (const auto key = (effects[k]->*keyOf)(scene_, subdomain)) {
       // Which effect, and where its key ends: no two sequences of keys look the same.
@@ -53,6 +72,17 @@ SubdomainEffects::Acting SubdomainEffects::acting(const OwnedSubdomain& subdomai
     }
   }
   return acting;
+}
+
+void SubdomainEffects::addLoad(const Effect& effect, const OwnedSubdomain& subdomain,
+                               std::vector<double>& load) const {
+  const double factor = scene_.timeline.factor(effect, time_);
+  if (factor == 1.0)
+    return effect.addLoad(scene_, subdomain, load);
+  std::vector<double> whole(load.size(), 0.0);
+  effect.addLoad(scene_, subdomain, whole);
+  for (std::size_t k = 0; k < load.size(); ++k)
+    load[k] += factor * whole[k];
 }
 
 std::shared_ptr<const std::vector<double>> SubdomainEffects::load(const OwnedSubdomain& subdomain) {
@@ -66,10 +96,30 @@ std::shared_ptr<const std::vector<double>> SubdomainEffects::load(const OwnedSub
   const auto load = std::make_shared<std::vector<double>>(dofs, 0.0);
   for (const Effect* effect : acts.effects) {
     const auto scope = costs_.scope(*effect);
-    effect->addLoad(scene_, subdomain, *load);
+    addLoad(*effect, subdomain, *load);
   }
   if (!acts.effects.empty()) // the vector is one, whatever the number of effects in it
     costs_.addBytes(acts.effects.front()->kind(), dofs * sizeof(double));
+  shared = load;
+  return shared;
+}
+
+std::shared_ptr<const std::vector<double>>
+SubdomainEffects::wholeLoad(const OwnedSubdomain& subdomain,
+                            const std::function<bool(const Effect&)>& takes) {
+  const Acting acts = acting(subdomain, &Effect::loadKey, takes);
+  if (acts.effects.empty())
+    return nullptr;
+  std::shared_ptr<const std::vector<double>>& shared = wholeLoads_[acts.place];
+  if (shared)
+    return shared;
+  const auto load = std::make_shared<std::vector<double>>(
+      static_cast<std::size_t>(subdomain.mesh.mesh->numberOfNodes() * scene_.components()), 0.0);
+  for (const Effect* effect : acts.effects) {
+    const auto scope = costs_.scope(*effect);
+    effect->addLoad(scene_, subdomain, *load);
+  }
+  costs_.addBytes(acts.effects.front()->kind(), load->size() * sizeof(double));
   shared = load;
   return shared;
 }

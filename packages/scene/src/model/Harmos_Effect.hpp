@@ -9,6 +9,10 @@
 #include <string>
 #include <vector>
 
+namespace Harmos::contact {
+struct ContactPoint;
+}
+
 namespace Harmos::scene {
 
 struct Scene;
@@ -24,9 +28,8 @@ class ConstraintCollector;
 /// says otherwise, and nothing is kept for it: what no effect of a scene names does not exist in its run.
 ///
 /// What effects to come need beyond that has its place here. Two-sided bounds (Tresca friction: |λ_t| ≤ s):
-/// a kind of row more in ConstraintCollector, for qp takes any box already. An update between solves (Coulomb
-/// friction, debonding): a hook after the recovery, from which the run goes back to the constraints. Output
-/// fields: a hook beside run::writeResult(), as ContactFields are for inequality rows.
+/// a kind of row more in ConstraintCollector, for qp takes any box already. Output fields: a hook beside
+/// run::writeResult(), as ContactFields are for inequality rows.
 ///
 /// Guarded by tests/unit/effects/test_absence.cpp.
 class Effect {
@@ -66,6 +69,9 @@ class Effect {
   /// Whether a run tells the force that it exerts: as a support, a foundation, an obstacle, or between two
   /// bodies.
   virtual bool exertsForce() const { return givesInequalities() || !heldBodies().empty(); }
+  /// Whether it has a size that a history scales over time (see Timeline): loads, prescribed values and strains
+  /// that it adds are those of the factor 1.
+  virtual bool hasMagnitude() const { return false; }
   /// @throws InputError for settings that the scene does not admit. Local; the same on all ranks.
   virtual void check(const Scene&) const {}
 
@@ -94,6 +100,27 @@ class Effect {
 
   /// @note Collective.
   virtual void addConstraints(ConstraintCollector&) const {}
+
+  // What it keeps from one step to the next: slip, damage. The run holds it, in two copies: what was committed
+  // with the last step that was accepted, and the trial state of the step that is being solved, which starts
+  // from that. A step that fails, is halved or taken up again from a checkpoint starts from the committed one,
+  // whatever happened to the trial. All of it is the same on every rank, and local.
+
+  /// One of its inequality rows in an answer.
+  struct RowAnswer {
+    const contact::ContactPoint* point;
+    double gap;   ///< that is left to the bound, as the state has shifted it
+    double force; ///< multiplier
+  };
+  /// How many numbers it keeps, with so many inequality rows; they are zero before the first step.
+  virtual std::size_t stateSize(std::size_t /*rows*/) const { return 0; }
+  /// What the state adds to the bounds of these rows.
+  virtual void addToBounds(const std::vector<double>& /*state*/, std::vector<double>& /*bounds*/) const {}
+  /// Brings the trial state up to an answer that has converged; whether the step is to be solved again with it.
+  /// A step whose state does not settle has failed.
+  virtual bool updateState(const std::vector<RowAnswer>& /*answer*/, std::vector<double>& /*trial*/) const {
+    return false;
+  }
 
  protected:
   /// sum += more, for vectors of the same length.

@@ -16,10 +16,23 @@ ParameterSpec EffectRegistry::spec() const {
   ParameterSpec list("Effects", "What happens to the bodies; what is not named costs nothing.");
   for (const EffectKind& kind : kinds_) {
     ParameterSpec ofKind(kind.name, "Effects of this kind, each by a name of your choice.");
-    ofKind.family(kind.parameters);
+    ofKind.family(parametersOf(kind));
     list.list(std::move(ofKind));
   }
   return list;
+}
+
+ParameterSpec EffectRegistry::parametersOf(const EffectKind& kind) {
+  ParameterSpec spec = kind.parameters;
+  if (kind.hasMagnitude)
+    spec.text("History", "",
+              "What its magnitude is multiplied by over the steps: \"ramp\", \"constant\" or one of "
+              "\"Steps/Histories\"; empty: \"ramp\" where there are several steps, else \"constant\".");
+  else
+    spec.absent("History", "effects of the kind \"" + kind.name +
+                               "\" have no magnitude that could follow a history; give it to a load or a "
+                               "prescribed displacement");
+  return spec;
 }
 
 void EffectRegistry::addParameters(ParameterSpec& deck) const {
@@ -31,7 +44,10 @@ void EffectRegistry::addEffects(const Teuchos::ParameterList& deck, Scene& scene
     const Teuchos::ParameterList& list = deck.sublist("Effects").sublist(kind.name);
     for (auto item = list.begin(); item != list.end(); ++item) {
       const std::string& name = list.name(item);
-      scene.effects.push_back(kind.make(list.sublist(name), "Effects/" + kind.name + "/" + name, scene));
+      const Teuchos::ParameterList& parameters = list.sublist(name);
+      scene.effects.push_back(kind.make(parameters, "Effects/" + kind.name + "/" + name, scene));
+      if (kind.hasMagnitude)
+        scene.timeline.follow(*scene.effects.back(), parameters.get<std::string>("History"));
     }
   }
 }

@@ -24,6 +24,8 @@ struct EffectKind {
   std::function<std::shared_ptr<const Effect>(const Teuchos::ParameterList& list, const std::string& path,
                                               const Scene& scene)>
       make;
+  /// Whether effects of it have a magnitude, which the parameter History, added by the registry, scales.
+  bool hasMagnitude = false;
 };
 
 /// The kinds of effects that an application admits in its decks, in an order that is also that of the rows
@@ -49,6 +51,7 @@ class EffectRegistry {
 
  private:
   ParameterSpec spec() const;
+  static ParameterSpec parametersOf(const EffectKind& kind);
 
   std::vector<EffectKind> kinds_;
 };

@@ -61,6 +61,15 @@ bool Scene::hasSeveralMaterials() const {
   return false;
 }
 
+std::vector<double> Scene::temperatureRises(double time) const {
+  std::vector<double> rises(bodies.size(), 0.0);
+  for (const auto& effect : effects)
+    for (int b : effect->bodies())
+      if (const double own = effect->temperatureRise(b); own != 0.0)
+        rises[static_cast<std::size_t>(b)] += timeline.factor(*effect, time) * own;
+  return rises;
+}
+
 std::vector<std::string> Scene::effectKinds() const {
   std::vector<std::string> kinds;
   for (const auto& effect : effects)

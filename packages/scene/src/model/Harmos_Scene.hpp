@@ -4,6 +4,7 @@
 #include "Harmos_Effect.hpp"
 #include "Harmos_Elasticity.hpp"
 #include "Harmos_Mesh.hpp"
+#include "Harmos_Timeline.hpp"
 
 #include <functional>
 #include <memory>
@@ -47,6 +48,7 @@ struct Scene {
   std::vector<Body> bodies;
   /// In their order they are asked: it is that of the rows, and of sums of loads.
   std::vector<std::shared_ptr<const Effect>> effects;
+  Timeline timeline;
   std::vector<std::string> notes; ///< told at the beginning of the run
   double secondsToMake = 0.0;     ///< of reading and cutting meshes before the run: part of its mesh stage
 
@@ -57,6 +59,8 @@ struct Scene {
   bool hasFloatingBody() const;
   /// Whether stiffnesses differ from body to body or region to region.
   bool hasSeveralMaterials() const;
+  /// Rise of each body's temperature, of all effects, at a time.
+  std::vector<double> temperatureRises(double time) const;
   /// Kinds of the effects that are on, each once, in their order.
   std::vector<std::string> effectKinds() const;
   /// Of each effect, for people and files: "Contact/joint"; one without a name has its number among those of

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_EnergyAccount.hpp"
+
+namespace Harmos::run {
+
+EnergyAccount::EnergyAccount(std::vector<scene::TimedLoads::Case> cases) : cases_(std::move(cases)) {
+  const std::vector<double> nothing(cases_.size(), 0.0);
+  before_ = {nothing, {nothing, nothing}, 0.0, 0.0};
+}
+
+void EnergyAccount::reach(Answer answer) {
+  stored_ = answer.strainEnergy + answer.freeStrainEnergy;
+  work_ = committedWork_ + answer.freeStrainEnergy - before_.freeStrainEnergy;
+  for (std::size_t c = 0; c < cases_.size(); ++c) {
+    const double h0 = before_.factors[c], h1 = answer.factors[c];
+    const double load0 = before_.products.load[c], load1 = answer.products.load[c];
+    const double motion0 = before_.products.motion[c], motion1 = answer.products.motion[c];
+    if (cases_[c].isStrain) {
+      stored_ -= h1 * load1;
+      work_ -= 0.5 * (load0 + load1) * (h1 - h0);
+    } else {
+      work_ += 0.5 * (h0 + h1) * (load1 - load0);
+    }
+    work_ += 0.5 * (motion0 + motion1) * (h1 - h0);
+  }
+  reached_ = std::move(answer);
+}
+
+void EnergyAccount::commit() {
+  before_ = reached_;
+  committedWork_ = work_;
+}
+
+void EnergyAccount::exchange(qp::StateArchive<MultiVector>& archive) {
+  archive.numbers("factors", before_.factors);
+  archive.numbers("products of loads", before_.products.load);
+  archive.numbers("products of motions", before_.products.motion);
+  archive.number("free strain energy", before_.freeStrainEnergy);
+  archive.number("external work", committedWork_);
+}
+
+} // namespace Harmos::run

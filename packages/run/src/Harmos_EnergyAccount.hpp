@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_SolverMonitor.hpp"
+#include "Harmos_TimedLoads.hpp"
+#include "Harmos_Types.hpp"
+
+#include <vector>
+
+namespace Harmos::run {
+
+/// The energies of a run, from state to state.
+///
+/// Stored: ½uᵀKu − f_Tᵀu + ½∫ε_T:C:ε_T, f_T the loads of strains. From outside, by the trapezoidal rule,
+///
+///     ΔW = Σ_h ½(h₀ + h₁)(f_hᵀu₁ − f_hᵀu₀) + Σ_h ½(g_hᵀr₀ + g_hᵀr₁)(h₁ − h₀)
+///
+/// of loads and of prescribed values with forces r on them; strains do the work −½(f_hᵀu₀ + f_hᵀu₁)(h₁ − h₀) +
+/// Δ½∫ε_T:C:ε_T. A run begins without loads: h₀ = 0. Where forces are linear in time ΔW is exact, else its
+/// error is of second order in the length of the steps.
+///
+/// All members are local. Guarded by tests/unit/run/test_energy_account.cpp and
+/// tests/verification/test_steps.py.
+class EnergyAccount {
+ public:
+  /// What an answer contributes.
+  struct Answer {
+    std::vector<double> factors;                ///< h of each case
+    scene::TimedLoads::Products products;       ///< of each case
+    double strainEnergy = 0.0;                  ///< ½uᵀKu
+    double freeStrainEnergy = 0.0;              ///< ½∫ε_T:C:ε_T
+  };
+
+  explicit EnergyAccount(std::vector<scene::TimedLoads::Case> cases);
+
+  /// The step from the last committed answer to this one; nothing is committed.
+  void reach(Answer answer);
+  void commit();
+
+  double stored() const { return stored_; }
+  /// Since the beginning of the run.
+  double externalWork() const { return work_; }
+
+  /// What was committed.
+  void exchange(qp::StateArchive<MultiVector>& archive);
+
+ private:
+  std::vector<scene::TimedLoads::Case> cases_;
+  Answer before_, reached_;
+  double committedWork_ = 0.0, work_ = 0.0, stored_ = 0.0;
+};
+
+} // namespace Harmos::run

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_SolverMonitor.hpp"
+#include "Harmos_Timeline.hpp"
+#include "Harmos_Types.hpp"
+
+namespace Harmos::run {
+
+/// Where a run of several steps has come to, and what it tries next: a step of the deck, or a part of it where
+/// more at once did not converge. Parts are halves of halves, so that their ends are the same however a run
+/// came there; the rest of a step is done in parts of equal length, the next step is tried whole.
+///
+/// All members are local. Guarded by tests/unit/run/test_step_clock.cpp.
+class StepClock {
+ public:
+  /// @param timeline to outlive this.
+  explicit StepClock(const scene::Timeline& timeline) : timeline_(timeline) {}
+
+  bool isOver() const { return step_ == static_cast<int>(timeline_.ends().size()); }
+  int steps() const { return static_cast<int>(timeline_.ends().size()); }
+  /// Of the deck, from 1: the one that is being done.
+  int step() const { return step_ + 1; }
+  double from() const { return at(done_); }
+  double to() const { return at(done_ + 1); }
+  /// Whether to() is the end of the deck's step.
+  bool endsStep() const { return done_ + 1 == parts_; }
+  bool isPart() const { return parts_ > 1; }
+
+  /// to() has been reached.
+  void accept();
+  /// Half of the last part is tried next; false, and nothing is changed, if that were less than the smallest.
+  bool halve();
+
+  void exchange(qp::StateArchive<MultiVector>& archive);
+
+ private:
+  double at(long long part) const;
+
+  const scene::Timeline& timeline_;
+  int step_ = 0;                     // done, of the deck
+  long long parts_ = 1, done_ = 0;   // of the present step
+};
+
+} // namespace Harmos::run

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_StepSequence.hpp"
+
+#include "Harmos_Agreement.hpp"
+#include "Harmos_Exchange.hpp"
+
+#include <Tpetra_MultiVector.hpp>
+
+#include <iomanip>
+#include <sstream>
+
+namespace Harmos::run {
+namespace {
+
+// Of states of effects in one step: more do not settle.
+constexpr int mostUpdates = 100;
+
+std::string timeText(double time) {
+  std::ostringstream text;
+  text << std::setprecision(6) << time;
+  return text.str();
+}
+
+} // namespace
+
+StepSequence::StepSequence(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
+                           const RunOptions& options, const Log& log, RunStages& run, RunReport& report)
+    : comm_(comm),
+      scene_(scene),
+      options_(options),
+      log_(log),
+      quiet_(log.withoutInfo()),
+      run_(run),
+      report_(report),
+      clock_(scene.timeline) {}
+
+Solution StepSequence::go() {
+  begin();
+  Outcome outcome = Outcome::Accepted;
+  while (outcome == Outcome::Accepted && !clock_.isOver()) {
+    outcome = attempt();
+    if (outcome == Outcome::Accepted)
+      accept();
+    else if (outcome == Outcome::Failed && clock_.halve()) {
+      log_.info("Step " + std::to_string(clock_.step()) + " of " + std::to_string(clock_.steps()) +
+                ": halved, to time " + timeText(clock_.to()) + ": " + failure_);
+      outcome = Outcome::Accepted;
+    }
+  }
+  return end(outcome);
+}
+
+void StepSequence::begin() {
+  run_.setUp();
+  agree(*comm_, [&] { loads_.emplace(scene_, run_.owned(), run_.costs()); });
+  states_.emplace(scene_, run_.contact());
+  energy_.emplace(loads_->cases());
+  prescribesMotion_ = globalMax(*comm_, loads_->prescribesMotion() ? 1LL : 0LL) > 0;
+  requireConsistent();
+  log_.info(std::to_string(clock_.steps()) + " steps to time " + timeText(scene_.timeline.end()));
+  if (restore())
+    log_.info("Going on after " + std::to_string(rows_.size()) + " accepted steps of \"" +
+              report_.restartedFrom + "\"");
+}
+
+// At all times of the run, before the first step: prescribed values among each other, and rows that hold
+// nothing else. Between corners of the histories both are linear in time.
+void StepSequence::requireConsistent() {
+  agree(*comm_, [&] { loads_->requireConsistent(); });
+  if (!prescribesMotion_)
+    return;
+  for (double time : scene_.timeline.corners())
+    try {
+      run_.checkBounds(loads_->prescribed(time));
+    } catch (const InputError& error) {
+      throw InputError("at time " + timeText(time) + ": " + error.what(), error.data());
+    }
+}
+
+std::string StepSequence::placeText() const {
+  return "step " + std::to_string(clock_.step()) + "/" + std::to_string(clock_.steps()) + " t " +
+         timeText(clock_.to()) + "  ";
+}
+
+StepSequence::Outcome StepSequence::attempt() {
+  if (within_ == nullptr) {
+    states_->begin();
+    updates_ = 0;
+  }
+  while (true) {
+    const Outcome outcome = solve();
+    if (outcome != Outcome::Accepted || !states_->update(report_.contact))
+      return outcome;
+    if (++updates_ > mostUpdates) {
+      failure_ = "the states of effects have not settled in " + std::to_string(mostUpdates) + " solutions";
+      return Outcome::Failed;
+    }
+  }
+}
+
+void StepSequence::prepare(double time) {
+  const std::vector<std::vector<double>> prescribed = loads_->prescribed(time);
+  const bool changesBounds = prescribesMotion_ || states_->any();
+  const std::vector<ConstraintRow> rows = changesBounds ? states_->rows() : std::vector<ConstraintRow>();
+  run_.prepare({time, loads_->loads(time), prescribesMotion_ ? &prescribed : nullptr,
+                changesBounds ? &rows : nullptr});
+}
+
+StepSequence::Outcome StepSequence::solve() {
+  try {
+    prepare(clock_.to());
+  } catch (const NumericalError& error) { // on all ranks: loads on a motion that nothing can hold
+    static_cast<feti::SolveReport&>(report_) = {};
+    failure_ = error.what();
+    return Outcome::Failed;
+  }
+  const std::optional<feti::WarmStart> start = history_.start(run_.dualProblem(), options_.tolerance);
+  monitor_ = run_.monitor(within_, quiet_, {placeText(), iterations_});
+  monitor_->addState([this](Archive& archive) { exchange(archive, true); });
+  within_ = nullptr;
+  run_.solve(start ? &*start : nullptr, monitor_, quiet_);
+  counters_ += report_.result.counters;
+  const qp::IterationRecord before = iterations_.empty() ? qp::IterationRecord{} : iterations_.back();
+  for (const qp::IterationRecord& row : report_.result.history)
+    iterations_.push_back(countedOn(row, before));
+  if (report_.isInterrupted())
+    return Outcome::Interrupted;
+  run_.recover();
+  failure_ = report_.reason;
+  return report_.converged ? Outcome::Accepted : Outcome::Failed;
+}
+
+void StepSequence::accept() {
+  energy_->reach({loads_->factors(clock_.to()),
+                  loads_->products(*comm_, run_.torn().displacement, run_.reactions()),
+                  0.5 * report_.audit.energyNorm * report_.audit.energyNorm,
+                  scene::freeStrainEnergy(*comm_, scene_, run_.owned(), clock_.to())});
+  StepRow row = stepRow(report_, *energy_);
+  row.step = clock_.step();
+  row.time = clock_.to();
+  if (writesFields()) {
+    run_.writeFields(RunDirectory::resultOf(row.step));
+    written_.push_back({row.step, row.time});
+  }
+  history_.add(run_.dualProblem(), run_.torn().multiplier, run_.dualSolution().mu);
+  states_->commit();
+  energy_->commit();
+  const bool endsStep = clock_.endsStep();
+  clock_.accept();
+  rows_.push_back(row);
+  run_.directory().writeSteps(rows_);
+  if (!written_.empty())
+    run_.directory().writeSeries(written_);
+  tell(row);
+  const int every = options_.checkpoint.steps;
+  if (endsStep && every > 0 && row.step % every == 0 && !clock_.isOver())
+    saveBetweenSteps();
+}
+
+bool StepSequence::writesFields() const {
+  return options_.writeFields && clock_.endsStep() &&
+         (clock_.step() % options_.every == 0 || clock_.step() == clock_.steps());
+}
+
+void StepSequence::tell(const StepRow& row) const {
+  std::ostringstream text;
+  text << "Step " << row.step << " of " << clock_.steps() << ", time " << timeText(row.time) << ": "
+       << row.products << " products, energy " << scientific(row.energy, 6);
+  if (report_.inequalities > 0)
+    text << ", " << row.closed << " of " << row.closed + row.open << " contact points closed";
+  log_.info(text.str());
+}
+
+void StepSequence::exchange(Archive& archive, bool isWithinSolve) {
+  archive.number("within a solve", isWithinSolve);
+  clock_.exchange(archive);
+  energy_->exchange(archive);
+  states_->exchange(archive);
+  archive.number("updates of states", updates_);
+  std::vector<std::string> paths;
+  const std::vector<std::string> all = scene_.effectPaths();
+  for (std::size_t k = 0; k < all.size(); ++k)
+    if (scene_.effects[k]->exertsForce())
+      paths.push_back(all[k]);
+  run::exchange(archive, rows_, paths);
+  RunDirectory::exchange(archive, written_);
+  std::vector<double> counts = qp::toNumbers(counters_), table = qp::toNumbers(iterations_);
+  archive.numbers("counters of the steps", counts);
+  archive.numbers("iterations of the steps", table);
+  if (archive.isReading()) {
+    counters_ = qp::countersOf(counts);
+    iterations_ = qp::historyOf(table);
+  }
+  history_.exchange(archive, run_.dualProblem());
+}
+
+void StepSequence::saveBetweenSteps() {
+  monitor_->saveBetween([this](Archive& archive) { exchange(archive, false); });
+}
+
+// Whether there was something to go on from.
+bool StepSequence::restore() {
+  const CheckpointReader* checkpoint = run_.directory().checkpoint();
+  if (checkpoint == nullptr)
+    return false;
+  bool isWithinSolve = false;
+  checkpoint->restore(rowBasis(run_.dualProblem()), [&](Archive& archive) {
+    archive.number("within a solve", isWithinSolve);
+    exchange(archive, isWithinSolve);
+  });
+  within_ = isWithinSolve ? checkpoint : nullptr;
+  run_.directory().writeSteps(rows_);
+  if (!written_.empty())
+    run_.directory().writeSeries(written_);
+  return true;
+}
+
+// Of the whole run, for the report.
+void StepSequence::sumUp() {
+  run_.countFactorisations();
+  report_.result.counters = counters_;
+  report_.result.history = iterations_;
+  report_.steps = rows_;
+  run_.directory().writeIterations(iterations_);
+}
+
+Solution StepSequence::end(Outcome outcome) {
+  sumUp();
+  if (outcome == Outcome::Interrupted) {
+    report_.audited = false;
+    report_.reason += report_.checkpointFault.empty()
+                          ? "; go on with --restart \"" + options_.outputDirectory + "\""
+                          : "; no checkpoint: " + report_.checkpointFault;
+    return run_.hand();
+  }
+  if (outcome == Outcome::Failed) {
+    report_.converged = false;
+    report_.reason = "step " + std::to_string(clock_.step()) + " of " + std::to_string(clock_.steps()) +
+                     ", from time " + timeText(clock_.from()) + " to " + timeText(clock_.to()) +
+                     (clock_.isPart() ? ", the smallest part of it that is tried" : "") + ": " + failure_ +
+                     "; results up to time " + timeText(rows_.empty() ? 0.0 : rows_.back().time) +
+                     " are whole";
+    return run_.hand();
+  }
+  run_.tellResult();
+  run_.directory().removeCheckpoint(report_.checkpoints > 0);
+  return run_.hand();
+}
+
+} // namespace Harmos::run

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_EffectStates.hpp"
+#include "Harmos_EnergyAccount.hpp"
+#include "Harmos_RunStages.hpp"
+#include "Harmos_SolutionHistory.hpp"
+#include "Harmos_StepClock.hpp"
+#include "Harmos_TimedLoads.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace Harmos::run {
+
+/// A run of several steps, each from what was committed with the one before:
+///
+///     set-up (once) → for each step: loads, bounds → solve → judge → states of effects → commit → write
+///
+/// A step that does not converge, or whose states do not settle, is halved (StepClock) and starts from
+/// committed state again; one that cannot be halved any more ends the run, with the reason, and all results of
+/// earlier steps stay. With each step that is accepted steps.csv, the result files and their series, and the
+/// checkpoint are written whole, in this order, so that whatever ends a run it goes on from a checkpoint with
+/// the very results that belong to it.
+///
+/// All members are collective. Guarded by tests/verification/test_steps.py.
+class StepSequence {
+ public:
+  /// All to outlive this. @param run before its set-up.
+  StepSequence(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
+               const RunOptions& options, const Log& log, RunStages& run, RunReport& report);
+
+  /// @return the solution of the last solve. @throws what run::runScene() throws.
+  Solution go();
+
+ private:
+  using Archive = qp::StateArchive<MultiVector>;
+  enum class Outcome { Accepted, Failed, Interrupted };
+
+  void begin();
+  void requireConsistent();
+  bool restore();
+  Outcome attempt();
+  Outcome solve();
+  void prepare(double time);
+  void accept();
+  void tell(const StepRow& row) const;
+  bool writesFields() const;
+  void saveBetweenSteps();
+  void exchange(Archive& archive, bool isWithinSolve);
+  void sumUp();
+  Solution end(Outcome outcome);
+  std::string placeText() const;
+
+  Teuchos::RCP<const Teuchos::Comm<int>> comm_;
+  const scene::Scene& scene_;
+  const RunOptions& options_;
+  const Log& log_;
+  Log quiet_;
+  RunStages& run_;
+  RunReport& report_;
+
+  std::optional<scene::TimedLoads> loads_;
+  std::optional<EffectStates> states_;
+  std::optional<EnergyAccount> energy_;
+  bool prescribesMotion_ = false; // on any rank
+  StepClock clock_;
+  feti::SolutionHistory history_;
+  std::vector<StepRow> rows_;
+  std::vector<RunDirectory::Written> written_;
+  std::vector<qp::IterationRecord> iterations_; // of all solves, counted on
+  qp::Counters counters_;                       // likewise
+  int updates_ = 0;                             // of states in this attempt
+  Teuchos::RCP<RunMonitor> monitor_;            // of the last solve
+  const CheckpointReader* within_ = nullptr;    // a solve to go on with
+  std::string failure_;                         // of the last attempt
+};
+
+} // namespace Harmos::run

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_StepTable.hpp"
+
+#include "Harmos_Errors.hpp"
+
+#include <algorithm>
+#include <iomanip>
+#include <sstream>
+
+namespace Harmos::run {
+namespace {
+
+// As a field of a CSV file (RFC 4180).
+std::string field(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos)
+    return text;
+  std::string result = "\"";
+  for (char c : text)
+    result += (c == '"' ? "\"" : "") + std::string(1, c);
+  return result + "\"";
+}
+
+} // namespace
+
+std::vector<std::pair<std::string, double>> StepRow::numbers() const {
+  return {{"step", step},
+          {"time", time},
+          {"converged", converged ? 1.0 : 0.0},
+          {"products", products},
+          {"active_sets", activeSets},
+          {"energy", energy},
+          {"external_work", externalWork},
+          {"dissipated", dissipated},
+          {"released", released},
+          {"closed", static_cast<double>(closed)},
+          {"open", static_cast<double>(open)},
+          {"sticking", static_cast<double>(sticking)},
+          {"slipping", static_cast<double>(slipping)},
+          {"broken", static_cast<double>(broken)}};
+}
+
+std::string toCsv(const std::vector<StepRow>& rows) {
+  std::ostringstream text;
+  text << std::setprecision(17);
+  const StepRow first = rows.empty() ? StepRow() : rows.front();
+  const char* separator = "";
+  for (const auto& item : first.numbers()) {
+    text << separator << item.first;
+    separator = ",";
+  }
+  for (const Forces::Of& effect : first.forces)
+    for (const char* component : {"/fx", "/fy", "/fz"})
+      text << ',' << field(effect.path + component);
+  text << '\n';
+  for (const StepRow& row : rows) {
+    separator = "";
+    for (const auto& item : row.numbers()) {
+      text << separator << item.second;
+      separator = ",";
+    }
+    for (const Forces::Of& effect : row.forces)
+      for (double component : effect.resultant.force)
+        text << ',' << component;
+    text << '\n';
+  }
+  return text.str();
+}
+
+void exchange(qp::StateArchive<MultiVector>& archive, std::vector<StepRow>& rows,
+              const std::vector<std::string>& paths) {
+  std::vector<double> values;
+  for (const StepRow& row : rows) {
+    for (const auto& item : row.numbers())
+      values.push_back(item.second);
+    for (const Forces::Of& effect : row.forces)
+      for (const fem::Point* vector : {&effect.resultant.force, &effect.resultant.moment})
+        values.insert(values.end(), vector->begin(), vector->end());
+  }
+  archive.numbers("rows of steps", values);
+  if (!archive.isReading())
+    return;
+  const std::size_t width = StepRow().numbers().size() + 6 * paths.size();
+  if (values.size() % width != 0)
+    throw InputError("the checkpoint's steps tell the forces of other effects; restart with the deck of the "
+                     "run that wrote it");
+  rows.clear();
+  for (std::size_t begin = 0; begin < values.size(); begin += width) {
+    const double* v = values.data() + begin;
+    StepRow row;
+    row.step = static_cast<int>(v[0]);
+    row.time = v[1];
+    row.converged = v[2] != 0.0;
+    row.products = static_cast<int>(v[3]);
+    row.activeSets = static_cast<int>(v[4]);
+    row.energy = v[5];
+    row.externalWork = v[6];
+    row.dissipated = v[7];
+    row.released = v[8];
+    long long* counts[] = {&row.closed, &row.open, &row.sticking, &row.slipping, &row.broken};
+    for (std::size_t k = 0; k < 5; ++k)
+      *counts[k] = static_cast<long long>(v[9 + k]);
+    const double* force = v + 14;
+    for (const std::string& path : paths) {
+      Forces::Of& effect = row.forces.emplace_back();
+      effect.path = path;
+      std::copy(force, force + 3, effect.resultant.force.begin());
+      std::copy(force + 3, force + 6, effect.resultant.moment.begin());
+      force += 6;
+    }
+    rows.push_back(std::move(row));
+  }
+}
+
+} // namespace Harmos::run

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_Forces.hpp"
+#include "Harmos_SolverMonitor.hpp"
+#include "Harmos_Types.hpp"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace Harmos::run {
+
+/// What is told of a step that was accepted, or of a part of one: a row of steps.csv.
+struct StepRow {
+  int step = 1; ///< of the deck
+  double time = 0.0;
+  bool converged = false;
+  int products = 0;          ///< with F, by the solver
+  int activeSets = 0;        ///< that it examined
+  double energy = 0.0;       ///< stored
+  double externalWork = 0.0; ///< since the beginning, like the next two
+  double dissipated = 0.0;
+  double released = 0.0; ///< of jumps at constant load
+  long long closed = 0, open = 0, sticking = 0, slipping = 0, broken = 0; ///< contact points
+  std::vector<Forces::Of> forces;
+
+  /// Columns and what stands in them, in their order, without those of the forces.
+  std::vector<std::pair<std::string, double>> numbers() const;
+};
+
+/// steps.csv as text: all columns always.
+/// Guarded by tests/unit/run/test_step_table.cpp.
+std::string toCsv(const std::vector<StepRow>& rows);
+
+/// For checkpoints. @param paths of the forces' effects, which are not kept.
+void exchange(qp::StateArchive<MultiVector>& archive, std::vector<StepRow>& rows,
+              const std::vector<std::string>& paths);
+
+} // namespace Harmos::run
