@@ -210,10 +210,10 @@ int runDeck(const Application& application, const ProgramContext& context) {
   }
   run::writeSummary(*comm, options, report);
   log.info("Results are in \"" + options.outputDirectory + "\": summary.json, iterations.csv" +
-           (report.isInterrupted()         ? ", checkpoint.h5"
-            : !scene.timeline.hasSteps()   ? (options.writeFields ? ", result.vtkhdf" : "")
-            : options.writeFields          ? ", steps.csv, result.vtkhdf.series"
-                                           : ", steps.csv"));
+           (report.isInterrupted()       ? ", checkpoint.h5"
+            : !scene.timeline.hasSteps() ? (options.writeFields ? ", result.vtkhdf" : "")
+            : options.writeFields        ? ", steps.csv, result.vtkhdf.series"
+                                         : ", steps.csv"));
   if (report.isInterrupted() && report.checkpointFault.empty()) {
     log.warning(report.reason);
     return exitInterrupted;

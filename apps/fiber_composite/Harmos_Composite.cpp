@@ -189,7 +189,8 @@ void addFibres(const std::shared_ptr<Layout>& layout, scene::Scene& scene) {
       return Point{dx / r, dy / r, 0.0};
     };
     if (sample.interface == Sample::Interface::Contact)
-      scene.effects.push_back(std::make_shared<effects::Contact>(std::move(circle), 0.0, scene.bodies.back().name));
+      scene.effects.push_back(
+          std::make_shared<effects::Contact>(std::move(circle), 0.0, scene.bodies.back().name));
     else
       scene.effects.push_back(std::make_shared<effects::Tie>(std::move(circle), scene.bodies.back().name));
   }

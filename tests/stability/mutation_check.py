@@ -126,7 +126,7 @@ FAULTS = (
         "the audit forgets penetration", "packages/feti/src/solve/Harmos_KktAudit.cpp",
         "audit.penetration <= allowed", "audit.penetration <= 1e9 * allowed", ("unit_run",)),
     fault(
-        "sign of the bound in the solver's error", "packages/run/src/Harmos_AnswerCheck.cpp",
+        "sign of the bound in the solver's error", "packages/run/src/stages/Harmos_AnswerCheck.cpp",
         "view(r, 0) -= stages_.constraints.bound(row);",
         "view(r, 0) += stages_.constraints.bound(row);", ("unit_run",)),
 )

@@ -31,9 +31,7 @@ class Log {
 
   /// From now on status() shows a line, of at most `width` characters: for a terminal.
   void showStatus(int width);
-  bool showsStatus() const {
-    return status_ != nullptr && active_ && verbosity_ != Verbosity::Quiet;
-  }
+  bool showsStatus() const { return status_ != nullptr && active_ && verbosity_ != Verbosity::Quiet; }
   /// A line that takes the place of the one before it; other messages come above it. "" takes it away.
   void status(const std::string& line) const;
 

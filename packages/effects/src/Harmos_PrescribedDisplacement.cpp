@@ -37,8 +37,7 @@ scene::EffectKind kindOfPrescribedDisplacement() {
   spec.texts("Components", {"x", "y", "z"},
              "Which are held; the others are free. Membranes have \"x\" alone.");
   spec.reals("Displacement", {0.0, 0.0, 0.0}, Range(), "In x, y, z; only those of the components count.");
-  return {PrescribedDisplacement::kindName, spec, make,
-          true};
+  return {PrescribedDisplacement::kindName, spec, make, true};
 }
 
 PrescribedDisplacement::PrescribedDisplacement(Part part, std::vector<Component> components, std::string name)

@@ -28,7 +28,8 @@ std::vector<std::vector<double>> reactions(const SubdomainSystem& system, const 
     std::vector<double>& forces = result[static_cast<std::size_t>(i)];
     for (std::size_t k = 0; k < physical.fixed.size(); ++k) {
       const int dof = physical.fixed[k].dof;
-      forces[k] += product(*physical.stiffness, dof, strained) - (*physical.load)[static_cast<std::size_t>(dof)];
+      forces[k] +=
+          product(*physical.stiffness, dof, strained) - (*physical.load)[static_cast<std::size_t>(dof)];
     }
   }
   return result;

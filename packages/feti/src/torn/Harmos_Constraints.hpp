@@ -43,7 +43,8 @@ enum class RowType {
 ///  and is
 ///    scaled to unit length; rowScale() keeps the factor, so that residuals and multipliers are told in
 ///    physical units;
-///  - prescribed values in a given row go to its bound, unless there is nothing else in it; what the row is at
+///  - prescribed values in a given row go to its bound, unless there is nothing else in it; what the row is
+///  at
 ///    them is kept beside, for the forces of the full row (heldForces());
 ///  - with DirichletForm::Dual each fixed copy gets a row u = g and no gluing row, which would depend on
 ///  those.
@@ -130,8 +131,8 @@ class Constraints {
  private:
   using Sent = std::vector<std::vector<Details::RowEntry>>; // by sender
   void keepFullRows(const Sent& held, const std::vector<ConstraintRow>& rows);
-  static std::vector<std::vector<Entry>> bySubdomain(const Sent& entries,
-                                                     const std::map<long long, int>& localRow, int subdomains);
+  static std::vector<std::vector<Entry>>
+  bySubdomain(const Sent& entries, const std::map<long long, int>& localRow, int subdomains);
 
   const SubdomainSystem& system_;
   Teuchos::RCP<const Map> rowMap_;

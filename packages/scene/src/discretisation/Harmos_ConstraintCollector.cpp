@@ -110,8 +110,8 @@ void ConstraintCollector::findHeldDofs(const std::vector<Part>& surfaces) {
       for (const auto& timed : held_)
         for (const feti::FixedDof& fixed : effects_.prescribed(*item, timed.first))
           if (const int node = fixed.dof / components; std::binary_search(nodes.begin(), nodes.end(), node))
-            mine.push_back({item->mesh.number(node) * components + fixed.dof % components, timed.first,
-                            fixed.value});
+            mine.push_back(
+                {item->mesh.number(node) * components + fixed.dof % components, timed.first, fixed.value});
     }
   }
   for (const Item& item : gatherAll(comm_, mine))
@@ -157,8 +157,8 @@ void ConstraintCollector::addTieRows(ContactSetup& setup) {
     costs_.addRows(kind, static_cast<long long>(part.rows.size()));
     setup.rows.insert(setup.rows.end(), part.rows.begin(), part.rows.end());
     for (const auto& [point, component] : part.origins)
-      setup.origins.push_back({&ties_.effect(begin + point), ties[begin + point].position,
-                               directionOf(scene_, component)});
+      setup.origins.push_back(
+          {&ties_.effect(begin + point), ties[begin + point].position, directionOf(scene_, component)});
   }
 }
 

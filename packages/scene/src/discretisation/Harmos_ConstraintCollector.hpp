@@ -28,9 +28,9 @@ struct ContactSetup {
   /// The points of the inequality rows, in their order, which is that of the effects. The same on every rank.
   std::vector<contact::ContactPoint> points;
   std::vector<const Effect*> effects; ///< of each point
-  std::vector<ConstraintRow> rows; ///< this rank's share, ties too
-  std::vector<Origin> origins;     ///< of each of these; a row that two effects ask for is the first one's
-  std::vector<std::string> notes;  ///< what the user should know; sentences
+  std::vector<ConstraintRow> rows;    ///< this rank's share, ties too
+  std::vector<Origin> origins;        ///< of each of these; a row that two effects ask for is the first one's
+  std::vector<std::string> notes;     ///< what the user should know; sentences
 };
 
 /// Points whose rows differ. Effects that overlap give the same row twice, perhaps with the surfaces

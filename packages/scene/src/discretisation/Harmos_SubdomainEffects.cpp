@@ -53,9 +53,8 @@ std::vector<feti::FixedDof> SubdomainEffects::countedPrescribed(const OwnedSubdo
   return fixed;
 }
 
-SubdomainEffects::Acting
-SubdomainEffects::acting(const OwnedSubdomain& subdomain, KeyOf keyOf,
-                         const std::function<bool(const Effect&)>& takes) const {
+SubdomainEffects::Acting SubdomainEffects::acting(const OwnedSubdomain& subdomain, KeyOf keyOf,
+                                                  const std::function<bool(const Effect&)>& takes) const {
   Acting acting{{subdomain.mesh.mesh.get(), subdomain.body, {}}, {}};
   std::vector<double>& keys = std::get<2>(acting.place);
   const std::vector<const Effect*>& effects = ofBody_[static_cast<std::size_t>(subdomain.body)];

@@ -12,8 +12,8 @@
 
 namespace Harmos::scene {
 
-/// What all effects of a scene add to its subdomains at one time. What looks the same from within congruent subdomains is
-/// made once and shared by them.
+/// What all effects of a scene add to its subdomains at one time. What looks the same from within congruent
+/// subdomains is made once and shared by them.
 class SubdomainEffects {
  public:
   /// At the end of the first step. @param scene, costs have to outlive it.
@@ -28,8 +28,8 @@ class SubdomainEffects {
   std::shared_ptr<const std::vector<double>> load(const OwnedSubdomain& subdomain);
 
   /// That of some effects, at the factor one; null if none of them acts there.
-  std::shared_ptr<const std::vector<double>>
-  wholeLoad(const OwnedSubdomain& subdomain, const std::function<bool(const Effect&)>& takes);
+  std::shared_ptr<const std::vector<double>> wholeLoad(const OwnedSubdomain& subdomain,
+                                                       const std::function<bool(const Effect&)>& takes);
 
   /// A stiffness matrix and its kernel.
   struct Stiffness {

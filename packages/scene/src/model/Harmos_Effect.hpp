@@ -69,8 +69,8 @@ class Effect {
   /// Whether a run tells the force that it exerts: as a support, a foundation, an obstacle, or between two
   /// bodies.
   virtual bool exertsForce() const { return givesInequalities() || !heldBodies().empty(); }
-  /// Whether it has a size that a history scales over time (see Timeline): loads, prescribed values and strains
-  /// that it adds are those of the factor 1.
+  /// Whether it has a size that a history scales over time (see Timeline): loads, prescribed values and
+  /// strains that it adds are those of the factor 1.
   virtual bool hasMagnitude() const { return false; }
   /// @throws InputError for settings that the scene does not admit. Local; the same on all ranks.
   virtual void check(const Scene&) const {}
@@ -101,10 +101,10 @@ class Effect {
   /// @note Collective.
   virtual void addConstraints(ConstraintCollector&) const {}
 
-  // What it keeps from one step to the next: slip, damage. The run holds it, in two copies: what was committed
-  // with the last step that was accepted, and the trial state of the step that is being solved, which starts
-  // from that. A step that fails, is halved or taken up again from a checkpoint starts from the committed one,
-  // whatever happened to the trial. All of it is the same on every rank, and local.
+  // What it keeps from one step to the next: slip, damage. The run holds it, in two copies: what was
+  // committed with the last step that was accepted, and the trial state of the step that is being solved,
+  // which starts from that. A step that fails, is halved or taken up again from a checkpoint starts from the
+  // committed one, whatever happened to the trial. All of it is the same on every rank, and local.
 
   /// One of its inequality rows in an answer.
   struct RowAnswer {
@@ -116,8 +116,8 @@ class Effect {
   virtual std::size_t stateSize(std::size_t /*rows*/) const { return 0; }
   /// What the state adds to the bounds of these rows.
   virtual void addToBounds(const std::vector<double>& /*state*/, std::vector<double>& /*bounds*/) const {}
-  /// Brings the trial state up to an answer that has converged; whether the step is to be solved again with it.
-  /// A step whose state does not settle has failed.
+  /// Brings the trial state up to an answer that has converged; whether the step is to be solved again with
+  /// it. A step whose state does not settle has failed.
   virtual bool updateState(const std::vector<RowAnswer>& /*answer*/, std::vector<double>& /*trial*/) const {
     return false;
   }

@@ -77,8 +77,9 @@ Timeline::Timeline(std::vector<double> ends, double smallest) : ends_(std::move(
 }
 
 void Timeline::addTo(ParameterSpec& deck) {
-  ParameterSpec steps("Steps", "Several states after each other, each from the one before. One step: a static "
-                               "state, as if this list were not there.");
+  ParameterSpec steps("Steps",
+                      "Several states after each other, each from the one before. One step: a static "
+                      "state, as if this list were not there.");
   steps.integer("Number", 1, 1, 10000000, "Steps of equal length.");
   steps.real("End time", 1.0, Range::above(0.0), "Of the last step, where \"Number\" is given.");
   steps.series("Times", Range::above(0.0),

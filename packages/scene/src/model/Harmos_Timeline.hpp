@@ -29,9 +29,9 @@ class History {
 /// The times at which a run looks at its scene, and how the magnitudes of effects go in between: a magnitude
 /// at a time is what the effect says times the factor of its history.
 ///
-/// The run begins at time 0, without loads and displacements. The histories "ramp" (from 0 at the beginning to
-/// 1 at the end) and "constant" (1) are always there; an effect with a magnitude follows the first where there
-/// are several steps and the second where there is one, unless follow() says otherwise.
+/// The run begins at time 0, without loads and displacements. The histories "ramp" (from 0 at the beginning
+/// to 1 at the end) and "constant" (1) are always there; an effect with a magnitude follows the first where
+/// there are several steps and the second where there is one, unless follow() says otherwise.
 ///
 /// Guarded by tests/unit/scene/test_timeline.cpp.
 class Timeline {

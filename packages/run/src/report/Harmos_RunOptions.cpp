@@ -28,9 +28,10 @@ void RunOptions::addTo(ParameterSpec& deck) {
               "Where the files go; made if it is not there. The option --output overrides it.");
   output.boolean("Fields", true, "Write result.vtkhdf for ParaView; false for timing.");
   output.boolean("Stresses", true, "Recover stresses at the nodes of elastic bodies and write them too.");
-  output.integer("Every", 1, 1, 1000000000,
-                 "Of a run with several steps: fields are written for every step whose number is a multiple of "
-                 "this, and for the last.");
+  output.integer(
+      "Every", 1, 1, 1000000000,
+      "Of a run with several steps: fields are written for every step whose number is a multiple of "
+      "this, and for the last.");
   output.boolean("Rank diagnostics", false,
                  "Write ranks.csv: host, subdomains, memory and seconds of each rank.");
   output.real("Live seconds", RunOptions().liveSeconds, Range::atLeast(0.0),

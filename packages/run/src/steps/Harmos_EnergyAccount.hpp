@@ -15,8 +15,8 @@ namespace Harmos::run {
 ///
 ///     ΔW = Σ_h ½(h₀ + h₁)(f_hᵀu₁ − f_hᵀu₀) + Σ_h ½(g_hᵀr₀ + g_hᵀr₁)(h₁ − h₀)
 ///
-/// of loads and of prescribed values with forces r on them; strains do the work −½(f_hᵀu₀ + f_hᵀu₁)(h₁ − h₀) +
-/// Δ½∫ε_T:C:ε_T. A run begins without loads: h₀ = 0. Where forces are linear in time ΔW is exact, else its
+/// of loads and of prescribed values with forces r on them; strains do the work −½(f_hᵀu₀ + f_hᵀu₁)(h₁ − h₀)
+/// + Δ½∫ε_T:C:ε_T. A run begins without loads: h₀ = 0. Where forces are linear in time ΔW is exact, else its
 /// error is of second order in the length of the steps.
 ///
 /// All members are local. Guarded by tests/unit/run/test_energy_account.cpp and
@@ -25,10 +25,10 @@ class EnergyAccount {
  public:
   /// What an answer contributes.
   struct Answer {
-    std::vector<double> factors;                ///< h of each case
-    scene::TimedLoads::Products products;       ///< of each case
-    double strainEnergy = 0.0;                  ///< ½uᵀKu
-    double freeStrainEnergy = 0.0;              ///< ½∫ε_T:C:ε_T
+    std::vector<double> factors;          ///< h of each case
+    scene::TimedLoads::Products products; ///< of each case
+    double strainEnergy = 0.0;            ///< ½uᵀKu
+    double freeStrainEnergy = 0.0;        ///< ½∫ε_T:C:ε_T
   };
 
   explicit EnergyAccount(std::vector<scene::TimedLoads::Case> cases);

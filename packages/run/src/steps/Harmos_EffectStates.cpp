@@ -64,7 +64,8 @@ void EffectStates::exchange(qp::StateArchive<MultiVector>& archive) {
     if (states_[k].committed.size() != size || states_[k].trial.size() != size)
       throw InputError("the checkpoint holds " + std::to_string(states_[k].committed.size()) +
                        " numbers of " + states_[k].effect->label() + ", but there are " +
-                       std::to_string(size) + "; restart with the deck and the meshes of the run that wrote it");
+                       std::to_string(size) +
+                       "; restart with the deck and the meshes of the run that wrote it");
   }
 }
 

@@ -43,8 +43,8 @@ struct RunReport : feti::SolveReport {
   double gapRounding = 0.0;         ///< gaps are known up to this: they are differences of coordinates
   bool audited = false;
   feti::KktAudit audit;
-  Forces forces; ///< audited runs only; the same on every rank
-  std::vector<StepRow> steps; ///< that were accepted, or the one there is
+  Forces forces;                ///< audited runs only; the same on every rank
+  std::vector<StepRow> steps;   ///< that were accepted, or the one there is
   long long factorisations = 0; ///< numerical ones of subdomains, on all ranks, in the whole run
   // With inequalities; the same on every rank. For what applications make of them.
   std::vector<contact::ContactPoint> contactPoints;

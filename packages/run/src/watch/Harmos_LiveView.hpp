@@ -43,7 +43,8 @@ class LiveView {
   /// Takes the line off the terminal.
   ~LiveView();
 
-  /// Rows of the steps before, after which this one's are counted on, and of a run that this one goes on from.
+  /// Rows of the steps before, after which this one's are counted on, and of a run that this one goes on
+  /// from.
   void begin(const std::vector<qp::IterationRecord>& earlier, const std::vector<qp::IterationRecord>& rows);
   void add(const qp::IterationRecord& record, const feti::DualTargets& targets);
 

@@ -9,8 +9,8 @@
 #include "Harmos_DualSolution.hpp"
 #include "Harmos_RankTable.hpp"
 #include "Harmos_RunDirectory.hpp"
-#include "Harmos_RunOptions.hpp"
 #include "Harmos_RunMonitor.hpp"
+#include "Harmos_RunOptions.hpp"
 #include "Harmos_RunReport.hpp"
 #include "Harmos_Solution.hpp"
 #include "Harmos_StageTimers.hpp"
@@ -59,8 +59,8 @@ class RunStages {
   /// Whether prescribed values of some time can be met; prepare() has to follow.
   /// @throws InputError on all ranks if they contradict each other or a row that holds nothing else.
   void checkBounds(const std::vector<std::vector<double>>& prescribed);
-  /// Solves from a start, or from the options' own. @param monitor or null. @param log for what is told of the
-  /// solution.
+  /// Solves from a start, or from the options' own. @param monitor or null. @param log for what is told of
+  /// the solution.
   void solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log);
   /// The solution on the primal side, judged, and its contact states and forces.
   void recover();

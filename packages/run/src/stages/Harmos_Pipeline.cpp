@@ -45,8 +45,8 @@ Solution runScene(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scen
   Solution solution;
   try {
     RunStages run(comm, scene, options, log, timers, report, share);
-    solution = scene.timeline.hasSteps() ? StepSequence(comm, scene, options, log, run, report).go()
-                                         : run.goOnce();
+    solution =
+        scene.timeline.hasSteps() ? StepSequence(comm, scene, options, log, run, report).go() : run.goOnce();
   } catch (const NumericalError& error) {
     failure = std::make_exception_ptr(withBody(scene, error));
   } catch (const Error& error) {

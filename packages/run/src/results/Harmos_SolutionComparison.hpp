@@ -4,9 +4,9 @@
 #include "Harmos_ContactFields.hpp"
 #include "Harmos_ContactPoint.hpp"
 #include "Harmos_ErrorNorms.hpp"
-#include "Harmos_Pipeline.hpp"
 #include "Harmos_PointLocator.hpp"
 #include "Harmos_Scene.hpp"
+#include "Harmos_Solution.hpp"
 
 #include <Teuchos_Comm.hpp>
 

@@ -28,7 +28,8 @@ nlohmann::ordered_json toJson(const StepRow& row) {
   nlohmann::ordered_json json;
   for (const auto& [name, value] : row.numbers())
     json[name] = number(value);
-  for (const char* name : {"step", "products", "active_sets", "closed", "open", "sticking", "slipping", "broken"})
+  for (const char* name :
+       {"step", "products", "active_sets", "closed", "open", "sticking", "slipping", "broken"})
     json[name] = static_cast<long long>(json[name].get<double>());
   json["converged"] = row.converged;
   for (const auto& [path, resultant] : row.forces)

@@ -16,8 +16,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <iomanip>
+#include <set>
 #include <sstream>
 
 namespace Harmos::run {
@@ -98,9 +98,8 @@ Solution RunStages::goOnce() {
 StepRow RunStages::onlyStep() {
   const double strainEnergy = 0.5 * report_.audit.energyNorm * report_.audit.energyNorm;
   const auto answer = [&](const scene::TimedLoads& loads) {
-    return EnergyAccount::Answer{loads.factors(time_),
-                                 loads.products(*comm_, torn_.displacement, reactions_), strainEnergy,
-                                 scene::freeStrainEnergy(*comm_, scene_, owned_, time_)};
+    return EnergyAccount::Answer{loads.factors(time_), loads.products(*comm_, torn_.displacement, reactions_),
+                                 strainEnergy, scene::freeStrainEnergy(*comm_, scene_, owned_, time_)};
   };
   const std::vector<double> rises = scene_.temperatureRises(time_);
   std::optional<EnergyAccount> energy;
@@ -118,8 +117,10 @@ StepRow RunStages::onlyStep() {
           motion += fixed[k].value * reactions_[i][k];
     }
     energy.emplace(std::vector<scene::TimedLoads::Case>(1));
-    energy->reach(
-        {{1.0}, {{strainEnergy - report_.audit.primalEnergy}, {globalSum(*comm_, motion)}}, strainEnergy, 0.0});
+    energy->reach({{1.0},
+                   {{strainEnergy - report_.audit.primalEnergy}, {globalSum(*comm_, motion)}},
+                   strainEnergy,
+                   0.0});
   }
   StepRow row = stepRow(report_, *energy);
   row.time = time_;

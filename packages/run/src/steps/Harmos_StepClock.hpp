@@ -7,9 +7,9 @@
 
 namespace Harmos::run {
 
-/// Where a run of several steps has come to, and what it tries next: a step of the deck, or a part of it where
-/// more at once did not converge. Parts are halves of halves, so that their ends are the same however a run
-/// came there; the rest of a step is done in parts of equal length, the next step is tried whole.
+/// Where a run of several steps has come to, and what it tries next: a step of the deck, or a part of it
+/// where more at once did not converge. Parts are halves of halves, so that their ends are the same however a
+/// run came there; the rest of a step is done in parts of equal length, the next step is tried whole.
 ///
 /// All members are local. Guarded by tests/unit/run/test_step_clock.cpp.
 class StepClock {
@@ -38,8 +38,8 @@ class StepClock {
   double at(long long part) const;
 
   const scene::Timeline& timeline_;
-  int step_ = 0;                     // done, of the deck
-  long long parts_ = 1, done_ = 0;   // of the present step
+  int step_ = 0;                   // done, of the deck
+  long long parts_ = 1, done_ = 0; // of the present step
 };
 
 } // namespace Harmos::run

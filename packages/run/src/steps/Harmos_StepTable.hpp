@@ -21,7 +21,7 @@ struct StepRow {
   double energy = 0.0;       ///< stored
   double externalWork = 0.0; ///< since the beginning, like the next two
   double dissipated = 0.0;
-  double released = 0.0; ///< of jumps at constant load
+  double released = 0.0;                                                  ///< of jumps at constant load
   long long closed = 0, open = 0, sticking = 0, slipping = 0, broken = 0; ///< contact points
   std::vector<Forces::Of> forces;
 

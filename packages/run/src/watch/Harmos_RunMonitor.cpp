@@ -45,9 +45,9 @@ RunMonitor::~RunMonitor() = default;
 
 void RunMonitor::begins(const feti::DualRun& run) {
   run_.emplace(run);
-  view_ = std::make_unique<LiveView>(
-      comm_.getRank() == 0 ? options_.outputDirectory + "/iterations.csv" : std::string(),
-      place_.text + run.method, log_);
+  view_ = std::make_unique<LiveView>(comm_.getRank() == 0 ? options_.outputDirectory + "/iterations.csv"
+                                                          : std::string(),
+                                     place_.text + run.method, log_);
   start_ = std::chrono::steady_clock::now();
   if (checkpoint_ == nullptr) {
     view_->begin(place_.earlier, {});
@@ -176,7 +176,8 @@ void RunMonitor::write(const Exchange& all) {
     all(size);
     const std::size_t texts =
         options_.checkpoint.deck.size() + options_.checkpoint.deckFile.size() + assignments.size();
-    CheckpointWriter writer(comm_, path, rowBasis(run_->stages.problem), size.bytes() + static_cast<long long>(texts));
+    CheckpointWriter writer(comm_, path, rowBasis(run_->stages.problem),
+                            size.bytes() + static_cast<long long>(texts));
     writer.text("deck", options_.checkpoint.deck);
     writer.text("deck file", options_.checkpoint.deckFile);
     writer.text("assignments", assignments);
