@@ -91,60 +91,8 @@ def restarted(case, directory, np=2, status=0, sets=None, words=(), program="sig
     return run
 
 
-class Background:
-    """A run that goes on while the test looks at it."""
-
-    def __init__(self, sets, np=2, words=()):
-        self.directory = runs.scratch("background")
-        self.out = runs.scratch("out")
-        command = [*runs.launcher(np), runs.application(), runs.MODEL, "--output", self.directory]
-        for path, value in sets.items():
-            command += ["--set", f"{path}={str(value).lower() if value is False else value}"]
-        with open(self.out, "wb") as out:
-            self.process = subprocess.Popen(
-                [str(word) for word in [*command, *words]],
-                env=runs.environment(),
-                stdin=subprocess.DEVNULL,
-                stdout=out,
-                stderr=subprocess.STDOUT,
-            )
-
-    def wait_for(self, name, seconds=120):
-        """Until the file is there. False if the run came to its end without it."""
-        end = time.monotonic() + seconds
-        while not (self.directory / name).is_file():
-            if self.process.poll() is not None:
-                return False
-            if time.monotonic() > end:
-                self.process.kill()
-                raise AssertionError(f"no {name} after {seconds} s\n{self.text()}")
-            time.sleep(0.01)
-        return True
-
-    def ranks(self):
-        """The process numbers of the ranks."""
-        found = []
-        for entry in Path("/proc").iterdir():
-            if not entry.name.isdigit():
-                continue
-            try:
-                words = (entry / "cmdline").read_bytes().split(b"\0")
-            except OSError:
-                continue
-            if words[0].endswith(b"/signorini") and str(self.directory).encode() in words:
-                found.append(int(entry.name))
-        return found
-
-    def end(self, seconds=120):
-        try:
-            self.process.wait(timeout=seconds)
-        except subprocess.TimeoutExpired:
-            self.process.kill()
-            raise AssertionError(f"no end after {seconds} s\n{self.text()}") from None
-        return self.process.returncode
-
-    def text(self):
-        return self.out.read_text(encoding="utf-8", errors="replace")
+def background(sets, np=2, words=()):
+    return runs.Background(runs.MODEL, sets, np, words)
 
 
 class SameHistory(unittest.TestCase):
@@ -260,7 +208,7 @@ class Stopped(unittest.TestCase):
         cls.plain = runs.run(runs.MODEL, LONG)
 
     def stop(self, send):
-        run = Background(LONG | {"Output/Checkpoint/Outer iterations": 1})
+        run = background(LONG | {"Output/Checkpoint/Outer iterations": 1})
         self.assertTrue(run.wait_for("checkpoint.h5"), run.text())
         send(run)
         self.assertEqual(run.end(), 4, run.text())
@@ -284,7 +232,7 @@ class Stopped(unittest.TestCase):
 
     def test_signal_before_the_solver(self):
         """Heard as soon as there is a line of output, obeyed when there is something to keep."""
-        run = Background(LONG)
+        run = background(LONG)
         end = time.monotonic() + 60
         while "Harmos" not in run.text():
             self.assertLess(time.monotonic(), end, run.text())
@@ -301,7 +249,7 @@ class Stopped(unittest.TestCase):
         self.assertEqual(history(again), history(self.plain), run.text())
 
     def test_checkpoint_on_request(self):
-        run = Background(LONG)
+        run = background(LONG)
         self.assertTrue(run.wait_for("iterations.csv"), run.text())
         for rank in run.ranks():
             os.kill(rank, signal.SIGUSR2)
@@ -326,7 +274,7 @@ class Stopped(unittest.TestCase):
 class Killed(unittest.TestCase):
     def test_rank_dies(self):
         plain = runs.run(runs.MODEL, LONG)
-        run = Background(LONG | {"Output/Checkpoint/Outer iterations": 1})
+        run = background(LONG | {"Output/Checkpoint/Outer iterations": 1})
         self.assertTrue(run.wait_for("checkpoint.h5"), run.text())
         time.sleep(0.05)
         os.kill(run.ranks()[-1], signal.SIGKILL)
@@ -461,7 +409,7 @@ class Faults(unittest.TestCase):
     def test_disk_is_full(self):
         """Files of at most 30 kB, which no checkpoint of this run is: it goes on without."""
         sets = LONG | {"Output/Checkpoint/Outer iterations": 1, "Output/Fields": False}
-        run = Background(sets)
+        run = background(sets)
         self.assertTrue(run.wait_for("iterations.csv"), run.text())
         for rank in run.ranks():
             resource.prlimit(rank, resource.RLIMIT_FSIZE, (30000, 30000))
@@ -484,7 +432,7 @@ class Faults(unittest.TestCase):
 
 class WhileItRuns(unittest.TestCase):
     def test_files_grow(self):
-        run = Background(WATCHED)
+        run = background(WATCHED)
         self.assertTrue(run.wait_for("contact.csv"), run.text())
         seen = []
         while run.process.poll() is None:
@@ -510,7 +458,7 @@ class WhileItRuns(unittest.TestCase):
             import numpy  # noqa: F401
         except ImportError as missing:
             self.skipTest(f"the Python module {missing.name} is missing")
-        run = Background(WATCHED)
+        run = background(WATCHED)
         pictures = runs.scratch("pictures")
         tool = runs.application("harmos-plot")
         words = [sys.executable, tool, run.directory, "--follow", "--interval", 0.1]

@@ -25,6 +25,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from dataclasses import dataclass
 from pathlib import Path
@@ -184,6 +185,67 @@ def solved(case, deck, sets=None, np=2, **more):
     # Not the whole stream: a launcher may have remarks of its own.
     case.assertNotRegex(result.stderr, "(?m)^(error|warning): ", result)
     return result
+
+
+class Background:
+    """A run that goes on while the test looks at it."""
+
+    def __init__(self, deck, sets, np=2, words=(), program="signorini"):
+        self.program = program
+        self.directory = scratch("background")
+        self.out = scratch("out")
+        command = [*launcher(np), application(program), deck, "--output", self.directory]
+        for path, value in sets.items():
+            command += ["--set", f"{path}={str(value).lower() if value is False else value}"]
+        with open(self.out, "wb") as out:
+            self.process = subprocess.Popen(
+                [str(word) for word in [*command, *words]],
+                env=environment(),
+                stdin=subprocess.DEVNULL,
+                stdout=out,
+                stderr=subprocess.STDOUT,
+            )
+
+    def wait_for(self, name, seconds=120):
+        """Until the file is there. False if the run came to its end without it."""
+        return self.wait_until((self.directory / name).is_file, seconds)
+
+    def wait_until(self, condition, seconds=120):
+        """False if the run came to its end without it."""
+        end = time.monotonic() + seconds
+        while not condition():
+            if self.process.poll() is not None:
+                return False
+            if time.monotonic() > end:
+                self.process.kill()
+                raise AssertionError(f"nothing after {seconds} s\n{self.text()}")
+            time.sleep(0.01)
+        return True
+
+    def ranks(self):
+        """The process numbers of the ranks."""
+        found = []
+        for entry in Path("/proc").iterdir():
+            if not entry.name.isdigit():
+                continue
+            try:
+                words = (entry / "cmdline").read_bytes().split(b"\0")
+            except OSError:
+                continue
+            if words[0].endswith(b"/" + self.program.encode()) and str(self.directory).encode() in words:
+                found.append(int(entry.name))
+        return found
+
+    def end(self, seconds=120):
+        try:
+            self.process.wait(timeout=seconds)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            raise AssertionError(f"no end after {seconds} s\n{self.text()}") from None
+        return self.process.returncode
+
+    def text(self):
+        return self.out.read_text(encoding="utf-8", errors="replace")
 
 
 class Result:

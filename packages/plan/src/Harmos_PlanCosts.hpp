@@ -39,7 +39,7 @@ struct PlanRow {
   double face = 0.0;      ///< the coarse problem of an active set
   double setup() const { return mesh + assembly + constraints + factorization + coarseSetup + recovery; }
   double perStep() const { return product + step.sum(); }
-  double least = 0.0, most = 0.0; ///< of the run, without writing fields
+  double least = 0.0, most = 0.0; ///< of the run with all its steps, without writing fields
 };
 
 /// Products with F that runs to the tolerance of the options are expected to take.

@@ -44,6 +44,8 @@ struct PlanSurvey {
   bool coarseIsDense = true;
   double contactBytes = 0.0; ///< of contact points, which each rank has whole
 
+  long long steps = 1; ///< of the run
+
   int ranks = 1;                ///< that made the survey
   double secondsOfMeshes = 0.0; ///< on the slowest rank
   double secondsOfAssembly = 0.0;

@@ -114,6 +114,7 @@ RunPlan makeRunPlan(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const sc
   // What reading and cutting of meshes took stays resident on rank 0.
   const double scenery = std::max(0.0, globalMax(*comm, run::peakMemoryMiB()) * mebi - program);
   plan.survey = survey(comm, scene, options);
+  plan.survey.steps = static_cast<long long>(scene.timeline.ends().size());
   plan.survey.secondsOfMeshes += globalMax(*comm, scene.secondsToMake);
   plan.products = expectedProducts(scene, options);
   for (int ranks : counts)
@@ -130,7 +131,8 @@ std::string planText(const RunPlan& plan) {
        << s.inequalities << " inequalities), kernel dimension " << s.kernelDimension << ", coarse dimension "
        << s.coarseDimension << "\n"
        << s.subdomains.size() << " subdomains with " << s.matrices.size() << " distinct matrices; "
-       << plan.products.least << " to " << plan.products.most << " products with F are usual\n\n"
+       << plan.products.least << " to " << plan.products.most << " products with F are usual"
+       << (s.steps > 1 ? " in the first of " + std::to_string(s.steps) + " steps" : std::string()) << "\n\n"
        << "    ranks  subdomains  imbalance    MiB a rank: factors   dense  meshes  coarse  | seconds: "
           "set-up  "
           "product  coarse   a run";
@@ -183,6 +185,7 @@ std::string planJson(const RunPlan& plan, const std::string& deck) {
   json["coarse_factor_entries"] = s.coarseFactorEntries;
   json["subdomains"] = s.subdomains.size();
   json["distinct_matrices"] = s.matrices.size();
+  json["steps"] = s.steps;
   json["products"] = {plan.products.least, plan.products.most};
   json["rates"] = {{"source", plan.rates.source}};
   for (const auto& [name, value] : namedRates(plan.rates))

@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <set>
 #include <sstream>
 
 namespace Harmos::feti {
@@ -60,6 +62,23 @@ class CoarseFaceGram : public qp::FaceGramMaker<MultiVector> {
   const CoarseSpace& coarse_;
 };
 
+// Of a residual, in rounding errors of what it is made of; ten for sums.
+constexpr double attainable = 10.0 * std::numeric_limits<double>::epsilon();
+
+// The largest mean diagonal of a K_i: force over displacement of a dof. Collective.
+double stiffnessScale(const SubdomainSystem& system) {
+  std::set<const LocalMatrix*> known;
+  double largest = 0.0;
+  for (int i = 0; i < system.size(); ++i)
+    if (known.insert(&system.matrix(i)).second) {
+      double sum = 0.0;
+      for (double entry : system.matrix(i).diagonal())
+        sum += entry;
+      largest = std::max(largest, sum / std::max(1, system.matrix(i).rows()));
+    }
+  return globalMax(*system.comm(), largest);
+}
+
 // The convergence test of the stopping rule; the scales go to the report.
 struct Test {
   Teuchos::RCP<StatusTestType> test;
@@ -68,9 +87,13 @@ struct Test {
 };
 
 Test convergenceTest(const DualProblem& dual, const SolverOptions& options, double tolerance,
-                     bool judgeEquality, SolveReport& report) {
+                     double stiffness, bool judgeEquality, SolveReport& report) {
   report.dNorm = norm(dual.d());
   report.gradientScale = options.stoppingRule == StoppingRule::Paper ? report.dNorm : norm(*dual.rhs());
+  // Bodies that are moved as a whole and strained by nothing have no forces, and residuals of rounding
+  // errors, of which no share is to be had: those of d, and what forces they stand for.
+  const double rounding = attainable * report.dNorm / tolerance;
+  report.gradientScale = std::max(report.gradientScale, rounding);
   Test result;
   result.gradient =
       Teuchos::rcp(new qp::StatusTestProjectedGradient<MultiVector>(tolerance, report.gradientScale));
@@ -79,7 +102,7 @@ Test convergenceTest(const DualProblem& dual, const SolverOptions& options, doub
     using EqualityTest = qp::StatusTestEqualityResidual<MultiVector>;
     switch (options.stoppingRule) {
     case StoppingRule::Scaled:
-      report.equalityScale = norm(*dual.shift());
+      report.equalityScale = std::max(norm(*dual.shift()), stiffness * rounding);
       result.equality = Teuchos::rcp(new EqualityTest(tolerance, report.equalityScale, dual.shift()));
       break;
     case StoppingRule::Paper:
@@ -260,7 +283,7 @@ void DualSolve::makeSolver() {
   method_ = options_.method == "Auto" ? Auto::choice(*problem_) : options_.method;
   solver_ = qp::TpetraSolverFactory().create(method_, parametersOf(method_));
   report_.solver = solver_->name();
-  test_ = convergenceTest(dual_, options_, tolerance_, !isPenalty(), report_);
+  test_ = convergenceTest(dual_, options_, tolerance_, stiffnessScale(stages_.system), !isPenalty(), report_);
   solver_->setConvergenceTest(test_.test);
   solver_->setLog(log_);
   solver_->setProblem(problem_);

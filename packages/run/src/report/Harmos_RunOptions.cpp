@@ -74,7 +74,7 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
 }
 
 void checkConsistency(const scene::Scene& scene, const RunOptions& options) {
-  scene.timeline.check();
+  scene.timeline.check(scene.effects);
   if (options.method == "PCPG" && scene.hasInequalities())
     throw InputError(
         "contradictory options: \"Solver/Method\" = \"PCPG\" solves problems without inequalities, but "

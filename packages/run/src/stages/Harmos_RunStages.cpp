@@ -66,7 +66,7 @@ RunStages::RunStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const s
 void RunStages::setUp() {
   report_.restartedFrom = directory_.restartedFrom();
   directory_.checkDeck();
-  scene_.timeline.check();
+  scene_.timeline.check(scene_.effects);
   announce();
   directory_.prepare(log_);
   decompose();

@@ -137,11 +137,15 @@ void Timeline::follow(const Effect& effect, const std::string& history) {
     followed_[&effect] = history;
 }
 
-void Timeline::check() const {
+void Timeline::check(const std::vector<std::shared_ptr<const Effect>>& effects) const {
   std::vector<std::string> known = {constant, ramp};
   for (const auto& item : histories_)
     known.push_back(item.first);
-  for (const auto& [effect, name] : followed_) {
+  for (const auto& effect : effects) {
+    const auto found = followed_.find(effect.get());
+    if (found == followed_.end())
+      continue;
+    const std::string& name = found->second;
     if (!effect->hasMagnitude())
       throw InputError(effect->label() + " follows the history \"" + name +
                            "\", but has no magnitude that it could scale",

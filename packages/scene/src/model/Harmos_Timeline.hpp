@@ -4,6 +4,7 @@
 #include "Harmos_ParameterSpec.hpp"
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -55,8 +56,9 @@ class Timeline {
   void follow(const Effect& effect, const std::string& history);
   /// What another timeline says of effects.
   void followAsIn(const Timeline& other) { followed_ = other.followed_; }
-  /// @throws InputError for an effect that follows a history which is not there, with the nearest name.
-  void check() const;
+  /// @throws InputError for an effect among these that follows a history which is not there, with the nearest
+  /// name, or that has no magnitude.
+  void check(const std::vector<std::shared_ptr<const Effect>>& effects) const;
 
   const std::vector<double>& ends() const { return ends_; }
   double end() const { return ends_.back(); }

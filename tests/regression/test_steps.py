@@ -1,0 +1,371 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs of several steps, by decks: what they cost, what they leave behind, what stops them.
+
+What each class guards against:
+
+    Files     columns, keys and numbers of steps.csv, summary.json and the series of results
+    Costs     factorisations after the first step, solutions that start anew; --plan without steps
+    Failures  a step that fails for good where half of it does not; a run that fails and takes its
+              results with it
+    Restarts  a run that is taken up again between two steps or within one and comes to other
+              results than one that was not
+    Input     steps and histories that make no sense, without a word on what and where
+"""
+
+import csv
+import json
+import os
+import shutil
+import signal
+import sys
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+
+import harmos_runs as runs  # noqa: E402
+
+APPS = runs.SOURCE / "apps"
+BLOCKS = APPS / "harmos" / "decks" / "two_blocks.xml"
+CYLINDER = APPS / "signorini" / "decks" / "hertz_cylinder.xml"
+COLUMNS = (
+    "step time converged products active_sets energy external_work dissipated released "
+    "closed open sticking slipping broken"
+).split()
+
+
+def steps_of(directory):
+    with open(directory / "steps.csv", newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def summary_of(directory):
+    return json.loads((directory / "summary.json").read_text(encoding="utf-8"))
+
+
+def datasets(path):
+    import h5py
+
+    found = {}
+
+    def visit(name, item):
+        if isinstance(item, h5py.Dataset):
+            found[name] = item[()]
+
+    with h5py.File(path, "r") as file:
+        file.visititems(visit)
+    return found
+
+
+class Files(unittest.TestCase):
+    def test_four_steps(self):
+        tolerance = 1e-8
+        one = runs.solved(self, BLOCKS, {"Solver/Tolerance": tolerance}, program="harmos")
+        four = runs.solved(
+            self, BLOCKS, {"Solver/Tolerance": tolerance, "Steps/Number": 4}, program="harmos"
+        )
+        rows = steps_of(four.directory)
+        self.assertEqual([row["step"] for row in rows], ["1", "2", "3", "4"])
+        self.assertEqual([float(row["time"]) for row in rows], [0.25, 0.5, 0.75, 1.0])
+        names = list(rows[0])
+        self.assertEqual(names[: len(COLUMNS)], COLUMNS)
+        effects = list(four.summary["forces"])
+        self.assertEqual(names[len(COLUMNS):], [f"{e}/f{d}" for e in effects for d in "xyz"])
+        self.assertFalse((one.directory / "steps.csv").exists())
+        # The same numbers in the summary, for one step too.
+        self.assertEqual(len(one.summary["steps"]), 1)
+        for row, told in zip(rows, four.summary["steps"], strict=True):
+            self.assertEqual({k: float(v) for k, v in row.items()}, {k: float(v) for k, v in told.items()})
+        last, only = four.summary["steps"][-1], one.summary["steps"][0]
+        for summary in (one.summary, four.summary):
+            self.assertLessEqual(summary["audit"]["balance"], 1e-8)
+        self.assertAlmostEqual(four.summary["energy"] / one.summary["energy"], 1.0, delta=1e-6)
+        for key in ("energy", "external_work", "Contact/joint/fy"):
+            self.assertAlmostEqual(last[key] / only[key], 1.0, delta=1e-6, msg=key)
+        self.assertEqual(
+            four.summary["local_factorizations"], one.summary["local_factorizations"]
+        )
+        # Linear in the load here, so that work is energy at every step.
+        for row in four.summary["steps"]:
+            self.assertAlmostEqual(row["external_work"] / row["energy"], 1.0, delta=1e-6)
+
+        series = json.loads((four.directory / "result.vtkhdf.series").read_text(encoding="utf-8"))
+        self.assertEqual(series["file-series-version"], "1.0")
+        self.assertEqual(
+            series["files"],
+            [{"name": f"result_000{k}.vtkhdf", "time": k / 4} for k in (1, 2, 3, 4)],
+        )
+        self.assertFalse((four.directory / "result.vtkhdf").exists())
+        whole = datasets(one.directory / "result.vtkhdf")["VTKHDF/PointData/displacement"]
+        for k in (1, 2, 3, 4):
+            part = datasets(four.directory / f"result_000{k}.vtkhdf")["VTKHDF/PointData/displacement"]
+            # A hundred for the condition of these blocks.
+            self.assertLessEqual(abs(part - k / 4 * whole).max(), 1e2 * tolerance * abs(whole).max())
+
+    def test_every_third_and_the_last(self):
+        run = runs.solved(
+            self, BLOCKS, {"Steps/Number": 7, "Output/Every": 3}, np=1, program="harmos"
+        )
+        found = sorted(path.name for path in run.directory.glob("result*"))
+        self.assertEqual(
+            found,
+            ["result.vtkhdf.series"] + [f"result_000{k}.vtkhdf" for k in (3, 6, 7)],
+        )
+        # Those of an earlier run do not stay.
+        again = runs.run(
+            BLOCKS, {"Steps/Number": 2}, np=1, output=run.directory, program="harmos"
+        )
+        self.assertEqual(again.returncode, 0, again)
+        found = sorted(path.name for path in run.directory.glob("result*"))
+        self.assertEqual(
+            found, ["result.vtkhdf.series"] + [f"result_000{k}.vtkhdf" for k in (1, 2)]
+        )
+        self.assertFalse((run.directory / "checkpoint.h5").exists())
+
+
+class Costs(unittest.TestCase):
+    def test_solutions_before_are_where_a_step_starts(self):
+        for program, deck in (
+            ("signorini", "model"), ("fiber_composite", "composite"), ("signorini", "hertz_ball"),
+        ):
+            with self.subTest(deck=deck):
+                path = APPS / program / "decks" / f"{deck}.xml"
+                cold = runs.solved(self, path, {"Output/Fields": False}, program=program)
+                sets = {"Steps/Number": 20, "Output/Fields": False}
+                run = runs.solved(self, path, sets, program=program)
+                products = [row["products"] for row in run.summary["steps"]]
+                mean = sum(products[1:]) / 19
+                print(f"{deck}: cold {cold.summary['hessian_applications']}, steps {products}")
+                self.assertLessEqual(mean, 0.6 * cold.summary["hessian_applications"])
+                self.assertEqual(
+                    run.summary["local_factorizations"], cold.summary["local_factorizations"]
+                )
+
+    def test_plan_counts_steps(self):
+        seconds = {}
+        for steps in (1, 10):
+            run = runs.run(
+                BLOCKS, {"Steps/Number": steps}, np=1, extra=("--plan",), program="harmos"
+            )
+            self.assertEqual(run.returncode, 0, run)
+            plan = json.loads((run.directory / "plan.json").read_text(encoding="utf-8"))
+            self.assertEqual(plan["steps"], steps)
+            seconds[steps] = plan["rows"][0]["seconds"]
+        later = [seconds[10]["run"][k] - seconds[1]["run"][k] for k in (0, 1)]
+        for value in later:
+            self.assertGreater(value, 0.0)
+        product = seconds[10]["product"]
+        self.assertGreaterEqual(later[0], 9 * 4 * product)
+
+
+class Failures(unittest.TestCase):
+    # The first step is short, and more iterations than that are too many.
+    SETS = {
+        "Steps/Times": "{0.2,1.0}",
+        "Solver/Tolerance": 1e-6,
+        "Dual operator/Preconditioner": "none",
+        "Solver/Method": "SMALBE",
+    }
+
+    def counts(self, np=2):
+        run = runs.solved(self, CYLINDER, self.SETS, np=np)
+        return run, [row["products"] for row in run.summary["steps"]]
+
+    def test_a_step_that_fails_is_halved(self):
+        whole, _ = self.counts()
+        # The limit is found, not known: the second step, from the first one's solution, takes more
+        # steps of the solver than its halves do.
+        for limit in range(200, 20, -10):
+            run = runs.run(CYLINDER, self.SETS | {"Solver/Maximum iterations": limit})
+            if run.returncode == 1 or len(run.summary["steps"]) > 2:
+                break
+        self.assertEqual(run.returncode, 0, run)
+        rows = run.summary["steps"]
+        self.assertIn("halved, to time", run.stdout)
+        self.assertEqual([row["step"] for row in rows], [1] + (len(rows) - 1) * [2])
+        self.assertEqual(rows[-1]["time"], 1.0)
+        self.assertAlmostEqual(rows[-1]["energy"] / whole.summary["steps"][-1]["energy"], 1.0, delta=1e-5)
+        # Fields of the deck's steps alone.
+        self.assertEqual(
+            sorted(path.name for path in run.directory.glob("result_*")),
+            ["result_0001.vtkhdf", "result_0002.vtkhdf"],
+        )
+
+    def test_a_run_that_cannot_go_on_keeps_what_it_has(self):
+        # Once the load has turned nothing holds the upper block.
+        run = runs.run(
+            BLOCKS,
+            {
+                "Steps/Times": "{1.0,2.0,3.0}",
+                "Steps/Smallest step": 0.25,
+                "Steps/Histories/turns/Times": "{0.0,1.0,2.0,3.0}",
+                "Steps/Histories/turns/Values": "{0.0,1.0,0.5,-1.0}",
+                "Effects/Traction/load/History": "turns",
+            },
+            program="harmos",
+        )
+        self.assertEqual(run.returncode, 1, run)
+        reason = run.summary["reason"]
+        self.assertIn("step 3 of 3, from time 2.25 to 2.5, the smallest part", reason)
+        self.assertIn("pulled away, with nothing to hold it", reason)
+        self.assertIn("results up to time 2.25 are whole", reason)
+        self.assertFalse(run.summary["converged"])
+        rows = steps_of(run.directory)
+        self.assertEqual([float(row["time"]) for row in rows], [1.0, 2.0, 2.25])
+        for k in (1, 2):
+            self.assertIn(
+                "VTKHDF/PointData/displacement", datasets(run.directory / f"result_000{k}.vtkhdf")
+            )
+        self.assertFalse((run.directory / "result_0003.vtkhdf").exists())
+
+
+class Restarts(unittest.TestCase):
+    # Contact closes bit by bit, and every step takes about a second.
+    SETS = {
+        "Steps/Number": 5,
+        "Model/Elements per subdomain side": 24,
+        "Solver/Method": "SMALBE",
+        "Solver/Tolerance": 1e-8,
+        "Dual operator/Preconditioner": "none",
+        "Dual operator/Form": "implicit",
+        "Dual operator/Share identical subdomains": False,
+    }
+
+    @classmethod
+    def setUpClass(cls):
+        cls.plain = runs.run(CYLINDER, cls.SETS)
+        assert cls.plain.returncode == 0, cls.plain
+
+    def killed(self, sets, rows):
+        """The directory of a run that is killed when so many steps are done, in the next one."""
+        run = runs.Background(CYLINDER, self.SETS | sets)
+        path = run.directory / "steps.csv"
+        run.wait_until(lambda: path.is_file() and len(path.read_bytes().splitlines()) > rows)
+        time.sleep(0.3)
+        for rank in run.ranks():
+            os.kill(rank, signal.SIGKILL)
+        self.assertNotEqual(run.end(), 0)
+        self.assertEqual(len(steps_of(run.directory)), rows, "killed too late")
+        return run.directory
+
+    def compare(self, directory, exact):
+        self.assertEqual(summary_of(directory)["converged"], True)
+        names = [f"result_000{k}.vtkhdf" for k in range(1, 6)]
+        self.assertEqual(sorted(path.name for path in directory.glob("result_*")), names)
+        series = (directory / "result.vtkhdf.series").read_bytes()
+        self.assertEqual(series, (self.plain.directory / "result.vtkhdf.series").read_bytes())
+        if exact:
+            self.assertEqual(
+                (directory / "steps.csv").read_bytes(),
+                (self.plain.directory / "steps.csv").read_bytes(),
+            )
+        else:
+            ten = 10 * self.SETS["Solver/Tolerance"]
+            ours, others = steps_of(self.plain.directory), steps_of(directory)
+            self.assertEqual(len(ours), len(others))
+            for one, other in zip(ours, others):
+                self.assertEqual(one["closed"], other["closed"])
+                scale = {key: float(ours[-1][key]) for key in ("energy", "external_work")}
+                for key in scale:
+                    self.assertLessEqual(abs(float(one[key]) - float(other[key])), ten * scale[key])
+        for name in names:
+            one, other = datasets(self.plain.directory / name), datasets(directory / name)
+            self.assertEqual(list(one), list(other))
+            for key, values in one.items():
+                with self.subTest(file=name, dataset=key):
+                    if exact:
+                        self.assertEqual(values.tobytes(), other[key].tobytes())
+                    elif key.endswith("displacement"):
+                        self.assertLessEqual(abs(values - other[key]).max(), ten * abs(values).max())
+
+    def restarted(self, directory, target=None, np=2):
+        words = ["--restart", directory, "--output", target or directory, "--quiet"]
+        run = runs.start(words, np)
+        self.assertEqual(run.returncode, 0, run)
+
+    def test_killed_in_the_third_of_five(self):
+        directory = self.killed({}, 2)
+        other = runs.scratch("other")
+        shutil.copytree(directory, other)
+        self.restarted(directory)
+        self.compare(directory, exact=True)
+        self.restarted(other, np=1)
+        self.compare(other, exact=False)
+
+    def test_killed_after_a_checkpoint_within_a_step(self):
+        directory = self.killed({"Output/Checkpoint/Outer iterations": 1}, 2)
+        # Into a directory of its own, where what was done before is brought to.
+        target = runs.scratch("target")
+        self.restarted(directory, target)
+        self.compare(target, exact=True)
+
+    def test_stopped_by_a_signal(self):
+        run = runs.Background(CYLINDER, self.SETS)
+        run.wait_until(lambda: (run.directory / "result_0001.vtkhdf").is_file())
+        time.sleep(0.2)
+        run.process.send_signal(signal.SIGTERM)
+        self.assertEqual(run.end(), 4, run.text())
+        directory = run.directory
+        self.restarted(directory)
+        self.compare(directory, exact=True)
+
+
+class Input(unittest.TestCase):
+    def refused(self, sets, *parts, program="harmos", deck=BLOCKS):
+        run = runs.run(deck, sets, np=2, program=program)
+        self.assertEqual(run.returncode, 2, run)
+        self.assertEqual(len(run.errors), 1, run)
+        for part in parts:
+            self.assertIn(part, run.errors[0])
+
+    def test_times(self):
+        self.refused(
+            {"Steps/Times": "{0.5,0.25}"},
+            '"Steps/Times": times have to rise, but 2.50e-01 comes after 5.00e-01',
+        )
+        self.refused({"Steps/Number": 0}, '"Steps/Number" = 0 is out of range')
+        self.refused(
+            {"Steps/Number": 3, "Steps/Times": "{0.5,1.0}"},
+            '"Steps/Number" = 3 and "Steps/Times" with 2 of them; give one of the two',
+        )
+
+    def test_histories(self):
+        load = "Effects/Traction/load/History"
+        press = {
+            "Steps/Number": 2,
+            "Steps/Histories/press/Times": "{0,1}",
+            "Steps/Histories/press/Values": "{0,1}",
+        }
+        self.refused(press | {load: "pres"}, "which nobody defined", 'did you mean "press"?')
+        self.refused(
+            press | {"Effects/Contact/joint/History": "press"},
+            'there is no parameter "Effects/Contact/joint/History"',
+            "have no magnitude that could follow a history",
+        )
+        self.refused(
+            press | {"Steps/Histories/press/Values": "{0,1,2}", load: "press"},
+            '"Steps/Histories/press": a history needs a value for each time',
+        )
+
+    def test_contradictions(self):
+        kind = "Effects/Prescribed displacement"
+        sets = {
+            "Steps/Number": 4,
+            f"{kind}/one/Part": "lower/bottom",
+            f"{kind}/one/Components": "{y}",
+            f"{kind}/one/Displacement": "{0,-0.01,0}",
+        }
+        # Zero by what holds it already, and another at the end of the ramp.
+        self.refused(sets, "contradict each other at time 1.00e+00", '"one"', "body \"lower\"")
+        # Equal at the end, but not before.
+        sets[f"{kind}/two/Part"] = "upper/top"
+        sets[f"{kind}/two/Components"] = "{y}"
+        sets[f"{kind}/two/Displacement"] = "{0,-0.01,0}"
+        sets[f"{kind}/one/Part"] = "upper/top"
+        sets[f"{kind}/two/History"] = "constant"
+        self.refused(sets, "contradict each other at time 0.00e+00", "component 1 of a node")
+
+
+if __name__ == "__main__":
+    runs.main()
