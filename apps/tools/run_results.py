@@ -32,20 +32,18 @@ HEX_FACES = (
 )
 
 
-def cut(faces, pieces):
-    return tuple(tuple(face[k] for k in piece) for face in faces for piece in pieces)
+TRIANGLE, QUAD = ((0, 1, 2, 2),), ((0, 1, 2, 3),)
 
-
-# By type: dimension, nodes, pieces.
+# By type: dimension, nodes, faces, pieces of a face or of a cell in the plane.
 VTK_PIECES = {
-    5: (2, 3, ((0, 1, 2, 2),)),
-    9: (2, 4, ((0, 1, 2, 3),)),
-    22: (2, 6, TRIANGLE_6),
-    28: (2, 9, QUAD_9),
-    10: (3, 4, cut(TETRA_FACES, ((0, 1, 2, 2),))),
-    12: (3, 8, cut(HEX_FACES, ((0, 1, 2, 3),))),
-    24: (3, 10, cut(TETRA_FACES, TRIANGLE_6)),
-    29: (3, 27, cut(HEX_FACES, QUAD_9)),
+    5: (2, 3, ((0, 1, 2),), TRIANGLE),
+    9: (2, 4, ((0, 1, 2, 3),), QUAD),
+    22: (2, 6, ((0, 1, 2, 3, 4, 5),), TRIANGLE_6),
+    28: (2, 9, ((0, 1, 2, 3, 4, 5, 6, 7, 8),), QUAD_9),
+    10: (3, 4, TETRA_FACES, TRIANGLE),
+    12: (3, 8, HEX_FACES, QUAD),
+    24: (3, 10, TETRA_FACES, TRIANGLE_6),
+    29: (3, 27, HEX_FACES, QUAD_9),
 }
 
 STEPS = ("start", "cg", "expansion", "proportioning", "pcpg", "active set")
@@ -93,9 +91,11 @@ class Solid:
     part_of_point: np.ndarray
     body_of_point: np.ndarray
     place: np.ndarray  # (points,) the same number for all copies of a node within its body
-    cells: np.ndarray  # (cells, 4) pieces of the cells in the plane, in space their outer faces
+    cells: np.ndarray  # (cells, 4) pieces of the cells in the plane, in space of their outer faces
+    face_of_cell: np.ndarray  # (cells,) the same number for all pieces of a face
     part_of_cell: np.ndarray
     parts: int
+    volumes: dict  # in space, by type: the cells' nodes (cells, nodes)
 
     @property
     def xy(self):
@@ -106,20 +106,31 @@ class Solid:
         return float(np.ptp(self.xyz, axis=0).max())
 
 
+def numbered(*columns):
+    """A number for each row of integer columns: equal rows have one, in the order of the rows."""
+    order = np.lexsort(columns[::-1])
+    fresh = np.zeros(len(order), dtype=np.int64)
+    for column in columns:
+        fresh[1:] |= np.diff(column[order]) != 0
+    number = np.empty(len(order), dtype=np.int64)
+    number[order] = np.cumsum(fresh)
+    return number
+
+
 def places(xyz, body):
     """Number of the node of which each point is a copy."""
     extent = np.ptp(xyz, axis=0).max() or 1.0
     # Shifted by an odd amount: multiples of simple fractions lie on no border of the boxes.
     box = np.floor((xyz / extent + 0.2718281828459) * 2**26).astype(np.int64)
-    _, number = np.unique(np.column_stack([body, box]), axis=0, return_inverse=True)
-    return number.ravel()
+    return numbered(body, *box.T)
 
 
-def outer_faces(faces, place):
-    """Bool for each face: whether it belongs to one cell only."""
-    keys = np.sort(place[faces], axis=1)
-    _, which, counts = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
-    return counts[which.ravel()] == 1
+def outer_faces(corners, place):
+    """Bool for each face, (faces, 4), whether it belongs to one cell only; a triangle repeats a corner."""
+    low = np.sort(place[corners], axis=1)
+    # Two in one: half as many columns to sort by.
+    number = numbered(low[:, 0] << 32 | low[:, 1], low[:, 2] << 32 | low[:, 3])
+    return np.bincount(number)[number] == 1
 
 
 def read_summary(path):
@@ -371,19 +382,12 @@ def parse_solid(source):
     if len(dimensions) > 1:
         source.fail("cells of the plane and of space in one result", "use ParaView for this result")
     dimension = dimensions.pop()
+    volumes = source.corners({kind: entry[1] for kind, entry in VTK_PIECES.items()}, types)
     body_of_point = np.zeros(source.n_points, dtype=np.int64)
-    pieces, parts = [], []
-    sizes = {kind: size for kind, (_, size, _) in VTK_PIECES.items()}
-    for kind, (chosen, nodes) in source.corners(sizes, types).items():
+    for chosen, nodes in volumes.values():
         body_of_point[nodes] = body[chosen, None]
-        cut_up = nodes[:, np.array(VTK_PIECES[kind][2])]
-        pieces.append(cut_up.reshape(-1, 4))
-        parts.append(np.repeat(source.part_of_cell[chosen], cut_up.shape[1]))
-    pieces, parts = np.concatenate(pieces), np.concatenate(parts)
     place = places(xyz, body_of_point)
-    if dimension == 3:
-        outer = outer_faces(pieces, place)
-        pieces, parts = pieces[outer], parts[outer]
+    pieces, face, parts = drawn_pieces(source, volumes, place if dimension == 3 else None)
     return Solid(
         dimension=dimension,
         xyz=xyz,
@@ -396,6 +400,30 @@ def parse_solid(source):
         body_of_point=body_of_point,
         place=place,
         cells=pieces,
+        face_of_cell=face,
         part_of_cell=parts,
         parts=source.parts,
+        volumes={kind: nodes for kind, (_, nodes) in volumes.items()} if dimension == 3 else {},
     )
+
+
+def drawn_pieces(source, volumes, place):
+    """Flat pieces (pieces, 4) of cells, or given the points' places of outer faces; face and part of each."""
+    faces, corners = [], []
+    for kind, (chosen, nodes) in volumes.items():
+        _, _, sides, pieces = VTK_PIECES[kind]
+        ends = 4 if pieces in (QUAD, QUAD_9) else 3
+        for side in np.array(sides):
+            corners.append(nodes[:, side[np.minimum(np.arange(4), ends - 1)]])
+            faces.append((nodes, side, pieces, source.part_of_cell[chosen]))
+    drawn = np.ones(sum(map(len, corners)), dtype=bool)
+    if place is not None:
+        drawn = outer_faces(np.concatenate(corners), place)
+    cut, numbers, parts, first = [], [], [], 0
+    for nodes, side, pieces, part in faces:
+        chosen = np.flatnonzero(drawn[first : first + len(nodes)])
+        cut.append(nodes[chosen[:, None, None], side[np.array(pieces)]].reshape(-1, 4))
+        numbers.append(np.repeat(first + chosen, len(pieces)))
+        parts.append(np.repeat(part[chosen], len(pieces)))
+        first += len(nodes)
+    return np.concatenate(cut), np.concatenate(numbers), np.concatenate(parts)
