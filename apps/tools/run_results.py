@@ -127,7 +127,10 @@ def places(xyz, body):
 
 def outer_faces(corners, place):
     """Bool for each face, (faces, 4), whether it belongs to one cell only; a triangle repeats a corner."""
-    low = np.sort(place[corners], axis=1)
+    keys = place[corners]
+    # Which corner is repeated differs between the cells of a face.
+    keys[corners[:, 2] == corners[:, 3], 3] = -1
+    low = np.sort(keys, axis=1)
     # Two in one: half as many columns to sort by.
     number = numbered(low[:, 0] << 32 | low[:, 1], low[:, 2] << 32 | low[:, 3])
     return np.bincount(number)[number] == 1
@@ -387,7 +390,7 @@ def parse_solid(source):
     for chosen, nodes in volumes.values():
         body_of_point[nodes] = body[chosen, None]
     place = places(xyz, body_of_point)
-    pieces, face, parts = drawn_pieces(source, volumes, place if dimension == 3 else None)
+    pieces, face, parts = drawn_pieces(source, volumes, xyz, place if dimension == 3 else None)
     return Solid(
         dimension=dimension,
         xyz=xyz,
@@ -407,7 +410,19 @@ def parse_solid(source):
     )
 
 
-def drawn_pieces(source, volumes, place):
+def outwards(pieces, xyz, inside):
+    """Flat pieces of faces, (faces, pieces, 4), turned so that their normals lead away from points inside.
+
+    Cells of a mesh file may have either orientation.
+    """
+    corner = xyz[pieces[:, 0]]
+    normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+    inward = np.einsum("ij,ij->i", normal, corner.mean(axis=1) - inside) < 0
+    turn = [0, 2, 1, 1] if (pieces[..., 2] == pieces[..., 3]).all() else [0, 3, 2, 1]
+    return np.where(inward[:, None, None], pieces[..., turn], pieces)
+
+
+def drawn_pieces(source, volumes, xyz, place):
     """Flat pieces (pieces, 4) of cells, or given the points' places of outer faces; face and part of each."""
     faces, corners = [], []
     for kind, (chosen, nodes) in volumes.items():
@@ -422,7 +437,10 @@ def drawn_pieces(source, volumes, place):
     cut, numbers, parts, first = [], [], [], 0
     for nodes, side, pieces, part in faces:
         chosen = np.flatnonzero(drawn[first : first + len(nodes)])
-        cut.append(nodes[chosen[:, None, None], side[np.array(pieces)]].reshape(-1, 4))
+        flat = nodes[chosen[:, None, None], side[np.array(pieces)]]
+        if place is not None:
+            flat = outwards(flat, xyz, xyz[nodes[chosen]].mean(axis=1))
+        cut.append(flat.reshape(-1, 4))
         numbers.append(np.repeat(first + chosen, len(pieces)))
         parts.append(np.repeat(part[chosen], len(pieces)))
         first += len(nodes)
