@@ -197,7 +197,7 @@ def draw_rulers(axes, box, flat):
                 arrowprops={"arrowstyle": "-", "color": FAINT, "linewidth": 0.8, "shrinkA": 5, "shrinkB": 0},
             )
         axes.annotate(
-            f"${'xyz'[k]}$", line.mean(axis=0), xytext=26 * out, textcoords="offset points",
+            f"${'xyz'[k]}$", line.mean(axis=0), xytext=(36 if k == 2 else 26) * out, textcoords="offset points",
             ha="center", va="center", fontsize=11, annotation_clip=False,
         )
 

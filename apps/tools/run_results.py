@@ -109,7 +109,7 @@ class Solid:
 def numbered(*columns):
     """A number for each row of integer columns: equal rows have one, in the order of the rows."""
     order = np.lexsort(columns[::-1])
-    fresh = np.zeros(len(order), dtype=np.int64)
+    fresh = np.zeros(len(order), dtype=bool)
     for column in columns:
         fresh[1:] |= np.diff(column[order]) != 0
     number = np.empty(len(order), dtype=np.int64)
@@ -125,14 +125,15 @@ def places(xyz, body):
     return numbered(body, *box.T)
 
 
-def outer_faces(corners, place):
-    """Bool for each face, (faces, 4), whether it belongs to one cell only; a triangle repeats a corner."""
-    keys = place[corners]
-    # Which corner is repeated differs between the cells of a face.
-    keys[corners[:, 2] == corners[:, 3], 3] = -1
-    low = np.sort(keys, axis=1)
+def outer_faces(corners):
+    """Bool for each face whether it belongs to one cell only.
+
+    corners  (faces, 4) places of the corners, -1 as a triangle's last one; is sorted by row
+    """
+    corners.sort(axis=1)
     # Two in one: half as many columns to sort by.
-    number = numbered(low[:, 0] << 32 | low[:, 1], low[:, 2] << 32 | low[:, 3])
+    pairs = [corners[:, k].astype(np.int64) << 32 | corners[:, k + 1] for k in (0, 2)]
+    number = numbered(*pairs)
     return np.bincount(number)[number] == 1
 
 
@@ -424,16 +425,21 @@ def outwards(pieces, xyz, inside):
 
 def drawn_pieces(source, volumes, xyz, place):
     """Flat pieces (pieces, 4) of cells, or given the points' places of outer faces; face and part of each."""
-    faces, corners = [], []
+    faces = []
     for kind, (chosen, nodes) in volumes.items():
         _, _, sides, pieces = VTK_PIECES[kind]
-        ends = 4 if pieces in (QUAD, QUAD_9) else 3
-        for side in np.array(sides):
-            corners.append(nodes[:, side[np.minimum(np.arange(4), ends - 1)]])
-            faces.append((nodes, side, pieces, source.part_of_cell[chosen]))
-    drawn = np.ones(sum(map(len, corners)), dtype=bool)
+        faces += [(nodes, np.array(side), pieces, source.part_of_cell[chosen]) for side in sides]
+    count = sum(len(nodes) for nodes, *_ in faces)
+    drawn = np.ones(count, dtype=bool)
     if place is not None:
-        drawn = outer_faces(np.concatenate(corners), place)
+        # A triangle lacks the last: which corner its pieces repeat differs between the cells of a face.
+        corners, first = np.full((count, 4), -1, dtype=np.int32), 0
+        for nodes, side, pieces, _ in faces:
+            ends = 4 if pieces in (QUAD, QUAD_9) else 3
+            for k in range(ends):
+                corners[first : first + len(nodes), k] = place[nodes[:, side[k]]]
+            first += len(nodes)
+        drawn = outer_faces(corners)
     cut, numbers, parts, first = [], [], [], 0
     for nodes, side, pieces, part in faces:
         chosen = np.flatnonzero(drawn[first : first + len(nodes)])
