@@ -28,7 +28,7 @@ def read_steps(path):
         text = path.read_text(encoding="utf-8")
     except OSError as error:
         raise PlotError(
-            f"{path}: {error.strerror}; a run of several steps (Loading/Steps of the deck) writes it"
+            f"{path}: {error.strerror}; only a run of several steps writes it"
         ) from error
     rows = [row for row in csv.reader(text[: text.rfind("\n") + 1].splitlines()) if row]
     if len(rows) < 2:
@@ -63,13 +63,14 @@ def plot_curve(table, names, against, path, title, caption):
     """Columns of the table over another."""
     x = column(table, against, path)
     figure = plt.figure(figsize=(8.0, 5.4))
-    axes = figure.add_axes([0.13, 0.15, 0.83, 0.7 if title else 0.76])
+    axes = figure.add_axes([0.13, 0.15, 0.83, 0.75 if title else 0.81])
     failed = table.get("converged", np.ones(len(x))) == 0
     marker = "o" if len(x) <= MOST_MARKS else None
+    plain = [name.replace("$", r"\$") for name in (against, *names)]  # no formula
     for k, name in enumerate(names):
         y = column(table, name, path)
         colour = COLOURS[k % len(COLOURS)]
-        axes.plot(x, y, color=colour, linewidth=1.6, marker=marker, markersize=4, label=name)
+        axes.plot(x, y, color=colour, linewidth=1.6, marker=marker, markersize=4, label=plain[k + 1])
         axes.plot(
             x[failed], y[failed], "o", markersize=6, markerfacecolor="white", markeredgecolor=colour,
             zorder=3,
@@ -82,8 +83,8 @@ def plot_curve(table, names, against, path, title, caption):
         )
     if handles:
         axes.legend(handles=handles, fontsize=9, loc="best", frameon=True, framealpha=0.8, edgecolor="none")
-    axes.set_xlabel(against)
-    axes.set_ylabel(names[0] if len(names) == 1 else "")
+    axes.set_xlabel(plain[0])
+    axes.set_ylabel(plain[1] if len(names) == 1 else "")
     axes.grid(color="#E4E4E4", linewidth=0.6)
     axes.margins(0.03, 0.06)
     for side in ("top", "right"):

@@ -117,16 +117,21 @@ def animate(pictures, path):
 
     pace = 1000 * min(0.5, max(1 / 12, SECONDS / len(pictures)))
 
-    def images():
-        for picture in pictures:
-            with Image.open(picture) as image:
-                image = image.convert("RGB")
-            if image.width > WIDEST:
-                size = (WIDEST, round(image.height * WIDEST / image.width))
-                image = image.resize(size, Image.LANCZOS)
-            yield image.quantize(256, dither=Image.Dither.FLOYDSTEINBERG)
+    def small(picture):
+        with Image.open(picture) as image:
+            image = image.convert("RGB")
+        if image.width > WIDEST:
+            size = (WIDEST, round(image.height * WIDEST / image.width))
+            image = image.resize(size, Image.LANCZOS)
+        return image
 
-    turn = images()
+    # One palette for all, of the least, middle and greatest load: rare colours count, and none changes on its way.
+    some = [small(pictures[k]) for k in sorted({0, len(pictures) // 2, len(pictures) - 1})]
+    sheet = Image.new("RGB", (some[0].width, sum(image.height for image in some)))
+    for k, image in enumerate(some):
+        sheet.paste(image, (0, k * some[0].height))
+    palette = sheet.quantize(256, method=Image.Quantize.MAXCOVERAGE)
+    turn = (small(p).quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG) for p in pictures)
     with whole(path) as temporary:
         next(turn).save(
             temporary, format="GIF", save_all=True, append_images=turn, loop=0,
