@@ -4,7 +4,7 @@
 Surfaces are drawn by VTK off screen (vtk_scene.py) as images that fill axes of matplotlib, which draws what is
 flat: scales, outlines of the cut, texts. All three views are parallel projections, so that axes have lengths.
 Only the whole has its displacements exaggerated: in a cut, bodies that approach each other would overlap.
-Colours end where 99 % of the drawn area has less, if the peak is far above; the colour bar tells the peak.
+Colours end where 99 % of the drawn area has less, of the whole 95 %, if the peak is far above; colour bars tell the peak.
 """
 
 import math
@@ -25,6 +25,7 @@ from solid_parts import (
 
 ELEVATION, AZIMUTH = 25.0, -60.0  # degrees, of the viewer
 MAX_MESH = 8_000  # pieces of faces; their edges would cover the colours beyond this
+SURFACE_SHARE = 0.95  # of the area, which also has sides that are not seen; contact stresses are on few of them
 CUT = "#CC79A7"
 PRESSURE_MAP = plt.get_cmap("YlOrRd")
 GAP_MAP = plt.get_cmap("Blues")
@@ -99,7 +100,7 @@ def look_of(solids, scale=None):
         drawn = np.unique(solid.cells)
         # Not of sides that bodies hide by touching: the highest stresses would take the colours of the others.
         hidden = (solid.active[solid.cells] == CANDIDATE_CLOSED).all(axis=1)
-        tops.append(top_colour(values, node_areas(solid.xyz, solid.cells[~hidden])))
+        tops.append(top_colour(values, node_areas(solid.xyz, solid.cells[~hidden]), SURFACE_SHARE))
         lows.append(values[drawn].min())
         boxes.append(limits((solid.xyz + scale * solid.displacement)[drawn]))
         peaks.append(peak_of(solid))
@@ -330,7 +331,7 @@ def plot_solid(solid, title, caption, look=None, text=""):
     contact = look.plane is not None
     wide = 0.75 + WHOLE[0] + 1.1 + (0.75 + PANEL[0] + 2.15 if contact else 0.0)
     lines = 1 + (not contact)
-    tall = 0.75 + 0.14 * lines + WHOLE[1] + (0.95 if title else 0.6)
+    tall = 0.75 + 0.14 * lines + WHOLE[1] + (1.0 if title else 0.68)
     figure = plt.figure(figsize=(wide, tall))
     below = 0.75 + 0.14 * lines
 

@@ -98,11 +98,15 @@ def make_context():
     return None
 
 
+def knows_x_alone():
+    version = vtkVersion()
+    return (version.GetVTKMajorVersion(), version.GetVTKMinorVersion()) < (9, 4)
+
+
 @functools.cache
 def render_window():
     """The one window of the program, off screen."""
-    version = vtkVersion()
-    if (version.GetVTKMajorVersion(), version.GetVTKMinorVersion()) >= (9, 4):
+    if not knows_x_alone():
         window = vtkRenderWindow()
     else:
         reason = make_context()
