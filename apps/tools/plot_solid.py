@@ -4,7 +4,7 @@
 Surfaces are drawn by VTK off screen (vtk_scene.py) as images that fill axes of matplotlib, which draws what is
 flat: scales, outlines of the cut, texts. All three views are parallel projections, so that axes have lengths.
 Only the whole has its displacements exaggerated: in a cut, bodies that approach each other would overlap.
-Colours end where 99 % of the drawn area has less, of the whole 95 %, if the peak is far above; colour bars tell the peak.
+Colours end where 99 % of what is seen has less, if the peak is far above; colour bars tell the peak.
 """
 
 import math
@@ -17,15 +17,14 @@ from matplotlib.colors import Normalize, to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from plot_deformed import automatic_scale, colour_values
-from plot_solution import CANDIDATE_CLOSED
 from plot_style import CLOSED, DISPLACEMENT_MAP, FAINT, INK, OPEN, finish
 from solid_parts import (
-    Plane, cutting_plane, edges, joined, node_areas, patch, peak_of, picture_axes, section, top_colour,
+    CUT_OFF, Plane, cutting_plane, edges, joined, node_areas, patch, peak_of, picture_axes, section, top_colour,
 )
 
 ELEVATION, AZIMUTH = 25.0, -60.0  # degrees, of the viewer
 MAX_MESH = 8_000  # pieces of faces; their edges would cover the colours beyond this
-SURFACE_SHARE = 0.95  # of the area, which also has sides that are not seen; contact stresses are on few of them
+PROBE = (490, 470)  # pixels of the picture that tells what is seen
 CUT = "#CC79A7"
 PRESSURE_MAP = plt.get_cmap("YlOrRd")
 GAP_MAP = plt.get_cmap("Blues")
@@ -91,20 +90,55 @@ def shown_triangles(part, flat, window):
     return part.triangles[inside(flat[part.triangles].mean(axis=1), window)]
 
 
+def corners_of(box):
+    return np.array([[box[i, 0], box[j, 1], box[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+
+
+def viewer():
+    """Right and up of the picture of the whole; z is up."""
+    e, a = np.radians([ELEVATION, AZIMUTH])
+    back = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+    right = np.array([-np.sin(a), np.cos(a), 0.0])
+    return right, np.cross(back, right)
+
+
+def seen_top(solid, look):
+    """top_colour() of what can be seen of the whole, by a picture of it.
+
+    Its shades are the values' ranks, of which 256 are enough whatever the peak is.
+    """
+    import vtk_scene
+
+    right, up = viewer()
+    corners = corners_of(look.box)
+    view = vtk_scene.View(right, up, window_about(None, limits(corners @ np.column_stack([right, up])), WHOLE))
+    depth = corners @ view.back
+    values = colour_values(solid)[0]
+    known = np.unique(values[np.unique(solid.cells)])
+    ranks = np.searchsorted(known, values)
+    points = solid.xyz + look.scale * solid.displacement
+    grey, norm = plt.get_cmap("gray"), Normalize(0, max(1, len(known) - 1))
+    actor = vtk_scene.surface(points, solid.cells, ranks, grey, norm, lit=False)
+    image = vtk_scene.picture([actor], view, PROBE, (depth.min(), depth.max()), (1.0, 0.0, 1.0))
+    shades = image[(image == image[..., :1]).all(axis=2)][:, 0] / 255
+    if not len(shades):
+        return float(known[-1])
+    shown = known[np.rint(shades * (len(known) - 1)).astype(int)]
+    top, peak = top_colour(shown, np.ones(len(shown))), float(known[-1])
+    return top if top < CUT_OFF * peak else peak
+
+
 def look_of(solids, scale=None):
     """Looks at all results, which are gone through several times, and may be read anew each time."""
     scale = scale or automatic_scale(solids)
-    tops, lows, boxes, peaks = [], [], [], []
+    lows, boxes, peaks = [], [], []
     for solid in map(joined, solids):
-        values = colour_values(solid)[0]
         drawn = np.unique(solid.cells)
-        # Not of sides that bodies hide by touching: the highest stresses would take the colours of the others.
-        hidden = (solid.active[solid.cells] == CANDIDATE_CLOSED).all(axis=1)
-        tops.append(top_colour(values, node_areas(solid.xyz, solid.cells[~hidden]), SURFACE_SHARE))
-        lows.append(values[drawn].min())
+        lows.append(colour_values(solid)[0][drawn].min())
         boxes.append(limits((solid.xyz + scale * solid.displacement)[drawn]))
         peaks.append(peak_of(solid))
-    look = Look(scale, span(min(lows), max(tops)), union(boxes))
+    look = Look(scale, None, union(boxes))
+    look.colours = span(min(lows), max(seen_top(solid, look) for solid in map(joined, solids)))
     found = [k for k, peak in enumerate(peaks) if peak]
     if not found:
         return look
@@ -153,21 +187,12 @@ def look_of(solids, scale=None):
     return look
 
 
-def viewer():
-    """Right and up of the picture of the whole; z is up."""
-    e, a = np.radians([ELEVATION, AZIMUTH])
-    back = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
-    right = np.array([-np.sin(a), np.cos(a), 0.0])
-    return right, np.cross(back, right)
-
-
 def show(axes, actors, right, up, window, box):
     """Fill the axes by an image; their coordinates are those along right and up."""
     import vtk_scene
 
     view = vtk_scene.View(right, up, window)
-    corners = np.array([[box[i, 0], box[j, 1], box[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
-    depth = corners @ view.back
+    depth = corners_of(box) @ view.back
     size = axes.get_window_extent().size
     image = vtk_scene.picture(actors, view, size, (depth.min(), depth.max()))
     axes.imshow(image, extent=window.ravel(), interpolation="antialiased", zorder=0, aspect="auto")
@@ -221,10 +246,8 @@ def draw_whole(axes, solid, look, part):
     actors.append(vtk_scene.lines(points, lines.sharp, to_rgb(INK), 1.0 * dot))
     if part is not None:
         actors.append(vtk_scene.lines(part.deformed(look.scale), part.outline, to_rgb(CUT), 1.6 * dot, before=12.0))
-    corners = np.array([[look.box[i, 0], look.box[j, 1], look.box[k, 2]]
-                        for i in (0, 1) for j in (0, 1) for k in (0, 1)])
     projection = np.column_stack([right, up])
-    window = window_about(None, limits(corners @ projection), WHOLE)
+    window = window_about(None, limits(corners_of(look.box) @ projection), WHOLE)
     show(axes, actors, right, up, window, look.box)
     draw_rulers(axes, look.box, lambda places: places @ projection)
 

@@ -13,7 +13,9 @@ from plot_solution import CANDIDATE_CLOSED, boundary_edges
 from run_results import numbered
 
 SHARP = 35.0  # degrees between faces that meet in an edge of the body
+CUT_OFF = 0.8  # of the peak; colours go to the peak where few values are above the others by less
 FACING = 0.1  # cosine; faces of the contact surface that are steeper are not seen along its normal
+ASIDE = 0.01  # of the body's width; a cut keeps that far from its sides
 STRAIGHT = 0.96  # cosine; a normal that near to an axis is taken for the axis
 
 
@@ -56,7 +58,7 @@ def top_colour(values, weights, share=0.99):
     sums = np.cumsum(weights[order])
     top = float(values[order[np.searchsorted(sums, share * sums[-1])]])
     peak = float(values[weights > 0].max())
-    return top if top < 0.8 * peak else peak
+    return top if top < CUT_OFF * peak else peak
 
 
 @dataclass
@@ -157,7 +159,7 @@ def cutting_plane(solid, peak):
     low, high = along.min(), along.max()
     # A plane through nodes would cut cells on either side of it, or none.
     aside = 1e-7 * solid.extent
-    place = np.clip(peak.place @ normal, low + 2e-3 * (high - low), high - 2e-3 * (high - low)) + aside
+    place = np.clip(peak.place @ normal, low + ASIDE * (high - low), high - ASIDE * (high - low)) + aside
     return Plane(peak.place + (place - peak.place @ normal) * normal, normal)
 
 

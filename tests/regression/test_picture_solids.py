@@ -169,12 +169,23 @@ class Colours(unittest.TestCase):
         corner = np.unique(solid.cells[np.isin(solid.cells, np.flatnonzero((solid.xyz == 0).all(axis=1)))])
         self.assertAlmostEqual(shares[corner[0]], 3 / 16, places=12)
 
+    def test_what_is_not_seen_takes_no_colours(self):
+        """A cube of high stresses inside of another one."""
+        inner = bodies.block(bodies.TETRA, 2, 1, body=1, origin=(0.25, 0.25, 0.25), size=0.5)
+        parts = bodies.block(bodies.TETRA, 2, 2) + inner
+        body = np.concatenate([np.full(len(points), b) for b, points, _ in parts])
+        solid = solid_of(parts, bodies.TETRA, von_mises=np.where(body == 1, 50.0, bodies.all_points(parts)[:, 0]))
+        look = plot_solid.look_of([solid])
+        self.assertTrue(0.95 <= look.colours.vmax <= 1.0, look.colours.vmax)
+
     def test_a_peak_does_not_take_the_scale(self):
         parts = bodies.block(bodies.HEXAHEDRON, 4, 2)
         x = bodies.all_points(parts)
         stress = np.where((x == 1.0).all(axis=1), 100.0, x[:, 0])
         look = plot_solid.look_of([solid_of(parts, bodies.HEXAHEDRON, von_mises=stress)])
-        self.assertEqual((look.colours.vmin, look.colours.vmax), (0.0, 1.0))
+        self.assertEqual(look.colours.vmin, 0.0)
+        # The stress is 1 on the right side, beside the corner; between nodes more than that is drawn.
+        self.assertTrue(0.99 <= look.colours.vmax <= 1.0, look.colours.vmax)
         self.assertIsNone(look.plane)
 
 
@@ -195,7 +206,7 @@ class Cuts(unittest.TestCase):
     def test_a_plane_of_symmetry_is_left(self):
         for place in (0.0, 1.0):
             _, _, plane = self.plane(peak=(place, place))
-            self.assertTrue(1e-3 < abs(plane.origin[1] - place) < 5e-3)
+            self.assertTrue(abs(abs(plane.origin[1] - place) - 0.01) < 1e-6)
 
     def test_a_strip_is_cut_across(self):
         solid, peak, _ = self.plane()
