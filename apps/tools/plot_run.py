@@ -53,7 +53,7 @@ def plot_convergence(table, summary, title, caption):
     upper = figure.add_axes([0.1, 0.37, 0.87, 0.47 if title else 0.51])
     lower = figure.add_axes([0.1, 0.15, 0.87, 0.18], sharex=upper)
 
-    x = running(table["hessian_applications"])
+    x = table["hessian_applications"]
     gradient = positive(table["projected_gradient"])
     equality = positive(table["equality_residual"])
     few = len(x) <= 400
@@ -142,11 +142,6 @@ def plot_convergence(table, summary, title, caption):
     )
     finish(figure, title, caption)
     return figure
-
-
-def running(counts):
-    """Counts that a new solution begins at zero, as of each step of the load, on top of each other."""
-    return counts + np.concatenate([[0], np.cumsum(np.where(np.diff(counts) < 0, counts[:-1], 0))])
 
 
 def run(options):

@@ -152,6 +152,11 @@ def read_summary(path):
     return summary
 
 
+def running(counts):
+    """Counts that begin anew, as at each step of a load, on top of those before."""
+    return counts + np.concatenate([[0], np.cumsum(np.where(np.diff(counts) < 0, counts[:-1], 0))])
+
+
 def read_iterations(path, growing=False):
     """The columns as arrays by name; an empty cell becomes NaN.
 
@@ -213,6 +218,7 @@ def read_iterations(path, growing=False):
             raise PlotError(
                 f"{path}: row {bad[0] + 2}, column {name}: no finite number; repeat the run"
             )
+    table["hessian_applications"] = running(table["hessian_applications"])
     return table
 
 

@@ -64,6 +64,9 @@ def make_context():
     """A surfaceless OpenGL context, current in this thread for the rest of the program."""
     # One renderer for all machines, in the place of a driver that may want a display.
     os.environ.setdefault("LIBGL_ALWAYS_SOFTWARE", "1")
+    # It would say so where it cannot write one.
+    os.environ.setdefault("MESA_SHADER_CACHE_DISABLE", "true")
+    os.environ.setdefault("MESA_GLSL_CACHE_DISABLE", "true")
     try:
         egl = ctypes.CDLL("libEGL.so.1")
     except OSError as error:

@@ -28,7 +28,6 @@ try:
     import plot_curve
     import plot_deformed
     import plot_frames
-    import plot_run
     import plot_solution
     import run_results
     import synthetic_composite
@@ -274,10 +273,20 @@ class Frames(unittest.TestCase):
 
 
 class Counts(unittest.TestCase):
+    def test_a_run_that_has_ended_is_followed_to_its_frames(self):
+        directory = stepped()
+        path = directory / "iterations.csv"
+        rows = path.read_text(encoding="utf-8").splitlines()
+        path.write_text("\n".join([*rows, *rows[1:], ""]), encoding="utf-8")
+        self.assertEqual(run_results.read_iterations(path)["hessian_applications"][-1], 14)
+        drawn = plot(directory, "--follow", "--frames", "--dpi", "50")
+        self.assertEqual((drawn.returncode, drawn.stderr), (0, ""))
+        self.assertIn("steps.gif", drawn.stdout)
+
     def test_counts_that_begin_anew(self):
-        self.assertEqual(plot_run.running(np.array([0, 3, 5, 0, 2, 1, 4])).tolist(), [0, 3, 5, 5, 7, 8, 11])
-        self.assertEqual(plot_run.running(np.array([0, 3, 3, 5])).tolist(), [0, 3, 3, 5])
-        self.assertEqual(plot_run.running(np.array([4])).tolist(), [4])
+        self.assertEqual(run_results.running(np.array([0, 3, 5, 0, 2, 1, 4])).tolist(), [0, 3, 5, 5, 7, 8, 11])
+        self.assertEqual(run_results.running(np.array([0, 3, 3, 5])).tolist(), [0, 3, 3, 5])
+        self.assertEqual(run_results.running(np.array([4])).tolist(), [4])
 
 
 if __name__ == "__main__":
