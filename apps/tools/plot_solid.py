@@ -111,7 +111,8 @@ def seen_top(solid, look):
 
     right, up = viewer()
     corners = corners_of(look.box)
-    view = vtk_scene.View(right, up, window_about(None, limits(corners @ np.column_stack([right, up])), WHOLE))
+    window = window_about(None, limits(corners @ np.column_stack([right, up])), WHOLE)
+    view = vtk_scene.View(right, up, window)
     depth = corners @ view.back
     values = colour_values(solid)[0]
     known = np.unique(values[np.unique(solid.cells)])
@@ -156,7 +157,8 @@ def look_of(solids, scale=None):
     for solid in map(joined, solids):
         part = section(solid, colour_values(solid)[0], look.plane)
         flat = part.deformed() @ axes
-        zones.append(limits(flat[part.outline[part.closed]].reshape(-1, 2)) if part.closed.any() else None)
+        zone = flat[part.outline[part.closed]].reshape(-1, 2)
+        zones.append(limits(zone) if len(zone) else None)
         wholes.append(limits(flat) if len(flat) else None)
         piece = patch(solid, look.body, look.direction)
         patches.append(limits(piece.points @ across) if len(piece.points) else None)
@@ -214,17 +216,21 @@ def draw_rulers(axes, box, flat):
         axes.plot(*line.T, color=FAINT, linewidth=0.8, clip_on=False, zorder=1)
         steps = MaxNLocator(max(2, round(4 * size[k] / size.max())), steps=[1, 2, 5, 10])
         ticks = [t for t in steps.tick_values(low[k], high[k]) if low[k] <= t <= high[k]]
-        digits = max([0, *(len(f"{t:g}".partition(".")[2]) for t in ticks if "e" not in f"{t:g}")])
-        for tick in ticks:
-            at = flat(start + (tick - low[k]) * np.array(along))
+        # All with as many digits as the finest one wants.
+        words = [f"{t:g}" for t in ticks]
+        if not any("e" in word for word in words):
+            digits = max((len(word.partition(".")[2]) for word in words), default=0)
+            words = [f"{t:.{digits}f}" for t in ticks]
+        arrow = {"arrowstyle": "-", "color": FAINT, "linewidth": 0.8, "shrinkA": 5, "shrinkB": 0}
+        for tick, word in zip(ticks, words):
             axes.annotate(
-                f"{tick:g}" if "e" in f"{tick:g}" else f"{tick:.{digits}f}", at, xytext=9 * out, textcoords="offset points",
-                ha="right" if k == 2 else "center", va="center" if k == 2 else "top", fontsize=9, annotation_clip=False,
-                arrowprops={"arrowstyle": "-", "color": FAINT, "linewidth": 0.8, "shrinkA": 5, "shrinkB": 0},
+                word, flat(start + (tick - low[k]) * np.array(along)), xytext=9 * out,
+                textcoords="offset points", ha="right" if k == 2 else "center",
+                va="center" if k == 2 else "top", fontsize=9, annotation_clip=False, arrowprops=arrow,
             )
         axes.annotate(
-            f"${'xyz'[k]}$", line.mean(axis=0), xytext=(36 if k == 2 else 26) * out, textcoords="offset points",
-            ha="center", va="center", fontsize=11, annotation_clip=False,
+            f"${'xyz'[k]}$", line.mean(axis=0), xytext=(36 if k == 2 else 26) * out,
+            textcoords="offset points", ha="center", va="center", fontsize=11, annotation_clip=False,
         )
 
 
@@ -245,7 +251,8 @@ def draw_whole(axes, solid, look, part):
         actors.append(vtk_scene.lines(points, lines.mesh, to_rgb(INK), 0.25 * dot))
     actors.append(vtk_scene.lines(points, lines.sharp, to_rgb(INK), 1.0 * dot))
     if part is not None:
-        actors.append(vtk_scene.lines(part.deformed(look.scale), part.outline, to_rgb(CUT), 1.6 * dot, before=12.0))
+        at = part.deformed(look.scale)
+        actors.append(vtk_scene.lines(at, part.outline, to_rgb(CUT), 1.6 * dot, before=12.0))
     projection = np.column_stack([right, up])
     window = window_about(None, limits(corners_of(look.box) @ projection), WHOLE)
     show(axes, actors, right, up, window, look.box)
@@ -280,7 +287,8 @@ def draw_cut(axes, look, part):
     # Also what reaches in from outside of the window.
     actors = [
         vtk_scene.surface(
-            points, part.triangles[:, [0, 1, 2, 2]], part.values, DISPLACEMENT_MAP, look.cut_colours, lit=False,
+            points, part.triangles[:, [0, 1, 2, 2]], part.values, DISPLACEMENT_MAP,
+            look.cut_colours, lit=False,
         )
     ]
     if len(part.points):
@@ -313,7 +321,8 @@ def draw_contact(axes, solid, look):
     flat = piece.points @ np.column_stack([right, up])
     actors = []
     for cells, values, colours, norm in (
-        (piece.open, piece.gap, GAP_MAP, look.gaps), (piece.closed, piece.pressure, PRESSURE_MAP, look.pressures)
+        (piece.open, piece.gap, GAP_MAP, look.gaps),
+        (piece.closed, piece.pressure, PRESSURE_MAP, look.pressures),
     ):
         if len(cells):
             actors.append(vtk_scene.surface(piece.points, cells, values, colours, norm, lit=False))
@@ -324,7 +333,7 @@ def draw_contact(axes, solid, look):
     axes.set_ylim(*look.contact_window[1])
     frame_panel(axes, right, up)
     axes.set_title("contact surface", fontsize=10, pad=4)
-    pressure = float(piece.pressure[piece.closed].max()) if len(piece.closed) else 0.0
+    pressure = float(piece.pressure[piece.closed].max()) if len(piece.closed) else None
     gap = float(piece.gap[piece.open].max()) if len(piece.open) else None
     return pressure, gap
 
@@ -371,15 +380,20 @@ def plot_solid(solid, title, caption, look=None, text=""):
         x, y = 0.75 + WHOLE[0] + 1.1 + 0.75, WHOLE[1] - PANEL[1] - 0.05
         peak = draw_cut(figure.add_axes(place(x, y, *PANEL)), look, part)
         bars = x + PANEL[0] + 0.12
-        colour_bar(figure, place(bars, y, 0.12, PANEL[1]), look.cut_colours, DISPLACEMENT_MAP, quantity, peak)
+        bar = place(bars, y, 0.12, PANEL[1])
+        colour_bar(figure, bar, look.cut_colours, DISPLACEMENT_MAP, quantity, peak)
         pressure, gap = draw_contact(figure.add_axes(place(x, 0, *PANEL)), solid, look)
-        colour_bar(figure, place(bars, 0, 0.12, PANEL[1]), look.pressures, PRESSURE_MAP, "pressure", pressure)
+        if pressure is not None:
+            bar = place(bars, 0, 0.12, PANEL[1])
+            colour_bar(figure, bar, look.pressures, PRESSURE_MAP, "pressure", pressure)
         if gap is not None:
-            colour_bar(figure, place(bars + 1.1, 0, 0.12, PANEL[1]), look.gaps, GAP_MAP, "gap", gap)
+            bar = place(bars + 1.1, 0, 0.12, PANEL[1])
+            colour_bar(figure, bar, look.gaps, GAP_MAP, "gap", gap)
         handles = [
             Line2D([], [], color=colour, linewidth=2.2, label=f"contact {word}")
             for colour, word, found in (
-                (CLOSED, "closed", part.closed.any()), (OPEN, "open", (part.touching & ~part.closed).any())
+                (CLOSED, "closed", part.closed.any()),
+                (OPEN, "open", (part.touching & ~part.closed).any()),
             )
             if found
         ]

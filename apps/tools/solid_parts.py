@@ -155,7 +155,8 @@ def cutting_plane(solid, peak):
     k = choices[0] if peak.extent[choices[0]] > 0.8 * peak.extent[longest] else longest
     axis = np.eye(3)[k]
     normal = unit(axis - (axis @ peak.normal) * peak.normal)
-    along = solid.xyz[np.unique(solid.cells[solid.body_of_point[solid.cells[:, 0]] == peak.body])] @ normal
+    own = solid.body_of_point[solid.cells[:, 0]] == peak.body
+    along = solid.xyz[np.unique(solid.cells[own])] @ normal
     low, high = along.min(), along.max()
     # A plane through nodes would cut cells on either side of it, or none.
     aside = 1e-7 * solid.extent

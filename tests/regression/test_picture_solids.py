@@ -10,6 +10,7 @@ What each class guards against:
     Programs  no picture, no sentence where VTK is missing, VTK asked for where it is not needed
 """
 
+import json
 import os
 import subprocess
 import sys
@@ -329,6 +330,24 @@ class Programs(unittest.TestCase):
                     panel = image[image.shape[0] // 5 : -image.shape[0] // 5, image.shape[1] // 8 : image.shape[1] // 3]
                     self.assertGreater(np.std(panel[..., :3]), 0.05)
                     self.assertGreater((np.ptp(panel[..., :3], axis=2) > 0.1).mean(), 0.2)
+
+    def test_frames(self):
+        directory = result_of(*bodies.stack(bodies.TETRA), bodies.TETRA)
+        (directory / "result.vtkhdf").unlink()
+        files = []
+        for k, load in enumerate((0.5, 1.0), start=1):
+            files.append({"name": f"result_{k:04d}.vtkhdf", "time": load})
+            parts, data = bodies.stack(bodies.TETRA, load=load)
+            synthetic_composite.write_vtkhdf(directory / files[-1]["name"], parts, data, bodies.TETRA)
+        (directory / "result.vtkhdf.series").write_text(json.dumps({"files": files}), encoding="utf-8")
+        drawn = self.plot(directory, "--frames", "--dpi", "50")
+        self.assertEqual((drawn.returncode, drawn.stderr), (0, ""))
+        first, second = (imread(directory / f"frame_{k:04d}.png") for k in (1, 2))
+        self.assertEqual(first.shape, second.shape)
+        # Half the load, half the colours: darker.
+        left = slice(0, first.shape[1] // 3)
+        self.assertLess(first[:, left, :3].sum(), second[:, left, :3].sum())
+        self.assertTrue((directory / "steps.gif").is_file())
 
     def test_without_vtk(self):
         space = result_of(*bodies.stack(bodies.TETRA), bodies.TETRA)

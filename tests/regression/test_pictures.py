@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The pictures of elastic bodies, from result files written here; no program is run.
+"""The pictures of elastic bodies in the plane and of membranes, from result files written here; no program is run.
 
 What each class guards against:
 
@@ -280,7 +280,6 @@ class Pictures(unittest.TestCase):
     def test_harmos_plot_of_bodies_and_of_membranes(self):
         for name, directory in (
             ("plane", composite()[0]),
-            ("space", write_cells(12, np.arange(3.0))),
             ("without stresses", write_cells(28, np.arange(3.0))),
             ("membranes", write_cells(9, np.arange(3.0), scalar=True)),
         ):
