@@ -39,7 +39,7 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # All tools want python3. What pictures need besides is of no use on a node that only computes; harmos-plot names what is
 # missing.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "openmpi-bin, python3")
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-h5py, python3-matplotlib, python3-numpy")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-h5py, python3-matplotlib, python3-numpy, python3-vtk9")
 file(STRINGS cmake/packages-debian.txt packages REGEX "^lib.*-dev")
 list(TRANSFORM packages REPLACE " [?]$" "")
 list(REMOVE_ITEM packages libgtest-dev libcli11-dev)

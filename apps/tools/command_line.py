@@ -9,7 +9,8 @@ import importlib
 import sys
 from pathlib import Path
 
-NEEDED = ("numpy", "matplotlib")  # h5py only where there are fields, see run_results.py
+NEEDED = ("numpy", "matplotlib")  # h5py only where there are fields, see run_results.py; VTK in vtk_scene.py
+PACKAGES = {"vtkmodules": "python3-vtk9"}  # the others are called as their modules
 
 
 class PlotError(Exception):
@@ -17,11 +18,11 @@ class PlotError(Exception):
 
 
 def missing(module, error):
-    """What to do where a module cannot be imported; Debian names its packages after them."""
+    """What to do where a module cannot be imported."""
     reason = " ".join(str(error).split())
     return (
         f"{sys.executable} cannot import {module} ({reason}): install Debian's package "
-        f"python3-{module}, which /usr/bin/python3 sees, or name an interpreter that has it, as in "
+        f"{PACKAGES.get(module, f'python3-{module}')}, which /usr/bin/python3 sees, or name an interpreter that has it, as in "
         f"PYTHON {sys.argv[0]} DIR"
     )
 

@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures of elastic bodies: deformed meshes, and the contact pressure around a body.
+"""Pictures of elastic bodies in the plane: deformed meshes, and the contact pressure around a body.
 
 Displacements are drawn exaggerated, so that the largest of them is a tenth to a fifth of the
 whole and gaps can be seen; the picture says by how much. Colour is the von Mises stress, or the
-size of the displacement in results without stresses. In the plane the bodies' outlines are drawn
-and their contact sides are marked as closed or open; a node stands for the halves of the edges on
-both its sides. In space the outer faces are drawn, thinned by vertex clustering (see
-plot_solution.py) where there are too many.
+size of the displacement in results without stresses. The bodies' outlines are drawn and their contact
+sides are marked as closed or open; a node stands for the halves of the edges on both its sides.
+Bodies in space are drawn by plot_solid.py.
 """
 
 import math
@@ -17,15 +16,12 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
-from mpl_toolkits.mplot3d.art3d import Poly3DCollection
-from plot_solution import CANDIDATE_CLOSED, boundary_edges, shaded, thin_cells
+from plot_solution import CANDIDATE_CLOSED, boundary_edges, thin_cells
 from plot_style import CLOSED, DISPLACEMENT_MAP, FAINT, INK, OPEN, PRESSURE, finish
 from command_line import PlotError
 
-MAX_PIECES = 250_000  # drawn in the plane; more take long and show no more at this size
-MAX_FACES = 40_000  # drawn in space
+MAX_PIECES = 250_000  # drawn; more take long and show no more at this size
 MAX_MESH = 8_000  # cells; their edges would cover the colours beyond this
 
 
@@ -103,108 +99,67 @@ def draw_plane(axes, solid, scale, norm):
     return {CLOSED if state else OPEN for state in np.unique(closed)}
 
 
-def thin_faces(solid, limit):
-    """About `limit` faces at most over the same surface; nodes move to one of those nearby."""
-    faces = solid.cells
-    if len(faces) <= limit:
-        return faces
-    first, second = (solid.xyz[faces[:, k + 2]] - solid.xyz[faces[:, k]] for k in (0, 1))
-    area = np.linalg.norm(np.cross(first, second), axis=1).sum() / 2
-    # Not of nodes inside, which are on no face.
-    used = np.unique(faces)
-    _, body = np.unique(solid.body_of_point[used], return_inverse=True)
-    low, high = np.full((body.max() + 1, 3), np.inf), np.full((body.max() + 1, 3), -np.inf)
-    np.minimum.at(low, body, solid.xyz[used])
-    np.maximum.at(high, body, solid.xyz[used])
-    # Both sides of a slender body stay apart.
-    size = np.minimum(math.sqrt(area / limit), np.where(high > low, high - low, 1.0))
-    box = np.floor((solid.xyz[used] - low[body]) / size[body] + 0.5).astype(np.int64)
-    keys = np.column_stack([body, box])
-    _, first, which = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    target = np.arange(len(solid.xyz))
-    target[used] = used[first[which.ravel()]]
-    moved = target[faces]
-    ordered = np.sort(moved, axis=1)
-    keep = 1 + (np.diff(ordered, axis=1) > 0).sum(axis=1) >= 3
-    _, once = np.unique(ordered[keep], axis=0, return_index=True)
-    return moved[keep][once]
+@dataclass
+class Look:
+    """What pictures of several results have in common."""
+
+    scale: float
+    colours: matplotlib.colors.Normalize
+    clipped: bool
+    limits: np.ndarray  # (least, most) of x and y
 
 
-def draw_space(axes, solid, scale, norm):
-    faces = thin_faces(solid, MAX_FACES)
-    xyz = deformed(solid, scale)
-    corners = xyz[faces]
-    values = colour_values(solid)[0]
-    colours = shaded(DISPLACEMENT_MAP(norm(values[faces].mean(axis=1))), corners)
-    few = len(faces) <= 6000
-    axes.add_collection3d(
-        Poly3DCollection(
-            corners, facecolors=colours, edgecolors=(0, 0, 0, 0.25) if few else "none",
-            linewidths=0.3 if few else 0, antialiaseds=few,
-        )
-    )
-    low, high = xyz.min(axis=0), xyz.max(axis=0)
-    span = np.maximum(high - low, 1e-3 * (high - low).max())
-    for set_limits, a, b in zip((axes.set_xlim, axes.set_ylim, axes.set_zlim), low, high):
-        set_limits(a, b if b > a else a + 1)
-    axes.set_box_aspect(span)
-    axes.set_proj_type("persp", focal_length=0.6)
-    axes.view_init(elev=25, azim=-60)
-    axes.tick_params(labelsize=8)
-    for axis, share in zip((axes.xaxis, axes.yaxis, axes.zaxis), span / span.max()):
-        axis.set_major_locator(MaxNLocator(max(2, round(5 * share)), steps=[1, 2, 5, 10]))
-    axes.set_xlabel("$x$")
-    axes.set_ylabel("$y$")
-    axes.set_zlabel("$z$")
-
-
-def plot_deformed(solids, title, caption, scale=None, names=("", "")):
-    """The deformed meshes of one or two results, side by side, on one scale."""
+def look_of(solids, scale=None):
+    """Looks at all results, which are gone through several times, and may be read anew each time."""
     if len({s.dimension for s in solids}) > 1:
         raise PlotError("one run is of the plane and the other of space; draw them one by one")
     scale = scale or automatic_scale(solids)
-    values = [colour_values(s) for s in solids]
-    quantity = values[0][1]
-    high = max(float(v.max()) for v, _ in values)
-    low = min(float(v.min()) for v, _ in values)
+    lows, highs, tops, corners = [], [], [], []
+    for solid in solids:
+        values, xy = colour_values(solid)[0], deformed(solid, scale)
+        lows.append(float(values.min()))
+        highs.append(float(values.max()))
+        tops.append(float(np.quantile(values, 0.999)))
+        corners += [xy.min(axis=0), xy.max(axis=0)]
+    low, high, top = min(lows), max(highs), max(tops)
     # Stresses at single nodes, in corners, would make everything else dark.
-    top = max(float(np.quantile(v, 0.999)) for v, _ in values)
     clipped = top < 0.8 * high
     norm = matplotlib.colors.Normalize(low, max(top if clipped else high, low + 1e-300))
+    corners = np.array([np.min(corners, axis=0), np.max(corners, axis=0)])
+    margin = 0.02 * np.ptp(corners, axis=0).max()
+    return Look(scale, norm, clipped, corners + [[-margin], [margin]])
+
+
+def plot_deformed(solids, title, caption, look=None, names=("", ""), text=""):
+    """The deformed meshes of one or two results in the plane, side by side, on one scale."""
+    look = look or look_of(solids)
+    if solids[0].dimension == 3:
+        raise PlotError("bodies in space are drawn one by one, by harmos-plot")
+    quantity = colour_values(solids[0])[1]
 
     # Panels of one size and with the same limits, in inches; the figure has their shape.
     count = len(solids)
     panel = 5.6
-    tall = 4.6
-    if solids[0].dimension == 2:
-        xy = np.concatenate([deformed(s, scale) for s in solids])
-        margin = 0.02 * np.ptp(xy, axis=0).max()
-        limits = np.array([xy.min(axis=0) - margin, xy.max(axis=0) + margin])
-        tall = panel * float(np.clip(np.divide(*np.ptp(limits, axis=0)[::-1]), 0.2, 1.3))
+    tall = panel * float(np.clip(np.divide(*np.ptp(look.limits, axis=0)[::-1]), 0.2, 1.3))
     above = (1.2 if title else 0.8) + (0.2 if count > 1 else 0.0)
     sizes = 0.7 + count * (panel + 0.5) + 0.8, 0.9 + tall + above
     figure = plt.figure(figsize=sizes)
 
-    def axes_at(x, y, width, height, **kind):
-        place = [x / sizes[0], y / sizes[1], width / sizes[0], height / sizes[1]]
-        return figure.add_axes(place, **kind)
+    def axes_at(x, y, width, height):
+        return figure.add_axes([x / sizes[0], y / sizes[1], width / sizes[0], height / sizes[1]])
 
     states = set()
     for k, solid in enumerate(solids):
-        kind = {} if solid.dimension == 2 else {"projection": "3d"}
-        axes = axes_at(0.7 + k * (panel + 0.5), 0.95, panel, tall, **kind)
-        if solid.dimension == 2:
-            states |= draw_plane(axes, solid, scale, norm)
-            axes.set_xlim(*limits[:, 0])
-            axes.set_ylim(*limits[:, 1])
-        else:
-            draw_space(axes, solid, scale, norm)
+        axes = axes_at(0.7 + k * (panel + 0.5), 0.95, panel, tall)
+        states |= draw_plane(axes, solid, look.scale, look.colours)
+        axes.set_xlim(*look.limits[:, 0])
+        axes.set_ylim(*look.limits[:, 1])
         if names[k]:
             axes.set_title(names[k])
 
     bar_axes = axes_at(sizes[0] - 1.15, 0.95 + 0.15 * tall, 0.12, 0.7 * tall)
-    mappable = plt.cm.ScalarMappable(norm, DISPLACEMENT_MAP)
-    bar = figure.colorbar(mappable, cax=bar_axes, extend="max" if clipped else "neither")
+    mappable = plt.cm.ScalarMappable(look.colours, DISPLACEMENT_MAP)
+    bar = figure.colorbar(mappable, cax=bar_axes, extend="max" if look.clipped else "neither")
     bar.outline.set_visible(False)
     bar.ax.tick_params(labelsize=8, length=2)
     bar.set_label(quantity, fontsize=9)
@@ -213,8 +168,8 @@ def plot_deformed(solids, title, caption, scale=None, names=("", "")):
         for colour, word in ((CLOSED, "closed"), (OPEN, "open"))
         if colour in states
     ]
-    words = f"displacements drawn {scale:g} times as large"
-    handles.append(Line2D([], [], linestyle="none", label=words))
+    words = f"displacements drawn {look.scale:g} times as large"
+    handles.append(Line2D([], [], linestyle="none", label=f"{text} \u00b7 {words}" if text else words))
     figure.legend(
         handles=handles, loc="upper center", ncol=3, fontsize=9,
         bbox_to_anchor=(0.5, 1 - (0.4 if title else 0.1) / sizes[1]),

@@ -3,8 +3,8 @@
 
 convergence.png draws the norms of the projected gradient and of the equality residual against
 the number of Hessian applications, the cost that is independent of the machine; solution.png is
-described in plot_solution.py for membranes and in plot_deformed.py for elastic bodies, pictures of
-a run that goes on in follow_run.py.
+described in plot_solution.py for membranes, in plot_deformed.py for elastic bodies in the plane and in plot_solid.py for
+those in space, pictures of a run that goes on in follow_run.py, of one of several steps in plot_frames.py.
 """
 
 import sys
@@ -12,11 +12,10 @@ from pathlib import Path
 
 import numpy as np
 from follow_run import follow
-from plot_deformed import plot_deformed
+from plot_frames import draw_frames, frames_of, painter_of
 from plot_style import FAINT, INK, STYLE, caption_of, finish, output_of, save
-from plot_solution import plot_solution
 from command_line import PlotError
-from run_results import Solid, read_iterations, read_result, read_summary
+from run_results import read_iterations, read_result, read_summary
 
 import matplotlib.pyplot as plt
 from matplotlib.lines import Line2D
@@ -154,21 +153,25 @@ def run(options):
         follow(directory, output, options.dpi, options.interval, plot_convergence)
     summary = read_summary(directory / "summary.json")
     table = read_iterations(directory / "iterations.csv")
-    result = directory / "result.vtkhdf"
-    field = read_result(result) if result.exists() else None
+    frames = frames_of(directory)
+    if options.frames and (not frames or frames[0].time is None):
+        raise PlotError(
+            f"{directory}/result.vtkhdf.series: not there; only a run of several steps has frames"
+        )
 
-    caption = caption_of(summary)
     with plt.rc_context(STYLE):
-        if field is not None:
-            if isinstance(field, Solid):
-                figure = plot_deformed([field], options.title, caption)
-            else:
-                figure = plot_solution(field, options.title, caption)
+        if frames:
+            field = read_result(frames[-1].path)
+            text = "" if frames[-1].time is None else frames[-1].text
+            figure = painter_of(field)[1](field, options.title, caption_of(summary), None, text=text)
             save(figure, output / "solution.png", options.dpi)
         else:
             print(
-                f"{result}: not there (output of fields was off); only convergence.png is made",
+                f"{directory / 'result.vtkhdf'}: not there (output of fields was off); "
+                "only convergence.png is made",
                 file=sys.stderr,
             )
-        figure = plot_convergence(table, summary, options.title, caption)
+        figure = plot_convergence(table, summary, options.title, caption_of(summary))
         save(figure, output / "convergence.png", options.dpi)
+    if options.frames:
+        draw_frames(frames, output, options.title, summary, options.dpi)

@@ -176,6 +176,32 @@ def interface_traces(field):
     return [trace for trace in traces if len(trace.s) > 1], label
 
 
+@dataclass
+class Look:
+    """What pictures of several results have in common: least and greatest values."""
+
+    heights: tuple
+    sides: tuple  # of the displacement along the interface
+    pressures: tuple
+
+
+def look_of(fields):
+    heights, sides, pressures = [], [], []
+    for field in fields:
+        heights += [float(field.displacement.min()), float(field.displacement.max())]
+        for trace in interface_traces(field)[0]:
+            sides += [float(trace.displacement.min()), float(trace.displacement.max())]
+            pressures += [float(trace.pressure.min()), float(trace.pressure.max())]
+    low, high = min(heights), max(heights)
+    if high - low < 1e-14 * max(1.0, abs(high)):
+        low, high = low - 0.5, high + 0.5
+    return Look(
+        (low, high),
+        (min(sides, default=0.0), max(sides, default=0.0)),
+        (min([0.0, *pressures]), max([0.0, *pressures])),
+    )
+
+
 def shaded(colours, corners):
     """Darken faces that turn away from a light, which makes the shape readable."""
     scale = np.ptp(corners.reshape(-1, 3), axis=0)
@@ -193,14 +219,12 @@ def shaded(colours, corners):
     return out
 
 
-def draw_membranes(axes, field, traces):
+def draw_membranes(axes, field, traces, look):
     cells, target = thin_cells(field, MAX_CELLS)
     u = field.displacement
     xyz = np.column_stack([field.xy, u])
     corners = refine(xyz[cells], MAX_CELLS)
-    low, high = float(u.min()), float(u.max())
-    if high - low < 1e-14 * max(1.0, abs(high)):
-        low, high = low - 0.5, high + 0.5
+    low, high = look.heights
     norm = matplotlib.colors.Normalize(low, high)
     colours = shaded(DISPLACEMENT_MAP(norm(corners[:, :, 2].mean(axis=1))), corners)
 
@@ -276,7 +300,7 @@ def draw_membranes(axes, field, traces):
     return mappable
 
 
-def draw_trace(axes, traces, label, bodies):
+def draw_trace(axes, traces, label, bodies, look):
     """Displacement of both sides and contact pressure along the interface."""
     second = axes.twinx()
     leader = max(traces, key=lambda trace: np.abs(trace.pressure).max())
@@ -312,12 +336,10 @@ def draw_trace(axes, traces, label, bodies):
 
     # Displacement takes the upper part of the panel and the pressure the lower, without
     # crossing.
-    values = np.concatenate([trace.displacement for trace in traces])
-    low, high = float(values.min()), float(values.max())
+    low, high = look.sides
     span = (high - low) or max(abs(high), 1.0)
     axes.set_ylim(low - 0.9 * span, high + 0.08 * span)
-    top = float(leader.pressure.max())
-    bottom = min(0.0, float(leader.pressure.min()))
+    bottom, top = look.pressures
     second.set_ylim(bottom, bottom + 2.3 * ((top - bottom) or 1.0))
     ticks = MaxNLocator(5).tick_values(low, high)
     axes.set_yticks(ticks[(ticks >= low - 0.1 * span) & (ticks <= high + 0.08 * span)])
@@ -337,14 +359,16 @@ def body_name(number):
     return rf"$\Omega^{{{number + 1}}}$"
 
 
-def plot_solution(field, title, caption):
+def plot_solution(field, title, caption, look=None, text=""):
+    """A picture of one result; look is that of several, text is printed above."""
+    look = look or look_of([field])
     traces, label = interface_traces(field)
     bodies = np.unique(field.body_of_point).tolist()
     figure = plt.figure(figsize=(13.0, 5.6) if traces else (8.0, 5.6))
     # The three-dimensional axes leave wide margins of their own and may reach over the rim.
     width = 0.60 if traces else 0.94
     left = figure.add_axes([-0.02, 0.03, width, 0.98], projection="3d")
-    mappable = draw_membranes(left, field, traces)
+    mappable = draw_membranes(left, field, traces, look)
     bar_left = 0.578 if traces else 0.91
     bar_axes = figure.add_axes([bar_left, 0.29, 0.117 / figure.get_figwidth(), 0.44])
     bar = figure.colorbar(mappable, cax=bar_axes)
@@ -355,7 +379,7 @@ def plot_solution(field, title, caption):
     handles = []
     if traces:
         right = figure.add_axes([0.705, 0.17, 0.235, 0.63])
-        draw_trace(right, traces, label, bodies)
+        draw_trace(right, traces, label, bodies, look)
         states = [
             (colour, word)
             for colour, word, found in (
@@ -392,6 +416,8 @@ def plot_solution(field, title, caption):
         )
     if field.parts <= MAX_SUBDOMAIN_EDGES:
         handles.append(Line2D([], [], color=INK, linewidth=0.9, label="subdomain edges"))
+    if text:
+        handles.append(Line2D([], [], linestyle="none", label=text))
     figure.legend(
         handles=handles, loc="upper left", bbox_to_anchor=(0.38 if traces else 0.6, 0.93),
         fontsize=9,

@@ -5,6 +5,7 @@ Colours, made for colour-blind readers: M. Okabe, K. Ito, "Color universal desig
 map viridis of N. Smith and S. van der Walt.
 """
 
+import contextlib
 import os
 from pathlib import Path
 
@@ -93,17 +94,12 @@ def output_of(options):
     return output
 
 
-def save(figure, path, dpi, close=True):
-    """Write beside the place and rename: the name never stands for half a picture.
-
-    SVG where the path ends in .svg, else PNG.
-    """
+@contextlib.contextmanager
+def whole(path):
+    """A place beside the path, renamed when it has been written: the name never stands for half a picture."""
     temporary = path.with_name(f".{path.name}.{os.getpid()}.part")
-    form = "svg" if path.suffix == ".svg" else "png"
-    # No entry that differs between two runs on the same data.
-    metadata = {"Software": None} if form == "png" else {"Date": None}
     try:
-        figure.savefig(temporary, format=form, dpi=dpi, metadata=metadata)
+        yield temporary
         os.replace(temporary, path)
     except OSError as error:
         raise PlotError(
@@ -111,6 +107,17 @@ def save(figure, path, dpi, close=True):
         ) from error
     finally:
         temporary.unlink(missing_ok=True)
+    print(path)
+
+
+def save(figure, path, dpi, close=True):
+    """SVG where the path ends in .svg, else PNG."""
+    form = "svg" if path.suffix == ".svg" else "png"
+    # No entry that differs between two runs on the same data.
+    metadata = {"Software": None} if form == "png" else {"Date": None}
+    try:
+        with whole(path) as temporary:
+            figure.savefig(temporary, format=form, dpi=dpi, metadata=metadata)
+    finally:
         if close:
             plt.close(figure)
-    print(path)

@@ -32,20 +32,18 @@ HEX_FACES = (
 )
 
 
-def cut(faces, pieces):
-    return tuple(tuple(face[k] for k in piece) for face in faces for piece in pieces)
+TRIANGLE, QUAD = ((0, 1, 2, 2),), ((0, 1, 2, 3),)
 
-
-# By type: dimension, nodes, pieces.
+# By type: dimension, nodes, faces, pieces of a face or of a cell in the plane.
 VTK_PIECES = {
-    5: (2, 3, ((0, 1, 2, 2),)),
-    9: (2, 4, ((0, 1, 2, 3),)),
-    22: (2, 6, TRIANGLE_6),
-    28: (2, 9, QUAD_9),
-    10: (3, 4, cut(TETRA_FACES, ((0, 1, 2, 2),))),
-    12: (3, 8, cut(HEX_FACES, ((0, 1, 2, 3),))),
-    24: (3, 10, cut(TETRA_FACES, TRIANGLE_6)),
-    29: (3, 27, cut(HEX_FACES, QUAD_9)),
+    5: (2, 3, ((0, 1, 2),), TRIANGLE),
+    9: (2, 4, ((0, 1, 2, 3),), QUAD),
+    22: (2, 6, ((0, 1, 2, 3, 4, 5),), TRIANGLE_6),
+    28: (2, 9, ((0, 1, 2, 3, 4, 5, 6, 7, 8),), QUAD_9),
+    10: (3, 4, TETRA_FACES, TRIANGLE),
+    12: (3, 8, HEX_FACES, QUAD),
+    24: (3, 10, TETRA_FACES, TRIANGLE_6),
+    29: (3, 27, HEX_FACES, QUAD_9),
 }
 
 STEPS = ("start", "cg", "expansion", "proportioning", "pcpg", "active set")
@@ -93,9 +91,11 @@ class Solid:
     part_of_point: np.ndarray
     body_of_point: np.ndarray
     place: np.ndarray  # (points,) the same number for all copies of a node within its body
-    cells: np.ndarray  # (cells, 4) pieces of the cells in the plane, in space their outer faces
+    cells: np.ndarray  # (cells, 4) pieces of the cells in the plane, in space of their outer faces
+    face_of_cell: np.ndarray  # (cells,) the same number for all pieces of a face
     part_of_cell: np.ndarray
     parts: int
+    volumes: dict  # in space, by type: the cells' nodes (cells, nodes)
 
     @property
     def xy(self):
@@ -106,20 +106,35 @@ class Solid:
         return float(np.ptp(self.xyz, axis=0).max())
 
 
+def numbered(*columns):
+    """A number for each row of integer columns: equal rows have one, in the order of the rows."""
+    order = np.lexsort(columns[::-1])
+    fresh = np.zeros(len(order), dtype=bool)
+    for column in columns:
+        fresh[1:] |= np.diff(column[order]) != 0
+    number = np.empty(len(order), dtype=np.int64)
+    number[order] = np.cumsum(fresh)
+    return number
+
+
 def places(xyz, body):
     """Number of the node of which each point is a copy."""
     extent = np.ptp(xyz, axis=0).max() or 1.0
     # Shifted by an odd amount: multiples of simple fractions lie on no border of the boxes.
     box = np.floor((xyz / extent + 0.2718281828459) * 2**26).astype(np.int64)
-    _, number = np.unique(np.column_stack([body, box]), axis=0, return_inverse=True)
-    return number.ravel()
+    return numbered(body, *box.T)
 
 
-def outer_faces(faces, place):
-    """Bool for each face: whether it belongs to one cell only."""
-    keys = np.sort(place[faces], axis=1)
-    _, which, counts = np.unique(keys, axis=0, return_inverse=True, return_counts=True)
-    return counts[which.ravel()] == 1
+def outer_faces(corners):
+    """Bool for each face whether it belongs to one cell only.
+
+    corners  (faces, 4) places of the corners, -1 as a triangle's last one; is sorted by row
+    """
+    corners.sort(axis=1)
+    # Two in one: half as many columns to sort by.
+    pairs = [corners[:, k].astype(np.int64) << 32 | corners[:, k + 1] for k in (0, 2)]
+    number = numbered(*pairs)
+    return np.bincount(number)[number] == 1
 
 
 def read_summary(path):
@@ -135,6 +150,11 @@ def read_summary(path):
     if not isinstance(summary, dict):
         raise PlotError(f"{path}: the top level is not an object; repeat the run")
     return summary
+
+
+def running(counts):
+    """Counts that begin anew, as at each step of a load, on top of those before."""
+    return counts + np.concatenate([[0], np.cumsum(np.where(np.diff(counts) < 0, counts[:-1], 0))])
 
 
 def read_iterations(path, growing=False):
@@ -198,6 +218,7 @@ def read_iterations(path, growing=False):
             raise PlotError(
                 f"{path}: row {bad[0] + 2}, column {name}: no finite number; repeat the run"
             )
+    table["hessian_applications"] = running(table["hessian_applications"])
     return table
 
 
@@ -371,19 +392,12 @@ def parse_solid(source):
     if len(dimensions) > 1:
         source.fail("cells of the plane and of space in one result", "use ParaView for this result")
     dimension = dimensions.pop()
+    volumes = source.corners({kind: entry[1] for kind, entry in VTK_PIECES.items()}, types)
     body_of_point = np.zeros(source.n_points, dtype=np.int64)
-    pieces, parts = [], []
-    sizes = {kind: size for kind, (_, size, _) in VTK_PIECES.items()}
-    for kind, (chosen, nodes) in source.corners(sizes, types).items():
+    for chosen, nodes in volumes.values():
         body_of_point[nodes] = body[chosen, None]
-        cut_up = nodes[:, np.array(VTK_PIECES[kind][2])]
-        pieces.append(cut_up.reshape(-1, 4))
-        parts.append(np.repeat(source.part_of_cell[chosen], cut_up.shape[1]))
-    pieces, parts = np.concatenate(pieces), np.concatenate(parts)
     place = places(xyz, body_of_point)
-    if dimension == 3:
-        outer = outer_faces(pieces, place)
-        pieces, parts = pieces[outer], parts[outer]
+    pieces, face, parts = drawn_pieces(source, volumes, xyz, place if dimension == 3 else None)
     return Solid(
         dimension=dimension,
         xyz=xyz,
@@ -396,6 +410,50 @@ def parse_solid(source):
         body_of_point=body_of_point,
         place=place,
         cells=pieces,
+        face_of_cell=face,
         part_of_cell=parts,
         parts=source.parts,
+        volumes={kind: nodes for kind, (_, nodes) in volumes.items()} if dimension == 3 else {},
     )
+
+
+def outwards(pieces, xyz, inside):
+    """Flat pieces of faces, (faces, pieces, 4), turned so that their normals lead away from points inside.
+
+    Cells of a mesh file may have either orientation.
+    """
+    corner = xyz[pieces[:, 0]]
+    normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+    inward = np.einsum("ij,ij->i", normal, corner.mean(axis=1) - inside) < 0
+    turn = [0, 2, 1, 1] if (pieces[..., 2] == pieces[..., 3]).all() else [0, 3, 2, 1]
+    return np.where(inward[:, None, None], pieces[..., turn], pieces)
+
+
+def drawn_pieces(source, volumes, xyz, place):
+    """Flat pieces (pieces, 4) of cells, or given the points' places of outer faces; face and part of each."""
+    faces = []
+    for kind, (chosen, nodes) in volumes.items():
+        _, _, sides, pieces = VTK_PIECES[kind]
+        faces += [(nodes, np.array(side), pieces, source.part_of_cell[chosen]) for side in sides]
+    count = sum(len(nodes) for nodes, *_ in faces)
+    drawn = np.ones(count, dtype=bool)
+    if place is not None:
+        # A triangle lacks the last: which corner its pieces repeat differs between the cells of a face.
+        corners, first = np.full((count, 4), -1, dtype=np.int32), 0
+        for nodes, side, pieces, _ in faces:
+            ends = 4 if pieces in (QUAD, QUAD_9) else 3
+            for k in range(ends):
+                corners[first : first + len(nodes), k] = place[nodes[:, side[k]]]
+            first += len(nodes)
+        drawn = outer_faces(corners)
+    cut, numbers, parts, first = [], [], [], 0
+    for nodes, side, pieces, part in faces:
+        chosen = np.flatnonzero(drawn[first : first + len(nodes)])
+        flat = nodes[chosen[:, None, None], side[np.array(pieces)]]
+        if place is not None:
+            flat = outwards(flat, xyz, xyz[nodes[chosen]].mean(axis=1))
+        cut.append(flat.reshape(-1, 4))
+        numbers.append(np.repeat(first + chosen, len(pieces)))
+        parts.append(np.repeat(part[chosen], len(pieces)))
+        first += len(nodes)
+    return np.concatenate(cut), np.concatenate(numbers), np.concatenate(parts)

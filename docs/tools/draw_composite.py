@@ -18,7 +18,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "apps" / "tools"))
 
-from plot_deformed import contact_polar, plot_deformed, plot_polar  # noqa: E402
+from plot_deformed import contact_polar, look_of, plot_deformed, plot_polar  # noqa: E402
 from plot_style import STYLE, caption_of, save  # noqa: E402
 from run_results import PlotError, Solid, read_result, read_summary  # noqa: E402
 
@@ -58,7 +58,7 @@ def run(options):
             polars = [contact_polar(s, options.polar) for s in solids]
             figure = plot_polar(polars, options.title, caption, names)
         else:
-            figure = plot_deformed(solids, options.title, caption, options.scale, names)
+            figure = plot_deformed(solids, options.title, caption, look_of(solids, options.scale), names)
         save(figure, output, options.dpi)
 
 

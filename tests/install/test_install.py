@@ -129,7 +129,7 @@ class Programs(Installed):
 class Tools(Installed):
     # What --help has to speak of, beside what all do.
     HELP = {
-        "harmos-plot": ("result.vtkhdf", "solution.png", "convergence.png", "contact.png", "scaling.csv", "--follow"),
+        "harmos-plot": ("result.vtkhdf", "solution.png", "convergence.png", "contact.png", "scaling.csv", "--follow", "curve.png", "steps.gif"),
         "harmos-study-plot": ("study.json", "error_against_seconds", "error_parts"),
         "harmos-submit": ("harmos.slurm", "harmos.pbs", "--scaling weak", "--dry-run", "--resubmissions"),
     }
@@ -188,6 +188,7 @@ class Tools(Installed):
         for words, sentence in (
             (("harmos-plot", empty), "summary.json"),
             (("harmos-plot", empty, "--scaling", "auto"), "no converged run"),
+            (("harmos-plot", empty, "--curve", "time"), "steps.csv"),
             (("harmos-study-plot", empty), "run study first"),
         ):
             refused = self.tool(*words)
@@ -254,7 +255,7 @@ class Package(unittest.TestCase):
             fields = run("dpkg-deb", "--field", package).stdout
             for library in ("libtrilinos-tpetra", "libmumps", "libmetis", "libhdf5"):
                 self.assertIn(library, fields)
-            for module in ("h5py", "matplotlib", "numpy"):
+            for module in ("h5py", "matplotlib", "numpy", "vtk9"):
                 self.assertRegex(fields, rf"(?m)^Recommends: .*\bpython3-{module}\b")
             self.assertRegex(fields, r"(?m)^Depends: .*\bpython3(,|$)")
             files = run("dpkg-deb", "--contents", package).stdout
@@ -265,7 +266,7 @@ class Package(unittest.TestCase):
             for name in Tools.HELP:
                 # It begins with its module, which lies elsewhere in the package.
                 self.assertIn("examples:", run(unpacked / "usr" / "bin" / name, "--help").stdout)
-            for name in ("plot_run.py", "plot_study.py", "plot_scaling.py", "jobs/harmos.slurm", "jobs/job.sh"):
+            for name in ("plot_run.py", "plot_study.py", "plot_scaling.py", "plot_solid.py", "vtk_scene.py", "jobs/harmos.slurm", "jobs/job.sh"):
                 self.assertIn(f"/usr/share/harmos/tools/{name}\n", files)
         finally:
             shutil.rmtree(scratch, ignore_errors=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The pictures of elastic bodies, from result files written here; no program is run.
+"""The pictures of elastic bodies in the plane and of membranes, from result files written here; no program is run.
 
 What each class guards against:
 
@@ -157,6 +157,25 @@ class Reading(unittest.TestCase):
             solid = read(write_cells(kind, [0.0, 1.0]))
             self.assertAlmostEqual(areas(solid.xyz, solid.cells).sum(), 10, places=12)
 
+    def test_faces_between_tetrahedra_are_not_outer(self):
+        """Both cells list the corners of their common face from another one on."""
+        for kind in (10, 24):
+            nodes = np.array(elastic_oracle.NODES[kind], dtype=float)
+            mirrored = nodes * [1, 1, -1]
+            for turned in (nodes, nodes[:, [1, 2, 0]], nodes[:, [2, 0, 1]], nodes[:, [1, 0, 2]]):
+                with self.subTest(kind=kind):
+                    parts = [(0, x, np.arange(len(x))[None]) for x in (turned, mirrored)]
+                    directory = runs.scratch("cells")
+                    u = np.zeros((2 * len(nodes), 3))
+                    synthetic_composite.write_run(directory, parts, {"displacement": u}, kind=kind)
+                    solid = read(directory)
+                    # Two slanted faces, four sides of the two; their common face is none.
+                    common = (turned[:, 2] == 0).sum() == (nodes[:, 2] == 0).sum()
+                    self.assertTrue(common)
+                    self.assertAlmostEqual(
+                        areas(solid.xyz, solid.cells).sum(), 2 * (1.0 + math.sqrt(3) / 2), places=12
+                    )
+
     def test_copies_of_a_node_have_one_place(self):
         directory, _, _ = composite()
         solid = read(directory)
@@ -241,15 +260,6 @@ class Numbers(unittest.TestCase):
         np.testing.assert_allclose(p[order], np.array([2.0, 1.0, 0.0, 0.0]) / 4.0, atol=1e-14)
         self.assertEqual(dimension, 2)
 
-    def test_many_faces_are_thinned(self):
-        solid = read(write_cells(12, np.arange(200.0)))
-        faces = plot_deformed.thin_faces(solid, 300)
-        self.assertLess(len(faces), 600)
-        # A thin rod stays a rod.
-        full = areas(solid.xyz, solid.cells).sum()
-        self.assertLess(abs(areas(solid.xyz, faces).sum() - full), 0.02 * full)
-        self.assertEqual(len(plot_deformed.thin_faces(solid, 10_000)), len(solid.cells))
-
 
 class Pictures(unittest.TestCase):
     def script(self, name, *words):
@@ -270,7 +280,6 @@ class Pictures(unittest.TestCase):
     def test_harmos_plot_of_bodies_and_of_membranes(self):
         for name, directory in (
             ("plane", composite()[0]),
-            ("space", write_cells(12, np.arange(3.0))),
             ("without stresses", write_cells(28, np.arange(3.0))),
             ("membranes", write_cells(9, np.arange(3.0), scalar=True)),
         ):
