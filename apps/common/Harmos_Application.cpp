@@ -203,17 +203,21 @@ int runDeck(const Application& application, const ProgramContext& context) {
     }
     throw;
   }
-  if (application.evaluate && !report.isInterrupted()) {
+  // Steps that failed leave a state of no load that the deck tells of.
+  const bool isAtEnd = report.converged || !scene.timeline.hasSteps();
+  if (application.evaluate && isAtEnd && !report.isInterrupted()) {
     application.evaluate(deck, report);
     for (const auto& [name, value] : report.results)
       log.info(name + ": " + scientific(value, 6));
   }
   run::writeSummary(*comm, options, report);
+  const bool hasSteps = scene.timeline.hasSteps();
   log.info("Results are in \"" + options.outputDirectory + "\": summary.json, iterations.csv" +
-           (report.isInterrupted()       ? ", checkpoint.h5"
-            : !scene.timeline.hasSteps() ? (options.writeFields ? ", result.vtkhdf" : "")
-            : options.writeFields        ? ", steps.csv, result.vtkhdf.series"
-                                         : ", steps.csv"));
+           (report.isInterrupted() ? ", checkpoint.h5" : "") + (hasSteps ? ", steps.csv" : "") +
+           (!options.writeFields      ? ""
+            : hasSteps                ? ", result.vtkhdf.series"
+            : !report.isInterrupted() ? ", result.vtkhdf"
+                                      : ""));
   if (report.isInterrupted() && report.checkpointFault.empty()) {
     log.warning(report.reason);
     return exitInterrupted;

@@ -7,7 +7,8 @@
 A change that is to change no behaviour is compared with the revision before it: every deck of the
 applications, on one rank, and the results of unit_results/unit_results.cpp, which is compiled
 against both. Compared are all numbers of summary.json but those of time and memory, iterations.csv
-but for its seconds, every dataset of result.vtkhdf, and what unit_results prints.
+but for its seconds, every dataset of result.vtkhdf, and what unit_results prints. What only the newer
+one tells is named, and is no difference.
 
 Takes a build, and some minutes; no part of CI.
 """
@@ -86,11 +87,15 @@ def results_of(build, deck, directory):
     return result
 
 
+NEW = set()  # what only the newer build tells
+
+
 def first_difference(one, other, place=""):
     if isinstance(one, dict) and isinstance(other, dict):
-        for key in [*one, *(k for k in other if k not in one)]:
-            if key not in one or key not in other:
-                return f"{place}/{key}: only in the {'older' if key in one else 'newer'} one"
+        NEW.update(f"{place}/{key}" for key in other if key not in one)
+        for key in one:
+            if key not in other:
+                return f"{place}/{key}: only in the older one"
             found = first_difference(one[key], other[key], f"{place}/{key}")
             if found:
                 return found
@@ -149,7 +154,7 @@ def main():
             equal.append(compared(f"{deck.parents[1].name}/{deck.name} ({rows} iterations)", one, other))
         lines = [unit_results(b, scratch / f"unit_{which}") for b, which in ((old, "old"), (new, "new"))]
         equal.append(compared(f"unit_results ({len(lines[0])} lines)", *lines))
-    print(f"{sum(equal)} of {len(equal)} equal")
+    print(f"{sum(equal)} of {len(equal)} equal; told by the newer one alone: {sorted(NEW) or 'nothing'}")
     return 0 if all(equal) else 1
 
 

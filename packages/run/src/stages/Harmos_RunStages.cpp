@@ -96,10 +96,10 @@ Solution RunStages::goOnce() {
 
 // Of the state there is; loads and displacements went up together.
 StepRow RunStages::onlyStep() {
-  const double strainEnergy = 0.5 * report_.audit.energyNorm * report_.audit.energyNorm;
   const auto answer = [&](const scene::TimedLoads& loads) {
     return EnergyAccount::Answer{loads.factors(time_), loads.products(*comm_, torn_.displacement, reactions_),
-                                 strainEnergy, scene::freeStrainEnergy(*comm_, scene_, owned_, time_)};
+                                 report_.audit.energy,
+                                 scene::freeStrainEnergy(*comm_, scene_, owned_, time_)};
   };
   const std::vector<double> rises = scene_.temperatureRises(time_);
   std::optional<EnergyAccount> energy;
@@ -108,6 +108,8 @@ StepRow RunStages::onlyStep() {
     energy.emplace(loads.cases());
     energy->reach(answer(loads));
   } else { // all loads are at hand: fᵀu = ½uᵀKu − (½uᵀKu − fᵀu)
+    const double load =
+        0.5 * report_.audit.energyNorm * report_.audit.energyNorm - report_.audit.primalEnergy;
     double motion = 0.0;
     for (std::size_t i = 0; i < owned_.size(); ++i) {
       const std::vector<feti::FixedDof>& fixed = system_->subdomain(static_cast<int>(i)).fixed;
@@ -117,10 +119,7 @@ StepRow RunStages::onlyStep() {
           motion += fixed[k].value * reactions_[i][k];
     }
     energy.emplace(std::vector<scene::TimedLoads::Case>(1));
-    energy->reach({{1.0},
-                   {{strainEnergy - report_.audit.primalEnergy}, {globalSum(*comm_, motion)}},
-                   strainEnergy,
-                   0.0});
+    energy->reach({{1.0}, {{load}, {globalSum(*comm_, motion)}}, report_.audit.energy, 0.0});
   }
   StepRow row = stepRow(report_, *energy);
   row.time = time_;
@@ -160,7 +159,13 @@ void RunStages::assemble() {
   {
     const auto scope = timers_.scope("assembly");
     std::vector<feti::Subdomain> subdomains;
-    agree(*comm_, [&] { subdomains = scene::assemble(scene_, owned_, costs_); });
+    agree(*comm_, [&] {
+      if (scene_.timeline.hasSteps()) {
+        loads_.emplace(scene_, owned_, costs_);
+        loads_->requireConsistent();
+      }
+      subdomains = scene::assemble(scene_, owned_, costs_);
+    });
     system_.emplace(comm_, std::move(subdomains), options_.dirichlet);
   }
   share_.subdomains = system_->size();

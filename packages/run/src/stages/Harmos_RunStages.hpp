@@ -14,6 +14,7 @@
 #include "Harmos_RunReport.hpp"
 #include "Harmos_Solution.hpp"
 #include "Harmos_StageTimers.hpp"
+#include "Harmos_TimedLoads.hpp"
 
 #include <memory>
 #include <optional>
@@ -76,12 +77,13 @@ class RunStages {
   // What there is, once it has been set up, and after a solution.
   const std::vector<scene::OwnedSubdomain>& owned() const { return owned_; }
   const scene::ContactSetup& contact() const { return contact_; }
+  /// Of a run with several steps.
+  const scene::TimedLoads& loads() const { return *loads_; }
   const feti::DualProblem& dualProblem() const { return *dual_; }
   const feti::DualSolution& dualSolution() const { return solution_; }
   const feti::TornSolution& torn() const { return torn_; }
   const std::vector<std::vector<double>>& reactions() const { return reactions_; }
   const RunDirectory& directory() const { return directory_; }
-  scene::EffectCosts& costs() { return costs_; }
   /// A monitor of the next solution. @param checkpoint that it goes on from, or null.
   Teuchos::RCP<RunMonitor> monitor(const CheckpointReader* checkpoint, const Log& log, SolvePlace place);
 
@@ -116,6 +118,7 @@ class RunStages {
   // What the stages make.
   scene::EffectCosts costs_;
   std::vector<scene::OwnedSubdomain> owned_;
+  std::optional<scene::TimedLoads> loads_; // where there are several steps
   std::optional<feti::SubdomainSystem> system_;
   scene::ContactSetup contact_;
   std::optional<feti::Constraints> constraints_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_StepSequence.hpp"
 
-#include "Harmos_Agreement.hpp"
+#include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
 
 #include <Tpetra_MultiVector.hpp>
@@ -43,7 +43,7 @@ Solution StepSequence::go() {
       accept();
     else if (outcome == Outcome::Failed && clock_.halve()) {
       log_.info("Step " + std::to_string(clock_.step()) + " of " + std::to_string(clock_.steps()) +
-                ": halved, to time " + timeText(clock_.to()) + ": " + failure_);
+                ": halved, to time " + timeText(clock_.to()) + ": " + failure_.substr(0, failure_.find(':')));
       outcome = Outcome::Accepted;
     }
   }
@@ -52,10 +52,9 @@ Solution StepSequence::go() {
 
 void StepSequence::begin() {
   run_.setUp();
-  agree(*comm_, [&] { loads_.emplace(scene_, run_.owned(), run_.costs()); });
   states_.emplace(scene_, run_.contact());
-  energy_.emplace(loads_->cases());
-  prescribesMotion_ = globalMax(*comm_, loads_->prescribesMotion() ? 1LL : 0LL) > 0;
+  energy_.emplace(run_.loads().cases());
+  prescribesMotion_ = globalMax(*comm_, run_.loads().prescribesMotion() ? 1LL : 0LL) > 0;
   requireConsistent();
   log_.info(std::to_string(clock_.steps()) + " steps to time " + timeText(scene_.timeline.end()));
   if (restore())
@@ -63,15 +62,14 @@ void StepSequence::begin() {
               report_.restartedFrom + "\"");
 }
 
-// At all times of the run, before the first step: prescribed values among each other, and rows that hold
-// nothing else. Between corners of the histories both are linear in time.
+// At all times of the run, before the first step: what several subdomains say of a dof, and rows that hold
+// prescribed values alone. Between corners of the histories they are linear in time.
 void StepSequence::requireConsistent() {
-  agree(*comm_, [&] { loads_->requireConsistent(); });
   if (!prescribesMotion_)
     return;
   for (double time : scene_.timeline.corners())
     try {
-      run_.checkBounds(loads_->prescribed(time));
+      run_.checkBounds(run_.loads().prescribed(time));
     } catch (const InputError& error) {
       throw InputError("at time " + timeText(time) + ": " + error.what(), error.data());
     }
@@ -99,10 +97,10 @@ StepSequence::Outcome StepSequence::attempt() {
 }
 
 void StepSequence::prepare(double time) {
-  const std::vector<std::vector<double>> prescribed = loads_->prescribed(time);
+  const std::vector<std::vector<double>> prescribed = run_.loads().prescribed(time);
   const bool changesBounds = prescribesMotion_ || states_->any();
   const std::vector<ConstraintRow> rows = changesBounds ? states_->rows() : std::vector<ConstraintRow>();
-  run_.prepare({time, loads_->loads(time), prescribesMotion_ ? &prescribed : nullptr,
+  run_.prepare({time, run_.loads().loads(time), prescribesMotion_ ? &prescribed : nullptr,
                 changesBounds ? &rows : nullptr});
 }
 
@@ -131,10 +129,9 @@ StepSequence::Outcome StepSequence::solve() {
 }
 
 void StepSequence::accept() {
-  energy_->reach({loads_->factors(clock_.to()),
-                  loads_->products(*comm_, run_.torn().displacement, run_.reactions()),
-                  0.5 * report_.audit.energyNorm * report_.audit.energyNorm,
-                  scene::freeStrainEnergy(*comm_, scene_, run_.owned(), clock_.to())});
+  energy_->reach({run_.loads().factors(clock_.to()),
+                  run_.loads().products(*comm_, run_.torn().displacement, run_.reactions()),
+                  report_.audit.energy, scene::freeStrainEnergy(*comm_, scene_, run_.owned(), clock_.to())});
   StepRow row = stepRow(report_, *energy_);
   row.step = clock_.step();
   row.time = clock_.to();
@@ -209,6 +206,10 @@ bool StepSequence::restore() {
     exchange(archive, isWithinSolve);
   });
   within_ = isWithinSolve ? checkpoint : nullptr;
+  if (!isWithinSolve) { // the solver would look by itself
+    prepare(rows_.back().time);
+    requireSameProblem(*checkpoint, run_.dualProblem(), report_.localCondition);
+  }
   run_.directory().writeSteps(rows_);
   if (!written_.empty())
     run_.directory().writeSeries(written_);

@@ -6,7 +6,6 @@
 #include "Harmos_RunStages.hpp"
 #include "Harmos_SolutionHistory.hpp"
 #include "Harmos_StepClock.hpp"
-#include "Harmos_TimedLoads.hpp"
 
 #include <optional>
 #include <string>
@@ -61,7 +60,6 @@ class StepSequence {
   RunStages& run_;
   RunReport& report_;
 
-  std::optional<scene::TimedLoads> loads_;
   std::optional<EffectStates> states_;
   std::optional<EnergyAccount> energy_;
   bool prescribesMotion_ = false; // on any rank

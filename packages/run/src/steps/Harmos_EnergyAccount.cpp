@@ -9,16 +9,16 @@ EnergyAccount::EnergyAccount(std::vector<scene::TimedLoads::Case> cases) : cases
 }
 
 void EnergyAccount::reach(Answer answer) {
-  stored_ = answer.strainEnergy + answer.freeStrainEnergy;
+  stored_ = answer.lagrangian + answer.freeStrainEnergy;
   work_ = committedWork_ + answer.freeStrainEnergy - before_.freeStrainEnergy;
   for (std::size_t c = 0; c < cases_.size(); ++c) {
     const double h0 = before_.factors[c], h1 = answer.factors[c];
     const double load0 = before_.products.load[c], load1 = answer.products.load[c];
     const double motion0 = before_.products.motion[c], motion1 = answer.products.motion[c];
     if (cases_[c].isStrain) {
-      stored_ -= h1 * load1;
       work_ -= 0.5 * (load0 + load1) * (h1 - h0);
     } else {
+      stored_ += h1 * load1;
       work_ += 0.5 * (h0 + h1) * (load1 - load0);
     }
     work_ += 0.5 * (motion0 + motion1) * (h1 - h0);

@@ -11,7 +11,8 @@ namespace Harmos::run {
 
 /// The energies of a run, from state to state.
 ///
-/// Stored: ½uᵀKu − f_Tᵀu + ½∫ε_T:C:ε_T, f_T the loads of strains. From outside, by the trapezoidal rule,
+/// Stored: ½uᵀKu − f_Tᵀu + ½∫ε_T:C:ε_T, f_T the loads of strains; ½uᵀKu is taken from the Lagrangian ½uᵀKu −
+/// fᵀu + λᵀ(Bu − c), in whose error jumps are of second order. From outside, by the trapezoidal rule,
 ///
 ///     ΔW = Σ_h ½(h₀ + h₁)(f_hᵀu₁ − f_hᵀu₀) + Σ_h ½(g_hᵀr₀ + g_hᵀr₁)(h₁ − h₀)
 ///
@@ -27,7 +28,7 @@ class EnergyAccount {
   struct Answer {
     std::vector<double> factors;          ///< h of each case
     scene::TimedLoads::Products products; ///< of each case
-    double strainEnergy = 0.0;            ///< ½uᵀKu
+    double lagrangian = 0.0;              ///< feti::KktAudit::energy
     double freeStrainEnergy = 0.0;        ///< ½∫ε_T:C:ε_T
   };
 

@@ -19,7 +19,8 @@
 namespace Harmos::run {
 namespace {
 
-constexpr double lookInterval = 0.25; // seconds between two reductions
+const char* const loadName = "right-hand side"; // Pd
+constexpr double lookInterval = 0.25;           // seconds between two reductions
 
 double norm(const MultiVector& x) {
   std::vector<double> result(1);
@@ -27,7 +28,31 @@ double norm(const MultiVector& x) {
   return result[0];
 }
 
+// Another number of ranks changes the right-hand side by rounding errors times the condition of the
+// subdomains: c ε κ with c = 1e3 for sums of some ten thousand terms. Another mesh or load changes it by what
+// was changed.
+void requireSame(const CheckpointReader& checkpoint, MultiVector& kept, const MultiVector& load,
+                 double condition) {
+  kept.update(-1.0, load, 1.0);
+  const double rounding = std::max(1e-6, 1e3 * std::numeric_limits<double>::epsilon() * condition);
+  if (norm(kept) > rounding * norm(load))
+    throw InputError("the checkpoint \"" + checkpoint.path() +
+                         "\" is of another problem: the right-hand side of the dual problem differs by " +
+                         scientific(norm(kept) / norm(load), 0) +
+                         " of its norm; restart with the deck and the meshes of the run that wrote it",
+                     {{"file", checkpoint.path()}});
+}
+
 } // namespace
+
+void requireSameProblem(const CheckpointReader& checkpoint, const feti::DualProblem& present,
+                        double condition) {
+  // Pd is the same for every choice of K⁺, which depends on the subdomains that a rank has; d is not.
+  MultiVector kept(*present.rhs(), Teuchos::Copy);
+  checkpoint.restore(rowBasis(present),
+                     [&](qp::StateArchive<MultiVector>& archive) { archive.vector(loadName, kept); });
+  requireSame(checkpoint, kept, *present.rhs(), condition);
+}
 
 RunMonitor::RunMonitor(const Teuchos::Comm<int>& comm, const RunOptions& options,
                        const CheckpointReader* checkpoint, const std::vector<contact::ContactPoint>& points,
@@ -69,7 +94,7 @@ void RunMonitor::exchangeProblem(Archive& archive) {
   // Pd is the same for every choice of K⁺, which depends on the subdomains that a rank has; d is not.
   const MultiVector& load = *run_->stages.problem.rhs();
   MultiVector kept(load, Teuchos::Copy);
-  archive.vector("right-hand side", kept);
+  archive.vector(loadName, kept);
   std::vector<double> method(run_->method.begin(), run_->method.end());
   archive.numbers("method", method);
   std::vector<double> rows = qp::toNumbers(rows_);
@@ -83,17 +108,7 @@ void RunMonitor::exchangeProblem(Archive& archive) {
                          ", but this run takes " + run_->method +
                          "; restart with the deck of the run that wrote it",
                      {{"file", checkpoint_->path()}});
-  kept.update(-1.0, load, 1.0);
-  // Another number of ranks changes it by rounding errors times the condition of the subdomains: c ε κ with
-  // c = 1e3 for sums of some ten thousand terms. Another mesh or load changes it by what was changed.
-  const double rounding =
-      std::max(1e-6, 1e3 * std::numeric_limits<double>::epsilon() * report_.localCondition);
-  if (norm(kept) > rounding * norm(load))
-    throw InputError("the checkpoint \"" + checkpoint_->path() +
-                         "\" is of another problem: the right-hand side of the dual problem differs by " +
-                         scientific(norm(kept) / norm(load), 0) +
-                         " of its norm; restart with the deck and the meshes of the run that wrote it",
-                     {{"file", checkpoint_->path()}});
+  requireSame(*checkpoint_, kept, load, report_.localCondition);
 }
 
 void RunMonitor::recorded(const qp::IterationRecord& record) {

@@ -20,6 +20,12 @@ namespace Harmos::run {
 /// Of the equality rows of a problem.
 RowBasis rowBasis(const feti::DualProblem& problem);
 
+/// @param present the dual problem as it is now. @param condition of the subdomains, see RunReport.
+/// @throws InputError on all ranks if the right-hand side that a checkpoint holds is that of another problem.
+/// @note Collective.
+void requireSameProblem(const CheckpointReader& checkpoint, const feti::DualProblem& present,
+                        double condition);
+
 /// The place of a solve in a run of several.
 struct SolvePlace {
   std::string text;                         ///< before the status line: "step 3/5, time 0.6"
