@@ -133,6 +133,13 @@ def compared(name, one, other):
     return not found
 
 
+def is_in(revision, path):
+    name = f"{revision}:{path.relative_to(runs.SOURCE)}"
+    found = subprocess.run(["git", "-C", str(runs.SOURCE), "cat-file", "-e", name],
+                           stderr=subprocess.DEVNULL, check=False)
+    return found.returncode == 0
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("revision")
@@ -145,7 +152,8 @@ def main():
         old = options.old or built(options.revision, scratch, options.jobs)
         new = runs.BINARY
         decks = [deck for name in APPLICATIONS
-                 for deck in sorted((runs.SOURCE / "apps" / name / "decks").glob("*.xml"))]
+                 for deck in sorted((runs.SOURCE / "apps" / name / "decks").glob("*.xml"))
+                 if is_in(options.revision, deck)]
         equal = []
         for deck in decks:
             outputs = [scratch / which / deck.parents[1].name / deck.stem for which in ("old", "new")]
