@@ -37,6 +37,13 @@ def errors(case, problem, sides, elements, approach):
             },
         )
         values = run.summary["results"]
+        # The obstacle bears what the plate presses with, and that is the load: of the half or quarter.
+        up = 2 if problem == "hertz ball" else 1
+        forces = {name.split("/")[0]: f["force"][up] for name, f in run.summary["forces"].items()
+                  if name.endswith(("/plane", "/top"))}
+        load = values["load"] / (4 if problem == "hertz ball" else 2)
+        for value in (forces["Obstacle"], -forces["Prescribed displacement"]):
+            case.assertLessEqual(abs(value - load), 10 * 1e-6 * load, run.summary["forces"])
         for name in FINEST:
             result[name].append(abs(values[name] / values[name + "_theory"] - 1.0))
     for name, values in result.items():

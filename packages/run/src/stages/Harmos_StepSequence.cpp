@@ -57,7 +57,10 @@ void StepSequence::begin() {
   prescribesMotion_ = globalMax(*comm_, run_.loads().prescribesMotion() ? 1LL : 0LL) > 0;
   requireConsistent();
   log_.info(std::to_string(clock_.steps()) + " steps to time " + timeText(scene_.timeline.end()));
-  if (restore())
+  const bool goesOn = restore();
+  run_.directory().writeSteps(rows_, scene_.forcePaths());
+  run_.directory().writeIterations(iterations_);
+  if (goesOn)
     log_.info("Going on after " + std::to_string(rows_.size()) + " accepted steps of \"" +
               report_.restartedFrom + "\"");
 }
@@ -84,6 +87,7 @@ StepSequence::Outcome StepSequence::attempt() {
   if (within_ == nullptr) {
     states_->begin();
     updates_ = 0;
+    attemptCounters_ = {};
   }
   while (true) {
     const Outcome outcome = solve();
@@ -113,12 +117,13 @@ StepSequence::Outcome StepSequence::solve() {
     return Outcome::Failed;
   }
   const std::optional<feti::WarmStart> start = history_.start(run_.dualProblem(), options_.tolerance);
-  monitor_ = run_.monitor(within_, quiet_, {placeText(), iterations_});
+  const qp::IterationRecord before = iterations_.empty() ? qp::IterationRecord{} : iterations_.back();
+  monitor_ = run_.monitor(within_, quiet_, {placeText(), before, true});
   monitor_->addState([this](Archive& archive) { exchange(archive, true); });
   within_ = nullptr;
   run_.solve(start ? &*start : nullptr, monitor_, quiet_);
   counters_ += report_.result.counters;
-  const qp::IterationRecord before = iterations_.empty() ? qp::IterationRecord{} : iterations_.back();
+  attemptCounters_ += report_.result.counters;
   for (const qp::IterationRecord& row : report_.result.history)
     iterations_.push_back(countedOn(row, before));
   if (report_.isInterrupted())
@@ -135,6 +140,8 @@ void StepSequence::accept() {
   StepRow row = stepRow(report_, *energy_);
   row.step = clock_.step();
   row.time = clock_.to();
+  row.products = attemptCounters_.hessianApplications;
+  row.activeSets = attemptCounters_.faces;
   if (writesFields()) {
     run_.writeFields(RunDirectory::resultOf(row.step));
     written_.push_back({row.step, row.time});
@@ -145,7 +152,7 @@ void StepSequence::accept() {
   const bool endsStep = clock_.endsStep();
   clock_.accept();
   rows_.push_back(row);
-  run_.directory().writeSteps(rows_);
+  run_.directory().appendStep(row);
   if (!written_.empty())
     run_.directory().writeSeries(written_);
   tell(row);
@@ -174,18 +181,16 @@ void StepSequence::exchange(Archive& archive, bool isWithinSolve) {
   energy_->exchange(archive);
   states_->exchange(archive);
   archive.number("updates of states", updates_);
-  std::vector<std::string> paths;
-  const std::vector<std::string> all = scene_.effectPaths();
-  for (std::size_t k = 0; k < all.size(); ++k)
-    if (scene_.effects[k]->exertsForce())
-      paths.push_back(all[k]);
-  run::exchange(archive, rows_, paths);
+  run::exchange(archive, rows_, scene_.forcePaths());
   RunDirectory::exchange(archive, written_);
-  std::vector<double> counts = qp::toNumbers(counters_), table = qp::toNumbers(iterations_);
+  std::vector<double> counts = qp::toNumbers(counters_), table = qp::toNumbers(iterations_),
+                      attempt = qp::toNumbers(attemptCounters_);
   archive.numbers("counters of the steps", counts);
+  archive.numbers("counters of the attempt", attempt);
   archive.numbers("iterations of the steps", table);
   if (archive.isReading()) {
     counters_ = qp::countersOf(counts);
+    attemptCounters_ = qp::countersOf(attempt);
     iterations_ = qp::historyOf(table);
   }
   history_.exchange(archive, run_.dualProblem());
@@ -210,7 +215,6 @@ bool StepSequence::restore() {
     prepare(rows_.back().time);
     requireSameProblem(*checkpoint, run_.dualProblem(), report_.localCondition);
   }
-  run_.directory().writeSteps(rows_);
   if (!written_.empty())
     run_.directory().writeSeries(written_);
   return true;

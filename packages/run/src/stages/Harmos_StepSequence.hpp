@@ -70,6 +70,7 @@ class StepSequence {
   std::vector<qp::IterationRecord> iterations_; // of all solves, counted on
   qp::Counters counters_;                       // likewise
   int updates_ = 0;                             // of states in this attempt
+  qp::Counters attemptCounters_;                // of all its solves
   Teuchos::RCP<RunMonitor> monitor_;            // of the last solve
   const CheckpointReader* within_ = nullptr;    // a solve to go on with
   std::string failure_;                         // of the last attempt

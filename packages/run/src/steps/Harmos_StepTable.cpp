@@ -39,31 +39,32 @@ std::vector<std::pair<std::string, double>> StepRow::numbers() const {
           {"broken", static_cast<double>(broken)}};
 }
 
-std::string toCsv(const std::vector<StepRow>& rows) {
+std::string csvLine(const StepRow& row) {
   std::ostringstream text;
   text << std::setprecision(17);
-  const StepRow first = rows.empty() ? StepRow() : rows.front();
   const char* separator = "";
-  for (const auto& item : first.numbers()) {
-    text << separator << item.first;
+  for (const auto& item : row.numbers()) {
+    text << separator << item.second;
     separator = ",";
   }
-  for (const Forces::Of& effect : first.forces)
-    for (const char* component : {"/fx", "/fy", "/fz"})
-      text << ',' << field(effect.path + component);
+  for (const Forces::Of& effect : row.forces)
+    for (double component : effect.resultant.force)
+      text << ',' << component;
   text << '\n';
-  for (const StepRow& row : rows) {
-    separator = "";
-    for (const auto& item : row.numbers()) {
-      text << separator << item.second;
-      separator = ",";
-    }
-    for (const Forces::Of& effect : row.forces)
-      for (double component : effect.resultant.force)
-        text << ',' << component;
-    text << '\n';
-  }
   return text.str();
+}
+
+std::string toCsv(const std::vector<StepRow>& rows, const std::vector<std::string>& paths) {
+  std::string text;
+  for (const auto& item : StepRow().numbers())
+    text += (text.empty() ? "" : ",") + item.first;
+  for (const std::string& path : paths)
+    for (const char* component : {"/fx", "/fy", "/fz"})
+      text += "," + field(path + component);
+  text += "\n";
+  for (const StepRow& row : rows)
+    text += csvLine(row);
+  return text;
 }
 
 void exchange(qp::StateArchive<MultiVector>& archive, std::vector<StepRow>& rows,

@@ -30,8 +30,11 @@ struct StepRow {
 };
 
 /// steps.csv as text: all columns always.
-/// Guarded by tests/unit/run/test_step_table.cpp.
-std::string toCsv(const std::vector<StepRow>& rows);
+/// @param paths of the effects that exert forces, in their order.
+/// Guarded by tests/regression/test_steps.py.
+std::string toCsv(const std::vector<StepRow>& rows, const std::vector<std::string>& paths);
+/// One of its lines, with the end of the line.
+std::string csvLine(const StepRow& row);
 
 /// For checkpoints. @param paths of the forces' effects, which are not kept.
 void exchange(qp::StateArchive<MultiVector>& archive, std::vector<StepRow>& rows,

@@ -76,12 +76,14 @@ std::string statusLine(const std::string& method, const qp::IterationRecord& rec
   return text.str();
 }
 
-LiveView::LiveView(const std::string& path, const std::string& method, const Log& log)
-    : log_(log), method_(method) {
+LiveView::LiveView(const std::string& path, const std::string& method, const Log& log,
+                   const qp::IterationRecord& before, bool appends)
+    : log_(log), method_(method), before_(before) {
   if (path.empty())
     return;
-  history_.open(path);
-  qp::writeHistoryHeader(history_);
+  history_.open(path, appends ? std::ios::app : std::ios::trunc);
+  if (!appends)
+    qp::writeHistoryHeader(history_);
   history_.flush();
 }
 
@@ -98,14 +100,9 @@ qp::IterationRecord countedOn(const qp::IterationRecord& row, const qp::Iteratio
   return result;
 }
 
-void LiveView::begin(const std::vector<qp::IterationRecord>& earlier,
-                     const std::vector<qp::IterationRecord>& rows) {
-  if (!earlier.empty())
-    before_ = earlier.back();
+void LiveView::begin(const std::vector<qp::IterationRecord>& rows) {
   if (!history_.is_open())
     return;
-  for (const qp::IterationRecord& row : earlier)
-    qp::writeHistoryRow(history_, row);
   for (const qp::IterationRecord& row : rows)
     qp::writeHistoryRow(history_, countedOn(row, before_));
   history_.flush();

@@ -39,20 +39,21 @@ class RemainingTime {
 class LiveView {
  public:
   /// @param path of iterations.csv, or "" on a rank that writes none. @param method shown first.
-  LiveView(const std::string& path, const std::string& method, const Log& log);
+  /// @param before the row that this solve's are counted on from. @param appends to a file that is there.
+  LiveView(const std::string& path, const std::string& method, const Log& log,
+           const qp::IterationRecord& before = {}, bool appends = false);
   /// Takes the line off the terminal.
   ~LiveView();
 
-  /// Rows of the steps before, after which this one's are counted on, and of a run that this one goes on
-  /// from.
-  void begin(const std::vector<qp::IterationRecord>& earlier, const std::vector<qp::IterationRecord>& rows);
+  /// Rows of a run that this one goes on from.
+  void begin(const std::vector<qp::IterationRecord>& rows);
   void add(const qp::IterationRecord& record, const feti::DualTargets& targets);
 
  private:
   const Log& log_;
   std::string method_;
   std::ofstream history_;
-  qp::IterationRecord before_{}; // the last row of the steps before
+  qp::IterationRecord before_;
   RemainingTime remaining_;
   std::chrono::steady_clock::time_point last_;
 };

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <iomanip>
 #include <set>
 #include <sstream>
@@ -143,10 +144,25 @@ void RunDirectory::writeSeries(const std::vector<Written>& written) const {
   });
 }
 
-void RunDirectory::writeSteps(const std::vector<StepRow>& rows) const {
+// The line goes out at once: whoever reads the file sees it whole, or not at all.
+void RunDirectory::appendStep(const StepRow& row) const {
+  agree(comm_, [&] {
+    if (comm_.getRank() != 0)
+      return;
+    std::ofstream file(place("steps.csv"), std::ios::app | std::ios::binary);
+    file << csvLine(row) << std::flush;
+    if (!file)
+      throw InputError(
+          "the file \"" + place("steps.csv") +
+              "\" cannot be written; check that the directory is writable and the disk is not full",
+          {{"file", place("steps.csv")}});
+  });
+}
+
+void RunDirectory::writeSteps(const std::vector<StepRow>& rows, const std::vector<std::string>& paths) const {
   agree(comm_, [&] {
     if (comm_.getRank() == 0)
-      io::writeAtomically(place("steps.csv"), toCsv(rows));
+      io::writeAtomically(place("steps.csv"), toCsv(rows, paths));
   });
 }
 

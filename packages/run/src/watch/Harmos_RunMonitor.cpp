@@ -72,16 +72,14 @@ void RunMonitor::begins(const feti::DualRun& run) {
   run_.emplace(run);
   view_ = std::make_unique<LiveView>(comm_.getRank() == 0 ? options_.outputDirectory + "/iterations.csv"
                                                           : std::string(),
-                                     place_.text + run.method, log_);
+                                     place_.text + run.method, log_, place_.before, place_.hasEarlier);
   start_ = std::chrono::steady_clock::now();
-  if (checkpoint_ == nullptr) {
-    view_->begin(place_.earlier, {});
+  if (checkpoint_ == nullptr)
     return;
-  }
   restore([&](Archive& archive) { exchangeProblem(archive); });
   for (const Exchange& state : states_)
     restore(state);
-  view_->begin(place_.earlier, rows_);
+  view_->begin(rows_);
   if (!rows_.empty()) {
     lastOuter_ = rows_.back().outer;
     log_.info("Going on from iteration " + std::to_string(rows_.back().inner) + " of \"" +

@@ -28,8 +28,9 @@ void requireSameProblem(const CheckpointReader& checkpoint, const feti::DualProb
 
 /// The place of a solve in a run of several.
 struct SolvePlace {
-  std::string text;                         ///< before the status line: "step 3/5, time 0.6"
-  std::vector<qp::IterationRecord> earlier; ///< of the steps before
+  std::string text;             ///< before the status line: "step 3/5 t 0.6  "
+  qp::IterationRecord before{}; ///< the last one of the steps before: rows are counted on from it
+  bool hasEarlier = false;      ///< iterations.csv has the rows of the steps before; this one's are appended
 };
 
 /// Looks after the solver of a run: iterations.csv while it grows, contact.csv every few seconds, checkpoints

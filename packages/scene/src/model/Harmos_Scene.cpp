@@ -93,6 +93,15 @@ std::vector<std::string> Scene::effectPaths() const {
   return paths;
 }
 
+std::vector<std::string> Scene::forcePaths() const {
+  const std::vector<std::string> all = effectPaths();
+  std::vector<std::string> paths;
+  for (std::size_t k = 0; k < all.size(); ++k)
+    if (effects[k]->exertsForce())
+      paths.push_back(all[k]);
+  return paths;
+}
+
 fem::Point directionOf(const Scene& scene, int component) {
   fem::Point direction{};
   direction[scene.components() == 1 ? 2 : static_cast<std::size_t>(component)] = 1.0;

@@ -66,6 +66,8 @@ struct Scene {
   /// Of each effect, for people and files: "Contact/joint"; one without a name has its number among those of
   /// its kind, "Contact/1". Each once.
   std::vector<std::string> effectPaths() const;
+  /// Of those that exert a force.
+  std::vector<std::string> forcePaths() const;
 };
 
 /// The direction in space of a component of the displacement; that of membranes is z.
