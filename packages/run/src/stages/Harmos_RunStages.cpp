@@ -281,7 +281,8 @@ Teuchos::RCP<RunMonitor> RunStages::monitor(const CheckpointReader* checkpoint, 
       new RunMonitor(*comm_, options_, checkpoint, contact_.points, log, report_, std::move(place)));
 }
 
-void RunStages::solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log) {
+void RunStages::solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log,
+                      double secondsSpent) {
   static_cast<feti::SolveReport&>(report_) = {};
   check_.emplace(*comm_, scene_, owned_, *dualStages_, options_, time_, log, report_);
   monitor->addState([&](qp::StateArchive<MultiVector>& archive) { check_->exchange(archive); });
@@ -291,6 +292,9 @@ void RunStages::solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonito
   feti::SolverOptions first = options_;
   if (options_.toleranceRule == ToleranceRule::Balanced)
     first.tolerance = firstBalancedTolerance();
+  constexpr double leastSeconds = 1e-3; // 0 is no limit
+  if (first.maximumSeconds > 0.0)
+    first.maximumSeconds = std::max(leastSeconds, first.maximumSeconds - secondsSpent);
   if (log.showsStatus() || !log.writesInfo())
     first.progressFrequency = 0;
   {

@@ -60,9 +60,10 @@ class RunStages {
   /// Whether prescribed values of some time can be met; prepare() has to follow.
   /// @throws InputError on all ranks if they contradict each other or a row that holds nothing else.
   void checkBounds(const std::vector<std::vector<double>>& prescribed);
-  /// Solves from a start, or from the options' own. @param monitor or null. @param log for what is told of
-  /// the solution.
-  void solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log);
+  /// Solves from a start, or from the options' own (null). @param log for what is told of the solution.
+  /// @param secondsSpent by solutions before, which the limit of the options counts too.
+  void solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log,
+             double secondsSpent = 0.0);
   /// The solution on the primal side, judged, and its contact states and forces.
   void recover();
   /// The fields, to a file of the output directory.

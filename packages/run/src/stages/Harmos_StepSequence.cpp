@@ -41,7 +41,7 @@ Solution StepSequence::go() {
     outcome = attempt();
     if (outcome == Outcome::Accepted)
       accept();
-    else if (outcome == Outcome::Failed && clock_.halve()) {
+    else if (outcome == Outcome::Failed && !isOutOfTime() && clock_.halve()) {
       log_.info("Step " + std::to_string(clock_.step()) + " of " + std::to_string(clock_.steps()) +
                 ": halved, to time " + timeText(clock_.to()) + ": " + failure_.substr(0, failure_.find(':')));
       outcome = Outcome::Accepted;
@@ -76,6 +76,11 @@ void StepSequence::requireConsistent() {
     } catch (const InputError& error) {
       throw InputError("at time " + timeText(time) + ": " + error.what(), error.data());
     }
+}
+
+// Less of the step would take more time, not less.
+bool StepSequence::isOutOfTime() const {
+  return report_.solved && report_.result.reason == qp::Reason::TimeLimit;
 }
 
 std::string StepSequence::placeText() const {
@@ -121,7 +126,7 @@ StepSequence::Outcome StepSequence::solve() {
   monitor_ = run_.monitor(within_, quiet_, {placeText(), before, true});
   monitor_->addState([this](Archive& archive) { exchange(archive, true); });
   within_ = nullptr;
-  run_.solve(start ? &*start : nullptr, monitor_, quiet_);
+  run_.solve(start ? &*start : nullptr, monitor_, quiet_, before.seconds);
   counters_ += report_.result.counters;
   attemptCounters_ += report_.result.counters;
   for (const qp::IterationRecord& row : report_.result.history)
@@ -233,6 +238,7 @@ Solution StepSequence::end(Outcome outcome) {
   sumUp();
   if (outcome == Outcome::Interrupted) {
     report_.audited = false;
+    report_.forces = {};
     report_.reason += report_.checkpointFault.empty()
                           ? "; go on with --restart \"" + options_.outputDirectory + "\""
                           : "; no checkpoint: " + report_.checkpointFault;

@@ -51,6 +51,7 @@ class StepSequence {
   void sumUp();
   Solution end(Outcome outcome);
   std::string placeText() const;
+  bool isOutOfTime() const;
 
   Teuchos::RCP<const Teuchos::Comm<int>> comm_;
   const scene::Scene& scene_;
