@@ -30,6 +30,30 @@ bool ParameterSpec::hasRange(Type type) {
          type == Type::Series;
 }
 
+std::string ParameterSpec::typeName(Type type) {
+  switch (type) {
+  case Type::Integer:
+    return "integer";
+  case Type::Real:
+    return "real";
+  case Type::Boolean:
+    return "boolean";
+  case Type::Text:
+    return "string";
+  case Type::Choice:
+    return "choice";
+  case Type::Integers:
+    return "integers";
+  case Type::Reals:
+    return "reals";
+  case Type::Series:
+    return "reals, any number of them";
+  case Type::Texts:
+    return "strings";
+  }
+  return "";
+}
+
 void ParameterSpec::writeXml(std::ostream& out) const {
   Teuchos::writeParameterListToXmlOStream(*teuchosList(), out);
 }

@@ -228,30 +228,6 @@ std::vector<std::string> ParameterSpec::names() const {
   return result;
 }
 
-std::string ParameterSpec::typeName(Type type) {
-  switch (type) {
-  case Type::Integer:
-    return "integer";
-  case Type::Real:
-    return "real";
-  case Type::Boolean:
-    return "boolean";
-  case Type::Text:
-    return "string";
-  case Type::Choice:
-    return "choice";
-  case Type::Integers:
-    return "integers";
-  case Type::Reals:
-    return "reals";
-  case Type::Series:
-    return "reals, any number of them";
-  case Type::Texts:
-    return "strings";
-  }
-  return "";
-}
-
 std::string ParameterSpec::expected(const Parameter& parameter) {
   switch (parameter.type) {
   case Type::Integer:

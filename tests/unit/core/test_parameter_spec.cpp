@@ -317,3 +317,34 @@ TEST(ParameterSpec, validated_arrays_survive_xml) {
             before.sublist("Bodies").sublist("wheel").get<Teuchos::Array<double>>("Size"));
   EXPECT_EQ(after.sublist("Bodies").sublist("wheel").get<Teuchos::Array<std::string>>("Materials").size(), 0);
 }
+
+TEST(ParameterSpec, a_series_has_any_length_and_survives_xml) {
+  ParameterSpec spec("deck", "A deck.");
+  spec.series("Times", Range::above(0.0), "Of steps.");
+  EXPECT_EQ(spec.defaults().get<Teuchos::Array<double>>("Times").size(), 0);
+  for (const Teuchos::Array<double>& times : {array<double>({}), array({1.0, 2.5, 4.0})}) {
+    Teuchos::ParameterList list;
+    list.set("Times", times);
+    std::ostringstream text;
+    Teuchos::writeParameterListToXmlOStream(spec.validated(list, "test"), text);
+    const Teuchos::ParameterList again = *Teuchos::getParametersFromXmlString(text.str());
+    EXPECT_EQ(spec.validated(again, "test").get<Teuchos::Array<double>>("Times"), times);
+  }
+  Teuchos::ParameterList list;
+  list.set("Times", array({1.0, -2.0}));
+  EXPECT_NE(inputErrorOf([&] { spec.validated(list, "test"); }).find("-2 is out of range"),
+            std::string::npos);
+}
+
+TEST(ParameterSpec, an_absent_name_is_told_why) {
+  ParameterSpec spec("deck", "A deck.");
+  spec.real("Gap", 0.0, Range(), "A gap.").absent("History", "a gap does not change");
+  Teuchos::ParameterList list;
+  list.set("History", std::string("ramp"));
+  const std::string fault = inputErrorOf([&] { spec.validated(list, "test"); });
+  EXPECT_NE(fault.find("there is no parameter \"History\": a gap does not change"), std::string::npos)
+      << fault;
+  Teuchos::ParameterList other = spec.defaults();
+  const std::string second = inputErrorOf([&] { spec.set(other, "History", "ramp", "command line"); });
+  EXPECT_NE(second.find("a gap does not change"), std::string::npos) << second;
+}

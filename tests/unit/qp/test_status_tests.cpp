@@ -64,6 +64,21 @@ TEST(StatusTest, equality_residual_is_measured_against_the_shifted_solution) {
   EXPECT_EQ(fixed.checkStatus(state), Status::Failed);
 }
 
+// A solution of rounding errors has residuals of rounding errors; one that is larger has none of these
+// excuses.
+TEST(StatusTest, equality_residual_of_a_negligible_solution) {
+  const auto map = Teuchos::rcp(new Map(2, 0, testComm()));
+  const auto zero = toVector({0.0, 0.0}, map);
+  for (const auto& [size, status] : {std::pair(1e-15, Status::Passed), std::pair(1e-13, Status::Failed)}) {
+    const auto x = toVector({size, 0.0}, map);
+    StatusTestEqualityResidual<MultiVector> test(1e-8, 0.0, zero, 1e-14);
+    State state;
+    state.x = x.get();
+    state.equalityResidual = 0.5 * size;
+    EXPECT_EQ(test.checkStatus(state), status) << size;
+  }
+}
+
 TEST(StatusTest, iteration_limit) {
   StatusTestMaxIterations<MultiVector> test(3);
   State state;

@@ -92,8 +92,9 @@ Test convergenceTest(const DualProblem& dual, const SolverOptions& options, doub
   report.gradientScale = options.stoppingRule == StoppingRule::Paper ? report.dNorm : norm(*dual.rhs());
   // Bodies that are moved as a whole and strained by nothing have no forces, and residuals of rounding
   // errors, of which no share is to be had: those of d, and what forces they stand for.
-  const double rounding = attainable * report.dNorm / tolerance;
-  report.gradientScale = std::max(report.gradientScale, rounding);
+  const double rounding = attainable * report.dNorm;
+  if (report.gradientScale <= rounding)
+    report.gradientScale = std::max(report.gradientScale, rounding / tolerance);
   Test result;
   result.gradient =
       Teuchos::rcp(new qp::StatusTestProjectedGradient<MultiVector>(tolerance, report.gradientScale));
@@ -102,8 +103,9 @@ Test convergenceTest(const DualProblem& dual, const SolverOptions& options, doub
     using EqualityTest = qp::StatusTestEqualityResidual<MultiVector>;
     switch (options.stoppingRule) {
     case StoppingRule::Scaled:
-      report.equalityScale = std::max(norm(*dual.shift()), stiffness * rounding);
-      result.equality = Teuchos::rcp(new EqualityTest(tolerance, report.equalityScale, dual.shift()));
+      report.equalityScale = norm(*dual.shift());
+      result.equality =
+          Teuchos::rcp(new EqualityTest(tolerance, report.equalityScale, dual.shift(), stiffness * rounding));
       break;
     case StoppingRule::Paper:
       report.equalityScale = dual.scaledLoadNorm();

@@ -27,6 +27,40 @@ double globalLargest(const Teuchos::Comm<int>& comm, double value) {
   return bad ? std::numeric_limits<double>::quiet_NaN() : result;
 }
 
+// What B, c and λ say; the jump of prescribed values is known.
+void auditRows(const Constraints& constraints, const TornSolution& solution, double fromPrescribed,
+               const Teuchos::Comm<int>& comm, KktAudit& result) {
+  MultiVector rows(constraints.rowMap(), 1);
+  constraints.applyB(solution.displacement, rows);
+  double jump = fromPrescribed, penetration = 0.0, product = 0.0, work = 0.0, largestForce = 0.0;
+  double leastMultiplier = std::numeric_limits<double>::infinity();
+  {
+    const auto values = rows.getLocalViewHost(Tpetra::Access::ReadOnly);
+    const auto lambda = solution.multiplier->getLocalViewHost(Tpetra::Access::ReadOnly);
+    for (std::size_t r = 0; r < values.extent(0); ++r) {
+      const int row = static_cast<int>(r);
+      const double scale = constraints.rowScale(row);
+      const double excess = (values(r, 0) - constraints.bound(row)) / scale;
+      work += lambda(r, 0) * scale * excess;
+      if (constraints.rowType(row) == RowType::Inequality) {
+        penetration = largerOf(penetration, excess);
+        leastMultiplier = smallerOf(leastMultiplier, lambda(r, 0) * scale);
+        largestForce = largerOf(largestForce, std::abs(lambda(r, 0) * scale));
+        product += lambda(r, 0) * scale * excess;
+      } else {
+        jump = largerOf(jump, std::abs(excess));
+      }
+    }
+  }
+  result.gluingJump = globalLargest(comm, jump);
+  result.penetration = globalLargest(comm, penetration);
+  leastMultiplier = -globalLargest(comm, -leastMultiplier);
+  result.minContactMultiplier = constraints.inequalities() > 0 ? leastMultiplier : 0.0;
+  result.complementarity = std::abs(globalSum(comm, product));
+  result.energy = result.primalEnergy + globalSum(comm, work);
+  result.largestMultiplier = globalLargest(comm, largestForce);
+}
+
 } // namespace
 
 KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, const TornSolution& solution) {
@@ -102,35 +136,7 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
   result.loadDisplacement = globalLargest(comm, byLoad);
   result.loadEnergy = std::sqrt(sums[9]);
 
-  MultiVector rows(constraints.rowMap(), 1);
-  constraints.applyB(solution.displacement, rows);
-  double jump = fromPrescribed, penetration = 0.0, product = 0.0, work = 0.0, largestForce = 0.0;
-  double leastMultiplier = std::numeric_limits<double>::infinity();
-  {
-    const auto values = rows.getLocalViewHost(Tpetra::Access::ReadOnly);
-    const auto lambda = solution.multiplier->getLocalViewHost(Tpetra::Access::ReadOnly);
-    for (std::size_t r = 0; r < values.extent(0); ++r) {
-      const int row = static_cast<int>(r);
-      const double scale = constraints.rowScale(row);
-      const double excess = (values(r, 0) - constraints.bound(row)) / scale;
-      work += lambda(r, 0) * scale * excess;
-      if (constraints.rowType(row) == RowType::Inequality) {
-        penetration = largerOf(penetration, excess);
-        leastMultiplier = smallerOf(leastMultiplier, lambda(r, 0) * scale);
-        largestForce = largerOf(largestForce, std::abs(lambda(r, 0) * scale));
-        product += lambda(r, 0) * scale * excess;
-      } else {
-        jump = largerOf(jump, std::abs(excess));
-      }
-    }
-  }
-  result.gluingJump = globalLargest(comm, jump);
-  result.penetration = globalLargest(comm, penetration);
-  leastMultiplier = -globalLargest(comm, -leastMultiplier);
-  result.minContactMultiplier = constraints.inequalities() > 0 ? leastMultiplier : 0.0;
-  result.complementarity = std::abs(globalSum(comm, product));
-  result.energy = result.primalEnergy + globalSum(comm, work);
-  result.largestMultiplier = globalLargest(comm, largestForce);
+  auditRows(constraints, solution, fromPrescribed, comm, result);
   return result;
 }
 

@@ -174,15 +174,18 @@ class StatusTestCostStagnation : public StatusTestValue<MV> {
 
 /// ‖Cx − c‖ ≤ tolerance · scale, where scale is a number or, with a shift s, max(number, ‖x + s‖).
 ///
-/// The second form measures the residual against the unknown itself and so also works when c = 0.
+/// The second form measures the residual against the unknown itself and so also works when c = 0. Where ‖x +
+/// s‖ is negligible, rounding errors of zero, so is a residual of that size.
 template<class MV, class Scalar = double>
 class StatusTestEqualityResidual : public StatusTestValue<MV> {
  public:
-  StatusTestEqualityResidual(double tolerance, double scale, Teuchos::RCP<const MV> shift = Teuchos::null)
+  StatusTestEqualityResidual(double tolerance, double scale, Teuchos::RCP<const MV> shift = Teuchos::null,
+                             double negligible = 0.0)
       : StatusTestValue<MV>("equality residual"),
         tolerance_(tolerance),
         least_(scale),
         scale_(scale),
+        negligible_(negligible),
         shift_(shift) {}
   Status checkStatus(const IterationState<MV>& state) override {
     if (!shift_.is_null()) {
@@ -194,6 +197,8 @@ class StatusTestEqualityResidual : public StatusTestValue<MV> {
       MVT::MvNorm(*sum_, norm);
       scale_ = std::max(least_, norm[0]);
     }
+    if (scale_ <= negligible_)
+      return this->judge(state.equalityResidual, negligible_);
     return this->judge(state.equalityResidual, tolerance_ * scale_);
   }
   double scale() const { return scale_; }
@@ -203,6 +208,7 @@ class StatusTestEqualityResidual : public StatusTestValue<MV> {
   double tolerance_;
   double least_;
   double scale_;
+  double negligible_;
   Teuchos::RCP<const MV> shift_;
   Teuchos::RCP<MV> sum_;
 };

@@ -23,7 +23,7 @@ namespace Harmos::run {
 /// the checkpoint are written whole, in this order, so that whatever ends a run it goes on from a checkpoint
 /// with the very results that belong to it.
 ///
-/// All members are collective. Guarded by tests/verification/test_steps.py.
+/// All members are collective. Guarded by tests/regression/test_steps.py.
 class StepSequence {
  public:
   /// All to outlive this. @param run before its set-up.

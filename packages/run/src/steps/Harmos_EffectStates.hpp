@@ -13,7 +13,7 @@ namespace Harmos::run {
 /// What the effects of a scene keep from step to step, as scene::Effect describes it: committed once a step,
 /// and a trial state that is thrown away where the step is.
 ///
-/// The same on every rank; all members are local. Guarded by tests/unit/run/test_effect_states.cpp.
+/// The same on every rank; all members are local. Guarded by tests/unit/run/test_step_sequence.cpp.
 class EffectStates {
  public:
   /// @param scene, contact to outlive this.

@@ -20,8 +20,8 @@ namespace Harmos::run {
 /// + Δ½∫ε_T:C:ε_T. A run begins without loads: h₀ = 0. Where forces are linear in time ΔW is exact, else its
 /// error is of second order in the length of the steps.
 ///
-/// All members are local. Guarded by tests/unit/run/test_energy_account.cpp and
-/// tests/verification/test_steps.py.
+/// All members are local. Guarded by tests/unit/run/test_step_sequence.cpp and
+/// tests/regression/test_steps.py.
 class EnergyAccount {
  public:
   /// What an answer contributes.

@@ -11,7 +11,7 @@ namespace Harmos::run {
 /// where more at once did not converge. Parts are halves of halves, so that their ends are the same however a
 /// run came there; the rest of a step is done in parts of equal length, the next step is tried whole.
 ///
-/// All members are local. Guarded by tests/unit/run/test_step_clock.cpp.
+/// All members are local. Guarded by tests/unit/run/test_step_sequence.cpp.
 class StepClock {
  public:
   /// @param timeline to outlive this.

@@ -23,7 +23,7 @@ namespace Harmos::scene {
 /// of subdomains that share their loads. Loads that come from strains (of temperatures) are cases of their
 /// own, for the energy.
 ///
-/// Guarded by tests/unit/scene/test_timed_loads.cpp and tests/verification/test_steps.py.
+/// Guarded by tests/unit/run/test_step_sequence.cpp and tests/regression/test_steps.py.
 class TimedLoads {
  public:
   /// @param scene, owned to outlive this. Assembles. Local.
