@@ -5,12 +5,14 @@
 #include "Harmos_CrushableFloor.hpp"
 #include "Harmos_EffectStates.hpp"
 #include "Harmos_StepClock.hpp"
+#include "Harmos_StepTable.hpp"
 #include "Harmos_TestComm.hpp"
 #include "Harmos_TestScene.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 using namespace Harmos;
 
@@ -48,6 +50,24 @@ scene::Scene overFloor(double gap, double down, bool onCylinder = false) {
   addObstacle(scene, {0, "bottom"}, floor);
   return scene;
 }
+
+// Numbers in memory, in the place of a checkpoint.
+class Numbers : public qp::StateArchive<MultiVector> {
+ public:
+  bool reads = false;
+  bool isReading() const override { return reads; }
+  void numbers(const std::string& name, std::vector<double>& values) override {
+    if (reads)
+      values = kept_.at(name);
+    else
+      kept_[name] = values;
+  }
+  void vector(const std::string&, MultiVector&) override { FAIL() << "none is kept here"; }
+  void rowVector(const std::string&, MultiVector&) override { FAIL() << "none is kept here"; }
+
+ private:
+  std::map<std::string, std::vector<double>> kept_;
+};
 
 void follow(scene::Scene& scene, const std::string& kind, const std::string& history) {
   for (const auto& effect : scene.effects)
@@ -195,6 +215,18 @@ TEST(EffectStates, a_trial_that_fails_leaves_nothing_behind) {
   states.commit();
   states.begin();
   EXPECT_EQ(states.rows()[0].bound, 1.5);
+
+  // A checkpoint in the middle of the next step: both come back.
+  EXPECT_TRUE(states.update(answer));
+  EXPECT_EQ(states.rows()[0].bound, 2.5);
+  Numbers archive;
+  states.exchange(archive);
+  archive.reads = true;
+  run::EffectStates again(scene, contact);
+  again.exchange(archive);
+  EXPECT_EQ(again.rows()[0].bound, 2.5);
+  again.begin();
+  EXPECT_EQ(again.rows()[0].bound, 1.5);
 }
 
 TEST(StepClock, halves_down_to_the_smallest_and_no_further) {
@@ -213,7 +245,46 @@ TEST(StepClock, halves_down_to_the_smallest_and_no_further) {
   while (!clock.isOver()) {
     times.push_back(clock.to());
     EXPECT_EQ(clock.endsStep(), clock.to() == 3.0);
+    Numbers archive;
+    clock.exchange(archive);
+    archive.reads = true;
+    run::StepClock again(timeline);
+    again.exchange(archive);
+    EXPECT_EQ(again.to(), clock.to());
+    EXPECT_EQ(again.from(), clock.from());
     clock.accept();
   }
   EXPECT_EQ(times, (std::vector<double>{1.5, 2.0, 2.5, 3.0}));
+}
+
+TEST(StepRow, rows_come_back_from_a_checkpoint) {
+  run::StepRow row;
+  row.step = 3;
+  row.time = 0.1;
+  row.converged = true;
+  row.products = 7;
+  row.activeSets = 2;
+  row.energy = 1.0 / 3.0;
+  row.externalWork = 0.7;
+  row.dissipated = 0.8;
+  row.released = 0.9;
+  row.closed = 4;
+  row.open = 5;
+  row.sticking = 6;
+  row.slipping = 7;
+  row.broken = 8;
+  row.forces = {{"Contact/a, b", {{1.0, 2.0, 3.0}, {4.0, 5.0, 6.0}}}};
+  std::vector<run::StepRow> rows = {row}, again;
+  Numbers archive;
+  run::exchange(archive, rows, {"Contact/a, b"});
+  archive.reads = true;
+  run::exchange(archive, again, {"Contact/a, b"});
+  ASSERT_EQ(again.size(), 1u);
+  EXPECT_EQ(run::csvLine(again[0]), run::csvLine(row));
+  EXPECT_EQ(again[0].forces[0].resultant.moment, row.forces[0].resultant.moment);
+  EXPECT_EQ(run::toCsv(rows, {"Contact/a, b"}),
+            "step,time,converged,products,active_sets,energy,external_work,dissipated,released,closed,open,"
+            "sticking,slipping,broken,\"Contact/a, b/fx\",\"Contact/a, b/fy\",\"Contact/a, b/fz\"\n"
+            "3,0.10000000000000001,1,7,2,0.33333333333333331,0.69999999999999996,0.80000000000000004,"
+            "0.90000000000000002,4,5,6,7,8,1,2,3\n");
 }
