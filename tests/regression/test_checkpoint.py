@@ -476,7 +476,7 @@ class WhileItRuns(unittest.TestCase):
         master, slave = pty.openpty()
         directory = runs.scratch("terminal")
         command = [*runs.launcher(2), runs.application(), runs.MODEL, "--output", directory]
-        for path, value in WATCHED.items():
+        for path, value in (WATCHED | {"Steps/Number": 2}).items():
             command += ["--set", f"{path}={str(value).lower() if value is False else value}"]
         process = subprocess.Popen(
             [str(word) for word in command],
@@ -497,9 +497,10 @@ class WhileItRuns(unittest.TestCase):
             shown += part
         self.assertEqual(process.wait(), 0)
         text = shown.decode(errors="replace")
-        lines = re.findall(r"SMALBE \d+/\d+  [^|]* s[^|]*  \|g\^P\| \S+/\S+  \|G l\| ", text)
+        lines = re.findall(r"step 1/2 t 0.5  SMALBE \d+/\d+  [^|]* s[^|]*  \|g\^P\| \S+/\S+  \|G l\| ", text)
         self.assertGreater(len(lines), 2, text)
         self.assertIn("\r\x1b[K", text)
+        self.assertEqual(len(re.findall("Step [12] of 2, time", text)), 2, text)
         # The table gives way to it.
         self.assertNotIn("outer  inner  step", text)
         piped = runs.solved(self, runs.MODEL, SHORT)

@@ -100,7 +100,9 @@ class Documents(unittest.TestCase):
         """What a tool's command draws; nothing if it draws nothing."""
         tool = pathlib.Path(words[0]).name
         if tool == "harmos-plot":
-            return ["scaling.png" if "--scaling" in words else "solution.png"]
+            drawn = {"--scaling": ["scaling.png"], "--curve": ["curve.png"],
+                     "--frames": ["solution.png", "frame_0001.png", "steps.gif"]}
+            return next((drawn[word] for word in words if word in drawn), ["solution.png"])
         return ["*.png"] if tool.startswith(("plot", "draw")) else []
 
     def run_block(self, page, block):
