@@ -228,7 +228,7 @@ class Restarts(unittest.TestCase):
     # Contact closes bit by bit, and every step takes about a second.
     SETS = {
         "Steps/Number": 5,
-        "Model/Elements per subdomain side": 24,
+        "Model/Elements per subdomain side": 18,
         "Solver/Method": "SMALBE",
         "Solver/Tolerance": 1e-8,
         "Dual operator/Preconditioner": "none",
@@ -244,8 +244,8 @@ class Restarts(unittest.TestCase):
         "Effects/Traction/tilt/Part": "upper/right",
         "Effects/Traction/tilt/Density": "{0,0.06,0}",
         "Effects/Traction/tilt/History": "tilt",
-        "Bodies/lower/Elements a side": "{28,28,1}",
-        "Bodies/upper/Elements a side": "{49,49,1}",
+        "Bodies/lower/Elements a side": "{24,24,1}",
+        "Bodies/upper/Elements a side": "{42,42,1}",
         "Solver/Tolerance": 1e-8,
         "Dual operator/Form": "implicit",
         "Dual operator/Share identical subdomains": False,
