@@ -155,6 +155,12 @@ int planDeck(const ProgramContext& context, const scene::Scene& scene, const run
   return exitConverged;
 }
 
+// Where a step has been written.
+std::string seriesOf(const std::string& directory) {
+  const std::string name = "result.vtkhdf.series";
+  return std::filesystem::exists(directory + "/" + name) ? ", " + name : "";
+}
+
 int runDeck(const Application& application, const ProgramContext& context) {
   const auto& [comm, line, log, begin] = context;
   const ParameterSpec spec = deckSpec(application);
@@ -215,7 +221,7 @@ int runDeck(const Application& application, const ProgramContext& context) {
   log.info("Results are in \"" + options.outputDirectory + "\": summary.json, iterations.csv" +
            (report.isInterrupted() ? ", checkpoint.h5" : "") + (hasSteps ? ", steps.csv" : "") +
            (!options.writeFields      ? ""
-            : hasSteps                ? ", result.vtkhdf.series"
+            : hasSteps                ? seriesOf(options.outputDirectory)
             : !report.isInterrupted() ? ", result.vtkhdf"
                                       : ""));
   if (report.isInterrupted() && report.checkpointFault.empty()) {

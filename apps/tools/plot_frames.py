@@ -150,4 +150,6 @@ def draw_frames(frames, output, title, summary, dpi):
             pictures.append(output / f"frame_{number:04d}.png")
             figure = paint(results[k], title, caption_at(summary, frame), look, text=frame.text)
             save(figure, pictures[-1], dpi)
+    for left in set(output.glob("frame_[0-9]*.png")) - set(pictures):
+        left.unlink()  # of an earlier run with more steps
     animate(pictures, output / "steps.gif")

@@ -156,7 +156,8 @@ def run(options):
     frames = frames_of(directory)
     if options.frames and (not frames or frames[0].time is None):
         raise PlotError(
-            f"{directory}/result.vtkhdf.series: not there; only a run of several steps has frames"
+            f"{directory}/result.vtkhdf.series: not there; frames are those of a run of several steps "
+            "that writes its fields (\"Output/Fields\")"
         )
 
     with plt.rc_context(STYLE):

@@ -262,7 +262,7 @@ class Frames(unittest.TestCase):
         (empty / "result.vtkhdf.series").write_text('{"files": []}', encoding="utf-8")
         (gone / "result_0002.vtkhdf").unlink()
         for directory, message in (
-            (single, r"result.vtkhdf.series: not there; only a run of several steps has frames"),
+            (single, r"result.vtkhdf.series: not there; frames are those of a run of several steps"),
             (broken, r"no series of results \(KeyError: 'name'\)"),
             (empty, "no result in the series"),
             (gone, "names result_0002.vtkhdf, which is not there"),

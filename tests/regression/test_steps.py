@@ -28,6 +28,7 @@ import harmos_runs as runs  # noqa: E402
 
 APPS = runs.SOURCE / "apps"
 BLOCKS = APPS / "harmos" / "decks" / "two_blocks.xml"
+LIFTED = APPS / "harmos" / "decks" / "lifted_beam.xml"
 CYLINDER = APPS / "signorini" / "decks" / "hertz_cylinder.xml"
 COLUMNS = (
     "step time converged products active_sets energy external_work dissipated released "
@@ -196,6 +197,24 @@ class Failures(unittest.TestCase):
             ["result_0001.vtkhdf", "result_0002.vtkhdf"],
         )
 
+    def test_unloaded_steps(self):
+        # Nothing but rounding errors, also of gaps, by each way to measure residuals.
+        sets = {
+            "Steps/Times": "{1,2,3,4}",
+            "Steps/Histories/c/Times": "{0,1,2,3,4}",
+            "Steps/Histories/c/Values": "{0,1,0,0,1}",
+            "Effects/Traction/load/History": "c",
+        }
+        for rule in ("scaled", "paper", "permon"):
+            run = runs.solved(
+                self, BLOCKS, sets | {"Solver/Stopping rule": rule}, np=1, program="harmos"
+            )
+            rows = run.summary["steps"]
+            self.assertEqual(len(rows), 4)
+            for k in (1, 2):
+                self.assertLessEqual(abs(rows[k]["energy"]), 1e-15 * rows[0]["energy"])
+            self.assertAlmostEqual(rows[3]["energy"] / rows[0]["energy"], 1.0, delta=1e-3)
+
     def test_a_run_that_cannot_go_on_keeps_what_it_has(self):
         # Once the load has turned nothing holds the upper block.
         run = runs.run(
@@ -331,6 +350,38 @@ class Restarts(unittest.TestCase):
         self.assertTrue((run.directory / "checkpoint.h5").is_file())
         self.restarted(run.directory)
         self.same_bits(self.plain(CYLINDER, self.SETS), run.directory)
+
+    def test_a_signal_is_heard_where_steps_are_nothing(self):
+        # One product a step: solvers have no time to look.
+        deck = APPS / "harmos" / "decks" / "tied_inclusion.xml"
+        sets = {"Steps/Number": 4000, "Output/Fields": False, "Output/Checkpoint/Steps": 0}
+        run = runs.Background(deck, sets, np=1, program="harmos")
+        run.wait_for("steps.csv")
+        time.sleep(0.5)
+        os.kill(run.ranks()[0], signal.SIGUSR1)
+        self.assertEqual(run.end(seconds=20), 4, run.text())
+        done = steps_of(run.directory)
+        self.assertLess(len(done), 4000)
+        self.assertTrue((run.directory / "checkpoint.h5").is_file())
+        # A checkpoint of another problem is refused, and all stays as it was.
+        words = ["--restart", run.directory, "--set", "Effects/Traction/more/Part=plate/right"]
+        other = runs.start(words, 1, program="harmos")
+        self.assertEqual(other.returncode, 2, other)
+        self.assertEqual(steps_of(run.directory), done)
+        self.assertTrue((run.directory / "checkpoint.h5").is_file())
+
+    def test_a_limit_of_time_is_one_of_each_run(self):
+        sets = {"Solver/Maximum seconds": 0.02, "Output/Fields": False, "Steps/Number": 100}
+        directory = runs.scratch("limited")
+        run = runs.run(LIFTED, sets, np=1, output=directory, program="harmos")
+        self.assertEqual(run.returncode, 1, run)
+        self.assertIn('"Solver/Maximum seconds", 0.02, are over', run.summary["reason"])
+        rows = len(steps_of(directory))
+        for _ in range(3):
+            runs.start(["--restart", directory, "--quiet"], 1, program="harmos")
+            more = len(steps_of(directory))
+            self.assertGreater(more, rows)
+            rows = more
 
     def test_taken_up_by_other_ranks(self):
         cut = self.killed(BLOCKS, self.TILTED, 2, program="harmos")

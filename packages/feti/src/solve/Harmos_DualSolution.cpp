@@ -87,12 +87,12 @@ struct Test {
 };
 
 Test convergenceTest(const DualProblem& dual, const SolverOptions& options, double tolerance,
-                     double stiffness, bool judgeEquality, SolveReport& report) {
+                     double stiffness, double boundRounding, bool judgeEquality, SolveReport& report) {
   report.dNorm = norm(dual.d());
   report.gradientScale = options.stoppingRule == StoppingRule::Paper ? report.dNorm : norm(*dual.rhs());
   // Bodies that are moved as a whole and strained by nothing have no forces, and residuals of rounding
   // errors, of which no share is to be had: those of d, and what forces they stand for.
-  const double rounding = attainable * report.dNorm;
+  const double rounding = attainable * report.dNorm + boundRounding;
   if (report.gradientScale <= rounding)
     report.gradientScale = std::max(report.gradientScale, rounding / tolerance);
   Test result;
@@ -109,11 +109,13 @@ Test convergenceTest(const DualProblem& dual, const SolverOptions& options, doub
       break;
     case StoppingRule::Paper:
       report.equalityScale = dual.scaledLoadNorm();
-      result.equality = Teuchos::rcp(new EqualityTest(tolerance, report.equalityScale));
+      result.equality = Teuchos::rcp(
+          new EqualityTest(tolerance, report.equalityScale, Teuchos::null, stiffness * rounding));
       break;
     case StoppingRule::Permon:
       report.equalityScale = norm(*dual.rhs());
-      result.equality = Teuchos::rcp(new EqualityTest(tolerance, report.equalityScale));
+      result.equality = Teuchos::rcp(
+          new EqualityTest(tolerance, report.equalityScale, Teuchos::null, stiffness * rounding));
       break;
     }
     if (judgeEquality)
@@ -285,7 +287,8 @@ void DualSolve::makeSolver() {
   method_ = options_.method == "Auto" ? Auto::choice(*problem_) : options_.method;
   solver_ = qp::TpetraSolverFactory().create(method_, parametersOf(method_));
   report_.solver = solver_->name();
-  test_ = convergenceTest(dual_, options_, tolerance_, stiffnessScale(stages_.system), !isPenalty(), report_);
+  test_ = convergenceTest(dual_, options_, tolerance_, stiffnessScale(stages_.system),
+                          stages_.constraints.boundRounding(), !isPenalty(), report_);
   solver_->setConvergenceTest(test_.test);
   solver_->setLog(log_);
   solver_->setProblem(problem_);

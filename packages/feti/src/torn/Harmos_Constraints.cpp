@@ -89,6 +89,7 @@ struct RowBuilder {
   }
 
   std::vector<std::vector<RowEntry>> entries, held;
+  double rounding2 = 0.0; // of scaled bounds, squares
   std::vector<std::vector<RowHead>> heads;
 };
 
@@ -283,6 +284,7 @@ void addGiven(const std::vector<ConstraintRow>& rows, const CopyTable& copies, l
     const long long number = globalNumber(row, inequalities);
     builder.add(number, inequality ? RowType::Inequality : RowType::Equality, terms, scale * bound, scale);
     builder.addHeld(number, held);
+    builder.rounding2 += std::pow(scale * row.rounding, 2);
   }
 }
 
@@ -376,6 +378,7 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
       new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), touched(), 0, system.comm()));
   import_ = Teuchos::rcp(new Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>(rowMap_, overlapMap_));
   keepFullRows(exchangeItems(comm, builder.held), rows);
+  boundRounding_ = std::sqrt(globalSum(comm, builder.rounding2));
 }
 
 void Constraints::keepFullRows(const std::vector<std::vector<RowEntry>>& held,

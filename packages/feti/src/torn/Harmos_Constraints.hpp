@@ -100,6 +100,9 @@ class Constraints {
   /// c of the scaled row.
   double bound(int row) const { return bounds_[static_cast<std::size_t>(row)]; }
 
+  /// ‖·‖ of what the bounds of all rows, scaled, are known to; see ConstraintRow::rounding.
+  double boundRounding() const { return boundRounding_; }
+
   long long dualDimension() const { return dualDimension_; }
   long long inequalities() const { return inequalities_; }
 
@@ -149,6 +152,7 @@ class Constraints {
   std::vector<double> bounds_;
   long long dualDimension_ = 0;
   long long inequalities_ = 0;
+  double boundRounding_ = 0.0;
 };
 
 } // namespace Harmos::feti

@@ -67,6 +67,7 @@ class Sums {
       forces.effects.push_back({paths[k], {{sum[0], sum[1], sum[2]}, {sum[3], sum[4], sum[5]}}});
     }
     const double* outer = values_.data() + 6 * scene_.effects.size();
+    forces.size = outer[3];
     if (outer[3] > 0.0)
       forces.balance = length({outer[0], outer[1], outer[2]}) / outer[3];
     return forces;

@@ -11,6 +11,7 @@
 #include "Harmos_RunStages.hpp"
 #include "Harmos_StageTimers.hpp"
 #include "Harmos_StepSequence.hpp"
+#include "Harmos_TimedLoads.hpp"
 
 namespace Harmos::run {
 namespace {
@@ -80,7 +81,13 @@ Solution runScene(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scen
 void checkScene(const Teuchos::Comm<int>& comm, const scene::Scene& scene) {
   const std::vector<scene::OwnedSubdomain> owned = scene::decompose(comm, scene);
   scene::checkBoundaryParts(comm, scene, owned);
-  agree(comm, [&] { scene::assemble(scene, owned); });
+  agree(comm, [&] {
+    if (scene.timeline.hasSteps()) {
+      scene::EffectCosts costs(scene);
+      scene::TimedLoads(scene, owned, costs).requireConsistent();
+    }
+    scene::assemble(scene, owned);
+  });
   scene::setUpContact(comm, scene, owned);
 }
 

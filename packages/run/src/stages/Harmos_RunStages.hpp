@@ -68,6 +68,8 @@ class RunStages {
   void recover();
   /// The fields, to a file of the output directory.
   void writeFields(const std::string& file);
+  /// Of what is written, while it lives.
+  StageTimers::Scope outputScope() const { return timers_.scope("output"); }
   /// What the log says of the last solution.
   void tellResult() const;
   /// Counts numerical factorisations so far into the report.

@@ -40,7 +40,7 @@ Solution StepSequence::go() {
   while (outcome == Outcome::Accepted && !clock_.isOver()) {
     outcome = attempt();
     if (outcome == Outcome::Accepted)
-      accept();
+      outcome = accept();
     else if (outcome == Outcome::Failed && !isOutOfTime() && clock_.halve()) {
       log_.info("Step " + std::to_string(clock_.step()) + " of " + std::to_string(clock_.steps()) +
                 ": halved, to time " + timeText(clock_.to()) + ": " + failure_.substr(0, failure_.find(':')));
@@ -58,7 +58,10 @@ void StepSequence::begin() {
   requireConsistent();
   log_.info(std::to_string(clock_.steps()) + " steps to time " + timeText(scene_.timeline.end()));
   const bool goesOn = restore();
+  run_.directory().removeOtherResults(written_);
   run_.directory().writeSteps(rows_, scene_.forcePaths());
+  if (!written_.empty())
+    run_.directory().writeSeries(written_);
   run_.directory().writeIterations(iterations_);
   if (goesOn)
     log_.info("Going on after " + std::to_string(rows_.size()) + " accepted steps of \"" +
@@ -123,10 +126,10 @@ StepSequence::Outcome StepSequence::solve() {
   }
   const std::optional<feti::WarmStart> start = history_.start(run_.dualProblem(), options_.tolerance);
   const qp::IterationRecord before = iterations_.empty() ? qp::IterationRecord{} : iterations_.back();
-  monitor_ = run_.monitor(within_, quiet_, {placeText(), before, true});
+  monitor_ = run_.monitor(within_, quiet_, {placeText(), before, watch_, true});
   monitor_->addState([this](Archive& archive) { exchange(archive, true); });
   within_ = nullptr;
-  run_.solve(start ? &*start : nullptr, monitor_, quiet_, before.seconds);
+  run_.solve(start ? &*start : nullptr, monitor_, quiet_, before.seconds - secondsBefore_);
   counters_ += report_.result.counters;
   attemptCounters_ += report_.result.counters;
   for (const qp::IterationRecord& row : report_.result.history)
@@ -135,10 +138,13 @@ StepSequence::Outcome StepSequence::solve() {
     return Outcome::Interrupted;
   run_.recover();
   failure_ = report_.reason;
+  if (isOutOfTime())
+    failure_ = "time limit: \"Solver/Maximum seconds\", " + timeText(options_.maximumSeconds) + ", are over";
   return report_.converged ? Outcome::Accepted : Outcome::Failed;
 }
 
-void StepSequence::accept() {
+StepSequence::Outcome StepSequence::accept() {
+  const auto scope = run_.outputScope();
   energy_->reach({run_.loads().factors(clock_.to()),
                   run_.loads().products(*comm_, run_.torn().displacement, run_.reactions()),
                   report_.audit.energy, scene::freeStrainEnergy(*comm_, scene_, run_.owned(), clock_.to())});
@@ -147,7 +153,8 @@ void StepSequence::accept() {
   row.time = clock_.to();
   row.products = attemptCounters_.hessianApplications;
   row.activeSets = attemptCounters_.faces;
-  if (writesFields()) {
+  const bool writes = writesFields();
+  if (writes) {
     run_.writeFields(RunDirectory::resultOf(row.step));
     written_.push_back({row.step, row.time});
   }
@@ -157,13 +164,28 @@ void StepSequence::accept() {
   const bool endsStep = clock_.endsStep();
   clock_.accept();
   rows_.push_back(row);
+  report_.steps.push_back(row);
   run_.directory().appendStep(row);
-  if (!written_.empty())
+  if (writes)
     run_.directory().writeSeries(written_);
   tell(row);
+  return clock_.isOver() ? Outcome::Accepted : look(endsStep);
+}
+
+// Between two steps: the solver may have had no time to look.
+StepSequence::Outcome StepSequence::look(bool endsStep) {
+  using Wish = RunMonitor::Wish;
+  const Wish wish = monitor_->askBetween();
   const int every = options_.checkpoint.steps;
-  if (endsStep && every > 0 && row.step % every == 0 && !clock_.isOver())
+  const bool isDue = endsStep && every > 0 && rows_.back().step % every == 0;
+  if (isDue || wish != Wish::GoOn)
     saveBetweenSteps();
+  if (wish != Wish::SaveAndStop)
+    return Outcome::Accepted;
+  report_.converged = false;
+  report_.result.reason = qp::Reason::Interrupted;
+  report_.reason = qp::toString(qp::Reason::Interrupted) + ": the program was told to stop";
+  return Outcome::Interrupted;
 }
 
 bool StepSequence::writesFields() const {
@@ -220,8 +242,8 @@ bool StepSequence::restore() {
     prepare(rows_.back().time);
     requireSameProblem(*checkpoint, run_.dualProblem(), report_.localCondition);
   }
-  if (!written_.empty())
-    run_.directory().writeSeries(written_);
+  secondsBefore_ = iterations_.empty() ? 0.0 : iterations_.back().seconds;
+  report_.steps = rows_;
   return true;
 }
 
@@ -230,7 +252,6 @@ void StepSequence::sumUp() {
   run_.countFactorisations();
   report_.result.counters = counters_;
   report_.result.history = iterations_;
-  report_.steps = rows_;
   run_.directory().writeIterations(iterations_);
 }
 
@@ -246,11 +267,12 @@ Solution StepSequence::end(Outcome outcome) {
   }
   if (outcome == Outcome::Failed) {
     report_.converged = false;
-    report_.reason = "step " + std::to_string(clock_.step()) + " of " + std::to_string(clock_.steps()) +
-                     ", from time " + timeText(clock_.from()) + " to " + timeText(clock_.to()) +
-                     (clock_.isPart() ? ", the smallest part of it that is tried" : "") + ": " + failure_ +
-                     "; results up to time " + timeText(rows_.empty() ? 0.0 : rows_.back().time) +
-                     " are whole";
+    report_.reason =
+        "step " + std::to_string(clock_.step()) + " of " + std::to_string(clock_.steps()) + ", from time " +
+        timeText(clock_.from()) + " to " + timeText(clock_.to()) +
+        (clock_.isPart() ? ", the smallest part of it that is tried" : "") + ": " + failure_ +
+        "; results up to time " + timeText(rows_.empty() ? 0.0 : rows_.back().time) +
+        " are whole; go on with --restart and other limits, or smaller parts (\"Steps/Smallest step\")";
     return run_.hand();
   }
   run_.tellResult();

@@ -43,7 +43,8 @@ class StepSequence {
   Outcome attempt();
   Outcome solve();
   void prepare(double time);
-  void accept();
+  Outcome accept();
+  Outcome look(bool endsStep);
   void tell(const StepRow& row) const;
   bool writesFields() const;
   void saveBetweenSteps();
@@ -73,8 +74,10 @@ class StepSequence {
   int updates_ = 0;                             // of states in this attempt
   qp::Counters attemptCounters_;                // of all its solves
   Teuchos::RCP<RunMonitor> monitor_;            // of the last solve
-  const CheckpointReader* within_ = nullptr;    // a solve to go on with
-  std::string failure_;                         // of the last attempt
+  std::shared_ptr<WatchClock> watch_ = std::make_shared<WatchClock>();
+  double secondsBefore_ = 0.0;               // of solves before the checkpoint
+  const CheckpointReader* within_ = nullptr; // a solve to go on with
+  std::string failure_;                      // of the last attempt
 };
 
 } // namespace Harmos::run

@@ -47,7 +47,7 @@ void RunDirectory::checkDeck() const {
     const std::string difference = scene::firstDifference(
         *Teuchos::getParametersFromXmlString(before), *Teuchos::getParametersFromXmlString(now),
         {"Output", "Solver/Tolerance", "Solver/Maximum iterations", "Solver/Maximum seconds",
-         "Solver/Progress frequency"});
+         "Solver/Progress frequency", "Steps/Smallest step"});
     if (!difference.empty())
       throw InputError("the checkpoint \"" + checkpoint_->path() + "\" is of another deck: " + difference +
                            "; restart with the deck that wrote it (tolerance, limits and output may differ)",
@@ -66,29 +66,40 @@ void RunDirectory::prepare(const Log& log) const {
     if (comm_.getRank() != 0)
       return;
     io::makeDirectory(options_.outputDirectory);
+    if (goesOnInSteps())
+      return;
     for (const char* name : {"summary.json", "iterations.csv", "result.vtkhdf", "contact.csv", "ranks.csv"})
       io::removeFile(place(name));
-    removeResults();
     putCheckpointAside(log);
-    bringResults();
+  });
+  if (!goesOnInSteps())
+    removeOtherResults({});
+  agree(comm_, [&] {
+    if (comm_.getRank() == 0)
+      bringResults();
   });
 }
 
-// Of steps.
-void RunDirectory::removeResults() const {
-  std::set<std::string> kept;
-  if (goesOnInPlace())
-    for (const Written& written : writtenBefore())
-      kept.insert(resultOf(written.step));
-  if (kept.empty()) {
-    io::removeFile(place("steps.csv"));
-    io::removeFile(place("result.vtkhdf.series"));
-  }
-  for (const auto& item : std::filesystem::directory_iterator(options_.outputDirectory)) {
-    const std::string name = item.path().filename().string();
-    if (isResultOfStep(name) && kept.count(name) == 0)
+// A checkpoint may still prove to be of another problem.
+bool RunDirectory::goesOnInSteps() const {
+  return goesOnInPlace() && checkpoint_->holds("result files");
+}
+
+void RunDirectory::removeOtherResults(const std::vector<Written>& kept) const {
+  agree(comm_, [&] {
+    if (comm_.getRank() != 0)
+      return;
+    std::set<std::string> names;
+    for (const Written& written : kept)
+      names.insert(resultOf(written.step));
+    for (const char* name : {"summary.json", "steps.csv", "result.vtkhdf.series"})
       io::removeFile(place(name));
-  }
+    for (const auto& item : std::filesystem::directory_iterator(options_.outputDirectory)) {
+      const std::string name = item.path().filename().string();
+      if (isResultOfStep(name) && names.count(name) == 0)
+        io::removeFile(place(name));
+    }
+  });
 }
 
 void RunDirectory::bringResults() const {
@@ -144,18 +155,27 @@ void RunDirectory::writeSeries(const std::vector<Written>& written) const {
   });
 }
 
-// The line goes out at once: whoever reads the file sees it whole, or not at all.
 void RunDirectory::appendStep(const StepRow& row) const {
   agree(comm_, [&] {
     if (comm_.getRank() != 0)
       return;
-    std::ofstream file(place("steps.csv"), std::ios::app | std::ios::binary);
-    file << csvLine(row) << std::flush;
-    if (!file)
-      throw InputError(
-          "the file \"" + place("steps.csv") +
-              "\" cannot be written; check that the directory is writable and the disk is not full",
-          {{"file", place("steps.csv")}});
+    const std::string path = place("steps.csv");
+    std::error_code fault;
+    const auto size = std::filesystem::file_size(path, fault);
+    bool written = !fault; // not without the line of names
+    if (written) {
+      std::ofstream file(path, std::ios::app | std::ios::binary);
+      file << csvLine(row) << std::flush;
+      written = static_cast<bool>(file);
+    }
+    if (written)
+      return;
+    if (!fault)
+      std::filesystem::resize_file(path, size, fault); // no half of a row
+    throw InputError("a row of the file \"" + path +
+                         "\" cannot be written; check that it is there, that the directory is writable and "
+                         "that the disk is not full",
+                     {{"file", path}});
   });
 }
 

@@ -35,8 +35,9 @@ class RunDirectory {
   std::string place(const std::string& file) const { return options_.outputDirectory + "/" + file; }
 
   /// Makes it. Results of an earlier run are removed, so that they are not taken for this one's if it fails;
-  /// a checkpoint that this run does not go on from is put aside. Results of steps that were done before the
-  /// checkpoint stay, or are brought from where the checkpoint lies.
+  /// a checkpoint that this run does not go on from is put aside. Where the run goes on in its place after
+  /// some steps, all stays for the time being (removeOtherResults()); into another directory results of steps
+  /// are brought from where the checkpoint lies.
   /// @throws InputError on all ranks. @note Collective.
   void prepare(const Log& log) const;
 
@@ -55,6 +56,8 @@ class RunDirectory {
   };
   static std::string resultOf(int step);
   void writeSeries(const std::vector<Written>& written) const;
+  /// Removes results of steps but these, and what tells of them. @note Collective.
+  void removeOtherResults(const std::vector<Written>& kept) const;
   /// Those that the checkpoint tells of; none without one. @note Collective.
   std::vector<Written> writtenBefore() const;
   static void exchange(qp::StateArchive<MultiVector>& archive, std::vector<Written>& written);
@@ -68,7 +71,7 @@ class RunDirectory {
 
  private:
   bool goesOnInPlace() const;
-  void removeResults() const;
+  bool goesOnInSteps() const;
   void bringResults() const;
   void putCheckpointAside(const Log& log) const;
 

@@ -22,6 +22,10 @@ namespace {
 const char* const loadName = "right-hand side"; // Pd
 constexpr double lookInterval = 0.25;           // seconds between two reductions
 
+double secondsSince(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
 double norm(const MultiVector& x) {
   std::vector<double> result(1);
   x.norm2(Teuchos::arrayViewFromVector(result));
@@ -31,11 +35,13 @@ double norm(const MultiVector& x) {
 // Another number of ranks changes the right-hand side by rounding errors times the condition of the
 // subdomains: c ε κ with c = 1e3 for sums of some ten thousand terms. Another mesh or load changes it by what
 // was changed.
-void requireSame(const CheckpointReader& checkpoint, MultiVector& kept, const MultiVector& load,
+void requireSame(const CheckpointReader& checkpoint, MultiVector& kept, const feti::DualProblem& present,
                  double condition) {
+  const MultiVector& load = *present.rhs();
   kept.update(-1.0, load, 1.0);
-  const double rounding = std::max(1e-6, 1e3 * std::numeric_limits<double>::epsilon() * condition);
-  if (norm(kept) > rounding * norm(load))
+  const double known = 1e3 * std::numeric_limits<double>::epsilon() * std::max(condition, 1.0);
+  // Of bodies that move as a whole Pd is nothing but rounding errors of d.
+  if (norm(kept) > std::max(1e-6, known) * norm(load) + known * norm(present.d()))
     throw InputError("the checkpoint \"" + checkpoint.path() +
                          "\" is of another problem: the right-hand side of the dual problem differs by " +
                          scientific(norm(kept) / norm(load), 0) +
@@ -51,7 +57,7 @@ void requireSameProblem(const CheckpointReader& checkpoint, const feti::DualProb
   MultiVector kept(*present.rhs(), Teuchos::Copy);
   checkpoint.restore(rowBasis(present),
                      [&](qp::StateArchive<MultiVector>& archive) { archive.vector(loadName, kept); });
-  requireSame(checkpoint, kept, *present.rhs(), condition);
+  requireSame(checkpoint, kept, present, condition);
 }
 
 RunMonitor::RunMonitor(const Teuchos::Comm<int>& comm, const RunOptions& options,
@@ -64,7 +70,7 @@ RunMonitor::RunMonitor(const Teuchos::Comm<int>& comm, const RunOptions& options
       log_(log),
       report_(report),
       place_(std::move(place)),
-      start_(std::chrono::steady_clock::now()) {}
+      clock_(place_.clock ? place_.clock : std::make_shared<WatchClock>()) {}
 
 RunMonitor::~RunMonitor() = default;
 
@@ -73,7 +79,8 @@ void RunMonitor::begins(const feti::DualRun& run) {
   view_ = std::make_unique<LiveView>(comm_.getRank() == 0 ? options_.outputDirectory + "/iterations.csv"
                                                           : std::string(),
                                      place_.text + run.method, log_, place_.before, place_.hasEarlier);
-  start_ = std::chrono::steady_clock::now();
+  if (!place_.clock)
+    *clock_ = {};
   if (checkpoint_ == nullptr)
     return;
   restore([&](Archive& archive) { exchangeProblem(archive); });
@@ -106,7 +113,7 @@ void RunMonitor::exchangeProblem(Archive& archive) {
                          ", but this run takes " + run_->method +
                          "; restart with the deck of the run that wrote it",
                      {{"file", checkpoint_->path()}});
-  requireSame(*checkpoint_, kept, load, report_.localCondition);
+  requireSame(*checkpoint_, kept, run_->stages.problem, report_.localCondition);
 }
 
 void RunMonitor::recorded(const qp::IterationRecord& record) {
@@ -117,7 +124,7 @@ void RunMonitor::recorded(const qp::IterationRecord& record) {
 // The slowest rank's clock, and what any rank was told.
 RunMonitor::Look RunMonitor::look() {
   const Told mine = options_.checkpoint.told ? options_.checkpoint.told() : Told::Nothing;
-  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  const double elapsed = secondsSince(clock_->start);
   double values[2] = {elapsed, static_cast<double>(mine)}, most[2] = {0.0, 0.0};
   Teuchos::reduceAll<int, double>(comm_, Teuchos::REDUCE_MAX, 2, values, most);
   const double perIteration =
@@ -142,16 +149,17 @@ RunMonitor::Wish RunMonitor::ask(const qp::IterationState<MultiVector>& state) {
   if (asked_ < nextLook_)
     return wish;
   const Look now = look();
-  if (options.minutes > 0.0 && now.elapsed - lastSave_ >= 60.0 * options.minutes)
+  if (options.minutes > 0.0 && now.elapsed - clock_->lastSave >= 60.0 * options.minutes)
     wish = Wish::Save;
   if (wish == Wish::Save)
-    lastSave_ = now.elapsed;
+    clock_->lastSave = now.elapsed;
   if (now.told == Told::Save)
     wish = Wish::Save;
   if (now.told == Told::Stop)
     wish = Wish::SaveAndStop;
-  if (options_.liveSeconds > 0.0 && now.elapsed - lastShow_ >= options_.liveSeconds && !points_.empty()) {
-    lastShow_ = now.elapsed;
+  if (options_.liveSeconds > 0.0 && now.elapsed - clock_->lastShow >= options_.liveSeconds &&
+      !points_.empty()) {
+    clock_->lastShow = now.elapsed;
     showContact(*state.x);
   }
   return wish;
@@ -170,6 +178,17 @@ void RunMonitor::save(const Exchange& state) {
     for (const Exchange& other : states_)
       other(archive);
   });
+}
+
+RunMonitor::Wish RunMonitor::askBetween() {
+  ++asked_;
+  const Look now = look();
+  const double minutes = options_.checkpoint.minutes;
+  if (now.told == Told::Stop)
+    return Wish::SaveAndStop;
+  if (now.told == Told::Save)
+    return Wish::Save;
+  return minutes > 0.0 && now.elapsed - clock_->lastSave >= 60.0 * minutes ? Wish::Save : Wish::GoOn;
 }
 
 void RunMonitor::saveBetween(const Exchange& state) {
@@ -202,6 +221,7 @@ void RunMonitor::write(const Exchange& all) {
     log_.warning(std::string("no checkpoint: ") + error.what());
     return;
   }
+  clock_->lastSave = lastElapsed_;
   report_.checkpointFault.clear();
   report_.checkpoint = path;
   ++report_.checkpoints;

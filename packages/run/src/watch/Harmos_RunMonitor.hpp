@@ -26,11 +26,18 @@ RowBasis rowBasis(const feti::DualProblem& problem);
 void requireSameProblem(const CheckpointReader& checkpoint, const feti::DualProblem& present,
                         double condition);
 
+/// When a run last did what it does by the clock; in seconds since it began to solve.
+struct WatchClock {
+  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+  double lastSave = 0.0, lastShow = 0.0;
+};
+
 /// The place of a solve in a run of several.
 struct SolvePlace {
   std::string text;             ///< before the status line: "step 3/5 t 0.6  "
   qp::IterationRecord before{}; ///< the last one of the steps before: rows are counted on from it
-  bool hasEarlier = false;      ///< iterations.csv has the rows of the steps before; this one's are appended
+  std::shared_ptr<WatchClock> clock = nullptr; ///< of all of them
+  bool hasEarlier = false; ///< iterations.csv has the rows of the steps before; this one's are appended
 };
 
 /// Looks after the solver of a run: iterations.csv while it grows, contact.csv every few seconds, checkpoints
@@ -58,6 +65,8 @@ class RunMonitor : public feti::DualMonitor {
   bool holds(const std::string& name) const override { return checkpoint_->holds(name); }
   void restore(const Exchange& state) override;
 
+  /// After the solver has finished: what is due, or what the run was told meanwhile. @note Collective.
+  Wish askBetween();
   /// After the solver has finished: a checkpoint without its state. @note Collective.
   void saveBetween(const Exchange& state);
 
@@ -81,9 +90,9 @@ class RunMonitor : public feti::DualMonitor {
   std::vector<Exchange> states_;
   std::optional<feti::DualRun> run_;
   std::unique_ptr<LiveView> view_;
-  std::chrono::steady_clock::time_point start_;
+  std::shared_ptr<WatchClock> clock_;
   long long asked_ = 0, nextLook_ = 1, lastLook_ = 0;
-  double lastElapsed_ = 0.0, lastSave_ = 0.0, lastShow_ = 0.0;
+  double lastElapsed_ = 0.0;
   int lastOuter_ = 1;
   std::vector<qp::IterationRecord> rows_;
 };

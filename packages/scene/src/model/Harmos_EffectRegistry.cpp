@@ -44,6 +44,11 @@ void EffectRegistry::addEffects(const Teuchos::ParameterList& deck, Scene& scene
     const Teuchos::ParameterList& list = deck.sublist("Effects").sublist(kind.name);
     for (auto item = list.begin(); item != list.end(); ++item) {
       const std::string& name = list.name(item);
+      if (name.find('/') != std::string::npos)
+        throw InputError(
+            "the effect \"" + name + "\" of \"Effects/" + kind.name +
+                "\" has a slash in its name, which parts lists from each other; take another sign",
+            {{"path", "Effects/" + kind.name}});
       const Teuchos::ParameterList& parameters = list.sublist(name);
       scene.effects.push_back(kind.make(parameters, "Effects/" + kind.name + "/" + name, scene));
       if (kind.hasMagnitude)

@@ -14,6 +14,7 @@ namespace {
 
 const char* const ramp = "ramp";
 const char* const constant = "constant";
+constexpr double leastSmallest = 1e-6; // times of parts stay apart
 
 void requireRising(const std::vector<double>& times) {
   for (std::size_t k = 0; k < times.size(); ++k) {
@@ -71,9 +72,9 @@ Timeline::Timeline(std::vector<double> ends, double smallest) : ends_(std::move(
   requireRising(ends_);
   if (!(ends_.front() > 0.0))
     throw InputError("the run begins at time 0, but its first step ends at " + scientific(ends_.front()));
-  if (!(smallest_ > 0.0 && smallest_ <= 1.0))
-    throw InputError("the smallest part of a step is a share of it, above 0 and at most 1, not " +
-                     scientific(smallest_));
+  if (!(smallest_ >= leastSmallest && smallest_ <= 1.0))
+    throw InputError("the smallest part of a step is a share of it, at least " +
+                     scientific(leastSmallest, 0) + " and at most 1, not " + scientific(smallest_));
 }
 
 void Timeline::addTo(ParameterSpec& deck) {
@@ -85,7 +86,7 @@ void Timeline::addTo(ParameterSpec& deck) {
   steps.series("Times", Range::above(0.0),
                "Ends of the steps, rising, in the place of \"Number\" and \"End time\"; the first one begins "
                "at time 0.");
-  steps.real("Smallest step", defaultSmallest, Range{0.0, 1.0, true, false},
+  steps.real("Smallest step", defaultSmallest, Range::within(leastSmallest, 1.0),
              "As a share of a step: one that does not converge is halved, down to that; then the run ends.");
   ParameterSpec histories("Histories", "Factors over time, each by a name of your choice. \"ramp\", 0 to 1 "
                                        "over the run, and \"constant\", 1, are there already.");
