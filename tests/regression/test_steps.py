@@ -283,7 +283,7 @@ class Restarts(unittest.TestCase):
         run = runs.Background(deck, sets, program=program)
         path = run.directory / "steps.csv"
         run.wait_until(lambda: path.is_file() and len(path.read_bytes().splitlines()) > rows)
-        time.sleep(0.1)
+        time.sleep(0.05)
         for rank in run.ranks():
             os.kill(rank, signal.SIGKILL)
         self.assertNotEqual(run.end(), 0)
@@ -371,11 +371,11 @@ class Restarts(unittest.TestCase):
         self.assertTrue((run.directory / "checkpoint.h5").is_file())
 
     def test_a_limit_of_time_is_one_of_each_run(self):
-        sets = {"Solver/Maximum seconds": 0.02, "Output/Fields": False, "Steps/Number": 100}
+        sets = {"Solver/Maximum seconds": 0.1, "Output/Fields": False, "Steps/Number": 2000}
         directory = runs.scratch("limited")
         run = runs.run(LIFTED, sets, np=1, output=directory, program="harmos")
         self.assertEqual(run.returncode, 1, run)
-        self.assertIn('"Solver/Maximum seconds", 0.02, are over', run.summary["reason"])
+        self.assertIn('"Solver/Maximum seconds", 0.1, are over', run.summary["reason"])
         rows = len(steps_of(directory))
         for _ in range(3):
             runs.start(["--restart", directory, "--quiet"], 1, program="harmos")
