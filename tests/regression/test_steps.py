@@ -212,7 +212,9 @@ class Failures(unittest.TestCase):
             rows = run.summary["steps"]
             self.assertEqual(len(rows), 4)
             for k in (1, 2):
+                # Squares of rounding errors, with room for millions of them.
                 self.assertLessEqual(abs(rows[k]["energy"]), 1e-15 * rows[0]["energy"])
+            # Ten times the tolerance of decks.
             self.assertAlmostEqual(rows[3]["energy"] / rows[0]["energy"], 1.0, delta=1e-3)
 
     def test_a_run_that_cannot_go_on_keeps_what_it_has(self):

@@ -64,6 +64,18 @@ scene::Scene stacked(bool inSpace, int above) {
   return scene;
 }
 
+// The unit square, of 2 × 2 subdomains.
+scene::Scene square(scene::Physics physics) {
+  scene::Scene scene;
+  scene.physics = physics;
+  fem::StructuredBlock::Options options;
+  options.cellType = fem::CellType::Quadrilateral4;
+  options.subdomains = {2, 2, 1};
+  options.elements = {3, 3, 1};
+  scene.bodies.push_back(blockBody("square", options, fem::Material::isotropic(1.0, 0.3)));
+  return scene;
+}
+
 // ∫ and first moment of the pressure 1 + x on the unit square or edge: pressed everywhere.
 constexpr double load = 1.5, momentArm = 5.0 / 6.0;
 Point pressure(const Point& x, std::size_t up) {
@@ -156,13 +168,7 @@ TEST(Forces, a_support_bears_the_contact_on_its_own_nodes) {
 // The corner is held by both, and a row asked for by two effects is one.
 TEST(Forces, what_two_effects_hold_counts_for_the_first) {
   for (const auto& setting : settings) {
-    scene::Scene scene;
-    scene.physics = scene::Physics::PlaneStrain;
-    fem::StructuredBlock::Options options;
-    options.cellType = fem::CellType::Quadrilateral4;
-    options.subdomains = {2, 2, 1};
-    options.elements = {3, 3, 1};
-    scene.bodies.push_back(blockBody("block", options, fem::Material::isotropic(1.0, 0.3)));
+    scene::Scene scene = square(scene::Physics::PlaneStrain);
     for (const char* side : {"left", "bottom"})
       for (int c : {0, 1})
         prescribe(scene, {0, side}, c);
@@ -190,13 +196,7 @@ TEST(Forces, what_two_effects_hold_counts_for_the_first) {
 
 TEST(Forces, a_foundation_carries_the_block) {
   for (const auto& setting : settings) {
-    scene::Scene scene;
-    scene.physics = scene::Physics::PlaneStrain;
-    fem::StructuredBlock::Options options;
-    options.cellType = fem::CellType::Quadrilateral4;
-    options.subdomains = {2, 2, 1};
-    options.elements = {3, 3, 1};
-    scene.bodies.push_back(blockBody("block", options, fem::Material::isotropic(1.0, 0.3)));
+    scene::Scene scene = square(scene::Physics::PlaneStrain);
     scene.effects.push_back(
         std::make_shared<effects::ElasticFoundation>(effects::Part{0, "bottom"}, 2.0, 1.0, "soil"));
     addTraction(scene, {0, "top"}, [](const Point& x, const Point&) { return pressure(x, 1); });
@@ -209,13 +209,7 @@ TEST(Forces, a_foundation_carries_the_block) {
 
 TEST(Forces, membranes_have_them_along_z) {
   for (const auto& setting : {settings[0], settings[1]}) {
-    scene::Scene scene;
-    scene.physics = scene::Physics::Membrane;
-    fem::StructuredBlock::Options options;
-    options.cellType = fem::CellType::Quadrilateral4;
-    options.subdomains = {2, 2, 1};
-    options.elements = {3, 3, 1};
-    scene.bodies.push_back(blockBody("membrane", options, {}));
+    scene::Scene scene = square(scene::Physics::Membrane);
     addForce(scene, 0, std::vector<fem::BoxLoad>{{-2.0, {-1.0, -1.0}, {2.0, 2.0}}});
     prescribe(scene, {0, "left"}, 0);
     const run::Resultant edge = of(solved(scene, setting), "Prescribed displacement/left");

@@ -153,6 +153,7 @@ TEST(StepSequence, stored_energy_knows_strains_of_temperatures) {
       const double strain = expansion * rise;
       const double whole = 0.5 * 9.0 * strain * strain * young / (3.0 * (1.0 - 2.0 * poisson));
       const run::StepRow& last = run.report.steps.back();
+      // A hundred times the tolerance, for the condition of these blocks.
       EXPECT_NEAR(last.energy, held ? whole : 0.0, 1e-8 * whole) << held << steps;
       EXPECT_NEAR(last.externalWork, last.energy, 1e-8 * whole) << held << steps;
     }

@@ -38,6 +38,19 @@ nlohmann::ordered_json toJson(const StepRow& row) {
   return json;
 }
 
+nlohmann::ordered_json auditJson(const RunReport& report) {
+  if (!report.audited)
+    return nullptr;
+  return {{"equilibrium", number(report.audit.equilibrium)},
+          {"gluing_jump", number(report.audit.gluingJump)},
+          {"penetration", number(report.audit.penetration)},
+          {"min_contact_multiplier", number(report.audit.minContactMultiplier)},
+          {"complementarity", number(report.audit.complementarity)},
+          {"largest_displacement", number(report.audit.largestDisplacement)},
+          {"largest_contact_multiplier", number(report.audit.largestMultiplier)},
+          {"balance", number(report.forces.balance)}};
+}
+
 double ratio(double value, double scale) {
   return scale > 0.0 ? value / scale : value;
 }
@@ -90,17 +103,7 @@ std::string toJson(const RunReport& report) {
   json["energy"] = report.audited ? number(report.audit.energy) : nlohmann::ordered_json(nullptr);
   json["primal_energy"] =
       report.audited ? number(report.audit.primalEnergy) : nlohmann::ordered_json(nullptr);
-  if (report.audited)
-    json["audit"] = {{"equilibrium", number(report.audit.equilibrium)},
-                     {"gluing_jump", number(report.audit.gluingJump)},
-                     {"penetration", number(report.audit.penetration)},
-                     {"min_contact_multiplier", number(report.audit.minContactMultiplier)},
-                     {"complementarity", number(report.audit.complementarity)},
-                     {"largest_displacement", number(report.audit.largestDisplacement)},
-                     {"largest_contact_multiplier", number(report.audit.largestMultiplier)},
-                     {"balance", number(report.forces.balance)}};
-  else
-    json["audit"] = nullptr;
+  json["audit"] = auditJson(report);
   json["audit_agrees"] =
       report.audited ? nlohmann::ordered_json(auditAgrees(report)) : nlohmann::ordered_json(nullptr);
   json["forces"] = nlohmann::ordered_json::object();

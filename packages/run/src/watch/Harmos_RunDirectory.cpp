@@ -70,13 +70,9 @@ void RunDirectory::prepare(const Log& log) const {
       return;
     for (const char* name : {"summary.json", "iterations.csv", "result.vtkhdf", "contact.csv", "ranks.csv"})
       io::removeFile(place(name));
+    keepResults({});
     putCheckpointAside(log);
-  });
-  if (!goesOnInSteps())
-    removeOtherResults({});
-  agree(comm_, [&] {
-    if (comm_.getRank() == 0)
-      bringResults();
+    bringResults();
   });
 }
 
@@ -87,19 +83,22 @@ bool RunDirectory::goesOnInSteps() const {
 
 void RunDirectory::removeOtherResults(const std::vector<Written>& kept) const {
   agree(comm_, [&] {
-    if (comm_.getRank() != 0)
-      return;
-    std::set<std::string> names;
-    for (const Written& written : kept)
-      names.insert(resultOf(written.step));
-    for (const char* name : {"summary.json", "steps.csv", "result.vtkhdf.series"})
-      io::removeFile(place(name));
-    for (const auto& item : std::filesystem::directory_iterator(options_.outputDirectory)) {
-      const std::string name = item.path().filename().string();
-      if (isResultOfStep(name) && names.count(name) == 0)
-        io::removeFile(place(name));
-    }
+    if (comm_.getRank() == 0)
+      keepResults(kept);
   });
+}
+
+void RunDirectory::keepResults(const std::vector<Written>& kept) const {
+  std::set<std::string> names;
+  for (const Written& written : kept)
+    names.insert(resultOf(written.step));
+  for (const char* name : {"summary.json", "steps.csv", "result.vtkhdf.series"})
+    io::removeFile(place(name));
+  for (const auto& item : std::filesystem::directory_iterator(options_.outputDirectory)) {
+    const std::string name = item.path().filename().string();
+    if (isResultOfStep(name) && names.count(name) == 0)
+      io::removeFile(place(name));
+  }
 }
 
 void RunDirectory::bringResults() const {

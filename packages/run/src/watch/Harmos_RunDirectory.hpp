@@ -71,7 +71,9 @@ class RunDirectory {
 
  private:
   bool goesOnInPlace() const;
+  // On rank 0 alone: no two ranks are to see different files.
   bool goesOnInSteps() const;
+  void keepResults(const std::vector<Written>& kept) const;
   void bringResults() const;
   void putCheckpointAside(const Log& log) const;
 
