@@ -28,7 +28,7 @@ class Pieces {
 
   Pieces(const Cell& regular, Make make, int wanted)
       : make_(make),
-        partition_(fem::partitionCells(make(regular), wanted)),
+        partition_(fem::partitionCells(make(regular), wanted, {fem::PartitionMethod::Metis})),
         regular_(fem::tear(make(regular), partition_.part, partition_.parts, 0)) {}
 
   int count() const { return partition_.parts; }

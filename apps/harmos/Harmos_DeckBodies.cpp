@@ -98,6 +98,24 @@ void noteLocking(const scene::Body& body, scene::Physics physics, fem::CellType 
                     "order, or quadrilaterals or hexahedra");
 }
 
+fem::PartitionOptions partitionOptions(const ParameterList& list) {
+  fem::PartitionOptions options;
+  if (list.get<std::string>("Partition") == "METIS")
+    options.method = fem::PartitionMethod::Metis;
+  options.seed = list.get<int>("Partition seed");
+  return options;
+}
+
+// "96 parts of 1800 to 2500 cells"
+std::string sizesOf(const fem::Partition& partition) {
+  std::vector<int> sizes(static_cast<std::size_t>(partition.parts), 0);
+  for (int part : partition.part)
+    ++sizes[static_cast<std::size_t>(part)];
+  const auto [least, most] = std::minmax_element(sizes.begin(), sizes.end());
+  return std::to_string(partition.parts) + (partition.parts == 1 ? " part of " : " parts of ") +
+         (*least == *most ? "" : std::to_string(*least) + " to ") + std::to_string(*most) + " cells";
+}
+
 // Bodies from the mesh file: read and cut on rank 0; the others learn how many parts and nodes there are.
 void readBodies(const DeckContext& context, int dimension, const std::vector<std::size_t>& which,
                 scene::Scene& scene, long long& firstNode) {
@@ -123,8 +141,8 @@ void readBodies(const DeckContext& context, int dimension, const std::vector<std
     long long first = firstNode;
     for (std::size_t k = 0; k < which.size(); ++k) {
       const std::string& name = scene.bodies[which[k]].name;
-      const fem::Partition partition =
-          fem::partitionCells(meshes[k], bodies.sublist(name).get<int>("Subdomains"));
+      const fem::Partition partition = fem::partitionCells(
+          meshes[k], bodies.sublist(name).get<int>("Subdomains"), partitionOptions(bodies.sublist(name)));
       torn[k] = std::make_shared<std::vector<fem::PlacedMesh>>(
           fem::tear(meshes[k], partition.part, partition.parts, first));
       counts[2 * k] = partition.parts;
@@ -132,8 +150,7 @@ void readBodies(const DeckContext& context, int dimension, const std::vector<std
       first += counts[2 * k + 1];
       context.log.info("Body \"" + name + "\": " + std::to_string(counts[2 * k + 1]) + " nodes, " +
                        std::to_string(meshes[k].mesh.numberOfCells()) + " cells (" +
-                       fem::shapeOf(meshes[k].mesh.cellType).name + "), cut into " +
-                       std::to_string(partition.parts));
+                       fem::shapeOf(meshes[k].mesh.cellType).name + "), cut into " + sizesOf(partition));
       scene.notes.insert(scene.notes.end(), partition.notes.begin(), partition.notes.end());
       noteLocking(scene.bodies[which[k]], scene.physics, meshes[k].mesh.cellType, scene.notes);
     }
@@ -194,7 +211,13 @@ void addBodyParameters(ParameterSpec& deck) {
   body.texts(
       "Groups", {},
       "Source file: the physical groups that make it up, each a region; none: the one of the body's name.");
-  body.integer("Subdomains", 1, 1, 1000000, "Source file: METIS cuts it into so many.");
+  body.integer("Subdomains", 1, 1, 1000000, "Source file: it is cut into so many.");
+  body.choice("Partition", "compact",
+              {{"compact", "METIS' parts, rounded off: counts of iterations do not grow with their number"},
+               {"METIS", "METIS' parts as they are"}},
+              "Source file: how it is cut.");
+  body.integer("Partition seed", 1, 0, 1000000,
+               "Source file: of METIS' random numbers; another one gives another cut, as good.");
   body.reals("Origin", {0.0, 0.0, 0.0}, Range(), "Source block: its corner of least coordinates.");
   body.reals("Size", {1.0, 1.0, 1.0}, Range::above(0.0),
              "Source block: along x, y, z; plane scenes do not use the third.");

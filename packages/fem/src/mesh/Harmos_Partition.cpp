@@ -1,93 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Partition.hpp"
 
+#include "Harmos_CellGraph.hpp"
+#include "Harmos_CompactParts.hpp"
 #include "Harmos_Errors.hpp"
 
 #include <metis.h>
 
 #include <array>
+#include <algorithm>
+#include <map>
 #include <numeric>
 
 namespace Harmos::fem {
 namespace {
 
-/// The cells that share a side, cell by cell.
-struct CellGraph {
-  std::vector<std::size_t> offsets;
-  std::vector<int> neighbours;
-
-  int cells() const { return static_cast<int>(offsets.size()) - 1; }
-  const int* begin(int cell) const { return neighbours.data() + offsets[static_cast<std::size_t>(cell)]; }
-  const int* end(int cell) const { return neighbours.data() + offsets[static_cast<std::size_t>(cell) + 1]; }
-};
-
-CellGraph graphOf(const Mesh& mesh) {
-  const CellShape& shape = shapeOf(mesh.cellType);
-  const auto corners = static_cast<std::size_t>(shapeOf(shape.side).corners);
-  using Key = std::array<int, 4>; // corners of a side, sorted; unused ones are -1
-  std::vector<std::pair<Key, int>> sides;
-  for (int c = 0; c < mesh.numberOfCells(); ++c)
-    for (const std::vector<int>& side : shape.sides) {
-      Key key = {-1, -1, -1, -1};
-      for (std::size_t k = 0; k < corners; ++k)
-        key[k] = mesh.cell(c)[side[k]];
-      std::sort(key.begin(), key.end());
-      sides.emplace_back(key, c);
-    }
-  std::sort(sides.begin(), sides.end());
-  std::vector<std::pair<int, int>> pairs;
-  for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
-    while (last < sides.size() && sides[last].first == sides[first].first)
-      ++last;
-    for (std::size_t a = first; a < last; ++a)
-      for (std::size_t b = first; b < last; ++b)
-        if (a != b)
-          pairs.emplace_back(sides[a].second, sides[b].second);
-  }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  CellGraph graph;
-  graph.offsets.assign(static_cast<std::size_t>(mesh.numberOfCells()) + 1, 0);
-  for (const auto& [cell, neighbour] : pairs) {
-    ++graph.offsets[static_cast<std::size_t>(cell) + 1];
-    graph.neighbours.push_back(neighbour);
-  }
-  std::partial_sum(graph.offsets.begin(), graph.offsets.end(), graph.offsets.begin());
-  return graph;
-}
-
-/// Cells that hang together and have one label.
-struct Components {
-  std::vector<int> of;                 // of each cell
-  std::vector<std::vector<int>> cells; // rising; components in the order of their lowest cells
-};
-
-Components componentsOf(const CellGraph& graph, const std::vector<int>& labels) {
-  Components components;
-  components.of.assign(labels.size(), -1);
-  const auto at = [](int cell) { return static_cast<std::size_t>(cell); };
-  for (int first = 0; first < graph.cells(); ++first) {
-    if (components.of[at(first)] >= 0)
-      continue;
-    const int component = static_cast<int>(components.cells.size());
-    std::vector<int> cells = {first};
-    components.of[at(first)] = component;
-    for (std::size_t k = 0; k < cells.size(); ++k) {
-      const int cell = cells[k];
-      for (const int* other = graph.begin(cell); other != graph.end(cell); ++other)
-        if (components.of[at(*other)] < 0 && labels[at(*other)] == labels[at(cell)]) {
-          components.of[at(*other)] = component;
-          cells.push_back(*other);
-        }
-    }
-    std::sort(cells.begin(), cells.end());
-    components.cells.push_back(std::move(cells));
-  }
-  return components;
-}
-
 // METIS' parts of some cells that hang together, written into labels from `firstLabel` on.
-void cut(const CellGraph& graph, const std::vector<int>& cells, int parts, int firstLabel,
+void cut(const CellGraph& graph, const std::vector<int>& cells, int parts, int firstLabel, int seed,
          std::vector<int>& labels) {
   std::vector<idx_t> number(static_cast<std::size_t>(graph.cells()), -1);
   for (std::size_t k = 0; k < cells.size(); ++k)
@@ -101,7 +30,7 @@ void cut(const CellGraph& graph, const std::vector<int>& cells, int parts, int f
   idx_t vertices = static_cast<idx_t>(cells.size()), constraints = 1, wanted = parts, edgeCut = 0;
   std::array<idx_t, METIS_NOPTIONS> options;
   METIS_SetDefaultOptions(options.data());
-  options[METIS_OPTION_SEED] = 1;
+  options[METIS_OPTION_SEED] = seed;
   options[METIS_OPTION_NUMBERING] = 0;
   options[METIS_OPTION_CONTIG] = 1;
   const int status =
@@ -189,7 +118,7 @@ Partition mended(const CellGraph& graph, const std::vector<int>& labels) {
 
 } // namespace
 
-Partition partitionCells(const BodyMesh& body, int wanted) {
+Partition partitionCells(const BodyMesh& body, int wanted, const PartitionOptions& options) {
   const int cells = body.mesh.numberOfCells();
   if (wanted < 1 || wanted > cells)
     throw InputError("body \"" + body.name + "\" cannot be cut into " + std::to_string(wanted) +
@@ -210,9 +139,11 @@ Partition partitionCells(const BodyMesh& body, int wanted) {
       for (int cell : whole.cells[k])
         labels[static_cast<std::size_t>(cell)] = label;
     else
-      cut(graph, whole.cells[k], shares[k], label, labels);
+      cut(graph, whole.cells[k], shares[k], label, options.seed, labels);
     label += shares[k];
   }
+  if (options.method == PartitionMethod::Compact)
+    roundOff(body.mesh, graph, label, labels);
   Partition result = mended(graph, labels);
   for (std::string& note : result.notes)
     note = "Body \"" + body.name + "\": " + note;

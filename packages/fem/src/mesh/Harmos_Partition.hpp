@@ -15,6 +15,16 @@ struct Partition {
   std::vector<std::string> notes; ///< what was not as wanted; sentences
 };
 
+enum class PartitionMethod {
+  Compact, ///< METIS' parts, rounded off: see roundOff()
+  Metis    ///< METIS' parts as they are
+};
+
+struct PartitionOptions {
+  PartitionMethod method = PartitionMethod::Compact;
+  int seed = 1; ///< of METIS' random numbers: another one gives another cut
+};
+
 /// Cuts a body into parts of about equally many cells with short boundaries.
 ///
 /// METIS (Karypis, Kumar 1998) cuts the graph of the cells that share a side; mendParts() makes its parts
@@ -25,7 +35,7 @@ struct Partition {
 ///
 /// @param wanted number of parts.
 /// @throws InputError if more parts are wanted than there are cells, or less than one.
-Partition partitionCells(const BodyMesh& body, int wanted);
+Partition partitionCells(const BodyMesh& body, int wanted, const PartitionOptions& options = {});
 
 /// Makes parts whose cells are connected through sides, so that each is a solid: pieces that hang together in
 /// a node, or in space in an edge, would have a mechanism (a hinge) in their kernel.

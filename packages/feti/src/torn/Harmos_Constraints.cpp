@@ -69,15 +69,18 @@ struct RowBuilder {
     double value;
   };
 
-  void add(long long row, RowType type, const std::vector<Term>& terms, double bound, double scale) {
+  // @param acts false: a row without entries.
+  void add(long long row, RowType type, const std::vector<Term>& terms, double bound, double scale,
+           bool acts = true) {
     const Term* lowest = &terms.front();
     for (const Term& term : terms)
       if (term.copy.subdomain < lowest->copy.subdomain)
         lowest = &term;
     const int owner = lowest->copy.rank;
-    for (const Term& term : terms)
-      entries[static_cast<std::size_t>(term.copy.rank)].push_back(
-          {row, term.value, term.copy.place, term.copy.local, owner});
+    if (acts)
+      for (const Term& term : terms)
+        entries[static_cast<std::size_t>(term.copy.rank)].push_back(
+            {row, term.value, term.copy.place, term.copy.local, owner});
     heads[static_cast<std::size_t>(owner)].push_back({row, bound, scale, static_cast<int>(type)});
   }
 
@@ -202,8 +205,8 @@ CopyTable lookUp(const Teuchos::Comm<int>& comm, const CopyTable& table, const R
   return result;
 }
 
-// A row of prescribed values alone has to hold already: no force can change it.
-void requireMet(const ConstraintRow& row, const std::map<long long, double>& coefficients,
+// A row of prescribed values alone has to hold already: no force can change it. What is left of its bound.
+double requireMet(const ConstraintRow& row, const std::map<long long, double>& coefficients,
                 const CopyTable& copies) {
   double value = 0.0, size = std::abs(row.bound);
   for (const auto& [dof, coefficient] : coefficients)
@@ -224,14 +227,15 @@ void requireMet(const ConstraintRow& row, const std::map<long long, double>& coe
                          ") holds prescribed values alone, and they violate it by " + scientific(excess) +
                          "; free a component there or move the obstacle",
                      {{"row", std::to_string(row.number)}});
+  return -excess;
 }
 
 long long globalNumber(const ConstraintRow& row, long long inequalities) {
   return row.kind == ConstraintRow::Kind::Inequality ? row.number : inequalities + row.number;
 }
 
-void addGiven(const std::vector<ConstraintRow>& rows, const CopyTable& copies, long long inequalities,
-              RowBuilder& builder) {
+void addGiven(const std::vector<ConstraintRow>& rows, const CopyTable& copies, DirichletForm form,
+              long long inequalities, RowBuilder& builder) {
   for (const ConstraintRow& row : rows) {
     std::vector<RowBuilder::Term> terms, held;
     double norm2 = 0.0;
@@ -274,15 +278,22 @@ void addGiven(const std::vector<ConstraintRow>& rows, const CopyTable& copies, l
     if (!(norm2 > 0.0) || !std::isfinite(norm2) || !std::isfinite(bound))
       throw InputError("constraint row " + std::to_string(row.number) +
                        " is zero or not finite; check its coefficients and its gap");
-    if (!hasUnknown)
-      requireMet(row, coefficients, copies);
+    const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
+    bool isIdle = false;
+    if (!hasUnknown) {
+      const double left = requireMet(row, coefficients, copies);
+      // Beside the rows of its dofs' prescribed values it would be a dependent one, which the preconditioner
+      // could not tell from those.
+      isIdle = inequality && form == DirichletForm::Dual;
+      bound = isIdle ? std::max(0.0, left) : bound;
+    }
     const double scale = 1.0 / std::sqrt(norm2);
     for (std::vector<RowBuilder::Term>* part : {&terms, &held})
       for (RowBuilder::Term& term : *part)
         term.value *= scale;
-    const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
     const long long number = globalNumber(row, inequalities);
-    builder.add(number, inequality ? RowType::Inequality : RowType::Equality, terms, scale * bound, scale);
+    builder.add(number, inequality ? RowType::Inequality : RowType::Equality, terms, scale * bound, scale,
+                !isIdle);
     builder.addHeld(number, held);
     builder.rounding2 += std::pow(scale * row.rounding, 2);
   }
@@ -342,7 +353,7 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   RowBuilder builder(ranks);
   agree(comm, [&] {
     addGluingAndDirichlet(table, system.dirichletForm(), nextRow, builder);
-    addGiven(rows, copies, inequalities_, builder);
+    addGiven(rows, copies, system.dirichletForm(), inequalities_, builder);
   });
   const std::vector<std::vector<RowEntry>> entries = exchangeItems(comm, builder.entries);
   const std::vector<std::vector<RowHead>> headParts = exchangeItems(comm, builder.heads);

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_CompactParts.hpp"
+
+#include <cmath>
+#include <cstdint>
+
+namespace Harmos::fem {
+namespace {
+
+std::size_t at(int k) {
+  return static_cast<std::size_t>(k);
+}
+
+double distance2(const Point& a, const Point& b) {
+  double sum = 0.0;
+  for (std::size_t d = 0; d < 3; ++d)
+    sum += (a[d] - b[d]) * (a[d] - b[d]);
+  return sum;
+}
+
+// The means of the cells' corners.
+std::vector<Point> centresOf(const Mesh& mesh) {
+  const auto corners = shapeOf(mesh.cellType).corners;
+  std::vector<Point> centres(at(mesh.numberOfCells()), Point{});
+  for (int c = 0; c < mesh.numberOfCells(); ++c) {
+    for (int k = 0; k < static_cast<int>(corners); ++k) {
+      const Point x = mesh.local(mesh.cell(c)[k]);
+      for (std::size_t d = 0; d < 3; ++d)
+        centres[at(c)][d] += x[d] / static_cast<double>(corners);
+    }
+  }
+  return centres;
+}
+
+class Sweeps {
+ public:
+  Sweeps(const Mesh& mesh, const CellGraph& graph, int parts, std::vector<int>& labels)
+      : graph_(graph),
+        labels_(labels),
+        centres_(centresOf(mesh)),
+        sizes_(at(parts), 0),
+        weights_(at(parts), 0.0),
+        queued_(at(graph.cells()), 0) {
+    for (int label : labels_)
+      ++sizes_[at(label)];
+    wanted_ = sizes_;
+  }
+
+  void go() {
+    constexpr int most = 40;
+    for (int sweep = 0; sweep < most; ++sweep) {
+      measure();
+      if (!assign())
+        break;
+    }
+    constexpr int votes = 10;
+    for (int k = 0; k < votes && vote(); ++k) {
+    }
+  }
+
+ private:
+  // Centroids, and weights by how far the parts are from their sizes.
+  void measure() {
+    centroids_.assign(sizes_.size(), Point{});
+    for (std::size_t c = 0; c < labels_.size(); ++c)
+      for (std::size_t d = 0; d < 3; ++d)
+        centroids_[at(labels_[c])][d] += centres_[c][d] / sizes_[at(labels_[c])];
+    std::vector<double> spread(sizes_.size(), 0.0); // mean square of the distance
+    for (std::size_t c = 0; c < labels_.size(); ++c)
+      spread[at(labels_[c])] += distance2(centres_[c], centroids_[at(labels_[c])]) / sizes_[at(labels_[c])];
+    // A ball's boundary moves by R f/3 for a share f of its cells, and the weights it takes for that differ
+    // by some 4/3 R² f = 2 f spread; parts are moved by a part of it only, for their neighbours move too.
+    constexpr double pace = 0.3;
+    for (std::size_t p = 0; p < sizes_.size(); ++p)
+      weights_[p] += pace * spread[p] * (1.0 - static_cast<double>(sizes_[p]) / wanted_[p]);
+  }
+
+  bool isAtBoundary(int cell) const {
+    for (const int* other = graph_.begin(cell); other != graph_.end(cell); ++other)
+      if (labels_[at(*other)] != labels_[at(cell)])
+        return true;
+    return false;
+  }
+
+  // Each cell to the nearest part of those it touches. Whether any has moved.
+  bool assign() {
+    std::vector<int> queue;
+    for (int cell = 0; cell < graph_.cells(); ++cell)
+      if (isAtBoundary(cell)) {
+        queue.push_back(cell);
+        queued_[at(cell)] = 1;
+      }
+    // Weighted distances fall with each move, so that there is an end.
+    bool moved = false;
+    for (std::size_t k = 0; k < queue.size(); ++k) {
+      const int cell = queue[k];
+      queued_[at(cell)] = 0;
+      const int best = nearest(cell);
+      if (best == labels_[at(cell)] || sizes_[at(labels_[at(cell)])] == 1)
+        continue;
+      move(cell, best);
+      moved = true;
+      for (const int* other = graph_.begin(cell); other != graph_.end(cell); ++other)
+        if (queued_[at(*other)] == 0 && labels_[at(*other)] != best) {
+          queued_[at(*other)] = 1;
+          queue.push_back(*other);
+        }
+    }
+    return moved;
+  }
+
+  int nearest(int cell) const {
+    int best = labels_[at(cell)];
+    double least = power(cell, best);
+    for (const int* other = graph_.begin(cell); other != graph_.end(cell); ++other) {
+      const int part = labels_[at(*other)];
+      const double candidate = part == best ? least : power(cell, part);
+      if (candidate < least) {
+        least = candidate;
+        best = part;
+      }
+    }
+    return best;
+  }
+
+  double power(int cell, int part) const {
+    return distance2(centres_[at(cell)], centroids_[at(part)]) - weights_[at(part)];
+  }
+
+  void move(int cell, int part) {
+    --sizes_[at(labels_[at(cell)])];
+    ++sizes_[at(part)];
+    labels_[at(cell)] = part;
+  }
+
+  // Cells join the part that most of their sides look at. Whether any has moved.
+  bool vote() {
+    bool moved = false;
+    for (int cell = 0; cell < graph_.cells(); ++cell) {
+      if (sizes_[at(labels_[at(cell)])] == 1)
+        continue;
+      const auto sidesWith = [&](int part) {
+        int sides = 0;
+        for (const int* other = graph_.begin(cell); other != graph_.end(cell); ++other)
+          sides += labels_[at(*other)] == part ? 1 : 0;
+        return sides;
+      };
+      int best = labels_[at(cell)], most = sidesWith(best);
+      if (most == 1)
+        most = 0; // a cell that hangs by one side is soft
+      for (const int* other = graph_.begin(cell); other != graph_.end(cell); ++other) {
+        const int sides = sidesWith(labels_[at(*other)]);
+        if (sides > most) {
+          most = sides;
+          best = labels_[at(*other)];
+        }
+      }
+      if (best != labels_[at(cell)]) {
+        move(cell, best);
+        moved = true;
+      }
+    }
+    return moved;
+  }
+
+  const CellGraph& graph_;
+  std::vector<int>& labels_;
+  std::vector<Point> centres_, centroids_;
+  std::vector<int> sizes_, wanted_;
+  std::vector<double> weights_;
+  std::vector<std::uint8_t> queued_;
+};
+
+} // namespace
+
+void roundOff(const Mesh& mesh, const CellGraph& graph, int parts, std::vector<int>& labels) {
+  Sweeps(mesh, graph, parts, labels).go();
+}
+
+} // namespace Harmos::fem
