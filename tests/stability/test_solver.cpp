@@ -93,7 +93,8 @@ TEST(Stability, tolerance_from_1e_2_to_1e_12) {
                                               std::string("Solver/Method=") + method,
                                               std::string("Dual operator/Preconditioner=") + kind};
         const run::RunOptions options = testOptions(1e-2, how);
-        const TestFeti feti(modelOf(scene), options.dirichlet, options.dual.inverses);
+        const TestFeti feti(modelOf(scene), options.dirichlet.value_or(feti::DirichletForm::Primal),
+                            options.dual.inverses);
         for (double tolerance : {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12}) {
           const TornRun run = solveTorn(feti, tolerance, how);
           std::ostringstream name;

@@ -301,7 +301,7 @@ void Surveyor::makeSystem(const Teuchos::RCP<const Teuchos::Comm<int>>& comm) {
   survey_.secondsOfMeshes = watch_.lap();
   std::vector<feti::Subdomain> assembled;
   agree(comm_, [&] { assembled = scene::assemble(scene_, owned_); });
-  system_.emplace(comm, std::move(assembled), options_.dirichlet);
+  system_.emplace(comm, std::move(assembled), run::dirichletForm(scene_, options_));
   survey_.secondsOfAssembly = watch_.lap();
 }
 

@@ -65,7 +65,8 @@ TornRun solveTorn(const TestModel& model, double tolerance, const std::vector<st
   const run::RunOptions options = testOptions(tolerance, assignments);
   feti::LocalInverseOptions inverses = options.dual.inverses;
   inverses.form = options.dual.form.value_or(feti::DualForm::Condensed);
-  return solveTorn(TestFeti(model, options.dirichlet, inverses), tolerance, assignments);
+  return solveTorn(TestFeti(model, options.dirichlet.value_or(feti::DirichletForm::Primal), inverses),
+                   tolerance, assignments);
 }
 
 TornRun solveTorn(const TestFeti& feti, double tolerance, const std::vector<std::string>& assignments) {

@@ -235,3 +235,42 @@ TEST(Constraints, gaps_in_the_numbering_do_not_matter) {
   const Constraints plainConstraints(plainSystem, plain.rows);
   EXPECT_EQ(gatherB(system, constraints), gatherB(plainSystem, plainConstraints));
 }
+
+// A contact row of prescribed values alone can exert no force. In Total FETI its dofs have rows of their own,
+// on which it would depend: it has no entries, and its bound is what is left of the gap.
+TEST(Constraints, a_contact_row_of_prescribed_values_alone_depends_on_no_other_row) {
+  TestModel model = testModel(2, 2);
+  ConstraintRow first{};
+  for (const ConstraintRow& row : model.rows)
+    if (row.number == 0)
+      first = row;
+  const long long number = globalMax(*testComm(), first.terms.empty() ? -1LL : first.terms.front().dof),
+                  other = globalMax(*testComm(), first.terms.empty() ? -1LL : first.terms.back().dof);
+  constexpr double gap = 0.25;
+  for (ConstraintRow& row : model.rows)
+    if (row.number == 0)
+      row.bound = gap;
+  for (Subdomain& s : model.subdomains)
+    for (std::size_t k = 0; k < s.numbers.size(); ++k)
+      if ((s.numbers[k] == number || s.numbers[k] == other) &&
+          std::none_of(s.fixed.begin(), s.fixed.end(),
+                       [&](const FixedDof& fixed) { return fixed.dof == (*s.interface)[k]; }))
+        s.fixed.push_back({(*s.interface)[k], 0.0});
+  for (DirichletForm form : {DirichletForm::Primal, DirichletForm::Dual}) {
+    const SubdomainSystem system(testComm(), model.subdomains, form);
+    const Constraints constraints(system, model.rows);
+    const auto b = gatherB(system, constraints);
+    long long entries = 0;
+    for (const auto& item : b)
+      entries += std::get<0>(item.first) == 0 ? 1 : 0;
+    EXPECT_EQ(entries == 0, form == DirichletForm::Dual);
+    const LocalOrdinal owned = constraints.rowMap()->getLocalElement(0);
+    if (owned != Teuchos::OrdinalTraits<LocalOrdinal>::invalid())
+      EXPECT_NEAR(constraints.bound(owned) / constraints.rowScale(owned), gap, 1e-15);
+    // Rows with entries are orthonormal, as ever.
+    const int rows = static_cast<int>(constraints.dualDimension());
+    const Dense product = gram(b, rows);
+    for (int i = form == DirichletForm::Dual ? 1 : 0; i < rows; ++i)
+      EXPECT_NEAR(product(i, i), 1.0, 1e-14) << i;
+  }
+}

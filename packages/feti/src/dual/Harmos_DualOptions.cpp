@@ -82,15 +82,21 @@ DualOptions DualOptions::fromList(const Teuchos::ParameterList& list) {
 
 void DualOptions::addDecompositionTo(ParameterSpec& deck) {
   ParameterSpec decomposition("Decomposition", "How the bodies are torn.");
-  decomposition.choice("Dirichlet", "primal",
-                       {{"primal", "FETI: prescribed displacements stay in the subdomain matrices"},
-                        {"dual", "Total FETI: they become Lagrange multipliers; every subdomain floats"}},
-                       "How prescribed displacements are enforced.");
+  decomposition.choice(
+      "Dirichlet", "auto",
+      {{"auto", "dual where a body comes from a mesh file, whose subdomains may be held by a "
+                "few nodes only; else, and for \"MPRGP\", primal"},
+       {"primal", "FETI: prescribed displacements stay in the subdomain matrices"},
+       {"dual", "Total FETI: they become Lagrange multipliers; every subdomain floats"}},
+      "How prescribed displacements are enforced.");
   deck.list(std::move(decomposition));
 }
 
-DirichletForm DualOptions::decompositionFrom(const Teuchos::ParameterList& list) {
-  return list.get<std::string>("Dirichlet") == "dual" ? DirichletForm::Dual : DirichletForm::Primal;
+std::optional<DirichletForm> DualOptions::decompositionFrom(const Teuchos::ParameterList& list) {
+  const std::string form = list.get<std::string>("Dirichlet");
+  if (form == "auto")
+    return std::nullopt;
+  return form == "dual" ? DirichletForm::Dual : DirichletForm::Primal;
 }
 
 LocalInverseOptions DualOptions::decided(const SubdomainSystem& system, const Constraints& constraints,

@@ -32,7 +32,7 @@ struct DualOptions {
 
   /// Adds the list "Decomposition", how Dirichlet conditions are enforced, to a specification.
   static void addDecompositionTo(ParameterSpec& deck);
-  static DirichletForm decompositionFrom(const Teuchos::ParameterList& list);
+  static std::optional<DirichletForm> decompositionFrom(const Teuchos::ParameterList& list);
 
   /// Adds the list to the specification of a deck.
   static void addTo(ParameterSpec& deck);

@@ -27,7 +27,8 @@ FetiSolver::FetiSolver(Teuchos::RCP<const Teuchos::Comm<int>> comm, std::vector<
     : log_(log), list_(parameters().validated(given, "the parameters given")) {
   dual_ = DualOptions::fromList(list_.sublist("Dual operator"));
   options_ = SolverOptions::fromList(list_.sublist("Solver"));
-  const DirichletForm form = DualOptions::decompositionFrom(list_.sublist("Decomposition"));
+  const DirichletForm form =
+      DualOptions::decompositionFrom(list_.sublist("Decomposition")).value_or(DirichletForm::Primal);
   for (const ConstraintRow& row : rows)
     rounding_ = std::max(rounding_, row.rounding);
   rounding_ = globalMax(*comm, rounding_);

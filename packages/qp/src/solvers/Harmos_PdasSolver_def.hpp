@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_FirstActiveSet.hpp"
 #include "Harmos_MprgpSolver_def.hpp"
 #include "Harmos_PcpgSolver_def.hpp"
 #include "Harmos_PdasSolver.hpp"
@@ -121,6 +122,7 @@ void PdasSolver<Scalar, MV, OP>::Run::go() {
 
 template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::begin() {
+  isCold_ = norm<Scalar>(x_) == 0.0 && (!rows_.isPresent() || norm<Scalar>(*problem_.multiplier()) == 0.0);
   BT::project(x_, lower_, upper_);
   initial_ = MVT::CloneCopy(x_);
   describeState();
@@ -184,13 +186,15 @@ bool PdasSolver<Scalar, MV, OP>::Run::Progress::isCircle(const ActiveSetChange& 
   return !seen.insert({change.signature[0], change.signature[1]}).second && ++repeats > mostRepeats;
 }
 
-// The first active set: entries at a bound that the gradient pushes against it. The gradient costs a product
-// where x is not zero.
+// The first active set. From a solution nearby, or where there is no better guess: entries at a bound that
+// the gradient pushes against it. The gradient costs a product where x is not zero.
 template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::guess() {
   MVT::MvAddMv(-1.0, *problem_.rhs(), 0.0, *problem_.rhs(), *y_);
   addMultiplier();
   BT::split(x_, *y_, lower_, upper_, 1.0, nullptr, set_);
+  if (isCold_ && FirstActiveSet<Scalar, MV, OP>(problem_, rows_, counters_).find(set_, active_))
+    return;
   LocalActiveSet pushed = set_;
   change_ = BT::updateActiveSet(x_, *y_, lower_, upper_, 0.0, 0.0, pushed);
   if (norm<Scalar>(x_) > 0.0)

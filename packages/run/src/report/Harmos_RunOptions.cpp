@@ -73,6 +73,14 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
   return options;
 }
 
+feti::DirichletForm dirichletForm(const scene::Scene& scene, const RunOptions& options) {
+  if (options.dirichlet)
+    return *options.dirichlet;
+  const bool isCut = std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                                 [](const scene::Body& body) { return !body.subdomain; });
+  return isCut && options.method != "MPRGP" ? feti::DirichletForm::Dual : feti::DirichletForm::Primal;
+}
+
 void checkConsistency(const scene::Scene& scene, const RunOptions& options) {
   scene.timeline.check(scene.effects);
   if (options.method == "PCPG" && scene.hasInequalities())
@@ -80,14 +88,14 @@ void checkConsistency(const scene::Scene& scene, const RunOptions& options) {
         "contradictory options: \"Solver/Method\" = \"PCPG\" solves problems without inequalities, but "
         "the scene has contact; use \"Auto\" or \"SMALBE\", or tie the interface",
         {{"path", "Solver/Method"}});
-  const bool floats = scene.hasFloatingBody() || options.dirichlet == feti::DirichletForm::Dual;
+  const bool isDual = dirichletForm(scene, options) == feti::DirichletForm::Dual;
+  const bool floats = scene.hasFloatingBody() || isDual;
   if (options.method == "MPRGP" && floats)
     throw InputError(
         "contradictory options: \"Solver/Method\" = \"MPRGP\" solves problems without floating "
         "subdomains, but " +
-            std::string(options.dirichlet == feti::DirichletForm::Dual
-                            ? "with \"Decomposition/Dirichlet\" = \"dual\" every subdomain floats"
-                            : "the scene has a body without a prescribed displacement") +
+            std::string(isDual ? "with \"Decomposition/Dirichlet\" = \"dual\" every subdomain floats"
+                               : "the scene has a body without a prescribed displacement") +
             "; use \"Auto\" or \"SMALBE\"",
         {{"path", "Solver/Method"}});
   if (options.toleranceRule == ToleranceRule::Balanced && options.method == "Dual Penalty")

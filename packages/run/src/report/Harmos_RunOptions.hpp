@@ -9,6 +9,7 @@
 #include <Teuchos_ParameterList.hpp>
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,7 +45,7 @@ struct CheckpointOptions {
 /// The lists of a deck that every application shares: Decomposition, Dual operator, Solver, Output. Its
 /// tolerance is that of the rule Fixed.
 struct RunOptions : feti::SolverOptions {
-  feti::DirichletForm dirichlet = feti::DirichletForm::Primal;
+  std::optional<feti::DirichletForm> dirichlet = feti::DirichletForm::Primal; ///< nothing: as the scene asks
   feti::DualOptions dual;
   ToleranceRule toleranceRule = ToleranceRule::Fixed;
   double solverErrorShare = 0.3; ///< of the rule Balanced
@@ -61,6 +62,11 @@ struct RunOptions : feti::SolverOptions {
   /// From a validated deck.
   static RunOptions fromDeck(const Teuchos::ParameterList& deck);
 };
+
+/// How prescribed displacements are enforced: as the options say, else dual (Total FETI) where a body comes
+/// from a mesh. Of subdomains without structure some are held by a few nodes only, and are soft in a way that
+/// no rigid motion in the coarse space mends: products differ by half from cut to cut.
+feti::DirichletForm dirichletForm(const scene::Scene& scene, const RunOptions& options);
 
 /// Refuses options that contradict each other or the scene, before anything is computed.
 /// @throws InputError

@@ -166,7 +166,7 @@ void RunStages::assemble() {
       }
       subdomains = scene::assemble(scene_, owned_, costs_);
     });
-    system_.emplace(comm_, std::move(subdomains), options_.dirichlet);
+    system_.emplace(comm_, std::move(subdomains), dirichletForm(scene_, options_));
   }
   share_.subdomains = system_->size();
   for (int i = 0; i < system_->size(); ++i)
@@ -186,7 +186,7 @@ void RunStages::constrain() {
   for (const ConstraintRow& row : contact_.rows)
     report_.gapRounding = std::max(report_.gapRounding, row.rounding);
   report_.gapRounding = globalMax(*comm_, report_.gapRounding);
-  if (options_.dirichlet == feti::DirichletForm::Dual)
+  if (system_->dirichletForm() == feti::DirichletForm::Dual)
     costs_.countPrescribedAsRows();
   report_.effectCosts = costs_.total(*comm_);
   report_.dualDimension = constraints_->dualDimension();
