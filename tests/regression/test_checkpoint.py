@@ -96,7 +96,7 @@ def background(sets, np=2, words=()):
 
 
 class SameHistory(unittest.TestCase):
-    def compare(self, run, plain, first, exact):
+    def compare(self, run, plain, first, exact, alike=3):
         mine, theirs = history(run), history(plain)
         if exact:
             self.assertEqual(mine, theirs, run)
@@ -107,7 +107,8 @@ class SameHistory(unittest.TestCase):
         # differ by rounding errors, which a step of conjugate gradients multiplies by no more
         # than the condition of the preconditioned operator, some hundred.
         self.assertEqual(mine[: first + 1], theirs[: first + 1])
-        for row, other in zip(mine[first + 1 : first + 4], theirs[first + 1 : first + 4]):
+        last = first + 1 + alike
+        for row, other in zip(mine[first + 1 : last], theirs[first + 1 : last]):
             self.assertEqual(row[:3], other[:3])
             self.assertAlmostEqual(float(row[3]) / float(other[3]), 1.0, delta=1e-8)
         self.assertLessEqual(abs(len(mine) - len(theirs)), 0.1 * len(theirs) + 2)
@@ -186,7 +187,9 @@ class SameHistory(unittest.TestCase):
         self.assertEqual(cut.returncode, 1, cut)
         for np in (2, 1, 3):
             run = restarted(self, cut.directory, np, sets={"Solver/Maximum iterations": 10000})
-            self.compare(run, plain, 5, exact=np == 2)
+            # The direction that was kept is stepped along; the next one is another, for the Schur complements
+            # of the preconditioner are those on the common boundary of what a rank has of a class.
+            self.compare(run, plain, 5, exact=np == 2, alike=1)
 
     def test_scene(self):
         """Of the harmos app, three-dimensional bodies in contact."""

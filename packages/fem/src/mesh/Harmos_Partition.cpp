@@ -7,8 +7,8 @@
 
 #include <metis.h>
 
-#include <array>
 #include <algorithm>
+#include <array>
 #include <map>
 #include <numeric>
 

@@ -82,13 +82,12 @@ DualOptions DualOptions::fromList(const Teuchos::ParameterList& list) {
 
 void DualOptions::addDecompositionTo(ParameterSpec& deck) {
   ParameterSpec decomposition("Decomposition", "How the bodies are torn.");
-  decomposition.choice(
-      "Dirichlet", "auto",
-      {{"auto", "dual where a body comes from a mesh file, whose subdomains may be held by a "
-                "few nodes only; else, and for \"MPRGP\", primal"},
-       {"primal", "FETI: prescribed displacements stay in the subdomain matrices"},
-       {"dual", "Total FETI: they become Lagrange multipliers; every subdomain floats"}},
-      "How prescribed displacements are enforced.");
+  decomposition.choice("Dirichlet", "auto",
+                       {{"auto", "dual where a body of one material comes from a mesh file, whose subdomains "
+                                 "may be held by a few nodes only; else, and for \"MPRGP\", primal"},
+                        {"primal", "FETI: prescribed displacements stay in the subdomain matrices"},
+                        {"dual", "Total FETI: they become Lagrange multipliers; every subdomain floats"}},
+                       "How prescribed displacements are enforced.");
   deck.list(std::move(decomposition));
 }
 

@@ -9,6 +9,7 @@
 #include <Tpetra_Operator.hpp>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace Harmos::feti {
@@ -39,7 +40,7 @@ bool haveSameZeros(const MultiVector& x, const MultiVector& y) {
 void SolutionHistory::add(const DualProblem& problem, const Teuchos::RCP<const MultiVector>& multiplier,
                           const std::vector<double>& mu) {
   if (!entries_.empty() && !haveSameZeros(*entries_.back().multiplier, *multiplier))
-    entries_.clear();
+    entries_.erase(entries_.begin(), std::prev(entries_.end()));
   entries_.push_back({copyOf(problem.d()), copyOf(*problem.shift()), multiplier, mu});
   if (entries_.size() > most)
     entries_.pop_front();

@@ -207,7 +207,7 @@ CopyTable lookUp(const Teuchos::Comm<int>& comm, const CopyTable& table, const R
 
 // A row of prescribed values alone has to hold already: no force can change it. What is left of its bound.
 double requireMet(const ConstraintRow& row, const std::map<long long, double>& coefficients,
-                const CopyTable& copies) {
+                  const CopyTable& copies) {
   double value = 0.0, size = std::abs(row.bound);
   for (const auto& [dof, coefficient] : coefficients)
     for (const Copy& copy : copies.at(dof))

@@ -44,15 +44,16 @@ class FirstActiveSet {
   bool find(LocalActiveSet& set, long long& active) {
     if (!(stiffness_ > 0.0) || !std::isfinite(stiffness_))
       return false;
-    constexpr double epsilon = std::numeric_limits<double>::epsilon();
+    // What only touches stays as it was, whatever the rounding errors of sums over other numbers of ranks.
+    constexpr double touching = 1e-9;
     LocalActiveSet next = set;
     bool found = false;
     for (int k = 0; k < mostSets && solve(next); ++k) {
       found = true;
       set = next;
-      const ActiveSetChange change = BT::updateActiveSet(
-          *x_, *y_, problem_.lowerBound().get(), problem_.upperBound().get(),
-          10.0 * epsilon * norm<Scalar>(*x_), 10.0 * epsilon * norm<Scalar>(*problem_.rhs()), next);
+      const ActiveSetChange change =
+          BT::updateActiveSet(*x_, *y_, problem_.lowerBound().get(), problem_.upperBound().get(),
+                              touching * norm<Scalar>(*x_), touching * norm<Scalar>(*problem_.rhs()), next);
       active = change.active;
       if (change.changed == 0)
         break;

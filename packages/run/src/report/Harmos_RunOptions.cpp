@@ -78,7 +78,8 @@ feti::DirichletForm dirichletForm(const scene::Scene& scene, const RunOptions& o
     return *options.dirichlet;
   const bool isCut = std::any_of(scene.bodies.begin(), scene.bodies.end(),
                                  [](const scene::Body& body) { return !body.subdomain; });
-  return isCut && options.method != "MPRGP" ? feti::DirichletForm::Dual : feti::DirichletForm::Primal;
+  const bool isDual = isCut && !scene.hasSeveralMaterials() && options.method != "MPRGP";
+  return isDual ? feti::DirichletForm::Dual : feti::DirichletForm::Primal;
 }
 
 void checkConsistency(const scene::Scene& scene, const RunOptions& options) {
