@@ -94,6 +94,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   bool isCandidate();
   bool isAnswer();
   bool mayGoOn();
+  bool beginsAgain();
 
   void describeState();
   void guess();
@@ -124,6 +125,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   long long active_ = 0;
   Progress progress_;
 
+  bool guessed_ = false; // the first set was one of FirstActiveSet
   bool isCold_ = false;  // nothing is known of the solution
   bool settled_ = false; // the last look changed nothing
   bool newFace_ = true, started_ = false;

@@ -141,6 +141,7 @@ void PdasSolver<Scalar, MV, OP>::Run::describeState() {
   solver_.describeState([this](StateArchive<MV>& archive) {
     archive.number("inner", inner_);
     archive.number("pdas active", active_);
+    archive.number("pdas guessed", guessed_);
     archive.number("pdas settled", settled_);
     archive.number("pdas target", target_);
     archive.number("pdas stepped", stepped_);
@@ -193,8 +194,10 @@ void PdasSolver<Scalar, MV, OP>::Run::guess() {
   MVT::MvAddMv(-1.0, *problem_.rhs(), 0.0, *problem_.rhs(), *y_);
   addMultiplier();
   BT::split(x_, *y_, lower_, upper_, 1.0, nullptr, set_);
-  if (isCold_ && FirstActiveSet<Scalar, MV, OP>(problem_, rows_, counters_).find(set_, active_))
+  if (isCold_ && FirstActiveSet<Scalar, MV, OP>(problem_, rows_, counters_).find(set_, active_)) {
+    guessed_ = true;
     return;
+  }
   LocalActiveSet pushed = set_;
   change_ = BT::updateActiveSet(x_, *y_, lower_, upper_, 0.0, 0.0, pushed);
   if (norm<Scalar>(x_) > 0.0)
@@ -239,7 +242,7 @@ void PdasSolver<Scalar, MV, OP>::Run::addMultiplier() {
 
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::enterFace() {
-  if (!started_ && !cg_.start(set_)) {
+  if (!started_ && !cg_.start(set_) && !(beginsAgain() && (started_ || cg_.start(set_)))) {
     solver_.fallBack("the equalities cannot be met on a face");
     return false;
   }
@@ -358,6 +361,19 @@ bool PdasSolver<Scalar, MV, OP>::Run::isAnswer() {
   return true;
 }
 
+// Where the guess has led nowhere, from the set that the gradient tells.
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::beginsAgain() {
+  if (!guessed_)
+    return false;
+  guessed_ = isCold_ = false;
+  progress_ = Progress();
+  MVT::Assign(*initial_, x_);
+  guess();
+  solver_.log_.detail("PDAS: the first active set has led nowhere; another one");
+  return true;
+}
+
 // To another set.
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::mayGoOn() {
@@ -367,12 +383,16 @@ bool PdasSolver<Scalar, MV, OP>::Run::mayGoOn() {
     return false;
   }
   if (progress_.isLost(expected_, patience_)) {
+    if (beginsAgain())
+      return true;
     // Where it has wandered to is further from the solution than where it began.
     MVT::Assign(*initial_, x_);
     solver_.fallBack(std::to_string(patience_) + " active sets brought no progress");
     return false;
   }
   if (progress_.isCircle(change_)) {
+    if (beginsAgain())
+      return true;
     handOver("an active set came back");
     return false;
   }
