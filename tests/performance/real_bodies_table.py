@@ -53,7 +53,7 @@ def measured(deck, key, problem, parts, partition, seed, given):
 def table(document):
     """Products, a row for each scene, problem, way to cut and seed."""
     rows = {}
-    for item in document["measured"]:
+    for item in document["runs"]:
         place = (item["scene"], item["problem"], item["partition"], item["seed"])
         rows.setdefault(place, {})[item["parts"]] = item.get("products", "failed")
     parts = document["parts"]
@@ -85,9 +85,8 @@ def main():
         "benchmark": "real_bodies",
         "harmos": harmos_measure.version(),
         "ranks": given.np,
-        "runs": 1,
         "parts": given.parts,
-        "measured": [],
+        "runs": [],
     }
     with tempfile.TemporaryDirectory() as directory:
         for key in given.only:
@@ -99,14 +98,13 @@ def main():
                     for seed in given.seeds:
                         for parts in given.parts:
                             item = measured(deck, key, problem, parts, partition, seed, given)
-                            document["measured"].append(item)
-                            print(
-                                key, problem, partition, seed, parts, item.get("products", "failed"), flush=True
-                            )
+                            document["runs"].append(item)
+                            products = item.get("products", "failed")
+                            print(key, problem, partition, seed, parts, products, flush=True)
     print(table(document), end="")
     if given.output:
         Path(given.output).write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
-    return 0 if all("products" in item for item in document["measured"]) else 1
+    return 0 if all("products" in item for item in document["runs"]) else 1
 
 
 if __name__ == "__main__":

@@ -162,6 +162,15 @@ class Programs(unittest.TestCase):
         self.assertEqual(status, 2)
         self.assertIn("there is no case paper-shard; did you mean paper-shared?", errors)
 
+    def test_real_bodies_table(self):
+        words = ["--scale", "12", "--only", "half-ball", "half-disc", "--parts", "8"]
+        document = self.script("real_bodies_table.py", *words)
+        self.assertEqual(len(document["runs"]), 2 * 2 * 2)
+        for item in document["runs"]:
+            self.assertEqual(set(item), described("real_bodies_table"))
+            self.assertEqual(item["solver"], "PCPG" if item["problem"] == "linear" else "PDAS")
+            self.assertLessEqual(item["products"], 40, item)
+
     def test_scaling(self):
         document = self.script("scaling.py", "--cells", "2x8", "--repetitions", "1")
         self.assertEqual([item["kind"] for item in document["speedups"]], ["unshared", "shared"])

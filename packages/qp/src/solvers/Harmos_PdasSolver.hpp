@@ -98,6 +98,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
 
   void describeState();
   void guess();
+  bool isAtAllBounds();
   bool startsWithActive();
   void addMultiplier();
   bool isExhausted() const;

@@ -187,6 +187,26 @@ bool PdasSolver<Scalar, MV, OP>::Run::Progress::isCircle(const ActiveSetChange& 
   return !seen.insert({change.signature[0], change.signature[1]}).second && ++repeats > mostRepeats;
 }
 
+// Whether x is at each bound there is: in contact, no load acts on a body as a whole. Elsewhere the gradient
+// knows the elasticity of what is pushed against the bounds.
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::isAtAllBounds() {
+  const auto count = [this](const MV& x) {
+    const Teuchos::RCP<MV> none = MVT::Clone(x_, 1);
+    MVT::MvInit(*none, 0.0);
+    LocalActiveSet active;
+    return BT::updateActiveSet(x, *none, lower_, upper_, 0.0, 0.0, active).active;
+  };
+  constexpr double beyond = 1e100; // all bounds
+  const Teuchos::RCP<MV> below = MVT::CloneCopy(x_), outside = MVT::Clone(x_, 1);
+  // Just outside, those that x is at; far outside, all.
+  MVT::MvInit(*outside, -std::numeric_limits<double>::min());
+  MVT::MvAddMv(1.0, x_, 1.0, *outside, *below);
+  const long long here = count(*below);
+  MVT::MvInit(*outside, -beyond);
+  return here == count(*outside);
+}
+
 // The first active set. From a solution nearby, or where there is no better guess: entries at a bound that
 // the gradient pushes against it. The gradient costs a product where x is not zero.
 template<class Scalar, class MV, class OP>
@@ -194,7 +214,8 @@ void PdasSolver<Scalar, MV, OP>::Run::guess() {
   MVT::MvAddMv(-1.0, *problem_.rhs(), 0.0, *problem_.rhs(), *y_);
   addMultiplier();
   BT::split(x_, *y_, lower_, upper_, 1.0, nullptr, set_);
-  if (isCold_ && FirstActiveSet<Scalar, MV, OP>(problem_, rows_, counters_).find(set_, active_)) {
+  if (isCold_ && isAtAllBounds() &&
+      FirstActiveSet<Scalar, MV, OP>(problem_, rows_, counters_).find(set_, active_)) {
     guessed_ = true;
     return;
   }
