@@ -70,8 +70,7 @@ int cutSides(const CellGraph& graph, const std::vector<int>& labels) {
 
 } // namespace
 
-// Four long strips of a square: the centroids lie above each other and stay there, but for the weights of a
-// start that is not the same all along. Rounded off, the parts are as near to squares as four parts can be.
+// Quarters of a square with fingers into each other become quarters again.
 TEST(CompactParts, fingers_become_blocks) {
   const BodyMesh body = block(CellType::Quadrilateral4, {32, 32, 1}, {1.0, 1.0, 1.0});
   const CellGraph graph = graphOf(body.mesh);
@@ -90,7 +89,7 @@ TEST(CompactParts, fingers_become_blocks) {
   EXPECT_NEAR(spread(body.mesh, labels, 4), 1.0 / 24.0, 0.1 / 24.0);
 }
 
-// METIS' parts get rounder and stay balanced, in the plane and in space, also where cells are a hundred times
+// METIS' parts get rounder and stay balanced, in the plane and in space, also where cells are twenty times
 // smaller at one end.
 TEST(CompactParts, parts_are_rounder_than_those_of_METIS_and_as_large_as_wanted) {
   for (CellType type : {CellType::Triangle3, CellType::Quadrilateral9, CellType::Tetrahedron4,

@@ -14,8 +14,8 @@ namespace Harmos::fem {
 /// shrink parts that are larger than they were at first and let smaller ones grow (Aurenhammer, Hoffmann,
 /// Aronov, Algorithmica 20, 1998). In the end each cell joins the part that most of its sides look at.
 ///
-/// Only parts that touch a cell are candidates for it, so that no part reaches across a slit or a hole, and a
-/// sweep costs what the boundaries between parts have of cells.
+/// Only parts that touch a cell are candidates for it, so that no part reaches across a slit or a hole;
+/// a sweep passes over all cells a few times, O(n).
 ///
 /// Why: parts of a graph partitioner are balanced and have short boundaries, but some are ragged, held to
 /// themselves by few sides. Such a part is soft: the Dirichlet-preconditioned dual operator has an eigenvalue

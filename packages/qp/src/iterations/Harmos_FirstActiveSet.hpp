@@ -64,7 +64,7 @@ class FirstActiveSet {
  private:
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using BT = BoundTraits<Scalar, MV>;
-  // Each halves the error at least in practice; what is left of it is below that of the springs.
+  // A guess needs no more; half a ball with 8065 candidates took 6 to 13.
   static constexpr int mostSets = 12;
 
   double stiffness(Counters& counters) {

@@ -18,7 +18,7 @@ namespace Harmos::qp {
 /// ones beyond their bound become active. Until the set settles, the inner residual is only reduced by
 /// "Inner reduction"; an iterate is accepted as soon as its projection onto the bounds passes the convergence
 /// test. Superlinear near the solution, and mesh-independent from a good initial guess: the sign of its
-/// gradient tells the first active set. Without one FirstActiveSet does.
+/// gradient tells the first active set. Where x is at all bounds FirstActiveSet does.
 ///
 /// There is no global convergence theory: when a set comes back, when the equalities cannot be met on a face,
 /// when A is singular there, when conjugate gradients take twice its dimension, when there were too many
