@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_EqualityRows.hpp"
 #include "Harmos_InFacePreconditioner.hpp"
-#include "Harmos_SolverMonitor.hpp"
-#include "Harmos_VectorOps.hpp"
+#include "Harmos_NearestFeasible.hpp"
 
 #include <cmath>
-#include <limits>
 
 namespace Harmos::qp {
 
@@ -16,8 +13,7 @@ namespace Harmos::qp {
 ///
 ///     min ½s‖x‖² − bᵀx   subject to   C̄x = c̄ and the bounds,   s = bᵀb / bᵀM⁻¹b,
 ///
-/// M⁻¹ the preconditioner, an approximation of A⁻¹. Primal-dual active sets solve it, each by a projection:
-/// x_F = b_F/s − C_Fᵀν with C̄x = c̄.
+/// M⁻¹ the preconditioner, an approximation of A⁻¹: the feasible point next to b/s, see NearestFeasible.
 ///
 /// In contact it knows what moves bodies as a whole: there loads and prescribed displacements meet gaps, and
 /// forces of contact hold what nothing else holds. Strains are those of equal springs, one a row; the
@@ -30,11 +26,7 @@ class FirstActiveSet {
   /// @param rows orthonormal, or none. All to outlive this.
   FirstActiveSet(const Problem<Scalar, MV, OP>& problem, const EqualityRows<Scalar, MV, OP>& rows,
                  Counters& counters)
-      : problem_(problem),
-        rows_(rows),
-        x_(MVT::CloneCopy(*problem.rhs())),
-        y_(MVT::Clone(*x_, 1)),
-        stiffness_(stiffness(counters)) {}
+      : b_(*problem.rhs()), nearest_(problem, rows), stiffness_(stiffness(problem, counters)) {}
 
   /// @param set in: where to begin; out: the guess, or what it was. @param active receives how many entries
   /// of it are active.
@@ -44,70 +36,27 @@ class FirstActiveSet {
   bool find(LocalActiveSet& set, long long& active) {
     if (!(stiffness_ > 0.0) || !std::isfinite(stiffness_))
       return false;
-    // What only touches stays as it was, whatever the rounding errors of sums over other numbers of ranks.
-    constexpr double touching = 1e-9;
-    LocalActiveSet next = set;
-    bool found = false;
-    for (int k = 0; k < mostSets && solve(next); ++k) {
-      found = true;
-      set = next;
-      const ActiveSetChange change =
-          BT::updateActiveSet(*x_, *y_, problem_.lowerBound().get(), problem_.upperBound().get(),
-                              touching * norm<Scalar>(*x_), touching * norm<Scalar>(*problem_.rhs()), next);
-      active = change.active;
-      if (change.changed == 0)
-        break;
-    }
-    return found;
+    const Teuchos::RCP<MV> z = MVT::Clone(b_, 1);
+    MVT::MvAddMv(1.0 / stiffness_, b_, 0.0, b_, *z);
+    return nearest_.find(*z, mostSets, set, active) != NearestFeasible<Scalar, MV, OP>::Outcome::None;
   }
 
  private:
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
   // A guess needs no more; half a ball with 8065 candidates took 6 to 13.
   static constexpr int mostSets = 12;
 
-  double stiffness(Counters& counters) {
-    InFacePreconditioner<Scalar, MV, OP> preconditioner(problem_, counters);
+  double stiffness(const Problem<Scalar, MV, OP>& problem, Counters& counters) const {
+    InFacePreconditioner<Scalar, MV, OP> preconditioner(problem, counters);
     if (!preconditioner.isPresent())
       return 0.0;
-    const MV& b = *problem_.rhs();
-    preconditioner.apply(b, LocalActiveSet{}, *y_);
-    return dot<Scalar>(b, b) / dot<Scalar>(b, *y_);
+    const Teuchos::RCP<MV> y = MVT::Clone(b_, 1);
+    preconditioner.apply(b_, LocalActiveSet{}, *y);
+    return dot<Scalar>(b_, b_) / dot<Scalar>(b_, *y);
   }
 
-  // x on a face, and the multipliers of its active bounds in y.
-  bool solve(const LocalActiveSet& active) {
-    const MV& b = *problem_.rhs();
-    MVT::MvAddMv(1.0 / stiffness_, b, 0.0, b, *x_);
-    BT::moveToBounds(*x_, problem_.lowerBound().get(), problem_.upperBound().get(), active);
-    MVT::MvAddMv(stiffness_, *x_, -1.0, b, *y_);
-    if (!rows_.isPresent())
-      return true;
-    const Teuchos::RCP<const FaceGram> gram = rows_.faceGram(active);
-    const Teuchos::RCP<MV> residual = rows_.makeVector(), correction = MVT::Clone(*x_, 1);
-    const auto findResidual = [&] {
-      rows_.apply(*x_, *residual);
-      MVT::MvAddMv(1.0, *residual, -1.0, rows_.values(), *residual);
-    };
-    for (int pass = 0; pass < 2; ++pass) { // a second time for what rounding left
-      findResidual();
-      BT::scatter(gram->solve(BT::gather(*residual)), *residual);
-      MVT::MvInit(*correction, 0.0);
-      rows_.addTransposed(-1.0, *residual, *correction);
-      MVT::MvAddMv(1.0, *y_, -stiffness_, *correction, *y_);
-      BT::maskActive(*correction, active);
-      MVT::MvAddMv(1.0, *x_, 1.0, *correction, *x_);
-    }
-    findResidual();
-    // A face that misses the equalities does so by more than rounding errors.
-    const double scale = norm<Scalar>(*x_) + norm<Scalar>(rows_.values());
-    return norm<Scalar>(*residual) <= std::sqrt(std::numeric_limits<double>::epsilon()) * scale;
-  }
-
-  const Problem<Scalar, MV, OP>& problem_;
-  const EqualityRows<Scalar, MV, OP>& rows_;
-  Teuchos::RCP<MV> x_, y_;
+  const MV& b_;
+  NearestFeasible<Scalar, MV, OP> nearest_;
   double stiffness_;
 };
 

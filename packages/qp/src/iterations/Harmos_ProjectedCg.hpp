@@ -51,6 +51,8 @@ class ProjectedCg {
   /// The largest curvature pᵀAp/pᵀp met so far: a lower bound of ‖A‖.
   double curvatureBound() const { return curvatureBound_; }
 
+  /// ½xᵀAx − bᵀx. @note Needs a face.
+  double cost() const;
   /// Ax − b + C̄ᵀμ̄: w at free entries, the multipliers of the bounds at active ones. @note Needs a face.
   void lagrangianGradient(MV& y) const;
   /// μ̄.

@@ -228,6 +228,12 @@ double ProjectedCg<Scalar, MV, OP>::attainable() const {
 }
 
 template<class Scalar, class MV, class OP>
+double ProjectedCg<Scalar, MV, OP>::cost() const {
+  const MV& x = *problem_.solution();
+  return 0.5 * (dot<Scalar>(x, *gradient_) - dot<Scalar>(x, *problem_.rhs()));
+}
+
+template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::lagrangianGradient(MV& y) const {
   Belos::MultiVecTraits<Scalar, MV>::Assign(*gradient_, y);
   if (rows_.isPresent())

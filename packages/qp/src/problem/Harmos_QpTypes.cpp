@@ -59,6 +59,7 @@ constexpr int Counters::*counterFields[] = {&Counters::outerIterations,
                                             &Counters::stepCuts,
                                             &Counters::confirmations,
                                             &Counters::activeSetUpdates,
+                                            &Counters::descents,
                                             &Counters::safeguards,
                                             &Counters::preconditionerApplications,
                                             &Counters::preconditionerSetups};

@@ -41,6 +41,7 @@ struct Counters {
   int stepCuts = 0;         ///< fixed steps that proved too long
   int confirmations = 0;    ///< gradients recomputed because rounding might have spoilt the recurrence
   int activeSetUpdates = 0; ///< of a primal-dual active set method
+  int descents = 0;         ///< of these, changes to sets that descend
   int safeguards = 0;       ///< changes to a globally convergent method
   int preconditionerApplications = 0;
   int preconditionerSetups = 0; ///< made for a face

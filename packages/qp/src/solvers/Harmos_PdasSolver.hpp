@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_DescentOfSets.hpp"
 #include "Harmos_ProjectedCg.hpp"
 #include "Harmos_SolverManager.hpp"
 
@@ -20,10 +21,12 @@ namespace Harmos::qp {
 /// test. Superlinear near the solution, and mesh-independent from a good initial guess: the sign of its
 /// gradient tells the first active set. Where x is at all bounds FirstActiveSet does.
 ///
-/// There is no global convergence theory: when a set comes back, when the equalities cannot be met on a face,
-/// when A is singular there, when conjugate gradients take twice its dimension, when there were too many
+/// Far from the solution sets may wander. When a set comes back, when the equalities cannot be met on a face,
+/// or when the bound on the projected gradient does not get on, it goes back to the best iterate and makes
+/// the sets descend from there, see DescentOfSets; then it converges from everywhere (counters: descents).
+/// When A is singular on a face, when conjugate gradients take twice its dimension, when there were too many
 /// guesses, or when the share of the iterations is used up that is meant for it, MPRGP or SMALBE takes over
-/// from the present iterate (counters: safeguards) and has the rest of the iterations.
+/// from the best iterate (counters: safeguards) and has the rest of the iterations.
 ///
 /// Needs orthonormal rows (made so if they are few). With equalities the dense C_FC_Fᵀ is factored for each
 /// guess, at a product with C and Cᵀ a row.
@@ -94,7 +97,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   bool isCandidate();
   bool isAnswer();
   bool mayGoOn();
-  bool beginsAgain();
+  bool descends(const std::string& why);
 
   void describeState();
   void guess();
@@ -118,15 +121,18 @@ class PdasSolver<Scalar, MV, OP>::Run {
   int patience_, mostSets_;
   int budget_; // inner iterations before another method takes over
 
-  Teuchos::RCP<MV> y_, initial_;
+  Teuchos::RCP<MV> y_;
   Cg cg_;
   LocalActiveSet set_;
-  ActiveSetChange change_; // by the last look
+  LocalActiveSet before_;  // the last look
+  ActiveSetChange change_; // by it
+  double faceCost_ = 0.0;  // there; where sets descend
   double expected_ = 0.0;  // ‖g^P‖ at the projection of x is at most that
   long long active_ = 0;
   Progress progress_;
+  DescentOfSets<Scalar, MV, OP> descent_;
+  Teuchos::RCP<MV> best_; // the projected iterate with the least bound on ‖g^P‖
 
-  bool guessed_ = false; // the first set was one of FirstActiveSet
   bool isCold_ = false;  // nothing is known of the solution
   bool settled_ = false; // the last look changed nothing
   bool newFace_ = true, started_ = false;

@@ -87,6 +87,7 @@ PdasSolver<Scalar, MV, OP>::Run::Run(PdasSolver& solver, EqualityRows<Scalar, MV
       upper_(problem_.upperBound().get()),
       y_(MVT::Clone(x_, 1)),
       cg_(problem_, rows, CgOptions::fromList(solver.parameters_->sublist("PCPG")), counters_),
+      descent_(problem_, rows, cg_),
       inner_(solver.firstInner_) {
   const Teuchos::ParameterList& list = solver.parameters_->sublist("PDAS");
   innerReduction_ = list.get<double>("Inner reduction");
@@ -124,7 +125,7 @@ template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::begin() {
   isCold_ = norm<Scalar>(x_) == 0.0 && (!rows_.isPresent() || norm<Scalar>(*problem_.multiplier()) == 0.0);
   BT::project(x_, lower_, upper_);
-  initial_ = MVT::CloneCopy(x_);
+  best_ = MVT::CloneCopy(x_);
   describeState();
   if (solver_.resumes()) {
     solver_.resume();
@@ -141,13 +142,13 @@ void PdasSolver<Scalar, MV, OP>::Run::describeState() {
   solver_.describeState([this](StateArchive<MV>& archive) {
     archive.number("inner", inner_);
     archive.number("pdas active", active_);
-    archive.number("pdas guessed", guessed_);
     archive.number("pdas settled", settled_);
     archive.number("pdas target", target_);
     archive.number("pdas stepped", stepped_);
     archive.number("pdas face steps", faceSteps_);
     progress_.exchange(archive);
-    archive.vector("pdas initial", *initial_);
+    archive.vector("pdas best", *best_);
+    descent_.exchange(archive);
     const Teuchos::RCP<MV> states = MVT::Clone(x_, 1);
     BT::activeToVector(set_, *states);
     archive.vector("pdas active set", *states);
@@ -215,10 +216,8 @@ void PdasSolver<Scalar, MV, OP>::Run::guess() {
   addMultiplier();
   BT::split(x_, *y_, lower_, upper_, 1.0, nullptr, set_);
   if (isCold_ && isAtAllBounds() &&
-      FirstActiveSet<Scalar, MV, OP>(problem_, rows_, counters_).find(set_, active_)) {
-    guessed_ = true;
+      FirstActiveSet<Scalar, MV, OP>(problem_, rows_, counters_).find(set_, active_))
     return;
-  }
   LocalActiveSet pushed = set_;
   change_ = BT::updateActiveSet(x_, *y_, lower_, upper_, 0.0, 0.0, pushed);
   if (norm<Scalar>(x_) > 0.0)
@@ -263,8 +262,10 @@ void PdasSolver<Scalar, MV, OP>::Run::addMultiplier() {
 
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::enterFace() {
-  if (!started_ && !cg_.start(set_) && !(beginsAgain() && (started_ || cg_.start(set_)))) {
-    solver_.fallBack("the equalities cannot be met on a face");
+  const bool isOn = started_ || (cg_.start(set_) && descent_.enter(set_, active_));
+  if (!isOn && !(descends("the equalities cannot be met on a face") && cg_.start(set_) &&
+                 descent_.enter(set_, active_))) {
+    handOver("the equalities cannot be met on a face");
     return false;
   }
   started_ = false;
@@ -303,7 +304,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::descend() {
       solver_.stopFor(*reason, state_);
       return false;
     }
-    if (reason || cg_.residualNorm() <= std::max(target_, cg_.attainable()))
+    if (reason || cg_.residualNorm() <= std::max(target_, cg_.attainable()) || descent_.isAstray(set_))
       return true;
     if (solver_.isInterrupted(state_) || !advance())
       return false;
@@ -321,7 +322,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::advance() {
   }
   const typename Cg::Outcome outcome = cg_.step();
   if (outcome == Cg::Outcome::Flat) {
-    solver_.fallBack("the Hessian is singular on a face");
+    handOver("the Hessian is singular on a face");
     return false;
   }
   if (outcome == Cg::Outcome::Breakdown) {
@@ -341,11 +342,19 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
     cg_.lagrangianGradient(*y_);
   const double epsilon = std::numeric_limits<double>::epsilon();
   const double curvature = cg_.curvatureBound();
+  before_ = set_;
   change_ = BT::updateActiveSet(x_, *y_, lower_, upper_, 10.0 * epsilon * norm<Scalar>(x_),
                                 10.0 * cg_.attainable(), set_);
   active_ = change_.active;
   // ‖g^P‖ at the projection of x is at most ‖w‖ + ‖multipliers of the wrong sign‖ + ‖A‖‖x − Π(x)‖.
   expected_ = cg_.residualNorm() + std::sqrt(change_.wrongSign2) + curvature * std::sqrt(change_.violation2);
+  if (descent_.isOn())
+    faceCost_ = cg_.cost();
+  if (expected_ < progress_.least) {
+    progress_.least = expected_;
+    MVT::Assign(x_, *best_);
+    BT::project(*best_, lower_, upper_);
+  }
 }
 
 // A settled face that the tests send back without a step would be sent back for ever: what is left of wrong
@@ -382,16 +391,19 @@ bool PdasSolver<Scalar, MV, OP>::Run::isAnswer() {
   return true;
 }
 
-// Where the guess has led nowhere, from the set that the gradient tells.
+// From the best iterate on, sets descend.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::beginsAgain() {
-  if (!guessed_)
+bool PdasSolver<Scalar, MV, OP>::Run::descends(const std::string& why) {
+  if (descent_.isOn())
     return false;
-  guessed_ = isCold_ = false;
-  progress_ = Progress();
-  MVT::Assign(*initial_, x_);
-  guess();
-  solver_.log_.detail("PDAS: the first active set has led nowhere; another one");
+  const Teuchos::RCP<MV> present = MVT::CloneCopy(x_);
+  MVT::Assign(*best_, x_);
+  if (!descent_.begin(set_, active_)) {
+    MVT::Assign(*present, x_);
+    return false;
+  }
+  ++counters_.descents;
+  solver_.log_.detail("PDAS: " + why + "; from the best iterate on, sets descend");
   return true;
 }
 
@@ -403,21 +415,19 @@ bool PdasSolver<Scalar, MV, OP>::Run::mayGoOn() {
     handOver("the limit of " + std::to_string(mostSets_) + " active sets was reached");
     return false;
   }
-  if (progress_.isLost(expected_, patience_)) {
-    if (beginsAgain())
+  if (descent_.isOn()) {
+    if (descent_.leave(faceCost_, change_.violation2 == 0.0, before_, set_, active_))
       return true;
-    // Where it has wandered to is further from the solution than where it began.
-    MVT::Assign(*initial_, x_);
-    solver_.fallBack(std::to_string(patience_) + " active sets brought no progress");
+    handOver("there is no feasible point nearby");
     return false;
   }
-  if (progress_.isCircle(change_)) {
-    if (beginsAgain())
-      return true;
-    handOver("an active set came back");
-    return false;
-  }
-  return true;
+  const bool isLost = progress_.isLost(expected_, patience_);
+  const std::string why =
+      isLost ? std::to_string(patience_) + " active sets brought no progress" : "an active set came back";
+  if ((!isLost && !progress_.isCircle(change_)) || descends(why))
+    return true;
+  handOver(why);
+  return false;
 }
 
 template<class Scalar, class MV, class OP>
@@ -452,10 +462,10 @@ IterationState<MV> PdasSolver<Scalar, MV, OP>::Run::measure(int inner, bool feas
   return evaluate(BT::projectedGradientNorm(x_, *y_, lower_, upper_), inner);
 }
 
-// Another method goes on from here.
+// Another method goes on from the best iterate.
 template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::handOver(const std::string& why) {
-  BT::project(x_, lower_, upper_);
+  MVT::Assign(*best_, x_);
   cg_.storeMultiplier();
   solver_.fallBack(why);
 }

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_NearestFeasible.hpp"
+#include "Harmos_ProjectedCg.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace Harmos::qp {
+
+/// Makes primal-dual active sets descend: each face begins at a feasible point whose cost
+/// f = ½xᵀAx − bᵀx is below that of the last one by a fixed part of what conjugate gradients gained on the
+/// face between.
+///
+/// What a face leads to is brought back to the nearest feasible point. Where that costs too much of the gain,
+/// a projected gradient step from the last point takes its place,
+///
+///     x ← Π(x_r − α g_r),   f(x) ≤ f(x_r) − ‖x − x_r‖²/(4α),
+///
+/// which holds for α ≤ 4/(3‖A‖) at the latest, Π the projection onto the equalities and bounds together. So
+/// no set can come back for ever: the gain on a face vanishes with the projected gradient alone (gradient
+/// projection and conjugate gradients in turns: Moré, Toraldo, SIAM J. Optim. 1, 1991, there for bounds).
+///
+/// A face costs no product more than without, a safe step one. Guarded by
+/// tests/unit/qp/test_descent_of_sets.cpp.
+template<class Scalar, class MV, class OP>
+class DescentOfSets {
+ public:
+  /// All to outlive this.
+  DescentOfSets(const Problem<Scalar, MV, OP>& problem, const EqualityRows<Scalar, MV, OP>& rows,
+                ProjectedCg<Scalar, MV, OP>& cg)
+      : x_(*problem.solution()),
+        cg_(cg),
+        nearest_(problem, rows),
+        reference_(MVT::Clone(x_, 1)),
+        gradient_(MVT::Clone(x_, 1)),
+        work_(MVT::Clone(x_, 1)),
+        lower_(problem.lowerBound().get()),
+        upper_(problem.upperBound().get()) {
+    MVT::MvInit(*reference_, 0.0);
+  }
+
+  bool isOn() const { return isOn_; }
+
+  /// Descends from now on: the problem's solution becomes the feasible point next to it.
+  /// @return false if none is found; nothing has changed then.
+  bool begin(LocalActiveSet& set, long long& active) {
+    const Teuchos::RCP<MV> start = MVT::CloneCopy(x_);
+    LocalActiveSet next = set;
+    isOn_ = moveToFeasible(*start, next, active);
+    if (isOn_)
+      set = next;
+    referenceCost_ = std::numeric_limits<double>::infinity();
+    promised_ = 0.0;
+    return isOn_;
+  }
+
+  /// After conjugate gradients have begun on a face: is it below the last one? If not, they begin at a safe
+  /// step from there. @return false if no step descends: rounding errors.
+  bool enter(LocalActiveSet& set, long long& active) {
+    if (!isOn_)
+      return true;
+    constexpr double part = 0.1; // of the gain
+    const double noise = 100.0 * std::numeric_limits<double>::epsilon() * std::abs(referenceCost_);
+    double cost = cg_.cost(), limit = referenceCost_ - part * promised_ + noise;
+    double step = 1.0 / cg_.curvatureBound();
+    const Teuchos::RCP<MV> z = MVT::Clone(x_, 1);
+    for (int k = 0; !(cost <= limit); ++k, step *= 0.5) {
+      MVT::MvAddMv(1.0, *reference_, -step, *gradient_, *z);
+      if (k == mostHalvings || !moveToFeasible(*z, set, active) || !cg_.start(set))
+        return false;
+      cost = cg_.cost();
+      limit = referenceCost_ - moved2_ / (4.0 * step) + noise;
+    }
+    keep(cost);
+    return true;
+  }
+
+  /// Whether conjugate gradients have left the bounds so far behind that the way back may cost what they have
+  /// gained: ½‖A‖‖x − Π(x)‖², Π onto the bounds.
+  bool isAstray(const LocalActiveSet& set) {
+    if (!isOn_)
+      return false;
+    LocalActiveSet copy = set;
+    MVT::MvInit(*work_, 0.0);
+    constexpr double rounding = 10.0 * std::numeric_limits<double>::epsilon();
+    const ActiveSetChange change =
+        BT::updateActiveSet(x_, *work_, lower_, upper_, rounding * norm<Scalar>(x_), 1.0, copy);
+    return change.changed > 0 &&
+           0.5 * cg_.curvatureBound() * change.violation2 > referenceCost_ - cg_.cost();
+  }
+
+  /// What a face has led to, before the next one: x becomes feasible, and the set that of the point, without
+  /// the entries that were freed.
+  /// @param cost of x. @param before the set of the face. @param set that which primal-dual active sets go on
+  /// with.
+  /// @return whether there is a feasible point.
+  bool leave(double cost, bool isFeasible, const LocalActiveSet& before, LocalActiveSet& set,
+             long long& active) {
+    if (!isOn_)
+      return true;
+    promised_ = std::max(0.0, referenceCost_ - cost);
+    if (isFeasible) { // and what it has gained is safe
+      keep(cost);
+      promised_ = 0.0;
+      return true;
+    }
+    const Teuchos::RCP<MV> z = MVT::CloneCopy(x_);
+    LocalActiveSet next = set;
+    if (!moveToFeasible(*z, next, active))
+      return false;
+    for (std::size_t i = 0; i < next.size() && i < before.size(); ++i)
+      if (before[i] != 0 && set[i] == 0)
+        next[i] = 0;
+    set = next;
+    return true;
+  }
+
+  void exchange(StateArchive<MV>& archive) {
+    archive.number("descent on", isOn_);
+    if (!isOn_)
+      return;
+    archive.number("descent cost", referenceCost_);
+    archive.number("descent promised", promised_);
+    archive.vector("descent reference", *reference_);
+    archive.vector("descent gradient", *gradient_);
+  }
+
+ private:
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using BT = BoundTraits<Scalar, MV>;
+  using Nearest = NearestFeasible<Scalar, MV, OP>;
+  static constexpr int mostSets = 50, mostHalvings = 40;
+
+  bool moveToFeasible(const MV& z, LocalActiveSet& set, long long& active) {
+    LocalActiveSet none(set.size(), 0);
+    if (nearest_.find(z, mostSets, set, active) != Nearest::Outcome::Found) {
+      if (nearest_.find(z, mostSets, none, active) != Nearest::Outcome::Found)
+        return false;
+      set = none;
+    }
+    MVT::MvAddMv(1.0, nearest_.x(), -1.0, *reference_, x_);
+    moved2_ = dot<Scalar>(x_, x_);
+    MVT::Assign(nearest_.x(), x_);
+    return true;
+  }
+
+  void keep(double cost) {
+    MVT::Assign(x_, *reference_);
+    cg_.lagrangianGradient(*gradient_);
+    referenceCost_ = cost;
+  }
+
+  MV& x_;
+  ProjectedCg<Scalar, MV, OP>& cg_;
+  Nearest nearest_;
+  Teuchos::RCP<MV> reference_, gradient_; // of the Lagrangian there
+  Teuchos::RCP<MV> work_;
+  const MV* lower_;
+  const MV* upper_;
+  double referenceCost_ = std::numeric_limits<double>::infinity();
+  double promised_ = 0.0; // what conjugate gradients have gained since
+  double moved2_ = 0.0;
+  bool isOn_ = false;
+};
+
+} // namespace Harmos::qp
