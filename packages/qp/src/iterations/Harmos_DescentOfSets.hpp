@@ -87,8 +87,7 @@ class DescentOfSets {
     constexpr double rounding = 10.0 * std::numeric_limits<double>::epsilon();
     const ActiveSetChange change =
         BT::updateActiveSet(x_, *work_, lower_, upper_, rounding * norm<Scalar>(x_), 1.0, copy);
-    return change.changed > 0 &&
-           0.5 * cg_.curvatureBound() * change.violation2 > referenceCost_ - cg_.cost();
+    return change.changed > 0 && 0.5 * cg_.curvatureBound() * change.violation2 > referenceCost_ - cg_.cost();
   }
 
   /// What a face has led to, before the next one: x becomes feasible, and the set that of the point, without

@@ -19,7 +19,7 @@ namespace Harmos::qp {
 /// ones beyond their bound become active. Until the set settles, the inner residual is only reduced by
 /// "Inner reduction"; an iterate is accepted as soon as its projection onto the bounds passes the convergence
 /// test. Superlinear near the solution, and mesh-independent from a good initial guess: the sign of its
-/// gradient tells the first active set. Where x is at all bounds FirstActiveSet does.
+/// gradient tells the first active set. Where nothing is known, FirstActiveSet may do so better.
 ///
 /// Far from the solution sets may wander. When a set comes back, when the equalities cannot be met on a face,
 /// or when the bound on the projected gradient does not get on, it goes back to the best iterate and makes
@@ -68,6 +68,8 @@ class PdasSolver<Scalar, MV, OP>::Run {
   using BT = BoundTraits<Scalar, MV>;
   using Cg = ProjectedCg<Scalar, MV, OP>;
 
+  enum class FirstSet { Auto, Tried, Nearest, Gradient };
+
   // How the sets get on.
   struct Progress {
     std::set<std::pair<double, double>> seen; // signatures
@@ -102,6 +104,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   void describeState();
   void guess();
   bool isAtAllBounds();
+  bool triesNearest();
   bool startsWithActive();
   void addMultiplier();
   bool isExhausted() const;
@@ -119,6 +122,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
 
   double innerReduction_;
   int patience_, mostSets_;
+  FirstSet firstSet_;
   int budget_; // inner iterations before another method takes over
 
   Teuchos::RCP<MV> y_;

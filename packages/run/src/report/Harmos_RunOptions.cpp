@@ -73,12 +73,28 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
   return options;
 }
 
+namespace {
+
+// Whether there is a body whose subdomains are not generated with its mesh.
+bool isCut(const scene::Scene& scene) {
+  return std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                     [](const scene::Body& body) { return !body.subdomain; });
+}
+
+} // namespace
+
+feti::SolverOptions solverOptions(const scene::Scene& scene, const RunOptions& options) {
+  feti::SolverOptions result = options;
+  Teuchos::ParameterList& pdas = result.methodLists.sublist("PDAS");
+  if (isCut(scene) && pdas.get("First active set", std::string("auto")) == "auto")
+    pdas.set("First active set", "tried");
+  return result;
+}
+
 feti::DirichletForm dirichletForm(const scene::Scene& scene, const RunOptions& options) {
   if (options.dirichlet)
     return *options.dirichlet;
-  const bool isCut = std::any_of(scene.bodies.begin(), scene.bodies.end(),
-                                 [](const scene::Body& body) { return !body.subdomain; });
-  const bool isDual = isCut && !scene.hasSeveralMaterials() && options.method != "MPRGP";
+  const bool isDual = isCut(scene) && !scene.hasSeveralMaterials() && options.method != "MPRGP";
   return isDual ? feti::DirichletForm::Dual : feti::DirichletForm::Primal;
 }
 

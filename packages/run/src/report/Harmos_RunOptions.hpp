@@ -69,6 +69,10 @@ struct RunOptions : feti::SolverOptions {
 /// motion in the coarse space mends: products differ by half from cut to cut.
 feti::DirichletForm dirichletForm(const scene::Scene& scene, const RunOptions& options);
 
+/// The options of the solver, with what the scene decides: the first active set is also tried with the one of
+/// the nearest point where a body comes from a mesh.
+feti::SolverOptions solverOptions(const scene::Scene& scene, const RunOptions& options);
+
 /// Refuses options that contradict each other or the scene, before anything is computed.
 /// @throws InputError
 void checkConsistency(const scene::Scene& scene, const RunOptions& options);

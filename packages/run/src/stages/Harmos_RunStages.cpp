@@ -289,7 +289,7 @@ void RunStages::solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonito
   const auto accept = [&](const MultiVector& lambda, const std::vector<double>& mu, double tolerance) {
     return check_->judge(lambda, mu, tolerance);
   };
-  feti::SolverOptions first = options_;
+  feti::SolverOptions first = solverOptions(scene_, options_);
   if (options_.toleranceRule == ToleranceRule::Balanced)
     first.tolerance = firstBalancedTolerance();
   constexpr double leastSeconds = 1e-3; // 0 is no limit
