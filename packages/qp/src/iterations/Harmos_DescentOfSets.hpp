@@ -64,7 +64,7 @@ class DescentOfSets {
     constexpr double part = 0.1; // of the gain
     const double noise = 100.0 * std::numeric_limits<double>::epsilon() * std::abs(referenceCost_);
     double cost = cg_.cost(), limit = referenceCost_ - part * promised_ + noise;
-    double step = 1.0 / cg_.curvatureBound();
+    double step = firstStep();
     const Teuchos::RCP<MV> z = MVT::Clone(x_, 1);
     for (int k = 0; !(cost <= limit); ++k, step *= 0.5) {
       MVT::MvAddMv(1.0, *reference_, -step, *gradient_, *z);
@@ -143,6 +143,14 @@ class DescentOfSets {
     moved2_ = dot<Scalar>(x_, x_);
     MVT::Assign(nearest_.x(), x_);
     return true;
+  }
+
+  // 1/‖A‖ where conjugate gradients have told a bound of it; else a long one.
+  double firstStep() const {
+    if (cg_.curvatureBound() > 0.0)
+      return 1.0 / cg_.curvatureBound();
+    const double length = norm<Scalar>(*reference_), slope = norm<Scalar>(*gradient_);
+    return length > 0.0 && slope > 0.0 ? length / slope : 1.0;
   }
 
   void keep(double cost) {

@@ -11,9 +11,13 @@ namespace Harmos::qp {
 
 /// The feasible point next to a given one,
 ///
-///     min ½‖x − z‖²   subject to   C̄x = c̄ and the bounds,
+///     min ½‖x − z‖²   subject to   C̄x = c̄ and the bounds,   C̄C̄ᵀ = I.
 ///
-/// by primal-dual active sets: on each, x_F = z_F − C_Fᵀν with C̄x = c̄. No product with A.
+/// x = Π(v), v = z − C̄ᵀν, Π onto the bounds, where ν minimises the convex φ(ν) = ½‖v‖² − ½‖v − Π(v)‖² + c̄ᵀν,
+/// ∇φ = c̄ − C̄Π(v). Newton's method on its pieces: each is an active set, where x_F = v_F, and a step costs a
+/// factorisation of C_FC_Fᵀ. Where that is singular, what it leaves of −∇φ is added to Newton's direction;
+/// where φ does not fall, steps are halved, and one along −∇φ comes last: of length 1 it always falls there,
+/// ‖C̄‖ = 1. No product with A.
 ///
 /// Guarded by tests/unit/qp/test_first_active_set.cpp and tests/unit/qp/test_descent_of_sets.cpp.
 template<class Scalar, class MV, class OP>
@@ -21,37 +25,49 @@ class NearestFeasible {
  public:
   enum class Outcome {
     Found,
-    Unsettled, ///< x meets the equalities and the bounds of its set, but not all bounds
+    Unsettled, ///< too few steps: x() meets the equalities, but not all bounds
     None       ///< the equalities cannot be met on the set to begin with
   };
 
   /// @param rows orthonormal, or none. Both to outlive this.
   NearestFeasible(const Problem<Scalar, MV, OP>& problem, const EqualityRows<Scalar, MV, OP>& rows)
-      : problem_(problem), rows_(rows), x_(MVT::Clone(*problem.rhs(), 1)), y_(MVT::Clone(*x_, 1)) {}
+      : lower_(problem.lowerBound().get()),
+        upper_(problem.upperBound().get()),
+        rows_(rows),
+        x_(MVT::Clone(*problem.rhs(), 1)),
+        v_(MVT::Clone(*x_, 1)),
+        work_(MVT::Clone(*x_, 1)) {
+    if (rows_.isPresent()) {
+      residual_ = rows_.makeVector();
+      direction_ = rows_.makeVector();
+    }
+  }
 
   /// @param set in: where to begin; out: the set of x(), or what it was if there is none. @param active
   /// receives how many entries of it are active.
-  /// @note Collective; a factorisation of C_FC_Fᵀ for each set.
+  /// @note Collective.
   Outcome find(const MV& z, int mostSets, LocalActiveSet& set, long long& active) {
-    // What only touches stays as it was, whatever the rounding errors of sums over other numbers of ranks.
-    constexpr double touching = 1e-9;
-    LocalActiveSet next = set;
+    noise_ = touching * norm<Scalar>(z);
+    MVT::Assign(z, *v_);
+    height_ = 0.0;
     Outcome outcome = Outcome::None;
-    for (int k = 0; k < mostSets && solve(z, next); ++k) {
-      set = next;
-      const ActiveSetChange change =
-          BT::updateActiveSet(*x_, *y_, problem_.lowerBound().get(), problem_.upperBound().get(),
-                              touching * norm<Scalar>(*x_), touching * norm<Scalar>(z), next);
-      outcome = change.changed == 0 ? Outcome::Found : Outcome::Unsettled;
-      if (change.changed == 0)
+    LocalActiveSet next = set;
+    for (int k = 0; k < mostSets; ++k) {
+      const bool isMet = k == 0 ? begin(next) : descend(next);
+      if (isMet) {
+        outcome = Outcome::Unsettled;
+        set = next;
+      }
+      if (updateSet(next) == 0 && isMet) {
+        outcome = Outcome::Found;
         break;
+      }
     }
-    constexpr double unmoved = std::numeric_limits<double>::max();
-    active = BT::updateActiveSet(*x_, *y_, problem_.lowerBound().get(), problem_.upperBound().get(), unmoved,
-                                 unmoved, set)
-                 .active;
-    if (outcome == Outcome::Found)
-      BT::project(*x_, problem_.lowerBound().get(), problem_.upperBound().get());
+    active = count(set);
+    if (outcome == Outcome::Found) {
+      moveToFace(set);
+      BT::project(*x_, lower_, upper_);
+    }
     return outcome;
   }
 
@@ -60,38 +76,138 @@ class NearestFeasible {
  private:
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using BT = BoundTraits<Scalar, MV>;
+  // What only touches stays as it was, whatever the rounding errors of sums over other numbers of ranks.
+  static constexpr double touching = 1e-9;
+  static constexpr double rounding = 1e-12;  // of φ
+  static constexpr double sufficient = 1e-4; // part of what its slope promises
 
-  // x on a face, and the multipliers of its active bounds in y.
-  bool solve(const MV& z, const LocalActiveSet& active) {
-    MVT::Assign(z, *x_);
-    BT::moveToBounds(*x_, problem_.lowerBound().get(), problem_.upperBound().get(), active);
-    MVT::MvAddMv(1.0, *x_, -1.0, z, *y_);
-    if (!rows_.isPresent())
-      return true;
-    const Teuchos::RCP<const FaceGram> gram = rows_.faceGram(active);
-    const Teuchos::RCP<MV> residual = rows_.makeVector(), correction = MVT::Clone(*x_, 1);
-    const auto findResidual = [&] {
-      rows_.apply(*x_, *residual);
-      MVT::MvAddMv(1.0, *residual, -1.0, rows_.values(), *residual);
-    };
-    for (int pass = 0; pass < 2; ++pass) { // a second time for what rounding left
-      findResidual();
-      BT::scatter(gram->solve(BT::gather(*residual)), *residual);
-      MVT::MvInit(*correction, 0.0);
-      rows_.addTransposed(-1.0, *residual, *correction);
-      MVT::MvAddMv(1.0, *y_, -1.0, *correction, *y_);
-      BT::maskActive(*correction, active);
-      MVT::MvAddMv(1.0, *x_, 1.0, *correction, *x_);
-    }
-    findResidual();
-    // A face that misses the equalities does so by more than rounding errors.
-    const double scale = norm<Scalar>(*x_) + norm<Scalar>(rows_.values());
-    return norm<Scalar>(*residual) <= std::sqrt(std::numeric_limits<double>::epsilon()) * scale;
+  // x = v where the set is free, else the bounds.
+  void moveToFace(const LocalActiveSet& active) {
+    MVT::Assign(*v_, *x_);
+    BT::moveToBounds(*x_, lower_, upper_, active);
   }
 
-  const Problem<Scalar, MV, OP>& problem_;
+  void subtractRows(double factor, const MV& nu) {
+    rows_.addTransposed(-factor, nu, *v_);
+    height_ += factor * dot<Scalar>(rows_.values(), nu);
+  }
+
+  // From a set that need not be that of Π(v): Newton's step alone, where it leads to the equalities.
+  bool begin(const LocalActiveSet& active) {
+    moveToFace(active);
+    if (!rows_.isPresent())
+      return true;
+    const Teuchos::RCP<MV> before = MVT::CloneCopy(*v_);
+    findDirection(active);
+    subtractRows(1.0, *direction_);
+    if (meetsRows(active))
+      return true;
+    MVT::Assign(*before, *v_);
+    height_ = 0.0;
+    return false;
+  }
+
+  // A step that makes φ smaller; whether x on the face meets the equalities then.
+  bool descend(const LocalActiveSet& active) {
+    moveToFace(active);
+    if (!rows_.isPresent())
+      return true;
+    const Teuchos::RCP<MV> before = MVT::CloneCopy(*v_);
+    const double height = height_, last = value();
+    BT::project(*x_, lower_, upper_);
+    findResidual();
+    const Teuchos::RCP<MV> downwards = rows_.makeVector();
+    MVT::Assign(*residual_, *downwards);
+    moveToFace(active);
+    findDirection(active);
+    const double slope = dot<Scalar>(*downwards, *direction_);
+    const auto valueAt = [&](const MV& direction, double length) {
+      MVT::Assign(*before, *v_);
+      height_ = height;
+      subtractRows(length, direction);
+      return value();
+    };
+    constexpr int mostHalvings = 5, mostDoublings = 60;
+    double length = 1.0;
+    for (int k = 0; k <= mostHalvings; ++k, length *= 0.5)
+      if (valueAt(*direction_, length) <= last - sufficient * length * slope + rounding * std::abs(last)) {
+        if (meetsRows(active))
+          return true;
+        break;
+      }
+    // On a singular face φ falls at a constant rate until entries change their state.
+    const MV& direction = length < std::pow(0.5, mostHalvings) ? *downwards : *direction_;
+    length = std::min(1.0, 2.0 * length);
+    double reached = valueAt(direction, length);
+    for (int k = 0; k < mostDoublings; ++k, length *= 2.0) {
+      const double further = valueAt(direction, 2.0 * length);
+      if (!(further < reached))
+        break;
+      reached = further;
+    }
+    valueAt(direction, length);
+    return false;
+  }
+
+  // Newton's, from x on the face; a second time for what rounding left, and for what a singular face leaves.
+  void findDirection(const LocalActiveSet& active) {
+    const Teuchos::RCP<const FaceGram> gram = rows_.faceGram(active);
+    findResidual();
+    BT::scatter(gram->solve(BT::gather(*residual_)), *direction_);
+    const Teuchos::RCP<MV> image = MVT::Clone(*x_, 1), rest = rows_.makeVector();
+    MVT::MvInit(*image, 0.0);
+    rows_.addTransposed(1.0, *direction_, *image);
+    BT::maskActive(*image, active);
+    rows_.apply(*image, *rest);
+    MVT::MvAddMv(1.0, *residual_, -1.0, *rest, *rest);
+    BT::scatter(gram->solve(BT::gather(*rest)), *residual_);
+    MVT::MvAddMv(1.0, *direction_, 1.0, *residual_, *direction_);
+    MVT::MvAddMv(1.0, *direction_, 1.0, *rest, *direction_);
+  }
+
+  // A face that misses the equalities does so by more than rounding errors.
+  bool meetsRows(const LocalActiveSet& active) {
+    moveToFace(active);
+    findResidual();
+    const double scale = norm<Scalar>(*x_) + norm<Scalar>(rows_.values());
+    return norm<Scalar>(*residual_) <= std::sqrt(std::numeric_limits<double>::epsilon()) * scale;
+  }
+
+  // C̄x − c̄.
+  void findResidual() {
+    rows_.apply(*x_, *residual_);
+    MVT::MvAddMv(1.0, *residual_, -1.0, rows_.values(), *residual_);
+  }
+
+  // φ.
+  double value() {
+    MVT::Assign(*v_, *work_);
+    BT::project(*work_, lower_, upper_);
+    MVT::MvAddMv(1.0, *v_, -1.0, *work_, *work_);
+    return 0.5 * (dot<Scalar>(*v_, *v_) - dot<Scalar>(*work_, *work_)) + height_;
+  }
+
+  // To the entries that Π moves; how many have changed.
+  long long updateSet(LocalActiveSet& set) {
+    moveToFace(set);
+    MVT::MvAddMv(1.0, *x_, -1.0, *v_, *work_);
+    return BT::updateActiveSet(*x_, *work_, lower_, upper_, touching * norm<Scalar>(*x_), noise_, set)
+        .changed;
+  }
+
+  long long count(const LocalActiveSet& set) {
+    constexpr double unmoved = std::numeric_limits<double>::max();
+    LocalActiveSet copy = set;
+    return BT::updateActiveSet(*v_, *v_, lower_, upper_, unmoved, unmoved, copy).active;
+  }
+
+  const MV* lower_;
+  const MV* upper_;
   const EqualityRows<Scalar, MV, OP>& rows_;
-  Teuchos::RCP<MV> x_, y_;
+  Teuchos::RCP<MV> x_, v_, work_;
+  Teuchos::RCP<MV> residual_, direction_; // of the rows
+  double height_ = 0.0;                   // c̄ᵀν
+  double noise_ = 0.0;
 };
 
 } // namespace Harmos::qp
