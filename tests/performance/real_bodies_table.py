@@ -3,8 +3,14 @@
 
     real_bodies_table.py [--only NAME...] [--parts 24 48 96 192 384] [--partitions compact METIS] [--seeds 1]
                          [--problems linear contact] [--tolerance 1e-4] [--scale 1] [--output JSON]
+    real_bodies_table.py --merge JSON... [--output JSON] [--page MARKDOWN]
+    real_bodies_table.py --render
 
 A line a run, and a table at the end. Exit status 1 if a run failed or did not converge.
+
+--merge measures nothing: the runs of these files, later ones in the place of earlier ones of the same case, become
+docs/real_bodies.json and the page docs/real_bodies.md, or those that --output and --page name. --render writes the
+page anew.
 """
 
 import argparse
@@ -17,7 +23,12 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "support")]
 
 import harmos_measure  # noqa: E402
+import harmos_runs as runs  # noqa: E402
 import real_bodies  # noqa: E402
+import real_bodies_page  # noqa: E402
+
+DOCUMENT = runs.SOURCE / "docs/real_bodies.json"
+PAGE = runs.SOURCE / "docs/real_bodies.md"
 
 
 def measured(deck, key, problem, parts, partition, seed, given):
@@ -67,7 +78,19 @@ def table(document):
     return "\n".join(lines) + "\n"
 
 
-def main():
+def render(paths, output, page):
+    """Make one document and a page of what was measured."""
+    documents = [json.loads(Path(path).read_text(encoding="utf-8")) for path in paths]
+    document = real_bodies_page.merged(documents)
+    for path, text in (
+        (output, real_bodies_page.as_json(document)),
+        (page, real_bodies_page.page(document)),
+    ):
+        Path(path).write_text(text, encoding="utf-8")
+        print(f"wrote {path}")
+
+
+def arguments():
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -80,7 +103,17 @@ def main():
     parser.add_argument("--scale", type=float, default=1.0, help="of all elements")
     parser.add_argument("--np", type=int, default=2)
     parser.add_argument("--output")
-    given = parser.parse_args()
+    parser.add_argument("--merge", nargs="+", metavar="JSON")
+    parser.add_argument("--render", action="store_true")
+    parser.add_argument("--page")
+    return parser.parse_args()
+
+
+def main():
+    given = arguments()
+    if given.merge or given.render:
+        render(given.merge or [DOCUMENT], given.output or DOCUMENT, given.page or PAGE)
+        return 0
     document = {
         "benchmark": "real_bodies",
         "harmos": harmos_measure.version(),

@@ -19,6 +19,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "support")]
 import harmos_runs as runs  # noqa: E402
 import headline  # noqa: E402
 import headline_page  # noqa: E402
+import real_bodies_page  # noqa: E402
 
 README = HERE / "README.md"
 
@@ -170,6 +171,50 @@ class Programs(unittest.TestCase):
             self.assertEqual(set(item), described("real_bodies_table"))
             self.assertEqual(item["solver"], "PCPG" if item["problem"] == "linear" else "PDAS")
             self.assertLessEqual(item["products"], 40, item)
+
+    def test_real_bodies_page(self):
+        """From any runs: tables of what was measured, later runs in the place of earlier ones."""
+        def made(problem, products, seed=1, **more):
+            cut = {"partition": "compact", "seed": seed, "parts": 24, "tolerance": 1e-4}
+            sizes = {"unknowns": 900, "inequalities": 70 * (problem == "contact"), "active_sets": 3}
+            item = {"scene": "half-ball", "problem": problem, **cut, **sizes, "products": products, **more}
+            return {"harmos": f"of {products}", "ranks": 2, "parts": [24], "runs": [item]}
+
+        linear, again = made("linear", 40), made("linear", 20)
+        merged = real_bodies_page.merged([linear, again])
+        self.assertEqual([item["products"] for item in merged["runs"]], [20])
+        page = real_bodies_page.page(merged)
+        self.assertIn("`of 20`, 2 ranks", page)
+        self.assertNotIn("## Contact", page)
+        self.assertNotIn("## Seeds", page)
+        merged = real_bodies_page.merged([linear, again, made("linear", 25, seed=2), made("contact", 30)])
+        page = real_bodies_page.page(merged)
+        self.assertIn("| `half-ball` | compact | 30 | 1.00 | 3 |", page)
+        self.assertIn("| `half-ball` | compact | 1.50 |", page)
+        self.assertIn("| `half-ball` | linear | compact | 20 to 25 (2 seeds, 1.25) |", page)
+        self.assertEqual(json.loads(real_bodies_page.as_json(merged)), merged)
+        self.assertEqual(real_bodies_page.merged([merged]), merged)
+        failed = made("contact", 30, problem_of_run="failed")
+        del failed["runs"][0]["products"]
+        page = real_bodies_page.page(real_bodies_page.merged([merged, failed]))
+        self.assertIn("| `half-ball` | compact | failed | — | 3 |", page)
+        with self.assertRaisesRegex(ValueError, "several tolerances"):
+            real_bodies_page.merged([linear, made("contact", 9, tolerance=1e-6)])
+
+    def test_hertz_spread(self):
+        document = self.script("hertz_spread.py", "--series", "approach")
+        self.assertEqual(len(document["runs"]), 5)
+        for item in document["runs"]:
+            self.assertEqual(set(item), described("hertz_spread"))
+            self.assertEqual(item["solver"], "PDAS")
+        self.assertGreaterEqual(document["spreads"]["approach"], 1.0)
+
+    def test_cutting(self):
+        document = self.script("cutting.py", "--cells", "6000", "--parts", "8", "--repetitions", "1")
+        self.assertEqual([item["cells"] for item in document["runs"]], [6000])
+        for item in document["runs"]:
+            self.assertEqual(set(item), described("cutting"))
+            self.assertGreater(item["metis_seconds"], 0.0)
 
     def test_scaling(self):
         document = self.script("scaling.py", "--cells", "2x8", "--repetitions", "1")

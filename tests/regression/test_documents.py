@@ -19,6 +19,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "docs/tools
 import harmos_runs as runs  # noqa: E402
 import headline_page  # noqa: E402
 import parameter_pages  # noqa: E402
+import real_bodies_page  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -242,6 +243,15 @@ class Documents(unittest.TestCase):
         shown = set(re.findall(r"\d[\d.]*", page))
         for figure, unit in re.findall(r"(\d[\d.]*) (s\b|GiB|GB|products)", block):
             self.assertIn(figure, shown, f"{figure} {unit} of the README")
+
+    def test_products_on_real_bodies_are_those_of_the_measurement(self):
+        """docs/real_bodies.json → docs/real_bodies.md, word for word."""
+        text = (ROOT / "docs/real_bodies.json").read_text(encoding="utf-8")
+        document = json.loads(text)
+        remedy = "write it by tests/performance/real_bodies_table.py --render"
+        self.assertEqual(real_bodies_page.as_json(document), text, "docs/real_bodies.json")
+        page = (ROOT / "docs/real_bodies.md").read_text(encoding="utf-8")
+        self.assertEqual(real_bodies_page.page(document), page, f"docs/real_bodies.md: {remedy}")
 
     def test_every_hard_case_has_its_row_and_its_test(self):
         """The table of docs/stability.md names each test of tests/stability once, and no other.
