@@ -86,7 +86,6 @@ TEST(PdasBudget, sets_that_wander_descend_in_the_end) {
     EXPECT_LE(outcome.result.counters.hessianApplications, 3 * direct.result.counters.hessianApplications)
         << seed;
     EXPECT_LE(distance(outcome.x, direct.x), accuracy(qp)) << seed;
-           direct.result.counters.hessianApplications);
   }
 }
 

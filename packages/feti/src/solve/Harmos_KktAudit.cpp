@@ -140,12 +140,13 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
   return result;
 }
 
-bool auditAgrees(const KktAudit& audit, double share, double boundRounding, double energyError) {
+bool auditAgrees(const KktAudit& audit, double share, double boundRounding, double energyError,
+                 double energyShare) {
   // Of sums over all dofs; gaps are known no better than coordinates.
   constexpr double rounding = 1e-12;
   const double allowed =
       share * audit.largestDisplacement + boundRounding + rounding * audit.loadDisplacement;
-  const double allowedError = share * audit.energyNorm + boundRounding * audit.unitEnergy +
+  const double allowedError = energyShare * audit.energyNorm + boundRounding * audit.unitEnergy +
                               rounding * (audit.displacementEnergy + audit.loadEnergy);
   return audit.gluingJump <= allowed && audit.penetration <= allowed && audit.equilibrium <= 0.5 &&
          energyError <= allowedError;
@@ -153,6 +154,10 @@ bool auditAgrees(const KktAudit& audit, double share, double boundRounding, doub
 
 double auditShare(double tolerance) {
   return std::min(100.0 * tolerance, 0.1);
+}
+
+double energyErrorShare(double tolerance) {
+  return std::min(30.0 * tolerance, 0.1);
 }
 
 ContactState contactState(const Constraints& constraints, const TornSolution& solution) {

@@ -33,14 +33,19 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
 
 /// Whether an audit bears out an answer: jumps and penetrations are at most a share of the largest
 /// displacement, beside what the bounds are known to; the error in the energy norm, where it was estimated,
-/// is at most that share too, beside rounding; forces are out of balance by less than half the load. A number
-/// that is none objects.
-bool auditAgrees(const KktAudit& audit, double share, double boundRounding, double energyError = 0.0);
+/// is at most a share of its own of that of the solution, beside rounding; forces are out of balance by less
+/// than half the load. A number that is none objects.
+bool auditAgrees(const KktAudit& audit, double share, double boundRounding, double energyError = 0.0,
+                 double energyShare = 0.0);
 
 /// The share for a relative tolerance of the residuals: these and the audit are about the same errors in
 /// other units, and a factor of a hundred is beyond what norms and scalings explain; a tenth of the solution
 /// is too much by any tolerance.
 double auditShare(double tolerance);
+
+/// The same for the error in the energy norm, whose estimate is sharp to a factor of two: 30. An answer does
+/// not depend on the way to it by more, whatever the solver, and energies not by more than 1000 ε².
+double energyErrorShare(double tolerance);
 
 /// Physical value of each owned inequality row, in the order of rowMap(): the gap c_I − B_I u and the contact
 /// force λ_I.

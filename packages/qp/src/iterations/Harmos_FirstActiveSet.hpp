@@ -28,13 +28,18 @@ class FirstActiveSet {
                  Counters& counters)
       : b_(*problem.rhs()), nearest_(problem, rows), stiffness_(stiffness(problem, counters)) {}
 
+  /// ‖b‖/s, about that of the solution; 0 without a preconditioner.
+  double scale() const {
+    return stiffness_ > 0.0 && std::isfinite(stiffness_) ? norm<Scalar>(b_) / stiffness_ : 0.0;
+  }
+
   /// @param set in: where to begin; out: the guess, or what it was. @param active receives how many entries
   /// of it are active.
   /// @return whether there is a guess: not without a preconditioner, and not where the equalities cannot be
   /// met on the set to begin with.
   /// @note Collective; a factorisation of C_FC_Fᵀ for each set.
   bool find(LocalActiveSet& set, long long& active) {
-    if (!(stiffness_ > 0.0) || !std::isfinite(stiffness_))
+    if (!(scale() > 0.0))
       return false;
     const Teuchos::RCP<MV> z = MVT::Clone(b_, 1);
     MVT::MvAddMv(1.0 / stiffness_, b_, 0.0, b_, *z);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_DescentOfSets.hpp"
+#include "Harmos_FirstActiveSet.hpp"
 #include "Harmos_ProjectedCg.hpp"
 #include "Harmos_SolverManager.hpp"
 
@@ -103,8 +104,8 @@ class PdasSolver<Scalar, MV, OP>::Run {
 
   void describeState();
   void guess();
-  bool isAtAllBounds();
-  bool triesNearest();
+  bool isAtAllBounds(double scale);
+  bool triesNearest(FirstActiveSet<Scalar, MV, OP>& nearest);
   bool startsWithActive();
   void addMultiplier();
   bool isExhausted() const;

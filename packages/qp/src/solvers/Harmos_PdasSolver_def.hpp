@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_FirstActiveSet.hpp"
 #include "Harmos_MprgpSolver_def.hpp"
 #include "Harmos_PcpgSolver_def.hpp"
 #include "Harmos_PdasSolver.hpp"
@@ -203,19 +202,22 @@ bool PdasSolver<Scalar, MV, OP>::Run::Progress::isCircle(const ActiveSetChange& 
 }
 
 // Whether x is at each bound there is: in contact, no load acts on a body as a whole. Elsewhere the gradient
-// knows the elasticity of what is pushed against the bounds.
+// knows the elasticity of what is pushed against the bounds. Where loads cancel, what is left of them on a
+// whole body is rounding errors.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::isAtAllBounds() {
+bool PdasSolver<Scalar, MV, OP>::Run::isAtAllBounds(double scale) {
   const auto count = [this](const MV& x) {
     const Teuchos::RCP<MV> none = MVT::Clone(x_, 1);
     MVT::MvInit(*none, 0.0);
     LocalActiveSet active;
     return BT::updateActiveSet(x, *none, lower_, upper_, 0.0, 0.0, active).active;
   };
-  constexpr double beyond = 1e100; // all bounds
+  constexpr double beyond = 1e100, rounding = 1e-10; // all bounds; of an entry
+  const double slack = std::max(std::numeric_limits<double>::min(),
+                                rounding * scale / std::sqrt(static_cast<double>(MVT::GetGlobalLength(x_))));
   const Teuchos::RCP<MV> below = MVT::CloneCopy(x_), outside = MVT::Clone(x_, 1);
   // Just outside, those that x is at; far outside, all.
-  MVT::MvInit(*outside, -std::numeric_limits<double>::min());
+  MVT::MvInit(*outside, -slack);
   MVT::MvAddMv(1.0, x_, 1.0, *outside, *below);
   const long long here = count(*below);
   MVT::MvInit(*outside, -beyond);
@@ -230,11 +232,13 @@ void PdasSolver<Scalar, MV, OP>::Run::guess() {
   addMultiplier();
   BT::split(x_, *y_, lower_, upper_, 1.0, nullptr, set_);
   if (isCold_ && firstSet_ != FirstSet::Gradient) {
-    const bool isNearest = firstSet_ == FirstSet::Nearest || isAtAllBounds();
-    if (isNearest && FirstActiveSet<Scalar, MV, OP>(problem_, rows_, counters_).find(set_, active_))
+    FirstActiveSet<Scalar, MV, OP> nearest(problem_, rows_, counters_);
+    if (firstSet_ == FirstSet::Nearest || isAtAllBounds(nearest.scale())) {
+      if (nearest.find(set_, active_))
+        return;
+    } else if (firstSet_ == FirstSet::Tried && triesNearest(nearest)) {
       return;
-    if (!isNearest && firstSet_ == FirstSet::Tried && triesNearest())
-      return;
+    }
   }
   LocalActiveSet pushed = set_;
   change_ = BT::updateActiveSet(x_, *y_, lower_, upper_, 0.0, 0.0, pushed);
@@ -248,10 +252,10 @@ void PdasSolver<Scalar, MV, OP>::Run::guess() {
 // Loads on bodies as a whole: the set of the nearest point is much the better one for solids, and none at all
 // for membranes pushed evenly against others. The residual on its face tells.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::triesNearest() {
-  LocalActiveSet nearest = set_;
+bool PdasSolver<Scalar, MV, OP>::Run::triesNearest(FirstActiveSet<Scalar, MV, OP>& nearest) {
+  LocalActiveSet set = set_;
   long long active = 0;
-  if (!FirstActiveSet<Scalar, MV, OP>(problem_, rows_, counters_).find(nearest, active))
+  if (!nearest.find(set, active))
     return false;
   const Teuchos::RCP<MV> load = MVT::CloneCopy(*problem_.rhs()), before = MVT::CloneCopy(x_);
   if (rows_.isPresent()) { // its part in the kernel of the rows
@@ -261,12 +265,12 @@ bool PdasSolver<Scalar, MV, OP>::Run::triesNearest() {
   }
   // On solids 0.01 to 0.08 was measured, where the set was none 0.2 to 1.
   constexpr double good = 0.1;
-  started_ = cg_.start(nearest) && cg_.residualNorm() <= good * norm<Scalar>(*load);
+  started_ = cg_.start(set) && cg_.residualNorm() <= good * norm<Scalar>(*load);
   if (!started_) {
     MVT::Assign(*before, x_);
     return false;
   }
-  set_ = nearest;
+  set_ = set;
   active_ = active;
   return true;
 }

@@ -151,8 +151,10 @@ StepRow stepRow(const RunReport& report, const EnergyAccount& energy) {
 }
 
 bool auditAgrees(const RunReport& report) {
-  const double share = std::max(feti::auditShare(report.tolerance), std::min(report.allowedError, 0.1));
-  return feti::auditAgrees(report.audit, share, report.gapRounding, report.solverError);
+  const double balanced = std::min(report.allowedError, 0.1);
+  const double share = std::max(feti::auditShare(report.tolerance), balanced);
+  const double energyShare = std::max(feti::energyErrorShare(report.tolerance), balanced);
+  return feti::auditAgrees(report.audit, share, report.gapRounding, report.solverError, energyShare);
 }
 
 std::string auditText(const RunReport& report) {

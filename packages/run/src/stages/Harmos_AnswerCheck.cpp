@@ -117,7 +117,10 @@ std::optional<double> AnswerCheck::judge(const MultiVector& lambda, const std::v
               scientific(report_.audit.largestDisplacement) + "; error " + scientific(report_.solverError) +
               " of " + scientific(report_.audit.energyNorm) +
               " in the energy norm): going on to a smaller tolerance");
-    next = tolerance / 10.0;
+    // Errors fall about like residuals: where they alone are too large, no further than they ask for.
+    const double allowed = feti::energyErrorShare(report_.tolerance) * report_.audit.energyNorm;
+    const bool isNear = report_.solverError > allowed && report_.solverError < 10.0 * allowed;
+    next = tolerance * (isNear ? std::clamp(0.5 * allowed / report_.solverError, 0.1, 0.5) : 0.1);
   }
   if (next && *next < leastTolerance(options_.dual))
     return std::nullopt;
