@@ -20,20 +20,6 @@ double distance2(const Point& a, const Point& b) {
   return sum;
 }
 
-// The means of the cells' corners.
-std::vector<Point> centresOf(const Mesh& mesh) {
-  const auto corners = shapeOf(mesh.cellType).corners;
-  std::vector<Point> centres(at(mesh.numberOfCells()), Point{});
-  for (int c = 0; c < mesh.numberOfCells(); ++c) {
-    for (int k = 0; k < static_cast<int>(corners); ++k) {
-      const Point x = mesh.local(mesh.cell(c)[k]);
-      for (std::size_t d = 0; d < 3; ++d)
-        centres[at(c)][d] += x[d] / static_cast<double>(corners);
-    }
-  }
-  return centres;
-}
-
 class Sweeps {
  public:
   Sweeps(const Mesh& mesh, const CellGraph& graph, int parts, std::vector<int>& labels)
