@@ -14,7 +14,7 @@
 namespace Harmos::fem {
 namespace {
 
-using Vectors = std::vector<Point>; // three numbers a cell: up to three vectors, one after the other in none
+using Vectors = std::vector<Point>; // up to three vectors, with a number of each at every cell
 
 std::size_t at(int k) {
   return static_cast<std::size_t>(k);
@@ -133,7 +133,7 @@ void separate(const CellGraph& part, Vectors& x) {
   }
 }
 
-// Cells by number of component, the largest of them told. Components of cells with one value of `side`.
+// 1 for the cells of the largest component of those on the side `which`.
 std::vector<std::uint8_t> largestPiece(const CellGraph& part, const std::vector<std::uint8_t>& side,
                                        std::uint8_t which) {
   std::vector<std::uint8_t> seen(side.size(), 0);
@@ -264,7 +264,7 @@ Neck PartShapes::neckOf(const std::vector<int>& cells) {
     return neck;
   }
   constexpr double tiny = 0.05;
-  constexpr int fewest = 4;
+  constexpr int fewest = 8;
   const int leastCells = std::max(fewest, static_cast<int>(std::ceil(tiny * part.cells())));
   if (part.cells() < 2 * leastCells)
     return neck;
