@@ -171,8 +171,10 @@ class Sweeps {
         return sides;
       };
       int best = labels_[at(cell)], most = sidesWith(best);
-      if (most == 1)
-        most = 0; // a cell that hangs by one side is soft
+      // A cell that hangs by one side is soft; but in a row of cells all do at the end of a part, and one
+      // after the other would leave it.
+      if (most == 1 && graph_.end(cell) - graph_.begin(cell) > 2)
+        most = 0;
       for (const int* other = graph_.begin(cell); other != graph_.end(cell); ++other) {
         const int sides = sidesWith(labels_[at(*other)]);
         if (sides > most) {
