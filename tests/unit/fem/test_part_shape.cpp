@@ -80,6 +80,32 @@ TEST(PartShape, a_dumbbell_is_ragged_and_its_neck_is_where_it_is_thin) {
   }
 }
 
+// Neither the order of x nor any straight cut finds the bridge between them.
+TEST(PartShape, a_ball_in_a_shell_is_ragged) {
+  for (CellType type : types) {
+    SCOPED_TRACE(shapeOf(type).name);
+    const BodyMesh body = block(type);
+    const CellGraph graph = graphOf(body.mesh);
+    const auto radius = [type](const Point& x) {
+      return std::hypot(x[0] - 1.0, x[1] - 0.5, isPlane(type) ? 0.0 : x[2] - 0.5);
+    };
+    const std::vector<int> labels = labelled(body, [&](const Point& x) {
+      const bool bridge = x[0] > 1.0 && radius(x) < 0.5 && aside(type, x) < 0.05;
+      return bridge || radius(x) < 0.25 || (radius(x) > 0.34 && radius(x) < 0.5) ? 0 : 1;
+    });
+    const Neck neck = PartShapes(body.mesh, graph).neckOf(cellsOf(labels, 2)[0]);
+    EXPECT_LT(neck.width, raggedNeck);
+    const std::vector<Point> centres = centresOf(body.mesh);
+    int inside = 0, outside = 0;
+    for (const Point& centre : centres)
+      inside += radius(centre) < 0.25 ? 1 : 0;
+    for (int cell : neck.cells)
+      outside += radius(centres[static_cast<std::size_t>(cell)]) > 0.36 ? 1 : 0;
+    EXPECT_EQ(outside, 0);
+    EXPECT_GE(static_cast<int>(neck.cells.size()), inside);
+  }
+}
+
 TEST(PartShape, blocks_and_balls_are_not_ragged) {
   for (CellType type : types) {
     SCOPED_TRACE(shapeOf(type).name);

@@ -7,14 +7,15 @@
 #include <cstdint>
 #include <iterator>
 #include <map>
-#include <numeric>
 #include <tuple>
 #include <utility>
 
 namespace Harmos::fem {
 namespace {
 
-using Vectors = std::vector<Point>; // up to three vectors, with a number of each at every cell
+constexpr std::size_t most = 4; // vectors at a time
+using Values = std::array<double, most>;
+using Vectors = std::vector<Values>; // a number of each vector at every cell
 
 std::size_t at(int k) {
   return static_cast<std::size_t>(k);
@@ -39,12 +40,12 @@ double degree(const CellGraph& part, int k) {
 
 // Takes the means off, weighted by the degrees: with L = D − A the constant is the vector of eigenvalue 0.
 void removeConstants(const CellGraph& part, Vectors& x) {
-  Point mean{};
+  Values mean{};
   for (int k = 0; k < part.cells(); ++k)
-    for (std::size_t d = 0; d < 3; ++d)
+    for (std::size_t d = 0; d < most; ++d)
       mean[d] += degree(part, k) * x[at(k)][d] / static_cast<double>(part.neighbours.size());
-  for (Point& values : x)
-    for (std::size_t d = 0; d < 3; ++d)
+  for (Values& values : x)
+    for (std::size_t d = 0; d < most; ++d)
       values[d] -= mean[d];
 }
 
@@ -56,12 +57,12 @@ void smooth(const CellGraph& part, double least, int steps, Vectors& x) {
   for (int step = 0; step < steps; ++step) {
     const double factor = step == 0 ? 1.0 : 2.0;
     for (int k = 0; k < part.cells(); ++k) {
-      Point sum{};
+      Values sum{};
       for (const int* other = part.begin(k); other != part.end(k); ++other)
-        for (std::size_t d = 0; d < 3; ++d)
+        for (std::size_t d = 0; d < most; ++d)
           sum[d] += x[at(*other)][d];
       const double mean = others / degree(part, k);
-      for (std::size_t d = 0; d < 3; ++d)
+      for (std::size_t d = 0; d < most; ++d)
         before[at(k)][d] =
             factor * (own * x[at(k)][d] + mean * sum[d]) - (step == 0 ? 0.0 : before[at(k)][d]);
     }
@@ -69,24 +70,26 @@ void smooth(const CellGraph& part, double least, int steps, Vectors& x) {
   }
 }
 
-using Matrix = std::array<std::array<double, 3>, 3>;
+using Matrix = std::array<Values, most>;
 
 // Jacobi's rotations: eigenvectors are the columns of the result.
 Matrix eigenvectors(Matrix a) {
-  Matrix v = {{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}}};
+  Matrix v{};
+  for (std::size_t k = 0; k < most; ++k)
+    v[k][k] = 1.0;
   constexpr int sweeps = 10; // converges quadratically
   for (int sweep = 0; sweep < sweeps; ++sweep)
-    for (std::size_t p = 0; p < 2; ++p)
-      for (std::size_t q = p + 1; q < 3; ++q) {
+    for (std::size_t p = 0; p + 1 < most; ++p)
+      for (std::size_t q = p + 1; q < most; ++q) {
         if (a[p][q] == 0.0)
           continue;
         const double angle = 0.5 * std::atan2(2.0 * a[p][q], a[q][q] - a[p][p]);
         const double c = std::cos(angle), s = std::sin(angle);
-        for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t k = 0; k < most; ++k)
           std::tie(a[k][p], a[k][q]) = std::pair(c * a[k][p] - s * a[k][q], s * a[k][p] + c * a[k][q]);
-        for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t k = 0; k < most; ++k)
           std::tie(a[p][k], a[q][k]) = std::pair(c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
-        for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t k = 0; k < most; ++k)
           std::tie(v[k][p], v[k][q]) = std::pair(c * v[k][p] - s * v[k][q], s * v[k][p] + c * v[k][q]);
       }
   return v;
@@ -100,18 +103,18 @@ void orthonormalise(const CellGraph& part, Vectors& x) {
       sum += degree(part, k) * x[at(k)][a] * x[at(k)][b];
     return sum;
   };
-  for (std::size_t a = 0; a < 3; ++a) {
+  for (std::size_t a = 0; a < most; ++a) {
     const double before = product(a, a);
     for (std::size_t b = 0; b < a; ++b) {
       const double share = product(a, b);
-      for (Point& values : x)
+      for (Values& values : x)
         values[a] -= share * values[b];
     }
     // What is left of a vector in the space of the others is rounding errors, some 1e-16 of it.
     constexpr double dependent = 1e-20;
     const double after = product(a, a);
     const double factor = after > dependent * before ? 1.0 / std::sqrt(after) : 0.0;
-    for (Point& values : x)
+    for (Values& values : x)
       values[a] *= factor;
   }
 }
@@ -122,14 +125,16 @@ void separate(const CellGraph& part, Vectors& x) {
   Matrix a{};
   for (int k = 0; k < part.cells(); ++k)
     for (const int* other = part.begin(k); other != part.end(k); ++other)
-      for (std::size_t p = 0; p < 3; ++p)
-        for (std::size_t q = 0; q < 3; ++q)
+      for (std::size_t p = 0; p < most; ++p)
+        for (std::size_t q = 0; q < most; ++q)
           a[p][q] += 0.5 * (x[at(k)][p] - x[at(*other)][p]) * (x[at(k)][q] - x[at(*other)][q]);
   const Matrix v = eigenvectors(a);
-  for (Point& values : x) {
-    const Point old = values;
-    for (std::size_t p = 0; p < 3; ++p)
-      values[p] = old[0] * v[0][p] + old[1] * v[1][p] + old[2] * v[2][p];
+  for (Values& values : x) {
+    const Values old = values;
+    values.fill(0.0);
+    for (std::size_t p = 0; p < most; ++p)
+      for (std::size_t k = 0; k < most; ++k)
+        values[p] += old[k] * v[k][p];
   }
 }
 
@@ -167,27 +172,30 @@ struct Cut {
 class Sweep {
  public:
   Sweep(const CellGraph& part, int dimension, int leastCells)
-      : part_(part),
-        exponent_((dimension - 1.0) / dimension),
-        leastCells_(leastCells),
-        order_(at(part.cells())) {}
+      : part_(part), dimension_(dimension), leastCells_(leastCells), order_(at(part.cells())) {}
 
   Cut alongVector(const Vectors& x, std::size_t vector) {
-    std::iota(order_.begin(), order_.end(), 0);
-    std::sort(order_.begin(), order_.end(),
-              [&](int a, int b) { return std::pair(x[at(a)][vector], a) < std::pair(x[at(b)][vector], b); });
+    for (int k = 0; k < part_.cells(); ++k)
+      order_[at(k)] = {x[at(k)][vector], k};
+    std::sort(order_.begin(), order_.end());
     const int cells = part_.cells();
     std::vector<std::uint8_t> taken(at(cells), 0);
     int across = 0, best = 0;
     double least = std::numeric_limits<double>::infinity();
     for (int k = 0; k + leastCells_ < cells; ++k) {
-      const int cell = order_[at(k)];
+      const int cell = order_[at(k)].second;
       taken[at(cell)] = 1;
       for (const int* other = part_.begin(cell); other != part_.end(cell); ++other)
         across += taken[at(*other)] ? -1 : 1;
-      const double width = widthOf(across, k + 1);
-      if (k + 1 >= leastCells_ && width < least) {
-        least = width;
+      if (k + 1 < leastCells_)
+        continue;
+      // The width to the power d, which needs no roots.
+      const double smaller = std::min(k + 1, cells - k - 1);
+      const double power = dimension_ == 2
+                               ? static_cast<double>(across) * across / smaller
+                               : static_cast<double>(across) * across * across / (smaller * smaller);
+      if (power < least) {
+        least = power;
         best = k + 1;
       }
     }
@@ -196,13 +204,13 @@ class Sweep {
     const bool prefix = 2 * best <= cells;
     std::vector<std::uint8_t> side(at(cells), prefix ? 0 : 1);
     for (int k = 0; k < best; ++k)
-      side[at(order_[at(k)])] = prefix ? 1 : 0;
+      side[at(order_[at(k)].second)] = prefix ? 1 : 0;
     return inOnePieceEach(side);
   }
 
  private:
   double widthOf(int across, int cells) const {
-    return across / std::pow(std::min(cells, part_.cells() - cells), exponent_);
+    return across / std::pow(std::min(cells, part_.cells() - cells), (dimension_ - 1.0) / dimension_);
   }
 
   // Splinters join the other side, which they touch: no cut gets wider by that.
@@ -227,9 +235,9 @@ class Sweep {
   }
 
   const CellGraph& part_;
-  double exponent_;
+  int dimension_;
   int leastCells_;
-  std::vector<int> order_;
+  std::vector<std::pair<double, int>> order_; // values and cells
 };
 
 std::vector<int> chosen(const std::vector<int>& cells, const std::vector<std::uint8_t>& side) {
@@ -271,7 +279,11 @@ Neck PartShapes::neckOf(const std::vector<int>& cells) {
 
   Vectors x;
   for (int cell : cells)
-    x.push_back(centres_[at(cell)]);
+    x.push_back({centres_[at(cell)][0], centres_[at(cell)][1], centres_[at(cell)][2], 0.0});
+  removeConstants(part, x);
+  // And the square of the distance from the middle, for what is held in the middle of something.
+  for (Values& values : x)
+    values[3] = values[0] * values[0] + values[1] * values[1] + values[2] * values[2];
   removeConstants(part, x);
   // Of a compact part of n cells the least eigenvalues of D⁻¹L are some 2 n^(−2/d); all of them, and those
   // of ragged parts, lie well below four times as much. Polynomials of this degree are 100 there at least.
@@ -283,7 +295,9 @@ Neck PartShapes::neckOf(const std::vector<int>& cells) {
   removeConstants(part, x);
   separate(part, x);
   Sweep sweep(part, dimension_, leastCells);
-  for (std::size_t vector = 0; vector < at(dimension_); ++vector) {
+  for (std::size_t vector = 0; vector < most; ++vector) {
+    if (std::all_of(x.begin(), x.end(), [=](const Values& values) { return values[vector] == 0.0; }))
+      continue; // one of the coordinates, in the plane
     const Cut cut = sweep.alongVector(x, vector);
     if (cut.width < neck.width) {
       neck.width = cut.width;
@@ -354,7 +368,7 @@ class Mending {
 
   bool mend(std::size_t part) {
     constexpr double largest = 1.5;
-    constexpr std::size_t most = 3; // parts that are asked
+    constexpr std::size_t asked = 3;
     const double average = static_cast<double>(labels_.size()) / static_cast<double>(necks_.size());
     const std::vector<int> given = shapes_.neckOf(cells_[part]).cells;
     std::vector<int> left;
@@ -364,7 +378,7 @@ class Mending {
     if (after <= necks_[part])
       return false;
     std::vector<std::size_t> parts = neighbours(given, part);
-    parts.resize(std::min(parts.size(), most));
+    parts.resize(std::min(parts.size(), asked));
     for (std::size_t other : parts) {
       std::vector<int> joined;
       std::merge(cells_[other].begin(), cells_[other].end(), given.begin(), given.end(),

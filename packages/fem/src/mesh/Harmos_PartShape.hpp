@@ -25,10 +25,11 @@ constexpr double raggedNeck = 0.4;
 
 /// Looks for the necks of parts. O(cells). Deterministic. Local.
 ///
-/// A few tens of Chebyshev steps on the part's graph, begun with the coordinates, leave of them what varies
-/// slowest (approximate Fiedler vectors; a spectral partitioner would cut there: Pothen, Simon, Liou, SIAM J.
-/// Matrix Anal. Appl. 11, 1990). In the order of each of them all cuts in two are tried. Either side of a
-/// neck hangs together and has a twentieth of the cells or more.
+/// A few tens of Chebyshev steps on the part's graph, begun with the coordinates and the square of the
+/// distance from the middle, leave of them what varies slowest (approximate Fiedler vectors; a spectral
+/// partitioner would cut there: Pothen, Simon, Liou, SIAM J. Matrix Anal. Appl. 11, 1990). In the order of
+/// each of them all cuts in two are tried. Either side of a neck hangs together and has a twentieth of the
+/// cells or more.
 ///
 /// Guarded by tests/unit/fem/test_part_shape.cpp.
 class PartShapes {
