@@ -106,6 +106,30 @@ TEST(PartShape, a_ball_in_a_shell_is_ragged) {
   }
 }
 
+// No straight cut and no circle separates them: what varies slowest is to be found, whatever one begins with.
+TEST(PartShape, a_block_in_a_bay_is_ragged) {
+  for (CellType type : types) {
+    SCOPED_TRACE(shapeOf(type).name);
+    const BodyMesh body = block(type);
+    const CellGraph graph = graphOf(body.mesh);
+    const auto isInBay = [](const Point& x) { return x[0] > 0.58 && x[0] < 1.42 && x[1] > 0.41; };
+    const std::vector<int> labels = labelled(body, [&](const Point& x) {
+      const bool bridge =
+          x[0] > 0.58 && x[0] < 0.7 && x[1] < 0.5 && (isPlane(type) || std::abs(x[2] - 0.5) < 1.0 / 12.0);
+      return bridge || isInBay(x) || x[0] < 0.41 || x[0] > 1.59 || x[1] < 0.25 ? 0 : 1;
+    });
+    const Neck neck = PartShapes(body.mesh, graph).neckOf(cellsOf(labels, 2)[0]);
+    EXPECT_LT(neck.width, raggedNeck);
+    const std::vector<Point> centres = centresOf(body.mesh);
+    const auto inBay = std::count_if(centres.begin(), centres.end(), isInBay);
+    const auto found = std::count_if(neck.cells.begin(), neck.cells.end(), [&](int cell) {
+      return isInBay(centres[static_cast<std::size_t>(cell)]);
+    });
+    EXPECT_EQ(found, inBay);
+    EXPECT_LE(static_cast<int>(neck.cells.size()), 1.1 * static_cast<double>(inBay));
+  }
+}
+
 TEST(PartShape, blocks_and_balls_are_not_ragged) {
   for (CellType type : types) {
     SCOPED_TRACE(shapeOf(type).name);
