@@ -19,6 +19,7 @@ from plot_frames import frames_of
 from plot_solution import boundary_edges, thin_cells
 from plot_style import INK, STYLE, caption_of, finish, output_of, save
 from run_results import Field, drawn_pieces, numbered, places, read_result, read_summary
+from solid_parts import edges
 
 # Okabe's and Ito's, lighter, so that lines and shades can be told from them, and three more.
 COLOURS = (
@@ -26,7 +27,7 @@ COLOURS = (
 )
 APART = 0.3  # subdomains in space are moved outwards by that share of their distance from the middle
 MAX_PIECES = 250_000  # drawn in the plane; more take long and show no more at this size
-MAX_MESH = 60_000  # pieces of faces; their edges would cover the colours beyond this
+MAX_MESH = 8_000  # pieces of faces; their edges would cover the colours beyond this
 PANEL = 6.2  # inches
 
 
@@ -108,22 +109,17 @@ def on_the_outside(solid, torn):
     return np.isin(number[: len(torn.cells)], number[len(torn.cells) :])
 
 
-def borders(cells, is_outside):
-    """Edges between faces on the outside of the body and such within, as pairs of points."""
-    pairs = np.concatenate([cells[:, [k, (k + 1) % 4]] for k in range(4)])
-    outside = np.tile(is_outside, 4)
-    proper = pairs[:, 0] != pairs[:, 1]
-    pairs, outside = np.sort(pairs[proper], axis=1), outside[proper]
-    number = numbered(*pairs.T)
-    first = np.unique(number, return_index=True)[1]
-    seen = [np.bincount(number[chosen], minlength=len(first)) > 0 for chosen in (outside, ~outside)]
-    return pairs[first[seen[0] & seen[1]]]
+def lines_of(solid, torn, points, back):
+    """What is drawn dark, edges of the body and where it is cut; and light, the sides of cells."""
+    outside = on_the_outside(solid, torn)
+    body = dataclasses.replace(torn, cells=torn.cells[outside], face_of_cell=torn.face_of_cell[outside])
+    inner, outer = edges(torn, points, back), edges(body, points, back)
+    return outer.sharp, np.concatenate([inner.mesh, inner.sharp])
 
 
 def draw_space(axes, solid, colour):
     import vtk_scene
     from plot_solid import corners_of, limits, show, viewer, window_about
-    from solid_parts import edges
 
     torn = surfaces(solid)
     points = moved_apart(torn)
@@ -134,11 +130,10 @@ def draw_space(axes, solid, colour):
         vtk_scene.surface(points, torn.cells, colour[torn.part_of_point], ListedColormap(COLOURS), norm)
     ]
     dot = axes.figure.dpi / 72
-    lines = edges(dataclasses.replace(torn, xyz=points), points, back)
+    dark, light = lines_of(solid, torn, points, back)
     if len(torn.cells) <= MAX_MESH:
-        mesh = np.concatenate([lines.mesh, lines.sharp])
-        actors.append(vtk_scene.lines(points, mesh, to_rgb("#777777"), 0.2 * dot))
-    actors.append(vtk_scene.lines(points, borders(torn.cells, on_the_outside(solid, torn)), to_rgb(INK), 0.9 * dot))
+        actors.append(vtk_scene.lines(points, light, to_rgb("#777777"), 0.2 * dot))
+    actors.append(vtk_scene.lines(points, dark, to_rgb(INK), 0.9 * dot))
     box = limits(points[np.unique(torn.cells)])
     flat = points[np.unique(torn.cells)] @ np.column_stack([right, up])
     size = axes.get_window_extent().size

@@ -113,8 +113,8 @@ class Shapes(unittest.TestCase):
                 self.assertAlmostEqual(away.max(), 0.5 / 3, places=12)
                 self.assertAlmostEqual(away.min(), -0.5 / 3, places=12)
 
-    def test_borders_of_cuts(self):
-        """Around the three outer sides of each cube of eight."""
+    def test_lines(self):
+        """Around the three outer sides of each cube of eight, and between them; not inside of sides."""
         for kind in KINDS:
             with self.subTest(kind=kind):
                 solid = read(result_of(bodies.block(kind, 2, 2), kind))
@@ -123,9 +123,9 @@ class Shapes(unittest.TestCase):
                 outside = ((np.abs(middle) < 1e-9) | (np.abs(middle - 1) < 1e-9)).any(axis=1)
                 found = plot_subdomains.on_the_outside(solid, torn)
                 np.testing.assert_array_equal(found, outside)
-                pairs = plot_subdomains.borders(torn.cells, outside)
+                pairs, _ = plot_subdomains.lines_of(solid, torn, torn.xyz, np.full(3, 3**-0.5))
                 length = np.linalg.norm(np.diff(torn.xyz[pairs], axis=1), axis=2).sum()
-                self.assertAlmostEqual(length, 8 * 6 * 0.5, places=12)
+                self.assertAlmostEqual(length, 8 * (6 + 3) * 0.5, places=12)
 
 
 class Programs(unittest.TestCase):
