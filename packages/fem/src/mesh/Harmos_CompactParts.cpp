@@ -158,6 +158,12 @@ class Sweeps {
     labels_[at(cell)] = part;
   }
 
+  // Whether neither the cell nor one of its neighbours has more than two.
+  bool isInRow(int cell) const {
+    const auto few = [this](int c) { return graph_.end(c) - graph_.begin(c) <= 2; };
+    return few(cell) && std::all_of(graph_.begin(cell), graph_.end(cell), few);
+  }
+
   // Cells join the part that most of their sides look at. Whether any has moved.
   bool vote() {
     bool moved = false;
@@ -173,7 +179,7 @@ class Sweeps {
       int best = labels_[at(cell)], most = sidesWith(best);
       // A cell that hangs by one side is soft; but in a row of cells all do at the end of a part, and one
       // after the other would leave it.
-      if (most == 1 && graph_.end(cell) - graph_.begin(cell) > 2)
+      if (most == 1 && !isInRow(cell))
         most = 0;
       for (const int* other = graph_.begin(cell); other != graph_.end(cell); ++other) {
         const int sides = sidesWith(labels_[at(*other)]);
