@@ -3,6 +3,7 @@
 
 #include "Harmos_Agreement.hpp"
 #include "Harmos_GmshFile.hpp"
+#include "Harmos_PartShape.hpp"
 #include "Harmos_Partition.hpp"
 #include "Harmos_StructuredBlock.hpp"
 #include "Harmos_TornBody.hpp"
@@ -11,6 +12,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 
 namespace Harmos::app {
 namespace {
@@ -116,6 +119,40 @@ std::string sizesOf(const fem::Partition& partition) {
          (*least == *most ? "" : std::to_string(*least) + " to ") + std::to_string(*most) + " cells";
 }
 
+// "part 3", "parts 3 and 5", "parts 3, 5, 8 and 21 others"
+std::string listed(const std::vector<int>& parts) {
+  constexpr std::size_t most = 6;
+  const std::size_t named = parts.size() <= most ? parts.size() : most - 1;
+  std::string text = parts.size() == 1 ? "part " : "parts ";
+  for (std::size_t k = 0; k < named; ++k)
+    text += (k == 0 ? "" : k + 1 == parts.size() ? " and " : ", ") + std::to_string(parts[k]);
+  return text + (named < parts.size() ? " and " + std::to_string(parts.size() - named) + " others" : "");
+}
+
+// Ragged parts cost iterations, each some, and nothing else tells of them.
+void noteRagged(const std::string& name, const fem::Partition& partition, fem::PartitionMethod method,
+                std::vector<std::string>& notes) {
+  std::vector<int> ragged;
+  double least = fem::raggedNeck;
+  for (int part = 0; part < partition.parts; ++part) {
+    const double neck = partition.necks[static_cast<std::size_t>(part)];
+    if (neck < fem::raggedNeck)
+      ragged.push_back(part);
+    least = std::min(least, neck);
+  }
+  if (ragged.empty())
+    return;
+  const bool one = ragged.size() == 1, isCompact = method == fem::PartitionMethod::Compact;
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(2) << "Body \"" << name << "\": " << ragged.size() << " of "
+       << partition.parts << " parts " << (one ? "is" : "are") << " ragged (" << listed(ragged)
+       << "), held together by a neck of " << least << (one ? "" : " or more") << " where " << fem::raggedNeck
+       << " would do, and may cost iterations; "
+       << (isCompact ? "another \"Partition seed\" or number of \"Subdomains\" gives another cut"
+                     : "\"Partition\" = \"compact\" rounds parts off");
+  notes.push_back(text.str());
+}
+
 // Bodies from the mesh file: read and cut on rank 0; the others learn how many parts and nodes there are.
 void readBodies(const DeckContext& context, int dimension, const std::vector<std::size_t>& which,
                 scene::Scene& scene, long long& firstNode) {
@@ -141,8 +178,9 @@ void readBodies(const DeckContext& context, int dimension, const std::vector<std
     long long first = firstNode;
     for (std::size_t k = 0; k < which.size(); ++k) {
       const std::string& name = scene.bodies[which[k]].name;
-      const fem::Partition partition = fem::partitionCells(
-          meshes[k], bodies.sublist(name).get<int>("Subdomains"), partitionOptions(bodies.sublist(name)));
+      const fem::PartitionOptions cut = partitionOptions(bodies.sublist(name));
+      const fem::Partition partition =
+          fem::partitionCells(meshes[k], bodies.sublist(name).get<int>("Subdomains"), cut);
       torn[k] = std::make_shared<std::vector<fem::PlacedMesh>>(
           fem::tear(meshes[k], partition.part, partition.parts, first));
       counts[2 * k] = partition.parts;
@@ -152,6 +190,7 @@ void readBodies(const DeckContext& context, int dimension, const std::vector<std
                        std::to_string(meshes[k].mesh.numberOfCells()) + " cells (" +
                        fem::shapeOf(meshes[k].mesh.cellType).name + "), cut into " + sizesOf(partition));
       scene.notes.insert(scene.notes.end(), partition.notes.begin(), partition.notes.end());
+      noteRagged(name, partition, cut.method, scene.notes);
       noteLocking(scene.bodies[which[k]], scene.physics, meshes[k].mesh.cellType, scene.notes);
     }
   });

@@ -397,7 +397,10 @@ def parse_solid(source):
     for chosen, nodes in volumes.values():
         body_of_point[nodes] = body[chosen, None]
     place = places(xyz, body_of_point)
-    pieces, face, parts = drawn_pieces(source, volumes, xyz, place if dimension == 3 else None)
+    volumes = {kind: nodes for kind, (_, nodes) in volumes.items()}
+    pieces, face, parts = drawn_pieces(
+        volumes, source.part_of_point, xyz, place if dimension == 3 else None
+    )
     return Solid(
         dimension=dimension,
         xyz=xyz,
@@ -413,7 +416,7 @@ def parse_solid(source):
         face_of_cell=face,
         part_of_cell=parts,
         parts=source.parts,
-        volumes={kind: nodes for kind, (_, nodes) in volumes.items()} if dimension == 3 else {},
+        volumes=volumes if dimension == 3 else {},
     )
 
 
@@ -429,12 +432,12 @@ def outwards(pieces, xyz, inside):
     return np.where(inward[:, None, None], pieces[..., turn], pieces)
 
 
-def drawn_pieces(source, volumes, xyz, place):
+def drawn_pieces(volumes, part_of_point, xyz, place):
     """Flat pieces (pieces, 4) of cells, or given the points' places of outer faces; face and part of each."""
     faces = []
-    for kind, (chosen, nodes) in volumes.items():
+    for kind, nodes in volumes.items():
         _, _, sides, pieces = VTK_PIECES[kind]
-        faces += [(nodes, np.array(side), pieces, source.part_of_cell[chosen]) for side in sides]
+        faces += [(nodes, np.array(side), pieces, part_of_point[nodes[:, 0]]) for side in sides]
     count = sum(len(nodes) for nodes, *_ in faces)
     drawn = np.ones(count, dtype=bool)
     if place is not None:

@@ -158,6 +158,30 @@ class Good(Case):
             run = runs.solved(self, deck, np=0, program="harmos")
             self.assertEqual(run.stdout.count('Body "lower": a triangle of 3 nodes is too stiff'), told)
 
+    def test_ragged_parts_are_told(self):
+        # A row of squares: its halves are twenty times as long as wide, however it is cut.
+        length = 40
+        nodes = [(float(x), float(y)) for y in (0, 1) for x in range(length + 1)]
+        cells = [
+            (QUADRILATERAL, 1, k, k + 1, k + length + 2, k + length + 1) for k in range(1, length + 1)
+        ]
+        deck = self.write(
+            changed(FILED, "Bodies/plate/Subdomains", 1), msh(nodes, [*cells, (LINE, 2, 1, length + 2)])
+        )
+        for parts, partition, told in (
+            (1, "compact", ""),
+            (2, "compact", 'another "Partition seed" or number of "Subdomains" gives another cut'),
+            (2, "METIS", '"Partition" = "compact" rounds parts off'),
+        ):
+            settings = {"Bodies/plate/Subdomains": parts, "Bodies/plate/Partition": partition}
+            run = runs.solved(self, deck, settings, np=0, program="harmos")
+            self.assertEqual(run.stdout.count("ragged"), 1 if told else 0, run)
+            if told:
+                self.assertIn(
+                    'Body "plate": 2 of 2 parts are ragged (parts 0 and 1), held together by a neck of 0.32 or '
+                    f"more where 0.40 would do, and may cost iterations; {told}\n", run.stdout,
+                )
+
 
 class Names(Case):
     def test_material(self):

@@ -141,6 +141,20 @@ TEST(CompactParts, no_part_reaches_across_a_slit) {
     EXPECT_TRUE(left[p] == 0 || right[p] == 0) << p;
 }
 
+// Each cell at the end of a part hangs by one side, and looks at the next part by another one.
+TEST(CompactParts, rows_of_cells_are_cut_evenly) {
+  for (CellType type : {CellType::Quadrilateral4, CellType::Triangle3, CellType::Hexahedron8}) {
+    SCOPED_TRACE(shapeOf(type).name);
+    const BodyMesh body = block(type, {40, 1, 1}, {40.0, 1.0, 1.0});
+    for (int parts : {2, 5}) {
+      const Partition partition = partitionCells(body, parts);
+      ASSERT_EQ(partition.parts, parts);
+      for (int size : sizesOf(partition.part, parts))
+        EXPECT_NEAR(size, body.mesh.numberOfCells() / parts, 0.15 * body.mesh.numberOfCells() / parts);
+    }
+  }
+}
+
 TEST(CompactParts, another_seed_gives_another_cut) {
   const BodyMesh body = block(CellType::Tetrahedron4, {8, 8, 8}, {1.0, 1.0, 1.0});
   EXPECT_NE(partitionCells(body, 12, {PartitionMethod::Compact, 1}).part,

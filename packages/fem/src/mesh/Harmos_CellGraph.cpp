@@ -43,6 +43,19 @@ CellGraph graphOf(const Mesh& mesh) {
   return graph;
 }
 
+std::vector<Point> centresOf(const Mesh& mesh) {
+  const auto corners = shapeOf(mesh.cellType).corners;
+  std::vector<Point> centres(static_cast<std::size_t>(mesh.numberOfCells()), Point{});
+  for (int c = 0; c < mesh.numberOfCells(); ++c) {
+    for (int k = 0; k < static_cast<int>(corners); ++k) {
+      const Point x = mesh.local(mesh.cell(c)[k]);
+      for (std::size_t d = 0; d < 3; ++d)
+        centres[static_cast<std::size_t>(c)][d] += x[d] / static_cast<double>(corners);
+    }
+  }
+  return centres;
+}
+
 Components componentsOf(const CellGraph& graph, const std::vector<int>& labels) {
   Components components;
   components.of.assign(labels.size(), -1);

@@ -21,6 +21,9 @@ struct CellGraph {
 /// Of cells that share all corners of a side. O(n log n). Local.
 CellGraph graphOf(const Mesh& mesh);
 
+/// The means of the cells' corners. Local.
+std::vector<Point> centresOf(const Mesh& mesh);
+
 /// Cells that hang together and have one label.
 struct Components {
   std::vector<int> of;                 ///< of each cell

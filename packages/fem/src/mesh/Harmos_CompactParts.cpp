@@ -20,20 +20,6 @@ double distance2(const Point& a, const Point& b) {
   return sum;
 }
 
-// The means of the cells' corners.
-std::vector<Point> centresOf(const Mesh& mesh) {
-  const auto corners = shapeOf(mesh.cellType).corners;
-  std::vector<Point> centres(at(mesh.numberOfCells()), Point{});
-  for (int c = 0; c < mesh.numberOfCells(); ++c) {
-    for (int k = 0; k < static_cast<int>(corners); ++k) {
-      const Point x = mesh.local(mesh.cell(c)[k]);
-      for (std::size_t d = 0; d < 3; ++d)
-        centres[at(c)][d] += x[d] / static_cast<double>(corners);
-    }
-  }
-  return centres;
-}
-
 class Sweeps {
  public:
   Sweeps(const Mesh& mesh, const CellGraph& graph, int parts, std::vector<int>& labels)
@@ -172,6 +158,12 @@ class Sweeps {
     labels_[at(cell)] = part;
   }
 
+  // Whether neither the cell nor one of its neighbours has more than two.
+  bool isInRow(int cell) const {
+    const auto few = [this](int c) { return graph_.end(c) - graph_.begin(c) <= 2; };
+    return few(cell) && std::all_of(graph_.begin(cell), graph_.end(cell), few);
+  }
+
   // Cells join the part that most of their sides look at. Whether any has moved.
   bool vote() {
     bool moved = false;
@@ -185,8 +177,10 @@ class Sweeps {
         return sides;
       };
       int best = labels_[at(cell)], most = sidesWith(best);
-      if (most == 1)
-        most = 0; // a cell that hangs by one side is soft
+      // A cell that hangs by one side is soft; but in a row of cells all do at the end of a part, and one
+      // after the other would leave it.
+      if (most == 1 && !isInRow(cell))
+        most = 0;
       for (const int* other = graph_.begin(cell); other != graph_.end(cell); ++other) {
         const int sides = sidesWith(labels_[at(*other)]);
         if (sides > most) {

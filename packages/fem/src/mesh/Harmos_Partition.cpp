@@ -4,6 +4,7 @@
 #include "Harmos_CellGraph.hpp"
 #include "Harmos_CompactParts.hpp"
 #include "Harmos_Errors.hpp"
+#include "Harmos_PartShape.hpp"
 
 #include <metis.h>
 
@@ -116,6 +117,21 @@ Partition mended(const CellGraph& graph, const std::vector<int>& labels) {
   return result;
 }
 
+// Numbers parts in the order of their lowest cells.
+void number(Partition& partition) {
+  std::vector<int> numbers(static_cast<std::size_t>(partition.parts), -1);
+  std::vector<double> necks;
+  for (int& part : partition.part) {
+    int& renumbered = numbers[static_cast<std::size_t>(part)];
+    if (renumbered < 0) {
+      renumbered = static_cast<int>(necks.size());
+      necks.push_back(partition.necks[static_cast<std::size_t>(part)]);
+    }
+    part = renumbered;
+  }
+  partition.necks = necks;
+}
+
 } // namespace
 
 Partition partitionCells(const BodyMesh& body, int wanted, const PartitionOptions& options) {
@@ -145,6 +161,10 @@ Partition partitionCells(const BodyMesh& body, int wanted, const PartitionOption
   if (options.method == PartitionMethod::Compact)
     roundOff(body.mesh, graph, label, labels);
   Partition result = mended(graph, labels);
+  result.necks = neckWidths(body.mesh, graph, result.part, result.parts);
+  if (options.method == PartitionMethod::Compact &&
+      mendNecks(body.mesh, graph, result.part, result.necks) > 0)
+    number(result);
   for (std::string& note : result.notes)
     note = "Body \"" + body.name + "\": " + note;
   result.notes.insert(result.notes.begin(), notes.begin(), notes.end());

@@ -12,11 +12,12 @@ namespace Harmos::fem {
 struct Partition {
   std::vector<int> part;          ///< of each cell
   int parts = 0;                  ///< not always as many as wanted
+  std::vector<double> necks;      ///< of partitionCells(): width of each part's neck, see Neck
   std::vector<std::string> notes; ///< what was not as wanted; sentences
 };
 
 enum class PartitionMethod {
-  Compact, ///< METIS' parts, rounded off: see roundOff()
+  Compact, ///< METIS' parts, rounded off and their necks mended: see roundOff(), mendNecks()
   Metis    ///< METIS' parts as they are
 };
 
