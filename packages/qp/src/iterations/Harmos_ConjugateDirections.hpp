@@ -5,6 +5,7 @@
 #include "Harmos_SolverMonitor.hpp"
 
 #include <BelosMultiVecTraits.hpp>
+#include <Teuchos_LAPACK.hpp>
 #include <Teuchos_RCP.hpp>
 #include <Teuchos_SerialDenseMatrix.hpp>
 
@@ -49,9 +50,9 @@ class ConjugateDirections {
   bool isOn() const { return isOn_; }
 
   /// @param image Ap, or what remains of it on the face and in the kernel of the rows. @param energy pᵀAp >
-  /// 0.
+  /// 0. @param length of the step along p.
   /// @note Collective.
-  void add(const MV& p, const MV& image, double energy) {
+  void add(const MV& p, const MV& image, double energy, double length) {
     if (options_.reorthogonalisation == Reorthogonalisation::None)
       return;
     if (++steps_ % checkInterval == 0 && count_ > 0) {
@@ -68,6 +69,8 @@ class ConjugateDirections {
     MVT::SetBlock(image, column, *images_);
     energies_.resize(static_cast<std::size_t>(count_));
     energies_.push_back(energy);
+    lengths_.resize(static_cast<std::size_t>(count_));
+    lengths_.push_back(length);
     ++count_;
   }
 
@@ -77,6 +80,7 @@ class ConjugateDirections {
     archive.number("directions since checks", steps_);
     archive.number("directions conjugated", isOn_);
     archive.numbers("directions energies", energies_);
+    archive.numbers("directions lengths", lengths_);
     if (count_ == 0)
       return;
     const Teuchos::Range1D stored(0, count_ - 1);
@@ -92,6 +96,50 @@ class ConjugateDirections {
         MVT::SetBlock(*columns, stored, **block);
       }
     }
+  }
+
+  /// Ritz vectors of M⁻¹A in the span of P: those of the largest Ritz values, of values above `ratio` times
+  /// the least one, and of no more than five in six, since the others have not converged; null for none.
+  /// @note Collective.
+  Teuchos::RCP<MV> ritzVectors(int most, double ratio) const {
+    if (count_ < 4)
+      return Teuchos::null;
+    // z_j = M⁻¹w_j = p_j − (ρ_j/ρ_{j−1})p_{j−1}, ρ_j = w_jᵀz_j = (step length) p_jᵀAp_j; the Lanczos basis is
+    // z_j/√ρ_j, where A becomes tridiagonal (Saad, Iterative Methods for Sparse Linear Systems, 2003, 6.7.3).
+    const auto n = static_cast<std::size_t>(count_);
+    std::vector<double> weight(n), diagonal(n), below(n), vectors(n * n), work(2 * n);
+    for (std::size_t j = 0; j < n; ++j)
+      weight[j] = lengths_[j] * energies_[j];
+    for (std::size_t j = 0; j < n; ++j) {
+      const double beta = j > 0 ? weight[j] / weight[j - 1] : 0.0;
+      diagonal[j] = 1.0 / lengths_[j] + (j > 0 ? beta / lengths_[j - 1] : 0.0);
+      if (j > 0)
+        below[j - 1] = -std::sqrt(beta) / lengths_[j - 1];
+    }
+    int info = 0;
+    Teuchos::LAPACK<int, double>().STEQR('I', count_, diagonal.data(), below.data(), vectors.data(), count_,
+                                         work.data(), &info);
+    if (info != 0)
+      return Teuchos::null;
+    const int converged = std::min(most, 5 * count_ / 6);
+    int chosen = 0;
+    while (chosen < converged && diagonal[n - 1 - static_cast<std::size_t>(chosen)] > ratio * diagonal[0])
+      ++chosen;
+    if (chosen == 0)
+      return Teuchos::null;
+    Matrix coefficients(count_, chosen);
+    for (int k = 0; k < chosen; ++k)
+      for (int j = 0; j < count_; ++j) {
+        const auto place = static_cast<std::size_t>(j);
+        const double s =
+            vectors[(n - 1 - static_cast<std::size_t>(k)) * n + place] / std::sqrt(weight[place]);
+        coefficients(j, k) += s;
+        if (j > 0)
+          coefficients(j - 1, k) -= s * weight[place] / weight[place - 1];
+      }
+    const Teuchos::RCP<MV> result = MVT::Clone(*directions_, chosen);
+    MVT::MvTimesMatAddMv(1.0, *view(*directions_), coefficients, 0.0, *result);
+    return result;
   }
 
   /// p ← p − P(PᵀQ)⁻¹(Qᵀp), if conjugation is on. @note Collective.
@@ -143,6 +191,7 @@ class ConjugateDirections {
   CgOptions options_;
   Teuchos::RCP<MV> directions_, images_;
   std::vector<double> energies_; // p_iᵀAp_i
+  std::vector<double> lengths_;  // of steps
   int count_ = 0, capacity_ = 0, steps_ = 0;
   bool isOn_ = false;
 };

@@ -4,6 +4,7 @@
 #include "Harmos_ConjugateDirections.hpp"
 #include "Harmos_EqualityRows.hpp"
 #include "Harmos_InFacePreconditioner.hpp"
+#include "Harmos_KeptDirections.hpp"
 #include "Harmos_SolverMonitor.hpp"
 #include "Harmos_StatusTest.hpp"
 
@@ -37,6 +38,11 @@ class ProjectedCg {
 
   /// Begins again where it is, with gradients computed anew.
   void restart();
+
+  /// Keeps what the steps since the last beginning have found of outlying eigenvalues, for all faces to come:
+  /// see KeptDirections. To be followed by start(). @return how many directions are new.
+  int keepOutliers(int most);
+  int kept() const { return kept_.size(); }
 
   /// Iterate, gradients and directions. Reading takes the place of start(), without a product with A.
   void exchange(StateArchive<MV>& archive);
@@ -76,6 +82,7 @@ class ProjectedCg {
   Counters& counters_;
   InFacePreconditioner<Scalar, MV, OP> preconditioner_;
   ConjugateDirections<Scalar, MV> directions_;
+  KeptDirections<Scalar, MV, OP> kept_;
   LocalActiveSet active_;
   bool hasFace_ = false;
   Teuchos::RCP<const FaceGram> faceGram_;

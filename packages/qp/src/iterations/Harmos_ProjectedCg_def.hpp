@@ -20,6 +20,7 @@ ProjectedCg<Scalar, MV, OP>::ProjectedCg(const Problem<Scalar, MV, OP>& problem,
       counters_(counters),
       preconditioner_(problem, counters),
       directions_(options),
+      kept_(problem, rows),
       curvatureBound_(problem.hessianNorm()) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   for (Teuchos::RCP<MV>* vector : {&w_, &p_, &image_})
@@ -125,6 +126,7 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
   archive.number("cg rounding level", level_);
   archive.number("cg staleness", staleness_);
   directions_.exchange(archive, *w_);
+  kept_.exchange(archive, *w_);
   if (!archive.isReading())
     return;
   preconditioner_.invalidate();
@@ -135,7 +137,7 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::restart() {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  const MV& x = *problem_.solution();
+  MV& x = *problem_.solution();
   if (norm<Scalar>(x) > 0.0) {
     ++counters_.hessianApplications;
     Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), x, *w_);
@@ -143,6 +145,7 @@ void ProjectedCg<Scalar, MV, OP>::restart() {
   } else {
     MVT::MvAddMv(-1.0, *problem_.rhs(), 0.0, *problem_.rhs(), *w_);
   }
+  kept_.minimise(x, *w_);
   if (hasFace_) {
     MVT::Assign(*w_, *gradient_);
     BoundTraits<Scalar, MV>::maskActive(*w_, active_);
@@ -168,6 +171,20 @@ void ProjectedCg<Scalar, MV, OP>::precondition() {
     return;
   preconditioner_.apply(*w_, active_, *z_);
   project(*z_, nullptr);
+  kept_.conjugate(*z_);
+}
+
+template<class Scalar, class MV, class OP>
+int ProjectedCg<Scalar, MV, OP>::keepOutliers(int most) {
+  const int before = kept_.size();
+  // The others are not far enough from the rest to be worth a product.
+  constexpr double outlying = 30.0;
+  const Teuchos::RCP<MV> vectors = preconditioner_.isPresent() && most > before
+                                       ? directions_.ritzVectors(most - before, outlying)
+                                       : Teuchos::null;
+  if (!vectors.is_null())
+    kept_.add(*vectors, counters_);
+  return kept_.size() - before;
 }
 
 template<class Scalar, class MV, class OP>
@@ -191,7 +208,7 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
   directionDotImage_ = sums.directionDotImage;
   const double length = sums.gradientDotDirection / directionDotImage_;
   MVT::MvAddMv(1.0, *problem_.solution(), -length, *p_, *problem_.solution());
-  directions_.add(*p_, *image_, directionDotImage_);
+  directions_.add(*p_, *image_, directionDotImage_, length);
   if (hasFace_) {
     MVT::MvAddMv(1.0, *gradient_, -length, *image_, *gradient_);
     BoundTraits<Scalar, MV>::maskActive(*image_, active_);

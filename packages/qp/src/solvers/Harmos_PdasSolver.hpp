@@ -122,7 +122,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   const MV* upper_;
 
   double innerReduction_;
-  int patience_, mostSets_;
+  int patience_, mostSets_, mostKept_;
   FirstSet firstSet_;
   int budget_; // inner iterations before another method takes over
 

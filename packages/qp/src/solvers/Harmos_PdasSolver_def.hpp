@@ -28,11 +28,14 @@ ParameterSpec PdasSolver<Scalar, MV, OP>::methodSpec() {
        {"gradient", "entries that the gradient pushes against their bounds"}},
       "Where a solution without an initial guess begins.");
   spec.integer("Maximum active sets", 200, 1, 1000000,
-               "Active sets tried before a globally convergent method takes over.");
+               "Active sets tried before a globally convergent method takes over; those that descend are not "
+               "limited.");
   spec.integer(
       "Active sets without progress", 10, 1, 1000000,
-      "Active sets tried in a row, none of which halves the bound on the projected gradient, before a "
-      "globally convergent method takes over.");
+      "Active sets tried in a row, none of which halves the bound on the projected gradient, before sets "
+      "descend from the best iterate.");
+  spec.integer("Kept directions", 60, 0, 1000,
+               "Most directions kept from slow faces for all those to come, at a product each; 0 for none.");
   spec.real("Share of iterations", 0.5, Range{0.0, 1.0, true, false},
             "Part of \"Maximum Iterations\" after which a globally convergent method takes over; all of them "
             "if there "
@@ -101,6 +104,7 @@ PdasSolver<Scalar, MV, OP>::Run::Run(PdasSolver& solver, EqualityRows<Scalar, MV
   innerReduction_ = list.get<double>("Inner reduction");
   patience_ = list.get<int>("Active sets without progress");
   mostSets_ = list.get<int>("Maximum active sets");
+  mostKept_ = list.get<int>("Kept directions");
   const std::string first = list.get<std::string>("First active set");
   firstSet_ = first == "tried"     ? FirstSet::Tried
               : first == "nearest" ? FirstSet::Nearest
@@ -310,6 +314,11 @@ void PdasSolver<Scalar, MV, OP>::Run::addMultiplier() {
 
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::enterFace() {
+  // A face that took so long has outlying eigenvalues, and so have the others.
+  constexpr int slow = 10;
+  if (!started_ && cg_.staleness() >= slow)
+    if (const int found = cg_.keepOutliers(mostKept_); found > 0)
+      solver_.log_.detail("PDAS: " + std::to_string(found) + " directions are kept for all faces");
   const bool isOn = started_ || (cg_.start(set_) && descent_.enter(set_, active_));
   if (!isOn && !(descends("the equalities cannot be met on a face") && cg_.start(set_) &&
                  descent_.enter(set_, active_))) {
@@ -459,7 +468,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::descends(const std::string& why) {
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::mayGoOn() {
   ++counters_.activeSetUpdates;
-  if (counters_.activeSetUpdates >= mostSets_) {
+  if (!descent_.isOn() && counters_.activeSetUpdates >= mostSets_) {
     handOver("the limit of " + std::to_string(mostSets_) + " active sets was reached");
     return false;
   }
