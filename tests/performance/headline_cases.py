@@ -129,7 +129,7 @@ def others():
     yield hertz("ball")
     yield Case(
         "half-ball",
-        "half a ball of linear tetrahedra on a rigid plane, cut by METIS, no two subdomains alike",
+        "half a ball of linear tetrahedra on a rigid plane, no two subdomains alike",
         f"{HERE}/decks/half_ball.xml",
         {"Output/Fields": False},
         {"Model/Mesh file": "half_ball_coarse.geo", "Bodies/ball/Subdomains": 4},
