@@ -113,6 +113,7 @@ class DescentOfSets {
       if (before[i] != 0 && set[i] == 0)
         next[i] = 0;
     set = next;
+    active = nearest_.count(set);
     return true;
   }
 

@@ -73,6 +73,13 @@ class NearestFeasible {
 
   const MV& x() const { return *x_; }
 
+  /// How many entries of a set are active. @note Collective.
+  long long count(const LocalActiveSet& set) {
+    constexpr double unmoved = std::numeric_limits<double>::max();
+    LocalActiveSet copy = set;
+    return BT::updateActiveSet(*v_, *v_, lower_, upper_, unmoved, unmoved, copy).active;
+  }
+
  private:
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using BT = BoundTraits<Scalar, MV>;
@@ -127,17 +134,21 @@ class NearestFeasible {
       subtractRows(length, direction);
       return value();
     };
-    constexpr int mostHalvings = 5, mostDoublings = 60;
+    // On nearly singular faces Newton's direction is longer than anything that is allowed.
+    constexpr int mostHalvings = 30, mostDoublings = 60;
     double length = 1.0;
-    for (int k = 0; k <= mostHalvings; ++k, length *= 0.5)
-      if (valueAt(*direction_, length) <= last - sufficient * length * slope + rounding * std::abs(last)) {
-        if (meetsRows(active))
-          return true;
-        break;
-      }
+    bool falls = false;
+    for (int k = 0; k <= mostHalvings && !falls; ++k) {
+      falls = valueAt(*direction_, length) <= last - sufficient * length * slope + rounding * std::abs(last);
+      if (!falls)
+        length *= 0.5;
+    }
+    if (falls && meetsRows(active))
+      return true;
     // On a singular face φ falls at a constant rate until entries change their state.
-    const MV& direction = length < std::pow(0.5, mostHalvings) ? *downwards : *direction_;
-    length = std::min(1.0, 2.0 * length);
+    const MV& direction = falls ? *direction_ : *downwards;
+    if (!falls)
+      length = 1.0;
     double reached = valueAt(direction, length);
     for (int k = 0; k < mostDoublings; ++k, length *= 2.0) {
       const double further = valueAt(direction, 2.0 * length);
@@ -193,12 +204,6 @@ class NearestFeasible {
     MVT::MvAddMv(1.0, *x_, -1.0, *v_, *work_);
     return BT::updateActiveSet(*x_, *work_, lower_, upper_, touching * norm<Scalar>(*x_), noise_, set)
         .changed;
-  }
-
-  long long count(const LocalActiveSet& set) {
-    constexpr double unmoved = std::numeric_limits<double>::max();
-    LocalActiveSet copy = set;
-    return BT::updateActiveSet(*v_, *v_, lower_, upper_, unmoved, unmoved, copy).active;
   }
 
   const MV* lower_;

@@ -136,7 +136,9 @@ class PdasSolver<Scalar, MV, OP>::Run {
   long long active_ = 0;
   Progress progress_;
   DescentOfSets<Scalar, MV, OP> descent_;
-  Teuchos::RCP<MV> best_; // the projected iterate with the least bound on ‖g^P‖
+  // The projected iterate with the least bound on ‖g^P‖, or the first one, and the multiplier with it.
+  Teuchos::RCP<MV> best_, bestMultiplier_;
+  bool hasBest_ = false;
 
   bool isCold_ = false;  // nothing is known of the solution
   bool settled_ = false; // the last look changed nothing

@@ -35,7 +35,8 @@ ParameterSpec PdasSolver<Scalar, MV, OP>::methodSpec() {
       "Active sets tried in a row, none of which halves the bound on the projected gradient, before sets "
       "descend from the best iterate.");
   spec.integer("Kept directions", 60, 0, 1000,
-               "Most directions kept from slow faces for all those to come, at a product each; 0 for none.");
+               "Most directions kept from slow faces for all those to come, at a product each; 0 for none. "
+               "Needs a preconditioner and stored directions (PCPG/Reorthogonalisation not none).");
   spec.real("Share of iterations", 0.5, Range{0.0, 1.0, true, false},
             "Part of \"Maximum Iterations\" after which a globally convergent method takes over; all of them "
             "if there "
@@ -143,6 +144,10 @@ void PdasSolver<Scalar, MV, OP>::Run::begin() {
   isCold_ = norm<Scalar>(x_) == 0.0 && (!rows_.isPresent() || norm<Scalar>(*problem_.multiplier()) == 0.0);
   BT::project(x_, lower_, upper_);
   best_ = MVT::CloneCopy(x_);
+  if (rows_.isPresent()) {
+    bestMultiplier_ = rows_.makeVector();
+    MVT::MvInit(*bestMultiplier_, 0.0);
+  }
   describeState();
   if (solver_.resumes()) {
     solver_.resume();
@@ -165,6 +170,9 @@ void PdasSolver<Scalar, MV, OP>::Run::describeState() {
     archive.number("pdas face steps", faceSteps_);
     progress_.exchange(archive);
     archive.vector("pdas best", *best_);
+    archive.number("pdas has best", hasBest_);
+    if (rows_.isPresent())
+      archive.rowVector("pdas best multiplier", *bestMultiplier_);
     descent_.exchange(archive);
     const Teuchos::RCP<MV> states = MVT::Clone(x_, 1);
     BT::activeToVector(set_, *states);
@@ -225,7 +233,8 @@ bool PdasSolver<Scalar, MV, OP>::Run::isAtAllBounds(double scale) {
   MVT::MvAddMv(1.0, x_, 1.0, *outside, *below);
   const long long here = count(*below);
   MVT::MvInit(*outside, -beyond);
-  return here == count(*outside);
+  const long long all = count(*outside);
+  return all > 0 && here == all;
 }
 
 // The first active set. From a solution nearby, or where there is no better guess: entries at a bound that
@@ -320,9 +329,13 @@ bool PdasSolver<Scalar, MV, OP>::Run::enterFace() {
     if (const int found = cg_.keepOutliers(mostKept_); found > 0)
       solver_.log_.detail("PDAS: " + std::to_string(found) + " directions are kept for all faces");
   const bool isOn = started_ || (cg_.start(set_) && descent_.enter(set_, active_));
-  if (!isOn && !(descends("the equalities cannot be met on a face") && cg_.start(set_) &&
-                 descent_.enter(set_, active_))) {
-    handOver("the equalities cannot be met on a face");
+  if (!isOn && descent_.isOn()) {
+    handOver("no step descends any more");
+    return false;
+  }
+  const std::string why = "the equalities cannot be met on a face";
+  if (!isOn && !(descends(why) && cg_.start(set_) && descent_.enter(set_, active_))) {
+    handOver(why);
     return false;
   }
   started_ = false;
@@ -361,7 +374,8 @@ bool PdasSolver<Scalar, MV, OP>::Run::descend() {
       solver_.stopFor(*reason, state_);
       return false;
     }
-    if (reason || cg_.residualNorm() <= std::max(target_, cg_.attainable()) || descent_.isAstray(set_))
+    if (reason || cg_.residualNorm() <= std::max(target_, cg_.attainable()) ||
+        (stepped_ && descent_.isAstray(set_)))
       return true;
     if (solver_.isInterrupted(state_) || !advance())
       return false;
@@ -411,6 +425,9 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
     progress_.least = expected_;
     MVT::Assign(x_, *best_);
     BT::project(*best_, lower_, upper_);
+    if (rows_.isPresent())
+      cg_.multiplier(*bestMultiplier_);
+    hasBest_ = true;
   }
 }
 
@@ -523,7 +540,8 @@ IterationState<MV> PdasSolver<Scalar, MV, OP>::Run::measure(int inner, bool feas
 template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::handOver(const std::string& why) {
   MVT::Assign(*best_, x_);
-  cg_.storeMultiplier();
+  if (rows_.isPresent() && hasBest_)
+    rows_.toUser(*bestMultiplier_, *problem_.multiplier());
   solver_.fallBack(why);
 }
 

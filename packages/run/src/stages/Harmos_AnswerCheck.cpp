@@ -118,9 +118,12 @@ std::optional<double> AnswerCheck::judge(const MultiVector& lambda, const std::v
               " of " + scientific(report_.audit.energyNorm) +
               " in the energy norm): going on to a smaller tolerance");
     // Errors fall about like residuals: where they alone are too large, no further than they ask for.
-    const double allowed = feti::energyErrorShare(report_.tolerance) * report_.audit.energyNorm;
-    const bool isNear = report_.solverError > allowed && report_.solverError < 10.0 * allowed;
-    next = tolerance * (isNear ? std::clamp(0.5 * allowed / report_.solverError, 0.1, 0.5) : 0.1);
+    const double share =
+        std::max(feti::energyErrorShare(report_.tolerance), std::min(report_.allowedError, 0.1));
+    const double allowed = share * report_.audit.energyNorm;
+    const bool isErrorAlone =
+        feti::auditAgrees(report_.audit, feti::auditShare(report_.tolerance), report_.gapRounding);
+    next = tolerance * (isErrorAlone ? std::clamp(0.5 * allowed / report_.solverError, 0.1, 0.5) : 0.1);
   }
   if (next && *next < leastTolerance(options_.dual))
     return std::nullopt;
