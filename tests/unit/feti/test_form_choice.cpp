@@ -92,7 +92,7 @@ TEST(FormChoice, analysis_counts_the_factors_without_the_dense_block) {
   const FactorizationEstimate estimate = analyseFactorization(makeLocalMatrix(b + 2, entries), boundary);
   EXPECT_EQ(estimate.rows, b + 2);
   EXPECT_EQ(estimate.boundary, b);
-  // MUMPS may keep the two columns in one front, whose upper triangle it counts too.
-  EXPECT_GE(estimate.entries, 103.0);
-  EXPECT_LE(estimate.entries, 104.0);
+  // The two columns may be kept in one front, whose upper triangle counts too.
+  EXPECT_GE(estimate.entries, 3.0);
+  EXPECT_LE(estimate.entries, 4.0);
 }

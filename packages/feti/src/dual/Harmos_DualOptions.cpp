@@ -34,11 +34,12 @@ void DualOptions::addTo(ParameterSpec& deck) {
        {"single", "dense blocks (condensed) or factors (implicit) in 32 bits, sums in 64: half the memory; "
                   "tolerances below 1e-6 need the implicit form"}},
       "In which precision blocks and factors are kept.");
-  dual.text("Implicit solver", defaults.inverses.implicitSolver,
-            "Sparse direct solver of the implicit form: MUMPS (Harmos' own adapter), or a name that Amesos2 "
-            "knows, such as KLU2.");
-  dual.real("Block low rank tolerance", defaults.inverses.blockLowRank, Range::within(0.0, 1e-2),
-            "Relative accuracy to which MUMPS compresses factors; 0 for exact factors.");
+  dual.text("Implicit solver", defaults.inverses.solver.name,
+            "Sparse direct solver of the subdomains: multifrontal (Harmos' own, made for single right-hand "
+            "sides), MUMPS, or for the implicit form alone a name that Amesos2 knows, such as KLU2.");
+  dual.real(
+      "Block low rank tolerance", defaults.inverses.solver.blockLowRank, Range::within(0.0, 1e-2),
+      "Relative accuracy to which MUMPS, which is taken then, compresses factors; 0 for exact factors.");
   dual.integer(
       "Fixing places", defaults.inverses.fixingPlaces, 1, 1000,
       "Places at which a floating subdomain is held in its generalised inverse; more are added where they "
@@ -72,8 +73,8 @@ DualOptions DualOptions::fromList(const Teuchos::ParameterList& list) {
   LocalInverseOptions& inverses = options.inverses;
   inverses.share = list.get<bool>("Share identical subdomains");
   inverses.precision = list.get<std::string>("Precision") == "single" ? Precision::Single : Precision::Double;
-  inverses.implicitSolver = list.get<std::string>("Implicit solver");
-  inverses.blockLowRank = list.get<double>("Block low rank tolerance");
+  inverses.solver.name = list.get<std::string>("Implicit solver");
+  inverses.solver.blockLowRank = list.get<double>("Block low rank tolerance");
   inverses.fixingPlaces = list.get<int>("Fixing places");
   inverses.checkNullPivots = list.get<bool>("Check null pivots");
   inverses.keepSchur = options.preconditioner == PreconditionerKind::Dirichlet;

@@ -3,7 +3,7 @@
 
 #include "Harmos_Agreement.hpp"
 #include "Harmos_Exchange.hpp"
-#include "Harmos_Mumps.hpp"
+#include "Harmos_FrontTree.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -59,15 +59,12 @@ const char* toString(DualForm form) {
 FactorizationEstimate analyseFactorization(const LocalMatrix& matrix, const std::vector<int>& boundary) {
   if (static_cast<int>(boundary.size()) == matrix.rows())
     return lowerBound(matrix, boundary); // nothing is to be eliminated
-  Triplets triplets = lowerTriangle(matrix, 1);
-  Mumps mumps(MPI_COMM_SELF);
-  mumps.analyse(matrix.rows(), std::move(triplets.rows), std::move(triplets.columns), boundary);
+  const FrontTree tree(matrix, boundary);
   FactorizationEstimate estimate;
   estimate.rows = matrix.rows();
   estimate.boundary = static_cast<int>(boundary.size());
-  // MUMPS counts the columns of what is eliminated, without the dense block that is left.
-  estimate.entries = std::max(mumps.statistics().factorEntries, static_cast<double>(estimate.rows));
-  estimate.flops = mumps.statistics().factorizationFlops;
+  estimate.entries = static_cast<double>(tree.factorEntries);
+  estimate.flops = tree.flops;
   return estimate;
 }
 

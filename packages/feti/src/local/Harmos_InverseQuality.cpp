@@ -108,10 +108,10 @@ DefectLimit defectLimit(const InverseQuality& quality, const LocalInverseSetting
   const bool single = settings.precision == Precision::Single;
   const double factor = single ? 300.0 : 3000.0, unitRoundoff = single ? 0x1p-24 : 0x1p-53;
   const double least = single ? 1e-4 : 1e-8;
-  const double accuracy = std::max(factor * unitRoundoff, 10.0 * settings.blockLowRank);
+  const double accuracy = std::max(factor * unitRoundoff, 10.0 * settings.solver.blockLowRank);
   // Two digits are the least that an answer is worth; double precision is to stay below the tolerance of an
   // ordinary run, 1e-4, by a factor.
-  const double most = single || settings.blockLowRank > 0.0 ? 1e-2 : 1e-5;
+  const double most = single || settings.solver.blockLowRank > 0.0 ? 1e-2 : 1e-5;
   const double rounding = std::max(least, accuracy * quality.condition());
   return {rounding, std::min(most, rounding)};
 }

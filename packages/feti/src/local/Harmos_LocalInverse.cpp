@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_LocalInverse.hpp"
 
+#include "Harmos_Condensation.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_FixingDofs.hpp"
-#include "Harmos_Mumps.hpp"
 
 #include <Teuchos_LAPACK.hpp>
 
@@ -49,103 +49,128 @@ void throughAllDofs(int n, const std::vector<int>& boundary, const double* t, do
 // S t = K_bb t − K_bi K_ii⁻¹ K_ib t with a factorisation of K_ii.
 class SchurBySolves : public BoundaryOperator {
  public:
-  SchurBySolves(const LocalMatrix& matrix, std::vector<int> boundary)
-      : matrix_(&matrix), boundary_(std::move(boundary)) {
-    interiorSolve_ = std::make_unique<SparseSolve>(interior(), "MUMPS", Precision::Double, 0.0);
+  SchurBySolves(const LocalMatrix& matrix, std::vector<int> boundary, const SparseSolverChoice& solver,
+                std::shared_ptr<FactorizationContext> context)
+      : boundary_(std::move(boundary)), rows_(static_cast<std::size_t>(matrix.rows())) {
+    split(matrix);
+    SparseFactorSettings settings;
+    settings.solver = solver;
+    settings.absent = boundary_;
+    settings.ends = coupling_.columns;
+    interior_ = makeSparseFactor(matrix, settings, std::move(context));
   }
 
   void refactor(const LocalMatrix& matrix) {
-    matrix_ = &matrix;
-    interiorSolve_->refactor(interior());
+    split(matrix);
+    interior_->refactor(matrix);
   }
 
-  FactorizationCounts counts() const { return interiorSolve_->counts(); }
+  FactorizationCounts counts() const { return interior_->counts(); }
 
   int size() const override { return static_cast<int>(boundary_.size()); }
 
   void apply(const double* t, double* u, int count) const override {
-    const auto n = static_cast<std::size_t>(matrix_->rows());
-    std::vector<double> image;
-    throughAllDofs(matrix_->rows(), boundary_, t, u, count, [&](double* x, int number) {
-      image.resize(n * static_cast<std::size_t>(number));
-      for (std::size_t c = 0; c < static_cast<std::size_t>(number); ++c) {
-        matrix_->multiply(x + c * n, image.data() + c * n); // (K_bb t, K_ib t)
-        for (int dof : boundary_)
-          image[c * n + static_cast<std::size_t>(dof)] = 0.0;
-      }
-      interiorSolve_->solve(image.data(), number);
-      // K (t, −K_ii⁻¹K_ib t) is S t on b.
-      for (std::size_t k = 0; k < image.size(); ++k)
-        x[k] -= image[k];
-      for (std::size_t c = 0; c < static_cast<std::size_t>(number); ++c) {
-        matrix_->multiply(x + c * n, image.data() + c * n);
-        std::copy(image.data() + c * n, image.data() + (c + 1) * n, x + c * n);
-      }
+    block_->apply(t, u, count);
+    const std::size_t b = boundary_.size();
+    inParts(count, [&](int first, int number) {
+      interiorLoad_.assign(rows_ * static_cast<std::size_t>(number), 0.0);
+      for (std::size_t c = 0; c < static_cast<std::size_t>(number); ++c)
+        for (std::size_t r = 0; r < b; ++r)
+          for (std::size_t k = coupling_.offsets[r]; k < coupling_.offsets[r + 1]; ++k)
+            interiorLoad_[c * rows_ + static_cast<std::size_t>(coupling_.columns[k])] +=
+                coupling_.values[k] * t[(static_cast<std::size_t>(first) + c) * b + r];
+      interior_->solveAtEnds(interiorLoad_.data(), number);
+      for (std::size_t c = 0; c < static_cast<std::size_t>(number); ++c)
+        for (std::size_t r = 0; r < b; ++r) {
+          double sum = 0.0;
+          for (std::size_t k = coupling_.offsets[r]; k < coupling_.offsets[r + 1]; ++k)
+            sum += coupling_.values[k] *
+                   interiorLoad_[c * rows_ + static_cast<std::size_t>(coupling_.columns[k])];
+          u[(static_cast<std::size_t>(first) + c) * b + r] -= sum;
+        }
     });
   }
 
-  double bytes() const override { return interiorSolve_->bytes(); }
-  double bytesRead(int count) const override {
-    return 2.0 * bytes() * std::ceil(count / double(mostColumns));
+  double bytes() const override {
+    return interior_->bytes() + block_->bytes() + 12.0 * static_cast<double>(coupling_.entries());
   }
-  double flops() const override { return interiorSolve_->flops(); }
+  double bytesRead(int count) const override {
+    return interior_->bytesRead(count) +
+           count * (block_->bytesRead(1) + 24.0 * static_cast<double>(coupling_.entries()));
+  }
+  double flops() const override {
+    return interior_->flops() + block_->flops() + 4.0 * static_cast<double>(coupling_.entries());
+  }
 
  private:
-  // K_ii, with the diagonal at boundary dofs.
-  LocalMatrix interior() const {
-    LocalMatrix result = *matrix_;
-    std::vector<bool> isBoundary(static_cast<std::size_t>(result.rows()), false);
+  // K_bb, and K_bi: a row for each of b, columns those of K.
+  void split(const LocalMatrix& matrix) {
+    block_ = std::make_unique<SparseOperator>(matrix, boundary_);
+    std::vector<bool> isBoundary(rows_, false);
     for (int dof : boundary_)
       isBoundary[static_cast<std::size_t>(dof)] = true;
-    for (std::size_t i = 0; i < isBoundary.size(); ++i)
-      for (std::size_t k = result.offsets[i]; k < result.offsets[i + 1]; ++k) {
-        const auto j = static_cast<std::size_t>(result.columns[k]);
-        if (i != j && (isBoundary[i] || isBoundary[j]))
-          result.values[k] = 0.0;
-      }
-    return result;
+    coupling_ = LocalMatrix();
+    for (int dof : boundary_) {
+      const auto row = static_cast<std::size_t>(dof);
+      for (std::size_t k = matrix.offsets[row]; k < matrix.offsets[row + 1]; ++k)
+        if (!isBoundary[static_cast<std::size_t>(matrix.columns[k])]) {
+          coupling_.columns.push_back(matrix.columns[k]);
+          coupling_.values.push_back(matrix.values[k]);
+        }
+      coupling_.offsets.push_back(coupling_.columns.size());
+    }
   }
 
-  const LocalMatrix* matrix_;
   std::vector<int> boundary_;
-  std::unique_ptr<SparseSolve> interiorSolve_;
+  std::size_t rows_;
+  std::unique_ptr<SparseOperator> block_;
+  LocalMatrix coupling_;
+  std::unique_ptr<SparseFactor> interior_;
+  mutable std::vector<double> interiorLoad_;
 };
 
 class ImplicitInverse : public LocalInverse {
  public:
   ImplicitInverse(const LocalMatrix& matrix, const Kernel& kernel, std::vector<int> boundary,
-                  const LocalInverseSettings& settings)
+                  const LocalInverseSettings& settings, std::shared_ptr<FactorizationContext> context)
       : matrix_(&matrix),
         fixing_(kernel.columns > 0 ? fixingDofs(matrix, kernel, settings.fixingPlaces) : std::vector<int>()),
-        solve_(definite(kernel), settings.implicitSolver, settings.precision, settings.blockLowRank),
-        boundary_(*this, std::move(boundary)) {}
+        solver_(settings.solver),
+        context_(std::move(context)),
+        boundary_(*this, std::move(boundary)) {
+    SparseFactorSettings factor;
+    factor.solver = solver_;
+    factor.precision = settings.precision;
+    factor.ends = boundary_.boundary();
+    factor_ = makeSparseFactor(definite(kernel), factor, context_);
+  }
 
   void apply(double* x, int count) const override {
     const auto n = static_cast<std::size_t>(matrix_->rows());
     inParts(count,
-            [&](int first, int number) { solve_.solve(x + static_cast<std::size_t>(first) * n, number); });
+            [&](int first, int number) { factor_->solve(x + static_cast<std::size_t>(first) * n, number); });
   }
 
   const BoundaryOperator& boundaryOperator() const override { return boundary_; }
 
   std::shared_ptr<const BoundaryOperator> schurComplement() const override {
     if (!schur_)
-      schur_ = std::make_shared<SchurBySolves>(*matrix_, boundary_.boundary());
+      schur_ = std::make_shared<SchurBySolves>(*matrix_, boundary_.boundary(), solver_, context_);
     return schur_;
   }
 
-  double bytes() const override { return solve_.bytes(); }
+  double bytes() const override { return factor_->bytes() + (schur_ ? schur_->bytes() : 0.0); }
 
   void refactor(const LocalMatrix& matrix, const Kernel& kernel) override {
     HARMOS_REQUIRE((kernel.columns == 0) == fixing_.empty(), "the kernel has appeared or vanished");
     matrix_ = &matrix;
-    solve_.refactor(definite(kernel));
+    factor_->refactor(definite(kernel));
     if (schur_)
       schur_->refactor(matrix);
   }
 
   FactorizationCounts counts() const override {
-    FactorizationCounts sum = solve_.counts();
+    FactorizationCounts sum = factor_->counts();
     if (schur_)
       sum += schur_->counts();
     return sum;
@@ -164,13 +189,11 @@ class ImplicitInverse : public LocalInverse {
     int size() const override { return static_cast<int>(boundary_.size()); }
     void apply(const double* t, double* u, int count) const override {
       throughAllDofs(inverse_.matrix_->rows(), boundary_, t, u, count,
-                     [&](double* x, int number) { inverse_.solve_.solve(x, number); });
+                     [&](double* x, int number) { inverse_.factor_->solveAtEnds(x, number); });
     }
-    double bytes() const override { return inverse_.bytes(); }
-    double bytesRead(int count) const override {
-      return 2.0 * bytes() * std::ceil(count / static_cast<double>(mostColumns)); // forward and backward
-    }
-    double flops() const override { return inverse_.solve_.flops(); }
+    double bytes() const override { return inverse_.factor_->bytes(); }
+    double bytesRead(int count) const override { return inverse_.factor_->bytesRead(count); }
+    double flops() const override { return inverse_.factor_->flops(); }
     const std::vector<int>& boundary() const { return boundary_; }
 
    private:
@@ -180,8 +203,10 @@ class ImplicitInverse : public LocalInverse {
 
   const LocalMatrix* matrix_;
   std::vector<int> fixing_; ///< dofs that hold the kernel; none without one
-  SparseSolve solve_;
+  SparseSolverChoice solver_;
+  std::shared_ptr<FactorizationContext> context_;
   Restriction boundary_;
+  std::unique_ptr<SparseFactor> factor_;
   mutable std::shared_ptr<SchurBySolves> schur_; ///< made when it is asked for
 };
 
@@ -206,20 +231,22 @@ void invert(std::vector<double>& a, int n) {
 class CondensedInverse : public LocalInverse {
  public:
   CondensedInverse(const LocalMatrix& matrix, const Kernel& kernel, const std::vector<int>& boundary,
-                   int columns, const LocalInverseSettings& settings, OrderingCache& orderings)
+                   int columns, const LocalInverseSettings& settings,
+                   std::shared_ptr<FactorizationContext> context)
       : n_(matrix.rows()),
         b_(static_cast<int>(boundary.size())),
         boundary_(boundary),
         columns_(columns),
         settings_(settings) {
-    make(matrix, kernel, &orderings);
+    if (b_ < n_)
+      interior_ = makeCondensation(settings.solver, boundary, std::move(context));
+    make(matrix, kernel);
   }
 
-  void refactor(const LocalMatrix& matrix, const Kernel& kernel) override { make(matrix, kernel, nullptr); }
+  void refactor(const LocalMatrix& matrix, const Kernel& kernel) override { make(matrix, kernel); }
 
   FactorizationCounts counts() const override {
-    return mumps_ ? FactorizationCounts{mumps_->statistics().analyses, mumps_->statistics().factorizations}
-                  : FactorizationCounts{};
+    return interior_ ? interior_->counts() : FactorizationCounts();
   }
 
   void apply(double* x, int count) const override {
@@ -228,14 +255,14 @@ class CondensedInverse : public LocalInverse {
       double* part = x + static_cast<std::size_t>(first) * static_cast<std::size_t>(n_);
       reduced.resize(static_cast<std::size_t>(b_) * static_cast<std::size_t>(number));
       boundary.resize(reduced.size());
-      if (mumps_ == nullptr) { // all dofs are on the boundary
+      if (interior_ == nullptr) { // all dofs are on the boundary
         inverse_->apply(part, boundary.data(), number);
         std::copy(boundary.begin(), boundary.end(), part);
         return;
       }
-      mumps_->condense(part, reduced.data(), number);
+      interior_->reduce(part, reduced.data(), number);
       inverse_->apply(reduced.data(), boundary.data(), number);
-      mumps_->expand(part, boundary.data(), number);
+      interior_->expand(part, boundary.data(), number);
     });
   }
 
@@ -247,14 +274,14 @@ class CondensedInverse : public LocalInverse {
   }
 
   double bytes() const override {
-    const double factors = mumps_ == nullptr ? 0.0 : 8.0 * mumps_->statistics().factorEntries;
+    const double factors = interior_ == nullptr ? 0.0 : interior_->bytes();
     return factors + inverse_->bytes() + (schur_ ? schur_->bytes() : 0.0);
   }
 
  private:
-  // S, and S⁺ from it. @param orderings null: by the analysis that is there.
-  void make(const LocalMatrix& matrix, const Kernel& kernel, OrderingCache* orderings) {
-    std::vector<double> s = condense(matrix, orderings);
+  // S, and S⁺ from it.
+  void make(const LocalMatrix& matrix, const Kernel& kernel) {
+    std::vector<double> s = interior_ ? interior_->condense(matrix) : whole(matrix);
     if (settings_.keepSchur)
       schur_ = std::make_shared<DenseOperator>(s, b_, settings_.precision, columns_);
     if (kernel.columns > 0) {
@@ -278,36 +305,13 @@ class CondensedInverse : public LocalInverse {
     inverse_ = std::make_unique<DenseOperator>(std::move(s), b_, settings_.precision, columns_);
   }
 
-  // S; keeps the factorisation of K_ii, if there is an interior.
-  std::vector<double> condense(const LocalMatrix& matrix, OrderingCache* orderings) {
-    if (b_ == n_) {
-      std::vector<double> whole(static_cast<std::size_t>(n_) * static_cast<std::size_t>(n_), 0.0);
-      for (std::size_t i = 0; i + 1 < matrix.offsets.size(); ++i)
-        for (std::size_t k = matrix.offsets[i]; k < matrix.offsets[i + 1]; ++k)
-          whole[static_cast<std::size_t>(matrix.columns[k]) * static_cast<std::size_t>(n_) + i] =
-              matrix.values[k];
-      return whole;
-    }
-    Triplets triplets = lowerTriangle(matrix, 1);
-    const std::size_t hash = patternHash(matrix);
-    if (orderings == nullptr) {
-      if (hash != patternHash_)
-        throw InputError("a matrix is to be factored by the analysis of another one, but its graph differs");
-      mumps_->refactorize(std::move(triplets.rows), std::move(triplets.columns), std::move(triplets.values));
-      return mumps_->schurComplement();
-    }
-    patternHash_ = hash;
-    MumpsOptions options;
-    options.blockLowRank = settings_.blockLowRank;
-    std::vector<int>& position = (*orderings)[{n_, hash, boundary_}];
-    if (!position.empty())
-      options.ordering = MumpsOptions::Ordering::Given;
-    mumps_ = std::make_unique<Mumps>(MPI_COMM_SELF, options);
-    mumps_->analyse(n_, std::move(triplets.rows), std::move(triplets.columns), boundary_, position);
-    if (position.empty())
-      position = mumps_->ordering();
-    mumps_->factorize(std::move(triplets.values));
-    return mumps_->schurComplement();
+  std::vector<double> whole(const LocalMatrix& matrix) const {
+    std::vector<double> result(static_cast<std::size_t>(n_) * static_cast<std::size_t>(n_), 0.0);
+    for (std::size_t i = 0; i + 1 < matrix.offsets.size(); ++i)
+      for (std::size_t k = matrix.offsets[i]; k < matrix.offsets[i + 1]; ++k)
+        result[static_cast<std::size_t>(matrix.columns[k]) * static_cast<std::size_t>(n_) + i] =
+            matrix.values[k];
+    return result;
   }
 
   int n_;
@@ -315,8 +319,7 @@ class CondensedInverse : public LocalInverse {
   std::vector<int> boundary_;
   int columns_;
   LocalInverseSettings settings_;
-  std::size_t patternHash_ = 0;
-  std::unique_ptr<Mumps> mumps_; ///< of K_ii, with b for Schur rows
+  std::unique_ptr<Condensation> interior_; ///< of i; null if there is none
   std::unique_ptr<DenseOperator> inverse_;
   std::shared_ptr<const DenseOperator> schur_;
 };
@@ -325,15 +328,16 @@ class CondensedInverse : public LocalInverse {
 
 std::unique_ptr<LocalInverse> makeImplicitInverse(const LocalMatrix& matrix, const Kernel& kernel,
                                                   const std::vector<int>& boundary,
-                                                  const LocalInverseSettings& settings) {
-  return std::make_unique<ImplicitInverse>(matrix, kernel, boundary, settings);
+                                                  const LocalInverseSettings& settings,
+                                                  std::shared_ptr<FactorizationContext> context) {
+  return std::make_unique<ImplicitInverse>(matrix, kernel, boundary, settings, std::move(context));
 }
 
 std::unique_ptr<LocalInverse> makeCondensedInverse(const LocalMatrix& matrix, const Kernel& kernel,
                                                    const std::vector<int>& boundary, int columns,
                                                    const LocalInverseSettings& settings,
-                                                   OrderingCache& orderings) {
-  return std::make_unique<CondensedInverse>(matrix, kernel, boundary, columns, settings, orderings);
+                                                   std::shared_ptr<FactorizationContext> context) {
+  return std::make_unique<CondensedInverse>(matrix, kernel, boundary, columns, settings, std::move(context));
 }
 
 std::vector<int> boundaryWithSupport(const LocalMatrix& matrix, const Kernel& kernel,

@@ -4,12 +4,9 @@
 #include "Harmos_BoundaryOperator.hpp"
 #include "Harmos_Kernel.hpp"
 #include "Harmos_LocalMatrix.hpp"
-#include "Harmos_SparseSolve.hpp"
+#include "Harmos_SparseFactor.hpp"
 
-#include <map>
 #include <memory>
-#include <string>
-#include <tuple>
 #include <vector>
 
 namespace Harmos::feti {
@@ -44,22 +41,9 @@ class LocalInverse {
 /// What the making of a local inverse needs to know.
 struct LocalInverseSettings {
   Precision precision = Precision::Double; ///< of dense blocks, or of sparse factors
-  /// Amesos2 solver of the implicit form: "MUMPS" for Harmos' own, or a name that Amesos2 knows.
-  std::string implicitSolver = "MUMPS";
-  double blockLowRank = 0.0; ///< MumpsOptions::blockLowRank
-  int fixingPlaces = 4;      ///< see fixingDofs()
-  bool keepSchur = false;    ///< the condensed form is to keep S, for a Dirichlet preconditioner
-};
-
-/// Orders of elimination by pattern, for matrices that are factored one after the other: the first one pays
-/// for the ordering. A wrong guess would cost time, not correctness.
-class OrderingCache {
- public:
-  using Key = std::tuple<int, std::size_t, std::vector<int>>; ///< order, hash of the pattern, boundary
-  std::vector<int>& operator[](const Key& key) { return positions_[key]; }
-
- private:
-  std::map<Key, std::vector<int>> positions_;
+  SparseSolverChoice solver;               ///< names of Amesos2 are for the implicit form alone
+  int fixingPlaces = 4;                    ///< see fixingDofs()
+  bool keepSchur = false; ///< the condensed form is to keep S, for a Dirichlet preconditioner
 };
 
 /// K⁺ = (K + VVᵀ)⁻¹ by a sparse Cholesky factorisation; see regularized(). A product on the boundary
@@ -70,7 +54,8 @@ class OrderingCache {
 /// @param boundary rising.
 std::unique_ptr<LocalInverse> makeImplicitInverse(const LocalMatrix& matrix, const Kernel& kernel,
                                                   const std::vector<int>& boundary,
-                                                  const LocalInverseSettings& settings);
+                                                  const LocalInverseSettings& settings,
+                                                  std::shared_ptr<FactorizationContext> context);
 
 /// With S the Schur complement on b and R_b the rows of the kernel there,
 ///
@@ -82,7 +67,7 @@ std::unique_ptr<LocalInverse> makeImplicitInverse(const LocalMatrix& matrix, con
 std::unique_ptr<LocalInverse> makeCondensedInverse(const LocalMatrix& matrix, const Kernel& kernel,
                                                    const std::vector<int>& boundary, int columns,
                                                    const LocalInverseSettings& settings,
-                                                   OrderingCache& orderings);
+                                                   std::shared_ptr<FactorizationContext> context);
 
 /// The boundary, extended by fixing dofs where it alone would not hold the kernel (a subdomain that is
 /// touched at one node) or where it is empty.

@@ -168,7 +168,7 @@ LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints
   std::vector<std::unique_ptr<LocalInverse>> inverses;
   double condition = 1.0;
   agree(*system.comm(), [&] {
-    OrderingCache orderings;
+    const auto context = std::make_shared<FactorizationContext>();
     classes = congruenceClasses(system, constraints, options.share, options.fixingPlaces);
     for (const CongruenceClass& item : classes) {
       const int first = item.members.front();
@@ -177,13 +177,14 @@ LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints
       const std::string number = std::to_string(system.subdomain(first).number);
       rethrowing(matrix, kernel, options, number, [&] {
         inverses.push_back(options.form == DualForm::Implicit
-                               ? makeImplicitInverse(matrix, kernel, item.boundary, options)
+                               ? makeImplicitInverse(matrix, kernel, item.boundary, options, context)
                                : makeCondensedInverse(matrix, kernel, item.boundary,
                                                       static_cast<int>(item.members.size()), options,
-                                                      orderings));
+                                                      context));
       });
       condition = std::max(condition, verified(matrix, kernel, *inverses.back(), options, number));
     }
+    context->releaseWorkspace();
   });
   LocalInverses result(std::move(classes), std::move(inverses));
   result.condition_ = condition;

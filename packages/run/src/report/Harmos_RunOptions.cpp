@@ -131,17 +131,19 @@ void checkConsistency(const scene::Scene& scene, const RunOptions& options) {
             "of 1e-6 at least",
         {{"path", "Solver/Tolerance"}});
   const feti::LocalInverseOptions& inverses = options.dual.inverses;
-  if (options.dual.form != feti::DualForm::Condensed && inverses.implicitSolver != "MUMPS") {
-    if (!feti::SparseSolve::isAvailable(inverses.implicitSolver))
-      throw InputError("\"Dual operator/Implicit solver\" = \"" + inverses.implicitSolver +
-                           "\" is no direct solver of this Trilinos; use \"MUMPS\" or \"KLU2\"",
+  const std::string& solver = inverses.solver.name;
+  const bool isHarmos = solver == feti::SparseSolverChoice::multifrontal || solver == "MUMPS";
+  if (options.dual.form != feti::DualForm::Condensed && !isHarmos) {
+    if (!feti::SparseSolverChoice::isAvailable(solver))
+      throw InputError("\"Dual operator/Implicit solver\" = \"" + solver +
+                           "\" is no direct solver of this Trilinos; use \"multifrontal\", \"MUMPS\" or "
+                           "\"KLU2\"",
                        {{"path", "Dual operator/Implicit solver"}});
-    if (inverses.precision == feti::Precision::Single || inverses.blockLowRank > 0.0)
-      throw InputError(
-          "contradictory options: single precision and block low rank factors are MUMPS' alone, but "
-          "\"Dual operator/Implicit solver\" = \"" +
-              inverses.implicitSolver + "\"",
-          {{"path", "Dual operator/Implicit solver"}});
+    if (inverses.precision == feti::Precision::Single || inverses.solver.blockLowRank > 0.0)
+      throw InputError("contradictory options: single precision is for \"multifrontal\" and \"MUMPS\" alone, "
+                       "block low rank factors for MUMPS, but \"Dual operator/Implicit solver\" = \"" +
+                           solver + "\"",
+                       {{"path", "Dual operator/Implicit solver"}});
   }
   if (options.outputDirectory.empty())
     throw InputError("\"Output/Directory\" is empty; name a directory, \".\" for the present one",

@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_MultifrontalCholesky.hpp"
+
+#include "Harmos_Errors.hpp"
+
+#include <Teuchos_BLAS.hpp>
+#include <Teuchos_LAPACK.hpp>
+
+#include <algorithm>
+#include <cstring>
+
+namespace Harmos::feti {
+namespace {
+
+std::size_t at(int k) {
+  return static_cast<std::size_t>(k);
+}
+
+namespace Portable {
+#include "Harmos_MultifrontalCholesky_panels.inc"
+} // namespace Portable
+
+// The same source compiled for wider registers as well, chosen when the program runs; see
+// Harmos_PackedSymmetric.cpp.
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
+#pragma GCC push_options
+#pragma GCC target("avx2,fma")
+namespace Wide {
+#include "Harmos_MultifrontalCholesky_panels.inc"
+} // namespace Wide
+#pragma GCC pop_options
+
+bool isWide() {
+  static const bool result = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  return result;
+}
+#else
+namespace Wide = Portable;
+constexpr bool isWide() {
+  return false;
+}
+#endif
+
+// Columns of the panel that begins at column j of a front.
+int panelColumns(const FrontTree::Front& front, int j) {
+  return std::min(FrontTree::panelColumns, front.columns - j);
+}
+
+// The matrices of fronts, one after the other.
+class Elimination {
+ public:
+  Elimination(const LocalMatrix& matrix, const FrontTree& tree, FrontWorkspace& workspace, double* schur)
+      : matrix_(matrix),
+        tree_(tree),
+        stack_(workspace.stack(tree.stackEntries)),
+        dense_(workspace.front(at(tree.largestFront) * at(tree.largestFront))),
+        schur_(schur),
+        local_(at(tree.size())) {
+    // Rows that stay: their own entries first, then what fronts leave for them.
+    const int m = tree.eliminated(), stay = tree.remaining;
+    for (int k = m; k < tree.size(); ++k)
+      forEachEntry(k, k, [&](int i, double value) { schur_[at(k - m) * at(stay) + at(i - m)] += value; });
+  }
+
+  // Eliminates the columns of a front, the next one. @return its columns, of the height of all its rows.
+  const double* eliminate(std::size_t f) {
+    const FrontTree::Front& front = tree_.fronts[f];
+    assemble(f, front);
+    const int k = front.columns, r = front.below, height = k + r;
+    int info = 0;
+    Teuchos::LAPACK<int, double>().POTRF('L', k, dense_, height, &info);
+    if (info != 0)
+      throw NumericalError("the matrix is not positive definite: no pivot is left at row " +
+                           std::to_string(tree_.order[at(front.first + std::max(info, 1) - 1)]) + " of " +
+                           std::to_string(matrix_.rows()));
+    if (r > 0) {
+      const Teuchos::BLAS<int, double> blas;
+      blas.TRSM(Teuchos::RIGHT_SIDE, Teuchos::LOWER_TRI, Teuchos::TRANS, Teuchos::NON_UNIT_DIAG, r, k, 1.0,
+                dense_, height, dense_ + k, height);
+      double* corner = dense_ + at(k) * at(height) + at(k);
+      blas.SYRK(Teuchos::LOWER_TRI, Teuchos::NO_TRANS, r, k, -1.0, dense_ + k, height, 1.0, corner, height);
+      if (front.parent >= 0)
+        push(f, corner, height);
+      else
+        addToSchur(front, corner, height);
+    }
+    return dense_;
+  }
+
+ private:
+  // Entries of the row at a place of places from `least` on: visit(place, value).
+  template<class Visit>
+  void forEachEntry(int place, int least, Visit&& visit) const {
+    const std::size_t row = at(tree_.order[at(place)]);
+    for (std::size_t e = matrix_.offsets[row]; e < matrix_.offsets[row + 1]; ++e)
+      if (const int i = tree_.place[at(matrix_.columns[e])]; i >= least)
+        visit(i, matrix_.values[e]);
+  }
+
+  // The lower triangle: entries of the matrix, and what the children left.
+  void assemble(std::size_t f, const FrontTree::Front& front) {
+    const int k = front.columns, height = k + front.below;
+    const int* rows = tree_.rows.data() + front.rows;
+    for (int j = 0; j < height; ++j)
+      std::fill(dense_ + at(j) * at(height) + at(j), dense_ + at(j + 1) * at(height), 0.0);
+    for (int j = 0; j < k; ++j)
+      local_[at(front.first + j)] = j;
+    for (int i = 0; i < front.below; ++i)
+      local_[at(rows[i])] = k + i;
+    for (int j = 0; j < k; ++j)
+      forEachEntry(front.first + j, front.first + j,
+                   [&](int i, double value) { dense_[at(j) * at(height) + at(local_[at(i)])] += value; });
+    for (; !waiting_.empty() && tree_.fronts[waiting_.back().front].parent == static_cast<int>(f);
+         waiting_.pop_back()) {
+      const FrontTree::Front& child = tree_.fronts[waiting_.back().front];
+      const int* below = tree_.rows.data() + child.rows;
+      places_.resize(at(child.below));
+      for (std::size_t i = 0; i < places_.size(); ++i)
+        places_[i] = local_[at(below[i])];
+      add(stack_ + waiting_.back().begin, child.below, child.below, dense_, height);
+      top_ = waiting_.back().begin;
+    }
+  }
+
+  // to(places, places) += the lower triangle of `update`, of order r. Rows that follow each other in both are
+  // added at once: boundary rows mostly do.
+  void add(const double* update, int r, int stride, double* to, int height) {
+    runs_.resize(places_.size());
+    for (std::size_t i = places_.size(); i-- > 0;)
+      runs_[i] = i + 1 < places_.size() && places_[i + 1] == places_[i] + 1 ? runs_[i + 1] : i + 1;
+    for (std::size_t j = 0; j < at(r); ++j) {
+      double* column = to + at(places_[j]) * at(height);
+      const double* from = update + j * at(stride);
+      for (std::size_t i = j; i < at(r);) {
+        const std::size_t end = runs_[i], length = end - i;
+        double* t = column + places_[i];
+        const double* s = from + i;
+        for (std::size_t q = 0; q < length; ++q)
+          t[q] += s[q];
+        i = end;
+      }
+    }
+  }
+
+  void push(std::size_t f, const double* corner, int height) {
+    const std::size_t r = at(tree_.fronts[f].below);
+    for (std::size_t j = 0; j < r; ++j)
+      std::copy(corner + j * at(height) + j, corner + j * at(height) + r, stack_ + top_ + j * r + j);
+    waiting_.push_back({f, top_});
+    top_ += r * r;
+  }
+
+  void addToSchur(const FrontTree::Front& front, const double* corner, int height) {
+    const int* rows = tree_.rows.data() + front.rows;
+    places_.assign(rows, rows + front.below);
+    for (int& place : places_)
+      place -= tree_.eliminated();
+    add(corner, front.below, height, schur_, tree_.remaining);
+  }
+
+  struct Waiting {
+    std::size_t front, begin; ///< whose, and where on the stack
+  };
+  const LocalMatrix& matrix_;
+  const FrontTree& tree_;
+  double* stack_;
+  double* dense_;
+  double* schur_;
+  std::size_t top_ = 0;
+  std::vector<Waiting> waiting_;
+  std::vector<int> local_, places_;
+  std::vector<std::size_t> runs_;
+};
+
+} // namespace
+
+double* FrontWorkspace::enough(std::unique_ptr<double[]>& memory, std::size_t& size, std::size_t entries) {
+  if (entries > size) {
+    memory.reset(); // before the new one is asked for
+    memory.reset(new double[entries]);
+    size = entries;
+  }
+  return memory.get();
+}
+
+MultifrontalCholesky::MultifrontalCholesky(const LocalMatrix& matrix, std::shared_ptr<const FrontTree> tree,
+                                           Precision precision, FrontWorkspace& workspace)
+    : tree_(std::move(tree)), precision_(precision) {
+  refactor(matrix, workspace);
+}
+
+void MultifrontalCholesky::refactor(const LocalMatrix& matrix, FrontWorkspace& workspace) {
+  const FrontTree& tree = *tree_;
+  HARMOS_REQUIRE(at(matrix.rows()) == tree.place.size(), "the matrix is not the one that was analysed");
+  if (precision_ == Precision::Double)
+    double_.resize(tree.factorEntries);
+  else
+    single_.resize(tree.factorEntries);
+  const std::size_t stay = at(tree.remaining);
+  schur_.assign(stay * stay, 0.0);
+  Elimination elimination(matrix, tree, workspace, schur_.data());
+  for (std::size_t f = 0; f < tree.fronts.size(); ++f) {
+    const FrontTree::Front& front = tree.fronts[f];
+    const double* dense = elimination.eliminate(f);
+    if (precision_ == Precision::Double)
+      store(front, dense, front.columns + front.below, double_);
+    else
+      store(front, dense, front.columns + front.below, single_);
+  }
+  for (std::size_t j = 0; j < stay; ++j)
+    for (std::size_t i = j + 1; i < stay; ++i)
+      schur_[i * stay + j] = schur_[j * stay + i];
+}
+
+template<class T>
+void MultifrontalCholesky::store(const FrontTree::Front& front, const double* dense, int height,
+                                 std::vector<T>& factor) {
+  T* to = factor.data() + front.entries;
+  for (int j = 0; j < front.columns; j += FrontTree::panelColumns)
+    for (int c = j; c < j + panelColumns(front, j); ++c) {
+      const double* from = dense + at(c) * at(height) + at(j);
+      to = std::transform(from, from + (front.height() - j), to,
+                          [](double value) { return static_cast<T>(value); });
+    }
+}
+
+std::vector<double> MultifrontalCholesky::takeSchurComplement() {
+  return std::move(schur_);
+}
+
+template<class T>
+void MultifrontalCholesky::forward(const std::vector<T>& factor, const std::vector<char>* reached, double* x,
+                                   double* w) const {
+  const bool wide = isWide();
+  for (std::size_t f = 0; f < tree_->fronts.size(); ++f) {
+    if (reached != nullptr && !(*reached)[f])
+      continue;
+    const FrontTree::Front& front = tree_->fronts[f];
+    const int* rows = tree_->rows.data() + front.rows;
+    std::copy(x + front.first, x + front.first + front.columns, w);
+    std::fill(w + front.columns, w + front.height(), 0.0);
+    const T* panel = factor.data() + front.entries;
+    for (int j = 0; j < front.columns; j += FrontTree::panelColumns) {
+      const int height = front.height() - j, columns = panelColumns(front, j);
+      if (wide)
+        Wide::forwardPanel(panel, height, columns, w + j);
+      else
+        Portable::forwardPanel(panel, height, columns, w + j);
+      panel += at(height) * at(columns);
+    }
+    std::copy(w, w + front.columns, x + front.first);
+    for (int i = 0; i < front.inner; ++i)
+      x[rows[i]] += w[front.columns + i];
+  }
+}
+
+template<class T>
+void MultifrontalCholesky::backward(const std::vector<T>& factor, const std::vector<char>* reached, double* x,
+                                    double* w) const {
+  const bool wide = isWide();
+  for (std::size_t f = tree_->fronts.size(); f-- > 0;) {
+    if (reached != nullptr && !(*reached)[f])
+      continue;
+    const FrontTree::Front& front = tree_->fronts[f];
+    const int* rows = tree_->rows.data() + front.rows;
+    std::copy(x + front.first, x + front.first + front.columns, w);
+    for (int i = 0; i < front.inner; ++i)
+      w[front.columns + i] = x[rows[i]];
+    // Panels stand one after the other; the last one ends where the next front begins.
+    const T* panel =
+        factor.data() + (f + 1 < tree_->fronts.size() ? tree_->fronts[f + 1].entries : tree_->factorEntries);
+    for (int j = (front.columns - 1) / FrontTree::panelColumns * FrontTree::panelColumns; j >= 0;
+         j -= FrontTree::panelColumns) {
+      const int height = front.height() - j, columns = panelColumns(front, j);
+      panel -= at(height) * at(columns);
+      if (wide)
+        Wide::backwardPanel(panel, height, columns, w + j);
+      else
+        Portable::backwardPanel(panel, height, columns, w + j);
+    }
+    std::copy(w, w + front.columns, x + front.first);
+  }
+}
+
+void MultifrontalCholesky::solve(double* x, int count) const {
+  solve(x, count, nullptr);
+}
+
+void MultifrontalCholesky::solveReached(double* x, int count, const std::vector<char>& reached) const {
+  solve(x, count, &reached);
+}
+
+void MultifrontalCholesky::solve(double* x, int count, const std::vector<char>* reached) const {
+  const std::size_t m = at(tree_->eliminated());
+  const int* order = tree_->order.data();
+  permuted_.resize(m);
+  work_.resize(at(tree_->largestFront));
+  for (int c = 0; c < count; ++c, x += tree_->place.size()) {
+    for (std::size_t k = 0; k < m; ++k)
+      permuted_[k] = x[order[k]];
+    if (precision_ == Precision::Double) {
+      forward(double_, reached, permuted_.data(), work_.data());
+      backward(double_, reached, permuted_.data(), work_.data());
+    } else {
+      forward(single_, reached, permuted_.data(), work_.data());
+      backward(single_, reached, permuted_.data(), work_.data());
+    }
+    for (std::size_t k = 0; k < m; ++k)
+      x[order[k]] = permuted_[k];
+  }
+}
+
+double MultifrontalCholesky::bytes() const {
+  return 8.0 * static_cast<double>(double_.size() + schur_.size()) +
+         4.0 * static_cast<double>(single_.size());
+}
+
+} // namespace Harmos::feti

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_BoundaryOperator.hpp"
+#include "Harmos_LocalMatrix.hpp"
+#include "Harmos_MultifrontalCholesky.hpp"
+#include "Harmos_SparseSolve.hpp"
+
+#include <map>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace Harmos::feti {
+
+/// Which solver factors a subdomain's matrix.
+struct SparseSolverChoice {
+  /// "multifrontal" for MultifrontalCholesky, "MUMPS" for Harmos' adapter, or a name that Amesos2 knows.
+  std::string name = "multifrontal";
+  double blockLowRank = 0.0; ///< MumpsOptions::blockLowRank; MUMPS does it whatever the name
+
+  bool isMultifrontal() const { return name == multifrontal && blockLowRank == 0.0; }
+  static constexpr const char* multifrontal = "multifrontal";
+  /// Whether there is such a solver.
+  static bool isAvailable(const std::string& name);
+};
+
+/// What factorisations that are made one after the other share: memory to work in, and orders of elimination
+/// by pattern, for which the first matrix pays. Hashes that agree by chance would be told apart by the
+/// solver.
+class FactorizationContext {
+ public:
+  /// The tree of a matrix with these rows left, made where it is not known. @param isNew whether it was made.
+  std::shared_ptr<const FrontTree> tree(const LocalMatrix& pattern, const std::vector<int>& rest,
+                                        FrontTree::Rest use, bool& isNew);
+  /// MUMPS' order of elimination; empty where it is not known.
+  std::vector<int>& position(const LocalMatrix& pattern, const std::vector<int>& rest);
+  FrontWorkspace& workspace() { return workspace_; }
+  /// Gives the memory back that is only needed while something is factored.
+  void releaseWorkspace() { workspace_ = FrontWorkspace(); }
+
+ private:
+  using Key = std::tuple<std::size_t, std::size_t, std::vector<int>, bool>; ///< entries, hash, rest, absent
+  std::map<Key, std::shared_ptr<const FrontTree>> trees_;
+  std::map<Key, std::vector<int>> positions_;
+  FrontWorkspace workspace_;
+};
+
+/// The factorisation of one rank's sparse symmetric positive definite matrix A, or of A_ii of its rows i
+/// without some rows b, by whichever solver.
+class SparseFactor {
+ public:
+  virtual ~SparseFactor() = default;
+
+  /// X ← A⁻¹X, or X_i ← A_ii⁻¹X_i where X_b is zero; count vectors of all rows, column after column.
+  virtual void solve(double* x, int count) const = 0;
+  /// The same where x is zero but at the ends, and only asked for there; other entries are undefined.
+  virtual void solveAtEnds(double* x, int count) const = 0;
+
+  /// Of another matrix with the same graph: no new analysis.
+  /// @throws InputError if the graph differs, and as makeSparseFactor().
+  virtual void refactor(const LocalMatrix& matrix) = 0;
+
+  /// Of the factors, as far as the solver tells.
+  virtual double bytes() const = 0;
+  /// Memory that solveAtEnds() of so many vectors reads at least.
+  virtual double bytesRead(int count) const = 0;
+  /// Operations of a solution with one right-hand side.
+  virtual double flops() const = 0;
+  /// Analyses and factorisations that were made.
+  virtual FactorizationCounts counts() const = 0;
+};
+
+/// How a SparseFactor is made.
+struct SparseFactorSettings {
+  SparseSolverChoice solver;
+  Precision precision = Precision::Double; ///< Single: L in float
+  bool isRefined = true;                   ///< single precision: a step of iterative refinement each solution
+  std::vector<int> absent;                 ///< b: rows that are left out; rising
+  std::vector<int> ends;                   ///< of solveAtEnds()
+};
+
+/// @throws InputError for a solver that this Amesos2 lacks, NumericalError if the matrix is not positive
+/// definite, InternalError. Local.
+std::unique_ptr<SparseFactor> makeSparseFactor(const LocalMatrix& matrix,
+                                               const SparseFactorSettings& settings,
+                                               std::shared_ptr<FactorizationContext> context);
+
+} // namespace Harmos::feti
