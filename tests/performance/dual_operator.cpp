@@ -132,9 +132,13 @@ int main(int argc, char** argv) {
           const LocalInverses inverses = makeLocalInverses(system, constraints, options);
           const DualOperator dualOperator(constraints, inverses);
           const double setup = globalMax(*comm, now() - start);
-          const FormChoice expected = chooseForm(system, constraints, options, &options.form, 30, 1e9);
-          const FormPrediction& prediction =
-              options.form == DualForm::Implicit ? expected.implicit : expected.condensed;
+          FormLimits limits;
+          limits.form = options.form;
+          limits.preconditioner = PreconditionerKind::None;
+          limits.budgetMiB = 1e9; // for an analysis in any case
+          FactorizationContext context;
+          const FormChoice expected = chooseForm(system, constraints, options, limits, context);
+          const FormPrediction& prediction = expected.of(expected.forms);
 
           MultiVector x(constraints.rowMap(), 1), y(constraints.rowMap(), 1);
           x.putScalar(1.0);

@@ -14,12 +14,15 @@ import unittest.mock
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "support")]
+sys.path[:0] = [str(HERE), str(HERE / "peer"), str(HERE.parent / "support")]
 
+import gmsh_meshes  # noqa: E402
 import harmos_runs as runs  # noqa: E402
 import headline  # noqa: E402
 import headline_page  # noqa: E402
+import peer_petsc  # noqa: E402
 import real_bodies_page  # noqa: E402
+import unstructured_page  # noqa: E402
 
 README = HERE / "README.md"
 
@@ -200,6 +203,36 @@ class Programs(unittest.TestCase):
         self.assertIn("| `half-ball` | compact | failed | — | 3 |", page)
         with self.assertRaisesRegex(ValueError, "several tolerances"):
             real_bodies_page.merged([linear, made("contact", 9, tolerance=1e-6)])
+
+    def test_unstructured(self):
+        """Harmos and the peer come to the same energies and contacts, and the page is written from the JSON."""
+        if not gmsh_meshes.available() or peer_petsc.directory() is None:
+            self.skipTest(f"{gmsh_meshes.PACKAGE} or {peer_petsc.PACKAGE} is missing")
+        page = runs.scratch("page")
+        words = ["--only", "half-ball", "ball-on-block", "--scale", "4", "--parts", "8", "--repetitions", "1"]
+        document = self.script("unstructured.py", *words, "--page", page)
+        self.assertEqual([item["name"] for item in document["runs"]], ["half-ball", "ball-on-block"])
+        for item in document["runs"]:
+            self.assertEqual(set(item), described("unstructured"))
+            self.assertIsNone(item["problem"], item)
+            self.assertLessEqual(item["energy_difference"], item["energy_tolerance"], item)
+            for way in ("plain", "best"):
+                self.assertEqual(item[way]["sets"][-1]["changed"], 0, item)
+                self.assertGreater(item[way]["closed"], 0, item)
+        ball = document["runs"][0]
+        self.assertEqual(ball["best"]["candidates"], ball["harmos"]["inequalities"])
+        self.assertEqual(ball["best"]["closed"], ball["plain"]["closed"])
+        self.assertLessEqual(abs(ball["best"]["closed"] - ball["harmos"]["closed"]), 1)
+        self.assertEqual(page.read_text(encoding="utf-8"), unstructured_page.page(document))
+        self.assertEqual(json.loads(unstructured_page.as_json(document)), document)
+
+    def test_unstructured_skips_visibly(self):
+        """Without petsc4py, or Gmsh's module: status 77 and a line that names what to install."""
+        hidden = "import sys, unstructured as u; u.gmsh_meshes.available = lambda: False; sys.argv[1:] = []; u.main()"
+        script = [sys.executable, "-c", f"import sys; sys.path[:0] = [{str(HERE)!r}]; {hidden}"]
+        status, _, errors = runs.execute(script)
+        self.assertEqual(status, runs.SKIPPED)
+        self.assertIn(f"SKIP: Debian's {gmsh_meshes.PACKAGE}", errors)
 
     def test_hertz_spread(self):
         document = self.script("hertz_spread.py", "--series", "approach")

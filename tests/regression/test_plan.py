@@ -255,7 +255,7 @@ class Rates(Case):
         }
         plain = self.plan(runs.MODEL, model(2, 4))["rates"]
         found = self.plan(runs.MODEL, model(2, 4), "--plan-rates", self.rates(document))["rates"]
-        for name in ("sparse_flops", "setup_entries", "ordering_entries"):
+        for name in ("sparse_flops", "schur_flops", "setup_entries"):
             self.assertAlmostEqual(found[name] / plain[name], 0.5)
         for name in ("dense_flops", "stream_bytes", "read_bytes", "solve_flops", "solve_bytes"):
             self.assertAlmostEqual(found[name] / plain[name], 2.0)

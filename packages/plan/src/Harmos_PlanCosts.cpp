@@ -18,8 +18,8 @@ using feti::DualForm;
 struct RankLoad {
   long long subdomains = 0;
   long long classes = 0;
-  feti::FormPrediction implicit, condensed;
-  double factorBytes = 0.0;     // of the sparse factors, condensed
+  std::vector<feti::FormPrediction> predictions = // in the order of feti::dualForms()
+      std::vector<feti::FormPrediction>(feti::dualForms().size());
   double recoverySeconds = 0.0; // of K⁺ applied to all dofs
   double largestBoundary = 0.0, largestRows = 0.0, largestStiffness = 0.0;
   double sharedBytes = 0.0; // of meshes and matrices, each once
@@ -27,22 +27,12 @@ struct RankLoad {
   double ownBytes = 0.0, rows = 0.0, nodes = 0.0, cells = 0.0, links = 0.0;
   double constraintEntries = 0.0, touchedRows = 0.0, ownedRows = 0.0;
   double coarseEntries = 0.0, coarsePairs = 0.0;
-
-  const feti::FormPrediction& of(DualForm form) const {
-    return form == DualForm::Implicit ? implicit : condensed;
-  }
 };
 
 struct Class {
   int matrix = 0, members = 0;
   std::vector<int> boundary;
 };
-
-void add(feti::FormPrediction& sum, const feti::FormPrediction& one) {
-  sum.setupSeconds += one.setupSeconds;
-  sum.productSeconds += one.productSeconds;
-  sum.bytes += one.bytes;
-}
 
 RankLoad loadOf(const PlanSurvey& survey, const feti::LocalInverseOptions& options,
                 const feti::MachineRates& rates, const scene::Share& share) {
@@ -86,38 +76,37 @@ RankLoad loadOf(const PlanSurvey& survey, const feti::LocalInverseOptions& optio
     item.boundary.erase(std::unique(item.boundary.begin(), item.boundary.end()), item.boundary.end());
     feti::FactorizationEstimate estimate = survey.matrices[static_cast<std::size_t>(item.matrix)];
     estimate.boundary = static_cast<int>(item.boundary.size());
-    add(load.implicit, feti::predict(DualForm::Implicit, estimate, item.members, options, rates));
-    add(load.condensed, feti::predict(DualForm::Condensed, estimate, item.members, options, rates));
-    feti::FactorizationEstimate sparse = estimate;
-    sparse.boundary = 0;
-    load.factorBytes += feti::predict(DualForm::Condensed, sparse, item.members, options, rates).bytes;
-    feti::LocalInverseOptions plain = options;
-    plain.keepSchur = false;
+    for (std::size_t k = 0; k < load.predictions.size(); ++k)
+      load.predictions[k] +=
+          feti::predict(feti::dualForms()[k], estimate, item.members, options.precision, rates);
+    const feti::DualForms plain = {DualForm::Implicit, feti::PreconditionerKind::None};
     load.recoverySeconds +=
-        feti::predict(DualForm::Implicit, estimate, item.members, plain, rates).productSeconds;
+        feti::predict(plain, estimate, item.members, options.precision, rates).productSeconds;
     load.largestBoundary = std::max(load.largestBoundary, static_cast<double>(estimate.boundary));
   }
   return load;
 }
 
-// As feti::chooseForm() decides.
-DualForm formOf(const std::vector<RankLoad>& loads, const feti::DualOptions& options, int usualProducts) {
-  feti::FormPrediction implicit, condensed;
+// As feti::chooseForm() decides: the place in feti::dualForms(). Where nothing fits, what needs least.
+std::size_t waysOf(const std::vector<RankLoad>& loads, const feti::DualOptions& options, int usualProducts,
+                   bool mayLump) {
+  std::vector<feti::FormPrediction> worst(feti::dualForms().size());
   for (const RankLoad& load : loads)
-    for (auto member : {&feti::FormPrediction::setupSeconds, &feti::FormPrediction::productSeconds,
-                        &feti::FormPrediction::bytes}) {
-      implicit.*member = std::max(implicit.*member, load.implicit.*member);
-      condensed.*member = std::max(condensed.*member, load.condensed.*member);
-    }
-  if (options.form)
-    return *options.form;
-  const int products = options.expectedProducts > 0 ? options.expectedProducts : usualProducts;
-  const double budget = options.memoryBudgetMiB * 1048576.0;
-  if (budget > 0.0 && condensed.bytes > budget)
-    return DualForm::Implicit;
-  if (budget > 0.0 && implicit.bytes > budget)
-    return DualForm::Condensed;
-  return condensed.seconds(products) <= implicit.seconds(products) ? DualForm::Condensed : DualForm::Implicit;
+    for (std::size_t k = 0; k < worst.size(); ++k)
+      for (auto member : {&feti::FormPrediction::setupSeconds, &feti::FormPrediction::productSeconds,
+                          &feti::FormPrediction::relativeProducts, &feti::FormPrediction::bytes})
+        worst[k].*member = std::max(worst[k].*member, load.predictions[k].*member);
+  feti::FormLimits limits;
+  limits.form = options.form;
+  limits.preconditioner = options.preconditioner;
+  limits.mayLump = mayLump;
+  limits.products = options.expectedProducts > 0 ? options.expectedProducts : usualProducts;
+  limits.budgetMiB = options.memoryBudgetMiB;
+  if (const auto best = feti::bestOf(worst, limits))
+    return *best;
+  limits.memoryMiB = 1e-6;
+  limits.budgetMiB = 0.0;
+  return *feti::bestOf(worst, limits);
 }
 
 // Directions that conjugate gradients have room for: twenty, doubled when they do not do; see
@@ -147,7 +136,8 @@ double resultBytes(const RankLoad& load, const PlanSurvey& survey, const run::Ru
 
 // Bytes an item, from the sources named.
 RankMemory memoryOf(const RankLoad& load, const PlanSurvey& survey, const run::RunOptions& options,
-                    DualForm form, bool elastic, double directions) {
+                    std::size_t way, bool elastic, double directions) {
+  const DualForm form = feti::dualForms()[way].form;
   RankMemory memory;
   const bool hasPreconditioner = options.dual.preconditioner != feti::PreconditionerKind::None;
   // An entry of B is held by Constraints (16), and gathered and scattered by F and by M⁻¹ (16 each); a row
@@ -156,9 +146,8 @@ RankMemory memoryOf(const RankLoad& load, const PlanSurvey& survey, const run::R
   const double perEntry = 16.0 + 2.0 * 16.0 + (hasPreconditioner ? 2.0 * 16.0 : 0.0);
   memory.mesh = load.sharedBytes + load.ownBytes + perEntry * load.constraintEntries +
                 perRow * load.touchedRows + survey.contactBytes;
-  const double whole = load.of(form).bytes;
-  memory.factors = form == DualForm::Implicit ? whole : load.factorBytes;
-  memory.dense = whole - memory.factors;
+  memory.factors = load.predictions[way].factorBytes;
+  memory.dense = load.predictions[way].bytes - memory.factors;
   // G̃ᵀ by rows, places of its pairs; L, dense or with a row number an entry, and once more on a face of PDAS;
   // the pattern.
   const double inverse = 16.0 * survey.coarseFactorEntries;
@@ -202,16 +191,23 @@ ProductRange expectedProducts(const scene::Scene& scene, const run::RunOptions& 
   };
   constexpr Range membranes[] = {{1.0, 12.5}, {1.0, 15.5}, {3.0, 15.5}};
   constexpr Range elastic[] = {{2.5, 20.0}, {3.7, 26.0}, {8.5, 36.0}};
-  const int kind = options.dual.preconditioner == feti::PreconditionerKind::Dirichlet ? 0
-                   : options.dual.preconditioner == feti::PreconditionerKind::Lumped  ? 1
-                                                                                      : 2;
+  // What the cost model chooses is not known yet: the few of the one, the many of the other.
+  if (!options.dual.preconditioner) {
+    run::RunOptions few = options, many = options;
+    few.dual.preconditioner = feti::PreconditionerKind::Dirichlet;
+    many.dual.preconditioner = feti::PreconditionerKind::Lumped;
+    return {expectedProducts(scene, few).least, expectedProducts(scene, many).most};
+  }
+  const int kind = *options.dual.preconditioner == feti::PreconditionerKind::Dirichlet ? 0
+                   : *options.dual.preconditioner == feti::PreconditionerKind::Lumped  ? 1
+                                                                                       : 2;
   const Range& perDigit = (scene.physics == scene::Physics::Membrane ? membranes : elastic)[kind];
   const double digits = -std::log10(options.tolerance);
   return {static_cast<int>(std::ceil(perDigit.least * digits)),
           static_cast<int>(std::ceil(perDigit.most * digits))};
 }
 
-PlanRow planRow(const PlanSurvey& survey, const run::RunOptions& options, bool elastic,
+PlanRow planRow(const PlanSurvey& survey, const run::RunOptions& options, bool elastic, bool mayLump,
                 const ProductRange& products, const PlanRates& rates, double programBytes, double sceneBytes,
                 int ranks) {
   PlanRow row;
@@ -225,17 +221,19 @@ PlanRow planRow(const PlanSurvey& survey, const run::RunOptions& options, bool e
   }
   const auto total = static_cast<double>(survey.subdomains.size());
   row.imbalance = static_cast<double>(row.mostSubdomains) * ranks / total;
-  row.form = formOf(loads, options.dual, elastic ? 100 : 30);
+  const std::size_t way =
+      waysOf(loads, options.dual, feti::DualOptions::usualProducts(elastic, options.tolerance), mayLump);
+  row.forms = feti::dualForms()[way];
   const double directions = directionsFor(options, products.most);
   for (std::size_t rank = 0; rank < loads.size(); ++rank) {
-    RankMemory memory = memoryOf(loads[rank], survey, options, row.form, elastic, directions);
+    RankMemory memory = memoryOf(loads[rank], survey, options, way, elastic, directions);
     // MUMPS, BLAS, HDF5 and MPI touch more of themselves than a plan does: 7 to 12 MiB on small runs.
     constexpr double libraries = 10.0 * 1048576.0;
     memory.program = programBytes + libraries + (rank == 0 ? sceneBytes : 0.0);
     row.totalMemory += memory.sum();
     if (memory.sum() > row.memory.sum())
       row.memory = memory;
-    const feti::FormPrediction& prediction = loads[rank].of(row.form);
+    const feti::FormPrediction& prediction = loads[rank].predictions[way];
     row.factorization = std::max(row.factorization, prediction.setupSeconds);
     row.product = std::max(row.product, prediction.productSeconds);
     row.recovery = std::max(row.recovery, 2.0 * loads[rank].recoverySeconds);

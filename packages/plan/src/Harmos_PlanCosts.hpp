@@ -28,7 +28,7 @@ struct PlanRow {
   long long leastSubdomains = 0, mostSubdomains = 0; ///< of a rank
   double imbalance = 1.0;                            ///< most over mean
   long long factorizations = 0;                      ///< of all ranks
-  feti::DualForm form = feti::DualForm::Condensed;
+  feti::DualForms forms;                             ///< of the dual operator
   RankMemory memory;
   double totalMemory = 0.0; ///< bytes of all ranks
   // Seconds.
@@ -57,9 +57,9 @@ struct ProductRange {
 };
 ProductRange expectedProducts(const scene::Scene& scene, const run::RunOptions& options);
 
-/// @param programBytes of a process before it has a scene. @param sceneBytes what rank 0 has read scenes
-/// with.
-PlanRow planRow(const PlanSurvey& survey, const run::RunOptions& options, bool elastic,
+/// @param mayLump FormLimits::mayLump. @param programBytes of a process before it has a scene. @param
+/// sceneBytes what rank 0 has read scenes with.
+PlanRow planRow(const PlanSurvey& survey, const run::RunOptions& options, bool elastic, bool mayLump,
                 const ProductRange& products, const PlanRates& rates, double programBytes, double sceneBytes,
                 int ranks);
 

@@ -18,11 +18,11 @@ template<class Rates>
 auto tableOf(Rates& rates) {
   return std::vector<std::pair<std::string, decltype(&rates.local.sparseFlops)>>{
       {"sparse_flops", &rates.local.sparseFlops},
+      {"schur_flops", &rates.local.schurFlops},
       {"dense_flops", &rates.local.denseFlops},
       {"setup_entries", &rates.local.setupEntries},
-      {"ordering_entries", &rates.local.orderingEntries},
-      {"solve_flops", &rates.local.solveFlops},
       {"solve_bytes", &rates.local.solveBytes},
+      {"sparse_bytes", &rates.local.sparseBytes},
       {"stream_bytes", &rates.local.streamBytes},
       {"read_bytes", &rates.step.readBytes},
       {"coarse_entries", &rates.step.coarseEntries},
@@ -55,10 +55,10 @@ void takeDualOperator(const nlohmann::json& runs, PlanRates& rates) {
       for (double* rate : which)
         *rate *= median(faster[name]);
   };
-  by("setup", {&rates.local.sparseFlops, &rates.local.setupEntries, &rates.local.orderingEntries});
+  by("setup", {&rates.local.sparseFlops, &rates.local.schurFlops, &rates.local.setupEntries});
   by("condensed shared", {&rates.local.denseFlops});
   by("condensed", {&rates.local.streamBytes, &rates.step.readBytes});
-  by("implicit", {&rates.local.solveFlops, &rates.local.solveBytes});
+  by("implicit", {&rates.local.solveBytes, &rates.local.sparseBytes});
 }
 
 void takeCoarseFactor(const nlohmann::json& runs, PlanRates& rates) {

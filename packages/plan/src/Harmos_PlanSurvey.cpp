@@ -205,12 +205,13 @@ std::vector<feti::FactorizationEstimate> analyses(const Teuchos::Comm<int>& comm
   };
   std::vector<Item> mine;
   agree(comm, [&] {
+    feti::FactorizationContext context;
     for (int i = 0; i < system.size(); ++i) {
       const long long number = system.subdomain(i).number;
       const auto m = static_cast<std::size_t>(survey.subdomains[static_cast<std::size_t>(number)].matrix);
       if (holder[m] == number && reference[m] == m)
-        mine.push_back(
-            {m, feti::analyseFactorization(system.matrix(i), {boundaries[m].begin(), boundaries[m].end()})});
+        mine.push_back({m, feti::analyseFactorization(
+                               system.matrix(i), {boundaries[m].begin(), boundaries[m].end()}, context)});
     }
   });
   std::vector<feti::FactorizationEstimate> found(count);
@@ -218,13 +219,7 @@ std::vector<feti::FactorizationEstimate> analyses(const Teuchos::Comm<int>& comm
     found[item.matrix] = item.estimate;
   std::vector<feti::FactorizationEstimate> result;
   for (std::size_t m = 0; m < count; ++m) {
-    feti::FactorizationEstimate estimate = found[reference[m]];
-    const double factor = static_cast<double>(rowsOf(m)) / estimate.rows;
-    estimate.rows = rowsOf(m);
-    estimate.boundary = static_cast<int>(boundaries[m].size());
-    estimate.entries *= factor;
-    estimate.flops *= factor;
-    result.push_back(estimate);
+    result.push_back(found[reference[m]].scaledTo(rowsOf(m), static_cast<int>(boundaries[m].size())));
   }
   return result;
 }

@@ -119,7 +119,8 @@ RunPlan makeRunPlan(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const sc
   plan.products = expectedProducts(scene, options);
   for (int ranks : counts)
     plan.rows.push_back(planRow(plan.survey, options, scene.physics != scene::Physics::Membrane,
-                                plan.products, plan.rates, program, scenery, ranks));
+                                !scene.hasSeveralMaterials(), plan.products, plan.rates, program, scenery,
+                                ranks));
   recommend(plan, request.memoryMiB);
   return plan;
 }
@@ -197,7 +198,7 @@ std::string planJson(const RunPlan& plan, const std::string& deck) {
                             {"subdomains", {row.leastSubdomains, row.mostSubdomains}},
                             {"imbalance", row.imbalance},
                             {"factorizations", row.factorizations},
-                            {"form", feti::toString(row.form)},
+                            {"form", feti::toString(row.forms.form)},
                             {"memory_mib",
                              {{"program", m.program / mebi},
                               {"mesh", m.mesh / mebi},

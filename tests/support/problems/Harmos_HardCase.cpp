@@ -61,10 +61,19 @@ TestModel modelOf(const scene::Scene& scene) {
   return model;
 }
 
+namespace {
+
+feti::PreconditionerKind preconditionerOf(const run::RunOptions& options) {
+  return options.dual.preconditioner.value_or(feti::PreconditionerKind::Dirichlet);
+}
+
+} // namespace
+
 TornRun solveTorn(const TestModel& model, double tolerance, const std::vector<std::string>& assignments) {
   const run::RunOptions options = testOptions(tolerance, assignments);
   feti::LocalInverseOptions inverses = options.dual.inverses;
   inverses.form = options.dual.form.value_or(feti::DualForm::Condensed);
+  inverses.keepSchur = preconditionerOf(options) == feti::PreconditionerKind::Dirichlet;
   return solveTorn(TestFeti(model, options.dirichlet.value_or(feti::DirichletForm::Primal), inverses),
                    tolerance, assignments);
 }
@@ -72,9 +81,9 @@ TornRun solveTorn(const TestModel& model, double tolerance, const std::vector<st
 TornRun solveTorn(const TestFeti& feti, double tolerance, const std::vector<std::string>& assignments) {
   const run::RunOptions options = testOptions(tolerance, assignments);
   Teuchos::RCP<const feti::DualPreconditioner> preconditioner;
-  if (options.dual.preconditioner != feti::PreconditionerKind::None)
+  if (preconditionerOf(options) != feti::PreconditionerKind::None)
     preconditioner = Teuchos::rcp(new feti::DualPreconditioner(
-        feti.system, feti.constraints, feti.inverses, options.dual.preconditioner,
+        feti.system, feti.constraints, feti.inverses, preconditionerOf(options),
         options.dual.scaling.value_or(feti::PreconditionerScaling::Multiplicity)));
   TornRun run;
   run.report.tolerance = tolerance;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_DualOptions.hpp"
 
-#include "Harmos_FormChoice.hpp"
+#include <algorithm>
+#include <cmath>
 
 namespace Harmos::feti {
 
@@ -11,15 +12,16 @@ void DualOptions::addTo(ParameterSpec& deck) {
   dual.choice("Form", "auto",
               {{"implicit", "a solve with each sparse factorisation a product: least memory"},
                {"condensed", "a dense matrix for the boundary of each subdomain: fastest products"},
-               {"auto", "the faster of the two by the cost model, within the memory budget"}},
+               {"auto", "with the preconditioner, what is fastest by the cost model and fits into memory"}},
               "How products with F are made.");
   dual.boolean(
       "Share identical subdomains", defaults.inverses.share,
       "Subdomains with equal matrices share one factorisation, and products with all of them are made "
       "at once.");
   dual.choice(
-      "Preconditioner", "Dirichlet",
-      {{"none", "no preconditioner"},
+      "Preconditioner", "auto",
+      {{"auto", "with the form, what is fastest by the cost model; Dirichlet where materials differ"},
+       {"none", "no preconditioner"},
        {"lumped", "the boundary block of the stiffness matrix: cheap, weaker"},
        {"Dirichlet", "the Schur complement of the stiffness matrix; free to set up in the condensed form"}},
       "Approximation of the inverse of F.");
@@ -46,10 +48,10 @@ void DualOptions::addTo(ParameterSpec& deck) {
       "do not hold all rigid motions.");
   dual.boolean("Check null pivots", defaults.inverses.checkNullPivots,
                "Compare each kernel with the null pivots that MUMPS finds; costs a factorisation more.");
-  dual.integer(
-      "Expected products", defaults.expectedProducts, 0, 1000000,
-      "Products with F that the cost model of Form = auto reckons with; 0: 30 for membranes, 100 for "
-      "elastic bodies.");
+  dual.integer("Expected products", defaults.expectedProducts, 0, 1000000,
+               "Products with F, with the Dirichlet preconditioner, that the cost model of Form = auto "
+               "reckons with; 0: "
+               "for each power of ten of the tolerance 8 for membranes, 10 for elastic bodies.");
   dual.integer("Memory budget MiB", defaults.memoryBudgetMiB, 0, 2000000000,
                "Limit of what factors and dense blocks may take on a rank, by the cost model; 0 for none.");
   deck.list(std::move(dual));
@@ -61,9 +63,10 @@ DualOptions DualOptions::fromList(const Teuchos::ParameterList& list) {
   if (form != "auto")
     options.form = form == "implicit" ? DualForm::Implicit : DualForm::Condensed;
   const std::string kind = list.get<std::string>("Preconditioner");
-  options.preconditioner = kind == "none"     ? PreconditionerKind::None
-                           : kind == "lumped" ? PreconditionerKind::Lumped
-                                              : PreconditionerKind::Dirichlet;
+  if (kind != "auto")
+    options.preconditioner = kind == "none"     ? PreconditionerKind::None
+                             : kind == "lumped" ? PreconditionerKind::Lumped
+                                                : PreconditionerKind::Dirichlet;
   const std::string scaling = list.get<std::string>("Scaling");
   if (scaling != "auto")
     options.scaling =
@@ -77,7 +80,6 @@ DualOptions DualOptions::fromList(const Teuchos::ParameterList& list) {
   inverses.solver.blockLowRank = list.get<double>("Block low rank tolerance");
   inverses.fixingPlaces = list.get<int>("Fixing places");
   inverses.checkNullPivots = list.get<bool>("Check null pivots");
-  inverses.keepSchur = options.preconditioner == PreconditionerKind::Dirichlet;
   return options;
 }
 
@@ -99,38 +101,45 @@ std::optional<DirichletForm> DualOptions::decompositionFrom(const Teuchos::Param
   return form == "dual" ? DirichletForm::Dual : DirichletForm::Primal;
 }
 
-LocalInverseOptions DualOptions::decided(const SubdomainSystem& system, const Constraints& constraints,
-                                         int usualProducts, const Log& log) const {
-  LocalInverseOptions result = inverses;
-  if (form && memoryBudgetMiB == 0) {
-    result.form = *form;
-    return result;
+DualOptions::Decided DualOptions::decided(const SubdomainSystem& system, const Constraints& constraints,
+                                          int usualProducts, bool mayLump, const Log& log) const {
+  Decided result = {inverses, PreconditionerKind::Dirichlet};
+  if (form && preconditioner && memoryBudgetMiB == 0) {
+    result.inverses.form = *form;
+    result.preconditioner = *preconditioner;
+  } else {
+    // Half of what there is: vectors, meshes and the coarse problem need some too.
+    constexpr double share = 0.5;
+    FormLimits limits;
+    limits.form = form;
+    limits.preconditioner = preconditioner;
+    limits.mayLump = mayLump;
+    limits.products = expectedProducts > 0 ? expectedProducts : usualProducts;
+    limits.budgetMiB = memoryBudgetMiB;
+    limits.memoryMiB = share * machineMemoryMiB(*system.comm());
+    result.inverses.context = std::make_shared<FactorizationContext>();
+    const FormChoice choice = chooseForm(system, constraints, inverses, limits, *result.inverses.context);
+    result.inverses.form = choice.forms.form;
+    result.preconditioner = choice.forms.preconditioner;
+    log.info(choice.reason);
   }
-  const FormChoice choice =
-      chooseForm(system, constraints, inverses, form ? &*form : nullptr,
-                 expectedProducts > 0 ? expectedProducts : usualProducts, memoryBudgetMiB);
-  result.form = choice.form;
-  log.info(choice.reason);
+  result.inverses.keepSchur = result.preconditioner == PreconditionerKind::Dirichlet;
   return result;
+}
+
+int DualOptions::usualProducts(bool isElastic, double tolerance) {
+  const double digits = std::clamp(-std::log10(tolerance), 2.0, 12.0);
+  return static_cast<int>(std::ceil((isElastic ? 10.0 : 8.0) * digits));
+}
+
+std::string DualOptions::Decided::describe() const {
+  return std::string(toString(inverses.form)) +
+         (inverses.precision == Precision::Single ? ", single, " : ", double, ") + toString(preconditioner);
 }
 
 PreconditionerScaling DualOptions::scalingFor(bool hasSeveralMaterials) const {
   return scaling.value_or(hasSeveralMaterials ? PreconditionerScaling::Stiffness
                                               : PreconditionerScaling::Multiplicity);
-}
-
-std::string DualOptions::describe(DualForm used) const {
-  std::string text = toString(used);
-  text += inverses.precision == Precision::Single ? ", single" : ", double";
-  switch (preconditioner) {
-  case PreconditionerKind::None:
-    return text + ", no preconditioner";
-  case PreconditionerKind::Lumped:
-    return text + ", lumped preconditioner";
-  case PreconditionerKind::Dirichlet:
-    return text + ", Dirichlet preconditioner";
-  }
-  return text;
 }
 
 } // namespace Harmos::feti

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_DualPreconditioner.hpp"
-#include "Harmos_LocalInverses.hpp"
+#include "Harmos_FormChoice.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_ParameterSpec.hpp"
 
@@ -15,20 +14,31 @@ namespace Harmos::feti {
 
 /// The list "Dual operator" of a deck: how products with F and with its preconditioner are made.
 struct DualOptions {
-  std::optional<DualForm> form; ///< nothing: by the cost model
-  LocalInverseOptions inverses; ///< its form is decided by the run
-  PreconditionerKind preconditioner = PreconditionerKind::Dirichlet;
+  std::optional<DualForm> form;                     ///< nothing: by the cost model
+  LocalInverseOptions inverses;                     ///< its form is decided by the run
+  std::optional<PreconditionerKind> preconditioner; ///< nothing: with the form, by the cost model
   /// Null: stiffness where materials differ from body to body or region to region, else multiplicity.
   std::optional<PreconditionerScaling> scaling;
   PreconditionerScaling scalingFor(bool hasSeveralMaterials) const;
-  int expectedProducts = 0; ///< 0: 30 for membranes, 100 for elastic bodies
+  int expectedProducts = 0; ///< 0: as usual
   int memoryBudgetMiB = 0;
 
-  /// The options of local inverses, their form decided: as asked for, or by the cost model.
-  /// @param usualProducts expected, where the options name none.
+  /// What was decided.
+  struct Decided {
+    LocalInverseOptions inverses;
+    PreconditionerKind preconditioner;
+    /// "condensed, double, Dirichlet preconditioner": for a summary.
+    std::string describe() const;
+  };
+  /// As asked for, or by the cost model.
+  /// @param usualProducts expected, where the options name none. @param mayLump FormLimits::mayLump.
   /// @throws InputError on all ranks if nothing fits into the memory budget. @note Collective.
-  LocalInverseOptions decided(const SubdomainSystem& system, const Constraints& constraints,
-                              int usualProducts, const Log& log) const;
+  Decided decided(const SubdomainSystem& system, const Constraints& constraints, int usualProducts,
+                  bool mayLump, const Log& log) const;
+
+  /// Products that an elastic body, or a membrane, usually takes to a tolerance: eight or ten for each power
+  /// of ten.
+  static int usualProducts(bool isElastic, double tolerance);
 
   /// Adds the list "Decomposition", how Dirichlet conditions are enforced, to a specification.
   static void addDecompositionTo(ParameterSpec& deck);
@@ -38,9 +48,6 @@ struct DualOptions {
   static void addTo(ParameterSpec& deck);
   /// From a validated list.
   static DualOptions fromList(const Teuchos::ParameterList& list);
-
-  /// "condensed, double, Dirichlet": what a run used, for its summary.
-  std::string describe(DualForm used) const;
 };
 
 } // namespace Harmos::feti

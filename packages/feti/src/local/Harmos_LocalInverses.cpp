@@ -168,7 +168,7 @@ LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints
   std::vector<std::unique_ptr<LocalInverse>> inverses;
   double condition = 1.0;
   agree(*system.comm(), [&] {
-    const auto context = std::make_shared<FactorizationContext>();
+    const auto context = options.context ? options.context : std::make_shared<FactorizationContext>();
     classes = congruenceClasses(system, constraints, options.share, options.fixingPlaces);
     for (const CongruenceClass& item : classes) {
       const int first = item.members.front();

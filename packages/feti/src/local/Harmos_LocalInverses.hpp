@@ -21,6 +21,8 @@ struct LocalInverseOptions : LocalInverseSettings {
   DualForm form = DualForm::Condensed;
   bool share = true;            ///< congruent subdomains share one factorisation
   bool checkNullPivots = false; ///< compare the kernels with MUMPS' null pivots
+  /// Analyses that were made already; null: none.
+  std::shared_ptr<FactorizationContext> context;
 };
 
 /// Subdomains of this rank with one matrix and one boundary, which share what is made of them.

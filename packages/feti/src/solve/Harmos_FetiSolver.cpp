@@ -43,8 +43,10 @@ FetiSolver::~FetiSolver() = default;
 void FetiSolver::setUpInverses() {
   if (inverses_)
     spent_ += inverses_->counts();
-  inverseOptions_ = dual_.decided(*system_, *constraints_, 100, log_);
-  inverses_ = std::make_unique<LocalInverses>(makeLocalInverses(*system_, *constraints_, inverseOptions_));
+  // What the subdomains are made of is not known here: materials may jump.
+  decided_ = dual_.decided(*system_, *constraints_, DualOptions::usualProducts(true, options_.tolerance),
+                           false, log_);
+  inverses_ = std::make_unique<LocalInverses>(makeLocalInverses(*system_, *constraints_, decided_.inverses));
 }
 
 // All that is made of the inverses and kernels.
@@ -53,10 +55,11 @@ void FetiSolver::setUpOperators() {
   history_.clear();
   operator_ = std::make_unique<DualOperator>(*constraints_, *inverses_);
   coarse_ = std::make_unique<CoarseSpace>(*system_, *constraints_);
-  preconditioner_ = dual_.preconditioner == PreconditionerKind::None
-                        ? Teuchos::null
-                        : Teuchos::rcp(new DualPreconditioner(*system_, *constraints_, *inverses_,
-                                                              dual_.preconditioner, dual_.scalingFor(false)));
+  preconditioner_ =
+      decided_.preconditioner == PreconditionerKind::None
+          ? Teuchos::null
+          : Teuchos::rcp(new DualPreconditioner(*system_, *constraints_, *inverses_, decided_.preconditioner,
+                                                dual_.scalingFor(false)));
 }
 
 void FetiSolver::setLoads(std::vector<std::shared_ptr<const std::vector<double>>> loads) {
@@ -84,7 +87,8 @@ void FetiSolver::setMatrices(const std::vector<std::shared_ptr<const LocalMatrix
   preconditioner_ = Teuchos::null;
   std::vector<CongruenceClass> classes;
   agree(*system_->comm(), [&] {
-    classes = congruenceClasses(*system_, *constraints_, inverseOptions_.share, inverseOptions_.fixingPlaces);
+    classes =
+        congruenceClasses(*system_, *constraints_, decided_.inverses.share, decided_.inverses.fixingPlaces);
   });
   const auto same = [](const CongruenceClass& a, const CongruenceClass& b) {
     return a.members == b.members && a.boundary == b.boundary;
@@ -92,7 +96,7 @@ void FetiSolver::setMatrices(const std::vector<std::shared_ptr<const LocalMatrix
   const bool isSame = std::equal(classes.begin(), classes.end(), inverses_->classes().begin(),
                                  inverses_->classes().end(), same);
   if (globalMin(*system_->comm(), isSame ? 1LL : 0LL) > 0)
-    inverses_->refactor(*system_, inverseOptions_);
+    inverses_->refactor(*system_, decided_.inverses);
   else
     setUpInverses();
   setUpOperators();
@@ -127,7 +131,7 @@ const SolveReport& FetiSolver::solve(double tolerance) {
   };
   const auto accept = [&](const MultiVector& lambda, const std::vector<double>& mu,
                           double reached) -> std::optional<double> {
-    const double least = inverseOptions_.precision == Precision::Single ? 1e-7 : 1e-15;
+    const double least = decided_.inverses.precision == Precision::Single ? 1e-7 : 1e-15;
     looked = true;
     agrees = look(lambda, mu);
     if (agrees || reached / 10.0 < least)

@@ -100,7 +100,7 @@ class FetiSolver {
   Teuchos::ParameterList list_;
   DualOptions dual_;
   SolverOptions options_;
-  LocalInverseOptions inverseOptions_;
+  DualOptions::Decided decided_ = {};
   double rounding_ = 0.0;     // bounds are known up to this
   FactorizationCounts spent_; // on inverses that are no more
   std::unique_ptr<SubdomainSystem> system_;

@@ -201,11 +201,12 @@ void RunStages::constrain() {
 void RunStages::factorise() {
   {
     const auto scope = timers_.scope("factorization");
-    constexpr int usualProducts[] = {30, 100}; // of membranes, of elastic bodies
-    const feti::LocalInverseOptions inverseOptions =
-        options_.dual.decided(*system_, *constraints_, usualProducts[isElastic() ? 1 : 0], log_);
-    report_.dualOperator = options_.dual.describe(inverseOptions.form);
-    inverses_.emplace(feti::makeLocalInverses(*system_, *constraints_, inverseOptions));
+    const feti::DualOptions::Decided decided = options_.dual.decided(
+        *system_, *constraints_, feti::DualOptions::usualProducts(isElastic(), options_.tolerance),
+        !scene_.hasSeveralMaterials(), log_);
+    report_.dualOperator = decided.describe();
+    preconditionerKind_ = decided.preconditioner;
+    inverses_.emplace(feti::makeLocalInverses(*system_, *constraints_, decided.inverses));
     share_.dualOperatorMiB = inverses_->bytes() / mebi;
     report_.distinctFactorizations =
         globalSum(*comm_, static_cast<long long>(inverses_->distinctFactorizations()));
@@ -226,11 +227,11 @@ void RunStages::countFactorisations() {
 
 void RunStages::makeDualProblem() {
   dualOperator_.emplace(*constraints_, *inverses_);
-  if (options_.dual.preconditioner != feti::PreconditionerKind::None) {
+  if (preconditionerKind_ != feti::PreconditionerKind::None) {
     const auto scope = timers_.scope("dual_operator");
-    preconditioner_ = Teuchos::rcp(
-        new feti::DualPreconditioner(*system_, *constraints_, *inverses_, options_.dual.preconditioner,
-                                     options_.dual.scalingFor(scene_.hasSeveralMaterials())));
+    preconditioner_ =
+        Teuchos::rcp(new feti::DualPreconditioner(*system_, *constraints_, *inverses_, preconditionerKind_,
+                                                  options_.dual.scalingFor(scene_.hasSeveralMaterials())));
   }
   {
     const auto scope = timers_.scope("coarse");

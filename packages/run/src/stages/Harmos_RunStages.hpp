@@ -127,7 +127,8 @@ class RunStages {
   std::optional<feti::Constraints> constraints_;
   std::optional<feti::LocalInverses> inverses_;
   std::optional<feti::DualOperator> dualOperator_;
-  Teuchos::RCP<const feti::DualPreconditioner> preconditioner_; // or null
+  feti::PreconditionerKind preconditionerKind_ = feti::PreconditionerKind::Dirichlet; // as decided
+  Teuchos::RCP<const feti::DualPreconditioner> preconditioner_;                       // or null
   std::optional<feti::CoarseSpace> coarse_;
   std::optional<feti::DualProblem> dual_;
   std::optional<feti::DualStages> dualStages_; // the last six together
