@@ -5,7 +5,7 @@
                     [--set NAME=VALUE...] [--work DIR] [--output JSON] [--page MARKDOWN]
     unstructured.py --render [--output JSON] [--page MARKDOWN]
 
-Meshes are made once; then Harmos and both ways of the peer (peer/gamg_peer.py, without decomposition) solve the same
+Meshes are made once; then Harmos and the ways of the peer (peer/gamg_peer.py, without decomposition) solve the same
 scene in turns, on the same number of ranks. Seconds of Harmos are those of a run but for its stage of meshes (reading,
 cutting, decomposition); those of the peer begin after its matrix is assembled and its candidates are found. Medians.
 
@@ -39,7 +39,7 @@ from headline import first_match, four_digits, memory_mib  # noqa: E402
 DOCUMENT = runs.SOURCE / "docs/unstructured.json"
 PAGE = runs.SOURCE / "docs/unstructured.md"
 PRESS = 0.03
-WAYS = ("plain", "best")
+WAYS = ("plain", "reused", "best")
 
 
 @dataclasses.dataclass(frozen=True)

@@ -32,7 +32,8 @@ import harmos_runs as runs  # noqa: E402
 
 BLOCKS = runs.SOURCE / "apps" / "harmos" / "decks" / "two_blocks.xml"
 
-# Some two hundred steps of some ten milliseconds and more: long enough to be met on the way.
+# Some two hundred steps of some ten milliseconds and more, by a solver that is slow in this: long enough to be met on
+# the way.
 LONG = {
     "Model/Subdomains per side": 4,
     "Model/Elements per subdomain side": 24,
@@ -40,6 +41,7 @@ LONG = {
     "Solver/Tolerance": 1e-8,
     "Dual operator/Preconditioner": "none",
     "Dual operator/Form": "implicit",
+    "Dual operator/Implicit solver": "MUMPS",
     "Dual operator/Share identical subdomains": False,
 }
 # Some seconds, so that matplotlib is there before the end.
@@ -96,7 +98,7 @@ def background(sets, np=2, words=()):
 
 
 class SameHistory(unittest.TestCase):
-    def compare(self, run, plain, first, exact, alike=3):
+    def compare(self, run, plain, first, exact, alike=3, delta=1e-8):
         mine, theirs = history(run), history(plain)
         if exact:
             self.assertEqual(mine, theirs, run)
@@ -110,7 +112,7 @@ class SameHistory(unittest.TestCase):
         last = first + 1 + alike
         for row, other in zip(mine[first + 1 : last], theirs[first + 1 : last]):
             self.assertEqual(row[:3], other[:3])
-            self.assertAlmostEqual(float(row[3]) / float(other[3]), 1.0, delta=1e-8)
+            self.assertAlmostEqual(float(row[3]) / float(other[3]), 1.0, delta=delta)
         self.assertLessEqual(abs(len(mine) - len(theirs)), 0.1 * len(theirs) + 2)
         # Ten times the tolerance of both; the energy is quadratic in the error, so there is room.
         tolerance = 10.0 * plain.summary["tolerance"]
@@ -137,7 +139,9 @@ class SameHistory(unittest.TestCase):
                     run = restarted(
                         self, cut.directory, np, sets={"Solver/Maximum iterations": 10000}
                     )
-                    self.compare(run, plain, half, exact=np == 2)
+                    # Penalties make the condition some ten thousand times as large.
+                    delta = 1e-4 if name == "Dual Penalty" else 1e-8
+                    self.compare(run, plain, half, exact=np == 2, delta=delta)
                     self.assertTrue(run.summary["restarted_from"], run)
                     # It has served.
                     self.assertFalse((run.directory / "checkpoint.h5").exists(), run)

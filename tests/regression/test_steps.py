@@ -254,6 +254,7 @@ class Restarts(unittest.TestCase):
         "Solver/Tolerance": 1e-8,
         "Dual operator/Preconditioner": "none",
         "Dual operator/Form": "implicit",
+        "Dual operator/Implicit solver": "MUMPS",
         "Dual operator/Share identical subdomains": False,
     }
     # A block that is tilted: forces and displacements are known to less than the tolerance here.
@@ -269,6 +270,7 @@ class Restarts(unittest.TestCase):
         "Bodies/upper/Elements a side": "{42,42,1}",
         "Solver/Tolerance": 1e-8,
         "Dual operator/Form": "implicit",
+        "Dual operator/Implicit solver": "MUMPS",
         "Dual operator/Share identical subdomains": False,
     }
 

@@ -81,6 +81,7 @@ class HeldAt : public feti::LocalInverse {
   std::shared_ptr<const feti::BoundaryOperator> schurComplement() const override { return nullptr; }
   double bytes() const override { return 0.0; }
   void refactor(const LocalMatrix& matrix, const feti::Kernel&) override { solve_.refactor(matrix); }
+  void roundSchurComplement() override {}
   feti::FactorizationCounts counts() const override { return solve_.counts(); }
 
  private:

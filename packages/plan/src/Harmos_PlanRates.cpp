@@ -21,6 +21,7 @@ auto tableOf(Rates& rates) {
       {"schur_flops", &rates.local.schurFlops},
       {"dense_flops", &rates.local.denseFlops},
       {"setup_entries", &rates.local.setupEntries},
+      {"setup_rows", &rates.local.setupRows},
       {"solve_bytes", &rates.local.solveBytes},
       {"sparse_bytes", &rates.local.sparseBytes},
       {"stream_bytes", &rates.local.streamBytes},
@@ -55,7 +56,8 @@ void takeDualOperator(const nlohmann::json& runs, PlanRates& rates) {
       for (double* rate : which)
         *rate *= median(faster[name]);
   };
-  by("setup", {&rates.local.sparseFlops, &rates.local.schurFlops, &rates.local.setupEntries});
+  by("setup",
+     {&rates.local.sparseFlops, &rates.local.schurFlops, &rates.local.setupEntries, &rates.local.setupRows});
   by("condensed shared", {&rates.local.denseFlops});
   by("condensed", {&rates.local.streamBytes, &rates.step.readBytes});
   by("implicit", {&rates.local.solveBytes, &rates.local.sparseBytes});

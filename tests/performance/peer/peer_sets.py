@@ -4,9 +4,10 @@
 In every set the solver works on the increment of an iterate that has the prescribed displacements and closed gaps, so
 that its right-hand side is the residual.
 
-plain  each set begins with a copy of the matrix, a new hierarchy and displacements of zero, and is solved to the end
-best   what can be kept is kept: the pattern, the hierarchy of the first set, the displacements; a set that will change
-       is solved coarsely, and only the last one to the end
+plain   each set begins with a copy of the matrix, a new hierarchy and displacements of zero, and is solved to the end
+reused  the pattern, the interpolation of the first hierarchy and the displacements are kept; a set that will change is
+        solved coarsely, and only the last one to the end
+best    the same, with the whole hierarchy of the first set, of aggregates that are not smoothed
 """
 
 import time
@@ -26,6 +27,7 @@ COMMON = {"ksp_type": "cg", "ksp_norm_type": "unpreconditioned", "pc_type": "gam
 # together (inodes) would fail at these.
 WAYS = {
     "plain": {},
+    "reused": {"pc_gamg_reuse_interpolation": "true"},
     "best": {
         "pc_gamg_agg_nsmooths": "0",
         "pc_gamg_recompute_esteig": "false",
@@ -47,7 +49,8 @@ class ActiveSets:
     def __init__(self, system, given):
         """@param given `way`, `press`, `rtol` of the right-hand side, `loose` of a step before the last set."""
         self.system, self.given, self.PETSc = system, given, system.PETSc
-        self.keeps = given.way == "best"
+        self.keeps = given.way != "plain"
+        self.keeps_hierarchy = given.way == "best"
         self.solver, self.last = None, 0
         self.seconds = {"operator": 0.0, "setup": 0.0, "solve": 0.0, "update": 0.0}
 
@@ -68,7 +71,9 @@ class ActiveSets:
             self.solver = self.PETSc.KSP().create(self.PETSc.COMM_WORLD)
             self.solver.setFromOptions()
         self.solver.setOperators(self.system.reduced)
-        self.solver.getPC().setReusePreconditioner(kept and self.last <= PATIENCE)
+        self.solver.getPC().setReusePreconditioner(
+            kept and self.keeps_hierarchy and self.last <= PATIENCE
+        )
         self.solver.setUp()
         self.timed("setup", begin)
 

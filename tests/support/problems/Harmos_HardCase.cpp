@@ -73,7 +73,6 @@ TornRun solveTorn(const TestModel& model, double tolerance, const std::vector<st
   const run::RunOptions options = testOptions(tolerance, assignments);
   feti::LocalInverseOptions inverses = options.dual.inverses;
   inverses.form = options.dual.form.value_or(feti::DualForm::Condensed);
-  inverses.keepSchur = preconditionerOf(options) == feti::PreconditionerKind::Dirichlet;
   return solveTorn(TestFeti(model, options.dirichlet.value_or(feti::DirichletForm::Primal), inverses),
                    tolerance, assignments);
 }

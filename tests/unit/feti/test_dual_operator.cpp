@@ -42,6 +42,7 @@ class Broken : public LocalInverse, public BoundaryOperator {
   double bytes() const override { return 0.0; }
   double bytesRead(int) const override { return 0.0; }
   double flops() const override { return 0.0; }
+  void roundSchurComplement() override {}
   void refactor(const LocalMatrix&, const Kernel&) override { throw NumericalError("pivot lost"); }
   FactorizationCounts counts() const override { return {}; }
 

@@ -79,6 +79,8 @@ DualOptions DualOptions::fromList(const Teuchos::ParameterList& list) {
   inverses.solver.name = list.get<std::string>("Implicit solver");
   inverses.solver.blockLowRank = list.get<double>("Block low rank tolerance");
   inverses.fixingPlaces = list.get<int>("Fixing places");
+  inverses.keepSchur = options.preconditioner.value_or(PreconditionerKind::Dirichlet) ==
+                       PreconditionerKind::Dirichlet; // until it is decided
   inverses.checkNullPivots = list.get<bool>("Check null pivots");
   return options;
 }
@@ -123,6 +125,9 @@ DualOptions::Decided DualOptions::decided(const SubdomainSystem& system, const C
     result.preconditioner = choice.forms.preconditioner;
     log.info(choice.reason);
   }
+  // Not where blocks may be shared: how many members share one depends on the ranks, and on that whether it
+  // is packed; iterations are to be the same on any.
+  result.inverses.roundSchur = result.inverses.form == DualForm::Implicit || !inverses.share;
   result.inverses.keepSchur = result.preconditioner == PreconditionerKind::Dirichlet;
   return result;
 }
@@ -134,7 +139,8 @@ int DualOptions::usualProducts(bool isElastic, double tolerance) {
 
 std::string DualOptions::Decided::describe() const {
   return std::string(toString(inverses.form)) +
-         (inverses.precision == Precision::Single ? ", single, " : ", double, ") + toString(preconditioner);
+         (inverses.precision == Precision::Single ? ", single, " : ", double, ") + toString(preconditioner) +
+         (preconditioner == PreconditionerKind::None ? "" : " preconditioner");
 }
 
 PreconditionerScaling DualOptions::scalingFor(bool hasSeveralMaterials) const {

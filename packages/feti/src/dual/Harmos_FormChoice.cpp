@@ -98,15 +98,19 @@ FormPrediction predict(const DualForms& forms, const FactorizationEstimate& esti
   const double b = estimate.boundary, m = members;
   const bool isSingle = precision == Precision::Single;
   const double word = isSingle ? 4.0 : 8.0;
+  const double interior = estimate.rows - b;
+  const auto setup = [&](double rows, double entries) {
+    return rows / rates.setupRows + entries / rates.setupEntries;
+  };
   FormPrediction p;
   if (forms.form == DualForm::Implicit) {
     const double solves = isSingle ? 2.0 : 1.0; // one for the refinement
-    p.setupSeconds = estimate.flops / rates.sparseFlops + estimate.entries / rates.setupEntries;
+    p.setupSeconds = estimate.flops / rates.sparseFlops + setup(estimate.rows, estimate.entries);
     p.productSeconds = m * solves * 2.0 * word * estimate.entries / rates.solveBytes;
     p.factorBytes = word * estimate.entries;
     if (forms.preconditioner == PreconditionerKind::Dirichlet) {
       p.setupSeconds +=
-          estimate.interiorFlops / rates.sparseFlops + estimate.interiorEntries / rates.setupEntries;
+          estimate.interiorFlops / rates.sparseFlops + setup(interior, estimate.interiorEntries);
       p.productSeconds +=
           m * (16.0 * estimate.interiorEntries / rates.solveBytes +
                12.0 * (estimate.blockEntries + 2.0 * estimate.couplingEntries) / rates.sparseBytes);
@@ -120,7 +124,7 @@ FormPrediction predict(const DualForms& forms, const FactorizationEstimate& esti
     const double product =
         packed ? m * block / rates.streamBytes : m * 2.0 * b * b / rates.denseFlops * word / 8.0;
     const double blocks = forms.preconditioner == PreconditionerKind::Dirichlet ? 2.0 : 1.0;
-    p.setupSeconds = estimate.schurFlops / rates.schurFlops + estimate.interiorEntries / rates.setupEntries +
+    p.setupSeconds = estimate.schurFlops / rates.schurFlops + setup(interior, estimate.interiorEntries) +
                      b * b * b / rates.denseFlops;
     p.productSeconds = blocks * product;
     p.factorBytes = 8.0 * estimate.interiorEntries + 12.0 * estimate.couplingEntries;

@@ -56,7 +56,8 @@ struct MachineRates {
   double sparseFlops = 9e9;    ///< of a sparse factorisation
   double schurFlops = 1.3e10;  ///< of one with a Schur complement
   double denseFlops = 2.7e10;  ///< of matrix-matrix products and dense factorisations
-  double setupEntries = 8e7;   ///< factor entries a second in ordering, analysis, assembly and verification
+  double setupEntries = 1.8e8; ///< factor entries a second in assembly, storing and verification
+  double setupRows = 4.6e5;    ///< rows a second in ordering and analysis
   double solveBytes = 1.3e10;  ///< at which a solution reads its factor
   double sparseBytes = 8e9;    ///< at which a product with a sparse matrix reads it
   double streamBytes = 1.8e10; ///< at which a packed dense matrix is read
@@ -66,17 +67,17 @@ struct MachineRates {
 /// K_ii, S: with S), n_b boundary dofs, k_bb and k_bi entries of blocks of K; w bytes a number of dense
 /// blocks or of L:
 ///
-///     implicit    set-up   c/sparse + e/setup                product  m·2·w·e/solve
-///       Dirichlet          + c_i/sparse + e_i/setup                   + m(16·e_i/solve + 12(k_bb +
+///     implicit    set-up   c/sparse + σ(n, e)                 product  m·2·w·e/solve
+///       Dirichlet          + c_i/sparse + σ(n_i, e_i)                  + m(16·e_i/solve + 12(k_bb +
 ///       2k_bi)/sparse)
-///     condensed   set-up   c_S/schur + e_i/setup + n_b³/dense
+///     condensed   set-up   c_S/schur + σ(n_i, e_i) + n_b³/dense
 ///                 product  m·2n_b²/dense; for m < 3, packed, m·w·n_b²/2/stream
 ///       Dirichlet          another such block
 ///     lumped                                                 product  + m·12·k_bb/sparse
 ///
-/// With the lumped preconditioner the number of products is 1 + 0.35 log₂(n/n_b) times as large, within 1 and
-/// 2.75: between 1.0 and 1.3 was measured on real bodies, 1.4 to 2.8 on the model problem of 8 to 128
-/// elements.
+/// with σ(n, e) = n/setupRows + e/setupEntries. With the lumped preconditioner the number of products is 1 +
+/// 0.35 log₂(n/n_b) times as large, within 1 and 2.75: between 1.0 and 1.3 was measured on real bodies, 1.4
+/// to 2.8 on the model problem of 8 to 128 elements.
 FormPrediction predict(const DualForms& forms, const FactorizationEstimate& estimate, int members,
                        Precision precision, const MachineRates& rates = {});
 

@@ -34,6 +34,13 @@ DenseOperator::DenseOperator(std::vector<double> matrix, int n, Precision precis
     single_.assign(matrix.begin(), matrix.end());
 }
 
+void DenseOperator::roundIfPacked() {
+  if (!packed_ || double_.empty())
+    return;
+  single_.assign(double_.begin(), double_.end());
+  double_ = std::vector<double>();
+}
+
 double DenseOperator::bytes() const {
   return 8.0 * static_cast<double>(double_.size()) + 4.0 * static_cast<double>(single_.size());
 }

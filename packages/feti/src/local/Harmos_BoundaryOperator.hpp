@@ -48,6 +48,9 @@ class DenseOperator : public BoundaryOperator {
   /// @param matrix n × n, both triangles. @param columns how many vectors a product usually has.
   DenseOperator(std::vector<double> matrix, int n, Precision precision, int columns);
 
+  /// From now on in single precision, if it is packed: sums are gathered in double all the same.
+  void roundIfPacked();
+
   int size() const override { return n_; }
   void apply(const double* t, double* u, int count) const override;
   double bytes() const override;

@@ -50,11 +50,13 @@ void throughAllDofs(int n, const std::vector<int>& boundary, const double* t, do
 class SchurBySolves : public BoundaryOperator {
  public:
   SchurBySolves(const LocalMatrix& matrix, std::vector<int> boundary, const SparseSolverChoice& solver,
-                std::shared_ptr<FactorizationContext> context)
+                Precision precision, std::shared_ptr<FactorizationContext> context)
       : boundary_(std::move(boundary)), rows_(static_cast<std::size_t>(matrix.rows())) {
     split(matrix);
     SparseFactorSettings settings;
     settings.solver = solver;
+    settings.precision = precision;
+    settings.isRefined = false;
     settings.absent = boundary_;
     settings.ends = coupling_.columns;
     interior_ = makeSparseFactor(matrix, settings, std::move(context));
@@ -155,9 +157,13 @@ class ImplicitInverse : public LocalInverse {
 
   std::shared_ptr<const BoundaryOperator> schurComplement() const override {
     if (!schur_)
-      schur_ = std::make_shared<SchurBySolves>(*matrix_, boundary_.boundary(), solver_, context_);
+      schur_ = std::make_shared<SchurBySolves>(
+          *matrix_, boundary_.boundary(), solver_,
+          isRounded_ && solver_.isMultifrontal() ? Precision::Single : Precision::Double, context_);
     return schur_;
   }
+
+  void roundSchurComplement() override { isRounded_ = true; }
 
   double bytes() const override { return factor_->bytes() + (schur_ ? schur_->bytes() : 0.0); }
 
@@ -206,6 +212,7 @@ class ImplicitInverse : public LocalInverse {
   SparseSolverChoice solver_;
   std::shared_ptr<FactorizationContext> context_;
   Restriction boundary_;
+  bool isRounded_ = false; ///< S
   std::unique_ptr<SparseFactor> factor_;
   mutable std::shared_ptr<SchurBySolves> schur_; ///< made when it is asked for
 };
@@ -273,6 +280,11 @@ class CondensedInverse : public LocalInverse {
     return schur_;
   }
 
+  void roundSchurComplement() override {
+    if (schur_ != nullptr)
+      schur_->roundIfPacked();
+  }
+
   double bytes() const override {
     const double factors = interior_ == nullptr ? 0.0 : interior_->bytes();
     return factors + inverse_->bytes() + (schur_ ? schur_->bytes() : 0.0);
@@ -321,7 +333,7 @@ class CondensedInverse : public LocalInverse {
   LocalInverseSettings settings_;
   std::unique_ptr<Condensation> interior_; ///< of i; null if there is none
   std::unique_ptr<DenseOperator> inverse_;
-  std::shared_ptr<const DenseOperator> schur_;
+  std::shared_ptr<DenseOperator> schur_;
 };
 
 } // namespace

@@ -26,6 +26,11 @@ class LocalInverse {
   /// @throws NumericalError, InternalError.
   virtual std::shared_ptr<const BoundaryOperator> schurComplement() const = 0;
 
+  /// S may be in single precision: a preconditioner does not enter the answer, and 6e-8 κ of the spectrum of
+  /// what it preconditions is little where the matrix is well conditioned. To be called before
+  /// schurComplement(), and again after refactor().
+  virtual void roundSchurComplement() = 0;
+
   /// Memory held by factors and dense blocks.
   virtual double bytes() const = 0;
 

@@ -79,6 +79,18 @@ double verified(const LocalMatrix& matrix, const Kernel& kernel, const LocalInve
   return quality.condition();
 }
 
+// Beyond, rounding S to single precision would change more than a per cent of the spectrum that it makes.
+constexpr double wellConditioned = 1e5;
+
+// Verifies an inverse, and lets what its quality allows be rounded. @return its condition.
+double settled(const LocalMatrix& matrix, const Kernel& kernel, LocalInverse& inverse,
+               const LocalInverseOptions& options, const std::string& number) {
+  const double condition = verified(matrix, kernel, inverse, options, number);
+  if (options.roundSchur && condition <= wellConditioned)
+    inverse.roundSchurComplement();
+  return condition;
+}
+
 // With the subdomain's name and what may be wrong with it.
 template<class Make>
 void rethrowing(const LocalMatrix& matrix, const Kernel& kernel, const LocalInverseOptions& options,
@@ -157,7 +169,7 @@ void LocalInverses::refactor(const SubdomainSystem& system, const LocalInverseOp
                                "anew, or do not share",
                            {{"subdomain", number}});
       rethrowing(matrix, kernel, options, number, [&] { inverses_[c]->refactor(matrix, kernel); });
-      condition_ = std::max(condition_, verified(matrix, kernel, *inverses_[c], options, number));
+      condition_ = std::max(condition_, settled(matrix, kernel, *inverses_[c], options, number));
     }
   });
 }
@@ -182,7 +194,7 @@ LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints
                                                       static_cast<int>(item.members.size()), options,
                                                       context));
       });
-      condition = std::max(condition, verified(matrix, kernel, *inverses.back(), options, number));
+      condition = std::max(condition, settled(matrix, kernel, *inverses.back(), options, number));
     }
     context->releaseWorkspace();
   });

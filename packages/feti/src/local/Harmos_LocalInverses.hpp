@@ -19,7 +19,9 @@ enum class DualForm {
 /// How local inverses are made.
 struct LocalInverseOptions : LocalInverseSettings {
   DualForm form = DualForm::Condensed;
-  bool share = true;            ///< congruent subdomains share one factorisation
+  bool share = true; ///< congruent subdomains share one factorisation
+  bool roundSchur =
+      false; ///< S for a preconditioner in single precision, where a subdomain's condition allows
   bool checkNullPivots = false; ///< compare the kernels with MUMPS' null pivots
   /// Analyses that were made already; null: none.
   std::shared_ptr<FactorizationContext> context;

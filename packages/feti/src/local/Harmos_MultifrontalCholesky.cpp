@@ -192,10 +192,10 @@ MultifrontalCholesky::MultifrontalCholesky(const LocalMatrix& matrix, std::share
 void MultifrontalCholesky::refactor(const LocalMatrix& matrix, FrontWorkspace& workspace) {
   const FrontTree& tree = *tree_;
   HARMOS_REQUIRE(at(matrix.rows()) == tree.place.size(), "the matrix is not the one that was analysed");
-  if (precision_ == Precision::Double)
-    double_.resize(tree.factorEntries);
-  else
-    single_.resize(tree.factorEntries);
+  if (precision_ == Precision::Double && double_ == nullptr)
+    double_.reset(new double[tree.factorEntries]);
+  if (precision_ == Precision::Single && single_ == nullptr)
+    single_.reset(new float[tree.factorEntries]);
   const std::size_t stay = at(tree.remaining);
   schur_.assign(stay * stay, 0.0);
   Elimination elimination(matrix, tree, workspace, schur_.data());
@@ -203,9 +203,9 @@ void MultifrontalCholesky::refactor(const LocalMatrix& matrix, FrontWorkspace& w
     const FrontTree::Front& front = tree.fronts[f];
     const double* dense = elimination.eliminate(f);
     if (precision_ == Precision::Double)
-      store(front, dense, front.columns + front.below, double_);
+      store(front, dense, front.columns + front.below, double_.get());
     else
-      store(front, dense, front.columns + front.below, single_);
+      store(front, dense, front.columns + front.below, single_.get());
   }
   for (std::size_t j = 0; j < stay; ++j)
     for (std::size_t i = j + 1; i < stay; ++i)
@@ -213,9 +213,8 @@ void MultifrontalCholesky::refactor(const LocalMatrix& matrix, FrontWorkspace& w
 }
 
 template<class T>
-void MultifrontalCholesky::store(const FrontTree::Front& front, const double* dense, int height,
-                                 std::vector<T>& factor) {
-  T* to = factor.data() + front.entries;
+void MultifrontalCholesky::store(const FrontTree::Front& front, const double* dense, int height, T* factor) {
+  T* to = factor + front.entries;
   for (int j = 0; j < front.columns; j += FrontTree::panelColumns)
     for (int c = j; c < j + panelColumns(front, j); ++c) {
       const double* from = dense + at(c) * at(height) + at(j);
@@ -229,7 +228,7 @@ std::vector<double> MultifrontalCholesky::takeSchurComplement() {
 }
 
 template<class T>
-void MultifrontalCholesky::forward(const std::vector<T>& factor, const std::vector<char>* reached, double* x,
+void MultifrontalCholesky::forward(const T* factor, const std::vector<char>* reached, double* x,
                                    double* w) const {
   const bool wide = isWide();
   for (std::size_t f = 0; f < tree_->fronts.size(); ++f) {
@@ -239,7 +238,7 @@ void MultifrontalCholesky::forward(const std::vector<T>& factor, const std::vect
     const int* rows = tree_->rows.data() + front.rows;
     std::copy(x + front.first, x + front.first + front.columns, w);
     std::fill(w + front.columns, w + front.height(), 0.0);
-    const T* panel = factor.data() + front.entries;
+    const T* panel = factor + front.entries;
     for (int j = 0; j < front.columns; j += FrontTree::panelColumns) {
       const int height = front.height() - j, columns = panelColumns(front, j);
       if (wide)
@@ -255,7 +254,7 @@ void MultifrontalCholesky::forward(const std::vector<T>& factor, const std::vect
 }
 
 template<class T>
-void MultifrontalCholesky::backward(const std::vector<T>& factor, const std::vector<char>* reached, double* x,
+void MultifrontalCholesky::backward(const T* factor, const std::vector<char>* reached, double* x,
                                     double* w) const {
   const bool wide = isWide();
   for (std::size_t f = tree_->fronts.size(); f-- > 0;) {
@@ -268,7 +267,7 @@ void MultifrontalCholesky::backward(const std::vector<T>& factor, const std::vec
       w[front.columns + i] = x[rows[i]];
     // Panels stand one after the other; the last one ends where the next front begins.
     const T* panel =
-        factor.data() + (f + 1 < tree_->fronts.size() ? tree_->fronts[f + 1].entries : tree_->factorEntries);
+        factor + (f + 1 < tree_->fronts.size() ? tree_->fronts[f + 1].entries : tree_->factorEntries);
     for (int j = (front.columns - 1) / FrontTree::panelColumns * FrontTree::panelColumns; j >= 0;
          j -= FrontTree::panelColumns) {
       const int height = front.height() - j, columns = panelColumns(front, j);
@@ -299,11 +298,11 @@ void MultifrontalCholesky::solve(double* x, int count, const std::vector<char>* 
     for (std::size_t k = 0; k < m; ++k)
       permuted_[k] = x[order[k]];
     if (precision_ == Precision::Double) {
-      forward(double_, reached, permuted_.data(), work_.data());
-      backward(double_, reached, permuted_.data(), work_.data());
+      forward(double_.get(), reached, permuted_.data(), work_.data());
+      backward(double_.get(), reached, permuted_.data(), work_.data());
     } else {
-      forward(single_, reached, permuted_.data(), work_.data());
-      backward(single_, reached, permuted_.data(), work_.data());
+      forward(single_.get(), reached, permuted_.data(), work_.data());
+      backward(single_.get(), reached, permuted_.data(), work_.data());
     }
     for (std::size_t k = 0; k < m; ++k)
       x[order[k]] = permuted_[k];
@@ -311,8 +310,8 @@ void MultifrontalCholesky::solve(double* x, int count, const std::vector<char>* 
 }
 
 double MultifrontalCholesky::bytes() const {
-  return 8.0 * static_cast<double>(double_.size() + schur_.size()) +
-         4.0 * static_cast<double>(single_.size());
+  const double word = precision_ == Precision::Double ? 8.0 : 4.0;
+  return word * static_cast<double>(tree_->factorEntries) + 8.0 * static_cast<double>(schur_.size());
 }
 
 } // namespace Harmos::feti

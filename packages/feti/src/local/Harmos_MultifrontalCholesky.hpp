@@ -61,16 +61,17 @@ class MultifrontalCholesky {
  private:
   void solve(double* x, int count, const std::vector<char>* reached) const;
   template<class T>
-  void store(const FrontTree::Front& front, const double* dense, int height, std::vector<T>& factor);
+  void store(const FrontTree::Front& front, const double* dense, int height, T* factor);
   template<class T>
-  void forward(const std::vector<T>& factor, const std::vector<char>* reached, double* x, double* w) const;
+  void forward(const T* factor, const std::vector<char>* reached, double* x, double* w) const;
   template<class T>
-  void backward(const std::vector<T>& factor, const std::vector<char>* reached, double* x, double* w) const;
+  void backward(const T* factor, const std::vector<char>* reached, double* x, double* w) const;
 
   std::shared_ptr<const FrontTree> tree_;
   Precision precision_;
-  std::vector<double> double_;
-  std::vector<float> single_;
+  // L, in one of the precisions; written once, and not before.
+  std::unique_ptr<double[]> double_;
+  std::unique_ptr<float[]> single_;
   std::vector<double> schur_;
   mutable std::vector<double> permuted_, work_;
 };
