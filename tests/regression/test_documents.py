@@ -15,11 +15,13 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "performance"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "performance/peer"))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "docs/tools"))
 import harmos_runs as runs  # noqa: E402
 import headline_page  # noqa: E402
 import parameter_pages  # noqa: E402
 import real_bodies_page  # noqa: E402
+import unstructured_page  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -243,6 +245,15 @@ class Documents(unittest.TestCase):
         shown = set(re.findall(r"\d[\d.]*", page))
         for figure, unit in re.findall(r"(\d[\d.]*) (s\b|GiB|GB|products)", block):
             self.assertIn(figure, shown, f"{figure} {unit} of the README")
+
+    def test_seconds_beside_multigrid_are_those_of_the_measurement(self):
+        """docs/unstructured.json → docs/unstructured.md, word for word."""
+        text = (ROOT / "docs/unstructured.json").read_text(encoding="utf-8")
+        document = json.loads(text)
+        remedy = "write it by tests/performance/unstructured.py --render"
+        self.assertEqual(unstructured_page.as_json(document), text, "docs/unstructured.json")
+        page = (ROOT / "docs/unstructured.md").read_text(encoding="utf-8")
+        self.assertEqual(unstructured_page.page(document), page, f"docs/unstructured.md: {remedy}")
 
     def test_products_on_real_bodies_are_those_of_the_measurement(self):
         """docs/real_bodies.json → docs/real_bodies.md, word for word."""

@@ -67,13 +67,14 @@ struct MachineRates {
 /// K_ii, S: with S), n_b boundary dofs, k_bb and k_bi entries of blocks of K; w bytes a number of dense
 /// blocks or of L:
 ///
-///     implicit    set-up   c/sparse + σ(n, e)                 product  m·2·w·e/solve
-///       Dirichlet          + c_i/sparse + σ(n_i, e_i)                  + m(16·e_i/solve + 12(k_bb +
-///       2k_bi)/sparse)
+///     implicit    set-up   c/sparse + σ(n, e)
+///                 product  m·2·w·e/solve
+///       Dirichlet set-up   + c_i/sparse + σ(n_i, e_i)
+///                 product  + m(16·e_i/solve + 12(k_bb + 2k_bi)/sparse)
 ///     condensed   set-up   c_S/schur + σ(n_i, e_i) + n_b³/dense
 ///                 product  m·2n_b²/dense; for m < 3, packed, m·w·n_b²/2/stream
-///       Dirichlet          another such block
-///     lumped                                                 product  + m·12·k_bb/sparse
+///       Dirichlet product  another such block
+///     lumped      product  + m·12·k_bb/sparse
 ///
 /// with σ(n, e) = n/setupRows + e/setupEntries. With the lumped preconditioner the number of products is 1 +
 /// 0.35 log₂(n/n_b) times as large, within 1 and 2.75: between 1.0 and 1.3 was measured on real bodies, 1.4
