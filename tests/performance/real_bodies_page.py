@@ -20,7 +20,8 @@ INTRODUCTION = """
 Products with F, the unit of cost, on meshes without structure, over the number of subdomains. A method that scales takes
 no more of them where there are more subdomains, and in contact little more than in the linear problem. Measured by
 `tests/performance/real_bodies_table.py`, which writes this page from [real_bodies.json](real_bodies.json); a test
-compares. {versions}, {ranks} ranks, tolerance {tolerance:g}, default settings but for the cut: `compact` is the default,
+compares. {versions}, {ranks} ranks, tolerance {tolerance:g}, the Dirichlet preconditioner, and default settings but for
+the cut: `compact` is the default,
 `METIS` what METIS alone makes (`Bodies/<body>/Partition`, [parameters](parameters/harmos.md))."""
 
 SCENES = """

@@ -33,7 +33,12 @@ PAGE = runs.SOURCE / "docs/real_bodies.md"
 
 def measured(deck, key, problem, parts, partition, seed, given):
     """An entry of the JSON."""
-    settings = {**real_bodies.cut(key, parts, partition, seed), "Solver/Tolerance": given.tolerance}
+    settings = {
+        **real_bodies.cut(key, parts, partition, seed),
+        "Solver/Tolerance": given.tolerance,
+        # What is chosen by itself depends on the number of parts.
+        "Dual operator/Preconditioner": "Dirichlet",
+    }
     item = {
         "scene": key,
         "problem": problem,
