@@ -20,6 +20,23 @@ constexpr int singleTerms = 128;
 
 } // namespace
 
+LocalMatrix couplingOf(const LocalMatrix& matrix, const std::vector<int>& boundary) {
+  std::vector<bool> isBoundary(static_cast<std::size_t>(matrix.rows()), false);
+  for (int row : boundary)
+    isBoundary[static_cast<std::size_t>(row)] = true;
+  LocalMatrix result;
+  for (int row : boundary) {
+    const auto r = static_cast<std::size_t>(row);
+    for (std::size_t k = matrix.offsets[r]; k < matrix.offsets[r + 1]; ++k)
+      if (!isBoundary[static_cast<std::size_t>(matrix.columns[k])]) {
+        result.columns.push_back(matrix.columns[k]);
+        result.values.push_back(matrix.values[k]);
+      }
+    result.offsets.push_back(result.columns.size());
+  }
+  return result;
+}
+
 DenseOperator::DenseOperator(std::vector<double> matrix, int n, Precision precision, int columns)
     : n_(n), packed_(columns < leastColumnsForWhole) {
   HARMOS_REQUIRE(matrix.size() == static_cast<std::size_t>(n) * static_cast<std::size_t>(n),

@@ -9,6 +9,10 @@
 
 namespace Harmos::feti {
 
+/// K_bi of a matrix, i all but the boundary b: a row for each of b, columns numbered as those of K; not
+/// square.
+LocalMatrix couplingOf(const LocalMatrix& matrix, const std::vector<int>& boundary);
+
 /// A symmetric operator on the boundary dofs of one subdomain matrix: (K⁺)_bb for the dual operator, the
 /// Schur complement S or K_bb for the preconditioners.
 class BoundaryOperator {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Condensation.hpp"
 
-#include "Harmos_Errors.hpp"
 #include "Harmos_Mumps.hpp"
 
 #include <algorithm>
@@ -13,9 +12,6 @@ std::size_t at(int k) {
   return static_cast<std::size_t>(k);
 }
 
-constexpr const char* otherGraph =
-    "a matrix is to be factored by the analysis of another one, but its graph differs";
-
 // Keeps L of A_ii alone: L_bi would be as large as S. What is needed of it, twice a run, is made with A_bi.
 class MultifrontalCondensation : public Condensation {
  public:
@@ -23,11 +19,10 @@ class MultifrontalCondensation : public Condensation {
       : boundary_(boundary), context_(std::move(context)) {}
 
   std::vector<double> condense(const LocalMatrix& matrix) override {
-    const std::size_t hash = patternHash(matrix);
-    if (factor_ != nullptr && hash != patternHash_)
-      throw InputError(otherGraph);
-    patternHash_ = hash;
-    coupling(matrix);
+    if (factor_ != nullptr)
+      requireGraph(patternHash_, matrix);
+    patternHash_ = patternHash(matrix);
+    coupling_ = couplingOf(matrix, boundary_);
     if (factor_ == nullptr) {
       bool isNew = false;
       const auto tree = context_->tree(matrix, boundary_, FrontTree::Rest::Stays, isNew);
@@ -75,27 +70,11 @@ class MultifrontalCondensation : public Condensation {
   FactorizationCounts counts() const override { return counts_; }
 
  private:
-  // A_bi, a row for each of b, columns those of A.
-  void coupling(const LocalMatrix& matrix) {
-    std::vector<bool> isBoundary(at(matrix.rows()), false);
-    for (int row : boundary_)
-      isBoundary[at(row)] = true;
-    coupling_ = LocalMatrix();
-    for (int row : boundary_) {
-      for (std::size_t k = matrix.offsets[at(row)]; k < matrix.offsets[at(row) + 1]; ++k)
-        if (!isBoundary[at(matrix.columns[k])]) {
-          coupling_.columns.push_back(matrix.columns[k]);
-          coupling_.values.push_back(matrix.values[k]);
-        }
-      coupling_.offsets.push_back(coupling_.columns.size());
-    }
-  }
-
   std::vector<int> boundary_;
   std::shared_ptr<FactorizationContext> context_;
   std::size_t patternHash_ = 0, rows_ = 0;
   std::unique_ptr<MultifrontalCholesky> factor_;
-  LocalMatrix coupling_;
+  LocalMatrix coupling_; ///< A_bi
   FactorizationCounts counts_;
 };
 
@@ -107,14 +86,12 @@ class MumpsCondensation : public Condensation {
 
   std::vector<double> condense(const LocalMatrix& matrix) override {
     Triplets triplets = lowerTriangle(matrix, 1);
-    const std::size_t hash = patternHash(matrix);
     if (mumps_ != nullptr) {
-      if (hash != patternHash_)
-        throw InputError(otherGraph);
+      requireGraph(patternHash_, matrix);
       mumps_->refactorize(std::move(triplets.rows), std::move(triplets.columns), std::move(triplets.values));
       return mumps_->schurComplement();
     }
-    patternHash_ = hash;
+    patternHash_ = patternHash(matrix);
     MumpsOptions options;
     options.blockLowRank = blockLowRank_;
     std::vector<int>& position = context_->position(matrix, boundary_);

@@ -105,22 +105,10 @@ class SchurBySolves : public BoundaryOperator {
   }
 
  private:
-  // K_bb, and K_bi: a row for each of b, columns those of K.
+  // K_bb and K_bi.
   void split(const LocalMatrix& matrix) {
     block_ = std::make_unique<SparseOperator>(matrix, boundary_);
-    std::vector<bool> isBoundary(rows_, false);
-    for (int dof : boundary_)
-      isBoundary[static_cast<std::size_t>(dof)] = true;
-    coupling_ = LocalMatrix();
-    for (int dof : boundary_) {
-      const auto row = static_cast<std::size_t>(dof);
-      for (std::size_t k = matrix.offsets[row]; k < matrix.offsets[row + 1]; ++k)
-        if (!isBoundary[static_cast<std::size_t>(matrix.columns[k])]) {
-          coupling_.columns.push_back(matrix.columns[k]);
-          coupling_.values.push_back(matrix.values[k]);
-        }
-      coupling_.offsets.push_back(coupling_.columns.size());
-    }
+    coupling_ = couplingOf(matrix, boundary_);
   }
 
   std::vector<int> boundary_;
@@ -171,12 +159,18 @@ class ImplicitInverse : public LocalInverse {
     HARMOS_REQUIRE((kernel.columns == 0) == fixing_.empty(), "the kernel has appeared or vanished");
     matrix_ = &matrix;
     factor_->refactor(definite(kernel));
-    if (schur_)
+    if (schur_ && isRounded_) { // perhaps not any more; the context knows the analysis
+      spent_ += schur_->counts();
+      schur_.reset();
+      isRounded_ = false;
+    } else if (schur_) {
       schur_->refactor(matrix);
+    }
   }
 
   FactorizationCounts counts() const override {
-    FactorizationCounts sum = factor_->counts();
+    FactorizationCounts sum = spent_;
+    sum += factor_->counts();
     if (schur_)
       sum += schur_->counts();
     return sum;
@@ -212,7 +206,8 @@ class ImplicitInverse : public LocalInverse {
   SparseSolverChoice solver_;
   std::shared_ptr<FactorizationContext> context_;
   Restriction boundary_;
-  bool isRounded_ = false; ///< S
+  bool isRounded_ = false;    ///< S
+  FactorizationCounts spent_; ///< on an S that is no more
   std::unique_ptr<SparseFactor> factor_;
   mutable std::shared_ptr<SchurBySolves> schur_; ///< made when it is asked for
 };

@@ -171,6 +171,8 @@ void LocalInverses::refactor(const SubdomainSystem& system, const LocalInverseOp
       rethrowing(matrix, kernel, options, number, [&] { inverses_[c]->refactor(matrix, kernel); });
       condition_ = std::max(condition_, settled(matrix, kernel, *inverses_[c], options, number));
     }
+    if (context_ != nullptr) // inverses that were made elsewhere keep their own
+      context_->releaseWorkspace();
   });
 }
 
@@ -179,8 +181,9 @@ LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints
   std::vector<CongruenceClass> classes;
   std::vector<std::unique_ptr<LocalInverse>> inverses;
   double condition = 1.0;
+  std::shared_ptr<FactorizationContext> context;
   agree(*system.comm(), [&] {
-    const auto context = options.context ? options.context : std::make_shared<FactorizationContext>();
+    context = options.context ? options.context : std::make_shared<FactorizationContext>();
     classes = congruenceClasses(system, constraints, options.share, options.fixingPlaces);
     for (const CongruenceClass& item : classes) {
       const int first = item.members.front();
@@ -200,6 +203,7 @@ LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints
   });
   LocalInverses result(std::move(classes), std::move(inverses));
   result.condition_ = condition;
+  result.context_ = std::move(context);
   return result;
 }
 

@@ -75,6 +75,7 @@ class LocalInverses {
   std::vector<CongruenceClass> classes_;
   std::vector<std::unique_ptr<LocalInverse>> inverses_;
   double condition_ = 1.0;
+  std::shared_ptr<FactorizationContext> context_;
 };
 
 /// Makes them and verifies each: ‖K K⁺ K x − K x‖ ≤ δ ‖Kx‖, δ see defectLimit(), and ‖D⁻¹Kv‖ > 1e-12 ‖v‖ for

@@ -2,12 +2,12 @@
 #include "Harmos_MultifrontalCholesky.hpp"
 
 #include "Harmos_Errors.hpp"
+#include "Harmos_WideRegisters.hpp"
 
 #include <Teuchos_BLAS.hpp>
 #include <Teuchos_LAPACK.hpp>
 
 #include <algorithm>
-#include <cstring>
 
 namespace Harmos::feti {
 namespace {
@@ -20,25 +20,15 @@ namespace Portable {
 #include "Harmos_MultifrontalCholesky_panels.inc"
 } // namespace Portable
 
-// The same source compiled for wider registers as well, chosen when the program runs; see
-// Harmos_PackedSymmetric.cpp.
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
+#ifdef HARMOS_HAS_WIDE_REGISTERS
 #pragma GCC push_options
 #pragma GCC target("avx2,fma")
 namespace Wide {
 #include "Harmos_MultifrontalCholesky_panels.inc"
 } // namespace Wide
 #pragma GCC pop_options
-
-bool isWide() {
-  static const bool result = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-  return result;
-}
 #else
 namespace Wide = Portable;
-constexpr bool isWide() {
-  return false;
-}
 #endif
 
 // Columns of the panel that begins at column j of a front.
@@ -230,7 +220,7 @@ std::vector<double> MultifrontalCholesky::takeSchurComplement() {
 template<class T>
 void MultifrontalCholesky::forward(const T* factor, const std::vector<char>* reached, double* x,
                                    double* w) const {
-  const bool wide = isWide();
+  const bool wide = hasWideRegisters();
   for (std::size_t f = 0; f < tree_->fronts.size(); ++f) {
     if (reached != nullptr && !(*reached)[f])
       continue;
@@ -256,7 +246,7 @@ void MultifrontalCholesky::forward(const T* factor, const std::vector<char>* rea
 template<class T>
 void MultifrontalCholesky::backward(const T* factor, const std::vector<char>* reached, double* x,
                                     double* w) const {
-  const bool wide = isWide();
+  const bool wide = hasWideRegisters();
   for (std::size_t f = tree_->fronts.size(); f-- > 0;) {
     if (reached != nullptr && !(*reached)[f])
       continue;

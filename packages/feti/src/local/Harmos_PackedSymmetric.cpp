@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_PackedSymmetric.hpp"
 
+#include "Harmos_WideRegisters.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
@@ -17,30 +19,20 @@ namespace Portable {
 #include "Harmos_PackedSymmetric_product.inc"
 } // namespace Portable
 
-// The same source compiled for wider registers as well, chosen when the program runs. Not by target_clones:
-// GCC takes vectors apart before it makes the clones.
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__)
+#ifdef HARMOS_HAS_WIDE_REGISTERS
 #pragma GCC push_options
 #pragma GCC target("avx2,fma")
 namespace Wide {
 #include "Harmos_PackedSymmetric_product.inc"
 } // namespace Wide
 #pragma GCC pop_options
-
-bool isWide() {
-  static const bool result = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-  return result;
-}
 #else
 namespace Wide = Portable;
-constexpr bool isWide() {
-  return false;
-}
 #endif
 
 template<class T>
 void dispatch(const T* packed, std::size_t n, const double* x, double* y) {
-  if (isWide())
+  if (hasWideRegisters())
     Wide::multiply(packed, n, x, y);
   else
     Portable::multiply(packed, n, x, y);

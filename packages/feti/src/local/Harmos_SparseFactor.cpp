@@ -6,9 +6,6 @@
 namespace Harmos::feti {
 namespace {
 
-constexpr const char* otherGraph =
-    "a matrix is to be factored by the analysis of another one, but its graph differs";
-
 class MultifrontalFactor : public SparseFactor {
  public:
   MultifrontalFactor(const LocalMatrix& matrix, const SparseFactorSettings& settings,
@@ -53,8 +50,7 @@ class MultifrontalFactor : public SparseFactor {
   }
 
   void refactor(const LocalMatrix& matrix) override {
-    if (patternHash(matrix) != patternHash_)
-      throw InputError(otherGraph);
+    requireGraph(patternHash_, matrix);
     factor_->refactor(matrix, context_->workspace());
     ++counts_.factorizations;
     if (isRefined_)

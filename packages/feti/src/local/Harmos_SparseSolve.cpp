@@ -61,9 +61,13 @@ SparseSolve::SparseSolve(const LocalMatrix& matrix, const std::string& solver, P
 
 SparseSolve::~SparseSolve() = default;
 
-void SparseSolve::refactor(const LocalMatrix& matrix) {
-  if (patternHash(matrix) != patternHash_)
+void requireGraph(std::size_t hash, const LocalMatrix& matrix) {
+  if (patternHash(matrix) != hash)
     throw InputError("a matrix is to be factored by the analysis of another one, but its graph differs");
+}
+
+void SparseSolve::refactor(const LocalMatrix& matrix) {
+  requireGraph(patternHash_, matrix);
   solver_->setA(toTpetra(matrix, map_), Amesos2::SYMBFACT);
   solver_->numericFactorization();
   ++factorizations_;

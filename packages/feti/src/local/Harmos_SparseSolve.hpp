@@ -24,6 +24,9 @@ struct FactorizationCounts {
   }
 };
 
+/// That a matrix has the graph that was analysed, which has this patternHash(). @throws InputError otherwise.
+void requireGraph(std::size_t hash, const LocalMatrix& matrix);
+
 /// The factorisation of one rank's sparse symmetric positive definite matrix, by any solver that Amesos2
 /// offers.
 class SparseSolve {
