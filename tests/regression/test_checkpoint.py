@@ -183,6 +183,28 @@ class SameHistory(unittest.TestCase):
             run.summary["energy"] / plain.summary["energy"], 1.0, delta=10.0 * 1e-10
         )
 
+    def test_choice_is_kept(self):
+        """Another machine, or another tolerance, would choose the other form; a restart keeps the first."""
+        rates = runs.scratch("rates").with_suffix(".json")
+        rates.write_text(runs.json.dumps({"dense_flops": 1e3, "stream_bytes": 1e3}))
+        sets = SHORT | {"Dual operator/Form": "auto"}
+        other = runs.solved(self, runs.MODEL, sets)
+        self.assertIn("condensed", other.summary["dual_operator"])
+        sets = sets | {"Dual operator/Rates": rates}
+        plain = runs.solved(self, runs.MODEL, sets)
+        self.assertIn("implicit", plain.summary["dual_operator"])
+        cut = runs.run(runs.MODEL, sets | {"Solver/Maximum iterations": 20})
+        for np in (2, 1):
+            run = restarted(
+                self,
+                cut.directory,
+                np,
+                sets={"Solver/Maximum iterations": 10000, "Dual operator/Rates": ""},
+            )
+            self.assertIn("as before, expected", run.stdout)
+            self.assertEqual(run.summary["dual_operator"], plain.summary["dual_operator"])
+            self.compare(run, plain, 20, exact=np == 2)
+
     def test_inverses_of_their_own(self):
         """Where congruent subdomains share a pseudoinverse, it depends on which of them a rank has."""
         block = runs.DECKS / "block.xml"

@@ -237,6 +237,8 @@ class Rates(Case):
         path = self.rates(slow)
         plan = self.plan(runs.MODEL, sets, "--plan-ranks", "1", "--plan-rates", path)
         self.assertEqual(plan["rates"]["source"], str(path))
+        deck = self.plan(runs.MODEL, sets | {"Dual operator/Rates": path}, "--plan-ranks", "1")
+        self.assertEqual(deck["rates"], plan["rates"])
         self.assertIn(str(path), plan["printed"])
         for name, value in plain["rates"].items():
             if name != "source":
@@ -282,10 +284,12 @@ class Rates(Case):
             ('{"benchmark": "scaling"}', "rates are taken from dual_operator and coarse_factor"),
             ('{"benchmark": "dual_operator", "runs": [{}]}', "is no JSON of rates"),
         ):
-            done = runs.start([runs.MODEL, "--plan", "--plan-rates", self.rates(content)], np=2)
-            self.assertEqual(done.returncode, 2, done)
-            self.assertEqual(len(done.errors), 1, done)
-            self.assertIn(message, done.errors[0])
+            path = self.rates(content)
+            for words in (["--plan", "--plan-rates", path], ["--set", f"Dual operator/Rates={path}"]):
+                done = runs.start([runs.MODEL, *words], np=2)
+                self.assertEqual(done.returncode, 2, done)
+                self.assertEqual(len(done.errors), 1, done)
+                self.assertIn(message, done.errors[0])
 
 
 class Request(Case):

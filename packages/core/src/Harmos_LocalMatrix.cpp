@@ -119,6 +119,9 @@ LocalMatrix makeLocalMatrix(int rows, std::vector<MatrixEntry> entries) {
 LocalMatrix sum(const LocalMatrix& a, const LocalMatrix& b) {
   HARMOS_REQUIRE(a.rows() == b.rows(), "matrices of different orders cannot be added");
   LocalMatrix result;
+  result.offsets.reserve(a.offsets.size());
+  result.columns.reserve(a.columns.size() + b.columns.size());
+  result.values.reserve(a.values.size() + b.values.size());
   for (std::size_t i = 0; i + 1 < a.offsets.size(); ++i) {
     std::size_t k = a.offsets[i], l = b.offsets[i];
     while (k < a.offsets[i + 1] || l < b.offsets[i + 1]) {

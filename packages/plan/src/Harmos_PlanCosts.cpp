@@ -175,7 +175,7 @@ double most(const std::vector<RankLoad>& loads, double RankLoad::*member) {
 }
 
 std::vector<RankLoad> loadsOf(const PlanSurvey& survey, const run::RunOptions& options,
-                              const PlanRates& rates, int ranks) {
+                              const feti::Rates& rates, int ranks) {
   std::vector<RankLoad> loads;
   const auto total = static_cast<long long>(survey.subdomains.size());
   for (int rank = 0; rank < ranks; ++rank)
@@ -208,8 +208,8 @@ ProductRange expectedProducts(const scene::Scene& scene, const run::RunOptions& 
 }
 
 PlanRow planRow(const PlanSurvey& survey, const run::RunOptions& options, bool elastic, bool mayLump,
-                const ProductRange& products, const PlanRates& rates, double programBytes, double sceneBytes,
-                int ranks) {
+                const ProductRange& products, const feti::Rates& rates, double programBytes,
+                double sceneBytes, int ranks) {
   PlanRow row;
   row.ranks = ranks;
   const std::vector<RankLoad> loads = loadsOf(survey, options, rates, ranks);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_PlanRates.hpp"
 #include "Harmos_PlanSurvey.hpp"
+#include "Harmos_Rates.hpp"
 
 namespace Harmos::plan {
 
@@ -60,7 +60,7 @@ ProductRange expectedProducts(const scene::Scene& scene, const run::RunOptions& 
 /// @param mayLump FormLimits::mayLump. @param programBytes of a process before it has a scene. @param
 /// sceneBytes what rank 0 has read scenes with.
 PlanRow planRow(const PlanSurvey& survey, const run::RunOptions& options, bool elastic, bool mayLump,
-                const ProductRange& products, const PlanRates& rates, double programBytes, double sceneBytes,
-                int ranks);
+                const ProductRange& products, const feti::Rates& rates, double programBytes,
+                double sceneBytes, int ranks);
 
 } // namespace Harmos::plan

@@ -105,10 +105,11 @@ RunPlan makeRunPlan(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const sc
   RunPlan plan;
   // The survey takes time: what is wrong with the request is told before.
   std::vector<int> counts;
+  plan.rates = options.dual.rates;
   agree(*comm, [&] {
     counts = rankCounts(request, scene.subdomains());
     if (!request.ratesFile.empty())
-      plan.rates = ratesFromFile(request.ratesFile);
+      plan.rates = feti::ratesFromFile(request.ratesFile);
   });
   const double program = globalMax(*comm, request.programMiB) * mebi;
   // What reading and cutting of meshes took stays resident on rank 0.
@@ -189,7 +190,7 @@ std::string planJson(const RunPlan& plan, const std::string& deck) {
   json["steps"] = s.steps;
   json["products"] = {plan.products.least, plan.products.most};
   json["rates"] = {{"source", plan.rates.source}};
-  for (const auto& [name, value] : namedRates(plan.rates))
+  for (const auto& [name, value] : feti::namedRates(plan.rates))
     json["rates"][name] = value;
   json["rows"] = nlohmann::ordered_json::array();
   for (const PlanRow& row : plan.rows) {

@@ -21,7 +21,7 @@ struct PlanRequest {
 /// Advice on how many ranks to run a scene with.
 struct RunPlan {
   PlanSurvey survey;
-  PlanRates rates;
+  feti::Rates rates;
   ProductRange products{0, 0};
   std::vector<PlanRow> rows;
   int recommended = -1; ///< place in rows; -1 if no row fits into the memory

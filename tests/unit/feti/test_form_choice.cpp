@@ -87,6 +87,16 @@ TEST(FormChoice, decides) {
   limits.preconditioner = lumped;
   limits.form = condensed;
   EXPECT_EQ(bestOf(p, limits), 3U);
+  // What was chosen before is kept, where it may be and fits.
+  limits = {};
+  limits.before = dualFormsFrom("implicit Dirichlet");
+  EXPECT_EQ(bestOf(p, limits), 2U);
+  limits.budgetMiB = limits.memoryMiB = 15.0;
+  EXPECT_EQ(bestOf(p, limits), 1U);
+  limits.budgetMiB = limits.memoryMiB = 0.0;
+  limits.form = condensed;
+  EXPECT_EQ(bestOf(p, limits), 0U);
+  EXPECT_FALSE(dualFormsFrom("lumped implicit"));
   limits = {};
   limits.memoryMiB = 30.0;
   EXPECT_EQ(bestOf(p, limits), 1U);

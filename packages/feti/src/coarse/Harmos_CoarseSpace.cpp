@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <tuple>
 
@@ -86,13 +87,27 @@ CoarseSpace::CoarseSpace(const SubdomainSystem& system, const Constraints& const
       new Map(static_cast<Tpetra::global_size_t>(dimension()), 0, comm_, Tpetra::LocallyReplicated));
 }
 
-// Places of G̃G̃ᵀ that any rank fills.
+// Places of G̃G̃ᵀ that any rank fills. Rows of an interface touch the same motions: what they fill is looked
+// up once for all of them.
 void CoarseSpace::makePattern() {
+  std::map<std::vector<int>, std::size_t> patterns; // and where the places of their pairs begin
   std::vector<std::pair<int, int>> mine;
-  for (std::size_t r = 0; r + 1 < offsets_.size(); ++r)
-    for (std::size_t i = offsets_[r]; i < offsets_[r + 1]; ++i)
-      for (std::size_t j = offsets_[r]; j <= i; ++j) // columns of a row rise
-        mine.emplace_back(columns_[i], columns_[j]);
+  std::vector<int> touched, before;
+  for (std::size_t r = 0; r + 1 < offsets_.size(); ++r) {
+    touched.assign(columns_.begin() + static_cast<std::ptrdiff_t>(offsets_[r]),
+                   columns_.begin() + static_cast<std::ptrdiff_t>(offsets_[r + 1]));
+    if (r > 0 && touched == before) {
+      firstPlace_.push_back(firstPlace_.back());
+      continue;
+    }
+    const auto [known, isNew] = patterns.emplace(touched, mine.size());
+    firstPlace_.push_back(known->second);
+    if (isNew)
+      for (std::size_t i = 0; i < touched.size(); ++i)
+        for (std::size_t j = 0; j <= i; ++j) // columns of a row rise
+          mine.emplace_back(touched[i], touched[j]);
+    before.swap(touched);
+  }
   std::vector<std::pair<int, int>> places = mine;
   const auto makeUnique = [](std::vector<std::pair<int, int>>& list) {
     std::sort(list.begin(), list.end());
@@ -121,12 +136,14 @@ void CoarseSpace::makePattern() {
 // G̃M_FG̃ᵀ at the places of the pattern; the same to the last bit on all ranks, whose decisions must agree.
 std::vector<double> CoarseSpace::gram(const double* mask) const {
   std::vector<double> values(gramRows_.size(), 0.0);
-  std::size_t pair = 0;
-  for (std::size_t r = 0; r + 1 < offsets_.size(); ++r)
+  for (std::size_t r = 0; r + 1 < offsets_.size(); ++r) {
+    if (mask != nullptr && mask[r] == 0.0)
+      continue;
+    std::size_t pair = firstPlace_[r];
     for (std::size_t i = offsets_[r]; i < offsets_[r + 1]; ++i)
       for (std::size_t j = offsets_[r]; j <= i; ++j, ++pair)
-        if (mask == nullptr || mask[r] != 0.0)
-          values[static_cast<std::size_t>(gramPlaces_[pair])] += values_[i] * values_[j];
+        values[static_cast<std::size_t>(gramPlaces_[pair])] += values_[i] * values_[j];
+  }
   globalSum(*comm_, values);
   broadcast(*comm_, values);
   return values;

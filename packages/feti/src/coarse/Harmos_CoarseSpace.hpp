@@ -78,8 +78,10 @@ class CoarseSpace {
   std::vector<std::size_t> offsets_ = {0};
   std::vector<int> columns_;
   std::vector<double> values_;
-  // Lower triangle of G̃G̃ᵀ, and for each pair of entries of an owned row its place there, row after row.
+  // Lower triangle of G̃G̃ᵀ; and its places that pairs of entries of a row fill, for each pattern of a row,
+  // with their begin for each owned row.
   std::vector<int> gramRows_, gramColumns_, gramPlaces_;
+  std::vector<std::size_t> firstPlace_;
   CoarseFactor factor_; // of G̃G̃ᵀ
   Teuchos::RCP<const Map> coarseMap_;
   int kernelDimension_ = 0;

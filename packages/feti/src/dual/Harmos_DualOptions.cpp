@@ -54,6 +54,9 @@ void DualOptions::addTo(ParameterSpec& deck) {
                "for each power of ten of the tolerance 8 for membranes, 10 for elastic bodies.");
   dual.integer("Memory budget MiB", defaults.memoryBudgetMiB, 0, 2000000000,
                "Limit of what factors and dense blocks may take on a rank, by the cost model; 0 for none.");
+  dual.text("Rates", "",
+            "A file of this machine's rates for the cost model, as --plan-rates takes them; the path is that "
+            "from where the program runs. Empty: rates that were measured once, the same everywhere.");
   deck.list(std::move(dual));
 }
 
@@ -73,6 +76,8 @@ DualOptions DualOptions::fromList(const Teuchos::ParameterList& list) {
         scaling == "stiffness" ? PreconditionerScaling::Stiffness : PreconditionerScaling::Multiplicity;
   options.expectedProducts = list.get<int>("Expected products");
   options.memoryBudgetMiB = list.get<int>("Memory budget MiB");
+  if (const std::string path = list.get<std::string>("Rates"); !path.empty())
+    options.rates = ratesFromFile(path);
   LocalInverseOptions& inverses = options.inverses;
   inverses.share = list.get<bool>("Share identical subdomains");
   inverses.precision = list.get<std::string>("Precision") == "single" ? Precision::Single : Precision::Double;
@@ -120,7 +125,9 @@ DualOptions::Decided DualOptions::decided(const SubdomainSystem& system, const C
     limits.budgetMiB = memoryBudgetMiB;
     limits.memoryMiB = share * machineMemoryMiB(*system.comm());
     result.inverses.context = std::make_shared<FactorizationContext>();
-    const FormChoice choice = chooseForm(system, constraints, inverses, limits, *result.inverses.context);
+    limits.before = before;
+    const FormChoice choice =
+        chooseForm(system, constraints, inverses, limits, *result.inverses.context, rates.local);
     result.inverses.form = choice.forms.form;
     result.preconditioner = choice.forms.preconditioner;
     log.info(choice.reason);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_FormChoice.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_ParameterSpec.hpp"
+#include "Harmos_Rates.hpp"
 
 #include <Teuchos_ParameterList.hpp>
 
@@ -22,11 +22,14 @@ struct DualOptions {
   PreconditionerScaling scalingFor(bool hasSeveralMaterials) const;
   int expectedProducts = 0; ///< 0: as usual
   int memoryBudgetMiB = 0;
+  Rates rates;                     ///< of the cost model
+  std::optional<DualForms> before; ///< FormLimits::before
 
   /// What was decided.
   struct Decided {
     LocalInverseOptions inverses;
     PreconditionerKind preconditioner;
+    DualForms forms() const { return {inverses.form, preconditioner}; }
     /// "condensed, double, Dirichlet preconditioner": for a summary.
     std::string describe() const;
   };
@@ -46,7 +49,7 @@ struct DualOptions {
 
   /// Adds the list to the specification of a deck.
   static void addTo(ParameterSpec& deck);
-  /// From a validated list.
+  /// From a validated list. @throws InputError for a file of rates that says nothing of them.
   static DualOptions fromList(const Teuchos::ParameterList& list);
 };
 

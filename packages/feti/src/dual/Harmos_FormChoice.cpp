@@ -174,6 +174,10 @@ std::optional<std::size_t> bestOf(const std::vector<FormPrediction>& predictions
     };
     allowed.erase(std::remove_if(allowed.begin(), allowed.end(), tooLarge), allowed.end());
   }
+  if (limits.before)
+    for (std::size_t k : allowed)
+      if (toString(dualForms()[k]) == toString(*limits.before))
+        return k;
   double fastest = std::numeric_limits<double>::infinity();
   for (std::size_t k : allowed)
     fastest = std::min(fastest, predictions[k].seconds(limits.products));
@@ -191,7 +195,7 @@ const FormPrediction& FormChoice::of(const DualForms& wanted) const {
 
 FormChoice chooseForm(const SubdomainSystem& system, const Constraints& constraints,
                       const LocalInverseOptions& options, const FormLimits& limits,
-                      FactorizationContext& context) {
+                      FactorizationContext& context, const MachineRates& rates) {
   const Teuchos::Comm<int>& comm = *system.comm();
   const std::size_t count = dualForms().size();
   std::vector<FormPrediction> found(count);
@@ -214,7 +218,7 @@ FormChoice chooseForm(const SubdomainSystem& system, const Constraints& constrai
         for (std::size_t k = 0; k < count; ++k)
           found[k] +=
               predict(dualForms()[k], estimate.scaledTo(rowsOf(item), static_cast<int>(item.boundary.size())),
-                      static_cast<int>(item.members.size()), options.precision);
+                      static_cast<int>(item.members.size()), options.precision, rates);
     };
     predictWith(lowerBound(matrix, largest.boundary, context));
     const auto best = bestOf(found, limits);
@@ -243,10 +247,10 @@ FormChoice chooseForm(const SubdomainSystem& system, const Constraints& constrai
             "subdomains",
         {{"path", "Dual operator/Memory budget MiB"}});
   choice.forms = dualForms()[*best];
-  choice.reason = std::string("Dual operator: ") + toString(choice.forms.form) + " " +
-                  toString(choice.forms.preconditioner) + ", expected for " +
-                  std::to_string(limits.products) + " products: " + (closer ? "" : "at least ") + all +
-                  " a rank";
+  choice.reason = "Dual operator: " + toString(choice.forms) +
+                  (limits.before && toString(*limits.before) == toString(choice.forms) ? " as before" : "") +
+                  ", expected for " + std::to_string(limits.products) +
+                  " products: " + (closer ? "" : "at least ") + all + " a rank";
   return choice;
 }
 
@@ -273,6 +277,17 @@ const char* toString(PreconditionerKind kind) {
   return kind == PreconditionerKind::None     ? "no preconditioner"
          : kind == PreconditionerKind::Lumped ? "lumped"
                                               : "Dirichlet";
+}
+
+std::string toString(const DualForms& forms) {
+  return std::string(toString(forms.form)) + " " + toString(forms.preconditioner);
+}
+
+std::optional<DualForms> dualFormsFrom(const std::string& text) {
+  for (const DualForms& forms : dualForms())
+    if (toString(forms) == text)
+      return forms;
+  return std::nullopt;
 }
 
 } // namespace Harmos::feti

@@ -91,6 +91,8 @@ struct FormLimits {
   int products = 30;      ///< expected with the Dirichlet preconditioner
   double budgetMiB = 0.0; ///< of each rank, by the deck; 0 for none
   double memoryMiB = 0.0; ///< of the machine for each rank; 0 for none. Beyond, what needs least is chosen
+  /// Of the run that this one goes on with: kept if it is allowed and fits into the memory.
+  std::optional<DualForms> before;
 
   bool allows(const DualForms& forms) const;
 };
@@ -99,8 +101,8 @@ struct FormLimits {
 const std::vector<DualForms>& dualForms();
 
 /// The place in dualForms() of what is to be taken, of predictions in that order: the first one that is
-/// allowed, fits into the memory, and takes at most 10 per cent more time than the fastest such. None if
-/// nothing that is allowed fits into the budget.
+/// allowed, fits into the memory, and takes at most 10 per cent more time than the fastest such, unless
+/// there is one from before. None if nothing that is allowed fits into the budget.
 std::optional<std::size_t> bestOf(const std::vector<FormPrediction>& predictions, const FormLimits& limits);
 
 /// The decision, the same on all ranks.
@@ -121,12 +123,16 @@ struct FormChoice {
 /// @note Collective.
 FormChoice chooseForm(const SubdomainSystem& system, const Constraints& constraints,
                       const LocalInverseOptions& options, const FormLimits& limits,
-                      FactorizationContext& context);
+                      FactorizationContext& context, const MachineRates& rates = {});
 
 /// Memory of this machine for each of its ranks, in MiB. @note Collective.
 double machineMemoryMiB(const Teuchos::Comm<int>& comm);
 
 const char* toString(DualForm form);
 const char* toString(PreconditionerKind kind);
+/// "implicit lumped".
+std::string toString(const DualForms& forms);
+/// None for another text. The inverse of toString().
+std::optional<DualForms> dualFormsFrom(const std::string& text);
 
 } // namespace Harmos::feti

@@ -143,11 +143,7 @@ LocalMatrix regularized(const LocalMatrix& matrix, const Kernel& kernel, const s
         value += v.column(k)[a] * v.column(k)[b];
       entries.push_back({fixing[static_cast<std::size_t>(a)], fixing[static_cast<std::size_t>(b)], value});
     }
-  for (int i = 0; i < matrix.rows(); ++i)
-    for (std::size_t k = matrix.offsets[static_cast<std::size_t>(i)];
-         k < matrix.offsets[static_cast<std::size_t>(i) + 1]; ++k)
-      entries.push_back({i, matrix.columns[k], matrix.values[k]});
-  return makeLocalMatrix(matrix.rows(), std::move(entries));
+  return sum(matrix, makeLocalMatrix(matrix.rows(), std::move(entries)));
 }
 
 } // namespace Harmos::feti

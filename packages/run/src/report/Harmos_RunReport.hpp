@@ -30,6 +30,7 @@ struct RunReport : feti::SolveReport {
   long long subdomains = 0;
   long long distinctFactorizations = 0;
   std::string dualOperator;
+  std::string dualForms;        ///< feti::DualForms, for checkpoints
   double localCondition = 0.0;  ///< largest estimate of κ(K_i) on the complement of the kernel
   double dualOperatorMiB = 0.0; ///< factors and dense blocks of all ranks
   std::string stoppingRule;

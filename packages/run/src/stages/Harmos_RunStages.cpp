@@ -201,10 +201,14 @@ void RunStages::constrain() {
 void RunStages::factorise() {
   {
     const auto scope = timers_.scope("factorization");
-    const feti::DualOptions::Decided decided = options_.dual.decided(
+    feti::DualOptions dual = options_.dual;
+    if (directory_.checkpoint() != nullptr)
+      dual.before = feti::dualFormsFrom(directory_.checkpoint()->text("dual forms"));
+    const feti::DualOptions::Decided decided = dual.decided(
         *system_, *constraints_, feti::DualOptions::usualProducts(isElastic(), options_.tolerance),
         !scene_.hasSeveralMaterials(), log_);
     report_.dualOperator = decided.describe();
+    report_.dualForms = toString(decided.forms());
     preconditionerKind_ = decided.preconditioner;
     inverses_.emplace(feti::makeLocalInverses(*system_, *constraints_, decided.inverses));
     share_.dualOperatorMiB = inverses_->bytes() / mebi;

@@ -206,13 +206,14 @@ void RunMonitor::write(const Exchange& all) {
       assignments += assignment + '\0'; // which none of them contains
     StateSize size;
     all(size);
-    const std::size_t texts =
-        options_.checkpoint.deck.size() + options_.checkpoint.deckFile.size() + assignments.size();
+    const std::size_t texts = options_.checkpoint.deck.size() + options_.checkpoint.deckFile.size() +
+                              assignments.size() + report_.dualForms.size();
     CheckpointWriter writer(comm_, path, rowBasis(run_->stages.problem),
                             size.bytes() + static_cast<long long>(texts));
     writer.text("deck", options_.checkpoint.deck);
     writer.text("deck file", options_.checkpoint.deckFile);
     writer.text("assignments", assignments);
+    writer.text("dual forms", report_.dualForms);
     all(writer);
     writer.commit();
   } catch (const InputError& error) {

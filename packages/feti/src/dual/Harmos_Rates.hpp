@@ -8,20 +8,20 @@
 #include <utility>
 #include <vector>
 
-namespace Harmos::plan {
+namespace Harmos::feti {
 
-/// Rates of the machine that a run is planned for.
-struct PlanRates {
-  feti::MachineRates local;
-  feti::StepRates step;
+/// Rates of a machine, by which forms are chosen and runs planned.
+struct Rates {
+  MachineRates local;
+  StepRates step;
   std::string source = "one core of an AMD EPYC; network assumed, not measured";
 };
 
 /// Rates from a JSON file: an object of names as MachineRates and StepRates have them in snake case
 /// ("dense_flops": 5e10), or what tests/performance/dual_operator or tests/performance/coarse_factor writes.
 /// @throws InputError naming what is wrong. Local.
-PlanRates ratesFromFile(const std::string& path);
+Rates ratesFromFile(const std::string& path);
 /// The same, name by name, as plan.json has them.
-std::vector<std::pair<std::string, double>> namedRates(const PlanRates& rates);
+std::vector<std::pair<std::string, double>> namedRates(const Rates& rates);
 
-} // namespace Harmos::plan
+} // namespace Harmos::feti

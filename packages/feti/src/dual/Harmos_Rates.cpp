@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Harmos_PlanRates.hpp"
+#include "Harmos_Rates.hpp"
 
 #include "Harmos_Errors.hpp"
 #include "Harmos_NearestName.hpp"
@@ -10,12 +10,12 @@
 #include <fstream>
 #include <map>
 
-namespace Harmos::plan {
+namespace Harmos::feti {
 namespace {
 
 // Each name and where its rate stands.
-template<class Rates>
-auto tableOf(Rates& rates) {
+template<class AnyRates>
+auto tableOf(AnyRates& rates) {
   return std::vector<std::pair<std::string, decltype(&rates.local.sparseFlops)>>{
       {"sparse_flops", &rates.local.sparseFlops},
       {"schur_flops", &rates.local.schurFlops},
@@ -39,7 +39,7 @@ double median(std::vector<double> values) {
 }
 
 // Products and set-ups are by one factor faster or slower than by the rates that stand here.
-void takeDualOperator(const nlohmann::json& runs, PlanRates& rates) {
+void takeDualOperator(const nlohmann::json& runs, Rates& rates) {
   std::map<std::string, std::vector<double>> faster;
   for (const nlohmann::json& run : runs) {
     const std::string form = run.at("form");
@@ -63,7 +63,7 @@ void takeDualOperator(const nlohmann::json& runs, PlanRates& rates) {
   by("implicit", {&rates.local.solveBytes, &rates.local.sparseBytes});
 }
 
-void takeCoarseFactor(const nlohmann::json& runs, PlanRates& rates) {
+void takeCoarseFactor(const nlohmann::json& runs, Rates& rates) {
   std::vector<double> small, large;
   for (const nlohmann::json& run : runs)
     (run.at("entries").get<double>() < 5e5 ? small : large)
@@ -74,7 +74,7 @@ void takeCoarseFactor(const nlohmann::json& runs, PlanRates& rates) {
     rates.step.coarseFromMemory = median(large);
 }
 
-void takeNames(const nlohmann::json& object, PlanRates& rates, const std::string& path) {
+void takeNames(const nlohmann::json& object, Rates& rates, const std::string& path) {
   const auto table = tableOf(rates);
   std::vector<std::string> names;
   for (const auto& item : table)
@@ -94,11 +94,11 @@ void takeNames(const nlohmann::json& object, PlanRates& rates, const std::string
 
 } // namespace
 
-PlanRates ratesFromFile(const std::string& path) {
+Rates ratesFromFile(const std::string& path) {
   std::ifstream file(path);
   if (!file)
     throw InputError("cannot read the rates \"" + path + "\"; does the file exist?", {{"file", path}});
-  PlanRates rates;
+  Rates rates;
   rates.source = path;
   try {
     const nlohmann::json json = nlohmann::json::parse(file);
@@ -121,11 +121,11 @@ PlanRates ratesFromFile(const std::string& path) {
   return rates;
 }
 
-std::vector<std::pair<std::string, double>> namedRates(const PlanRates& rates) {
+std::vector<std::pair<std::string, double>> namedRates(const Rates& rates) {
   std::vector<std::pair<std::string, double>> result;
   for (const auto& [name, rate] : tableOf(rates))
     result.emplace_back(name, *rate);
   return result;
 }
 
-} // namespace Harmos::plan
+} // namespace Harmos::feti
