@@ -49,9 +49,10 @@ void RunDirectory::checkDeck() const {
         {"Output", "Solver/Tolerance", "Solver/Maximum iterations", "Solver/Maximum seconds",
          "Solver/Progress frequency", "Steps/Smallest step", "Dual operator/Rates"});
     if (!difference.empty())
-      throw InputError("the checkpoint \"" + checkpoint_->path() + "\" is of another deck: " + difference +
-                           "; restart with the deck that wrote it (tolerance, limits, rates and output may differ)",
-                       {{"file", checkpoint_->path()}});
+      throw InputError(
+          "the checkpoint \"" + checkpoint_->path() + "\" is of another deck: " + difference +
+              "; restart with the deck that wrote it (tolerance, limits, rates and output may differ)",
+          {{"file", checkpoint_->path()}});
   });
 }
 
