@@ -77,11 +77,12 @@ RankLoad loadOf(const PlanSurvey& survey, const feti::LocalInverseOptions& optio
     feti::FactorizationEstimate estimate = survey.matrices[static_cast<std::size_t>(item.matrix)];
     estimate.boundary = static_cast<int>(item.boundary.size());
     for (std::size_t k = 0; k < load.predictions.size(); ++k)
-      load.predictions[k] +=
-          feti::predict(feti::dualForms()[k], estimate, item.members, options.precision, rates);
+      load.predictions[k] += feti::predict(feti::dualForms()[k], estimate, item.members, options.precision,
+                                           rates, options.expectsRoundedProducts());
     const feti::DualForms plain = {DualForm::Implicit, feti::PreconditionerKind::None};
-    load.recoverySeconds +=
-        feti::predict(plain, estimate, item.members, options.precision, rates).productSeconds;
+    load.recoverySeconds += feti::predict(plain, estimate, item.members, options.precision, rates,
+                                          options.expectsRoundedProducts())
+                                .productSeconds;
     load.largestBoundary = std::max(load.largestBoundary, static_cast<double>(estimate.boundary));
   }
   return load;
@@ -179,7 +180,8 @@ std::vector<RankLoad> loadsOf(const PlanSurvey& survey, const run::RunOptions& o
   std::vector<RankLoad> loads;
   const auto total = static_cast<long long>(survey.subdomains.size());
   for (int rank = 0; rank < ranks; ++rank)
-    loads.push_back(loadOf(survey, options.dual.inverses, rates.local, scene::shareOf(rank, ranks, total)));
+    loads.push_back(loadOf(survey, options.dual.inversesFor(options.fixedTolerance()), rates.local,
+                           scene::shareOf(rank, ranks, total)));
   return loads;
 }
 

@@ -282,6 +282,49 @@ TEST(LocalInverse, single_precision_loses_what_it_should) {
     }
 }
 
+// Rounded products: of half the factor, the same to some 1e-7 κ, still symmetric; solutions of all dofs are
+// refined. A limit that rounding errors do not keep to leaves all as it is, as does another matrix.
+TEST(LocalInverse, products_are_rounded_within_a_limit) {
+  for (const Piece& piece : pieces()) {
+    const int n = piece.matrix.rows();
+    const auto exact = make(piece, DualForm::Implicit), rounded = make(piece, DualForm::Implicit);
+    const Dense products = toDense(exact->boundaryOperator());
+    const auto difference = [&](const Dense& a, const Dense& b) {
+      double most = 0.0, largest = 0.0;
+      for (std::size_t e = 0; e < a.values.size(); ++e) {
+        most = std::max(most, std::abs(a.values[e] - b.values[e]));
+        largest = std::max(largest, std::abs(b.values[e]));
+      }
+      return most / largest;
+    };
+    rounded->roundProducts(7e-8); // above the unit roundoff, below what is left of it
+    EXPECT_FALSE(rounded->hasRoundedProducts()) << piece.name;
+    EXPECT_EQ(toDense(rounded->boundaryOperator()).values, products.values) << piece.name;
+    EXPECT_EQ(rounded->bytes(), exact->bytes()) << piece.name;
+    rounded->roundProducts(1e-5);
+    ASSERT_TRUE(rounded->hasRoundedProducts()) << piece.name;
+    const Dense found = toDense(rounded->boundaryOperator());
+    EXPECT_LT(difference(found, products), 1e-5) << piece.name;
+    EXPECT_GT(difference(found, products), 1e-9) << piece.name;
+    const int b = found.rows;
+    for (int i = 0; i < b; ++i)
+      for (int j = 0; j < i; ++j) // sums in double: a rounded operator, not a noisy one
+        EXPECT_NEAR(found(i, j), found(j, i), 1e-13 * products.values[0] * n) << piece.name;
+    EXPECT_LT(difference(toDense(*rounded, n), toDense(*exact, n)), 1e-10) << piece.name;
+    EXPECT_EQ(rounded->bytes(), 0.5 * exact->bytes()) << piece.name;
+    EXPECT_EQ(rounded->boundaryOperator().bytesRead(1), 0.5 * exact->boundaryOperator().bytesRead(1));
+    LocalMatrix twice = piece.matrix;
+    for (double& value : twice.values)
+      value *= 2.0;
+    rounded->refactor(twice, piece.kernel);
+    EXPECT_FALSE(rounded->hasRoundedProducts()) << piece.name;
+    Dense half = products;
+    for (double& value : half.values)
+      value *= 0.5;
+    EXPECT_LT(difference(toDense(rounded->boundaryOperator()), half), 1e-12) << piece.name;
+  }
+}
+
 // Other direct solvers of Amesos2 in the implicit form, by name.
 TEST(LocalInverse, klu2_does_as_mumps) {
   for (const Piece& piece : pieces()) {

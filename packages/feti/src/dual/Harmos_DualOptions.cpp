@@ -31,8 +31,11 @@ void DualOptions::addTo(ParameterSpec& deck) {
                {"stiffness", "the softer copy takes more of it: for materials that jump across interfaces"}},
               "Scaling of the preconditioner.");
   dual.choice(
-      "Precision", "double",
-      {{"double", "64 bits"},
+      "Precision", "auto",
+      {{"auto",
+        "double; but products of the implicit form by factors in 32 bits, one subdomain after the other, "
+        "where that changes its answer by less than a tenth of the tolerance, which is tried"},
+       {"double", "64 bits"},
        {"single", "dense blocks (condensed) or factors (implicit) in 32 bits, sums in 64: half the memory; "
                   "tolerances below 1e-6 need the implicit form"}},
       "In which precision blocks and factors are kept.");
@@ -80,7 +83,9 @@ DualOptions DualOptions::fromList(const Teuchos::ParameterList& list) {
     options.rates = ratesFromFile(path);
   LocalInverseOptions& inverses = options.inverses;
   inverses.share = list.get<bool>("Share identical subdomains");
-  inverses.precision = list.get<std::string>("Precision") == "single" ? Precision::Single : Precision::Double;
+  const std::string precision = list.get<std::string>("Precision");
+  inverses.precision = precision == "single" ? Precision::Single : Precision::Double;
+  options.mayRound = precision == "auto";
   inverses.solver.name = list.get<std::string>("Implicit solver");
   inverses.solver.blockLowRank = list.get<double>("Block low rank tolerance");
   inverses.fixingPlaces = list.get<int>("Fixing places");
@@ -108,9 +113,18 @@ std::optional<DirichletForm> DualOptions::decompositionFrom(const Teuchos::Param
   return form == "dual" ? DirichletForm::Dual : DirichletForm::Primal;
 }
 
+LocalInverseOptions DualOptions::inversesFor(double tolerance) const {
+  LocalInverseOptions result = inverses;
+  // What is accepted is an error of 30 tolerances in the energy norm; a tenth of one is not seen.
+  constexpr double roundedShare = 0.1;
+  result.productError = mayRound && inverses.solver.isMultifrontal() ? roundedShare * tolerance : 0.0;
+  return result;
+}
+
 DualOptions::Decided DualOptions::decided(const SubdomainSystem& system, const Constraints& constraints,
-                                          int usualProducts, bool mayLump, const Log& log) const {
-  Decided result = {inverses, PreconditionerKind::Dirichlet};
+                                          int usualProducts, bool mayLump, const Log& log,
+                                          double tolerance) const {
+  Decided result = {inversesFor(tolerance), PreconditionerKind::Dirichlet};
   if (form && preconditioner && memoryBudgetMiB == 0) {
     result.inverses.form = *form;
     result.preconditioner = *preconditioner;
@@ -127,7 +141,7 @@ DualOptions::Decided DualOptions::decided(const SubdomainSystem& system, const C
     result.inverses.context = std::make_shared<FactorizationContext>();
     limits.before = before;
     const FormChoice choice =
-        chooseForm(system, constraints, inverses, limits, *result.inverses.context, rates.local);
+        chooseForm(system, constraints, result.inverses, limits, *result.inverses.context, rates.local);
     result.inverses.form = choice.forms.form;
     result.preconditioner = choice.forms.preconditioner;
     log.info(choice.reason);
@@ -146,8 +160,10 @@ int DualOptions::usualProducts(bool isElastic, double tolerance) {
 
 std::string DualOptions::Decided::describe() const {
   return std::string(toString(inverses.form)) +
-         (inverses.precision == Precision::Single ? ", single, " : ", double, ") + toString(preconditioner) +
-         (preconditioner == PreconditionerKind::None ? "" : " preconditioner");
+         (inverses.precision == Precision::Single                              ? ", single, "
+          : inverses.form == DualForm::Implicit && inverses.productError > 0.0 ? ", mixed, "
+                                                                               : ", double, ") +
+         toString(preconditioner) + (preconditioner == PreconditionerKind::None ? "" : " preconditioner");
 }
 
 PreconditionerScaling DualOptions::scalingFor(bool hasSeveralMaterials) const {

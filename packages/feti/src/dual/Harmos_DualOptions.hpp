@@ -14,8 +14,9 @@ namespace Harmos::feti {
 
 /// The list "Dual operator" of a deck: how products with F and with its preconditioner are made.
 struct DualOptions {
-  std::optional<DualForm> form;                     ///< nothing: by the cost model
-  LocalInverseOptions inverses;                     ///< its form is decided by the run
+  std::optional<DualForm> form; ///< nothing: by the cost model
+  LocalInverseOptions inverses; ///< its form is decided by the run
+  bool mayRound = false;        ///< products of the implicit form in single precision, where that is no loss
   std::optional<PreconditionerKind> preconditioner; ///< nothing: with the form, by the cost model
   /// Null: stiffness where materials differ from body to body or region to region, else multiplicity.
   std::optional<PreconditionerScaling> scaling;
@@ -24,6 +25,9 @@ struct DualOptions {
   int memoryBudgetMiB = 0;
   Rates rates;                     ///< of the cost model
   std::optional<DualForms> before; ///< FormLimits::before
+
+  /// With what the tolerance that is solved to says of them. @param tolerance 0: not known.
+  LocalInverseOptions inversesFor(double tolerance) const;
 
   /// What was decided.
   struct Decided {
@@ -35,9 +39,10 @@ struct DualOptions {
   };
   /// As asked for, or by the cost model.
   /// @param usualProducts expected, where the options name none. @param mayLump FormLimits::mayLump.
+  /// @param tolerance as inversesFor().
   /// @throws InputError on all ranks if nothing fits into the memory budget. @note Collective.
   Decided decided(const SubdomainSystem& system, const Constraints& constraints, int usualProducts,
-                  bool mayLump, const Log& log) const;
+                  bool mayLump, const Log& log, double tolerance = 0.0) const;
 
   /// Products that an elastic body, or a membrane, usually takes to a tolerance: eight or ten for each power
   /// of ten.

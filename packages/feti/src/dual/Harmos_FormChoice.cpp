@@ -94,7 +94,7 @@ FactorizationEstimate analyseFactorization(const LocalMatrix& matrix, const std:
 }
 
 FormPrediction predict(const DualForms& forms, const FactorizationEstimate& estimate, int members,
-                       Precision precision, const MachineRates& rates) {
+                       Precision precision, const MachineRates& rates, bool isRounded) {
   const double b = estimate.boundary, m = members;
   const bool isSingle = precision == Precision::Single;
   const double word = isSingle ? 4.0 : 8.0;
@@ -105,9 +105,10 @@ FormPrediction predict(const DualForms& forms, const FactorizationEstimate& esti
   FormPrediction p;
   if (forms.form == DualForm::Implicit) {
     const double solves = isSingle ? 2.0 : 1.0; // one for the refinement
+    const double ofFactor = isRounded ? 4.0 : word;
     p.setupSeconds = estimate.flops / rates.sparseFlops + setup(estimate.rows, estimate.entries);
-    p.productSeconds = m * solves * 2.0 * word * estimate.entries / rates.solveBytes;
-    p.factorBytes = word * estimate.entries;
+    p.productSeconds = m * solves * 2.0 * ofFactor * estimate.entries / rates.solveBytes;
+    p.factorBytes = ofFactor * estimate.entries;
     if (forms.preconditioner == PreconditionerKind::Dirichlet) {
       p.setupSeconds +=
           estimate.interiorFlops / rates.sparseFlops + setup(interior, estimate.interiorEntries);
@@ -218,7 +219,8 @@ FormChoice chooseForm(const SubdomainSystem& system, const Constraints& constrai
         for (std::size_t k = 0; k < count; ++k)
           found[k] +=
               predict(dualForms()[k], estimate.scaledTo(rowsOf(item), static_cast<int>(item.boundary.size())),
-                      static_cast<int>(item.members.size()), options.precision, rates);
+                      static_cast<int>(item.members.size()), options.precision, rates,
+                      options.expectsRoundedProducts());
     };
     predictWith(lowerBound(matrix, largest.boundary, context));
     const auto best = bestOf(found, limits);

@@ -68,7 +68,7 @@ struct MachineRates {
 /// blocks or of L:
 ///
 ///     implicit    set-up   c/sparse + σ(n, e)
-///                 product  m·2·w·e/solve
+///                 product  m·2·w·e/solve, twice that with refinement; w = 4 where products are rounded
 ///       Dirichlet set-up   + c_i/sparse + σ(n_i, e_i)
 ///                 product  + m(16·e_i/solve + 12(k_bb + 2k_bi)/sparse)
 ///     condensed   set-up   c_S/schur + σ(n_i, e_i) + n_b³/dense
@@ -79,8 +79,9 @@ struct MachineRates {
 /// with σ(n, e) = n/setupRows + e/setupEntries. With the lumped preconditioner the number of products is 1 +
 /// 0.35 log₂(n/n_b) times as large, within 1 and 2.75: between 1.0 and 1.3 was measured on real bodies, 1.4
 /// to 2.8 on the model problem of 8 to 128 elements.
+/// @param isRounded LocalInverseOptions::expectsRoundedProducts().
 FormPrediction predict(const DualForms& forms, const FactorizationEstimate& estimate, int members,
-                       Precision precision, const MachineRates& rates = {});
+                       Precision precision, const MachineRates& rates = {}, bool isRounded = false);
 
 /// What may be chosen.
 struct FormLimits {

@@ -129,12 +129,15 @@ Kernel regularization(const Kernel& rows, const std::vector<double>& diagonal) {
   return v;
 }
 
-LocalMatrix regularized(const LocalMatrix& matrix, const Kernel& kernel, const std::vector<int>& fixing) {
+Kernel regularizationAt(const LocalMatrix& matrix, const Kernel& kernel, const std::vector<int>& fixing) {
   const std::vector<double> diagonal = matrix.diagonal();
   std::vector<double> weights;
   for (int dof : fixing)
     weights.push_back(diagonal[static_cast<std::size_t>(dof)]);
-  const Kernel v = regularization(restricted(kernel, fixing), weights);
+  return regularization(restricted(kernel, fixing), weights);
+}
+
+LocalMatrix withRegularization(const LocalMatrix& matrix, const Kernel& v, const std::vector<int>& fixing) {
   std::vector<MatrixEntry> entries;
   for (int a = 0; a < v.rows; ++a)
     for (int b = 0; b < v.rows; ++b) {
@@ -144,6 +147,10 @@ LocalMatrix regularized(const LocalMatrix& matrix, const Kernel& kernel, const s
       entries.push_back({fixing[static_cast<std::size_t>(a)], fixing[static_cast<std::size_t>(b)], value});
     }
   return sum(matrix, makeLocalMatrix(matrix.rows(), std::move(entries)));
+}
+
+LocalMatrix regularized(const LocalMatrix& matrix, const Kernel& kernel, const std::vector<int>& fixing) {
+  return withRegularization(matrix, regularizationAt(matrix, kernel, fixing), fixing);
 }
 
 } // namespace Harmos::feti

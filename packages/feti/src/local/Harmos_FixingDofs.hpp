@@ -28,8 +28,11 @@ std::vector<int> fixingDofs(const LocalMatrix& matrix, const Kernel& kernel, int
 /// @throws NumericalError if the kernel is not determined by its rows at these dofs.
 Kernel regularization(const Kernel& rows, const std::vector<double>& diagonal);
 
-/// The regularised matrix K_ρ = K + VVᵀ, V of the fixing dofs.
-/// @throws NumericalError as above.
+/// V of a matrix's fixing dofs. @throws NumericalError as above.
+Kernel regularizationAt(const LocalMatrix& matrix, const Kernel& kernel, const std::vector<int>& fixing);
+/// K_ρ = K + VVᵀ, of that.
+LocalMatrix withRegularization(const LocalMatrix& matrix, const Kernel& v, const std::vector<int>& fixing);
+/// The regularised matrix K_ρ. @throws NumericalError as above.
 LocalMatrix regularized(const LocalMatrix& matrix, const Kernel& kernel, const std::vector<int>& fixing);
 
 } // namespace Harmos::feti

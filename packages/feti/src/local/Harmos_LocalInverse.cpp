@@ -128,15 +128,30 @@ class ImplicitInverse : public LocalInverse {
         solver_(settings.solver),
         context_(std::move(context)),
         boundary_(*this, std::move(boundary)) {
+    hold(kernel);
     SparseFactorSettings factor;
     factor.solver = solver_;
     factor.precision = settings.precision;
     factor.ends = boundary_.boundary();
-    factor_ = makeSparseFactor(definite(kernel), factor, context_);
+    factor_ = makeSparseFactor(definite(), factor, context_);
   }
 
   void apply(double* x, int count) const override {
     const auto n = static_cast<std::size_t>(matrix_->rows());
+    if (isRounded_) {
+      std::vector<double> load(n), residual(n);
+      for (int c = 0; c < count; ++c, x += n) {
+        std::copy(x, x + n, load.begin());
+        factor_->solve(x, 1);
+        multiply(x, residual.data());
+        for (std::size_t k = 0; k < n; ++k)
+          residual[k] = load[k] - residual[k];
+        factor_->solve(residual.data(), 1);
+        for (std::size_t k = 0; k < n; ++k)
+          x[k] += residual[k];
+      }
+      return;
+    }
     inParts(count,
             [&](int first, int number) { factor_->solve(x + static_cast<std::size_t>(first) * n, number); });
   }
@@ -147,22 +162,51 @@ class ImplicitInverse : public LocalInverse {
     if (!schur_)
       schur_ = std::make_shared<SchurBySolves>(
           *matrix_, boundary_.boundary(), solver_,
-          isRounded_ && solver_.isMultifrontal() ? Precision::Single : Precision::Double, context_);
+          isSchurRounded_ && solver_.isMultifrontal() ? Precision::Single : Precision::Double, context_);
     return schur_;
   }
 
-  void roundSchurComplement() override { isRounded_ = true; }
+  void roundSchurComplement() override { isSchurRounded_ = true; }
+
+  void roundProducts(double most) override {
+    constexpr double unitRoundoff = 0x1p-24;
+    if (isRounded_ || most < unitRoundoff)
+      return;
+    // A load with much of the slow modes, which are what rounding errors change most.
+    const auto n = static_cast<std::size_t>(matrix_->rows());
+    std::vector<double> x(n, 0.0), image(n);
+    const std::vector<int>& ends = boundary_.boundary();
+    for (std::size_t k = 0; k < ends.size(); ++k)
+      x[static_cast<std::size_t>(ends[k])] =
+          (2 * k < ends.size() ? 1.0 : -1.0) + 0.5 * std::cos(2.3 * static_cast<double>(k));
+    std::vector<double> rounded = x;
+    factor_->solve(x.data(), 1);
+    if (!factor_->round())
+      return;
+    factor_->solve(rounded.data(), 1);
+    const auto energy = [&](const std::vector<double>& v) {
+      matrix_->multiply(v.data(), image.data());
+      return std::inner_product(v.begin(), v.end(), image.begin(), 0.0);
+    };
+    for (std::size_t k = 0; k < n; ++k)
+      rounded[k] -= x[k];
+    isRounded_ = energy(rounded) <= most * most * energy(x);
+    factor_->keep(isRounded_ ? Precision::Single : Precision::Double);
+  }
+  bool hasRoundedProducts() const override { return isRounded_; }
 
   double bytes() const override { return factor_->bytes() + (schur_ ? schur_->bytes() : 0.0); }
 
   void refactor(const LocalMatrix& matrix, const Kernel& kernel) override {
     HARMOS_REQUIRE((kernel.columns == 0) == fixing_.empty(), "the kernel has appeared or vanished");
     matrix_ = &matrix;
-    factor_->refactor(definite(kernel));
-    if (schur_ && isRounded_) { // perhaps not any more; the context knows the analysis
+    hold(kernel);
+    isRounded_ = false;
+    factor_->refactor(definite());
+    if (schur_ && isSchurRounded_) { // perhaps not any more; the context knows the analysis
       spent_ += schur_->counts();
       schur_.reset();
-      isRounded_ = false;
+      isSchurRounded_ = false;
     } else if (schur_) {
       schur_->refactor(matrix);
     }
@@ -178,8 +222,24 @@ class ImplicitInverse : public LocalInverse {
 
  private:
   // K, or K + VVᵀ.
-  LocalMatrix definite(const Kernel& kernel) const {
-    return fixing_.empty() ? *matrix_ : regularized(*matrix_, kernel, fixing_);
+  LocalMatrix definite() const {
+    return fixing_.empty() ? *matrix_ : withRegularization(*matrix_, holding_, fixing_);
+  }
+  void hold(const Kernel& kernel) {
+    if (!fixing_.empty())
+      holding_ = regularizationAt(*matrix_, kernel, fixing_);
+  }
+
+  // y ← (K + VVᵀ)x.
+  void multiply(const double* x, double* y) const {
+    matrix_->multiply(x, y);
+    for (int k = 0; k < holding_.columns; ++k) {
+      double sum = 0.0;
+      for (std::size_t a = 0; a < fixing_.size(); ++a)
+        sum += holding_.column(k)[a] * x[fixing_[a]];
+      for (std::size_t a = 0; a < fixing_.size(); ++a)
+        y[fixing_[a]] += holding_.column(k)[a] * sum;
+    }
   }
 
   class Restriction : public BoundaryOperator {
@@ -206,7 +266,9 @@ class ImplicitInverse : public LocalInverse {
   SparseSolverChoice solver_;
   std::shared_ptr<FactorizationContext> context_;
   Restriction boundary_;
-  bool isRounded_ = false;    ///< S
+  Kernel holding_;         ///< V on them
+  bool isRounded_ = false; ///< L
+  bool isSchurRounded_ = false;
   FactorizationCounts spent_; ///< on an S that is no more
   std::unique_ptr<SparseFactor> factor_;
   mutable std::shared_ptr<SchurBySolves> schur_; ///< made when it is asked for

@@ -31,6 +31,13 @@ class LocalInverse {
   /// schurComplement(), and again after refactor().
   virtual void roundSchurComplement() = 0;
 
+  /// Products on the boundary may be made with factors in single precision, if that changes the answer to a
+  /// load by at most so much in the energy norm, relatively, which is tried; apply() is refined then. Where
+  /// it cannot be, nothing changes. To be called again after refactor().
+  virtual void roundProducts(double /*most*/) {}
+  /// Whether they are.
+  virtual bool hasRoundedProducts() const { return false; }
+
   /// Memory held by factors and dense blocks.
   virtual double bytes() const = 0;
 

@@ -88,6 +88,7 @@ double settled(const LocalMatrix& matrix, const Kernel& kernel, LocalInverse& in
   const double condition = verified(matrix, kernel, inverse, options, number);
   if (options.roundSchur && condition <= wellConditioned)
     inverse.roundSchurComplement();
+  inverse.roundProducts(options.productError);
   return condition;
 }
 
@@ -144,6 +145,11 @@ double LocalInverses::bytes() const {
   for (const auto& inverse : inverses_)
     sum += inverse->bytes();
   return sum;
+}
+
+int LocalInverses::roundedFactorizations() const {
+  return static_cast<int>(std::count_if(inverses_.begin(), inverses_.end(),
+                                        [](const auto& inverse) { return inverse->hasRoundedProducts(); }));
 }
 
 FactorizationCounts LocalInverses::counts() const {

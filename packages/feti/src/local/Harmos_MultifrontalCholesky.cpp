@@ -179,9 +179,26 @@ MultifrontalCholesky::MultifrontalCholesky(const LocalMatrix& matrix, std::share
   refactor(matrix, workspace);
 }
 
+void MultifrontalCholesky::round() {
+  if (double_ == nullptr)
+    return;
+  single_.reset(new float[tree_->factorEntries]);
+  for (std::size_t k = 0; k < tree_->factorEntries; ++k)
+    single_[k] = static_cast<float>(double_[k]);
+}
+
+void MultifrontalCholesky::keep(Precision precision) {
+  if (precision == Precision::Single)
+    double_.reset();
+  else
+    single_.reset();
+}
+
 void MultifrontalCholesky::refactor(const LocalMatrix& matrix, FrontWorkspace& workspace) {
   const FrontTree& tree = *tree_;
   HARMOS_REQUIRE(at(matrix.rows()) == tree.place.size(), "the matrix is not the one that was analysed");
+  if (precision_ == Precision::Double)
+    single_.reset();
   if (precision_ == Precision::Double && double_ == nullptr)
     double_.reset(new double[tree.factorEntries]);
   if (precision_ == Precision::Single && single_ == nullptr)
@@ -287,7 +304,7 @@ void MultifrontalCholesky::solve(double* x, int count, const std::vector<char>* 
   for (int c = 0; c < count; ++c, x += tree_->place.size()) {
     for (std::size_t k = 0; k < m; ++k)
       permuted_[k] = x[order[k]];
-    if (precision_ == Precision::Double) {
+    if (single_ == nullptr) {
       forward(double_.get(), reached, permuted_.data(), work_.data());
       backward(double_.get(), reached, permuted_.data(), work_.data());
     } else {
@@ -300,7 +317,7 @@ void MultifrontalCholesky::solve(double* x, int count, const std::vector<char>* 
 }
 
 double MultifrontalCholesky::bytes() const {
-  const double word = precision_ == Precision::Double ? 8.0 : 4.0;
+  const double word = single_ == nullptr ? 8.0 : 4.0;
   return word * static_cast<double>(tree_->factorEntries) + 8.0 * static_cast<double>(schur_.size());
 }
 

@@ -41,7 +41,12 @@ class MultifrontalCholesky {
   MultifrontalCholesky(const LocalMatrix& matrix, std::shared_ptr<const FrontTree> tree, Precision precision,
                        FrontWorkspace& workspace);
 
-  /// Another matrix with the same pattern. @throws as the constructor.
+  /// Solutions are those with L in single precision from now on; L itself stays until keep() or refactor().
+  void round();
+  /// Of the two that there are after round(), the one that is held from now on.
+  void keep(Precision precision);
+
+  /// Another matrix with the same pattern, in the precision of the constructor. @throws as that.
   void refactor(const LocalMatrix& matrix, FrontWorkspace& workspace);
 
   const FrontTree& tree() const { return *tree_; }
@@ -68,7 +73,7 @@ class MultifrontalCholesky {
   void backward(const T* factor, const std::vector<char>* reached, double* x, double* w) const;
 
   std::shared_ptr<const FrontTree> tree_;
-  Precision precision_;
+  Precision precision_; ///< that L is made in
   // L, in one of the precisions; written once, and not before.
   std::unique_ptr<double[]> double_;
   std::unique_ptr<float[]> single_;

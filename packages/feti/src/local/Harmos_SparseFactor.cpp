@@ -19,7 +19,7 @@ class MultifrontalFactor : public SparseFactor {
     HARMOS_REQUIRE(!isRefined_ || settings.absent.empty(), "solutions of a part are not refined");
     factor_ =
         std::make_unique<MultifrontalCholesky>(matrix, tree_, settings.precision, context_->workspace());
-    word_ = settings.precision == Precision::Single ? 4.0 : 8.0;
+    word_ = made_ = settings.precision == Precision::Single ? 4.0 : 8.0;
     if (isRefined_)
       matrix_ = matrix;
   }
@@ -49,9 +49,21 @@ class MultifrontalFactor : public SparseFactor {
       factor_->solveReached(x, count, reached_);
   }
 
+  bool round() override {
+    if (isRefined_)
+      return false;
+    factor_->round();
+    return true;
+  }
+  void keep(Precision precision) override {
+    factor_->keep(precision);
+    word_ = precision == Precision::Single ? 4.0 : 8.0;
+  }
+
   void refactor(const LocalMatrix& matrix) override {
     requireGraph(patternHash_, matrix);
     factor_->refactor(matrix, context_->workspace());
+    word_ = made_;
     ++counts_.factorizations;
     if (isRefined_)
       matrix_ = matrix;
@@ -72,7 +84,7 @@ class MultifrontalFactor : public SparseFactor {
   std::vector<char> reached_;
   std::unique_ptr<MultifrontalCholesky> factor_;
   FactorizationCounts counts_;
-  double word_ = 8.0;
+  double word_ = 8.0, made_ = 8.0; ///< bytes of a number of L: now, and when it is made
   bool isRefined_ = false;
   LocalMatrix matrix_; ///< for residuals
   mutable std::vector<double> load_, residual_;

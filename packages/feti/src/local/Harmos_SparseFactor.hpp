@@ -58,6 +58,11 @@ class SparseFactor {
   /// The same where x is zero but at the ends, and only asked for there; other entries are undefined.
   virtual void solveAtEnds(double* x, int count) const = 0;
 
+  /// Solutions are those with L in single precision from now on, not refined. @return whether that can be.
+  virtual bool round() { return false; }
+  /// After that: L is held in this precision, until refactor().
+  virtual void keep(Precision) {}
+
   /// Of another matrix with the same graph: no new analysis.
   /// @throws InputError if the graph differs, and as makeSparseFactor().
   virtual void refactor(const LocalMatrix& matrix) = 0;

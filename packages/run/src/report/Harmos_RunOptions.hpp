@@ -49,6 +49,8 @@ struct RunOptions : feti::SolverOptions {
   feti::DualOptions dual;
   ToleranceRule toleranceRule = ToleranceRule::Fixed;
   double solverErrorShare = 0.3; ///< of the rule Balanced
+  /// The one that is solved to; 0 where the rule decides as it goes on.
+  double fixedTolerance() const { return toleranceRule == ToleranceRule::Fixed ? tolerance : 0.0; }
   std::string outputDirectory;
   bool writeFields = true;
   bool writeStresses = true;

@@ -127,6 +127,7 @@ std::string toJson(const RunReport& report) {
   json["dual_operator_mib"] = number(report.dualOperatorMiB);
   json["solver"] = report.solver;
   json["distinct_local_factorizations"] = report.distinctFactorizations;
+  json["rounded_local_factorizations"] = report.roundedFactorizations;
   json["local_factorizations"] = report.factorisations;
   json["results"] = nlohmann::ordered_json::object();
   for (const auto& [name, value] : report.results)

@@ -29,6 +29,7 @@ struct RunReport : feti::SolveReport {
   int coarseDimension = 0;
   long long subdomains = 0;
   long long distinctFactorizations = 0;
+  long long roundedFactorizations = 0; ///< of them, with products in single precision
   std::string dualOperator;
   std::string dualForms;        ///< feti::DualForms, for checkpoints
   double localCondition = 0.0;  ///< largest estimate of κ(K_i) on the complement of the kernel

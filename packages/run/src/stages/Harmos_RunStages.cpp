@@ -206,15 +206,18 @@ void RunStages::factorise() {
       dual.before = feti::dualFormsFrom(directory_.checkpoint()->text("dual forms"));
     const feti::DualOptions::Decided decided = dual.decided(
         *system_, *constraints_, feti::DualOptions::usualProducts(isElastic(), options_.tolerance),
-        !scene_.hasSeveralMaterials(), log_);
+        !scene_.hasSeveralMaterials(), log_, options_.fixedTolerance());
     report_.dualOperator = decided.describe();
     report_.dualForms = toString(decided.forms());
     preconditionerKind_ = decided.preconditioner;
+    inverseOptions_ = decided.inverses;
     inverses_.emplace(feti::makeLocalInverses(*system_, *constraints_, decided.inverses));
     share_.dualOperatorMiB = inverses_->bytes() / mebi;
     report_.distinctFactorizations =
         globalSum(*comm_, static_cast<long long>(inverses_->distinctFactorizations()));
     countFactorisations();
+    report_.roundedFactorizations =
+        globalSum(*comm_, static_cast<long long>(inverses_->roundedFactorizations()));
     report_.localCondition = globalMax(*comm_, inverses_->condition());
     report_.dualOperatorMiB = globalSum(*comm_, share_.dualOperatorMiB);
   }
@@ -222,6 +225,8 @@ void RunStages::factorise() {
   text << report_.distinctFactorizations << " local factorisations of " << report_.subdomains
        << " subdomains, " << std::fixed << std::setprecision(0) << report_.dualOperatorMiB
        << " MiB; condition of the subdomains about " << scientific(report_.localCondition, 0);
+  if (report_.roundedFactorizations > 0)
+    text << "; products of " << report_.roundedFactorizations << " in single precision";
   log_.info(text.str());
 }
 
@@ -288,11 +293,49 @@ Teuchos::RCP<RunMonitor> RunStages::monitor(const CheckpointReader* checkpoint, 
 
 void RunStages::solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log,
                       double secondsSpent) {
+  monitor->addState([this](qp::StateArchive<MultiVector>& archive) { check_->exchange(archive); });
+  solveOnce(start, monitor, log, secondsSpent);
+  if (roundingIsSeen_)
+    solveUnrounded(monitor, log, secondsSpent);
+}
+
+// Slender bodies, whose pieces bend more when cut than the whole does, show rounding errors of products in
+// the jumps that are left: from where the solver has come to it goes on with products in double precision.
+void RunStages::solveUnrounded(const Teuchos::RCP<RunMonitor>& monitor, const Log& log, double secondsSpent) {
+  log.info(
+      "Rounded products are not good enough for this problem: they are made in double precision from here "
+      "on");
+  const qp::Result first = report_.result;
+  const auto reached = Teuchos::rcp(new MultiVector(*solution_.lambda, Teuchos::Copy));
+  reached->update(1.0, *dual_->shift(), 1.0);
+  const feti::WarmStart start = {reached, solution_.mu};
+  {
+    const auto scope = timers_.scope("factorization");
+    inverseOptions_.productError = 0.0;
+    inverses_->refactor(*system_, inverseOptions_);
+    report_.roundedFactorizations = 0;
+    countFactorisations();
+  }
+  makeDualProblem();
+  const qp::IterationRecord last = first.history.empty() ? qp::IterationRecord{} : first.history.back();
+  solveOnce(&start, monitor, log, secondsSpent + last.seconds);
+  std::vector<qp::IterationRecord> history = first.history;
+  for (const qp::IterationRecord& row : report_.result.history)
+    history.push_back(countedOn(row, last));
+  report_.result.history = std::move(history);
+  report_.result.counters += first.counters;
+}
+
+void RunStages::solveOnce(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor,
+                          const Log& log, double secondsSpent) {
+  roundingIsSeen_ = false;
   static_cast<feti::SolveReport&>(report_) = {};
   check_.emplace(*comm_, scene_, owned_, *dualStages_, options_, time_, log, report_);
-  monitor->addState([&](qp::StateArchive<MultiVector>& archive) { check_->exchange(archive); });
   const auto accept = [&](const MultiVector& lambda, const std::vector<double>& mu, double tolerance) {
-    return check_->judge(lambda, mu, tolerance);
+    const std::optional<double> next = check_->judge(lambda, mu, tolerance);
+    // Asked for less than what products were rounded to: more of the same brings nothing.
+    roundingIsSeen_ = next && report_.roundedFactorizations > 0 && *next < 0.5 * inverseOptions_.productError;
+    return roundingIsSeen_ ? std::nullopt : next;
   };
   feti::SolverOptions first = solverOptions(scene_, options_);
   if (options_.toleranceRule == ToleranceRule::Balanced)

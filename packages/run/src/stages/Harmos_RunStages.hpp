@@ -97,6 +97,9 @@ class RunStages {
   void constrain();
   void factorise();
   void makeDualProblem();
+  void solveOnce(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log,
+                 double secondsSpent);
+  void solveUnrounded(const Teuchos::RCP<RunMonitor>& monitor, const Log& log, double secondsSpent);
   void write();
 
   void sayConstraints();
@@ -125,7 +128,9 @@ class RunStages {
   std::optional<feti::SubdomainSystem> system_;
   scene::ContactSetup contact_;
   std::optional<feti::Constraints> constraints_;
+  feti::LocalInverseOptions inverseOptions_; // as decided
   std::optional<feti::LocalInverses> inverses_;
+  bool roundingIsSeen_ = false; // in the last answer
   std::optional<feti::DualOperator> dualOperator_;
   feti::PreconditionerKind preconditionerKind_ = feti::PreconditionerKind::Dirichlet; // as decided
   Teuchos::RCP<const feti::DualPreconditioner> preconditioner_;                       // or null
