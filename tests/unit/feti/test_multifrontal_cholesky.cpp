@@ -179,6 +179,40 @@ TEST(MultifrontalCholesky, factors_a_part) {
   }
 }
 
+// In the order of another tree: of all rows for a part of them, and of a part for another one that differs by
+// few. Fill is that of an order of its own but for a quarter; where much was not eliminated there, it is
+// such.
+TEST(FrontTree, takes_the_order_of_another) {
+  const LocalMatrix matrix = grid(24, 2, 2);
+  std::vector<int> edge, longer, half;
+  for (int r = 0; r < 48; ++r)
+    edge.push_back(r);
+  longer = edge;
+  for (int r = 48; r < 56; ++r)
+    longer.push_back(r);
+  for (int r = 0; r < matrix.rows() / 2; ++r)
+    half.push_back(r);
+  const FrontTree whole(matrix, {}), inside(matrix, longer), part(matrix, half);
+  for (const auto& [rest, like] :
+       {std::make_pair(edge, &whole), {edge, &inside}, {edge, &part}, {{}, &whole}, {longer, &inside}}) {
+    FrontWorkspace workspace;
+    const auto tree = std::make_shared<FrontTree>(matrix, rest, FrontTree::Rest::Absent, like);
+    const FrontTree own(matrix, rest, FrontTree::Rest::Absent);
+    EXPECT_LE(4 * tree->factorEntries, 5 * own.factorEntries);
+    EXPECT_EQ(tree->order == own.order, like == &part || rest.size() == longer.size() || rest.empty());
+    const MultifrontalCholesky factor(matrix, tree, Precision::Double, workspace),
+        expected = factored(matrix, rest, FrontTree::Rest::Absent);
+    std::vector<double> x = wave(matrix.rows());
+    for (int row : rest)
+      x[static_cast<std::size_t>(row)] = 0.0;
+    std::vector<double> y = x;
+    factor.solve(x.data(), 1);
+    expected.solve(y.data(), 1);
+    for (std::size_t i = 0; i < x.size(); ++i)
+      EXPECT_NEAR(x[i], y[i], 1e4 * allowed(matrix, y)); // κ below 1e4
+  }
+}
+
 // Loads on some rows, solutions asked for there: less is read, and the answer is the same to the last bit.
 TEST(MultifrontalCholesky, reaches_what_it_must) {
   const LocalMatrix matrix = grid(30, 2, 1);

@@ -50,6 +50,10 @@ FactorizationEstimate lowerBound(const LocalMatrix& matrix, const std::vector<in
     const double k = front.columns, r = front.inner;
     estimate.interiorFlops += k * k * k / 3.0 + k * k * r + k * r * r;
   }
+  // Whatever the order, the rows inside fill in among themselves when the boundary is eliminated too.
+  estimate.entries =
+      std::max(estimate.entries, tree->entriesOf(tree->reachedFrom(couplingOf(matrix, boundary).columns)));
+  estimate.flops = std::max(estimate.flops, estimate.interiorFlops);
   return estimate;
 }
 

@@ -91,6 +91,25 @@ std::vector<int> nestedDissection(const Quotient& q) {
   return order;
 }
 
+// Vertices in the order of a tree; those that stay, and few that it does not eliminate, behind them. Empty
+// where those are not few: they would make a dense block.
+std::vector<int> orderOf(const FrontTree& tree, const Quotient& q) {
+  const int m = q.size() - q.remaining;
+  std::vector<int> key, order(at(q.size()));
+  int strangers = 0;
+  for (int v = 0; v < q.size(); ++v) {
+    const int place = tree.place[at(q.first[at(v)])];
+    const bool isKnown = v < m && place >= 0 && place < tree.eliminated();
+    strangers += v < m && !isKnown ? 1 : 0;
+    key.push_back(isKnown ? place : tree.size() + v);
+  }
+  if (50 * strangers > m)
+    return {};
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int a, int b) { return key[at(a)] < key[at(b)]; });
+  return order;
+}
+
 std::vector<int> inverseOf(const std::vector<int>& order, std::size_t size) {
   std::vector<int> place(size, -1);
   for (std::size_t k = 0; k < order.size(); ++k)
@@ -238,12 +257,15 @@ std::vector<std::vector<int>> verticesBelow(const Quotient& q, const std::vector
 
 } // namespace
 
-FrontTree::FrontTree(const LocalMatrix& pattern, const std::vector<int>& rest, Rest use)
+FrontTree::FrontTree(const LocalMatrix& pattern, const std::vector<int>& rest, Rest use,
+                     const FrontTree* like)
     : remaining(use == Rest::Stays ? static_cast<int>(rest.size()) : 0) {
   const Quotient q = quotientOf(pattern, rest, use);
   const int m = q.size() - q.remaining;
-  std::vector<int> vertices = nestedDissection(q), places = inverseOf(vertices, vertices.size()),
-                   parent(at(m));
+  std::vector<int> vertices = like != nullptr ? orderOf(*like, q) : std::vector<int>();
+  if (vertices.empty())
+    vertices = nestedDissection(q);
+  std::vector<int> places = inverseOf(vertices, vertices.size()), parent(at(m));
   {
     const std::vector<int> before = eliminationTree(q, vertices, places, m), sequence = postorder(before),
                            old = vertices;

@@ -41,8 +41,11 @@ struct FrontTree {
 
   FrontTree() = default;
   /// @param rest rows that are not eliminated; rising. Those that stay take the last places, in their order.
+  /// @param like of the same pattern with other rows left; or null. Where it eliminates nearly all that this
+  /// does its order is taken: METIS' takes longer than all else that is done here.
   /// @throws InternalError if METIS fails.
-  FrontTree(const LocalMatrix& pattern, const std::vector<int>& rest, Rest use = Rest::Stays);
+  FrontTree(const LocalMatrix& pattern, const std::vector<int>& rest, Rest use = Rest::Stays,
+            const FrontTree* like = nullptr);
 
   /// Of places.
   int size() const { return static_cast<int>(order.size()); }

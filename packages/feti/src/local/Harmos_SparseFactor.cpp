@@ -139,11 +139,14 @@ bool SparseSolverChoice::isAvailable(const std::string& name) {
 std::shared_ptr<const FrontTree> FactorizationContext::tree(const LocalMatrix& pattern,
                                                             const std::vector<int>& rest, FrontTree::Rest use,
                                                             bool& isNew) {
-  std::shared_ptr<const FrontTree>& known =
-      trees_[{pattern.entries(), patternHash(pattern), rest, use == FrontTree::Rest::Absent}];
+  const std::size_t entries = pattern.entries(), hash = patternHash(pattern);
+  std::shared_ptr<const FrontTree>& known = trees_[{entries, hash, rest, use == FrontTree::Rest::Absent}];
   isNew = known == nullptr;
-  if (isNew)
-    known = std::make_shared<FrontTree>(pattern, rest, use);
+  if (isNew) {
+    std::shared_ptr<const FrontTree>& last = last_[{entries, hash}];
+    known = std::make_shared<FrontTree>(pattern, rest, use, last.get());
+    last = known;
+  }
   return known;
 }
 

@@ -43,6 +43,7 @@ class FactorizationContext {
  private:
   using Key = std::tuple<std::size_t, std::size_t, std::vector<int>, bool>; ///< entries, hash, rest, absent
   std::map<Key, std::shared_ptr<const FrontTree>> trees_;
+  std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const FrontTree>> last_; ///< of a pattern
   std::map<Key, std::vector<int>> positions_;
   FrontWorkspace workspace_;
 };
