@@ -118,6 +118,32 @@ TEST(MultifrontalCholesky, solves) {
     }
 }
 
+// Many vectors at once are those one by one, but for rounding: more than are taken together, and a rest.
+TEST(MultifrontalCholesky, solves_for_many_vectors) {
+  for (const LocalMatrix& matrix : matrices()) {
+    const std::vector<int> held = someRows(matrix);
+    const std::size_t n = static_cast<std::size_t>(matrix.rows());
+    for (const std::vector<int>& rest : {std::vector<int>(), held}) {
+      const MultifrontalCholesky factor = factored(matrix, rest, FrontTree::Rest::Absent);
+      for (int count : {4, 31, 34, 37}) {
+        std::vector<double> b;
+        for (int c = 0; c < count; ++c)
+          for (double value : wave(matrix.rows()))
+            b.push_back(std::cos(value + 0.1 * c));
+        for (int row : rest)
+          for (int c = 0; c < count; ++c)
+            b[static_cast<std::size_t>(c) * n + static_cast<std::size_t>(row)] = 0.0;
+        std::vector<double> together = b, single = b;
+        factor.solve(together.data(), count);
+        for (int c = 0; c < count; ++c)
+          factor.solve(single.data() + static_cast<std::size_t>(c) * n, 1);
+        for (std::size_t i = 0; i < single.size(); ++i)
+          EXPECT_NEAR(together[i], single[i], 1e4 * allowed(matrix, single)); // κ below 1e4
+      }
+    }
+  }
+}
+
 // S by the definition of the Schur complement, S x_b = (A x)_b where (A x)_i = 0, and by MUMPS; A_ii⁻¹ beside
 // it.
 TEST(MultifrontalCholesky, condenses) {

@@ -50,13 +50,15 @@ class MultifrontalCondensation : public Condensation {
 
   // A_ii⁻¹f_i is there: what is to be taken away is A_ii⁻¹ A_ib x_b.
   void expand(double* f, double* boundary, int count) const override {
-    std::vector<double> correction(rows_);
-    for (int c = 0; c < count; ++c, f += rows_, boundary += boundary_.size()) {
-      std::fill(correction.begin(), correction.end(), 0.0);
+    std::vector<double> corrections(rows_ * at(count), 0.0);
+    double* correction = corrections.data();
+    for (std::size_t c = 0; c < at(count); ++c, correction += rows_)
       for (std::size_t b = 0; b < boundary_.size(); ++b)
         for (std::size_t k = coupling_.offsets[b]; k < coupling_.offsets[b + 1]; ++k)
-          correction[at(coupling_.columns[k])] += coupling_.values[k] * boundary[b];
-      factor_->solve(correction.data(), 1);
+          correction[at(coupling_.columns[k])] += coupling_.values[k] * boundary[c * boundary_.size() + b];
+    factor_->solve(corrections.data(), count);
+    correction = corrections.data();
+    for (int c = 0; c < count; ++c, f += rows_, correction += rows_, boundary += boundary_.size()) {
       for (std::size_t i = 0; i < rows_; ++i)
         f[i] -= correction[i];
       for (std::size_t b = 0; b < boundary_.size(); ++b)

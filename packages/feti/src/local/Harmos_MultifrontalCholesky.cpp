@@ -296,7 +296,88 @@ void MultifrontalCholesky::solveReached(double* x, int count, const std::vector<
   solve(x, count, &reached);
 }
 
+// With matrix-matrix products: L is read once for all vectors.
+void MultifrontalCholesky::solveTogether(double* x, int count, const std::vector<char>* reached) const {
+  const std::size_t m = at(tree_->eliminated()), n = tree_->place.size(), columns = at(count);
+  const int* order = tree_->order.data();
+  permuted_.resize(m * columns);
+  work_.resize(at(tree_->largestFront) * columns);
+  for (std::size_t c = 0; c < columns; ++c)
+    for (std::size_t k = 0; k < m; ++k)
+      permuted_[c * m + k] = x[c * n + at(order[k])];
+  double* w = work_.data();
+  Teuchos::BLAS<int, double> blas;
+  const auto isLeftOut = [&](std::size_t f) { return reached != nullptr && !(*reached)[f]; };
+  for (std::size_t f = 0; f < tree_->fronts.size(); ++f) {
+    if (isLeftOut(f))
+      continue;
+    const FrontTree::Front& front = tree_->fronts[f];
+    const int* rows = tree_->rows.data() + front.rows;
+    const std::size_t h = at(front.height()), k = at(front.columns);
+    for (std::size_t c = 0; c < columns; ++c) {
+      const double* from = permuted_.data() + c * m + front.first;
+      std::copy(from, from + k, w + c * h);
+      std::fill(w + c * h + k, w + (c + 1) * h, 0.0);
+    }
+    const double* panel = double_.get() + front.entries;
+    for (int j = 0; j < front.columns; j += FrontTree::panelColumns) {
+      const int height = front.height() - j, width = panelColumns(front, j);
+      blas.TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::NO_TRANS, Teuchos::NON_UNIT_DIAG, width,
+                count, 1.0, panel, height, w + j, front.height());
+      if (height > width)
+        blas.GEMM(Teuchos::NO_TRANS, Teuchos::NO_TRANS, height - width, count, width, -1.0, panel + width,
+                  height, w + j, front.height(), 1.0, w + j + width, front.height());
+      panel += at(height) * at(width);
+    }
+    for (std::size_t c = 0; c < columns; ++c) {
+      double* to = permuted_.data() + c * m;
+      std::copy(w + c * h, w + c * h + k, to + front.first);
+      for (std::size_t i = 0; i < at(front.inner); ++i)
+        to[rows[i]] += w[c * h + k + i];
+    }
+  }
+  for (std::size_t f = tree_->fronts.size(); f-- > 0;) {
+    if (isLeftOut(f))
+      continue;
+    const FrontTree::Front& front = tree_->fronts[f];
+    const int* rows = tree_->rows.data() + front.rows;
+    const std::size_t h = at(front.height()), k = at(front.columns);
+    for (std::size_t c = 0; c < columns; ++c) {
+      const double* from = permuted_.data() + c * m;
+      std::copy(from + front.first, from + front.first + front.columns, w + c * h);
+      for (std::size_t i = 0; i < at(front.inner); ++i)
+        w[c * h + k + i] = from[rows[i]];
+    }
+    const double* panel =
+        double_.get() + (f + 1 < tree_->fronts.size() ? tree_->fronts[f + 1].entries : tree_->factorEntries);
+    for (int j = (front.columns - 1) / FrontTree::panelColumns * FrontTree::panelColumns; j >= 0;
+         j -= FrontTree::panelColumns) {
+      const int height = front.height() - j, width = panelColumns(front, j);
+      panel -= at(height) * at(width);
+      if (height > width)
+        blas.GEMM(Teuchos::TRANS, Teuchos::NO_TRANS, width, count, height - width, -1.0, panel + width,
+                  height, w + j + width, front.height(), 1.0, w + j, front.height());
+      blas.TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::TRANS, Teuchos::NON_UNIT_DIAG, width, count,
+                1.0, panel, height, w + j, front.height());
+    }
+    for (std::size_t c = 0; c < columns; ++c)
+      std::copy(w + c * h, w + c * h + k, permuted_.data() + c * m + front.first);
+  }
+  for (std::size_t c = 0; c < columns; ++c)
+    for (std::size_t k = 0; k < m; ++k)
+      x[c * n + at(order[k])] = permuted_[c * m + k];
+}
+
 void MultifrontalCholesky::solve(double* x, int count, const std::vector<char>* reached) const {
+  // Of fewer vectors than that the kernels for one are as fast. As many as keep a front's rows in a cache.
+  constexpr int together = 4, most = 32;
+  for (; single_ == nullptr && count >= together; count -= most) {
+    const int now = std::min(count, most);
+    solveTogether(x, now, reached);
+    x += at(now) * tree_->place.size();
+    if (count <= most)
+      return;
+  }
   const std::size_t m = at(tree_->eliminated());
   const int* order = tree_->order.data();
   permuted_.resize(m);

@@ -65,6 +65,7 @@ class MultifrontalCholesky {
 
  private:
   void solve(double* x, int count, const std::vector<char>* reached) const;
+  void solveTogether(double* x, int count, const std::vector<char>* reached) const;
   template<class T>
   void store(const FrontTree::Front& front, const double* dense, int height, T* factor);
   template<class T>
