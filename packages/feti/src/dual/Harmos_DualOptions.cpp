@@ -117,7 +117,9 @@ LocalInverseOptions DualOptions::inversesFor(double tolerance) const {
   LocalInverseOptions result = inverses;
   // What is accepted is an error of 30 tolerances in the energy norm; a tenth of one is not seen.
   constexpr double roundedShare = 0.1;
-  result.productError = mayRound && inverses.solver.isMultifrontal() ? roundedShare * tolerance : 0.0;
+  constexpr double unitRoundoff = 0x1p-24; // of single precision: less is not to be had
+  if (mayRound && inverses.solver.isMultifrontal() && roundedShare * tolerance > unitRoundoff)
+    result.productError = roundedShare * tolerance;
   return result;
 }
 

@@ -169,8 +169,7 @@ class ImplicitInverse : public LocalInverse {
   void roundSchurComplement() override { isSchurRounded_ = true; }
 
   void roundProducts(double most) override {
-    constexpr double unitRoundoff = 0x1p-24;
-    if (isRounded_ || most < unitRoundoff)
+    if (isRounded_ || most == 0.0)
       return;
     // A load with much of the slow modes, which are what rounding errors change most.
     const auto n = static_cast<std::size_t>(matrix_->rows());
@@ -194,6 +193,12 @@ class ImplicitInverse : public LocalInverse {
     factor_->keep(isRounded_ ? Precision::Single : Precision::Double);
   }
   bool hasRoundedProducts() const override { return isRounded_; }
+  void restoreProducts() override {
+    if (!isRounded_)
+      return;
+    factor_->refactor(definite());
+    isRounded_ = false;
+  }
 
   double bytes() const override { return factor_->bytes() + (schur_ ? schur_->bytes() : 0.0); }
 

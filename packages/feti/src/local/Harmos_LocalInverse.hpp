@@ -37,6 +37,9 @@ class LocalInverse {
   virtual void roundProducts(double /*most*/) {}
   /// Whether they are.
   virtual bool hasRoundedProducts() const { return false; }
+  /// They are made in double precision again: another factorisation of the matrix that is there, where they
+  /// were rounded. Boundary operators that were handed out stay valid. @throws as refactor().
+  virtual void restoreProducts() {}
 
   /// Memory held by factors and dense blocks.
   virtual double bytes() const = 0;

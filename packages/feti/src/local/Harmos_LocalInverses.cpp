@@ -152,6 +152,15 @@ int LocalInverses::roundedFactorizations() const {
                                         [](const auto& inverse) { return inverse->hasRoundedProducts(); }));
 }
 
+void LocalInverses::restoreProducts(const Teuchos::Comm<int>& comm) {
+  agree(comm, [&] {
+    for (const auto& inverse : inverses_)
+      inverse->restoreProducts();
+    if (context_ != nullptr)
+      context_->releaseWorkspace();
+  });
+}
+
 FactorizationCounts LocalInverses::counts() const {
   FactorizationCounts sum;
   for (const auto& inverse : inverses_)

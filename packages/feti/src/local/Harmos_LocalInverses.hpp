@@ -63,6 +63,9 @@ class LocalInverses {
   double condition() const { return condition_; }
   /// Of those held on this rank, how many have LocalInverse::hasRoundedProducts().
   int roundedFactorizations() const;
+  /// LocalInverse::restoreProducts() of all of them; what was made of them with products has to be made anew,
+  /// operators not. @throws NumericalError on all ranks. @note Collective.
+  void restoreProducts(const Teuchos::Comm<int>& comm);
   /// Memory held on this rank.
   double bytes() const;
   /// What was spent on this rank's factors so far.

@@ -234,57 +234,106 @@ std::vector<double> MultifrontalCholesky::takeSchurComplement() {
   return std::move(schur_);
 }
 
+namespace {
+
+// One panel for vectors of leading dimension ld: the kernels for one vector, matrix-matrix products for more.
 template<class T>
-void MultifrontalCholesky::forward(const T* factor, const std::vector<char>* reached, double* x,
-                                   double* w) const {
-  const bool wide = hasWideRegisters();
+void forwardPanel(const T* panel, int height, int width, double* w, int, int) {
+  if (hasWideRegisters())
+    Wide::forwardPanel(panel, height, width, w);
+  else
+    Portable::forwardPanel(panel, height, width, w);
+}
+
+template<class T>
+void backwardPanel(const T* panel, int height, int width, double* w, int, int) {
+  if (hasWideRegisters())
+    Wide::backwardPanel(panel, height, width, w);
+  else
+    Portable::backwardPanel(panel, height, width, w);
+}
+
+void forwardPanels(const double* panel, int height, int width, double* w, int ld, int count) {
+  const Teuchos::BLAS<int, double> blas;
+  blas.TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::NO_TRANS, Teuchos::NON_UNIT_DIAG, width, count,
+            1.0, panel, height, w, ld);
+  if (height > width)
+    blas.GEMM(Teuchos::NO_TRANS, Teuchos::NO_TRANS, height - width, count, width, -1.0, panel + width, height,
+              w, ld, 1.0, w + width, ld);
+}
+
+void backwardPanels(const double* panel, int height, int width, double* w, int ld, int count) {
+  const Teuchos::BLAS<int, double> blas;
+  if (height > width)
+    blas.GEMM(Teuchos::TRANS, Teuchos::NO_TRANS, width, count, height - width, -1.0, panel + width, height,
+              w + width, ld, 1.0, w, ld);
+  blas.TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::TRANS, Teuchos::NON_UNIT_DIAG, width, count, 1.0,
+            panel, height, w, ld);
+}
+
+} // namespace
+
+// X ← L⁻¹X, of eliminated places, column after column. @param work on a panel.
+template<class T, class Work>
+void MultifrontalCholesky::forward(const T* factor, const std::vector<char>* reached, double* x, int count,
+                                   Work&& work) const {
+  double* w = work_.data();
+  const std::size_t m = at(tree_->eliminated());
   for (std::size_t f = 0; f < tree_->fronts.size(); ++f) {
     if (reached != nullptr && !(*reached)[f])
       continue;
     const FrontTree::Front& front = tree_->fronts[f];
     const int* rows = tree_->rows.data() + front.rows;
-    std::copy(x + front.first, x + front.first + front.columns, w);
-    std::fill(w + front.columns, w + front.height(), 0.0);
+    const std::size_t h = at(front.height()), k = at(front.columns);
+    for (std::size_t c = 0; c < at(count); ++c) {
+      const double* from = x + c * m + front.first;
+      std::copy(from, from + k, w + c * h);
+      std::fill(w + c * h + k, w + (c + 1) * h, 0.0);
+    }
     const T* panel = factor + front.entries;
     for (int j = 0; j < front.columns; j += FrontTree::panelColumns) {
-      const int height = front.height() - j, columns = panelColumns(front, j);
-      if (wide)
-        Wide::forwardPanel(panel, height, columns, w + j);
-      else
-        Portable::forwardPanel(panel, height, columns, w + j);
-      panel += at(height) * at(columns);
+      const int height = front.height() - j, width = panelColumns(front, j);
+      work(panel, height, width, w + j, front.height(), count);
+      panel += at(height) * at(width);
     }
-    std::copy(w, w + front.columns, x + front.first);
-    for (int i = 0; i < front.inner; ++i)
-      x[rows[i]] += w[front.columns + i];
+    for (std::size_t c = 0; c < at(count); ++c) {
+      double* to = x + c * m;
+      std::copy(w + c * h, w + c * h + k, to + front.first);
+      for (std::size_t i = 0; i < at(front.inner); ++i)
+        to[rows[i]] += w[c * h + k + i];
+    }
   }
 }
 
-template<class T>
-void MultifrontalCholesky::backward(const T* factor, const std::vector<char>* reached, double* x,
-                                    double* w) const {
-  const bool wide = hasWideRegisters();
+// X ← L⁻ᵀX, likewise.
+template<class T, class Work>
+void MultifrontalCholesky::backward(const T* factor, const std::vector<char>* reached, double* x, int count,
+                                    Work&& work) const {
+  double* w = work_.data();
+  const std::size_t m = at(tree_->eliminated());
   for (std::size_t f = tree_->fronts.size(); f-- > 0;) {
     if (reached != nullptr && !(*reached)[f])
       continue;
     const FrontTree::Front& front = tree_->fronts[f];
     const int* rows = tree_->rows.data() + front.rows;
-    std::copy(x + front.first, x + front.first + front.columns, w);
-    for (int i = 0; i < front.inner; ++i)
-      w[front.columns + i] = x[rows[i]];
+    const std::size_t h = at(front.height()), k = at(front.columns);
+    for (std::size_t c = 0; c < at(count); ++c) {
+      const double* from = x + c * m;
+      std::copy(from + front.first, from + front.first + front.columns, w + c * h);
+      for (std::size_t i = 0; i < at(front.inner); ++i)
+        w[c * h + k + i] = from[rows[i]];
+    }
     // Panels stand one after the other; the last one ends where the next front begins.
     const T* panel =
         factor + (f + 1 < tree_->fronts.size() ? tree_->fronts[f + 1].entries : tree_->factorEntries);
     for (int j = (front.columns - 1) / FrontTree::panelColumns * FrontTree::panelColumns; j >= 0;
          j -= FrontTree::panelColumns) {
-      const int height = front.height() - j, columns = panelColumns(front, j);
-      panel -= at(height) * at(columns);
-      if (wide)
-        Wide::backwardPanel(panel, height, columns, w + j);
-      else
-        Portable::backwardPanel(panel, height, columns, w + j);
+      const int height = front.height() - j, width = panelColumns(front, j);
+      panel -= at(height) * at(width);
+      work(panel, height, width, w + j, front.height(), count);
     }
-    std::copy(w, w + front.columns, x + front.first);
+    for (std::size_t c = 0; c < at(count); ++c)
+      std::copy(w + c * h, w + c * h + k, x + c * m + front.first);
   }
 }
 
@@ -296,104 +345,33 @@ void MultifrontalCholesky::solveReached(double* x, int count, const std::vector<
   solve(x, count, &reached);
 }
 
-// With matrix-matrix products: L is read once for all vectors.
-void MultifrontalCholesky::solveTogether(double* x, int count, const std::vector<char>* reached) const {
-  const std::size_t m = at(tree_->eliminated()), n = tree_->place.size(), columns = at(count);
-  const int* order = tree_->order.data();
-  permuted_.resize(m * columns);
-  work_.resize(at(tree_->largestFront) * columns);
-  for (std::size_t c = 0; c < columns; ++c)
-    for (std::size_t k = 0; k < m; ++k)
-      permuted_[c * m + k] = x[c * n + at(order[k])];
-  double* w = work_.data();
-  Teuchos::BLAS<int, double> blas;
-  const auto isLeftOut = [&](std::size_t f) { return reached != nullptr && !(*reached)[f]; };
-  for (std::size_t f = 0; f < tree_->fronts.size(); ++f) {
-    if (isLeftOut(f))
-      continue;
-    const FrontTree::Front& front = tree_->fronts[f];
-    const int* rows = tree_->rows.data() + front.rows;
-    const std::size_t h = at(front.height()), k = at(front.columns);
-    for (std::size_t c = 0; c < columns; ++c) {
-      const double* from = permuted_.data() + c * m + front.first;
-      std::copy(from, from + k, w + c * h);
-      std::fill(w + c * h + k, w + (c + 1) * h, 0.0);
-    }
-    const double* panel = double_.get() + front.entries;
-    for (int j = 0; j < front.columns; j += FrontTree::panelColumns) {
-      const int height = front.height() - j, width = panelColumns(front, j);
-      blas.TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::NO_TRANS, Teuchos::NON_UNIT_DIAG, width,
-                count, 1.0, panel, height, w + j, front.height());
-      if (height > width)
-        blas.GEMM(Teuchos::NO_TRANS, Teuchos::NO_TRANS, height - width, count, width, -1.0, panel + width,
-                  height, w + j, front.height(), 1.0, w + j + width, front.height());
-      panel += at(height) * at(width);
-    }
-    for (std::size_t c = 0; c < columns; ++c) {
-      double* to = permuted_.data() + c * m;
-      std::copy(w + c * h, w + c * h + k, to + front.first);
-      for (std::size_t i = 0; i < at(front.inner); ++i)
-        to[rows[i]] += w[c * h + k + i];
-    }
-  }
-  for (std::size_t f = tree_->fronts.size(); f-- > 0;) {
-    if (isLeftOut(f))
-      continue;
-    const FrontTree::Front& front = tree_->fronts[f];
-    const int* rows = tree_->rows.data() + front.rows;
-    const std::size_t h = at(front.height()), k = at(front.columns);
-    for (std::size_t c = 0; c < columns; ++c) {
-      const double* from = permuted_.data() + c * m;
-      std::copy(from + front.first, from + front.first + front.columns, w + c * h);
-      for (std::size_t i = 0; i < at(front.inner); ++i)
-        w[c * h + k + i] = from[rows[i]];
-    }
-    const double* panel =
-        double_.get() + (f + 1 < tree_->fronts.size() ? tree_->fronts[f + 1].entries : tree_->factorEntries);
-    for (int j = (front.columns - 1) / FrontTree::panelColumns * FrontTree::panelColumns; j >= 0;
-         j -= FrontTree::panelColumns) {
-      const int height = front.height() - j, width = panelColumns(front, j);
-      panel -= at(height) * at(width);
-      if (height > width)
-        blas.GEMM(Teuchos::TRANS, Teuchos::NO_TRANS, width, count, height - width, -1.0, panel + width,
-                  height, w + j + width, front.height(), 1.0, w + j, front.height());
-      blas.TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::TRANS, Teuchos::NON_UNIT_DIAG, width, count,
-                1.0, panel, height, w + j, front.height());
-    }
-    for (std::size_t c = 0; c < columns; ++c)
-      std::copy(w + c * h, w + c * h + k, permuted_.data() + c * m + front.first);
-  }
-  for (std::size_t c = 0; c < columns; ++c)
-    for (std::size_t k = 0; k < m; ++k)
-      x[c * n + at(order[k])] = permuted_[c * m + k];
-}
-
 void MultifrontalCholesky::solve(double* x, int count, const std::vector<char>* reached) const {
-  // Of fewer vectors than that the kernels for one are as fast. As many as keep a front's rows in a cache.
+  // Of fewer vectors than four the kernels for one are as fast; 32 keep a front's rows in a cache.
   constexpr int together = 4, most = 32;
-  for (; single_ == nullptr && count >= together; count -= most) {
-    const int now = std::min(count, most);
-    solveTogether(x, now, reached);
-    x += at(now) * tree_->place.size();
-    if (count <= most)
-      return;
-  }
-  const std::size_t m = at(tree_->eliminated());
+  const std::size_t m = at(tree_->eliminated()), n = tree_->place.size();
   const int* order = tree_->order.data();
-  permuted_.resize(m);
-  work_.resize(at(tree_->largestFront));
-  for (int c = 0; c < count; ++c, x += tree_->place.size()) {
-    for (std::size_t k = 0; k < m; ++k)
-      permuted_[k] = x[order[k]];
-    if (single_ == nullptr) {
-      forward(double_.get(), reached, permuted_.data(), work_.data());
-      backward(double_.get(), reached, permuted_.data(), work_.data());
+  while (count > 0) {
+    const int now = single_ == nullptr && count >= together ? std::min(count, most) : 1;
+    permuted_.resize(m * at(now));
+    work_.resize(at(tree_->largestFront) * at(now));
+    for (std::size_t c = 0; c < at(now); ++c)
+      for (std::size_t k = 0; k < m; ++k)
+        permuted_[c * m + k] = x[c * n + at(order[k])];
+    if (now > 1) {
+      forward(double_.get(), reached, permuted_.data(), now, forwardPanels);
+      backward(double_.get(), reached, permuted_.data(), now, backwardPanels);
+    } else if (single_ == nullptr) {
+      forward(double_.get(), reached, permuted_.data(), 1, forwardPanel<double>);
+      backward(double_.get(), reached, permuted_.data(), 1, backwardPanel<double>);
     } else {
-      forward(single_.get(), reached, permuted_.data(), work_.data());
-      backward(single_.get(), reached, permuted_.data(), work_.data());
+      forward(single_.get(), reached, permuted_.data(), 1, forwardPanel<float>);
+      backward(single_.get(), reached, permuted_.data(), 1, backwardPanel<float>);
     }
-    for (std::size_t k = 0; k < m; ++k)
-      x[order[k]] = permuted_[k];
+    for (std::size_t c = 0; c < at(now); ++c)
+      for (std::size_t k = 0; k < m; ++k)
+        x[c * n + at(order[k])] = permuted_[c * m + k];
+    x += at(now) * n;
+    count -= now;
   }
 }
 

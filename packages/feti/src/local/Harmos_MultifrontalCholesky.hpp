@@ -65,13 +65,12 @@ class MultifrontalCholesky {
 
  private:
   void solve(double* x, int count, const std::vector<char>* reached) const;
-  void solveTogether(double* x, int count, const std::vector<char>* reached) const;
   template<class T>
   void store(const FrontTree::Front& front, const double* dense, int height, T* factor);
-  template<class T>
-  void forward(const T* factor, const std::vector<char>* reached, double* x, double* w) const;
-  template<class T>
-  void backward(const T* factor, const std::vector<char>* reached, double* x, double* w) const;
+  template<class T, class Work>
+  void forward(const T* factor, const std::vector<char>* reached, double* x, int count, Work&& work) const;
+  template<class T, class Work>
+  void backward(const T* factor, const std::vector<char>* reached, double* x, int count, Work&& work) const;
 
   std::shared_ptr<const FrontTree> tree_;
   Precision precision_; ///< that L is made in

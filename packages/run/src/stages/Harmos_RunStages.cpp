@@ -198,28 +198,32 @@ void RunStages::constrain() {
     log_.info(scene::costText(report_.effectCosts));
 }
 
+namespace {
+
+// What the run that wrote it has chosen; and that rounded products were not good enough for it.
+void takeFrom(const CheckpointReader& checkpoint, feti::DualOptions& options) {
+  options.before = feti::dualFormsFrom(checkpoint.text("dual forms"));
+  options.mayRound = options.mayRound && checkpoint.text("products") != "double";
+}
+
+} // namespace
+
 void RunStages::factorise() {
   {
     const auto scope = timers_.scope("factorization");
     feti::DualOptions dual = options_.dual;
     if (directory_.checkpoint() != nullptr)
-      dual.before = feti::dualFormsFrom(directory_.checkpoint()->text("dual forms"));
+      takeFrom(*directory_.checkpoint(), dual);
     const feti::DualOptions::Decided decided = dual.decided(
         *system_, *constraints_, feti::DualOptions::usualProducts(isElastic(), options_.tolerance),
         !scene_.hasSeveralMaterials(), log_, options_.fixedTolerance());
     report_.dualOperator = decided.describe();
     report_.dualForms = toString(decided.forms());
     preconditionerKind_ = decided.preconditioner;
-    inverseOptions_ = decided.inverses;
+    productError_ = decided.inverses.productError;
     inverses_.emplace(feti::makeLocalInverses(*system_, *constraints_, decided.inverses));
-    share_.dualOperatorMiB = inverses_->bytes() / mebi;
-    report_.distinctFactorizations =
-        globalSum(*comm_, static_cast<long long>(inverses_->distinctFactorizations()));
-    countFactorisations();
-    report_.roundedFactorizations =
-        globalSum(*comm_, static_cast<long long>(inverses_->roundedFactorizations()));
     report_.localCondition = globalMax(*comm_, inverses_->condition());
-    report_.dualOperatorMiB = globalSum(*comm_, share_.dualOperatorMiB);
+    tellFactors();
   }
   std::ostringstream text;
   text << report_.distinctFactorizations << " local factorisations of " << report_.subdomains
@@ -228,6 +232,17 @@ void RunStages::factorise() {
   if (report_.roundedFactorizations > 0)
     text << "; products of " << report_.roundedFactorizations << " in single precision";
   log_.info(text.str());
+}
+
+// To the report.
+void RunStages::tellFactors() {
+  share_.dualOperatorMiB = inverses_->bytes() / mebi;
+  report_.dualOperatorMiB = globalSum(*comm_, share_.dualOperatorMiB);
+  report_.distinctFactorizations =
+      globalSum(*comm_, static_cast<long long>(inverses_->distinctFactorizations()));
+  report_.roundedFactorizations =
+      globalSum(*comm_, static_cast<long long>(inverses_->roundedFactorizations()));
+  countFactorisations();
 }
 
 void RunStages::countFactorisations() {
@@ -311,13 +326,12 @@ void RunStages::solveUnrounded(const Teuchos::RCP<RunMonitor>& monitor, const Lo
   const feti::WarmStart start = {reached, solution_.mu};
   {
     const auto scope = timers_.scope("factorization");
-    inverseOptions_.productError = 0.0;
-    inverses_->refactor(*system_, inverseOptions_);
-    report_.roundedFactorizations = 0;
-    countFactorisations();
+    inverses_->restoreProducts(*comm_);
+    tellFactors();
+    dual_.emplace(*system_, *constraints_, *inverses_, *dualOperator_, *coarse_);
   }
-  makeDualProblem();
   const qp::IterationRecord last = first.history.empty() ? qp::IterationRecord{} : first.history.back();
+  monitor->goesOnAfter(last);
   solveOnce(&start, monitor, log, secondsSpent + last.seconds);
   std::vector<qp::IterationRecord> history = first.history;
   for (const qp::IterationRecord& row : report_.result.history)
@@ -334,7 +348,7 @@ void RunStages::solveOnce(const feti::WarmStart* start, const Teuchos::RCP<RunMo
   const auto accept = [&](const MultiVector& lambda, const std::vector<double>& mu, double tolerance) {
     const std::optional<double> next = check_->judge(lambda, mu, tolerance);
     // Asked for less than what products were rounded to: more of the same brings nothing.
-    roundingIsSeen_ = next && report_.roundedFactorizations > 0 && *next < 0.5 * inverseOptions_.productError;
+    roundingIsSeen_ = next && report_.roundedFactorizations > 0 && *next < 0.5 * productError_;
     return roundingIsSeen_ ? std::nullopt : next;
   };
   feti::SolverOptions first = solverOptions(scene_, options_);

@@ -96,6 +96,7 @@ class RunStages {
   void assemble();
   void constrain();
   void factorise();
+  void tellFactors();
   void makeDualProblem();
   void solveOnce(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log,
                  double secondsSpent);
@@ -128,7 +129,7 @@ class RunStages {
   std::optional<feti::SubdomainSystem> system_;
   scene::ContactSetup contact_;
   std::optional<feti::Constraints> constraints_;
-  feti::LocalInverseOptions inverseOptions_; // as decided
+  double productError_ = 0.0; // to which products are rounded
   std::optional<feti::LocalInverses> inverses_;
   bool roundingIsSeen_ = false; // in the last answer
   std::optional<feti::DualOperator> dualOperator_;

@@ -74,6 +74,14 @@ RunMonitor::RunMonitor(const Teuchos::Comm<int>& comm, const RunOptions& options
 
 RunMonitor::~RunMonitor() = default;
 
+void RunMonitor::goesOnAfter(const qp::IterationRecord& last) {
+  place_.before = countedOn(last, place_.before);
+  place_.hasEarlier = true;
+  place_.clock = clock_;
+  rows_.clear();
+  lastOuter_ = 1;
+}
+
 void RunMonitor::begins(const feti::DualRun& run) {
   run_.emplace(run);
   view_ = std::make_unique<LiveView>(comm_.getRank() == 0 ? options_.outputDirectory + "/iterations.csv"
@@ -214,6 +222,7 @@ void RunMonitor::write(const Exchange& all) {
     writer.text("deck file", options_.checkpoint.deckFile);
     writer.text("assignments", assignments);
     writer.text("dual forms", report_.dualForms);
+    writer.text("products", report_.roundedFactorizations > 0 ? "rounded" : "double");
     all(writer);
     writer.commit();
   } catch (const InputError& error) {
