@@ -82,6 +82,72 @@ TEST(Constraints, rows_are_orthonormal_in_both_forms) {
   }
 }
 
+// With weights BD⁻¹Bᵀ = I, D the diagonals of K over the largest at an interface, which vary from subdomain
+// to subdomain by up to 1e6: also at cross points, contact rows and Dirichlet rows. The rows have the same
+// kernel, bounds and scales as those without weights: they are combinations of them.
+TEST(Constraints, weighted_rows_are_orthonormal_in_the_inner_product_of_the_weights) {
+  for (DirichletForm form : {DirichletForm::Primal, DirichletForm::Dual}) {
+    TestModel model = testModel(3, 2);
+    for (Subdomain& subdomain : model.subdomains) {
+      const auto stiffer = std::make_shared<LocalMatrix>(*subdomain.stiffness);
+      for (double& value : stiffer->values)
+        value *= std::pow(10.0, static_cast<double>(subdomain.number * 5 % 7));
+      subdomain.stiffness = stiffer;
+    }
+    const SubdomainSystem system(testComm(), model.subdomains, form);
+    const Constraints plain(system, model.rows), weighted(system, model.rows, RowWeights::Stiffness);
+    double largest = 0.0;
+    for (int i = 0; i < system.size(); ++i)
+      for (int local : *system.subdomain(i).interface)
+        largest = std::max(largest, system.matrix(i).diagonal()[static_cast<std::size_t>(local)]);
+    largest = globalMax(*testComm(), largest);
+    struct Item {
+      long long subdomain;
+      int dof;
+      double weight;
+    };
+    std::vector<Item> mine;
+    for (int i = 0; i < system.size(); ++i)
+      for (int local : *system.subdomain(i).interface)
+        mine.push_back({system.subdomain(i).number, local,
+                        system.matrix(i).diagonal()[static_cast<std::size_t>(local)] / largest});
+    std::map<std::pair<long long, int>, double> weight;
+    for (const Item& item : gatherAll(*testComm(), mine))
+      weight[{item.subdomain, item.dof}] = item.weight;
+    auto b = gatherB(system, weighted);
+    ASSERT_EQ(b.size(), gatherB(system, plain).size());
+    for (auto& [place, value] : b)
+      value /= std::sqrt(weight.at({std::get<1>(place), std::get<2>(place)}));
+    const int m = static_cast<int>(weighted.dualDimension());
+    const Dense bbt = gram(b, m);
+    for (int i = 0; i < m; ++i)
+      for (int j = 0; j < m; ++j)
+        EXPECT_NEAR(bbt(i, j), i == j ? 1.0 : 0.0, 1e-13) << i << " " << j;
+    for (int row = 0; row < static_cast<int>(localSize(*plain.rowMap())); ++row) {
+      EXPECT_EQ(weighted.rowType(row), plain.rowType(row));
+      EXPECT_NEAR(weighted.bound(row) / weighted.rowScale(row), plain.bound(row) / plain.rowScale(row),
+                  1e-15);
+    }
+    // Zero where copies agree and prescribed values are met: u of a function of the dof number.
+    TornVector u = system.zeroVector();
+    for (int i = 0; i < system.size(); ++i)
+      for (std::size_t k = 0; k < system.subdomain(i).numbers.size(); ++k)
+        u[static_cast<std::size_t>(i)][static_cast<std::size_t>((*system.subdomain(i).interface)[k])] =
+            std::cos(static_cast<double>(system.subdomain(i).numbers[k]));
+    MultiVector y(weighted.rowMap(), 1), z(plain.rowMap(), 1);
+    weighted.applyB(u, y);
+    plain.applyB(u, z);
+    const std::vector<double> inWeights = fromVector(y), inPlain = fromVector(z);
+    for (int row = 0; row < static_cast<int>(localSize(*plain.rowMap())); ++row) {
+      const auto k = static_cast<std::size_t>(row);
+      if (plain.rowType(row) == RowType::Gluing)
+        EXPECT_NEAR(inWeights[k], 0.0, 1e-15);
+      else
+        EXPECT_NEAR(inWeights[k] / weighted.rowScale(row), inPlain[k] / plain.rowScale(row), 1e-14);
+    }
+  }
+}
+
 // Total FETI: a Dirichlet row for each constrained copy, and no gluing row there.
 TEST(Constraints, dirichlet_rows_take_the_place_of_gluing_rows) {
   const int s = 3, n = 2;

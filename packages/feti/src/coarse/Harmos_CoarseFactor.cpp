@@ -3,18 +3,39 @@
 
 namespace Harmos::feti {
 
+namespace {
+
+std::vector<double> divided(std::vector<double> v, const std::vector<double>& scale) {
+  for (std::size_t i = 0; i < scale.size(); ++i)
+    v[i] /= scale[i];
+  return v;
+}
+
+std::vector<double> multiplied(std::vector<double> v, const std::vector<double>& scale) {
+  for (std::size_t i = 0; i < scale.size(); ++i)
+    v[i] *= scale[i];
+  return v;
+}
+
+} // namespace
+
 CoarseFactor::CoarseFactor(int n, const std::vector<int>& rows, const std::vector<int>& columns,
-                           const std::vector<double>& values, double relativeThreshold, int mostDenseRows)
-    : isDense_(n <= mostDenseRows) {
+                           const std::vector<double>& values, double relativeThreshold, int mostDenseRows,
+                           std::vector<double> scale)
+    : isDense_(n <= mostDenseRows), scale_(std::move(scale)) {
+  std::vector<double> scaled = values;
+  if (!scale_.empty())
+    for (std::size_t k = 0; k < scaled.size(); ++k)
+      scaled[k] /= scale_[static_cast<std::size_t>(rows[k])] * scale_[static_cast<std::size_t>(columns[k])];
   if (!isDense_) {
-    sparse_ = SparseCholesky(n, rows, columns, values, relativeThreshold);
+    sparse_ = SparseCholesky(n, rows, columns, scaled, relativeThreshold);
     return;
   }
   const auto size = static_cast<std::size_t>(n);
   std::vector<double> matrix(size * size, 0.0);
-  for (std::size_t k = 0; k < values.size(); ++k) {
+  for (std::size_t k = 0; k < scaled.size(); ++k) {
     const auto i = static_cast<std::size_t>(rows[k]), j = static_cast<std::size_t>(columns[k]);
-    matrix[j * size + i] = matrix[i * size + j] = values[k];
+    matrix[j * size + i] = matrix[i * size + j] = scaled[k];
   }
   dense_ = PivotedCholesky(std::move(matrix), n, relativeThreshold);
 }
@@ -30,16 +51,16 @@ double CoarseFactor::entries() const {
 }
 
 std::vector<double> CoarseFactor::solveL(const std::vector<double>& e) const {
-  return isDense_ ? dense_.solveL(e) : sparse_.solveL(e);
+  return isDense_ ? dense_.solveL(divided(e, scale_)) : sparse_.solveL(divided(e, scale_));
 }
 std::vector<double> CoarseFactor::solveLt(const std::vector<double>& w) const {
-  return isDense_ ? dense_.solveLt(w) : sparse_.solveLt(w);
+  return divided(isDense_ ? dense_.solveLt(w) : sparse_.solveLt(w), scale_);
 }
 std::vector<double> CoarseFactor::multiplyL(const std::vector<double>& w) const {
-  return isDense_ ? dense_.multiplyL(w) : sparse_.multiplyL(w);
+  return multiplied(isDense_ ? dense_.multiplyL(w) : sparse_.multiplyL(w), scale_);
 }
 std::vector<double> CoarseFactor::multiplyLt(const std::vector<double>& v) const {
-  return isDense_ ? dense_.multiplyLt(v) : sparse_.multiplyLt(v);
+  return isDense_ ? dense_.multiplyLt(multiplied(v, scale_)) : sparse_.multiplyLt(multiplied(v, scale_));
 }
 
 } // namespace Harmos::feti

@@ -17,9 +17,12 @@ class CoarseFactor {
 
   CoarseFactor() = default;
   /// @param rows, columns, values the lower triangle, each place once.
+  /// @param scale by which rows and columns are divided before ranks are decided: of rows whose sizes differ
+  /// by orders
+  ///        of magnitude, √a_ii. Empty: none. L is that of the matrix as it was given.
   CoarseFactor(int n, const std::vector<int>& rows, const std::vector<int>& columns,
                const std::vector<double>& values, double relativeThreshold = 0.0,
-               int mostDenseRows = mostDense);
+               int mostDenseRows = mostDense, std::vector<double> scale = {});
 
   int rank() const { return isDense_ ? dense_.rank() : sparse_.rank(); }
   double smallestPivotRatio() const {
@@ -38,6 +41,7 @@ class CoarseFactor {
 
  private:
   bool isDense_ = true;
+  std::vector<double> scale_;
   PivotedCholesky dense_;
   SparseCholesky sparse_;
 };

@@ -82,7 +82,13 @@ CoarseSpace::CoarseSpace(const SubdomainSystem& system, const Constraints& const
 
   makePattern();
   std::vector<double> whole = gram(nullptr);
-  factor_ = CoarseFactor(kernelDimension_, gramRows_, gramColumns_, whole, 0.0, mostDense_);
+  if (constraints.hasWeights()) {
+    scale_.assign(static_cast<std::size_t>(kernelDimension_), 1.0);
+    for (std::size_t k = 0; k < whole.size(); ++k)
+      if (gramRows_[k] == gramColumns_[k] && whole[k] > 0.0)
+        scale_[static_cast<std::size_t>(gramRows_[k])] = std::sqrt(whole[k]);
+  }
+  factor_ = CoarseFactor(kernelDimension_, gramRows_, gramColumns_, whole, 0.0, mostDense_, scale_);
   coarseMap_ = Teuchos::rcp(
       new Map(static_cast<Tpetra::global_size_t>(dimension()), 0, comm_, Tpetra::LocallyReplicated));
 }
@@ -162,7 +168,7 @@ CoarseFactor CoarseSpace::faceFactor(const MultiVector& mask) const {
         values[k] = 0.0;
   // What a face takes away may leave pivots that are nothing but rounding errors.
   constexpr double threshold = 1e2 * std::numeric_limits<double>::epsilon();
-  return CoarseFactor(kernelDimension_, gramRows_, gramColumns_, values, threshold, mostDense_);
+  return CoarseFactor(kernelDimension_, gramRows_, gramColumns_, values, threshold, mostDense_, scale_);
 }
 
 std::vector<double> CoarseSpace::solveOnFace(const CoarseFactor& face, const std::vector<double>& r) const {
@@ -177,7 +183,7 @@ std::vector<double> CoarseSpace::minimumNormSolution(const MultiVector& mask,
     values = gram(view.data());
   }
   const double threshold = 1e2 * kernelDimension_ * std::numeric_limits<double>::epsilon();
-  const CoarseFactor factor(kernelDimension_, gramRows_, gramColumns_, values, threshold, mostDense_);
+  const CoarseFactor factor(kernelDimension_, gramRows_, gramColumns_, values, threshold, mostDense_, scale_);
   const auto solve = [&](const std::vector<double>& b) { return factor.solveLt(factor.solveL(b)); };
   std::vector<double> x = solve(r);
   // Each row left out gives a null vector z: z_d = 1 there, −A⁻A_d at the kept rows. With Z of these columns

@@ -82,7 +82,8 @@ class CoarseSpace {
   // with their begin for each owned row.
   std::vector<int> gramRows_, gramColumns_, gramPlaces_;
   std::vector<std::size_t> firstPlace_;
-  CoarseFactor factor_; // of G̃G̃ᵀ
+  std::vector<double> scale_; // of the columns of R, where rows of B have weights: √ of the diagonal of G̃G̃ᵀ
+  CoarseFactor factor_;       // of G̃G̃ᵀ
   Teuchos::RCP<const Map> coarseMap_;
   int kernelDimension_ = 0;
   int mostDense_;

@@ -31,6 +31,14 @@ void DualOptions::addTo(ParameterSpec& deck) {
                {"stiffness", "the softer copy takes more of it: for materials that jump across interfaces"}},
               "Scaling of the preconditioner.");
   dual.choice(
+      "Weights", "auto",
+      {{"auto", "stiffness if the scene has more than one material, else none"},
+       {"none", "the coarse projector is the orthogonal one"},
+       {"stiffness", "constraints, and with them the coarse projector and the norms of residuals, are "
+                     "weighted by the stiffness at their dofs: products do not depend on how much "
+                     "materials jump between subdomains"}},
+      "Inner product of the multipliers.");
+  dual.choice(
       "Precision", "auto",
       {{"auto",
         "double; but products of the implicit form by factors in 32 bits, one subdomain after the other, "
@@ -77,6 +85,9 @@ DualOptions DualOptions::fromList(const Teuchos::ParameterList& list) {
   if (scaling != "auto")
     options.scaling =
         scaling == "stiffness" ? PreconditionerScaling::Stiffness : PreconditionerScaling::Multiplicity;
+  const std::string weights = list.get<std::string>("Weights");
+  if (weights != "auto")
+    options.weights = weights == "stiffness" ? RowWeights::Stiffness : RowWeights::None;
   options.expectedProducts = list.get<int>("Expected products");
   options.memoryBudgetMiB = list.get<int>("Memory budget MiB");
   if (const std::string path = list.get<std::string>("Rates"); !path.empty())
@@ -171,6 +182,10 @@ std::string DualOptions::Decided::describe() const {
 PreconditionerScaling DualOptions::scalingFor(bool hasSeveralMaterials) const {
   return scaling.value_or(hasSeveralMaterials ? PreconditionerScaling::Stiffness
                                               : PreconditionerScaling::Multiplicity);
+}
+
+RowWeights DualOptions::weightsFor(bool hasSeveralMaterials) const {
+  return weights.value_or(hasSeveralMaterials ? RowWeights::Stiffness : RowWeights::None);
 }
 
 } // namespace Harmos::feti

@@ -21,6 +21,9 @@ struct DualOptions {
   /// Null: stiffness where materials differ from body to body or region to region, else multiplicity.
   std::optional<PreconditionerScaling> scaling;
   PreconditionerScaling scalingFor(bool hasSeveralMaterials) const;
+  /// Null: stiffness where materials differ, else none.
+  std::optional<RowWeights> weights;
+  RowWeights weightsFor(bool hasSeveralMaterials) const;
   int expectedProducts = 0; ///< 0: as usual
   int memoryBudgetMiB = 0;
   Rates rates;                     ///< of the cost model

@@ -33,7 +33,7 @@ FetiSolver::FetiSolver(Teuchos::RCP<const Teuchos::Comm<int>> comm, std::vector<
     rounding_ = std::max(rounding_, row.rounding);
   rounding_ = globalMax(*comm, rounding_);
   system_ = std::make_unique<SubdomainSystem>(std::move(comm), std::move(subdomains), form);
-  constraints_ = std::make_unique<Constraints>(*system_, rows);
+  constraints_ = std::make_unique<Constraints>(*system_, rows, dual_.weightsFor(false));
   setUpInverses();
   setUpOperators();
 }

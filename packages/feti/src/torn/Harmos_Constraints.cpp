@@ -2,8 +2,10 @@
 #include "Harmos_Constraints.hpp"
 
 #include "Harmos_Agreement.hpp"
+#include "Harmos_DofCopies.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Log.hpp"
+#include "Harmos_PivotedCholesky.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
 #include <Tpetra_Import.hpp>
@@ -18,17 +20,8 @@
 namespace Harmos::feti {
 namespace {
 
-// A copy of a dof, as the rendezvous rank of the dof sees it.
-struct Copy {
-  long long dof;
-  long long subdomain;
-  double value; // of the Dirichlet condition
-  int local;    // dof in the subdomain
-  int place;    // subdomain among those of its rank
-  int rank;
-  int fixed;
-};
-
+using Details::Copy;
+using Details::DofCopies;
 using RowEntry = Details::RowEntry;
 
 // The rest of a row on its way to its owner.
@@ -37,19 +30,6 @@ struct RowHead {
   double bound;
   double scale;
   int type;
-};
-
-// Where the copies of a dof meet: equal ranges of dof numbers.
-class Rendezvous {
- public:
-  Rendezvous(long long least, long long most, int ranks) : least_(least) {
-    width_ = std::max(1LL, (most - least) / ranks + 1);
-  }
-  std::size_t operator()(long long dof) const { return static_cast<std::size_t>((dof - least_) / width_); }
-
- private:
-  long long least_;
-  long long width_;
 };
 
 using Importer = Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>;
@@ -96,42 +76,38 @@ struct RowBuilder {
   std::vector<std::vector<RowHead>> heads;
 };
 
-using CopyTable = std::map<long long, std::vector<Copy>>;
-
-// Every interface dof of this rank goes to its rendezvous rank.
-CopyTable meet(const SubdomainSystem& system, const Rendezvous& rendezvous) {
-  const Teuchos::Comm<int>& comm = *system.comm();
-  std::vector<std::vector<Copy>> sends(static_cast<std::size_t>(comm.getSize()));
-  for (int i = 0; i < system.size(); ++i) {
-    const Subdomain& s = system.subdomain(i);
-    std::map<int, const FixedDof*> fixed;
-    for (const FixedDof& f : s.fixed)
-      fixed[f.dof] = &f;
-    for (std::size_t k = 0; k < s.numbers.size(); ++k) {
-      const int local = (*s.interface)[k];
-      const long long dof = s.numbers[k];
-      const auto found = fixed.find(local);
-      sends[rendezvous(dof)].push_back({dof, s.number, found != fixed.end() ? found->second->value : 0.0,
-                                        local, i, comm.getRank(), found != fixed.end() ? 1 : 0});
-    }
-  }
-  CopyTable table;
-  for (const std::vector<Copy>& part : exchangeItems(comm, sends))
-    for (const Copy& copy : part)
-      table[copy.dof].push_back(copy);
-  for (auto& item : table)
-    std::sort(item.second.begin(), item.second.end(), [](const Copy& a, const Copy& b) {
-      return std::tie(a.subdomain, a.local) < std::tie(b.subdomain, b.local);
-    });
-  return table;
-}
-
 std::string dofText(const Copy& copy) {
   return "dof " + std::to_string(copy.dof) + " (subdomain " + std::to_string(copy.subdomain) + ")";
 }
 
+// The gluing rows of a dof, or of dofs that are united, orthonormal in the inner product of the weights.
+class GluingRows {
+ public:
+  explicit GluingRows(const std::vector<Copy>& copies) : copies_(copies) {
+    for (const Copy& copy : copies)
+      before_.push_back(before_.back() + copy.weight);
+  }
+  std::size_t count() const { return copies_.size() - 1; }
+  /// Row k has entries at the copies up to k + 1, which it compares with the mean of those before.
+  double value(std::size_t k, std::size_t copy) const {
+    return (copy <= k ? copies_[copy].weight : -before_[k + 1]) / length(k);
+  }
+  double scale(std::size_t k) const { return before_[k + 1] / length(k); }
+
+ private:
+  double length(std::size_t k) const {
+    return std::sqrt(before_[k + 1] * (before_[k + 1] + copies_[k + 1].weight)) /
+           std::sqrt(copies_[k + 1].weight);
+  }
+  const std::vector<Copy>& copies_;
+  std::vector<double> before_ = {0.0}; // weights of the first copies
+};
+
 // Rows that follow from the copies alone.
-void addGluingAndDirichlet(const CopyTable& table, DirichletForm form, long long& row, RowBuilder& builder) {
+// @return the first row of each dof.
+std::map<long long, long long> addGluingAndDirichlet(const DofCopies::Table& table, DirichletForm form,
+                                                     long long row, RowBuilder& builder) {
+  std::map<long long, long long> first;
   // Values that come from a function of the position differ by rounding from copy to copy.
   double largest = 0.0;
   for (const auto& item : table)
@@ -151,24 +127,26 @@ void addGluingAndDirichlet(const CopyTable& table, DirichletForm form, long long
       fixed = fixed == nullptr ? &copy : fixed;
     }
     if (fixed != nullptr && form == DirichletForm::Dual) {
-      for (const Copy& copy : copies)
-        builder.add(row++, RowType::Dirichlet, {{copy, 1.0}}, fixed->value, 1.0);
+      for (const Copy& copy : copies) {
+        const double scale = std::sqrt(copy.weight);
+        builder.add(row++, RowType::Dirichlet, {{copy, scale}}, scale * fixed->value, scale);
+      }
       continue;
     }
-    for (std::size_t k = 1; k < copies.size(); ++k) {
-      const double number = static_cast<double>(k);
-      const double length = std::sqrt(number * (number + 1.0));
+    first[item.first] = row;
+    const GluingRows rows(copies);
+    for (std::size_t k = 0; k < rows.count(); ++k) {
       std::vector<RowBuilder::Term> terms;
-      for (std::size_t i = 0; i < k; ++i)
-        terms.push_back({copies[i], 1.0 / length});
-      terms.push_back({copies[k], -number / length});
+      for (std::size_t i = 0; i <= k + 1; ++i)
+        terms.push_back({copies[i], rows.value(k, i)});
       // Physical: the distance of this copy from the mean of those before it.
-      builder.add(row++, RowType::Gluing, terms, 0.0, number / length);
+      builder.add(row++, RowType::Gluing, terms, 0.0, rows.scale(k));
     }
   }
+  return first;
 }
 
-long long countGluingAndDirichlet(const CopyTable& table, DirichletForm form) {
+long long countGluingAndDirichlet(const DofCopies::Table& table, DirichletForm form) {
   long long count = 0;
   for (const auto& item : table) {
     const bool fixed =
@@ -179,35 +157,9 @@ long long countGluingAndDirichlet(const CopyTable& table, DirichletForm form) {
   return count;
 }
 
-// The copies of the dofs in this rank's given rows, asked of the rendezvous ranks.
-CopyTable lookUp(const Teuchos::Comm<int>& comm, const CopyTable& table, const Rendezvous& rendezvous,
-                 const std::vector<ConstraintRow>& rows) {
-  std::vector<std::vector<long long>> questions(static_cast<std::size_t>(comm.getSize()));
-  for (const ConstraintRow& row : rows)
-    for (const ConstraintRow::Term& term : row.terms)
-      questions[rendezvous(term.dof)].push_back(term.dof);
-  for (std::vector<long long>& part : questions) {
-    std::sort(part.begin(), part.end());
-    part.erase(std::unique(part.begin(), part.end()), part.end());
-  }
-  const std::vector<std::vector<long long>> asked = exchangeItems(comm, questions);
-  std::vector<std::vector<Copy>> answers(asked.size());
-  for (std::size_t r = 0; r < asked.size(); ++r)
-    for (long long dof : asked[r]) {
-      const auto found = table.find(dof);
-      if (found != table.end())
-        answers[r].insert(answers[r].end(), found->second.begin(), found->second.end());
-    }
-  CopyTable result;
-  for (const std::vector<Copy>& part : exchangeItems(comm, answers))
-    for (const Copy& copy : part)
-      result[copy.dof].push_back(copy);
-  return result;
-}
-
 // A row of prescribed values alone has to hold already: no force can change it. What is left of its bound.
 double requireMet(const ConstraintRow& row, const std::map<long long, double>& coefficients,
-                  const CopyTable& copies) {
+                  const DofCopies::Table& copies) {
   double value = 0.0, size = std::abs(row.bound);
   for (const auto& [dof, coefficient] : coefficients)
     for (const Copy& copy : copies.at(dof))
@@ -230,40 +182,133 @@ double requireMet(const ConstraintRow& row, const std::map<long long, double>& c
   return -excess;
 }
 
-long long globalNumber(const ConstraintRow& row, long long inequalities) {
-  return row.kind == ConstraintRow::Kind::Inequality ? row.number : inequalities + row.number;
+// Of the rows that are left, in the order given: inequalities first.
+std::vector<long long> globalNumbers(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRow>& rows,
+                                     const std::vector<char>& isTaken, long long inequalities,
+                                     long long equalities) {
+  std::vector<long long> numbers;
+  long long taken = 0;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    numbers.push_back(rows[r].kind == ConstraintRow::Kind::Inequality ? rows[r].number
+                                                                      : inequalities + rows[r].number);
+    taken += isTaken[r];
+  }
+  if (globalSum(comm, taken) == 0)
+    return numbers;
+  // Those with lower numbers are counted where ranges of numbers meet.
+  const long long width = equalities / comm.getSize() + 1;
+  std::vector<std::vector<long long>> questions(static_cast<std::size_t>(comm.getSize()));
+  std::vector<std::vector<std::size_t>> asking(questions.size());
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (rows[r].kind == ConstraintRow::Kind::Equality && !isTaken[r]) {
+      const auto rank = static_cast<std::size_t>(rows[r].number / width);
+      questions[rank].push_back(rows[r].number);
+      asking[rank].push_back(r);
+    }
+  std::vector<std::vector<long long>> answers = exchangeItems(comm, questions);
+  std::map<long long, long long> order;
+  for (const std::vector<long long>& part : answers)
+    for (long long number : part)
+      order[number] = 0;
+  long long next = inequalities + exclusiveScan(comm, static_cast<long long>(order.size()));
+  for (auto& item : order)
+    item.second = next++;
+  for (std::vector<long long>& part : answers)
+    for (long long& number : part)
+      number = order.at(number);
+  answers = exchangeItems(comm, answers);
+  for (std::size_t rank = 0; rank < answers.size(); ++rank)
+    for (std::size_t k = 0; k < answers[rank].size(); ++k)
+      numbers[asking[rank][k]] = answers[rank][k];
+  return numbers;
 }
 
-void addGiven(const std::vector<ConstraintRow>& rows, const CopyTable& copies, DirichletForm form,
-              long long inequalities, RowBuilder& builder) {
-  for (const ConstraintRow& row : rows) {
+// Of the multiplier of a given row, physical: row of B, factor.
+struct GivenTerm {
+  int place; // of the given row on its rank
+  long long row;
+  double factor;
+};
+
+// The multipliers of rows that were taken to unite dofs, of which there may be more than are independent: of
+// all that add up to the forces of the gluing rows on the dofs, the least ones. With c_tλ_t = y_a − y_b the
+// forces on the dofs are those of a graph's Laplacian times y.
+// @param firstRow of each united dof. @return by rank.
+std::vector<std::vector<GivenTerm>>
+multipliersOfUnions(const DofCopies& dofs, const std::map<long long, long long>& firstRow, int ranks) {
+  std::vector<std::vector<GivenTerm>> sends(static_cast<std::size_t>(ranks));
+  for (const auto& [name, list] : dofs.unions()) {
+    const std::vector<Copy>& copies = dofs.here().at(name);
+    std::map<long long, std::size_t> place;
+    for (const Copy& copy : copies)
+      place.emplace(copy.dof, 0);
+    std::size_t n = 0;
+    for (auto& item : place)
+      item.second = n++;
+    std::vector<double> laplacian(n * n, 0.0);
+    for (const Details::Union& row : list) {
+      const std::size_t a = place.at(row.dofs[0]), b = place.at(row.dofs[1]);
+      laplacian[a * n + a] += 1.0;
+      laplacian[b * n + b] += 1.0;
+      laplacian[b * n + a] -= 1.0;
+      laplacian[a * n + b] -= 1.0;
+    }
+    const PivotedCholesky factor(std::move(laplacian), static_cast<int>(n));
+    const GluingRows rows(copies);
+    for (std::size_t k = 0; k < rows.count(); ++k) {
+      std::vector<double> force(n, 0.0);
+      for (std::size_t i = 0; i <= k + 1; ++i)
+        force[place.at(copies[i].dof)] += rows.value(k, i);
+      const std::vector<double> y = factor.solve(force);
+      for (const Details::Union& row : list)
+        sends[static_cast<std::size_t>(row.rank)].push_back(
+            {row.place, firstRow.at(name) + static_cast<long long>(k),
+             (y[place.at(row.dofs[0])] - y[place.at(row.dofs[1])]) / row.coefficient});
+    }
+  }
+  return sends;
+}
+
+// @return the factors of their multipliers.
+std::vector<GivenTerm> addGiven(const std::vector<ConstraintRow>& rows, const std::vector<char>& isTaken,
+                                const std::vector<long long>& numbers, const DofCopies::Answers& answers,
+                                DirichletForm form, RowBuilder& builder) {
+  const DofCopies::Table& copies = answers.copies;
+  std::vector<GivenTerm> multipliers;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    if (isTaken[r])
+      continue;
+    const ConstraintRow& row = rows[r];
     std::vector<RowBuilder::Term> terms, held;
     double norm2 = 0.0;
     std::map<long long, double> coefficients; // a dof named twice counts once, with the sum
-    for (const ConstraintRow::Term& term : row.terms)
-      coefficients[term.dof] += term.coefficient;
+    for (const ConstraintRow::Term& term : row.terms) {
+      if (answers.of(term.dof) == nullptr)
+        throw InputError("constraint row " + std::to_string(row.number) + " names dof " +
+                             std::to_string(term.dof) + ", which is not an interface dof of any subdomain",
+                         {{"dof", std::to_string(term.dof)}});
+      coefficients[answers.name.at(term.dof)] += term.coefficient;
+    }
     // A prescribed value is no unknown: its share goes to the bound (equality rows may be added to any row),
     // or the force of the row would move the trivial equation. A row of prescribed values alone stays as it
     // is.
     double bound = row.bound;
     const auto isFixed = [&](long long dof) {
-      const auto found = copies.find(dof);
-      return found != copies.end() && std::any_of(found->second.begin(), found->second.end(),
-                                                  [](const Copy& copy) { return copy.fixed != 0; });
+      const std::vector<Copy>& all = copies.at(dof);
+      return std::any_of(all.begin(), all.end(), [](const Copy& copy) { return copy.fixed != 0; });
     };
     const bool hasUnknown = std::any_of(coefficients.begin(), coefficients.end(), [&](const auto& term) {
       return term.second != 0.0 && !isFixed(term.first);
     });
     for (const auto& [dof, coefficient] : coefficients) {
       const auto found = copies.find(dof);
-      if (found == copies.end())
-        throw InputError("constraint row " + std::to_string(row.number) + " names dof " +
-                             std::to_string(dof) + ", which is not an interface dof of any subdomain",
-                         {{"dof", std::to_string(dof)}});
-      const double share = coefficient / static_cast<double>(found->second.size());
+      double whole = 0.0;
+      for (const Copy& copy : found->second)
+        whole += copy.weight;
+      const auto shareOf = [&, whole](const Copy& copy) { return coefficient * copy.weight / whole; };
       if (isFixed(dof))
         for (const Copy& copy : found->second)
-          held.push_back({copy, share});
+          held.push_back({copy, shareOf(copy)});
       if (hasUnknown && isFixed(dof)) {
         const auto fixed = std::find_if(found->second.begin(), found->second.end(),
                                         [](const Copy& copy) { return copy.fixed != 0; });
@@ -271,8 +316,9 @@ void addGiven(const std::vector<ConstraintRow>& rows, const CopyTable& copies, D
         continue;
       }
       for (const Copy& copy : found->second) {
+        const double share = shareOf(copy);
         terms.push_back({copy, share});
-        norm2 += share * share;
+        norm2 += share * share / copy.weight;
       }
     }
     if (!(norm2 > 0.0) || !std::isfinite(norm2) || !std::isfinite(bound))
@@ -291,12 +337,14 @@ void addGiven(const std::vector<ConstraintRow>& rows, const CopyTable& copies, D
     for (std::vector<RowBuilder::Term>* part : {&terms, &held})
       for (RowBuilder::Term& term : *part)
         term.value *= scale;
-    const long long number = globalNumber(row, inequalities);
+    const long long number = numbers[r];
+    multipliers.push_back({static_cast<int>(r), number, scale});
     builder.add(number, inequality ? RowType::Inequality : RowType::Equality, terms, scale * bound, scale,
                 !isIdle);
     builder.addHeld(number, held);
     builder.rounding2 += std::pow(scale * row.rounding, 2);
   }
+  return multipliers;
 }
 
 void checkNumbers(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRow>& rows,
@@ -311,32 +359,40 @@ void checkNumbers(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRo
     throw InputError("constraint rows of one kind must be numbered 0, 1, ... without gaps over all ranks");
 }
 
+// The diagonal of K at interface dofs, relative to the largest. What is softer by more than eight orders of
+// magnitude counts as that: what many stiff subdomains do together against soft ones would be lost in the
+// rounding errors of the coarse matrix.
+std::vector<std::vector<double>> stiffnessWeights(const SubdomainSystem& system) {
+  constexpr double least = 1e-8;
+  std::vector<std::vector<double>> weights;
+  double largest = 0.0;
+  for (int i = 0; i < system.size(); ++i) {
+    const std::vector<double> diagonal = system.matrix(i).diagonal();
+    std::vector<double>& mine = weights.emplace_back();
+    for (int local : *system.subdomain(i).interface) {
+      mine.push_back(diagonal[static_cast<std::size_t>(local)]);
+      largest = std::max(largest, mine.back());
+    }
+  }
+  largest = globalMax(*system.comm(), largest);
+  for (std::vector<double>& mine : weights)
+    for (double& weight : mine)
+      weight = weight > 0.0 ? std::max(weight / largest, least) : 1.0; // a mechanism: the inverses will tell
+  return weights;
+}
+
 } // namespace
 
-Constraints::Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows)
-    : system_(system) {
+Constraints::Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows,
+                         RowWeights weights)
+    : Constraints(system, rows, weights != RowWeights::None,
+                  weights == RowWeights::None ? Weights() : stiffnessWeights(system)) {}
+
+Constraints::Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows,
+                         bool hasWeights, Weights weights)
+    : system_(system), weights_(std::move(weights)), hasWeights_(hasWeights) {
   const Teuchos::Comm<int>& comm = *system.comm();
   const auto ranks = static_cast<std::size_t>(comm.getSize());
-
-  long long least = std::numeric_limits<long long>::max(), most = std::numeric_limits<long long>::min();
-  for (int i = 0; i < system.size(); ++i)
-    for (long long dof : system.subdomain(i).numbers) {
-      least = std::min(least, dof);
-      most = std::max(most, dof);
-    }
-  least = globalMin(comm, least);
-  most = globalMax(comm, most);
-  if (most < least) // no subdomain has an interface
-    least = most = 0;
-  agree(comm, [&] {
-    for (const ConstraintRow& row : rows)
-      for (const ConstraintRow::Term& term : row.terms)
-        if (term.dof < least || term.dof > most)
-          throw InputError("constraint row " + std::to_string(row.number) + " names dof " +
-                           std::to_string(term.dof) + ", which no subdomain has");
-  });
-  const Rendezvous rendezvous(least, most, comm.getSize());
-  const CopyTable table = meet(system, rendezvous);
 
   long long mine[2] = {0, 0};
   for (const ConstraintRow& row : rows)
@@ -345,16 +401,28 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   const long long equalities = globalSum(comm, mine[1]);
   checkNumbers(comm, rows, ConstraintRow::Kind::Inequality, inequalities_);
   checkNumbers(comm, rows, ConstraintRow::Kind::Equality, equalities);
-  const long long fromCopies = countGluingAndDirichlet(table, system.dirichletForm());
-  long long nextRow = inequalities_ + equalities + exclusiveScan(comm, fromCopies);
-  dualDimension_ = inequalities_ + equalities + globalSum(comm, fromCopies);
 
-  const CopyTable copies = lookUp(comm, table, rendezvous, rows);
+  DofCopies dofs(system, rows, weights_);
+  const std::vector<char> isTaken = !hasWeights_ ? std::vector<char>(rows.size(), 0) : dofs.unite(rows);
+  const std::vector<long long> numbers = globalNumbers(comm, rows, isTaken, inequalities_, equalities);
+  const long long taken =
+      globalSum(comm, static_cast<long long>(std::count(isTaken.begin(), isTaken.end(), 1)));
+  const long long fromCopies = countGluingAndDirichlet(dofs.here(), system.dirichletForm());
+  const long long firstRow = inequalities_ + equalities - taken + exclusiveScan(comm, fromCopies);
+  dualDimension_ = inequalities_ + equalities - taken + globalSum(comm, fromCopies);
+
+  const DofCopies::Answers answers = dofs.ask(rows);
   RowBuilder builder(ranks);
+  std::vector<std::vector<GivenTerm>> ofUnions(ranks);
+  std::vector<GivenTerm> multipliers;
   agree(comm, [&] {
-    addGluingAndDirichlet(table, system.dirichletForm(), nextRow, builder);
-    addGiven(rows, copies, system.dirichletForm(), inequalities_, builder);
+    const std::map<long long, long long> first =
+        addGluingAndDirichlet(dofs.here(), system.dirichletForm(), firstRow, builder);
+    ofUnions = multipliersOfUnions(dofs, first, comm.getSize());
+    multipliers = addGiven(rows, isTaken, numbers, answers, system.dirichletForm(), builder);
   });
+  for (const std::vector<GivenTerm>& part : exchangeItems(comm, ofUnions))
+    multipliers.insert(multipliers.end(), part.begin(), part.end());
   const std::vector<std::vector<RowEntry>> entries = exchangeItems(comm, builder.entries);
   const std::vector<std::vector<RowHead>> headParts = exchangeItems(comm, builder.heads);
 
@@ -388,27 +456,36 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   overlapMap_ = Teuchos::rcp(
       new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), touched(), 0, system.comm()));
   import_ = Teuchos::rcp(new Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>(rowMap_, overlapMap_));
-  keepFullRows(exchangeItems(comm, builder.held), rows);
+  keepFullRows(exchangeItems(comm, builder.held));
+  std::map<long long, int> ofGiven;
+  for (const GivenTerm& term : multipliers)
+    ofGiven[term.row] = 0;
+  Teuchos::Array<GlobalOrdinal> given;
+  for (auto& [row, place] : ofGiven) {
+    place = static_cast<int>(given.size());
+    given.push_back(static_cast<GlobalOrdinal>(row));
+  }
+  givenMap_ = Teuchos::rcp(
+      new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), given(), 0, system.comm()));
+  multipliers_.resize(rows.size());
+  for (const GivenTerm& term : multipliers)
+    multipliers_[static_cast<std::size_t>(term.place)].push_back({ofGiven.at(term.row), term.factor});
   boundRounding_ = std::sqrt(globalSum(comm, builder.rounding2));
 }
 
-void Constraints::keepFullRows(const std::vector<std::vector<RowEntry>>& held,
-                               const std::vector<ConstraintRow>& rows) {
+void Constraints::keepFullRows(const std::vector<std::vector<RowEntry>>& held) {
   std::map<long long, int> localRow;
   for (const std::vector<RowEntry>& part : held)
     for (const RowEntry& entry : part)
       localRow[entry.row] = 0;
-  Teuchos::Array<GlobalOrdinal> touched, given;
+  Teuchos::Array<GlobalOrdinal> touched;
   for (auto& [row, place] : localRow) {
     place = static_cast<int>(touched.size());
     touched.push_back(static_cast<GlobalOrdinal>(row));
   }
   heldEntries_ = bySubdomain(held, localRow, system_.size());
-  for (const ConstraintRow& row : rows)
-    given.push_back(static_cast<GlobalOrdinal>(globalNumber(row, inequalities_)));
-  const auto unknown = Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid();
-  heldMap_ = Teuchos::rcp(new Map(unknown, touched(), 0, system_.comm()));
-  givenMap_ = Teuchos::rcp(new Map(unknown, given(), 0, system_.comm()));
+  heldMap_ = Teuchos::rcp(
+      new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), touched(), 0, system_.comm()));
 }
 
 // Sorted by row.
@@ -427,13 +504,15 @@ Constraints::bySubdomain(const std::vector<std::vector<RowEntry>>& entries,
 }
 
 void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
-  const Constraints changed(system_, rows);
+  const Constraints changed(system_, rows, hasWeights_, weights_);
   agree(*system_.comm(), [&] {
     if (changed.types_ != types_ || changed.entries_ != entries_ ||
         !changed.rowMap_->isLocallyFitted(*rowMap_))
       throw InputError(
           "constraint rows are given new bounds, but their number, kinds, dofs or coefficients have "
-          "changed too; new constraints are needed");
+          "changed too (with weights, a bound other than zero of a row that glues two dofs is such a "
+          "change); new "
+          "constraints are needed");
   });
   bounds_ = changed.bounds_;
 }
@@ -471,13 +550,14 @@ std::vector<double> Constraints::toOverlap(const MultiVector& lambda) const {
 
 // An exchange of its own, for what is asked once a solution.
 std::vector<double> Constraints::givenMultipliers(const MultiVector& lambda) const {
-  MultiVector physical(lambda, Teuchos::Copy);
-  {
-    const auto view = physical.getLocalViewHost(Tpetra::Access::ReadWrite);
-    for (std::size_t r = 0; r < view.extent(0); ++r)
-      view(r, 0) *= scales_[r];
+  const std::vector<double> values = brought(lambda, Importer(rowMap_, givenMap_));
+  std::vector<double> result;
+  for (const std::vector<MultiplierTerm>& terms : multipliers_) {
+    double& sum = result.emplace_back(0.0);
+    for (const MultiplierTerm& term : terms)
+      sum += term.factor * values[static_cast<std::size_t>(term.place)];
   }
-  return brought(physical, Importer(rowMap_, givenMap_));
+  return result;
 }
 
 std::vector<std::vector<double>> Constraints::heldForces(const MultiVector& lambda) const {

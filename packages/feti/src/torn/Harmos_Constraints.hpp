@@ -33,16 +33,29 @@ enum class RowType {
   Dirichlet   ///< a prescribed value, Total FETI only
 };
 
+/// In which inner product the rows of B are made orthonormal.
+enum class RowWeights {
+  None,     ///< BBᵀ = I at gluing rows
+  Stiffness ///< BD⁻¹Bᵀ = I there, D the diagonal of K: soft copies give way to stiff ones
+};
+
 /// The constraints B = [B_I; B_E], c of the torn problem, distributed by rows. B is immutable; c may be set
 /// anew.
 ///
 /// Rules (design of the dual problem):
-///  - at a dof with m copies, the m − 1 gluing rows are orthonormal: row k is (1, …, 1, −k, 0, …)/√(k(k +
-///  1));
-///  - a given row takes the mean of the copies of each of its dofs, which is orthogonal to the gluing rows,
-///  and is
-///    scaled to unit length; rowScale() keeps the factor, so that residuals and multipliers are told in
-///    physical units;
+///  - at a dof with m copies of weights d, the m − 1 gluing rows are orthonormal in the inner product of D⁻¹:
+///  row k is (d₁, …, d_k, −s, 0, …)√d_{k+1}/√(s(s + d_{k+1})), s = d₁ + … + d_k; with d = 1 that is (1, …, 1,
+///  −k, 0, …)/√(k(k + 1));
+///  - a given row takes the weighted mean of the copies of each of its dofs, which is orthogonal to the
+///  gluing rows, and is scaled to unit length in that inner product; rowScale() keeps the factor, so that
+///  residuals and multipliers are told in physical units;
+///  - with weights, rows u_a − u_b = 0 that are given, such as ties between meshes that match, make a and b
+///  one dof with
+///    the copies of both: where they meet others each gluing row has to weigh all of them;
+///  - with weights all of the dual problem is that of the variable λ̂ = Q^{−½}λ, Q = (BD⁻¹Bᵀ)⁻¹ block by
+///  block: bounds of zero stay such, the coarse projector is I − QG̃ᵀ(G̃QG̃ᵀ)⁻¹G̃ of λ (Bhardwaj et al.,
+///  Application of the FETI method to ASCI problems, Int. J. Numer. Meth. Engng. 47, 2000; Rixen, Farhat
+///  1999), and norms of residuals are those weighted by Q;
 ///  - prescribed values in a given row go to its bound, unless there is nothing else in it; what the row is
 ///  at
 ///    them is kept beside, for the forces of the full row (heldForces());
@@ -72,7 +85,8 @@ class Constraints {
   /// and for
   ///         dofs fixed to different values.
   /// @note Collective. Rendezvous by dof number; nothing is gathered on one rank.
-  Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows);
+  Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows,
+              RowWeights weights = RowWeights::None);
 
   /// New bounds c of the rows that were given, and of what the system prescribes now.
   /// @param rows those given to the constructor, with other bounds.
@@ -97,6 +111,8 @@ class Constraints {
   RowType rowType(int row) const { return types_[static_cast<std::size_t>(row)]; }
   /// Factor by which the physical row was multiplied: residual/scale and multiplier·scale are physical.
   double rowScale(int row) const { return scales_[static_cast<std::size_t>(row)]; }
+  /// Whether rows are orthonormal in the inner product of weights; see RowWeights.
+  bool hasWeights() const { return hasWeights_; }
   /// c of the scaled row.
   double bound(int row) const { return bounds_[static_cast<std::size_t>(row)]; }
 
@@ -133,11 +149,16 @@ class Constraints {
 
  private:
   using Sent = std::vector<std::vector<Details::RowEntry>>; // by sender
-  void keepFullRows(const Sent& held, const std::vector<ConstraintRow>& rows);
+  using Weights = std::vector<std::vector<double>>;         // of the interface dofs of each subdomain
+  Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows, bool hasWeights,
+              Weights weights);
+  void keepFullRows(const Sent& held);
   static std::vector<std::vector<Entry>>
   bySubdomain(const Sent& entries, const std::map<long long, int>& localRow, int subdomains);
 
   const SubdomainSystem& system_;
+  Weights weights_; // as they were at first
+  bool hasWeights_ = false;
   Teuchos::RCP<const Map> rowMap_;
   Teuchos::RCP<const Map> overlapMap_;
   Teuchos::RCP<const Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>> import_;
@@ -146,7 +167,13 @@ class Constraints {
   // What given rows are at prescribed dofs: by row of heldMap_.
   Teuchos::RCP<const Map> heldMap_;
   std::vector<std::vector<Entry>> heldEntries_;
-  Teuchos::RCP<const Map> givenMap_; // rows of this rank, as given
+  // Physical multipliers of the rows that this rank gave: sums of factors times rows of givenMap_.
+  struct MultiplierTerm {
+    int place;
+    double factor;
+  };
+  Teuchos::RCP<const Map> givenMap_;
+  std::vector<std::vector<MultiplierTerm>> multipliers_;
   std::vector<RowType> types_;
   std::vector<double> scales_;
   std::vector<double> bounds_;

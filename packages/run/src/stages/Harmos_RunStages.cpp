@@ -179,7 +179,7 @@ void RunStages::constrain() {
   {
     const auto scope = timers_.scope("dual_operator");
     contact_ = scene::setUpContact(*comm_, scene_, owned_, costs_);
-    constraints_.emplace(*system_, contact_.rows);
+    constraints_.emplace(*system_, contact_.rows, options_.dual.weightsFor(scene_.hasSeveralMaterials()));
   }
   for (const std::string& note : contact_.notes)
     log_.info(note);

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_DofCopies.hpp"
+
+#include "Harmos_Agreement.hpp"
+#include "Harmos_Errors.hpp"
+#include "Harmos_Exchange.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <tuple>
+
+namespace Harmos::feti::Details {
+namespace {
+
+std::vector<long long> dofsOf(const std::vector<ConstraintRow>& rows) {
+  std::vector<long long> dofs;
+  for (const ConstraintRow& row : rows)
+    for (const ConstraintRow::Term& term : row.terms)
+      dofs.push_back(term.dof);
+  std::sort(dofs.begin(), dofs.end());
+  dofs.erase(std::unique(dofs.begin(), dofs.end()), dofs.end());
+  return dofs;
+}
+
+void sortBySubdomain(std::vector<Copy>& copies) {
+  std::sort(copies.begin(), copies.end(), [](const Copy& a, const Copy& b) {
+    return std::tie(a.subdomain, a.local) < std::tie(b.subdomain, b.local);
+  });
+}
+
+bool isFixed(const std::vector<Copy>& copies) {
+  return std::any_of(copies.begin(), copies.end(), [](const Copy& copy) { return copy.fixed != 0; });
+}
+
+} // namespace
+
+DofCopies::DofCopies(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows,
+                     const std::vector<std::vector<double>>& weights)
+    : comm_(*system.comm()) {
+  long long most = std::numeric_limits<long long>::min();
+  least_ = std::numeric_limits<long long>::max();
+  for (int i = 0; i < system.size(); ++i)
+    for (long long dof : system.subdomain(i).numbers) {
+      least_ = std::min(least_, dof);
+      most = std::max(most, dof);
+    }
+  least_ = globalMin(comm_, least_);
+  most = globalMax(comm_, most);
+  if (most < least_) // no subdomain has an interface
+    least_ = most = 0;
+  agree(comm_, [&] {
+    for (const ConstraintRow& row : rows)
+      for (const ConstraintRow::Term& term : row.terms)
+        if (term.dof < least_ || term.dof > most)
+          throw InputError("constraint row " + std::to_string(row.number) + " names dof " +
+                           std::to_string(term.dof) + ", which no subdomain has");
+  });
+  width_ = std::max(1LL, (most - least_) / comm_.getSize() + 1);
+
+  std::vector<std::vector<Copy>> sends(static_cast<std::size_t>(comm_.getSize()));
+  for (int i = 0; i < system.size(); ++i) {
+    const Subdomain& s = system.subdomain(i);
+    std::map<int, const FixedDof*> fixed;
+    for (const FixedDof& f : s.fixed)
+      fixed[f.dof] = &f;
+    for (std::size_t k = 0; k < s.numbers.size(); ++k) {
+      const int local = (*s.interface)[k];
+      const long long dof = s.numbers[k];
+      const auto found = fixed.find(local);
+      const double weight = weights.empty() ? 1.0 : weights[static_cast<std::size_t>(i)][k];
+      sends[home(dof)].push_back({dof, s.number, found != fixed.end() ? found->second->value : 0.0, weight,
+                                  local, i, comm_.getRank(), found != fixed.end() ? 1 : 0});
+    }
+  }
+  for (const std::vector<Copy>& part : exchangeItems(comm_, sends))
+    for (const Copy& copy : part)
+      table_[copy.dof].push_back(copy);
+  for (auto& item : table_)
+    sortBySubdomain(item.second);
+}
+
+const std::vector<Copy>* DofCopies::Answers::of(long long dof) const {
+  const auto known = name.find(dof);
+  return known == name.end() ? nullptr : &copies.at(known->second);
+}
+
+// @param dofs sorted, each once.
+std::map<long long, long long> DofCopies::namesOf(const std::vector<long long>& dofs) const {
+  std::vector<std::vector<long long>> questions(static_cast<std::size_t>(comm_.getSize()));
+  for (long long dof : dofs)
+    questions[home(dof)].push_back(dof);
+  std::vector<std::vector<long long>> answers = exchangeItems(comm_, questions);
+  for (std::vector<long long>& part : answers)
+    for (long long& dof : part)
+      if (const auto found = names_.find(dof); found != names_.end())
+        dof = found->second;
+  answers = exchangeItems(comm_, answers);
+  std::map<long long, long long> result;
+  for (std::size_t rank = 0; rank < answers.size(); ++rank)
+    for (std::size_t k = 0; k < answers[rank].size(); ++k)
+      result.emplace(questions[rank][k], answers[rank][k]);
+  return result;
+}
+
+DofCopies::Answers DofCopies::ask(const std::vector<ConstraintRow>& rows) const {
+  Answers result;
+  result.name = namesOf(dofsOf(rows));
+  std::vector<std::vector<long long>> questions(static_cast<std::size_t>(comm_.getSize()));
+  for (const auto& [dof, name] : result.name)
+    questions[home(name)].push_back(name);
+  for (std::vector<long long>& part : questions) {
+    std::sort(part.begin(), part.end());
+    part.erase(std::unique(part.begin(), part.end()), part.end());
+  }
+  struct Answer {
+    long long name;
+    Copy copy;
+  };
+  const std::vector<std::vector<long long>> asked = exchangeItems(comm_, questions);
+  std::vector<std::vector<Answer>> answers(asked.size());
+  for (std::size_t r = 0; r < asked.size(); ++r)
+    for (long long name : asked[r])
+      if (const auto found = table_.find(name); found != table_.end())
+        for (const Copy& copy : found->second)
+          answers[r].push_back({name, copy});
+  for (const std::vector<Answer>& part : exchangeItems(comm_, answers))
+    for (const Answer& answer : part)
+      result.copies[answer.name].push_back(answer.copy);
+  for (auto item = result.name.begin(); item != result.name.end();)
+    item = result.copies.count(item->second) > 0 ? std::next(item) : result.name.erase(item);
+  return result;
+}
+
+std::vector<char> DofCopies::unite(const std::vector<ConstraintRow>& rows) {
+  std::vector<char> isTaken(rows.size(), 0);
+  const auto isGlue = [](const ConstraintRow& row) {
+    return row.kind == ConstraintRow::Kind::Equality && row.terms.size() == 2 && row.bound == 0.0 &&
+           row.terms[0].dof != row.terms[1].dof && row.terms[0].coefficient == -row.terms[1].coefficient &&
+           row.terms[0].coefficient != 0.0;
+  };
+  std::vector<ConstraintRow> glue;
+  std::vector<std::size_t> place;
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (isGlue(rows[r])) {
+      glue.push_back(rows[r]);
+      place.push_back(r);
+    }
+  if (globalSum(comm_, static_cast<long long>(glue.size())) == 0)
+    return isTaken;
+  {
+    const Answers known = ask(glue);
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < glue.size(); ++k) {
+      const std::vector<Copy>*first = known.of(glue[k].terms[0].dof),
+            *second = known.of(glue[k].terms[1].dof);
+      if (first == nullptr || second == nullptr || isFixed(*first) || isFixed(*second))
+        continue;
+      isTaken[place[k]] = 1;
+      place[kept] = place[k];
+      glue[kept++] = glue[k];
+    }
+    glue.resize(kept);
+    place.resize(kept);
+  }
+
+  // The lowest dof spreads along the rows until nothing changes.
+  const std::vector<long long> dofs = dofsOf(glue);
+  struct Lower {
+    long long dof, name;
+  };
+  std::map<long long, long long> name;
+  while (true) {
+    name = namesOf(dofs);
+    std::map<long long, long long> lower;
+    for (const ConstraintRow& row : glue) {
+      const long long least = std::min(name.at(row.terms[0].dof), name.at(row.terms[1].dof));
+      for (const ConstraintRow::Term& term : row.terms)
+        if (least < name.at(term.dof)) {
+          const auto known = lower.emplace(term.dof, least).first;
+          known->second = std::min(known->second, least);
+        }
+    }
+    if (globalSum(comm_, static_cast<long long>(lower.size())) == 0)
+      break;
+    std::vector<std::vector<Lower>> sends(static_cast<std::size_t>(comm_.getSize()));
+    for (const auto& [dof, least] : lower)
+      sends[home(dof)].push_back({dof, least});
+    for (const std::vector<Lower>& part : exchangeItems(comm_, sends))
+      for (const Lower& item : part) {
+        const auto known = names_.emplace(item.dof, item.name).first;
+        known->second = std::min(known->second, item.name);
+      }
+  }
+
+  // Copies and rows go where the name is at home.
+  struct Moved {
+    long long name;
+    Copy copy;
+  };
+  std::vector<std::vector<Moved>> moves(static_cast<std::size_t>(comm_.getSize()));
+  for (const auto& [dof, lowest] : names_) {
+    for (const Copy& copy : table_.at(dof))
+      moves[home(lowest)].push_back({lowest, copy});
+    table_.erase(dof);
+  }
+  for (const std::vector<Moved>& part : exchangeItems(comm_, moves))
+    for (const Moved& item : part)
+      table_[item.name].push_back(item.copy);
+  std::vector<std::vector<Union>> sends(static_cast<std::size_t>(comm_.getSize()));
+  for (std::size_t k = 0; k < glue.size(); ++k) {
+    const ConstraintRow::Term &first = glue[k].terms[0], &second = glue[k].terms[1];
+    const long long lowest = name.at(first.dof);
+    sends[home(lowest)].push_back(
+        {{first.dof, second.dof}, first.coefficient, lowest, comm_.getRank(), static_cast<int>(place[k])});
+  }
+  for (const std::vector<Union>& part : exchangeItems(comm_, sends))
+    for (const Union& item : part)
+      unions_[item.name].push_back(item);
+  for (auto& [lowest, list] : unions_) {
+    sortBySubdomain(table_.at(lowest));
+    std::sort(list.begin(), list.end(), [](const Union& a, const Union& b) {
+      return std::tie(a.dofs[0], a.dofs[1]) < std::tie(b.dofs[0], b.dofs[1]);
+    });
+  }
+  return isTaken;
+}
+
+} // namespace Harmos::feti::Details
