@@ -18,23 +18,35 @@ std::size_t at(int i, int j, int n) {
 } // namespace
 
 PivotedCholesky::PivotedCholesky(std::vector<double> matrix, int n, double relativeThreshold)
-    : factor_(std::move(matrix)), pivots_(static_cast<std::size_t>(n)), n_(n) {
-  std::vector<double>& a = factor_;
+    : factor_(std::move(matrix)), n_(n) {
+  factorise(factor_, relativeThreshold);
+}
+
+PivotedCholesky::PivotedCholesky(std::vector<long double> matrix, int n, double relativeThreshold) : n_(n) {
+  factorise(matrix, relativeThreshold);
+  for (long double value : matrix)
+    factor_.push_back(static_cast<double>(value));
+}
+
+template<class Real>
+void PivotedCholesky::factorise(std::vector<Real>& a, double relativeThreshold) {
+  const int n = n_;
+  pivots_.resize(static_cast<std::size_t>(n));
   std::iota(pivots_.begin(), pivots_.end(), 0);
-  double largest = 0.0;
+  Real largest = 0.0;
   for (int i = 0; i < n; ++i)
     largest = std::max(largest, a[at(i, i, n)]);
-  const double zero = std::max(n * std::numeric_limits<double>::epsilon(), relativeThreshold) * largest;
+  const Real zero = std::max(n * std::numeric_limits<double>::epsilon(), relativeThreshold) * largest;
   for (int k = 0; k < n; ++k) {
     int pivot = k;
     for (int i = k + 1; i < n; ++i)
       if (a[at(i, i, n)] > a[at(pivot, pivot, n)])
         pivot = i;
-    const double value = a[at(pivot, pivot, n)];
+    const Real value = a[at(pivot, pivot, n)];
     if (!(value > zero))
       return;
     rank_ = k + 1;
-    smallestRatio_ = std::min(smallestRatio_, value / largest);
+    smallestRatio_ = std::min(smallestRatio_, static_cast<double>(value / largest));
     if (pivot != k) {
       // Symmetric interchange of the full (symmetric) remaining matrix and of the finished rows of L.
       for (int j = 0; j < n; ++j)
@@ -43,12 +55,12 @@ PivotedCholesky::PivotedCholesky(std::vector<double> matrix, int n, double relat
         std::swap(a[at(i, k, n)], a[at(i, pivot, n)]);
       std::swap(pivots_[static_cast<std::size_t>(k)], pivots_[static_cast<std::size_t>(pivot)]);
     }
-    const double root = std::sqrt(value);
+    const Real root = std::sqrt(value);
     a[at(k, k, n)] = root;
     for (int i = k + 1; i < n; ++i)
       a[at(i, k, n)] /= root;
     for (int j = k + 1; j < n; ++j) {
-      const double factor = a[at(j, k, n)];
+      const Real factor = a[at(j, k, n)];
       if (factor != 0.0)
         for (int i = k + 1; i < n; ++i)
           a[at(i, j, n)] -= a[at(i, k, n)] * factor;

@@ -19,6 +19,9 @@ class PivotedCholesky {
   /// @param matrix n × n, column after column; both triangles are read.
   /// @param relativeThreshold pivots up to this part of the largest diagonal entry count as zero.
   PivotedCholesky(std::vector<double> matrix, int n, double relativeThreshold = 0.0);
+  /// The same of a matrix that is badly conditioned: it is factored in the precision that it is given in. L
+  /// is rounded after that, which changes LᵀA⁻¹L by ε times the condition of L, not of A.
+  PivotedCholesky(std::vector<long double> matrix, int n, double relativeThreshold = 0.0);
 
   int size() const { return n_; }
   int rank() const { return rank_; }
@@ -39,6 +42,9 @@ class PivotedCholesky {
   std::vector<double> solve(const std::vector<double>& e) const { return solveLt(solveL(e)); }
 
  private:
+  template<class Real>
+  void factorise(std::vector<Real>& a, double relativeThreshold);
+
   std::vector<double> factor_;
   std::vector<int> pivots_;
   int n_ = 0;

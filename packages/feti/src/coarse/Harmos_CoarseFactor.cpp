@@ -19,26 +19,33 @@ std::vector<double> multiplied(std::vector<double> v, const std::vector<double>&
 
 } // namespace
 
+template<class Real>
 CoarseFactor::CoarseFactor(int n, const std::vector<int>& rows, const std::vector<int>& columns,
-                           const std::vector<double>& values, double relativeThreshold, int mostDenseRows,
+                           const std::vector<Real>& values, double relativeThreshold, int mostDenseRows,
                            std::vector<double> scale)
     : isDense_(n <= mostDenseRows), scale_(std::move(scale)) {
-  std::vector<double> scaled = values;
+  std::vector<Real> scaled = values;
   if (!scale_.empty())
     for (std::size_t k = 0; k < scaled.size(); ++k)
-      scaled[k] /= scale_[static_cast<std::size_t>(rows[k])] * scale_[static_cast<std::size_t>(columns[k])];
+      scaled[k] /= static_cast<Real>(scale_[static_cast<std::size_t>(rows[k])]) *
+                   scale_[static_cast<std::size_t>(columns[k])];
   if (!isDense_) {
     sparse_ = SparseCholesky(n, rows, columns, scaled, relativeThreshold);
     return;
   }
   const auto size = static_cast<std::size_t>(n);
-  std::vector<double> matrix(size * size, 0.0);
+  std::vector<Real> matrix(size * size, 0.0);
   for (std::size_t k = 0; k < scaled.size(); ++k) {
     const auto i = static_cast<std::size_t>(rows[k]), j = static_cast<std::size_t>(columns[k]);
     matrix[j * size + i] = matrix[i * size + j] = scaled[k];
   }
   dense_ = PivotedCholesky(std::move(matrix), n, relativeThreshold);
 }
+
+template CoarseFactor::CoarseFactor(int, const std::vector<int>&, const std::vector<int>&,
+                                    const std::vector<double>&, double, int, std::vector<double>);
+template CoarseFactor::CoarseFactor(int, const std::vector<int>&, const std::vector<int>&,
+                                    const std::vector<long double>&, double, int, std::vector<double>);
 
 std::vector<int> CoarseFactor::dependent() const {
   if (!isDense_)

@@ -20,9 +20,11 @@ class CoarseFactor {
   /// @param scale by which rows and columns are divided before ranks are decided: of rows whose sizes differ
   /// by orders
   ///        of magnitude, √a_ii. Empty: none. L is that of the matrix as it was given.
+  /// @tparam Real double, or long double; see SparseCholesky.
+  template<class Real>
   CoarseFactor(int n, const std::vector<int>& rows, const std::vector<int>& columns,
-               const std::vector<double>& values, double relativeThreshold = 0.0,
-               int mostDenseRows = mostDense, std::vector<double> scale = {});
+               const std::vector<Real>& values, double relativeThreshold = 0.0, int mostDenseRows = mostDense,
+               std::vector<double> scale = {});
 
   int rank() const { return isDense_ ? dense_.rank() : sparse_.rank(); }
   double smallestPivotRatio() const {

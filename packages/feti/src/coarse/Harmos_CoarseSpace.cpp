@@ -14,6 +14,7 @@
 #include <map>
 #include <numeric>
 #include <tuple>
+#include <type_traits>
 
 namespace Harmos::feti {
 namespace {
@@ -28,6 +29,30 @@ struct CoarseEntry {
 void broadcast(const Teuchos::Comm<int>& comm, std::vector<double>& values) {
   if (!values.empty())
     Teuchos::broadcast<int, double>(comm, 0, static_cast<int>(values.size()), values.data());
+}
+
+// The sum over the ranks of numbers of up to these sizes, each rounded once at the end: pieces of 26 bits add
+// up without rounding errors.
+void sumExactly(const Teuchos::Comm<int>& comm, std::vector<long double>& values,
+                const std::vector<double>& sizes) {
+  const std::size_t n = values.size();
+  std::vector<double> pieces(3 * n);
+  for (std::size_t k = 0; k < n; ++k) {
+    int exponent = 0;
+    std::frexp(sizes[k], &exponent);
+    long double rest = values[k];
+    for (std::size_t p = 0; p < 2; ++p) {
+      const long double unit = std::ldexp(1.0L, exponent - 26 * (static_cast<int>(p) + 1));
+      const long double piece = std::nearbyint(rest / unit) * unit;
+      pieces[p * n + k] = static_cast<double>(piece);
+      rest -= piece;
+    }
+    pieces[2 * n + k] = static_cast<double>(rest);
+  }
+  globalSum(comm, pieces);
+  broadcast(comm, pieces);
+  for (std::size_t k = 0; k < n; ++k)
+    values[k] = static_cast<long double>(pieces[k]) + pieces[n + k] + pieces[2 * n + k];
 }
 
 } // namespace
@@ -81,14 +106,9 @@ CoarseSpace::CoarseSpace(const SubdomainSystem& system, const Constraints& const
   offsets_.resize(localSize(*constraints.rowMap()) + 1, columns_.size());
 
   makePattern();
-  std::vector<double> whole = gram(nullptr);
-  if (constraints.hasWeights()) {
-    scale_.assign(static_cast<std::size_t>(kernelDimension_), 1.0);
-    for (std::size_t k = 0; k < whole.size(); ++k)
-      if (gramRows_[k] == gramColumns_[k] && whole[k] > 0.0)
-        scale_[static_cast<std::size_t>(gramRows_[k])] = std::sqrt(whole[k]);
-  }
-  factor_ = CoarseFactor(kernelDimension_, gramRows_, gramColumns_, whole, 0.0, mostDense_, scale_);
+  if (constraints.hasWeights())
+    makeScale();
+  factor_ = factorOf(nullptr, 0.0);
   coarseMap_ = Teuchos::rcp(
       new Map(static_cast<Tpetra::global_size_t>(dimension()), 0, comm_, Tpetra::LocallyReplicated));
 }
@@ -139,36 +159,61 @@ void CoarseSpace::makePattern() {
         static_cast<int>(std::lower_bound(places.begin(), places.end(), pair) - places.begin()));
 }
 
+// √ of the diagonal of G̃G̃ᵀ.
+void CoarseSpace::makeScale() {
+  scale_.assign(static_cast<std::size_t>(kernelDimension_), 0.0);
+  for (std::size_t k = 0; k < values_.size(); ++k)
+    scale_[static_cast<std::size_t>(columns_[k])] += values_[k] * values_[k];
+  globalSum(*comm_, scale_);
+  broadcast(*comm_, scale_);
+  for (double& value : scale_)
+    value = value > 0.0 ? std::sqrt(value) : 1.0;
+}
+
 // G̃M_FG̃ᵀ at the places of the pattern; the same to the last bit on all ranks, whose decisions must agree.
-std::vector<double> CoarseSpace::gram(const double* mask) const {
-  std::vector<double> values(gramRows_.size(), 0.0);
+template<class Real>
+std::vector<Real> CoarseSpace::gram(const double* mask) const {
+  std::vector<Real> values(gramRows_.size(), 0.0);
   for (std::size_t r = 0; r + 1 < offsets_.size(); ++r) {
     if (mask != nullptr && mask[r] == 0.0)
       continue;
     std::size_t pair = firstPlace_[r];
     for (std::size_t i = offsets_[r]; i < offsets_[r + 1]; ++i)
       for (std::size_t j = offsets_[r]; j <= i; ++j, ++pair)
-        values[static_cast<std::size_t>(gramPlaces_[pair])] += values_[i] * values_[j];
+        values[static_cast<std::size_t>(gramPlaces_[pair])] += static_cast<Real>(values_[i]) * values_[j];
   }
-  globalSum(*comm_, values);
-  broadcast(*comm_, values);
+  if constexpr (std::is_same_v<Real, double>) {
+    globalSum(*comm_, values);
+    broadcast(*comm_, values);
+  } else {
+    std::vector<double> sizes;
+    for (std::size_t k = 0; k < values.size(); ++k)
+      sizes.push_back(scale_[static_cast<std::size_t>(gramRows_[k])] *
+                      scale_[static_cast<std::size_t>(gramColumns_[k])]);
+    sumExactly(*comm_, values, sizes);
+  }
   return values;
 }
 
+// Where weights differ by orders of magnitude, what many stiff subdomains do together against soft ones is
+// small beside what each does by itself, and would be lost in rounding errors of double precision.
+CoarseFactor CoarseSpace::factorOf(const double* mask, double threshold) const {
+  const auto factored = [&](auto values) {
+    // Rows that were left out of G are left out on faces.
+    for (int column : factor_.dependent())
+      for (std::size_t k = 0; k < values.size(); ++k)
+        if (gramRows_[k] == column || gramColumns_[k] == column)
+          values[k] = 0.0;
+    return CoarseFactor(kernelDimension_, gramRows_, gramColumns_, values, threshold, mostDense_, scale_);
+  };
+  return scale_.empty() ? factored(gram<double>(mask)) : factored(gram<long double>(mask));
+}
+
 CoarseFactor CoarseSpace::faceFactor(const MultiVector& mask) const {
-  std::vector<double> values;
-  {
-    const auto view = mask.getLocalViewHost(Tpetra::Access::ReadOnly);
-    values = gram(view.data());
-  }
-  // Rows that were left out of G are left out here.
-  for (int column : dependentColumns())
-    for (std::size_t k = 0; k < values.size(); ++k)
-      if (gramRows_[k] == column || gramColumns_[k] == column)
-        values[k] = 0.0;
   // What a face takes away may leave pivots that are nothing but rounding errors.
   constexpr double threshold = 1e2 * std::numeric_limits<double>::epsilon();
-  return CoarseFactor(kernelDimension_, gramRows_, gramColumns_, values, threshold, mostDense_, scale_);
+  const auto view = mask.getLocalViewHost(Tpetra::Access::ReadOnly);
+  return factorOf(view.data(), threshold);
 }
 
 std::vector<double> CoarseSpace::solveOnFace(const CoarseFactor& face, const std::vector<double>& r) const {
@@ -180,7 +225,7 @@ std::vector<double> CoarseSpace::minimumNormSolution(const MultiVector& mask,
   std::vector<double> values;
   {
     const auto view = mask.getLocalViewHost(Tpetra::Access::ReadOnly);
-    values = gram(view.data());
+    values = gram<double>(view.data());
   }
   const double threshold = 1e2 * kernelDimension_ * std::numeric_limits<double>::epsilon();
   const CoarseFactor factor(kernelDimension_, gramRows_, gramColumns_, values, threshold, mostDense_, scale_);

@@ -71,7 +71,10 @@ class CoarseSpace {
 
  private:
   void makePattern();
-  std::vector<double> gram(const double* mask) const;
+  void makeScale();
+  template<class Real>
+  std::vector<Real> gram(const double* mask) const;
+  CoarseFactor factorOf(const double* mask, double threshold) const;
 
   Teuchos::RCP<const Teuchos::Comm<int>> comm_;
   // G̃ᵀ by owned rows.

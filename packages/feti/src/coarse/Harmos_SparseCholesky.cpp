@@ -8,6 +8,7 @@
 #include <limits>
 #include <metis.h>
 #include <numeric>
+#include <type_traits>
 
 namespace Harmos::feti {
 namespace {
@@ -40,8 +41,9 @@ std::vector<int> nestedDissection(int n, const std::vector<int>& rows, const std
 
 } // namespace
 
+template<class Real>
 SparseCholesky::SparseCholesky(int n, const std::vector<int>& rows, const std::vector<int>& columns,
-                               const std::vector<double>& values, double relativeThreshold)
+                               const std::vector<Real>& values, double relativeThreshold)
     : n_(n), order_(nestedDissection(n, rows, columns)) {
   const auto size = static_cast<std::size_t>(n);
   std::vector<int> place(size);
@@ -49,9 +51,9 @@ SparseCholesky::SparseCholesky(int n, const std::vector<int>& rows, const std::v
     place[static_cast<std::size_t>(order_[k])] = static_cast<int>(k);
 
   // Row k of the permuted matrix, its entries left of the diagonal.
-  std::vector<std::vector<Entry>> a(size);
-  std::vector<double> diagonal(size, 0.0);
-  double largest = 0.0;
+  std::vector<std::vector<EntryOf<Real>>> a(size);
+  std::vector<Real> diagonal(size, 0.0);
+  Real largest = 0.0;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const int i = place[static_cast<std::size_t>(rows[k])], j = place[static_cast<std::size_t>(columns[k])];
     if (i == j) {
@@ -61,17 +63,17 @@ SparseCholesky::SparseCholesky(int n, const std::vector<int>& rows, const std::v
       a[static_cast<std::size_t>(std::max(i, j))].push_back({std::min(i, j), values[k]});
     }
   }
-  const double zero = std::max(n * std::numeric_limits<double>::epsilon(), relativeThreshold) * largest;
+  const Real zero = std::max(n * std::numeric_limits<double>::epsilon(), relativeThreshold) * largest;
 
-  columns_.resize(size);
-  diagonal_.assign(size, 1.0);
+  std::vector<std::vector<EntryOf<Real>>> below(size); // of L, under the diagonal
+  std::vector<Real> roots(size, 1.0);
   std::vector<bool> isKept(size, false);
   std::vector<int> parent(size, -1), ancestor(size, -1), mark(size, -1), pattern, path;
-  std::vector<double> x(size, 0.0);
+  std::vector<Real> x(size, 0.0);
   for (std::size_t k = 0; k < size; ++k) {
     const int row = static_cast<int>(k);
     // The elimination tree, with compressed paths.
-    for (const Entry& entry : a[k])
+    for (const EntryOf<Real>& entry : a[k])
       for (int j = entry.row; j >= 0 && j < row;) {
         const int next = ancestor[static_cast<std::size_t>(j)];
         ancestor[static_cast<std::size_t>(j)] = row;
@@ -82,7 +84,7 @@ SparseCholesky::SparseCholesky(int n, const std::vector<int>& rows, const std::v
     // Pattern of row k of L: what is reached in the tree from the entries of A, below k, in rising order.
     pattern.clear();
     mark[k] = row;
-    for (const Entry& entry : a[k]) {
+    for (const EntryOf<Real>& entry : a[k]) {
       x[static_cast<std::size_t>(entry.row)] = entry.value;
       for (int j = entry.row; j >= 0 && mark[static_cast<std::size_t>(j)] != row;
            j = parent[static_cast<std::size_t>(j)]) {
@@ -91,16 +93,16 @@ SparseCholesky::SparseCholesky(int n, const std::vector<int>& rows, const std::v
       }
     }
     std::sort(pattern.begin(), pattern.end());
-    double pivot = diagonal[k];
-    std::vector<double> rowOfL(pattern.size());
+    Real pivot = diagonal[k];
+    std::vector<Real> rowOfL(pattern.size());
     for (std::size_t p = 0; p < pattern.size(); ++p) {
       const auto j = static_cast<std::size_t>(pattern[p]);
-      const double value = isKept[j] ? x[j] / diagonal_[j] : 0.0;
+      const Real value = isKept[j] ? x[j] / roots[j] : Real(0.0);
       x[j] = 0.0;
       rowOfL[p] = value;
       if (value == 0.0)
         continue;
-      for (const Entry& entry : columns_[j])
+      for (const EntryOf<Real>& entry : below[j])
         if (mark[static_cast<std::size_t>(entry.row)] == row)
           x[static_cast<std::size_t>(entry.row)] -= entry.value * value;
       pivot -= value * value;
@@ -112,13 +114,29 @@ SparseCholesky::SparseCholesky(int n, const std::vector<int>& rows, const std::v
     }
     isKept[k] = true;
     kept_.push_back(row);
-    diagonal_[k] = std::sqrt(pivot);
-    smallestRatio_ = std::min(smallestRatio_, pivot / largest);
+    roots[k] = std::sqrt(pivot);
+    smallestRatio_ = std::min(smallestRatio_, static_cast<double>(pivot / largest));
     for (std::size_t p = 0; p < pattern.size(); ++p)
       if (rowOfL[p] != 0.0)
-        columns_[static_cast<std::size_t>(pattern[p])].push_back({row, rowOfL[p]});
+        below[static_cast<std::size_t>(pattern[p])].push_back({row, rowOfL[p]});
+  }
+  if constexpr (std::is_same_v<Real, double>) {
+    columns_ = std::move(below);
+    diagonal_ = std::move(roots);
+  } else {
+    for (const std::vector<EntryOf<Real>>& column : below) {
+      std::vector<Entry>& rounded = columns_.emplace_back();
+      for (const EntryOf<Real>& entry : column)
+        rounded.push_back({entry.row, static_cast<double>(entry.value)});
+    }
+    diagonal_.assign(roots.begin(), roots.end());
   }
 }
+
+template SparseCholesky::SparseCholesky(int, const std::vector<int>&, const std::vector<int>&,
+                                        const std::vector<double>&, double);
+template SparseCholesky::SparseCholesky(int, const std::vector<int>&, const std::vector<int>&,
+                                        const std::vector<long double>&, double);
 
 double SparseCholesky::entries() const {
   double sum = static_cast<double>(kept_.size());

@@ -18,8 +18,11 @@ class SparseCholesky {
   /// @param rows, columns, values the lower triangle, entry by entry, each place once.
   /// @param relativeThreshold pivots up to this part of the largest diagonal entry count as zero; nε at
   /// least.
+  /// @tparam Real double; or long double for matrices that are badly conditioned, of which L is rounded to
+  /// double after it was made; see PivotedCholesky.
+  template<class Real>
   SparseCholesky(int n, const std::vector<int>& rows, const std::vector<int>& columns,
-                 const std::vector<double>& values, double relativeThreshold = 0.0);
+                 const std::vector<Real>& values, double relativeThreshold = 0.0);
 
   int size() const { return n_; }
   int rank() const { return static_cast<int>(kept_.size()); }
@@ -40,10 +43,12 @@ class SparseCholesky {
   std::vector<double> multiplyLt(const std::vector<double>& v) const;
 
  private:
-  struct Entry {
+  template<class Real>
+  struct EntryOf {
     int row; ///< in the order of elimination
-    double value;
+    Real value;
   };
+  using Entry = EntryOf<double>;
   int n_ = 0;
   std::vector<int> order_;                  // row of A at each place of the order of elimination
   std::vector<std::vector<Entry>> columns_; // of L below the diagonal

@@ -106,6 +106,19 @@ void requireBalance(const SubdomainSystem& system, const CoarseSpace& coarse, co
   }
 }
 
+// λ̃ and w = Gλ̃ once more for what is left of ẽ: where weights differ by orders of magnitude G̃G̃ᵀ is badly
+// conditioned.
+void refine(const CoarseSpace& coarse, const std::vector<double>& e, std::vector<double>& w,
+            MultiVector& shift) {
+  std::vector<double> left = coarse.applyUnscaled(shift);
+  for (std::size_t k = 0; k < left.size(); ++k)
+    left[k] = e[k] - left[k];
+  const std::vector<double> correction = coarse.solveL(left);
+  coarse.addGt(1.0, correction, shift);
+  for (std::size_t k = 0; k < w.size(); ++k)
+    w[k] += correction[k];
+}
+
 } // namespace
 
 DualProblem::DualProblem(const SubdomainSystem& system, const Constraints& constraints,
@@ -120,8 +133,10 @@ DualProblem::DualProblem(const SubdomainSystem& system, const Constraints& const
   projectedD_ = Teuchos::rcp(new MultiVector(map, 1));
   const KernelLoad load = kernelLoad(system);
   if (coarse.dimension() > 0) {
-    const std::vector<double> w = coarse.solveL(load.e);
+    std::vector<double> w = coarse.solveL(load.e);
     coarse.addGt(1.0, w, *shift_);
+    if (constraints.hasWeights())
+      refine(coarse, load.e, w, *shift_);
     requireBalance(system, coarse, *shift_, load);
     scaledLoadNorm_ = norm(coarse.solveLt(w));
     MultiVector image(map, 1);

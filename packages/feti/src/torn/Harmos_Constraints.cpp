@@ -360,10 +360,10 @@ void checkNumbers(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRo
 }
 
 // The diagonal of K at interface dofs, relative to the largest. What is softer by more than eight orders of
-// magnitude counts as that: what many stiff subdomains do together against soft ones would be lost in the
+// magnitude counts as nine: what many stiff subdomains do together against soft ones would be lost in the
 // rounding errors of the coarse matrix.
 std::vector<std::vector<double>> stiffnessWeights(const SubdomainSystem& system) {
-  constexpr double least = 1e-8;
+  constexpr double least = 1e-9;
   std::vector<std::vector<double>> weights;
   double largest = 0.0;
   for (int i = 0; i < system.size(); ++i) {

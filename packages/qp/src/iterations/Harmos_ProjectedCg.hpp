@@ -39,6 +39,12 @@ class ProjectedCg {
   /// Begins again where it is, with gradients computed anew.
   void restart();
 
+  /// Begins again from the equalities where the steps have left them by more than the gradient is worth, and by more
+  /// than rounding errors of the iterate: a direction's own error grows with what was projected away, times the
+  /// condition of the rows.
+  /// @param distance from the equalities, see EqualityRows. @return whether it did.
+  bool returnToRows(double distance);
+
   /// Keeps what the steps since the last beginning have found of outlying eigenvalues, for all faces to come:
   /// see KeptDirections. To be followed by start(). @return how many directions are new.
   int keepOutliers(int most);

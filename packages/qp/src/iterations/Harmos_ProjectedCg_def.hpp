@@ -164,6 +164,17 @@ void ProjectedCg<Scalar, MV, OP>::restart() {
   MVT::Assign(*z_, *p_);
 }
 
+template<class Scalar, class MV, class OP>
+bool ProjectedCg<Scalar, MV, OP>::returnToRows(double distance) {
+  constexpr double rounding = 1e4 * std::numeric_limits<double>::epsilon();
+  if (staleness_ == 0 || curvatureBound_ * distance <= residualNorm() ||
+      distance <= rounding * (norm<Scalar>(*problem_.solution()) + norm<Scalar>(rows_.values())))
+    return false;
+  ++counters_.confirmations;
+  const LocalActiveSet active = active_;
+  return start(active);
+}
+
 // z = P_F M⁻¹ w; without a preconditioner z is w.
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::precondition() {

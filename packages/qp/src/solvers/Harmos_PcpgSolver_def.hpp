@@ -70,6 +70,8 @@ void PcpgSolver<Scalar, MV, OP>::Run::go() {
       solver_.stop(Reason::Breakdown, Explanations::breakdown(), state_);
       break;
     }
+    if (cg_.returnToRows(state_.equalityDistance))
+      state_ = evaluate(inner_);
     const std::optional<Reason> reason = solver_.judge(state_);
     const bool isStagnant = !reason && state_.projectedGradient <= cg_.attainable();
     if ((reason == Reason::Converged || isStagnant) && !isConfirmed())

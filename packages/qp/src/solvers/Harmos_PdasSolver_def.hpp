@@ -367,6 +367,8 @@ bool PdasSolver<Scalar, MV, OP>::Run::descend() {
       solver_.stop(Reason::Breakdown, Explanations::breakdown(), state_);
       return false;
     }
+    if (cg_.returnToRows(state_.equalityDistance))
+      state_ = evaluate(cg_.residualNorm(), state_.inner);
     const std::optional<Reason> reason = solver_.judge(state_);
     if (reason && *reason != Reason::Converged) {
       solver_.keepState(*reason);
