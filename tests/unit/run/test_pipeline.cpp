@@ -172,9 +172,10 @@ TEST(RunReport, audit_agrees_or_objects) {
   run::RunReport report;
   report.tolerance = 1e-4;
   report.audit.largestDisplacement = 2.0;
+  report.audit.forces = 3.0;
   EXPECT_TRUE(run::auditAgrees(report));
   report.audit.gluingJump = report.audit.penetration = 1.9e-2;
-  report.audit.equilibrium = 0.4;
+  report.audit.equilibrium = 2.9e-4;
   EXPECT_TRUE(run::auditAgrees(report));
   for (double feti::KktAudit::*field :
        {&feti::KktAudit::gluingJump, &feti::KktAudit::penetration, &feti::KktAudit::equilibrium})

@@ -71,25 +71,24 @@ void verify(const LocalMatrix& matrix, const Kernel& kernel, const InverseQualit
   }
 }
 
-// Its condition.
-double verified(const LocalMatrix& matrix, const Kernel& kernel, const LocalInverse& inverse,
-                const LocalInverseOptions& options, const std::string& number) {
+InverseQuality verified(const LocalMatrix& matrix, const Kernel& kernel, const LocalInverse& inverse,
+                        const LocalInverseOptions& options, const std::string& number) {
   const InverseQuality quality = inverseQuality(matrix, kernel, inverse);
   verify(matrix, kernel, quality, options, number);
-  return quality.condition();
+  return quality;
 }
 
 // Beyond, rounding S to single precision would change more than a per cent of the spectrum that it makes.
 constexpr double wellConditioned = 1e5;
 
-// Verifies an inverse, and lets what its quality allows be rounded. @return its condition.
-double settled(const LocalMatrix& matrix, const Kernel& kernel, LocalInverse& inverse,
-               const LocalInverseOptions& options, const std::string& number) {
-  const double condition = verified(matrix, kernel, inverse, options, number);
-  if (options.roundSchur && condition <= wellConditioned)
+// Verifies an inverse, and lets what its quality allows be rounded.
+InverseQuality settled(const LocalMatrix& matrix, const Kernel& kernel, LocalInverse& inverse,
+                       const LocalInverseOptions& options, const std::string& number) {
+  const InverseQuality quality = verified(matrix, kernel, inverse, options, number);
+  if (options.roundSchur && quality.condition() <= wellConditioned)
     inverse.roundSchurComplement();
   inverse.roundProducts(options.productError);
-  return condition;
+  return quality;
 }
 
 // With the subdomain's name and what may be wrong with it.
@@ -168,9 +167,15 @@ FactorizationCounts LocalInverses::counts() const {
   return sum;
 }
 
+void LocalInverses::note(const InverseQuality& quality) {
+  condition_ = std::max(condition_, quality.condition());
+  defect_ = std::max(defect_, quality.defect);
+}
+
 void LocalInverses::refactor(const SubdomainSystem& system, const LocalInverseOptions& options) {
   agree(*system.comm(), [&] {
     condition_ = 1.0;
+    defect_ = 0.0;
     for (std::size_t c = 0; c < classes_.size(); ++c) {
       const int first = classes_[c].members.front();
       const LocalMatrix& matrix = system.matrix(first);
@@ -184,7 +189,7 @@ void LocalInverses::refactor(const SubdomainSystem& system, const LocalInverseOp
                                "anew, or do not share",
                            {{"subdomain", number}});
       rethrowing(matrix, kernel, options, number, [&] { inverses_[c]->refactor(matrix, kernel); });
-      condition_ = std::max(condition_, settled(matrix, kernel, *inverses_[c], options, number));
+      note(settled(matrix, kernel, *inverses_[c], options, number));
     }
     if (context_ != nullptr) // inverses that were made elsewhere keep their own
       context_->releaseWorkspace();
@@ -195,7 +200,7 @@ LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints
                                 const LocalInverseOptions& options) {
   std::vector<CongruenceClass> classes;
   std::vector<std::unique_ptr<LocalInverse>> inverses;
-  double condition = 1.0;
+  std::vector<InverseQuality> qualities;
   std::shared_ptr<FactorizationContext> context;
   agree(*system.comm(), [&] {
     context = options.context ? options.context : std::make_shared<FactorizationContext>();
@@ -212,12 +217,13 @@ LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints
                                                       static_cast<int>(item.members.size()), options,
                                                       context));
       });
-      condition = std::max(condition, settled(matrix, kernel, *inverses.back(), options, number));
+      qualities.push_back(settled(matrix, kernel, *inverses.back(), options, number));
     }
     context->releaseWorkspace();
   });
   LocalInverses result(std::move(classes), std::move(inverses));
-  result.condition_ = condition;
+  for (const InverseQuality& quality : qualities)
+    result.note(quality);
   result.context_ = std::move(context);
   return result;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_Constraints.hpp"
+#include "Harmos_InverseQuality.hpp"
 #include "Harmos_LocalInverse.hpp"
 #include "Harmos_SubdomainSystem.hpp"
 
@@ -61,6 +62,8 @@ class LocalInverses {
   int distinctFactorizations() const { return static_cast<int>(inverses_.size()); }
   /// The largest of the estimated condition numbers, on this rank; 1 without subdomains.
   double condition() const { return condition_; }
+  /// The largest ‖KK⁺Kx − Kx‖/‖Kx‖ that was seen, on this rank; of products before they are rounded.
+  double defect() const { return defect_; }
   /// Of those held on this rank, how many have LocalInverse::hasRoundedProducts().
   int roundedFactorizations() const;
   /// LocalInverse::restoreProducts() of all of them; what was made of them with products has to be made anew,
@@ -78,12 +81,14 @@ class LocalInverses {
   void refactor(const SubdomainSystem& system, const LocalInverseOptions& options);
 
  private:
+  void note(const InverseQuality& quality);
   friend LocalInverses makeLocalInverses(const SubdomainSystem&, const Constraints&,
                                          const LocalInverseOptions&);
 
   std::vector<CongruenceClass> classes_;
   std::vector<std::unique_ptr<LocalInverse>> inverses_;
   double condition_ = 1.0;
+  double defect_ = 0.0;
   std::shared_ptr<FactorizationContext> context_;
 };
 

@@ -33,7 +33,8 @@ FetiSolver::FetiSolver(Teuchos::RCP<const Teuchos::Comm<int>> comm, std::vector<
     rounding_ = std::max(rounding_, row.rounding);
   rounding_ = globalMax(*comm, rounding_);
   system_ = std::make_unique<SubdomainSystem>(std::move(comm), std::move(subdomains), form);
-  constraints_ = std::make_unique<Constraints>(*system_, rows, dual_.weightsFor(false));
+  stiffnessVaries_ = stiffnessVaries(*system_);
+  constraints_ = std::make_unique<Constraints>(*system_, rows, dual_.weightsFor(stiffnessVaries_));
   setUpInverses();
   setUpOperators();
 }
@@ -43,10 +44,11 @@ FetiSolver::~FetiSolver() = default;
 void FetiSolver::setUpInverses() {
   if (inverses_)
     spent_ += inverses_->counts();
-  // What the subdomains are made of is not known here: materials may jump.
+  // What the subdomains are made of is not known here: materials may jump within them.
   decided_ = dual_.decided(*system_, *constraints_, DualOptions::usualProducts(true, options_.tolerance),
                            false, log_);
   inverses_ = std::make_unique<LocalInverses>(makeLocalInverses(*system_, *constraints_, decided_.inverses));
+  defect_ = globalMax(*system_->comm(), inverses_->defect());
 }
 
 // All that is made of the inverses and kernels.
@@ -59,7 +61,7 @@ void FetiSolver::setUpOperators() {
       decided_.preconditioner == PreconditionerKind::None
           ? Teuchos::null
           : Teuchos::rcp(new DualPreconditioner(*system_, *constraints_, *inverses_, decided_.preconditioner,
-                                                dual_.scalingFor(false)));
+                                                dual_.scalingFor(stiffnessVaries_)));
 }
 
 void FetiSolver::setLoads(std::vector<std::shared_ptr<const std::vector<double>>> loads) {
@@ -127,7 +129,7 @@ const SolveReport& FetiSolver::solve(double tolerance) {
   const auto look = [&](const MultiVector& lambda, const std::vector<double>& mu) {
     torn = recover(*system_, *constraints_, *inverses_, *coarse_, *problem_, lambda, mu);
     audit_ = feti::audit(*system_, *constraints_, torn);
-    return auditAgrees(audit_, auditShare(tolerance), rounding_);
+    return auditAgrees(audit_, {auditShare(tolerance), rounding_, defect_});
   };
   const auto accept = [&](const MultiVector& lambda, const std::vector<double>& mu,
                           double reached) -> std::optional<double> {

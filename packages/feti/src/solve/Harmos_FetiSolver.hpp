@@ -101,6 +101,8 @@ class FetiSolver {
   DualOptions dual_;
   SolverOptions options_;
   DualOptions::Decided decided_ = {};
+  bool stiffnessVaries_ = false;
+  double defect_ = 0.0;       // of the inverses
   double rounding_ = 0.0;     // bounds are known up to this
   FactorizationCounts spent_; // on inverses that are no more
   std::unique_ptr<SubdomainSystem> system_;

@@ -68,8 +68,8 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
   KktAudit result;
 
   const std::vector<double> overlap = constraints.toOverlap(*solution.multiplier);
-  // ‖residual‖², ‖f‖², energy, ‖Ku‖², ‖Bᵀλ‖², ‖diag(K)u‖², uᵀKu, uᵀdiag(K)u, tr K, fᵀdiag(K)⁻¹f
-  std::vector<double> sums(10, 0.0);
+  // ‖residual‖², ‖f‖², energy, ‖Ku‖², ‖Bᵀλ‖², ‖diag(K)u‖², uᵀKu, uᵀdiag(K)u, tr K, fᵀdiag(K)⁻¹f, ‖diag(K)‖²
+  std::vector<double> sums(11, 0.0);
   std::vector<double> image, force;
   double largest = 0.0, fromPrescribed = 0.0, byLoad = 0.0;
   for (int i = 0; i < system.size(); ++i) {
@@ -109,6 +109,7 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
       largest = largerOf(largest, std::abs(u[j]));
       sums[7] += diagonal[j] * u[j] * u[j];
       sums[8] += diagonal[j];
+      sums[10] += diagonal[j] * diagonal[j];
       if (isTrivial[j])
         continue;
       const double residual = image[j] - system.rhs(i)[j] + force[j];
@@ -128,6 +129,9 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
   constexpr double least = 1e-12; // squared
   const double forces = std::max({sums[1], sums[3], sums[4], least * sums[5]});
   result.equilibrium = forces > 0.0 ? std::sqrt(sums[0] / forces) : 0.0;
+  result.forces = std::sqrt(forces);
+  result.displacementForce = std::sqrt(sums[5]);
+  result.unitForce = std::sqrt(sums[10]);
   result.primalEnergy = sums[2];
   result.energyNorm = std::sqrt(std::max(sums[6], 0.0));
   result.displacementEnergy = std::sqrt(sums[7]);
@@ -140,16 +144,22 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
   return result;
 }
 
-bool auditAgrees(const KktAudit& audit, double share, double boundRounding, double energyError,
-                 double energyShare) {
-  // Of sums over all dofs; gaps are known no better than coordinates.
+bool auditAgrees(const KktAudit& audit, const AuditLimits& limits) {
+  // Of sums over all dofs.
   constexpr double rounding = 1e-12;
-  const double allowed =
-      share * audit.largestDisplacement + boundRounding + rounding * audit.loadDisplacement;
-  const double allowedError = energyShare * audit.energyNorm + boundRounding * audit.unitEnergy +
-                              rounding * (audit.displacementEnergy + audit.loadEnergy);
-  return audit.gluingJump <= allowed && audit.penetration <= allowed && audit.equilibrium <= 0.5 &&
-         energyError <= allowedError;
+  // What bounds are known to makes larger forces than there are: bodies at rest.
+  const bool isNothing = audit.forces <= limits.boundRounding * audit.unitForce;
+  const double length = limits.share * audit.largestDisplacement + rounding * audit.loadDisplacement;
+  const double error = limits.energyShare * audit.energyNorm + limits.boundRounding * audit.unitEnergy +
+                       rounding * (audit.displacementEnergy + audit.loadEnergy);
+  // Three tolerances; the defect is that of a random load.
+  constexpr double typical = 10.0;
+  const double force = isNothing ? audit.forces
+                                 : (0.03 * limits.share + typical * limits.inverseDefect) * audit.forces +
+                                       0.1 * rounding * audit.displacementForce;
+  return audit.gluingJump <= length + (isNothing ? limits.boundRounding : 0.0) &&
+         audit.penetration <= length + limits.boundRounding && audit.equilibrium * audit.forces <= force &&
+         limits.energyError <= error;
 }
 
 double auditShare(double tolerance) {

@@ -19,6 +19,9 @@ struct KktAudit {
   double energy = 0.0;
   double energyNorm = 0.0;          ///< √(uᵀKu)
   double largestDisplacement = 0.0; ///< ‖u‖_∞
+  double forces = 0.0;              ///< what equilibrium is measured against
+  double displacementForce = 0.0;   ///< ‖diag(K)u‖
+  double unitForce = 0.0;           ///< ‖diag(K)‖, the same for displacements of one
   double displacementEnergy = 0.0; ///< √(uᵀ diag(K) u), that of moving each dof alone: the scale of rounding
   double unitEnergy = 0.0;         ///< √(tr K), the same for displacements of one
   double largestMultiplier = 0.0; ///< max |λ_I|, physical
@@ -31,12 +34,21 @@ struct KktAudit {
 /// Guarded by tests/unit/feti/test_mixed_inverses.cpp: it objects to a wrong answer that the solver believes.
 KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, const TornSolution& solution);
 
+/// What an answer is measured against.
+struct AuditLimits {
+  double share;               ///< of the largest displacement and of the forces, see auditShare()
+  double boundRounding = 0.0; ///< see Constraints::boundRounding()
+  double inverseDefect = 0.0; ///< see LocalInverses::defect(), of all ranks
+  double energyError = 0.0;   ///< as estimated, where it was
+  double energyShare = 0.0;   ///< of the energy norm
+};
 /// Whether an audit bears out an answer: jumps and penetrations are at most a share of the largest
-/// displacement, beside what the bounds are known to; the error in the energy norm, where it was estimated,
-/// is at most a share of its own of that of the solution, beside rounding; forces are out of balance by less
-/// than half the load. A number that is none objects.
-bool auditAgrees(const KktAudit& audit, double share, double boundRounding, double energyError = 0.0,
-                 double energyShare = 0.0);
+/// displacement, penetrations beside what the bounds are known to; the error in the energy norm, where it was
+/// estimated, is at most a share of its own of that of the solution, beside rounding. Forces are out of
+/// balance by three tolerances, 0.03 of the share, at most: the solver leaves ‖G̃λ − ẽ‖ ≤ ε‖λ‖ on rigid
+/// motions, for ‖G‖ = 1 and ‖G̃‖ ≤ ‖B‖ = 1, and with weights the same in other units; beside what inverses and
+/// rounding leave of the rest. A number that is none objects.
+bool auditAgrees(const KktAudit& audit, const AuditLimits& limits);
 
 /// The share for a relative tolerance of the residuals: these and the audit are about the same errors in
 /// other units, and a factor of a hundred is beyond what norms and scalings explain; a tenth of the solution

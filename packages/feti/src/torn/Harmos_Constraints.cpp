@@ -4,8 +4,8 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_DofCopies.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_GluingRows.hpp"
 #include "Harmos_Log.hpp"
-#include "Harmos_PivotedCholesky.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
 #include <Tpetra_Import.hpp>
@@ -22,6 +22,7 @@ namespace {
 
 using Details::Copy;
 using Details::DofCopies;
+using Details::GluingRows;
 using RowEntry = Details::RowEntry;
 
 // The rest of a row on its way to its owner.
@@ -42,7 +43,7 @@ std::vector<double> brought(const MultiVector& rows, const Importer& importer) {
 }
 
 struct RowBuilder {
-  explicit RowBuilder(std::size_t ranks) : entries(ranks), held(ranks), heads(ranks) {}
+  explicit RowBuilder(std::size_t ranks) : entries(ranks), held(ranks), leans(ranks), heads(ranks) {}
 
   struct Term {
     Copy copy;
@@ -72,6 +73,7 @@ struct RowBuilder {
   }
 
   std::vector<std::vector<RowEntry>> entries, held;
+  std::vector<std::vector<Details::Lean>> leans;
   double rounding2 = 0.0; // of scaled bounds, squares
   std::vector<std::vector<RowHead>> heads;
 };
@@ -79,29 +81,6 @@ struct RowBuilder {
 std::string dofText(const Copy& copy) {
   return "dof " + std::to_string(copy.dof) + " (subdomain " + std::to_string(copy.subdomain) + ")";
 }
-
-// The gluing rows of a dof, or of dofs that are united, orthonormal in the inner product of the weights.
-class GluingRows {
- public:
-  explicit GluingRows(const std::vector<Copy>& copies) : copies_(copies) {
-    for (const Copy& copy : copies)
-      before_.push_back(before_.back() + copy.weight);
-  }
-  std::size_t count() const { return copies_.size() - 1; }
-  /// Row k has entries at the copies up to k + 1, which it compares with the mean of those before.
-  double value(std::size_t k, std::size_t copy) const {
-    return (copy <= k ? copies_[copy].weight : -before_[k + 1]) / length(k);
-  }
-  double scale(std::size_t k) const { return before_[k + 1] / length(k); }
-
- private:
-  double length(std::size_t k) const {
-    return std::sqrt(before_[k + 1] * (before_[k + 1] + copies_[k + 1].weight)) /
-           std::sqrt(copies_[k + 1].weight);
-  }
-  const std::vector<Copy>& copies_;
-  std::vector<double> before_ = {0.0}; // weights of the first copies
-};
 
 // Rows that follow from the copies alone.
 // @return the first row of each dof.
@@ -223,58 +202,14 @@ std::vector<long long> globalNumbers(const Teuchos::Comm<int>& comm, const std::
   return numbers;
 }
 
-// Of the multiplier of a given row, physical: row of B, factor.
-struct GivenTerm {
-  int place; // of the given row on its rank
-  long long row;
-  double factor;
-};
-
-// The multipliers of rows that were taken to unite dofs, of which there may be more than are independent: of
-// all that add up to the forces of the gluing rows on the dofs, the least ones. With c_tλ_t = y_a − y_b the
-// forces on the dofs are those of a graph's Laplacian times y.
-// @param firstRow of each united dof. @return by rank.
-std::vector<std::vector<GivenTerm>>
-multipliersOfUnions(const DofCopies& dofs, const std::map<long long, long long>& firstRow, int ranks) {
-  std::vector<std::vector<GivenTerm>> sends(static_cast<std::size_t>(ranks));
-  for (const auto& [name, list] : dofs.unions()) {
-    const std::vector<Copy>& copies = dofs.here().at(name);
-    std::map<long long, std::size_t> place;
-    for (const Copy& copy : copies)
-      place.emplace(copy.dof, 0);
-    std::size_t n = 0;
-    for (auto& item : place)
-      item.second = n++;
-    std::vector<double> laplacian(n * n, 0.0);
-    for (const Details::Union& row : list) {
-      const std::size_t a = place.at(row.dofs[0]), b = place.at(row.dofs[1]);
-      laplacian[a * n + a] += 1.0;
-      laplacian[b * n + b] += 1.0;
-      laplacian[b * n + a] -= 1.0;
-      laplacian[a * n + b] -= 1.0;
-    }
-    const PivotedCholesky factor(std::move(laplacian), static_cast<int>(n));
-    const GluingRows rows(copies);
-    for (std::size_t k = 0; k < rows.count(); ++k) {
-      std::vector<double> force(n, 0.0);
-      for (std::size_t i = 0; i <= k + 1; ++i)
-        force[place.at(copies[i].dof)] += rows.value(k, i);
-      const std::vector<double> y = factor.solve(force);
-      for (const Details::Union& row : list)
-        sends[static_cast<std::size_t>(row.rank)].push_back(
-            {row.place, firstRow.at(name) + static_cast<long long>(k),
-             (y[place.at(row.dofs[0])] - y[place.at(row.dofs[1])]) / row.coefficient});
-    }
-  }
-  return sends;
-}
-
 // @return the factors of their multipliers.
-std::vector<GivenTerm> addGiven(const std::vector<ConstraintRow>& rows, const std::vector<char>& isTaken,
-                                const std::vector<long long>& numbers, const DofCopies::Answers& answers,
-                                DirichletForm form, RowBuilder& builder) {
+std::vector<Details::MultiplierTerm> addGiven(const std::vector<ConstraintRow>& rows,
+                                              const std::vector<char>& isTaken,
+                                              const std::vector<long long>& numbers, const DofCopies& dofs,
+                                              const DofCopies::Answers& answers, DirichletForm form,
+                                              RowBuilder& builder) {
   const DofCopies::Table& copies = answers.copies;
-  std::vector<GivenTerm> multipliers;
+  std::vector<Details::MultiplierTerm> multipliers;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     if (isTaken[r])
       continue;
@@ -342,6 +277,11 @@ std::vector<GivenTerm> addGiven(const std::vector<ConstraintRow>& rows, const st
     builder.add(number, inequality ? RowType::Inequality : RowType::Equality, terms, scale * bound, scale,
                 !isIdle);
     builder.addHeld(number, held);
+    for (const ConstraintRow::Term& term : row.terms)
+      if (answers.isUnited(term.dof)) {
+        const long long name = answers.name.at(term.dof);
+        builder.leans[dofs.home(name)].push_back({name, term.dof, number, scale * term.coefficient});
+      }
     builder.rounding2 += std::pow(scale * row.rounding, 2);
   }
   return multipliers;
@@ -359,9 +299,9 @@ void checkNumbers(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRo
     throw InputError("constraint rows of one kind must be numbered 0, 1, ... without gaps over all ranks");
 }
 
-// The diagonal of K at interface dofs, relative to the largest. What is softer by more than eight orders of
-// magnitude counts as nine: what many stiff subdomains do together against soft ones would be lost in the
-// rounding errors of the coarse matrix.
+// The diagonal of K at interface dofs, relative to the largest. What is softer by more than nine orders of
+// magnitude counts as if it were not: what many stiff subdomains do together against it would be lost in
+// rounding errors of the coarse problem.
 std::vector<std::vector<double>> stiffnessWeights(const SubdomainSystem& system) {
   constexpr double least = 1e-9;
   std::vector<std::vector<double>> weights;
@@ -382,6 +322,24 @@ std::vector<std::vector<double>> stiffnessWeights(const SubdomainSystem& system)
 }
 
 } // namespace
+
+bool stiffnessVaries(const SubdomainSystem& system) {
+  constexpr double much = 10.0;
+  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  for (int i = 0; i < system.size(); ++i) {
+    const std::vector<int>& interface = *system.subdomain(i).interface;
+    if (interface.empty())
+      continue;
+    const std::vector<double> diagonal = system.subdomain(i).stiffness->diagonal();
+    double sum = 0.0;
+    for (int local : interface)
+      sum += diagonal[static_cast<std::size_t>(local)];
+    least = std::min(least, sum / static_cast<double>(interface.size()));
+    most = std::max(most, sum / static_cast<double>(interface.size()));
+  }
+  const Teuchos::Comm<int>& comm = *system.comm();
+  return globalMax(comm, most) > much * globalMin(comm, least);
+}
 
 Constraints::Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows,
                          RowWeights weights)
@@ -413,16 +371,16 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
 
   const DofCopies::Answers answers = dofs.ask(rows);
   RowBuilder builder(ranks);
-  std::vector<std::vector<GivenTerm>> ofUnions(ranks);
-  std::vector<GivenTerm> multipliers;
+  std::map<long long, long long> gluing; // the first row of each dof
+  std::vector<Details::MultiplierTerm> multipliers;
   agree(comm, [&] {
-    const std::map<long long, long long> first =
-        addGluingAndDirichlet(dofs.here(), system.dirichletForm(), firstRow, builder);
-    ofUnions = multipliersOfUnions(dofs, first, comm.getSize());
-    multipliers = addGiven(rows, isTaken, numbers, answers, system.dirichletForm(), builder);
+    gluing = addGluingAndDirichlet(dofs.here(), system.dirichletForm(), firstRow, builder);
+    multipliers = addGiven(rows, isTaken, numbers, dofs, answers, system.dirichletForm(), builder);
   });
-  for (const std::vector<GivenTerm>& part : exchangeItems(comm, ofUnions))
-    multipliers.insert(multipliers.end(), part.begin(), part.end());
+  if (taken > 0)
+    for (const std::vector<Details::MultiplierTerm>& part :
+         exchangeItems(comm, multipliersOfUnions(dofs, gluing, exchangeItems(comm, builder.leans))))
+      multipliers.insert(multipliers.end(), part.begin(), part.end());
   const std::vector<std::vector<RowEntry>> entries = exchangeItems(comm, builder.entries);
   const std::vector<std::vector<RowHead>> headParts = exchangeItems(comm, builder.heads);
 
@@ -458,7 +416,7 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   import_ = Teuchos::rcp(new Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>(rowMap_, overlapMap_));
   keepFullRows(exchangeItems(comm, builder.held));
   std::map<long long, int> ofGiven;
-  for (const GivenTerm& term : multipliers)
+  for (const Details::MultiplierTerm& term : multipliers)
     ofGiven[term.row] = 0;
   Teuchos::Array<GlobalOrdinal> given;
   for (auto& [row, place] : ofGiven) {
@@ -468,7 +426,7 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   givenMap_ = Teuchos::rcp(
       new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), given(), 0, system.comm()));
   multipliers_.resize(rows.size());
-  for (const GivenTerm& term : multipliers)
+  for (const Details::MultiplierTerm& term : multipliers)
     multipliers_[static_cast<std::size_t>(term.place)].push_back({ofGiven.at(term.row), term.factor});
   boundRounding_ = std::sqrt(globalSum(comm, builder.rounding2));
 }

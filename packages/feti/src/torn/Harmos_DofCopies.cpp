@@ -85,6 +85,11 @@ const std::vector<Copy>* DofCopies::Answers::of(long long dof) const {
   return known == name.end() ? nullptr : &copies.at(known->second);
 }
 
+bool DofCopies::Answers::isUnited(long long dof) const {
+  const std::vector<Copy>& all = *of(dof);
+  return std::any_of(all.begin(), all.end(), [&](const Copy& copy) { return copy.dof != dof; });
+}
+
 // @param dofs sorted, each once.
 std::map<long long, long long> DofCopies::namesOf(const std::vector<long long>& dofs) const {
   std::vector<std::vector<long long>> questions(static_cast<std::size_t>(comm_.getSize()));

@@ -48,6 +48,8 @@ class DofCopies {
   /// @return by row whether it is one of these. @note Collective; as many exchanges as rows in a chain.
   std::vector<char> unite(const std::vector<ConstraintRow>& rows);
 
+  /// Rank where the copies of a dof meet.
+  std::size_t home(long long dof) const { return static_cast<std::size_t>((dof - least_) / width_); }
   /// Those that meet on this rank.
   const Table& here() const { return table_; }
   /// Rows that made the dofs of here() one; by name.
@@ -59,11 +61,11 @@ class DofCopies {
     std::map<long long, long long> name; ///< by dof; dofs that no subdomain has are missing
     /// Null: no subdomain has it.
     const std::vector<Copy>* of(long long dof) const;
+    bool isUnited(long long dof) const;
   };
   Answers ask(const std::vector<ConstraintRow>& rows) const;
 
  private:
-  std::size_t home(long long dof) const { return static_cast<std::size_t>((dof - least_) / width_); }
   std::map<long long, long long> namesOf(const std::vector<long long>& dofs) const;
 
   const Teuchos::Comm<int>& comm_;

@@ -155,7 +155,8 @@ bool auditAgrees(const RunReport& report) {
   const double balanced = std::min(report.allowedError, 0.1);
   const double share = std::max(feti::auditShare(report.tolerance), balanced);
   const double energyShare = std::max(feti::energyErrorShare(report.tolerance), balanced);
-  return feti::auditAgrees(report.audit, share, report.gapRounding, report.solverError, energyShare);
+  return feti::auditAgrees(report.audit,
+                           {share, report.gapRounding, report.localDefect, report.solverError, energyShare});
 }
 
 std::string auditText(const RunReport& report) {

@@ -121,8 +121,8 @@ std::optional<double> AnswerCheck::judge(const MultiVector& lambda, const std::v
     const double share =
         std::max(feti::energyErrorShare(report_.tolerance), std::min(report_.allowedError, 0.1));
     const double allowed = share * report_.audit.energyNorm;
-    const bool isErrorAlone =
-        feti::auditAgrees(report_.audit, feti::auditShare(report_.tolerance), report_.gapRounding);
+    const bool isErrorAlone = feti::auditAgrees(
+        report_.audit, {feti::auditShare(report_.tolerance), report_.gapRounding, report_.localDefect});
     next = tolerance * (isErrorAlone ? std::clamp(0.5 * allowed / report_.solverError, 0.1, 0.5) : 0.1);
   }
   if (next && *next < leastTolerance(options_.dual))

@@ -223,6 +223,7 @@ void RunStages::factorise() {
     productError_ = decided.inverses.productError;
     inverses_.emplace(feti::makeLocalInverses(*system_, *constraints_, decided.inverses));
     report_.localCondition = globalMax(*comm_, inverses_->condition());
+    report_.localDefect = globalMax(*comm_, inverses_->defect());
     tellFactors();
   }
   std::ostringstream text;
