@@ -124,9 +124,8 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
     }
   }
   globalSum(comm, sums);
-  // Where nothing but rigid motion is left, all forces are rounding errors: a millionth of stiffness times
-  // displacement is the least they are measured against.
-  constexpr double least = 1e-12; // squared
+  // Where nothing but rigid motion is left, all forces are rounding errors of stiffness times displacement.
+  constexpr double least = 1e-24; // squared
   const double forces = std::max({sums[1], sums[3], sums[4], least * sums[5]});
   result.equilibrium = forces > 0.0 ? std::sqrt(sums[0] / forces) : 0.0;
   result.forces = std::sqrt(forces);
@@ -147,17 +146,18 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
 bool auditAgrees(const KktAudit& audit, const AuditLimits& limits) {
   // Of sums over all dofs.
   constexpr double rounding = 1e-12;
-  // What bounds are known to makes larger forces than there are: bodies at rest.
-  const bool isNothing = audit.forces <= limits.boundRounding * audit.unitForce;
+  // Bodies at rest: they move no further than bounds are known to, which makes larger forces than there are.
+  const bool isAtRest = audit.forces <= limits.boundRounding * audit.unitForce &&
+                        audit.largestDisplacement <= 10.0 * limits.boundRounding;
   const double length = limits.share * audit.largestDisplacement + rounding * audit.loadDisplacement;
   const double error = limits.energyShare * audit.energyNorm + limits.boundRounding * audit.unitEnergy +
                        rounding * (audit.displacementEnergy + audit.loadEnergy);
   // Three tolerances; the defect is that of a random load.
   constexpr double typical = 10.0;
-  const double force = isNothing ? audit.forces
+  const double force = isAtRest ? audit.forces
                                  : (0.03 * limits.share + typical * limits.inverseDefect) * audit.forces +
                                        0.1 * rounding * audit.displacementForce;
-  return audit.gluingJump <= length + (isNothing ? limits.boundRounding : 0.0) &&
+  return audit.gluingJump <= length + (isAtRest ? limits.boundRounding : 0.0) &&
          audit.penetration <= length + limits.boundRounding && audit.equilibrium * audit.forces <= force &&
          limits.energyError <= error;
 }

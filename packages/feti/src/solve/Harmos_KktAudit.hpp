@@ -8,7 +8,7 @@ namespace Harmos::feti {
 /// The optimality conditions of the torn problem, computed from K, f, B, u and λ alone: an independent check
 /// of everything between them. In physical units, not those of scaled rows.
 struct KktAudit {
-  double equilibrium = 0.0; ///< ‖Ku − f + Bᵀλ‖ / max(‖Ku‖, ‖f‖, ‖Bᵀλ‖, 1e-6 ‖diag(K)u‖)
+  double equilibrium = 0.0; ///< ‖Ku − f + Bᵀλ‖ / max(‖Ku‖, ‖f‖, ‖Bᵀλ‖, 1e-12 ‖diag(K)u‖)
   double gluingJump = 0.0;           ///< ‖B_E u − c_E‖_∞, of ties and prescribed values too
   double penetration = 0.0;          ///< max (B_I u − c_I)₊
   double minContactMultiplier = 0.0; ///< min λ_I, 0 without inequalities

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <tuple>
 
@@ -299,25 +300,29 @@ void checkNumbers(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRo
     throw InputError("constraint rows of one kind must be numbered 0, 1, ... without gaps over all ranks");
 }
 
-// The diagonal of K at interface dofs, relative to the largest. What is softer by more than nine orders of
-// magnitude counts as if it were not: what many stiff subdomains do together against it would be lost in
-// rounding errors of the coarse problem.
+// The diagonal of K at interface dofs, relative to the smallest: multipliers keep their sizes where bodies
+// are soft, which is what F and the stopping rules go by without weights too. What is softer than the
+// stiffest by more than nine orders of magnitude counts as if it were not: what many stiff subdomains do
+// together against it would be lost in rounding errors of the coarse problem.
 std::vector<std::vector<double>> stiffnessWeights(const SubdomainSystem& system) {
-  constexpr double least = 1e-9;
+  constexpr double widest = 1e9;
   std::vector<std::vector<double>> weights;
-  double largest = 0.0;
+  double largest = 0.0, smallest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < system.size(); ++i) {
     const std::vector<double> diagonal = system.matrix(i).diagonal();
     std::vector<double>& mine = weights.emplace_back();
     for (int local : *system.subdomain(i).interface) {
       mine.push_back(diagonal[static_cast<std::size_t>(local)]);
       largest = std::max(largest, mine.back());
+      if (mine.back() > 0.0)
+        smallest = std::min(smallest, mine.back());
     }
   }
   largest = globalMax(*system.comm(), largest);
+  smallest = std::max(globalMin(*system.comm(), smallest), largest / widest);
   for (std::vector<double>& mine : weights)
     for (double& weight : mine)
-      weight = weight > 0.0 ? std::max(weight / largest, least) : 1.0; // a mechanism: the inverses will tell
+      weight = weight > 0.0 ? std::max(weight / smallest, 1.0) : 1.0; // a mechanism: the inverses will tell
   return weights;
 }
 
@@ -361,7 +366,7 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   checkNumbers(comm, rows, ConstraintRow::Kind::Equality, equalities);
 
   DofCopies dofs(system, rows, weights_);
-  const std::vector<char> isTaken = !hasWeights_ ? std::vector<char>(rows.size(), 0) : dofs.unite(rows);
+  const std::vector<char> isTaken = dofs.unite(rows, hasWeights_);
   const std::vector<long long> numbers = globalNumbers(comm, rows, isTaken, inequalities_, equalities);
   const long long taken =
       globalSum(comm, static_cast<long long>(std::count(isTaken.begin(), isTaken.end(), 1)));

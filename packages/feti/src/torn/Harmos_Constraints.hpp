@@ -53,8 +53,8 @@ bool stiffnessVaries(const SubdomainSystem& system);
 ///  - a given row takes the weighted mean of the copies of each of its dofs, which is orthogonal to the
 ///  gluing rows, and is scaled to unit length in that inner product; rowScale() keeps the factor, so that
 ///  residuals and multipliers are told in physical units;
-///  - with weights, rows u_a − u_b = 0 that are given, such as ties between meshes that match, make a and b
-///  one dof with
+///  - with weights, and without where other rows name a or b as well, rows u_a − u_b = 0 that are given, such
+///  as ties between meshes that match, make a and b one dof with
 ///    the copies of both: where they meet others each gluing row has to weigh all of them;
 ///  - with weights all of the dual problem is that of the variable λ̂ = Q^{−½}λ, Q = (BD⁻¹Bᵀ)⁻¹ block by
 ///  block: bounds of zero stay such, the coarse projector is I − QG̃ᵀ(G̃QG̃ᵀ)⁻¹G̃ of λ (Bhardwaj et al.,

@@ -137,7 +137,37 @@ DofCopies::Answers DofCopies::ask(const std::vector<ConstraintRow>& rows) const 
   return result;
 }
 
-std::vector<char> DofCopies::unite(const std::vector<ConstraintRow>& rows) {
+// How many rows of all ranks name a dof.
+std::map<long long, int> DofCopies::rowsAt(const std::vector<long long>& dofs,
+                                           const std::vector<ConstraintRow>& rows) const {
+  struct Count {
+    long long dof;
+    int rows;
+  };
+  std::map<long long, int> mine, total, result;
+  for (const ConstraintRow& row : rows)
+    for (const ConstraintRow::Term& term : row.terms)
+      ++mine[term.dof];
+  std::vector<std::vector<Count>> sends(static_cast<std::size_t>(comm_.getSize()));
+  for (const auto& [dof, count] : mine)
+    sends[home(dof)].push_back({dof, count});
+  for (const std::vector<Count>& part : exchangeItems(comm_, sends))
+    for (const Count& item : part)
+      total[item.dof] += item.rows;
+  std::vector<std::vector<Count>> questions(sends.size());
+  for (long long dof : dofs)
+    questions[home(dof)].push_back({dof, 0});
+  std::vector<std::vector<Count>> answers = exchangeItems(comm_, questions);
+  for (std::vector<Count>& part : answers)
+    for (Count& item : part)
+      item.rows = total.at(item.dof);
+  for (const std::vector<Count>& part : exchangeItems(comm_, answers))
+    for (const Count& item : part)
+      result[item.dof] = item.rows;
+  return result;
+}
+
+std::vector<char> DofCopies::unite(const std::vector<ConstraintRow>& rows, bool all) {
   std::vector<char> isTaken(rows.size(), 0);
   const auto isGlue = [](const ConstraintRow& row) {
     return row.kind == ConstraintRow::Kind::Equality && row.terms.size() == 2 && row.bound == 0.0 &&
@@ -155,11 +185,14 @@ std::vector<char> DofCopies::unite(const std::vector<ConstraintRow>& rows) {
     return isTaken;
   {
     const Answers known = ask(glue);
+    const std::map<long long, int> naming = rowsAt(dofsOf(glue), rows);
     std::size_t kept = 0;
     for (std::size_t k = 0; k < glue.size(); ++k) {
       const std::vector<Copy>*first = known.of(glue[k].terms[0].dof),
             *second = known.of(glue[k].terms[1].dof);
       if (first == nullptr || second == nullptr || isFixed(*first) || isFixed(*second))
+        continue;
+      if (!all && naming.at(glue[k].terms[0].dof) < 2 && naming.at(glue[k].terms[1].dof) < 2)
         continue;
       isTaken[place[k]] = 1;
       place[kept] = place[k];

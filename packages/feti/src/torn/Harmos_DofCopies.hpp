@@ -45,8 +45,11 @@ class DofCopies {
 
   /// Dofs that rows of two terms and no bound glue together, such as ties between meshes that match, become
   /// one, with the copies of all; where one of them is prescribed they do not.
+  /// @param all false: only those that other rows name as well, as where several bodies meet. Such rows are
+  /// not orthogonal
+  ///        to each other, and may depend on each other.
   /// @return by row whether it is one of these. @note Collective; as many exchanges as rows in a chain.
-  std::vector<char> unite(const std::vector<ConstraintRow>& rows);
+  std::vector<char> unite(const std::vector<ConstraintRow>& rows, bool all);
 
   /// Rank where the copies of a dof meet.
   std::size_t home(long long dof) const { return static_cast<std::size_t>((dof - least_) / width_); }
@@ -67,6 +70,8 @@ class DofCopies {
 
  private:
   std::map<long long, long long> namesOf(const std::vector<long long>& dofs) const;
+  std::map<long long, int> rowsAt(const std::vector<long long>& dofs,
+                                  const std::vector<ConstraintRow>& rows) const;
 
   const Teuchos::Comm<int>& comm_;
   long long least_ = 0, width_ = 1;

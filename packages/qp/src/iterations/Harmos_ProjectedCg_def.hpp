@@ -123,6 +123,7 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
   archive.number("cg residual", residual2_);
   archive.number("cg curvature bound", curvatureBound_);
   archive.number("cg load", rhsNorm_);
+  archive.number("cg iterate", iterateNorm_);
   archive.number("cg rounding level", level_);
   archive.number("cg staleness", staleness_);
   directions_.exchange(archive, *w_);
@@ -167,8 +168,10 @@ void ProjectedCg<Scalar, MV, OP>::restart() {
 template<class Scalar, class MV, class OP>
 bool ProjectedCg<Scalar, MV, OP>::returnToRows(double distance) {
   constexpr double rounding = 1e4 * std::numeric_limits<double>::epsilon();
-  if (staleness_ == 0 || curvatureBound_ * distance <= residualNorm() ||
-      distance <= rounding * (norm<Scalar>(*problem_.solution()) + norm<Scalar>(rows_.values())))
+  if (staleness_ == 0 || distance == 0.0)
+    return false;
+  const double length = iterateNorm_ + norm<Scalar>(rows_.values());
+  if (distance <= rounding * length || distance * rhsNorm_ <= residualNorm() * length)
     return false;
   ++counters_.confirmations;
   const LocalActiveSet active = active_;
@@ -241,8 +244,9 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
 
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::raiseLevel(double iterateNorm2) {
+  iterateNorm_ = std::sqrt(iterateNorm2);
   level_ = std::max(level_, std::numeric_limits<double>::epsilon() *
-                                (curvatureBound_ * std::sqrt(iterateNorm2) + rhsNorm_));
+                                (curvatureBound_ * iterateNorm_ + rhsNorm_));
 }
 
 template<class Scalar, class MV, class OP>
