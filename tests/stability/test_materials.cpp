@@ -53,20 +53,20 @@ scene::Scene plate(int n, const std::function<int(const Point&)>& part,
   return scene;
 }
 
-// Reached with scaling by stiffness; by multiplicity only in so many more products, where no directions are
-// kept that would make up for it.
+// Reached with weighted rows; without, though the preconditioner is scaled by stiffness, only in so many more products,
+// where no directions are kept that would make up for it.
 void expectJump(const scene::Scene& scene, double ratio, const std::string& name, double factor) {
   const ReferenceSolution reference = referenceSolution(scene);
   ASSERT_TRUE(reference.solvable);
   // K itself is known to ε of its stiffest entries, which stand beside soft ones.
   const double bound = 1e3 * tolerance + 100 * std::numeric_limits<double>::epsilon() * ratio;
-  const TestRun run = runScene(scene, tolerance); // the scaling that is chosen where materials differ
+  const TestRun run = runScene(scene, tolerance); // weights are chosen where materials differ
   expectReference(reference, run, bound, name);
   tellFigure(name + ": products", products(run.report));
   tellFigure(name + ": deviation", deviation(reference, run).largest());
   const auto most = static_cast<int>(factor * products(run.report));
   const TestRun off = runScene(scene, tolerance,
-                               {"Dual operator/Scaling=multiplicity", "Solver/PDAS/Kept directions=0",
+                               {"Dual operator/Weights=none", "Solver/PDAS/Kept directions=0",
                                 "Solver/Maximum iterations=" + std::to_string(most)});
   if (factor > 1.0)
     EXPECT_FALSE(off.report.converged) << name;
@@ -77,21 +77,21 @@ void expectJump(const scene::Scene& scene, double ratio, const std::string& name
 TEST(Stability, material_jump_across_interfaces) {
   const auto squares = [](const Point& x) { return 3 * place(x[1], 3) + place(x[0], 3); };
   const auto black = [&](const Point& x) { return squares(x) % 2; };
-  for (const auto& [jump, factor] : {std::make_pair(1.0, 1.0), {1e2, 1.5}, {1e4, 1.0}, {1e6, 1.0}})
+  for (const auto& [jump, factor] : {std::make_pair(1.0, 1.0), {1e2, 1.0}, {1e4, 2.0}, {1e6, 2.0}})
     expectJump(plate(9, squares, black, {1.0, jump}), jump, "1 to " + std::to_string(static_cast<int>(jump)),
                factor);
   const auto four = [&](const Point& x) { return squares(x) % 4; };
-  expectJump(plate(6, squares, four, {1.0, 1e9, 1e-3, 1e3}), 1e12, "1e-3 to 1e9", 1.5);
+  expectJump(plate(6, squares, four, {1.0, 1e9, 1e-3, 1e3}), 1e12, "1e-3 to 1e9", 2.0);
 }
 
 TEST(Stability, material_jump_along_interfaces) {
   const auto squares = [](const Point& x) { return 3 * place(x[1], 3) + place(x[0], 3); };
   const auto layers = [](const Point& x) { return place(x[1], 9) % 2; }; // a third of a subdomain each
-  for (const auto& [jump, factor] : {std::make_pair(1.0, 1.0), {1e2, 1.3}, {1e4, 1.3}, {1e6, 1.3}})
+  for (const auto& [jump, factor] : {std::make_pair(1.0, 1.0), {1e2, 1.0}, {1e4, 2.0}, {1e6, 2.0}})
     expectJump(plate(9, squares, layers, {1.0, jump}), jump, "1 to " + std::to_string(static_cast<int>(jump)),
                factor);
   const auto four = [](const Point& x) { return place(x[1], 6) % 4; }; // half a subdomain each
-  expectJump(plate(6, squares, four, {1.0, 1e9, 1e-3, 1e3}), 1e12, "1e-3 to 1e9", 1.5);
+  expectJump(plate(6, squares, four, {1.0, 1e9, 1e-3, 1e3}), 1e12, "1e-3 to 1e9", 2.0);
 }
 
 namespace {

@@ -212,7 +212,6 @@ void tryScene(unsigned seed, Tally& tally) {
     std::cout << random.text() << "\n"
               << outcome.failure << "\n"
               << run::auditText(outcome.run.report) << "\n";
-  if (prints) for (const auto& r : outcome.run.report.result.history) std::printf("DBG %d %d %d g %.3e e %.3e act %lld ha %d\n", r.outer, r.inner, (int)r.step, r.projectedGradient, r.equalityResidual, r.active, r.hessianApplications);
   if (!outcome.converged()) {
     if (random.isSolvable)
       tally.addReason(outcome.failure);

@@ -154,6 +154,60 @@ TEST(CoarseSpace, dense_and_sparse_factors_agree) {
 
 // The least-norm solution of a singular coarse system: among all solutions the one orthogonal to the null
 // vector, which moves both bodies together.
+// A chain of stiff springs held by one that is softer by ten orders of magnitude: of what a matrix of doubles
+// knows of its slowest motion six digits are lost, and with them GGᵀ = I. Of a long double's the root of its
+// condition is left.
+TEST(CoarseSpace, weak_support_of_what_is_stiff) {
+  if (std::numeric_limits<long double>::digits <= std::numeric_limits<double>::digits)
+    GTEST_SKIP() << "long double is no longer than double here";
+  constexpr int n = 12;
+  constexpr long double soft = 1e-10L;
+  std::vector<int> rows, columns;
+  std::vector<long double> values;
+  for (int i = 0; i < n; ++i) {
+    rows.push_back(i);
+    columns.push_back(i);
+    values.push_back((i == 0 ? soft : 1.0L) + (i + 1 < n ? 1.0L : 0.0L));
+    if (i + 1 < n) {
+      rows.push_back(i + 1);
+      columns.push_back(i);
+      values.push_back(-1.0L);
+    }
+  }
+  std::vector<double> scale;
+  for (std::size_t k = 0; k < values.size(); ++k)
+    if (rows[k] == columns[k])
+      scale.push_back(std::sqrt(static_cast<double>(values[k])));
+  // The largest entry of L⁻¹AL⁻ᵀ − I.
+  const auto defect = [&](const feti::CoarseFactor& factor) {
+    double largest = 0.0;
+    for (std::size_t k = 0; k < n; ++k) {
+      std::vector<double> unit(n, 0.0);
+      unit[k] = 1.0;
+      const std::vector<double> w = factor.solveLt(unit);
+      std::vector<long double> image(n, 0.0L);
+      for (std::size_t e = 0; e < values.size(); ++e) {
+        const auto i = static_cast<std::size_t>(rows[e]), j = static_cast<std::size_t>(columns[e]);
+        image[i] += values[e] * w[j];
+        if (i != j)
+          image[j] += values[e] * w[i];
+      }
+      const std::vector<double> back = factor.solveL({image.begin(), image.end()});
+      for (std::size_t i = 0; i < n; ++i)
+        largest = std::max(largest, std::abs(back[i] - unit[i]));
+    }
+    return largest;
+  };
+  for (int mostDense : {n, 0}) {
+    const feti::CoarseFactor exact(n, rows, columns, values, 0.0, mostDense, scale);
+    ASSERT_EQ(exact.rank(), n);
+    EXPECT_LE(defect(exact), 2e-8); // 100 ε√κ, κ = 4n / soft at most
+    const feti::CoarseFactor rounded(n, rows, columns, std::vector<double>(values.begin(), values.end()), 0.0,
+                                     mostDense, scale);
+    EXPECT_GT(defect(rounded), 1e-6) << "the case does not show what it is about";
+  }
+}
+
 TEST(CoarseSpace, minimum_norm_solution_of_a_singular_system) {
   TestModel model = testModel(2, 2, true);
   for (Subdomain& subdomain : model.subdomains)

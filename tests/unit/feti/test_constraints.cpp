@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 using namespace Harmos;
@@ -82,7 +83,7 @@ TEST(Constraints, rows_are_orthonormal_in_both_forms) {
   }
 }
 
-// With weights BD⁻¹Bᵀ = I, D the diagonals of K over the largest at an interface, which vary from subdomain
+// With weights BD⁻¹Bᵀ = I, D the diagonals of K over the smallest at an interface, which vary from subdomain
 // to subdomain by up to 1e6: also at cross points, contact rows and Dirichlet rows. The rows have the same
 // kernel, bounds and scales as those without weights: they are combinations of them.
 TEST(Constraints, weighted_rows_are_orthonormal_in_the_inner_product_of_the_weights) {
@@ -96,11 +97,11 @@ TEST(Constraints, weighted_rows_are_orthonormal_in_the_inner_product_of_the_weig
     }
     const SubdomainSystem system(testComm(), model.subdomains, form);
     const Constraints plain(system, model.rows), weighted(system, model.rows, RowWeights::Stiffness);
-    double largest = 0.0;
+    double smallest = std::numeric_limits<double>::infinity();
     for (int i = 0; i < system.size(); ++i)
       for (int local : *system.subdomain(i).interface)
-        largest = std::max(largest, system.matrix(i).diagonal()[static_cast<std::size_t>(local)]);
-    largest = globalMax(*testComm(), largest);
+        smallest = std::min(smallest, system.matrix(i).diagonal()[static_cast<std::size_t>(local)]);
+    smallest = globalMin(*testComm(), smallest);
     struct Item {
       long long subdomain;
       int dof;
@@ -110,7 +111,7 @@ TEST(Constraints, weighted_rows_are_orthonormal_in_the_inner_product_of_the_weig
     for (int i = 0; i < system.size(); ++i)
       for (int local : *system.subdomain(i).interface)
         mine.push_back({system.subdomain(i).number, local,
-                        system.matrix(i).diagonal()[static_cast<std::size_t>(local)] / largest});
+                        system.matrix(i).diagonal()[static_cast<std::size_t>(local)] / smallest});
     std::map<std::pair<long long, int>, double> weight;
     for (const Item& item : gatherAll(*testComm(), mine))
       weight[{item.subdomain, item.dof}] = item.weight;
@@ -137,14 +138,85 @@ TEST(Constraints, weighted_rows_are_orthonormal_in_the_inner_product_of_the_weig
     MultiVector y(weighted.rowMap(), 1), z(plain.rowMap(), 1);
     weighted.applyB(u, y);
     plain.applyB(u, z);
-    const std::vector<double> inWeights = fromVector(y), inPlain = fromVector(z);
+    const auto inWeights = y.getLocalViewHost(Tpetra::Access::ReadOnly);
+    const auto inPlain = z.getLocalViewHost(Tpetra::Access::ReadOnly);
     for (int row = 0; row < static_cast<int>(localSize(*plain.rowMap())); ++row) {
       const auto k = static_cast<std::size_t>(row);
       if (plain.rowType(row) == RowType::Gluing)
-        EXPECT_NEAR(inWeights[k], 0.0, 1e-15);
+        EXPECT_NEAR(inWeights(k, 0) / weighted.rowScale(row), 0.0, 1e-15);
       else
-        EXPECT_NEAR(inWeights[k] / weighted.rowScale(row), inPlain[k] / plain.rowScale(row), 1e-14);
+        EXPECT_NEAR(inWeights(k, 0) / weighted.rowScale(row), inPlain(k, 0) / plain.rowScale(row), 1e-14);
     }
+  }
+}
+
+// Ties that meet, one of them redundant, and a row that leans on dofs they unite: the rows of B are
+// independent, and the multipliers of the given rows exert what Bᵀλ does on each dof, whatever λ.
+TEST(Constraints, given_multipliers_exert_the_forces_of_united_dofs) {
+  for (RowWeights weights : {RowWeights::None, RowWeights::Stiffness}) {
+    TestModel model = testModel(3, 2, true);
+    for (Subdomain& subdomain : model.subdomains) {
+      const auto stiffer = std::make_shared<LocalMatrix>(*subdomain.stiffness);
+      for (double& value : stiffer->values)
+        value *= std::pow(10.0, static_cast<double>(subdomain.number * 5 % 4));
+      subdomain.stiffness = stiffer;
+    }
+    struct Tie {
+      long long number, dofs[2];
+    };
+    std::vector<Tie> ties;
+    for (const ConstraintRow& row : model.rows)
+      ties.push_back({row.number, {row.terms[0].dof, row.terms[1].dof}});
+    ties = gatherAll(*testComm(), ties);
+    std::sort(ties.begin(), ties.end(), [](const Tie& a, const Tie& b) { return a.number < b.number; });
+    ASSERT_GE(ties.size(), 4u);
+    const auto count = static_cast<long long>(ties.size());
+    if (testComm()->getRank() == testComm()->getSize() - 1) {
+      const auto add = [&](long long number, std::vector<ConstraintRow::Term> terms, double bound) {
+        model.rows.push_back({ConstraintRow::Kind::Equality, number, std::move(terms), bound, 0.0});
+      };
+      add(count, {{ties[1].dofs[0], 2.0}, {ties[2].dofs[0], -2.0}}, 0.0);
+      add(count + 1, {{ties[1].dofs[1], -1.0}, {ties[2].dofs[1], 1.0}}, 0.0); // follows from three others
+      add(count + 2, {{ties[1].dofs[0], 1.0}, {ties[2].dofs[1], 0.5}, {ties[3].dofs[0], -2.0}}, 0.1);
+    }
+    const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Primal);
+    const Constraints constraints(system, model.rows, weights);
+    const Dense bbt = gram(gatherB(system, constraints), static_cast<int>(constraints.dualDimension()));
+    EXPECT_GT(eigenvalues(bbt).front(), 1e-3 * eigenvalues(bbt).back());
+
+    MultiVector lambda(constraints.rowMap(), 1);
+    {
+      const auto view = lambda.getLocalViewHost(Tpetra::Access::OverwriteAll);
+      for (std::size_t r = 0; r < view.extent(0); ++r)
+        view(r, 0) = std::cos(
+            static_cast<double>(constraints.rowMap()->getGlobalElement(static_cast<LocalOrdinal>(r))));
+    }
+    struct Force {
+      long long dof;
+      double value;
+    };
+    std::vector<Force> forces;
+    const std::vector<double> overlap = constraints.toOverlap(lambda);
+    for (int i = 0; i < system.size(); ++i) {
+      const Subdomain& s = system.subdomain(i);
+      std::vector<double> t(static_cast<std::size_t>(system.matrix(i).rows()), 0.0);
+      constraints.addBt(i, overlap.data(), t.data());
+      for (std::size_t k = 0; k < s.numbers.size(); ++k)
+        forces.push_back({s.numbers[k], t[static_cast<std::size_t>((*s.interface)[k])]});
+    }
+    const std::vector<double> multipliers = constraints.givenMultipliers(lambda);
+    ASSERT_EQ(multipliers.size(), model.rows.size());
+    for (std::size_t r = 0; r < model.rows.size(); ++r)
+      for (const ConstraintRow::Term& term : model.rows[r].terms)
+        forces.push_back({term.dof, -multipliers[r] * term.coefficient});
+    std::map<long long, double> left;
+    double largest = 0.0;
+    for (const Force& force : gatherAll(*testComm(), forces)) {
+      left[force.dof] += force.value;
+      largest = std::max(largest, std::abs(force.value));
+    }
+    for (const auto& [dof, value] : left)
+      EXPECT_NEAR(value, 0.0, 1e-12 * largest) << dof;
   }
 }
 

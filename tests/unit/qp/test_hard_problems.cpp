@@ -245,6 +245,24 @@ TEST(HardProblems, no_load_is_no_obstacle) {
   EXPECT_NEAR(answer.x[0], 2.0, 1e-7);
 }
 
+// A guess of which the rows leave nothing: what is left of it in rounding errors says nothing of whether they
+// can be met.
+TEST(HardProblems, a_guess_in_the_range_of_the_rows_is_no_obstacle) {
+  const double third = 1.0 / 3.0;
+  const SmallQp qp{diagonal({1, 2, 3}), {1, 0, -1}, {}, {}, rows({{third, third, third}}), {0}};
+  for (double size : {1e-20, 1e-3, 1e20}) {
+    const DistributedQp distributed(qp);
+    distributed.problem->solution()->putScalar(0.1 * size);
+    const auto list = Teuchos::parameterList();
+    list->set("Convergence Tolerance", 1e-10);
+    const auto solver = TpetraSolverFactory().create("PCPG", list);
+    solver->setProblem(distributed.problem);
+    const Result result = solver->solve();
+    ASSERT_TRUE(result.converged()) << size << " " << result.explanation;
+    EXPECT_GT(result.counters.cgSteps, 0) << size;
+  }
+}
+
 // A small eigenvalue is not a vanishing one, however large the penalty beside it.
 TEST(HardProblems, penalties_do_not_hide_small_curvatures) {
   for (double smallest : {1e-6, 1e-8}) {

@@ -27,7 +27,7 @@ void DualOptions::addTo(ParameterSpec& deck) {
       "Approximation of the inverse of F.");
   dual.choice("Scaling", "auto",
               {{"auto", "stiffness if the scene has more than one material, else multiplicity"},
-               {"multiplicity", "copies of a dof share a jump equally"},
+               {"multiplicity", "copies of a dof share a jump equally; where rows have weights, in proportion to these"},
                {"stiffness", "the softer copy takes more of it: for materials that jump across interfaces"}},
               "Scaling of the preconditioner.");
   dual.choice(
@@ -180,6 +180,9 @@ std::string DualOptions::Decided::describe() const {
 }
 
 PreconditionerScaling DualOptions::scalingFor(bool hasSeveralMaterials) const {
+  // Rows that are weighted jump by the mean of the weights.
+  if (weightsFor(hasSeveralMaterials) == RowWeights::Stiffness)
+    return PreconditionerScaling::Stiffness;
   return scaling.value_or(hasSeveralMaterials ? PreconditionerScaling::Stiffness
                                               : PreconditionerScaling::Multiplicity);
 }

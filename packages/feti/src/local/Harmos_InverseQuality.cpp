@@ -106,7 +106,7 @@ InverseQuality inverseQuality(const LocalMatrix& matrix, const Kernel& kernel, c
 DefectLimit defectLimit(const InverseQuality& quality, const LocalInverseSettings& settings) {
   // Where κ is small, and what compressed factors leave: the user's accuracy times κ.
   const bool single = settings.precision == Precision::Single;
-  const double factor = single ? 300.0 : 3000.0, unitRoundoff = single ? 0x1p-24 : 0x1p-53;
+  const double factor = single ? 300.0 : 1e4, unitRoundoff = single ? 0x1p-24 : 0x1p-53;
   const double least = single ? 1e-4 : 1e-8;
   const double accuracy = std::max(factor * unitRoundoff, 10.0 * settings.solver.blockLowRank);
   // Two digits are the least that an answer is worth; double precision is to stay below the tolerance of an

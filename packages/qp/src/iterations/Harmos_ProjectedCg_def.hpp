@@ -67,6 +67,7 @@ bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active) {
     makeFaceGram();
     // x_F ← x_F − C_Fᵀ(C_FC_Fᵀ)⁻(C̄x − c̄), a second time for what rounding left.
     const Teuchos::RCP<MV> correction = MVT::Clone(x, 1);
+    double scale = norm<Scalar>(x) + norm<Scalar>(rows_.values()); // a guess may be nothing but what goes
     for (int pass = 0; pass < 2; ++pass) {
       rows_.residual(x, *unused_);
       if (!faceGram_.is_null())
@@ -79,7 +80,7 @@ bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active) {
     }
     rows_.residual(x, *unused_);
     // A face that misses the equalities does so by more than rounding errors.
-    const double scale = norm<Scalar>(x) + norm<Scalar>(rows_.values());
+    scale = std::max(scale, norm<Scalar>(x));
     if (norm<Scalar>(*unused_) > std::sqrt(std::numeric_limits<double>::epsilon()) * scale)
       return false;
   }
