@@ -182,7 +182,7 @@ TEST(Constraints, given_multipliers_exert_the_forces_of_united_dofs) {
     const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Primal);
     const Constraints constraints(system, model.rows, weights);
     const Dense bbt = gram(gatherB(system, constraints), static_cast<int>(constraints.dualDimension()));
-    EXPECT_GT(eigenvalues(bbt).front(), 1e-3 * eigenvalues(bbt).back());
+    EXPECT_GT(eigenvalues(bbt).front(), 1e-5 * eigenvalues(bbt).back()); // weights of up to 1e3
 
     MultiVector lambda(constraints.rowMap(), 1);
     {

@@ -32,7 +32,7 @@ void DualOptions::addTo(ParameterSpec& deck) {
               "Scaling of the preconditioner.");
   dual.choice(
       "Weights", "auto",
-      {{"auto", "stiffness if the scene has more than one material, else none"},
+      {{"auto", "stiffness if the scene has materials whose stiffness differs by more than 30 times, else none"},
        {"none", "the coarse projector is the orthogonal one"},
        {"stiffness", "constraints, and with them the coarse projector and the norms of residuals, are "
                      "weighted by the stiffness at their dofs: products do not depend on how much "
@@ -179,16 +179,16 @@ std::string DualOptions::Decided::describe() const {
          toString(preconditioner) + (preconditioner == PreconditionerKind::None ? "" : " preconditioner");
 }
 
-PreconditionerScaling DualOptions::scalingFor(bool hasSeveralMaterials) const {
+PreconditionerScaling DualOptions::scalingFor(bool hasSeveralMaterials, double contrast) const {
   // Rows that are weighted jump by the mean of the weights.
-  if (weightsFor(hasSeveralMaterials) == RowWeights::Stiffness)
+  if (weightsFor(contrast) == RowWeights::Stiffness)
     return PreconditionerScaling::Stiffness;
   return scaling.value_or(hasSeveralMaterials ? PreconditionerScaling::Stiffness
                                               : PreconditionerScaling::Multiplicity);
 }
 
-RowWeights DualOptions::weightsFor(bool hasSeveralMaterials) const {
-  return weights.value_or(hasSeveralMaterials ? RowWeights::Stiffness : RowWeights::None);
+RowWeights DualOptions::weightsFor(double contrast) const {
+  return weights.value_or(contrast > muchContrast ? RowWeights::Stiffness : RowWeights::None);
 }
 
 } // namespace Harmos::feti

@@ -20,10 +20,13 @@ struct DualOptions {
   std::optional<PreconditionerKind> preconditioner; ///< nothing: with the form, by the cost model
   /// Null: stiffness where materials differ from body to body or region to region, else multiplicity.
   std::optional<PreconditionerScaling> scaling;
-  PreconditionerScaling scalingFor(bool hasSeveralMaterials) const;
-  /// Null: stiffness where materials differ, else none.
+  PreconditionerScaling scalingFor(bool hasSeveralMaterials, double contrast) const;
+  /// Null: stiffness where subdomains differ in it by more than muchContrast, else none.
   std::optional<RowWeights> weights;
-  RowWeights weightsFor(bool hasSeveralMaterials) const;
+  /// @param contrast of the stiffness of subdomains, the largest over the smallest.
+  RowWeights weightsFor(double contrast) const;
+  /// Below, the orthogonal projector costs hardly a product: 18 at 1, 30 at 100 (docs/stability.md).
+  static constexpr double muchContrast = 30.0;
   int expectedProducts = 0; ///< 0: as usual
   int memoryBudgetMiB = 0;
   Rates rates;                     ///< of the cost model

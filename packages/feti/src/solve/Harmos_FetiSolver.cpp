@@ -33,8 +33,8 @@ FetiSolver::FetiSolver(Teuchos::RCP<const Teuchos::Comm<int>> comm, std::vector<
     rounding_ = std::max(rounding_, row.rounding);
   rounding_ = globalMax(*comm, rounding_);
   system_ = std::make_unique<SubdomainSystem>(std::move(comm), std::move(subdomains), form);
-  stiffnessVaries_ = stiffnessVaries(*system_);
-  constraints_ = std::make_unique<Constraints>(*system_, rows, dual_.weightsFor(stiffnessVaries_));
+  contrast_ = stiffnessContrast(*system_);
+  constraints_ = std::make_unique<Constraints>(*system_, rows, dual_.weightsFor(contrast_));
   setUpInverses();
   setUpOperators();
 }
@@ -61,7 +61,7 @@ void FetiSolver::setUpOperators() {
       decided_.preconditioner == PreconditionerKind::None
           ? Teuchos::null
           : Teuchos::rcp(new DualPreconditioner(*system_, *constraints_, *inverses_, decided_.preconditioner,
-                                                dual_.scalingFor(stiffnessVaries_)));
+                                                dual_.scalingFor(false, contrast_)));
 }
 
 void FetiSolver::setLoads(std::vector<std::shared_ptr<const std::vector<double>>> loads) {

@@ -328,8 +328,7 @@ std::vector<std::vector<double>> stiffnessWeights(const SubdomainSystem& system)
 
 } // namespace
 
-bool stiffnessVaries(const SubdomainSystem& system) {
-  constexpr double much = 10.0;
+double stiffnessContrast(const SubdomainSystem& system) {
   double least = std::numeric_limits<double>::infinity(), most = 0.0;
   for (int i = 0; i < system.size(); ++i) {
     const std::vector<int>& interface = *system.subdomain(i).interface;
@@ -343,7 +342,9 @@ bool stiffnessVaries(const SubdomainSystem& system) {
     most = std::max(most, sum / static_cast<double>(interface.size()));
   }
   const Teuchos::Comm<int>& comm = *system.comm();
-  return globalMax(comm, most) > much * globalMin(comm, least);
+  most = globalMax(comm, most);
+  least = globalMin(comm, least);
+  return most > 0.0 ? most / least : 1.0;
 }
 
 Constraints::Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows,

@@ -39,9 +39,9 @@ enum class RowWeights {
   Stiffness ///< BD⁻¹Bᵀ = I there, D the diagonal of K: soft copies give way to stiff ones
 };
 
-/// Whether subdomains differ so much in stiffness that it pays to weigh: by more than a factor of ten in the
-/// mean of the diagonal of K at their interfaces. @note Collective.
-bool stiffnessVaries(const SubdomainSystem& system);
+/// By how much subdomains differ in stiffness: the largest over the smallest mean of the diagonal of K at their
+/// interfaces. @note Collective.
+double stiffnessContrast(const SubdomainSystem& system);
 
 /// The constraints B = [B_I; B_E], c of the torn problem, distributed by rows. B is immutable; c may be set
 /// anew.

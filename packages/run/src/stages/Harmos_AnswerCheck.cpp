@@ -42,7 +42,7 @@ AnswerCheck::AnswerCheck(const Teuchos::Comm<int>& comm, const scene::Scene& sce
   if (extension_.is_null() && options.toleranceRule == ToleranceRule::Balanced)
     extension_ = Teuchos::rcp(new feti::DualPreconditioner(
         stages.system, stages.constraints, stages.inverses, feti::PreconditionerKind::Lumped,
-        options.dual.scalingFor(scene.hasSeveralMaterials())));
+        options.dual.scalingFor(scene.hasSeveralMaterials(), scene.materialContrast())));
 }
 
 void AnswerCheck::recover(const MultiVector& lambda, const std::vector<double>& mu) {

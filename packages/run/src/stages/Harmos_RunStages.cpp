@@ -179,7 +179,7 @@ void RunStages::constrain() {
   {
     const auto scope = timers_.scope("dual_operator");
     contact_ = scene::setUpContact(*comm_, scene_, owned_, costs_);
-    constraints_.emplace(*system_, contact_.rows, options_.dual.weightsFor(scene_.hasSeveralMaterials()));
+    constraints_.emplace(*system_, contact_.rows, options_.dual.weightsFor(scene_.materialContrast()));
   }
   for (const std::string& note : contact_.notes)
     log_.info(note);
@@ -256,7 +256,7 @@ void RunStages::makeDualProblem() {
     const auto scope = timers_.scope("dual_operator");
     preconditioner_ =
         Teuchos::rcp(new feti::DualPreconditioner(*system_, *constraints_, *inverses_, preconditionerKind_,
-                                                  options_.dual.scalingFor(scene_.hasSeveralMaterials())));
+                                                  options_.dual.scalingFor(scene_.hasSeveralMaterials(), scene_.materialContrast())));
   }
   {
     const auto scope = timers_.scope("coarse");

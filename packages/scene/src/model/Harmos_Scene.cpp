@@ -61,6 +61,22 @@ bool Scene::hasSeveralMaterials() const {
   return false;
 }
 
+double Scene::materialContrast() const {
+  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  if (physics == Physics::Membrane)
+    return 1.0;
+  for (const Body& body : bodies)
+    for (const fem::Material& material : body.materials) {
+      const double young = *std::max_element(material.young.begin(), material.young.end());
+      const double poisson = *std::max_element(material.poisson.begin(), material.poisson.end());
+      const double confined = (1.0 - poisson) / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
+      const double stiffness = physics == Physics::PlaneStress ? young : young * std::max(confined, 1.0);
+      least = std::min(least, stiffness);
+      most = std::max(most, stiffness);
+    }
+  return most > 0.0 ? most / least : 1.0;
+}
+
 std::vector<double> Scene::temperatureRises(double time) const {
   std::vector<double> rises(bodies.size(), 0.0);
   for (const auto& effect : effects)
