@@ -53,8 +53,8 @@ scene::Scene plate(int n, const std::function<int(const Point&)>& part,
   return scene;
 }
 
-// Reached with weighted rows; without, though the preconditioner is scaled by stiffness, only in so many more products,
-// where no directions are kept that would make up for it.
+// Reached with weighted rows; without, though the preconditioner is scaled by stiffness, only in so many more
+// products, where no directions are kept that would make up for it.
 void expectJump(const scene::Scene& scene, double ratio, const std::string& name, double factor) {
   const ReferenceSolution reference = referenceSolution(scene);
   ASSERT_TRUE(reference.solvable);

@@ -9,6 +9,8 @@
 ///    Cure: it is computed anew before anything is called converged.
 ///  - Stagnation: a tolerance below the level of rounding errors cannot be met, and is not to be iterated
 ///  for.
+///  - Single precision asked for where it is not enough: materials jump by orders of magnitude. Cure: as
+///  below.
 ///  - Products rounded to 32 bits: the pieces of a slender body bend more when cut than the whole does, and
 ///    rounding errors show in the jumps that are left. Cure: the run makes products in double precision and
 ///    goes on from where it is.
@@ -151,6 +153,7 @@ TEST(Stability, products_rounded_too_much) {
                  "Dual operator/Precision=" + precision);
     EXPECT_NE(std::find(settings.begin(), settings.end(), "Dual operator/Precision=" + precision),
               settings.end());
+    settings.push_back("Dual operator/Weights=none"); // with them it converges before rounding is seen
     return runScene(drawn.scene, drawn.tolerance, settings);
   };
   const TestRun exact = with("double"), rounded = with("auto");
@@ -172,4 +175,27 @@ TEST(Stability, products_rounded_too_much) {
     EXPECT_GE(history[k].hessianApplications, history[k - 1].hessianApplications);
   tellFigure("products in double precision", products(exact.report));
   tellFigure("products, rounded at first", products(rounded.report));
+}
+
+TEST(Stability, single_precision_not_enough) {
+  for (unsigned seed : {127u, 1406u}) { // materials that jump; dense blocks, and factors
+    const RandomScene drawn = randomScene(seed);
+    std::vector<std::string> settings = drawn.settings;
+    const auto precision =
+        std::find(settings.begin(), settings.end(), std::string("Dual operator/Precision=single"));
+    ASSERT_NE(precision, settings.end());
+    const TestRun single = runScene(drawn.scene, drawn.tolerance, settings);
+    *precision = "Dual operator/Precision=double";
+    const TestRun exact = runScene(drawn.scene, drawn.tolerance, settings);
+    for (const TestRun* run : {&exact, &single}) {
+      EXPECT_TRUE(run->report.converged) << seed << " " << run->report.reason;
+      EXPECT_TRUE(run::auditAgrees(run->report)) << seed;
+    }
+    if (seed == 127u) // the other one is at the limit
+      EXPECT_FALSE(single.report.isSingle);
+    EXPECT_NE(single.report.dualOperator.find("single"), std::string::npos) << single.report.dualOperator;
+    EXPECT_NEAR(single.report.audit.energy / exact.report.audit.energy, 1.0, 20.0 * drawn.tolerance) << seed;
+    tellFigure(std::to_string(seed) + ": products in double precision", products(exact.report));
+    tellFigure(std::to_string(seed) + ": products, in single precision at first", products(single.report));
+  }
 }

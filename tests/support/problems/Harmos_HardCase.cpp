@@ -190,8 +190,10 @@ TestModel withRows(const TestModel& model, Gluing gluing, Copies copies) {
   }
   if (comm->getRank() != 0)
     return result;
+  // Of a bound of zero feti::Constraints would make gluing rows again.
+  constexpr double nothing = std::numeric_limits<double>::min();
   const auto add = [&](const std::vector<ConstraintRow::Term>& terms) {
-    result.rows.push_back({ConstraintRow::Kind::Equality, equalities++, terms, 0.0, 0.0});
+    result.rows.push_back({ConstraintRow::Kind::Equality, equalities++, terms, nothing, 1e-300});
   };
   for (const auto& [dof, list] : table)
     for (std::size_t k = 1; k < list.size(); ++k) {

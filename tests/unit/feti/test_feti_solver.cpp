@@ -140,6 +140,41 @@ TEST(FetiSolver, matrices_with_the_same_graph_cost_no_analysis) {
 }
 
 // Subdomains that shared a factorisation and have matrices of their own now: everything anew, and right.
+// Of stiffness that jumps the solver finds out itself: as many products as without jumps, twice as many with
+// the orthogonal projector; and new matrices with other jumps keep the rows that are there.
+TEST(FetiSolver, stiffness_that_jumps) {
+  const TestModel even = testModel(4, 4);
+  const auto jumping = [&](double jump) {
+    TestModel model = even;
+    for (feti::Subdomain& subdomain : model.subdomains) {
+      const auto matrix = std::make_shared<LocalMatrix>(*subdomain.stiffness);
+      for (double& value : matrix->values)
+        value *= (subdomain.number + subdomain.number / 4) % 2 == 0 ? 1.0 : jump;
+      subdomain.stiffness = matrix;
+    }
+    return model;
+  };
+  const auto productsOf = [](const TestModel& model, const std::string& weights) {
+    Teuchos::ParameterList list = parametersOf("condensed");
+    list.sublist("Dual operator").set("Weights", weights);
+    list.sublist("Solver").sublist("PDAS").set("Kept directions", 0);
+    feti::FetiSolver solver(testComm(), model.subdomains, model.rows, list);
+    const feti::SolveReport& report = solver.solve();
+    EXPECT_TRUE(report.converged) << weights << ": " << report.reason;
+    return report.result.counters.hessianApplications;
+  };
+  const TestModel jumps = jumping(1e4);
+  const int atOne = productsOf(even, "auto"), weighted = productsOf(jumps, "auto");
+  EXPECT_EQ(atOne, productsOf(even, "none"));
+  EXPECT_LE(weighted, 1.5 * atOne);
+  EXPECT_GE(productsOf(jumps, "none"), 2 * weighted);
+  feti::FetiSolver solver(testComm(), jumps.subdomains, jumps.rows, parametersOf("condensed"));
+  expectReference(jumps, solver, "jumps");
+  const TestModel others = jumping(1e2);
+  solver.setMatrices(matricesOf(others));
+  expectReference(others, solver, "other jumps");
+}
+
 TEST(FetiSolver, congruence_that_is_lost) {
   const TestModel same = testModel(2, 4), different = stiffened(same);
   feti::FetiSolver solver(testComm(), same.subdomains, same.rows, parametersOf("condensed"));

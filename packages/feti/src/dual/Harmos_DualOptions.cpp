@@ -27,12 +27,14 @@ void DualOptions::addTo(ParameterSpec& deck) {
       "Approximation of the inverse of F.");
   dual.choice("Scaling", "auto",
               {{"auto", "stiffness if the scene has more than one material, else multiplicity"},
-               {"multiplicity", "copies of a dof share a jump equally; where rows have weights, in proportion to these"},
+               {"multiplicity",
+                "copies of a dof share a jump equally; where rows have weights, in proportion to these"},
                {"stiffness", "the softer copy takes more of it: for materials that jump across interfaces"}},
               "Scaling of the preconditioner.");
   dual.choice(
       "Weights", "auto",
-      {{"auto", "stiffness if the scene has materials whose stiffness differs by more than 30 times, else none"},
+      {{"auto",
+        "stiffness if the scene has materials whose stiffness differs by more than 30 times, else none"},
        {"none", "the coarse projector is the orthogonal one"},
        {"stiffness", "constraints, and with them the coarse projector and the norms of residuals, are "
                      "weighted by the stiffness at their dofs: products do not depend on how much "

@@ -155,8 +155,8 @@ bool auditAgrees(const KktAudit& audit, const AuditLimits& limits) {
   // Three tolerances; the defect is that of a random load.
   constexpr double typical = 10.0;
   const double force = isAtRest ? audit.forces
-                                 : (0.03 * limits.share + typical * limits.inverseDefect) * audit.forces +
-                                       0.1 * rounding * audit.displacementForce;
+                                : (0.03 * limits.share + typical * limits.inverseDefect) * audit.forces +
+                                      0.1 * rounding * audit.displacementForce;
   return audit.gluingJump <= length + (isAtRest ? limits.boundRounding : 0.0) &&
          audit.penetration <= length + limits.boundRounding && audit.equilibrium * audit.forces <= force &&
          limits.energyError <= error;

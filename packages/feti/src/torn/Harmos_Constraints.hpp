@@ -39,8 +39,8 @@ enum class RowWeights {
   Stiffness ///< BD⁻¹Bᵀ = I there, D the diagonal of K: soft copies give way to stiff ones
 };
 
-/// By how much subdomains differ in stiffness: the largest over the smallest mean of the diagonal of K at their
-/// interfaces. @note Collective.
+/// By how much subdomains differ in stiffness: the largest over the smallest mean of the diagonal of K at
+/// their interfaces. @note Collective.
 double stiffnessContrast(const SubdomainSystem& system);
 
 /// The constraints B = [B_I; B_E], c of the torn problem, distributed by rows. B is immutable; c may be set

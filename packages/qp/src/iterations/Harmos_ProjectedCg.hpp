@@ -39,9 +39,9 @@ class ProjectedCg {
   /// Begins again where it is, with gradients computed anew.
   void restart();
 
-  /// Begins again from the equalities where the steps have left them by more than rounding errors of the iterate, and
-  /// by more than is left of the gradient, each relative to its size: the error of a direction grows with what was
-  /// projected away, times the condition of the rows.
+  /// Begins again from the equalities where the steps have left them by more than rounding errors of the
+  /// iterate, and by more than is left of the gradient, each relative to its size: the error of a direction
+  /// grows with what was projected away, times the condition of the rows.
   /// @param distance from the equalities, see EqualityRows. @return whether it did.
   bool returnToRows(double distance);
 

@@ -246,8 +246,8 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::raiseLevel(double iterateNorm2) {
   iterateNorm_ = std::sqrt(iterateNorm2);
-  level_ = std::max(level_, std::numeric_limits<double>::epsilon() *
-                                (curvatureBound_ * iterateNorm_ + rhsNorm_));
+  level_ =
+      std::max(level_, std::numeric_limits<double>::epsilon() * (curvatureBound_ * iterateNorm_ + rhsNorm_));
 }
 
 template<class Scalar, class MV, class OP>

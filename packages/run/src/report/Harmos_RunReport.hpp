@@ -32,6 +32,7 @@ struct RunReport : feti::SolveReport {
   long long roundedFactorizations = 0; ///< of them, with products in single precision
   std::string dualOperator;
   std::string dualForms;        ///< feti::DualForms, for checkpoints
+  bool isSingle = false;        ///< whether local factors are in single precision, as the deck asks for
   double localDefect = 0.0;     ///< largest ‖KK⁺Kx − Kx‖/‖Kx‖
   double localCondition = 0.0;  ///< largest estimate of κ(K_i) on the complement of the kernel
   double dualOperatorMiB = 0.0; ///< factors and dense blocks of all ranks

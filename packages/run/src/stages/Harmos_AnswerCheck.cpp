@@ -14,8 +14,8 @@ namespace Harmos::run {
 namespace {
 
 // Nothing is to be had below: products with dense blocks in single precision, or rounding errors.
-double leastTolerance(const feti::DualOptions& options) {
-  return options.inverses.precision == feti::Precision::Single ? 1e-7 : 1e-15;
+double leastTolerance(const RunReport& report) {
+  return report.isSingle ? 1e-7 : 1e-15;
 }
 
 } // namespace
@@ -125,7 +125,7 @@ std::optional<double> AnswerCheck::judge(const MultiVector& lambda, const std::v
         report_.audit, {feti::auditShare(report_.tolerance), report_.gapRounding, report_.localDefect});
     next = tolerance * (isErrorAlone ? std::clamp(0.5 * allowed / report_.solverError, 0.1, 0.5) : 0.1);
   }
-  if (next && *next < leastTolerance(options_.dual))
+  if (next && *next < leastTolerance(report_))
     return std::nullopt;
   return next;
 }

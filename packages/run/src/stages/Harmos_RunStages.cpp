@@ -200,10 +200,14 @@ void RunStages::constrain() {
 
 namespace {
 
-// What the run that wrote it has chosen; and that rounded products were not good enough for it.
+// What the run that wrote it has chosen; and that rounded products, or single precision, were not good enough
+// for it.
 void takeFrom(const CheckpointReader& checkpoint, feti::DualOptions& options) {
   options.before = feti::dualFormsFrom(checkpoint.text("dual forms"));
-  options.mayRound = options.mayRound && checkpoint.text("products") != "double";
+  if (checkpoint.text("products") != "double")
+    return;
+  options.mayRound = false;
+  options.inverses.precision = feti::Precision::Double;
 }
 
 } // namespace
@@ -220,8 +224,9 @@ void RunStages::factorise() {
     report_.dualOperator = decided.describe();
     report_.dualForms = toString(decided.forms());
     preconditionerKind_ = decided.preconditioner;
-    productError_ = decided.inverses.productError;
-    inverses_.emplace(feti::makeLocalInverses(*system_, *constraints_, decided.inverses));
+    inverseOptions_ = decided.inverses;
+    report_.isSingle = inverseOptions_.precision == feti::Precision::Single;
+    inverses_.emplace(feti::makeLocalInverses(*system_, *constraints_, inverseOptions_));
     report_.localCondition = globalMax(*comm_, inverses_->condition());
     report_.localDefect = globalMax(*comm_, inverses_->defect());
     tellFactors();
@@ -250,14 +255,18 @@ void RunStages::countFactorisations() {
   report_.factorisations = globalSum(*comm_, static_cast<long long>(inverses_->counts().factorizations));
 }
 
-void RunStages::makeDualProblem() {
+void RunStages::makeOperators() {
   dualOperator_.emplace(*constraints_, *inverses_);
   if (preconditionerKind_ != feti::PreconditionerKind::None) {
     const auto scope = timers_.scope("dual_operator");
-    preconditioner_ =
-        Teuchos::rcp(new feti::DualPreconditioner(*system_, *constraints_, *inverses_, preconditionerKind_,
-                                                  options_.dual.scalingFor(scene_.hasSeveralMaterials(), scene_.materialContrast())));
+    preconditioner_ = Teuchos::rcp(new feti::DualPreconditioner(
+        *system_, *constraints_, *inverses_, preconditionerKind_,
+        options_.dual.scalingFor(scene_.hasSeveralMaterials(), scene_.materialContrast())));
   }
+}
+
+void RunStages::makeDualProblem() {
+  makeOperators();
   {
     const auto scope = timers_.scope("coarse");
     coarse_.emplace(*system_, *constraints_);
@@ -279,7 +288,7 @@ void RunStages::sayCoarse() const {
               "are left at rest");
   // Of G̃G̃ᵀ, whose pivots go with the squares of the singular values of G̃.
   constexpr double weak = 1e-6;
-  if (coarse_->dimension() > 0 && coarse_->smallestPivotRatio() < weak)
+  if (coarse_->dimension() > 0 && coarse_->smallestPivotRatio() < weak && !constraints_->hasWeights())
     log_.info("a rigid motion is held only weakly: the smallest singular value of G is about " +
               scientific(std::sqrt(coarse_->smallestPivotRatio()), 0) +
               " of the largest; a round body whose normals come from its facets rotates almost freely");
@@ -318,19 +327,27 @@ void RunStages::solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonito
 // Slender bodies, whose pieces bend more when cut than the whole does, show rounding errors of products in
 // the jumps that are left: from where the solver has come to it goes on with products in double precision.
 void RunStages::solveUnrounded(const Teuchos::RCP<RunMonitor>& monitor, const Log& log, double secondsSpent) {
-  log.info(
-      "Rounded products are not good enough for this problem: they are made in double precision from here "
-      "on");
+  log.info(std::string(report_.isSingle ? "Single precision is" : "Rounded products are") +
+           " not good enough for this problem: double precision from here on");
   const qp::Result first = report_.result;
   const auto reached = Teuchos::rcp(new MultiVector(*solution_.lambda, Teuchos::Copy));
   reached->update(1.0, *dual_->shift(), 1.0);
   const feti::WarmStart start = {reached, solution_.mu};
   {
     const auto scope = timers_.scope("factorization");
-    inverses_->restoreProducts(*comm_);
+    if (report_.isSingle) {
+      inverseOptions_.precision = feti::Precision::Double;
+      report_.isSingle = false;
+      inverses_.emplace(feti::makeLocalInverses(*system_, *constraints_, inverseOptions_));
+    } else {
+      inverses_->restoreProducts(*comm_);
+    }
     tellFactors();
-    dual_.emplace(*system_, *constraints_, *inverses_, *dualOperator_, *coarse_);
   }
+  makeOperators();
+  dual_.emplace(*system_, *constraints_, *inverses_, *dualOperator_, *coarse_);
+  dualStages_.emplace(
+      feti::DualStages{*system_, *constraints_, *inverses_, *coarse_, *dual_, preconditioner_});
   const qp::IterationRecord last = first.history.empty() ? qp::IterationRecord{} : first.history.back();
   monitor->goesOnAfter(last);
   solveOnce(&start, monitor, log, secondsSpent + last.seconds);
@@ -349,7 +366,9 @@ void RunStages::solveOnce(const feti::WarmStart* start, const Teuchos::RCP<RunMo
   const auto accept = [&](const MultiVector& lambda, const std::vector<double>& mu, double tolerance) {
     const std::optional<double> next = check_->judge(lambda, mu, tolerance);
     // Asked for less than what products were rounded to: more of the same brings nothing.
-    roundingIsSeen_ = next && report_.roundedFactorizations > 0 && *next < 0.5 * productError_;
+    roundingIsSeen_ =
+        (next && report_.roundedFactorizations > 0 && *next < 0.5 * inverseOptions_.productError) ||
+        (!next && report_.isSingle && !auditAgrees(report_));
     return roundingIsSeen_ ? std::nullopt : next;
   };
   feti::SolverOptions first = solverOptions(scene_, options_);

@@ -97,6 +97,7 @@ class RunStages {
   void constrain();
   void factorise();
   void tellFactors();
+  void makeOperators();
   void makeDualProblem();
   void solveOnce(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log,
                  double secondsSpent);
@@ -129,9 +130,9 @@ class RunStages {
   std::optional<feti::SubdomainSystem> system_;
   scene::ContactSetup contact_;
   std::optional<feti::Constraints> constraints_;
-  double productError_ = 0.0; // to which products are rounded
+  feti::LocalInverseOptions inverseOptions_; // as decided
   std::optional<feti::LocalInverses> inverses_;
-  bool roundingIsSeen_ = false; // in the last answer
+  bool roundingIsSeen_ = false; // of products, or of single precision, in the last answer
   std::optional<feti::DualOperator> dualOperator_;
   feti::PreconditionerKind preconditionerKind_ = feti::PreconditionerKind::Dirichlet; // as decided
   Teuchos::RCP<const feti::DualPreconditioner> preconditioner_;                       // or null

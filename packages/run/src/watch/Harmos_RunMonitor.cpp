@@ -222,7 +222,9 @@ void RunMonitor::write(const Exchange& all) {
     writer.text("deck file", options_.checkpoint.deckFile);
     writer.text("assignments", assignments);
     writer.text("dual forms", report_.dualForms);
-    writer.text("products", report_.roundedFactorizations > 0 ? "rounded" : "double");
+    writer.text("products", report_.isSingle                    ? "single"
+                            : report_.roundedFactorizations > 0 ? "rounded"
+                                                                : "double");
     all(writer);
     writer.commit();
   } catch (const InputError& error) {

@@ -59,8 +59,8 @@ struct Scene {
   bool hasFloatingBody() const;
   /// Whether stiffnesses differ from body to body or region to region.
   bool hasSeveralMaterials() const;
-  /// The largest over the smallest stiffness of its materials: Young's modulus, where strains are not free across the
-  /// plane that of uniaxial strain, (1 − ν)/((1 + ν)(1 − 2ν)) times that. 1 for membranes.
+  /// The largest over the smallest stiffness of its materials: Young's modulus, where strains are not free
+  /// across the plane that of uniaxial strain, (1 − ν)/((1 + ν)(1 − 2ν)) times that. 1 for membranes.
   double materialContrast() const;
   /// Rise of each body's temperature, of all effects, at a time.
   std::vector<double> temperatureRises(double time) const;
