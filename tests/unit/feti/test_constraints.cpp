@@ -220,6 +220,46 @@ TEST(Constraints, given_multipliers_exert_the_forces_of_united_dofs) {
   }
 }
 
+// Two bodies that touch where both are tied to a third: a contact row between dofs that are one holds
+// already, to rounding, and has no entries; one that they violate is refused.
+TEST(Constraints, a_row_between_united_dofs_holds_already) {
+  for (double gap : {0.25, 0.0, -0.25}) {
+    TestModel model = testModel(2, 2, true);
+    struct Tie {
+      long long number, dofs[2];
+    };
+    std::vector<Tie> ties;
+    for (const ConstraintRow& row : model.rows)
+      ties.push_back({row.number, {row.terms[0].dof, row.terms[1].dof}});
+    ties = gatherAll(*testComm(), ties);
+    std::sort(ties.begin(), ties.end(), [](const Tie& a, const Tie& b) { return a.number < b.number; });
+    if (testComm()->getRank() == 0) {
+      // a = b, a third of each against all of it: 1/3 + 2/3 - 1 is a rounding error.
+      const double third = 1.0 / 3.0;
+      model.rows.push_back({ConstraintRow::Kind::Equality,
+                            static_cast<long long>(ties.size()),
+                            {{ties[1].dofs[0], 1.0}, {ties[2].dofs[0], -1.0}},
+                            0.0,
+                            0.0});
+      model.rows.push_back(
+          {ConstraintRow::Kind::Inequality,
+           0,
+           {{ties[1].dofs[1], third}, {ties[1].dofs[0], 2.0 * third - 1e-16}, {ties[2].dofs[1], -1.0}},
+           gap,
+           0.0});
+    }
+    const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Primal);
+    if (gap < 0.0) {
+      EXPECT_THROW(Constraints(system, model.rows), InputError);
+      continue;
+    }
+    const Constraints constraints(system, model.rows);
+    EXPECT_EQ(constraints.inequalities(), 1);
+    for (const auto& [place, value] : gatherB(system, constraints))
+      EXPECT_NE(std::get<0>(place), 0) << "an entry of the contact row: " << value;
+  }
+}
+
 // Total FETI: a Dirichlet row for each constrained copy, and no gluing row there.
 TEST(Constraints, dirichlet_rows_take_the_place_of_gluing_rows) {
   const int s = 3, n = 2;

@@ -203,6 +203,45 @@ std::vector<long long> globalNumbers(const Teuchos::Comm<int>& comm, const std::
   return numbers;
 }
 
+// By name: a dof named twice counts once, with the sum, and so do dofs that are united; of what cancels
+// there, rounding errors are left.
+std::map<long long, double> coefficientsOf(const ConstraintRow& row, const DofCopies::Answers& answers) {
+  constexpr double rounding = 1e-12; // as where contact rows are compared
+  std::map<long long, double> sums, sizes;
+  for (const ConstraintRow::Term& term : row.terms) {
+    if (answers.of(term.dof) == nullptr)
+      throw InputError("constraint row " + std::to_string(row.number) + " names dof " +
+                           std::to_string(term.dof) + ", which is not an interface dof of any subdomain",
+                       {{"dof", std::to_string(term.dof)}});
+    sums[answers.name.at(term.dof)] += term.coefficient;
+    sizes[answers.name.at(term.dof)] += std::abs(term.coefficient);
+  }
+  for (const ConstraintRow::Term& term : row.terms)
+    if (const long long name = answers.name.at(term.dof);
+        answers.isUnited(term.dof) && std::abs(sums[name]) <= rounding * sizes[name])
+      sums[name] = 0.0;
+  return sums;
+}
+
+bool namesUnited(const ConstraintRow& row, const DofCopies::Answers& answers) {
+  return std::any_of(row.terms.begin(), row.terms.end(), [&](const ConstraintRow::Term& term) {
+    return term.coefficient != 0.0 && answers.isUnited(term.dof);
+  });
+}
+
+// A row between dofs that others hold together has to hold already, as between two bodies that touch where
+// both are tied to a third one.
+void requireJoined(const ConstraintRow& row, const Copy& copy) {
+  const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
+  const double excess = inequality ? -row.bound : std::abs(row.bound);
+  if (excess > row.rounding)
+    throw InputError("ties contradict " + std::string(inequality ? "a contact" : "a tie") +
+                         ": constraint row " + std::to_string(row.number) + " (" + dofText(copy) +
+                         ") is between dofs that are tied to each other, and they violate it by " +
+                         scientific(excess) + "; leave the place out of one of them",
+                     {{"row", std::to_string(row.number)}});
+}
+
 // @return the factors of their multipliers.
 std::vector<Details::MultiplierTerm> addGiven(const std::vector<ConstraintRow>& rows,
                                               const std::vector<char>& isTaken,
@@ -217,14 +256,7 @@ std::vector<Details::MultiplierTerm> addGiven(const std::vector<ConstraintRow>& 
     const ConstraintRow& row = rows[r];
     std::vector<RowBuilder::Term> terms, held;
     double norm2 = 0.0;
-    std::map<long long, double> coefficients; // a dof named twice counts once, with the sum
-    for (const ConstraintRow::Term& term : row.terms) {
-      if (answers.of(term.dof) == nullptr)
-        throw InputError("constraint row " + std::to_string(row.number) + " names dof " +
-                             std::to_string(term.dof) + ", which is not an interface dof of any subdomain",
-                         {{"dof", std::to_string(term.dof)}});
-      coefficients[answers.name.at(term.dof)] += term.coefficient;
-    }
+    const std::map<long long, double> coefficients = coefficientsOf(row, answers);
     // A prescribed value is no unknown: its share goes to the bound (equality rows may be added to any row),
     // or the force of the row would move the trivial equation. A row of prescribed values alone stays as it
     // is.
@@ -257,12 +289,18 @@ std::vector<Details::MultiplierTerm> addGiven(const std::vector<ConstraintRow>& 
         norm2 += share * share / copy.weight;
       }
     }
-    if (!(norm2 > 0.0) || !std::isfinite(norm2) || !std::isfinite(bound))
+    const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
+    const bool isJoined = norm2 == 0.0 && namesUnited(row, answers);
+    if (!(norm2 > 0.0 || isJoined) || !std::isfinite(norm2) || !std::isfinite(bound))
       throw InputError("constraint row " + std::to_string(row.number) +
                        " is zero or not finite; check its coefficients and its gap");
-    const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
     bool isIdle = false;
-    if (!hasUnknown) {
+    if (isJoined) {
+      requireJoined(row, copies.at(coefficients.begin()->first).front());
+      isIdle = true;
+      bound = 0.0;
+      norm2 = 1.0;
+    } else if (!hasUnknown) {
       const double left = requireMet(row, coefficients, copies);
       // Beside the rows of its dofs' prescribed values it would be a dependent one, which the preconditioner
       // could not tell from those.

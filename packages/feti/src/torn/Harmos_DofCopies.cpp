@@ -6,6 +6,7 @@
 #include "Harmos_Exchange.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 #include <tuple>
@@ -169,9 +170,13 @@ std::map<long long, int> DofCopies::rowsAt(const std::vector<long long>& dofs,
 
 std::vector<char> DofCopies::unite(const std::vector<ConstraintRow>& rows, bool all) {
   std::vector<char> isTaken(rows.size(), 0);
+  // Mortar rows where meshes match are such, to rounding.
+  constexpr double rounding = 1e-12;
   const auto isGlue = [](const ConstraintRow& row) {
     return row.kind == ConstraintRow::Kind::Equality && row.terms.size() == 2 && row.bound == 0.0 &&
-           row.terms[0].dof != row.terms[1].dof && row.terms[0].coefficient == -row.terms[1].coefficient &&
+           row.terms[0].dof != row.terms[1].dof &&
+           std::abs(row.terms[0].coefficient + row.terms[1].coefficient) <=
+               rounding * std::abs(row.terms[0].coefficient) &&
            row.terms[0].coefficient != 0.0;
   };
   std::vector<ConstraintRow> glue;
