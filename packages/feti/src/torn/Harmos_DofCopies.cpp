@@ -170,9 +170,10 @@ std::map<long long, int> DofCopies::rowsAt(const std::vector<long long>& dofs,
 
 std::vector<char> DofCopies::unite(const std::vector<ConstraintRow>& rows, bool all) {
   std::vector<char> isTaken(rows.size(), 0);
-  // Mortar rows where meshes match are such, to rounding.
-  constexpr double rounding = 1e-12;
-  const auto isGlue = [](const ConstraintRow& row) {
+  // Mortar rows where meshes match are such to rounding: with weights they have to be told, for of rows that
+  // depend on each other none is the larger then.
+  const double rounding = all ? 1e-12 : 0.0;
+  const auto isGlue = [rounding](const ConstraintRow& row) {
     return row.kind == ConstraintRow::Kind::Equality && row.terms.size() == 2 && row.bound == 0.0 &&
            row.terms[0].dof != row.terms[1].dof &&
            std::abs(row.terms[0].coefficient + row.terms[1].coefficient) <=
