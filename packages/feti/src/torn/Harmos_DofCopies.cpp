@@ -168,8 +168,8 @@ std::map<long long, int> DofCopies::rowsAt(const std::vector<long long>& dofs,
   return result;
 }
 
-std::vector<char> DofCopies::unite(const std::vector<ConstraintRow>& rows, bool all) {
-  std::vector<char> isTaken(rows.size(), 0);
+// Rows that glue, with their places; of the rows of this rank.
+DofCopies::Glue DofCopies::glueAmong(const std::vector<ConstraintRow>& rows, bool all) const {
   // Mortar rows where meshes match are such to rounding: with weights they have to be told, for of rows that
   // depend on each other none is the larger then.
   const double rounding = all ? 1e-12 : 0.0;
@@ -180,42 +180,39 @@ std::vector<char> DofCopies::unite(const std::vector<ConstraintRow>& rows, bool 
                rounding * std::abs(row.terms[0].coefficient) &&
            row.terms[0].coefficient != 0.0;
   };
-  std::vector<ConstraintRow> glue;
-  std::vector<std::size_t> place;
+  Glue glue;
   for (std::size_t r = 0; r < rows.size(); ++r)
     if (isGlue(rows[r])) {
-      glue.push_back(rows[r]);
-      place.push_back(r);
+      glue.rows.push_back(rows[r]);
+      glue.places.push_back(r);
     }
-  if (globalSum(comm_, static_cast<long long>(glue.size())) == 0)
-    return isTaken;
-  {
-    const Answers known = ask(glue);
-    const std::map<long long, int> naming = rowsAt(dofsOf(glue), rows);
-    std::size_t kept = 0;
-    for (std::size_t k = 0; k < glue.size(); ++k) {
-      const std::vector<Copy>*first = known.of(glue[k].terms[0].dof),
-            *second = known.of(glue[k].terms[1].dof);
-      if (first == nullptr || second == nullptr || isFixed(*first) || isFixed(*second))
-        continue;
-      if (!all && naming.at(glue[k].terms[0].dof) < 2 && naming.at(glue[k].terms[1].dof) < 2)
-        continue;
-      isTaken[place[k]] = 1;
-      place[kept] = place[k];
-      glue[kept++] = glue[k];
-    }
-    glue.resize(kept);
-    place.resize(kept);
-  }
+  if (globalSum(comm_, static_cast<long long>(glue.rows.size())) == 0)
+    return glue;
 
-  // The lowest dof spreads along the rows until nothing changes.
+  const Answers known = ask(glue.rows);
+  const std::map<long long, int> naming = rowsAt(dofsOf(glue.rows), rows);
+  Glue taken;
+  for (std::size_t k = 0; k < glue.rows.size(); ++k) {
+    const long long dofs[2] = {glue.rows[k].terms[0].dof, glue.rows[k].terms[1].dof};
+    const std::vector<Copy>*first = known.of(dofs[0]), *second = known.of(dofs[1]);
+    if (first == nullptr || second == nullptr || isFixed(*first) || isFixed(*second))
+      continue;
+    if (!all && naming.at(dofs[0]) < 2 && naming.at(dofs[1]) < 2)
+      continue;
+    taken.rows.push_back(glue.rows[k]);
+    taken.places.push_back(glue.places[k]);
+  }
+  return taken;
+}
+
+// The lowest dof spreads along the rows until nothing changes. Returns the names of the dofs of these rows.
+std::map<long long, long long> DofCopies::spreadNames(const std::vector<ConstraintRow>& glue) {
   const std::vector<long long> dofs = dofsOf(glue);
   struct Lower {
     long long dof, name;
   };
-  std::map<long long, long long> name;
   while (true) {
-    name = namesOf(dofs);
+    const std::map<long long, long long> name = namesOf(dofs);
     std::map<long long, long long> lower;
     for (const ConstraintRow& row : glue) {
       const long long least = std::min(name.at(row.terms[0].dof), name.at(row.terms[1].dof));
@@ -226,7 +223,7 @@ std::vector<char> DofCopies::unite(const std::vector<ConstraintRow>& rows, bool 
         }
     }
     if (globalSum(comm_, static_cast<long long>(lower.size())) == 0)
-      break;
+      return name;
     std::vector<std::vector<Lower>> sends(static_cast<std::size_t>(comm_.getSize()));
     for (const auto& [dof, least] : lower)
       sends[home(dof)].push_back({dof, least});
@@ -236,8 +233,10 @@ std::vector<char> DofCopies::unite(const std::vector<ConstraintRow>& rows, bool 
         known->second = std::min(known->second, item.name);
       }
   }
+}
 
-  // Copies and rows go where the name is at home.
+// Copies go where their name is at home.
+void DofCopies::moveCopies() {
   struct Moved {
     long long name;
     Copy copy;
@@ -251,12 +250,28 @@ std::vector<char> DofCopies::unite(const std::vector<ConstraintRow>& rows, bool 
   for (const std::vector<Moved>& part : exchangeItems(comm_, moves))
     for (const Moved& item : part)
       table_[item.name].push_back(item.copy);
+}
+
+std::vector<char> DofCopies::unite(const std::vector<ConstraintRow>& rows, bool all) {
+  std::vector<char> isTaken(rows.size(), 0);
+  const Glue glue = glueAmong(rows, all);
+  if (globalSum(comm_, static_cast<long long>(glue.rows.size())) == 0)
+    return isTaken;
+  for (std::size_t place : glue.places)
+    isTaken[place] = 1;
+  const std::map<long long, long long> name = spreadNames(glue.rows);
+  moveCopies();
+
+  // The rows follow.
   std::vector<std::vector<Union>> sends(static_cast<std::size_t>(comm_.getSize()));
-  for (std::size_t k = 0; k < glue.size(); ++k) {
-    const ConstraintRow::Term &first = glue[k].terms[0], &second = glue[k].terms[1];
+  for (std::size_t k = 0; k < glue.rows.size(); ++k) {
+    const ConstraintRow::Term &first = glue.rows[k].terms[0], &second = glue.rows[k].terms[1];
     const long long lowest = name.at(first.dof);
-    sends[home(lowest)].push_back(
-        {{first.dof, second.dof}, first.coefficient, lowest, comm_.getRank(), static_cast<int>(place[k])});
+    sends[home(lowest)].push_back({{first.dof, second.dof},
+                                   first.coefficient,
+                                   lowest,
+                                   comm_.getRank(),
+                                   static_cast<int>(glue.places[k])});
   }
   for (const std::vector<Union>& part : exchangeItems(comm_, sends))
     for (const Union& item : part)

@@ -72,6 +72,13 @@ class DofCopies {
   std::map<long long, long long> namesOf(const std::vector<long long>& dofs) const;
   std::map<long long, int> rowsAt(const std::vector<long long>& dofs,
                                   const std::vector<ConstraintRow>& rows) const;
+  struct Glue {
+    std::vector<ConstraintRow> rows;
+    std::vector<std::size_t> places; // among the rows given
+  };
+  Glue glueAmong(const std::vector<ConstraintRow>& rows, bool all) const;
+  std::map<long long, long long> spreadNames(const std::vector<ConstraintRow>& glue);
+  void moveCopies();
 
   const Teuchos::Comm<int>& comm_;
   long long least_ = 0, width_ = 1;
