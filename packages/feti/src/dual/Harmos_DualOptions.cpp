@@ -40,6 +40,16 @@ void DualOptions::addTo(ParameterSpec& deck) {
                      "weighted by the stiffness at their dofs: products do not depend on how much "
                      "materials jump between subdomains"}},
       "Inner product of the multipliers.");
+  dual.choice("Adaptive coarse vectors", "auto",
+              {{"auto", "once the solver gets on slowly, of all subdomains"},
+               {"none", "the coarse space is that of the rigid motions alone"},
+               {"all", "from the first iteration on, of all subdomains"}},
+              "Coarse vectors for modes of a subdomain that cost it little and its neighbours much, as where "
+              "materials jump within subdomains, parts are ragged or slender, or nearly incompressible. They "
+              "need a preconditioner.");
+  dual.real("Adaptive threshold", defaults.adaptive.threshold, Range::atLeast(1.0),
+            "Adaptive coarse vectors are made of modes whose energy as a jump, in the norm of the "
+            "preconditioner, is more than so many times that in the subdomain.");
   dual.choice(
       "Precision", "auto",
       {{"auto",
@@ -90,6 +100,11 @@ DualOptions DualOptions::fromList(const Teuchos::ParameterList& list) {
   const std::string weights = list.get<std::string>("Weights");
   if (weights != "auto")
     options.weights = weights == "stiffness" ? RowWeights::Stiffness : RowWeights::None;
+  const std::string vectors = list.get<std::string>("Adaptive coarse vectors");
+  options.adaptive.vectors = vectors == "auto"   ? AdaptiveVectors::OnDemand
+                             : vectors == "none" ? AdaptiveVectors::None
+                                                 : AdaptiveVectors::All;
+  options.adaptive.threshold = list.get<double>("Adaptive threshold");
   options.expectedProducts = list.get<int>("Expected products");
   options.memoryBudgetMiB = list.get<int>("Memory budget MiB");
   if (const std::string path = list.get<std::string>("Rates"); !path.empty())

@@ -12,6 +12,18 @@
 
 namespace Harmos::feti {
 
+/// Which adaptive coarse vectors there are.
+enum class AdaptiveVectors {
+  OnDemand, ///< none, but those of all once the solver crawls
+  None,
+  All ///< from the first iteration on
+};
+
+struct AdaptiveOptions {
+  AdaptiveVectors vectors = AdaptiveVectors::OnDemand;
+  double threshold = 10.0; ///< of μ; see AdaptiveSpace
+};
+
 /// The list "Dual operator" of a deck: how products with F and with its preconditioner are made.
 struct DualOptions {
   std::optional<DualForm> form; ///< nothing: by the cost model
@@ -27,6 +39,7 @@ struct DualOptions {
   RowWeights weightsFor(double contrast) const;
   /// Below, the orthogonal projector costs hardly a product: 18 at 1, 30 at 100 (docs/stability.md).
   static constexpr double muchContrast = 30.0;
+  AdaptiveOptions adaptive;
   int expectedProducts = 0; ///< 0: as usual
   int memoryBudgetMiB = 0;
   Rates rates;                     ///< of the cost model

@@ -18,15 +18,22 @@ Teuchos::RCP<const Map> SubdomainSum::getDomainMap() const {
   return importer_->getSourceMap();
 }
 
-void SubdomainSum::applyLocally(const double* in, double* out) const {
+void SubdomainSum::applyLocally(const double* in, double* out, std::size_t stride, int columns) const {
   for (const Group& group : groups_) {
-    t_.assign(static_cast<std::size_t>(group.op->size()) * static_cast<std::size_t>(group.members), 0.0);
+    const std::size_t size =
+        static_cast<std::size_t>(group.op->size()) * static_cast<std::size_t>(group.members);
+    const auto count = static_cast<std::size_t>(columns);
+    t_.assign(size * count, 0.0);
     u_.resize(t_.size());
-    for (const Entry& entry : group.entries)
-      t_[static_cast<std::size_t>(entry.place)] += entry.value * in[entry.row];
-    group.op->apply(t_.data(), u_.data(), group.members);
-    for (const Entry& entry : group.entries)
-      out[entry.row] += entry.value * u_[static_cast<std::size_t>(entry.place)];
+    for (std::size_t c = 0; c < count; ++c)
+      for (const Entry& entry : group.entries)
+        t_[c * size + static_cast<std::size_t>(entry.place)] +=
+            entry.value * in[c * stride + static_cast<std::size_t>(entry.row)];
+    group.op->apply(t_.data(), u_.data(), group.members * columns);
+    for (std::size_t c = 0; c < count; ++c)
+      for (const Entry& entry : group.entries)
+        out[c * stride + static_cast<std::size_t>(entry.row)] +=
+            entry.value * u_[c * size + static_cast<std::size_t>(entry.place)];
   }
 }
 
@@ -43,14 +50,19 @@ void SubdomainSum::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp,
     const auto in = in_->getLocalViewHost(Tpetra::Access::ReadOnly);
     const auto out = out_->getLocalViewHost(Tpetra::Access::OverwriteAll);
     const std::size_t rows = out.extent(0);
-    for (std::size_t c = 0; c < columns && rows > 0; ++c) {
-      double* result = &out(0, c);
-      std::fill(result, result + rows, 0.0);
+    constexpr std::size_t atOnce = 32;
+    for (std::size_t c = 0; c < columns && rows > 0; c += atOnce) {
+      const std::size_t count = std::min(atOnce, columns - c);
+      const auto fill = [&](double value) {
+        for (std::size_t k = c; k < c + count; ++k)
+          std::fill(&out(0, k), &out(0, k) + rows, value);
+      };
+      fill(0.0);
       try {
-        applyLocally(&in(0, c), result);
+        applyLocally(&in(0, c), &out(0, c), out.stride(1), static_cast<int>(count));
       } catch (...) {
         failure_ = std::current_exception();
-        std::fill(result, result + rows, std::numeric_limits<double>::quiet_NaN());
+        fill(std::numeric_limits<double>::quiet_NaN());
       }
     }
   }

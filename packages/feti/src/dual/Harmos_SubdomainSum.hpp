@@ -55,9 +55,10 @@ class SubdomainSum : public Operator {
   void rethrowFailure() const;
 
   const std::vector<Group>& groups() const { return groups_; }
+  const Teuchos::RCP<const Import>& importer() const { return importer_; }
 
  private:
-  void applyLocally(const double* in, double* out) const;
+  void applyLocally(const double* in, double* out, std::size_t stride, int columns) const;
 
   Teuchos::RCP<const Import> importer_;
   std::vector<Group> groups_;

@@ -14,6 +14,8 @@ namespace {
 // Below this number of vectors a packed matrix is faster: a matrix-matrix product of few columns reads the
 // whole matrix, packed ones half of it for each vector.
 constexpr int leastColumnsForWhole = 3;
+// From this number on it is worth its while to unpack one for them.
+constexpr int leastColumnsForUnpacking = 16;
 
 // Terms of a sum in single precision before it is added up in double.
 constexpr int singleTerms = 128;
@@ -34,6 +36,15 @@ LocalMatrix couplingOf(const LocalMatrix& matrix, const std::vector<int>& bounda
       }
     result.offsets.push_back(result.columns.size());
   }
+  return result;
+}
+
+std::vector<double> BoundaryOperator::matrix() const {
+  const auto n = static_cast<std::size_t>(size());
+  std::vector<double> unit(n * n, 0.0), result(n * n);
+  for (std::size_t k = 0; k < n; ++k)
+    unit[k * n + k] = 1.0;
+  apply(unit.data(), result.data(), size());
   return result;
 }
 
@@ -66,6 +77,12 @@ double DenseOperator::bytesRead(int count) const {
   return packed_ ? bytes() * count : bytes();
 }
 
+std::vector<double> DenseOperator::matrix() const {
+  if (packed_)
+    return single_.empty() ? PackedSymmetric::unpack(double_, n_) : PackedSymmetric::unpack(single_, n_);
+  return single_.empty() ? double_ : std::vector<double>(single_.begin(), single_.end());
+}
+
 template<class T>
 void DenseOperator::applyWhole(const std::vector<T>& matrix, const double* t, double* u, int count) const {
   if constexpr (std::is_same_v<T, double>) {
@@ -90,6 +107,8 @@ void DenseOperator::applyWhole(const std::vector<T>& matrix, const double* t, do
 void DenseOperator::apply(const double* t, double* u, int count) const {
   if (n_ == 0 || count == 0)
     return;
+  if (packed_ && count >= leastColumnsForUnpacking)
+    return applyWhole(matrix(), t, u, count);
   if (!packed_)
     return single_.empty() ? applyWhole(double_, t, u, count) : applyWhole(single_, t, u, count);
   const auto n = static_cast<std::size_t>(n_);

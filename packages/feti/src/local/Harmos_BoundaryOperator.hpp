@@ -25,6 +25,9 @@ class BoundaryOperator {
   /// U = A T for count vectors, column after column. @throws NumericalError, InternalError. Local.
   virtual void apply(const double* t, double* u, int count) const = 0;
 
+  /// A itself, dense, column after column. @throws as apply().
+  virtual std::vector<double> matrix() const;
+
   /// Memory held.
   virtual double bytes() const = 0;
   /// Memory that a product with count vectors has to read at least.
@@ -57,6 +60,7 @@ class DenseOperator : public BoundaryOperator {
 
   int size() const override { return n_; }
   void apply(const double* t, double* u, int count) const override;
+  std::vector<double> matrix() const override;
   double bytes() const override;
   double bytesRead(int count) const override;
   double flops() const override { return 2.0 * n_ * n_; }

@@ -58,6 +58,22 @@ std::vector<T> pack(const std::vector<double>& matrix, int n) {
   return packed;
 }
 
+template<class T>
+std::vector<double> unpack(const std::vector<T>& packed, int n) {
+  const auto size = static_cast<std::size_t>(n), length = static_cast<std::size_t>(paddedLength(n));
+  std::vector<double> matrix(size * size);
+  const T* next = packed.data();
+  for (std::size_t j = 0; j < length; j += width)
+    for (std::size_t i = j; i < length; i += width)
+      for (std::size_t c = j; c < j + width; ++c)
+        for (std::size_t r = i; r < i + width; ++r, ++next)
+          if (c < size && r < size)
+            matrix[c * size + r] = matrix[r * size + c] = static_cast<double>(*next);
+  return matrix;
+}
+
+template std::vector<double> unpack<double>(const std::vector<double>&, int);
+template std::vector<double> unpack<float>(const std::vector<float>&, int);
 template std::vector<double> pack<double>(const std::vector<double>&, int);
 template std::vector<float> pack<float>(const std::vector<double>&, int);
 

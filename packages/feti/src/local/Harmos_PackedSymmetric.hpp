@@ -11,6 +11,10 @@ namespace Harmos::feti::PackedSymmetric {
 template<class T>
 std::vector<T> pack(const std::vector<double>& matrix, int n);
 
+/// The whole matrix that was packed, column after column.
+template<class T>
+std::vector<double> unpack(const std::vector<T>& packed, int n);
+
 /// y = Ax, reading A once; sums in double. @param x, y of n entries, rounded up to a multiple of four; the
 /// entries of x beyond n are zero, those of y are overwritten.
 void multiply(const double* packed, int n, const double* x, double* y);

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <set>
 #include <sstream>
@@ -126,10 +127,34 @@ Test convergenceTest(const DualProblem& dual, const SolverOptions& options, doub
   return result;
 }
 
-// Adds to what the solver knows the tolerance that an acceptance has come to.
-class MonitorWithTolerance : public qp::SolverMonitor<MultiVector> {
+// Whether a solver gets on so slowly that adaptive vectors are worth their while.
+class Patience {
  public:
-  MonitorWithTolerance(const Teuchos::RCP<DualMonitor>& monitor, double asked, double& tolerance)
+  // For each power of ten of the tolerance: twice what bodies of one material in good subdomains take.
+  static constexpr double productsPerDigit = 20.0;
+  explicit Patience(double tolerance)
+      : products_(productsPerDigit * std::clamp(-std::log10(tolerance), 2.0, 12.0)) {}
+
+  // @param target of ‖g^P‖.
+  bool isOver(const qp::IterationRecord& record, double target) {
+    worst_ = std::max(worst_, record.projectedGradient);
+    best_ = std::min(best_, record.projectedGradient);
+    if (record.hessianApplications < products_ || !(best_ > target))
+      return false;
+    // At the rate so far, is as much again to come as half of what was?
+    return 2.0 * std::log(best_ / target) > std::log(worst_ / best_);
+  }
+
+ private:
+  double products_;
+  double worst_ = 0.0, best_ = std::numeric_limits<double>::infinity();
+};
+
+// Looks after a solve for the monitor that was given, or for none: adds to what the solver knows the
+// tolerance that an acceptance has come to, and stops it where patience is over.
+class Watch : public qp::SolverMonitor<MultiVector> {
+ public:
+  Watch(const Teuchos::RCP<DualMonitor>& monitor, double asked, double& tolerance)
       : monitor_(monitor), asked_(asked), tolerance_(tolerance) {}
 
   // A run that asks for another tolerance begins with that.
@@ -139,17 +164,46 @@ class MonitorWithTolerance : public qp::SolverMonitor<MultiVector> {
     archive.number("tolerance", tolerance);
     if (asked == asked_)
       tolerance_ = tolerance;
+    if (hasVectors_)
+      archive.number(vectorsName, hasVectors_);
+  }
+  static constexpr const char* vectorsName = "adaptive vectors";
+  // That the solver works with them from now on is part of its state.
+  void haveVectors() { hasVectors_ = true; }
+
+  // @param target of ‖g^P‖, of now.
+  void stopWhen(const Patience& patience, std::function<double()> target) {
+    patience_ = patience;
+    target_ = std::move(target);
+  }
+  // Whether patience was over.
+  bool isStopped() const { return isStopped_; }
+  void goesOnAfter(const qp::IterationRecord& last) {
+    patience_.reset();
+    isOver_ = isStopped_ = false;
+    if (!monitor_.is_null())
+      monitor_->goesOnAfter(last);
   }
 
-  void recorded(const qp::IterationRecord& record) override { monitor_->recorded(record); }
-  Wish ask(const qp::IterationState<MultiVector>& state) override { return monitor_->ask(state); }
+  void recorded(const qp::IterationRecord& record) override {
+    isOver_ = patience_ && patience_->isOver(record, target_());
+    if (!monitor_.is_null())
+      monitor_->recorded(record);
+  }
+  Wish ask(const qp::IterationState<MultiVector>& state) override {
+    const Wish wish = monitor_.is_null() ? Wish::GoOn : monitor_->ask(state);
+    isStopped_ = wish == Wish::GoOn && isOver_;
+    return isStopped_ ? Wish::SaveAndStop : wish;
+  }
   void save(const Exchange& state) override {
+    if (isStopped_) // and goes on at once
+      return;
     monitor_->save([&](Archive& archive) {
       exchange(archive);
       state(archive);
     });
   }
-  bool hasState() const override { return monitor_->hasState(); }
+  bool hasState() const override { return !monitor_.is_null() && monitor_->hasState(); }
   bool holds(const std::string& name) const override { return monitor_->holds(name); }
   void restore(const Exchange& state) override { monitor_->restore(state); }
 
@@ -157,6 +211,10 @@ class MonitorWithTolerance : public qp::SolverMonitor<MultiVector> {
   Teuchos::RCP<DualMonitor> monitor_;
   double asked_;
   double& tolerance_;
+  bool hasVectors_ = false;
+  std::optional<Patience> patience_;
+  std::function<double()> target_;
+  bool isOver_ = false, isStopped_ = false;
 };
 
 // One solution of the dual problem: where it starts, what the quadratic programming layer gets, what became
@@ -174,18 +232,16 @@ class DualSolve {
         report_(report),
         monitor_(monitor),
         tolerance_(options.tolerance),
-        watched_(monitor, options.tolerance, tolerance_) {}
+        watch_(monitor, options.tolerance, tolerance_) {}
 
   DualSolution go(const WarmStart* start) {
     guess(start);
+    if (hasVectorsFromStart())
+      deflate();
     makeProblem(start);
-    makeSolver();
-    if (acceptance_ && !isPenalty())
-      solver_->setAcceptance([this] { return isAccepted(); });
-    if (!monitor_.is_null())
-      watch();
-    announce();
-    report_.result = solver_->solve();
+    run();
+    if (watch_.isStopped())
+      goOnWithVectors();
     conclude();
     return std::move(solution_);
   }
@@ -194,12 +250,16 @@ class DualSolve {
   void guess(const WarmStart* start);
   void startFrom(const WarmStart& start);
   void startFromHalfLoad();
+  bool hasVectorsFromStart() const;
+  void deflate();
+  void goOnWithVectors();
+  void run();
   void makeProblem(const WarmStart* start);
   void addEquality(const WarmStart* start);
   void makeSolver();
   Teuchos::RCP<Teuchos::ParameterList> parametersOf(const std::string& method) const;
   bool isAccepted();
-  void watch();
+  void begin();
   void announce() const;
   void conclude();
   void measureEquality();
@@ -208,13 +268,17 @@ class DualSolve {
 
   const DualStages& stages_;
   const DualProblem& dual_;
-  const SolverOptions& options_;
+  SolverOptions options_; // limits: of what is left
   const Acceptance& acceptance_;
   const Log& log_;
   SolveReport& report_;
   Teuchos::RCP<DualMonitor> monitor_; // or null
   double tolerance_;                  // an acceptance may lower it
-  MonitorWithTolerance watched_;
+  Watch watch_;
+  // Where there are adaptive vectors: what is left of the dual problem without their span.
+  const Deflation* deflation_ = nullptr;
+  Teuchos::RCP<const Operator> deflated_, hessian_, hessianOnKernel_;
+  Teuchos::RCP<MultiVector> rhs_;
 
   DualSolution solution_;
   Teuchos::RCP<MultiVector> multiplier_; // μ, null without a coarse problem
@@ -257,8 +321,68 @@ void DualSolve::startFromHalfLoad() {
   solution_.lambda->scale(0.5);
 }
 
+// Those of steps before are there, and a solver that had them when it was interrupted needs them.
+bool DualSolve::hasVectorsFromStart() const {
+  const AdaptiveSpace* space = stages_.adaptive;
+  if (space == nullptr || !space->isPossible() || options_.method == "Dual Penalty")
+    return false;
+  return space->isMade() || space->options().vectors == AdaptiveVectors::All ||
+         (watch_.hasState() && watch_.holds(Watch::vectorsName));
+}
+
+void DualSolve::deflate() {
+  AdaptiveSpace& space = *stages_.adaptive;
+  if (!space.isMade())
+    space.make(log_);
+  watch_.haveVectors();
+  report_.adaptiveSeconds = space.seconds();
+  deflation_ = space.deflation();
+  if (deflation_ == nullptr)
+    return;
+  report_.adaptiveVectors = deflation_->dimension();
+  deflated_ = Teuchos::rcp(new DeflatedOperator(space.dualOperator(), *deflation_));
+  hessian_ = deflated_;
+  rhs_ = Teuchos::rcp(new MultiVector(dual_.d(), Teuchos::Copy));
+  deflation_->removeFromLoad(*rhs_);
+  if (stages_.coarse.dimension() == 0)
+    return;
+  hessian_ = Teuchos::rcp(new ProjectedOperator(*deflated_, stages_.coarse));
+  hessianOnKernel_ = Teuchos::rcp(new ProjectedOperator(*deflated_, stages_.coarse, true));
+  stages_.coarse.project(*rhs_);
+}
+
+// From where the solver has come to.
+void DualSolve::goOnWithVectors() {
+  const qp::Result first = report_.result;
+  const qp::IterationRecord last = first.lastRecord();
+  log_.info("The solver gets on slowly: adaptive coarse vectors after " +
+            std::to_string(first.counters.hessianApplications) + " products");
+  deflate();
+  options_.maximumIterations = std::max(1, options_.maximumIterations - last.inner);
+  constexpr double leastSeconds = 1e-3; // 0 is no limit
+  if (options_.maximumSeconds > 0.0)
+    options_.maximumSeconds =
+        std::max(leastSeconds, options_.maximumSeconds - last.seconds - report_.adaptiveSeconds);
+  watch_.goesOnAfter(last);
+  const WarmStart reached = {Teuchos::null, valuesOf(multiplier_)};
+  makeProblem(&reached);
+  run();
+  report_.result.goesOnAfter(first);
+}
+
+void DualSolve::run() {
+  makeSolver();
+  if (acceptance_ && !isPenalty())
+    solver_->setAcceptance([this] { return isAccepted(); });
+  begin();
+  announce();
+  report_.result = solver_->solve();
+}
+
 void DualSolve::makeProblem(const WarmStart* start) {
-  problem_ = Teuchos::rcp(new qp::TpetraProblem(dual_.hessian(), solution_.lambda, dual_.rhs()));
+  problem_ =
+      Teuchos::rcp(new qp::TpetraProblem(deflation_ ? hessian_ : dual_.hessian(), solution_.lambda,
+                                         deflation_ ? Teuchos::RCP<const MultiVector>(rhs_) : dual_.rhs()));
   problem_->setLowerBound(dual_.lowerBound());
   if (!dual_.equalityRows().is_null())
     addEquality(start);
@@ -278,7 +402,7 @@ void DualSolve::addEquality(const WarmStart* start) {
   }
   const auto zero = Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1));
   problem_->setEquality(dual_.equalityRows(), zero, multiplier_, qp::EqualityStructure::OrthonormalInvariant);
-  problem_->setHessianOnKernel(dual_.hessianOnKernel());
+  problem_->setHessianOnKernel(deflation_ ? hessianOnKernel_ : dual_.hessianOnKernel());
   problem_->setFaceGram(Teuchos::rcp(new CoarseFaceGram(coarse)));
 }
 
@@ -322,6 +446,8 @@ bool DualSolve::isAccepted() {
   double met = tolerance_ * test_.gradient->value() / test_.gradient->limit();
   if (!test_.equality.is_null())
     met = std::max(met, tolerance_ * test_.equality->value() / test_.equality->limit());
+  if (deflation_)
+    deflation_->complete(dual_.d(), *solution_.lambda);
   const std::optional<double> next =
       acceptance_(*solution_.lambda, valuesOf(multiplier_), std::isfinite(met) ? met : tolerance_);
   if (!next)
@@ -331,18 +457,24 @@ bool DualSolve::isAccepted() {
   return false;
 }
 
-void DualSolve::watch() {
-  monitor_->begins({stages_, method_, [this] {
-                      // What the tests last measured against.
-                      DualTargets targets{tolerance_ * report_.gradientScale, 0.0};
-                      if (!test_.equality.is_null())
-                        targets.equality = tolerance_ * test_.equality->scale();
-                      return targets;
-                    }});
-  solver_->setMonitor(Teuchos::rcpFromRef<qp::SolverMonitor<MultiVector>>(watched_));
-  if (!monitor_->hasState())
+void DualSolve::begin() {
+  const AdaptiveSpace* space = stages_.adaptive;
+  const bool mayAdapt = space != nullptr && space->isPossible() && !space->isMade() && !isPenalty();
+  if (mayAdapt)
+    watch_.stopWhen(Patience(options_.tolerance), [this] { return tolerance_ * report_.gradientScale; });
+  if (!monitor_.is_null())
+    monitor_->begins({stages_, method_, [this] {
+                        // What the tests last measured against.
+                        DualTargets targets{tolerance_ * report_.gradientScale, 0.0};
+                        if (!test_.equality.is_null())
+                          targets.equality = tolerance_ * test_.equality->scale();
+                        return targets;
+                      }});
+  if (mayAdapt || !monitor_.is_null())
+    solver_->setMonitor(Teuchos::rcpFromRef<qp::SolverMonitor<MultiVector>>(watch_));
+  if (!watch_.hasState())
     return;
-  monitor_->restore([this](qp::StateArchive<MultiVector>& archive) { watched_.exchange(archive); });
+  watch_.restore([this](qp::StateArchive<MultiVector>& archive) { watch_.exchange(archive); });
   setTolerance();
 }
 
@@ -356,6 +488,8 @@ void DualSolve::announce() const {
 }
 
 void DualSolve::conclude() {
+  if (deflation_)
+    deflation_->complete(dual_.d(), *solution_.lambda);
   report_.result.counters.setupApplications += dual_.setupApplications();
   report_.solved = true;
   if (!test_.equality.is_null())

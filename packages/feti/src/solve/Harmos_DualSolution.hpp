@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_AdaptiveSpace.hpp"
 #include "Harmos_DualProblem.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_QpTypes.hpp"
@@ -22,6 +23,7 @@ struct DualStages {
   const CoarseSpace& coarse;
   const DualProblem& problem;
   Teuchos::RCP<const Operator> preconditioner; ///< or null
+  AdaptiveSpace* adaptive = nullptr;           ///< vectors are made when they are needed; or null
 };
 
 /// What became of a solution of the dual problem.
@@ -31,9 +33,11 @@ struct SolveReport {
   bool converged = false;
   std::string reason = "not finished";
   qp::Result result;
-  double gradientScale = 0.0; ///< ‖g^P‖ is measured against it
-  double equalityScale = 0.0; ///< ‖Gλ‖ likewise, 0 without a coarse problem
-  double dNorm = 0.0;         ///< ‖d‖
+  double gradientScale = 0.0;   ///< ‖g^P‖ is measured against it
+  double equalityScale = 0.0;   ///< ‖Gλ‖ likewise, 0 without a coarse problem
+  double dNorm = 0.0;           ///< ‖d‖
+  int adaptiveVectors = 0;      ///< that the solver had in the end
+  double adaptiveSeconds = 0.0; ///< that they took to make
 };
 
 /// The answer to the dual problem.
@@ -68,6 +72,8 @@ class DualMonitor : public qp::SolverMonitor<MultiVector> {
  public:
   /// Before the first iteration, or before the state of an earlier run is asked for. @note Collective.
   virtual void begins(const DualRun& run) = 0;
+  /// The next solve goes on where one has ended: its rows are counted on from the last one's.
+  virtual void goesOnAfter(const qp::IterationRecord& /*last*/) {}
 };
 
 /// Is asked about λ and μ that just meet a tolerance: the tolerance to go on to, or nothing. Collective.

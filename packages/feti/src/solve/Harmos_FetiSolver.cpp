@@ -55,6 +55,7 @@ void FetiSolver::setUpInverses() {
 void FetiSolver::setUpOperators() {
   problem_.reset();
   history_.clear();
+  adaptive_.reset();
   operator_ = std::make_unique<DualOperator>(*constraints_, *inverses_);
   coarse_ = std::make_unique<CoarseSpace>(*system_, *constraints_);
   preconditioner_ =
@@ -62,6 +63,10 @@ void FetiSolver::setUpOperators() {
           ? Teuchos::null
           : Teuchos::rcp(new DualPreconditioner(*system_, *constraints_, *inverses_, decided_.preconditioner,
                                                 dual_.scalingFor(false, contrast_)));
+  adaptive_ = std::make_unique<AdaptiveSpace>(
+      AdaptiveSpace::Stages{*system_, *constraints_, *inverses_, *coarse_, *operator_, preconditioner_},
+      AdaptiveSpace::Forms{decided_.inverses, decided_.preconditioner, dual_.scalingFor(false, contrast_)},
+      dual_.adaptive);
 }
 
 void FetiSolver::setLoads(std::vector<std::shared_ptr<const std::vector<double>>> loads) {
@@ -85,6 +90,7 @@ void FetiSolver::setMatrices(const std::vector<std::shared_ptr<const LocalMatrix
   // From here on nothing that was made of the old matrices may be used, also if a factorisation fails.
   problem_.reset();
   history_.clear();
+  adaptive_.reset();
   operator_.reset();
   preconditioner_ = Teuchos::null;
   std::vector<CongruenceClass> classes;
@@ -122,7 +128,8 @@ const SolveReport& FetiSolver::solve(double tolerance) {
       return report_;
     }
   }
-  const DualStages stages{*system_, *constraints_, *inverses_, *coarse_, *problem_, preconditioner_};
+  const DualStages stages{*system_,  *constraints_,   *inverses_,     *coarse_,
+                          *problem_, preconditioner_, adaptive_.get()};
   const std::optional<WarmStart> start = history_.start(*problem_, tolerance);
   TornSolution torn;
   bool looked = false, agrees = false;

@@ -112,6 +112,7 @@ class FetiSolver {
   std::unique_ptr<CoarseSpace> coarse_;
   std::unique_ptr<DualProblem> problem_;
   Teuchos::RCP<const DualPreconditioner> preconditioner_;
+  std::unique_ptr<AdaptiveSpace> adaptive_;
   std::unique_ptr<TornSolution> solution_;
   SolutionHistory history_;
   KktAudit audit_;

@@ -3,6 +3,7 @@
 
 #include <iomanip>
 #include <ostream>
+#include <utility>
 
 namespace Harmos::qp {
 
@@ -122,6 +123,23 @@ void writeHistoryRow(std::ostream& out, const IterationRecord& record) {
       << record.projectedGradient << ',' << record.equalityResidual << ',' << record.penalty << ','
       << record.precision << ',' << record.active << ',' << record.hessianApplications << ','
       << std::setprecision(6) << record.seconds << '\n';
+}
+
+IterationRecord countedOn(const IterationRecord& row, const IterationRecord& before) {
+  IterationRecord result = row;
+  result.outer += before.outer;
+  result.inner += before.inner;
+  result.hessianApplications += before.hessianApplications;
+  result.seconds += before.seconds;
+  return result;
+}
+
+void Result::goesOnAfter(const Result& before) {
+  std::vector<IterationRecord> all = before.history;
+  for (const IterationRecord& row : history)
+    all.push_back(countedOn(row, before.lastRecord()));
+  history = std::move(all);
+  counters += before.counters;
 }
 
 void writeHistory(std::ostream& out, const std::vector<IterationRecord>& history) {

@@ -77,6 +77,9 @@ struct IterationRecord {
   double decrease; ///< of the cost (or the augmented Lagrangian) over this step, NaN where it is not known
 };
 
+/// A row of one solve, counted on from the last row of those before it.
+IterationRecord countedOn(const IterationRecord& row, const IterationRecord& before);
+
 /// What solve() returns.
 struct Result {
   Reason reason = Reason::Breakdown;
@@ -91,6 +94,10 @@ struct Result {
   std::vector<IterationRecord> history;
 
   bool converged() const { return reason == Reason::Converged; }
+  /// The last row of the history; zeros without one.
+  IterationRecord lastRecord() const { return history.empty() ? IterationRecord{} : history.back(); }
+  /// Puts history and counters of a solve before, which this one went on from, in front of its own.
+  void goesOnAfter(const Result& before);
 };
 
 /// Writes the history with one header line; numbers in full precision.

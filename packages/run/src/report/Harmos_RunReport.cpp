@@ -72,6 +72,8 @@ std::string toJson(const RunReport& report) {
   json["inequalities"] = report.inequalities;
   json["kernel_dimension"] = report.kernelDimension;
   json["coarse_dimension"] = report.coarseDimension;
+  json["adaptive_vectors"] = report.adaptiveVectors;
+  json["adaptive_seconds"] = report.adaptiveSeconds;
   json["subdomains"] = report.subdomains;
   json["outer_iterations"] = counters.outerIterations;
   json["hessian_applications"] = counters.hessianApplications;

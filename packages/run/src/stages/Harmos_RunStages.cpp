@@ -218,6 +218,9 @@ void RunStages::factorise() {
     feti::DualOptions dual = options_.dual;
     if (directory_.checkpoint() != nullptr)
       takeFrom(*directory_.checkpoint(), dual);
+    // FU and what products say of it cancel to many digits.
+    if (dual.adaptive.vectors == feti::AdaptiveVectors::All)
+      dual.mayRound = false;
     const feti::DualOptions::Decided decided = dual.decided(
         *system_, *constraints_, feti::DualOptions::usualProducts(isElastic(), options_.tolerance),
         !scene_.hasSeveralMaterials(), log_, options_.fixedTolerance());
@@ -255,13 +258,16 @@ void RunStages::countFactorisations() {
   report_.factorisations = globalSum(*comm_, static_cast<long long>(inverses_->counts().factorizations));
 }
 
+feti::PreconditionerScaling RunStages::scaling() const {
+  return options_.dual.scalingFor(scene_.hasSeveralMaterials(), scene_.materialContrast());
+}
+
 void RunStages::makeOperators() {
   dualOperator_.emplace(*constraints_, *inverses_);
   if (preconditionerKind_ != feti::PreconditionerKind::None) {
     const auto scope = timers_.scope("dual_operator");
-    preconditioner_ = Teuchos::rcp(new feti::DualPreconditioner(
-        *system_, *constraints_, *inverses_, preconditionerKind_,
-        options_.dual.scalingFor(scene_.hasSeveralMaterials(), scene_.materialContrast())));
+    preconditioner_ = Teuchos::rcp(
+        new feti::DualPreconditioner(*system_, *constraints_, *inverses_, preconditionerKind_, scaling()));
   }
 }
 
@@ -277,8 +283,16 @@ void RunStages::makeDualProblem() {
     const auto scope = timers_.scope("dual_operator");
     dual_.emplace(*system_, *constraints_, *inverses_, *dualOperator_, *coarse_);
   }
+  bindStages();
+}
+
+void RunStages::bindStages() {
+  adaptive_.emplace(feti::AdaptiveSpace::Stages{*system_, *constraints_, *inverses_, *coarse_, *dualOperator_,
+                                                preconditioner_},
+                    feti::AdaptiveSpace::Forms{inverseOptions_, preconditionerKind_, scaling()},
+                    options_.dual.adaptive);
   dualStages_.emplace(
-      feti::DualStages{*system_, *constraints_, *inverses_, *coarse_, *dual_, preconditioner_});
+      feti::DualStages{*system_, *constraints_, *inverses_, *coarse_, *dual_, preconditioner_, &*adaptive_});
 }
 
 void RunStages::sayCoarse() const {
@@ -346,16 +360,10 @@ void RunStages::solveUnrounded(const Teuchos::RCP<RunMonitor>& monitor, const Lo
   }
   makeOperators();
   dual_.emplace(*system_, *constraints_, *inverses_, *dualOperator_, *coarse_);
-  dualStages_.emplace(
-      feti::DualStages{*system_, *constraints_, *inverses_, *coarse_, *dual_, preconditioner_});
-  const qp::IterationRecord last = first.history.empty() ? qp::IterationRecord{} : first.history.back();
-  monitor->goesOnAfter(last);
-  solveOnce(&start, monitor, log, secondsSpent + last.seconds);
-  std::vector<qp::IterationRecord> history = first.history;
-  for (const qp::IterationRecord& row : report_.result.history)
-    history.push_back(countedOn(row, last));
-  report_.result.history = std::move(history);
-  report_.result.counters += first.counters;
+  bindStages();
+  monitor->goesOnAfter(first.lastRecord());
+  solveOnce(&start, monitor, log, secondsSpent + first.lastRecord().seconds);
+  report_.result.goesOnAfter(first);
 }
 
 void RunStages::solveOnce(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor,

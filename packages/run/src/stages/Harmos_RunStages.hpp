@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_AdaptiveSpace.hpp"
 #include "Harmos_AnswerCheck.hpp"
 #include "Harmos_CoarseSpace.hpp"
 #include "Harmos_ContactSetup.hpp"
@@ -97,8 +98,10 @@ class RunStages {
   void constrain();
   void factorise();
   void tellFactors();
+  feti::PreconditionerScaling scaling() const;
   void makeOperators();
   void makeDualProblem();
+  void bindStages();
   void solveOnce(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log,
                  double secondsSpent);
   void solveUnrounded(const Teuchos::RCP<RunMonitor>& monitor, const Log& log, double secondsSpent);
@@ -137,8 +140,9 @@ class RunStages {
   feti::PreconditionerKind preconditionerKind_ = feti::PreconditionerKind::Dirichlet; // as decided
   Teuchos::RCP<const feti::DualPreconditioner> preconditioner_;                       // or null
   std::optional<feti::CoarseSpace> coarse_;
+  std::optional<feti::AdaptiveSpace> adaptive_;
   std::optional<feti::DualProblem> dual_;
-  std::optional<feti::DualStages> dualStages_; // the last six together
+  std::optional<feti::DualStages> dualStages_; // these together
   std::optional<AnswerCheck> check_;
   feti::DualSolution solution_;
   feti::TornSolution torn_;

@@ -133,7 +133,7 @@ StepSequence::Outcome StepSequence::solve() {
   counters_ += report_.result.counters;
   attemptCounters_ += report_.result.counters;
   for (const qp::IterationRecord& row : report_.result.history)
-    iterations_.push_back(countedOn(row, before));
+    iterations_.push_back(qp::countedOn(row, before));
   if (report_.isInterrupted())
     return Outcome::Interrupted;
   run_.recover();

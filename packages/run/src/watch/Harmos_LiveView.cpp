@@ -91,27 +91,18 @@ LiveView::~LiveView() {
   log_.status("");
 }
 
-qp::IterationRecord countedOn(const qp::IterationRecord& row, const qp::IterationRecord& before) {
-  qp::IterationRecord result = row;
-  result.outer += before.outer;
-  result.inner += before.inner;
-  result.hessianApplications += before.hessianApplications;
-  result.seconds += before.seconds;
-  return result;
-}
-
 void LiveView::begin(const std::vector<qp::IterationRecord>& rows) {
   if (!history_.is_open())
     return;
   for (const qp::IterationRecord& row : rows)
-    qp::writeHistoryRow(history_, countedOn(row, before_));
+    qp::writeHistoryRow(history_, qp::countedOn(row, before_));
   history_.flush();
 }
 
 void LiveView::add(const qp::IterationRecord& record, const feti::DualTargets& targets) {
   remaining_.add(record, targets);
   if (history_.is_open())
-    qp::writeHistoryRow(history_, countedOn(record, before_));
+    qp::writeHistoryRow(history_, qp::countedOn(record, before_));
   const auto now = std::chrono::steady_clock::now();
   if (std::chrono::duration<double>(now - last_).count() < interval)
     return;

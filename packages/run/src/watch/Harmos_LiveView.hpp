@@ -58,9 +58,6 @@ class LiveView {
   std::chrono::steady_clock::time_point last_;
 };
 
-/// Rows of one solve, counted on from the last row of those before it.
-qp::IterationRecord countedOn(const qp::IterationRecord& row, const qp::IterationRecord& before);
-
 /// "PDAS 3/120  41 s, 12 s left  |g^P| 2.1e-03/1.0e-06  |G l| 3.4e-09/2.0e-05": outer and inner iteration,
 /// times, ‖g^P‖ and ‖Gλ‖ against their targets.
 std::string statusLine(const std::string& method, const qp::IterationRecord& record,

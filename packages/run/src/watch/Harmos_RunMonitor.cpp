@@ -75,7 +75,7 @@ RunMonitor::RunMonitor(const Teuchos::Comm<int>& comm, const RunOptions& options
 RunMonitor::~RunMonitor() = default;
 
 void RunMonitor::goesOnAfter(const qp::IterationRecord& last) {
-  place_.before = countedOn(last, place_.before);
+  place_.before = qp::countedOn(last, place_.before);
   place_.hasEarlier = true;
   place_.clock = clock_;
   rows_.clear();

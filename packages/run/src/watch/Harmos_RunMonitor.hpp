@@ -57,9 +57,7 @@ class RunMonitor : public feti::DualMonitor {
   /// What else belongs to a checkpoint.
   void addState(const Exchange& state) { states_.push_back(state); }
 
-  /// The next solve goes on where one has ended: its rows are counted on from the last one's.
-  void goesOnAfter(const qp::IterationRecord& last);
-
+  void goesOnAfter(const qp::IterationRecord& last) override;
   void begins(const feti::DualRun& run) override;
   void recorded(const qp::IterationRecord& record) override;
   Wish ask(const qp::IterationState<MultiVector>& state) override;

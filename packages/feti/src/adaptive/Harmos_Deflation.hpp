@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_SubdomainSum.hpp"
+
+#include <Teuchos_RCP.hpp>
+
+#include <vector>
+
+namespace Harmos::feti {
+
+/// Part of the multipliers, span(U), eliminated from a quadratic program:
+///
+///     F' = F − WWᵀ,   d' = d − WUᵀd,   W = FU,   UᵀFU = I
+///
+/// min ½λᵀF'λ − λᵀd' is what is left of min ½λᵀFλ − λᵀd when it is minimised over U first, which changes
+/// nothing else if U has no entries where λ has bounds and GU = 0. F'λ − d' = F(λ + Uα) − d for the α of
+/// complete(): residuals, and the multipliers of Gλ = 0, are those of the whole problem (Nicolaides,
+/// Deflation of conjugate gradients, SIAM J. Numer. Anal. 24, 1987; Dostál, Conjugate gradient method with
+/// preconditioning by projector, Int. J. Comput. Math. 23, 1988).
+///
+/// U and W are dense: a product costs two products with W and a reduction of its columns.
+/// Guarded by tests/unit/feti/test_adaptive_space.cpp.
+class Deflation {
+ public:
+  /// @param vectors columns that span U; those that depend on the others are left out. They are changed.
+  /// @throws NumericalError on all ranks. @note Collective: as many products with F, in blocks.
+  Deflation(const SubdomainSum& dual, const Teuchos::RCP<MultiVector>& vectors);
+
+  /// Columns of U; none: nothing else may be asked for.
+  int dimension() const { return dimension_; }
+  /// Of U and W on this rank.
+  double bytes() const;
+
+  /// Y ← Y − WWᵀX. @note Collective, one reduction.
+  void removeFrom(const MultiVector& X, MultiVector& Y) const;
+  /// d ← d − WUᵀd. @note Collective.
+  void removeFromLoad(MultiVector& d) const;
+  /// λ ← λ + U(Uᵀd − Wᵀλ). @note Collective.
+  void complete(const MultiVector& d, MultiVector& lambda) const;
+
+ private:
+  void add(double factor, const MultiVector& of, const std::vector<double>& w, MultiVector& y) const;
+
+  Teuchos::RCP<MultiVector> u_, w_;
+  int dimension_ = 0;
+};
+
+/// F' as a Tpetra operator.
+class DeflatedOperator : public Operator {
+ public:
+  /// Both to outlive this.
+  DeflatedOperator(const Operator& inner, const Deflation& deflation)
+      : inner_(inner), deflation_(deflation) {}
+  Teuchos::RCP<const Map> getDomainMap() const override { return inner_.getDomainMap(); }
+  Teuchos::RCP<const Map> getRangeMap() const override { return inner_.getRangeMap(); }
+  bool hasTransposeApply() const override { return true; }
+  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
+             Scalar alpha = 1.0, Scalar beta = 0.0) const override;
+
+ private:
+  const Operator& inner_;
+  const Deflation& deflation_;
+};
+
+} // namespace Harmos::feti
