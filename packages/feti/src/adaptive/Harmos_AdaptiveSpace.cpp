@@ -166,22 +166,17 @@ MultiVector jumpsOf(const Workshop& shop, const LocalModes& modes, const Numberi
   return jumps;
 }
 
-// PMB_sv, a column for each mode.
+// MB_sv, a column for each mode.
 Teuchos::RCP<MultiVector> imagesOf(const Workshop& shop, const LocalModes& modes,
                                    const Numbering& numbering) {
   constexpr int batch = 32;
-  const CoarseSpace& coarse = shop.stages.coarse;
   const auto result = Teuchos::rcp(
       new MultiVector(shop.stages.constraints.rowMap(), static_cast<std::size_t>(numbering.total)));
-  const CoarseFactor face = coarse.faceFactor(shop.mask);
   for (int begin = 0; begin < numbering.total; begin += batch) {
     const int end = std::min(begin + batch, numbering.total);
     const MultiVector jumps = jumpsOf(shop, modes, numbering, begin, end);
     const Teuchos::RCP<MultiVector> part = result->subViewNonConst(Teuchos::Range1D(begin, end - 1));
     shop.preconditioner.apply(jumps, *part);
-    applyMask(shop.mask, *part);
-    if (coarse.dimension() > 0)
-      projectOnFace(coarse, face, shop.mask, *part);
   }
   shop.preconditioner.rethrowFailure();
   return result;
@@ -235,8 +230,14 @@ std::string AdaptiveSpace::makeVectors() {
   const auto rows = static_cast<double>(globalMax(comm, static_cast<long long>(shop.mask.getLocalLength())));
   keepLargest(comm, static_cast<long long>(room / (16.0 * std::max(rows, 1.0))), modes);
   const Numbering numbering = numberingOf(stages_.system, modes);
-  if (numbering.total > 0)
-    deflation_.emplace(shop.dual, imagesOf(shop, modes, numbering));
+  if (numbering.total > 0) {
+    const CoarseFactor face = stages_.coarse.faceFactor(shop.mask);
+    deflation_.emplace(shop.dual, stages_.coarse, imagesOf(shop, modes, numbering), [&](MultiVector& x) {
+      applyMask(shop.mask, x);
+      if (stages_.coarse.dimension() > 0)
+        projectOnFace(stages_.coarse, face, shop.mask, x);
+    });
+  }
   if (deflation_ && deflation_->dimension() == 0)
     deflation_.reset();
   if (!deflation_)

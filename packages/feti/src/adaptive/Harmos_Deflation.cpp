@@ -49,13 +49,18 @@ Teuchos::RCP<MultiVector> combined(const MultiVector& x, const std::vector<doubl
 
 } // namespace
 
-Deflation::Deflation(const SubdomainSum& dual, const Teuchos::RCP<MultiVector>& vectors) : u_(vectors) {
-  w_ = Teuchos::rcp(new MultiVector(u_->getMap(), u_->getNumVectors()));
-  dual.apply(*u_, *w_);
-  dual.rethrowFailure();
-  // Columns of energy one, then orthonormal: once for what they are, once more for what rounding has left.
-  for (int pass = 0; pass < 3; ++pass) {
+Deflation::Deflation(const SubdomainSum& dual, const CoarseSpace& coarse,
+                     const Teuchos::RCP<MultiVector>& vectors, const std::function<void(MultiVector&)>& admit)
+    : u_(vectors) {
+  // Columns that almost depend on each other leave rounding errors in what is combined of them: once more
+  // for these, with products of what came of it.
+  for (int pass = 0; pass < 2; ++pass) {
+    admit(*u_);
     const std::size_t n = u_->getNumVectors();
+    w_ = Teuchos::rcp(new MultiVector(u_->getMap(), n));
+    dual.apply(*u_, *w_);
+    dual.rethrowFailure();
+    coarse.project(*w_);
     std::vector<double> gram = innerProducts(*u_, *w_);
     // The same to the last bit on all ranks: they decide by it which depend on others.
     Teuchos::broadcast<int, double>(*u_->getMap()->getComm(), 0, static_cast<int>(gram.size()), gram.data());
@@ -105,8 +110,8 @@ void Deflation::add(double factor, const MultiVector& of, const std::vector<doub
               w.data(), dimension_, 1.0, out.data(), static_cast<int>(y.getStride()));
 }
 
-void Deflation::removeFrom(const MultiVector& X, MultiVector& Y) const {
-  add(-1.0, *w_, innerProducts(*w_, X), Y);
+void Deflation::removeSpan(MultiVector& lambda) const {
+  add(-1.0, *u_, innerProducts(*w_, lambda), lambda);
 }
 
 void Deflation::removeFromLoad(MultiVector& d) const {
@@ -125,12 +130,24 @@ void DeflatedOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETra
                              Scalar beta) const {
   if (alpha == 1.0 && beta == 0.0) {
     inner_.apply(X, Y);
-    deflation_.removeFrom(X, Y);
+    deflation_.removeFromLoad(Y);
     return;
   }
   MultiVector image(Y.getMap(), X.getNumVectors());
   inner_.apply(X, image);
-  deflation_.removeFrom(X, image);
+  deflation_.removeFromLoad(image);
+  if (beta == 0.0)
+    Y.scale(alpha, image);
+  else
+    Y.update(alpha, image, beta);
+}
+
+void DeflatedPreconditioner::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp, Scalar alpha,
+                                   Scalar beta) const {
+  MultiVector load(X, Teuchos::Copy), image(Y.getMap(), X.getNumVectors());
+  deflation_.removeFromLoad(load);
+  inner_.apply(load, image);
+  deflation_.removeSpan(image);
   if (beta == 0.0)
     Y.scale(alpha, image);
   else

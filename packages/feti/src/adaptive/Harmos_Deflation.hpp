@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_CoarseSpace.hpp"
 #include "Harmos_SubdomainSum.hpp"
 
 #include <Teuchos_RCP.hpp>
 
+#include <functional>
 #include <vector>
 
 namespace Harmos::feti {
@@ -23,17 +25,20 @@ namespace Harmos::feti {
 /// Guarded by tests/unit/feti/test_adaptive_space.cpp.
 class Deflation {
  public:
-  /// @param vectors columns that span U; those that depend on the others are left out. They are changed.
-  /// @throws NumericalError on all ranks. @note Collective: as many products with F, in blocks.
-  Deflation(const SubdomainSum& dual, const Teuchos::RCP<MultiVector>& vectors);
+  /// @param coarse W is projected: F' is to be used between projections. @param vectors columns that span U;
+  /// those that depend on the others are left out. They are changed.
+  /// @param admit makes of vectors such as have no entries at bounds, and Gx = 0.
+  /// @throws NumericalError on all ranks. @note Collective: twice as many products with F, in blocks.
+  Deflation(const SubdomainSum& dual, const CoarseSpace& coarse, const Teuchos::RCP<MultiVector>& vectors,
+            const std::function<void(MultiVector&)>& admit);
 
   /// Columns of U; none: nothing else may be asked for.
   int dimension() const { return dimension_; }
   /// Of U and W on this rank.
   double bytes() const;
 
-  /// Y ← Y − WWᵀX. @note Collective, one reduction.
-  void removeFrom(const MultiVector& X, MultiVector& Y) const;
+  /// λ ← λ − UWᵀλ: what F' does not see. @note Collective.
+  void removeSpan(MultiVector& lambda) const;
   /// d ← d − WUᵀd. @note Collective.
   void removeFromLoad(MultiVector& d) const;
   /// λ ← λ + U(Uᵀd − Wᵀλ). @note Collective.
@@ -46,11 +51,30 @@ class Deflation {
   int dimension_ = 0;
 };
 
-/// F' as a Tpetra operator.
+/// F' = (I − WUᵀ)F as a Tpetra operator: so taken from the product, rounding errors along W, where F is
+/// largest, go with it.
 class DeflatedOperator : public Operator {
  public:
   /// Both to outlive this.
   DeflatedOperator(const Operator& inner, const Deflation& deflation)
+      : inner_(inner), deflation_(deflation) {}
+  Teuchos::RCP<const Map> getDomainMap() const override { return inner_.getDomainMap(); }
+  Teuchos::RCP<const Map> getRangeMap() const override { return inner_.getRangeMap(); }
+  bool hasTransposeApply() const override { return true; }
+  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
+             Scalar alpha = 1.0, Scalar beta = 0.0) const override;
+
+ private:
+  const Operator& inner_;
+  const Deflation& deflation_;
+};
+
+/// (I − UWᵀ)M(I − WUᵀ): directions have no share in span(U), where M has its largest ones, F' has nothing and
+/// iterates would drift away until rounding errors of what is taken from F are all that is left.
+class DeflatedPreconditioner : public Operator {
+ public:
+  /// Both to outlive this.
+  DeflatedPreconditioner(const Operator& inner, const Deflation& deflation)
       : inner_(inner), deflation_(deflation) {}
   Teuchos::RCP<const Map> getDomainMap() const override { return inner_.getDomainMap(); }
   Teuchos::RCP<const Map> getRangeMap() const override { return inner_.getRangeMap(); }

@@ -138,7 +138,7 @@ DominantModes dominantModes(const std::vector<double>& energy, const BoundaryOpe
     std::vector<double> above;
     for (std::size_t k = dimension; k-- > 0 && values[k] > threshold;)
       above.push_back(values[k]);
-    bool isSettled = above.size() < dimension && above.size() == before.size() && end > first + blockSize;
+    bool isSettled = above.size() < dimension && above.size() == before.size() && end > first + 2 * blockSize;
     for (std::size_t k = 0; isSettled && k < above.size(); ++k)
       isSettled = std::abs(above[k] - before[k]) <= accuracy * above[k];
     before = above;

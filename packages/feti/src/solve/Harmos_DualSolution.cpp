@@ -277,7 +277,7 @@ class DualSolve {
   Watch watch_;
   // Where there are adaptive vectors: what is left of the dual problem without their span.
   const Deflation* deflation_ = nullptr;
-  Teuchos::RCP<const Operator> deflated_, hessian_, hessianOnKernel_;
+  Teuchos::RCP<const Operator> deflated_, hessian_, hessianOnKernel_, deflatedPreconditioner_;
   Teuchos::RCP<MultiVector> rhs_;
 
   DualSolution solution_;
@@ -341,6 +341,8 @@ void DualSolve::deflate() {
     return;
   report_.adaptiveVectors = deflation_->dimension();
   deflated_ = Teuchos::rcp(new DeflatedOperator(space.dualOperator(), *deflation_));
+  deflatedPreconditioner_ = Teuchos::rcp(new DeflatedPreconditioner(*stages_.preconditioner, *deflation_));
+  deflation_->removeSpan(*solution_.lambda);
   hessian_ = deflated_;
   rhs_ = Teuchos::rcp(new MultiVector(dual_.d(), Teuchos::Copy));
   deflation_->removeFromLoad(*rhs_);
@@ -387,7 +389,7 @@ void DualSolve::makeProblem(const WarmStart* start) {
   if (!dual_.equalityRows().is_null())
     addEquality(start);
   if (!stages_.preconditioner.is_null())
-    problem_->setPreconditioner(stages_.preconditioner);
+    problem_->setPreconditioner(deflation_ ? deflatedPreconditioner_ : stages_.preconditioner);
   if (!problem_->setProblem())
     throw NumericalError("the dual problem cannot be solved: " + problem_->whyNotSet());
 }

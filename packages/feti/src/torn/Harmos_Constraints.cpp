@@ -367,22 +367,31 @@ std::vector<std::vector<double>> stiffnessWeights(const SubdomainSystem& system)
 } // namespace
 
 double stiffnessContrast(const SubdomainSystem& system) {
-  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  // What corners and sizes of cells do within a subdomain of one material.
+  constexpr double ofMeshes = 10.0;
+  double least = std::numeric_limits<double>::infinity(), most = 0.0, within = 1.0;
   for (int i = 0; i < system.size(); ++i) {
     const std::vector<int>& interface = *system.subdomain(i).interface;
     if (interface.empty())
       continue;
     const std::vector<double> diagonal = system.subdomain(i).stiffness->diagonal();
-    double sum = 0.0;
-    for (int local : interface)
-      sum += diagonal[static_cast<std::size_t>(local)];
+    double sum = 0.0, softest = std::numeric_limits<double>::infinity(), stiffest = 0.0;
+    for (int local : interface) {
+      const double entry = diagonal[static_cast<std::size_t>(local)];
+      sum += entry;
+      softest = std::min(softest, entry);
+      stiffest = std::max(stiffest, entry);
+    }
+    if (softest > 0.0)
+      within = std::max(within, stiffest / softest / ofMeshes);
     least = std::min(least, sum / static_cast<double>(interface.size()));
     most = std::max(most, sum / static_cast<double>(interface.size()));
   }
   const Teuchos::Comm<int>& comm = *system.comm();
   most = globalMax(comm, most);
   least = globalMin(comm, least);
-  return most > 0.0 ? most / least : 1.0;
+  within = globalMax(comm, within);
+  return most > 0.0 ? std::max(most / least, within) : 1.0;
 }
 
 Constraints::Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows,

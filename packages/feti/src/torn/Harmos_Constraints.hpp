@@ -39,8 +39,9 @@ enum class RowWeights {
   Stiffness ///< BD⁻¹Bᵀ = I there, D the diagonal of K: soft copies give way to stiff ones
 };
 
-/// By how much subdomains differ in stiffness: the largest over the smallest mean of the diagonal of K at
-/// their interfaces. @note Collective.
+/// By how much stiffness jumps: the largest over the smallest mean of the diagonal of K at the interfaces of
+/// subdomains; or, if that is more, a tenth of the largest over the smallest entry at one interface, since
+/// corners and sizes of cells do some of that. @note Collective.
 double stiffnessContrast(const SubdomainSystem& system);
 
 /// The constraints B = [B_I; B_E], c of the torn problem, distributed by rows. B is immutable; c may be set
