@@ -49,7 +49,7 @@ enum class Precision { Double, Single };
 /// over every 128 terms otherwise, where the vectors are rounded to float as well. Relative error of a
 /// product: 6e-8 from rounding, some 1e-7 for the sums.
 ///
-/// Guarded by tests/unit/feti/test_boundary_operator.cpp.
+/// Guarded by tests/unit/feti/local/test_boundary_operator.cpp.
 class DenseOperator : public BoundaryOperator {
  public:
   /// @param matrix n × n, both triangles. @param columns how many vectors a product usually has.

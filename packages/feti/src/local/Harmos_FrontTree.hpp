@@ -17,7 +17,7 @@ namespace Harmos::feti {
 /// where that stores few zeros. Children stand before their parents; places are counted in the order of
 /// elimination. Depends on the pattern alone.
 ///
-/// Guarded by tests/unit/feti/test_multifrontal_cholesky.cpp.
+/// Guarded by tests/unit/feti/local/test_multifrontal_cholesky.cpp.
 struct FrontTree {
   struct Front {
     int first = 0;           ///< place of its first column

@@ -97,7 +97,7 @@ class LocalInverses {
 /// the subdomain has more rigid motions than its kernel says; the error names it and the cause.
 /// @throws NumericalError on all ranks.
 /// @note Collective.
-/// Guarded by tests/unit/feti/test_local_inverse.cpp.
+/// Guarded by tests/unit/feti/local/test_local_inverse.cpp.
 LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints& constraints,
                                 const LocalInverseOptions& options = {});
 

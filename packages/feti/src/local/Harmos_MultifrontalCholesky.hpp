@@ -34,7 +34,7 @@ class FrontWorkspace {
 /// In single precision L is made in double and kept in float, sums are gathered in double: a relative error
 /// of some 6e-8 κ in a solution.
 ///
-/// Guarded by tests/unit/feti/test_multifrontal_cholesky.cpp.
+/// Guarded by tests/unit/feti/local/test_multifrontal_cholesky.cpp.
 class MultifrontalCholesky {
  public:
   /// @throws NumericalError if the matrix is not positive definite, naming a row. Local.

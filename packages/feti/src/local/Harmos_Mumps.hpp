@@ -50,7 +50,7 @@ struct MumpsOptions {
 ///     x_i = A_ii⁻¹ (f_i − A_ib x_b)                     expand(), after condense() of the same f
 ///     x_i = A_ii⁻¹ f_i,  x_b = 0                        solve()
 ///
-/// Guarded by tests/unit/feti/test_mumps.cpp.
+/// Guarded by tests/unit/feti/local/test_mumps.cpp.
 /// @note All functions are collective over the communicator, which may be MPI_COMM_SELF.
 class Mumps {
  public:

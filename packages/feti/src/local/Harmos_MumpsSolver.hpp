@@ -56,7 +56,7 @@ class MumpsExtras {
 /// The matrix is given whole, of symmetric ones the lower triangle is used. Its communicator is MUMPS': one
 /// rank's own for a subdomain of its own, several ranks' for a subdomain that spans them.
 /// @throws std::runtime_error (Harmos::Error) with the sentences of Harmos::feti::Mumps.
-/// Guarded by tests/unit/feti/test_mumps.cpp.
+/// Guarded by tests/unit/feti/local/test_mumps.cpp.
 /// @note Collective over the communicator of the matrix.
 Teuchos::RCP<DirectSolver> makeMumpsSolver(const Teuchos::RCP<const CrsMatrix>& matrix,
                                            const Teuchos::RCP<MultiVector>& x,

@@ -461,7 +461,9 @@ bool DualSolve::isAccepted() {
 
 void DualSolve::begin() {
   const AdaptiveSpace* space = stages_.adaptive;
-  const bool mayAdapt = space != nullptr && space->isPossible() && !space->isMade() && !isPenalty();
+  // SMALBE gets on slowly for reasons of its own, which vectors do not cure.
+  const bool mayAdapt =
+      space != nullptr && space->isPossible() && !space->isMade() && !isPenalty() && method_ != "SMALBE";
   if (mayAdapt)
     watch_.stopWhen(Patience(options_.tolerance), [this] { return tolerance_ * report_.gradientScale; });
   if (!monitor_.is_null())
