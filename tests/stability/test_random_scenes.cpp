@@ -9,9 +9,9 @@
 ///  - every second one by its energy: another run, without any cuts within bodies, by another method and form
 ///  of the dual
 ///    operator, to a tolerance of 1e-10, must agree to ten times the tolerance. It is judged itself.
-/// Errors and runs that do not converge are allowed, but at least 95 % of the scenes that have a solution
-/// must converge, and scenes without one never. Of a sample of n scenes, 95 % less two standard deviations,
-/// 2√(0.95 · 0.05/n).
+/// Errors and runs that do not converge are allowed, but at least 99 % of the scenes that have a solution
+/// must converge, and scenes without one never. Of a sample of n scenes, 99 % less two standard deviations,
+/// 2√(0.99 · 0.01/n).
 ///
 /// Most scenes are run on one rank, a tenth on two and a tenth on four, and the first ones on all; of these
 /// rank 0 computes the energy once more by itself, and they must agree. 520 of them are the long test.
@@ -58,8 +58,8 @@ unsigned commonScenes() {
 
 // How many of n have to converge.
 double leastOf(int n) {
-  const double sample = scenes() < sweep && n > 0 ? 2.0 * std::sqrt(0.95 * 0.05 / n) : 0.0;
-  return (0.95 - sample) * n;
+  const double sample = scenes() < sweep && n > 0 ? 2.0 * std::sqrt(0.99 * 0.01 / n) : 0.0;
+  return (0.99 - sample) * n;
 }
 
 // The scenes of this number of ranks.
