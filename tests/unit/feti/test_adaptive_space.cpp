@@ -244,7 +244,7 @@ TEST(AdaptiveSpace, answers_are_the_same_and_cheap) {
   }
 }
 
-TEST(AdaptiveSpace, products_and_demand) {
+TEST(AdaptiveSpace, products_fall) {
   const TestModel model = threaded(6, 8, true);
   const auto report = [&](const std::string& vectors) {
     Teuchos::ParameterList list;
@@ -255,18 +255,10 @@ TEST(AdaptiveSpace, products_and_demand) {
     FetiSolver solver(testComm(), model.subdomains, model.rows, list);
     return solver.solve();
   };
-  const SolveReport none = report("none"), all = report("all"), onDemand = report("auto");
+  const SolveReport none = report("none"), all = report("all");
   const auto products = [](const SolveReport& r) { return r.result.counters.hessianApplications; };
   EXPECT_EQ(none.adaptiveVectors, 0);
   EXPECT_GT(all.adaptiveVectors, 0);
   EXPECT_LE(products(all), 30);
   EXPECT_GE(products(none), 3 * products(all));
-  RecordProperty("products none", products(none));
-  if (products(none) > 160 * 3 / 2) { // twenty for each of eight digits, and half as much to come
-    EXPECT_EQ(onDemand.adaptiveVectors, all.adaptiveVectors);
-    EXPECT_LE(products(onDemand), 160 + 40);
-    EXPECT_EQ(onDemand.result.history.back().hessianApplications, products(onDemand));
-  } else {
-    EXPECT_EQ(products(onDemand), products(none));
-  }
 }
