@@ -161,6 +161,26 @@ std::string seriesOf(const std::string& directory) {
   return std::filesystem::exists(directory + "/" + name) ? ", " + name : "";
 }
 
+// A run that failed leaves what is known of it. A rank that is alone with its fault writes by itself: the others may
+// be waiting for something else.
+void leaveSummary(const ProgramContext& context, const run::RunOptions& options, run::RunReport& report,
+                  const Error& error, bool alone) {
+  report.converged = false;
+  report.reason = error.what();
+  try {
+    if (alone)
+      run::writeSummaryAlone(options, report);
+    else
+      run::writeSummary(*context.comm, options, report);
+  } catch (const Error& second) {
+    // The first error is the one that matters; the same fault is not told twice.
+    if (second.data() != error.data())
+      context.log.warning(second.what());
+  }
+}
+
+} // namespace
+
 int runDeck(const Application& application, const ProgramContext& context) {
   const auto& [comm, line, log, begin] = context;
   const ParameterSpec spec = deckSpec(application);
@@ -195,26 +215,20 @@ int runDeck(const Application& application, const ProgramContext& context) {
   report.deck = line.deck;
   try {
     run::runScene(comm, scene, options, log, begin, report);
-  } catch (const Error& error) {
-    if (standsAlone(*comm, error))
-      throw;
-    report.converged = false;
-    report.reason = error.what();
-    try {
-      run::writeSummary(*comm, options, report);
-    } catch (const Error& second) {
-      // The first error is the one that matters; the same fault is not told twice.
-      if (second.data() != error.data())
-        log.warning(second.what());
+    // Steps that failed leave a state of no load that the deck tells of.
+    const bool isAtEnd = report.converged || !scene.timeline.hasSteps();
+    if (application.evaluate && isAtEnd && !report.isInterrupted()) {
+      application.evaluate(deck, report);
+      for (const auto& [name, value] : report.results)
+        log.info(name + ": " + scientific(value, 6));
     }
+  } catch (const Error& error) {
+    leaveSummary(context, options, report, error, standsAlone(*comm, error));
     throw;
-  }
-  // Steps that failed leave a state of no load that the deck tells of.
-  const bool isAtEnd = report.converged || !scene.timeline.hasSteps();
-  if (application.evaluate && isAtEnd && !report.isInterrupted()) {
-    application.evaluate(deck, report);
-    for (const auto& [name, value] : report.results)
-      log.info(name + ": " + scientific(value, 6));
+  } catch (const std::exception& error) { // of a library, or no memory is left
+    const InternalError unexpected(error.what());
+    leaveSummary(context, options, report, unexpected, standsAlone(*comm, unexpected));
+    throw;
   }
   run::writeSummary(*comm, options, report);
   const bool hasSteps = scene.timeline.hasSteps();
@@ -232,8 +246,6 @@ int runDeck(const Application& application, const ProgramContext& context) {
     log.error("the solver did not converge: " + report.reason);
   return report.converged ? exitConverged : exitNotConverged;
 }
-
-} // namespace
 
 scene::Scene sceneOf(const Application& application, const DeckContext& context) {
   scene::Timeline timeline = scene::Timeline::fromDeck(context.deck);

@@ -23,7 +23,7 @@ struct GluedProblem {
   std::map<int, LongReal> fixed;
   struct Row {
     std::map<int, LongReal> terms;
-    LongReal bound = 0.0;
+    LongReal bound = 0.0, compliance = 0.0;
   };
   std::vector<Row> inequalities, equalities; // by number
   std::vector<std::vector<int>> places;      // unknown of each dof of this rank's subdomains
@@ -64,7 +64,7 @@ GluedProblem glue(const Teuchos::Comm<int>& comm, const std::vector<feti::Subdom
     double value;
   };
   struct Term {
-    long long number, dof; // dof −1: the bound
+    long long number, dof; // dof −1: the bound, −2: the compliance
     double value;
     int kind;
   };
@@ -87,6 +87,7 @@ GluedProblem glue(const Teuchos::Comm<int>& comm, const std::vector<feti::Subdom
   for (const ConstraintRow& row : rows) {
     const int kind = row.kind == ConstraintRow::Kind::Inequality ? 0 : 1;
     terms.push_back({row.number, -1, row.bound, kind});
+    terms.push_back({row.number, -2, row.compliance, kind});
     for (const ConstraintRow::Term& term : row.terms)
       terms.push_back({row.number, term.dof, term.coefficient, kind});
   }
@@ -112,7 +113,7 @@ GluedProblem glue(const Teuchos::Comm<int>& comm, const std::vector<feti::Subdom
       into.resize(static_cast<std::size_t>(term.number) + 1);
     GluedProblem::Row& row = into[static_cast<std::size_t>(term.number)];
     if (term.dof < 0)
-      row.bound += term.value;
+      (term.dof == -1 ? row.bound : row.compliance) += term.value;
     else
       row.terms[unknown.at({-1, term.dof})] += term.value;
   }
@@ -156,7 +157,7 @@ struct SaddleSystem {
         const LongReal length = std::sqrt(squares);
         for (auto& term : terms)
           term.second /= length;
-        rows.push_back({terms, bound / length});
+        rows.push_back({terms, bound / length, from[k].compliance / (length * length)});
         lengths.push_back(length);
         if (inequality)
           inequalities.push_back(static_cast<int>(k));
@@ -182,6 +183,7 @@ struct SaddleSystem {
     for (std::size_t k = 0; k < rows.size(); ++k) {
       const int r = n + static_cast<int>(k);
       rhs[static_cast<std::size_t>(r)] = rows[k].bound;
+      matrix(r, r) = -rows[k].compliance; // Bu = c + Cλ
       for (const auto& [i, value] : rows[k].terms)
         matrix(r, i) = matrix(i, r) = value;
     }

@@ -40,6 +40,19 @@ std::vector<SubdomainSum::Entry> boundaryEntries(const std::vector<std::vector<C
 }
 
 DualOperator::DualOperator(const Constraints& constraints, const LocalInverses& inverses)
-    : SubdomainSum(constraints.importer(), makeGroups(constraints, inverses)) {}
+    : SubdomainSum(constraints.importer(), makeGroups(constraints, inverses)), constraints_(constraints) {}
+
+void DualOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode, Scalar alpha,
+                         Scalar beta) const {
+  SubdomainSum::apply(X, Y, mode, alpha, beta);
+  if (!constraints_.hasCompliance())
+    return;
+  const auto x = X.getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto y = Y.getLocalViewHost(Tpetra::Access::ReadWrite);
+  for (std::size_t r = 0; r < y.extent(0); ++r)
+    if (const double compliance = constraints_.compliance(static_cast<int>(r)); compliance > 0.0)
+      for (std::size_t k = 0; k < y.extent(1); ++k)
+        y(r, k) += alpha * compliance * x(r, k);
+}
 
 } // namespace Harmos::feti

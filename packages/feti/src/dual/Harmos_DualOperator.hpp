@@ -6,7 +6,7 @@
 
 namespace Harmos::feti {
 
-/// F = B K⁺ Bᵀ, in the form of the local inverses.
+/// F = B K⁺ Bᵀ, in the form of the local inverses; with rows that give way, F + C.
 ///
 /// Symmetric positive semidefinite on vectors over Constraints::rowMap(). Cost: one neighbour exchange each
 /// way; locally, for each class of congruent subdomains one matrix-matrix product with its S⁺ (condensed) or
@@ -17,6 +17,12 @@ class DualOperator : public SubdomainSum {
  public:
   /// All to outlive this.
   DualOperator(const Constraints& constraints, const LocalInverses& inverses);
+
+  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
+             Scalar alpha = 1.0, Scalar beta = 0.0) const override;
+
+ private:
+  const Constraints& constraints_;
 };
 
 /// The entries of B, or B_D, of the members of a class, counted by boundary dofs. @param entries by

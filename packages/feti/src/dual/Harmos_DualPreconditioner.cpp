@@ -181,8 +181,11 @@ std::vector<SubdomainSum::Group> makeGroups(const SubdomainSystem& system, const
 
 } // namespace
 
-ScaledConstraints scaledConstraints(const SubdomainSystem& system, const Constraints& constraints,
-                                    PreconditionerScaling scaling) {
+namespace {
+
+// B_D without T.
+ScaledConstraints rigidConstraints(const SubdomainSystem& system, const Constraints& constraints,
+                                   PreconditionerScaling scaling) {
   const Teuchos::Comm<int>& comm = *system.comm();
   std::vector<std::vector<Constraints::Entry>> entries;
   if (scaling == PreconditionerScaling::Multiplicity && hasOrthonormalRows(system, constraints)) {
@@ -254,6 +257,41 @@ ScaledConstraints scaledConstraints(const SubdomainSystem& system, const Constra
   return result;
 }
 
+// T² = q/(q + C) of owned rows.
+MultiVector sharesOfStiffness(const SubdomainSystem& system, const Constraints& constraints) {
+  std::vector<double> overlap(localSize(*constraints.overlapMap()), 0.0);
+  for (int i = 0; i < system.size(); ++i) {
+    const std::vector<double> diagonal = system.matrix(i).diagonal();
+    for (const Constraints::Entry& entry : constraints.entries(i))
+      overlap[static_cast<std::size_t>(entry.row)] +=
+          entry.value * entry.value / diagonal[static_cast<std::size_t>(entry.dof)];
+  }
+  MultiVector shares(constraints.rowMap(), 1);
+  constraints.fromOverlap(overlap, shares);
+  const auto view = shares.getLocalViewHost(Tpetra::Access::ReadWrite);
+  for (std::size_t r = 0; r < view.extent(0); ++r) {
+    const double compliance = constraints.compliance(static_cast<int>(r));
+    view(r, 0) = compliance > 0.0 ? view(r, 0) / (view(r, 0) + compliance) : 1.0;
+  }
+  return shares;
+}
+
+} // namespace
+
+ScaledConstraints scaledConstraints(const SubdomainSystem& system, const Constraints& constraints,
+                                    PreconditionerScaling scaling) {
+  ScaledConstraints result = rigidConstraints(system, constraints, scaling);
+  if (!constraints.hasCompliance())
+    return result;
+  MultiVector touched(result.importer->getTargetMap(), 1);
+  touched.doImport(sharesOfStiffness(system, constraints), *result.importer, Tpetra::INSERT);
+  const auto shares = touched.getLocalViewHost(Tpetra::Access::ReadOnly);
+  for (std::vector<Constraints::Entry>& list : result.entries)
+    for (Constraints::Entry& entry : list)
+      entry.value *= std::sqrt(shares(static_cast<std::size_t>(entry.row), 0));
+  return result;
+}
+
 namespace {
 
 SubdomainSum makeSum(const SubdomainSystem& system, const Constraints& constraints,
@@ -270,6 +308,27 @@ SubdomainSum makeSum(const SubdomainSystem& system, const Constraints& constrain
 DualPreconditioner::DualPreconditioner(const SubdomainSystem& system, const Constraints& constraints,
                                        const LocalInverses& inverses, PreconditionerKind kind,
                                        PreconditionerScaling scaling)
-    : SubdomainSum(makeSum(system, constraints, inverses, kind, scaling)) {}
+    : SubdomainSum(makeSum(system, constraints, inverses, kind, scaling)) {
+  if (!constraints.hasCompliance())
+    return;
+  const MultiVector shares = sharesOfStiffness(system, constraints);
+  const auto view = shares.getLocalViewHost(Tpetra::Access::ReadOnly);
+  for (std::size_t r = 0; r < view.extent(0); ++r) {
+    const double compliance = constraints.compliance(static_cast<int>(r));
+    ofRows_.push_back(compliance > 0.0 ? std::pow(1.0 - view(r, 0), 2) / compliance : 0.0);
+  }
+}
+
+void DualPreconditioner::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode, Scalar alpha,
+                               Scalar beta) const {
+  SubdomainSum::apply(X, Y, mode, alpha, beta);
+  if (ofRows_.empty())
+    return;
+  const auto x = X.getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto y = Y.getLocalViewHost(Tpetra::Access::ReadWrite);
+  for (std::size_t r = 0; r < y.extent(0); ++r)
+    for (std::size_t k = 0; k < y.extent(1); ++k)
+      y(r, k) += alpha * ofRows_[r] * x(r, k);
+}
 
 } // namespace Harmos::feti

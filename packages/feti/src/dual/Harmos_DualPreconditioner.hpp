@@ -30,6 +30,9 @@ enum class PreconditionerScaling {
 /// diagonal. With orthonormal rows and Scaling::Multiplicity, B_D = B. Cost of a product: as of F in the
 /// condensed form.
 ///
+/// Of rows that give way, (F + C)⁻¹ is approximated by TM⁻¹T + (I − T²)²C⁻¹, T² = q/(q + C), q the diagonal of BD⁻¹Bᵀ: the
+/// first part alone where C is small, the second where it is large.
+///
 /// To be used between projections: PM⁻¹P.
 /// Guarded by tests/unit/feti/test_dual_preconditioner.cpp.
 class DualPreconditioner : public SubdomainSum {
@@ -40,9 +43,15 @@ class DualPreconditioner : public SubdomainSum {
   /// @throws NumericalError on all ranks. @note Collective.
   DualPreconditioner(const SubdomainSystem& system, const Constraints& constraints,
                      const LocalInverses& inverses, PreconditionerKind kind, PreconditionerScaling scaling);
+
+  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
+             Scalar alpha = 1.0, Scalar beta = 0.0) const override;
+
+ private:
+  std::vector<double> ofRows_; ///< (I − T²)²C⁻¹; none where no row gives way
 };
 
-/// The entries of B_D by subdomains, over an overlapping map of their own.
+/// The entries of B_D, of TB_D where rows give way, by subdomains, over an overlapping map of their own.
 struct ScaledConstraints {
   Teuchos::RCP<const SubdomainSum::Import> importer;
   std::vector<std::vector<Constraints::Entry>> entries; ///< of each subdomain of this rank

@@ -33,7 +33,7 @@ FetiSolver::FetiSolver(Teuchos::RCP<const Teuchos::Comm<int>> comm, std::vector<
     rounding_ = std::max(rounding_, row.rounding);
   rounding_ = globalMax(*comm, rounding_);
   system_ = std::make_unique<SubdomainSystem>(std::move(comm), std::move(subdomains), form);
-  contrast_ = stiffnessContrast(*system_);
+  contrast_ = std::max(stiffnessContrast(*system_), complianceContrast(*system_, rows));
   constraints_ = std::make_unique<Constraints>(*system_, rows, dual_.weightsFor(contrast_));
   setUpInverses();
   setUpOperators();

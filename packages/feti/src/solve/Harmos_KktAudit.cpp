@@ -31,7 +31,7 @@ double globalLargest(const Teuchos::Comm<int>& comm, double value) {
 void auditRows(const Constraints& constraints, const TornSolution& solution, double fromPrescribed,
                const Teuchos::Comm<int>& comm, KktAudit& result) {
   MultiVector rows(constraints.rowMap(), 1);
-  constraints.applyB(solution.displacement, rows);
+  constraints.residual(solution.displacement, *solution.multiplier, rows);
   double jump = fromPrescribed, penetration = 0.0, product = 0.0, work = 0.0, largestForce = 0.0;
   double leastMultiplier = std::numeric_limits<double>::infinity();
   {
@@ -40,8 +40,8 @@ void auditRows(const Constraints& constraints, const TornSolution& solution, dou
     for (std::size_t r = 0; r < values.extent(0); ++r) {
       const int row = static_cast<int>(r);
       const double scale = constraints.rowScale(row);
-      const double excess = (values(r, 0) - constraints.bound(row)) / scale;
-      work += lambda(r, 0) * scale * excess;
+      const double excess = values(r, 0) / scale;
+      work += lambda(r, 0) * scale * excess + 0.5 * constraints.compliance(row) * lambda(r, 0) * lambda(r, 0);
       if (constraints.rowType(row) == RowType::Inequality) {
         penetration = largerOf(penetration, excess);
         leastMultiplier = smallerOf(leastMultiplier, lambda(r, 0) * scale);
@@ -172,7 +172,7 @@ double energyErrorShare(double tolerance) {
 
 ContactState contactState(const Constraints& constraints, const TornSolution& solution) {
   MultiVector rows(constraints.rowMap(), 1);
-  constraints.applyB(solution.displacement, rows);
+  constraints.residual(solution.displacement, *solution.multiplier, rows);
   const auto values = rows.getLocalViewHost(Tpetra::Access::ReadOnly);
   const auto lambda = solution.multiplier->getLocalViewHost(Tpetra::Access::ReadOnly);
   ContactState state;
@@ -182,7 +182,7 @@ ContactState contactState(const Constraints& constraints, const TornSolution& so
       continue;
     const double scale = constraints.rowScale(row);
     state.row.push_back(static_cast<long long>(constraints.rowMap()->getGlobalElement(row)));
-    state.gap.push_back((constraints.bound(row) - values(r, 0)) / scale);
+    state.gap.push_back(-values(r, 0) / scale);
     state.force.push_back(lambda(r, 0) * scale);
   }
   return state;

@@ -9,13 +9,14 @@ namespace Harmos::feti {
 /// of everything between them. In physical units, not those of scaled rows.
 struct KktAudit {
   double equilibrium = 0.0; ///< ‖Ku − f + Bᵀλ‖ / max(‖Ku‖, ‖f‖, ‖Bᵀλ‖, 1e-12 ‖diag(K)u‖)
-  double gluingJump = 0.0;           ///< ‖B_E u − c_E‖_∞, of ties and prescribed values too
-  double penetration = 0.0;          ///< max (B_I u − c_I)₊
+  double gluingJump = 0.0;           ///< ‖B_E u − c_E − Cλ_E‖_∞, of ties and prescribed values too
+  double penetration = 0.0;          ///< max (B_I u − c_I − Cλ_I)₊
   double minContactMultiplier = 0.0; ///< min λ_I, 0 without inequalities
   double complementarity = 0.0;      ///< |λ_Iᵀ(B_I u − c_I)|
   double primalEnergy = 0.0;         ///< ½uᵀKu − fᵀu, physical K and f (no trivial equations)
   /// ½uᵀKu − fᵀu + λᵀ(Bu − c): the same at the solution, but stationary there. Jumps of the order ε change
   /// the primal energy by λᵀ(Bu − c), of the order ε; the error of this is of the order ε².
+  /// With rows that give way, ½λᵀCλ is stored in them.
   double energy = 0.0;
   double energyNorm = 0.0;          ///< √(uᵀKu)
   double largestDisplacement = 0.0; ///< ‖u‖_∞
@@ -59,8 +60,8 @@ double auditShare(double tolerance);
 /// not depend on the way to it by more, whatever the solver, and energies not by more than 1000 ε².
 double energyErrorShare(double tolerance);
 
-/// Physical value of each owned inequality row, in the order of rowMap(): the gap c_I − B_I u and the contact
-/// force λ_I.
+/// Physical value of each owned inequality row, in the order of rowMap(): the gap c_I − B_I u, with rows that
+/// give way what is left of it, c_I + Cλ_I − B_I u, and the contact force λ_I.
 struct ContactState {
   std::vector<long long> row; ///< number of the given inequality
   std::vector<double> gap;

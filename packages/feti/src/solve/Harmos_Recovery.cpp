@@ -72,14 +72,10 @@ TornSolution recover(const SubdomainSystem& system, const Constraints& constrain
   if (coarse.kernelDimension() == 0)
     return solution;
 
-  // With the shifted λ, Fλ − d = c − Bu₀: no further product with F is needed.
+  // With the shifted λ, (F + C)λ − d = c + Cλ − Bu₀: no further product with F is needed.
   MultiVector residual(constraints.rowMap(), 1);
-  constraints.applyB(solution.displacement, residual);
-  {
-    const auto view = residual.getLocalViewHost(Tpetra::Access::ReadWrite);
-    for (std::size_t r = 0; r < view.extent(0); ++r)
-      view(r, 0) = constraints.bound(static_cast<int>(r)) - view(r, 0);
-  }
+  constraints.residual(solution.displacement, *total, residual);
+  residual.scale(-1.0);
   std::vector<double> w = coarse.applyG(residual);
   for (std::size_t k = 0; k < w.size(); ++k)
     w[k] -= mu.empty() ? 0.0 : mu[k];

@@ -31,6 +31,7 @@ struct RowHead {
   long long row;
   double bound;
   double scale;
+  double compliance;
   int type;
 };
 
@@ -52,8 +53,7 @@ struct RowBuilder {
   };
 
   // @param acts false: a row without entries.
-  void add(long long row, RowType type, const std::vector<Term>& terms, double bound, double scale,
-           bool acts = true) {
+  void add(const RowHead& head, const std::vector<Term>& terms, bool acts = true) {
     const Term* lowest = &terms.front();
     for (const Term& term : terms)
       if (term.copy.subdomain < lowest->copy.subdomain)
@@ -62,8 +62,8 @@ struct RowBuilder {
     if (acts)
       for (const Term& term : terms)
         entries[static_cast<std::size_t>(term.copy.rank)].push_back(
-            {row, term.value, term.copy.place, term.copy.local, owner});
-    heads[static_cast<std::size_t>(owner)].push_back({row, bound, scale, static_cast<int>(type)});
+            {head.row, term.value, term.copy.place, term.copy.local, owner});
+    heads[static_cast<std::size_t>(owner)].push_back(head);
   }
 
   // What a given row is at prescribed dofs, scaled like the rest of it.
@@ -109,7 +109,7 @@ std::map<long long, long long> addGluingAndDirichlet(const DofCopies::Table& tab
     if (fixed != nullptr && form == DirichletForm::Dual) {
       for (const Copy& copy : copies) {
         const double scale = std::sqrt(copy.weight);
-        builder.add(row++, RowType::Dirichlet, {{copy, scale}}, scale * fixed->value, scale);
+        builder.add({row++, scale * fixed->value, scale, 0.0, static_cast<int>(RowType::Dirichlet)}, {{copy, scale}});
       }
       continue;
     }
@@ -120,7 +120,7 @@ std::map<long long, long long> addGluingAndDirichlet(const DofCopies::Table& tab
       for (std::size_t i = 0; i <= k + 1; ++i)
         terms.push_back({copies[i], rows.value(k, i)});
       // Physical: the distance of this copy from the mean of those before it.
-      builder.add(row++, RowType::Gluing, terms, 0.0, rows.scale(k));
+      builder.add({row++, 0.0, rows.scale(k), 0.0, static_cast<int>(RowType::Gluing)}, terms);
     }
   }
   return first;
@@ -242,80 +242,120 @@ void requireJoined(const ConstraintRow& row, const Copy& copy) {
                      {{"row", std::to_string(row.number)}});
 }
 
+// A given row by the copies of its dofs, not yet scaled.
+struct GivenRow {
+  std::vector<RowBuilder::Term> terms, held; ///< with unknowns; at prescribed values
+  double norm2 = 0.0;                        ///< bD⁻¹bᵀ
+  double bound = 0.0;
+  bool hasUnknown = false;
+  bool isIdle = false; ///< no force of its own moves anything
+};
+
+// A prescribed value is no unknown: its share goes to the bound (equality rows may be added to any row), or the force
+// of the row would move the trivial equation. A row of prescribed values alone stays as it is.
+GivenRow byCopies(const ConstraintRow& row, const std::map<long long, double>& coefficients,
+                  const DofCopies::Table& copies) {
+  GivenRow result;
+  result.bound = row.bound;
+  const auto fixedCopyOf = [&](long long dof) -> const Copy* {
+    const std::vector<Copy>& all = copies.at(dof);
+    const auto found = std::find_if(all.begin(), all.end(), [](const Copy& copy) { return copy.fixed != 0; });
+    return found == all.end() ? nullptr : &*found;
+  };
+  result.hasUnknown = std::any_of(coefficients.begin(), coefficients.end(), [&](const auto& term) {
+    return term.second != 0.0 && fixedCopyOf(term.first) == nullptr;
+  });
+  for (const auto& [dof, coefficient] : coefficients) {
+    const std::vector<Copy>& all = copies.at(dof);
+    double whole = 0.0;
+    for (const Copy& copy : all)
+      whole += copy.weight;
+    const Copy* fixed = fixedCopyOf(dof);
+    for (const Copy& copy : all) {
+      const double share = coefficient * copy.weight / whole;
+      if (fixed != nullptr)
+        result.held.push_back({copy, share});
+      if (fixed != nullptr && result.hasUnknown)
+        continue;
+      result.terms.push_back({copy, share});
+      result.norm2 += share * share / copy.weight;
+    }
+    if (fixed != nullptr && result.hasUnknown)
+      result.bound -= coefficient * fixed->value;
+  }
+  return result;
+}
+
+// Σ coefficient · value over prescribed dofs.
+double ofPrescribed(const std::map<long long, double>& coefficients, const DofCopies::Table& copies) {
+  double sum = 0.0;
+  for (const auto& [dof, coefficient] : coefficients)
+    for (const Copy& copy : copies.at(dof))
+      if (copy.fixed != 0) {
+        sum += coefficient * copy.value;
+        break;
+      }
+  return sum;
+}
+
+// A row that no force can change has to hold already; one that gives way bears a force all the same, which is known.
+void settle(GivenRow& given, const ConstraintRow& row, const std::map<long long, double>& coefficients,
+            const DofCopies::Answers& answers, DirichletForm form) {
+  const DofCopies::Table& copies = answers.copies;
+  const bool isJoined = given.norm2 == 0.0 && namesUnited(row, answers);
+  if (!(given.norm2 > 0.0 || isJoined) || !std::isfinite(given.norm2) || !std::isfinite(given.bound))
+    throw InputError("constraint row " + std::to_string(row.number) +
+                     " is zero or not finite; check its coefficients and its gap");
+  if (!(row.compliance >= 0.0) || !std::isfinite(row.compliance))
+    throw InputError("constraint row " + std::to_string(row.number) + " has a compliance of " +
+                         scientific(row.compliance) + "; it has to be zero or more, and finite",
+                     {{"row", std::to_string(row.number)}});
+  if (given.hasUnknown)
+    return;
+  if (row.compliance > 0.0) {
+    given.isIdle = true;
+    given.bound -= ofPrescribed(coefficients, copies);
+    given.norm2 = isJoined ? 1.0 : given.norm2;
+  } else if (isJoined) {
+    requireJoined(row, copies.at(coefficients.begin()->first).front());
+    given.isIdle = true;
+    given.bound = 0.0;
+    given.norm2 = 1.0;
+  } else {
+    const double left = requireMet(row, coefficients, copies);
+    // Beside the rows of its dofs' prescribed values it would be a dependent one, which the preconditioner could not
+    // tell from those.
+    const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
+    given.isIdle = inequality && form == DirichletForm::Dual;
+    given.bound = given.isIdle ? std::max(0.0, left) : given.bound;
+  }
+}
+
+// @param unit the stiffness of a weight of one, by which compliances are scaled; 0 without weights.
 // @return the factors of their multipliers.
 std::vector<Details::MultiplierTerm> addGiven(const std::vector<ConstraintRow>& rows,
                                               const std::vector<char>& isTaken,
                                               const std::vector<long long>& numbers, const DofCopies& dofs,
                                               const DofCopies::Answers& answers, DirichletForm form,
-                                              RowBuilder& builder) {
-  const DofCopies::Table& copies = answers.copies;
+                                              double unit, RowBuilder& builder) {
   std::vector<Details::MultiplierTerm> multipliers;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     if (isTaken[r])
       continue;
     const ConstraintRow& row = rows[r];
-    std::vector<RowBuilder::Term> terms, held;
-    double norm2 = 0.0;
     const std::map<long long, double> coefficients = coefficientsOf(row, answers);
-    // A prescribed value is no unknown: its share goes to the bound (equality rows may be added to any row),
-    // or the force of the row would move the trivial equation. A row of prescribed values alone stays as it
-    // is.
-    double bound = row.bound;
-    const auto isFixed = [&](long long dof) {
-      const std::vector<Copy>& all = copies.at(dof);
-      return std::any_of(all.begin(), all.end(), [](const Copy& copy) { return copy.fixed != 0; });
-    };
-    const bool hasUnknown = std::any_of(coefficients.begin(), coefficients.end(), [&](const auto& term) {
-      return term.second != 0.0 && !isFixed(term.first);
-    });
-    for (const auto& [dof, coefficient] : coefficients) {
-      const auto found = copies.find(dof);
-      double whole = 0.0;
-      for (const Copy& copy : found->second)
-        whole += copy.weight;
-      const auto shareOf = [&, whole](const Copy& copy) { return coefficient * copy.weight / whole; };
-      if (isFixed(dof))
-        for (const Copy& copy : found->second)
-          held.push_back({copy, shareOf(copy)});
-      if (hasUnknown && isFixed(dof)) {
-        const auto fixed = std::find_if(found->second.begin(), found->second.end(),
-                                        [](const Copy& copy) { return copy.fixed != 0; });
-        bound -= coefficient * fixed->value;
-        continue;
-      }
-      for (const Copy& copy : found->second) {
-        const double share = shareOf(copy);
-        terms.push_back({copy, share});
-        norm2 += share * share / copy.weight;
-      }
-    }
-    const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
-    const bool isJoined = norm2 == 0.0 && namesUnited(row, answers);
-    if (!(norm2 > 0.0 || isJoined) || !std::isfinite(norm2) || !std::isfinite(bound))
-      throw InputError("constraint row " + std::to_string(row.number) +
-                       " is zero or not finite; check its coefficients and its gap");
-    bool isIdle = false;
-    if (isJoined) {
-      requireJoined(row, copies.at(coefficients.begin()->first).front());
-      isIdle = true;
-      bound = 0.0;
-      norm2 = 1.0;
-    } else if (!hasUnknown) {
-      const double left = requireMet(row, coefficients, copies);
-      // Beside the rows of its dofs' prescribed values it would be a dependent one, which the preconditioner
-      // could not tell from those.
-      isIdle = inequality && form == DirichletForm::Dual;
-      bound = isIdle ? std::max(0.0, left) : bound;
-    }
-    const double scale = 1.0 / std::sqrt(norm2);
-    for (std::vector<RowBuilder::Term>* part : {&terms, &held})
+    GivenRow given = byCopies(row, coefficients, answers.copies);
+    settle(given, row, coefficients, answers, form);
+    const double scale = 1.0 / std::sqrt(given.norm2 + row.compliance * unit);
+    for (std::vector<RowBuilder::Term>* part : {&given.terms, &given.held})
       for (RowBuilder::Term& term : *part)
         term.value *= scale;
     const long long number = numbers[r];
     multipliers.push_back({static_cast<int>(r), number, scale});
-    builder.add(number, inequality ? RowType::Inequality : RowType::Equality, terms, scale * bound, scale,
-                !isIdle);
-    builder.addHeld(number, held);
+    const RowType type = row.kind == ConstraintRow::Kind::Inequality ? RowType::Inequality : RowType::Equality;
+    builder.add({number, scale * given.bound, scale, row.compliance * scale * scale, static_cast<int>(type)}, given.terms,
+                !given.isIdle);
+    builder.addHeld(number, given.held);
     for (const ConstraintRow::Term& term : row.terms)
       if (answers.isUnited(term.dof)) {
         const long long name = answers.name.at(term.dof);
@@ -342,7 +382,7 @@ void checkNumbers(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRo
 // are soft, which is what F and the stopping rules go by without weights too. What is softer than the
 // stiffest by more than nine orders of magnitude counts as if it were not: what many stiff subdomains do
 // together against it would be lost in rounding errors of the coarse problem.
-std::vector<std::vector<double>> stiffnessWeights(const SubdomainSystem& system) {
+Details::Weights stiffnessWeights(const SubdomainSystem& system) {
   constexpr double widest = 1e9;
   std::vector<std::vector<double>> weights;
   double largest = 0.0, smallest = std::numeric_limits<double>::infinity();
@@ -361,7 +401,7 @@ std::vector<std::vector<double>> stiffnessWeights(const SubdomainSystem& system)
   for (std::vector<double>& mine : weights)
     for (double& weight : mine)
       weight = weight > 0.0 ? std::max(weight / smallest, 1.0) : 1.0; // a mechanism: the inverses will tell
-  return weights;
+  return {std::move(weights), smallest};
 }
 
 } // namespace
@@ -394,13 +434,29 @@ double stiffnessContrast(const SubdomainSystem& system) {
   return most > 0.0 ? std::max(most / least, within) : 1.0;
 }
 
+double complianceContrast(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows) {
+  double sums[2] = {0.0, 0.0}, largest = 0.0;
+  for (int i = 0; i < system.size(); ++i) {
+    const std::vector<double> diagonal = system.subdomain(i).stiffness->diagonal();
+    for (int local : *system.subdomain(i).interface) {
+      sums[0] += diagonal[static_cast<std::size_t>(local)];
+      sums[1] += 1.0;
+    }
+  }
+  for (const ConstraintRow& row : rows)
+    largest = std::max(largest, row.compliance);
+  const Teuchos::Comm<int>& comm = *system.comm();
+  const double stiffness = globalSum(comm, sums[0]), dofs = globalSum(comm, sums[1]);
+  return 1.0 + globalMax(comm, largest) * stiffness / std::max(dofs, 1.0);
+}
+
 Constraints::Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows,
                          RowWeights weights)
     : Constraints(system, rows, weights != RowWeights::None,
-                  weights == RowWeights::None ? Weights() : stiffnessWeights(system)) {}
+                  weights == RowWeights::None ? Details::Weights() : stiffnessWeights(system)) {}
 
 Constraints::Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows,
-                         bool hasWeights, Weights weights)
+                         bool hasWeights, Details::Weights weights)
     : system_(system), weights_(std::move(weights)), hasWeights_(hasWeights) {
   const Teuchos::Comm<int>& comm = *system.comm();
   const auto ranks = static_cast<std::size_t>(comm.getSize());
@@ -413,7 +469,7 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   checkNumbers(comm, rows, ConstraintRow::Kind::Inequality, inequalities_);
   checkNumbers(comm, rows, ConstraintRow::Kind::Equality, equalities);
 
-  DofCopies dofs(system, rows, weights_);
+  DofCopies dofs(system, rows, weights_.ofDofs);
   const std::vector<char> isTaken = dofs.unite(rows, hasWeights_);
   const std::vector<long long> numbers = globalNumbers(comm, rows, isTaken, inequalities_, equalities);
   const long long taken =
@@ -428,7 +484,7 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   std::vector<Details::MultiplierTerm> multipliers;
   agree(comm, [&] {
     gluing = addGluingAndDirichlet(dofs.here(), system.dirichletForm(), firstRow, builder);
-    multipliers = addGiven(rows, isTaken, numbers, dofs, answers, system.dirichletForm(), builder);
+    multipliers = addGiven(rows, isTaken, numbers, dofs, answers, system.dirichletForm(), weights_.unit, builder);
   });
   if (taken > 0)
     for (const std::vector<Details::MultiplierTerm>& part :
@@ -447,6 +503,7 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
     types_.push_back(static_cast<RowType>(head.type));
     scales_.push_back(head.scale);
     bounds_.push_back(head.bound);
+    compliances_.push_back(head.compliance);
   }
 
   std::map<long long, int> overlap; // row → owner
@@ -482,6 +539,7 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   for (const Details::MultiplierTerm& term : multipliers)
     multipliers_[static_cast<std::size_t>(term.place)].push_back({ofGiven.at(term.row), term.factor});
   boundRounding_ = std::sqrt(globalSum(comm, builder.rounding2));
+  hasCompliance_ = globalMax(comm, std::any_of(compliances_.begin(), compliances_.end(), [](double c) { return c > 0.0; }) ? 1LL : 0LL) > 0;
 }
 
 void Constraints::keepFullRows(const std::vector<std::vector<RowEntry>>& held) {
@@ -517,10 +575,10 @@ Constraints::bySubdomain(const std::vector<std::vector<RowEntry>>& entries,
 void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
   const Constraints changed(system_, rows, hasWeights_, weights_);
   agree(*system_.comm(), [&] {
-    if (changed.types_ != types_ || changed.entries_ != entries_ ||
+    if (changed.types_ != types_ || changed.entries_ != entries_ || changed.compliances_ != compliances_ ||
         !changed.rowMap_->isLocallyFitted(*rowMap_))
       throw InputError(
-          "constraint rows are given new bounds, but their number, kinds, dofs or coefficients have "
+          "constraint rows are given new bounds, but their number, kinds, dofs coefficients or compliances have "
           "changed too (with weights, a bound other than zero of a row that glues two dofs is such a "
           "change); new "
           "constraints are needed");
@@ -543,6 +601,14 @@ void Constraints::applyB(const TornVector& u, MultiVector& y) const {
   for (int i = 0; i < system_.size(); ++i)
     addB(i, u[static_cast<std::size_t>(i)].data(), overlap.data());
   fromOverlap(overlap, y);
+}
+
+void Constraints::residual(const TornVector& u, const MultiVector& lambda, MultiVector& y) const {
+  applyB(u, y);
+  const auto force = lambda.getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto view = y.getLocalViewHost(Tpetra::Access::ReadWrite);
+  for (std::size_t r = 0; r < view.extent(0); ++r)
+    view(r, 0) -= bounds_[r] + compliances_[r] * force(r, 0);
 }
 
 void Constraints::fromOverlap(const std::vector<double>& overlap, MultiVector& y) const {

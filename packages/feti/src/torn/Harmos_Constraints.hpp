@@ -23,6 +23,12 @@ struct RowEntry {
   int local; ///< dof
   int owner; ///< rank of the row
 };
+
+/// By which copies and rows are weighted.
+struct Weights {
+  std::vector<std::vector<double>> ofDofs; ///< of the interface dofs of each subdomain; none without weights
+  double unit = 0.0;                       ///< the stiffness that a weight of one stands for
+};
 } // namespace Details
 
 /// What a row of B stands for.
@@ -44,6 +50,10 @@ enum class RowWeights {
 /// corners and sizes of cells do some of that. @note Collective.
 double stiffnessContrast(const SubdomainSystem& system);
 
+/// By how much rows that give way change the diagonal of F: 1 + c k, c the largest compliance of this rank's share of
+/// the rows or any other's, k the mean of the diagonal of K at the interfaces. One where none does. @note Collective.
+double complianceContrast(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows);
+
 /// The constraints B = [B_I; B_E], c of the torn problem, distributed by rows. B is immutable; c may be set
 /// anew.
 ///
@@ -57,6 +67,8 @@ double stiffnessContrast(const SubdomainSystem& system);
 ///  - with weights, and without where other rows name a or b as well, rows u_a − u_b = 0 that are given, such
 ///  as ties between meshes that match, make a and b one dof with
 ///    the copies of both: where they meet others each gluing row has to weigh all of them;
+///  - a row that gives way, Bu = c + Cλ, is scaled so that bD⁻¹bᵀ + c = 1 with weights: F + C has a diagonal of
+///  about one there, whatever C. Without weights its length is one, as that of others;
 ///  - with weights all of the dual problem is that of the variable λ̂ = Q^{−½}λ, Q = (BD⁻¹Bᵀ)⁻¹ block by
 ///  block: bounds of zero stay such, the coarse projector is I − QG̃ᵀ(G̃QG̃ᵀ)⁻¹G̃ of λ (Bhardwaj et al.,
 ///  Application of the FETI method to ASCI problems, Int. J. Numer. Meth. Engng. 47, 2000; Rixen, Farhat
@@ -120,6 +132,10 @@ class Constraints {
   bool hasWeights() const { return hasWeights_; }
   /// c of the scaled row.
   double bound(int row) const { return bounds_[static_cast<std::size_t>(row)]; }
+  /// C of the scaled row: compliance · scale².
+  double compliance(int row) const { return compliances_[static_cast<std::size_t>(row)]; }
+  /// Whether any row gives way, on any rank.
+  bool hasCompliance() const { return hasCompliance_; }
 
   /// ‖·‖ of what the bounds of all rows, scaled, are known to; see ConstraintRow::rounding.
   double boundRounding() const { return boundRounding_; }
@@ -129,6 +145,8 @@ class Constraints {
 
   /// y = Bu. @note Collective.
   void applyB(const TornVector& u, MultiVector& y) const;
+  /// y = Bu − c − Cλ: zero in rows that hold as equations. @note Collective.
+  void residual(const TornVector& u, const MultiVector& lambda, MultiVector& y) const;
 
   /// λ on overlapMap(): what addBt() takes. @note Collective, one neighbour exchange.
   std::vector<double> toOverlap(const MultiVector& lambda) const;
@@ -154,15 +172,14 @@ class Constraints {
 
  private:
   using Sent = std::vector<std::vector<Details::RowEntry>>; // by sender
-  using Weights = std::vector<std::vector<double>>;         // of the interface dofs of each subdomain
   Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows, bool hasWeights,
-              Weights weights);
+              Details::Weights weights);
   void keepFullRows(const Sent& held);
   static std::vector<std::vector<Entry>>
   bySubdomain(const Sent& entries, const std::map<long long, int>& localRow, int subdomains);
 
   const SubdomainSystem& system_;
-  Weights weights_; // as they were at first
+  Details::Weights weights_; // as they were at first
   bool hasWeights_ = false;
   Teuchos::RCP<const Map> rowMap_;
   Teuchos::RCP<const Map> overlapMap_;
@@ -182,6 +199,8 @@ class Constraints {
   std::vector<RowType> types_;
   std::vector<double> scales_;
   std::vector<double> bounds_;
+  std::vector<double> compliances_;
+  bool hasCompliance_ = false;
   long long dualDimension_ = 0;
   long long inequalities_ = 0;
   double boundRounding_ = 0.0;

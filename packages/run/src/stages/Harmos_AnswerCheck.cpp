@@ -58,13 +58,12 @@ void AnswerCheck::recover(const MultiVector& lambda, const std::vector<double>& 
 // √(rᵀM⁻¹r).
 double AnswerCheck::solverError() const {
   MultiVector jumps(stages_.constraints.rowMap(), 1), forces(stages_.constraints.rowMap(), 1);
-  stages_.constraints.applyB(torn_.displacement, jumps);
+  stages_.constraints.residual(torn_.displacement, *torn_.multiplier, jumps);
   {
     const auto lambda = torn_.multiplier->getLocalViewHost(Tpetra::Access::ReadOnly);
     const auto view = jumps.getLocalViewHost(Tpetra::Access::ReadWrite);
     for (std::size_t r = 0; r < view.extent(0); ++r) {
       const int row = static_cast<int>(r);
-      view(r, 0) -= stages_.constraints.bound(row);
       const bool isOpen =
           stages_.constraints.rowType(row) == feti::RowType::Inequality && !(lambda(r, 0) > 0.0);
       if (isOpen)

@@ -91,12 +91,15 @@ void checkScene(const Teuchos::Comm<int>& comm, const scene::Scene& scene) {
   scene::setUpContact(comm, scene, owned);
 }
 
+void writeSummaryAlone(const RunOptions& options, const RunReport& report) {
+  io::makeDirectory(options.outputDirectory);
+  io::writeAtomically(options.outputDirectory + "/summary.json", toJson(report));
+}
+
 void writeSummary(const Teuchos::Comm<int>& comm, const RunOptions& options, const RunReport& report) {
   agree(comm, [&] {
-    if (comm.getRank() != 0)
-      return;
-    io::makeDirectory(options.outputDirectory);
-    io::writeAtomically(options.outputDirectory + "/summary.json", toJson(report));
+    if (comm.getRank() == 0)
+      writeSummaryAlone(options, report);
   });
 }
 

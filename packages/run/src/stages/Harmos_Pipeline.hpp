@@ -36,7 +36,9 @@ Solution runScene(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scen
 /// Guarded by tests/regression/test_scene_input.py.
 void checkScene(const Teuchos::Comm<int>& comm, const scene::Scene& scene);
 
-/// summary.json, on rank 0. @note Collective.
+/// summary.json, on rank 0. @throws InputError on all ranks. @note Collective.
 void writeSummary(const Teuchos::Comm<int>& comm, const RunOptions& options, const RunReport& report);
+/// The same by a rank that is alone with its fault. @throws InputError. Local.
+void writeSummaryAlone(const RunOptions& options, const RunReport& report);
 
 } // namespace Harmos::run
