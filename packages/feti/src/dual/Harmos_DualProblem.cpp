@@ -12,6 +12,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 
 namespace Harmos::feti {
 namespace {
@@ -90,24 +91,36 @@ void applyInverseToLoads(const SubdomainSystem& system, const Constraints& const
 
 // A dependent column of R is a rigid motion that the kept ones and the constraints leave free: its load must
 // be balanced by λ̃ all the same.
-void requireBalance(const SubdomainSystem& system, const CoarseSpace& coarse, const MultiVector& shift,
-                    const KernelLoad& load) {
+struct Unbalanced {
+  int column;
+  double residual;
+};
+std::optional<Unbalanced> unbalanced(const CoarseSpace& coarse, const MultiVector& shift, const KernelLoad& load) {
   const std::vector<double> balanced = coarse.applyUnscaled(shift);
   const std::vector<double>& e = load.e;
   const double tolerance = 1e-10 * norm(e) + norm(load.rounding);
   for (int column : coarse.dependentColumns()) {
     const double residual = e[static_cast<std::size_t>(column)] - balanced[static_cast<std::size_t>(column)];
     if (!(std::abs(residual) <= tolerance))
-      throw NumericalError(
-          "the load on subdomain " + std::to_string(system.kernelOwner(column)) +
-              " cannot be held: a rigid motion that no constraint resists carries a load of " +
-              scientific(residual) + "; fix the body it belongs to, or balance its load",
-          {{"subdomain", std::to_string(system.kernelOwner(column))}, {"residual", scientific(residual)}});
+      return Unbalanced{column, residual};
   }
+  return std::nullopt;
+}
+
+void requireBalance(const SubdomainSystem& system, const CoarseSpace& coarse, const MultiVector& shift,
+                    const KernelLoad& load) {
+  const std::optional<Unbalanced> found = unbalanced(coarse, shift, load);
+  if (!found)
+    return;
+  const std::string owner = std::to_string(system.kernelOwner(found->column));
+  throw NumericalError("the load on subdomain " + owner +
+                           " cannot be held: a rigid motion that no constraint resists carries a load of " +
+                           scientific(found->residual) + "; fix the body it belongs to, or balance its load",
+                       {{"subdomain", owner}, {"residual", scientific(found->residual)}});
 }
 
 // λ̃ and w = Gλ̃ once more for what is left of ẽ: where weights differ by orders of magnitude G̃G̃ᵀ is badly
-// conditioned.
+// conditioned; so it is where bodies are thin and touch at few places.
 void refine(const CoarseSpace& coarse, const std::vector<double>& e, std::vector<double>& w,
             MultiVector& shift) {
   std::vector<double> left = coarse.applyUnscaled(shift);
@@ -135,7 +148,7 @@ DualProblem::DualProblem(const SubdomainSystem& system, const Constraints& const
   if (coarse.dimension() > 0) {
     std::vector<double> w = coarse.solveL(load.e);
     coarse.addGt(1.0, w, *shift_);
-    if (constraints.hasWeights())
+    if (constraints.hasWeights() || unbalanced(coarse, *shift_, load))
       refine(coarse, load.e, w, *shift_);
     requireBalance(system, coarse, *shift_, load);
     scaledLoadNorm_ = norm(coarse.solveLt(w));

@@ -127,18 +127,18 @@ int countNullPivots(const LocalMatrix& matrix) {
   return static_cast<int>(mumps.nullPivots().size());
 }
 
-std::string causeOfHiddenMotion(const LocalMatrix& matrix, const Kernel& kernel) {
+HiddenMotion causeOfHiddenMotion(const LocalMatrix& matrix, const Kernel& kernel) {
   const int parts = connectedParts(matrix);
   if (parts > 1)
-    return "it consists of " + std::to_string(parts) +
-           " parts that are not connected; make a subdomain of each, or connect them";
+    return {"it consists of " + std::to_string(parts) +
+                " parts that are not connected; make a subdomain of each, or connect them",
+            false};
   if (kernel.columns == 0)
-    return "it lacks support: its Dirichlet conditions, or what else is to hold it, leave it movable";
-  return "it contains a mechanism or a hinge: parts that are joined at too few nodes, or a material of "
-         "almost no "
-         "stiffness; or its cells are so thin, and its material so nearly incompressible, that rounding "
-         "errors "
-         "hide what holds it";
+    return {"it lacks support: its Dirichlet conditions, or what else is to hold it, leave it movable", true};
+  return {"it contains a mechanism or a hinge: parts that are joined at too few nodes, or a material of almost no "
+          "stiffness; or its cells are so thin, and its material so nearly incompressible, that rounding errors "
+          "hide what holds it",
+          true};
 }
 
 } // namespace Harmos::feti

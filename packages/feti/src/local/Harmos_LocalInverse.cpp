@@ -306,9 +306,10 @@ class CondensedInverse : public LocalInverse {
         b_(static_cast<int>(boundary.size())),
         boundary_(boundary),
         columns_(columns),
-        settings_(settings) {
+        settings_(settings),
+        context_(std::move(context)) {
     if (b_ < n_)
-      interior_ = makeCondensation(settings.solver, boundary, std::move(context));
+      interior_ = makeCondensation(settings.solver, boundary, context_);
     make(matrix, kernel);
   }
 
@@ -338,8 +339,13 @@ class CondensedInverse : public LocalInverse {
   const BoundaryOperator& boundaryOperator() const override { return *inverse_; }
 
   std::shared_ptr<const BoundaryOperator> schurComplement() const override {
-    HARMOS_REQUIRE(schur_ != nullptr, "the condensed inverse was made without keeping its Schur complement");
-    return schur_;
+    if (schur_ != nullptr)
+      return schur_;
+    if (late_ == nullptr && interior_ == nullptr)
+      late_ = std::make_shared<SparseOperator>(*matrix_, boundary_);
+    else if (late_ == nullptr)
+      late_ = std::make_shared<SchurBySolves>(*matrix_, boundary_, settings_.solver, Precision::Double, context_);
+    return late_;
   }
 
   void roundSchurComplement() override {
@@ -355,6 +361,8 @@ class CondensedInverse : public LocalInverse {
  private:
   // S, and S⁺ from it.
   void make(const LocalMatrix& matrix, const Kernel& kernel) {
+    matrix_ = &matrix;
+    late_.reset();
     std::vector<double> s = interior_ ? interior_->condense(matrix) : whole(matrix);
     if (settings_.keepSchur)
       schur_ = std::make_shared<DenseOperator>(s, b_, settings_.precision, columns_);
@@ -396,6 +404,9 @@ class CondensedInverse : public LocalInverse {
   std::unique_ptr<Condensation> interior_; ///< of i; null if there is none
   std::unique_ptr<DenseOperator> inverse_;
   std::shared_ptr<DenseOperator> schur_;
+  const LocalMatrix* matrix_ = nullptr;
+  std::shared_ptr<FactorizationContext> context_;
+  mutable std::shared_ptr<const BoundaryOperator> late_; ///< S where it was not kept, and is asked for
 };
 
 } // namespace

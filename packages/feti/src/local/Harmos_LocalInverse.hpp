@@ -58,7 +58,7 @@ struct LocalInverseSettings {
   Precision precision = Precision::Double; ///< of dense blocks, or of sparse factors
   SparseSolverChoice solver;               ///< names of Amesos2 are for the implicit form alone
   int fixingPlaces = 4;                    ///< see fixingDofs()
-  bool keepSchur = false; ///< the condensed form is to keep S, for a Dirichlet preconditioner
+  bool keepSchur = false; ///< the condensed form is to keep S, dense, for a Dirichlet preconditioner
 };
 
 /// K⁺ = (K + VVᵀ)⁻¹ by a sparse Cholesky factorisation; see regularized(). A product on the boundary

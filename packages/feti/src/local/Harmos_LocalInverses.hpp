@@ -39,6 +39,15 @@ struct CongruenceClass {
                              ///< kernel; rising
 };
 
+namespace Details {
+/// An inverse that was made and verified.
+struct MadeInverse {
+  std::unique_ptr<LocalInverse> inverse;
+  InverseQuality quality;
+  bool isReplaced = false; ///< by one of another form
+};
+} // namespace Details
+
 /// The classes of a system; each subdomain its own if nothing is to be shared. Local.
 std::vector<CongruenceClass> congruenceClasses(const SubdomainSystem& system, const Constraints& constraints,
                                                bool share, int fixingPlaces);
@@ -66,6 +75,8 @@ class LocalInverses {
   double defect() const { return defect_; }
   /// Of those held on this rank, how many have LocalInverse::hasRoundedProducts().
   int roundedFactorizations() const;
+  /// Of those held on this rank, how many are solves where they were to be condensed: see makeLocalInverses().
+  int replacedFactorizations() const;
   /// LocalInverse::restoreProducts() of all of them; what was made of them with products has to be made anew,
   /// operators not. @throws NumericalError on all ranks. @note Collective.
   void restoreProducts(const Teuchos::Comm<int>& comm);
@@ -81,20 +92,22 @@ class LocalInverses {
   void refactor(const SubdomainSystem& system, const LocalInverseOptions& options);
 
  private:
-  void note(const InverseQuality& quality);
+  void take(std::size_t ofClass, Details::MadeInverse made);
   friend LocalInverses makeLocalInverses(const SubdomainSystem&, const Constraints&,
                                          const LocalInverseOptions&);
 
   std::vector<CongruenceClass> classes_;
   std::vector<std::unique_ptr<LocalInverse>> inverses_;
+  std::vector<char> isReplaced_;
   double condition_ = 1.0;
   double defect_ = 0.0;
   std::shared_ptr<FactorizationContext> context_;
 };
 
-/// Makes them and verifies each: ‖K K⁺ K x − K x‖ ≤ δ ‖Kx‖, δ see defectLimit(), and ‖D⁻¹Kv‖ > 1e-12 ‖v‖ for
+/// Makes them and verifies each: ‖K K⁺ K x − K x‖ ≤ δ ‖Kx‖, δ see defectLimit(), and ‖D⁻¹Kv‖ > 1e-14 ‖v‖ for
 /// v = (I − RRᵀ)K⁺b, with pseudo-random x and b. A disagreement, or a factor that does not exist, means that
-/// the subdomain has more rigid motions than its kernel says; the error names it and the cause.
+/// the subdomain has more rigid motions than its kernel says; the error names it and the cause. A condensed inverse in
+/// double precision that is not good enough is replaced by solves first.
 /// @throws NumericalError on all ranks.
 /// @note Collective.
 /// Guarded by tests/unit/feti/local/test_local_inverse.cpp.

@@ -298,13 +298,29 @@ void SubdomainSystem::setMatrices(const std::vector<std::shared_ptr<const LocalM
   }
 }
 
-// f of the subdomains, with the trivial equations.
+// f of the subdomains: with the trivial equations; or without loads on prescribed values, which the rows of those bear
+// whatever happens, and beside which all else may be rounding errors.
 void SubdomainSystem::updateRhs() {
+  using Load = std::vector<double>;
+  Shared<std::pair<const Load*, std::vector<int>>, Load> borne;
   rhs_.clear();
-  for (const Subdomain& s : subdomains_)
-    rhs_.push_back(form_ == DirichletForm::Primal && !s.fixed.empty()
-                       ? std::make_shared<const std::vector<double>>(loadWithTrivialEquations(s))
-                       : s.load);
+  for (const Subdomain& s : subdomains_) {
+    std::vector<int> loaded;
+    for (const FixedDof& fixed : s.fixed)
+      if ((*s.load)[static_cast<std::size_t>(fixed.dof)] != 0.0)
+        loaded.push_back(fixed.dof);
+    if (form_ == DirichletForm::Primal && !s.fixed.empty())
+      rhs_.push_back(std::make_shared<const Load>(loadWithTrivialEquations(s)));
+    else if (loaded.empty())
+      rhs_.push_back(s.load);
+    else
+      rhs_.push_back(borne.get({s.load.get(), loaded}, [&] {
+        Load rest = *s.load;
+        for (int dof : loaded)
+          rest[static_cast<std::size_t>(dof)] = 0.0;
+        return rest;
+      }));
+  }
 }
 
 void SubdomainSystem::build() {

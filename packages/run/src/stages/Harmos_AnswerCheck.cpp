@@ -38,11 +38,16 @@ AnswerCheck::AnswerCheck(const Teuchos::Comm<int>& comm, const scene::Scene& sce
       log_(log),
       report_(report) {
   extension_ = stages.preconditioner;
-  // Without one, a bound that is too large by far would cost iterations: only who asks for it gets it.
-  if (extension_.is_null() && options.toleranceRule == ToleranceRule::Balanced)
-    extension_ = Teuchos::rcp(new feti::DualPreconditioner(
-        stages.system, stages.constraints, stages.inverses, feti::PreconditionerKind::Lumped,
-        options.dual.scalingFor(scene.hasSeveralMaterials(), scene.materialContrast())));
+  // Without one, a bound that costs nothing, and may be too large: residuals alone say little of badly shaped cells.
+  if (extension_.is_null())
+    makeExtension(feti::PreconditionerKind::Lumped);
+}
+
+void AnswerCheck::makeExtension(feti::PreconditionerKind kind) {
+  extension_ = Teuchos::rcp(new feti::DualPreconditioner(
+      stages_.system, stages_.constraints, stages_.inverses, kind,
+      options_.dual.scalingFor(scene_.hasSeveralMaterials(), scene_.materialContrast())));
+  isBoundAlone_ = kind == feti::PreconditionerKind::Lumped;
 }
 
 void AnswerCheck::recover(const MultiVector& lambda, const std::vector<double>& mu) {
@@ -51,8 +56,12 @@ void AnswerCheck::recover(const MultiVector& lambda, const std::vector<double>& 
                         stages_.problem, lambda, mu);
   report_.audit = feti::audit(stages_.system, stages_.constraints, torn_);
   report_.audited = true;
-  if (!extension_.is_null())
-    report_.solverError = solverError();
+  report_.solverError = solverError();
+  if (!isBoundAlone_ || auditAgrees(report_))
+    return;
+  // A bound that is too large must not refuse an answer.
+  makeExtension(feti::PreconditionerKind::Dirichlet);
+  report_.solverError = solverError();
 }
 
 // √(rᵀM⁻¹r).

@@ -51,6 +51,7 @@ class AnswerCheck {
  private:
   void recover(const MultiVector& lambda, const std::vector<double>& mu);
   double solverError() const;
+  void makeExtension(feti::PreconditionerKind kind);
   std::optional<double> balance(double tolerance);
 
   const Teuchos::Comm<int>& comm_;
@@ -62,6 +63,7 @@ class AnswerCheck {
   Log log_; // by value: it may be the muted one of a step
   RunReport& report_;
   Teuchos::RCP<const Operator> extension_; // M⁻¹ of the estimate
+  bool isBoundAlone_ = false;              // it was made for a bound that costs little
   feti::TornSolution torn_;
   std::optional<DiscretisationError> discretisation_;
   bool trusted_ = false; // that estimate is not about the solver's error

@@ -16,20 +16,34 @@
 namespace Harmos::run {
 namespace {
 
-// feti knows subdomains only; whoever reads the message knows bodies.
+std::string valueOf(const Error& error, const std::string& name) {
+  for (const auto& [key, value] : error.data())
+    if (key == name)
+      return value;
+  return "";
+}
+
+// feti knows subdomains only; whoever reads the message knows bodies. Parts of bodies hang together by sides and their
+// kernels follow from what is prescribed: what seems a mechanism there is a stiffness that is lost in rounding errors.
 NumericalError withBody(const scene::Scene& scene, const NumericalError& error) {
-  for (const auto& [name, value] : error.data()) {
-    if (name != "subdomain")
-      continue;
-    long long number = std::stoll(value);
-    for (const scene::Body& body : scene.bodies) {
-      if (number < body.subdomains) {
-        ErrorData data = error.data();
-        data.emplace_back("body", body.name);
-        return NumericalError("body \"" + body.name + "\": " + error.what(), std::move(data));
-      }
-      number -= body.subdomains;
+  if (valueOf(error, "subdomain").empty())
+    return error;
+  long long number = std::stoll(valueOf(error, "subdomain"));
+  for (const scene::Body& body : scene.bodies) {
+    if (number < body.subdomains) {
+      ErrorData data = error.data();
+      data.emplace_back("body", body.name);
+      const std::string what = "body \"" + body.name + "\": " + error.what();
+      if (valueOf(error, "may be rounding").empty())
+        return NumericalError(what, std::move(data));
+      return NumericalError(
+          "attainable accuracy: the matrix of a subdomain, rounded to double precision, does not tell its softest "
+          "motions from rigid ones, so that no digit of them can be had; make cells less thin, the jump of "
+          "materials smaller, or Poisson's ratio further from 0.5; " +
+              what,
+          std::move(data));
     }
+    number -= body.subdomains;
   }
   return error;
 }

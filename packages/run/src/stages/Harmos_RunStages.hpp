@@ -66,6 +66,7 @@ class RunStages {
   void solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log,
              double secondsSpent = 0.0);
   /// The solution on the primal side, judged, and its contact states and forces.
+  void tellWhatIsAttainable();
   void recover();
   /// The fields, to a file of the output directory.
   void writeFields(const std::string& file);
