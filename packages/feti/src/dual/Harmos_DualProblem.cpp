@@ -27,6 +27,8 @@ struct KernelLoad {
 KernelLoad kernelLoad(const SubdomainSystem& system) {
   // Of sums of n terms, those of the load vector too: ε√n, and n is some thousands.
   constexpr double unit = 1e2 * std::numeric_limits<double>::epsilon();
+  // R itself is known to so much: KR = 0 was verified to that, and loads of warm bodies are K times something.
+  constexpr double kernelRounding = 1e-12;
   KernelLoad load;
   load.e.assign(static_cast<std::size_t>(system.kernelDimension()), 0.0);
   load.rounding = load.e;
@@ -39,7 +41,7 @@ KernelLoad kernelLoad(const SubdomainSystem& system) {
         sizes += std::abs(term);
       }
       const auto place = static_cast<std::size_t>(system.kernelOffset(i) + k);
-      load.rounding[place] = unit * sizes;
+      load.rounding[place] = kernelRounding * sizes;
       load.e[place] = std::abs(sum) > unit * sizes ? sum : 0.0;
     }
   globalSum(*system.comm(), load.e);
