@@ -344,6 +344,17 @@ TEST(Stability, initial_penetration) {
     const feti::KktAudit audit = feti::audit(feti.system, feti.constraints, off);
     EXPECT_NEAR(audit.penetration, 0.02, 1e-12);
     tellFigure("penetration without the multiplier's rigid motion", audit.penetration);
+    for (const char* method : {"PDAS", "SMALBE"})
+      for (const char* preconditioner : {"none", "Dirichlet"}) {
+        const std::string what = std::string(method) + ", " + preconditioner;
+        const TestRun other = runScene(scene, tolerance,
+                                       {std::string("Solver/Method=") + method,
+                                        std::string("Dual operator/Preconditioner=") + preconditioner});
+        EXPECT_TRUE(other.report.converged) << what << ": " << other.report.reason;
+        EXPECT_LE(other.report.audit.penetration, bound * 0.02) << what;
+        EXPECT_LE(other.report.audit.largestMultiplier, bound * 0.02) << what;
+        tellFigure("unloaded: products, " + what, products(other.report));
+      }
   }
 }
 

@@ -19,6 +19,7 @@
 ///     build/tests/bin/stability_random_scenes                            as in the test
 ///     HARMOS_SCENES=3000 build/tests/bin/stability_random_scenes         more of them
 ///     HARMOS_SCENE_SEED=17 build/tests/bin/stability_random_scenes       one of them, with its figures
+///     HARMOS_SCENE_SETTINGS="Solver/Method=Auto;Dual operator/Form=auto"  with other settings than those drawn
 
 #include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"
@@ -45,6 +46,11 @@ constexpr unsigned sweep = 520; // scenes of the long test
 unsigned fromEnvironment(const char* name, unsigned otherwise) {
   const char* text = std::getenv(name);
   return text == nullptr ? otherwise : static_cast<unsigned>(std::stoul(text));
+}
+
+std::string fromEnvironment(const char* name) {
+  const char* text = std::getenv(name);
+  return text == nullptr ? "" : text;
 }
 
 unsigned scenes() {
@@ -148,8 +154,11 @@ std::vector<std::string> otherSettings(const TestRun& run, const std::vector<std
 struct Tally {
   int scenes = 0, solvable = 0, converged = 0, withoutSolution = 0, energies = 0, references = 0;
   int triedAlone = 0, convergedAlone = 0;
+  int attainable = 0;                 ///< of those that did not converge: stopped where no more is to be had
+  std::vector<int> products;          ///< of those that converged
   std::map<std::string, int> reasons; ///< without their numbers
   void addReason(const std::string& failure) {
+    attainable += failure.find("attainable accuracy") != std::string::npos ? 1 : 0;
     std::string kind = failure.substr(failure[0] == 'b' ? failure.find(": ") + 2 : 0, 60);
     for (char& c : kind)
       if (c >= '0' && c <= '9')
@@ -202,8 +211,17 @@ void compareRanks(const RandomScene& random, const Outcome& outcome, const Judge
       << random.text();
 }
 
+// The scene of a seed, with what the environment sets otherwise.
+RandomScene sceneOf(unsigned seed) {
+  RandomScene random = randomScene(seed);
+  std::istringstream others(fromEnvironment("HARMOS_SCENE_SETTINGS"));
+  for (std::string setting; std::getline(others, setting, ';');)
+    random.settings.push_back(setting);
+  return random;
+}
+
 void tryScene(unsigned seed, Tally& tally) {
-  const RandomScene random = randomScene(seed);
+  const RandomScene random = sceneOf(seed);
   const bool prints = testComm()->getRank() == 0 && std::getenv("HARMOS_SCENE_SEED") != nullptr;
   ++tally.scenes;
   (random.isSolvable ? tally.solvable : tally.withoutSolution) += 1;
@@ -222,6 +240,7 @@ void tryScene(unsigned seed, Tally& tally) {
   }
   EXPECT_TRUE(random.isSolvable) << "converged without a solution: " << random.text();
   tally.converged += random.isSolvable ? 1 : 0;
+  tally.products.push_back(outcome.run.report.result.counters.hessianApplications);
   const Judgement found = judge(random.scene, outcome.run);
   const std::string wrong =
       contradictions(random.scene, random.tolerance, random.settings, outcome.run, found);
@@ -246,6 +265,11 @@ TEST(RandomScenes, none_is_wrong_and_said_to_have_converged) {
   text << tally.scenes << " scenes: " << tally.converged << " of " << tally.solvable
        << " with a solution converged, " << tally.withoutSolution << " without one did not; "
        << tally.energies << " energies compared\n";
+  if (!tally.products.empty()) {
+    std::sort(tally.products.begin(), tally.products.end());
+    text << "  products: median " << tally.products[tally.products.size() / 2] << ", largest "
+         << tally.products.back() << "; " << tally.attainable << " stopped at attainable accuracy\n";
+  }
   for (const auto& [reason, count] : tally.reasons)
     text << "  " << count << " x " << reason << "\n";
   if (testComm()->getRank() == 0)

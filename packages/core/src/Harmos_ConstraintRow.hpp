@@ -22,8 +22,8 @@ struct ConstraintRow {
   long long number = 0;
   std::vector<Term> terms;
   double bound = 0.0;
-  double compliance = 0.0; ///< ≥ 0, in units of the bound by those of the multiplier; 0: does not give way
   double rounding = 0.0; ///< the bound is known up to this: gaps are differences of coordinates
+  double compliance = 0.0; ///< ≥ 0, in units of the bound by those of the multiplier; 0: does not give way
 };
 
 } // namespace Harmos
