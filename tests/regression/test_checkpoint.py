@@ -29,6 +29,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 
 import harmos_runs as runs  # noqa: E402
+import inclusions  # noqa: E402
 
 BLOCKS = runs.SOURCE / "apps" / "harmos" / "decks" / "two_blocks.xml"
 
@@ -229,6 +230,27 @@ class SameHistory(unittest.TestCase):
             program="harmos",
         )
         self.compare(run, plain, steps // 2, exact=True)
+
+
+    def test_adaptive_vectors(self):
+        """Vectors are made anew, before the first step of the run that goes on: with those that it had, it takes the same steps."""
+        deck = inclusions.Inclusions(2, 4, 8, 1e6, "scattered").write(runs.scratch("inclusions"))
+        sets = {"Dual operator/Adaptive coarse vectors": "auto", "Output/Fields": False, "Solver/Tolerance": 1e-3}
+        plain = runs.solved(self, deck, sets, program="harmos")
+        made = 60  # products of three digits, at 20 each
+        steps = int(plain.iterations()[-1]["inner"])
+        self.assertGreater(plain.summary["adaptive_vectors"], 0)
+        self.assertGreater(steps, made + 4)
+        for first in (made - 20, made + 3):
+            with self.subTest(first=first):
+                cut = runs.run(deck, sets | {"Solver/Maximum iterations": first}, program="harmos")
+                self.assertEqual(cut.returncode, 1, cut)
+                self.assertEqual(cut.summary["adaptive_vectors"] > 0, first > made)
+                for np in (2, 1):
+                    run = restarted(
+                        self, cut.directory, np, sets={"Solver/Maximum iterations": 10000}, program="harmos"
+                    )
+                    self.compare(run, plain, first, exact=np == 2)
 
 
 class Stopped(unittest.TestCase):

@@ -6,17 +6,23 @@
 ///    equal weights, and its condition grows with the ratio of the moduli; with an absolute regularisation
 ///    the digits of soft parts are wiped out. Cure: scaling by the diagonal of K (Klawonn, Widlund 2001,
 ///    Comm. Pure Appl. Math. 54; Rixen, Farhat 1999, IJNME 44), regularisation weighted by it.
+///  - Jumps within subdomains: a diagonal cannot weigh them. Cure: adaptive coarse vectors (Spillane, Rixen 2013, IJNME 95).
+///  - Thin and nearly incompressible solids: condensed inverses lose what rounding leaves of bending. Cure: solves in
+///    their place; and an end that names the cause where K itself has lost it.
 ///  - Nearly incompressible: elements of the first order lock as ν → 1/2. Cure: projected dilatation, B-bar
 ///    (Hughes 1980, IJNME 15).
 
+#include "Harmos_Exchange.hpp"
 #include "Harmos_HardCase.hpp"
 #include "Harmos_PlateMesh.hpp"
+#include "Harmos_TestErrors.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <sstream>
 
 using namespace Harmos;
 using fem::Point;
@@ -147,4 +153,91 @@ TEST(Stability, nearly_incompressible) {
       tellFigure(which + ": force over that of the fine mesh", force / fine);
     }
   }
+}
+
+TEST(Stability, material_jump_within_subdomains) {
+  // Channels one cell wide, across all cuts and each other.
+  const auto squares = [](const Point& x) { return 4 * place(x[1], 4) + place(x[0], 4); };
+  const auto channels = [](const Point& x) {
+    return place(x[0], 16) % 4 == 1 || place(x[1], 16) % 4 == 2 ? 1 : 0;
+  };
+  for (double jump : {1e-4, 1.0, 1e6}) {
+    const scene::Scene scene = plate(16, squares, channels, {1.0, jump});
+    const ReferenceSolution reference = referenceSolution(scene);
+    ASSERT_TRUE(reference.solvable);
+    // Rounding of K, see expectJump().
+    const double rounding = 100 * std::numeric_limits<double>::epsilon() * std::max(jump, 1.0 / jump);
+    std::ostringstream name;
+    name << "1 to " << jump;
+    const TestRun with = runScene(scene, tolerance, {"Dual operator/Adaptive coarse vectors=all"});
+    const TestRun without = runScene(
+        scene, tolerance, {"Dual operator/Adaptive coarse vectors=none", "Solver/PDAS/Kept directions=0"});
+    expectReference(reference, with, 1e3 * tolerance + rounding, name.str());
+    if (jump < 1.0)
+      EXPECT_GE(products(without.report), 3.0 * products(with.report));
+    tellFigure(name.str() + ": products", products(with.report));
+    tellFigure(name.str() + ": products without", products(without.report));
+    tellFigure(name.str() + ": vectors", with.report.adaptiveVectors);
+    tellFigure(name.str() + ": deviation", deviation(reference, with).largest());
+  }
+}
+
+namespace {
+
+// A foil that is held at its left and bent by a load: four by four cells, one thick, nearly incompressible.
+scene::Scene foil(double thickness, fem::CellType type = fem::CellType::Hexahedron8, int elements = 2) {
+  scene::Scene scene;
+  scene.physics = Physics::Solid;
+  fem::StructuredBlock::Options options;
+  options.cellType = type;
+  options.subdomains = {2, 2, 1};
+  options.elements = {elements, elements, 1};
+  options.size = {1.0, 1.0, thickness};
+  scene.bodies.push_back(blockBody("foil", options, fem::Material::isotropic(1.0, 0.4999)));
+  prescribe(scene, {0, "left"}, 0);
+  prescribe(scene, {0, "left"}, 2);
+  prescribe(scene, {0, "front"}, 1);
+  addTraction(scene, {0, "top"}, {0.0, 0.0, -1e-6 * thickness * thickness * thickness});
+  return scene;
+}
+
+} // namespace
+
+TEST(Stability, thin_and_nearly_incompressible_solid) {
+  constexpr double loose = 1e-4;
+  for (double thickness : {1e-2, 2e-4}) {
+    const scene::Scene scene = foil(thickness);
+    const ReferenceSolution reference = referenceSolution(scene);
+    ASSERT_TRUE(reference.solvable);
+    const TestRun run = runScene(scene, loose, {"Dual operator/Form=condensed"});
+    std::ostringstream name;
+    name << "1 to " << thickness;
+    expectReference(reference, run, 100 * loose, name.str()); // what the audit promises
+    tellFigure(name.str() + ": products", products(run.report));
+    tellFigure(name.str() + ": condition", run.report.localCondition);
+    tellFigure(name.str() + ": deviation", deviation(reference, run).largest());
+  }
+  // On linear tetrahedra condensed inverses are not exact enough, and solves take their place.
+  const scene::Scene tetrahedra = foil(1e-3, fem::CellType::Tetrahedron4, 1);
+  feti::LocalInverseOptions condensed;
+  condensed.form = feti::DualForm::Condensed;
+  const TestFeti feti(modelOf(tetrahedra), feti::DirichletForm::Dual, condensed);
+  EXPECT_GT(globalSum(*testComm(), static_cast<long long>(feti.inverses.replacedFactorizations())), 0);
+  EXPECT_LE(globalMax(*testComm(), feti.inverses.defect()), 1e-8);
+  // c ε κ, κ of a plate: the square of length over thickness, times bulk over shear modulus, 1/(1 − 2ν) about.
+  const double rounding = 10.0 * std::numeric_limits<double>::epsilon() * 1e6 / (1.0 - 2.0 * 0.4999);
+  const ReferenceSolution reference = referenceSolution(tetrahedra);
+  const TornRun solved = solveTorn(feti, tolerance);
+  expectReference(reference, solved, 1e3 * tolerance + rounding, "tetrahedra");
+  tellFigure("tetrahedra: products", products(solved.report));
+  tellFigure("tetrahedra: deviation", deviation(reference, solved).largest());
+  // Of less than κε no solver can know: the run says so when it gives up.
+  const TestRun tight = runScene(foil(3e-4), tolerance, {"Solver/Maximum iterations=300"});
+  EXPECT_FALSE(tight.report.converged);
+  EXPECT_TRUE(contains(tight.report.reason, "attainable accuracy: rounding errors of a subdomain's matrix"))
+      << tight.report.reason;
+  // Thinner still, and K itself does not tell bending from rigid motion.
+  const std::string text = numericalErrorOf([&] { runScene(foil(1e-4), loose); });
+  EXPECT_TRUE(contains(text, "attainable accuracy: the matrix of a subdomain") && contains(text, "body \"foil\""))
+      << text;
 }

@@ -395,6 +395,15 @@ Deviation deviation(const ReferenceSolution& reference, const feti::TornVector& 
   return result;
 }
 
+Deviation deviation(const ReferenceSolution& reference, const feti::FetiSolver& solver) {
+  std::vector<double> force(static_cast<std::size_t>(solver.constraints().inequalities()), 0.0);
+  const feti::ContactState state = solver.contact();
+  for (std::size_t k = 0; k < state.row.size(); ++k)
+    force[static_cast<std::size_t>(state.row[k])] = state.force[k];
+  globalSum(*testComm(), force);
+  return deviation(reference, solver.displacement(), force, solver.audit().primalEnergy);
+}
+
 Deviation deviation(const ReferenceSolution& reference, const TestRun& run) {
   std::vector<double> force;
   for (const run::ContactState& state : run.report.contact)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_ConstraintRow.hpp"
+#include "Harmos_FetiSolver.hpp"
 #include "Harmos_SubdomainSystem.hpp"
 #include "Harmos_TestScene.hpp"
 
@@ -59,5 +60,7 @@ struct Deviation {
 Deviation deviation(const ReferenceSolution& reference, const feti::TornVector& displacement,
                     const std::vector<double>& force, double energy);
 Deviation deviation(const ReferenceSolution& reference, const TestRun& run);
+/// The energy is that of the bodies, without what rows that give way store.
+Deviation deviation(const ReferenceSolution& reference, const feti::FetiSolver& solver);
 
 } // namespace Harmos

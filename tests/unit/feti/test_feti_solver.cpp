@@ -34,23 +34,13 @@ Teuchos::ParameterList parametersOf(const std::string& form,
   return list;
 }
 
-// Of every inequality by number, on every rank.
-std::vector<double> forcesOf(const feti::FetiSolver& solver) {
-  std::vector<double> result(static_cast<std::size_t>(solver.constraints().inequalities()), 0.0);
-  const feti::ContactState state = solver.contact();
-  for (std::size_t k = 0; k < state.row.size(); ++k)
-    result[static_cast<std::size_t>(state.row[k])] = state.force[k];
-  globalSum(*testComm(), result);
-  return result;
-}
-
 void expectReference(const TestModel& model, feti::FetiSolver& solver, const std::string& what) {
   const feti::SolveReport& report = solver.solve();
   ASSERT_TRUE(report.converged) << what << ": " << report.reason;
   const ReferenceSolution reference = referenceSolution(*testComm(), model.subdomains, model.rows);
   ASSERT_TRUE(reference.solvable) << what;
   const Deviation error =
-      deviation(reference, solver.displacement(), forcesOf(solver), solver.audit().primalEnergy);
+      deviation(reference, solver);
   EXPECT_LE(error.largest(), bound) << what;
 }
 

@@ -81,6 +81,57 @@ class Basis {
   std::vector<double> vectors_, images_;
 };
 
+// VᵀN S⁺ NV of a growing V, and its eigenpairs: Ritz values of S⁺N.
+class Projection {
+ public:
+  static constexpr std::size_t most = static_cast<std::size_t>(mostBlocks) * blockSize;
+
+  struct Pairs {
+    std::vector<double> values;  // rising
+    std::vector<double> vectors; // column after column
+    std::vector<double> above(double threshold) const {
+      std::vector<double> result;
+      for (std::size_t k = values.size(); k-- > 0 && values[k] > threshold;)
+        result.push_back(values[k]);
+      return result;
+    }
+  };
+
+  Projection() : matrix_(most * most, 0.0) {}
+
+  void set(std::size_t i, std::size_t j, double value) {
+    matrix_[j * most + i] = value;
+    matrix_[i * most + j] = value;
+  }
+
+  Pairs solve(std::size_t dimension) const {
+    Pairs pairs;
+    pairs.values.resize(dimension);
+    pairs.vectors.resize(dimension * dimension);
+    for (std::size_t j = 0; j < dimension; ++j)
+      std::copy_n(matrix_.begin() + static_cast<std::ptrdiff_t>(j * most), dimension,
+                  pairs.vectors.begin() + static_cast<std::ptrdiff_t>(j * dimension));
+    const int n = static_cast<int>(dimension);
+    std::vector<double> work(34 * dimension);
+    int info = 0;
+    Teuchos::LAPACK<int, double>().SYEV('V', 'U', n, pairs.vectors.data(), n, pairs.values.data(), work.data(),
+                                        static_cast<int>(work.size()), &info);
+    if (info != 0)
+      throw NumericalError("LAPACK's dsyev gives up on the modes of a subdomain: info " + std::to_string(info));
+    return pairs;
+  }
+
+ private:
+  std::vector<double> matrix_; // whole, of leading dimension most
+};
+
+// Whether two lists of the modes above the threshold are the same.
+bool areSettled(const std::vector<double>& above, const std::vector<double>& before) {
+  return std::equal(above.begin(), above.end(), before.begin(), before.end(), [](double value, double last) {
+    return std::abs(value - last) <= accuracy * value;
+  });
+}
+
 // A number of [-1, 1] that depends on its place alone.
 double noise(std::uint64_t seed) {
   seed += 0x9e3779b97f4a7c15ULL;
@@ -107,57 +158,35 @@ DominantModes dominantModes(const std::vector<double>& energy, const BoundaryOpe
   std::vector<double> block(size * blockSize);
   for (std::size_t k = 0; k < block.size(); ++k)
     block[k] = noise(seed * 0x100000001b3ULL + k);
-  int added = basis.add(block);
-  std::vector<double> projected; // VᵀN S⁺ NV, whole, of leading dimension mostBlocks * blockSize
-  constexpr std::size_t stride = static_cast<std::size_t>(mostBlocks) * blockSize;
-  projected.assign(stride * stride, 0.0);
+  Projection projection;
   std::vector<double> before;
-  while (added > 0) {
+  for (int added = basis.add(block); added > 0;) {
     const std::size_t end = basis.columns(), begin = end - static_cast<std::size_t>(added);
     std::vector<double> load(basis.image(begin), basis.image(begin) + size * static_cast<std::size_t>(added));
     std::vector<double> next(load.size());
     inverse.apply(load.data(), next.data(), added);
     for (std::size_t j = begin; j < end; ++j)
-      for (std::size_t i = first; i < end; ++i) {
-        const double value = dot(basis.image(i), next.data() + (j - begin) * size, size);
-        projected[(j - first) * stride + (i - first)] = value;
-        projected[(i - first) * stride + (j - first)] = value;
-      }
+      for (std::size_t i = first; i < end; ++i)
+        projection.set(i - first, j - first, dot(basis.image(i), next.data() + (j - begin) * size, size));
     const std::size_t dimension = end - first;
-    std::vector<double> z(dimension * dimension), values(dimension), work(34 * dimension);
-    for (std::size_t j = 0; j < dimension; ++j)
-      std::copy_n(projected.begin() + static_cast<std::ptrdiff_t>(j * stride), dimension,
-                  z.begin() + static_cast<std::ptrdiff_t>(j * dimension));
-    int info = 0;
-    Teuchos::LAPACK<int, double>().SYEV('V', 'U', static_cast<int>(dimension), z.data(),
-                                        static_cast<int>(dimension), values.data(), work.data(),
-                                        static_cast<int>(work.size()), &info);
-    if (info != 0)
-      throw NumericalError("LAPACK's dsyev gives up on the modes of a subdomain: info " +
-                           std::to_string(info));
-    std::vector<double> above;
-    for (std::size_t k = dimension; k-- > 0 && values[k] > threshold;)
-      above.push_back(values[k]);
-    bool isSettled = above.size() < dimension && above.size() == before.size() && end > first + 2 * blockSize;
-    for (std::size_t k = 0; isSettled && k < above.size(); ++k)
-      isSettled = std::abs(above[k] - before[k]) <= accuracy * above[k];
+    const Projection::Pairs pairs = projection.solve(dimension);
+    std::vector<double> above = pairs.above(threshold);
+    const bool isSettled =
+        above.size() < dimension && dimension > 2 * blockSize && areSettled(above, before);
     before = above;
-    const bool isFull = dimension + blockSize > stride || end >= size;
-    if (!isSettled && !isFull) {
-      added = basis.add(next);
-      if (added > 0)
-        continue;
-    }
+    const bool isFull = dimension + blockSize > Projection::most || end >= size;
+    added = isSettled || isFull ? 0 : basis.add(next);
+    if (added > 0)
+      continue;
     above.resize(std::min(above.size(), static_cast<std::size_t>(most)));
     result.values = above;
     result.vectors.assign(above.size() * size, 0.0);
     for (std::size_t k = 0; k < above.size(); ++k)
       for (std::size_t j = 0; j < dimension; ++j) {
-        const double share = z[(dimension - 1 - k) * dimension + j];
+        const double share = pairs.vectors[(dimension - 1 - k) * dimension + j];
         for (std::size_t i = 0; i < size; ++i)
           result.vectors[k * size + i] += share * basis.vector(first + j)[i];
       }
-    break;
   }
   return result;
 }
