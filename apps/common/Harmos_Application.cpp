@@ -161,8 +161,8 @@ std::string seriesOf(const std::string& directory) {
   return std::filesystem::exists(directory + "/" + name) ? ", " + name : "";
 }
 
-// A run that failed leaves what is known of it. A rank that is alone with its fault writes by itself: the others may
-// be waiting for something else.
+// A run that failed leaves what is known of it. A rank that is alone with its fault writes by itself: the
+// others may be waiting for something else.
 void leaveSummary(const ProgramContext& context, const run::RunOptions& options, run::RunReport& report,
                   const Error& error, bool alone) {
   report.converged = false;

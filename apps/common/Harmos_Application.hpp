@@ -91,8 +91,9 @@ std::string directoryOf(const std::string& file);
 /// An internal error of this rank alone: the others do not know of it, and nothing collective may follow.
 bool standsAlone(const Teuchos::Comm<int>& comm, const Error& error);
 
-/// The work of an application's program: the deck, the run, the summary. A run that fails once its output directory is
-/// there leaves a summary.json with the cause. @return the exit status. @throws whatever ended the run.
+/// The work of an application's program: the deck, the run, the summary. A run that fails once its output
+/// directory is there leaves a summary.json with the cause. @return the exit status. @throws whatever ended
+/// the run.
 /// @note Collective.
 /// Guarded by tests/unit/apps/test_failed_run.cpp.
 int runDeck(const Application& application, const ProgramContext& context);

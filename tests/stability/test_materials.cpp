@@ -6,8 +6,10 @@
 ///    equal weights, and its condition grows with the ratio of the moduli; with an absolute regularisation
 ///    the digits of soft parts are wiped out. Cure: scaling by the diagonal of K (Klawonn, Widlund 2001,
 ///    Comm. Pure Appl. Math. 54; Rixen, Farhat 1999, IJNME 44), regularisation weighted by it.
-///  - Jumps within subdomains: a diagonal cannot weigh them. Cure: adaptive coarse vectors (Spillane, Rixen 2013, IJNME 95).
-///  - Thin and nearly incompressible solids: condensed inverses lose what rounding leaves of bending. Cure: solves in
+///  - Jumps within subdomains: a diagonal cannot weigh them. Cure: adaptive coarse vectors (Spillane, Rixen
+///  2013, IJNME 95).
+///  - Thin and nearly incompressible solids: condensed inverses lose what rounding leaves of bending. Cure:
+///  solves in
 ///    their place; and an end that names the cause where K itself has lost it.
 ///  - Nearly incompressible: elements of the first order lock as ν → 1/2. Cure: projected dilatation, B-bar
 ///    (Hughes 1980, IJNME 15).
@@ -224,7 +226,8 @@ TEST(Stability, thin_and_nearly_incompressible_solid) {
   const TestFeti feti(modelOf(tetrahedra), feti::DirichletForm::Dual, condensed);
   EXPECT_GT(globalSum(*testComm(), static_cast<long long>(feti.inverses.replacedFactorizations())), 0);
   EXPECT_LE(globalMax(*testComm(), feti.inverses.defect()), 1e-8);
-  // c ε κ, κ of a plate: the square of length over thickness, times bulk over shear modulus, 1/(1 − 2ν) about.
+  // c ε κ, κ of a plate: the square of length over thickness, times bulk over shear modulus, 1/(1 − 2ν)
+  // about.
   const double rounding = 10.0 * std::numeric_limits<double>::epsilon() * 1e6 / (1.0 - 2.0 * 0.4999);
   const ReferenceSolution reference = referenceSolution(tetrahedra);
   const TornRun solved = solveTorn(feti, tolerance);
@@ -238,6 +241,7 @@ TEST(Stability, thin_and_nearly_incompressible_solid) {
       << tight.report.reason;
   // Thinner still, and K itself does not tell bending from rigid motion.
   const std::string text = numericalErrorOf([&] { runScene(foil(1e-4), loose); });
-  EXPECT_TRUE(contains(text, "attainable accuracy: the matrix of a subdomain") && contains(text, "body \"foil\""))
+  EXPECT_TRUE(contains(text, "attainable accuracy: the matrix of a subdomain") &&
+              contains(text, "body \"foil\""))
       << text;
 }

@@ -19,7 +19,8 @@
 ///     build/tests/bin/stability_random_scenes                            as in the test
 ///     HARMOS_SCENES=3000 build/tests/bin/stability_random_scenes         more of them
 ///     HARMOS_SCENE_SEED=17 build/tests/bin/stability_random_scenes       one of them, with its figures
-///     HARMOS_SCENE_SETTINGS="Solver/Method=Auto;Dual operator/Form=auto"  with other settings than those drawn
+///     HARMOS_SCENE_SETTINGS="Solver/Method=Auto;Dual operator/Form=auto"  with other settings than those
+///     drawn
 
 #include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"

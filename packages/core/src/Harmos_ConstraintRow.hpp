@@ -5,8 +5,8 @@
 
 namespace Harmos {
 
-/// A linear condition on physical (untorn) dofs: Σ coefficient · u(dof) ≤ bound, or = bound. One that gives way under
-/// its force: ≤ bound + compliance · λ, or =, as of a layer between two bodies.
+/// A linear condition on physical (untorn) dofs: Σ coefficient · u(dof) ≤ bound, or = bound. One that gives
+/// way under its force: ≤ bound + compliance · λ, or =, as of a layer between two bodies.
 ///
 /// What contact and tie conditions are made of before the bodies are torn. Rows of one kind are numbered
 /// 0, 1, ... without gaps over all ranks, each row on exactly one rank: so their order does not depend on the
@@ -22,7 +22,7 @@ struct ConstraintRow {
   long long number = 0;
   std::vector<Term> terms;
   double bound = 0.0;
-  double rounding = 0.0; ///< the bound is known up to this: gaps are differences of coordinates
+  double rounding = 0.0;   ///< the bound is known up to this: gaps are differences of coordinates
   double compliance = 0.0; ///< ≥ 0, in units of the bound by those of the multiplier; 0: does not give way
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// A run that fails after its output directory was opened leaves a summary with the cause, whatever the fault.
+/// A run that fails after its output directory was opened leaves a summary with the cause, whatever the
+/// fault.
 
 #include "Harmos_Application.hpp"
 #include "Harmos_Signorini.hpp"
@@ -25,14 +26,16 @@ nlohmann::json summaryAfter(const Fault& fault, const std::string& name) {
   app::CommandLine line;
   line.output = name + "_np" + std::to_string(testComm()->getSize());
   line.deck = line.output + ".xml";
-  line.assignments = {"Model/Subdomains per side=2", "Model/Elements per subdomain side=4", "Output/Fields=false"};
+  line.assignments = {"Model/Subdomains per side=2", "Model/Elements per subdomain side=4",
+                      "Output/Fields=false"};
   if (testComm()->getRank() == 0) {
     std::filesystem::remove_all(line.output);
     std::ofstream(line.deck) << "<ParameterList/>\n";
   }
   testComm()->barrier();
   const Log silent;
-  EXPECT_THROW(app::runDeck(application, {testComm(), line, silent, std::chrono::steady_clock::now()}), Fault);
+  EXPECT_THROW(app::runDeck(application, {testComm(), line, silent, std::chrono::steady_clock::now()}),
+               Fault);
   testComm()->barrier();
   std::ifstream file(line.output + "/summary.json");
   EXPECT_TRUE(file.good()) << "no summary";

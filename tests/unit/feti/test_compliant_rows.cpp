@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Rows that give way under their force, Bu = c + Cλ: the answers of a dense solver without domain decomposition, products
-/// that do not grow with C, and rows whose force moves nothing.
+/// Rows that give way under their force, Bu = c + Cλ: the answers of a dense solver without domain
+/// decomposition, products that do not grow with C, and rows whose force moves nothing.
 
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
@@ -52,8 +52,7 @@ Answer solved(const TestModel& model, const std::string& weights, const std::str
   EXPECT_TRUE(report.converged) << weights << ": " << report.reason;
   const ReferenceSolution reference = referenceSolution(*testComm(), model.subdomains, model.rows);
   EXPECT_TRUE(reference.solvable);
-  const Deviation off =
-      deviation(reference, solver);
+  const Deviation off = deviation(reference, solver);
   return {off.largest(), report.result.counters.hessianApplications};
 }
 
@@ -72,7 +71,8 @@ TEST(CompliantRows, products_do_not_grow_with_compliance) {
       EXPECT_LE(answer.error, bound) << "tied " << tied << ", compliance " << size;
       EXPECT_LE(answer.products, 1.25 * rigid) << "tied " << tied << ", compliance " << size;
     }
-    const Answer answer = solved(compliant(tied, graded), "auto"), without = solved(compliant(tied, graded), "none");
+    const Answer answer = solved(compliant(tied, graded), "auto"),
+                 without = solved(compliant(tied, graded), "none");
     EXPECT_LE(answer.error, bound) << "tied " << tied;
     EXPECT_LE(without.error, bound) << "tied " << tied;
     EXPECT_LE(answer.products, 1.25 * rigid) << "tied " << tied;
@@ -86,7 +86,8 @@ TEST(CompliantRows, by_other_solvers) {
     EXPECT_LE(solved(compliant(false, graded), "auto", method).error, bound) << method;
 }
 
-// Between prescribed values the force is known, (Bu − c)/C, and moves nothing; what it does to its dofs is there.
+// Between prescribed values the force is known, (Bu − c)/C, and moves nothing; what it does to its dofs is
+// there.
 TEST(CompliantRows, of_prescribed_values_alone) {
   for (const char* dirichlet : {"primal", "dual"}) {
     TestModel model = testModel(2, 4);
@@ -119,7 +120,8 @@ TEST(CompliantRows, of_prescribed_values_alone) {
 }
 
 TEST(CompliantRows, negative_or_infinite_is_refused) {
-  for (double compliance : {-1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+  for (double compliance :
+       {-1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
     const TestModel model = compliant(true, [=](long long number) { return number == 3 ? compliance : 0.0; });
     const std::string error = inputErrorOf(
         [&] { feti::FetiSolver(testComm(), model.subdomains, model.rows, parametersOf("auto")); });

@@ -39,8 +39,7 @@ void expectReference(const TestModel& model, feti::FetiSolver& solver, const std
   ASSERT_TRUE(report.converged) << what << ": " << report.reason;
   const ReferenceSolution reference = referenceSolution(*testComm(), model.subdomains, model.rows);
   ASSERT_TRUE(reference.solvable) << what;
-  const Deviation error =
-      deviation(reference, solver);
+  const Deviation error = deviation(reference, solver);
   EXPECT_LE(error.largest(), bound) << what;
 }
 

@@ -72,21 +72,24 @@ TEST(PdasBudget, sets_that_go_on_changing_leave_their_share) {
   }
 }
 
-// The same problems: that they wander is seen long before, and then they descend. MPRGP, which is made for
-// such problems, takes as many products; 1.0 to 1.7 times as many were measured.
+// The same problems: that they wander is seen long before. Faces are followed further, and where that is not
+// enough sets descend. MPRGP, which is made for such problems, takes as many products; 1.0 to 1.7 times as
+// many were measured.
 TEST(PdasBudget, sets_that_wander_descend_in_the_end) {
+  int descents = 0;
   for (unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
     std::mt19937 random(seed);
     SmallQp qp = randomQp(random, n, 0, false, 1e6);
     qp.lower.assign(n, 0.0);
     const Outcome direct = solved(qp, "MPRGP"), outcome = solved(qp, "PDAS");
     EXPECT_EQ(outcome.result.counters.safeguards, 0) << seed;
-    EXPECT_EQ(outcome.result.counters.descents, 1) << seed;
+    descents += outcome.result.counters.descents;
     EXPECT_EQ(outcome.result.method, "PDAS") << seed;
     EXPECT_LE(outcome.result.counters.hessianApplications, 3 * direct.result.counters.hessianApplications)
         << seed;
     EXPECT_LE(distance(outcome.x, direct.x), accuracy(qp)) << seed;
   }
+  EXPECT_GE(descents, 2);
 }
 
 // Short recurrences that have lost their way take many times the dimension.

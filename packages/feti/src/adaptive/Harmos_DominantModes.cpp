@@ -114,10 +114,11 @@ class Projection {
     const int n = static_cast<int>(dimension);
     std::vector<double> work(34 * dimension);
     int info = 0;
-    Teuchos::LAPACK<int, double>().SYEV('V', 'U', n, pairs.vectors.data(), n, pairs.values.data(), work.data(),
-                                        static_cast<int>(work.size()), &info);
+    Teuchos::LAPACK<int, double>().SYEV('V', 'U', n, pairs.vectors.data(), n, pairs.values.data(),
+                                        work.data(), static_cast<int>(work.size()), &info);
     if (info != 0)
-      throw NumericalError("LAPACK's dsyev gives up on the modes of a subdomain: info " + std::to_string(info));
+      throw NumericalError("LAPACK's dsyev gives up on the modes of a subdomain: info " +
+                           std::to_string(info));
     return pairs;
   }
 
@@ -127,9 +128,8 @@ class Projection {
 
 // Whether two lists of the modes above the threshold are the same.
 bool areSettled(const std::vector<double>& above, const std::vector<double>& before) {
-  return std::equal(above.begin(), above.end(), before.begin(), before.end(), [](double value, double last) {
-    return std::abs(value - last) <= accuracy * value;
-  });
+  return std::equal(above.begin(), above.end(), before.begin(), before.end(),
+                    [](double value, double last) { return std::abs(value - last) <= accuracy * value; });
 }
 
 // A number of [-1, 1] that depends on its place alone.
@@ -171,8 +171,7 @@ DominantModes dominantModes(const std::vector<double>& energy, const BoundaryOpe
     const std::size_t dimension = end - first;
     const Projection::Pairs pairs = projection.solve(dimension);
     std::vector<double> above = pairs.above(threshold);
-    const bool isSettled =
-        above.size() < dimension && dimension > 2 * blockSize && areSettled(above, before);
+    const bool isSettled = above.size() < dimension && dimension > 2 * blockSize && areSettled(above, before);
     before = above;
     const bool isFull = dimension + blockSize > Projection::most || end >= size;
     added = isSettled || isFull ? 0 : basis.add(next);

@@ -30,8 +30,8 @@ enum class PreconditionerScaling {
 /// diagonal. With orthonormal rows and Scaling::Multiplicity, B_D = B. Cost of a product: as of F in the
 /// condensed form.
 ///
-/// Of rows that give way, (F + C)⁻¹ is approximated by TM⁻¹T + (I − T²)²C⁻¹, T² = q/(q + C), q the diagonal of BD⁻¹Bᵀ: the
-/// first part alone where C is small, the second where it is large.
+/// Of rows that give way, (F + C)⁻¹ is approximated by TM⁻¹T + (I − T²)²C⁻¹, T² = q/(q + C), q the diagonal
+/// of BD⁻¹Bᵀ: the first part alone where C is small, the second where it is large.
 ///
 /// To be used between projections: PM⁻¹P.
 /// Guarded by tests/unit/feti/test_dual_preconditioner.cpp.

@@ -27,7 +27,8 @@ struct KernelLoad {
 KernelLoad kernelLoad(const SubdomainSystem& system) {
   // Of sums of n terms, those of the load vector too: ε√n, and n is some thousands.
   constexpr double unit = 1e2 * std::numeric_limits<double>::epsilon();
-  // R itself is known to so much: KR = 0 was verified to that, and loads of warm bodies are K times something.
+  // R itself is known to so much: KR = 0 was verified to that, and loads of warm bodies are K times
+  // something.
   constexpr double kernelRounding = 1e-12;
   KernelLoad load;
   load.e.assign(static_cast<std::size_t>(system.kernelDimension()), 0.0);
@@ -97,7 +98,8 @@ struct Unbalanced {
   int column;
   double residual;
 };
-std::optional<Unbalanced> unbalanced(const CoarseSpace& coarse, const MultiVector& shift, const KernelLoad& load) {
+std::optional<Unbalanced> unbalanced(const CoarseSpace& coarse, const MultiVector& shift,
+                                     const KernelLoad& load) {
   const std::vector<double> balanced = coarse.applyUnscaled(shift);
   const std::vector<double>& e = load.e;
   const double tolerance = 1e-10 * norm(e) + norm(load.rounding);

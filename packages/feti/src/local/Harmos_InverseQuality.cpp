@@ -135,10 +135,12 @@ HiddenMotion causeOfHiddenMotion(const LocalMatrix& matrix, const Kernel& kernel
             false};
   if (kernel.columns == 0)
     return {"it lacks support: its Dirichlet conditions, or what else is to hold it, leave it movable", true};
-  return {"it contains a mechanism or a hinge: parts that are joined at too few nodes, or a material of almost no "
-          "stiffness; or its cells are so thin, and its material so nearly incompressible, that rounding errors "
-          "hide what holds it",
-          true};
+  return {
+      "it contains a mechanism or a hinge: parts that are joined at too few nodes, or a material of almost "
+      "no "
+      "stiffness; or its cells are so thin, and its material so nearly incompressible, that rounding errors "
+      "hide what holds it",
+      true};
 }
 
 } // namespace Harmos::feti

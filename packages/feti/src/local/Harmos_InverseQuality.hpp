@@ -35,8 +35,8 @@ DefectLimit defectLimit(const InverseQuality& quality, const LocalInverseSetting
 /// dimension. A cross-check only, which can miscount where materials vary much.
 int countNullPivots(const LocalMatrix& matrix);
 
-/// Why a matrix may have a kernel that was not expected: in words for an error message, and whether rounding errors may be
-/// all there is to it, as where it hangs together.
+/// Why a matrix may have a kernel that was not expected: in words for an error message, and whether rounding
+/// errors may be all there is to it, as where it hangs together.
 struct HiddenMotion {
   std::string cause;
   bool mayBeRounding;

@@ -344,7 +344,8 @@ class CondensedInverse : public LocalInverse {
     if (late_ == nullptr && interior_ == nullptr)
       late_ = std::make_shared<SparseOperator>(*matrix_, boundary_);
     else if (late_ == nullptr)
-      late_ = std::make_shared<SchurBySolves>(*matrix_, boundary_, settings_.solver, Precision::Double, context_);
+      late_ =
+          std::make_shared<SchurBySolves>(*matrix_, boundary_, settings_.solver, Precision::Double, context_);
     return late_;
   }
 

@@ -11,8 +11,8 @@
 namespace Harmos::feti {
 namespace {
 
-// Rounding of a row of K, some hundred times ε. Thin and nearly incompressible solids were seen to resist with 1e-13,
-// hinges with 1e-16.
+// Rounding of a row of K, some hundred times ε. Thin and nearly incompressible solids were seen to resist
+// with 1e-13, hinges with 1e-16.
 constexpr double hiddenTolerance = 1e-14;
 
 std::vector<int> touchedDofs(const Constraints& constraints, const std::vector<int>& members) {
@@ -30,12 +30,14 @@ std::string tooIllConditioned(const InverseQuality& quality, const LocalInverseO
   const bool single = options.precision == Precision::Single;
   return "the condition number of its matrix, " + scientific(quality.condition(), 0) +
          " at least, times the rounding errors of " + (single ? "single" : "double") +
-         " precision explains that; " +
-         (single ? "set \"Dual operator/Precision\" = \"double\", or " : "") + "make cells less thin, the jump of materials smaller, or Poisson's ratio further from 0.5";
+         " precision explains that; " + (single ? "set \"Dual operator/Precision\" = \"double\", or " : "") +
+         "make cells less thin, the jump of materials smaller, or Poisson's ratio further from 0.5";
 }
 
-// Of a matrix that seems to have a motion which its kernel does not contain; data() tells whether rounding may be all.
-NumericalError hiddenMotion(const std::string& text, const LocalMatrix& matrix, const Kernel& kernel, ErrorData data) {
+// Of a matrix that seems to have a motion which its kernel does not contain; data() tells whether rounding
+// may be all.
+NumericalError hiddenMotion(const std::string& text, const LocalMatrix& matrix, const Kernel& kernel,
+                            ErrorData data) {
   const HiddenMotion found = causeOfHiddenMotion(matrix, kernel);
   if (found.mayBeRounding)
     data.emplace_back("may be rounding", "yes");
@@ -45,12 +47,11 @@ NumericalError hiddenMotion(const std::string& text, const LocalMatrix& matrix, 
 void verify(const LocalMatrix& matrix, const Kernel& kernel, const InverseQuality& quality,
             const LocalInverseOptions& options, const std::string& number) {
   if (!(quality.resistance > hiddenTolerance))
-    throw hiddenMotion("subdomain " + number +
-                           " has a motion that its matrix does not resist and its kernel of dimension " +
-                           std::to_string(kernel.columns) + " does not contain: ‖D⁻¹Kv‖/‖v‖ = " +
-                           scientific(quality.resistance) + "; ",
-                       matrix, kernel,
-                       {{"subdomain", number}, {"resistance", scientific(quality.resistance)}});
+    throw hiddenMotion(
+        "subdomain " + number + " has a motion that its matrix does not resist and its kernel of dimension " +
+            std::to_string(kernel.columns) +
+            " does not contain: ‖D⁻¹Kv‖/‖v‖ = " + scientific(quality.resistance) + "; ",
+        matrix, kernel, {{"subdomain", number}, {"resistance", scientific(quality.resistance)}});
   const DefectLimit limit = defectLimit(quality, options);
   if (!(quality.defect <= limit.acceptable)) {
     const std::string found = "subdomain " + number + ": ‖KK⁺Kx − Kx‖/‖Kx‖ = " + scientific(quality.defect) +
@@ -139,8 +140,8 @@ Made makeOnce(const Place& place, const LocalInverseOptions& options,
   return made;
 }
 
-// Condensed inverses are formed explicitly: where that has lost too much to rounding errors, solves take their place,
-// which are exact to rounding errors of K.
+// Condensed inverses are formed explicitly: where that has lost too much to rounding errors, solves take
+// their place, which are exact to rounding errors of K.
 template<class MakeCondensed>
 Made madeOrReplaced(const Place& place, const LocalInverseOptions& options,
                     const std::shared_ptr<FactorizationContext>& context, MakeCondensed&& make) {
@@ -249,7 +250,8 @@ void LocalInverses::refactor(const SubdomainSystem& system, const LocalInverseOp
         return Made{std::move(inverses_[c]), quality, false};
       };
       const bool wasReplaced = isReplaced_[c] != 0;
-      take(c, wasReplaced ? again() : madeOrReplaced({matrix, kernel, classes_[c], number}, options, context_, again));
+      take(c, wasReplaced ? again()
+                          : madeOrReplaced({matrix, kernel, classes_[c], number}, options, context_, again));
     }
     if (context_ != nullptr) // inverses that were made elsewhere keep their own
       context_->releaseWorkspace();

@@ -75,7 +75,8 @@ class LocalInverses {
   double defect() const { return defect_; }
   /// Of those held on this rank, how many have LocalInverse::hasRoundedProducts().
   int roundedFactorizations() const;
-  /// Of those held on this rank, how many are solves where they were to be condensed: see makeLocalInverses().
+  /// Of those held on this rank, how many are solves where they were to be condensed: see
+  /// makeLocalInverses().
   int replacedFactorizations() const;
   /// LocalInverse::restoreProducts() of all of them; what was made of them with products has to be made anew,
   /// operators not. @throws NumericalError on all ranks. @note Collective.
@@ -106,8 +107,8 @@ class LocalInverses {
 
 /// Makes them and verifies each: ‖K K⁺ K x − K x‖ ≤ δ ‖Kx‖, δ see defectLimit(), and ‖D⁻¹Kv‖ > 1e-14 ‖v‖ for
 /// v = (I − RRᵀ)K⁺b, with pseudo-random x and b. A disagreement, or a factor that does not exist, means that
-/// the subdomain has more rigid motions than its kernel says; the error names it and the cause. A condensed inverse in
-/// double precision that is not good enough is replaced by solves first.
+/// the subdomain has more rigid motions than its kernel says; the error names it and the cause. A condensed
+/// inverse in double precision that is not good enough is replaced by solves first.
 /// @throws NumericalError on all ranks.
 /// @note Collective.
 /// Guarded by tests/unit/feti/local/test_local_inverse.cpp.

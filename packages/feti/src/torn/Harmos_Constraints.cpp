@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <tuple>
 
@@ -109,7 +108,8 @@ std::map<long long, long long> addGluingAndDirichlet(const DofCopies::Table& tab
     if (fixed != nullptr && form == DirichletForm::Dual) {
       for (const Copy& copy : copies) {
         const double scale = std::sqrt(copy.weight);
-        builder.add({row++, scale * fixed->value, scale, 0.0, static_cast<int>(RowType::Dirichlet)}, {{copy, scale}});
+        builder.add({row++, scale * fixed->value, scale, 0.0, static_cast<int>(RowType::Dirichlet)},
+                    {{copy, scale}});
       }
       continue;
     }
@@ -251,8 +251,8 @@ struct GivenRow {
   bool isIdle = false; ///< no force of its own moves anything
 };
 
-// A prescribed value is no unknown: its share goes to the bound (equality rows may be added to any row), or the force
-// of the row would move the trivial equation. A row of prescribed values alone stays as it is.
+// A prescribed value is no unknown: its share goes to the bound (equality rows may be added to any row), or
+// the force of the row would move the trivial equation. A row of prescribed values alone stays as it is.
 GivenRow byCopies(const ConstraintRow& row, const std::map<long long, double>& coefficients,
                   const DofCopies::Table& copies) {
   GivenRow result;
@@ -298,7 +298,8 @@ double ofPrescribed(const std::map<long long, double>& coefficients, const DofCo
   return sum;
 }
 
-// A row that no force can change has to hold already; one that gives way bears a force all the same, which is known.
+// A row that no force can change has to hold already; one that gives way bears a force all the same, which is
+// known.
 void settle(GivenRow& given, const ConstraintRow& row, const std::map<long long, double>& coefficients,
             const DofCopies::Answers& answers, DirichletForm form) {
   const DofCopies::Table& copies = answers.copies;
@@ -323,8 +324,8 @@ void settle(GivenRow& given, const ConstraintRow& row, const std::map<long long,
     given.norm2 = 1.0;
   } else {
     const double left = requireMet(row, coefficients, copies);
-    // Beside the rows of its dofs' prescribed values it would be a dependent one, which the preconditioner could not
-    // tell from those.
+    // Beside the rows of its dofs' prescribed values it would be a dependent one, which the preconditioner
+    // could not tell from those.
     const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
     given.isIdle = inequality && form == DirichletForm::Dual;
     given.bound = given.isIdle ? std::max(0.0, left) : given.bound;
@@ -352,9 +353,10 @@ std::vector<Details::MultiplierTerm> addGiven(const std::vector<ConstraintRow>& 
         term.value *= scale;
     const long long number = numbers[r];
     multipliers.push_back({static_cast<int>(r), number, scale});
-    const RowType type = row.kind == ConstraintRow::Kind::Inequality ? RowType::Inequality : RowType::Equality;
-    builder.add({number, scale * given.bound, scale, row.compliance * scale * scale, static_cast<int>(type)}, given.terms,
-                !given.isIdle);
+    const RowType type =
+        row.kind == ConstraintRow::Kind::Inequality ? RowType::Inequality : RowType::Equality;
+    builder.add({number, scale * given.bound, scale, row.compliance * scale * scale, static_cast<int>(type)},
+                given.terms, !given.isIdle);
     builder.addHeld(number, given.held);
     for (const ConstraintRow::Term& term : row.terms)
       if (answers.isUnited(term.dof)) {
@@ -378,82 +380,12 @@ void checkNumbers(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRo
     throw InputError("constraint rows of one kind must be numbered 0, 1, ... without gaps over all ranks");
 }
 
-// The diagonal of K at interface dofs, relative to the smallest: multipliers keep their sizes where bodies
-// are soft, which is what F and the stopping rules go by without weights too. What is softer than the
-// stiffest by more than nine orders of magnitude counts as if it were not: what many stiff subdomains do
-// together against it would be lost in rounding errors of the coarse problem.
-Details::Weights stiffnessWeights(const SubdomainSystem& system) {
-  constexpr double widest = 1e9;
-  std::vector<std::vector<double>> weights;
-  double largest = 0.0, smallest = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < system.size(); ++i) {
-    const std::vector<double> diagonal = system.matrix(i).diagonal();
-    std::vector<double>& mine = weights.emplace_back();
-    for (int local : *system.subdomain(i).interface) {
-      mine.push_back(diagonal[static_cast<std::size_t>(local)]);
-      largest = std::max(largest, mine.back());
-      if (mine.back() > 0.0)
-        smallest = std::min(smallest, mine.back());
-    }
-  }
-  largest = globalMax(*system.comm(), largest);
-  smallest = std::max(globalMin(*system.comm(), smallest), largest / widest);
-  for (std::vector<double>& mine : weights)
-    for (double& weight : mine)
-      weight = weight > 0.0 ? std::max(weight / smallest, 1.0) : 1.0; // a mechanism: the inverses will tell
-  return {std::move(weights), smallest};
-}
-
 } // namespace
-
-double stiffnessContrast(const SubdomainSystem& system) {
-  // What corners and sizes of cells do within a subdomain of one material.
-  constexpr double ofMeshes = 10.0;
-  double least = std::numeric_limits<double>::infinity(), most = 0.0, within = 1.0;
-  for (int i = 0; i < system.size(); ++i) {
-    const std::vector<int>& interface = *system.subdomain(i).interface;
-    if (interface.empty())
-      continue;
-    const std::vector<double> diagonal = system.subdomain(i).stiffness->diagonal();
-    double sum = 0.0, softest = std::numeric_limits<double>::infinity(), stiffest = 0.0;
-    for (int local : interface) {
-      const double entry = diagonal[static_cast<std::size_t>(local)];
-      sum += entry;
-      softest = std::min(softest, entry);
-      stiffest = std::max(stiffest, entry);
-    }
-    if (softest > 0.0)
-      within = std::max(within, stiffest / softest / ofMeshes);
-    least = std::min(least, sum / static_cast<double>(interface.size()));
-    most = std::max(most, sum / static_cast<double>(interface.size()));
-  }
-  const Teuchos::Comm<int>& comm = *system.comm();
-  most = globalMax(comm, most);
-  least = globalMin(comm, least);
-  within = globalMax(comm, within);
-  return most > 0.0 ? std::max(most / least, within) : 1.0;
-}
-
-double complianceContrast(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows) {
-  double sums[2] = {0.0, 0.0}, largest = 0.0;
-  for (int i = 0; i < system.size(); ++i) {
-    const std::vector<double> diagonal = system.subdomain(i).stiffness->diagonal();
-    for (int local : *system.subdomain(i).interface) {
-      sums[0] += diagonal[static_cast<std::size_t>(local)];
-      sums[1] += 1.0;
-    }
-  }
-  for (const ConstraintRow& row : rows)
-    largest = std::max(largest, row.compliance);
-  const Teuchos::Comm<int>& comm = *system.comm();
-  const double stiffness = globalSum(comm, sums[0]), dofs = globalSum(comm, sums[1]);
-  return 1.0 + globalMax(comm, largest) * stiffness / std::max(dofs, 1.0);
-}
 
 Constraints::Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows,
                          RowWeights weights)
     : Constraints(system, rows, weights != RowWeights::None,
-                  weights == RowWeights::None ? Details::Weights() : stiffnessWeights(system)) {}
+                  weights == RowWeights::None ? Details::Weights() : Details::stiffnessWeights(system)) {}
 
 Constraints::Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows,
                          bool hasWeights, Details::Weights weights)
@@ -484,7 +416,8 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   std::vector<Details::MultiplierTerm> multipliers;
   agree(comm, [&] {
     gluing = addGluingAndDirichlet(dofs.here(), system.dirichletForm(), firstRow, builder);
-    multipliers = addGiven(rows, isTaken, numbers, dofs, answers, system.dirichletForm(), weights_.unit, builder);
+    multipliers =
+        addGiven(rows, isTaken, numbers, dofs, answers, system.dirichletForm(), weights_.unit, builder);
   });
   if (taken > 0)
     for (const std::vector<Details::MultiplierTerm>& part :
@@ -539,7 +472,10 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   for (const Details::MultiplierTerm& term : multipliers)
     multipliers_[static_cast<std::size_t>(term.place)].push_back({ofGiven.at(term.row), term.factor});
   boundRounding_ = std::sqrt(globalSum(comm, builder.rounding2));
-  hasCompliance_ = globalMax(comm, std::any_of(compliances_.begin(), compliances_.end(), [](double c) { return c > 0.0; }) ? 1LL : 0LL) > 0;
+  hasCompliance_ =
+      globalMax(comm, std::any_of(compliances_.begin(), compliances_.end(), [](double c) { return c > 0.0; })
+                          ? 1LL
+                          : 0LL) > 0;
 }
 
 void Constraints::keepFullRows(const std::vector<std::vector<RowEntry>>& held) {
@@ -578,7 +514,8 @@ void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
     if (changed.types_ != types_ || changed.entries_ != entries_ || changed.compliances_ != compliances_ ||
         !changed.rowMap_->isLocallyFitted(*rowMap_))
       throw InputError(
-          "constraint rows are given new bounds, but their number, kinds, dofs coefficients or compliances have "
+          "constraint rows are given new bounds, but their number, kinds, dofs coefficients or compliances "
+          "have "
           "changed too (with weights, a bound other than zero of a row that glues two dofs is such a "
           "change); new "
           "constraints are needed");

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_ConstraintRow.hpp"
+#include "Harmos_RowWeights.hpp"
 #include "Harmos_SubdomainSystem.hpp"
 #include "Harmos_Types.hpp"
 
@@ -23,12 +24,6 @@ struct RowEntry {
   int local; ///< dof
   int owner; ///< rank of the row
 };
-
-/// By which copies and rows are weighted.
-struct Weights {
-  std::vector<std::vector<double>> ofDofs; ///< of the interface dofs of each subdomain; none without weights
-  double unit = 0.0;                       ///< the stiffness that a weight of one stands for
-};
 } // namespace Details
 
 /// What a row of B stands for.
@@ -38,21 +33,6 @@ enum class RowType {
   Gluing,     ///< copies of a dof are equal
   Dirichlet   ///< a prescribed value, Total FETI only
 };
-
-/// In which inner product the rows of B are made orthonormal.
-enum class RowWeights {
-  None,     ///< BBᵀ = I at gluing rows
-  Stiffness ///< BD⁻¹Bᵀ = I there, D the diagonal of K: soft copies give way to stiff ones
-};
-
-/// By how much stiffness jumps: the largest over the smallest mean of the diagonal of K at the interfaces of
-/// subdomains; or, if that is more, a tenth of the largest over the smallest entry at one interface, since
-/// corners and sizes of cells do some of that. @note Collective.
-double stiffnessContrast(const SubdomainSystem& system);
-
-/// By how much rows that give way change the diagonal of F: 1 + c k, c the largest compliance of this rank's share of
-/// the rows or any other's, k the mean of the diagonal of K at the interfaces. One where none does. @note Collective.
-double complianceContrast(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows);
 
 /// The constraints B = [B_I; B_E], c of the torn problem, distributed by rows. B is immutable; c may be set
 /// anew.
@@ -67,8 +47,8 @@ double complianceContrast(const SubdomainSystem& system, const std::vector<Const
 ///  - with weights, and without where other rows name a or b as well, rows u_a − u_b = 0 that are given, such
 ///  as ties between meshes that match, make a and b one dof with
 ///    the copies of both: where they meet others each gluing row has to weigh all of them;
-///  - a row that gives way, Bu = c + Cλ, is scaled so that bD⁻¹bᵀ + c = 1 with weights: F + C has a diagonal of
-///  about one there, whatever C. Without weights its length is one, as that of others;
+///  - a row that gives way, Bu = c + Cλ, is scaled so that bD⁻¹bᵀ + c = 1 with weights: F + C has a diagonal
+///  of about one there, whatever C. Without weights its length is one, as that of others;
 ///  - with weights all of the dual problem is that of the variable λ̂ = Q^{−½}λ, Q = (BD⁻¹Bᵀ)⁻¹ block by
 ///  block: bounds of zero stay such, the coarse projector is I − QG̃ᵀ(G̃QG̃ᵀ)⁻¹G̃ of λ (Bhardwaj et al.,
 ///  Application of the FETI method to ASCI problems, Int. J. Numer. Meth. Engng. 47, 2000; Rixen, Farhat

@@ -174,8 +174,8 @@ DofCopies::Glue DofCopies::glueAmong(const std::vector<ConstraintRow>& rows, boo
   // depend on each other none is the larger then.
   const double rounding = all ? 1e-12 : 0.0;
   const auto isGlue = [rounding](const ConstraintRow& row) {
-    return row.kind == ConstraintRow::Kind::Equality && row.terms.size() == 2 && row.bound == 0.0 && row.compliance == 0.0 &&
-           row.terms[0].dof != row.terms[1].dof &&
+    return row.kind == ConstraintRow::Kind::Equality && row.terms.size() == 2 && row.bound == 0.0 &&
+           row.compliance == 0.0 && row.terms[0].dof != row.terms[1].dof &&
            std::abs(row.terms[0].coefficient + row.terms[1].coefficient) <=
                rounding * std::abs(row.terms[0].coefficient) &&
            row.terms[0].coefficient != 0.0;

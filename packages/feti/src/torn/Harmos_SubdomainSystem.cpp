@@ -298,8 +298,8 @@ void SubdomainSystem::setMatrices(const std::vector<std::shared_ptr<const LocalM
   }
 }
 
-// f of the subdomains: with the trivial equations; or without loads on prescribed values, which the rows of those bear
-// whatever happens, and beside which all else may be rounding errors.
+// f of the subdomains: with the trivial equations; or without loads on prescribed values, which the rows of
+// those bear whatever happens, and beside which all else may be rounding errors.
 void SubdomainSystem::updateRhs() {
   using Load = std::vector<double>;
   Shared<std::pair<const Load*, std::vector<int>>, Load> borne;

@@ -84,8 +84,8 @@ class SubdomainSystem {
   const Subdomain& subdomain(int i) const { return subdomains_[static_cast<std::size_t>(i)]; }
   /// K_i with the trivial equations of the primal form.
   const LocalMatrix& matrix(int i) const { return *matrices_[static_cast<std::size_t>(i)]; }
-  /// f_i belonging to matrix(i); in the dual form without loads on prescribed values, of which multipliers do not tell
-  /// then.
+  /// f_i belonging to matrix(i); in the dual form without loads on prescribed values, of which multipliers do
+  /// not tell then.
   const std::vector<double>& rhs(int i) const { return *rhs_[static_cast<std::size_t>(i)]; }
   /// R_i, orthonormal.
   const Kernel& kernel(int i) const { return *kernels_[static_cast<std::size_t>(i)]; }

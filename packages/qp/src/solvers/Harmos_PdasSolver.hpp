@@ -22,12 +22,13 @@ namespace Harmos::qp {
 /// test. Superlinear near the solution, and mesh-independent from a good initial guess: the sign of its
 /// gradient tells the first active set. Where nothing is known, FirstActiveSet may do so better.
 ///
-/// Far from the solution sets may wander. When a set comes back, when the equalities cannot be met on a face,
-/// or when the bound on the projected gradient does not get on, it goes back to the best iterate and makes
-/// the sets descend from there, see DescentOfSets; then it converges from everywhere (counters: descents).
-/// When A is singular on a face, when conjugate gradients take twice its dimension, when there were too many
-/// guesses, or when the share of the iterations is used up that is meant for it, MPRGP or SMALBE takes over
-/// from the best iterate (counters: safeguards) and has the rest of the iterations.
+/// Far from the solution sets may wander. When a set comes back, or when the bound on the projected gradient
+/// does not get on, faces are followed further: to a fifth of "Inner reduction", and once more. When that
+/// does not help either, or when the equalities cannot be met on a face, it goes back to the best iterate and
+/// makes the sets descend from there, see DescentOfSets; then it converges from everywhere (counters:
+/// descents). When A is singular on a face, when conjugate gradients take twice its dimension, when there
+/// were too many guesses, or when the share of the iterations is used up that is meant for it, MPRGP or
+/// SMALBE takes over from the best iterate (counters: safeguards) and has the rest of the iterations.
 ///
 /// Needs orthonormal rows (made so if they are few). With equalities the dense C_FC_Fᵀ is factored for each
 /// guess, at a product with C and Cᵀ a row.
@@ -84,6 +85,12 @@ class PdasSolver<Scalar, MV, OP>::Run {
     int setsSinceMark = 0;
 
     void exchange(StateArchive<MV>& archive);
+    /// Counts begin anew.
+    void forget() {
+      seen.clear();
+      repeats = 0;
+      setsSinceMark = 0;
+    }
     /// Whether there were as many sets as `patience` since the bound was last halved.
     bool isLost(double bound, int patience);
     /// Whether sets have come back too often.
@@ -100,6 +107,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   bool isCandidate();
   bool isAnswer();
   bool mayGoOn();
+  bool follows(const std::string& why);
   bool descends(const std::string& why);
 
   void describeState();
@@ -121,6 +129,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   const MV* lower_;
   const MV* upper_;
 
+  static constexpr double carefulReduction = 0.05; // below, faces are followed no further
   double innerReduction_;
   int patience_, mostSets_, mostKept_;
   FirstSet firstSet_;

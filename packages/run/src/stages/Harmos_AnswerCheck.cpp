@@ -38,7 +38,8 @@ AnswerCheck::AnswerCheck(const Teuchos::Comm<int>& comm, const scene::Scene& sce
       log_(log),
       report_(report) {
   extension_ = stages.preconditioner;
-  // Without one, a bound that costs nothing, and may be too large: residuals alone say little of badly shaped cells.
+  // Without one, a bound that costs nothing, and may be too large: residuals alone say little of badly shaped
+  // cells.
   if (extension_.is_null())
     makeExtension(feti::PreconditionerKind::Lumped);
 }

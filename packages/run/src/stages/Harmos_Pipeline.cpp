@@ -23,8 +23,9 @@ std::string valueOf(const Error& error, const std::string& name) {
   return "";
 }
 
-// feti knows subdomains only; whoever reads the message knows bodies. Parts of bodies hang together by sides and their
-// kernels follow from what is prescribed: what seems a mechanism there is a stiffness that is lost in rounding errors.
+// feti knows subdomains only; whoever reads the message knows bodies. Parts of bodies hang together by sides
+// and their kernels follow from what is prescribed: what seems a mechanism there is a stiffness that is lost
+// in rounding errors.
 NumericalError withBody(const scene::Scene& scene, const NumericalError& error) {
   if (valueOf(error, "subdomain").empty())
     return error;
@@ -37,7 +38,8 @@ NumericalError withBody(const scene::Scene& scene, const NumericalError& error) 
       if (valueOf(error, "may be rounding").empty())
         return NumericalError(what, std::move(data));
       return NumericalError(
-          "attainable accuracy: the matrix of a subdomain, rounded to double precision, does not tell its softest "
+          "attainable accuracy: the matrix of a subdomain, rounded to double precision, does not tell its "
+          "softest "
           "motions from rigid ones, so that no digit of them can be had; make cells less thin, the jump of "
           "materials smaller, or Poisson's ratio further from 0.5; " +
               what,

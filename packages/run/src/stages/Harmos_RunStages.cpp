@@ -241,7 +241,8 @@ void RunStages::factorise() {
        << " MiB; condition of the subdomains about " << scientific(report_.localCondition, 0);
   if (report_.roundedFactorizations > 0)
     text << "; products of " << report_.roundedFactorizations << " in single precision";
-  if (const auto replaced = globalSum(*comm_, static_cast<long long>(inverses_->replacedFactorizations())); replaced > 0)
+  if (const auto replaced = globalSum(*comm_, static_cast<long long>(inverses_->replacedFactorizations()));
+      replaced > 0)
     text << "; " << replaced << " of them implicit: their matrices are too badly conditioned to be condensed";
   log_.info(text.str());
 }
@@ -411,20 +412,23 @@ void RunStages::leaveInterrupted() {
   directory_.writeIterations(report_.result.history);
 }
 
-// K is known to rounding errors, and what they do to its softest motions is κ times as large: no solver can do better.
+// K is known to rounding errors, and what they do to its softest motions is κ times as large: no solver can
+// do better.
 void RunStages::tellWhatIsAttainable() {
   const double attainable = 0.5 * std::numeric_limits<double>::epsilon() * report_.localCondition;
   const qp::Reason reason = report_.result.reason;
   const bool isGivenUp = reason == qp::Reason::IterationLimit || reason == qp::Reason::Breakdown;
   if (report_.converged || !isGivenUp || !(attainable >= report_.tolerance))
     return;
-  report_.reason = "attainable accuracy: rounding errors of a subdomain's matrix change its softest motions by a share of " +
-                   scientific(attainable, 0) + " and more, its condition number being " +
-                   scientific(report_.localCondition, 0) + " at least, and the tolerance is " +
-                   scientific(report_.tolerance, 0) +
-                   "; loosen it, or make cells less thin, the jump of materials smaller, or Poisson's ratio further "
-                   "from 0.5; " +
-                   report_.reason;
+  report_.reason =
+      "attainable accuracy: rounding errors of a subdomain's matrix change its softest motions by a share "
+      "of " +
+      scientific(attainable, 0) + " and more, its condition number being " +
+      scientific(report_.localCondition, 0) + " at least, and the tolerance is " +
+      scientific(report_.tolerance, 0) +
+      "; loosen it, or make cells less thin, the jump of materials smaller, or Poisson's ratio further "
+      "from 0.5; " +
+      report_.reason;
 }
 
 void RunStages::recover() {
