@@ -105,7 +105,7 @@ class LocalInverses {
   std::shared_ptr<FactorizationContext> context_;
 };
 
-/// Makes them and verifies each: ‖K K⁺ K x − K x‖ ≤ δ ‖Kx‖, δ see defectLimit(), and ‖D⁻¹Kv‖ > 1e-14 ‖v‖ for
+/// Makes them and verifies each: ‖K K⁺ K x − K x‖ ≤ δ ‖Kx‖, δ see defectLimit(), and ‖D⁻¹Kv‖ > 1e-12 ‖v‖ for
 /// v = (I − RRᵀ)K⁺b, with pseudo-random x and b. A disagreement, or a factor that does not exist, means that
 /// the subdomain has more rigid motions than its kernel says; the error names it and the cause. A condensed
 /// inverse in double precision that is not good enough is replaced by solves first.

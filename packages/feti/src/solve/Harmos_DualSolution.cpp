@@ -154,8 +154,9 @@ class Patience {
 // tolerance that an acceptance has come to, and stops it where patience is over.
 class Watch : public qp::SolverMonitor<MultiVector> {
  public:
-  Watch(const Teuchos::RCP<DualMonitor>& monitor, double asked, double& tolerance)
-      : monitor_(monitor), asked_(asked), tolerance_(tolerance) {}
+  // @param ranks of this run.
+  Watch(const Teuchos::RCP<DualMonitor>& monitor, double asked, double& tolerance, int ranks)
+      : monitor_(monitor), asked_(asked), tolerance_(tolerance), ranks_(ranks) {}
 
   // A run that asks for another tolerance begins with that.
   void exchange(Archive& archive) {
@@ -164,9 +165,27 @@ class Watch : public qp::SolverMonitor<MultiVector> {
     archive.number("tolerance", tolerance);
     if (asked == asked_)
       tolerance_ = tolerance;
-    if (hasVectors_)
-      archive.number(vectorsName, hasVectors_);
+    if (!hasVectors_)
+      return;
+    archive.number(vectorsName, hasVectors_);
+    exchangeBefore(archive);
   }
+  // What the solver had done when it got them.
+  void exchangeBefore(Archive& archive) {
+    std::vector<double> rows = qp::toNumbers(before_.history), counters = qp::toNumbers(before_.counters);
+    archive.numbers("history before vectors", rows);
+    archive.numbers("counters before vectors", counters);
+    before_.history = qp::historyOf(rows);
+    before_.counters = qp::countersOf(counters);
+    int ranks = ranks_;
+    archive.number("ranks of vectors", ranks);
+    if (archive.isReading())
+      isForeign_ = ranks != ranks_;
+  }
+  // Whether the state is of other vectors than those of this many ranks: boundaries of shared inverses depend
+  // on ranks.
+  bool isForeign() const { return isForeign_; }
+  const qp::Result& before() const { return before_; }
   static constexpr const char* vectorsName = "adaptive vectors";
   // That the solver works with them from now on is part of its state.
   void haveVectors() { hasVectors_ = true; }
@@ -178,11 +197,13 @@ class Watch : public qp::SolverMonitor<MultiVector> {
   }
   // Whether patience was over.
   bool isStopped() const { return isStopped_; }
-  void goesOnAfter(const qp::IterationRecord& last) {
+  // The solver begins anew, after what another one did.
+  void goesOnAfter(const qp::Result& before) {
+    before_ = before;
     patience_.reset();
     isOver_ = isStopped_ = false;
-    if (!monitor_.is_null())
-      monitor_->goesOnAfter(last);
+    if (!monitor_.is_null() && !before.history.empty())
+      monitor_->goesOnAfter(before.lastRecord());
   }
 
   void recorded(const qp::IterationRecord& record) override {
@@ -203,7 +224,7 @@ class Watch : public qp::SolverMonitor<MultiVector> {
       state(archive);
     });
   }
-  bool hasState() const override { return !monitor_.is_null() && monitor_->hasState(); }
+  bool hasState() const override { return !isForeign_ && !monitor_.is_null() && monitor_->hasState(); }
   bool holds(const std::string& name) const override { return monitor_->holds(name); }
   void restore(const Exchange& state) override { monitor_->restore(state); }
 
@@ -211,7 +232,9 @@ class Watch : public qp::SolverMonitor<MultiVector> {
   Teuchos::RCP<DualMonitor> monitor_;
   double asked_;
   double& tolerance_;
-  bool hasVectors_ = false;
+  int ranks_;
+  bool hasVectors_ = false, isForeign_ = false;
+  qp::Result before_; // counters and history of the solver before there were vectors
   std::optional<Patience> patience_;
   std::function<double()> target_;
   bool isOver_ = false, isStopped_ = false;
@@ -232,16 +255,19 @@ class DualSolve {
         report_(report),
         monitor_(monitor),
         tolerance_(options.tolerance),
-        watch_(monitor, options.tolerance, tolerance_) {}
+        watch_(monitor, options.tolerance, tolerance_, stages.system.comm()->getSize()) {}
 
   DualSolution go(const WarmStart* start) {
     guess(start);
-    if (hasVectorsFromStart())
+    if (hasVectorsFromStart()) {
       deflate();
+      recallBefore();
+    }
     makeProblem(start);
     run();
     if (watch_.isStopped())
       goOnWithVectors();
+    report_.result.goesOnAfter(watch_.before());
     conclude();
     return std::move(solution_);
   }
@@ -252,7 +278,9 @@ class DualSolve {
   void startFromHalfLoad();
   bool hasVectorsFromStart() const;
   void deflate();
+  void recallBefore();
   void goOnWithVectors();
+  void leaveOutBefore();
   void run();
   void makeProblem(const WarmStart* start);
   void addEquality(const WarmStart* start);
@@ -355,21 +383,36 @@ void DualSolve::deflate() {
 
 // From where the solver has come to.
 void DualSolve::goOnWithVectors() {
-  const qp::Result first = report_.result;
-  const qp::IterationRecord last = first.lastRecord();
   log_.info("The solver gets on slowly: adaptive coarse vectors after " +
-            std::to_string(first.counters.hessianApplications) + " products");
+            std::to_string(report_.result.counters.hessianApplications) + " products");
   deflate();
+  watch_.goesOnAfter(report_.result);
+  leaveOutBefore();
+  const WarmStart reached = {Teuchos::null, valuesOf(multiplier_)};
+  makeProblem(&reached);
+  run();
+}
+
+// An interrupted run that had got vectors on its way.
+void DualSolve::recallBefore() {
+  if (!watch_.hasState() || !watch_.holds(Watch::vectorsName))
+    return;
+  watch_.restore([this](qp::StateArchive<MultiVector>& archive) { watch_.exchangeBefore(archive); });
+  if (watch_.isForeign())
+    log_.info(
+        "On another number of ranks adaptive coarse vectors are others: the solver begins anew, with them");
+  watch_.goesOnAfter(watch_.isForeign() ? qp::Result() : qp::Result(watch_.before()));
+  leaveOutBefore();
+}
+
+// Limits are of all that is done.
+void DualSolve::leaveOutBefore() {
+  const qp::IterationRecord last = watch_.before().lastRecord();
   options_.maximumIterations = std::max(1, options_.maximumIterations - last.inner);
   constexpr double leastSeconds = 1e-3; // 0 is no limit
   if (options_.maximumSeconds > 0.0)
     options_.maximumSeconds =
         std::max(leastSeconds, options_.maximumSeconds - last.seconds - report_.adaptiveSeconds);
-  watch_.goesOnAfter(last);
-  const WarmStart reached = {Teuchos::null, valuesOf(multiplier_)};
-  makeProblem(&reached);
-  run();
-  report_.result.goesOnAfter(first);
 }
 
 void DualSolve::run() {

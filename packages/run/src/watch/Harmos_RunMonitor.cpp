@@ -97,8 +97,8 @@ void RunMonitor::begins(const feti::DualRun& run) {
   view_->begin(rows_);
   if (!rows_.empty()) {
     lastOuter_ = rows_.back().outer;
-    log_.info("Going on from iteration " + std::to_string(rows_.back().inner) + " of \"" +
-              checkpoint_->path() + "\"");
+    log_.info("Going on from iteration " + std::to_string(qp::countedOn(rows_.back(), place_.before).inner) +
+              " of \"" + checkpoint_->path() + "\"");
   }
 }
 
@@ -242,7 +242,9 @@ void RunMonitor::write(const Exchange& all) {
 }
 
 void RunMonitor::restore(const Exchange& state) {
-  checkpoint_->restore(rowBasis(run_->stages.problem), [&](Archive& archive) { state(archive); });
+  // Before the solver begins: numbers alone.
+  const RowBasis basis = run_ ? rowBasis(run_->stages.problem) : RowBasis();
+  checkpoint_->restore(basis, [&](Archive& archive) { state(archive); });
 }
 
 // contact.csv: the forces that the present multipliers stand for.

@@ -157,10 +157,8 @@ TEST(InverseQuality, too_ill_conditioned_for_the_precision) {
                            "\"Dual operator/Precision\" = \"double\""})
     EXPECT_TRUE(contains(single, part)) << single;
   const Strip hardest(linear, 1e5, 16, 8, 0.49);
-  const std::string twice = objection(hardest, condensed(Precision::Double));
-  for (const char* part : {"subdomain 0", "the condition number of its matrix", "of double precision",
-                           "\"Dual operator/Form\" = \"implicit\""})
-    EXPECT_TRUE(contains(twice, part)) << twice;
+  // In double precision solves take the place of the condensed inverse.
+  EXPECT_EQ(objection(hardest, condensed(Precision::Double)), "");
   // And the remedies help.
   EXPECT_EQ(objection(Strip(linear, 300, 300, 1, 0.4999), condensed(Precision::Double)), "");
   LocalInverseOptions options;
