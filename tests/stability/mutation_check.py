@@ -127,9 +127,13 @@ FAULTS = (
         "audit.penetration <= length + limits.boundRounding",
         "audit.penetration <= 1e9 * length + limits.boundRounding", ("unit_run",)),
     fault(
-        "sign of the bound in the solver's error", "packages/run/src/stages/Harmos_AnswerCheck.cpp",
-        "view(r, 0) -= stages_.constraints.bound(row);",
-        "view(r, 0) += stages_.constraints.bound(row);", ("unit_run",)),
+        "sign of the bound in residuals of rows", "packages/feti/src/torn/Harmos_Constraints.cpp",
+        "view(r, 0) -= bounds_[r] + compliances_[r] * force(r, 0);",
+        "view(r, 0) -= compliances_[r] * force(r, 0) - bounds_[r];", ("unit_feti",)),
+    fault(
+        "gaps of open contacts in the solver's error", "packages/run/src/stages/Harmos_AnswerCheck.cpp",
+        "view(r, 0) = std::max(view(r, 0), 0.0);",
+        "view(r, 0) = std::min(view(r, 0), 0.0);", ("unit_run",)),
 )
 
 
