@@ -6,6 +6,7 @@
 #include "Harmos_Exchange.hpp"
 #include "Harmos_GluingRows.hpp"
 #include "Harmos_Log.hpp"
+#include "Harmos_SortRuns.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
 #include <Tpetra_Import.hpp>
@@ -14,8 +15,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <tuple>
+#include <utility>
 
 namespace Harmos::feti {
 namespace {
@@ -93,6 +96,7 @@ std::map<long long, long long> addGluingAndDirichlet(const DofCopies::Table& tab
     for (const Copy& copy : item.second)
       largest = std::max(largest, copy.fixed != 0 ? std::abs(copy.value) : 0.0);
   const double same = 1e-12 * largest;
+  std::vector<RowBuilder::Term> terms;
   for (const auto& item : table) {
     const std::vector<Copy>& copies = item.second;
     const Copy* fixed = nullptr;
@@ -113,10 +117,10 @@ std::map<long long, long long> addGluingAndDirichlet(const DofCopies::Table& tab
       }
       continue;
     }
-    first[item.first] = row;
+    first.emplace_hint(first.end(), item.first, row);
     const GluingRows rows(copies);
     for (std::size_t k = 0; k < rows.count(); ++k) {
-      std::vector<RowBuilder::Term> terms;
+      terms.clear();
       for (std::size_t i = 0; i <= k + 1; ++i)
         terms.push_back({copies[i], rows.value(k, i)});
       // Physical: the distance of this copy from the mean of those before it.
@@ -429,7 +433,7 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   std::vector<RowHead> heads;
   for (const std::vector<RowHead>& part : headParts)
     heads.insert(heads.end(), part.begin(), part.end());
-  std::sort(heads.begin(), heads.end(), [](const RowHead& a, const RowHead& b) { return a.row < b.row; });
+  sortRuns(heads, [](const RowHead& a, const RowHead& b) { return a.row < b.row; });
   Teuchos::Array<GlobalOrdinal> owned;
   for (const RowHead& head : heads) {
     owned.push_back(static_cast<GlobalOrdinal>(head.row));
@@ -439,14 +443,17 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
     compliances_.push_back(head.compliance);
   }
 
-  std::map<long long, int> overlap; // row → owner
+  std::vector<std::pair<long long, int>> overlap; // row, owner
   for (const std::vector<RowEntry>& part : entries)
     for (const RowEntry& entry : part)
-      overlap[entry.row] = entry.owner;
+      if (overlap.empty() || overlap.back().first != entry.row)
+        overlap.emplace_back(entry.row, entry.owner);
+  sortRuns(overlap, std::less<>());
+  overlap.erase(std::unique(overlap.begin(), overlap.end()), overlap.end());
   Teuchos::Array<GlobalOrdinal> touched;
   std::map<long long, int> localRow;
   for (const auto& [row, owner] : overlap) {
-    localRow[row] = static_cast<int>(touched.size());
+    localRow.emplace_hint(localRow.end(), row, static_cast<int>(touched.size()));
     touched.push_back(static_cast<GlobalOrdinal>(row));
     overlapOwner_.push_back(owner);
   }

@@ -15,6 +15,7 @@ class GluingRows {
  public:
   /// @param copies to outlive this.
   explicit GluingRows(const std::vector<Copy>& copies) : copies_(copies) {
+    before_.reserve(copies.size() + 1);
     for (const Copy& copy : copies)
       before_.push_back(before_.back() + copy.weight);
   }
