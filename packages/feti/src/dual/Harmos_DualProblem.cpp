@@ -30,20 +30,26 @@ KernelLoad kernelLoad(const SubdomainSystem& system) {
   // R itself is known to so much: KR = 0 was verified to that, and loads of warm bodies are K times
   // something.
   constexpr double kernelRounding = 1e-12;
+  // Entries of R that are zero are so to rounding errors of a column's largest: what holds some components of
+  // a body leaves motions that are made by orthogonalisation.
+  constexpr double entryRounding = 10.0 * std::numeric_limits<double>::epsilon();
   KernelLoad load;
   load.e.assign(static_cast<std::size_t>(system.kernelDimension()), 0.0);
   load.rounding = load.e;
   for (int i = 0; i < system.size(); ++i)
     for (int k = 0; k < system.kernel(i).columns; ++k) {
-      double sum = 0.0, sizes = 0.0;
+      double sum = 0.0, sizes = 0.0, largest = 0.0, forces = 0.0;
       for (std::size_t j = 0; j < system.rhs(i).size(); ++j) {
-        const double term = system.kernel(i).column(k)[j] * system.rhs(i)[j];
-        sum += term;
-        sizes += std::abs(term);
+        const double motion = system.kernel(i).column(k)[j], force = system.rhs(i)[j];
+        sum += motion * force;
+        sizes += std::abs(motion * force);
+        largest = std::max(largest, std::abs(motion));
+        forces += std::abs(force);
       }
+      const double ofEntries = entryRounding * largest * forces;
       const auto place = static_cast<std::size_t>(system.kernelOffset(i) + k);
-      load.rounding[place] = kernelRounding * sizes;
-      load.e[place] = std::abs(sum) > unit * sizes ? sum : 0.0;
+      load.rounding[place] = kernelRounding * sizes + ofEntries;
+      load.e[place] = std::abs(sum) > unit * sizes + ofEntries ? sum : 0.0;
     }
   globalSum(*system.comm(), load.e);
   globalSum(*system.comm(), load.rounding);

@@ -4,6 +4,7 @@
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Qp.hpp"
+#include "Harmos_SolveWatch.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
 #include <Tpetra_MultiVector.hpp>
@@ -18,6 +19,9 @@
 namespace Harmos::feti {
 namespace {
 
+using Details::slowness;
+using Details::SolveWatch;
+using Details::standstill;
 using StatusTestType = qp::StatusTest<MultiVector>;
 
 double norm(const MultiVector& x) {
@@ -127,119 +131,6 @@ Test convergenceTest(const DualProblem& dual, const SolverOptions& options, doub
   return result;
 }
 
-// Whether a solver gets on so slowly that adaptive vectors are worth their while.
-class Patience {
- public:
-  // For each power of ten of the tolerance: twice what bodies of one material in good subdomains take.
-  static constexpr double productsPerDigit = 20.0;
-  explicit Patience(double tolerance)
-      : products_(productsPerDigit * std::clamp(-std::log10(tolerance), 2.0, 12.0)) {}
-
-  // @param target of ‖g^P‖.
-  bool isOver(const qp::IterationRecord& record, double target) {
-    worst_ = std::max(worst_, record.projectedGradient);
-    best_ = std::min(best_, record.projectedGradient);
-    if (record.hessianApplications < products_ || !(best_ > target))
-      return false;
-    // At the rate so far, is as much again to come as half of what was?
-    return 2.0 * std::log(best_ / target) > std::log(worst_ / best_);
-  }
-
- private:
-  double products_;
-  double worst_ = 0.0, best_ = std::numeric_limits<double>::infinity();
-};
-
-// Looks after a solve for the monitor that was given, or for none: adds to what the solver knows the
-// tolerance that an acceptance has come to, and stops it where patience is over.
-class Watch : public qp::SolverMonitor<MultiVector> {
- public:
-  // @param ranks of this run.
-  Watch(const Teuchos::RCP<DualMonitor>& monitor, double asked, double& tolerance, int ranks)
-      : monitor_(monitor), asked_(asked), tolerance_(tolerance), ranks_(ranks) {}
-
-  // A run that asks for another tolerance begins with that.
-  void exchange(Archive& archive) {
-    double asked = asked_, tolerance = tolerance_;
-    archive.number("tolerance asked", asked);
-    archive.number("tolerance", tolerance);
-    if (asked == asked_)
-      tolerance_ = tolerance;
-    if (!hasVectors_)
-      return;
-    archive.number(vectorsName, hasVectors_);
-    exchangeBefore(archive);
-  }
-  // What the solver had done when it got them.
-  void exchangeBefore(Archive& archive) {
-    std::vector<double> rows = qp::toNumbers(before_.history), counters = qp::toNumbers(before_.counters);
-    archive.numbers("history before vectors", rows);
-    archive.numbers("counters before vectors", counters);
-    before_.history = qp::historyOf(rows);
-    before_.counters = qp::countersOf(counters);
-    int ranks = ranks_;
-    archive.number("ranks of vectors", ranks);
-    if (archive.isReading())
-      isForeign_ = ranks != ranks_;
-  }
-  // Whether the state is of other vectors than those of this many ranks: boundaries of shared inverses depend
-  // on ranks.
-  bool isForeign() const { return isForeign_; }
-  const qp::Result& before() const { return before_; }
-  static constexpr const char* vectorsName = "adaptive vectors";
-  // That the solver works with them from now on is part of its state.
-  void haveVectors() { hasVectors_ = true; }
-
-  // @param target of ‖g^P‖, of now.
-  void stopWhen(const Patience& patience, std::function<double()> target) {
-    patience_ = patience;
-    target_ = std::move(target);
-  }
-  // Whether patience was over.
-  bool isStopped() const { return isStopped_; }
-  // The solver begins anew, after what another one did.
-  void goesOnAfter(const qp::Result& before) {
-    before_ = before;
-    patience_.reset();
-    isOver_ = isStopped_ = false;
-    if (!monitor_.is_null() && !before.history.empty())
-      monitor_->goesOnAfter(before.lastRecord());
-  }
-
-  void recorded(const qp::IterationRecord& record) override {
-    isOver_ = patience_ && patience_->isOver(record, target_());
-    if (!monitor_.is_null())
-      monitor_->recorded(record);
-  }
-  Wish ask(const qp::IterationState<MultiVector>& state) override {
-    const Wish wish = monitor_.is_null() ? Wish::GoOn : monitor_->ask(state);
-    isStopped_ = wish == Wish::GoOn && isOver_;
-    return isStopped_ ? Wish::SaveAndStop : wish;
-  }
-  void save(const Exchange& state) override {
-    if (isStopped_) // and goes on at once
-      return;
-    monitor_->save([&](Archive& archive) {
-      exchange(archive);
-      state(archive);
-    });
-  }
-  bool hasState() const override { return !isForeign_ && !monitor_.is_null() && monitor_->hasState(); }
-  bool holds(const std::string& name) const override { return monitor_->holds(name); }
-  void restore(const Exchange& state) override { monitor_->restore(state); }
-
- private:
-  Teuchos::RCP<DualMonitor> monitor_;
-  double asked_;
-  double& tolerance_;
-  int ranks_;
-  bool hasVectors_ = false, isForeign_ = false;
-  qp::Result before_; // counters and history of the solver before there were vectors
-  std::optional<Patience> patience_;
-  std::function<double()> target_;
-  bool isOver_ = false, isStopped_ = false;
-};
-
 // One solution of the dual problem: where it starts, what the quadratic programming layer gets, what became
 // of it.
 class DualSolve {
@@ -249,6 +140,7 @@ class DualSolve {
             const Log& log, SolveReport& report, const Teuchos::RCP<DualMonitor>& monitor)
       : stages_(stages),
         dual_(stages.problem),
+        asked_(options),
         options_(options),
         acceptance_(acceptance),
         log_(log),
@@ -259,14 +151,20 @@ class DualSolve {
 
   DualSolution go(const WarmStart* start) {
     guess(start);
-    if (hasVectorsFromStart()) {
-      deflate();
+    if (isHeld(SolveWatch::leftName)) {
+      watch_.leaveVectors();
       recallBefore();
+    } else if (hasVectorsFromStart()) {
+      deflate();
+      if (isHeld(SolveWatch::vectorsName))
+        recallBefore();
     }
     makeProblem(start);
     run();
-    if (watch_.isStopped())
+    if (watch_.isStopped() && deflation_ == nullptr)
       goOnWithVectors();
+    if (deflation_ != nullptr && isAtTheirEnd())
+      goOnWithoutVectors();
     report_.result.goesOnAfter(watch_.before());
     conclude();
     return std::move(solution_);
@@ -277,9 +175,14 @@ class DualSolve {
   void startFrom(const WarmStart& start);
   void startFromHalfLoad();
   bool hasVectorsFromStart() const;
+  // By the state that the solver goes on from.
+  bool isHeld(const char* name) const { return watch_.hasState() && watch_.holds(name); }
   void deflate();
   void recallBefore();
   void goOnWithVectors();
+  bool isAtTheirEnd() const;
+  void goOnWithoutVectors();
+  void goOn();
   void leaveOutBefore();
   void run();
   void makeProblem(const WarmStart* start);
@@ -296,13 +199,14 @@ class DualSolve {
 
   const DualStages& stages_;
   const DualProblem& dual_;
+  const SolverOptions& asked_;
   SolverOptions options_; // limits: of what is left
   const Acceptance& acceptance_;
   const Log& log_;
   SolveReport& report_;
   Teuchos::RCP<DualMonitor> monitor_; // or null
   double tolerance_;                  // an acceptance may lower it
-  Watch watch_;
+  SolveWatch watch_;
   // Where there are adaptive vectors: what is left of the dual problem without their span.
   const Deflation* deflation_ = nullptr;
   Teuchos::RCP<const Operator> deflated_, hessian_, hessianOnKernel_, deflatedPreconditioner_;
@@ -355,7 +259,7 @@ bool DualSolve::hasVectorsFromStart() const {
   if (space == nullptr || !space->isPossible() || options_.method == "Dual Penalty")
     return false;
   return space->isMade() || space->options().vectors == AdaptiveVectors::All ||
-         (watch_.hasState() && watch_.holds(Watch::vectorsName));
+         isHeld(SolveWatch::vectorsName);
 }
 
 void DualSolve::deflate() {
@@ -386,6 +290,33 @@ void DualSolve::goOnWithVectors() {
   log_.info("The solver gets on slowly: adaptive coarse vectors after " +
             std::to_string(report_.result.counters.hessianApplications) + " products");
   deflate();
+  goOn();
+}
+
+// What vectors leave of F is known to more than its own rounding errors: the solver may come no further, or
+// take for singular what is not.
+bool DualSolve::isAtTheirEnd() const {
+  switch (report_.result.reason) {
+  case qp::Reason::Stagnation:
+  case qp::Reason::Unbounded:
+  case qp::Reason::Breakdown:
+    return std::isfinite(norm(*solution_.lambda));
+  default:
+    return watch_.isStopped();
+  }
+}
+
+// What they were good for is done.
+void DualSolve::goOnWithoutVectors() {
+  log_.info("With adaptive coarse vectors the solver comes no further: on without them");
+  deflation_->complete(dual_.d(), *solution_.lambda);
+  deflation_ = nullptr;
+  watch_.leaveVectors();
+  report_.result.goesOnAfter(watch_.before());
+  goOn();
+}
+
+void DualSolve::goOn() {
   watch_.goesOnAfter(report_.result);
   leaveOutBefore();
   const WarmStart reached = {Teuchos::null, valuesOf(multiplier_)};
@@ -393,10 +324,8 @@ void DualSolve::goOnWithVectors() {
   run();
 }
 
-// An interrupted run that had got vectors on its way.
+// An interrupted run that had got vectors on its way, or left them.
 void DualSolve::recallBefore() {
-  if (!watch_.hasState() || !watch_.holds(Watch::vectorsName))
-    return;
   watch_.restore([this](qp::StateArchive<MultiVector>& archive) { watch_.exchangeBefore(archive); });
   if (watch_.isForeign())
     log_.info(
@@ -408,11 +337,11 @@ void DualSolve::recallBefore() {
 // Limits are of all that is done.
 void DualSolve::leaveOutBefore() {
   const qp::IterationRecord last = watch_.before().lastRecord();
-  options_.maximumIterations = std::max(1, options_.maximumIterations - last.inner);
+  options_.maximumIterations = std::max(1, asked_.maximumIterations - last.inner);
   constexpr double leastSeconds = 1e-3; // 0 is no limit
-  if (options_.maximumSeconds > 0.0)
+  if (asked_.maximumSeconds > 0.0)
     options_.maximumSeconds =
-        std::max(leastSeconds, options_.maximumSeconds - last.seconds - report_.adaptiveSeconds);
+        std::max(leastSeconds, asked_.maximumSeconds - last.seconds - report_.adaptiveSeconds);
 }
 
 void DualSolve::run() {
@@ -505,10 +434,14 @@ bool DualSolve::isAccepted() {
 void DualSolve::begin() {
   const AdaptiveSpace* space = stages_.adaptive;
   // SMALBE gets on slowly for reasons of its own, which vectors do not cure.
-  const bool mayAdapt =
-      space != nullptr && space->isPossible() && !space->isMade() && !isPenalty() && method_ != "SMALBE";
+  const bool mayAdapt = space != nullptr && space->isPossible() && !space->isMade() &&
+                        !watch_.hasLeftVectors() && !isPenalty() && method_ != "SMALBE";
+  const bool mayLeave = deflation_ != nullptr && method_ != "SMALBE";
+  const auto target = [this] { return tolerance_ * report_.gradientScale; };
   if (mayAdapt)
-    watch_.stopWhen(Patience(options_.tolerance), [this] { return tolerance_ * report_.gradientScale; });
+    watch_.stopWhen(slowness(options_.tolerance), target);
+  else if (mayLeave)
+    watch_.stopWhen(standstill(), target);
   if (!monitor_.is_null())
     monitor_->begins({stages_, method_, [this] {
                         // What the tests last measured against.
@@ -517,7 +450,7 @@ void DualSolve::begin() {
                           targets.equality = tolerance_ * test_.equality->scale();
                         return targets;
                       }});
-  if (mayAdapt || !monitor_.is_null())
+  if (mayAdapt || mayLeave || !monitor_.is_null())
     solver_->setMonitor(Teuchos::rcpFromRef<qp::SolverMonitor<MultiVector>>(watch_));
   if (!watch_.hasState())
     return;
