@@ -164,7 +164,7 @@ class DualSolve {
     if (watch_.isStopped() && deflation_ == nullptr)
       goOnWithVectors();
     if (deflation_ != nullptr && isAtTheirEnd())
-      goOnWithoutVectors();
+      goOnWithoutVectors(start);
     report_.result.goesOnAfter(watch_.before());
     conclude();
     return std::move(solution_);
@@ -181,8 +181,9 @@ class DualSolve {
   void recallBefore();
   void goOnWithVectors();
   bool isAtTheirEnd() const;
-  void goOnWithoutVectors();
-  void goOn();
+  bool hasGoneAstray() const;
+  void goOnWithoutVectors(const WarmStart* start);
+  void goOn(const std::vector<double>& mu);
   void leaveOutBefore();
   void run();
   void makeProblem(const WarmStart* start);
@@ -290,36 +291,37 @@ void DualSolve::goOnWithVectors() {
   log_.info("The solver gets on slowly: adaptive coarse vectors after " +
             std::to_string(report_.result.counters.hessianApplications) + " products");
   deflate();
-  goOn();
+  goOn(valuesOf(multiplier_));
 }
 
 // What vectors leave of F is known to more than its own rounding errors: the solver may come no further, or
 // take for singular what is not.
 bool DualSolve::isAtTheirEnd() const {
-  switch (report_.result.reason) {
-  case qp::Reason::Stagnation:
-  case qp::Reason::Unbounded:
-  case qp::Reason::Breakdown:
-    return std::isfinite(norm(*solution_.lambda));
-  default:
-    return watch_.isStopped();
-  }
+  return watch_.isStopped() || report_.result.reason == qp::Reason::Stagnation || hasGoneAstray();
+}
+
+bool DualSolve::hasGoneAstray() const {
+  return report_.result.reason == qp::Reason::Unbounded || report_.result.reason == qp::Reason::Breakdown;
 }
 
 // What they were good for is done.
-void DualSolve::goOnWithoutVectors() {
+void DualSolve::goOnWithoutVectors(const WarmStart* start) {
   log_.info("With adaptive coarse vectors the solver comes no further: on without them");
-  deflation_->complete(dual_.d(), *solution_.lambda);
+  const bool isAstray = hasGoneAstray();
+  if (isAstray)
+    guess(start);
+  else
+    deflation_->complete(dual_.d(), *solution_.lambda);
   deflation_ = nullptr;
   watch_.leaveVectors();
   report_.result.goesOnAfter(watch_.before());
-  goOn();
+  goOn(isAstray ? std::vector<double>() : valuesOf(multiplier_));
 }
 
-void DualSolve::goOn() {
+void DualSolve::goOn(const std::vector<double>& mu) {
   watch_.goesOnAfter(report_.result);
   leaveOutBefore();
-  const WarmStart reached = {Teuchos::null, valuesOf(multiplier_)};
+  const WarmStart reached = {Teuchos::null, mu};
   makeProblem(&reached);
   run();
 }
