@@ -237,8 +237,8 @@ TEST(Stability, slender_bodies_in_contact) {
     ASSERT_TRUE(reference.solvable);
     const TestRun run = runScene(scene, tolerance);
     expectReference(reference, run, bound);
-    // Sets that were made of rough solutions alone took 1317 at 40 to 1 on one rank. How long they wander there
-    // is decided by rounding errors: 348 and 782 with two versions of the libraries, 185 on two ranks.
+    // Sets that were made of rough solutions alone took 1317 at 40 to 1 on one rank. How long they wander
+    // there is decided by rounding errors: 348 and 782 with two versions of the libraries, 185 on two ranks.
     EXPECT_LE(products(run.report), length > 20.0 ? 1000 : 150);
     const std::string name = std::to_string(static_cast<int>(length)) + " to 1";
     tellFigure(name + ": products", products(run.report));
