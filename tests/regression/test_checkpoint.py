@@ -257,22 +257,19 @@ class SameHistory(unittest.TestCase):
     def test_vectors_that_were_left(self):
         """A run that is asked for more than its vectors let it have has left them: it goes on without, on any ranks."""
         deck = inclusions.Inclusions(2, 6, 10, 1e6, "scattered").write(runs.scratch("inclusions"))
-        # To rounding errors, as no solver comes with vectors.
         sets = {"Dual operator/Adaptive coarse vectors": "all", "Solver/Tolerance": 1e-14, "Output/Fields": False}
         plain = runs.run(deck, sets, program="harmos")
-        left = "on without them"
-        self.assertIn(left, plain.stdout)
-        self.assertIn("as small as they get", plain.summary["reason"])
+        self.assertIn("on without them", plain.stdout)
+        self.assertIn("stagnation", plain.summary["reason"])
         self.assertLess(plain.summary["audit"]["gluing_jump"], 1e-12)
         first = int(plain.iterations()[-1]["inner"]) - 20
         cut = runs.run(deck, sets | {"Solver/Maximum iterations": first}, program="harmos")
-        self.assertIn(left, cut.stdout)
-        sets_on = {"Solver/Maximum iterations": 10000}
+        self.assertIn("on without them", cut.stdout)
         for np in (2, 1):
-            run = restarted(self, cut.directory, np, 1, sets=sets_on, program="harmos")
+            run = restarted(self, cut.directory, np, 1, {"Solver/Maximum iterations": 10000}, program="harmos")
             self.assertNotIn("daptive", run.stdout)
-            # Rounding of K: ε times the jump of moduli.
-            self.compare(run, plain, first, exact=np == 2, rounding=2.2e-10)
+            # Rounding of K: ε times the jump of moduli, ten for sums.
+            self.compare(run, plain, first, exact=np == 2, rounding=2.2e-9)
 
 
 class Stopped(unittest.TestCase):
