@@ -45,7 +45,7 @@ class FixedStepGradient : public qp::TpetraSolverManager {
       throw InputError(name() + " is for bounds alone, but the problem has equalities; use SMALBE");
     const Operator& a = *problem_->hessian();
     const MultiVector& b = *problem_->rhs();
-    const MultiVector *lower = problem_->lowerBound().get(), *upper = problem_->upperBound().get();
+    const qp::FeasibleSet<MultiVector> feasible = problem_->feasibleSet();
     qp::Counters& counters = result_.counters;
 
     double norm = problem_->hessianNorm();
@@ -63,12 +63,12 @@ class FixedStepGradient : public qp::TpetraSolverManager {
     MultiVector& x = *problem_->solution();
     MultiVector gradient(b.getMap(), 1), old(b.getMap(), 1);
     qp::LocalActiveSet active;
-    Traits::project(x, lower, upper);
+    Traits::project(x, feasible);
     for (int k = 0;; ++k) {
       a.apply(x, gradient);
       gradient.update(-1.0, b, 1.0);
       ++counters.hessianApplications;
-      const qp::SplitSums sums = Traits::split(x, gradient, lower, upper, step, nullptr, active);
+      const qp::SplitSums sums = Traits::split(x, gradient, feasible, step, nullptr, active);
 
       qp::IterationState<MultiVector> state;
       state.x = &x;
@@ -82,7 +82,7 @@ class FixedStepGradient : public qp::TpetraSolverManager {
       if (reason && (*reason != qp::Reason::Converged || accepted()))
         return stopFor(*reason, state);
 
-      Traits::projectedStep(x, old, gradient, step, lower, upper);
+      Traits::projectedStep(x, old, gradient, step, feasible);
     }
   }
 };

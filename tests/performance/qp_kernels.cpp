@@ -48,7 +48,7 @@ struct State {
     const auto xs = x.getLocalViewHost(Tpetra::Access::ReadWrite);
     for (std::size_t i = 0; i < xs.extent(0); ++i)
       xs(i, 0) = i % 3 == 0 ? 0.0 : 1.0 + xs(i, 0) * xs(i, 0);
-    sums = BT::split(x, g, &lower, nullptr, 1.0, &p, active);
+    sums = BT::split(x, g, {&lower}, 1.0, &p, active);
   }
   MultiVector x, g, p, image, lower;
   qp::LocalActiveSet active;
@@ -72,7 +72,7 @@ Outcome fused(State& s) {
   const qp::CurvatureSums along = BT::curvature(s.g, s.p, s.image, s.active);
   const double beta = damped((along.freeDotImage - step * along.freeImageNorm2) / along.directionDotImage);
   const qp::SplitSums sums =
-      BT::advance(s.x, s.g, s.p, s.image, step, beta, false, &s.lower, nullptr, stepLength, s.p, s.active);
+      BT::advance(s.x, s.g, s.p, s.image, step, beta, false, {&s.lower}, stepLength, s.p, s.active);
   return {sums.freeNorm2, sums.choppedNorm2, sums.reducedNorm2, sums.longestStep};
 }
 

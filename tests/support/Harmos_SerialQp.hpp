@@ -13,6 +13,7 @@
 #include <Teuchos_SerialDenseMatrix.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -135,47 +136,114 @@ struct BoundTraits<double, SerialVector> {
   using V = SerialVector;
   static constexpr double infinity = std::numeric_limits<double>::infinity();
 
-  static double lowerOf(const V* lower, std::size_t i) {
-    return lower == nullptr ? -infinity : (*lower)()[i];
+  using Set = FeasibleSet<V>;
+
+  static const Disc* discOf(const Set& feasible, std::size_t i) {
+    if (feasible.hasDiscs())
+      for (const Disc& disc : feasible.discs->discs())
+        if (disc.first == static_cast<int>(i) || disc.second == static_cast<int>(i))
+          return &disc;
+    return nullptr;
   }
-  static double upperOf(const V* upper, std::size_t i) { return upper == nullptr ? infinity : (*upper)()[i]; }
-  static bool isActive(const V& x, std::size_t i, const V* lower, const V* upper) {
-    return x()[i] <= lowerOf(lower, i) || x()[i] >= upperOf(upper, i);
+  static double lowerOf(const Set& feasible, std::size_t i) {
+    return feasible.lower == nullptr || discOf(feasible, i) != nullptr ? -infinity : (*feasible.lower)()[i];
   }
-  static double phi(const V& x, const V& g, std::size_t i, const V* lower, const V* upper) {
-    return isActive(x, i, lower, upper) ? 0.0 : g()[i];
+  static double upperOf(const Set& feasible, std::size_t i) {
+    return feasible.upper == nullptr || discOf(feasible, i) != nullptr ? infinity : (*feasible.upper)()[i];
   }
-  static double beta(const V& x, const V& g, std::size_t i, const V* lower, const V* upper) {
-    if (lowerOf(lower, i) == upperOf(upper, i) || !isActive(x, i, lower, upper))
+  static std::size_t place(int entry) { return static_cast<std::size_t>(entry); }
+  // Of a disc: x − c, and any vector.
+  static std::array<double, 2> arm(const V& x, const Disc& disc) {
+    return {x()[place(disc.first)] - disc.centre[0], x()[place(disc.second)] - disc.centre[1]};
+  }
+  static std::array<double, 2> pairOf(const V& v, const Disc& disc) {
+    return {v()[place(disc.first)], v()[place(disc.second)]};
+  }
+  static bool isOnRim(const V& x, const Disc& disc) {
+    const auto y = arm(x, disc);
+    const double rounding = 8.0 * std::numeric_limits<double>::epsilon() *
+                            (disc.radius + std::abs(disc.centre[0]) + std::abs(disc.centre[1]));
+    return std::hypot(y[0], y[1]) >= disc.radius - rounding;
+  }
+  // The chopped gradient's entry i, of the two of a disc.
+  static double rimBeta(const V& x, const V& g, std::size_t i, const Disc& disc) {
+    const auto y = arm(x, disc), gradient = pairOf(g, disc);
+    const double length = std::hypot(y[0], y[1]);
+    const std::size_t k = place(disc.first) == i ? 0 : 1;
+    if (!isOnRim(x, disc) || length == 0.0)
       return 0.0;
-    return x()[i] <= lowerOf(lower, i) ? std::min(g()[i], 0.0) : std::max(g()[i], 0.0);
+    const double outwards = (y[0] * gradient[0] + y[1] * gradient[1]) / length;
+    return outwards >= 0.0 ? gradient[k] : gradient[k] - outwards * y[k] / length;
   }
-  static double longestStep(const V& x, const V& p, const V* lower, const V* upper) {
+  // By bisection: how far x − αp stays inside.
+  static double chord(const V& x, const V& p, const Disc& disc) {
+    const auto y = arm(x, disc), along = pairOf(p, disc);
+    const double speed = std::hypot(along[0], along[1]);
+    if (speed == 0.0)
+      return infinity;
+    const auto isInside = [&](double a) {
+      return std::hypot(y[0] - a * along[0], y[1] - a * along[1]) <= disc.radius;
+    };
+    double inside = 0.0, outside = 3.0 * disc.radius / speed;
+    for (int k = 0; k < 200; ++k) {
+      const double middle = 0.5 * (inside + outside);
+      (isInside(middle) ? inside : outside) = middle;
+    }
+    return inside;
+  }
+  static bool isActive(const V& x, std::size_t i, const Set& feasible) {
+    if (const Disc* disc = discOf(feasible, i))
+      return isOnRim(x, *disc);
+    return x()[i] <= lowerOf(feasible, i) || x()[i] >= upperOf(feasible, i);
+  }
+  static double phi(const V& x, const V& g, std::size_t i, const Set& feasible) {
+    return isActive(x, i, feasible) ? 0.0 : g()[i];
+  }
+  static double beta(const V& x, const V& g, std::size_t i, const Set& feasible) {
+    if (const Disc* disc = discOf(feasible, i))
+      return rimBeta(x, g, i, *disc);
+    if (lowerOf(feasible, i) == upperOf(feasible, i) || !isActive(x, i, feasible))
+      return 0.0;
+    return x()[i] <= lowerOf(feasible, i) ? std::min(g()[i], 0.0) : std::max(g()[i], 0.0);
+  }
+  static double longestStep(const V& x, const V& p, const Set& feasible) {
     double step = infinity;
     for (std::size_t i = 0; i < x().size(); ++i) {
       if (p()[i] > 0.0)
-        step = std::min(step, (x()[i] - lowerOf(lower, i)) / p()[i]);
+        step = std::min(step, (x()[i] - lowerOf(feasible, i)) / p()[i]);
       if (p()[i] < 0.0)
-        step = std::min(step, (x()[i] - upperOf(upper, i)) / p()[i]);
+        step = std::min(step, (x()[i] - upperOf(feasible, i)) / p()[i]);
     }
+    if (feasible.hasDiscs())
+      for (const Disc& disc : feasible.discs->discs())
+        step = std::min(step, chord(x, p, disc));
     return step;
   }
 
-  static SplitSums split(const V& x, const V& g, const V* lower, const V* upper, double stepLength,
-                         V* direction, LocalActiveSet& active) {
+  static SplitSums split(const V& x, const V& g, const Set& feasible, double stepLength, V* direction,
+                         LocalActiveSet& active) {
     SplitSums sums;
     const bool fresh = active.size() != x().size();
     active.resize(x().size(), 0);
     for (std::size_t i = 0; i < x().size(); ++i) {
-      const double f = phi(x, g, i, lower, upper), b = beta(x, g, i, lower, upper);
+      const double f = phi(x, g, i, feasible), b = beta(x, g, i, feasible);
       sums.freeNorm2 += f * f;
       sums.xNorm2 += x()[i] * x()[i];
       sums.choppedNorm2 += b * b;
-      if (f > 0.0)
-        sums.reducedNorm2 += std::min((x()[i] - lowerOf(lower, i)) / stepLength, f) * f;
-      if (f < 0.0)
-        sums.reducedNorm2 += std::max((x()[i] - upperOf(upper, i)) / stepLength, f) * f;
-      const signed char state = !isActive(x, i, lower, upper) ? 0 : x()[i] <= lowerOf(lower, i) ? -1 : 1;
+      if (const Disc* disc = discOf(feasible, i); disc != nullptr && f != 0.0) {
+        const auto y = arm(x, *disc), gradient = pairOf(g, *disc);
+        const double to[] = {y[0] - stepLength * gradient[0], y[1] - stepLength * gradient[1]};
+        const double factor = std::min(1.0, disc->radius / std::hypot(to[0], to[1]));
+        const std::size_t k = place(disc->first) == i ? 0 : 1;
+        sums.reducedNorm2 += (y[k] - factor * to[k]) / stepLength * f;
+      } else if (f > 0.0)
+        sums.reducedNorm2 += std::min((x()[i] - lowerOf(feasible, i)) / stepLength, f) * f;
+      else if (f < 0.0)
+        sums.reducedNorm2 += std::max((x()[i] - upperOf(feasible, i)) / stepLength, f) * f;
+      const signed char state = !isActive(x, i, feasible)        ? 0
+                                : discOf(feasible, i) != nullptr ? 2
+                                : x()[i] <= lowerOf(feasible, i) ? -1
+                                                                 : 1;
       sums.active += state != 0;
       sums.changed += fresh || state != active[i];
       active[i] = state;
@@ -183,7 +251,7 @@ struct BoundTraits<double, SerialVector> {
         (*direction)()[i] = f;
     }
     if (direction != nullptr)
-      sums.longestStep = longestStep(x, *direction, lower, upper);
+      sums.longestStep = longestStep(x, *direction, feasible);
     return sums;
   }
   static ResidualSums residualSums(const V& w, const V& z, const V& image, const V& x) {
@@ -209,41 +277,41 @@ struct BoundTraits<double, SerialVector> {
     return sums;
   }
   static SplitSums advance(V& x, V& g, const V& p, const V& image, double step, double factor,
-                           bool toBoundary, const V* lower, const V* upper, double stepLength, V& next,
+                           bool toBoundary, const Set& feasible, double stepLength, V& next,
                            LocalActiveSet& active) {
     const V direction = p;
     for (std::size_t i = 0; i < x().size(); ++i) {
       V one(std::vector<double>{x()[i]}), along(std::vector<double>{direction()[i]});
-      const V l(std::vector<double>{lowerOf(lower, i)}), u(std::vector<double>{upperOf(upper, i)});
-      const bool meets = direction()[i] != 0.0 && longestStep(one, along, &l, &u) <= step;
+      const V l(std::vector<double>{lowerOf(feasible, i)}), u(std::vector<double>{upperOf(feasible, i)});
+      const bool meets = direction()[i] != 0.0 && longestStep(one, along, Set{&l, &u, nullptr}) <= step;
       x()[i] -= step * direction()[i];
       if (toBoundary && meets)
         x()[i] = direction()[i] > 0.0 ? l()[0] : u()[0];
       g()[i] -= step * image()[i];
     }
-    project(x, lower, upper);
-    SplitSums sums = split(x, g, lower, upper, stepLength, &next, active);
+    project(x, feasible);
+    SplitSums sums = split(x, g, feasible, stepLength, &next, active);
     for (std::size_t i = 0; i < x().size(); ++i)
       if (active[i] == 0)
         next()[i] -= factor * direction()[i];
-    sums.longestStep = longestStep(x, next, lower, upper);
+    sums.longestStep = longestStep(x, next, feasible);
     return sums;
   }
-  static double conjugate(const V& x, const V& z, double factor, const V* lower, const V* upper, V& p) {
+  static double conjugate(const V& x, const V& z, double factor, const Set& feasible, V& p) {
     for (std::size_t i = 0; i < x().size(); ++i)
       p()[i] = factor == 0.0 ? z()[i] : z()[i] - factor * p()[i];
-    return longestStep(x, p, lower, upper);
+    return longestStep(x, p, feasible);
   }
-  static double choppedDirection(const V& x, const V& g, const V* lower, const V* upper, V& p) {
+  static double choppedDirection(const V& x, const V& g, const Set& feasible, V& p) {
     for (std::size_t i = 0; i < x().size(); ++i)
-      p()[i] = beta(x, g, i, lower, upper);
-    return longestStep(x, p, lower, upper);
+      p()[i] = beta(x, g, i, feasible);
+    return longestStep(x, p, feasible);
   }
-  static void projectedStep(V& x, V& xOld, const V& p, double step, const V* lower, const V* upper) {
+  static void projectedStep(V& x, V& xOld, const V& p, double step, const Set& feasible) {
     xOld = x;
     for (std::size_t i = 0; i < x().size(); ++i)
       x()[i] -= step * p()[i];
-    project(x, lower, upper);
+    project(x, feasible);
   }
   static ChangeSums change(const V& x, const V& xOld, const V& g, const V& gOld) {
     ChangeSums sums;
@@ -254,15 +322,25 @@ struct BoundTraits<double, SerialVector> {
     }
     return sums;
   }
-  static double projectedGradientNorm(const V& x, const V& g, const V* lower, const V* upper) {
+  static double projectedGradientNorm(const V& x, const V& g, const Set& feasible) {
     double sum = 0.0;
     for (std::size_t i = 0; i < x().size(); ++i)
-      sum += std::pow(phi(x, g, i, lower, upper) + beta(x, g, i, lower, upper), 2);
+      sum += std::pow(phi(x, g, i, feasible) + beta(x, g, i, feasible), 2);
     return std::sqrt(sum);
   }
-  static void project(V& x, const V* lower, const V* upper) {
+  static void moveToRim(V& x, const Disc& disc) {
+    const auto y = arm(x, disc);
+    const double factor = disc.radius / std::hypot(y[0], y[1]);
+    x()[place(disc.first)] = disc.centre[0] + factor * y[0];
+    x()[place(disc.second)] = disc.centre[1] + factor * y[1];
+  }
+  static void project(V& x, const Set& feasible) {
     for (std::size_t i = 0; i < x().size(); ++i)
-      x()[i] = std::max(lowerOf(lower, i), std::min(upperOf(upper, i), x()[i]));
+      x()[i] = std::max(lowerOf(feasible, i), std::min(upperOf(feasible, i), x()[i]));
+    if (feasible.hasDiscs())
+      for (const Disc& disc : feasible.discs->discs())
+        if (const auto y = arm(x, disc); std::hypot(y[0], y[1]) > disc.radius)
+          moveToRim(x, disc);
   }
   static void maskActive(V& v, const LocalActiveSet& active) {
     for (std::size_t i = 0; i < active.size(); ++i)
@@ -278,17 +356,21 @@ struct BoundTraits<double, SerialVector> {
     for (std::size_t i = 0; i < active.size(); ++i)
       active[i] = static_cast<signed char>(v()[i]);
   }
-  static void moveToBounds(V& x, const V* lower, const V* upper, const LocalActiveSet& active) {
+  static void moveToBounds(V& x, const Set& feasible, const LocalActiveSet& active) {
     for (std::size_t i = 0; i < active.size(); ++i)
-      if (active[i] != 0)
-        x()[i] = active[i] < 0 ? lowerOf(lower, i) : upperOf(upper, i);
+      if (active[i] == -1 || active[i] == 1)
+        x()[i] = active[i] < 0 ? lowerOf(feasible, i) : upperOf(feasible, i);
+      else if (const Disc* disc = active[i] == 2 ? discOf(feasible, i) : nullptr)
+        moveToRim(x, *disc);
   }
-  static ActiveSetChange updateActiveSet(const V& x, const V& g, const V* lower, const V* upper,
-                                         double xNoise, double gradientNoise, LocalActiveSet& set) {
+  static ActiveSetChange updateActiveSet(const V& x, const V& g, const Set& feasible, double xNoise,
+                                         double gradientNoise, LocalActiveSet& set) {
     ActiveSetChange result;
     set.resize(x().size(), 0);
     for (std::size_t i = 0; i < x().size(); ++i) {
-      const double l = lowerOf(lower, i), u = upperOf(upper, i);
+      if (discOf(feasible, i) != nullptr)
+        continue;
+      const double l = lowerOf(feasible, i), u = upperOf(feasible, i);
       const signed char before = set[i];
       const double wrong = before < 0 ? std::max(-g()[i], 0.0) : before > 0 ? std::max(g()[i], 0.0) : 0.0;
       if (l == u) {
@@ -315,12 +397,21 @@ struct BoundTraits<double, SerialVector> {
     }
     return result;
   }
-  static BoxInfimum boxInfimum(const V& w, const V* lower, const V* upper) {
+  static BoxInfimum boxInfimum(const V& w, const Set& feasible) {
     BoxInfimum result;
     for (std::size_t i = 0; i < w().size(); ++i) {
+      if (const Disc* disc = discOf(feasible, i)) {
+        const auto along = pairOf(w, *disc);
+        const std::size_t k = place(disc->first) == i ? 0 : 1;
+        const double length = std::hypot(along[0], along[1]);
+        const double rim = disc->centre[k] - (length > 0.0 ? disc->radius * along[k] / length : 0.0);
+        result.value += w()[i] * rim;
+        result.boundNorm = std::hypot(result.boundNorm, rim);
+        continue;
+      }
       if (w()[i] == 0.0)
         continue;
-      const double corner = w()[i] > 0.0 ? lowerOf(lower, i) : upperOf(upper, i);
+      const double corner = w()[i] > 0.0 ? lowerOf(feasible, i) : upperOf(feasible, i);
       if (std::isinf(corner)) {
         result.openNorm = std::hypot(result.openNorm, w()[i]);
       } else {
@@ -330,19 +421,21 @@ struct BoundTraits<double, SerialVector> {
     }
     return result;
   }
-  static double projectOntoRecessionCone(V& d, const V* lower, const V* upper) {
+  static double projectOntoRecessionCone(V& d, const Set& feasible) {
     double removed = 0.0;
     for (std::size_t i = 0; i < d().size(); ++i)
-      if ((d()[i] < 0.0 && lowerOf(lower, i) > -infinity) || (d()[i] > 0.0 && upperOf(upper, i) < infinity)) {
+      if (discOf(feasible, i) != nullptr || (d()[i] < 0.0 && lowerOf(feasible, i) > -infinity) ||
+          (d()[i] > 0.0 && upperOf(feasible, i) < infinity)) {
         removed = std::hypot(removed, d()[i]);
         d()[i] = 0.0;
       }
     return removed;
   }
-  static BoundFault findBoundFault(const V* lower, const V* upper) {
-    const std::size_t n = lower != nullptr ? (*lower)().size() : upper != nullptr ? (*upper)().size() : 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const double l = lowerOf(lower, i), u = upperOf(upper, i);
+  static BoundFault findBoundFault(const V& like, const Set& feasible) {
+    for (std::size_t i = 0; i < like().size(); ++i) {
+      if (const Disc* disc = discOf(feasible, i); disc != nullptr && !(disc->radius >= 0.0))
+        return {true, static_cast<long long>(i), -disc->radius, disc->radius};
+      const double l = lowerOf(feasible, i), u = upperOf(feasible, i);
       if (!(l <= u) || l == infinity || u == -infinity)
         return {true, static_cast<long long>(i), l, u};
     }

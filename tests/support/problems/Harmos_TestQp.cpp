@@ -2,6 +2,7 @@
 #include "Harmos_TestQp.hpp"
 
 #include "Harmos_Exchange.hpp"
+#include "Harmos_TrilinosVersion.hpp"
 
 #include <cmath>
 #include <limits>
@@ -154,6 +155,36 @@ SmallQp randomQp(std::mt19937& random, int n, int equalities, bool bounds, doubl
   return qp;
 }
 
+SmallQp randomFrictionQp(std::mt19937& random, int n, int equalities, double condition) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  SmallQp qp = randomQp(random, n, 0, true, condition);
+  std::vector<double> feasible;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i)
+    feasible.push_back(std::max(std::min(unit(random), qp.upper[i] - 0.01), qp.lower[i] + 0.01));
+  for (int i = 0; i + 1 < n; ++i) {
+    if (unit(random) > 0.0)
+      continue;
+    const double radius = std::pow(10.0, unit(random)), angle = 4.0 * unit(random);
+    const double share = 0.5 * (1.0 + unit(random)) * 0.99 * radius; // of the way to the rim
+    const auto first = static_cast<std::size_t>(i);
+    qp.discs.push_back(
+        {i,
+         i + 1,
+         {feasible[first] + share * std::cos(angle), feasible[first + 1] + share * std::sin(angle)},
+         radius});
+    for (std::size_t k : {first, first + 1}) {
+      qp.lower[k] = -infinity;
+      qp.upper[k] = infinity;
+    }
+    ++i;
+  }
+  qp.c = Dense(equalities, n);
+  for (double& value : qp.c.values)
+    value = unit(random);
+  qp.cRhs = product(qp.c, feasible);
+  return qp;
+}
+
 Dense jacobi(const Dense& matrix) {
   Dense result(matrix.rows, matrix.rows);
   for (int i = 0; i < matrix.rows; ++i)
@@ -219,9 +250,33 @@ void DenseOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp
     Y.update(alpha, *image, beta);
 }
 
+std::shared_ptr<const qp::LocalDiscs> localDiscs(const std::vector<qp::Disc>& discs, const Map& map) {
+  if (discs.empty())
+    return nullptr;
+  std::vector<qp::Disc> mine;
+  for (const qp::Disc& disc : discs) {
+    const auto first = map.getLocalElement(disc.first), second = map.getLocalElement(disc.second);
+    if (map.isNodeLocalElement(first))
+      mine.push_back({first, second, {disc.centre[0], disc.centre[1]}, disc.radius});
+  }
+  return std::make_shared<qp::LocalDiscs>(mine, localSize(map));
+}
+
 DistributedQp::DistributedQp(const SmallQp& qp, qp::EqualityStructure structure) {
   const auto comm = testComm();
   map = Teuchos::rcp(new Map(static_cast<Tpetra::global_size_t>(qp.size()), 0, comm));
+  if (!qp.discs.empty()) {
+    // As even as whole discs allow.
+    const auto begin = [&](int rank) {
+      int entry = rank * qp.size() / comm->getSize();
+      for (const qp::Disc& disc : qp.discs)
+        entry += disc.second == entry ? 1 : 0;
+      return entry;
+    };
+    const int rank = comm->getRank();
+    map = Teuchos::rcp(new Map(static_cast<Tpetra::global_size_t>(qp.size()),
+                               static_cast<std::size_t>(begin(rank + 1) - begin(rank)), 0, comm));
+  }
   solution = Teuchos::rcp(new MultiVector(map, 1));
   problem = Teuchos::rcp(
       new qp::TpetraProblem(Teuchos::rcp(new DenseOperator(qp.a, map, map)), solution, toVector(qp.b, map)));
@@ -229,6 +284,7 @@ DistributedQp::DistributedQp(const SmallQp& qp, qp::EqualityStructure structure)
     problem->setLowerBound(toVector(qp.lower, map));
   if (!qp.upper.empty())
     problem->setUpperBound(toVector(qp.upper, map));
+  problem->setDiscs(localDiscs(qp.discs, *map));
   if (qp.c.rows > 0) {
     const auto rows = Teuchos::rcp(
         new Map(static_cast<Tpetra::global_size_t>(qp.c.rows), 0, comm, Tpetra::LocallyReplicated));

@@ -7,24 +7,26 @@
 #include <Tpetra_MultiVector.hpp>
 #include <Tpetra_Operator.hpp>
 
+#include <memory>
 #include <random>
 #include <vector>
 
 namespace Harmos {
 
-/// A small quadratic program, the same on all ranks: min ½xᵀAx − bᵀx, l ≤ x ≤ u, Cx = c.
+/// A small quadratic program, the same on all ranks: min ½xᵀAx − bᵀx, l ≤ x ≤ u, discs, Cx = c.
 struct SmallQp {
   Dense a;
   std::vector<double> b;
   std::vector<double> lower, upper; ///< empty or ∓∞ where absent
   Dense c;
   std::vector<double> cRhs;
+  std::vector<qp::Disc> discs = {}; ///< of neighbouring entries, which have no bounds
 
   int size() const { return a.rows; }
   double cost(const std::vector<double>& x) const;
 };
 
-/// The solution by enumeration of all active sets: exact, and shares nothing with the solvers.
+/// The solution by enumeration of all active sets, without discs: exact, and shares nothing with the solvers.
 /// @param multipliers receives those of the equalities.
 std::vector<double> bruteForce(const SmallQp& qp, std::vector<double>* multipliers = nullptr);
 
@@ -36,6 +38,9 @@ Dense withSpectrum(const Dense& q, int nullity, double condition);
 
 /// A strictly convex QP with eigenvalues in [1, condition], whose bounds are feasible with the equalities.
 SmallQp randomQp(std::mt19937& random, int n, int equalities, bool bounds, double condition = 100.0);
+
+/// The same with as many discs as come to a third of the entries, in random places of some size.
+SmallQp randomFrictionQp(std::mt19937& random, int n, int equalities, double condition = 100.0);
 
 /// The inverse of a matrix' diagonal.
 Dense jacobi(const Dense& matrix);
@@ -62,6 +67,9 @@ class DenseOperator : public Operator {
 /// The same values on all ranks into a distributed or replicated vector, and back. Collective.
 Teuchos::RCP<MultiVector> toVector(const std::vector<double>& values, const Teuchos::RCP<const Map>& map);
 std::vector<double> fromVector(const MultiVector& vector);
+
+/// Discs of one rank; null if there are none on any. @param map whose ranks hold whole discs.
+std::shared_ptr<const qp::LocalDiscs> localDiscs(const std::vector<qp::Disc>& discs, const Map& map);
 
 /// A SmallQp as a Problem over the ranks of the test.
 struct DistributedQp {

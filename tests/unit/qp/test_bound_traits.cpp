@@ -34,7 +34,7 @@ TEST(BoundTraits, splitting_of_every_case) {
   MultiVector phi(c.map, 1);
   qp::LocalActiveSet active;
   const double step = 0.5;
-  const qp::SplitSums sums = BT::split(*c.xv, *c.gv, c.lv.get(), c.uv.get(), step, &phi, active);
+  const qp::SplitSums sums = BT::split(*c.xv, *c.gv, {c.lv.get(), c.uv.get()}, step, &phi, active);
   EXPECT_EQ(fromVector(phi), (std::vector<double>{2, -3, 0, 0, 0, 0, 4, -6, 0}));
   EXPECT_EQ(sums.freeNorm2, 4 + 9 + 16 + 36);
   EXPECT_EQ(sums.choppedNorm2, 49 + 121); // −7 at l, 11 at u; the others point outwards, l = u does not move
@@ -44,17 +44,17 @@ TEST(BoundTraits, splitting_of_every_case) {
   EXPECT_EQ(sums.changed, 9);                    // all are new
   EXPECT_NEAR(sums.longestStep, 0.1 / 6, 1e-16); // entry 7 meets its upper bound first: (0.9 − 1)/(−6)
   EXPECT_EQ(sums.projectedNorm2(), sums.freeNorm2 + sums.choppedNorm2);
-  EXPECT_NEAR(BT::projectedGradientNorm(*c.xv, *c.gv, c.lv.get(), c.uv.get()),
+  EXPECT_NEAR(BT::projectedGradientNorm(*c.xv, *c.gv, {c.lv.get(), c.uv.get()}),
               std::sqrt(sums.projectedNorm2()), 1e-14);
   MultiVector beta(c.map, 1);
   // Along β = −7 at l = 0 the upper bound 1 is met at 1/7, along 11 at u = 1 the lower one 0 at 1/11.
-  EXPECT_EQ(BT::choppedDirection(*c.xv, *c.gv, c.lv.get(), c.uv.get(), beta), 1.0 / 11.0);
+  EXPECT_EQ(BT::choppedDirection(*c.xv, *c.gv, {c.lv.get(), c.uv.get()}, beta), 1.0 / 11.0);
   EXPECT_EQ(fromVector(beta), (std::vector<double>{0, 0, 0, -7, 11, 0, 0, 0, 0}));
 
   auto moved = c.x;
   moved[2] = 0.25;
   const qp::SplitSums again =
-      BT::split(*toVector(moved, c.map), *c.gv, c.lv.get(), c.uv.get(), step, nullptr, active);
+      BT::split(*toVector(moved, c.map), *c.gv, {c.lv.get(), c.uv.get()}, step, nullptr, active);
   EXPECT_EQ(again.changed, 1);
   EXPECT_EQ(again.active, 4);
 }
@@ -63,7 +63,7 @@ TEST(BoundTraits, absent_bounds_leave_all_free) {
   const Cases c;
   MultiVector phi(c.map, 1);
   qp::LocalActiveSet active;
-  const qp::SplitSums sums = BT::split(*c.xv, *c.gv, nullptr, nullptr, 1.0, &phi, active);
+  const qp::SplitSums sums = BT::split(*c.xv, *c.gv, {}, 1.0, &phi, active);
   EXPECT_EQ(sums.active, 0);
   EXPECT_EQ(fromVector(phi), c.g);
   EXPECT_EQ(sums.reducedNorm2, sums.freeNorm2);
@@ -92,9 +92,9 @@ TEST(BoundTraits, advance_is_step_splitting_and_direction) {
              p = toVector({4.0, -4.0, 0.0, 8.0}, map), image = toVector({2.0, 1.0, 1.0, 4.0}, map),
              l = toVector({0.0, 0.0, 0.0, -inf}, map), u = toVector({inf, 3.0, inf, inf}, map);
   qp::LocalActiveSet active;
-  BT::split(*x, *g, l.get(), u.get(), 1.0, nullptr, active);
+  BT::split(*x, *g, {l.get(), u.get()}, 1.0, nullptr, active);
   const qp::SplitSums sums =
-      BT::advance(*x, *g, *p, *image, 0.125, 0.5, false, l.get(), u.get(), 1.0, *p, active);
+      BT::advance(*x, *g, *p, *image, 0.125, 0.5, false, {l.get(), u.get()}, 1.0, *p, active);
   EXPECT_EQ(fromVector(*x), (std::vector<double>{0.5, 1.5, 0.0, 4.0}));
   EXPECT_EQ(fromVector(*g), (std::vector<double>{3.75, -4.125, 1.875, 7.5}));
   EXPECT_EQ(fromVector(*p), (std::vector<double>{1.75, -2.125, 0.0, 3.5})); // φ − p/2, nothing at the bound
@@ -112,13 +112,13 @@ TEST(BoundTraits, steps_to_the_boundary_end_exactly_on_it) {
              p = toVector({3.0, -2.0, 0.5, 0.0}, map), l = toVector({0.0, 0.0, -inf, 1.0}, map),
              u = toVector({inf, 1.5, inf, 1.0}, map), next = toVector({0, 0, 0, 0}, map);
   MultiVector direction(*p, Teuchos::Copy);
-  EXPECT_EQ(BT::conjugate(*x, *p, 0.0, l.get(), u.get(), direction), 0.25); // entry 1; entry 0 allows 1/3
-  EXPECT_EQ(BT::conjugate(*x, *p, 0.0, nullptr, nullptr, direction), inf);
+  EXPECT_EQ(BT::conjugate(*x, *p, 0.0, {l.get(), u.get()}, direction), 0.25); // entry 1; entry 0 allows 1/3
+  EXPECT_EQ(BT::conjugate(*x, *p, 0.0, {}, direction), inf);
   qp::LocalActiveSet active;
-  BT::split(*x, *g, l.get(), u.get(), 1.0, nullptr, active);
+  BT::split(*x, *g, {l.get(), u.get()}, 1.0, nullptr, active);
   // Exactly onto the bound, however the product rounds; beyond it for none.
   const qp::SplitSums sums =
-      BT::advance(*x, *g, *p, *g, 1.0 / 3.0, 0.0, true, l.get(), u.get(), 1.0, *next, active);
+      BT::advance(*x, *g, *p, *g, 1.0 / 3.0, 0.0, true, {l.get(), u.get()}, 1.0, *next, active);
   const std::vector<double> moved = fromVector(*x);
   EXPECT_EQ(moved[0], 0.0);
   EXPECT_EQ(moved[1], 1.5);
@@ -132,7 +132,7 @@ TEST(BoundTraits, projected_step_and_the_change_it_makes) {
   const auto x = toVector({1.0, 2.0}, map), p = toVector({1.0, 8.0}, map), l = toVector({0.0, 0.0}, map),
              gOld = toVector({2.0, 4.0}, map), g = toVector({0.0, -2.0}, map);
   MultiVector old(map, 1);
-  BT::projectedStep(*x, old, *p, 0.5, l.get(), nullptr);
+  BT::projectedStep(*x, old, *p, 0.5, {l.get()});
   EXPECT_EQ(fromVector(*x), (std::vector<double>{0.5, 0.0}));
   EXPECT_EQ(fromVector(old), (std::vector<double>{1.0, 2.0}));
   const qp::ChangeSums change = BT::change(*x, old, *g, *gOld);
@@ -152,7 +152,7 @@ TEST(BoundTraits, active_sets_follow_multipliers_and_violations) {
   for (std::size_t i = 0; i < x->getLocalLength(); ++i)
     set.push_back(map->getGlobalElement(static_cast<LocalOrdinal>(i)) >= 3 ? -1 : 0);
   const qp::LocalActiveSet before = set;
-  const qp::ActiveSetChange change = BT::updateActiveSet(*x, *g, l.get(), u.get(), 0.0, 0.0, set);
+  const qp::ActiveSetChange change = BT::updateActiveSet(*x, *g, {l.get(), u.get()}, 0.0, 0.0, set);
   EXPECT_EQ(change.active, 4);
   EXPECT_EQ(change.changed, 3);
   EXPECT_EQ(change.violation2, 2.0);
@@ -163,15 +163,15 @@ TEST(BoundTraits, active_sets_follow_multipliers_and_violations) {
   }
   // What lies within the noise is let be.
   qp::LocalActiveSet tolerant = before;
-  EXPECT_EQ(BT::updateActiveSet(*x, *g, l.get(), u.get(), 1.0, 2.0, tolerant).changed, 0);
+  EXPECT_EQ(BT::updateActiveSet(*x, *g, {l.get(), u.get()}, 1.0, 2.0, tolerant).changed, 0);
   // Signatures: the same for the same set, another for another.
   qp::LocalActiveSet copy = before;
-  const qp::ActiveSetChange same = BT::updateActiveSet(*x, *g, l.get(), u.get(), 0.0, 0.0, copy);
+  const qp::ActiveSetChange same = BT::updateActiveSet(*x, *g, {l.get(), u.get()}, 0.0, 0.0, copy);
   EXPECT_EQ(same.signature[0], change.signature[0]);
   EXPECT_EQ(same.signature[1], change.signature[1]);
-  const qp::ActiveSetChange other = BT::updateActiveSet(*x, *g, l.get(), u.get(), 1.0, 2.0, tolerant);
+  const qp::ActiveSetChange other = BT::updateActiveSet(*x, *g, {l.get(), u.get()}, 1.0, 2.0, tolerant);
   EXPECT_NE(other.signature[0], change.signature[0]);
-  BT::moveToBounds(*x, l.get(), u.get(), set);
+  BT::moveToBounds(*x, {l.get(), u.get()}, set);
   EXPECT_EQ(fromVector(*x), (std::vector<double>{0.5, 0.0, 1.0, 0.0, 0.0, 3.0}));
   BT::maskActive(*g, set);
   EXPECT_EQ(fromVector(*g), (std::vector<double>{9.0, 0.0, 0.0, 0.0, -2.0, 0.0}));
@@ -181,15 +181,15 @@ TEST(BoundTraits, infimum_over_the_box_and_recession_cone) {
   const auto map = Teuchos::rcp(new Map(4, 0, testComm()));
   const auto l = toVector({-2.0, -inf, -inf, 1.0}, map), u = toVector({inf, 3.0, inf, 2.0}, map);
   const auto w = toVector({1.0, -1.0, 0.0, -4.0}, map);
-  const qp::BoxInfimum closed = BT::boxInfimum(*w, l.get(), u.get());
+  const qp::BoxInfimum closed = BT::boxInfimum(*w, {l.get(), u.get()});
   EXPECT_EQ(closed.value, -2.0 - 3.0 - 8.0);
   EXPECT_EQ(closed.openNorm, 0.0);
   EXPECT_EQ(closed.boundNorm, std::sqrt(4.0 + 9.0 + 4.0));
-  const qp::BoxInfimum open = BT::boxInfimum(*toVector({-3.0, 4.0, 12.0, 0.0}, map), l.get(), u.get());
+  const qp::BoxInfimum open = BT::boxInfimum(*toVector({-3.0, 4.0, 12.0, 0.0}, map), {l.get(), u.get()});
   EXPECT_EQ(open.value, 0.0);
   EXPECT_EQ(open.openNorm, 13.0);
   const auto d = toVector({-3.0, -1.0, 5.0, 4.0}, map);
-  EXPECT_EQ(BT::projectOntoRecessionCone(*d, l.get(), u.get()), 5.0);
+  EXPECT_EQ(BT::projectOntoRecessionCone(*d, {l.get(), u.get()}), 5.0);
   EXPECT_EQ(fromVector(*d), (std::vector<double>{0.0, -1.0, 5.0, 0.0}));
 }
 
@@ -213,22 +213,23 @@ TEST(BoundTraits, gather_and_scatter) {
 TEST(BoundTraits, projection) {
   const Cases c;
   const auto x = toVector({-5, 5, -5, 5, 0.5, -5, 5, 0.5, 0}, c.map);
-  BT::project(*x, c.lv.get(), c.uv.get());
+  BT::project(*x, {c.lv.get(), c.uv.get()});
   EXPECT_EQ(fromVector(*x), (std::vector<double>{-5, 5, 0, 1, 0.5, 0, 1, 0.5, 2}));
 }
 
 TEST(BoundTraits, inconsistent_bounds_are_found) {
   const auto map = Teuchos::rcp(new Map(3, 0, testComm()));
   const auto l = toVector({0.0, 0.0, 0.0}, map);
-  EXPECT_FALSE(BT::findBoundFault(l.get(), toVector({0.0, inf, 1.0}, map).get()).found);
-  EXPECT_FALSE(BT::findBoundFault(nullptr, nullptr).found);
-  const qp::BoundFault crossed = BT::findBoundFault(l.get(), toVector({1.0, 1.0, -0.5}, map).get());
+  EXPECT_FALSE(BT::findBoundFault(*l, {l.get(), toVector({0.0, inf, 1.0}, map).get()}).found);
+  EXPECT_FALSE(BT::findBoundFault(*l, {}).found);
+  const qp::BoundFault crossed = BT::findBoundFault(*l, {l.get(), toVector({1.0, 1.0, -0.5}, map).get()});
   EXPECT_TRUE(crossed.found);
   EXPECT_EQ(crossed.entry, 2);
   EXPECT_EQ(crossed.lower, 0.0);
   EXPECT_EQ(crossed.upper, -0.5);
-  EXPECT_TRUE(std::isnan(BT::findBoundFault(l.get(), toVector({1.0, std::nan(""), 1.0}, map).get()).upper));
-  EXPECT_EQ(BT::findBoundFault(toVector({0.0, inf, 0.0}, map).get(), nullptr).entry, 1);
+  EXPECT_TRUE(
+      std::isnan(BT::findBoundFault(*l, {l.get(), toVector({1.0, std::nan(""), 1.0}, map).get()}).upper));
+  EXPECT_EQ(BT::findBoundFault(*l, {toVector({0.0, inf, 0.0}, map).get()}).entry, 1);
 }
 
 TEST(BoundTraits, random_vectors_do_not_depend_on_the_distribution) {

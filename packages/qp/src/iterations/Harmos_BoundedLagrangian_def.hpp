@@ -98,7 +98,7 @@ void BoundedLagrangian<Scalar, MV, OP>::start(double penalty) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   MV& x = *problem_.solution();
   penalty_ = penalty;
-  BoundTraits<Scalar, MV>::project(x, problem_.lowerBound().get(), problem_.upperBound().get());
+  BoundTraits<Scalar, MV>::project(x, problem_.feasibleSet());
   if (rows_.isPresent())
     rows_.toInternal(*problem_.multiplier(), *mu_);
   updateEffectiveRhs();
@@ -139,8 +139,7 @@ template<class Scalar, class MV, class OP>
 void BoundedLagrangian<Scalar, MV, OP>::exchangeActive(StateArchive<MV>& archive) {
   using BT = BoundTraits<Scalar, MV>;
   MV& x = *problem_.solution();
-  const MV* lower = problem_.lowerBound().get();
-  const MV* upper = problem_.upperBound().get();
+  const FeasibleSet<MV> feasible = problem_.feasibleSet();
   const Teuchos::RCP<MV> states = Belos::MultiVecTraits<Scalar, MV>::Clone(x, 1);
   LocalActiveSet active;
   if (!archive.isReading())
@@ -150,8 +149,8 @@ void BoundedLagrangian<Scalar, MV, OP>::exchangeActive(StateArchive<MV>& archive
   if (!archive.isReading())
     return;
   BT::vectorToActive(*states, active);
-  BT::project(x, lower, upper);
-  BT::moveToBounds(x, lower, upper, active);
+  BT::project(x, feasible);
+  BT::moveToBounds(x, feasible, active);
 }
 
 template<class Scalar, class MV, class OP>
@@ -164,8 +163,7 @@ void BoundedLagrangian<Scalar, MV, OP>::startIteration() {
       applyPreconditioner(phi, active, z);
     };
   iteration_ = Teuchos::rcp(new Iteration([this](const MV& in, MV& out) { applyHessian(in, out); },
-                                          precondition, problem_.lowerBound().get(),
-                                          problem_.upperBound().get(), options_, counters_));
+                                          precondition, problem_.feasibleSet(), options_, counters_));
   effectiveRhsNorm_ = norm<Scalar>(*effectiveRhs_);
   level_ = 0.0;
   direct_ = false;
@@ -245,8 +243,7 @@ Teuchos::RCP<MV> BoundedLagrangian<Scalar, MV, OP>::unboundedDirection(Certifica
   using OPT = Belos::OperatorTraits<Scalar, MV, OP>;
   const Teuchos::RCP<MV> d = MVT::CloneCopy(iteration_->direction());
   MVT::MvScale(*d, -1.0);
-  BoundTraits<Scalar, MV>::projectOntoRecessionCone(*d, problem_.lowerBound().get(),
-                                                    problem_.upperBound().get());
+  BoundTraits<Scalar, MV>::projectOntoRecessionCone(*d, problem_.feasibleSet());
   MVT::MvScale(*d, 1.0 / norm<Scalar>(*d));
   ++counters_.hessianApplications;
   OPT::Apply(*problem_.hessian(), *d, *gradient_);

@@ -36,8 +36,7 @@ class DescentOfSets {
         reference_(MVT::Clone(x_, 1)),
         gradient_(MVT::Clone(x_, 1)),
         work_(MVT::Clone(x_, 1)),
-        lower_(problem.lowerBound().get()),
-        upper_(problem.upperBound().get()) {
+        feasible_(problem.feasibleSet()) {
     MVT::MvInit(*reference_, 0.0);
   }
 
@@ -86,7 +85,7 @@ class DescentOfSets {
     MVT::MvInit(*work_, 0.0);
     constexpr double rounding = 10.0 * std::numeric_limits<double>::epsilon();
     const ActiveSetChange change =
-        BT::updateActiveSet(x_, *work_, lower_, upper_, rounding * norm<Scalar>(x_), 1.0, copy);
+        BT::updateActiveSet(x_, *work_, feasible_, rounding * norm<Scalar>(x_), 1.0, copy);
     return change.changed > 0 && 0.5 * cg_.curvatureBound() * change.violation2 > referenceCost_ - cg_.cost();
   }
 
@@ -165,8 +164,7 @@ class DescentOfSets {
   Nearest nearest_;
   Teuchos::RCP<MV> reference_, gradient_; // of the Lagrangian there
   Teuchos::RCP<MV> work_;
-  const MV* lower_;
-  const MV* upper_;
+  FeasibleSet<MV> feasible_;
   double referenceCost_ = std::numeric_limits<double>::infinity();
   double promised_ = 0.0; // what conjugate gradients have gained since
   double moved2_ = 0.0;

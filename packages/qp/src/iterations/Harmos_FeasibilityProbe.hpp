@@ -33,11 +33,10 @@ class FeasibilityProbe {
   Verdict run(int mostSteps, MV& y, Certificate& certificate) {
     using MVT = Belos::MultiVecTraits<Scalar, MV>;
     Counters counters;
-    const MV* lower = problem_.lowerBound().get();
-    const MV* upper = problem_.upperBound().get();
+    const FeasibleSet<MV> feasible = problem_.feasibleSet();
     const Teuchos::RCP<MV> x = MVT::CloneCopy(*problem_.solution()), gradient = MVT::Clone(*x, 1),
                            rhs = MVT::Clone(*x, 1), r = rows_.makeVector(), work = rows_.makeVector();
-    BoundTraits<Scalar, MV>::project(*x, lower, upper);
+    BoundTraits<Scalar, MV>::project(*x, feasible);
     MVT::MvInit(*rhs, 0.0);
     rows_.addTransposed(1.0, rows_.values(), *rhs);
     MprgpIteration<Scalar, MV> iteration(
@@ -46,7 +45,7 @@ class FeasibilityProbe {
           MVT::MvInit(out, 0.0);
           rows_.addTransposed(1.0, *work, out);
         },
-        nullptr, lower, upper, MprgpOptions(), counters);
+        nullptr, feasible, MprgpOptions(), counters);
     MVT::MvInit(*gradient, 0.0);
     rows_.residual(*x, *r);
     rows_.addTransposed(1.0, *r, *gradient);
@@ -76,8 +75,7 @@ class FeasibilityProbe {
     const Teuchos::RCP<MV> w = MVT::Clone(x, 1);
     MVT::MvInit(*w, 0.0);
     rows_.addTransposed(1.0 / residual, r, *w);
-    const BoxInfimum infimum =
-        BoundTraits<Scalar, MV>::boxInfimum(*w, problem_.lowerBound().get(), problem_.upperBound().get());
+    const BoxInfimum infimum = BoundTraits<Scalar, MV>::boxInfimum(*w, problem_.feasibleSet());
     const double gap = infimum.value - dot<Scalar>(r, rows_.values()) / residual;
     // No size at hand is zero for a problem that has any: c̄ ≠ 0, or x = 0 would be feasible or out of bounds.
     const double radius = 1e6 * std::max({norm<Scalar>(x), infimum.boundNorm,

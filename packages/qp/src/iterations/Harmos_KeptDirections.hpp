@@ -123,9 +123,9 @@ class KeptDirections {
     MVT::MvInit(*none, 0.0);
     LocalActiveSet below, above;
     MVT::MvInit(*x, -beyond);
-    BT::updateActiveSet(*x, *none, problem_.lowerBound().get(), problem_.upperBound().get(), 0.0, 0.0, below);
+    BT::updateActiveSet(*x, *none, problem_.feasibleSet(), 0.0, 0.0, below);
     MVT::MvInit(*x, beyond);
-    BT::updateActiveSet(*x, *none, problem_.lowerBound().get(), problem_.upperBound().get(), 0.0, 0.0, above);
+    BT::updateActiveSet(*x, *none, problem_.feasibleSet(), 0.0, 0.0, above);
     for (std::size_t i = 0; i < below.size(); ++i)
       if (below[i] == 0)
         below[i] = above[i];

@@ -45,6 +45,9 @@ struct MprgpOptions {
 /// (Dostál & Schöberl, Comput. Optim. Appl. 30, 2005, for ᾱ ≤ 1/‖H‖; Dostál, Optimal Quadratic Programming
 /// Algorithms, 2009, section 5.8 up to 2/‖H‖). In all variants the cost never rises.
 ///
+/// With discs a step along β would have no length on a rim: x ← Π(x − ᾱg) takes its place (MPGP: Dostál,
+/// Kozubek, Math. Program. 135, 2012), at the price of another product. The same η holds.
+///
 /// With a preconditioner the conjugate gradients work with z = (M⁻¹φ)_F (preconditioning in face); expansion
 /// by the fixed step and proportioning are left as they are, so that convergence does not depend on it.
 ///
@@ -69,8 +72,8 @@ class MprgpIteration {
 
   enum class Outcome { ConjugateGradient, Expansion, Proportioning, Unbounded, Breakdown };
 
-  /// @param apply y = Hx, counted by the caller; @param lower, upper null where absent, to outlive this.
-  MprgpIteration(Apply apply, Precondition precondition, const MV* lower, const MV* upper,
+  /// @param apply y = Hx, counted by the caller. @param feasible what it points to has to outlive this.
+  MprgpIteration(Apply apply, Precondition precondition, const FeasibleSet<MV>& feasible,
                  const MprgpOptions& options, Counters& counters);
 
   /// Starts at a feasible x with gradient g = Hx − b; both are updated in place by step().
@@ -117,12 +120,13 @@ class MprgpIteration {
   void begin();
   void completeDirection();
   void expandFixed(const CurvatureSums& along);
+  void goDown(const MV& direction);
+  Outcome proportionBySteps();
   bool expandProjected(double cgStep);
 
   Apply apply_;
   Precondition precondition_;
-  const MV* lower_;
-  const MV* upper_;
+  FeasibleSet<MV> feasible_;
   MprgpOptions options_;
   Counters& counters_;
   Teuchos::RCP<MV> x_, g_, p_, image_, xOld_, gOld_, phi_, z_;

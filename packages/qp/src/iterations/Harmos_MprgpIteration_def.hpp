@@ -11,12 +11,12 @@
 namespace Harmos::qp {
 
 template<class Scalar, class MV>
-MprgpIteration<Scalar, MV>::MprgpIteration(Apply apply, Precondition precondition, const MV* lower,
-                                           const MV* upper, const MprgpOptions& options, Counters& counters)
+MprgpIteration<Scalar, MV>::MprgpIteration(Apply apply, Precondition precondition,
+                                           const FeasibleSet<MV>& feasible, const MprgpOptions& options,
+                                           Counters& counters)
     : apply_(std::move(apply)),
       precondition_(std::move(precondition)),
-      lower_(lower),
-      upper_(upper),
+      feasible_(feasible),
       options_(options),
       counters_(counters) {}
 
@@ -70,7 +70,7 @@ void MprgpIteration<Scalar, MV>::countFace() {
 // The splitting at x, and p = φ; preconditioned, the direction is made when a step needs it.
 template<class Scalar, class MV>
 void MprgpIteration<Scalar, MV>::begin() {
-  sums_ = BoundTraits<Scalar, MV>::split(*x_, *g_, lower_, upper_, stepLength(), &freeGradient(), active_);
+  sums_ = BoundTraits<Scalar, MV>::split(*x_, *g_, feasible_, stepLength(), &freeGradient(), active_);
   longestStep_ = sums_.longestStep;
   next_ = precondition_ ? Next::Fresh : Next::Ready;
   countFace();
@@ -84,7 +84,7 @@ void MprgpIteration<Scalar, MV>::completeDirection() {
   precondition_(*phi_, active_, faceChanged_, *z_);
   faceChanged_ = false;
   const double beta = next_ == Next::Conjugate ? dot<Scalar>(*z_, *image_) / directionDotImage_ : 0.0;
-  longestStep_ = BoundTraits<Scalar, MV>::conjugate(*x_, *z_, beta, lower_, upper_, *p_);
+  longestStep_ = BoundTraits<Scalar, MV>::conjugate(*x_, *z_, beta, feasible_, *p_);
   next_ = Next::Ready;
 }
 
@@ -101,7 +101,7 @@ bool MprgpIteration<Scalar, MV>::expandProjected(double cgStep) {
   using BT = BoundTraits<Scalar, MV>;
   MVT::Assign(*g_, *gOld_);
   const int staleBefore = staleness_;
-  BT::projectedStep(*x_, *xOld_, *p_, cgStep, lower_, upper_);
+  BT::projectedStep(*x_, *xOld_, *p_, cgStep, feasible_);
   refreshGradient();
   const ChangeSums change = BT::change(*x_, *xOld_, *g_, *gOld_);
   if (change.cost < 0.0) {
@@ -124,19 +124,30 @@ void MprgpIteration<Scalar, MV>::expandFixed(const CurvatureSums& along) {
   decrease_ = length * (along.gradientDotDirection - 0.5 * length * along.directionDotImage);
   // The set examined at the boundary point is not a face the iteration works in.
   LocalActiveSet boundary = active_;
-  BT::advance(*x_, *g_, *p_, *image_, length, 0.0, true, lower_, upper_, stepLength(), *phi_, boundary);
+  BT::advance(*x_, *g_, *p_, *image_, length, 0.0, true, feasible_, stepLength(), *phi_, boundary);
   MVT::Assign(*g_, *gOld_);
+  goDown(*phi_);
+}
+
+// x ← Π(x − ᾱ·direction), where the gradient is that of gOld_.
+template<class Scalar, class MV>
+void MprgpIteration<Scalar, MV>::goDown(const MV& direction) {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using BT = BoundTraits<Scalar, MV>;
   constexpr int mostCuts = 60;
   for (int cut = 0; cut <= mostCuts; ++cut) {
     if (cut > 0)
       MVT::Assign(*xOld_, *x_);
-    BT::projectedStep(*x_, *xOld_, *phi_, stepLength(), lower_, upper_);
+    BT::projectedStep(*x_, *xOld_, direction, stepLength(), feasible_);
     refreshGradient();
     // The projected step decreases the cost for every ᾱ ≤ 2/‖H‖: if it rose, ‖H‖ is larger than estimated.
     // Changes at the level of rounding errors prove nothing.
     const ChangeSums change = BT::change(*x_, *xOld_, *g_, *gOld_);
-    const double noise =
+    double noise =
         10.0 * std::numeric_limits<double>::epsilon() * std::sqrt(change.moved2 * change.gradientNorm2);
+    // Points on rims are there to rounding errors of x, along gradients that do not vanish.
+    if (feasible_.hasDiscs())
+      noise += 10.0 * std::numeric_limits<double>::epsilon() * std::sqrt(sums_.xNorm2 * change.gradientNorm2);
     if (!(change.cost > noise)) {
       decrease_ -= change.cost;
       return;
@@ -149,16 +160,33 @@ void MprgpIteration<Scalar, MV>::expandFixed(const CurvatureSums& along) {
   MVT::Assign(*gOld_, *g_);
 }
 
+// Along the rim of a disc no step is feasible: the projected gradient step of MPGP takes the place of the
+// proportioning one.
+template<class Scalar, class MV>
+typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::proportionBySteps() {
+  if (!std::isfinite(sums_.choppedNorm2))
+    return Outcome::Breakdown;
+  Belos::MultiVecTraits<Scalar, MV>::Assign(*g_, *gOld_);
+  decrease_ = 0.0;
+  ++counters_.proportioningSteps;
+  ++staleness_;
+  goDown(*gOld_);
+  begin();
+  return Outcome::Proportioning;
+}
+
 template<class Scalar, class MV>
 typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::step() {
   using BT = BoundTraits<Scalar, MV>;
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
   const bool proportional = sums_.choppedNorm2 <= options_.gamma * options_.gamma * sums_.reducedNorm2;
+  if (!proportional && feasible_.hasDiscs())
+    return proportionBySteps();
   if (proportional)
     completeDirection();
   else
-    longestStep_ = BT::choppedDirection(*x_, *g_, lower_, upper_, *p_);
+    longestStep_ = BT::choppedDirection(*x_, *g_, feasible_, *p_);
 
   apply_(*p_, *image_);
   CurvatureSums along = BT::curvature(*g_, *p_, *image_, active_);
@@ -168,7 +196,7 @@ typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::step() 
   if (proportional && sums_.freeNorm2 > 0.0 &&
       !(along.gradientDotDirection > across * std::sqrt(along.directionNorm2 * sums_.freeNorm2))) {
     if (precondition_)
-      longestStep_ = BT::conjugate(*x_, *phi_, 0.0, lower_, upper_, *p_);
+      longestStep_ = BT::conjugate(*x_, *phi_, 0.0, feasible_, *p_);
     else
       begin();
     apply_(*p_, *image_);
@@ -199,7 +227,7 @@ typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::step() 
     const bool conjugate = proportional && !precondition_;
     const double beta =
         conjugate ? (along.freeDotImage - length * along.freeImageNorm2) / along.directionDotImage : 0.0;
-    sums_ = BT::advance(*x_, *g_, *p_, *image_, length, beta, !feasible, lower_, upper_, stepLength(),
+    sums_ = BT::advance(*x_, *g_, *p_, *image_, length, beta, !feasible, feasible_, stepLength(),
                         freeGradient(), active_);
     longestStep_ = sums_.longestStep;
     ++staleness_;

@@ -31,8 +31,7 @@ class NearestFeasible {
 
   /// @param rows orthonormal, or none. Both to outlive this.
   NearestFeasible(const Problem<Scalar, MV, OP>& problem, const EqualityRows<Scalar, MV, OP>& rows)
-      : lower_(problem.lowerBound().get()),
-        upper_(problem.upperBound().get()),
+      : feasible_(problem.feasibleSet()),
         rows_(rows),
         x_(MVT::Clone(*problem.rhs(), 1)),
         v_(MVT::Clone(*x_, 1)),
@@ -66,7 +65,7 @@ class NearestFeasible {
     active = count(set);
     if (outcome == Outcome::Found) {
       moveToFace(set);
-      BT::project(*x_, lower_, upper_);
+      BT::project(*x_, feasible_);
     }
     return outcome;
   }
@@ -77,7 +76,7 @@ class NearestFeasible {
   long long count(const LocalActiveSet& set) {
     constexpr double unmoved = std::numeric_limits<double>::max();
     LocalActiveSet copy = set;
-    return BT::updateActiveSet(*v_, *v_, lower_, upper_, unmoved, unmoved, copy).active;
+    return BT::updateActiveSet(*v_, *v_, feasible_, unmoved, unmoved, copy).active;
   }
 
  private:
@@ -91,7 +90,7 @@ class NearestFeasible {
   // x = v where the set is free, else the bounds.
   void moveToFace(const LocalActiveSet& active) {
     MVT::Assign(*v_, *x_);
-    BT::moveToBounds(*x_, lower_, upper_, active);
+    BT::moveToBounds(*x_, feasible_, active);
   }
 
   void subtractRows(double factor, const MV& nu) {
@@ -121,7 +120,7 @@ class NearestFeasible {
       return true;
     const Teuchos::RCP<MV> before = MVT::CloneCopy(*v_);
     const double height = height_, last = value();
-    BT::project(*x_, lower_, upper_);
+    BT::project(*x_, feasible_);
     findResidual();
     const Teuchos::RCP<MV> downwards = rows_.makeVector();
     MVT::Assign(*residual_, *downwards);
@@ -193,7 +192,7 @@ class NearestFeasible {
   // φ.
   double value() {
     MVT::Assign(*v_, *work_);
-    BT::project(*work_, lower_, upper_);
+    BT::project(*work_, feasible_);
     MVT::MvAddMv(1.0, *v_, -1.0, *work_, *work_);
     return 0.5 * (dot<Scalar>(*v_, *v_) - dot<Scalar>(*work_, *work_)) + height_;
   }
@@ -202,12 +201,10 @@ class NearestFeasible {
   long long updateSet(LocalActiveSet& set) {
     moveToFace(set);
     MVT::MvAddMv(1.0, *x_, -1.0, *v_, *work_);
-    return BT::updateActiveSet(*x_, *work_, lower_, upper_, touching * norm<Scalar>(*x_), noise_, set)
-        .changed;
+    return BT::updateActiveSet(*x_, *work_, feasible_, touching * norm<Scalar>(*x_), noise_, set).changed;
   }
 
-  const MV* lower_;
-  const MV* upper_;
+  FeasibleSet<MV> feasible_;
   const EqualityRows<Scalar, MV, OP>& rows_;
   Teuchos::RCP<MV> x_, v_, work_;
   Teuchos::RCP<MV> residual_, direction_; // of the rows

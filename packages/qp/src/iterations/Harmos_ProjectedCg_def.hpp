@@ -61,7 +61,7 @@ bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active) {
   if (hasFace_) {
     if (gradient_.is_null())
       gradient_ = MVT::Clone(x, 1);
-    BT::moveToBounds(x, problem_.lowerBound().get(), problem_.upperBound().get(), active_);
+    BT::moveToBounds(x, problem_.feasibleSet(), active_);
   }
   if (rows_.isPresent()) {
     makeFaceGram();
@@ -115,8 +115,7 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
     if (archive.isReading()) {
       BT::vectorToActive(*active, active_);
       // Bounds that another number of ranks has rounded differently.
-      BT::moveToBounds(*problem_.solution(), problem_.lowerBound().get(), problem_.upperBound().get(),
-                       active_);
+      BT::moveToBounds(*problem_.solution(), problem_.feasibleSet(), active_);
     }
   }
   if (rows_.isPresent())

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_FeasibleSet.hpp"
+
 #include <limits>
 #include <string>
 #include <vector>
 
 namespace Harmos::qp {
 
-/// Which entries lie at a bound on this rank: −1 lower, +1 upper, 0 free. Kept between two splittings, so
-/// that changes of the face can be counted.
+/// Which entries lie at a bound on this rank: −1 lower, +1 upper, 2 on the rim of a disc, 0 free. Kept
+/// between two splittings, so that changes of the face can be counted.
 using LocalActiveSet = std::vector<signed char>;
 
 /// What one pass over an iterate and its gradient yields; global, the same on all ranks.
@@ -57,14 +59,14 @@ struct ActiveSetChange {
   double signature[2] = {0.0, 0.0}; ///< the same for the same set; differs with all but certainty else
 };
 
-/// Infimum of wᵀx over the box.
+/// Infimum of wᵀx over the feasible set.
 struct BoxInfimum {
   double value = 0.0;     ///< over entries whose bound is there
   double openNorm = 0.0;  ///< ‖w‖ over entries without the bound that w pushes against
   double boundNorm = 0.0; ///< ‖x‖ of the corner where the value is attained
 };
 
-/// A pair l_i > u_i, or a bound that is no number.
+/// A pair l_i > u_i, or a bound that is no number; of a disc, ∓ its radius where that is negative.
 struct BoundFault {
   bool found = false;
   long long entry = -1; ///< global index, if the vector type has one
@@ -72,15 +74,17 @@ struct BoundFault {
   double upper = 0.0;
 };
 
-/// What Belos::MultiVecTraits lacks for bounds; to be specialised for each vector type.
+/// What Belos::MultiVecTraits lacks for bounds and discs; to be specialised for each vector type.
 ///
-/// A null bound is an absent one; entries of ∓∞ are absent bounds too. Vectors have one column. The
-/// definitions, for l ≤ x ≤ u and the gradient g (Dostál, Optimal Quadratic Programming Algorithms, 2009,
-/// section 5.1):
+/// Vectors have one column. The definitions, for l ≤ x ≤ u and the gradient g (Dostál, Optimal Quadratic
+/// Programming Algorithms, 2009, section 5.1):
 ///  - free gradient φ_i = g_i where l_i < x_i < u_i, else 0;
 ///  - chopped gradient β_i = min(g_i, 0) where x_i = l_i, max(g_i, 0) where x_i = u_i, else 0;
 ///  - projected gradient g^P = φ + β;
 ///  - reduced free gradient φ̃_i = min((x_i − l_i)/ᾱ, φ_i) for φ_i > 0, max((x_i − u_i)/ᾱ, φ_i) for φ_i < 0.
+///
+/// In a disc, with n = (x − c)/|x − c| (Dostál, Kozubek, Math. Program. 135, 2012): φ = g inside, 0 on the
+/// rim; β = 0 inside, on the rim g where nᵀg ≥ 0, else g − (nᵀg)n; φ̃ = (x − Π(x − ᾱφ))/ᾱ.
 ///
 /// A step of MPRGP is curvature() after the product with H, and advance(): one pass over the vectors and one
 /// reduction apart from the product and its pᵀHp. All functions are collective over the vectors'
@@ -91,7 +95,7 @@ struct BoundFault {
 template<class Scalar, class MV>
 struct BoundTraits {
   /// Splits the gradient at x. The direction, where not null, becomes φ, and its longest step is found.
-  static SplitSums split(const MV& x, const MV& gradient, const MV* lower, const MV* upper, double stepLength,
+  static SplitSums split(const MV& x, const MV& gradient, const FeasibleSet<MV>& feasible, double stepLength,
                          MV* direction, LocalActiveSet& active);
 
   /// All sums that a step along p needs. @param active of the iterate the gradient belongs to; empty: all
@@ -106,53 +110,55 @@ struct BoundTraits {
   /// one pass. `next` may be the direction itself. With toBoundary, entries that reach a bound are put
   /// exactly onto it; without, rounding may not carry them beyond it.
   static SplitSums advance(MV& x, MV& gradient, const MV& direction, const MV& image, double step,
-                           double beta, bool toBoundary, const MV* lower, const MV* upper, double stepLength,
+                           double beta, bool toBoundary, const FeasibleSet<MV>& feasible, double stepLength,
                            MV& next, LocalActiveSet& active);
 
   /// p ← z − βp; the longest step of the new p.
-  static double conjugate(const MV& x, const MV& z, double beta, const MV* lower, const MV* upper,
+  static double conjugate(const MV& x, const MV& z, double beta, const FeasibleSet<MV>& feasible,
                           MV& direction);
 
-  /// p ← the chopped gradient; the longest step along it.
-  static double choppedDirection(const MV& x, const MV& gradient, const MV* lower, const MV* upper,
+  /// p ← the chopped gradient; the longest step along it, which is zero where it leads along a rim.
+  static double choppedDirection(const MV& x, const MV& gradient, const FeasibleSet<MV>& feasible,
                                  MV& direction);
 
   /// x_old ← x, x ← Π(x − αp). Local.
-  static void projectedStep(MV& x, MV& xOld, const MV& direction, double step, const MV* lower,
-                            const MV* upper);
+  static void projectedStep(MV& x, MV& xOld, const MV& direction, double step,
+                            const FeasibleSet<MV>& feasible);
 
   static ChangeSums change(const MV& x, const MV& xOld, const MV& gradient, const MV& gradientOld);
 
   /// ‖g^P‖.
-  static double projectedGradientNorm(const MV& x, const MV& gradient, const MV* lower, const MV* upper);
+  static double projectedGradientNorm(const MV& x, const MV& gradient, const FeasibleSet<MV>& feasible);
 
   /// x ← Π(x), the projection onto the bounds. Local.
-  static void project(MV& x, const MV* lower, const MV* upper);
+  static void project(MV& x, const FeasibleSet<MV>& feasible);
 
   /// v_i ← 0 where the entry is active. Local.
   static void maskActive(MV& v, const LocalActiveSet& active);
 
-  /// v_i ← −1, 0 or 1, and back: an active set as a vector. An empty set comes back as one without active
+  /// v_i ← −1, 0, 1 or 2, and back: an active set as a vector. An empty set comes back as one without active
   /// entries. Local.
   static void activeToVector(const LocalActiveSet& active, MV& v);
   static void vectorToActive(const MV& v, LocalActiveSet& active);
 
-  /// x_i ← its bound where the entry is active. Local.
-  static void moveToBounds(MV& x, const MV* lower, const MV* upper, const LocalActiveSet& active);
+  /// x_i ← its bound where the entry is active, to the rim along its radius. Local.
+  static void moveToBounds(MV& x, const FeasibleSet<MV>& feasible, const LocalActiveSet& active);
 
   /// The update of a primal-dual active set method: an active entry is freed where its multiplier has the
   /// wrong sign by more than gradientNoise, a free one becomes active where it violates its bound by more
-  /// than xNoise. Entries with l = u stay active. @param set to be updated; sized here if empty.
-  static ActiveSetChange updateActiveSet(const MV& x, const MV& gradient, const MV* lower, const MV* upper,
+  /// than xNoise. Entries with l = u stay active. Of discs nothing is known here. @param set to be updated;
+  /// sized here if empty.
+  static ActiveSetChange updateActiveSet(const MV& x, const MV& gradient, const FeasibleSet<MV>& feasible,
                                          double xNoise, double gradientNoise, LocalActiveSet& set);
 
-  static BoxInfimum boxInfimum(const MV& w, const MV* lower, const MV* upper);
+  static BoxInfimum boxInfimum(const MV& w, const FeasibleSet<MV>& feasible);
 
-  /// d ← its projection onto the recession cone of the box: d_i ≥ 0 where there is a lower bound, d_i ≤ 0
-  /// where there is an upper one; returns the norm of what was taken away.
-  static double projectOntoRecessionCone(MV& d, const MV* lower, const MV* upper);
+  /// d ← its projection onto the recession cone: d_i ≥ 0 where there is a lower bound, d_i ≤ 0 where there is
+  /// an upper one, d_i = 0 in discs; returns the norm of what was taken away.
+  static double projectOntoRecessionCone(MV& d, const FeasibleSet<MV>& feasible);
 
-  static BoundFault findBoundFault(const MV* lower, const MV* upper);
+  /// @param like any vector of the set.
+  static BoundFault findBoundFault(const MV& like, const FeasibleSet<MV>& feasible);
 
   /// Pseudo-random entries in (−1, 1) that depend on the global index alone, not on the distribution. Local.
   static void setRandom(MV& x);

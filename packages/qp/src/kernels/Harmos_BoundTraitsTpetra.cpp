@@ -2,6 +2,7 @@
 #include "Harmos_BoundTraitsTpetra.hpp"
 
 #include "Harmos_BoundKernels.hpp"
+#include "Harmos_DiscKernels.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
 
@@ -54,13 +55,44 @@ class BoundReader {
   double absent_;
 };
 
+using Set = FeasibleSet<MultiVector>;
+
 class BoxReader {
  public:
-  BoxReader(const MultiVector* lower, const MultiVector* upper, const MultiVector& instead)
-      : l(lower, instead, -infinity), u(upper, instead, infinity) {}
-  operator Kernels::Bounds() const { return {l.data(), u.data()}; }
+  BoxReader(const Set& set, const MultiVector& instead)
+      : l(set.lower, instead, -infinity), u(set.upper, instead, infinity) {}
+  // From an entry on.
+  Kernels::Bounds at(std::size_t begin) const {
+    return {l.data() == nullptr ? nullptr : l.data() + begin,
+            u.data() == nullptr ? nullptr : u.data() + begin};
+  }
   BoundReader l, u;
 };
+
+// The entries in no disc, in ranges: pass(begin, length).
+template<class Pass>
+void overOthers(const Set& set, std::size_t n, Pass&& pass) {
+  if (!set.hasDiscs())
+    return pass(std::size_t{0}, n);
+  HARMOS_REQUIRE(set.discs->length() == n, "discs are those of another vector");
+  for (const auto& [begin, end] : set.discs->others())
+    pass(begin, end - begin);
+}
+
+const std::vector<Disc>& discsOf(const Set& set) {
+  static const std::vector<Disc> none;
+  return set.hasDiscs() ? set.discs->discs() : none;
+}
+
+void add(const SplitSums& part, SplitSums& sums) {
+  sums.freeNorm2 += part.freeNorm2;
+  sums.choppedNorm2 += part.choppedNorm2;
+  sums.reducedNorm2 += part.reducedNorm2;
+  sums.xNorm2 += part.xNorm2;
+  sums.active += part.active;
+  sums.changed += part.changed;
+  sums.longestStep = std::min(sums.longestStep, part.longestStep);
+}
 
 // Replicated vectors have all entries on every rank: nothing is to be summed.
 void reduce(const MultiVector& x, double* sums, int count) {
@@ -112,18 +144,23 @@ std::uint64_t globalIndex(const MultiVector& x, std::size_t i) {
 
 } // namespace
 
-SplitSums Traits::split(const MultiVector& x, const MultiVector& gradient, const MultiVector* lower,
-                        const MultiVector* upper, double stepLength, MultiVector* direction,
+SplitSums Traits::split(const MultiVector& x, const MultiVector& gradient,
+                        const FeasibleSet<MultiVector>& feasible, double stepLength, MultiVector* direction,
                         LocalActiveSet& active) {
   SplitSums local;
   {
     const Reader xs(x), gs(gradient);
-    const BoxReader box(lower, upper, x);
+    const BoxReader box(feasible, x);
     const bool fresh = active.size() != xs.size();
     if (fresh)
       active.assign(xs.size(), 0);
     const auto pass = [&](double* p) {
-      local = Kernels::split(xs.size(), xs.data(), gs.data(), box, stepLength, p, active.data(), fresh);
+      overOthers(feasible, xs.size(), [&](std::size_t k, std::size_t n) {
+        add(Kernels::split(n, xs.data() + k, gs.data() + k, box.at(k), stepLength,
+                           p == nullptr ? nullptr : p + k, active.data() + k, fresh),
+            local);
+      });
+      Kernels::split(discsOf(feasible), xs.data(), gs.data(), stepLength, p, active.data(), fresh, local);
     };
     if (direction != nullptr)
       pass(Writer(*direction).data());
@@ -155,17 +192,22 @@ CurvatureSums Traits::curvature(const MultiVector& gradient, const MultiVector& 
 
 SplitSums Traits::advance(MultiVector& x, MultiVector& gradient, const MultiVector& direction,
                           const MultiVector& image, double step, double beta, bool toBoundary,
-                          const MultiVector* lower, const MultiVector* upper, double stepLength,
-                          MultiVector& next, LocalActiveSet& active) {
+                          const FeasibleSet<MultiVector>& feasible, double stepLength, MultiVector& next,
+                          LocalActiveSet& active) {
   SplitSums local;
   {
     const Writer xs(x), gs(gradient), ns(next);
     // The direction may be `next` itself, which is viewed for writing.
     const Reader hs(image);
-    const BoxReader box(lower, upper, image);
+    const BoxReader box(feasible, image);
     const auto pass = [&](const double* p) {
-      local = Kernels::advance(xs.size(), xs.data(), gs.data(), p, hs.data(), step, beta, toBoundary, box,
-                               stepLength, ns.data(), active.data());
+      overOthers(feasible, xs.size(), [&](std::size_t k, std::size_t n) {
+        add(Kernels::advance(n, xs.data() + k, gs.data() + k, p + k, hs.data() + k, step, beta, toBoundary,
+                             box.at(k), stepLength, ns.data() + k, active.data() + k),
+            local);
+      });
+      Kernels::advance(discsOf(feasible), xs.data(), gs.data(), p, hs.data(), step, beta, stepLength,
+                       ns.data(), active.data(), local);
     };
     if (&direction == &next)
       pass(ns.data());
@@ -175,29 +217,41 @@ SplitSums Traits::advance(MultiVector& x, MultiVector& gradient, const MultiVect
   return reduced(x, local);
 }
 
-double Traits::conjugate(const MultiVector& x, const MultiVector& z, double beta, const MultiVector* lower,
-                         const MultiVector* upper, MultiVector& direction) {
+double Traits::conjugate(const MultiVector& x, const MultiVector& z, double beta,
+                         const FeasibleSet<MultiVector>& feasible, MultiVector& direction) {
   const Reader xs(x), zs(z);
-  const BoxReader box(lower, upper, x);
-  const double local =
-      Kernels::conjugate(xs.size(), xs.data(), zs.data(), beta, box, Writer(direction).data());
+  const BoxReader box(feasible, x);
+  const Writer ps(direction);
+  double local = Kernels::conjugate(discsOf(feasible), xs.data(), zs.data(), beta, ps.data());
+  overOthers(feasible, xs.size(), [&](std::size_t k, std::size_t n) {
+    local =
+        std::min(local, Kernels::conjugate(n, xs.data() + k, zs.data() + k, beta, box.at(k), ps.data() + k));
+  });
   return least(x, local);
 }
 
-double Traits::choppedDirection(const MultiVector& x, const MultiVector& gradient, const MultiVector* lower,
-                                const MultiVector* upper, MultiVector& direction) {
+double Traits::choppedDirection(const MultiVector& x, const MultiVector& gradient,
+                                const FeasibleSet<MultiVector>& feasible, MultiVector& direction) {
   const Reader xs(x), gs(gradient);
-  const BoxReader box(lower, upper, x);
-  const double local =
-      Kernels::choppedDirection(xs.size(), xs.data(), gs.data(), box, Writer(direction).data());
+  const BoxReader box(feasible, x);
+  const Writer ps(direction);
+  double local = Kernels::choppedDirection(discsOf(feasible), xs.data(), gs.data(), ps.data());
+  overOthers(feasible, xs.size(), [&](std::size_t k, std::size_t n) {
+    local =
+        std::min(local, Kernels::choppedDirection(n, xs.data() + k, gs.data() + k, box.at(k), ps.data() + k));
+  });
   return least(x, local);
 }
 
 void Traits::projectedStep(MultiVector& x, MultiVector& xOld, const MultiVector& direction, double step,
-                           const MultiVector* lower, const MultiVector* upper) {
+                           const FeasibleSet<MultiVector>& feasible) {
   const Reader ps(direction);
-  const BoxReader box(lower, upper, direction);
-  Kernels::projectedStep(ps.size(), Writer(x).data(), Writer(xOld).data(), ps.data(), step, box);
+  const BoxReader box(feasible, direction);
+  const Writer xs(x), os(xOld);
+  overOthers(feasible, ps.size(), [&](std::size_t k, std::size_t n) {
+    Kernels::projectedStep(n, xs.data() + k, os.data() + k, ps.data() + k, step, box.at(k));
+  });
+  Kernels::projectedStep(discsOf(feasible), xs.data(), os.data(), ps.data(), step);
 }
 
 ChangeSums Traits::change(const MultiVector& x, const MultiVector& xOld, const MultiVector& gradient,
@@ -210,18 +264,23 @@ ChangeSums Traits::change(const MultiVector& x, const MultiVector& xOld, const M
 }
 
 double Traits::projectedGradientNorm(const MultiVector& x, const MultiVector& gradient,
-                                     const MultiVector* lower, const MultiVector* upper) {
+                                     const FeasibleSet<MultiVector>& feasible) {
   LocalActiveSet active;
-  return std::sqrt(split(x, gradient, lower, upper, 1.0, nullptr, active).projectedNorm2());
+  return std::sqrt(split(x, gradient, feasible, 1.0, nullptr, active).projectedNorm2());
 }
 
-void Traits::project(MultiVector& x, const MultiVector* lower, const MultiVector* upper) {
-  if (lower == nullptr && upper == nullptr)
+void Traits::project(MultiVector& x, const FeasibleSet<MultiVector>& feasible) {
+  if (feasible.isEverything())
     return;
   const Writer xs(x);
-  const BoxReader box(lower, upper, lower != nullptr ? *lower : *upper);
-  for (std::size_t i = 0; i < xs.size(); ++i)
-    xs[i] = std::max(box.l[i], std::min(box.u[i], xs[i]));
+  if (const MultiVector* bound = feasible.anyBound()) {
+    const BoxReader box(feasible, *bound);
+    overOthers(feasible, xs.size(), [&](std::size_t k, std::size_t n) {
+      for (std::size_t i = k; i < k + n; ++i)
+        xs[i] = std::max(box.l[i], std::min(box.u[i], xs[i]));
+    });
+  }
+  Kernels::project(discsOf(feasible), xs.data());
 }
 
 void Traits::maskActive(MultiVector& v, const LocalActiveSet& active) {
@@ -245,27 +304,30 @@ void Traits::vectorToActive(const MultiVector& v, LocalActiveSet& active) {
     active[i] = static_cast<signed char>(vs[i]);
 }
 
-void Traits::moveToBounds(MultiVector& x, const MultiVector* lower, const MultiVector* upper,
+void Traits::moveToBounds(MultiVector& x, const FeasibleSet<MultiVector>& feasible,
                           const LocalActiveSet& active) {
-  if (lower == nullptr && upper == nullptr)
+  if (feasible.isEverything() || active.empty())
     return;
   const Writer xs(x);
-  const BoxReader box(lower, upper, lower != nullptr ? *lower : *upper);
-  for (std::size_t i = 0; i < active.size(); ++i)
-    if (active[i] != 0)
-      xs[i] = active[i] < 0 ? box.l[i] : box.u[i];
+  if (const MultiVector* bound = feasible.anyBound()) {
+    const BoxReader box(feasible, *bound);
+    for (std::size_t i = 0; i < active.size(); ++i)
+      if (active[i] == -1 || active[i] == 1)
+        xs[i] = active[i] < 0 ? box.l[i] : box.u[i];
+  }
+  Kernels::moveToRims(discsOf(feasible), active.data(), xs.data());
 }
 
 ActiveSetChange Traits::updateActiveSet(const MultiVector& x, const MultiVector& gradient,
-                                        const MultiVector* lower, const MultiVector* upper, double xNoise,
+                                        const FeasibleSet<MultiVector>& feasible, double xNoise,
                                         double gradientNoise, LocalActiveSet& set) {
   double sums[6] = {0, 0, 0, 0, 0, 0};
   {
     const Reader xs(x), gs(gradient);
-    const BoxReader box(lower, upper, x);
+    const BoxReader box(feasible, x);
     if (set.size() != xs.size())
       set.assign(xs.size(), 0);
-    for (std::size_t i = 0; i < set.size(); ++i) {
+    const auto update = [&](std::size_t i) {
       const double l = box.l[i], u = box.u[i];
       signed char state = set[i];
       if (l == u)
@@ -294,68 +356,92 @@ ActiveSetChange Traits::updateActiveSet(const MultiVector& x, const MultiVector&
         sums[4] += static_cast<double>(bits >> 32);
         sums[5] += static_cast<double>(bits & 0xffffffffULL);
       }
-    }
+    };
+    overOthers(feasible, set.size(), [&](std::size_t k, std::size_t n) {
+      for (std::size_t i = k; i < k + n; ++i)
+        update(i);
+    });
   }
   reduce(x, sums, 6);
   return {
       static_cast<long long>(sums[0]), static_cast<long long>(sums[1]), sums[2], sums[3], {sums[4], sums[5]}};
 }
 
-BoxInfimum Traits::boxInfimum(const MultiVector& w, const MultiVector* lower, const MultiVector* upper) {
+BoxInfimum Traits::boxInfimum(const MultiVector& w, const FeasibleSet<MultiVector>& feasible) {
   const Reader ws(w);
-  const BoxReader box(lower, upper, w);
+  const BoxReader box(feasible, w);
   double sums[3] = {0, 0, 0};
-  for (std::size_t i = 0; i < ws.size(); ++i) {
-    if (ws[i] == 0.0)
-      continue;
-    const double corner = ws[i] > 0.0 ? box.l[i] : box.u[i];
-    if (std::isinf(corner)) {
-      sums[1] += ws[i] * ws[i];
-    } else {
-      sums[0] += ws[i] * corner;
-      sums[2] += corner * corner;
+  overOthers(feasible, ws.size(), [&](std::size_t k, std::size_t n) {
+    for (std::size_t i = k; i < k + n; ++i) {
+      if (ws[i] == 0.0)
+        continue;
+      const double corner = ws[i] > 0.0 ? box.l[i] : box.u[i];
+      if (std::isinf(corner)) {
+        sums[1] += ws[i] * ws[i];
+      } else {
+        sums[0] += ws[i] * corner;
+        sums[2] += corner * corner;
+      }
     }
-  }
+  });
+  Kernels::addInfimum(discsOf(feasible), ws.data(), sums[0], sums[2]);
   reduce(w, sums, 3);
   return {sums[0], std::sqrt(sums[1]), std::sqrt(sums[2])};
 }
 
-double Traits::projectOntoRecessionCone(MultiVector& d, const MultiVector* lower, const MultiVector* upper) {
+double Traits::projectOntoRecessionCone(MultiVector& d, const FeasibleSet<MultiVector>& feasible) {
   double removed = 0.0;
-  if (lower != nullptr || upper != nullptr) {
+  if (const MultiVector* bound = feasible.anyBound()) {
     const Writer ds(d);
-    const BoxReader box(lower, upper, lower != nullptr ? *lower : *upper);
-    for (std::size_t i = 0; i < ds.size(); ++i) {
-      double& entry = ds[i];
-      if ((entry < 0.0 && box.l[i] > -infinity) || (entry > 0.0 && box.u[i] < infinity)) {
-        removed += entry * entry;
-        entry = 0.0;
+    const BoxReader box(feasible, *bound);
+    overOthers(feasible, ds.size(), [&](std::size_t k, std::size_t n) {
+      for (std::size_t i = k; i < k + n; ++i) {
+        double& entry = ds[i];
+        if ((entry < 0.0 && box.l[i] > -infinity) || (entry > 0.0 && box.u[i] < infinity)) {
+          removed += entry * entry;
+          entry = 0.0;
+        }
       }
-    }
+    });
   }
+  if (feasible.hasDiscs())
+    removed += Kernels::clear(discsOf(feasible), Writer(d).data());
   reduce(d, &removed, 1);
   return std::sqrt(removed);
 }
 
-BoundFault Traits::findBoundFault(const MultiVector* lower, const MultiVector* upper) {
-  const MultiVector* any = lower != nullptr ? lower : upper;
+BoundFault Traits::findBoundFault(const MultiVector& like, const FeasibleSet<MultiVector>& feasible) {
   BoundFault fault;
-  if (any == nullptr)
+  if (feasible.isEverything())
     return fault;
-  const BoxReader box(lower, upper, *any);
+  const BoxReader box(feasible, like);
   const double none = infinity;
   double first = none, l = 0.0, u = 0.0;
-  for (std::size_t i = 0; i < any->getLocalLength() && first == none; ++i)
-    if (!(box.l[i] <= box.u[i]) || box.l[i] == infinity || box.u[i] == -infinity) {
-      first = static_cast<double>(globalIndex(*any, i));
-      l = box.l[i];
-      u = box.u[i];
-    }
-  const double found = least(*any, first);
+  const auto report = [&](std::size_t i, double lower, double upper) {
+    const auto entry = static_cast<double>(globalIndex(like, i));
+    if (entry >= first)
+      return;
+    first = entry;
+    l = lower;
+    u = upper;
+  };
+  overOthers(feasible, like.getLocalLength(), [&](std::size_t k, std::size_t n) {
+    for (std::size_t i = k; i < k + n; ++i)
+      if (!(box.l[i] <= box.u[i]) || box.l[i] == infinity || box.u[i] == -infinity)
+        return report(i, box.l[i], box.u[i]);
+  });
+  for (const Disc& disc : discsOf(feasible)) {
+    const bool isFinite =
+        std::isfinite(disc.radius) && std::isfinite(disc.centre[0]) && std::isfinite(disc.centre[1]);
+    if (!isFinite || disc.radius < 0.0)
+      report(static_cast<std::size_t>(std::min(disc.first, disc.second)),
+             isFinite ? -disc.radius : std::numeric_limits<double>::quiet_NaN(), disc.radius);
+  }
+  const double found = least(like, first);
   if (found == none)
     return fault;
   double values[] = {first == found ? l : 0.0, first == found ? u : 0.0};
-  reduce(*any, values, 2);
+  reduce(like, values, 2);
   return {true, static_cast<long long>(found), values[0], values[1]};
 }
 

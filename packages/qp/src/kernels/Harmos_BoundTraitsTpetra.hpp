@@ -9,8 +9,8 @@ namespace Harmos::qp {
 /// Bounds on Tpetra vectors, on the host.
 template<>
 struct BoundTraits<Scalar, MultiVector> {
-  static SplitSums split(const MultiVector& x, const MultiVector& gradient, const MultiVector* lower,
-                         const MultiVector* upper, double stepLength, MultiVector* direction,
+  static SplitSums split(const MultiVector& x, const MultiVector& gradient,
+                         const FeasibleSet<MultiVector>& feasible, double stepLength, MultiVector* direction,
                          LocalActiveSet& active);
   static CurvatureSums curvature(const MultiVector& gradient, const MultiVector& direction,
                                  const MultiVector& image, const LocalActiveSet& active);
@@ -18,30 +18,30 @@ struct BoundTraits<Scalar, MultiVector> {
                                    const MultiVector& x);
   static SplitSums advance(MultiVector& x, MultiVector& gradient, const MultiVector& direction,
                            const MultiVector& image, double step, double beta, bool toBoundary,
-                           const MultiVector* lower, const MultiVector* upper, double stepLength,
-                           MultiVector& next, LocalActiveSet& active);
-  static double conjugate(const MultiVector& x, const MultiVector& z, double beta, const MultiVector* lower,
-                          const MultiVector* upper, MultiVector& direction);
-  static double choppedDirection(const MultiVector& x, const MultiVector& gradient, const MultiVector* lower,
-                                 const MultiVector* upper, MultiVector& direction);
+                           const FeasibleSet<MultiVector>& feasible, double stepLength, MultiVector& next,
+                           LocalActiveSet& active);
+  static double conjugate(const MultiVector& x, const MultiVector& z, double beta,
+                          const FeasibleSet<MultiVector>& feasible, MultiVector& direction);
+  static double choppedDirection(const MultiVector& x, const MultiVector& gradient,
+                                 const FeasibleSet<MultiVector>& feasible, MultiVector& direction);
   static void projectedStep(MultiVector& x, MultiVector& xOld, const MultiVector& direction, double step,
-                            const MultiVector* lower, const MultiVector* upper);
+                            const FeasibleSet<MultiVector>& feasible);
   static ChangeSums change(const MultiVector& x, const MultiVector& xOld, const MultiVector& gradient,
                            const MultiVector& gradientOld);
   static double projectedGradientNorm(const MultiVector& x, const MultiVector& gradient,
-                                      const MultiVector* lower, const MultiVector* upper);
-  static void project(MultiVector& x, const MultiVector* lower, const MultiVector* upper);
+                                      const FeasibleSet<MultiVector>& feasible);
+  static void project(MultiVector& x, const FeasibleSet<MultiVector>& feasible);
   static void maskActive(MultiVector& v, const LocalActiveSet& active);
   static void activeToVector(const LocalActiveSet& active, MultiVector& v);
   static void vectorToActive(const MultiVector& v, LocalActiveSet& active);
-  static void moveToBounds(MultiVector& x, const MultiVector* lower, const MultiVector* upper,
+  static void moveToBounds(MultiVector& x, const FeasibleSet<MultiVector>& feasible,
                            const LocalActiveSet& active);
   static ActiveSetChange updateActiveSet(const MultiVector& x, const MultiVector& gradient,
-                                         const MultiVector* lower, const MultiVector* upper, double xNoise,
+                                         const FeasibleSet<MultiVector>& feasible, double xNoise,
                                          double gradientNoise, LocalActiveSet& set);
-  static BoxInfimum boxInfimum(const MultiVector& w, const MultiVector* lower, const MultiVector* upper);
-  static double projectOntoRecessionCone(MultiVector& d, const MultiVector* lower, const MultiVector* upper);
-  static BoundFault findBoundFault(const MultiVector* lower, const MultiVector* upper);
+  static BoxInfimum boxInfimum(const MultiVector& w, const FeasibleSet<MultiVector>& feasible);
+  static double projectOntoRecessionCone(MultiVector& d, const FeasibleSet<MultiVector>& feasible);
+  static BoundFault findBoundFault(const MultiVector& like, const FeasibleSet<MultiVector>& feasible);
   static void setRandom(MultiVector& x);
   static std::vector<double> gather(const MultiVector& v);
   static void scatter(const std::vector<double>& values, MultiVector& v);

@@ -7,6 +7,7 @@
 
 #include <Teuchos_RCP.hpp>
 
+#include <memory>
 #include <string>
 
 namespace Harmos::qp {
@@ -23,10 +24,11 @@ enum class EqualityStructure {
 
 /// The quadratic program
 ///
-///     min ½ xᵀAx − bᵀx   subject to   l ≤ x ≤ u,  Cx = c,
+///     min ½ xᵀAx − bᵀx   subject to   l ≤ x ≤ u,  |(x_i, x_j) − m| ≤ r,  Cx = c,
 ///
-/// A symmetric positive semidefinite. Mirrors Belos::LinearProblem: every setter takes the "set" mark away,
-/// setProblem() checks and gives it, and no solver accepts a problem without it.
+/// A symmetric positive semidefinite, (i, j) pairs of entries without bounds. Mirrors Belos::LinearProblem:
+/// every setter takes the "set" mark away, setProblem() checks and gives it, and no solver accepts a problem
+/// without it.
 ///
 /// Operators are applied through Belos::OperatorTraits, C also transposed. The multiplier vector lives in the
 /// range of C, which may be a locally replicated map. Nothing is copied: the solution vector is the initial
@@ -46,6 +48,8 @@ class Problem {
   void setLowerBound(Teuchos::RCP<const MV> lower);
   /// Null: no upper bound.
   void setUpperBound(Teuchos::RCP<const MV> upper);
+  /// Pairs of entries that stay in discs. Null on all ranks: none; else given on all, if empty.
+  void setDiscs(std::shared_ptr<const LocalDiscs> discs);
   /// @param multiplier μ in the range of C: initial value before, answer after solve().
   void setEquality(Teuchos::RCP<const OP> rows, Teuchos::RCP<const MV> values, Teuchos::RCP<MV> multiplier,
                    EqualityStructure structure = EqualityStructure::General);
@@ -92,7 +96,11 @@ class Problem {
   double hessianNorm() const { return hessianNorm_; }
   const std::string& label() const { return label_; }
 
-  bool hasBounds() const { return !lower_.is_null() || !upper_.is_null(); }
+  /// To be used while this lives and is not changed.
+  FeasibleSet<MV> feasibleSet() const { return {lower_.get(), upper_.get(), discs_.get()}; }
+  bool hasDiscs() const { return discs_ != nullptr; }
+  /// Or discs.
+  bool hasBounds() const { return !feasibleSet().isEverything(); }
   bool hasEqualities() const { return !equality_.is_null(); }
 
  private:
@@ -104,6 +112,7 @@ class Problem {
   Teuchos::RCP<MV> solution_;
   Teuchos::RCP<const MV> lower_;
   Teuchos::RCP<const MV> upper_;
+  std::shared_ptr<const LocalDiscs> discs_;
   Teuchos::RCP<const OP> equality_;
   Teuchos::RCP<const MV> equalityValues_;
   Teuchos::RCP<MV> multiplier_;

@@ -45,6 +45,12 @@ void Problem<Scalar, MV, OP>::setUpperBound(Teuchos::RCP<const MV> upper) {
 }
 
 template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::setDiscs(std::shared_ptr<const LocalDiscs> discs) {
+  discs_ = std::move(discs);
+  refuse("setProblem() was not called after setDiscs()");
+}
+
+template<class Scalar, class MV, class OP>
 void Problem<Scalar, MV, OP>::setEquality(Teuchos::RCP<const OP> rows, Teuchos::RCP<const MV> values,
                                           Teuchos::RCP<MV> multiplier, EqualityStructure structure) {
   equality_ = rows;
@@ -98,10 +104,12 @@ bool Problem<Scalar, MV, OP>::setProblem() {
   for (const Teuchos::RCP<const MV>& bound : {lower_, upper_})
     if (!bound.is_null() && MVT::GetGlobalLength(*bound) != length)
       return refuse("a bound and the solution differ in length");
-  const BoundFault fault = BoundTraits<Scalar, MV>::findBoundFault(lower_.get(), upper_.get());
+  const BoundFault fault = BoundTraits<Scalar, MV>::findBoundFault(*solution_, feasibleSet());
   if (fault.found && !(fault.lower > fault.upper))
-    return refuse("the bounds of entry " + std::to_string(fault.entry) +
-                  " are not numbers, or a lower one is +infinity or an upper one -infinity");
+    return refuse(
+        "the bounds of entry " + std::to_string(fault.entry) +
+        " are not numbers, or a lower one is +infinity or an upper one -infinity; or it is in a disc "
+        "whose centre or radius is not a finite number");
   if (!nullSpace_.is_null() && MVT::GetGlobalLength(*nullSpace_) != length)
     return refuse("the null space and the solution differ in length");
   if (!equality_.is_null() && (equalityValues_.is_null() || multiplier_.is_null()))

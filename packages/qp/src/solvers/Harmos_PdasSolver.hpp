@@ -126,8 +126,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   const Problem<Scalar, MV, OP>& problem_;
   Counters& counters_;
   MV& x_;
-  const MV* lower_;
-  const MV* upper_;
+  FeasibleSet<MV> feasible_;
 
   static constexpr double carefulReduction = 0.05; // below, faces are followed no further
   double innerReduction_;

@@ -79,6 +79,8 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
   }
   if (this->resumesDelegate())
     return fallBack("in the run before this one");
+  if (this->problem_->hasDiscs())
+    return fallBack("its sets know of no discs");
   const Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = this->makeRows();
   if (rows.is_null())
     return;
@@ -95,8 +97,7 @@ PdasSolver<Scalar, MV, OP>::Run::Run(PdasSolver& solver, EqualityRows<Scalar, MV
       problem_(*solver.problem_),
       counters_(solver.result_.counters),
       x_(*problem_.solution()),
-      lower_(problem_.lowerBound().get()),
-      upper_(problem_.upperBound().get()),
+      feasible_(problem_.feasibleSet()),
       y_(MVT::Clone(x_, 1)),
       cg_(problem_, rows, CgOptions::fromList(solver.parameters_->sublist("PCPG")), counters_),
       descent_(problem_, rows, cg_),
@@ -142,7 +143,7 @@ void PdasSolver<Scalar, MV, OP>::Run::go() {
 template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::begin() {
   isCold_ = norm<Scalar>(x_) == 0.0 && (!rows_.isPresent() || norm<Scalar>(*problem_.multiplier()) == 0.0);
-  BT::project(x_, lower_, upper_);
+  BT::project(x_, feasible_);
   best_ = MVT::CloneCopy(x_);
   if (rows_.isPresent()) {
     bestMultiplier_ = rows_.makeVector();
@@ -223,7 +224,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::isAtAllBounds(double scale) {
     const Teuchos::RCP<MV> none = MVT::Clone(x_, 1);
     MVT::MvInit(*none, 0.0);
     LocalActiveSet active;
-    return BT::updateActiveSet(x, *none, lower_, upper_, 0.0, 0.0, active).active;
+    return BT::updateActiveSet(x, *none, feasible_, 0.0, 0.0, active).active;
   };
   constexpr double beyond = 1e100, rounding = 1e-10; // all bounds; of an entry
   const double slack = std::max(std::numeric_limits<double>::min(),
@@ -244,7 +245,7 @@ template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::guess() {
   MVT::MvAddMv(-1.0, *problem_.rhs(), 0.0, *problem_.rhs(), *y_);
   addMultiplier();
-  BT::split(x_, *y_, lower_, upper_, 1.0, nullptr, set_);
+  BT::split(x_, *y_, feasible_, 1.0, nullptr, set_);
   if (isCold_ && firstSet_ != FirstSet::Gradient) {
     FirstActiveSet<Scalar, MV, OP> nearest(problem_, rows_, counters_);
     if (firstSet_ == FirstSet::Nearest || isAtAllBounds(nearest.scale())) {
@@ -255,7 +256,7 @@ void PdasSolver<Scalar, MV, OP>::Run::guess() {
     }
   }
   LocalActiveSet pushed = set_;
-  change_ = BT::updateActiveSet(x_, *y_, lower_, upper_, 0.0, 0.0, pushed);
+  change_ = BT::updateActiveSet(x_, *y_, feasible_, 0.0, 0.0, pushed);
   if (norm<Scalar>(x_) > 0.0)
     started_ = startsWithActive();
   else
@@ -298,7 +299,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::startsWithActive() {
   const double atBounds2 = dot<Scalar>(*y_, *y_) - dot<Scalar>(*free, *free);
   if (change_.wrongSign2 <= 0.1 * atBounds2 && cg_.start(set_)) {
     cg_.lagrangianGradient(*y_);
-    change_ = BT::updateActiveSet(x_, *y_, lower_, upper_,
+    change_ = BT::updateActiveSet(x_, *y_, feasible_,
                                   10.0 * std::numeric_limits<double>::epsilon() * norm<Scalar>(x_),
                                   10.0 * cg_.attainable(), set_);
     return change_.changed == 0;
@@ -308,7 +309,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::startsWithActive() {
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), x_, *y_);
   MVT::MvAddMv(1.0, *y_, -1.0, *problem_.rhs(), *y_);
   addMultiplier();
-  change_ = BT::updateActiveSet(x_, *y_, lower_, upper_, 0.0, 0.0, set_);
+  change_ = BT::updateActiveSet(x_, *y_, feasible_, 0.0, 0.0, set_);
   return false;
 }
 
@@ -417,7 +418,7 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
   const double epsilon = std::numeric_limits<double>::epsilon();
   const double curvature = cg_.curvatureBound();
   before_ = set_;
-  change_ = BT::updateActiveSet(x_, *y_, lower_, upper_, 10.0 * epsilon * norm<Scalar>(x_),
+  change_ = BT::updateActiveSet(x_, *y_, feasible_, 10.0 * epsilon * norm<Scalar>(x_),
                                 10.0 * cg_.attainable(), set_);
   active_ = change_.active;
   // ‖g^P‖ at the projection of x is at most ‖w‖ + ‖multipliers of the wrong sign‖ + ‖A‖‖x − Π(x)‖.
@@ -427,7 +428,7 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
   if (expected_ < progress_.least) {
     progress_.least = expected_;
     MVT::Assign(x_, *best_);
-    BT::project(*best_, lower_, upper_);
+    BT::project(*best_, feasible_);
     if (rows_.isPresent())
       cg_.multiplier(*bestMultiplier_);
     hasBest_ = true;
@@ -533,13 +534,13 @@ template<class Scalar, class MV, class OP>
 IterationState<MV> PdasSolver<Scalar, MV, OP>::Run::measure(int inner, bool feasible) {
   if (feasible && cg_.staleness() > 0) {
     cg_.lagrangianGradient(*y_);
-    const double carried = BT::projectedGradientNorm(x_, *y_, lower_, upper_);
+    const double carried = BT::projectedGradientNorm(x_, *y_, feasible_);
     if (10.0 * cg_.attainable() <= carried) {
       cg_.storeMultiplier();
       return evaluate(carried, inner);
     }
   }
-  BT::project(x_, lower_, upper_);
+  BT::project(x_, feasible_);
   ++counters_.confirmations;
   ++counters_.hessianApplications;
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), x_, *y_);
@@ -550,7 +551,7 @@ IterationState<MV> PdasSolver<Scalar, MV, OP>::Run::measure(int inner, bool feas
     rows_.addTransposed(1.0, *mu, *y_);
   }
   cg_.storeMultiplier();
-  return evaluate(BT::projectedGradientNorm(x_, *y_, lower_, upper_), inner);
+  return evaluate(BT::projectedGradientNorm(x_, *y_, feasible_), inner);
 }
 
 // Another method goes on from the best iterate.

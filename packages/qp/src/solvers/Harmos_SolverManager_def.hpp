@@ -180,7 +180,7 @@ bool SolverManager<Scalar, MV, OP>::isSenseless() {
       return true;
     }
   const BoundFault crossed =
-      BoundTraits<Scalar, MV>::findBoundFault(problem_->lowerBound().get(), problem_->upperBound().get());
+      BoundTraits<Scalar, MV>::findBoundFault(*problem_->solution(), problem_->feasibleSet());
   if (crossed.found && !(crossed.lower > crossed.upper)) {
     stop(Reason::Breakdown, Explanations::notFinite("the bounds"));
     return true;
@@ -246,7 +246,7 @@ bool SolverManager<Scalar, MV, OP>::fallsAlongNullSpace() {
   if (!(length > noise * norm<Scalar>(*problem_->rhs())))
     return false;
   MVT::MvScale(*d, 1.0 / length);
-  if (BT::projectOntoRecessionCone(*d, problem_->lowerBound().get(), problem_->upperBound().get()) > noise)
+  if (BT::projectOntoRecessionCone(*d, problem_->feasibleSet()) > noise)
     return false;
   MVT::MvScale(*d, 1.0 / norm<Scalar>(*d));
 

@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Quadratic programs whose feasible set has discs beside intervals, as friction with a given bound has in
+/// space: solvers against an interior-point method, the proven decrease, certificates, units.
+
+#include "Harmos_InteriorPoint.hpp"
+#include "Harmos_RandomQp.hpp"
+#include "Harmos_TestComm.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace Harmos;
+using namespace Harmos::qp;
+
+namespace {
+
+Teuchos::RCP<Teuchos::ParameterList> parameters(double tolerance) {
+  const auto list = Teuchos::parameterList();
+  list->set("Convergence Tolerance", tolerance);
+  return list;
+}
+
+// How far x is outside.
+double outside(const SmallQp& qp, const std::vector<double>& x) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    most = std::max({most, qp.lower[i] - x[i], x[i] - qp.upper[i]});
+  for (const Disc& disc : qp.discs)
+    most = std::max(most, std::hypot(x[static_cast<std::size_t>(disc.first)] - disc.centre[0],
+                                     x[static_cast<std::size_t>(disc.second)] - disc.centre[1]) -
+                              disc.radius);
+  return most;
+}
+
+struct Cost : public StatusTest<MultiVector> {
+  explicit Cost(const SmallQp& small) : qp(small) {}
+  Status checkStatus(const IterationState<MultiVector>& state) override {
+    costs.push_back(qp.cost(fromVector(*state.x)));
+    return Status::Failed;
+  }
+  Status getStatus() const override { return Status::Undefined; }
+  void reset() override {}
+  void print(std::ostream&, int) const override {}
+  std::vector<double> costs;
+  const SmallQp& qp;
+};
+
+} // namespace
+
+// The oracle itself, where another one is there.
+TEST(Discs, interior_points_agree_with_enumeration) {
+  std::mt19937 random(5);
+  for (int k = 0; k < 40; ++k) {
+    const SmallQp qp = randomQp(random, 3 + k % 4, k % 3, true);
+    EXPECT_LE(distance(interiorPoint(qp), bruteForce(qp)), 1e-10 * (1.0 + norm(bruteForce(qp)))) << k;
+  }
+}
+
+TEST(Discs, five_hundred_random_friction_problems) {
+  std::mt19937 random(2012);
+  int runs = 0, rims = 0, insides = 0;
+  for (int k = 0; k < 500; ++k) {
+    const int equalities = k % 3;
+    const SmallQp qp = randomFrictionQp(random, 3 + k % 8, equalities);
+    const std::vector<double> expected = interiorPoint(qp);
+    for (const Disc& disc : qp.discs)
+      (std::hypot(expected[static_cast<std::size_t>(disc.first)] - disc.centre[0],
+                  expected[static_cast<std::size_t>(disc.second)] - disc.centre[1]) >
+               (1.0 - 1e-8) * disc.radius
+           ? rims
+           : insides) += 1;
+    std::vector<std::string> names = {equalities > 0 ? "SMALBE" : "MPRGP"};
+    if (k % 10 < 3) {
+      names.insert(names.end(), {"Auto", "PDAS"});
+      // Steps of 1/‖A + ρCᵀC‖ along rims: some thousand for a digit.
+      if (equalities > 0 && k < 60)
+        names.push_back("Dual Penalty");
+    }
+    for (const std::string& name : names) {
+      // Of ‖b‖ some 10, eigenvalues from 1: x is off by 1e-9 then. A penalty's answers have an error of
+      // their own.
+      const bool isPenalty = name == "Dual Penalty";
+      const auto list = parameters(1e-10);
+      list->set("Maximum Iterations", 30000);
+      const DistributedQp distributed(qp);
+      if (k % 2 == 1) {
+        distributed.problem->setPreconditioner(
+            Teuchos::rcp(new DenseOperator(jacobi(qp.a), distributed.map, distributed.map)));
+        ASSERT_TRUE(distributed.problem->setProblem());
+      }
+      const auto solver = TpetraSolverFactory().create(name, list);
+      solver->setProblem(distributed.problem);
+      const Result result = solver->solve();
+      const std::string what = name + " " + std::to_string(k);
+      if (isPenalty && !result.converged())
+        continue;
+      ASSERT_TRUE(result.converged()) << what << ": " << result.explanation;
+      const std::vector<double> x = fromVector(*distributed.solution);
+      EXPECT_LE(outside(qp, x), 1e-14 * (1.0 + norm(x))) << what;
+      EXPECT_LE(distance(x, expected), (isPenalty ? 1e-2 : 1e-8) * (1.0 + norm(expected))) << what;
+      ++runs;
+    }
+  }
+  EXPECT_GT(runs, 750);
+  EXPECT_GT(rims, 300);
+  EXPECT_GT(insides, 100);
+}
+
+// As for intervals (test_theory.cpp), with the true spectrum [1, κ]: Dostál, Kozubek 2012.
+TEST(Discs, every_step_makes_the_proven_decrease) {
+  std::mt19937 random(17);
+  int steps = 0;
+  for (int k = 0; k < 40; ++k) {
+    const double condition = k % 2 == 0 ? 10.0 : 100.0;
+    const SmallQp qp = randomFrictionQp(random, 4 + k % 5, 0, condition);
+    const double best = qp.cost(interiorPoint(qp));
+    for (double factor : {0.5, 1.0, 1.95})
+      for (double gamma : {0.5, 1.0, 2.0}) {
+        const DistributedQp distributed(qp);
+        distributed.problem->setHessianNorm(condition);
+        distributed.problem->setProblem();
+        const auto list = parameters(1e-8);
+        Teuchos::ParameterList& mprgp = list->sublist("MPRGP");
+        mprgp.set("Expansion", std::string("fixed step"));
+        mprgp.set("Step factor", factor);
+        mprgp.set("Gamma", gamma);
+        const auto probe = Teuchos::rcp(new Cost(qp));
+        const auto solver = TpetraSolverFactory().create("MPRGP", list);
+        solver->setDebugStatusTest(probe);
+        solver->setProblem(distributed.problem);
+        const Result result = solver->solve();
+        ASSERT_TRUE(result.converged()) << result.explanation;
+        ASSERT_EQ(result.counters.stepCuts, 0);
+        const double gammaHat = std::max(gamma, 1.0 / gamma);
+        const double alphaHat = std::min(factor, 2.0 - factor) / condition,
+                     theta = 2.0 * std::max(factor, 1.0);
+        const double eta = 1.0 - alphaHat / (theta * (1.0 + gammaHat * gammaHat));
+        for (std::size_t i = 1; i < probe->costs.size(); ++i) {
+          // Rounding errors of the costs themselves: ε times terms below 1e4.
+          EXPECT_LE(probe->costs[i] - best, eta * (probe->costs[i - 1] - best) + 1e-11)
+              << k << " " << factor << " " << gamma << " step " << i;
+          ++steps;
+        }
+      }
+  }
+  EXPECT_GT(steps, 5000);
+}
+
+TEST(Discs, units_change_nothing) {
+  std::mt19937 random(3);
+  for (int k = 0; k < 20; ++k) {
+    const SmallQp qp = randomFrictionQp(random, 6, k % 2);
+    std::vector<int> products;
+    std::vector<std::vector<double>> answers;
+    for (double unit : {1.0, std::ldexp(1.0, 40), std::ldexp(1.0, -40)}) { // powers of two: the same bits
+      SmallQp scaled = qp;
+      for (std::vector<double>* values : {&scaled.b, &scaled.lower, &scaled.upper, &scaled.cRhs})
+        for (double& value : *values)
+          value *= unit;
+      for (Disc& disc : scaled.discs) {
+        disc.radius *= unit;
+        for (double& entry : disc.centre)
+          entry *= unit;
+      }
+      const DistributedQp distributed(scaled);
+      const auto solver = TpetraSolverFactory().create("Auto", parameters(1e-9));
+      solver->setProblem(distributed.problem);
+      const Result result = solver->solve();
+      ASSERT_TRUE(result.converged());
+      products.push_back(result.counters.hessianApplications);
+      answers.push_back(fromVector(*distributed.solution));
+      for (double& value : answers.back())
+        value /= unit;
+    }
+    for (int other : {1, 2}) {
+      EXPECT_EQ(products[static_cast<std::size_t>(other)], products[0]) << k;
+      EXPECT_EQ(answers[static_cast<std::size_t>(other)], answers[0]) << k;
+    }
+  }
+}
+
+// x_0 + x_1 ≤ m_0 + m_1 + √2 r in a disc: a sum beyond that is proved impossible, one just within is found.
+TEST(Discs, what_no_disc_allows_is_proved) {
+  for (double beyond : {1e-3, -0.1}) {
+    SmallQp qp{
+        Dense(3, 3), {0.0, 0.0, 0.0}, {-infinity, -infinity, 0.0}, {infinity, infinity, 0.5}, Dense(1, 3),
+        {}};
+    for (int i = 0; i < 3; ++i) {
+      qp.a(i, i) = 1.0;
+      qp.c(0, i) = 1.0;
+    }
+    qp.discs = {{0, 1, {0.3, -0.1}, 2.0}};
+    qp.cRhs = {0.2 + 2.0 * std::sqrt(2.0) + 0.5 + beyond};
+    const DistributedQp distributed(qp);
+    const auto solver = TpetraSolverFactory().create("SMALBE", parameters(1e-8));
+    solver->setProblem(distributed.problem);
+    const Result result = solver->solve();
+    EXPECT_EQ(result.reason, beyond > 0.0 ? Reason::Infeasible : Reason::Converged) << result.explanation;
+    if (beyond > 0.0)
+      EXPECT_NEAR(result.certificate.gap, beyond, 0.5 * beyond);
+  }
+}
+
+// A is singular along x_2, which the load pulls and nothing holds; in a disc it could not go far.
+TEST(Discs, without_end_only_beside_them) {
+  for (bool isHeld : {false, true}) {
+    SmallQp qp{Dense(4, 4), {1.0, 1.0, 1.0, 1.0}, {}, {}, Dense(0, 4), {}};
+    qp.a(0, 0) = qp.a(1, 1) = 1.0;
+    qp.discs = {{0, 1, {0.0, 0.0}, 0.5}};
+    if (isHeld)
+      qp.discs.push_back({2, 3, {1.0, 0.0}, 0.5});
+    const DistributedQp distributed(qp);
+    const auto solver = TpetraSolverFactory().create("MPRGP", parameters(1e-8));
+    solver->setProblem(distributed.problem);
+    const Result result = solver->solve();
+    EXPECT_EQ(result.reason, isHeld ? Reason::Converged : Reason::Unbounded) << result.explanation;
+    if (isHeld) // the point of the disc that lies farthest along (1, 1)
+      EXPECT_LE(distance(fromVector(*distributed.solution),
+                         {std::sqrt(0.125), std::sqrt(0.125), 1.0 + std::sqrt(0.125), std::sqrt(0.125)}),
+                1e-8);
+  }
+}
+
+// A bound of zero leaves a point; one below zero nothing; what is no number is refused.
+TEST(Discs, radii) {
+  std::mt19937 random(11);
+  SmallQp qp = randomFrictionQp(random, 5, 0);
+  qp.lower.assign(5, -infinity);
+  qp.upper.assign(5, infinity);
+  const auto solved = [&](double radius) {
+    qp.discs = {{1, 2, {0.25, -0.5}, radius}};
+    const DistributedQp distributed(qp);
+    const auto solver = TpetraSolverFactory().create("MPRGP", parameters(1e-11));
+    solver->setProblem(distributed.problem);
+    const Result result = solver->solve();
+    return std::make_pair(result, fromVector(*distributed.solution));
+  };
+  const auto [point, x] = solved(0.0);
+  ASSERT_TRUE(point.converged()) << point.explanation;
+  SmallQp pinned = qp;
+  pinned.discs.clear();
+  for (std::size_t k : {1U, 2U})
+    pinned.lower[k] = pinned.upper[k] = k == 1 ? 0.25 : -0.5;
+  EXPECT_LE(distance(x, bruteForce(pinned)), 1e-8);
+  EXPECT_EQ(solved(-1e-3).first.reason, Reason::Infeasible);
+
+  qp.discs = {{1, 2, {0.25, std::nan("")}, 1.0}};
+  const DistributedQp fault(qp);
+  EXPECT_FALSE(fault.problem->isProblemSet());
+  EXPECT_NE(fault.problem->whyNotSet().find("disc"), std::string::npos) << fault.problem->whyNotSet();
+}
