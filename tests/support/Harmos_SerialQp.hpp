@@ -159,11 +159,13 @@ struct BoundTraits<double, SerialVector> {
   static std::array<double, 2> pairOf(const V& v, const Disc& disc) {
     return {v()[place(disc.first)], v()[place(disc.second)]};
   }
+  static double rounding(const Disc& disc) {
+    return 8.0 * std::numeric_limits<double>::epsilon() *
+           (disc.radius + std::abs(disc.centre[0]) + std::abs(disc.centre[1]));
+  }
   static bool isOnRim(const V& x, const Disc& disc) {
     const auto y = arm(x, disc);
-    const double rounding = 8.0 * std::numeric_limits<double>::epsilon() *
-                            (disc.radius + std::abs(disc.centre[0]) + std::abs(disc.centre[1]));
-    return std::hypot(y[0], y[1]) >= disc.radius - rounding;
+    return std::hypot(y[0], y[1]) >= disc.radius - rounding(disc);
   }
   // The chopped gradient's entry i, of the two of a disc.
   static double rimBeta(const V& x, const V& g, std::size_t i, const Disc& disc) {
@@ -339,7 +341,7 @@ struct BoundTraits<double, SerialVector> {
       x()[i] = std::max(lowerOf(feasible, i), std::min(upperOf(feasible, i), x()[i]));
     if (feasible.hasDiscs())
       for (const Disc& disc : feasible.discs->discs())
-        if (const auto y = arm(x, disc); std::hypot(y[0], y[1]) > disc.radius)
+        if (const auto y = arm(x, disc); std::hypot(y[0], y[1]) > disc.radius + rounding(disc))
           moveToRim(x, disc);
   }
   static void maskActive(V& v, const LocalActiveSet& active) {
@@ -360,7 +362,8 @@ struct BoundTraits<double, SerialVector> {
     for (std::size_t i = 0; i < active.size(); ++i)
       if (active[i] == -1 || active[i] == 1)
         x()[i] = active[i] < 0 ? lowerOf(feasible, i) : upperOf(feasible, i);
-      else if (const Disc* disc = active[i] == 2 ? discOf(feasible, i) : nullptr)
+      else if (const Disc* disc = active[i] == 2 ? discOf(feasible, i) : nullptr;
+               disc != nullptr && !isOnRim(x, *disc))
         moveToRim(x, *disc);
   }
   static ActiveSetChange updateActiveSet(const V& x, const V& g, const Set& feasible, double xNoise,

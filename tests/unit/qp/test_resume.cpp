@@ -125,6 +125,18 @@ TEST(Resume, every_step_can_be_gone_on_from) {
     }
 }
 
+// Points on rims stay where they are, to the last bit.
+TEST(Resume, with_discs_too) {
+  std::mt19937 random(24);
+  for (const Case& item : cases)
+    if (std::string(item.method) == "MPRGP" || std::string(item.method) == "SMALBE") {
+      SmallQp qp = randomFrictionQp(random, 12, item.equalities, 10.0);
+      if (item.structure != EqualityStructure::General)
+        orthonormalizeRows(qp);
+      resumeEverywhere(qp, item);
+    }
+}
+
 // The state of a solver that took over holds what the one before it had done.
 TEST(Resume, a_solver_that_took_over_goes_on) {
   std::mt19937 random(22);

@@ -98,8 +98,9 @@ bool splitOne(const Disc& disc, Pair y, Pair g, double stepLength, bool fresh, s
   return isOn;
 }
 
+// What is on the rim already stays where it is, to the last bit.
 void projectOne(const Disc& disc, double* x) {
-  if (const Pair y = fromCentre(disc, x); norm(y) > disc.radius)
+  if (const Pair y = fromCentre(disc, x); norm(y) > disc.radius + touching(disc))
     put(disc, y, x);
 }
 
@@ -175,7 +176,7 @@ void project(const Discs& discs, double* x) {
 
 void moveToRims(const Discs& discs, const signed char* active, double* x) {
   for (const Disc& disc : discs)
-    if (const Pair y = fromCentre(disc, x); active[disc.first] == onRim && norm(y) > 0.0)
+    if (const Pair y = fromCentre(disc, x); active[disc.first] == onRim && norm(y) > 0.0 && !isOnRim(disc, y))
       put(disc, y, x);
 }
 
