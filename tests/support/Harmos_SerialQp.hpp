@@ -346,9 +346,29 @@ struct BoundTraits<double, SerialVector> {
   }
   static void maskActive(V& v, const LocalActiveSet& active) {
     for (std::size_t i = 0; i < active.size(); ++i)
-      if (active[i] != 0)
+      if (active[i] != 0 && active[i] != LocalActiveSet::slips)
         v()[i] = 0.0;
+    for (const Slip& slip : active.slipping) {
+      double& a = v()[place(slip.first)];
+      double& b = v()[place(slip.second)];
+      const double outwards = a * slip.normal[0] + b * slip.normal[1];
+      a -= outwards * slip.normal[0];
+      b -= outwards * slip.normal[1];
+    }
   }
+  static void addCurvature(const LocalActiveSet& active, double f, const V& x, bool fromCentre, V& y) {
+    for (const Slip& slip : active.slipping) {
+      const double t[] = {-slip.normal[1], slip.normal[0]};
+      double along = t[0] * x()[place(slip.first)] + t[1] * x()[place(slip.second)];
+      if (fromCentre)
+        along -= t[0] * slip.centre[0] + t[1] * slip.centre[1];
+      y()[place(slip.first)] += f * slip.curvature * along * t[0];
+      y()[place(slip.second)] += f * slip.curvature * along * t[1];
+    }
+  }
+  // Whole runs are compared from their beginning.
+  static void slipsToVectors(const LocalActiveSet&, V&, V&) {}
+  static void vectorsToSlips(const Set&, const V&, const V&, LocalActiveSet&) {}
   static void activeToVector(const LocalActiveSet& active, V& v) {
     v().assign(v().size(), 0.0);
     std::copy(active.begin(), active.end(), v().begin());
@@ -365,9 +385,16 @@ struct BoundTraits<double, SerialVector> {
       else if (const Disc* disc = active[i] == 2 ? discOf(feasible, i) : nullptr;
                disc != nullptr && !isOnRim(x, *disc))
         moveToRim(x, *disc);
+    for (const Slip& slip : active.slipping) {
+      const double outwards = (x()[place(slip.first)] - slip.centre[0]) * slip.normal[0] +
+                              (x()[place(slip.second)] - slip.centre[1]) * slip.normal[1];
+      x()[place(slip.first)] += (slip.radius - outwards) * slip.normal[0];
+      x()[place(slip.second)] += (slip.radius - outwards) * slip.normal[1];
+    }
   }
   static ActiveSetChange updateActiveSet(const V& x, const V& g, const Set& feasible, double xNoise,
-                                         double gradientNoise, LocalActiveSet& set) {
+                                         double gradientNoise, LocalActiveSet& set,
+                                         const DiscUpdate& how = {}) {
     ActiveSetChange result;
     set.resize(x().size(), 0);
     for (std::size_t i = 0; i < x().size(); ++i) {
@@ -398,7 +425,57 @@ struct BoundTraits<double, SerialVector> {
         result.signature[1] += static_cast<double>(random());
       }
     }
+    const std::vector<Slip> before = set.slipping;
+    set.slipping.clear();
+    if (feasible.hasDiscs())
+      for (const Disc& disc : feasible.discs->discs())
+        updateDisc(x, g, disc, xNoise, gradientNoise, how, before, set, result);
+    result.slips = static_cast<long long>(set.slipping.size());
     return result;
+  }
+  static void updateDisc(const V& x, const V& g, const Disc& disc, double xNoise, double gradientNoise,
+                         const DiscUpdate& how, const std::vector<Slip>& before, LocalActiveSet& set,
+                         ActiveSetChange& result) {
+    const auto y = arm(x, disc), gradient = pairOf(g, disc);
+    const double z[] = {y[0] - how.stepLength * gradient[0], y[1] - how.stepLength * gradient[1]};
+    const double reach = std::hypot(z[0], z[1]), length = std::hypot(y[0], y[1]);
+    const double beyond = std::max(length - disc.radius, 0.0);
+    signed char& state = set[place(disc.first)];
+    const signed char was = state;
+    const auto last = std::find_if(before.begin(), before.end(),
+                                   [&](const Slip& slip) { return slip.first == disc.first; });
+    state = disc.radius <= rounding(disc)                            ? 2
+            : reach > disc.radius + std::max(xNoise, rounding(disc)) ? 3
+                                                                     : 0;
+    set[place(disc.second)] = state;
+    result.violation2 += beyond * beyond;
+    bool isChanged = state != was;
+    if (state == 3 || was == 3) {
+      const double outwards = (y[0] * gradient[0] + y[1] * gradient[1]) / length;
+      const double taken = std::min(outwards, 0.0);
+      const double wrong =
+          std::hypot(gradient[0] - taken * y[0] / length, gradient[1] - taken * y[1] / length);
+      result.wrongSign2 += wrong * wrong;
+      const double noise = std::max(gradientNoise, how.turn);
+      const bool hasTurned = wrong > noise || (beyond > xNoise && beyond > how.stepLength * noise);
+      isChanged = isChanged || hasTurned;
+      if (state == 3 && was == 3 && !hasTurned)
+        set.slipping.push_back(*last);
+      else if (state == 3)
+        set.slipping.push_back(
+            {disc.first,
+             disc.second,
+             {disc.centre[0], disc.centre[1]},
+             disc.radius,
+             {z[0] / reach, z[1] / reach},
+             how.stepLength > 0.0 ? (reach - disc.radius) / (how.stepLength * disc.radius) : 0.0});
+    }
+    result.changed += isChanged;
+    result.active += state != 0 ? 2 : 0;
+    if (state == 3) {
+      result.signature[0] += set.slipping.back().normal[0] * (1.0 + disc.first);
+      result.signature[1] += set.slipping.back().normal[1] * (1.0 + disc.first);
+    }
   }
   static BoxInfimum boxInfimum(const V& w, const Set& feasible) {
     BoxInfimum result;

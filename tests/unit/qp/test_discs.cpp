@@ -61,7 +61,8 @@ TEST(Discs, interior_points_agree_with_enumeration) {
 
 TEST(Discs, five_hundred_random_friction_problems) {
   std::mt19937 random(2012);
-  int runs = 0, rims = 0, insides = 0;
+  int runs = 0, rims = 0, insides = 0, sets = 0, handedOver = 0;
+  std::vector<int> products, productsOfSteps;
   for (int k = 0; k < 500; ++k) {
     const int equalities = k % 3;
     const SmallQp qp = randomFrictionQp(random, 3 + k % 8, equalities);
@@ -72,9 +73,9 @@ TEST(Discs, five_hundred_random_friction_problems) {
                (1.0 - 1e-8) * disc.radius
            ? rims
            : insides) += 1;
-    std::vector<std::string> names = {equalities > 0 ? "SMALBE" : "MPRGP"};
+    std::vector<std::string> names = {equalities > 0 ? "SMALBE" : "MPRGP", "PDAS"};
     if (k % 10 < 3) {
-      names.insert(names.end(), {"Auto", "PDAS"});
+      names.push_back("Auto");
       // Steps of 1/‖A + ρCᵀC‖ along rims: some thousand for a digit.
       if (equalities > 0 && k < 60)
         names.push_back("Dual Penalty");
@@ -102,9 +103,27 @@ TEST(Discs, five_hundred_random_friction_problems) {
       EXPECT_LE(outside(qp, x), 1e-14 * (1.0 + norm(x))) << what;
       EXPECT_LE(distance(x, expected), (isPenalty ? 1e-2 : 1e-8) * (1.0 + norm(expected))) << what;
       ++runs;
+      if (name == "PDAS") {
+        ++sets;
+        handedOver += result.counters.safeguards > 0 ? 1 : 0;
+        products.push_back(result.counters.hessianApplications);
+      } else if (name == "SMALBE" || name == "MPRGP") {
+        productsOfSteps.push_back(result.counters.hessianApplications);
+      }
     }
   }
-  EXPECT_GT(runs, 750);
+  EXPECT_GT(runs, 1100);
+  // Newton's method on rims: a fraction of the products, where it need not hand over.
+  EXPECT_EQ(sets, 500);
+  EXPECT_LE(handedOver, 75);
+  const auto median = [](std::vector<int> numbers) {
+    std::sort(numbers.begin(), numbers.end());
+    return numbers[numbers.size() / 2];
+  };
+  EXPECT_LE(3 * median(products), median(productsOfSteps));
+  if (testComm()->getRank() == 0)
+    std::cout << "products, median: " << median(products) << " by sets, " << median(productsOfSteps)
+              << " by steps; " << handedOver << " handed over\n";
   EXPECT_GT(rims, 300);
   EXPECT_GT(insides, 100);
 }

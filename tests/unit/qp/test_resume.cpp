@@ -129,7 +129,7 @@ TEST(Resume, every_step_can_be_gone_on_from) {
 TEST(Resume, with_discs_too) {
   std::mt19937 random(24);
   for (const Case& item : cases)
-    if (std::string(item.method) == "MPRGP" || std::string(item.method) == "SMALBE") {
+    if (item.bounds && std::string(item.method) != "Dual Penalty") { // which takes thousands of steps
       SmallQp qp = randomFrictionQp(random, 12, item.equalities, 10.0);
       if (item.structure != EqualityStructure::General)
         orthonormalizeRows(qp);

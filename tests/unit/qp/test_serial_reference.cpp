@@ -94,7 +94,9 @@ void compareSteps(bool withDiscs) {
               mine.activeSetUpdates == theirs.activeSetUpdates;
       // At the end of a face, where conjugate gradients stop of themselves, the residual is rounding errors,
       // and these decide whether another step or a confirmation is made.
-      EXPECT_NEAR(mine.hessianApplications, theirs.hessianApplications, 2) << what;
+      // Sets that wander on rims end a set earlier or later.
+      const double most = withDiscs ? 2.0 + 0.1 * theirs.hessianApplications : 2.0;
+      EXPECT_NEAR(mine.hessianApplications, theirs.hessianApplications, most) << what;
       // The same steps, summed in another order: rounding errors, amplified by κ = 50 and a dozen steps.
       const std::vector<double> x = fromVector(*distributed.solution);
       for (std::size_t i = 0; i < x.size(); ++i)

@@ -129,6 +129,11 @@ class KeptDirections {
     for (std::size_t i = 0; i < below.size(); ++i)
       if (below[i] == 0)
         below[i] = above[i];
+    below.slipping.clear();
+    if (problem_.hasDiscs())
+      for (const Disc& disc : problem_.feasibleSet().discs->discs())
+        for (int entry : {disc.first, disc.second})
+          below[static_cast<std::size_t>(entry)] = LocalActiveSet::onRim;
     return below;
   }
 

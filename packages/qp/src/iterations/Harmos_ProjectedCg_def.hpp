@@ -11,6 +11,19 @@
 
 namespace Harmos::qp {
 
+/// The slipping pairs of an active set whose states are exchanged already.
+template<class Scalar, class MV>
+void exchangeSlips(StateArchive<MV>& archive, const std::string& name, const FeasibleSet<MV>& feasible,
+                   const MV& like, LocalActiveSet& set) {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  const Teuchos::RCP<MV> normals = MVT::Clone(like, 1), curvatures = MVT::Clone(like, 1);
+  BoundTraits<Scalar, MV>::slipsToVectors(set, *normals, *curvatures);
+  archive.vector(name + " slips", *normals);
+  archive.vector(name + " curvatures", *curvatures);
+  if (archive.isReading())
+    BoundTraits<Scalar, MV>::vectorsToSlips(feasible, *normals, *curvatures, set);
+}
+
 template<class Scalar, class MV, class OP>
 ProjectedCg<Scalar, MV, OP>::ProjectedCg(const Problem<Scalar, MV, OP>& problem,
                                          EqualityRows<Scalar, MV, OP>& rows, const CgOptions& options,
@@ -112,8 +125,11 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
     const Teuchos::RCP<MV> active = MVT::Clone(*w_, 1);
     BT::activeToVector(active_, *active);
     archive.vector("cg active set", *active);
-    if (archive.isReading()) {
+    if (archive.isReading())
       BT::vectorToActive(*active, active_);
+    if (problem_.hasDiscs())
+      exchangeSlips<Scalar>(archive, "cg", problem_.feasibleSet(), *w_, active_);
+    if (archive.isReading()) {
       // Bounds that another number of ranks has rounded differently.
       BT::moveToBounds(*problem_.solution(), problem_.feasibleSet(), active_);
     }
@@ -148,6 +164,7 @@ void ProjectedCg<Scalar, MV, OP>::restart() {
   }
   kept_.minimise(x, *w_);
   if (hasFace_) {
+    BoundTraits<Scalar, MV>::addCurvature(active_, 1.0, x, true, *w_);
     MVT::Assign(*w_, *gradient_);
     BoundTraits<Scalar, MV>::maskActive(*w_, active_);
   }
@@ -210,11 +227,14 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
   const Teuchos::RCP<const OP> onKernel = problem_.hessianOnKernel();
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(onKernel.is_null() ? *problem_.hessian() : *onKernel, *p_,
                                                *image_);
+  const double ofHessian = problem_.hasDiscs() ? dot<Scalar>(*p_, *image_) : 0.0;
+  BoundTraits<Scalar, MV>::addCurvature(active_, 1.0, *p_, false, *image_);
   const CurvatureSums sums = BoundTraits<Scalar, MV>::curvature(*w_, *p_, *image_, active_);
   const double curvature = sums.directionDotImage / sums.directionNorm2;
   if (!std::isfinite(curvature) || !std::isfinite(sums.gradientDotDirection))
     return Outcome::Breakdown;
-  curvatureBound_ = std::max(curvatureBound_, curvature);
+  curvatureBound_ =
+      std::max(curvatureBound_, problem_.hasDiscs() ? ofHessian / sums.directionNorm2 : curvature);
   if (curvature < -100.0 * epsilon * curvatureBound_)
     return Outcome::Breakdown;
   if (curvature <= 100.0 * epsilon * curvatureBound_)
@@ -268,6 +288,7 @@ double ProjectedCg<Scalar, MV, OP>::cost() const {
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::lagrangianGradient(MV& y) const {
   Belos::MultiVecTraits<Scalar, MV>::Assign(*gradient_, y);
+  BoundTraits<Scalar, MV>::addCurvature(active_, -1.0, *problem_.solution(), true, y);
   if (rows_.isPresent())
     rows_.addTransposed(-1.0, *removed_, y);
 }

@@ -9,9 +9,29 @@
 
 namespace Harmos::qp {
 
-/// Which entries lie at a bound on this rank: −1 lower, +1 upper, 2 on the rim of a disc, 0 free. Kept
-/// between two splittings, so that changes of the face can be counted.
-using LocalActiveSet = std::vector<signed char>;
+/// A pair of entries that moves along the tangent of its disc's rim: y = x − c has nᵀy = r, and tᵀy is free,
+/// t ⊥ n. What the rim bends away from its tangent is a curvature κ ≥ 0 of the cost, ½κ(tᵀy)².
+struct Slip {
+  int first, second; ///< local
+  double centre[2];
+  double radius;
+  double normal[2]; ///< n
+  double curvature; ///< κ
+};
+
+/// Which entries lie at a bound on this rank: −1 lower, +1 upper, 2 on the rim of a disc, 3 slipping along
+/// it, 0 free. Kept between two splittings, so that changes of the face can be counted.
+struct LocalActiveSet : std::vector<signed char> {
+  using std::vector<signed char>::vector;
+  static constexpr signed char onRim = 2, slips = 3;
+  std::vector<Slip> slipping; ///< of each pair whose state is `slips`
+};
+
+/// How updateActiveSet() deals with discs.
+struct DiscUpdate {
+  double stepLength = 0.0; ///< α: a pair sticks where |x − c − αg| < r
+  double turn = 0.0;       ///< of the gradient, by which a slipping pair may be wrong and go on as it is
+};
 
 /// What one pass over an iterate and its gradient yields; global, the same on all ranks.
 struct SplitSums {
@@ -57,6 +77,7 @@ struct ActiveSetChange {
   double violation2 = 0.0; ///< of the bounds, squared, over free entries
   double wrongSign2 = 0.0; ///< of the multipliers of active entries, squared, where the sign is wrong
   double signature[2] = {0.0, 0.0}; ///< the same for the same set; differs with all but certainty else
+  long long slips = 0;              ///< pairs
 };
 
 /// Infimum of wᵀx over the feasible set.
@@ -133,7 +154,7 @@ struct BoundTraits {
   /// x ← Π(x), the projection onto the bounds. Local.
   static void project(MV& x, const FeasibleSet<MV>& feasible);
 
-  /// v_i ← 0 where the entry is active. Local.
+  /// v_i ← 0 where the entry is active; slipping pairs keep their part along the tangent. Local.
   static void maskActive(MV& v, const LocalActiveSet& active);
 
   /// v_i ← −1, 0, 1 or 2, and back: an active set as a vector. An empty set comes back as one without active
@@ -141,15 +162,26 @@ struct BoundTraits {
   static void activeToVector(const LocalActiveSet& active, MV& v);
   static void vectorToActive(const MV& v, LocalActiveSet& active);
 
-  /// x_i ← its bound where the entry is active, to the rim along its radius. Local.
+  /// y ← y + f κt(tᵀx) of slipping pairs; with fromCentre x − c in the place of x. Local.
+  static void addCurvature(const LocalActiveSet& active, double f, const MV& x, bool fromCentre, MV& y);
+
+  /// Slipping pairs as vectors, and back: their normals, and κ at their first entry. Local.
+  static void slipsToVectors(const LocalActiveSet& active, MV& normals, MV& curvatures);
+  static void vectorsToSlips(const FeasibleSet<MV>& feasible, const MV& normals, const MV& curvatures,
+                             LocalActiveSet& active);
+
+  /// x_i ← its bound where the entry is active, to the rim along its radius or to the tangent. Local.
   static void moveToBounds(MV& x, const FeasibleSet<MV>& feasible, const LocalActiveSet& active);
 
   /// The update of a primal-dual active set method: an active entry is freed where its multiplier has the
   /// wrong sign by more than gradientNoise, a free one becomes active where it violates its bound by more
-  /// than xNoise. Entries with l = u stay active. Of discs nothing is known here. @param set to be updated;
-  /// sized here if empty.
+  /// than xNoise. Entries with l = u stay active. A pair in a disc slips where z = x − c − αg lies outside,
+  /// along the tangent at n = z/|z| and with κ = (|z| − r)/(αr): Newton's method for x = Π(x − αg), symmetric
+  /// since the radius is given (Alart, Curnier, Comput. Methods Appl. Mech. Engrg. 92, 1991).
+  /// @param set to be updated; sized here if empty.
   static ActiveSetChange updateActiveSet(const MV& x, const MV& gradient, const FeasibleSet<MV>& feasible,
-                                         double xNoise, double gradientNoise, LocalActiveSet& set);
+                                         double xNoise, double gradientNoise, LocalActiveSet& set,
+                                         const DiscUpdate& discs = {});
 
   static BoxInfimum boxInfimum(const MV& w, const FeasibleSet<MV>& feasible);
 

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 namespace Harmos::qp {
 namespace {
@@ -286,8 +287,9 @@ void Traits::project(MultiVector& x, const FeasibleSet<MultiVector>& feasible) {
 void Traits::maskActive(MultiVector& v, const LocalActiveSet& active) {
   const Writer vs(v);
   for (std::size_t i = 0; i < active.size(); ++i)
-    if (active[i] != 0)
+    if (active[i] != 0 && active[i] != LocalActiveSet::slips)
       vs[i] = 0.0;
+  Kernels::maskSlips(active.slipping, vs.data());
 }
 
 void Traits::activeToVector(const LocalActiveSet& active, MultiVector& v) {
@@ -304,6 +306,39 @@ void Traits::vectorToActive(const MultiVector& v, LocalActiveSet& active) {
     active[i] = static_cast<signed char>(vs[i]);
 }
 
+void Traits::addCurvature(const LocalActiveSet& active, double f, const MultiVector& x, bool fromCentre,
+                          MultiVector& y) {
+  if (!active.slipping.empty())
+    Kernels::addCurvature(active.slipping, f, Reader(x).data(), fromCentre, Writer(y).data());
+}
+
+void Traits::slipsToVectors(const LocalActiveSet& active, MultiVector& normals, MultiVector& curvatures) {
+  normals.putScalar(0.0);
+  curvatures.putScalar(0.0);
+  const Writer ns(normals), ks(curvatures);
+  for (const Slip& slip : active.slipping) {
+    ns[static_cast<std::size_t>(slip.first)] = slip.normal[0];
+    ns[static_cast<std::size_t>(slip.second)] = slip.normal[1];
+    ks[static_cast<std::size_t>(slip.first)] = slip.curvature;
+  }
+}
+
+void Traits::vectorsToSlips(const FeasibleSet<MultiVector>& feasible, const MultiVector& normals,
+                            const MultiVector& curvatures, LocalActiveSet& active) {
+  const Reader ns(normals), ks(curvatures);
+  active.slipping.clear();
+  for (const Disc& disc : discsOf(feasible)) {
+    const auto first = static_cast<std::size_t>(disc.first), second = static_cast<std::size_t>(disc.second);
+    if (active[first] == LocalActiveSet::slips)
+      active.slipping.push_back({disc.first,
+                                 disc.second,
+                                 {disc.centre[0], disc.centre[1]},
+                                 disc.radius,
+                                 {ns[first], ns[second]},
+                                 ks[first]});
+  }
+}
+
 void Traits::moveToBounds(MultiVector& x, const FeasibleSet<MultiVector>& feasible,
                           const LocalActiveSet& active) {
   if (feasible.isEverything() || active.empty())
@@ -316,12 +351,13 @@ void Traits::moveToBounds(MultiVector& x, const FeasibleSet<MultiVector>& feasib
         xs[i] = active[i] < 0 ? box.l[i] : box.u[i];
   }
   Kernels::moveToRims(discsOf(feasible), active.data(), xs.data());
+  Kernels::moveToTangents(active.slipping, xs.data());
 }
 
 ActiveSetChange Traits::updateActiveSet(const MultiVector& x, const MultiVector& gradient,
                                         const FeasibleSet<MultiVector>& feasible, double xNoise,
-                                        double gradientNoise, LocalActiveSet& set) {
-  double sums[6] = {0, 0, 0, 0, 0, 0};
+                                        double gradientNoise, LocalActiveSet& set, const DiscUpdate& discs) {
+  double sums[7] = {0, 0, 0, 0, 0, 0, 0};
   {
     const Reader xs(x), gs(gradient);
     const BoxReader box(feasible, x);
@@ -361,10 +397,26 @@ ActiveSetChange Traits::updateActiveSet(const MultiVector& x, const MultiVector&
       for (std::size_t i = k; i < k + n; ++i)
         update(i);
     });
+    const Kernels::DiscChange change =
+        Kernels::update(discsOf(feasible), xs.data(), gs.data(), discs, xNoise, gradientNoise, set);
+    sums[0] += static_cast<double>(2 * change.active);
+    sums[1] += static_cast<double>(change.changed);
+    sums[2] += change.violation2;
+    sums[3] += change.wrong2;
+    sums[6] = static_cast<double>(set.slipping.size());
+    for (const Slip& slip : set.slipping) {
+      std::uint64_t turned[2];
+      std::memcpy(turned, slip.normal, sizeof turned);
+      const std::uint64_t bits =
+          mix(2 * globalIndex(x, static_cast<std::size_t>(slip.first)) + 1 + turned[0]);
+      sums[4] += static_cast<double>(bits >> 32);
+      sums[5] += static_cast<double>(mix(bits + turned[1]) & 0xffffffffULL);
+    }
   }
-  reduce(x, sums, 6);
+  reduce(x, sums, 7);
   return {
-      static_cast<long long>(sums[0]), static_cast<long long>(sums[1]), sums[2], sums[3], {sums[4], sums[5]}};
+      static_cast<long long>(sums[0]), static_cast<long long>(sums[1]), sums[2], sums[3], {sums[4], sums[5]},
+      static_cast<long long>(sums[6])};
 }
 
 BoxInfimum Traits::boxInfimum(const MultiVector& w, const FeasibleSet<MultiVector>& feasible) {

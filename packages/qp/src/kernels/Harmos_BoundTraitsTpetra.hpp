@@ -34,11 +34,17 @@ struct BoundTraits<Scalar, MultiVector> {
   static void maskActive(MultiVector& v, const LocalActiveSet& active);
   static void activeToVector(const LocalActiveSet& active, MultiVector& v);
   static void vectorToActive(const MultiVector& v, LocalActiveSet& active);
+  static void addCurvature(const LocalActiveSet& active, double f, const MultiVector& x, bool fromCentre,
+                           MultiVector& y);
+  static void slipsToVectors(const LocalActiveSet& active, MultiVector& normals, MultiVector& curvatures);
+  static void vectorsToSlips(const FeasibleSet<MultiVector>& feasible, const MultiVector& normals,
+                             const MultiVector& curvatures, LocalActiveSet& active);
   static void moveToBounds(MultiVector& x, const FeasibleSet<MultiVector>& feasible,
                            const LocalActiveSet& active);
   static ActiveSetChange updateActiveSet(const MultiVector& x, const MultiVector& gradient,
                                          const FeasibleSet<MultiVector>& feasible, double xNoise,
-                                         double gradientNoise, LocalActiveSet& set);
+                                         double gradientNoise, LocalActiveSet& set,
+                                         const DiscUpdate& discs = {});
   static BoxInfimum boxInfimum(const MultiVector& w, const FeasibleSet<MultiVector>& feasible);
   static double projectOntoRecessionCone(MultiVector& d, const FeasibleSet<MultiVector>& feasible);
   static BoundFault findBoundFault(const MultiVector& like, const FeasibleSet<MultiVector>& feasible);

@@ -91,7 +91,7 @@ bool splitOne(const Disc& disc, Pair y, Pair g, double stepLength, bool fresh, s
     sums.freeNorm2 += dot(g, g);
     sums.reducedNorm2 += reduced2(disc, y, g, stepLength);
   }
-  const signed char state = isOn ? onRim : 0;
+  const signed char state = isOn ? LocalActiveSet::onRim : 0;
   if (fresh || state != active[disc.first])
     sums.changed += 2;
   active[disc.first] = active[disc.second] = state;
@@ -176,8 +176,89 @@ void project(const Discs& discs, double* x) {
 
 void moveToRims(const Discs& discs, const signed char* active, double* x) {
   for (const Disc& disc : discs)
-    if (const Pair y = fromCentre(disc, x); active[disc.first] == onRim && norm(y) > 0.0 && !isOnRim(disc, y))
+    if (const Pair y = fromCentre(disc, x);
+        active[disc.first] == LocalActiveSet::onRim && norm(y) > 0.0 && !isOnRim(disc, y))
       put(disc, y, x);
+}
+
+void maskSlips(const std::vector<Slip>& slipping, double* v) {
+  for (const Slip& slip : slipping) {
+    const Pair t = {-slip.normal[1], slip.normal[0]};
+    const double along = dot(t, {v[slip.first], v[slip.second]});
+    v[slip.first] = along * t.a;
+    v[slip.second] = along * t.b;
+  }
+}
+
+void addCurvature(const std::vector<Slip>& slipping, double f, const double* x, bool fromCentre, double* y) {
+  for (const Slip& slip : slipping) {
+    const Pair t = {-slip.normal[1], slip.normal[0]};
+    Pair of = {x[slip.first], x[slip.second]};
+    if (fromCentre)
+      of = {of.a - slip.centre[0], of.b - slip.centre[1]};
+    const double along = f * slip.curvature * dot(t, of);
+    y[slip.first] += along * t.a;
+    y[slip.second] += along * t.b;
+  }
+}
+
+void moveToTangents(const std::vector<Slip>& slipping, double* x) {
+  for (const Slip& slip : slipping) {
+    const Pair n = {slip.normal[0], slip.normal[1]}, t = {-n.b, n.a};
+    const Pair y = {x[slip.first] - slip.centre[0], x[slip.second] - slip.centre[1]};
+    const double along = dot(t, y);
+    // What is there already stays, to the last bit.
+    const double rounding = 8.0 * std::numeric_limits<double>::epsilon() *
+                            (norm(y) + std::abs(slip.centre[0]) + std::abs(slip.centre[1]));
+    if (std::abs(dot(n, y) - slip.radius) <= rounding)
+      continue;
+    x[slip.first] = slip.centre[0] + slip.radius * n.a + along * t.a;
+    x[slip.second] = slip.centre[1] + slip.radius * n.b + along * t.b;
+  }
+}
+
+DiscChange update(const Discs& discs, const double* x, const double* g, const DiscUpdate& how, double xNoise,
+                  double gradientNoise, LocalActiveSet& set) {
+  DiscChange result;
+  std::vector<Slip> before;
+  std::swap(before, set.slipping);
+  auto old = before.begin(); // in the order of the discs
+  for (const Disc& disc : discs) {
+    const signed char was = set[static_cast<std::size_t>(disc.first)];
+    const Slip* last = was == LocalActiveSet::slips ? &*old++ : nullptr;
+    const Pair y = fromCentre(disc, x), gradient = of(disc, g);
+    const double beyond = std::max(norm(y) - disc.radius, 0.0);
+    const Pair z = {y.a - how.stepLength * gradient.a, y.b - how.stepLength * gradient.b};
+    const double reach = norm(z);
+    signed char state = 0;
+    if (disc.radius <= touching(disc))
+      state = LocalActiveSet::onRim;
+    else if (reach > disc.radius + std::max(xNoise, touching(disc)))
+      state = LocalActiveSet::slips;
+    bool isChanged = state != was;
+    result.violation2 += beyond * beyond;
+    if (state == LocalActiveSet::slips || last != nullptr) {
+      const double wrong = norm(chopped(disc, y, gradient));
+      result.wrong2 += wrong * wrong;
+      const double noise = std::max(gradientNoise, how.turn);
+      const bool hasTurned = wrong > noise || (beyond > xNoise && beyond > how.stepLength * noise);
+      isChanged = isChanged || hasTurned;
+      if (state == LocalActiveSet::slips && last != nullptr && !hasTurned)
+        set.slipping.push_back(*last);
+      else if (state == LocalActiveSet::slips)
+        set.slipping.push_back(
+            {disc.first,
+             disc.second,
+             {disc.centre[0], disc.centre[1]},
+             disc.radius,
+             {z.a / reach, z.b / reach},
+             how.stepLength > 0.0 ? (reach - disc.radius) / (how.stepLength * disc.radius) : 0.0});
+    }
+    set[static_cast<std::size_t>(disc.first)] = set[static_cast<std::size_t>(disc.second)] = state;
+    result.active += state != 0;
+    result.changed += isChanged;
+  }
+  return result;
 }
 
 void addInfimum(const Discs& discs, const double* w, double& value, double& boundNorm2) {

@@ -12,9 +12,6 @@ namespace Harmos::qp::Kernels {
 ///
 /// Discs are few; their passes are not made for wide registers.
 
-/// What LocalActiveSet says of both entries of a disc whose rim x is on.
-constexpr signed char onRim = 2;
-
 using Discs = std::vector<Disc>;
 
 /// @param direction null, or receives φ. @param fresh all entries count as changed.
@@ -37,6 +34,25 @@ void project(const Discs& discs, double* x);
 
 /// To the rim, along the radius, where the state says so.
 void moveToRims(const Discs& discs, const signed char* active, double* x);
+
+/// The part along the tangents is left.
+void maskSlips(const std::vector<Slip>& slipping, double* v);
+
+/// y ← y + f κt(tᵀx), x − c for x where fromCentre.
+void addCurvature(const std::vector<Slip>& slipping, double f, const double* x, bool fromCentre, double* y);
+
+/// nᵀ(x − c) ← r.
+void moveToTangents(const std::vector<Slip>& slipping, double* x);
+
+struct DiscChange {
+  long long active = 0, changed = 0; ///< pairs
+  double violation2 = 0.0;           ///< of the distance outside
+  double wrong2 = 0.0;               ///< of what is left of the gradient at the nearest point of the rim
+};
+
+/// See BoundTraits::updateActiveSet().
+DiscChange update(const Discs& discs, const double* x, const double* g, const DiscUpdate& how, double xNoise,
+                  double gradientNoise, LocalActiveSet& set);
 
 /// The infimum of wᵀx over the discs, and the square of where it is attained.
 void addInfimum(const Discs& discs, const double* w, double& value, double& boundNorm2);

@@ -91,7 +91,11 @@ std::vector<double> EqualityRows<Scalar, MV, OP>::gramOf(const LocalActiveSet* a
 template<class Scalar, class MV, class OP>
 Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::faceGram(const LocalActiveSet& active) const {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  const bool asTheyStand = factors_.empty();
+  // Such a maker knows of entries that are free or not, and of no tangents.
+  const bool slips =
+      problem_.hasDiscs() &&
+      BoundTraits<Scalar, MV>::maximum(*problem_.solution(), active.slipping.empty() ? 0.0 : 1.0) > 0.0;
+  const bool asTheyStand = factors_.empty() && !slips;
   if (asTheyStand && !problem_.faceGram().is_null()) {
     const Teuchos::RCP<MV> free = MVT::Clone(*image_, 1);
     MVT::MvInit(*free, 1.0);

@@ -26,7 +26,7 @@ std::string AutoSolver<Scalar, MV, OP>::choice(const Problem<Scalar, MV, OP>& pr
   if (!problem.hasBounds())
     return "PCPG";
   const bool cheapFaces = !problem.hasEqualities() || !problem.faceGram().is_null();
-  if (problem.hasPreconditioner() && cheapFaces && !problem.hasDiscs())
+  if (problem.hasPreconditioner() && cheapFaces)
     return "PDAS";
   return problem.hasEqualities() ? "SMALBE" : "MPRGP";
 }

@@ -79,8 +79,6 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
   }
   if (this->resumesDelegate())
     return fallBack("in the run before this one");
-  if (this->problem_->hasDiscs())
-    return fallBack("its sets know of no discs");
   const Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = this->makeRows();
   if (rows.is_null())
     return;
@@ -108,7 +106,8 @@ PdasSolver<Scalar, MV, OP>::Run::Run(PdasSolver& solver, EqualityRows<Scalar, MV
   mostSets_ = list.get<int>("Maximum active sets");
   mostKept_ = list.get<int>("Kept directions");
   const std::string first = list.get<std::string>("First active set");
-  firstSet_ = first == "tried"     ? FirstSet::Tried
+  firstSet_ = problem_.hasDiscs()  ? FirstSet::Gradient
+              : first == "tried"   ? FirstSet::Tried
               : first == "nearest" ? FirstSet::Nearest
               : first == "auto"    ? FirstSet::Auto
                                    : FirstSet::Gradient;
@@ -181,6 +180,9 @@ void PdasSolver<Scalar, MV, OP>::Run::describeState() {
     archive.vector("pdas active set", *states);
     if (archive.isReading())
       BT::vectorToActive(*states, set_);
+    if (problem_.hasDiscs())
+      exchangeSlips<Scalar>(archive, "pdas", feasible_, x_, set_);
+    archive.number("pdas slips", change_.slips);
     cg_.exchange(archive);
   });
 }
@@ -353,7 +355,7 @@ template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::aim() {
   counters_.outerIterations = counters_.activeSetUpdates + 1;
   if (!resumed_) {
-    target_ = settled_ ? 0.0 : innerReduction_ * cg_.residualNorm();
+    target_ = settled_ && change_.slips == 0 ? 0.0 : innerReduction_ * cg_.residualNorm();
     stepped_ = false;
     faceSteps_ = 0;
   }
@@ -413,13 +415,17 @@ bool PdasSolver<Scalar, MV, OP>::Run::advance() {
 // The next active set, and what the present iterate is worth.
 template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::look() {
-  if (active_ > 0) // multipliers of active bounds are all that it is asked for
+  if (active_ > 0 ||
+      problem_.hasDiscs()) // multipliers of active bounds are all that it is asked for, and of discs
     cg_.lagrangianGradient(*y_);
   const double epsilon = std::numeric_limits<double>::epsilon();
   const double curvature = cg_.curvatureBound();
   before_ = set_;
-  change_ = BT::updateActiveSet(x_, *y_, feasible_, 10.0 * epsilon * norm<Scalar>(x_),
-                                10.0 * cg_.attainable(), set_);
+  // Slipping pairs go on along their tangents until what is wrong with these counts beside the residual.
+  constexpr double turn = 0.3;
+  change_ =
+      BT::updateActiveSet(x_, *y_, feasible_, 10.0 * epsilon * norm<Scalar>(x_), 10.0 * cg_.attainable(),
+                          set_, {curvature > 0.0 ? 1.0 / curvature : 0.0, turn * cg_.residualNorm()});
   active_ = change_.active;
   // ‖g^P‖ at the projection of x is at most ‖w‖ + ‖multipliers of the wrong sign‖ + ‖A‖‖x − Π(x)‖.
   expected_ = cg_.residualNorm() + std::sqrt(change_.wrongSign2) + curvature * std::sqrt(change_.violation2);
@@ -484,7 +490,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::follows(const std::string& why) {
 // From the best iterate on, sets descend.
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::descends(const std::string& why) {
-  if (descent_.isOn())
+  if (descent_.isOn() || problem_.hasDiscs())
     return false;
   const Teuchos::RCP<MV> present = MVT::CloneCopy(x_);
   MVT::Assign(*best_, x_);
