@@ -373,7 +373,11 @@ bool PdasSolver<Scalar, MV, OP>::Run::descend() {
     }
     if (cg_.returnToRows(state_.equalityDistance))
       state_ = evaluate(cg_.residualNorm(), state_.inner);
-    const std::optional<Reason> reason = solver_.judge(state_);
+    // What is wrong with tangents adds to the residual.
+    IterationState<MV> judged = state_;
+    if (problem_.hasDiscs())
+      judged.projectedGradient *= 2.0;
+    const std::optional<Reason> reason = solver_.judge(judged);
     if (reason && *reason != Reason::Converged) {
       solver_.keepState(*reason);
       state_ = measure(state_.inner, false);
@@ -421,11 +425,13 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
   const double epsilon = std::numeric_limits<double>::epsilon();
   const double curvature = cg_.curvatureBound();
   before_ = set_;
-  // Slipping pairs go on along their tangents until what is wrong with these counts beside the residual.
-  constexpr double turn = 0.3;
+  // Slipping pairs go on along their tangents until what is wrong with all of these counts beside the
+  // residual: of gradients and of distances half of it each at most, so that descend() can judge by twice the
+  // residual.
+  const double turn = 0.5 * cg_.residualNorm() / std::sqrt(std::max(1.0, static_cast<double>(change_.slips)));
   change_ =
       BT::updateActiveSet(x_, *y_, feasible_, 10.0 * epsilon * norm<Scalar>(x_), 10.0 * cg_.attainable(),
-                          set_, {curvature > 0.0 ? 1.0 / curvature : 0.0, turn * cg_.residualNorm()});
+                          set_, {curvature > 0.0 ? 1.0 / curvature : 0.0, turn});
   active_ = change_.active;
   // ‖g^P‖ at the projection of x is at most ‖w‖ + ‖multipliers of the wrong sign‖ + ‖A‖‖x − Π(x)‖.
   expected_ = cg_.residualNorm() + std::sqrt(change_.wrongSign2) + curvature * std::sqrt(change_.violation2);
