@@ -511,6 +511,7 @@ struct BoundTraits<double, SerialVector> {
       }
     return removed;
   }
+  static bool isFit(const V& like, const LocalDiscs& discs) { return discs.length() == like().size(); }
   static BoundFault findBoundFault(const V& like, const Set& feasible) {
     for (std::size_t i = 0; i < like().size(); ++i) {
       if (const Disc* disc = discOf(feasible, i); disc != nullptr && !(disc->radius >= 0.0))

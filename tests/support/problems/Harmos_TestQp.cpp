@@ -295,4 +295,9 @@ DistributedQp::DistributedQp(const SmallQp& qp, qp::EqualityStructure structure)
   problem->setProblem();
 }
 
+void DistributedQp::precondition(const Dense& inverse) const {
+  problem->setPreconditioner(Teuchos::rcp(new DenseOperator(inverse, map, map)));
+  problem->setProblem();
+}
+
 } // namespace Harmos

@@ -75,6 +75,9 @@ std::shared_ptr<const qp::LocalDiscs> localDiscs(const std::vector<qp::Disc>& di
 struct DistributedQp {
   explicit DistributedQp(const SmallQp& qp, qp::EqualityStructure structure = qp::EqualityStructure::General);
 
+  /// @param inverse approximate, of A.
+  void precondition(const Dense& inverse) const;
+
   Teuchos::RCP<const Map> map;
   Teuchos::RCP<MultiVector> solution;
   Teuchos::RCP<MultiVector> multiplier;

@@ -18,9 +18,7 @@ using First = FirstActiveSet<Scalar, MultiVector, Operator>;
 // The guess, entry by entry on all ranks, from a set without active entries.
 std::vector<double> guessOf(const SmallQp& qp, bool* found = nullptr) {
   const DistributedQp distributed(qp);
-  distributed.problem->setPreconditioner(
-      Teuchos::rcp(new DenseOperator(jacobi(qp.a), distributed.map, distributed.map)));
-  EXPECT_TRUE(distributed.problem->setProblem()) << distributed.problem->whyNotSet();
+  distributed.precondition(jacobi(qp.a));
   const Rows rows(*distributed.problem, 100);
   Counters counters;
   LocalActiveSet set(distributed.solution->getLocalLength(), 0);

@@ -56,9 +56,7 @@ Solved solved(const SmallQp& qp, int kept, double tolerance) {
   Dense identity(n, n);
   for (int i = 0; i < n; ++i)
     identity(i, i) = 1.0;
-  distributed.problem->setPreconditioner(
-      Teuchos::rcp(new DenseOperator(identity, distributed.map, distributed.map)));
-  EXPECT_TRUE(distributed.problem->setProblem());
+  distributed.precondition(identity);
   const auto list = Teuchos::parameterList();
   list->set("Convergence Tolerance", tolerance);
   list->sublist("PDAS").set("Kept directions", kept);

@@ -125,9 +125,7 @@ TEST(LifeCycle, auto_follows_the_structure) {
   const auto method = [](const SmallQp& qp, bool preconditioned = false) {
     const DistributedQp distributed(qp);
     if (preconditioned) {
-      distributed.problem->setPreconditioner(
-          Teuchos::rcp(new DenseOperator(jacobi(qp.a), distributed.map, distributed.map)));
-      distributed.problem->setProblem();
+      distributed.precondition(jacobi(qp.a));
     }
     const auto solver = TpetraSolverFactory().create("auto", Teuchos::null);
     solver->setProblem(distributed.problem);

@@ -21,9 +21,7 @@ struct Outcome {
 
 Outcome solved(const SmallQp& qp, double tolerance) {
   const DistributedQp distributed(qp);
-  distributed.problem->setPreconditioner(
-      Teuchos::rcp(new DenseOperator(jacobi(qp.a), distributed.map, distributed.map)));
-  distributed.problem->setProblem();
+  distributed.precondition(jacobi(qp.a));
   const auto list = Teuchos::parameterList();
   list->set("Convergence Tolerance", tolerance);
   const auto solver = TpetraSolverFactory().create("Auto", list);

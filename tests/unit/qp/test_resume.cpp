@@ -50,9 +50,7 @@ Outcome solve(const SmallQp& qp, const Case& item, const Teuchos::RCP<MemoryMoni
               const Teuchos::RCP<Teuchos::ParameterList>& list = Teuchos::parameterList()) {
   const DistributedQp distributed(qp, item.structure);
   if (item.preconditioned) {
-    distributed.problem->setPreconditioner(
-        Teuchos::rcp(new DenseOperator(jacobi(qp.a), distributed.map, distributed.map)));
-    EXPECT_TRUE(distributed.problem->setProblem());
+    distributed.precondition(jacobi(qp.a));
   }
   list->set("Convergence Tolerance", 1e-7);
   for (const auto& [path, value] : item.choices) {

@@ -75,9 +75,7 @@ void compareSteps(bool withDiscs) {
       const SerialRun reference = solveSerially(name, qp, list, preconditioned);
       DistributedQp distributed(qp);
       if (preconditioned) {
-        distributed.problem->setPreconditioner(
-            Teuchos::rcp(new DenseOperator(jacobi(qp.a), distributed.map, distributed.map)));
-        ASSERT_TRUE(distributed.problem->setProblem());
+        distributed.precondition(jacobi(qp.a));
       }
       const auto solver = TpetraSolverFactory().create(name, list);
       solver->setProblem(distributed.problem);

@@ -22,7 +22,7 @@ Patience standstill();
 /// tolerance that an acceptance has come to and what was done with other adaptive vectors than now, and stops
 /// it where patience is over.
 ///
-/// Guarded by tests/unit/feti/test_adaptive_space.cpp, tests/checkpoint.
+/// Guarded by tests/unit/feti/test_adaptive_space.cpp, tests/regression/test_checkpoint.py.
 class SolveWatch : public qp::SolverMonitor<MultiVector> {
  public:
   /// @param asked tolerance. @param tolerance that of now, to outlive this. @param ranks of this run.

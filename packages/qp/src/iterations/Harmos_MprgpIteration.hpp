@@ -136,6 +136,7 @@ class MprgpIteration {
   Next next_ = Next::Ready;
   double hessianNorm_ = 0.0;
   double curvatureScale_ = 0.0;
+  double discSize_ = 0.0;    // the largest there is; none: 0
   double longestStep_ = 0.0; // along p
   double directionDotImage_ = 0.0;
   double decrease_ = 0.0;

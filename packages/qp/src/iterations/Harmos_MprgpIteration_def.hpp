@@ -35,6 +35,7 @@ void MprgpIteration<Scalar, MV>::start(Teuchos::RCP<MV> x, Teuchos::RCP<MV> grad
   active_.clear();
   staleness_ = 0;
   curvatureScale_ = curvatureScale;
+  discSize_ = feasible_.hasDiscs() ? BoundTraits<Scalar, MV>::maximum(*x, feasible_.discs->largest()) : 0.0;
   restart(hessianNorm);
 }
 
@@ -145,9 +146,9 @@ void MprgpIteration<Scalar, MV>::goDown(const MV& direction) {
     const ChangeSums change = BT::change(*x_, *xOld_, *g_, *gOld_);
     double noise =
         10.0 * std::numeric_limits<double>::epsilon() * std::sqrt(change.moved2 * change.gradientNorm2);
-    // Points on rims are there to rounding errors of x, along gradients that do not vanish.
-    if (feasible_.hasDiscs())
-      noise += 10.0 * std::numeric_limits<double>::epsilon() * std::sqrt(sums_.xNorm2 * change.gradientNorm2);
+    // Points on rims are there to rounding errors, along gradients that do not vanish.
+    noise += 10.0 * std::numeric_limits<double>::epsilon() * discSize_ *
+             std::sqrt(static_cast<double>(sums_.active) * change.gradientNorm2);
     if (!(change.cost > noise)) {
       decrease_ -= change.cost;
       return;

@@ -87,7 +87,8 @@ struct BoxInfimum {
   double boundNorm = 0.0; ///< ‖x‖ of the corner where the value is attained
 };
 
-/// A pair l_i > u_i, or a bound that is no number; of a disc, ∓ its radius where that is negative.
+/// A pair l_i > u_i, or a bound that is no number; of a disc, ∓ its radius where that is negative, and no
+/// number where its entries have bounds of their own.
 struct BoundFault {
   bool found = false;
   long long entry = -1; ///< global index, if the vector type has one
@@ -188,6 +189,9 @@ struct BoundTraits {
   /// d ← its projection onto the recession cone: d_i ≥ 0 where there is a lower bound, d_i ≤ 0 where there is
   /// an upper one, d_i = 0 in discs; returns the norm of what was taken away.
   static double projectOntoRecessionCone(MV& d, const FeasibleSet<MV>& feasible);
+
+  /// Whether discs are those of vectors of this length on this rank. Local.
+  static bool isFit(const MV& like, const LocalDiscs& discs);
 
   /// @param like any vector of the set.
   static BoundFault findBoundFault(const MV& like, const FeasibleSet<MV>& feasible);

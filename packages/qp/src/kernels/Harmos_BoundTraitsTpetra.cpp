@@ -462,6 +462,10 @@ double Traits::projectOntoRecessionCone(MultiVector& d, const FeasibleSet<MultiV
   return std::sqrt(removed);
 }
 
+bool Traits::isFit(const MultiVector& like, const LocalDiscs& discs) {
+  return discs.length() == like.getLocalLength();
+}
+
 BoundFault Traits::findBoundFault(const MultiVector& like, const FeasibleSet<MultiVector>& feasible) {
   BoundFault fault;
   if (feasible.isEverything())
@@ -483,11 +487,14 @@ BoundFault Traits::findBoundFault(const MultiVector& like, const FeasibleSet<Mul
         return report(i, box.l[i], box.u[i]);
   });
   for (const Disc& disc : discsOf(feasible)) {
-    const bool isFinite =
+    bool isSound =
         std::isfinite(disc.radius) && std::isfinite(disc.centre[0]) && std::isfinite(disc.centre[1]);
-    if (!isFinite || disc.radius < 0.0)
+    for (int entry : {disc.first, disc.second})
+      isSound = isSound && box.l[static_cast<std::size_t>(entry)] == -infinity &&
+                box.u[static_cast<std::size_t>(entry)] == infinity;
+    if (!isSound || disc.radius < 0.0)
       report(static_cast<std::size_t>(std::min(disc.first, disc.second)),
-             isFinite ? -disc.radius : std::numeric_limits<double>::quiet_NaN(), disc.radius);
+             isSound ? -disc.radius : std::numeric_limits<double>::quiet_NaN(), disc.radius);
   }
   const double found = least(like, first);
   if (found == none)

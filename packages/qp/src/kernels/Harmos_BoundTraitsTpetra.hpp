@@ -47,6 +47,7 @@ struct BoundTraits<Scalar, MultiVector> {
                                          const DiscUpdate& discs = {});
   static BoxInfimum boxInfimum(const MultiVector& w, const FeasibleSet<MultiVector>& feasible);
   static double projectOntoRecessionCone(MultiVector& d, const FeasibleSet<MultiVector>& feasible);
+  static bool isFit(const MultiVector& like, const LocalDiscs& discs);
   static BoundFault findBoundFault(const MultiVector& like, const FeasibleSet<MultiVector>& feasible);
   static void setRandom(MultiVector& x);
   static std::vector<double> gather(const MultiVector& v);

@@ -3,6 +3,9 @@
 
 #include "Harmos_Errors.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace Harmos::qp {
 
 LocalDiscs::LocalDiscs(std::vector<Disc> discs, std::size_t length)
@@ -23,6 +26,13 @@ LocalDiscs::LocalDiscs(std::vector<Disc> discs, std::size_t length)
       others_.emplace_back(begin, end);
     begin = end + 1;
   }
+}
+
+double LocalDiscs::largest() const {
+  double result = 0.0;
+  for (const Disc& disc : discs_)
+    result = std::max(result, std::abs(disc.centre[0]) + std::abs(disc.centre[1]) + disc.radius);
+  return result;
 }
 
 } // namespace Harmos::qp

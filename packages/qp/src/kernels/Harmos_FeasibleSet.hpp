@@ -25,6 +25,8 @@ class LocalDiscs {
   const std::vector<Disc>& discs() const { return discs_; }
   const std::vector<Range>& others() const { return others_; }
   std::size_t length() const { return length_; }
+  /// The largest |c_0| + |c_1| + r: points on rims are where they are to rounding errors of it.
+  double largest() const;
 
  private:
   std::vector<Disc> discs_;
@@ -34,8 +36,8 @@ class LocalDiscs {
 
 /// A product of intervals l ≤ x ≤ u and discs, as BoundTraits take it: what it points to lives elsewhere.
 ///
-/// A null bound is an absent one; entries of ∓∞ are absent bounds too, and those of entries in discs are not
-/// looked at. Discs are null on all ranks, where there are none, or on no rank.
+/// A null bound is an absent one; entries of ∓∞ are absent bounds too, and entries in discs have no others.
+/// Discs are null on all ranks, where there are none, or on no rank.
 template<class MV>
 struct FeasibleSet {
   const MV* lower = nullptr;

@@ -104,12 +104,20 @@ bool Problem<Scalar, MV, OP>::setProblem() {
   for (const Teuchos::RCP<const MV>& bound : {lower_, upper_})
     if (!bound.is_null() && MVT::GetGlobalLength(*bound) != length)
       return refuse("a bound and the solution differ in length");
+  const auto onAnyRank = [&](bool is) {
+    return BoundTraits<Scalar, MV>::maximum(*solution_, is ? 1.0 : 0.0) > 0.0;
+  };
+  if (onAnyRank(hasDiscs()) && onAnyRank(!hasDiscs()))
+    return refuse(
+        "discs are given on some ranks and not on the others: give empty ones where there are none");
+  if (hasDiscs() && onAnyRank(!BoundTraits<Scalar, MV>::isFit(*solution_, *discs_)))
+    return refuse("discs are those of a vector of another length on a rank");
   const BoundFault fault = BoundTraits<Scalar, MV>::findBoundFault(*solution_, feasibleSet());
   if (fault.found && !(fault.lower > fault.upper))
     return refuse(
         "the bounds of entry " + std::to_string(fault.entry) +
         " are not numbers, or a lower one is +infinity or an upper one -infinity; or it is in a disc "
-        "whose centre or radius is not a finite number");
+        "and has bounds of its own, or in one whose centre or radius is not a finite number");
   if (!nullSpace_.is_null() && MVT::GetGlobalLength(*nullSpace_) != length)
     return refuse("the null space and the solution differ in length");
   if (!equality_.is_null() && (equalityValues_.is_null() || multiplier_.is_null()))

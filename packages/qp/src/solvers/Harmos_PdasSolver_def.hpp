@@ -180,9 +180,10 @@ void PdasSolver<Scalar, MV, OP>::Run::describeState() {
     archive.vector("pdas active set", *states);
     if (archive.isReading())
       BT::vectorToActive(*states, set_);
-    if (problem_.hasDiscs())
+    if (problem_.hasDiscs()) {
       exchangeSlips<Scalar>(archive, "pdas", feasible_, x_, set_);
-    archive.number("pdas slips", change_.slips);
+      archive.number("pdas slips", change_.slips);
+    }
     cg_.exchange(archive);
   });
 }
