@@ -8,6 +8,10 @@ namespace Harmos {
 /// A linear condition on physical (untorn) dofs: Σ coefficient · u(dof) ≤ bound, or = bound. One that gives
 /// way under its force: ≤ bound + compliance · λ, or =, as of a layer between two bodies.
 ///
+/// Or an equality whose force is limited, as of friction with a given bound: it holds while |λ| < limit, and
+/// gives way along its force where |λ| = limit. Two limited rows of one disc have a common limit, of √(λ₁² +
+/// λ₂²): the two directions in which surfaces in space may slip. Both are given on the same rank.
+///
 /// What contact and tie conditions are made of before the bodies are torn. Rows of one kind are numbered
 /// 0, 1, ... without gaps over all ranks, each row on exactly one rank: so their order does not depend on the
 /// number of ranks.
@@ -16,7 +20,7 @@ struct ConstraintRow {
     long long dof;
     double coefficient;
   };
-  enum class Kind { Inequality, Equality };
+  enum class Kind { Inequality, Equality, Limited };
 
   Kind kind = Kind::Equality;
   long long number = 0;
@@ -24,6 +28,8 @@ struct ConstraintRow {
   double bound = 0.0;
   double rounding = 0.0;   ///< the bound is known up to this: gaps are differences of coordinates
   double compliance = 0.0; ///< ≥ 0, in units of the bound by those of the multiplier; 0: does not give way
+  double limit = 0.0;      ///< ≥ 0, of limited rows
+  long long disc = -1;     ///< of limited rows: a number that no other pair has; −1: none
 };
 
 } // namespace Harmos

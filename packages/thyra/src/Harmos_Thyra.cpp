@@ -32,7 +32,7 @@ double norm(const MultiVector& x, std::size_t column) {
 }
 
 bool hasInequalities(const feti::FetiSolver& solver) {
-  return solver.constraints().inequalities() > 0;
+  return solver.constraints().inequalities() + solver.constraints().limited() > 0;
 }
 
 } // namespace
@@ -152,7 +152,7 @@ void FetiLinearOpWithSolveFactory::initializeOp(
                       [](const feti::FixedDof& x, const feti::FixedDof& y) { return x.dof == y.dof; });
   };
   const auto sameRow = [](const ConstraintRow& a, const ConstraintRow& b) {
-    return a.kind == b.kind && a.number == b.number && a.terms.size() == b.terms.size() &&
+    return a.kind == b.kind && a.number == b.number && a.disc == b.disc && a.terms.size() == b.terms.size() &&
            std::equal(a.terms.begin(), a.terms.end(), b.terms.begin(),
                       [](const ConstraintRow::Term& x, const ConstraintRow::Term& y) {
                         return x.dof == y.dof && x.coefficient == y.coefficient;

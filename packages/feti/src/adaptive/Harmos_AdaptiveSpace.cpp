@@ -19,12 +19,12 @@
 namespace Harmos::feti {
 namespace {
 
-// 1 for rows of equality.
+// 1 for rows that are equalities whatever their forces are.
 MultiVector equalityMask(const Constraints& constraints) {
   MultiVector mask(constraints.rowMap(), 1);
   const auto view = mask.getLocalViewHost(Tpetra::Access::OverwriteAll);
   for (std::size_t r = 0; r < view.extent(0); ++r)
-    view(r, 0) = constraints.rowType(static_cast<int>(r)) == RowType::Inequality ? 0.0 : 1.0;
+    view(r, 0) = isUnconditional(constraints.rowType(static_cast<int>(r))) ? 1.0 : 0.0;
   return mask;
 }
 

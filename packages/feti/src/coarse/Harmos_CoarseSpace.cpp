@@ -10,6 +10,7 @@
 #include <Teuchos_CommHelpers.hpp>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -105,12 +106,52 @@ CoarseSpace::CoarseSpace(const SubdomainSystem& system, const Constraints& const
   }
   offsets_.resize(localSize(*constraints.rowMap()) + 1, columns_.size());
 
+  padPairs(constraints);
   makePattern();
   if (constraints.hasWeights())
     makeScale();
   factor_ = factorOf(nullptr, 0.0);
   coarseMap_ = Teuchos::rcp(
       new Map(static_cast<Tpetra::global_size_t>(dimension()), 0, comm_, Tpetra::LocallyReplicated));
+}
+
+// Both rows of a disc get entries at the same columns, for slips are sums of them.
+void CoarseSpace::padPairs(const Constraints& constraints) {
+  if (constraints.discs().empty())
+    return;
+  std::vector<std::vector<int>> missing(offsets_.size() - 1);
+  const auto columnsOf = [this](int row) {
+    const auto r = static_cast<std::size_t>(row);
+    return std::pair(columns_.begin() + static_cast<std::ptrdiff_t>(offsets_[r]),
+                     columns_.begin() + static_cast<std::ptrdiff_t>(offsets_[r + 1]));
+  };
+  for (const auto& [first, second] : constraints.discs())
+    for (const auto& [row, other] : {std::pair(first, second), std::pair(second, first)}) {
+      const auto [begin, end] = columnsOf(row);
+      const auto [otherBegin, otherEnd] = columnsOf(other);
+      std::set_difference(otherBegin, otherEnd, begin, end,
+                          std::back_inserter(missing[static_cast<std::size_t>(row)]));
+    }
+  std::vector<std::size_t> offsets = {0};
+  std::vector<int> columns;
+  std::vector<double> values;
+  std::vector<std::pair<int, double>> row;
+  for (std::size_t r = 0; r + 1 < offsets_.size(); ++r) {
+    row.clear();
+    for (std::size_t k = offsets_[r]; k < offsets_[r + 1]; ++k)
+      row.emplace_back(columns_[k], values_[k]);
+    for (int column : missing[r])
+      row.emplace_back(column, 0.0);
+    std::sort(row.begin(), row.end());
+    for (const auto& [column, value] : row) {
+      columns.push_back(column);
+      values.push_back(value);
+    }
+    offsets.push_back(columns.size());
+  }
+  offsets_.swap(offsets);
+  columns_.swap(columns);
+  values_.swap(values);
 }
 
 // Places of G̃G̃ᵀ that any rank fills. Rows of an interface touch the same motions: what they fill is looked
@@ -172,8 +213,21 @@ void CoarseSpace::makeScale() {
 
 // G̃M_FG̃ᵀ at the places of the pattern; the same to the last bit on all ranks, whose decisions must agree.
 template<class Real>
-std::vector<Real> CoarseSpace::gram(const double* mask) const {
+std::vector<Real> CoarseSpace::gram(const double* mask, const std::vector<qp::Slip>* slipping) const {
   std::vector<Real> values(gramRows_.size(), 0.0);
+  std::vector<double> along;
+  static const std::vector<qp::Slip> none;
+  for (const qp::Slip& slip : slipping != nullptr ? *slipping : none) {
+    const auto first = static_cast<std::size_t>(slip.first), second = static_cast<std::size_t>(slip.second);
+    along.clear();
+    for (std::size_t k = 0; k < offsets_[first + 1] - offsets_[first]; ++k)
+      along.push_back(-slip.normal[1] * values_[offsets_[first] + k] +
+                      slip.normal[0] * values_[offsets_[second] + k]);
+    std::size_t pair = firstPlace_[first];
+    for (std::size_t i = 0; i < along.size(); ++i)
+      for (std::size_t j = 0; j <= i; ++j, ++pair)
+        values[static_cast<std::size_t>(gramPlaces_[pair])] += static_cast<Real>(along[i]) * along[j];
+  }
   for (std::size_t r = 0; r + 1 < offsets_.size(); ++r) {
     if (mask != nullptr && mask[r] == 0.0)
       continue;
@@ -197,7 +251,8 @@ std::vector<Real> CoarseSpace::gram(const double* mask) const {
 
 // Where weights differ by orders of magnitude, what many stiff subdomains do together against soft ones is
 // small beside what each does by itself, and would be lost in rounding errors of double precision.
-CoarseFactor CoarseSpace::factorOf(const double* mask, double threshold) const {
+CoarseFactor CoarseSpace::factorOf(const double* mask, double threshold,
+                                   const std::vector<qp::Slip>* slipping) const {
   const auto factored = [&](auto values) {
     // Rows that were left out of G are left out on faces.
     for (int column : factor_.dependent())
@@ -206,14 +261,19 @@ CoarseFactor CoarseSpace::factorOf(const double* mask, double threshold) const {
           values[k] = 0.0;
     return CoarseFactor(kernelDimension_, gramRows_, gramColumns_, values, threshold, mostDense_, scale_);
   };
-  return scale_.empty() ? factored(gram<double>(mask)) : factored(gram<long double>(mask));
+  return scale_.empty() ? factored(gram<double>(mask, slipping))
+                        : factored(gram<long double>(mask, slipping));
 }
 
 CoarseFactor CoarseSpace::faceFactor(const MultiVector& mask) const {
+  return faceFactor(mask, std::vector<qp::Slip>());
+}
+
+CoarseFactor CoarseSpace::faceFactor(const MultiVector& mask, const std::vector<qp::Slip>& slipping) const {
   // What a face takes away may leave pivots that are nothing but rounding errors.
   constexpr double threshold = 1e2 * std::numeric_limits<double>::epsilon();
   const auto view = mask.getLocalViewHost(Tpetra::Access::ReadOnly);
-  return factorOf(view.data(), threshold);
+  return factorOf(view.data(), threshold, &slipping);
 }
 
 std::vector<double> CoarseSpace::solveOnFace(const CoarseFactor& face, const std::vector<double>& r) const {

@@ -177,15 +177,39 @@ DualProblem::DualProblem(const SubdomainSystem& system, const Constraints& const
   projectedD_->update(1.0, *d_, 0.0);
   coarse.project(*projectedD_);
 
-  if (constraints.inequalities() > 0) {
-    lowerBound_ = Teuchos::rcp(new MultiVector(map, 1));
+  makeBounds(constraints);
+}
+
+void DualProblem::makeBounds(const Constraints& constraints) {
+  constexpr double none = std::numeric_limits<double>::infinity();
+  const auto makeBound = [&](auto&& boundOf) {
+    const auto bound = Teuchos::rcp(new MultiVector(constraints.rowMap(), 1));
     const auto shift = shift_->getLocalViewHost(Tpetra::Access::ReadOnly);
-    const auto bound = lowerBound_->getLocalViewHost(Tpetra::Access::OverwriteAll);
-    for (std::size_t r = 0; r < bound.extent(0); ++r)
-      bound(r, 0) = constraints.rowType(static_cast<int>(r)) == RowType::Inequality
-                        ? -shift(r, 0)
-                        : -std::numeric_limits<double>::infinity();
-  }
+    const auto view = bound->getLocalViewHost(Tpetra::Access::OverwriteAll);
+    for (std::size_t r = 0; r < view.extent(0); ++r)
+      view(r, 0) = boundOf(static_cast<int>(r), shift(r, 0));
+    return bound;
+  };
+  if (constraints.inequalities() > 0 || constraints.hasIntervals())
+    lowerBound_ = makeBound([&](int row, double shift) {
+      return constraints.rowType(row) == RowType::Inequality ? -shift
+             : constraints.isInterval(row)                   ? -shift - constraints.limit(row)
+                                                             : -none;
+    });
+  if (constraints.hasIntervals())
+    upperBound_ = makeBound([&](int row, double shift) {
+      return constraints.isInterval(row) ? -shift + constraints.limit(row) : none;
+    });
+  if (!constraints.hasDiscs())
+    return;
+  std::vector<qp::Disc> discs;
+  const auto shift = shift_->getLocalViewHost(Tpetra::Access::ReadOnly);
+  for (const auto& [first, second] : constraints.discs())
+    discs.push_back({first,
+                     second,
+                     {-shift(static_cast<std::size_t>(first), 0), -shift(static_cast<std::size_t>(second), 0)},
+                     constraints.limit(first)});
+  discs_ = std::make_shared<const qp::LocalDiscs>(std::move(discs), shift.extent(0));
 }
 
 } // namespace Harmos::feti

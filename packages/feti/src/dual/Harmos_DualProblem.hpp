@@ -3,9 +3,11 @@
 
 #include "Harmos_CoarseSpace.hpp"
 #include "Harmos_DualOperator.hpp"
+#include "Harmos_FeasibleSet.hpp"
 
 #include <Teuchos_RCP.hpp>
 
+#include <memory>
 #include <vector>
 
 namespace Harmos::feti {
@@ -13,6 +15,8 @@ namespace Harmos::feti {
 /// The dual quadratic program in shifted and projected form (Dostál, Horák, Vlach, eq. 3.5):
 ///
 ///     min ½λᵀPFPλ − λᵀPd   subject to   Gλ = 0,  λ_I ≥ −λ̃_I
+///
+/// and, of limited rows, |λ + λ̃| ≤ limit: intervals and discs about −λ̃,
 ///
 /// with d̃ = BK⁺f − c, ẽ = Rᵀf, λ̃ = G̃ᵀ(G̃G̃ᵀ)⁻¹ẽ, d = d̃ − Fλ̃; the multiplier of the torn problem is λ + λ̃.
 /// Without a kernel there is no G and P = I. Immutable.
@@ -36,8 +40,12 @@ class DualProblem {
   /// Pd.
   Teuchos::RCP<const MultiVector> rhs() const { return projectedD_; }
   const MultiVector& d() const { return *d_; }
-  /// −λ̃_I on inequality rows, −∞ elsewhere; null without inequalities.
+  /// −λ̃_I on inequality rows, −λ̃ − limit on limited ones in no disc, −∞ elsewhere; null without any.
   Teuchos::RCP<const MultiVector> lowerBound() const { return lowerBound_; }
+  /// −λ̃ + limit on limited rows in no disc, ∞ elsewhere; null without any.
+  Teuchos::RCP<const MultiVector> upperBound() const { return upperBound_; }
+  /// Of limited rows; null without any on all ranks.
+  std::shared_ptr<const qp::LocalDiscs> discs() const { return discs_; }
   /// G, or null without a kernel.
   Teuchos::RCP<const Operator> equalityRows() const { return equalityRows_; }
   /// λ̃.
@@ -48,13 +56,16 @@ class DualProblem {
   int setupApplications() const { return setupApplications_; }
 
  private:
+  void makeBounds(const Constraints& constraints);
+
   Teuchos::RCP<const Operator> hessian_;
   Teuchos::RCP<const Operator> hessianOnKernel_;
   Teuchos::RCP<const Operator> equalityRows_;
   Teuchos::RCP<MultiVector> d_;
   Teuchos::RCP<MultiVector> projectedD_;
   Teuchos::RCP<MultiVector> shift_;
-  Teuchos::RCP<MultiVector> lowerBound_;
+  Teuchos::RCP<MultiVector> lowerBound_, upperBound_;
+  std::shared_ptr<const qp::LocalDiscs> discs_;
   double scaledLoadNorm_ = 0.0;
   int setupApplications_ = 0;
 };

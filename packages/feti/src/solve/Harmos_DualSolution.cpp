@@ -47,14 +47,17 @@ class CoarseFaceGram : public qp::FaceGramMaker<MultiVector> {
   explicit CoarseFaceGram(const CoarseSpace& coarse) : coarse_(coarse) {}
 
   Teuchos::RCP<const qp::FaceGram> build(const MultiVector& free) const override {
-    return Teuchos::rcp(new Face(coarse_, free));
+    return Teuchos::rcp(new Face(coarse_, coarse_.faceFactor(free)));
+  }
+  Teuchos::RCP<const qp::FaceGram> buildWithSlips(const MultiVector& free,
+                                                  const std::vector<qp::Slip>& slipping) const override {
+    return Teuchos::rcp(new Face(coarse_, coarse_.faceFactor(free, slipping)));
   }
 
  private:
   class Face : public qp::FaceGram {
    public:
-    Face(const CoarseSpace& coarse, const MultiVector& free)
-        : coarse_(coarse), factor_(coarse.faceFactor(free)) {}
+    Face(const CoarseSpace& coarse, CoarseFactor factor) : coarse_(coarse), factor_(std::move(factor)) {}
     std::vector<double> solve(const std::vector<double>& r) const override {
       return coarse_.solveOnFace(factor_, r);
     }
@@ -240,7 +243,8 @@ void DualSolve::startFrom(const WarmStart& start) {
   const auto lower = dual_.lowerBound()->getLocalViewHost(Tpetra::Access::ReadOnly);
   const auto lambda = solution_.lambda->getLocalViewHost(Tpetra::Access::ReadWrite);
   for (std::size_t k = 0; k < total.extent(0); ++k)
-    if (total(k, 0) == 0.0 && std::isfinite(lower(k, 0)))
+    if (total(k, 0) == 0.0 && std::isfinite(lower(k, 0)) &&
+        stages_.constraints.rowType(static_cast<int>(k)) == RowType::Inequality)
       lambda(k, 0) = lower(k, 0);
 }
 
@@ -360,6 +364,8 @@ void DualSolve::makeProblem(const WarmStart* start) {
       Teuchos::rcp(new qp::TpetraProblem(deflation_ ? hessian_ : dual_.hessian(), solution_.lambda,
                                          deflation_ ? Teuchos::RCP<const MultiVector>(rhs_) : dual_.rhs()));
   problem_->setLowerBound(dual_.lowerBound());
+  problem_->setUpperBound(dual_.upperBound());
+  problem_->setDiscs(dual_.discs());
   if (!dual_.equalityRows().is_null())
     addEquality(start);
   if (!stages_.preconditioner.is_null())

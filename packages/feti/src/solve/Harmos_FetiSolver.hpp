@@ -18,6 +18,8 @@ namespace Harmos::feti {
 ///
 ///     min ½uᵀKu − fᵀu   subject to   copies equal,  B_I u ≤ c_I,  B_E u = c_E
 ///
+/// and equalities whose force is limited, as of friction with a given bound; see ConstraintRow.
+///
 /// What a change costs: of loads, prescribed values and bounds two products with F; of matrices with the same
 /// graphs numerical factorisations and no analysis. Solutions start where those before suggest: see
 /// SolutionHistory.
@@ -47,7 +49,7 @@ class FetiSolver {
   /// For the next solve(); see SubdomainSystem for the arguments and errors. All collective.
   void setLoads(std::vector<std::shared_ptr<const std::vector<double>>> loads);
   void setPrescribed(const std::vector<std::vector<double>>& values);
-  /// @param rows those of the constructor, with other bounds.
+  /// @param rows those of the constructor, with other bounds and limits.
   void setBounds(const std::vector<ConstraintRow>& rows);
   /// @param motions null pointers, or nothing: kernels as they were. Where subdomains that had equal matrices
   /// have not any more, or the other way round, everything is made anew. After a factorisation that fails
@@ -71,6 +73,8 @@ class FetiSolver {
   const KktAudit& audit() const { return audit_; }
   /// Gaps and forces of inequality rows that this rank owns. @note Collective.
   ContactState contact() const { return contactState(*constraints_, solution()); }
+  /// Slips and forces of limited rows that this rank owns. @note Collective.
+  FrictionState friction() const { return frictionState(*constraints_, solution()); }
   /// The forces by which the Dirichlet conditions of each subdomain hold it, see feti::reactions().
   /// @note Collective.
   std::vector<std::vector<double>> reactions() const {

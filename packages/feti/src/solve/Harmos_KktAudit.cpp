@@ -2,6 +2,7 @@
 #include "Harmos_KktAudit.hpp"
 
 #include "Harmos_Exchange.hpp"
+#include "Harmos_RowErrors.hpp"
 
 #include <Tpetra_MultiVector.hpp>
 
@@ -27,13 +28,38 @@ double globalLargest(const Teuchos::Comm<int>& comm, double value) {
   return bad ? std::numeric_limits<double>::quiet_NaN() : result;
 }
 
+// What limited rows say. @param rows Bu − c − Cλ; what is wrong with them is left.
+void auditLimits(const Constraints& constraints, const MultiVector& multiplier, MultiVector& rows,
+                 const Teuchos::Comm<int>& comm, KktAudit& result) {
+  keepErrors(constraints, multiplier, rows);
+  double error = 0.0, excess = 0.0, limit = 0.0;
+  const auto errors = rows.getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto lambda = multiplier.getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto add = [&](int row, double slip, double force) {
+    const double scale = constraints.rowScale(row);
+    error = largerOf(error, slip / scale);
+    excess = largerOf(excess, (force - constraints.limit(row)) * scale);
+    limit = largerOf(limit, constraints.limit(row) * scale);
+  };
+  for (std::size_t r = 0; r < errors.extent(0); ++r)
+    if (constraints.isInterval(static_cast<int>(r)))
+      add(static_cast<int>(r), std::abs(errors(r, 0)), std::abs(lambda(r, 0)));
+  for (const auto& [first, second] : constraints.discs()) {
+    const auto a = static_cast<std::size_t>(first), b = static_cast<std::size_t>(second);
+    add(first, std::hypot(errors(a, 0), errors(b, 0)), std::hypot(lambda(a, 0), lambda(b, 0)));
+  }
+  result.slipError = globalLargest(comm, error);
+  result.limitExcess = globalLargest(comm, excess);
+  result.largestLimit = globalLargest(comm, limit);
+}
+
 // What B, c and λ say; the jump of prescribed values is known.
 void auditRows(const Constraints& constraints, const TornSolution& solution, double fromPrescribed,
                const Teuchos::Comm<int>& comm, KktAudit& result) {
   MultiVector rows(constraints.rowMap(), 1);
   constraints.residual(solution.displacement, *solution.multiplier, rows);
   double jump = fromPrescribed, penetration = 0.0, product = 0.0, work = 0.0, largestForce = 0.0;
-  double leastMultiplier = std::numeric_limits<double>::infinity();
+  double leastMultiplier = std::numeric_limits<double>::infinity(), slipWork = 0.0;
   {
     const auto values = rows.getLocalViewHost(Tpetra::Access::ReadOnly);
     const auto lambda = solution.multiplier->getLocalViewHost(Tpetra::Access::ReadOnly);
@@ -47,10 +73,16 @@ void auditRows(const Constraints& constraints, const TornSolution& solution, dou
         leastMultiplier = smallerOf(leastMultiplier, lambda(r, 0) * scale);
         largestForce = largerOf(largestForce, std::abs(lambda(r, 0) * scale));
         product += lambda(r, 0) * scale * excess;
+      } else if (constraints.rowType(row) == RowType::Limited) {
+        slipWork += lambda(r, 0) * scale * excess;
       } else {
         jump = largerOf(jump, std::abs(excess));
       }
     }
+  }
+  if (constraints.limited() > 0) {
+    auditLimits(constraints, *solution.multiplier, rows, comm, result);
+    result.frictionWork = globalSum(comm, slipWork);
   }
   result.gluingJump = globalLargest(comm, jump);
   result.penetration = globalLargest(comm, penetration);
@@ -154,10 +186,13 @@ bool auditAgrees(const KktAudit& audit, const AuditLimits& limits) {
                        rounding * (audit.displacementEnergy + audit.loadEnergy);
   // Three tolerances; the defect is that of a random load.
   constexpr double typical = 10.0;
+  constexpr double withinLimit = 1e-9; // rounding errors of projections, as where what slips is told
   const double force = isAtRest ? audit.forces
                                 : (0.03 * limits.share + typical * limits.inverseDefect) * audit.forces +
                                       0.1 * rounding * audit.displacementForce;
   return audit.gluingJump <= length + (isAtRest ? limits.boundRounding : 0.0) &&
+         audit.slipError <= length + (isAtRest ? limits.boundRounding : 0.0) &&
+         audit.limitExcess <= withinLimit * audit.largestLimit + rounding * audit.forces &&
          audit.penetration <= length + limits.boundRounding && audit.equilibrium * audit.forces <= force &&
          limits.energyError <= error;
 }
@@ -183,6 +218,25 @@ ContactState contactState(const Constraints& constraints, const TornSolution& so
     const double scale = constraints.rowScale(row);
     state.row.push_back(static_cast<long long>(constraints.rowMap()->getGlobalElement(row)));
     state.gap.push_back(-values(r, 0) / scale);
+    state.force.push_back(lambda(r, 0) * scale);
+  }
+  return state;
+}
+
+FrictionState frictionState(const Constraints& constraints, const TornSolution& solution) {
+  MultiVector rows(constraints.rowMap(), 1);
+  constraints.residual(solution.displacement, *solution.multiplier, rows);
+  const auto values = rows.getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto lambda = solution.multiplier->getLocalViewHost(Tpetra::Access::ReadOnly);
+  FrictionState state;
+  for (std::size_t r = 0; r < values.extent(0); ++r) {
+    const int row = static_cast<int>(r);
+    if (constraints.rowType(row) != RowType::Limited)
+      continue;
+    const double scale = constraints.rowScale(row);
+    state.row.push_back(static_cast<long long>(constraints.rowMap()->getGlobalElement(row)) -
+                        constraints.inequalities());
+    state.slip.push_back(values(r, 0) / scale);
     state.force.push_back(lambda(r, 0) * scale);
   }
   return state;

@@ -13,6 +13,12 @@ struct KktAudit {
   double penetration = 0.0;          ///< max (B_I u − c_I − Cλ_I)₊
   double minContactMultiplier = 0.0; ///< min λ_I, 0 without inequalities
   double complementarity = 0.0;      ///< |λ_Iᵀ(B_I u − c_I)|
+  /// Of limited rows, pair by pair: the largest Δs = Bu − c − Cλ where |λ| is below its limit; where it is
+  /// not, of what is left of Δs without its part along λ.
+  double slipError = 0.0;
+  double limitExcess = 0.0;   ///< max (|λ| − limit)₊
+  double largestLimit = 0.0;  ///< of limited rows
+  double frictionWork = 0.0;  ///< Σ λᵀΔs of limited rows, which is dissipated
   double primalEnergy = 0.0;         ///< ½uᵀKu − fᵀu, physical K and f (no trivial equations)
   /// ½uᵀKu − fᵀu + λᵀ(Bu − c): the same at the solution, but stationary there. Jumps of the order ε change
   /// the primal energy by λᵀ(Bu − c), of the order ε; the error of this is of the order ε².
@@ -44,7 +50,8 @@ struct AuditLimits {
   double energyShare = 0.0;   ///< of the energy norm
 };
 /// Whether an audit bears out an answer: jumps and penetrations are at most a share of the largest
-/// displacement, penetrations beside what the bounds are known to; the error in the energy norm, where it was
+/// displacement, penetrations beside what the bounds are known to; so are slips that are none, and forces
+/// keep within their limits to rounding; the error in the energy norm, where it was
 /// estimated, is at most a share of its own of that of the solution, beside rounding. Forces are out of
 /// balance by three tolerances, 0.03 of the share, at most: the solver leaves ‖G̃λ − ẽ‖ ≤ ε‖λ‖ on rigid
 /// motions, for ‖G‖ = 1 and ‖G̃‖ ≤ ‖B‖ = 1, and with weights the same in other units; beside what inverses and
@@ -59,6 +66,16 @@ double auditShare(double tolerance);
 /// The same for the error in the energy norm, whose estimate is sharp to a factor of two: 30. An answer does
 /// not depend on the way to it by more, whatever the solver, and energies not by more than 1000 ε².
 double energyErrorShare(double tolerance);
+
+/// Physical values of each owned limited row, in the order of rowMap(): Δs = Bu − c − Cλ and λ.
+struct FrictionState {
+  std::vector<long long> row; ///< number of the given row
+  std::vector<double> slip;
+  std::vector<double> force;
+};
+
+/// @note Collective.
+FrictionState frictionState(const Constraints& constraints, const TornSolution& solution);
 
 /// Physical value of each owned inequality row, in the order of rowMap(): the gap c_I − B_I u, with rows that
 /// give way what is left of it, c_I + Cλ_I − B_I u, and the contact force λ_I.

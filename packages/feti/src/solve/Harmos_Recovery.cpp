@@ -3,6 +3,7 @@
 
 #include "Harmos_Agreement.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_RowErrors.hpp"
 
 #include <Tpetra_MultiVector.hpp>
 
@@ -86,11 +87,11 @@ TornSolution recover(const SubdomainSystem& system, const Constraints& constrain
   std::vector<double> rhs(static_cast<std::size_t>(coarse.kernelDimension()), 0.0);
   {
     const auto gap = residual.getLocalViewHost(Tpetra::Access::ReadOnly);
-    const auto values = total->getLocalViewHost(Tpetra::Access::ReadOnly);
+    const std::vector<char> isEquation = holdAsEquations(constraints, *total);
     const auto mask = holds.getLocalViewHost(Tpetra::Access::OverwriteAll);
     for (std::size_t r = 0; r < gap.extent(0); ++r) {
       const int row = static_cast<int>(r);
-      mask(r, 0) = constraints.rowType(row) == RowType::Inequality && !(values(r, 0) > 0.0) ? 0.0 : 1.0;
+      mask(r, 0) = isEquation[r];
       if (mask(r, 0) == 0.0)
         continue;
       double remaining = gap(r, 0);

@@ -4,6 +4,7 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_DofCopies.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_GivenRows.hpp"
 #include "Harmos_GluingRows.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_SortRuns.hpp"
@@ -24,7 +25,10 @@ namespace Harmos::feti {
 namespace {
 
 using Details::Copy;
+using Details::CopyTerm;
 using Details::DofCopies;
+using Details::dofText;
+using Details::GivenRow;
 using Details::GluingRows;
 using RowEntry = Details::RowEntry;
 
@@ -35,6 +39,8 @@ struct RowHead {
   double scale;
   double compliance;
   int type;
+  double limit = 0.0;
+  long long disc = -1;
 };
 
 using Importer = Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>;
@@ -46,31 +52,33 @@ std::vector<double> brought(const MultiVector& rows, const Importer& importer) {
   return {view.data(), view.data() + view.extent(0)};
 }
 
+Copy lowestOf(Copy lowest, const std::vector<CopyTerm>& terms) {
+  for (const CopyTerm& term : terms)
+    if (term.copy.subdomain < lowest.subdomain)
+      lowest = term.copy;
+  return lowest;
+}
+
 struct RowBuilder {
   explicit RowBuilder(std::size_t ranks) : entries(ranks), held(ranks), leans(ranks), heads(ranks) {}
 
-  struct Term {
-    Copy copy;
-    double value;
-  };
+  // A row belongs to the rank of its lowest subdomain.
+  void add(const RowHead& head, const std::vector<CopyTerm>& terms) {
+    add(head, terms, lowestOf(terms.front().copy, terms).rank);
+  }
 
   // @param acts false: a row without entries.
-  void add(const RowHead& head, const std::vector<Term>& terms, bool acts = true) {
-    const Term* lowest = &terms.front();
-    for (const Term& term : terms)
-      if (term.copy.subdomain < lowest->copy.subdomain)
-        lowest = &term;
-    const int owner = lowest->copy.rank;
+  void add(const RowHead& head, const std::vector<CopyTerm>& terms, int owner, bool acts = true) {
     if (acts)
-      for (const Term& term : terms)
+      for (const CopyTerm& term : terms)
         entries[static_cast<std::size_t>(term.copy.rank)].push_back(
             {head.row, term.value, term.copy.place, term.copy.local, owner});
     heads[static_cast<std::size_t>(owner)].push_back(head);
   }
 
   // What a given row is at prescribed dofs, scaled like the rest of it.
-  void addHeld(long long row, const std::vector<Term>& terms) {
-    for (const Term& term : terms)
+  void addHeld(long long row, const std::vector<CopyTerm>& terms) {
+    for (const CopyTerm& term : terms)
       held[static_cast<std::size_t>(term.copy.rank)].push_back(
           {row, term.value, term.copy.place, term.copy.local, 0});
   }
@@ -80,10 +88,6 @@ struct RowBuilder {
   double rounding2 = 0.0; // of scaled bounds, squares
   std::vector<std::vector<RowHead>> heads;
 };
-
-std::string dofText(const Copy& copy) {
-  return "dof " + std::to_string(copy.dof) + " (subdomain " + std::to_string(copy.subdomain) + ")";
-}
 
 // Rows that follow from the copies alone.
 // @return the first row of each dof.
@@ -96,7 +100,7 @@ std::map<long long, long long> addGluingAndDirichlet(const DofCopies::Table& tab
     for (const Copy& copy : item.second)
       largest = std::max(largest, copy.fixed != 0 ? std::abs(copy.value) : 0.0);
   const double same = 1e-12 * largest;
-  std::vector<RowBuilder::Term> terms;
+  std::vector<CopyTerm> terms;
   for (const auto& item : table) {
     const std::vector<Copy>& copies = item.second;
     const Copy* fixed = nullptr;
@@ -141,199 +145,43 @@ long long countGluingAndDirichlet(const DofCopies::Table& table, DirichletForm f
   return count;
 }
 
-// A row of prescribed values alone has to hold already: no force can change it. What is left of its bound.
-double requireMet(const ConstraintRow& row, const std::map<long long, double>& coefficients,
-                  const DofCopies::Table& copies) {
-  double value = 0.0, size = std::abs(row.bound);
-  for (const auto& [dof, coefficient] : coefficients)
-    for (const Copy& copy : copies.at(dof))
-      if (copy.fixed != 0) {
-        value += coefficient * copy.value;
-        size = std::max(size, std::abs(coefficient * copy.value));
-        break;
-      }
-  const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
-  const double excess = inequality ? value - row.bound : std::abs(value - row.bound);
-  // Prescribed values and gaps come from decks and coordinates.
-  if (excess > std::max(1e-9 * size, row.rounding))
-    throw InputError("prescribed displacements contradict " +
-                         std::string(inequality ? "a contact or an obstacle" : "a tie") +
-                         ": constraint row " + std::to_string(row.number) + " (" +
-                         dofText(copies.at(coefficients.begin()->first).front()) +
-                         ") holds prescribed values alone, and they violate it by " + scientific(excess) +
-                         "; free a component there or move the obstacle",
-                     {{"row", std::to_string(row.number)}});
-  return -excess;
+RowType typeOf(ConstraintRow::Kind kind) {
+  return kind == ConstraintRow::Kind::Inequality ? RowType::Inequality
+         : kind == ConstraintRow::Kind::Limited  ? RowType::Limited
+                                                 : RowType::Equality;
 }
 
-// Of the rows that are left, in the order given: inequalities first.
-std::vector<long long> globalNumbers(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRow>& rows,
-                                     const std::vector<char>& isTaken, long long inequalities,
-                                     long long equalities) {
-  std::vector<long long> numbers;
-  long long taken = 0;
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    numbers.push_back(rows[r].kind == ConstraintRow::Kind::Inequality ? rows[r].number
-                                                                      : inequalities + rows[r].number);
-    taken += isTaken[r];
-  }
-  if (globalSum(comm, taken) == 0)
-    return numbers;
-  // Those with lower numbers are counted where ranges of numbers meet.
-  const long long width = equalities / comm.getSize() + 1;
-  std::vector<std::vector<long long>> questions(static_cast<std::size_t>(comm.getSize()));
-  std::vector<std::vector<std::size_t>> asking(questions.size());
-  for (std::size_t r = 0; r < rows.size(); ++r)
-    if (rows[r].kind == ConstraintRow::Kind::Equality && !isTaken[r]) {
-      const auto rank = static_cast<std::size_t>(rows[r].number / width);
-      questions[rank].push_back(rows[r].number);
-      asking[rank].push_back(r);
-    }
-  std::vector<std::vector<long long>> answers = exchangeItems(comm, questions);
-  std::map<long long, long long> order;
-  for (const std::vector<long long>& part : answers)
-    for (long long number : part)
-      order[number] = 0;
-  long long next = inequalities + exclusiveScan(comm, static_cast<long long>(order.size()));
-  for (auto& item : order)
-    item.second = next++;
-  for (std::vector<long long>& part : answers)
-    for (long long& number : part)
-      number = order.at(number);
-  answers = exchangeItems(comm, answers);
-  for (std::size_t rank = 0; rank < answers.size(); ++rank)
-    for (std::size_t k = 0; k < answers[rank].size(); ++k)
-      numbers[asking[rank][k]] = answers[rank][k];
-  return numbers;
-}
-
-// By name: a dof named twice counts once, with the sum, and so do dofs that are united; of what cancels
-// there, rounding errors are left.
-std::map<long long, double> coefficientsOf(const ConstraintRow& row, const DofCopies::Answers& answers) {
-  constexpr double rounding = 1e-12; // as where contact rows are compared
-  std::map<long long, double> sums, sizes;
-  for (const ConstraintRow::Term& term : row.terms) {
-    if (answers.of(term.dof) == nullptr)
-      throw InputError("constraint row " + std::to_string(row.number) + " names dof " +
-                           std::to_string(term.dof) + ", which is not an interface dof of any subdomain",
-                       {{"dof", std::to_string(term.dof)}});
-    sums[answers.name.at(term.dof)] += term.coefficient;
-    sizes[answers.name.at(term.dof)] += std::abs(term.coefficient);
-  }
-  for (const ConstraintRow::Term& term : row.terms)
-    if (const long long name = answers.name.at(term.dof);
-        answers.isUnited(term.dof) && std::abs(sums[name]) <= rounding * sizes[name])
-      sums[name] = 0.0;
-  return sums;
-}
-
-bool namesUnited(const ConstraintRow& row, const DofCopies::Answers& answers) {
-  return std::any_of(row.terms.begin(), row.terms.end(), [&](const ConstraintRow::Term& term) {
-    return term.coefficient != 0.0 && answers.isUnited(term.dof);
-  });
-}
-
-// A row between dofs that others hold together has to hold already, as between two bodies that touch where
-// both are tied to a third one.
-void requireJoined(const ConstraintRow& row, const Copy& copy) {
-  const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
-  const double excess = inequality ? -row.bound : std::abs(row.bound);
-  if (excess > row.rounding)
-    throw InputError("ties contradict " + std::string(inequality ? "a contact" : "a tie") +
-                         ": constraint row " + std::to_string(row.number) + " (" + dofText(copy) +
-                         ") is between dofs that are tied to each other, and they violate it by " +
-                         scientific(excess) + "; leave the place out of one of them",
-                     {{"row", std::to_string(row.number)}});
-}
-
-// A given row by the copies of its dofs, not yet scaled.
-struct GivenRow {
-  std::vector<RowBuilder::Term> terms, held; ///< with unknowns; at prescribed values
-  double norm2 = 0.0;                        ///< bD⁻¹bᵀ
-  double bound = 0.0;
-  bool hasUnknown = false;
-  bool isIdle = false; ///< no force of its own moves anything
+// Given rows of a rank on their way to B.
+struct GivenRows {
+  std::vector<GivenRow> rows;  // those that are not taken
+  std::vector<double> lengths; // squares
+  std::vector<int> owners;
 };
 
-// A prescribed value is no unknown: its share goes to the bound (equality rows may be added to any row), or
-// the force of the row would move the trivial equation. A row of prescribed values alone stays as it is.
-GivenRow byCopies(const ConstraintRow& row, const std::map<long long, double>& coefficients,
-                  const DofCopies::Table& copies) {
-  GivenRow result;
-  result.bound = row.bound;
-  const auto fixedCopyOf = [&](long long dof) -> const Copy* {
-    const std::vector<Copy>& all = copies.at(dof);
-    const auto found = std::find_if(all.begin(), all.end(), [](const Copy& copy) { return copy.fixed != 0; });
-    return found == all.end() ? nullptr : &*found;
-  };
-  result.hasUnknown = std::any_of(coefficients.begin(), coefficients.end(), [&](const auto& term) {
-    return term.second != 0.0 && fixedCopyOf(term.first) == nullptr;
-  });
-  for (const auto& [dof, coefficient] : coefficients) {
-    const std::vector<Copy>& all = copies.at(dof);
-    double whole = 0.0;
-    for (const Copy& copy : all)
-      whole += copy.weight;
-    const Copy* fixed = fixedCopyOf(dof);
-    for (const Copy& copy : all) {
-      const double share = coefficient * copy.weight / whole;
-      if (fixed != nullptr)
-        result.held.push_back({copy, share});
-      if (fixed != nullptr && result.hasUnknown)
-        continue;
-      result.terms.push_back({copy, share});
-      result.norm2 += share * share / copy.weight;
-    }
-    if (fixed != nullptr && result.hasUnknown)
-      result.bound -= coefficient * fixed->value;
+// Rows of a disc have one length, or it would be none, and one owner.
+GivenRows given(const std::vector<ConstraintRow>& rows, const std::vector<char>& isTaken,
+                const DofCopies::Answers& answers, DirichletForm form, double unit, double softness) {
+  GivenRows result;
+  std::vector<Copy> lowest(rows.size());
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    GivenRow& row = result.rows.emplace_back();
+    result.lengths.push_back(0.0);
+    if (isTaken[r])
+      continue;
+    row = Details::givenRow(rows[r], answers, form, softness);
+    result.lengths.back() = row.norm2 + row.compliance * unit;
+    lowest[r] = lowestOf((row.terms.empty() ? row.held : row.terms).front().copy, row.terms);
   }
+  for (const auto& [first, second] : Details::discsOf(rows)) {
+    result.lengths[first] = result.lengths[second] = 0.5 * (result.lengths[first] + result.lengths[second]);
+    for (std::size_t r : {first, second})
+      for (const std::vector<CopyTerm>* part : {&result.rows[r].terms, &result.rows[r].held})
+        lowest[first] = lowestOf(lowest[first], *part);
+    lowest[second] = lowest[first];
+  }
+  for (const Copy& copy : lowest)
+    result.owners.push_back(copy.rank);
   return result;
-}
-
-// Σ coefficient · value over prescribed dofs.
-double ofPrescribed(const std::map<long long, double>& coefficients, const DofCopies::Table& copies) {
-  double sum = 0.0;
-  for (const auto& [dof, coefficient] : coefficients)
-    for (const Copy& copy : copies.at(dof))
-      if (copy.fixed != 0) {
-        sum += coefficient * copy.value;
-        break;
-      }
-  return sum;
-}
-
-// A row that no force can change has to hold already; one that gives way bears a force all the same, which is
-// known.
-void settle(GivenRow& given, const ConstraintRow& row, const std::map<long long, double>& coefficients,
-            const DofCopies::Answers& answers, DirichletForm form) {
-  const DofCopies::Table& copies = answers.copies;
-  const bool isJoined = given.norm2 == 0.0 && namesUnited(row, answers);
-  if (!(given.norm2 > 0.0 || isJoined) || !std::isfinite(given.norm2) || !std::isfinite(given.bound))
-    throw InputError("constraint row " + std::to_string(row.number) +
-                     " is zero or not finite; check its coefficients and its gap");
-  if (!(row.compliance >= 0.0) || !std::isfinite(row.compliance))
-    throw InputError("constraint row " + std::to_string(row.number) + " has a compliance of " +
-                         scientific(row.compliance) + "; it has to be zero or more, and finite",
-                     {{"row", std::to_string(row.number)}});
-  if (given.hasUnknown)
-    return;
-  if (row.compliance > 0.0) {
-    given.isIdle = true;
-    given.bound -= ofPrescribed(coefficients, copies);
-    given.norm2 = isJoined ? 1.0 : given.norm2;
-  } else if (isJoined) {
-    requireJoined(row, copies.at(coefficients.begin()->first).front());
-    given.isIdle = true;
-    given.bound = 0.0;
-    given.norm2 = 1.0;
-  } else {
-    const double left = requireMet(row, coefficients, copies);
-    // Beside the rows of its dofs' prescribed values it would be a dependent one, which the preconditioner
-    // could not tell from those.
-    const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
-    given.isIdle = inequality && form == DirichletForm::Dual;
-    given.bound = given.isIdle ? std::max(0.0, left) : given.bound;
-  }
 }
 
 // @param unit the stiffness of a weight of one, by which compliances are scaled; 0 without weights.
@@ -341,27 +189,24 @@ void settle(GivenRow& given, const ConstraintRow& row, const std::map<long long,
 std::vector<Details::MultiplierTerm> addGiven(const std::vector<ConstraintRow>& rows,
                                               const std::vector<char>& isTaken,
                                               const std::vector<long long>& numbers, const DofCopies& dofs,
-                                              const DofCopies::Answers& answers, DirichletForm form,
-                                              double unit, RowBuilder& builder) {
+                                              const DofCopies::Answers& answers, GivenRows given,
+                                              RowBuilder& builder) {
   std::vector<Details::MultiplierTerm> multipliers;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     if (isTaken[r])
       continue;
     const ConstraintRow& row = rows[r];
-    const std::map<long long, double> coefficients = coefficientsOf(row, answers);
-    GivenRow given = byCopies(row, coefficients, answers.copies);
-    settle(given, row, coefficients, answers, form);
-    const double scale = 1.0 / std::sqrt(given.norm2 + row.compliance * unit);
-    for (std::vector<RowBuilder::Term>* part : {&given.terms, &given.held})
-      for (RowBuilder::Term& term : *part)
+    GivenRow& part = given.rows[r];
+    const double scale = 1.0 / std::sqrt(given.lengths[r]);
+    for (std::vector<CopyTerm>* terms : {&part.terms, &part.held})
+      for (CopyTerm& term : *terms)
         term.value *= scale;
     const long long number = numbers[r];
     multipliers.push_back({static_cast<int>(r), number, scale});
-    const RowType type =
-        row.kind == ConstraintRow::Kind::Inequality ? RowType::Inequality : RowType::Equality;
-    builder.add({number, scale * given.bound, scale, row.compliance * scale * scale, static_cast<int>(type)},
-                given.terms, !given.isIdle);
-    builder.addHeld(number, given.held);
+    builder.add({number, scale * part.bound, scale, part.compliance * scale * scale,
+                 static_cast<int>(typeOf(row.kind)), row.limit / scale, row.disc},
+                part.terms, given.owners[r], !part.isIdle);
+    builder.addHeld(number, part.held);
     for (const ConstraintRow::Term& term : row.terms)
       if (answers.isUnited(term.dof)) {
         const long long name = answers.name.at(term.dof);
@@ -372,16 +217,19 @@ std::vector<Details::MultiplierTerm> addGiven(const std::vector<ConstraintRow>& 
   return multipliers;
 }
 
-void checkNumbers(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRow>& rows,
-                  ConstraintRow::Kind kind, long long count) {
-  long long most = -1, least = 0;
-  for (const ConstraintRow& row : rows)
-    if (row.kind == kind) {
-      most = std::max(most, row.number);
-      least = std::min(least, row.number);
-    }
-  if (globalMax(comm, most) + 1 > count || globalMin(comm, least) < 0)
-    throw InputError("constraint rows of one kind must be numbered 0, 1, ... without gaps over all ranks");
+// Places of the rows of each disc among those that are sorted.
+std::vector<std::array<int, 2>> pairsOf(const std::vector<RowHead>& heads) {
+  std::map<long long, std::vector<int>> places;
+  for (std::size_t r = 0; r < heads.size(); ++r)
+    if (heads[r].disc >= 0)
+      places[heads[r].disc].push_back(static_cast<int>(r));
+  std::vector<std::array<int, 2>> pairs;
+  for (const auto& item : places) {
+    HARMOS_REQUIRE(item.second.size() == 2, "a disc has not two rows on the rank that owns them");
+    pairs.push_back({item.second[0], item.second[1]});
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
 }
 
 } // namespace
@@ -397,22 +245,20 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   const Teuchos::Comm<int>& comm = *system.comm();
   const auto ranks = static_cast<std::size_t>(comm.getSize());
 
-  long long mine[2] = {0, 0};
-  for (const ConstraintRow& row : rows)
-    ++mine[row.kind == ConstraintRow::Kind::Inequality ? 0 : 1];
-  inequalities_ = globalSum(comm, mine[0]);
-  const long long equalities = globalSum(comm, mine[1]);
-  checkNumbers(comm, rows, ConstraintRow::Kind::Inequality, inequalities_);
-  checkNumbers(comm, rows, ConstraintRow::Kind::Equality, equalities);
+  const Details::GivenCounts counts = Details::countGiven(comm, rows);
+  inequalities_ = counts.inequalities;
+  limited_ = counts.limited;
+  const long long givenRows = inequalities_ + limited_ + counts.equalities;
+  const double softness = limited_ > 0 ? Details::meanSoftness(system) : 0.0;
 
   DofCopies dofs(system, rows, weights_.ofDofs);
   const std::vector<char> isTaken = dofs.unite(rows, hasWeights_);
-  const std::vector<long long> numbers = globalNumbers(comm, rows, isTaken, inequalities_, equalities);
+  const std::vector<long long> numbers = Details::numbersOfGiven(comm, rows, isTaken, counts);
   const long long taken =
       globalSum(comm, static_cast<long long>(std::count(isTaken.begin(), isTaken.end(), 1)));
   const long long fromCopies = countGluingAndDirichlet(dofs.here(), system.dirichletForm());
-  const long long firstRow = inequalities_ + equalities - taken + exclusiveScan(comm, fromCopies);
-  dualDimension_ = inequalities_ + equalities - taken + globalSum(comm, fromCopies);
+  const long long firstRow = givenRows - taken + exclusiveScan(comm, fromCopies);
+  dualDimension_ = givenRows - taken + globalSum(comm, fromCopies);
 
   const DofCopies::Answers answers = dofs.ask(rows);
   RowBuilder builder(ranks);
@@ -420,8 +266,9 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   std::vector<Details::MultiplierTerm> multipliers;
   agree(comm, [&] {
     gluing = addGluingAndDirichlet(dofs.here(), system.dirichletForm(), firstRow, builder);
-    multipliers =
-        addGiven(rows, isTaken, numbers, dofs, answers, system.dirichletForm(), weights_.unit, builder);
+    multipliers = addGiven(rows, isTaken, numbers, dofs, answers,
+                           given(rows, isTaken, answers, system.dirichletForm(), weights_.unit, softness),
+                           builder);
   });
   if (taken > 0)
     for (const std::vector<Details::MultiplierTerm>& part :
@@ -441,7 +288,11 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
     scales_.push_back(head.scale);
     bounds_.push_back(head.bound);
     compliances_.push_back(head.compliance);
+    limits_.push_back(head.limit);
+    isInterval_.push_back(types_.back() == RowType::Limited && head.disc < 0 ? 1 : 0);
   }
+  discs_ = pairsOf(heads);
+  discCount_ = limited_ > 0 ? globalSum(comm, static_cast<long long>(discs_.size())) : 0;
 
   std::vector<std::pair<long long, int>> overlap; // row, owner
   for (const std::vector<RowEntry>& part : entries)
@@ -518,7 +369,7 @@ Constraints::bySubdomain(const std::vector<std::vector<RowEntry>>& entries,
 void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
   const Constraints changed(system_, rows, hasWeights_, weights_);
   agree(*system_.comm(), [&] {
-    if (changed.types_ != types_ || changed.entries_ != entries_ || changed.compliances_ != compliances_ ||
+    if (changed.types_ != types_ || changed.entries_ != entries_ || changed.compliances_ != compliances_ || changed.discs_ != discs_ ||
         !changed.rowMap_->isLocallyFitted(*rowMap_))
       throw InputError(
           "constraint rows are given new bounds, but their number, kinds, dofs coefficients or compliances "
@@ -528,6 +379,7 @@ void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
           "constraints are needed");
   });
   bounds_ = changed.bounds_;
+  limits_ = changed.limits_;
 }
 
 void Constraints::addBt(int subdomain, const double* overlap, double* t) const {

@@ -10,6 +10,7 @@
 #include <Tpetra_Export_fwd.hpp>
 #include <Tpetra_Import_fwd.hpp>
 
+#include <array>
 #include <map>
 #include <vector>
 
@@ -29,10 +30,16 @@ struct RowEntry {
 /// What a row of B stands for.
 enum class RowType {
   Inequality, ///< B_I u ≤ c_I
+  Limited,    ///< an equality given by the application, whose force is limited
   Equality,   ///< a tie or another equality given by the application
   Gluing,     ///< copies of a dof are equal
   Dirichlet   ///< a prescribed value, Total FETI only
 };
+
+/// Whether rows of a type hold as equations whatever their multipliers are.
+inline bool isUnconditional(RowType type) {
+  return type != RowType::Inequality && type != RowType::Limited;
+}
 
 /// The constraints B = [B_I; B_E], c of the torn problem, distributed by rows. B is immutable; c may be set
 /// anew.
@@ -59,9 +66,10 @@ enum class RowType {
 ///  - with DirichletForm::Dual each fixed copy gets a row u = g and no gluing row, which would depend on
 ///  those.
 ///
-/// Global row numbers: given inequalities, given equalities, then gluing and Dirichlet rows by dof number.
+/// Global row numbers: given inequalities, limited rows, equalities, then gluing and Dirichlet rows by dof number.
 /// They do not depend on the number of ranks, and neither do the rows. A row is owned by the rank of the
-/// lowest of its subdomains.
+/// lowest of its subdomains; the two rows of a disc by that of both. They are scaled alike, by the mean of
+/// their lengths, so that a disc stays one.
 ///
 /// Guarded by tests/unit/feti/test_constraints.cpp.
 class Constraints {
@@ -85,8 +93,8 @@ class Constraints {
   Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows,
               RowWeights weights = RowWeights::None);
 
-  /// New bounds c of the rows that were given, and of what the system prescribes now.
-  /// @param rows those given to the constructor, with other bounds.
+  /// New bounds c and limits of the rows that were given, and of what the system prescribes now.
+  /// @param rows those given to the constructor, with other bounds and limits.
   /// @throws InputError on all ranks if they differ in more, and as the constructor. @note Collective.
   void setBounds(const std::vector<ConstraintRow>& rows);
 
@@ -114,6 +122,15 @@ class Constraints {
   double bound(int row) const { return bounds_[static_cast<std::size_t>(row)]; }
   /// C of the scaled row: compliance · scale².
   double compliance(int row) const { return compliances_[static_cast<std::size_t>(row)]; }
+  /// Of a limited row, scaled like its multiplier: limit / scale.
+  double limit(int row) const { return limits_[static_cast<std::size_t>(row)]; }
+  /// Pairs of owned rows, each of a disc; by rising rows.
+  const std::vector<std::array<int, 2>>& discs() const { return discs_; }
+  /// Whether there are discs, and limited rows in none, on any rank.
+  bool hasDiscs() const { return discCount_ > 0; }
+  bool hasIntervals() const { return limited_ > 2 * discCount_; }
+  /// Whether an owned row is limited and in no disc.
+  bool isInterval(int row) const { return isInterval_[static_cast<std::size_t>(row)] != 0; }
   /// Whether any row gives way, on any rank.
   bool hasCompliance() const { return hasCompliance_; }
 
@@ -122,6 +139,7 @@ class Constraints {
 
   long long dualDimension() const { return dualDimension_; }
   long long inequalities() const { return inequalities_; }
+  long long limited() const { return limited_; }
 
   /// y = Bu. @note Collective.
   void applyB(const TornVector& u, MultiVector& y) const;
@@ -179,10 +197,13 @@ class Constraints {
   std::vector<RowType> types_;
   std::vector<double> scales_;
   std::vector<double> bounds_;
-  std::vector<double> compliances_;
+  std::vector<double> compliances_, limits_;
+  std::vector<std::array<int, 2>> discs_;
+  std::vector<char> isInterval_;
+  long long discCount_ = 0;
   bool hasCompliance_ = false;
   long long dualDimension_ = 0;
-  long long inequalities_ = 0;
+  long long inequalities_ = 0, limited_ = 0;
   double boundRounding_ = 0.0;
 };
 

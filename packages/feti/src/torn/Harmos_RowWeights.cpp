@@ -35,6 +35,19 @@ Weights stiffnessWeights(const SubdomainSystem& system) {
   return {std::move(weights), smallest};
 }
 
+double meanSoftness(const SubdomainSystem& system) {
+  double sums[2] = {0.0, 0.0};
+  for (int i = 0; i < system.size(); ++i) {
+    const std::vector<double> diagonal = system.subdomain(i).stiffness->diagonal();
+    for (int local : *system.subdomain(i).interface) {
+      sums[0] += diagonal[static_cast<std::size_t>(local)];
+      sums[1] += 1.0;
+    }
+  }
+  const double stiffness = globalSum(*system.comm(), sums[0]), dofs = globalSum(*system.comm(), sums[1]);
+  return std::max(dofs, 1.0) / std::max(stiffness, std::numeric_limits<double>::min());
+}
+
 } // namespace Details
 
 double stiffnessContrast(const SubdomainSystem& system) {
@@ -66,19 +79,10 @@ double stiffnessContrast(const SubdomainSystem& system) {
 }
 
 double complianceContrast(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows) {
-  double sums[2] = {0.0, 0.0}, largest = 0.0;
-  for (int i = 0; i < system.size(); ++i) {
-    const std::vector<double> diagonal = system.subdomain(i).stiffness->diagonal();
-    for (int local : *system.subdomain(i).interface) {
-      sums[0] += diagonal[static_cast<std::size_t>(local)];
-      sums[1] += 1.0;
-    }
-  }
+  double largest = 0.0;
   for (const ConstraintRow& row : rows)
     largest = std::max(largest, row.compliance);
-  const Teuchos::Comm<int>& comm = *system.comm();
-  const double stiffness = globalSum(comm, sums[0]), dofs = globalSum(comm, sums[1]);
-  return 1.0 + globalMax(comm, largest) * stiffness / std::max(dofs, 1.0);
+  return 1.0 + globalMax(*system.comm(), largest) / Details::meanSoftness(system);
 }
 
 } // namespace Harmos::feti

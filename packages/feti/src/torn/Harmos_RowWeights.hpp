@@ -31,6 +31,9 @@ struct Weights {
   double unit = 0.0;                       ///< the stiffness that a weight of one stands for
 };
 
+/// One over the mean of the diagonal of K at interface dofs. @note Collective.
+double meanSoftness(const SubdomainSystem& system);
+
 /// The diagonal of K at interface dofs, relative to the smallest. @note Collective.
 Weights stiffnessWeights(const SubdomainSystem& system);
 } // namespace Details

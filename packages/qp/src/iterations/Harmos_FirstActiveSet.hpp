@@ -19,6 +19,8 @@ namespace Harmos::qp {
 /// forces of contact hold what nothing else holds. Strains are those of equal springs, one a row; the
 /// active sets that follow mend what they are wrong about. Without loads s has no influence.
 ///
+/// Pairs that stay in discs are free: what moves bodies as a whole is more than friction, as a rule.
+///
 /// Guarded by tests/unit/qp/test_first_active_set.cpp.
 template<class Scalar, class MV, class OP>
 class FirstActiveSet {
@@ -41,6 +43,9 @@ class FirstActiveSet {
   bool find(LocalActiveSet& set, long long& active) {
     if (!(scale() > 0.0))
       return false;
+    for (signed char& state : set)
+      state = state == LocalActiveSet::onRim || state == LocalActiveSet::slips ? 0 : state;
+    set.slipping.clear();
     const Teuchos::RCP<MV> z = MVT::Clone(b_, 1);
     MVT::MvAddMv(1.0 / stiffness_, b_, 0.0, b_, *z);
     return nearest_.find(*z, mostSets, set, active) != NearestFeasible<Scalar, MV, OP>::Outcome::None;

@@ -29,9 +29,9 @@ class NearestFeasible {
     None       ///< the equalities cannot be met on the set to begin with
   };
 
-  /// @param rows orthonormal, or none. Both to outlive this.
+  /// Discs are left out: Π is piecewise linear. @param rows orthonormal, or none. Both to outlive this.
   NearestFeasible(const Problem<Scalar, MV, OP>& problem, const EqualityRows<Scalar, MV, OP>& rows)
-      : feasible_(problem.feasibleSet()),
+      : feasible_{problem.lowerBound().get(), problem.upperBound().get(), nullptr},
         rows_(rows),
         x_(MVT::Clone(*problem.rhs(), 1)),
         v_(MVT::Clone(*x_, 1)),

@@ -91,16 +91,23 @@ std::vector<double> EqualityRows<Scalar, MV, OP>::gramOf(const LocalActiveSet* a
 template<class Scalar, class MV, class OP>
 Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::faceGram(const LocalActiveSet& active) const {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  // Such a maker knows of entries that are free or not, and of no tangents.
   const bool slips =
       problem_.hasDiscs() &&
       BoundTraits<Scalar, MV>::maximum(*problem_.solution(), active.slipping.empty() ? 0.0 : 1.0) > 0.0;
-  const bool asTheyStand = factors_.empty() && !slips;
-  if (asTheyStand && !problem_.faceGram().is_null()) {
+  if (factors_.empty() && !problem_.faceGram().is_null()) {
     const Teuchos::RCP<MV> free = MVT::Clone(*image_, 1);
     MVT::MvInit(*free, 1.0);
-    BoundTraits<Scalar, MV>::maskActive(*free, active);
-    return problem_.faceGram()->build(*free);
+    if (!slips) {
+      BoundTraits<Scalar, MV>::maskActive(*free, active);
+      return problem_.faceGram()->build(*free);
+    }
+    LocalActiveSet held = active;
+    std::replace(held.begin(), held.end(), LocalActiveSet::slips, LocalActiveSet::onRim);
+    held.slipping.clear();
+    BoundTraits<Scalar, MV>::maskActive(*free, held);
+    const Teuchos::RCP<const FaceGram> gram = problem_.faceGram()->buildWithSlips(*free, active.slipping);
+    if (!gram.is_null())
+      return gram;
   }
   const auto rows = static_cast<int>(MVT::GetGlobalLength(*values_));
   // The rows are orthonormal before they are restricted: pivots are relative to 1.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_BoundTraits.hpp"
 #include "Harmos_PivotedCholesky.hpp"
 
 #include <Teuchos_RCP.hpp>
@@ -30,6 +31,13 @@ class FaceGramMaker {
 
   /// @param free 1 at free entries, 0 elsewhere. @note Collective.
   virtual Teuchos::RCP<const FaceGram> build(const MV& free) const = 0;
+
+  /// The same where pairs slip along their rims: their entries are not free, but t of each is. Null: not
+  /// known. @note Collective.
+  virtual Teuchos::RCP<const FaceGram> buildWithSlips(const MV& /*free*/,
+                                                      const std::vector<Slip>& /*slipping*/) const {
+    return Teuchos::null;
+  }
 };
 
 /// The general one: a dense matrix.

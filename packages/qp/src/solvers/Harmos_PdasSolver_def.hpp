@@ -106,7 +106,8 @@ PdasSolver<Scalar, MV, OP>::Run::Run(PdasSolver& solver, EqualityRows<Scalar, MV
   mostSets_ = list.get<int>("Maximum active sets");
   mostKept_ = list.get<int>("Kept directions");
   const std::string first = list.get<std::string>("First active set");
-  firstSet_ = problem_.hasDiscs()  ? FirstSet::Gradient
+  const bool hasIntervals = feasible_.anyBound() != nullptr;
+  firstSet_ = !hasIntervals        ? FirstSet::Gradient
               : first == "tried"   ? FirstSet::Tried
               : first == "nearest" ? FirstSet::Nearest
               : first == "auto"    ? FirstSet::Auto
@@ -227,7 +228,8 @@ bool PdasSolver<Scalar, MV, OP>::Run::isAtAllBounds(double scale) {
     const Teuchos::RCP<MV> none = MVT::Clone(x_, 1);
     MVT::MvInit(*none, 0.0);
     LocalActiveSet active;
-    return BT::updateActiveSet(x, *none, feasible_, 0.0, 0.0, active).active;
+    const FeasibleSet<MV> bounds = {feasible_.lower, feasible_.upper, nullptr};
+    return BT::updateActiveSet(x, *none, bounds, 0.0, 0.0, active).active;
   };
   constexpr double beyond = 1e100, rounding = 1e-10; // all bounds; of an entry
   const double slack = std::max(std::numeric_limits<double>::min(),

@@ -3,6 +3,7 @@
 
 #include "Harmos_Exchange.hpp"
 #include "Harmos_KktAudit.hpp"
+#include "Harmos_RowErrors.hpp"
 
 #include <Tpetra_MultiVector.hpp>
 
@@ -69,17 +70,7 @@ void AnswerCheck::recover(const MultiVector& lambda, const std::vector<double>& 
 double AnswerCheck::solverError() const {
   MultiVector jumps(stages_.constraints.rowMap(), 1), forces(stages_.constraints.rowMap(), 1);
   stages_.constraints.residual(torn_.displacement, *torn_.multiplier, jumps);
-  {
-    const auto lambda = torn_.multiplier->getLocalViewHost(Tpetra::Access::ReadOnly);
-    const auto view = jumps.getLocalViewHost(Tpetra::Access::ReadWrite);
-    for (std::size_t r = 0; r < view.extent(0); ++r) {
-      const int row = static_cast<int>(r);
-      const bool isOpen =
-          stages_.constraints.rowType(row) == feti::RowType::Inequality && !(lambda(r, 0) > 0.0);
-      if (isOpen)
-        view(r, 0) = std::max(view(r, 0), 0.0);
-    }
-  }
+  feti::keepErrors(stages_.constraints, *torn_.multiplier, jumps);
   extension_->apply(jumps, forces);
   std::vector<double> product(1);
   jumps.dot(forces, Teuchos::arrayViewFromVector(product));

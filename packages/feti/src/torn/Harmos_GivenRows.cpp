@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_GivenRows.hpp"
+
+#include "Harmos_Errors.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_Log.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace Harmos::feti::Details {
+
+std::string dofText(const Copy& copy) {
+  return "dof " + std::to_string(copy.dof) + " (subdomain " + std::to_string(copy.subdomain) + ")";
+}
+
+long long GivenCounts::first(ConstraintRow::Kind kind) const {
+  return kind == ConstraintRow::Kind::Inequality ? 0
+         : kind == ConstraintRow::Kind::Limited  ? inequalities
+                                                 : inequalities + limited;
+}
+
+namespace {
+
+void checkNumbers(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRow>& rows,
+                  ConstraintRow::Kind kind, long long count) {
+  long long most = -1, least = 0;
+  for (const ConstraintRow& row : rows)
+    if (row.kind == kind) {
+      most = std::max(most, row.number);
+      least = std::min(least, row.number);
+    }
+  if (globalMax(comm, most) + 1 > count || globalMin(comm, least) < 0)
+    throw InputError("constraint rows of one kind must be numbered 0, 1, ... without gaps over all ranks");
+}
+
+// A row of prescribed values alone has to hold already: no force can change it. What is left of its bound.
+double requireMet(const ConstraintRow& row, const std::map<long long, double>& coefficients,
+                  const DofCopies::Table& copies) {
+  double value = 0.0, size = std::abs(row.bound);
+  for (const auto& [dof, coefficient] : coefficients)
+    for (const Copy& copy : copies.at(dof))
+      if (copy.fixed != 0) {
+        value += coefficient * copy.value;
+        size = std::max(size, std::abs(coefficient * copy.value));
+        break;
+      }
+  const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
+  const double excess = inequality ? value - row.bound : std::abs(value - row.bound);
+  // Prescribed values and gaps come from decks and coordinates.
+  if (excess > std::max(1e-9 * size, row.rounding))
+    throw InputError("prescribed displacements contradict " +
+                         std::string(inequality ? "a contact or an obstacle" : "a tie") +
+                         ": constraint row " + std::to_string(row.number) + " (" +
+                         dofText(copies.at(coefficients.begin()->first).front()) +
+                         ") holds prescribed values alone, and they violate it by " + scientific(excess) +
+                         "; free a component there or move the obstacle",
+                     {{"row", std::to_string(row.number)}});
+  return -excess;
+}
+
+// By name: a dof named twice counts once, with the sum, and so do dofs that are united; of what cancels
+// there, rounding errors are left.
+std::map<long long, double> coefficientsOf(const ConstraintRow& row, const DofCopies::Answers& answers) {
+  constexpr double rounding = 1e-12; // as where contact rows are compared
+  std::map<long long, double> sums, sizes;
+  for (const ConstraintRow::Term& term : row.terms) {
+    if (answers.of(term.dof) == nullptr)
+      throw InputError("constraint row " + std::to_string(row.number) + " names dof " +
+                           std::to_string(term.dof) + ", which is not an interface dof of any subdomain",
+                       {{"dof", std::to_string(term.dof)}});
+    sums[answers.name.at(term.dof)] += term.coefficient;
+    sizes[answers.name.at(term.dof)] += std::abs(term.coefficient);
+  }
+  for (const ConstraintRow::Term& term : row.terms)
+    if (const long long name = answers.name.at(term.dof);
+        answers.isUnited(term.dof) && std::abs(sums[name]) <= rounding * sizes[name])
+      sums[name] = 0.0;
+  return sums;
+}
+
+bool namesUnited(const ConstraintRow& row, const DofCopies::Answers& answers) {
+  return std::any_of(row.terms.begin(), row.terms.end(), [&](const ConstraintRow::Term& term) {
+    return term.coefficient != 0.0 && answers.isUnited(term.dof);
+  });
+}
+
+// A row between dofs that others hold together has to hold already, as between two bodies that touch where
+// both are tied to a third one.
+void requireJoined(const ConstraintRow& row, const Copy& copy) {
+  const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
+  const double excess = inequality ? -row.bound : std::abs(row.bound);
+  if (excess > row.rounding)
+    throw InputError("ties contradict " + std::string(inequality ? "a contact" : "a tie") +
+                         ": constraint row " + std::to_string(row.number) + " (" + dofText(copy) +
+                         ") is between dofs that are tied to each other, and they violate it by " +
+                         scientific(excess) + "; leave the place out of one of them",
+                     {{"row", std::to_string(row.number)}});
+}
+
+// A prescribed value is no unknown: its share goes to the bound (equality rows may be added to any row), or
+// the force of the row would move the trivial equation. A row of prescribed values alone stays as it is.
+GivenRow byCopies(const ConstraintRow& row, const std::map<long long, double>& coefficients,
+                  const DofCopies::Table& copies) {
+  GivenRow result;
+  result.bound = row.bound;
+  const auto fixedCopyOf = [&](long long dof) -> const Copy* {
+    const std::vector<Copy>& all = copies.at(dof);
+    const auto found = std::find_if(all.begin(), all.end(), [](const Copy& copy) { return copy.fixed != 0; });
+    return found == all.end() ? nullptr : &*found;
+  };
+  result.hasUnknown = std::any_of(coefficients.begin(), coefficients.end(), [&](const auto& term) {
+    return term.second != 0.0 && fixedCopyOf(term.first) == nullptr;
+  });
+  for (const auto& [dof, coefficient] : coefficients) {
+    const std::vector<Copy>& all = copies.at(dof);
+    double whole = 0.0;
+    for (const Copy& copy : all)
+      whole += copy.weight;
+    const Copy* fixed = fixedCopyOf(dof);
+    for (const Copy& copy : all) {
+      const double share = coefficient * copy.weight / whole;
+      if (fixed != nullptr)
+        result.held.push_back({copy, share});
+      if (fixed != nullptr && result.hasUnknown)
+        continue;
+      result.terms.push_back({copy, share});
+      result.norm2 += share * share / copy.weight;
+    }
+    if (fixed != nullptr && result.hasUnknown)
+      result.bound -= coefficient * fixed->value;
+  }
+  return result;
+}
+
+// Σ coefficient · value over prescribed dofs.
+double ofPrescribed(const std::map<long long, double>& coefficients, const DofCopies::Table& copies) {
+  double sum = 0.0;
+  for (const auto& [dof, coefficient] : coefficients)
+    for (const Copy& copy : copies.at(dof))
+      if (copy.fixed != 0) {
+        sum += coefficient * copy.value;
+        break;
+      }
+  return sum;
+}
+
+void requireNumbers(const ConstraintRow& row) {
+  const std::string name = "constraint row " + std::to_string(row.number);
+  const auto require = [&](double value, const char* what) {
+    if (!(value >= 0.0) || !std::isfinite(value))
+      throw InputError(name + " has a " + what + " of " + scientific(value) +
+                           "; it has to be zero or more, and finite",
+                       {{"row", std::to_string(row.number)}});
+  };
+  require(row.compliance, "compliance");
+  require(row.limit, "limit");
+}
+
+// No force of a row without unknowns moves anything.
+void settle(GivenRow& given, const ConstraintRow& row, const std::map<long long, double>& coefficients,
+            const DofCopies::Answers& answers, DirichletForm form, double softness) {
+  const DofCopies::Table& copies = answers.copies;
+  const bool isJoined = given.norm2 == 0.0 && namesUnited(row, answers);
+  if (!(given.norm2 > 0.0 || isJoined) || !std::isfinite(given.norm2) || !std::isfinite(given.bound))
+    throw InputError("constraint row " + std::to_string(row.number) +
+                     " is zero or not finite; check its coefficients and its gap");
+  requireNumbers(row);
+  given.compliance = row.compliance;
+  if (given.hasUnknown)
+    return;
+  const bool isLimited = row.kind == ConstraintRow::Kind::Limited;
+  // Slips that bodies themselves undo when the force is the limit are a thousand times as large.
+  constexpr double small = 1e-3;
+  if (isLimited && row.compliance == 0.0)
+    given.compliance = small * softness;
+  if (given.compliance > 0.0) {
+    given.isIdle = true;
+    given.bound -= ofPrescribed(coefficients, copies);
+    given.norm2 = isJoined ? 1.0 : given.norm2;
+    if (isLimited && std::abs(given.bound) <= row.rounding)
+      given.bound = 0.0;
+  } else if (isJoined) {
+    requireJoined(row, copies.at(coefficients.begin()->first).front());
+    given.isIdle = true;
+    given.bound = 0.0;
+    given.norm2 = 1.0;
+  } else {
+    const double left = requireMet(row, coefficients, copies);
+    // Beside the rows of its dofs' prescribed values it would be a dependent one, which the preconditioner
+    // could not tell from those.
+    const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
+    given.isIdle = inequality && form == DirichletForm::Dual;
+    given.bound = given.isIdle ? std::max(0.0, left) : given.bound;
+  }
+}
+
+} // namespace
+
+GivenCounts countGiven(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRow>& rows) {
+  std::array<long long, 3> mine = {0, 0, 0};
+  for (const ConstraintRow& row : rows)
+    ++mine[row.kind == ConstraintRow::Kind::Inequality ? 0 : row.kind == ConstraintRow::Kind::Limited ? 1 : 2];
+  const GivenCounts counts = {globalSum(comm, mine[0]), globalSum(comm, mine[1]), globalSum(comm, mine[2])};
+  checkNumbers(comm, rows, ConstraintRow::Kind::Inequality, counts.inequalities);
+  checkNumbers(comm, rows, ConstraintRow::Kind::Limited, counts.limited);
+  checkNumbers(comm, rows, ConstraintRow::Kind::Equality, counts.equalities);
+  return counts;
+}
+
+GivenRow givenRow(const ConstraintRow& row, const DofCopies::Answers& answers, DirichletForm form,
+                  double softness) {
+  const std::map<long long, double> coefficients = coefficientsOf(row, answers);
+  GivenRow given = byCopies(row, coefficients, answers.copies);
+  settle(given, row, coefficients, answers, form, softness);
+  return given;
+}
+
+std::vector<std::array<std::size_t, 2>> discsOf(const std::vector<ConstraintRow>& rows) {
+  std::map<long long, std::vector<std::size_t>> places;
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (rows[r].kind == ConstraintRow::Kind::Limited && rows[r].disc >= 0)
+      places[rows[r].disc].push_back(r);
+  std::vector<std::array<std::size_t, 2>> pairs;
+  for (const auto& [disc, members] : places) {
+    if (members.size() != 2 || rows[members[0]].limit != rows[members[1]].limit)
+      throw InputError("disc " + std::to_string(disc) + " of limited rows has " +
+                           std::to_string(members.size()) +
+                           " of them on this rank; give two rows of one limit, on the same rank",
+                       {{"disc", std::to_string(disc)}});
+    pairs.push_back({members[0], members[1]});
+  }
+  return pairs;
+}
+
+std::vector<long long> numbersOfGiven(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRow>& rows,
+                                      const std::vector<char>& isTaken, const GivenCounts& counts) {
+  std::vector<long long> numbers;
+  long long taken = 0;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    numbers.push_back(counts.first(rows[r].kind) + rows[r].number);
+    taken += isTaken[r];
+  }
+  if (globalSum(comm, taken) == 0)
+    return numbers;
+  // Those with lower numbers are counted where ranges of numbers meet.
+  const long long width = counts.equalities / comm.getSize() + 1;
+  std::vector<std::vector<long long>> questions(static_cast<std::size_t>(comm.getSize()));
+  std::vector<std::vector<std::size_t>> asking(questions.size());
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (rows[r].kind == ConstraintRow::Kind::Equality && !isTaken[r]) {
+      const auto rank = static_cast<std::size_t>(rows[r].number / width);
+      questions[rank].push_back(rows[r].number);
+      asking[rank].push_back(r);
+    }
+  std::vector<std::vector<long long>> answers = exchangeItems(comm, questions);
+  std::map<long long, long long> order;
+  for (const std::vector<long long>& part : answers)
+    for (long long number : part)
+      order[number] = 0;
+  long long next = counts.first(ConstraintRow::Kind::Equality) +
+                   exclusiveScan(comm, static_cast<long long>(order.size()));
+  for (auto& item : order)
+    item.second = next++;
+  for (std::vector<long long>& part : answers)
+    for (long long& number : part)
+      number = order.at(number);
+  answers = exchangeItems(comm, answers);
+  for (std::size_t rank = 0; rank < answers.size(); ++rank)
+    for (std::size_t k = 0; k < answers[rank].size(); ++k)
+      numbers[asking[rank][k]] = answers[rank][k];
+  return numbers;
+}
+
+} // namespace Harmos::feti::Details
