@@ -2,6 +2,7 @@
 #include "Harmos_ContactPoint.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"
+#include "Harmos_PointAlgebra.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +16,25 @@ constexpr double leastComponent = 1e-14;
 
 bool isMine(const Teuchos::Comm<int>& comm, std::size_t row) {
   return row % static_cast<std::size_t>(comm.getSize()) == static_cast<std::size_t>(comm.getRank());
+}
+
+// Σ weight · direction · u.
+void addTerms(const ContactPoint& point, const fem::Point& direction, int components, ConstraintRow& row) {
+  for (const ContactPoint::Term& term : point.terms)
+    for (int c = 0; c < components; ++c) {
+      const double along = components == 1 ? 1.0 : direction[static_cast<std::size_t>(c)];
+      if (std::abs(along) > leastComponent)
+        row.terms.push_back({term.node * components + c, term.weight * along});
+    }
+}
+
+// Gaps are differences of coordinates; some thousand times their rounding errors.
+double roundingOf(const std::vector<ContactPoint>& points) {
+  double largest = 0.0;
+  for (const ContactPoint& point : points)
+    for (double coordinate : point.position)
+      largest = std::max(largest, std::abs(coordinate));
+  return 1e-12 * largest;
 }
 
 bool isHeldOnBothSides(const ContactPoint& point, int components, int component,
@@ -50,11 +70,7 @@ std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
                                        const std::vector<ContactPoint>& points, int components,
                                        long long firstNumber) {
   HARMOS_REQUIRE(components >= 1 && components <= 3, "a node has one to three dofs");
-  // Gaps are differences of coordinates; some thousand times their rounding errors.
-  double largest = 0.0;
-  for (const ContactPoint& point : points)
-    for (double coordinate : point.position)
-      largest = std::max(largest, std::abs(coordinate));
+  const double rounding = roundingOf(points);
   std::vector<ConstraintRow> rows;
   for (std::size_t k = 0; k < points.size(); ++k) {
     if (!isMine(comm, k))
@@ -63,15 +79,44 @@ std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
     row.kind = ConstraintRow::Kind::Inequality;
     row.number = firstNumber + static_cast<long long>(k);
     row.bound = points[k].gap;
-    row.rounding = 1e-12 * largest;
-    for (const ContactPoint::Term& term : points[k].terms)
-      for (int c = 0; c < components; ++c) {
-        const double direction = components == 1 ? 1.0 : points[k].normal[static_cast<std::size_t>(c)];
-        if (std::abs(direction) > leastComponent)
-          row.terms.push_back({term.node * components + c, term.weight * direction});
-      }
+    row.rounding = rounding;
+    addTerms(points[k], points[k].normal, components, row);
     rows.push_back(row);
   }
+  return rows;
+}
+
+std::array<fem::Point, 2> tangentsTo(const fem::Point& normal, int components) {
+  if (components == 2)
+    return {fem::Point{-normal[1], normal[0], 0.0}, fem::Point{}};
+  std::size_t farthest = 0;
+  for (std::size_t d = 1; d < 3; ++d)
+    if (std::abs(normal[d]) < std::abs(normal[farthest]))
+      farthest = d;
+  fem::Point axis{};
+  axis[farthest] = 1.0;
+  const fem::Point across = cross(normal, axis);
+  const fem::Point first = scaled(1.0 / norm(across), across);
+  return {first, cross(normal, first)};
+}
+
+std::vector<ConstraintRow> slipRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points,
+                                    const std::vector<SlipPoint>& slips, int components) {
+  HARMOS_REQUIRE(components == 2 || components == 3, "only elastic bodies slip");
+  const double rounding = roundingOf(points);
+  const int tangents = components - 1;
+  std::vector<ConstraintRow> rows;
+  for (std::size_t k = 0; k < slips.size(); ++k)
+    for (int t = 0; t < tangents && isMine(comm, k); ++t) {
+      ConstraintRow row;
+      row.kind = ConstraintRow::Kind::Limited;
+      row.number = static_cast<long long>(k) * tangents + t;
+      row.rounding = rounding;
+      row.limit = slips[k].limit;
+      row.disc = tangents == 2 ? static_cast<long long>(k) : -1;
+      addTerms(points[slips[k].point], slips[k].tangents[static_cast<std::size_t>(t)], components, row);
+      rows.push_back(row);
+    }
   return rows;
 }
 

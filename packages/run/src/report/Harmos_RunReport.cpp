@@ -32,23 +32,29 @@ nlohmann::ordered_json toJson(const StepRow& row) {
        {"step", "products", "active_sets", "closed", "open", "sticking", "slipping", "broken"})
     json[name] = static_cast<long long>(json[name].get<double>());
   json["converged"] = row.converged;
-  for (const auto& [path, resultant] : row.forces)
+  for (const Forces::Of& effect : row.forces)
     for (std::size_t d = 0; d < 3; ++d)
-      json[path + "/f" + "xyz"[d]] = number(resultant.force[d]);
+      json[effect.path + "/f" + "xyz"[d]] = number(effect.resultant.force[d]);
   return json;
 }
 
 nlohmann::ordered_json auditJson(const RunReport& report) {
   if (!report.audited)
     return nullptr;
-  return {{"equilibrium", number(report.audit.equilibrium)},
-          {"gluing_jump", number(report.audit.gluingJump)},
-          {"penetration", number(report.audit.penetration)},
-          {"min_contact_multiplier", number(report.audit.minContactMultiplier)},
-          {"complementarity", number(report.audit.complementarity)},
-          {"largest_displacement", number(report.audit.largestDisplacement)},
-          {"largest_contact_multiplier", number(report.audit.largestMultiplier)},
-          {"balance", number(report.forces.balance)}};
+  nlohmann::ordered_json json = {{"equilibrium", number(report.audit.equilibrium)},
+                                 {"gluing_jump", number(report.audit.gluingJump)},
+                                 {"penetration", number(report.audit.penetration)},
+                                 {"min_contact_multiplier", number(report.audit.minContactMultiplier)},
+                                 {"complementarity", number(report.audit.complementarity)},
+                                 {"largest_displacement", number(report.audit.largestDisplacement)},
+                                 {"largest_contact_multiplier", number(report.audit.largestMultiplier)},
+                                 {"balance", number(report.forces.balance)}};
+  if (report.limited > 0) {
+    json["slip_error"] = number(report.audit.slipError);
+    json["limit_excess"] = number(report.audit.limitExcess);
+    json["friction_work"] = number(report.audit.frictionWork);
+  }
+  return json;
 }
 
 double ratio(double value, double scale) {
@@ -70,6 +76,8 @@ std::string toJson(const RunReport& report) {
   json["primal_dimension"] = report.primalDimension;
   json["dual_dimension"] = report.dualDimension;
   json["inequalities"] = report.inequalities;
+  if (report.limited > 0)
+    json["friction_rows"] = report.limited;
   json["kernel_dimension"] = report.kernelDimension;
   json["coarse_dimension"] = report.coarseDimension;
   json["adaptive_vectors"] = report.adaptiveVectors;
@@ -109,8 +117,14 @@ std::string toJson(const RunReport& report) {
   json["audit_agrees"] =
       report.audited ? nlohmann::ordered_json(auditAgrees(report)) : nlohmann::ordered_json(nullptr);
   json["forces"] = nlohmann::ordered_json::object();
-  for (const auto& [path, resultant] : report.forces.effects)
-    json["forces"][path] = {{"force", numbers(resultant.force)}, {"moment", numbers(resultant.moment)}};
+  for (const Forces::Of& effect : report.forces.effects) {
+    nlohmann::ordered_json& entry = json["forces"][effect.path];
+    entry = {{"force", numbers(effect.resultant.force)}, {"moment", numbers(effect.resultant.moment)}};
+    if (effect.hasFriction) {
+      entry["normal"] = numbers(effect.normal);
+      entry["tangential"] = numbers(effect.tangential);
+    }
+  }
   json["steps"] = nlohmann::ordered_json::array();
   for (const StepRow& row : report.steps)
     json["steps"].push_back(toJson(row));
@@ -149,6 +163,11 @@ StepRow stepRow(const RunReport& report, const EnergyAccount& energy) {
   row.closed = std::count_if(report.contact.begin(), report.contact.end(),
                              [](const ContactState& point) { return point.closed; });
   row.open = static_cast<long long>(report.contact.size()) - row.closed;
+  for (const ContactState& point : report.contact) {
+    row.sticking += point.friction == Friction::Sticks ? 1 : 0;
+    row.slipping += point.friction == Friction::Slips ? 1 : 0;
+  }
+  row.dissipated = energy.dissipated();
   row.forces = report.forces.effects;
   return row;
 }
@@ -172,6 +191,10 @@ std::string auditText(const RunReport& report) {
     text << "  penetration    max (B_I u - c_I)+          " << scientific(audit.penetration) << "\n"
          << "  least contact multiplier                   " << scientific(audit.minContactMultiplier) << "\n"
          << "  complementarity |lambda_I'(B_I u - c_I)|   " << scientific(audit.complementarity) << "\n";
+  if (report.limited > 0)
+    text << "  slip           |slip beside friction|      " << scientific(audit.slipError) << "\n"
+         << "  friction beyond its limit                  " << scientific(audit.limitExcess) << "\n"
+         << "  work of friction                           " << scientific(audit.frictionWork) << "\n";
   text << "  energy  u'Ku/2 - f'u + lambda'(Bu - c)     " << scientific(audit.energy, 12);
   return text.str();
 }

@@ -7,6 +7,7 @@
 #include "Harmos_EnergyAccount.hpp"
 #include "Harmos_Forces.hpp"
 #include "Harmos_KktAudit.hpp"
+#include "Harmos_SlipStates.hpp"
 #include "Harmos_StepTable.hpp"
 
 #include <map>
@@ -25,6 +26,7 @@ struct RunReport : feti::SolveReport {
   long long primalDimension = 0;
   long long dualDimension = 0;
   long long inequalities = 0;
+  long long limited = 0; ///< rows of friction
   int kernelDimension = 0;
   int coarseDimension = 0;
   long long subdomains = 0;
@@ -53,6 +55,7 @@ struct RunReport : feti::SolveReport {
   // With inequalities; the same on every rank. For what applications make of them.
   std::vector<contact::ContactPoint> contactPoints;
   std::vector<ContactState> contact;     ///< of each point
+  std::vector<RowSlip> slips;            ///< of each limited row; only where there is friction
   std::map<std::string, double> results; ///< of the application
   std::map<std::string, double> seconds;
   double peakMemoryMiB = 0.0;

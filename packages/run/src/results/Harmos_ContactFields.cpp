@@ -3,6 +3,7 @@
 
 #include "Harmos_Exchange.hpp"
 
+#include <algorithm>
 #include <unordered_map>
 
 namespace Harmos::run {
@@ -21,7 +22,11 @@ std::vector<ContactState> contactStates(const Teuchos::Comm<int>& comm,
   std::vector<ContactState> result(points.size());
   for (const Item& item : gatherAll(comm, mine)) {
     const double area = points[static_cast<std::size_t>(item.row)].area;
-    result[static_cast<std::size_t>(item.row)] = {item.force / area, item.force, item.gap, item.force > 0.0};
+    ContactState& point = result[static_cast<std::size_t>(item.row)];
+    point.pressure = item.force / area;
+    point.force = item.force;
+    point.gap = item.gap;
+    point.closed = item.force > 0.0;
   }
   return result;
 }
@@ -29,31 +34,52 @@ std::vector<ContactState> contactStates(const Teuchos::Comm<int>& comm,
 ContactFields contactFields(const std::vector<scene::OwnedSubdomain>& owned,
                             const std::vector<contact::ContactPoint>& points,
                             const std::vector<ContactState>& states) {
-  std::unordered_map<long long, const ContactState*> atNode;
+  struct Shown {
+    const ContactState* state = nullptr;
+    double sign = 1.0;
+  };
+  std::unordered_map<long long, Shown> atNode;
+  const bool hasFriction = std::any_of(states.begin(), states.end(), [](const ContactState& state) {
+    return state.friction != Friction::None;
+  });
   for (std::size_t k = 0; k < points.size(); ++k) {
     const std::vector<contact::ContactPoint::Term>& terms = points[k].terms;
     const bool nodeToNode = terms.size() == 2 && terms[0].weight * terms[1].weight == -1.0;
     for (const contact::ContactPoint::Term& term : terms)
       if (term.node == points[k].node || nodeToNode) {
         // A node of two interfaces shows the one that is closed.
-        const ContactState*& shown = atNode[term.node];
-        if (shown == nullptr || !shown->closed)
-          shown = &states[k];
+        Shown& shown = atNode[term.node];
+        if (shown.state == nullptr || !shown.state->closed)
+          shown = {&states[k], term.node == points[k].node ? 1.0 : -1.0};
       }
   }
   ContactFields fields;
   for (const scene::OwnedSubdomain& subdomain : owned) {
     const auto nodes = static_cast<std::size_t>(subdomain.mesh.mesh->numberOfNodes());
     std::vector<double> pressure(nodes, 0.0), gap(nodes, 0.0);
-    std::vector<unsigned char> active(nodes, 0);
+    std::vector<unsigned char> active(nodes, 0), friction(hasFriction ? nodes : 0, 0);
+    std::vector<double> traction(3 * friction.size(), 0.0), slip = traction;
     for (std::size_t place = 0; place < subdomain.mesh.boundaryNumbers.size(); ++place) {
       const auto k = static_cast<std::size_t>(subdomain.mesh.mesh->boundary[place]);
       const auto found = atNode.find(subdomain.mesh.boundaryNumbers[place]);
       if (found == atNode.end())
         continue;
-      pressure[k] = found->second->pressure;
-      gap[k] = found->second->gap;
-      active[k] = found->second->closed ? 2 : 1;
+      const auto& [state, sign] = found->second;
+      pressure[k] = state->pressure;
+      gap[k] = state->gap;
+      active[k] = state->closed ? 2 : 1;
+      if (!hasFriction)
+        continue;
+      friction[k] = static_cast<unsigned char>(state->friction);
+      for (std::size_t d = 0; d < 3; ++d) {
+        traction[3 * k + d] = sign * state->traction[d];
+        slip[3 * k + d] = sign * state->slip[d];
+      }
+    }
+    if (hasFriction) {
+      fields.friction.push_back(std::move(friction));
+      fields.traction.push_back(std::move(traction));
+      fields.slip.push_back(std::move(slip));
     }
     fields.pressure.push_back(std::move(pressure));
     fields.gap.push_back(std::move(gap));

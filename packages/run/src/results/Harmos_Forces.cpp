@@ -34,9 +34,18 @@ double length(const Point& v) {
 // Sums on this rank; all of them meet in one reduction.
 class Sums {
  public:
-  explicit Sums(const scene::Scene& scene) : scene_(scene), values_(6 * scene.effects.size() + 4, 0.0) {
+  Sums(const scene::Scene& scene, const scene::ContactSetup& contact)
+      : scene_(scene), values_(6 * scene.effects.size() + 4, 0.0) {
     for (std::size_t k = 0; k < scene.effects.size(); ++k)
       place_[scene.effects[k].get()] = k;
+    for (const contact::SlipPoint& slip : contact.slips)
+      if (tangential_.emplace(contact.effects[slip.point], values_.size()).second)
+        values_.resize(values_.size() + 3, 0.0);
+  }
+
+  void addTangential(const scene::Effect& effect, const Point& force) {
+    for (std::size_t d = 0; d < 3; ++d)
+      values_[tangential_.at(&effect) + d] += force[d];
   }
 
   void add(const scene::Effect& effect, const Point& position, const Point& force) {
@@ -64,7 +73,16 @@ class Sums {
       if (!scene_.effects[k]->exertsForce())
         continue;
       const double* sum = values_.data() + 6 * k;
-      forces.effects.push_back({paths[k], {{sum[0], sum[1], sum[2]}, {sum[3], sum[4], sum[5]}}});
+      Forces::Of& of = forces.effects.emplace_back();
+      of.path = paths[k];
+      of.resultant = {{sum[0], sum[1], sum[2]}, {sum[3], sum[4], sum[5]}};
+      if (const auto part = tangential_.find(scene_.effects[k].get()); part != tangential_.end()) {
+        of.hasFriction = true;
+        for (std::size_t d = 0; d < 3; ++d) {
+          of.tangential[d] = values_[part->second + d];
+          of.normal[d] = of.resultant.force[d] - of.tangential[d];
+        }
+      }
     }
     const double* outer = values_.data() + 6 * scene_.effects.size();
     forces.size = outer[3];
@@ -76,7 +94,7 @@ class Sums {
  private:
   const scene::Scene& scene_;
   std::vector<double> values_; // force and moment of each effect; all outer forces, their sizes
-  std::unordered_map<const scene::Effect*, std::size_t> place_;
+  std::unordered_map<const scene::Effect*, std::size_t> place_, tangential_;
 };
 
 // Loads; congruent subdomains share them.
@@ -169,6 +187,8 @@ void addRows(const scene::Scene& scene, const scene::ContactSetup& contact,
     for (std::size_t d = 0; d < 3; ++d)
       force[d] = -multipliers[k] * origin.direction[d];
     sums.add(*origin.effect, origin.position, force);
+    if (origin.isTangential)
+      sums.addTangential(*origin.effect, force);
     for (const ConstraintRow::Term& term : contact.rows[k].terms) {
       const Point along = scene::directionOf(scene, static_cast<int>(term.dof % components));
       for (std::size_t d = 0; d < 3; ++d)
@@ -184,7 +204,7 @@ Forces forcesOf(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
                 const std::vector<scene::OwnedSubdomain>& owned, const feti::SubdomainSystem& system,
                 const scene::ContactSetup& contact, const feti::TornVector& displacement,
                 const std::vector<std::vector<double>>& reactions, const std::vector<double>& multipliers) {
-  Sums sums(scene);
+  Sums sums(scene, contact);
   addLoads(scene, system, sums);
   addReactions(scene, owned, system, reactions, sums);
   addSprings(scene, owned, displacement, sums);
@@ -206,11 +226,18 @@ std::string forcesText(const Forces& forces) {
   for (const char* name : {"x", "y", "z", "moment x", "moment y", "moment z"})
     text << std::setw(12) << name;
   for (std::size_t k = 0; k < shown; ++k) {
-    const auto& [path, resultant] = forces.effects[k];
-    text << "\n  " << std::left << std::setw(static_cast<int>(width)) << path << std::right;
-    for (const Point* vector : {&resultant.force, &resultant.moment})
-      for (double component : *vector)
-        text << std::setw(12) << scientific(component, 3);
+    const Forces::Of& effect = forces.effects[k];
+    const auto tell = [&](const std::string& name, const std::vector<const Point*>& vectors) {
+      text << "\n  " << std::left << std::setw(static_cast<int>(width)) << name << std::right;
+      for (const Point* vector : vectors)
+        for (double component : *vector)
+          text << std::setw(12) << scientific(component, 3);
+    };
+    tell(effect.path, {&effect.resultant.force, &effect.resultant.moment});
+    if (effect.hasFriction) {
+      tell("  normal", {&effect.normal});
+      tell("  tangential", {&effect.tangential});
+    }
   }
   if (forces.effects.size() > shown)
     text << "\n  and " << forces.effects.size() - shown << " more, see summary.json";

@@ -22,6 +22,8 @@ struct Forces {
   struct Of {
     std::string path; ///< of the effect, see scene::Scene::effectPaths()
     Resultant resultant;
+    bool hasFriction = false;
+    fem::Point normal{}, tangential{}; ///< what the force is made of, with friction
   };
   /// Of each effect that exerts a force, in the order of the scene: by a prescribed displacement, an obstacle
   /// or a foundation on the body; by the second body of a contact or tie on the first.

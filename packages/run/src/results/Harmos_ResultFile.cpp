@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_ResultFile.hpp"
 
+#include "Harmos_Exchange.hpp"
 #include "Harmos_VtkHdf.hpp"
 
 #include <algorithm>
@@ -108,7 +109,8 @@ io::VtkParts partsOf(const Owned& owned) {
 // What writeFields() and writeCellData() write.
 long long bytesOf(const Owned& owned, const ResultFields& fields) {
   const int width = (fields.components == 1 ? 1 : 3) + (fields.stress != nullptr ? 7 : 0);
-  const long long atPoint = 8LL * width + (fields.contact != nullptr ? 17 : 0);
+  const long long atPoint = 8LL * width + (fields.contact != nullptr ? 17 : 0) +
+                            (fields.contact != nullptr && !fields.contact->friction.empty() ? 49 : 0);
   long long bytes = 0;
   for (const scene::OwnedSubdomain& item : owned)
     bytes += atPoint * item.mesh.mesh->numberOfNodes() + 3LL * 4 * item.mesh.mesh->numberOfCells();
@@ -168,10 +170,16 @@ void writeStress(io::VtkHdfWriter& file, const std::vector<std::vector<fem::Voig
   file.pointData("von_mises", equivalent);
 }
 
-void writeContact(io::VtkHdfWriter& file, const ContactFields& contact) {
+// @param hasFriction on any rank: a rank may have no subdomain.
+void writeContact(io::VtkHdfWriter& file, const ContactFields& contact, bool hasFriction) {
   file.pointData("contact_pressure", joined(contact.pressure));
   file.pointData("gap", joined(contact.gap));
   file.pointData("active_set", joined(contact.activeSet));
+  if (!hasFriction)
+    return;
+  file.pointData("friction_traction", joined(contact.traction), 3);
+  file.pointData("slip", joined(contact.slip), 3);
+  file.pointData("friction_state", joined(contact.friction));
 }
 
 // A number for each cell.
@@ -198,7 +206,7 @@ void writeResult(const Teuchos::Comm<int>& comm, const std::string& path,
   if (fields.stress != nullptr)
     writeStress(file, *fields.stress);
   if (fields.contact != nullptr)
-    writeContact(file, *fields.contact);
+    writeContact(file, *fields.contact, globalMax(comm, fields.contact->friction.empty() ? 0LL : 1LL) > 0);
   using Item = scene::OwnedSubdomain;
   file.cellData("subdomain",
                 cellNumbers(owned, [](const Item& item, int) { return static_cast<int>(item.number); }));

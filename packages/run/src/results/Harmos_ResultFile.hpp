@@ -23,7 +23,8 @@ struct ResultFields {
 /// number of ranks.
 ///
 /// Point data: displacement (a scalar for membranes, else a vector); stress (xx, yy, zz, xy, yz, xz) and
-/// von_mises; with contact also contact_pressure, gap, active_set. Cell data: subdomain, body, region.
+/// von_mises; with contact also contact_pressure, gap, active_set; with friction also
+/// friction_traction, slip (vectors), friction_state. Cell data: subdomain, body, region.
 ///
 /// Arrays are made when they are written and then let go of: cells with their types and offsets, stresses
 /// with those of von Mises, all else one by one.

@@ -100,7 +100,8 @@ StepRow RunStages::onlyStep() {
   const auto answer = [&](const scene::TimedLoads& loads) {
     return EnergyAccount::Answer{loads.factors(time_), loads.products(*comm_, torn_.displacement, reactions_),
                                  report_.audit.energy,
-                                 scene::freeStrainEnergy(*comm_, scene_, owned_, time_)};
+                                 scene::freeStrainEnergy(*comm_, scene_, owned_, time_),
+                                 report_.audit.frictionWork};
   };
   const std::vector<double> rises = scene_.temperatureRises(time_);
   std::optional<EnergyAccount> energy;
@@ -120,7 +121,11 @@ StepRow RunStages::onlyStep() {
           motion += fixed[k].value * reactions_[i][k];
     }
     energy.emplace(std::vector<scene::TimedLoads::Case>(1));
-    energy->reach({{1.0}, {{load}, {globalSum(*comm_, motion)}}, report_.audit.energy, 0.0});
+    energy->reach({{1.0},
+                   {{load}, {globalSum(*comm_, motion)}},
+                   report_.audit.energy,
+                   0.0,
+                   report_.audit.frictionWork});
   }
   StepRow row = stepRow(report_, *energy);
   row.time = time_;
@@ -192,9 +197,12 @@ void RunStages::constrain() {
   report_.effectCosts = costs_.total(*comm_);
   report_.dualDimension = constraints_->dualDimension();
   report_.inequalities = constraints_->inequalities();
+  report_.limited = constraints_->limited();
   log_.info("Primal dimension " + std::to_string(report_.primalDimension) + ", dual dimension " +
             std::to_string(report_.dualDimension) + " (" + std::to_string(report_.inequalities) +
-            " inequalities), kernel dimension " + std::to_string(report_.kernelDimension));
+            " inequalities" +
+            (report_.limited > 0 ? ", " + std::to_string(report_.limited) + " of friction" : "") +
+            "), kernel dimension " + std::to_string(report_.kernelDimension));
   if (!report_.effectCosts.empty())
     log_.info(scene::costText(report_.effectCosts));
 }
@@ -320,6 +328,8 @@ void RunStages::prepare(const Data& data) {
     system_->setPrescribed(*data.prescribed);
   if (data.rows != nullptr)
     constraints_->setBounds(*data.rows);
+  if (data.rows != nullptr && report_.limited > 0)
+    slipsBefore_ = slipsBefore(*comm_, contact_, *data.rows);
   dual_.emplace(*system_, *constraints_, *inverses_, *dualOperator_, *coarse_);
 }
 
@@ -443,6 +453,10 @@ void RunStages::recover() {
   const auto scope = timers_.scope("recovery");
   if (report_.inequalities > 0)
     report_.contact = contactStates(*comm_, contact_.points, feti::contactState(*constraints_, torn_));
+  if (report_.limited > 0) {
+    report_.slips = rowSlips(*comm_, contact_, feti::frictionState(*constraints_, torn_));
+    addSlips(contact_, report_.slips, slipsBefore_, report_.contact);
+  }
   reactions_ = feti::reactions(*system_, *constraints_, torn_);
   report_.forces = forcesOf(*comm_, scene_, owned_, *system_, contact_, torn_.displacement, reactions_,
                             constraints_->givenMultipliers(*torn_.multiplier));

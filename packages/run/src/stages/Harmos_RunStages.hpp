@@ -148,6 +148,7 @@ class RunStages {
   feti::DualSolution solution_;
   feti::TornSolution torn_;
   std::vector<std::vector<double>> reactions_; // of prescribed values
+  std::vector<double> slipsBefore_;            // of limited rows, when the step began; none: zeros
   double time_;                                // of loads and bounds
 };
 

@@ -53,7 +53,7 @@ Solution StepSequence::go() {
 void StepSequence::begin() {
   run_.setUp();
   states_.emplace(scene_, run_.contact());
-  energy_.emplace(run_.loads().cases());
+  energy_.emplace(run_.loads().cases(), !run_.contact().slips.empty());
   prescribesMotion_ = globalMax(*comm_, run_.loads().prescribesMotion() ? 1LL : 0LL) > 0;
   requireConsistent();
   log_.info(std::to_string(clock_.steps()) + " steps to time " + timeText(scene_.timeline.end()));
@@ -99,7 +99,7 @@ StepSequence::Outcome StepSequence::attempt() {
   }
   while (true) {
     const Outcome outcome = solve();
-    if (outcome != Outcome::Accepted || !states_->update(report_.contact))
+    if (outcome != Outcome::Accepted || !states_->update(report_.contact, report_.slips))
       return outcome;
     if (++updates_ > mostUpdates) {
       failure_ = "the states of effects have not settled in " + std::to_string(mostUpdates) + " solutions";
@@ -147,7 +147,8 @@ StepSequence::Outcome StepSequence::accept() {
   const auto scope = run_.outputScope();
   energy_->reach({run_.loads().factors(clock_.to()),
                   run_.loads().products(*comm_, run_.torn().displacement, run_.reactions()),
-                  report_.audit.energy, scene::freeStrainEnergy(*comm_, scene_, run_.owned(), clock_.to())});
+                  report_.audit.energy, scene::freeStrainEnergy(*comm_, scene_, run_.owned(), clock_.to()),
+                  report_.audit.frictionWork});
   StepRow row = stepRow(report_, *energy_);
   row.step = clock_.step();
   row.time = clock_.to();
@@ -199,6 +200,8 @@ void StepSequence::tell(const StepRow& row) const {
        << row.products << " products, energy " << scientific(row.energy, 6);
   if (report_.inequalities > 0)
     text << ", " << row.closed << " of " << row.closed + row.open << " contact points closed";
+  if (row.sticking + row.slipping > 0)
+    text << ", " << row.slipping << " of " << row.sticking + row.slipping << " slip";
   log_.info(text.str());
 }
 

@@ -10,27 +10,39 @@ namespace Harmos::run {
 
 EffectStates::EffectStates(const scene::Scene& scene, const scene::ContactSetup& contact)
     : contact_(contact) {
-  std::map<const scene::Effect*, std::vector<std::size_t>> points;
+  std::map<const scene::Effect*, std::vector<std::size_t>> points, limited;
   for (std::size_t k = 0; k < contact.effects.size(); ++k)
     points[contact.effects[k]].push_back(k);
+  const auto tangents = static_cast<std::size_t>(scene.components() - 1);
+  for (std::size_t k = 0; k < contact.frictions.size(); ++k)
+    for (std::size_t t = 0; t < tangents; ++t)
+      limited[contact.frictions[k]].push_back(tangents * k + t);
   for (const auto& effect : scene.effects) {
-    const std::vector<std::size_t>& own = points[effect.get()];
-    if (const std::size_t size = effect->stateSize(own.size()); size > 0)
-      states_.push_back({effect.get(), own, std::vector<double>(size, 0.0), std::vector<double>(size, 0.0)});
+    const std::vector<std::size_t>&own = points[effect.get()], &slips = limited[effect.get()];
+    if (const std::size_t size = effect->stateSize(own.size() + slips.size()); size > 0)
+      states_.push_back(
+          {effect.get(), own, slips, std::vector<double>(size, 0.0), std::vector<double>(size, 0.0)});
   }
+  for (std::size_t k = 0; k < contact.frictions.size(); ++k)
+    for (std::size_t t = 0; t < tangents; ++t)
+      pointOfSlip_.push_back(contact.slips[k].point);
 }
 
 void EffectStates::begin() {
-  for (State& state : states_)
+  for (State& state : states_) {
     state.trial = state.committed;
+    state.effect->beginStep(state.trial);
+  }
 }
 
-bool EffectStates::update(const std::vector<ContactState>& answer) {
+bool EffectStates::update(const std::vector<ContactState>& answer, const std::vector<RowSlip>& slips) {
   bool again = false;
   for (State& state : states_) {
     std::vector<scene::Effect::RowAnswer> rows;
     for (std::size_t k : state.points)
       rows.push_back({&contact_.points[k], answer[k].gap, answer[k].force});
+    for (std::size_t k : state.limited)
+      rows.push_back({&contact_.points[pointOfSlip_[k]], -slips[k].slip, slips[k].force});
     again = state.effect->updateState(rows, state.trial) || again; // each is asked
   }
   return again;
@@ -43,16 +55,19 @@ void EffectStates::commit() {
 
 std::vector<ConstraintRow> EffectStates::rows() const {
   std::vector<ConstraintRow> rows = contact_.rows;
-  std::vector<double> shift(contact_.points.size(), 0.0);
+  std::vector<double> shift(contact_.points.size(), 0.0), slip(pointOfSlip_.size(), 0.0);
   for (const State& state : states_) {
-    std::vector<double> own(state.points.size(), 0.0);
+    const std::size_t points = state.points.size();
+    std::vector<double> own(points + state.limited.size(), 0.0);
     state.effect->addToBounds(state.trial, own);
     for (std::size_t k = 0; k < own.size(); ++k)
-      shift[state.points[k]] = own[k];
+      (k < points ? shift[state.points[k]] : slip[state.limited[k - points]]) = own[k];
   }
   for (ConstraintRow& row : rows)
     if (row.kind == ConstraintRow::Kind::Inequality)
       row.bound += shift[static_cast<std::size_t>(row.number)];
+    else if (row.kind == ConstraintRow::Kind::Limited)
+      row.bound += slip[static_cast<std::size_t>(row.number)];
   return rows;
 }
 

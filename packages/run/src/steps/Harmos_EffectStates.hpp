@@ -3,6 +3,7 @@
 
 #include "Harmos_ContactFields.hpp"
 #include "Harmos_ContactSetup.hpp"
+#include "Harmos_SlipStates.hpp"
 #include "Harmos_SolverMonitor.hpp"
 #include "Harmos_Types.hpp"
 
@@ -23,7 +24,8 @@ class EffectStates {
   /// A step begins, for the first time or again: the trial state becomes the committed one.
   void begin();
   /// Asks every effect; whether any wants the step to be solved again.
-  bool update(const std::vector<ContactState>& answer);
+  /// @param slips of the limited rows.
+  bool update(const std::vector<ContactState>& answer, const std::vector<RowSlip>& slips = {});
   void commit();
   /// The rows of the setup with bounds by the trial state.
   std::vector<ConstraintRow> rows() const;
@@ -34,12 +36,14 @@ class EffectStates {
  private:
   struct State {
     const scene::Effect* effect;
-    std::vector<std::size_t> points; // of the setup
+    std::vector<std::size_t> points; // of the setup, an inequality row each
+    std::vector<std::size_t> limited; // rows
     std::vector<double> committed, trial;
   };
 
   const scene::ContactSetup& contact_;
   std::vector<State> states_;
+  std::vector<std::size_t> pointOfSlip_; // of each limited row
 };
 
 } // namespace Harmos::run

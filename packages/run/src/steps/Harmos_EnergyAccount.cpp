@@ -3,13 +3,15 @@
 
 namespace Harmos::run {
 
-EnergyAccount::EnergyAccount(std::vector<scene::TimedLoads::Case> cases) : cases_(std::move(cases)) {
+EnergyAccount::EnergyAccount(std::vector<scene::TimedLoads::Case> cases, bool dissipates)
+    : cases_(std::move(cases)), dissipates_(dissipates) {
   const std::vector<double> nothing(cases_.size(), 0.0);
   before_ = {nothing, {nothing, nothing}, 0.0, 0.0};
 }
 
 void EnergyAccount::reach(Answer answer) {
-  stored_ = answer.lagrangian + answer.freeStrainEnergy;
+  stored_ = answer.lagrangian + answer.freeStrainEnergy - answer.frictionWork;
+  dissipated_ = committedDissipation_ + answer.frictionWork;
   work_ = committedWork_ + answer.freeStrainEnergy - before_.freeStrainEnergy;
   for (std::size_t c = 0; c < cases_.size(); ++c) {
     const double h0 = before_.factors[c], h1 = answer.factors[c];
@@ -29,6 +31,7 @@ void EnergyAccount::reach(Answer answer) {
 void EnergyAccount::commit() {
   before_ = reached_;
   committedWork_ = work_;
+  committedDissipation_ = dissipated_;
 }
 
 void EnergyAccount::exchange(qp::StateArchive<MultiVector>& archive) {
@@ -37,6 +40,8 @@ void EnergyAccount::exchange(qp::StateArchive<MultiVector>& archive) {
   archive.numbers("products of motions", before_.products.motion);
   archive.number("free strain energy", before_.freeStrainEnergy);
   archive.number("external work", committedWork_);
+  if (dissipates_)
+    archive.number("dissipated", committedDissipation_);
 }
 
 } // namespace Harmos::run

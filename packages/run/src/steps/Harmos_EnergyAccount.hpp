@@ -12,7 +12,7 @@ namespace Harmos::run {
 /// The energies of a run, from state to state.
 ///
 /// Stored: ½uᵀKu − f_Tᵀu + ½∫ε_T:C:ε_T, f_T the loads of strains; ½uᵀKu is taken from the Lagrangian ½uᵀKu −
-/// fᵀu + λᵀ(Bu − c), in whose error jumps are of second order. From outside, by the trapezoidal rule,
+/// fᵀu + λᵀ(Bu − c), in whose error jumps are of second order, less what friction dissipates of it. From outside, by the trapezoidal rule,
 ///
 ///     ΔW = Σ_h ½(h₀ + h₁)(f_hᵀu₁ − f_hᵀu₀) + Σ_h ½(g_hᵀr₀ + g_hᵀr₁)(h₁ − h₀)
 ///
@@ -30,9 +30,11 @@ class EnergyAccount {
     scene::TimedLoads::Products products; ///< of each case
     double lagrangian = 0.0;              ///< feti::KktAudit::energy
     double freeStrainEnergy = 0.0;        ///< ½∫ε_T:C:ε_T
+    double frictionWork = 0.0;            ///< of the step: feti::KktAudit::frictionWork
   };
 
-  explicit EnergyAccount(std::vector<scene::TimedLoads::Case> cases);
+  /// @param dissipates whether there is friction.
+  explicit EnergyAccount(std::vector<scene::TimedLoads::Case> cases, bool dissipates = false);
 
   /// The step from the last committed answer to this one; nothing is committed.
   void reach(Answer answer);
@@ -41,6 +43,8 @@ class EnergyAccount {
   double stored() const { return stored_; }
   /// Since the beginning of the run.
   double externalWork() const { return work_; }
+  /// By friction, since the beginning of the run: Σλ_tᵀΔs.
+  double dissipated() const { return dissipated_; }
 
   /// What was committed.
   void exchange(qp::StateArchive<MultiVector>& archive);
@@ -48,7 +52,9 @@ class EnergyAccount {
  private:
   std::vector<scene::TimedLoads::Case> cases_;
   Answer before_, reached_;
+  bool dissipates_;
   double committedWork_ = 0.0, work_ = 0.0, stored_ = 0.0;
+  double committedDissipation_ = 0.0, dissipated_ = 0.0;
 };
 
 } // namespace Harmos::run

@@ -30,12 +30,22 @@ void DistinctPoints::add(const std::vector<ContactPoint>& more, const Effect& ef
       double& gap = all_[*twin].gap;
       if (std::isnan(point.gap) || point.gap < gap) // a NaN is kept, to be refused
         gap = point.gap;
+      if (effects_[*twin] != &effect)
+        others_[*twin].push_back(&effect);
       continue;
     }
     here.push_back(all_.size());
     all_.push_back(point);
     effects_.push_back(&effect);
   }
+}
+
+bool DistinctPoints::isOf(std::size_t point, const Effect& effect) const {
+  if (effects_[point] == &effect)
+    return true;
+  const auto more = others_.find(point);
+  return more != others_.end() &&
+         std::find(more->second.begin(), more->second.end(), &effect) != more->second.end();
 }
 
 bool DistinctPoints::sameRow(const ContactPoint& a, const ContactPoint& b) const {
@@ -138,6 +148,34 @@ void ConstraintCollector::addContactRows(ContactSetup& setup) {
   }
 }
 
+void ConstraintCollector::addFrictionRows(ContactSetup& setup) {
+  const std::vector<ContactPoint>& points = contacts_.all();
+  const int components = scene_.components();
+  std::vector<char> isTaken(points.size(), 0);
+  for (const Friction& friction : frictions_)
+    for (std::size_t k = 0; k < points.size(); ++k)
+      if (!isTaken[k] && contacts_.isOf(k, *friction.contact)) {
+        isTaken[k] = 1;
+        setup.slips.push_back(
+            {k, contact::tangentsTo(points[k].normal, components), friction.bound * points[k].area});
+        setup.frictions.push_back(friction.effect);
+        costs_.addBytes(friction.effect->kind(), sizeof(contact::SlipPoint));
+      }
+  if (setup.slips.empty())
+    return;
+  const int tangents = components - 1;
+  for (const ConstraintRow& row : contact::slipRows(comm_, points, setup.slips, components)) {
+    const auto s = static_cast<std::size_t>(row.number / tangents);
+    const contact::SlipPoint& slip = setup.slips[s];
+    const std::string& kind = setup.frictions[s]->kind();
+    costs_.addRows(kind, 1);
+    costs_.addBytes(kind, bytesOf(row));
+    setup.rows.push_back(row);
+    setup.origins.push_back({&contacts_.effect(slip.point), points[slip.point].position,
+                             slip.tangents[static_cast<std::size_t>(row.number % tangents)], true});
+  }
+}
+
 // Kind after kind, to know whose rows are whose; their points are not kept.
 void ConstraintCollector::addTieRows(ContactSetup& setup) {
   const std::vector<ContactPoint>& ties = ties_.all();
@@ -165,6 +203,7 @@ void ConstraintCollector::addTieRows(ContactSetup& setup) {
 ContactSetup ConstraintCollector::finish() {
   ContactSetup result;
   addContactRows(result);
+  addFrictionRows(result);
   addTieRows(result);
   for (std::size_t k = 0; k < contacts_.all().size(); ++k) {
     costs_.addBytes(contacts_.effect(k).kind(), bytesOf(contacts_.all()[k]));

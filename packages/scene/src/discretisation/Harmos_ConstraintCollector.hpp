@@ -24,10 +24,14 @@ struct ContactSetup {
   struct Origin {
     const Effect* effect;
     fem::Point position, direction;
+    bool isTangential = false; ///< of friction, which acts on that effect
   };
   /// The points of the inequality rows, in their order, which is that of the effects. The same on every rank.
   std::vector<contact::ContactPoint> points;
   std::vector<const Effect*> effects; ///< of each point
+  /// The points that bear friction, in the order of the limited rows, and the effects that say so.
+  std::vector<contact::SlipPoint> slips;
+  std::vector<const Effect*> frictions;
   std::vector<ConstraintRow> rows;    ///< this rank's share, ties too
   std::vector<Origin> origins;        ///< of each of these; a row that two effects ask for is the first one's
   std::vector<std::string> notes;     ///< what the user should know; sentences
@@ -45,6 +49,8 @@ class DistinctPoints {
   std::vector<contact::ContactPoint>& all() { return all_; }
   /// The one that named a point first.
   const Effect& effect(std::size_t point) const { return *effects_[point]; }
+  /// Whether an effect named it, first or not.
+  bool isOf(std::size_t point, const Effect& effect) const;
 
  private:
   bool sameRow(const contact::ContactPoint& a, const contact::ContactPoint& b) const;
@@ -53,6 +59,7 @@ class DistinctPoints {
   std::vector<contact::ContactPoint> all_;
   std::vector<const Effect*> effects_;
   std::unordered_map<long long, std::vector<std::size_t>> withNode_; // by the lowest node
+  std::map<std::size_t, std::vector<const Effect*>> others_;         // that named a point again
 };
 
 /// Where effects put their constraints, and what they need to find them. Every row is told apart from those
@@ -79,6 +86,11 @@ class ConstraintCollector {
   void addTies(const std::vector<contact::ContactPoint>& points,
                const std::vector<std::pair<int, std::string>>& surfaces);
 
+  /// Friction at the points of a contact or an obstacle: rows t·w = 0, whose force is limited by the bound
+  /// times the area of the point. A point of two contacts bears the first friction alone.
+  /// @param contact an effect of the scene, asked before or after. @param bound force per area, not negative.
+  void addFriction(const Effect& contact, double bound) { frictions_.push_back({&contact, asked_, bound}); }
+
   /// What the user should know; a sentence.
   void note(const std::string& text) { notes_.push_back(text); }
 
@@ -93,6 +105,7 @@ class ConstraintCollector {
 
  private:
   void addContactRows(ContactSetup& setup);
+  void addFrictionRows(ContactSetup& setup);
   void addTieRows(ContactSetup& setup);
   void findHeldDofs(const std::vector<std::pair<int, std::string>>& surfaces);
 
@@ -106,6 +119,11 @@ class ConstraintCollector {
   std::map<Part, std::vector<const OwnedSubdomain*>> withNodes_;
   const Effect* asked_ = nullptr;
   DistinctPoints contacts_, ties_;
+  struct Friction {
+    const Effect *contact, *effect;
+    double bound;
+  };
+  std::vector<Friction> frictions_;
   using Held = std::map<long long, double>; // dofs at ties with prescribed values
   std::map<double, Held> held_;             // by time
   std::vector<std::string> notes_;

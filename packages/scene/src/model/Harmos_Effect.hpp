@@ -27,9 +27,9 @@ class ConstraintCollector;
 /// to K and f of a subdomain, Dirichlet conditions, and rows of B. Every answer is "nothing" unless a class
 /// says otherwise, and nothing is kept for it: what no effect of a scene names does not exist in its run.
 ///
-/// What effects to come need beyond that has its place here. Two-sided bounds (Tresca friction: |λ_t| ≤ s):
-/// a kind of row more in ConstraintCollector, for qp takes any box already. Output fields: a hook beside
-/// run::writeResult(), as ContactFields are for inequality rows.
+/// What effects to come need beyond that has its place here: a kind of row more in ConstraintCollector, as
+/// the limited ones of friction; output fields in a hook beside run::writeResult(), as ContactFields are for
+/// contacts.
 ///
 /// Guarded by tests/unit/effects/test_absence.cpp.
 class Effect {
@@ -106,14 +106,16 @@ class Effect {
   // which starts from that. A step that fails, is halved or taken up again from a checkpoint starts from the
   // committed one, whatever happened to the trial. All of it is the same on every rank, and local.
 
-  /// One of its inequality rows in an answer.
+  /// One of its inequality rows in an answer, or of the limited rows of its friction, which follow those.
   struct RowAnswer {
     const contact::ContactPoint* point;
     double gap;   ///< that is left to the bound, as the state has shifted it
     double force; ///< multiplier
   };
-  /// How many numbers it keeps, with so many inequality rows; they are zero before the first step.
+  /// How many numbers it keeps, with so many rows; they are zero before the first step.
   virtual std::size_t stateSize(std::size_t /*rows*/) const { return 0; }
+  /// A step begins, for the first time or again, from what was committed.
+  virtual void beginStep(std::vector<double>& /*trial*/) const {}
   /// What the state adds to the bounds of these rows.
   virtual void addToBounds(const std::vector<double>& /*state*/, std::vector<double>& /*bounds*/) const {}
   /// Brings the trial state up to an answer that has converged; whether the step is to be solved again with

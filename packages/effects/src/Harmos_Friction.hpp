@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_DeckPlaces.hpp"
+
+#include <memory>
+
+namespace Harmos::effects {
+
+/// Friction between the surfaces of a contact, or on an obstacle, by Tresca's law: the force of a point across
+/// the normal is at most a given bound; below it the point sticks, at it the point slips along the force
+/// (Duvaut, Lions: Inequalities in Mechanics and Physics, 1976):
+///
+///     |λ_t| ≤ g,   |λ_t| < g ⇒ Δs = 0,   |λ_t| = g ⇒ Δs = cλ_t, c ≥ 0
+///
+/// −λ_t is the force on the first body, g the slip bound times the area of the point, Δs = B_t u − c_t the slip
+/// of the step, of the first body against the second: c_t is that of the last step that was accepted. The
+/// bound is there whatever the pressure is, also where the contact is open.
+///
+/// Guarded by tests/verification/test_friction.cpp and tests/unit/effects/test_friction.cpp.
+class Friction : public scene::Effect {
+ public:
+  static constexpr const char* kindName = "Friction";
+
+  /// @param contact a Contact or a RigidObstacle of the same scene. @param slipBound force per area, not
+  /// negative.
+  Friction(std::shared_ptr<const scene::Effect> contact, double slipBound, std::string name = "");
+
+  const scene::Effect& contact() const { return *contact_; }
+  /// @throws InputError for membranes, a negative bound, a contact that is not in the scene, is none, or has
+  /// another friction.
+  void check(const scene::Scene& scene) const override;
+  void addConstraints(scene::ConstraintCollector& collector) const override;
+
+  // Of each row the slip when the step began, and that of the last answer.
+  std::size_t stateSize(std::size_t rows) const override { return 2 * rows; }
+  void beginStep(std::vector<double>& trial) const override;
+  void addToBounds(const std::vector<double>& state, std::vector<double>& bounds) const override;
+  bool updateState(const std::vector<RowAnswer>& answer, std::vector<double>& trial) const override;
+
+ private:
+  std::shared_ptr<const scene::Effect> contact_;
+  double slipBound_;
+};
+
+/// What decks may say of it.
+scene::EffectKind kindOfFriction();
+
+} // namespace Harmos::effects
