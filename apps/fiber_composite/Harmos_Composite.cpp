@@ -2,6 +2,7 @@
 #include "Harmos_Composite.hpp"
 
 #include "Harmos_Contact.hpp"
+#include "Harmos_Friction.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_Partition.hpp"
@@ -188,11 +189,16 @@ void addFibres(const std::shared_ptr<Layout>& layout, scene::Scene& scene) {
       const double dx = x[0] - centre[0], dy = x[1] - centre[1], r = std::hypot(dx, dy);
       return Point{dx / r, dy / r, 0.0};
     };
-    if (sample.interface == Sample::Interface::Contact)
-      scene.effects.push_back(
-          std::make_shared<effects::Contact>(std::move(circle), 0.0, scene.bodies.back().name));
-    else
+    if (sample.interface == Sample::Interface::Contact) {
+      const auto contact =
+          std::make_shared<effects::Contact>(std::move(circle), 0.0, scene.bodies.back().name);
+      scene.effects.push_back(contact);
+      if (sample.slipBound > 0.0)
+        scene.effects.push_back(
+            std::make_shared<effects::Friction>(contact, sample.slipBound, scene.bodies.back().name));
+    } else {
       scene.effects.push_back(std::make_shared<effects::Tie>(std::move(circle), scene.bodies.back().name));
+    }
   }
 }
 

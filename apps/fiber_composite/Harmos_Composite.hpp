@@ -28,6 +28,7 @@ struct Sample {
   int fibreSubdomains = 1;  ///< of each fibre
   int matrixSubdomains = 1; ///< of each cell's matrix
   Interface interface = Interface::Contact;
+  double slipBound = 0.0; ///< of friction in the contacts: force per area; 0: none
   Load load = Load::Stretch;
   double strain = 0.01;
   scene::Physics physics = scene::Physics::PlaneStrain;

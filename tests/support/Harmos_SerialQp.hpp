@@ -356,6 +356,22 @@ struct BoundTraits<double, SerialVector> {
       b -= outwards * slip.normal[1];
     }
   }
+  static SlipSums slipSums(const LocalActiveSet& active, double q, const V& w) {
+    SlipSums sums;
+    for (const Slip& slip : active.slipping) {
+      const double along = -slip.normal[1] * w()[place(slip.first)] + slip.normal[0] * w()[place(slip.second)];
+      sums.along2 += along * along;
+      sums.softened2 += std::pow(q / (q + slip.curvature) * along, 2);
+      sums.rims2 += std::pow((q + slip.curvature) * slip.radius, 2);
+    }
+    return sums;
+  }
+  static void addAtSlips(const LocalActiveSet& active, const std::function<double(double)>& f, const V& x,
+                         V& y) {
+    for (const Slip& slip : active.slipping)
+      for (int entry : {slip.first, slip.second})
+        y()[place(entry)] += f(slip.curvature) * x()[place(entry)];
+  }
   static void addCurvature(const LocalActiveSet& active, double f, const V& x, bool fromCentre, V& y) {
     for (const Slip& slip : active.slipping) {
       const double t[] = {-slip.normal[1], slip.normal[0]};

@@ -213,16 +213,16 @@ void CoarseSpace::makeScale() {
 
 // G̃M_FG̃ᵀ at the places of the pattern; the same to the last bit on all ranks, whose decisions must agree.
 template<class Real>
-std::vector<Real> CoarseSpace::gram(const double* mask, const std::vector<qp::Slip>* slipping) const {
+std::vector<Real> CoarseSpace::gram(const double* mask, const std::vector<qp::Slip>& slipping, double q) const {
   std::vector<Real> values(gramRows_.size(), 0.0);
   std::vector<double> along;
-  static const std::vector<qp::Slip> none;
-  for (const qp::Slip& slip : slipping != nullptr ? *slipping : none) {
+  for (const qp::Slip& slip : slipping) {
+    const double weight = q > 0.0 ? std::sqrt(q / (q + slip.curvature)) : 1.0;
     const auto first = static_cast<std::size_t>(slip.first), second = static_cast<std::size_t>(slip.second);
     along.clear();
     for (std::size_t k = 0; k < offsets_[first + 1] - offsets_[first]; ++k)
-      along.push_back(-slip.normal[1] * values_[offsets_[first] + k] +
-                      slip.normal[0] * values_[offsets_[second] + k]);
+      along.push_back(weight * (-slip.normal[1] * values_[offsets_[first] + k] +
+                                slip.normal[0] * values_[offsets_[second] + k]));
     std::size_t pair = firstPlace_[first];
     for (std::size_t i = 0; i < along.size(); ++i)
       for (std::size_t j = 0; j <= i; ++j, ++pair)
@@ -252,7 +252,7 @@ std::vector<Real> CoarseSpace::gram(const double* mask, const std::vector<qp::Sl
 // Where weights differ by orders of magnitude, what many stiff subdomains do together against soft ones is
 // small beside what each does by itself, and would be lost in rounding errors of double precision.
 CoarseFactor CoarseSpace::factorOf(const double* mask, double threshold,
-                                   const std::vector<qp::Slip>* slipping) const {
+                                   const std::vector<qp::Slip>& slipping, double q) const {
   const auto factored = [&](auto values) {
     // Rows that were left out of G are left out on faces.
     for (int column : factor_.dependent())
@@ -261,19 +261,20 @@ CoarseFactor CoarseSpace::factorOf(const double* mask, double threshold,
           values[k] = 0.0;
     return CoarseFactor(kernelDimension_, gramRows_, gramColumns_, values, threshold, mostDense_, scale_);
   };
-  return scale_.empty() ? factored(gram<double>(mask, slipping))
-                        : factored(gram<long double>(mask, slipping));
+  return scale_.empty() ? factored(gram<double>(mask, slipping, q))
+                        : factored(gram<long double>(mask, slipping, q));
 }
 
 CoarseFactor CoarseSpace::faceFactor(const MultiVector& mask) const {
-  return faceFactor(mask, std::vector<qp::Slip>());
+  return faceFactor(mask, {}, 0.0);
 }
 
-CoarseFactor CoarseSpace::faceFactor(const MultiVector& mask, const std::vector<qp::Slip>& slipping) const {
+CoarseFactor CoarseSpace::faceFactor(const MultiVector& mask, const std::vector<qp::Slip>& slipping,
+                                     double q) const {
   // What a face takes away may leave pivots that are nothing but rounding errors.
   constexpr double threshold = 1e2 * std::numeric_limits<double>::epsilon();
   const auto view = mask.getLocalViewHost(Tpetra::Access::ReadOnly);
-  return factorOf(view.data(), threshold, &slipping);
+  return factorOf(view.data(), threshold, slipping, q);
 }
 
 std::vector<double> CoarseSpace::solveOnFace(const CoarseFactor& face, const std::vector<double>& r) const {
@@ -285,7 +286,7 @@ std::vector<double> CoarseSpace::minimumNormSolution(const MultiVector& mask,
   std::vector<double> values;
   {
     const auto view = mask.getLocalViewHost(Tpetra::Access::ReadOnly);
-    values = gram<double>(view.data());
+    values = gram<double>(view.data(), {}, 0.0);
   }
   const double threshold = 1e2 * kernelDimension_ * std::numeric_limits<double>::epsilon();
   const CoarseFactor factor(kernelDimension_, gramRows_, gramColumns_, values, threshold, mostDense_, scale_);

@@ -38,9 +38,10 @@ class CoarseSpace {
   /// G_F G_Fᵀ for the rows of B with mask 1, factored in a form of its own: solveOnFace() solves with it.
   /// @param mask 1 or 0 for each dual row. @note Collective, one reduction.
   CoarseFactor faceFactor(const MultiVector& mask) const;
-  /// The same, with a row tᵀB of the two of each pair that slips beside those of the mask.
+  /// The same, with a row tᵀB of the two of each pair that slips beside those of the mask, weighted by q/(q +
+  /// κ), or one where q = 0.
   /// @param slipping of pairs of Constraints::discs(), with mask 0.
-  CoarseFactor faceFactor(const MultiVector& mask, const std::vector<qp::Slip>& slipping) const;
+  CoarseFactor faceFactor(const MultiVector& mask, const std::vector<qp::Slip>& slipping, double q) const;
   /// y with G_F G_Fᵀ y = r: y = Lᵀ(G̃_F G̃_Fᵀ)⁻Lr. Local.
   std::vector<double> solveOnFace(const CoarseFactor& face, const std::vector<double>& r) const;
 
@@ -78,9 +79,9 @@ class CoarseSpace {
   void makePattern();
   void makeScale();
   template<class Real>
-  std::vector<Real> gram(const double* mask, const std::vector<qp::Slip>* slipping = nullptr) const;
-  CoarseFactor factorOf(const double* mask, double threshold,
-                        const std::vector<qp::Slip>* slipping = nullptr) const;
+  std::vector<Real> gram(const double* mask, const std::vector<qp::Slip>& slipping, double q) const;
+  CoarseFactor factorOf(const double* mask, double threshold, const std::vector<qp::Slip>& slipping = {},
+                        double q = 0.0) const;
 
   Teuchos::RCP<const Teuchos::Comm<int>> comm_;
   // G̃ᵀ by owned rows.

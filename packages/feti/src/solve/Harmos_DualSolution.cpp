@@ -50,8 +50,9 @@ class CoarseFaceGram : public qp::FaceGramMaker<MultiVector> {
     return Teuchos::rcp(new Face(coarse_, coarse_.faceFactor(free)));
   }
   Teuchos::RCP<const qp::FaceGram> buildWithSlips(const MultiVector& free,
-                                                  const std::vector<qp::Slip>& slipping) const override {
-    return Teuchos::rcp(new Face(coarse_, coarse_.faceFactor(free, slipping)));
+                                                  const std::vector<qp::Slip>& slipping,
+                                                  double q) const override {
+    return Teuchos::rcp(new Face(coarse_, coarse_.faceFactor(free, slipping, q)));
   }
 
  private:
@@ -200,6 +201,7 @@ class DualSolve {
   void measureEquality();
   bool isPenalty() const { return method_ == "Dual Penalty"; }
   void setTolerance();
+  bool startsNearest() const;
 
   const DualStages& stages_;
   const DualProblem& dual_;
@@ -414,7 +416,16 @@ Teuchos::RCP<Teuchos::ParameterList> DualSolve::parametersOf(const std::string& 
     list->sublist("PCPG") = options_.methodLists.sublist("PCPG");
   if (method == "Dual Penalty" || method == "PDAS")
     list->sublist(method) = options_.methodLists.sublist(method);
+  if (method == "PDAS" && startsNearest())
+    list->sublist("PDAS").set("First active set", "nearest");
   return list;
+}
+
+// Friction hides that contacts are at their bounds, by which that is decided else.
+bool DualSolve::startsNearest() const {
+  const std::string first = options_.methodLists.sublist("PDAS").get<std::string>("First active set");
+  return stages_.constraints.limited() > 0 && (first == "auto" || first == "tried") &&
+         norm(*dual_.shift()) == 0.0;
 }
 
 void DualSolve::setTolerance() {

@@ -19,7 +19,7 @@ namespace Harmos::qp {
 /// forces of contact hold what nothing else holds. Strains are those of equal springs, one a row; the
 /// active sets that follow mend what they are wrong about. Without loads s has no influence.
 ///
-/// Pairs that stay in discs are free: what moves bodies as a whole is more than friction, as a rule.
+/// Pairs that stay in discs are free while it is found, and slip in it where they are outside.
 ///
 /// Guarded by tests/unit/qp/test_first_active_set.cpp.
 template<class Scalar, class MV, class OP>
@@ -28,7 +28,7 @@ class FirstActiveSet {
   /// @param rows orthonormal, or none. All to outlive this.
   FirstActiveSet(const Problem<Scalar, MV, OP>& problem, const EqualityRows<Scalar, MV, OP>& rows,
                  Counters& counters)
-      : b_(*problem.rhs()), nearest_(problem, rows), stiffness_(stiffness(problem, counters)) {}
+      : problem_(problem), b_(*problem.rhs()), nearest_(problem, rows), stiffness_(stiffness(problem, counters)) {}
 
   /// ‖b‖/s, about that of the solution; 0 without a preconditioner.
   double scale() const {
@@ -48,7 +48,11 @@ class FirstActiveSet {
     set.slipping.clear();
     const Teuchos::RCP<MV> z = MVT::Clone(b_, 1);
     MVT::MvAddMv(1.0 / stiffness_, b_, 0.0, b_, *z);
-    return nearest_.find(*z, mostSets, set, active) != NearestFeasible<Scalar, MV, OP>::Outcome::None;
+    if (nearest_.find(*z, mostSets, set, active) == NearestFeasible<Scalar, MV, OP>::Outcome::None)
+      return false;
+    if (problem_.hasDiscs())
+      active = nearest_.addSlips(problem_.feasibleSet(), 1.0 / stiffness_, set);
+    return true;
   }
 
  private:
@@ -65,6 +69,7 @@ class FirstActiveSet {
     return dot<Scalar>(b_, b_) / dot<Scalar>(b_, *y);
   }
 
+  const Problem<Scalar, MV, OP>& problem_;
   const MV& b_;
   NearestFeasible<Scalar, MV, OP> nearest_;
   double stiffness_;

@@ -3,10 +3,12 @@
 
 #include "Harmos_QpProblem.hpp"
 #include "Harmos_QpTypes.hpp"
+#include "Harmos_VectorOps.hpp"
 
 #include <BelosMultiVecTraits.hpp>
 #include <BelosOperatorTraits.hpp>
 
+#include <cmath>
 #include <functional>
 
 namespace Harmos::qp {
@@ -45,6 +47,23 @@ class InFacePreconditioner {
       Belos::OperatorTraits<Scalar, MV, OP>::Apply(*forFace_, phi, z);
     }
     BoundTraits<Scalar, MV>::maskActive(z, active);
+  }
+
+  /// Where pairs slip A gets their curvatures κ, and its inverse is about
+  ///
+  ///     z = TM⁻¹Tφ + (I − T²)²κ⁻¹φ,   T² = q/(q + κ),
+  ///
+  /// as that of rows that give way: q stands for the diagonal of A. @note Collective.
+  void applySoftened(const MV& phi, const LocalActiveSet& active, double q, MV& z) {
+    using MVT = Belos::MultiVecTraits<Scalar, MV>;
+    using BT = BoundTraits<Scalar, MV>;
+    const auto change = [q](double curvature) { return -curvature / (q + curvature); };
+    const Teuchos::RCP<MV> softened = MVT::CloneCopy(phi);
+    BT::addAtSlips(active, change, phi, *softened);
+    apply(*softened, active, z);
+    MVT::Assign(z, *softened);
+    BT::addAtSlips(active, change, *softened, z);
+    BT::addAtSlips(active, [q](double curvature) { return curvature / std::pow(q + curvature, 2); }, phi, z);
   }
 
  private:

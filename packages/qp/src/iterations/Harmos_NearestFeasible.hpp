@@ -72,6 +72,16 @@ class NearestFeasible {
 
   const MV& x() const { return *x_; }
 
+  /// Adds pairs of v that are outside of their discs to the set that was found. @param stepLength 1/‖A‖, to
+  /// make curvatures of. @return how many entries of it are active. @note Collective.
+  long long addSlips(const FeasibleSet<MV>& feasible, double stepLength, LocalActiveSet& set) {
+    moveToFace(set);
+    MVT::MvAddMv(1.0, *x_, -1.0, *v_, *work_);
+    return BT::updateActiveSet(*x_, *work_, feasible, touching * norm<Scalar>(*x_), noise_, set,
+                               {stepLength, 0.0})
+        .active;
+  }
+
   /// How many entries of a set are active. @note Collective.
   long long count(const LocalActiveSet& set) {
     constexpr double unmoved = std::numeric_limits<double>::max();

@@ -57,6 +57,15 @@ class ProjectedCg {
 
   /// ‖w‖.
   double residualNorm() const;
+  /// What w says of slipping pairs.
+  struct Slipping {
+    /// ‖w‖ with tᵀw multiplied by q/(q + κ): their equations are 1 + κ/q times those of x = Π(x − g/q), whose
+    /// Newton steps faces are.
+    double residual;
+    double overshoot; ///< by which they may be off along their tangents, in radii
+  };
+  /// @note Collective, with discs.
+  Slipping slipping() const;
   /// Level of its rounding errors: ε(‖A‖‖x‖ + ‖b‖) of the largest x since it was computed anew.
   double attainable() const;
   int staleness() const { return staleness_; }
@@ -80,7 +89,9 @@ class ProjectedCg {
  private:
   void project(MV& w, MV* removed);
   void precondition();
+  void preconditionSoftened();
   void raiseLevel(double iterateNorm2);
+  void findSlips();
   void makeFaceGram();
 
   const Problem<Scalar, MV, OP>& problem_;
@@ -92,6 +103,10 @@ class ProjectedCg {
   LocalActiveSet active_;
   bool hasFace_ = false;
   Teuchos::RCP<const FaceGram> faceGram_;
+  // Where pairs slip: C̄T²C̄ᵀ on the face, T² = q/(q + κ) there; see InFacePreconditioner. Q: of A's diagonal.
+  Teuchos::RCP<const FaceGram> softGram_;
+  double stiffness_ = 0.0;
+  bool isSoftened_ = false;
   Teuchos::RCP<MV> w_, z_, p_, image_, gradient_, rowWork_, removed_, unused_;
   double residual2_ = 0.0;
   double directionDotImage_ = 0.0;

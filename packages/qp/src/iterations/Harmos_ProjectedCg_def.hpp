@@ -71,6 +71,7 @@ bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active) {
   active_ = active;
   hasFace_ = problem_.hasBounds();
   preconditioner_.invalidate();
+  findSlips();
   if (hasFace_) {
     if (gradient_.is_null())
       gradient_ = MVT::Clone(x, 1);
@@ -108,6 +109,26 @@ void ProjectedCg<Scalar, MV, OP>::makeFaceGram() {
       std::all_of(active_.begin(), active_.end(), [](signed char side) { return side == 0; });
   const double anyActive = BoundTraits<Scalar, MV>::maximum(*problem_.solution(), isWhole ? 0.0 : 1.0);
   faceGram_ = anyActive > 0.0 ? rows_.faceGram(active_) : Teuchos::null;
+  if (isSoftened_)
+    softGram_ = rows_.faceGram(active_, stiffness_);
+}
+
+// Whether pairs slip, and q = bᵀb/bᵀM⁻¹b, about that of the solution.
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::findSlips() {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  isSoftened_ = problem_.hasDiscs() && preconditioner_.isPresent() &&
+                BoundTraits<Scalar, MV>::maximum(*problem_.solution(), active_.slipping.empty() ? 0.0 : 1.0) >
+                    0.0;
+  softGram_ = Teuchos::null;
+  if (!isSoftened_ || stiffness_ > 0.0)
+    return;
+  const MV& b = *problem_.rhs();
+  const Teuchos::RCP<MV> y = MVT::Clone(b, 1);
+  preconditioner_.apply(b, LocalActiveSet{}, *y);
+  preconditioner_.invalidate();
+  stiffness_ = dot<Scalar>(b, b) / dot<Scalar>(b, *y);
+  isSoftened_ = stiffness_ > 0.0 && std::isfinite(stiffness_);
 }
 
 template<class Scalar, class MV, class OP>
@@ -147,6 +168,7 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
   if (!archive.isReading())
     return;
   preconditioner_.invalidate();
+  findSlips();
   if (rows_.isPresent())
     makeFaceGram();
 }
@@ -200,9 +222,48 @@ template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::precondition() {
   if (!preconditioner_.isPresent())
     return;
-  preconditioner_.apply(*w_, active_, *z_);
-  project(*z_, nullptr);
+  if (isSoftened_) {
+    preconditionSoftened();
+  } else {
+    preconditioner_.apply(*w_, active_, *z_);
+    project(*z_, nullptr);
+  }
   kept_.conjugate(*z_);
+}
+
+// z = P M⁻¹ Pᵀ w, P = I − T²C̄_Fᵀ(C̄_FT²C̄_Fᵀ)⁻C̄_F: what meets the equalities again is taken from pairs that
+// slip by their share of T², for there curvatures make it dear.
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::preconditionSoftened() {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using BT = BoundTraits<Scalar, MV>;
+  const double q = stiffness_;
+  const auto soften = [&](MV& v) { // v ← T²v
+    const Teuchos::RCP<MV> whole = MVT::CloneCopy(v);
+    BT::addAtSlips(active_, [q](double curvature) { return -curvature / (q + curvature); }, *whole, v);
+  };
+  if (!rows_.isPresent()) {
+    preconditioner_.applySoftened(*w_, active_, q, *z_);
+    return;
+  }
+  const auto addRows = [&](MV& v) { // C̄_Fᵀ(C̄_FT²C̄_Fᵀ)⁻ of what is in rowWork_
+    BT::scatter(softGram_->solve(BT::gather(*rowWork_)), *rowWork_);
+    MVT::MvInit(v, 0.0);
+    rows_.addTransposed(1.0, *rowWork_, v);
+    BT::maskActive(v, active_);
+  };
+  const Teuchos::RCP<MV> left = MVT::CloneCopy(*w_), part = MVT::CloneCopy(*w_);
+  soften(*part);
+  rows_.apply(*part, *rowWork_);
+  addRows(*part);
+  MVT::MvAddMv(1.0, *left, -1.0, *part, *left);
+  preconditioner_.applySoftened(*left, active_, q, *z_);
+  for (int pass = 0; pass < 2; ++pass) { // the second for what rounding leaves
+    rows_.apply(*z_, *rowWork_);
+    addRows(*part);
+    soften(*part);
+    MVT::MvAddMv(1.0, *z_, -1.0, *part, *z_);
+  }
 }
 
 template<class Scalar, class MV, class OP>
@@ -272,6 +333,16 @@ void ProjectedCg<Scalar, MV, OP>::raiseLevel(double iterateNorm2) {
 template<class Scalar, class MV, class OP>
 double ProjectedCg<Scalar, MV, OP>::residualNorm() const {
   return std::sqrt(residual2_);
+}
+
+template<class Scalar, class MV, class OP>
+typename ProjectedCg<Scalar, MV, OP>::Slipping ProjectedCg<Scalar, MV, OP>::slipping() const {
+  const double q = stiffness_ > 0.0 ? stiffness_ : curvatureBound_;
+  if (!problem_.hasDiscs() || !(q > 0.0))
+    return {residualNorm(), 0.0};
+  const SlipSums sums = BoundTraits<Scalar, MV>::slipSums(active_, q, *w_);
+  return {std::sqrt(std::max(0.0, residual2_ - sums.along2) + sums.softened2),
+          sums.rims2 > 0.0 ? std::sqrt(sums.along2 / sums.rims2) : 0.0};
 }
 
 template<class Scalar, class MV, class OP>

@@ -3,6 +3,7 @@
 
 #include "Harmos_FeasibleSet.hpp"
 
+#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -78,6 +79,13 @@ struct ActiveSetChange {
   double wrongSign2 = 0.0; ///< of the multipliers of active entries, squared, where the sign is wrong
   double signature[2] = {0.0, 0.0}; ///< the same for the same set; differs with all but certainty else
   long long slips = 0;              ///< pairs
+};
+
+/// What a residual w says of slipping pairs, with q for the diagonal of A; global.
+struct SlipSums {
+  double along2 = 0.0;    ///< Σ(tᵀw)²
+  double softened2 = 0.0; ///< Σ(q/(q + κ))²(tᵀw)²
+  double rims2 = 0.0;     ///< Σ((q + κ)r)²: where tᵀw is as large, tᵀy is off by about r
 };
 
 /// Infimum of wᵀx over the feasible set.
@@ -165,6 +173,13 @@ struct BoundTraits {
 
   /// y ← y + f κt(tᵀx) of slipping pairs; with fromCentre x − c in the place of x. Local.
   static void addCurvature(const LocalActiveSet& active, double f, const MV& x, bool fromCentre, MV& y);
+
+  /// y ← y + f(κ) x at the entries of slipping pairs. Local.
+  static void addAtSlips(const LocalActiveSet& active, const std::function<double(double)>& f, const MV& x,
+                         MV& y);
+
+  /// @param w along the tangents of slipping pairs.
+  static SlipSums slipSums(const LocalActiveSet& active, double q, const MV& w);
 
   /// Slipping pairs as vectors, and back: their normals, and κ at their first entry. Local.
   static void slipsToVectors(const LocalActiveSet& active, MV& normals, MV& curvatures);

@@ -312,6 +312,31 @@ void Traits::addCurvature(const LocalActiveSet& active, double f, const MultiVec
     Kernels::addCurvature(active.slipping, f, Reader(x).data(), fromCentre, Writer(y).data());
 }
 
+void Traits::addAtSlips(const LocalActiveSet& active, const std::function<double(double)>& f,
+                        const MultiVector& x, MultiVector& y) {
+  const Reader xs(x);
+  const Writer ys(y);
+  for (const Slip& slip : active.slipping)
+    for (int entry : {slip.first, slip.second})
+      ys[static_cast<std::size_t>(entry)] += f(slip.curvature) * xs[static_cast<std::size_t>(entry)];
+}
+
+SlipSums Traits::slipSums(const LocalActiveSet& active, double q, const MultiVector& w) {
+  double sums[3] = {0.0, 0.0, 0.0};
+  {
+    const Reader ws(w);
+    for (const Slip& slip : active.slipping) {
+      const double along = slip.normal[0] * ws[static_cast<std::size_t>(slip.second)] -
+                           slip.normal[1] * ws[static_cast<std::size_t>(slip.first)];
+      sums[0] += along * along;
+      sums[1] += std::pow(q / (q + slip.curvature) * along, 2);
+      sums[2] += std::pow((q + slip.curvature) * slip.radius, 2);
+    }
+  }
+  reduce(w, sums, 3);
+  return {sums[0], sums[1], sums[2]};
+}
+
 void Traits::slipsToVectors(const LocalActiveSet& active, MultiVector& normals, MultiVector& curvatures) {
   normals.putScalar(0.0);
   curvatures.putScalar(0.0);

@@ -36,6 +36,9 @@ struct BoundTraits<Scalar, MultiVector> {
   static void vectorToActive(const MultiVector& v, LocalActiveSet& active);
   static void addCurvature(const LocalActiveSet& active, double f, const MultiVector& x, bool fromCentre,
                            MultiVector& y);
+  static void addAtSlips(const LocalActiveSet& active, const std::function<double(double)>& f,
+                         const MultiVector& x, MultiVector& y);
+  static SlipSums slipSums(const LocalActiveSet& active, double q, const MultiVector& w);
   static void slipsToVectors(const LocalActiveSet& active, MultiVector& normals, MultiVector& curvatures);
   static void vectorsToSlips(const FeasibleSet<MultiVector>& feasible, const MultiVector& normals,
                              const MultiVector& curvatures, LocalActiveSet& active);

@@ -62,12 +62,13 @@ class EqualityRows {
   Teuchos::RCP<MV> makeVector() const;
 
   /// C̄M_FC̄ᵀ factored, M_F the mask of the free entries; needs orthonormal rows. @note Collective.
-  Teuchos::RCP<const FaceGram> faceGram(const LocalActiveSet& active) const;
+  /// @param q see FaceGramMaker::buildWithSlips().
+  Teuchos::RCP<const FaceGram> faceGram(const LocalActiveSet& active, double q = 0.0) const;
 
  private:
   void checkOrthonormality();
   bool isDependence(const std::vector<double>& y) const;
-  std::vector<double> gramOf(const LocalActiveSet* active) const;
+  std::vector<double> gramOf(const LocalActiveSet* active, double q = 0.0) const;
   std::vector<double> orthonormalised(std::vector<double> scaled) const;
   std::vector<double> transform(const std::vector<double>& r) const;
   std::vector<double> transformTransposed(const std::vector<double>& w) const;

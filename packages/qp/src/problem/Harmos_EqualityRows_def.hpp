@@ -65,7 +65,7 @@ EqualityRows<Scalar, MV, OP>::EqualityRows(const Problem<Scalar, MV, OP>& proble
 
 // CCᵀ, or C̄M_FC̄ᵀ as far as T is there, a column a product.
 template<class Scalar, class MV, class OP>
-std::vector<double> EqualityRows<Scalar, MV, OP>::gramOf(const LocalActiveSet* active) const {
+std::vector<double> EqualityRows<Scalar, MV, OP>::gramOf(const LocalActiveSet* active, double q) const {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using BT = BoundTraits<Scalar, MV>;
   const auto rows = static_cast<std::size_t>(MVT::GetGlobalLength(*values_));
@@ -81,6 +81,10 @@ std::vector<double> EqualityRows<Scalar, MV, OP>::gramOf(const LocalActiveSet* a
     addTransposed(1.0, *unit, *image);
     if (active != nullptr)
       BT::maskActive(*image, *active);
+    if (q > 0.0) {
+      const Teuchos::RCP<MV> whole = MVT::CloneCopy(*image);
+      BT::addAtSlips(*active, [q](double curvature) { return -curvature / (q + curvature); }, *whole, *image);
+    }
     apply(*image, *column);
     const std::vector<double> entries = BT::gather(*column);
     gram.insert(gram.end(), entries.begin(), entries.end());
@@ -89,7 +93,8 @@ std::vector<double> EqualityRows<Scalar, MV, OP>::gramOf(const LocalActiveSet* a
 }
 
 template<class Scalar, class MV, class OP>
-Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::faceGram(const LocalActiveSet& active) const {
+Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::faceGram(const LocalActiveSet& active,
+                                                                  double q) const {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   const bool slips =
       problem_.hasDiscs() &&
@@ -105,14 +110,14 @@ Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::faceGram(const LocalA
     std::replace(held.begin(), held.end(), LocalActiveSet::slips, LocalActiveSet::onRim);
     held.slipping.clear();
     BoundTraits<Scalar, MV>::maskActive(*free, held);
-    const Teuchos::RCP<const FaceGram> gram = problem_.faceGram()->buildWithSlips(*free, active.slipping);
+    const Teuchos::RCP<const FaceGram> gram = problem_.faceGram()->buildWithSlips(*free, active.slipping, q);
     if (!gram.is_null())
       return gram;
   }
   const auto rows = static_cast<int>(MVT::GetGlobalLength(*values_));
   // The rows are orthonormal before they are restricted: pivots are relative to 1.
   return Teuchos::rcp(new DenseFaceGram(
-      PivotedCholesky(gramOf(&active), rows, 1e2 * std::numeric_limits<double>::epsilon())));
+      PivotedCholesky(gramOf(&active, q), rows, 1e2 * std::numeric_limits<double>::epsilon())));
 }
 
 template<class Scalar, class MV, class OP>

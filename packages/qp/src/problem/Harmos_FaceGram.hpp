@@ -32,10 +32,10 @@ class FaceGramMaker {
   /// @param free 1 at free entries, 0 elsewhere. @note Collective.
   virtual Teuchos::RCP<const FaceGram> build(const MV& free) const = 0;
 
-  /// The same where pairs slip along their rims: their entries are not free, but t of each is. Null: not
-  /// known. @note Collective.
-  virtual Teuchos::RCP<const FaceGram> buildWithSlips(const MV& /*free*/,
-                                                      const std::vector<Slip>& /*slipping*/) const {
+  /// The same where pairs slip along their rims: their entries are not free, but t of each is, with a weight
+  /// of q/(q + κ), or one where q = 0. Null: not known. @note Collective.
+  virtual Teuchos::RCP<const FaceGram> buildWithSlips(const MV& /*free*/, const std::vector<Slip>& /*slipping*/,
+                                                      double /*q*/) const {
     return Teuchos::null;
   }
 };

@@ -102,6 +102,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   bool enterFace();
   void aim();
   bool descend();
+  bool isFarEnough() const;
   bool advance();
   void look();
   bool isCandidate();

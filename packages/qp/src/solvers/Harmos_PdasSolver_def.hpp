@@ -358,7 +358,7 @@ template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::aim() {
   counters_.outerIterations = counters_.activeSetUpdates + 1;
   if (!resumed_) {
-    target_ = settled_ && change_.slips == 0 ? 0.0 : innerReduction_ * cg_.residualNorm();
+    target_ = settled_ && change_.slips == 0 ? 0.0 : innerReduction_ * cg_.slipping().residual;
     stepped_ = false;
     faceSteps_ = 0;
   }
@@ -387,12 +387,20 @@ bool PdasSolver<Scalar, MV, OP>::Run::descend() {
       solver_.stopFor(*reason, state_);
       return false;
     }
-    if (reason || cg_.residualNorm() <= std::max(target_, cg_.attainable()) ||
+    if (reason || isFarEnough() || cg_.residualNorm() <= cg_.attainable() ||
         (stepped_ && descent_.isAstray(set_)))
       return true;
     if (solver_.isInterrupted(state_) || !advance())
       return false;
   }
+}
+
+// Pairs that are off their rims by more than radii would turn to anywhere.
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::isFarEnough() const {
+  constexpr double mostOvershoot = 0.5;
+  const typename Cg::Slipping slipping = cg_.slipping();
+  return slipping.residual <= target_ && slipping.overshoot <= mostOvershoot;
 }
 
 template<class Scalar, class MV, class OP>
@@ -431,7 +439,7 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
   // Slipping pairs go on along their tangents until what is wrong with all of these counts beside the
   // residual: of gradients and of distances half of it each at most, so that descend() can judge by twice the
   // residual.
-  const double turn = 0.5 * cg_.residualNorm() / std::sqrt(std::max(1.0, static_cast<double>(change_.slips)));
+  const double turn = 0.5 * cg_.slipping().residual / std::sqrt(std::max(1.0, static_cast<double>(change_.slips)));
   change_ =
       BT::updateActiveSet(x_, *y_, feasible_, 10.0 * epsilon * norm<Scalar>(x_), 10.0 * cg_.attainable(),
                           set_, {curvature > 0.0 ? 1.0 / curvature : 0.0, turn});

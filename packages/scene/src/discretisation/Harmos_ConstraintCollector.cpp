@@ -40,12 +40,11 @@ void DistinctPoints::add(const std::vector<ContactPoint>& more, const Effect& ef
   }
 }
 
-bool DistinctPoints::isOf(std::size_t point, const Effect& effect) const {
-  if (effects_[point] == &effect)
-    return true;
-  const auto more = others_.find(point);
-  return more != others_.end() &&
-         std::find(more->second.begin(), more->second.end(), &effect) != more->second.end();
+std::vector<const Effect*> DistinctPoints::effectsAt(std::size_t point) const {
+  std::vector<const Effect*> result = {effects_[point]};
+  if (const auto more = others_.find(point); more != others_.end())
+    result.insert(result.end(), more->second.begin(), more->second.end());
+  return result;
 }
 
 bool DistinctPoints::sameRow(const ContactPoint& a, const ContactPoint& b) const {
@@ -148,23 +147,38 @@ void ConstraintCollector::addContactRows(ContactSetup& setup) {
   }
 }
 
-void ConstraintCollector::addFrictionRows(ContactSetup& setup) {
+// Friction after friction, each with its points in their order.
+void ConstraintCollector::findSlips(ContactSetup& setup) {
   const std::vector<ContactPoint>& points = contacts_.all();
-  const int components = scene_.components();
-  std::vector<char> isTaken(points.size(), 0);
-  for (const Friction& friction : frictions_)
-    for (std::size_t k = 0; k < points.size(); ++k)
-      if (!isTaken[k] && contacts_.isOf(k, *friction.contact)) {
-        isTaken[k] = 1;
-        setup.slips.push_back(
-            {k, contact::tangentsTo(points[k].normal, components), friction.bound * points[k].area});
-        setup.frictions.push_back(friction.effect);
-        costs_.addBytes(friction.effect->kind(), sizeof(contact::SlipPoint));
-      }
+  std::unordered_map<const Effect*, std::size_t> frictionOn;
+  for (std::size_t f = 0; f < frictions_.size(); ++f)
+    frictionOn.emplace(frictions_[f].contact, f);
+  std::vector<std::vector<std::size_t>> pointsOf(frictions_.size());
+  for (std::size_t k = 0; k < points.size() && !frictions_.empty(); ++k) {
+    std::size_t first = frictions_.size();
+    for (const Effect* effect : contacts_.effectsAt(k))
+      if (const auto found = frictionOn.find(effect); found != frictionOn.end())
+        first = std::min(first, found->second);
+    if (first < frictions_.size())
+      pointsOf[first].push_back(k);
+  }
+  for (std::size_t f = 0; f < frictions_.size(); ++f)
+    for (std::size_t k : pointsOf[f]) {
+      setup.slips.push_back({k, contact::tangentsTo(points[k].normal, scene_.components()),
+                             frictions_[f].bound * points[k].area});
+      setup.frictions.push_back(frictions_[f].effect);
+    }
+}
+
+void ConstraintCollector::addFrictionRows(ContactSetup& setup) {
+  findSlips(setup);
   if (setup.slips.empty())
     return;
-  const int tangents = components - 1;
-  for (const ConstraintRow& row : contact::slipRows(comm_, points, setup.slips, components)) {
+  const std::vector<ContactPoint>& points = contacts_.all();
+  const int tangents = scene_.components() - 1;
+  for (const Effect* friction : setup.frictions)
+    costs_.addBytes(friction->kind(), sizeof(contact::SlipPoint));
+  for (const ConstraintRow& row : contact::slipRows(comm_, points, setup.slips, scene_.components())) {
     const auto s = static_cast<std::size_t>(row.number / tangents);
     const contact::SlipPoint& slip = setup.slips[s];
     const std::string& kind = setup.frictions[s]->kind();

@@ -49,8 +49,8 @@ class DistinctPoints {
   std::vector<contact::ContactPoint>& all() { return all_; }
   /// The one that named a point first.
   const Effect& effect(std::size_t point) const { return *effects_[point]; }
-  /// Whether an effect named it, first or not.
-  bool isOf(std::size_t point, const Effect& effect) const;
+  /// All that named it, in their order.
+  std::vector<const Effect*> effectsAt(std::size_t point) const;
 
  private:
   bool sameRow(const contact::ContactPoint& a, const contact::ContactPoint& b) const;
@@ -105,6 +105,7 @@ class ConstraintCollector {
 
  private:
   void addContactRows(ContactSetup& setup);
+  void findSlips(ContactSetup& setup);
   void addFrictionRows(ContactSetup& setup);
   void addTieRows(ContactSetup& setup);
   void findHeldDofs(const std::vector<std::pair<int, std::string>>& surfaces);
