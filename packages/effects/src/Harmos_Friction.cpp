@@ -4,6 +4,7 @@
 #include "Harmos_ConstraintCollector.hpp"
 #include "Harmos_Contact.hpp"
 #include "Harmos_Errors.hpp"
+#include "Harmos_Log.hpp"
 #include "Harmos_NearestName.hpp"
 #include "Harmos_RigidObstacle.hpp"
 
@@ -75,13 +76,15 @@ scene::EffectKind kindOfFriction() {
 }
 
 Friction::Friction(std::shared_ptr<const scene::Effect> contact, double slipBound, std::string name)
-    : Effect(kindName, std::move(name)), contact_(std::move(contact)), slipBound_(slipBound) {}
+    : Friction(
+          std::move(contact), [slipBound](const fem::Point&) { return slipBound; }, std::move(name)) {}
+
+Friction::Friction(std::shared_ptr<const scene::Effect> contact,
+                   std::function<double(const fem::Point&)> slipBound, std::string name)
+    : Effect(kindName, std::move(name)), contact_(std::move(contact)), slipBound_(std::move(slipBound)) {}
 
 void Friction::check(const scene::Scene& scene) const {
   requireElastic(scene, label());
-  if (!(slipBound_ >= 0.0) || !std::isfinite(slipBound_))
-    throw InputError(label() + " has a slip bound of " + std::to_string(slipBound_) +
-                     "; give a force per area, zero or more");
   if (!contact_ || !maySlip(*contact_))
     throw InputError(label() + " acts on " + (contact_ ? contact_->label() : "nothing") +
                      "; friction acts on a contact or an obstacle");
@@ -98,7 +101,13 @@ void Friction::check(const scene::Scene& scene) const {
 }
 
 void Friction::addConstraints(scene::ConstraintCollector& collector) const {
-  collector.addFriction(*contact_, slipBound_);
+  collector.addFriction(*contact_, [this](const fem::Point& x) {
+    const double bound = slipBound_(x);
+    if (!(bound >= 0.0) || !std::isfinite(bound))
+      throw InputError(label() + " has a slip bound of " + scientific(bound) +
+                       "; give a force per area, zero or more");
+    return bound;
+  });
 }
 
 void Friction::beginStep(std::vector<double>& trial) const {

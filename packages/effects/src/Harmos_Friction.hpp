@@ -3,6 +3,7 @@
 
 #include "Harmos_DeckPlaces.hpp"
 
+#include <functional>
 #include <memory>
 
 namespace Harmos::effects {
@@ -25,11 +26,15 @@ class Friction : public scene::Effect {
   /// @param contact a Contact or a RigidObstacle of the same scene. @param slipBound force per area, not
   /// negative.
   Friction(std::shared_ptr<const scene::Effect> contact, double slipBound, std::string name = "");
+  /// @param slipBound by the position of the point on the first surface.
+  Friction(std::shared_ptr<const scene::Effect> contact, std::function<double(const fem::Point&)> slipBound,
+           std::string name = "");
 
   const scene::Effect& contact() const { return *contact_; }
-  /// @throws InputError for membranes, a negative bound, a contact that is not in the scene, is none, or has
+  /// @throws InputError for membranes, a contact that is not in the scene, is none, or has
   /// another friction.
   void check(const scene::Scene& scene) const override;
+  /// @throws InputError where the bound is negative or no number.
   void addConstraints(scene::ConstraintCollector& collector) const override;
 
   // Of each row the slip when the step began, and that of the last answer.
@@ -40,7 +45,7 @@ class Friction : public scene::Effect {
 
  private:
   std::shared_ptr<const scene::Effect> contact_;
-  double slipBound_;
+  std::function<double(const fem::Point&)> slipBound_;
 };
 
 /// What decks may say of it.

@@ -321,6 +321,7 @@ void Surveyor::countDimensions() {
   survey_.primalDimension = system_->primalDimension();
   survey_.dualDimension = constraints_->dualDimension();
   survey_.inequalities = constraints_->inequalities();
+  survey_.limited = constraints_->limited();
   survey_.kernelDimension = system_->kernelDimension();
   survey_.coarseDimension = coarse_->dimension();
   survey_.coarseFactorEntries = coarse_->factor().entries();

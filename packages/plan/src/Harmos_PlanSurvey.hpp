@@ -39,6 +39,7 @@ struct PlanSurvey {
   int dimension = 2; ///< of space
 
   long long primalDimension = 0, dualDimension = 0, inequalities = 0;
+  long long limited = 0; ///< rows of friction
   int kernelDimension = 0, coarseDimension = 0;
   double coarseFactorEntries = 0.0; ///< of L, LLᵀ = G̃G̃ᵀ
   bool coarseIsDense = true;

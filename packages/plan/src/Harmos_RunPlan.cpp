@@ -130,7 +130,8 @@ std::string planText(const RunPlan& plan) {
   const PlanSurvey& s = plan.survey;
   std::ostringstream text;
   text << "Primal dimension " << s.primalDimension << ", dual dimension " << s.dualDimension << " ("
-       << s.inequalities << " inequalities), kernel dimension " << s.kernelDimension << ", coarse dimension "
+       << s.inequalities << " inequalities"
+       << (s.limited > 0 ? ", " + std::to_string(s.limited) + " of friction" : std::string()) << "), kernel dimension " << s.kernelDimension << ", coarse dimension "
        << s.coarseDimension << "\n"
        << s.subdomains.size() << " subdomains with " << s.matrices.size() << " distinct matrices; "
        << plan.products.least << " to " << plan.products.most << " products with F are usual"
@@ -182,6 +183,8 @@ std::string planJson(const RunPlan& plan, const std::string& deck) {
   json["primal_dimension"] = s.primalDimension;
   json["dual_dimension"] = s.dualDimension;
   json["inequalities"] = s.inequalities;
+  if (s.limited > 0)
+    json["friction_rows"] = s.limited;
   json["kernel_dimension"] = s.kernelDimension;
   json["coarse_dimension"] = s.coarseDimension;
   json["coarse_factor_entries"] = s.coarseFactorEntries;

@@ -17,7 +17,7 @@ ParameterSpec PdasSolver<Scalar, MV, OP>::methodSpec() {
   ParameterSpec spec("PDAS", "Primal-dual active sets.");
   spec.real("Inner reduction", 0.5, Range::strictlyWithin(0.0, 1.0),
             "Reduction of the residual on a face after which the active set is looked at again, until it "
-            "settles. A fifth of it, and once more, where sets bring no progress.");
+            "settles. A fifth of it, and once more, where sets bring no progress; half of it with discs.");
   spec.choice(
       "First active set", "auto",
       {{"auto", "nearest where the initial guess is at all bounds, as in contact without a load on a body as "
@@ -101,7 +101,8 @@ PdasSolver<Scalar, MV, OP>::Run::Run(PdasSolver& solver, EqualityRows<Scalar, MV
       descent_(problem_, rows, cg_),
       inner_(solver.firstInner_) {
   const Teuchos::ParameterList& list = solver.parameters_->sublist("PDAS");
-  innerReduction_ = list.get<double>("Inner reduction");
+  // Where pairs turn, sets take a product and bring less.
+  innerReduction_ = (problem_.hasDiscs() ? 0.5 : 1.0) * list.get<double>("Inner reduction");
   patience_ = list.get<int>("Active sets without progress");
   mostSets_ = list.get<int>("Maximum active sets");
   mostKept_ = list.get<int>("Kept directions");
@@ -398,7 +399,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::descend() {
 // Pairs that are off their rims by more than radii would turn to anywhere.
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::isFarEnough() const {
-  constexpr double mostOvershoot = 0.5;
+  constexpr double mostOvershoot = 0.2;
   const typename Cg::Slipping slipping = cg_.slipping();
   return slipping.residual <= target_ && slipping.overshoot <= mostOvershoot;
 }

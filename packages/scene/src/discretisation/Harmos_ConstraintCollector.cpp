@@ -165,7 +165,7 @@ void ConstraintCollector::findSlips(ContactSetup& setup) {
   for (std::size_t f = 0; f < frictions_.size(); ++f)
     for (std::size_t k : pointsOf[f]) {
       setup.slips.push_back({k, contact::tangentsTo(points[k].normal, scene_.components()),
-                             frictions_[f].bound * points[k].area});
+                             frictions_[f].bound(points[k].position) * points[k].area});
       setup.frictions.push_back(frictions_[f].effect);
     }
 }

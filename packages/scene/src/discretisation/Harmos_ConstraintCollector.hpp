@@ -10,6 +10,7 @@
 
 #include <Teuchos_Comm.hpp>
 
+#include <functional>
 #include <map>
 #include <string>
 #include <unordered_map>
@@ -88,8 +89,11 @@ class ConstraintCollector {
 
   /// Friction at the points of a contact or an obstacle: rows t·w = 0, whose force is limited by the bound
   /// times the area of the point. A point of two contacts bears the first friction alone.
-  /// @param contact an effect of the scene, asked before or after. @param bound force per area, not negative.
-  void addFriction(const Effect& contact, double bound) { frictions_.push_back({&contact, asked_, bound}); }
+  /// @param contact an effect of the scene, asked before or after. @param bound force per area, not negative,
+  /// by position; asked by finish().
+  void addFriction(const Effect& contact, std::function<double(const fem::Point&)> bound) {
+    frictions_.push_back({&contact, asked_, std::move(bound)});
+  }
 
   /// What the user should know; a sentence.
   void note(const std::string& text) { notes_.push_back(text); }
@@ -122,7 +126,7 @@ class ConstraintCollector {
   DistinctPoints contacts_, ties_;
   struct Friction {
     const Effect *contact, *effect;
-    double bound;
+    std::function<double(const fem::Point&)> bound;
   };
   std::vector<Friction> frictions_;
   using Held = std::map<long long, double>; // dofs at ties with prescribed values
