@@ -53,8 +53,10 @@ std::shared_ptr<const scene::Effect> contactNamed(const scene::Scene& scene, con
 std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, const std::string& path,
                                           const scene::Scene& scene) {
   requireElastic(scene, "\"" + path + "\"");
-  if (list.getEntry("Slip bound").isDefault())
-    throw InputError("\"" + path + "/Slip bound\" is missing; Tresca's law needs a force per area",
+  if (!(list.get<double>("Slip bound") >= 0.0))
+    throw InputError("\"" + path +
+                         "/Slip bound\" is missing or negative; Tresca's law needs a force per area, zero or "
+                         "more",
                      {{"path", path + "/Slip bound"}});
   return std::make_shared<Friction>(contactNamed(scene, list.get<std::string>("Contact"), path + "/Contact"),
                                     list.get<double>("Slip bound"), scene::nameIn(path));
@@ -69,7 +71,7 @@ scene::EffectKind kindOfFriction() {
             "On what it acts: the name of one of \"Effects/Contact\" or \"Effects/Obstacle\". Required.");
   spec.choice("Law", "Tresca", {{"Tresca", "the bound is given, whatever the pressure is"}},
               "What the bound depends on.");
-  spec.real("Slip bound", 0.0, Range::atLeast(0.0), "Tresca: force per area. Required.");
+  spec.real("Slip bound", -1.0, Range(), "Tresca: force per area, zero or more. Required.");
   spec.absent("Coefficient", "Tresca's law has no coefficient of friction; give \"Slip bound\", a force per "
                              "area");
   return {Friction::kindName, spec, make};
