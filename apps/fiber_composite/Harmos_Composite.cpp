@@ -2,8 +2,8 @@
 #include "Harmos_Composite.hpp"
 
 #include "Harmos_Contact.hpp"
-#include "Harmos_Friction.hpp"
 #include "Harmos_Errors.hpp"
+#include "Harmos_Friction.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_Partition.hpp"
 #include "Harmos_PrescribedDisplacement.hpp"

@@ -116,9 +116,8 @@ scene::Scene makeScene(const app::DeckContext& context) {
 // stored energy and what is dissipated, which the audit's energy has in it.
 void evaluate(const Teuchos::ParameterList& deck, run::RunReport& report) {
   const Sample sample = sampleOf(deck);
-  report.results["effective_modulus"] =
-      (2.0 * report.audit.energy - report.audit.frictionWork) /
-      (sample.strain * sample.strain * sample.area());
+  report.results["effective_modulus"] = (2.0 * report.audit.energy - report.audit.frictionWork) /
+                                        (sample.strain * sample.strain * sample.area());
   if (report.contact.empty())
     return;
   double closed = 0.0, largest = 0.0;

@@ -96,6 +96,10 @@ class Solid:
     part_of_cell: np.ndarray
     parts: int
     volumes: dict  # in space, by type: the cells' nodes (cells, nodes)
+    # With friction, else None: (points, 3), (points, 3), (points,) 0 none, 1 sticks, 2 slips.
+    traction: np.ndarray = None
+    slip: np.ndarray = None
+    friction: np.ndarray = None
 
     @property
     def xy(self):
@@ -386,6 +390,14 @@ def parse_solid(source):
     source.require_finite(displacement=displacement, contact_pressure=pressure, gap=gap)
     if stress is not None:
         source.require_finite(von_mises=stress)
+    rubs = {}
+    if "PointData/friction_state" in source:
+        rubs = {
+            "traction": source.column("PointData/friction_traction", source.n_points).astype(float),
+            "slip": source.column("PointData/slip", source.n_points).astype(float),
+            "friction": source.point_data("friction_state").astype(int),
+        }
+        source.require_finite(friction_traction=rubs["traction"], slip=rubs["slip"])
 
     types = source.types(VTK_PIECES, f"the types {sorted(VTK_PIECES)}")
     dimensions = {VTK_PIECES[kind][0] for kind in np.unique(types).tolist()}
@@ -417,6 +429,7 @@ def parse_solid(source):
         part_of_cell=parts,
         parts=source.parts,
         volumes=volumes if dimension == 3 else {},
+        **rubs,
     )
 
 

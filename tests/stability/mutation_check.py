@@ -38,6 +38,7 @@ SOURCE = Path(__file__).resolve().parents[2]
 TEST_SECONDS = 600
 CONTACT = ("unit_contact", "verification_contact_patch")
 FETI = ("unit_feti", "verification_contact_patch")
+FRICTION = ("unit_feti", "verification_friction")
 
 
 @dataclass
@@ -57,8 +58,8 @@ def fault(what, file, old, new, tests):
 FAULTS = (
     fault(
         "sign of a contact row", "packages/contact/src/Harmos_ContactRows.cpp",
-        "row.terms.push_back({term.node * components + c, term.weight * direction});",
-        "row.terms.push_back({term.node * components + c, -term.weight * direction});", CONTACT),
+        "row.terms.push_back({term.node * components + c, term.weight * along});",
+        "row.terms.push_back({term.node * components + c, -term.weight * along});", CONTACT),
     Fault(
         "a dropped gluing row where four subdomains meet",
         "packages/feti/src/torn/Harmos_Constraints.cpp",
@@ -92,7 +93,7 @@ FAULTS = (
         "sign of the gap in the dual load", "packages/feti/src/dual/Harmos_DualProblem.cpp",
         "view(r, 0) -= constraints.bound(", "view(r, 0) += constraints.bound(", FETI),
     fault(
-        "prescribed values added to bounds", "packages/feti/src/torn/Harmos_Constraints.cpp",
+        "prescribed values added to bounds", "packages/feti/src/torn/Harmos_GivenRows.cpp",
         "bound -= coefficient * fixed->value;", "bound += coefficient * fixed->value;", FETI),
     fault(
         "rigid motion of the wrong sign in the recovery",
@@ -131,9 +132,35 @@ FAULTS = (
         "view(r, 0) -= bounds_[r] + compliances_[r] * force(r, 0);",
         "view(r, 0) -= compliances_[r] * force(r, 0) - bounds_[r];", ("unit_feti",)),
     fault(
-        "gaps of open contacts in the solver's error", "packages/run/src/stages/Harmos_AnswerCheck.cpp",
+        "gaps of open contacts in the solver's error", "packages/feti/src/solve/Harmos_RowErrors.cpp",
         "view(r, 0) = std::max(view(r, 0), 0.0);",
         "view(r, 0) = std::min(view(r, 0), 0.0);", ("unit_run",)),
+    fault(
+        "sign of the shift in intervals of friction", "packages/feti/src/dual/Harmos_DualProblem.cpp",
+        "return constraints.isInterval(row) ? -shift + constraints.limit(row) : none;",
+        "return constraints.isInterval(row) ? shift + constraints.limit(row) : none;", FRICTION),
+    fault(
+        "sign of the shift in discs", "packages/feti/src/dual/Harmos_DualProblem.cpp",
+        "{-shift(static_cast<std::size_t>(first), 0),", "{shift(static_cast<std::size_t>(first), 0),",
+        FRICTION),
+    fault(
+        "limits scaled the other way", "packages/feti/src/torn/Harmos_Constraints.cpp",
+        "row.limit / scale", "row.limit * scale", FRICTION),
+    fault(
+        "sign of slips of the step before", "packages/effects/src/Harmos_Friction.cpp",
+        "bounds[k] += state[k];", "bounds[k] -= state[k];", ("verification_friction",)),
+    fault(
+        "slips against their force in the audit", "packages/feti/src/solve/Harmos_RowErrors.cpp",
+        "view(r, 0) * lambda(r, 0) > 0.0;", "view(r, 0) * lambda(r, 0) != 0.0;", ("unit_feti",)),
+    fault(
+        "work of friction among what is stored", "packages/run/src/steps/Harmos_EnergyAccount.cpp",
+        "answer.freeStrainEnergy - answer.frictionWork", "answer.freeStrainEnergy",
+        ("verification_friction",)),
+    fault(
+        "a limit that is no force",
+        "packages/scene/src/discretisation/Harmos_ConstraintCollector.cpp",
+        "frictions_[f].bound(points[k].position) * points[k].area", "frictions_[f].bound(points[k].position)",
+        ("verification_friction",)),
 )
 
 

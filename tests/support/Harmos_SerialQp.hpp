@@ -359,7 +359,8 @@ struct BoundTraits<double, SerialVector> {
   static SlipSums slipSums(const LocalActiveSet& active, double q, const V& w) {
     SlipSums sums;
     for (const Slip& slip : active.slipping) {
-      const double along = -slip.normal[1] * w()[place(slip.first)] + slip.normal[0] * w()[place(slip.second)];
+      const double along =
+          -slip.normal[1] * w()[place(slip.first)] + slip.normal[0] * w()[place(slip.second)];
       sums.along2 += along * along;
       sums.softened2 += std::pow(q / (q + slip.curvature) * along, 2);
       sums.rims2 += std::pow((q + slip.curvature) * slip.radius, 2);

@@ -104,8 +104,10 @@ def displaced(name, part, value):
     )
 
 
-def write_deck(directory, key, contact, press=0.03, scale=1.0, force=None):
+def write_deck(directory, key, contact, press=0.03, scale=1.0, force=None, drag=0.0, slip_bound=None):
     """The deck of a scene, in `directory`.
+
+    @param drag displacement of the top along x, where it is pressed. @param slip_bound of friction; None: none.
 
     @param contact pressed onto what it lies on by `press` from above, or by `force` per area on top where
     that is given; else no contact, and the bodies hang by their weight.
@@ -124,8 +126,16 @@ def write_deck(directory, key, contact, press=0.03, scale=1.0, force=None):
     effects = []
     if contact:
         effects.append(body.contact)
+        if slip_bound is not None:
+            name = "touching" if body.contact == TOUCHING else "plane"
+            rough = group(
+                "rough",
+                entry("Contact", "string", name),
+                entry("Slip bound", "double", f"{slip_bound:g}"),
+            )
+            effects.append(group("Friction", rough))
         if force is None:
-            held.append(displaced("press", "ball/top", [press * x for x in down]))
+            held.append(displaced("press", "ball/top", [drag, *(press * x for x in down[1:])]))
         else:
             sideways = "{x, y}" if solid else "{x}"
             held.append(

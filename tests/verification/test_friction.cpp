@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Friction by Tresca's law against theory: a strip that is pulled and let go, a round column that is twisted,
-/// a shoe that sticks or slides, a plate whose bounds are those of its own Coulomb friction; and two solutions
-/// of the same problem on other numbers of ranks, in other forms, and with slips in the place of friction.
+/// Friction by Tresca's law against theory: a strip that is pulled and let go, a round column that is
+/// twisted, a shoe that sticks or slides, a plate whose bounds are those of its own Coulomb friction; and two
+/// solutions of the same problem on other numbers of ranks, in other forms, and with slips in the place of
+/// friction.
 
 #include "Harmos_Contact.hpp"
 #include "Harmos_Exchange.hpp"
@@ -204,7 +205,8 @@ TEST(Friction, round_column_twisted) {
     for (std::size_t d = 0; d < 3; ++d)
       EXPECT_NEAR(force.tangential[d], 0.0, 1e-6 * exact / radius);
     // Ten times the solver's tolerance, of the displacement of the rim.
-    expectLaw(run.report, [](const Point&) { return slipBound; }, 1e-7 * angle * radius);
+    expectLaw(
+        run.report, [](const Point&) { return slipBound; }, 1e-7 * angle * radius);
   }
   std::cout << "M/exact - 1 = " << errors.back() << ", rate " << fittedRate(sizes, errors) << "\n";
   // Two, but for the four places where the map makes corners of the disc.
@@ -350,7 +352,8 @@ TEST(Friction, the_way_does_not_matter) {
   ASSERT_TRUE(run.report.converged) << run.report.reason;
   EXPECT_GT(count(run.report, run::Friction::Sticks), 3);
   EXPECT_GT(count(run.report, run::Friction::Slips), 3);
-  expectLaw(run.report, [](const Point&) { return 0.026; }, 1e-8);
+  expectLaw(
+      run.report, [](const Point&) { return 0.026; }, 1e-8);
   EXPECT_LE(run.report.audit.slipError, 1e-8);
   const TestRun alone = runScene(scene, 1e-9, {}, Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF)));
   // Energies are known to the square of what displacements are known to.

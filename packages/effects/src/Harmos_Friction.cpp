@@ -37,8 +37,9 @@ std::shared_ptr<const scene::Effect> contactNamed(const scene::Scene& scene, con
   if (found.size() == 1)
     return found.front();
   if (found.size() > 1)
-    throw InputError("\"" + path + "\" = \"" + name + "\" is the name of a contact and of an obstacle; say \"" +
-                         found[0]->kind() + "/" + name + "\" or \"" + found[1]->kind() + "/" + name + "\"",
+    throw InputError("\"" + path + "\" = \"" + name +
+                         "\" is the name of a contact and of an obstacle; say \"" + found[0]->kind() + "/" +
+                         name + "\" or \"" + found[1]->kind() + "/" + name + "\"",
                      {{"path", path}});
   if (!others.empty())
     throw InputError("\"" + path + "\" names the " + others +

@@ -8,15 +8,15 @@
 
 namespace Harmos::effects {
 
-/// Friction between the surfaces of a contact, or on an obstacle, by Tresca's law: the force of a point across
-/// the normal is at most a given bound; below it the point sticks, at it the point slips along the force
-/// (Duvaut, Lions: Inequalities in Mechanics and Physics, 1976):
+/// Friction between the surfaces of a contact, or on an obstacle, by Tresca's law: the force of a point
+/// across the normal is at most a given bound; below it the point sticks, at it the point slips along the
+/// force (Duvaut, Lions: Inequalities in Mechanics and Physics, 1976):
 ///
 ///     |λ_t| ≤ g,   |λ_t| < g ⇒ Δs = 0,   |λ_t| = g ⇒ Δs = cλ_t, c ≥ 0
 ///
-/// −λ_t is the force on the first body, g the slip bound times the area of the point, Δs = B_t u − c_t the slip
-/// of the step, of the first body against the second: c_t is that of the last step that was accepted. The
-/// bound is there whatever the pressure is, also where the contact is open.
+/// −λ_t is the force on the first body, g the slip bound times the area of the point, Δs = B_t u − c_t the
+/// slip of the step, of the first body against the second: c_t is that of the last step that was accepted.
+/// The bound is there whatever the pressure is, also where the contact is open.
 ///
 /// Guarded by tests/verification/test_friction.cpp and tests/unit/effects/test_friction.cpp.
 class Friction : public scene::Effect {

@@ -131,8 +131,8 @@ std::string planText(const RunPlan& plan) {
   std::ostringstream text;
   text << "Primal dimension " << s.primalDimension << ", dual dimension " << s.dualDimension << " ("
        << s.inequalities << " inequalities"
-       << (s.limited > 0 ? ", " + std::to_string(s.limited) + " of friction" : std::string()) << "), kernel dimension " << s.kernelDimension << ", coarse dimension "
-       << s.coarseDimension << "\n"
+       << (s.limited > 0 ? ", " + std::to_string(s.limited) + " of friction" : std::string())
+       << "), kernel dimension " << s.kernelDimension << ", coarse dimension " << s.coarseDimension << "\n"
        << s.subdomains.size() << " subdomains with " << s.matrices.size() << " distinct matrices; "
        << plan.products.least << " to " << plan.products.most << " products with F are usual"
        << (s.steps > 1 ? " in the first of " + std::to_string(s.steps) + " steps" : std::string()) << "\n\n"

@@ -83,13 +83,11 @@ TEST(LimitedRows, audit_finds_faults) {
     EXPECT_GT(slips, 0);
     EXPECT_LT(slips, solver.constraints().limited());
 
-    const feti::KktAudit turned =
-        feti::audit(solver.system(), solver.constraints(), tampered(solver, -1.0));
+    const feti::KktAudit turned = feti::audit(solver.system(), solver.constraints(), tampered(solver, -1.0));
     EXPECT_FALSE(feti::auditAgrees(turned, limits()));
     EXPECT_LT(turned.frictionWork, 0.0);
     EXPECT_GT(turned.slipError, 1e-3 * turned.largestDisplacement);
-    const feti::KktAudit strong =
-        feti::audit(solver.system(), solver.constraints(), tampered(solver, 1.01));
+    const feti::KktAudit strong = feti::audit(solver.system(), solver.constraints(), tampered(solver, 1.01));
     EXPECT_FALSE(feti::auditAgrees(strong, limits()));
     EXPECT_NEAR(strong.limitExcess, 0.01 * small, 1e-10);
     // Less than the limit, and slips all the same.
@@ -161,7 +159,8 @@ TEST(LimitedRows, tangents_in_the_coarse_problem) {
           gram[i * n + j] += row[i] * row[j];
     };
     const auto rowOf = [&](int row, double factor, std::vector<double>& sum) {
-      coarse.forRow(row, [&](int column, double value) { sum[static_cast<std::size_t>(column)] += factor * value; });
+      coarse.forRow(
+          row, [&](int column, double value) { sum[static_cast<std::size_t>(column)] += factor * value; });
     };
     {
       const auto view = mask.getLocalViewHost(Tpetra::Access::ReadOnly);

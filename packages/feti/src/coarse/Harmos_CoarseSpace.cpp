@@ -213,7 +213,8 @@ void CoarseSpace::makeScale() {
 
 // G̃M_FG̃ᵀ at the places of the pattern; the same to the last bit on all ranks, whose decisions must agree.
 template<class Real>
-std::vector<Real> CoarseSpace::gram(const double* mask, const std::vector<qp::Slip>& slipping, double q) const {
+std::vector<Real> CoarseSpace::gram(const double* mask, const std::vector<qp::Slip>& slipping,
+                                    double q) const {
   std::vector<Real> values(gramRows_.size(), 0.0);
   std::vector<double> along;
   for (const qp::Slip& slip : slipping) {

@@ -205,10 +205,11 @@ void DualProblem::makeBounds(const Constraints& constraints) {
   std::vector<qp::Disc> discs;
   const auto shift = shift_->getLocalViewHost(Tpetra::Access::ReadOnly);
   for (const auto& [first, second] : constraints.discs())
-    discs.push_back({first,
-                     second,
-                     {-shift(static_cast<std::size_t>(first), 0), -shift(static_cast<std::size_t>(second), 0)},
-                     constraints.limit(first)});
+    discs.push_back(
+        {first,
+         second,
+         {-shift(static_cast<std::size_t>(first), 0), -shift(static_cast<std::size_t>(second), 0)},
+         constraints.limit(first)});
   discs_ = std::make_shared<const qp::LocalDiscs>(std::move(discs), shift.extent(0));
 }
 

@@ -49,9 +49,8 @@ class CoarseFaceGram : public qp::FaceGramMaker<MultiVector> {
   Teuchos::RCP<const qp::FaceGram> build(const MultiVector& free) const override {
     return Teuchos::rcp(new Face(coarse_, coarse_.faceFactor(free)));
   }
-  Teuchos::RCP<const qp::FaceGram> buildWithSlips(const MultiVector& free,
-                                                  const std::vector<qp::Slip>& slipping,
-                                                  double q) const override {
+  Teuchos::RCP<const qp::FaceGram>
+  buildWithSlips(const MultiVector& free, const std::vector<qp::Slip>& slipping, double q) const override {
     return Teuchos::rcp(new Face(coarse_, coarse_.faceFactor(free, slipping, q)));
   }
 

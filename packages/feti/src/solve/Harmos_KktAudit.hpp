@@ -16,10 +16,10 @@ struct KktAudit {
   /// Of limited rows, pair by pair: the largest Δs = Bu − c − Cλ where |λ| is below its limit; where it is
   /// not, of what is left of Δs without its part along λ.
   double slipError = 0.0;
-  double limitExcess = 0.0;   ///< max (|λ| − limit)₊
-  double largestLimit = 0.0;  ///< of limited rows
-  double frictionWork = 0.0;  ///< Σ λᵀΔs of limited rows, which is dissipated
-  double primalEnergy = 0.0;         ///< ½uᵀKu − fᵀu, physical K and f (no trivial equations)
+  double limitExcess = 0.0;  ///< max (|λ| − limit)₊
+  double largestLimit = 0.0; ///< of limited rows
+  double frictionWork = 0.0; ///< Σ λᵀΔs of limited rows, which is dissipated
+  double primalEnergy = 0.0; ///< ½uᵀKu − fᵀu, physical K and f (no trivial equations)
   /// ½uᵀKu − fᵀu + λᵀ(Bu − c): the same at the solution, but stationary there. Jumps of the order ε change
   /// the primal energy by λᵀ(Bu − c), of the order ε; the error of this is of the order ε².
   /// With rows that give way, ½λᵀCλ is stored in them.

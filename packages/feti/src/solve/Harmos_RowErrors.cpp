@@ -17,7 +17,8 @@ bool isAtLimit(double force, double limit) {
 
 template<class View>
 double forceOf(const std::array<int, 2>& disc, const View& lambda) {
-  return std::hypot(lambda(static_cast<std::size_t>(disc[0]), 0), lambda(static_cast<std::size_t>(disc[1]), 0));
+  return std::hypot(lambda(static_cast<std::size_t>(disc[0]), 0),
+                    lambda(static_cast<std::size_t>(disc[1]), 0));
 }
 
 } // namespace
@@ -28,7 +29,8 @@ std::vector<char> holdAsEquations(const Constraints& constraints, const MultiVec
   for (std::size_t r = 0; r < lambda.extent(0); ++r) {
     const int row = static_cast<int>(r);
     const RowType type = constraints.rowType(row);
-    const bool slips = constraints.isInterval(row) && isAtLimit(std::abs(lambda(r, 0)), constraints.limit(row));
+    const bool slips =
+        constraints.isInterval(row) && isAtLimit(std::abs(lambda(r, 0)), constraints.limit(row));
     holds.push_back(!slips && (type != RowType::Inequality || lambda(r, 0) > 0.0) ? 1 : 0);
   }
   for (const std::array<int, 2>& disc : constraints.discs())

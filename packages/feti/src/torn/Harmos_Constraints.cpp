@@ -266,9 +266,9 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   std::vector<Details::MultiplierTerm> multipliers;
   agree(comm, [&] {
     gluing = addGluingAndDirichlet(dofs.here(), system.dirichletForm(), firstRow, builder);
-    multipliers = addGiven(rows, isTaken, numbers, dofs, answers,
-                           given(rows, isTaken, answers, system.dirichletForm(), weights_.unit, softness),
-                           builder);
+    multipliers =
+        addGiven(rows, isTaken, numbers, dofs, answers,
+                 given(rows, isTaken, answers, system.dirichletForm(), weights_.unit, softness), builder);
   });
   if (taken > 0)
     for (const std::vector<Details::MultiplierTerm>& part :
@@ -369,8 +369,8 @@ Constraints::bySubdomain(const std::vector<std::vector<RowEntry>>& entries,
 void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
   const Constraints changed(system_, rows, hasWeights_, weights_);
   agree(*system_.comm(), [&] {
-    if (changed.types_ != types_ || changed.entries_ != entries_ || changed.compliances_ != compliances_ || changed.discs_ != discs_ ||
-        !changed.rowMap_->isLocallyFitted(*rowMap_))
+    if (changed.types_ != types_ || changed.entries_ != entries_ || changed.compliances_ != compliances_ ||
+        changed.discs_ != discs_ || !changed.rowMap_->isLocallyFitted(*rowMap_))
       throw InputError(
           "constraint rows are given new bounds, but their number, kinds, dofs coefficients or compliances "
           "have "

@@ -202,7 +202,9 @@ void settle(GivenRow& given, const ConstraintRow& row, const std::map<long long,
 GivenCounts countGiven(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRow>& rows) {
   std::array<long long, 3> mine = {0, 0, 0};
   for (const ConstraintRow& row : rows)
-    ++mine[row.kind == ConstraintRow::Kind::Inequality ? 0 : row.kind == ConstraintRow::Kind::Limited ? 1 : 2];
+    ++mine[row.kind == ConstraintRow::Kind::Inequality ? 0
+           : row.kind == ConstraintRow::Kind::Limited  ? 1
+                                                       : 2];
   const GivenCounts counts = {globalSum(comm, mine[0]), globalSum(comm, mine[1]), globalSum(comm, mine[2])};
   checkNumbers(comm, rows, ConstraintRow::Kind::Inequality, counts.inequalities);
   checkNumbers(comm, rows, ConstraintRow::Kind::Limited, counts.limited);
@@ -260,8 +262,8 @@ std::vector<long long> numbersOfGiven(const Teuchos::Comm<int>& comm, const std:
   for (const std::vector<long long>& part : answers)
     for (long long number : part)
       order[number] = 0;
-  long long next = counts.first(ConstraintRow::Kind::Equality) +
-                   exclusiveScan(comm, static_cast<long long>(order.size()));
+  long long next =
+      counts.first(ConstraintRow::Kind::Equality) + exclusiveScan(comm, static_cast<long long>(order.size()));
   for (auto& item : order)
     item.second = next++;
   for (std::vector<long long>& part : answers)

@@ -28,7 +28,10 @@ class FirstActiveSet {
   /// @param rows orthonormal, or none. All to outlive this.
   FirstActiveSet(const Problem<Scalar, MV, OP>& problem, const EqualityRows<Scalar, MV, OP>& rows,
                  Counters& counters)
-      : problem_(problem), b_(*problem.rhs()), nearest_(problem, rows), stiffness_(stiffness(problem, counters)) {}
+      : problem_(problem),
+        b_(*problem.rhs()),
+        nearest_(problem, rows),
+        stiffness_(stiffness(problem, counters)) {}
 
   /// ‖b‖/s, about that of the solution; 0 without a preconditioner.
   double scale() const {

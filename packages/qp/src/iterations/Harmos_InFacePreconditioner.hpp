@@ -51,9 +51,10 @@ class InFacePreconditioner {
 
   /// Where pairs slip A gets their curvatures κ, and its inverse is about
   ///
-  ///     z = TM⁻¹Tφ + (I − T²)²κ⁻¹φ,   T² = q/(q + κ),
+  ///     z = TM⁻¹Tφ + (I − T)Tq⁻¹φ,   T = q/(q + κ),
   ///
-  /// as that of rows that give way: q stands for the diagonal of A. @note Collective.
+  /// q for the diagonal of A: exact where A is diagonal, and for what one pair does to others. @note
+  /// Collective.
   void applySoftened(const MV& phi, const LocalActiveSet& active, double q, MV& z) {
     using MVT = Belos::MultiVecTraits<Scalar, MV>;
     using BT = BoundTraits<Scalar, MV>;
@@ -63,7 +64,8 @@ class InFacePreconditioner {
     apply(*softened, active, z);
     MVT::Assign(z, *softened);
     BT::addAtSlips(active, change, *softened, z);
-    BT::addAtSlips(active, [q](double curvature) { return curvature / std::pow(q + curvature, 2); }, phi, z);
+    BT::addAtSlips(
+        active, [q](double curvature) { return curvature / std::pow(q + curvature, 2); }, phi, z);
   }
 
  private:

@@ -103,7 +103,7 @@ class ProjectedCg {
   LocalActiveSet active_;
   bool hasFace_ = false;
   Teuchos::RCP<const FaceGram> faceGram_;
-  // Where pairs slip: C̄T²C̄ᵀ on the face, T² = q/(q + κ) there; see InFacePreconditioner. Q: of A's diagonal.
+  // Where pairs slip: C̄TC̄ᵀ on the face, T = q/(q + κ) there; see InFacePreconditioner. q of A's diagonal.
   Teuchos::RCP<const FaceGram> softGram_;
   double stiffness_ = 0.0;
   bool isSoftened_ = false;

@@ -117,9 +117,9 @@ void ProjectedCg<Scalar, MV, OP>::makeFaceGram() {
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::findSlips() {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  isSoftened_ = problem_.hasDiscs() && preconditioner_.isPresent() &&
-                BoundTraits<Scalar, MV>::maximum(*problem_.solution(), active_.slipping.empty() ? 0.0 : 1.0) >
-                    0.0;
+  isSoftened_ =
+      problem_.hasDiscs() && preconditioner_.isPresent() &&
+      BoundTraits<Scalar, MV>::maximum(*problem_.solution(), active_.slipping.empty() ? 0.0 : 1.0) > 0.0;
   softGram_ = Teuchos::null;
   if (!isSoftened_ || stiffness_ > 0.0)
     return;
@@ -231,22 +231,23 @@ void ProjectedCg<Scalar, MV, OP>::precondition() {
   kept_.conjugate(*z_);
 }
 
-// z = P M⁻¹ Pᵀ w, P = I − T²C̄_Fᵀ(C̄_FT²C̄_Fᵀ)⁻C̄_F: what meets the equalities again is taken from pairs that
-// slip by their share of T², for there curvatures make it dear.
+// z = P M⁻¹ Pᵀ w, P = I − TC̄_Fᵀ(C̄_FTC̄_Fᵀ)⁻C̄_F: what meets the equalities again is taken from pairs that
+// slip by their share T, for there curvatures make it dear.
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::preconditionSoftened() {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using BT = BoundTraits<Scalar, MV>;
   const double q = stiffness_;
-  const auto soften = [&](MV& v) { // v ← T²v
+  const auto soften = [&](MV& v) { // v ← Tv
     const Teuchos::RCP<MV> whole = MVT::CloneCopy(v);
-    BT::addAtSlips(active_, [q](double curvature) { return -curvature / (q + curvature); }, *whole, v);
+    BT::addAtSlips(
+        active_, [q](double curvature) { return -curvature / (q + curvature); }, *whole, v);
   };
   if (!rows_.isPresent()) {
     preconditioner_.applySoftened(*w_, active_, q, *z_);
     return;
   }
-  const auto addRows = [&](MV& v) { // C̄_Fᵀ(C̄_FT²C̄_Fᵀ)⁻ of what is in rowWork_
+  const auto addRows = [&](MV& v) { // C̄_Fᵀ(C̄_FTC̄_Fᵀ)⁻ of what is in rowWork_
     BT::scatter(softGram_->solve(BT::gather(*rowWork_)), *rowWork_);
     MVT::MvInit(v, 0.0);
     rows_.addTransposed(1.0, *rowWork_, v);

@@ -176,9 +176,8 @@ void project(const Discs& discs, double* x) {
 
 void moveToRims(const Discs& discs, const signed char* active, double* x) {
   for (const Disc& disc : discs)
-    if (const Pair y = fromCentre(disc, x);
-        active[disc.first] == LocalActiveSet::onRim && norm(y) > 0.0 &&
-        std::abs(norm(y) - disc.radius) > touching(disc))
+    if (const Pair y = fromCentre(disc, x); active[disc.first] == LocalActiveSet::onRim && norm(y) > 0.0 &&
+                                            std::abs(norm(y) - disc.radius) > touching(disc))
       put(disc, y, x);
 }
 

@@ -83,7 +83,8 @@ std::vector<double> EqualityRows<Scalar, MV, OP>::gramOf(const LocalActiveSet* a
       BT::maskActive(*image, *active);
     if (q > 0.0) {
       const Teuchos::RCP<MV> whole = MVT::CloneCopy(*image);
-      BT::addAtSlips(*active, [q](double curvature) { return -curvature / (q + curvature); }, *whole, *image);
+      BT::addAtSlips(
+          *active, [q](double curvature) { return -curvature / (q + curvature); }, *whole, *image);
     }
     apply(*image, *column);
     const std::vector<double> entries = BT::gather(*column);
@@ -94,7 +95,7 @@ std::vector<double> EqualityRows<Scalar, MV, OP>::gramOf(const LocalActiveSet* a
 
 template<class Scalar, class MV, class OP>
 Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::faceGram(const LocalActiveSet& active,
-                                                                  double q) const {
+                                                                    double q) const {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   const bool slips =
       problem_.hasDiscs() &&

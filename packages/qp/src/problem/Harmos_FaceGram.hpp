@@ -34,8 +34,8 @@ class FaceGramMaker {
 
   /// The same where pairs slip along their rims: their entries are not free, but t of each is, with a weight
   /// of q/(q + κ), or one where q = 0. Null: not known. @note Collective.
-  virtual Teuchos::RCP<const FaceGram> buildWithSlips(const MV& /*free*/, const std::vector<Slip>& /*slipping*/,
-                                                      double /*q*/) const {
+  virtual Teuchos::RCP<const FaceGram>
+  buildWithSlips(const MV& /*free*/, const std::vector<Slip>& /*slipping*/, double /*q*/) const {
     return Teuchos::null;
   }
 };

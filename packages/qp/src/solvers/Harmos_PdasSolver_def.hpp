@@ -440,7 +440,8 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
   // Slipping pairs go on along their tangents until what is wrong with all of these counts beside the
   // residual: of gradients and of distances half of it each at most, so that descend() can judge by twice the
   // residual.
-  const double turn = 0.5 * cg_.slipping().residual / std::sqrt(std::max(1.0, static_cast<double>(change_.slips)));
+  const double turn =
+      0.5 * cg_.slipping().residual / std::sqrt(std::max(1.0, static_cast<double>(change_.slips)));
   change_ =
       BT::updateActiveSet(x_, *y_, feasible_, 10.0 * epsilon * norm<Scalar>(x_), 10.0 * cg_.attainable(),
                           set_, {curvature > 0.0 ? 1.0 / curvature : 0.0, turn});

@@ -99,8 +99,7 @@ Solution RunStages::goOnce() {
 StepRow RunStages::onlyStep() {
   const auto answer = [&](const scene::TimedLoads& loads) {
     return EnergyAccount::Answer{loads.factors(time_), loads.products(*comm_, torn_.displacement, reactions_),
-                                 report_.audit.energy,
-                                 scene::freeStrainEnergy(*comm_, scene_, owned_, time_),
+                                 report_.audit.energy, scene::freeStrainEnergy(*comm_, scene_, owned_, time_),
                                  report_.audit.frictionWork};
   };
   const std::vector<double> rises = scene_.temperatureRises(time_);

@@ -36,7 +36,7 @@ class EffectStates {
  private:
   struct State {
     const scene::Effect* effect;
-    std::vector<std::size_t> points; // of the setup, an inequality row each
+    std::vector<std::size_t> points;  // of the setup, an inequality row each
     std::vector<std::size_t> limited; // rows
     std::vector<double> committed, trial;
   };

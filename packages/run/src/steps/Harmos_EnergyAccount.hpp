@@ -12,7 +12,8 @@ namespace Harmos::run {
 /// The energies of a run, from state to state.
 ///
 /// Stored: ½uᵀKu − f_Tᵀu + ½∫ε_T:C:ε_T, f_T the loads of strains; ½uᵀKu is taken from the Lagrangian ½uᵀKu −
-/// fᵀu + λᵀ(Bu − c), in whose error jumps are of second order, less what friction dissipates of it. From outside, by the trapezoidal rule,
+/// fᵀu + λᵀ(Bu − c), in whose error jumps are of second order, less what friction dissipates of it. From
+/// outside, by the trapezoidal rule,
 ///
 ///     ΔW = Σ_h ½(h₀ + h₁)(f_hᵀu₁ − f_hᵀu₀) + Σ_h ½(g_hᵀr₀ + g_hᵀr₁)(h₁ − h₀)
 ///

@@ -33,9 +33,9 @@ struct ContactSetup {
   /// The points that bear friction, in the order of the limited rows, and the effects that say so.
   std::vector<contact::SlipPoint> slips;
   std::vector<const Effect*> frictions;
-  std::vector<ConstraintRow> rows;    ///< this rank's share, ties too
-  std::vector<Origin> origins;        ///< of each of these; a row that two effects ask for is the first one's
-  std::vector<std::string> notes;     ///< what the user should know; sentences
+  std::vector<ConstraintRow> rows; ///< this rank's share, ties too
+  std::vector<Origin> origins;     ///< of each of these; a row that two effects ask for is the first one's
+  std::vector<std::string> notes;  ///< what the user should know; sentences
 };
 
 /// Points whose rows differ. Effects that overlap give the same row twice, perhaps with the surfaces
