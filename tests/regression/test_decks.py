@@ -43,9 +43,12 @@ NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[+-]\d+)?(?![\w.]*[A-Za-z_])"
 # A line of the table of effects: kind, number, rows; seconds, MiB.
 EFFECT = re.compile(r"(?m)^(  [A-Z][a-z ]+\d+ +\d+) +\d+\.\d+ +\d+\.\d+$")
 # A line of the table of forces, and one of a step: number, of, time, products, energy, closed, of.
-FORCE = re.compile(r"  [A-Z][a-z ]+/")
+FORCE = re.compile(r"  [A-Z][a-z ]+/|    (normal|tangential) ")
 STEP = re.compile(r"Step \d+ of \d+, time ")
-AUDIT = "  equilibrium", "  balance", "  gluing jump", "  penetration", "  least contact", "  complementarity"
+AUDIT = (
+    "  equilibrium", "  balance", "  gluing jump", "  penetration", "  least contact", "  complementarity",
+    "  slip  ", "  friction beyond",
+)
 
 
 def normalised(text, deck, directory):
@@ -84,16 +87,20 @@ def allowed(line, position, value):
         if position < 2:
             return value, value
         return (value / 2, value * 2) if "condition" in line and position == 3 else (0, value + 1)
+    if line.startswith("  work of friction"):
+        return value - 0.02 * abs(value), value + 0.02 * abs(value)
     if line.startswith("  energy"):
         return value - 1e-6 * abs(value), value + 1e-6 * abs(value)
     if line.startswith(AUDIT):
         # A zero may become a rounding error, 1e-9 of quantities of order one at most.
         return min(10 * value, 0) - 1e-9, max(10 * value, 0) + 1e-9
     if FORCE.match(line):
-        spread = 0.01 * max(abs(float(x)) for x in NUMBER.findall(line))
+        # Forces that are none are rounding errors of those of order one at most.
+        spread = 0.01 * max(abs(float(x)) for x in NUMBER.findall(line)) + 1e-12
         return value - spread, value + spread
     if STEP.match(line):
-        spread = (0.0, 0.0, 0.0, 0.3 * value + 3, 1e-3 * abs(value), 1.0, 0.0)[position]
+        # Step, steps, time, products, energy, closed points of all, those that slip of all.
+        spread = (0.0, 0.0, 0.0, 0.3 * value + 3, 1e-3 * abs(value), 1.0, 0.0, 1.0, 0.0)[position]
         return value - spread, value + spread
     if re.match(r"\w+: ", line):
         return value - 0.01 * abs(value), value + 0.01 * abs(value)
