@@ -28,6 +28,7 @@ import harmos_runs as runs  # noqa: E402
 
 APPS = runs.SOURCE / "apps"
 BLOCKS = APPS / "harmos" / "decks" / "two_blocks.xml"
+DRAGGED = APPS / "harmos" / "decks" / "dragged_block.xml"
 LIFTED = APPS / "harmos" / "decks" / "lifted_beam.xml"
 CYLINDER = APPS / "signorini" / "decks" / "hertz_cylinder.xml"
 COLUMNS = (
@@ -386,6 +387,24 @@ class Restarts(unittest.TestCase):
             more = len(steps_of(directory))
             self.assertGreater(more, rows)
             rows = more
+
+    def test_slips_go_on(self):
+        """Friction: where surfaces have slipped to, and what was dissipated, bit for bit."""
+        sets = {"Output/Fields": False, "Steps/Number": 160}
+        plain = runs.solved(self, DRAGGED, sets, np=1, program="harmos").directory
+        directory = runs.scratch("slipping")
+        limit = {"Solver/Maximum seconds": 0.01}
+        run = runs.run(DRAGGED, sets | limit, np=1, output=directory, program="harmos")
+        parts = 1
+        while run.returncode == 1 and parts < 100:
+            run = runs.start(["--restart", directory, "--quiet"], 1, program="harmos")
+            parts += 1
+        self.assertEqual(run.returncode, 0, run)
+        self.assertGreater(parts, 1, "there was nothing to be interrupted")
+        self.assertEqual(*(read(d, "steps.csv") for d in (plain, directory)))
+        last = steps_of(directory)[-1]
+        self.assertGreater(float(last["dissipated"]), 0.0)
+        print(f"{parts} parts, {last['slipping']} points slip in the end")
 
     def test_taken_up_by_other_ranks(self):
         cut = self.killed(BLOCKS, self.TILTED, 2, program="harmos")
