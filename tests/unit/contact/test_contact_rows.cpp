@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 using namespace Harmos;
 using namespace Harmos::contact;
 
@@ -79,4 +81,59 @@ TEST(ContactRows, ties_have_a_row_for_each_component) {
     EXPECT_EQ(row.terms[2].dof, 2 * (11 + k) + c);
     EXPECT_EQ(row.terms[2].coefficient, -0.75);
   }
+}
+
+// Orthonormal to the normal and each other, whichever way that looks.
+TEST(ContactRows, tangents) {
+  for (const fem::Point& n :
+       std::vector<fem::Point>{{1, 0, 0},
+                               {0, -1, 0},
+                               {0, 0, 1},
+                               {0.6, 0, -0.8},
+                               {1 / std::sqrt(3), 1 / std::sqrt(3), -1 / std::sqrt(3)}}) {
+    const auto t = tangentsTo(n, 3);
+    const auto product = [](const fem::Point& a, const fem::Point& b) {
+      return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    };
+    for (int k : {0, 1}) {
+      EXPECT_NEAR(product(n, t[static_cast<std::size_t>(k)]), 0.0, 1e-15);
+      EXPECT_NEAR(product(t[static_cast<std::size_t>(k)], t[static_cast<std::size_t>(k)]), 1.0, 1e-15);
+    }
+    EXPECT_NEAR(product(t[0], t[1]), 0.0, 1e-15);
+  }
+  EXPECT_EQ(tangentsTo({0.6, 0.8, 0.0}, 2)[0], (fem::Point{-0.8, 0.6, 0.0}));
+}
+
+// Of some points; in space the two rows of a point have one disc and stand together.
+TEST(ContactRows, slips_have_a_row_for_each_tangent) {
+  const auto points = somePoints();
+  std::vector<SlipPoint> slips;
+  for (std::size_t k : {1u, 3u, 4u})
+    slips.push_back({k, tangentsTo(points[k].normal, 3), 0.5 + static_cast<double>(k)});
+  const auto rows = slipRows(*testComm(), points, slips, 3);
+  std::vector<long long> numbers;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const ConstraintRow& row = rows[r];
+    numbers.push_back(row.number);
+    EXPECT_EQ(row.kind, ConstraintRow::Kind::Limited);
+    EXPECT_EQ(row.disc, row.number / 2);
+    EXPECT_EQ(row.disc % testComm()->getSize(), testComm()->getRank());
+    EXPECT_EQ(rows[r ^ 1].disc, row.disc);
+    const SlipPoint& slip = slips[static_cast<std::size_t>(row.disc)];
+    EXPECT_EQ(row.limit, slip.limit);
+    EXPECT_EQ(row.bound, 0.0);
+    // Σ weight · t·u is zero for a motion of all alike, and t·u of the first surface else.
+    const fem::Point& t = slip.tangents[static_cast<std::size_t>(row.number % 2)];
+    double together = 0.0, alone = 0.0;
+    for (const ConstraintRow::Term& term : row.terms) {
+      const double along = term.coefficient * t[static_cast<std::size_t>(term.dof % 3)];
+      together += along;
+      alone += term.dof / 3 < 10 ? along : 0.0;
+    }
+    EXPECT_NEAR(together, 0.0, 1e-15);
+    EXPECT_NEAR(alone, 1.0, 1e-15);
+  }
+  numbers = gatherAll(*testComm(), numbers);
+  std::sort(numbers.begin(), numbers.end());
+  EXPECT_EQ(numbers, (std::vector<long long>{0, 1, 2, 3, 4, 5}));
 }
