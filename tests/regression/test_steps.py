@@ -396,7 +396,7 @@ class Restarts(unittest.TestCase):
         limit = {"Solver/Maximum seconds": 0.01}
         run = runs.run(DRAGGED, sets | limit, np=1, output=directory, program="harmos")
         parts = 1
-        while run.returncode == 1 and parts < 100:
+        while run.returncode == 1 and parts < 1000:
             run = runs.start(["--restart", directory, "--quiet"], 1, program="harmos")
             parts += 1
         self.assertEqual(run.returncode, 0, run)
