@@ -196,6 +196,9 @@ void addFibres(const std::shared_ptr<Layout>& layout, scene::Scene& scene) {
       if (sample.slipBound > 0.0)
         scene.effects.push_back(
             std::make_shared<effects::Friction>(contact, sample.slipBound, scene.bodies.back().name));
+      if (sample.frictionCoefficient > 0.0)
+        scene.effects.push_back(std::make_shared<effects::Friction>(
+            contact, effects::Coulomb(sample.frictionCoefficient), scene.bodies.back().name));
     } else {
       scene.effects.push_back(std::make_shared<effects::Tie>(std::move(circle), scene.bodies.back().name));
     }

@@ -28,7 +28,9 @@ struct Sample {
   int fibreSubdomains = 1;  ///< of each fibre
   int matrixSubdomains = 1; ///< of each cell's matrix
   Interface interface = Interface::Contact;
-  double slipBound = 0.0; ///< of friction in the contacts: force per area; 0: none
+  // Of friction in the contacts, one of these; 0: none.
+  double slipBound = 0.0;           ///< Tresca: force per area
+  double frictionCoefficient = 0.0; ///< Coulomb
   Load load = Load::Stretch;
   double strain = 0.01;
   scene::Physics physics = scene::Physics::PlaneStrain;

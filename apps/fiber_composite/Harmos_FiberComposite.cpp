@@ -46,6 +46,8 @@ void addParameters(ParameterSpec& deck) {
                "What holds between fibre and matrix.");
   model.real("Slip bound", 0.0, Range::atLeast(0.0),
              "Contact: friction by Tresca's law, force per area; 0: none.");
+  model.real("Coefficient of friction", 0.0, Range::atLeast(0.0),
+             "Contact: friction by Coulomb's law, bound over pressure; 0: none.");
   model.choice("Load", "stretch",
                {{"stretch", "the right side moves to the right"},
                 {"compression", "the right side moves to the left"},
@@ -95,6 +97,11 @@ Sample sampleOf(const Teuchos::ParameterList& deck) {
                      : interface == "holes" ? Sample::Interface::Holes
                                             : Sample::Interface::Homogeneous;
   sample.slipBound = model.get<double>("Slip bound");
+  sample.frictionCoefficient = model.get<double>("Coefficient of friction");
+  if (sample.slipBound > 0.0 && sample.frictionCoefficient > 0.0)
+    throw InputError("\"Model/Slip bound\" and \"Model/Coefficient of friction\" are given, which are two "
+                     "laws of friction; leave out one of them",
+                     {{"path", "Model/Slip bound"}});
   sample.load = load == "stretch"       ? Sample::Load::Stretch
                 : load == "compression" ? Sample::Load::Compression
                                         : Sample::Load::Biaxial;

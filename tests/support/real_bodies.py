@@ -104,10 +104,11 @@ def displaced(name, part, value):
     )
 
 
-def write_deck(directory, key, contact, press=0.03, scale=1.0, force=None, drag=0.0, slip_bound=None):
+def write_deck(directory, key, contact, press=0.03, scale=1.0, force=None, drag=0.0, friction=None):
     """The deck of a scene, in `directory`.
 
-    @param drag displacement of the top along x, where it is pressed. @param slip_bound of friction; None: none.
+    @param drag displacement of the top along x, where it is pressed. @param friction what a deck says of it, such as
+    {"Coefficient": 0.3}; None: none.
 
     @param contact pressed onto what it lies on by `press` from above, or by `force` per area on top where
     that is given; else no contact, and the bodies hang by their weight.
@@ -126,12 +127,15 @@ def write_deck(directory, key, contact, press=0.03, scale=1.0, force=None, drag=
     effects = []
     if contact:
         effects.append(body.contact)
-        if slip_bound is not None:
+        if friction is not None:
             name = "touching" if body.contact == TOUCHING else "plane"
             rough = group(
                 "rough",
                 entry("Contact", "string", name),
-                entry("Slip bound", "double", f"{slip_bound:g}"),
+                *(
+                    entry(key, "string" if isinstance(value, str) else "double", str(value))
+                    for key, value in friction.items()
+                ),
             )
             effects.append(group("Friction", rough))
         if force is None:

@@ -33,7 +33,7 @@ def plate(slip_bound):
         "Prescribed displacement": {"right": {"Part": "plate/right", "Components": ["x"]}},
     }
     if slip_bound is not None:
-        effects["Friction"] = {"rough": {"Contact": "floor", "Slip bound": slip_bound}}
+        effects["Friction"] = {"rough": {"Contact": "floor", "Law": "Tresca", "Slip bound": slip_bound}}
     return harmos_decks.xml(
         "harmos",
         {
@@ -81,7 +81,7 @@ class Products(unittest.TestCase):
 
             def run(bound):
                 deck = real_bodies.write_deck(
-                    Path(place), key, True, scale=2.0, drag=0.02, slip_bound=bound
+                    Path(place), key, True, scale=2.0, drag=0.02, friction=None if bound is None else {"Law": "Tresca", "Slip bound": bound}
                 )
                 return runs.solved(self, deck, real_bodies.cut(key, 24), program="harmos")
 

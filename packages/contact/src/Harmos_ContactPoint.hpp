@@ -109,14 +109,17 @@ std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
 struct SlipPoint {
   std::size_t point = 0;                ///< its place among the contact points
   std::array<fem::Point, 2> tangents{}; ///< orthonormal to the normal and each other; in the plane the first
-  double limit = 0.0;                   ///< of the force of friction
+  bool follows = false;     ///< the limit of its force follows that of contact
+  double limit = 0.0;       ///< a given one
+  double coefficient = 0.0; ///< limit over force of contact
 };
 
 /// Tangents at a point: in the plane e_z × n; in space n × of the axis that is farthest from n.
 std::array<fem::Point, 2> tangentsTo(const fem::Point& normal, int components);
 
 /// Rows t·w = 0 whose force is limited, numbered 0, 1, ...: in the plane one a point, in space two that have
-/// one disc; those of point k are given on rank k mod ranks. In the order of points and tangents.
+/// one disc, on the rank that gives the row of the point itself. In the order of points and tangents.
+/// @param points whose contactRows() are numbered from 0.
 /// @param components two or three.
 /// Guarded by tests/unit/contact/test_contact_rows.cpp.
 std::vector<ConstraintRow> slipRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points,

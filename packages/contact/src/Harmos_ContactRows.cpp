@@ -107,12 +107,16 @@ std::vector<ConstraintRow> slipRows(const Teuchos::Comm<int>& comm, const std::v
   const int tangents = components - 1;
   std::vector<ConstraintRow> rows;
   for (std::size_t k = 0; k < slips.size(); ++k)
-    for (int t = 0; t < tangents && isMine(comm, k); ++t) {
+    for (int t = 0; t < tangents && isMine(comm, slips[k].point); ++t) {
       ConstraintRow row;
       row.kind = ConstraintRow::Kind::Limited;
       row.number = static_cast<long long>(k) * tangents + t;
       row.rounding = rounding;
       row.limit = slips[k].limit;
+      if (slips[k].follows) {
+        row.coefficient = slips[k].coefficient;
+        row.normal = static_cast<long long>(slips[k].point);
+      }
       row.disc = tangents == 2 ? static_cast<long long>(k) : -1;
       addTerms(points[slips[k].point], slips[k].tangents[static_cast<std::size_t>(t)], components, row);
       rows.push_back(row);

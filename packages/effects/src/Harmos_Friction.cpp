@@ -14,6 +14,8 @@
 namespace Harmos::effects {
 namespace {
 
+constexpr double notGiven = -1.0;
+
 bool maySlip(const scene::Effect& effect) {
   return effect.kind() == Contact::kindName || effect.kind() == RigidObstacle::kindName;
 }
@@ -54,13 +56,23 @@ std::shared_ptr<const scene::Effect> contactNamed(const scene::Scene& scene, con
 std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, const std::string& path,
                                           const scene::Scene& scene) {
   requireElastic(scene, "\"" + path + "\"");
-  if (!(list.get<double>("Slip bound") >= 0.0))
-    throw InputError("\"" + path +
-                         "/Slip bound\" is missing or negative; Tresca's law needs a force per area, zero or "
-                         "more",
-                     {{"path", path + "/Slip bound"}});
-  return std::make_shared<Friction>(contactNamed(scene, list.get<std::string>("Contact"), path + "/Contact"),
-                                    list.get<double>("Slip bound"), scene::nameIn(path));
+  const bool isCoulomb = list.get<std::string>("Law") == "Coulomb";
+  const std::string asked = isCoulomb ? "Coefficient" : "Slip bound", other = isCoulomb ? "Slip bound" : "Coefficient";
+  const std::string law = isCoulomb ? "Coulomb's law" : "Tresca's law",
+                    needs = isCoulomb ? "a coefficient of friction" : "a force per area";
+  if (list.get<double>(other) != notGiven)
+    throw InputError("\"" + path + "/" + other + "\" is given, but " + law + " has none; give \"" + asked +
+                         "\", " + needs + ", or another \"Law\"",
+                     {{"path", path + "/" + other}});
+  if (!(list.get<double>(asked) >= 0.0))
+    throw InputError("\"" + path + "/" + asked + "\" is missing or negative; " + law + " needs " + needs +
+                         ", zero or more",
+                     {{"path", path + "/" + asked}});
+  const std::shared_ptr<const scene::Effect> contact =
+      contactNamed(scene, list.get<std::string>("Contact"), path + "/Contact");
+  if (isCoulomb)
+    return std::make_shared<Friction>(contact, Coulomb(list.get<double>(asked)), scene::nameIn(path));
+  return std::make_shared<Friction>(contact, list.get<double>(asked), scene::nameIn(path));
 }
 
 } // namespace
@@ -70,11 +82,13 @@ scene::EffectKind kindOfFriction() {
                                    "resistance that has a bound.");
   spec.text("Contact", "",
             "On what it acts: the name of one of \"Effects/Contact\" or \"Effects/Obstacle\". Required.");
-  spec.choice("Law", "Tresca", {{"Tresca", "the bound is given, whatever the pressure is"}},
+  spec.choice("Law", "Coulomb",
+              {{"Coulomb", "the bound is a multiple of the pressure"},
+               {"Tresca", "the bound is given, whatever the pressure is"}},
               "What the bound depends on.");
-  spec.real("Slip bound", -1.0, Range(), "Tresca: force per area, zero or more. Required.");
-  spec.absent("Coefficient", "Tresca's law has no coefficient of friction; give \"Slip bound\", a force per "
-                             "area");
+  spec.real("Coefficient", notGiven, Range(),
+            "Coulomb: coefficient of friction, bound over pressure, zero or more. Required there.");
+  spec.real("Slip bound", notGiven, Range(), "Tresca: force per area, zero or more. Required there.");
   return {Friction::kindName, spec, make};
 }
 
@@ -84,7 +98,13 @@ Friction::Friction(std::shared_ptr<const scene::Effect> contact, double slipBoun
 
 Friction::Friction(std::shared_ptr<const scene::Effect> contact,
                    std::function<double(const fem::Point&)> slipBound, std::string name)
-    : Effect(kindName, std::move(name)), contact_(std::move(contact)), slipBound_(std::move(slipBound)) {}
+    : Effect(kindName, std::move(name)), contact_(std::move(contact)), value_(std::move(slipBound)) {}
+
+Friction::Friction(std::shared_ptr<const scene::Effect> contact, Coulomb law, std::string name)
+    : Effect(kindName, std::move(name)),
+      contact_(std::move(contact)),
+      value_(std::move(law.coefficient)),
+      isCoulomb_(true) {}
 
 void Friction::check(const scene::Scene& scene) const {
   requireElastic(scene, label());
@@ -104,13 +124,18 @@ void Friction::check(const scene::Scene& scene) const {
 }
 
 void Friction::addConstraints(scene::ConstraintCollector& collector) const {
-  collector.addFriction(*contact_, [this](const fem::Point& x) {
-    const double bound = slipBound_(x);
-    if (!(bound >= 0.0) || !std::isfinite(bound))
-      throw InputError(label() + " has a slip bound of " + scientific(bound) +
-                       "; give a force per area, zero or more");
-    return bound;
-  });
+  const auto value = [this](const fem::Point& x) {
+    const double given = value_(x);
+    if (!(given >= 0.0) || !std::isfinite(given))
+      throw InputError(label() + " has a " + (isCoulomb_ ? "coefficient" : "slip bound") + " of " +
+                       scientific(given) + "; give " +
+                       (isCoulomb_ ? "a number" : "a force per area") + ", zero or more");
+    return given;
+  };
+  if (isCoulomb_)
+    collector.addFrictionByPressure(*contact_, value);
+  else
+    collector.addFriction(*contact_, value);
 }
 
 void Friction::beginStep(std::vector<double>& trial) const {

@@ -8,15 +8,26 @@
 
 namespace Harmos::effects {
 
-/// Friction between the surfaces of a contact, or on an obstacle, by Tresca's law: the force of a point
-/// across the normal is at most a given bound; below it the point sticks, at it the point slips along the
-/// force (Duvaut, Lions: Inequalities in Mechanics and Physics, 1976):
+/// A coefficient of friction, by the position of the point on the first surface.
+struct Coulomb {
+  Coulomb(double mu)
+      : coefficient([mu](const fem::Point&) { return mu; }) {}
+  explicit Coulomb(std::function<double(const fem::Point&)> mu) : coefficient(std::move(mu)) {}
+
+  std::function<double(const fem::Point&)> coefficient; ///< μ ≥ 0
+};
+
+/// Friction between the surfaces of a contact, or on an obstacle: the force of a point across the normal is at
+/// most g; below it the point sticks, at it the point slips along the force (Duvaut, Lions: Inequalities in
+/// Mechanics and Physics, 1976):
 ///
 ///     |λ_t| ≤ g,   |λ_t| < g ⇒ Δs = 0,   |λ_t| = g ⇒ Δs = cλ_t, c ≥ 0
 ///
-/// −λ_t is the force on the first body, g the slip bound times the area of the point, Δs = B_t u − c_t the
-/// slip of the step, of the first body against the second: c_t is that of the last step that was accepted.
-/// The bound is there whatever the pressure is, also where the contact is open.
+/// −λ_t is the force on the first body, Δs = B_t u − c_t the slip of the step, of the first body against the
+/// second: c_t is that of the last step that was accepted.
+///
+/// By Coulomb's law g = μλ_n, point by point, λ_n the force of contact. By Tresca's law g is given, the slip
+/// bound times the area of the point, whatever the pressure is, also where the contact is open.
 ///
 /// Guarded by tests/verification/test_friction.cpp and tests/unit/effects/test_friction.cpp.
 class Friction : public scene::Effect {
@@ -26,6 +37,7 @@ class Friction : public scene::Effect {
   /// @param contact a Contact or a RigidObstacle of the same scene. @param slipBound force per area, not
   /// negative.
   Friction(std::shared_ptr<const scene::Effect> contact, double slipBound, std::string name = "");
+  Friction(std::shared_ptr<const scene::Effect> contact, Coulomb law, std::string name = "");
   /// @param slipBound by the position of the point on the first surface.
   Friction(std::shared_ptr<const scene::Effect> contact, std::function<double(const fem::Point&)> slipBound,
            std::string name = "");
@@ -34,7 +46,7 @@ class Friction : public scene::Effect {
   /// @throws InputError for membranes, a contact that is not in the scene, is none, or has
   /// another friction.
   void check(const scene::Scene& scene) const override;
-  /// @throws InputError where the bound is negative or no number.
+  /// @throws InputError where the bound or the coefficient is negative or no number.
   void addConstraints(scene::ConstraintCollector& collector) const override;
 
   // Of each row the slip when the step began, and that of the last answer.
@@ -45,7 +57,8 @@ class Friction : public scene::Effect {
 
  private:
   std::shared_ptr<const scene::Effect> contact_;
-  std::function<double(const fem::Point&)> slipBound_;
+  std::function<double(const fem::Point&)> value_; // slip bound, or
+  bool isCoulomb_ = false;                         // coefficient
 };
 
 /// What decks may say of it.

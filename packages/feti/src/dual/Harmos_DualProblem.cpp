@@ -190,26 +190,42 @@ void DualProblem::makeBounds(const Constraints& constraints) {
       view(r, 0) = boundOf(static_cast<int>(r), shift(r, 0));
     return bound;
   };
+  std::vector<double> limits = constraints.limits(*shift_);
+  for (const Constraints::Follower& follower : constraints.followers())
+    limits[static_cast<std::size_t>(follower.row)] = none;
+  const auto limitOf = [&](int row) { return limits[static_cast<std::size_t>(row)]; };
   if (constraints.inequalities() > 0 || constraints.hasIntervals())
     lowerBound_ = makeBound([&](int row, double shift) {
       return constraints.rowType(row) == RowType::Inequality ? -shift
-             : constraints.isInterval(row)                   ? -shift - constraints.limit(row)
+             : constraints.isInterval(row)                   ? -shift - limitOf(row)
                                                              : -none;
     });
   if (constraints.hasIntervals())
     upperBound_ = makeBound([&](int row, double shift) {
-      return constraints.isInterval(row) ? -shift + constraints.limit(row) : none;
+      return constraints.isInterval(row) ? -shift + limitOf(row) : none;
     });
+  const auto shift = shift_->getLocalViewHost(Tpetra::Access::ReadOnly);
+  if (constraints.hasFollowers()) {
+    qp::FollowingLimits following;
+    for (const Constraints::Follower& follower : constraints.followers())
+      following.push_back({follower.disc >= 0 ? follower.disc : follower.row, follower.disc >= 0,
+                           follower.normal, follower.factor,
+                           -shift(static_cast<std::size_t>(follower.row), 0)});
+    following_ = std::make_shared<const qp::FollowingLimits>(std::move(following));
+  }
   if (!constraints.hasDiscs())
     return;
+  constexpr double open = 1e100;
   std::vector<qp::Disc> discs;
-  const auto shift = shift_->getLocalViewHost(Tpetra::Access::ReadOnly);
-  for (const auto& [first, second] : constraints.discs())
-    discs.push_back(
-        {first,
-         second,
-         {-shift(static_cast<std::size_t>(first), 0), -shift(static_cast<std::size_t>(second), 0)},
-         constraints.limit(first)});
+  for (const auto& [first, second] : constraints.discs()) {
+    const double centre[] = {-shift(static_cast<std::size_t>(first), 0),
+                             -shift(static_cast<std::size_t>(second), 0)};
+    const double limit = limitOf(first);
+    discs.push_back({first,
+                     second,
+                     {centre[0], centre[1]},
+                     std::isinf(limit) ? open : limit});
+  }
   discs_ = std::make_shared<const qp::LocalDiscs>(std::move(discs), shift.extent(0));
 }
 

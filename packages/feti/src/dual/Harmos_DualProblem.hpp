@@ -4,6 +4,7 @@
 #include "Harmos_CoarseSpace.hpp"
 #include "Harmos_DualOperator.hpp"
 #include "Harmos_FeasibleSet.hpp"
+#include "Harmos_FollowingLimits.hpp"
 
 #include <Teuchos_RCP.hpp>
 
@@ -16,7 +17,7 @@ namespace Harmos::feti {
 ///
 ///     min ½λᵀPFPλ − λᵀPd   subject to   Gλ = 0,  λ_I ≥ −λ̃_I
 ///
-/// and, of limited rows, |λ + λ̃| ≤ limit: intervals and discs about −λ̃,
+/// and, of limited rows, |λ + λ̃| ≤ limit: intervals and discs about −λ̃, or limits that follow λ_I + λ̃_I,
 ///
 /// with d̃ = BK⁺f − c, ẽ = Rᵀf, λ̃ = G̃ᵀ(G̃G̃ᵀ)⁻¹ẽ, d = d̃ − Fλ̃; the multiplier of the torn problem is λ + λ̃.
 /// Without a kernel there is no G and P = I. Immutable.
@@ -46,6 +47,9 @@ class DualProblem {
   Teuchos::RCP<const MultiVector> upperBound() const { return upperBound_; }
   /// Of limited rows; null without any on all ranks.
   std::shared_ptr<const qp::LocalDiscs> discs() const { return discs_; }
+  /// Null without any on all ranks. Intervals and discs of them are
+  /// open: what sticks everywhere is where solvers begin.
+  std::shared_ptr<const qp::FollowingLimits> followingLimits() const { return following_; }
   /// G, or null without a kernel.
   Teuchos::RCP<const Operator> equalityRows() const { return equalityRows_; }
   /// λ̃.
@@ -66,6 +70,7 @@ class DualProblem {
   Teuchos::RCP<MultiVector> shift_;
   Teuchos::RCP<MultiVector> lowerBound_, upperBound_;
   std::shared_ptr<const qp::LocalDiscs> discs_;
+  std::shared_ptr<const qp::FollowingLimits> following_;
   double scaledLoadNorm_ = 0.0;
   int setupApplications_ = 0;
 };

@@ -367,6 +367,7 @@ void DualSolve::makeProblem(const WarmStart* start) {
   problem_->setLowerBound(dual_.lowerBound());
   problem_->setUpperBound(dual_.upperBound());
   problem_->setDiscs(dual_.discs());
+  problem_->setFollowingLimits(dual_.followingLimits());
   if (!dual_.equalityRows().is_null())
     addEquality(start);
   if (!stages_.preconditioner.is_null())

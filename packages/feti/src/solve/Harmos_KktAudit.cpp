@@ -33,13 +33,14 @@ void auditLimits(const Constraints& constraints, const MultiVector& multiplier, 
                  const Teuchos::Comm<int>& comm, KktAudit& result) {
   keepErrors(constraints, multiplier, rows);
   double error = 0.0, excess = 0.0, limit = 0.0;
+  const std::vector<double> limits = constraints.limits(multiplier);
   const auto errors = rows.getLocalViewHost(Tpetra::Access::ReadOnly);
   const auto lambda = multiplier.getLocalViewHost(Tpetra::Access::ReadOnly);
   const auto add = [&](int row, double slip, double force) {
     const double scale = constraints.rowScale(row);
     error = largerOf(error, slip / scale);
-    excess = largerOf(excess, (force - constraints.limit(row)) * scale);
-    limit = largerOf(limit, constraints.limit(row) * scale);
+    excess = largerOf(excess, (force - limits[static_cast<std::size_t>(row)]) * scale);
+    limit = largerOf(limit, limits[static_cast<std::size_t>(row)] * scale);
   };
   for (std::size_t r = 0; r < errors.extent(0); ++r)
     if (constraints.isInterval(static_cast<int>(r)))

@@ -25,16 +25,17 @@ double forceOf(const std::array<int, 2>& disc, const View& lambda) {
 
 std::vector<char> holdAsEquations(const Constraints& constraints, const MultiVector& multiplier) {
   const auto lambda = multiplier.getLocalViewHost(Tpetra::Access::ReadOnly);
+  const std::vector<double> limits = constraints.limits(multiplier);
   std::vector<char> holds;
   for (std::size_t r = 0; r < lambda.extent(0); ++r) {
     const int row = static_cast<int>(r);
     const RowType type = constraints.rowType(row);
     const bool slips =
-        constraints.isInterval(row) && isAtLimit(std::abs(lambda(r, 0)), constraints.limit(row));
+        constraints.isInterval(row) && isAtLimit(std::abs(lambda(r, 0)), limits[r]);
     holds.push_back(!slips && (type != RowType::Inequality || lambda(r, 0) > 0.0) ? 1 : 0);
   }
   for (const std::array<int, 2>& disc : constraints.discs())
-    if (isAtLimit(forceOf(disc, lambda), constraints.limit(disc[0])))
+    if (isAtLimit(forceOf(disc, lambda), limits[static_cast<std::size_t>(disc[0])]))
       for (int row : disc)
         holds[static_cast<std::size_t>(row)] = 0;
   return holds;
@@ -42,22 +43,23 @@ std::vector<char> holdAsEquations(const Constraints& constraints, const MultiVec
 
 void keepErrors(const Constraints& constraints, const MultiVector& multiplier, MultiVector& residual) {
   const auto lambda = multiplier.getLocalViewHost(Tpetra::Access::ReadOnly);
+  const std::vector<double> limits = constraints.limits(multiplier);
   const auto view = residual.getLocalViewHost(Tpetra::Access::ReadWrite);
   for (std::size_t r = 0; r < view.extent(0); ++r) {
     const int row = static_cast<int>(r);
     if (constraints.rowType(row) == RowType::Inequality && !(lambda(r, 0) > 0.0))
       view(r, 0) = std::max(view(r, 0), 0.0);
-    if (!constraints.isInterval(row) || !isAtLimit(std::abs(lambda(r, 0)), constraints.limit(row)))
+    if (!constraints.isInterval(row) || !isAtLimit(std::abs(lambda(r, 0)), limits[r]))
       continue;
-    const bool isAlong = constraints.limit(row) == 0.0 || view(r, 0) * lambda(r, 0) > 0.0;
+    const bool isAlong = limits[r] == 0.0 || view(r, 0) * lambda(r, 0) > 0.0;
     view(r, 0) = isAlong ? 0.0 : view(r, 0);
   }
   for (const std::array<int, 2>& disc : constraints.discs()) {
     const double force = forceOf(disc, lambda);
-    if (!isAtLimit(force, constraints.limit(disc[0])))
+    if (!isAtLimit(force, limits[static_cast<std::size_t>(disc[0])]))
       continue;
     const auto first = static_cast<std::size_t>(disc[0]), second = static_cast<std::size_t>(disc[1]);
-    if (!(force > 0.0) || constraints.limit(disc[0]) == 0.0) {
+    if (!(force > 0.0) || limits[static_cast<std::size_t>(disc[0])] == 0.0) {
       view(first, 0) = view(second, 0) = 0.0;
       continue;
     }

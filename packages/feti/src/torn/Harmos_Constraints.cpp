@@ -19,6 +19,7 @@
 #include <functional>
 #include <map>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 
 namespace Harmos::feti {
@@ -41,6 +42,8 @@ struct RowHead {
   int type;
   double limit = 0.0;
   long long disc = -1;
+  double coefficient = 0.0;
+  long long normal = -1; // row that the limit follows
 };
 
 using Importer = Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>;
@@ -179,6 +182,13 @@ GivenRows given(const std::vector<ConstraintRow>& rows, const std::vector<char>&
         lowest[first] = lowestOf(lowest[first], *part);
     lowest[second] = lowest[first];
   }
+  // A limit that follows a force needs it at hand.
+  const std::vector<std::array<std::size_t, 2>> followers = Details::followersOf(rows);
+  for (const auto& [row, normal] : followers)
+    if (lowest[row].subdomain < lowest[normal].subdomain)
+      lowest[normal] = lowest[row];
+  for (const auto& [row, normal] : followers)
+    lowest[row] = lowest[normal];
   for (const Copy& copy : lowest)
     result.owners.push_back(copy.rank);
   return result;
@@ -204,7 +214,7 @@ std::vector<Details::MultiplierTerm> addGiven(const std::vector<ConstraintRow>& 
     const long long number = numbers[r];
     multipliers.push_back({static_cast<int>(r), number, scale});
     builder.add({number, scale * part.bound, scale, part.compliance * scale * scale,
-                 static_cast<int>(typeOf(row.kind)), row.limit / scale, row.disc},
+                 static_cast<int>(typeOf(row.kind)), row.limit / scale, row.disc, row.coefficient, row.normal},
                 part.terms, given.owners[r], !part.isIdle);
     builder.addHeld(number, part.held);
     for (const ConstraintRow::Term& term : row.terms)
@@ -230,6 +240,29 @@ std::vector<std::array<int, 2>> pairsOf(const std::vector<RowHead>& heads) {
   }
   std::sort(pairs.begin(), pairs.end());
   return pairs;
+}
+
+// By local rows; of a disc its first row. Inequalities have the lowest numbers, and keep them.
+std::vector<Constraints::Follower> followersAmong(const std::vector<RowHead>& heads,
+                                                  const std::vector<std::array<int, 2>>& discs) {
+  std::vector<Constraints::Follower> result;
+  std::unordered_map<long long, int> placeOf;
+  for (std::size_t r = 0; r < heads.size(); ++r)
+    if (heads[r].type == static_cast<int>(RowType::Inequality))
+      placeOf.emplace(heads[r].row, static_cast<int>(r));
+  std::size_t disc = 0;
+  for (std::size_t r = 0; r < heads.size(); ++r) {
+    const bool isFirst = disc < discs.size() && discs[disc][0] == static_cast<int>(r);
+    const RowHead& head = heads[r];
+    if (head.normal >= 0 && (head.disc < 0 || isFirst)) {
+      const int normal = placeOf.at(head.normal);
+      // λ = scale · that of the scaled row
+      const double factor = head.coefficient * heads[static_cast<std::size_t>(normal)].scale / head.scale;
+      result.push_back({static_cast<int>(r), isFirst ? static_cast<int>(disc) : -1, normal, factor});
+    }
+    disc += isFirst ? 1 : 0;
+  }
+  return result;
 }
 
 } // namespace
@@ -293,6 +326,10 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   }
   discs_ = pairsOf(heads);
   discCount_ = limited_ > 0 ? globalSum(comm, static_cast<long long>(discs_.size())) : 0;
+  if (limited_ > 0) {
+    followers_ = followersAmong(heads, discs_);
+    followerCount_ = globalSum(comm, static_cast<long long>(followers_.size()));
+  }
 
   std::vector<std::pair<long long, int>> overlap; // row, owner
   for (const std::vector<RowEntry>& part : entries)
@@ -380,6 +417,23 @@ void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
   });
   bounds_ = changed.bounds_;
   limits_ = changed.limits_;
+  followers_ = changed.followers_;
+  followerCount_ = changed.followerCount_;
+}
+
+std::vector<double> Constraints::limits(const MultiVector& lambda) const {
+  std::vector<double> result = limits_;
+  if (followers_.empty())
+    return result;
+  const auto forces = lambda.getLocalViewHost(Tpetra::Access::ReadOnly);
+  for (const Follower& follower : followers_) {
+    const double limit =
+        follower.factor * std::max(0.0, forces(static_cast<std::size_t>(follower.normal), 0));
+    result[static_cast<std::size_t>(follower.row)] = limit;
+    if (follower.disc >= 0)
+      result[static_cast<std::size_t>(discs_[static_cast<std::size_t>(follower.disc)][1])] = limit;
+  }
+  return result;
 }
 
 void Constraints::addBt(int subdomain, const double* overlap, double* t) const {

@@ -68,7 +68,7 @@ inline bool isUnconditional(RowType type) {
 ///
 /// Global row numbers: given inequalities, limited rows, equalities, then gluing and Dirichlet rows by dof
 /// number. They do not depend on the number of ranks, and neither do the rows. A row is owned by the rank of
-/// the lowest of its subdomains; the two rows of a disc by that of both. They are scaled alike, by the mean
+/// the lowest of its subdomains; the two rows of a disc by that of both, and so limits and what they follow. They are scaled alike, by the mean
 /// of their lengths, so that a disc stays one.
 ///
 /// Guarded by tests/unit/feti/test_constraints.cpp.
@@ -82,6 +82,14 @@ class Constraints {
     bool operator==(const Entry& other) const {
       return row == other.row && dof == other.dof && value == other.value;
     }
+  };
+
+  /// A limit that follows the force of an inequality: factor · (λ_normal)⁺, all of scaled rows of this rank.
+  struct Follower {
+    int row;    ///< of a disc its first one
+    int disc;   ///< place in discs(); −1: none
+    int normal; ///<
+    double factor;
   };
 
   /// @param system the torn problem, to outlive this.
@@ -122,8 +130,14 @@ class Constraints {
   double bound(int row) const { return bounds_[static_cast<std::size_t>(row)]; }
   /// C of the scaled row: compliance · scale².
   double compliance(int row) const { return compliances_[static_cast<std::size_t>(row)]; }
-  /// Of a limited row, scaled like its multiplier: limit / scale.
+  /// Of a limited row, scaled like its multiplier: limit / scale; zero where it follows.
   double limit(int row) const { return limits_[static_cast<std::size_t>(row)]; }
+  /// Of each owned row, where forces are these: limits that follow are known by them alone. Local.
+  std::vector<double> limits(const MultiVector& lambda) const;
+  /// By rising rows.
+  const std::vector<Follower>& followers() const { return followers_; }
+  /// Whether any limit follows, on any rank.
+  bool hasFollowers() const { return followerCount_ > 0; }
   /// Pairs of owned rows, each of a disc; by rising rows.
   const std::vector<std::array<int, 2>>& discs() const { return discs_; }
   /// Whether there are discs, and limited rows in none, on any rank.
@@ -200,7 +214,8 @@ class Constraints {
   std::vector<double> compliances_, limits_;
   std::vector<std::array<int, 2>> discs_;
   std::vector<char> isInterval_;
-  long long discCount_ = 0;
+  long long discCount_ = 0, followerCount_ = 0;
+  std::vector<Follower> followers_;
   bool hasCompliance_ = false;
   long long dualDimension_ = 0;
   long long inequalities_ = 0, limited_ = 0;

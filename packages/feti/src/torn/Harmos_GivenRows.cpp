@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <unordered_map>
 
 namespace Harmos::feti::Details {
 
@@ -157,6 +158,7 @@ void requireNumbers(const ConstraintRow& row) {
   };
   require(row.compliance, "compliance");
   require(row.limit, "limit");
+  require(row.coefficient, "coefficient of friction");
 }
 
 // No force of a row without unknowns moves anything.
@@ -227,7 +229,10 @@ std::vector<std::array<std::size_t, 2>> discsOf(const std::vector<ConstraintRow>
       places[rows[r].disc].push_back(r);
   std::vector<std::array<std::size_t, 2>> pairs;
   for (const auto& [disc, members] : places) {
-    if (members.size() != 2 || rows[members[0]].limit != rows[members[1]].limit)
+    const auto ofOneDisc = [](const ConstraintRow& a, const ConstraintRow& b) {
+      return a.limit == b.limit && a.normal == b.normal && a.coefficient == b.coefficient;
+    };
+    if (members.size() != 2 || !ofOneDisc(rows[members[0]], rows[members[1]]))
       throw InputError("disc " + std::to_string(disc) + " of limited rows has " +
                            std::to_string(members.size()) +
                            " of them on this rank; give two rows of one limit, on the same rank",
@@ -235,6 +240,35 @@ std::vector<std::array<std::size_t, 2>> discsOf(const std::vector<ConstraintRow>
     pairs.push_back({members[0], members[1]});
   }
   return pairs;
+}
+
+std::vector<std::array<std::size_t, 2>> followersOf(const std::vector<ConstraintRow>& rows) {
+  const auto follows = [](const ConstraintRow& row) {
+    return row.kind == ConstraintRow::Kind::Limited && row.normal >= 0;
+  };
+  std::vector<std::array<std::size_t, 2>> result;
+  if (std::none_of(rows.begin(), rows.end(), follows))
+    return result;
+  std::unordered_map<long long, std::size_t> inequalities;
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (rows[r].kind == ConstraintRow::Kind::Inequality)
+      inequalities.emplace(rows[r].number, r);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    if (!follows(rows[r]))
+      continue;
+    const std::string name = "limited row " + std::to_string(rows[r].number);
+    const auto normal = inequalities.find(rows[r].normal);
+    if (normal == inequalities.end())
+      throw InputError(name + " follows the force of inequality " + std::to_string(rows[r].normal) +
+                           ", which this rank does not give; give both on the same rank",
+                       {{"row", std::to_string(rows[r].number)}});
+    if (rows[r].limit != 0.0)
+      throw InputError(name + " has a limit of its own, and one that follows inequality " +
+                           std::to_string(rows[r].normal) + "; leave out one of them",
+                       {{"row", std::to_string(rows[r].number)}});
+    result.push_back({r, normal->second});
+  }
+  return result;
 }
 
 std::vector<long long> numbersOfGiven(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRow>& rows,

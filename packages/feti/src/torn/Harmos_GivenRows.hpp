@@ -56,4 +56,8 @@ std::string dofText(const Copy& copy);
 /// @throws InputError for a disc of which there are not two rows, and for limits that are no radius of it.
 std::vector<std::array<std::size_t, 2>> discsOf(const std::vector<ConstraintRow>& rows);
 
+/// Limited rows whose limit follows an inequality, and that, by their places among the rows of this rank.
+/// @throws InputError where that row is not given here, or the limited one has a limit of its own.
+std::vector<std::array<std::size_t, 2>> followersOf(const std::vector<ConstraintRow>& rows);
+
 } // namespace Harmos::feti::Details

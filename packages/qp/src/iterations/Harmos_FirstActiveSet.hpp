@@ -53,7 +53,7 @@ class FirstActiveSet {
     MVT::MvAddMv(1.0 / stiffness_, b_, 0.0, b_, *z);
     if (nearest_.find(*z, mostSets, set, active) == NearestFeasible<Scalar, MV, OP>::Outcome::None)
       return false;
-    if (problem_.hasDiscs())
+    if (problem_.hasDiscs() && !problem_.hasFollowingLimits())
       active = nearest_.addSlips(problem_.feasibleSet(), 1.0 / stiffness_, set);
     return true;
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_ConjugateDirections.hpp"
+#include "Harmos_CoupledDirections.hpp"
 #include "Harmos_EqualityRows.hpp"
 #include "Harmos_InFacePreconditioner.hpp"
 #include "Harmos_KeptDirections.hpp"
@@ -19,6 +20,12 @@ namespace Harmos::qp {
 /// columns of active entries set to zero; C_FC_Fᵀ = I without active entries, else it is dense and factored
 /// for each face. The gradient is carried along projected: the part that is projected away stays large while
 /// the rest vanishes, and would spoil it by cancellation. What is removed adds up to −μ̄.
+///
+/// Where limits follow the solution (FollowingLimit), what is held at one goes along with what it follows: x = x_0
+/// + Tv, T = I + Σ f e_i e_kᵀ, and the equations of a face, tested on what is free alone, are not symmetric. They
+/// are solved by directions of least residuals, which take the preconditioner and the projector of the face
+/// without T for their own; equalities are a part of the residual there. This is the Newton step of the coupled
+/// problem (Alart, Curnier, Comput. Methods Appl. Mech. Engrg. 92, 1991).
 ///
 /// Cost of a step: one product with A, one or (preconditioned) two projections, one with the preconditioner,
 /// and two reductions for scalars; what full conjugation adds see ConjugateDirections. Guarded by
@@ -69,6 +76,8 @@ class ProjectedCg {
   /// Level of its rounding errors: ε(‖A‖‖x‖ + ‖b‖) of the largest x since it was computed anew.
   double attainable() const;
   int staleness() const { return staleness_; }
+  /// About that of the solution, bᵀb/bᵀM⁻¹b; without a preconditioner curvatureBound().
+  double stiffness() const { return stiffness_ > 0.0 && std::isfinite(stiffness_) ? stiffness_ : curvatureBound_; }
   /// The largest curvature pᵀAp/pᵀp met so far: a lower bound of ‖A‖.
   double curvatureBound() const { return curvatureBound_; }
 
@@ -93,6 +102,14 @@ class ProjectedCg {
   void raiseLevel(double iterateNorm2);
   void findSlips();
   void makeFaceGram();
+  void findFollowing();
+  bool slipsBalance();
+  void keepMotions(const MV& before);
+  void solveRows(const MV& residual, MV& x);
+  void letFollow(MV& x) const;
+  Outcome coupledStep();
+  CoupledDirection<MV> coupledDirection();
+  void sumResidual();
 
   const Problem<Scalar, MV, OP>& problem_;
   EqualityRows<Scalar, MV, OP>& rows_;
@@ -102,6 +119,12 @@ class ProjectedCg {
   KeptDirections<Scalar, MV, OP> kept_;
   LocalActiveSet active_;
   bool hasFace_ = false;
+  // Where limits follow.
+  std::vector<FollowingEntry> following_;
+  bool isCoupled_ = false;    // on any rank
+  bool isDeficient_ = false;                  // motions on which no force of the face acts
+  CoupledDirections<Scalar, MV> coupled_;
+  Teuchos::RCP<MV> rowResidual_; // C̄x − c̄
   Teuchos::RCP<const FaceGram> faceGram_;
   // Where pairs slip: C̄TC̄ᵀ on the face, T = q/(q + κ) there; see InFacePreconditioner. q of A's diagonal.
   Teuchos::RCP<const FaceGram> softGram_;

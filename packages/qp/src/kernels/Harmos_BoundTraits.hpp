@@ -34,6 +34,21 @@ struct DiscUpdate {
   double turn = 0.0;       ///< of the gradient, by which a slipping pair may be wrong and go on as it is
 };
 
+struct FollowingLimit;
+struct FollowingEntry;
+
+/// How limits follow the solution.
+struct FollowUpdate {
+  double stepLength = 0.0; ///< α: they go where x − αg is
+  double share = 1.0;      ///< s of the way
+};
+
+/// What limits that follow add to an ActiveSetChange; global.
+struct FollowChange {
+  long long changed = 0, active = 0;
+  double distance2 = 0.0; ///< of active entries from their limits, and of slipping pairs within theirs; squares
+};
+
 /// What one pass over an iterate and its gradient yields; global, the same on all ranks.
 struct SplitSums {
   double freeNorm2 = 0.0;    ///< φᵀφ
@@ -198,6 +213,46 @@ struct BoundTraits {
   static ActiveSetChange updateActiveSet(const MV& x, const MV& gradient, const FeasibleSet<MV>& feasible,
                                          double xNoise, double gradientNoise, LocalActiveSet& set,
                                          const DiscUpdate& discs = {});
+
+  /// Limits go where the solution is; see FollowingLimit. @param gradient null: zeros. @param upper null
+  /// without intervals, discs null without discs. Local.
+  static void follow(const MV& x, const MV* gradient, const FollowUpdate& how,
+                     const std::vector<FollowingLimit>& limits, MV& lower, MV* upper, LocalDiscs* discs);
+
+  /// After updateActiveSet(): what it means for limits that follow. An entry that is pushed against its limit
+  /// stays there, wherever that has gone; else it is active where x − αg is beyond.
+  /// @param before the set before that update. @param excess receives of each limit by how much x − αg is
+  /// beyond.
+  static FollowChange updateFollowing(const MV& x, const MV& gradient, const FeasibleSet<MV>& feasible,
+                                      const std::vector<FollowingLimit>& limits, double stepLength,
+                                      double gradientNoise, const LocalActiveSet& before,
+                                      LocalActiveSet& set, std::vector<double>& excess);
+
+  /// Frees entries and pairs at limits that follow, so that equalities can be met: those of which less is asked
+  /// for, by w = C̄ᵀ(C̄x − c̄), and of these the ones that a motion lets stick first, by least excess/w, and those
+  /// within a factor of it. @return how many entries.
+  static long long freeFollowing(const MV& x, const MV& w, const FeasibleSet<MV>& feasible,
+                                 const std::vector<FollowingLimit>& limits, const std::vector<double>& excess,
+                                 double factor, LocalActiveSet& set);
+
+  /// y ← y + f x_k e at what follows. Local.
+  static void addFollowing(const std::vector<FollowingEntry>& following, const MV& x, MV& y);
+
+  /// Leaves out what has more than so much of v along e. Local.
+  static void dropFollowing(const MV& v, double most, std::vector<FollowingEntry>& following);
+
+  /// x goes to where it follows; along tangents it stays. Local.
+  static void moveToFollowing(const std::vector<FollowingEntry>& following, const MV& lower, MV& x);
+
+  /// x goes to limits that follow: active entries, and pairs that slip along their radii. Local.
+  static void moveToLimits(MV& x, const FeasibleSet<MV>& feasible, const std::vector<FollowingLimit>& limits,
+                           const LocalActiveSet& active);
+
+  /// The radii as a vector, each at the first entry it is of, and back. Local.
+  static void limitsToVector(const std::vector<FollowingLimit>& limits, const FeasibleSet<MV>& feasible,
+                             MV& radii);
+  static void vectorToLimits(const std::vector<FollowingLimit>& limits, const MV& radii, MV& lower, MV* upper,
+                             LocalDiscs* discs);
 
   static BoxInfimum boxInfimum(const MV& w, const FeasibleSet<MV>& feasible);
 

@@ -48,6 +48,29 @@ struct BoundTraits<Scalar, MultiVector> {
                                          const FeasibleSet<MultiVector>& feasible, double xNoise,
                                          double gradientNoise, LocalActiveSet& set,
                                          const DiscUpdate& discs = {});
+  static void follow(const MultiVector& x, const MultiVector* gradient, const FollowUpdate& how,
+                     const std::vector<FollowingLimit>& limits, MultiVector& lower, MultiVector* upper,
+                     LocalDiscs* discs);
+  static FollowChange updateFollowing(const MultiVector& x, const MultiVector& gradient,
+                                      const FeasibleSet<MultiVector>& feasible,
+                                      const std::vector<FollowingLimit>& limits, double stepLength,
+                                      double gradientNoise, const LocalActiveSet& before,
+                                      LocalActiveSet& set, std::vector<double>& excess);
+  static long long freeFollowing(const MultiVector& x, const MultiVector& w,
+                                 const FeasibleSet<MultiVector>& feasible,
+                                 const std::vector<FollowingLimit>& limits, const std::vector<double>& excess,
+                                 double factor, LocalActiveSet& set);
+  static void addFollowing(const std::vector<FollowingEntry>& following, const MultiVector& x,
+                           MultiVector& y);
+  static void dropFollowing(const MultiVector& v, double most, std::vector<FollowingEntry>& following);
+  static void moveToFollowing(const std::vector<FollowingEntry>& following, const MultiVector& lower,
+                              MultiVector& x);
+  static void moveToLimits(MultiVector& x, const FeasibleSet<MultiVector>& feasible,
+                           const std::vector<FollowingLimit>& limits, const LocalActiveSet& active);
+  static void limitsToVector(const std::vector<FollowingLimit>& limits,
+                             const FeasibleSet<MultiVector>& feasible, MultiVector& radii);
+  static void vectorToLimits(const std::vector<FollowingLimit>& limits, const MultiVector& radii,
+                             MultiVector& lower, MultiVector* upper, LocalDiscs* discs);
   static BoxInfimum boxInfimum(const MultiVector& w, const FeasibleSet<MultiVector>& feasible);
   static double projectOntoRecessionCone(MultiVector& d, const FeasibleSet<MultiVector>& feasible);
   static bool isFit(const MultiVector& like, const LocalDiscs& discs);

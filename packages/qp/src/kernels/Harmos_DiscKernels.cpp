@@ -243,9 +243,10 @@ DiscChange update(const Discs& discs, const double* x, const double* g, const Di
       const double noise = std::max(gradientNoise, how.turn);
       const bool hasTurned = wrong > noise || (beyond > xNoise && beyond > how.stepLength * noise);
       isChanged = isChanged || hasTurned;
-      if (state == LocalActiveSet::slips && last != nullptr && !hasTurned)
+      if (state == LocalActiveSet::slips && last != nullptr && !hasTurned) {
         set.slipping.push_back(*last);
-      else if (state == LocalActiveSet::slips)
+        set.slipping.back().radius = disc.radius; // which may follow the solution
+      } else if (state == LocalActiveSet::slips)
         set.slipping.push_back(
             {disc.first,
              disc.second,

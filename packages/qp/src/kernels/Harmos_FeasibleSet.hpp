@@ -25,6 +25,7 @@ class LocalDiscs {
   const std::vector<Disc>& discs() const { return discs_; }
   const std::vector<Range>& others() const { return others_; }
   std::size_t length() const { return length_; }
+  void setRadius(std::size_t disc, double radius) { discs_[disc].radius = radius; }
   /// The largest |c_0| + |c_1| + r: points on rims are where they are to rounding errors of it.
   double largest() const;
 

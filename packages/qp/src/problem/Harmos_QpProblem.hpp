@@ -4,6 +4,7 @@
 #include "Harmos_BoundTraits.hpp"
 #include "Harmos_FaceGram.hpp"
 #include "Harmos_FacePreconditioner.hpp"
+#include "Harmos_FollowingLimits.hpp"
 
 #include <Teuchos_RCP.hpp>
 
@@ -50,6 +51,10 @@ class Problem {
   void setUpperBound(Teuchos::RCP<const MV> upper);
   /// Pairs of entries that stay in discs. Null on all ranks: none; else given on all, if empty.
   void setDiscs(std::shared_ptr<const LocalDiscs> discs);
+  /// Limits that follow the solution: intervals and discs among those that were set, whose radii are of no
+  /// account, and whose sources have lower bounds. Null on all ranks: none; else given on all, if empty. The
+  /// problem works with copies of bounds and discs then.
+  void setFollowingLimits(std::shared_ptr<const FollowingLimits> limits);
   /// @param multiplier μ in the range of C: initial value before, answer after solve().
   void setEquality(Teuchos::RCP<const OP> rows, Teuchos::RCP<const MV> values, Teuchos::RCP<MV> multiplier,
                    EqualityStructure structure = EqualityStructure::General);
@@ -99,12 +104,31 @@ class Problem {
   /// To be used while this lives and is not changed.
   FeasibleSet<MV> feasibleSet() const { return {lower_.get(), upper_.get(), discs_.get()}; }
   bool hasDiscs() const { return discs_ != nullptr; }
+  /// The problem with limits as they are, and as they will be when this one lets them follow; to be solved while
+  /// this lives.
+  Teuchos::RCP<Problem> frozen() const {
+    const auto copy = Teuchos::rcp(new Problem(*this));
+    copy->following_ = nullptr;
+    return copy;
+  }
+  bool hasFollowingLimits() const { return following_ != nullptr; }
+  /// Local.
+  const FollowingLimits& followingLimits() const { return *following_; }
+  /// Limits go where the present solution is, or to what a step along −gradient would make of it. Local.
+  void follow(const FollowUpdate& how = {}, const MV* gradient = nullptr);
+  /// x goes to the limits that it follows: active entries, and pairs that slip along their radii. Local.
+  void moveToLimits(const LocalActiveSet& active);
+  /// The radii, each at the first entry it is of. Local.
+  void limits(MV& radii) const;
+  void setLimits(const MV& radii);
   /// Or discs.
   bool hasBounds() const { return !feasibleSet().isEverything(); }
   bool hasEqualities() const { return !equality_.is_null(); }
 
  private:
   bool refuse(const std::string& fault);
+  bool isFollowable() const;
+  void ownLimits();
 
   Teuchos::RCP<const OP> hessian_;
   Teuchos::RCP<const OP> hessianOnKernel_;
@@ -113,6 +137,10 @@ class Problem {
   Teuchos::RCP<const MV> lower_;
   Teuchos::RCP<const MV> upper_;
   std::shared_ptr<const LocalDiscs> discs_;
+  std::shared_ptr<const FollowingLimits> following_;
+  // Where limits follow: what the bounds point to.
+  Teuchos::RCP<MV> ownLower_, ownUpper_;
+  std::shared_ptr<LocalDiscs> ownDiscs_;
   Teuchos::RCP<const OP> equality_;
   Teuchos::RCP<const MV> equalityValues_;
   Teuchos::RCP<MV> multiplier_;

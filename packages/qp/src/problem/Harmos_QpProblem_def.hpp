@@ -6,6 +6,10 @@
 
 #include <BelosMultiVecTraits.hpp>
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 namespace Harmos::qp {
 
 template<class Scalar, class MV, class OP>
@@ -51,6 +55,45 @@ void Problem<Scalar, MV, OP>::setDiscs(std::shared_ptr<const LocalDiscs> discs) 
 }
 
 template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::setFollowingLimits(std::shared_ptr<const FollowingLimits> limits) {
+  following_ = std::move(limits);
+  refuse("setProblem() was not called after setFollowingLimits()");
+}
+
+template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::follow(const FollowUpdate& how, const MV* gradient) {
+  BoundTraits<Scalar, MV>::follow(*solution_, gradient, how, *following_, *ownLower_, ownUpper_.get(),
+                                  ownDiscs_.get());
+}
+
+template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::moveToLimits(const LocalActiveSet& active) {
+  BoundTraits<Scalar, MV>::moveToLimits(*solution_, feasibleSet(), *following_, active);
+}
+
+template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::limits(MV& radii) const {
+  BoundTraits<Scalar, MV>::limitsToVector(*following_, feasibleSet(), radii);
+}
+
+template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::setLimits(const MV& radii) {
+  BoundTraits<Scalar, MV>::vectorToLimits(*following_, radii, *ownLower_, ownUpper_.get(), ownDiscs_.get());
+}
+
+// What follows must not be what others hold.
+template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::ownLimits() {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  if (lower_ != ownLower_)
+    lower_ = ownLower_ = MVT::CloneCopy(*lower_);
+  if (!upper_.is_null() && upper_ != ownUpper_)
+    upper_ = ownUpper_ = MVT::CloneCopy(*upper_);
+  if (discs_ && discs_ != ownDiscs_)
+    discs_ = ownDiscs_ = std::make_shared<LocalDiscs>(*discs_);
+}
+
+template<class Scalar, class MV, class OP>
 void Problem<Scalar, MV, OP>::setEquality(Teuchos::RCP<const OP> rows, Teuchos::RCP<const MV> values,
                                           Teuchos::RCP<MV> multiplier, EqualityStructure structure) {
   equality_ = rows;
@@ -92,6 +135,18 @@ bool Problem<Scalar, MV, OP>::refuse(const std::string& fault) {
 }
 
 template<class Scalar, class MV, class OP>
+bool Problem<Scalar, MV, OP>::isFollowable() const {
+  return std::all_of(following_->begin(), following_->end(), [this](const FollowingLimit& limit) {
+    const auto length = static_cast<int>(discs_ ? discs_->length() : std::numeric_limits<int>::max());
+    const bool isPlace =
+        limit.isDisc ? discs_ && limit.place < static_cast<int>(discs_->discs().size())
+                     : !upper_.is_null() && limit.place < length;
+    return limit.place >= 0 && isPlace && limit.source >= 0 && limit.source < length &&
+           limit.factor >= 0.0 && std::isfinite(limit.factor);
+  });
+}
+
+template<class Scalar, class MV, class OP>
 bool Problem<Scalar, MV, OP>::setProblem() {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   if (hessian_.is_null() || rhs_.is_null() || solution_.is_null())
@@ -118,6 +173,15 @@ bool Problem<Scalar, MV, OP>::setProblem() {
         "the bounds of entry " + std::to_string(fault.entry) +
         " are not numbers, or a lower one is +infinity or an upper one -infinity; or it is in a disc "
         "and has bounds of its own, or in one whose centre or radius is not a finite number");
+  if (onAnyRank(hasFollowingLimits()) && onAnyRank(!hasFollowingLimits()))
+    return refuse("limits that follow are given on some ranks and not on the others: give empty ones where "
+                  "there are none");
+  if (hasFollowingLimits()) {
+    if (lower_.is_null() || onAnyRank(!isFollowable()))
+      return refuse("a limit that follows is none of the intervals and discs, follows an entry that has no "
+                    "lower bound, or its factor is negative or not a number");
+    ownLimits();
+  }
   if (!nullSpace_.is_null() && MVT::GetGlobalLength(*nullSpace_) != length)
     return refuse("the null space and the solution differ in length");
   if (!equality_.is_null() && (equalityValues_.is_null() || multiplier_.is_null()))

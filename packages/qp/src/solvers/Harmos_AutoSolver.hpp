@@ -24,6 +24,7 @@ class AutoSolver : public SolverManager<Scalar, MV, OP> {
   std::string name() const override { return "Auto"; }
   Teuchos::RCP<SolverManager<Scalar, MV, OP>> clone() const override;
   const ParameterSpec& parameterSpec() const override { return spec(); }
+  bool letsLimitsFollow() const override { return true; }
   static const ParameterSpec& spec();
 
   /// The name of the solver that the problem's structure calls for.

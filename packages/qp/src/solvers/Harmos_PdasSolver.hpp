@@ -41,6 +41,7 @@ class PdasSolver : public SolverManager<Scalar, MV, OP> {
   std::string name() const override { return "PDAS"; }
   Teuchos::RCP<SolverManager<Scalar, MV, OP>> clone() const override;
   const ParameterSpec& parameterSpec() const override { return spec(); }
+  bool letsLimitsFollow() const override { return true; }
   static const ParameterSpec& spec();
   /// The list "PDAS" alone.
   static ParameterSpec methodSpec();
@@ -100,6 +101,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   // The steps, in their order. Where one of them returns false, the solver has stopped or handed over.
   void begin();
   bool enterFace();
+  bool startsFreed();
   void aim();
   bool descend();
   bool isFarEnough() const;
@@ -113,11 +115,15 @@ class PdasSolver<Scalar, MV, OP>::Run {
 
   void describeState();
   void guess();
+  void guessBounds();
   bool isAtAllBounds(double scale);
   bool triesNearest(FirstActiveSet<Scalar, MV, OP>& nearest);
   bool startsWithActive();
   void addMultiplier();
+  void lookAtFollowing(double stepLength);
   bool isExhausted() const;
+  bool hasFollowing() const { return problem_.hasFollowingLimits(); }
+  void freeFollowing();
   IterationState<MV> evaluate(double gradientNorm, int inner);
   IterationState<MV> measure(int inner, bool feasible);
   void handOver(const std::string& why);
@@ -131,6 +137,8 @@ class PdasSolver<Scalar, MV, OP>::Run {
 
   static constexpr double carefulReduction = 0.05; // below, faces are followed no further
   double innerReduction_;
+  std::vector<double> excess_; // of what is beyond them
+  double disproved_ = std::numeric_limits<double>::infinity(); // ‖g^P‖ that was expected, and was not
   int patience_, mostSets_, mostKept_;
   FirstSet firstSet_;
   int budget_; // inner iterations before another method takes over
@@ -151,6 +159,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
 
   bool isCold_ = false;  // nothing is known of the solution
   bool settled_ = false; // the last look changed nothing
+  bool isMoved_ = false; // x, since then
   bool newFace_ = true, started_ = false;
   // On a face.
   double target_ = 0.0;

@@ -3,6 +3,7 @@
 
 #include "Harmos_MprgpSolver_def.hpp"
 #include "Harmos_PcpgSolver_def.hpp"
+#include "Harmos_PdasBeginning_def.hpp"
 #include "Harmos_PdasSolver.hpp"
 #include "Harmos_ProjectedCg_def.hpp"
 #include "Harmos_SmalbeSolver_def.hpp"
@@ -62,11 +63,15 @@ template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::fallBack(const std::string& why) {
   ++this->result_.counters.safeguards;
   Teuchos::RCP<SolverManager<Scalar, MV, OP>> solver;
-  if (this->problem_->hasEqualities())
+  if (this->problem_->hasFollowingLimits())
+    solver = Teuchos::rcp(new FixedPointSolver<Scalar, MV, OP>(Details::cloneOf(*this)));
+  else if (this->problem_->hasEqualities())
     solver = Teuchos::rcp(new SmalbeSolver<Scalar, MV, OP>);
   else
     solver = Teuchos::rcp(new MprgpSolver<Scalar, MV, OP>);
-  this->log_.detail("PDAS: " + why + "; " + solver->name() + " takes over");
+  this->log_.detail("PDAS: " + why + "; " +
+                    (this->problem_->hasFollowingLimits() ? "limits follow between solutions from here on"
+                                                          : solver->name() + " takes over"));
   this->delegate(*solver);
 }
 
@@ -102,7 +107,7 @@ PdasSolver<Scalar, MV, OP>::Run::Run(PdasSolver& solver, EqualityRows<Scalar, MV
       inner_(solver.firstInner_) {
   const Teuchos::ParameterList& list = solver.parameters_->sublist("PDAS");
   // Where pairs turn, sets take a product and bring less.
-  innerReduction_ = (problem_.hasDiscs() ? 0.5 : 1.0) * list.get<double>("Inner reduction");
+  innerReduction_ = (problem_.hasDiscs() || hasFollowing() ? 0.5 : 1.0) * list.get<double>("Inner reduction");
   patience_ = list.get<int>("Active sets without progress");
   mostSets_ = list.get<int>("Maximum active sets");
   mostKept_ = list.get<int>("Kept directions");
@@ -130,12 +135,13 @@ void PdasSolver<Scalar, MV, OP>::Run::go() {
     if (!descend())
       return;
     look();
+    isMoved_ = false;
     if (!std::isfinite(expected_))
       return solver_.stop(Reason::Breakdown, Explanations::breakdown(), state_);
     if (isCandidate() && isAnswer())
       return;
     settled_ = change_.changed == 0;
-    newFace_ = !settled_;
+    newFace_ = !settled_ || isMoved_;
     if (newFace_ && !mayGoOn())
       return;
   }
@@ -144,6 +150,8 @@ void PdasSolver<Scalar, MV, OP>::Run::go() {
 template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::begin() {
   isCold_ = norm<Scalar>(x_) == 0.0 && (!rows_.isPresent() || norm<Scalar>(*problem_.multiplier()) == 0.0);
+  if (hasFollowing() && !isCold_)
+    solver_.problem_->follow();
   BT::project(x_, feasible_);
   best_ = MVT::CloneCopy(x_);
   if (rows_.isPresent()) {
@@ -169,6 +177,9 @@ void PdasSolver<Scalar, MV, OP>::Run::describeState() {
     archive.number("pdas settled", settled_);
     archive.number("pdas target", target_);
     archive.number("pdas inner reduction", innerReduction_);
+    if (hasFollowing()) {
+      archive.number("pdas disproved", disproved_);
+    }
     archive.number("pdas stepped", stepped_);
     archive.number("pdas face steps", faceSteps_);
     progress_.exchange(archive);
@@ -185,6 +196,13 @@ void PdasSolver<Scalar, MV, OP>::Run::describeState() {
     if (problem_.hasDiscs()) {
       exchangeSlips<Scalar>(archive, "pdas", feasible_, x_, set_);
       archive.number("pdas slips", change_.slips);
+    }
+    if (hasFollowing()) {
+      const Teuchos::RCP<MV> radii = MVT::Clone(x_, 1);
+      problem_.limits(*radii);
+      archive.vector("pdas limits", *radii);
+      if (archive.isReading())
+        solver_.problem_->setLimits(*radii);
     }
     cg_.exchange(archive);
   });
@@ -220,113 +238,29 @@ bool PdasSolver<Scalar, MV, OP>::Run::Progress::isCircle(const ActiveSetChange& 
   return !seen.insert({change.signature[0], change.signature[1]}).second && ++repeats > mostRepeats;
 }
 
-// Whether x is at each bound there is: in contact, no load acts on a body as a whole. Elsewhere the gradient
-// knows the elasticity of what is pushed against the bounds. Where loads cancel, what is left of them on a
-// whole body is rounding errors.
+// Where all that holds a body slips, its forces are given and need not balance; they do where some of it sticks
+// after all.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::isAtAllBounds(double scale) {
-  const auto count = [this](const MV& x) {
-    const Teuchos::RCP<MV> none = MVT::Clone(x_, 1);
-    MVT::MvInit(*none, 0.0);
-    LocalActiveSet active;
-    const FeasibleSet<MV> bounds = {feasible_.lower, feasible_.upper, nullptr};
-    return BT::updateActiveSet(x, *none, bounds, 0.0, 0.0, active).active;
-  };
-  constexpr double beyond = 1e100, rounding = 1e-10; // all bounds; of an entry
-  const double slack = std::max(std::numeric_limits<double>::min(),
-                                rounding * scale / std::sqrt(static_cast<double>(MVT::GetGlobalLength(x_))));
-  const Teuchos::RCP<MV> below = MVT::CloneCopy(x_), outside = MVT::Clone(x_, 1);
-  // Just outside, those that x is at; far outside, all.
-  MVT::MvInit(*outside, -slack);
-  MVT::MvAddMv(1.0, x_, 1.0, *outside, *below);
-  const long long here = count(*below);
-  MVT::MvInit(*outside, -beyond);
-  const long long all = count(*outside);
-  return all > 0 && here == all;
-}
-
-// The first active set. From a solution nearby, or where there is no better guess: entries at a bound that
-// the gradient pushes against it. The gradient costs a product where x is not zero.
-template<class Scalar, class MV, class OP>
-void PdasSolver<Scalar, MV, OP>::Run::guess() {
-  MVT::MvAddMv(-1.0, *problem_.rhs(), 0.0, *problem_.rhs(), *y_);
-  addMultiplier();
-  BT::split(x_, *y_, feasible_, 1.0, nullptr, set_);
-  if (isCold_ && firstSet_ != FirstSet::Gradient) {
-    FirstActiveSet<Scalar, MV, OP> nearest(problem_, rows_, counters_);
-    if (firstSet_ == FirstSet::Nearest || isAtAllBounds(nearest.scale())) {
-      if (nearest.find(set_, active_))
-        return;
-    } else if (firstSet_ == FirstSet::Tried && triesNearest(nearest)) {
-      return;
-    }
-  }
-  LocalActiveSet pushed = set_;
-  change_ = BT::updateActiveSet(x_, *y_, feasible_, 0.0, 0.0, pushed);
-  if (norm<Scalar>(x_) > 0.0)
-    started_ = startsWithActive();
-  else
-    set_ = pushed;
-  active_ = change_.active;
-}
-
-// Loads on bodies as a whole: the set of the nearest point is much the better one for solids, and none at all
-// for membranes pushed evenly against others. The residual on its face tells.
-template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::triesNearest(FirstActiveSet<Scalar, MV, OP>& nearest) {
-  LocalActiveSet set = set_;
-  long long active = 0;
-  if (!nearest.find(set, active))
+bool PdasSolver<Scalar, MV, OP>::Run::startsFreed() {
+  if (!hasFollowing() || !rows_.isPresent())
     return false;
-  const Teuchos::RCP<MV> load = MVT::CloneCopy(*problem_.rhs()), before = MVT::CloneCopy(x_);
-  if (rows_.isPresent()) { // its part in the kernel of the rows
-    const Teuchos::RCP<MV> removed = rows_.makeVector();
-    rows_.apply(*load, *removed);
-    rows_.addTransposed(-1.0, *removed, *load);
+  const Teuchos::RCP<MV> residual = rows_.makeVector(), w = MVT::Clone(x_, 1);
+  excess_.resize(problem_.followingLimits().size(), 0.0); // before the first look
+  constexpr int mostTries = 40;
+  double factor = 1.0;
+  for (int k = 0; k < mostTries; ++k, factor *= 1.5) {
+    rows_.residual(x_, *residual);
+    MVT::MvInit(*w, 0.0);
+    rows_.addTransposed(1.0, *residual, *w);
+    const long long freed =
+        BT::freeFollowing(x_, *w, feasible_, problem_.followingLimits(), excess_, factor, set_);
+    active_ -= freed;
+    if (freed == 0)
+      return false;
+    if (cg_.start(set_))
+      return true;
   }
-  // On solids 0.01 to 0.12 was measured, where the set was none 0.2 to 1.
-  constexpr double good = 0.15;
-  started_ = cg_.start(set) && cg_.residualNorm() <= good * norm<Scalar>(*load);
-  if (!started_) {
-    MVT::Assign(*before, x_);
-    return false;
-  }
-  set_ = set;
-  active_ = active;
-  return true;
-}
-
-// If the gradient at zero, which costs nothing, mostly pushes against the bounds that x is at, its product is
-// made on the face where all of them are active, as the first one of that face's solution.
-template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::startsWithActive() {
-  const Teuchos::RCP<MV> projected = MVT::CloneCopy(x_), free = MVT::CloneCopy(*y_);
-  BT::maskActive(*free, set_);
-  const double atBounds2 = dot<Scalar>(*y_, *y_) - dot<Scalar>(*free, *free);
-  if (change_.wrongSign2 <= 0.1 * atBounds2 && cg_.start(set_)) {
-    cg_.lagrangianGradient(*y_);
-    change_ = BT::updateActiveSet(x_, *y_, feasible_,
-                                  10.0 * std::numeric_limits<double>::epsilon() * norm<Scalar>(x_),
-                                  10.0 * cg_.attainable(), set_);
-    return change_.changed == 0;
-  }
-  MVT::Assign(*projected, x_);
-  ++counters_.hessianApplications;
-  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), x_, *y_);
-  MVT::MvAddMv(1.0, *y_, -1.0, *problem_.rhs(), *y_);
-  addMultiplier();
-  change_ = BT::updateActiveSet(x_, *y_, feasible_, 0.0, 0.0, set_);
   return false;
-}
-
-// Cᵀμ of the problem's multiplier.
-template<class Scalar, class MV, class OP>
-void PdasSolver<Scalar, MV, OP>::Run::addMultiplier() {
-  if (!rows_.isPresent())
-    return;
-  const Teuchos::RCP<MV> mu = rows_.makeVector();
-  rows_.toInternal(*problem_.multiplier(), *mu);
-  rows_.addTransposed(1.0, *mu, *y_);
 }
 
 template<class Scalar, class MV, class OP>
@@ -336,7 +270,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::enterFace() {
   if (!started_ && cg_.staleness() >= slow)
     if (const int found = cg_.keepOutliers(mostKept_); found > 0)
       solver_.log_.detail("PDAS: " + std::to_string(found) + " directions are kept for all faces");
-  const bool isOn = started_ || (cg_.start(set_) && descent_.enter(set_, active_));
+  const bool isOn = started_ || ((cg_.start(set_) || startsFreed()) && descent_.enter(set_, active_));
   if (!isOn && descent_.isOn()) {
     handOver("no step descends any more");
     return false;
@@ -379,7 +313,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::descend() {
       state_ = evaluate(cg_.residualNorm(), state_.inner);
     // What is wrong with tangents adds to the residual.
     IterationState<MV> judged = state_;
-    if (problem_.hasDiscs())
+    if (problem_.hasDiscs() || hasFollowing())
       judged.projectedGradient *= 2.0;
     const std::optional<Reason> reason = solver_.judge(judged);
     if (reason && *reason != Reason::Converged) {
@@ -431,7 +365,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::advance() {
 // The next active set, and what the present iterate is worth.
 template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::look() {
-  if (active_ > 0 ||
+  if (active_ > 0 || hasFollowing() ||
       problem_.hasDiscs()) // multipliers of active bounds are all that it is asked for, and of discs
     cg_.lagrangianGradient(*y_);
   const double epsilon = std::numeric_limits<double>::epsilon();
@@ -442,12 +376,16 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
   // residual.
   const double turn =
       0.5 * cg_.slipping().residual / std::sqrt(std::max(1.0, static_cast<double>(change_.slips)));
-  change_ =
-      BT::updateActiveSet(x_, *y_, feasible_, 10.0 * epsilon * norm<Scalar>(x_), 10.0 * cg_.attainable(),
-                          set_, {curvature > 0.0 ? 1.0 / curvature : 0.0, turn});
-  active_ = change_.active;
+  const double stepLength = curvature > 0.0 ? 1.0 / curvature : 0.0;
+  if (hasFollowing())
+    solver_.problem_->follow({stepLength, 1.0}, y_.get());
+  change_ = BT::updateActiveSet(x_, *y_, feasible_, 10.0 * epsilon * norm<Scalar>(x_),
+                                10.0 * cg_.attainable(), set_, {stepLength, turn});
+  if (hasFollowing())
+    lookAtFollowing(stepLength);
   // ‖g^P‖ at the projection of x is at most ‖w‖ + ‖multipliers of the wrong sign‖ + ‖A‖‖x − Π(x)‖.
   expected_ = cg_.residualNorm() + std::sqrt(change_.wrongSign2) + curvature * std::sqrt(change_.violation2);
+  active_ = change_.active;
   if (descent_.isOn())
     faceCost_ = cg_.cost();
   if (expected_ < progress_.least) {
@@ -460,6 +398,19 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
   }
 }
 
+// Limits that have moved by what counts beside the residual make another face.
+template<class Scalar, class MV, class OP>
+void PdasSolver<Scalar, MV, OP>::Run::lookAtFollowing(double stepLength) {
+  const FollowChange more =
+      BT::updateFollowing(x_, *y_, feasible_, problem_.followingLimits(), stepLength,
+                          10.0 * cg_.attainable(), before_, set_, excess_);
+  change_.active += more.active;
+  change_.changed += more.changed;
+  if (change_.changed == 0 && std::sqrt(more.distance2) > 0.5 * stepLength * cg_.residualNorm())
+    change_.changed = 1;
+  change_.violation2 += more.distance2;
+}
+
 // A settled face that the tests send back without a step would be sent back for ever: what is left of wrong
 // signs and violations is rounding errors.
 template<class Scalar, class MV, class OP>
@@ -469,14 +420,26 @@ bool PdasSolver<Scalar, MV, OP>::Run::isExhausted() const {
 
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::isCandidate() {
-  return solver_.judge(evaluate(expected_, state_.inner)) == Reason::Converged ||
-         (change_.changed == 0 && isExhausted());
+  if (change_.changed == 0 && isExhausted())
+    return true;
+  double expected = expected_;
+  if (hasFollowing() && !problem_.hasDiscs()) { // what is beyond limits, by the stiffness that there is
+    expected = cg_.residualNorm() + std::sqrt(change_.wrongSign2) +
+               cg_.stiffness() * std::sqrt(change_.violation2);
+    if (change_.changed != 0 && expected > 0.5 * disproved_)
+      return false;
+  }
+  if (solver_.judge(evaluate(expected, state_.inner)) != Reason::Converged)
+    return false;
+  disproved_ = expected; // unless it is the answer
+  return true;
 }
 
 // Whether the projection of x is the answer, or as near to it as rounding errors allow.
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::isAnswer() {
   const bool exhausted = isExhausted();
+  isMoved_ = hasFollowing();
   state_ = measure(state_.inner, change_.violation2 == 0.0);
   bool sentBack = false;
   while (solver_.judge(state_) == Reason::Converged) {
@@ -509,7 +472,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::follows(const std::string& why) {
 // From the best iterate on, sets descend.
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::descends(const std::string& why) {
-  if (descent_.isOn() || problem_.hasDiscs())
+  if (descent_.isOn() || problem_.hasDiscs() || hasFollowing())
     return false;
   const Teuchos::RCP<MV> present = MVT::CloneCopy(x_);
   MVT::Assign(*best_, x_);
@@ -539,7 +502,8 @@ bool PdasSolver<Scalar, MV, OP>::Run::mayGoOn() {
   const bool isLost = progress_.isLost(expected_, patience_);
   const std::string why =
       isLost ? std::to_string(patience_) + " active sets brought no progress" : "an active set came back";
-  if (!isLost && !progress_.isCircle(change_))
+  // Where limits follow sets may be the same again and again.
+  if (!isLost && (hasFollowing() || !progress_.isCircle(change_)))
     return true;
   if (follows(why) || descends(why))
     return true;
@@ -564,6 +528,10 @@ IterationState<MV> PdasSolver<Scalar, MV, OP>::Run::measure(int inner, bool feas
       cg_.storeMultiplier();
       return evaluate(carried, inner);
     }
+  }
+  if (hasFollowing()) {
+    solver_.problem_->follow();
+    solver_.problem_->moveToLimits(set_);
   }
   BT::project(x_, feasible_);
   ++counters_.confirmations;

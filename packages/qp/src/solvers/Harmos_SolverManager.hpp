@@ -42,6 +42,9 @@ class SolverManager {
   /// A new solver of the same kind and parameters, without a problem.
   virtual Teuchos::RCP<SolverManager> clone() const = 0;
 
+  /// Whether it solves problems with limits that follow; for others a FixedPointSolver does so with them.
+  virtual bool letsLimitsFollow() const { return false; }
+
   /// Type, default, range and meaning of every parameter.
   virtual const ParameterSpec& parameterSpec() const = 0;
 
@@ -154,7 +157,11 @@ class SolverManager {
 
   /// Lets another solver finish the problem from the present solution, under this one's tests and with those
   /// of its parameters that the other one knows; its counters, history and result are added to this one's.
-  void delegate(SolverManager& other);
+  /// @param problem null: the same one. @param orTest what passes it is enough, too; null for none.
+  void delegate(SolverManager& other, const Teuchos::RCP<ProblemType>& problem = Teuchos::null,
+                const Teuchos::RCP<StatusTest<MV>>& orTest = Teuchos::null);
+  /// Describes what this knows while another solver works for it.
+  void describeDelegation(const std::function<void(Archive&)>& own) { delegation_ = own; }
 
   int maximumIterations() const { return parameters_->template get<int>("Maximum Iterations"); }
   double elapsedSeconds() const;
@@ -181,7 +188,8 @@ class SolverManager {
 
   Teuchos::RCP<SolverMonitor<MV>> monitor_;
   std::function<void(Archive&)> state_;  // of doSolve()
-  std::function<void(Archive&)> before_; // of the solvers that delegate to this one
+  std::function<void(Archive&)> delegation_; // of doSolve(), beside that of the solver it delegates to
+  std::function<void(Archive&)> before_;     // of the solvers that delegate to this one
   int depth_ = 0;                        // the number of those
   int productsBefore_ = 0;               // of those, as their seconds
   double startedAfter_ = 0.0;

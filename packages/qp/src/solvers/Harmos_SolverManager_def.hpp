@@ -19,6 +19,9 @@
 
 namespace Harmos::qp {
 
+template<class Scalar, class MV, class OP>
+class FixedPointSolver;
+
 namespace Details {
 
 template<class Solver>
@@ -106,8 +109,16 @@ Result SolverManager<Scalar, MV, OP>::solve() {
     std::function<void(Archive&)>& state;
     ~Forget() { state = nullptr; }
   } forget{state_};
-  if (!isSenseless())
+  delegation_ = nullptr;
+  if (isSenseless())
+    return result_;
+  if (problem_->hasFollowingLimits() && !letsLimitsFollow()) {
+    FixedPointSolver<Scalar, MV, OP> solver(clone());
+    delegate(solver);
+  } else {
     doSolve();
+  }
+  delegation_ = nullptr;
   return result_;
 }
 
@@ -331,13 +342,16 @@ void SolverManager<Scalar, MV, OP>::stopUnbounded(const Teuchos::RCP<const MV>& 
 }
 
 template<class Scalar, class MV, class OP>
-void SolverManager<Scalar, MV, OP>::delegate(SolverManager& other) {
+void SolverManager<Scalar, MV, OP>::delegate(SolverManager& other, const Teuchos::RCP<ProblemType>& problem,
+                                             const Teuchos::RCP<StatusTest<MV>>& orTest) {
   double seconds = elapsedSeconds();
   const auto before = [&, this](Archive& archive) {
     if (before_ && !archive.isReading())
       before_(archive);
     archive.number(prefix(depth_) + "seconds", seconds);
     exchangeResult(archive, prefix(depth_), result_);
+    if (delegation_)
+      delegation_(archive);
   };
   if (resumesDelegate()) {
     monitor_->restore(before);
@@ -361,8 +375,12 @@ void SolverManager<Scalar, MV, OP>::delegate(SolverManager& other) {
   other.depth_ = depth_ + 1;
   other.productsBefore_ = productsBefore_ + result_.counters.hessianApplications;
   other.startedAfter_ = startedAfter_ + seconds;
-  other.setProblem(problem_);
-  other.setConvergenceTest(activeTest_);
+  other.setProblem(problem.is_null() ? problem_ : problem);
+  using Combo = StatusTestCombo<MV>;
+  Teuchos::RCP<StatusTest<MV>> test = activeTest_;
+  if (!orTest.is_null())
+    test = Teuchos::rcp(new Combo(Combo::Type::Or, {activeTest_, orTest}));
+  other.setConvergenceTest(test);
   other.setAcceptance(acceptance_);
   other.setDebugStatusTest(debugTest_);
   other.setLog(log_);
@@ -425,3 +443,5 @@ void SolverManager<Scalar, MV, OP>::record(const IterationState<MV>& state, Step
 }
 
 } // namespace Harmos::qp
+
+#include "Harmos_FixedPointSolver_def.hpp"

@@ -22,6 +22,12 @@ std::string notFinite(const std::string& what) {
   return what + " holds a number that is not finite; look where it was made";
 }
 
+std::string limitsDoNotSettle(int updates) {
+  return "limits that follow the solution have not settled in " + std::to_string(updates) +
+         " solutions: with friction as strong as this there may be several answers, or none nearby; smaller "
+         "steps of the load, or a smaller coefficient of friction, help";
+}
+
 std::string limit(const std::string& limit) {
   return "the limit of " + limit +
          " was reached; raise it, loosen the tolerance, or look at the history for a residual that no longer "

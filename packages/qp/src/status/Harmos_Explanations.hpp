@@ -14,6 +14,8 @@ std::string interrupted();
 /// @param what "the right-hand side", ...
 std::string notFinite(const std::string& what);
 /// @param limit "500 inner iterations", "3 s", ...
+/// Of limits that follow the solution.
+std::string limitsDoNotSettle(int updates);
 std::string limit(const std::string& limit);
 /// @param attainable the level of rounding errors that the projected gradient has reached.
 std::string stagnation(double projectedGradient, double attainable, double equalityDistance);

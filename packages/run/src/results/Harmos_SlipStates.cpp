@@ -3,6 +3,7 @@
 
 #include "Harmos_Exchange.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace Harmos::run {
@@ -70,7 +71,10 @@ void addSlips(const scene::ContactSetup& contact, const std::vector<RowSlip>& sl
         state.traction[d] -= slips[row].force / contact.points[point.point].area * point.tangents[t][d];
       }
     }
-    state.friction = std::sqrt(force2) < (1.0 - rounding) * point.limit ? Friction::Sticks : Friction::Slips;
+    const double limit = point.follows ? point.coefficient * std::max(0.0, state.force) : point.limit;
+    state.friction = point.follows && !state.closed              ? Friction::None
+                     : std::sqrt(force2) < (1.0 - rounding) * limit ? Friction::Sticks
+                                                                    : Friction::Slips;
   }
 }
 

@@ -164,8 +164,13 @@ void ConstraintCollector::findSlips(ContactSetup& setup) {
   }
   for (std::size_t f = 0; f < frictions_.size(); ++f)
     for (std::size_t k : pointsOf[f]) {
-      setup.slips.push_back({k, contact::tangentsTo(points[k].normal, scene_.components()),
-                             frictions_[f].bound(points[k].position) * points[k].area});
+      contact::SlipPoint slip;
+      slip.point = k;
+      slip.tangents = contact::tangentsTo(points[k].normal, scene_.components());
+      slip.follows = frictions_[f].isByPressure;
+      const double value = frictions_[f].value(points[k].position);
+      (slip.follows ? slip.coefficient : slip.limit) = slip.follows ? value : value * points[k].area;
+      setup.slips.push_back(slip);
       setup.frictions.push_back(frictions_[f].effect);
     }
 }

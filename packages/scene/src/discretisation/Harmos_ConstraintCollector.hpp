@@ -92,7 +92,12 @@ class ConstraintCollector {
   /// @param contact an effect of the scene, asked before or after. @param bound force per area, not negative,
   /// by position; asked by finish().
   void addFriction(const Effect& contact, std::function<double(const fem::Point&)> bound) {
-    frictions_.push_back({&contact, asked_, std::move(bound)});
+    frictions_.push_back({&contact, asked_, std::move(bound), false});
+  }
+  /// The same, limited by a multiple of the force of contact at the point.
+  /// @param coefficient not negative, by position.
+  void addFrictionByPressure(const Effect& contact, std::function<double(const fem::Point&)> coefficient) {
+    frictions_.push_back({&contact, asked_, std::move(coefficient), true});
   }
 
   /// What the user should know; a sentence.
@@ -126,7 +131,8 @@ class ConstraintCollector {
   DistinctPoints contacts_, ties_;
   struct Friction {
     const Effect *contact, *effect;
-    std::function<double(const fem::Point&)> bound;
+    std::function<double(const fem::Point&)> value; ///< a bound, or
+    bool isByPressure;                              ///< a coefficient
   };
   std::vector<Friction> frictions_;
   using Held = std::map<long long, double>; // dofs at ties with prescribed values
