@@ -409,6 +409,23 @@ struct BoundTraits<double, SerialVector> {
       x()[place(slip.second)] += (slip.radius - outwards) * slip.normal[1];
     }
   }
+  // Whole runs with limits that follow are compared with other oracles.
+  using Followed = std::vector<FollowingLimit>;
+  static void follow(const V&, const V*, const FollowUpdate&, const Followed&, V&, V*, LocalDiscs*) {}
+  static FollowChange updateFollowing(const V&, const V&, const Set&, const Followed&, double, double,
+                                      const LocalActiveSet&, LocalActiveSet&, std::vector<double>&) {
+    return {};
+  }
+  static long long freeFollowing(const V&, const V&, const Set&, const Followed&, const std::vector<double>&,
+                                 double, LocalActiveSet&) {
+    return 0;
+  }
+  static void addFollowing(const std::vector<FollowingEntry>&, const V&, V&) {}
+  static void dropFollowing(const V&, double, std::vector<FollowingEntry>&) {}
+  static void moveToFollowing(const std::vector<FollowingEntry>&, const V&, V&) {}
+  static void moveToLimits(V&, const Set&, const Followed&, const LocalActiveSet&) {}
+  static void limitsToVector(const Followed&, const Set&, V&) {}
+  static void vectorToLimits(const Followed&, const V&, V&, V*, LocalDiscs*) {}
   static ActiveSetChange updateActiveSet(const V& x, const V& g, const Set& feasible, double xNoise,
                                          double gradientNoise, LocalActiveSet& set,
                                          const DiscUpdate& how = {}) {
