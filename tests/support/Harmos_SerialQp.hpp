@@ -5,7 +5,9 @@
 /// from its definition, in passes of its own. Whole runs with it are the reference for the fused Tpetra
 /// kernels, and the proof that the layer works on types it has never heard of.
 
+#include "Harmos_BoundKernels.hpp"
 #include "Harmos_BoundTraits.hpp"
+#include "Harmos_FollowingLimits.hpp"
 #include "Harmos_TestModel.hpp"
 
 #include <BelosMultiVecTraits.hpp>
@@ -336,6 +338,19 @@ struct BoundTraits<double, SerialVector> {
     x()[place(disc.first)] = disc.centre[0] + factor * y[0];
     x()[place(disc.second)] = disc.centre[1] + factor * y[1];
   }
+  static void multiply(const V& w, V& v) {
+    for (std::size_t i = 0; i < v().size(); ++i)
+      v()[i] *= w()[i];
+  }
+
+  static void projectSmoothly(const V& v, const Set& feasible, double width, V& x, V& slope) {
+    for (std::size_t i = 0; i < v().size(); ++i) {
+      const auto smoothed = Kernels::projectSmoothly(v()[i], lowerOf(feasible, i), upperOf(feasible, i), width);
+      x()[i] = smoothed.x;
+      slope()[i] = smoothed.slope;
+    }
+  }
+
   static void project(V& x, const Set& feasible) {
     for (std::size_t i = 0; i < x().size(); ++i)
       x()[i] = std::max(lowerOf(feasible, i), std::min(upperOf(feasible, i), x()[i]));
@@ -409,23 +424,38 @@ struct BoundTraits<double, SerialVector> {
       x()[place(slip.second)] += (slip.radius - outwards) * slip.normal[1];
     }
   }
-  // Whole runs with limits that follow are compared with other oracles.
   using Followed = std::vector<FollowingLimit>;
-  static void follow(const V&, const V*, const FollowUpdate&, const Followed&, V&, V*, LocalDiscs*) {}
-  static FollowChange updateFollowing(const V&, const V&, const Set&, const Followed&, double, double,
-                                      const LocalActiveSet&, LocalActiveSet&, std::vector<double>&) {
-    return {};
+  // Limits that follow have no fused form: these are the kernels of plain arrays.
+  static void follow(const V& x, const V* g, const FollowUpdate& how, const Followed& limits, V& lower, V* upper,
+                     LocalDiscs* discs) {
+    Kernels::follow(limits, x().data(), g == nullptr ? nullptr : (*g)().data(), how, lower().data(),
+                    upper == nullptr ? nullptr : (*upper)().data(), discs);
   }
-  static long long freeFollowing(const V&, const V&, const Set&, const Followed&, const std::vector<double>&,
-                                 double, LocalActiveSet&) {
-    return 0;
+  static const double* dataOf(const V* v) { return v == nullptr ? nullptr : (*v)().data(); }
+  static FollowChange updateFollowing(const V& x, const V& g, const Set& feasible, const Followed& limits,
+                                      double stepLength, double gradientNoise, const LocalActiveSet& before,
+                                      LocalActiveSet& set) {
+    return Kernels::update(limits, x().data(), g().data(), dataOf(feasible.lower), dataOf(feasible.upper),
+                           feasible.discs, stepLength, gradientNoise, before, set);
   }
-  static void addFollowing(const std::vector<FollowingEntry>&, const V&, V&) {}
-  static void dropFollowing(const V&, double, std::vector<FollowingEntry>&) {}
-  static void moveToFollowing(const std::vector<FollowingEntry>&, const V&, V&) {}
-  static void moveToLimits(V&, const Set&, const Followed&, const LocalActiveSet&) {}
-  static void limitsToVector(const Followed&, const Set&, V&) {}
-  static void vectorToLimits(const Followed&, const V&, V&, V*, LocalDiscs*) {}
+  static void addFollowing(const std::vector<FollowingEntry>& following, const V& x, V& y) {
+    Kernels::addFollowing(following, x().data(), y().data());
+  }
+  static void moveToFollowing(const std::vector<FollowingEntry>& following, const V& lower, V& x) {
+    Kernels::moveToFollowing(following, lower().data(), x().data());
+  }
+  static void moveToLimits(V& x, const Set& feasible, const Followed& limits, const LocalActiveSet& active) {
+    Kernels::moveToLimits(limits, dataOf(feasible.lower), dataOf(feasible.upper), feasible.discs, active,
+                          x().data());
+  }
+  static void limitsToVector(const Followed& limits, const Set& feasible, V& radii) {
+    std::fill(radii().begin(), radii().end(), 0.0);
+    Kernels::limitsToArray(limits, dataOf(feasible.upper), feasible.discs, radii().data());
+  }
+  static void vectorToLimits(const Followed& limits, const V& radii, V& lower, V* upper, LocalDiscs* discs) {
+    Kernels::arrayToLimits(limits, radii().data(), lower().data(), upper == nullptr ? nullptr : (*upper)().data(),
+                           discs);
+  }
   static ActiveSetChange updateActiveSet(const V& x, const V& g, const Set& feasible, double xNoise,
                                          double gradientNoise, LocalActiveSet& set,
                                          const DiscUpdate& how = {}) {
@@ -510,6 +540,28 @@ struct BoundTraits<double, SerialVector> {
       result.signature[0] += set.slipping.back().normal[0] * (1.0 + disc.first);
       result.signature[1] += set.slipping.back().normal[1] * (1.0 + disc.first);
     }
+  }
+  static long long changed(const V&, const LocalActiveSet& before, const LocalActiveSet& set) {
+    long long result = 0;
+    for (std::size_t i = 0; i < set.size(); ++i)
+      result += before.size() != set.size() || before[i] != set[i];
+    return result;
+  }
+
+  static void projectOntoCones(V& x, const Set& feasible, const Followed& limits) {
+    const Kernels::Cones before = Kernels::conesOf(limits, x().data(), feasible.discs);
+    project(x, feasible);
+    Kernels::projectOntoCones(before, limits, dataOf(feasible.lower), feasible.discs, x().data());
+  }
+  static BoxInfimum coneInfimum(const V& w, const Set& feasible, const Followed& limits) {
+    V others = w;
+    double sums[3] = {0, 0, 0};
+    Kernels::takeConeInfimum(limits, dataOf(feasible.lower), feasible.discs, others().data(), sums);
+    BoxInfimum result = boxInfimum(others, feasible);
+    result.value += sums[0];
+    result.openNorm = std::hypot(result.openNorm, std::sqrt(sums[1]));
+    result.boundNorm = std::hypot(result.boundNorm, std::sqrt(sums[2]));
+    return result;
   }
   static BoxInfimum boxInfimum(const V& w, const Set& feasible) {
     BoxInfimum result;

@@ -262,15 +262,45 @@ std::shared_ptr<const qp::LocalDiscs> localDiscs(const std::vector<qp::Disc>& di
   return std::make_shared<qp::LocalDiscs>(mine, localSize(map));
 }
 
+namespace {
+
+// The last entry that belongs to a limit that follows.
+int lastOf(const qp::FollowingLimit& limit, const SmallQp& qp) {
+  return limit.isDisc ? qp.discs[static_cast<std::size_t>(limit.place)].second : limit.place;
+}
+
+std::shared_ptr<const qp::FollowingLimits> localLimits(const SmallQp& qp, const Map& map) {
+  if (qp.follows.empty())
+    return nullptr;
+  const auto result = std::make_shared<qp::FollowingLimits>();
+  int discs = 0; // of this rank
+  std::vector<int> place;
+  for (const qp::Disc& disc : qp.discs)
+    place.push_back(map.isNodeGlobalElement(disc.first) ? discs++ : -1);
+  for (qp::FollowingLimit limit : qp.follows) {
+    if (!map.isNodeGlobalElement(limit.source))
+      continue;
+    limit.source = map.getLocalElement(limit.source);
+    limit.place = limit.isDisc ? place[static_cast<std::size_t>(limit.place)] : map.getLocalElement(limit.place);
+    result->push_back(limit);
+  }
+  return result;
+}
+
+} // namespace
+
 DistributedQp::DistributedQp(const SmallQp& qp, qp::EqualityStructure structure) {
   const auto comm = testComm();
   map = Teuchos::rcp(new Map(static_cast<Tpetra::global_size_t>(qp.size()), 0, comm));
-  if (!qp.discs.empty()) {
-    // As even as whole discs allow.
+  if (!qp.discs.empty() || !qp.follows.empty()) {
+    // As even as whole discs, and what follows, allow.
     const auto begin = [&](int rank) {
       int entry = rank * qp.size() / comm->getSize();
       for (const qp::Disc& disc : qp.discs)
         entry += disc.second == entry ? 1 : 0;
+      for (const qp::FollowingLimit& limit : qp.follows)
+        if (const int last = lastOf(limit, qp); entry > limit.source && entry <= last)
+          entry = last + 1;
       return entry;
     };
     const int rank = comm->getRank();
@@ -285,6 +315,7 @@ DistributedQp::DistributedQp(const SmallQp& qp, qp::EqualityStructure structure)
   if (!qp.upper.empty())
     problem->setUpperBound(toVector(qp.upper, map));
   problem->setDiscs(localDiscs(qp.discs, *map));
+  problem->setFollowingLimits(localLimits(qp, *map));
   if (qp.c.rows > 0) {
     const auto rows = Teuchos::rcp(
         new Map(static_cast<Tpetra::global_size_t>(qp.c.rows), 0, comm, Tpetra::LocallyReplicated));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_FollowingLimits.hpp"
 #include "Harmos_Qp.hpp"
 #include "Harmos_TestModel.hpp"
 
@@ -21,6 +22,8 @@ struct SmallQp {
   Dense c;
   std::vector<double> cRhs;
   std::vector<qp::Disc> discs = {}; ///< of neighbouring entries, which have no bounds
+  /// Limits that follow: of entries or of discs next to their sources; their bounds and radii are of no account.
+  std::vector<qp::FollowingLimit> follows = {};
 
   int size() const { return a.rows; }
   double cost(const std::vector<double>& x) const;

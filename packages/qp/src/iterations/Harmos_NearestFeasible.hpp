@@ -39,6 +39,7 @@ class NearestFeasible {
     if (rows_.isPresent()) {
       residual_ = rows_.makeVector();
       direction_ = rows_.makeVector();
+      values_ = Teuchos::rcpFromRef(rows_.values());
     }
   }
 
@@ -49,28 +50,53 @@ class NearestFeasible {
     noise_ = touching * norm<Scalar>(z);
     MVT::Assign(z, *v_);
     height_ = 0.0;
-    Outcome outcome = Outcome::None;
-    LocalActiveSet next = set;
-    for (int k = 0; k < mostSets; ++k) {
-      const bool isMet = k == 0 ? begin(next) : descend(next);
-      if (isMet) {
-        outcome = Outcome::Unsettled;
-        set = next;
-      }
-      if (updateSet(next) == 0 && isMet) {
-        outcome = Outcome::Found;
-        break;
-      }
+    return settle(mostSets, false, set, active);
+  }
+
+  /// The same from no set, where find() crawls: where all forces of a body are at their bounds, C_FC_Fᵀ knows
+  /// nothing of its motions, and of many such bodies each changes the entries of one at a time. Bounds are
+  /// smoothed first (Chen, Mangasarian, Comput. Optim. Appl. 5, 1996), C̄DC̄ᵀ regular then, and all bodies move
+  /// at once; the width falls until find()'s steps get on from there.
+  /// @note Collective; a factorisation for each of some ten to thirty steps.
+  Outcome findSmoothly(const MV& z, LocalActiveSet& set, long long& active) {
+    constexpr double reduction = 0.3, widest = 3.0, finest = 1e-7;
+    constexpr int mostSteps = 12, mostSets = 3;
+    if (!rows_.isPresent())
+      return find(z, mostSets, set, active);
+    const Teuchos::RCP<MV> slope = MVT::Clone(z, 1), v = MVT::CloneCopy(z);
+    const double size = norm<Scalar>(z) / std::sqrt(static_cast<double>(MVT::GetGlobalLength(z)));
+    double height = 0.0;
+    for (double width = widest; width > finest; width *= reduction) {
+      if (!smoothe(*v, height, width * size, mostSteps, *slope))
+        return Outcome::None;
+      if (width > 3e-3)
+        continue;
+      noise_ = touching * norm<Scalar>(z);
+      MVT::Assign(*v, *v_);
+      height_ = height;
+      const Outcome outcome = settle(mostSets, true, set, active);
+      if (outcome == Outcome::Found)
+        return outcome;
     }
-    active = count(set);
-    if (outcome == Outcome::Found) {
-      moveToFace(set);
-      BT::project(*x_, feasible_);
-    }
-    return outcome;
+    return Outcome::Unsettled;
   }
 
   const MV& x() const { return *x_; }
+
+  /// Equalities that are a bit off from here on: forces at their bounds do not balance by chance then, and a body
+  /// that they hold alone turns until something else holds it.
+  void unbalance(double size) {
+    const Teuchos::RCP<MV> shifted = rows_.makeVector();
+    BT::setRandom(*shifted);
+    MVT::MvAddMv(size / norm<Scalar>(*shifted), *shifted, 1.0, rows_.values(), *shifted);
+    values_ = shifted;
+  }
+
+  /// Other bounds from here on; to outlive this.
+  void setBounds(const MV* lower, const MV* upper) {
+    feasible_.lower = lower;
+    feasible_.upper = upper;
+  }
 
   /// Adds pairs of v that are outside of their discs to the set that was found. @param stepLength 1/‖A‖, to
   /// make curvatures of. @return how many entries of it are active. @note Collective.
@@ -92,6 +118,64 @@ class NearestFeasible {
  private:
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using BT = BoundTraits<Scalar, MV>;
+
+  // Newton's steps from v on. @param fromV the first set is that of v.
+  Outcome settle(int mostSets, bool fromV, LocalActiveSet& set, long long& active) {
+    Outcome outcome = Outcome::None;
+    LocalActiveSet next = set;
+    if (fromV) {
+      updateSet(next);
+      updateSet(next); // what was at its other bound
+    }
+    for (int k = 0; k < mostSets; ++k) {
+      const bool isMet = k == 0 ? begin(next) : descend(next);
+      if (isMet) {
+        outcome = Outcome::Unsettled;
+        set = next;
+      }
+      if (updateSet(next) == 0 && isMet) {
+        outcome = Outcome::Found;
+        break;
+      }
+    }
+    active = count(set);
+    if (outcome == Outcome::Found) {
+      moveToFace(set);
+      BT::project(*x_, feasible_);
+    }
+    return outcome;
+  }
+
+  // Newton's method for C̄Π_w(v) = c̄, v = z − C̄ᵀν; the residual falls.
+  bool smoothe(MV& v, double& height, double width, int mostSteps, MV& slope) {
+    constexpr double enough = 0.1, least = 1e-3;
+    const Teuchos::RCP<MV> trial = MVT::Clone(v, 1);
+    const auto residualAt = [&](const MV& at, MV& weights) {
+      BT::projectSmoothly(at, feasible_, width, *x_, weights);
+      findResidual();
+      return norm<Scalar>(*residual_);
+    };
+    double residual = residualAt(v, slope);
+    for (int k = 0; k < mostSteps && residual > enough * width; ++k) {
+      const Teuchos::RCP<const FaceGram> gram = rows_.weightedGram(slope);
+      BT::scatter(gram->solve(BT::gather(*residual_)), *direction_);
+      double length = 1.0, next = 0.0;
+      for (; length > least; length *= 0.5) {
+        MVT::Assign(v, *trial);
+        rows_.addTransposed(-length, *direction_, *trial);
+        next = residualAt(*trial, slope);
+        if (next < (1.0 - 0.1 * length) * residual)
+          break;
+      }
+      if (!(next < residual) || length <= least)
+        return false;
+      MVT::Assign(*trial, v);
+      height += length * dot<Scalar>(*values_, *direction_);
+      residual = next;
+    }
+    return residual <= width;
+  }
+
   // What only touches stays as it was, whatever the rounding errors of sums over other numbers of ranks.
   static constexpr double touching = 1e-9;
   static constexpr double rounding = 1e-12;  // of φ
@@ -105,7 +189,7 @@ class NearestFeasible {
 
   void subtractRows(double factor, const MV& nu) {
     rows_.addTransposed(-factor, nu, *v_);
-    height_ += factor * dot<Scalar>(rows_.values(), nu);
+    height_ += factor * dot<Scalar>(*values_, nu);
   }
 
   // From a set that need not be that of Π(v): Newton's step alone, where it leads to the equalities.
@@ -189,14 +273,14 @@ class NearestFeasible {
   bool meetsRows(const LocalActiveSet& active) {
     moveToFace(active);
     findResidual();
-    const double scale = norm<Scalar>(*x_) + norm<Scalar>(rows_.values());
+    const double scale = norm<Scalar>(*x_) + norm<Scalar>(*values_);
     return norm<Scalar>(*residual_) <= std::sqrt(std::numeric_limits<double>::epsilon()) * scale;
   }
 
   // C̄x − c̄.
   void findResidual() {
     rows_.apply(*x_, *residual_);
-    MVT::MvAddMv(1.0, *residual_, -1.0, rows_.values(), *residual_);
+    MVT::MvAddMv(1.0, *residual_, -1.0, *values_, *residual_);
   }
 
   // φ.
@@ -218,6 +302,7 @@ class NearestFeasible {
   const EqualityRows<Scalar, MV, OP>& rows_;
   Teuchos::RCP<MV> x_, v_, work_;
   Teuchos::RCP<MV> residual_, direction_; // of the rows
+  Teuchos::RCP<const MV> values_;         // c̄
   double height_ = 0.0;                   // c̄ᵀν
   double noise_ = 0.0;
 };

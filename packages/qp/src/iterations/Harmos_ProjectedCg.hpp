@@ -40,8 +40,9 @@ class ProjectedCg {
               const CgOptions& options, Counters& counters);
 
   /// Moves the problem's solution onto the face and the equalities, and begins there; a product with A.
-  /// @param active empty for none. @return false if the equalities cannot be met on the face.
-  bool start(const LocalActiveSet& active);
+  /// @param active empty for none. @param leastHold of what forces of the face do to motions, where limits follow.
+  /// @return false if the equalities cannot be met on the face, or motions are held by less.
+  bool start(const LocalActiveSet& active, double leastHold = 0.0);
 
   /// Begins again where it is, with gradients computed anew.
   void restart();
@@ -103,9 +104,10 @@ class ProjectedCg {
   void findSlips();
   void makeFaceGram();
   void findFollowing();
-  bool slipsBalance();
+  double hold();
   void keepMotions(const MV& before);
   void solveRows(const MV& residual, MV& x);
+  void solveRowsThatFollow(const MV& residual, MV& x);
   void letFollow(MV& x) const;
   Outcome coupledStep();
   CoupledDirection<MV> coupledDirection();

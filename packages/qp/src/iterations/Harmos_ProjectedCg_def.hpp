@@ -3,6 +3,7 @@
 
 #include "Harmos_EqualityRows_def.hpp"
 #include "Harmos_ProjectedCg.hpp"
+#include "Harmos_ProjectedCgCoupled_def.hpp"
 #include "Harmos_VectorOps.hpp"
 
 #include <algorithm>
@@ -64,7 +65,7 @@ void ProjectedCg<Scalar, MV, OP>::project(MV& w, MV* removed) {
 }
 
 template<class Scalar, class MV, class OP>
-bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active) {
+bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active, double leastHold) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using BT = BoundTraits<Scalar, MV>;
   MV& x = *problem_.solution();
@@ -83,20 +84,26 @@ bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active) {
   }
   if (rows_.isPresent()) {
     makeFaceGram();
-    if (isCoupled_ && !slipsBalance())
+    const double held = isCoupled_ ? hold() : 1.0;
+    if (held < leastHold)
       return false;
+    isDeficient_ = held == 0.0;
     // x_F ← x_F − C_Fᵀ(C_FC_Fᵀ)⁻(C̄x − c̄), a second time for what rounding left.
     const Teuchos::RCP<MV> correction = MVT::Clone(x, 1);
     double scale = norm<Scalar>(x) + norm<Scalar>(rows_.values()); // a guess may be nothing but what goes
     for (int pass = 0; pass < 2; ++pass) {
       rows_.residual(x, *unused_);
+      if (isCoupled_) {
+        solveRowsThatFollow(*unused_, *correction);
+        MVT::MvAddMv(1.0, x, -1.0, *correction, x);
+        continue;
+      }
       if (!faceGram_.is_null())
         BT::scatter(faceGram_->solve(BT::gather(*unused_)), *unused_);
       MVT::MvInit(*correction, 0.0);
       rows_.addTransposed(-1.0, *unused_, *correction);
       if (hasFace_)
         BT::maskActive(*correction, active_);
-      letFollow(*correction);
       MVT::MvAddMv(1.0, x, 1.0, *correction, x);
     }
     rows_.residual(x, *unused_);
@@ -112,24 +119,6 @@ bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active) {
   if (isDeficient_)
     keepMotions(*before);
   return true;
-}
-
-// Motions on which no force of the face acts are those of before: gradients at what slips tell slips with them.
-template<class Scalar, class MV, class OP>
-void ProjectedCg<Scalar, MV, OP>::keepMotions(const MV& before) {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  const Teuchos::RCP<MV> kept = rows_.makeVector(), part = rows_.makeVector();
-  const Teuchos::RCP<MV> v = MVT::Clone(*w_, 1);
-  MVT::MvAddMv(1.0, before, -1.0, *removed_, *kept);
-  for (int pass = 0; pass < 2; ++pass) { // n ← n − (C̄_FC̄_Fᵀ)⁻C̄_FC̄_Fᵀn
-    MVT::MvInit(*v, 0.0);
-    rows_.addTransposed(1.0, *kept, *v);
-    BoundTraits<Scalar, MV>::maskActive(*v, active_);
-    rows_.apply(*v, *part);
-    BoundTraits<Scalar, MV>::scatter(faceGram_->solve(BoundTraits<Scalar, MV>::gather(*part)), *part);
-    MVT::MvAddMv(1.0, *kept, -1.0, *part, *kept);
-  }
-  MVT::MvAddMv(1.0, *removed_, 1.0, *kept, *removed_);
 }
 
 // Without active entries C_FC_Fᵀ = I.
@@ -151,7 +140,9 @@ void ProjectedCg<Scalar, MV, OP>::findSlips() {
       problem_.hasDiscs() && preconditioner_.isPresent() &&
       BoundTraits<Scalar, MV>::maximum(*problem_.solution(), active_.slipping.empty() ? 0.0 : 1.0) > 0.0;
   softGram_ = Teuchos::null;
-  if (!(isSoftened_ || (problem_.hasFollowingLimits() && preconditioner_.isPresent())) || stiffness_ > 0.0)
+  const bool isAsked = isSoftened_ || ((problem_.hasFollowingLimits() || problem_.isTwoSided()) &&
+                                      preconditioner_.isPresent());
+  if (!isAsked || stiffness_ > 0.0)
     return;
   const MV& b = *problem_.rhs();
   const Teuchos::RCP<MV> y = MVT::Clone(b, 1);
@@ -214,8 +205,7 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
   findSlips();
   if (rows_.isPresent()) {
     makeFaceGram();
-    if (isCoupled_)
-      slipsBalance();
+    isDeficient_ = isCoupled_ && hold() == 0.0;
   }
   if (!isCoupled_)
     following_.clear();
@@ -383,149 +373,6 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
   const double beta = after.preconditionedDotImage / directionDotImage_;
   MVT::MvAddMv(1.0, *z_, -beta, *p_, *p_);
   directions_.conjugate(*p_);
-  return Outcome::Step;
-}
-
-template<class Scalar, class MV, class OP>
-void ProjectedCg<Scalar, MV, OP>::findFollowing() {
-  isCoupled_ = false;
-  if (!problem_.hasFollowingLimits())
-    return;
-  following_ =
-      Kernels::followingEntries(problem_.followingLimits(), problem_.feasibleSet().discs, active_);
-  isCoupled_ =
-      BoundTraits<Scalar, MV>::maximum(*problem_.solution(), following_.empty() ? 0.0 : 1.0) > 0.0;
-  if (isCoupled_ && rows_.isPresent() && rowResidual_.is_null())
-    rowResidual_ = rows_.makeVector();
-}
-
-// x ← Tx.
-template<class Scalar, class MV, class OP>
-void ProjectedCg<Scalar, MV, OP>::letFollow(MV& x) const {
-  if (!isCoupled_)
-    return;
-  const Teuchos::RCP<MV> free = Belos::MultiVecTraits<Scalar, MV>::CloneCopy(x);
-  BoundTraits<Scalar, MV>::addFollowing(following_, *free, x);
-}
-
-// x ← C̄_Fᵀ(C̄_FC̄_Fᵀ)⁻r.
-template<class Scalar, class MV, class OP>
-void ProjectedCg<Scalar, MV, OP>::solveRows(const MV& residual, MV& x) {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
-  MVT::Assign(residual, *rowWork_);
-  if (!faceGram_.is_null())
-    BT::scatter(faceGram_->solve(BT::gather(*rowWork_)), *rowWork_);
-  MVT::MvInit(x, 0.0);
-  rows_.addTransposed(1.0, *rowWork_, x);
-  BT::maskActive(x, active_);
-}
-
-// Bodies of which all slips: no force of the face acts on their motions, and those that are held have to balance.
-// These do not follow, or they would balance no more.
-template<class Scalar, class MV, class OP>
-bool ProjectedCg<Scalar, MV, OP>::slipsBalance() {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
-  if (faceGram_.is_null())
-    return true;
-  MV& x = *problem_.solution();
-  const double epsilon = std::numeric_limits<double>::epsilon();
-  const Teuchos::RCP<MV> left = rows_.makeVector(), v = MVT::Clone(x, 1), g = MVT::Clone(x, 1);
-  // r ← r − C̄C̄_Fᵀ(C̄_FC̄_Fᵀ)⁻r
-  const auto keepUnmet = [&](MV& r) {
-    solveRows(r, *v);
-    rows_.apply(*v, *unused_);
-    MVT::MvAddMv(1.0, r, -1.0, *unused_, r);
-  };
-  BT::setRandom(*left);
-  const double size = norm<Scalar>(*left);
-  for (int pass = 0; pass < 2; ++pass)
-    keepUnmet(*left);
-  isDeficient_ = norm<Scalar>(*left) > std::sqrt(epsilon) * size;
-  if (!isDeficient_)
-    return true;
-  MVT::MvInit(*g, 0.0);
-  rows_.addTransposed(1.0, *left, *g);
-  BT::dropFollowing(*g, std::sqrt(epsilon) * norm<Scalar>(*g), following_);
-  isCoupled_ = BT::maximum(x, following_.empty() ? 0.0 : 1.0) > 0.0;
-
-  rows_.residual(x, *left);
-  keepUnmet(*left);
-  return norm<Scalar>(*left) <= std::sqrt(epsilon) * (norm<Scalar>(x) + norm<Scalar>(rows_.values()));
-}
-
-template<class Scalar, class MV, class OP>
-void ProjectedCg<Scalar, MV, OP>::sumResidual() {
-  const MV* rows = isCoupled_ ? rowResidual_.get() : nullptr;
-  residual2_ = coupled_.product(*w_, rows, *w_, rows);
-}
-
-// What the face would need without T, so that the equalities are met with it; and what that does.
-template<class Scalar, class MV, class OP>
-CoupledDirection<MV> ProjectedCg<Scalar, MV, OP>::coupledDirection() {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
-  CoupledDirection<MV> d;
-  precondition();
-  d.p = MVT::CloneCopy(*z_);
-  letFollow(*d.p);
-  if (rows_.isPresent()) {
-    d.removed = rows_.makeVector();
-    d.rows = rows_.makeVector();
-    const Teuchos::RCP<MV> correction = MVT::Clone(*d.p, 1);
-    constexpr int passes = 3; // what T adds is mended by the next, or counts in the residual
-    for (int pass = 0; pass < passes; ++pass) {
-      rows_.apply(*d.p, *d.rows);
-      MVT::MvAddMv(1.0, *rowResidual_, -1.0, *d.rows, *d.rows);
-      solveRows(*d.rows, *correction);
-      letFollow(*correction);
-      MVT::MvAddMv(1.0, *d.p, 1.0, *correction, *d.p);
-    }
-    rows_.apply(*d.p, *d.rows);
-    MVT::MvInit(*d.removed, 0.0);
-  }
-  d.image = MVT::Clone(*d.p, 1);
-  ++counters_.hessianApplications;
-  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), *d.p, *d.image);
-  curvatureBound_ = std::max(curvatureBound_, norm<Scalar>(*d.image) / norm<Scalar>(*d.p));
-  BT::addCurvature(active_, 1.0, *d.p, false, *d.image);
-  d.onFace = MVT::CloneCopy(*d.image);
-  BT::maskActive(*d.onFace, active_);
-  project(*d.onFace, d.removed.get());
-  return d;
-}
-
-template<class Scalar, class MV, class OP>
-typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::coupledStep() {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  // Images of rounding errors, or that take nothing from the residual.
-  constexpr double nothing = 1e-12;
-  if (coupled_.rowWeight() == 0.0) // nothing was known of A
-    coupled_.setRowWeight(1.0);
-  CoupledDirection<MV> d = coupledDirection();
-  const double before = coupled_.product(*d.onFace, d.rows.get(), *d.onFace, d.rows.get());
-  coupled_.orthogonalise(d);
-  const double norm2 = coupled_.product(*d.onFace, d.rows.get(), *d.onFace, d.rows.get());
-  const double along = coupled_.product(*w_, rowResidual_.get(), *d.onFace, d.rows.get());
-  if (!std::isfinite(norm2) || !std::isfinite(along))
-    return Outcome::Breakdown;
-  if (!(norm2 > nothing * nothing * before) || along * along <= nothing * norm2 * residual2_)
-    return Outcome::Flat;
-  const double length = along / norm2;
-  MV& x = *problem_.solution();
-  MVT::MvAddMv(1.0, x, -length, *d.p, x);
-  MVT::MvAddMv(1.0, *gradient_, -length, *d.image, *gradient_);
-  MVT::MvAddMv(1.0, *w_, -length, *d.onFace, *w_);
-  if (rows_.isPresent()) {
-    MVT::MvAddMv(1.0, *rowResidual_, -length, *d.rows, *rowResidual_);
-    MVT::MvAddMv(1.0, *removed_, -length, *d.removed, *removed_);
-  }
-  coupled_.add(d, norm2);
-  sumResidual();
-  ++counters_.cgSteps;
-  ++staleness_;
-  raiseLevel(dot<Scalar>(x, x));
   return Outcome::Step;
 }
 

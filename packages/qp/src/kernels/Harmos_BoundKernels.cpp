@@ -2,6 +2,7 @@
 #include "Harmos_BoundKernels.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 // The same source compiled for wider registers as well, chosen when the library is loaded: portable, and
@@ -278,6 +279,43 @@ ChangeSums change(std::size_t n, const double* x, const double* xOld, const doub
     sums.gradientNorm2 += gOld[i] * gOld[i];
   }
   return sums;
+}
+
+namespace {
+
+// p(a) = ½(a + √(a² + 4w²)), and its slope, without cancellation.
+Smoothed positivePart(double a, double width) {
+  const double root = std::hypot(a, 2.0 * width);
+  if (a >= 0.0)
+    return {0.5 * (a + root), 0.5 * (1.0 + a / root)};
+  const double x = 2.0 * width * width / (root - a);
+  return {x, x / root};
+}
+
+} // namespace
+
+Smoothed projectSmoothly(double v, double lower, double upper, double width) {
+  constexpr double open = 1e50;
+  if (lower == upper)
+    return {lower, 0.0};
+  const bool hasLower = lower > -open, hasUpper = upper < open;
+  if (!hasLower && !hasUpper)
+    return {v, 1.0};
+  if (!hasUpper) {
+    const Smoothed above = positivePart(v - lower, width);
+    return {lower + above.x, above.slope};
+  }
+  if (!hasLower) {
+    const Smoothed below = positivePart(upper - v, width);
+    return {upper - below.x, below.slope};
+  }
+  const double a = v - lower, b = v - upper, length = upper - lower, four = 4.0 * width * width;
+  const double rootA = std::hypot(a, 2.0 * width), rootB = std::hypot(b, 2.0 * width);
+  const double part = 0.5 * (1.0 + (a + b) / (rootA + rootB));
+  const double sineA = a / rootA, sineB = b / rootB;
+  const double slope = a * b > 0.0 ? 0.5 * four * length * ((a + b) / (rootA * rootA * rootB * rootB)) / (sineA + sineB)
+                                   : 0.5 * (sineA - sineB);
+  return {std::clamp(lower + part * length, lower, upper), slope};
 }
 
 } // namespace Harmos::qp::Kernels

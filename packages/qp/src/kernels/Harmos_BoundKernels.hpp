@@ -38,4 +38,10 @@ void projectedStep(std::size_t n, double* x, double* xOld, const double* p, doub
 
 ChangeSums change(std::size_t n, const double* x, const double* xOld, const double* g, const double* gOld);
 
+/// See BoundTraits::projectSmoothly().
+struct Smoothed {
+  double x, slope;
+};
+Smoothed projectSmoothly(double v, double lower, double upper, double width);
+
 } // namespace Harmos::qp::Kernels

@@ -178,6 +178,14 @@ struct BoundTraits {
   /// x ← Π(x), the projection onto the bounds. Local.
   static void project(MV& x, const FeasibleSet<MV>& feasible);
 
+  /// Π smoothed over a width w (Chen, Mangasarian, Comput. Optim. Appl. 5, 1996): of a bound l what solves
+  /// (x − l)(x − v) = w², of an interval l + p(v − l) − p(v − u), p(a) = ½(a + √(a² + 4w²)), within them. Discs
+  /// stay as they are. @param slope receives dx/dv, in (0, 1]; 0 where l = u. Local.
+  static void projectSmoothly(const MV& v, const FeasibleSet<MV>& feasible, double width, MV& x, MV& slope);
+
+  /// v_i ← w_iv_i. Local.
+  static void multiply(const MV& w, MV& v);
+
   /// v_i ← 0 where the entry is active; slipping pairs keep their part along the tangent. Local.
   static void maskActive(MV& v, const LocalActiveSet& active);
 
@@ -221,25 +229,14 @@ struct BoundTraits {
 
   /// After updateActiveSet(): what it means for limits that follow. An entry that is pushed against its limit
   /// stays there, wherever that has gone; else it is active where x − αg is beyond.
-  /// @param before the set before that update. @param excess receives of each limit by how much x − αg is
-  /// beyond.
+  /// @param before the set before that update.
   static FollowChange updateFollowing(const MV& x, const MV& gradient, const FeasibleSet<MV>& feasible,
                                       const std::vector<FollowingLimit>& limits, double stepLength,
                                       double gradientNoise, const LocalActiveSet& before,
-                                      LocalActiveSet& set, std::vector<double>& excess);
-
-  /// Frees entries and pairs at limits that follow, so that equalities can be met: those of which less is asked
-  /// for, by w = C̄ᵀ(C̄x − c̄), and of these the ones that a motion lets stick first, by least excess/w, and those
-  /// within a factor of it. @return how many entries.
-  static long long freeFollowing(const MV& x, const MV& w, const FeasibleSet<MV>& feasible,
-                                 const std::vector<FollowingLimit>& limits, const std::vector<double>& excess,
-                                 double factor, LocalActiveSet& set);
+                                      LocalActiveSet& set);
 
   /// y ← y + f x_k e at what follows. Local.
   static void addFollowing(const std::vector<FollowingEntry>& following, const MV& x, MV& y);
-
-  /// Leaves out what has more than so much of v along e. Local.
-  static void dropFollowing(const MV& v, double most, std::vector<FollowingEntry>& following);
 
   /// x goes to where it follows; along tangents it stays. Local.
   static void moveToFollowing(const std::vector<FollowingEntry>& following, const MV& lower, MV& x);
@@ -253,6 +250,17 @@ struct BoundTraits {
                              MV& radii);
   static void vectorToLimits(const std::vector<FollowingLimit>& limits, const MV& radii, MV& lower, MV* upper,
                              LocalDiscs* discs);
+
+  /// Entries whose states differ. @param before empty: all do. @param like any vector of their length.
+  static long long changed(const MV& like, const LocalActiveSet& before, const LocalActiveSet& set);
+
+  /// x ← the nearest point with |x_i − c| ≤ f·(x_k − l_k) for all limits that follow, each with a source of its
+  /// own, and within the bounds of the others. Local.
+  static void projectOntoCones(MV& x, const FeasibleSet<MV>& feasible,
+                               const std::vector<FollowingLimit>& limits);
+  /// Infimum of wᵀx over these points; what falls without end counts in openNorm.
+  static BoxInfimum coneInfimum(const MV& w, const FeasibleSet<MV>& feasible,
+                                const std::vector<FollowingLimit>& limits);
 
   static BoxInfimum boxInfimum(const MV& w, const FeasibleSet<MV>& feasible);
 

@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_BoundTraitsTpetra.hpp"
 
-#include "Harmos_BoundKernels.hpp"
 #include "Harmos_DiscKernels.hpp"
-#include "Harmos_Errors.hpp"
-#include "Harmos_Exchange.hpp"
-#include "Harmos_FollowingLimits.hpp"
-
-#include <Tpetra_MultiVector.hpp>
+#include "Harmos_TpetraViews.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,67 +14,6 @@ namespace {
 
 using Traits = BoundTraits<Scalar, MultiVector>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-// The first column on the host. Views keep the data on the host current; the pointers live as long as they.
-class Reader {
- public:
-  explicit Reader(const MultiVector& x) : view_(x.getLocalViewHost(Tpetra::Access::ReadOnly)) {}
-  const double* data() const { return view_.data(); }
-  std::size_t size() const { return view_.extent(0); }
-  double operator[](std::size_t i) const { return view_(i, 0); }
-
- private:
-  decltype(std::declval<const MultiVector&>().getLocalViewHost(Tpetra::Access::ReadOnly)) view_;
-};
-
-class Writer {
- public:
-  explicit Writer(MultiVector& x) : view_(x.getLocalViewHost(Tpetra::Access::ReadWrite)) {}
-  double* data() const { return view_.data(); }
-  std::size_t size() const { return view_.extent(0); }
-  double& operator[](std::size_t i) const { return view_(i, 0); }
-
- private:
-  decltype(std::declval<MultiVector&>().getLocalViewHost(Tpetra::Access::ReadWrite)) view_;
-};
-
-// A bound that may be absent; `instead` only gives it something to view.
-class BoundReader {
- public:
-  BoundReader(const MultiVector* bound, const MultiVector& instead, double absent)
-      : present_(bound != nullptr), reader_(bound != nullptr ? *bound : instead), absent_(absent) {}
-  const double* data() const { return present_ ? reader_.data() : nullptr; }
-  double operator[](std::size_t i) const { return present_ ? reader_[i] : absent_; }
-
- private:
-  bool present_;
-  Reader reader_;
-  double absent_;
-};
-
-using Set = FeasibleSet<MultiVector>;
-
-class BoxReader {
- public:
-  BoxReader(const Set& set, const MultiVector& instead)
-      : l(set.lower, instead, -infinity), u(set.upper, instead, infinity) {}
-  // From an entry on.
-  Kernels::Bounds at(std::size_t begin) const {
-    return {l.data() == nullptr ? nullptr : l.data() + begin,
-            u.data() == nullptr ? nullptr : u.data() + begin};
-  }
-  BoundReader l, u;
-};
-
-// The entries in no disc, in ranges: pass(begin, length).
-template<class Pass>
-void overOthers(const Set& set, std::size_t n, Pass&& pass) {
-  if (!set.hasDiscs())
-    return pass(std::size_t{0}, n);
-  HARMOS_REQUIRE(set.discs->length() == n, "discs are those of another vector");
-  for (const auto& [begin, end] : set.discs->others())
-    pass(begin, end - begin);
-}
 
 const std::vector<Disc>& discsOf(const Set& set) {
   static const std::vector<Disc> none;
@@ -94,15 +28,6 @@ void add(const SplitSums& part, SplitSums& sums) {
   sums.active += part.active;
   sums.changed += part.changed;
   sums.longestStep = std::min(sums.longestStep, part.longestStep);
-}
-
-// Replicated vectors have all entries on every rank: nothing is to be summed.
-void reduce(const MultiVector& x, double* sums, int count) {
-  if (!x.isDistributed())
-    return;
-  std::vector<double> values(sums, sums + count);
-  globalSum(*x.getMap()->getComm(), values);
-  std::copy(values.begin(), values.end(), sums);
 }
 
 void reduce(const MultiVector& x, double* sums, int count, double& least) {
@@ -443,116 +368,6 @@ ActiveSetChange Traits::updateActiveSet(const MultiVector& x, const MultiVector&
   return {
       static_cast<long long>(sums[0]), static_cast<long long>(sums[1]), sums[2], sums[3], {sums[4], sums[5]},
       static_cast<long long>(sums[6])};
-}
-
-void Traits::follow(const MultiVector& x, const MultiVector* gradient, const FollowUpdate& how,
-                    const FollowingLimits& limits, MultiVector& lower, MultiVector* upper,
-                    LocalDiscs* discs) {
-  const Reader xs(x), gs(gradient != nullptr ? *gradient : x);
-  const Writer ls(lower), us(upper != nullptr ? *upper : lower);
-  Kernels::follow(limits, xs.data(), gradient != nullptr ? gs.data() : nullptr, how, ls.data(), us.data(),
-                  discs);
-}
-
-FollowChange Traits::updateFollowing(const MultiVector& x, const MultiVector& gradient, const Set& feasible,
-                                     const FollowingLimits& limits, double stepLength, double gradientNoise,
-                                     const LocalActiveSet& before, LocalActiveSet& set,
-                                     std::vector<double>& excess) {
-  double sums[3] = {0, 0, 0};
-  {
-    const Reader xs(x), gs(gradient);
-    const BoxReader box(feasible, x);
-    const FollowChange change =
-        Kernels::update(limits, xs.data(), gs.data(), box.l.data(), box.u.data(), feasible.discs, stepLength,
-                        gradientNoise, before, set, excess);
-    sums[0] = static_cast<double>(change.changed);
-    sums[1] = static_cast<double>(change.active);
-    sums[2] = change.distance2;
-  }
-  reduce(x, sums, 3);
-  return {static_cast<long long>(sums[0]), static_cast<long long>(sums[1]), sums[2]};
-}
-
-long long Traits::freeFollowing(const MultiVector& x, const MultiVector& w, const Set& feasible,
-                                const FollowingLimits& limits, const std::vector<double>& excess,
-                                double factor, LocalActiveSet& set) {
-  constexpr double rounding = 1e-8;
-  std::vector<double> largest(1);
-  w.normInf(Teuchos::arrayViewFromVector(largest));
-  double freed = 0.0;
-  {
-    const Reader xs(x), ws(w);
-    const BoxReader box(feasible, x);
-    const Kernels::Imbalance imbalance{ws.data(), rounding * largest[0]};
-    const double ratio = least(x, Kernels::leastRatio(limits, feasible.discs, excess, imbalance, box.l.data(),
-                                                      box.u.data(), xs.data(), set));
-    freed = static_cast<double>(Kernels::freeUpTo(limits, feasible.discs, excess, imbalance, factor * ratio,
-                                                  box.l.data(), box.u.data(), xs.data(), set));
-  }
-  reduce(w, &freed, 1);
-  return static_cast<long long>(freed);
-}
-
-void Traits::addFollowing(const std::vector<FollowingEntry>& following, const MultiVector& x,
-                          MultiVector& y) {
-  const Reader xs(x);
-  const Writer ys(y);
-  for (const FollowingEntry& entry : following) {
-    const double moved = entry.factor * xs[static_cast<std::size_t>(entry.source)];
-    ys[static_cast<std::size_t>(entry.first)] += moved * entry.along[0];
-    if (entry.second >= 0)
-      ys[static_cast<std::size_t>(entry.second)] += moved * entry.along[1];
-  }
-}
-
-void Traits::dropFollowing(const MultiVector& v, double most, std::vector<FollowingEntry>& following) {
-  const Reader vs(v);
-  const auto isLarge = [&](const FollowingEntry& entry) {
-    const double along =
-        vs[static_cast<std::size_t>(entry.first)] * entry.along[0] +
-        (entry.second < 0 ? 0.0 : vs[static_cast<std::size_t>(entry.second)] * entry.along[1]);
-    return std::abs(along) > most;
-  };
-  following.erase(std::remove_if(following.begin(), following.end(), isLarge), following.end());
-}
-
-void Traits::moveToFollowing(const std::vector<FollowingEntry>& following, const MultiVector& lower,
-                             MultiVector& x) {
-  const Reader ls(lower);
-  const Writer xs(x);
-  for (const FollowingEntry& entry : following) {
-    const auto source = static_cast<std::size_t>(entry.source), first = static_cast<std::size_t>(entry.first);
-    const double radius = entry.factor * std::max(0.0, xs[source] - ls[source]);
-    if (entry.second < 0) {
-      xs[first] = entry.centre[0] + radius * entry.along[0];
-      continue;
-    }
-    const auto second = static_cast<std::size_t>(entry.second);
-    const double tangent = -entry.along[1] * (xs[first] - entry.centre[0]) +
-                           entry.along[0] * (xs[second] - entry.centre[1]);
-    xs[first] = entry.centre[0] + radius * entry.along[0] - tangent * entry.along[1];
-    xs[second] = entry.centre[1] + radius * entry.along[1] + tangent * entry.along[0];
-  }
-}
-
-void Traits::moveToLimits(MultiVector& x, const Set& feasible, const FollowingLimits& limits,
-                          const LocalActiveSet& active) {
-  const BoxReader box(feasible, x);
-  Kernels::moveToLimits(limits, box.l.data(), box.u.data(), feasible.discs, active, Writer(x).data());
-}
-
-void Traits::limitsToVector(const FollowingLimits& limits, const Set& feasible, MultiVector& radii) {
-  radii.putScalar(0.0);
-  const Writer rs(radii);
-  const BoxReader box(feasible, radii);
-  Kernels::limitsToArray(limits, box.u.data(), feasible.discs, rs.data());
-}
-
-void Traits::vectorToLimits(const FollowingLimits& limits, const MultiVector& radii, MultiVector& lower,
-                            MultiVector* upper, LocalDiscs* discs) {
-  const Reader rs(radii);
-  const Writer ls(lower), us(upper != nullptr ? *upper : lower);
-  Kernels::arrayToLimits(limits, rs.data(), ls.data(), us.data(), discs);
 }
 
 BoxInfimum Traits::boxInfimum(const MultiVector& w, const FeasibleSet<MultiVector>& feasible) {

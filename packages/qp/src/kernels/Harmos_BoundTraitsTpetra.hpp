@@ -31,6 +31,9 @@ struct BoundTraits<Scalar, MultiVector> {
   static double projectedGradientNorm(const MultiVector& x, const MultiVector& gradient,
                                       const FeasibleSet<MultiVector>& feasible);
   static void project(MultiVector& x, const FeasibleSet<MultiVector>& feasible);
+  static void projectSmoothly(const MultiVector& v, const FeasibleSet<MultiVector>& feasible, double width,
+                              MultiVector& x, MultiVector& slope);
+  static void multiply(const MultiVector& w, MultiVector& v);
   static void maskActive(MultiVector& v, const LocalActiveSet& active);
   static void activeToVector(const LocalActiveSet& active, MultiVector& v);
   static void vectorToActive(const MultiVector& v, LocalActiveSet& active);
@@ -55,14 +58,9 @@ struct BoundTraits<Scalar, MultiVector> {
                                       const FeasibleSet<MultiVector>& feasible,
                                       const std::vector<FollowingLimit>& limits, double stepLength,
                                       double gradientNoise, const LocalActiveSet& before,
-                                      LocalActiveSet& set, std::vector<double>& excess);
-  static long long freeFollowing(const MultiVector& x, const MultiVector& w,
-                                 const FeasibleSet<MultiVector>& feasible,
-                                 const std::vector<FollowingLimit>& limits, const std::vector<double>& excess,
-                                 double factor, LocalActiveSet& set);
+                                      LocalActiveSet& set);
   static void addFollowing(const std::vector<FollowingEntry>& following, const MultiVector& x,
                            MultiVector& y);
-  static void dropFollowing(const MultiVector& v, double most, std::vector<FollowingEntry>& following);
   static void moveToFollowing(const std::vector<FollowingEntry>& following, const MultiVector& lower,
                               MultiVector& x);
   static void moveToLimits(MultiVector& x, const FeasibleSet<MultiVector>& feasible,
@@ -71,6 +69,11 @@ struct BoundTraits<Scalar, MultiVector> {
                              const FeasibleSet<MultiVector>& feasible, MultiVector& radii);
   static void vectorToLimits(const std::vector<FollowingLimit>& limits, const MultiVector& radii,
                              MultiVector& lower, MultiVector* upper, LocalDiscs* discs);
+  static long long changed(const MultiVector& like, const LocalActiveSet& before, const LocalActiveSet& set);
+  static void projectOntoCones(MultiVector& x, const FeasibleSet<MultiVector>& feasible,
+                               const std::vector<FollowingLimit>& limits);
+  static BoxInfimum coneInfimum(const MultiVector& w, const FeasibleSet<MultiVector>& feasible,
+                                const std::vector<FollowingLimit>& limits);
   static BoxInfimum boxInfimum(const MultiVector& w, const FeasibleSet<MultiVector>& feasible);
   static double projectOntoRecessionCone(MultiVector& d, const FeasibleSet<MultiVector>& feasible);
   static bool isFit(const MultiVector& like, const LocalDiscs& discs);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <unordered_map>
 
 namespace Harmos::qp::Kernels {
@@ -40,9 +39,8 @@ void follow(const FollowingLimits& limits, const double* x, const double* g, con
 
 FollowChange update(const FollowingLimits& limits, const double* x, const double* g, const double* lower,
                     const double* upper, const LocalDiscs* discs, double stepLength, double gradientNoise,
-                    const LocalActiveSet& before, LocalActiveSet& set, std::vector<double>& excess) {
+                    const LocalActiveSet& before, LocalActiveSet& set) {
   FollowChange result;
-  excess.clear();
   for (const FollowingLimit& limit : limits) {
     double distance = 0.0;
     if (limit.isDisc) {
@@ -50,9 +48,6 @@ FollowChange update(const FollowingLimits& limits, const double* x, const double
       if (set[static_cast<std::size_t>(disc.first)] == LocalActiveSet::slips)
         distance = std::max(0.0, disc.radius - std::hypot(x[disc.first] - disc.centre[0],
                                                           x[disc.second] - disc.centre[1]));
-      excess.push_back(std::hypot(x[disc.first] - stepLength * g[disc.first] - disc.centre[0],
-                                  x[disc.second] - stepLength * g[disc.second] - disc.centre[1]) -
-                       disc.radius);
     } else {
       const int i = limit.place;
       const auto place = static_cast<std::size_t>(i);
@@ -63,77 +58,17 @@ FollowChange update(const FollowingLimits& limits, const double* x, const double
       if (was != 0 && -was * g[i] > gradientNoise)
         state = was;
       else if (l == u)
-        state = z < l ? -1 : 1;
+        state = was != 0 ? was : z < l ? -1 : 1;
       else
         state = z < l - noise ? -1 : z > u + noise ? 1 : 0;
       set[place] = state;
       result.changed += (state != was) - (by != was);
       result.active += (state != 0) - (by != 0);
       distance = state < 0 ? x[i] - l : state > 0 ? u - x[i] : 0.0;
-      excess.push_back(std::max(l - z, z - u));
     }
     result.distance2 += distance * distance;
   }
   return result;
-}
-
-namespace {
-
-// Excess by what less of it does for −w: infinite where more is asked for, NaN where it takes no part.
-double ratio(const FollowingLimit& limit, const LocalDiscs* discs, double excess, const Imbalance& w,
-             const double* lower, const double* upper, const double* x, const LocalActiveSet& set) {
-  double inwards = 0.0, radius = 0.0, size = 0.0;
-  if (limit.isDisc) {
-    const Disc& disc = discs->discs()[static_cast<std::size_t>(limit.place)];
-    const double arm[] = {x[disc.first] - disc.centre[0], x[disc.second] - disc.centre[1]};
-    const double length = std::hypot(arm[0], arm[1]);
-    radius = disc.radius;
-    size = set[static_cast<std::size_t>(disc.first)] == 0
-               ? 0.0
-               : std::hypot(w.entries[disc.first], w.entries[disc.second]);
-    if (set[static_cast<std::size_t>(disc.first)] == LocalActiveSet::slips && length > 0.0)
-      inwards = (w.entries[disc.first] * arm[0] + w.entries[disc.second] * arm[1]) / length;
-  } else {
-    inwards = set[static_cast<std::size_t>(limit.place)] * w.entries[limit.place];
-    size = std::abs(inwards);
-    radius = 0.5 * (upper[limit.place] - lower[limit.place]);
-  }
-  if (!(size > w.noise))
-    return std::numeric_limits<double>::quiet_NaN();
-  return inwards > w.noise && radius > 0.0 ? std::max(0.0, excess) / inwards
-                                           : std::numeric_limits<double>::infinity();
-}
-
-} // namespace
-
-double leastRatio(const FollowingLimits& limits, const LocalDiscs* discs, const std::vector<double>& excess,
-                  const Imbalance& w, const double* lower, const double* upper, const double* x,
-                  const LocalActiveSet& set) {
-  double result = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < limits.size(); ++k)
-    if (const double mine = ratio(limits[k], discs, excess[k], w, lower, upper, x, set); mine < result)
-      result = mine;
-  return result;
-}
-
-long long freeUpTo(const FollowingLimits& limits, const LocalDiscs* discs, const std::vector<double>& excess,
-                   const Imbalance& w, double most, const double* lower, const double* upper, const double* x,
-                   LocalActiveSet& set) {
-  long long freed = 0;
-  for (std::size_t k = 0; k < limits.size(); ++k) {
-    if (!(ratio(limits[k], discs, excess[k], w, lower, upper, x, set) <= most))
-      continue;
-    freed += limits[k].isDisc ? 2 : 1;
-    if (!limits[k].isDisc) {
-      set[static_cast<std::size_t>(limits[k].place)] = 0;
-      continue;
-    }
-    const Disc& disc = discs->discs()[static_cast<std::size_t>(limits[k].place)];
-    set[static_cast<std::size_t>(disc.first)] = set[static_cast<std::size_t>(disc.second)] = 0;
-  }
-  const auto sticks = [&](const Slip& slip) { return set[static_cast<std::size_t>(slip.first)] == 0; };
-  set.slipping.erase(std::remove_if(set.slipping.begin(), set.slipping.end(), sticks), set.slipping.end());
-  return freed;
 }
 
 std::vector<FollowingEntry> followingEntries(const FollowingLimits& limits, const LocalDiscs* discs,
@@ -163,6 +98,29 @@ std::vector<FollowingEntry> followingEntries(const FollowingLimits& limits, cons
   return result;
 }
 
+void addFollowing(const std::vector<FollowingEntry>& following, const double* x, double* y) {
+  for (const FollowingEntry& entry : following) {
+    const double moved = entry.factor * x[entry.source];
+    y[entry.first] += moved * entry.along[0];
+    if (entry.second >= 0)
+      y[entry.second] += moved * entry.along[1];
+  }
+}
+
+void moveToFollowing(const std::vector<FollowingEntry>& following, const double* lower, double* x) {
+  for (const FollowingEntry& entry : following) {
+    const double radius = entry.factor * std::max(0.0, x[entry.source] - lower[entry.source]);
+    if (entry.second < 0) {
+      x[entry.first] = entry.centre[0] + radius * entry.along[0];
+      continue;
+    }
+    const double tangent = -entry.along[1] * (x[entry.first] - entry.centre[0]) +
+                           entry.along[0] * (x[entry.second] - entry.centre[1]);
+    x[entry.first] = entry.centre[0] + radius * entry.along[0] - tangent * entry.along[1];
+    x[entry.second] = entry.centre[1] + radius * entry.along[1] + tangent * entry.along[0];
+  }
+}
+
 void moveToLimits(const FollowingLimits& limits, const double* lower, const double* upper,
                   const LocalDiscs* discs, const LocalActiveSet& active, double* x) {
   for (const FollowingLimit& limit : limits) {
@@ -181,6 +139,71 @@ void moveToLimits(const FollowingLimits& limits, const double* lower, const doub
       continue;
     x[disc.first] = disc.centre[0] + disc.radius / length * arm[0];
     x[disc.second] = disc.centre[1] + disc.radius / length * arm[1];
+  }
+}
+
+namespace {
+
+// First, second entry (−1 for intervals), centre.
+struct Followers {
+  int first, second;
+  double centre[2];
+};
+
+Followers followersOf(const FollowingLimit& limit, const LocalDiscs* discs) {
+  if (!limit.isDisc)
+    return {limit.place, -1, {limit.centre, 0.0}};
+  const Disc& disc = discs->discs()[static_cast<std::size_t>(limit.place)];
+  return {disc.first, disc.second, {disc.centre[0], disc.centre[1]}};
+}
+
+} // namespace
+
+Cones conesOf(const FollowingLimits& limits, const double* x, const LocalDiscs* discs) {
+  Cones result;
+  for (const FollowingLimit& limit : limits) {
+    const Followers entries = followersOf(limit, discs);
+    result.push_back({x[limit.source], {x[entries.first], entries.second < 0 ? 0.0 : x[entries.second]}});
+  }
+  return result;
+}
+
+// Of (n, t) with |t| > fn: n' = (n + f|t|)/(1 + f²), t' = fn't/|t|; the apex where that is below zero.
+void projectOntoCones(const Cones& points, const FollowingLimits& limits, const double* lower,
+                      const LocalDiscs* discs, double* x) {
+  for (std::size_t k = 0; k < limits.size(); ++k) {
+    const FollowingLimit& limit = limits[k];
+    const Followers entries = followersOf(limit, discs);
+    const double bound = lower[limit.source], f = limit.factor, n = points[k].source - bound;
+    double arm[] = {points[k].arm[0] - entries.centre[0],
+                    entries.second < 0 ? 0.0 : points[k].arm[1] - entries.centre[1]};
+    const double length = std::hypot(arm[0], arm[1]);
+    double height = n;
+    if (length > f * n) {
+      height = std::max(0.0, (n + f * length) / (1.0 + f * f));
+      for (double& part : arm)
+        part *= f * height / length;
+    }
+    x[limit.source] = bound + height;
+    x[entries.first] = entries.centre[0] + arm[0];
+    if (entries.second >= 0)
+      x[entries.second] = entries.centre[1] + arm[1];
+  }
+}
+
+void takeConeInfimum(const FollowingLimits& limits, const double* lower, const LocalDiscs* discs, double* w,
+                     double* sums) {
+  for (const FollowingLimit& limit : limits) {
+    const Followers entries = followersOf(limit, discs);
+    const double arm[] = {w[entries.first], entries.second < 0 ? 0.0 : w[entries.second]};
+    const double open = std::max(0.0, limit.factor * std::hypot(arm[0], arm[1]) - w[limit.source]);
+    const double corner[] = {lower[limit.source], entries.centre[0], entries.centre[1]};
+    sums[0] += w[limit.source] * corner[0] + arm[0] * corner[1] + arm[1] * corner[2];
+    sums[1] += open * open;
+    sums[2] += corner[0] * corner[0] + corner[1] * corner[1] + corner[2] * corner[2];
+    w[limit.source] = w[entries.first] = 0.0;
+    if (entries.second >= 0)
+      w[entries.second] = 0.0;
   }
 }
 

@@ -45,29 +45,35 @@ void follow(const FollowingLimits& limits, const double* x, const double* g, con
 /// See BoundTraits::updateFollowing(); local sums.
 FollowChange update(const FollowingLimits& limits, const double* x, const double* g, const double* lower,
                     const double* upper, const LocalDiscs* discs, double stepLength, double gradientNoise,
-                    const LocalActiveSet& before, LocalActiveSet& set, std::vector<double>& excess);
-
-/// What is left of equalities, by entries: C̄ᵀ(C̄x − c̄).
-struct Imbalance {
-  const double* entries;
-  double noise; ///< entries no larger are rounding errors
-};
-
-/// See BoundTraits::freeFollowing().
-double leastRatio(const FollowingLimits& limits, const LocalDiscs* discs, const std::vector<double>& excess,
-                  const Imbalance& w, const double* lower, const double* upper, const double* x,
-                  const LocalActiveSet& set);
-long long freeUpTo(const FollowingLimits& limits, const LocalDiscs* discs, const std::vector<double>& excess,
-                   const Imbalance& w, double most, const double* lower, const double* upper, const double* x,
-                   LocalActiveSet& set);
+                    const LocalActiveSet& before, LocalActiveSet& set);
 
 /// On the face of an active set.
 std::vector<FollowingEntry> followingEntries(const FollowingLimits& limits, const LocalDiscs* discs,
                                              const LocalActiveSet& active);
 
+/// See BoundTraits.
+void addFollowing(const std::vector<FollowingEntry>& following, const double* x, double* y);
+void moveToFollowing(const std::vector<FollowingEntry>& following, const double* lower, double* x);
+
 /// Active entries, and slipping pairs along their radii.
 void moveToLimits(const FollowingLimits& limits, const double* lower, const double* upper,
                   const LocalDiscs* discs, const LocalActiveSet& active, double* x);
+
+/// What belongs to each limit: x_k and (x_i, x_j), the last zero for intervals.
+struct Cone {
+  double source, arm[2];
+};
+using Cones = std::vector<Cone>;
+Cones conesOf(const FollowingLimits& limits, const double* x, const LocalDiscs* discs);
+
+/// See BoundTraits. @param points as they were before other bounds had their say.
+void projectOntoCones(const Cones& points, const FollowingLimits& limits, const double* lower,
+                      const LocalDiscs* discs, double* x);
+
+/// Takes the entries of limits from w. @param sums receives the infimum, the square of what falls without end,
+/// and that of the corners' distances.
+void takeConeInfimum(const FollowingLimits& limits, const double* lower, const LocalDiscs* discs, double* w,
+                     double* sums);
 
 /// The radii, at the first entry that each is of; and back.
 void limitsToArray(const FollowingLimits& limits, const double* upper, const LocalDiscs* discs, double* radii);

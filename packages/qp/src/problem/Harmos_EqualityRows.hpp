@@ -7,6 +7,7 @@
 
 #include <Teuchos_RCP.hpp>
 
+#include <functional>
 #include <vector>
 
 namespace Harmos::qp {
@@ -64,11 +65,14 @@ class EqualityRows {
   /// C̄M_FC̄ᵀ factored, M_F the mask of the free entries; needs orthonormal rows. @note Collective.
   /// @param q see FaceGramMaker::buildWithSlips().
   Teuchos::RCP<const FaceGram> faceGram(const LocalActiveSet& active, double q = 0.0) const;
+  /// The same for weights in [0, 1] in the place of the mask. @note Collective.
+  Teuchos::RCP<const FaceGram> weightedGram(const MV& weights) const;
 
  private:
   void checkOrthonormality();
   bool isDependence(const std::vector<double>& y) const;
-  std::vector<double> gramOf(const LocalActiveSet* active, double q = 0.0) const;
+  std::vector<double> gramOf(const std::function<void(MV&)>& weigh) const;
+  Teuchos::RCP<const FaceGram> denseGram(std::vector<double> gram) const;
   std::vector<double> orthonormalised(std::vector<double> scaled) const;
   std::vector<double> transform(const std::vector<double>& r) const;
   std::vector<double> transformTransposed(const std::vector<double>& w) const;

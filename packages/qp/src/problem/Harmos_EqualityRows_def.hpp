@@ -65,7 +65,7 @@ EqualityRows<Scalar, MV, OP>::EqualityRows(const Problem<Scalar, MV, OP>& proble
 
 // CCᵀ, or C̄M_FC̄ᵀ as far as T is there, a column a product.
 template<class Scalar, class MV, class OP>
-std::vector<double> EqualityRows<Scalar, MV, OP>::gramOf(const LocalActiveSet* active, double q) const {
+std::vector<double> EqualityRows<Scalar, MV, OP>::gramOf(const std::function<void(MV&)>& weigh) const {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using BT = BoundTraits<Scalar, MV>;
   const auto rows = static_cast<std::size_t>(MVT::GetGlobalLength(*values_));
@@ -79,13 +79,8 @@ std::vector<double> EqualityRows<Scalar, MV, OP>::gramOf(const LocalActiveSet* a
     e[k] = 0.0;
     MVT::MvInit(*image, 0.0);
     addTransposed(1.0, *unit, *image);
-    if (active != nullptr)
-      BT::maskActive(*image, *active);
-    if (q > 0.0) {
-      const Teuchos::RCP<MV> whole = MVT::CloneCopy(*image);
-      BT::addAtSlips(
-          *active, [q](double curvature) { return -curvature / (q + curvature); }, *whole, *image);
-    }
+    if (weigh)
+      weigh(*image);
     apply(*image, *column);
     const std::vector<double> entries = BT::gather(*column);
     gram.insert(gram.end(), entries.begin(), entries.end());
@@ -115,10 +110,30 @@ Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::faceGram(const LocalA
     if (!gram.is_null())
       return gram;
   }
-  const auto rows = static_cast<int>(MVT::GetGlobalLength(*values_));
-  // The rows are orthonormal before they are restricted: pivots are relative to 1.
+  const auto weigh = [&](MV& v) {
+    BoundTraits<Scalar, MV>::maskActive(v, active);
+    if (q > 0.0) {
+      const Teuchos::RCP<MV> whole = MVT::CloneCopy(v);
+      BoundTraits<Scalar, MV>::addAtSlips(
+          active, [q](double curvature) { return -curvature / (q + curvature); }, *whole, v);
+    }
+  };
+  return denseGram(gramOf(weigh));
+}
+
+template<class Scalar, class MV, class OP>
+Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::weightedGram(const MV& weights) const {
+  if (factors_.empty() && !problem_.faceGram().is_null())
+    return problem_.faceGram()->build(weights);
+  return denseGram(gramOf([&](MV& v) { BoundTraits<Scalar, MV>::multiply(weights, v); }));
+}
+
+// The rows are orthonormal before they are restricted: pivots are relative to 1.
+template<class Scalar, class MV, class OP>
+Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::denseGram(std::vector<double> gram) const {
+  const auto rows = static_cast<int>(Belos::MultiVecTraits<Scalar, MV>::GetGlobalLength(*values_));
   return Teuchos::rcp(new DenseFaceGram(
-      PivotedCholesky(gramOf(&active, q), rows, 1e2 * std::numeric_limits<double>::epsilon())));
+      PivotedCholesky(std::move(gram), rows, 1e2 * std::numeric_limits<double>::epsilon())));
 }
 
 template<class Scalar, class MV, class OP>

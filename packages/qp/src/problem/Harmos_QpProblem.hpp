@@ -104,6 +104,7 @@ class Problem {
   /// To be used while this lives and is not changed.
   FeasibleSet<MV> feasibleSet() const { return {lower_.get(), upper_.get(), discs_.get()}; }
   bool hasDiscs() const { return discs_ != nullptr; }
+  bool isTwoSided() const { return !lower_.is_null() && !upper_.is_null(); }
   /// The problem with limits as they are, and as they will be when this one lets them follow; to be solved while
   /// this lives.
   Teuchos::RCP<Problem> frozen() const {

@@ -12,7 +12,8 @@ namespace Harmos::qp {
 ///
 /// until the answer is one to the limits that belong to it. Where the map does not contract, s is less than one
 /// (Aitken's rule for vectors: Irons, Tuck, Int. J. Numer. Meth. Engng. 1, 1969); where a program has no
-/// feasible point, the step before it is halved.
+/// feasible point, the step before it is halved, or forces that hold make the limits, see ConeProbe: it also tells
+/// where there are none.
 ///
 /// For solvers whose letsLimitsFollow() is false, and where PDAS hands over. Guarded by
 /// tests/unit/qp/test_following_limits.cpp.
@@ -38,7 +39,7 @@ class FixedPointSolver : public SolverManager<Scalar, MV, OP> {
 
   void begin();
   void solveFrozen();
-  bool retreats();
+  bool findsLimits();
   bool isAnswer();
   void relax();
   IterationState<MV> measure();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ConeProbe.hpp"
 #include "Harmos_FixedPointSolver.hpp"
 
 #include <algorithm>
@@ -26,8 +27,11 @@ void FixedPointSolver<Scalar, MV, OP>::doSolve() {
   begin();
   while (true) {
     solveFrozen();
-    if (this->result_.reason == Reason::Infeasible && retreats())
+    if (this->result_.reason == Reason::Infeasible) {
+      if (!findsLimits())
+        return;
       continue;
+    }
     if (this->result_.reason != Reason::Converged || isAnswer())
       return;
     if (++updates_ > mostUpdates)
@@ -80,15 +84,32 @@ void FixedPointSolver<Scalar, MV, OP>::solveFrozen() {
   this->acceptance_ = acceptance;
 }
 
-// Towards the limits of the last program that had a solution.
+// That these limits cannot hold says nothing of others: towards those of the last program that had a solution, or to
+// those of forces that hold; if there are none, that is proven.
 template<class Scalar, class MV, class OP>
-bool FixedPointSolver<Scalar, MV, OP>::retreats() {
-  constexpr int mostRetreats = 10;
-  if (updates_ == 0 || ++retreats_ > mostRetreats)
+bool FixedPointSolver<Scalar, MV, OP>::findsLimits() {
+  constexpr int mostRetreats = 10, mostSteps = 5000;
+  if (++retreats_ > mostRetreats) {
+    this->stop(Reason::Stagnation, Explanations::limitsDoNotSettle(updates_));
     return false;
-  share_ *= 0.5;
-  MVT::MvAddMv(1.0, *radii_, -share_, *lastStep_, *radii_);
-  this->problem_->setLimits(*radii_);
+  }
+  if (updates_ > 0 && retreats_ % 2 == 1) {
+    share_ *= 0.5;
+    MVT::MvAddMv(1.0, *radii_, -share_, *lastStep_, *radii_);
+    this->problem_->setLimits(*radii_);
+    return true;
+  }
+  ConeProbe<Scalar, MV, OP> probe(*this->problem_, *rows_);
+  const Teuchos::RCP<MV> y = rows_->makeVector();
+  Certificate certificate;
+  if (probe.run(mostSteps, *y, certificate) == ConeProbe<Scalar, MV, OP>::Verdict::Infeasible) {
+    this->stopInfeasible(y, certificate);
+    return false;
+  }
+  MVT::Assign(probe.x(), *this->problem_->solution());
+  this->problem_->follow();
+  this->problem_->limits(*radii_);
+  MVT::MvInit(*lastStep_, 0.0);
   return true;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_BalancedActiveSet.hpp"
 #include "Harmos_DescentOfSets.hpp"
 #include "Harmos_FirstActiveSet.hpp"
 #include "Harmos_ProjectedCg.hpp"
@@ -101,7 +102,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   // The steps, in their order. Where one of them returns false, the solver has stopped or handed over.
   void begin();
   bool enterFace();
-  bool startsFreed();
+  bool startsOnFace();
   void aim();
   bool descend();
   bool isFarEnough() const;
@@ -137,7 +138,6 @@ class PdasSolver<Scalar, MV, OP>::Run {
 
   static constexpr double carefulReduction = 0.05; // below, faces are followed no further
   double innerReduction_;
-  std::vector<double> excess_; // of what is beyond them
   double disproved_ = std::numeric_limits<double>::infinity(); // ‖g^P‖ that was expected, and was not
   int patience_, mostSets_, mostKept_;
   FirstSet firstSet_;
@@ -153,6 +153,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   long long active_ = 0;
   Progress progress_;
   DescentOfSets<Scalar, MV, OP> descent_;
+  BalancedActiveSet<Scalar, MV, OP> next_;
   // The projected iterate with the least bound on ‖g^P‖, or the first one, and the multiplier with it.
   Teuchos::RCP<MV> best_, bestMultiplier_;
   bool hasBest_ = false;
@@ -160,6 +161,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   bool isCold_ = false;  // nothing is known of the solution
   bool settled_ = false; // the last look changed nothing
   bool isMoved_ = false; // x, since then
+  bool balances_ = false; // all sets, where limits follow
   bool newFace_ = true, started_ = false;
   // On a face.
   double target_ = 0.0;

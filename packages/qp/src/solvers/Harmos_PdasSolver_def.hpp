@@ -104,6 +104,7 @@ PdasSolver<Scalar, MV, OP>::Run::Run(PdasSolver& solver, EqualityRows<Scalar, MV
       y_(MVT::Clone(x_, 1)),
       cg_(problem_, rows, CgOptions::fromList(solver.parameters_->sublist("PCPG")), counters_),
       descent_(problem_, rows, cg_),
+      next_(problem_, rows),
       inner_(solver.firstInner_) {
   const Teuchos::ParameterList& list = solver.parameters_->sublist("PDAS");
   // Where pairs turn, sets take a product and bring less.
@@ -179,6 +180,7 @@ void PdasSolver<Scalar, MV, OP>::Run::describeState() {
     archive.number("pdas inner reduction", innerReduction_);
     if (hasFollowing()) {
       archive.number("pdas disproved", disproved_);
+      archive.number("pdas balances", balances_);
     }
     archive.number("pdas stepped", stepped_);
     archive.number("pdas face steps", faceSteps_);
@@ -238,29 +240,15 @@ bool PdasSolver<Scalar, MV, OP>::Run::Progress::isCircle(const ActiveSetChange& 
   return !seen.insert({change.signature[0], change.signature[1]}).second && ++repeats > mostRepeats;
 }
 
-// Where all that holds a body slips, its forces are given and need not balance; they do where some of it sticks
-// after all.
+// Onto the face. Where all that holds a body is at its limit, these forces need not balance, and where what is left
+// holds it hardly, as the facets of a round body do, it is no better: another set does.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::startsFreed() {
-  if (!hasFollowing() || !rows_.isPresent())
-    return false;
-  const Teuchos::RCP<MV> residual = rows_.makeVector(), w = MVT::Clone(x_, 1);
-  excess_.resize(problem_.followingLimits().size(), 0.0); // before the first look
-  constexpr int mostTries = 40;
-  double factor = 1.0;
-  for (int k = 0; k < mostTries; ++k, factor *= 1.5) {
-    rows_.residual(x_, *residual);
-    MVT::MvInit(*w, 0.0);
-    rows_.addTransposed(1.0, *residual, *w);
-    const long long freed =
-        BT::freeFollowing(x_, *w, feasible_, problem_.followingLimits(), excess_, factor, set_);
-    active_ -= freed;
-    if (freed == 0)
-      return false;
-    if (cg_.start(set_))
-      return true;
-  }
-  return false;
+bool PdasSolver<Scalar, MV, OP>::Run::startsOnFace() {
+  constexpr double hardly = 1e-4; // of all forces that there are; a few points that touch have some 1e-3
+  const bool mayBalance = next_.isFit() && !descent_.isOn();
+  if (!(balances_ && mayBalance) && cg_.start(set_, mayBalance ? hardly : 0.0))
+    return true;
+  return mayBalance && ((next_.find(set_, active_) && cg_.start(set_)) || cg_.start(set_));
 }
 
 template<class Scalar, class MV, class OP>
@@ -270,7 +258,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::enterFace() {
   if (!started_ && cg_.staleness() >= slow)
     if (const int found = cg_.keepOutliers(mostKept_); found > 0)
       solver_.log_.detail("PDAS: " + std::to_string(found) + " directions are kept for all faces");
-  const bool isOn = started_ || ((cg_.start(set_) || startsFreed()) && descent_.enter(set_, active_));
+  const bool isOn = started_ || (startsOnFace() && descent_.enter(set_, active_));
   if (!isOn && descent_.isOn()) {
     handOver("no step descends any more");
     return false;
@@ -315,7 +303,9 @@ bool PdasSolver<Scalar, MV, OP>::Run::descend() {
     IterationState<MV> judged = state_;
     if (problem_.hasDiscs() || hasFollowing())
       judged.projectedGradient *= 2.0;
-    const std::optional<Reason> reason = solver_.judge(judged);
+    std::optional<Reason> reason = solver_.judge(judged);
+    if (reason && *reason == Reason::Converged && cg_.residualNorm() > 0.25 * disproved_)
+      reason.reset();
     if (reason && *reason != Reason::Converged) {
       solver_.keepState(*reason);
       state_ = measure(state_.inner, false);
@@ -383,6 +373,8 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
                                 10.0 * cg_.attainable(), set_, {stepLength, turn});
   if (hasFollowing())
     lookAtFollowing(stepLength);
+  if (next_.isFit())
+    next_.aim(x_, *y_, cg_.stiffness());
   // ‖g^P‖ at the projection of x is at most ‖w‖ + ‖multipliers of the wrong sign‖ + ‖A‖‖x − Π(x)‖.
   expected_ = cg_.residualNorm() + std::sqrt(change_.wrongSign2) + curvature * std::sqrt(change_.violation2);
   active_ = change_.active;
@@ -403,7 +395,7 @@ template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::lookAtFollowing(double stepLength) {
   const FollowChange more =
       BT::updateFollowing(x_, *y_, feasible_, problem_.followingLimits(), stepLength,
-                          10.0 * cg_.attainable(), before_, set_, excess_);
+                          10.0 * cg_.attainable(), before_, set_);
   change_.active += more.active;
   change_.changed += more.changed;
   if (change_.changed == 0 && std::sqrt(more.distance2) > 0.5 * stepLength * cg_.residualNorm())
@@ -505,6 +497,12 @@ bool PdasSolver<Scalar, MV, OP>::Run::mayGoOn() {
   // Where limits follow sets may be the same again and again.
   if (!isLost && (hasFollowing() || !progress_.isCircle(change_)))
     return true;
+  if (hasFollowing() && next_.isFit() && !balances_) {
+    balances_ = true;
+    progress_.forget();
+    solver_.log_.detail("PDAS: " + why + "; sets are balanced from here on");
+    return true;
+  }
   if (follows(why) || descends(why))
     return true;
   handOver(why);

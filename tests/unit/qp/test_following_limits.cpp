@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Limits that follow the solution, as Coulomb's law has them: in the plane against all states of all points, in
+/// space against the program that the answer's own limits make, by an interior-point method.
+
+#include "Harmos_InteriorPoint.hpp"
+#include "Harmos_RandomQp.hpp"
+#include "Harmos_TestComm.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace Harmos;
+using namespace Harmos::qp;
+
+namespace {
+
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+// Points with a normal entry above zero and one or two tangential ones behind it, free entries after them. The
+// equalities are met by a point within the cones: there is a solution for factors that are not large.
+SmallQp randomFollowing(std::mt19937& random, int points, int tangents, int freeEntries, int equalities,
+                        double factor) {
+  const int n = points * (1 + tangents) + freeEntries;
+  SmallQp qp = randomQp(random, n, equalities, false, 20.0);
+  qp.lower.assign(at(n), -infinity);
+  qp.upper.assign(at(n), infinity);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::vector<double> inside(at(n));
+  for (double& value : inside)
+    value = uniform(random);
+  for (int p = 0; p < points; ++p) {
+    const int normal = p * (1 + tangents);
+    qp.lower[at(normal)] = 0.0;
+    inside[at(normal)] = std::abs(inside[at(normal)]) + 0.1;
+    const double limit = factor * inside[at(normal)];
+    for (int k = 1; k <= tangents; ++k)
+      inside[at(normal + k)] = 0.6 * limit * uniform(random);
+    if (tangents == 2)
+      qp.discs.push_back({normal + 1, normal + 2, {0.0, 0.0}, 1e100});
+    qp.follows.push_back({tangents == 2 ? p : normal + 1, tangents == 2, normal, factor});
+  }
+  for (int r = 0; r < equalities; ++r) {
+    qp.cRhs[at(r)] = 0.0;
+    for (int i = 0; i < n; ++i)
+      qp.cRhs[at(r)] += qp.c(r, i) * inside[at(i)];
+  }
+  return qp;
+}
+
+// All solutions in the plane: each point open, stuck, or slipping to either side.
+std::vector<std::vector<double>> allSolutions(const SmallQp& qp) {
+  const int n = qp.size(), m = qp.c.rows, points = static_cast<int>(qp.follows.size());
+  std::vector<std::vector<double>> result;
+  int states = 1;
+  for (int p = 0; p < points; ++p)
+    states *= 4;
+  for (int state = 0; state < states; ++state) {
+    // Equations of n entries and m multipliers: rows of Ax + Cᵀμ = b are replaced where an entry is held.
+    Dense matrix(n + m, n + m);
+    std::vector<double> rhs(at(n + m));
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < n; ++j)
+        matrix(i, j) = qp.a(i, j);
+      for (int r = 0; r < m; ++r)
+        matrix(i, n + r) = matrix(n + r, i) = qp.c(r, i);
+      rhs[at(i)] = qp.b[at(i)];
+    }
+    for (int r = 0; r < m; ++r)
+      rhs[at(n + r)] = qp.cRhs[at(r)];
+    const auto hold = [&](int i, int k, double f) { // x_i = f x_k
+      for (int j = 0; j < n + m; ++j)
+        matrix(i, j) = 0.0;
+      matrix(i, i) = 1.0;
+      if (f != 0.0)
+        matrix(i, k) -= f;
+      rhs[at(i)] = 0.0;
+    };
+    std::vector<int> of;
+    for (int p = 0, rest = state; p < points; ++p, rest /= 4) {
+      const FollowingLimit& limit = qp.follows[at(p)];
+      of.push_back(rest % 4);
+      if (of.back() == 0)
+        hold(limit.source, limit.source, 0.0);
+      if (of.back() != 1)
+        hold(limit.place, limit.source, of.back() == 0 ? 0.0 : of.back() == 2 ? limit.factor : -limit.factor);
+    }
+    std::vector<double> x = solveDense(matrix, rhs);
+    if (x.empty())
+      continue; // singular: no solution of its own
+    const auto gradient = [&](int i) {
+      double sum = -qp.b[at(i)];
+      for (int j = 0; j < n; ++j)
+        sum += qp.a(i, j) * x[at(j)];
+      for (int r = 0; r < m; ++r)
+        sum += qp.c(r, i) * x[at(n + r)];
+      return sum;
+    };
+    bool isSolution = true;
+    for (int p = 0; p < points && isSolution; ++p) {
+      const FollowingLimit& limit = qp.follows[at(p)];
+      constexpr double tiny = 1e-11;
+      const double normal = x[at(limit.source)], tangential = x[at(limit.place)];
+      isSolution = of[at(p)] == 0   ? gradient(limit.source) >= -tiny
+                   : of[at(p)] == 1 ? normal >= -tiny && std::abs(tangential) <= limit.factor * normal + tiny
+                   : of[at(p)] == 2 ? normal >= -tiny && gradient(limit.place) <= tiny
+                                    : normal >= -tiny && gradient(limit.place) >= -tiny;
+    }
+    x.resize(at(n));
+    bool isKnown = false;
+    for (const std::vector<double>& known : result)
+      isKnown = isKnown || distance(known, x) <= 1e-9 * (1.0 + norm(x));
+    if (isSolution && !isKnown)
+      result.push_back(x);
+  }
+  return result;
+}
+
+struct Answer {
+  bool isConverged;
+  std::vector<double> x;
+  Result result;
+};
+
+Answer solved(const SmallQp& qp, const std::string& name, bool preconditioned) {
+  const auto list = Teuchos::parameterList();
+  list->set("Convergence Tolerance", 1e-11);
+  list->set("Maximum Iterations", 20000);
+  const DistributedQp distributed(qp);
+  if (preconditioned)
+    distributed.precondition(jacobi(qp.a));
+  const auto solver = TpetraSolverFactory().create(name, list);
+  solver->setProblem(distributed.problem);
+  const Result result = solver->solve();
+  return {result.converged(), fromVector(*distributed.solution), result};
+}
+
+// What x is farthest from being the minimum over the discs and intervals that its own limits make.
+double wrong(const SmallQp& qp, const std::vector<double>& x) {
+  SmallQp own = qp;
+  own.follows.clear();
+  for (const FollowingLimit& limit : qp.follows) {
+    const double radius = limit.factor * x[at(limit.source)];
+    if (limit.isDisc) {
+      own.discs[at(limit.place)].radius = radius;
+    } else {
+      own.lower[at(limit.place)] = -radius;
+      own.upper[at(limit.place)] = radius;
+    }
+  }
+  return distance(interiorPoint(own), x);
+}
+
+} // namespace
+
+TEST(FollowingLimits, three_hundred_problems_in_the_plane_against_all_states) {
+  std::mt19937 random(22);
+  int unique = 0, several = 0, none = 0, byProgram = 0, products = 0;
+  int runs = 0, converged = 0, programs = 0, programsConverged = 0;
+  for (int k = 0; k < 300; ++k) {
+    const double factor = std::array{0.1, 0.3, 0.6, 1.0}[at(k % 4)];
+    const SmallQp qp = randomFollowing(random, 1 + k % 4, 1, k % 3, k / 4 % 3, factor);
+    const std::vector<std::vector<double>> expected = allSolutions(qp);
+    (expected.empty() ? none : expected.size() == 1 ? unique : several) += 1;
+    for (const std::string name : {"PDAS", "SMALBE"}) {
+      if (name == "SMALBE" && k % 5 != 0)
+        continue;
+      const Answer answer = solved(qp, qp.c.rows > 0 || name == "PDAS" ? name : "MPRGP", k % 2 == 1);
+      const std::string what = name + " " + std::to_string(k);
+      if (expected.empty()) {
+        EXPECT_FALSE(answer.isConverged) << what;
+        continue;
+      }
+      EXPECT_NE(answer.result.reason, Reason::Infeasible) << what << ": " << answer.result.explanation;
+      (name == "PDAS" ? runs : programs) += 1;
+      (name == "PDAS" ? converged : programsConverged) += answer.isConverged ? 1 : 0;
+      if (!answer.isConverged)
+        continue;
+      double least = infinity;
+      for (const std::vector<double>& x : expected)
+        least = std::min(least, distance(x, answer.x));
+      // Of ‖b‖ some 5, eigenvalues from 1: off by 1e-10, times what limits add to the condition.
+      EXPECT_LE(least, 1e-8 * (1.0 + norm(answer.x))) << what;
+      byProgram += answer.result.counters.safeguards;
+      products += name == "PDAS" ? answer.result.counters.hessianApplications : 0;
+    }
+  }
+  if (testComm()->getRank() == 0)
+    std::cout << unique << " with one solution, " << several << " with several, " << none << " without; "
+              << converged << " of " << runs << " converged, " << programsConverged << " of " << programs
+              << " by fixed points; " << products << " products by sets, " << byProgram << " handed over\n";
+  EXPECT_GT(unique, 250);
+  EXPECT_EQ(converged, runs); // none of these is without a solution
+  EXPECT_GE(programsConverged, 0.9 * programs);
+  EXPECT_LE(byProgram, 15);
+}
+
+TEST(FollowingLimits, hundred_problems_in_space) {
+  std::mt19937 random(23);
+  int slips = 0, sticks = 0;
+  for (int k = 0; k < 100; ++k) {
+    const double factor = std::array{0.1, 0.3, 0.6}[at(k % 3)];
+    const SmallQp qp = randomFollowing(random, 1 + k % 4, 2, k % 2, k / 3 % 3, factor);
+    const Answer answer = solved(qp, "PDAS", k % 2 == 1);
+    ASSERT_TRUE(answer.isConverged) << k << ": " << answer.result.explanation;
+    bool allTouch = true; // what an interior-point method needs
+    for (const FollowingLimit& limit : qp.follows) {
+      const double normal = answer.x[at(limit.source)], radius = limit.factor * normal;
+      const Disc& disc = qp.discs[at(limit.place)];
+      const double length = std::hypot(answer.x[at(disc.first)], answer.x[at(disc.second)]);
+      EXPECT_LE(length, radius * (1.0 + 1e-12) + 1e-14) << k;
+      allTouch = allTouch && radius > 1e-3;
+      (length > (1.0 - 1e-9) * radius ? slips : sticks) += 1;
+    }
+    if (allTouch)
+      EXPECT_LE(wrong(qp, answer.x), 1e-8 * (1.0 + norm(answer.x))) << k;
+  }
+  EXPECT_GT(slips, 50);
+  EXPECT_GT(sticks, 30);
+}
+
+// A disc with all its rim at hand, that turns while it is pushed: its points' friction has to balance, and the last
+// one to slip sticks. Newton's method on single entries goes round in circles.
+TEST(FollowingLimits, bodies_that_turn_settle) {
+  std::mt19937 random(24);
+  std::uniform_real_distribution<double> uniform(0.5, 1.5);
+  for (int k = 0; k < 20; ++k) {
+    constexpr int bodies = 3, points = 4;
+    constexpr int n = 2 * bodies * points;
+    SmallQp qp{Dense(n, n), std::vector<double>(at(n)), std::vector<double>(at(n), -infinity),
+               std::vector<double>(at(n), infinity), Dense(bodies, n), std::vector<double>(at(bodies), 0.0)};
+    for (int body = 0; body < bodies; ++body)
+      for (int p = 0; p < points; ++p) {
+        const int normal = 2 * (body * points + p);
+        qp.a(normal, normal) = qp.a(normal + 1, normal + 1) = uniform(random);
+        qp.b[at(normal)] = uniform(random);            // pressed
+        qp.b[at(normal + 1)] = 4.0 * uniform(random) - 3.0; // and rubbed
+        qp.lower[at(normal)] = 0.0;
+        qp.c(body, normal + 1) = 0.5; // the sum of a body's friction is zero
+        qp.follows.push_back({normal + 1, false, normal, 0.2});
+      }
+    const Answer answer = solved(qp, "PDAS", true);
+    ASSERT_TRUE(answer.isConverged) << k << ": " << answer.result.explanation;
+    EXPECT_EQ(answer.result.counters.safeguards, 0) << k;
+    EXPECT_LE(wrong(qp, answer.x), 1e-8 * (1.0 + norm(answer.x))) << k;
+  }
+}
+
+// Bits do not depend on units, and no factor is no tangential force.
+TEST(FollowingLimits, no_factor_no_force) {
+  std::mt19937 random(25);
+  SmallQp qp = randomFollowing(random, 3, 1, 2, 1, 0.0);
+  const Answer answer = solved(qp, "PDAS", true);
+  ASSERT_TRUE(answer.isConverged) << answer.result.explanation;
+  for (const FollowingLimit& limit : qp.follows) {
+    EXPECT_EQ(answer.x[at(limit.place)], 0.0);
+    qp.lower[at(limit.place)] = qp.upper[at(limit.place)] = 0.0;
+  }
+  qp.follows.clear();
+  EXPECT_LE(distance(bruteForce(qp), answer.x), 1e-9 * (1.0 + norm(answer.x)));
+}
+
+// A shoe: pressed down by 1, and drawn along. Up to the friction that there is it stays; beyond that nothing holds it,
+// with the proof: a motion along and up.
+TEST(FollowingLimits, shoe) {
+  constexpr double factor = 0.3;
+  for (int tangents : {1, 2})
+    for (double share : {0.5, 0.99, 1.01, 2.0}) {
+      constexpr int points = 4;
+      const int of = 1 + tangents, n = points * of;
+      SmallQp qp{Dense(n, n), std::vector<double>(at(n), 0.0), std::vector<double>(at(n), -infinity),
+                 std::vector<double>(at(n), infinity), Dense(of, n), std::vector<double>(at(of), 0.0)};
+      for (int p = 0; p < points; ++p) {
+        for (int k = 0; k < of; ++k) {
+          qp.a(p * of + k, p * of + k) = 1.0 + 0.3 * p;
+          qp.c(k, p * of + k) = 0.5;
+        }
+        qp.lower[at(p * of)] = 0.0;
+        if (tangents == 2)
+          qp.discs.push_back({p * of + 1, p * of + 2, {0.0, 0.0}, 1e100});
+        qp.follows.push_back({tangents == 2 ? p : p * of + 1, tangents == 2, p * of, factor});
+      }
+      qp.cRhs[0] = 1.0;
+      qp.cRhs[1] = share * factor * (tangents == 2 ? 0.6 : 1.0);
+      if (tangents == 2)
+        qp.cRhs[2] = share * factor * 0.8;
+      const Answer answer = solved(qp, "PDAS", true);
+      const std::string what = std::to_string(tangents) + ", " + std::to_string(share);
+      if (share < 1.0) {
+        EXPECT_TRUE(answer.isConverged) << what << ": " << answer.result.explanation;
+        EXPECT_LE(wrong(qp, answer.x), 1e-8) << what;
+      } else {
+        EXPECT_EQ(answer.result.reason, Reason::Infeasible) << what << ": " << answer.result.explanation;
+      }
+    }
+}
