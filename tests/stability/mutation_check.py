@@ -137,8 +137,8 @@ FAULTS = (
         "view(r, 0) = std::min(view(r, 0), 0.0);", ("unit_run",)),
     fault(
         "sign of the shift in intervals of friction", "packages/feti/src/dual/Harmos_DualProblem.cpp",
-        "return constraints.isInterval(row) ? -shift + constraints.limit(row) : none;",
-        "return constraints.isInterval(row) ? shift + constraints.limit(row) : none;", FRICTION),
+        "return constraints.isInterval(row) ? -shift + limitOf(row) : none;",
+        "return constraints.isInterval(row) ? shift + limitOf(row) : none;", FRICTION),
     fault(
         "sign of the shift in discs", "packages/feti/src/dual/Harmos_DualProblem.cpp",
         "{-shift(static_cast<std::size_t>(first), 0),", "{shift(static_cast<std::size_t>(first), 0),",
@@ -159,8 +159,21 @@ FAULTS = (
     fault(
         "a limit that is no force",
         "packages/scene/src/discretisation/Harmos_ConstraintCollector.cpp",
-        "frictions_[f].bound(points[k].position) * points[k].area", "frictions_[f].bound(points[k].position)",
-        ("verification_friction",)),
+        "slip.follows ? value : value * points[k].area", "value", ("verification_friction",)),
+    fault(
+        "a coefficient of scaled forces", "packages/feti/src/torn/Harmos_Constraints.cpp",
+        "head.coefficient * heads[static_cast<std::size_t>(normal)].scale / head.scale",
+        "head.coefficient * head.scale / heads[static_cast<std::size_t>(normal)].scale", ("verification_coulomb",)),
+    fault(
+        "forces that do not take friction along", "packages/qp/src/kernels/Harmos_FollowingLimits.cpp",
+        "const double moved = entry.factor * x[entry.source];", "const double moved = 0.0 * x[entry.source];",
+        ("unit_qp",)),
+    fault(
+        "friction that knows no sides", "packages/qp/src/kernels/Harmos_FollowingLimits.cpp",
+        "was != 0 && -was * g[i] > gradientNoise", "was != 0 && was * g[i] > gradientNoise", ("unit_qp",)),
+    fault(
+        "cones that are wider", "packages/qp/src/kernels/Harmos_FollowingLimits.cpp",
+        "std::max(0.0, (n + f * length) / (1.0 + f * f))", "std::max(0.0, (n + f * length))", ("unit_qp",)),
 )
 
 

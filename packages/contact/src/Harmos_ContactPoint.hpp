@@ -109,9 +109,9 @@ std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
 struct SlipPoint {
   std::size_t point = 0;                ///< its place among the contact points
   std::array<fem::Point, 2> tangents{}; ///< orthonormal to the normal and each other; in the plane the first
-  double limit = 0.0;       ///< of its force, where that is given
-  bool follows = false;     ///< or the limit follows the force of contact:
-  double coefficient = 0.0; ///< limit over that
+  double limit = 0.0;                   ///< of its force, where that is given
+  bool follows = false;                 ///< or the limit follows the force of contact:
+  double coefficient = 0.0;             ///< limit over that
 };
 
 /// Tangents at a point: in the plane e_z × n; in space n × of the axis that is farthest from n.

@@ -12,8 +12,8 @@ namespace Harmos {
 /// gives way along its force where |λ| = limit. Two limited rows of one disc have a common limit, of √(λ₁² +
 /// λ₂²): the two directions in which surfaces in space may slip. Both are given on the same rank.
 ///
-/// As of Coulomb's friction, the limit may follow the force of an inequality: coefficient · λ_normal. That row
-/// is given on the same rank, too.
+/// As of Coulomb's friction, the limit may follow the force of an inequality: coefficient · λ_normal. That
+/// row is given on the same rank, too.
 ///
 /// What contact and tie conditions are made of before the bodies are torn. Rows of one kind are numbered
 /// 0, 1, ... without gaps over all ranks, each row on exactly one rank: so their order does not depend on the
@@ -29,10 +29,10 @@ struct ConstraintRow {
   long long number = 0;
   std::vector<Term> terms;
   double bound = 0.0;
-  double rounding = 0.0;   ///< the bound is known up to this: gaps are differences of coordinates
-  double compliance = 0.0; ///< ≥ 0, in units of the bound by those of the multiplier; 0: does not give way
-  double limit = 0.0;      ///< ≥ 0, of limited rows
-  long long disc = -1;     ///< of limited rows: a number that no other pair has; −1: none
+  double rounding = 0.0;    ///< the bound is known up to this: gaps are differences of coordinates
+  double compliance = 0.0;  ///< ≥ 0, in units of the bound by those of the multiplier; 0: does not give way
+  double limit = 0.0;       ///< ≥ 0, of limited rows
+  long long disc = -1;      ///< of limited rows: a number that no other pair has; −1: none
   double coefficient = 0.0; ///< ≥ 0, of limited rows whose limit follows an inequality
   long long normal = -1;    ///< the number of that inequality; −1: the limit is given
 };

@@ -57,7 +57,8 @@ std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, co
                                           const scene::Scene& scene) {
   requireElastic(scene, "\"" + path + "\"");
   const bool isCoulomb = list.get<std::string>("Law") == "Coulomb";
-  const std::string asked = isCoulomb ? "Coefficient" : "Slip bound", other = isCoulomb ? "Slip bound" : "Coefficient";
+  const std::string asked = isCoulomb ? "Coefficient" : "Slip bound",
+                    other = isCoulomb ? "Slip bound" : "Coefficient";
   const std::string law = isCoulomb ? "Coulomb's law" : "Tresca's law",
                     needs = isCoulomb ? "a coefficient of friction" : "a force per area";
   if (list.get<double>(other) != notGiven)
@@ -128,8 +129,8 @@ void Friction::addConstraints(scene::ConstraintCollector& collector) const {
     const double given = value_(x);
     if (!(given >= 0.0) || !std::isfinite(given))
       throw InputError(label() + " has a " + (isCoulomb_ ? "coefficient" : "slip bound") + " of " +
-                       scientific(given) + "; give " +
-                       (isCoulomb_ ? "a number" : "a force per area") + ", zero or more");
+                       scientific(given) + "; give " + (isCoulomb_ ? "a number" : "a force per area") +
+                       ", zero or more");
     return given;
   };
   if (isCoulomb_)

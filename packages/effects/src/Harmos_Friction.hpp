@@ -10,16 +10,15 @@ namespace Harmos::effects {
 
 /// A coefficient of friction, by the position of the point on the first surface.
 struct Coulomb {
-  Coulomb(double mu)
-      : coefficient([mu](const fem::Point&) { return mu; }) {}
+  Coulomb(double mu) : coefficient([mu](const fem::Point&) { return mu; }) {}
   explicit Coulomb(std::function<double(const fem::Point&)> mu) : coefficient(std::move(mu)) {}
 
   std::function<double(const fem::Point&)> coefficient; ///< μ ≥ 0
 };
 
-/// Friction between the surfaces of a contact, or on an obstacle: the force of a point across the normal is at
-/// most g; below it the point sticks, at it the point slips along the force (Duvaut, Lions: Inequalities in
-/// Mechanics and Physics, 1976):
+/// Friction between the surfaces of a contact, or on an obstacle: the force of a point across the normal is
+/// at most g; below it the point sticks, at it the point slips along the force (Duvaut, Lions: Inequalities
+/// in Mechanics and Physics, 1976):
 ///
 ///     |λ_t| ≤ g,   |λ_t| < g ⇒ Δs = 0,   |λ_t| = g ⇒ Δs = cλ_t, c ≥ 0
 ///

@@ -281,7 +281,8 @@ std::shared_ptr<const qp::FollowingLimits> localLimits(const SmallQp& qp, const 
     if (!map.isNodeGlobalElement(limit.source))
       continue;
     limit.source = map.getLocalElement(limit.source);
-    limit.place = limit.isDisc ? place[static_cast<std::size_t>(limit.place)] : map.getLocalElement(limit.place);
+    limit.place =
+        limit.isDisc ? place[static_cast<std::size_t>(limit.place)] : map.getLocalElement(limit.place);
     result->push_back(limit);
   }
   return result;

@@ -22,7 +22,8 @@ struct SmallQp {
   Dense c;
   std::vector<double> cRhs;
   std::vector<qp::Disc> discs = {}; ///< of neighbouring entries, which have no bounds
-  /// Limits that follow: of entries or of discs next to their sources; their bounds and radii are of no account.
+  /// Limits that follow: of entries or of discs next to their sources; their bounds and radii are of no
+  /// account.
   std::vector<qp::FollowingLimit> follows = {};
 
   int size() const { return a.rows; }

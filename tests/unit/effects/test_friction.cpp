@@ -63,7 +63,7 @@ std::string refusalOf(const std::function<void(Teuchos::ParameterList& frictions
 
 std::string refusalOf(const std::string& contact, double slipBound) {
   return refusalOf([&](Teuchos::ParameterList& frictions) {
-    frictions.sublist("f").set("Contact", contact).set("Slip bound", slipBound);
+    frictions.sublist("f").set("Contact", contact).set("Law", "Tresca").set("Slip bound", slipBound);
   });
 }
 
@@ -82,14 +82,28 @@ TEST(Friction, decks_that_make_no_sense_are_refused) {
   expect(refusalOf("", 1.0), {"Effects/Friction/f/Contact"});
   expect(refusalOf("seam", 1.0), {"tie \"seam\"", "does not slip"});
   expect(refusalOf([](Teuchos::ParameterList& frictions) {
-           frictions.sublist("f").set("Contact", "joint").set("Slip bound", 1.0);
-           frictions.sublist("g").set("Contact", "joint").set("Slip bound", 2.0);
+           frictions.sublist("f").set("Contact", "joint").set("Coefficient", 1.0);
+           frictions.sublist("g").set("Contact", "joint").set("Law", "Tresca").set("Slip bound", 2.0);
          }),
          {"friction \"f\"", "friction \"g\"", "contact \"joint\""});
   expect(refusalOf([](Teuchos::ParameterList& frictions) {
-           frictions.sublist("f").set("Contact", "joint").set("Slip bound", 1.0).set("Coefficient", 0.3);
+           frictions.sublist("f")
+               .set("Contact", "joint")
+               .set("Law", "Tresca")
+               .set("Slip bound", 1.0)
+               .set("Coefficient", 0.3);
          }),
-         {"Coefficient", "Tresca"});
+         {"Effects/Friction/f/Coefficient", "Tresca's law has none"});
+  expect(refusalOf([](Teuchos::ParameterList& frictions) {
+           frictions.sublist("f").set("Contact", "joint").set("Slip bound", 1.0);
+         }),
+         {"Effects/Friction/f/Slip bound", "Coulomb's law has none"});
+  expect(refusalOf([](Teuchos::ParameterList& frictions) { frictions.sublist("f").set("Contact", "joint"); }),
+         {"Effects/Friction/f/Coefficient", "missing"});
+  expect(refusalOf([](Teuchos::ParameterList& frictions) {
+           frictions.sublist("f").set("Contact", "joint").set("Coefficient", -0.1);
+         }),
+         {"Effects/Friction/f/Coefficient", "negative"});
   expect(refusalOf([](Teuchos::ParameterList& frictions) {
            frictions.sublist("f").set("Contact", "joint").set("Law", "Tresca");
          }),
@@ -97,10 +111,10 @@ TEST(Friction, decks_that_make_no_sense_are_refused) {
   expect(refusalOf([](Teuchos::ParameterList& frictions) {
            frictions.sublist("f").set("Contact", "joint").set("Law", "Trseca").set("Slip bound", 1.0);
          }),
-         {"Law", "Tresca"});
+         {"Law", "Tresca", "Coulomb"});
   expect(refusalOf(
              [](Teuchos::ParameterList& frictions) {
-               frictions.sublist("f").set("Contact", "joint").set("Slip bound", 1.0);
+               frictions.sublist("f").set("Contact", "joint").set("Coefficient", 1.0);
              },
              scene::Physics::Membrane),
          {"membrane"});
@@ -120,6 +134,9 @@ TEST(Friction, contacts_that_are_not_in_the_scene_are_refused) {
   scene.effects.front() = std::make_shared<effects::Friction>(
       contact, [](const fem::Point& x) { return x[0] - 0.5; }, "f");
   EXPECT_TRUE(contains(refusal(), "friction \"f\" has a slip bound of -")) << refusal();
+  scene.effects.front() = std::make_shared<effects::Friction>(
+      contact, effects::Coulomb([](const fem::Point& x) { return x[0] - 0.5; }), "f");
+  EXPECT_TRUE(contains(refusal(), "friction \"f\" has a coefficient of -")) << refusal();
 }
 
 // Two contacts name the same surfaces, the second one with sides exchanged: there are no rows twice, and the

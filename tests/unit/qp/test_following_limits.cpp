@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Limits that follow the solution, as Coulomb's law has them: in the plane against all states of all points, in
-/// space against the program that the answer's own limits make, by an interior-point method.
+/// Limits that follow the solution, as Coulomb's law has them: in the plane against all states of all points,
+/// in space against the program that the answer's own limits make, by an interior-point method.
 
 #include "Harmos_InteriorPoint.hpp"
 #include "Harmos_RandomQp.hpp"
@@ -20,8 +20,8 @@ std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
 
-// Points with a normal entry above zero and one or two tangential ones behind it, free entries after them. The
-// equalities are met by a point within the cones: there is a solution for factors that are not large.
+// Points with a normal entry above zero and one or two tangential ones behind it, free entries after them.
+// The equalities are met by a point within the cones: there is a solution for factors that are not large.
 SmallQp randomFollowing(std::mt19937& random, int points, int tangents, int freeEntries, int equalities,
                         double factor) {
   const int n = points * (1 + tangents) + freeEntries;
@@ -222,21 +222,25 @@ TEST(FollowingLimits, hundred_problems_in_space) {
   EXPECT_GT(sticks, 30);
 }
 
-// A disc with all its rim at hand, that turns while it is pushed: its points' friction has to balance, and the last
-// one to slip sticks. Newton's method on single entries goes round in circles.
+// A disc with all its rim at hand, that turns while it is pushed: its points' friction has to balance, and
+// the last one to slip sticks. Newton's method on single entries goes round in circles.
 TEST(FollowingLimits, bodies_that_turn_settle) {
   std::mt19937 random(24);
   std::uniform_real_distribution<double> uniform(0.5, 1.5);
   for (int k = 0; k < 20; ++k) {
     constexpr int bodies = 3, points = 4;
     constexpr int n = 2 * bodies * points;
-    SmallQp qp{Dense(n, n), std::vector<double>(at(n)), std::vector<double>(at(n), -infinity),
-               std::vector<double>(at(n), infinity), Dense(bodies, n), std::vector<double>(at(bodies), 0.0)};
+    SmallQp qp{Dense(n, n),
+               std::vector<double>(at(n)),
+               std::vector<double>(at(n), -infinity),
+               std::vector<double>(at(n), infinity),
+               Dense(bodies, n),
+               std::vector<double>(at(bodies), 0.0)};
     for (int body = 0; body < bodies; ++body)
       for (int p = 0; p < points; ++p) {
         const int normal = 2 * (body * points + p);
         qp.a(normal, normal) = qp.a(normal + 1, normal + 1) = uniform(random);
-        qp.b[at(normal)] = uniform(random);            // pressed
+        qp.b[at(normal)] = uniform(random);                 // pressed
         qp.b[at(normal + 1)] = 4.0 * uniform(random) - 3.0; // and rubbed
         qp.lower[at(normal)] = 0.0;
         qp.c(body, normal + 1) = 0.5; // the sum of a body's friction is zero
@@ -263,16 +267,20 @@ TEST(FollowingLimits, no_factor_no_force) {
   EXPECT_LE(distance(bruteForce(qp), answer.x), 1e-9 * (1.0 + norm(answer.x)));
 }
 
-// A shoe: pressed down by 1, and drawn along. Up to the friction that there is it stays; beyond that nothing holds it,
-// with the proof: a motion along and up.
+// A shoe: pressed down by 1, and drawn along. Up to the friction that there is it stays; beyond that nothing
+// holds it, with the proof: a motion along and up.
 TEST(FollowingLimits, shoe) {
   constexpr double factor = 0.3;
   for (int tangents : {1, 2})
     for (double share : {0.5, 0.99, 1.01, 2.0}) {
       constexpr int points = 4;
       const int of = 1 + tangents, n = points * of;
-      SmallQp qp{Dense(n, n), std::vector<double>(at(n), 0.0), std::vector<double>(at(n), -infinity),
-                 std::vector<double>(at(n), infinity), Dense(of, n), std::vector<double>(at(of), 0.0)};
+      SmallQp qp{Dense(n, n),
+                 std::vector<double>(at(n), 0.0),
+                 std::vector<double>(at(n), -infinity),
+                 std::vector<double>(at(n), infinity),
+                 Dense(of, n),
+                 std::vector<double>(at(of), 0.0)};
       for (int p = 0; p < points; ++p) {
         for (int k = 0; k < of; ++k) {
           qp.a(p * of + k, p * of + k) = 1.0 + 0.3 * p;

@@ -236,7 +236,8 @@ std::vector<Real> CoarseSpace::gram(const double* mask, const std::vector<qp::Sl
     std::size_t pair = firstPlace_[r];
     for (std::size_t i = offsets_[r]; i < offsets_[r + 1]; ++i)
       for (std::size_t j = offsets_[r]; j <= i; ++j, ++pair)
-        values[static_cast<std::size_t>(gramPlaces_[pair])] += weight * (static_cast<Real>(values_[i]) * values_[j]);
+        values[static_cast<std::size_t>(gramPlaces_[pair])] +=
+            weight * (static_cast<Real>(values_[i]) * values_[j]);
   }
   if constexpr (std::is_same_v<Real, double>) {
     globalSum(*comm_, values);

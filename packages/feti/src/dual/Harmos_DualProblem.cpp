@@ -201,9 +201,8 @@ void DualProblem::makeBounds(const Constraints& constraints) {
                                                              : -none;
     });
   if (constraints.hasIntervals())
-    upperBound_ = makeBound([&](int row, double shift) {
-      return constraints.isInterval(row) ? -shift + limitOf(row) : none;
-    });
+    upperBound_ = makeBound(
+        [&](int row, double shift) { return constraints.isInterval(row) ? -shift + limitOf(row) : none; });
   const auto shift = shift_->getLocalViewHost(Tpetra::Access::ReadOnly);
   if (constraints.hasFollowers()) {
     qp::FollowingLimits following;
@@ -221,10 +220,7 @@ void DualProblem::makeBounds(const Constraints& constraints) {
     const double centre[] = {-shift(static_cast<std::size_t>(first), 0),
                              -shift(static_cast<std::size_t>(second), 0)};
     const double limit = limitOf(first);
-    discs.push_back({first,
-                     second,
-                     {centre[0], centre[1]},
-                     std::isinf(limit) ? open : limit});
+    discs.push_back({first, second, {centre[0], centre[1]}, std::isinf(limit) ? open : limit});
   }
   discs_ = std::make_shared<const qp::LocalDiscs>(std::move(discs), shift.extent(0));
 }

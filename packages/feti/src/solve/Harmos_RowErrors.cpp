@@ -30,8 +30,7 @@ std::vector<char> holdAsEquations(const Constraints& constraints, const MultiVec
   for (std::size_t r = 0; r < lambda.extent(0); ++r) {
     const int row = static_cast<int>(r);
     const RowType type = constraints.rowType(row);
-    const bool slips =
-        constraints.isInterval(row) && isAtLimit(std::abs(lambda(r, 0)), limits[r]);
+    const bool slips = constraints.isInterval(row) && isAtLimit(std::abs(lambda(r, 0)), limits[r]);
     holds.push_back(!slips && (type != RowType::Inequality || lambda(r, 0) > 0.0) ? 1 : 0);
   }
   for (const std::array<int, 2>& disc : constraints.discs())

@@ -214,7 +214,8 @@ std::vector<Details::MultiplierTerm> addGiven(const std::vector<ConstraintRow>& 
     const long long number = numbers[r];
     multipliers.push_back({static_cast<int>(r), number, scale});
     builder.add({number, scale * part.bound, scale, part.compliance * scale * scale,
-                 static_cast<int>(typeOf(row.kind)), row.limit / scale, row.disc, row.coefficient, row.normal},
+                 static_cast<int>(typeOf(row.kind)), row.limit / scale, row.disc, row.coefficient,
+                 row.normal},
                 part.terms, given.owners[r], !part.isIdle);
     builder.addHeld(number, part.held);
     for (const ConstraintRow::Term& term : row.terms)

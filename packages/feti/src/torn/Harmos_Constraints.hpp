@@ -68,8 +68,8 @@ inline bool isUnconditional(RowType type) {
 ///
 /// Global row numbers: given inequalities, limited rows, equalities, then gluing and Dirichlet rows by dof
 /// number. They do not depend on the number of ranks, and neither do the rows. A row is owned by the rank of
-/// the lowest of its subdomains; the two rows of a disc by that of both, and so limits and what they follow. They are scaled alike, by the mean
-/// of their lengths, so that a disc stays one.
+/// the lowest of its subdomains; the two rows of a disc by that of both, and so limits and what they follow.
+/// They are scaled alike, by the mean of their lengths, so that a disc stays one.
 ///
 /// Guarded by tests/unit/feti/test_constraints.cpp.
 class Constraints {

@@ -5,13 +5,14 @@
 
 namespace Harmos::qp {
 
-/// The next active set of PDAS where forces have limits on both sides, as friction has in the plane: that of the
-/// feasible point next to x − y/q, y the gradient of the Lagrangian and q the stiffness of springs, one an entry.
+/// The next active set of PDAS where forces have limits on both sides, as friction has in the plane: that of
+/// the feasible point next to x − y/q, y the gradient of the Lagrangian and q the stiffness of springs, one
+/// an entry.
 ///
-/// PDAS looks at each entry by itself. Where all forces on a body are at their limits they need not balance, and
-/// where but one is not, that one has to balance the others whatever its own limit is: entries change places
-/// without end. The feasible point knows what bodies do as a whole: they turn until something sticks. At the
-/// solution the set is the solution's, for x is the feasible point next to x − y/q there.
+/// PDAS looks at each entry by itself. Where all forces on a body are at their limits they need not balance,
+/// and where but one is not, that one has to balance the others whatever its own limit is: entries change
+/// places without end. The feasible point knows what bodies do as a whole: they turn until something sticks.
+/// At the solution the set is the solution's, for x is the feasible point next to x − y/q there.
 ///
 /// Limits that follow the solution are those of x. Where they cannot hold a body, as they may far from the
 /// solution, they are widened while the set is found.
@@ -25,9 +26,7 @@ class BalancedActiveSet {
       : problem_(problem), rows_(rows) {}
 
   /// Whether there is such a set: limits on both sides, equalities, no discs.
-  bool isFit() const {
-    return rows_.isPresent() && problem_.isTwoSided() && !problem_.hasDiscs();
-  }
+  bool isFit() const { return rows_.isPresent() && problem_.isTwoSided() && !problem_.hasDiscs(); }
 
   /// @param stiffness q; zero: not known.
   void aim(const MV& x, const MV& y, double stiffness) {
@@ -39,8 +38,8 @@ class BalancedActiveSet {
     MVT::MvAddMv(1.0, x, -1.0 / stiffness, y, *aim_);
   }
 
-  /// @param set in: where to begin; out: the set, or what it was. @param active receives how many entries of it
-  /// are active. @return whether there is one.
+  /// @param set in: where to begin; out: the set, or what it was. @param active receives how many entries of
+  /// it are active. @return whether there is one.
   /// @note Collective; some factorisations of C_FC_Fᵀ, tens where many bodies turn.
   bool find(LocalActiveSet& set, long long& active) {
     if (aim_.is_null())
@@ -71,7 +70,8 @@ class BalancedActiveSet {
     nearest.setBounds(lower.get(), upper.get());
     for (int k = 0; k < mostWidenings; ++k) {
       MVT::MvAddMv(widening, *radii, 0.0, *radii, *radii);
-      BoundTraits<Scalar, MV>::vectorToLimits(problem_.followingLimits(), *radii, *lower, upper.get(), nullptr);
+      BoundTraits<Scalar, MV>::vectorToLimits(problem_.followingLimits(), *radii, *lower, upper.get(),
+                                              nullptr);
       if (isFound(true))
         return true;
     }

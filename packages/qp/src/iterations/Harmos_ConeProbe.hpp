@@ -11,16 +11,17 @@
 
 namespace Harmos::qp {
 
-/// Decides whether equalities can be met at all where limits follow the solution: min ½‖C̄x − c̄‖² over the cones
+/// Decides whether equalities can be met at all where limits follow the solution: min ½‖C̄x − c̄‖² over the
+/// cones
 ///
 ///     |x_i − c| ≤ f·(x_k − l_k),   x_k ≥ l_k,
 ///
-/// which hold all points that satisfy their own limits, and the bounds of the others. By accelerated projected
-/// gradients with restarts (Beck, Teboulle, SIAM J. Imaging Sci. 2, 2009; O'Donoghue, Candès, Found. Comput. Math.
-/// 15, 2015), ‖C̄‖ ≤ 1; no product with A.
+/// which hold all points that satisfy their own limits, and the bounds of the others. By accelerated
+/// projected gradients with restarts (Beck, Teboulle, SIAM J. Imaging Sci. 2, 2009; O'Donoghue, Candès,
+/// Found. Comput. Math. 15, 2015), ‖C̄‖ ≤ 1; no product with A.
 ///
-/// The proof is that of FeasibilityProbe: r = C̄x − c̄ with rᵀ(C̄y − c̄) ≥ ½‖r‖² for all y of the cones, evaluated as it
-/// stands. In contact r is a motion that no friction hinders: it slides and rises at once.
+/// The proof is that of FeasibilityProbe: r = C̄x − c̄ with rᵀ(C̄y − c̄) ≥ ½‖r‖² for all y of the cones,
+/// evaluated as it stands. In contact r is a motion that no friction hinders: it slides and rises at once.
 ///
 /// Guarded by tests/unit/qp/test_following_limits.cpp.
 template<class Scalar, class MV, class OP>

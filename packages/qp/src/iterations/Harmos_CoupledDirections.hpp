@@ -23,12 +23,12 @@ struct CoupledDirection {
   Teuchos::RCP<MV> removed, rows; ///< null without rows
 };
 
-/// Directions of least residuals for a matrix that is not symmetric: the images (w, sC̄p) are made orthogonal to
-/// each other, and each step takes from the residual what its image can (GCR: Eisenstat, Elman, Schultz, SIAM J.
-/// Numer. Anal. 20, 1983). Residuals are those of GMRES.
+/// Directions of least residuals for a matrix that is not symmetric: the images (w, sC̄p) are made orthogonal
+/// to each other, and each step takes from the residual what its image can (GCR: Eisenstat, Elman, Schultz,
+/// SIAM J. Numer. Anal. 20, 1983). Residuals are those of GMRES.
 ///
-/// Cost: three vectors of memory a direction; a step reads the images once more than twice, with two reductions.
-/// Guarded by tests/unit/qp/test_following_limits.cpp.
+/// Cost: three vectors of memory a direction; a step reads the images once more than twice, with two
+/// reductions. Guarded by tests/unit/qp/test_following_limits.cpp.
 template<class Scalar, class MV>
 class CoupledDirections {
  public:
@@ -135,7 +135,7 @@ class CoupledDirections {
     }
   }
 
-  Teuchos::RCP<MV> blocks_[3]; // p, Ap, w
+  Teuchos::RCP<MV> blocks_[3];                                          // p, Ap, w
   std::vector<std::pair<Teuchos::RCP<MV>, Teuchos::RCP<MV>>> rowParts_; // ν, C̄p
   std::vector<double> norms2_;
   double rowWeight_ = 0.0;

@@ -83,8 +83,8 @@ class NearestFeasible {
 
   const MV& x() const { return *x_; }
 
-  /// Equalities that are a bit off from here on: forces at their bounds do not balance by chance then, and a body
-  /// that they hold alone turns until something else holds it.
+  /// Equalities that are a bit off from here on: forces at their bounds do not balance by chance then, and a
+  /// body that they hold alone turns until something else holds it.
   void unbalance(double size) {
     const Teuchos::RCP<MV> shifted = rows_.makeVector();
     BT::setRandom(*shifted);

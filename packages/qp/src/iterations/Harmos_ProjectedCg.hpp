@@ -21,11 +21,12 @@ namespace Harmos::qp {
 /// for each face. The gradient is carried along projected: the part that is projected away stays large while
 /// the rest vanishes, and would spoil it by cancellation. What is removed adds up to −μ̄.
 ///
-/// Where limits follow the solution (FollowingLimit), what is held at one goes along with what it follows: x = x_0
-/// + Tv, T = I + Σ f e_i e_kᵀ, and the equations of a face, tested on what is free alone, are not symmetric. They
-/// are solved by directions of least residuals, which take the preconditioner and the projector of the face
-/// without T for their own; equalities are a part of the residual there. This is the Newton step of the coupled
-/// problem (Alart, Curnier, Comput. Methods Appl. Mech. Engrg. 92, 1991).
+/// Where limits follow the solution (FollowingLimit), what is held at one goes along with what it follows: x
+/// = x_0
+/// + Tv, T = I + Σ f e_i e_kᵀ, and the equations of a face, tested on what is free alone, are not symmetric.
+/// They are solved by directions of least residuals, which take the preconditioner and the projector of the
+/// face without T for their own; equalities are a part of the residual there. This is the Newton step of the
+/// coupled problem (Alart, Curnier, Comput. Methods Appl. Mech. Engrg. 92, 1991).
 ///
 /// Cost of a step: one product with A, one or (preconditioned) two projections, one with the preconditioner,
 /// and two reductions for scalars; what full conjugation adds see ConjugateDirections. Guarded by
@@ -40,7 +41,8 @@ class ProjectedCg {
               const CgOptions& options, Counters& counters);
 
   /// Moves the problem's solution onto the face and the equalities, and begins there; a product with A.
-  /// @param active empty for none. @param leastHold of what forces of the face do to motions, where limits follow.
+  /// @param active empty for none. @param leastHold of what forces of the face do to motions, where limits
+  /// follow.
   /// @return false if the equalities cannot be met on the face, or motions are held by less.
   bool start(const LocalActiveSet& active, double leastHold = 0.0);
 
@@ -78,7 +80,9 @@ class ProjectedCg {
   double attainable() const;
   int staleness() const { return staleness_; }
   /// About that of the solution, bᵀb/bᵀM⁻¹b; without a preconditioner curvatureBound().
-  double stiffness() const { return stiffness_ > 0.0 && std::isfinite(stiffness_) ? stiffness_ : curvatureBound_; }
+  double stiffness() const {
+    return stiffness_ > 0.0 && std::isfinite(stiffness_) ? stiffness_ : curvatureBound_;
+  }
   /// The largest curvature pᵀAp/pᵀp met so far: a lower bound of ‖A‖.
   double curvatureBound() const { return curvatureBound_; }
 
@@ -123,8 +127,8 @@ class ProjectedCg {
   bool hasFace_ = false;
   // Where limits follow.
   std::vector<FollowingEntry> following_;
-  bool isCoupled_ = false;    // on any rank
-  bool isDeficient_ = false;                  // motions on which no force of the face acts
+  bool isCoupled_ = false;   // on any rank
+  bool isDeficient_ = false; // motions on which no force of the face acts
   CoupledDirections<Scalar, MV> coupled_;
   Teuchos::RCP<MV> rowResidual_; // C̄x − c̄
   Teuchos::RCP<const FaceGram> faceGram_;

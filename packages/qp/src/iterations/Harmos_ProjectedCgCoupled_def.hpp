@@ -14,7 +14,8 @@ namespace Harmos::qp {
 
 // The steps of ProjectedCg on faces where limits follow the solution.
 
-// Motions on which no force of the face acts are those of before: gradients at what slips tell slips with them.
+// Motions on which no force of the face acts are those of before: gradients at what slips tell slips with
+// them.
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::keepMotions(const MV& before) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
@@ -37,10 +38,8 @@ void ProjectedCg<Scalar, MV, OP>::findFollowing() {
   isCoupled_ = false;
   if (!problem_.hasFollowingLimits())
     return;
-  following_ =
-      Kernels::followingEntries(problem_.followingLimits(), problem_.feasibleSet().discs, active_);
-  isCoupled_ =
-      BoundTraits<Scalar, MV>::maximum(*problem_.solution(), following_.empty() ? 0.0 : 1.0) > 0.0;
+  following_ = Kernels::followingEntries(problem_.followingLimits(), problem_.feasibleSet().discs, active_);
+  isCoupled_ = BoundTraits<Scalar, MV>::maximum(*problem_.solution(), following_.empty() ? 0.0 : 1.0) > 0.0;
   if (isCoupled_ && rows_.isPresent() && rowResidual_.is_null())
     rowResidual_ = rows_.makeVector();
 }
@@ -67,8 +66,8 @@ void ProjectedCg<Scalar, MV, OP>::solveRows(const MV& residual, MV& x) {
   BT::maskActive(x, active_);
 }
 
-// x = TC̄_Fᵀη with C̄x = r, where there is one: the matrix of rows is not symmetric, and (C̄_FC̄_Fᵀ)⁻, which knows
-// nothing of T, makes the directions.
+// x = TC̄_Fᵀη with C̄x = r, where there is one: the matrix of rows is not symmetric, and (C̄_FC̄_Fᵀ)⁻, which
+// knows nothing of T, makes the directions.
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::solveRowsThatFollow(const MV& residual, MV& x) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
@@ -106,8 +105,8 @@ void ProjectedCg<Scalar, MV, OP>::solveRowsThatFollow(const MV& residual, MV& x)
   }
 }
 
-// Whether forces of the face act on all motions, or on some not at all, or on some hardly: the least eigenvalue of
-// C̄_FC̄_Fᵀ, about, as the share of all forces of equalities and bounds that are there.
+// Whether forces of the face act on all motions, or on some not at all, or on some hardly: the least
+// eigenvalue of C̄_FC̄_Fᵀ, about, as the share of all forces of equalities and bounds that are there.
 template<class Scalar, class MV, class OP>
 double ProjectedCg<Scalar, MV, OP>::hold() {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;

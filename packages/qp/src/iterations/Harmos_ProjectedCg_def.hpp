@@ -141,7 +141,7 @@ void ProjectedCg<Scalar, MV, OP>::findSlips() {
       BoundTraits<Scalar, MV>::maximum(*problem_.solution(), active_.slipping.empty() ? 0.0 : 1.0) > 0.0;
   softGram_ = Teuchos::null;
   const bool isAsked = isSoftened_ || ((problem_.hasFollowingLimits() || problem_.isTwoSided()) &&
-                                      preconditioner_.isPresent());
+                                       preconditioner_.isPresent());
   if (!isAsked || stiffness_ > 0.0)
     return;
   const MV& b = *problem_.rhs();

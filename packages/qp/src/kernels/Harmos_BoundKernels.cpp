@@ -313,8 +313,9 @@ Smoothed projectSmoothly(double v, double lower, double upper, double width) {
   const double rootA = std::hypot(a, 2.0 * width), rootB = std::hypot(b, 2.0 * width);
   const double part = 0.5 * (1.0 + (a + b) / (rootA + rootB));
   const double sineA = a / rootA, sineB = b / rootB;
-  const double slope = a * b > 0.0 ? 0.5 * four * length * ((a + b) / (rootA * rootA * rootB * rootB)) / (sineA + sineB)
-                                   : 0.5 * (sineA - sineB);
+  const double slope =
+      a * b > 0.0 ? 0.5 * four * length * ((a + b) / (rootA * rootA * rootB * rootB)) / (sineA + sineB)
+                  : 0.5 * (sineA - sineB);
   return {std::clamp(lower + part * length, lower, upper), slope};
 }
 

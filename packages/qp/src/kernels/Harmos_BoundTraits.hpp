@@ -46,7 +46,8 @@ struct FollowUpdate {
 /// What limits that follow add to an ActiveSetChange; global.
 struct FollowChange {
   long long changed = 0, active = 0;
-  double distance2 = 0.0; ///< of active entries from their limits, and of slipping pairs within theirs; squares
+  double distance2 =
+      0.0; ///< of active entries from their limits, and of slipping pairs within theirs; squares
 };
 
 /// What one pass over an iterate and its gradient yields; global, the same on all ranks.
@@ -179,8 +180,8 @@ struct BoundTraits {
   static void project(MV& x, const FeasibleSet<MV>& feasible);
 
   /// Π smoothed over a width w (Chen, Mangasarian, Comput. Optim. Appl. 5, 1996): of a bound l what solves
-  /// (x − l)(x − v) = w², of an interval l + p(v − l) − p(v − u), p(a) = ½(a + √(a² + 4w²)), within them. Discs
-  /// stay as they are. @param slope receives dx/dv, in (0, 1]; 0 where l = u. Local.
+  /// (x − l)(x − v) = w², of an interval l + p(v − l) − p(v − u), p(a) = ½(a + √(a² + 4w²)), within them.
+  /// Discs stay as they are. @param slope receives dx/dv, in (0, 1]; 0 where l = u. Local.
   static void projectSmoothly(const MV& v, const FeasibleSet<MV>& feasible, double width, MV& x, MV& slope);
 
   /// v_i ← w_iv_i. Local.
@@ -254,8 +255,8 @@ struct BoundTraits {
   /// Entries whose states differ. @param before empty: all do. @param like any vector of their length.
   static long long changed(const MV& like, const LocalActiveSet& before, const LocalActiveSet& set);
 
-  /// x ← the nearest point with |x_i − c| ≤ f·(x_k − l_k) for all limits that follow, each with a source of its
-  /// own, and within the bounds of the others. Local.
+  /// x ← the nearest point with |x_i − c| ≤ f·(x_k − l_k) for all limits that follow, each with a source of
+  /// its own, and within the bounds of the others. Local.
   static void projectOntoCones(MV& x, const FeasibleSet<MV>& feasible,
                                const std::vector<FollowingLimit>& limits);
   /// Infimum of wᵀx over these points; what falls without end counts in openNorm.

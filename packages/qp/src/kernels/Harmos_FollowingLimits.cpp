@@ -46,8 +46,8 @@ FollowChange update(const FollowingLimits& limits, const double* x, const double
     if (limit.isDisc) {
       const Disc& disc = discs->discs()[static_cast<std::size_t>(limit.place)];
       if (set[static_cast<std::size_t>(disc.first)] == LocalActiveSet::slips)
-        distance = std::max(0.0, disc.radius - std::hypot(x[disc.first] - disc.centre[0],
-                                                          x[disc.second] - disc.centre[1]));
+        distance = std::max(
+            0.0, disc.radius - std::hypot(x[disc.first] - disc.centre[0], x[disc.second] - disc.centre[1]));
     } else {
       const int i = limit.place;
       const auto place = static_cast<std::size_t>(i);
@@ -82,8 +82,12 @@ std::vector<FollowingEntry> followingEntries(const FollowingLimits& limits, cons
       continue;
     if (!limit.isDisc) {
       if (const signed char side = active[static_cast<std::size_t>(limit.place)]; side != 0)
-        result.push_back(
-            {limit.place, -1, {static_cast<double>(side), 0.0}, {limit.centre, 0.0}, limit.source, limit.factor});
+        result.push_back({limit.place,
+                          -1,
+                          {static_cast<double>(side), 0.0},
+                          {limit.centre, 0.0},
+                          limit.source,
+                          limit.factor});
       continue;
     }
     const Disc& disc = discs->discs()[static_cast<std::size_t>(limit.place)];
@@ -217,10 +221,9 @@ void limitsToArray(const FollowingLimits& limits, const double* upper, const Loc
 void arrayToLimits(const FollowingLimits& limits, const double* radii, double* lower, double* upper,
                    LocalDiscs* discs) {
   for (const FollowingLimit& limit : limits)
-    setRadius(
-        limit,
-        radii[limit.isDisc ? discs->discs()[static_cast<std::size_t>(limit.place)].first : limit.place],
-        lower, upper, discs);
+    setRadius(limit,
+              radii[limit.isDisc ? discs->discs()[static_cast<std::size_t>(limit.place)].first : limit.place],
+              lower, upper, discs);
 }
 
 } // namespace Harmos::qp::Kernels

@@ -8,8 +8,8 @@
 
 namespace Harmos::qp {
 
-/// A limit that follows the solution: the radius of an interval about a centre, or of a disc, is a multiple of
-/// how far another entry is from its lower bound,
+/// A limit that follows the solution: the radius of an interval about a centre, or of a disc, is a multiple
+/// of how far another entry is from its lower bound,
 ///
 ///     |x_i − c| ≤ r,  or  |(x_i, x_j) − c| ≤ r,   r = f·(x_k − l_k)⁺,
 ///
@@ -37,8 +37,8 @@ struct FollowingEntry {
 
 namespace Kernels {
 
-/// r ← r + s(f·(x_k − αg_k − l_k)⁺ − r). @param g null: zeros. @param upper null without intervals; discs null
-/// without discs.
+/// r ← r + s(f·(x_k − αg_k − l_k)⁺ − r). @param g null: zeros. @param upper null without intervals; discs
+/// null without discs.
 void follow(const FollowingLimits& limits, const double* x, const double* g, const FollowUpdate& how,
             double* lower, double* upper, LocalDiscs* discs);
 
@@ -70,13 +70,14 @@ Cones conesOf(const FollowingLimits& limits, const double* x, const LocalDiscs* 
 void projectOntoCones(const Cones& points, const FollowingLimits& limits, const double* lower,
                       const LocalDiscs* discs, double* x);
 
-/// Takes the entries of limits from w. @param sums receives the infimum, the square of what falls without end,
-/// and that of the corners' distances.
+/// Takes the entries of limits from w. @param sums receives the infimum, the square of what falls without
+/// end, and that of the corners' distances.
 void takeConeInfimum(const FollowingLimits& limits, const double* lower, const LocalDiscs* discs, double* w,
                      double* sums);
 
 /// The radii, at the first entry that each is of; and back.
-void limitsToArray(const FollowingLimits& limits, const double* upper, const LocalDiscs* discs, double* radii);
+void limitsToArray(const FollowingLimits& limits, const double* upper, const LocalDiscs* discs,
+                   double* radii);
 void arrayToLimits(const FollowingLimits& limits, const double* radii, double* lower, double* upper,
                    LocalDiscs* discs);
 

@@ -51,9 +51,8 @@ FollowChange Traits::updateFollowing(const MultiVector& x, const MultiVector& gr
   {
     const Reader xs(x), gs(gradient);
     const BoxReader box(feasible, x);
-    const FollowChange change =
-        Kernels::update(limits, xs.data(), gs.data(), box.l.data(), box.u.data(), feasible.discs, stepLength,
-                        gradientNoise, before, set);
+    const FollowChange change = Kernels::update(limits, xs.data(), gs.data(), box.l.data(), box.u.data(),
+                                                feasible.discs, stepLength, gradientNoise, before, set);
     sums[0] = static_cast<double>(change.changed);
     sums[1] = static_cast<double>(change.active);
     sums[2] = change.distance2;

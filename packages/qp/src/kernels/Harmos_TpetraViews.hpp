@@ -58,7 +58,8 @@ using Set = FeasibleSet<MultiVector>;
 class BoxReader {
  public:
   BoxReader(const Set& set, const MultiVector& instead)
-      : l(set.lower, instead, -std::numeric_limits<double>::infinity()), u(set.upper, instead, std::numeric_limits<double>::infinity()) {}
+      : l(set.lower, instead, -std::numeric_limits<double>::infinity()),
+        u(set.upper, instead, std::numeric_limits<double>::infinity()) {}
   // From an entry on.
   Kernels::Bounds at(std::size_t begin) const {
     return {l.data() == nullptr ? nullptr : l.data() + begin,

@@ -105,8 +105,8 @@ class Problem {
   FeasibleSet<MV> feasibleSet() const { return {lower_.get(), upper_.get(), discs_.get()}; }
   bool hasDiscs() const { return discs_ != nullptr; }
   bool isTwoSided() const { return !lower_.is_null() && !upper_.is_null(); }
-  /// The problem with limits as they are, and as they will be when this one lets them follow; to be solved while
-  /// this lives.
+  /// The problem with limits as they are, and as they will be when this one lets them follow; to be solved
+  /// while this lives.
   Teuchos::RCP<Problem> frozen() const {
     const auto copy = Teuchos::rcp(new Problem(*this));
     copy->following_ = nullptr;

@@ -138,11 +138,10 @@ template<class Scalar, class MV, class OP>
 bool Problem<Scalar, MV, OP>::isFollowable() const {
   return std::all_of(following_->begin(), following_->end(), [this](const FollowingLimit& limit) {
     const auto length = static_cast<int>(discs_ ? discs_->length() : std::numeric_limits<int>::max());
-    const bool isPlace =
-        limit.isDisc ? discs_ && limit.place < static_cast<int>(discs_->discs().size())
-                     : !upper_.is_null() && limit.place < length;
-    return limit.place >= 0 && isPlace && limit.source >= 0 && limit.source < length &&
-           limit.factor >= 0.0 && std::isfinite(limit.factor);
+    const bool isPlace = limit.isDisc ? discs_ && limit.place < static_cast<int>(discs_->discs().size())
+                                      : !upper_.is_null() && limit.place < length;
+    return limit.place >= 0 && isPlace && limit.source >= 0 && limit.source < length && limit.factor >= 0.0 &&
+           std::isfinite(limit.factor);
   });
 }
 

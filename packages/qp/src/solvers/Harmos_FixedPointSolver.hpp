@@ -5,15 +5,15 @@
 
 namespace Harmos::qp {
 
-/// Limits that follow the solution, by another solver that knows nothing of them: they stay while it solves the
-/// quadratic program that they make, and follow then,
+/// Limits that follow the solution, by another solver that knows nothing of them: they stay while it solves
+/// the quadratic program that they make, and follow then,
 ///
 ///     r ← r + s(f(x(r)) − r),
 ///
-/// until the answer is one to the limits that belong to it. Where the map does not contract, s is less than one
-/// (Aitken's rule for vectors: Irons, Tuck, Int. J. Numer. Meth. Engng. 1, 1969); where a program has no
-/// feasible point, the step before it is halved, or forces that hold make the limits, see ConeProbe: it also tells
-/// where there are none.
+/// until the answer is one to the limits that belong to it. Where the map does not contract, s is less than
+/// one (Aitken's rule for vectors: Irons, Tuck, Int. J. Numer. Meth. Engng. 1, 1969); where a program has no
+/// feasible point, the step before it is halved, or forces that hold make the limits, see ConeProbe: it also
+/// tells where there are none.
 ///
 /// For solvers whose letsLimitsFollow() is false, and where PDAS hands over. Guarded by
 /// tests/unit/qp/test_following_limits.cpp.

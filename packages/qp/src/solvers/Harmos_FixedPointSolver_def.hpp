@@ -84,8 +84,8 @@ void FixedPointSolver<Scalar, MV, OP>::solveFrozen() {
   this->acceptance_ = acceptance;
 }
 
-// That these limits cannot hold says nothing of others: towards those of the last program that had a solution, or to
-// those of forces that hold; if there are none, that is proven.
+// That these limits cannot hold says nothing of others: towards those of the last program that had a
+// solution, or to those of forces that hold; if there are none, that is proven.
 template<class Scalar, class MV, class OP>
 bool FixedPointSolver<Scalar, MV, OP>::findsLimits() {
   constexpr int mostRetreats = 10, mostSteps = 5000;

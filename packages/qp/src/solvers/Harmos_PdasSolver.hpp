@@ -158,9 +158,9 @@ class PdasSolver<Scalar, MV, OP>::Run {
   Teuchos::RCP<MV> best_, bestMultiplier_;
   bool hasBest_ = false;
 
-  bool isCold_ = false;  // nothing is known of the solution
-  bool settled_ = false; // the last look changed nothing
-  bool isMoved_ = false; // x, since then
+  bool isCold_ = false;   // nothing is known of the solution
+  bool settled_ = false;  // the last look changed nothing
+  bool isMoved_ = false;  // x, since then
   bool balances_ = false; // all sets, where limits follow
   bool newFace_ = true, started_ = false;
   // On a face.

@@ -240,8 +240,8 @@ bool PdasSolver<Scalar, MV, OP>::Run::Progress::isCircle(const ActiveSetChange& 
   return !seen.insert({change.signature[0], change.signature[1]}).second && ++repeats > mostRepeats;
 }
 
-// Onto the face. Where all that holds a body is at its limit, these forces need not balance, and where what is left
-// holds it hardly, as the facets of a round body do, it is no better: another set does.
+// Onto the face. Where all that holds a body is at its limit, these forces need not balance, and where what
+// is left holds it hardly, as the facets of a round body do, it is no better: another set does.
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::startsOnFace() {
   constexpr double hardly = 1e-4; // of all forces that there are; a few points that touch have some 1e-3
@@ -393,9 +393,8 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
 // Limits that have moved by what counts beside the residual make another face.
 template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::lookAtFollowing(double stepLength) {
-  const FollowChange more =
-      BT::updateFollowing(x_, *y_, feasible_, problem_.followingLimits(), stepLength,
-                          10.0 * cg_.attainable(), before_, set_);
+  const FollowChange more = BT::updateFollowing(x_, *y_, feasible_, problem_.followingLimits(), stepLength,
+                                                10.0 * cg_.attainable(), before_, set_);
   change_.active += more.active;
   change_.changed += more.changed;
   if (change_.changed == 0 && std::sqrt(more.distance2) > 0.5 * stepLength * cg_.residualNorm())
@@ -416,8 +415,8 @@ bool PdasSolver<Scalar, MV, OP>::Run::isCandidate() {
     return true;
   double expected = expected_;
   if (hasFollowing() && !problem_.hasDiscs()) { // what is beyond limits, by the stiffness that there is
-    expected = cg_.residualNorm() + std::sqrt(change_.wrongSign2) +
-               cg_.stiffness() * std::sqrt(change_.violation2);
+    expected =
+        cg_.residualNorm() + std::sqrt(change_.wrongSign2) + cg_.stiffness() * std::sqrt(change_.violation2);
     if (change_.changed != 0 && expected > 0.5 * disproved_)
       return false;
   }

@@ -187,11 +187,11 @@ class SolverManager {
   double sessionSeconds() const;
 
   Teuchos::RCP<SolverMonitor<MV>> monitor_;
-  std::function<void(Archive&)> state_;  // of doSolve()
+  std::function<void(Archive&)> state_;      // of doSolve()
   std::function<void(Archive&)> delegation_; // of doSolve(), beside that of the solver it delegates to
   std::function<void(Archive&)> before_;     // of the solvers that delegate to this one
-  int depth_ = 0;                        // the number of those
-  int productsBefore_ = 0;               // of those, as their seconds
+  int depth_ = 0;                            // the number of those
+  int productsBefore_ = 0;                   // of those, as their seconds
   double startedAfter_ = 0.0;
   bool hasResumed_ = false;
   double secondsBefore_ = 0.0; // of the runs before this one
