@@ -112,6 +112,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   bool isAnswer();
   bool mayGoOn();
   bool follows(const std::string& why);
+  bool balances(const std::string& why);
   bool descends(const std::string& why);
 
   void describeState();
@@ -158,10 +159,11 @@ class PdasSolver<Scalar, MV, OP>::Run {
   Teuchos::RCP<MV> best_, bestMultiplier_;
   bool hasBest_ = false;
 
-  bool isCold_ = false;   // nothing is known of the solution
-  bool settled_ = false;  // the last look changed nothing
-  bool isMoved_ = false;  // x, since then
-  bool balances_ = false; // all sets, where limits follow
+  bool isCold_ = false;     // nothing is known of the solution
+  bool settled_ = false;    // the last look changed nothing
+  bool isMoved_ = false;    // x, since then
+  bool balances_ = false;   // all sets, where limits follow
+  double stiffening_ = 1.0; // of the springs of next_
   bool newFace_ = true, started_ = false;
   // On a face.
   double target_ = 0.0;

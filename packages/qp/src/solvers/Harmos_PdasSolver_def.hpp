@@ -181,6 +181,7 @@ void PdasSolver<Scalar, MV, OP>::Run::describeState() {
     if (hasFollowing()) {
       archive.number("pdas disproved", disproved_);
       archive.number("pdas balances", balances_);
+      archive.number("pdas stiffening", stiffening_);
     }
     archive.number("pdas stepped", stepped_);
     archive.number("pdas face steps", faceSteps_);
@@ -374,7 +375,7 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
   if (hasFollowing())
     lookAtFollowing(stepLength);
   if (next_.isFit())
-    next_.aim(x_, *y_, cg_.stiffness());
+    next_.aim(x_, *y_, stiffening_ * cg_.stiffness());
   // ‖g^P‖ at the projection of x is at most ‖w‖ + ‖multipliers of the wrong sign‖ + ‖A‖‖x − Π(x)‖.
   expected_ = cg_.residualNorm() + std::sqrt(change_.wrongSign2) + curvature * std::sqrt(change_.violation2);
   active_ = change_.active;
@@ -460,6 +461,21 @@ bool PdasSolver<Scalar, MV, OP>::Run::follows(const std::string& why) {
   return true;
 }
 
+// Where limits follow: all sets are balanced from here on; then springs are stiffer, and steps shorter with
+// them, which leads out of circles.
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::balances(const std::string& why) {
+  constexpr double factor = 4.0, stiffest = 256.0;
+  if (!hasFollowing() || !next_.isFit() || stiffening_ >= stiffest)
+    return false;
+  stiffening_ *= balances_ ? factor : 1.0;
+  balances_ = true;
+  progress_.forget();
+  solver_.log_.detail("PDAS: " + why + "; sets are balanced, with springs " + scientific(stiffening_, 1) +
+                      " times as stiff");
+  return true;
+}
+
 // From the best iterate on, sets descend.
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::descends(const std::string& why) {
@@ -496,13 +512,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::mayGoOn() {
   // Where limits follow sets may be the same again and again.
   if (!isLost && (hasFollowing() || !progress_.isCircle(change_)))
     return true;
-  if (hasFollowing() && next_.isFit() && !balances_) {
-    balances_ = true;
-    progress_.forget();
-    solver_.log_.detail("PDAS: " + why + "; sets are balanced from here on");
-    return true;
-  }
-  if (follows(why) || descends(why))
+  if (balances(why) || follows(why) || descends(why))
     return true;
   handOver(why);
   return false;
