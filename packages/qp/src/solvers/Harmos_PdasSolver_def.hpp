@@ -305,7 +305,8 @@ bool PdasSolver<Scalar, MV, OP>::Run::descend() {
     if (problem_.hasDiscs() || hasFollowing())
       judged.projectedGradient *= 2.0;
     std::optional<Reason> reason = solver_.judge(judged);
-    if (reason && *reason == Reason::Converged && cg_.residualNorm() > 0.25 * disproved_)
+    // What was looked at before and was no answer is not looked at again for a little less.
+    if (hasFollowing() && reason == Reason::Converged && cg_.residualNorm() > 0.25 * disproved_)
       reason.reset();
     if (reason && *reason != Reason::Converged) {
       solver_.keepState(*reason);
