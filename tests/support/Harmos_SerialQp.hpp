@@ -7,6 +7,7 @@
 
 #include "Harmos_BoundKernels.hpp"
 #include "Harmos_BoundTraits.hpp"
+#include "Harmos_DiscKernels.hpp"
 #include "Harmos_FollowingLimits.hpp"
 #include "Harmos_SerialVector.hpp"
 
@@ -230,13 +231,17 @@ struct BoundTraits<double, SerialVector> {
       v()[i] *= w()[i];
   }
 
-  static void projectSmoothly(const V& v, const Set& feasible, double width, V& x, V& slope) {
+  static void projectSmoothly(const V& v, const Set& feasible, double width, V& x, V& slope,
+                              std::vector<Slip>& rims) {
+    rims.clear();
     for (std::size_t i = 0; i < v().size(); ++i) {
       const auto smoothed =
           Kernels::projectSmoothly(v()[i], lowerOf(feasible, i), upperOf(feasible, i), width);
       x()[i] = smoothed.x;
       slope()[i] = smoothed.slope;
     }
+    if (feasible.hasDiscs())
+      Kernels::projectSmoothly(feasible.discs->discs(), width, x().data(), slope().data(), rims);
   }
 
   static void project(V& x, const Set& feasible) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_RandomScene.hpp"
 
+#include "Harmos_Friction.hpp"
 #include "Harmos_Log.hpp"
 
 #include <cmath>
@@ -46,11 +47,16 @@ struct Block {
   fem::StructuredBlock::Options options;
   fem::Material material;
   Hold hold = Hold::None;
+  double friction = 0.0; // coefficient where it stands on the one below, or on the obstacle
 };
 
 class Generator {
  public:
-  explicit Generator(unsigned seed) : draw_(seed) { result_.seed = seed; }
+  /// @param mostFriction 0: none.
+  explicit Generator(unsigned seed, double mostFriction = 0.0) : draw_(seed), mostFriction_(mostFriction) {
+    result_.seed = seed;
+    result_.mostFriction = mostFriction;
+  }
 
   RandomScene make() {
     drawPhysics();
@@ -75,8 +81,11 @@ class Generator {
   }
 
   void drawPhysics() {
-    const Physics physics = draw_.one<Physics>({Physics::Membrane, Physics::PlaneStrain, Physics::PlaneStrain,
-                                                Physics::PlaneStress, Physics::Solid, Physics::Solid});
+    std::vector<Physics> choices = {Physics::Membrane,    Physics::PlaneStrain, Physics::PlaneStrain,
+                                    Physics::PlaneStress, Physics::Solid,       Physics::Solid};
+    if (mostFriction_ > 0.0)
+      choices.erase(choices.begin());
+    const Physics physics = draw_.one(choices);
     both([&](scene::Scene& scene) { scene.physics = physics; });
     isMembrane_ = physics == Physics::Membrane;
     dimension_ = physics == Physics::Solid ? 3 : 2;
@@ -103,7 +112,8 @@ class Generator {
   }
 
   fem::Material drawMaterial() {
-    const double young = draw_.logarithmic(1e-6, 1e6);
+    const double contrast = mostFriction_ > 0.0 ? 1e2 : 1e6;
+    const double young = draw_.logarithmic(1.0 / contrast, contrast);
     const double poisson = draw_.chance(0.3) ? 0.5 - draw_.logarithmic(1e-4, 1e-1) : draw_.within(0.0, 0.4);
     fem::Material material = fem::Material::isotropic(young, poisson);
     if (draw_.chance(0.2)) { // fibres
@@ -219,6 +229,25 @@ class Generator {
     }
     isOnContact_ = true;
     both([&](scene::Scene& scene) { addObstacle(scene, {0, lowEnd(axis_)}, obstacle); });
+    rub(0);
+  }
+
+  // Friction on the contact that was added last, below a block.
+  void rub(std::size_t b) {
+    if (mostFriction_ <= 0.0 || !draw_.chance(0.9))
+      return;
+    if (draw_.chance(0.15)) {
+      const double slipBound = blocks_[b].material.young[0] * draw_.logarithmic(1e-6, 1e-2);
+      both([&](scene::Scene& scene) {
+        scene.effects.push_back(std::make_shared<effects::Friction>(scene.effects.back(), slipBound));
+      });
+      return;
+    }
+    blocks_[b].friction = draw_.logarithmic(0.02 * mostFriction_, mostFriction_);
+    both([&](scene::Scene& scene) {
+      scene.effects.push_back(
+          std::make_shared<effects::Friction>(scene.effects.back(), effects::Coulomb(blocks_[b].friction)));
+    });
   }
 
   void join(int b) {
@@ -236,13 +265,38 @@ class Generator {
     if (isTie) {
       both([&](scene::Scene& scene) { addTie(scene, below, above); });
       blocks_[upper].hold = blocks_[upper - 1].hold;
+      blocks_[upper].friction = tied;
       return;
     }
     const double gap = draw_.one<double>({0.0, 0.0, 1.0, -1.0}) * smallLength();
     both([&](scene::Scene& scene) { addContact(scene, below, above, gap); });
     isOnContact_ = true;
+    rub(upper);
     if (!isMembrane_ && draw_.chance(0.6))
       holdSideways(upper);
+  }
+
+  // Sideways by so much of what presses down on the topmost body.
+  void drawPush() {
+    const std::size_t top = blocks_.size() - 1;
+    if (mostFriction_ <= 0.0 || blocks_[top].hold == Hold::Full || !draw_.chance(0.7))
+      return;
+    double share = 1.0;
+    if (blocks_[top].hold == Hold::None) {
+      // Each body that nothing else holds hands it down to the next one.
+      for (std::size_t b = top + 1; b-- > 0 && blocks_[b].hold == Hold::None;)
+        share = std::min(share, 0.5 * blocks_[b].friction);
+      for (const Block& block : blocks_)
+        for (std::size_t d : across())
+          share = std::min(share, 0.1 * block.options.size[d] / height_);
+      if (blocks_[top].friction > 0.0 && blocks_[top].friction < tied && draw_.chance(0.2)) {
+        share = 2.0 * blocks_[top].friction;
+        result_.isSolvable = false;
+      }
+    } else {
+      share *= draw_.within(-1.0, 1.0);
+    }
+    push_[draw_.one(across())] = share;
   }
 
   // A push towards the base, or anywhere where the body is held.
@@ -255,6 +309,9 @@ class Generator {
         density[d] = size * draw_.within(-1.0, 1.0);
     } else {
       density[axis_] = -size;
+      if (b + 1 == blocks_.size())
+        for (std::size_t d : across())
+          density[d] = size * push_[d];
     }
     return density;
   }
@@ -280,6 +337,7 @@ class Generator {
 
   void load() {
     const std::size_t top = blocks_.size() - 1;
+    drawPush();
     // Of the size that some body of the stack bears; others may be softer or stiffer by far.
     const double young =
         blocks_[static_cast<std::size_t>(draw_.integer(0, static_cast<int>(top)))].material.young[0];
@@ -301,7 +359,8 @@ class Generator {
         addTraction(scene, {static_cast<int>(top), highEnd(axis_)}, density);
       });
     }
-    if (!isOnContact_ || blocks_[top].hold == Hold::Full)
+    if (!isOnContact_ || blocks_[top].hold == Hold::Full ||
+        (push_ != Point{} && blocks_[top].hold == Hold::None))
       return;
     if (draw_.chance(0.2)) { // pressed down by its far end
       prescribeBoth(top, highEnd(axis_), isMembrane_ ? 0 : axis_, -smallLength());
@@ -357,7 +416,11 @@ class Generator {
     settings.push_back("Solver/Maximum iterations=10000");
   }
 
+  static constexpr double tied = 1e300; // a coefficient that ties have
+
   Draw draw_;
+  double mostFriction_;
+  Point push_{}; // over what presses down, of the topmost body
   RandomScene result_;
   std::vector<Block> blocks_;
   std::vector<bool> isHeldAnywhere_;
@@ -373,6 +436,10 @@ class Generator {
 
 RandomScene randomScene(unsigned seed) {
   return Generator(seed).make();
+}
+
+RandomScene randomFrictionScene(unsigned seed, double most) {
+  return Generator(seed, most).make();
 }
 
 std::string RandomScene::text() const {

@@ -44,7 +44,8 @@ class Whole {
     const Teuchos::SerialComm<int> alone;
     const std::vector<scene::OwnedSubdomain> owned = scene::decompose(alone, scene);
     pieces_ = scene::assemble(scene, owned);
-    rows_ = scene::setUpContact(alone, scene, owned).rows;
+    contact_ = scene::setUpContact(alone, scene, owned);
+    rows_ = contact_.rows;
     std::sort(rows_.begin(), rows_.end(),
               [](const ConstraintRow& a, const ConstraintRow& b) { return a.number < b.number; });
     for (const feti::Subdomain& piece : pieces_) {
@@ -131,10 +132,10 @@ class Whole {
       for (const ConstraintRow::Term& term : row.terms)
         w += term.coefficient * u[shared_.at(term.dof)];
       const double excess = w - row.bound;
-      if (row.kind == ConstraintRow::Kind::Equality) {
+      if (row.kind == ConstraintRow::Kind::Equality)
         result.tieJump = std::max(result.tieJump, std::abs(excess));
+      if (row.kind != ConstraintRow::Kind::Inequality)
         continue;
-      }
       result.penetration = std::max(result.penetration, excess);
       const double force = contact.at(inequality++).force;
       for (const ConstraintRow::Term& term : row.terms)
@@ -146,6 +147,43 @@ class Whole {
     }
     result.pull = largest > 0.0 ? -leastForce / largest : 0.0;
     result.forceAtDistance = total > 0.0 ? moment / total : 0.0;
+    judgeFriction(u, contact, largest, imbalance, result);
+  }
+
+  // By the law itself: |λ_t| ≤ g and g|w| = λ_t·w at each point.
+  void judgeFriction(const std::vector<double>& u, const std::vector<run::ContactState>& contact,
+                     double largest, std::vector<double>& imbalance, Judgement& result) const {
+    std::map<long long, const ConstraintRow*> limited;
+    for (const ConstraintRow& row : rows_)
+      if (row.kind == ConstraintRow::Kind::Limited)
+        limited[row.number] = &row;
+    double limits = 0.0, against = 0.0;
+    for (std::size_t k = 0; k < contact_.slips.size(); ++k) {
+      const contact::SlipPoint& point = contact_.slips[k];
+      const run::ContactState& state = contact.at(point.point);
+      const std::size_t tangents = limited.size() / contact_.slips.size();
+      double force2 = 0.0, slip2 = 0.0, product = 0.0;
+      for (std::size_t t = 0; t < tangents; ++t) {
+        const ConstraintRow& row = *limited.at(static_cast<long long>(tangents * k + t));
+        double slip = -row.bound, force = 0.0;
+        for (std::size_t d = 0; d < 3; ++d)
+          force -= state.traction[d] * point.tangents[t][d] * contact_.points[point.point].area;
+        for (const ConstraintRow::Term& term : row.terms) {
+          slip += term.coefficient * u[shared_.at(term.dof)];
+          imbalance[shared_.at(term.dof)] += force * term.coefficient;
+        }
+        force2 += force * force;
+        slip2 += slip * slip;
+        product += force * slip;
+      }
+      const double limit = point.follows ? point.coefficient * std::max(0.0, state.force) : point.limit;
+      result.overLimit = std::max(result.overLimit, std::sqrt(force2) - limit);
+      limits += limit;
+      against += limit * std::sqrt(slip2) - product;
+    }
+    // Where contact is open everywhere, slips are free.
+    result.overLimit /= std::max({largest, limits, std::numeric_limits<double>::min()});
+    result.slipAgainst = limits > 0.0 ? against / limits : 0.0;
   }
 
   std::vector<double> contactForces(const std::vector<run::ContactState>& contact) const {
@@ -184,6 +222,7 @@ class Whole {
 
   const scene::Scene& scene_;
   std::vector<feti::Subdomain> pieces_;
+  scene::ContactSetup contact_;
   std::vector<ConstraintRow> rows_;
   std::map<long long, std::size_t> shared_;    // dofs by their global number
   std::vector<std::vector<std::size_t>> dofs_; // of the whole, of each local dof

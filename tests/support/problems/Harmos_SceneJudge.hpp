@@ -19,8 +19,10 @@ struct Judgement {
   double penetration = 0.0;     ///< max (n·w − g)₊
   double pull = 0.0;            ///< largest contact force of the wrong sign, relative to the largest
   double forceAtDistance = 0.0; ///< Σ λ|g − n·w| / Σ λ: distance over which contact acts, in the mean
-  /// ‖Ku − f + contact and tie forces‖ on dofs that are not prescribed, less its rounding errors, relative to
-  /// the largest of ‖Ku‖, ‖f‖ and the contact forces.
+  double overLimit = 0.0;   ///< largest (|λ_t| − g)₊ of friction, relative to the largest contact force
+  double slipAgainst = 0.0; ///< Σ (g|w_t| − λ_t·w_t) / Σ g: slip that is not along the force
+  /// ‖Ku − f + contact, friction and tie forces‖ on dofs that are not prescribed, less its rounding errors,
+  /// relative to the largest of ‖Ku‖, ‖f‖ and the contact forces.
   double imbalance = 0.0;
   double energy = 0.0;         ///< ½uᵀKu − fᵀu
   double energyScale = 0.0;    ///< the larger of ½uᵀKu and Σ |f_j u_j|

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_DiscKernels.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_TestQp.hpp"
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 using namespace Harmos;
 
@@ -244,4 +248,45 @@ TEST(BoundTraits, random_vectors_do_not_depend_on_the_distribution) {
     sum += value;
   }
   EXPECT_LT(std::abs(sum), 30.0); // five standard deviations of a sum of 100 uniform numbers
+}
+
+// A disc's projection, smoothed: along the radius that of an interval, along the tangent x/v; the derivative
+// that it says it has is the one of differences, and without width it is the projection itself.
+TEST(BoundTraits, smoothed_discs) {
+  const qp::Disc disc = {0, 1, {0.3, -0.2}, 0.7};
+  std::vector<qp::Slip> rims;
+  const auto projected = [&](double a, double b, double width, double* slope) {
+    std::array<double, 2> x = {a, b};
+    double unused[2];
+    rims.clear();
+    qp::Kernels::projectSmoothly(std::vector<qp::Disc>{disc}, width, x.data(),
+                                 slope != nullptr ? slope : unused, rims);
+    return x;
+  };
+  for (double width : {1.0, 0.1, 1e-2})
+    for (const auto& [a, b] : std::vector<std::pair<double, double>>{{0.4, 0.1}, {1.5, 0.8}, {-3.0, 2.0}}) {
+      double slope[2];
+      projected(a, b, width, slope);
+      const std::vector<qp::Slip> found = rims;
+      constexpr double h = 1e-6;
+      for (int k = 0; k < 2; ++k) {
+        const auto up = projected(a + (k == 0 ? h : 0), b + (k == 1 ? h : 0), width, nullptr),
+                   down = projected(a - (k == 0 ? h : 0), b - (k == 1 ? h : 0), width, nullptr);
+        double expected[2] = {k == 0 ? slope[0] : 0.0, k == 1 ? slope[1] : 0.0};
+        for (const qp::Slip& rim : found) {
+          const double t[2] = {-rim.normal[1], rim.normal[0]};
+          for (int i = 0; i < 2; ++i)
+            expected[i] += t[i] * t[k] / (1.0 + rim.curvature);
+        }
+        for (std::size_t i = 0; i < 2; ++i) // h²/w² of differences, and ε/h
+          EXPECT_NEAR((up[i] - down[i]) / (2.0 * h), expected[i], 1e-7) << width << " " << a;
+      }
+    }
+  const auto x = projected(1.5, 0.8, 1e-9, nullptr);
+  const double reach = std::hypot(1.2, 1.0);
+  EXPECT_NEAR(x[0], 0.3 + 0.7 * 1.2 / reach, 1e-8);
+  EXPECT_NEAR(x[1], -0.2 + 0.7 * 1.0 / reach, 1e-8);
+  const auto inside = projected(0.4, 0.1, 1e-9, nullptr);
+  EXPECT_NEAR(inside[0], 0.4, 1e-8);
+  EXPECT_NEAR(inside[1], 0.1, 1e-8);
 }

@@ -3,10 +3,12 @@
 
 #include "Harmos_NearestFeasible.hpp"
 
+#include <memory>
+
 namespace Harmos::qp {
 
-/// The next active set of PDAS where forces have limits on both sides, as friction has in the plane: that of
-/// the feasible point next to x − y/q, y the gradient of the Lagrangian and q the stiffness of springs, one
+/// The next active set of PDAS where forces have limits on all sides, as friction has: that of the feasible
+/// point next to x − y/q, y the gradient of the Lagrangian and q the stiffness of springs, one
 /// an entry.
 ///
 /// PDAS looks at each entry by itself. Where all forces on a body are at their limits they need not balance,
@@ -25,18 +27,21 @@ class BalancedActiveSet {
   BalancedActiveSet(const Problem<Scalar, MV, OP>& problem, const EqualityRows<Scalar, MV, OP>& rows)
       : problem_(problem), rows_(rows) {}
 
-  /// Whether there is such a set: limits on both sides, equalities, no discs.
-  bool isFit() const { return rows_.isPresent() && problem_.isTwoSided() && !problem_.hasDiscs(); }
+  /// Whether there is such a set: equalities, and limits on both sides, or discs.
+  bool isFit() const { return rows_.isPresent() && (problem_.hasDiscs() || problem_.isTwoSided()); }
 
   /// @param stiffness q; zero: not known.
   void aim(const MV& x, const MV& y, double stiffness) {
     aim_ = Teuchos::null;
     if (!(stiffness > 0.0) || !std::isfinite(stiffness))
       return;
+    stiffness_ = stiffness;
     aim_ = MVT::CloneCopy(x);
     size_ = norm<Scalar>(x);
     MVT::MvAddMv(1.0, x, -1.0 / stiffness, y, *aim_);
   }
+
+  bool isAimed() const { return !aim_.is_null(); }
 
   /// @param set in: where to begin; out: the set, or what it was. @param active receives how many entries of
   /// it are active. @return whether there is one.
@@ -52,26 +57,33 @@ class BalancedActiveSet {
     const auto isFound = [&](bool smoothly) {
       LocalActiveSet next = set;
       long long count = 0;
-      const typename Nearest::Outcome outcome =
-          smoothly ? nearest.findSmoothly(*aim_, next, count) : nearest.find(*aim_, mostSets, next, count);
+      const typename Nearest::Outcome outcome = smoothly
+                                                    ? nearest.findSmoothly(*aim_, next, count, stiffness_)
+                                                    : nearest.find(*aim_, mostSets, next, count);
       if (outcome != Nearest::Outcome::Found)
         return false;
       set = next;
       active = count;
       return true;
     };
-    if (isFound(false) || isFound(true))
+    if ((!problem_.hasDiscs() && isFound(false)) || isFound(true))
       return true;
     if (!problem_.hasFollowingLimits())
       return false;
-    const Teuchos::RCP<MV> radii = MVT::Clone(*aim_, 1), lower = MVT::CloneCopy(*problem_.lowerBound()),
-                           upper = MVT::CloneCopy(*problem_.upperBound());
+    const auto copyOf = [](const Teuchos::RCP<const MV>& bound) {
+      return bound.is_null() ? Teuchos::null : MVT::CloneCopy(*bound);
+    };
+    const Teuchos::RCP<MV> radii = MVT::Clone(*aim_, 1), lower = copyOf(problem_.lowerBound()),
+                           upper = copyOf(problem_.upperBound());
+    std::unique_ptr<LocalDiscs> discs;
+    if (problem_.hasDiscs())
+      discs = std::make_unique<LocalDiscs>(*problem_.feasibleSet().discs);
     problem_.limits(*radii);
-    nearest.setBounds(lower.get(), upper.get());
+    nearest.setBounds(lower.get(), upper.get(), discs.get());
     for (int k = 0; k < mostWidenings; ++k) {
       MVT::MvAddMv(widening, *radii, 0.0, *radii, *radii);
       BoundTraits<Scalar, MV>::vectorToLimits(problem_.followingLimits(), *radii, *lower, upper.get(),
-                                              nullptr);
+                                              discs.get());
       if (isFound(true))
         return true;
     }
@@ -84,8 +96,8 @@ class BalancedActiveSet {
 
   const Problem<Scalar, MV, OP>& problem_;
   const EqualityRows<Scalar, MV, OP>& rows_;
-  Teuchos::RCP<MV> aim_; // x − y/q
-  double size_ = 0.0;    // ‖x‖
+  Teuchos::RCP<MV> aim_;                // x − y/q
+  double size_ = 0.0, stiffness_ = 1.0; // ‖x‖; q
 };
 
 } // namespace Harmos::qp

@@ -29,9 +29,11 @@ class NearestFeasible {
     None       ///< the equalities cannot be met on the set to begin with
   };
 
-  /// Discs are left out: Π is piecewise linear. @param rows orthonormal, or none. Both to outlive this.
+  /// Discs are left out, but in findSmoothly(): Π is piecewise linear. @param rows orthonormal, or none. Both
+  /// to outlive this.
   NearestFeasible(const Problem<Scalar, MV, OP>& problem, const EqualityRows<Scalar, MV, OP>& rows)
       : feasible_{problem.lowerBound().get(), problem.upperBound().get(), nullptr},
+        discs_(problem.feasibleSet().discs),
         rows_(rows),
         x_(MVT::Clone(*problem.rhs(), 1)),
         v_(MVT::Clone(*x_, 1)),
@@ -58,7 +60,8 @@ class NearestFeasible {
   /// smoothed first (Chen, Mangasarian, Comput. Optim. Appl. 5, 1996), C̄DC̄ᵀ regular then, and all bodies move
   /// at once; the width falls until find()'s steps get on from there.
   /// @note Collective; a factorisation for each of some ten to thirty steps.
-  Outcome findSmoothly(const MV& z, LocalActiveSet& set, long long& active) {
+  /// @param stiffness with discs: q, to make curvatures of. The set is that of the smoothed point then.
+  Outcome findSmoothly(const MV& z, LocalActiveSet& set, long long& active, double stiffness = 1.0) {
     constexpr double reduction = 0.3, widest = 3.0, finest = 1e-7;
     constexpr int mostSteps = 12, mostSets = 3;
     if (!rows_.isPresent())
@@ -69,7 +72,7 @@ class NearestFeasible {
     for (double width = widest; width > finest; width *= reduction) {
       if (!smoothe(*v, height, width * size, mostSteps, *slope))
         return Outcome::None;
-      if (width > 3e-3)
+      if (width > 3e-3 || discs_ != nullptr)
         continue;
       noise_ = touching * norm<Scalar>(z);
       MVT::Assign(*v, *v_);
@@ -78,7 +81,19 @@ class NearestFeasible {
       if (outcome == Outcome::Found)
         return outcome;
     }
-    return Outcome::Unsettled;
+    if (discs_ == nullptr)
+      return Outcome::Unsettled;
+    // What is outside by more than the last width.
+    MVT::Assign(*v, *v_);
+    const FeasibleSet<MV> whole = {feasible_.lower, feasible_.upper, discs_};
+    for (int pass = 0; pass < 2; ++pass) { // the second for what was at its other bound
+      moveToFace(set);
+      MVT::MvAddMv(stiffness, *x_, -stiffness, *v_, *work_);
+      active = BT::updateActiveSet(*x_, *work_, whole, finest * size, stiffness * finest * size, set,
+                                   {1.0 / stiffness, 0.0})
+                   .active;
+    }
+    return Outcome::Found;
   }
 
   const MV& x() const { return *x_; }
@@ -93,9 +108,10 @@ class NearestFeasible {
   }
 
   /// Other bounds from here on; to outlive this.
-  void setBounds(const MV* lower, const MV* upper) {
+  void setBounds(const MV* lower, const MV* upper, const LocalDiscs* discs) {
     feasible_.lower = lower;
     feasible_.upper = upper;
+    discs_ = discs;
   }
 
   /// Adds pairs of v that are outside of their discs to the set that was found. @param stepLength 1/‖A‖, to
@@ -150,14 +166,16 @@ class NearestFeasible {
   bool smoothe(MV& v, double& height, double width, int mostSteps, MV& slope) {
     constexpr double enough = 0.1, least = 1e-3;
     const Teuchos::RCP<MV> trial = MVT::Clone(v, 1);
+    const FeasibleSet<MV> whole = {feasible_.lower, feasible_.upper, discs_};
+    std::vector<Slip> rims;
     const auto residualAt = [&](const MV& at, MV& weights) {
-      BT::projectSmoothly(at, feasible_, width, *x_, weights);
+      BT::projectSmoothly(at, whole, width, *x_, weights, rims);
       findResidual();
       return norm<Scalar>(*residual_);
     };
     double residual = residualAt(v, slope);
     for (int k = 0; k < mostSteps && residual > enough * width; ++k) {
-      const Teuchos::RCP<const FaceGram> gram = rows_.weightedGram(slope);
+      const Teuchos::RCP<const FaceGram> gram = rows_.weightedGram(slope, rims);
       BT::scatter(gram->solve(BT::gather(*residual_)), *direction_);
       double length = 1.0, next = 0.0;
       for (; length > least; length *= 0.5) {
@@ -298,7 +316,8 @@ class NearestFeasible {
     return BT::updateActiveSet(*x_, *work_, feasible_, touching * norm<Scalar>(*x_), noise_, set).changed;
   }
 
-  FeasibleSet<MV> feasible_;
+  FeasibleSet<MV> feasible_; // without discs
+  const LocalDiscs* discs_;
   const EqualityRows<Scalar, MV, OP>& rows_;
   Teuchos::RCP<MV> x_, v_, work_;
   Teuchos::RCP<MV> residual_, direction_; // of the rows

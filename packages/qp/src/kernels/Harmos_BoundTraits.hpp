@@ -181,8 +181,11 @@ struct BoundTraits {
 
   /// Π smoothed over a width w (Chen, Mangasarian, Comput. Optim. Appl. 5, 1996): of a bound l what solves
   /// (x − l)(x − v) = w², of an interval l + p(v − l) − p(v − u), p(a) = ½(a + √(a² + 4w²)), within them.
-  /// Discs stay as they are. @param slope receives dx/dv, in (0, 1]; 0 where l = u. Local.
-  static void projectSmoothly(const MV& v, const FeasibleSet<MV>& feasible, double width, MV& x, MV& slope);
+  /// In a disc along the radius, with the interval from −r to r.
+  /// @param slope receives dx/dv, in (0, 1]; 0 where l = u. In a disc that along the radius; what there is
+  /// more along the tangent, up to x/v, is added to `rims`, as 1/(1 + κ). Local.
+  static void projectSmoothly(const MV& v, const FeasibleSet<MV>& feasible, double width, MV& x, MV& slope,
+                              std::vector<Slip>& rims);
 
   /// v_i ← w_iv_i. Local.
   static void multiply(const MV& w, MV& v);

@@ -32,7 +32,7 @@ struct BoundTraits<Scalar, MultiVector> {
                                       const FeasibleSet<MultiVector>& feasible);
   static void project(MultiVector& x, const FeasibleSet<MultiVector>& feasible);
   static void projectSmoothly(const MultiVector& v, const FeasibleSet<MultiVector>& feasible, double width,
-                              MultiVector& x, MultiVector& slope);
+                              MultiVector& x, MultiVector& slope, std::vector<Slip>& rims);
   static void multiply(const MultiVector& w, MultiVector& v);
   static void maskActive(MultiVector& v, const LocalActiveSet& active);
   static void activeToVector(const LocalActiveSet& active, MultiVector& v);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_DiscKernels.hpp"
 
+#include "Harmos_BoundKernels.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -172,6 +174,25 @@ void projectedStep(const Discs& discs, double* x, double* xOld, const double* p,
 void project(const Discs& discs, double* x) {
   for (const Disc& disc : discs)
     projectOne(disc, x);
+}
+
+void projectSmoothly(const Discs& discs, double width, double* x, double* slope, std::vector<Slip>& rims) {
+  constexpr double least = 1e-12; // of weights
+  for (const Disc& disc : discs) {
+    const Pair y = fromCentre(disc, x);
+    const double reach = norm(y);
+    const Smoothed radial = projectSmoothly(reach, -disc.radius, disc.radius, width);
+    const double ratio = reach > 0.0 ? radial.x / reach : radial.slope;
+    set(disc, slope, {radial.slope, radial.slope});
+    set(disc, x, {disc.centre[0] + ratio * y.a, disc.centre[1] + ratio * y.b});
+    if (const double weight = ratio - radial.slope; reach > 0.0 && weight > least)
+      rims.push_back({disc.first,
+                      disc.second,
+                      {disc.centre[0], disc.centre[1]},
+                      disc.radius,
+                      {y.a / reach, y.b / reach},
+                      (1.0 - weight) / weight});
+  }
 }
 
 void moveToRims(const Discs& discs, const signed char* active, double* x) {

@@ -32,6 +32,9 @@ void projectedStep(const Discs& discs, double* x, double* xOld, const double* p,
 
 void project(const Discs& discs, double* x);
 
+/// See BoundTraits::projectSmoothly().
+void projectSmoothly(const Discs& discs, double width, double* x, double* slope, std::vector<Slip>& rims);
+
 /// To the rim, along the radius, where the state says so.
 void moveToRims(const Discs& discs, const signed char* active, double* x);
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_DiscKernels.hpp"
 #include "Harmos_FollowingLimits.hpp"
 #include "Harmos_TpetraViews.hpp"
 
@@ -11,13 +12,16 @@ namespace Harmos::qp {
 using Traits = BoundTraits<Scalar, MultiVector>;
 
 void Traits::projectSmoothly(const MultiVector& v, const FeasibleSet<MultiVector>& feasible, double width,
-                             MultiVector& x, MultiVector& slope) {
+                             MultiVector& x, MultiVector& slope, std::vector<Slip>& rims) {
   x.assign(v);
   slope.putScalar(1.0);
+  rims.clear();
+  const Writer xs(x), slopes(slope);
+  if (feasible.hasDiscs())
+    Kernels::projectSmoothly(feasible.discs->discs(), width, xs.data(), slopes.data(), rims);
   const MultiVector* bound = feasible.anyBound();
   if (bound == nullptr)
     return;
-  const Writer xs(x), slopes(slope);
   const BoxReader box(feasible, *bound);
   overOthers(feasible, xs.size(), [&](std::size_t k, std::size_t n) {
     for (std::size_t i = k; i < k + n; ++i) {

@@ -65,8 +65,9 @@ class EqualityRows {
   /// C̄M_FC̄ᵀ factored, M_F the mask of the free entries; needs orthonormal rows. @note Collective.
   /// @param q see FaceGramMaker::buildWithSlips().
   Teuchos::RCP<const FaceGram> faceGram(const LocalActiveSet& active, double q = 0.0) const;
-  /// The same for weights in [0, 1] in the place of the mask. @note Collective.
-  Teuchos::RCP<const FaceGram> weightedGram(const MV& weights) const;
+  /// The same for weights in [0, 1] in the place of the mask, and of tangents 1/(1 + κ) more.
+  /// @note Collective.
+  Teuchos::RCP<const FaceGram> weightedGram(const MV& weights, const std::vector<Slip>& rims = {}) const;
 
  private:
   void checkOrthonormality();

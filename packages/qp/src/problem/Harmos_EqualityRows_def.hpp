@@ -122,10 +122,24 @@ Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::faceGram(const LocalA
 }
 
 template<class Scalar, class MV, class OP>
-Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::weightedGram(const MV& weights) const {
-  if (factors_.empty() && !problem_.faceGram().is_null())
-    return problem_.faceGram()->build(weights);
-  return denseGram(gramOf([&](MV& v) { BoundTraits<Scalar, MV>::multiply(weights, v); }));
+Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::weightedGram(const MV& weights,
+                                                                        const std::vector<Slip>& rims) const {
+  if (factors_.empty() && !problem_.faceGram().is_null()) {
+    const Teuchos::RCP<const FaceGram> gram = problem_.hasDiscs()
+                                                  ? problem_.faceGram()->buildWithSlips(weights, rims, 1.0)
+                                                  : problem_.faceGram()->build(weights);
+    if (!gram.is_null())
+      return gram;
+  }
+  LocalActiveSet tangents;
+  tangents.slipping = rims;
+  for (Slip& slip : tangents.slipping)
+    slip.curvature = 1.0 / (1.0 + slip.curvature);
+  return denseGram(gramOf([&](MV& v) {
+    const Teuchos::RCP<MV> whole = Belos::MultiVecTraits<Scalar, MV>::CloneCopy(v);
+    BoundTraits<Scalar, MV>::multiply(weights, v);
+    BoundTraits<Scalar, MV>::addCurvature(tangents, 1.0, *whole, false, v);
+  }));
 }
 
 // The rows are orthonormal before they are restricted: pivots are relative to 1.

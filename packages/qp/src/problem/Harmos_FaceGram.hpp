@@ -32,8 +32,8 @@ class FaceGramMaker {
   /// @param free 1 at free entries, 0 elsewhere. @note Collective.
   virtual Teuchos::RCP<const FaceGram> build(const MV& free) const = 0;
 
-  /// The same where pairs slip along their rims: their entries are not free, but t of each is, with a weight
-  /// of q/(q + κ), or one where q = 0. Null: not known. @note Collective.
+  /// The same where pairs slip along their rims: beside what the weights `free` say of their entries, t of
+  /// each is free with a weight of q/(q + κ), or one where q = 0. Null: not known. @note Collective.
   virtual Teuchos::RCP<const FaceGram>
   buildWithSlips(const MV& /*free*/, const std::vector<Slip>& /*slipping*/, double /*q*/) const {
     return Teuchos::null;

@@ -112,6 +112,8 @@ class PdasSolver<Scalar, MV, OP>::Run {
   bool isAnswer();
   bool mayGoOn();
   bool follows(const std::string& why);
+  bool mayBalance() const;
+  void exchangeBest(StateArchive<MV>& archive);
   bool balances(const std::string& why);
   bool descends(const std::string& why);
 
@@ -158,6 +160,9 @@ class PdasSolver<Scalar, MV, OP>::Run {
   // The projected iterate with the least bound on ‖g^P‖, or the first one, and the multiplier with it.
   Teuchos::RCP<MV> best_, bestMultiplier_;
   bool hasBest_ = false;
+  // Where sets may be balanced from there: the gradient of the Lagrangian and the next set.
+  Teuchos::RCP<MV> bestGradient_;
+  LocalActiveSet bestSet_;
 
   bool isCold_ = false;     // nothing is known of the solution
   bool settled_ = false;    // the last look changed nothing

@@ -3,6 +3,7 @@
 
 #include "Harmos_MprgpSolver_def.hpp"
 #include "Harmos_PcpgSolver_def.hpp"
+#include "Harmos_PdasBalance_def.hpp"
 #include "Harmos_PdasBeginning_def.hpp"
 #include "Harmos_PdasSolver.hpp"
 #include "Harmos_ProjectedCg_def.hpp"
@@ -178,10 +179,12 @@ void PdasSolver<Scalar, MV, OP>::Run::describeState() {
     archive.number("pdas settled", settled_);
     archive.number("pdas target", target_);
     archive.number("pdas inner reduction", innerReduction_);
-    if (hasFollowing()) {
+    if (hasFollowing())
       archive.number("pdas disproved", disproved_);
+    if (mayBalance()) {
       archive.number("pdas balances", balances_);
       archive.number("pdas stiffening", stiffening_);
+      exchangeBest(archive);
     }
     archive.number("pdas stepped", stepped_);
     archive.number("pdas face steps", faceSteps_);
@@ -239,17 +242,6 @@ bool PdasSolver<Scalar, MV, OP>::Run::Progress::isLost(double bound, int patienc
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::Progress::isCircle(const ActiveSetChange& change) {
   return !seen.insert({change.signature[0], change.signature[1]}).second && ++repeats > mostRepeats;
-}
-
-// Onto the face. Where all that holds a body is at its limit, these forces need not balance, and where what
-// is left holds it hardly, as the facets of a round body do, it is no better: another set does.
-template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::startsOnFace() {
-  constexpr double hardly = 1e-4; // of all forces that there are; a few points that touch have some 1e-3
-  const bool mayBalance = next_.isFit() && !descent_.isOn();
-  if (!(balances_ && mayBalance) && cg_.start(set_, mayBalance ? hardly : 0.0))
-    return true;
-  return mayBalance && ((next_.find(set_, active_) && cg_.start(set_)) || cg_.start(set_));
 }
 
 template<class Scalar, class MV, class OP>
@@ -388,6 +380,12 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
     BT::project(*best_, feasible_);
     if (rows_.isPresent())
       cg_.multiplier(*bestMultiplier_);
+    if (mayBalance()) {
+      if (bestGradient_.is_null())
+        bestGradient_ = MVT::Clone(x_, 1);
+      MVT::Assign(*y_, *bestGradient_);
+      bestSet_ = set_;
+    }
     hasBest_ = true;
   }
 }
@@ -462,21 +460,6 @@ bool PdasSolver<Scalar, MV, OP>::Run::follows(const std::string& why) {
   return true;
 }
 
-// Where limits follow: all sets are balanced from here on; then springs are stiffer, and steps shorter with
-// them, which leads out of circles.
-template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::balances(const std::string& why) {
-  constexpr double factor = 4.0, stiffest = 256.0;
-  if (!hasFollowing() || !next_.isFit() || stiffening_ >= stiffest)
-    return false;
-  stiffening_ *= balances_ ? factor : 1.0;
-  balances_ = true;
-  progress_.forget();
-  solver_.log_.detail("PDAS: " + why + "; sets are balanced, with springs " + scientific(stiffening_, 1) +
-                      " times as stiff");
-  return true;
-}
-
 // From the best iterate on, sets descend.
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::descends(const std::string& why) {
@@ -507,9 +490,13 @@ bool PdasSolver<Scalar, MV, OP>::Run::mayGoOn() {
     handOver("there is no feasible point nearby");
     return false;
   }
-  const bool isLost = progress_.isLost(expected_, patience_);
-  const std::string why =
-      isLost ? std::to_string(patience_) + " active sets brought no progress" : "an active set came back";
+  // Motions of bodies that hardly anything holds grow with each set.
+  constexpr double blownUp = 1e3;
+  const bool isBlownUp = mayBalance() && !balances_ && expected_ > blownUp * progress_.least;
+  const bool isLost = progress_.isLost(expected_, patience_) || isBlownUp;
+  const std::string why = isBlownUp ? "forces that do not balance have grown"
+                          : isLost  ? std::to_string(patience_) + " active sets brought no progress"
+                                    : "an active set came back";
   // Where limits follow sets may be the same again and again.
   if (!isLost && (hasFollowing() || !progress_.isCircle(change_)))
     return true;
