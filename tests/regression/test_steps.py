@@ -393,7 +393,7 @@ class Restarts(unittest.TestCase):
         sets = {"Output/Fields": False, "Steps/Number": 160}
         plain = runs.solved(self, DRAGGED, sets, np=1, program="harmos").directory
         directory = runs.scratch("slipping")
-        limit = {"Solver/Maximum seconds": 0.01}
+        limit = {"Solver/Maximum seconds": 3e-5}
         run = runs.run(DRAGGED, sets | limit, np=1, output=directory, program="harmos")
         parts = 1
         while run.returncode == 1 and parts < 1000:

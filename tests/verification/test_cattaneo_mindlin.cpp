@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Two equal cylinders, pressed together and pushed along each other then (Cattaneo 1938, Mindlin 1949;
+/// Johnson, Contact Mechanics, 1985, section 7.2): all but a strip in the middle slips, and the other way
+/// round when the push is taken back,
+///
+///     c/a = (1 − Q/μP)^½,   c'/a = (1 − (Q_max − Q)/2μP)^½.
+
+#include "Harmos_Contact.hpp"
+#include "Harmos_Friction.hpp"
+#include "Harmos_TestScene.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <utility>
+
+using namespace Harmos;
+using fem::Point;
+
+namespace {
+
+constexpr double coefficient = 0.5;
+
+// The bodies fill [−1, 1]², graded towards the middle, where the contact is 0.04 wide to either side: theory
+// leaves out (a/L)² and a/R, 2e-3 each.
+scene::Scene cylinders(int cells) {
+  constexpr double radius = 16.0, approach = 4.2e-4, fineness = 0.08;
+  scene::Scene scene;
+  scene.physics = scene::Physics::PlaneStrain;
+  const auto graded = [](double x) { return fineness * x + (1.0 - fineness) * x * x * x; };
+  fem::StructuredBlock::Options options;
+  options.subdomains = {4, 2, 1};
+  options.elements = {cells / 4, cells / 4, 1};
+  options.size = {2, 1, 1};
+  for (int side : {-1, 1}) {
+    options.origin = {-1.0, side < 0 ? -1.0 : 0.0, 0.0};
+    options.map = [graded, side](const Point& x) {
+      const Point y = {graded(x[0]), graded(x[1]), x[2]};
+      const double beside = side * y[0] * y[0] / (2.0 * radius);
+      return Point{y[0], y[1] + beside * (1.0 - std::abs(y[1])), y[2]};
+    };
+    scene.bodies.push_back(
+        blockBody(side < 0 ? "lower" : "upper", options, fem::Material::isotropic(1.0, 0.0)));
+  }
+  prescribe(scene, {0, "bottom"}, 0);
+  prescribe(scene, {0, "bottom"}, 1);
+  prescribe(scene, {1, "top"}, 1, -approach);
+  effects::SurfacePair pair;
+  pair.first = {1, "bottom"};
+  pair.second = {0, "top"};
+  pair.reach = 1.0;
+  const auto contact = std::make_shared<effects::Contact>(pair, 0.0, "contact");
+  scene.effects.push_back(contact);
+  scene.effects.push_back(std::make_shared<effects::Friction>(contact, effects::Coulomb(coefficient)));
+  return scene;
+}
+
+// Pressed, then pushed by these shares of μP, one after the other.
+TestRun pushed(int cells, double normalForce, const std::vector<double>& pushes) {
+  scene::Scene scene = cylinders(cells);
+  addTraction(scene, {1, "top"}, Point{0.5 * coefficient * normalForce, 0, 0});
+  std::vector<double> times = {1.0}, knots = {0.0, 1.0}, values = {0.0, 0.0};
+  for (double push : pushes) {
+    times.push_back(times.back() + 1.0);
+    knots.push_back(times.back());
+    values.push_back(push);
+  }
+  scene.timeline = scene::Timeline(times);
+  scene.timeline.add("press", scene::History({0.0, 1.0, times.back() + 1.0}, {0.0, 1.0, 1.0}));
+  scene.timeline.add("push", scene::History(knots, values));
+  for (const auto& effect : scene.effects) {
+    if (effect->kind() == "Traction")
+      scene.timeline.follow(*effect, "push");
+    if (effect->kind() == "Prescribed displacement")
+      scene.timeline.follow(*effect, "press");
+  }
+  return runScene(scene, 1e-7);
+}
+
+// Where y reaches zero, by the straight line that is nearest to the points.
+double zeroOf(const std::vector<std::pair<double, double>>& points) {
+  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (const auto& [x, y] : points) {
+    n += 1;
+    sx += x;
+    sy += y;
+    sxx += x * x;
+    sxy += x * y;
+  }
+  const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx);
+  return (slope * sx - sy) / (n * slope);
+}
+
+// c/a. Pressures are p₀√(1 − x²/a²); where points stick, what a push has left of the limit is the same with
+// c. What takes a push back has twice the limit.
+double stickWidth(const TestRun& run, const TestRun* before = nullptr) {
+  std::vector<std::pair<double, double>> pressed, left; // squares
+  for (std::size_t k = 0; k < run.report.contact.size(); ++k) {
+    const run::ContactState& state = run.report.contact[k];
+    if (!state.closed)
+      continue;
+    const double x = run.report.contactPoints[k].position[0], limit = coefficient * state.pressure;
+    const double rest = before == nullptr
+                            ? limit + state.traction[0]
+                            : 2.0 * limit - state.traction[0] + before->report.contact[k].traction[0];
+    pressed.emplace_back(x * x, state.pressure * state.pressure);
+    if (state.friction == run::Friction::Sticks)
+      left.emplace_back(x * x, rest * rest);
+  }
+  return std::sqrt(zeroOf(left) / zeroOf(pressed));
+}
+
+} // namespace
+
+TEST(CattaneoMindlin, cylinders) {
+  std::vector<double> errors;
+  for (int cells : {32, 48, 64, 96}) {
+    const TestRun pressed = pushed(cells, 0.0, {});
+    ASSERT_TRUE(pressed.report.converged) << pressed.report.reason;
+    double force = 0.0;
+    for (const run::ContactState& state : pressed.report.contact)
+      force += state.force;
+    double worst = 0.0;
+    TestRun last;
+    for (double push : {0.25, 0.5, 0.75}) {
+      last = pushed(cells, force, {push});
+      ASSERT_TRUE(last.report.converged) << last.report.reason;
+      worst = std::max(worst, std::abs(stickWidth(last) / std::sqrt(1.0 - push) - 1.0));
+    }
+    const TestRun back = pushed(cells, force, {0.75, 0.0});
+    ASSERT_TRUE(back.report.converged) << back.report.reason;
+    worst = std::max(worst, std::abs(stickWidth(back, &last) / std::sqrt(1.0 - 0.5 * 0.75) - 1.0));
+    if (!errors.empty()) {
+      EXPECT_LT(worst, errors.back()) << cells;
+    }
+    errors.push_back(worst);
+  }
+  std::cout << "c/a of the worst of four loads, over theory, on four meshes:";
+  for (double error : errors)
+    std::cout << " " << error;
+  std::cout << "\n";
+  EXPECT_LE(errors.back(), 0.03);
+}
