@@ -6,7 +6,6 @@
 
 #include <Teuchos_Comm.hpp>
 
-#include <array>
 #include <map>
 #include <string>
 #include <vector>
@@ -107,18 +106,32 @@ std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
 
 /// A contact point that bears friction.
 struct SlipPoint {
-  std::size_t point = 0;                ///< its place among the contact points
-  std::array<fem::Point, 2> tangents{}; ///< orthonormal to the normal and each other; in the plane the first
-  double limit = 0.0;                   ///< of its force, where that is given
-  bool follows = false;                 ///< or the limit follows the force of contact:
-  double coefficient = 0.0;             ///< limit over that
+  std::size_t point = 0;            ///< its place among the contact points
+  std::vector<fem::Point> tangents; ///< one or two, orthonormal to the normal and each other
+  std::size_t firstRow = 0;         ///< the number of its first row: one for each tangent
+  double limit = 0.0;               ///< of its force, where that is given
+  bool follows = false;             ///< or the limit follows the force of contact:
+  double coefficient = 0.0;         ///< limit over that
 };
 
-/// Tangents at a point: in the plane e_z × n; in space n × of the axis that is farthest from n.
-std::array<fem::Point, 2> tangentsTo(const fem::Point& normal, int components);
+/// Dofs with prescribed values, and these.
+using HeldDofs = std::map<long long, double>;
 
-/// Rows t·w = 0 whose force is limited, numbered 0, 1, ...: in the plane one a point, in space two that have
-/// one disc, on the rank that gives the row of the point itself. In the order of points and tangents.
+/// In which directions a point may slip: in the plane e_z × n; in space n × of the axis that is farthest from
+/// n, and what is across both.
+///
+/// Where both sides are held alike in a direction, as at a plane of symmetry that goes through the contact,
+/// nothing slips and friction, were it there, would act on what little the counterparts have beside the
+/// plane. It has no part in that direction: in space one tangent is left, or none.
+/// @param held at each time that matters. Held alike: see tieRows(), and all by the same value; by none on an
+/// obstacle. A direction counts that is at least 60° from the normal.
+/// Guarded by tests/unit/contact/test_contact_rows.cpp.
+std::vector<fem::Point> slipDirections(const ContactPoint& point, int components,
+                                       const std::map<double, HeldDofs>& held);
+
+/// Rows t·w = 0 whose force is limited, numbered by SlipPoint::firstRow: one a tangent, where there are two
+/// they have one disc, on the rank that gives the row of the point itself. In the order of points and
+/// tangents.
 /// @param points whose contactRows() are numbered from 0.
 /// @param components two or three.
 /// Guarded by tests/unit/contact/test_contact_rows.cpp.
@@ -143,6 +156,6 @@ struct TieRows {
 ///        what the row has beside them, the small weights of nodes further inside, would hold those too.
 /// @throws InputError if a row that is left out has prescribed values alone and they differ, naming the node.
 TieRows tieRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points, int components,
-                long long firstNumber, const std::map<long long, double>& held = {});
+                long long firstNumber, const HeldDofs& held = {});
 
 } // namespace Harmos::contact

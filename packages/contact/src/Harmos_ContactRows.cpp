@@ -37,8 +37,7 @@ double roundingOf(const std::vector<ContactPoint>& points) {
   return 1e-12 * largest;
 }
 
-bool isHeldOnBothSides(const ContactPoint& point, int components, int component,
-                       const std::map<long long, double>& held) {
+bool isHeldOnBothSides(const ContactPoint& point, int components, int component, const HeldDofs& held) {
   const auto own = held.find(point.node * components + component);
   if (own == held.end())
     return false;
@@ -64,6 +63,39 @@ bool isHeldOnBothSides(const ContactPoint& point, int components, int component,
   return anyHeld && freeWeight <= 0.5;
 }
 
+// The same, and by one value; on an obstacle by none.
+bool isHeldAlike(const ContactPoint& point, int components, int component, const HeldDofs& held) {
+  const auto own = held.find(point.node * components + component);
+  if (own == held.end())
+    return false;
+  double freeWeight = 0.0;
+  bool isAlone = true;
+  for (const ContactPoint::Term& term : point.terms) {
+    isAlone = isAlone && term.node == point.node;
+    const auto value = held.find(term.node * components + component);
+    if (value == held.end())
+      freeWeight += std::abs(term.weight);
+    else if (value->second != own->second)
+      return false;
+  }
+  return isAlone ? own->second == 0.0 : freeWeight <= 0.5;
+}
+
+// Tangents at a point, in the plane one.
+std::vector<fem::Point> tangentsTo(const fem::Point& normal, int components) {
+  if (components == 2)
+    return {fem::Point{-normal[1], normal[0], 0.0}};
+  std::size_t farthest = 0;
+  for (std::size_t d = 1; d < 3; ++d)
+    if (std::abs(normal[d]) < std::abs(normal[farthest]))
+      farthest = d;
+  fem::Point axis{};
+  axis[farthest] = 1.0;
+  const fem::Point across = cross(normal, axis);
+  const fem::Point first = scaled(1.0 / norm(across), across);
+  return {first, cross(normal, first)};
+}
+
 } // namespace
 
 std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
@@ -86,46 +118,51 @@ std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
   return rows;
 }
 
-std::array<fem::Point, 2> tangentsTo(const fem::Point& normal, int components) {
-  if (components == 2)
-    return {fem::Point{-normal[1], normal[0], 0.0}, fem::Point{}};
-  std::size_t farthest = 0;
-  for (std::size_t d = 1; d < 3; ++d)
-    if (std::abs(normal[d]) < std::abs(normal[farthest]))
-      farthest = d;
-  fem::Point axis{};
-  axis[farthest] = 1.0;
-  const fem::Point across = cross(normal, axis);
-  const fem::Point first = scaled(1.0 / norm(across), across);
-  return {first, cross(normal, first)};
+std::vector<fem::Point> slipDirections(const ContactPoint& point, int components,
+                                       const std::map<double, HeldDofs>& held) {
+  constexpr double mostAlong = 0.5; // of the normal
+  std::vector<fem::Point> across;
+  for (int c = 0; c < components; ++c) {
+    const auto isAlike = [&](const auto& timed) { return isHeldAlike(point, components, c, timed.second); };
+    if (std::abs(point.normal[static_cast<std::size_t>(c)]) > mostAlong || held.empty() ||
+        !std::all_of(held.begin(), held.end(), isAlike))
+      continue;
+    across.push_back({});
+    across.back()[static_cast<std::size_t>(c)] = 1.0;
+  }
+  if (across.empty())
+    return tangentsTo(point.normal, components);
+  if (static_cast<int>(across.size()) >= components - 1)
+    return {};
+  const fem::Point along = cross(point.normal, across.front());
+  return {scaled(1.0 / norm(along), along)};
 }
 
 std::vector<ConstraintRow> slipRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points,
                                     const std::vector<SlipPoint>& slips, int components) {
   HARMOS_REQUIRE(components == 2 || components == 3, "only elastic bodies slip");
   const double rounding = roundingOf(points);
-  const int tangents = components - 1;
   std::vector<ConstraintRow> rows;
   for (std::size_t k = 0; k < slips.size(); ++k)
-    for (int t = 0; t < tangents && isMine(comm, slips[k].point); ++t) {
+    for (std::size_t t = 0; t < slips[k].tangents.size() && isMine(comm, slips[k].point); ++t) {
       ConstraintRow row;
       row.kind = ConstraintRow::Kind::Limited;
-      row.number = static_cast<long long>(k) * tangents + t;
+      row.number = static_cast<long long>(slips[k].firstRow + t);
       row.rounding = rounding;
       row.limit = slips[k].limit;
       if (slips[k].follows) {
         row.coefficient = slips[k].coefficient;
         row.normal = static_cast<long long>(slips[k].point);
       }
-      row.disc = tangents == 2 ? static_cast<long long>(k) : -1;
-      addTerms(points[slips[k].point], slips[k].tangents[static_cast<std::size_t>(t)], components, row);
+      row.disc = slips[k].tangents.size() == 2 ? static_cast<long long>(k) : -1;
+      addTerms(points[slips[k].point], slips[k].tangents[t], components, row);
       rows.push_back(row);
     }
   return rows;
 }
 
 TieRows tieRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points, int components,
-                long long firstNumber, const std::map<long long, double>& held) {
+                long long firstNumber, const HeldDofs& held) {
   HARMOS_REQUIRE(components >= 1 && components <= 3, "a node has one to three dofs");
   TieRows result;
   for (std::size_t k = 0; k < points.size(); ++k)

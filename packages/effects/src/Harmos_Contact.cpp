@@ -22,7 +22,7 @@ void Contact::addConstraints(scene::ConstraintCollector& collector) const {
   std::vector<contact::ContactPoint> points = pair_.points(collector);
   for (contact::ContactPoint& point : points)
     point.gap += gap_;
-  collector.addContacts(points);
+  collector.addContacts(points, {{pair_.first.body, pair_.first.set}, {pair_.second.body, pair_.second.set}});
 }
 
 } // namespace Harmos::effects

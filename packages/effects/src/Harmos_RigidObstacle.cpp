@@ -63,7 +63,8 @@ RigidObstacle::RigidObstacle(Part part, const contact::Obstacle& obstacle, std::
     : Effect(kindName, std::move(name)), part_(std::move(part)), obstacle_(obstacle) {}
 
 void RigidObstacle::addConstraints(scene::ConstraintCollector& collector) const {
-  collector.addContacts(contact::obstaclePoints(collector.surface(part_.body, part_.set), obstacle_));
+  collector.addContacts(contact::obstaclePoints(collector.surface(part_.body, part_.set), obstacle_),
+                        {{part_.body, part_.set}});
 }
 
 } // namespace Harmos::effects

@@ -158,13 +158,11 @@ class Whole {
       if (row.kind == ConstraintRow::Kind::Limited)
         limited[row.number] = &row;
     double limits = 0.0, against = 0.0;
-    for (std::size_t k = 0; k < contact_.slips.size(); ++k) {
-      const contact::SlipPoint& point = contact_.slips[k];
+    for (const contact::SlipPoint& point : contact_.slips) {
       const run::ContactState& state = contact.at(point.point);
-      const std::size_t tangents = limited.size() / contact_.slips.size();
       double force2 = 0.0, slip2 = 0.0, product = 0.0;
-      for (std::size_t t = 0; t < tangents; ++t) {
-        const ConstraintRow& row = *limited.at(static_cast<long long>(tangents * k + t));
+      for (std::size_t t = 0; t < point.tangents.size(); ++t) {
+        const ConstraintRow& row = *limited.at(static_cast<long long>(point.firstRow + t));
         double slip = -row.bound, force = 0.0;
         for (std::size_t d = 0; d < 3; ++d)
           force -= state.traction[d] * point.tangents[t][d] * contact_.points[point.point].area;

@@ -12,7 +12,9 @@
 #include "Harmos_Traction.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
+#include <iostream>
 #include <unistd.h>
 
 namespace Harmos {
@@ -127,7 +129,10 @@ TestRun runScene(const scene::Scene& scene, double tolerance, const std::vector<
   if (!comm.is_null())
     options.outputDirectory += "_rank" + std::to_string(testComm()->getRank());
   TestRun run;
-  run.solution = run::runScene(comm.is_null() ? testComm() : comm, scene, options, Log(),
+  const bool isTold = std::getenv("HARMOS_TEST_LOG") != nullptr;
+  const Log log =
+      isTold ? Log(std::cout, std::cerr, Log::Verbosity::Detailed, testComm()->getRank() == 0) : Log();
+  run.solution = run::runScene(comm.is_null() ? testComm() : comm, scene, options, log,
                                std::chrono::steady_clock::now(), run.report);
   return run;
 }

@@ -53,7 +53,8 @@ struct TestRun {
 /// The options of the default deck, but for these; without files beyond the summary's directory.
 run::RunOptions testOptions(double tolerance, const std::vector<std::string>& assignments = {});
 
-/// Runs a scene with the default deck, to a tolerance; assignments as with --set.
+/// Runs a scene with the default deck, to a tolerance; assignments as with --set. With HARMOS_TEST_LOG in the
+/// environment rank 0 tells what happens.
 /// @param comm null: all ranks. Each rank may also run a scene by itself.
 TestRun runScene(const scene::Scene& scene, double tolerance,
                  const std::vector<std::string>& assignments = {},

@@ -25,6 +25,14 @@ std::vector<ContactPoint> somePoints() {
   return points;
 }
 
+ContactPoint pointWith(const fem::Point& normal) {
+  ContactPoint point;
+  point.node = 7;
+  point.terms = {{7, 1.0}, {20, -1.0}};
+  point.normal = normal;
+  return point;
+}
+
 void expectNumbered(const std::vector<ConstraintRow>& rows, long long first, long long count) {
   const auto comm = testComm();
   std::vector<long long> numbers;
@@ -92,7 +100,8 @@ TEST(ContactRows, tangents) {
                                {0, 0, 1},
                                {0.6, 0, -0.8},
                                {1 / std::sqrt(3), 1 / std::sqrt(3), -1 / std::sqrt(3)}}) {
-    const auto t = tangentsTo(n, 3);
+    const auto t = slipDirections(pointWith(n), 3, {});
+    ASSERT_EQ(t.size(), 2u);
     const auto product = [](const fem::Point& a, const fem::Point& b) {
       return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     };
@@ -102,15 +111,50 @@ TEST(ContactRows, tangents) {
     }
     EXPECT_NEAR(product(t[0], t[1]), 0.0, 1e-15);
   }
-  EXPECT_EQ(tangentsTo({0.6, 0.8, 0.0}, 2)[0], (fem::Point{-0.8, 0.6, 0.0}));
+  EXPECT_EQ(slipDirections(pointWith({0.6, 0.8, 0.0}), 2, {}), (std::vector<fem::Point>{{-0.8, 0.6, 0.0}}));
 }
 
-// Of some points; in space the two rows of a point have one disc and stand together.
+// At a plane of symmetry y = 0 there is one direction along it, and none where two such planes meet.
+TEST(ContactRows, nothing_slips_across_a_plane_of_symmetry) {
+  const fem::Point n = {0.6, 0.0, -0.8};
+  ContactPoint point = pointWith(n);
+  point.terms = {{7, 1.0}, {20, -0.7}, {21, -0.5}, {22, 0.2}};
+  const auto y = [](long long node) { return 3 * node + 1; };
+  using Held = std::map<double, HeldDofs>;
+  const Held both = {{1.0, {{y(7), 0.0}, {y(20), 0.0}}}};
+  const auto along = [&](const Held& held) { return slipDirections(point, 3, held); };
+  EXPECT_EQ(along(both).size(), 2u) << "most of the weight of the counterparts is free";
+  const Held most = {{1.0, {{y(7), 0.0}, {y(20), 0.0}, {y(21), 0.0}}}};
+  ASSERT_EQ(along(most).size(), 1u);
+  EXPECT_NEAR(std::abs(along(most)[0][0]), 0.8, 1e-15);
+  EXPECT_EQ(along(most)[0][1], 0.0);
+  EXPECT_NEAR(std::abs(along(most)[0][2]), 0.6, 1e-15);
+  // At all times, on both sides, by one value, and along the surface.
+  Held later = most;
+  later[2.0] = {{y(7), 0.1}, {y(20), 0.0}, {y(21), 0.0}};
+  EXPECT_EQ(along(later).size(), 2u);
+  later[2.0] = {{y(7), 0.1}, {y(20), 0.1}, {y(21), 0.1}};
+  EXPECT_EQ(along(later).size(), 1u);
+  EXPECT_EQ(along({{1.0, {{y(20), 0.0}, {y(21), 0.0}}}}).size(), 2u);
+  EXPECT_EQ(along({{1.0, {{3 * 7, 0.0}, {3 * 20, 0.0}, {3 * 21, 0.0}}}}).size(), 2u) << "x is no tangent";
+  // On an obstacle, which is at rest.
+  point.terms = {{7, 1.0}};
+  EXPECT_EQ(along({{1.0, {{y(7), 0.0}}}}).size(), 1u);
+  EXPECT_EQ(along({{1.0, {{y(7), 0.1}}}}).size(), 2u);
+  point.normal = {0.0, 0.0, -1.0};
+  EXPECT_EQ(along({{1.0, {{y(7), 0.0}, {3 * 7, 0.0}}}}).size(), 0u);
+  point.normal = {0.0, -1.0, 0.0};
+  EXPECT_EQ(slipDirections(point, 2, {{1.0, {{2 * 7, 0.0}}}}).size(), 0u);
+  EXPECT_EQ(slipDirections(point, 2, {{1.0, {{2 * 7 + 1, 0.0}}}}).size(), 1u);
+}
+
+// Of some points; in space the two rows of a point have one disc and stand together. What slips along one
+// direction alone has a row without a disc.
 TEST(ContactRows, slips_have_a_row_for_each_tangent) {
   const auto points = somePoints();
   std::vector<SlipPoint> slips;
   for (std::size_t k : {1u, 3u, 4u})
-    slips.push_back({k, tangentsTo(points[k].normal, 3), 0.5 + static_cast<double>(k)});
+    slips.push_back({k, slipDirections(points[k], 3, {}), 2 * slips.size(), 0.5 + static_cast<double>(k)});
   const auto rows = slipRows(*testComm(), points, slips, 3);
   std::vector<long long> numbers;
   for (std::size_t r = 0; r < rows.size(); ++r) {

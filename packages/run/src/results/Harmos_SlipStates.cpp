@@ -9,12 +9,6 @@
 namespace Harmos::run {
 namespace {
 
-// In the plane one, in space two.
-std::size_t rowsOfPoint(const scene::ContactSetup& contact) {
-  const fem::Point& second = contact.slips.front().tangents[1];
-  return second == fem::Point{} ? 1 : 2;
-}
-
 template<class T>
 struct Item {
   long long row;
@@ -26,7 +20,7 @@ std::vector<T> byRow(const Teuchos::Comm<int>& comm, const scene::ContactSetup& 
                      const std::vector<Item<T>>& mine) {
   if (contact.slips.empty())
     return {};
-  std::vector<T> result(contact.slips.size() * rowsOfPoint(contact));
+  std::vector<T> result(contact.slipRows());
   for (const Item<T>& item : gatherAll(comm, mine))
     result[static_cast<std::size_t>(item.row)] = item.value;
   return result;
@@ -56,14 +50,12 @@ void addSlips(const scene::ContactSetup& contact, const std::vector<RowSlip>& sl
   if (contact.slips.empty())
     return;
   constexpr double rounding = 1e-9; // as where rows of an answer are told apart
-  const std::size_t tangents = rowsOfPoint(contact);
-  for (std::size_t k = 0; k < contact.slips.size(); ++k) {
-    const contact::SlipPoint& point = contact.slips[k];
+  for (const contact::SlipPoint& point : contact.slips) {
     ContactState& state = states[point.point];
     double force2 = 0.0;
     state.slip = state.traction = {};
-    for (std::size_t t = 0; t < tangents; ++t) {
-      const std::size_t row = tangents * k + t;
+    for (std::size_t t = 0; t < point.tangents.size(); ++t) {
+      const std::size_t row = point.firstRow + t;
       const double slip = slips[row].slip + (before.empty() ? 0.0 : before[row]);
       force2 += slips[row].force * slips[row].force;
       for (std::size_t d = 0; d < 3; ++d) {

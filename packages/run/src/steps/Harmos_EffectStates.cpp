@@ -13,19 +13,17 @@ EffectStates::EffectStates(const scene::Scene& scene, const scene::ContactSetup&
   std::map<const scene::Effect*, std::vector<std::size_t>> points, limited;
   for (std::size_t k = 0; k < contact.effects.size(); ++k)
     points[contact.effects[k]].push_back(k);
-  const auto tangents = static_cast<std::size_t>(scene.components() - 1);
   for (std::size_t k = 0; k < contact.frictions.size(); ++k)
-    for (std::size_t t = 0; t < tangents; ++t)
-      limited[contact.frictions[k]].push_back(tangents * k + t);
+    for (std::size_t t = 0; t < contact.slips[k].tangents.size(); ++t) {
+      limited[contact.frictions[k]].push_back(contact.slips[k].firstRow + t);
+      pointOfSlip_.push_back(contact.slips[k].point);
+    }
   for (const auto& effect : scene.effects) {
     const std::vector<std::size_t>&own = points[effect.get()], &slips = limited[effect.get()];
     if (const std::size_t size = effect->stateSize(own.size() + slips.size()); size > 0)
       states_.push_back(
           {effect.get(), own, slips, std::vector<double>(size, 0.0), std::vector<double>(size, 0.0)});
   }
-  for (std::size_t k = 0; k < contact.frictions.size(); ++k)
-    for (std::size_t t = 0; t < tangents; ++t)
-      pointOfSlip_.push_back(contact.slips[k].point);
 }
 
 void EffectStates::begin() {

@@ -92,8 +92,19 @@ contact::Surface ConstraintCollector::surface(int body, const std::string& set,
       scene_.bodies[static_cast<std::size_t>(body)].name + "/" + set, normal);
 }
 
-void ConstraintCollector::addContacts(const std::vector<ContactPoint>& points) {
+void ConstraintCollector::addContacts(const std::vector<ContactPoint>& points,
+                                      const std::vector<Part>& surfaces) {
   contacts_.add(points, *asked_);
+  surfacesOf_[asked_] = surfaces;
+  if (std::any_of(frictions_.begin(), frictions_.end(),
+                  [this](const Friction& friction) { return friction.contact == asked_; }))
+    findHeldDofs(surfaces);
+}
+
+void ConstraintCollector::addFriction(Friction friction) {
+  if (const auto surfaces = surfacesOf_.find(friction.contact); surfaces != surfacesOf_.end())
+    findHeldDofs(surfaces->second);
+  frictions_.push_back(std::move(friction));
 }
 
 void ConstraintCollector::addTies(const std::vector<ContactPoint>& points,
@@ -166,7 +177,10 @@ void ConstraintCollector::findSlips(ContactSetup& setup) {
     for (std::size_t k : pointsOf[f]) {
       contact::SlipPoint slip;
       slip.point = k;
-      slip.tangents = contact::tangentsTo(points[k].normal, scene_.components());
+      slip.tangents = contact::slipDirections(points[k], scene_.components(), held_);
+      if (slip.tangents.empty())
+        continue;
+      slip.firstRow = setup.slipRows();
       slip.follows = frictions_[f].isByPressure;
       const double value = frictions_[f].value(points[k].position);
       (slip.follows ? slip.coefficient : slip.limit) = slip.follows ? value : value * points[k].area;
@@ -180,18 +194,20 @@ void ConstraintCollector::addFrictionRows(ContactSetup& setup) {
   if (setup.slips.empty())
     return;
   const std::vector<ContactPoint>& points = contacts_.all();
-  const int tangents = scene_.components() - 1;
   for (const Effect* friction : setup.frictions)
     costs_.addBytes(friction->kind(), sizeof(contact::SlipPoint));
+  std::size_t s = 0;
   for (const ConstraintRow& row : contact::slipRows(comm_, points, setup.slips, scene_.components())) {
-    const auto s = static_cast<std::size_t>(row.number / tangents);
+    const auto number = static_cast<std::size_t>(row.number);
+    while (number >= setup.slips[s].firstRow + setup.slips[s].tangents.size())
+      ++s;
     const contact::SlipPoint& slip = setup.slips[s];
     const std::string& kind = setup.frictions[s]->kind();
     costs_.addRows(kind, 1);
     costs_.addBytes(kind, bytesOf(row));
     setup.rows.push_back(row);
     setup.origins.push_back({&contacts_.effect(slip.point), points[slip.point].position,
-                             slip.tangents[static_cast<std::size_t>(row.number % tangents)], true});
+                             slip.tangents[number - slip.firstRow], true});
   }
 }
 

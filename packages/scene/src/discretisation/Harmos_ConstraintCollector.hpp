@@ -33,6 +33,9 @@ struct ContactSetup {
   /// The points that bear friction, in the order of the limited rows, and the effects that say so.
   std::vector<contact::SlipPoint> slips;
   std::vector<const Effect*> frictions;
+  std::size_t slipRows() const {
+    return slips.empty() ? 0 : slips.back().firstRow + slips.back().tangents.size();
+  }
   std::vector<ConstraintRow> rows; ///< this rank's share, ties too
   std::vector<Origin> origins;     ///< of each of these; a row that two effects ask for is the first one's
   std::vector<std::string> notes;  ///< what the user should know; sentences
@@ -78,7 +81,10 @@ class ConstraintCollector {
                            const contact::NormalField& normal = nullptr) const;
 
   /// Inequality rows n·w ≤ gap, one a point. The same on every rank.
-  void addContacts(const std::vector<contact::ContactPoint>& points);
+  /// @param surfaces that the points belong to, body and boundary part: where they are not given, friction
+  /// does not know where both sides are held. @note Collective.
+  void addContacts(const std::vector<contact::ContactPoint>& points,
+                   const std::vector<std::pair<int, std::string>>& surfaces = {});
 
   /// Equality rows w_c = 0, one a point and component; points as above. Where both sides end on prescribed
   /// displacements rows are left out, see contact::tieRows().
@@ -88,16 +94,17 @@ class ConstraintCollector {
                const std::vector<std::pair<int, std::string>>& surfaces);
 
   /// Friction at the points of a contact or an obstacle: rows t·w = 0, whose force is limited by the bound
-  /// times the area of the point. A point of two contacts bears the first friction alone.
+  /// times the area of the point. A point of two contacts bears the first friction alone. In directions in
+  /// which both sides are held there is none, see contact::slipDirections().
   /// @param contact an effect of the scene, asked before or after. @param bound force per area, not negative,
-  /// by position; asked by finish().
+  /// by position; asked by finish(). @note Collective.
   void addFriction(const Effect& contact, std::function<double(const fem::Point&)> bound) {
-    frictions_.push_back({&contact, asked_, std::move(bound), false});
+    addFriction({&contact, asked_, std::move(bound), false});
   }
   /// The same, limited by a multiple of the force of contact at the point.
-  /// @param coefficient not negative, by position.
+  /// @param coefficient not negative, by position. @note Collective.
   void addFrictionByPressure(const Effect& contact, std::function<double(const fem::Point&)> coefficient) {
-    frictions_.push_back({&contact, asked_, std::move(coefficient), true});
+    addFriction({&contact, asked_, std::move(coefficient), true});
   }
 
   /// What the user should know; a sentence.
@@ -118,6 +125,12 @@ class ConstraintCollector {
   void addFrictionRows(ContactSetup& setup);
   void addTieRows(ContactSetup& setup);
   void findHeldDofs(const std::vector<std::pair<int, std::string>>& surfaces);
+  struct Friction {
+    const Effect *contact, *effect;
+    std::function<double(const fem::Point&)> value; ///< a bound, or
+    bool isByPressure;                              ///< a coefficient
+  };
+  void addFriction(Friction friction);
 
   const Teuchos::Comm<int>& comm_;
   const Scene& scene_;
@@ -129,14 +142,9 @@ class ConstraintCollector {
   std::map<Part, std::vector<const OwnedSubdomain*>> withNodes_;
   const Effect* asked_ = nullptr;
   DistinctPoints contacts_, ties_;
-  struct Friction {
-    const Effect *contact, *effect;
-    std::function<double(const fem::Point&)> value; ///< a bound, or
-    bool isByPressure;                              ///< a coefficient
-  };
   std::vector<Friction> frictions_;
-  using Held = std::map<long long, double>; // dofs at ties with prescribed values
-  std::map<double, Held> held_;             // by time
+  std::map<const Effect*, std::vector<Part>> surfacesOf_; // of contacts
+  std::map<double, contact::HeldDofs> held_;              // at ties and where there is friction, by time
   std::vector<std::string> notes_;
 };
 
