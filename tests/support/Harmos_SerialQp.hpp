@@ -9,6 +9,7 @@
 #include "Harmos_BoundTraits.hpp"
 #include "Harmos_DiscKernels.hpp"
 #include "Harmos_FollowingLimits.hpp"
+#include "Harmos_SecondOrderCones.hpp"
 #include "Harmos_SerialVector.hpp"
 
 #include <algorithm>
@@ -446,6 +447,14 @@ struct BoundTraits<double, SerialVector> {
     project(x, feasible);
     Kernels::projectOntoCones(before, limits, dataOf(feasible.lower), feasible.discs, x().data());
   }
+  static Kernels::SecondOrderCones conesOf(const Set& feasible, const V& like, const Followed* limits) {
+    return {like().size(), feasible.lower == nullptr ? nullptr : (*feasible.lower)().data(),
+            feasible.upper == nullptr ? nullptr : (*feasible.upper)().data(),
+            feasible.discs == nullptr ? nullptr : &feasible.discs->discs(), limits};
+  }
+  static std::vector<double> localEntries(const V& v) { return v(); }
+  static void setLocalEntries(const std::vector<double>& entries, V& v) { v() = entries; }
+
   static BoxInfimum coneInfimum(const V& w, const Set& feasible, const Followed& limits) {
     V others = w;
     double sums[3] = {0, 0, 0};

@@ -8,6 +8,7 @@
 
 #include "Harmos_Contact.hpp"
 #include "Harmos_Friction.hpp"
+#include "Harmos_TestComm.hpp"
 #include "Harmos_TestScene.hpp"
 
 #include <gtest/gtest.h>
@@ -64,10 +65,10 @@ scene::Scene cylinders(int cells) {
 
 // Half of them, cut along the push. The bodies fill [−1, 1] × [0, 1] × [−1, 1].
 scene::Scene spheres(int cells) {
-  constexpr double radius = 4.0, approach = 3.6e-3, fineness = 0.15;
+  constexpr double radius = 4.0, approach = 2.2e-2, fineness = 0.3;
   scene::Scene scene;
   scene.physics = scene::Physics::Solid;
-  const auto graded = [](double x) { return fineness * x + (1.0 - fineness) * x * x * x; };
+  const auto graded = [](double x) { return fineness * x + (1.0 - fineness) * std::pow(x, 5); };
   fem::StructuredBlock::Options options;
   options.cellType = fem::CellType::Hexahedron8;
   options.subdomains = {4, 2, 2};

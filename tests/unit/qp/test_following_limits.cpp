@@ -3,8 +3,11 @@
 /// Limits that follow the solution, as Coulomb's law has them: in the plane against all states of all points,
 /// in space against the program that the answer's own limits make, by an interior-point method.
 
+#include "Harmos_EqualityRows_def.hpp"
+#include "Harmos_InteriorPath.hpp"
 #include "Harmos_InteriorPoint.hpp"
 #include "Harmos_RandomQp.hpp"
+#include "Harmos_SecondOrderCones.hpp"
 #include "Harmos_TestComm.hpp"
 
 #include <gtest/gtest.h>
@@ -304,4 +307,123 @@ TEST(FollowingLimits, shoe) {
         EXPECT_EQ(answer.result.reason, Reason::Infeasible) << what << ": " << answer.result.explanation;
       }
     }
+}
+
+namespace {
+
+struct PathEnd {
+  bool isReached;
+  std::vector<double> x;
+};
+
+// Of a path through interior points.
+PathEnd endOfPath(const SmallQp& qp, bool preconditioned) {
+  const DistributedQp distributed(qp);
+  if (preconditioned)
+    distributed.precondition(jacobi(qp.a));
+  EXPECT_TRUE(distributed.problem->setProblem()) << distributed.problem->whyNotSet();
+  EqualityRows<Scalar, MultiVector, Operator> rows(*distributed.problem, 1000);
+  KeptDirections<Scalar, MultiVector, Operator> kept(*distributed.problem, rows);
+  Counters counters;
+  InteriorPath<Scalar, MultiVector, Operator> path(*distributed.problem, rows, CgOptions(), kept, 10,
+                                                   counters);
+  const bool isReached = path.run(*distributed.solution, 5.0, 1e-5, 10000, [] { return false; });
+  return {isReached, fromVector(path.x())};
+}
+
+} // namespace
+
+// Points of cones with friction in one or two directions, a bound alone, an interval and a disc that are
+// given.
+TEST(InteriorPath, scaled_points_of_cones) {
+  const double lower[] = {0.5, -infinity, -infinity, 0.0, -infinity, -infinity, -infinity, -1.0, -infinity};
+  const double upper[] = {infinity, infinity, infinity, infinity, infinity, infinity, 2.0, 1.0, infinity};
+  const std::vector<Disc> discs = {{1, 2, {0.1, -0.2}, 7.0}, {4, 5, {0.3, 0.4}, 0.8}};
+  const FollowingLimits limits = {{0, true, 0, 0.4}};
+  Kernels::SecondOrderCones cones(9, lower, upper, &discs, &limits);
+  EXPECT_EQ(cones.size(), 5u); // one that follows, a disc, two bounds, an interval; the last entry is free
+  std::vector<double> x = {0.2, 3.0, -4.0, 5.0, 0.3, -2.0, 3.0, 0.9, 8.0}, free = x;
+  constexpr double distance = 0.25, tau = 0.03, q = 3.0;
+  cones.begin(distance, tau, x.data());
+  EXPECT_EQ(x[8], free[8]);
+  EXPECT_NEAR(x[0], 0.75, 1e-15);
+  EXPECT_NEAR(std::hypot(x[1] - 0.1, x[2] + 0.2), 0.5 * 0.4 * 0.25, 1e-15);
+  EXPECT_NEAR(std::hypot(x[4] - 0.3, x[5] - 0.4), 0.4, 1e-15);
+  EXPECT_NEAR(x[6], 1.75, 1e-15);
+  EXPECT_NEAR(x[7], 0.5, 1e-15);
+  std::vector<double> products(9, 0.0);
+  cones.putProducts(products.data());
+  for (int place : {0, 3, 4, 6, 7})
+    EXPECT_NEAR(products[at(place)], tau, 1e-15) << place;
+
+  // Away from the central path, W⁻²s = z still; D inverts 1 + W⁻²/q.
+  std::mt19937 random(31);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::vector<double> dx(9);
+  for (int k = 0; k < 5; ++k) {
+    cones.scale(q);
+    for (double& entry : dx)
+      entry = 0.3 * uniform(random);
+    const double length = cones.findStep(dx.data(), 0.5 * tau);
+    ASSERT_GT(length, 0.0);
+    cones.advance(0.7 * length);
+    for (std::size_t i = 0; i < 9; ++i)
+      x[i] += 0.7 * length * dx[i];
+  }
+  cones.scale(q);
+  const std::vector<double> s = {x[0] - 0.5, x[1] - 0.1, x[2] + 0.2, x[3], 0, 0, x[6] - 2.0, 0, 0};
+  std::vector<double> image(9, 0.0);
+  cones.addCurvature(s.data(), image.data());
+  cones.subtractDual(image.data()); // and the shift, by f|z_1|
+  std::vector<double> shift(9, 0.0);
+  cones.addCentring(0.0, shift.data());
+  image[0] += shift[0];
+  for (int place : {0, 1, 2, 3, 6}) // where all of s is in x
+    EXPECT_NEAR(image[at(place)], 0.0, 1e-12) << place;
+  std::vector<double> v(9), back(9);
+  for (std::size_t i = 0; i < 9; ++i)
+    v[i] = back[i] = uniform(random);
+  std::vector<double> curved(9, 0.0);
+  cones.addCurvature(v.data(), curved.data());
+  for (std::size_t i = 0; i < 9; ++i)
+    back[i] += curved[i] / q;
+  cones.weigh(back.data());
+  for (std::size_t i = 0; i < 9; ++i)
+    EXPECT_NEAR(back[i], v[i], 1e-12) << i;
+}
+
+// Limits that are given: the quadratic program.
+TEST(InteriorPath, leads_to_the_solution_of_programs) {
+  std::mt19937 random(33);
+  for (int k = 0; k < 20; ++k) {
+    SmallQp qp = randomFollowing(random, 3, 2, 2, k % 3, 0.3);
+    qp.follows.clear();
+    for (Disc& disc : qp.discs)
+      disc.radius = 0.2;
+    const PathEnd end = endOfPath(qp, k % 2 == 1);
+    EXPECT_TRUE(end.isReached) << k;
+    // τ is 1e-10 of what it was.
+    EXPECT_LE(distance(interiorPoint(qp), end.x), 1e-5 * (1.0 + norm(end.x))) << k;
+  }
+}
+
+// Limits that follow: to the neighbourhood of a solution, of all that there are; and where the path breaks
+// off, PDAS, of which this is but a part, does not.
+TEST(InteriorPath, leads_to_where_limits_follow) {
+  std::mt19937 random(32);
+  int near = 0, reached = 0;
+  for (int k = 0; k < 60; ++k) {
+    const double factor = std::array{0.1, 0.3, 0.6}[at(k % 3)];
+    const SmallQp qp = randomFollowing(random, 1 + k % 4, 1, k % 3, k / 4 % 3, factor);
+    const PathEnd end = endOfPath(qp, k % 4 < 2);
+    double least = infinity;
+    for (const std::vector<double>& x : allSolutions(qp))
+      least = std::min(least, distance(x, end.x));
+    reached += end.isReached ? 1 : 0;
+    near += least <= 1e-2 * (1.0 + norm(end.x)) ? 1 : 0;
+  }
+  if (testComm()->getRank() == 0)
+    std::cout << reached << " of 60 paths reach their end, " << near << " lead near a solution\n";
+  EXPECT_GE(reached, 55);
+  EXPECT_GE(near, 55);
 }

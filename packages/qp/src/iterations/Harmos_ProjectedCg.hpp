@@ -58,7 +58,7 @@ class ProjectedCg {
   /// Keeps what the steps since the last beginning have found of outlying eigenvalues, for all faces to come:
   /// see KeptDirections. To be followed by start(). @return how many directions are new.
   int keepOutliers(int most);
-  int kept() const { return kept_.size(); }
+  KeptDirections<Scalar, MV, OP>& kept() { return kept_; }
 
   /// Iterate, gradients and directions. Reading takes the place of start(), without a product with A.
   void exchange(StateArchive<MV>& archive);
@@ -79,9 +79,11 @@ class ProjectedCg {
   /// Level of its rounding errors: ε(‖A‖‖x‖ + ‖b‖) of the largest x since it was computed anew.
   double attainable() const;
   int staleness() const { return staleness_; }
-  /// About that of the solution, bᵀb/bᵀM⁻¹b; without a preconditioner curvatureBound().
+  /// About that of the solution, bᵀb/bᵀM⁻¹b; without a preconditioner that of the last beginning, xᵀAx/xᵀx.
   double stiffness() const {
-    return stiffness_ > 0.0 && std::isfinite(stiffness_) ? stiffness_ : curvatureBound_;
+    return stiffness_ > 0.0 && std::isfinite(stiffness_) ? stiffness_
+           : rayleigh_ > 0.0 && std::isfinite(rayleigh_) ? rayleigh_
+                                                         : curvatureBound_;
   }
   /// The largest curvature pᵀAp/pᵀp met so far: a lower bound of ‖A‖.
   double curvatureBound() const { return curvatureBound_; }
@@ -135,6 +137,7 @@ class ProjectedCg {
   // Where pairs slip: C̄TC̄ᵀ on the face, T = q/(q + κ) there; see InFacePreconditioner. q of A's diagonal.
   Teuchos::RCP<const FaceGram> softGram_;
   double stiffness_ = 0.0;
+  double rayleigh_ = 0.0; // without a preconditioner, where limits follow or there are discs
   bool isSoftened_ = false;
   Teuchos::RCP<MV> w_, z_, p_, image_, gradient_, rowWork_, removed_, unused_;
   double residual2_ = 0.0;

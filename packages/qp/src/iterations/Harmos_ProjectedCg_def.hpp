@@ -181,6 +181,8 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
   archive.number("cg residual", residual2_);
   archive.number("cg curvature bound", curvatureBound_);
   archive.number("cg load", rhsNorm_);
+  if (problem_.hasFollowingLimits() || problem_.hasDiscs())
+    archive.number("cg quotient", rayleigh_);
   archive.number("cg iterate", iterateNorm_);
   archive.number("cg rounding level", level_);
   archive.number("cg staleness", staleness_);
@@ -220,6 +222,8 @@ void ProjectedCg<Scalar, MV, OP>::restart() {
     ++counters_.hessianApplications;
     Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), x, *w_);
     imageNorm = isCoupled_ ? norm<Scalar>(*w_) : 0.0;
+    if (!preconditioner_.isPresent() && (problem_.hasFollowingLimits() || problem_.hasDiscs()))
+      rayleigh_ = dot<Scalar>(x, *w_) / dot<Scalar>(x, x);
     MVT::MvAddMv(1.0, *w_, -1.0, *problem_.rhs(), *w_);
   } else {
     MVT::MvAddMv(-1.0, *problem_.rhs(), 0.0, *problem_.rhs(), *w_);

@@ -36,6 +36,9 @@ struct DiscUpdate {
 
 struct FollowingLimit;
 struct FollowingEntry;
+namespace Kernels {
+class SecondOrderCones;
+}
 
 /// How limits follow the solution.
 struct FollowUpdate {
@@ -266,6 +269,10 @@ struct BoundTraits {
   static BoxInfimum coneInfimum(const MV& w, const FeasibleSet<MV>& feasible,
                                 const std::vector<FollowingLimit>& limits);
 
+  /// Bounds, discs and limits that follow. @param limits null: none. Local.
+  static Kernels::SecondOrderCones conesOf(const FeasibleSet<MV>& feasible, const MV& like,
+                                           const std::vector<FollowingLimit>* limits);
+
   static BoxInfimum boxInfimum(const MV& w, const FeasibleSet<MV>& feasible);
 
   /// d ← its projection onto the recession cone: d_i ≥ 0 where there is a lower bound, d_i ≤ 0 where there is
@@ -280,6 +287,10 @@ struct BoundTraits {
 
   /// Pseudo-random entries in (−1, 1) that depend on the global index alone, not on the distribution. Local.
   static void setRandom(MV& x);
+
+  /// The entries of this rank, and back. Local.
+  static std::vector<double> localEntries(const MV& v);
+  static void setLocalEntries(const std::vector<double>& entries, MV& v);
 
   /// All entries of a short vector, on every rank.
   static std::vector<double> gather(const MV& v);

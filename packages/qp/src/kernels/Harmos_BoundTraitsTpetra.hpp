@@ -72,6 +72,10 @@ struct BoundTraits<Scalar, MultiVector> {
   static long long changed(const MultiVector& like, const LocalActiveSet& before, const LocalActiveSet& set);
   static void projectOntoCones(MultiVector& x, const FeasibleSet<MultiVector>& feasible,
                                const std::vector<FollowingLimit>& limits);
+  static Kernels::SecondOrderCones conesOf(const FeasibleSet<MultiVector>& feasible, const MultiVector& like,
+                                           const std::vector<FollowingLimit>* limits);
+  static std::vector<double> localEntries(const MultiVector& v);
+  static void setLocalEntries(const std::vector<double>& entries, MultiVector& v);
   static BoxInfimum coneInfimum(const MultiVector& w, const FeasibleSet<MultiVector>& feasible,
                                 const std::vector<FollowingLimit>& limits);
   static BoxInfimum boxInfimum(const MultiVector& w, const FeasibleSet<MultiVector>& feasible);

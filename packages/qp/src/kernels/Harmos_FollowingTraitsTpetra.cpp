@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_DiscKernels.hpp"
 #include "Harmos_FollowingLimits.hpp"
+#include "Harmos_SecondOrderCones.hpp"
 #include "Harmos_TpetraViews.hpp"
 
 #include <cmath>
@@ -128,6 +129,22 @@ long long Traits::changed(const MultiVector& like, const LocalActiveSet& before,
     sum += before.size() != set.size() || before[i] != set[i] ? 1.0 : 0.0;
   reduce(like, &sum, 1);
   return std::llround(sum);
+}
+
+Kernels::SecondOrderCones Traits::conesOf(const Set& feasible, const MultiVector& like,
+                                          const FollowingLimits* limits) {
+  const BoxReader box(feasible, like);
+  return {like.getLocalLength(), box.l.data(), box.u.data(),
+          feasible.discs != nullptr ? &feasible.discs->discs() : nullptr, limits};
+}
+
+std::vector<double> Traits::localEntries(const MultiVector& v) {
+  const Reader entries(v);
+  return {entries.data(), entries.data() + entries.size()};
+}
+
+void Traits::setLocalEntries(const std::vector<double>& entries, MultiVector& v) {
+  std::copy(entries.begin(), entries.end(), Writer(v).data());
 }
 
 } // namespace Harmos::qp

@@ -65,6 +65,10 @@ class EqualityRows {
   /// C̄M_FC̄ᵀ factored, M_F the mask of the free entries; needs orthonormal rows. @note Collective.
   /// @param q see FaceGramMaker::buildWithSlips().
   Teuchos::RCP<const FaceGram> faceGram(const LocalActiveSet& active, double q = 0.0) const;
+  /// C̄DC̄ᵀ for any D, at a product with C̄ and C̄ᵀ a row. @param weigh v ← Dv.
+  Teuchos::RCP<const FaceGram> gramWith(const std::function<void(MV&)>& weigh) const {
+    return denseGram(gramOf(weigh));
+  }
   /// The same for weights in [0, 1] in the place of the mask, and of tangents 1/(1 + κ) more.
   /// @note Collective.
   Teuchos::RCP<const FaceGram> weightedGram(const MV& weights, const std::vector<Slip>& rims = {}) const;

@@ -15,6 +15,9 @@ namespace Harmos::qp {
 /// feasible point, the step before it is halved, or forces that hold make the limits, see ConeProbe: it also
 /// tells where there are none.
 ///
+/// A solver of programs whose letsLimitsFollow() is false has a quarter of the iterations for that: PDAS,
+/// which solves for limits and solution at once, takes over then, if rows can be orthonormal.
+///
 /// For solvers whose letsLimitsFollow() is false, and where PDAS hands over. Guarded by
 /// tests/unit/qp/test_following_limits.cpp.
 template<class Scalar, class MV, class OP>
@@ -42,6 +45,8 @@ class FixedPointSolver : public SolverManager<Scalar, MV, OP> {
   bool findsLimits();
   bool isAnswer();
   void relax();
+  bool mayHandOver() const;
+  void handOver();
   IterationState<MV> measure();
 
   Teuchos::RCP<const Solver> inner_;
@@ -50,6 +55,7 @@ class FixedPointSolver : public SolverManager<Scalar, MV, OP> {
   double share_ = 1.0;
   double wrong_ = 0.0; // ‖g^P‖ where limits have followed; 0: not known
   int updates_ = 0, retreats_ = 0;
+  int budget_ = 0; // inner iterations before PDAS takes over
 };
 
 } // namespace Harmos::qp

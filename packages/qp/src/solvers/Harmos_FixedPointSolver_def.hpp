@@ -11,6 +11,9 @@
 namespace Harmos::qp {
 
 template<class Scalar, class MV, class OP>
+class PdasSolver;
+
+template<class Scalar, class MV, class OP>
 Teuchos::RCP<SolverManager<Scalar, MV, OP>> FixedPointSolver<Scalar, MV, OP>::clone() const {
   const auto copy = Teuchos::rcp(new FixedPointSolver(inner_));
   if (!this->parameters_.is_null())
@@ -25,8 +28,14 @@ void FixedPointSolver<Scalar, MV, OP>::doSolve() {
   if (rows_.is_null())
     return;
   begin();
+  if (this->resumesDelegateWith("fixed point handed over"))
+    return handOver();
   while (true) {
     solveFrozen();
+    const Result& result = this->result_;
+    if (result.reason == Reason::IterationLimit && mayHandOver() &&
+        result.lastRecord().inner < this->maximumIterations())
+      return handOver();
     if (this->result_.reason == Reason::Infeasible) {
       if (!findsLimits())
         return;
@@ -41,7 +50,30 @@ void FixedPointSolver<Scalar, MV, OP>::doSolve() {
 }
 
 template<class Scalar, class MV, class OP>
+bool FixedPointSolver<Scalar, MV, OP>::mayHandOver() const {
+  return !inner_->letsLimitsFollow() && (!rows_->isPresent() || rows_->isOrthonormal());
+}
+
+template<class Scalar, class MV, class OP>
+void FixedPointSolver<Scalar, MV, OP>::handOver() {
+  bool isHandedOver = true;
+  this->describeDelegation([isHandedOver](StateArchive<MV>& archive) mutable {
+    archive.number("fixed point handed over", isHandedOver);
+  });
+  ++this->result_.counters.safeguards;
+  MVT::MvInit(*this->problem_->solution(), 0.0); // its first set is better than what there is
+  if (rows_->isPresent())
+    MVT::MvInit(*this->problem_->multiplier(), 0.0);
+  PdasSolver<Scalar, MV, OP> solver;
+  this->log_.detail(this->name() + ": limits that follow take long; " + solver.name() + " takes over");
+  this->delegate(solver);
+}
+
+template<class Scalar, class MV, class OP>
 void FixedPointSolver<Scalar, MV, OP>::begin() {
+  constexpr double share = 0.25;
+  const int first = this->firstInner_;
+  budget_ = first + static_cast<int>(share * (this->maximumIterations() - first));
   const MV& x = *this->problem_->solution();
   radii_ = MVT::Clone(x, 1);
   step_ = MVT::Clone(x, 1);
@@ -79,6 +111,13 @@ void FixedPointSolver<Scalar, MV, OP>::solveFrozen() {
     const Test gradient = Teuchos::rcp(new StatusTestProjectedGradient<MV>(share, wrong_)),
                equality = Teuchos::rcp(new StatusTestEqualityDistance<MV, Scalar>(ofEqualities, 0.0));
     enough = Teuchos::rcp(new StatusTestCombo<MV>(StatusTestCombo<MV>::Type::And, {gradient, equality}));
+  }
+  if (mayHandOver()) {
+    const Test spent = Teuchos::rcp(new StatusTestMaxIterations<MV>(budget_));
+    if (enough.is_null())
+      enough = spent;
+    else
+      enough = Teuchos::rcp(new StatusTestCombo<MV>(StatusTestCombo<MV>::Type::Or, {enough, spent}));
   }
   this->delegate(*inner, whole->frozen(), enough);
   this->acceptance_ = acceptance;
@@ -190,3 +229,5 @@ void FixedPointSolver<Scalar, MV, OP>::relax() {
 }
 
 } // namespace Harmos::qp
+
+#include "Harmos_PdasSolver_def.hpp"

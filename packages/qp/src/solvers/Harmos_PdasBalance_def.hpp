@@ -13,10 +13,12 @@ bool PdasSolver<Scalar, MV, OP>::Run::mayBalance() const {
 }
 
 // Where limits follow, or pairs turn: from the best iterate on, all sets are balanced; then springs are
-// stiffer, and steps shorter with them, which leads out of circles.
+// stiffer, and steps shorter with them, which leads out of circles. As stiff as A they have no say any more.
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::balances(const std::string& why) {
-  constexpr double factor = 4.0, stiffest = 256.0;
+  constexpr double factor = 10.0, stiffAtFirst = 100.0;
+  const double stiffest =
+      paths_ > 0 ? std::max(stiffAtFirst, cg_.curvatureBound() / cg_.stiffness()) : stiffAtFirst;
   if (!mayBalance() || stiffening_ >= stiffest)
     return false;
   stiffening_ *= balances_ ? factor : 1.0;
@@ -30,6 +32,56 @@ bool PdasSolver<Scalar, MV, OP>::Run::balances(const std::string& why) {
   solver_.log_.detail("PDAS: " + why + "; sets are balanced, with springs " + scientific(stiffening_, 1) +
                       " times as stiff");
   return true;
+}
+
+// To the set of the end of a path through interior points; the second one goes further.
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::comesFromInside(const std::string& why) {
+  constexpr int mostPaths = 2;
+  const double q = cg_.stiffness();
+  const int most = std::min(budget_, solver_.maximumIterations()) - state_.inner;
+  if (!(hasFollowing() || problem_.hasDiscs()) || paths_ >= mostPaths || !(q > 0.0) || most <= 0)
+    return false;
+  ++paths_;
+  solver_.log_.detail("PDAS: " + why + "; a path through interior points comes first");
+  InteriorPath<Scalar, MV, OP> path(problem_, rows_,
+                                    CgOptions::fromList(solver_.parameters_->sublist("PCPG")), cg_.kept(),
+                                    mostKept_, counters_);
+  const bool isThrough = path.run(*best_, q, paths_ == 1 ? 1e-8 : 1e-11, most, [&] {
+    const std::optional<Reason> reason = solver_.judge(state_);
+    return reason && *reason == Reason::TimeLimit;
+  });
+  if (!std::isfinite(norm<Scalar>(path.x()) + norm<Scalar>(path.y())))
+    return false;
+  MVT::Assign(path.x(), x_);
+  if (hasFollowing())
+    solver_.problem_->follow();
+  findSetBeside(path.x(), path.y(), q);
+  state_.inner += path.steps();
+  balances_ = false;
+  stiffening_ = 1.0;
+  progress_ = {};
+  solver_.log_.detail("PDAS: " + std::to_string(path.steps()) + " steps, " +
+                      (isThrough ? "to its end" : "it breaks off") + "; the set there is the next one");
+  return true;
+}
+
+// That of x − y/q: what is outside is active.
+template<class Scalar, class MV, class OP>
+void PdasSolver<Scalar, MV, OP>::Run::findSetBeside(const MV& x, const MV& y, double q) {
+  constexpr double touching = 1e-9;
+  const Teuchos::RCP<MV> v = MVT::Clone(x, 1), inside = MVT::Clone(x, 1), gradient = MVT::Clone(x, 1);
+  MVT::MvAddMv(1.0, x, -1.0 / q, y, *v);
+  set_.assign(set_.size(), 0);
+  set_.slipping.clear();
+  const double noise = touching * norm<Scalar>(x);
+  for (int pass = 0; pass < 2; ++pass) { // the second for what was at its other bound
+    MVT::Assign(*v, *inside);
+    BT::moveToBounds(*inside, feasible_, set_);
+    MVT::MvAddMv(q, *inside, -q, *v, *gradient);
+    active_ =
+        BT::updateActiveSet(*inside, *gradient, feasible_, noise, q * noise, set_, {1.0 / q, 0.0}).active;
+  }
 }
 
 // Onto the face. Where all that holds a body is at its limit, these forces need not balance, and where what

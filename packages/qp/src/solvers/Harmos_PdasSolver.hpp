@@ -4,6 +4,7 @@
 #include "Harmos_BalancedActiveSet.hpp"
 #include "Harmos_DescentOfSets.hpp"
 #include "Harmos_FirstActiveSet.hpp"
+#include "Harmos_InteriorPath.hpp"
 #include "Harmos_ProjectedCg.hpp"
 #include "Harmos_SolverManager.hpp"
 
@@ -115,6 +116,8 @@ class PdasSolver<Scalar, MV, OP>::Run {
   bool mayBalance() const;
   void exchangeBest(StateArchive<MV>& archive);
   bool balances(const std::string& why);
+  bool comesFromInside(const std::string& why);
+  void findSetBeside(const MV& x, const MV& y, double q);
   bool descends(const std::string& why);
 
   void describeState();
@@ -169,6 +172,8 @@ class PdasSolver<Scalar, MV, OP>::Run {
   bool isMoved_ = false;    // x, since then
   bool balances_ = false;   // all sets, where limits follow
   double stiffening_ = 1.0; // of the springs of next_
+  int paths_ = 0;           // through interior points, that were followed
+  bool restarts_ = false;   // on another face
   bool newFace_ = true, started_ = false;
   // On a face.
   double target_ = 0.0;

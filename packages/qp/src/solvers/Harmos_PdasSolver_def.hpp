@@ -134,8 +134,12 @@ void PdasSolver<Scalar, MV, OP>::Run::go() {
     if (newFace_ && !enterFace())
       return;
     aim();
-    if (!descend())
-      return;
+    if (!descend()) {
+      if (!std::exchange(restarts_, false))
+        return;
+      newFace_ = true;
+      continue;
+    }
     look();
     isMoved_ = false;
     if (!std::isfinite(expected_))
@@ -184,6 +188,7 @@ void PdasSolver<Scalar, MV, OP>::Run::describeState() {
     if (mayBalance()) {
       archive.number("pdas balances", balances_);
       archive.number("pdas stiffening", stiffening_);
+      archive.number("pdas paths", paths_);
       exchangeBest(archive);
     }
     archive.number("pdas stepped", stepped_);
@@ -257,7 +262,8 @@ bool PdasSolver<Scalar, MV, OP>::Run::enterFace() {
     return false;
   }
   const std::string why = "the equalities cannot be met on a face";
-  if (!isOn && !(descends(why) && cg_.start(set_) && descent_.enter(set_, active_))) {
+  if (!isOn && !(comesFromInside(why) && startsOnFace()) &&
+      !(descends(why) && cg_.start(set_) && descent_.enter(set_, active_))) {
     handOver(why);
     return false;
   }
@@ -328,12 +334,17 @@ bool PdasSolver<Scalar, MV, OP>::Run::advance() {
   const auto length = static_cast<long long>(MVT::GetGlobalLength(x_));
   const bool isSpent = state_.inner >= budget_ && budget_ < solver_.maximumIterations();
   if (isSpent || faceSteps_++ > 2 * (length - active_) + 10) {
-    handOver(isSpent ? "its share of the iterations is used up" : "conjugate gradients crawl on a face");
+    const std::string why =
+        isSpent ? "its share of the iterations is used up" : "conjugate gradients crawl on a face";
+    handOver(why);
     return false;
   }
   const typename Cg::Outcome outcome = cg_.step();
   if (outcome == Cg::Outcome::Flat) {
-    handOver("the Hessian is singular on a face");
+    const std::string why = "the Hessian is singular on a face";
+    restarts_ = comesFromInside(why);
+    if (!restarts_)
+      handOver(why);
     return false;
   }
   if (outcome == Cg::Outcome::Breakdown) {
@@ -500,7 +511,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::mayGoOn() {
   // Where limits follow sets may be the same again and again.
   if (!isLost && (hasFollowing() || !progress_.isCircle(change_)))
     return true;
-  if (balances(why) || follows(why) || descends(why))
+  if (balances(why) || comesFromInside(why) || follows(why) || descends(why))
     return true;
   handOver(why);
   return false;

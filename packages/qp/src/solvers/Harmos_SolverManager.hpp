@@ -133,6 +133,10 @@ class SolverManager {
   bool resumes() const { return !hasResumed_ && hasStateOf(depth_); }
   /// The same, where that state belongs to the solver to which this one delegated.
   bool resumesDelegate() const { return resumes() && hasStateOf(depth_ + 1); }
+  /// The same, where what was described for that delegation has numbers of this name.
+  bool resumesDelegateWith(const std::string& number) const {
+    return resumesDelegate() && monitor_->holds(number);
+  }
   /// Brings the described state back, counters and history too.
   void resume();
   /// Asks the monitor, at a point where the described state is all there is; true if the solver has stopped.
