@@ -28,6 +28,7 @@
 ///     drawn
 
 #include "Harmos_Errors.hpp"
+#include "Harmos_Friction.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_RandomScene.hpp"
 #include "Harmos_SceneJudge.hpp"
@@ -241,8 +242,16 @@ RandomScene sceneOf(unsigned seed, double mostFriction) {
   return random;
 }
 
+// Contacts are drawn, and so is what rubs.
+bool hasFriction(const scene::Scene& scene) {
+  return std::any_of(scene.effects.begin(), scene.effects.end(),
+                     [](const auto& effect) { return effect->kind() == effects::Friction::kindName; });
+}
+
 void tryScene(unsigned seed, Tally& tally, double mostFriction = 0.0) {
   const RandomScene random = sceneOf(seed, mostFriction);
+  if (mostFriction > 0.0 && !hasFriction(random.scene))
+    return;
   const bool prints = testComm()->getRank() == 0 && std::getenv("HARMOS_SCENE_SEED") != nullptr;
   ++tally.scenes;
   (random.isSolvable ? tally.solvable : tally.withoutSolution) += 1;
