@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """friction.png: where surfaces stick and slip, with the tractions on them, and how far they have slipped.
 
-With --frames friction_0001.png and so on, too, all with one scale. Points of a flat interface in the plane are drawn along it, as curves; those of others, and of surfaces in
-space, in the plane that they spread over, with arrows for tractions and colours for slips. Of two surfaces that
-bear the same points the one of the body that has more of them is shown, or that comes first.
+With --frames friction_0001.png and so on, too, all with one scale.
+
+Points of a flat interface in the plane are drawn along it, as curves; those of others, and of surfaces in
+space, in the plane that they spread over, as discs, with arrows for tractions and colours for slips. Of two
+surfaces that bear the same points the one of the body that has more of them is shown, or that comes first.
 """
 
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What each effect adds to a run: scenes with everything on against the same with one effect off; and what friction adds to all of them.
+"""What each effect adds to a run: scenes with everything on against the same with one effect off.
+
+What friction adds are lines of their own: the scenes with everything else on against the same where surfaces rub.
 
     effects_table.py [--elements 24,8] [--repetitions 5] [--np 2] [--output FILE] [--page FILE]
 
@@ -146,7 +148,10 @@ def rubbing(scene, contacts):
 
 
 def measure(scene, np, repetitions):
-    """By effect that is off, None for none, and by what rubs. They take turns, so that a busy moment is nobody's alone."""
+    """By effect that is off, None for none, and by what rubs.
+
+    They take turns, so that a busy moment is nobody's alone.
+    """
     results = {}
     for _ in range(repetitions):
         for effect in (None, *scene["Effects"]):
