@@ -154,6 +154,7 @@ def plot_deformed(solids, title, caption, look=None, names=("", ""), text=""):
         states |= draw_plane(axes, solid, look.scale, look.colours)
         axes.set_xlim(*look.limits[:, 0])
         axes.set_ylim(*look.limits[:, 1])
+        axes.ticklabel_format(scilimits=(-2, 4))  # there is room for some digits only
         if names[k]:
             axes.set_title(names[k])
 

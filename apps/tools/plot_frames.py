@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures of a run of several steps: the last one as solution.png, and with --frames all of them.
+"""Pictures of a run of several steps: the last one as solution.png, and with --frames all of them, friction too.
 
 result.vtkhdf.series names the results in their order, and their times, as ParaView wants it. All frames have the same
 scale, colours and place of the viewer, which first takes a look at every result.
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import plot_deformed
+import plot_friction
 import plot_solution
 from command_line import PlotError
 from plot_style import STYLE, caption_of, save, whole
@@ -139,6 +140,29 @@ def animate(pictures, path):
         )
 
 
+def number_of(frames, k):
+    return frames[k].number if frames[k].number is not None else k + 1
+
+
+def remove_others(output, pattern, pictures):
+    """Those of an earlier run with more steps."""
+    for left in set(output.glob(pattern)) - set(pictures):
+        left.unlink()
+
+
+def draw_friction(frames, results, output, title, summary, dpi):
+    """Of the steps in which something bears friction."""
+    look = plot_friction.look_of(results)
+    pictures = []
+    for k, frame in enumerate(frames):
+        if look is not None and plot_friction.bears_friction(results[k]):
+            pictures.append(output / f"friction_{number_of(frames, k):04d}.png")
+            caption = caption_at(summary, frame)
+            figure = plot_friction.plot_friction(results[k], title, caption, look, text=frame.text)
+            save(figure, pictures[-1], dpi)
+    remove_others(output, "friction_[0-9]*.png", pictures)
+
+
 def draw_frames(frames, output, title, summary, dpi):
     results = Results(frames)
     module, paint = painter_of(results[0])
@@ -146,10 +170,9 @@ def draw_frames(frames, output, title, summary, dpi):
     pictures = []
     with plt.rc_context(STYLE):
         for k, frame in enumerate(frames):
-            number = frame.number if frame.number is not None else k + 1
-            pictures.append(output / f"frame_{number:04d}.png")
+            pictures.append(output / f"frame_{number_of(frames, k):04d}.png")
             figure = paint(results[k], title, caption_at(summary, frame), look, text=frame.text)
             save(figure, pictures[-1], dpi)
-    for left in set(output.glob("frame_[0-9]*.png")) - set(pictures):
-        left.unlink()  # of an earlier run with more steps
+        draw_friction(frames, results, output, title, summary, dpi)
+    remove_others(output, "frame_[0-9]*.png", pictures)
     animate(pictures, output / "steps.gif")

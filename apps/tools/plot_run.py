@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from follow_run import follow
 from plot_frames import draw_frames, frames_of, painter_of
-from plot_friction import plot_friction
+from plot_friction import bears_friction, plot_friction
 from plot_style import FAINT, INK, STYLE, caption_of, finish, output_of, save
 from command_line import PlotError
 from run_results import read_iterations, read_result, read_summary
@@ -167,7 +167,7 @@ def run(options):
             text = "" if frames[-1].time is None else frames[-1].text
             figure = painter_of(field)[1](field, options.title, caption_of(summary), None, text=text)
             save(figure, output / "solution.png", options.dpi)
-            if getattr(field, "friction", None) is not None:
+            if bears_friction(field):
                 figure = plot_friction(field, options.title, caption_of(summary), text=text)
                 save(figure, output / "friction.png", options.dpi)
         else:

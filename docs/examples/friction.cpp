@@ -14,22 +14,9 @@ using namespace Harmos;
 int main(int argc, char** argv) {
   Tpetra::ScopeGuard scope(&argc, &argv);
   const auto comm = Tpetra::getDefaultComm();
-  // A sheet whose points move in two directions, each against the stiffness of a membrane.
   const TornMembrane sheet;
-  const long long second = 1000000; // numbers of the second component's dofs begin here
-  const auto subdomainsUnder = [&](double load) {
-    std::vector<feti::Subdomain> all = sheet.subdomains(*comm, 1.0, load);
-    for (feti::Subdomain& subdomain : sheet.subdomains(*comm, 1.0, -0.5 * load)) {
-      subdomain.number += sheet.s * sheet.s;
-      for (long long& dof : subdomain.numbers)
-        dof += second;
-      all.push_back(subdomain);
-    }
-    return all;
-  };
-
-  // Its right side rubs on a wall: at each point two rows with one disc, of the bound times the length of the
-  // point. In the plane it is one row, without a disc.
+  // The right side of a sheet rubs on a wall: at each point two rows with one disc, of the bound times the
+  // length of the point. In the plane it is one row, without a disc.
   std::vector<ConstraintRow> rows; // all on rank 0
   const int last = sheet.s * sheet.n;
   for (int j = 0; comm->getRank() == 0 && j <= last; ++j)
@@ -37,7 +24,7 @@ int main(int argc, char** argv) {
       ConstraintRow row;
       row.kind = ConstraintRow::Kind::Limited;
       row.number = 2 * j + component;
-      row.terms = {{sheet.dof(last, j) + component * second, 1.0}};
+      row.terms = {{sheet.dof(last, j) + component * TornMembrane::second, 1.0}};
       row.limit = (0.3 + 0.6 * j * sheet.size()) * sheet.size() * (j == 0 || j == last ? 0.5 : 1.0);
       row.disc = j;
       rows.push_back(row);
@@ -45,10 +32,10 @@ int main(int argc, char** argv) {
 
   Teuchos::ParameterList parameters;
   parameters.sublist("Solver").set("Tolerance", 1e-8);
-  feti::FetiSolver solver(comm, subdomainsUnder(0.0), rows, parameters);
+  feti::FetiSolver solver(comm, sheet.inTwoDirections(*comm, 0.0, 0.0), rows, parameters);
   for (double load : {1.0, 1.2, 0.0}) {
     std::vector<std::shared_ptr<const std::vector<double>>> loads;
-    for (const feti::Subdomain& subdomain : subdomainsUnder(load))
+    for (const feti::Subdomain& subdomain : sheet.inTwoDirections(*comm, load, -0.5 * load))
       loads.push_back(subdomain.load);
     solver.setLoads(loads);
     solver.setBounds(rows); // where they stuck or slipped to before

@@ -62,6 +62,22 @@ struct TornMembrane {
     return result;
   }
 
+  static constexpr long long second = 1000000; ///< numbers of the dofs of a second component begin here
+
+  /// Of a sheet whose points move in two directions, each against the stiffness of a membrane of its own.
+  std::vector<Harmos::feti::Subdomain> inTwoDirections(const Teuchos::Comm<int>& comm, double firstLoad,
+                                                       double secondLoad,
+                                                       double secondStiffness = 1.0) const {
+    std::vector<Harmos::feti::Subdomain> all = subdomains(comm, 1.0, firstLoad);
+    for (Harmos::feti::Subdomain& subdomain : subdomains(comm, secondStiffness, secondLoad)) {
+      subdomain.number += s * s;
+      for (long long& number : subdomain.numbers)
+        number += second;
+      all.push_back(subdomain);
+    }
+    return all;
+  }
+
   /// An obstacle below the right side, highest in the middle: −u ≤ depth + (y − ½)². All rows on rank 0.
   std::vector<Harmos::ConstraintRow> obstacle(const Teuchos::Comm<int>& comm, double depth) const {
     std::vector<Harmos::ConstraintRow> rows;

@@ -109,6 +109,18 @@ class Pages(unittest.TestCase):
             self.assertNotIn(item["effect"], item["off"]["effects"])
             self.assertIn(item["effect"], item["on"]["effects"])
             self.assertIn(f"| {item['effect']} |", published)
+        # Friction is where it is asked for, and nowhere else.
+        rubs = [item for item in document["runs"] if item["effect"] == "Friction"]
+        self.assertEqual([item["where"] for item in rubs], 2 * ["contact", "obstacle", "both"])
+        for item in document["runs"]:
+            for run in (item["off"], item["on"]) if item not in rubs else (item["off"],):
+                self.assertNotIn("Friction", run["effects"])
+        for item in rubs:
+            costs = {cost["kind"]: cost for cost in item["on"]["effect_costs"]}
+            more = item["on"]["dual_dimension"] - item["off"]["dual_dimension"]
+            self.assertEqual(costs["Friction"]["rows"], more)
+            self.assertEqual(item["on"]["inequalities"], item["off"]["inequalities"])
+            self.assertGreater(more, 0)
         # The same words: only figures differ between machines and sizes.
         words = [text.split("\nSeconds are")[0] for text in (page.read_text("utf-8"), published)]
         self.assertEqual(*words)

@@ -37,6 +37,21 @@ def fields(run):
 
 
 class Theory(unittest.TestCase):
+    def test_greco_plate(self):
+        """What Code_Aster's SSNV128 publishes for such elements, to the last digit, and averages of codes within 5 %."""
+        data = fields(solved(self, "greco_plate"))
+        floor = np.abs(data["x"][:, 1]) < 1e-9
+        x, u = data["x"][floor, 0], data["displacement"][floor, 0]
+        for place, published, average in (
+            (0.0, 2.84594e-5, 2.86e-5), (0.00125, 2.70792e-5, 2.72e-5), (0.005, 2.27403e-5, 2.28e-5),
+            (0.0075, 1.97271e-5, 1.98e-5), (0.01125, 1.53642e-5, 1.50e-5),
+        ):
+            there = u[np.abs(x - place) < 1e-9]
+            self.assertGreater(len(there), 0)
+            # Half of the last digit, and the tolerance, 1e-8, times the condition: 1e-12.
+            np.testing.assert_allclose(there, published, atol=0.5e-10 + 1e-12, rtol=0)
+            np.testing.assert_allclose(there, average, rtol=0.05)
+
     def test_shrink_fit(self):
         """Lame's thick ring on a solid shaft of the same material, in plane stress."""
         run = solved(self, "shrink_fit", sets={"Solver/Tolerance": 1e-8})

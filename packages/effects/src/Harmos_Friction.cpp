@@ -80,16 +80,22 @@ std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, co
 
 scene::EffectKind kindOfFriction() {
   ParameterSpec spec("<friction>", "The surfaces of a contact, or a body on an obstacle, slip against a "
-                                   "resistance that has a bound.");
-  spec.text("Contact", "",
-            "On what it acts: the name of one of \"Effects/Contact\" or \"Effects/Obstacle\". Required.");
+                                   "resistance that has a bound: below it points stick, and what they have "
+                                   "slipped they keep from step to step.");
+  spec.text(
+      "Contact", "",
+      "On what it acts: the name of one of \"Effects/Contact\" or \"Effects/Obstacle\", with \"Contact/\" or "
+      "\"Obstacle/\" before it where both have it. Required.");
   spec.choice("Law", "Coulomb",
               {{"Coulomb", "the bound is a multiple of the pressure"},
                {"Tresca", "the bound is given, whatever the pressure is"}},
               "What the bound depends on.");
-  spec.real("Coefficient", notGiven, Range(),
-            "Coulomb: coefficient of friction, bound over pressure, zero or more. Required there.");
-  spec.real("Slip bound", notGiven, Range(), "Tresca: force per area, zero or more. Required there.");
+  spec.real(
+      "Coefficient", notGiven, Range(),
+      "Coulomb: coefficient of friction, bound over pressure, zero or more; -1: not given. Required there.");
+  spec.real(
+      "Slip bound", notGiven, Range(),
+      "Tresca: force per area, zero or more, also where the contact is open; -1: not given. Required there.");
   return {Friction::kindName, spec, make};
 }
 

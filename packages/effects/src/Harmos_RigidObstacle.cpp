@@ -44,7 +44,10 @@ std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, co
 } // namespace
 
 scene::EffectKind kindOfRigidObstacle() {
-  ParameterSpec spec("<obstacle>", "A boundary part does not penetrate a rigid obstacle at rest.");
+  ParameterSpec spec(
+      "<obstacle>",
+      "A boundary part does not penetrate a rigid obstacle at rest; without friction, where none of "
+      "\"Effects/Friction\" acts on it.");
   spec.text("Part", "", "Where: \"body/boundary part\". Required.");
   spec.choice("Shape", "half-space",
               {{"half-space", "behind the plane through \"Point\" that \"Direction\" leaves"},
