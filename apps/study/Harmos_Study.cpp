@@ -36,10 +36,10 @@ std::vector<std::string> columnsOf(const Plan& plan) {
        {"products", "iterations", "outer_iterations", "primal_dimension", "dual_dimension", "subdomains",
         "dual_operator", "solver", "memory_mib", "tight_tolerance", "solver_judged"})
     columns.push_back(name);
-  for (const std::string& measure : measureNames)
+  for (std::size_t k = 0; k < measuresOf(plan); ++k)
     for (const char* part :
          {"error", "discretisation", "solver", "local", "reference", "judged", "discretisation_judged"})
-      columns.push_back(measure + "_" + part);
+      columns.push_back(measureNames[k] + "_" + part);
   return columns;
 }
 
@@ -80,7 +80,7 @@ Row rowOf(const Plan& plan, const Setting& setting, const Outcome& outcome, cons
     row["solver"] = report.solver;
     row["memory_mib"] = textOf(outcome.memoryMiB);
   }
-  for (std::size_t k = 0; k < measures; ++k) {
+  for (std::size_t k = 0; k < measuresOf(plan); ++k) {
     const std::string& name = measureNames[k];
     const auto judged = [&](double error) { return yes(error >= 10.0 * reference[k]); };
     row[name + "_error"] = textOf(parts.total[k]);
@@ -114,12 +114,12 @@ std::vector<Setting> missing(const Teuchos::Comm<int>& comm, const Plan& plan, c
   return result;
 }
 
-std::string told(const Row& row) {
+std::string told(const Plan& plan, const Row& row) {
   const bool ran = !row.at("seconds").empty() && row.at("converged") == "yes";
   if (!ran)
     return "no solution: " + row.at("reason");
   std::string text = scientific(numberOf(row, "seconds"), 1) + " s";
-  for (std::size_t k = 0; k < measures; ++k)
+  for (std::size_t k = 0; k < measuresOf(plan); ++k)
     if (std::isfinite(numberOf(row, measureNames[k] + "_error")))
       text += (k == 0 ? "; errors: " : ", ") + measureTitles[k] + " " +
               scientific(numberOf(row, measureNames[k] + "_error"), 1) +
@@ -174,7 +174,7 @@ int runStudy(const app::ProgramContext& context) {
     const std::chrono::duration<double> past = std::chrono::steady_clock::now() - start;
     const auto done = static_cast<double>(k + 1), left = static_cast<double>(todo.size() - k - 1);
     log.info(std::to_string(k + 1) + "/" + std::to_string(todo.size()) + " " + plan.label(todo[k]) + ": " +
-             told(row) + (left > 0 ? "; " + duration(past.count() / done * left) + " left" : ""));
+             told(plan, row) + (left > 0 ? "; " + duration(past.count() / done * left) + " left" : ""));
   }
   bool anyConverged = false, drawn = false;
   agree(*comm, [&] {

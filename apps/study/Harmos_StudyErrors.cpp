@@ -7,22 +7,41 @@
 
 namespace Harmos::study {
 
-const std::array<std::string, measures> measureNames = {"energy", "displacement", "pressure", "contact_zone"};
-const std::array<std::string, measures> measureTitles = {"energy norm", "displacement", "contact pressure",
-                                                         "size of the contact zone"};
+const std::array<std::string, measures> measureNames = {"energy",       "displacement", "pressure",
+                                                        "contact_zone", "slip",         "stick_zone"};
+const std::array<std::string, measures> measureTitles = {"energy norm",
+                                                         "displacement",
+                                                         "contact pressure",
+                                                         "size of the contact zone",
+                                                         "slip",
+                                                         "size of the zone that sticks"};
+
+std::size_t measuresOf(const Plan& plan) {
+  return plan.hasFriction ? measures : measures - 2;
+}
 
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 Errors arrayOf(const run::SolutionNorms& norms) {
-  return {norms.energy, norms.displacement, norms.pressure, norms.contactArea};
+  return {norms.energy, norms.displacement, norms.pressure, norms.contactArea, norms.slip, norms.stickArea};
 }
 
 Errors filled(double value) {
   Errors errors{};
   errors.fill(value);
   return errors;
+}
+
+// Half the largest point of a zone over its size; zero without a zone. Largest within the zone: graded
+// surfaces are coarse far from it.
+double grainOf(const run::FinishedRun& run, double area, bool (*isWithin)(const run::ContactState&)) {
+  double largest = 0.0;
+  for (std::size_t k = 0; k < run.points.size(); ++k)
+    if (isWithin(run.states[k]))
+      largest = std::max(largest, run.points[k].area);
+  return area > 0.0 ? 0.5 * largest / area : 0.0;
 }
 
 } // namespace
@@ -76,15 +95,14 @@ void ErrorJudge::makeReference() {
     const double ratio = first[k] > 0.0 ? second[k] / first[k] : 8.0;
     own_[k] = first[k] / (std::clamp(ratio, std::sqrt(2.0), 8.0) - 1.0);
   }
-  double largest = 0.0; // of a point within the zone: graded surfaces are coarse far from it
-  for (std::size_t k = 0; k < reference_->points.size(); ++k)
-    if (reference_->states[k].closed)
-      largest = std::max(largest, reference_->points[k].area);
-  if (norms_.contactArea > 0.0)
-    own_[3] = std::max(own_[3], 0.5 * largest / norms_.contactArea);
+  own_[3] = std::max(own_[3], grainOf(*reference_, norms_.contactArea,
+                                      [](const run::ContactState& state) { return state.closed; }));
+  own_[5] = std::max(own_[5], grainOf(*reference_, norms_.stickArea, [](const run::ContactState& state) {
+                       return state.friction == run::Friction::Sticks;
+                     }));
   log_.info("Reference solved to " + scientific(finest.tolerance, 0) +
             ". Its own relative errors, by estimate:");
-  for (std::size_t k = 0; k < measures; ++k)
+  for (std::size_t k = 0; k < measuresOf(plan_); ++k)
     if (std::isfinite(own_[k]))
       log_.info("  " + measureTitles[k] + ": " + scientific(own_[k], 1) +
                 " (the next coarser mesh is off by " + scientific(first[k], 1) + ", the one after by " +

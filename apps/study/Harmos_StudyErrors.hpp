@@ -10,8 +10,10 @@
 namespace Harmos::study {
 
 /// What errors are measured in, in this order: energy norm, displacement in L2, contact pressure in L2, size
-/// of the contact zone.
-constexpr std::size_t measures = 4;
+/// of the contact zone; with friction also slip in L2, size of the zone that sticks.
+constexpr std::size_t measures = 6;
+/// How many of them a study has: those of friction only where its scene has it.
+std::size_t measuresOf(const Plan& plan);
 extern const std::array<std::string, measures> measureNames;  ///< "contact_zone": in tables
 extern const std::array<std::string, measures> measureTitles; ///< "size of the contact zone": in sentences
 using Errors = std::array<double, measures>;
@@ -31,8 +33,8 @@ struct ErrorParts {
 /// alone are kept. The reference's own error is Richardson's estimate from three meshes: with differences d₁
 /// = ‖u_coarser − u_finest‖ and d₂ = ‖u_coarsest − u_coarser‖ of one rate, e = d₁²/(d₂ − d₁) = d₁/(d₂/d₁ −
 /// 1). The ratio d₂/d₁ is taken within [√2, 8]: half an order to three orders, if meshes are halved. Sizes of
-/// contact zones are sums of the areas of whole points: they are known to half the largest area of a closed
-/// one at best.
+/// zones, in contact or sticking, are sums of the areas of whole points: they are known to half the largest
+/// area of one of these at best.
 class ErrorJudge {
  public:
   ErrorJudge(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Plan& plan, const Log& log);

@@ -73,6 +73,20 @@ std::string hashOf(const std::string& text) { // FNV-1a
   return stream.str();
 }
 
+// By the decks' own names: scenes are not made to be asked.
+bool namesFriction(const Teuchos::ParameterList& deck) {
+  const Teuchos::ParameterList none;
+  const auto within = [&](const Teuchos::ParameterList& list, const char* name) -> const auto& {
+    return list.isSublist(name) ? list.sublist(name) : none;
+  };
+  const Teuchos::ParameterList &effects = within(deck, "Effects"), &model = within(deck, "Model");
+  const auto isGiven = [&](const char* name) {
+    return model.isParameter(name) && model.get<double>(name) > 0.0;
+  };
+  return within(effects, "Friction").numParams() > 0 || isGiven("Slip bound") ||
+         isGiven("Coefficient of friction");
+}
+
 std::string joined(const Texts& texts) {
   std::string result;
   for (const std::string& text : texts)
@@ -181,6 +195,7 @@ Plan::Plan(const Teuchos::Comm<int>& comm, const app::CommandLine& line) : study
   const Teuchos::ParameterList basis = readDeck(comm, {});
   hasToleranceRule = basis.sublist("Solver").isParameter("Tolerance rule");
   checkValues(comm);
+  hasFriction = namesFriction(readDeck(comm, reference));
   std::ostringstream text;
   Teuchos::writeParameterListToXmlOStream(basis, text);
   text << name << "\n"

@@ -37,6 +37,7 @@ struct Plan {
   bool charts = true;
   std::string output;
   bool hasToleranceRule = false; ///< the deck knows "Solver/Tolerance rule"
+  bool hasFriction = false;      ///< the reference's deck names friction
   /// Of all that errors depend on beside the values of the axes: tables of different ones do not mix.
   std::string fingerprint;
 

@@ -84,13 +84,14 @@ std::string sentence(const Plan& plan, const std::vector<Point>& points, std::si
 }
 
 // What the values of an axis have in common: how far from the front they are.
-Json valuesOf(const Axis& axis, std::size_t a, const std::vector<Point>& points) {
+Json valuesOf(const Plan& plan, std::size_t a, const std::vector<Point>& points) {
+  const Axis& axis = plan.axes[a];
   Json values = Json::array();
   for (std::size_t value = 0; value < axis.values.size(); ++value) {
     Json entry;
     entry["value"] = axis.text(value);
     entry["label"] = axis.labels[value];
-    for (std::size_t k = 0; k < measures; ++k) {
+    for (std::size_t k = 0; k < measuresOf(plan); ++k) {
       std::vector<double> ratios;
       int onFront = 0;
       for (const Point& point : points)
@@ -128,7 +129,7 @@ Json runOf(const Plan& plan, const Point& point) {
     if (column.rfind("seconds_", 0) == 0)
       run["seconds"][column.substr(8)] = number(numberOf(row, column));
   run["seconds"]["total"] = number(point.seconds);
-  for (std::size_t k = 0; k < measures; ++k) {
+  for (std::size_t k = 0; k < measuresOf(plan); ++k) {
     const std::string& name = measureNames[k];
     Json& errors = run["errors"][name];
     errors["total"] = number(point.error[k]);
@@ -151,13 +152,13 @@ Result::Result(const Plan& plan, const Table& table, int ranks) {
     if (row == nullptr)
       continue;
     Point point{setting, row, numberOf(*row, "seconds"), row->at("converged") == "yes", {}, {}, {}, {}};
-    for (std::size_t k = 0; k < measures; ++k) {
+    for (std::size_t k = 0; k < measuresOf(plan); ++k) {
       point.error[k] = numberOf(*row, measureNames[k] + "_error");
       point.isJudged[k] = row->at(measureNames[k] + "_judged") == "yes";
     }
     points.push_back(std::move(point));
   }
-  for (std::size_t k = 0; k < measures; ++k) {
+  for (std::size_t k = 0; k < measuresOf(plan); ++k) {
     markFront(points, k);
     const bool isMeasured = std::any_of(points.begin(), points.end(),
                                         [&](const Point& point) { return std::isfinite(point.error[k]); });
@@ -181,9 +182,9 @@ std::string toJson(const Plan& plan, const Table& table, const Result& result, i
   for (std::size_t a = 0; a < plan.axes.size(); ++a)
     json["axes"].push_back({{"name", plan.axes[a].name},
                             {"parameters", plan.axes[a].parameters},
-                            {"values", valuesOf(plan.axes[a], a, result.points)}});
+                            {"values", valuesOf(plan, a, result.points)}});
   json["measures"] = Json::object();
-  for (std::size_t k = 0; k < measures; ++k)
+  for (std::size_t k = 0; k < measuresOf(plan); ++k)
     json["measures"][measureNames[k]] = measureTitles[k];
   json["runs"] = Json::array();
   for (const Point& point : result.points)

@@ -17,7 +17,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "verification"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "verification" / "oracles"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs" / "tools"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "apps" / "tools"))
 

@@ -11,6 +11,8 @@ What each class guards against:
     Decks     decks of the page that are not valid, pictures that are not shown or too large
     Charts    charts that are not drawn
     Ranks     errors that depend on the number of ranks
+    Friction  slips and zones that stick which are not those of the solutions, recomputed as in Content; columns
+              of friction in studies of scenes that have none, or none where one has it
 """
 
 import csv
@@ -25,10 +27,11 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 
+import harmos_decks  # noqa: E402
 import harmos_runs as runs  # noqa: E402
 
 try:
-    import h5py  # noqa: F401
+    import h5py
     import numpy as np
 except ImportError as missing:
     runs.skip(f"the Python module {missing.name} is missing")
@@ -134,6 +137,9 @@ class Content(unittest.TestCase):
         _, rows, data = finished(self)
         self.assertEqual(len(rows), 12)
         self.assertEqual(len(data["runs"]), 12)
+        # Without friction there is nothing of it.
+        self.assertEqual(tuple(data["measures"]), MEASURES)
+        self.assertFalse([name for name in rows[0] if name.startswith(("slip", "stick"))])
         for run in data["runs"]:
             row = next(r for r in rows if all(r[a] == v for a, v in run["settings"].items()))
             self.assertEqual(row["ranks"], "2")
@@ -421,6 +427,147 @@ class Ranks(unittest.TestCase):
                         if part == "error":
                             allowed += number(row[f"{measure}_solver"]) + number(other[f"{measure}_solver"])
                         self.assertAlmostEqual(first, second, delta=allowed)
+
+
+class Strip:
+    """The floor of the block of class Friction, from a run of its own: the fields at its nodes, in their order."""
+
+    def __init__(self, deck, elements, tolerance):
+        sets = {"Bodies/block/Elements a side": elements_of(elements), "Solver/Tolerance": tolerance}
+        run = runs.run(deck, sets, program="harmos")
+        assert run.returncode == 0, run
+        with h5py.File(run.directory / "result.vtkhdf", "r") as file:
+            points, data = file["VTKHDF/Points"][()], file["VTKHDF/PointData"]
+            floor = np.flatnonzero(points[:, 1] == 0.0)
+            # Copies of a node have the same values.
+            self.x, first = np.unique(points[floor, 0], return_index=True)
+            self.slip = data["slip"][()][floor[first], 0]
+            self.state = data["friction_state"][()][floor[first]]
+        self.area = np.full(len(self.x), self.x[1] - self.x[0])
+        self.area[[0, -1]] /= 2
+        self.rough = np.where(self.state > 0, self.area, 0.0)  # where it bears friction
+        self.sticking = self.area @ (self.state == STICKS)
+
+
+STICKS = 1
+
+
+def elements_of(n):
+    return f"{{{n}, {n}, 1}}"
+
+
+class Friction(unittest.TestCase):
+    """A block pressed onto a rough floor and pushed until half of it slips."""
+
+    MESHES = (2, 4)
+    TOLERANCES = ("1e-2", "1e-4")
+    REFERENCE = 64
+    TIGHT = 1e-9
+
+    def decks(self, directory):
+        scene = {
+            "Model": {"Physics": "plane strain"},
+            "Materials": {"soft": {"Young's modulus": 1.0, "Poisson's ratio": 0.3}},
+            "Bodies": {
+                "block": {
+                    "Source": "block",
+                    "Size": [2.0, 1.0, 1.0],
+                    "Subdomains a side": [2, 1, 1],
+                    "Elements a side": [4, 4, 1],
+                    "Element": "Q1",
+                    "Materials": ["soft"],
+                }
+            },
+            "Effects": {
+                "Obstacle": {"floor": {"Part": "block/bottom"}},
+                "Friction": {"rough": {"Contact": "floor", "Coefficient": 0.5}},
+                "Traction": {
+                    "press": {"Part": "block/top", "Density": [0.0, -0.05, 0.0]},
+                    "push": {"Part": "block/left", "Density": [0.042, 0.0, 0.0]},
+                },
+            },
+        }
+        elements = "Bodies/block/Elements a side"
+        parts = (("Set", self.REFERENCE), ("Coarser", self.REFERENCE // 2), ("Coarsest", self.REFERENCE // 4))
+        study = {
+            "Study": {
+                "Application": "harmos",
+                "Deck": "scene.xml",
+                "Targets": ["1e-1"],
+                "Least seconds": 0.0,
+                "Tight tolerance": self.TIGHT,
+            },
+            "Reference": {name: [f"{elements}=[{n} {n} 1]"] for name, n in parts},
+            "Axes": {
+                "mesh": {"Parameters": [elements], "Values": [f"[{n} {n} 1]" for n in self.MESHES]},
+                "tolerance": {"Parameters": ["Solver/Tolerance"], "Values": list(self.TOLERANCES)},
+            },
+        }
+        directory.mkdir()
+        (directory / "scene.xml").write_text(harmos_decks.xml("harmos", scene), encoding="utf-8")
+        (directory / "study.xml").write_text(harmos_decks.xml("study", study), encoding="utf-8")
+        return directory / "scene.xml", directory / "study.xml"
+
+    def test_slips_and_zones_are_those_of_the_solutions(self):
+        scene, deck = self.decks(runs.scratch("friction"))
+        done = study(deck=deck)
+        self.assertEqual(done.returncode, 0, done)
+        rows = rows_of(done.directory)
+        self.assertEqual(len(rows), 4)
+        fine = Strip(scene, self.REFERENCE, self.TIGHT)
+        # Some sticks, some slips, and some is open, or not all would be seen.
+        self.assertTrue(0.2 < fine.sticking / fine.rough.sum() < 0.8, fine.sticking)
+        self.assertLess(fine.rough.sum(), fine.area.sum())
+        scale = math.sqrt(fine.rough @ fine.slip**2)
+        for row in rows:
+            elements = int(row["mesh"].strip("{}").split(",")[0])
+            run, tight = Strip(scene, elements, row["tolerance"]), Strip(scene, elements, self.TIGHT)
+            slip = np.interp(fine.x, run.x, run.slip)
+            expected = {
+                "slip_error": math.sqrt(fine.rough @ (slip - fine.slip) ** 2) / scale,
+                "slip_solver": math.sqrt(tight.rough @ (run.slip - tight.slip) ** 2) / scale,
+                "stick_zone_error": abs(run.sticking - fine.sticking) / fine.sticking,
+                "stick_zone_solver": abs(run.sticking - tight.sticking) / fine.sticking,
+            }
+            for name, value in expected.items():
+                with self.subTest(mesh=elements, tolerance=row["tolerance"], quantity=name):
+                    # Six digits in the table; what the tight runs leave.
+                    self.assertAlmostEqual(number(row[name]), value, delta=1e-4 * value + 10 * self.TIGHT)
+            # Half of the largest point that sticks, which is of the inside.
+            self.assertGreaterEqual(
+                number(row["stick_zone_reference"]), 0.5 * fine.area[1] / fine.sticking * (1 - 1e-5)
+            )
+        data = json.loads((done.directory / "study.json").read_text(encoding="utf-8"))
+        self.assertEqual(tuple(data["measures"])[:4], MEASURES)
+        self.assertEqual(list(data["measures"])[4:], ["slip", "stick_zone"])
+        self.assertTrue(any(s.startswith("slip to 1e-1: ") and "(error " in s for s in data["sentences"]))
+        self.assertTrue(any(s.startswith("size of the zone that sticks to 1e-1: ") for s in data["sentences"]))
+
+    def test_friction_of_another_application(self):
+        """The composite has it by a parameter of its model, and says so before a run is made."""
+        mesh = "Model/Elements per side={0}, Model/Fibre layers={1}, Model/Matrix layers={1}"
+        for coefficient, columns in ((0.3, 2), (0.0, 0)):
+            sets = {
+                "Study/Set": f"{{Model/Columns=1, Model/Rows=1, Model/Coefficient of friction={coefficient}}}",
+                **{
+                    f"Reference/{name}": "{" + mesh.format(n, n // 4) + "}"
+                    for name, n in (("Set", 16), ("Coarser", 8), ("Coarsest", 4))
+                },
+                "Axes/mesh/Values": "{1;4;1;1}",
+                "Axes/mesh/Labels": "{coarse}",
+                "Axes/dual operator/Values": "{condensed;double;Dirichlet}",
+                "Axes/dual operator/Labels": "{double}",
+                "Axes/decomposition/Values": "{1;1}",
+                "Axes/decomposition/Labels": "{few}",
+                "Axes/tolerance/Values": "{1e-4;fixed}",
+                "Axes/tolerance/Labels": "{tight}",
+            }
+            done = study(deck=DECK.parent / "composite.xml", sets=sets)
+            self.assertEqual(done.returncode, 0, done)
+            (row,) = rows_of(done.directory)
+            self.assertEqual(sum(name in row for name in ("slip_error", "stick_zone_error")), columns)
+            if columns:
+                self.assertGreater(number(row["slip_error"]), 0.0)
 
 
 if __name__ == "__main__":

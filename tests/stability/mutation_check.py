@@ -163,7 +163,7 @@ FAULTS = (
     fault(
         "a coefficient of scaled forces", "packages/feti/src/torn/Harmos_Constraints.cpp",
         "head.coefficient * heads[static_cast<std::size_t>(normal)].scale / head.scale",
-        "head.coefficient * head.scale / heads[static_cast<std::size_t>(normal)].scale", ("verification_coulomb",)),
+        "head.coefficient * head.scale / heads[static_cast<std::size_t>(normal)].scale", ("unit_feti",)),
     fault(
         "forces that do not take friction along", "packages/qp/src/kernels/Harmos_FollowingLimits.cpp",
         "const double moved = entry.factor * x[entry.source];", "const double moved = 0.0 * x[entry.source];",

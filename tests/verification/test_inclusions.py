@@ -11,7 +11,7 @@ import unittest
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "support")]
+sys.path[:0] = [str(HERE / "oracles"), str(HERE.parent / "support")]
 
 import harmos_runs as runs  # noqa: E402
 import inclusions  # noqa: E402

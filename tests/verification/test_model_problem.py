@@ -30,6 +30,7 @@ import unittest
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+sys.path.insert(0, str(Path(__file__).resolve().parent / "oracles"))
 
 import harmos_runs as runs  # noqa: E402
 from published_figures import PAPER_CG, PERMON, SIDES  # noqa: E402

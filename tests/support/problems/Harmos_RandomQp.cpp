@@ -11,6 +11,10 @@ double unit(std::mt19937& random) {
   return std::uniform_real_distribution<double>(-1.0, 1.0)(random);
 }
 
+std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
+
 } // namespace
 
 double norm(const std::vector<double>& x) {
@@ -203,6 +207,57 @@ SmallQp unboundedQp(std::mt19937& random, int n, int equalities, bool bounds) {
       qp.c(r, i) -= dot * d[static_cast<std::size_t>(i)];
   }
   qp.cRhs = product(qp.c, feasible);
+  return qp;
+}
+
+SmallQp followingQp(std::mt19937& random, int points, int tangents, int freeEntries, int equalities,
+                    double factor) {
+  const int n = points * (1 + tangents) + freeEntries;
+  SmallQp qp = randomQp(random, n, equalities, false, 20.0);
+  qp.lower.assign(at(n), -infinity);
+  qp.upper.assign(at(n), infinity);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::vector<double> inside(at(n));
+  for (double& value : inside)
+    value = uniform(random);
+  for (int p = 0; p < points; ++p) {
+    const int normal = p * (1 + tangents);
+    qp.lower[at(normal)] = 0.0;
+    inside[at(normal)] = std::abs(inside[at(normal)]) + 0.1;
+    const double limit = factor * inside[at(normal)];
+    for (int k = 1; k <= tangents; ++k)
+      inside[at(normal + k)] = 0.6 * limit * uniform(random);
+    if (tangents == 2)
+      qp.discs.push_back({normal + 1, normal + 2, {0.0, 0.0}, 1e100});
+    qp.follows.push_back({tangents == 2 ? p : normal + 1, tangents == 2, normal, factor});
+  }
+  for (int r = 0; r < equalities; ++r) {
+    qp.cRhs[at(r)] = 0.0;
+    for (int i = 0; i < n; ++i)
+      qp.cRhs[at(r)] += qp.c(r, i) * inside[at(i)];
+  }
+  return qp;
+}
+
+SmallQp turningBodiesQp(std::mt19937& random, int bodies, int points, double factor) {
+  std::uniform_real_distribution<double> uniform(0.5, 1.5);
+  const int n = 2 * bodies * points;
+  SmallQp qp{Dense(n, n),
+             std::vector<double>(at(n)),
+             std::vector<double>(at(n), -infinity),
+             std::vector<double>(at(n), infinity),
+             Dense(bodies, n),
+             std::vector<double>(at(bodies), 0.0)};
+  for (int body = 0; body < bodies; ++body)
+    for (int p = 0; p < points; ++p) {
+      const int normal = 2 * (body * points + p);
+      qp.a(normal, normal) = qp.a(normal + 1, normal + 1) = uniform(random);
+      qp.b[at(normal)] = uniform(random);                 // pressed
+      qp.b[at(normal + 1)] = 4.0 * uniform(random) - 3.0; // and rubbed
+      qp.lower[at(normal)] = 0.0;
+      qp.c(body, normal + 1) = 1.0 / std::sqrt(points); // the sum of a body's friction is zero
+      qp.follows.push_back({normal + 1, false, normal, factor});
+    }
   return qp;
 }
 

@@ -42,4 +42,14 @@ SmallQp infeasibleQp(std::mt19937& random, int n, int kind);
 /// A semidefinite problem with a feasible direction d, Ad = 0, Cd = 0, bᵀd > 0.
 SmallQp unboundedQp(std::mt19937& random, int n, int equalities, bool bounds);
 
+/// Points with a normal entry above zero and one or two tangential ones behind it, whose limit is the factor
+/// times the normal one; free entries after them. The equalities are met by a point within the cones: there
+/// is a solution for factors that are not large.
+SmallQp followingQp(std::mt19937& random, int points, int tangents, int freeEntries, int equalities,
+                    double factor);
+
+/// Discs with all their rim at hand, that turn while they are pushed: the friction of a body's points has to
+/// balance, and the last one to slip sticks. Pairs of a normal and a tangential entry.
+SmallQp turningBodiesQp(std::mt19937& random, int bodies, int points, double factor);
+
 } // namespace Harmos

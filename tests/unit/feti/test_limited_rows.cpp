@@ -47,6 +47,37 @@ feti::AuditLimits limits() {
   return {feti::auditShare(tolerance)};
 }
 
+// The model's two membranes, which press on each other, with a second component that friction holds: rows
+// of it are so many times as long, their coefficients as many times as small.
+TestModel rubbing(double coefficient, double length) {
+  TestModel model = testModel(2, 4);
+  TestModel across = testModel(2, 4);
+  const long long subdomains = globalSum(*testComm(), static_cast<long long>(model.subdomains.size()));
+  constexpr long long second = 1000000; // numbers of its dofs begin here
+  for (feti::Subdomain& subdomain : across.subdomains) {
+    subdomain.number += static_cast<int>(subdomains);
+    for (long long& dof : subdomain.numbers)
+      dof += second;
+    changeLoad(subdomain, [](std::vector<double>& load) {
+      for (double& value : load)
+        value *= 0.2;
+    });
+    model.subdomains.push_back(subdomain);
+  }
+  for (ConstraintRow row : across.rows) {
+    row.kind = ConstraintRow::Kind::Limited;
+    row.normal = row.number;
+    row.bound = 0.0;
+    row.coefficient = coefficient / length;
+    for (ConstraintRow::Term& term : row.terms) {
+      term.dof += second;
+      term.coefficient *= length;
+    }
+    model.rows.push_back(row);
+  }
+  return model;
+}
+
 // Multipliers of limited rows, each times a factor.
 feti::TornSolution tampered(const feti::FetiSolver& solver, double factor) {
   feti::TornSolution solution = solver.solution();
@@ -114,6 +145,29 @@ TEST(LimitedRows, limits_change) {
   feti::FetiSolver fresh(testComm(), model.subdomains, model.rows, parameters());
   ASSERT_TRUE(fresh.solve().converged);
   EXPECT_NEAR(solver.audit().energy, fresh.audit().energy, 1e-9 * std::abs(fresh.audit().energy));
+}
+
+// A coefficient is one of forces of the rows as they are given, however long these are.
+TEST(LimitedRows, coefficients_are_of_given_rows) {
+  constexpr double coefficient = 0.3;
+  double energy = 0.0;
+  for (double length : {1.0, 3.0, 0.1}) {
+    const TestModel model = rubbing(coefficient, length);
+    feti::FetiSolver solver(testComm(), model.subdomains, model.rows, parameters());
+    const feti::SolveReport& report = solver.solve();
+    ASSERT_TRUE(report.converged) << report.reason;
+    EXPECT_TRUE(feti::auditAgrees(solver.audit(), limits()));
+    // Some stick and some slip, or the coefficient would not matter.
+    const feti::FrictionState state = solver.friction();
+    long long slips = 0;
+    for (double slip : state.slip)
+      slips += std::abs(slip) > 1e-6 * length ? 1 : 0;
+    slips = globalSum(*testComm(), slips);
+    EXPECT_GT(slips, 0);
+    EXPECT_LT(slips, solver.constraints().limited());
+    energy = length == 1.0 ? solver.audit().energy : energy;
+    EXPECT_NEAR(solver.audit().energy, energy, 1e-8 * std::abs(energy)) << length;
+  }
 }
 
 // Both rows of a disc are on one rank and have one scale; physical limits are those that were given.

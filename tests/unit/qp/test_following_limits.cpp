@@ -23,37 +23,6 @@ std::size_t at(int i) {
   return static_cast<std::size_t>(i);
 }
 
-// Points with a normal entry above zero and one or two tangential ones behind it, free entries after them.
-// The equalities are met by a point within the cones: there is a solution for factors that are not large.
-SmallQp randomFollowing(std::mt19937& random, int points, int tangents, int freeEntries, int equalities,
-                        double factor) {
-  const int n = points * (1 + tangents) + freeEntries;
-  SmallQp qp = randomQp(random, n, equalities, false, 20.0);
-  qp.lower.assign(at(n), -infinity);
-  qp.upper.assign(at(n), infinity);
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  std::vector<double> inside(at(n));
-  for (double& value : inside)
-    value = uniform(random);
-  for (int p = 0; p < points; ++p) {
-    const int normal = p * (1 + tangents);
-    qp.lower[at(normal)] = 0.0;
-    inside[at(normal)] = std::abs(inside[at(normal)]) + 0.1;
-    const double limit = factor * inside[at(normal)];
-    for (int k = 1; k <= tangents; ++k)
-      inside[at(normal + k)] = 0.6 * limit * uniform(random);
-    if (tangents == 2)
-      qp.discs.push_back({normal + 1, normal + 2, {0.0, 0.0}, 1e100});
-    qp.follows.push_back({tangents == 2 ? p : normal + 1, tangents == 2, normal, factor});
-  }
-  for (int r = 0; r < equalities; ++r) {
-    qp.cRhs[at(r)] = 0.0;
-    for (int i = 0; i < n; ++i)
-      qp.cRhs[at(r)] += qp.c(r, i) * inside[at(i)];
-  }
-  return qp;
-}
-
 // All solutions in the plane: each point open, stuck, or slipping to either side.
 std::vector<std::vector<double>> allSolutions(const SmallQp& qp) {
   const int n = qp.size(), m = qp.c.rows, points = static_cast<int>(qp.follows.size());
@@ -165,7 +134,7 @@ TEST(FollowingLimits, three_hundred_problems_in_the_plane_against_all_states) {
   int runs = 0, converged = 0, programs = 0, programsConverged = 0;
   for (int k = 0; k < 300; ++k) {
     const double factor = std::array{0.1, 0.3, 0.6, 1.0}[at(k % 4)];
-    const SmallQp qp = randomFollowing(random, 1 + k % 4, 1, k % 3, k / 4 % 3, factor);
+    const SmallQp qp = followingQp(random, 1 + k % 4, 1, k % 3, k / 4 % 3, factor);
     const std::vector<std::vector<double>> expected = allSolutions(qp);
     (expected.empty() ? none : expected.size() == 1 ? unique : several) += 1;
     for (const std::string name : {"PDAS", "SMALBE"}) {
@@ -206,7 +175,7 @@ TEST(FollowingLimits, hundred_problems_in_space) {
   int slips = 0, sticks = 0;
   for (int k = 0; k < 100; ++k) {
     const double factor = std::array{0.1, 0.3, 0.6}[at(k % 3)];
-    const SmallQp qp = randomFollowing(random, 1 + k % 4, 2, k % 2, k / 3 % 3, factor);
+    const SmallQp qp = followingQp(random, 1 + k % 4, 2, k % 2, k / 3 % 3, factor);
     const Answer answer = solved(qp, "PDAS", k % 2 == 1);
     ASSERT_TRUE(answer.isConverged) << k << ": " << answer.result.explanation;
     bool allTouch = true; // what an interior-point method needs
@@ -225,30 +194,11 @@ TEST(FollowingLimits, hundred_problems_in_space) {
   EXPECT_GT(sticks, 30);
 }
 
-// A disc with all its rim at hand, that turns while it is pushed: its points' friction has to balance, and
-// the last one to slip sticks. Newton's method on single entries goes round in circles.
+// Newton's method on single entries goes round in circles.
 TEST(FollowingLimits, bodies_that_turn_settle) {
   std::mt19937 random(24);
-  std::uniform_real_distribution<double> uniform(0.5, 1.5);
   for (int k = 0; k < 20; ++k) {
-    constexpr int bodies = 3, points = 4;
-    constexpr int n = 2 * bodies * points;
-    SmallQp qp{Dense(n, n),
-               std::vector<double>(at(n)),
-               std::vector<double>(at(n), -infinity),
-               std::vector<double>(at(n), infinity),
-               Dense(bodies, n),
-               std::vector<double>(at(bodies), 0.0)};
-    for (int body = 0; body < bodies; ++body)
-      for (int p = 0; p < points; ++p) {
-        const int normal = 2 * (body * points + p);
-        qp.a(normal, normal) = qp.a(normal + 1, normal + 1) = uniform(random);
-        qp.b[at(normal)] = uniform(random);                 // pressed
-        qp.b[at(normal + 1)] = 4.0 * uniform(random) - 3.0; // and rubbed
-        qp.lower[at(normal)] = 0.0;
-        qp.c(body, normal + 1) = 0.5; // the sum of a body's friction is zero
-        qp.follows.push_back({normal + 1, false, normal, 0.2});
-      }
+    const SmallQp qp = turningBodiesQp(random, 3, 4, 0.2);
     const Answer answer = solved(qp, "PDAS", true);
     ASSERT_TRUE(answer.isConverged) << k << ": " << answer.result.explanation;
     EXPECT_EQ(answer.result.counters.safeguards, 0) << k;
@@ -259,7 +209,7 @@ TEST(FollowingLimits, bodies_that_turn_settle) {
 // Bits do not depend on units, and no factor is no tangential force.
 TEST(FollowingLimits, no_factor_no_force) {
   std::mt19937 random(25);
-  SmallQp qp = randomFollowing(random, 3, 1, 2, 1, 0.0);
+  SmallQp qp = followingQp(random, 3, 1, 2, 1, 0.0);
   const Answer answer = solved(qp, "PDAS", true);
   ASSERT_TRUE(answer.isConverged) << answer.result.explanation;
   for (const FollowingLimit& limit : qp.follows) {

@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
+#include <iostream>
 
 using namespace Harmos;
 using namespace Harmos::qp;
@@ -88,8 +90,9 @@ void expectSame(const Outcome& run, const Outcome& plain, const std::string& nam
   EXPECT_EQ(toNumbers(mine), toNumbers(theirs)) << name;
 }
 
-// Goes on from every state that the solver described.
-void resumeEverywhere(const SmallQp& qp, const Case& item, const Teuchos::ParameterList& list = {}) {
+// Goes on from every state that the solver described, or from so many of them.
+void resumeEverywhere(const SmallQp& qp, const Case& item, const Teuchos::ParameterList& list = {},
+                      std::size_t most = 100000) {
   const auto copy = [&] { return Teuchos::rcp(new Teuchos::ParameterList(list)); };
   const Outcome plain = solve(qp, item, Teuchos::null, copy());
   ASSERT_TRUE(plain.result.converged()) << item.name << ": " << plain.result.explanation;
@@ -98,8 +101,8 @@ void resumeEverywhere(const SmallQp& qp, const Case& item, const Teuchos::Parame
   // Every step was announced, and every row.
   EXPECT_EQ(watched->rows.size(), plain.result.history.size()) << item.name;
   EXPECT_GT(watched->saved.size(), 2u) << item.name;
-  // On one rank from each; more of them take longer and share the code.
-  const std::size_t stride = testComm()->getSize() == 1 ? 1 : 1 + watched->saved.size() / 4;
+  // On one rank from each, or from so many; more of them take longer and share the code.
+  const std::size_t stride = 1 + watched->saved.size() / (testComm()->getSize() == 1 ? most : 4);
   for (std::size_t k = 0; k < watched->saved.size(); k += stride) {
     const auto monitor = Teuchos::rcp(new MemoryMonitor<MultiVector>);
     monitor->resumed = &watched->saved[k];
@@ -160,6 +163,72 @@ TEST(Resume, sets_that_descend_go_on_descending) {
       resumeEverywhere(qp, item, list);
     }
   EXPECT_GE(begun, 3);
+}
+
+// Limits that follow are as they were, whether they go along within faces or stand still between solutions.
+TEST(Resume, with_limits_that_follow) {
+  std::mt19937 random(28);
+  for (int tangents : {1, 2})
+    for (const Case& item : cases)
+      if (item.bounds && std::string(item.method) != "Dual Penalty") {
+        SmallQp qp = followingQp(random, 4, tangents, 2, item.equalities > 0 ? 2 : 0, 0.5);
+        if (item.structure != EqualityStructure::General)
+          orthonormalizeRows(qp);
+        resumeEverywhere(qp, item, {}, 12); // programs with limits that stand still take hundreds of steps
+      }
+}
+
+namespace {
+
+// Of the states that a solver described, those in which all sets are balanced, and the stiffest springs.
+struct Balanced {
+  int states = 0;
+  double stiffest = 0.0;
+};
+
+Balanced balancedOf(const MemoryMonitor<MultiVector>& monitor) {
+  Balanced result;
+  for (const MemoryState<MultiVector>& state : monitor.saved) {
+    const auto balances = state.numbers.find("pdas balances");
+    if (balances == state.numbers.end() || balances->second.front() == 0.0)
+      continue;
+    ++result.states;
+    result.stiffest = std::max(result.stiffest, state.numbers.at("pdas stiffening").front());
+  }
+  return result;
+}
+
+} // namespace
+
+// What sets are balanced from, the best iterate with its gradient and its set, and how stiff springs are.
+TEST(Resume, while_sets_are_balanced) {
+  std::mt19937 random(29);
+  const Case item = {"PDAS, balanced", "PDAS", 3, true, true, {}};
+  Teuchos::ParameterList list;
+  list.sublist("PDAS").set("Active sets without progress", 1);
+  const std::vector<std::pair<std::string, std::function<SmallQp()>>> kinds = {
+      {"bodies that turn", [&] { return turningBodiesQp(random, 4, 6, 0.2); }},
+      {"intervals that follow", [&] { return followingQp(random, 8, 1, 2, 3, 0.5); }},
+      {"discs that follow", [&] { return followingQp(random, 6, 2, 2, 3, 0.5); }},
+      {"discs", [&] { return randomFrictionQp(random, 24, 3, 1e3); }}};
+  for (const auto& [kind, make] : kinds) {
+    Balanced all;
+    for (int trial = 0; trial < 4; ++trial) {
+      const SmallQp qp = make();
+      const auto watched = Teuchos::rcp(new MemoryMonitor<MultiVector>);
+      solve(qp, item, watched, Teuchos::rcp(new Teuchos::ParameterList(list)));
+      const Balanced found = balancedOf(*watched);
+      all.states += found.states;
+      all.stiffest = std::max(all.stiffest, found.stiffest);
+      if (found.states > 0)
+        resumeEverywhere(qp, item, list, 12);
+    }
+    if (testComm()->getRank() == 0)
+      std::cout << kind << ": " << all.states << " states while sets are balanced, springs up to "
+                << all.stiffest << " times as stiff\n";
+    // Which states these are is left to the solver; that there are some is not.
+    EXPECT_GT(all.states, 0) << kind;
+  }
 }
 
 TEST(Resume, a_solver_stops_when_it_is_asked_to) {

@@ -143,6 +143,56 @@ TEST(SolutionComparison, on_the_same_mesh_it_is_the_difference_of_the_nodes) {
   EXPECT_GT(same.contactArea, 0.3);
 }
 
+namespace {
+
+// Slips of x² along and x across, and what friction does from place to place.
+void rub(run::FinishedRun& run, const std::function<run::Friction(double)>& friction) {
+  for (std::size_t k = 0; k < run.points.size(); ++k) {
+    const double x = run.points[k].position[0];
+    run.states[k].slip = {x * x, 0.0, x};
+    run.states[k].friction = friction(x);
+  }
+}
+
+} // namespace
+
+TEST(SolutionComparison, slips_and_zones_that_stick) {
+  using run::Friction;
+  run::FinishedRun fine = given(CellType::Quadrilateral4, 3, 4, linear, linearPressure);
+  run::FinishedRun coarse = given(CellType::Quadrilateral4, 2, 3, linear, linearPressure);
+  rub(fine, [](double x) {
+    return x < 0.24 ? Friction::None : x < 0.51 ? Friction::Sticks : Friction::Slips;
+  });
+  rub(coarse, [](double x) { return x < 0.51 ? Friction::None : Friction::Sticks; });
+  const double h = 1.0 / 12.0;
+  double slips = 0.0, differences = 0.0; // where the reference bears friction, from 1/4 on
+  for (int k = 3; k <= 12; ++k) {
+    const double x = k * h, area = k < 12 ? h : 0.5 * h;
+    slips += area * (std::pow(x, 4) + x * x);
+    // x² is off by h² in the middle of the coarse cells, x nowhere.
+    differences += k % 2 == 1 ? area * std::pow(h, 4) : 0.0;
+  }
+  const run::SolutionNorms norms = run::normsOf(*testComm(), fine);
+  EXPECT_NEAR(norms.slip, std::sqrt(slips), 1e-13);
+  EXPECT_NEAR(norms.stickArea, 4.0 * h, 1e-14); // 3/12 to 6/12
+  const run::SolutionNorms off = run::SolutionComparison(*testComm(), fine, coarse).difference(coarse);
+  EXPECT_NEAR(off.slip, std::sqrt(differences), 1e-13);
+  // 4/6 and 5/6 have an area of 2h, the end one of h.
+  EXPECT_NEAR(off.stickArea, 5.0 * h - 4.0 * h, 1e-14);
+
+  run::FinishedRun other = fine;
+  rub(other, [](double) { return Friction::Slips; });
+  for (run::ContactState& state : other.states)
+    state.slip[0] += 0.1;
+  const run::SolutionNorms same = run::differenceOnSameMesh(*testComm(), other, fine);
+  EXPECT_NEAR(same.slip, 0.1 * std::sqrt(9.5 * h), 1e-13);
+  EXPECT_NEAR(same.stickArea, 4.0 * h, 1e-14);
+  // Without friction there is nothing of it.
+  rub(fine, [](double) { return Friction::None; });
+  EXPECT_EQ(run::normsOf(*testComm(), fine).slip, 0.0);
+  EXPECT_EQ(run::normsOf(*testComm(), fine).stickArea, 0.0);
+}
+
 TEST(SolutionComparison, scenes_that_differ_are_refused) {
   const run::FinishedRun first = given(CellType::Quadrilateral4, 2, 2, linear, linearPressure);
   run::FinishedRun second = first;

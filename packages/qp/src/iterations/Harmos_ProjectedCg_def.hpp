@@ -172,8 +172,14 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
     if (problem_.hasDiscs())
       exchangeSlips<Scalar>(archive, "cg", problem_.feasibleSet(), *w_, active_);
     if (archive.isReading()) {
-      // Bounds that another number of ranks has rounded differently.
-      BT::moveToBounds(*problem_.solution(), problem_.feasibleSet(), active_);
+      // Bounds that another number of ranks has rounded differently. What follows is where its source has
+      // it: limits themselves stay behind within a face.
+      LocalActiveSet still = active_;
+      if (problem_.hasFollowingLimits())
+        Kernels::leaveOut(
+            Kernels::followingEntries(problem_.followingLimits(), problem_.feasibleSet().discs, active_),
+            still);
+      BT::moveToBounds(*problem_.solution(), problem_.feasibleSet(), still);
     }
   }
   if (rows_.isPresent())

@@ -211,7 +211,8 @@ struct BoundTraits {
   /// @param w along the tangents of slipping pairs.
   static SlipSums slipSums(const LocalActiveSet& active, double q, const MV& w);
 
-  /// Slipping pairs as vectors, and back: their normals, and κ at their first entry. Local.
+  /// Slipping pairs as vectors, and back: their normals; κ at their first entry and r at the second, which
+  /// may be older than what the disc has. Local.
   static void slipsToVectors(const LocalActiveSet& active, MV& normals, MV& curvatures);
   static void vectorsToSlips(const FeasibleSet<MV>& feasible, const MV& normals, const MV& curvatures,
                              LocalActiveSet& active);

@@ -271,6 +271,7 @@ void Traits::slipsToVectors(const LocalActiveSet& active, MultiVector& normals, 
     ns[static_cast<std::size_t>(slip.first)] = slip.normal[0];
     ns[static_cast<std::size_t>(slip.second)] = slip.normal[1];
     ks[static_cast<std::size_t>(slip.first)] = slip.curvature;
+    ks[static_cast<std::size_t>(slip.second)] = slip.radius;
   }
 }
 
@@ -284,7 +285,7 @@ void Traits::vectorsToSlips(const FeasibleSet<MultiVector>& feasible, const Mult
       active.slipping.push_back({disc.first,
                                  disc.second,
                                  {disc.centre[0], disc.centre[1]},
-                                 disc.radius,
+                                 ks[second],
                                  {ns[first], ns[second]},
                                  ks[first]});
   }

@@ -102,6 +102,18 @@ std::vector<FollowingEntry> followingEntries(const FollowingLimits& limits, cons
   return result;
 }
 
+void leaveOut(const std::vector<FollowingEntry>& following, LocalActiveSet& active) {
+  for (const FollowingEntry& entry : following) {
+    active[static_cast<std::size_t>(entry.first)] = 0;
+    if (entry.second < 0)
+      continue;
+    active[static_cast<std::size_t>(entry.second)] = 0;
+    active.slipping.erase(std::remove_if(active.slipping.begin(), active.slipping.end(),
+                                         [&](const Slip& slip) { return slip.first == entry.first; }),
+                          active.slipping.end());
+  }
+}
+
 void addFollowing(const std::vector<FollowingEntry>& following, const double* x, double* y) {
   for (const FollowingEntry& entry : following) {
     const double moved = entry.factor * x[entry.source];

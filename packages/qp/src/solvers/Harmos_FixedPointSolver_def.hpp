@@ -99,6 +99,7 @@ void FixedPointSolver<Scalar, MV, OP>::begin() {
 // Nobody is asked whether to accept what is no answer yet.
 template<class Scalar, class MV, class OP>
 void FixedPointSolver<Scalar, MV, OP>::solveFrozen() {
+  this->resumeDelegation();
   const Teuchos::RCP<typename Solver::ProblemType> whole = this->problem_;
   const std::function<bool()> acceptance = this->acceptance_;
   const Teuchos::RCP<Solver> inner = inner_->clone();

@@ -130,7 +130,7 @@ class SolverManager {
   /// live as long as doSolve() works.
   void describeState(const std::function<void(Archive&)>& own) { state_ = own; }
   /// Whether doSolve() is to go on from a state instead of beginning.
-  bool resumes() const { return !hasResumed_ && hasStateOf(depth_); }
+  bool resumes() const { return mayResume_ && !hasResumed_ && hasStateOf(depth_); }
   /// The same, where that state belongs to the solver to which this one delegated.
   bool resumesDelegate() const { return resumes() && hasStateOf(depth_ + 1); }
   /// The same, where what was described for that delegation has numbers of this name.
@@ -166,6 +166,11 @@ class SolverManager {
                 const Teuchos::RCP<StatusTest<MV>>& orTest = Teuchos::null);
   /// Describes what this knows while another solver works for it.
   void describeDelegation(const std::function<void(Archive&)>& own) { delegation_ = own; }
+  /// Brings that back at once, if resumesDelegate(): what is given to delegate() may depend on it.
+  void resumeDelegation() {
+    if (resumesDelegate())
+      monitor_->restore(delegation_);
+  }
 
   int maximumIterations() const { return parameters_->template get<int>("Maximum Iterations"); }
   double elapsedSeconds() const;
@@ -198,6 +203,7 @@ class SolverManager {
   int productsBefore_ = 0;                   // of those, as their seconds
   double startedAfter_ = 0.0;
   bool hasResumed_ = false;
+  bool mayResume_ = true;      // of several solvers to which one delegates, the first after a state
   double secondsBefore_ = 0.0; // of the runs before this one
   Teuchos::RCP<StatusTest<MV>> activeTest_;
   std::chrono::steady_clock::time_point start_;

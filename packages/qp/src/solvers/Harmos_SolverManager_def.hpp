@@ -353,7 +353,8 @@ void SolverManager<Scalar, MV, OP>::delegate(SolverManager& other, const Teuchos
     if (delegation_)
       delegation_(archive);
   };
-  if (resumesDelegate()) {
+  other.mayResume_ = resumesDelegate();
+  if (other.mayResume_) {
     monitor_->restore(before);
     hasResumed_ = true;
   }

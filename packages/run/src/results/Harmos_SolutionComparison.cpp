@@ -56,6 +56,26 @@ double closedArea(const FinishedRun& run) {
   return area;
 }
 
+double stickArea(const FinishedRun& run) {
+  double area = 0.0;
+  for (std::size_t k = 0; k < run.points.size(); ++k)
+    area += run.states[k].friction == Friction::Sticks ? run.points[k].area : 0.0;
+  return area;
+}
+
+// Of the points whose slip counts: where nothing bears friction bodies move along each other as they please.
+double areaOfFriction(const FinishedRun& run, std::size_t point) {
+  return run.states[point].friction == Friction::None ? 0.0 : run.points[point].area;
+}
+
+double squareOf(const Point& a) {
+  return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+}
+
+Point between(const Point& a, const Point& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
 // All nodes and cells of a body on every rank: rank by rank, subdomain by subdomain.
 struct GatheredBody {
   CellType type{};
@@ -148,11 +168,15 @@ SolutionNorms normsOf(const Teuchos::Comm<int>& comm, const FinishedRun& run) {
   SolutionNorms norms = integrated(
       comm, run, [&](std::size_t i) -> const std::vector<double>& { return run.solution.displacement[i]; },
       [](std::size_t) { return nothing; });
-  double sum = 0.0;
-  for (std::size_t k = 0; k < run.points.size(); ++k)
+  double sum = 0.0, slips = 0.0;
+  for (std::size_t k = 0; k < run.points.size(); ++k) {
     sum += run.points[k].area * std::pow(run.states[k].pressure, 2);
+    slips += areaOfFriction(run, k) * squareOf(run.states[k].slip);
+  }
   norms.pressure = std::sqrt(sum);
   norms.contactArea = closedArea(run);
+  norms.slip = std::sqrt(slips);
+  norms.stickArea = stickArea(run);
   return norms;
 }
 
@@ -172,11 +196,15 @@ SolutionNorms differenceOnSameMesh(const Teuchos::Comm<int>& comm, const Finishe
   SolutionNorms norms = integrated(
       comm, first, [&](std::size_t i) -> const std::vector<double>& { return difference[i]; },
       [](std::size_t) { return nothing; });
-  double sum = 0.0;
-  for (std::size_t k = 0; k < first.points.size(); ++k)
+  double sum = 0.0, slips = 0.0;
+  for (std::size_t k = 0; k < first.points.size(); ++k) {
     sum += first.points[k].area * std::pow(first.states[k].pressure - second.states[k].pressure, 2);
+    slips += areaOfFriction(second, k) * squareOf(between(first.states[k].slip, second.states[k].slip));
+  }
   norms.pressure = std::sqrt(sum);
   norms.contactArea = std::abs(closedArea(first) - closedArea(second));
+  norms.slip = std::sqrt(slips);
+  norms.stickArea = std::abs(stickArea(first) - stickArea(second));
   return norms;
 }
 
@@ -250,19 +278,21 @@ void SolutionComparison::locateSurface(const FinishedRun& other) {
   });
 }
 
-double SolutionComparison::pressureDifference(const FinishedRun& run) const {
+std::vector<Point>
+SolutionComparison::onSurface(const FinishedRun& run, int components,
+                              const std::function<Point(const ContactState&)>& valueOf) const {
   std::map<const std::vector<int>*, std::vector<double>> nodal;
   for (const Surface& surface : surfaces_)
-    for (int point : surface.pointOfNode)
-      nodal[&surface.pointOfNode].push_back(run.states[static_cast<std::size_t>(point)].pressure);
-  double sum = 0.0;
-  for (std::size_t k = 0; k < reference_.points.size(); ++k) {
-    const SurfacePlace& at = surfacePlaces_[k];
-    const double pressure =
-        at.surface == nullptr ? 0.0 : at.surface->value(at.place, nodal[at.pointOfNode], 1)[0];
-    sum += reference_.points[k].area * std::pow(pressure - reference_.states[k].pressure, 2);
-  }
-  return std::sqrt(sum);
+    for (int point : surface.pointOfNode) {
+      const Point value = valueOf(run.states[static_cast<std::size_t>(point)]);
+      nodal[&surface.pointOfNode].insert(nodal[&surface.pointOfNode].end(), value.begin(),
+                                         value.begin() + components);
+    }
+  std::vector<Point> result;
+  for (const SurfacePlace& at : surfacePlaces_)
+    result.push_back(at.surface == nullptr ? Point{}
+                                           : at.surface->value(at.place, nodal[at.pointOfNode], components));
+  return result;
 }
 
 SolutionNorms SolutionComparison::difference(const FinishedRun& run) const {
@@ -291,8 +321,20 @@ SolutionNorms SolutionComparison::difference(const FinishedRun& run) const {
           return bodies_[body].valueAndGradient({place.cell, place.reference, 0.0}, values[body], components);
         };
       });
-  norms.pressure = pressureDifference(run);
+  const std::vector<Point> pressures = onSurface(run, 1, [](const ContactState& state) {
+    return Point{state.pressure, 0.0, 0.0};
+  });
+  const std::vector<Point> slips = onSurface(run, 3, [](const ContactState& state) { return state.slip; });
+  double sum = 0.0, slipSum = 0.0;
+  for (std::size_t k = 0; k < reference_.points.size(); ++k) {
+    const ContactState& state = reference_.states[k];
+    sum += reference_.points[k].area * std::pow(pressures[k][0] - state.pressure, 2);
+    slipSum += areaOfFriction(reference_, k) * squareOf(between(slips[k], state.slip));
+  }
+  norms.pressure = std::sqrt(sum);
   norms.contactArea = std::abs(closedArea(run) - closedArea(reference_));
+  norms.slip = std::sqrt(slipSum);
+  norms.stickArea = std::abs(stickArea(run) - stickArea(reference_));
   return norms;
 }
 

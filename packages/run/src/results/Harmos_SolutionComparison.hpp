@@ -10,6 +10,7 @@
 
 #include <Teuchos_Comm.hpp>
 
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -21,6 +22,10 @@ struct SolutionNorms {
   double displacement = 0.0; ///< (∫ |u|²)^{1/2}
   double pressure = 0.0;     ///< of the contact pressure, (Σ A_k p_k²)^{1/2} over the contact points
   double contactArea = 0.0;  ///< Σ A_k over the closed points; of two solutions the difference, unsigned
+  /// Of the slips since the beginning, (Σ A_k |s_k|²)^{1/2} over the points that bear friction; of two
+  /// solutions over those that do in the reference.
+  double slip = 0.0;
+  double stickArea = 0.0; ///< Σ A_k over the points that stick; of two solutions the difference, unsigned
 };
 
 /// A finished run as comparisons need it: the scene for its materials, meshes and displacements of this
@@ -35,7 +40,8 @@ struct FinishedRun {
 /// Norms of one run. @note Collective.
 SolutionNorms normsOf(const Teuchos::Comm<int>& comm, const FinishedRun& run);
 
-/// Norms of the difference of two runs on the same meshes, cut in the same way: node by node.
+/// Norms of the difference of two runs on the same meshes, cut in the same way: node by node. The second is
+/// the reference.
 /// @throws InternalError if they are not. @note Collective.
 SolutionNorms differenceOnSameMesh(const Teuchos::Comm<int>& comm, const FinishedRun& first,
                                    const FinishedRun& second);
@@ -46,8 +52,8 @@ SolutionNorms differenceOnSameMesh(const Teuchos::Comm<int>& comm, const Finishe
 /// matrix (fem::errorDegree()) and its materials; the other solution is evaluated at the quadrature points,
 /// body by body (fem::PointLocator) and as torn as it is, which loses nothing where cells of the reference
 /// lie within those of the other mesh. Dilatation counts in full, also where the stiffness projects it.
-/// Contact pressures are compared at the contact points of the reference with their areas; between its nodes
-/// the other pressure goes like the trace of the displacement.
+/// Contact pressures and slips are compared at the contact points of the reference with their areas; between
+/// its nodes the other pressure, and the other slip, go like the trace of the displacement.
 ///
 /// Points are located once, at construction; the other mesh is gathered on every rank. Memory: 32 bytes a
 /// quadrature point of the reference, and the other mesh.
@@ -69,7 +75,7 @@ class SolutionComparison {
   };
   /// Where a contact point of the reference is on the surface of the other mesh.
   struct SurfacePlace {
-    const fem::PointLocator* surface = nullptr; ///< null: nowhere, without pressure
+    const fem::PointLocator* surface = nullptr; ///< null: nowhere, all is zero there
     const std::vector<int>* pointOfNode = nullptr;
     fem::PointLocator::Place place;
   };
@@ -78,7 +84,9 @@ class SolutionComparison {
     std::vector<int> pointOfNode; ///< place in the run's contact points
   };
   void locateSurface(const FinishedRun& other);
-  double pressureDifference(const FinishedRun& run) const;
+  /// What the states of a run say at the contact points of the reference.
+  std::vector<fem::Point> onSurface(const FinishedRun& run, int components,
+                                    const std::function<fem::Point(const ContactState&)>& valueOf) const;
 
   const Teuchos::Comm<int>& comm_;
   const FinishedRun& reference_;

@@ -23,7 +23,7 @@ import numpy as np
 import scipy.optimize
 from contact_oracle import OracleError, solve_contact
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 
 import synthetic_composite  # noqa: E402
 
