@@ -66,9 +66,10 @@ scene::Scene cylinders(int cells, double force) {
   return scene;
 }
 
-// Half of them, cut along the push. The bodies fill [−1, 1] × [0, 1] × [−1, 1].
+// Half of them, cut along the push. The bodies fill [−1, 1] × [0, 1] × [−1, 1], graded as above: the contact
+// is 0.1 wide.
 scene::Scene spheres(int cells) {
-  constexpr double radius = 4.0, approach = 2.2e-2, fineness = 0.3;
+  constexpr double radius = 4.0, approach = 5.5e-3, fineness = 0.15;
   scene::Scene scene;
   scene.physics = scene::Physics::Solid;
   const auto graded = [](double x) { return fineness * x + (1.0 - fineness) * std::pow(x, 5); };
@@ -95,7 +96,7 @@ scene::Scene spheres(int cells) {
   prescribe(scene, {1, "top"}, 1);
   prescribe(scene, {1, "top"}, 2, -approach);
   addContactWithFriction(scene);
-  prescribe(scene, {1, "top"}, 0, 1e-2);
+  prescribe(scene, {1, "top"}, 0, 2.25e-3); // till all slips, about
   return scene;
 }
 
@@ -162,13 +163,18 @@ double stickWidth(const TestRun& run, const TestRun* before = nullptr) {
   return std::sqrt(zeroOf(left) / zeroOf(pressed));
 }
 
-// How far the widths that stick are off, over theory, at the worst of four loads: about a quarter, half and
-// three quarters of what friction holds, and back to where they came from.
-double worstWidth(const scene::Scene& scene, double exponent) {
-  double worst = 0.0;
+struct Widths {
+  double worst, mean; ///< |error| of c/a over theory, of four loads
+};
+
+// About a quarter, half and three quarters of what friction holds, and back to where they came from.
+Widths widths(const scene::Scene& scene, double exponent) {
+  Widths result{0.0, 0.0};
   const auto compare = [&](const TestRun& run, const TestRun* before, double share) {
     EXPECT_TRUE(run.report.converged) << run.report.reason;
-    worst = std::max(worst, std::abs(stickWidth(run, before) / std::pow(share, exponent) - 1.0));
+    const double error = std::abs(stickWidth(run, before) / std::pow(share, exponent) - 1.0);
+    result.worst = std::max(result.worst, error);
+    result.mean += 0.25 * error;
   };
   TestRun last;
   for (double push : {0.25, 0.5, 0.75}) {
@@ -178,45 +184,40 @@ double worstWidth(const scene::Scene& scene, double exponent) {
   }
   const TestRun back = moved(scene, {0.75, 0.0});
   compare(back, &last, 1.0 - 0.5 * (pushOf(last) - pushOf(back)));
-  return worst;
+  return result;
 }
 
-void expectToFall(const std::vector<double>& errors) {
+void expectToConverge(const std::vector<Widths>& errors, double Widths::*what, double finest = 0.03) {
   if (testComm()->getRank() == 0) {
-    std::cout << "c/a of the worst of four loads, over theory:";
-    for (double error : errors)
-      std::cout << " " << error;
+    std::cout << "c/a over theory, the worst of four loads and their mean:";
+    for (const Widths& error : errors)
+      std::cout << "  " << error.worst << " " << error.mean;
     std::cout << "\n";
   }
   for (std::size_t k = 1; k < errors.size(); ++k)
-    EXPECT_LT(errors[k], errors[k - 1]) << k;
+    EXPECT_LT(errors[k].*what, errors[k - 1].*what) << k;
+  EXPECT_LE(errors.back().worst, finest);
 }
 
 } // namespace
 
 TEST(CattaneoMindlin, cylinders) {
-  std::vector<double> errors;
+  std::vector<Widths> errors;
   for (int cells : {32, 48, 64, 96}) {
     double force = 0.0;
     for (const run::ContactState& state : moved(cylinders(cells, 0.0), {}).report.contact)
       force += state.force;
-    errors.push_back(worstWidth(cylinders(cells, force), 0.5));
+    errors.push_back(widths(cylinders(cells, force), 0.5));
   }
-  expectToFall(errors);
-  EXPECT_LE(errors.back(), 0.03);
+  expectToConverge(errors, &Widths::worst);
 }
 
-// Coarse; the long test has four meshes.
+// Two coarse meshes; the long test has four. Nodes are few near the end of what sticks: the worst of four
+// loads may be a good one by chance, their mean is not.
 TEST(CattaneoMindlin, spheres) {
-  EXPECT_LE(worstWidth(spheres(16), 1.0 / 3.0), 0.1);
-}
-
-TEST(CattaneoMindlin, spheres_on_four_meshes) {
-  if (std::getenv("HARMOS_LONG") == nullptr)
-    GTEST_SKIP() << "minutes: with HARMOS_LONG in the environment";
-  std::vector<double> errors;
-  for (int cells : {16, 24, 32, 40})
-    errors.push_back(worstWidth(spheres(cells), 1.0 / 3.0));
-  expectToFall(errors);
-  EXPECT_LE(errors.back(), 0.03);
+  const bool isLong = std::getenv("HARMOS_LONG") != nullptr;
+  std::vector<Widths> errors;
+  for (int cells : isLong ? std::vector<int>{12, 16, 24, 40} : std::vector<int>{12, 16})
+    errors.push_back(widths(spheres(cells), 1.0 / 3.0));
+  expectToConverge(errors, &Widths::mean, isLong ? 0.03 : 0.1);
 }

@@ -6,6 +6,7 @@
 #include "Harmos_EqualityRows_def.hpp"
 #include "Harmos_InteriorPath.hpp"
 #include "Harmos_InteriorPoint.hpp"
+#include "Harmos_Log.hpp"
 #include "Harmos_RandomQp.hpp"
 #include "Harmos_SecondOrderCones.hpp"
 #include "Harmos_TestComm.hpp"
@@ -13,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <sstream>
 
 using namespace Harmos;
 using namespace Harmos::qp;
@@ -168,6 +170,32 @@ TEST(FollowingLimits, three_hundred_problems_in_the_plane_against_all_states) {
   EXPECT_EQ(converged, runs); // none of these is without a solution
   EXPECT_GE(programsConverged, 0.9 * programs);
   EXPECT_LE(byProgram, 15);
+}
+
+// Where limits do not contract that is said; with coefficients of a tenth they do.
+TEST(FollowingLimits, a_solution_that_need_not_be_the_only_one_is_told) {
+  std::mt19937 random(26);
+  for (double factor : {0.1, 3.0}) {
+    int told = 0;
+    for (int k = 0; k < 30; ++k) {
+      const SmallQp qp = followingQp(random, 4, 1, 0, 1, factor);
+      const auto list = Teuchos::parameterList();
+      list->set("Convergence Tolerance", 1e-9);
+      const DistributedQp distributed(qp);
+      const auto solver = TpetraSolverFactory().create("SMALBE", list);
+      std::ostringstream out, errors;
+      solver->setLog(Log(out, errors, Log::Verbosity::Normal, true));
+      solver->setProblem(distributed.problem);
+      const bool isConverged = solver->solve().converged();
+      const bool isTold = out.str().find("it need not be the only one") != std::string::npos;
+      EXPECT_TRUE(isConverged || !isTold);
+      told += isTold ? 1 : 0;
+    }
+    if (factor < 1.0)
+      EXPECT_EQ(told, 0);
+    else
+      EXPECT_GT(told, 0);
+  }
 }
 
 TEST(FollowingLimits, hundred_problems_in_space) {
@@ -346,7 +374,7 @@ TEST(InteriorPath, scaled_points_of_cones) {
 TEST(InteriorPath, leads_to_the_solution_of_programs) {
   std::mt19937 random(33);
   for (int k = 0; k < 20; ++k) {
-    SmallQp qp = randomFollowing(random, 3, 2, 2, k % 3, 0.3);
+    SmallQp qp = followingQp(random, 3, 2, 2, k % 3, 0.3);
     qp.follows.clear();
     for (Disc& disc : qp.discs)
       disc.radius = 0.2;
@@ -364,7 +392,7 @@ TEST(InteriorPath, leads_to_where_limits_follow) {
   int near = 0, reached = 0;
   for (int k = 0; k < 60; ++k) {
     const double factor = std::array{0.1, 0.3, 0.6}[at(k % 3)];
-    const SmallQp qp = randomFollowing(random, 1 + k % 4, 1, k % 3, k / 4 % 3, factor);
+    const SmallQp qp = followingQp(random, 1 + k % 4, 1, k % 3, k / 4 % 3, factor);
     const PathEnd end = endOfPath(qp, k % 4 < 2);
     double least = infinity;
     for (const std::vector<double>& x : allSolutions(qp))

@@ -172,13 +172,11 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
     if (problem_.hasDiscs())
       exchangeSlips<Scalar>(archive, "cg", problem_.feasibleSet(), *w_, active_);
     if (archive.isReading()) {
-      // Bounds that another number of ranks has rounded differently. What follows is where its source has
-      // it: limits themselves stay behind within a face.
+      // Bounds that another number of ranks has rounded differently. What follows is where its source had
+      // it: limits themselves stay behind within a face, or are ahead after a look.
       LocalActiveSet still = active_;
       if (problem_.hasFollowingLimits())
-        Kernels::leaveOut(
-            Kernels::followingEntries(problem_.followingLimits(), problem_.feasibleSet().discs, active_),
-            still);
+        Kernels::leaveOut(problem_.followingLimits(), problem_.feasibleSet().discs, still);
       BT::moveToBounds(*problem_.solution(), problem_.feasibleSet(), still);
     }
   }

@@ -102,14 +102,17 @@ std::vector<FollowingEntry> followingEntries(const FollowingLimits& limits, cons
   return result;
 }
 
-void leaveOut(const std::vector<FollowingEntry>& following, LocalActiveSet& active) {
-  for (const FollowingEntry& entry : following) {
-    active[static_cast<std::size_t>(entry.first)] = 0;
-    if (entry.second < 0)
+void leaveOut(const FollowingLimits& limits, const LocalDiscs* discs, LocalActiveSet& active) {
+  for (const FollowingLimit& limit : limits) {
+    if (!limit.isDisc) {
+      active[static_cast<std::size_t>(limit.place)] = 0;
       continue;
-    active[static_cast<std::size_t>(entry.second)] = 0;
+    }
+    const Disc& disc = discs->discs()[static_cast<std::size_t>(limit.place)];
+    for (int entry : {disc.first, disc.second})
+      active[static_cast<std::size_t>(entry)] = 0;
     active.slipping.erase(std::remove_if(active.slipping.begin(), active.slipping.end(),
-                                         [&](const Slip& slip) { return slip.first == entry.first; }),
+                                         [&](const Slip& slip) { return slip.first == disc.first; }),
                           active.slipping.end());
   }
 }

@@ -50,8 +50,8 @@ FollowChange update(const FollowingLimits& limits, const double* x, const double
 /// On the face of an active set.
 std::vector<FollowingEntry> followingEntries(const FollowingLimits& limits, const LocalDiscs* discs,
                                              const LocalActiveSet& active);
-/// Takes these entries out of a set.
-void leaveOut(const std::vector<FollowingEntry>& following, LocalActiveSet& active);
+/// Takes what has limits that follow out of a set.
+void leaveOut(const FollowingLimits& limits, const LocalDiscs* discs, LocalActiveSet& active);
 
 /// See BoundTraits.
 void addFollowing(const std::vector<FollowingEntry>& following, const double* x, double* y);

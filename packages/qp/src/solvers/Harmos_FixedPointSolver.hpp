@@ -45,6 +45,7 @@ class FixedPointSolver : public SolverManager<Scalar, MV, OP> {
   bool findsLimits();
   bool isAnswer();
   void relax();
+  void tellContraction();
   bool mayHandOver() const;
   void handOver();
   IterationState<MV> measure();
@@ -55,6 +56,8 @@ class FixedPointSolver : public SolverManager<Scalar, MV, OP> {
   double share_ = 1.0;
   double wrong_ = 0.0; // ‖g^P‖ where limits have followed; 0: not known
   int updates_ = 0, retreats_ = 0;
+  double growth_ =
+      0.0;         // the largest of what limits moved by over the time before, where they went all the way
   int budget_ = 0; // inner iterations before PDAS takes over
 };
 

@@ -41,8 +41,10 @@ void FixedPointSolver<Scalar, MV, OP>::doSolve() {
         return;
       continue;
     }
-    if (this->result_.reason != Reason::Converged || isAnswer())
+    if (this->result_.reason != Reason::Converged)
       return;
+    if (isAnswer())
+      return tellContraction();
     if (++updates_ > mostUpdates)
       return this->stop(Reason::Stagnation, Explanations::limitsDoNotSettle(mostUpdates));
     relax();
@@ -91,6 +93,7 @@ void FixedPointSolver<Scalar, MV, OP>::begin() {
     archive.number("fixed point wrong", wrong_);
     archive.number("fixed point updates", updates_);
     archive.number("fixed point retreats", retreats_);
+    archive.number("fixed point growth", growth_);
     if (archive.isReading())
       this->problem_->setLimits(*radii_);
   });
@@ -206,6 +209,16 @@ IterationState<MV> FixedPointSolver<Scalar, MV, OP>::measure() {
   return state;
 }
 
+// Where limits do not contract another start may lead elsewhere; where they do it cannot nearby.
+template<class Scalar, class MV, class OP>
+void FixedPointSolver<Scalar, MV, OP>::tellContraction() {
+  if (growth_ >= 1.0)
+    this->log_.info(
+        "Note: limits that follow the solution have moved by up to " + scientific(growth_, 1) +
+        " of the time before; it need not be the only one. Another initial guess, or smaller steps of "
+        "the load, tell");
+}
+
 // s by Aitken's rule.
 template<class Scalar, class MV, class OP>
 void FixedPointSolver<Scalar, MV, OP>::relax() {
@@ -219,6 +232,9 @@ void FixedPointSolver<Scalar, MV, OP>::relax() {
   const Teuchos::RCP<MV> change = MVT::Clone(*step_, 1);
   MVT::MvAddMv(1.0, *step_, -1.0, *lastStep_, *change);
   const double change2 = dot<Scalar>(*change, *change), last = norm<Scalar>(*lastStep_);
+  constexpr double significant = 1e-3; // what is less may be errors of the solutions
+  if (last > significant * norm<Scalar>(*radii_) && share_ == 1.0)
+    growth_ = std::max(growth_, size / last);
   if (last > 0.0 && change2 > 0.0)
     share_ = std::clamp(-share_ * dot<Scalar>(*lastStep_, *change) / change2, leastShare, 1.0);
   this->log_.detail(this->name() + ": limits have moved by " + scientific(size) +
