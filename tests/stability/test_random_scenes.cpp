@@ -339,7 +339,7 @@ TEST(RandomScenes, none_with_friction_is_wrong) {
   const Tally tally = trySweep(most);
   if (isOneAsked())
     return;
-  constexpr double share = 0.93;
+  constexpr double share = 0.98; // asked for are 0.99; some stop at attainable accuracy
   if (most <= 1.0) {
     EXPECT_GE(tally.converged, leastOf(tally.solvable, share));
   }
