@@ -93,6 +93,10 @@ class InteriorPath {
       const double sigma = last > 0.9 && behind < tooMuch ? 0.1 : last > 0.5 ? 0.3 : 0.8;
       if (!advance(sigma * tau, last))
         return false;
+      // No accuracy of steps that are better than the first ones makes them longer.
+      constexpr double coarsest = 0.1;
+      if (last < 0.02 && accuracy_ < coarsest)
+        return false;
       stuck = last < 0.02 ? stuck + 1 : 0;
     }
     return false;

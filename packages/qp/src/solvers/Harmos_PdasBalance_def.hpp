@@ -39,7 +39,7 @@ template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::comesFromInside(const std::string& why) {
   constexpr int mostPaths = 2;
   const double q = cg_.stiffness();
-  const int most = std::min(budget_, solver_.maximumIterations()) - state_.inner;
+  const int most = solver_.maximumIterations() - state_.inner;
   if (!(hasFollowing() || problem_.hasDiscs()) || paths_ >= mostPaths || !(q > 0.0) || most <= 0)
     return false;
   ++paths_;
@@ -58,6 +58,8 @@ bool PdasSolver<Scalar, MV, OP>::Run::comesFromInside(const std::string& why) {
     solver_.problem_->follow();
   findSetBeside(path.x(), path.y(), q);
   state_.inner += path.steps();
+  // Its share is that of sets: what would take over where limits follow has no better way.
+  budget_ = std::min(budget_ + path.steps(), solver_.maximumIterations());
   balances_ = false;
   stiffening_ = 1.0;
   progress_ = {};
