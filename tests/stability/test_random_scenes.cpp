@@ -339,9 +339,8 @@ TEST(RandomScenes, none_with_friction_is_wrong) {
   const Tally tally = trySweep(most);
   if (isOneAsked())
     return;
-  constexpr double share = 0.98; // asked for are 0.99; some stop at attainable accuracy
   if (most <= 1.0) {
-    EXPECT_GE(tally.converged, leastOf(tally.solvable, share));
+    EXPECT_GE(tally.converged, leastOf(tally.solvable, 0.99));
   }
   EXPECT_GE(tally.withoutSolution, scenes() < sweep ? 1 : 3);
 }
