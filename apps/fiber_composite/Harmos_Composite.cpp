@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Composite.hpp"
 
+#include "Harmos_Adhesion.hpp"
 #include "Harmos_Contact.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Friction.hpp"
@@ -189,10 +190,13 @@ void addFibres(const std::shared_ptr<Layout>& layout, scene::Scene& scene) {
       const double dx = x[0] - centre[0], dy = x[1] - centre[1], r = std::hypot(dx, dy);
       return Point{dx / r, dy / r, 0.0};
     };
-    if (sample.interface == Sample::Interface::Contact) {
+    if (sample.interface == Sample::Interface::Contact || sample.interface == Sample::Interface::Adhesive) {
       const auto contact =
           std::make_shared<effects::Contact>(std::move(circle), 0.0, scene.bodies.back().name);
       scene.effects.push_back(contact);
+      if (sample.interface == Sample::Interface::Adhesive)
+        scene.effects.push_back(
+            std::make_shared<effects::Adhesion>(contact, sample.adhesion.value(), scene.bodies.back().name));
       if (sample.slipBound > 0.0)
         scene.effects.push_back(
             std::make_shared<effects::Friction>(contact, sample.slipBound, scene.bodies.back().name));
@@ -229,11 +233,16 @@ scene::Scene makeScene(const Sample& sample) {
   scene.bodies.push_back(std::move(matrix));
   if (sample.interface != Sample::Interface::Holes)
     addFibres(layout, scene);
+  const auto move = [&](const char* side, int component, double displacement) {
+    scene.effects.push_back(effects::hold({0, side}, component, displacement));
+    if (!sample.history.empty())
+      scene.timeline.follow(*scene.effects.back(), sample.history);
+  };
   scene.effects.push_back(effects::hold({0, "left"}, 0));
-  scene.effects.push_back(effects::hold({0, "right"}, 0, stretch * width));
+  move("right", 0, stretch * width);
   scene.effects.push_back(effects::hold({0, "bottom"}, 1));
   if (sample.load == Sample::Load::Biaxial)
-    scene.effects.push_back(effects::hold({0, "top"}, 1, stretch * height));
+    move("top", 1, stretch * height);
   return scene;
 }
 

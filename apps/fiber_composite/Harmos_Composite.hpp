@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_CohesiveLaw.hpp"
 #include "Harmos_CompositeCell.hpp"
 #include "Harmos_Scene.hpp"
 
+#include <optional>
 #include <string>
 
 namespace Harmos::composite {
@@ -13,6 +15,7 @@ namespace Harmos::composite {
 struct Sample {
   enum class Interface {
     Contact,    ///< fibres inserted without adhesion
+    Adhesive,   ///< fibres glued to the matrix, until that breaks
     Tie,        ///< fibres bonded to the matrix
     Holes,      ///< no fibres
     Homogeneous ///< bonded fibres of the matrix' material
@@ -28,11 +31,13 @@ struct Sample {
   int fibreSubdomains = 1;  ///< of each fibre
   int matrixSubdomains = 1; ///< of each cell's matrix
   Interface interface = Interface::Contact;
+  std::optional<effects::CohesiveLaw> adhesion; ///< of adhesive ones
   // Of friction in the contacts, one of these; 0: none.
   double slipBound = 0.0;           ///< Tresca: force per area
   double frictionCoefficient = 0.0; ///< Coulomb
   Load load = Load::Stretch;
   double strain = 0.01;
+  std::string history; ///< of the load; "": from zero to all of it
   scene::Physics physics = scene::Physics::PlaneStrain;
   fem::Material matrix, fibre;
   std::string dilatation = "auto"; ///< "full", "projected", or by Poisson's ratio

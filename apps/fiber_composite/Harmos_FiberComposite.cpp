@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_FiberComposite.hpp"
 
+#include "Harmos_Adhesion.hpp"
 #include "Harmos_Composite.hpp"
 
 #include <cmath>
@@ -40,20 +41,25 @@ void addParameters(ParameterSpec& deck) {
   model.integer("Subdomains per matrix cell", 1, 1, 10000, "More than one: by METIS.");
   model.choice("Interface", "contact",
                {{"contact", "fibres inserted without adhesion: unilateral contact all around"},
+                {"adhesive", "fibres glued to the matrix until that breaks, by the list Adhesion; contact then"},
                 {"tie", "fibres bonded to the matrix"},
                 {"holes", "no fibres"},
                 {"homogeneous", "bonded fibres of the matrix' own material"}},
                "What holds between fibre and matrix.");
   model.real("Slip bound", 0.0, Range::atLeast(0.0),
-             "Contact: friction by Tresca's law, force per area; 0: none.");
+             "Contact, adhesive: friction by Tresca's law, force per area; 0: none.");
   model.real("Coefficient of friction", 0.0, Range::atLeast(0.0),
-             "Contact: friction by Coulomb's law, bound over pressure; 0: none.");
+             "Contact, adhesive: friction by Coulomb's law, bound over pressure; 0: none.");
+  ParameterSpec adhesion("Adhesion", "Interface adhesive: springs around each fibre, and how they break.");
+  effects::addCohesiveLaw(adhesion);
+  model.list(std::move(adhesion));
   model.choice("Load", "stretch",
                {{"stretch", "the right side moves to the right"},
                 {"compression", "the right side moves to the left"},
                 {"biaxial", "the right side moves to the right and the top upward"}},
                "The left side is held in x, the bottom in y; other displacements are free.");
   model.real("Strain", 0.01, Range::above(0.0), "Displacement of a side over the length of the sample.");
+  model.text("History", "", "Name of one of \"Steps/Histories\" that the displacement follows; \"\": ramp.");
   model.choice("Dilatation", "auto",
                {{"auto", "projected where Poisson's ratio is above 0.4"},
                 {"full", "as the displacements give it"},
@@ -92,10 +98,13 @@ Sample sampleOf(const Teuchos::ParameterList& deck) {
   sample.fibreSubdomains = model.get<int>("Subdomains per fibre");
   sample.matrixSubdomains = model.get<int>("Subdomains per matrix cell");
   const std::string interface = model.get<std::string>("Interface"), load = model.get<std::string>("Load");
-  sample.interface = interface == "contact" ? Sample::Interface::Contact
-                     : interface == "tie"   ? Sample::Interface::Tie
-                     : interface == "holes" ? Sample::Interface::Holes
-                                            : Sample::Interface::Homogeneous;
+  sample.interface = interface == "contact"    ? Sample::Interface::Contact
+                     : interface == "adhesive" ? Sample::Interface::Adhesive
+                     : interface == "tie"      ? Sample::Interface::Tie
+                     : interface == "holes"    ? Sample::Interface::Holes
+                                               : Sample::Interface::Homogeneous;
+  if (sample.interface == Sample::Interface::Adhesive)
+    sample.adhesion = effects::cohesiveLawFrom(model.sublist("Adhesion"), "Model/Adhesion");
   sample.slipBound = model.get<double>("Slip bound");
   sample.frictionCoefficient = model.get<double>("Coefficient of friction");
   if (sample.slipBound > 0.0 && sample.frictionCoefficient > 0.0)
@@ -106,6 +115,7 @@ Sample sampleOf(const Teuchos::ParameterList& deck) {
                 : load == "compression" ? Sample::Load::Compression
                                         : Sample::Load::Biaxial;
   sample.strain = model.get<double>("Strain");
+  sample.history = model.get<std::string>("History");
   sample.physics = model.get<std::string>("Physics") == "plane stress" ? scene::Physics::PlaneStress
                                                                        : scene::Physics::PlaneStrain;
   sample.dilatation = model.get<std::string>("Dilatation");
