@@ -83,7 +83,7 @@ TEST(SoftBounds, random_problems_against_enumeration) {
     ASSERT_TRUE(run.result.converged()) << k << ": " << run.result.explanation;
     held += run.result.counters.descents;
     // Of ‖b‖ some 10, eigenvalues from 1: x is off by 1e-9 then; interior points by 1e-10.
-    EXPECT_LE(distance(run.x, expected), 1e-8 * (1.0 + norm(expected))) << k;
+    EXPECT_LE(distance(run.x, expected), 1e-8 * (1.0 + norm(expected))) << k << " cost " << qp.cost(run.x) - qp.cost(expected) << " rows " << norm(equalityResidual(qp, run.x)) << " " << norm(equalityResidual(qp, expected));
   }
   if (testComm()->getRank() == 0)
     std::cout << known << " known, " << outside << " entries outside, " << inside << " inside; sides held "
