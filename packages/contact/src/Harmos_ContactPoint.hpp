@@ -104,7 +104,7 @@ std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
                                        const std::vector<ContactPoint>& points, int components,
                                        long long firstNumber);
 
-/// A contact point that bears friction.
+/// A contact point that bears friction, or is bound along the surfaces.
 struct SlipPoint {
   std::size_t point = 0;            ///< its place among the contact points
   std::vector<fem::Point> tangents; ///< one or two, orthonormal to the normal and each other
@@ -112,7 +112,14 @@ struct SlipPoint {
   double limit = 0.0;               ///< of its force, where that is given
   bool follows = false;             ///< or the limit follows the force of contact:
   double coefficient = 0.0;         ///< limit over that
+  bool hasFriction = true;          ///< or has a limit of zero, once it is not bound any more
 };
+
+/// Whether the surfaces touch at a point: its gap is zero to what matchNodes() takes for the same place.
+/// @param extent the largest coordinate of the points that it is one of.
+bool touches(const ContactPoint& point, double extent);
+/// That coordinate.
+double extentOf(const std::vector<ContactPoint>& points);
 
 /// Dofs with prescribed values, and these.
 using HeldDofs = std::map<long long, double>;

@@ -30,11 +30,7 @@ void addTerms(const ContactPoint& point, const fem::Point& direction, int compon
 
 // Gaps are differences of coordinates; some thousand times their rounding errors.
 double roundingOf(const std::vector<ContactPoint>& points) {
-  double largest = 0.0;
-  for (const ContactPoint& point : points)
-    for (double coordinate : point.position)
-      largest = std::max(largest, std::abs(coordinate));
-  return 1e-12 * largest;
+  return 1e-12 * extentOf(points);
 }
 
 bool isHeldOnBothSides(const ContactPoint& point, int components, int component, const HeldDofs& held) {
@@ -97,6 +93,19 @@ std::vector<fem::Point> tangentsTo(const fem::Point& normal, int components) {
 }
 
 } // namespace
+
+double extentOf(const std::vector<ContactPoint>& points) {
+  double largest = 0.0;
+  for (const ContactPoint& point : points)
+    for (double coordinate : point.position)
+      largest = std::max(largest, std::abs(coordinate));
+  return largest;
+}
+
+bool touches(const ContactPoint& point, double extent) {
+  constexpr double samePlace = 1e-9;
+  return std::abs(point.gap) <= samePlace * extent;
+}
 
 std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
                                        const std::vector<ContactPoint>& points, int components,

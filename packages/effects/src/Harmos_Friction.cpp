@@ -2,11 +2,9 @@
 #include "Harmos_Friction.hpp"
 
 #include "Harmos_ConstraintCollector.hpp"
-#include "Harmos_Contact.hpp"
+#include "Harmos_ContactByName.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"
-#include "Harmos_NearestName.hpp"
-#include "Harmos_RigidObstacle.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,43 +13,6 @@ namespace Harmos::effects {
 namespace {
 
 constexpr double notGiven = -1.0;
-
-bool maySlip(const scene::Effect& effect) {
-  return effect.kind() == Contact::kindName || effect.kind() == RigidObstacle::kindName;
-}
-
-// By its name, or by "Contact/name" where an obstacle has the same.
-std::shared_ptr<const scene::Effect> contactNamed(const scene::Scene& scene, const std::string& name,
-                                                  const std::string& path) {
-  std::vector<std::string> names;
-  std::vector<std::shared_ptr<const scene::Effect>> found;
-  std::string others;
-  for (const auto& effect : scene.effects) {
-    const bool isMeant = effect->name() == name || effect->kind() + "/" + effect->name() == name;
-    if (maySlip(*effect)) {
-      names.push_back(effect->name());
-      if (isMeant)
-        found.push_back(effect);
-    } else if (isMeant) {
-      others = effect->label();
-    }
-  }
-  if (found.size() == 1)
-    return found.front();
-  if (found.size() > 1)
-    throw InputError("\"" + path + "\" = \"" + name +
-                         "\" is the name of a contact and of an obstacle; say \"" + found[0]->kind() + "/" +
-                         name + "\" or \"" + found[1]->kind() + "/" + name + "\"",
-                     {{"path", path}});
-  if (!others.empty())
-    throw InputError("\"" + path + "\" names the " + others +
-                         ", which does not slip; friction acts on a contact or an obstacle",
-                     {{"path", path}});
-  throw InputError("\"" + path + "\" names the contact \"" + name +
-                       "\", which is neither in \"Effects/Contact\" nor in \"Effects/Obstacle\"" +
-                       offer(name, names),
-                   {{"path", path}});
-}
 
 std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, const std::string& path,
                                           const scene::Scene& scene) {
@@ -70,7 +31,8 @@ std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, co
                          ", zero or more",
                      {{"path", path + "/" + asked}});
   const std::shared_ptr<const scene::Effect> contact =
-      contactNamed(scene, list.get<std::string>("Contact"), path + "/Contact");
+      contactByName(scene, list.get<std::string>("Contact"), path + "/Contact",
+                    {"does not slip", "friction acts on a contact or an obstacle"});
   if (isCoulomb)
     return std::make_shared<Friction>(contact, Coulomb(list.get<double>(asked)), scene::nameIn(path));
   return std::make_shared<Friction>(contact, list.get<double>(asked), scene::nameIn(path));
@@ -115,7 +77,7 @@ Friction::Friction(std::shared_ptr<const scene::Effect> contact, Coulomb law, st
 
 void Friction::check(const scene::Scene& scene) const {
   requireElastic(scene, label());
-  if (!contact_ || !maySlip(*contact_))
+  if (!contact_ || !isContact(*contact_))
     throw InputError(label() + " acts on " + (contact_ ? contact_->label() : "nothing") +
                      "; friction acts on a contact or an obstacle");
   bool isThere = false;
@@ -155,7 +117,7 @@ void Friction::addToBounds(const std::vector<double>& state, std::vector<double>
     bounds[k] += state[k];
 }
 
-bool Friction::updateState(const std::vector<RowAnswer>& answer, std::vector<double>& trial) const {
+bool Friction::updateState(const std::vector<RowAnswer>& answer, double, std::vector<double>& trial) const {
   for (std::size_t k = 0; k < answer.size(); ++k)
     trial[answer.size() + k] = trial[k] - answer[k].gap;
   return false;

@@ -49,10 +49,11 @@ class Friction : public scene::Effect {
   void addConstraints(scene::ConstraintCollector& collector) const override;
 
   // Of each row the slip when the step began, and that of the last answer.
-  std::size_t stateSize(std::size_t rows) const override { return 2 * rows; }
+  std::size_t stateSize(std::size_t, std::size_t limited) const override { return 2 * limited; }
   void beginStep(std::vector<double>& trial) const override;
   void addToBounds(const std::vector<double>& state, std::vector<double>& bounds) const override;
-  bool updateState(const std::vector<RowAnswer>& answer, std::vector<double>& trial) const override;
+  bool updateState(const std::vector<RowAnswer>& answer, double tolerance,
+                   std::vector<double>& trial) const override;
 
  private:
   std::shared_ptr<const scene::Effect> contact_;

@@ -30,12 +30,12 @@ class CrushableFloor : public scene::Effect {
     collector.addContacts(contact::obstaclePoints(collector.surface(body_, set_), floor));
   }
 
-  std::size_t stateSize(std::size_t rows) const override { return rows; }
+  std::size_t stateSize(std::size_t rows, std::size_t) const override { return rows; }
   void addToBounds(const std::vector<double>& state, std::vector<double>& bounds) const override {
     for (std::size_t k = 0; k < bounds.size(); ++k)
       bounds[k] += state[k];
   }
-  bool updateState(const std::vector<RowAnswer>& answer, std::vector<double>& trial) const override {
+  bool updateState(const std::vector<RowAnswer>& answer, double, std::vector<double>& trial) const override {
     bool again = false;
     for (std::size_t k = 0; k < answer.size(); ++k) {
       const double excess = answer[k].force / answer[k].point->area - strength_;

@@ -49,6 +49,9 @@ class SolverManager {
   /// by default; those to which PDAS hands over do not hand back.
   void setHandsOver(bool does) { handsOver_ = does; }
 
+  /// Whether it solves problems with soft bounds; others refuse them.
+  virtual bool takesSoftBounds() const { return false; }
+
   /// Type, default, range and meaning of every parameter.
   virtual const ParameterSpec& parameterSpec() const = 0;
 
@@ -91,7 +94,8 @@ class SolverManager {
     certificate_ = Teuchos::null;
   }
 
-  /// @throws InputError if no problem is set or its structure is not what this solver is for.
+  /// @throws InputError if no problem is set or its structure is not what this solver is for, as soft bounds
+  /// are not for all.
   /// @note Collective.
   Result solve();
 

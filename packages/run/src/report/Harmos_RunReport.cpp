@@ -166,8 +166,10 @@ StepRow stepRow(const RunReport& report, const EnergyAccount& energy) {
   for (const ContactState& point : report.contact) {
     row.sticking += point.friction == Friction::Sticks ? 1 : 0;
     row.slipping += point.friction == Friction::Slips ? 1 : 0;
+    row.broken += point.isBound && point.damage == 1.0 ? 1 : 0;
   }
   row.dissipated = energy.dissipated();
+  row.released = energy.released();
   row.forces = report.forces.effects;
   return row;
 }

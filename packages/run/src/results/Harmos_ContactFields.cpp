@@ -3,7 +3,6 @@
 
 #include "Harmos_Exchange.hpp"
 
-#include <algorithm>
 #include <unordered_map>
 
 namespace Harmos::run {
@@ -33,15 +32,12 @@ std::vector<ContactState> contactStates(const Teuchos::Comm<int>& comm,
 
 ContactFields contactFields(const std::vector<scene::OwnedSubdomain>& owned,
                             const std::vector<contact::ContactPoint>& points,
-                            const std::vector<ContactState>& states) {
+                            const std::vector<ContactState>& states, ContactFieldKinds kinds) {
   struct Shown {
     const ContactState* state = nullptr;
     double sign = 1.0;
   };
   std::unordered_map<long long, Shown> atNode;
-  const bool hasFriction = std::any_of(states.begin(), states.end(), [](const ContactState& state) {
-    return state.friction != Friction::None;
-  });
   for (std::size_t k = 0; k < points.size(); ++k) {
     const std::vector<contact::ContactPoint::Term>& terms = points[k].terms;
     const bool nodeToNode = terms.size() == 2 && terms[0].weight * terms[1].weight == -1.0;
@@ -57,8 +53,9 @@ ContactFields contactFields(const std::vector<scene::OwnedSubdomain>& owned,
   for (const scene::OwnedSubdomain& subdomain : owned) {
     const auto nodes = static_cast<std::size_t>(subdomain.mesh.mesh->numberOfNodes());
     std::vector<double> pressure(nodes, 0.0), gap(nodes, 0.0);
-    std::vector<unsigned char> active(nodes, 0), friction(hasFriction ? nodes : 0, 0);
+    std::vector<unsigned char> active(nodes, 0), friction(kinds.friction ? nodes : 0, 0);
     std::vector<double> traction(3 * friction.size(), 0.0), slip = traction;
+    std::vector<double> damage(kinds.adhesion ? nodes : 0, 0.0), jump(3 * damage.size(), 0.0), whole = jump;
     for (std::size_t place = 0; place < subdomain.mesh.boundaryNumbers.size(); ++place) {
       const auto k = static_cast<std::size_t>(subdomain.mesh.mesh->boundary[place]);
       const auto found = atNode.find(subdomain.mesh.boundaryNumbers[place]);
@@ -68,15 +65,26 @@ ContactFields contactFields(const std::vector<scene::OwnedSubdomain>& owned,
       pressure[k] = state->pressure;
       gap[k] = state->gap;
       active[k] = state->closed ? 2 : 1;
-      if (!hasFriction)
-        continue;
-      friction[k] = static_cast<unsigned char>(state->friction);
-      for (std::size_t d = 0; d < 3; ++d) {
+      if (kinds.friction)
+        friction[k] = static_cast<unsigned char>(state->friction);
+      for (std::size_t d = 0; d < 3 && kinds.friction; ++d) {
         traction[3 * k + d] = sign * state->traction[d];
         slip[3 * k + d] = sign * state->slip[d];
       }
+      if (!kinds.adhesion || !state->isBound)
+        continue;
+      damage[k] = state->damage;
+      for (std::size_t d = 0; d < 3; ++d) {
+        jump[3 * k + d] = sign * state->jump[d];
+        whole[3 * k + d] = sign * state->wholeTraction[d];
+      }
     }
-    if (hasFriction) {
+    if (kinds.adhesion) {
+      fields.damage.push_back(std::move(damage));
+      fields.jump.push_back(std::move(jump));
+      fields.interfaceTraction.push_back(std::move(whole));
+    }
+    if (kinds.friction) {
       fields.friction.push_back(std::move(friction));
       fields.traction.push_back(std::move(traction));
       fields.slip.push_back(std::move(slip));

@@ -21,8 +21,13 @@ struct ContactState {
   double gap; ///< that is left
   bool closed;
   Friction friction = Friction::None;
-  fem::Point traction{}; ///< of friction, on the first body: force per tributary area
+  fem::Point traction{}; ///< of friction or springs, on the first body: force per tributary area
   fem::Point slip{};     ///< of the first body against the second, since the beginning of the run
+  // Of points that adhesion binds, or has bound.
+  bool isBound = false;
+  double damage = 0.0;
+  fem::Point jump{}; ///< of the first body against the second: the slip, and the opening along the normal
+  fem::Point wholeTraction{}; ///< of all that acts at the point, on the first body: force per tributary area
 };
 
 /// Of all points, in their order, on every rank.
@@ -36,17 +41,25 @@ struct ContactFields {
   feti::TornVector pressure;                         ///< 0 where no point is
   feti::TornVector gap;                              ///< that is left, 0 where no point is
   std::vector<std::vector<unsigned char>> activeSet; ///< 0 where no point is, 1 open, 2 closed (force > 0)
-  // With friction only.
+  // Of scenes with friction only.
   feti::TornVector traction, slip;                  ///< three numbers a node
   std::vector<std::vector<unsigned char>> friction; ///< 0 none, 1 sticks, 2 slips
+  // Of scenes with adhesion only.
+  feti::TornVector damage;                  ///< 0 where nothing is bound
+  feti::TornVector jump, interfaceTraction; ///< three numbers a node; 0 where nothing is bound
+};
+
+/// Which fields there are: a matter of the scene, the same for all of its steps.
+struct ContactFieldKinds {
+  bool friction = false, adhesion = false;
 };
 
 /// Brings the states to the nodes; every copy of a node gets the same values. With node to node contact both
-/// sides have them, with mortar coupling the side that carries the multipliers. Tractions and slips on the
-/// second side are the negative ones.
+/// sides have them, with mortar coupling the side that carries the multipliers. Tractions, slips and jumps on
+/// the second side are the negative ones.
 /// Local.
 ContactFields contactFields(const std::vector<scene::OwnedSubdomain>& owned,
                             const std::vector<contact::ContactPoint>& points,
-                            const std::vector<ContactState>& states);
+                            const std::vector<ContactState>& states, ContactFieldKinds kinds = {});
 
 } // namespace Harmos::run

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_ResultFile.hpp"
 
-#include "Harmos_Exchange.hpp"
 #include "Harmos_VtkHdf.hpp"
 
 #include <algorithm>
@@ -110,7 +109,8 @@ io::VtkParts partsOf(const Owned& owned) {
 long long bytesOf(const Owned& owned, const ResultFields& fields) {
   const int width = (fields.components == 1 ? 1 : 3) + (fields.stress != nullptr ? 7 : 0);
   const long long atPoint = 8LL * width + (fields.contact != nullptr ? 17 : 0) +
-                            (fields.contact != nullptr && !fields.contact->friction.empty() ? 49 : 0);
+                            (fields.contact != nullptr && !fields.contact->friction.empty() ? 49 : 0) +
+                            (fields.contact != nullptr && !fields.contact->damage.empty() ? 56 : 0);
   long long bytes = 0;
   for (const scene::OwnedSubdomain& item : owned)
     bytes += atPoint * item.mesh.mesh->numberOfNodes() + 3LL * 4 * item.mesh.mesh->numberOfCells();
@@ -170,16 +170,20 @@ void writeStress(io::VtkHdfWriter& file, const std::vector<std::vector<fem::Voig
   file.pointData("von_mises", equivalent);
 }
 
-// @param hasFriction on any rank: a rank may have no subdomain.
-void writeContact(io::VtkHdfWriter& file, const ContactFields& contact, bool hasFriction) {
+void writeContact(io::VtkHdfWriter& file, const ContactFields& contact, ContactFieldKinds kinds) {
   file.pointData("contact_pressure", joined(contact.pressure));
   file.pointData("gap", joined(contact.gap));
   file.pointData("active_set", joined(contact.activeSet));
-  if (!hasFriction)
-    return;
-  file.pointData("friction_traction", joined(contact.traction), 3);
-  file.pointData("slip", joined(contact.slip), 3);
-  file.pointData("friction_state", joined(contact.friction));
+  if (kinds.friction) {
+    file.pointData("friction_traction", joined(contact.traction), 3);
+    file.pointData("slip", joined(contact.slip), 3);
+    file.pointData("friction_state", joined(contact.friction));
+  }
+  if (kinds.adhesion) {
+    file.pointData("damage", joined(contact.damage));
+    file.pointData("jump", joined(contact.jump), 3);
+    file.pointData("interface_traction", joined(contact.interfaceTraction), 3);
+  }
 }
 
 // A number for each cell.
@@ -206,7 +210,7 @@ void writeResult(const Teuchos::Comm<int>& comm, const std::string& path,
   if (fields.stress != nullptr)
     writeStress(file, *fields.stress);
   if (fields.contact != nullptr)
-    writeContact(file, *fields.contact, globalMax(comm, fields.contact->friction.empty() ? 0LL : 1LL) > 0);
+    writeContact(file, *fields.contact, fields.kinds);
   using Item = scene::OwnedSubdomain;
   file.cellData("subdomain",
                 cellNumbers(owned, [](const Item& item, int) { return static_cast<int>(item.number); }));

@@ -64,6 +64,8 @@ void addSlips(const scene::ContactSetup& contact, const std::vector<RowSlip>& sl
       }
     }
     const double limit = point.follows ? point.coefficient * std::max(0.0, state.force) : point.limit;
+    if (!point.hasFriction)
+      continue;
     state.friction = point.follows && !state.closed                 ? Friction::None
                      : std::sqrt(force2) < (1.0 - rounding) * limit ? Friction::Sticks
                                                                     : Friction::Slips;

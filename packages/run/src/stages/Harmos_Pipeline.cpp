@@ -62,8 +62,7 @@ Solution runScene(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scen
   Solution solution;
   try {
     RunStages run(comm, scene, options, log, timers, report, share);
-    solution =
-        scene.timeline.hasSteps() ? StepSequence(comm, scene, options, log, run, report).go() : run.goOnce();
+    solution = scene.goesInSteps() ? StepSequence(comm, scene, options, log, run, report).go() : run.goOnce();
   } catch (const NumericalError& error) {
     failure = std::make_exception_ptr(withBody(scene, error));
   } catch (const Error& error) {
@@ -98,7 +97,7 @@ void checkScene(const Teuchos::Comm<int>& comm, const scene::Scene& scene) {
   const std::vector<scene::OwnedSubdomain> owned = scene::decompose(comm, scene);
   scene::checkBoundaryParts(comm, scene, owned);
   agree(comm, [&] {
-    if (scene.timeline.hasSteps()) {
+    if (scene.goesInSteps()) {
       scene::EffectCosts costs(scene);
       scene::TimedLoads(scene, owned, costs).requireConsistent();
     }

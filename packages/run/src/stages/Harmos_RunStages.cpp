@@ -165,7 +165,7 @@ void RunStages::assemble() {
     const auto scope = timers_.scope("assembly");
     std::vector<feti::Subdomain> subdomains;
     agree(*comm_, [&] {
-      if (scene_.timeline.hasSteps()) {
+      if (scene_.goesInSteps()) {
         loads_.emplace(scene_, owned_, costs_);
         loads_->requireConsistent();
       }
@@ -200,7 +200,9 @@ void RunStages::constrain() {
   log_.info("Primal dimension " + std::to_string(report_.primalDimension) + ", dual dimension " +
             std::to_string(report_.dualDimension) + " (" + std::to_string(report_.inequalities) +
             " inequalities" +
-            (report_.limited > 0 ? ", " + std::to_string(report_.limited) + " of friction" : "") +
+            (report_.limited > 0 ? ", " + std::to_string(report_.limited) +
+                                       (contact_.bonds.empty() ? " of friction" : " of friction and adhesion")
+                                 : "") +
             "), kernel dimension " + std::to_string(report_.kernelDimension));
   if (!report_.effectCosts.empty())
     log_.info(scene::costText(report_.effectCosts));
@@ -510,7 +512,8 @@ void RunStages::writeFields(const std::string& file) {
   }
   ContactFields atNodes;
   if (report_.inequalities > 0) {
-    atNodes = contactFields(owned_, contact_.points, report_.contact);
+    fields.kinds = {contact_.hasFriction(), scene_.breaks()};
+    atNodes = contactFields(owned_, contact_.points, report_.contact, fields.kinds);
     fields.contact = &atNodes;
   }
   writeResult(*comm_, directory_.place(file), owned_, fields);

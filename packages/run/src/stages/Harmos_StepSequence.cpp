@@ -6,14 +6,18 @@
 
 #include <Tpetra_MultiVector.hpp>
 
+#include <algorithm>
 #include <iomanip>
 #include <sstream>
 
 namespace Harmos::run {
 namespace {
 
-// Of states of effects in one step: more do not settle.
+// Of states of effects in one step: more do not settle, unless there are so many points that break one by
+// one.
 constexpr int mostUpdates = 100;
+// Where less than this of what may break in a step did, one of twice the length is tried.
+constexpr double calm = 0.2;
 
 std::string timeText(double time) {
   std::ostringstream text;
@@ -53,13 +57,15 @@ Solution StepSequence::go() {
 void StepSequence::begin() {
   run_.setUp();
   states_.emplace(scene_, run_.contact());
-  energy_.emplace(run_.loads().cases(), !run_.contact().slips.empty());
+  energy_.emplace(run_.loads().cases(), !run_.contact().slips.empty(), scene_.breaks());
   prescribesMotion_ = globalMax(*comm_, run_.loads().prescribesMotion() ? 1LL : 0LL) > 0;
   requireConsistent();
-  log_.info(std::to_string(clock_.steps()) + " steps to time " + timeText(scene_.timeline.end()));
+  if (hasSteps())
+    log_.info(std::to_string(clock_.steps()) + " steps to time " + timeText(scene_.timeline.end()));
   const bool goesOn = restore();
   run_.directory().removeOtherResults(written_);
-  run_.directory().writeSteps(rows_, scene_.forcePaths());
+  if (hasSteps())
+    run_.directory().writeSteps(rows_, scene_.forcePaths());
   if (!written_.empty())
     run_.directory().writeSeries(written_);
   run_.directory().writeIterations(iterations_);
@@ -97,12 +103,20 @@ StepSequence::Outcome StepSequence::attempt() {
     updates_ = 0;
     attemptCounters_ = {};
   }
+  const int most = mostUpdates + static_cast<int>(run_.contact().bonds.size());
   while (true) {
     const Outcome outcome = solve();
-    if (outcome != Outcome::Accepted || !states_->update(report_.contact, report_.slips))
+    if (outcome != Outcome::Accepted)
       return outcome;
-    if (++updates_ > mostUpdates) {
-      failure_ = "the states of effects have not settled in " + std::to_string(mostUpdates) + " solutions";
+    const bool again = states_->update(report_.contact, report_.slips, report_.tolerance);
+    if (states_->haste() > 1.0 && clock_.mayHalve()) {
+      failure_ = "too much breaks at once";
+      return Outcome::Failed;
+    }
+    if (!again)
+      return outcome;
+    if (++updates_ > most) {
+      failure_ = "the states of effects have not settled in " + std::to_string(most) + " solutions";
       return Outcome::Failed;
     }
   }
@@ -116,6 +130,13 @@ void StepSequence::prepare(double time) {
                 changesBounds ? &rows : nullptr});
 }
 
+// After an update of states what differs are some rows: the last solution is the nearest one.
+std::optional<feti::WarmStart> StepSequence::startOfSolve() const {
+  if (updates_ > 0 && within_ == nullptr && report_.solved)
+    return feti::WarmStart{run_.torn().multiplier, run_.dualSolution().mu};
+  return history_.start(run_.dualProblem(), options_.tolerance);
+}
+
 StepSequence::Outcome StepSequence::solve() {
   try {
     prepare(clock_.to());
@@ -124,7 +145,7 @@ StepSequence::Outcome StepSequence::solve() {
     failure_ = error.what();
     return Outcome::Failed;
   }
-  const std::optional<feti::WarmStart> start = history_.start(run_.dualProblem(), options_.tolerance);
+  const std::optional<feti::WarmStart> start = startOfSolve();
   const qp::IterationRecord before = iterations_.empty() ? qp::IterationRecord{} : iterations_.back();
   monitor_ = run_.monitor(within_, quiet_, {placeText(), before, watch_, true});
   monitor_->addState([this](Archive& archive) { exchange(archive, true); });
@@ -148,7 +169,8 @@ StepSequence::Outcome StepSequence::accept() {
   energy_->reach({run_.loads().factors(clock_.to()),
                   run_.loads().products(*comm_, run_.torn().displacement, run_.reactions()),
                   report_.audit.energy, scene::freeStrainEnergy(*comm_, scene_, run_.owned(), clock_.to()),
-                  report_.audit.frictionWork});
+                  report_.audit.frictionWork, states_->dissipated()});
+  states_->tell(report_.slips, report_.contact);
   StepRow row = stepRow(report_, *energy_);
   row.step = clock_.step();
   row.time = clock_.to();
@@ -156,18 +178,23 @@ StepSequence::Outcome StepSequence::accept() {
   row.activeSets = attemptCounters_.faces;
   const bool writes = writesFields();
   if (writes) {
-    run_.writeFields(RunDirectory::resultOf(row.step));
-    written_.push_back({row.step, row.time});
+    run_.writeFields(hasSteps() ? RunDirectory::resultOf(row.step) : "result.vtkhdf");
+    if (hasSteps())
+      written_.push_back({row.step, row.time});
   }
   history_.add(run_.dualProblem(), run_.torn().multiplier, run_.dualSolution().mu);
   states_->commit();
   energy_->commit();
   const bool endsStep = clock_.endsStep();
+  const bool isCalm = states_->haste() < calm;
   clock_.accept();
+  if (isCalm && scene_.breaks())
+    clock_.join();
   rows_.push_back(row);
   report_.steps.push_back(row);
-  run_.directory().appendStep(row);
-  if (writes)
+  if (hasSteps())
+    run_.directory().appendStep(row);
+  if (writes && hasSteps())
     run_.directory().writeSeries(written_);
   tell(row);
   return clock_.isOver() ? Outcome::Accepted : look(endsStep);
@@ -202,6 +229,11 @@ void StepSequence::tell(const StepRow& row) const {
     text << ", " << row.closed << " of " << row.closed + row.open << " contact points closed";
   if (row.sticking + row.slipping > 0)
     text << ", " << row.slipping << " of " << row.sticking + row.slipping << " slip";
+  if (const std::size_t bound = run_.contact().bonds.size(); bound > 0) {
+    const auto damaged = std::count_if(report_.contact.begin(), report_.contact.end(),
+                                       [](const ContactState& point) { return point.damage > 0.0; });
+    text << ", " << damaged << " of " << bound << " bonds damaged, " << row.broken << " broken";
+  }
   log_.info(text.str());
 }
 

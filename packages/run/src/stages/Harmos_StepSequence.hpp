@@ -53,6 +53,8 @@ class StepSequence {
   Solution end(Outcome outcome);
   std::string placeText() const;
   bool isOutOfTime() const;
+  bool hasSteps() const { return scene_.timeline.hasSteps(); }
+  std::optional<feti::WarmStart> startOfSolve() const;
 
   Teuchos::RCP<const Teuchos::Comm<int>> comm_;
   const scene::Scene& scene_;

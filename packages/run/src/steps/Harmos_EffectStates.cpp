@@ -3,6 +3,7 @@
 
 #include "Harmos_Errors.hpp"
 
+#include <algorithm>
 #include <map>
 #include <string>
 
@@ -15,15 +16,41 @@ EffectStates::EffectStates(const scene::Scene& scene, const scene::ContactSetup&
     points[contact.effects[k]].push_back(k);
   for (std::size_t k = 0; k < contact.frictions.size(); ++k)
     for (std::size_t t = 0; t < contact.slips[k].tangents.size(); ++t) {
-      limited[contact.frictions[k]].push_back(contact.slips[k].firstRow + t);
+      if (contact.slips[k].hasFriction)
+        limited[contact.frictions[k]].push_back(contact.slips[k].firstRow + t);
       pointOfSlip_.push_back(contact.slips[k].point);
     }
-  for (const auto& effect : scene.effects) {
-    const std::vector<std::size_t>&own = points[effect.get()], &slips = limited[effect.get()];
-    if (const std::size_t size = effect->stateSize(own.size() + slips.size()); size > 0)
-      states_.push_back(
-          {effect.get(), own, slips, std::vector<double>(size, 0.0), std::vector<double>(size, 0.0)});
+  for (const scene::ContactSetup::Bond& bond : contact.bonds) {
+    points[bond.effect].push_back(bond.point);
+    if (bond.slip != scene::ContactSetup::Bond::none)
+      for (std::size_t t = 0; t < contact.slips[bond.slip].tangents.size(); ++t)
+        limited[bond.effect].push_back(contact.slips[bond.slip].firstRow + t);
   }
+  for (const auto& effect : scene.effects)
+    add(*effect, points[effect.get()], limited[effect.get()]);
+}
+
+void EffectStates::add(const scene::Effect& effect, std::vector<std::size_t> points,
+                       std::vector<std::size_t> limited) {
+  const std::size_t size = effect.stateSize(points.size(), limited.size());
+  if (size == 0)
+    return;
+  State state = {&effect,
+                 std::move(points),
+                 std::move(limited),
+                 {},
+                 std::vector<double>(size, 0.0),
+                 std::vector<double>(size, 0.0)};
+  std::map<std::size_t, std::size_t> places;
+  const auto addRow = [&](std::size_t point, bool isLimited) {
+    const std::size_t place = places.emplace(point, places.size()).first->second;
+    state.rows.push_back({&contact_.points[point], place, isLimited});
+  };
+  for (std::size_t point : state.points)
+    addRow(point, false);
+  for (std::size_t row : state.limited)
+    addRow(pointOfSlip_[row], true);
+  states_.push_back(std::move(state));
 }
 
 void EffectStates::begin() {
@@ -33,15 +60,31 @@ void EffectStates::begin() {
   }
 }
 
-bool EffectStates::update(const std::vector<ContactState>& answer, const std::vector<RowSlip>& slips) {
+bool EffectStates::update(const std::vector<ContactState>& answer, const std::vector<RowSlip>& slips,
+                          double tolerance) {
+  const Rows rows = applied();
   bool again = false;
   for (State& state : states_) {
-    std::vector<scene::Effect::RowAnswer> rows;
-    for (std::size_t k : state.points)
-      rows.push_back({&contact_.points[k], answer[k].gap, answer[k].force});
-    for (std::size_t k : state.limited)
-      rows.push_back({&contact_.points[pointOfSlip_[k]], -slips[k].slip, slips[k].force});
-    again = state.effect->updateState(rows, state.trial) || again; // each is asked
+    const std::vector<double> own = shiftsBy(state);
+    std::vector<scene::Effect::RowAnswer> answers;
+    for (std::size_t k = 0; k < state.rows.size(); ++k) {
+      scene::Effect::RowAnswer& row = answers.emplace_back();
+      static_cast<scene::Effect::Row&>(row) = state.rows[k];
+      if (!row.isLimited) {
+        const std::size_t number = state.points[k];
+        row.gap = answer[number].gap;
+        row.force = answer[number].force;
+        row.softness = rows.softness[number];
+        continue;
+      }
+      // Against the bound that this effect thinks of, where several act on the row.
+      const std::size_t number = state.limited[k - state.points.size()];
+      row.softness = rows.slipSoftness[number];
+      row.force = slips[number].force;
+      row.gap =
+          -(row.softness ? *row.softness * row.force : slips[number].slip) + (own[k] - rows.slip[number]);
+    }
+    again = state.effect->updateState(answers, tolerance, state.trial) || again; // each is asked
   }
   return again;
 }
@@ -51,22 +94,108 @@ void EffectStates::commit() {
     state.committed = state.trial;
 }
 
-std::vector<ConstraintRow> EffectStates::rows() const {
-  std::vector<ConstraintRow> rows = contact_.rows;
-  std::vector<double> shift(contact_.points.size(), 0.0), slip(pointOfSlip_.size(), 0.0);
-  for (const State& state : states_) {
-    const std::size_t points = state.points.size();
-    std::vector<double> own(points + state.limited.size(), 0.0);
-    state.effect->addToBounds(state.trial, own);
-    for (std::size_t k = 0; k < own.size(); ++k)
-      (k < points ? shift[state.points[k]] : slip[state.limited[k - points]]) = own[k];
+std::vector<double> EffectStates::shiftsBy(const State& state) const {
+  std::vector<double> own(state.rows.size(), 0.0);
+  state.effect->addToBounds(state.trial, own);
+  return own;
+}
+
+EffectStates::Rows EffectStates::applied() const {
+  Rows rows;
+  rows.shift.assign(contact_.points.size(), 0.0);
+  rows.slip.assign(pointOfSlip_.size(), 0.0);
+  rows.softness.resize(rows.shift.size());
+  rows.slipSoftness.resize(rows.slip.size());
+  for (const scene::ContactSetup::Bond& bond : contact_.bonds) {
+    rows.softness[bond.point] = bond.softness;
+    if (bond.slip != scene::ContactSetup::Bond::none)
+      for (std::size_t t = 0; t < contact_.slips[bond.slip].tangents.size(); ++t)
+        rows.slipSoftness[contact_.slips[bond.slip].firstRow + t] = bond.tangentialSoftness;
   }
-  for (ConstraintRow& row : rows)
-    if (row.kind == ConstraintRow::Kind::Inequality)
-      row.bound += shift[static_cast<std::size_t>(row.number)];
-    else if (row.kind == ConstraintRow::Kind::Limited)
-      row.bound += slip[static_cast<std::size_t>(row.number)];
+  for (const State& state : states_) {
+    const std::vector<double> own = shiftsBy(state);
+    std::vector<std::optional<double>> softness;
+    const auto place = [&](std::size_t k, auto& ofPoints, auto& ofSlips) -> auto& {
+      return k < state.points.size() ? ofPoints[state.points[k]]
+                                     : ofSlips[state.limited[k - state.points.size()]];
+    };
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      place(k, rows.shift, rows.slip) += own[k];
+      softness.push_back(place(k, rows.softness, rows.slipSoftness));
+    }
+    state.effect->soften(state.trial, state.rows, softness);
+    for (std::size_t k = 0; k < own.size(); ++k)
+      place(k, rows.softness, rows.slipSoftness) = softness[k];
+  }
+  for (std::size_t k = 0; k < rows.slip.size(); ++k)
+    if (rows.slipSoftness[k]) // unstretched where the run began
+      rows.slip[k] = 0.0;
   return rows;
+}
+
+std::vector<ConstraintRow> EffectStates::rows() const {
+  std::vector<ConstraintRow> result = contact_.rows;
+  const Rows rows = applied();
+  for (ConstraintRow& row : result) {
+    const auto number = static_cast<std::size_t>(row.number);
+    if (row.kind == ConstraintRow::Kind::Inequality) {
+      row.bound += rows.shift[number];
+      row.softness = rows.softness[number];
+    } else if (row.kind == ConstraintRow::Kind::Limited) {
+      row.bound += rows.slip[number];
+      row.softness = rows.slipSoftness[number];
+    }
+  }
+  return result;
+}
+
+double EffectStates::dissipated() const {
+  double sum = 0.0;
+  for (const State& state : states_)
+    sum += state.effect->dissipated(state.trial);
+  return sum;
+}
+
+double EffectStates::haste() const {
+  double most = 0.0;
+  for (const State& state : states_)
+    most = std::max(most, state.effect->haste(state.trial));
+  return most;
+}
+
+void EffectStates::tell(const std::vector<RowSlip>& slips, std::vector<ContactState>& answer) const {
+  if (contact_.bonds.empty())
+    return;
+  const Rows rows = applied();
+  for (const State& state : states_) {
+    const std::vector<double> damage = state.effect->damage(state.trial);
+    for (std::size_t k = 0; k < damage.size(); ++k)
+      answer[state.points[k]].damage = damage[k];
+  }
+  for (const scene::ContactSetup::Bond& bond : contact_.bonds) {
+    ContactState& point = answer[bond.point];
+    const contact::ContactPoint& place = contact_.points[bond.point];
+    const std::optional<double>& softness = rows.softness[bond.point];
+    const bool holds = softness.has_value();
+    point.isBound = true;
+    if (holds) {
+      point.gap = point.closed ? point.gap : -*softness * point.force;
+      point.friction = Friction::None;
+      point.slip = {};
+    }
+    if (holds && bond.slip != scene::ContactSetup::Bond::none) {
+      const contact::SlipPoint& slip = contact_.slips[bond.slip];
+      for (std::size_t t = 0; t < slip.tangents.size(); ++t) {
+        const std::size_t row = slip.firstRow + t;
+        for (std::size_t d = 0; d < 3; ++d)
+          point.slip[d] += *rows.slipSoftness[row] * slips[row].force * slip.tangents[t][d];
+      }
+    }
+    for (std::size_t d = 0; d < 3; ++d) {
+      point.jump[d] = point.slip[d] - point.gap * place.normal[d];
+      point.wholeTraction[d] = point.traction[d] - point.pressure * place.normal[d];
+    }
+  }
 }
 
 void EffectStates::exchange(qp::StateArchive<MultiVector>& archive) {

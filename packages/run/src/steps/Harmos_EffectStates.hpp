@@ -7,6 +7,7 @@
 #include "Harmos_SolverMonitor.hpp"
 #include "Harmos_Types.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace Harmos::run {
@@ -24,11 +25,20 @@ class EffectStates {
   /// A step begins, for the first time or again: the trial state becomes the committed one.
   void begin();
   /// Asks every effect; whether any wants the step to be solved again.
-  /// @param slips of the limited rows.
-  bool update(const std::vector<ContactState>& answer, const std::vector<RowSlip>& slips = {});
+  /// @param answer, slips of the inequality and the limited rows, as they were by the trial state. @param
+  /// tolerance of the answer.
+  bool update(const std::vector<ContactState>& answer, const std::vector<RowSlip>& slips = {},
+              double tolerance = 0.0);
   void commit();
-  /// The rows of the setup with bounds by the trial state.
+  /// The rows of the setup with bounds and softness by the trial state.
   std::vector<ConstraintRow> rows() const;
+
+  /// Of what breaks, by the trial state: that which was dissipated since the run began; how much broke in the
+  /// step, see scene::Effect::haste().
+  double dissipated() const;
+  double haste() const;
+  /// Brings damage, openings and tractions to the points of an answer that the trial state has settled with.
+  void tell(const std::vector<RowSlip>& slips, std::vector<ContactState>& answer) const;
 
   /// Both, for a checkpoint may be written in the middle of a step.
   void exchange(qp::StateArchive<MultiVector>& archive);
@@ -36,10 +46,19 @@ class EffectStates {
  private:
   struct State {
     const scene::Effect* effect;
-    std::vector<std::size_t> points;  // of the setup, an inequality row each
-    std::vector<std::size_t> limited; // rows
+    std::vector<std::size_t> points;      // of the setup, an inequality row each
+    std::vector<std::size_t> limited;     // rows
+    std::vector<scene::Effect::Row> rows; // of both
     std::vector<double> committed, trial;
   };
+  // What the trial states say of rows, by their numbers.
+  struct Rows {
+    std::vector<double> shift, slip; // to be added to bounds of inequalities and limited rows
+    std::vector<std::optional<double>> softness, slipSoftness;
+  };
+  Rows applied() const;
+  std::vector<double> shiftsBy(const State& state) const;
+  void add(const scene::Effect& effect, std::vector<std::size_t> points, std::vector<std::size_t> limited);
 
   const scene::ContactSetup& contact_;
   std::vector<State> states_;

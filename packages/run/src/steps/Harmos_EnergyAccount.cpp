@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_EnergyAccount.hpp"
 
+#include <algorithm>
+
 namespace Harmos::run {
 
-EnergyAccount::EnergyAccount(std::vector<scene::TimedLoads::Case> cases, bool dissipates)
-    : cases_(std::move(cases)), dissipates_(dissipates) {
+EnergyAccount::EnergyAccount(std::vector<scene::TimedLoads::Case> cases, bool dissipates, bool breaks)
+    : cases_(std::move(cases)), dissipates_(dissipates), breaks_(breaks) {
   const std::vector<double> nothing(cases_.size(), 0.0);
-  before_ = {nothing, {nothing, nothing}, 0.0, 0.0};
+  before_ = {nothing, {nothing, nothing}};
 }
 
 void EnergyAccount::reach(Answer answer) {
@@ -26,12 +28,18 @@ void EnergyAccount::reach(Answer answer) {
     work_ += 0.5 * (motion0 + motion1) * (h1 - h0);
   }
   reached_ = std::move(answer);
+  const double broken = reached_.breaking - before_.breaking;
+  const double left =
+      work_ - committedWork_ - (stored_ - committedStored_) - (dissipated_ - committedDissipation_) - broken;
+  released_ = committedRelease_ + (broken > 0.0 ? std::max(0.0, left) : 0.0);
 }
 
 void EnergyAccount::commit() {
   before_ = reached_;
   committedWork_ = work_;
   committedDissipation_ = dissipated_;
+  committedStored_ = stored_;
+  committedRelease_ = released_;
 }
 
 void EnergyAccount::exchange(qp::StateArchive<MultiVector>& archive) {
@@ -42,6 +50,11 @@ void EnergyAccount::exchange(qp::StateArchive<MultiVector>& archive) {
   archive.number("external work", committedWork_);
   if (dissipates_)
     archive.number("dissipated", committedDissipation_);
+  if (!breaks_)
+    return;
+  archive.number("dissipated by damage", before_.breaking);
+  archive.number("stored", committedStored_);
+  archive.number("released", committedRelease_);
 }
 
 } // namespace Harmos::run

@@ -32,10 +32,12 @@ class EnergyAccount {
     double lagrangian = 0.0;              ///< feti::KktAudit::energy
     double freeStrainEnergy = 0.0;        ///< ½∫ε_T:C:ε_T
     double frictionWork = 0.0;            ///< of the step: feti::KktAudit::frictionWork
+    double breaking = 0.0;                ///< dissipated by damage, since the run began
   };
 
-  /// @param dissipates whether there is friction.
-  explicit EnergyAccount(std::vector<scene::TimedLoads::Case> cases, bool dissipates = false);
+  /// @param dissipates whether there is friction. @param breaks whether there is damage.
+  explicit EnergyAccount(std::vector<scene::TimedLoads::Case> cases, bool dissipates = false,
+                         bool breaks = false);
 
   /// The step from the last committed answer to this one; nothing is committed.
   void reach(Answer answer);
@@ -44,8 +46,12 @@ class EnergyAccount {
   double stored() const { return stored_; }
   /// Since the beginning of the run.
   double externalWork() const { return work_; }
-  /// By friction, since the beginning of the run: Σλ_tᵀΔs.
-  double dissipated() const { return dissipated_; }
+  /// By friction, Σλ_tᵀΔs, and damage, since the beginning of the run.
+  double dissipated() const { return dissipated_ + reached_.breaking; }
+  /// What bodies have left over where points broke faster than loads went on, which would set them in motion:
+  /// the external work of steps in which damage grew that is neither stored nor dissipated, where that is
+  /// positive. Among it are errors of the trapezoidal rule in these steps.
+  double released() const { return released_; }
 
   /// What was committed.
   void exchange(qp::StateArchive<MultiVector>& archive);
@@ -53,9 +59,10 @@ class EnergyAccount {
  private:
   std::vector<scene::TimedLoads::Case> cases_;
   Answer before_, reached_;
-  bool dissipates_;
+  bool dissipates_, breaks_;
   double committedWork_ = 0.0, work_ = 0.0, stored_ = 0.0;
   double committedDissipation_ = 0.0, dissipated_ = 0.0;
+  double committedStored_ = 0.0, committedRelease_ = 0.0, released_ = 0.0;
 };
 
 } // namespace Harmos::run

@@ -19,13 +19,24 @@ void StepClock::accept() {
   done_ = 0;
 }
 
-bool StepClock::halve() {
+bool StepClock::mayHalve() const {
   constexpr double rounding = 1.0 + 1e-12; // of shares like 1/64
-  if (2.0 * static_cast<double>(parts_) * timeline_.smallest() > rounding)
+  return timeline_.hasSteps() && 2.0 * static_cast<double>(parts_) * timeline_.smallest() <= rounding;
+}
+
+bool StepClock::halve() {
+  if (!mayHalve())
     return false;
   parts_ *= 2;
   done_ *= 2;
   return true;
+}
+
+void StepClock::join() {
+  if (parts_ == 1 || done_ % 2 != 0)
+    return;
+  parts_ /= 2;
+  done_ /= 2;
 }
 
 void StepClock::exchange(qp::StateArchive<MultiVector>& archive) {

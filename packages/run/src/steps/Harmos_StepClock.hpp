@@ -31,6 +31,10 @@ class StepClock {
   void accept();
   /// Half of the last part is tried next; false, and nothing is changed, if that were less than the smallest.
   bool halve();
+  /// Whether halve() would. A single step is a static state: half of it is none.
+  bool mayHalve() const;
+  /// Twice the last part is tried next, where that ends where a part twice as long would.
+  void join();
 
   void exchange(qp::StateArchive<MultiVector>& archive);
 

@@ -21,6 +21,11 @@ std::size_t bytesOf(const ConstraintRow& row) {
 
 } // namespace
 
+bool ContactSetup::hasFriction() const {
+  return std::any_of(slips.begin(), slips.end(),
+                     [](const contact::SlipPoint& slip) { return slip.hasFriction; });
+}
+
 void DistinctPoints::add(const std::vector<ContactPoint>& more, const Effect& effect) {
   for (const ContactPoint& point : more) {
     std::vector<std::size_t>& here = withNode_[point.terms.front().node];
@@ -96,15 +101,27 @@ void ConstraintCollector::addContacts(const std::vector<ContactPoint>& points,
                                       const std::vector<Part>& surfaces) {
   contacts_.add(points, *asked_);
   surfacesOf_[asked_] = surfaces;
-  if (std::any_of(frictions_.begin(), frictions_.end(),
-                  [this](const Friction& friction) { return friction.contact == asked_; }))
+  if (isAlong(asked_))
     findHeldDofs(surfaces);
+}
+
+// Whether friction or adhesion has asked for rows along the surfaces of a contact.
+bool ConstraintCollector::isAlong(const Effect* contact) const {
+  const auto isOn = [contact](const auto& item) { return item.contact == contact; };
+  return std::any_of(frictions_.begin(), frictions_.end(), isOn) ||
+         std::any_of(adhesions_.begin(), adhesions_.end(), isOn);
 }
 
 void ConstraintCollector::addFriction(Friction friction) {
   if (const auto surfaces = surfacesOf_.find(friction.contact); surfaces != surfacesOf_.end())
     findHeldDofs(surfaces->second);
   frictions_.push_back(std::move(friction));
+}
+
+void ConstraintCollector::addAdhesion(const Effect& contact, double normal, double tangential) {
+  if (const auto surfaces = surfacesOf_.find(&contact); surfaces != surfacesOf_.end())
+    findHeldDofs(surfaces->second);
+  adhesions_.push_back({&contact, asked_, normal, tangential});
 }
 
 void ConstraintCollector::addTies(const std::vector<ContactPoint>& points,
@@ -158,23 +175,35 @@ void ConstraintCollector::addContactRows(ContactSetup& setup) {
   }
 }
 
+namespace {
+
+// Of each of the effects that act on contacts, the points that are its own: the first that names one has it.
+template<class Acting>
+std::vector<std::vector<std::size_t>> pointsOf(const std::vector<Acting>& acting,
+                                               const DistinctPoints& contacts, std::size_t count) {
+  std::unordered_map<const Effect*, std::size_t> actsOn;
+  for (std::size_t f = 0; f < acting.size(); ++f)
+    actsOn.emplace(acting[f].contact, f);
+  std::vector<std::vector<std::size_t>> result(acting.size());
+  for (std::size_t k = 0; k < count && !acting.empty(); ++k) {
+    std::size_t first = acting.size();
+    for (const Effect* effect : contacts.effectsAt(k))
+      if (const auto found = actsOn.find(effect); found != actsOn.end())
+        first = std::min(first, found->second);
+    if (first < acting.size())
+      result[first].push_back(k);
+  }
+  return result;
+}
+
+} // namespace
+
 // Friction after friction, each with its points in their order.
 void ConstraintCollector::findSlips(ContactSetup& setup) {
   const std::vector<ContactPoint>& points = contacts_.all();
-  std::unordered_map<const Effect*, std::size_t> frictionOn;
+  const std::vector<std::vector<std::size_t>> own = pointsOf(frictions_, contacts_, points.size());
   for (std::size_t f = 0; f < frictions_.size(); ++f)
-    frictionOn.emplace(frictions_[f].contact, f);
-  std::vector<std::vector<std::size_t>> pointsOf(frictions_.size());
-  for (std::size_t k = 0; k < points.size() && !frictions_.empty(); ++k) {
-    std::size_t first = frictions_.size();
-    for (const Effect* effect : contacts_.effectsAt(k))
-      if (const auto found = frictionOn.find(effect); found != frictionOn.end())
-        first = std::min(first, found->second);
-    if (first < frictions_.size())
-      pointsOf[first].push_back(k);
-  }
-  for (std::size_t f = 0; f < frictions_.size(); ++f)
-    for (std::size_t k : pointsOf[f]) {
+    for (std::size_t k : own[f]) {
       contact::SlipPoint slip;
       slip.point = k;
       slip.tangents = contact::slipDirections(points[k], scene_.components(), held_);
@@ -189,8 +218,51 @@ void ConstraintCollector::findSlips(ContactSetup& setup) {
     }
 }
 
-void ConstraintCollector::addFrictionRows(ContactSetup& setup) {
+// Likewise, after all friction.
+void ConstraintCollector::findBonds(ContactSetup& setup) {
+  const std::vector<ContactPoint>& points = contacts_.all();
+  const double extent = adhesions_.empty() ? 0.0 : contact::extentOf(points);
+  std::unordered_map<std::size_t, std::size_t> slipAt;
+  for (std::size_t s = 0; s < setup.slips.size() && !adhesions_.empty(); ++s)
+    slipAt.emplace(setup.slips[s].point, s);
+  const std::vector<std::vector<std::size_t>> own = pointsOf(adhesions_, contacts_, points.size());
+  for (std::size_t a = 0; a < adhesions_.size(); ++a) {
+    const Adhesion& adhesion = adhesions_[a];
+    const std::size_t before = setup.bonds.size();
+    for (std::size_t k : own[a]) {
+      if (!contact::touches(points[k], extent))
+        continue;
+      ContactSetup::Bond bond = {adhesion.effect, k, ContactSetup::Bond::none,
+                                 1.0 / (adhesion.normal * points[k].area),
+                                 1.0 / (adhesion.tangential * points[k].area)};
+      if (const auto shared = slipAt.find(k); shared != slipAt.end()) {
+        bond.slip = shared->second;
+      } else if (std::vector<fem::Point> tangents =
+                     contact::slipDirections(points[k], scene_.components(), held_);
+                 !tangents.empty()) {
+        bond.slip = setup.slips.size();
+        contact::SlipPoint slip;
+        slip.point = k;
+        slip.tangents = std::move(tangents);
+        slip.firstRow = setup.slipRows();
+        slip.hasFriction = false;
+        setup.slips.push_back(slip);
+        setup.frictions.push_back(adhesion.effect);
+      }
+      setup.bonds.push_back(bond);
+    }
+    const std::size_t bound = setup.bonds.size() - before;
+    note(adhesion.effect->label() + " binds " + std::to_string(bound) + " of the " +
+         std::to_string(own[a].size()) + " points of " + adhesion.contact->label() +
+         (bound == own[a].size() ? std::string()
+                                 : "; at the other " + std::to_string(own[a].size() - bound) +
+                                       " the surfaces are apart, or overlap: a contact without adhesion"));
+  }
+}
+
+void ConstraintCollector::addSlipRows(ContactSetup& setup) {
   findSlips(setup);
+  findBonds(setup);
   if (setup.slips.empty())
     return;
   const std::vector<ContactPoint>& points = contacts_.all();
@@ -208,6 +280,29 @@ void ConstraintCollector::addFrictionRows(ContactSetup& setup) {
     setup.rows.push_back(row);
     setup.origins.push_back({&contacts_.effect(slip.point), points[slip.point].position,
                              slip.tangents[number - slip.firstRow], true});
+  }
+}
+
+// The springs of what is bound.
+void ConstraintCollector::soften(ContactSetup& setup) const {
+  if (setup.bonds.empty())
+    return;
+  std::unordered_map<long long, double> ofPoint, ofSlip;
+  for (const ContactSetup::Bond& bond : setup.bonds) {
+    costs_.addBytes(bond.effect->kind(), sizeof(ContactSetup::Bond));
+    ofPoint.emplace(static_cast<long long>(bond.point), bond.softness);
+    if (bond.slip == ContactSetup::Bond::none)
+      continue;
+    const contact::SlipPoint& slip = setup.slips[bond.slip];
+    for (std::size_t t = 0; t < slip.tangents.size(); ++t)
+      ofSlip.emplace(static_cast<long long>(slip.firstRow + t), bond.tangentialSoftness);
+  }
+  for (ConstraintRow& row : setup.rows) {
+    if (row.kind == ConstraintRow::Kind::Equality)
+      continue;
+    const auto& known = row.kind == ConstraintRow::Kind::Inequality ? ofPoint : ofSlip;
+    if (const auto found = known.find(row.number); found != known.end())
+      row.softness = found->second;
   }
 }
 
@@ -238,7 +333,8 @@ void ConstraintCollector::addTieRows(ContactSetup& setup) {
 ContactSetup ConstraintCollector::finish() {
   ContactSetup result;
   addContactRows(result);
-  addFrictionRows(result);
+  addSlipRows(result);
+  soften(result);
   addTieRows(result);
   for (std::size_t k = 0; k < contacts_.all().size(); ++k) {
     costs_.addBytes(contacts_.effect(k).kind(), bytesOf(contacts_.all()[k]));

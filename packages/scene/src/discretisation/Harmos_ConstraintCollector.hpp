@@ -25,14 +25,26 @@ struct ContactSetup {
   struct Origin {
     const Effect* effect;
     fem::Point position, direction;
-    bool isTangential = false; ///< of friction, which acts on that effect
+    bool isTangential = false; ///< of friction or adhesion, which act on that effect
+  };
+  /// A point that adhesion binds by springs.
+  struct Bond {
+    static constexpr std::size_t none = static_cast<std::size_t>(-1);
+    const Effect* effect; ///< that says so
+    std::size_t point;    ///< its place among the points
+    std::size_t slip;     ///< that among those with limited rows; none: held on both sides in all directions
+    double softness, tangentialSoftness; ///< opening, and slip, by force
   };
   /// The points of the inequality rows, in their order, which is that of the effects. The same on every rank.
   std::vector<contact::ContactPoint> points;
   std::vector<const Effect*> effects; ///< of each point
-  /// The points that bear friction, in the order of the limited rows, and the effects that say so.
+  /// The points that bear friction, or are bound, in the order of the limited rows, and the effects that say
+  /// so: of a point that does both friction.
   std::vector<contact::SlipPoint> slips;
   std::vector<const Effect*> frictions;
+  bool hasFriction() const;
+  /// In the order of the effects that bind them and of points.
+  std::vector<Bond> bonds;
   std::size_t slipRows() const {
     return slips.empty() ? 0 : slips.back().firstRow + slips.back().tangents.size();
   }
@@ -107,6 +119,14 @@ class ConstraintCollector {
     addFriction({&contact, asked_, std::move(coefficient), true});
   }
 
+  /// Springs at those points of a contact or an obstacle where the surfaces touch (contact::touches()): the
+  /// softness of its row, and of rows t·w = 0 in each direction in which it may slip; those of friction,
+  /// where that acts on it, else such of limit 0. A point of two contacts has the first springs alone. A note
+  /// tells how many there are.
+  /// @param contact an effect of the scene, asked before or after. @param normal, tangential force per area
+  /// and opening, above 0. @note Collective.
+  void addAdhesion(const Effect& contact, double normal, double tangential);
+
   /// What the user should know; a sentence.
   void note(const std::string& text) { notes_.push_back(text); }
 
@@ -122,7 +142,9 @@ class ConstraintCollector {
  private:
   void addContactRows(ContactSetup& setup);
   void findSlips(ContactSetup& setup);
-  void addFrictionRows(ContactSetup& setup);
+  void findBonds(ContactSetup& setup);
+  void addSlipRows(ContactSetup& setup);
+  void soften(ContactSetup& setup) const;
   void addTieRows(ContactSetup& setup);
   void findHeldDofs(const std::vector<std::pair<int, std::string>>& surfaces);
   struct Friction {
@@ -131,6 +153,11 @@ class ConstraintCollector {
     bool isByPressure;                              ///< a coefficient
   };
   void addFriction(Friction friction);
+  struct Adhesion {
+    const Effect *contact, *effect;
+    double normal, tangential; ///< stiffness
+  };
+  bool isAlong(const Effect* contact) const;
 
   const Teuchos::Comm<int>& comm_;
   const Scene& scene_;
@@ -143,8 +170,9 @@ class ConstraintCollector {
   const Effect* asked_ = nullptr;
   DistinctPoints contacts_, ties_;
   std::vector<Friction> frictions_;
+  std::vector<Adhesion> adhesions_;
   std::map<const Effect*, std::vector<Part>> surfacesOf_; // of contacts
-  std::map<double, contact::HeldDofs> held_;              // at ties and where there is friction, by time
+  std::map<double, contact::HeldDofs> held_;              // at ties and where there are limited rows, by time
   std::vector<std::string> notes_;
 };
 

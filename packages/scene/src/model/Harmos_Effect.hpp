@@ -106,23 +106,49 @@ class Effect {
   // which starts from that. A step that fails, is halved or taken up again from a checkpoint starts from the
   // committed one, whatever happened to the trial. All of it is the same on every rank, and local.
 
-  /// One of its inequality rows in an answer, or of the limited rows of its friction, which follow those.
-  struct RowAnswer {
+  /// One of its inequality rows, or of the limited rows of its friction or adhesion, which follow those.
+  struct Row {
     const contact::ContactPoint* point;
-    double gap;   ///< that is left to the bound, as the state has shifted it
-    double force; ///< multiplier
+    std::size_t place = 0; ///< of its point, among those that the effect has rows at
+    bool isLimited = false;
   };
-  /// How many numbers it keeps, with so many rows; they are zero before the first step.
-  virtual std::size_t stateSize(std::size_t /*rows*/) const { return 0; }
+  /// The same in an answer.
+  struct RowAnswer : Row {
+    double gap = 0.0;               ///< that is left to the bound, as the state has shifted it
+    double force = 0.0;             ///< multiplier
+    std::optional<double> softness; ///< with which it was found
+  };
+  /// How many numbers it keeps, with so many inequality rows and limited ones; they are zero before the first
+  /// step.
+  virtual std::size_t stateSize(std::size_t /*rows*/, std::size_t /*limited*/) const { return 0; }
   /// A step begins, for the first time or again, from what was committed.
   virtual void beginStep(std::vector<double>& /*trial*/) const {}
   /// What the state adds to the bounds of these rows.
   virtual void addToBounds(const std::vector<double>& /*state*/, std::vector<double>& /*bounds*/) const {}
+  /// What the state makes of the softness of these rows (ConstraintRow::softness), of which some may be
+  /// without any.
+  /// @param softness as the rows were made; nothing: a contact, or friction. What has a softness stays at the
+  /// bound that it was made with.
+  virtual void soften(const std::vector<double>& /*state*/, const std::vector<Row>& /*rows*/,
+                      std::vector<std::optional<double>>& /*softness*/) const {}
   /// Brings the trial state up to an answer that has converged; whether the step is to be solved again with
-  /// it. A step whose state does not settle has failed.
-  virtual bool updateState(const std::vector<RowAnswer>& /*answer*/, std::vector<double>& /*trial*/) const {
+  /// it. A step whose state does not settle has failed. @param tolerance of the answer.
+  virtual bool updateState(const std::vector<RowAnswer>& /*answer*/, double /*tolerance*/,
+                           std::vector<double>& /*trial*/) const {
     return false;
   }
+
+  // Of effects whose points break.
+
+  /// Whether it has any: even a static state is a step then, for its first solution need not be its last.
+  virtual bool breaks() const { return false; }
+  /// From 0 to 1, of each point that it has rows at; nothing of effects that know none.
+  virtual std::vector<double> damage(const std::vector<double>& /*state*/) const { return {}; }
+  /// What damage has dissipated, since the beginning of the run.
+  virtual double dissipated(const std::vector<double>& /*state*/) const { return 0.0; }
+  /// How much has broken since the step began, in units of what may in one step: beyond 1 the step is halved,
+  /// as long as it may be.
+  virtual double haste(const std::vector<double>& /*trial*/) const { return 0.0; }
 
  protected:
   /// sum += more, for vectors of the same length.

@@ -33,6 +33,10 @@ int Scene::subdomains() const {
   return count;
 }
 
+bool Scene::breaks() const {
+  return std::any_of(effects.begin(), effects.end(), [](const auto& effect) { return effect->breaks(); });
+}
+
 bool Scene::hasInequalities() const {
   return std::any_of(effects.begin(), effects.end(),
                      [](const auto& effect) { return effect->givesInequalities(); });

@@ -55,6 +55,10 @@ struct Scene {
   int components() const { return componentsOf(physics); }
   int subdomains() const;
   bool hasInequalities() const;
+  /// Whether points may break: even a static state goes the way of a step then.
+  bool breaks() const;
+  /// Whether it is solved step by step.
+  bool goesInSteps() const { return timeline.hasSteps() || breaks(); }
   /// A body that no effect holds, but for inequalities, floats.
   bool hasFloatingBody() const;
   /// Whether stiffnesses differ from body to body or region to region.

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Adhesion.hpp"
+
+#include "Harmos_ConstraintCollector.hpp"
+#include "Harmos_ContactByName.hpp"
+#include "Harmos_DamageUpdate.hpp"
+#include "Harmos_Errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace Harmos::effects {
+namespace {
+
+constexpr double notGiven = -1.0;
+
+// Strengths and stiffnesses are always asked for, energies by one law, and none that a law does not have.
+void requireGiven(const Teuchos::ParameterList& list, const std::string& path, bool isBrittle) {
+  const std::string law = isBrittle ? "the brittle law" : "the bilinear law";
+  for (const char* name :
+       {"Normal stiffness", "Tangential stiffness", "Normal strength", "Tangential strength"})
+    if (!(list.get<double>(name) > 0.0))
+      throw InputError("\"" + path + "/" + name + "\" is missing, or not positive; adhesion needs " +
+                           (std::string(name).find("stiffness") != std::string::npos
+                                ? "a force per area and opening"
+                                : "a force per area") +
+                           ", above zero",
+                       {{"path", path + "/" + name}});
+  for (const char* name : {"Fracture energy", "Fracture energy II"}) {
+    const double energy = list.get<double>(name);
+    if (isBrittle && energy != notGiven)
+      throw InputError("\"" + path + "/" + name + "\" is given, but " + law +
+                           " has none; leave it out, or give \"Law\" = \"bilinear\"",
+                       {{"path", path + "/" + name}});
+    if (!isBrittle && !(energy > 0.0))
+      throw InputError("\"" + path + "/" + name + "\" is missing, or not positive; " + law +
+                           " needs an energy per area beside the strength, above zero",
+                       {{"path", path + "/" + name}});
+  }
+}
+
+CohesiveLaw lawFrom(const Teuchos::ParameterList& list, const std::string& path) {
+  CohesiveLaw::Options options;
+  const bool isBrittle = list.get<std::string>("Law") == "brittle";
+  requireGiven(list, path, isBrittle);
+  options.kind = isBrittle ? CohesiveLaw::Kind::Brittle : CohesiveLaw::Kind::Bilinear;
+  options.normalStiffness = list.get<double>("Normal stiffness");
+  options.tangentialStiffness = list.get<double>("Tangential stiffness");
+  options.normalStrength = list.get<double>("Normal strength");
+  options.tangentialStrength = list.get<double>("Tangential strength");
+  options.fractureEnergy = list.get<double>("Fracture energy");
+  options.fractureEnergyII = list.get<double>("Fracture energy II");
+  options.mixedMode = list.get<std::string>("Mixed mode") == "power"
+                          ? CohesiveLaw::MixedMode::Power
+                          : CohesiveLaw::MixedMode::BenzeggaghKenane;
+  options.exponent = list.get<double>("Mixed mode exponent");
+  try {
+    return CohesiveLaw(options);
+  } catch (const InputError& error) {
+    throw InputError("\"" + path + "\": " + error.what(), {{"path", path}});
+  }
+}
+
+std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, const std::string& path,
+                                          const scene::Scene& scene) {
+  requireElastic(scene, "\"" + path + "\"");
+  const CohesiveLaw law = lawFrom(list, path);
+  return std::make_shared<Adhesion>(
+      contactByName(scene, list.get<std::string>("Contact"), path + "/Contact",
+                    {"is glued for good or never touches anything: there is no adhesion on a tie",
+                     "adhesion acts on a contact or an obstacle"}),
+      law, scene::nameIn(path));
+}
+
+} // namespace
+
+scene::EffectKind kindOfAdhesion() {
+  ParameterSpec spec("<adhesion>",
+                     "The surfaces of a contact, or a body on an obstacle, are glued by springs "
+                     "where they touch when the run begins, until these break: a contact is "
+                     "left then.");
+  spec.text(
+      "Contact", "",
+      "On what it acts: the name of one of \"Effects/Contact\" or \"Effects/Obstacle\", with \"Contact/\" or "
+      "\"Obstacle/\" before it where both have it. Required.");
+  spec.real("Normal stiffness", notGiven, Range(),
+            "Of the springs in tension: force per area and opening. Required, above 0.");
+  spec.real("Tangential stiffness", notGiven, Range(),
+            "Of the springs along the surfaces: force per area and slip. Required, above 0.");
+  spec.choice("Law", "bilinear",
+              {{"brittle", "a point breaks wholly at its strength"},
+               {"bilinear", "from its strength on a point softens, until the fracture energy is spent"}},
+              "How it breaks.");
+  spec.real("Normal strength", notGiven, Range(),
+            "Force per area in tension that begins to break it, alone. Required, above 0.");
+  spec.real("Tangential strength", notGiven, Range(),
+            "Force per area along the surfaces that begins to break it, alone: with both, where (t_n/σ)² + "
+            "(t_t/τ)² = 1. Required, above 0.");
+  spec.real("Fracture energy", notGiven, Range(),
+            "Bilinear: energy per area that tension takes to break it; more than the springs store at the "
+            "strength. -1: not given. Required there, above 0.");
+  spec.real("Fracture energy II", notGiven, Range(),
+            "Bilinear: the same along the surfaces. -1: not given. Required there, above 0.");
+  spec.choice(
+      "Mixed mode", "power",
+      {{"power", "((1 - b)/G)^a + (b/G_II)^a = G_c^-a"}, {"Benzeggagh-Kenane", "G_c = G + (G_II - G) b^a"}},
+      "Bilinear: the energy G_c where both act; b is the share of the springs along the surfaces in "
+      "what intact ones would store, a the exponent.");
+  spec.real("Mixed mode exponent", 1.0, Range::above(0.0), "Of that formula.");
+  return {Adhesion::kindName, spec, make};
+}
+
+Adhesion::Adhesion(std::shared_ptr<const scene::Effect> contact, const CohesiveLaw& law, std::string name)
+    : Effect(kindName, std::move(name)), contact_(std::move(contact)), law_(law) {}
+
+void Adhesion::check(const scene::Scene& scene) const {
+  requireElastic(scene, label());
+  if (!contact_ || !isContact(*contact_))
+    throw InputError(label() + " acts on " + (contact_ ? contact_->label() : "nothing") +
+                     "; adhesion acts on a contact or an obstacle");
+  bool isThere = false;
+  for (const auto& effect : scene.effects) {
+    isThere = isThere || effect == contact_;
+    const auto* other = dynamic_cast<const Adhesion*>(effect.get());
+    if (other != nullptr && other != this && other->contact_ == contact_)
+      throw InputError(label() + " and " + other->label() + " act on the same " + contact_->label() +
+                       "; leave one of them out");
+  }
+  if (!isThere)
+    throw InputError(label() + " acts on " + contact_->label() + ", which is not an effect of the scene");
+}
+
+void Adhesion::addConstraints(scene::ConstraintCollector& collector) const {
+  collector.addAdhesion(*contact_, law_.options().normalStiffness, law_.options().tangentialStiffness);
+}
+
+std::size_t Adhesion::stateSize(std::size_t rows, std::size_t) const {
+  return rows > 0 ? DamageUpdate::size(rows) : 0;
+}
+
+void Adhesion::beginStep(std::vector<double>& trial) const {
+  DamageUpdate(law_, trial).beginStep();
+}
+
+void Adhesion::soften(const std::vector<double>& state, const std::vector<Row>& rows,
+                      std::vector<std::optional<double>>& softness) const {
+  const double* damage = DamageUpdate::damage(state);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double left = 1.0 - damage[rows[k].place];
+    if (left > 0.0 && softness[k])
+      *softness[k] /= left;
+    else
+      softness[k].reset();
+  }
+}
+
+bool Adhesion::updateState(const std::vector<RowAnswer>& answer, double tolerance,
+                           std::vector<double>& trial) const {
+  struct Gap {
+    double normal = 0.0, tangential2 = 0.0, area = 0.0;
+  };
+  std::vector<Gap> gaps(DamageUpdate::points(trial));
+  for (const RowAnswer& row : answer) {
+    Gap& gap = gaps[row.place];
+    gap.area = row.point->area;
+    const double stretch = row.softness ? -*row.softness * row.force : row.gap; // opening, or slip
+    if (row.isLimited)
+      gap.tangential2 += stretch * stretch;
+    else
+      gap.normal = stretch;
+  }
+  std::vector<DamageUpdate::Point> points(gaps.size());
+  for (std::size_t k = 0; k < gaps.size(); ++k)
+    points[k] = {gaps[k].area, law_.opening(gaps[k].normal, std::sqrt(gaps[k].tangential2))};
+  // Tractions are known to some ten times what residuals are.
+  constexpr double known = 10.0, most = 0.01;
+  return DamageUpdate(law_, trial).update(points, std::min(known * tolerance, most));
+}
+
+std::vector<double> Adhesion::damage(const std::vector<double>& state) const {
+  const double* begin = DamageUpdate::damage(state);
+  return {begin, begin + DamageUpdate::points(state)};
+}
+
+double Adhesion::dissipated(const std::vector<double>& state) const {
+  return DamageUpdate::dissipated(state);
+}
+
+double Adhesion::haste(const std::vector<double>& trial) const {
+  constexpr double most = 0.25; // of what the interface can dissipate
+  return DamageUpdate::brokenShare(trial) / most;
+}
+
+} // namespace Harmos::effects

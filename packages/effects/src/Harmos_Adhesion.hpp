@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_CohesiveLaw.hpp"
+#include "Harmos_DeckPlaces.hpp"
+
+#include <memory>
+
+namespace Harmos::effects {
+
+/// A contact, or a body on an obstacle, that is glued until it breaks: springs where the surfaces touch when
+/// the run begins, unstretched there, in tension and along the surfaces; in compression it is the contact
+/// that it always is (Wriggers, Zavarise, Zohdi: Comput. Mech. 22, 1998). By the law of CohesiveLaw, point by
+/// point,
+///
+///     t_n = (1 − d)k_n δ_n where it is open,   t_t = (1 − d)k_t s,
+///
+/// s the slip, and one damage d that never falls. Where d = 1 a contact is left, with the friction that acts
+/// on it, if any: slips are then those since the point broke.
+///
+/// Within a step the problem is solved at frozen damage, which is convex; the law then gives other damage;
+/// until both agree. In a brittle law of what is beyond its strength only those points break that are nearly
+/// as far beyond it as the worst one: the others are asked again when those carry nothing any more.
+///
+/// Guarded by tests/unit/effects/test_adhesion.cpp and tests/verification/test_adhesion.cpp.
+class Adhesion : public scene::Effect {
+ public:
+  static constexpr const char* kindName = "Adhesion";
+
+  /// @param contact a Contact or a RigidObstacle of the same scene.
+  Adhesion(std::shared_ptr<const scene::Effect> contact, const CohesiveLaw& law, std::string name = "");
+
+  const scene::Effect& contact() const { return *contact_; }
+  const CohesiveLaw& law() const { return law_; }
+  /// @throws InputError for membranes, a contact that is not in the scene, is none, or has another adhesion.
+  void check(const scene::Scene& scene) const override;
+  void addConstraints(scene::ConstraintCollector& collector) const override;
+
+  std::size_t stateSize(std::size_t rows, std::size_t limited) const override;
+  void beginStep(std::vector<double>& trial) const override;
+  void soften(const std::vector<double>& state, const std::vector<Row>& rows,
+              std::vector<std::optional<double>>& softness) const override;
+  bool updateState(const std::vector<RowAnswer>& answer, double tolerance,
+                   std::vector<double>& trial) const override;
+  bool breaks() const override { return true; }
+  std::vector<double> damage(const std::vector<double>& state) const override;
+  double dissipated(const std::vector<double>& state) const override;
+  double haste(const std::vector<double>& trial) const override;
+
+ private:
+  std::shared_ptr<const scene::Effect> contact_;
+  CohesiveLaw law_;
+};
+
+/// What decks may say of it.
+scene::EffectKind kindOfAdhesion();
+
+} // namespace Harmos::effects

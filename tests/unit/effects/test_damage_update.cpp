@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Damage from solution to solution, where bodies are springs between which all is known: it settles with the
+/// least damage that law and bodies agree on, in few solutions, however stiff the interface is.
+
+#include "Harmos_DamageUpdate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <vector>
+
+using namespace Harmos;
+using effects::CohesiveLaw;
+using effects::DamageUpdate;
+
+namespace {
+
+// A strength of one, an opening of 1/k at it, and of `last` at the end.
+CohesiveLaw lawOf(double stiffness, double last, CohesiveLaw::Kind kind = CohesiveLaw::Kind::Bilinear) {
+  CohesiveLaw::Options options;
+  options.kind = kind;
+  options.normalStiffness = options.tangentialStiffness = stiffness;
+  options.normalStrength = options.tangentialStrength = 1.0;
+  options.fractureEnergy = options.fractureEnergyII = 0.5 * last;
+  return CohesiveLaw(options);
+}
+
+// Points in a row, each on a spring to an end that moves, and coupled to its neighbours: openings δ of
+// (K + C + (1 − d)k)δ = KU.
+std::vector<double> openings(const std::vector<double>& ends, double own, double coupling, double stiffness,
+                             const double* damage) {
+  const std::size_t n = ends.size();
+  std::vector<double> diagonal(n), right(n), x(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const double neighbours = (k > 0 ? 1.0 : 0.0) + (k + 1 < n ? 1.0 : 0.0);
+    diagonal[k] = own + coupling * neighbours + (1.0 - damage[k]) * stiffness;
+    right[k] = own * ends[k];
+    if (k > 0) {
+      diagonal[k] -= coupling * coupling / diagonal[k - 1];
+      right[k] += coupling * right[k - 1] / diagonal[k - 1];
+    }
+  }
+  for (std::size_t k = n; k-- > 0;)
+    x[k] = (right[k] + (k + 1 < n ? coupling * x[k + 1] : 0.0)) / diagonal[k];
+  return x;
+}
+
+struct Interface {
+  CohesiveLaw law;
+  double own, coupling;
+  std::vector<double> numbers;
+  int solutions = 0;
+
+  Interface(const CohesiveLaw& ofPoints, std::size_t points, double ofBody, double ofNeighbours)
+      : law(ofPoints), own(ofBody), coupling(ofNeighbours), numbers(DamageUpdate::size(points), 0.0) {}
+
+  std::vector<double> step(const std::vector<double>& ends, double tolerance) {
+    DamageUpdate update(law, numbers);
+    update.beginStep();
+    for (solutions = 1; solutions < 1000; ++solutions) {
+      const std::vector<double> open =
+          openings(ends, own, coupling, law.options().normalStiffness, DamageUpdate::damage(numbers));
+      std::vector<DamageUpdate::Point> points;
+      for (double opening : open)
+        points.push_back({1.0, law.opening(opening, 0.0)});
+      if (!update.update(points, tolerance))
+        return open;
+    }
+    return {};
+  }
+  double damage(std::size_t point) const { return DamageUpdate::damage(numbers)[point]; }
+  double traction(double opening, std::size_t point) const {
+    return (1.0 - damage(point)) * law.options().normalStiffness * opening;
+  }
+};
+
+} // namespace
+
+// One point between springs: the law is a straight line there, and the answer known. Springs of the interface
+// a million times stiffer than the bodies take no more solutions: two tell where the damage goes, the third
+// is that, the fourth may be of rounding errors.
+TEST(DamageUpdate, one_point_settles_in_a_few_solutions) {
+  constexpr double last = 0.1, tolerance = 1e-9;
+  for (const double stiffness : {30.0, 1e3, 1e7}) {
+    const CohesiveLaw law = lawOf(stiffness, last);
+    const double first = 1.0 / stiffness, slope = 1.0 / (last - first), own = 2.0 * slope;
+    Interface one(law, 1, own, 0.0);
+    for (const double part : {0.2, 0.5, 0.9}) {
+      const double opening = first + part * (last - first), pull = 1.0 - part;
+      const std::vector<double> open = one.step({opening + pull / own}, tolerance);
+      ASSERT_EQ(open.size(), 1u);
+      EXPECT_LE(one.solutions, 4) << stiffness;
+      // What is left of the traction beside the law moves the body by twice that over its stiffness.
+      EXPECT_NEAR(open[0], opening, 4.0 * tolerance / own);
+      EXPECT_NEAR(one.traction(open[0], 0), pull, 4.0 * tolerance);
+    }
+    // Back: to the origin, and no damage more or less.
+    const double damage = one.damage(0);
+    EXPECT_NEAR(one.step({0.0}, tolerance)[0], 0.0, 1e-14);
+    EXPECT_EQ(one.damage(0), damage);
+    EXPECT_EQ(one.solutions, 1);
+    // All of it is spent where it breaks.
+    one.step({2.0 * last}, tolerance);
+    EXPECT_EQ(one.damage(0), 1.0);
+    // Differences of openings that are a millionth of each other.
+    EXPECT_NEAR(DamageUpdate::dissipated(one.numbers), 0.5 * last, 1e-9 * last);
+  }
+}
+
+// A row of points of which one end is pulled open further: a zone of softening moves along it, and each step
+// ends where law and bodies agree at each point, from below: no damage is more than that which simple
+// iteration, which never goes too far, comes to in thousands of solutions.
+TEST(DamageUpdate, a_zone_of_softening_moves_along) {
+  constexpr std::size_t points = 40;
+  constexpr double stiffness = 1e4, last = 0.02, tolerance = 1e-8;
+  const CohesiveLaw law = lawOf(stiffness, last);
+  // Stable: stiffer, with the neighbours, than the law is steep, 50.
+  Interface row(law, points, 80.0, 400.0);
+  std::vector<double> simple(points, 0.0);
+  int solutions = 0;
+  for (int step = 1; step <= 30; ++step) {
+    std::vector<double> ends;
+    for (std::size_t k = 0; k < points; ++k)
+      ends.push_back(0.06 * step / 30.0 * std::exp(-0.1 * static_cast<double>(k)));
+    const std::vector<double> open = row.step(ends, tolerance);
+    ASSERT_EQ(open.size(), points) << step;
+    solutions += row.solutions;
+    for (int k = 0; k < 20000; ++k) {
+      const std::vector<double> now = openings(ends, 80.0, 400.0, stiffness, simple.data());
+      double change = 0.0;
+      for (std::size_t p = 0; p < points; ++p) {
+        const double more = std::max(0.0, law.damage(law.opening(now[p], 0.0)) - simple[p]);
+        change = std::max(change, more * now[p] * stiffness);
+        simple[p] += more;
+      }
+      if (change < 1e-3 * tolerance)
+        break;
+    }
+    for (std::size_t k = 0; k < points; ++k) {
+      const double expected = (1.0 - simple[k]) * stiffness * open[k];
+      // Tractions of the law to the tolerance; by what that moves openings and the other way round less than
+      // a hundred times as much.
+      EXPECT_NEAR(row.traction(open[k], k), expected, 100.0 * tolerance) << step << " " << k;
+    }
+  }
+  EXPECT_GT(row.damage(0), 0.999);
+  EXPECT_GT(row.damage(points / 4), 0.0);
+  EXPECT_EQ(row.damage(points - 1), 0.0);
+  EXPECT_LE(solutions, 30 * 5); // simple iteration takes thousands a step
+}
+
+// Where bodies are softer than the law is steep nothing holds a point back: it breaks at its strength, and
+// not before.
+TEST(DamageUpdate, points_snap_where_bodies_are_soft) {
+  constexpr double last = 0.1, stiffness = 1e3;
+  const CohesiveLaw law = lawOf(stiffness, last);
+  const double own = 1.0; // 1/(last - first) is ten
+  const double atStrength = 1.0 / stiffness + 1.0 / own;
+  Interface one(law, 1, own, 0.0);
+  one.step({0.999 * atStrength}, 1e-9);
+  EXPECT_EQ(one.damage(0), 0.0);
+  EXPECT_EQ(DamageUpdate::brokenShare(one.numbers), 0.0);
+  one.step({1.001 * atStrength}, 1e-9);
+  EXPECT_EQ(one.damage(0), 1.0);
+  EXPECT_NEAR(DamageUpdate::dissipated(one.numbers), 0.5 * last, 1e-12);
+  EXPECT_NEAR(DamageUpdate::brokenShare(one.numbers), 1.0, 1e-12);
+}
+
+// The worst points break first; those that others relieve stay.
+TEST(DamageUpdate, brittle_points_break_from_the_worst_on) {
+  const CohesiveLaw law = lawOf(1e3, 0.0, CohesiveLaw::Kind::Brittle);
+  std::vector<double> numbers(DamageUpdate::size(4), 0.0);
+  DamageUpdate update(law, numbers);
+  update.beginStep();
+  const auto ask = [&](const std::vector<double>& strains) {
+    std::vector<DamageUpdate::Point> points;
+    for (double strain : strains)
+      points.push_back({2.0, law.opening(strain / 1e3, 0.0)});
+    const bool again = update.update(points, 1e-6);
+    const double* damage = DamageUpdate::damage(numbers);
+    return std::make_pair(again, std::vector<double>(damage, damage + 4));
+  };
+  using Damage = std::vector<double>;
+  EXPECT_EQ(ask({1.5, 1.4, 1.2, 0.5}), std::make_pair(true, Damage{1, 1, 0, 0}));
+  EXPECT_EQ(ask({0, 0, 0.9, 0.5}), std::make_pair(false, Damage{1, 1, 0, 0}));
+  EXPECT_EQ(ask({0, 0, 1.0 + 1e-7, 0.5}), std::make_pair(false, Damage{1, 1, 0, 0}));
+  // σ²/2k each, whatever the openings were.
+  EXPECT_NEAR(DamageUpdate::dissipated(numbers), 2 * 2.0 * 0.5 / 1e3, 1e-15);
+  EXPECT_NEAR(DamageUpdate::brokenShare(numbers), 0.5, 1e-12);
+  update.beginStep();
+  EXPECT_EQ(ask({0, 0, 1.1, 0.5}), std::make_pair(true, Damage{1, 1, 1, 0}));
+  EXPECT_NEAR(DamageUpdate::dissipated(numbers), 3 * 2.0 * 0.5 / 1e3, 1e-15);
+  EXPECT_NEAR(DamageUpdate::brokenShare(numbers), 0.25, 1e-12);
+}
