@@ -39,7 +39,20 @@ void requireGiven(const Teuchos::ParameterList& list, const std::string& path, b
   }
 }
 
-CohesiveLaw lawFrom(const Teuchos::ParameterList& list, const std::string& path) {
+std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, const std::string& path,
+                                          const scene::Scene& scene) {
+  requireElastic(scene, "\"" + path + "\"");
+  const CohesiveLaw law = cohesiveLawFrom(list, path);
+  return std::make_shared<Adhesion>(
+      contactByName(scene, list.get<std::string>("Contact"), path + "/Contact",
+                    {"is glued for good or never touches anything: there is no adhesion on a tie",
+                     "adhesion acts on a contact or an obstacle"}),
+      law, scene::nameIn(path));
+}
+
+} // namespace
+
+CohesiveLaw cohesiveLawFrom(const Teuchos::ParameterList& list, const std::string& path) {
   CohesiveLaw::Options options;
   const bool isBrittle = list.get<std::string>("Law") == "brittle";
   requireGiven(list, path, isBrittle);
@@ -61,28 +74,7 @@ CohesiveLaw lawFrom(const Teuchos::ParameterList& list, const std::string& path)
   }
 }
 
-std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, const std::string& path,
-                                          const scene::Scene& scene) {
-  requireElastic(scene, "\"" + path + "\"");
-  const CohesiveLaw law = lawFrom(list, path);
-  return std::make_shared<Adhesion>(
-      contactByName(scene, list.get<std::string>("Contact"), path + "/Contact",
-                    {"is glued for good or never touches anything: there is no adhesion on a tie",
-                     "adhesion acts on a contact or an obstacle"}),
-      law, scene::nameIn(path));
-}
-
-} // namespace
-
-scene::EffectKind kindOfAdhesion() {
-  ParameterSpec spec("<adhesion>",
-                     "The surfaces of a contact, or a body on an obstacle, are glued by springs "
-                     "where they touch when the run begins, until these break: a contact is "
-                     "left then.");
-  spec.text(
-      "Contact", "",
-      "On what it acts: the name of one of \"Effects/Contact\" or \"Effects/Obstacle\", with \"Contact/\" or "
-      "\"Obstacle/\" before it where both have it. Required.");
+void addCohesiveLaw(ParameterSpec& spec) {
   spec.real("Normal stiffness", notGiven, Range(),
             "Of the springs in tension: force per area and opening. Required, above 0.");
   spec.real("Tangential stiffness", notGiven, Range(),
@@ -107,6 +99,18 @@ scene::EffectKind kindOfAdhesion() {
       "Bilinear: the energy G_c where both act; b is the share of the springs along the surfaces in "
       "what intact ones would store, a the exponent.");
   spec.real("Mixed mode exponent", 1.0, Range::above(0.0), "Of that formula.");
+}
+
+scene::EffectKind kindOfAdhesion() {
+  ParameterSpec spec("<adhesion>",
+                     "The surfaces of a contact, or a body on an obstacle, are glued by springs "
+                     "where they touch when the run begins, until these break: a contact is "
+                     "left then.");
+  spec.text(
+      "Contact", "",
+      "On what it acts: the name of one of \"Effects/Contact\" or \"Effects/Obstacle\", with \"Contact/\" or "
+      "\"Obstacle/\" before it where both have it. Required.");
+  addCohesiveLaw(spec);
   return {Adhesion::kindName, spec, make};
 }
 
@@ -142,36 +146,61 @@ void Adhesion::beginStep(std::vector<double>& trial) const {
   DamageUpdate(law_, trial).beginStep();
 }
 
+namespace {
+
+// Which of a point's stretches rows are: the opening, slips in their order.
+std::vector<std::size_t> directionsOf(const std::vector<scene::Effect::Row>& rows, std::size_t points) {
+  std::vector<std::size_t> directions, slips(points, 0);
+  for (const scene::Effect::Row& row : rows)
+    directions.push_back(row.isLimited ? ++slips[row.place] : 0);
+  return directions;
+}
+
+} // namespace
+
+// Rows grow where points close, and openings where they open.
 void Adhesion::soften(const std::vector<double>& state, const std::vector<Row>& rows,
-                      std::vector<std::optional<double>>& softness) const {
+                      std::vector<Spring>& springs) const {
   const double* damage = DamageUpdate::damage(state);
+  const std::vector<std::size_t> directions = directionsOf(rows, DamageUpdate::points(state));
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    const double left = 1.0 - damage[rows[k].place];
-    if (left > 0.0 && softness[k])
-      *softness[k] /= left;
-    else
-      softness[k].reset();
+    std::optional<double>& softness = springs[k].softness;
+    if (!softness)
+      continue;
+    const DamageUpdate::Spring spring = DamageUpdate::spring(state, rows[k].place);
+    if (damage[rows[k].place] == 1.0) {
+      softness.reset();
+      continue;
+    }
+    *softness /= spring.stiffness[directions[k]];
+    springs[k].unstretched = spring.unstretched[directions[k]] / root(directions[k]) *
+                             (directions[k] == 0 ? -1.0 : 1.0);
   }
+}
+
+double Adhesion::root(std::size_t direction) const {
+  return std::sqrt(direction == 0 ? law_.options().normalStiffness : law_.options().tangentialStiffness);
 }
 
 bool Adhesion::updateState(const std::vector<RowAnswer>& answer, double tolerance,
                            std::vector<double>& trial) const {
-  struct Gap {
-    double normal = 0.0, tangential2 = 0.0, area = 0.0;
-  };
-  std::vector<Gap> gaps(DamageUpdate::points(trial));
-  for (const RowAnswer& row : answer) {
-    Gap& gap = gaps[row.place];
-    gap.area = row.point->area;
-    const double stretch = row.softness ? -*row.softness * row.force : row.gap; // opening, or slip
-    if (row.isLimited)
-      gap.tangential2 += stretch * stretch;
-    else
-      gap.normal = stretch;
+  const std::size_t count = DamageUpdate::points(trial);
+  const std::vector<std::size_t> directions =
+      directionsOf(std::vector<Row>(answer.begin(), answer.end()), count);
+  std::vector<DamageUpdate::Point> points(count);
+  for (std::size_t k = 0; k < answer.size(); ++k) {
+    const RowAnswer& row = answer[k];
+    DamageUpdate::Point& point = points[row.place];
+    point.area = row.point->area;
+    if (!row.isLimited) {
+      const double gap =
+          row.softness ? -*row.softness * std::min(row.force, 0.0) - row.unstretched : row.gap;
+      point.stretch[0] = root(0) * std::max(gap, 0.0);
+    } else {
+      const double slip = row.softness ? *row.softness * row.force + row.unstretched : -row.gap;
+      point.stretch[directions[k]] = root(directions[k]) * slip;
+    }
   }
-  std::vector<DamageUpdate::Point> points(gaps.size());
-  for (std::size_t k = 0; k < gaps.size(); ++k)
-    points[k] = {gaps[k].area, law_.opening(gaps[k].normal, std::sqrt(gaps[k].tangential2))};
   // Tractions are known to some ten times what residuals are.
   constexpr double known = 10.0, most = 0.01;
   return DamageUpdate(law_, trial).update(points, std::min(known * tolerance, most));

@@ -39,7 +39,7 @@ class Adhesion : public scene::Effect {
   std::size_t stateSize(std::size_t rows, std::size_t limited) const override;
   void beginStep(std::vector<double>& trial) const override;
   void soften(const std::vector<double>& state, const std::vector<Row>& rows,
-              std::vector<std::optional<double>>& softness) const override;
+              std::vector<Spring>& springs) const override;
   bool updateState(const std::vector<RowAnswer>& answer, double tolerance,
                    std::vector<double>& trial) const override;
   bool breaks() const override { return true; }
@@ -48,9 +48,16 @@ class Adhesion : public scene::Effect {
   double haste(const std::vector<double>& trial) const override;
 
  private:
+  double root(std::size_t direction) const; // of the stiffness
+
   std::shared_ptr<const scene::Effect> contact_;
   CohesiveLaw law_;
 };
+
+/// The law in a deck: stiffnesses, strengths and energies.
+void addCohesiveLaw(ParameterSpec& spec);
+/// @throws InputError for what is missing or makes no law, with the path in the deck.
+CohesiveLaw cohesiveLawFrom(const Teuchos::ParameterList& list, const std::string& path);
 
 /// What decks may say of it.
 scene::EffectKind kindOfAdhesion();

@@ -2,7 +2,6 @@
 #include "Harmos_DamageUpdate.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -10,56 +9,22 @@ namespace Harmos::effects {
 namespace {
 
 // Of what the numbers consist: of each point the damage, that when the step began, what was dissipated, that
-// when the step began, the last share of mode II, of the last answers opening and traction; then the number
-// of these, and of the step that of its answers, the share that has broken, the least that was beside the law
-// and the answer in which it was.
-constexpr std::size_t damages = 0, begun = 1, lost = 2, lostBefore = 3, modes = 4, memory = 5;
-constexpr std::size_t depth = 12; // differences: of a zone of softening, some more than it has points
-constexpr std::size_t parts = memory + 2 * (depth + 1);
-constexpr std::size_t kept = 0, answers = 1, broken = 2, least = 3, leastAt = 4, ofStep = 5;
-constexpr double forget = 40.0, patience = 6.0; // answers
+// when the step began, the last share of mode II, three stiffnesses of its springs where it softens, and three
+// stretches of the answer through which these go. Then of the step: answers, the least that was wrong and the answer in which it was,
+// θ, the share that has broken, and how often softening springs have met the law.
+constexpr std::size_t damages = 0, begun = 1, lost = 2, lostBefore = 3, modes = 4, stiffnesses = 5, places = 8;
+constexpr std::size_t parts = places + 3;
+constexpr std::size_t answers = 0, least = 1, leastAt = 2, damping = 3, broken = 4, agreed = 5, ofStep = 6;
 
-// As if it were a solve of depth equations: symmetric, positive semidefinite, and small pivots are left out.
-std::vector<double> leastSquares(std::vector<std::vector<double>> gram, std::vector<double> right) {
-  const std::size_t n = right.size();
-  std::vector<double> first(n);
-  for (std::size_t i = 0; i < n; ++i)
-    first[i] = gram[i][i];
-  constexpr double small = 1e-12; // squares of differences that are a millionth of others are rounding errors
-  std::vector<char> isOut(n, 0);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!(gram[i][i] > small * first[i])) {
-      isOut[i] = 1;
-      continue;
-    }
-    for (std::size_t k = i + 1; k < n; ++k) {
-      const double factor = gram[k][i] / gram[i][i];
-      for (std::size_t j = i; j < n; ++j)
-        gram[k][j] -= factor * gram[i][j];
-      right[k] -= factor * right[i];
-    }
-  }
-  std::vector<double> x(n, 0.0);
-  for (std::size_t i = n; i-- > 0;) {
-    if (isOut[i] != 0)
-      continue;
-    double sum = right[i];
-    for (std::size_t j = i + 1; j < n; ++j)
-      sum -= gram[i][j] * x[j];
-    x[i] = sum / gram[i][i];
-  }
-  return x;
+CohesiveLaw::Opening openingOf(const DamageUpdate::Stretch& q) {
+  CohesiveLaw::Opening opening;
+  const double slip2 = q[1] * q[1] + q[2] * q[2], all2 = q[0] * q[0] + slip2;
+  opening.size = std::sqrt(all2);
+  opening.share = all2 > 0.0 ? slip2 / all2 : 0.0;
+  return opening;
 }
 
 } // namespace
-
-double* DamageUpdate::sizeOf(std::size_t answer) {
-  return part(memory + 2 * answer);
-}
-
-double* DamageUpdate::pullOf(std::size_t answer) {
-  return part(memory + 2 * answer + 1);
-}
 
 std::size_t DamageUpdate::size(std::size_t points) {
   return parts * points + ofStep;
@@ -86,16 +51,31 @@ double DamageUpdate::brokenShare(const std::vector<double>& numbers) {
   return numbers[parts * points(numbers) + broken];
 }
 
+DamageUpdate::Spring DamageUpdate::spring(const std::vector<double>& numbers, std::size_t point) {
+  const std::size_t n = points(numbers);
+  const double left = 1.0 - numbers[damages * n + point];
+  Spring spring = {{left, left, left}, {}};
+  if (numbers[stiffnesses * n + point] == 0.0 || left == 0.0)
+    return spring;
+  for (std::size_t d = 0; d < 3; ++d) {
+    spring.stiffness[d] = numbers[(stiffnesses + d) * n + point];
+    spring.unstretched[d] = numbers[(places + d) * n + point] * (1.0 - left / spring.stiffness[d]);
+  }
+  return spring;
+}
+
 void DamageUpdate::beginStep() {
   std::copy_n(part(damages), points_, part(begun));
   std::copy_n(part(lost), points_, part(lostBefore));
-  std::fill_n(part(parts) + answers, ofStep - answers, 0.0);
+  std::fill_n(part(stiffnesses), 3 * points_, 0.0);
+  std::fill_n(part(parts), ofStep, 0.0);
 }
 
 bool DamageUpdate::update(const std::vector<Point>& points, double tolerance) {
   for (std::size_t k = 0; k < points_; ++k) // of a point that breaks, as it was then
-    if (part(damages)[k] < 1.0 && points[k].opening.size > 0.0)
-      part(modes)[k] = points[k].opening.share;
+    if (const CohesiveLaw::Opening opening = openingOf(points[k].stretch);
+        part(damages)[k] < 1.0 && opening.size > 0.0)
+      part(modes)[k] = opening.share;
   const bool again = law_.isBrittle() ? breakWorst(points, tolerance) : approach(points, tolerance);
   account(points);
   return again;
@@ -104,7 +84,7 @@ bool DamageUpdate::update(const std::vector<Point>& points, double tolerance) {
 bool DamageUpdate::breakWorst(const std::vector<Point>& points, double tolerance) {
   constexpr double nearly = 0.9;
   const auto strain = [&](std::size_t k) {
-    const CohesiveLaw::Opening& opening = points[k].opening;
+    const CohesiveLaw::Opening opening = openingOf(points[k].stretch);
     return part(damages)[k] < 1.0 ? opening.size / law_.onset(opening.share) : 0.0;
   };
   double worst = 0.0;
@@ -118,140 +98,78 @@ bool DamageUpdate::breakWorst(const std::vector<Point>& points, double tolerance
   return true;
 }
 
-// Of a point that has come to an opening: what is left of the traction, by the root of the stiffness.
-double DamageUpdate::pull(std::size_t k, const CohesiveLaw::Opening& opening) const {
-  const double damage = std::max(numbers_[begun * points_ + k], law_.damage(opening));
-  return (1.0 - damage) * opening.size;
+// How far the traction of the answer is from what the law says of its opening, as a share of the strength.
+double DamageUpdate::wrongness(std::size_t k, const Point& point, double damage) const {
+  const Spring its = part(damages)[k] < 1.0 ? spring(numbers_, k) : Spring{};
+  double sum = 0.0;
+  for (std::size_t d = 0; d < 3; ++d) {
+    double traction = its.stiffness[d] * (point.stretch[d] - its.unstretched[d]);
+    if (d == 0)
+      traction = std::max(traction, 0.0); // closed ones press
+    sum += std::pow(traction - (1.0 - damage) * point.stretch[d], 2);
+  }
+  return std::sqrt(sum) / law_.onset(openingOf(point.stretch).share);
+}
+
+bool DamageUpdate::isThroughOrigin() const {
+  return std::all_of(part(stiffnesses), part(stiffnesses) + points_, [](double s) { return s == 0.0; });
 }
 
 bool DamageUpdate::approach(const std::vector<Point>& points, double tolerance) {
-  remember(points);
+  std::vector<double> next(points_);
   double worst = 0.0;
   for (std::size_t k = 0; k < points_; ++k) {
-    const CohesiveLaw::Opening& opening = points[k].opening;
-    worst = std::max(worst, std::abs((1.0 - part(damages)[k]) * opening.size - pull(k, opening)) /
-                                law_.onset(opening.share));
+    next[k] = std::max(part(begun)[k], law_.damage(openingOf(points[k].stretch)));
+    worst = std::max(worst, wrongness(k, points[k], next[k]));
   }
-  if (!(worst > tolerance))
+  // Springs through the origin whose answer is the same but for what the solver leaves.
+  constexpr double certain = 2.0;
+  const bool isThere = worst <= tolerance;
+  if (isThroughOrigin() && (isThere || part(parts)[agreed] >= certain))
     return false;
-  double* step = part(parts);
-  if (step[answers] == 1.0 || worst < 0.5 * step[least]) {
-    step[least] = worst;
-    step[leastAt] = step[answers];
-  }
-  // Bodies and law agree nowhere near: the interface snaps.
-  const bool snaps = step[answers] - step[leastAt] >= patience;
-  std::vector<double> sizes = combined(points);
+  if (isThere)
+    ++part(parts)[agreed];
+  std::copy(next.begin(), next.end(), part(damages));
+  watch(worst);
   for (std::size_t k = 0; k < points_; ++k) {
-    const CohesiveLaw::Opening& opening = points[k].opening;
-    const double last = law_.end(opening.share);
-    if (snaps && (1.0 - part(damages)[k]) * opening.size > pull(k, opening))
-      sizes[k] = std::max(sizes[k], 2.0 * opening.size);
-    const double size = opening.size >= last ? std::max(0.0, sizes[k])
-                                             : std::clamp(sizes[k], 0.0, 0.5 * (opening.size + last));
-    part(damages)[k] = std::max(part(begun)[k], law_.damage({size, opening.share}));
+    part(stiffnesses)[k] = 0.0;
+    if (!isThere)
+      linearise(k, points[k]);
   }
   return true;
 }
 
-// An answer; of a step's first one those before tell what it would have been with their damage, for that is
-// the same as in the last answer.
-void DamageUpdate::remember(const std::vector<Point>& points) {
+// Where nothing gets better, nor much worse, the way from below comes nearer.
+void DamageUpdate::watch(double worst) {
+  constexpr double first = 1.0, factor = 4.0, patience = 8.0, better = 0.5, worse = 4.0;
   double* step = part(parts);
-  auto count = static_cast<std::size_t>(step[kept]);
-  // They may be of no use any more: where contacts opened or closed, others slipped.
-  if (std::fmod(++step[answers], forget) == 0.0)
-    count = 0;
-  if (step[answers] == 1.0 && count > 0) {
-    --count;
-    for (std::size_t k = 0; k < points_; ++k) {
-      const double bySize = points[k].opening.size - sizeOf(count)[k];
-      for (std::size_t i = 0; i < count; ++i) {
-        sizeOf(i)[k] += bySize;
-        pullOf(i)[k] += (1.0 - part(damages)[k]) * bySize;
-      }
-    }
+  if (++step[answers] == 1.0)
+    step[damping] = first;
+  if (step[answers] == 1.0 || worst < better * step[least]) {
+    step[least] = worst;
+    step[leastAt] = step[answers];
+  } else if (step[answers] - step[leastAt] >= patience) {
+    if (worst < worse * step[least])
+      step[damping] *= factor;
+    step[leastAt] = step[answers];
   }
-  if (count > depth) { // the oldest goes
-    std::copy(sizeOf(1), sizeOf(depth + 1), sizeOf(0));
-    count = depth;
-  }
-  for (std::size_t k = 0; k < points_; ++k) {
-    sizeOf(count)[k] = points[k].opening.size;
-    pullOf(count)[k] = (1.0 - part(damages)[k]) * points[k].opening.size;
-  }
-  step[kept] = static_cast<double>(count + 1);
 }
 
-// The openings among those that the last answers span, bodies in balance with tractions, at which these are
-// least beside the law, by the method of Gauss and Newton.
-std::vector<double> DamageUpdate::combined(const std::vector<Point>& points) {
-  const std::size_t last = static_cast<std::size_t>(part(parts)[kept]) - 1;
-  std::vector<double> factors(last, 0.0), sizes;
-  double residual = residualAt(points, factors, sizes, nullptr);
-  constexpr int mostSteps = 30, mostHalvings = 10;
-  constexpr double enough = 0.999; // of the residual before
-  for (int step = 0; step < mostSteps && last > 0; ++step) {
-    Normal normal;
-    residualAt(points, factors, sizes, &normal);
-    const std::vector<double> change = leastSquares(normal.gram, normal.right);
-    double length = 1.0, next = residual;
-    std::vector<double> tried = factors;
-    for (int half = 0; half < mostHalvings; ++half, length *= 0.5) {
-      for (std::size_t j = 0; j < last; ++j)
-        tried[j] = factors[j] - length * change[j];
-      next = residualAt(points, tried, sizes, nullptr);
-      if (next < residual)
-        break;
-    }
-    const bool isBetter = next < enough * residual;
-    if (next < residual) {
-      factors = tried;
-      residual = next;
-    }
-    if (!isBetter)
-      break;
+void DamageUpdate::linearise(std::size_t k, const Point& point) {
+  const double now = part(damages)[k];
+  if (now <= part(begun)[k] || now == 1.0)
+    return;
+  const CohesiveLaw::Opening opening = openingOf(point.stretch);
+  const double first = law_.onset(opening.share), last = law_.end(opening.share);
+  const double softening = part(parts)[damping] * first / (last - first);
+  if (softening >= 1.0 - now)
+    return;
+  // Across the way in which it opens a traction turns with it: (1 − d)k.
+  for (std::size_t d = 0; d < 3; ++d) {
+    const double along2 = std::pow(point.stretch[d] / opening.size, 2);
+    part(stiffnesses + d)[k] = along2 * softening + (1.0 - along2) * (1.0 - now);
+    part(places + d)[k] = point.stretch[d];
   }
-  residualAt(points, factors, sizes, nullptr);
-  return sizes;
-}
-
-// Of openings e − Σ factor · (e − e_j), e the last ones, and tractions likewise: Σ of the squares of what is
-// beside the law, by area and strength; with its derivatives, JᵀJ and Jᵀ of it.
-double DamageUpdate::residualAt(const std::vector<Point>& points, const std::vector<double>& factors,
-                                std::vector<double>& sizes, Normal* normal) {
-  const std::size_t last = factors.size();
-  sizes.assign(points_, 0.0);
-  if (normal != nullptr)
-    *normal = {std::vector<std::vector<double>>(last, std::vector<double>(last, 0.0)),
-               std::vector<double>(last, 0.0)};
-  std::vector<double> slope(last);
-  double sum = 0.0;
-  for (std::size_t k = 0; k < points_; ++k) {
-    double pulled = pullOf(last)[k];
-    sizes[k] = sizeOf(last)[k];
-    for (std::size_t j = 0; j < last; ++j) {
-      pulled -= factors[j] * (pullOf(last)[k] - pullOf(j)[k]);
-      sizes[k] -= factors[j] * (sizeOf(last)[k] - sizeOf(j)[k]);
-    }
-    const double share = points[k].opening.share, weight = std::sqrt(points[k].area) / law_.onset(share);
-    const double beside = weight * (pulled - pull(k, {sizes[k], share}));
-    sum += beside * beside;
-    if (normal == nullptr)
-      continue;
-    const double first = law_.onset(share), end = law_.end(share), before = part(begun)[k];
-    const double steep = sizes[k] <= law_.sizeAt(before, share) ? 1.0 - before
-                         : sizes[k] < end                       ? -first / (end - first)
-                                                                : 0.0;
-    for (std::size_t j = 0; j < last; ++j)
-      slope[j] = weight * (steep * (sizeOf(last)[k] - sizeOf(j)[k]) - (pullOf(last)[k] - pullOf(j)[k]));
-    for (std::size_t i = 0; i < last; ++i) {
-      normal->right[i] += slope[i] * beside;
-      for (std::size_t j = 0; j < last; ++j)
-        normal->gram[i][j] += slope[i] * slope[j];
-    }
-  }
-  return sum;
 }
 
 // What the law dissipates on the way from the beginning of the step.

@@ -3,26 +3,28 @@
 
 #include "Harmos_CohesiveLaw.hpp"
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
 namespace Harmos::effects {
 
 /// The damage of the points of an interface within a step, as numbers that a run keeps for it: from solution
-/// to solution towards d = max(d_0, D(δ(d))), d_0 that with which the step began, D the law, δ(d) the
-/// openings of the solution with d frozen.
+/// to solution towards d = max(d_0, D(δ)), d_0 that with which the step began, D the law, δ the openings.
 ///
-/// d = D(δ) over and over comes there slowly where springs are stiff beside the bodies: the error falls by
-/// the factor ((1 − d)k + s)/((1 − d)k + K) a time, K the stiffness of the bodies and −s the slope of the
-/// softening law. But whatever the damage was, openings and tractions of all answers lie in one affine space,
-/// that of the bodies under their load, as long as the same contacts are open: answers of earlier steps too,
-/// shifted by what the load has done at the same damage. Among what the last answers span, openings are
-/// looked for at which tractions are least beside the law (in the spirit of D. G. Anderson, J. ACM 12, 1965),
-/// and D is asked there. Where even the least does not fall for some answers, nothing is near at which the
-/// points hold: those beyond the law are opened to twice as much at a time, until they hold or break.
+/// With d frozen the springs of a solution are (1 − d)k, and D(δ) over and over comes to the answer, from below,
+/// but slowly where they are stiff beside the bodies: what is wrong falls by the factor ((1 − d)k + s)/((1 − d)k
+/// + K) a time, K the stiffness of the bodies and −s the slope of softening. Points that soften therefore get
+/// springs that are as stiff as softening is steep, ρk = θs, through traction and opening of the last answer,
 ///
-/// Bounds: damage is not below d_0, and no further than half way to the end of the law from where the answer
-/// itself is. What breaks in between is not lost yet: the trial damage may come back, to d_0 at most.
+///     t = (1 − d)kδ' + ρk(δ − δ')
+///
+/// along the way in which they open, and (1 − d)k across it, for a traction turns with the opening: the factor is
+/// (1 + θ)s/(K + θs). Where nothing gets better θ grows, up to the way from below; where bodies are less stiff
+/// than softening is steep answers run away until points break: the interface snaps. When tractions are those of
+/// the law the last solution is one of springs through the origin, with d frozen: convex, and with the energies
+/// of such springs. What a point has opened on the way is nothing that it remembers: damage is d_0 at least, and
+/// what the answer says.
 ///
 /// The brittle law breaks what is beyond its strength by at least nine tenths of what the worst point is.
 ///
@@ -38,12 +40,15 @@ class DamageUpdate {
   /// A step begins, for the first time or again.
   void beginStep();
 
+  /// Opening, not negative, and two slips, each times the root of its stiffness.
+  using Stretch = std::array<double, 3>;
   /// Of a point in the answer, also of one that has broken.
   struct Point {
     double area = 0.0;
-    CohesiveLaw::Opening opening;
+    Stretch stretch = {};
   };
-  /// @param tolerance of the answer. @return whether the damage has changed by more than that is good for.
+  /// @param tolerance of tractions, as a share of the strength. @return whether the problem is to be solved
+  /// again.
   bool update(const std::vector<Point>& points, double tolerance);
 
   // What numbers say, also of committed states.
@@ -53,22 +58,23 @@ class DamageUpdate {
   /// Area by area, the share of what the law dissipates in all that was dissipated in the step.
   static double brokenShare(const std::vector<double>& numbers);
 
+  /// The springs of a point that is not broken: so many times as stiff as intact ones, and where they have no
+  /// force.
+  struct Spring {
+    Stretch stiffness = {}, unstretched = {};
+  };
+  static Spring spring(const std::vector<double>& numbers, std::size_t point);
+
  private:
   bool breakWorst(const std::vector<Point>& points, double tolerance);
   bool approach(const std::vector<Point>& points, double tolerance);
-  double pull(std::size_t k, const CohesiveLaw::Opening& opening) const;
-  void remember(const std::vector<Point>& points);
-  std::vector<double> combined(const std::vector<Point>& points);
-  struct Normal {
-    std::vector<std::vector<double>> gram;
-    std::vector<double> right;
-  };
-  double residualAt(const std::vector<Point>& points, const std::vector<double>& factors,
-                    std::vector<double>& sizes, Normal* normal);
-  double* sizeOf(std::size_t answer);
-  double* pullOf(std::size_t answer);
+  double wrongness(std::size_t k, const Point& point, double damage) const;
+  bool isThroughOrigin() const;
+  void linearise(std::size_t k, const Point& point);
+  void watch(double worst);
   void account(const std::vector<Point>& points);
   double* part(std::size_t index) { return numbers_.data() + index * points_; }
+  const double* part(std::size_t index) const { return numbers_.data() + index * points_; }
 
   const CohesiveLaw& law_;
   std::vector<double>& numbers_;

@@ -75,11 +75,13 @@ bool EffectStates::update(const std::vector<ContactState>& answer, const std::ve
         row.gap = answer[number].gap;
         row.force = answer[number].force;
         row.softness = rows.softness[number];
+        row.unstretched = rows.unstretched[number];
         continue;
       }
       // Against the bound that this effect thinks of, where several act on the row.
       const std::size_t number = state.limited[k - state.points.size()];
       row.softness = rows.slipSoftness[number];
+      row.unstretched = row.softness ? rows.slip[number] : 0.0;
       row.force = slips[number].force;
       row.gap =
           -(row.softness ? *row.softness * row.force : slips[number].slip) + (own[k] - rows.slip[number]);
@@ -104,6 +106,7 @@ EffectStates::Rows EffectStates::applied() const {
   Rows rows;
   rows.shift.assign(contact_.points.size(), 0.0);
   rows.slip.assign(pointOfSlip_.size(), 0.0);
+  rows.unstretched.assign(contact_.points.size(), 0.0);
   rows.softness.resize(rows.shift.size());
   rows.slipSoftness.resize(rows.slip.size());
   for (const scene::ContactSetup::Bond& bond : contact_.bonds) {
@@ -112,24 +115,27 @@ EffectStates::Rows EffectStates::applied() const {
       for (std::size_t t = 0; t < contact_.slips[bond.slip].tangents.size(); ++t)
         rows.slipSoftness[contact_.slips[bond.slip].firstRow + t] = bond.tangentialSoftness;
   }
+  std::vector<double> slipUnstretched(rows.slip.size(), 0.0);
   for (const State& state : states_) {
     const std::vector<double> own = shiftsBy(state);
-    std::vector<std::optional<double>> softness;
+    std::vector<scene::Effect::Spring> springs;
     const auto place = [&](std::size_t k, auto& ofPoints, auto& ofSlips) -> auto& {
       return k < state.points.size() ? ofPoints[state.points[k]]
                                      : ofSlips[state.limited[k - state.points.size()]];
     };
     for (std::size_t k = 0; k < own.size(); ++k) {
       place(k, rows.shift, rows.slip) += own[k];
-      softness.push_back(place(k, rows.softness, rows.slipSoftness));
+      springs.push_back({place(k, rows.softness, rows.slipSoftness), 0.0});
     }
-    state.effect->soften(state.trial, state.rows, softness);
-    for (std::size_t k = 0; k < own.size(); ++k)
-      place(k, rows.softness, rows.slipSoftness) = softness[k];
+    state.effect->soften(state.trial, state.rows, springs);
+    for (std::size_t k = 0; k < own.size(); ++k) {
+      place(k, rows.softness, rows.slipSoftness) = springs[k].softness;
+      place(k, rows.unstretched, slipUnstretched) += springs[k].unstretched;
+    }
   }
   for (std::size_t k = 0; k < rows.slip.size(); ++k)
-    if (rows.slipSoftness[k]) // unstretched where the run began
-      rows.slip[k] = 0.0;
+    if (rows.slipSoftness[k]) // of friction that takes over one day
+      rows.slip[k] = slipUnstretched[k];
   return rows;
 }
 
@@ -139,7 +145,7 @@ std::vector<ConstraintRow> EffectStates::rows() const {
   for (ConstraintRow& row : result) {
     const auto number = static_cast<std::size_t>(row.number);
     if (row.kind == ConstraintRow::Kind::Inequality) {
-      row.bound += rows.shift[number];
+      row.bound += rows.shift[number] + rows.unstretched[number];
       row.softness = rows.softness[number];
     } else if (row.kind == ConstraintRow::Kind::Limited) {
       row.bound += rows.slip[number];

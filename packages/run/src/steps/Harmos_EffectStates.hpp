@@ -54,6 +54,7 @@ class EffectStates {
   // What the trial states say of rows, by their numbers.
   struct Rows {
     std::vector<double> shift, slip; // to be added to bounds of inequalities and limited rows
+    std::vector<double> unstretched; // more, of inequalities that are springs
     std::vector<std::optional<double>> softness, slipSoftness;
   };
   Rows applied() const;

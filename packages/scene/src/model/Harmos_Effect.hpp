@@ -117,6 +117,13 @@ class Effect {
     double gap = 0.0;               ///< that is left to the bound, as the state has shifted it
     double force = 0.0;             ///< multiplier
     std::optional<double> softness; ///< with which it was found
+    double unstretched = 0.0;       ///< see Spring
+  };
+  /// What holds a row: ConstraintRow::softness, and by how much Bu is beyond the bound that the row was made with
+  /// where it has no force.
+  struct Spring {
+    std::optional<double> softness;
+    double unstretched = 0.0;
   };
   /// How many numbers it keeps, with so many inequality rows and limited ones; they are zero before the first
   /// step.
@@ -125,12 +132,10 @@ class Effect {
   virtual void beginStep(std::vector<double>& /*trial*/) const {}
   /// What the state adds to the bounds of these rows.
   virtual void addToBounds(const std::vector<double>& /*state*/, std::vector<double>& /*bounds*/) const {}
-  /// What the state makes of the softness of these rows (ConstraintRow::softness), of which some may be
-  /// without any.
-  /// @param softness as the rows were made; nothing: a contact, or friction. What has a softness stays at the
-  /// bound that it was made with.
+  /// What the state makes of the springs of these rows, of which some may have none.
+  /// @param springs as the rows were made; no softness: a contact, or friction.
   virtual void soften(const std::vector<double>& /*state*/, const std::vector<Row>& /*rows*/,
-                      std::vector<std::optional<double>>& /*softness*/) const {}
+                      std::vector<Spring>& /*springs*/) const {}
   /// Brings the trial state up to an answer that has converged; whether the step is to be solved again with
   /// it. A step whose state does not settle has failed. @param tolerance of the answer.
   virtual bool updateState(const std::vector<RowAnswer>& /*answer*/, double /*tolerance*/,
