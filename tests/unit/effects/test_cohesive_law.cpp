@@ -152,8 +152,9 @@ TEST(CohesiveLaw, random_paths) {
   std::uniform_real_distribution<double> part(-1.0, 1.0);
   for (int path = 0; path < 50; ++path) {
     double damage = 0.0, dissipated = 0.0, normal = 0.0, tangential = 0.0;
-    for (int step = 0; step < 100000 && damage < 1.0; ++step) {
-      normal += 1e-3 * part(random);
+    for (int step = 0; step < 20000 && damage < 1.0; ++step) {
+      const double outwards = step < 10000 ? 0.0 : 0.1; // to an end at last
+      normal += 1e-3 * (part(random) + outwards);
       tangential += 1e-3 * part(random);
       const CohesiveLaw::Opening opening = law.opening(normal, std::abs(tangential));
       const double now = law.damage(opening);
