@@ -274,6 +274,11 @@ struct BoundTraits<double, SerialVector> {
       sums.softened2 += std::pow(q / (q + slip.curvature) * along, 2);
       sums.rims2 += std::pow((q + slip.curvature) * slip.radius, 2);
     }
+    for (const Spring& spring : active.springs) {
+      const double entry = w()[place(spring.entry)];
+      sums.springs2 += entry * entry;
+      sums.softenedSprings2 += std::pow(q / (q + spring.curvature) * entry, 2);
+    }
     return sums;
   }
   static void addAtSlips(const LocalActiveSet& active, const std::function<double(double)>& f, const V& x,
@@ -451,6 +456,12 @@ struct BoundTraits<double, SerialVector> {
     return {like().size(), feasible.lower == nullptr ? nullptr : (*feasible.lower)().data(),
             feasible.upper == nullptr ? nullptr : (*feasible.upper)().data(),
             feasible.discs == nullptr ? nullptr : &feasible.discs->discs(), limits};
+  }
+  static void read(const V& v, const std::function<void(const double*)>& use) { use(v().data()); }
+  static void write(V& v, const std::function<void(double*)>& use) { use(v().data()); }
+  static void sum(const V&, double*, int) {}
+  static bool isFit(const V& like, const LocalSoftBounds& bounds) {
+    return bounds.length() == like().size();
   }
   static std::vector<double> localEntries(const V& v) { return v(); }
   static void setLocalEntries(const std::vector<double>& entries, V& v) { v() = entries; }

@@ -27,6 +27,10 @@ std::vector<double> product(const Dense& m, const std::vector<double>& x) {
   return y;
 }
 
+double beyond(const qp::SoftBound& bound, double x) {
+  return x < bound.lower ? x - bound.lower : x > bound.upper ? x - bound.upper : 0.0;
+}
+
 } // namespace
 
 double SmallQp::cost(const std::vector<double>& x) const {
@@ -34,6 +38,8 @@ double SmallQp::cost(const std::vector<double>& x) const {
   double f = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i)
     f += x[i] * (0.5 * ax[i] - b[i]);
+  for (const qp::SoftBound& bound : soft)
+    f += 0.5 * bound.curvature * std::pow(beyond(bound, x[static_cast<std::size_t>(bound.entry)]), 2);
   return f;
 }
 
@@ -185,6 +191,70 @@ SmallQp randomFrictionQp(std::mt19937& random, int n, int equalities, double con
   return qp;
 }
 
+std::vector<double>
+bruteForceOfSides(const SmallQp& qp, const std::function<std::vector<double>(const SmallQp&)>& solve) {
+  std::vector<double> best;
+  double least = infinity;
+  std::vector<int> sides(qp.soft.size(), -1);
+  while (true) {
+    SmallQp plain = qp;
+    plain.soft.clear();
+    bool isThere = true;
+    for (std::size_t k = 0; k < sides.size(); ++k) {
+      const qp::SoftBound& bound = qp.soft[k];
+      const double centre = sides[k] < 0 ? bound.lower : bound.upper;
+      if (sides[k] == 0)
+        continue;
+      isThere = isThere && std::isfinite(centre);
+      plain.a(bound.entry, bound.entry) += bound.curvature;
+      plain.b[static_cast<std::size_t>(bound.entry)] += bound.curvature * centre;
+    }
+    // The solution is the one whose entries are where their sides say.
+    if (isThere) {
+      const std::vector<double> x = solve(plain);
+      double wrong = x.empty() ? infinity : 0.0;
+      for (std::size_t j = 0; j < sides.size() && !x.empty(); ++j) {
+        const qp::SoftBound& bound = qp.soft[j];
+        const double at = x[static_cast<std::size_t>(bound.entry)];
+        const double distance = sides[j] == 0 ? 0.0 : at - (sides[j] < 0 ? bound.lower : bound.upper);
+        wrong = std::max(wrong, std::abs(beyond(bound, at) - distance));
+      }
+      if (wrong < least) {
+        least = wrong;
+        best = x;
+      }
+    }
+    std::size_t k = 0;
+    while (k < sides.size() && sides[k] == 1)
+      sides[k++] = -1;
+    if (k == sides.size())
+      return least <= 1e-8 ? best : std::vector<double>();
+    ++sides[k];
+  }
+}
+
+void addSoftBounds(std::mt19937& random, SmallQp& qp, double least, double most) {
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  double mean = 0.0;
+  for (int i = 0; i < qp.size(); ++i)
+    mean += qp.a(i, i) / qp.size();
+  std::vector<char> isTaken(static_cast<std::size_t>(qp.size()), 0);
+  for (const qp::Disc& disc : qp.discs)
+    isTaken[static_cast<std::size_t>(disc.first)] = isTaken[static_cast<std::size_t>(disc.second)] = 1;
+  for (int i = 0; i < qp.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const bool isBounded = (!qp.lower.empty() && std::isfinite(qp.lower[k])) ||
+                           (!qp.upper.empty() && std::isfinite(qp.upper[k]));
+    const double kind = unit(random), at = unit(random), width = 0.5 * (1.0 + unit(random));
+    const double share = std::exp(std::log(least) +
+                                  0.5 * (1.0 + unit(random)) * (std::log(most) - std::log(least)));
+    if (isBounded || isTaken[k] != 0 || unit(random) > 0.2)
+      continue;
+    qp.soft.push_back({i, kind > 0.6 ? -infinity : at, kind < -0.4 ? infinity : kind < 0.2 ? at : at + width,
+                       share * mean});
+  }
+}
+
 Dense jacobi(const Dense& matrix) {
   Dense result(matrix.rows, matrix.rows);
   for (int i = 0; i < matrix.rows; ++i)
@@ -264,6 +334,19 @@ std::shared_ptr<const qp::LocalDiscs> localDiscs(const std::vector<qp::Disc>& di
 
 namespace {
 
+std::shared_ptr<const qp::LocalSoftBounds> localSoftBounds(const std::vector<qp::SoftBound>& bounds,
+                                                           const Map& map) {
+  if (bounds.empty())
+    return nullptr;
+  std::vector<qp::SoftBound> mine;
+  for (qp::SoftBound bound : bounds)
+    if (const auto entry = map.getLocalElement(bound.entry); map.isNodeLocalElement(entry)) {
+      bound.entry = entry;
+      mine.push_back(bound);
+    }
+  return std::make_shared<qp::LocalSoftBounds>(mine, localSize(map));
+}
+
 // The last entry that belongs to a limit that follows.
 int lastOf(const qp::FollowingLimit& limit, const SmallQp& qp) {
   return limit.isDisc ? qp.discs[static_cast<std::size_t>(limit.place)].second : limit.place;
@@ -317,6 +400,7 @@ DistributedQp::DistributedQp(const SmallQp& qp, qp::EqualityStructure structure)
     problem->setUpperBound(toVector(qp.upper, map));
   problem->setDiscs(localDiscs(qp.discs, *map));
   problem->setFollowingLimits(localLimits(qp, *map));
+  problem->setSoftBounds(localSoftBounds(qp.soft, *map));
   if (qp.c.rows > 0) {
     const auto rows = Teuchos::rcp(
         new Map(static_cast<Tpetra::global_size_t>(qp.c.rows), 0, comm, Tpetra::LocallyReplicated));

@@ -8,6 +8,7 @@
 #include <Tpetra_MultiVector.hpp>
 #include <Tpetra_Operator.hpp>
 
+#include <functional>
 #include <memory>
 #include <random>
 #include <vector>
@@ -25,6 +26,8 @@ struct SmallQp {
   /// Limits that follow: of entries or of discs next to their sources; their bounds and radii are of no
   /// account.
   std::vector<qp::FollowingLimit> follows = {};
+  /// Of entries without bounds: part of the cost.
+  std::vector<qp::SoftBound> soft = {};
 
   int size() const { return a.rows; }
   double cost(const std::vector<double>& x) const;
@@ -33,6 +36,15 @@ struct SmallQp {
 /// The solution by enumeration of all active sets, without discs: exact, and shares nothing with the solvers.
 /// @param multipliers receives those of the equalities.
 std::vector<double> bruteForce(const SmallQp& qp, std::vector<double>* multipliers = nullptr);
+
+/// The same with soft bounds, by enumeration of the sides that entries are on. @param solve what is left then:
+/// bruteForce(), or with discs interiorPoint(). @return empty where rounding errors leave no answer.
+std::vector<double> bruteForceOfSides(const SmallQp& qp,
+                                      const std::function<std::vector<double>(const SmallQp&)>& solve);
+
+/// Makes soft bounds of about every other entry that has no bounds: to one side, to both, or of no width.
+/// @param least, most of curvatures, as parts of the mean of A's diagonal.
+void addSoftBounds(std::mt19937& random, SmallQp& qp, double least, double most);
 
 /// Orthonormal columns made of random ones; the first given ones are kept as far as they go.
 Dense randomOrthonormal(std::mt19937& random, int n, const std::vector<std::vector<double>>& first = {});

@@ -117,7 +117,7 @@ CoarseSpace::CoarseSpace(const SubdomainSystem& system, const Constraints& const
 
 // Both rows of a disc get entries at the same columns, for slips are sums of them.
 void CoarseSpace::padPairs(const Constraints& constraints) {
-  if (constraints.discs().empty())
+  if (constraints.pairs().empty())
     return;
   std::vector<std::vector<int>> missing(offsets_.size() - 1);
   const auto columnsOf = [this](int row) {
@@ -125,7 +125,7 @@ void CoarseSpace::padPairs(const Constraints& constraints) {
     return std::pair(columns_.begin() + static_cast<std::ptrdiff_t>(offsets_[r]),
                      columns_.begin() + static_cast<std::ptrdiff_t>(offsets_[r + 1]));
   };
-  for (const auto& [first, second] : constraints.discs())
+  for (const auto& [first, second] : constraints.pairs())
     for (const auto& [row, other] : {std::pair(first, second), std::pair(second, first)}) {
       const auto [begin, end] = columnsOf(row);
       const auto [otherBegin, otherEnd] = columnsOf(other);

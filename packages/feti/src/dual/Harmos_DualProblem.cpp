@@ -196,7 +196,8 @@ void DualProblem::makeBounds(const Constraints& constraints) {
   const auto limitOf = [&](int row) { return limits[static_cast<std::size_t>(row)]; };
   if (constraints.inequalities() > 0 || constraints.hasIntervals())
     lowerBound_ = makeBound([&](int row, double shift) {
-      return constraints.rowType(row) == RowType::Inequality ? -shift
+      return constraints.isSoft(row)                           ? -none
+             : constraints.rowType(row) == RowType::Inequality ? -shift
              : constraints.isInterval(row)                   ? -shift - limitOf(row)
                                                              : -none;
     });
@@ -204,6 +205,15 @@ void DualProblem::makeBounds(const Constraints& constraints) {
     upperBound_ = makeBound(
         [&](int row, double shift) { return constraints.isInterval(row) ? -shift + limitOf(row) : none; });
   const auto shift = shift_->getLocalViewHost(Tpetra::Access::ReadOnly);
+  if (constraints.hasSoft()) {
+    std::vector<qp::SoftBound> soft;
+    for (std::size_t r = 0; r < shift.extent(0); ++r)
+      if (const int row = static_cast<int>(r); constraints.isSoft(row))
+        soft.push_back({row, -shift(r, 0),
+                        constraints.rowType(row) == RowType::Inequality ? none : -shift(r, 0),
+                        constraints.softness(row)});
+    soft_ = std::make_shared<const qp::LocalSoftBounds>(std::move(soft), shift.extent(0));
+  }
   if (constraints.hasFollowers()) {
     qp::FollowingLimits following;
     for (const Constraints::Follower& follower : constraints.followers())

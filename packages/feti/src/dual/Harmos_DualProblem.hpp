@@ -41,7 +41,7 @@ class DualProblem {
   /// Pd.
   Teuchos::RCP<const MultiVector> rhs() const { return projectedD_; }
   const MultiVector& d() const { return *d_; }
-  /// −λ̃_I on inequality rows, −λ̃ − limit on limited ones in no disc, −∞ elsewhere; null without any.
+  /// −λ̃_I on inequality rows that are not soft, −λ̃ − limit on limited ones in no disc, −∞ elsewhere; null without any.
   Teuchos::RCP<const MultiVector> lowerBound() const { return lowerBound_; }
   /// −λ̃ + limit on limited rows in no disc, ∞ elsewhere; null without any.
   Teuchos::RCP<const MultiVector> upperBound() const { return upperBound_; }
@@ -50,6 +50,9 @@ class DualProblem {
   /// Null without any on all ranks. Intervals and discs of them are
   /// open: what sticks everywhere is where solvers begin.
   std::shared_ptr<const qp::FollowingLimits> followingLimits() const { return following_; }
+  /// Of soft rows, which have no others: [−λ̃, ∞) of inequalities, −λ̃ of limited rows. Null without any on all
+  /// ranks.
+  std::shared_ptr<const qp::LocalSoftBounds> softBounds() const { return soft_; }
   /// G, or null without a kernel.
   Teuchos::RCP<const Operator> equalityRows() const { return equalityRows_; }
   /// λ̃.
@@ -71,6 +74,7 @@ class DualProblem {
   Teuchos::RCP<MultiVector> lowerBound_, upperBound_;
   std::shared_ptr<const qp::LocalDiscs> discs_;
   std::shared_ptr<const qp::FollowingLimits> following_;
+  std::shared_ptr<const qp::LocalSoftBounds> soft_;
   double scaledLoadNorm_ = 0.0;
   int setupApplications_ = 0;
 };

@@ -368,6 +368,7 @@ void DualSolve::makeProblem(const WarmStart* start) {
   problem_->setUpperBound(dual_.upperBound());
   problem_->setDiscs(dual_.discs());
   problem_->setFollowingLimits(dual_.followingLimits());
+  problem_->setSoftBounds(dual_.softBounds());
   if (!dual_.equalityRows().is_null())
     addEquality(start);
   if (!stages_.preconditioner.is_null())

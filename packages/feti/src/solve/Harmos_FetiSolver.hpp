@@ -18,7 +18,8 @@ namespace Harmos::feti {
 ///
 ///     min ½uᵀKu − fᵀu   subject to   copies equal,  B_I u ≤ c_I,  B_E u = c_E
 ///
-/// and equalities whose force is limited, as of friction with a given bound; see ConstraintRow.
+/// and equalities whose force is limited, as of friction with a given bound, and springs of what is glued; see
+/// ConstraintRow.
 ///
 /// What a change costs: of loads, prescribed values and bounds two products with F; of matrices with the same
 /// graphs numerical factorisations and no analysis. Solutions start where those before suggest: see
@@ -49,7 +50,7 @@ class FetiSolver {
   /// For the next solve(); see SubdomainSystem for the arguments and errors. All collective.
   void setLoads(std::vector<std::shared_ptr<const std::vector<double>>> loads);
   void setPrescribed(const std::vector<std::vector<double>>& values);
-  /// @param rows those of the constructor, with other bounds and limits.
+  /// @param rows those of the constructor, with other bounds, limits and softness, or none or some of it.
   void setBounds(const std::vector<ConstraintRow>& rows);
   /// @param motions null pointers, or nothing: kernels as they were. Where subdomains that had equal matrices
   /// have not any more, or the other way round, everything is made anew. After a factorisation that fails

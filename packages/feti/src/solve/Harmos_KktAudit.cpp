@@ -61,6 +61,7 @@ void auditRows(const Constraints& constraints, const TornSolution& solution, dou
   constraints.residual(solution.displacement, *solution.multiplier, rows);
   double jump = fromPrescribed, penetration = 0.0, product = 0.0, work = 0.0, largestForce = 0.0;
   double leastMultiplier = std::numeric_limits<double>::infinity(), slipWork = 0.0;
+  double ofSprings = 0.0, springError = 0.0;
   {
     const auto values = rows.getLocalViewHost(Tpetra::Access::ReadOnly);
     const auto lambda = solution.multiplier->getLocalViewHost(Tpetra::Access::ReadOnly);
@@ -69,13 +70,19 @@ void auditRows(const Constraints& constraints, const TornSolution& solution, dou
       const double scale = constraints.rowScale(row);
       const double excess = values(r, 0) / scale;
       work += lambda(r, 0) * scale * excess + 0.5 * constraints.compliance(row) * lambda(r, 0) * lambda(r, 0);
+      const bool isSoft = constraints.isSoft(row);
+      if (isSoft)
+        ofSprings += 0.5 * lambda(r, 0) * constraints.giving(row, lambda(r, 0));
+      if (isSoft && (constraints.rowType(row) == RowType::Limited || lambda(r, 0) < 0.0))
+        springError = largerOf(springError, std::abs(excess));
       if (constraints.rowType(row) == RowType::Inequality) {
         penetration = largerOf(penetration, excess);
-        leastMultiplier = smallerOf(leastMultiplier, lambda(r, 0) * scale);
+        if (!isSoft)
+          leastMultiplier = smallerOf(leastMultiplier, lambda(r, 0) * scale);
         largestForce = largerOf(largestForce, std::abs(lambda(r, 0) * scale));
         product += lambda(r, 0) * scale * excess;
       } else if (constraints.rowType(row) == RowType::Limited) {
-        slipWork += lambda(r, 0) * scale * excess;
+        slipWork += isSoft ? 0.0 : lambda(r, 0) * scale * excess;
       } else {
         jump = largerOf(jump, std::abs(excess));
       }
@@ -88,9 +95,15 @@ void auditRows(const Constraints& constraints, const TornSolution& solution, dou
   result.gluingJump = globalLargest(comm, jump);
   result.penetration = globalLargest(comm, penetration);
   leastMultiplier = -globalLargest(comm, -leastMultiplier);
-  result.minContactMultiplier = constraints.inequalities() > 0 ? leastMultiplier : 0.0;
+  result.minContactMultiplier =
+      constraints.inequalities() > 0 && !std::isinf(leastMultiplier) ? leastMultiplier : 0.0;
   result.complementarity = std::abs(globalSum(comm, product));
   result.energy = result.primalEnergy + globalSum(comm, work);
+  if (constraints.hasSoft()) {
+    result.springEnergy = globalSum(comm, ofSprings);
+    result.springError = globalLargest(comm, springError);
+    result.energy += result.springEnergy;
+  }
   result.largestMultiplier = globalLargest(comm, largestForce);
 }
 
@@ -193,6 +206,7 @@ bool auditAgrees(const KktAudit& audit, const AuditLimits& limits) {
                                       0.1 * rounding * audit.displacementForce;
   return audit.gluingJump <= length + (isAtRest ? limits.boundRounding : 0.0) &&
          audit.slipError <= length + (isAtRest ? limits.boundRounding : 0.0) &&
+         audit.springError <= length + limits.boundRounding &&
          audit.limitExcess <= withinLimit * audit.largestLimit + rounding * audit.forces &&
          audit.penetration <= length + limits.boundRounding && audit.equilibrium * audit.forces <= force &&
          limits.energyError <= error;
@@ -218,7 +232,7 @@ ContactState contactState(const Constraints& constraints, const TornSolution& so
       continue;
     const double scale = constraints.rowScale(row);
     state.row.push_back(static_cast<long long>(constraints.rowMap()->getGlobalElement(row)));
-    state.gap.push_back(-values(r, 0) / scale);
+    state.gap.push_back(-(values(r, 0) + constraints.giving(row, lambda(r, 0))) / scale);
     state.force.push_back(lambda(r, 0) * scale);
   }
   return state;
@@ -237,7 +251,7 @@ FrictionState frictionState(const Constraints& constraints, const TornSolution& 
     const double scale = constraints.rowScale(row);
     state.row.push_back(static_cast<long long>(constraints.rowMap()->getGlobalElement(row)) -
                         constraints.inequalities());
-    state.slip.push_back(values(r, 0) / scale);
+    state.slip.push_back((values(r, 0) + constraints.giving(row, lambda(r, 0))) / scale);
     state.force.push_back(lambda(r, 0) * scale);
   }
   return state;

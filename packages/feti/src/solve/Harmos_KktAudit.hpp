@@ -9,9 +9,13 @@ namespace Harmos::feti {
 /// of everything between them. In physical units, not those of scaled rows.
 struct KktAudit {
   double equilibrium = 0.0; ///< ‖Ku − f + Bᵀλ‖ / max(‖Ku‖, ‖f‖, ‖Bᵀλ‖, 1e-12 ‖diag(K)u‖)
-  double gluingJump = 0.0;           ///< ‖B_E u − c_E − Cλ_E‖_∞, of ties and prescribed values too
+  double gluingJump = 0.0; ///< ‖B_E u − c_E − Cλ_E‖_∞, of ties and prescribed values too
+  /// Of soft rows, what is wrong with their springs: |Bu − c − Cλ − softness · λ| where they pull, and of
+  /// limited ones always.
+  double springError = 0.0;
+  double springEnergy = 0.0; ///< Σ½ softness · λ² of those
   double penetration = 0.0;          ///< max (B_I u − c_I − Cλ_I)₊
-  double minContactMultiplier = 0.0; ///< min λ_I, 0 without inequalities
+  double minContactMultiplier = 0.0; ///< min λ_I of rows that are not soft, 0 without inequalities
   double complementarity = 0.0;      ///< |λ_Iᵀ(B_I u − c_I)|
   /// Of limited rows, pair by pair: the largest Δs = Bu − c − Cλ where |λ| is below its limit; where it is
   /// not, of what is left of Δs without its part along λ.
@@ -22,7 +26,7 @@ struct KktAudit {
   double primalEnergy = 0.0; ///< ½uᵀKu − fᵀu, physical K and f (no trivial equations)
   /// ½uᵀKu − fᵀu + λᵀ(Bu − c): the same at the solution, but stationary there. Jumps of the order ε change
   /// the primal energy by λᵀ(Bu − c), of the order ε; the error of this is of the order ε².
-  /// With rows that give way, ½λᵀCλ is stored in them.
+  /// With rows that give way, ½λᵀCλ is stored in them, and springEnergy in soft ones.
   double energy = 0.0;
   double energyNorm = 0.0;          ///< √(uᵀKu)
   double largestDisplacement = 0.0; ///< ‖u‖_∞
@@ -51,7 +55,7 @@ struct AuditLimits {
 };
 /// Whether an audit bears out an answer: jumps and penetrations are at most a share of the largest
 /// displacement, penetrations beside what the bounds are known to; so are slips that are none, and forces
-/// keep within their limits to rounding; the error in the energy norm, where it was
+/// keep within their limits to rounding; and so is what is wrong with springs; the error in the energy norm, where it was
 /// estimated, is at most a share of its own of that of the solution, beside rounding. Forces are out of
 /// balance by three tolerances, 0.03 of the share, at most: the solver leaves ‖G̃λ − ẽ‖ ≤ ε‖λ‖ on rigid
 /// motions, for ‖G‖ = 1 and ‖G̃‖ ≤ ‖B‖ = 1, and with weights the same in other units; beside what inverses and
@@ -67,7 +71,8 @@ double auditShare(double tolerance);
 /// not depend on the way to it by more, whatever the solver, and energies not by more than 1000 ε².
 double energyErrorShare(double tolerance);
 
-/// Physical values of each owned limited row, in the order of rowMap(): Δs = Bu − c − Cλ and λ.
+/// Physical values of each owned limited row, in the order of rowMap(): Δs = Bu − c − Cλ and λ; of soft ones
+/// what their springs are stretched by.
 struct FrictionState {
   std::vector<long long> row; ///< number of the given row
   std::vector<double> slip;
@@ -78,7 +83,7 @@ struct FrictionState {
 FrictionState frictionState(const Constraints& constraints, const TornSolution& solution);
 
 /// Physical value of each owned inequality row, in the order of rowMap(): the gap c_I − B_I u, with rows that
-/// give way what is left of it, c_I + Cλ_I − B_I u, and the contact force λ_I.
+/// give way what is left of it, c_I + Cλ_I − B_I u, and the contact force λ_I. Springs of soft rows open gaps.
 struct ContactState {
   std::vector<long long> row; ///< number of the given inequality
   std::vector<double> gap;

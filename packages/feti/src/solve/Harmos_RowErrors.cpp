@@ -31,7 +31,8 @@ std::vector<char> holdAsEquations(const Constraints& constraints, const MultiVec
     const int row = static_cast<int>(r);
     const RowType type = constraints.rowType(row);
     const bool slips = constraints.isInterval(row) && isAtLimit(std::abs(lambda(r, 0)), limits[r]);
-    holds.push_back(!slips && (type != RowType::Inequality || lambda(r, 0) > 0.0) ? 1 : 0);
+    const bool isClosed = type != RowType::Inequality || constraints.isSoft(row) || lambda(r, 0) > 0.0;
+    holds.push_back(!slips && isClosed ? 1 : 0);
   }
   for (const std::array<int, 2>& disc : constraints.discs())
     if (isAtLimit(forceOf(disc, lambda), limits[static_cast<std::size_t>(disc[0])]))
@@ -46,7 +47,7 @@ void keepErrors(const Constraints& constraints, const MultiVector& multiplier, M
   const auto view = residual.getLocalViewHost(Tpetra::Access::ReadWrite);
   for (std::size_t r = 0; r < view.extent(0); ++r) {
     const int row = static_cast<int>(r);
-    if (constraints.rowType(row) == RowType::Inequality && !(lambda(r, 0) > 0.0))
+    if (constraints.rowType(row) == RowType::Inequality && !constraints.isSoft(row) && !(lambda(r, 0) > 0.0))
       view(r, 0) = std::max(view(r, 0), 0.0);
     if (!constraints.isInterval(row) || !isAtLimit(std::abs(lambda(r, 0)), limits[r]))
       continue;

@@ -44,6 +44,7 @@ struct RowHead {
   long long disc = -1;
   double coefficient = 0.0;
   long long normal = -1; // row that the limit follows
+  double softness = -1.0; // −1: none
 };
 
 using Importer = Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>;
@@ -194,6 +195,11 @@ GivenRows given(const std::vector<ConstraintRow>& rows, const std::vector<char>&
   return result;
 }
 
+// Without what it is given by itself; −1: none.
+double softnessOf(const ConstraintRow& row, const GivenRow& given) {
+  return row.softness ? std::max(0.0, *row.softness - (given.compliance - row.compliance)) : -1.0;
+}
+
 // @param unit the stiffness of a weight of one, by which compliances are scaled; 0 without weights.
 // @return the factors of their multipliers.
 std::vector<Details::MultiplierTerm> addGiven(const std::vector<ConstraintRow>& rows,
@@ -215,7 +221,7 @@ std::vector<Details::MultiplierTerm> addGiven(const std::vector<ConstraintRow>& 
     multipliers.push_back({static_cast<int>(r), number, scale});
     builder.add({number, scale * part.bound, scale, part.compliance * scale * scale,
                  static_cast<int>(typeOf(row.kind)), row.limit / scale, row.disc, row.coefficient,
-                 row.normal},
+                 row.normal, softnessOf(row, part) * scale * scale},
                 part.terms, given.owners[r], !part.isIdle);
     builder.addHeld(number, part.held);
     for (const ConstraintRow::Term& term : row.terms)
@@ -255,8 +261,12 @@ std::vector<Constraints::Follower> followersAmong(const std::vector<RowHead>& he
   for (std::size_t r = 0; r < heads.size(); ++r) {
     const bool isFirst = disc < discs.size() && discs[disc][0] == static_cast<int>(r);
     const RowHead& head = heads[r];
-    if (head.normal >= 0 && (head.disc < 0 || isFirst)) {
+    if (head.normal >= 0 && head.softness < 0.0 && (head.disc < 0 || isFirst)) {
       const int normal = placeOf.at(head.normal);
+      if (heads[static_cast<std::size_t>(normal)].softness >= 0.0)
+        throw InputError("a limit follows the force of inequality " + std::to_string(head.normal) +
+                             ", which may pull; give softness to both rows, or to none",
+                         {{"row", std::to_string(head.normal)}});
       // λ = scale · that of the scaled row
       const double factor = head.coefficient * heads[static_cast<std::size_t>(normal)].scale / head.scale;
       result.push_back({static_cast<int>(r), isFirst ? static_cast<int>(disc) : -1, normal, factor});
@@ -323,12 +333,22 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
     bounds_.push_back(head.bound);
     compliances_.push_back(head.compliance);
     limits_.push_back(head.limit);
-    isInterval_.push_back(types_.back() == RowType::Limited && head.disc < 0 ? 1 : 0);
+    softness_.push_back(head.softness);
+    const bool isLimited = types_.back() == RowType::Limited, isSoft = head.softness >= 0.0;
+    isInterval_.push_back(isLimited && head.disc < 0 && !isSoft ? 1 : 0);
+    softLimited_ += isLimited && isSoft ? 1 : 0;
   }
-  discs_ = pairsOf(heads);
+  hasSoft_ = globalMax(comm, std::any_of(softness_.begin(), softness_.end(), [](double s) { return s >= 0.0; })
+                                 ? 1LL
+                                 : 0LL) > 0;
+  pairs_ = pairsOf(heads);
+  for (const std::array<int, 2>& pair : pairs_)
+    if (!isSoft(pair[0]))
+      discs_.push_back(pair);
   discCount_ = limited_ > 0 ? globalSum(comm, static_cast<long long>(discs_.size())) : 0;
+  softLimited_ = hasSoft_ ? globalSum(comm, softLimited_) : 0;
   if (limited_ > 0) {
-    followers_ = followersAmong(heads, discs_);
+    agree(comm, [&] { followers_ = followersAmong(heads, discs_); });
     followerCount_ = globalSum(comm, static_cast<long long>(followers_.size()));
   }
 
@@ -408,7 +428,7 @@ void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
   const Constraints changed(system_, rows, hasWeights_, weights_);
   agree(*system_.comm(), [&] {
     if (changed.types_ != types_ || changed.entries_ != entries_ || changed.compliances_ != compliances_ ||
-        changed.discs_ != discs_ || !changed.rowMap_->isLocallyFitted(*rowMap_))
+        changed.pairs_ != pairs_ || !changed.rowMap_->isLocallyFitted(*rowMap_))
       throw InputError(
           "constraint rows are given new bounds, but their number, kinds, dofs coefficients or compliances "
           "have "
@@ -418,6 +438,12 @@ void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
   });
   bounds_ = changed.bounds_;
   limits_ = changed.limits_;
+  softness_ = changed.softness_;
+  hasSoft_ = changed.hasSoft_;
+  softLimited_ = changed.softLimited_;
+  discs_ = changed.discs_;
+  discCount_ = changed.discCount_;
+  isInterval_ = changed.isInterval_;
   followers_ = changed.followers_;
   followerCount_ = changed.followerCount_;
 }
@@ -460,6 +486,9 @@ void Constraints::residual(const TornVector& u, const MultiVector& lambda, Multi
   const auto view = y.getLocalViewHost(Tpetra::Access::ReadWrite);
   for (std::size_t r = 0; r < view.extent(0); ++r)
     view(r, 0) -= bounds_[r] + compliances_[r] * force(r, 0);
+  if (hasSoft_)
+    for (std::size_t r = 0; r < view.extent(0); ++r)
+      view(r, 0) -= giving(static_cast<int>(r), force(r, 0));
 }
 
 void Constraints::fromOverlap(const std::vector<double>& overlap, MultiVector& y) const {

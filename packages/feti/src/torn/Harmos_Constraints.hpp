@@ -60,6 +60,7 @@ inline bool isUnconditional(RowType type) {
 ///  block: bounds of zero stay such, the coarse projector is I − QG̃ᵀ(G̃QG̃ᵀ)⁻¹G̃ of λ (Bhardwaj et al.,
 ///  Application of the FETI method to ASCI problems, Int. J. Numer. Meth. Engng. 47, 2000; Rixen, Farhat
 ///  1999), and norms of residuals are those weighted by Q;
+///  - softness of a row has no say in its scale;
 ///  - prescribed values in a given row go to its bound, unless there is nothing else in it; what the row is
 ///  at
 ///    them is kept beside, for the forces of the full row (heldForces());
@@ -101,8 +102,9 @@ class Constraints {
   Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows,
               RowWeights weights = RowWeights::None);
 
-  /// New bounds c and limits of the rows that were given, and of what the system prescribes now.
-  /// @param rows those given to the constructor, with other bounds and limits.
+  /// New bounds c, limits and softness of the rows that were given, and of what the system prescribes now.
+  /// @param rows those given to the constructor, with other bounds, limits and softness, or with none or some
+  /// where it was not.
   /// @throws InputError on all ranks if they differ in more, and as the constructor. @note Collective.
   void setBounds(const std::vector<ConstraintRow>& rows);
 
@@ -130,6 +132,16 @@ class Constraints {
   double bound(int row) const { return bounds_[static_cast<std::size_t>(row)]; }
   /// C of the scaled row: compliance · scale².
   double compliance(int row) const { return compliances_[static_cast<std::size_t>(row)]; }
+  /// Whether the force of an owned row may leave its limits, see ConstraintRow::softness; and softness · scale².
+  bool isSoft(int row) const { return softness_[static_cast<std::size_t>(row)] >= 0.0; }
+  double softness(int row) const { return softness_[static_cast<std::size_t>(row)]; }
+  /// By which a soft row gives way: softness times what of its scaled multiplier is beyond its limits; else 0.
+  double giving(int row, double lambda) const {
+    return !isSoft(row) || (rowType(row) == RowType::Inequality && lambda >= 0.0) ? 0.0
+                                                                                  : softness(row) * lambda;
+  }
+  /// Whether any row is soft, on any rank.
+  bool hasSoft() const { return hasSoft_; }
   /// Of a limited row, scaled like its multiplier: limit / scale; zero where it follows.
   double limit(int row) const { return limits_[static_cast<std::size_t>(row)]; }
   /// Of each owned row, where forces are these: limits that follow are known by them alone. Local.
@@ -138,12 +150,14 @@ class Constraints {
   const std::vector<Follower>& followers() const { return followers_; }
   /// Whether any limit follows, on any rank.
   bool hasFollowers() const { return followerCount_ > 0; }
-  /// Pairs of owned rows, each of a disc; by rising rows.
+  /// Pairs of owned rows, each of a disc; by rising rows. Without those that are soft now.
   const std::vector<std::array<int, 2>>& discs() const { return discs_; }
-  /// Whether there are discs, and limited rows in none, on any rank.
+  /// With those.
+  const std::vector<std::array<int, 2>>& pairs() const { return pairs_; }
+  /// Whether there are discs, and limited rows in none, on any rank. Soft ones are neither.
   bool hasDiscs() const { return discCount_ > 0; }
-  bool hasIntervals() const { return limited_ > 2 * discCount_; }
-  /// Whether an owned row is limited and in no disc.
+  bool hasIntervals() const { return limited_ > 2 * discCount_ + softLimited_; }
+  /// Whether an owned row is limited, in no disc and not soft.
   bool isInterval(int row) const { return isInterval_[static_cast<std::size_t>(row)] != 0; }
   /// Whether any row gives way, on any rank.
   bool hasCompliance() const { return hasCompliance_; }
@@ -157,7 +171,7 @@ class Constraints {
 
   /// y = Bu. @note Collective.
   void applyB(const TornVector& u, MultiVector& y) const;
-  /// y = Bu − c − Cλ: zero in rows that hold as equations. @note Collective.
+  /// y = Bu − c − Cλ, less what soft rows give way: zero in rows that hold as equations. @note Collective.
   void residual(const TornVector& u, const MultiVector& lambda, MultiVector& y) const;
 
   /// λ on overlapMap(): what addBt() takes. @note Collective, one neighbour exchange.
@@ -212,9 +226,11 @@ class Constraints {
   std::vector<double> scales_;
   std::vector<double> bounds_;
   std::vector<double> compliances_, limits_;
-  std::vector<std::array<int, 2>> discs_;
+  std::vector<double> softness_; // −1: none
+  std::vector<std::array<int, 2>> discs_, pairs_;
   std::vector<char> isInterval_;
-  long long discCount_ = 0, followerCount_ = 0;
+  long long discCount_ = 0, followerCount_ = 0, softLimited_ = 0;
+  bool hasSoft_ = false;
   std::vector<Follower> followers_;
   bool hasCompliance_ = false;
   long long dualDimension_ = 0;

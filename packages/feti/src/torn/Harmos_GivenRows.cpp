@@ -159,6 +159,20 @@ void requireNumbers(const ConstraintRow& row) {
   require(row.compliance, "compliance");
   require(row.limit, "limit");
   require(row.coefficient, "coefficient of friction");
+  require(row.softness.value_or(0.0), "softness");
+  if (row.softness && row.kind == ConstraintRow::Kind::Equality)
+    throw InputError(name + " is an equality with a softness; give it a compliance, or make it a limited row",
+                     {{"row", std::to_string(row.number)}});
+}
+
+// The force of an inequality that pulls and has no unknowns would be known, but moves what is prescribed: there
+// is to be none.
+void requireUnstretched(const ConstraintRow& row, double gap) {
+  if (row.softness && gap > row.rounding)
+    throw InputError("constraint row " + std::to_string(row.number) +
+                         " is soft, holds prescribed or tied values alone, and these stretch it by " +
+                         scientific(gap) + "; leave its softness out, or free a component there",
+                     {{"row", std::to_string(row.number)}});
 }
 
 // No force of a row without unknowns moves anything.
@@ -184,13 +198,17 @@ void settle(GivenRow& given, const ConstraintRow& row, const std::map<long long,
     given.norm2 = isJoined ? 1.0 : given.norm2;
     if (isLimited && std::abs(given.bound) <= row.rounding)
       given.bound = 0.0;
+    if (!isLimited)
+      requireUnstretched(row, given.bound);
   } else if (isJoined) {
     requireJoined(row, copies.at(coefficients.begin()->first).front());
+    requireUnstretched(row, row.bound);
     given.isIdle = true;
     given.bound = 0.0;
     given.norm2 = 1.0;
   } else {
     const double left = requireMet(row, coefficients, copies);
+    requireUnstretched(row, left);
     // Beside the rows of its dofs' prescribed values it would be a dependent one, which the preconditioner
     // could not tell from those.
     const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
@@ -230,12 +248,13 @@ std::vector<std::array<std::size_t, 2>> discsOf(const std::vector<ConstraintRow>
   std::vector<std::array<std::size_t, 2>> pairs;
   for (const auto& [disc, members] : places) {
     const auto ofOneDisc = [](const ConstraintRow& a, const ConstraintRow& b) {
-      return a.limit == b.limit && a.normal == b.normal && a.coefficient == b.coefficient;
+      return a.limit == b.limit && a.normal == b.normal && a.coefficient == b.coefficient &&
+             a.softness == b.softness;
     };
     if (members.size() != 2 || !ofOneDisc(rows[members[0]], rows[members[1]]))
       throw InputError("disc " + std::to_string(disc) + " of limited rows has " +
                            std::to_string(members.size()) +
-                           " of them on this rank; give two rows of one limit, on the same rank",
+                           " of them on this rank; give two rows of one limit and softness, on the same rank",
                        {{"disc", std::to_string(disc)}});
     pairs.push_back({members[0], members[1]});
   }

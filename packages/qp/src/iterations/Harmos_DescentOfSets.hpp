@@ -41,6 +41,8 @@ class DescentOfSets {
   }
 
   bool isOn() const { return isOn_; }
+  /// The cost is another one.
+  void end() { isOn_ = false; }
 
   /// Descends from now on: the problem's solution becomes the feasible point next to it.
   /// @return false if none is found; nothing has changed then.
@@ -134,6 +136,7 @@ class DescentOfSets {
 
   bool moveToFeasible(const MV& z, LocalActiveSet& set, long long& active) {
     LocalActiveSet none(set.size(), 0);
+    none.springs = set.springs;
     if (nearest_.find(z, mostSets, set, active) != Nearest::Outcome::Found) {
       if (nearest_.find(z, mostSets, none, active) != Nearest::Outcome::Found)
         return false;

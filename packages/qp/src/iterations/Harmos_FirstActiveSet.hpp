@@ -38,6 +38,9 @@ class FirstActiveSet {
     return stiffness_ > 0.0 && std::isfinite(stiffness_) ? norm<Scalar>(b_) / stiffness_ : 0.0;
   }
 
+  /// The feasible point, after find() has found it.
+  const MV& x() const { return nearest_.x(); }
+
   /// @param set in: where to begin; out: the guess, or what it was. @param active receives how many entries
   /// of it are active.
   /// @return whether there is a guess: not without a preconditioner, and not where the equalities cannot be

@@ -49,21 +49,27 @@ class InFacePreconditioner {
     BoundTraits<Scalar, MV>::maskActive(z, active);
   }
 
-  /// Where pairs slip A gets their curvatures κ, and its inverse is about
+  /// Where pairs slip, and at springs, A gets their curvatures κ, and its inverse is about
   ///
   ///     z = TM⁻¹Tφ + (I − T)Tq⁻¹φ,   T = q/(q + κ),
   ///
-  /// q for the diagonal of A: exact where A is diagonal, and for what one pair does to others. @note
-  /// Collective.
+  /// q for the diagonal of A: exact where A is diagonal, and for what one pair does to others. M = q where a
+  /// problem has no preconditioner. @note Collective.
   void applySoftened(const MV& phi, const LocalActiveSet& active, double q, MV& z) {
     using MVT = Belos::MultiVecTraits<Scalar, MV>;
     using BT = BoundTraits<Scalar, MV>;
     const auto change = [q](double curvature) { return -curvature / (q + curvature); };
     const Teuchos::RCP<MV> softened = MVT::CloneCopy(phi);
     BT::addAtSlips(active, change, phi, *softened);
-    apply(*softened, active, z);
+    SpringOps<Scalar, MV>::soften(active, q, *softened);
+    if (isPresent())
+      apply(*softened, active, z);
+    else
+      MVT::MvAddMv(1.0 / q, *softened, 0.0, *softened, z);
     MVT::Assign(z, *softened);
     BT::addAtSlips(active, change, *softened, z);
+    SpringOps<Scalar, MV>::soften(active, q, z);
+    SpringOps<Scalar, MV>::addStiff(active, q, phi, z);
     BT::addAtSlips(
         active, [q](double curvature) { return curvature / std::pow(q + curvature, 2); }, phi, z);
   }

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 #include <vector>
 
 namespace Harmos::qp {
@@ -38,15 +39,16 @@ template<class Scalar, class MV, class OP>
 class InteriorPath {
  public:
   /// All to outlive this.
-  /// @param kept directions of outlying eigenvalues; more of them are added, up to `mostKept`.
+  /// @param springs of soft bounds; they stay what they are. @param kept directions of outlying eigenvalues; more of them are added, up to `mostKept`.
   InteriorPath(const Problem<Scalar, MV, OP>& problem, const EqualityRows<Scalar, MV, OP>& rows,
                const CgOptions& options, KeptDirections<Scalar, MV, OP>& kept, int mostKept,
-               Counters& counters)
+               Counters& counters, LocalActiveSet springs = {})
       : problem_(problem),
         rows_(rows),
         kept_(kept),
         mostKept_(mostKept),
         directions_(options),
+        springs_(std::move(springs)),
         counters_(counters),
         preconditioner_(problem, counters),
         x_(MVT::Clone(*problem.rhs(), 1)),
@@ -145,6 +147,7 @@ class InteriorPath {
     ++counters_.hessianApplications;
     Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), *x_, *y_);
     MVT::MvAddMv(1.0, *y_, -1.0, *problem_.rhs(), *y_);
+    SpringOps<Scalar, MV>::add(springs_, 1.0, *x_, true, *y_);
     if (rows_.isPresent())
       rows_.addTransposed(1.0, *mu_, *y_);
   }
@@ -177,6 +180,7 @@ class InteriorPath {
   Vector imageOf(const MV& p, const OP& hessian, MV& image) {
     ++counters_.hessianApplications;
     Belos::OperatorTraits<Scalar, MV, OP>::Apply(hessian, p, image);
+    SpringOps<Scalar, MV>::add(springs_, 1.0, p, false, image);
     const Vector whole = MVT::CloneCopy(image);
     const std::vector<double> entries = BT::localEntries(p);
     onEntries([&](double* y) { cones_.addCurvature(entries.data(), y); }, *whole);
@@ -185,6 +189,7 @@ class InteriorPath {
 
   void weigh(MV& v) const {
     onEntries([&](double* entries) { cones_.weigh(entries); }, v);
+    SpringOps<Scalar, MV>::share(springs_, q_, v);
   }
 
   // w ← (C̄DC̄ᵀ)⁻C̄Dv.
@@ -302,6 +307,7 @@ class InteriorPath {
   KeptDirections<Scalar, MV, OP>& kept_;
   int mostKept_;
   ConjugateDirections<Scalar, MV> directions_;
+  LocalActiveSet springs_;
   Counters& counters_;
   InFacePreconditioner<Scalar, MV, OP> preconditioner_;
   Vector x_, y_, mu_;

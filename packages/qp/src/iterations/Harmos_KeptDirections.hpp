@@ -14,7 +14,7 @@
 
 namespace Harmos::qp {
 
-/// Directions U with UᵀAU = I that are valid on every face: without entries at bounds, and in the kernel of
+/// Directions U with UᵀAU = I that are valid on every face: without entries at bounds, soft or not, and in the kernel of
 /// the rows. Conjugate gradients that begin at the minimum along them, with directions conjugate to them, do
 /// not see the eigenvalues that they stand for (deflation; Nicolaides, SIAM J. Numer. Anal. 24, 1987; Saad,
 /// Yeung, Erhel, Guyomarc'h, SIAM J. Sci. Comput. 21, 2000).
@@ -134,6 +134,9 @@ class KeptDirections {
       for (const Disc& disc : problem_.feasibleSet().discs->discs())
         for (int entry : {disc.first, disc.second})
           below[static_cast<std::size_t>(entry)] = LocalActiveSet::onRim;
+    if (problem_.hasSoftBounds()) // the curvature of a spring is none of A
+      for (const SoftBound& bound : problem_.softBounds()->bounds())
+        below[static_cast<std::size_t>(bound.entry)] = 1;
     return below;
   }
 

@@ -28,6 +28,9 @@ namespace Harmos::qp {
 /// face without T for their own; equalities are a part of the residual there. This is the Newton step of the
 /// coupled problem (Alart, Curnier, Comput. Methods Appl. Mech. Engrg. 92, 1991).
 ///
+/// Springs of soft bounds (SpringOps) are a part of A and b on a face. However stiff they are, they cost few
+/// steps: the preconditioner and what meets the equalities know them.
+///
 /// Cost of a step: one product with A, one or (preconditioned) two projections, one with the preconditioner,
 /// and two reductions for scalars; what full conjugation adds see ConjugateDirections. Guarded by
 /// tests/unit/qp/test_solvers.cpp.
@@ -45,6 +48,10 @@ class ProjectedCg {
   /// follow.
   /// @return false if the equalities cannot be met on the face, or motions are held by less.
   bool start(const LocalActiveSet& active, double leastHold = 0.0);
+
+  /// Springs of the next start() that are none of these let x go; see Kernels::moveToSprings(). Those of the
+  /// last one, unless told.
+  void knowSprings(const LocalActiveSet& set) { active_.springs = set.springs; }
 
   /// Begins again where it is, with gradients computed anew.
   void restart();
@@ -88,10 +95,13 @@ class ProjectedCg {
   /// The largest curvature pᵀAp/pᵀp met so far: a lower bound of ‖A‖.
   double curvatureBound() const { return curvatureBound_; }
 
-  /// ½xᵀAx − bᵀx. @note Needs a face.
+  /// ½xᵀAx − bᵀx, with springs. @note Needs a face.
   double cost() const;
-  /// Ax − b + C̄ᵀμ̄: w at free entries, the multipliers of the bounds at active ones. @note Needs a face.
+  /// Ax − b + C̄ᵀμ̄: w at free entries, the multipliers of the bounds at active ones. Springs are a part of A
+  /// and b. @note Needs a face.
   void lagrangianGradient(MV& y) const;
+  /// The same with soft bounds as they are where x is now.
+  void trueGradient(MV& y) const;
   /// μ̄.
   void multiplier(MV& mu) const;
   /// Gives μ̄ to the problem.
@@ -108,6 +118,9 @@ class ProjectedCg {
   void preconditionSoftened();
   void raiseLevel(double iterateNorm2);
   void findSlips();
+  void soften(MV& v) const;
+  void addSprings(const MV& x);
+  bool isAnywhere(bool isHere) const;
   void makeFaceGram();
   void findFollowing();
   double hold();
@@ -135,10 +148,12 @@ class ProjectedCg {
   Teuchos::RCP<MV> rowResidual_; // C̄x − c̄
   Teuchos::RCP<const FaceGram> faceGram_;
   // Where pairs slip: C̄TC̄ᵀ on the face, T = q/(q + κ) there; see InFacePreconditioner. q of A's diagonal.
+  // And springs.
   Teuchos::RCP<const FaceGram> softGram_;
   double stiffness_ = 0.0;
   double rayleigh_ = 0.0; // without a preconditioner, where limits follow or there are discs
-  bool isSoftened_ = false;
+  bool isSoftened_ = false, hasSprings_ = false; // on any rank
+  double springNorm_ = 0.0;                      // ‖κx‖
   Teuchos::RCP<MV> w_, z_, p_, image_, gradient_, rowWork_, removed_, unused_;
   double residual2_ = 0.0;
   double directionDotImage_ = 0.0;

@@ -59,11 +59,15 @@ void ProjectedCg<Scalar, MV, OP>::solveRows(const MV& residual, MV& x) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using BT = BoundTraits<Scalar, MV>;
   MVT::Assign(residual, *rowWork_);
-  if (!faceGram_.is_null())
-    BT::scatter(faceGram_->solve(BT::gather(*rowWork_)), *rowWork_);
+  const bool isStiff = hasSprings_ && isSoftened_; // what springs hold is to stay
+  const Teuchos::RCP<const FaceGram> gram = isStiff ? softGram_ : faceGram_;
+  if (!gram.is_null())
+    BT::scatter(gram->solve(BT::gather(*rowWork_)), *rowWork_);
   MVT::MvInit(x, 0.0);
   rows_.addTransposed(1.0, *rowWork_, x);
   BT::maskActive(x, active_);
+  if (isStiff)
+    soften(x);
 }
 
 // x = TC̄_Fᵀη with C̄x = r, where there is one: the matrix of rows is not symmetric, and (C̄_FC̄_Fᵀ)⁻, which
@@ -164,6 +168,7 @@ CoupledDirection<MV> ProjectedCg<Scalar, MV, OP>::coupledDirection() {
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), *d.p, *d.image);
   curvatureBound_ = std::max(curvatureBound_, norm<Scalar>(*d.image) / norm<Scalar>(*d.p));
   BT::addCurvature(active_, 1.0, *d.p, false, *d.image);
+  SpringOps<Scalar, MV>::add(active_, 1.0, *d.p, false, *d.image);
   d.onFace = MVT::CloneCopy(*d.image);
   BT::maskActive(*d.onFace, active_);
   project(*d.onFace, d.removed.get());

@@ -25,6 +25,20 @@ void exchangeSlips(StateArchive<MV>& archive, const std::string& name, const Fea
     BoundTraits<Scalar, MV>::vectorsToSlips(feasible, *normals, *curvatures, set);
 }
 
+/// The same of springs.
+template<class Scalar, class MV>
+void exchangeSprings(StateArchive<MV>& archive, const std::string& name, const LocalSoftBounds* bounds,
+                     const MV& like, LocalActiveSet& set) {
+  if (bounds == nullptr)
+    return;
+  const Teuchos::RCP<MV> sides = Belos::MultiVecTraits<Scalar, MV>::Clone(like, 1);
+  Belos::MultiVecTraits<Scalar, MV>::MvInit(*sides, 0.0);
+  SpringOps<Scalar, MV>::toVector(*bounds, set, *sides);
+  archive.vector(name + " springs", *sides);
+  if (archive.isReading())
+    SpringOps<Scalar, MV>::fromVector(*bounds, *sides, set);
+}
+
 template<class Scalar, class MV, class OP>
 ProjectedCg<Scalar, MV, OP>::ProjectedCg(const Problem<Scalar, MV, OP>& problem,
                                          EqualityRows<Scalar, MV, OP>& rows, const CgOptions& options,
@@ -39,7 +53,7 @@ ProjectedCg<Scalar, MV, OP>::ProjectedCg(const Problem<Scalar, MV, OP>& problem,
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   for (Teuchos::RCP<MV>* vector : {&w_, &p_, &image_})
     *vector = MVT::Clone(*problem.solution(), 1);
-  z_ = preconditioner_.isPresent() ? MVT::Clone(*w_, 1) : w_;
+  z_ = preconditioner_.isPresent() || problem.hasSoftBounds() ? MVT::Clone(*w_, 1) : w_;
   if (rows_.isPresent()) {
     rowWork_ = rows_.makeVector();
     removed_ = rows_.makeVector();
@@ -69,11 +83,15 @@ bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active, double lea
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using BT = BoundTraits<Scalar, MV>;
   MV& x = *problem_.solution();
+  LocalActiveSet known;
+  known.springs = active_.springs;
   active_ = active;
-  hasFace_ = problem_.hasBounds();
+  hasFace_ = problem_.hasBounds() || problem_.hasSoftBounds();
   preconditioner_.invalidate();
   findSlips();
   isDeficient_ = false;
+  if (hasSprings_ && isSoftened_)
+    SpringOps<Scalar, MV>::move(known, active_, stiffness_, x);
   if (hasFace_) {
     if (gradient_.is_null())
       gradient_ = MVT::Clone(x, 1);
@@ -98,12 +116,16 @@ bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active, double lea
         MVT::MvAddMv(1.0, x, -1.0, *correction, x);
         continue;
       }
-      if (!faceGram_.is_null())
-        BT::scatter(faceGram_->solve(BT::gather(*unused_)), *unused_);
+      // What springs hold is to stay.
+      const Teuchos::RCP<const FaceGram> gram = hasSprings_ && isSoftened_ ? softGram_ : faceGram_;
+      if (!gram.is_null())
+        BT::scatter(gram->solve(BT::gather(*unused_)), *unused_);
       MVT::MvInit(*correction, 0.0);
       rows_.addTransposed(-1.0, *unused_, *correction);
       if (hasFace_)
         BT::maskActive(*correction, active_);
+      if (hasSprings_ && isSoftened_)
+        soften(*correction);
       MVT::MvAddMv(1.0, x, 1.0, *correction, x);
     }
     rows_.residual(x, *unused_);
@@ -139,17 +161,42 @@ void ProjectedCg<Scalar, MV, OP>::findSlips() {
   isSoftened_ =
       problem_.hasDiscs() && preconditioner_.isPresent() &&
       BoundTraits<Scalar, MV>::maximum(*problem_.solution(), active_.slipping.empty() ? 0.0 : 1.0) > 0.0;
+  hasSprings_ = problem_.hasSoftBounds() && isAnywhere(!active_.springs.empty());
+  isSoftened_ = isSoftened_ || hasSprings_;
   softGram_ = Teuchos::null;
   const bool isAsked = isSoftened_ || ((problem_.hasFollowingLimits() || problem_.isTwoSided()) &&
                                        preconditioner_.isPresent());
   if (!isAsked || stiffness_ > 0.0)
     return;
   const MV& b = *problem_.rhs();
+  if (!preconditioner_.isPresent()) { // the quotient of the load
+    const Teuchos::RCP<MV> image = MVT::Clone(b, 1);
+    ++counters_.hessianApplications;
+    Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), b, *image);
+    stiffness_ = dot<Scalar>(b, *image) / dot<Scalar>(b, b);
+    isSoftened_ = stiffness_ > 0.0 && std::isfinite(stiffness_);
+    return;
+  }
   const Teuchos::RCP<MV> y = MVT::Clone(b, 1);
   preconditioner_.apply(b, LocalActiveSet{}, *y);
   preconditioner_.invalidate();
   stiffness_ = dot<Scalar>(b, b) / dot<Scalar>(b, *y);
   isSoftened_ = isSoftened_ && stiffness_ > 0.0 && std::isfinite(stiffness_);
+}
+
+template<class Scalar, class MV, class OP>
+bool ProjectedCg<Scalar, MV, OP>::isAnywhere(bool isHere) const {
+  return BoundTraits<Scalar, MV>::maximum(*problem_.solution(), isHere ? 1.0 : 0.0) > 0.0;
+}
+
+// v ← Tv, where pairs slip and at springs.
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::soften(MV& v) const {
+  const double q = stiffness_;
+  const Teuchos::RCP<MV> whole = Belos::MultiVecTraits<Scalar, MV>::CloneCopy(v);
+  BoundTraits<Scalar, MV>::addAtSlips(
+      active_, [q](double curvature) { return -curvature / (q + curvature); }, *whole, v);
+  SpringOps<Scalar, MV>::share(active_, q, v);
 }
 
 template<class Scalar, class MV, class OP>
@@ -171,6 +218,7 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
       BT::vectorToActive(*active, active_);
     if (problem_.hasDiscs())
       exchangeSlips<Scalar>(archive, "cg", problem_.feasibleSet(), *w_, active_);
+    exchangeSprings<Scalar>(archive, "cg", problem_.softBounds(), *w_, active_);
     if (archive.isReading()) {
       // Bounds that another number of ranks has rounded differently. What follows is where its source had
       // it: limits themselves stay behind within a face, or are ahead after a look.
@@ -187,6 +235,10 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
   archive.number("cg load", rhsNorm_);
   if (problem_.hasFollowingLimits() || problem_.hasDiscs())
     archive.number("cg quotient", rayleigh_);
+  if (problem_.hasSoftBounds()) {
+    archive.number("cg stiffness", stiffness_);
+    archive.number("cg springs", springNorm_);
+  }
   archive.number("cg iterate", iterateNorm_);
   archive.number("cg rounding level", level_);
   archive.number("cg staleness", staleness_);
@@ -236,6 +288,7 @@ void ProjectedCg<Scalar, MV, OP>::restart() {
     kept_.minimise(x, *w_);
   if (hasFace_) {
     BoundTraits<Scalar, MV>::addCurvature(active_, 1.0, x, true, *w_);
+    addSprings(x);
     MVT::Assign(*w_, *gradient_);
     BoundTraits<Scalar, MV>::maskActive(*w_, active_);
   }
@@ -277,8 +330,11 @@ bool ProjectedCg<Scalar, MV, OP>::returnToRows(double distance) {
 // z = P_F M⁻¹ w; without a preconditioner z is w.
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::precondition() {
-  if (!preconditioner_.isPresent())
+  if (!preconditioner_.isPresent() && !isSoftened_) {
+    if (z_ != w_)
+      Belos::MultiVecTraits<Scalar, MV>::Assign(*w_, *z_);
     return;
+  }
   if (isSoftened_) {
     preconditionSoftened();
   } else {
@@ -296,11 +352,6 @@ void ProjectedCg<Scalar, MV, OP>::preconditionSoftened() {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using BT = BoundTraits<Scalar, MV>;
   const double q = stiffness_;
-  const auto soften = [&](MV& v) { // v ← Tv
-    const Teuchos::RCP<MV> whole = MVT::CloneCopy(v);
-    BT::addAtSlips(
-        active_, [q](double curvature) { return -curvature / (q + curvature); }, *whole, v);
-  };
   if (!rows_.isPresent()) {
     preconditioner_.applySoftened(*w_, active_, q, *z_);
     return;
@@ -349,14 +400,16 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
   const Teuchos::RCP<const OP> onKernel = problem_.hessianOnKernel();
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(onKernel.is_null() ? *problem_.hessian() : *onKernel, *p_,
                                                *image_);
-  const double ofHessian = problem_.hasDiscs() ? dot<Scalar>(*p_, *image_) : 0.0;
+  const bool hasMore = problem_.hasDiscs() || problem_.hasSoftBounds();
+  const double ofHessian = hasMore ? dot<Scalar>(*p_, *image_) : 0.0;
   BoundTraits<Scalar, MV>::addCurvature(active_, 1.0, *p_, false, *image_);
+  SpringOps<Scalar, MV>::add(active_, 1.0, *p_, false, *image_);
   const CurvatureSums sums = BoundTraits<Scalar, MV>::curvature(*w_, *p_, *image_, active_);
   const double curvature = sums.directionDotImage / sums.directionNorm2;
   if (!std::isfinite(curvature) || !std::isfinite(sums.gradientDotDirection))
     return Outcome::Breakdown;
   curvatureBound_ =
-      std::max(curvatureBound_, problem_.hasDiscs() ? ofHessian / sums.directionNorm2 : curvature);
+      std::max(curvatureBound_, hasMore ? ofHessian / sums.directionNorm2 : curvature);
   if (curvature < -100.0 * epsilon * curvatureBound_)
     return Outcome::Breakdown;
   if (curvature <= 100.0 * epsilon * curvatureBound_)
@@ -388,7 +441,8 @@ template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::raiseLevel(double iterateNorm2) {
   iterateNorm_ = std::sqrt(iterateNorm2);
   level_ =
-      std::max(level_, std::numeric_limits<double>::epsilon() * (curvatureBound_ * iterateNorm_ + rhsNorm_));
+      std::max(level_, std::numeric_limits<double>::epsilon() *
+                           (curvatureBound_ * iterateNorm_ + rhsNorm_ + springNorm_));
 }
 
 template<class Scalar, class MV, class OP>
@@ -399,10 +453,11 @@ double ProjectedCg<Scalar, MV, OP>::residualNorm() const {
 template<class Scalar, class MV, class OP>
 typename ProjectedCg<Scalar, MV, OP>::Slipping ProjectedCg<Scalar, MV, OP>::slipping() const {
   const double q = stiffness_ > 0.0 ? stiffness_ : curvatureBound_;
-  if (!problem_.hasDiscs() || !(q > 0.0))
+  if (!(problem_.hasDiscs() || hasSprings_) || !(q > 0.0))
     return {residualNorm(), 0.0};
   const SlipSums sums = BoundTraits<Scalar, MV>::slipSums(active_, q, *w_);
-  return {std::sqrt(std::max(0.0, residual2_ - sums.along2) + sums.softened2),
+  return {std::sqrt(std::max(0.0, residual2_ - sums.along2 - sums.springs2) + sums.softened2 +
+                    sums.softenedSprings2),
           sums.rims2 > 0.0 ? std::sqrt(sums.along2 / sums.rims2) : 0.0};
 }
 
@@ -414,7 +469,14 @@ double ProjectedCg<Scalar, MV, OP>::attainable() const {
 template<class Scalar, class MV, class OP>
 double ProjectedCg<Scalar, MV, OP>::cost() const {
   const MV& x = *problem_.solution();
-  return 0.5 * (dot<Scalar>(x, *gradient_) - dot<Scalar>(x, *problem_.rhs()));
+  double ofSprings = 0.0; // ½κ(x − c)² − ½xκ(x − c)
+  if (hasSprings_) {
+    const Teuchos::RCP<MV> forces = Belos::MultiVecTraits<Scalar, MV>::Clone(x, 1);
+    Belos::MultiVecTraits<Scalar, MV>::MvInit(*forces, 0.0);
+    SpringOps<Scalar, MV>::add(active_, 1.0, x, true, *forces);
+    ofSprings = -0.5 * SpringOps<Scalar, MV>::atCentres(active_, *forces);
+  }
+  return 0.5 * (dot<Scalar>(x, *gradient_) - dot<Scalar>(x, *problem_.rhs())) + ofSprings;
 }
 
 template<class Scalar, class MV, class OP>
@@ -423,6 +485,25 @@ void ProjectedCg<Scalar, MV, OP>::lagrangianGradient(MV& y) const {
   BoundTraits<Scalar, MV>::addCurvature(active_, -1.0, *problem_.solution(), true, y);
   if (rows_.isPresent())
     rows_.addTransposed(-1.0, *removed_, y);
+}
+
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::trueGradient(MV& y) const {
+  lagrangianGradient(y);
+  SpringOps<Scalar, MV>::correct(problem_.softBounds(), active_, *problem_.solution(), y);
+}
+
+// To w, and how large what cancels there is.
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::addSprings(const MV& x) {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  if (!hasSprings_)
+    return;
+  const Teuchos::RCP<MV> forces = MVT::Clone(x, 1);
+  MVT::MvInit(*forces, 0.0);
+  SpringOps<Scalar, MV>::add(active_, 1.0, x, false, *forces);
+  springNorm_ = norm<Scalar>(*forces);
+  SpringOps<Scalar, MV>::add(active_, 1.0, x, true, *w_);
 }
 
 template<class Scalar, class MV, class OP>

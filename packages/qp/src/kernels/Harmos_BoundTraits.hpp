@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_FeasibleSet.hpp"
+#include "Harmos_SoftBounds.hpp"
 
 #include <functional>
 #include <limits>
@@ -25,7 +26,8 @@ struct Slip {
 struct LocalActiveSet : std::vector<signed char> {
   using std::vector<signed char>::vector;
   static constexpr signed char onRim = 2, slips = 3;
-  std::vector<Slip> slipping; ///< of each pair whose state is `slips`
+  std::vector<Slip> slipping;  ///< of each pair whose state is `slips`
+  std::vector<Spring> springs; ///< entries beyond their soft bounds, whose state is 0; see SpringOps
 };
 
 /// How updateActiveSet() deals with discs.
@@ -104,6 +106,7 @@ struct ActiveSetChange {
 struct SlipSums {
   double along2 = 0.0;    ///< Σ(tᵀw)²
   double softened2 = 0.0; ///< Σ(q/(q + κ))²(tᵀw)²
+  double springs2 = 0.0, softenedSprings2 = 0.0; ///< the same of springs, w in the place of tᵀw
   double rims2 = 0.0;     ///< Σ((q + κ)r)²: where tᵀw is as large, tᵀy is off by about r
 };
 
@@ -208,7 +211,7 @@ struct BoundTraits {
   static void addAtSlips(const LocalActiveSet& active, const std::function<double(double)>& f, const MV& x,
                          MV& y);
 
-  /// @param w along the tangents of slipping pairs.
+  /// @param w along the tangents of slipping pairs, and at springs.
   static SlipSums slipSums(const LocalActiveSet& active, double q, const MV& w);
 
   /// Slipping pairs as vectors, and back: their normals; κ at their first entry and r at the second, which
@@ -288,6 +291,14 @@ struct BoundTraits {
 
   /// Pseudo-random entries in (−1, 1) that depend on the global index alone, not on the distribution. Local.
   static void setRandom(MV& x);
+
+  /// Lends the entries of this rank. Local.
+  static void read(const MV& v, const std::function<void(const double*)>& use);
+  static void write(MV& v, const std::function<void(double*)>& use);
+  /// Sums over the ranks that share the vector.
+  static void sum(const MV& like, double* sums, int count);
+  /// Whether soft bounds are those of vectors of this length on this rank. Local.
+  static bool isFit(const MV& like, const LocalSoftBounds& bounds);
 
   /// The entries of this rank, and back. Local.
   static std::vector<double> localEntries(const MV& v);

@@ -248,7 +248,7 @@ void Traits::addAtSlips(const LocalActiveSet& active, const std::function<double
 }
 
 SlipSums Traits::slipSums(const LocalActiveSet& active, double q, const MultiVector& w) {
-  double sums[3] = {0.0, 0.0, 0.0};
+  double sums[5] = {0.0, 0.0, 0.0, 0.0, 0.0};
   {
     const Reader ws(w);
     for (const Slip& slip : active.slipping) {
@@ -258,9 +258,14 @@ SlipSums Traits::slipSums(const LocalActiveSet& active, double q, const MultiVec
       sums[1] += std::pow(q / (q + slip.curvature) * along, 2);
       sums[2] += std::pow((q + slip.curvature) * slip.radius, 2);
     }
+    for (const Spring& spring : active.springs) {
+      const double entry = ws[static_cast<std::size_t>(spring.entry)];
+      sums[3] += entry * entry;
+      sums[4] += std::pow(q / (q + spring.curvature) * entry, 2);
+    }
   }
-  reduce(w, sums, 3);
-  return {sums[0], sums[1], sums[2]};
+  reduce(w, sums, 5);
+  return {sums[0], sums[1], sums[3], sums[4], sums[2]};
 }
 
 void Traits::slipsToVectors(const LocalActiveSet& active, MultiVector& normals, MultiVector& curvatures) {
@@ -416,6 +421,22 @@ double Traits::projectOntoRecessionCone(MultiVector& d, const FeasibleSet<MultiV
 
 bool Traits::isFit(const MultiVector& like, const LocalDiscs& discs) {
   return discs.length() == like.getLocalLength();
+}
+
+bool Traits::isFit(const MultiVector& like, const LocalSoftBounds& bounds) {
+  return bounds.length() == like.getLocalLength();
+}
+
+void Traits::read(const MultiVector& v, const std::function<void(const double*)>& use) {
+  use(Reader(v).data());
+}
+
+void Traits::write(MultiVector& v, const std::function<void(double*)>& use) {
+  use(Writer(v).data());
+}
+
+void Traits::sum(const MultiVector& like, double* sums, int count) {
+  reduce(like, sums, count);
 }
 
 BoundFault Traits::findBoundFault(const MultiVector& like, const FeasibleSet<MultiVector>& feasible) {

@@ -81,6 +81,10 @@ struct BoundTraits<Scalar, MultiVector> {
   static BoxInfimum boxInfimum(const MultiVector& w, const FeasibleSet<MultiVector>& feasible);
   static double projectOntoRecessionCone(MultiVector& d, const FeasibleSet<MultiVector>& feasible);
   static bool isFit(const MultiVector& like, const LocalDiscs& discs);
+  static bool isFit(const MultiVector& like, const LocalSoftBounds& bounds);
+  static void read(const MultiVector& v, const std::function<void(const double*)>& use);
+  static void write(MultiVector& v, const std::function<void(double*)>& use);
+  static void sum(const MultiVector& like, double* sums, int count);
   static BoundFault findBoundFault(const MultiVector& like, const FeasibleSet<MultiVector>& feasible);
   static void setRandom(MultiVector& x);
   static std::vector<double> gather(const MultiVector& v);

@@ -63,7 +63,7 @@ class EqualityRows {
   Teuchos::RCP<MV> makeVector() const;
 
   /// C̄M_FC̄ᵀ factored, M_F the mask of the free entries; needs orthonormal rows. @note Collective.
-  /// @param q see FaceGramMaker::buildWithSlips().
+  /// @param q see FaceGramMaker::buildWithSlips(); springs have their share then, see SpringOps.
   Teuchos::RCP<const FaceGram> faceGram(const LocalActiveSet& active, double q = 0.0) const;
   /// C̄DC̄ᵀ for any D, at a product with C̄ and C̄ᵀ a row. @param weigh v ← Dv.
   Teuchos::RCP<const FaceGram> gramWith(const std::function<void(MV&)>& weigh) const {

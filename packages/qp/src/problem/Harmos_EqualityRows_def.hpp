@@ -98,6 +98,8 @@ Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::faceGram(const LocalA
   if (factors_.empty() && !problem_.faceGram().is_null()) {
     const Teuchos::RCP<MV> free = MVT::Clone(*image_, 1);
     MVT::MvInit(*free, 1.0);
+    if (q > 0.0)
+      SpringOps<Scalar, MV>::share(active, q, *free);
     if (!slips) {
       BoundTraits<Scalar, MV>::maskActive(*free, active);
       return problem_.faceGram()->build(*free);
@@ -116,6 +118,7 @@ Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::faceGram(const LocalA
       const Teuchos::RCP<MV> whole = MVT::CloneCopy(v);
       BoundTraits<Scalar, MV>::addAtSlips(
           active, [q](double curvature) { return -curvature / (q + curvature); }, *whole, v);
+      SpringOps<Scalar, MV>::share(active, q, v);
     }
   };
   return denseGram(gramOf(weigh));

@@ -5,6 +5,7 @@
 #include "Harmos_FaceGram.hpp"
 #include "Harmos_FacePreconditioner.hpp"
 #include "Harmos_FollowingLimits.hpp"
+#include "Harmos_SpringOps.hpp"
 
 #include <Teuchos_RCP.hpp>
 
@@ -27,7 +28,8 @@ enum class EqualityStructure {
 ///
 ///     min ½ xᵀAx − bᵀx   subject to   l ≤ x ≤ u,  |(x_i, x_j) − m| ≤ r,  Cx = c,
 ///
-/// A symmetric positive semidefinite, (i, j) pairs of entries without bounds. Mirrors Belos::LinearProblem:
+/// A symmetric positive semidefinite, (i, j) pairs of entries without bounds; entries may have soft bounds
+/// instead, which add ½κ dist(x_i, [l_i, u_i])² to the cost. Mirrors Belos::LinearProblem:
 /// every setter takes the "set" mark away, setProblem() checks and gives it, and no solver accepts a problem
 /// without it.
 ///
@@ -55,6 +57,9 @@ class Problem {
   /// account, and whose sources have lower bounds. Null on all ranks: none; else given on all, if empty. The
   /// problem works with copies of bounds and discs then.
   void setFollowingLimits(std::shared_ptr<const FollowingLimits> limits);
+  /// Entries, without bounds of other kinds, that may leave their intervals against a curvature. Null on all
+  /// ranks: none; else given on all, if empty. Not all solvers take them: SolverManager::takesSoftBounds().
+  void setSoftBounds(std::shared_ptr<const LocalSoftBounds> bounds);
   /// @param multiplier μ in the range of C: initial value before, answer after solve().
   void setEquality(Teuchos::RCP<const OP> rows, Teuchos::RCP<const MV> values, Teuchos::RCP<MV> multiplier,
                    EqualityStructure structure = EqualityStructure::General);
@@ -104,6 +109,9 @@ class Problem {
   /// To be used while this lives and is not changed.
   FeasibleSet<MV> feasibleSet() const { return {lower_.get(), upper_.get(), discs_.get()}; }
   bool hasDiscs() const { return discs_ != nullptr; }
+  bool hasSoftBounds() const { return soft_ != nullptr; }
+  /// Of this rank; null without.
+  const LocalSoftBounds* softBounds() const { return soft_.get(); }
   bool isTwoSided() const { return !lower_.is_null() && !upper_.is_null(); }
   /// The problem with limits as they are, and as they will be when this one lets them follow; to be solved
   /// while this lives.
@@ -129,6 +137,7 @@ class Problem {
  private:
   bool refuse(const std::string& fault);
   bool isFollowable() const;
+  bool areSoft() const;
   void ownLimits();
 
   Teuchos::RCP<const OP> hessian_;
@@ -138,6 +147,7 @@ class Problem {
   Teuchos::RCP<const MV> lower_;
   Teuchos::RCP<const MV> upper_;
   std::shared_ptr<const LocalDiscs> discs_;
+  std::shared_ptr<const LocalSoftBounds> soft_;
   std::shared_ptr<const FollowingLimits> following_;
   // Where limits follow: what the bounds point to.
   Teuchos::RCP<MV> ownLower_, ownUpper_;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace Harmos::qp {
 
@@ -58,6 +59,12 @@ template<class Scalar, class MV, class OP>
 void Problem<Scalar, MV, OP>::setFollowingLimits(std::shared_ptr<const FollowingLimits> limits) {
   following_ = std::move(limits);
   refuse("setProblem() was not called after setFollowingLimits()");
+}
+
+template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::setSoftBounds(std::shared_ptr<const LocalSoftBounds> bounds) {
+  soft_ = std::move(bounds);
+  refuse("setProblem() was not called after setSoftBounds()");
 }
 
 template<class Scalar, class MV, class OP>
@@ -145,6 +152,36 @@ bool Problem<Scalar, MV, OP>::isFollowable() const {
   });
 }
 
+// Whether soft bounds are such, on entries without others. Local.
+template<class Scalar, class MV, class OP>
+bool Problem<Scalar, MV, OP>::areSoft() const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  std::vector<char> isTaken(soft_->length(), 0);
+  if (hasDiscs())
+    for (const Disc& disc : discs_->discs())
+      for (int entry : {disc.first, disc.second})
+        isTaken[static_cast<std::size_t>(entry)] = 1;
+  if (hasFollowingLimits())
+    for (const FollowingLimit& limit : *following_)
+      if (!limit.isDisc && limit.place >= 0 && static_cast<std::size_t>(limit.place) < isTaken.size())
+        isTaken[static_cast<std::size_t>(limit.place)] = 1;
+  const auto markBounded = [&](const Teuchos::RCP<const MV>& bound) {
+    if (!bound.is_null())
+      BoundTraits<Scalar, MV>::read(*bound, [&](const double* values) {
+        for (std::size_t i = 0; i < isTaken.size(); ++i)
+          if (std::abs(values[i]) != infinity)
+            isTaken[i] = 1;
+      });
+  };
+  markBounded(lower_);
+  markBounded(upper_);
+  return std::all_of(soft_->bounds().begin(), soft_->bounds().end(), [&](const SoftBound& bound) {
+    return bound.lower <= bound.upper && bound.lower < infinity && bound.upper > -infinity &&
+           bound.curvature >= 0.0 && std::isfinite(bound.curvature) &&
+           isTaken[static_cast<std::size_t>(bound.entry)] == 0;
+  });
+}
+
 template<class Scalar, class MV, class OP>
 bool Problem<Scalar, MV, OP>::setProblem() {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
@@ -166,6 +203,14 @@ bool Problem<Scalar, MV, OP>::setProblem() {
         "discs are given on some ranks and not on the others: give empty ones where there are none");
   if (hasDiscs() && onAnyRank(!BoundTraits<Scalar, MV>::isFit(*solution_, *discs_)))
     return refuse("discs are those of a vector of another length on a rank");
+  if (onAnyRank(hasSoftBounds()) && onAnyRank(!hasSoftBounds()))
+    return refuse("soft bounds are given on some ranks and not on the others: give empty ones where there "
+                  "are none");
+  if (hasSoftBounds() && onAnyRank(!BoundTraits<Scalar, MV>::isFit(*solution_, *soft_)))
+    return refuse("soft bounds are those of a vector of another length on a rank");
+  if (hasSoftBounds() && onAnyRank(!areSoft()))
+    return refuse("a soft bound is no number, its lower end is above the upper one, its curvature is negative "
+                  "or not finite, or its entry has a bound of its own, is in a disc or follows another");
   const BoundFault fault = BoundTraits<Scalar, MV>::findBoundFault(*solution_, feasibleSet());
   if (fault.found && !(fault.lower > fault.upper))
     return refuse(

@@ -8,6 +8,7 @@ namespace Harmos::qp {
 /// "Auto": lets the solver that suits the problem's structure do the work; Result::method tells which.
 ///
 ///     no bounds                                          PCPG
+///     soft bounds                                        PDAS
 ///     bounds, preconditioner, no equalities              PDAS
 ///     bounds, preconditioner, equalities with FaceGram   PDAS
 ///     bounds, no equalities                              MPRGP
@@ -25,6 +26,7 @@ class AutoSolver : public SolverManager<Scalar, MV, OP> {
   Teuchos::RCP<SolverManager<Scalar, MV, OP>> clone() const override;
   const ParameterSpec& parameterSpec() const override { return spec(); }
   bool letsLimitsFollow() const override { return true; }
+  bool takesSoftBounds() const override { return true; }
   static const ParameterSpec& spec();
 
   /// The name of the solver that the problem's structure calls for.

@@ -23,6 +23,8 @@ const ParameterSpec& AutoSolver<Scalar, MV, OP>::spec() {
 
 template<class Scalar, class MV, class OP>
 std::string AutoSolver<Scalar, MV, OP>::choice(const Problem<Scalar, MV, OP>& problem) {
+  if (problem.hasSoftBounds())
+    return "PDAS";
   if (!problem.hasBounds())
     return "PCPG";
   const bool cheapFaces = !problem.hasEqualities() || !problem.faceGram().is_null();

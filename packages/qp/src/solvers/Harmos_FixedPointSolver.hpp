@@ -32,6 +32,7 @@ class FixedPointSolver : public SolverManager<Scalar, MV, OP> {
   Teuchos::RCP<Solver> clone() const override;
   const ParameterSpec& parameterSpec() const override { return inner_->parameterSpec(); }
   bool letsLimitsFollow() const override { return true; }
+  bool takesSoftBounds() const override { return inner_->takesSoftBounds(); }
 
  protected:
   void doSolve() override;

@@ -191,6 +191,7 @@ IterationState<MV> FixedPointSolver<Scalar, MV, OP>::measure() {
   ++counters.hessianApplications;
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem.hessian(), x, *gradient);
   MVT::MvAddMv(1.0, *gradient, -1.0, *problem.rhs(), *gradient);
+  SpringOps<Scalar, MV>::addForces(problem.softBounds(), x, *gradient);
   IterationState<MV> state;
   if (rows_->isPresent()) {
     const Teuchos::RCP<MV> mu = rows_->makeVector(), residual = rows_->makeVector();

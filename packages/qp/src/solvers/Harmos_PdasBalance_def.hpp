@@ -46,7 +46,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::comesFromInside(const std::string& why) {
   solver_.log_.detail("PDAS: " + why + "; a path through interior points comes first");
   InteriorPath<Scalar, MV, OP> path(problem_, rows_,
                                     CgOptions::fromList(solver_.parameters_->sublist("PCPG")), cg_.kept(),
-                                    mostKept_, counters_);
+                                    mostKept_, counters_, springsOf(set_));
   const bool isThrough = path.run(*best_, q, paths_ == 1 ? 1e-8 : 1e-11, most, [&] {
     const std::optional<Reason> reason = solver_.judge(state_);
     return reason && *reason == Reason::TimeLimit;
@@ -57,6 +57,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::comesFromInside(const std::string& why) {
   if (hasFollowing())
     solver_.problem_->follow();
   findSetBeside(path.x(), path.y(), q);
+  cg_.knowSprings(set_);
   state_.inner += path.steps();
   // Its share is that of sets: what would take over where limits follow has no better way.
   budget_ = std::min(budget_ + path.steps(), solver_.maximumIterations());
@@ -118,6 +119,7 @@ void PdasSolver<Scalar, MV, OP>::Run::exchangeBest(StateArchive<MV>& archive) {
     BT::vectorToActive(*states, bestSet_);
   if (problem_.hasDiscs())
     exchangeSlips<Scalar>(archive, "pdas best", feasible_, x_, bestSet_);
+  exchangeSprings<Scalar>(archive, "pdas best", problem_.softBounds(), x_, bestSet_);
 }
 
 } // namespace Harmos::qp

@@ -64,6 +64,8 @@ void PdasSolver<Scalar, MV, OP>::Run::guessBounds() {
   MVT::MvAddMv(-1.0, *problem_.rhs(), 0.0, *problem_.rhs(), *y_);
   addMultiplier();
   BT::split(x_, *y_, feasible_, 1.0, nullptr, set_);
+  if (problem_.hasSoftBounds())
+    guessSprings();
   if (isCold_ && firstSet_ != FirstSet::Gradient) {
     FirstActiveSet<Scalar, MV, OP> nearest(problem_, rows_, counters_);
     if (firstSet_ == FirstSet::Nearest || isAtAllBounds(nearest.scale())) {

@@ -32,6 +32,11 @@ namespace Harmos::qp {
 /// were too many guesses, or when the share of the iterations is used up that is meant for it, MPRGP or
 /// SMALBE takes over from the best iterate (counters: safeguards) and has the rest of the iterations.
 ///
+/// Entries that are outside of soft bounds are springs of the face (SpringOps), by the side where they are:
+/// Newton's method for a gradient that bends there. Where that goes in circles, sides stay until the rest has
+/// settled, and x goes from answer to answer as far as the cost falls on the way (generalised Newton's method
+/// with line search; Facchinei, SIAM J. Optim. 5, 1995). No other method takes over then.
+///
 /// Needs orthonormal rows (made so if they are few). With equalities the dense C_FC_Fᵀ is factored for each
 /// guess, at a product with C and Cᵀ a row.
 ///
@@ -44,6 +49,7 @@ class PdasSolver : public SolverManager<Scalar, MV, OP> {
   Teuchos::RCP<SolverManager<Scalar, MV, OP>> clone() const override;
   const ParameterSpec& parameterSpec() const override { return spec(); }
   bool letsLimitsFollow() const override { return true; }
+  bool takesSoftBounds() const override { return true; }
   static const ParameterSpec& spec();
   /// The list "PDAS" alone.
   static ParameterSpec methodSpec();
@@ -119,6 +125,11 @@ class PdasSolver<Scalar, MV, OP>::Run {
   bool comesFromInside(const std::string& why);
   void findSetBeside(const MV& x, const MV& y, double q);
   bool descends(const std::string& why);
+  bool holdsSides(const std::string& why);
+  bool movesSides();
+  void exchangeSides(StateArchive<MV>& archive);
+  void guessSprings();
+  void lookAtSprings(double noise);
 
   void describeState();
   void guess();
@@ -129,7 +140,14 @@ class PdasSolver<Scalar, MV, OP>::Run {
   void addMultiplier();
   void lookAtFollowing(double stepLength);
   bool isExhausted() const;
+  static LocalActiveSet springsOf(const LocalActiveSet& set) {
+    LocalActiveSet result;
+    result.springs = set.springs;
+    return result;
+  }
   bool hasFollowing() const { return problem_.hasFollowingLimits(); }
+  // No solver but this takes soft bounds.
+  bool hasNoOther() const { return problem_.hasSoftBounds() && !hasFollowing(); }
   void freeFollowing();
   IterationState<MV> evaluate(double gradientNorm, int inner);
   IterationState<MV> measure(int inner, bool feasible);
@@ -175,6 +193,12 @@ class PdasSolver<Scalar, MV, OP>::Run {
   int paths_ = 0;           // through interior points, that were followed
   bool restarts_ = false;   // on another face
   bool newFace_ = true, started_ = false;
+  // Where soft bounds are: a number an entry; what springs are wrong by; whether their sides stay, and the
+  // point that they are those of, with its gradient without springs.
+  Teuchos::RCP<MV> random_, sidesAt_, sidesGradient_;
+  double wrongSprings_ = 0.0;
+  bool holdsSides_ = false;
+  int sideSteps_ = 0;
   // On a face.
   double target_ = 0.0;
   bool stepped_ = false, resumed_ = false;

@@ -5,6 +5,7 @@
 #include "Harmos_PcpgSolver_def.hpp"
 #include "Harmos_PdasBalance_def.hpp"
 #include "Harmos_PdasBeginning_def.hpp"
+#include "Harmos_PdasSprings_def.hpp"
 #include "Harmos_PdasSolver.hpp"
 #include "Harmos_ProjectedCg_def.hpp"
 #include "Harmos_SmalbeSolver_def.hpp"
@@ -78,7 +79,7 @@ void PdasSolver<Scalar, MV, OP>::fallBack(const std::string& why) {
 
 template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::doSolve() {
-  if (!this->problem_->hasBounds()) {
+  if (!this->problem_->hasBounds() && !this->problem_->hasSoftBounds()) {
     this->log_.info("Note: without bounds, PDAS is PCPG");
     PcpgSolver<Scalar, MV, OP> solver;
     return this->delegate(solver);
@@ -124,7 +125,7 @@ PdasSolver<Scalar, MV, OP>::Run::Run(PdasSolver& solver, EqualityRows<Scalar, MV
   // Another method makes nothing of a handful of iterations.
   constexpr int fewIterations = 100;
   budget_ = solver.firstInner_ +
-            (left <= fewIterations ? left : static_cast<int>(list.get<double>("Share of iterations") * left));
+            (left <= fewIterations || hasNoOther() ? left : static_cast<int>(list.get<double>("Share of iterations") * left));
 }
 
 template<class Scalar, class MV, class OP>
@@ -159,6 +160,10 @@ void PdasSolver<Scalar, MV, OP>::Run::begin() {
   if (hasFollowing() && !isCold_)
     solver_.problem_->follow();
   BT::project(x_, feasible_);
+  if (problem_.hasSoftBounds()) {
+    random_ = MVT::Clone(x_, 1);
+    BT::setRandom(*random_);
+  }
   best_ = MVT::CloneCopy(x_);
   if (rows_.isPresent()) {
     bestMultiplier_ = rows_.makeVector();
@@ -208,6 +213,8 @@ void PdasSolver<Scalar, MV, OP>::Run::describeState() {
       exchangeSlips<Scalar>(archive, "pdas", feasible_, x_, set_);
       archive.number("pdas slips", change_.slips);
     }
+    if (problem_.hasSoftBounds())
+      exchangeSides(archive);
     if (hasFollowing()) {
       const Teuchos::RCP<MV> radii = MVT::Clone(x_, 1);
       problem_.limits(*radii);
@@ -360,7 +367,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::advance() {
 // The next active set, and what the present iterate is worth.
 template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::look() {
-  if (active_ > 0 || hasFollowing() ||
+  if (active_ > 0 || hasFollowing() || problem_.hasSoftBounds() ||
       problem_.hasDiscs()) // multipliers of active bounds are all that it is asked for, and of discs
     cg_.lagrangianGradient(*y_);
   const double epsilon = std::numeric_limits<double>::epsilon();
@@ -378,10 +385,13 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
                                 10.0 * cg_.attainable(), set_, {stepLength, turn});
   if (hasFollowing())
     lookAtFollowing(stepLength);
+  if (problem_.hasSoftBounds())
+    lookAtSprings(10.0 * epsilon * norm<Scalar>(x_));
   if (next_.isFit())
     next_.aim(x_, *y_, stiffening_ * cg_.stiffness());
   // ‖g^P‖ at the projection of x is at most ‖w‖ + ‖multipliers of the wrong sign‖ + ‖A‖‖x − Π(x)‖.
-  expected_ = cg_.residualNorm() + std::sqrt(change_.wrongSign2) + curvature * std::sqrt(change_.violation2);
+  expected_ = cg_.residualNorm() + std::sqrt(change_.wrongSign2) +
+              curvature * std::sqrt(change_.violation2) + wrongSprings_;
   active_ = change_.active;
   if (descent_.isOn())
     faceCost_ = cg_.cost();
@@ -426,8 +436,8 @@ bool PdasSolver<Scalar, MV, OP>::Run::isCandidate() {
     return true;
   double expected = expected_;
   if (hasFollowing() && !problem_.hasDiscs()) { // what is beyond limits, by the stiffness that there is
-    expected =
-        cg_.residualNorm() + std::sqrt(change_.wrongSign2) + cg_.stiffness() * std::sqrt(change_.violation2);
+    expected = cg_.residualNorm() + std::sqrt(change_.wrongSign2) +
+               cg_.stiffness() * std::sqrt(change_.violation2) + wrongSprings_;
     if (change_.changed != 0 && expected > 0.5 * disproved_)
       return false;
   }
@@ -451,6 +461,8 @@ bool PdasSolver<Scalar, MV, OP>::Run::isAnswer() {
     }
     sentBack = true; // the test is stricter now
   }
+  if (holdsSides_ && change_.changed == 0 && !sentBack && movesSides())
+    return false;
   if (change_.changed != 0 || (cg_.residualNorm() > cg_.attainable() && (!exhausted || sentBack)))
     return false;
   solver_.stop(Reason::Stagnation,
@@ -474,7 +486,8 @@ bool PdasSolver<Scalar, MV, OP>::Run::follows(const std::string& why) {
 // From the best iterate on, sets descend.
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::descends(const std::string& why) {
-  if (descent_.isOn() || problem_.hasDiscs() || hasFollowing())
+  if (descent_.isOn() || problem_.hasDiscs() || hasFollowing() ||
+      (problem_.hasSoftBounds() && !holdsSides_))
     return false;
   const Teuchos::RCP<MV> present = MVT::CloneCopy(x_);
   MVT::Assign(*best_, x_);
@@ -491,7 +504,9 @@ bool PdasSolver<Scalar, MV, OP>::Run::descends(const std::string& why) {
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::mayGoOn() {
   ++counters_.activeSetUpdates;
-  if (!descent_.isOn() && counters_.activeSetUpdates >= mostSets_) {
+  if (!descent_.isOn() && !holdsSides_ && counters_.activeSetUpdates >= mostSets_) {
+    if (holdsSides("there were " + std::to_string(mostSets_) + " active sets"))
+      return true;
     handOver("the limit of " + std::to_string(mostSets_) + " active sets was reached");
     return false;
   }
@@ -511,7 +526,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::mayGoOn() {
   // Where limits follow sets may be the same again and again.
   if (!isLost && (hasFollowing() || !progress_.isCircle(change_)))
     return true;
-  if (balances(why) || comesFromInside(why) || follows(why) || descends(why))
+  if (balances(why) || comesFromInside(why) || follows(why) || holdsSides(why) || descends(why))
     return true;
   handOver(why);
   return false;
@@ -528,7 +543,7 @@ IterationState<MV> PdasSolver<Scalar, MV, OP>::Run::evaluate(double gradientNorm
 template<class Scalar, class MV, class OP>
 IterationState<MV> PdasSolver<Scalar, MV, OP>::Run::measure(int inner, bool feasible) {
   if (feasible && cg_.staleness() > 0) {
-    cg_.lagrangianGradient(*y_);
+    cg_.trueGradient(*y_);
     const double carried = BT::projectedGradientNorm(x_, *y_, feasible_);
     if (10.0 * cg_.attainable() <= carried) {
       cg_.storeMultiplier();
@@ -544,6 +559,7 @@ IterationState<MV> PdasSolver<Scalar, MV, OP>::Run::measure(int inner, bool feas
   ++counters_.hessianApplications;
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), x_, *y_);
   MVT::MvAddMv(1.0, *y_, -1.0, *problem_.rhs(), *y_);
+  SpringOps<Scalar, MV>::addForces(problem_.softBounds(), x_, *y_);
   if (rows_.isPresent()) {
     const Teuchos::RCP<MV> mu = rows_.makeVector();
     cg_.multiplier(*mu);
@@ -559,6 +575,10 @@ void PdasSolver<Scalar, MV, OP>::Run::handOver(const std::string& why) {
   MVT::Assign(*best_, x_);
   if (rows_.isPresent() && hasBest_)
     rows_.toUser(*bestMultiplier_, *problem_.multiplier());
+  if (hasNoOther()) {
+    state_ = measure(state_.inner, false);
+    return solver_.stop(Reason::Stagnation, Explanations::noOtherMethod(why), state_);
+  }
   solver_.fallBack(why);
 }
 

@@ -45,6 +45,9 @@ class SolverManager {
   /// Whether it solves problems with limits that follow; for others a FixedPointSolver does so with them.
   virtual bool letsLimitsFollow() const { return false; }
 
+  /// Whether it solves problems with soft bounds; others refuse them.
+  virtual bool takesSoftBounds() const { return false; }
+
   /// Type, default, range and meaning of every parameter.
   virtual const ParameterSpec& parameterSpec() const = 0;
 
@@ -87,7 +90,8 @@ class SolverManager {
     certificate_ = Teuchos::null;
   }
 
-  /// @throws InputError if no problem is set or its structure is not what this solver is for.
+  /// @throws InputError if no problem is set or its structure is not what this solver is for, as soft bounds
+  /// are not for all.
   /// @note Collective.
   Result solve();
 

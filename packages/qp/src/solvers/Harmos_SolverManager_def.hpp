@@ -95,6 +95,9 @@ Result SolverManager<Scalar, MV, OP>::solve() {
     throw InputError(name() + ": solve() was called without a problem; call setProblem() first");
   if (!problem_->isProblemSet())
     throw InputError(name() + ": the problem was changed after setProblem(): " + problem_->whyNotSet());
+  if (problem_->hasSoftBounds() && !takesSoftBounds())
+    throw InputError(name() + " takes no soft bounds, which entries may leave against a curvature, as of an "
+                              "interface that is glued; use PDAS or Auto");
   reset();
   result_.method = name();
   activeTest_ = convergenceTest_.is_null() ? defaultTest() : convergenceTest_;
@@ -257,7 +260,8 @@ bool SolverManager<Scalar, MV, OP>::fallsAlongNullSpace() {
   if (!(length > noise * norm<Scalar>(*problem_->rhs())))
     return false;
   MVT::MvScale(*d, 1.0 / length);
-  if (BT::projectOntoRecessionCone(*d, problem_->feasibleSet()) > noise)
+  if (BT::projectOntoRecessionCone(*d, problem_->feasibleSet()) > noise ||
+      SpringOps<Scalar, MV>::opposed(problem_->softBounds(), *d) > noise)
     return false;
   MVT::MvScale(*d, 1.0 / norm<Scalar>(*d));
 

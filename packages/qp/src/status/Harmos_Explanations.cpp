@@ -28,6 +28,11 @@ std::string limitsDoNotSettle(int updates) {
          "steps of the load, or a smaller coefficient of friction, help";
 }
 
+std::string noOtherMethod(const std::string& why) {
+  return why + ", and no other method takes soft bounds; is the Hessian singular along entries that nothing "
+               "holds, or is the tolerance below rounding errors?";
+}
+
 std::string limit(const std::string& limit) {
   return "the limit of " + limit +
          " was reached; raise it, loosen the tolerance, or look at the history for a residual that no longer "
