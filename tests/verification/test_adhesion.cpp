@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// Interfaces that hold until they break, against what is known in closed form: a spring interface at 45° to
+/// the load, two stiff blocks whose force is the law itself, in each mode and between them, pulled, let go
+/// and pressed; and the energies of whole paths.
+
+#include "Harmos_Adhesion.hpp"
+#include "Harmos_Contact.hpp"
+#include "Harmos_Friction.hpp"
+#include "Harmos_TestComm.hpp"
+#include "Harmos_TestErrors.hpp"
+#include "Harmos_TestScene.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+using namespace Harmos;
+using effects::CohesiveLaw;
+using fem::CellType;
+using fem::Point;
+using scene::Physics;
+
+namespace {
+
+std::shared_ptr<const scene::Effect> joint(scene::Scene& scene) {
+  effects::SurfacePair pair;
+  pair.first = {1, "bottom"};
+  pair.second = {0, "top"};
+  const auto contact = std::make_shared<effects::Contact>(pair, 0.0, "joint");
+  scene.effects.push_back(contact);
+  return contact;
+}
+
+void glue(scene::Scene& scene, const CohesiveLaw::Options& law) {
+  const auto contact = joint(scene);
+  scene.effects.push_back(std::make_shared<effects::Adhesion>(contact, CohesiveLaw(law), "glue"));
+}
+
+double dot(const Point& a, const Point& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// A column of section one and height two in mm and MPa, cut at 45°, under a uniaxial stress.
+scene::Scene cutColumn(Physics physics, bool doesMatch, double stress) {
+  const bool inSpace = physics == Physics::Solid;
+  scene::Scene scene;
+  scene.physics = physics;
+  fem::StructuredBlock::Options options;
+  options.cellType = inSpace ? CellType::Hexahedron8 : CellType::Quadrilateral4;
+  options.subdomains = {2, inSpace ? 1 : 2, inSpace ? 2 : 1};
+  const std::size_t up = inSpace ? 2 : 1;
+  const fem::Material material = fem::Material::isotropic(30e3, 0.2);
+  for (const bool upper : {false, true}) {
+    const int finer = upper && !doesMatch ? 1 : 0;
+    options.elements = {2 + finer, 2 + finer, inSpace ? 2 + finer : 1};
+    options.map = [=](Point x) {
+      const double cut = 0.5 + x[0];
+      x[up] = upper ? cut + x[up] * (2.0 - cut) : x[up] * cut;
+      return x;
+    };
+    scene.bodies.push_back(blockBody(upper ? "upper" : "lower", options, material));
+  }
+  prescribe(scene, {0, "bottom"}, static_cast<int>(up));
+  prescribe(scene, {0, "left"}, 0);
+  if (inSpace)
+    prescribe(scene, {0, "front"}, 1);
+  Point load{};
+  load[up] = stress;
+  addTraction(scene, {1, "top"}, load);
+  CohesiveLaw::Options law;
+  law.kind = CohesiveLaw::Kind::Brittle;
+  law.normalStiffness = 20.0;
+  law.tangentialStiffness = 40.0;
+  law.normalStrength = law.tangentialStrength = 1.5;
+  glue(scene, law);
+  return scene;
+}
+
+} // namespace
+
+// Normal and tangential stress are both half of the load: 1 MPa over 20 and 40 MPa/mm. In compression the
+// interface closes, and slips the other way. Everything is linear, and the patch test exact on any mesh.
+TEST(Adhesion, spring_interface_at_45_degrees) {
+  constexpr double tolerance = 1e-9;
+  for (const Physics physics : {Physics::PlaneStress, Physics::PlaneStrain, Physics::Solid})
+    for (const bool doesMatch : {true, false})
+      for (const double stress : {2.0, -2.0}) {
+        const TestRun run = runScene(cutColumn(physics, doesMatch, stress), tolerance);
+        ASSERT_TRUE(run.report.converged) << run.report.reason;
+        const double opening = stress > 0.0 ? 0.05 : 0.0;
+        ASSERT_FALSE(run.report.contact.empty());
+        for (std::size_t k = 0; k < run.report.contact.size(); ++k) {
+          const run::ContactState& state = run.report.contact[k];
+          const Point& n = run.report.contactPoints[k].normal;
+          EXPECT_TRUE(state.isBound);
+          EXPECT_EQ(state.damage, 0.0);
+          // The upper body goes up along the cut, or down: along (1, 1)/√2.
+          const std::size_t up = physics == Physics::Solid ? 2 : 1;
+          const double across = -dot(state.jump, n);
+          const double along = (state.jump[0] + state.jump[up]) / std::sqrt(2.0);
+          EXPECT_NEAR(across, opening, 10.0 * tolerance * 0.05);
+          EXPECT_NEAR(along, std::copysign(0.025, stress), 10.0 * tolerance * 0.05);
+          EXPECT_NEAR(dot(state.jump, state.jump), across * across + along * along, 1e-9);
+          EXPECT_NEAR(state.wholeTraction[up], -0.5 * std::sqrt(2.0) * stress,
+                      10.0 * tolerance * std::abs(stress));
+          EXPECT_EQ(state.closed, stress < 0.0);
+        }
+        // What is stored: σ²/2E of a volume of two, and the springs' by the area √2.
+        const double stiffness = physics == Physics::PlaneStrain ? 30e3 / (1.0 - 0.04) : 30e3;
+        const double springs = std::sqrt(2.0) * 0.5 * (opening + 0.025);
+        EXPECT_NEAR(run.report.steps.at(0).energy, 4.0 / stiffness + springs, 1e-8);
+        EXPECT_NEAR(run.report.steps.at(0).externalWork, run.report.steps.at(0).energy, 1e-8);
+        EXPECT_EQ(run.report.steps.at(0).broken, 0);
+        EXPECT_EQ(run.report.steps.at(0).released, 0.0);
+      }
+}
+
+namespace {
+
+constexpr double young = 1e6; // of blocks beside springs of 100
+
+CohesiveLaw::Options softLaw() {
+  CohesiveLaw::Options law;
+  law.normalStiffness = 100.0;
+  law.tangentialStiffness = 60.0;
+  law.normalStrength = 1.0;
+  law.tangentialStrength = 0.8;
+  law.fractureEnergy = 0.05;
+  law.fractureEnergyII = 0.08;
+  return law;
+}
+
+// Two blocks of height one, glued together; the top of the upper one moves along a path, to the right and up.
+scene::Scene pulledBlocks(const CohesiveLaw::Options& law, const std::vector<double>& ends,
+                          const std::vector<double>& rights, const std::vector<double>& ups,
+                          bool doesMatch = true) {
+  scene::Scene scene;
+  scene.physics = Physics::PlaneStrain;
+  fem::StructuredBlock::Options options;
+  options.cellType = CellType::Quadrilateral4;
+  options.subdomains = {2, 1, 1};
+  options.elements = {2, 2, 1};
+  const fem::Material material = fem::Material::isotropic(young, 0.0);
+  scene.bodies.push_back(blockBody("lower", options, material));
+  options.origin[1] = 1.0;
+  if (!doesMatch)
+    options.elements = {3, 2, 1};
+  scene.bodies.push_back(blockBody("upper", options, material));
+  for (int c = 0; c < 2; ++c)
+    prescribe(scene, {0, "bottom"}, c);
+  prescribe(scene, {1, "top"}, 0, 1.0);
+  const auto right = scene.effects.back();
+  prescribe(scene, {1, "top"}, 1, 1.0);
+  const auto up = scene.effects.back();
+  glue(scene, law);
+  scene.timeline = scene::Timeline(ends);
+  const auto path = [&](const std::string& name, const scene::Effect& effect, std::vector<double> values) {
+    std::vector<double> times = {0.0};
+    times.insert(times.end(), ends.begin(), ends.end());
+    values.insert(values.begin(), 0.0);
+    scene.timeline.add(name, scene::History(times, values));
+    scene.timeline.follow(effect, name);
+  };
+  path("right", *right, rights);
+  path("up", *up, ups);
+  return scene;
+}
+
+std::vector<double> multiplesOf(double factor, const std::vector<double>& values) {
+  std::vector<double> result;
+  for (double value : values)
+    result.push_back(factor * value);
+  return result;
+}
+
+std::vector<double> upTo(std::size_t count) {
+  std::vector<double> result;
+  for (std::size_t k = 1; k <= count; ++k)
+    result.push_back(static_cast<double>(k));
+  return result;
+}
+
+std::array<double, 2> forceOf(const run::StepRow& row) { // of the lower block on the upper one
+  for (const run::Forces::Of& effect : row.forces)
+    if (effect.path == "Contact/joint")
+      return {-effect.resultant.force[0], -effect.resultant.force[1]};
+  throw InternalError("no force of the joint");
+}
+
+double defect(const run::StepRow& row) {
+  return row.externalWork - row.energy - row.dissipated - row.released;
+}
+
+} // namespace
+
+// The force that two blocks are pulled apart with, over the opening, is the law, in both modes and between
+// them: from the strength on down to nothing; all of the work is dissipated, and that is the fracture energy
+// of the mixture. Blocks give way by 4e-6 of what the springs do.
+TEST(Adhesion, blocks_pulled_apart_follow_the_law) {
+  for (const auto mixed : {CohesiveLaw::MixedMode::Power, CohesiveLaw::MixedMode::BenzeggaghKenane})
+    for (const double angle : {0.0, 0.6, 1.1, 1.5707963267948966}) {
+      CohesiveLaw::Options options = softLaw();
+      options.mixedMode = mixed;
+      options.exponent = 1.5;
+      const double cosine = std::cos(angle), sine = std::sin(angle);
+      // Once more, by hand.
+      const double tangential = 60.0 * sine * sine, normal = 100.0 * cosine * cosine;
+      const double share = tangential / (tangential + normal), stiffness = tangential + normal;
+      const double first =
+          1.0 / std::sqrt(std::pow(100.0 * cosine / 1.0, 2) + std::pow(60.0 * sine / 0.8, 2));
+      const double energy =
+          mixed == CohesiveLaw::MixedMode::Power
+              ? std::pow(std::pow((1.0 - share) / 0.05, 1.5) + std::pow(share / 0.08, 1.5), -1.0 / 1.5)
+              : 0.05 + 0.03 * std::pow(share, 1.5);
+      const double last = 2.0 * energy / (stiffness * first);
+      std::vector<double> lengths = {0.5 * first, first};
+      for (int k = 1; k <= 10; ++k)
+        lengths.push_back(first + (last - first) * k / 10.0);
+      lengths.push_back(1.2 * last);
+      const TestRun run = runScene(pulledBlocks(options, upTo(lengths.size()), multiplesOf(sine, lengths),
+                                                multiplesOf(cosine, lengths), angle < 1.0),
+                                   1e-7);
+      ASSERT_TRUE(run.report.converged) << run.report.reason;
+      ASSERT_EQ(run.report.steps.size(), lengths.size()) << "a step was halved";
+      for (std::size_t k = 0; k < lengths.size(); ++k) {
+        const double length = lengths[k];
+        const double left = length <= first  ? 1.0
+                            : length >= last ? 0.0
+                                             : first * (last - length) / (length * (last - first));
+        const std::array<double, 2> force = forceOf(run.report.steps[k]);
+        EXPECT_NEAR(force[0], left * 60.0 * sine * length, 1e-3) << angle << " " << k;
+        EXPECT_NEAR(force[1], left * 100.0 * cosine * length, 1e-3) << angle << " " << k;
+        EXPECT_NEAR(defect(run.report.steps[k]), 0.0, 1e-3 * energy) << angle << " " << k;
+        if (k > 0)
+          EXPECT_GE(run.report.steps[k].dissipated, run.report.steps[k - 1].dissipated);
+      }
+      const run::StepRow& end = run.report.steps.back();
+      EXPECT_NEAR(end.externalWork, energy, 1e-3 * energy);
+      EXPECT_NEAR(end.dissipated, energy, 1e-3 * energy);
+      EXPECT_NEAR(end.released, 0.0, 1e-3 * energy);
+      EXPECT_EQ(end.broken, static_cast<long long>(run.report.contact.size()));
+    }
+}
+
+// Half broken: let go, the force goes straight to the origin; pressed, the crack carries the load as if it
+// were none; pulled again it comes back on that line to where it was, and goes on along the law.
+TEST(Adhesion, unloading_goes_to_the_origin_and_closed_cracks_press) {
+  const double first = 0.01, last = 0.1, half = 0.5 * (first + last);
+  const std::vector<double> lengths = {first, 0.7 * half, half,       0.5 * half, 0.0,
+                                       -1e-6, 0.0,        0.5 * half, half,       0.5 * (half + last)};
+  const TestRun run =
+      runScene(pulledBlocks(softLaw(), upTo(lengths.size()), multiplesOf(0.0, lengths), lengths), 1e-8);
+  ASSERT_TRUE(run.report.converged) << run.report.reason;
+  const std::vector<double> forces = {
+      1.0, (last - 0.7 * half) / (last - first), 0.5, 0.25, 0.0, -1e-6 * young / 2.0, 0.0, 0.25, 0.5, 0.25};
+  std::vector<run::StepRow> rows;
+  for (const run::StepRow& row : run.report.steps)
+    if (row.time == std::floor(row.time))
+      rows.push_back(row);
+  ASSERT_EQ(rows.size(), lengths.size());
+  for (std::size_t k = 0; k < lengths.size(); ++k) {
+    EXPECT_NEAR(forceOf(rows[k])[1], forces[k], 1e-3) << k;
+    if (k > 0)
+      EXPECT_GE(rows[k].dissipated, rows[k - 1].dissipated - 1e-15) << k;
+  }
+  EXPECT_EQ(rows[8].dissipated, rows[2].dissipated);
+  EXPECT_NEAR(rows[2].dissipated, 0.5 * 0.05, 1e-3 * 0.05); // half of the law is behind
+}
+
+// By brittle law all of it breaks at its strength. Pulled by a force, the blocks come apart with what was
+// left over: here nothing holds them any more, and the run says so.
+TEST(Adhesion, brittle_blocks_break_at_once) {
+  CohesiveLaw::Options law = softLaw();
+  law.kind = CohesiveLaw::Kind::Brittle;
+  const std::vector<double> lengths = {0.0099, 0.0102, 0.02};
+  scene::Scene scene = pulledBlocks(law, upTo(3), multiplesOf(0.0, lengths), lengths);
+  const TestRun run = runScene(scene, 1e-8);
+  ASSERT_TRUE(run.report.converged) << run.report.reason;
+  EXPECT_NEAR(forceOf(run.report.steps[0])[1], 0.99, 1e-3);
+  EXPECT_EQ(run.report.steps[0].broken, 0);
+  const run::StepRow& end = run.report.steps.back();
+  EXPECT_EQ(end.broken, static_cast<long long>(run.report.contact.size()));
+  EXPECT_NEAR(forceOf(end)[1], 0.0, 1e-9);
+  // σ²/2k by the area of one; nothing is left over but what the steps went too far.
+  EXPECT_NEAR(end.dissipated, 0.5 / 100.0, 1e-12);
+  EXPECT_NEAR(end.energy, 0.0, 1e-9);
+  EXPECT_NEAR(defect(end), 0.0, 1e-9);
+  // Where they were halved to a 64th, 0.0003/64 beyond the strength at most.
+  EXPECT_NEAR(end.externalWork, 0.5 / 100.0, 0.0003);
+  long long before = 0;
+  for (const run::StepRow& row : run.report.steps) {
+    EXPECT_GE(row.broken, before);
+    before = row.broken;
+  }
+}
