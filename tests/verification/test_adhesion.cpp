@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iostream>
 
 using namespace Harmos;
 using effects::CohesiveLaw;
@@ -120,7 +121,7 @@ TEST(Adhesion, spring_interface_at_45_degrees) {
 
 namespace {
 
-constexpr double young = 1e6; // of blocks beside springs of 100
+constexpr double young = 1e7; // of blocks beside springs of 100
 
 CohesiveLaw::Options softLaw() {
   CohesiveLaw::Options law;
@@ -198,7 +199,8 @@ double defect(const run::StepRow& row) {
 
 // The force that two blocks are pulled apart with, over the opening, is the law, in both modes and between
 // them: from the strength on down to nothing; all of the work is dissipated, and that is the fracture energy
-// of the mixture. Blocks give way by 4e-6 of what the springs do.
+// of the mixture. Blocks give way by 2e-5 of what the springs do, and in shear bend by so
+// much that some points press: 8e-4 of the strength.
 TEST(Adhesion, blocks_pulled_apart_follow_the_law) {
   for (const auto mixed : {CohesiveLaw::MixedMode::Power, CohesiveLaw::MixedMode::BenzeggaghKenane})
     for (const double angle : {0.0, 0.6, 1.1, 1.5707963267948966}) {
@@ -250,12 +252,12 @@ TEST(Adhesion, blocks_pulled_apart_follow_the_law) {
 TEST(Adhesion, unloading_goes_to_the_origin_and_closed_cracks_press) {
   const double first = 0.01, last = 0.1, half = 0.5 * (first + last);
   const std::vector<double> lengths = {first, 0.7 * half, half,       0.5 * half, 0.0,
-                                       -1e-6, 0.0,        0.5 * half, half,       0.5 * (half + last)};
+                                       -1e-7, 0.0,        0.5 * half, half,       0.5 * (half + last)};
   const TestRun run =
       runScene(pulledBlocks(softLaw(), upTo(lengths.size()), multiplesOf(0.0, lengths), lengths), 1e-8);
   ASSERT_TRUE(run.report.converged) << run.report.reason;
   const std::vector<double> forces = {
-      1.0, (last - 0.7 * half) / (last - first), 0.5, 0.25, 0.0, -1e-6 * young / 2.0, 0.0, 0.25, 0.5, 0.25};
+      1.0, (last - 0.7 * half) / (last - first), 0.5, 0.25, 0.0, -1e-7 * young / 2.0, 0.0, 0.25, 0.5, 0.25};
   std::vector<run::StepRow> rows;
   for (const run::StepRow& row : run.report.steps)
     if (row.time == std::floor(row.time))
@@ -270,8 +272,71 @@ TEST(Adhesion, unloading_goes_to_the_origin_and_closed_cracks_press) {
   EXPECT_NEAR(rows[2].dissipated, 0.5 * 0.05, 1e-3 * 0.05); // half of the law is behind
 }
 
-// By brittle law all of it breaks at its strength. Pulled by a force, the blocks come apart with what was
-// left over: here nothing holds them any more, and the run says so.
+namespace {
+
+// A beam that is split from its left end on over 30 of 100 mm, and pulled open there: the crack is a gap of a
+// thousandth. The beam of Alfano and Crisfield, but of isotropic halves, per thickness.
+scene::Scene splitBeam(double opening, int steps) {
+  constexpr double height = 1.5, length = 100.0, crack = 30.0;
+  scene::Scene scene;
+  scene.physics = Physics::PlaneStress;
+  fem::StructuredBlock::Options options;
+  options.cellType = CellType::Quadrilateral9;
+  options.size = {length, height, 1.0};
+  options.subdomains = {8, 1, 1};
+  options.elements = {5, 1, 1};
+  const fem::Material material = fem::Material::isotropic(135300.0, 0.0);
+  scene.bodies.push_back(blockBody("lower", options, material));
+  options.origin[1] = height;
+  options.map = [=](Point x) {
+    x[1] += 1e-3 * std::max(0.0, 1.0 - x[0] / crack);
+    return x;
+  };
+  scene.bodies.push_back(blockBody("upper", options, material));
+  for (const int body : {0, 1})
+    prescribe(scene, {body, "right"}, 0);
+  prescribe(scene, {0, "left"}, 1);
+  prescribe(scene, {1, "left"}, 1, opening);
+  CohesiveLaw::Options law;
+  law.normalStiffness = law.tangentialStiffness = 1e3;
+  law.normalStrength = law.tangentialStrength = 1.7;
+  law.fractureEnergy = law.fractureEnergyII = 0.28;
+  glue(scene, law);
+  std::vector<double> ends;
+  for (int k = 1; k <= steps; ++k)
+    ends.push_back(k / static_cast<double>(steps));
+  scene.timeline = scene::Timeline(ends);
+  return scene;
+}
+
+} // namespace
+
+// A beam that is split further and further: the work goes into what the beam stores and what the interface
+// dissipates, to 1e-3 over the whole path; damage never falls.
+TEST(Adhesion, split_beam_keeps_its_energies) {
+  const TestRun run = runScene(splitBeam(6.0, 24), 1e-5);
+  ASSERT_TRUE(run.report.converged) << run.report.reason;
+  double dissipated = 0.0, most = 0.0;
+  long long broken = 0;
+  int products = 0;
+  for (const run::StepRow& row : run.report.steps) {
+    EXPECT_GE(row.dissipated, dissipated);
+    EXPECT_GE(row.broken, broken);
+    most = std::max(most, forceOf(row)[1]);
+    dissipated = row.dissipated;
+    broken = row.broken;
+    products += row.products;
+    std::cout << row.step << " t " << row.time << " W " << row.externalWork << " S " << row.energy << " D "
+              << row.dissipated << " R " << row.released << " defect/W " << defect(row) / row.externalWork
+              << " broken " << row.broken << " products " << row.products << " P " << forceOf(row)[1] << "\n";
+  }
+  const run::StepRow& end = run.report.steps.back();
+  EXPECT_NEAR(defect(end), 0.0, 1e-3 * end.externalWork);
+  EXPECT_LE(end.released, 1e-3 * end.externalWork);
+  EXPECT_GT(broken, 0);
+}
+
+// By the brittle law all of it breaks at its strength, and what was stored is dissipated.
 TEST(Adhesion, brittle_blocks_break_at_once) {
   CohesiveLaw::Options law = softLaw();
   law.kind = CohesiveLaw::Kind::Brittle;
@@ -284,11 +349,11 @@ TEST(Adhesion, brittle_blocks_break_at_once) {
   const run::StepRow& end = run.report.steps.back();
   EXPECT_EQ(end.broken, static_cast<long long>(run.report.contact.size()));
   EXPECT_NEAR(forceOf(end)[1], 0.0, 1e-9);
-  // σ²/2k by the area of one; nothing is left over but what the steps went too far.
+  // σ²/2k by the area of one.
   EXPECT_NEAR(end.dissipated, 0.5 / 100.0, 1e-12);
   EXPECT_NEAR(end.energy, 0.0, 1e-9);
-  EXPECT_NEAR(defect(end), 0.0, 1e-9);
-  // Where they were halved to a 64th, 0.0003/64 beyond the strength at most.
+  // The step was halved to a 64th: work by the trapezoidal rule is known to half of that one's.
+  EXPECT_NEAR(defect(end), 0.0, 0.5 * 0.0003 / 64.0);
   EXPECT_NEAR(end.externalWork, 0.5 / 100.0, 0.0003);
   long long before = 0;
   for (const run::StepRow& row : run.report.steps) {

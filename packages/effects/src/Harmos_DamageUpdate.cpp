@@ -11,13 +11,14 @@ namespace {
 
 // Of what the numbers consist: of each point the damage, that when the step began, what was dissipated, that
 // when the step began, the last share of mode II, of the last answers opening and traction; then the number
-// of these, and of the step that of its answers, the share that has broken, the least that was beside the law
-// and the answer in which it was.
+// of these, and of the step that of its answers, the share that has broken, how much
+// further than the law it has gone on, the least that was beside the law, and in which answer.
 constexpr std::size_t damages = 0, begun = 1, lost = 2, lostBefore = 3, modes = 4, memory = 5;
 constexpr std::size_t depth = 12; // differences: of a zone of softening, some more than it has points
 constexpr std::size_t parts = memory + 2 * (depth + 1);
-constexpr std::size_t kept = 0, answers = 1, broken = 2, least = 3, leastAt = 4, ofStep = 5;
-constexpr double forget = 40.0, patience = 6.0; // answers
+constexpr std::size_t kept = 0, answers = 1, broken = 2, boost = 3, least = 4, leastAt = 5, ofStep = 6;
+constexpr double forget = 30.0, patience = 6.0; // answers
+constexpr double mostBoost = 1024.0;
 
 // As if it were a solve of depth equations: symmetric, positive semidefinite, and small pivots are left out.
 std::vector<double> leastSquares(std::vector<std::vector<double>> gram, std::vector<double> right) {
@@ -135,21 +136,31 @@ bool DamageUpdate::approach(const std::vector<Point>& points, double tolerance) 
   if (!(worst > tolerance))
     return false;
   double* step = part(parts);
-  if (step[answers] == 1.0 || worst < 0.5 * step[least]) {
+  if (step[answers] == 1.0 || worst < 0.5 * step[least] || step[answers] - step[leastAt] >= 2.0 * patience) {
     step[least] = worst;
     step[leastAt] = step[answers];
   }
-  // Bodies and law agree nowhere near: the interface snaps.
-  const bool snaps = step[answers] - step[leastAt] >= patience;
-  std::vector<double> sizes = combined(points);
+  double& more = step[boost];
+  std::vector<double> sizes;
+  if (step[answers] - step[leastAt] < patience) // else bodies and law may agree nowhere near
+    sizes = combined(points, tolerance);
+  more = sizes.empty() ? std::min(2.0 * std::max(0.5, more), mostBoost) : 0.0;
   for (std::size_t k = 0; k < points_; ++k) {
     const CohesiveLaw::Opening& opening = points[k].opening;
-    const double last = law_.end(opening.share);
-    if (snaps && (1.0 - part(damages)[k]) * opening.size > pull(k, opening))
-      sizes[k] = std::max(sizes[k], 2.0 * opening.size);
-    const double size = opening.size >= last ? std::max(0.0, sizes[k])
-                                             : std::clamp(sizes[k], 0.0, 0.5 * (opening.size + last));
-    part(damages)[k] = std::max(part(begun)[k], law_.damage({size, opening.share}));
+    const double last = law_.end(opening.share), now = part(damages)[k];
+    if (opening.size >= last) {
+      part(damages)[k] = 1.0;
+      continue;
+    }
+    const double most = law_.damage({0.5 * (opening.size + last), opening.share});
+    double next = now;
+    if (!sizes.empty())
+      next = law_.damage({std::max(0.0, sizes[k]), opening.share});
+    else if (now < 1.0 && opening.size > 0.0) // by the law alone, and further where that is too slow
+      next = 1.0 - (1.0 - now) * std::pow(pull(k, opening) / ((1.0 - now) * opening.size), more);
+    else
+      next = law_.damage(opening);
+    part(damages)[k] = std::clamp(next, part(begun)[k], std::max(part(begun)[k], most));
   }
   return true;
 }
@@ -183,17 +194,25 @@ void DamageUpdate::remember(const std::vector<Point>& points) {
   step[kept] = static_cast<double>(count + 1);
 }
 
-// The openings among those that the last answers span, bodies in balance with tractions, at which these are
-// least beside the law, by the method of Gauss and Newton.
-std::vector<double> DamageUpdate::combined(const std::vector<Point>& points) {
+// The openings, if they are of use, among those that the last answers span, bodies in balance with tractions,
+// at which these are least beside the law, by the method of Gauss and Newton.
+std::vector<double> DamageUpdate::combined(const std::vector<Point>& points, double tolerance) {
   const std::size_t last = static_cast<std::size_t>(part(parts)[kept]) - 1;
   std::vector<double> factors(last, 0.0), sizes;
-  double residual = residualAt(points, factors, sizes, nullptr);
+  double noise = 0.0;
+  for (const Point& point : points)
+    noise += tolerance * tolerance * point.area;
+  const double before = residualAt(points, factors, sizes, nullptr);
+  double residual = before;
   constexpr int mostSteps = 30, mostHalvings = 10;
   constexpr double enough = 0.999; // of the residual before
   for (int step = 0; step < mostSteps && last > 0; ++step) {
     Normal normal;
     residualAt(points, factors, sizes, &normal);
+    for (std::size_t j = 0; j < last; ++j) { // with so much in them that is error
+      normal.gram[j][j] += noise;
+      normal.right[j] -= noise * factors[j];
+    }
     const std::vector<double> change = leastSquares(normal.gram, normal.right);
     double length = 1.0, next = residual;
     std::vector<double> tried = factors;
@@ -212,6 +231,10 @@ std::vector<double> DamageUpdate::combined(const std::vector<Point>& points) {
     if (!isBetter)
       break;
   }
+  // What they do not make much better is left to the law.
+  constexpr double worthIt = 0.5; // squared
+  if (!(residual < worthIt * before))
+    return {};
   residualAt(points, factors, sizes, nullptr);
   return sizes;
 }

@@ -58,7 +58,7 @@ class DamageUpdate {
   bool approach(const std::vector<Point>& points, double tolerance);
   double pull(std::size_t k, const CohesiveLaw::Opening& opening) const;
   void remember(const std::vector<Point>& points);
-  std::vector<double> combined(const std::vector<Point>& points);
+  std::vector<double> combined(const std::vector<Point>& points, double tolerance);
   struct Normal {
     std::vector<std::vector<double>> gram;
     std::vector<double> right;
