@@ -18,8 +18,10 @@ namespace Harmos::effects {
 /// that of the bodies under their load, as long as the same contacts are open: answers of earlier steps too,
 /// shifted by what the load has done at the same damage. Among what the last answers span, openings are
 /// looked for at which tractions are least beside the law (in the spirit of D. G. Anderson, J. ACM 12, 1965),
-/// and D is asked there. Where even the least does not fall for some answers, nothing is near at which the
-/// points hold: those beyond the law are opened to twice as much at a time, until they hold or break.
+/// and D is asked there; by no factors that multiply what answers are wrong by beyond the tolerance. What is
+/// not made much better so is left to the law: 1 − d times (law/traction), to the power of one, and of twice
+/// as much each time that follows; and so are some answers where the least does not fall any more, for then
+/// there may be nothing near at which the points hold.
 ///
 /// Bounds: damage is not below d_0, and no further than half way to the end of the law from where the answer
 /// itself is. What breaks in between is not lost yet: the trial damage may come back, to d_0 at most.
