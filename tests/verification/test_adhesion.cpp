@@ -121,7 +121,7 @@ TEST(Adhesion, spring_interface_at_45_degrees) {
 
 namespace {
 
-constexpr double young = 1e7; // of blocks beside springs of 100
+constexpr double young = 1e6, height = 0.2; // of blocks beside springs of 100
 
 CohesiveLaw::Options softLaw() {
   CohesiveLaw::Options law;
@@ -134,7 +134,7 @@ CohesiveLaw::Options softLaw() {
   return law;
 }
 
-// Two blocks of height one, glued together; the top of the upper one moves along a path, to the right and up.
+// Two blocks, glued together; the top of the upper one moves along a path, to the right and up.
 scene::Scene pulledBlocks(const CohesiveLaw::Options& law, const std::vector<double>& ends,
                           const std::vector<double>& rights, const std::vector<double>& ups,
                           bool doesMatch = true) {
@@ -142,11 +142,12 @@ scene::Scene pulledBlocks(const CohesiveLaw::Options& law, const std::vector<dou
   scene.physics = Physics::PlaneStrain;
   fem::StructuredBlock::Options options;
   options.cellType = CellType::Quadrilateral4;
+  options.size = {1.0, height, 1.0};
   options.subdomains = {2, 1, 1};
   options.elements = {2, 2, 1};
   const fem::Material material = fem::Material::isotropic(young, 0.0);
   scene.bodies.push_back(blockBody("lower", options, material));
-  options.origin[1] = 1.0;
+  options.origin[1] = height;
   if (!doesMatch)
     options.elements = {3, 2, 1};
   scene.bodies.push_back(blockBody("upper", options, material));
@@ -199,8 +200,7 @@ double defect(const run::StepRow& row) {
 
 // The force that two blocks are pulled apart with, over the opening, is the law, in both modes and between
 // them: from the strength on down to nothing; all of the work is dissipated, and that is the fracture energy
-// of the mixture. Blocks give way by 2e-5 of what the springs do, and in shear bend by so
-// much that some points press: 8e-4 of the strength.
+// of the mixture. Blocks give way by 4e-5 of what the springs do.
 TEST(Adhesion, blocks_pulled_apart_follow_the_law) {
   for (const auto mixed : {CohesiveLaw::MixedMode::Power, CohesiveLaw::MixedMode::BenzeggaghKenane})
     for (const double angle : {0.0, 0.6, 1.1, 1.5707963267948966}) {
@@ -256,8 +256,11 @@ TEST(Adhesion, unloading_goes_to_the_origin_and_closed_cracks_press) {
   const TestRun run =
       runScene(pulledBlocks(softLaw(), upTo(lengths.size()), multiplesOf(0.0, lengths), lengths), 1e-8);
   ASSERT_TRUE(run.report.converged) << run.report.reason;
-  const std::vector<double> forces = {
-      1.0, (last - 0.7 * half) / (last - first), 0.5, 0.25, 0.0, -1e-7 * young / 2.0, 0.0, 0.25, 0.5, 0.25};
+  const std::vector<double> forces = {1.0, (last - 0.7 * half) / (last - first),
+                                      0.5, 0.25,
+                                      0.0, -1e-7 * young / (2.0 * height),
+                                      0.0, 0.25,
+                                      0.5, 0.25};
   std::vector<run::StepRow> rows;
   for (const run::StepRow& row : run.report.steps)
     if (row.time == std::floor(row.time))
@@ -277,17 +280,17 @@ namespace {
 // A beam that is split from its left end on over 30 of 100 mm, and pulled open there: the crack is a gap of a
 // thousandth. The beam of Alfano and Crisfield, but of isotropic halves, per thickness.
 scene::Scene splitBeam(double opening, int steps) {
-  constexpr double height = 1.5, length = 100.0, crack = 30.0;
+  constexpr double half = 1.5, length = 100.0, crack = 30.0;
   scene::Scene scene;
   scene.physics = Physics::PlaneStress;
   fem::StructuredBlock::Options options;
   options.cellType = CellType::Quadrilateral9;
-  options.size = {length, height, 1.0};
+  options.size = {length, half, 1.0};
   options.subdomains = {8, 1, 1};
   options.elements = {5, 1, 1};
   const fem::Material material = fem::Material::isotropic(135300.0, 0.0);
   scene.bodies.push_back(blockBody("lower", options, material));
-  options.origin[1] = height;
+  options.origin[1] = half;
   options.map = [=](Point x) {
     x[1] += 1e-3 * std::max(0.0, 1.0 - x[0] / crack);
     return x;
@@ -312,28 +315,39 @@ scene::Scene splitBeam(double opening, int steps) {
 } // namespace
 
 // A beam that is split further and further: the work goes into what the beam stores and what the interface
-// dissipates, to 1e-3 over the whole path; damage never falls.
+// dissipates, to 1e-3 over the whole path. What is missing is the trapezoidal rule's, which makes straight
+// what bends between two states: a quarter of it with half the steps. Damage never falls; the force has a
+// peak, and the peak is behind where points have broken.
 TEST(Adhesion, split_beam_keeps_its_energies) {
-  const TestRun run = runScene(splitBeam(6.0, 24), 1e-5);
-  ASSERT_TRUE(run.report.converged) << run.report.reason;
-  double dissipated = 0.0, most = 0.0;
-  long long broken = 0;
-  int products = 0;
-  for (const run::StepRow& row : run.report.steps) {
-    EXPECT_GE(row.dissipated, dissipated);
-    EXPECT_GE(row.broken, broken);
-    most = std::max(most, forceOf(row)[1]);
-    dissipated = row.dissipated;
-    broken = row.broken;
-    products += row.products;
-    std::cout << row.step << " t " << row.time << " W " << row.externalWork << " S " << row.energy << " D "
-              << row.dissipated << " R " << row.released << " defect/W " << defect(row) / row.externalWork
-              << " broken " << row.broken << " products " << row.products << " P " << forceOf(row)[1] << "\n";
+  std::vector<double> defects;
+  for (const int steps : {12, 24, 48}) {
+    const TestRun run = runScene(splitBeam(5.0, steps), 1e-5);
+    ASSERT_TRUE(run.report.converged) << run.report.reason;
+    double dissipated = 0.0, most = 0.0;
+    long long broken = 0;
+    std::vector<int> products;
+    for (const run::StepRow& row : run.report.steps) {
+      EXPECT_GE(row.dissipated, dissipated);
+      EXPECT_GE(row.broken, broken);
+      most = std::max(most, forceOf(row)[1]);
+      dissipated = row.dissipated;
+      broken = row.broken;
+      products.push_back(row.products);
+    }
+    const run::StepRow& end = run.report.steps.back();
+    defects.push_back(std::abs(defect(end)) / end.externalWork);
+    std::sort(products.begin(), products.end());
+    std::cout << steps << " steps: " << defects.back() << " of the work is missing, " << end.released
+              << " released, peak " << most << ", products " << products[products.size() / 2] << ", "
+              << products.back() << " at most\n";
+    EXPECT_GT(broken, 0);
+    EXPECT_LT(forceOf(end)[1], 0.9 * most);
+    // Points break one by one: the beam's force has teeth, of which little is left over.
+    EXPECT_LE(end.released, 2e-3 * end.externalWork);
   }
-  const run::StepRow& end = run.report.steps.back();
-  EXPECT_NEAR(defect(end), 0.0, 1e-3 * end.externalWork);
-  EXPECT_LE(end.released, 1e-3 * end.externalWork);
-  EXPECT_GT(broken, 0);
+  EXPECT_LE(defects.back(), 1e-3);
+  EXPECT_LT(defects[1], 0.6 * defects[0]);
+  EXPECT_LT(defects[2], 0.6 * defects[1]);
 }
 
 // By the brittle law all of it breaks at its strength, and what was stored is dissipated.
