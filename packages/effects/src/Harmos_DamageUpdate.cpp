@@ -128,12 +128,14 @@ double DamageUpdate::pull(std::size_t k, const CohesiveLaw::Opening& opening) co
 bool DamageUpdate::approach(const std::vector<Point>& points, double tolerance) {
   remember(points);
   double worst = 0.0;
+  bool breaks = false; // what little it still carries
   for (std::size_t k = 0; k < points_; ++k) {
     const CohesiveLaw::Opening& opening = points[k].opening;
+    breaks = breaks || (part(damages)[k] < 1.0 && law_.damage(opening) == 1.0);
     worst = std::max(worst, std::abs((1.0 - part(damages)[k]) * opening.size - pull(k, opening)) /
                                 law_.onset(opening.share));
   }
-  if (!(worst > tolerance))
+  if (!(worst > tolerance) && !breaks)
     return false;
   double* step = part(parts);
   if (step[answers] == 1.0 || worst < 0.5 * step[least] || step[answers] - step[leastAt] >= 2.0 * patience) {
