@@ -406,6 +406,32 @@ class Restarts(unittest.TestCase):
         self.assertGreater(float(last["dissipated"]), 0.0)
         print(f"{parts} parts, {last['slipping']} points slip in the end")
 
+    def test_damage_goes_on(self):
+        """Adhesion: damage, what was dissipated and released, and the steps towards it, bit for bit."""
+        glue = "Effects/Adhesion/glue/"
+        sets = {
+            "Output/Fields": False,
+            glue + "Contact": "joint",
+            **{glue + f"{way} stiffness": 10.0 for way in ("Normal", "Tangential")},
+            **{glue + f"{way} strength": 0.03 for way in ("Normal", "Tangential")},
+            **{glue + f"Fracture energy{mode}": 0.002 for mode in ("", " II")},
+        }
+        plain = runs.solved(self, DRAGGED, sets, np=1, program="harmos").directory
+        directory = runs.scratch("breaking")
+        limit = {"Solver/Maximum seconds": 2e-3}
+        run = runs.run(DRAGGED, sets | limit, np=1, output=directory, program="harmos")
+        parts = 1
+        while run.returncode == 1 and parts < 200:
+            run = runs.start(["--restart", directory, "--quiet"], 1, program="harmos")
+            parts += 1
+        self.assertEqual(run.returncode, 0, run)
+        self.assertGreater(parts, 1, "there was nothing to be interrupted")
+        self.assertEqual(*(read(d, "steps.csv") for d in (plain, directory)))
+        damaged = [float(row["dissipated"]) for row in steps_of(directory)]
+        self.assertGreater(damaged[3], damaged[2])
+        self.assertEqual(damaged[-1], damaged[3])  # let go again
+        print(f"{parts} parts")
+
     def test_taken_up_by_other_ranks(self):
         cut = self.killed(BLOCKS, self.TILTED, 2, program="harmos")
         plain = self.plain(BLOCKS, self.TILTED, program="harmos")

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iostream>
 
 using namespace Harmos;
 using effects::CohesiveLaw;
@@ -120,7 +121,7 @@ TEST(Adhesion, spring_interface_at_45_degrees) {
 
 namespace {
 
-constexpr double young = 1e6; // of blocks beside springs of 100
+constexpr double young = 1e6, height = 1.0; // of blocks beside springs of 100
 
 CohesiveLaw::Options softLaw() {
   CohesiveLaw::Options law;
@@ -133,7 +134,7 @@ CohesiveLaw::Options softLaw() {
   return law;
 }
 
-// Two blocks of height one, glued together; the top of the upper one moves along a path, to the right and up.
+// Two blocks, glued together; the top of the upper one moves along a path, to the right and up.
 scene::Scene pulledBlocks(const CohesiveLaw::Options& law, const std::vector<double>& ends,
                           const std::vector<double>& rights, const std::vector<double>& ups,
                           bool doesMatch = true) {
@@ -141,11 +142,12 @@ scene::Scene pulledBlocks(const CohesiveLaw::Options& law, const std::vector<dou
   scene.physics = Physics::PlaneStrain;
   fem::StructuredBlock::Options options;
   options.cellType = CellType::Quadrilateral4;
+  options.size = {1.0, height, 1.0};
   options.subdomains = {2, 1, 1};
   options.elements = {2, 2, 1};
   const fem::Material material = fem::Material::isotropic(young, 0.0);
   scene.bodies.push_back(blockBody("lower", options, material));
-  options.origin[1] = 1.0;
+  options.origin[1] = height;
   if (!doesMatch)
     options.elements = {3, 2, 1};
   scene.bodies.push_back(blockBody("upper", options, material));
@@ -198,7 +200,7 @@ double defect(const run::StepRow& row) {
 
 // The force that two blocks are pulled apart with, over the opening, is the law, in both modes and between
 // them: from the strength on down to nothing; all of the work is dissipated, and that is the fracture energy
-// of the mixture. Blocks give way by 4e-6 of what the springs do.
+// of the mixture. Blocks give way by 2e-4 of what the springs do.
 TEST(Adhesion, blocks_pulled_apart_follow_the_law) {
   for (const auto mixed : {CohesiveLaw::MixedMode::Power, CohesiveLaw::MixedMode::BenzeggaghKenane})
     for (const double angle : {0.0, 0.6, 1.1, 1.5707963267948966}) {
@@ -217,12 +219,13 @@ TEST(Adhesion, blocks_pulled_apart_follow_the_law) {
               : 0.05 + 0.03 * std::pow(share, 1.5);
       const double last = 2.0 * energy / (stiffness * first);
       std::vector<double> lengths = {0.5 * first, first};
-      for (int k = 1; k <= 10; ++k)
+      for (int k = 1; k <= 9; ++k)
         lengths.push_back(first + (last - first) * k / 10.0);
+      lengths.push_back(0.9999 * last);
       lengths.push_back(1.2 * last);
       const TestRun run = runScene(pulledBlocks(options, upTo(lengths.size()), multiplesOf(sine, lengths),
                                                 multiplesOf(cosine, lengths), angle < 1.0),
-                                   1e-7);
+                                   1e-6);
       ASSERT_TRUE(run.report.converged) << run.report.reason;
       ASSERT_EQ(run.report.steps.size(), lengths.size()) << "a step was halved";
       for (std::size_t k = 0; k < lengths.size(); ++k) {
@@ -232,7 +235,8 @@ TEST(Adhesion, blocks_pulled_apart_follow_the_law) {
                                              : first * (last - length) / (length * (last - first));
         const std::array<double, 2> force = forceOf(run.report.steps[k]);
         EXPECT_NEAR(force[0], left * 60.0 * sine * length, 1e-3) << angle << " " << k;
-        EXPECT_NEAR(force[1], left * 100.0 * cosine * length, 1e-3) << angle << " " << k;
+        // In pure shear blocks bend a little, and some points press: a hundredth of the shear.
+        EXPECT_NEAR(force[1], left * 100.0 * cosine * length, angle > 1.5 ? 0.01 : 1e-3) << angle << " " << k;
         EXPECT_NEAR(defect(run.report.steps[k]), 0.0, 1e-3 * energy) << angle << " " << k;
         if (k > 0)
           EXPECT_GE(run.report.steps[k].dissipated, run.report.steps[k - 1].dissipated);
@@ -250,12 +254,15 @@ TEST(Adhesion, blocks_pulled_apart_follow_the_law) {
 TEST(Adhesion, unloading_goes_to_the_origin_and_closed_cracks_press) {
   const double first = 0.01, last = 0.1, half = 0.5 * (first + last);
   const std::vector<double> lengths = {first, 0.7 * half, half,       0.5 * half, 0.0,
-                                       -1e-6, 0.0,        0.5 * half, half,       0.5 * (half + last)};
+                                       -1e-7, 0.0,        0.5 * half, half,       0.5 * (half + last)};
   const TestRun run =
       runScene(pulledBlocks(softLaw(), upTo(lengths.size()), multiplesOf(0.0, lengths), lengths), 1e-8);
   ASSERT_TRUE(run.report.converged) << run.report.reason;
-  const std::vector<double> forces = {
-      1.0, (last - 0.7 * half) / (last - first), 0.5, 0.25, 0.0, -1e-6 * young / 2.0, 0.0, 0.25, 0.5, 0.25};
+  const std::vector<double> forces = {1.0, (last - 0.7 * half) / (last - first),
+                                      0.5, 0.25,
+                                      0.0, -1e-7 * young / (2.0 * height),
+                                      0.0, 0.25,
+                                      0.5, 0.25};
   std::vector<run::StepRow> rows;
   for (const run::StepRow& row : run.report.steps)
     if (row.time == std::floor(row.time))
@@ -270,8 +277,81 @@ TEST(Adhesion, unloading_goes_to_the_origin_and_closed_cracks_press) {
   EXPECT_NEAR(rows[2].dissipated, 0.5 * 0.05, 1e-3 * 0.05); // half of the law is behind
 }
 
-// By brittle law all of it breaks at its strength. Pulled by a force, the blocks come apart with what was
-// left over: here nothing holds them any more, and the run says so.
+namespace {
+
+// A beam that is split from its left end on over 30 of 100 mm, and pulled open there: the crack is a gap of a
+// thousandth. The beam of Alfano and Crisfield, but of isotropic halves, per thickness.
+scene::Scene splitBeam(double opening, int steps) {
+  constexpr double half = 1.5, length = 100.0, crack = 30.0;
+  scene::Scene scene;
+  scene.physics = Physics::PlaneStress;
+  fem::StructuredBlock::Options options;
+  options.cellType = CellType::Quadrilateral9;
+  options.size = {length, half, 1.0};
+  options.subdomains = {8, 1, 1};
+  options.elements = {5, 1, 1};
+  const fem::Material material = fem::Material::isotropic(135300.0, 0.0);
+  scene.bodies.push_back(blockBody("lower", options, material));
+  options.origin[1] = half;
+  options.map = [=](Point x) {
+    x[1] += 1e-3 * std::max(0.0, 1.0 - x[0] / crack);
+    return x;
+  };
+  scene.bodies.push_back(blockBody("upper", options, material));
+  for (const int body : {0, 1})
+    prescribe(scene, {body, "right"}, 0);
+  prescribe(scene, {0, "left"}, 1);
+  prescribe(scene, {1, "left"}, 1, opening);
+  CohesiveLaw::Options law;
+  law.normalStiffness = law.tangentialStiffness = 1e3;
+  law.normalStrength = law.tangentialStrength = 1.7;
+  law.fractureEnergy = law.fractureEnergyII = 0.28;
+  glue(scene, law);
+  std::vector<double> ends;
+  for (int k = 1; k <= steps; ++k)
+    ends.push_back(k / static_cast<double>(steps));
+  scene.timeline = scene::Timeline(ends);
+  return scene;
+}
+
+} // namespace
+
+// A beam that is split further and further: the work goes into what the beam stores and what the interface
+// dissipates, to 1e-3 over the whole path. What is missing is the trapezoidal rule's, which makes straight
+// what bends between two states, and what tractions are beside the law by tolerance. Damage never falls; the
+// force has a peak, and the peak is behind where points have broken.
+TEST(Adhesion, split_beam_keeps_its_energies) {
+  std::vector<double> defects;
+  for (const int steps : {12, 24, 48}) {
+    const TestRun run = runScene(splitBeam(5.0, steps), 1e-5);
+    ASSERT_TRUE(run.report.converged) << run.report.reason;
+    double dissipated = 0.0, most = 0.0;
+    long long broken = 0;
+    std::vector<int> products;
+    for (const run::StepRow& row : run.report.steps) {
+      EXPECT_GE(row.dissipated, dissipated);
+      EXPECT_GE(row.broken, broken);
+      most = std::max(most, forceOf(row)[1]);
+      dissipated = row.dissipated;
+      broken = row.broken;
+      products.push_back(row.products);
+    }
+    const run::StepRow& end = run.report.steps.back();
+    defects.push_back(std::abs(defect(end)) / end.externalWork);
+    std::sort(products.begin(), products.end());
+    std::cout << steps << " steps: " << defects.back() << " of the work is missing, " << end.released
+              << " released, peak " << most << ", products " << products[products.size() / 2] << ", "
+              << products.back() << " at most\n";
+    EXPECT_GT(broken, 0);
+    EXPECT_LT(forceOf(end)[1], 0.9 * most);
+    // Points break one by one: the beam's force has teeth, of which little is left over.
+    EXPECT_LE(end.released, 2e-3 * end.externalWork);
+  }
+  EXPECT_LE(defects.back(), 1e-3);
+  EXPECT_LT(defects[2], 0.5 * defects[0]);
+}
+
+// By the brittle law all of it breaks at its strength, and what was stored is dissipated.
 TEST(Adhesion, brittle_blocks_break_at_once) {
   CohesiveLaw::Options law = softLaw();
   law.kind = CohesiveLaw::Kind::Brittle;
@@ -284,11 +364,11 @@ TEST(Adhesion, brittle_blocks_break_at_once) {
   const run::StepRow& end = run.report.steps.back();
   EXPECT_EQ(end.broken, static_cast<long long>(run.report.contact.size()));
   EXPECT_NEAR(forceOf(end)[1], 0.0, 1e-9);
-  // σ²/2k by the area of one; nothing is left over but what the steps went too far.
+  // σ²/2k by the area of one.
   EXPECT_NEAR(end.dissipated, 0.5 / 100.0, 1e-12);
   EXPECT_NEAR(end.energy, 0.0, 1e-9);
-  EXPECT_NEAR(defect(end), 0.0, 1e-9);
-  // Where they were halved to a 64th, 0.0003/64 beyond the strength at most.
+  // The step was halved to a 64th: work by the trapezoidal rule is known to half of that one's.
+  EXPECT_NEAR(defect(end), 0.0, 0.5 * 0.0003 / 64.0);
   EXPECT_NEAR(end.externalWork, 0.5 / 100.0, 0.0003);
   long long before = 0;
   for (const run::StepRow& row : run.report.steps) {

@@ -4,9 +4,10 @@
 namespace Harmos::effects {
 
 scene::EffectKind kindOfContact() {
-  ParameterSpec spec("<contact>",
-                     "Two boundary parts do not penetrate each other; without friction, where none of "
-                     "\"Effects/Friction\" acts on it, and without adhesion.");
+  ParameterSpec spec(
+      "<contact>",
+      "Two boundary parts do not penetrate each other; without friction, where none of "
+      "\"Effects/Friction\" acts on it, and without adhesion, where none of \"Effects/Adhesion\" does.");
   SurfacePair::addTo(spec);
   spec.real("Gap", 0.0, Range(), "Added to the distance of the meshes; negative: initial penetration.");
   return {Contact::kindName, spec,

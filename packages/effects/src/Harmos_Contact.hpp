@@ -5,7 +5,8 @@
 
 namespace Harmos::effects {
 
-/// Two boundary parts do not penetrate each other, without friction or adhesion: n·(u¹ − u²) ≤ gap.
+/// Two boundary parts do not penetrate each other, without friction or adhesion, unless effects of their own
+/// say so: n·(u¹ − u²) ≤ gap.
 ///
 /// Guarded by tests/verification/test_contact_patch.cpp and tests/unit/scene/test_contact_setup.cpp.
 class Contact : public scene::Effect {

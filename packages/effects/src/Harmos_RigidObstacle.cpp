@@ -47,7 +47,7 @@ scene::EffectKind kindOfRigidObstacle() {
   ParameterSpec spec(
       "<obstacle>",
       "A boundary part does not penetrate a rigid obstacle at rest; without friction, where none of "
-      "\"Effects/Friction\" acts on it.");
+      "\"Effects/Friction\" acts on it, and without adhesion, where none of \"Effects/Adhesion\" does.");
   spec.text("Part", "", "Where: \"body/boundary part\". Required.");
   spec.choice("Shape", "half-space",
               {{"half-space", "behind the plane through \"Point\" that \"Direction\" leaves"},

@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 using namespace Harmos;
 
 namespace {
@@ -105,5 +107,38 @@ TEST(ContactFields, node_of_two_contacts_shows_the_closed_one) {
         EXPECT_EQ(fields.activeSet[i][node], isIt ? 2 : 0);
         EXPECT_EQ(fields.pressure[i][node], isIt ? 3.0 : 0.0);
       }
+  }
+}
+
+// Which fields there are is a matter of the scene: a step whose contacts are all open has those of friction
+// and adhesion, too. What acts on the second side is the negative.
+TEST(ContactFields, kinds_are_those_of_the_scene) {
+  scene::Scene scene = stack();
+  const auto owned = scene::decompose(*testComm(), scene);
+  std::vector<contact::ContactPoint> points(1);
+  points[0].node = 0;
+  points[0].terms = {{0, 1.0}, {1, -1.0}};
+  run::ContactState state{0.0, 0.0, 0.5, false};
+  state.isBound = true;
+  state.damage = 0.25;
+  state.jump = {1.0, 2.0, 3.0};
+  state.wholeTraction = {4.0, 5.0, 6.0};
+  const run::ContactFields none = run::contactFields(owned, points, {state});
+  EXPECT_TRUE(none.friction.empty() && none.slip.empty() && none.damage.empty() && none.jump.empty());
+  const run::ContactFields fields = run::contactFields(owned, points, {state}, {true, true});
+  ASSERT_EQ(fields.friction.size(), owned.size());
+  ASSERT_EQ(fields.damage.size(), owned.size());
+  for (std::size_t i = 0; i < owned.size(); ++i) {
+    const auto nodes = static_cast<std::size_t>(owned[i].mesh.mesh->numberOfNodes());
+    EXPECT_EQ(fields.friction[i], std::vector<unsigned char>(nodes, 0));
+    EXPECT_EQ(fields.slip[i], std::vector<double>(3 * nodes, 0.0));
+    for (std::size_t k = 0; k < owned[i].mesh.boundaryNumbers.size(); ++k) {
+      const auto node = static_cast<std::size_t>(owned[i].mesh.mesh->boundary[k]);
+      const long long number = owned[i].mesh.boundaryNumbers[k];
+      const double sign = number == 0 ? 1.0 : number == 1 ? -1.0 : 0.0;
+      EXPECT_EQ(fields.damage[i][node], 0.25 * std::abs(sign));
+      EXPECT_EQ(fields.jump[i][3 * node + 1], 2.0 * sign);
+      EXPECT_EQ(fields.interfaceTraction[i][3 * node + 2], 6.0 * sign);
+    }
   }
 }
