@@ -30,14 +30,14 @@ struct ConstraintRow {
   long long number = 0;
   std::vector<Term> terms;
   double bound = 0.0;
-  double rounding = 0.0;    ///< the bound is known up to this: gaps are differences of coordinates
-  double compliance = 0.0;  ///< ≥ 0, in units of the bound by those of the multiplier; 0: does not give way
-  /// Where it is given, the force of an inequality or a limited row may leave its limits, and what it bounds gives
-  /// way by that: an inequality pulls, λ < 0, and Bu = bound + softness · λ there (closed, λ > 0, it is as
-  /// stiff as ever); a limited row, whose limit does not count then, has Bu = bound + softness · λ on both
-  /// sides. Springs of an interface that is glued, and not broken yet. ≥ 0; bounds and softness may change from
-  /// one solution to the next.
-  std::optional<double> softness;
+  double rounding = 0.0;   ///< the bound is known up to this: gaps are differences of coordinates
+  double compliance = 0.0; ///< ≥ 0, in units of the bound by those of the multiplier; 0: does not give way
+  /// Where it is given, the force of an inequality or a limited row may leave its limits, and what it bounds
+  /// gives way by that: an inequality pulls, λ < 0, and Bu = bound + softness · λ there (closed, λ > 0, it is
+  /// as stiff as ever); a limited row, whose limit does not count then, has Bu = bound + softness · λ on both
+  /// sides. Springs of an interface that is glued, and not broken yet. ≥ 0; bounds and softness may change
+  /// from one solution to the next.
+  std::optional<double> softness = std::nullopt;
   double limit = 0.0;       ///< ≥ 0, of limited rows
   long long disc = -1;      ///< of limited rows: a number that no other pair has; −1: none
   double coefficient = 0.0; ///< ≥ 0, of limited rows whose limit follows an inequality

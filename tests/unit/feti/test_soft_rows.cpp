@@ -86,8 +86,7 @@ std::vector<ConstraintRow> rowsOfSides(const std::vector<ConstraintRow>& rows,
   std::vector<ConstraintRow*> closed, equal;
   for (std::size_t r = 0; r < result.size(); ++r) {
     ConstraintRow& row = result[r];
-    const bool isSpring =
-        row.softness && (row.kind == ConstraintRow::Kind::Limited || forces[r] < 0.0);
+    const bool isSpring = row.softness && (row.kind == ConstraintRow::Kind::Limited || forces[r] < 0.0);
     if (isSpring) {
       row.kind = ConstraintRow::Kind::Equality;
       row.compliance += *row.softness;
@@ -230,8 +229,7 @@ TEST(SoftRows, softness_changes_and_goes) {
           row.limit = row.kind == ConstraintRow::Kind::Limited ? 1e-2 : 0.0;
         }
       },
-      [](ConstraintRow& row, long long) { row.softness.reset(); },
-      [](ConstraintRow&, long long) {}};
+      [](ConstraintRow& row, long long) { row.softness.reset(); }, [](ConstraintRow&, long long) {}};
   for (std::size_t k = 0; k < changes.size(); ++k) {
     model = intact;
     for (ConstraintRow& row : model.rows) {
@@ -279,9 +277,8 @@ TEST(SoftRows, beside_limits_that_follow) {
   for (ConstraintRow& row : rows)
     if (row.kind == ConstraintRow::Kind::Inequality)
       row.softness = 1.0;
-  const std::string said = inputErrorOf([&] {
-    feti::FetiSolver(testComm(), model.subdomains, rows, parametersOf("auto"));
-  });
+  const std::string said =
+      inputErrorOf([&] { feti::FetiSolver(testComm(), model.subdomains, rows, parametersOf("auto")); });
   EXPECT_TRUE(contains(said, "which may pull; give softness to both rows, or to none")) << said;
 }
 
@@ -308,7 +305,8 @@ TEST(SoftRows, audit_finds_faults) {
 }
 
 TEST(SoftRows, bad_ones_are_refused) {
-  const auto saidOf = [](const std::function<void(ConstraintRow&)>& change, const std::string& method = "Auto") {
+  const auto saidOf = [](const std::function<void(ConstraintRow&)>& change,
+                         const std::string& method = "Auto") {
     TestModel model = glued(1.0, false);
     for (ConstraintRow& row : model.rows)
       change(row);

@@ -43,7 +43,7 @@ struct RowHead {
   double limit = 0.0;
   long long disc = -1;
   double coefficient = 0.0;
-  long long normal = -1; // row that the limit follows
+  long long normal = -1;  // row that the limit follows
   double softness = -1.0; // −1: none
 };
 
@@ -220,8 +220,8 @@ std::vector<Details::MultiplierTerm> addGiven(const std::vector<ConstraintRow>& 
     const long long number = numbers[r];
     multipliers.push_back({static_cast<int>(r), number, scale});
     builder.add({number, scale * part.bound, scale, part.compliance * scale * scale,
-                 static_cast<int>(typeOf(row.kind)), row.limit / scale, row.disc, row.coefficient,
-                 row.normal, softnessOf(row, part) * scale * scale},
+                 static_cast<int>(typeOf(row.kind)), row.limit / scale, row.disc, row.coefficient, row.normal,
+                 softnessOf(row, part) * scale * scale},
                 part.terms, given.owners[r], !part.isIdle);
     builder.addHeld(number, part.held);
     for (const ConstraintRow::Term& term : row.terms)
@@ -338,9 +338,10 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
     isInterval_.push_back(isLimited && head.disc < 0 && !isSoft ? 1 : 0);
     softLimited_ += isLimited && isSoft ? 1 : 0;
   }
-  hasSoft_ = globalMax(comm, std::any_of(softness_.begin(), softness_.end(), [](double s) { return s >= 0.0; })
-                                 ? 1LL
-                                 : 0LL) > 0;
+  hasSoft_ =
+      globalMax(comm, std::any_of(softness_.begin(), softness_.end(), [](double s) { return s >= 0.0; })
+                          ? 1LL
+                          : 0LL) > 0;
   pairs_ = pairsOf(heads);
   for (const std::array<int, 2>& pair : pairs_)
     if (!isSoft(pair[0]))
