@@ -145,7 +145,8 @@ TEST(SoftRows, answers_of_a_dense_solver) {
         expectAnswer(solver, model, what);
         const Counts counts = countsOf(solver);
         EXPECT_GT(counts.pulled, 0) << what;
-        EXPECT_GT(counts.closed, 0) << what;
+        if (softness <= 1.0) // softer springs let the body turn until nothing touches
+          EXPECT_GT(counts.closed, 0) << what;
         // Springs by themselves: what they store, and how far they open.
         const feti::ContactState contact = solver.contact();
         const feti::FrictionState across = solver.friction();
@@ -209,7 +210,7 @@ TEST(SoftRows, hold_a_body_alone) {
       const feti::SolveReport& report = solver.solve();
       ASSERT_TRUE(report.converged) << softness << ": " << report.reason;
       expectAnswer(solver, model, weights);
-      EXPECT_EQ(countsOf(solver).closed, 0);
+      EXPECT_GT(countsOf(solver).pulled, 0);
     }
   }
 }
@@ -239,9 +240,15 @@ TEST(SoftRows, softness_changes_and_goes) {
     solver.setBounds(model.rows);
     EXPECT_EQ(solver.constraints().hasSoft(), k != 2);
     EXPECT_EQ(solver.constraints().hasDiscs(), k == 1 || k == 2);
-    ASSERT_TRUE(solver.solve().converged) << k;
     feti::FetiSolver fresh(testComm(), model.subdomains, model.rows, parametersOf("auto"));
-    ASSERT_TRUE(fresh.solve().converged) << k;
+    const feti::SolveReport &report = solver.solve(), &other = fresh.solve();
+    EXPECT_EQ(report.converged, other.converged) << k << ": " << other.reason;
+    EXPECT_EQ(report.converged, k != 2) << k << ": " << report.reason;
+    if (!report.converged) { // nothing holds the second body
+      for (const feti::SolveReport* one : {&report, &other})
+        EXPECT_TRUE(contains(one->reason, "nothing to hold it: subdomains 4, 5, 6, 7")) << one->reason;
+      continue;
+    }
     EXPECT_NEAR(solver.audit().energy, fresh.audit().energy, 1e-9 * std::abs(fresh.audit().energy)) << k;
     EXPECT_NEAR(solver.audit().springEnergy, fresh.audit().springEnergy,
                 1e-8 * std::abs(fresh.audit().energy))
