@@ -203,6 +203,7 @@ class Constraints {
   Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows, bool hasWeights,
               Details::Weights weights);
   void keepFullRows(const Sent& held);
+  void findSoft(const Teuchos::Comm<int>& comm);
   static std::vector<std::vector<Entry>>
   bySubdomain(const Sent& entries, const std::map<long long, int>& localRow, int subdomains);
 
