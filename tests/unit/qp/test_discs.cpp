@@ -119,6 +119,27 @@ TEST(Discs, five_hundred_random_friction_problems) {
   EXPECT_GT(insides, 100);
 }
 
+// Steps along rims that take a quarter of the iterations leave the rest to sets, which do not hand back.
+TEST(Discs, steps_that_take_long_hand_over) {
+  std::mt19937 random(410);
+  int handedOver = 0;
+  for (int k = 0; k < 20; ++k) {
+    const SmallQp qp = randomFrictionQp(random, 10, k % 3);
+    const auto list = parameters(1e-10);
+    list->set("Maximum Iterations", 120); // sets take some 20, steps some 200
+    const DistributedQp distributed(qp);
+    const auto solver = TpetraSolverFactory().create(k % 3 > 0 ? "SMALBE" : "MPRGP", list);
+    solver->setProblem(distributed.problem);
+    const Result result = solver->solve();
+    ASSERT_TRUE(result.converged()) << k << ": " << result.explanation;
+    const std::vector<double> x = fromVector(*distributed.solution), expected = interiorPoint(qp);
+    EXPECT_LE(distance(x, expected), 1e-8 * (1.0 + norm(expected))) << k; // as above
+    EXPECT_LE(result.lastRecord().inner, 120);
+    handedOver += result.counters.safeguards > 0 ? 1 : 0;
+  }
+  EXPECT_GT(handedOver, 10);
+}
+
 // A round patch on a half space, dragged and twisted, under Hertz' pressure: from stick nearly everywhere to
 // slip nearly everywhere. Compliances are those of Mindlin's point forces, that of a point itself h·3.5.
 TEST(Discs, patch_dragged_and_twisted) {

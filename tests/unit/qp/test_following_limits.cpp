@@ -99,10 +99,10 @@ struct Answer {
   Result result;
 };
 
-Answer solved(const SmallQp& qp, const std::string& name, bool preconditioned) {
+Answer solved(const SmallQp& qp, const std::string& name, bool preconditioned, int iterations = 20000) {
   const auto list = Teuchos::parameterList();
   list->set("Convergence Tolerance", 1e-11);
-  list->set("Maximum Iterations", 20000);
+  list->set("Maximum Iterations", iterations);
   const DistributedQp distributed(qp);
   if (preconditioned)
     distributed.precondition(jacobi(qp.a));
@@ -170,6 +170,26 @@ TEST(FollowingLimits, three_hundred_problems_in_the_plane_against_all_states) {
   EXPECT_EQ(converged, runs); // none of these is without a solution
   EXPECT_GE(programsConverged, 0.9 * programs);
   EXPECT_LE(byProgram, 15);
+}
+
+// Fixed points that take a quarter of the iterations leave the rest to sets.
+TEST(FollowingLimits, fixed_points_that_take_long_hand_over) {
+  std::mt19937 random(27);
+  int tried = 0, handedOver = 0, converged = 0;
+  for (int k = 0; k < 30; ++k) {
+    const SmallQp qp = followingQp(random, 4, 1, k % 3, 1, 0.3);
+    const std::vector<std::vector<double>> expected = allSolutions(qp);
+    if (expected.size() != 1)
+      continue;
+    ++tried;
+    const Answer answer = solved(qp, qp.c.rows > 0 ? "SMALBE" : "MPRGP", false, 150);
+    handedOver += answer.result.counters.safeguards > 0 ? 1 : 0;
+    converged += answer.isConverged ? 1 : 0;
+    if (answer.isConverged)
+      EXPECT_LE(distance(expected[0], answer.x), 1e-8 * (1.0 + norm(answer.x))) << k; // as above
+  }
+  EXPECT_GT(handedOver, tried / 2);
+  EXPECT_EQ(converged, tried);
 }
 
 // Where limits do not contract that is said; with coefficients of a tenth they do.

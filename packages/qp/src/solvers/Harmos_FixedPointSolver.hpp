@@ -16,7 +16,8 @@ namespace Harmos::qp {
 /// tells where there are none.
 ///
 /// A solver of programs whose letsLimitsFollow() is false has a quarter of the iterations for that: PDAS,
-/// which solves for limits and solution at once, takes over then, if rows can be orthonormal.
+/// which solves for limits and solution at once, takes over then, if rows can be orthonormal. So it does
+/// where limits are given, but make discs, along whose rims gradient projection may creep.
 ///
 /// For solvers whose letsLimitsFollow() is false, and where PDAS hands over. Guarded by
 /// tests/unit/qp/test_following_limits.cpp.
@@ -42,6 +43,9 @@ class FixedPointSolver : public SolverManager<Scalar, MV, OP> {
   using BT = BoundTraits<Scalar, MV>;
 
   void begin();
+  void solveGiven();
+  bool isBudgetSpent() const;
+  Teuchos::RCP<StatusTest<MV>> budgetTest() const; // null where nothing may be handed over
   void solveFrozen();
   bool findsLimits();
   bool isAnswer();

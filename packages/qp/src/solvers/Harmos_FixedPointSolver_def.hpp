@@ -27,14 +27,16 @@ void FixedPointSolver<Scalar, MV, OP>::doSolve() {
   rows_ = this->makeRows();
   if (rows_.is_null())
     return;
+  constexpr double share = 0.25;
+  budget_ = this->firstInner_ + static_cast<int>(share * (this->maximumIterations() - this->firstInner_));
+  if (!this->problem_->hasFollowingLimits())
+    return solveGiven();
   begin();
   if (this->resumesDelegateWith("fixed point handed over"))
     return handOver();
   while (true) {
     solveFrozen();
-    const Result& result = this->result_;
-    if (result.reason == Reason::IterationLimit && mayHandOver() &&
-        result.lastRecord().inner < this->maximumIterations())
+    if (isBudgetSpent())
       return handOver();
     if (this->result_.reason == Reason::Infeasible) {
       if (!findsLimits())
@@ -67,15 +69,38 @@ void FixedPointSolver<Scalar, MV, OP>::handOver() {
   if (rows_->isPresent())
     MVT::MvInit(*this->problem_->multiplier(), 0.0);
   PdasSolver<Scalar, MV, OP> solver;
-  this->log_.detail(this->name() + ": limits that follow take long; " + solver.name() + " takes over");
+  this->log_.detail(this->name() + ": this takes long; " + solver.name() + " takes over");
   this->delegate(solver);
 }
 
 template<class Scalar, class MV, class OP>
+bool FixedPointSolver<Scalar, MV, OP>::isBudgetSpent() const {
+  const Result& result = this->result_;
+  return result.reason == Reason::IterationLimit && mayHandOver() &&
+         result.lastRecord().inner < this->maximumIterations();
+}
+
+template<class Scalar, class MV, class OP>
+Teuchos::RCP<StatusTest<MV>> FixedPointSolver<Scalar, MV, OP>::budgetTest() const {
+  if (!mayHandOver())
+    return Teuchos::null;
+  return Teuchos::rcp(new StatusTestMaxIterations<MV>(budget_));
+}
+
+// Discs whose radii are given: all there is to do is to hand over.
+template<class Scalar, class MV, class OP>
+void FixedPointSolver<Scalar, MV, OP>::solveGiven() {
+  if (this->resumesDelegateWith("fixed point handed over"))
+    return handOver();
+  const Teuchos::RCP<Solver> inner = inner_->clone();
+  inner->setHandsOver(false);
+  this->delegate(*inner, Teuchos::null, budgetTest());
+  if (isBudgetSpent())
+    handOver();
+}
+
+template<class Scalar, class MV, class OP>
 void FixedPointSolver<Scalar, MV, OP>::begin() {
-  constexpr double share = 0.25;
-  const int first = this->firstInner_;
-  budget_ = first + static_cast<int>(share * (this->maximumIterations() - first));
   const MV& x = *this->problem_->solution();
   radii_ = MVT::Clone(x, 1);
   step_ = MVT::Clone(x, 1);
@@ -106,6 +131,7 @@ void FixedPointSolver<Scalar, MV, OP>::solveFrozen() {
   const Teuchos::RCP<typename Solver::ProblemType> whole = this->problem_;
   const std::function<bool()> acceptance = this->acceptance_;
   const Teuchos::RCP<Solver> inner = inner_->clone();
+  inner->setHandsOver(false);
   this->acceptance_ = nullptr;
   // A tenth of what was wrong with the limits before.
   constexpr double share = 0.1, ofEqualities = 1e-3;
@@ -116,13 +142,11 @@ void FixedPointSolver<Scalar, MV, OP>::solveFrozen() {
                equality = Teuchos::rcp(new StatusTestEqualityDistance<MV, Scalar>(ofEqualities, 0.0));
     enough = Teuchos::rcp(new StatusTestCombo<MV>(StatusTestCombo<MV>::Type::And, {gradient, equality}));
   }
-  if (mayHandOver()) {
-    const Test spent = Teuchos::rcp(new StatusTestMaxIterations<MV>(budget_));
-    if (enough.is_null())
-      enough = spent;
-    else
-      enough = Teuchos::rcp(new StatusTestCombo<MV>(StatusTestCombo<MV>::Type::Or, {enough, spent}));
-  }
+  const Test spent = budgetTest();
+  if (enough.is_null())
+    enough = spent;
+  else if (!spent.is_null())
+    enough = Teuchos::rcp(new StatusTestCombo<MV>(StatusTestCombo<MV>::Type::Or, {enough, spent}));
   this->delegate(*inner, whole->frozen(), enough);
   this->acceptance_ = acceptance;
 }

@@ -74,6 +74,7 @@ void PdasSolver<Scalar, MV, OP>::fallBack(const std::string& why) {
   this->log_.detail("PDAS: " + why + "; " +
                     (this->problem_->hasFollowingLimits() ? "limits follow between solutions from here on"
                                                           : solver->name() + " takes over"));
+  solver->setHandsOver(false);
   this->delegate(*solver);
 }
 

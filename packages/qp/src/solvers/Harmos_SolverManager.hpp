@@ -48,6 +48,10 @@ class SolverManager {
   /// Whether it solves problems with soft bounds; others refuse them.
   virtual bool takesSoftBounds() const { return false; }
 
+  /// Whether, not letting limits follow, it hands problems with discs over to PDAS when they take long. True
+  /// by default; those to which PDAS hands over do not hand back.
+  void setHandsOver(bool does) { handsOver_ = does; }
+
   /// Type, default, range and meaning of every parameter.
   virtual const ParameterSpec& parameterSpec() const = 0;
 
@@ -204,7 +208,8 @@ class SolverManager {
   std::function<void(Archive&)> delegation_; // of doSolve(), beside that of the solver it delegates to
   std::function<void(Archive&)> before_;     // of the solvers that delegate to this one
   int depth_ = 0;                            // the number of those
-  int productsBefore_ = 0;                   // of those, as their seconds
+  bool handsOver_ = true;
+  int productsBefore_ = 0; // of those, as their seconds
   double startedAfter_ = 0.0;
   bool hasResumed_ = false;
   bool mayResume_ = true;      // of several solvers to which one delegates, the first after a state

@@ -115,7 +115,8 @@ Result SolverManager<Scalar, MV, OP>::solve() {
   delegation_ = nullptr;
   if (isSenseless())
     return result_;
-  if (problem_->hasFollowingLimits() && !letsLimitsFollow()) {
+  const bool isHard = problem_->hasFollowingLimits() || (problem_->hasDiscs() && handsOver_);
+  if (isHard && !letsLimitsFollow()) {
     FixedPointSolver<Scalar, MV, OP> solver(clone());
     delegate(solver);
   } else {
