@@ -35,8 +35,8 @@ Teuchos::ParameterList parametersOf(const std::string& weights, const std::strin
 
 // The membranes, glued: loads press at one end of their edge and pull at the other. With a second component
 // that two rows a point hold in both directions, given as discs or not.
-TestModel glued(double softness, bool hasTangents, bool hasDiscs = false) {
-  TestModel model = testModel(2, 4);
+TestModel glued(double softness, bool hasTangents, bool hasDiscs = false, int s = 2, int n = 4) {
+  TestModel model = testModel(s, n);
   const auto pull = [](feti::Subdomain& subdomain, double factor) {
     changeLoad(subdomain, [&](std::vector<double>& load) {
       for (std::size_t k = 0; k < load.size(); ++k)
@@ -53,7 +53,7 @@ TestModel glued(double softness, bool hasTangents, bool hasDiscs = false) {
     return model;
   const long long subdomains = globalSum(*testComm(), static_cast<long long>(model.subdomains.size()));
   const long long rows = globalSum(*testComm(), static_cast<long long>(normals));
-  const TestModel plain = testModel(2, 4);
+  const TestModel plain = testModel(s, n);
   for (long long component : {1, 2}) {
     const long long dofs = 1000000 * component; // where numbers of its dofs begin
     for (feti::Subdomain subdomain : plain.subdomains) {
@@ -169,21 +169,29 @@ TEST(SoftRows, answers_of_a_dense_solver) {
       }
 }
 
+// Of one softness, and of 1e-6 to 1e6 along the rows, not in order.
 TEST(SoftRows, products_do_not_depend_on_softness) {
   for (const char* weights : {"none", "auto"}) {
     int least = 1000, most = 0;
-    for (double softness = 1e-6; softness < 2e6; softness *= 100.0) {
-      const TestModel model = glued(softness, true, true);
+    const auto add = [&](const TestModel& model, const std::string& what) {
       feti::FetiSolver solver(testComm(), model.subdomains, model.rows, parametersOf(weights));
       const feti::SolveReport& report = solver.solve(1e-6);
-      ASSERT_TRUE(report.converged) << softness << ": " << report.reason;
+      ASSERT_TRUE(report.converged) << what << ": " << report.reason;
       const int products = report.result.counters.hessianApplications;
       least = std::min(least, products);
       most = std::max(most, products);
       if (testComm()->getRank() == 0)
-        std::cout << weights << ", softness " << softness << ": " << products << " products, "
+        std::cout << weights << ", softness " << what << ": " << products << " products, "
                   << report.result.counters.activeSetUpdates << " sets\n";
+    };
+    for (double softness = 1e-6; softness < 2e6; softness *= 100.0)
+      add(glued(softness, true, true, 3, 8), std::to_string(softness));
+    TestModel graded = glued(1.0, true, true, 3, 8);
+    for (ConstraintRow& row : graded.rows) {
+      const long long point = row.disc >= 0 ? row.disc : row.number;
+      row.softness = std::pow(10.0, -6.0 + 12.0 * static_cast<double>((7 * point) % 11) / 10.0);
     }
+    add(graded, "graded");
     EXPECT_LE(most, std::max(25.0, 1.5 * least));
   }
 }
