@@ -303,6 +303,9 @@ TEST(SoftRows, audit_finds_faults) {
   ASSERT_TRUE(solver.solve().converged);
   const feti::AuditLimits limits = {feti::auditShare(tolerance)};
   EXPECT_TRUE(feti::auditAgrees(solver.audit(), limits));
+  feti::KktAudit stretched = solver.audit(); // and in balance
+  stretched.springError = 10.0 * limits.share * stretched.largestDisplacement;
+  EXPECT_FALSE(feti::auditAgrees(stretched, limits));
   for (feti::RowType type : {feti::RowType::Inequality, feti::RowType::Limited}) {
     feti::TornSolution solution = solver.solution();
     const auto multiplier = Teuchos::rcp(new MultiVector(*solution.multiplier, Teuchos::Copy));
