@@ -460,9 +460,7 @@ struct BoundTraits<double, SerialVector> {
   static void read(const V& v, const std::function<void(const double*)>& use) { use(v().data()); }
   static void write(V& v, const std::function<void(double*)>& use) { use(v().data()); }
   static void sum(const V&, double*, int) {}
-  static bool isFit(const V& like, const LocalSoftBounds& bounds) {
-    return bounds.length() == like().size();
-  }
+  static bool isFit(const V& like, const LocalSoftBounds& bounds) { return bounds.length() == like().size(); }
   static std::vector<double> localEntries(const V& v) { return v(); }
   static void setLocalEntries(const std::vector<double>& entries, V& v) { v() = entries; }
 

@@ -191,8 +191,8 @@ SmallQp randomFrictionQp(std::mt19937& random, int n, int equalities, double con
   return qp;
 }
 
-std::vector<double>
-bruteForceOfSides(const SmallQp& qp, const std::function<std::vector<double>(const SmallQp&)>& solve) {
+std::vector<double> bruteForceOfSides(const SmallQp& qp,
+                                      const std::function<std::vector<double>(const SmallQp&)>& solve) {
   std::vector<double> best;
   double least = infinity;
   std::vector<int> sides(qp.soft.size(), -1);
@@ -246,11 +246,14 @@ void addSoftBounds(std::mt19937& random, SmallQp& qp, double least, double most)
     const bool isBounded = (!qp.lower.empty() && std::isfinite(qp.lower[k])) ||
                            (!qp.upper.empty() && std::isfinite(qp.upper[k]));
     const double kind = unit(random), at = unit(random), width = 0.5 * (1.0 + unit(random));
-    const double share = std::exp(std::log(least) +
-                                  0.5 * (1.0 + unit(random)) * (std::log(most) - std::log(least)));
+    const double share =
+        std::exp(std::log(least) + 0.5 * (1.0 + unit(random)) * (std::log(most) - std::log(least)));
     if (isBounded || isTaken[k] != 0 || unit(random) > 0.2)
       continue;
-    qp.soft.push_back({i, kind > 0.6 ? -infinity : at, kind < -0.4 ? infinity : kind < 0.2 ? at : at + width,
+    qp.soft.push_back({i, kind > 0.6 ? -infinity : at,
+                       kind < -0.4  ? infinity
+                       : kind < 0.2 ? at
+                                    : at + width,
                        share * mean});
   }
 }

@@ -37,8 +37,8 @@ struct SmallQp {
 /// @param multipliers receives those of the equalities.
 std::vector<double> bruteForce(const SmallQp& qp, std::vector<double>* multipliers = nullptr);
 
-/// The same with soft bounds, by enumeration of the sides that entries are on. @param solve what is left then:
-/// bruteForce(), or with discs interiorPoint(). @return empty where rounding errors leave no answer.
+/// The same with soft bounds, by enumeration of the sides that entries are on. @param solve what is left
+/// then: bruteForce(), or with discs interiorPoint(). @return empty where rounding errors leave no answer.
 std::vector<double> bruteForceOfSides(const SmallQp& qp,
                                       const std::function<std::vector<double>(const SmallQp&)>& solve);
 

@@ -35,8 +35,8 @@ Teuchos::ParameterList parametersOf(const std::string& weights, const std::strin
 
 // The membranes, glued: loads press at one end of their edge and pull at the other. With a second component
 // that two rows a point hold in both directions, given as discs or not.
-TestModel glued(double softness, bool hasTangents, bool hasDiscs = false) {
-  TestModel model = testModel(2, 4);
+TestModel glued(double softness, bool hasTangents, bool hasDiscs = false, int s = 2, int n = 4) {
+  TestModel model = testModel(s, n);
   const auto pull = [](feti::Subdomain& subdomain, double factor) {
     changeLoad(subdomain, [&](std::vector<double>& load) {
       for (std::size_t k = 0; k < load.size(); ++k)
@@ -53,7 +53,7 @@ TestModel glued(double softness, bool hasTangents, bool hasDiscs = false) {
     return model;
   const long long subdomains = globalSum(*testComm(), static_cast<long long>(model.subdomains.size()));
   const long long rows = globalSum(*testComm(), static_cast<long long>(normals));
-  const TestModel plain = testModel(2, 4);
+  const TestModel plain = testModel(s, n);
   for (long long component : {1, 2}) {
     const long long dofs = 1000000 * component; // where numbers of its dofs begin
     for (feti::Subdomain subdomain : plain.subdomains) {
@@ -86,8 +86,7 @@ std::vector<ConstraintRow> rowsOfSides(const std::vector<ConstraintRow>& rows,
   std::vector<ConstraintRow*> closed, equal;
   for (std::size_t r = 0; r < result.size(); ++r) {
     ConstraintRow& row = result[r];
-    const bool isSpring =
-        row.softness && (row.kind == ConstraintRow::Kind::Limited || forces[r] < 0.0);
+    const bool isSpring = row.softness && (row.kind == ConstraintRow::Kind::Limited || forces[r] < 0.0);
     if (isSpring) {
       row.kind = ConstraintRow::Kind::Equality;
       row.compliance += *row.softness;
@@ -146,7 +145,8 @@ TEST(SoftRows, answers_of_a_dense_solver) {
         expectAnswer(solver, model, what);
         const Counts counts = countsOf(solver);
         EXPECT_GT(counts.pulled, 0) << what;
-        EXPECT_GT(counts.closed, 0) << what;
+        if (softness <= 1.0) // softer springs let the body turn until nothing touches
+          EXPECT_GT(counts.closed, 0) << what;
         // Springs by themselves: what they store, and how far they open.
         const feti::ContactState contact = solver.contact();
         const feti::FrictionState across = solver.friction();
@@ -169,21 +169,29 @@ TEST(SoftRows, answers_of_a_dense_solver) {
       }
 }
 
+// Of one softness, and of 1e-6 to 1e6 along the rows, not in order.
 TEST(SoftRows, products_do_not_depend_on_softness) {
   for (const char* weights : {"none", "auto"}) {
     int least = 1000, most = 0;
-    for (double softness = 1e-6; softness < 2e6; softness *= 100.0) {
-      const TestModel model = glued(softness, true, true);
+    const auto add = [&](const TestModel& model, const std::string& what) {
       feti::FetiSolver solver(testComm(), model.subdomains, model.rows, parametersOf(weights));
       const feti::SolveReport& report = solver.solve(1e-6);
-      ASSERT_TRUE(report.converged) << softness << ": " << report.reason;
+      ASSERT_TRUE(report.converged) << what << ": " << report.reason;
       const int products = report.result.counters.hessianApplications;
       least = std::min(least, products);
       most = std::max(most, products);
       if (testComm()->getRank() == 0)
-        std::cout << weights << ", softness " << softness << ": " << products << " products, "
+        std::cout << weights << ", softness " << what << ": " << products << " products, "
                   << report.result.counters.activeSetUpdates << " sets\n";
+    };
+    for (double softness = 1e-6; softness < 2e6; softness *= 100.0)
+      add(glued(softness, true, true, 3, 8), std::to_string(softness));
+    TestModel graded = glued(1.0, true, true, 3, 8);
+    for (ConstraintRow& row : graded.rows) {
+      const long long point = row.disc >= 0 ? row.disc : row.number;
+      row.softness = std::pow(10.0, -6.0 + 12.0 * static_cast<double>((7 * point) % 11) / 10.0);
     }
+    add(graded, "graded");
     EXPECT_LE(most, std::max(25.0, 1.5 * least));
   }
 }
@@ -210,7 +218,7 @@ TEST(SoftRows, hold_a_body_alone) {
       const feti::SolveReport& report = solver.solve();
       ASSERT_TRUE(report.converged) << softness << ": " << report.reason;
       expectAnswer(solver, model, weights);
-      EXPECT_EQ(countsOf(solver).closed, 0);
+      EXPECT_GT(countsOf(solver).pulled, 0);
     }
   }
 }
@@ -230,8 +238,7 @@ TEST(SoftRows, softness_changes_and_goes) {
           row.limit = row.kind == ConstraintRow::Kind::Limited ? 1e-2 : 0.0;
         }
       },
-      [](ConstraintRow& row, long long) { row.softness.reset(); },
-      [](ConstraintRow&, long long) {}};
+      [](ConstraintRow& row, long long) { row.softness.reset(); }, [](ConstraintRow&, long long) {}};
   for (std::size_t k = 0; k < changes.size(); ++k) {
     model = intact;
     for (ConstraintRow& row : model.rows) {
@@ -241,9 +248,15 @@ TEST(SoftRows, softness_changes_and_goes) {
     solver.setBounds(model.rows);
     EXPECT_EQ(solver.constraints().hasSoft(), k != 2);
     EXPECT_EQ(solver.constraints().hasDiscs(), k == 1 || k == 2);
-    ASSERT_TRUE(solver.solve().converged) << k;
     feti::FetiSolver fresh(testComm(), model.subdomains, model.rows, parametersOf("auto"));
-    ASSERT_TRUE(fresh.solve().converged) << k;
+    const feti::SolveReport &report = solver.solve(), &other = fresh.solve();
+    EXPECT_EQ(report.converged, other.converged) << k << ": " << other.reason;
+    EXPECT_EQ(report.converged, k != 2) << k << ": " << report.reason;
+    if (!report.converged) { // nothing holds the second body
+      for (const feti::SolveReport* one : {&report, &other})
+        EXPECT_TRUE(contains(one->reason, "nothing to hold it: subdomains 4, 5, 6, 7")) << one->reason;
+      continue;
+    }
     EXPECT_NEAR(solver.audit().energy, fresh.audit().energy, 1e-9 * std::abs(fresh.audit().energy)) << k;
     EXPECT_NEAR(solver.audit().springEnergy, fresh.audit().springEnergy,
                 1e-8 * std::abs(fresh.audit().energy))
@@ -279,9 +292,8 @@ TEST(SoftRows, beside_limits_that_follow) {
   for (ConstraintRow& row : rows)
     if (row.kind == ConstraintRow::Kind::Inequality)
       row.softness = 1.0;
-  const std::string said = inputErrorOf([&] {
-    feti::FetiSolver(testComm(), model.subdomains, rows, parametersOf("auto"));
-  });
+  const std::string said =
+      inputErrorOf([&] { feti::FetiSolver(testComm(), model.subdomains, rows, parametersOf("auto")); });
   EXPECT_TRUE(contains(said, "which may pull; give softness to both rows, or to none")) << said;
 }
 
@@ -291,6 +303,9 @@ TEST(SoftRows, audit_finds_faults) {
   ASSERT_TRUE(solver.solve().converged);
   const feti::AuditLimits limits = {feti::auditShare(tolerance)};
   EXPECT_TRUE(feti::auditAgrees(solver.audit(), limits));
+  feti::KktAudit stretched = solver.audit(); // and in balance
+  stretched.springError = 10.0 * limits.share * stretched.largestDisplacement;
+  EXPECT_FALSE(feti::auditAgrees(stretched, limits));
   for (feti::RowType type : {feti::RowType::Inequality, feti::RowType::Limited}) {
     feti::TornSolution solution = solver.solution();
     const auto multiplier = Teuchos::rcp(new MultiVector(*solution.multiplier, Teuchos::Copy));
@@ -308,7 +323,8 @@ TEST(SoftRows, audit_finds_faults) {
 }
 
 TEST(SoftRows, bad_ones_are_refused) {
-  const auto saidOf = [](const std::function<void(ConstraintRow&)>& change, const std::string& method = "Auto") {
+  const auto saidOf = [](const std::function<void(ConstraintRow&)>& change,
+                         const std::string& method = "Auto") {
     TestModel model = glued(1.0, false);
     for (ConstraintRow& row : model.rows)
       change(row);

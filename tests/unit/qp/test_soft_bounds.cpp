@@ -31,7 +31,7 @@ struct Outcome {
 };
 
 Outcome solved(const SmallQp& qp, const std::string& method, const Teuchos::RCP<Teuchos::ParameterList>& list,
-           bool isPreconditioned) {
+               bool isPreconditioned) {
   const DistributedQp distributed(qp);
   EXPECT_TRUE(distributed.problem->isProblemSet()) << distributed.problem->whyNotSet();
   if (isPreconditioned)
@@ -48,7 +48,8 @@ Outcome solved(const SmallQp& qp, const std::string& method, const Teuchos::RCP<
 SmallQp randomSoftQp(std::mt19937& random, int k, double least, double most) {
   constexpr std::size_t mostSoft = 4;
   while (true) {
-    SmallQp qp = k % 4 == 3 ? randomFrictionQp(random, 3 + k % 5, k % 3) : randomQp(random, 3 + k % 5, k % 3, k % 2 == 0);
+    SmallQp qp = k % 4 == 3 ? randomFrictionQp(random, 3 + k % 5, k % 3)
+                            : randomQp(random, 3 + k % 5, k % 3, k % 2 == 0);
     addSoftBounds(random, qp, least, most);
     if (!qp.soft.empty() && qp.soft.size() <= mostSoft)
       return qp;
@@ -57,7 +58,11 @@ SmallQp randomSoftQp(std::mt19937& random, int k, double least, double most) {
 
 std::vector<double> reference(const SmallQp& qp) {
   return bruteForceOfSides(qp, [](const SmallQp& plain) {
-    return plain.discs.empty() ? bruteForce(plain) : interiorPoint(plain);
+    if (plain.discs.empty())
+      return bruteForce(plain);
+    // Now and then Newton's method gets stuck there.
+    const std::vector<double> x = interiorPoint(plain);
+    return norm(equalityResidual(plain, x)) <= 1e-9 ? x : std::vector<double>();
   });
 }
 
@@ -83,7 +88,7 @@ TEST(SoftBounds, random_problems_against_enumeration) {
     ASSERT_TRUE(run.result.converged()) << k << ": " << run.result.explanation;
     held += run.result.counters.descents;
     // Of ‖b‖ some 10, eigenvalues from 1: x is off by 1e-9 then; interior points by 1e-10.
-    EXPECT_LE(distance(run.x, expected), 1e-8 * (1.0 + norm(expected))) << k << " cost " << qp.cost(run.x) - qp.cost(expected) << " rows " << norm(equalityResidual(qp, run.x)) << " " << norm(equalityResidual(qp, expected));
+    EXPECT_LE(distance(run.x, expected), 1e-8 * (1.0 + norm(expected))) << k;
   }
   if (testComm()->getRank() == 0)
     std::cout << known << " known, " << outside << " entries outside, " << inside << " inside; sides held "
@@ -91,6 +96,46 @@ TEST(SoftBounds, random_problems_against_enumeration) {
   EXPECT_GT(known, 380);
   EXPECT_GT(outside, 100);
   EXPECT_GT(inside, 100);
+}
+
+// Newton's method on sides goes round in circles on one in some hundreds of these, with exact solutions too:
+// the cost has to fall.
+TEST(SoftBounds, sides_that_go_in_circles) {
+  constexpr int trials = 2000;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::normal_distribution<double> normal;
+  int held = 0;
+  for (int k = 0; k < trials; ++k) {
+    const int n = 3 + k % 3;
+    SmallQp qp{withSpectrum(randomOrthonormal(random, n), 0, std::pow(10.0, 1.0 + 3.0 * unit(random))),
+               {},
+               {},
+               {},
+               Dense(0, n),
+               {}};
+    double mean = 0.0;
+    for (int i = 0; i < n; ++i)
+      mean += qp.a(i, i) / n;
+    for (int i = 0; i < n; ++i) {
+      qp.b.push_back(10.0 * normal(random));
+      qp.soft.push_back({i, normal(random), infinity, mean * std::pow(10.0, -1.0 + 4.0 * unit(random))});
+    }
+    const auto list = parameters(1e-9);
+    list->sublist("PDAS").set("Inner reduction", 1e-6); // as exact as it takes for circles
+    const Outcome run = solved(qp, "PDAS", list, false);
+    ASSERT_TRUE(run.result.converged()) << k << ": " << run.result.explanation;
+    held += run.result.counters.descents;
+    std::vector<double> gradient = lagrangianGradient(qp, run.x, {});
+    for (const SoftBound& bound : qp.soft) {
+      const auto i = static_cast<std::size_t>(bound.entry);
+      gradient[i] += bound.curvature * std::min(0.0, run.x[i] - bound.lower);
+    }
+    EXPECT_LE(norm(gradient), 1.01e-9 * norm(qp.b)) << k;
+  }
+  if (testComm()->getRank() == 0)
+    std::cout << "sides held in " << held << " of " << trials << "\n";
+  EXPECT_GT(held, 0);
 }
 
 namespace {
@@ -118,11 +163,13 @@ SmallQp softString(int n, double share) {
 
 } // namespace
 
-// Rows are sums over entries that are all springs: what they hold is held by nothing else.
+// Rows are sums over entries that are all springs: what they hold is held by nothing else. Stiff ones leave
+// less to be found than soft ones, which are as good as free.
 TEST(SoftBounds, products_do_not_depend_on_stiffness) {
   constexpr int n = 120;
-  std::vector<int> all;
-  for (bool isPreconditioned : {true, false})
+  constexpr double tolerance = 1e-8;
+  for (bool isPreconditioned : {true, false}) {
+    std::vector<int> products;
     for (double share = 1e-6; share < 2e6; share *= 100.0) {
       const SmallQp qp = softString(n, share);
       const DistributedQp distributed(qp);
@@ -136,13 +183,28 @@ TEST(SoftBounds, products_do_not_depend_on_stiffness) {
         }
         distributed.precondition(inverse);
       }
-      const auto solver = TpetraSolverFactory().create("PDAS", parameters(1e-8));
+      const auto solver = TpetraSolverFactory().create("PDAS", parameters(tolerance));
       solver->setProblem(distributed.problem);
       const Result result = solver->solve();
-      EXPECT_TRUE(result.converged()) << share << ": " << result.explanation;
-      std::cout << isPreconditioned << " " << share << ": " << result.counters.hessianApplications << " "
-                << result.counters.activeSetUpdates << "\n";
+      ASSERT_TRUE(result.converged()) << share << ": " << result.explanation;
+      products.push_back(result.counters.hessianApplications);
+      // The gradient with springs, by definition.
+      const std::vector<double> x = fromVector(*distributed.solution);
+      std::vector<double> gradient = lagrangianGradient(qp, x, fromVector(*distributed.multiplier));
+      for (const SoftBound& bound : qp.soft) {
+        const auto i = static_cast<std::size_t>(bound.entry);
+        gradient[i] += bound.curvature * (x[i] - std::clamp(x[i], bound.lower, bound.upper));
+      }
+      EXPECT_LE(norm(gradient), 1.01 * tolerance * norm(qp.b)) << share;
+      EXPECT_LE(norm(equalityResidual(qp, x)), 1e-10 * norm(x)) << share;
+      if (testComm()->getRank() == 0)
+        std::cout << (isPreconditioned ? "preconditioned" : "not preconditioned") << ", stiffness " << share
+                  << " of the mean: " << products.back() << " products, " << result.counters.activeSetUpdates
+                  << " sets\n";
     }
+    EXPECT_LE(*std::max_element(products.begin(), products.end()),
+              (isPreconditioned ? 1.1 : 1.25) * products.front());
+  }
 }
 
 TEST(SoftBounds, others_refuse_them) {
@@ -200,7 +262,8 @@ TEST(SoftBounds, beside_limits_that_follow) {
 TEST(Resume, with_soft_bounds) {
   std::mt19937 random(31);
   for (int k = 0; k < 8; ++k) {
-    SmallQp qp = k % 4 == 3 ? randomFrictionQp(random, 12, k % 3, 10.0) : randomQp(random, 24, k % 3, k % 2 == 0, 1e3);
+    SmallQp qp =
+        k % 4 == 3 ? randomFrictionQp(random, 12, k % 3, 10.0) : randomQp(random, 24, k % 3, k % 2 == 0, 1e3);
     addSoftBounds(random, qp, 1e-2, 1e2);
     const auto solve = [&](const Teuchos::RCP<MemoryMonitor<MultiVector>>& monitor) {
       const auto list = parameters(1e-7);

@@ -198,8 +198,8 @@ void DualProblem::makeBounds(const Constraints& constraints) {
     lowerBound_ = makeBound([&](int row, double shift) {
       return constraints.isSoft(row)                           ? -none
              : constraints.rowType(row) == RowType::Inequality ? -shift
-             : constraints.isInterval(row)                   ? -shift - limitOf(row)
-                                                             : -none;
+             : constraints.isInterval(row)                     ? -shift - limitOf(row)
+                                                               : -none;
     });
   if (constraints.hasIntervals())
     upperBound_ = makeBound(

@@ -41,7 +41,8 @@ class DualProblem {
   /// Pd.
   Teuchos::RCP<const MultiVector> rhs() const { return projectedD_; }
   const MultiVector& d() const { return *d_; }
-  /// −λ̃_I on inequality rows that are not soft, −λ̃ − limit on limited ones in no disc, −∞ elsewhere; null without any.
+  /// −λ̃_I on inequality rows that are not soft, −λ̃ − limit on limited ones in no disc, −∞ elsewhere; null
+  /// without any.
   Teuchos::RCP<const MultiVector> lowerBound() const { return lowerBound_; }
   /// −λ̃ + limit on limited rows in no disc, ∞ elsewhere; null without any.
   Teuchos::RCP<const MultiVector> upperBound() const { return upperBound_; }

@@ -18,8 +18,8 @@ namespace Harmos::feti {
 ///
 ///     min ½uᵀKu − fᵀu   subject to   copies equal,  B_I u ≤ c_I,  B_E u = c_E
 ///
-/// and equalities whose force is limited, as of friction with a given bound, and springs of what is glued; see
-/// ConstraintRow.
+/// and equalities whose force is limited, as of friction with a given bound, and springs of what is glued;
+/// see ConstraintRow.
 ///
 /// What a change costs: of loads, prescribed values and bounds two products with F; of matrices with the same
 /// graphs numerical factorisations and no analysis. Solutions start where those before suggest: see

@@ -13,7 +13,7 @@ struct KktAudit {
   /// Of soft rows, what is wrong with their springs: |Bu − c − Cλ − softness · λ| where they pull, and of
   /// limited ones always.
   double springError = 0.0;
-  double springEnergy = 0.0; ///< Σ½ softness · λ² of those
+  double springEnergy = 0.0;         ///< Σ½ softness · λ² of those
   double penetration = 0.0;          ///< max (B_I u − c_I − Cλ_I)₊
   double minContactMultiplier = 0.0; ///< min λ_I of rows that are not soft, 0 without inequalities
   double complementarity = 0.0;      ///< |λ_Iᵀ(B_I u − c_I)|
@@ -55,9 +55,9 @@ struct AuditLimits {
 };
 /// Whether an audit bears out an answer: jumps and penetrations are at most a share of the largest
 /// displacement, penetrations beside what the bounds are known to; so are slips that are none, and forces
-/// keep within their limits to rounding; and so is what is wrong with springs; the error in the energy norm, where it was
-/// estimated, is at most a share of its own of that of the solution, beside rounding. Forces are out of
-/// balance by three tolerances, 0.03 of the share, at most: the solver leaves ‖G̃λ − ẽ‖ ≤ ε‖λ‖ on rigid
+/// keep within their limits to rounding; and so is what is wrong with springs; the error in the energy norm,
+/// where it was estimated, is at most a share of its own of that of the solution, beside rounding. Forces are
+/// out of balance by three tolerances, 0.03 of the share, at most: the solver leaves ‖G̃λ − ẽ‖ ≤ ε‖λ‖ on rigid
 /// motions, for ‖G‖ = 1 and ‖G̃‖ ≤ ‖B‖ = 1, and with weights the same in other units; beside what inverses and
 /// rounding leave of the rest. A number that is none objects.
 bool auditAgrees(const KktAudit& audit, const AuditLimits& limits);
@@ -83,7 +83,8 @@ struct FrictionState {
 FrictionState frictionState(const Constraints& constraints, const TornSolution& solution);
 
 /// Physical value of each owned inequality row, in the order of rowMap(): the gap c_I − B_I u, with rows that
-/// give way what is left of it, c_I + Cλ_I − B_I u, and the contact force λ_I. Springs of soft rows open gaps.
+/// give way what is left of it, c_I + Cλ_I − B_I u, and the contact force λ_I. Springs of soft rows open
+/// gaps.
 struct ContactState {
   std::vector<long long> row; ///< number of the given inequality
   std::vector<double> gap;

@@ -43,7 +43,7 @@ struct RowHead {
   double limit = 0.0;
   long long disc = -1;
   double coefficient = 0.0;
-  long long normal = -1; // row that the limit follows
+  long long normal = -1;  // row that the limit follows
   double softness = -1.0; // −1: none
 };
 
@@ -220,8 +220,8 @@ std::vector<Details::MultiplierTerm> addGiven(const std::vector<ConstraintRow>& 
     const long long number = numbers[r];
     multipliers.push_back({static_cast<int>(r), number, scale});
     builder.add({number, scale * part.bound, scale, part.compliance * scale * scale,
-                 static_cast<int>(typeOf(row.kind)), row.limit / scale, row.disc, row.coefficient,
-                 row.normal, softnessOf(row, part) * scale * scale},
+                 static_cast<int>(typeOf(row.kind)), row.limit / scale, row.disc, row.coefficient, row.normal,
+                 softnessOf(row, part) * scale * scale},
                 part.terms, given.owners[r], !part.isIdle);
     builder.addHeld(number, part.held);
     for (const ConstraintRow::Term& term : row.terms)
@@ -334,19 +334,11 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
     compliances_.push_back(head.compliance);
     limits_.push_back(head.limit);
     softness_.push_back(head.softness);
-    const bool isLimited = types_.back() == RowType::Limited, isSoft = head.softness >= 0.0;
-    isInterval_.push_back(isLimited && head.disc < 0 && !isSoft ? 1 : 0);
-    softLimited_ += isLimited && isSoft ? 1 : 0;
+    isInterval_.push_back(types_.back() == RowType::Limited && head.disc < 0 && !(head.softness >= 0.0) ? 1
+                                                                                                        : 0);
   }
-  hasSoft_ = globalMax(comm, std::any_of(softness_.begin(), softness_.end(), [](double s) { return s >= 0.0; })
-                                 ? 1LL
-                                 : 0LL) > 0;
   pairs_ = pairsOf(heads);
-  for (const std::array<int, 2>& pair : pairs_)
-    if (!isSoft(pair[0]))
-      discs_.push_back(pair);
-  discCount_ = limited_ > 0 ? globalSum(comm, static_cast<long long>(discs_.size())) : 0;
-  softLimited_ = hasSoft_ ? globalSum(comm, softLimited_) : 0;
+  findSoft(comm);
   if (limited_ > 0) {
     agree(comm, [&] { followers_ = followersAmong(heads, discs_); });
     followerCount_ = globalSum(comm, static_cast<long long>(followers_.size()));
@@ -392,6 +384,22 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
       globalMax(comm, std::any_of(compliances_.begin(), compliances_.end(), [](double c) { return c > 0.0; })
                           ? 1LL
                           : 0LL) > 0;
+}
+
+// And discs that are none of them.
+void Constraints::findSoft(const Teuchos::Comm<int>& comm) {
+  long long any = 0, limited = 0;
+  for (std::size_t r = 0; r < types_.size(); ++r)
+    if (isSoft(static_cast<int>(r))) {
+      any = 1;
+      limited += types_[r] == RowType::Limited ? 1 : 0;
+    }
+  hasSoft_ = globalMax(comm, any) > 0;
+  softLimited_ = hasSoft_ ? globalSum(comm, limited) : 0;
+  for (const std::array<int, 2>& pair : pairs_)
+    if (!isSoft(pair[0]))
+      discs_.push_back(pair);
+  discCount_ = limited_ > 0 ? globalSum(comm, static_cast<long long>(discs_.size())) : 0;
 }
 
 void Constraints::keepFullRows(const std::vector<std::vector<RowEntry>>& held) {

@@ -132,10 +132,12 @@ class Constraints {
   double bound(int row) const { return bounds_[static_cast<std::size_t>(row)]; }
   /// C of the scaled row: compliance · scale².
   double compliance(int row) const { return compliances_[static_cast<std::size_t>(row)]; }
-  /// Whether the force of an owned row may leave its limits, see ConstraintRow::softness; and softness · scale².
+  /// Whether the force of an owned row may leave its limits, see ConstraintRow::softness; and softness ·
+  /// scale².
   bool isSoft(int row) const { return softness_[static_cast<std::size_t>(row)] >= 0.0; }
   double softness(int row) const { return softness_[static_cast<std::size_t>(row)]; }
-  /// By which a soft row gives way: softness times what of its scaled multiplier is beyond its limits; else 0.
+  /// By which a soft row gives way: softness times what of its scaled multiplier is beyond its limits; else
+  /// 0.
   double giving(int row, double lambda) const {
     return !isSoft(row) || (rowType(row) == RowType::Inequality && lambda >= 0.0) ? 0.0
                                                                                   : softness(row) * lambda;
@@ -201,6 +203,7 @@ class Constraints {
   Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows, bool hasWeights,
               Details::Weights weights);
   void keepFullRows(const Sent& held);
+  void findSoft(const Teuchos::Comm<int>& comm);
   static std::vector<std::vector<Entry>>
   bySubdomain(const Sent& entries, const std::map<long long, int>& localRow, int subdomains);
 

@@ -165,8 +165,8 @@ void requireNumbers(const ConstraintRow& row) {
                      {{"row", std::to_string(row.number)}});
 }
 
-// The force of an inequality that pulls and has no unknowns would be known, but moves what is prescribed: there
-// is to be none.
+// The force of an inequality that pulls and has no unknowns would be known, but moves what is prescribed:
+// there is to be none.
 void requireUnstretched(const ConstraintRow& row, double gap) {
   if (row.softness && gap > row.rounding)
     throw InputError("constraint row " + std::to_string(row.number) +

@@ -14,10 +14,10 @@
 
 namespace Harmos::qp {
 
-/// Directions U with UᵀAU = I that are valid on every face: without entries at bounds, soft or not, and in the kernel of
-/// the rows. Conjugate gradients that begin at the minimum along them, with directions conjugate to them, do
-/// not see the eigenvalues that they stand for (deflation; Nicolaides, SIAM J. Numer. Anal. 24, 1987; Saad,
-/// Yeung, Erhel, Guyomarc'h, SIAM J. Sci. Comput. 21, 2000).
+/// Directions U with UᵀAU = I that are valid on every face: without entries at bounds, soft or not, and in
+/// the kernel of the rows. Conjugate gradients that begin at the minimum along them, with directions
+/// conjugate to them, do not see the eigenvalues that they stand for (deflation; Nicolaides, SIAM J. Numer.
+/// Anal. 24, 1987; Saad, Yeung, Erhel, Guyomarc'h, SIAM J. Sci. Comput. 21, 2000).
 ///
 /// In the dual problem a few subdomains of bad shape make a few eigenvalues of M⁻¹A that are thousands of
 /// times the others. Conjugate gradients find them anew on each face, since each begins a new sequence;

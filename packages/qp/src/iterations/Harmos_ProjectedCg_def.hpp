@@ -408,8 +408,7 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
   const double curvature = sums.directionDotImage / sums.directionNorm2;
   if (!std::isfinite(curvature) || !std::isfinite(sums.gradientDotDirection))
     return Outcome::Breakdown;
-  curvatureBound_ =
-      std::max(curvatureBound_, hasMore ? ofHessian / sums.directionNorm2 : curvature);
+  curvatureBound_ = std::max(curvatureBound_, hasMore ? ofHessian / sums.directionNorm2 : curvature);
   if (curvature < -100.0 * epsilon * curvatureBound_)
     return Outcome::Breakdown;
   if (curvature <= 100.0 * epsilon * curvatureBound_)
@@ -440,9 +439,8 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::raiseLevel(double iterateNorm2) {
   iterateNorm_ = std::sqrt(iterateNorm2);
-  level_ =
-      std::max(level_, std::numeric_limits<double>::epsilon() *
-                           (curvatureBound_ * iterateNorm_ + rhsNorm_ + springNorm_));
+  level_ = std::max(level_, std::numeric_limits<double>::epsilon() *
+                                (curvatureBound_ * iterateNorm_ + rhsNorm_ + springNorm_));
 }
 
 template<class Scalar, class MV, class OP>

@@ -104,10 +104,10 @@ struct ActiveSetChange {
 
 /// What a residual w says of slipping pairs, with q for the diagonal of A; global.
 struct SlipSums {
-  double along2 = 0.0;    ///< Σ(tᵀw)²
-  double softened2 = 0.0; ///< Σ(q/(q + κ))²(tᵀw)²
+  double along2 = 0.0;                           ///< Σ(tᵀw)²
+  double softened2 = 0.0;                        ///< Σ(q/(q + κ))²(tᵀw)²
   double springs2 = 0.0, softenedSprings2 = 0.0; ///< the same of springs, w in the place of tᵀw
-  double rims2 = 0.0;     ///< Σ((q + κ)r)²: where tᵀw is as large, tᵀy is off by about r
+  double rims2 = 0.0; ///< Σ((q + κ)r)²: where tᵀw is as large, tᵀy is off by about r
 };
 
 /// Infimum of wᵀx over the feasible set.

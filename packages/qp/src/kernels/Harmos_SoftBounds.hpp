@@ -37,8 +37,8 @@ struct Spring {
 
 /// What a look at springs yields; global.
 struct SpringChange {
-  long long changed = 0; ///< entries that are on another side, or within their intervals
-  double wrong2 = 0.0;   ///< Σ(κ dist − force of the springs as they were)²
+  long long changed = 0;            ///< entries that are on another side, or within their intervals
+  double wrong2 = 0.0;              ///< Σ(κ dist − force of the springs as they were)²
   double signature[2] = {0.0, 0.0}; ///< the same for the same springs; differs with all but certainty else
 };
 

@@ -64,8 +64,7 @@ struct SpringOps {
     if (bounds == nullptr)
       return;
     BT::read(x, [&](const double* from) {
-      BT::write(y,
-                [&](double* to) { Kernels::correctSprings(bounds->bounds(), set.springs, from, to); });
+      BT::write(y, [&](double* to) { Kernels::correctSprings(bounds->bounds(), set.springs, from, to); });
     });
   }
 
@@ -80,9 +79,8 @@ struct SpringOps {
     BT::write(sides, [&](double* to) { Kernels::springsToSides(bounds.bounds(), set.springs, to); });
   }
   static void fromVector(const LocalSoftBounds& bounds, const MV& sides, LocalActiveSet& set) {
-    BT::read(sides, [&](const double* from) {
-      set.springs = Kernels::springsOfSides(bounds.bounds(), from);
-    });
+    BT::read(sides,
+             [&](const double* from) { set.springs = Kernels::springsOfSides(bounds.bounds(), from); });
   }
 
   /// dᵀκ(x − Π(x)).

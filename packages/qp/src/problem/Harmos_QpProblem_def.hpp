@@ -209,8 +209,9 @@ bool Problem<Scalar, MV, OP>::setProblem() {
   if (hasSoftBounds() && onAnyRank(!BoundTraits<Scalar, MV>::isFit(*solution_, *soft_)))
     return refuse("soft bounds are those of a vector of another length on a rank");
   if (hasSoftBounds() && onAnyRank(!areSoft()))
-    return refuse("a soft bound is no number, its lower end is above the upper one, its curvature is negative "
-                  "or not finite, or its entry has a bound of its own, is in a disc or follows another");
+    return refuse(
+        "a soft bound is no number, its lower end is above the upper one, its curvature is negative "
+        "or not finite, or its entry has a bound of its own, is in a disc or follows another");
   const BoundFault fault = BoundTraits<Scalar, MV>::findBoundFault(*solution_, feasibleSet());
   if (fault.found && !(fault.lower > fault.upper))
     return refuse(

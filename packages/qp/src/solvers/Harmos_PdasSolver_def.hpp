@@ -5,8 +5,8 @@
 #include "Harmos_PcpgSolver_def.hpp"
 #include "Harmos_PdasBalance_def.hpp"
 #include "Harmos_PdasBeginning_def.hpp"
-#include "Harmos_PdasSprings_def.hpp"
 #include "Harmos_PdasSolver.hpp"
+#include "Harmos_PdasSprings_def.hpp"
 #include "Harmos_ProjectedCg_def.hpp"
 #include "Harmos_SmalbeSolver_def.hpp"
 
@@ -125,8 +125,9 @@ PdasSolver<Scalar, MV, OP>::Run::Run(PdasSolver& solver, EqualityRows<Scalar, MV
   const int left = solver.maximumIterations() - solver.firstInner_;
   // Another method makes nothing of a handful of iterations.
   constexpr int fewIterations = 100;
-  budget_ = solver.firstInner_ +
-            (left <= fewIterations || hasNoOther() ? left : static_cast<int>(list.get<double>("Share of iterations") * left));
+  budget_ = solver.firstInner_ + (left <= fewIterations || hasNoOther()
+                                      ? left
+                                      : static_cast<int>(list.get<double>("Share of iterations") * left));
 }
 
 template<class Scalar, class MV, class OP>
@@ -391,8 +392,8 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
   if (next_.isFit())
     next_.aim(x_, *y_, stiffening_ * cg_.stiffness());
   // ‖g^P‖ at the projection of x is at most ‖w‖ + ‖multipliers of the wrong sign‖ + ‖A‖‖x − Π(x)‖.
-  expected_ = cg_.residualNorm() + std::sqrt(change_.wrongSign2) +
-              curvature * std::sqrt(change_.violation2) + wrongSprings_;
+  expected_ = cg_.residualNorm() + std::sqrt(change_.wrongSign2) + curvature * std::sqrt(change_.violation2) +
+              wrongSprings_;
   active_ = change_.active;
   if (descent_.isOn())
     faceCost_ = cg_.cost();
@@ -487,8 +488,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::follows(const std::string& why) {
 // From the best iterate on, sets descend.
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::descends(const std::string& why) {
-  if (descent_.isOn() || problem_.hasDiscs() || hasFollowing() ||
-      (problem_.hasSoftBounds() && !holdsSides_))
+  if (descent_.isOn() || problem_.hasDiscs() || hasFollowing() || (problem_.hasSoftBounds() && !holdsSides_))
     return false;
   const Teuchos::RCP<MV> present = MVT::CloneCopy(x_);
   MVT::Assign(*best_, x_);

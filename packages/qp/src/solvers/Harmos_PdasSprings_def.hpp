@@ -52,8 +52,9 @@ bool PdasSolver<Scalar, MV, OP>::Run::holdsSides(const std::string& why) {
   SpringOps<Scalar, MV>::update(x_, *problem_.softBounds(), 0.0, *random_, set_);
   progress_.forget();
   ++counters_.descents;
-  solver_.log_.detail("PDAS: " + why + "; from the best iterate on, sides of soft bounds stay until the rest "
-                                       "has settled");
+  solver_.log_.detail("PDAS: " + why +
+                      "; from the best iterate on, sides of soft bounds stay until the rest "
+                      "has settled");
   return true;
 }
 
