@@ -141,7 +141,7 @@ bool DamageUpdate::approach(const std::vector<Point>& points, double tolerance) 
 
 // Where nothing gets better, nor much worse, the way from below comes nearer.
 void DamageUpdate::watch(double worst) {
-  constexpr double first = 1.0, factor = 4.0, patience = 8.0, better = 0.5, worse = 4.0;
+  constexpr double first = 0.25, factor = 4.0, patience = 8.0, better = 0.5, worse = 4.0;
   double* step = part(parts);
   if (++step[answers] == 1.0)
     step[damping] = first;

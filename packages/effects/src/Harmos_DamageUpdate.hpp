@@ -15,7 +15,7 @@ namespace Harmos::effects {
 /// With d frozen the springs of a solution are (1 − d)k, and D(δ) over and over comes to the answer, from below,
 /// but slowly where they are stiff beside the bodies: what is wrong falls by the factor ((1 − d)k + s)/((1 − d)k
 /// + K) a time, K the stiffness of the bodies and −s the slope of softening. Points that soften therefore get
-/// springs that are as stiff as softening is steep, ρk = θs, through traction and opening of the last answer,
+/// springs of a share of how steep softening is, ρk = θs, θ = 1/4, through traction and opening of the last answer,
 ///
 ///     t = (1 − d)kδ' + ρk(δ − δ')
 ///

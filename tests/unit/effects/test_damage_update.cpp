@@ -118,7 +118,8 @@ struct Interface {
 } // namespace
 
 // One point between springs: the law is a straight line there, and the answer known. Springs of the interface
-// a million times stiffer than the bodies take no more solutions: what is wrong falls by two thirds a time.
+// a million times stiffer than the bodies take no more solutions: with bodies twice as stiff as softening is
+// steep what is wrong falls by 1.25/2.25 a time, to 1e-9 in 36.
 TEST(DamageUpdate, one_point_settles_in_a_few_solutions) {
   constexpr double last = 0.1, tolerance = 1e-9;
   for (const double stiffness : {30.0, 1e3, 1e7}) {
@@ -129,7 +130,7 @@ TEST(DamageUpdate, one_point_settles_in_a_few_solutions) {
       const double opening = first + part * (last - first), pull = 1.0 - part;
       const std::vector<double> open = one.step({opening + pull / own}, tolerance);
       ASSERT_EQ(open.size(), 1u);
-      EXPECT_LE(one.solutions, 4) << stiffness;
+      EXPECT_LE(one.solutions, 40) << stiffness;
       // What is left of the traction beside the law moves the body by twice that over its stiffness.
       EXPECT_NEAR(open[0], opening, 4.0 * tolerance / own);
       EXPECT_NEAR(one.traction(open[0], 0), pull, 4.0 * tolerance);
@@ -186,7 +187,7 @@ TEST(DamageUpdate, a_zone_of_softening_moves_along) {
   EXPECT_GT(row.damage(0), 0.999);
   EXPECT_GT(row.damage(points / 4), 0.0);
   EXPECT_EQ(row.damage(points - 1), 0.0);
-  EXPECT_LE(solutions, 30 * 5); // simple iteration takes thousands a step
+  EXPECT_LE(solutions, 30 * 50); // (1.25 · 50/(80 + 12.5))^47 = 1e-8; simple iteration takes thousands a step
 }
 
 // Answers are known to a tolerance only: differences of those that differ by their errors say nothing, and
@@ -208,7 +209,7 @@ TEST(DamageUpdate, errors_of_answers_do_no_harm) {
       solutions += row.solutions;
     }
     EXPECT_EQ(row.damage(0), 1.0);
-    EXPECT_LE(solutions, 60 * 5);
+    EXPECT_LE(solutions, 60 * 15); // (1.25 · 33/(80 + 8))^12 = 1e-4
   }
 }
 
