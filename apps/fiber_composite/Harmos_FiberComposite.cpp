@@ -39,13 +39,14 @@ void addParameters(ParameterSpec& deck) {
   model.integer("Seed", 1, 0, 2147483647, "Of the scatter.");
   model.integer("Subdomains per fibre", 1, 1, 10000, "More than one: by METIS.");
   model.integer("Subdomains per matrix cell", 1, 1, 10000, "More than one: by METIS.");
-  model.choice("Interface", "contact",
-               {{"contact", "fibres inserted without adhesion: unilateral contact all around"},
-                {"adhesive", "fibres glued to the matrix until that breaks, by the list Adhesion; contact then"},
-                {"tie", "fibres bonded to the matrix"},
-                {"holes", "no fibres"},
-                {"homogeneous", "bonded fibres of the matrix' own material"}},
-               "What holds between fibre and matrix.");
+  model.choice(
+      "Interface", "contact",
+      {{"contact", "fibres inserted without adhesion: unilateral contact all around"},
+       {"adhesive", "fibres glued to the matrix until that breaks, by the list Adhesion; contact then"},
+       {"tie", "fibres bonded to the matrix"},
+       {"holes", "no fibres"},
+       {"homogeneous", "bonded fibres of the matrix' own material"}},
+      "What holds between fibre and matrix.");
   model.real("Slip bound", 0.0, Range::atLeast(0.0),
              "Contact, adhesive: friction by Tresca's law, force per area; 0: none.");
   model.real("Coefficient of friction", 0.0, Range::atLeast(0.0),
@@ -128,13 +129,18 @@ scene::Scene makeScene(const app::DeckContext& context) {
   return composite::makeScene(sampleOf(context.deck));
 }
 
-// With displacements prescribed on the sides alone and contact without initial gap, the problem is
-// homogeneous of degree two: force times displacement = twice the energy. With friction that is twice the
-// stored energy and what is dissipated, which the audit's energy has in it.
+// With displacements prescribed on the sides alone and contact without initial gap, and springs that are
+// unstretched at the beginning, the problem is homogeneous of degree two: force times displacement = twice
+// the energy. With friction that is twice the stored energy and what is dissipated, which the audit's energy
+// has in it.
 void evaluate(const Teuchos::ParameterList& deck, run::RunReport& report) {
   const Sample sample = sampleOf(deck);
-  report.results["effective_modulus"] = (2.0 * report.audit.energy - report.audit.frictionWork) /
-                                        (sample.strain * sample.strain * sample.area());
+  const scene::Timeline timeline = scene::Timeline::fromDeck(deck);
+  const double strain =
+      sample.strain * timeline.factor(sample.history.empty() ? "ramp" : sample.history, timeline.end());
+  if (strain != 0.0)
+    report.results["effective_modulus"] =
+        (2.0 * report.audit.energy - report.audit.frictionWork) / (strain * strain * sample.area());
   if (report.contact.empty())
     return;
   double closed = 0.0, largest = 0.0;
@@ -151,7 +157,7 @@ void evaluate(const Teuchos::ParameterList& deck, run::RunReport& report) {
 Harmos::app::Application Harmos::app::fiberCompositeApplication() {
   app::Application application;
   application.name = "fiber_composite";
-  application.description = "a fibre composite without adhesion between fibres and matrix";
+  application.description = "a fibre composite: contact, glue or ties between fibres and matrix";
   application.addParameters = addParameters;
   application.makeScene = makeScene;
   application.evaluate = evaluate;

@@ -173,8 +173,8 @@ void Adhesion::soften(const std::vector<double>& state, const std::vector<Row>& 
       continue;
     }
     *softness /= spring.stiffness[directions[k]];
-    springs[k].unstretched = spring.unstretched[directions[k]] / root(directions[k]) *
-                             (directions[k] == 0 ? -1.0 : 1.0);
+    springs[k].unstretched =
+        spring.unstretched[directions[k]] / root(directions[k]) * (directions[k] == 0 ? -1.0 : 1.0);
   }
 }
 
@@ -193,8 +193,7 @@ bool Adhesion::updateState(const std::vector<RowAnswer>& answer, double toleranc
     DamageUpdate::Point& point = points[row.place];
     point.area = row.point->area;
     if (!row.isLimited) {
-      const double gap =
-          row.softness ? -*row.softness * std::min(row.force, 0.0) - row.unstretched : row.gap;
+      const double gap = row.softness ? -*row.softness * std::min(row.force, 0.0) - row.unstretched : row.gap;
       point.stretch[0] = root(0) * std::max(gap, 0.0);
     } else {
       const double slip = row.softness ? *row.softness * row.force + row.unstretched : -row.gap;

@@ -9,12 +9,15 @@ namespace Harmos::effects {
 namespace {
 
 // Of what the numbers consist: of each point the damage, that when the step began, what was dissipated, that
-// when the step began, the last share of mode II, three stiffnesses of its springs where it softens, and three
-// stretches of the answer through which these go. Then of the step: answers, the least that was wrong and the answer in which it was,
-// θ, the share that has broken, and how often softening springs have met the law.
-constexpr std::size_t damages = 0, begun = 1, lost = 2, lostBefore = 3, modes = 4, stiffnesses = 5, places = 8;
+// when the step began, the last share of mode II, three stiffnesses of its springs where it softens, and
+// three stretches of the answer through which these go. Then of the step: answers, the least that was wrong
+// and the answer in which it was, θ, the share that has broken, how often softening springs have met the law,
+// and how often nothing got better.
+constexpr std::size_t damages = 0, begun = 1, lost = 2, lostBefore = 3, modes = 4, stiffnesses = 5,
+                      places = 8;
 constexpr std::size_t parts = places + 3;
-constexpr std::size_t answers = 0, least = 1, leastAt = 2, damping = 3, broken = 4, agreed = 5, ofStep = 6;
+constexpr std::size_t answers = 0, least = 1, leastAt = 2, damping = 3, broken = 4, agreed = 5, stuck = 6,
+                      ofStep = 7;
 
 CohesiveLaw::Opening openingOf(const DamageUpdate::Stretch& q) {
   CohesiveLaw::Opening opening;
@@ -129,30 +132,55 @@ bool DamageUpdate::approach(const std::vector<Point>& points, double tolerance) 
     return false;
   if (isThere)
     ++part(parts)[agreed];
-  std::copy(next.begin(), next.end(), part(damages));
-  watch(worst);
+  const bool opens = snaps(worst) && !isThere;
   for (std::size_t k = 0; k < points_; ++k) {
+    Point point = points[k];
+    if (opens)
+      open(k, point, next[k]);
+    part(damages)[k] = next[k];
     part(stiffnesses)[k] = 0.0;
     if (!isThere)
-      linearise(k, points[k]);
+      linearise(k, point);
   }
   return true;
 }
 
-// Where nothing gets better, nor much worse, the way from below comes nearer.
-void DamageUpdate::watch(double worst) {
-  constexpr double first = 0.25, factor = 4.0, patience = 8.0, better = 0.5, worse = 4.0;
+// Where nothing gets better the interface snaps, as a rule; else, much later, the way from below comes
+// nearer.
+// @return whether points beyond the law are to open.
+bool DamageUpdate::snaps(double worst) {
+  constexpr double first = 0.25, factor = 4.0, patience = 8.0, better = 0.5, mostSnaps = 8.0;
   double* step = part(parts);
   if (++step[answers] == 1.0)
     step[damping] = first;
   if (step[answers] == 1.0 || worst < better * step[least]) {
     step[least] = worst;
     step[leastAt] = step[answers];
-  } else if (step[answers] - step[leastAt] >= patience) {
-    if (worst < worse * step[least])
-      step[damping] *= factor;
-    step[leastAt] = step[answers];
   }
+  if (step[answers] - step[leastAt] < patience)
+    return false;
+  step[leastAt] = step[answers];
+  if (++step[stuck] <= mostSnaps)
+    return true;
+  step[damping] *= factor;
+  return false;
+}
+
+// What pulls more than the law lets it opens to twice as much.
+void DamageUpdate::open(std::size_t k, Point& point, double& damage) const {
+  if (part(damages)[k] == 1.0 || damage <= part(begun)[k] || damage == 1.0)
+    return;
+  const Spring its = spring(numbers_, k);
+  double beyond = 0.0;
+  for (std::size_t d = 0; d < 3; ++d)
+    beyond +=
+        (its.stiffness[d] * (point.stretch[d] - its.unstretched[d]) - (1.0 - damage) * point.stretch[d]) *
+        point.stretch[d];
+  if (!(beyond > 0.0))
+    return;
+  for (double& stretch : point.stretch)
+    stretch *= 2.0;
+  damage = std::max(damage, law_.damage(openingOf(point.stretch)));
 }
 
 void DamageUpdate::linearise(std::size_t k, const Point& point) {

@@ -12,19 +12,21 @@ namespace Harmos::effects {
 /// The damage of the points of an interface within a step, as numbers that a run keeps for it: from solution
 /// to solution towards d = max(d_0, D(δ)), d_0 that with which the step began, D the law, δ the openings.
 ///
-/// With d frozen the springs of a solution are (1 − d)k, and D(δ) over and over comes to the answer, from below,
-/// but slowly where they are stiff beside the bodies: what is wrong falls by the factor ((1 − d)k + s)/((1 − d)k
+/// With d frozen the springs of a solution are (1 − d)k, and D(δ) over and over comes to the answer, from
+/// below, but slowly where they are stiff beside the bodies: what is wrong falls by the factor ((1 − d)k +
+/// s)/((1 − d)k
 /// + K) a time, K the stiffness of the bodies and −s the slope of softening. Points that soften therefore get
-/// springs of a share of how steep softening is, ρk = θs, θ = 1/4, through traction and opening of the last answer,
+/// springs of a share of how steep softening is, ρk = θs, θ = 1/4, through traction and opening of the last
+/// answer,
 ///
 ///     t = (1 − d)kδ' + ρk(δ − δ')
 ///
-/// along the way in which they open, and (1 − d)k across it, for a traction turns with the opening: the factor is
-/// (1 + θ)s/(K + θs). Where nothing gets better θ grows, up to the way from below; where bodies are less stiff
-/// than softening is steep answers run away until points break: the interface snaps. When tractions are those of
-/// the law the last solution is one of springs through the origin, with d frozen: convex, and with the energies
-/// of such springs. What a point has opened on the way is nothing that it remembers: damage is d_0 at least, and
-/// what the answer says.
+/// along the way in which they open, and (1 − d)k across it, for a traction turns with the opening: the
+/// factor is (1 + θ)s/(K + θs). Where bodies are less stiff than softening is steep answers run away until
+/// points break: the interface snaps, and where nothing gets better what pulls more than the law lets it
+/// opens to twice as much. When tractions are those of the law the last solution is one of springs through
+/// the origin, with d frozen: convex, and with the energies of such springs. What a point has opened on the
+/// way is nothing that it remembers: damage is d_0 at least, and what the answer says.
 ///
 /// The brittle law breaks what is beyond its strength by at least nine tenths of what the worst point is.
 ///
@@ -71,7 +73,8 @@ class DamageUpdate {
   double wrongness(std::size_t k, const Point& point, double damage) const;
   bool isThroughOrigin() const;
   void linearise(std::size_t k, const Point& point);
-  void watch(double worst);
+  bool snaps(double worst);
+  void open(std::size_t k, Point& point, double& damage) const;
   void account(const std::vector<Point>& points);
   double* part(std::size_t index) { return numbers_.data() + index * points_; }
   const double* part(std::size_t index) const { return numbers_.data() + index * points_; }
