@@ -119,8 +119,8 @@ class Effect {
     std::optional<double> softness; ///< with which it was found
     double unstretched = 0.0;       ///< see Spring
   };
-  /// What holds a row: ConstraintRow::softness, and by how much Bu is beyond the bound that the row was made with
-  /// where it has no force.
+  /// What holds a row: ConstraintRow::softness, and by how much Bu is beyond the bound that the row was made
+  /// with where it has no force.
   struct Spring {
     std::optional<double> softness;
     double unstretched = 0.0;
