@@ -104,7 +104,7 @@ def _hold(name, part, components, value=0.0):
     )
 
 
-def _deck(s, lengths, bonded_from, holds, steps, per_length, through, element):
+def _deck(s, lengths, bonded_from, holds, steps, per_length, through, element, *others):
     """Pieces of these lengths, one after the other, tied; above and below the interface."""
     bodies, ties, contacts, adhesions, x = [], [], [], [], 0.0
     for k, length in enumerate(lengths):
@@ -150,6 +150,7 @@ def _deck(s, lengths, bonded_from, holds, steps, per_length, through, element):
             _list("Adhesion", *adhesions),
             _list("Tie", *ties),
             _list("Prescribed displacement", *holds),
+            *others,
         ),
     )
 
@@ -169,8 +170,17 @@ def double_cantilever(s, opening, steps, per_length=2, through=2, element="Q2"):
 def end_notched(s, deflection, steps, per_length=2, through=2, element="Q2"):
     holds = [
         _hold("support", "lower 0/left", "{y}"),
-        _hold("other support", "lower 2/right", "{x, y}"),
+        _hold("other support", "lower 2/right", "{y}"),
         _hold("press", "upper 2/left", "{y}", -deflection),
     ]
+    # So that ends turn, and nothing moves along the beam as a whole.
+    soft = _list(
+        "Elastic foundation",
+        _list(
+            "end",
+            _parameter("Part", "string", "lower 2/right"),
+            _parameter("Normal stiffness", "double", 1e-3),
+        ),
+    )
     lengths = (s.crack, s.half_span - s.crack, s.half_span)
-    return _deck(s, lengths, s.crack, holds, steps, per_length, through, element)
+    return _deck(s, lengths, s.crack, holds, steps, per_length, through, element, soft)
