@@ -54,7 +54,7 @@ class Case(unittest.TestCase):
 class Opened(Case):
     def open(self, strength, stiffness, opening, elements):
         s = replace(SPECIMEN, strength=strength, stiffness=stiffness)
-        deck = beams.double_cantilever(s, opening, 40, per_length=elements)
+        deck = beams.double_cantilever(s, opening, round(10 * opening), per_length=elements)
         loads, openings = self.solve(deck, "Prescribed displacement/mouth above/fy", opening)
         peak = max(range(len(loads)), key=loads.__getitem__)
         print(f"{strength} MPa, {elements} elements a mm: {loads[peak]:.2f} N at {openings[peak]:.2f} mm")
@@ -63,7 +63,7 @@ class Opened(Case):
     def test_weak_and_long_zone(self):
         """Published: 49.5 N at 2.9 mm with 1.7 MPa."""
         peaks = []
-        for elements in (0.5, 0.75, 1, 2) if IS_LONG else (0.5, 1):
+        for elements in (0.5, 0.75, 1, 2) if IS_LONG else (0.5,):
             _, load, opening = self.open(1.7, 1e4, 4.0, elements)
             self.assertAlmostEqual(load / 49.5, 1.0, delta=0.05)
             self.assertAlmostEqual(opening, 2.9, delta=0.2)
@@ -75,8 +75,9 @@ class Opened(Case):
     def test_strong_and_short_zone(self):
         """Published: 61.5 N with 57 MPa; corrected beam theory has 63.0 N, and the stiffness."""
         self.assertAlmostEqual(SPECIMEN.opened_load(), 63.0, delta=0.05)
+        # Coarser meshes snap from node to node: 85 N with one element a mm, 69 N with 1.5.
         for elements in (2, 3) if IS_LONG else (2,):
-            stiffness, load, _ = self.open(57.0, 1e5, 3.0 if elements > 2 else 4.0, elements)
+            stiffness, load, _ = self.open(57.0, 1e5, 2.4, elements)
             self.assertAlmostEqual(stiffness / SPECIMEN.opened_stiffness(), 1.0, delta=0.03)
             self.assertAlmostEqual(load / 61.5, 1.0, delta=0.05)
             self.assertAlmostEqual(load / SPECIMEN.opened_load(), 1.0, delta=0.05)
@@ -86,8 +87,8 @@ class Bent(Case):
     def test_crack_in_shear(self):
         s = replace(SPECIMEN, crack=36.0)
         for elements in (1, 2) if IS_LONG else (1,):
-            deck = beams.end_notched(s, 2.4, 40, per_length=elements)
-            loads, ways = self.solve(deck, "Prescribed displacement/press/fy", 2.4)
+            deck = beams.end_notched(s, 1.8, 30, per_length=elements)
+            loads, ways = self.solve(deck, "Prescribed displacement/press/fy", 1.8)
             print(f"{elements} elements a mm: {max(loads):.1f} N, by theory {s.bent_load():.1f}")
             # The part of the beam that is whole, and the root of the crack, are 0.2 % and less off beam theory; the zone
             # that softens is no point, as in the theory.
