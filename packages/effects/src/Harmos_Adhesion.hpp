@@ -16,11 +16,11 @@ namespace Harmos::effects {
 ///     t_n = (1 − d)k_n δ_n where it is open,   t_t = (1 − d)k_t s,
 ///
 /// s the slip, and one damage d that never falls. Where d = 1 a contact is left, with the friction that acts
-/// on it, if any: slips are then those since the point broke.
+/// on it, if any, from where the surfaces have slipped to.
 ///
-/// Within a step the problem is solved at frozen damage, which is convex; the law then gives other damage;
-/// until both agree. In a brittle law of what is beyond its strength only those points break that are nearly
-/// as far beyond it as the worst one: the others are asked again when those carry nothing any more.
+/// Within a step convex problems are solved, of springs that the law gives for the last answer, until both
+/// agree: see DamageUpdate. In a brittle law of what is beyond its strength only those points break that are
+/// nearly as far beyond it as the worst one: the others are asked again when those carry nothing any more.
 ///
 /// Guarded by tests/unit/effects/test_adhesion.cpp and tests/verification/test_adhesion.cpp.
 class Adhesion : public scene::Effect {

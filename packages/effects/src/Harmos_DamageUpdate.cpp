@@ -125,10 +125,12 @@ bool DamageUpdate::approach(const std::vector<Point>& points, double tolerance) 
     next[k] = std::max(part(begun)[k], law_.damage(openingOf(points[k].stretch)));
     worst = std::max(worst, wrongness(k, points[k], next[k]));
   }
-  // Springs through the origin whose answer is the same but for what the solver leaves.
-  constexpr double certain = 2.0;
+  // Springs through the origin have the same answer as those that met the law, but for what the solver
+  // leaves: where it has met the law twice no more is to be had, up to a hundredth of the strength.
+  constexpr double certain = 2.0, amplified = 100.0, most = 0.01;
   const bool isThere = worst <= tolerance;
-  if (isThroughOrigin() && (isThere || part(parts)[agreed] >= certain))
+  const bool isAsGood = part(parts)[agreed] >= certain && worst <= std::min(amplified * tolerance, most);
+  if (isThroughOrigin() && (isThere || isAsGood))
     return false;
   if (isThere)
     ++part(parts)[agreed];
