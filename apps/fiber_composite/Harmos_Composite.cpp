@@ -240,9 +240,13 @@ scene::Scene makeScene(const Sample& sample) {
   };
   scene.effects.push_back(effects::hold({0, "left"}, 0));
   move("right", 0, stretch * width);
+  scene.measures = {{"strain", scene.effects.back(), {}, stretch},
+                    {"stress", scene.effects.back(), 0, 1.0 / height}};
   scene.effects.push_back(effects::hold({0, "bottom"}, 1));
-  if (sample.load == Sample::Load::Biaxial)
+  if (sample.load == Sample::Load::Biaxial) {
     move("top", 1, stretch * height);
+    scene.measures.push_back({"stress_y", scene.effects.back(), 1, 1.0 / width});
+  }
   return scene;
 }
 

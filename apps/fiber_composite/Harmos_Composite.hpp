@@ -46,7 +46,8 @@ struct Sample {
 };
 
 /// The scene of a sample. Left side: u_x = 0, right side: u_x = ± strain · width, bottom: u_y = 0; biaxial:
-/// top u_y = strain · height too.
+/// top u_y = strain · height too. Told of each step: strain, stress (force on the right side over the
+/// height), biaxial: stress_y (on the top over the width).
 /// @throws InputError if fibres do not fit into their cells.
 scene::Scene makeScene(const Sample& sample);
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Pictures of a run of several steps: the last one as solution.png, and with --frames all of them, friction too.
+"""Pictures of a run of several steps: the last one as solution.png, and with --frames all of them, friction and damage too.
 
 result.vtkhdf.series names the results in their order, and their times, as ParaView wants it. All frames have the same
 scale, colours and place of the viewer, which first takes a look at every result.
@@ -10,6 +10,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+import plot_damage
 import plot_deformed
 import plot_friction
 import plot_solution
@@ -163,6 +164,23 @@ def draw_friction(frames, results, output, title, summary, dpi):
     remove_others(output, "friction_[0-9]*.png", pictures)
 
 
+def draw_damage(frames, results, output, title, summary, dpi):
+    """Of all steps, where interfaces may break."""
+    look = plot_damage.look_of(results)
+    pictures = []
+    for k, frame in enumerate(frames if look is not None else []):
+        if plot_damage.may_break(results[k]):
+            pictures.append(output / f"damage_{number_of(frames, k):04d}.png")
+            caption = caption_at(summary, frame)
+            figure = plot_damage.plot_damage(results[k], title, caption, look, text=frame.text)
+            save(figure, pictures[-1], dpi)
+    remove_others(output, "damage_[0-9]*.png", pictures)
+    if pictures:
+        animate(pictures, output / "damage.gif")
+    else:
+        (output / "damage.gif").unlink(missing_ok=True)
+
+
 def draw_frames(frames, output, title, summary, dpi):
     results = Results(frames)
     module, paint = painter_of(results[0])
@@ -174,5 +192,6 @@ def draw_frames(frames, output, title, summary, dpi):
             figure = paint(results[k], title, caption_at(summary, frame), look, text=frame.text)
             save(figure, pictures[-1], dpi)
         draw_friction(frames, results, output, title, summary, dpi)
+        draw_damage(frames, results, output, title, summary, dpi)
     remove_others(output, "frame_[0-9]*.png", pictures)
     animate(pictures, output / "steps.gif")

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 from follow_run import follow
+from plot_damage import may_break, plot_damage
 from plot_frames import draw_frames, frames_of, painter_of
 from plot_friction import bears_friction, plot_friction
 from plot_style import FAINT, INK, STYLE, caption_of, finish, output_of, save
@@ -170,6 +171,9 @@ def run(options):
             if bears_friction(field):
                 figure = plot_friction(field, options.title, caption_of(summary), text=text)
                 save(figure, output / "friction.png", options.dpi)
+            if may_break(field):
+                figure = plot_damage(field, options.title, caption_of(summary), text=text)
+                save(figure, output / "damage.png", options.dpi)
         else:
             print(
                 f"{directory / 'result.vtkhdf'}: not there (output of fields was off); "

@@ -100,6 +100,7 @@ class Solid:
     traction: np.ndarray = None
     slip: np.ndarray = None
     friction: np.ndarray = None
+    damage: np.ndarray = None  # (points,) with adhesion, else None
 
     @property
     def xy(self):
@@ -398,6 +399,9 @@ def parse_solid(source):
             "friction": source.point_data("friction_state").astype(int),
         }
         source.require_finite(friction_traction=rubs["traction"], slip=rubs["slip"])
+    damage = source.point_data("damage").astype(float) if "PointData/damage" in source else None
+    if damage is not None:
+        source.require_finite(damage=damage)
 
     types = source.types(VTK_PIECES, f"the types {sorted(VTK_PIECES)}")
     dimensions = {VTK_PIECES[kind][0] for kind in np.unique(types).tolist()}
@@ -429,6 +433,7 @@ def parse_solid(source):
         part_of_cell=parts,
         parts=source.parts,
         volumes=volumes if dimension == 3 else {},
+        damage=damage,
         **rubs,
     )
 

@@ -91,7 +91,7 @@ class Documents(unittest.TestCase):
         Pictures are drawn as the page says; what bootstraps, configures or builds is left out, for
         whoever runs this test has done it.
         """
-        for page in ("README.md", "docs/scenes.md", "docs/signorini.md", "docs/clusters.md"):
+        for page in ("README.md", "docs/scenes.md", "docs/signorini.md", "docs/debonding.md", "docs/clusters.md"):
             text = (ROOT / page).read_text(encoding="utf-8")
             blocks = [b for b in re.findall(r"```sh\n(.*?)```", text, re.S) if "build/bin/" in b]
             self.assertTrue(blocks, page)
@@ -287,7 +287,7 @@ class Documents(unittest.TestCase):
             self.assertRegex(declared, rf"(\b|_){source.stem[5:]}\b")
 
     def test_decks_that_are_named_exist(self):
-        for page in ("README.md", "docs/scenes.md", "docs/signorini.md", "docs/accuracy.md"):
+        for page in ("README.md", "docs/scenes.md", "docs/signorini.md", "docs/debonding.md", "docs/accuracy.md"):
             text = (ROOT / page).read_text(encoding="utf-8")
             for deck in re.findall(r"`(apps/[^`]*\.xml)`", text):
                 self.assertTrue(list(ROOT.glob(deck)), deck)

@@ -3,7 +3,8 @@
 
 What each class guards against:
 
-    Curves  a column taken for another one, a name that is not there without a hint, half a row
+    Curves  a column taken for another one, a name that is not there without a hint, half a row; runs taken for
+            each other, ways back drawn as ways forth, snaps that nobody sees
     Frames  frames of steps that are not there, each with a scale and colours of its own, an
             animation that lacks some; the figures of another step in the caption
     Counts  iterations of several steps drawn on top of each other
@@ -115,7 +116,7 @@ class Curves(unittest.TestCase):
         table = plot_curve.read_steps(path)
         table["converged"][1] = 0
         names = ["Contact/joint, left/fy", "energy"]
-        figure = plot_curve.plot_curve(table, names, "time", path, "", [])
+        figure = plot_curve.plot_curve([plot_curve.Run("", table, path)], names, "time", "", [])
         lines = figure.axes[0].lines
         for k, name in enumerate(names):
             np.testing.assert_array_equal(lines[2 * k].get_xdata(), TIMES)
@@ -124,6 +125,65 @@ class Curves(unittest.TestCase):
             np.testing.assert_array_equal(lines[2 * k + 1].get_xdata(), TIMES[1:2])
         words = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
         self.assertEqual(words, [*names, "not converged"])
+
+    @staticmethod
+    def stretched(label, strain, stiffness, released=None):
+        strain = np.array(strain)
+        none = np.zeros(len(strain))
+        table = {
+            "step": np.arange(1, len(strain) + 1), "strain": strain, "stress": stiffness * strain,
+            "dissipated": 1.0 + none, "released": none if released is None else np.array(released),
+        }
+        return plot_curve.Run(label, table, Path("steps.csv"))
+
+    def test_runs_beside_each_other(self):
+        runs_of = [self.stretched("soft", [1, 2, 3], 1.0), self.stretched("stiff", [2, 4], 5.0)]
+        figure = plot_curve.plot_curve(runs_of, ["stress"], "strain", "", [])
+        axes = figure.axes[0]
+        for line, drawn in zip(axes.lines[::2], runs_of, strict=True):
+            # From where it began, which has no row.
+            self.assertEqual(line.get_xdata().tolist(), [0, *drawn.table["strain"]])
+            self.assertEqual(line.get_ydata().tolist(), [0, *drawn.table["stress"]])
+        self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()], ["soft", "stiff"])
+        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("strain", "stress"))
+        self.assertEqual(len(axes.texts), 0)
+        # No row of steps tells where others began.
+        runs_of[0].table["time"] = np.array([1.0, 2.0, 3.0])
+        figure = plot_curve.plot_curve(runs_of[:1], ["stress"], "time", "", [])
+        self.assertEqual(figure.axes[0].lines[0].get_xdata().tolist(), [1, 2, 3])
+
+    def test_ways_back_and_forth(self):
+        self.assertEqual(plot_curve.branches(np.array([0, 1, 2, 1, 1, 0, 3])), [(0, 2), (2, 5), (5, 6)])
+        self.assertEqual(plot_curve.branches(np.array([0.0, 1.0])), [(0, 1)])
+        self.assertEqual(plot_curve.branches(np.array([2.0])), [(0, 0)])
+        run = self.stretched("", [1, 2, 3, 2, 1, 0, 1, 2, 3, 4, 5], 1.0)
+        figure = plot_curve.plot_curve([run], ["stress"], "strain", "", [])
+        arrows = figure.axes[0].texts
+        ways = [np.sign(arrow.xy[0] - arrow.xyann[0]) for arrow in arrows]
+        self.assertEqual(ways, [1, -1, 1])
+        # On one line; a segment is one long.
+        self.assertGreaterEqual(abs(arrows[1].xy[0] - arrows[2].xy[0]), 1)
+
+    def test_snaps(self):
+        # Of all 1.02 half a thousandth in the second row, and two hundredths in the last.
+        run = self.stretched("", [1, 2, 3], 1.0, [0.0, 5e-4, 0.0205])
+        figure = plot_curve.plot_curve([run], ["stress"], "strain", "", [])
+        marks = [line for line in figure.axes[0].lines if line.get_marker() == "v"]
+        self.assertEqual([line.get_xdata().tolist() for line in marks], [[3]])
+        words = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+        self.assertEqual(words, ["interfaces snapped"])
+
+    def test_runs_by_the_program(self):
+        directory, other = stepped(), stepped()
+        words = ["--curve", "energy", "--output", directory / "beside"]
+        alone = plot(directory, *words)
+        self.assertEqual((alone.returncode, alone.stderr), (0, ""))
+        before = (directory / "beside" / "curve.png").read_bytes()
+        (other / "summary.json").unlink()
+        drawn = plot(directory, *words, "--beside", other, "--label", "first")
+        self.assertEqual((drawn.returncode, drawn.stderr), (0, ""))
+        self.assertNotEqual((directory / "beside" / "curve.png").read_bytes(), before)
+        self.assertIn("no such directory", self.refused(directory, *words, "--beside", directory / "none"))
 
     def test_program(self):
         directory = stepped()
@@ -176,6 +236,8 @@ class Curves(unittest.TestCase):
             (("--curve", "time", "--frames"), "--frames and --curve exclude each other"),
             (("--scaling", "auto", "--frames"), "--frames and --scaling exclude each other"),
             (("--against", "time"), "--against without --curve"),
+            (("--beside", directory), "--beside without --curve"),
+            (("--curve", "time", "--label", "one"), "more of --label than runs"),
         ):
             self.assertIn(message, self.refused(directory, *words))
 

@@ -9,6 +9,7 @@ waiting would be a hang. What each class guards against:
     Settings    values that contradict each other or lie out of range
     MeshFiles   files that are missing, and cells that no element can use
     Surfaces    boundary parts that cannot be in contact
+    Steps       times, histories and values prescribed over time that are taken without a word
     NoSolution  bodies that nothing holds and whose load pulls them away, without a word of which
 """
 
@@ -517,6 +518,63 @@ class NoSolution(Case):
     def test_body_that_nothing_holds_without_contact(self):
         scene = changed(SCENE, "Effects/Contact", None)
         self.has_no_solution(scene, '"upper"')
+
+
+class Steps(unittest.TestCase):
+    def refused(self, sets, *parts):
+        deck = runs.SOURCE / "apps" / "harmos" / "decks" / "two_blocks.xml"
+        run = runs.run(deck, sets, np=2, program="harmos")
+        self.assertEqual(run.returncode, 2, run)
+        self.assertEqual(len(run.errors), 1, run)
+        for part in parts:
+            self.assertIn(part, run.errors[0])
+
+    def test_times(self):
+        self.refused(
+            {"Steps/Times": "{0.5,0.25}"},
+            '"Steps/Times": times have to rise, but 2.50e-01 comes after 5.00e-01',
+        )
+        self.refused({"Steps/Number": 0}, '"Steps/Number" = 0 is out of range')
+        self.refused(
+            {"Steps/Number": 3, "Steps/Times": "{0.5,1.0}"},
+            '"Steps/Number" = 3 and "Steps/Times" with 2 of them; give one of the two',
+        )
+
+    def test_histories(self):
+        load = "Effects/Traction/load/History"
+        press = {
+            "Steps/Number": 2,
+            "Steps/Histories/press/Times": "{0,1}",
+            "Steps/Histories/press/Values": "{0,1}",
+        }
+        self.refused(press | {load: "pres"}, "which nobody defined", 'did you mean "press"?')
+        self.refused(
+            press | {"Effects/Contact/joint/History": "press"},
+            'there is no parameter "Effects/Contact/joint/History"',
+            "have no magnitude that could follow a history",
+        )
+        self.refused(
+            press | {"Steps/Histories/press/Values": "{0,1,2}", load: "press"},
+            '"Steps/Histories/press": a history needs a value for each time',
+        )
+
+    def test_contradictions(self):
+        kind = "Effects/Prescribed displacement"
+        sets = {
+            "Steps/Number": 4,
+            f"{kind}/one/Part": "lower/bottom",
+            f"{kind}/one/Components": "{y}",
+            f"{kind}/one/Displacement": "{0,-0.01,0}",
+        }
+        # Zero by what holds it already, and another at the end of the ramp.
+        self.refused(sets, "contradict each other at time 1.00e+00", '"one"', "body \"lower\"")
+        # Equal at the end, but not before.
+        sets[f"{kind}/two/Part"] = "upper/top"
+        sets[f"{kind}/two/Components"] = "{y}"
+        sets[f"{kind}/two/Displacement"] = "{0,-0.01,0}"
+        sets[f"{kind}/one/Part"] = "upper/top"
+        sets[f"{kind}/two/History"] = "constant"
+        self.refused(sets, "contradict each other at time 0.00e+00", "component 1 of a node")
 
 
 if __name__ == "__main__":

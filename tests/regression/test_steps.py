@@ -9,7 +9,7 @@ What each class guards against:
               results with it
     Restarts  a run that is taken up again between two steps or within one and comes to other
               results than one that was not
-    Input     steps and histories that make no sense, without a word on what and where
+    Live      a look at a run that hides what it has
 """
 
 import csv
@@ -29,6 +29,8 @@ import harmos_runs as runs  # noqa: E402
 APPS = runs.SOURCE / "apps"
 BLOCKS = APPS / "harmos" / "decks" / "two_blocks.xml"
 DRAGGED = APPS / "harmos" / "decks" / "dragged_block.xml"
+COMPOSITE = APPS / "fiber_composite" / "decks" / "composite.xml"
+DEBONDING = APPS / "fiber_composite" / "decks" / "debonding.xml"
 LIFTED = APPS / "harmos" / "decks" / "lifted_beam.xml"
 CYLINDER = APPS / "signorini" / "decks" / "hertz_cylinder.xml"
 COLUMNS = (
@@ -108,6 +110,41 @@ class Files(unittest.TestCase):
             part = datasets(four.directory / f"result_000{k}.vtkhdf")["VTKHDF/PointData/displacement"]
             # A hundred for the condition of these blocks.
             self.assertLessEqual(abs(part - k / 4 * whole).max(), 1e2 * tolerance * abs(whole).max())
+
+    def test_factors_of_histories_and_what_the_application_tells(self):
+        sets = {
+            "Steps/Times": "{1,2,3}",
+            "Steps/Histories/press/Times": "{0,2,3}",
+            "Steps/Histories/press/Values": "{0,1,-0.5}",
+            "Steps/Histories/idle/Times": "{1,3}",
+            "Steps/Histories/idle/Values": "{7,9}",
+            "Model/History": "press",
+            "Model/Interface": "tie",
+            "Model/Columns": 3,
+            "Model/Rows": 2,
+            "Model/Cell size": 0.5,
+            "Solver/Tolerance": 1e-8,
+            "Output/Fields": False,
+        }
+        for load, sign in (("compression", -1), ("biaxial", 1)):
+            with self.subTest(load=load):
+                run = runs.solved(self, COMPOSITE, sets | {"Model/Load": load}, program="fiber_composite")
+                rows = steps_of(run.directory)
+                more = ["history/idle", "history/press", "strain", "stress"]
+                more += ["stress_y"] if load == "biaxial" else []
+                self.assertEqual(list(rows[0])[-len(more):], more)
+                self.assertEqual([float(row["history/idle"]) for row in rows], [7, 8, 9])
+                self.assertEqual([float(row["history/press"]) for row in rows], [0.5, 1, -0.5])
+                for row, told in zip(rows, run.summary["steps"], strict=True):
+                    # All of them are products of two numbers.
+                    factor = float(row["history/press"])
+                    self.assertAlmostEqual(float(row["strain"]) / (sign * 0.01 * factor), 1.0, delta=1e-15)
+                    self.assertEqual({k: float(row[k]) for k in more}, {k: told[k] for k in more})
+                    # Linear: twice the energy is stress times strain times area, of each direction; the error
+                    # of forces is that of displacements.
+                    stress = sum(float(row[k]) for k in more[3:])
+                    work = stress * float(row["strain"]) * 3 * 2 * 0.5**2
+                    self.assertAlmostEqual(work / (2 * float(row["energy"])), 1.0, delta=1e-6)
 
     def test_every_third_and_the_last(self):
         run = runs.solved(
@@ -406,16 +443,21 @@ class Restarts(unittest.TestCase):
         self.assertGreater(float(last["dissipated"]), 0.0)
         print(f"{parts} parts, {last['slipping']} points slip in the end")
 
+    GLUE = "Effects/Adhesion/glue/"
+    GLUED = {
+        "Output/Fields": False,
+        GLUE + "Contact": "joint",
+        GLUE + "Normal stiffness": 10.0,
+        GLUE + "Tangential stiffness": 10.0,
+        GLUE + "Normal strength": 0.03,
+        GLUE + "Tangential strength": 0.03,
+        GLUE + "Fracture energy": 0.002,
+        GLUE + "Fracture energy II": 0.002,
+    }
+
     def test_damage_goes_on(self):
         """Adhesion: damage, what was dissipated and released, and the steps towards it, bit for bit."""
-        glue = "Effects/Adhesion/glue/"
-        sets = {
-            "Output/Fields": False,
-            glue + "Contact": "joint",
-            **{glue + f"{way} stiffness": 10.0 for way in ("Normal", "Tangential")},
-            **{glue + f"{way} strength": 0.03 for way in ("Normal", "Tangential")},
-            **{glue + f"Fracture energy{mode}": 0.002 for mode in ("", " II")},
-        }
+        sets = self.GLUED
         plain = runs.solved(self, DRAGGED, sets, np=1, program="harmos").directory
         directory = runs.scratch("breaking")
         limit = {"Solver/Maximum seconds": 3e-6}
@@ -432,6 +474,50 @@ class Restarts(unittest.TestCase):
         self.assertEqual(damaged[-1], damaged[3])  # let go again
         print(f"{parts} parts")
 
+    def test_stopped_on_the_way_to_damage(self):
+        """In steps of some twenty solutions: what all of them told of the bodies, bit for bit."""
+        size = {"Model/Columns": 6, "Model/Rows": 6, "Output/Fields": False}
+        sets = size | {"Steps/Number": 10, "Steps/End time": 1}
+        plain = runs.solved(self, DEBONDING, sets, program="fiber_composite").directory
+        for rows in (3, 4):
+            run = runs.Background(DEBONDING, sets, program="fiber_composite")
+            path = run.directory / "steps.csv"
+            run.wait_until(lambda: path.is_file() and len(path.read_bytes().splitlines()) > rows)
+            time.sleep(0.1)
+            os.kill(run.ranks()[0], signal.SIGTERM)
+            self.assertEqual(run.end(), 4, run.text())
+            self.restarted(run.directory, program="fiber_composite")
+            self.assertEqual(*(read(d, "steps.csv") for d in (plain, run.directory)))
+            self.assertGreater(int(steps_of(plain)[rows]["active_sets"]), 5)
+
+    def test_damage_goes_on_with_other_ranks(self):
+        """Damage that grows and damage that stays, taken up by two ranks and by one: the same answers, to ten tolerances."""
+        tolerance, steps = 1e-8, 160
+        sets = self.GLUED | {"Solver/Tolerance": tolerance, "Steps/Number": steps}
+        plain = steps_of(runs.solved(self, DRAGGED, sets, np=1, program="harmos").directory)
+        numbers = [{key: float(value) for key, value in row.items()} for row in plain]
+        forces = [key for key in numbers[0] if "/f" in key]
+        energies = ["energy", "external_work", "dissipated", "released"]
+        force = max(abs(row[key]) for row in numbers for key in forces)
+        work = max(row["external_work"] for row in numbers)
+        size = dict.fromkeys(forces, force) | dict.fromkeys(energies, work)
+        # It is pushed until half of the steps are done, and let go again.
+        for np, wanted in ((1, steps // 6), (2, steps * 5 // 8)):
+            run = runs.Background(DRAGGED, sets, np=np, program="harmos")
+            path = run.directory / "steps.csv"
+            run.wait_until(lambda: path.is_file() and len(path.read_bytes().splitlines()) > wanted)
+            os.kill(run.ranks()[0], signal.SIGTERM)
+            self.assertEqual(run.end(), 4, run.text())
+            self.assertLess(len(steps_of(run.directory)), steps // 2 if np == 1 else steps, "stopped too late")
+            self.restarted(run.directory, np=3 - np, program="harmos")
+            for row, other in zip(numbers, steps_of(run.directory), strict=True):
+                for key in ("time", "closed", "open", "sticking", "slipping", "broken"):
+                    self.assertEqual(row[key], float(other[key]), key)
+                for key in energies + forces:
+                    difference = abs(row[key] - float(other[key]))
+                    self.assertLessEqual(difference, 10 * tolerance * size[key], f"{key}, step {other['step']}")
+        self.assertGreater(numbers[-1]["dissipated"], numbers[steps // 6]["dissipated"])
+
     def test_taken_up_by_other_ranks(self):
         cut = self.killed(BLOCKS, self.TILTED, 2, program="harmos")
         plain = self.plain(BLOCKS, self.TILTED, program="harmos")
@@ -442,60 +528,42 @@ class Restarts(unittest.TestCase):
             self.same_within(plain, directory, 10 * self.TILTED["Solver/Tolerance"])
 
 
-class Input(unittest.TestCase):
-    def refused(self, sets, *parts, program="harmos", deck=BLOCKS):
-        run = runs.run(deck, sets, np=2, program=program)
-        self.assertEqual(run.returncode, 2, run)
-        self.assertEqual(len(run.errors), 1, run)
-        for part in parts:
-            self.assertIn(part, run.errors[0])
-
-    def test_times(self):
-        self.refused(
-            {"Steps/Times": "{0.5,0.25}"},
-            '"Steps/Times": times have to rise, but 2.50e-01 comes after 5.00e-01',
-        )
-        self.refused({"Steps/Number": 0}, '"Steps/Number" = 0 is out of range')
-        self.refused(
-            {"Steps/Number": 3, "Steps/Times": "{0.5,1.0}"},
-            '"Steps/Number" = 3 and "Steps/Times" with 2 of them; give one of the two',
-        )
-
-    def test_histories(self):
-        load = "Effects/Traction/load/History"
-        press = {
-            "Steps/Number": 2,
-            "Steps/Histories/press/Times": "{0,1}",
-            "Steps/Histories/press/Values": "{0,1}",
-        }
-        self.refused(press | {load: "pres"}, "which nobody defined", 'did you mean "press"?')
-        self.refused(
-            press | {"Effects/Contact/joint/History": "press"},
-            'there is no parameter "Effects/Contact/joint/History"',
-            "have no magnitude that could follow a history",
-        )
-        self.refused(
-            press | {"Steps/Histories/press/Values": "{0,1,2}", load: "press"},
-            '"Steps/Histories/press": a history needs a value for each time',
-        )
-
-    def test_contradictions(self):
-        kind = "Effects/Prescribed displacement"
+class Live(unittest.TestCase):
+    def test_springs_pull(self):
+        """contact.csv while the solver works: a block that is pulled, glued to another."""
+        glue = "Effects/Adhesion/glue/"
         sets = {
-            "Steps/Number": 4,
-            f"{kind}/one/Part": "lower/bottom",
-            f"{kind}/one/Components": "{y}",
-            f"{kind}/one/Displacement": "{0,-0.01,0}",
+            "Effects/Traction/load/Density": "{0,0.001,0}",  # away, by less than the glue bears
+            "Bodies/lower/Elements a side": "{24,24,1}",
+            "Bodies/upper/Elements a side": "{42,42,1}",
+            "Steps/Number": 200,
+            "Solver/Tolerance": 1e-8,
+            "Dual operator/Preconditioner": "none",
+            "Output/Fields": False,
+            "Output/Live seconds": 1e-3,
+            "Output/Checkpoint/Steps": 0,
+            glue + "Contact": "joint",
+            glue + "Law": "brittle",
+            **{glue + f"{way} stiffness": 10.0 for way in ("Normal", "Tangential")},
+            **{glue + f"{way} strength": 1.0 for way in ("Normal", "Tangential")},
         }
-        # Zero by what holds it already, and another at the end of the ramp.
-        self.refused(sets, "contradict each other at time 1.00e+00", '"one"', "body \"lower\"")
-        # Equal at the end, but not before.
-        sets[f"{kind}/two/Part"] = "upper/top"
-        sets[f"{kind}/two/Components"] = "{y}"
-        sets[f"{kind}/two/Displacement"] = "{0,-0.01,0}"
-        sets[f"{kind}/one/Part"] = "upper/top"
-        sets[f"{kind}/two/History"] = "constant"
-        self.refused(sets, "contradict each other at time 0.00e+00", "component 1 of a node")
+        run = runs.Background(BLOCKS, sets, program="harmos")
+        seen = []
+
+        def pulls():
+            try:
+                text = (run.directory / "contact.csv").read_text(encoding="utf-8")
+            except FileNotFoundError:
+                return False
+            seen[:] = [(float(row["pressure"]), row["closed"]) for row in csv.DictReader(text.splitlines())]
+            return any(pressure < 0 for pressure, _ in seen)
+
+        self.assertTrue(run.wait_until(pulls), f"{seen}\n{run.text()}")
+        for rank in run.ranks():
+            os.kill(rank, signal.SIGKILL)
+        run.end()
+        for pressure, closed in seen:
+            self.assertEqual(closed, "1" if pressure > 0 else "0")
 
 
 if __name__ == "__main__":

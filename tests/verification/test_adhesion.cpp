@@ -134,10 +134,11 @@ CohesiveLaw::Options softLaw() {
   return law;
 }
 
-// Two blocks, glued together; the top of the upper one moves along a path, to the right and up.
+// Two blocks, glued together; the top of the upper one moves along a path, to the right and up, at its right
+// end by a tilt more.
 scene::Scene pulledBlocks(const CohesiveLaw::Options& law, const std::vector<double>& ends,
                           const std::vector<double>& rights, const std::vector<double>& ups,
-                          bool doesMatch = true) {
+                          bool doesMatch = true, double tilt = 0.0) {
   scene::Scene scene;
   scene.physics = Physics::PlaneStrain;
   fem::StructuredBlock::Options options;
@@ -155,7 +156,7 @@ scene::Scene pulledBlocks(const CohesiveLaw::Options& law, const std::vector<dou
     prescribe(scene, {0, "bottom"}, c);
   prescribe(scene, {1, "top"}, 0, 1.0);
   const auto right = scene.effects.back();
-  prescribe(scene, {1, "top"}, 1, 1.0);
+  prescribe(scene, {1, "top"}, 1, [tilt](const Point& x) { return 1.0 + tilt * x[0]; });
   const auto up = scene.effects.back();
   glue(scene, law);
   scene.timeline = scene::Timeline(ends);
@@ -194,6 +195,23 @@ std::array<double, 2> forceOf(const run::StepRow& row) { // of the lower block o
 
 double defect(const run::StepRow& row) {
   return row.externalWork - row.energy - row.dissipated - row.released;
+}
+
+// All along: work is stored, dissipated or released, but for an energy; nothing heals.
+// @return the most that was missing.
+double expectEnergies(const std::vector<run::StepRow>& rows, double allowed) {
+  double most = 0.0;
+  run::StepRow before;
+  for (const run::StepRow& row : rows) {
+    most = std::max(most, std::abs(defect(row)));
+    EXPECT_NEAR(defect(row), 0.0, allowed) << row.time;
+    EXPECT_GE(row.broken, before.broken) << row.time;
+    EXPECT_GE(row.released, before.released) << row.time;
+    // Where no point is damaged further it is the same number.
+    EXPECT_GE(row.dissipated, before.dissipated) << row.time;
+    before = row;
+  }
+  return most;
 }
 
 } // namespace
@@ -237,10 +255,8 @@ TEST(Adhesion, blocks_pulled_apart_follow_the_law) {
         EXPECT_NEAR(force[0], left * 60.0 * sine * length, 1e-3) << angle << " " << k;
         // In pure shear blocks bend a little, and some points press: a hundredth of the shear.
         EXPECT_NEAR(force[1], left * 100.0 * cosine * length, angle > 1.5 ? 0.01 : 1e-3) << angle << " " << k;
-        EXPECT_NEAR(defect(run.report.steps[k]), 0.0, 1e-3 * energy) << angle << " " << k;
-        if (k > 0)
-          EXPECT_GE(run.report.steps[k].dissipated, run.report.steps[k - 1].dissipated);
       }
+      expectEnergies(run.report.steps, 1e-3 * energy);
       const run::StepRow& end = run.report.steps.back();
       EXPECT_NEAR(end.externalWork, energy, 1e-3 * energy);
       EXPECT_NEAR(end.dissipated, energy, 1e-3 * energy);
@@ -268,13 +284,62 @@ TEST(Adhesion, unloading_goes_to_the_origin_and_closed_cracks_press) {
     if (row.time == std::floor(row.time))
       rows.push_back(row);
   ASSERT_EQ(rows.size(), lengths.size());
-  for (std::size_t k = 0; k < lengths.size(); ++k) {
+  for (std::size_t k = 0; k < lengths.size(); ++k)
     EXPECT_NEAR(forceOf(rows[k])[1], forces[k], 1e-3) << k;
-    if (k > 0)
-      EXPECT_GE(rows[k].dissipated, rows[k - 1].dissipated - 1e-15) << k;
-  }
-  EXPECT_EQ(rows[8].dissipated, rows[2].dissipated);
+  expectEnergies(run.report.steps, 1e-3 * 0.05);
+  // Back where it was, but for ten tolerances of the opening.
+  EXPECT_NEAR(rows[8].dissipated, rows[2].dissipated, 10.0 * 1e-8 * 0.05);
   EXPECT_NEAR(rows[2].dissipated, 0.5 * 0.05, 1e-3 * 0.05); // half of the law is behind
+}
+
+// A step in which too much breaks at once is halved, and its parts are those of a path that was given them:
+// the same answers. So they are with many steps: the path is proportional, no point's mode changes, and the
+// law alone says how far each is damaged and what that took, whatever the steps were.
+TEST(Adhesion, halved_steps_end_as_small_ones_do) {
+  constexpr double tolerance = 1e-8, first = 0.001, last = 0.02;
+  const auto blocks = [](const std::vector<double>& ends) {
+    std::vector<double> ups;
+    for (const double end : ends)
+      ups.push_back(first + (last - first) * (end - 1.0));
+    // Openings from a to 4a, and slips of 3a, for the upper block turns.
+    return runScene(pulledBlocks(softLaw(), ends, multiplesOf(0.0, ups), ups, false, 3.0), tolerance);
+  };
+  const TestRun halved = blocks({1.0, 2.0});
+  ASSERT_TRUE(halved.report.converged) << halved.report.reason;
+  std::vector<double> same, small = {1.0};
+  for (const run::StepRow& row : halved.report.steps)
+    same.push_back(row.time);
+  ASSERT_GT(same.size(), 2U) << "nothing was halved";
+  for (int k = 1; k <= 20; ++k)
+    small.push_back(1.0 + k / 20.0);
+  for (const std::vector<double>& ends : {same, small}) {
+    const TestRun given = blocks(ends);
+    ASSERT_TRUE(given.report.converged) << given.report.reason;
+    ASSERT_EQ(given.report.steps.size(), ends.size()) << "a step was halved";
+    // Both know tractions to ten tolerances of the strength, and a damage is how much less than kδ, which is
+    // no less than the strength, a traction is.
+    constexpr double allowed = 2.0 * 10.0 * tolerance;
+    ASSERT_EQ(given.report.contact.size(), halved.report.contact.size());
+    double least = 1.0, most = 0.0;
+    for (std::size_t k = 0; k < given.report.contact.size(); ++k) {
+      const run::ContactState &one = halved.report.contact[k], &other = given.report.contact[k];
+      EXPECT_NEAR(one.damage, other.damage, allowed) << k;
+      for (std::size_t d = 0; d < 2; ++d)
+        EXPECT_NEAR(one.wholeTraction[d], other.wholeTraction[d], allowed) << k;
+      least = std::min(least, one.damage);
+      most = std::max(most, one.damage);
+    }
+    EXPECT_GT(least, 0.0);
+    EXPECT_LT(most, 1.0);
+    EXPECT_GT(most, least + 0.1) << "points are alike";
+    const run::StepRow &one = halved.report.steps.back(), &other = given.report.steps.back();
+    for (const int d : {0, 1})
+      EXPECT_NEAR(forceOf(one)[d], forceOf(other)[d], allowed);
+    constexpr double energy = 0.08; // of the law, the larger one
+    EXPECT_NEAR(one.energy, other.energy, allowed * energy);
+    // Modes do change by what blocks give way: 2e-4 of what the springs do.
+    EXPECT_NEAR(one.dissipated, other.dissipated, (ends.size() == same.size() ? allowed : 2e-4) * energy);
+  }
 }
 
 namespace {
@@ -317,37 +382,33 @@ scene::Scene splitBeam(double opening, int steps) {
 } // namespace
 
 // A beam that is split further and further: the work goes into what the beam stores and what the interface
-// dissipates, to 1e-3 over the whole path. What is missing is the trapezoidal rule's, which makes straight
-// what bends between two states, and what tractions are beside the law by tolerance. Damage never falls; the
-// force has a peak, and the peak is behind where points have broken.
+// dissipates, to 1e-3 of it all the way. What is missing is the trapezoidal rule's, which makes straight what
+// bends between two states, and what tractions are beside the law by tolerance: less with more steps, where
+// points break one by one by the first power of their length. Damage never falls; the force has a peak, and
+// the peak is behind where points have broken.
 TEST(Adhesion, split_beam_keeps_its_energies) {
   std::vector<double> defects;
   for (const int steps : {12, 24, 48}) {
     const TestRun run = runScene(splitBeam(5.0, steps), 1e-5);
     ASSERT_TRUE(run.report.converged) << run.report.reason;
-    double dissipated = 0.0, most = 0.0;
-    long long broken = 0;
+    double most = 0.0;
     std::vector<int> products;
     for (const run::StepRow& row : run.report.steps) {
-      EXPECT_GE(row.dissipated, dissipated);
-      EXPECT_GE(row.broken, broken);
       most = std::max(most, forceOf(row)[1]);
-      dissipated = row.dissipated;
-      broken = row.broken;
       products.push_back(row.products);
     }
     const run::StepRow& end = run.report.steps.back();
-    defects.push_back(std::abs(defect(end)) / end.externalWork);
+    const double allowed = 1e-3 * 48.0 / steps * end.externalWork;
+    defects.push_back(expectEnergies(run.report.steps, allowed) / end.externalWork);
     std::sort(products.begin(), products.end());
     std::cout << steps << " steps: " << defects.back() << " of the work is missing, " << end.released
               << " released, peak " << most << ", products " << products[products.size() / 2] << ", "
               << products.back() << " at most\n";
-    EXPECT_GT(broken, 0);
+    EXPECT_GT(end.broken, 0);
     EXPECT_LT(forceOf(end)[1], 0.9 * most);
     // Points break one by one: the beam's force has teeth, of which little is left over.
     EXPECT_LE(end.released, 2e-3 * end.externalWork);
   }
-  EXPECT_LE(defects.back(), 1e-3);
   EXPECT_LT(defects[2], 0.5 * defects[0]);
 }
 
@@ -368,11 +429,6 @@ TEST(Adhesion, brittle_blocks_break_at_once) {
   EXPECT_NEAR(end.dissipated, 0.5 / 100.0, 1e-12);
   EXPECT_NEAR(end.energy, 0.0, 1e-9);
   // The step was halved to a 64th: work by the trapezoidal rule is known to half of that one's.
-  EXPECT_NEAR(defect(end), 0.0, 0.5 * 0.0003 / 64.0);
+  expectEnergies(run.report.steps, 0.5 * 0.0003 / 64.0);
   EXPECT_NEAR(end.externalWork, 0.5 / 100.0, 0.0003);
-  long long before = 0;
-  for (const run::StepRow& row : run.report.steps) {
-    EXPECT_GE(row.broken, before);
-    before = row.broken;
-  }
 }

@@ -13,6 +13,8 @@ What each class guards against:
                 that suffice, where matrices are ill-conditioned
     Stiffness   contact that glues, ties that slip: inequalities between effective stiffnesses, and
                 the bounds of Hashin and Shtrikman
+    Adhesive    springs that are not those of the deck: stiff ones against ties, broken ones against
+                contact, and what lies between
 """
 
 import math
@@ -196,6 +198,82 @@ class Stiffness(unittest.TestCase):
             print(f"volume fraction {v:.4f}: {lower:.6f} <= {k:.6f} <= {upper:.6f}")
             self.assertLessEqual(lower, k)
             self.assertLessEqual(k, upper)
+
+
+class Adhesive(unittest.TestCase):
+    TOLERANCE = 1e-6  # of the solver; energies, of which moduli are made, are known to its square
+    STIFFNESSES = (1e-4, 1e-2, 1.0, 1e1, 1e2, 1e3, 1e4, 1e5)  # in moduli of the matrix a cell
+    NEVER = 1e3  # a strength
+    RADIUS = math.sqrt(0.4 / math.pi)
+
+    def solve(self, load, interface, sets=None):
+        own = {"Model/Load": load, "Model/Interface": interface, "Output/Fields": False}
+        return solved(self, {**own, "Solver/Tolerance": self.TOLERANCE, **(sets or {})}).summary
+
+    def modulus(self, load, interface, sets=None):
+        return self.solve(load, interface, sets)["results"]["effective_modulus"]
+
+    def glue(self, stiffness, strength):
+        """Brittle: linear up to the strength."""
+        law = "Model/Adhesion/"
+        ways = ("Normal", "Tangential")
+        return {
+            f"{law}Law": "brittle",
+            **{f"{law}{way} stiffness": stiffness for way in ways},
+            **{f"{law}{way} strength": strength for way in ways},
+        }
+
+    def test_whole(self):
+        """From contact to ties: monotone, and the last with 1/k.
+
+        What is missing to the tied modulus is c/k (1 - a/k + ...) for springs stiff beside bodies; a is how
+        stiff the matrix is about a fibre, E/r times what shape and neighbours make of it, three at most. A
+        line through the logarithms at four decades of k, of which only the first sees a, has its slope
+        changed by 3/10 of log10(1 - a/k) there.
+        """
+        for load in ("stretch", "compression"):
+            moduli = [self.modulus(load, "adhesive", self.glue(k, self.NEVER)) for k in self.STIFFNESSES]
+            contact, tie = self.modulus(load, "contact"), self.modulus(load, "tie")
+            apart = 1 + 10 * self.TOLERANCE
+            for softer, stiffer in zip((contact, *moduli), (*moduli, tie)):
+                self.assertLess(apart * softer, stiffer, load)
+            missing = [(math.log10(k), math.log10(tie - e)) for k, e in zip(self.STIFFNESSES, moduli) if k >= 1e2]
+            self.assertEqual(len(missing), 4)
+            middle = sum(x for x, _ in missing) / 4
+            rate = sum((x - middle) * y for x, y in missing) / sum((x - middle) ** 2 for x, _ in missing)
+            print(f"{load}: contact {contact:.6f}, springs {' '.join(f'{e:.6f}' for e in moduli)}, tie {tie:.6f}, "
+                  f"rate {rate:.4f}")
+            a = 3 / self.RADIUS
+            self.assertLess(abs(rate + 1), -0.3 * math.log10(1 - a / 1e2), load)
+
+    def test_broken(self):
+        """Pulled and pressed until all is broken: the modulus falls from that of springs to that of contact."""
+        times = {"stretch": "{0.02,0.05,0.1,1}", "compression": "{0.05,0.08,0.2,1}"}
+        strain = 0.1
+        for load in ("stretch", "compression"):
+            intact = self.modulus(load, "adhesive", self.glue(1e2, self.NEVER))
+            path = {"Model/Strain": strain, "Steps/Times": times[load]}
+            summary = self.solve(load, "adhesive", self.glue(1e2, 1e-2) | path)
+            steps = summary["steps"]
+            moduli = []
+            for step in steps:
+                stretch = step["time"] * strain
+                moduli.append(2.0 * step["energy"] / (stretch**2 * 16))
+                force = abs(step["Prescribed displacement/right/fx"])
+                self.assertAlmostEqual(force / (4 * stretch * moduli[-1]), 1.0, delta=10 * self.TOLERANCE)
+            print(f"{load}: moduli {' '.join(f'{e:.6f}' for e in moduli)}, broken "
+                  f"{' '.join(str(step['broken']) for step in steps)}")
+            self.assertEqual(steps[0]["broken"], 0)
+            self.assertEqual(steps[-1]["broken"], summary["inequalities"])
+            self.assertGreaterEqual(len({step["broken"] for step in steps}), 4, "nothing in between")
+            near = 10 * self.TOLERANCE
+            self.assertAlmostEqual(moduli[0] / intact, 1.0, delta=near)
+            self.assertAlmostEqual(moduli[-1] / self.modulus(load, "contact"), 1.0, delta=near)
+            for before, after, left, right in zip(steps, steps[1:], moduli, moduli[1:]):
+                self.assertLessEqual(right, left * (1 + near))
+                self.assertLessEqual(before["broken"], after["broken"])
+                if before["broken"] < after["broken"]:
+                    self.assertLess(right, left)
 
 
 if __name__ == "__main__":

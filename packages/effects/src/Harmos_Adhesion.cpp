@@ -156,6 +156,13 @@ std::vector<std::size_t> directionsOf(const std::vector<scene::Effect::Row>& row
   return directions;
 }
 
+std::vector<double> openingsOf(const std::vector<scene::Effect::RowAnswer>& answer) {
+  std::vector<double> openings;
+  for (const scene::Effect::RowAnswer& row : answer)
+    openings.push_back(row.opening());
+  return openings;
+}
+
 } // namespace
 
 // Rows grow where points close, and openings where they open.
@@ -182,27 +189,51 @@ double Adhesion::root(std::size_t direction) const {
   return std::sqrt(direction == 0 ? law_.options().normalStiffness : law_.options().tangentialStiffness);
 }
 
+std::vector<DamageUpdate::Point> Adhesion::pointsOf(const std::vector<Row>& rows,
+                                                    const std::vector<double>& openings,
+                                                    std::size_t count) const {
+  const std::vector<std::size_t> directions = directionsOf(rows, count);
+  std::vector<DamageUpdate::Point> points(count);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    DamageUpdate::Point& point = points[rows[k].place];
+    point.area = rows[k].point->area;
+    const double opening = directions[k] == 0 ? std::max(openings[k], 0.0) : openings[k];
+    point.stretch[directions[k]] = root(directions[k]) * opening;
+  }
+  return points;
+}
+
 bool Adhesion::updateState(const std::vector<RowAnswer>& answer, double tolerance,
                            std::vector<double>& trial) const {
-  const std::size_t count = DamageUpdate::points(trial);
-  const std::vector<std::size_t> directions =
-      directionsOf(std::vector<Row>(answer.begin(), answer.end()), count);
-  std::vector<DamageUpdate::Point> points(count);
-  for (std::size_t k = 0; k < answer.size(); ++k) {
-    const RowAnswer& row = answer[k];
-    DamageUpdate::Point& point = points[row.place];
-    point.area = row.point->area;
-    if (!row.isLimited) {
-      const double gap = row.softness ? -*row.softness * std::min(row.force, 0.0) - row.unstretched : row.gap;
-      point.stretch[0] = root(0) * std::max(gap, 0.0);
-    } else {
-      const double slip = row.softness ? *row.softness * row.force + row.unstretched : -row.gap;
-      point.stretch[directions[k]] = root(directions[k]) * slip;
-    }
-  }
   // Tractions are known to some ten times what residuals are.
   constexpr double known = 10.0, most = 0.01;
-  return DamageUpdate(law_, trial).update(points, std::min(known * tolerance, most));
+  const std::vector<Row> rows(answer.begin(), answer.end());
+  return DamageUpdate(law_, trial)
+      .breakWorst(pointsOf(rows, openingsOf(answer), DamageUpdate::points(trial)),
+                  std::min(known * tolerance, most));
+}
+
+std::vector<double> Adhesion::lawForces(const std::vector<double>& trial, const std::vector<Row>& rows,
+                                        const std::vector<double>& openings) const {
+  const std::vector<std::size_t> directions = directionsOf(rows, DamageUpdate::points(trial));
+  const std::vector<DamageUpdate::Point> points = pointsOf(rows, openings, DamageUpdate::points(trial));
+  std::vector<DamageUpdate::Stretch> tractions;
+  for (std::size_t k = 0; k < points.size(); ++k)
+    tractions.push_back(DamageUpdate::traction(law_, trial, k, points[k].stretch));
+  std::vector<double> forces;
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    forces.push_back(rows[k].point->area * root(directions[k]) * tractions[rows[k].place][directions[k]]);
+  return forces;
+}
+
+double Adhesion::misfit(const std::vector<RowAnswer>& answer, const std::vector<double>& trial) const {
+  const std::vector<Row> rows(answer.begin(), answer.end());
+  return DamageUpdate::misfit(law_, trial, pointsOf(rows, openingsOf(answer), DamageUpdate::points(trial)));
+}
+
+bool Adhesion::follow(const std::vector<Row>& rows, const std::vector<double>& openings,
+                      std::optional<double> steepness, std::vector<double>& trial) const {
+  return DamageUpdate(law_, trial).follow(pointsOf(rows, openings, DamageUpdate::points(trial)), steepness);
 }
 
 std::vector<double> Adhesion::damage(const std::vector<double>& state) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_CohesiveLaw.hpp"
+#include "Harmos_DamageUpdate.hpp"
 #include "Harmos_DeckPlaces.hpp"
 
 #include <memory>
@@ -10,8 +11,8 @@ namespace Harmos::effects {
 
 /// A contact, or a body on an obstacle, that is glued until it breaks: springs where the surfaces touch when
 /// the run begins, unstretched there, in tension and along the surfaces; in compression it is the contact
-/// that it always is (Wriggers, Zavarise, Zohdi: Comput. Mech. 22, 1998). By the law of CohesiveLaw, point by
-/// point,
+/// that it always is (Wriggers, Zavarise, Zohdi: Comput. Mater. Sci. 12, 1998). By the law of CohesiveLaw,
+/// point by point,
 ///
 ///     t_n = (1 − d)k_n δ_n where it is open,   t_t = (1 − d)k_t s,
 ///
@@ -19,8 +20,9 @@ namespace Harmos::effects {
 /// on it, if any, from where the surfaces have slipped to.
 ///
 /// Within a step convex problems are solved, of springs that the law gives for the last answer, until both
-/// agree: see DamageUpdate. In a brittle law of what is beyond its strength only those points break that are
-/// nearly as far beyond it as the worst one: the others are asked again when those carry nothing any more.
+/// agree: see DamageUpdate and run::Softening. In a brittle law of what is beyond its strength only those
+/// points break that are nearly as far beyond it as the worst one: the others are asked again when those
+/// carry nothing any more.
 ///
 /// Guarded by tests/unit/effects/test_adhesion.cpp and tests/verification/test_adhesion.cpp.
 class Adhesion : public scene::Effect {
@@ -42,6 +44,12 @@ class Adhesion : public scene::Effect {
               std::vector<Spring>& springs) const override;
   bool updateState(const std::vector<RowAnswer>& answer, double tolerance,
                    std::vector<double>& trial) const override;
+  bool softens() const override { return !law_.isBrittle(); }
+  std::vector<double> lawForces(const std::vector<double>& trial, const std::vector<Row>& rows,
+                                const std::vector<double>& openings) const override;
+  double misfit(const std::vector<RowAnswer>& answer, const std::vector<double>& trial) const override;
+  bool follow(const std::vector<Row>& rows, const std::vector<double>& openings,
+              std::optional<double> steepness, std::vector<double>& trial) const override;
   bool breaks() const override { return true; }
   std::vector<double> damage(const std::vector<double>& state) const override;
   double dissipated(const std::vector<double>& state) const override;
@@ -49,6 +57,8 @@ class Adhesion : public scene::Effect {
 
  private:
   double root(std::size_t direction) const; // of the stiffness
+  std::vector<DamageUpdate::Point> pointsOf(const std::vector<Row>& rows, const std::vector<double>& openings,
+                                            std::size_t count) const;
 
   std::shared_ptr<const scene::Effect> contact_;
   CohesiveLaw law_;

@@ -66,14 +66,6 @@ void CohesiveLaw::requireNoSnap() const {
                scientific(worst * options_.fractureEnergyII, 4));
 }
 
-CohesiveLaw::Opening CohesiveLaw::opening(double normal, double tangential) const {
-  const double open = std::max(0.0, normal);
-  const double ofNormal = options_.normalStiffness * open * open,
-               ofSlip = options_.tangentialStiffness * tangential * tangential;
-  const double sum = ofNormal + ofSlip;
-  return {std::sqrt(sum), sum > 0.0 ? ofSlip / sum : 0.0};
-}
-
 double CohesiveLaw::onset(double share) const {
   const double sigma = options_.normalStrength, tau = options_.tangentialStrength;
   return 1.0 / std::sqrt((1.0 - share) * options_.normalStiffness / (sigma * sigma) +
@@ -86,6 +78,8 @@ double CohesiveLaw::fractureEnergy(double share) const {
   const double first = options_.fractureEnergy, second = options_.fractureEnergyII, p = options_.exponent;
   if (options_.mixedMode == MixedMode::BenzeggaghKenane)
     return first + (second - first) * std::pow(share, p);
+  if (p == 1.0) // as a rule, and asked for at each point
+    return 1.0 / ((1.0 - share) / first + share / second);
   return std::pow(std::pow((1.0 - share) / first, p) + std::pow(share / second, p), -1.0 / p);
 }
 

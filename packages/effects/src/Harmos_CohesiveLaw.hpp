@@ -46,8 +46,6 @@ class CohesiveLaw {
     double size = 0.0;  ///< e, √(energy per area)
     double share = 0.0; ///< β, of mode II; 0 for a point that is closed
   };
-  /// @param normal δ_n, below zero as good as zero. @param tangential |δ_t|.
-  Opening opening(double normal, double tangential) const;
 
   double onset(double share) const;          ///< e_0
   double end(double share) const;            ///< e_f; e_0 of the brittle law

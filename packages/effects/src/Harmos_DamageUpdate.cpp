@@ -9,15 +9,11 @@ namespace Harmos::effects {
 namespace {
 
 // Of what the numbers consist: of each point the damage, that when the step began, what was dissipated, that
-// when the step began, the last share of mode II, three stiffnesses of its springs where it softens, and
-// three stretches of the answer through which these go. Then of the step: answers, the least that was wrong
-// and the answer in which it was, θ, the share that has broken, how often softening springs have met the law,
-// and how often nothing got better.
-constexpr std::size_t damages = 0, begun = 1, lost = 2, lostBefore = 3, modes = 4, stiffnesses = 5,
-                      places = 8;
-constexpr std::size_t parts = places + 3;
-constexpr std::size_t answers = 0, least = 1, leastAt = 2, damping = 3, broken = 4, agreed = 5, stuck = 6,
-                      ofStep = 7;
+// when the step began, the last share of mode II, three stretches of the answer through which its springs go,
+// and three stiffnesses of them where it softens. Then the share that has broken in the step.
+constexpr std::size_t damages = 0, begun = 1, lost = 2, lostBefore = 3, modes = 4, places = 5,
+                      stiffnesses = 8, parts = stiffnesses + 3;
+constexpr std::size_t broken = 0, ofStep = 1;
 
 CohesiveLaw::Opening openingOf(const DamageUpdate::Stretch& q) {
   CohesiveLaw::Opening opening;
@@ -68,24 +64,22 @@ DamageUpdate::Spring DamageUpdate::spring(const std::vector<double>& numbers, st
 }
 
 void DamageUpdate::beginStep() {
+  std::fill_n(part(stiffnesses), 3 * points_, 0.0);
   std::copy_n(part(damages), points_, part(begun));
   std::copy_n(part(lost), points_, part(lostBefore));
-  std::fill_n(part(stiffnesses), 3 * points_, 0.0);
   std::fill_n(part(parts), ofStep, 0.0);
 }
 
-bool DamageUpdate::update(const std::vector<Point>& points, double tolerance) {
+void DamageUpdate::keepModes(const std::vector<Point>& points) {
   for (std::size_t k = 0; k < points_; ++k) // of a point that breaks, as it was then
     if (const CohesiveLaw::Opening opening = openingOf(points[k].stretch);
         part(damages)[k] < 1.0 && opening.size > 0.0)
       part(modes)[k] = opening.share;
-  const bool again = law_.isBrittle() ? breakWorst(points, tolerance) : approach(points, tolerance);
-  account(points);
-  return again;
 }
 
 bool DamageUpdate::breakWorst(const std::vector<Point>& points, double tolerance) {
   constexpr double nearly = 0.9;
+  keepModes(points);
   const auto strain = [&](std::size_t k) {
     const CohesiveLaw::Opening opening = openingOf(points[k].stretch);
     return part(damages)[k] < 1.0 ? opening.size / law_.onset(opening.share) : 0.0;
@@ -93,112 +87,82 @@ bool DamageUpdate::breakWorst(const std::vector<Point>& points, double tolerance
   double worst = 0.0;
   for (std::size_t k = 0; k < points_; ++k)
     worst = std::max(worst, strain(k));
-  if (!(worst > 1.0 + tolerance))
-    return false;
-  for (std::size_t k = 0; k < points_; ++k)
+  const bool breaks = worst > 1.0 + tolerance;
+  for (std::size_t k = 0; k < points_ && breaks; ++k)
     if (const double here = strain(k); here > 1.0 && here >= nearly * worst)
       part(damages)[k] = 1.0;
-  return true;
+  account(points);
+  return breaks;
 }
 
-// How far the traction of the answer is from what the law says of its opening, as a share of the strength.
-double DamageUpdate::wrongness(std::size_t k, const Point& point, double damage) const {
-  const Spring its = part(damages)[k] < 1.0 ? spring(numbers_, k) : Spring{};
-  double sum = 0.0;
-  for (std::size_t d = 0; d < 3; ++d) {
-    double traction = its.stiffness[d] * (point.stretch[d] - its.unstretched[d]);
-    if (d == 0)
-      traction = std::max(traction, 0.0); // closed ones press
-    sum += std::pow(traction - (1.0 - damage) * point.stretch[d], 2);
-  }
-  return std::sqrt(sum) / law_.onset(openingOf(point.stretch).share);
+namespace {
+
+double damageAt(const CohesiveLaw& law, double before, const CohesiveLaw::Opening& opening) {
+  return std::max(before, law.damage(opening));
 }
 
-bool DamageUpdate::isThroughOrigin() const {
-  return std::all_of(part(stiffnesses), part(stiffnesses) + points_, [](double s) { return s == 0.0; });
+} // namespace
+
+DamageUpdate::Stretch DamageUpdate::traction(const CohesiveLaw& law, const std::vector<double>& numbers,
+                                             std::size_t point, const Stretch& stretch) {
+  const double left = 1.0 - damageAt(law, numbers[begun * points(numbers) + point], openingOf(stretch));
+  return {left * stretch[0], left * stretch[1], left * stretch[2]};
 }
 
-bool DamageUpdate::approach(const std::vector<Point>& points, double tolerance) {
-  std::vector<double> next(points_);
+double DamageUpdate::misfit(const CohesiveLaw& law, const std::vector<double>& numbers,
+                            const std::vector<Point>& answer) {
   double worst = 0.0;
+  for (std::size_t k = 0; k < answer.size(); ++k) {
+    const Stretch& stretch = answer[k].stretch;
+    const Spring its = damage(numbers)[k] < 1.0 ? spring(numbers, k) : Spring{};
+    const Stretch byLaw = traction(law, numbers, k, stretch);
+    double sum = 0.0;
+    for (std::size_t d = 0; d < 3; ++d) {
+      double found = its.stiffness[d] * (stretch[d] - its.unstretched[d]);
+      if (d == 0)
+        found = std::max(found, 0.0); // closed ones press
+      sum += std::pow(found - byLaw[d], 2);
+    }
+    worst = std::max(worst, std::sqrt(sum) / law.onset(openingOf(stretch).share));
+    // However little it still bears.
+    if (damage(numbers)[k] < 1.0 && law.damage(openingOf(stretch)) == 1.0)
+      worst = std::max(worst, 1.0);
+  }
+  return worst;
+}
+
+bool DamageUpdate::follow(const std::vector<Point>& points, std::optional<double> steepness) {
+  bool softens = false;
+  keepModes(points);
   for (std::size_t k = 0; k < points_; ++k) {
-    next[k] = std::max(part(begun)[k], law_.damage(openingOf(points[k].stretch)));
-    worst = std::max(worst, wrongness(k, points[k], next[k]));
+    const Stretch& stretch = points[k].stretch;
+    part(damages)[k] = damageAt(law_, part(begun)[k], openingOf(stretch));
+    for (std::size_t d = 0; d < 3; ++d) {
+      part(places + d)[k] = stretch[d];
+      part(stiffnesses + d)[k] = 0.0;
+    }
+    const bool doesIt = part(damages)[k] > part(begun)[k];
+    softens = softens || doesIt;
+    if (steepness && doesIt && part(damages)[k] < 1.0)
+      linearise(k, *steepness);
   }
-  // Springs through the origin have the same answer as those that met the law, but for what the solver
-  // leaves: where it has met the law twice no more is to be had, up to a hundredth of the strength.
-  constexpr double certain = 2.0, amplified = 100.0, most = 0.01;
-  const bool isThere = worst <= tolerance;
-  const bool isAsGood = part(parts)[agreed] >= certain && worst <= std::min(amplified * tolerance, most);
-  if (isThroughOrigin() && (isThere || isAsGood))
-    return false;
-  if (isThere)
-    ++part(parts)[agreed];
-  const bool opens = snaps(worst) && !isThere;
-  for (std::size_t k = 0; k < points_; ++k) {
-    Point point = points[k];
-    if (opens)
-      open(k, point, next[k]);
-    part(damages)[k] = next[k];
-    part(stiffnesses)[k] = 0.0;
-    if (!isThere)
-      linearise(k, point);
-  }
-  return true;
+  account(points);
+  return softens;
 }
 
-// Where nothing gets better the interface snaps, as a rule; else, much later, the way from below comes
-// nearer.
-// @return whether points beyond the law are to open.
-bool DamageUpdate::snaps(double worst) {
-  constexpr double first = 0.25, factor = 4.0, patience = 8.0, better = 0.5, mostSnaps = 8.0;
-  double* step = part(parts);
-  if (++step[answers] == 1.0)
-    step[damping] = first;
-  if (step[answers] == 1.0 || worst < better * step[least]) {
-    step[least] = worst;
-    step[leastAt] = step[answers];
-  }
-  if (step[answers] - step[leastAt] < patience)
-    return false;
-  step[leastAt] = step[answers];
-  if (++step[stuck] <= mostSnaps)
-    return true;
-  step[damping] *= factor;
-  return false;
-}
-
-// What pulls more than the law lets it opens to twice as much.
-void DamageUpdate::open(std::size_t k, Point& point, double& damage) const {
-  if (part(damages)[k] == 1.0 || damage <= part(begun)[k] || damage == 1.0)
-    return;
-  const Spring its = spring(numbers_, k);
-  double beyond = 0.0;
-  for (std::size_t d = 0; d < 3; ++d)
-    beyond +=
-        (its.stiffness[d] * (point.stretch[d] - its.unstretched[d]) - (1.0 - damage) * point.stretch[d]) *
-        point.stretch[d];
-  if (!(beyond > 0.0))
-    return;
-  for (double& stretch : point.stretch)
-    stretch *= 2.0;
-  damage = std::max(damage, law_.damage(openingOf(point.stretch)));
-}
-
-void DamageUpdate::linearise(std::size_t k, const Point& point) {
-  const double now = part(damages)[k];
-  if (now <= part(begun)[k] || now == 1.0)
-    return;
-  const CohesiveLaw::Opening opening = openingOf(point.stretch);
+// Through where it is.
+void DamageUpdate::linearise(std::size_t k, double steepness) {
+  const double left = 1.0 - part(damages)[k];
+  const Stretch at = {part(places)[k], part(places + 1)[k], part(places + 2)[k]};
+  const CohesiveLaw::Opening opening = openingOf(at);
   const double first = law_.onset(opening.share), last = law_.end(opening.share);
-  const double softening = part(parts)[damping] * first / (last - first);
-  if (softening >= 1.0 - now)
+  const double softening = steepness * first / (last - first);
+  if (softening >= left)
     return;
   // Across the way in which it opens a traction turns with it: (1 − d)k.
   for (std::size_t d = 0; d < 3; ++d) {
-    const double along2 = std::pow(point.stretch[d] / opening.size, 2);
-    part(stiffnesses + d)[k] = along2 * softening + (1.0 - along2) * (1.0 - now);
-    part(places + d)[k] = point.stretch[d];
+    const double along2 = std::pow(at[d] / opening.size, 2);
+    part(stiffnesses + d)[k] = along2 * softening + (1.0 - along2) * left;
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace Harmos::effects {
@@ -13,20 +14,14 @@ namespace Harmos::effects {
 /// to solution towards d = max(d_0, D(δ)), d_0 that with which the step began, D the law, δ the openings.
 ///
 /// With d frozen the springs of a solution are (1 − d)k, and D(δ) over and over comes to the answer, from
-/// below, but slowly where they are stiff beside the bodies: what is wrong falls by the factor ((1 − d)k +
-/// s)/((1 − d)k
-/// + K) a time, K the stiffness of the bodies and −s the slope of softening. Points that soften therefore get
-/// springs of a share of how steep softening is, ρk = θs, θ = 1/4, through traction and opening of the last
-/// answer,
+/// below, but slowly where they are stiff beside the bodies. Points that soften therefore get springs of a
+/// share of how steep softening is, ρk = θs, through the law's traction at an opening δ' that is given,
 ///
 ///     t = (1 − d)kδ' + ρk(δ − δ')
 ///
-/// along the way in which they open, and (1 − d)k across it, for a traction turns with the opening: the
-/// factor is (1 + θ)s/(K + θs). Where bodies are less stiff than softening is steep answers run away until
-/// points break: the interface snaps, and where nothing gets better what pulls more than the law lets it
-/// opens to twice as much. When tractions are those of the law the last solution is one of springs through
-/// the origin, with d frozen: convex, and with the energies of such springs. What a point has opened on the
-/// way is nothing that it remembers: damage is d_0 at least, and what the answer says.
+/// along the way in which they open, and (1 − d)k across it, for a traction turns with the opening. Which
+/// openings and what θ says run::Softening. What a point has opened on the way is nothing that it remembers:
+/// damage is d_0 at least, and what the answer says.
 ///
 /// The brittle law breaks what is beyond its strength by at least nine tenths of what the worst point is.
 ///
@@ -49,9 +44,19 @@ class DamageUpdate {
     double area = 0.0;
     Stretch stretch = {};
   };
-  /// @param tolerance of tractions, as a share of the strength. @return whether the problem is to be solved
-  /// again.
-  bool update(const std::vector<Point>& points, double tolerance);
+  /// Breaks what is beyond the strength of a brittle law; whether there was anything. @param tolerance of
+  /// tractions, as a share of the strength.
+  bool breakWorst(const std::vector<Point>& answer, double tolerance);
+  /// Damage of such openings; springs through the origin, or, where points soften, so many times as stiff as
+  /// softening is steep, through traction and opening. @return whether any does.
+  bool follow(const std::vector<Point>& points, std::optional<double> steepness);
+
+  /// By the law, each divided by the root of its stiffness, from the damage with which the step began.
+  static Stretch traction(const CohesiveLaw& law, const std::vector<double>& numbers, std::size_t point,
+                          const Stretch& stretch);
+  /// How far tractions of springs are from that in an answer, at the worst point: a share of the strength.
+  static double misfit(const CohesiveLaw& law, const std::vector<double>& numbers,
+                       const std::vector<Point>& answer);
 
   // What numbers say, also of committed states.
   static const double* damage(const std::vector<double>& numbers);
@@ -68,13 +73,8 @@ class DamageUpdate {
   static Spring spring(const std::vector<double>& numbers, std::size_t point);
 
  private:
-  bool breakWorst(const std::vector<Point>& points, double tolerance);
-  bool approach(const std::vector<Point>& points, double tolerance);
-  double wrongness(std::size_t k, const Point& point, double damage) const;
-  bool isThroughOrigin() const;
-  void linearise(std::size_t k, const Point& point);
-  bool snaps(double worst);
-  void open(std::size_t k, Point& point, double& damage) const;
+  void keepModes(const std::vector<Point>& points);
+  void linearise(std::size_t k, double steepness);
   void account(const std::vector<Point>& points);
   double* part(std::size_t index) { return numbers_.data() + index * points_; }
   const double* part(std::size_t index) const { return numbers_.data() + index * points_; }

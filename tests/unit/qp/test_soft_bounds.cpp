@@ -207,6 +207,28 @@ TEST(SoftBounds, products_do_not_depend_on_stiffness) {
   }
 }
 
+// What is to become nearly nothing, against curvatures that made forces of a hundred million of it where it
+// began: the rounding errors which these leave are not those of the answer.
+TEST(SoftBounds, springs_that_begin_far_from_where_they_end) {
+  constexpr int n = 12;
+  constexpr double curvature = 1e8, tolerance = 1e-12;
+  SmallQp qp{Dense(n, n), {}, {}, {}, Dense(0, n), {}};
+  for (int i = 0; i < n; ++i) {
+    qp.a(i, i) = 1.0;
+    qp.b.push_back(-1.0 - 0.1 * i);
+    qp.soft.push_back({i, 0.0, infinity, curvature});
+  }
+  const DistributedQp distributed(qp);
+  distributed.solution->putScalar(-1.0);
+  const auto solver = TpetraSolverFactory().create("PDAS", parameters(tolerance));
+  solver->setProblem(distributed.problem);
+  const Result result = solver->solve();
+  ASSERT_TRUE(result.converged()) << result.explanation;
+  const std::vector<double> x = fromVector(*distributed.solution);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    EXPECT_NEAR(x[i], qp.b[i] / (1.0 + curvature), 1.01 * tolerance * norm(qp.b) / curvature) << i;
+}
+
 TEST(SoftBounds, others_refuse_them) {
   std::mt19937 random(3);
   const SmallQp qp = softString(8, 1.0);

@@ -35,7 +35,29 @@ bool haveSameZeros(const MultiVector& x, const MultiVector& y) {
   return globalSum(*x.getMap()->getComm(), different) == 0;
 }
 
+void exchangeVector(qp::StateArchive<MultiVector>& archive, const DualProblem& problem,
+                    const std::string& name, Teuchos::RCP<const MultiVector>& vector) {
+  const auto copy = Teuchos::rcp(new MultiVector(problem.d().getMap(), 1));
+  if (!archive.isReading())
+    Tpetra::deep_copy(*copy, *vector);
+  archive.vector(name, *copy);
+  vector = copy;
+}
+
 } // namespace
+
+void exchange(qp::StateArchive<MultiVector>& archive, const DualProblem& problem, const std::string& name,
+              WarmStart& start) {
+  exchangeVector(archive, problem, name + ", multiplier", start.multiplier);
+  if (problem.equalityRows().is_null())
+    return;
+  MultiVector mu(problem.equalityRows()->getRangeMap(), 1);
+  if (!archive.isReading())
+    std::copy(start.mu.begin(), start.mu.end(), mu.getLocalViewHost(Tpetra::Access::OverwriteAll).data());
+  archive.rowVector(name + ", mu", mu);
+  const auto view = mu.getLocalViewHost(Tpetra::Access::ReadOnly);
+  start.mu.assign(view.data(), view.data() + view.extent(0));
+}
 
 void SolutionHistory::add(const DualProblem& problem, const Teuchos::RCP<const MultiVector>& multiplier,
                           const std::vector<double>& mu) {
@@ -54,22 +76,12 @@ void SolutionHistory::exchange(qp::StateArchive<MultiVector>& archive, const Dua
   for (std::size_t k = 0; k < count; ++k) {
     Entry& entry = entries_[k];
     const std::string name = "solution " + std::to_string(k);
-    for (const auto& [part, vector] : {std::pair{", d", &entry.d}, std::pair{", shift", &entry.shift},
-                                       std::pair{", multiplier", &entry.multiplier}}) {
-      const auto copy = Teuchos::rcp(new MultiVector(problem.d().getMap(), 1));
-      if (!archive.isReading())
-        Tpetra::deep_copy(*copy, **vector);
-      archive.vector(name + part, *copy);
-      *vector = copy;
-    }
-    if (problem.equalityRows().is_null())
-      continue;
-    MultiVector mu(problem.equalityRows()->getRangeMap(), 1);
-    if (!archive.isReading())
-      std::copy(entry.mu.begin(), entry.mu.end(), mu.getLocalViewHost(Tpetra::Access::OverwriteAll).data());
-    archive.rowVector(name + ", mu", mu);
-    const auto view = mu.getLocalViewHost(Tpetra::Access::ReadOnly);
-    entry.mu.assign(view.data(), view.data() + view.extent(0));
+    exchangeVector(archive, problem, name + ", d", entry.d);
+    exchangeVector(archive, problem, name + ", shift", entry.shift);
+    WarmStart solution = {entry.multiplier, entry.mu};
+    feti::exchange(archive, problem, name, solution);
+    entry.multiplier = solution.multiplier;
+    entry.mu = solution.mu;
   }
 }
 

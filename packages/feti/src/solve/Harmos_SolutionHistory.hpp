@@ -9,6 +9,11 @@
 
 namespace Harmos::feti {
 
+/// For checkpoints, under names that begin so. @param problem any of those with the same K and B. @note
+/// Collective.
+void exchange(qp::StateArchive<MultiVector>& archive, const DualProblem& problem, const std::string& name,
+              WarmStart& start);
+
 /// Solutions of problems with one K and B and many loads and bounds, all with the same contacts open, and
 /// where to start the next one.
 ///

@@ -85,6 +85,9 @@ class ProjectedCg {
   Slipping slipping() const;
   /// Level of its rounding errors: ε(‖A‖‖x‖ + ‖b‖) of the largest x since it was computed anew.
   double attainable() const;
+  /// Whether x has lost so much since then that start() would bring the level down by the most of it: springs
+  /// make large forces of what is to become nothing. @note Collective, with springs.
+  bool isRefinable() const;
   int staleness() const { return staleness_; }
   /// About that of the solution, bᵀb/bᵀM⁻¹b; without a preconditioner that of the last beginning, xᵀAx/xᵀx.
   double stiffness() const {
@@ -120,6 +123,7 @@ class ProjectedCg {
   void findSlips();
   void soften(MV& v) const;
   void addSprings(const MV& x);
+  Teuchos::RCP<MV> springForces(const MV& x) const;
   bool isAnywhere(bool isHere) const;
   void makeFaceGram();
   void findFollowing();

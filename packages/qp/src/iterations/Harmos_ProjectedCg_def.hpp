@@ -465,6 +465,16 @@ double ProjectedCg<Scalar, MV, OP>::attainable() const {
 }
 
 template<class Scalar, class MV, class OP>
+bool ProjectedCg<Scalar, MV, OP>::isRefinable() const {
+  constexpr double most = 0.1;
+  if (!hasSprings_ || staleness_ == 0)
+    return false;
+  const double epsilon = std::numeric_limits<double>::epsilon();
+  const double springs = norm<Scalar>(*springForces(*problem_.solution()));
+  return epsilon * (curvatureBound_ * iterateNorm_ + rhsNorm_ + springs) < most * level_;
+}
+
+template<class Scalar, class MV, class OP>
 double ProjectedCg<Scalar, MV, OP>::cost() const {
   const MV& x = *problem_.solution();
   double ofSprings = 0.0; // ½κ(x − c)² − ½xκ(x − c)
@@ -494,14 +504,19 @@ void ProjectedCg<Scalar, MV, OP>::trueGradient(MV& y) const {
 // To w, and how large what cancels there is.
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::addSprings(const MV& x) {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
   if (!hasSprings_)
     return;
-  const Teuchos::RCP<MV> forces = MVT::Clone(x, 1);
-  MVT::MvInit(*forces, 0.0);
-  SpringOps<Scalar, MV>::add(active_, 1.0, x, false, *forces);
-  springNorm_ = norm<Scalar>(*forces);
+  springNorm_ = norm<Scalar>(*springForces(x));
   SpringOps<Scalar, MV>::add(active_, 1.0, x, true, *w_);
+}
+
+// κx.
+template<class Scalar, class MV, class OP>
+Teuchos::RCP<MV> ProjectedCg<Scalar, MV, OP>::springForces(const MV& x) const {
+  const Teuchos::RCP<MV> forces = Belos::MultiVecTraits<Scalar, MV>::Clone(x, 1);
+  Belos::MultiVecTraits<Scalar, MV>::MvInit(*forces, 0.0);
+  SpringOps<Scalar, MV>::add(active_, 1.0, x, false, *forces);
+  return forces;
 }
 
 template<class Scalar, class MV, class OP>

@@ -467,6 +467,9 @@ bool PdasSolver<Scalar, MV, OP>::Run::isAnswer() {
     return false;
   if (change_.changed != 0 || (cg_.residualNorm() > cg_.attainable() && (!exhausted || sentBack)))
     return false;
+  isMoved_ = cg_.isRefinable(); // the same face, from where x is now
+  if (isMoved_)
+    return false;
   solver_.stop(Reason::Stagnation,
                Explanations::stagnation(state_.projectedGradient, cg_.attainable(), state_.equalityDistance),
                state_);

@@ -35,6 +35,8 @@ nlohmann::ordered_json toJson(const StepRow& row) {
   for (const Forces::Of& effect : row.forces)
     for (std::size_t d = 0; d < 3; ++d)
       json[effect.path + "/f" + "xyz"[d]] = number(effect.resultant.force[d]);
+  for (const auto& [name, value] : row.further)
+    json[name] = number(value);
   return json;
 }
 
@@ -53,6 +55,11 @@ nlohmann::ordered_json auditJson(const RunReport& report) {
     json["slip_error"] = number(report.audit.slipError);
     json["limit_excess"] = number(report.audit.limitExcess);
     json["friction_work"] = number(report.audit.frictionWork);
+  }
+  if (std::any_of(report.contact.begin(), report.contact.end(),
+                  [](const ContactState& point) { return point.isBound; })) {
+    json["spring_error"] = number(report.audit.springError);
+    json["spring_energy"] = number(report.audit.springEnergy);
   }
   return json;
 }

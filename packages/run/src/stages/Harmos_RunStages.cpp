@@ -79,7 +79,7 @@ void RunStages::setUp() {
 
 Solution RunStages::goOnce() {
   setUp();
-  solve(nullptr, monitor(directory_.checkpoint(), log_, {}), log_);
+  solve(nullptr, monitor(directory_.checkpoint(), log_, {}), log_, 0.0, options_.tolerance);
   if (report_.isInterrupted()) {
     leaveInterrupted();
     return {std::move(owned_), {}, solution_.lambda};
@@ -128,6 +128,7 @@ StepRow RunStages::onlyStep() {
   }
   StepRow row = stepRow(report_, *energy);
   row.time = time_;
+  tellFurther(scene_, row);
   return row;
 }
 
@@ -346,7 +347,9 @@ Teuchos::RCP<RunMonitor> RunStages::monitor(const CheckpointReader* checkpoint, 
 }
 
 void RunStages::solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log,
-                      double secondsSpent) {
+                      double secondsSpent, double tolerance) {
+  if (options_.toleranceRule != ToleranceRule::Balanced)
+    report_.tolerance = tolerance;
   monitor->addState([this](qp::StateArchive<MultiVector>& archive) { check_->exchange(archive); });
   solveOnce(start, monitor, log, secondsSpent);
   if (roundingIsSeen_)
@@ -395,8 +398,8 @@ void RunStages::solveOnce(const feti::WarmStart* start, const Teuchos::RCP<RunMo
     return roundingIsSeen_ ? std::nullopt : next;
   };
   feti::SolverOptions first = solverOptions(scene_, options_);
-  if (options_.toleranceRule == ToleranceRule::Balanced)
-    first.tolerance = firstBalancedTolerance();
+  first.tolerance =
+      options_.toleranceRule == ToleranceRule::Balanced ? firstBalancedTolerance() : report_.tolerance;
   constexpr double leastSeconds = 1e-3; // 0 is no limit
   if (first.maximumSeconds > 0.0)
     first.maximumSeconds = std::max(leastSeconds, first.maximumSeconds - secondsSpent);

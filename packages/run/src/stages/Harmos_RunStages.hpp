@@ -62,9 +62,10 @@ class RunStages {
   /// @throws InputError on all ranks if they contradict each other or a row that holds nothing else.
   void checkBounds(const std::vector<std::vector<double>>& prescribed);
   /// Solves from a start, or from the options' own (null). @param log for what is told of the solution.
-  /// @param secondsSpent by solutions before, which the limit of the options counts too.
+  /// @param secondsSpent by solutions before, which the limit of the options counts too. @param tolerance
+  /// fixed one in the place of the options'.
   void solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log,
-             double secondsSpent = 0.0);
+             double secondsSpent, double tolerance);
   /// The solution on the primal side, judged, and its contact states and forces.
   void tellWhatIsAttainable();
   void recover();

@@ -7,6 +7,7 @@
 #include <Tpetra_MultiVector.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <iomanip>
 #include <sstream>
 
@@ -65,7 +66,7 @@ void StepSequence::begin() {
   const bool goesOn = restore();
   run_.directory().removeOtherResults(written_);
   if (hasSteps())
-    run_.directory().writeSteps(rows_, scene_.forcePaths());
+    run_.directory().writeSteps(rows_, scene_.forcePaths(), furtherColumns(scene_));
   if (!written_.empty())
     run_.directory().writeSeries(written_);
   run_.directory().writeIterations(iterations_);
@@ -99,7 +100,7 @@ std::string StepSequence::placeText() const {
 
 StepSequence::Outcome StepSequence::attempt() {
   if (within_ == nullptr) {
-    states_->begin();
+    states_->begin(advance());
     updates_ = 0;
     attemptCounters_ = {};
   }
@@ -108,7 +109,10 @@ StepSequence::Outcome StepSequence::attempt() {
     const Outcome outcome = solve();
     if (outcome != Outcome::Accepted)
       return outcome;
-    const bool again = states_->update(report_.contact, report_.slips, report_.tolerance);
+    const double asked =
+        options_.toleranceRule == ToleranceRule::Balanced ? report_.tolerance : options_.tolerance;
+    const bool again =
+        states_->update(report_.contact, report_.slips, asked, lastSolution(), residualAtStart());
     // On the way there more may be broken for a while, and where much breaks for good that takes its time.
     constexpr int manyUpdates = 25;
     if ((!again || updates_ == manyUpdates) && states_->haste() > 1.0 && clock_.mayHalve()) {
@@ -132,10 +136,41 @@ void StepSequence::prepare(double time) {
                 changesBounds ? &rows : nullptr});
 }
 
+// Of the factors of loads in the step, in terms of what it was in the last one: they go on as they did, slow
+// down or turn back.
+std::optional<double> StepSequence::advance() const {
+  if (rows_.empty())
+    return std::nullopt;
+  const std::vector<double> before =
+                                run_.loads().factors(rows_.size() > 1 ? rows_[rows_.size() - 2].time : 0.0),
+                            now = run_.loads().factors(rows_.back().time),
+                            next = run_.loads().factors(clock_.to());
+  double both = 0.0, last = 0.0;
+  for (std::size_t k = 0; k < now.size(); ++k) {
+    both += (next[k] - now[k]) * (now[k] - before[k]);
+    last += (now[k] - before[k]) * (now[k] - before[k]);
+  }
+  return last > 0.0 ? std::optional<double>(both / last) : std::nullopt;
+}
+
+// As a share of the problem's; all of it where there was nothing to solve.
+double StepSequence::residualAtStart() const {
+  const std::vector<qp::IterationRecord>& records = report_.result.history;
+  return records.empty() || !(report_.gradientScale > 0.0)
+             ? 1.0
+             : records.front().projectedGradient / report_.gradientScale;
+}
+
+feti::WarmStart StepSequence::lastSolution() const {
+  return {run_.torn().multiplier, run_.dualSolution().mu};
+}
+
 // After an update of states what differs are some rows: the last solution is the nearest one.
 std::optional<feti::WarmStart> StepSequence::startOfSolve() const {
+  if (!states_->start().multiplier.is_null())
+    return states_->start();
   if (updates_ > 0 && within_ == nullptr && report_.solved)
-    return feti::WarmStart{run_.torn().multiplier, run_.dualSolution().mu};
+    return lastSolution();
   return history_.start(run_.dualProblem(), options_.tolerance);
 }
 
@@ -152,7 +187,8 @@ StepSequence::Outcome StepSequence::solve() {
   monitor_ = run_.monitor(within_, quiet_, {placeText(), before, watch_, true});
   monitor_->addState([this](Archive& archive) { exchange(archive, true); });
   within_ = nullptr;
-  run_.solve(start ? &*start : nullptr, monitor_, quiet_, before.seconds - secondsBefore_);
+  run_.solve(start ? &*start : nullptr, monitor_, quiet_, before.seconds - secondsBefore_,
+             states_->tolerance(options_.tolerance));
   counters_ += report_.result.counters;
   attemptCounters_ += report_.result.counters;
   for (const qp::IterationRecord& row : report_.result.history)
@@ -176,6 +212,7 @@ StepSequence::Outcome StepSequence::accept() {
   StepRow row = stepRow(report_, *energy_);
   row.step = clock_.step();
   row.time = clock_.to();
+  tellFurther(scene_, row);
   row.products = attemptCounters_.hessianApplications;
   row.activeSets = attemptCounters_.faces;
   const bool writes = writesFields();
@@ -184,7 +221,10 @@ StepSequence::Outcome StepSequence::accept() {
     if (hasSteps())
       written_.push_back({row.step, row.time});
   }
+  if (states_->hasSoftened()) // what loads come to is another matter from here on
+    history_.clear();
   history_.add(run_.dualProblem(), run_.torn().multiplier, run_.dualSolution().mu);
+  const double snapped = energy_->snapped();
   states_->commit();
   energy_->commit();
   const bool endsStep = clock_.endsStep();
@@ -198,7 +238,7 @@ StepSequence::Outcome StepSequence::accept() {
     run_.directory().appendStep(row);
   if (writes && hasSteps())
     run_.directory().writeSeries(written_);
-  tell(row);
+  tell(row, snapped);
   return clock_.isOver() ? Outcome::Accepted : look(endsStep);
 }
 
@@ -223,7 +263,7 @@ bool StepSequence::writesFields() const {
          (clock_.step() % options_.every == 0 || clock_.step() == clock_.steps());
 }
 
-void StepSequence::tell(const StepRow& row) const {
+void StepSequence::tell(const StepRow& row, double snapped) const {
   std::ostringstream text;
   text << "Step " << row.step << " of " << clock_.steps() << ", time " << timeText(row.time) << ": "
        << row.products << " products, energy " << scientific(row.energy, 6);
@@ -235,6 +275,9 @@ void StepSequence::tell(const StepRow& row) const {
     const auto damaged = std::count_if(report_.contact.begin(), report_.contact.end(),
                                        [](const ContactState& point) { return point.damage > 0.0; });
     text << ", " << damaged << " of " << bound << " bonds damaged, " << row.broken << " broken";
+    constexpr double known = 10.0; // tolerances of forces
+    if (snapped > known * report_.tolerance * std::abs(row.externalWork))
+      text << ", it snapped and released " << scientific(snapped, 3);
   }
   log_.info(text.str());
 }
@@ -244,6 +287,7 @@ void StepSequence::exchange(Archive& archive, bool isWithinSolve) {
   clock_.exchange(archive);
   energy_->exchange(archive);
   states_->exchange(archive);
+  states_->exchangeAnswers(archive, run_.dualProblem());
   archive.number("updates of states", updates_);
   run::exchange(archive, rows_, scene_.forcePaths());
   RunDirectory::exchange(archive, written_);
@@ -256,6 +300,8 @@ void StepSequence::exchange(Archive& archive, bool isWithinSolve) {
     counters_ = qp::countersOf(counts);
     attemptCounters_ = qp::countersOf(attempt);
     iterations_ = qp::historyOf(table);
+    for (StepRow& row : rows_)
+      tellFurther(scene_, row);
   }
   history_.exchange(archive, run_.dualProblem());
 }

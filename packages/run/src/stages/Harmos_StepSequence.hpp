@@ -45,7 +45,7 @@ class StepSequence {
   void prepare(double time);
   Outcome accept();
   Outcome look(bool endsStep);
-  void tell(const StepRow& row) const;
+  void tell(const StepRow& row, double snapped) const;
   bool writesFields() const;
   void saveBetweenSteps();
   void exchange(Archive& archive, bool isWithinSolve);
@@ -55,6 +55,9 @@ class StepSequence {
   bool isOutOfTime() const;
   bool hasSteps() const { return scene_.timeline.hasSteps(); }
   std::optional<feti::WarmStart> startOfSolve() const;
+  feti::WarmStart lastSolution() const;
+  double residualAtStart() const;
+  std::optional<double> advance() const;
 
   Teuchos::RCP<const Teuchos::Comm<int>> comm_;
   const scene::Scene& scene_;

@@ -28,6 +28,8 @@ EffectStates::EffectStates(const scene::Scene& scene, const scene::ContactSetup&
   }
   for (const auto& effect : scene.effects)
     add(*effect, points[effect.get()], limited[effect.get()]);
+  if (std::vector<double> stiffnesses = stiffnessesOfSoftening(); !stiffnesses.empty())
+    softening_.emplace(std::move(stiffnesses));
 }
 
 void EffectStates::add(const scene::Effect& effect, std::vector<std::size_t> points,
@@ -53,47 +55,97 @@ void EffectStates::add(const scene::Effect& effect, std::vector<std::size_t> poi
   states_.push_back(std::move(state));
 }
 
-void EffectStates::begin() {
+void EffectStates::begin(std::optional<double> advance) {
   for (State& state : states_) {
     state.trial = state.committed;
     state.effect->beginStep(state.trial);
   }
+  if (softening_)
+    softening_->begin(softeningParts(), advance);
 }
 
 bool EffectStates::update(const std::vector<ContactState>& answer, const std::vector<RowSlip>& slips,
-                          double tolerance) {
+                          double tolerance, const feti::WarmStart& multipliers, double startedAt) {
   const Rows rows = applied();
   bool again = false;
+  std::vector<Softening::Part> softening;
   for (State& state : states_) {
-    const std::vector<double> own = shiftsBy(state);
-    std::vector<scene::Effect::RowAnswer> answers;
-    for (std::size_t k = 0; k < state.rows.size(); ++k) {
-      scene::Effect::RowAnswer& row = answers.emplace_back();
-      static_cast<scene::Effect::Row&>(row) = state.rows[k];
-      if (!row.isLimited) {
-        const std::size_t number = state.points[k];
-        row.gap = answer[number].gap;
-        row.force = answer[number].force;
-        row.softness = rows.softness[number];
-        row.unstretched = rows.unstretched[number];
-        continue;
-      }
-      // Against the bound that this effect thinks of, where several act on the row.
-      const std::size_t number = state.limited[k - state.points.size()];
-      row.softness = rows.slipSoftness[number];
-      row.unstretched = row.softness ? rows.slip[number] : 0.0;
-      row.force = slips[number].force;
-      row.gap =
-          -(row.softness ? *row.softness * row.force : slips[number].slip) + (own[k] - rows.slip[number]);
-    }
-    again = state.effect->updateState(answers, tolerance, state.trial) || again; // each is asked
+    std::vector<scene::Effect::RowAnswer> answers = answersOf(state, rows, answer, slips);
+    if (state.effect->softens())
+      softening.push_back({state.effect, &state.rows, std::move(answers), &state.trial});
+    else
+      again = state.effect->updateState(answers, tolerance, state.trial) || again; // each is asked
   }
-  return again;
+  return (softening_ && softening_->update(softening, multipliers, tolerance, startedAt)) || again;
+}
+
+std::vector<scene::Effect::RowAnswer> EffectStates::answersOf(const State& state, const Rows& rows,
+                                                              const std::vector<ContactState>& answer,
+                                                              const std::vector<RowSlip>& slips) const {
+  const std::vector<double> own = shiftsBy(state);
+  std::vector<scene::Effect::RowAnswer> answers;
+  for (std::size_t k = 0; k < state.rows.size(); ++k) {
+    scene::Effect::RowAnswer& row = answers.emplace_back();
+    static_cast<scene::Effect::Row&>(row) = state.rows[k];
+    if (!row.isLimited) {
+      const std::size_t number = state.points[k];
+      row.gap = answer[number].gap;
+      row.force = answer[number].force;
+      row.softness = rows.softness[number];
+      row.unstretched = rows.unstretched[number];
+      continue;
+    }
+    // Against the bound that this effect thinks of, where several act on the row.
+    const std::size_t number = state.limited[k - state.points.size()];
+    row.softness = rows.slipSoftness[number];
+    row.unstretched = row.softness ? rows.slip[number] : 0.0;
+    row.force = slips[number].force;
+    row.gap = -(row.softness ? *row.softness * row.force : slips[number].slip) + (own[k] - rows.slip[number]);
+  }
+  return answers;
+}
+
+// Of springs as they were made.
+std::vector<double> EffectStates::stiffnessesOfSoftening() const {
+  std::map<std::size_t, double> ofPoints, ofSlips;
+  for (const scene::ContactSetup::Bond& bond : contact_.bonds) {
+    ofPoints[bond.point] = 1.0 / bond.softness;
+    if (bond.slip != scene::ContactSetup::Bond::none)
+      for (std::size_t t = 0; t < contact_.slips[bond.slip].tangents.size(); ++t)
+        ofSlips[contact_.slips[bond.slip].firstRow + t] = 1.0 / bond.tangentialSoftness;
+  }
+  std::vector<double> stiffnesses;
+  for (const State& state : states_) {
+    if (!state.effect->softens())
+      continue;
+    for (std::size_t point : state.points)
+      stiffnesses.push_back(ofPoints.at(point));
+    for (std::size_t row : state.limited)
+      stiffnesses.push_back(ofSlips.at(row));
+  }
+  return stiffnesses;
+}
+
+// What breaks at once, and what slips, is to be sure.
+double EffectStates::tolerance(double asked) const {
+  const bool allSoften =
+      std::all_of(states_.begin(), states_.end(), [](const State& state) { return state.effect->softens(); });
+  return softening_ && allSoften ? softening_->tolerance(asked) : asked;
 }
 
 void EffectStates::commit() {
   for (State& state : states_)
     state.committed = state.trial;
+  if (softening_)
+    softening_->commit();
+}
+
+std::vector<Softening::Part> EffectStates::softeningParts() {
+  std::vector<Softening::Part> parts;
+  for (State& state : states_)
+    if (state.effect->softens())
+      parts.push_back({state.effect, &state.rows, {}, &state.trial});
+  return parts;
 }
 
 std::vector<double> EffectStates::shiftsBy(const State& state) const {
@@ -202,6 +254,11 @@ void EffectStates::tell(const std::vector<RowSlip>& slips, std::vector<ContactSt
       point.wholeTraction[d] = point.traction[d] - point.pressure * place.normal[d];
     }
   }
+}
+
+void EffectStates::exchangeAnswers(qp::StateArchive<MultiVector>& archive, const feti::DualProblem& problem) {
+  if (softening_)
+    softening_->exchange(archive, problem);
 }
 
 void EffectStates::exchange(qp::StateArchive<MultiVector>& archive) {

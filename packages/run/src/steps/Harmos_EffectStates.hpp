@@ -4,6 +4,7 @@
 #include "Harmos_ContactFields.hpp"
 #include "Harmos_ContactSetup.hpp"
 #include "Harmos_SlipStates.hpp"
+#include "Harmos_Softening.hpp"
 #include "Harmos_SolverMonitor.hpp"
 #include "Harmos_Types.hpp"
 
@@ -23,12 +24,19 @@ class EffectStates {
 
   bool any() const { return !states_.empty(); }
   /// A step begins, for the first time or again: the trial state becomes the committed one.
-  void begin();
+  /// @param advance of loads, see Softening::begin().
+  void begin(std::optional<double> advance = std::nullopt);
+  /// Whether springs have changed in the step.
+  bool hasSoftened() const { return softening_ && softening_->hasChanged(); }
   /// Asks every effect; whether any wants the step to be solved again.
   /// @param answer, slips of the inequality and the limited rows, as they were by the trial state. @param
   /// tolerance of the answer.
   bool update(const std::vector<ContactState>& answer, const std::vector<RowSlip>& slips = {},
-              double tolerance = 0.0);
+              double tolerance = 0.0, const feti::WarmStart& multipliers = {}, double startedAt = 1.0);
+  /// Where the next solution of the step is to start; null: from the last one.
+  feti::WarmStart start() const { return softening_ ? softening_->start() : feti::WarmStart(); }
+  /// To which the next solution is worth to be found, where it is not the last. @param asked of answers.
+  double tolerance(double asked) const;
   void commit();
   /// The rows of the setup with bounds and softness by the trial state.
   std::vector<ConstraintRow> rows() const;
@@ -42,6 +50,8 @@ class EffectStates {
 
   /// Both, for a checkpoint may be written in the middle of a step.
   void exchange(qp::StateArchive<MultiVector>& archive);
+  /// The same of answers of interfaces that soften. @note Collective.
+  void exchangeAnswers(qp::StateArchive<MultiVector>& archive, const feti::DualProblem& problem);
 
  private:
   struct State {
@@ -57,6 +67,11 @@ class EffectStates {
     std::vector<double> unstretched; // more, of inequalities that are springs
     std::vector<std::optional<double>> softness, slipSoftness;
   };
+  std::vector<scene::Effect::RowAnswer> answersOf(const State& state, const Rows& rows,
+                                                  const std::vector<ContactState>& answer,
+                                                  const std::vector<RowSlip>& slips) const;
+  std::vector<double> stiffnessesOfSoftening() const;
+  std::vector<Softening::Part> softeningParts();
   Rows applied() const;
   std::vector<double> shiftsBy(const State& state) const;
   void add(const scene::Effect& effect, std::vector<std::size_t> points, std::vector<std::size_t> limited);
@@ -64,6 +79,7 @@ class EffectStates {
   const scene::ContactSetup& contact_;
   std::vector<State> states_;
   std::vector<std::size_t> pointOfSlip_; // of each limited row
+  std::optional<Softening> softening_;
 };
 
 } // namespace Harmos::run

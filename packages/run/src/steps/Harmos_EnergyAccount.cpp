@@ -2,6 +2,7 @@
 #include "Harmos_EnergyAccount.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace Harmos::run {
 
@@ -32,6 +33,16 @@ void EnergyAccount::reach(Answer answer) {
   const double left =
       work_ - committedWork_ - (stored_ - committedStored_) - (dissipated_ - committedDissipation_) - broken;
   released_ = committedRelease_ + (broken > 0.0 ? std::max(0.0, left) : 0.0);
+}
+
+double EnergyAccount::snapped() const {
+  double error = 0.0;
+  for (std::size_t c = 0; c < cases_.size(); ++c)
+    error += 0.5 * std::abs(reached_.factors[c] - before_.factors[c]) *
+             (std::abs(reached_.products.load[c] - before_.products.load[c]) +
+              std::abs(reached_.products.motion[c] - before_.products.motion[c]));
+  const double released = released_ - committedRelease_;
+  return released > error ? released : 0.0;
 }
 
 void EnergyAccount::commit() {

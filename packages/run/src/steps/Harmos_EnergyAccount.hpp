@@ -52,6 +52,10 @@ class EnergyAccount {
   /// the external work of steps in which damage grew that is neither stored nor dissipated, where that is
   /// positive. Among it are errors of the trapezoidal rule in these steps.
   double released() const { return released_; }
+  /// What the step released if no followed path would have: more than the rule can be wrong where forces and
+  /// displacements go one way, half of what the ones change by times what the others do; else 0. Before the
+  /// step is committed.
+  double snapped() const;
 
   /// What was committed.
   void exchange(qp::StateArchive<MultiVector>& archive);

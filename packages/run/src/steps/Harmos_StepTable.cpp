@@ -20,6 +20,18 @@ std::string field(const std::string& text) {
   return result + "\"";
 }
 
+double valueOf(const scene::Scene& scene, const scene::Measure& measure, const StepRow& row) {
+  if (!measure.component)
+    return scene.timeline.factor(*measure.effect, row.time);
+  const auto at = std::find(scene.effects.begin(), scene.effects.end(), measure.effect);
+  HARMOS_REQUIRE(at != scene.effects.end(), "the measure \"" + measure.name + "\" is of no effect");
+  const std::string path = scene.effectPaths()[static_cast<std::size_t>(at - scene.effects.begin())];
+  const auto force = std::find_if(row.forces.begin(), row.forces.end(),
+                                  [&](const Forces::Of& effect) { return effect.path == path; });
+  HARMOS_REQUIRE(force != row.forces.end(), "\"" + path + "\" exerts no force");
+  return force->resultant.force[*measure.component];
+}
+
 } // namespace
 
 std::vector<std::pair<std::string, double>> StepRow::numbers() const {
@@ -50,17 +62,40 @@ std::string csvLine(const StepRow& row) {
   for (const Forces::Of& effect : row.forces)
     for (double component : effect.resultant.force)
       text << ',' << component;
+  for (const auto& item : row.further)
+    text << ',' << item.second;
   text << '\n';
   return text.str();
 }
 
-std::string toCsv(const std::vector<StepRow>& rows, const std::vector<std::string>& paths) {
+std::vector<std::string> furtherColumns(const scene::Scene& scene) {
+  std::vector<std::string> columns;
+  for (const std::string& name : scene.timeline.names())
+    columns.push_back("history/" + name);
+  for (const scene::Measure& measure : scene.measures)
+    columns.push_back(measure.name);
+  return columns;
+}
+
+void tellFurther(const scene::Scene& scene, StepRow& row) {
+  row.further.clear();
+  const std::vector<std::string> columns = furtherColumns(scene);
+  for (const std::string& name : scene.timeline.names())
+    row.further.emplace_back(columns[row.further.size()], scene.timeline.factor(name, row.time));
+  for (const scene::Measure& measure : scene.measures)
+    row.further.emplace_back(measure.name, measure.scale * valueOf(scene, measure, row));
+}
+
+std::string toCsv(const std::vector<StepRow>& rows, const std::vector<std::string>& paths,
+                  const std::vector<std::string>& further) {
   std::string text;
   for (const auto& item : StepRow().numbers())
     text += (text.empty() ? "" : ",") + item.first;
   for (const std::string& path : paths)
     for (const char* component : {"/fx", "/fy", "/fz"})
       text += "," + field(path + component);
+  for (const std::string& column : further)
+    text += "," + field(column);
   text += "\n";
   for (const StepRow& row : rows)
     text += csvLine(row);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_Forces.hpp"
+#include "Harmos_Scene.hpp"
 #include "Harmos_SolverMonitor.hpp"
 #include "Harmos_Types.hpp"
 
@@ -24,19 +25,28 @@ struct StepRow {
   double released = 0.0;                                                  ///< of jumps at constant load
   long long closed = 0, open = 0, sticking = 0, slipping = 0, broken = 0; ///< contact points
   std::vector<Forces::Of> forces;
+  std::vector<std::pair<std::string, double>> further; ///< see tellFurther()
 
-  /// Columns and what stands in them, in their order, without those of the forces.
+  /// Columns and what stands in them, in their order, without those of the forces and further ones.
   std::vector<std::pair<std::string, double>> numbers() const;
 };
 
+/// Further columns of a scene: "history/<name>", the factor of each of the deck's histories, and its
+/// measures.
+std::vector<std::string> furtherColumns(const scene::Scene& scene);
+/// What stands there. @param row whose time and forces are known.
+void tellFurther(const scene::Scene& scene, StepRow& row);
+
 /// steps.csv as text: all columns always.
-/// @param paths of the effects that exert forces, in their order.
+/// @param paths of the effects that exert forces, in their order. @param further columns.
 /// Guarded by tests/regression/test_steps.py.
-std::string toCsv(const std::vector<StepRow>& rows, const std::vector<std::string>& paths);
+std::string toCsv(const std::vector<StepRow>& rows, const std::vector<std::string>& paths,
+                  const std::vector<std::string>& further = {});
 /// One of its lines, with the end of the line.
 std::string csvLine(const StepRow& row);
 
-/// For checkpoints. @param paths of the forces' effects, which are not kept.
+/// For checkpoints. Further columns follow from the others, and are not kept.
+/// @param paths of the forces' effects, which are not kept either.
 void exchange(qp::StateArchive<MultiVector>& archive, std::vector<StepRow>& rows,
               const std::vector<std::string>& paths);
 

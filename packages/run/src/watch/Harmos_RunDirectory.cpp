@@ -179,10 +179,11 @@ void RunDirectory::appendStep(const StepRow& row) const {
   });
 }
 
-void RunDirectory::writeSteps(const std::vector<StepRow>& rows, const std::vector<std::string>& paths) const {
+void RunDirectory::writeSteps(const std::vector<StepRow>& rows, const std::vector<std::string>& paths,
+                              const std::vector<std::string>& further) const {
   agree(comm_, [&] {
     if (comm_.getRank() == 0)
-      io::writeAtomically(place("steps.csv"), toCsv(rows, paths));
+      io::writeAtomically(place("steps.csv"), toCsv(rows, paths, further));
   });
 }
 

@@ -45,7 +45,8 @@ class RunDirectory {
   void writeIterations(const std::vector<qp::IterationRecord>& history) const;
 
   /// steps.csv, whole; then a row more. @throws InputError on all ranks. @note Collective.
-  void writeSteps(const std::vector<StepRow>& rows, const std::vector<std::string>& paths) const;
+  void writeSteps(const std::vector<StepRow>& rows, const std::vector<std::string>& paths,
+                  const std::vector<std::string>& further) const;
   void appendStep(const StepRow& row) const;
 
   /// The result file of a step, and the series of those that were written: result.vtkhdf.series, in the JSON

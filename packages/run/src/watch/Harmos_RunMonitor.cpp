@@ -247,7 +247,7 @@ void RunMonitor::restore(const Exchange& state) {
   checkpoint_->restore(basis, [&](Archive& archive) { state(archive); });
 }
 
-// contact.csv: the forces that the present multipliers stand for.
+// contact.csv: the forces that the present multipliers stand for. Springs pull.
 void RunMonitor::showContact(const MultiVector& lambda) const {
   struct Item {
     long long row;
@@ -260,10 +260,12 @@ void RunMonitor::showContact(const MultiVector& lambda) const {
     const auto shift = run_->stages.problem.shift()->getLocalViewHost(Tpetra::Access::ReadOnly);
     for (std::size_t r = 0; r < free.extent(0); ++r) {
       const int row = static_cast<int>(r);
-      if (constraints.rowType(row) == feti::RowType::Inequality)
-        mine.push_back(
-            {static_cast<long long>(constraints.rowMap()->getGlobalElement(static_cast<LocalOrdinal>(row))),
-             std::max(0.0, (free(r, 0) + shift(r, 0)) * constraints.rowScale(row))});
+      if (constraints.rowType(row) != feti::RowType::Inequality)
+        continue;
+      const double force = (free(r, 0) + shift(r, 0)) * constraints.rowScale(row);
+      mine.push_back(
+          {static_cast<long long>(constraints.rowMap()->getGlobalElement(static_cast<LocalOrdinal>(row))),
+           constraints.isSoft(row) ? force : std::max(0.0, force)});
     }
   }
   const std::vector<Item> all = gatherAll(comm_, mine);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Effect.hpp"
 
+#include <algorithm>
 #include <cctype>
 #include <map>
 #include <mutex>
@@ -46,6 +47,18 @@ std::string Effect::label() const {
     return kind + " \"" + name_ + "\"";
   const bool isVowel = !kind.empty() && std::string("aeiou").find(kind[0]) != std::string::npos;
   return (isVowel ? "an " : "a ") + kind;
+}
+
+double Effect::RowAnswer::opening() const {
+  if (isLimited)
+    return softness ? *softness * force + unstretched : -gap;
+  return softness ? -*softness * std::min(force, 0.0) - unstretched : gap;
+}
+
+double Effect::RowAnswer::hold() const {
+  if (isLimited)
+    return softness ? force : 0.0;
+  return -force;
 }
 
 void Effect::addTo(std::vector<double>& sum, const std::vector<double>& more) {

@@ -118,6 +118,12 @@ class Effect {
     double force = 0.0;             ///< multiplier
     std::optional<double> softness; ///< with which it was found
     double unstretched = 0.0;       ///< see Spring
+
+    /// How far it is open, below zero where springs on the way to an answer let surfaces pass, or has
+    /// slipped.
+    double opening() const;
+    /// The force against that; nothing of limited rows that no spring holds.
+    double hold() const;
   };
   /// What holds a row: ConstraintRow::softness, and by how much Bu is beyond the bound that the row was made
   /// with where it has no force.
@@ -140,6 +146,30 @@ class Effect {
   /// it. A step whose state does not settle has failed. @param tolerance of the answer.
   virtual bool updateState(const std::vector<RowAnswer>& /*answer*/, double /*tolerance*/,
                            std::vector<double>& /*trial*/) const {
+    return false;
+  }
+
+  // Of effects whose points soften, so that no convex problem has their answer: the run looks for openings at
+  // which bodies and law agree, those of all such effects together, with the springs of soften(). See
+  // run::Softening.
+
+  virtual bool softens() const { return false; }
+  /// The forces by which the law holds rows that are open so far, from the state with which the step began.
+  virtual std::vector<double> lawForces(const std::vector<double>& /*trial*/,
+                                        const std::vector<Row>& /*rows*/,
+                                        const std::vector<double>& /*openings*/) const {
+    return {};
+  }
+  /// How far forces of an answer are from the law's, at the worst point: a share of its strength.
+  virtual double misfit(const std::vector<RowAnswer>& /*answer*/,
+                        const std::vector<double>& /*trial*/) const {
+    return 0.0;
+  }
+  /// The damage of such openings, and springs: with it, through the origin; or where points soften through
+  /// force and opening, so many times as stiff as softening is steep.
+  /// @return whether any of them softens.
+  virtual bool follow(const std::vector<Row>& /*rows*/, const std::vector<double>& /*openings*/,
+                      std::optional<double> /*steepness*/, std::vector<double>& /*trial*/) const {
     return false;
   }
 

@@ -8,6 +8,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,15 @@ struct Body {
   fem::Dilatation dilatation = fem::Dilatation::Full;
 };
 
+/// A number that a run of several steps tells of each besides: a force as a stress, a factor as a strain.
+struct Measure {
+  std::string name;                     ///< of its column in steps.csv
+  std::shared_ptr<const Effect> effect; ///< of the scene
+  /// Of the force that the effect exerts, 0 to 2; none: the factor of its history.
+  std::optional<std::size_t> component;
+  double scale = 1.0; ///< times that
+};
+
 /// What is to be simulated: bodies and the effects on and between them, and nothing else.
 ///
 /// An effect that a scene does not name has no object, row, timer or memory in the run.
@@ -49,6 +59,7 @@ struct Scene {
   /// In their order they are asked: it is that of the rows, and of sums of loads.
   std::vector<std::shared_ptr<const Effect>> effects;
   Timeline timeline;
+  std::vector<Measure> measures;
   std::vector<std::string> notes; ///< told at the beginning of the run
   double secondsToMake = 0.0;     ///< of reading and cutting meshes before the run: part of its mesh stage
 

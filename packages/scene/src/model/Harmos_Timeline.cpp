@@ -181,6 +181,13 @@ double Timeline::factor(const std::string& history, double time) const {
   return found->second(time);
 }
 
+std::vector<std::string> Timeline::names() const {
+  std::vector<std::string> names;
+  for (const auto& item : histories_)
+    names.push_back(item.first);
+  return names;
+}
+
 std::vector<double> Timeline::corners() const {
   std::set<double> times = {0.0, end()};
   for (const auto& item : histories_)

@@ -70,6 +70,8 @@ class Timeline {
   /// Of a history at a time. @throws InternalError if there is none of that name.
   double factor(const std::string& history, double time) const;
   double factor(const Effect& effect, double time) const { return factor(historyOf(effect), time); }
+  /// Of those that were added, by the alphabet.
+  std::vector<std::string> names() const;
   /// Between two of these times that follow each other every history is linear; from the run's beginning to
   /// its end.
   std::vector<double> corners() const;

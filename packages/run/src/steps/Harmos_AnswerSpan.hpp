@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_DualSolution.hpp"
+#include "Harmos_SolverMonitor.hpp"
+#include "Harmos_Types.hpp"
+
+#include <functional>
+#include <vector>
+
+namespace Harmos::run {
+
+/// What is known, within a step, of how bodies answer to what holds their interfaces: of the forces f with
+/// which springs hold rows, and the openings x of these, differences between answers. Bodies are linear, so
+/// that any combination x_0 + Σc_j Δx_j goes with f_0 + Σc_j Δf_j, where they touch as in the last answer
+/// x_0. Among these combinations that is found which agrees with a law of the interfaces, without any
+/// solution: a stationary point of
+///
+///     E(c) = W(x(c)) + Ψ(x(c)),   ∂E/∂c_j = Δx_j · (f_law(x) − f),
+///
+/// W the energy of the bodies, by Newton's method with the eigenvalues of its matrix made positive: where E
+/// curves downwards, since the law softens more steeply than bodies are stiff, it goes down, away from
+/// saddles (Dauphin et al.: NeurIPS 2014). Between two solutions this is to iterations of springs what
+/// conjugate gradients are to those of a gradient (Narkiss, Zibulevsky: Sequential subspace optimization,
+/// Technion CCIT 559, 2005).
+///
+/// Openings and forces are the same on all ranks, multipliers shared. Members are local unless they say
+/// otherwise. Guarded by tests/unit/effects/test_damage_update.cpp.
+class AnswerSpan {
+ public:
+  using Vector = std::vector<double>;
+  /// Forces by which the law holds rows that are open so far.
+  using Law = std::function<Vector(const Vector& openings)>;
+
+  /// @param weights of rows, > 0: stiffnesses, for lengths of openings.
+  explicit AnswerSpan(Vector weights);
+
+  /// A step begins, of which nothing is known.
+  void begin();
+  /// Differences so far: they have led nowhere.
+  void forget() { directions_.clear(); }
+  /// @param noise of an answer: what is not longer than this share of it, beyond what is spanned, is not
+  /// kept.
+  void add(const Vector& openings, const Vector& forces, const feti::WarmStart& multipliers,
+           double tolerance);
+  struct Found {
+    Vector openings;
+    feti::WarmStart multipliers; ///< that go with them; null: those of the last answer
+  };
+  /// From the last answer on; it, where nothing is better. @pre an answer of this step.
+  Found settle(const Law& law) const;
+
+  /// @note Collective.
+  void exchange(qp::StateArchive<MultiVector>& archive, const feti::DualProblem& problem);
+
+ private:
+  struct Pair {
+    Vector openings, forces, mu;
+    Teuchos::RCP<MultiVector> multiplier; // null where nobody asks for it
+    double reach = 0.0;                   // how long the difference was of which it is the direction
+
+    void add(double factor, const Pair& more);
+    void scale(double factor);
+  };
+  double dot(const Vector& a, const Vector& b) const;
+  static Pair copy(const Pair& pair);
+  static void exchange(qp::StateArchive<MultiVector>& archive, const feti::DualProblem& problem, Pair& pair,
+                       const std::string& name);
+  Vector at(const Vector& c, bool ofForces) const;
+  Vector gradient(const Law& law, const Vector& c) const;
+  double lengthWithin(const Vector& c, const Vector& p, std::vector<bool>& isFree) const;
+  Vector direction(const Law& law, const Vector& c, const Vector& gradient,
+                   const std::vector<bool>& isFree) const;
+
+  Vector weights_;
+  Pair last_;
+  std::vector<Pair> directions_; // orthogonal, of length one
+};
+
+} // namespace Harmos::run
