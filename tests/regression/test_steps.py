@@ -425,23 +425,29 @@ class Restarts(unittest.TestCase):
             self.assertGreater(more, rows)
             rows = more
 
+    def stopped(self, deck, sets, rows, np=2, program="harmos"):
+        """The directory of a run that is told to stop when so many steps are done, wherever it is by then."""
+        run = runs.Background(deck, sets, np=np, program=program)
+        path = run.directory / "steps.csv"
+        run.wait_until(lambda: path.is_file() and len(path.read_bytes().splitlines()) > rows)
+        os.kill(run.ranks()[0], signal.SIGTERM)
+        self.assertEqual(run.end(), 4, run.text())
+        return run.directory
+
     def test_slips_go_on(self):
         """Friction: where surfaces have slipped to, and what was dissipated, bit for bit."""
-        sets = {"Output/Fields": False, "Steps/Number": 160}
+        steps = 320
+        sets = {"Output/Fields": False, "Steps/Number": steps}
         plain = runs.solved(self, DRAGGED, sets, np=1, program="harmos").directory
-        directory = runs.scratch("slipping")
-        limit = {"Solver/Maximum seconds": 3e-5}
-        run = runs.run(DRAGGED, sets | limit, np=1, output=directory, program="harmos")
-        parts = 1
-        while run.returncode == 1 and parts < 1000:
-            run = runs.start(["--restart", directory, "--quiet"], 1, program="harmos")
-            parts += 1
-        self.assertEqual(run.returncode, 0, run)
-        self.assertGreater(parts, 1, "there was nothing to be interrupted")
-        self.assertEqual(*(read(d, "steps.csv") for d in (plain, directory)))
-        last = steps_of(directory)[-1]
+        for rows in (steps // 4, steps // 2):
+            directory = self.stopped(DRAGGED, sets, rows, np=1)
+            done = steps_of(directory)
+            self.assertGreaterEqual(len(done), rows)
+            self.assertGreater(int(done[-1]["slipping"]) + int(done[-1]["sticking"]), 0)
+            self.restarted(directory, np=1, program="harmos")
+            self.assertEqual(*(read(d, "steps.csv") for d in (plain, directory)))
+        last = steps_of(plain)[-1]
         self.assertGreater(float(last["dissipated"]), 0.0)
-        print(f"{parts} parts, {last['slipping']} points slip in the end")
 
     GLUE = "Effects/Adhesion/glue/"
     GLUED = {
@@ -457,22 +463,18 @@ class Restarts(unittest.TestCase):
 
     def test_damage_goes_on(self):
         """Adhesion: damage, what was dissipated and released, and the steps towards it, bit for bit."""
-        sets = self.GLUED
+        steps = 160
+        sets = self.GLUED | {"Steps/Number": steps}
         plain = runs.solved(self, DRAGGED, sets, np=1, program="harmos").directory
-        directory = runs.scratch("breaking")
-        limit = {"Solver/Maximum seconds": 3e-6}
-        run = runs.run(DRAGGED, sets | limit, np=1, output=directory, program="harmos")
-        parts = 1
-        while run.returncode == 1 and parts < 1000:
-            run = runs.start(["--restart", directory, "--quiet"], 1, program="harmos")
-            parts += 1
-        self.assertEqual(run.returncode, 0, run)
-        self.assertGreater(parts, 1, "there was nothing to be interrupted")
-        self.assertEqual(*(read(d, "steps.csv") for d in (plain, directory)))
-        damaged = [float(row["dissipated"]) for row in steps_of(directory)]
-        self.assertGreater(damaged[3], damaged[2])
-        self.assertEqual(damaged[-1], damaged[3])  # let go again
-        print(f"{parts} parts")
+        damaged = [float(row["dissipated"]) for row in steps_of(plain)]
+        # It breaks until half of the steps are done, and is let go again.
+        for rows in (steps * 3 // 8, steps * 5 // 8):
+            directory = self.stopped(DRAGGED, sets, rows, np=1)
+            self.assertLess(len(steps_of(directory)), steps, "stopped too late")
+            self.restarted(directory, np=1, program="harmos")
+            self.assertEqual(*(read(d, "steps.csv") for d in (plain, directory)))
+        self.assertGreater(damaged[steps // 2], damaged[steps // 4])
+        self.assertEqual(damaged[-1], damaged[steps // 2])
 
     def test_stopped_on_the_way_to_damage(self):
         """In steps of some twenty solutions: what all of them told of the bodies, bit for bit."""
@@ -480,14 +482,9 @@ class Restarts(unittest.TestCase):
         sets = size | {"Steps/Number": 10, "Steps/End time": 1}
         plain = runs.solved(self, DEBONDING, sets, program="fiber_composite").directory
         for rows in (3, 4):
-            run = runs.Background(DEBONDING, sets, program="fiber_composite")
-            path = run.directory / "steps.csv"
-            run.wait_until(lambda: path.is_file() and len(path.read_bytes().splitlines()) > rows)
-            time.sleep(0.1)
-            os.kill(run.ranks()[0], signal.SIGTERM)
-            self.assertEqual(run.end(), 4, run.text())
-            self.restarted(run.directory, program="fiber_composite")
-            self.assertEqual(*(read(d, "steps.csv") for d in (plain, run.directory)))
+            directory = self.stopped(DEBONDING, sets, rows, program="fiber_composite")
+            self.restarted(directory, program="fiber_composite")
+            self.assertEqual(*(read(d, "steps.csv") for d in (plain, directory)))
             self.assertGreater(int(steps_of(plain)[rows]["active_sets"]), 5)
 
     def test_damage_goes_on_with_other_ranks(self):
@@ -503,14 +500,10 @@ class Restarts(unittest.TestCase):
         size = dict.fromkeys(forces, force) | dict.fromkeys(energies, work)
         # It is pushed until half of the steps are done, and let go again.
         for np, wanted in ((1, steps // 6), (2, steps * 5 // 8)):
-            run = runs.Background(DRAGGED, sets, np=np, program="harmos")
-            path = run.directory / "steps.csv"
-            run.wait_until(lambda: path.is_file() and len(path.read_bytes().splitlines()) > wanted)
-            os.kill(run.ranks()[0], signal.SIGTERM)
-            self.assertEqual(run.end(), 4, run.text())
-            self.assertLess(len(steps_of(run.directory)), steps // 2 if np == 1 else steps, "stopped too late")
-            self.restarted(run.directory, np=3 - np, program="harmos")
-            for row, other in zip(numbers, steps_of(run.directory), strict=True):
+            directory = self.stopped(DRAGGED, sets, wanted, np=np)
+            self.assertLess(len(steps_of(directory)), steps // 2 if np == 1 else steps, "stopped too late")
+            self.restarted(directory, np=3 - np, program="harmos")
+            for row, other in zip(numbers, steps_of(directory), strict=True):
                 for key in ("time", "closed", "open", "sticking", "slipping", "broken"):
                     self.assertEqual(row[key], float(other[key]), key)
                 for key in energies + forces:
