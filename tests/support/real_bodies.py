@@ -60,6 +60,8 @@ TOUCHING = group(
     ),
 )
 
+REVERSED = TOUCHING.replace("ball/skin", "").replace("block/face", "ball/skin").replace('value=""', 'value="block/face"')
+
 BODIES = {
     "half-ball": Body(
         "half a ball of linear tetrahedra on a rigid plane",
@@ -95,6 +97,26 @@ BODIES = {
         TOUCHING,
         ("block/bottom",),
     ),
+    "ball-on-block-quadratic": Body(
+        "half a ball on a block, both of quadratic tetrahedra, in mortar contact",
+        "solid",
+        "ball_on_block.geo",
+        ("ball", "block"),
+        TOUCHING,
+        ("block/bottom",),
+        1.75,
+        2,
+    ),
+    "block-under-ball-quadratic": Body(
+        "the same, multipliers on the block",
+        "solid",
+        "ball_on_block.geo",
+        ("ball", "block"),
+        REVERSED,
+        ("block/bottom",),
+        1.75,
+        2,
+    ),
 }
 
 
@@ -128,7 +150,7 @@ def write_deck(directory, key, contact, press=0.03, scale=1.0, force=None, drag=
     if contact:
         effects.append(body.contact)
         if friction is not None:
-            name = "touching" if body.contact == TOUCHING else "plane"
+            name = "plane" if "Obstacle" in body.contact else "touching"
             rough = group(
                 "rough",
                 entry("Contact", "string", name),

@@ -16,6 +16,7 @@ namespace Harmos::contact {
 ///
 /// With the relative displacement w = Σ weight · u(node): normal · w ≤ gap. The weights of the first surface
 /// (the one that carries the multipliers, "slave" in the literature) sum to 1, those of the second one to −1.
+/// Of the first surface it is the node itself that counts, on edges of second order its corners too.
 struct ContactPoint {
   struct Term {
     long long node;
@@ -48,24 +49,24 @@ bool nodesMatch(const Surface& first, const Surface& second, double tolerance = 
 /// Mortar coupling of surfaces that need not match, with dual Lagrange multipliers (Wohlmuth 2000; Popp,
 /// Gitterle, Gee, Wall 2010): a point for each node i of the first surface,
 ///
-///     w_i = Σ_j D_ij u_j − Σ_k M_ik u_k, divided by D_ii,
-///     D_ij = ∫ψ_i φ_j = δ_ij ∫φ_i,   M_ik = ∫ψ_i φ_k∘χ,
+///     w_i = Σ_j D_ij u_j − Σ_k M_ik u_k, divided by their sum D_i,
+///     D_i = ∫φ̃_i,   D_ij u_j = D_i ũ_i,   M_ik = ∫ψ_i φ_k∘χ,
 ///
-/// gap_i = ∫ψ_i g / D_ii, all integrals over the part of the first surface that has a counterpart: ψ_i are
-/// made there too (Cichosz & Bischoff 2011), so that the patch test holds at the ends of the surfaces. The
-/// area of a point is D_ii, its normal that of the node.
-/// In the plane edges are cut at projections of nodes along the averaged normals; in space facets are clipped
-/// against each other in the plane of the facet of the first surface (Puso & Laursen 2004).
+/// gap_i = ∫ψ_i g / D_i, all integrals over the part of the first surface that has a counterpart: ψ_i, dual
+/// to the carriers φ̃_i, are made there too (Cichosz & Bischoff 2011), so that the patch test holds at the
+/// ends of the surfaces. ũ_i is the coefficient of φ̃_i in u, on facets of first order u_i; see Carriers. The
+/// area of a point is D_i, its normal that of the node. In the plane edges are cut at projections of nodes
+/// along the averaged normals; in space facets are clipped against each other in the plane of the facet of
+/// the first surface (Puso & Laursen 2004).
 ///
 /// Linear displacements of flat surfaces are reproduced to rounding, whatever the quadrature, for ψ_i are
 /// dual in the sums of the very same quadrature; rigid translations always. Gaps of curved surfaces converge
 /// with h², those of second order faster, down to the error O(gap² h²) of projecting a facet along one
 /// normal.
 ///
-/// Nodes whose ∫φ_i over the covered part is not positive, or so small that weights would exceed 1e4, give no
-/// point: nodes at the far end of a facet that is covered by less than 1e-4 of its length, and far nodes of
-/// second-order facets covered by less than three quarters. A constant pressure has its exact resultant but
-/// for them.
+/// Nodes with weights above 1e4 give no point: those at the far end of a facet that is covered by less than
+/// 1e-4 of its length, on facets of second order by less than some hundredths. A constant pressure has its
+/// exact resultant but for them.
 ///
 /// Cost: proportional to the number of facets, but for the search, which is O(n log n); on every rank. 20 000
 /// facets of each surface take less than a second.
@@ -73,8 +74,8 @@ bool nodesMatch(const Surface& first, const Surface& second, double tolerance = 
 /// @param reach counterparts farther than this are none; 0: a tenth of the extent of the smaller surface.
 /// @return ordered by node number; nodes without a counterpart give none.
 /// @throws InputError if no node has a counterpart (the pair never meets), for surfaces whose facets are not
-///         supported (triangles of six nodes on the first surface), for surfaces of different dimensions and
-///         a negative reach, and for facets too distorted to be projected. Local.
+///         supported, for surfaces of different dimensions and a negative reach, and for facets too distorted
+///         to be projected. Local.
 /// Guarded by tests/unit/contact/test_mortar_plane.cpp and tests/unit/contact/test_mortar_space.cpp.
 std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& second, double reach = 0.0);
 

@@ -92,6 +92,65 @@ FacetPlace facetCentre(CellType type) {
   return fem::shapeOf(type).isSimplex ? FacetPlace{1.0 / 3.0, 1.0 / 3.0} : FacetPlace{0.0, 0.0};
 }
 
+Carriers::Carriers(CellType type, const std::array<double, 4>& shares, bool isPartial)
+    : size_(static_cast<std::size_t>(fem::shapeOf(type).nodes)),
+      corners_(static_cast<std::size_t>(fem::shapeOf(type).corners)),
+      edges_(size_ == corners_ ? 0
+             : corners_ == 2   ? 1
+                               : corners_),
+      shares_(shares) {
+  if (!isPartial)
+    return;
+  toCorner_ = partialShare * partialShare;
+  toEdge_ = partialShare * (1.0 - 2.0 * partialShare);
+}
+
+// The corners that an edge node lies between.
+std::array<std::size_t, 2> Carriers::endsOf(std::size_t edgeNode) const {
+  if (corners_ == 2) // the middle of a line
+    return {0, 1};
+  return {edgeNode - corners_, (edgeNode - corners_ + 1) % corners_};
+}
+
+std::array<double, maxFacetNodes> Carriers::values(const std::array<double, maxFacetNodes>& lagrange) const {
+  std::array<double, maxFacetNodes> result = lagrange;
+  for (std::size_t e = corners_; e < corners_ + edges_; ++e) {
+    result[e] *= 1.0 - 2.0 * share(e);
+    for (std::size_t k : endsOf(e))
+      result[k] += share(e) * lagrange[e];
+  }
+  if (size_ == corners_ + edges_)
+    return result;
+  const double middle = lagrange[size_ - 1];
+  for (std::size_t k = 0; k < size_ - 1; ++k)
+    result[k] += (k < corners_ ? toCorner_ : toEdge_) * middle;
+  result[size_ - 1] *= 1.0 - 4.0 * (toCorner_ + toEdge_);
+  return result;
+}
+
+std::vector<std::pair<std::size_t, double>> Carriers::coefficient(std::size_t k) const {
+  if (k < corners_)
+    return {{k, 1.0}};
+  if (k < corners_ + edges_) {
+    const double s = share(k), whole = 1.0 / (1.0 - 2.0 * s);
+    if (s == 0.0)
+      return {{k, 1.0}};
+    return {{k, whole}, {endsOf(k)[0], -s * whole}, {endsOf(k)[1], -s * whole}};
+  }
+  if (toCorner_ == 0.0)
+    return {{k, 1.0}};
+  // What is left in the middle when corners and edges have had their parts.
+  std::array<double, maxFacetNodes> weights{};
+  weights[k] = 1.0;
+  for (std::size_t i = 0; i < k; ++i)
+    for (const auto& [node, weight] : coefficient(i))
+      weights[node] -= (i < corners_ ? toCorner_ : toEdge_) * weight;
+  std::vector<std::pair<std::size_t, double>> terms;
+  for (std::size_t i = 0; i < size_; ++i)
+    terms.emplace_back(i, weights[i] / (1.0 - 4.0 * (toCorner_ + toEdge_)));
+  return terms;
+}
+
 Facet::State Facet::at(const FacetPlace& place) const {
   State state;
   state.basis = facetBasis(surface_.facetType, place);

@@ -4,6 +4,8 @@
 #include "Harmos_Surface.hpp"
 
 #include <array>
+#include <utility>
+#include <vector>
 
 namespace Harmos::contact {
 
@@ -22,6 +24,44 @@ struct FacetBasis {
 /// call: projections ask for one place at a time, very often.
 /// Guarded by tests/unit/contact/test_surface.cpp, against Intrepid2.
 FacetBasis facetBasis(fem::CellType type, const FacetPlace& at);
+
+/// The functions that carry the multipliers of mortar coupling on a facet: those of the facet on facets of
+/// first order; on those of second order, of which some have no area or a negative one, every edge gives a
+/// share s of its function to each of its two corners,
+///
+///     φ̃_c = φ_c + Σ s_e φ_e,   φ̃_e = (1 − 2s_e)φ_e,
+///
+/// a local change of basis (Popp, Wohlmuth, Gee, Wall, SIAM J. Sci. Comput. 34, 2012, who take 1/5). With a
+/// share of 1/4, and the function in the middle of a quadrilateral shared likewise, they are the Bernstein
+/// polynomials, which are nowhere negative: so on facets that are covered in part.
+/// Guarded by tests/unit/contact/test_surface.cpp.
+class Carriers {
+ public:
+  /// Of facets that are covered as a whole. Triangles of six nodes, the area of whose corner functions is
+  /// zero, take 1/10: between 1/20 and 1/4 that has the smallest errors of smooth solutions and the fewest
+  /// products (tests/verification/test_mortar_pairs.cpp; 40 to 43 on half a ball on a block, with 1/4 45 to
+  /// 56). Other facets of second order have positive areas as they are.
+  static double usualShare(fem::CellType type) { return type == fem::CellType::Triangle6 ? 0.1 : 0.0; }
+  static constexpr double partialShare = 0.25;
+
+  /// @param shares of the edge nodes, in their order. @param isPartial whether the facet is covered in part;
+  /// then all of its shares are partialShare.
+  Carriers(fem::CellType type, const std::array<double, 4>& shares, bool isPartial);
+
+  /// Their values at a place, from those of the functions of the facet.
+  std::array<double, maxFacetNodes> values(const std::array<double, maxFacetNodes>& lagrange) const;
+  /// The coefficient of carrier k of a function, of its values at the nodes: on an edge from a to b
+  /// (u_k − s(u_a + u_b))/(1 − 2s). Pairs of node of the facet and weight, which sum to 1.
+  std::vector<std::pair<std::size_t, double>> coefficient(std::size_t k) const;
+
+ private:
+  std::array<std::size_t, 2> endsOf(std::size_t edgeNode) const;
+  double share(std::size_t edgeNode) const { return shares_[edgeNode - corners_]; }
+
+  std::size_t size_, corners_, edges_; // nodes in all, and of each kind; one more may be in the middle
+  std::array<double, 4> shares_;
+  double toCorner_ = 0.0, toEdge_ = 0.0; // of the function in the middle
+};
 
 /// The middle of the reference facet.
 FacetPlace facetCentre(fem::CellType type);

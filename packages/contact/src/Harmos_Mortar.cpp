@@ -5,6 +5,7 @@
 #include "Harmos_Log.hpp"
 #include "Harmos_MortarSamples.hpp"
 #include "Harmos_PointAlgebra.hpp"
+#include "Harmos_ReferenceElement.hpp"
 
 #include <algorithm>
 #include <map>
@@ -16,16 +17,18 @@ namespace {
 using fem::Box;
 using fem::boxAround;
 using fem::BoxTree;
-using fem::CellType;
 using fem::Point;
 using fem::widened;
 
+using Values = std::array<double, maxFacetNodes>; // of the functions of a facet
+
 // What is gathered for a node of the first surface, not yet divided by D_ii.
 struct NodeSums {
-  double area = 0.0;                  // D_ii
-  double magnitude = 0.0;             // ∫|ψ_i|
-  double gap = 0.0;                   // ∫ψ_i g
-  std::map<long long, double> others; // M_ik
+  double area = 0.0;                             // D_ii
+  double magnitude = 0.0;                        // ∫|ψ_i|
+  double gap = 0.0;                              // ∫ψ_i g
+  std::map<long long, double> others;            // M_ik
+  std::vector<std::pair<long long, double>> own; // D_ij / D_ii
 };
 
 // For each function j of a facet its dual function divided by ∫φ_j, at each sample: result[j][q] with
@@ -34,15 +37,14 @@ struct NodeSums {
 // These are the rows of M⁻¹Φ. From a QR factorisation of the weighted values rather than from the mass matrix
 // M itself, whose condition is the square: little of a facet may be covered. None if the samples do not
 // determine it.
-std::optional<std::vector<std::vector<double>>> dualFunctions(const std::vector<MortarSample>& samples,
-                                                              const std::vector<FacetBasis>& values,
-                                                              std::size_t n) {
+std::optional<std::vector<std::vector<double>>>
+dualFunctions(const std::vector<MortarSample>& samples, const std::vector<Values>& values, std::size_t n) {
   std::vector<std::vector<double>> q(n, std::vector<double>(samples.size()));
   std::vector<std::vector<double>> r(n, std::vector<double>(n, 0.0));
   for (std::size_t j = 0; j < n; ++j) {
     double before = 0.0;
     for (std::size_t s = 0; s < samples.size(); ++s) {
-      q[j][s] = std::sqrt(samples[s].weight) * values[s].values[j];
+      q[j][s] = std::sqrt(samples[s].weight) * values[s][j];
       before += q[j][s] * q[j][s];
     }
     for (int pass = 0; pass < 2; ++pass) // twice is enough (Kahan, Parlett)
@@ -76,13 +78,62 @@ std::optional<std::vector<std::vector<double>>> dualFunctions(const std::vector<
   return q;
 }
 
-void add(const std::vector<MortarSample>& samples, const Facet& facet, const Surface& first,
-         const Surface& second, std::vector<NodeSums>& sums) {
-  std::vector<FacetBasis> own, opposite;
+// How the facets of the first surface carry multipliers.
+class SurfaceCarriers {
+ public:
+  explicit SurfaceCarriers(const Surface& surface)
+      : surface_(surface),
+        share_(surface.numbers.size(), Carriers::usualShare(surface.facetType)),
+        isPartial_(static_cast<std::size_t>(surface.numberOfFacets()), false) {}
+
+  bool dependOnCoverage() const { return fem::shapeOf(surface_.facetType).order > 1; }
+
+  void setCovered(int facet, const std::vector<MortarSample>& samples) {
+    double covered = 0.0;
+    for (const MortarSample& sample : samples)
+      covered += sample.weight;
+    if (samples.empty() || covered > mostPartial * areaOf(facet))
+      return;
+    isPartial_[static_cast<std::size_t>(facet)] = true;
+    const Facet nodes(surface_, facet);
+    for (std::size_t k = nodes.corners(); k < nodes.size(); ++k)
+      share_[nodes.node(k)] = Carriers::partialShare;
+  }
+
+  Carriers of(int facet) const {
+    const Facet nodes(surface_, facet);
+    std::array<double, 4> shares{};
+    for (std::size_t e = 0; e < shares.size() && nodes.corners() + e < nodes.size(); ++e)
+      shares[e] = share_[nodes.node(nodes.corners() + e)];
+    return {surface_.facetType, shares, isPartial_[static_cast<std::size_t>(facet)]};
+  }
+
+ private:
+  // Where a fiftieth is missing all areas are positive still; sides of facets, taken as straight, hide some
+  // thousandths.
+  static constexpr double mostPartial = 0.98;
+
+  double areaOf(int f) const {
+    const Facet facet(surface_, f);
+    const fem::Quadrature rule = fem::quadratureOn(surface_.facetType, 4);
+    double area = 0.0;
+    for (std::size_t q = 0; q < rule.points.size(); ++q)
+      area += rule.weights[q] * norm(facet.at({rule.points[q][0], rule.points[q][1]}).areaNormal);
+    return area;
+  }
+
+  const Surface& surface_;
+  std::vector<double> share_; // of edge nodes
+  std::vector<bool> isPartial_;
+};
+
+void add(const std::vector<MortarSample>& samples, const Facet& facet, const Carriers& carriers,
+         const Surface& first, const Surface& second, std::vector<NodeSums>& sums) {
+  std::vector<Values> own, opposite;
   for (const MortarSample& sample : samples) {
     HARMOS_REQUIRE(sample.weight > 0.0, "mortar quadrature needs positive weights");
-    own.push_back(facetBasis(first.facetType, sample.place));
-    opposite.push_back(facetBasis(second.facetType, sample.oppositePlace));
+    own.push_back(carriers.values(facetBasis(first.facetType, sample.place).values));
+    opposite.push_back(facetBasis(second.facetType, sample.oppositePlace).values);
   }
   const auto duals = dualFunctions(samples, own, facet.size());
   if (!duals)
@@ -90,9 +141,12 @@ void add(const std::vector<MortarSample>& samples, const Facet& facet, const Sur
   const auto others = static_cast<std::size_t>(second.nodesPerFacet());
   for (std::size_t j = 0; j < facet.size(); ++j) {
     NodeSums& sum = sums[facet.node(j)];
+    if (sum.own.empty())
+      for (const auto& [k, weight] : carriers.coefficient(j))
+        sum.own.emplace_back(first.numbers[facet.node(k)], weight);
     double area = 0.0;
     for (std::size_t q = 0; q < samples.size(); ++q)
-      area += samples[q].weight * own[q].values[j];
+      area += samples[q].weight * own[q][j];
     sum.area += area;
     for (std::size_t q = 0; q < samples.size(); ++q) {
       const double weight = area * samples[q].weight * (*duals)[j][q];
@@ -100,7 +154,7 @@ void add(const std::vector<MortarSample>& samples, const Facet& facet, const Sur
       sum.gap += weight * samples[q].gap;
       const Facet other(second, samples[q].opposite);
       for (std::size_t k = 0; k < others; ++k)
-        sum.others[second.numbers[other.node(k)]] += weight * opposite[q].values[k];
+        sum.others[second.numbers[other.node(k)]] += weight * opposite[q][k];
     }
   }
 }
@@ -139,12 +193,6 @@ void requireSupported(const Surface& first, const Surface& second, double reach)
   const std::string both = first.name + " and " + second.name;
   if (first.dimension != second.dimension)
     throw InputError(both + ": one surface is in the plane and the other in space");
-  if (first.facetType == CellType::Triangle6)
-    throw InputError(both +
-                     ": triangles of six nodes cannot carry the multipliers of mortar contact, for "
-                     "their corner functions have no area; give the other surface as the first one, "
-                     "or mesh the body of " +
-                     first.name + " with linear elements");
   if (!(reach >= 0.0))
     throw InputError(both + ": the reach is " + std::to_string(reach) +
                      "; give a positive distance, or 0 for a tenth of the smaller surface");
@@ -166,24 +214,31 @@ std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& seco
   for (int f = 0; f < second.numberOfFacets(); ++f)
     boxes.push_back(boxOf(second, Facet(second, f), {}));
   const BoxTree tree(boxes);
-  std::vector<NodeSums> sums(first.numbers.size());
-  for (int f = 0; f < first.numberOfFacets(); ++f) {
+  const std::vector<double> whole = tributaryAreas(first);
+  const auto samplesOf = [&](int f) {
     const std::vector<int> candidates = tree.touching(boxWithin(first, Facet(first, f), distance));
     if (candidates.empty())
-      continue;
-    add(first.dimension == 2 ? planeSamples(first, f, second, candidates, distance)
-                             : spaceSamples(first, f, second, candidates, distance),
-        Facet(first, f), first, second, sums);
-  }
+      return std::vector<MortarSample>();
+    return first.dimension == 2 ? planeSamples(first, f, second, candidates, distance)
+                                : spaceSamples(first, f, second, candidates, distance);
+  };
+  SurfaceCarriers carriers(first);
+  // Twice, since samples of all facets at once may take more memory than the bodies.
+  for (int f = 0; f < first.numberOfFacets() && carriers.dependOnCoverage(); ++f)
+    carriers.setCovered(f, samplesOf(f));
+  std::vector<NodeSums> sums(first.numbers.size());
+  for (int f = 0; f < first.numberOfFacets(); ++f)
+    if (const std::vector<MortarSample> samples = samplesOf(f); !samples.empty())
+      add(samples, Facet(first, f), carriers.of(f), first, second, sums);
   std::vector<ContactPoint> points;
   for (std::size_t i = 0; i < sums.size(); ++i) {
     const NodeSums& sum = sums[i];
-    if (!(sum.area > leastCoverage * first.areas[i]) || sum.magnitude > mostMagnification * sum.area)
+    if (!(sum.area > leastCoverage * whole[i]) || sum.magnitude > mostMagnification * sum.area)
       continue;
     ContactPoint point;
     point.node = first.numbers[i];
     point.position = first.positions[i];
-    std::map<long long, double> weights = {{point.node, 1.0}};
+    std::map<long long, double> weights(sum.own.begin(), sum.own.end());
     for (const auto& [node, integral] : sum.others)
       if (std::abs(integral) > negligibleWeight * sum.area)
         weights[node] -= integral / sum.area;

@@ -3,9 +3,12 @@
 
 #include "Harmos_ContactPoint.hpp"
 #include "Harmos_Errors.hpp"
+#include "Harmos_Facet.hpp"
 #include "Harmos_PointAlgebra.hpp"
 #include "Harmos_StructuredBlock.hpp"
 #include "Harmos_TestComm.hpp"
+
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -95,25 +98,64 @@ inline double rowError(const std::vector<ContactPoint>& points, const Surface& f
 /// where a tenth of a facet or more is covered, and sums of some hundred terms.
 constexpr double rounding = 1e-12;
 
-/// ∫ over the common part of 1 and of x, as the multipliers of the points see it: Σ area, Σ area · x.
+/// ∫ over the common part of 1 and of x, as the multipliers of the points see it: Σ area · weight and that
+/// times x, over the nodes of one surface.
 struct Resultant {
   double force = 0.0;
   fem::Point moment{};
 };
-inline Resultant resultantOf(const std::vector<ContactPoint>& points, const Surface& surface, bool isFirst) {
+inline Resultant resultantOf(const std::vector<ContactPoint>& points, const Surface& surface) {
   std::map<long long, fem::Point> positions;
   for (std::size_t i = 0; i < surface.numbers.size(); ++i)
     positions[surface.numbers[i]] = surface.positions[i];
   Resultant result;
   for (const ContactPoint& point : points)
     for (const ContactPoint::Term& term : point.terms) {
-      if ((term.node == point.node) != isFirst)
+      const auto place = positions.find(term.node);
+      if (place == positions.end())
         continue;
       const double force = point.area * term.weight;
       result.force += force;
-      result.moment = sum(result.moment, scaled(force, positions.at(term.node)));
+      result.moment = sum(result.moment, scaled(force, place->second));
     }
   return result;
+}
+
+/// Surfaces of the same nodes: in a point of a node both have the same weights, with opposite signs; but on
+/// triangles of six nodes a node and its partner alone.
+inline void expectMatched(const std::vector<ContactPoint>& mortar, const std::vector<ContactPoint>& matched,
+                          const Surface& first) {
+  std::map<long long, long long> partner;
+  for (const ContactPoint& point : matched)
+    for (const ContactPoint::Term& term : point.terms)
+      if (term.node != point.node)
+        partner[point.node] = term.node;
+  std::map<long long, std::map<long long, double>> wanted; // of the nodes of the first surface
+  std::array<double, 4> shares{};
+  shares.fill(Carriers::usualShare(first.facetType));
+  const Carriers carriers(first.facetType, shares, false);
+  for (int f = 0; f < first.numberOfFacets(); ++f) {
+    const Facet facet(first, f);
+    for (std::size_t k = 0; k < facet.size(); ++k)
+      for (const auto& [i, weight] : carriers.coefficient(k)) {
+        std::map<long long, double>& row = wanted[first.numbers[facet.node(k)]];
+        row[first.numbers[facet.node(i)]] = weight;
+        row[partner.at(first.numbers[facet.node(i)])] = -weight;
+      }
+  }
+  ASSERT_EQ(mortar.size(), matched.size());
+  double area = 0.0, whole = 0.0;
+  for (std::size_t k = 0; k < mortar.size(); ++k) {
+    EXPECT_EQ(mortar[k].node, matched[k].node);
+    EXPECT_LT(norm(difference(mortar[k].normal, matched[k].normal)), rounding);
+    area += mortar[k].area;
+    whole += matched[k].area;
+    const std::map<long long, double>& row = wanted.at(mortar[k].node);
+    ASSERT_EQ(mortar[k].terms.size(), row.size());
+    for (const ContactPoint::Term& term : mortar[k].terms)
+      EXPECT_NEAR(term.weight, row.at(term.node), rounding);
+  }
+  EXPECT_NEAR(area, whole, rounding);
 }
 
 inline fem::Point rotated(const fem::Point& x, double angle) {

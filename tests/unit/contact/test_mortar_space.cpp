@@ -46,20 +46,19 @@ double slope(const Point& x) {
   return 1.0 + 2.0 * x[0] - 3.0 * x[1] + 0.5 * x[2];
 }
 
-const std::vector<CellType> firsts = {CellType::Tetrahedron4, CellType::Hexahedron8, CellType::Hexahedron27};
-const std::vector<CellType> seconds = {CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8,
-                                       CellType::Hexahedron27};
+const std::vector<CellType> all = {CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8,
+                                   CellType::Hexahedron27};
 // Origin and size of the other surface: the same square; within; beyond; across a corner.
 const std::vector<std::pair<Point, Point>> ranges = {{{0, 0, 0}, {1, 1, 0}},
-                                                     {{0.21, 0.13, 0}, {0.57, 0.68, 0}},
+                                                     {{0.17, 0.13, 0}, {0.67, 0.74, 0}},
                                                      {{-0.3, -0.2, 0}, {1.7, 1.6, 0}},
                                                      {{0.41, 0.37, 0}, {1, 1, 0}}};
 
 } // namespace
 
 TEST(MortarSpace, rigid_and_linear_displacements_do_not_open_or_close) {
-  for (CellType lower : firsts)
-    for (CellType upper : seconds)
+  for (CellType lower : all)
+    for (CellType upper : all)
       for (const auto& [origin, size] : ranges) {
         const Pair pair = pairOf(lower, upper, origin, size);
         const auto points = mortarPoints(pair.lower, pair.upper);
@@ -75,7 +74,7 @@ TEST(MortarSpace, rigid_and_linear_displacements_do_not_open_or_close) {
 }
 
 TEST(MortarSpace, linear_displacements_are_exact_on_distorted_facets) {
-  for (CellType lower : firsts) {
+  for (CellType lower : all) {
     const Pair pair = pairOf(lower, CellType::Hexahedron8, {0.41, 0.37, 0}, {1, 1, 0}, 0.0, distorted);
     const auto points = mortarPoints(pair.lower, pair.upper);
     const auto back = messageOf([&] {
@@ -86,49 +85,43 @@ TEST(MortarSpace, linear_displacements_are_exact_on_distorted_facets) {
   }
 }
 
+// Sides of facets of second order are taken as straight: what they cover is exact where they are.
 TEST(MortarSpace, a_constant_pressure_has_the_same_resultant_on_both_sides) {
-  for (CellType lower : {CellType::Tetrahedron4, CellType::Hexahedron8})
-    for (CellType upper : seconds)
-      for (const Map& map : {Map(turned), Map(distorted)})
+  for (CellType lower : all)
+    for (CellType upper : all)
+      for (const bool isDistorted : {false, true})
         for (const auto& [origin, size] : ranges) {
-          const Pair pair = pairOf(lower, upper, origin, size, 0.0, map);
+          const Pair pair =
+              pairOf(lower, upper, origin, size, 0.0, isDistorted ? Map(distorted) : Map(turned));
           const auto points = mortarPoints(pair.lower, pair.upper);
           const Point low = {std::max(0.0, origin[0]), std::max(0.0, origin[1]), 0.0};
           const Point high = {std::min(1.0, origin[0] + size[0]), std::min(1.0, origin[1] + size[1]), 0.0};
           const double area = (high[0] - low[0]) * (high[1] - low[1]);
           const Point moment = scaled(area, turned(scaled(0.5, sum(low, high))));
-          const Resultant own = resultantOf(points, pair.lower, true);
-          const Resultant other = resultantOf(points, pair.upper, false);
+          const Resultant own = resultantOf(points, pair.lower);
+          const Resultant other = resultantOf(points, pair.upper);
+          EXPECT_NEAR(own.force, -other.force, 10 * rounding);
+          EXPECT_LT(norm(sum(own.moment, other.moment)), 10 * rounding);
+          if (fem::shapeOf(lower).order == 2 && isDistorted)
+            continue;
           EXPECT_NEAR(own.force, area, 10 * rounding);
-          EXPECT_NEAR(other.force, -area, 10 * rounding);
           EXPECT_LT(norm(difference(own.moment, moment)), 10 * rounding);
-          EXPECT_LT(norm(sum(other.moment, moment)), 10 * rounding);
         }
 }
 
-TEST(MortarSpace, matching_surfaces_are_coupled_node_to_node) {
-  for (CellType type : firsts) {
+TEST(MortarSpace, matching_surfaces_are_coupled_one_to_one) {
+  for (CellType type : all) {
     const auto a = block(type, {0, 0, 0}, {1, 1, 1}, {2, 1, 1}, {2, 3, 1}, 0, turned);
     const auto b = block(type, {0, 0, 1}, {1, 1, 1}, {1, 3, 1}, {4, 1, 1}, upperFirst, turned);
     const Surface first = surfaceOf(a, "top"), second = surfaceOf(b, "bottom");
-    const auto mortar = mortarPoints(first, second), matched = matchNodes(first, second);
-    ASSERT_EQ(mortar.size(), matched.size());
-    for (std::size_t k = 0; k < mortar.size(); ++k) {
-      EXPECT_EQ(mortar[k].node, matched[k].node);
-      EXPECT_NEAR(mortar[k].area, matched[k].area, rounding);
-      ASSERT_EQ(mortar[k].terms.size(), 2u);
-      for (std::size_t t = 0; t < 2; ++t) {
-        EXPECT_EQ(mortar[k].terms[t].node, matched[k].terms[t].node);
-        EXPECT_NEAR(mortar[k].terms[t].weight, matched[k].terms[t].weight, rounding);
-      }
-    }
+    expectMatched(mortarPoints(first, second), matchNodes(first, second), first);
   }
 }
 
 TEST(MortarSpace, gap_is_the_distance_and_negative_for_penetration) {
   const Point up = difference(turned({0, 0, 1}), turned({0, 0, 0}));
   for (double gap : {0.05, -0.05})
-    for (CellType lower : firsts) {
+    for (CellType lower : all) {
       const Pair pair = pairOf(lower, CellType::Tetrahedron4, {0.41, 0.37, 0}, {1, 1, 0}, gap);
       for (const ContactPoint& point : mortarPoints(pair.lower, pair.upper)) {
         EXPECT_NEAR(point.gap, gap, 10 * rounding);
@@ -147,7 +140,7 @@ TEST(MortarSpace, a_steep_flank_is_no_counterpart) {
       surfaceOf(block(CellType::Hexahedron8, {0, 0, -1}, {1, 1, 1}, {1, 1, 1}, {3, 2, 1}), "top");
   const Surface upper = surfaceOf(
       block(CellType::Hexahedron8, {0, 0, 0}, {1, 1, 1}, {1, 1, 1}, {4, 3, 1}, upperFirst, flank), "bottom");
-  EXPECT_NEAR(resultantOf(mortarPoints(lower, upper), lower, true).force, 0.5, 10 * rounding);
+  EXPECT_NEAR(resultantOf(mortarPoints(lower, upper), lower).force, 0.5, 10 * rounding);
 }
 
 TEST(MortarSpace, slivers_of_coverage_give_no_wild_rows) {
@@ -167,15 +160,6 @@ TEST(MortarSpace, slivers_of_coverage_give_no_wild_rows) {
     EXPECT_NEAR(area, 0.5, 1.1 * sliver + rounding);
     EXPECT_LT(rowError(points, pair.lower, pair.upper, slope), 1e-10);
   }
-}
-
-TEST(MortarSpace, triangles_of_six_nodes_are_refused_on_the_first_surface) {
-  const Pair pair = pairOf(CellType::Tetrahedron10, CellType::Hexahedron8, {0, 0, 0}, {1, 1, 0});
-  const std::string message = messageOf([&] { mortarPoints(pair.lower, pair.upper); });
-  EXPECT_NE(message.find("triangles of six nodes cannot carry the multipliers"), std::string::npos)
-      << message;
-  EXPECT_NE(message.find("give the other surface as the first one"), std::string::npos) << message;
-  EXPECT_EQ(messageOf([&] { mortarPoints(pair.upper, pair.lower); }), "");
 }
 
 TEST(MortarSpace, surfaces_that_never_meet_are_refused) {
@@ -260,7 +244,7 @@ Gap sphereGap(CellType type, int n) {
 
 TEST(MortarSpace, gap_between_spheres_converges) {
   const double area = 4.0 * 0.8 * 2.0 * std::sin(0.4);
-  for (CellType type : firsts) {
+  for (CellType type : all) {
     const Gap coarse = sphereGap(type, 8), fine = sphereGap(type, 32);
     // Sagittas in two directions, of both surfaces. O(h²) makes 16; the largest error has its whims.
     EXPECT_LT(coarse.error, 4.0 * 2.0 * 0.1 * 0.1 / 8.0);
@@ -278,7 +262,7 @@ TEST(MortarSpace, does_not_depend_on_the_decomposition_and_is_the_same_on_every_
                                         elements, upperFirst, bend),
                                   "bottom"));
   };
-  for (CellType type : firsts) {
+  for (CellType type : all) {
     const auto whole = make(type, {1, 1, 1}, {6, 4, 2}), parts = make(type, {3, 2, 1}, {2, 2, 2});
     ASSERT_EQ(whole.size(), parts.size());
     std::vector<double> mine;

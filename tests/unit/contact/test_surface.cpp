@@ -47,6 +47,51 @@ TEST(Facet, basis_is_that_of_the_elements) {
   }
 }
 
+// The carriers reproduce what the basis does, from their coefficients; on facets that are covered in part
+// they are not negative, on whole triangles of six nodes all have areas.
+TEST(Facet, carriers_span_what_the_basis_spans) {
+  for (CellType type : {CellType::Line2, CellType::Line3, CellType::Triangle3, CellType::Triangle6,
+                        CellType::Quadrilateral4, CellType::Quadrilateral9})
+    for (const bool isPartial : {false, true}) {
+      std::array<double, 4> shares{};
+      if (fem::shapeOf(type).order == 2)
+        shares = isPartial ? std::array<double, 4>{0.25, 0.25, 0.25, 0.25}
+                           : std::array<double, 4>{0.1, 0.25, 0.0, 0.2}; // whole, beside others that are not
+      const Carriers carriers(type, shares, isPartial && fem::shapeOf(type).order == 2);
+      const auto size = static_cast<std::size_t>(fem::shapeOf(type).nodes);
+      for (const FacetPlace& place : {FacetPlace{0.1, 0.2}, FacetPlace{0.7, 0.15}, FacetPlace{0.0, 1.0}}) {
+        const FacetBasis basis = facetBasis(type, place);
+        const auto values = carriers.values(basis.values);
+        std::array<double, maxFacetNodes> again{};
+        double sum = 0.0;
+        for (std::size_t k = 0; k < size; ++k) {
+          if (isPartial)
+            EXPECT_GE(values[k], -1e-16);
+          sum += values[k];
+          for (const auto& [i, weight] : carriers.coefficient(k))
+            again[i] += weight * values[k];
+        }
+        EXPECT_NEAR(sum, 1.0, 1e-15);
+        for (std::size_t k = 0; k < size; ++k)
+          EXPECT_NEAR(again[k], basis.values[k], 1e-15) << fem::shapeOf(type).name << " " << k;
+      }
+    }
+  // Corners have 2/3 of the share of a third of the area.
+  std::array<double, 4> shares{};
+  shares.fill(Carriers::usualShare(CellType::Triangle6));
+  const Carriers carriers(CellType::Triangle6, shares, false);
+  const fem::Quadrature rule = fem::quadratureOn(CellType::Triangle6, 2);
+  std::array<double, maxFacetNodes> areas{};
+  for (std::size_t q = 0; q < rule.points.size(); ++q) {
+    const auto values =
+        carriers.values(facetBasis(CellType::Triangle6, {rule.points[q][0], rule.points[q][1]}).values);
+    for (std::size_t k = 0; k < 6; ++k)
+      areas[k] += rule.weights[q] * values[k];
+  }
+  for (std::size_t k = 0; k < 6; ++k)
+    EXPECT_NEAR(areas[k], 0.5 * (k < 3 ? 2.0 * shares[0] : 1.0 - 2.0 * shares[0]) / 3.0, 1e-15);
+}
+
 TEST(Surface, sides_of_a_rectangle_look_outward) {
   const std::map<std::string, Point> outward = {
       {"left", {-1, 0, 0}}, {"right", {1, 0, 0}}, {"bottom", {0, -1, 0}}, {"top", {0, 1, 0}}};
