@@ -2,6 +2,7 @@
 #include "Harmos_DeckBodies.hpp"
 
 #include "Harmos_Agreement.hpp"
+#include "Harmos_CutMeshFile.hpp"
 #include "Harmos_GmshFile.hpp"
 #include "Harmos_PartShape.hpp"
 #include "Harmos_Partition.hpp"
@@ -153,18 +154,71 @@ void noteRagged(const std::string& name, const fem::Partition& partition, fem::P
   notes.push_back(text.str());
 }
 
+// "": the deck names none.
+std::string meshFileOf(const DeckContext& context) {
+  const std::string file = context.deck.sublist("Model").get<std::string>("Mesh file");
+  return file.empty() || file.front() == '/' ? file : context.directory + file;
+}
+
+// A mesh file that is cut already; null if it is another one.
+std::shared_ptr<const fem::CutMeshFile> cutMeshOf(const DeckContext& context) {
+  std::shared_ptr<const fem::CutMeshFile> cut;
+  agree(context.comm, [&] {
+    if (const std::string file = meshFileOf(context); fem::CutMeshFile::isOne(file))
+      cut = std::make_shared<const fem::CutMeshFile>(file);
+  });
+  return cut;
+}
+
+// Its place in the file.
+std::size_t placeIn(const fem::CutMeshFile& cut, const std::string& name, const ParameterList& list) {
+  const std::string path = "Bodies/" + name;
+  std::vector<std::string> names;
+  for (const fem::CutMeshFile::Body& body : cut.bodies())
+    names.push_back(body.name);
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end())
+    throw InputError("\"" + path + "\": the mesh file has no body of this name" + offer(name, names),
+                     {{"path", path}});
+  const auto place = static_cast<std::size_t>(found - names.begin());
+  const int subdomains = list.get<int>("Subdomains");
+  if (!texts(list, "Groups").empty() || (subdomains != 1 && subdomains != cut.bodies()[place].subdomains))
+    throw InputError("\"" + path +
+                         "\" has \"Groups\" or \"Subdomains\", but the mesh file is cut already, into " +
+                         std::to_string(cut.bodies()[place].subdomains) +
+                         " subdomains; leave them out, or cut it anew by harmos-mesh",
+                     {{"path", path}});
+  return place;
+}
+
+// Bodies of a file that is cut: each rank reads its own subdomains.
+void takeBodies(const DeckContext& context, const std::shared_ptr<const fem::CutMeshFile>& cut,
+                const std::vector<std::size_t>& which, scene::Scene& scene, long long& firstNode) {
+  for (std::size_t b : which) {
+    scene::Body& body = scene.bodies[b];
+    const std::size_t place = placeIn(*cut, body.name, context.deck.sublist("Bodies").sublist(body.name));
+    const fem::CutMeshFile::Body& known = cut->bodies()[place];
+    body.subdomains = known.subdomains;
+    body.subdomain = [cut, place, first = firstNode](int k) { return cut->subdomain(place, k, first); };
+    firstNode += known.nodes;
+    context.log.info("Body \"" + body.name + "\": " + std::to_string(known.nodes) + " nodes (" +
+                     fem::shapeOf(known.cellType).name + "), cut into " + std::to_string(known.subdomains) +
+                     " parts by the mesh file");
+    noteLocking(body, scene.physics, known.cellType, scene.notes);
+  }
+}
+
 // Bodies from the mesh file: read and cut on rank 0; the others learn how many parts and nodes there are.
 void readBodies(const DeckContext& context, int dimension, const std::vector<std::size_t>& which,
                 scene::Scene& scene, long long& firstNode) {
   const ParameterList& bodies = context.deck.sublist("Bodies");
-  std::string file = context.deck.sublist("Model").get<std::string>("Mesh file");
+  const std::string file = meshFileOf(context);
   if (file.empty())
     throw InputError("\"Model/Mesh file\" is empty, but body \"" + scene.bodies[which.front()].name +
                          "\" is to come from a file; name it, or choose another \"Source\"",
                      {{"path", "Model/Mesh file"}});
-  context.log.info("Reading the mesh file \"" + file + "\"");
-  if (file.front() != '/')
-    file = context.directory + file;
+  context.log.info("Reading the mesh file \"" + context.deck.sublist("Model").get<std::string>("Mesh file") +
+                   "\"");
   std::vector<long long> counts(2 * which.size(), 0); // parts, nodes
   std::vector<std::shared_ptr<std::vector<fem::PlacedMesh>>> torn(which.size());
   agree(context.comm, [&] {
@@ -287,6 +341,7 @@ void addBodyParameters(ParameterSpec& deck) {
 void addBodies(const DeckContext& context, scene::Scene& scene) {
   const ParameterList& bodies = context.deck.sublist("Bodies");
   const int dimension = scene.physics == scene::Physics::Solid ? 3 : 2;
+  const std::shared_ptr<const fem::CutMeshFile> cut = cutMeshOf(context);
   std::vector<std::size_t> fromFile;
   long long firstNode = 0;
   for (const std::string& name : namesIn(bodies)) {
@@ -295,7 +350,9 @@ void addBodies(const DeckContext& context, scene::Scene& scene) {
     body.name = name;
     const bool isFile = list.get<std::string>("Source") == "file";
     if (scene.physics != scene::Physics::Membrane) {
-      const std::size_t regions = isFile ? groupsOf(name, list).size() : 1;
+      const std::size_t regions = !isFile ? 1
+                                  : cut   ? cut->bodies()[placeIn(*cut, name, list)].regions.size()
+                                          : groupsOf(name, list).size();
       const std::vector<std::string> materials = texts(list, "Materials");
       if (materials.size() != 1 && materials.size() != regions)
         throw InputError("\"Bodies/" + name + "/Materials\" names " + std::to_string(materials.size()) +
@@ -315,7 +372,9 @@ void addBodies(const DeckContext& context, scene::Scene& scene) {
   }
   if (scene.bodies.empty())
     throw InputError("\"Bodies\" is empty; a scene needs a body", {{"path", "Bodies"}});
-  if (!fromFile.empty())
+  if (cut)
+    takeBodies(context, cut, fromFile, scene, firstNode);
+  else if (!fromFile.empty())
     readBodies(context, dimension, fromFile, scene, firstNode);
 }
 

@@ -24,8 +24,9 @@ void addSceneParameters(ParameterSpec& deck, const scene::EffectRegistry& regist
                "One for all bodies.");
   model.text("Name", "scene", "What the log and the summary call it.");
   model.text("Mesh file", "",
-             "File that Gmsh reads (.msh; .geo and .step are meshed first), relative to the deck; for bodies "
-             "whose source is \"file\".");
+             "File that Gmsh reads (.msh, .vtk; .geo and .step are meshed first), or that harmos-mesh has "
+             "cut (.h5: each rank "
+             "reads its own parts), relative to the deck; for bodies whose source is \"file\".");
   deck.list(std::move(model));
   addBodyParameters(deck);
   registry.addParameters(deck);

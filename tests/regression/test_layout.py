@@ -33,7 +33,7 @@ SEES = {
     "qp": {"core"},
     "feti": {"core", "qp"},
     "thyra": {"core", "qp", "feti"},
-    "fem": {"core"},
+    "fem": {"core", "io"},
     "contact": {"core", "fem"},
     "scene": {"core", "feti", "fem", "contact"},
     "effects": {"core", "feti", "fem", "contact", "scene"},

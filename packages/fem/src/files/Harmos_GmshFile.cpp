@@ -58,6 +58,13 @@ class Reader {
       places_.emplace(tags[k], k);
   }
 
+  std::vector<GmshBody> eachGroup() const {
+    std::vector<GmshBody> bodies;
+    for (const std::string& name : names(dimension_))
+      bodies.push_back({name, {name}});
+    return bodies;
+  }
+
   BodyMesh body(const GmshBody& wanted) {
     BodyMesh body;
     body.name = wanted.name;
@@ -440,7 +447,7 @@ std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBo
     try {
       Reader reader(path, dimension);
       std::vector<BodyMesh> result;
-      for (const GmshBody& body : bodies)
+      for (const GmshBody& body : bodies.empty() ? reader.eachGroup() : bodies)
         result.push_back(reader.body(body));
       return result;
     } catch (int) {

@@ -44,7 +44,8 @@ bool canReadGmsh();
 ///
 /// Guarded by tests/unit/fem/test_gmsh_file.cpp.
 ///
-/// @param dimension of the bodies, 2 or 3. Plane meshes lie in a plane z = constant.
+/// @param bodies none: each group of the highest dimension is one. @param dimension of the bodies, 2 or 3.
+/// Plane meshes lie in a plane z = constant.
 /// @throws InputError if this build has no Gmsh; for a file that is missing, broken or empty; for groups it
 /// does not have; for a body with cells of more than one type or of one that Harmos does not have; for cells
 /// that belong to two regions; for folded meshes and simplices of no size, naming the cell; for plane meshes

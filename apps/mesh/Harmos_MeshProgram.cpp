@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_MeshProgram.hpp"
+
+#include "Harmos_CutMeshFile.hpp"
+#include "Harmos_Errors.hpp"
+#include "Harmos_GmshFile.hpp"
+#include "Harmos_MeshReport.hpp"
+#include "Harmos_NearestName.hpp"
+#include "Harmos_Partition.hpp"
+#include "Harmos_TornBody.hpp"
+#include "Harmos_Version.hpp"
+
+#include <CLI/CLI.hpp>
+#include <Teuchos_DefaultMpiComm.hpp>
+#include <Tpetra_Core.hpp>
+
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <iostream>
+#include <optional>
+#include <sstream>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace Harmos::app {
+namespace {
+
+constexpr int done = 0, badInput = 2, internalError = 3;
+
+struct Request {
+  std::string file, output;
+  std::vector<std::string> bodies; // "name" or "name=group,group"
+  int subdomains = 1;
+  std::vector<std::string> perBody; // "name=number"
+  std::string partition = "compact";
+  int seed = 1;
+  int dimension = 3;
+};
+
+std::pair<std::string, std::string> halves(const std::string& text) {
+  const std::size_t sign = text.find('=');
+  return sign == std::string::npos ? std::make_pair(text, std::string())
+                                   : std::make_pair(text.substr(0, sign), text.substr(sign + 1));
+}
+
+std::optional<int> parse(int argc, char** argv, Request& request) {
+  CLI::App cli("Reads a mesh (.msh, .vtk) or a geometry (.geo, .step: meshed first), reports what it holds, "
+               "and cuts it "
+               "into subdomains: decks name the file that is written as \"Model/Mesh file\"",
+               "harmos-mesh");
+  cli.add_option("file", request.file, "Mesh or geometry")->type_name("FILE");
+  cli.add_option("--output", request.output, "The cut mesh; none: report only")->type_name("FILE.h5");
+  cli.add_option(
+         "--body", request.bodies,
+         "A body, by the name of its group or with the groups that make it up, each a region: \"ring\", "
+         "\"ring=steel,rubber\"; none: each group of the highest dimension is one")
+      ->type_name("NAME[=GROUP,...]")
+      ->expected(1)
+      ->take_all();
+  cli.add_option("--subdomains", request.subdomains, "Of all bodies together, by their numbers of cells")
+      ->check(CLI::Range(1, 100000000));
+  cli.add_option("--cut", request.perBody, "Subdomains of one body: \"ring=24\"")
+      ->type_name("NAME=NUMBER")
+      ->expected(1)
+      ->take_all();
+  cli.add_option("--partition", request.partition, "How bodies are cut")
+      ->check(CLI::IsMember({"compact", "METIS"}));
+  cli.add_option("--partition-seed", request.seed, "Another one gives another cut, as good")
+      ->check(CLI::Range(0, 1000000));
+  cli.add_option("--dimension", request.dimension, "Of the bodies")->check(CLI::IsMember({2, 3}));
+  bool version = false;
+  cli.add_flag("--version", version, "Print the version and stop");
+  try {
+    cli.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) {
+      std::cout << cli.help();
+      return done;
+    }
+    std::cerr << "error: command line: " << error.what()
+              << "\nUsage: harmos-mesh [OPTIONS] FILE; see --help\n";
+    return badInput;
+  }
+  if (version) {
+    std::cout << "harmos-mesh (Harmos) " << Harmos::version() << " " << gitHash() << "\n";
+    return done;
+  }
+  if (request.file.empty()) {
+    std::cerr << "error: command line: no file was given; usage: harmos-mesh [OPTIONS] FILE\n";
+    return badInput;
+  }
+  if (!request.output.empty() && !fem::CutMeshFile::isOne(request.output)) {
+    std::cerr << "error: command line: --output \"" << request.output
+              << "\" does not end with \".h5\", by which decks know a mesh that is cut\n";
+    return badInput;
+  }
+  return std::nullopt;
+}
+
+std::vector<fem::GmshBody> bodiesOf(const Request& request) {
+  std::vector<fem::GmshBody> bodies;
+  for (const std::string& text : request.bodies) {
+    const auto [name, groups] = halves(text);
+    fem::GmshBody body{name, {}};
+    std::istringstream list(groups.empty() ? name : groups);
+    for (std::string group; std::getline(list, group, ',');)
+      body.groups.push_back(group);
+    bodies.push_back(body);
+  }
+  return bodies;
+}
+
+int numberIn(const std::string& text, const std::string& option) {
+  char* end = nullptr;
+  const long number = std::strtol(text.c_str(), &end, 10);
+  if (text.empty() || *end != '\0' || number < 1 || number > 1000000)
+    throw InputError("command line: " + option +
+                     " wants a number of subdomains, from 1 to 1000000, after \"=\"");
+  return static_cast<int>(number);
+}
+
+// Of each body: what is said of it, else its share of all cells.
+std::vector<int> subdomainsOf(const Request& request, const std::vector<fem::BodyMesh>& meshes) {
+  std::vector<std::string> names;
+  double cells = 0.0;
+  for (const fem::BodyMesh& mesh : meshes) {
+    names.push_back(mesh.name);
+    cells += mesh.mesh.numberOfCells();
+  }
+  std::vector<int> wanted;
+  for (const fem::BodyMesh& mesh : meshes)
+    wanted.push_back(
+        std::max(1, static_cast<int>(std::lround(request.subdomains * mesh.mesh.numberOfCells() / cells))));
+  for (const std::string& text : request.perBody) {
+    const auto [name, number] = halves(text);
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end())
+      throw InputError("command line: --cut names the body \"" + name + "\", which is not there" +
+                       offer(name, names));
+    wanted[static_cast<std::size_t>(found - names.begin())] = numberIn(number, "--cut \"" + name + "\"");
+  }
+  return wanted;
+}
+
+void cutAndWrite(const Request& request, std::vector<fem::BodyMesh> meshes) {
+  const std::vector<int> wanted = subdomainsOf(request, meshes);
+  fem::PartitionOptions options;
+  if (request.partition == "METIS")
+    options.method = fem::PartitionMethod::Metis;
+  options.seed = request.seed;
+  std::vector<fem::CutBody> bodies;
+  for (std::size_t b = 0; b < meshes.size(); ++b) {
+    const fem::Partition partition = fem::partitionCells(meshes[b], wanted[b], options);
+    fem::CutBody body;
+    body.name = meshes[b].name;
+    body.cellType = meshes[b].mesh.cellType;
+    body.nodes = meshes[b].mesh.numberOfNodes();
+    body.regions = meshes[b].regions;
+    body.subdomains = fem::tear(meshes[b], partition.part, partition.parts, 0);
+    meshes[b] = {}; // its memory is needed
+    std::cout << "Body \"" << body.name << "\": cut into " << partition.parts
+              << (partition.parts == 1 ? " part\n" : " parts\n");
+    for (const std::string& note : partition.notes)
+      std::cout << note << "\n";
+    bodies.push_back(std::move(body));
+  }
+  fem::writeCutMesh(Teuchos::MpiComm<int>(MPI_COMM_SELF), request.output, bodies);
+  std::cout << "Written: \"" << request.output << "\"\n";
+}
+
+int work(int argc, char** argv, const Request& request) {
+  const Tpetra::ScopeGuard guard(&argc, &argv);
+  try {
+    if (Tpetra::getDefaultComm()->getSize() > 1)
+      throw InputError("harmos-mesh is one process: start it without mpirun");
+    std::vector<fem::BodyMesh> meshes = fem::readGmsh(request.file, bodiesOf(request), request.dimension);
+    std::cout << reportOf(meshes) << std::flush;
+    if (!request.output.empty())
+      cutAndWrite(request, std::move(meshes));
+    return done;
+  } catch (const Error& error) {
+    std::cerr << "error: " << error.what() << "\n";
+    return error.kind() == Error::Kind::Internal ? internalError : badInput;
+  } catch (const std::bad_alloc&) {
+    std::cerr << "error: there is not enough memory for \"" << request.file
+              << "\": it is too large for this machine, or damaged\n";
+    return badInput;
+  } catch (const std::exception& error) {
+    std::cerr << "error: " << error.what() << "\n";
+    return internalError;
+  }
+}
+
+// What damaged files ask for is not to take the machine's memory away from all others.
+void limitMemory() {
+  const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGE_SIZE);
+  if (pages > 0 && size > 0) {
+    const rlim_t bytes = static_cast<rlim_t>(pages) * static_cast<rlim_t>(size);
+    const rlimit limit = {bytes, bytes};
+    setrlimit(RLIMIT_AS, &limit);
+  }
+}
+
+} // namespace
+
+int meshMain(int argc, char** argv) {
+  Request request;
+  if (const std::optional<int> status = parse(argc, argv, request))
+    return *status;
+  // Gmsh ends the process that it is in where some files are damaged.
+  const pid_t child = fork();
+  if (child == 0) {
+    limitMemory();
+    std::exit(work(argc, argv, request));
+  }
+  int status = 0;
+  if (child < 0 || waitpid(child, &status, 0) < 0) {
+    std::cerr << "error: no process could be started to read \"" << request.file << "\"\n";
+    return internalError;
+  }
+  if (WIFEXITED(status))
+    return WEXITSTATUS(status);
+  std::cerr
+      << "error: Gmsh did not survive \"" << request.file << "\" (signal " << WTERMSIG(status)
+      << "): it is damaged, or asks for what Gmsh cannot do. Open the file in Gmsh to see where it fails\n";
+  return badInput;
+}
+
+} // namespace Harmos::app

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_MeshReport.hpp"
+
+#include "Harmos_BoxTree.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+namespace Harmos::app {
+namespace {
+
+using fem::Point;
+
+Point minus(const Point& a, const Point& b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+double square(const Point& a) {
+  return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+}
+
+double determinant(const Point& a, const Point& b, const Point& c) {
+  return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
+         a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+double simplexQuality(const std::vector<Point>& x, int dimension) {
+  double squares = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      squares += square(minus(x[i], x[j]));
+  if (dimension == 2)
+    return 2.0 * std::sqrt(3.0) * determinant(minus(x[1], x[0]), minus(x[2], x[0]), {0, 0, 1}) / squares;
+  // 6√2 V = l³ for edges of length l.
+  return std::sqrt(2.0) * determinant(minus(x[1], x[0]), minus(x[2], x[0]), minus(x[3], x[0])) /
+         std::pow(squares / 6.0, 1.5);
+}
+
+// Corners in the order of Shards: around the bottom, around the top.
+double boxQuality(const std::vector<Point>& x, int dimension) {
+  double least = 1.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const std::size_t ring = i / 4 * 4, k = i % 4;
+    Point a = minus(x[ring + (k + 1) % 4], x[i]), b = minus(x[ring + (k + 3) % 4], x[i]), c = {0, 0, 1};
+    if (dimension == 3)
+      c = ring == 0 ? minus(x[i + 4], x[i]) : minus(x[i], x[i - 4]);
+    least = std::min(least, determinant(a, b, c) / std::sqrt(square(a) * square(b) * square(c)));
+  }
+  return least;
+}
+
+struct PartBoxes {
+  std::string name;
+  std::size_t body;
+  std::vector<fem::Box> boxes;
+};
+
+std::vector<PartBoxes> partBoxes(const std::vector<fem::BodyMesh>& bodies, double margin) {
+  std::vector<PartBoxes> parts;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    for (const auto& [name, sides] : bodies[b].sides) {
+      parts.push_back({bodies[b].name + "/" + name, b, {}});
+      for (const fem::Side& side : sides) {
+        std::vector<Point> places;
+        for (int node : bodies[b].mesh.nodesOf(side))
+          places.push_back(bodies[b].mesh.local(node));
+        parts.back().boxes.push_back(fem::widened(fem::boxAround(places), margin));
+      }
+    }
+  return parts;
+}
+
+} // namespace
+
+Quality qualityOf(const fem::Mesh& mesh) {
+  const fem::CellShape& shape = fem::shapeOf(mesh.cellType);
+  Quality quality;
+  quality.least = 2.0;
+  for (int c = 0; c < mesh.numberOfCells(); ++c) {
+    std::vector<Point> corners;
+    for (int k = 0; k < shape.corners; ++k)
+      corners.push_back(mesh.local(mesh.cell(c)[k]));
+    const double value =
+        shape.isSimplex ? simplexQuality(corners, shape.dimension) : boxQuality(corners, shape.dimension);
+    quality.mean += value / mesh.numberOfCells();
+    if (value < quality.least) {
+      quality.least = value;
+      quality.worst = c;
+    }
+  }
+  return quality;
+}
+
+std::vector<TouchingParts> touchingParts(const std::vector<fem::BodyMesh>& bodies) {
+  std::vector<Point> all;
+  for (const fem::BodyMesh& body : bodies)
+    for (int node : body.mesh.boundary)
+      all.push_back(body.mesh.local(node));
+  if (all.empty())
+    return {};
+  const fem::Box whole = fem::boxAround(all);
+  const std::vector<PartBoxes> parts =
+      partBoxes(bodies, 5e-4 * std::sqrt(square(minus(whole.high, whole.low))));
+  std::vector<TouchingParts> result;
+  for (std::size_t second = 1; second < parts.size(); ++second) {
+    const fem::BoxTree tree(parts[second].boxes);
+    for (std::size_t first = 0; first < second; ++first) {
+      if (parts[first].body == parts[second].body)
+        continue;
+      const auto near = std::count_if(parts[first].boxes.begin(), parts[first].boxes.end(),
+                                      [&](const fem::Box& box) { return !tree.touching(box).empty(); });
+      if (near > 0)
+        result.push_back({parts[first].name, parts[second].name, static_cast<int>(near),
+                          static_cast<int>(parts[first].boxes.size())});
+    }
+  }
+  return result;
+}
+
+std::string reportOf(const std::vector<fem::BodyMesh>& bodies) {
+  std::ostringstream text;
+  text << std::setprecision(3);
+  for (const fem::BodyMesh& body : bodies) {
+    const Quality quality = qualityOf(body.mesh);
+    const Point at = body.mesh.local(body.mesh.cell(quality.worst)[0]);
+    text << "Body \"" << body.name << "\": " << body.mesh.numberOfNodes() << " nodes, "
+         << body.mesh.numberOfCells() << " cells (" << fem::shapeOf(body.mesh.cellType).name << "), quality "
+         << quality.mean << " in the mean, " << quality.least << " at (" << at[0] << ", " << at[1] << ", "
+         << at[2] << ")\n";
+    for (const auto& [name, sides] : body.sides)
+      text << "  part \"" << name << "\": " << sides.size() << " sides\n";
+    for (const auto& [name, nodes] : body.nodes)
+      text << "  nodes \"" << name << "\": " << nodes.size() << "\n";
+  }
+  for (const TouchingParts& pair : touchingParts(bodies))
+    text << "At each other: " << pair.first << " and " << pair.second << " (" << pair.facets << " of "
+         << pair.of << " sides)\n";
+  return text.str();
+}
+
+} // namespace Harmos::app
