@@ -447,26 +447,6 @@ class Surfaces(Case):
             reported=True,
         )
 
-    def test_that_cannot_carry_multipliers(self):
-        scene = {
-            "Model": {"Physics": "solid"},
-            "Materials": SCENE["Materials"],
-            "Bodies": {
-                "lower": block((0, 0, 0)),
-                "upper": block((0, 0, 1), Element="P2", **{"Elements a side": [1, 1, 1]}),
-            },
-            "Effects": {
-                "Contact": {"joint": {**SCENE["Effects"]["Contact"]["joint"], "Coupling": "mortar"}},
-                "Prescribed displacement": {"ground": {"Part": "lower/bottom"}},
-            },
-        }
-        self.refuse(
-            scene,
-            "upper/bottom and lower/top: triangles of six nodes cannot carry the multipliers",
-            "give the other surface as the first one",
-            reported=True,
-        )
-
     def test_that_are_no_manifold(self):
         # Two triangles that touch at a corner, where four sides of the rim meet.
         nodes = ((0, 0), (1, 0), (0.5, 1), (0, 2), (1, 2))

@@ -97,6 +97,10 @@ BODIES = {
         TOUCHING,
         ("block/bottom",),
     ),
+}
+
+# Two bodies of quadratic tetrahedra, either one first; not in the matrix of runs.
+QUADRATIC_PAIRS = {
     "ball-on-block-quadratic": Body(
         "half a ball on a block, both of quadratic tetrahedra, in mortar contact",
         "solid",
@@ -135,7 +139,7 @@ def write_deck(directory, key, contact, press=0.03, scale=1.0, force=None, drag=
     @param contact pressed onto what it lies on by `press` from above, or by `force` per area on top where
     that is given; else no contact, and the bodies hang by their weight.
     """
-    body = BODIES[key]
+    body = (BODIES | QUADRATIC_PAIRS)[key]
     solid = body.physics == "solid"
     mesh = directory / f"{key}.geo"
     mesh.write_text(
