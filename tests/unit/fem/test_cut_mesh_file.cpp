@@ -101,6 +101,18 @@ TEST(CutMeshFile, damage_is_told) {
   const auto place = std::search(changed.begin(), changed.end(), begin, begin + sizeof(x));
   ASSERT_NE(place, changed.end());
   *(place + 3) ^= 1;
+  std::ofstream(name, std::ios::binary).write(changed.data(), static_cast<std::streamsize>(changed.size()));
+  // Who does not own that subdomain does not read it.
+  const CutMeshFile file(name);
+  const std::vector<CutBody> bodies = twoBodies();
+  int damaged = 0;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    for (int s = 0; s < file.bodies()[b].subdomains; ++s)
+      if (inputErrorOf([&] { file.subdomain(b, s, 0); }).empty())
+        expectSame(file.subdomain(b, s, 0), bodies[b].subdomains[static_cast<std::size_t>(s)]);
+      else
+        ++damaged;
+  EXPECT_EQ(damaged, 1);
   EXPECT_TRUE(contains(inputErrorOf([&] { readAll(changed); }),
                        "is not what was written; make it anew by harmos-mesh"));
 }
