@@ -82,6 +82,10 @@ std::optional<int> parse(int argc, char** argv, const Program& program, bool spe
            "the deck and the overrides of that run")
         ->type_name("DIR");
   cli.add_flag("--check", line.check, "Validate the deck, its meshes, materials and contacts, and stop");
+  if (program.showsParts)
+    cli.add_flag("--parts", line.parts,
+                 "List the boundary parts that effects may name, and stop; with --output also write "
+                 "DIR/parts.vtkhdf for harmos-plot --parts");
   if (program.plans)
     addPlanOptions(cli, line);
   cli.add_option("--print-parameters", line.printParameters,
@@ -201,6 +205,10 @@ int runDeck(const Application& application, const ProgramContext& context) {
   const auto start = std::chrono::steady_clock::now();
   scene::Scene scene = sceneOf(application, {*comm, deck, directoryOf(line.deck), log});
   scene.secondsToMake = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (line.parts) {
+    run::showParts(*comm, scene, line.output, log);
+    return exitConverged;
+  }
   run::checkConsistency(scene, options);
   if (line.check) {
     run::checkScene(*comm, scene);
@@ -321,7 +329,7 @@ int main(int argc, char** argv, const Program& program) {
   Log log(std::cout, std::cerr, line.quiet ? Log::Verbosity::Quiet : Log::Verbosity::Normal, speaks);
   // From here on: what tells a run to stop is not to end it without a checkpoint.
   std::optional<Signals> signals;
-  if (program.restarts && !line.check && !line.plan)
+  if (program.restarts && !line.check && !line.plan && !line.parts)
     signals.emplace();
   try {
     if (line.version) {
@@ -348,7 +356,7 @@ int main(int argc, char** argv, const Program& program) {
         assignments.push_back(assignment);
       line.assignments.insert(line.assignments.begin(), assignments.begin(), assignments.end());
     }
-    if (line.output.empty() && !line.plan)
+    if (line.output.empty() && !line.plan && !line.parts)
       line.output = line.restart;
     if (const int width = speaks ? terminalWidth() : 0; width > 0)
       log.showStatus(width);
@@ -374,6 +382,7 @@ int main(int argc, char** argv, const Application& application) {
   program.effects = application.effects;
   program.restarts = true;
   program.plans = true;
+  program.showsParts = true;
   program.run = [&](const ProgramContext& context) { return runDeck(application, context); };
   return main(argc, argv, program);
 }

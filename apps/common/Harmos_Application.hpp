@@ -51,6 +51,7 @@ struct CommandLine {
   std::string restart;                  ///< output directory of the run to go on from; "": none
   std::string printParameters;
   bool check = false;
+  bool parts = false; ///< show the boundary parts, and stop
   bool plan = false;
   plan::PlanRequest planRequest; ///< of --plan
   bool listEffects = false;
@@ -75,8 +76,9 @@ struct Program {
   std::function<int(const ProgramContext&)> run;
   bool restarts = false; ///< has the option --restart
   std::shared_ptr<const scene::EffectRegistry> effects =
-      nullptr;        ///< for --list-effects; null: it has no such option
-  bool plans = false; ///< whether it has --plan
+      nullptr;             ///< for --list-effects; null: it has no such option
+  bool plans = false;      ///< whether it has --plan
+  bool showsParts = false; ///< whether it has --parts
 };
 
 /// The scene of an application's deck, with its timeline. @note Collective.

@@ -2,6 +2,7 @@
 #include "Harmos_DeckScene.hpp"
 
 #include "Harmos_DeckBodies.hpp"
+#include "Harmos_DeckParts.hpp"
 
 namespace Harmos::app {
 namespace {
@@ -29,6 +30,7 @@ void addSceneParameters(ParameterSpec& deck, const scene::EffectRegistry& regist
              "reads its own parts), relative to the deck; for bodies whose source is \"file\".");
   deck.list(std::move(model));
   addBodyParameters(deck);
+  addPartParameters(deck);
   registry.addParameters(deck);
 }
 
@@ -40,6 +42,7 @@ scene::Scene sceneFromDeck(const DeckContext& context, const scene::EffectRegist
     if (name == model.get<std::string>("Physics"))
       scene.physics = kind;
   addBodies(context, scene);
+  addBoundaryRules(context.deck, scene);
   registry.addEffects(context.deck, scene);
   return scene;
 }

@@ -37,6 +37,7 @@ struct Request {
   std::string partition = "compact";
   int seed = 1;
   int dimension = 3;
+  fem::GmshMeshing meshing;
 };
 
 std::pair<std::string, std::string> halves(const std::string& text) {
@@ -70,6 +71,16 @@ std::optional<int> parse(int argc, char** argv, Request& request) {
   cli.add_option("--partition-seed", request.seed, "Another one gives another cut, as good")
       ->check(CLI::Range(0, 1000000));
   cli.add_option("--dimension", request.dimension, "Of the bodies")->check(CLI::IsMember({2, 3}));
+  cli.add_option("--size", request.meshing.size, "Of a geometry: the longest edge of its cells, about")
+      ->type_name("LENGTH")
+      ->check(CLI::PositiveNumber);
+  cli.add_option("--per-circle", request.meshing.perCircle,
+                 "Of a geometry: edges of cells around a full circle, where it is curved")
+      ->type_name("NUMBER")
+      ->check(CLI::Range(3, 100000));
+  cli.add_option("--order", request.meshing.order,
+                 "Of a geometry: 1 or 2, as cells of 4 or of 10 nodes are tetrahedra")
+      ->check(CLI::IsMember({1, 2}));
   bool version = false;
   cli.add_flag("--version", version, "Print the version and stop");
   try {
@@ -175,7 +186,8 @@ int work(int argc, char** argv, const Request& request) {
   try {
     if (Tpetra::getDefaultComm()->getSize() > 1)
       throw InputError("harmos-mesh is one process: start it without mpirun");
-    std::vector<fem::BodyMesh> meshes = fem::readGmsh(request.file, bodiesOf(request), request.dimension);
+    std::vector<fem::BodyMesh> meshes =
+        fem::readGmsh(request.file, bodiesOf(request), request.dimension, request.meshing);
     std::cout << reportOf(meshes) << std::flush;
     if (!request.output.empty())
       cutAndWrite(request, std::move(meshes));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_MeshReport.hpp"
 
-#include "Harmos_BoxTree.hpp"
+#include "Harmos_PointAlgebra.hpp"
+#include "Harmos_SideGeometry.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,28 +14,25 @@ namespace {
 
 using fem::Point;
 
-Point minus(const Point& a, const Point& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-
 double square(const Point& a) {
-  return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+  return dot(a, a);
 }
 
 double determinant(const Point& a, const Point& b, const Point& c) {
-  return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
-         a[2] * (b[0] * c[1] - b[1] * c[0]);
+  return dot(a, cross(b, c));
 }
 
 double simplexQuality(const std::vector<Point>& x, int dimension) {
   double squares = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
-      squares += square(minus(x[i], x[j]));
+      squares += square(difference(x[i], x[j]));
   if (dimension == 2)
-    return 2.0 * std::sqrt(3.0) * determinant(minus(x[1], x[0]), minus(x[2], x[0]), {0, 0, 1}) / squares;
+    return 2.0 * std::sqrt(3.0) * determinant(difference(x[1], x[0]), difference(x[2], x[0]), {0, 0, 1}) /
+           squares;
   // 6√2 V = l³ for edges of length l.
-  return std::sqrt(2.0) * determinant(minus(x[1], x[0]), minus(x[2], x[0]), minus(x[3], x[0])) /
+  return std::sqrt(2.0) *
+         determinant(difference(x[1], x[0]), difference(x[2], x[0]), difference(x[3], x[0])) /
          std::pow(squares / 6.0, 1.5);
 }
 
@@ -43,9 +41,10 @@ double boxQuality(const std::vector<Point>& x, int dimension) {
   double least = 1.0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const std::size_t ring = i / 4 * 4, k = i % 4;
-    Point a = minus(x[ring + (k + 1) % 4], x[i]), b = minus(x[ring + (k + 3) % 4], x[i]), c = {0, 0, 1};
+    Point a = difference(x[ring + (k + 1) % 4], x[i]), b = difference(x[ring + (k + 3) % 4], x[i]),
+          c = {0, 0, 1};
     if (dimension == 3)
-      c = ring == 0 ? minus(x[i + 4], x[i]) : minus(x[i], x[i - 4]);
+      c = ring == 0 ? difference(x[i + 4], x[i]) : difference(x[i], x[i - 4]);
     least = std::min(least, determinant(a, b, c) / std::sqrt(square(a) * square(b) * square(c)));
   }
   return least;
@@ -70,6 +69,13 @@ std::vector<PartBoxes> partBoxes(const std::vector<fem::BodyMesh>& bodies, doubl
       }
     }
   return parts;
+}
+
+fem::SidesGeometry geometryOf(const fem::BodyMesh& body, const std::vector<fem::Side>& sides) {
+  fem::SidesGeometry all;
+  for (const fem::Side& side : sides)
+    all.add(fem::geometryOf(body.mesh, {}, side));
+  return all;
 }
 
 } // namespace
@@ -102,7 +108,7 @@ std::vector<TouchingParts> touchingParts(const std::vector<fem::BodyMesh>& bodie
     return {};
   const fem::Box whole = fem::boxAround(all);
   const std::vector<PartBoxes> parts =
-      partBoxes(bodies, 5e-4 * std::sqrt(square(minus(whole.high, whole.low))));
+      partBoxes(bodies, 5e-4 * std::sqrt(square(difference(whole.high, whole.low))));
   std::vector<TouchingParts> result;
   for (std::size_t second = 1; second < parts.size(); ++second) {
     const fem::BoxTree tree(parts[second].boxes);
@@ -130,9 +136,17 @@ std::string reportOf(const std::vector<fem::BodyMesh>& bodies) {
          << quality.mean << " in the mean, " << quality.least << " at (" << at[0] << ", " << at[1] << ", "
          << at[2] << ")\n";
     for (const auto& [name, sides] : body.sides)
-      text << "  part \"" << name << "\": " << sides.size() << " sides\n";
+      text << "  part \"" << name << "\": " << sides.size() << " sides, "
+           << (body.mesh.dimension() == 2 ? "length " : "area ") << fem::textOf(geometryOf(body, sides))
+           << "\n";
+    // Of a geometry without groups every point and curve has a name.
+    constexpr std::size_t most = 6;
+    std::size_t told = 0;
     for (const auto& [name, nodes] : body.nodes)
-      text << "  nodes \"" << name << "\": " << nodes.size() << "\n";
+      if (++told <= most)
+        text << "  nodes \"" << name << "\": " << nodes.size() << "\n";
+    if (told > most)
+      text << "  and nodes of " << told - most << " other names\n";
   }
   for (const TouchingParts& pair : touchingParts(bodies))
     text << "At each other: " << pair.first << " and " << pair.second << " (" << pair.facets << " of "

@@ -2,6 +2,7 @@
 #include "Harmos_PlanSurvey.hpp"
 
 #include "Harmos_Agreement.hpp"
+#include "Harmos_BoundaryParts.hpp"
 #include "Harmos_CoarseSpace.hpp"
 #include "Harmos_ContactSetup.hpp"
 #include "Harmos_Decomposition.hpp"

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_BoundaryParts.hpp"
 #include "Harmos_ContactFields.hpp"
 #include "Harmos_ContactSetup.hpp"
 #include "Harmos_StructuredBlock.hpp"

@@ -48,8 +48,9 @@ std::string placeText(const Point& x) {
 /// A file's mesh, as far as bodies are made from it.
 class Reader {
  public:
-  Reader(std::string path, int dimension) : path_(std::move(path)), dimension_(dimension) {
-    open();
+  Reader(std::string path, int dimension, const GmshMeshing& meshing)
+      : path_(std::move(path)), dimension_(dimension) {
+    open(meshing);
     groups_ = groupsOfModel();
     std::vector<Tag> tags;
     std::vector<double> unused;
@@ -95,7 +96,7 @@ class Reader {
   }
 
  private:
-  void open() const {
+  void open(const GmshMeshing& meshing) const {
     std::error_code failure;
     if (!std::filesystem::exists(path_, failure))
       throw InputError("there is no mesh file \"" + path_ + "\"; check its path");
@@ -105,7 +106,12 @@ class Reader {
     try {
       gmsh::open(path_);
       gmsh::model::mesh::getElementTypes(types, dimension_);
+      if (!types.empty() && meshing.isGiven())
+        throw InputError("\"" + path_ +
+                         "\" has cells already, which no size or order changes; give them "
+                         "where the mesh is made");
       if (types.empty()) {
+        prescribe(meshing);
         gmsh::vectorpair entities;
         gmsh::model::getEntities(entities, dimension_);
         if (!entities.empty())
@@ -114,12 +120,23 @@ class Reader {
       }
     } catch (const std::bad_alloc&) {
       throw;
+    } catch (const Error&) {
+      throw;
     } catch (const std::exception& error) {
       throwGmshError(path_, error.what());
     }
     if (types.empty())
       throw InputError("\"" + path_ + "\" holds no cells of dimension " + std::to_string(dimension_) +
                        " and no geometry to make them from: it is no mesh, or one of another dimension");
+  }
+
+  static void prescribe(const GmshMeshing& meshing) {
+    if (meshing.size > 0.0)
+      gmsh::option::setNumber("Mesh.MeshSizeMax", meshing.size);
+    if (meshing.perCircle > 0)
+      gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", meshing.perCircle);
+    if (meshing.order > 0)
+      gmsh::option::setNumber("Mesh.ElementOrder", meshing.order);
   }
 
   Point place(Tag node) const {
@@ -439,13 +456,14 @@ bool canReadGmsh() {
   return true;
 }
 
-std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBody>& bodies, int dimension) {
+std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBody>& bodies, int dimension,
+                               const GmshMeshing& meshing) {
   HARMOS_REQUIRE(dimension == 2 || dimension == 3, "bodies have two or three dimensions");
   // Gmsh throws strings, and numbers where it knows no more.
   try {
     const GmshSession session;
     try {
-      Reader reader(path, dimension);
+      Reader reader(path, dimension, meshing);
       std::vector<BodyMesh> result;
       for (const GmshBody& body : bodies.empty() ? reader.eachGroup() : bodies)
         result.push_back(reader.body(body));
@@ -470,7 +488,8 @@ bool canReadGmsh() {
   return false;
 }
 
-std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBody>&, int) {
+std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBody>&, int,
+                               const GmshMeshing&) {
   throw InputError("\"" + path +
                    "\" cannot be read: this Harmos was built without Gmsh. Install libgmsh-dev and "
                    "configure with -DHARMOS_ENABLE_GMSH=ON");

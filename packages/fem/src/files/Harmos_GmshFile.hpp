@@ -15,6 +15,14 @@ struct GmshBody {
   std::vector<std::string> groups;
 };
 
+/// How a geometry is meshed; zeros: as Gmsh, or the file, has it.
+struct GmshMeshing {
+  double size = 0.0; ///< the longest edge, about
+  int perCircle = 0; ///< edges around a full circle where the geometry is curved
+  int order = 0;     ///< 1 or 2
+  bool isGiven() const { return size > 0.0 || perCircle > 0 || order > 0; }
+};
+
 /// Whether this build can read Gmsh's files (CMake option HARMOS_ENABLE_GMSH).
 bool canReadGmsh();
 
@@ -29,8 +37,8 @@ bool canReadGmsh();
 /// named nodes. A group without a name is called by its number.
 ///
 /// A file without any physical group (as .step files are) has its geometric entities for groups, called
-/// "volume 1", "surface 4", "curve 2", "point 3". Sizes and groups are better given by a .geo file that
-/// merges the .step file.
+/// "volume 1", "surface 4", "curve 2", "point 3". Sizes that differ from place to place, and groups, are
+/// given by a .geo file that merges the .step file.
 ///
 /// Gmsh lets surfaces and extruded volumes be numbered in a mirrored way: when every cell of such an entity
 /// has negative Jacobians at its corners, all its cells are renumbered. An entity with cells of both kinds is
@@ -46,10 +54,11 @@ bool canReadGmsh();
 ///
 /// @param bodies none: each group of the highest dimension is one. @param dimension of the bodies, 2 or 3.
 /// Plane meshes lie in a plane z = constant.
-/// @throws InputError if this build has no Gmsh; for a file that is missing, broken or empty; for groups it
-/// does not have; for a body with cells of more than one type or of one that Harmos does not have; for cells
-/// that belong to two regions; for folded meshes and simplices of no size, naming the cell; for plane meshes
-/// that are not in a plane.
-std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBody>& bodies, int dimension);
+/// @throws InputError if this build has no Gmsh; for sizes where the file has cells already; for a file that
+/// is missing, broken or empty; for groups it does not have; for a body with cells of more than one type or
+/// of one that Harmos does not have; for cells that belong to two regions; for folded meshes and simplices of
+/// no size, naming the cell; for plane meshes that are not in a plane.
+std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBody>& bodies, int dimension,
+                               const GmshMeshing& meshing = {});
 
 } // namespace Harmos::fem

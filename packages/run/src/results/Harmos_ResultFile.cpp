@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_ResultFile.hpp"
 
+#include "Harmos_VtkCell.hpp"
 #include "Harmos_VtkHdf.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace Harmos::run {
@@ -16,63 +15,6 @@ std::vector<T> joined(const std::vector<std::vector<T>>& parts) {
   for (const std::vector<T>& part : parts)
     result.insert(result.end(), part.begin(), part.end());
   return result;
-}
-
-struct VtkCell {
-  unsigned char type;
-  std::vector<int> nodes; ///< our node at each place of VTK's order
-};
-
-// VTK's cells agree with ours but for the order of the nodes of a hexahedron of 27, which is found from where
-// they lie (VTK file formats: VTK_TRIQUADRATIC_HEXAHEDRON).
-VtkCell vtkCell(fem::CellType type) {
-  const fem::CellShape& shape = fem::shapeOf(type);
-  VtkCell cell{0, {}};
-  for (int k = 0; k < shape.nodes; ++k)
-    cell.nodes.push_back(k);
-  switch (type) {
-  case fem::CellType::Line2:
-    cell.type = 3;
-    break;
-  case fem::CellType::Line3:
-    cell.type = 21;
-    break;
-  case fem::CellType::Triangle3:
-    cell.type = 5;
-    break;
-  case fem::CellType::Triangle6:
-    cell.type = 22;
-    break;
-  case fem::CellType::Quadrilateral4:
-    cell.type = 9;
-    break;
-  case fem::CellType::Quadrilateral9:
-    cell.type = 28;
-    break;
-  case fem::CellType::Tetrahedron4:
-    cell.type = 10;
-    break;
-  case fem::CellType::Tetrahedron10:
-    cell.type = 24;
-    break;
-  case fem::CellType::Hexahedron8:
-    cell.type = 12;
-    break;
-  case fem::CellType::Hexahedron27: {
-    cell.type = 29;
-    static const std::array<fem::Point, 27> places = {
-        {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1},  {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1},
-         {-1, 1, 1},   {0, -1, -1}, {1, 0, -1},  {0, 1, -1},  {-1, 0, -1}, {0, -1, 1}, {1, 0, 1},
-         {0, 1, 1},    {-1, 0, 1},  {-1, -1, 0}, {1, -1, 0},  {1, 1, 0},   {-1, 1, 0}, {-1, 0, 0},
-         {1, 0, 0},    {0, -1, 0},  {0, 1, 0},   {0, 0, -1},  {0, 0, 1},   {0, 0, 0}}};
-    for (std::size_t k = 0; k < places.size(); ++k)
-      cell.nodes[k] =
-          static_cast<int>(std::find(shape.nodeCoordinates.begin(), shape.nodeCoordinates.end(), places[k]) -
-                           shape.nodeCoordinates.begin());
-    break;
-  }
-  }
-  return cell;
 }
 
 // Displacements as VTK wants vectors: three components.

@@ -3,9 +3,11 @@
 
 #include "Harmos_Agreement.hpp"
 #include "Harmos_AtomicFile.hpp"
+#include "Harmos_BoundaryParts.hpp"
 #include "Harmos_ContactSetup.hpp"
 #include "Harmos_Decomposition.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_PartsFile.hpp"
 #include "Harmos_ProcessMemory.hpp"
 #include "Harmos_RankTable.hpp"
 #include "Harmos_RunStages.hpp"
@@ -104,6 +106,21 @@ void checkScene(const Teuchos::Comm<int>& comm, const scene::Scene& scene) {
     scene::assemble(scene, owned);
   });
   scene::setUpContact(comm, scene, owned);
+}
+
+void showParts(const Teuchos::Comm<int>& comm, const scene::Scene& scene, const std::string& directory,
+               const Log& log) {
+  const std::vector<scene::OwnedSubdomain> owned = scene::decompose(comm, scene);
+  const std::vector<scene::PartSummary> parts = scene::boundaryPartsOf(comm, scene, owned);
+  log.info(partsText(scene, parts));
+  if (directory.empty())
+    return;
+  agree(comm, [&] {
+    if (comm.getRank() == 0)
+      io::makeDirectory(directory);
+  });
+  writeParts(comm, directory + "/parts.vtkhdf", scene, owned, parts);
+  log.info("Written: \"" + directory + "/parts.vtkhdf\"; harmos-plot " + directory + " --parts draws it");
 }
 
 void writeSummaryAlone(const RunOptions& options, const RunReport& report) {

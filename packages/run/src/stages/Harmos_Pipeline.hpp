@@ -11,6 +11,7 @@
 #include <Teuchos_RCP.hpp>
 
 #include <chrono>
+#include <string>
 
 namespace Harmos::run {
 
@@ -35,6 +36,14 @@ Solution runScene(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scen
 /// @note Collective.
 /// Guarded by tests/regression/test_scene_input.py.
 void checkScene(const Teuchos::Comm<int>& comm, const scene::Scene& scene);
+
+/// Names, sizes and places of the boundary parts that a scene has, and parts.vtkhdf in a directory: to be
+/// looked at before effects name them, which are not looked at.
+/// @param directory is made; "": no file.
+/// @throws InputError on all ranks.
+/// @note Collective.
+void showParts(const Teuchos::Comm<int>& comm, const scene::Scene& scene, const std::string& directory,
+               const Log& log);
 
 /// summary.json, on rank 0. @throws InputError on all ranks. @note Collective.
 void writeSummary(const Teuchos::Comm<int>& comm, const RunOptions& options, const RunReport& report);

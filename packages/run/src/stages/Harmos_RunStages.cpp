@@ -2,6 +2,7 @@
 #include "Harmos_RunStages.hpp"
 
 #include "Harmos_Agreement.hpp"
+#include "Harmos_BoundaryParts.hpp"
 #include "Harmos_ContactFields.hpp"
 #include "Harmos_Decomposition.hpp"
 #include "Harmos_EnergyAccount.hpp"

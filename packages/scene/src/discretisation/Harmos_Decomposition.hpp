@@ -21,16 +21,11 @@ struct Share {
 /// Blocks of consecutive numbers, as equal as possible; ranks beyond the number of subdomains have none.
 Share shareOf(int rank, int ranks, long long subdomains);
 
-/// The subdomains of this rank, see shareOf(). Meshes that rank 0 alone has are distributed.
+/// The subdomains of this rank, see shareOf(), with the boundary parts that the scene's rules choose. Meshes
+/// that rank 0 alone has are distributed.
+/// @throws InputError on all ranks for rules that choose nothing.
 /// @note Collective.
 std::vector<OwnedSubdomain> decompose(const Teuchos::Comm<int>& comm, const Scene& scene);
-
-/// Refuses bodies and boundary parts that effects name and that are not there, offering the nearest part, and
-/// what the effects themselves refuse.
-/// @throws InputError on all ranks.
-/// @note Collective.
-void checkBoundaryParts(const Teuchos::Comm<int>& comm, const Scene& scene,
-                        const std::vector<OwnedSubdomain>& owned);
 
 /// Stiffness, load, kernel and Dirichlet conditions of each, with what the effects add to them. Subdomains
 /// that share a mesh share the matrix.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_BoundaryRule.hpp"
 #include "Harmos_Effect.hpp"
 #include "Harmos_Elasticity.hpp"
 #include "Harmos_Mesh.hpp"
@@ -56,6 +57,8 @@ struct Scene {
   std::string name;
   Physics physics = Physics::Membrane;
   std::vector<Body> bodies;
+  /// Boundary parts besides those that the meshes have; in their order: one may be named by those after it.
+  std::vector<fem::BoundaryRule> boundaryRules;
   /// In their order they are asked: it is that of the rows, and of sums of loads.
   std::vector<std::shared_ptr<const Effect>> effects;
   Timeline timeline;

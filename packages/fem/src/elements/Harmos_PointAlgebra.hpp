@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string>
 
-/// Vectors of three numbers, for the geometry of contact.
-namespace Harmos::contact {
+/// Vectors of three numbers, for geometry.
+namespace Harmos {
 
 inline fem::Point sum(const fem::Point& a, const fem::Point& b) {
   return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
@@ -33,4 +33,4 @@ inline std::string placeText(const fem::Point& x) {
   return "(" + std::to_string(x[0]) + ", " + std::to_string(x[1]) + ", " + std::to_string(x[2]) + ")";
 }
 
-} // namespace Harmos::contact
+} // namespace Harmos

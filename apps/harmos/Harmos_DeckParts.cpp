@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_DeckParts.hpp"
+
+#include "Harmos_Errors.hpp"
+#include "Harmos_PointAlgebra.hpp"
+
+#include <limits>
+
+namespace Harmos::app {
+namespace {
+
+using Teuchos::ParameterList;
+
+InputError fault(const std::string& path, const std::string& what) {
+  return InputError("\"" + path + "\" " + what, {{"path", path}});
+}
+
+// A rule's list, with its path for messages.
+struct RuleList {
+  const ParameterList& list;
+  std::string path;
+
+  std::vector<std::string> texts(const std::string& name) const {
+    const auto& array = list.get<Teuchos::Array<std::string>>(name);
+    return {array.begin(), array.end()};
+  }
+  // None if it is not given.
+  std::optional<fem::Point> point(const std::string& name) const {
+    const auto& array = list.get<Teuchos::Array<double>>(name);
+    if (array.empty())
+      return std::nullopt;
+    if (array.size() != 3)
+      throw fault(path + "/" + name,
+                  "has " + std::to_string(array.size()) + " numbers; a place or direction has three");
+    return fem::Point{array[0], array[1], array[2]};
+  }
+  std::optional<fem::Point> direction(const std::string& name) const {
+    const std::optional<fem::Point> x = point(name);
+    if (x && norm(*x) == 0.0)
+      throw fault(path + "/" + name, "is zero; a direction has a length");
+    return x;
+  }
+  // Two that make sense together alone.
+  void requireBoth(bool first, const std::string& firstName, bool second,
+                   const std::string& secondName) const {
+    if (first != second)
+      throw fault(path + "/" + (first ? firstName : secondName),
+                  "is given without \"" + (first ? secondName : firstName) + "\"; give both or none");
+  }
+};
+
+fem::BoundaryRule ruleFrom(const RuleList& given, const std::string& name) {
+  fem::BoundaryRule rule;
+  rule.name = name;
+  rule.bodies = given.texts("Bodies");
+  rule.of = given.texts("Of");
+  const auto low = given.point("Box from"), high = given.point("Box to");
+  if (low || high) {
+    constexpr double far = std::numeric_limits<double>::infinity();
+    rule.box = fem::Box{low.value_or(fem::Point{-far, -far, -far}), high.value_or(fem::Point{far, far, far})};
+    for (std::size_t d = 0; d < 3; ++d)
+      if (rule.box->low[d] > rule.box->high[d])
+        throw fault(given.path + "/Box from", "lies beyond \"Box to\"; exchange them");
+  }
+  if (const auto normal = given.direction("Normal"))
+    rule.direction = fem::BoundaryRule::Direction{*normal, given.list.get<double>("Angle")};
+  const auto planePoint = given.point("Plane point"), planeNormal = given.direction("Plane normal");
+  given.requireBoth(planePoint.has_value(), "Plane point", planeNormal.has_value(), "Plane normal");
+  if (planePoint)
+    rule.plane = fem::BoundaryRule::Plane{*planePoint, *planeNormal};
+  const auto centre = given.point("Cylinder point");
+  const double radius = given.list.get<double>("Cylinder radius");
+  given.requireBoth(centre.has_value(), "Cylinder point", radius > 0.0, "Cylinder radius");
+  if (centre)
+    rule.cylinder = fem::BoundaryRule::Cylinder{
+        *centre, given.direction("Cylinder axis").value_or(fem::Point{0.0, 0.0, 1.0}), radius};
+  rule.tolerance = given.list.get<double>("Tolerance");
+  return rule;
+}
+
+} // namespace
+
+void addPartParameters(ParameterSpec& deck) {
+  ParameterSpec part("<part>",
+                     "The sides of cells on a body's boundary that meet every condition given here, "
+                     "by a name of your choice.");
+  part.texts("Bodies", {}, "Bodies that have it; none: each that has such sides.");
+  part.texts("Of", {},
+             "Parts of the mesh, or of rules before this one, whose sides are looked at; none: all of the "
+             "boundary.");
+  part.series("Box from", Range(), "A corner of a box along the axes, all of a side in it.");
+  part.series("Box to", Range(), "The other corner; without it, or the first one, the box has no end there.");
+  part.series("Normal", Range(), "Direction that the outward normal has, within \"Angle\".");
+  part.real("Angle", 30.0, Range::within(0.0, 180.0), "Degrees that the normal may be off.");
+  part.series("Plane point", Range(), "A point of a plane on which sides lie.");
+  part.series("Plane normal", Range(), "Its normal, either way round.");
+  part.series("Cylinder point", Range(), "A point on the axis of a cylinder on which sides lie.");
+  part.series("Cylinder axis", Range(), "Its direction; none: z.");
+  part.real("Cylinder radius", 0.0, Range::atLeast(0.0), "Its radius; 0: no cylinder.");
+  part.real("Tolerance", 1e-5, Range::within(0.0, 1.0),
+            "Of box, plane and cylinder, in shares of the diagonal of the box around the body.");
+  ParameterSpec parts("Boundary parts", "Boundary parts besides those of the meshes.");
+  parts.family(std::move(part));
+  deck.list(std::move(parts));
+}
+
+void addBoundaryRules(const ParameterList& deck, scene::Scene& scene) {
+  std::vector<std::string> bodies;
+  for (const scene::Body& body : scene.bodies)
+    bodies.push_back(body.name);
+  const ParameterList& parts = deck.sublist("Boundary parts");
+  for (auto item = parts.begin(); item != parts.end(); ++item) {
+    const std::string& name = parts.name(item);
+    const std::string path = "Boundary parts/" + name;
+    if (name.find('/') != std::string::npos)
+      throw fault("Boundary parts", "has a part \"" + name +
+                                        "\" with a slash in its name, which parts bodies from parts; take "
+                                        "another sign");
+    scene.boundaryRules.push_back(ruleFrom({parts.sublist(name), path}, name));
+    for (const std::string& body : scene.boundaryRules.back().bodies)
+      if (std::find(bodies.begin(), bodies.end(), body) == bodies.end())
+        throw fault(path + "/Bodies",
+                    "names the body \"" + body + "\", which is not there" + offer(body, bodies));
+  }
+}
+
+} // namespace Harmos::app

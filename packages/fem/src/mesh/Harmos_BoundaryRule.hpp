@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_SideGeometry.hpp"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace Harmos::fem {
+
+/// Chooses a part of a body's boundary by where it is: the sides that meet each condition that is given.
+///
+/// Conditions look at the corners of sides, so that they mean the same for elements of first and second
+/// order. Guarded by tests/unit/scene/test_boundary_rules.cpp.
+struct BoundaryRule {
+  struct Direction {
+    Point normal;          ///< of any length but 0
+    double degrees = 30.0; ///< that the outward normal of a side may be off
+  };
+  struct Plane {
+    Point point, normal;
+  };
+  struct Cylinder {
+    Point point, axis;
+    double radius;
+  };
+  /// Conditions, in the order in which words() tells of them.
+  static constexpr std::size_t conditions = 4;
+  using Verdict = std::array<bool, conditions>;
+
+  std::string name;                ///< of the part
+  std::vector<std::string> bodies; ///< none: each
+  std::vector<std::string> of;     ///< among the sides of these parts; none: of the whole boundary
+  std::optional<Box> box;          ///< all corners in it; ends may be infinite
+  std::optional<Direction> direction;
+  std::optional<Plane> plane;       ///< all corners on it
+  std::optional<Cylinder> cylinder; ///< all corners on it, and no cap: the normal is nearer to the radius
+                                    ///< than to the axis
+  double tolerance = 1e-5; ///< of box, plane and cylinder, in shares of the diagonal of the body's box
+
+  bool isOn(const std::string& body) const;
+  /// Of each condition whether the side meets it; those that are not given are met. @param length tolerance
+  /// times the body's size.
+  Verdict judge(const SideGeometry& side, double length) const;
+  /// "in the box", ...; "": the condition is not given.
+  std::array<std::string, conditions> words() const;
+};
+
+} // namespace Harmos::fem

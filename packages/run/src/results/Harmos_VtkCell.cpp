@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_VtkCell.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace Harmos::run {
+
+// VTK's cells agree with ours but for the order of the nodes of a hexahedron of 27, which is found from where
+// they lie (VTK file formats: VTK_TRIQUADRATIC_HEXAHEDRON).
+VtkCell vtkCell(fem::CellType type) {
+  const fem::CellShape& shape = fem::shapeOf(type);
+  VtkCell cell{0, {}};
+  for (int k = 0; k < shape.nodes; ++k)
+    cell.nodes.push_back(k);
+  switch (type) {
+  case fem::CellType::Line2:
+    cell.type = 3;
+    break;
+  case fem::CellType::Line3:
+    cell.type = 21;
+    break;
+  case fem::CellType::Triangle3:
+    cell.type = 5;
+    break;
+  case fem::CellType::Triangle6:
+    cell.type = 22;
+    break;
+  case fem::CellType::Quadrilateral4:
+    cell.type = 9;
+    break;
+  case fem::CellType::Quadrilateral9:
+    cell.type = 28;
+    break;
+  case fem::CellType::Tetrahedron4:
+    cell.type = 10;
+    break;
+  case fem::CellType::Tetrahedron10:
+    cell.type = 24;
+    break;
+  case fem::CellType::Hexahedron8:
+    cell.type = 12;
+    break;
+  case fem::CellType::Hexahedron27: {
+    cell.type = 29;
+    static const std::array<fem::Point, 27> places = {
+        {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1},  {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1},
+         {-1, 1, 1},   {0, -1, -1}, {1, 0, -1},  {0, 1, -1},  {-1, 0, -1}, {0, -1, 1}, {1, 0, 1},
+         {0, 1, 1},    {-1, 0, 1},  {-1, -1, 0}, {1, -1, 0},  {1, 1, 0},   {-1, 1, 0}, {-1, 0, 0},
+         {1, 0, 0},    {0, -1, 0},  {0, 1, 0},   {0, 0, -1},  {0, 0, 1},   {0, 0, 0}}};
+    for (std::size_t k = 0; k < places.size(); ++k)
+      cell.nodes[k] =
+          static_cast<int>(std::find(shape.nodeCoordinates.begin(), shape.nodeCoordinates.end(), places[k]) -
+                           shape.nodeCoordinates.begin());
+    break;
+  }
+  }
+  return cell;
+}
+
+} // namespace Harmos::run
