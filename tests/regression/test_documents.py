@@ -103,7 +103,7 @@ class Documents(unittest.TestCase):
         """What a tool's command draws; nothing if it draws nothing."""
         tool = pathlib.Path(words[0]).name
         if tool == "harmos-plot":
-            drawn = {"--scaling": ["scaling.png"], "--curve": ["curve.png"],
+            drawn = {"--scaling": ["scaling.png"], "--parts": ["parts.png"], "--curve": ["curve.png"],
                      "--frames": ["solution.png", "frame_0001.png", "steps.gif"]}
             return next((drawn[word] for word in words if word in drawn), ["solution.png"])
         return ["*.png"] if tool.startswith(("plot", "draw")) else []
@@ -141,7 +141,8 @@ class Documents(unittest.TestCase):
                 said = int(status_said.group(1)) if status_said else 0
                 self.assertEqual(done.returncode, said, done.stderr)
                 if str(directory) in rest:
-                    left = "plan.json" if "--plan" in rest else "summary.json"
+                    leaves = {"--plan": "plan.json", "--parts": "parts.vtkhdf"}
+                    left = next((leaves[word] for word in rest if word in leaves), "summary.json")
                     self.assertTrue((directory / left).exists())
 
     def test_examples_are_shown_as_they_are_and_print_what_is_shown(self):

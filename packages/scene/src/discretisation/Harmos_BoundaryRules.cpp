@@ -165,11 +165,14 @@ class RuleWork {
          << (end == begin + 1 ? "body \"" + bodyName(begin) + "\"" : "any body") << ": of "
          << static_cast<long long>(counts[0]) << (rule.of.empty() ? " on its boundary" : " of its parts");
     std::string list;
+    int given = 0;
     for (std::size_t c = 0; c < fem::BoundaryRule::conditions; ++c)
-      if (const std::string words = rule.words()[c]; !words.empty())
+      if (const std::string words = rule.words()[c]; !words.empty()) {
+        ++given;
         list += (list.empty() ? " " : ", ") + std::to_string(static_cast<long long>(counts[1 + c])) +
                 " are " + words;
-    text << list << (list.empty() ? "" : ", none all of it")
+      }
+    text << list << (given > 1 ? ", none all of it" : "")
          << "; look at the boundary by --parts, or widen its \"Tolerance\"";
     return InputError(text.str(), {{"path", pathOf(rule)}});
   }
