@@ -199,6 +199,7 @@ void takeBodies(const DeckContext& context, const std::shared_ptr<const fem::Cut
     const std::size_t place = placeIn(*cut, body.name, context.deck.sublist("Bodies").sublist(body.name));
     const fem::CutMeshFile::Body& known = cut->bodies()[place];
     body.subdomains = known.subdomains;
+    body.isCut = true;
     body.subdomain = [cut, place, first = firstNode](int k) { return cut->subdomain(place, k, first); };
     firstNode += known.nodes;
     context.log.info("Body \"" + body.name + "\": " + std::to_string(known.nodes) + " nodes (" +

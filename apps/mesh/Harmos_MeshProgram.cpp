@@ -142,8 +142,9 @@ std::vector<int> subdomainsOf(const Request& request, const std::vector<fem::Bod
   }
   std::vector<int> wanted;
   for (const fem::BodyMesh& mesh : meshes)
+    // In double: the product of the two numbers is beyond an int.
     wanted.push_back(
-        std::max(1, static_cast<int>(std::lround(request.subdomains * mesh.mesh.numberOfCells() / cells))));
+        std::max(1, static_cast<int>(std::lround(request.subdomains * (mesh.mesh.numberOfCells() / cells)))));
   for (const std::string& text : request.perBody) {
     const auto [name, number] = halves(text);
     const auto found = std::find(names.begin(), names.end(), name);
@@ -234,6 +235,8 @@ int meshMain(int argc, char** argv) {
   }
   if (WIFEXITED(status))
     return WEXITSTATUS(status);
+  if (WTERMSIG(status) == SIGPIPE) // nobody reads what it prints
+    return 128 + SIGPIPE;
   std::cerr
       << "error: Gmsh did not survive \"" << request.file << "\" (signal " << WTERMSIG(status)
       << "): it is damaged, or asks for what Gmsh cannot do. Open the file in Gmsh to see where it fails\n";

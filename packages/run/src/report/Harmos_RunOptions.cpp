@@ -78,7 +78,7 @@ namespace {
 // Whether there is a body whose subdomains are not generated with its mesh.
 bool isCut(const scene::Scene& scene) {
   return std::any_of(scene.bodies.begin(), scene.bodies.end(),
-                     [](const scene::Body& body) { return !body.subdomain; });
+                     [](const scene::Body& body) { return body.isCut || !body.subdomain; });
 }
 
 } // namespace

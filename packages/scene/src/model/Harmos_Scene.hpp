@@ -35,6 +35,9 @@ struct Body {
   std::function<fem::PlacedMesh(int)> subdomain;
   /// Instead of that: all of them, on rank 0, from where they are distributed; empty on the other ranks.
   std::shared_ptr<const std::vector<fem::PlacedMesh>> onRoot;
+  /// Its subdomains are parts into which a mesh was cut, of any shape, as those of `onRoot` are: defaults of
+  /// solvers follow.
+  bool isCut = false;
 
   // Of an elastic body.
   std::vector<fem::Material> materials; ///< of each region of the meshes
