@@ -4,12 +4,15 @@
 #include "Harmos_Errors.hpp"
 #include "Harmos_PointAlgebra.hpp"
 
+#include <algorithm>
 #include <limits>
 
 namespace Harmos::app {
 namespace {
 
 using Teuchos::ParameterList;
+
+constexpr double usualAngle = 30.0;
 
 InputError fault(const std::string& path, const std::string& what) {
   return InputError("\"" + path + "\" " + what, {{"path", path}});
@@ -62,8 +65,11 @@ fem::BoundaryRule ruleFrom(const RuleList& given, const std::string& name) {
       if (rule.box->low[d] > rule.box->high[d])
         throw fault(given.path + "/Box from", "lies beyond \"Box to\"; exchange them");
   }
+  const double angle = given.list.get<double>("Angle");
   if (const auto normal = given.direction("Normal"))
-    rule.direction = fem::BoundaryRule::Direction{*normal, given.list.get<double>("Angle")};
+    rule.direction = fem::BoundaryRule::Direction{*normal, angle};
+  else if (angle != usualAngle)
+    throw fault(given.path + "/Angle", "is given without \"Normal\", the direction from which it is taken");
   const auto planePoint = given.point("Plane point"), planeNormal = given.direction("Plane normal");
   given.requireBoth(planePoint.has_value(), "Plane point", planeNormal.has_value(), "Plane normal");
   if (planePoint)
@@ -71,6 +77,8 @@ fem::BoundaryRule ruleFrom(const RuleList& given, const std::string& name) {
   const auto centre = given.point("Cylinder point");
   const double radius = given.list.get<double>("Cylinder radius");
   given.requireBoth(centre.has_value(), "Cylinder point", radius > 0.0, "Cylinder radius");
+  if (!centre && given.direction("Cylinder axis"))
+    throw fault(given.path + "/Cylinder axis", "is given without \"Cylinder point\" and \"Cylinder radius\"");
   if (centre)
     rule.cylinder = fem::BoundaryRule::Cylinder{
         *centre, given.direction("Cylinder axis").value_or(fem::Point{0.0, 0.0, 1.0}), radius};
@@ -91,7 +99,7 @@ void addPartParameters(ParameterSpec& deck) {
   part.series("Box from", Range(), "A corner of a box along the axes, all of a side in it.");
   part.series("Box to", Range(), "The other corner; without it, or the first one, the box has no end there.");
   part.series("Normal", Range(), "Direction that the outward normal has, within \"Angle\".");
-  part.real("Angle", 30.0, Range::within(0.0, 180.0), "Degrees that the normal may be off.");
+  part.real("Angle", usualAngle, Range::within(0.0, 180.0), "Degrees that the normal may be off.");
   part.series("Plane point", Range(), "A point of a plane on which sides lie.");
   part.series("Plane normal", Range(), "Its normal, either way round.");
   part.series("Cylinder point", Range(), "A point on the axis of a cylinder on which sides lie.");
@@ -112,10 +120,12 @@ void addBoundaryRules(const ParameterList& deck, scene::Scene& scene) {
   for (auto item = parts.begin(); item != parts.end(); ++item) {
     const std::string& name = parts.name(item);
     const std::string path = "Boundary parts/" + name;
-    if (name.find('/') != std::string::npos)
-      throw fault("Boundary parts", "has a part \"" + name +
-                                        "\" with a slash in its name, which parts bodies from parts; take "
-                                        "another sign");
+    const auto isOdd = [](unsigned char sign) { return sign == '/' || sign < ' '; };
+    if (name.empty() || std::any_of(name.begin(), name.end(), isOdd))
+      throw fault("Boundary parts",
+                  "has a part \"" + name +
+                      "\" with an empty name, a slash, which parts bodies from parts, or an "
+                      "end of line in it; take another name");
     scene.boundaryRules.push_back(ruleFrom({parts.sublist(name), path}, name));
     for (const std::string& body : scene.boundaryRules.back().bodies)
       if (std::find(bodies.begin(), bodies.end(), body) == bodies.end())

@@ -20,6 +20,7 @@
 #include <iostream>
 #include <optional>
 #include <sstream>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -73,7 +74,7 @@ std::optional<int> parse(int argc, char** argv, Request& request) {
   cli.add_option("--dimension", request.dimension, "Of the bodies")->check(CLI::IsMember({2, 3}));
   cli.add_option("--size", request.meshing.size, "Of a geometry: the longest edge of its cells, about")
       ->type_name("LENGTH")
-      ->check(CLI::PositiveNumber);
+      ->check(CLI::Range(1e-100, 1e100));
   cli.add_option("--per-circle", request.meshing.perCircle,
                  "Of a geometry: edges of cells around a full circle, where it is curved")
       ->type_name("NUMBER")
@@ -102,6 +103,13 @@ std::optional<int> parse(int argc, char** argv, Request& request) {
     std::cerr << "error: command line: no file was given; usage: harmos-mesh [OPTIONS] FILE\n";
     return badInput;
   }
+  if (fem::CutMeshFile::isOne(request.file)) {
+    std::cerr
+        << "error: \"" << request.file
+        << "\" is cut already: decks name it as \"Model/Mesh file\". To cut anew, give the mesh it was made "
+           "of\n";
+    return badInput;
+  }
   if (!request.output.empty() && !fem::CutMeshFile::isOne(request.output)) {
     std::cerr << "error: command line: --output \"" << request.output
               << "\" does not end with \".h5\", by which decks know a mesh that is cut\n";
@@ -114,6 +122,12 @@ std::vector<fem::GmshBody> bodiesOf(const Request& request) {
   std::vector<fem::GmshBody> bodies;
   for (const std::string& text : request.bodies) {
     const auto [name, groups] = halves(text);
+    if (name.empty())
+      throw InputError("command line: --body \"" + text + "\" has no name before its groups");
+    for (const fem::GmshBody& other : bodies)
+      if (other.name == name)
+        throw InputError("command line: --body names \"" + name +
+                         "\" twice; a deck could not tell the two apart");
     fem::GmshBody body{name, {}};
     std::istringstream list(groups.empty() ? name : groups);
     for (std::string group; std::getline(list, group, ',');)
@@ -225,6 +239,7 @@ int meshMain(int argc, char** argv) {
   // Gmsh ends the process that it is in where some files are damaged.
   const pid_t child = fork();
   if (child == 0) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL); // not to go on where its parent was killed
     limitMemory();
     std::exit(work(argc, argv, request));
   }
@@ -237,6 +252,12 @@ int meshMain(int argc, char** argv) {
     return WEXITSTATUS(status);
   if (WTERMSIG(status) == SIGPIPE) // nobody reads what it prints
     return 128 + SIGPIPE;
+  if (WTERMSIG(status) == SIGKILL) {
+    std::cerr
+        << "error: the process that read \"" << request.file
+        << "\" was killed, as happens where memory is short: ask for larger cells, or a machine with more\n";
+    return badInput;
+  }
   std::cerr
       << "error: Gmsh did not survive \"" << request.file << "\" (signal " << WTERMSIG(status)
       << "): it is damaged, or asks for what Gmsh cannot do. Open the file in Gmsh to see where it fails\n";

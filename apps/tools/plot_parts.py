@@ -156,8 +156,13 @@ def views():
     return (right, up), (behind, np.cross(back, behind))
 
 
+def plain(name):
+    """As it is: matplotlib takes dollars for formulas, and leaves out what begins with an underscore."""
+    return ("\u200a" if name.startswith("_") else "") + name.replace("$", r"\$")
+
+
 def name_in(parts, number):
-    return parts.names[number].partition(": ")[2]
+    return plain(parts.names[number].partition(": ")[2])
 
 
 def plot_parts(parts, title):
@@ -186,7 +191,7 @@ def plot_parts(parts, title):
             handles.append(Patch(facecolor="none", label=f"and {len(colour) - MOST_NAMES} others"))
         if (parts.part[pieces] < 0).any():
             handles.append(Patch(facecolor=BARE, edgecolor=INK, linewidth=0.5, label="(no part)"))
-        of_body = [name.partition(": ")[0] for number, name in enumerate(parts.names) if number in colour]
+        of_body = [plain(name.partition(": ")[0]) for number, name in enumerate(parts.names) if number in colour]
         figure.legend(
             handles=handles, loc="upper left", bbox_to_anchor=((0.55 + 2 * PANEL) / sizes[0], top - 0.05 * tall),
             fontsize=9, title=of_body[0] if body is not None and of_body else None, alignment="left",

@@ -8,6 +8,8 @@
 #include "Harmos_ReferenceElement.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -203,7 +205,17 @@ void requireSupported(const Surface& first, const Surface& second, double reach)
 // at all.
 constexpr double mostMagnification = 1e4;
 constexpr double leastCoverage = 1e-8;
+// Weights that are rounding errors: of sums, and of coordinates, which have ε of their distance from the
+// origin.
 constexpr double negligibleWeight = 1e-13;
+
+double farthestOf(const Surface& surface) {
+  double farthest = 0.0;
+  for (const fem::Point& x : surface.positions)
+    for (double coordinate : x)
+      farthest = std::max(farthest, std::abs(coordinate));
+  return farthest;
+}
 
 } // namespace
 
@@ -231,8 +243,12 @@ std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& seco
     if (const std::vector<MortarSample> samples = samplesOf(f); !samples.empty())
       add(samples, Facet(first, f), carriers.of(f), first, second, sums);
   std::vector<ContactPoint> points;
+  const double unit =
+      10.0 * std::numeric_limits<double>::epsilon() * std::max(farthestOf(first), farthestOf(second));
   for (std::size_t i = 0; i < sums.size(); ++i) {
     const NodeSums& sum = sums[i];
+    const double size = first.dimension == 2 ? sum.area : std::sqrt(sum.area);
+    const double negligible = std::max(negligibleWeight, unit / size);
     if (!(sum.area > leastCoverage * whole[i]) || sum.magnitude > mostMagnification * sum.area)
       continue;
     ContactPoint point;
@@ -240,7 +256,7 @@ std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& seco
     point.position = first.positions[i];
     std::map<long long, double> weights(sum.own.begin(), sum.own.end());
     for (const auto& [node, integral] : sum.others)
-      if (std::abs(integral) > negligibleWeight * sum.area)
+      if (std::abs(integral) > negligible * sum.area)
         weights[node] -= integral / sum.area;
     for (const auto& [node, weight] : weights)
       point.terms.push_back({node, weight});

@@ -5,6 +5,7 @@
 #include "Harmos_ReferenceElement.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace Harmos::contact {
 namespace {
@@ -75,6 +76,10 @@ FacetPlace placeOf(const Surface& surface, const Facet& facet, const Plane& plan
                    double size) {
   FacetPlace place = facetCentre(surface.facetType);
   double error = 0.0;
+  // Coordinates have rounding errors of ε times their size, whatever that of the facet.
+  const fem::Point corner = facet.position(0);
+  const double rounding = 1e2 * std::numeric_limits<double>::epsilon() *
+                          std::max({std::abs(corner[0]), std::abs(corner[1]), std::abs(corner[2])});
   for (int k = 0; k < 30; ++k) {
     const Facet::State state = facet.at(place);
     const Place at = plane.project(state.position);
@@ -92,7 +97,7 @@ FacetPlace placeOf(const Surface& surface, const Facet& facet, const Plane& plan
       return place;
   }
   // Negated, so that it holds for a residual that is not a number.
-  if (!(error < 1e-9 * size))
+  if (!(error < std::max(1e-9 * size, rounding)))
     throw InputError("surface " + surface.name + ": the facet at " + placeText(facet.position(0)) +
                      " is too distorted, or too steep to the surface it shall touch: a point of it could "
                      "not be found again; mend the mesh there, or name a smaller part");

@@ -176,6 +176,8 @@ class Faults(unittest.TestCase):
             ({"Normal": "{0, 1}"}, '"Boundary parts/it/Normal" has 2 numbers'),
             ({"Normal": "{0, 0, 0}"}, '"Boundary parts/it/Normal" is zero'),
             ({"Plane point": "{0, 0, 0}"}, 'is given without "Plane normal"'),
+            ({"Angle": "20"}, 'is given without "Normal"'),
+            ({"Cylinder axis": "{0, 0, 1}"}, 'is given without "Cylinder point"'),
             ({"Cylinder radius": "2"}, 'is given without "Cylinder point"'),
             ({"Box from": "{1, 1, 1}", "Box to": "{0, 2, 2}"}, 'lies beyond "Box to"'),
             ({"Bodies": "{lowr}", "Normal": "{0, 1, 0}"}, 'did you mean "lower"?'),

@@ -168,22 +168,27 @@ class Formats(unittest.TestCase):
         cases = {
             "eight.msh": (MSH_2.replace("2 2 2 1 1 1 2 5", "2 16 2 1 1 1 2 3 4 5 1 2 3"), "that Harmos does not have"),
             "mixed.msh": (MSH_2.replace("2 2 2 1 1 1 2 5", "2 3 2 1 1 1 2 3 5"), "cells of more than one type"),
+            "nan.msh": (MSH_2.replace("5 0.5 0.5 0", "5 nan 0.5 0"), "no finite number"),
+            "exit.geo": (BOXES + "Exit;\n", "ends it itself"),
             "empty.msh": ("", "holds no cells"),
             "text.msh": ("no mesh at all\n", "holds no cells|cannot read"),
             # Gmsh does not survive a field with an expression it cannot read.
             "crash.geo": (BOXES + 'Field[1] = MathEval;\nField[1].F = "x > 0 ? 1 : 2";\nBackground Field = 1;\n',
-                          "cannot read or mesh|did not survive"),
+                          "cannot read or mesh|ended the program"),
         }
         for name, (text, said) in cases.items():
             with self.subTest(name):
                 (directory / name).write_text(text, encoding="utf-8")
-                done = mesh(directory / name, "--dimension", 3 if name == "crash.geo" else 2)
+                done = mesh(directory / name, "--dimension", 3 if name.endswith(".geo") else 2)
                 self.assertEqual(done.returncode, 2, done)
                 self.assertRegex(done.stderr, "(?m)^error: .*(" + said + ")")
         for words, said in (
             ((directory / "nowhere.msh",), "there is no mesh file"),
             ((DECKS / "punch.geo", "--output", "mesh.msh"), "does not end with"),
             ((DECKS / "punch.geo", "--cut", "nobody=3", "--output", directory / "m.h5"), "which is not there"),
+            ((DECKS / "punch.geo", "--body", "a=block", "--body", "a=block"), "twice"),
+            ((DECKS / "punch.geo", "--body", "=block"), "has no name"),
+            (("mesh.h5",), "is cut already"),
             ((), "no file was given"),
         ):
             done = mesh(*words)

@@ -84,6 +84,20 @@ TEST(Deck, faults_are_thrown_on_all_ranks) {
   }
 }
 
+// Teuchos takes what it does not understand in an array for 0.
+TEST(Deck, arrays_are_read_as_a_whole_or_not_at_all) {
+  const auto deck = [](const std::string& value) {
+    return DeckFile("g.xml", "<ParameterList><ParameterList name=\"Steps\"><Parameter name=\"Times\" "
+                             "type=\"Array(double)\" value=\"" +
+                                 value + "\"/></ParameterList></ParameterList>");
+  };
+  for (const char* value :
+       {"{-inf,1}", "{nan,1}", "{x,1}", "{1e,1}", "{0,1.0.5}", "{0,1 2}", "{0,}", "0,1", "{0,1"})
+    EXPECT_TRUE(contains(failure(deck(value)), "is no value of that type")) << value;
+  for (const char* value : {"{1,2}", "{ 1.5 , 2e3 }", " {1}", "{}"})
+    EXPECT_FALSE(contains(failure(deck(value)), "is no value of that type")) << value;
+}
+
 TEST(Deck, contradictions_are_refused) {
   scene::Scene scene;
   scene.bodies.resize(2);

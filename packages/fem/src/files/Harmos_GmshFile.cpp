@@ -57,6 +57,10 @@ class Reader {
     gmsh::model::mesh::getNodes(tags, coordinates_, unused, -1, -1, false, false);
     for (std::size_t k = 0; k < tags.size(); ++k)
       places_.emplace(tags[k], k);
+    for (std::size_t k = 0; k < coordinates_.size(); ++k)
+      if (!std::isfinite(coordinates_[k]))
+        throw InputError("in \"" + path_ + "\", node " + std::to_string(tags[k / 3]) +
+                         " has a coordinate that is no finite number; write the mesh anew");
   }
 
   std::vector<GmshBody> eachGroup() const {

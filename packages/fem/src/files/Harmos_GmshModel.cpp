@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <fcntl.h>
 #include <gmsh.h>
 #include <unistd.h>
@@ -32,6 +34,43 @@ Silence::~Silence() {
     dup2(output_, STDOUT_FILENO);
     close(output_);
   }
+}
+
+namespace {
+
+volatile std::sig_atomic_t inGmsh = 0;
+
+// Only what a handler of signals may do.
+[[noreturn]] void endWithSentence() {
+  constexpr char sentence[] =
+      "error: Gmsh ended the program that reads a mesh file by it: the file is damaged, "
+      "ends it itself (Exit), or asks for what Gmsh cannot do. Open the file in Gmsh to "
+      "see where it fails\n";
+  const auto written = write(STDERR_FILENO, sentence, sizeof(sentence) - 1);
+  constexpr int badInput = 2;
+  _exit(written < 0 ? badInput + 1 : badInput);
+}
+
+void onSignal(int) {
+  endWithSentence();
+}
+
+void onExit() {
+  if (inGmsh != 0)
+    endWithSentence();
+}
+
+} // namespace
+
+EndGuard::EndGuard() : aborted_(std::signal(SIGABRT, onSignal)), faulted_(std::signal(SIGSEGV, onSignal)) {
+  static const bool registered = std::atexit(onExit) == 0;
+  inGmsh = registered ? 1 : 0;
+}
+
+EndGuard::~EndGuard() {
+  inGmsh = 0;
+  std::signal(SIGABRT, aborted_);
+  std::signal(SIGSEGV, faulted_);
 }
 
 GmshSession::GmshSession() {

@@ -29,6 +29,20 @@ class Silence {
   int output_;
 };
 
+/// Gmsh ends the program that it is in where a file says so (Exit) or an expression of it cannot be parsed,
+/// by exit() or abort(): while this lives, that ends with a sentence and exit status 2.
+class EndGuard {
+ public:
+  EndGuard();
+  ~EndGuard();
+  EndGuard(const EndGuard&) = delete;
+  EndGuard& operator=(const EndGuard&) = delete;
+
+ private:
+  using Handler = void (*)(int);
+  Handler aborted_, faulted_;
+};
+
 /// Gmsh has one global state; this is its life time.
 class GmshSession {
  public:
@@ -38,6 +52,7 @@ class GmshSession {
   GmshSession& operator=(const GmshSession&) = delete;
 
  private:
+  EndGuard guard_;
   Silence silence_;
 };
 

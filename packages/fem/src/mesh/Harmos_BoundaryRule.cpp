@@ -38,9 +38,11 @@ BoundaryRule::Verdict BoundaryRule::judge(const SideGeometry& side, double lengt
                  std::cos(direction->degrees * degree) * norm(direction->normal);
   }
   if (plane)
-    verdict[2] = allOf(side, [&](const Point& x) {
-      return std::abs(dot(difference(x, plane->point), plane->normal)) <= length * norm(plane->normal);
-    });
+    // The rim of a thin body lies within the tolerance of the plane.
+    verdict[2] =
+        norm(across(side.normal, plane->normal)) < std::sqrt(0.5) && allOf(side, [&](const Point& x) {
+          return std::abs(dot(difference(x, plane->point), plane->normal)) <= length * norm(plane->normal);
+        });
   if (cylinder) {
     const auto radius = [&](const Point& x) {
       return across(difference(x, cylinder->point), cylinder->axis);

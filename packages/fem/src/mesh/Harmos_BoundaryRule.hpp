@@ -35,7 +35,7 @@ struct BoundaryRule {
   std::vector<std::string> of;     ///< among the sides of these parts; none: of the whole boundary
   std::optional<Box> box;          ///< all corners in it; ends may be infinite
   std::optional<Direction> direction;
-  std::optional<Plane> plane;       ///< all corners on it
+  std::optional<Plane> plane; ///< all corners on it, and no rim: the normal is nearer to its than across
   std::optional<Cylinder> cylinder; ///< all corners on it, and no cap: the normal is nearer to the radius
                                     ///< than to the axis
   double tolerance = 1e-5; ///< of box, plane and cylinder, in shares of the diagonal of the body's box

@@ -110,7 +110,12 @@ CoarseSpace::CoarseSpace(const SubdomainSystem& system, const Constraints& const
   makePattern();
   if (constraints.hasWeights())
     makeScale();
-  factor_ = factorOf(nullptr, 0.0);
+  // The entries of G̃G̃ᵀ are known to some ε of its diagonal. A pivot of a hundred times n of these gives a row
+  // of G that is noise to a hundredth, and no row: what it stands for is not held. Sums in extended precision
+  // know better.
+  const double threshold =
+      scale_.empty() ? 1e2 * kernelDimension_ * std::numeric_limits<double>::epsilon() : 0.0;
+  factor_ = factorOf(nullptr, threshold);
   coarseMap_ = Teuchos::rcp(
       new Map(static_cast<Tpetra::global_size_t>(dimension()), 0, comm_, Tpetra::LocallyReplicated));
 }

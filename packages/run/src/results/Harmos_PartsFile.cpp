@@ -14,10 +14,18 @@ namespace {
 
 using Owned = std::vector<scene::OwnedSubdomain>;
 
-std::string arrayName(const scene::PartSummary& part) {
-  std::string name = part.body + ": " + part.part;
-  std::replace(name.begin(), name.end(), '/', '|'); // HDF5 parts groups by slashes
-  return name;
+// Names of the arrays, each once.
+std::vector<std::string> arrayNames(const std::vector<scene::PartSummary>& parts) {
+  std::vector<std::string> names;
+  for (const scene::PartSummary& part : parts) {
+    std::string name = part.body + ": " + part.part;
+    std::replace(name.begin(), name.end(), '/', '|'); // HDF5 parts groups by slashes
+    std::string once = name;
+    for (int k = 2; std::find(names.begin(), names.end(), once) != names.end(); ++k)
+      once = name + " (" + std::to_string(k) + ")";
+    names.push_back(once);
+  }
+  return names;
 }
 
 // The arrays of the file, of this rank's subdomains.
@@ -101,8 +109,9 @@ void writeParts(const Teuchos::Comm<int>& comm, const std::string& path, const s
   file.cells(grid.links, grid.offsets, grid.types);
   file.cellData("body", grid.bodies);
   file.cellData("part", grid.firstPart);
+  const std::vector<std::string> names = arrayNames(parts);
   for (std::size_t p = 0; p < parts.size(); ++p)
-    file.cellData(arrayName(parts[p]), grid.numbers[p]);
+    file.cellData(names[p], grid.numbers[p]);
   file.commit();
 }
 

@@ -91,14 +91,16 @@ class RuleWork {
           continue;
         if (names_.all[b].count(rule.name) > 0)
           throw InputError("\"" + path + "\": body \"" + bodyName(b) +
-                               "\" has a part of this name in its mesh; take another name",
+                               "\" has a part of this name in its mesh; take another name, or say by "
+                               "\"Bodies\" which others it is for",
                            {{"path", path}});
         candidates.insert(known[b].begin(), known[b].end());
       }
       for (const std::string& part : rule.of)
         if (candidates.count(part) == 0)
           throw InputError("\"" + path + "/Of\" names the boundary part \"" + part +
-                               "\", which is not there" + offer(part, {candidates.begin(), candidates.end()}),
+                               "\", which is not there, or has no sides; parts are named without their body" +
+                               offer(part, {candidates.begin(), candidates.end()}),
                            {{"path", path + "/Of"}});
       for (std::size_t b = 0; b < scene_.bodies.size(); ++b)
         if (rule.isOn(bodyName(b)))
@@ -172,8 +174,8 @@ class RuleWork {
         list += (list.empty() ? " " : ", ") + std::to_string(static_cast<long long>(counts[1 + c])) +
                 " are " + words;
       }
-    text << list << (given > 1 ? ", none all of it" : "")
-         << "; look at the boundary by --parts, or widen its \"Tolerance\"";
+    text << list << (given > 1 ? ", none all of it" : "") << "; look at the boundary by --parts"
+         << (rule.box || rule.plane || rule.cylinder ? ", or widen its \"Tolerance\"" : "");
     return InputError(text.str(), {{"path", pathOf(rule)}});
   }
 

@@ -43,6 +43,29 @@ std::string reasonOf(const std::string& message) {
   return reason.empty() ? last : reason;
 }
 
+bool isValueOf(const std::string& type, const std::string& text);
+
+std::string trimmed(const std::string& text) {
+  const char* blanks = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(blanks), end = text.find_last_not_of(blanks);
+  return begin == std::string::npos ? "" : text.substr(begin, end - begin + 1);
+}
+
+// "{1, 2}" of values of the type.
+bool isArrayOf(const std::string& type, const std::string& text) {
+  const std::string whole = trimmed(text);
+  if (whole.size() < 2 || whole.front() != '{' || whole.back() != '}')
+    return false;
+  const std::string inner = whole.substr(1, whole.size() - 2);
+  if (trimmed(inner).empty())
+    return true;
+  std::istringstream items(inner + ",");
+  for (std::string item; std::getline(items, item, ',');)
+    if (!isValueOf(type, trimmed(item)))
+      return false;
+  return true;
+}
+
 // Whether the whole text is a value of the type; Teuchos reads as much as it understands and drops the rest.
 bool isValueOf(const std::string& type, const std::string& text) {
   if (type == "int" || type == "double") {
@@ -56,8 +79,12 @@ bool isValueOf(const std::string& type, const std::string& text) {
         return false;
     }
     const bool overflow = errno == ERANGE && type == "int";
-    return !text.empty() && end == text.c_str() + text.size() && !overflow;
+    // Teuchos reads "inf" and "nan" as 0.
+    return !text.empty() && end == text.c_str() + text.size() && !overflow &&
+           text.find_first_of("nN") == std::string::npos;
   }
+  if (type == "Array(int)" || type == "Array(double)")
+    return isArrayOf(type.substr(6, type.size() - 7), text);
   if (type == "bool")
     return text == "true" || text == "false";
   return true;
@@ -79,8 +106,11 @@ void checkValues(const Teuchos::XMLObject& list, const std::string& path) {
     } else if (child.hasAttribute("type") && child.hasAttribute("value")) {
       const std::string type = child.getRequired("type"), value = child.getRequired("value");
       if (!isValueOf(type, value))
-        throw InputError(place + " has the type \"" + type + "\", but \"" + value +
-                         "\" is no value of that type" + (type == "bool" ? " (true or false)" : ""));
+        throw InputError(
+            place + " has the type \"" + type + "\", but \"" + value + "\" is no value of that type" +
+            (type == "bool"                ? " (true or false)"
+             : type.rfind("Array", 0) == 0 ? " (numbers in braces, with commas between; none is infinite)"
+                                           : ""));
     }
   }
 }
