@@ -61,7 +61,8 @@ bool isArrayOf(const std::string& type, const std::string& text) {
     return true;
   std::istringstream items(inner + ",");
   for (std::string item; std::getline(items, item, ',');)
-    if (!isValueOf(type, trimmed(item)))
+    // "inf" and "nan": in an array Teuchos reads them as 0, too.
+    if (!isValueOf(type, trimmed(item)) || item.find_first_of("nN") != std::string::npos)
       return false;
   return true;
 }
@@ -79,9 +80,7 @@ bool isValueOf(const std::string& type, const std::string& text) {
         return false;
     }
     const bool overflow = errno == ERANGE && type == "int";
-    // Teuchos reads "inf" and "nan" as 0.
-    return !text.empty() && end == text.c_str() + text.size() && !overflow &&
-           text.find_first_of("nN") == std::string::npos;
+    return !text.empty() && end == text.c_str() + text.size() && !overflow;
   }
   if (type == "Array(int)" || type == "Array(double)")
     return isArrayOf(type.substr(6, type.size() - 7), text);
