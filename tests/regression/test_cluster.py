@@ -33,6 +33,10 @@ SUBMIT = {"slurm": "sbatch", "pbs": "qsub"}
 # A scheduler that writes down its words and then runs the script with the environment that was
 # asked for. SIGNAL_AFTER: seconds after which Slurm signals the batch script, as with --signal=B:.
 FAKE_SCHEDULER = r"""#!/bin/bash
+if [ "$1" = --test-only ]; then
+  echo "sbatch: Job 1 to start now" >&2
+  exit "${NO_PLACE:-0}"
+fi
 printf '%s\n' "$*" >> "$RECORD/submissions"
 script="${@: -1}"
 for word in "$@"; do
@@ -156,7 +160,8 @@ class Scripts(Place):
     def test_slurm_with_srun_has_its_steps_signalled(self):
         text = self.script("slurm", "--launcher", "srun")
         self.assertIn("#SBATCH --signal=USR1@240\n", text)
-        self.assertIn("srun --cpu-bind=cores", text)
+        self.assertIn("srun --mpi=pmix --cpu-bind=cores", text)
+        self.assertIn("srun --mpi=pmi2 ", self.script("slurm", "--launcher", "srun", "--mpi", "pmi2"))
 
     def test_pbs(self):
         text = self.script("pbs")
@@ -209,7 +214,7 @@ class Chain(Place):
         self.program(SUBMIT[scheduler], FAKE_SCHEDULER)
         self.program("mpirun", FAKE_MPIRUN)
         (self.place / "plan").write_text("\n".join(map(str, statuses)) + "\n", encoding="utf-8")
-        done = self.submit("--ranks", "2", *words)
+        done = self.submit("--ranks", "2", "--scheduler", scheduler, *words)
         self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_checkpoints_are_continued(self):
@@ -256,7 +261,7 @@ class Chain(Place):
         self.program(SUBMIT[scheduler], FAKE_SCHEDULER)
         app = self.program("stoppable", STOPPABLE)
         self.environment["SIGNAL_AFTER"] = after
-        done = self.submit("--ranks", "2", "--bind", "none", *words, app=app)
+        done = self.submit("--ranks", "2", "--bind", "none", "--scheduler", scheduler, *words, app=app)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(self.lines("statuses"), ["0", "4"], self.lines("log.0"))
         self.assertEqual(len(self.lines("submissions")), 2)
@@ -268,6 +273,33 @@ class Chain(Place):
 
     def test_time_limit_of_pbs_signals_the_ranks(self):
         self.signalled("pbs", "--time", "00:01:02", "--margin", "60")
+
+
+class Before(Place):
+    """What is asked before anything is submitted."""
+
+    def test_jobs_without_a_place_are_not_submitted(self):
+        self.program("sbatch", FAKE_SCHEDULER)
+        self.environment["NO_PLACE"] = "1"
+        done = self.submit("--ranks", "2", "--scheduler", "slurm")
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+        self.assertIn("Slurm could not start 2 ranks", done.stderr)
+        self.assertFalse(self.lines("submissions"))
+
+    def test_plan(self):
+        words = ("--plan", "--ranks", "2", "--dry-run", "--scheduler", "slurm")
+        done = self.submit(*words)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        needed = int(re.search(r"Plan for 2 ranks: (\d+) MiB", done.stdout).group(1))
+        self.assertIn(f"#SBATCH --mem-per-cpu={needed}M\n", done.stdout)
+        self.assertTrue(30 < needed < 300, needed)
+        done = self.submit(*words, "--memory", str(needed - 1))
+        self.assertEqual(done.returncode, 1)
+        self.assertIn(f"less than the {needed} that the run takes", done.stderr)
+        done = self.submit(*words, "--set", "Model/Problem=nothing")
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("the plan failed: error: ", done.stderr)
 
 
 class Scaling(Place):
