@@ -465,7 +465,7 @@ std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBo
   HARMOS_REQUIRE(dimension == 2 || dimension == 3, "bodies have two or three dimensions");
   // Gmsh throws strings, and numbers where it knows no more.
   try {
-    const GmshSession session;
+    const GmshSession session(path);
     try {
       Reader reader(path, dimension, meshing);
       std::vector<BodyMesh> result;

@@ -40,13 +40,11 @@ namespace {
 
 volatile std::sig_atomic_t inGmsh = 0;
 
-// Only what a handler of signals may do.
+// Made beforehand: a handler of signals may do next to nothing.
+std::string sentence;
+
 [[noreturn]] void endWithSentence() {
-  constexpr char sentence[] =
-      "error: Gmsh ended the program that reads a mesh file by it: the file is damaged, "
-      "ends it itself (Exit), or asks for what Gmsh cannot do. Open the file in Gmsh to "
-      "see where it fails\n";
-  const auto written = write(STDERR_FILENO, sentence, sizeof(sentence) - 1);
+  const auto written = write(STDERR_FILENO, sentence.data(), sentence.size());
   constexpr int badInput = 2;
   _exit(written < 0 ? badInput + 1 : badInput);
 }
@@ -62,7 +60,12 @@ void onExit() {
 
 } // namespace
 
-EndGuard::EndGuard() : aborted_(std::signal(SIGABRT, onSignal)), faulted_(std::signal(SIGSEGV, onSignal)) {
+EndGuard::EndGuard(const std::string& path)
+    : aborted_(std::signal(SIGABRT, onSignal)), faulted_(std::signal(SIGSEGV, onSignal)) {
+  sentence =
+      "error: Gmsh ended the program that reads \"" + path +
+      "\" by it: the file is damaged, ends it itself (Exit), or asks for what Gmsh cannot do. Open the file "
+      "in Gmsh to see where it fails\n";
   static const bool registered = std::atexit(onExit) == 0;
   inGmsh = registered ? 1 : 0;
 }
@@ -73,7 +76,7 @@ EndGuard::~EndGuard() {
   std::signal(SIGSEGV, faulted_);
 }
 
-GmshSession::GmshSession() {
+GmshSession::GmshSession(const std::string& path) : guard_(path) {
   gmsh::initialize(0, nullptr, false);
   gmsh::option::setNumber("General.Terminal", 0);
   gmsh::option::setNumber("General.AbortOnError", 2); // throw

@@ -33,7 +33,8 @@ class Silence {
 /// by exit() or abort(): while this lives, that ends with a sentence and exit status 2.
 class EndGuard {
  public:
-  EndGuard();
+  /// @param path of the file, for the sentence.
+  explicit EndGuard(const std::string& path);
   ~EndGuard();
   EndGuard(const EndGuard&) = delete;
   EndGuard& operator=(const EndGuard&) = delete;
@@ -46,7 +47,8 @@ class EndGuard {
 /// Gmsh has one global state; this is its life time.
 class GmshSession {
  public:
-  GmshSession();
+  /// @param path of the file that will be read.
+  explicit GmshSession(const std::string& path);
   ~GmshSession();
   GmshSession(const GmshSession&) = delete;
   GmshSession& operator=(const GmshSession&) = delete;
