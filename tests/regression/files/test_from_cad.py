@@ -23,6 +23,8 @@ try:
     import h5py
     import numpy as np
     import vtkmodules  # noqa: F401
+
+    import run_results
 except ImportError as missing:
     runs.skip(f"the Python module {missing.name} is missing")
 
@@ -78,9 +80,23 @@ class FromCad(unittest.TestCase):
         self.assertTrue((pressure[hole & ~closed] == 0.0).all())
         self.assertTrue((pressure[closed] > 0.0).all())
         # Hertz' half angle for two cylinders that are not close, (4 Q/(pi E* dR))^(1/2), is 24.6 degrees; a lug that
-        # gives way around the pin is touched on a wider arc.
+        # gives way around the pin is touched on a wider arc, but of no more than the half that the pin is pulled to.
         self.assertGreater(np.abs(angle[closed]).max(), 24.6)
-        self.assertLess(np.abs(angle[closed]).max(), 40.0)
+        self.assertLess(np.abs(angle[closed]).max(), 90.0)
+
+    def test_pressures_make_up_the_pull(self):
+        """Their integral over the hole, by flat pieces of its facets with the mean of their corners."""
+        solid = run_results.read_result(self.place / "run/result.vtkhdf")
+        corners = solid.xyz[solid.cells]
+        hole = (np.abs(np.hypot(corners[..., 0], corners[..., 1]) - 10.0) < 1e-6).all(axis=1)
+        normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]) / 2
+        # A triangle repeats its last corner.
+        mean = solid.pressure[solid.cells[:, :3]].mean(axis=1)
+        force = -(normal * mean[:, None])[hole].sum(axis=0)
+        pull = TRACTION * 2 * math.pi * RADIUS**2
+        # Pressures that double towards the rims over the last of some ten facets: the trapezoidal rule is off by a tenth
+        # of the rise there, on two of ten rows.
+        self.assertAlmostEqual(force[0] / pull, 1.0, delta=0.02)
 
 
 if __name__ == "__main__":

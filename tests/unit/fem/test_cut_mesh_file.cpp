@@ -12,6 +12,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <unistd.h>
 
 using namespace Harmos;
 using fem::CellType;
@@ -21,10 +22,27 @@ using fem::PlacedMesh;
 
 namespace {
 
-// Every rank writes a file of its own.
+// Every rank writes files of its own, which do not outlive the tests.
+class Files {
+ public:
+  Files() : directory_("/tmp/harmos_test_cut_" + std::to_string(getpid())) {
+    std::filesystem::create_directory(directory_);
+  }
+  ~Files() {
+    std::error_code ignored;
+    std::filesystem::remove_all(directory_, ignored);
+  }
+  Files(const Files&) = delete;
+  Files& operator=(const Files&) = delete;
+  const std::string& directory() const { return directory_; }
+
+ private:
+  std::string directory_;
+};
+
 std::string path(const std::string& name) {
-  return "cut_" + std::to_string(testComm()->getSize()) + "_" + std::to_string(testComm()->getRank()) + "_" +
-         name;
+  static const Files files;
+  return files.directory() + "/" + name;
 }
 
 CutBody cutBody(const std::string& name, CellType type, int cells, int parts) {

@@ -50,6 +50,10 @@ bool canReadGmsh();
 /// called on one rank, while no other thread writes to standard output: it is shut meanwhile, because
 /// OpenCASCADE, which reads .step files for Gmsh, prints to it. Gmsh's messages go into the errors.
 ///
+/// Gmsh itself ends the process on some files (`Exit` in a .geo, expressions that it cannot parse): then this
+/// does not return, and the process ends with a sentence and status 2. Who cannot have that reads in a
+/// process of its own, as harmos-mesh does.
+///
 /// Guarded by tests/unit/fem/test_gmsh_file.cpp.
 ///
 /// @param bodies none: each group of the highest dimension is one. @param dimension of the bodies, 2 or 3.
