@@ -3,10 +3,10 @@
 
 #include "Harmos_Agreement.hpp"
 #include "Harmos_BoundaryParts.hpp"
-#include "Harmos_CoarseSpace.hpp"
 #include "Harmos_ContactSetup.hpp"
 #include "Harmos_Decomposition.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_ReplicatedCoarse.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
 #include <Tpetra_MultiVector.hpp>
@@ -278,7 +278,7 @@ class Surveyor {
   std::optional<feti::SubdomainSystem> system_;
   scene::ContactSetup contact_;
   std::optional<feti::Constraints> constraints_;
-  std::optional<feti::CoarseSpace> coarse_;
+  std::optional<feti::ReplicatedCoarse> coarse_;
 
   // Of this rank's subdomains, as they are counted.
   std::vector<Item> mine_;
@@ -404,10 +404,10 @@ std::vector<int> Surveyor::countRows(int i, SurveyedSubdomain& s) {
 // A row of G̃ᵀ.
 void Surveyor::countCoarse(int overlapRow, SurveyedSubdomain& s) const {
   s.ownedRows += 1.0;
-  double entries = 0.0;
-  coarse_->forRow(
-      constraints_->rowMap()->getLocalElement(constraints_->overlapMap()->getGlobalElement(overlapRow)),
-      [&](int, double) { entries += 1.0; });
+  const auto row = static_cast<std::size_t>(
+      constraints_->rowMap()->getLocalElement(constraints_->overlapMap()->getGlobalElement(overlapRow)));
+  const std::vector<std::size_t>& offsets = coarse_->rows().offsets();
+  const auto entries = static_cast<double>(offsets[row + 1] - offsets[row]);
   s.coarseEntries += entries;
   s.coarsePairs += 0.5 * entries * (entries + 1.0);
 }

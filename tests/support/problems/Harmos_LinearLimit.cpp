@@ -3,6 +3,7 @@
 
 #include "Harmos_DualOperator.hpp"
 #include "Harmos_Recovery.hpp"
+#include "Harmos_ReplicatedCoarse.hpp"
 #include "Harmos_RunOptions.hpp"
 
 #include <cmath>
@@ -49,7 +50,7 @@ LimitProblem::LimitProblem(const TestModel& model) {
   inverses_ =
       std::make_unique<feti::LocalInverses>(feti::makeLocalInverses(*system_, *constraints_, options));
   operator_ = std::make_unique<feti::DualOperator>(*constraints_, *inverses_);
-  coarse_ = std::make_unique<feti::CoarseSpace>(*system_, *constraints_);
+  coarse_ = std::make_unique<feti::ReplicatedCoarse>(*system_, *constraints_);
   dual_ = std::make_unique<feti::DualProblem>(*system_, *constraints_, *inverses_, *operator_, *coarse_);
   preconditioner_ = Teuchos::rcp(new feti::DualPreconditioner(*system_, *constraints_, *inverses_,
                                                               feti::PreconditionerKind::Dirichlet,

@@ -3,6 +3,7 @@
 
 #include "Harmos_DualProblem.hpp"
 #include "Harmos_KktAudit.hpp"
+#include "Harmos_ReplicatedCoarse.hpp"
 #include "Harmos_TestModel.hpp"
 #include "Harmos_TestQp.hpp"
 
@@ -23,7 +24,7 @@ struct TestFeti {
   feti::Constraints constraints;
   feti::LocalInverses inverses;
   feti::DualOperator dualOperator;
-  feti::CoarseSpace coarse;
+  feti::ReplicatedCoarse coarse;
   feti::DualProblem dual;
 };
 
@@ -48,18 +49,24 @@ inline TestDualSolution solveDual(const feti::DualProblem& dual, const feti::Coa
   solution.lambda = Teuchos::rcp(new MultiVector(dual.rhs()->getMap(), 1));
   const auto problem = Teuchos::rcp(new qp::TpetraProblem(dual.hessian(), solution.lambda, dual.rhs()));
   problem->setLowerBound(dual.lowerBound());
-  const auto mu = Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1));
-  if (!dual.equalityRows().is_null())
-    problem->setEquality(dual.equalityRows(), Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1)), mu,
+  Teuchos::RCP<MultiVector> mu;
+  if (!dual.equalityRows().is_null()) {
+    const Teuchos::RCP<const Map> rows = dual.equalityRows()->getRangeMap();
+    mu = Teuchos::rcp(new MultiVector(rows, 1));
+    problem->setEquality(dual.equalityRows(), Teuchos::rcp(new MultiVector(rows, 1)), mu,
                          qp::EqualityStructure::OrthonormalInvariant);
+    problem->setFaceGram(coarse.faceGram());
+  }
   problem->setProblem();
   const auto list = Teuchos::parameterList();
   list->set("Convergence Tolerance", tolerance);
   const auto solver = qp::TpetraSolverFactory().create("Auto", list);
   solver->setProblem(problem);
   solution.result = solver->solve();
-  if (!dual.equalityRows().is_null())
-    solution.mu = fromVector(*mu);
+  if (!dual.equalityRows().is_null()) {
+    const auto view = mu->getLocalViewHost(Tpetra::Access::ReadOnly);
+    solution.mu.assign(view.data(), view.data() + view.extent(0));
+  }
   return solution;
 }
 

@@ -24,7 +24,7 @@ double norm(const MultiVector& x) {
 TEST(CoarseSpace, rows_of_G_are_orthonormal_and_P_is_a_projector) {
   for (DirichletForm form : {DirichletForm::Primal, DirichletForm::Dual}) {
     const TestFeti feti(testModel(3, 2), form);
-    const CoarseSpace& coarse = feti.coarse;
+    const ReplicatedCoarse& coarse = feti.coarse;
     EXPECT_EQ(coarse.dimension(), feti.system.kernelDimension());
     // GGᵀ = I.
     for (int k = 0; k < coarse.dimension(); ++k) {
@@ -74,7 +74,7 @@ TEST(CoarseSpace, rank_deficiency_is_found_and_judged_by_the_load) {
   {
     const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Primal);
     const Constraints constraints(system, model.rows);
-    const CoarseSpace coarse(system, constraints);
+    const ReplicatedCoarse coarse(system, constraints);
     EXPECT_EQ(coarse.kernelDimension(), 8);
     EXPECT_EQ(coarse.dimension(), 7);
     EXPECT_EQ(coarse.dependentColumns().size(), 1u);
@@ -113,7 +113,7 @@ TEST(CoarseSpace, rank_deficiency_is_found_and_judged_by_the_load) {
 // Dense and sparse factors give the same projector, and on faces the same solutions; GGᵀ = I in either form.
 TEST(CoarseSpace, dense_and_sparse_factors_agree) {
   const TestFeti feti(testModel(4, 2));
-  const CoarseSpace dense(feti.system, feti.constraints, 1000), sparse(feti.system, feti.constraints, 0);
+  const ReplicatedCoarse dense(feti.system, feti.constraints, 1000), sparse(feti.system, feti.constraints, 0);
   ASSERT_TRUE(dense.factor().isDense());
   ASSERT_FALSE(sparse.factor().isDense());
   ASSERT_EQ(dense.dimension(), sparse.dimension());
@@ -137,7 +137,7 @@ TEST(CoarseSpace, dense_and_sparse_factors_agree) {
       view(r, 0) = active ? 0.0 : 1.0;
     }
   }
-  for (const CoarseSpace* coarse : {&dense, &sparse}) {
+  for (const ReplicatedCoarse* coarse : {&dense, &sparse}) {
     // G M Gᵀ x for x = solveOnFace(r) is r.
     std::vector<double> r(static_cast<std::size_t>(coarse->dimension()));
     for (std::size_t k = 0; k < r.size(); ++k)
@@ -215,19 +215,17 @@ TEST(CoarseSpace, minimum_norm_solution_of_a_singular_system) {
   const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Primal);
   const Constraints constraints(system, model.rows);
   for (int mostDense : {0, 1000}) {
-    const CoarseSpace coarse(system, constraints, mostDense);
+    const ReplicatedCoarse coarse(system, constraints, mostDense);
     MultiVector ones(constraints.rowMap(), 1);
     ones.putScalar(1.0);
     // r = G̃G̃ᵀ e for e without a share in the null vector, whose entries are all equal for equal subdomains.
-    const std::vector<double> e = {1, -2, 3, -4, 5, -6, 7, -4};
+    const std::vector<double> all = {1, -2, 3, -4, 5, -6, 7, -4};
+    std::vector<double> e;
+    for (int column : coarse.ownColumns())
+      e.push_back(all[static_cast<std::size_t>(column)]);
     MultiVector v(constraints.rowMap(), 1);
-    {
-      const auto view = v.getLocalViewHost(Tpetra::Access::ReadWrite);
-      for (std::size_t row = 0; row < view.extent(0); ++row)
-        coarse.forRow(static_cast<int>(row),
-                      [&](int k, double value) { view(row, 0) += value * e[static_cast<std::size_t>(k)]; });
-    }
-    const std::vector<double> x = coarse.minimumNormSolution(ones, coarse.applyUnscaled(v));
+    coarse.addTransposed(1.0, e, v);
+    const std::vector<double> x = coarse.minimumNormSolution(ones, coarse.multiply(v));
     for (std::size_t k = 0; k < e.size(); ++k)
       EXPECT_NEAR(x[k], e[k], 1e-12) << mostDense;
   }

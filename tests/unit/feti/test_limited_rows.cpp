@@ -3,9 +3,10 @@
 /// Rows whose force is limited: the same wherever they are given, answers that an audit bears out and faults
 /// that it finds, limits that change, and input that is refused.
 
-#include "Harmos_CoarseSpace.hpp"
+#include "Harmos_DistributedCoarse.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_FetiSolver.hpp"
+#include "Harmos_ReplicatedCoarse.hpp"
 #include "Harmos_TestComm.hpp"
 #include "Harmos_TestErrors.hpp"
 #include "Harmos_TestModel.hpp"
@@ -192,7 +193,7 @@ TEST(LimitedRows, tangents_in_the_coarse_problem) {
   const TestModel model = limited(small, true);
   const feti::SubdomainSystem system(testComm(), model.subdomains, feti::DirichletForm::Dual);
   const feti::Constraints constraints(system, model.rows);
-  const feti::CoarseSpace coarse(system, constraints);
+  const feti::ReplicatedCoarse coarse(system, constraints);
   MultiVector mask(constraints.rowMap(), 1);
   mask.putScalar(1.0);
   std::vector<qp::Slip> slips;
@@ -213,8 +214,9 @@ TEST(LimitedRows, tangents_in_the_coarse_problem) {
           gram[i * n + j] += row[i] * row[j];
     };
     const auto rowOf = [&](int row, double factor, std::vector<double>& sum) {
-      coarse.forRow(
-          row, [&](int column, double value) { sum[static_cast<std::size_t>(column)] += factor * value; });
+      const auto r = static_cast<std::size_t>(row);
+      for (std::size_t k = coarse.rows().offsets()[r]; k < coarse.rows().offsets()[r + 1]; ++k)
+        sum[static_cast<std::size_t>(coarse.rows().columns()[k])] += factor * coarse.rows().values()[k];
     };
     {
       const auto view = mask.getLocalViewHost(Tpetra::Access::ReadOnly);
@@ -246,6 +248,16 @@ TEST(LimitedRows, tangents_in_the_coarse_problem) {
     const std::vector<double> back = coarse.solveL(image);
     for (std::size_t k = 0; k < r.size(); ++k)
       EXPECT_NEAR(back[k], r[k], 1e-9) << q;
+    // The same in shares: Gᵀy of Gᵀr.
+    MultiVector inDualSpace(constraints.rowMap(), 1), expected(constraints.rowMap(), 1);
+    coarse.addGt(1.0, r, inDualSpace);
+    coarse.addGt(1.0, y, expected);
+    const feti::DistributedCoarse shared(system, constraints, {});
+    shared.faceGram()->buildWithSlips(mask, slips, q)->solve(inDualSpace);
+    inDualSpace.update(-1.0, expected, 1.0);
+    std::vector<double> distance(1);
+    inDualSpace.normInf(Teuchos::arrayViewFromVector(distance));
+    EXPECT_LT(distance[0], 1e-9) << q;
   }
 }
 

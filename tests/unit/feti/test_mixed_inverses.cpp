@@ -18,7 +18,7 @@ TEST(MixedInverses, the_solver_believes_and_the_audit_objects) {
   const LocalInverses forF = makeLocalInverses(system, constraints, implicitOptions(1)),
                       forD = makeLocalInverses(system, constraints);
   const DualOperator dualOperator(constraints, forF);
-  const CoarseSpace coarse(system, constraints);
+  const ReplicatedCoarse coarse(system, constraints);
   const double tolerance = 1e-9;
 
   for (bool mixed : {false, true}) {

@@ -10,6 +10,7 @@
 
 #include <Tpetra_Import.hpp>
 #include <Tpetra_MultiVector.hpp>
+#include <Tpetra_Vector.hpp>
 
 #include <algorithm>
 #include <chrono>
@@ -37,11 +38,15 @@ void applyMask(const MultiVector& mask, MultiVector& x) {
 }
 
 // x ← x − G_Eᵀ(G_EG_Eᵀ)⁻G_Ex for x on the rows E of the mask.
-void projectOnFace(const CoarseSpace& coarse, const CoarseFactor& face, const MultiVector& mask,
+void projectOnFace(const Operator& rows, const qp::FaceGram<MultiVector>& face, const MultiVector& mask,
                    MultiVector& x) {
   for (int pass = 0; pass < 2; ++pass) { // the second for what rounding leaves
-    for (std::size_t c = 0; c < x.getNumVectors(); ++c)
-      coarse.addGt(-1.0, coarse.solveOnFace(face, coarse.applyG(x, c)), x, c);
+    for (std::size_t c = 0; c < x.getNumVectors(); ++c) {
+      MultiVector w(rows.getRangeMap(), 1);
+      rows.apply(*x.getVector(c), w);
+      face.solve(w);
+      rows.apply(w, *x.getVectorNonConst(c), Teuchos::TRANS, -1.0, 1.0);
+    }
     applyMask(mask, x);
   }
 }
@@ -231,11 +236,12 @@ std::string AdaptiveSpace::makeVectors() {
   keepLargest(comm, static_cast<long long>(room / (16.0 * std::max(rows, 1.0))), modes);
   const Numbering numbering = numberingOf(stages_.system, modes);
   if (numbering.total > 0) {
-    const CoarseFactor face = stages_.coarse.faceFactor(shop.mask);
+    const Teuchos::RCP<const Operator> equalities = stages_.coarse.equalityRows();
+    const auto face = equalities.is_null() ? Teuchos::null : stages_.coarse.faceGram()->build(shop.mask);
     deflation_.emplace(shop.dual, stages_.coarse, imagesOf(shop, modes, numbering), [&](MultiVector& x) {
       applyMask(shop.mask, x);
-      if (stages_.coarse.dimension() > 0)
-        projectOnFace(stages_.coarse, face, shop.mask, x);
+      if (!equalities.is_null())
+        projectOnFace(*equalities, *face, shop.mask, x);
     });
   }
   if (deflation_ && deflation_->dimension() == 0)

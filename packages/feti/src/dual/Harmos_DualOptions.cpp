@@ -131,6 +131,12 @@ void DualOptions::addDecompositionTo(ParameterSpec& deck) {
                         {"primal", "FETI: prescribed displacements stay in the subdomain matrices"},
                         {"dual", "Total FETI: they become Lagrange multipliers; every subdomain floats"}},
                        "How prescribed displacements are enforced.");
+  decomposition.choice("Coarse problem", "auto",
+                       {{"auto", "by the cost model: distributed where there are many ranks"},
+                        {"replicated", "every rank factors and solves all of it"},
+                        {"distributed", "groups of ranks factor it together, each rank keeps its rows of the "
+                                        "inverse"}},
+                       "Who solves the coarse problem, of the rigid motions of all subdomains.");
   deck.list(std::move(decomposition));
 }
 
@@ -139,6 +145,15 @@ std::optional<DirichletForm> DualOptions::decompositionFrom(const Teuchos::Param
   if (form == "auto")
     return std::nullopt;
   return form == "dual" ? DirichletForm::Dual : DirichletForm::Primal;
+}
+
+CoarseOptions DualOptions::coarseFrom(const Teuchos::ParameterList& decomposition) const {
+  using Form = CoarseOptions::Form;
+  CoarseOptions options = coarse;
+  const std::string asked = decomposition.get<std::string>("Coarse problem");
+  options.form = asked == "auto" ? Form::Auto : asked == "replicated" ? Form::Replicated : Form::Distributed;
+  options.rates = rates.step;
+  return options;
 }
 
 LocalInverseOptions DualOptions::inversesFor(double tolerance) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_CoarseOptions.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_ParameterSpec.hpp"
 #include "Harmos_Rates.hpp"
@@ -40,6 +41,7 @@ struct DualOptions {
   /// Below, the orthogonal projector costs hardly a product: 18 at 1, 30 at 100 (docs/stability.md).
   static constexpr double muchContrast = 30.0;
   AdaptiveOptions adaptive;
+  CoarseOptions coarse;     ///< of the list "Decomposition": coarseFrom()
   int expectedProducts = 0; ///< 0: as usual
   int memoryBudgetMiB = 0;
   Rates rates;                     ///< of the cost model
@@ -70,6 +72,8 @@ struct DualOptions {
   /// Adds the list "Decomposition", how Dirichlet conditions are enforced, to a specification.
   static void addDecompositionTo(ParameterSpec& deck);
   static std::optional<DirichletForm> decompositionFrom(const Teuchos::ParameterList& list);
+  /// `coarse` with what that list says of it and the rates that are here.
+  CoarseOptions coarseFrom(const Teuchos::ParameterList& decomposition) const;
 
   /// Adds the list to the specification of a deck.
   static void addTo(ParameterSpec& deck);

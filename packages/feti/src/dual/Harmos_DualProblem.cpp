@@ -18,11 +18,11 @@ namespace Harmos::feti {
 namespace {
 
 struct KernelLoad {
-  std::vector<double> e;        ///< Rᵀf
+  std::vector<double> e;        ///< Rᵀf, a vector of motions
   std::vector<double> rounding; ///< its rounding errors, at most
 };
 
-// ẽ = Rᵀf, the same on all ranks. Loads that balance themselves, such as those of a warm body, leave rounding
+// ẽ = Rᵀf. Loads that balance themselves, such as those of a warm body, leave rounding
 // errors, for which there need be no forces that hold them: those are taken for zero.
 KernelLoad kernelLoad(const SubdomainSystem& system) {
   // Of sums of n terms, those of the load vector too: ε√n, and n is some thousands.
@@ -34,8 +34,6 @@ KernelLoad kernelLoad(const SubdomainSystem& system) {
   // a body leaves motions that are made by orthogonalisation.
   constexpr double entryRounding = 10.0 * std::numeric_limits<double>::epsilon();
   KernelLoad load;
-  load.e.assign(static_cast<std::size_t>(system.kernelDimension()), 0.0);
-  load.rounding = load.e;
   for (int i = 0; i < system.size(); ++i)
     for (int k = 0; k < system.kernel(i).columns; ++k) {
       double sum = 0.0, sizes = 0.0, largest = 0.0, forces = 0.0;
@@ -47,20 +45,10 @@ KernelLoad kernelLoad(const SubdomainSystem& system) {
         forces += std::abs(force);
       }
       const double ofEntries = entryRounding * largest * forces;
-      const auto place = static_cast<std::size_t>(system.kernelOffset(i) + k);
-      load.rounding[place] = kernelRounding * sizes + ofEntries;
-      load.e[place] = std::abs(sum) > unit * sizes + ofEntries ? sum : 0.0;
+      load.rounding.push_back(kernelRounding * sizes + ofEntries);
+      load.e.push_back(std::abs(sum) > unit * sizes + ofEntries ? sum : 0.0);
     }
-  globalSum(*system.comm(), load.e);
-  globalSum(*system.comm(), load.rounding);
   return load;
-}
-
-double norm(const std::vector<double>& v) {
-  double sum = 0.0;
-  for (double entry : v)
-    sum += entry * entry;
-  return std::sqrt(sum);
 }
 
 bool isZero(const std::vector<double>& v) {
@@ -101,45 +89,53 @@ void applyInverseToLoads(const SubdomainSystem& system, const Constraints& const
 // A dependent column of R is a rigid motion that the kept ones and the constraints leave free: its load must
 // be balanced by λ̃ all the same.
 struct Unbalanced {
-  int column;
+  long long subdomain;
   double residual;
 };
-std::optional<Unbalanced> unbalanced(const CoarseSpace& coarse, const MultiVector& shift,
-                                     const KernelLoad& load) {
-  const std::vector<double> balanced = coarse.applyUnscaled(shift);
-  const std::vector<double>& e = load.e;
-  const double tolerance = 1e-10 * norm(e) + norm(load.rounding);
-  for (int column : coarse.dependentColumns()) {
-    const double residual = e[static_cast<std::size_t>(column)] - balanced[static_cast<std::size_t>(column)];
-    if (!(std::abs(residual) <= tolerance))
-      return Unbalanced{column, residual};
-  }
-  return std::nullopt;
+std::optional<Unbalanced> unbalanced(const SubdomainSystem& system, const CoarseSpace& coarse,
+                                     const MultiVector& shift, const KernelLoad& load) {
+  const std::vector<double> balanced = coarse.multiply(shift);
+  const double tolerance = 1e-10 * coarse.norm(load.e) + coarse.norm(load.rounding);
+  const std::vector<char> isDependent = coarse.dependentMotions();
+  constexpr long long none = std::numeric_limits<long long>::max();
+  Unbalanced mine = {none, 0.0};
+  std::size_t place = 0;
+  for (int i = 0; i < system.size(); ++i)
+    for (int k = 0; k < system.kernel(i).columns; ++k, ++place) {
+      const double residual = load.e[place] - balanced[place];
+      if (isDependent[place] && !(std::abs(residual) <= tolerance) &&
+          system.subdomain(i).number < mine.subdomain)
+        mine = {system.subdomain(i).number, residual};
+    }
+  const long long first = globalMin(*system.comm(), mine.subdomain);
+  if (first == none)
+    return std::nullopt;
+  return Unbalanced{first, globalSum(*system.comm(), mine.subdomain == first ? mine.residual : 0.0)};
 }
 
 void requireBalance(const SubdomainSystem& system, const CoarseSpace& coarse, const MultiVector& shift,
                     const KernelLoad& load) {
-  const std::optional<Unbalanced> found = unbalanced(coarse, shift, load);
+  const std::optional<Unbalanced> found = unbalanced(system, coarse, shift, load);
   if (!found)
     return;
-  const std::string owner = std::to_string(system.kernelOwner(found->column));
+  const std::string owner = std::to_string(found->subdomain);
   throw NumericalError("the load on subdomain " + owner +
                            " cannot be held: a rigid motion that no constraint resists carries a load of " +
                            scientific(found->residual) + "; fix the body it belongs to, or balance its load",
                        {{"subdomain", owner}, {"residual", scientific(found->residual)}});
 }
 
-// λ̃ and w = Gλ̃ once more for what is left of ẽ: where weights differ by orders of magnitude G̃G̃ᵀ is badly
+// λ̃ and A⁻ẽ once more for what is left of ẽ: where weights differ by orders of magnitude G̃G̃ᵀ is badly
 // conditioned; so it is where bodies are thin and touch at few places.
-void refine(const CoarseSpace& coarse, const std::vector<double>& e, std::vector<double>& w,
+void refine(const CoarseSpace& coarse, const std::vector<double>& e, std::vector<double>& s,
             MultiVector& shift) {
-  std::vector<double> left = coarse.applyUnscaled(shift);
+  std::vector<double> left = coarse.multiply(shift);
   for (std::size_t k = 0; k < left.size(); ++k)
     left[k] = e[k] - left[k];
-  const std::vector<double> correction = coarse.solveL(left);
-  coarse.addGt(1.0, correction, shift);
-  for (std::size_t k = 0; k < w.size(); ++k)
-    w[k] += correction[k];
+  const std::vector<double> correction = coarse.solve(left);
+  coarse.addTransposed(1.0, correction, shift);
+  for (std::size_t k = 0; k < s.size(); ++k)
+    s[k] += correction[k];
 }
 
 } // namespace
@@ -156,12 +152,12 @@ DualProblem::DualProblem(const SubdomainSystem& system, const Constraints& const
   projectedD_ = Teuchos::rcp(new MultiVector(map, 1));
   const KernelLoad load = kernelLoad(system);
   if (coarse.dimension() > 0) {
-    std::vector<double> w = coarse.solveL(load.e);
-    coarse.addGt(1.0, w, *shift_);
-    if (constraints.hasWeights() || unbalanced(coarse, *shift_, load))
-      refine(coarse, load.e, w, *shift_);
+    std::vector<double> s = coarse.solve(load.e);
+    coarse.addTransposed(1.0, s, *shift_);
+    if (constraints.hasWeights() || unbalanced(system, coarse, *shift_, load))
+      refine(coarse, load.e, s, *shift_);
     requireBalance(system, coarse, *shift_, load);
-    scaledLoadNorm_ = norm(coarse.solveLt(w));
+    scaledLoadNorm_ = coarse.norm(s);
     MultiVector image(map, 1);
     dualOperator.apply(*shift_, image);
     dualOperator.rethrowFailure();
@@ -169,7 +165,7 @@ DualProblem::DualProblem(const SubdomainSystem& system, const Constraints& const
     ++setupApplications_;
     hessian_ = Teuchos::rcp(new ProjectedOperator(dualOperator, coarse));
     hessianOnKernel_ = Teuchos::rcp(new ProjectedOperator(dualOperator, coarse, true));
-    equalityRows_ = Teuchos::rcp(new CoarseOperator(coarse, map));
+    equalityRows_ = coarse.equalityRows();
   } else {
     requireBalance(system, coarse, *shift_, load);
     hessian_ = Teuchos::rcpFromRef(static_cast<const Operator&>(dualOperator));

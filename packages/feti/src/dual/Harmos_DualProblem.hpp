@@ -54,7 +54,7 @@ class DualProblem {
   /// Of soft rows, which have no others: [−λ̃, ∞) of inequalities, −λ̃ of limited rows. Null without any on all
   /// ranks.
   std::shared_ptr<const qp::LocalSoftBounds> softBounds() const { return soft_; }
-  /// G, or null without a kernel.
+  /// See CoarseSpace::equalityRows(); null without a kernel.
   Teuchos::RCP<const Operator> equalityRows() const { return equalityRows_; }
   /// λ̃.
   Teuchos::RCP<const MultiVector> shift() const { return shift_; }

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sys/mman.h>
 #include <type_traits>
 #include <unistd.h>
@@ -177,7 +178,7 @@ class EngineOf : public Mumps::Engine {
   static constexpr bool isDouble = std::is_same_v<Value, double>;
 
  public:
-  EngineOf(MPI_Comm comm, const MumpsOptions& options) : options_(options) {
+  EngineOf(MPI_Comm comm, const MumpsOptions& options) : options_(options), comm_(comm) {
     int rank = 0;
     MPI_Comm_rank(comm, &rank);
     isRoot_ = rank == 0;
@@ -193,6 +194,12 @@ class EngineOf : public Mumps::Engine {
     // Without pivoting and compression its size is known beforehand.
     int ranks = 1;
     MPI_Comm_size(comm, &ranks);
+    hasEntries_ = isRoot_ || options.isDistributed;
+    if (options.isDistributed) {
+      icntl(18) = 3;
+      icntl(13) = 1;
+      icntl(8) = 0;
+    }
     ownsWorkspace_ = ranks == 1 && options.symmetry == MumpsOptions::Symmetry::PositiveDefinite &&
                      options.blockLowRank == 0.0 && options.memoryMiB == 0;
     if (options.nullPivotThreshold > 0.0) {
@@ -222,11 +229,9 @@ class EngineOf : public Mumps::Engine {
       ++row;
     position_ = position;
     order_ = order;
+    setEntries();
     if (isRoot_) {
       mumps_.n = order;
-      mumps_.nnz = static_cast<MUMPS_INT8>(rows_.size());
-      mumps_.irn = rows_.data();
-      mumps_.jcn = columns_.data();
       mumps_.perm_in = position_.empty() ? nullptr : position_.data();
     }
     icntl(7) = static_cast<MUMPS_INT>(position.empty() && options_.ordering == MumpsOptions::Ordering::Given
@@ -257,15 +262,16 @@ class EngineOf : public Mumps::Engine {
   }
 
   void factorize(std::vector<double> values) override {
-    HARMOS_REQUIRE(!rows_.empty() || !isRoot_, "a matrix is factored once, after its analysis");
+    HARMOS_REQUIRE(!rows_.empty() || !isRoot_ || options_.isDistributed,
+                   "a matrix is factored once, after its analysis");
     scale(values);
     std::vector<Value> converted;
     if constexpr (isDouble)
       converted = std::move(values);
     else
       converted.assign(values.begin(), values.end());
+    (options_.isDistributed ? mumps_.a_loc : mumps_.a) = converted.data();
     if (isRoot_) {
-      mumps_.a = converted.data();
       schur_.assign(static_cast<std::size_t>(schurSize_) * static_cast<std::size_t>(schurSize_), Value(0));
       mumps_.schur = schur_.data();
     }
@@ -283,8 +289,8 @@ class EngineOf : public Mumps::Engine {
                            {{"infog1", "-40"}, {"infog2", std::to_string(negative)}});
     isFactored_ = true;
     // The factors are complete: a solve without iterative refinement does not read the matrix again.
-    mumps_.a = nullptr;
-    mumps_.irn = mumps_.jcn = nullptr;
+    mumps_.a = mumps_.a_loc = nullptr;
+    mumps_.irn = mumps_.jcn = mumps_.irn_loc = mumps_.jcn_loc = nullptr;
     rows_ = {};
     columns_ = {};
     position_ = {};
@@ -296,17 +302,14 @@ class EngineOf : public Mumps::Engine {
   void refactorize(std::vector<int> rows, std::vector<int> columns, std::vector<double> values) override {
     // Also after a factorisation that failed: the analysis is still good.
     HARMOS_REQUIRE(statistics.analyses > 0, "a matrix is factored again after its analysis");
-    if (isRoot_ && (rows.size() != analysedEntries_ || values.size() != analysedEntries_))
+    if (hasEntries_ && (rows.size() != analysedEntries_ || values.size() != analysedEntries_))
       throw InputError("a matrix with " + std::to_string(values.size()) +
                        " entries is to be factored by an "
                        "analysis of " +
                        std::to_string(analysedEntries_) + "; its graph has changed");
     rows_ = std::move(rows);
     columns_ = std::move(columns);
-    if (isRoot_) {
-      mumps_.irn = rows_.data();
-      mumps_.jcn = columns_.data();
-    }
+    setEntries();
     isFactored_ = false;
     condensed_ = 0;
     factorize(std::move(values));
@@ -391,18 +394,37 @@ class EngineOf : public Mumps::Engine {
   // By a power of two, so that the largest entry is about one. MUMPS takes pivots below some absolute size
   // for null and changes them, and single precision has a short range.
   void scale(std::vector<double>& values) {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
     double largest = 0.0;
-    for (double value : values) {
-      if (!std::isfinite(value))
-        throw InputError("a matrix to be factored has an entry that is not finite");
-      largest = std::max(largest, std::abs(value));
+    for (double value : values)
+      largest = std::isfinite(value) ? std::max(largest, std::abs(value)) : infinity;
+    if (options_.isDistributed) {
+      const double mine = largest;
+      MPI_Allreduce(&mine, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
     }
+    if (std::isinf(largest))
+      throw InputError("a matrix to be factored has an entry that is not finite");
     scale_ = largest > 0.0 ? std::exp2(-std::floor(std::log2(largest))) : 1.0;
     // Beyond the range of numbers there is no such power.
     if (!std::isfinite(scale_) || scale_ == 0.0)
       scale_ = 1.0;
     for (double& value : values)
       value *= scale_;
+    // A negative CNTL(3) is absolute.
+    if (options_.isDistributed && options_.nullPivotThreshold > 0.0)
+      mumps_.cntl[2] = static_cast<Value>(-options_.nullPivotThreshold * largest * scale_);
+  }
+
+  void setEntries() {
+    if (options_.isDistributed) {
+      mumps_.nnz_loc = static_cast<MUMPS_INT8>(rows_.size());
+      mumps_.irn_loc = rows_.data();
+      mumps_.jcn_loc = columns_.data();
+    } else if (isRoot_) {
+      mumps_.nnz = static_cast<MUMPS_INT8>(rows_.size());
+      mumps_.irn = rows_.data();
+      mumps_.jcn = columns_.data();
+    }
   }
 
   // MUMPS' main array, of the given number of entries.
@@ -440,6 +462,8 @@ class EngineOf : public Mumps::Engine {
   }
 
   MumpsOptions options_;
+  MPI_Comm comm_;
+  bool hasEntries_ = false; // whether entries of this rank are read
   typename Kind::Structure mumps_{};
   std::vector<int> rows_, columns_, schurRows_, position_;
   std::vector<Value> schur_;

@@ -33,13 +33,18 @@ struct MumpsOptions {
   double nullPivotThreshold = 0.0;
   /// Blocks of the factors are compressed to this relative accuracy (ICNTL(35), CNTL(7)); 0 for none.
   double blockLowRank = 0.0;
+  /// Whether each rank gives a share of the entries, which are summed (ICNTL(18) = 3), and not the root all.
+  /// Null pivots are relative to the largest entry of a share then, the matrix is not scaled, and no part of
+  /// it is left to ScaLAPACK, which finds no null pivots (ICNTL(13) = 1). The analysis brings the structure
+  /// together on the root, without values.
+  bool isDistributed = false;
   /// Limit of the working memory of each rank (ICNTL(23)); 0 for none.
   int memoryMiB = 0;
 };
 
 /// One factorisation by MUMPS (dmumps_c or smumps_c), with exceptions in the place of codes.
 ///
-/// The matrix is given on the root of the communicator as triplets. Every MUMPS error becomes a
+/// The matrix is given as triplets, on the root of the communicator or in shares. Every MUMPS error becomes a
 /// NumericalError or InternalError whose sentence names the remedy; warnings are collected. A workspace that
 /// proves too small is enlarged and the factorisation repeated.
 ///
@@ -66,7 +71,8 @@ class Mumps {
   Mumps(const Mumps&) = delete;
   Mumps& operator=(const Mumps&) = delete;
 
-  /// Analysis. @param rows, columns one-based; only the root's are read. @param schurRows zero-based.
+  /// Analysis. @param rows, columns one-based; only the root's are read, if entries are not in shares. @param
+  /// schurRows zero-based.
   /// @param position for Ordering::Given: of each row in the order of elimination, one-based, Schur rows
   /// last.
   void analyse(int order, std::vector<int> rows, std::vector<int> columns, std::vector<int> schurRows = {},

@@ -30,7 +30,7 @@ double norm(const MultiVector& x) {
   return result[0];
 }
 
-// Of a vector that every rank has whole; empty for null.
+// Of a vector of the equality rows, on this rank; empty for null.
 std::vector<double> valuesOf(const Teuchos::RCP<const MultiVector>& vector) {
   std::vector<double> values;
   if (vector.is_null())
@@ -40,35 +40,6 @@ std::vector<double> valuesOf(const Teuchos::RCP<const MultiVector>& vector) {
     values.push_back(view(k, 0));
   return values;
 }
-
-// What PDAS needs of G on faces, by the structure of the coarse space.
-class CoarseFaceGram : public qp::FaceGramMaker<MultiVector> {
- public:
-  explicit CoarseFaceGram(const CoarseSpace& coarse) : coarse_(coarse) {}
-
-  Teuchos::RCP<const qp::FaceGram> build(const MultiVector& free) const override {
-    return Teuchos::rcp(new Face(coarse_, coarse_.faceFactor(free)));
-  }
-  Teuchos::RCP<const qp::FaceGram>
-  buildWithSlips(const MultiVector& free, const std::vector<qp::Slip>& slipping, double q) const override {
-    return Teuchos::rcp(new Face(coarse_, coarse_.faceFactor(free, slipping, q)));
-  }
-
- private:
-  class Face : public qp::FaceGram {
-   public:
-    Face(const CoarseSpace& coarse, CoarseFactor factor) : coarse_(coarse), factor_(std::move(factor)) {}
-    std::vector<double> solve(const std::vector<double>& r) const override {
-      return coarse_.solveOnFace(factor_, r);
-    }
-
-   private:
-    const CoarseSpace& coarse_;
-    CoarseFactor factor_;
-  };
-
-  const CoarseSpace& coarse_;
-};
 
 // Of a residual, in rounding errors of what it is made of; ten for sums.
 constexpr double attainable = 10.0 * std::numeric_limits<double>::epsilon();
@@ -379,16 +350,16 @@ void DualSolve::makeProblem(const WarmStart* start) {
 
 // Gλ = 0.
 void DualSolve::addEquality(const WarmStart* start) {
-  const CoarseSpace& coarse = stages_.coarse;
-  multiplier_ = Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1));
+  const Teuchos::RCP<const Map> map = dual_.equalityRows()->getRangeMap();
+  multiplier_ = Teuchos::rcp(new MultiVector(map, 1));
   if (start != nullptr && start->mu.size() == multiplier_->getLocalLength()) {
     const auto view = multiplier_->getLocalViewHost(Tpetra::Access::OverwriteAll);
     std::copy(start->mu.begin(), start->mu.end(), view.data());
   }
-  const auto zero = Teuchos::rcp(new MultiVector(coarse.coarseMap(), 1));
+  const auto zero = Teuchos::rcp(new MultiVector(map, 1));
   problem_->setEquality(dual_.equalityRows(), zero, multiplier_, qp::EqualityStructure::OrthonormalInvariant);
   problem_->setHessianOnKernel(deflation_ ? hessianOnKernel_ : dual_.hessianOnKernel());
-  problem_->setFaceGram(Teuchos::rcp(new CoarseFaceGram(coarse)));
+  problem_->setFaceGram(stages_.coarse.faceGram());
 }
 
 void DualSolve::makeSolver() {
@@ -495,8 +466,12 @@ void DualSolve::conclude() {
   if (!test_.equality.is_null())
     measureEquality();
   // y with yᵀGλ > 0 for all admissible λ: forces of one sign act on the motion R L⁻ᵀy.
-  if (report_.result.reason == qp::Reason::Infeasible && !solver_->certificate().is_null())
-    solution_.escape = stages_.coarse.solveLt(valuesOf(solver_->certificate()));
+  if (report_.result.reason == qp::Reason::Infeasible && !solver_->certificate().is_null()) {
+    MultiVector forces(stages_.constraints.rowMap(), 1);
+    dual_.equalityRows()->apply(*solver_->certificate(), forces, Teuchos::TRANS);
+    solution_.escape = stages_.coarse.solve(stages_.coarse.multiply(forces)); // A⁻G̃Gᵀy = L⁻ᵀy
+    solution_.isEscaping = true;
+  }
   report_.converged = report_.result.converged();
   report_.reason = qp::toString(report_.result.reason);
   if (!report_.converged)
@@ -527,10 +502,10 @@ DualSolution solveDualProblem(const DualStages& stages, const SolverOptions& opt
 std::vector<long long> escapingParts(const SubdomainSystem& system, const std::vector<double>& escape,
                                      const std::vector<long long>& partOf, long long parts) {
   std::vector<double> squares(static_cast<std::size_t>(parts), 0.0);
+  std::size_t place = 0;
   for (int i = 0; i < system.size(); ++i)
-    for (int k = 0; k < system.kernel(i).columns; ++k)
-      squares[static_cast<std::size_t>(partOf[static_cast<std::size_t>(i)])] +=
-          std::pow(escape[static_cast<std::size_t>(system.kernelOffset(i) + k)], 2);
+    for (int k = 0; k < system.kernel(i).columns; ++k, ++place)
+      squares[static_cast<std::size_t>(partOf[static_cast<std::size_t>(i)])] += std::pow(escape[place], 2);
   globalSum(*system.comm(), squares);
   const double largest = *std::max_element(squares.begin(), squares.end());
   std::vector<long long> result;

@@ -43,8 +43,10 @@ struct SolveReport {
 /// The answer to the dual problem.
 struct DualSolution {
   Teuchos::RCP<MultiVector> lambda;
-  std::vector<double> mu;
-  /// Where no forces can hold the bodies: amplitudes of the rigid motion that escapes, by columns of R.
+  std::vector<double> mu; ///< this rank's entries of the multiplier of the equality rows
+  /// Whether no forces can hold the bodies; then the amplitudes of the rigid motion that escapes, a vector of
+  /// motions (CoarseSpace).
+  bool isEscaping = false;
   std::vector<double> escape;
 };
 

@@ -26,6 +26,7 @@ FetiSolver::FetiSolver(Teuchos::RCP<const Teuchos::Comm<int>> comm, std::vector<
                        const Log& log)
     : log_(log), list_(parameters().validated(given, "the parameters given")) {
   dual_ = DualOptions::fromList(list_.sublist("Dual operator"));
+  dual_.coarse = dual_.coarseFrom(list_.sublist("Decomposition"));
   options_ = SolverOptions::fromList(list_.sublist("Solver"));
   const DirichletForm form =
       DualOptions::decompositionFrom(list_.sublist("Decomposition")).value_or(DirichletForm::Primal);
@@ -57,7 +58,7 @@ void FetiSolver::setUpOperators() {
   history_.clear();
   adaptive_.reset();
   operator_ = std::make_unique<DualOperator>(*constraints_, *inverses_);
-  coarse_ = std::make_unique<CoarseSpace>(*system_, *constraints_);
+  coarse_ = makeCoarseSpace(*system_, *constraints_, dual_.coarse);
   preconditioner_ =
       decided_.preconditioner == PreconditionerKind::None
           ? Teuchos::null
@@ -156,7 +157,7 @@ const SolveReport& FetiSolver::solve(double tolerance) {
   operator_->rethrowFailure();
   if (!preconditioner_.is_null())
     preconditioner_->rethrowFailure();
-  if (!dual.escape.empty())
+  if (dual.isEscaping)
     report_.reason += "; pulled away, with nothing to hold it: " + escapingSubdomains(dual);
   // An answer that was accepted has been looked at last.
   if (!looked || !report_.converged)

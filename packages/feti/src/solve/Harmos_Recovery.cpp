@@ -2,6 +2,7 @@
 #include "Harmos_Recovery.hpp"
 
 #include "Harmos_Agreement.hpp"
+#include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_RowErrors.hpp"
 
@@ -15,9 +16,10 @@ namespace Harmos::feti {
 namespace {
 
 void addRigidMotion(const SubdomainSystem& system, const std::vector<double>& alpha, TornVector& u) {
+  std::size_t place = 0;
   for (int i = 0; i < system.size(); ++i)
-    for (int k = 0; k < system.kernel(i).columns; ++k) {
-      const double factor = alpha[static_cast<std::size_t>(system.kernelOffset(i) + k)];
+    for (int k = 0; k < system.kernel(i).columns; ++k, ++place) {
+      const double factor = alpha[place];
       const double* column = system.kernel(i).column(k);
       std::vector<double>& values = u[static_cast<std::size_t>(i)];
       for (std::size_t j = 0; j < values.size(); ++j)
@@ -69,7 +71,6 @@ TornSolution recover(const SubdomainSystem& system, const Constraints& constrain
       }
     }
   });
-  solution.rigidMotion.assign(static_cast<std::size_t>(coarse.kernelDimension()), 0.0);
   if (coarse.kernelDimension() == 0)
     return solution;
 
@@ -77,31 +78,31 @@ TornSolution recover(const SubdomainSystem& system, const Constraints& constrain
   MultiVector residual(constraints.rowMap(), 1);
   constraints.residual(solution.displacement, *total, residual);
   residual.scale(-1.0);
-  std::vector<double> w = coarse.applyG(residual);
-  for (std::size_t k = 0; k < w.size(); ++k)
-    w[k] -= mu.empty() ? 0.0 : mu[k];
-  std::vector<double> alpha = coarse.solveLt(w);
+  MultiVector left(residual, Teuchos::Copy);
+  if (!mu.empty() && !dual.equalityRows().is_null()) {
+    MultiVector multiplier(dual.equalityRows()->getRangeMap(), 1);
+    HARMOS_REQUIRE(mu.size() == multiplier.getLocalLength(), "mu has this rank's entries");
+    std::copy(mu.begin(), mu.end(), multiplier.getLocalViewHost(Tpetra::Access::OverwriteAll).data());
+    MultiVector image(left.getMap(), 1);
+    dual.equalityRows()->apply(multiplier, image, Teuchos::TRANS);
+    left.update(-1.0, image, 1.0);
+  }
+  std::vector<double> alpha = coarse.solve(coarse.multiply(left));
 
   // δ: least squares for G̃ᵀδ = c − B(u₀ + Rα) on the rows that hold as equations.
   MultiVector holds(constraints.rowMap(), 1);
-  std::vector<double> rhs(static_cast<std::size_t>(coarse.kernelDimension()), 0.0);
+  coarse.addTransposed(-1.0, alpha, residual);
   {
-    const auto gap = residual.getLocalViewHost(Tpetra::Access::ReadOnly);
+    const auto gap = residual.getLocalViewHost(Tpetra::Access::ReadWrite);
     const std::vector<char> isEquation = holdAsEquations(constraints, *total);
     const auto mask = holds.getLocalViewHost(Tpetra::Access::OverwriteAll);
     for (std::size_t r = 0; r < gap.extent(0); ++r) {
-      const int row = static_cast<int>(r);
       mask(r, 0) = isEquation[r];
       if (mask(r, 0) == 0.0)
-        continue;
-      double remaining = gap(r, 0);
-      coarse.forRow(row,
-                    [&](int k, double value) { remaining -= value * alpha[static_cast<std::size_t>(k)]; });
-      coarse.forRow(row, [&](int k, double value) { rhs[static_cast<std::size_t>(k)] += value * remaining; });
+        gap(r, 0) = 0.0;
     }
   }
-  globalSum(comm, rhs);
-  const std::vector<double> delta = coarse.minimumNormSolution(holds, rhs);
+  const std::vector<double> delta = coarse.minimumNormSolution(holds, coarse.multiply(residual));
   for (std::size_t k = 0; k < delta.size(); ++k)
     alpha[k] += delta[k];
   addRigidMotion(system, alpha, solution.displacement);

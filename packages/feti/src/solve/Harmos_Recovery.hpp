@@ -11,7 +11,7 @@ namespace Harmos::feti {
 struct TornSolution {
   TornVector displacement;                    ///< u
   Teuchos::RCP<const MultiVector> multiplier; ///< λ + λ̃, of the scaled rows
-  std::vector<double> rigidMotion;            ///< α, the coefficients of R
+  std::vector<double> rigidMotion; ///< α, the coefficients of R: a vector of motions, see CoarseSpace
 };
 
 /// u = K⁺(f − Bᵀλ) + Rα from the shifted dual solution λ and the multiplier μ of Gλ = 0.

@@ -119,30 +119,68 @@ SubdomainSystem::SubdomainSystem(Teuchos::RCP<const Teuchos::Comm<int>> comm,
   });
 
   // Numbers 0 … N−1, each once; the order of the kernels follows them, whatever the distribution.
+  long long dofs = 0;
+  for (int i = 0; i < size(); ++i)
+    dofs += matrix(i).rows();
+  globalSubdomains_ = globalSum(*comm_, static_cast<long long>(size()));
+  primalDimension_ = globalSum(*comm_, dofs);
+  numberKernels();
+}
+
+// Each rank looks after a share of the numbers, so that none has a list of all.
+void SubdomainSystem::numberKernels() {
   struct Item {
     long long number;
     int columns;
   };
-  std::vector<Item> mine;
-  long long dofs = 0;
-  for (int i = 0; i < size(); ++i) {
-    mine.push_back({subdomain(i).number, kernel(i).columns});
-    dofs += matrix(i).rows();
-  }
-  std::vector<Item> all = gatherAll(*comm_, mine);
-  std::sort(all.begin(), all.end(), [](const Item& a, const Item& b) { return a.number < b.number; });
-  globalSubdomains_ = static_cast<long long>(all.size());
-  primalDimension_ = globalSum(*comm_, dofs);
-  allOffsets_ = {0};
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    if (all[k].number != static_cast<long long>(k))
-      throw InputError("subdomains must be numbered 0, 1, ... without gaps and each on one rank; number " +
-                       std::to_string(k) + " is missing or double");
-    allOffsets_.push_back(allOffsets_.back() + all[k].columns);
-  }
-  kernelDimension_ = allOffsets_.back();
+  const auto ranks = static_cast<long long>(comm_->getSize());
+  const long long share = std::max(1LL, (globalSubdomains_ + ranks - 1) / ranks);
+  const auto homeOf = [&](long long number) { // of what is no number: the last
+    return static_cast<std::size_t>(number < 0 ? ranks - 1 : std::min(number / share, ranks - 1));
+  };
+  std::vector<std::vector<Item>> sends(static_cast<std::size_t>(ranks));
   for (int i = 0; i < size(); ++i)
-    kernelOffsets_.push_back(allOffsets_[static_cast<std::size_t>(subdomain(i).number)]);
+    sends[homeOf(subdomain(i).number)].push_back({subdomain(i).number, kernel(i).columns});
+  const std::vector<std::vector<Item>> arrived = exchangeItems(*comm_, sends);
+  const long long first = std::min(share * comm_->getRank(), globalSubdomains_),
+                  last = std::min(share * (comm_->getRank() + 1), globalSubdomains_);
+  std::vector<int> columns(static_cast<std::size_t>(last - first), -1);
+  agree(*comm_, [&] {
+    const auto require = [](bool is, long long number) {
+      if (!is)
+        throw InputError("subdomains must be numbered 0, 1, ... without gaps and each on one rank; number " +
+                         std::to_string(number) + " is missing or double");
+    };
+    for (const std::vector<Item>& items : arrived)
+      for (const Item& item : items)
+        if (item.number >= first && item.number < last) {
+          int& place = columns[static_cast<std::size_t>(item.number - first)];
+          require(place < 0, item.number);
+          place = item.columns;
+        }
+    for (std::size_t k = 0; k < columns.size(); ++k)
+      require(columns[k] >= 0, first + static_cast<long long>(k));
+  });
+  long long mine = 0;
+  for (int count : columns)
+    mine += count;
+  kernelDimension_ = static_cast<int>(globalSum(*comm_, mine));
+  std::vector<int> offsets;
+  auto offset = static_cast<int>(exclusiveScan(*comm_, mine));
+  for (int count : columns) {
+    offsets.push_back(offset);
+    offset += count;
+  }
+  std::vector<std::vector<Item>> answers(static_cast<std::size_t>(ranks));
+  for (std::size_t r = 0; r < arrived.size(); ++r)
+    for (const Item& item : arrived[r])
+      answers[r].push_back({item.number, offsets[static_cast<std::size_t>(item.number - first)]});
+  const std::vector<std::vector<Item>> back = exchangeItems(*comm_, answers);
+  std::vector<std::size_t> next(back.size(), 0); // answers come in the order of the questions
+  for (int i = 0; i < size(); ++i) {
+    const std::size_t home = homeOf(subdomain(i).number);
+    kernelOffsets_.push_back(back[home][next[home]++].columns);
+  }
 }
 
 void SubdomainSystem::checkInput() const {
@@ -352,11 +390,6 @@ void SubdomainSystem::build() {
     }
   }
   updateRhs();
-}
-
-long long SubdomainSystem::kernelOwner(int column) const {
-  const auto next = std::upper_bound(allOffsets_.begin(), allOffsets_.end(), column);
-  return static_cast<long long>(next - allOffsets_.begin()) - 1;
 }
 
 TornVector SubdomainSystem::zeroVector() const {

@@ -96,8 +96,6 @@ class SubdomainSystem {
   long long primalDimension() const { return primalDimension_; }
   /// Columns of R over all ranks.
   int kernelDimension() const { return kernelDimension_; }
-  /// The subdomain, by its number, that a column of R belongs to.
-  long long kernelOwner(int column) const;
 
   /// A vector of zeros of the right shape.
   TornVector zeroVector() const;
@@ -106,6 +104,7 @@ class SubdomainSystem {
   void checkInput() const;
   void shareStiffness();
   void build();
+  void numberKernels();
   void updateRhs();
 
   Teuchos::RCP<const Teuchos::Comm<int>> comm_;
@@ -115,7 +114,6 @@ class SubdomainSystem {
   std::vector<std::shared_ptr<const std::vector<double>>> rhs_;
   std::vector<std::shared_ptr<const Kernel>> kernels_;
   std::vector<int> kernelOffsets_;
-  std::vector<int> allOffsets_; // by subdomain number, and the end
   long long globalSubdomains_ = 0;
   long long primalDimension_ = 0;
   int kernelDimension_ = 0;

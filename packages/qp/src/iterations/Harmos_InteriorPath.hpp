@@ -198,7 +198,7 @@ class InteriorPath {
     const Vector weighted = MVT::CloneCopy(v), w = rows_.makeVector();
     weigh(*weighted);
     rows_.apply(*weighted, *w);
-    BT::scatter(gram_->solve(BT::gather(*w)), *w);
+    gram_->solve(*w);
     return w;
   }
 
@@ -217,7 +217,8 @@ class InteriorPath {
     onEntries([&](double* r) { cones_.addCentring(sigmaTau, r); }, *rho);
     if (rows_.isPresent() && norm<Scalar>(*e_) > 0.0) {
       const Vector w = rows_.makeVector();
-      BT::scatter(gram_->solve(BT::gather(*e_)), *w);
+      MVT::Assign(*e_, *w);
+      gram_->solve(*w);
       rows_.addTransposed(-1.0, *w, *step_);
       weigh(*step_);
       const Vector whole = imageOf(*step_, *problem_.hessian(), *stepImage_);
@@ -296,7 +297,7 @@ class InteriorPath {
       return;
     const Vector w = rows_.makeVector(), part = like();
     rows_.apply(z, *w);
-    BT::scatter(gram_->solve(BT::gather(*w)), *w);
+    gram_->solve(*w);
     MVT::MvInit(*part, 0.0);
     rows_.addTransposed(1.0, *w, *part);
     weigh(*part);
@@ -313,7 +314,7 @@ class InteriorPath {
   InFacePreconditioner<Scalar, MV, OP> preconditioner_;
   Vector x_, y_, mu_;
   Kernels::SecondOrderCones cones_;
-  Teuchos::RCP<const FaceGram> gram_;
+  Teuchos::RCP<const FaceGram<MV>> gram_;
   Vector step_, stepImage_, muStep_; // dx, A dx, δ
   Vector e_;                         // C̄x − c̄
   double q_ = 1.0, count_ = 1.0;

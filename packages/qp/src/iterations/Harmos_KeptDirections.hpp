@@ -40,7 +40,7 @@ class KeptDirections {
     const LocalActiveSet bounded = allBounds();
     const Teuchos::RCP<MV> u = MVT::Clone(columns, 1), image = MVT::Clone(columns, 1);
     reserve(columns, count_ + given);
-    const Teuchos::RCP<const FaceGram> gram = rows_.isPresent() ? rows_.faceGram(bounded) : Teuchos::null;
+    const Teuchos::RCP<const FaceGram<MV>> gram = rows_.isPresent() ? rows_.faceGram(bounded) : Teuchos::null;
     for (int k = 0; k < given; ++k) {
       MVT::Assign(*MVT::CloneView(columns, Teuchos::Range1D(k, k)), *u);
       const double before = norm<Scalar>(*u);
@@ -141,13 +141,14 @@ class KeptDirections {
   }
 
   // Where bodies are held by what is bounded alone, there is none for some vectors.
-  bool moveToKernel(const Teuchos::RCP<const FaceGram>& gram, const LocalActiveSet& bounded, MV& u) const {
+  bool moveToKernel(const Teuchos::RCP<const FaceGram<MV>>& gram, const LocalActiveSet& bounded,
+                    MV& u) const {
     if (gram.is_null())
       return true;
     const Teuchos::RCP<MV> w = rows_.makeVector();
     for (int pass = 0; pass < 2; ++pass) {
       rows_.apply(u, *w);
-      BT::scatter(gram->solve(BT::gather(*w)), *w);
+      gram->solve(*w);
       rows_.addTransposed(-1.0, *w, u);
       BT::maskActive(u, bounded);
     }

@@ -102,7 +102,7 @@ class NearestFeasible {
   /// body that they hold alone turns until something else holds it.
   void unbalance(double size) {
     const Teuchos::RCP<MV> shifted = rows_.makeVector();
-    BT::setRandom(*shifted);
+    rows_.setRandom(*shifted);
     MVT::MvAddMv(size / norm<Scalar>(*shifted), *shifted, 1.0, rows_.values(), *shifted);
     values_ = shifted;
   }
@@ -175,8 +175,9 @@ class NearestFeasible {
     };
     double residual = residualAt(v, slope);
     for (int k = 0; k < mostSteps && residual > enough * width; ++k) {
-      const Teuchos::RCP<const FaceGram> gram = rows_.weightedGram(slope, rims);
-      BT::scatter(gram->solve(BT::gather(*residual_)), *direction_);
+      const Teuchos::RCP<const FaceGram<MV>> gram = rows_.weightedGram(slope, rims);
+      MVT::Assign(*residual_, *direction_);
+      gram->solve(*direction_);
       double length = 1.0, next = 0.0;
       for (; length > least; length *= 0.5) {
         MVT::Assign(v, *trial);
@@ -273,16 +274,18 @@ class NearestFeasible {
 
   // Newton's, from x on the face; a second time for what rounding left, and for what a singular face leaves.
   void findDirection(const LocalActiveSet& active) {
-    const Teuchos::RCP<const FaceGram> gram = rows_.faceGram(active);
+    const Teuchos::RCP<const FaceGram<MV>> gram = rows_.faceGram(active);
     findResidual();
-    BT::scatter(gram->solve(BT::gather(*residual_)), *direction_);
+    MVT::Assign(*residual_, *direction_);
+    gram->solve(*direction_);
     const Teuchos::RCP<MV> image = MVT::Clone(*x_, 1), rest = rows_.makeVector();
     MVT::MvInit(*image, 0.0);
     rows_.addTransposed(1.0, *direction_, *image);
     BT::maskActive(*image, active);
     rows_.apply(*image, *rest);
     MVT::MvAddMv(1.0, *residual_, -1.0, *rest, *rest);
-    BT::scatter(gram->solve(BT::gather(*rest)), *residual_);
+    MVT::Assign(*rest, *residual_);
+    gram->solve(*residual_);
     MVT::MvAddMv(1.0, *direction_, 1.0, *residual_, *direction_);
     MVT::MvAddMv(1.0, *direction_, 1.0, *rest, *direction_);
   }

@@ -150,10 +150,10 @@ class ProjectedCg {
   bool isDeficient_ = false; // motions on which no force of the face acts
   CoupledDirections<Scalar, MV> coupled_;
   Teuchos::RCP<MV> rowResidual_; // C̄x − c̄
-  Teuchos::RCP<const FaceGram> faceGram_;
+  Teuchos::RCP<const FaceGram<MV>> faceGram_;
   // Where pairs slip: C̄TC̄ᵀ on the face, T = q/(q + κ) there; see InFacePreconditioner. q of A's diagonal.
   // And springs.
-  Teuchos::RCP<const FaceGram> softGram_;
+  Teuchos::RCP<const FaceGram<MV>> softGram_;
   double stiffness_ = 0.0;
   double rayleigh_ = 0.0; // without a preconditioner, where limits follow or there are discs
   bool isSoftened_ = false, hasSprings_ = false; // on any rank

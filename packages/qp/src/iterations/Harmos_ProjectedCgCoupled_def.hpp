@@ -27,7 +27,7 @@ void ProjectedCg<Scalar, MV, OP>::keepMotions(const MV& before) {
     rows_.addTransposed(1.0, *kept, *v);
     BoundTraits<Scalar, MV>::maskActive(*v, active_);
     rows_.apply(*v, *part);
-    BoundTraits<Scalar, MV>::scatter(faceGram_->solve(BoundTraits<Scalar, MV>::gather(*part)), *part);
+    faceGram_->solve(*part);
     MVT::MvAddMv(1.0, *kept, -1.0, *part, *kept);
   }
   MVT::MvAddMv(1.0, *removed_, 1.0, *kept, *removed_);
@@ -60,9 +60,9 @@ void ProjectedCg<Scalar, MV, OP>::solveRows(const MV& residual, MV& x) {
   using BT = BoundTraits<Scalar, MV>;
   MVT::Assign(residual, *rowWork_);
   const bool isStiff = hasSprings_ && isSoftened_; // what springs hold is to stay
-  const Teuchos::RCP<const FaceGram> gram = isStiff ? softGram_ : faceGram_;
+  const Teuchos::RCP<const FaceGram<MV>> gram = isStiff ? softGram_ : faceGram_;
   if (!gram.is_null())
-    BT::scatter(gram->solve(BT::gather(*rowWork_)), *rowWork_);
+    gram->solve(*rowWork_);
   MVT::MvInit(x, 0.0);
   rows_.addTransposed(1.0, *rowWork_, x);
   BT::maskActive(x, active_);
@@ -117,7 +117,7 @@ double ProjectedCg<Scalar, MV, OP>::hold() {
   if (faceGram_.is_null())
     return 1.0;
   const Teuchos::RCP<MV> motion = rows_.makeVector(), left = rows_.makeVector(), v = MVT::Clone(*w_, 1);
-  BoundTraits<Scalar, MV>::setRandom(*motion);
+  rows_.setRandom(*motion);
   MVT::Assign(*motion, *left);
   for (int pass = 0; pass < 2; ++pass) { // r ← r − C̄C̄_Fᵀ(C̄_FC̄_Fᵀ)⁻r
     solveRows(*left, *v);
@@ -128,8 +128,7 @@ double ProjectedCg<Scalar, MV, OP>::hold() {
     return 0.0;
   double size = norm<Scalar>(*motion), result = 1.0;
   for (int pass = 0; pass < 3; ++pass) { // inverse iteration
-    const std::vector<double> next = faceGram_->solve(BoundTraits<Scalar, MV>::gather(*motion));
-    BoundTraits<Scalar, MV>::scatter(next, *motion);
+    faceGram_->solve(*motion);
     const double grown = norm<Scalar>(*motion);
     result = size / grown;
     size = grown;

@@ -70,7 +70,7 @@ void ProjectedCg<Scalar, MV, OP>::project(MV& w, MV* removed) {
     return;
   rows_.apply(w, *rowWork_);
   if (!faceGram_.is_null())
-    BT::scatter(faceGram_->solve(BT::gather(*rowWork_)), *rowWork_);
+    faceGram_->solve(*rowWork_);
   rows_.addTransposed(-1.0, *rowWork_, w);
   if (hasFace_)
     BT::maskActive(w, active_);
@@ -117,9 +117,9 @@ bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active, double lea
         continue;
       }
       // What springs hold is to stay.
-      const Teuchos::RCP<const FaceGram> gram = hasSprings_ && isSoftened_ ? softGram_ : faceGram_;
+      const Teuchos::RCP<const FaceGram<MV>> gram = hasSprings_ && isSoftened_ ? softGram_ : faceGram_;
       if (!gram.is_null())
-        BT::scatter(gram->solve(BT::gather(*unused_)), *unused_);
+        gram->solve(*unused_);
       MVT::MvInit(*correction, 0.0);
       rows_.addTransposed(-1.0, *unused_, *correction);
       if (hasFace_)
@@ -357,7 +357,7 @@ void ProjectedCg<Scalar, MV, OP>::preconditionSoftened() {
     return;
   }
   const auto addRows = [&](MV& v) { // C̄_Fᵀ(C̄_FTC̄_Fᵀ)⁻ of what is in rowWork_
-    BT::scatter(softGram_->solve(BT::gather(*rowWork_)), *rowWork_);
+    softGram_->solve(*rowWork_);
     MVT::MvInit(v, 0.0);
     rows_.addTransposed(1.0, *rowWork_, v);
     BT::maskActive(v, active_);

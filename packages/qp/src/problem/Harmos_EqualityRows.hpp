@@ -61,23 +61,25 @@ class EqualityRows {
   void toUser(const MV& internal, MV& mu) const;
 
   Teuchos::RCP<MV> makeVector() const;
+  /// A vector of the range of C̄, in which all others are; see EqualityStructure. @note Collective.
+  void setRandom(MV& w) const;
 
   /// C̄M_FC̄ᵀ factored, M_F the mask of the free entries; needs orthonormal rows. @note Collective.
   /// @param q see FaceGramMaker::buildWithSlips(); springs have their share then, see SpringOps.
-  Teuchos::RCP<const FaceGram> faceGram(const LocalActiveSet& active, double q = 0.0) const;
+  Teuchos::RCP<const FaceGram<MV>> faceGram(const LocalActiveSet& active, double q = 0.0) const;
   /// C̄DC̄ᵀ for any D, at a product with C̄ and C̄ᵀ a row. @param weigh v ← Dv.
-  Teuchos::RCP<const FaceGram> gramWith(const std::function<void(MV&)>& weigh) const {
+  Teuchos::RCP<const FaceGram<MV>> gramWith(const std::function<void(MV&)>& weigh) const {
     return denseGram(gramOf(weigh));
   }
   /// The same for weights in [0, 1] in the place of the mask, and of tangents 1/(1 + κ) more.
   /// @note Collective.
-  Teuchos::RCP<const FaceGram> weightedGram(const MV& weights, const std::vector<Slip>& rims = {}) const;
+  Teuchos::RCP<const FaceGram<MV>> weightedGram(const MV& weights, const std::vector<Slip>& rims = {}) const;
 
  private:
   void checkOrthonormality();
   bool isDependence(const std::vector<double>& y) const;
   std::vector<double> gramOf(const std::function<void(MV&)>& weigh) const;
-  Teuchos::RCP<const FaceGram> denseGram(std::vector<double> gram) const;
+  Teuchos::RCP<const FaceGram<MV>> denseGram(std::vector<double> gram) const;
   std::vector<double> orthonormalised(std::vector<double> scaled) const;
   std::vector<double> transform(const std::vector<double>& r) const;
   std::vector<double> transformTransposed(const std::vector<double>& w) const;

@@ -89,8 +89,8 @@ std::vector<double> EqualityRows<Scalar, MV, OP>::gramOf(const std::function<voi
 }
 
 template<class Scalar, class MV, class OP>
-Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::faceGram(const LocalActiveSet& active,
-                                                                    double q) const {
+Teuchos::RCP<const FaceGram<MV>> EqualityRows<Scalar, MV, OP>::faceGram(const LocalActiveSet& active,
+                                                                        double q) const {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   const bool slips =
       problem_.hasDiscs() &&
@@ -108,7 +108,8 @@ Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::faceGram(const LocalA
     std::replace(held.begin(), held.end(), LocalActiveSet::slips, LocalActiveSet::onRim);
     held.slipping.clear();
     BoundTraits<Scalar, MV>::maskActive(*free, held);
-    const Teuchos::RCP<const FaceGram> gram = problem_.faceGram()->buildWithSlips(*free, active.slipping, q);
+    const Teuchos::RCP<const FaceGram<MV>> gram =
+        problem_.faceGram()->buildWithSlips(*free, active.slipping, q);
     if (!gram.is_null())
       return gram;
   }
@@ -125,12 +126,12 @@ Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::faceGram(const LocalA
 }
 
 template<class Scalar, class MV, class OP>
-Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::weightedGram(const MV& weights,
-                                                                        const std::vector<Slip>& rims) const {
+Teuchos::RCP<const FaceGram<MV>>
+EqualityRows<Scalar, MV, OP>::weightedGram(const MV& weights, const std::vector<Slip>& rims) const {
   if (factors_.empty() && !problem_.faceGram().is_null()) {
-    const Teuchos::RCP<const FaceGram> gram = problem_.hasDiscs()
-                                                  ? problem_.faceGram()->buildWithSlips(weights, rims, 1.0)
-                                                  : problem_.faceGram()->build(weights);
+    const Teuchos::RCP<const FaceGram<MV>> gram =
+        problem_.hasDiscs() ? problem_.faceGram()->buildWithSlips(weights, rims, 1.0)
+                            : problem_.faceGram()->build(weights);
     if (!gram.is_null())
       return gram;
   }
@@ -147,9 +148,9 @@ Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::weightedGram(const MV
 
 // The rows are orthonormal before they are restricted: pivots are relative to 1.
 template<class Scalar, class MV, class OP>
-Teuchos::RCP<const FaceGram> EqualityRows<Scalar, MV, OP>::denseGram(std::vector<double> gram) const {
+Teuchos::RCP<const FaceGram<MV>> EqualityRows<Scalar, MV, OP>::denseGram(std::vector<double> gram) const {
   const auto rows = static_cast<int>(Belos::MultiVecTraits<Scalar, MV>::GetGlobalLength(*values_));
-  return Teuchos::rcp(new DenseFaceGram(
+  return Teuchos::rcp(new DenseFaceGram<Scalar, MV>(
       PivotedCholesky(std::move(gram), rows, 1e2 * std::numeric_limits<double>::epsilon())));
 }
 
@@ -247,7 +248,7 @@ template<class Scalar, class MV, class OP>
 void EqualityRows<Scalar, MV, OP>::checkOrthonormality() {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   const Teuchos::RCP<MV> unit = makeVector(), back = makeVector();
-  BoundTraits<Scalar, MV>::setRandom(*unit);
+  setRandom(*unit);
   const double length = norm<Scalar>(*unit);
   MVT::MvInit(*image_, 0.0);
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), *unit, *image_, Belos::TRANS);
@@ -258,6 +259,15 @@ void EqualityRows<Scalar, MV, OP>::checkOrthonormality() {
     throw InputError("the equality rows are said to be orthonormal but are not: ‖CCᵀy − y‖ = " +
                      scientific(defect / length) +
                      " ‖y‖; orthonormalise them or say EqualityStructure::General");
+}
+
+template<class Scalar, class MV, class OP>
+void EqualityRows<Scalar, MV, OP>::setRandom(MV& w) const {
+  BoundTraits<Scalar, MV>::setRandom(w);
+  if (problem_.equalityStructure() == EqualityStructure::General)
+    return;
+  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), w, *image_, Belos::TRANS);
+  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), *image_, w);
 }
 
 template<class Scalar, class MV, class OP>

@@ -12,12 +12,15 @@
 namespace Harmos::qp {
 
 /// C_FC_Fᵀ of the equality rows on one face, factored; C_F has the columns of active entries set to zero.
+///
+/// @tparam MV vectors of the rows, whole on every rank or in shares.
+template<class MV>
 class FaceGram {
  public:
   virtual ~FaceGram() = default;
 
-  /// A solution of C_FC_Fᵀy = r, where there is one; the same on all ranks. Local.
-  virtual std::vector<double> solve(const std::vector<double>& r) const = 0;
+  /// r ← a solution of C_FC_Fᵀy = r, where there is one. @note Collective, if the rows are in shares.
+  virtual void solve(MV& r) const = 0;
 };
 
 /// Makes them for orthonormal rows whose structure is known to the application: where nothing is known, a
@@ -30,21 +33,24 @@ class FaceGramMaker {
   virtual ~FaceGramMaker() = default;
 
   /// @param free 1 at free entries, 0 elsewhere. @note Collective.
-  virtual Teuchos::RCP<const FaceGram> build(const MV& free) const = 0;
+  virtual Teuchos::RCP<const FaceGram<MV>> build(const MV& free) const = 0;
 
   /// The same where pairs slip along their rims: beside what the weights `free` say of their entries, t of
   /// each is free with a weight of q/(q + κ), or one where q = 0. Null: not known. @note Collective.
-  virtual Teuchos::RCP<const FaceGram>
+  virtual Teuchos::RCP<const FaceGram<MV>>
   buildWithSlips(const MV& /*free*/, const std::vector<Slip>& /*slipping*/, double /*q*/) const {
     return Teuchos::null;
   }
 };
 
-/// The general one: a dense matrix.
-class DenseFaceGram : public FaceGram {
+/// The general one: a dense matrix, of rows that every rank has.
+template<class Scalar, class MV>
+class DenseFaceGram : public FaceGram<MV> {
  public:
   explicit DenseFaceGram(PivotedCholesky factor) : factor_(std::move(factor)) {}
-  std::vector<double> solve(const std::vector<double>& r) const override { return factor_.solve(r); }
+  void solve(MV& r) const override {
+    BoundTraits<Scalar, MV>::scatter(factor_.solve(BoundTraits<Scalar, MV>::gather(r)), r);
+  }
 
  private:
   PivotedCholesky factor_;

@@ -17,9 +17,10 @@ namespace Harmos::qp {
 /// What is known of the equality rows; what is not known is not assumed.
 enum class EqualityStructure {
   General,
-  /// CCᵀ = I.
+  /// CCᵀ = I, on the range of C at least: of rows that are given as C = GᵀG, with GGᵀ = I, in place of G. All
+  /// vectors of the rows are to be in that range then.
   Orthonormal,
-  /// CCᵀ = I and ACᵀ = 0: images of CᵀC and of I − CᵀC are invariant subspaces of A + ρCᵀC, as in FETI with
+  /// The same, and ACᵀ = 0: images of CᵀC and of I − CᵀC are invariant subspaces of A + ρCᵀC, as in FETI with
   /// the natural coarse space, where A = PFP and C = G (Dostál, Horák, Vlach, eq. 3.6).
   OrthonormalInvariant
 };

@@ -57,6 +57,7 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
   static_cast<feti::SolverOptions&>(options) = feti::SolverOptions::fromList(solver);
   options.dirichlet = feti::DualOptions::decompositionFrom(deck.sublist("Decomposition"));
   options.dual = feti::DualOptions::fromList(deck.sublist("Dual operator"));
+  options.dual.coarse = options.dual.coarseFrom(deck.sublist("Decomposition"));
   options.toleranceRule = solver.get<std::string>("Tolerance rule") == "balanced" ? ToleranceRule::Balanced
                                                                                   : ToleranceRule::Fixed;
   options.solverErrorShare = solver.get<double>("Solver error share");

@@ -87,6 +87,7 @@ std::string toJson(const RunReport& report) {
     json["friction_rows"] = report.limited;
   json["kernel_dimension"] = report.kernelDimension;
   json["coarse_dimension"] = report.coarseDimension;
+  json["coarse_problem"] = report.isCoarseDistributed ? "distributed" : "replicated";
   json["adaptive_vectors"] = report.adaptiveVectors;
   json["adaptive_seconds"] = report.adaptiveSeconds;
   json["subdomains"] = report.subdomains;

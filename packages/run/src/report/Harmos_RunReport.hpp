@@ -29,6 +29,7 @@ struct RunReport : feti::SolveReport {
   long long limited = 0; ///< rows of friction
   int kernelDimension = 0;
   int coarseDimension = 0;
+  bool isCoarseDistributed = false;
   long long subdomains = 0;
   long long distinctFactorizations = 0;
   long long roundedFactorizations = 0; ///< of them, with products in single precision

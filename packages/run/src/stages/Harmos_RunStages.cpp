@@ -290,9 +290,10 @@ void RunStages::makeDualProblem() {
   makeOperators();
   {
     const auto scope = timers_.scope("coarse");
-    coarse_.emplace(*system_, *constraints_);
+    coarse_ = feti::makeCoarseSpace(*system_, *constraints_, options_.dual.coarse);
   }
   report_.coarseDimension = coarse_->dimension();
+  report_.isCoarseDistributed = coarse_->isDistributed();
   sayCoarse();
   {
     const auto scope = timers_.scope("dual_operator");
@@ -311,6 +312,9 @@ void RunStages::bindStages() {
 }
 
 void RunStages::sayCoarse() const {
+  if (report_.isCoarseDistributed)
+    log_.info("Coarse problem of dimension " + std::to_string(coarse_->dimension()) + ": " +
+              coarse_->description());
   if (coarse_->dimension() < coarse_->kernelDimension())
     log_.info(std::to_string(coarse_->kernelDimension() - coarse_->dimension()) +
               " rigid motions are held by no constraint (a round body without friction rotates freely); they "
@@ -319,7 +323,7 @@ void RunStages::sayCoarse() const {
   constexpr double weak = 1e-6;
   if (coarse_->dimension() > 0 && coarse_->smallestPivotRatio() < weak && !constraints_->hasWeights())
     log_.info("a rigid motion is held only weakly: the smallest singular value of G is about " +
-              scientific(std::sqrt(coarse_->smallestPivotRatio()), 0) +
+              scientific(std::pow(10.0, std::round(0.5 * std::log10(coarse_->smallestPivotRatio()))), 0) +
               " of the largest; a round body whose normals come from its facets rotates almost freely");
 }
 
@@ -448,7 +452,7 @@ void RunStages::tellWhatIsAttainable() {
 
 void RunStages::recover() {
   tellWhatIsAttainable();
-  if (!solution_.escape.empty())
+  if (solution_.isEscaping)
     report_.reason += "; pulled away, with nothing to hold it: " + escapingBodies();
   {
     const auto scope = timers_.scope("recovery");

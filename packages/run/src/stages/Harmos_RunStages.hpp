@@ -141,7 +141,7 @@ class RunStages {
   std::optional<feti::DualOperator> dualOperator_;
   feti::PreconditionerKind preconditionerKind_ = feti::PreconditionerKind::Dirichlet; // as decided
   Teuchos::RCP<const feti::DualPreconditioner> preconditioner_;                       // or null
-  std::optional<feti::CoarseSpace> coarse_;
+  std::unique_ptr<feti::CoarseSpace> coarse_;
   std::optional<feti::AdaptiveSpace> adaptive_;
   std::optional<feti::DualProblem> dual_;
   std::optional<feti::DualStages> dualStages_; // these together

@@ -88,7 +88,8 @@ void StateSize::vector(const std::string&, MultiVector& x) {
 
 // As it stands, and in the space of the unknowns.
 void StateSize::rowVector(const std::string&, MultiVector& x) {
-  bytes_ += static_cast<long long>(sizeof(double)) * (unknowns_ + static_cast<long long>(x.getLocalLength()));
+  const auto whole = x.getMap()->isDistributed() ? 0LL : static_cast<long long>(x.getLocalLength());
+  bytes_ += static_cast<long long>(sizeof(double)) * (unknowns_ + whole);
 }
 
 CheckpointWriter::CheckpointWriter(const Teuchos::Comm<int>& comm, const std::string& path,
@@ -129,13 +130,14 @@ void CheckpointWriter::vector(const std::string& name, MultiVector& x) {
 }
 
 void CheckpointWriter::rowVector(const std::string& name, MultiVector& x) {
-  // The same on every rank.
-  const auto view = x.getLocalViewHost(Tpetra::Access::ReadOnly);
-  std::vector<double> values;
-  for (std::size_t k = 0; k < view.extent(0); ++k)
-    values.push_back(view(k, 0));
-  numbers(name, values);
   HARMOS_REQUIRE(!dualLike_.is_null(), "a vector of the rows comes after one of the unknowns");
+  if (!x.getMap()->isSameAs(*dualLike_->getMap())) { // the same on every rank
+    const auto view = x.getLocalViewHost(Tpetra::Access::ReadOnly);
+    std::vector<double> values;
+    for (std::size_t k = 0; k < view.extent(0); ++k)
+      values.push_back(view(k, 0));
+    numbers(name, values);
+  }
   MultiVector dual(dualLike_->getMap(), 1);
   basis_.toDual(x, dual);
   vector(name + " in the space of the unknowns", dual);
@@ -287,14 +289,19 @@ class CheckpointReader::Archive : public qp::StateArchive<MultiVector> {
   }
 
   void rowVector(const std::string& name, MultiVector& x) override {
+    MultiVector stored(dualMap_, 1), present(dualMap_, 1);
+    vector(name + " in the space of the unknowns", stored);
+    // One of the two need not be as the rows are now, whole on every rank or in shares.
+    if (x.getMap()->isSameAs(*dualMap_) || !reader_.holds(name)) {
+      basis_.fromDual(stored, x);
+      return;
+    }
     std::vector<double> values;
     numbers(name, values);
     if (values.size() != x.getLocalLength())
       throw unfit("its \"" + name + "\" has " + std::to_string(values.size()) + " numbers, not " +
                   std::to_string(x.getLocalLength()));
     std::copy(values.begin(), values.end(), x.getLocalViewHost(Tpetra::Access::OverwriteAll).data());
-    MultiVector stored(dualMap_, 1), present(dualMap_, 1);
-    vector(name + " in the space of the unknowns", stored);
     basis_.toDual(x, present);
     present.update(-1.0, stored, 1.0);
     std::vector<double> distance(1), norm(1);
