@@ -9,6 +9,10 @@
 
 namespace Harmos::feti {
 
+namespace {
+constexpr double word = 8.0;
+}
+
 double coarseFactorEntries(const CoarseShape& shape) {
   const double m = std::max(1.0, shape.motions), subdomains = std::max(2.0, shape.dimension / m);
   if (m > 3.5)
@@ -35,23 +39,28 @@ CoarseShape shapeOf(const SubdomainSystem& system) {
   return shape;
 }
 
-double replicatedCoarseSeconds(const CoarseShape& shape, const StepRates& rates) {
-  constexpr double inCache = 5e5; // entries, see StepModel
-  const double tree = shape.ranks > 1 ? rates.latency * std::log2(shape.ranks) : 0.0;
-  const double transfer = shape.ranks > 1 ? 16.0 * shape.dimension / rates.bandwidth : 0.0;
-  const double entries = coarseFactorEntries(shape);
-  return 2.0 * tree + transfer +
-         2.0 * entries / (entries < inCache ? rates.coarseEntries : rates.coarseFromMemory);
+double replicatedCoarseSeconds(const CoarseShape& shape, const CoarseRates& rates) {
+  constexpr double inCache = 5e5;
+  const double tree = 2.0 * std::log2(shape.ranks) * rates.latency;
+  const double transfer = shape.ranks > 1 ? 2.0 * word * shape.dimension / rates.bandwidth : 0.0;
+  const double entries = shape.factorEntries > 0.0 ? shape.factorEntries : coarseFactorEntries(shape);
+  return 4.0 * (tree + transfer) +
+         7.0 * entries / (entries < inCache ? rates.coarseEntries : rates.coarseFromMemory);
 }
 
-double distributedCoarseSeconds(const CoarseShape& shape, const StepRates& rates) {
-  const double tree = shape.ranks > 1 ? rates.latency * std::log2(shape.ranks) : 0.0;
-  const double transfer = shape.ranks > 1 ? 8.0 * shape.dimension / rates.bandwidth : 0.0;
-  return tree + transfer + 8.0 * shape.dimension * shape.mostOwn / rates.readBytes + 4.0 * rates.latency;
+double distributedCoarseSeconds(const CoarseShape& shape, const CoarseRates& rates) {
+  const bool several = shape.ranks > 1;
+  const double tree = std::log2(shape.ranks) * rates.latency;
+  const double transfer = several ? word * shape.dimension / rates.bandwidth : 0.0;
+  const double neighbours = several ? 4.0 * rates.latency : 0.0;
+  return 4.0 * (tree + transfer + word * shape.dimension * shape.mostOwn / rates.readBytes + neighbours);
 }
 
-bool isDistributedCheaper(const CoarseShape& shape, const StepRates& rates) {
-  return shape.ranks > 1 && distributedCoarseSeconds(shape, rates) < replicatedCoarseSeconds(shape, rates);
+bool isDistributedCheaper(const CoarseShape& shape, const CoarseRates& rates) {
+  constexpr int fewestRanks = 8;    // below, set-up takes longer than it saves
+  constexpr double worthWhile = 0.5; // models are no better than that
+  return shape.ranks >= fewestRanks &&
+         distributedCoarseSeconds(shape, rates) < worthWhile * replicatedCoarseSeconds(shape, rates);
 }
 
 bool coarseSolves(const CoarseShape& shape, int groupSize, bool isFace) {

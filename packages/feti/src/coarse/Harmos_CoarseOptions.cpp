@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_CoarseOptions.hpp"
 
-#include "Harmos_CoarseModel.hpp"
 #include "Harmos_DistributedCoarse.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_ReplicatedCoarse.hpp"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_StepModel.hpp"
+#include "Harmos_CoarseModel.hpp"
 
 #include <memory>
 
@@ -27,7 +27,7 @@ struct CoarseOptions {
   };
   Inverse inverse = Inverse::Auto;
   int groupRanks = 0; ///< DistributedGraph's; 0: by the cost model
-  StepRates rates;    ///< of the cost model
+  CoarseRates rates;  ///< of the cost model
 };
 
 /// The coarse space in the form that was asked for, or by the cost model. Where the form is left open and a

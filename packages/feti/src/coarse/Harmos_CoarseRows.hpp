@@ -12,7 +12,7 @@ namespace Harmos::feti {
 /// G̃ᵀ = BR by the dual rows of this rank, and what they add to G̃M_FG̃ᵀ. Columns are those of R, by their
 /// numbers over all ranks.
 ///
-/// Guarded by tests/unit/feti/test_coarse_space.cpp.
+/// Guarded by tests/unit/feti/coarse/test_coarse_space.cpp.
 class CoarseRows {
  public:
   /// @note Collective.

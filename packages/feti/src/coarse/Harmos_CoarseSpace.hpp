@@ -20,7 +20,7 @@ namespace Harmos::feti {
 /// Vectors of motions have a number for each column of R of this rank's subdomains, in the order of the
 /// subdomains. How A is factored, and by whom, is left to ReplicatedCoarse and DistributedCoarse.
 ///
-/// Guarded by tests/unit/feti/test_coarse_space.cpp (P² = P, GGᵀ = I, rank deficiency, all forms).
+/// Guarded by tests/unit/feti/coarse/test_coarse_space.cpp (P² = P, GGᵀ = I, rank deficiency, all forms).
 class CoarseSpace {
  public:
   virtual ~CoarseSpace() = default;

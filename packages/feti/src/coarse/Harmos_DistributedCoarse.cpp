@@ -96,9 +96,10 @@ DistributedCoarse::DistributedCoarse(const SubdomainSystem& system, const Constr
     : CoarseSpace(system, constraints),
       dualMap_(constraints.rowMap()),
       shape_(shapeOf(system)),
+      isScaled_(constraints.hasWeights()),
       inverse_(options.inverse) {
   const auto own = static_cast<int>(ownColumns().size());
-  if (constraints.hasWeights()) {
+  if (isScaled_) {
     scale_ = diagonal();
     for (double& value : scale_)
       value = value > 0.0 ? std::sqrt(value) : 1.0;
@@ -126,7 +127,7 @@ DistributedCoarse::DistributedCoarse(const SubdomainSystem& system, const Constr
   DistributedFactor::Options how;
   how.form = formOf(false);
   // See ReplicatedCoarse; scaled matrices are well enough known to their diagonals' rounding errors.
-  how.threshold = (scale_.empty() ? 1e2 : 1e1) * kernelDimension() * epsilon;
+  how.threshold = (!isScaled_ ? 1e2 : 1e1) * kernelDimension() * epsilon;
   factor_ = std::make_unique<DistributedFactor>(*graph_, gram(nullptr, {}, 0.0), how);
   if (dimension() == 0)
     return;
@@ -169,7 +170,7 @@ std::string DistributedCoarse::description() const {
 // Of A_F, or of that divided by scales, at this rank's places.
 std::vector<double> DistributedCoarse::gram(const double* mask, const std::vector<qp::Slip>& slipping,
                                             double q) const {
-  if (scale_.empty())
+  if (!isScaled_)
     return rows().gram<double>(mask, slipping, q);
   const std::vector<long double> sums = rows().gram<long double>(mask, slipping, q);
   std::vector<double> values;
@@ -196,7 +197,7 @@ DistributedFactor DistributedCoarse::faceFactor(const MultiVector& mask,
 
 std::vector<double> DistributedCoarse::solveWith(const DistributedFactor& factor,
                                                  const std::vector<double>& e) const {
-  if (scale_.empty())
+  if (!isScaled_)
     return factor.solve(e);
   std::vector<double> scaled = e;
   for (std::size_t k = 0; k < e.size(); ++k)
@@ -259,7 +260,7 @@ double DistributedCoarse::measuredInaccuracy() const {
 // A pivot that comes last is 1/(A⁻¹)_jj.
 double DistributedCoarse::estimatedPivotRatio() const {
   double largest = 0.0, inverse = factor_->largestDiagonal();
-  const std::vector<double> all = scale_.empty() ? diagonal() : std::vector<double>(scale_.size(), 1.0);
+  const std::vector<double> all = !isScaled_ ? diagonal() : std::vector<double>(scale_.size(), 1.0);
   for (double value : all)
     largest = std::max(largest, value);
   largest = globalMax(comm(), largest);

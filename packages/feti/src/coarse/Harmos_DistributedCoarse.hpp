@@ -22,7 +22,7 @@ namespace Harmos::feti {
 ///
 /// A is factored without pivoting for size, by MUMPS, and what it leaves out is judged by its own pivots: how
 /// well A⁻ does is measured on one vector, and A⁻ refined where that is not enough.
-/// Guarded by tests/unit/feti/test_coarse_space.cpp.
+/// Guarded by tests/unit/feti/coarse/test_coarse_space.cpp.
 class DistributedCoarse : public CoarseSpace {
  public:
   /// @throws NumericalError on all ranks if A is conditioned so badly that refinement does not help.
@@ -60,10 +60,11 @@ class DistributedCoarse : public CoarseSpace {
   double estimatedPivotRatio() const;
 
   Teuchos::RCP<const Map> dualMap_;
-  std::vector<double> scale_, touchedScale_;  // √ of the diagonal of A, where rows of B have weights
-  std::vector<std::size_t> rowAt_, columnAt_; // of the places of rows(): where they are among touched columns
   CoarseShape shape_;
+  bool isScaled_; // where rows of B have weights; a rank without motions has no scale_ even so
   CoarseOptions::Inverse inverse_;
+  std::vector<double> scale_, touchedScale_; // √ of the diagonal of A
+  std::vector<std::size_t> rowAt_, columnAt_; // of the places of rows(): where they are among touched columns
   std::unique_ptr<DistributedGraph> graph_;
   std::unique_ptr<DistributedFactor> factor_;
   bool isRefined_ = false;

@@ -118,6 +118,8 @@ std::vector<double> DistributedGraph::gather(const std::vector<double>& own) con
 DistributedFactor::DistributedFactor(const DistributedGraph& graph, const std::vector<double>& values,
                                      const Options& options)
     : graph_(graph), leftOut_(options.leftOut), form_(options.form) {
+  if (graph_.order() == 0)
+    return;
   factor(values, options.threshold);
   // Groups need not come to the same end: the first one's counts. What is left out then leaves a definite
   // matrix.
@@ -212,6 +214,8 @@ void DistributedFactor::makeRows() {
 }
 
 std::vector<double> DistributedFactor::solve(const std::vector<double>& e) const {
+  if (graph_.order() == 0)
+    return {};
   std::vector<double> all = graph_.gather(e);
   for (int row : leftOut_)
     all[static_cast<std::size_t>(row)] = 0.0;

@@ -17,7 +17,7 @@ namespace Harmos::feti {
 /// groups of ranks: each group has all of A in shares, no rank of two or more has it whole.
 ///
 /// Rows and columns are numbered by rank: those of rank 0, of rank 1, ...; places().
-/// Guarded by tests/unit/feti/test_distributed_factor.cpp.
+/// Guarded by tests/unit/feti/coarse/test_distributed_factor.cpp.
 class DistributedGraph {
  public:
   /// @param own rows that are this rank's. @param entries of A_r, either triangle, each once. @param
@@ -76,7 +76,7 @@ class DistributedGraph {
 /// Where memory allows, each rank keeps the rows of A⁻ that are its own, dense: a product costs an all-gather
 /// and n·own multiplications then, and goes on falling with the number of ranks (ESPRESO's way; Říha et al.,
 /// Adv. Eng. Softw. 103, 2017). Else the first rank of each group solves for its ranks.
-/// Guarded by tests/unit/feti/test_distributed_factor.cpp.
+/// Guarded by tests/unit/feti/coarse/test_distributed_factor.cpp.
 class DistributedFactor {
  public:
   enum class Form { Rows, Solves };

@@ -15,7 +15,7 @@ namespace Harmos::feti {
 /// vectors the same on all ranks.
 ///
 /// Vectors of length kernelDimension() are indexed by the columns of R, all of them.
-/// Guarded by tests/unit/feti/test_coarse_space.cpp.
+/// Guarded by tests/unit/feti/coarse/test_coarse_space.cpp.
 class ReplicatedCoarse : public CoarseSpace {
  public:
   /// @param mostDense see CoarseFactor. @note Collective.

@@ -10,7 +10,7 @@ namespace Harmos::feti {
 /// where the matrix is too large to be dense. Unlike the solvers behind Amesos2 it gives L⁻¹ and L⁻ᵀ apart.
 ///
 /// Up-looking, by the elimination tree (Davis: Direct methods for sparse linear systems, SIAM 2006, chapter
-/// 4). Guarded by tests/unit/feti/test_sparse_cholesky.cpp.
+/// 4). Guarded by tests/unit/feti/coarse/test_sparse_cholesky.cpp.
 class SparseCholesky {
  public:
   SparseCholesky() = default;

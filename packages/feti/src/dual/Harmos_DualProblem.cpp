@@ -89,28 +89,41 @@ void applyInverseToLoads(const SubdomainSystem& system, const Constraints& const
 // A dependent column of R is a rigid motion that the kept ones and the constraints leave free: its load must
 // be balanced by λ̃ all the same.
 struct Unbalanced {
-  long long subdomain;
+  long long subdomain; ///< the first one of those that move
   double residual;
 };
 std::optional<Unbalanced> unbalanced(const SubdomainSystem& system, const CoarseSpace& coarse,
                                      const MultiVector& shift, const KernelLoad& load) {
-  const std::vector<double> balanced = coarse.multiply(shift);
+  const Teuchos::Comm<int>& comm = *system.comm();
+  std::vector<double> residual = coarse.multiply(shift);
   const double tolerance = 1e-10 * coarse.norm(load.e) + coarse.norm(load.rounding);
   const std::vector<char> isDependent = coarse.dependentMotions();
-  constexpr long long none = std::numeric_limits<long long>::max();
-  Unbalanced mine = {none, 0.0};
+  double largest = 0.0;
+  for (std::size_t k = 0; k < residual.size(); ++k) {
+    residual[k] = isDependent[k] ? load.e[k] - residual[k] : 0.0;
+    if (!(std::abs(residual[k]) <= tolerance))
+      largest = std::isfinite(residual[k]) ? std::max(largest, std::abs(residual[k]))
+                                           : std::numeric_limits<double>::infinity();
+  }
+  largest = globalMax(comm, largest);
+  if (largest == 0.0)
+    return std::nullopt;
+  // Which columns are dependent is a matter of chance, the motion r − A⁻Ar is not: it is that of whole bodies.
+  MultiVector forces(shift.getMap(), 1);
+  coarse.addTransposed(1.0, residual, forces);
+  const std::vector<double> others = coarse.solve(coarse.multiply(forces));
+  constexpr double moved = 1e-6; // of the largest
+  double most = 0.0;
+  for (std::size_t k = 0; k < residual.size(); ++k)
+    most = std::max(most, std::abs(residual[k] - others[k]));
+  most = globalMax(comm, most);
+  long long first = system.globalSubdomains() - 1;
   std::size_t place = 0;
   for (int i = 0; i < system.size(); ++i)
-    for (int k = 0; k < system.kernel(i).columns; ++k, ++place) {
-      const double residual = load.e[place] - balanced[place];
-      if (isDependent[place] && !(std::abs(residual) <= tolerance) &&
-          system.subdomain(i).number < mine.subdomain)
-        mine = {system.subdomain(i).number, residual};
-    }
-  const long long first = globalMin(*system.comm(), mine.subdomain);
-  if (first == none)
-    return std::nullopt;
-  return Unbalanced{first, globalSum(*system.comm(), mine.subdomain == first ? mine.residual : 0.0)};
+    for (int k = 0; k < system.kernel(i).columns; ++k, ++place)
+      if (std::abs(residual[place] - others[place]) > moved * most)
+        first = std::min(first, system.subdomain(i).number);
+  return Unbalanced{globalMin(comm, first), largest};
 }
 
 void requireBalance(const SubdomainSystem& system, const CoarseSpace& coarse, const MultiVector& shift,

@@ -6,7 +6,7 @@
 namespace Harmos::feti {
 
 StepSeconds predictStep(const StepShape& shape, const StepRates& rates) {
-  constexpr double passes = 40.0, word = 8.0, inCache = 5e5;
+  constexpr double passes = 40.0, word = 8.0;
   const bool several = shape.ranks > 1;
   const double tree = 2.0 * std::log2(shape.ranks) * rates.latency;
   StepSeconds step;
@@ -14,10 +14,13 @@ StepSeconds predictStep(const StepShape& shape, const StepRates& rates) {
   if (several)
     step.exchange = 4.0 * (shape.neighbours * rates.latency + word * shape.sharedRows / rates.bandwidth);
   step.reductions = 2.0 * tree;
-  const double transfer = several ? 2.0 * word * shape.coarseDimension / rates.bandwidth : 0.0;
-  step.coarse = 4.0 * (tree + transfer) +
-                7.0 * shape.coarseEntries /
-                    (shape.coarseEntries < inCache ? rates.coarseEntries : rates.coarseFromMemory);
+  CoarseShape coarse;
+  coarse.dimension = shape.coarseDimension;
+  coarse.ranks = shape.ranks;
+  coarse.mostOwn = shape.ownMotions;
+  coarse.factorEntries = shape.coarseEntries;
+  step.coarse = shape.isCoarseDistributed ? distributedCoarseSeconds(coarse, rates)
+                                          : replicatedCoarseSeconds(coarse, rates);
   return step;
 }
 

@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_CoarseModel.hpp"
+
 namespace Harmos::feti {
 
-/// What a step of projected conjugate gradients takes beside products with dense blocks and factors.
-///
-/// Rates of solves and of reading are those of one core of an AMD EPYC with two cores in use
-/// (tests/performance/coarse_factor, dual_operator); the overhead is fitted to tests/performance/scaling.py.
-/// Latency and bandwidth are assumptions about a common cluster and not measured.
-struct StepRates {
-  double readBytes = 1.9e10;       ///< a second, of vectors
-  double coarseEntries = 1.1e9;    ///< of L a second in coarse solves, while L is in cache
-  double coarseFromMemory = 2.5e8; ///< the same, when it is not
-  double latency = 2e-6;           ///< seconds of a message
-  double bandwidth = 1e10;         ///< bytes a second between two ranks
-  double overhead = 1e-4;          ///< seconds of a step that depend on nothing
+/// What a step of projected conjugate gradients takes beside products with dense blocks and factors. The
+/// overhead is fitted to tests/performance/scaling.py.
+struct StepRates : CoarseRates {
+  double overhead = 1e-4; ///< seconds of a step that depend on nothing
 };
 
 /// A step on the busiest of the ranks.
@@ -25,6 +19,8 @@ struct StepShape {
   int neighbours = 0;           ///< ranks that it exchanges them with
   double coarseDimension = 0.0; ///< n_c
   double coarseEntries = 0.0;   ///< of L
+  bool isCoarseDistributed = false;
+  double ownMotions = 0.0; ///< of its subdomains
 };
 
 struct StepSeconds {
@@ -37,7 +33,7 @@ struct StepSeconds {
 ///     vectors     40 passes · 8 rows/readBytes + overhead
 ///     exchange    4 (neighbours · latency + 8 sharedRows/bandwidth), for P > 1
 ///     reductions  2t
-///     coarse      4 (t + 16 n_c/bandwidth) + 7 coarseEntries/rate, rate by whether they are fewer than 5e5
+///     coarse      see CoarseModel
 ///
 /// Exchanges and reductions as tests/unit/feti/test_communication.cpp counts them; the formulas are those of
 /// tests/performance/performance_model.py, see docs/dual_operator.md. Guarded by

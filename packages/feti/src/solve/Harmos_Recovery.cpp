@@ -79,7 +79,7 @@ TornSolution recover(const SubdomainSystem& system, const Constraints& constrain
   constraints.residual(solution.displacement, *total, residual);
   residual.scale(-1.0);
   MultiVector left(residual, Teuchos::Copy);
-  if (!mu.empty() && !dual.equalityRows().is_null()) {
+  if (!dual.equalityRows().is_null()) {
     MultiVector multiplier(dual.equalityRows()->getRangeMap(), 1);
     HARMOS_REQUIRE(mu.size() == multiplier.getLocalLength(), "mu has this rank's entries");
     std::copy(mu.begin(), mu.end(), multiplier.getLocalViewHost(Tpetra::Access::OverwriteAll).data());

@@ -26,7 +26,7 @@ class FaceGram {
 /// Makes them for orthonormal rows whose structure is known to the application: where nothing is known, a
 /// solver multiplies by C and Cᵀ once for each row and each face.
 ///
-/// Guarded by tests/unit/feti/test_coarse_space.cpp.
+/// Guarded by tests/unit/feti/coarse/test_coarse_space.cpp.
 template<class MV>
 class FaceGramMaker {
  public:

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A coarse problem that every rank has whole and one in shares have the same answers.
+
+On 1, 2, 4 and 8 ranks; with the word Many on 16, 32 and 64 (a long test, on any number of cores).
+Energies agree to 1e-10, products with F to one, and what is said of rigid motions word for word.
+"""
+
+import os
+import re
+import signal
+import sys
+import time
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+import harmos_runs as runs
+
+APPS = runs.SOURCE / "apps"
+FORMS = ("replicated", "distributed")
+
+# Of what is held and floating, held by contact alone, jumping in its materials, with adaptive
+# vectors, and with rows of G that are left out (composite.xml: 16 of 74).
+CASES = {
+    "held bodies": ("signorini", "signorini/decks/block.xml", {}),
+    "floating bodies": ("signorini", "signorini/decks/model.xml", {"Decomposition/Dirichlet": "dual"}),
+    "rank-deficient G": ("fiber_composite", "fiber_composite/decks/composite.xml", {}),
+    "friction": ("harmos", "harmos/decks/greco_plate.xml", {}),
+    "adhesion": ("harmos", "harmos/decks/lifted_beam.xml", {}),
+    "weights": ("harmos", "harmos/decks/stack.xml", {"Dual operator/Weights": "stiffness"}),
+    "adaptive vectors": (
+        "signorini",
+        "signorini/decks/block.xml",
+        {"Dual operator/Adaptive coarse vectors": "all"},
+    ),
+}
+# A block on a floor, which does not hold it sideways.
+BLOCK = """<ParameterList name="harmos">
+  <ParameterList name="Model"><Parameter name="Physics" type="string" value="plane strain"/></ParameterList>
+  <ParameterList name="Materials"><ParameterList name="stuff">
+    <Parameter name="Young's modulus" type="double" value="1"/>
+    <Parameter name="Poisson's ratio" type="double" value="0.3"/>
+  </ParameterList></ParameterList>
+  <ParameterList name="Bodies"><ParameterList name="block">
+    <Parameter name="Source" type="string" value="block"/>
+    <Parameter name="Size" type="Array(double)" value="{{1, 1, 1}}"/>
+    <Parameter name="Subdomains a side" type="Array(int)" value="{{4, 4, 1}}"/>
+    <Parameter name="Elements a side" type="Array(int)" value="{{2, 2, 1}}"/>
+    <Parameter name="Materials" type="Array(string)" value="{{stuff}}"/>
+  </ParameterList></ParameterList>
+  <ParameterList name="Effects">
+    <ParameterList name="Obstacle"><ParameterList name="floor">
+      <Parameter name="Part" type="string" value="block/bottom"/>
+    </ParameterList></ParameterList>
+    <ParameterList name="Traction"><ParameterList name="load">
+      <Parameter name="Part" type="string" value="block/top"/>
+      <Parameter name="Density" type="Array(double)" value="{load}"/>
+    </ParameterList></ParameterList>
+  </ParameterList>
+</ParameterList>
+"""
+
+
+def motions(text):
+    """What is said of rigid motions, without numbers of a residual's size."""
+    lines = [line for line in text.splitlines() if re.search("rigid motion|pulled away|cannot be held", line)]
+    return [re.sub(r"[-\d.]+e[-+]\d+", "#", line) for line in lines]
+
+
+class Forms(unittest.TestCase):
+    ranks = (1, 2, 4, 8)
+    maxDiff = None
+
+    def both(self, program, deck, sets, np):
+        sets = {"Solver/Maximum iterations": "10000", **sets}
+        return [
+            runs.run(deck, {"Decomposition/Coarse problem": form, **sets}, np, program=program)
+            for form in FORMS
+        ]
+
+    def test_answers(self):
+        rows = []
+        for name, (program, deck, sets) in CASES.items():
+            for np in self.ranks:
+                with self.subTest(case=name, ranks=np):
+                    whole, shared = self.both(program, APPS / deck, sets, np)
+                    for form, done in zip(FORMS, (whole, shared)):
+                        self.assertEqual(done.returncode, 0, done)
+                        self.assertTrue(done.summary["converged"], done)
+                        self.assertEqual(done.summary["coarse_problem"], form)
+                    for key in ("kernel_dimension", "coarse_dimension"):
+                        self.assertEqual(whole.summary[key], shared.summary[key], shared)
+                    difference = abs(shared.summary["energy"] / whole.summary["energy"] - 1.0)
+                    self.assertLess(difference, 1e-10, shared)
+                    products = [
+                        done.summary["hessian_applications"]
+                        for done in (whole, shared)
+                    ]
+                    rows.append([name, np, whole.summary["coarse_dimension"], *products, f"{difference:.1e}"])
+                    self.assertLessEqual(abs(products[1] - products[0]), 1, shared)
+                    self.assertEqual(motions(whole.stdout), motions(shared.stdout), shared)
+        runs.table(
+            "Coarse problem replicated and distributed",
+            ("case", "ranks", "dimension", "products", "in shares", "energies differ"),
+            rows,
+        )
+
+    def test_diagnoses(self):
+        for load, said in (("{1e-4, -0.02, 0}", "cannot be held"), ("{0, 0.02, 0}", "pulled away")):
+            deck = runs.scratch("deck").with_suffix(".xml")
+            deck.write_text(BLOCK.format(load=load), encoding="utf-8")
+            for np in self.ranks:
+                with self.subTest(load=load, ranks=np):
+                    texts = []
+                    for done in self.both("harmos", deck, {}, np):
+                        self.assertNotEqual(done.returncode, 0, done)
+                        texts.append(motions(done.stdout + done.stderr))
+                    self.assertIn(said, " ".join(texts[0]))
+                    self.assertEqual(texts[0], texts[1])
+
+
+class Killed(unittest.TestCase):
+    def test_a_rank_that_is_killed_ends_the_run(self):
+        """In the set-up of the coarse problem and in the iterations: at whatever it is."""
+        sets = {"Decomposition/Coarse problem": "distributed", "Solver/Tolerance": "1e-9"}
+        deck = APPS / "fiber_composite" / "decks" / "debonding.xml"
+        for delay in (0.1, 0.3, 0.5, 0.7):
+            with self.subTest(delay=delay):
+                done = runs.Background(deck, sets, np=4, program="fiber_composite")
+                self.assertTrue(done.wait_until(lambda: len(done.ranks()) == 4), done.text())
+                time.sleep(delay)
+                ranks = done.ranks()
+                self.assertEqual(len(ranks), 4, "the run is over already\n" + done.text())
+                os.kill(ranks[-1], signal.SIGKILL)
+                self.assertNotEqual(done.end(60), 0)
+
+
+class Many(Forms):
+    ranks = (16, 32, 64)
+
+
+if __name__ == "__main__":
+    runs.main()
