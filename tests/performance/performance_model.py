@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Time of an iteration on P ranks, from latency, bandwidth and the size of the coarse problem.
 
-    performance_model.py [--subdomains-per-rank 16] [--elements 128] [--shared] [--latency 2e-6]
+    performance_model.py [--subdomains-per-rank 16] [--elements 128] [--shared] [--distributed] [--latency 2e-6]
                          [--bandwidth 1e10] [--output FILE]
 
 One step of projected conjugate gradients with a Dirichlet preconditioner on the two-membrane
@@ -17,7 +17,9 @@ problem (scalar, square subdomains of N x N elements, s of them on a rank), weak
     coarse     four reductions of n_c = s P numbers: as above, and twice the vector by the
                bandwidth; seven solves with L (three projections, one residual), replicated on each
                rank: dense, n_c^2/2 entries, up to 200, else 5 n_c log2(n_c) entries, as coarse_factor
-               counts them (3.8 to 5.1 for grids of 32^2 to 256^2 subdomains)
+               counts them (3.8 to 5.1 for grids of 32^2 to 256^2 subdomains). Distributed: four
+               all-gathers of n_c numbers, products with the rank's s rows of the inverse of n_c
+               numbers each, at the rate of reading, and four latencies for two exchanges with neighbours
 
 The counts of reductions are those of tests/unit/feti/test_communication.cpp. Rates of products and of
 reading are those that dual_operator shows on one rank of two, solves those of coarse_factor; the overhead is fitted to scaling.py. Latency and bandwidth of a network are to be
@@ -50,6 +52,7 @@ class Problem:
     elements: int = 128
     shared: bool = True
     passes: int = 40
+    distributed: bool = False
 
 
 def step(ranks, machine, problem):
@@ -73,6 +76,10 @@ def step(ranks, machine, problem):
     solve = machine.solve if entries < 5e5 else machine.solve_from_memory
     transfer = 2 * 8 * coarse_size / machine.bandwidth if ranks > 1 else 0
     coarse = 4 * (tree + transfer) + 7 * entries / solve
+    if problem.distributed:
+        rows_bytes = 8 * s * coarse_size
+        neighbourly = 4 * machine.latency if ranks > 1 else 0
+        coarse = 4 * (tree / 2 + transfer / 2 + rows_bytes / machine.read + neighbourly)
     return {
         "products": products,
         "vectors": vectors + machine.overhead,
@@ -98,12 +105,15 @@ def main():
     parser.add_argument("--subdomains-per-rank", type=int, default=16)
     parser.add_argument("--elements", type=int, default=128)
     parser.add_argument("--shared", action="store_true")
+    parser.add_argument("--distributed", action="store_true")
     for name in ("gemm", "read", "solve", "solve_from_memory", "latency", "bandwidth", "overhead"):
         parser.add_argument(f"--{name.replace('_', '-')}", type=float, default=getattr(Machine, name))
     parser.add_argument("--output")
     given = parser.parse_args()
     machine = Machine(*(getattr(given, name) for name in asdict(Machine())))
-    problem = Problem(given.subdomains_per_rank, given.elements, given.shared)
+    problem = Problem(
+        given.subdomains_per_rank, given.elements, given.shared, distributed=given.distributed
+    )
     table = []
     print(f"{'ranks':>8} {'products':>10} {'vectors':>10} {'exchange':>10} {'scalars':>10} {'coarse':>10}")
     for ranks in (1, 2, 10, 100, 1000, 10000, 100000):

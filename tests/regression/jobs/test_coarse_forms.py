@@ -27,7 +27,11 @@ CASES = {
     "rank-deficient G": ("fiber_composite", "fiber_composite/decks/composite.xml", {}),
     "friction": ("harmos", "harmos/decks/greco_plate.xml", {}),
     "adhesion": ("harmos", "harmos/decks/lifted_beam.xml", {}),
-    "weights": ("harmos", "harmos/decks/stack.xml", {"Dual operator/Weights": "stiffness"}),
+    "weights": (
+        "fiber_composite",
+        "fiber_composite/decks/composite.xml",
+        {"Dual operator/Weights": "stiffness"},
+    ),
     "adaptive vectors": (
         "signorini",
         "signorini/decks/block.xml",
