@@ -98,6 +98,16 @@ class Programs(unittest.TestCase):
         for item, order in zip(document["runs"], (64, 256)):
             self.assertEqual(set(item), described("coarse_factor"))
             self.assertEqual(item["order"], order)
+            self.assertEqual(item["distributed"]["form"], "rows")
+
+    def test_communication(self):
+        document = self.script("communication.py", "--ranks", "2,4", "--side", "2")
+        for item in document["runs"]:
+            # What a step says is what the model says, and a few numbers: norms and scalar products.
+            collectives = item["allreduce_bytes_a_step"] + item["allgather_bytes_a_step"]
+            self.assertGreaterEqual(collectives, item["model_bytes_a_step"])
+            self.assertLess(collectives, item["model_bytes_a_step"] + 150)
+            self.assertEqual(item["broadcast_calls_a_step"], 0)
 
     def script(self, name, *arguments, statuses=(0,)):
         output = runs.scratch(name)
