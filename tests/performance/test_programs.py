@@ -101,7 +101,7 @@ class Programs(unittest.TestCase):
             self.assertEqual(item["distributed"]["form"], "rows")
 
     def test_communication(self):
-        document = self.script("communication.py", "--ranks", "2,4", "--side", "2")
+        document = self.script("messages/communication.py", "--ranks", "2,4")
         for item in document["runs"]:
             # What a step says is what the model says, and a few numbers: norms and scalar products.
             collectives = item["allreduce_bytes_a_step"] + item["allgather_bytes_a_step"]
@@ -110,7 +110,7 @@ class Programs(unittest.TestCase):
             self.assertEqual(item["broadcast_calls_a_step"], 0)
 
     def script(self, name, *arguments, statuses=(0,)):
-        output = runs.scratch(name)
+        output = runs.scratch(Path(name).stem)
         words = [sys.executable, HERE / name, *arguments, "--output", output]
         status, _, errors = runs.execute(words)
         self.assertIn(status, statuses, errors)

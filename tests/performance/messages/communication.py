@@ -19,7 +19,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 import harmos_runs as runs
 
 COUNTS = runs.BINARY / "tests" / "bin" / "libharmos_mpi_counts.so"
