@@ -87,7 +87,7 @@ FAULTS = (
         "const double weight = scaling == PreconditionerScaling::Stiffness\n",
         "const double weight = scaling == PreconditionerScaling::Multiplicity\n", FETI),
     fault(
-        "half of the projector", "packages/feti/src/coarse/Harmos_CoarseSpace.cpp",
+        "half of the projector", "packages/feti/src/coarse/Harmos_ReplicatedCoarse.cpp",
         "addGt(-1.0, applyG(v, c), v, c);", "addGt(-0.5, applyG(v, c), v, c);", FETI),
     fault(
         "sign of the gap in the dual load", "packages/feti/src/dual/Harmos_DualProblem.cpp",
@@ -104,7 +104,7 @@ FAULTS = (
         "const double least = std::sqrt(std::numeric_limits<double>::epsilon());",
         "const double least = 0.0;", FETI),
     fault(
-        "rounding errors of G hold a motion", "packages/feti/src/coarse/Harmos_CoarseSpace.cpp",
+        "rounding errors of G hold a motion", "packages/feti/src/coarse/Harmos_CoarseRows.cpp",
         "constexpr double rounding = 1e2 * std::numeric_limits<double>::epsilon();",
         "constexpr double rounding = 0.0;", ("unit_run",)),
     fault(
