@@ -57,7 +57,7 @@ double distributedCoarseSeconds(const CoarseShape& shape, const CoarseRates& rat
 }
 
 bool isDistributedCheaper(const CoarseShape& shape, const CoarseRates& rates) {
-  constexpr int fewestRanks = 8;    // below, set-up takes longer than it saves
+  constexpr int fewestRanks = 8;     // below, set-up takes longer than it saves
   constexpr double worthWhile = 0.5; // models are no better than that
   return shape.ranks >= fewestRanks &&
          distributedCoarseSeconds(shape, rates) < worthWhile * replicatedCoarseSeconds(shape, rates);

@@ -27,8 +27,8 @@ struct CoarseShape {
 /// @note Collective.
 CoarseShape shapeOf(const SubdomainSystem& system);
 
-/// Entries of L, LLᵀ = G̃G̃ᵀ, in the order of nested dissection, of N = n/m subdomains in the plane (m = 1 or 3)
-/// or in space: m²·N·(2 + 2 log₂N) and m²·(10 N + 1.5 N^(4/3)), about.
+/// Entries of L, LLᵀ = G̃G̃ᵀ, in the order of nested dissection, of N = n/m subdomains in the plane (m = 1 or
+/// 3) or in space: m²·N·(2 + 2 log₂N) and m²·(10 N + 1.5 N^(4/3)), about.
 double coarseFactorEntries(const CoarseShape& shape);
 
 /// Ranks of a group that factors a distributed coarse problem: two, or as many as its factors need.
@@ -41,14 +41,15 @@ int coarseGroup(const CoarseShape& shape);
 ///     distributed   4 (t + 8 n/bandwidth + 8 n·own/readBytes + 4 latency)
 ///
 /// A reduction of n numbers and solves with L and Lᵀ, the rate by whether they are fewer than 5e5; or an
-/// all-gather, rows of A⁻, and two exchanges with neighbours. Guarded by tests/unit/feti/coarse/test_coarse_model.cpp.
+/// all-gather, rows of A⁻, and two exchanges with neighbours. Guarded by
+/// tests/unit/feti/coarse/test_coarse_model.cpp.
 double replicatedCoarseSeconds(const CoarseShape& shape, const CoarseRates& rates);
 double distributedCoarseSeconds(const CoarseShape& shape, const CoarseRates& rates);
 /// Whether a distributed one is worth while: from `fewestRanks` on, and where it takes half as long at most.
 bool isDistributedCheaper(const CoarseShape& shape, const CoarseRates& rates);
 
-/// Whether a distributed factor is better solved with than inverted: its rows would need too much memory, or, on
-/// a face, more solves than they save.
+/// Whether a distributed factor is better solved with than inverted: its rows would need too much memory, or,
+/// on a face, more solves than they save.
 bool coarseSolves(const CoarseShape& shape, int groupSize, bool isFace);
 
 } // namespace Harmos::feti

@@ -63,7 +63,7 @@ class DistributedCoarse : public CoarseSpace {
   CoarseShape shape_;
   bool isScaled_; // where rows of B have weights; a rank without motions has no scale_ even so
   CoarseOptions::Inverse inverse_;
-  std::vector<double> scale_, touchedScale_; // √ of the diagonal of A
+  std::vector<double> scale_, touchedScale_;  // √ of the diagonal of A
   std::vector<std::size_t> rowAt_, columnAt_; // of the places of rows(): where they are among touched columns
   std::unique_ptr<DistributedGraph> graph_;
   std::unique_ptr<DistributedFactor> factor_;

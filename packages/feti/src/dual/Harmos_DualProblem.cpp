@@ -108,7 +108,8 @@ std::optional<Unbalanced> unbalanced(const SubdomainSystem& system, const Coarse
   largest = globalMax(comm, largest);
   if (largest == 0.0)
     return std::nullopt;
-  // Which columns are dependent is a matter of chance, the motion r − A⁻Ar is not: it is that of whole bodies.
+  // Which columns are dependent is a matter of chance, the motion r − A⁻Ar is not: it is that of whole
+  // bodies.
   MultiVector forces(shift.getMap(), 1);
   coarse.addTransposed(1.0, residual, forces);
   const std::vector<double> others = coarse.solve(coarse.multiply(forces));
