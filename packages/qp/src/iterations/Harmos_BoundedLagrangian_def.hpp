@@ -279,7 +279,7 @@ double BoundedLagrangian<Scalar, MV, OP>::attainableEquality() const {
   if (!rows_.isPresent())
     return 0.0;
   return std::numeric_limits<double>::epsilon() *
-         (std::sqrt(rows_.norm2() * iteration_->sums().xNorm2) + norm<Scalar>(rows_.values()));
+         (std::sqrt(rows_.norm2() * iteration_->sums().xNorm2) + rows_.valuesNorm());
 }
 
 } // namespace Harmos::qp

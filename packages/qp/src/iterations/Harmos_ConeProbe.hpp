@@ -47,7 +47,7 @@ class ConeProbe {
       if (step % between == 0) {
         rows_.residual(*x_, *r);
         const double residual = norm<Scalar>(*r);
-        if (residual <= met * (norm<Scalar>(*x_) + norm<Scalar>(rows_.values())))
+        if (residual <= met * (norm<Scalar>(*x_) + rows_.valuesNorm()))
           return Verdict::Feasible;
         if (proves(*r, residual, y, certificate))
           return Verdict::Infeasible;
@@ -84,7 +84,7 @@ class ConeProbe {
     const BoxInfimum infimum = BT::coneInfimum(*w, problem_.feasibleSet(), problem_.followingLimits());
     const double gap = infimum.value - dot<Scalar>(r, rows_.values()) / residual;
     const double radius =
-        farther * std::max({norm<Scalar>(*x_), infimum.boundNorm, norm<Scalar>(rows_.values())});
+        farther * std::max({norm<Scalar>(*x_), infimum.boundNorm, rows_.valuesNorm()});
     if (!(gap >= 0.5 * residual) || !(infimum.openNorm * radius <= gap))
       return false;
     rows_.toUser(r, y);

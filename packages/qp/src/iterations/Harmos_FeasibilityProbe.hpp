@@ -53,7 +53,7 @@ class FeasibilityProbe {
     for (int step = 0; step <= mostSteps; ++step) {
       rows_.residual(*x, *r);
       const double residual = norm<Scalar>(*r), root = std::sqrt(rows_.norm2());
-      const double size = root * norm<Scalar>(*x) + norm<Scalar>(rows_.values());
+      const double size = root * norm<Scalar>(*x) + rows_.valuesNorm();
       if (residual <= 1e-9 * size)
         return Verdict::Feasible;
       if (proves(*r, residual, *x, y, certificate))
@@ -79,7 +79,7 @@ class FeasibilityProbe {
     const double gap = infimum.value - dot<Scalar>(r, rows_.values()) / residual;
     // No size at hand is zero for a problem that has any: c̄ ≠ 0, or x = 0 would be feasible or out of bounds.
     const double radius = 1e6 * std::max({norm<Scalar>(x), infimum.boundNorm,
-                                          norm<Scalar>(rows_.values()) / std::sqrt(rows_.norm2())});
+                                          rows_.valuesNorm() / std::sqrt(rows_.norm2())});
     if (!(gap >= 0.5 * residual) || !(infimum.openNorm * radius <= gap))
       return false;
     rows_.toUser(r, y);

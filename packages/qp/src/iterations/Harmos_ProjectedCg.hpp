@@ -56,6 +56,13 @@ class ProjectedCg {
   /// Begins again where it is, with gradients computed anew.
   void restart();
 
+  /// Looks how far the solution is from the equalities, for evaluate(): steps stay in the kernel of the rows,
+  /// so that start() knows, until rounding errors of many of them count. To be done where the solution was
+  /// moved, and before an end is believed. @note Collective, a product with C.
+  void lookAtRows();
+  /// Whether no step was taken since it was looked.
+  bool hasLooked() const { return hasLooked_ || !rows_.isPresent(); }
+
   /// Begins again from the equalities where the steps have left them by more than rounding errors of the
   /// iterate, and by more than is left of the gradient, each relative to its size: the error of a direction
   /// grows with what was projected away, times the condition of the rows.
@@ -109,7 +116,8 @@ class ProjectedCg {
   void multiplier(MV& mu) const;
   /// Gives μ̄ to the problem.
   void storeMultiplier() const;
-  /// The problem's present solution for the tests. @param gradientNorm ‖g^P‖ there.
+  /// The problem's present solution for the tests, with what is known of the equalities: see lookAtRows().
+  /// @param gradientNorm ‖g^P‖ there.
   IterationState<MV> evaluate(double gradientNorm, int outer, int inner);
   /// After Outcome::Flat: A vanishes along p, and the cost falls along −p.
   const MV& direction() const { return *p_; }
@@ -135,6 +143,7 @@ class ProjectedCg {
   Outcome coupledStep();
   CoupledDirection<MV> coupledDirection();
   void sumResidual();
+  void keepRowResidual();
 
   const Problem<Scalar, MV, OP>& problem_;
   EqualityRows<Scalar, MV, OP>& rows_;
@@ -166,6 +175,9 @@ class ProjectedCg {
   double iterateNorm_ = 0.0;
   double level_ = 0.0;
   int staleness_ = 0;
+  // ‖Cx − c‖ and the distance, when it was looked.
+  double equalityResidual_ = 0.0, equalityDistance_ = 0.0;
+  bool hasLooked_ = false;
 };
 
 } // namespace Harmos::qp

@@ -201,6 +201,7 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::coupl
   }
   coupled_.add(d, norm2);
   sumResidual();
+  lookAtRows();
   ++counters_.cgSteps;
   ++staleness_;
   raiseLevel(dot<Scalar>(x, x));

@@ -49,7 +49,8 @@ ProjectedCg<Scalar, MV, OP>::ProjectedCg(const Problem<Scalar, MV, OP>& problem,
       preconditioner_(problem, counters),
       directions_(options),
       kept_(problem, rows),
-      curvatureBound_(problem.hessianNorm()) {
+      curvatureBound_(problem.hessianNorm()),
+      rhsNorm_(norm<Scalar>(*problem.rhs())) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   for (Teuchos::RCP<MV>* vector : {&w_, &p_, &image_})
     *vector = MVT::Clone(*problem.solution(), 1);
@@ -108,7 +109,7 @@ bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active, double lea
     isDeficient_ = held == 0.0;
     // x_F ← x_F − C_Fᵀ(C_FC_Fᵀ)⁻(C̄x − c̄), a second time for what rounding left.
     const Teuchos::RCP<MV> correction = MVT::Clone(x, 1);
-    double scale = norm<Scalar>(x) + norm<Scalar>(rows_.values()); // a guess may be nothing but what goes
+    double scale = norm<Scalar>(x) + rows_.valuesNorm(); // a guess may be nothing but what goes
     for (int pass = 0; pass < 2; ++pass) {
       rows_.residual(x, *unused_);
       if (isCoupled_) {
@@ -129,6 +130,7 @@ bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active, double lea
       MVT::MvAddMv(1.0, x, 1.0, *correction, x);
     }
     rows_.residual(x, *unused_);
+    keepRowResidual();
     // A face that misses the equalities does so by more than rounding errors.
     scale = std::max(scale, norm<Scalar>(x));
     if (isCoupled_) {
@@ -264,6 +266,7 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
   if (rows_.isPresent()) {
     makeFaceGram();
     isDeficient_ = isCoupled_ && hold() == 0.0;
+    lookAtRows();
   }
   if (!isCoupled_)
     following_.clear();
@@ -284,8 +287,11 @@ void ProjectedCg<Scalar, MV, OP>::restart() {
   } else {
     MVT::MvAddMv(-1.0, *problem_.rhs(), 0.0, *problem_.rhs(), *w_);
   }
-  if (!isCoupled_)
+  if (!isCoupled_) {
     kept_.minimise(x, *w_);
+    if (kept_.size() > 0) // they are in the kernel to fewer digits
+      lookAtRows();
+  }
   if (hasFace_) {
     BoundTraits<Scalar, MV>::addCurvature(active_, 1.0, x, true, *w_);
     addSprings(x);
@@ -304,7 +310,6 @@ void ProjectedCg<Scalar, MV, OP>::restart() {
   }
   sumResidual();
   staleness_ = 0;
-  rhsNorm_ = norm<Scalar>(*problem_.rhs());
   level_ = 0.0;
   raiseLevel(dot<Scalar>(x, x));
   directions_.clear();
@@ -319,7 +324,7 @@ bool ProjectedCg<Scalar, MV, OP>::returnToRows(double distance) {
   constexpr double rounding = 1e4 * std::numeric_limits<double>::epsilon();
   if (staleness_ == 0 || distance == 0.0 || isCoupled_)
     return false;
-  const double length = iterateNorm_ + norm<Scalar>(rows_.values());
+  const double length = iterateNorm_ + rows_.valuesNorm();
   if (distance <= rounding * length || distance * rhsNorm_ <= residualNorm() * length)
     return false;
   ++counters_.confirmations;
@@ -428,6 +433,10 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
   residual2_ = after.residualNorm2;
   ++counters_.cgSteps;
   ++staleness_;
+  hasLooked_ = false;
+  constexpr int lookInterval = 10;
+  if (staleness_ % lookInterval == 0)
+    lookAtRows();
   raiseLevel(after.iterateNorm2);
   // Exactly conjugate to the last direction also with a preconditioner that is not quite symmetric.
   const double beta = after.preconditionedDotImage / directionDotImage_;
@@ -534,15 +543,28 @@ void ProjectedCg<Scalar, MV, OP>::storeMultiplier() const {
 }
 
 template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::lookAtRows() {
+  if (!rows_.isPresent())
+    return;
+  rows_.residual(*problem_.solution(), *unused_);
+  keepRowResidual();
+}
+
+// Of the product that the rows have just made.
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::keepRowResidual() {
+  equalityResidual_ = rows_.residualNorm();
+  equalityDistance_ = rows_.distance();
+  hasLooked_ = true;
+}
+
+template<class Scalar, class MV, class OP>
 IterationState<MV> ProjectedCg<Scalar, MV, OP>::evaluate(double gradientNorm, int outer, int inner) {
   IterationState<MV> state;
   state.x = problem_.solution().get();
   state.projectedGradient = gradientNorm;
-  if (rows_.isPresent()) {
-    rows_.residual(*problem_.solution(), *unused_);
-    state.equalityResidual = rows_.residualNorm();
-    state.equalityDistance = rows_.distance();
-  }
+  state.equalityResidual = equalityResidual_;
+  state.equalityDistance = equalityDistance_;
   state.decrease = std::numeric_limits<double>::quiet_NaN(); // not known
   state.outer = outer;
   state.inner = inner;

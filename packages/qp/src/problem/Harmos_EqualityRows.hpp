@@ -55,6 +55,8 @@ class EqualityRows {
   /// in units of ‖C‖ for rows used as they stand.
   double distance() const { return distance_; }
   const MV& values() const { return *values_; }
+  /// ‖c̄‖.
+  double valuesNorm() const { return valuesNorm_; }
 
   /// μ̄ with C̄ᵀμ̄ = Cᵀμ, and μ with Cᵀμ = C̄ᵀμ̄.
   void toInternal(const MV& mu, MV& internal) const;
@@ -76,6 +78,7 @@ class EqualityRows {
   Teuchos::RCP<const FaceGram<MV>> weightedGram(const MV& weights, const std::vector<Slip>& rims = {}) const;
 
  private:
+  void prepare(int mostRows);
   void checkOrthonormality();
   bool isDependence(const std::vector<double>& y) const;
   std::vector<double> gramOf(const std::function<void(MV&)>& weigh) const;
@@ -92,6 +95,7 @@ class EqualityRows {
   std::vector<double> gram_;     // of the scaled rows, kept for the consistency check
   bool orthonormal_ = false;
   double norm2_ = 0.0;
+  double valuesNorm_ = 0.0;
   double residualNorm_ = 0.0;
   double distance_ = 0.0;
   bool finite_ = true;

@@ -16,9 +16,16 @@ namespace Harmos::qp {
 template<class Scalar, class MV, class OP>
 EqualityRows<Scalar, MV, OP>::EqualityRows(const Problem<Scalar, MV, OP>& problem, int mostRows)
     : problem_(problem) {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
   if (!isPresent())
     return;
+  prepare(mostRows);
+  valuesNorm_ = norm<Scalar>(*values_);
+}
+
+template<class Scalar, class MV, class OP>
+void EqualityRows<Scalar, MV, OP>::prepare(int mostRows) {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  const Problem<Scalar, MV, OP>& problem = problem_;
   userRows_ = MVT::Clone(*problem.equalityValues(), 1);
   image_ = MVT::Clone(*problem.solution(), 1);
   values_ = MVT::CloneCopy(*problem.equalityValues());

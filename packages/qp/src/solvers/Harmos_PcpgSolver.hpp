@@ -43,6 +43,8 @@ class PcpgSolver<Scalar, MV, OP>::Run {
 
   void begin();
   bool isConfirmed();
+  bool isInterrupted();
+  void look();
   bool advance();
   void stopFlat();
   IterationState<MV> evaluate(int inner);

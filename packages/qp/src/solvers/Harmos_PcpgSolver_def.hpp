@@ -74,6 +74,10 @@ void PcpgSolver<Scalar, MV, OP>::Run::go() {
       state_ = evaluate(inner_);
     const std::optional<Reason> reason = solver_.judge(state_);
     const bool isStagnant = !reason && state_.projectedGradient <= cg_.attainable();
+    if ((reason || isStagnant) && !cg_.hasLooked()) {
+      look();
+      continue;
+    }
     if ((reason == Reason::Converged || isStagnant) && !isConfirmed())
       continue;
     if (isStagnant) {
@@ -93,10 +97,26 @@ void PcpgSolver<Scalar, MV, OP>::Run::go() {
       solver_.stopFor(*reason, state_);
       break;
     }
-    if (solver_.isInterrupted(state_) || !advance())
+    if (isInterrupted() || !advance())
       break;
   }
   cg_.storeMultiplier();
+}
+
+// No end is believed by an old distance from the equalities.
+template<class Scalar, class MV, class OP>
+void PcpgSolver<Scalar, MV, OP>::Run::look() {
+  cg_.lookAtRows();
+  state_ = evaluate(state_.inner);
+}
+
+template<class Scalar, class MV, class OP>
+bool PcpgSolver<Scalar, MV, OP>::Run::isInterrupted() {
+  if (!solver_.isInterrupted(state_))
+    return false;
+  look();
+  solver_.stop(Reason::Interrupted, Explanations::interrupted(), state_);
+  return true;
 }
 
 // Whether the recurrence can be believed; if not, the gradient is computed anew.

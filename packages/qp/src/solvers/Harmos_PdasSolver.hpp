@@ -113,6 +113,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   void aim();
   bool descend();
   bool isFarEnough() const;
+  bool isInterrupted();
   bool advance();
   void look();
   bool isCandidate();

@@ -179,6 +179,7 @@ void PdasSolver<Scalar, MV, OP>::Run::begin() {
   } else {
     guess();
   }
+  cg_.lookAtRows();
   state_ = evaluate(resumed_ ? cg_.residualNorm() : std::numeric_limits<double>::infinity(), inner_);
 }
 
@@ -315,18 +316,34 @@ bool PdasSolver<Scalar, MV, OP>::Run::descend() {
     // What was looked at before and was no answer is not looked at again for a little less.
     if (hasFollowing() && reason == Reason::Converged && cg_.residualNorm() > 0.25 * disproved_)
       reason.reset();
+    // No end is believed by an old distance from the equalities.
+    const bool isAttained = cg_.residualNorm() <= cg_.attainable();
+    if ((reason || isAttained) && !cg_.hasLooked()) {
+      cg_.lookAtRows();
+      state_ = evaluate(cg_.residualNorm(), state_.inner);
+      continue;
+    }
     if (reason && *reason != Reason::Converged) {
       solver_.keepState(*reason);
       state_ = measure(state_.inner, false);
       solver_.stopFor(*reason, state_);
       return false;
     }
-    if (reason || isFarEnough() || cg_.residualNorm() <= cg_.attainable() ||
-        (stepped_ && descent_.isAstray(set_)))
+    if (reason || isFarEnough() || isAttained || (stepped_ && descent_.isAstray(set_)))
       return true;
-    if (solver_.isInterrupted(state_) || !advance())
+    if (isInterrupted() || !advance())
       return false;
   }
+}
+
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::isInterrupted() {
+  if (!solver_.isInterrupted(state_))
+    return false;
+  cg_.lookAtRows();
+  state_ = evaluate(cg_.residualNorm(), state_.inner);
+  solver_.stop(Reason::Interrupted, Explanations::interrupted(), state_);
+  return true;
 }
 
 // Pairs that are off their rims by more than radii would turn to anywhere.
@@ -551,6 +568,8 @@ IterationState<MV> PdasSolver<Scalar, MV, OP>::Run::measure(int inner, bool feas
     const double carried = BT::projectedGradientNorm(x_, *y_, feasible_);
     if (10.0 * cg_.attainable() <= carried) {
       cg_.storeMultiplier();
+      if (!cg_.hasLooked())
+        cg_.lookAtRows();
       return evaluate(carried, inner);
     }
   }
@@ -570,6 +589,7 @@ IterationState<MV> PdasSolver<Scalar, MV, OP>::Run::measure(int inner, bool feas
     rows_.addTransposed(1.0, *mu, *y_);
   }
   cg_.storeMultiplier();
+  cg_.lookAtRows(); // x was moved
   return evaluate(BT::projectedGradientNorm(x_, *y_, feasible_), inner);
 }
 

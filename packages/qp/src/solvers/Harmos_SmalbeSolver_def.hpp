@@ -98,7 +98,7 @@ typename SmalbeSolver<Scalar, MV, OP>::Run::Scales SmalbeSolver<Scalar, MV, OP>:
     return scale;
   scale.gradient = norm<Scalar>(*solver_.problem_->rhs());
   // Without a Hessian (a linear program) the load over the distance to the equalities is all there is.
-  const double distance = norm<Scalar>(rows_.values()) / scale.row;
+  const double distance = rows_.valuesNorm() / scale.row;
   scale.norm = lagrangian_.hessianNorm();
   if (!(scale.norm > 0.0))
     scale.norm = scale.gradient > 0.0 ? scale.gradient / (distance > 0.0 ? distance : 1.0) : 1.0;
