@@ -169,6 +169,12 @@ struct BoundTraits<double, SerialVector> {
     }
     return sums;
   }
+  static ResidualSums localResidualSums(const V& w, const V& z, const V& image, const V& x) {
+    return residualSums(w, z, image, x);
+  }
+  static CurvatureSums localCurvature(const V& g, const V& p, const V& image, const LocalActiveSet& active) {
+    return curvature(g, p, image, active);
+  }
   static SplitSums advance(V& x, V& g, const V& p, const V& image, double step, double factor,
                            bool toBoundary, const Set& feasible, double stepLength, V& next,
                            LocalActiveSet& active) {

@@ -3,6 +3,7 @@
 /// What an iteration says to other ranks, counted at MPI itself: its calls are intercepted by the profiling
 /// interface. The numbers stand in docs/dual_operator.md.
 
+#include "Harmos_DistributedCoarse.hpp"
 #include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_TestFeti.hpp"
 
@@ -12,27 +13,35 @@
 
 namespace {
 
-long long reductions = 0, otherCollectives = 0;
+struct Calls {
+  long long reductions = 0, gathers = 0, others = 0;
+};
+Calls calls;
 
 } // namespace
 
 extern "C" {
 int MPI_Allreduce(const void* send, void* receive, int count, MPI_Datatype type, MPI_Op op, MPI_Comm comm) {
-  ++reductions;
+  ++calls.reductions;
   return PMPI_Allreduce(send, receive, count, type, op, comm);
 }
+int MPI_Allgatherv(const void* send, int sendCount, MPI_Datatype sendType, void* receive, const int* counts,
+                   const int* offsets, MPI_Datatype receiveType, MPI_Comm comm) {
+  ++calls.gathers;
+  return PMPI_Allgatherv(send, sendCount, sendType, receive, counts, offsets, receiveType, comm);
+}
 int MPI_Bcast(void* data, int count, MPI_Datatype type, int root, MPI_Comm comm) {
-  ++otherCollectives;
+  ++calls.others;
   return PMPI_Bcast(data, count, type, root, comm);
 }
 int MPI_Alltoall(const void* send, int sendCount, MPI_Datatype sendType, void* receive, int receiveCount,
                  MPI_Datatype receiveType, MPI_Comm comm) {
-  ++otherCollectives;
+  ++calls.others;
   return PMPI_Alltoall(send, sendCount, sendType, receive, receiveCount, receiveType, comm);
 }
 int MPI_Gatherv(const void* send, int sendCount, MPI_Datatype sendType, void* receive, const int* counts,
                 const int* offsets, MPI_Datatype receiveType, int root, MPI_Comm comm) {
-  ++otherCollectives;
+  ++calls.others;
   return PMPI_Gatherv(send, sendCount, sendType, receive, counts, offsets, receiveType, root, comm);
 }
 }
@@ -42,53 +51,71 @@ using namespace Harmos::feti;
 
 namespace {
 
-// A product by itself: no reduction, nothing but neighbour exchanges.
-long long during(const std::function<void()>& call) {
-  const long long before = reductions;
-  call();
-  return reductions - before;
+Calls operator-(const Calls& a, const Calls& b) {
+  return {a.reductions - b.reductions, a.gathers - b.gathers, a.others - b.others};
 }
 
-struct PerStep {
-  double reductions, others;
+Calls during(const std::function<void()>& call) {
+  const Calls before = calls;
+  call();
+  return calls - before;
+}
+
+struct Case {
+  const char* method;
+  bool tied, preconditioned, distributed;
 };
 
-// Reductions of an iteration: the difference of two runs that stop after different numbers of steps.
-PerStep perStep(const std::string& method, bool tied, bool preconditioned) {
-  LocalInverseOptions options;
-  options.keepSchur = preconditioned;
-  const TestFeti feti(testModel(4, 4, tied), DirichletForm::Primal, options);
-  Teuchos::RCP<const Operator> preconditioner;
-  if (preconditioned)
-    preconditioner = Teuchos::rcp(new DualPreconditioner(feti.system, feti.constraints, feti.inverses,
-                                                         PreconditionerKind::Dirichlet,
-                                                         PreconditionerScaling::Multiplicity));
-  long long counts[2], others[2];
-  const int steps[2] = {2, 5};
-  for (int k : {0, 1}) {
-    const auto lambda = Teuchos::rcp(new MultiVector(feti.dual.rhs()->getMap(), 1));
-    const auto problem = Teuchos::rcp(new qp::TpetraProblem(feti.dual.hessian(), lambda, feti.dual.rhs()));
-    problem->setLowerBound(feti.dual.lowerBound());
-    problem->setHessianNorm(1.0);
-    const auto mu = Teuchos::rcp(new MultiVector(feti.coarse.coarseMap(), 1));
-    problem->setEquality(feti.dual.equalityRows(), Teuchos::rcp(new MultiVector(feti.coarse.coarseMap(), 1)),
-                         mu, qp::EqualityStructure::OrthonormalInvariant);
-    problem->setPreconditioner(preconditioner);
-    problem->setHessianOnKernel(feti.dual.hessianOnKernel());
-    EXPECT_TRUE(problem->setProblem());
-    const auto list = Teuchos::parameterList();
-    list->set("Maximum Iterations", steps[k]);
-    list->set("Convergence Tolerance", 1e-14);
-    if (std::string(method) == "PDAS")
-      list->sublist("PDAS").set("Share of iterations", 1.0);
-    const auto solver = qp::TpetraSolverFactory().create(method, list);
-    solver->setProblem(problem);
-    const long long before = reductions, othersBefore = otherCollectives;
-    solver->solve();
-    counts[k] = reductions - before;
-    others[k] = otherCollectives - othersBefore;
+// The stages with either coarse space.
+struct Stages {
+  Stages(const Case& item, const LocalInverseOptions& options)
+      : feti(testModel(4, 4, item.tied), DirichletForm::Primal, options),
+        distributed(feti.system, feti.constraints, rows()),
+        coarse(item.distributed ? static_cast<const CoarseSpace&>(distributed) : feti.coarse),
+        dual(feti.system, feti.constraints, feti.inverses, feti.dualOperator, coarse) {
+    if (item.preconditioned)
+      preconditioner = Teuchos::rcp(new DualPreconditioner(feti.system, feti.constraints, feti.inverses,
+                                                           PreconditionerKind::Dirichlet,
+                                                           PreconditionerScaling::Multiplicity));
   }
-  return {static_cast<double>(counts[1] - counts[0]) / 3.0, static_cast<double>(others[1] - others[0]) / 3.0};
+  static CoarseOptions rows() {
+    CoarseOptions options;
+    options.inverse = CoarseOptions::Inverse::Rows;
+    return options;
+  }
+
+  TestFeti feti;
+  DistributedCoarse distributed;
+  const CoarseSpace& coarse;
+  DualProblem dual;
+  Teuchos::RCP<const Operator> preconditioner;
+};
+
+Calls ofRun(const Case& item, const Stages& stages, int steps) {
+  const DualProblem& dual = stages.dual;
+  const auto lambda = Teuchos::rcp(new MultiVector(dual.rhs()->getMap(), 1));
+  const auto problem = Teuchos::rcp(new qp::TpetraProblem(dual.hessian(), lambda, dual.rhs()));
+  problem->setLowerBound(dual.lowerBound());
+  problem->setHessianNorm(1.0);
+  const Teuchos::RCP<const Map> rows = dual.equalityRows()->getRangeMap();
+  problem->setEquality(dual.equalityRows(), Teuchos::rcp(new MultiVector(rows, 1)),
+                       Teuchos::rcp(new MultiVector(rows, 1)), qp::EqualityStructure::OrthonormalInvariant);
+  problem->setPreconditioner(stages.preconditioner);
+  problem->setHessianOnKernel(dual.hessianOnKernel());
+  problem->setUnprojectedHessian(dual.unprojectedHessian());
+  problem->setFaceGram(stages.coarse.faceGram());
+  EXPECT_TRUE(problem->setProblem());
+  const auto list = Teuchos::parameterList();
+  list->set("Maximum Iterations", steps);
+  list->set("Convergence Tolerance", 1e-14);
+  if (std::string(item.method) == "PDAS") // all of them on the first face
+    list->sublist("PDAS").set("Share of iterations", 1.0).set("Inner reduction", 1e-12);
+  const auto solver = qp::TpetraSolverFactory().create(item.method, list);
+  solver->setProblem(problem);
+  const Calls result = during([&] { solver->solve(); });
+  if (!item.tied)
+    EXPECT_GT(solver->solve().history.back().active, 0);
+  return result;
 }
 
 } // namespace
@@ -97,26 +124,31 @@ TEST(Communication, products_need_no_reduction) {
   const TestFeti feti(testModel(2, 2));
   MultiVector x(feti.constraints.rowMap(), 1), y(feti.constraints.rowMap(), 1);
   x.putScalar(1.0);
-  EXPECT_EQ(during([&] { feti.dualOperator.apply(x, y); }), 0);
-  EXPECT_EQ(during([&] { feti.coarse.project(x); }), 1);
-  EXPECT_EQ(during([&] { feti.dual.hessian()->apply(x, y); }), 2);
+  EXPECT_EQ(during([&] { feti.dualOperator.apply(x, y); }).reductions, 0);
+  EXPECT_EQ(during([&] { feti.coarse.project(x); }).reductions, 1);
+  EXPECT_EQ(during([&] { feti.dual.hessian()->apply(x, y); }).reductions, 2);
 }
 
-// Of a step of PCPG: a projection after F, one of the residual, one of the preconditioned residual; two for
-// scalars and one for the equality residual that is reported. PDAS has that and, now and then, another active
-// set.
-TEST(Communication, reductions_of_a_step) {
-  struct Case {
-    const char* method;
-    bool tied, preconditioned;
-    double least, most;
-  };
-  for (const Case& item :
-       {Case{"PCPG", true, false, 5, 5}, {"PCPG", true, true, 6, 6}, {"PDAS", false, true, 6, 10}}) {
-    const PerStep count = perStep(item.method, item.tied, item.preconditioned);
-    if (testComm()->getSize() > 1) // alone, scalars are not reduced
-      EXPECT_GE(count.reductions, item.least) << item.method << item.preconditioned;
-    EXPECT_LE(count.reductions, item.most) << item.method << item.preconditioned;
-    EXPECT_EQ(count.others, 0.0) << item.method; // nothing is gathered, nothing broadcast
-  }
+// A projection after F and one after the preconditioner, with which scalars travel; without a preconditioner
+// scalars in the place of the second. Nothing else is gathered, and nothing broadcast. Each tenth step takes
+// the gradient and the iterate back to the kernel of the rows.
+TEST(Communication, collectives_of_a_step) {
+  for (const char* method : {"PCPG", "PDAS"})
+    for (bool preconditioned : {false, true})
+      for (bool distributed : {false, true}) {
+        const bool isLinear = std::string(method) == "PCPG";
+        const Case item = {method, isLinear, preconditioned, distributed};
+        SCOPED_TRACE(std::string(method) + (preconditioned ? ", preconditioned" : "") +
+                     (distributed ? ", distributed" : ""));
+        LocalInverseOptions options;
+        options.keepSchur = preconditioned;
+        const Stages stages(item, options);
+        const Calls few = ofRun(item, stages, 2), more = ofRun(item, stages, 5);
+        const Calls ofSteps = more - few;
+        const bool isAlone = testComm()->getSize() == 1; // then scalars are not reduced
+        EXPECT_EQ(ofSteps.gathers, distributed ? 3 * (preconditioned ? 2 : 1) : 0);
+        if (!isAlone)
+          EXPECT_EQ(ofSteps.reductions, distributed ? 3 * (preconditioned ? 0 : 1) : 6);
+        EXPECT_EQ(ofSteps.others, 0);
+      }
 }

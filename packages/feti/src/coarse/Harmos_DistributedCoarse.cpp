@@ -60,6 +60,9 @@ class DistributedFaces : public qp::FaceGramMaker<MultiVector> {
  public:
   explicit DistributedFaces(const DistributedCoarse& coarse) : coarse_(coarse) {}
 
+  Teuchos::RCP<const qp::FaceGram<MultiVector>> whole() const override {
+    return Teuchos::rcp(new Whole(coarse_));
+  }
   Teuchos::RCP<const qp::FaceGram<MultiVector>> build(const MultiVector& free) const override {
     return buildWithSlips(free, {}, 0.0);
   }
@@ -80,10 +83,32 @@ class DistributedFaces : public qp::FaceGramMaker<MultiVector> {
       r.putScalar(0.0);
       coarse_.addTransposed(1.0, s, r);
     }
+    // GᵀG in front of it would be of no use: G̃GᵀG = G̃.
+    bool solveFor(const MultiVector& x, MultiVector& y, std::vector<double>& sums) const override {
+      const std::vector<double> s = coarse_.solveWith(factor_, coarse_.multiply(x), sums);
+      y.putScalar(0.0);
+      coarse_.addTransposed(1.0, s, y);
+      return true;
+    }
 
    private:
     const DistributedCoarse& coarse_;
     DistributedFactor factor_;
+  };
+
+  class Whole : public qp::FaceGram<MultiVector> {
+   public:
+    explicit Whole(const DistributedCoarse& coarse) : coarse_(coarse) {}
+    void solve(MultiVector&) const override {}
+    bool solveFor(const MultiVector& x, MultiVector& y, std::vector<double>& sums) const override {
+      const std::vector<double> s = coarse_.solve(coarse_.multiply(x), sums);
+      y.putScalar(0.0);
+      coarse_.addTransposed(1.0, s, y);
+      return true;
+    }
+
+   private:
+    const DistributedCoarse& coarse_;
   };
 
   const DistributedCoarse& coarse_;
@@ -196,13 +221,14 @@ DistributedFactor DistributedCoarse::faceFactor(const MultiVector& mask,
 }
 
 std::vector<double> DistributedCoarse::solveWith(const DistributedFactor& factor,
-                                                 const std::vector<double>& e) const {
+                                                 const std::vector<double>& e,
+                                                 std::vector<double>& sums) const {
   if (!isScaled_)
-    return factor.solve(e);
+    return factor.solve(e, sums);
   std::vector<double> scaled = e;
   for (std::size_t k = 0; k < e.size(); ++k)
     scaled[k] /= scale_[k];
-  scaled = factor.solve(scaled);
+  scaled = factor.solve(scaled, sums);
   for (std::size_t k = 0; k < e.size(); ++k)
     scaled[k] /= scale_[k];
   return scaled;
@@ -217,7 +243,12 @@ std::vector<double> DistributedCoarse::product(const std::vector<double>& s, con
 }
 
 std::vector<double> DistributedCoarse::solve(const std::vector<double>& e) const {
-  std::vector<double> s = solveWith(*factor_, e);
+  std::vector<double> none;
+  return solve(e, none);
+}
+
+std::vector<double> DistributedCoarse::solve(const std::vector<double>& e, std::vector<double>& sums) const {
+  std::vector<double> s = solveWith(*factor_, e, sums);
   if (isRefined_) {
     std::vector<double> left = e;
     subtract(left, product(s, nullptr));

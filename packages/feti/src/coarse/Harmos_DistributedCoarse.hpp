@@ -40,6 +40,8 @@ class DistributedCoarse : public CoarseSpace {
   double inaccuracy() const { return inaccuracy_; }
 
   std::vector<double> solve(const std::vector<double>& e) const override;
+  /// @param sums of the ranks, to be added up over them with the same all-gather.
+  std::vector<double> solve(const std::vector<double>& e, std::vector<double>& sums) const;
   void project(MultiVector& v) const override;
   Teuchos::RCP<const Operator> equalityRows() const override;
   Teuchos::RCP<const qp::FaceGramMaker<MultiVector>> faceGram() const override;
@@ -50,7 +52,12 @@ class DistributedCoarse : public CoarseSpace {
   DistributedFactor faceFactor(const MultiVector& mask, const std::vector<qp::Slip>& slipping, double q,
                                double threshold) const;
   /// s ← A_F⁻s with such a factor. @note Collective.
-  std::vector<double> solveWith(const DistributedFactor& factor, const std::vector<double>& e) const;
+  std::vector<double> solveWith(const DistributedFactor& factor, const std::vector<double>& e,
+                                std::vector<double>& sums) const;
+  std::vector<double> solveWith(const DistributedFactor& factor, const std::vector<double>& e) const {
+    std::vector<double> none;
+    return solveWith(factor, e, none);
+  }
 
  private:
   std::vector<double> gram(const double* mask, const std::vector<qp::Slip>& slipping, double q) const;

@@ -115,6 +115,31 @@ std::vector<double> DistributedGraph::gather(const std::vector<double>& own) con
   return all;
 }
 
+std::vector<double> DistributedGraph::gather(const std::vector<double>& own,
+                                             std::vector<double>& sums) const {
+  if (sums.empty())
+    return gather(own);
+  const std::size_t more = sums.size();
+  std::vector<double> mine = own, all(static_cast<std::size_t>(order()));
+  mine.insert(mine.end(), sums.begin(), sums.end());
+  std::vector<int> counts, firsts;
+  for (std::size_t r = 0; r < counts_.size(); ++r) {
+    counts.push_back(counts_[r] + static_cast<int>(more));
+    firsts.push_back(firsts_[r] + static_cast<int>(r * more));
+  }
+  std::vector<double> parts(all.size() + counts_.size() * more);
+  MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), MPI_DOUBLE, parts.data(), counts.data(),
+                 firsts.data(), MPI_DOUBLE, world_);
+  std::fill(sums.begin(), sums.end(), 0.0);
+  for (std::size_t r = 0; r < counts_.size(); ++r) {
+    const auto begin = parts.begin() + firsts[r], end = begin + counts_[r];
+    std::copy(begin, end, all.begin() + firsts_[r]);
+    for (std::size_t k = 0; k < more; ++k)
+      sums[k] += end[static_cast<std::ptrdiff_t>(k)];
+  }
+  return all;
+}
+
 DistributedFactor::DistributedFactor(const DistributedGraph& graph, const std::vector<double>& values,
                                      const Options& options)
     : graph_(graph), leftOut_(options.leftOut), form_(options.form) {
@@ -214,9 +239,14 @@ void DistributedFactor::makeRows() {
 }
 
 std::vector<double> DistributedFactor::solve(const std::vector<double>& e) const {
+  std::vector<double> none;
+  return solve(e, none);
+}
+
+std::vector<double> DistributedFactor::solve(const std::vector<double>& e, std::vector<double>& sums) const {
+  std::vector<double> all = graph_.gather(e, sums);
   if (graph_.order() == 0)
     return {};
-  std::vector<double> all = graph_.gather(e);
   for (int row : leftOut_)
     all[static_cast<std::size_t>(row)] = 0.0;
   std::vector<double> s(static_cast<std::size_t>(graph_.own()), 0.0);

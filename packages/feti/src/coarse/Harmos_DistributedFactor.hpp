@@ -54,6 +54,8 @@ class DistributedGraph {
                             double unit) const;
   /// All entries of a vector, of which each rank has its own. @note Collective, one all-gather.
   std::vector<double> gather(const std::vector<double>& own) const;
+  /// @param sums of the ranks, to be added up over them with the same all-gather.
+  std::vector<double> gather(const std::vector<double>& own, std::vector<double>& sums) const;
 
   /// The order of elimination of the first factorisation, on the first rank of a group; see Mumps.
   std::vector<int>& ordering() const { return ordering_; }
@@ -96,6 +98,8 @@ class DistributedFactor {
   /// A⁻e on this rank's rows, zero at those left out. Entries are not numbers if a solve failed.
   /// @note Collective, one all-gather; in the form of solves messages within groups, too.
   std::vector<double> solve(const std::vector<double>& e) const;
+  /// @param sums of the ranks, to be added up over them with the same all-gather.
+  std::vector<double> solve(const std::vector<double>& e, std::vector<double>& sums) const;
 
   Form form() const { return form_; }
   /// Of L, on all ranks of a group.

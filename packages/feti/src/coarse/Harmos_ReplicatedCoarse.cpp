@@ -44,11 +44,19 @@ void sumExactly(const Teuchos::Comm<int>& comm, std::vector<long double>& values
     values[k] = static_cast<long double>(pieces[k]) + pieces[n + k] + pieces[2 * n + k];
 }
 
+void assign(const std::vector<double>& values, MultiVector& y) {
+  const auto view = y.getLocalViewHost(Tpetra::Access::OverwriteAll);
+  std::copy(values.begin(), values.end(), view.data());
+}
+
 // What PDAS needs of G on faces, by the structure of the coarse space.
 class ReplicatedFaces : public qp::FaceGramMaker<MultiVector> {
  public:
   explicit ReplicatedFaces(const ReplicatedCoarse& coarse) : coarse_(coarse) {}
 
+  Teuchos::RCP<const qp::FaceGram<MultiVector>> whole() const override {
+    return Teuchos::rcp(new Whole(coarse_));
+  }
   Teuchos::RCP<const qp::FaceGram<MultiVector>> build(const MultiVector& free) const override {
     return Teuchos::rcp(new Face(coarse_, coarse_.faceFactor(free)));
   }
@@ -66,10 +74,27 @@ class ReplicatedFaces : public qp::FaceGramMaker<MultiVector> {
       const std::vector<double> y = coarse_.solveOnFace(factor_, {view.data(), view.data() + view.extent(0)});
       std::copy(y.begin(), y.end(), view.data());
     }
+    bool solveFor(const MultiVector& x, MultiVector& y, std::vector<double>& sums) const override {
+      assign(coarse_.solveOnFace(factor_, x, sums), y);
+      return true;
+    }
 
    private:
     const ReplicatedCoarse& coarse_;
     CoarseFactor factor_;
+  };
+
+  class Whole : public qp::FaceGram<MultiVector> {
+   public:
+    explicit Whole(const ReplicatedCoarse& coarse) : coarse_(coarse) {}
+    void solve(MultiVector&) const override {}
+    bool solveFor(const MultiVector& x, MultiVector& y, std::vector<double>& sums) const override {
+      assign(coarse_.applyG(x, sums), y);
+      return true;
+    }
+
+   private:
+    const ReplicatedCoarse& coarse_;
   };
 
   const ReplicatedCoarse& coarse_;
@@ -287,18 +312,37 @@ std::vector<double> ReplicatedCoarse::minimumNormSolution(const MultiVector& mas
   return ownOf(x);
 }
 
+std::vector<double> ReplicatedCoarse::solveOnFace(const CoarseFactor& face, const MultiVector& lambda,
+                                                  std::vector<double>& sums) const {
+  return factor_.multiplyLt(face.solveLt(face.solveL(applyUnscaled(lambda, 0, sums))));
+}
+
 std::vector<double> ReplicatedCoarse::applyUnscaled(const MultiVector& lambda, std::size_t column) const {
+  std::vector<double> none;
+  return applyUnscaled(lambda, column, none);
+}
+
+std::vector<double> ReplicatedCoarse::applyUnscaled(const MultiVector& lambda, std::size_t column,
+                                                    std::vector<double>& sums) const {
   std::vector<double> w(static_cast<std::size_t>(kernelDimension()), 0.0);
   const auto view = lambda.getLocalViewHost(Tpetra::Access::ReadOnly);
   for (std::size_t r = 0; r + 1 < rows().offsets().size(); ++r)
     for (std::size_t k = rows().offsets()[r]; k < rows().offsets()[r + 1]; ++k)
       w[static_cast<std::size_t>(rows().columns()[k])] += rows().values()[k] * view(r, column);
+  const auto size = static_cast<std::ptrdiff_t>(w.size());
+  w.insert(w.end(), sums.begin(), sums.end());
   globalSum(comm(), w);
+  std::copy(w.begin() + size, w.end(), sums.begin());
+  w.resize(static_cast<std::size_t>(size));
   return w;
 }
 
 std::vector<double> ReplicatedCoarse::applyG(const MultiVector& lambda, std::size_t column) const {
   return solveL(applyUnscaled(lambda, column));
+}
+
+std::vector<double> ReplicatedCoarse::applyG(const MultiVector& lambda, std::vector<double>& sums) const {
+  return solveL(applyUnscaled(lambda, 0, sums));
 }
 
 void ReplicatedCoarse::addGt(double factor, const std::vector<double>& w, MultiVector& lambda,

@@ -50,13 +50,21 @@ class ReplicatedCoarse : public CoarseSpace {
   /// y with G_F G_Fᵀ y = r: y = Lᵀ(G̃_F G̃_Fᵀ)⁻Lr. Local.
   std::vector<double> solveOnFace(const CoarseFactor& face, const std::vector<double>& r) const;
 
+  /// The same, r = Gλ. @param sums of the ranks, to be added up over them. @note Collective, one reduction.
+  std::vector<double> solveOnFace(const CoarseFactor& face, const MultiVector& lambda,
+                                  std::vector<double>& sums) const;
+
   /// w = Gλ, the same on all ranks. @note Collective, one reduction.
   std::vector<double> applyG(const MultiVector& lambda, std::size_t column = 0) const;
+  /// @param sums of the ranks, to be added up over them in the same reduction.
+  std::vector<double> applyG(const MultiVector& lambda, std::vector<double>& sums) const;
   /// λ ← λ + factor·Gᵀw. Local.
   void addGt(double factor, const std::vector<double>& w, MultiVector& lambda, std::size_t column = 0) const;
 
   /// G̃λ, all of it. @note Collective, one reduction.
   std::vector<double> applyUnscaled(const MultiVector& lambda, std::size_t column = 0) const;
+  std::vector<double> applyUnscaled(const MultiVector& lambda, std::size_t column,
+                                    std::vector<double>& sums) const;
   /// L⁻¹ of a vector indexed by the columns of R.
   std::vector<double> solveL(const std::vector<double>& e) const { return factor_.solveL(e); }
   /// L⁻ᵀw, indexed by the columns of R; zero at dependent ones.

@@ -179,6 +179,7 @@ DualProblem::DualProblem(const SubdomainSystem& system, const Constraints& const
     ++setupApplications_;
     hessian_ = Teuchos::rcp(new ProjectedOperator(dualOperator, coarse));
     hessianOnKernel_ = Teuchos::rcp(new ProjectedOperator(dualOperator, coarse, true));
+    unprojectedHessian_ = Teuchos::rcpFromRef(static_cast<const Operator&>(dualOperator));
     equalityRows_ = coarse.equalityRows();
   } else {
     requireBalance(system, coarse, *shift_, load);

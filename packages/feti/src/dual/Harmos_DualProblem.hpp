@@ -38,6 +38,8 @@ class DualProblem {
   Teuchos::RCP<const Operator> hessian() const { return hessian_; }
   /// PF, equal to PFP where Gλ = 0; null without a kernel.
   Teuchos::RCP<const Operator> hessianOnKernel() const { return hessianOnKernel_; }
+  /// F; null without a kernel.
+  Teuchos::RCP<const Operator> unprojectedHessian() const { return unprojectedHessian_; }
   /// Pd.
   Teuchos::RCP<const MultiVector> rhs() const { return projectedD_; }
   const MultiVector& d() const { return *d_; }
@@ -68,6 +70,7 @@ class DualProblem {
 
   Teuchos::RCP<const Operator> hessian_;
   Teuchos::RCP<const Operator> hessianOnKernel_;
+  Teuchos::RCP<const Operator> unprojectedHessian_;
   Teuchos::RCP<const Operator> equalityRows_;
   Teuchos::RCP<MultiVector> d_;
   Teuchos::RCP<MultiVector> projectedD_;

@@ -359,6 +359,7 @@ void DualSolve::addEquality(const WarmStart* start) {
   const auto zero = Teuchos::rcp(new MultiVector(map, 1));
   problem_->setEquality(dual_.equalityRows(), zero, multiplier_, qp::EqualityStructure::OrthonormalInvariant);
   problem_->setHessianOnKernel(deflation_ ? hessianOnKernel_ : dual_.hessianOnKernel());
+  problem_->setUnprojectedHessian(deflation_ ? deflated_ : dual_.unprojectedHessian());
   problem_->setFaceGram(stages_.coarse.faceGram());
 }
 

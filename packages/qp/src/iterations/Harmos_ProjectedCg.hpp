@@ -31,9 +31,19 @@ namespace Harmos::qp {
 /// Springs of soft bounds (SpringOps) are a part of A and b on a face. However stiff they are, they cost few
 /// steps: the preconditioner and what meets the equalities know them.
 ///
-/// Cost of a step: one product with A, one or (preconditioned) two projections, one with the preconditioner,
-/// and two reductions for scalars; what full conjugation adds see ConjugateDirections. Guarded by
-/// tests/unit/qp/test_solvers.cpp.
+/// Cost of a step: one product with A, one with the preconditioner, a projection after each of them, and in
+/// each tenth step another one. Scalars travel with the projections where the rows know how
+/// (FaceGram::solveFor()), for what they are products with lies in the kernel: two reductions a step, with or
+/// without a preconditioner. What is projected is the image of p alone, once, so that rounding errors of w
+/// out of the kernel add up; they are of what was projected away in these steps, and are taken out in the
+/// tenth (Gould, Hribar, Nocedal, SIAM J. Sci. Comput. 23, 2001, of what they do). What full conjugation adds
+/// see ConjugateDirections.
+///
+/// Where A = PFP is given by F (Problem::setUnprojectedHessian()), P and P_F are one projection: P_FP = P_F.
+/// On faces gradients are then known up to the range of C̄ᵀ until they are asked for, see settle().
+///
+/// Guarded by tests/unit/qp/test_solvers.cpp, test_projected_cg.cpp; messages by
+/// tests/unit/feti/test_communication.cpp.
 template<class Scalar, class MV, class OP>
 class ProjectedCg {
  public:
@@ -106,25 +116,36 @@ class ProjectedCg {
   double curvatureBound() const { return curvatureBound_; }
 
   /// ½xᵀAx − bᵀx, with springs. @note Needs a face.
-  double cost() const;
+  double cost();
   /// Ax − b + C̄ᵀμ̄: w at free entries, the multipliers of the bounds at active ones. Springs are a part of A
   /// and b. @note Needs a face.
-  void lagrangianGradient(MV& y) const;
+  void lagrangianGradient(MV& y);
   /// The same with soft bounds as they are where x is now.
-  void trueGradient(MV& y) const;
+  void trueGradient(MV& y);
   /// μ̄.
-  void multiplier(MV& mu) const;
+  void multiplier(MV& mu);
   /// Gives μ̄ to the problem.
-  void storeMultiplier() const;
+  void storeMultiplier();
   /// The problem's present solution for the tests, with what is known of the equalities: see lookAtRows().
   /// @param gradientNorm ‖g^P‖ there.
   IterationState<MV> evaluate(double gradientNorm, int outer, int inner);
   /// After Outcome::Flat: A vanishes along p, and the cost falls along −p.
   const MV& direction() const { return *p_; }
-  const MV& image() const { return *image_; }
+  const MV& image() const { return *onFace_; }
 
  private:
-  void project(MV& w, MV* removed);
+  // wᵀp, pᵀp, pᵀAp, and that of A without curvatures and springs; global.
+  struct DirectionSums {
+    double dotGradient, norm2, dotImage, dotHessian;
+  };
+  static constexpr int lookInterval = 10; // steps
+
+  void makeFaceVectors();
+  void project(MV& v, std::vector<double>& sums);
+  void project(MV& v, MV* removed = nullptr);
+  DirectionSums applyToDirection();
+  ResidualSums preconditionAndSum();
+  void settle();
   void precondition();
   void preconditionSoftened();
   void raiseLevel(double iterateNorm2);
@@ -168,6 +189,10 @@ class ProjectedCg {
   bool isSoftened_ = false, hasSprings_ = false; // on any rank
   double springNorm_ = 0.0;                      // ‖κx‖
   Teuchos::RCP<MV> w_, z_, p_, image_, gradient_, rowWork_, removed_, unused_;
+  Teuchos::RCP<MV> onFace_;     // P_F of the image, which it is itself where there is no face
+  bool isUnprojected_ = false;  // images are those of F
+  bool isSettled_ = true;       // gradient_ is Ax − b
+  Teuchos::RCP<MV> rowsOfLoad_; // C̄b; on faces, with F
   double residual2_ = 0.0;
   double directionDotImage_ = 0.0;
   double curvatureBound_ = 0.0;

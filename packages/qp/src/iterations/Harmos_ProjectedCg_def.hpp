@@ -4,6 +4,7 @@
 #include "Harmos_EqualityRows_def.hpp"
 #include "Harmos_ProjectedCg.hpp"
 #include "Harmos_ProjectedCgCoupled_def.hpp"
+#include "Harmos_ProjectedCgStep_def.hpp"
 #include "Harmos_VectorOps.hpp"
 
 #include <algorithm>
@@ -60,23 +61,22 @@ ProjectedCg<Scalar, MV, OP>::ProjectedCg(const Problem<Scalar, MV, OP>& problem,
     removed_ = rows_.makeVector();
     unused_ = rows_.makeVector();
   }
+  isUnprojected_ = rows_.isPresent() && !problem.unprojectedHessian().is_null() && !problem.hasDiscs() &&
+                   !problem.hasSoftBounds() && !problem.hasFollowingLimits();
+  onFace_ = image_;
+  if (!isUnprojected_ || !problem.hasBounds())
+    return;
+  rowsOfLoad_ = rows_.makeVector();
+  rows_.apply(*problem.rhs(), *rowsOfLoad_);
 }
 
-// w ← P_F w; what C̄ᵀ took away is added to `removed`.
 template<class Scalar, class MV, class OP>
-void ProjectedCg<Scalar, MV, OP>::project(MV& w, MV* removed) {
+void ProjectedCg<Scalar, MV, OP>::makeFaceVectors() {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
-  if (!rows_.isPresent())
+  if (!hasFace_ || !gradient_.is_null())
     return;
-  rows_.apply(w, *rowWork_);
-  if (!faceGram_.is_null())
-    faceGram_->solve(*rowWork_);
-  rows_.addTransposed(-1.0, *rowWork_, w);
-  if (hasFace_)
-    BT::maskActive(w, active_);
-  if (removed != nullptr)
-    MVT::MvAddMv(1.0, *removed, 1.0, *rowWork_, *removed);
+  gradient_ = MVT::Clone(*w_, 1);
+  onFace_ = MVT::Clone(*w_, 1);
 }
 
 template<class Scalar, class MV, class OP>
@@ -93,9 +93,8 @@ bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active, double lea
   isDeficient_ = false;
   if (hasSprings_ && isSoftened_)
     SpringOps<Scalar, MV>::move(known, active_, stiffness_, x);
+  makeFaceVectors();
   if (hasFace_) {
-    if (gradient_.is_null())
-      gradient_ = MVT::Clone(x, 1);
     BT::moveToBounds(x, problem_.feasibleSet(), active_);
     findFollowing();
     if (isCoupled_)
@@ -209,15 +208,16 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
   archive.vector("cg gradient on the face", *w_);
   archive.vector("cg direction", *p_);
   archive.number("cg has a face", hasFace_);
+  makeFaceVectors();
   if (hasFace_) {
-    if (gradient_.is_null())
-      gradient_ = MVT::Clone(*w_, 1);
     archive.vector("cg gradient", *gradient_);
     const Teuchos::RCP<MV> active = MVT::Clone(*w_, 1);
     BT::activeToVector(active_, *active);
     archive.vector("cg active set", *active);
-    if (archive.isReading())
+    if (archive.isReading()) {
       BT::vectorToActive(*active, active_);
+      isSettled_ = !isUnprojected_;
+    }
     if (problem_.hasDiscs())
       exchangeSlips<Scalar>(archive, "cg", problem_.feasibleSet(), *w_, active_);
     exchangeSprings<Scalar>(archive, "cg", problem_.softBounds(), *w_, active_);
@@ -232,6 +232,9 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
   }
   if (rows_.isPresent())
     archive.rowVector("cg projected away", *removed_);
+  archive.number("cg equality residual", equalityResidual_);
+  archive.number("cg equality distance", equalityDistance_);
+  archive.number("cg has looked", hasLooked_);
   archive.number("cg residual", residual2_);
   archive.number("cg curvature bound", curvatureBound_);
   archive.number("cg load", rhsNorm_);
@@ -266,7 +269,6 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
   if (rows_.isPresent()) {
     makeFaceGram();
     isDeficient_ = isCoupled_ && hold() == 0.0;
-    lookAtRows();
   }
   if (!isCoupled_)
     following_.clear();
@@ -296,6 +298,7 @@ void ProjectedCg<Scalar, MV, OP>::restart() {
     BoundTraits<Scalar, MV>::addCurvature(active_, 1.0, x, true, *w_);
     addSprings(x);
     MVT::Assign(*w_, *gradient_);
+    isSettled_ = true;
     BoundTraits<Scalar, MV>::maskActive(*w_, active_);
   }
   if (rows_.isPresent())
@@ -332,55 +335,6 @@ bool ProjectedCg<Scalar, MV, OP>::returnToRows(double distance) {
   return start(active);
 }
 
-// z = P_F M⁻¹ w; without a preconditioner z is w.
-template<class Scalar, class MV, class OP>
-void ProjectedCg<Scalar, MV, OP>::precondition() {
-  if (!preconditioner_.isPresent() && !isSoftened_) {
-    if (z_ != w_)
-      Belos::MultiVecTraits<Scalar, MV>::Assign(*w_, *z_);
-    return;
-  }
-  if (isSoftened_) {
-    preconditionSoftened();
-  } else {
-    preconditioner_.apply(*w_, active_, *z_);
-    project(*z_, nullptr);
-  }
-  if (!isCoupled_)
-    kept_.conjugate(*z_);
-}
-
-// z = P M⁻¹ Pᵀ w, P = I − TC̄_Fᵀ(C̄_FTC̄_Fᵀ)⁻C̄_F: what meets the equalities again is taken from pairs that
-// slip by their share T, for there curvatures make it dear.
-template<class Scalar, class MV, class OP>
-void ProjectedCg<Scalar, MV, OP>::preconditionSoftened() {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
-  const double q = stiffness_;
-  if (!rows_.isPresent()) {
-    preconditioner_.applySoftened(*w_, active_, q, *z_);
-    return;
-  }
-  const auto addRows = [&](MV& v) { // C̄_Fᵀ(C̄_FTC̄_Fᵀ)⁻ of what is in rowWork_
-    softGram_->solve(*rowWork_);
-    MVT::MvInit(v, 0.0);
-    rows_.addTransposed(1.0, *rowWork_, v);
-    BT::maskActive(v, active_);
-  };
-  const Teuchos::RCP<MV> left = MVT::CloneCopy(*w_), part = MVT::CloneCopy(*w_);
-  soften(*part);
-  rows_.apply(*part, *rowWork_);
-  addRows(*part);
-  MVT::MvAddMv(1.0, *left, -1.0, *part, *left);
-  preconditioner_.applySoftened(*left, active_, q, *z_);
-  for (int pass = 0; pass < 2; ++pass) { // the second for what rounding leaves
-    rows_.apply(*z_, *rowWork_);
-    addRows(*part);
-    soften(*part);
-    MVT::MvAddMv(1.0, *z_, -1.0, *part, *z_);
-  }
-}
-
 template<class Scalar, class MV, class OP>
 int ProjectedCg<Scalar, MV, OP>::keepOutliers(int most) {
   const int before = kept_.size();
@@ -392,57 +346,6 @@ int ProjectedCg<Scalar, MV, OP>::keepOutliers(int most) {
   if (!vectors.is_null())
     kept_.add(*vectors, counters_);
   return kept_.size() - before;
-}
-
-template<class Scalar, class MV, class OP>
-typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step() {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  constexpr double epsilon = std::numeric_limits<double>::epsilon();
-  if (isCoupled_)
-    return coupledStep();
-  ++counters_.hessianApplications;
-  // p lies in the kernel of the rows.
-  const Teuchos::RCP<const OP> onKernel = problem_.hessianOnKernel();
-  Belos::OperatorTraits<Scalar, MV, OP>::Apply(onKernel.is_null() ? *problem_.hessian() : *onKernel, *p_,
-                                               *image_);
-  const bool hasMore = problem_.hasDiscs() || problem_.hasSoftBounds();
-  const double ofHessian = hasMore ? dot<Scalar>(*p_, *image_) : 0.0;
-  BoundTraits<Scalar, MV>::addCurvature(active_, 1.0, *p_, false, *image_);
-  SpringOps<Scalar, MV>::add(active_, 1.0, *p_, false, *image_);
-  const CurvatureSums sums = BoundTraits<Scalar, MV>::curvature(*w_, *p_, *image_, active_);
-  const double curvature = sums.directionDotImage / sums.directionNorm2;
-  if (!std::isfinite(curvature) || !std::isfinite(sums.gradientDotDirection))
-    return Outcome::Breakdown;
-  curvatureBound_ = std::max(curvatureBound_, hasMore ? ofHessian / sums.directionNorm2 : curvature);
-  if (curvature < -100.0 * epsilon * curvatureBound_)
-    return Outcome::Breakdown;
-  if (curvature <= 100.0 * epsilon * curvatureBound_)
-    return Outcome::Flat;
-  directionDotImage_ = sums.directionDotImage;
-  const double length = sums.gradientDotDirection / directionDotImage_;
-  MVT::MvAddMv(1.0, *problem_.solution(), -length, *p_, *problem_.solution());
-  directions_.add(*p_, *image_, directionDotImage_, length);
-  if (hasFace_) {
-    MVT::MvAddMv(1.0, *gradient_, -length, *image_, *gradient_);
-    BoundTraits<Scalar, MV>::maskActive(*image_, active_);
-  }
-  MVT::MvAddMv(1.0, *w_, -length, *image_, *w_);
-  project(*w_, removed_.get());
-  precondition();
-  const ResidualSums after = BoundTraits<Scalar, MV>::residualSums(*w_, *z_, *image_, *problem_.solution());
-  residual2_ = after.residualNorm2;
-  ++counters_.cgSteps;
-  ++staleness_;
-  hasLooked_ = false;
-  constexpr int lookInterval = 10;
-  if (staleness_ % lookInterval == 0)
-    lookAtRows();
-  raiseLevel(after.iterateNorm2);
-  // Exactly conjugate to the last direction also with a preconditioner that is not quite symmetric.
-  const double beta = after.preconditionedDotImage / directionDotImage_;
-  MVT::MvAddMv(1.0, *z_, -beta, *p_, *p_);
-  directions_.conjugate(*p_);
-  return Outcome::Step;
 }
 
 template<class Scalar, class MV, class OP>
@@ -484,8 +387,10 @@ bool ProjectedCg<Scalar, MV, OP>::isRefinable() const {
 }
 
 template<class Scalar, class MV, class OP>
-double ProjectedCg<Scalar, MV, OP>::cost() const {
+double ProjectedCg<Scalar, MV, OP>::cost() {
   const MV& x = *problem_.solution();
+  if (rows_.isPresent() && rows_.valuesNorm() > 0.0) // else of no account
+    settle();
   double ofSprings = 0.0; // ½κ(x − c)² − ½xκ(x − c)
   if (hasSprings_) {
     const Teuchos::RCP<MV> forces = Belos::MultiVecTraits<Scalar, MV>::Clone(x, 1);
@@ -497,7 +402,8 @@ double ProjectedCg<Scalar, MV, OP>::cost() const {
 }
 
 template<class Scalar, class MV, class OP>
-void ProjectedCg<Scalar, MV, OP>::lagrangianGradient(MV& y) const {
+void ProjectedCg<Scalar, MV, OP>::lagrangianGradient(MV& y) {
+  settle();
   Belos::MultiVecTraits<Scalar, MV>::Assign(*gradient_, y);
   BoundTraits<Scalar, MV>::addCurvature(active_, -1.0, *problem_.solution(), true, y);
   if (rows_.isPresent())
@@ -505,7 +411,7 @@ void ProjectedCg<Scalar, MV, OP>::lagrangianGradient(MV& y) const {
 }
 
 template<class Scalar, class MV, class OP>
-void ProjectedCg<Scalar, MV, OP>::trueGradient(MV& y) const {
+void ProjectedCg<Scalar, MV, OP>::trueGradient(MV& y) {
   lagrangianGradient(y);
   SpringOps<Scalar, MV>::correct(problem_.softBounds(), active_, *problem_.solution(), y);
 }
@@ -529,33 +435,18 @@ Teuchos::RCP<MV> ProjectedCg<Scalar, MV, OP>::springForces(const MV& x) const {
 }
 
 template<class Scalar, class MV, class OP>
-void ProjectedCg<Scalar, MV, OP>::multiplier(MV& mu) const {
+void ProjectedCg<Scalar, MV, OP>::multiplier(MV& mu) {
+  settle();
   Belos::MultiVecTraits<Scalar, MV>::MvAddMv(-1.0, *removed_, 0.0, *removed_, mu);
 }
 
 template<class Scalar, class MV, class OP>
-void ProjectedCg<Scalar, MV, OP>::storeMultiplier() const {
+void ProjectedCg<Scalar, MV, OP>::storeMultiplier() {
   if (!rows_.isPresent())
     return;
   const Teuchos::RCP<MV> mu = rows_.makeVector();
   multiplier(*mu);
   rows_.toUser(*mu, *problem_.multiplier());
-}
-
-template<class Scalar, class MV, class OP>
-void ProjectedCg<Scalar, MV, OP>::lookAtRows() {
-  if (!rows_.isPresent())
-    return;
-  rows_.residual(*problem_.solution(), *unused_);
-  keepRowResidual();
-}
-
-// Of the product that the rows have just made.
-template<class Scalar, class MV, class OP>
-void ProjectedCg<Scalar, MV, OP>::keepRowResidual() {
-  equalityResidual_ = rows_.residualNorm();
-  equalityDistance_ = rows_.distance();
-  hasLooked_ = true;
 }
 
 template<class Scalar, class MV, class OP>

@@ -158,6 +158,11 @@ struct BoundTraits {
   /// Sums over all entries, in one pass and one reduction. z may be w.
   static ResidualSums residualSums(const MV& w, const MV& z, const MV& image, const MV& x);
 
+  /// Of these sums the parts of this rank. Local.
+  static CurvatureSums localCurvature(const MV& gradient, const MV& direction, const MV& image,
+                                      const LocalActiveSet& active);
+  static ResidualSums localResidualSums(const MV& w, const MV& z, const MV& image, const MV& x);
+
   /// x ← x − αp, g ← g − αHp, next ← φ(new) − βp, and the splitting at the new x, whose direction is `next`;
   /// one pass. `next` may be the direction itself. With toBoundary, entries that reach a bound are put
   /// exactly onto it; without, rounding may not carry them beyond it.

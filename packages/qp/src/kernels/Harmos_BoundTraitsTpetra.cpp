@@ -97,20 +97,30 @@ SplitSums Traits::split(const MultiVector& x, const MultiVector& gradient,
   return reduced(x, local);
 }
 
+ResidualSums Traits::localResidualSums(const MultiVector& w, const MultiVector& z, const MultiVector& image,
+                                       const MultiVector& x) {
+  const Reader ws(w), zs(z), hs(image), xs(x);
+  return Kernels::residualSums(ws.size(), ws.data(), zs.data(), hs.data(), xs.data());
+}
+
 ResidualSums Traits::residualSums(const MultiVector& w, const MultiVector& z, const MultiVector& image,
                                   const MultiVector& x) {
-  const Reader ws(w), zs(z), hs(image), xs(x);
-  const ResidualSums local = Kernels::residualSums(ws.size(), ws.data(), zs.data(), hs.data(), xs.data());
+  const ResidualSums local = localResidualSums(w, z, image, x);
   double sums[] = {local.residualNorm2, local.preconditionedDotImage, local.iterateNorm2};
   reduce(w, sums, 3);
   return {sums[0], sums[1], sums[2]};
 }
 
+CurvatureSums Traits::localCurvature(const MultiVector& gradient, const MultiVector& direction,
+                                     const MultiVector& image, const LocalActiveSet& active) {
+  const Reader gs(gradient), ps(direction), hs(image);
+  return Kernels::curvature(gs.size(), gs.data(), ps.data(), hs.data(),
+                            active.empty() ? nullptr : active.data());
+}
+
 CurvatureSums Traits::curvature(const MultiVector& gradient, const MultiVector& direction,
                                 const MultiVector& image, const LocalActiveSet& active) {
-  const Reader gs(gradient), ps(direction), hs(image);
-  const CurvatureSums local = Kernels::curvature(gs.size(), gs.data(), ps.data(), hs.data(),
-                                                 active.empty() ? nullptr : active.data());
+  const CurvatureSums local = localCurvature(gradient, direction, image, active);
   double sums[] = {local.gradientDotDirection, local.directionDotImage, local.directionNorm2,
                    local.freeDotImage, local.freeImageNorm2};
   reduce(gradient, sums, 5);

@@ -16,6 +16,10 @@ struct BoundTraits<Scalar, MultiVector> {
                                  const MultiVector& image, const LocalActiveSet& active);
   static ResidualSums residualSums(const MultiVector& w, const MultiVector& z, const MultiVector& image,
                                    const MultiVector& x);
+  static CurvatureSums localCurvature(const MultiVector& gradient, const MultiVector& direction,
+                                      const MultiVector& image, const LocalActiveSet& active);
+  static ResidualSums localResidualSums(const MultiVector& w, const MultiVector& z, const MultiVector& image,
+                                        const MultiVector& x);
   static SplitSums advance(MultiVector& x, MultiVector& gradient, const MultiVector& direction,
                            const MultiVector& image, double step, double beta, bool toBoundary,
                            const FeasibleSet<MultiVector>& feasible, double stepLength, MultiVector& next,

@@ -48,6 +48,10 @@ class EqualityRows {
   void apply(const MV& x, MV& w) const;
   /// x ← x + factor·C̄ᵀw.
   void addTransposed(double factor, const MV& w, MV& x) const;
+  /// y ← (C̄_FC̄_Fᵀ)⁻C̄x; `sums` of the ranks are added up over them, at no messages of their own where the rows
+  /// know how: see FaceGram::solveFor(). @param gram null: all entries are free, and rows orthonormal.
+  /// @note Collective.
+  void solveFor(const FaceGram<MV>* gram, const MV& x, MV& y, std::vector<double>& sums) const;
   /// r = C̄x − c̄; keeps ‖Cx − c‖ for residualNorm(). @note Collective.
   void residual(const MV& x, MV& r);
   double residualNorm() const { return residualNorm_; }
@@ -89,6 +93,7 @@ class EqualityRows {
 
   const Problem<Scalar, MV, OP>& problem_;
   Teuchos::RCP<MV> values_, userRows_, image_;
+  Teuchos::RCP<const FaceGram<MV>> whole_; // or null
   // T = L₂⁻¹L₁⁻¹ diag(1/‖C_i‖) where rows were orthonormalised, of the pivot rows; zero elsewhere.
   std::vector<PivotedCholesky> factors_;
   std::vector<double> rowScale_; // 1/‖C_i‖

@@ -33,6 +33,8 @@ void EqualityRows<Scalar, MV, OP>::prepare(int mostRows) {
   orthonormal_ = problem.equalityStructure() != EqualityStructure::General;
   if (orthonormal_) {
     checkOrthonormality();
+    if (!problem.faceGram().is_null())
+      whole_ = problem.faceGram()->whole();
     return;
   }
   const auto rows = static_cast<int>(MVT::GetGlobalLength(*values_));
@@ -283,6 +285,19 @@ void EqualityRows<Scalar, MV, OP>::apply(const MV& x, MV& w) const {
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), x, w);
   if (!factors_.empty())
     BT::scatter(transform(BT::gather(w)), w);
+}
+
+template<class Scalar, class MV, class OP>
+void EqualityRows<Scalar, MV, OP>::solveFor(const FaceGram<MV>* gram, const MV& x, MV& y,
+                                            std::vector<double>& sums) const {
+  const FaceGram<MV>* const direct = gram != nullptr ? gram : whole_.get();
+  if (direct != nullptr && direct->solveFor(x, y, sums))
+    return;
+  apply(x, y);
+  if (gram != nullptr)
+    gram->solve(y);
+  if (!sums.empty())
+    BoundTraits<Scalar, MV>::sum(x, sums.data(), static_cast<int>(sums.size()));
 }
 
 template<class Scalar, class MV, class OP>

@@ -21,6 +21,10 @@ class FaceGram {
 
   /// r ← a solution of C_FC_Fᵀy = r, where there is one. @note Collective, if the rows are in shares.
   virtual void solve(MV& r) const = 0;
+
+  /// y ← a solution of C_FC_Fᵀy = Cx, from x itself; `sums` of the ranks are added up over them with the same
+  /// messages. False, with nothing done: that would spare none. @note Collective.
+  virtual bool solveFor(const MV& /*x*/, MV& /*y*/, std::vector<double>& /*sums*/) const { return false; }
 };
 
 /// Makes them for orthonormal rows whose structure is known to the application: where nothing is known, a
@@ -31,6 +35,9 @@ template<class MV>
 class FaceGramMaker {
  public:
   virtual ~FaceGramMaker() = default;
+
+  /// With all entries free, where CCᵀ = I; for its solveFor(). Null: nothing is known.
+  virtual Teuchos::RCP<const FaceGram<MV>> whole() const { return Teuchos::null; }
 
   /// @param free 1 at free entries, 0 elsewhere. @note Collective.
   virtual Teuchos::RCP<const FaceGram<MV>> build(const MV& free) const = 0;

@@ -71,6 +71,9 @@ class Problem {
   /// An operator that equals A on the kernel of the rows and is cheaper, such as PF where A = PFP. Null:
   /// none.
   void setHessianOnKernel(Teuchos::RCP<const OP> hessian) { hessianOnKernel_ = std::move(hessian); }
+  /// F, where A = PFP, P = I − CᵀC, of rows that are OrthonormalInvariant: for solvers that
+  /// have projected vectors, and project images together with what they do on a face. Null: none.
+  void setUnprojectedHessian(Teuchos::RCP<const OP> hessian);
   /// An approximation of A⁻¹, symmetric positive definite, built once: on a face, its restriction to the free
   /// entries is used (the approximate preconditioning in face of Kružík & Horák). Null: none.
   void setPreconditioner(Teuchos::RCP<const OP> preconditioner);
@@ -91,6 +94,7 @@ class Problem {
 
   Teuchos::RCP<const OP> hessian() const { return hessian_; }
   Teuchos::RCP<const OP> hessianOnKernel() const { return hessianOnKernel_; }
+  Teuchos::RCP<const OP> unprojectedHessian() const { return unprojectedHessian_; }
   Teuchos::RCP<const MV> rhs() const { return rhs_; }
   Teuchos::RCP<MV> solution() const { return solution_; }
   Teuchos::RCP<const MV> lowerBound() const { return lower_; }
@@ -142,7 +146,7 @@ class Problem {
   void ownLimits();
 
   Teuchos::RCP<const OP> hessian_;
-  Teuchos::RCP<const OP> hessianOnKernel_;
+  Teuchos::RCP<const OP> hessianOnKernel_, unprojectedHessian_;
   Teuchos::RCP<const MV> rhs_;
   Teuchos::RCP<MV> solution_;
   Teuchos::RCP<const MV> lower_;

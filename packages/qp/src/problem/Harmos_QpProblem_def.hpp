@@ -117,6 +117,12 @@ void Problem<Scalar, MV, OP>::setHessianNorm(double norm) {
 }
 
 template<class Scalar, class MV, class OP>
+void Problem<Scalar, MV, OP>::setUnprojectedHessian(Teuchos::RCP<const OP> hessian) {
+  unprojectedHessian_ = hessian;
+  refuse("setProblem() was not called after setUnprojectedHessian()");
+}
+
+template<class Scalar, class MV, class OP>
 void Problem<Scalar, MV, OP>::setPreconditioner(Teuchos::RCP<const OP> preconditioner) {
   preconditioner_ = preconditioner;
   refuse("setProblem() was not called after setPreconditioner()");
@@ -233,6 +239,10 @@ bool Problem<Scalar, MV, OP>::setProblem() {
     return refuse("equality rows need their right-hand side and a multiplier vector");
   if (!equality_.is_null() && MVT::GetGlobalLength(*equalityValues_) != MVT::GetGlobalLength(*multiplier_))
     return refuse("the right-hand side of the equalities and the multiplier differ in length");
+  if (!unprojectedHessian_.is_null() &&
+      (equality_.is_null() || structure_ != EqualityStructure::OrthonormalInvariant))
+    return refuse("a Hessian that is not projected yet needs equality rows with A = PFP: say so with "
+                  "EqualityStructure::OrthonormalInvariant");
   if (!(hessianNorm_ >= 0.0))
     return refuse("the given norm of the Hessian is negative or not a number");
   set_ = true;

@@ -74,7 +74,7 @@ void PcpgSolver<Scalar, MV, OP>::Run::go() {
       state_ = evaluate(inner_);
     const std::optional<Reason> reason = solver_.judge(state_);
     const bool isStagnant = !reason && state_.projectedGradient <= cg_.attainable();
-    if ((reason || isStagnant) && !cg_.hasLooked()) {
+    if ((reason == Reason::Converged || isStagnant) && !cg_.hasLooked()) {
       look();
       continue;
     }
@@ -94,6 +94,7 @@ void PcpgSolver<Scalar, MV, OP>::Run::go() {
     }
     if (reason) {
       solver_.keepState(*reason);
+      look();
       solver_.stopFor(*reason, state_);
       break;
     }
@@ -106,7 +107,8 @@ void PcpgSolver<Scalar, MV, OP>::Run::go() {
 // No end is believed by an old distance from the equalities.
 template<class Scalar, class MV, class OP>
 void PcpgSolver<Scalar, MV, OP>::Run::look() {
-  cg_.lookAtRows();
+  if (!cg_.hasLooked())
+    cg_.lookAtRows();
   state_ = evaluate(state_.inner);
 }
 

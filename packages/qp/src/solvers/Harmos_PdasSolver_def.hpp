@@ -179,7 +179,8 @@ void PdasSolver<Scalar, MV, OP>::Run::begin() {
   } else {
     guess();
   }
-  cg_.lookAtRows();
+  if (!resumed_)
+    cg_.lookAtRows();
   state_ = evaluate(resumed_ ? cg_.residualNorm() : std::numeric_limits<double>::infinity(), inner_);
 }
 
@@ -318,7 +319,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::descend() {
       reason.reset();
     // No end is believed by an old distance from the equalities.
     const bool isAttained = cg_.residualNorm() <= cg_.attainable();
-    if ((reason || isAttained) && !cg_.hasLooked()) {
+    if ((reason == Reason::Converged || isAttained) && !cg_.hasLooked()) {
       cg_.lookAtRows();
       state_ = evaluate(cg_.residualNorm(), state_.inner);
       continue;

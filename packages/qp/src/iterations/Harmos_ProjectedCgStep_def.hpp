@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_EqualityRows_def.hpp"
+#include "Harmos_ProjectedCg.hpp"
+#include "Harmos_VectorOps.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace Harmos::qp {
+
+// The steps of ProjectedCg, and what projects and preconditions in them.
+
+// v ← P_F v, for v that is zero at active entries; rowWork_ ← what C̄ᵀ took away. `sums` of the ranks are
+// added up on the way.
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::project(MV& v, std::vector<double>& sums) {
+  using BT = BoundTraits<Scalar, MV>;
+  if (!rows_.isPresent()) {
+    if (!sums.empty())
+      BT::sum(v, sums.data(), static_cast<int>(sums.size()));
+    return;
+  }
+  rows_.solveFor(faceGram_.get(), v, *rowWork_, sums);
+  rows_.addTransposed(-1.0, *rowWork_, v);
+  if (hasFace_)
+    BT::maskActive(v, active_);
+}
+
+// The same; what C̄ᵀ took away is added to `removed`.
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::project(MV& v, MV* removed) {
+  std::vector<double> none;
+  project(v, none);
+  if (removed != nullptr && rows_.isPresent())
+    Belos::MultiVecTraits<Scalar, MV>::MvAddMv(1.0, *removed, 1.0, *rowWork_, *removed);
+}
+
+// z = P_F M⁻¹ w; without a preconditioner z is w.
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::precondition() {
+  if (!preconditioner_.isPresent() && !isSoftened_) {
+    if (z_ != w_)
+      Belos::MultiVecTraits<Scalar, MV>::Assign(*w_, *z_);
+    return;
+  }
+  if (isSoftened_) {
+    preconditionSoftened();
+  } else {
+    preconditioner_.apply(*w_, active_, *z_);
+    project(*z_);
+  }
+  if (!isCoupled_)
+    kept_.conjugate(*z_);
+}
+
+// z, and what a step ends with. w and the image lie in the kernel of the rows, so that products with them
+// need not wait for the projection of z.
+template<class Scalar, class MV, class OP>
+ResidualSums ProjectedCg<Scalar, MV, OP>::preconditionAndSum() {
+  using BT = BoundTraits<Scalar, MV>;
+  const MV& x = *problem_.solution();
+  if (!preconditioner_.isPresent() || isSoftened_ || kept_.size() > 0) {
+    precondition();
+    return BT::residualSums(*w_, *z_, *onFace_, x);
+  }
+  preconditioner_.apply(*w_, active_, *z_);
+  const ResidualSums local = BT::localResidualSums(*w_, *z_, *onFace_, x);
+  std::vector<double> sums = {local.residualNorm2, local.preconditionedDotImage, local.iterateNorm2};
+  project(*z_, sums);
+  return {sums[0], sums[1], sums[2]};
+}
+
+// z = P M⁻¹ Pᵀ w, P = I − TC̄_Fᵀ(C̄_FTC̄_Fᵀ)⁻C̄_F: what meets the equalities again is taken from pairs that
+// slip by their share T, for there curvatures make it dear.
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::preconditionSoftened() {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using BT = BoundTraits<Scalar, MV>;
+  const double q = stiffness_;
+  if (!rows_.isPresent()) {
+    preconditioner_.applySoftened(*w_, active_, q, *z_);
+    return;
+  }
+  std::vector<double> none;
+  const auto partOfRows = [&](const MV& v, MV& part) { // C̄_Fᵀ(C̄_FTC̄_Fᵀ)⁻C̄v
+    rows_.solveFor(softGram_.get(), v, *rowWork_, none);
+    MVT::MvInit(part, 0.0);
+    rows_.addTransposed(1.0, *rowWork_, part);
+    BT::maskActive(part, active_);
+  };
+  const Teuchos::RCP<MV> left = MVT::CloneCopy(*w_), part = MVT::CloneCopy(*w_);
+  soften(*part);
+  partOfRows(*part, *part);
+  MVT::MvAddMv(1.0, *left, -1.0, *part, *left);
+  preconditioner_.applySoftened(*left, active_, q, *z_);
+  for (int pass = 0; pass < 2; ++pass) { // the second for what rounding leaves
+    partOfRows(*z_, *part);
+    soften(*part);
+    MVT::MvAddMv(1.0, *z_, -1.0, *part, *z_);
+  }
+}
+
+template<class Scalar, class MV, class OP>
+typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step() {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  if (isCoupled_)
+    return coupledStep();
+  const DirectionSums sums = applyToDirection();
+  const double curvature = sums.dotImage / sums.norm2;
+  if (!std::isfinite(curvature) || !std::isfinite(sums.dotGradient))
+    return Outcome::Breakdown;
+  curvatureBound_ = std::max(curvatureBound_, sums.dotHessian / sums.norm2);
+  if (curvature < -100.0 * epsilon * curvatureBound_)
+    return Outcome::Breakdown;
+  if (curvature <= 100.0 * epsilon * curvatureBound_)
+    return Outcome::Flat;
+  directionDotImage_ = sums.dotImage;
+  const double length = sums.dotGradient / directionDotImage_;
+  MVT::MvAddMv(1.0, *problem_.solution(), -length, *p_, *problem_.solution());
+  directions_.add(*p_, *onFace_, directionDotImage_, length);
+  MVT::MvAddMv(1.0, *w_, -length, *onFace_, *w_);
+  if (hasFace_) {
+    MVT::MvAddMv(1.0, *gradient_, -length, *image_, *gradient_);
+    isSettled_ = !isUnprojected_;
+  }
+  // Without a face what F has in the range of C̄ᵀ is none of A's.
+  if (rows_.isPresent() && (hasFace_ || !isUnprojected_))
+    MVT::MvAddMv(1.0, *removed_, -length, *rowWork_, *removed_);
+  ++counters_.cgSteps;
+  ++staleness_;
+  hasLooked_ = false;
+  if (rows_.isPresent() && staleness_ % lookInterval == 0) {
+    project(*w_, removed_.get());
+    lookAtRows();
+  }
+  const ResidualSums after = preconditionAndSum();
+  residual2_ = after.residualNorm2;
+  raiseLevel(after.iterateNorm2);
+  // Exactly conjugate to the last direction also with a preconditioner that is not quite symmetric.
+  const double beta = after.preconditionedDotImage / directionDotImage_;
+  MVT::MvAddMv(1.0, *z_, -beta, *p_, *p_);
+  directions_.conjugate(*p_);
+  return Outcome::Step;
+}
+
+// image_ ← Ap, or Fp, and onFace_ ← P_F of it; rowWork_ ← what was taken away there. p lies in the kernel of
+// the rows, so that products with it need not wait for the projection.
+template<class Scalar, class MV, class OP>
+typename ProjectedCg<Scalar, MV, OP>::DirectionSums ProjectedCg<Scalar, MV, OP>::applyToDirection() {
+  using BT = BoundTraits<Scalar, MV>;
+  ++counters_.hessianApplications;
+  Teuchos::RCP<const OP> a = isUnprojected_ ? problem_.unprojectedHessian() : problem_.hessianOnKernel();
+  if (a.is_null())
+    a = problem_.hessian();
+  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*a, *p_, *image_);
+  const bool hasMore = problem_.hasDiscs() || problem_.hasSoftBounds();
+  std::vector<double> sums;
+  if (hasMore)
+    sums.push_back(BT::localCurvature(*p_, *p_, *image_, {}).directionDotImage);
+  BT::addCurvature(active_, 1.0, *p_, false, *image_);
+  SpringOps<Scalar, MV>::add(active_, 1.0, *p_, false, *image_);
+  if (hasFace_) {
+    Belos::MultiVecTraits<Scalar, MV>::Assign(*image_, *onFace_);
+    BT::maskActive(*onFace_, active_);
+  }
+  const CurvatureSums local = BT::localCurvature(*w_, *p_, *onFace_, active_);
+  sums.insert(sums.end(), {local.gradientDotDirection, local.directionNorm2, local.directionDotImage});
+  project(*onFace_, sums);
+  const std::size_t first = hasMore ? 1 : 0;
+  return {sums[first], sums[first + 1], sums[first + 2], sums[hasMore ? 0 : 2]};
+}
+
+// Fp in the place of Ap = PFp has brought parts in the range of C̄ᵀ to the gradient, which has none of its
+// own: C̄(Ax − b) = −C̄b. They go to the multipliers, where what C̄_Fᵀ took away has them, too.
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::settle() {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  if (isSettled_)
+    return;
+  isSettled_ = true;
+  std::vector<double> none;
+  rows_.solveFor(nullptr, *gradient_, *rowWork_, none);
+  MVT::MvAddMv(1.0, *rowWork_, 1.0, *rowsOfLoad_, *rowWork_);
+  rows_.addTransposed(-1.0, *rowWork_, *gradient_);
+  MVT::MvAddMv(1.0, *removed_, -1.0, *rowWork_, *removed_);
+}
+
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::lookAtRows() {
+  if (!rows_.isPresent())
+    return;
+  rows_.residual(*problem_.solution(), *unused_);
+  keepRowResidual();
+}
+
+// Of the product that the rows have just made.
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::keepRowResidual() {
+  equalityResidual_ = rows_.residualNorm();
+  equalityDistance_ = rows_.distance();
+  hasLooked_ = true;
+}
+
+} // namespace Harmos::qp
