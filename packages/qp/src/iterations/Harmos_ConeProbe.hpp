@@ -83,8 +83,7 @@ class ConeProbe {
     rows_.addTransposed(1.0 / residual, r, *w);
     const BoxInfimum infimum = BT::coneInfimum(*w, problem_.feasibleSet(), problem_.followingLimits());
     const double gap = infimum.value - dot<Scalar>(r, rows_.values()) / residual;
-    const double radius =
-        farther * std::max({norm<Scalar>(*x_), infimum.boundNorm, rows_.valuesNorm()});
+    const double radius = farther * std::max({norm<Scalar>(*x_), infimum.boundNorm, rows_.valuesNorm()});
     if (!(gap >= 0.5 * residual) || !(infimum.openNorm * radius <= gap))
       return false;
     rows_.toUser(r, y);

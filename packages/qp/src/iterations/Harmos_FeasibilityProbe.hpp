@@ -78,8 +78,8 @@ class FeasibilityProbe {
     const BoxInfimum infimum = BoundTraits<Scalar, MV>::boxInfimum(*w, problem_.feasibleSet());
     const double gap = infimum.value - dot<Scalar>(r, rows_.values()) / residual;
     // No size at hand is zero for a problem that has any: c̄ ≠ 0, or x = 0 would be feasible or out of bounds.
-    const double radius = 1e6 * std::max({norm<Scalar>(x), infimum.boundNorm,
-                                          rows_.valuesNorm() / std::sqrt(rows_.norm2())});
+    const double radius =
+        1e6 * std::max({norm<Scalar>(x), infimum.boundNorm, rows_.valuesNorm() / std::sqrt(rows_.norm2())});
     if (!(gap >= 0.5 * residual) || !(infimum.openNorm * radius <= gap))
       return false;
     rows_.toUser(r, y);

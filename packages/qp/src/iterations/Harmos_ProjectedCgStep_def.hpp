@@ -187,6 +187,13 @@ void ProjectedCg<Scalar, MV, OP>::settle() {
   rows_.solveFor(nullptr, *gradient_, *rowWork_, none);
   MVT::MvAddMv(1.0, *rowWork_, 1.0, *rowsOfLoad_, *rowWork_);
   rows_.addTransposed(-1.0, *rowWork_, *gradient_);
+  if (!faceGram_.is_null()) {
+    // As far as the face holds them: nothing was taken away for motions that it leaves free.
+    MVT::MvInit(*onFace_, 0.0);
+    rows_.addTransposed(1.0, *rowWork_, *onFace_);
+    BoundTraits<Scalar, MV>::maskActive(*onFace_, active_);
+    rows_.solveFor(faceGram_.get(), *onFace_, *rowWork_, none);
+  }
   MVT::MvAddMv(1.0, *removed_, -1.0, *rowWork_, *removed_);
 }
 
