@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <iostream>
 
 using namespace Harmos;
 using namespace Harmos::qp;
@@ -89,4 +90,111 @@ TEST(ProjectedCg, faces_of_active_sets_profit) {
   const Outcome none = solved(qp, "none"), found = solved(qp, "auto");
   EXPECT_LT(2 * found.result.counters.cgSteps, none.result.counters.cgSteps);
   EXPECT_LE(distance(found.x, none.x), 10.0 * tolerance * norm(qp.b));
+}
+
+namespace {
+
+enum class Form { Projected, OnKernel, Unprojected };
+
+// A = PHP, and F = A + CᵀY + YᵀC, Y of size s: what another generalised inverse makes of the dual operator.
+struct Unprojected {
+  Unprojected(double s, bool bounds)
+      : random(73), qp(randomQp(random, n, equalities, bounds, 1e3)), f(n, n), pf(n, n) {
+    orthonormalizeRows(qp);
+    std::vector<std::vector<double>> rows(equalities, std::vector<double>(n)), y = rows;
+    std::normal_distribution<double> normal;
+    for (int k = 0; k < equalities; ++k)
+      for (int i = 0; i < n; ++i) {
+        rows[static_cast<std::size_t>(k)][static_cast<std::size_t>(i)] = qp.c(k, i);
+        y[static_cast<std::size_t>(k)][static_cast<std::size_t>(i)] = s * normal(random);
+      }
+    Dense half(n, n), a(n, n); // HP, PHP
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        half(i, j) = qp.a(i, j);
+        for (int k = 0; k < equalities; ++k)
+          for (int l = 0; l < n; ++l)
+            half(i, j) -= qp.a(i, l) * qp.c(k, l) * qp.c(k, j);
+      }
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        a(i, j) = half(i, j);
+        for (int k = 0; k < equalities; ++k)
+          for (int l = 0; l < n; ++l)
+            a(i, j) -= qp.c(k, i) * qp.c(k, l) * half(l, j);
+      }
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        qp.a(i, j) = 0.5 * (a(i, j) + a(j, i));
+        f(i, j) = qp.a(i, j);
+        for (std::size_t k = 0; k < rows.size(); ++k)
+          f(i, j) += rows[k][static_cast<std::size_t>(i)] * y[k][static_cast<std::size_t>(j)] +
+                     y[k][static_cast<std::size_t>(i)] * rows[k][static_cast<std::size_t>(j)];
+      }
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        pf(i, j) = f(i, j);
+        for (int k = 0; k < equalities; ++k)
+          for (int l = 0; l < n; ++l)
+            pf(i, j) -= qp.c(k, i) * qp.c(k, l) * f(l, j);
+      }
+  }
+
+  struct Answer {
+    Result result;
+    std::vector<double> x, mu;
+  };
+  Answer solved(Form form, bool preconditioned, double asked) const {
+    const DistributedQp distributed(qp, EqualityStructure::OrthonormalInvariant);
+    if (preconditioned)
+      distributed.precondition(jacobi(qp.a));
+    const auto operatorOf = [&](const Dense& m) {
+      return Teuchos::rcp(new DenseOperator(m, distributed.map, distributed.map));
+    };
+    if (form == Form::OnKernel)
+      distributed.problem->setHessianOnKernel(operatorOf(pf));
+    else if (form == Form::Unprojected)
+      distributed.problem->setUnprojectedHessian(operatorOf(f));
+    EXPECT_TRUE(distributed.problem->setProblem());
+    const auto list = Teuchos::parameterList();
+    list->set("Convergence Tolerance", asked);
+    const auto solver =
+        TpetraSolverFactory().create(qp.lower.empty() && qp.upper.empty() ? "PCPG" : "PDAS", list);
+    solver->setProblem(distributed.problem);
+    Answer answer;
+    answer.result = solver->solve();
+    answer.x = fromVector(*distributed.solution);
+    answer.mu = fromVector(*distributed.multiplier);
+    return answer;
+  }
+
+  std::mt19937 random;
+  SmallQp qp;
+  Dense f, pf;
+};
+
+} // namespace
+
+TEST(ProjectedCg, drift) {
+  for (double size : {1.0, 1e2, 1e4, 1e6})
+    for (bool bounds : {false, true})
+      for (bool preconditioned : {false, true})
+        for (double asked : {1e-6, 1e-9, 1e-11}) {
+          const Unprojected problem(size, bounds);
+          const auto byA = problem.solved(Form::Projected, preconditioned, asked),
+                     byF = problem.solved(Form::Unprojected, preconditioned, asked),
+                     c = problem.solved(Form::OnKernel, preconditioned, asked);
+          if (testComm()->getRank() == 0)
+            std::cout << size << " " << bounds << " " << preconditioned << " " << asked << ": "
+                      << byA.result.counters.hessianApplications << " F "
+                      << byF.result.counters.hessianApplications << " PF "
+                      << c.result.counters.hessianApplications << " faces " << byA.result.counters.faces
+                      << " " << byF.result.counters.faces << " " << toString(byF.result.reason) << " "
+                      << toString(c.result.reason) << " dx " << distance(byA.x, byF.x) / norm(byA.x) << " "
+                      << distance(byA.x, c.x) / norm(byA.x) << " dmu "
+                      << distance(byA.mu, byF.mu) / norm(byA.mu) << " "
+                      << distance(byA.mu, c.mu) / norm(byA.mu) << " L "
+                      << norm(lagrangianGradient(problem.qp, byF.x, byF.mu)) << " "
+                      << norm(lagrangianGradient(problem.qp, c.x, c.mu)) << std::endl;
+        }
 }

@@ -31,13 +31,13 @@ namespace Harmos::qp {
 /// Springs of soft bounds (SpringOps) are a part of A and b on a face. However stiff they are, they cost few
 /// steps: the preconditioner and what meets the equalities know them.
 ///
-/// Cost of a step: one product with A, one with the preconditioner, a projection after each of them, and in
-/// each tenth step another one. Scalars travel with the projections where the rows know how
-/// (FaceGram::solveFor()), for what they are products with lies in the kernel: two reductions a step, with or
-/// without a preconditioner. What is projected is the image of p alone, once, so that rounding errors of w
-/// out of the kernel add up; they are of what was projected away in these steps, and are taken out in the
-/// tenth (Gould, Hribar, Nocedal, SIAM J. Sci. Comput. 23, 2001, of what they do). What full conjugation adds
-/// see ConjugateDirections.
+/// Cost of a step: one product with A, one with the preconditioner, and a projection after each of them, with
+/// which scalars travel where the rows know how (FaceGram::solveFor()): what they are products with lies in
+/// the kernel already. So there are two reductions a step; without a preconditioner w is projected in the
+/// place of z. With one, rounding errors of w out of the kernel add up, which are of what was projected away
+/// in each step; they are looked at in each tenth, and taken out there or, where they count, in each step
+/// from then on (of what they do: Gould, Hribar, Nocedal, SIAM J. Sci. Comput. 23, 2001). What full
+/// conjugation adds see ConjugateDirections.
 ///
 /// Where A = PFP is given by F (Problem::setUnprojectedHessian()), P and P_F are one projection: P_FP = P_F.
 /// On faces gradients are then known up to the range of C̄ᵀ until they are asked for, see settle().
@@ -146,6 +146,7 @@ class ProjectedCg {
   DirectionSums applyToDirection();
   ResidualSums preconditionAndSum();
   void settle();
+  void watchRows();
   void precondition();
   void preconditionSoftened();
   void raiseLevel(double iterateNorm2);
@@ -200,6 +201,7 @@ class ProjectedCg {
   double iterateNorm_ = 0.0;
   double level_ = 0.0;
   int staleness_ = 0;
+  bool isDrifting_ = false; // w, out of the kernel, by more than may be left for ten steps
   // ‖Cx − c‖ and the distance, when it was looked.
   double equalityResidual_ = 0.0, equalityDistance_ = 0.0;
   bool hasLooked_ = false;

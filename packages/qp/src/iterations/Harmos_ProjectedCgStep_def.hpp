@@ -63,14 +63,24 @@ template<class Scalar, class MV, class OP>
 ResidualSums ProjectedCg<Scalar, MV, OP>::preconditionAndSum() {
   using BT = BoundTraits<Scalar, MV>;
   const MV& x = *problem_.solution();
-  if (!preconditioner_.isPresent() || isSoftened_ || kept_.size() > 0) {
+  if (isSoftened_ || kept_.size() > 0) {
     precondition();
     return BT::residualSums(*w_, *z_, *onFace_, x);
   }
-  preconditioner_.apply(*w_, active_, *z_);
+  const bool isPreconditioned = preconditioner_.isPresent();
+  if (isPreconditioned)
+    preconditioner_.apply(*w_, active_, *z_);
+  else if (z_ != w_)
+    Belos::MultiVecTraits<Scalar, MV>::Assign(*w_, *z_);
   const ResidualSums local = BT::localResidualSums(*w_, *z_, *onFace_, x);
   std::vector<double> sums = {local.residualNorm2, local.preconditionedDotImage, local.iterateNorm2};
   project(*z_, sums);
+  if (!isPreconditioned && rows_.isPresent()) { // w itself
+    using MVT = Belos::MultiVecTraits<Scalar, MV>;
+    MVT::MvAddMv(1.0, *removed_, 1.0, *rowWork_, *removed_);
+    if (z_ != w_)
+      MVT::Assign(*z_, *w_);
+  }
   return {sums[0], sums[1], sums[2]};
 }
 
@@ -134,10 +144,7 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
   ++counters_.cgSteps;
   ++staleness_;
   hasLooked_ = false;
-  if (rows_.isPresent() && staleness_ % lookInterval == 0) {
-    project(*w_, removed_.get());
-    lookAtRows();
-  }
+  watchRows();
   const ResidualSums after = preconditionAndSum();
   residual2_ = after.residualNorm2;
   raiseLevel(after.iterateNorm2);
@@ -146,6 +153,24 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
   MVT::MvAddMv(1.0, *z_, -beta, *p_, *p_);
   directions_.conjugate(*p_);
   return Outcome::Step;
+}
+
+// In each tenth step the distance from the equalities is looked at, and what rounding errors have brought to
+// w out of the kernel is taken out; where that counts, in each step from then on. Without a preconditioner it
+// is taken out where z is made.
+template<class Scalar, class MV, class OP>
+void ProjectedCg<Scalar, MV, OP>::watchRows() {
+  if (!rows_.isPresent())
+    return;
+  constexpr double drift = 1e-10;
+  const bool isTurn = staleness_ % lookInterval == 0;
+  const bool drifts = preconditioner_.isPresent() || isSoftened_;
+  if (drifts && (isTurn || isDrifting_)) {
+    project(*w_, removed_.get());
+    isDrifting_ = isDrifting_ || norm<Scalar>(*rowWork_) > drift * residualNorm();
+  }
+  if (isTurn)
+    lookAtRows();
 }
 
 // image_ ← Ap, or Fp, and onFace_ ← P_F of it; rowWork_ ← what was taken away there. p lies in the kernel of

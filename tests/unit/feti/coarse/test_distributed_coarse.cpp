@@ -122,6 +122,40 @@ TEST(DistributedCoarse, is_the_replicated_one) {
   }
 }
 
+// What a face takes from a vector is found from the vector itself as by its product with the rows; sums of
+// the ranks come with it.
+TEST(DistributedCoarse, solves_for_vectors_and_sums_along) {
+  for (const TestModel& model : {testModel(4, 2), floating(testModel(3, 3, true))}) {
+    const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Primal);
+    const Constraints constraints(system, model.rows);
+    const MultiVector mask = someRows(constraints);
+    MultiVector v = randomVector(constraints);
+    v.elementWiseMultiply(1.0, *mask.getVector(0), v, 0.0); // there is an answer
+    const int ranks = testComm()->getSize(), rank = testComm()->getRank();
+    const auto check = [&](const CoarseSpace& coarse) {
+      const Teuchos::RCP<const Operator> rows = coarse.equalityRows();
+      const auto maker = coarse.faceGram();
+      for (bool isWhole : {true, false}) {
+        const auto gram = isWhole ? maker->whole() : maker->build(mask);
+        MultiVector expected(rows->getRangeMap(), 1), found(rows->getRangeMap(), 1), a(v.getMap(), 1),
+            b(v.getMap(), 1);
+        rows->apply(v, expected);
+        if (!isWhole)
+          gram->solve(expected);
+        std::vector<double> sums = {1.0, 1.0 + rank};
+        ASSERT_TRUE(gram->solveFor(v, found, sums));
+        EXPECT_EQ(sums, (std::vector<double>{1.0 * ranks, 0.5 * ranks * (ranks + 1)}));
+        rows->apply(expected, a, Teuchos::TRANS);
+        rows->apply(found, b, Teuchos::TRANS);
+        EXPECT_LT(distance(a, b), 1e-9 * norm(a));
+      }
+    };
+    check(ReplicatedCoarse(system, constraints));
+    forAllForms(
+        [&](const CoarseOptions& options) { check(DistributedCoarse(system, constraints, options)); });
+  }
+}
+
 // The solvers of the dual problem see no difference.
 TEST(DistributedCoarse, solves_the_dual_problem) {
   const TestFeti feti(testModel(3, 3));
