@@ -1,29 +1,33 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Time of an iteration on P ranks, from latency, bandwidth and the size of the coarse problem.
+"""Time, messages and memory of a step on P ranks, from latency, bandwidth and the size of the coarse problem.
 
-    performance_model.py [--subdomains-per-rank 16] [--elements 128] [--shared] [--distributed] [--latency 2e-6]
-                         [--bandwidth 1e10] [--output FILE]
+    performance_model.py [--physics membrane|solid] [--subdomains-per-rank 16] [--elements 128] [--shared]
+                         [--form replicated|distributed|auto] [--latency 2e-6] [--bandwidth 1e10]
+                         [--output FILE] [--cases FILE]
 
-One step of projected conjugate gradients with a Dirichlet preconditioner on the two-membrane
-problem (scalar, square subdomains of N x N elements, s of them on a rank), weak scaling:
+One step of projected conjugate gradients with a Dirichlet preconditioner, weak scaling: s subdomains on a
+rank, a compact share of a square of membranes (one unknown a node, one motion a subdomain; 16 of 128 x 128
+elements if nothing else is given) or of a cube of solids (three, and six; 8 of 8 x 8 x 8).
 
-    products   two dense products a subdomain with its 4N boundary dofs: 2 * 2 (4N)^2 operations
-               at the rate of matrix products where subdomains share a matrix; without sharing
-               2 * 4 (4N)^2 bytes (packed, double) at the rate of reading memory
-    vectors    the 4N/2 * s dual rows of a rank, `passes` times, at the rate of reading
-    exchange   four neighbour exchanges (in and out of F and of the preconditioner): the latency
-               of up to eight neighbours, and 8 bytes for each row on the rim of the rank's share
-    scalars    two reductions of a few numbers: log2(P) latencies up, and as many down
-    coarse     four reductions of n_c = s P numbers: as above, and twice the vector by the
-               bandwidth; seven solves with L (three projections, one residual), replicated on each
-               rank: dense, n_c^2/2 entries, up to 200, else 5 n_c log2(n_c) entries, as coarse_factor
-               counts them (3.8 to 5.1 for grids of 32^2 to 256^2 subdomains). Distributed: four
-               all-gathers of n_c numbers, products with the rank's s rows of the inverse of n_c
-               numbers each, at the rate of reading, and four latencies for two exchanges with neighbours
+    products   two dense products a subdomain with its b boundary dofs, b = 4 N or 3 (6 N^2 + 2): 2 * 2 b^2
+               operations at the rate of matrix products where subdomains share a matrix; without
+               sharing 2 * 4 b^2 bytes (packed, double) at the rate of reading memory
+    vectors    the dual rows of a rank, `PASSES` times, at the rate of reading
+    exchange   neighbour exchanges, in and out of F and of the preconditioner: the latency of up to 8 or 26
+               neighbours, and 8 bytes for each row on the rim of the rank's share
+    scalars    reductions of a few numbers: log2(P) latencies up, and as many down
+    coarse     replicated: reductions of n_c numbers, as above, and twice the vector by the bandwidth; solves
+               with L on every rank. Distributed: all-gathers of n_c numbers, products with the rank's rows
+               of the inverse, n_c numbers each, at the rate of reading, and exchanges of motions with
+               neighbours; where the rows would take more than 512 MiB, solves by groups of ranks
 
-The counts of reductions are those of tests/unit/feti/test_communication.cpp. Rates of products and of
-reading are those that dual_operator shows on one rank of two, solves those of coarse_factor; the overhead is fitted to scaling.py. Latency and bandwidth of a network are to be
-given; the defaults are assumptions about a common cluster and not measured.
+How many of each there are stands in CALLS, once. Formulas and rates are those of C++:
+Harmos_StepModel.hpp, Harmos_CoarseModel.hpp, Harmos_StepCalls.hpp in packages/feti/src, by which
+`Coarse problem` = `auto` decides and --plan predicts. `--cases` writes shapes and what they give here, with
+which tests/unit/feti/test_step_model.cpp compares. Rates of products and of reading are those that
+dual_operator shows on one rank of two, solves those of coarse_factor; the overhead is fitted to scaling.py.
+Latency and bandwidth of a network are to be given; the defaults are assumptions about a common cluster and
+not measured.
 """
 
 import argparse
@@ -32,10 +36,31 @@ import math
 import sys
 from dataclasses import asdict, dataclass
 
+FORMS = ("replicated", "distributed")
+RANKS = (1, 2, 10, 100, 1000, 10000, 100000)
+WORD = 8
+PASSES = 40
+MOST_DENSE = 200  # rows of a coarse matrix that is factored densely
+
+
+@dataclass(frozen=True)
+class Calls:
+    """Of a step, as Harmos_StepCalls.hpp has them."""
+
+    exchanges: float  # of dual rows with neighbours
+    coarse_vectors: float  # collectives of a number for each motion
+    coarse_exchanges: float  # of numbers of motions with neighbours
+    coarse_solves: float  # with L or its transpose; products with own rows of the inverse
+    reductions: float  # of a few numbers
+    reduced_numbers: float  # in all of them
+
+
+CALLS = {"replicated": Calls(4, 4, 0, 7, 2, 8), "distributed": Calls(4, 4, 8, 4, 4, 10)}
+
 
 @dataclass
 class Machine:
-    """Rates of one rank, in SI units."""
+    """Rates of one rank, in SI units; those of C++'s StepRates, and `gemm`."""
 
     gemm: float = 4.0e10  # operations a second
     read: float = 1.9e10  # bytes a second
@@ -47,46 +72,173 @@ class Machine:
 
 
 @dataclass
+class Shape:
+    """What a step depends on: C++'s StepShape, on the busiest rank."""
+
+    ranks: int = 1
+    rows: float = 0.0  # of dual vectors
+    shared_rows: float = 0.0  # that other ranks touch too, once for each of these
+    neighbours: int = 0
+    coarse_dimension: float = 0.0
+    coarse_entries: float = 0.0  # of L; 0: factor_entries()
+    own_motions: float = 0.0  # of its subdomains
+    motions: float = 1.0  # of a subdomain
+    shared_motions: float = 0.0  # of others' that its rows touch, and the other way round
+
+
+@dataclass
 class Problem:
     subdomains_per_rank: int = 16
     elements: int = 128
     shared: bool = True
-    passes: int = 40
-    distributed: bool = False
+    physics: str = "membrane"
+    form: str = "replicated"
+
+    @property
+    def dimension(self):
+        return 3 if self.physics == "solid" else 2
+
+    @property
+    def motions(self):
+        return 6 if self.physics == "solid" else 1
+
+    def boundary(self):
+        """Dofs on a subdomain's boundary."""
+        n = self.elements
+        return 3 * (6 * n * n + 2) if self.physics == "solid" else 4 * n
+
+    def rows(self):
+        """Dual rows of a subdomain, each once: a node of k copies has k - 1."""
+        n = self.elements
+        if self.physics == "solid":
+            return 3 * (3 * (n - 1) ** 2 + 3 * 3 * (n - 1) + 7)
+        return 2 * (n - 1) + 3
+
+    def touched_rows(self):
+        """Rows with entries in a subdomain, in the mean: row k acts on the first k + 1 copies."""
+        n = self.elements
+        if self.physics == "solid":
+            return 3 * (6 * (n - 1) ** 2 + 12 * (n - 1) * 9 / 4 + 8 * 35 / 8)
+        return 4 * (n - 1) + 4 * 9 / 4
+
+
+def is_in_space(shape):
+    return shape.motions > 3.5
+
+
+def factor_entries(shape):
+    """Entries of L; see CoarseModel."""
+    if shape.coarse_entries > 0:
+        return shape.coarse_entries
+    n, m = shape.coarse_dimension, max(1, shape.motions)
+    if n <= MOST_DENSE:
+        return 0.5 * n * (n + 1)
+    subdomains = max(2, n / m)
+    if is_in_space(shape):
+        x = subdomains ** (1 / 3)
+        return m * m * subdomains * (0.8 * x * x if x < 6 else 9.6 * (x - 3))
+    levels = math.log2(subdomains)
+    return m * m * subdomains * max(3.6 * levels - 15.5, 1.35 * levels)
+
+
+def group_of(shape):
+    """Ranks that factor a distributed coarse problem together."""
+    ranks = math.ceil(16 * factor_entries(shape) / (128 * 2**20))
+    return min(max(ranks, min(2, shape.ranks)), shape.ranks)
+
+
+def is_solved(shape):
+    """Whether groups solve, since rows of the inverse take too much memory."""
+    return WORD * shape.coarse_dimension * shape.own_motions > 512 * 2**20
+
+
+def coarse_seconds(shape, machine, form):
+    calls, n = CALLS[form], shape.coarse_dimension
+    tree = math.log2(shape.ranks) * machine.latency
+    transfer = WORD * n / machine.bandwidth if shape.ranks > 1 else 0
+    entries = factor_entries(shape)
+    if form == "replicated":
+        rate = machine.solve if entries < 5e5 else machine.solve_from_memory
+        return calls.coarse_vectors * 2 * (tree + transfer) + calls.coarse_solves * entries / rate
+    if is_solved(shape):
+        solve = 2 * entries / (machine.solve_from_memory * math.sqrt(group_of(shape)))
+    else:
+        solve = WORD * n * shape.own_motions / machine.read
+    neighbourly = calls.coarse_exchanges * shape.neighbours * machine.latency if shape.ranks > 1 else 0
+    return calls.coarse_vectors * (tree + transfer) + calls.coarse_solves * solve + neighbourly
+
+
+def is_distributed_cheaper(shape, machine):
+    """What `auto` decides."""
+    replicated, distributed = (coarse_seconds(shape, machine, form) for form in FORMS)
+    return shape.ranks >= 8 and distributed < 0.5 * replicated
+
+
+def step_seconds(shape, machine, form):
+    """All but the products."""
+    calls, several = CALLS[form], shape.ranks > 1
+    of_neighbours = shape.neighbours * machine.latency + WORD * shape.shared_rows / machine.bandwidth
+    return {
+        "vectors": PASSES * WORD * shape.rows / machine.read + machine.overhead,
+        "exchange": calls.exchanges * of_neighbours if several else 0.0,
+        "scalars": calls.reductions * 2 * math.log2(shape.ranks) * machine.latency,
+        "coarse": coarse_seconds(shape, machine, form),
+    }
+
+
+def counts(shape, form):
+    """What a step says to other ranks: messages sent to neighbours, and collectives with what comes by them."""
+    calls, alone = CALLS[form], shape.ranks == 1
+    is_distributed = form == "distributed"
+    exchanged = calls.exchanges * shape.shared_rows + calls.coarse_exchanges * shape.shared_motions
+    numbers = calls.coarse_vectors * shape.coarse_dimension + calls.reduced_numbers
+    table = {
+        "messages": (calls.exchanges + calls.coarse_exchanges) / 2 * shape.neighbours,
+        "message_bytes": WORD * exchanged / 2,
+        "reductions": calls.reductions + (0 if is_distributed else calls.coarse_vectors),
+        "gathers": calls.coarse_vectors if is_distributed else 0,
+        "collective_bytes": WORD * numbers,
+    }
+    return {name: 0 if alone else value for name, value in table.items()}
+
+
+def coarse_bytes(shape, form):
+    """Of a rank: L with row numbers, its own rows of the inverse, or its part of a group's factor."""
+    if form == "replicated":
+        return 16 * factor_entries(shape)
+    if is_solved(shape):
+        return 16 * factor_entries(shape) / group_of(shape)
+    return WORD * shape.coarse_dimension * shape.own_motions
+
+
+def shape_of(problem, ranks):
+    """Of a rank in the middle of so many, with a share that is about a square or a cube."""
+    d, s, m = problem.dimension, problem.subdomains_per_rank, problem.motions
+    side = s ** (1 / d)
+    return Shape(
+        ranks=ranks,
+        rows=s * problem.rows(),
+        shared_rows=problem.touched_rows() * side ** (d - 1) if ranks > 1 else 0,
+        neighbours=min(3**d, ranks) - 1,
+        coarse_dimension=m * s * ranks,
+        own_motions=m * s,
+        motions=m,
+        shared_motions=m * ((side + 2) ** d - s) if ranks > 1 else 0,
+    )
+
+
+def form_of(problem, shape, machine):
+    if problem.form != "auto":
+        return problem.form
+    return FORMS[is_distributed_cheaper(shape, machine)]
 
 
 def step(ranks, machine, problem):
     """The parts of a step's time on so many ranks, in seconds."""
-    s, boundary = problem.subdomains_per_rank, 4 * problem.elements
-    if problem.shared:
-        products = s * 2 * 2 * boundary**2 / machine.gemm
-    else:
-        products = s * 2 * 4 * boundary**2 / machine.read
-    rows = s * boundary / 2
-    vectors = problem.passes * 8 * rows / machine.read
-    rim = math.sqrt(s) * boundary
-    neighbours = min(8, ranks - 1)
-    exchange = 4 * (neighbours * machine.latency + (8 * rim / machine.bandwidth if ranks > 1 else 0))
-    tree = 2 * math.log2(ranks) * machine.latency
-    coarse_size = s * ranks
-    if coarse_size <= 200:
-        entries = 0.5 * coarse_size**2
-    else:
-        entries = 5 * coarse_size * math.log2(coarse_size)
-    solve = machine.solve if entries < 5e5 else machine.solve_from_memory
-    transfer = 2 * 8 * coarse_size / machine.bandwidth if ranks > 1 else 0
-    coarse = 4 * (tree + transfer) + 7 * entries / solve
-    if problem.distributed:
-        rows_bytes = 8 * s * coarse_size
-        neighbourly = 4 * machine.latency if ranks > 1 else 0
-        coarse = 4 * (tree / 2 + transfer / 2 + rows_bytes / machine.read + neighbourly)
-    return {
-        "products": products,
-        "vectors": vectors + machine.overhead,
-        "exchange": exchange,
-        "scalars": 2 * tree,
-        "coarse": coarse,
-    }
+    size = problem.subdomains_per_rank * problem.boundary() ** 2
+    products = 2 * 2 * size / machine.gemm if problem.shared else 2 * 4 * size / machine.read
+    shape = shape_of(problem, ranks)
+    return {"products": products, **step_seconds(shape, machine, form_of(problem, shape, machine))}
 
 
 def takeover(machine, problem, most=10**6):
@@ -100,26 +252,88 @@ def takeover(machine, problem, most=10**6):
     return None
 
 
-def main():
+def table_of(machine, problem):
+    """A row for each of RANKS."""
+    rows = []
+    for ranks in RANKS:
+        shape = shape_of(problem, ranks)
+        form = form_of(problem, shape, machine)
+        rows.append(
+            {
+                "ranks": ranks,
+                "form": form,
+                "coarse_dimension": shape.coarse_dimension,
+                **step(ranks, machine, problem),
+                **counts(shape, form),
+                "coarse_mib": coarse_bytes(shape, form) / 2**20,
+            }
+        )
+    return rows
+
+
+def cases():
+    """Shapes of both physics, and what they give in both forms by the rates that stand here."""
+    machine, result = Machine(), []
+    for physics, subdomains, elements in (("membrane", 16, 128), ("membrane", 1, 16), ("solid", 8, 8), ("solid", 27, 4)):
+        for ranks in (*RANKS, 8, 64):
+            shape = shape_of(Problem(subdomains, elements, physics=physics), ranks)
+            item = {"shape": asdict(shape), "distributed_by_auto": is_distributed_cheaper(shape, machine)}
+            for form in FORMS:
+                item[form] = {
+                    **step_seconds(shape, machine, form),
+                    **counts(shape, form),
+                    "coarse_bytes": coarse_bytes(shape, form),
+                }
+            result.append(item)
+    return {"calls": {form: asdict(calls) for form, calls in CALLS.items()}, "cases": result}
+
+
+def as_json(document):
+    return json.dumps(document, indent=1) + "\n"
+
+
+def arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
-    parser.add_argument("--subdomains-per-rank", type=int, default=16)
-    parser.add_argument("--elements", type=int, default=128)
+    parser.add_argument("--physics", choices=("membrane", "solid"), default="membrane")
+    parser.add_argument("--subdomains-per-rank", type=int, help="16 of membranes, 8 of solids")
+    parser.add_argument("--elements", type=int, help="a side of a subdomain; 128 of membranes, 8 of solids")
     parser.add_argument("--shared", action="store_true")
-    parser.add_argument("--distributed", action="store_true")
-    for name in ("gemm", "read", "solve", "solve_from_memory", "latency", "bandwidth", "overhead"):
+    parser.add_argument("--form", choices=(*FORMS, "auto"), default="replicated")
+    for name in asdict(Machine()):
         parser.add_argument(f"--{name.replace('_', '-')}", type=float, default=getattr(Machine, name))
-    parser.add_argument("--output")
-    given = parser.parse_args()
+    parser.add_argument("--cases", metavar="FILE", help="shapes and what they give, for the test of C++")
+    parser.add_argument("--output", metavar="FILE")
+    return parser.parse_args()
+
+
+SECONDS = ("products", "vectors", "exchange", "scalars", "coarse")
+
+
+def main():
+    given = arguments()
+    if given.cases:
+        with open(given.cases, "w", encoding="utf-8") as file:
+            file.write(as_json(cases()))
+        return 0
     machine = Machine(*(getattr(given, name) for name in asdict(Machine())))
+    subdomains, elements = (8, 8) if given.physics == "solid" else (16, 128)
     problem = Problem(
-        given.subdomains_per_rank, given.elements, given.shared, distributed=given.distributed
+        given.subdomains_per_rank or subdomains,
+        given.elements or elements,
+        given.shared,
+        given.physics,
+        given.form,
     )
-    table = []
-    print(f"{'ranks':>8} {'products':>10} {'vectors':>10} {'exchange':>10} {'scalars':>10} {'coarse':>10}")
-    for ranks in (1, 2, 10, 100, 1000, 10000, 100000):
-        parts = step(ranks, machine, problem)
-        table.append({"ranks": ranks, **parts})
-        print(f"{ranks:8}" + "".join(f" {value:10.2e}" for value in parts.values()))
+    table = table_of(machine, problem)
+    print(f"{'ranks':>8} {'coarse':>12}" + "".join(f"{name:>10}" for name in SECONDS) + "  messages     bytes"
+          "  reductions  gathers     bytes  coarse MiB")
+    for row in table:
+        print(
+            f"{row['ranks']:8} {row['form']:>12}"
+            + "".join(f"{row[name]:10.2e}" for name in SECONDS)
+            + f"{row['messages']:10.0f}{row['message_bytes']:10.2g}{row['reductions']:12.0f}"
+            f"{row['gathers']:9.0f}{row['collective_bytes']:10.2g}{row['coarse_mib']:12.3g}"
+        )
     where = takeover(machine, problem)
     print(f"The coarse problem takes over at {where} ranks.")
     if given.output:

@@ -14,8 +14,9 @@ import unittest.mock
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE / "peer"), str(HERE.parent / "support")]
+sys.path[:0] = [str(HERE), str(HERE / "peer"), str(HERE / "messages"), str(HERE.parent / "support")]
 
+import communication  # noqa: E402
 import gmsh_meshes  # noqa: E402
 import harmos_runs as runs  # noqa: E402
 import headline  # noqa: E402
@@ -102,11 +103,17 @@ class Programs(unittest.TestCase):
 
     def test_communication(self):
         document = self.script("messages/communication.py", "--ranks", "2,4")
+        self.assertEqual(len(document["runs"]), 2 * 2 * 2)
+        kinds = {f"{kind}_{key}" for kind in ("message", *communication.COLLECTIVES) for key in ("calls", "bytes")}
+        counted = {f"{kind}_{when}" for kind in kinds for when in ("a_step", "of_setup")}
         for item in document["runs"]:
-            # What a step says is what the model says, and a few numbers: norms and scalar products.
-            collectives = item["allreduce_bytes_a_step"] + item["allgather_bytes_a_step"]
-            self.assertGreaterEqual(collectives, item["model_bytes_a_step"])
-            self.assertLess(collectives, item["model_bytes_a_step"] + 150)
+            self.assertEqual(set(item) - counted, described("communication"))
+            # What a step says is what the model says, byte by byte; the end of a run has a number more or less.
+            self.assertEqual(item["message_calls_a_step"], item["model_messages"])
+            self.assertEqual(item["message_bytes_a_step"], item["model_message_bytes"])
+            self.assertEqual(item["allgather_calls_a_step"], item["model_gathers"])
+            self.assertAlmostEqual(item["allreduce_calls_a_step"], item["model_reductions"], delta=0.99)
+            self.assertAlmostEqual(item["collective_bytes_a_step"], item["model_collective_bytes"], delta=50)
             self.assertEqual(item["broadcast_calls_a_step"], 0)
 
     def script(self, name, *arguments, statuses=(0,)):
@@ -273,13 +280,35 @@ class Programs(unittest.TestCase):
         self.assertEqual([item["ranks"] for item in document["steps"]], [1, 2, 1, 2])
 
     def test_performance_model(self):
-        document = self.script("performance_model.py")
-        steps = document["steps"]
-        # Weak scaling: the local work stays, the coarse problem grows and takes over.
-        self.assertEqual(steps[0]["products"], steps[-1]["products"])
-        self.assertLess(steps[0]["coarse"], steps[-1]["coarse"])
-        where = document["coarse_takes_over_at"]
-        self.assertTrue(steps[0]["ranks"] < where < steps[-1]["ranks"])
+        """Weak scaling: the local work stays, the coarse problem grows and takes over; distributed, later."""
+        for physics in ("membrane", "solid"):
+            taken = []
+            for form in ("replicated", "distributed", "auto"):
+                document = self.script("performance_model.py", "--physics", physics, "--form", form)
+                steps = document["steps"]
+                self.assertEqual((steps[0]["ranks"], steps[-1]["ranks"]), (1, 100000))
+                for item in steps:
+                    self.assertEqual(set(item), described("performance_model"))
+                    self.assertEqual(item["products"], steps[0]["products"])
+                    self.assertEqual(item["gathers"] > 0, item["form"] == "distributed" and item["ranks"] > 1)
+                self.assertLess(steps[0]["coarse"], steps[-1]["coarse"])
+                self.assertEqual(steps[0]["messages"] + steps[0]["collective_bytes"], 0)
+                taken.append(document["coarse_takes_over_at"])
+                self.assertTrue(steps[0]["ranks"] < taken[-1] < steps[-1]["ranks"])
+            self.assertLess(taken[0], taken[1])
+            self.assertEqual(taken[1], taken[2])
+
+    def test_cases_of_the_performance_model(self):
+        """What C++ is compared with is what the program writes."""
+        output = runs.scratch("cases")
+        status, _, errors = runs.execute([sys.executable, HERE / "performance_model.py", "--cases", output])
+        self.assertEqual(status, 0, errors)
+        kept = HERE.parent / "unit" / "feti" / "step_model_cases.json"
+        self.assertEqual(
+            output.read_text(encoding="utf-8"),
+            kept.read_text(encoding="utf-8"),
+            f"performance_model.py --cases {kept} writes it anew; unit_feti_models compares C++ with it",
+        )
 
 
 if __name__ == "__main__":

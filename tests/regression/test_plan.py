@@ -6,7 +6,8 @@ What each class guards against:
     Prediction   dimensions or factorisations that a run does not have; memory that is far from what
                  a run takes
     Table        rank counts and shares of subdomains that are not those of a run; times that do not
-                 follow from the model; recommendations that break their own rule
+                 follow from the model; another coarse problem than a run's; recommendations that
+                 break their own rule
     Rates        rates that are not used, or nonsense that is
     Request      plans that solve, leave files behind, or take requests that make no sense
 """
@@ -19,7 +20,9 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "performance"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "performance" / "messages"))
 
+import communication  # noqa: E402
 import harmos_runs as runs  # noqa: E402
 import performance_model  # noqa: E402
 
@@ -147,25 +150,74 @@ class Table(Case):
             # Congruence is a matter of each rank: two kinds of subdomains, held at a side or not.
             self.assertLessEqual(row["factorizations"], 18)
 
-    def test_steps_are_those_of_the_performance_model(self):
-        """Rates and formulas of tests/performance/performance_model.py, by its own machine."""
+    def check_steps(self, plan):
+        """Rows against formulas and rates of tests/performance/performance_model.py."""
         machine = performance_model.Machine()
-        plan = self.plan(runs.MODEL, model(4, 8))
-        n, entries = plan["coarse_dimension"], plan["coarse_factor_entries"]
-        self.assertEqual(entries, n * (n + 1) / 2)
         for row in plan["rows"]:
-            tree = 2 * math.log2(row["ranks"]) * machine.latency
-            transfer = 2 * 8 * n / machine.bandwidth if row["ranks"] > 1 else 0
-            step = row["seconds"]["step"]
-            self.assertAlmostEqual(step["reductions"], 2 * tree, 12)
-            self.assertAlmostEqual(
-                step["coarse"], 4 * (tree + transfer) + 7 * entries / machine.solve, 12
-            )
-            self.assertGreater(step["vectors"], machine.overhead)
-            most = machine.overhead + 40 * 8 * plan["dual_dimension"] / machine.read
-            self.assertLessEqual(step["vectors"], most)
-            self.assertEqual(step["exchange"] > 0, row["ranks"] > 1)
-        self.assertAlmostEqual(plan["rows"][0]["seconds"]["step"]["vectors"], most, 12)
+            with self.subTest(ranks=row["ranks"]):
+                shape = performance_model.Shape(**row["shape"])
+                self.assertEqual(shape.ranks, row["ranks"])
+                self.assertEqual(shape.coarse_dimension, plan["coarse_dimension"])
+                self.assertEqual(shape.coarse_entries, plan["coarse_factor_entries"])
+                form = row["coarse_problem"]
+                step = performance_model.step_seconds(shape, machine, form)
+                for name, value in row["seconds"]["step"].items():
+                    name = "scalars" if name == "reductions" else name
+                    self.assertAlmostEqual(value, step[name], delta=1e-9 * step[name], msg=name)
+                for name, value in performance_model.counts(shape, form).items():
+                    self.assertAlmostEqual(row["messages"][name], value, delta=1e-9 * value, msg=name)
+
+    def test_steps_are_those_of_the_performance_model(self):
+        plan = self.plan(runs.MODEL, model(4, 8))
+        n = plan["coarse_dimension"]
+        self.assertEqual(plan["coarse_factor_entries"], n * (n + 1) / 2)
+        self.check_steps(plan)
+        for row in plan["rows"]:
+            self.assertEqual(row["seconds"]["step"]["exchange"] > 0, row["ranks"] > 1)
+        self.assertAlmostEqual(plan["rows"][0]["shape"]["rows"], plan["dual_dimension"])
+
+    def test_coarse_problem_is_what_a_run_takes(self):
+        """A cube of 6 x 6 x 6 subdomains: replicated on few ranks, by `auto` distributed on eight."""
+        deck = runs.scratch("cube").with_suffix(".xml")
+        deck.write_text(communication.deck_of("solid", (6, 6, 6), 2), encoding="utf-8")
+        counts = ("--plan-ranks", "1,2,4,8,64,216,100000")
+        plan = self.plan(deck, {}, *counts, program="harmos")
+        self.check_steps(plan)
+        forms = [row["coarse_problem"] for row in plan["rows"]]
+        self.assertEqual(forms[:4], 3 * ["replicated"] + ["distributed"])
+        for row, form in zip(plan["rows"], forms):
+            # Before there is a factor, of all motions.
+            known = {"coarse_dimension": plan["kernel_dimension"], "coarse_entries": 0}
+            shape = performance_model.Shape(**row["shape"] | known)
+            is_shared = performance_model.is_distributed_cheaper(shape, performance_model.Machine())
+            self.assertEqual(form, performance_model.FORMS[is_shared], row["ranks"])
+        for name in set(forms):
+            self.assertEqual(plan["printed"].count(f" {name}  "), forms.count(name), plan["printed"])
+        whole = self.plan(deck, {"Decomposition/Coarse problem": "replicated"}, *counts, program="harmos")
+        shared = self.plan(deck, {"Decomposition/Coarse problem": "distributed"}, *counts, program="harmos")
+        self.check_steps(shared)
+        for auto, one, other in zip(plan["rows"], whole["rows"], shared["rows"]):
+            self.assertEqual(one["coarse_problem"], "replicated")
+            self.assertEqual(other["coarse_problem"], "distributed")
+            chosen = one if auto["coarse_problem"] == "replicated" else other
+            for name, value in chosen["seconds"]["step"].items():
+                self.assertAlmostEqual(auto["seconds"]["step"][name], value, 12)
+            self.assertAlmostEqual(auto["memory_mib"]["coarse"], chosen["memory_mib"]["coarse"], 9)
+            # What a rank has of the coarse problem: all of L, or rows of the inverse that go down.
+            entries, shape = plan["coarse_factor_entries"], other["shape"]
+            self.assertGreaterEqual(one["memory_mib"]["coarse"], 2 * 16 * entries / 2**20)
+            rows = 2 * 8 * plan["coarse_dimension"] * shape["own_motions"] / 2**20
+            self.assertGreaterEqual(other["memory_mib"]["coarse"], rows)
+            if auto["coarse_problem"] == "distributed":
+                self.assertLess(other["seconds"]["step"]["coarse"], 0.6 * one["seconds"]["step"]["coarse"])
+                self.assertLess(other["memory_mib"]["coarse"], one["memory_mib"]["coarse"])
+        ranks = {row["ranks"]: row for row in plan["rows"]}
+        for np in (2, 8):
+            directory = runs.scratch("run")
+            words = words_of({"Solver/Maximum iterations": 2, "Output/Fields": "false"})
+            runs.start([deck, *words, "--output", directory], np=np, program="harmos")
+            summary = json.loads((directory / "summary.json").read_text(encoding="utf-8"))
+            self.assertEqual(ranks[np]["coarse_problem"], summary["coarse_problem"])
 
     def test_seconds_add_up(self):
         plan = self.plan(runs.MODEL, model(4, 8))

@@ -26,7 +26,7 @@ struct RankLoad {
   double assembledBytes = 0.0;
   double ownBytes = 0.0, rows = 0.0, nodes = 0.0, cells = 0.0, links = 0.0;
   double constraintEntries = 0.0, touchedRows = 0.0, ownedRows = 0.0;
-  double coarseEntries = 0.0, coarsePairs = 0.0;
+  double coarseEntries = 0.0, coarsePairs = 0.0, motions = 0.0;
 };
 
 struct Class {
@@ -67,6 +67,7 @@ RankLoad loadOf(const PlanSurvey& survey, const feti::LocalInverseOptions& optio
     load.ownedRows += s.ownedRows;
     load.coarseEntries += s.coarseEntries;
     load.coarsePairs += s.coarsePairs;
+    load.motions += s.kernelColumns;
     load.largestRows = std::max(load.largestRows, static_cast<double>(s.rows));
   }
   load.sharedBytes += load.assembledBytes;
@@ -137,7 +138,7 @@ double resultBytes(const RankLoad& load, const PlanSurvey& survey, const run::Ru
 
 // Bytes an item, from the sources named.
 RankMemory memoryOf(const RankLoad& load, const PlanSurvey& survey, const run::RunOptions& options,
-                    std::size_t way, bool elastic, double directions) {
+                    std::size_t way, bool elastic, double directions, const feti::StepShape& shape) {
   const DualForm form = feti::dualForms()[way].form;
   RankMemory memory;
   const bool hasPreconditioner = options.dual.preconditioner != feti::PreconditionerKind::None;
@@ -149,17 +150,17 @@ RankMemory memoryOf(const RankLoad& load, const PlanSurvey& survey, const run::R
                 perRow * load.touchedRows + survey.contactBytes;
   memory.factors = load.predictions[way].factorBytes;
   memory.dense = load.predictions[way].bytes - memory.factors;
-  // G̃ᵀ by rows, places of its pairs; L, dense or with a row number an entry, and once more on a face of PDAS;
-  // the pattern.
-  const double inverse = 16.0 * survey.coarseFactorEntries;
+  // G̃ᵀ by rows, places of its pairs; A⁻, and once more on a face of PDAS.
+  const double inverse = feti::coarseBytes(shape.coarse(), shape.isCoarseDistributed);
   memory.coarse = 12.0 * load.coarseEntries + 4.0 * load.coarsePairs + 2.0 * inverse;
   memory.directions = 16.0 * directions * load.ownedRows;
 
   // While the largest S is inverted: MUMPS' triplets and front, S and S⁺.
   const double b = form == DualForm::Condensed ? load.largestBoundary : 0.0;
   const double whileFactoring = 2.0 * 8.0 * b * b + load.largestStiffness;
-  // Pairs of columns, in the order of rows and sorted.
-  const double whileCoarse = 16.0 * load.coarsePairs;
+  // Pairs of columns, in the order of rows and sorted; the factor that rows of the inverse are made with.
+  const double whileCoarse =
+      16.0 * load.coarsePairs + feti::coarseBytesOfSetup(shape.coarse(), shape.isCoarseDistributed);
   // Displacements; 32 right-hand sides at once.
   const double whileEnding = 2.0 * 8.0 * load.rows + 32.0 * 8.0 * load.largestRows +
                              (options.writeFields ? resultBytes(load, survey, options, elastic) : 0.0);
@@ -168,10 +169,11 @@ RankMemory memoryOf(const RankLoad& load, const PlanSurvey& survey, const run::R
   return memory;
 }
 
-double most(const std::vector<RankLoad>& loads, double RankLoad::*member) {
+template<class Number>
+double most(const std::vector<RankLoad>& loads, Number RankLoad::*member) {
   double result = 0.0;
   for (const RankLoad& load : loads)
-    result = std::max(result, load.*member);
+    result = std::max(result, static_cast<double>(load.*member));
   return result;
 }
 
@@ -183,6 +185,34 @@ std::vector<RankLoad> loadsOf(const PlanSurvey& survey, const run::RunOptions& o
     loads.push_back(loadOf(survey, options.dual.inversesFor(options.fixedTolerance()), rates.local,
                            scene::shareOf(rank, ranks, total)));
   return loads;
+}
+
+// A rank's share is about a square or a cube of subdomains: rows on its rim, and neighbours on all sides.
+feti::StepShape shapeOf(const PlanSurvey& survey, const std::vector<RankLoad>& loads,
+                        const feti::CoarseOptions& options) {
+  const auto total = static_cast<double>(survey.subdomains.size());
+  const double d = survey.dimension, share = most(loads, &RankLoad::subdomains);
+  double touched = 0.0;
+  for (const SurveyedSubdomain& s : survey.subdomains)
+    touched += s.touchedRows / total;
+  feti::StepShape shape;
+  shape.ranks = static_cast<int>(loads.size());
+  shape.rows = most(loads, &RankLoad::ownedRows);
+  shape.sharedRows = touched * std::pow(share, (d - 1.0) / d);
+  shape.neighbours = static_cast<int>(std::min(std::pow(3.0, d), static_cast<double>(shape.ranks))) - 1;
+  shape.coarseDimension = survey.coarseDimension;
+  shape.coarseEntries = survey.coarseFactorEntries;
+  shape.ownMotions = most(loads, &RankLoad::motions);
+  shape.motions = survey.kernelDimension / total;
+  shape.sharedMotions = shape.motions * (std::pow(std::pow(share, 1.0 / d) + 2.0, d) - share);
+  // As a run decides, which has no factor then.
+  feti::CoarseShape coarse;
+  coarse.dimension = survey.kernelDimension;
+  coarse.motions = shape.motions;
+  coarse.ranks = shape.ranks;
+  coarse.mostOwn = shape.ownMotions;
+  shape.isCoarseDistributed = feti::takesDistributed(options, coarse);
+  return shape;
 }
 
 } // namespace
@@ -227,8 +257,9 @@ PlanRow planRow(const PlanSurvey& survey, const run::RunOptions& options, bool e
       waysOf(loads, options.dual, feti::DualOptions::usualProducts(elastic, options.tolerance), mayLump);
   row.forms = feti::dualForms()[way];
   const double directions = directionsFor(options, products.most);
+  row.shape = shapeOf(survey, loads, options.dual.coarse);
   for (std::size_t rank = 0; rank < loads.size(); ++rank) {
-    RankMemory memory = memoryOf(loads[rank], survey, options, way, elastic, directions);
+    RankMemory memory = memoryOf(loads[rank], survey, options, way, elastic, directions, row.shape);
     // MUMPS, BLAS, HDF5 and MPI touch more of themselves than a plan does: 7 to 12 MiB on small runs.
     constexpr double libraries = 10.0 * 1048576.0;
     memory.program = programBytes + libraries + (rank == 0 ? sceneBytes : 0.0);
@@ -249,23 +280,16 @@ PlanRow planRow(const PlanSurvey& survey, const run::RunOptions& options, bool e
   row.mesh = scaled(survey.secondsOfMeshes, &RankLoad::nodes);
   row.assembly = scaled(survey.secondsOfAssembly, &RankLoad::assembledBytes);
   row.constraints = scaled(survey.secondsOfConstraints, &RankLoad::constraintEntries);
-  row.coarseSetup = scaled(survey.secondsOfCoarseRows, &RankLoad::coarsePairs) + survey.secondsOfCoarseFactor;
-  // A rank's share is about a square or a cube of subdomains: rows on its rim, and neighbours on all sides.
-  const double d = survey.dimension;
-  feti::StepShape shape;
-  shape.ranks = ranks;
-  shape.rows = most(loads, &RankLoad::ownedRows);
-  double touched = 0.0;
-  for (const SurveyedSubdomain& s : survey.subdomains)
-    touched += s.touchedRows / total;
-  shape.sharedRows = touched * std::pow(static_cast<double>(row.mostSubdomains), (d - 1.0) / d);
-  shape.neighbours = static_cast<int>(std::min(std::pow(3.0, d), static_cast<double>(ranks))) - 1;
-  shape.coarseDimension = survey.coarseDimension;
-  shape.coarseEntries = survey.coarseFactorEntries;
-  row.step = feti::predictStep(shape, rates.step);
+  const auto factored = [&](bool isFace) {
+    return feti::coarseSetupSeconds(row.shape.coarse(), row.shape.isCoarseDistributed, isFace,
+                                    survey.secondsOfCoarseFactor, rates.step);
+  };
+  row.coarseSetup = scaled(survey.secondsOfCoarseRows, &RankLoad::coarsePairs) + factored(false);
+  row.step = feti::predictStep(row.shape, rates.step);
+  row.counts = feti::predictCounts(row.shape);
   // Active sets that the decks that come with Harmos take, and their refinements.
   constexpr double fewestFaces = 1.0, mostFaces = 14.0;
-  row.face = survey.inequalities > 0 ? survey.secondsOfCoarseFactor : 0.0;
+  row.face = survey.inequalities > 0 ? factored(true) : 0.0;
   row.least = row.setup() + fewestFaces * row.face + products.least * row.perStep();
   row.most = row.setup() + mostFaces * row.face + products.most * row.perStep();
   // Steps after the first take two products for their right-hand side and start from the solutions before:

@@ -16,7 +16,7 @@ struct RankMemory {
   double mesh = 0.0;       ///< meshes, stiffness matrices, loads, constraints
   double factors = 0.0;    ///< sparse
   double dense = 0.0;      ///< S⁺, S and MUMPS' copy of S
-  double coarse = 0.0;     ///< of the coarse problem
+  double coarse = 0.0;     ///< of the coarse problem, replicated or distributed
   double directions = 0.0; ///< of conjugate gradients, that are stored
   double temporary = 0.0;  ///< the largest of the peaks
   double sum() const { return program + mesh + factors + dense + coarse + directions + temporary; }
@@ -33,10 +33,12 @@ struct PlanRow {
   double totalMemory = 0.0; ///< bytes of all ranks
   // Seconds.
   double mesh = 0.0, assembly = 0.0, constraints = 0.0, factorization = 0.0, coarseSetup = 0.0;
-  double product = 0.0;   ///< with F, and with the preconditioner
+  double product = 0.0; ///< with F, and with the preconditioner
+  feti::StepShape shape;
   feti::StepSeconds step; ///< of a step, beside the product
-  double recovery = 0.0;  ///< of displacements: for the right-hand side, and to judge an answer
-  double face = 0.0;      ///< the coarse problem of an active set
+  feti::StepCounts counts;
+  double recovery = 0.0; ///< of displacements: for the right-hand side, and to judge an answer
+  double face = 0.0;     ///< the coarse problem of an active set
   double setup() const { return mesh + assembly + constraints + factorization + coarseSetup + recovery; }
   double perStep() const { return product + step.sum(); }
   double least = 0.0, most = 0.0; ///< of the run with all its steps, without writing fields

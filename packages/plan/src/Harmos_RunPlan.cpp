@@ -92,10 +92,40 @@ void recommend(RunPlan& plan, double memoryMiB) {
   plan.reason = text.str();
 }
 
+const char* coarseForm(const PlanRow& row) {
+  return row.shape.isCoarseDistributed ? "distributed" : "replicated";
+}
+
+// What a step says to other ranks.
+std::string messagesText(const PlanRow& row) {
+  if (row.ranks == 1)
+    return "none";
+  const feti::StepCounts& counts = row.counts;
+  constexpr double kilo = 1e3;
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(0) << counts.messages << " messages to " << row.shape.neighbours
+       << " neighbours, " << counts.reductions << " reductions and " << counts.gathers << " all-gathers, "
+       << std::setprecision(1) << counts.messageBytes / kilo << " and " << counts.collectiveBytes / kilo
+       << " kB";
+  return text.str();
+}
+
 std::string number(double value, int width) {
   std::ostringstream text;
   text << std::setw(width) << std::setprecision(2) << value;
   return text.str();
+}
+
+nlohmann::ordered_json shapeJson(const feti::StepShape& shape) {
+  return {{"ranks", shape.ranks},
+          {"rows", shape.rows},
+          {"shared_rows", shape.sharedRows},
+          {"neighbours", shape.neighbours},
+          {"coarse_dimension", shape.coarseDimension},
+          {"coarse_entries", shape.coarseEntries},
+          {"own_motions", shape.ownMotions},
+          {"motions", shape.motions},
+          {"shared_motions", shape.sharedMotions}};
 }
 
 } // namespace
@@ -138,7 +168,7 @@ std::string planText(const RunPlan& plan) {
        << (s.steps > 1 ? " in the first of " + std::to_string(s.steps) + " steps" : std::string()) << "\n\n"
        << "    ranks  subdomains  imbalance    MiB a rank: factors   dense  meshes  coarse  | seconds: "
           "set-up  "
-          "product  coarse   a run";
+          "product  coarse               a run";
   for (std::size_t k = 0; k < plan.rows.size(); ++k) {
     const PlanRow& row = plan.rows[k];
     const RankMemory& m = row.memory;
@@ -152,8 +182,8 @@ std::string planText(const RunPlan& plan) {
          << row.imbalance << std::setprecision(0) << std::setw(14) << m.sum() / mebi << std::setw(9)
          << m.factors / mebi << std::setw(8) << m.dense / mebi << std::setw(8) << m.mesh / mebi
          << std::setw(8) << m.coarse / mebi << std::defaultfloat << "  |" << number(row.setup(), 16)
-         << number(row.product, 9) << number(row.step.coarse, 8) << "   " << seconds(row.least) << " to "
-         << seconds(row.most);
+         << number(row.product, 9) << number(row.step.coarse, 8) << std::setw(13) << coarseForm(row) << "   "
+         << seconds(row.least) << " to " << seconds(row.most);
   }
   const PlanRow& row = plan.rows[plan.recommended < 0 ? 0 : static_cast<std::size_t>(plan.recommended)];
   text << "\n\n"
@@ -168,6 +198,8 @@ std::string planText(const RunPlan& plan) {
        << row.memory.program / mebi << " MiB for the program and what the scene was read with, "
        << row.memory.directions / mebi << " MiB for stored directions, " << row.memory.temporary / mebi
        << " MiB for a while.\n"
+       << "A step on " << ranksText(row.ranks) << " says to others: " << messagesText(row)
+       << "; the coarse problem is " << coarseForm(row) << ".\n"
        << "Rates: " << plan.rates.source
        << ". Seconds are without the writing of fields. Set-up: measured here and scaled, factorisations "
           "predicted.";
@@ -203,6 +235,14 @@ std::string planJson(const RunPlan& plan, const std::string& deck) {
                             {"imbalance", row.imbalance},
                             {"factorizations", row.factorizations},
                             {"form", feti::toString(row.forms.form)},
+                            {"coarse_problem", coarseForm(row)},
+                            {"shape", shapeJson(row.shape)},
+                            {"messages",
+                             {{"messages", row.counts.messages},
+                              {"message_bytes", row.counts.messageBytes},
+                              {"reductions", row.counts.reductions},
+                              {"gathers", row.counts.gathers},
+                              {"collective_bytes", row.counts.collectiveBytes}}},
                             {"memory_mib",
                              {{"program", m.program / mebi},
                               {"mesh", m.mesh / mebi},

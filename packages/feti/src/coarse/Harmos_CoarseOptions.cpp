@@ -9,12 +9,18 @@
 
 namespace Harmos::feti {
 
+bool takesDistributed(const CoarseOptions& options, const CoarseShape& shape) {
+  using Form = CoarseOptions::Form;
+  return options.form == Form::Distributed ||
+         (options.form == Form::Auto && isDistributedCheaper(shape, options.rates));
+}
+
 std::unique_ptr<CoarseSpace> makeCoarseSpace(const SubdomainSystem& system, const Constraints& constraints,
                                              const CoarseOptions& options) {
   using Form = CoarseOptions::Form;
   if (options.form == Form::Distributed)
     return std::make_unique<DistributedCoarse>(system, constraints, options);
-  if (options.form == Form::Auto && isDistributedCheaper(shapeOf(system), options.rates)) {
+  if (options.form == Form::Auto && takesDistributed(options, shapeOf(system))) {
     try {
       return std::make_unique<DistributedCoarse>(system, constraints, options);
     } catch (const NumericalError&) { // on all ranks

@@ -30,6 +30,9 @@ struct CoarseOptions {
   CoarseRates rates;  ///< of the cost model
 };
 
+/// Whether a coarse problem of that shape is distributed: as was asked for, or by the cost model.
+bool takesDistributed(const CoarseOptions& options, const CoarseShape& shape);
+
 /// The coarse space in the form that was asked for, or by the cost model. Where the form is left open and a
 /// distributed one proves too inaccurate, it is the replicated one.
 /// @throws NumericalError on all ranks if a distributed one was asked for and proves so. @note Collective.

@@ -1,27 +1,54 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_StepModel.hpp"
 
+#include "Harmos_StepCalls.hpp"
+
 #include <cmath>
 
 namespace Harmos::feti {
 
+namespace {
+constexpr double word = 8.0;
+}
+
+CoarseShape StepShape::coarse() const {
+  CoarseShape shape;
+  shape.dimension = coarseDimension;
+  shape.motions = motions;
+  shape.ranks = ranks;
+  shape.mostOwn = ownMotions;
+  shape.factorEntries = coarseEntries;
+  shape.neighbours = neighbours;
+  return shape;
+}
+
 StepSeconds predictStep(const StepShape& shape, const StepRates& rates) {
-  constexpr double passes = 40.0, word = 8.0;
-  const bool several = shape.ranks > 1;
+  constexpr double passes = 40.0;
+  const StepCalls& calls = callsOf(shape.isCoarseDistributed);
   const double tree = 2.0 * std::log2(shape.ranks) * rates.latency;
   StepSeconds step;
   step.vectors = passes * word * shape.rows / rates.readBytes + rates.overhead;
-  if (several)
-    step.exchange = 4.0 * (shape.neighbours * rates.latency + word * shape.sharedRows / rates.bandwidth);
-  step.reductions = 2.0 * tree;
-  CoarseShape coarse;
-  coarse.dimension = shape.coarseDimension;
-  coarse.ranks = shape.ranks;
-  coarse.mostOwn = shape.ownMotions;
-  coarse.factorEntries = shape.coarseEntries;
-  step.coarse = shape.isCoarseDistributed ? distributedCoarseSeconds(coarse, rates)
-                                          : replicatedCoarseSeconds(coarse, rates);
+  if (shape.ranks > 1)
+    step.exchange =
+        calls.exchanges * (shape.neighbours * rates.latency + word * shape.sharedRows / rates.bandwidth);
+  step.reductions = calls.reductions * tree;
+  step.coarse = shape.isCoarseDistributed ? distributedCoarseSeconds(shape.coarse(), rates)
+                                          : replicatedCoarseSeconds(shape.coarse(), rates);
   return step;
+}
+
+StepCounts predictCounts(const StepShape& shape) {
+  StepCounts counts;
+  if (shape.ranks == 1)
+    return counts;
+  const StepCalls& calls = callsOf(shape.isCoarseDistributed);
+  counts.messages = 0.5 * (calls.exchanges + calls.coarseExchanges) * shape.neighbours;
+  counts.messageBytes =
+      0.5 * word * (calls.exchanges * shape.sharedRows + calls.coarseExchanges * shape.sharedMotions);
+  counts.reductions = calls.reductions + (shape.isCoarseDistributed ? 0.0 : calls.coarseVectors);
+  counts.gathers = shape.isCoarseDistributed ? calls.coarseVectors : 0.0;
+  counts.collectiveBytes = word * (calls.coarseVectors * shape.coarseDimension + calls.reducedNumbers);
+  return counts;
 }
 
 } // namespace Harmos::feti
