@@ -3,7 +3,7 @@
 
     performance_model.py [--physics membrane|solid] [--subdomains-per-rank 16] [--elements 128] [--shared]
                          [--form replicated|distributed|auto] [--latency 2e-6] [--bandwidth 1e10]
-                         [--output FILE] [--cases FILE]
+                         [--output FILE] [--cases FILE] [--tables]
 
 One step of projected conjugate gradients with a Dirichlet preconditioner, weak scaling: s subdomains on a
 rank, a compact share of a square of membranes (one unknown a node, one motion a subdomain; 16 of 128 x 128
@@ -24,7 +24,7 @@ elements if nothing else is given) or of a cube of solids (three, and six; 8 of 
 How many of each there are stands in CALLS, once. Formulas and rates are those of C++:
 Harmos_StepModel.hpp, Harmos_CoarseModel.hpp, Harmos_StepCalls.hpp in packages/feti/src, by which
 `Coarse problem` = `auto` decides and --plan predicts. `--cases` writes shapes and what they give here, with
-which tests/unit/feti/test_step_model.cpp compares. Rates of products and of reading are those that
+which tests/unit/feti/test_step_model.cpp compares, `--tables` the tables of docs/dual_operator.md. Rates of products and of reading are those that
 dual_operator shows on one rank of two, solves those of coarse_factor; the overhead is fitted to scaling.py.
 Latency and bandwidth of a network are to be given; the defaults are assumptions about a common cluster and
 not measured.
@@ -187,7 +187,7 @@ def step_seconds(shape, machine, form):
 
 
 def counts(shape, form):
-    """What a step says to other ranks: messages sent to neighbours, and collectives with what comes by them."""
+    """What a step says to other ranks: messages sent to neighbours; collectives, and what comes by them."""
     calls, alone = CALLS[form], shape.ranks == 1
     is_distributed = form == "distributed"
     exchanged = calls.exchanges * shape.shared_rows + calls.coarse_exchanges * shape.shared_motions
@@ -252,6 +252,14 @@ def takeover(machine, problem, most=10**6):
     return None
 
 
+def distributed_from(machine, problem, most=10**6):
+    """The number of ranks from which on `auto` distributes the coarse problem."""
+    for ranks in range(1, most):
+        if is_distributed_cheaper(shape_of(problem, ranks), machine):
+            return ranks
+    return None
+
+
 def table_of(machine, problem):
     """A row for each of RANKS."""
     rows = []
@@ -274,7 +282,8 @@ def table_of(machine, problem):
 def cases():
     """Shapes of both physics, and what they give in both forms by the rates that stand here."""
     machine, result = Machine(), []
-    for physics, subdomains, elements in (("membrane", 16, 128), ("membrane", 1, 16), ("solid", 8, 8), ("solid", 27, 4)):
+    loads = (("membrane", 16, 128), ("membrane", 1, 16), ("solid", 8, 8), ("solid", 27, 4))
+    for physics, subdomains, elements in loads:
         for ranks in (*RANKS, 8, 64):
             shape = shape_of(Problem(subdomains, elements, physics=physics), ranks)
             item = {"shape": asdict(shape), "distributed_by_auto": is_distributed_cheaper(shape, machine)}
@@ -286,6 +295,52 @@ def cases():
                 }
             result.append(item)
     return {"calls": {form: asdict(calls) for form, calls in CALLS.items()}, "cases": result}
+
+
+def two_digits(value):
+    return f"{float(f'{value:.2g}'):g}"
+
+
+def in_words(seconds):
+    return f"{two_digits(seconds)} s" if seconds >= 1 else f"{two_digits(1e3 * seconds)} ms"
+
+
+def pages_table(physics):
+    """Of docs/dual_operator.md: replicated; distributed."""
+    machine = Machine()
+    loads = {"membrane": (16, 128), "solid": (8, 8)}[physics]
+    problems = [Problem(*loads, physics=physics, form=form) for form in FORMS]
+    titles = ("local work", "exchange", "reductions of numbers", "coarse problem")
+    titles += ("messages", "kB in them", "kB by collectives", "MiB of A⁻")
+    lines = ["| P | " + " | ".join(titles) + " |", "|---" * (len(titles) + 1) + "|"]
+    for one, other in zip(*(table_of(machine, problem) for problem in problems)):
+        if one["ranks"] < 10:
+            continue
+        both = (one, other)
+        cells = [f"{one['ranks']}", in_words(one["products"] + one["vectors"]), in_words(one["exchange"])]
+        cells += ["; ".join(in_words(row[name]) for row in both) for name in ("scalars", "coarse")]
+        cells.append("; ".join(f"{row['messages']:.0f}" for row in both))
+        cells.append("; ".join(f"{row['message_bytes'] / 1e3:.0f}" for row in both))
+        cells.append(f"{one['collective_bytes'] / 1e3:.0f}")
+        cells.append("; ".join(two_digits(row["coarse_mib"]) for row in both))
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def takeovers():
+    """The ranks from which on the coarse problem takes over, by the load of a rank: shared; not shared."""
+    machine, lines = Machine(), []
+    lines.append("| a rank | replicated | distributed | `auto` distributes from |\n|---|---|---|---|")
+    loads = [("membrane", s, 128) for s in (4, 16, 64)] + [("solid", s, n) for n in (8, 16) for s in (1, 8, 27)]
+    for physics, subdomains, elements in loads:
+        size = " × ".join([str(elements)] * (3 if physics == "solid" else 2))
+        cells = [f"{subdomains} {physics}{'s' if subdomains > 1 else ''} of {size}"]
+        for form in FORMS:
+            problems = (Problem(subdomains, elements, shared, physics, form) for shared in (True, False))
+            cells.append("; ".join(two_digits(takeover(machine, problem)) for problem in problems))
+        cells.append(str(distributed_from(machine, problem=Problem(subdomains, elements, physics=physics))))
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
 
 
 def as_json(document):
@@ -302,6 +357,7 @@ def arguments():
     for name in asdict(Machine()):
         parser.add_argument(f"--{name.replace('_', '-')}", type=float, default=getattr(Machine, name))
     parser.add_argument("--cases", metavar="FILE", help="shapes and what they give, for the test of C++")
+    parser.add_argument("--tables", action="store_true", help="those of docs/dual_operator.md")
     parser.add_argument("--output", metavar="FILE")
     return parser.parse_args()
 
@@ -315,6 +371,9 @@ def main():
         with open(given.cases, "w", encoding="utf-8") as file:
             file.write(as_json(cases()))
         return 0
+    if given.tables:
+        print("\n\n".join([*map(pages_table, ("membrane", "solid")), takeovers()]))
+        return 0
     machine = Machine(*(getattr(given, name) for name in asdict(Machine())))
     subdomains, elements = (8, 8) if given.physics == "solid" else (16, 128)
     problem = Problem(
@@ -325,8 +384,8 @@ def main():
         given.form,
     )
     table = table_of(machine, problem)
-    print(f"{'ranks':>8} {'coarse':>12}" + "".join(f"{name:>10}" for name in SECONDS) + "  messages     bytes"
-          "  reductions  gathers     bytes  coarse MiB")
+    print(f"{'ranks':>8} {'coarse':>12}" + "".join(f"{name:>10}" for name in SECONDS), end="")
+    print("  messages     bytes  reductions  gathers     bytes  coarse MiB")
     for row in table:
         print(
             f"{row['ranks']:8} {row['form']:>12}"
@@ -335,7 +394,8 @@ def main():
             f"{row['gathers']:9.0f}{row['collective_bytes']:10.2g}{row['coarse_mib']:12.3g}"
         )
     where = takeover(machine, problem)
-    print(f"The coarse problem takes over at {where} ranks.")
+    apart = distributed_from(machine, problem)
+    print(f"The coarse problem takes over at {where} ranks; `auto` distributes it from {apart} ranks on.")
     if given.output:
         document = {
             "benchmark": "performance_model",
@@ -343,6 +403,7 @@ def main():
             "problem": asdict(problem),
             "steps": table,
             "coarse_takes_over_at": where,
+            "distributed_from": apart,
         }
         with open(given.output, "w", encoding="utf-8") as file:
             json.dump(document, file, indent=2)

@@ -295,6 +295,7 @@ class Programs(unittest.TestCase):
                 self.assertEqual(steps[0]["messages"] + steps[0]["collective_bytes"], 0)
                 taken.append(document["coarse_takes_over_at"])
                 self.assertTrue(steps[0]["ranks"] < taken[-1] < steps[-1]["ranks"])
+                self.assertLess(document["distributed_from"], taken[-1])
             self.assertLess(taken[0], taken[1])
             self.assertEqual(taken[1], taken[2])
 

@@ -20,6 +20,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "docs/tools
 import harmos_runs as runs  # noqa: E402
 import headline_page  # noqa: E402
 import parameter_pages  # noqa: E402
+import performance_model  # noqa: E402
 import real_bodies_page  # noqa: E402
 import unstructured_page  # noqa: E402
 
@@ -264,6 +265,12 @@ class Documents(unittest.TestCase):
         self.assertEqual(real_bodies_page.as_json(document), text, "docs/real_bodies.json")
         page = (ROOT / "docs/real_bodies.md").read_text(encoding="utf-8")
         self.assertEqual(real_bodies_page.page(document), page, f"docs/real_bodies.md: {remedy}")
+
+    def test_tables_of_many_ranks_are_those_of_the_model(self):
+        page = (ROOT / "docs/dual_operator.md").read_text(encoding="utf-8")
+        tables = [performance_model.pages_table(physics) for physics in ("membrane", "solid")]
+        for table in (*tables, performance_model.takeovers()):
+            self.assertIn(table, page, "performance_model.py --tables prints what is to stand there")
 
     def test_every_hard_case_has_its_row_and_its_test(self):
         """The table of docs/stability.md names each test of tests/stability once, and no other.

@@ -2,13 +2,14 @@
 """Messages, bytes and reductions of a step, counted at MPI, at a fixed load a rank.
 
     communication.py [--physics membrane,solid] [--ranks 1,2,4,8,16,32,64] [--side N] [--elements N]
-                     [--forms replicated,distributed] [--output FILE]
+                     [--forms replicated,distributed] [--output FILE] [--table FILE]
 
 A square of membranes or a cube of solids, side x side (x side) subdomains a rank, held at two
 sides under a body force, by projected conjugate gradients with the Dirichlet preconditioner; more ranks than
 cores are no matter, for nothing is timed. Runs that stop after 3 and after 8 steps differ by what five steps
 say to other ranks; what is left of the first is set-up, and the end. `mpi_counts` counts. Beside it stands
-what performance_model.py says of the same shares, row by row (shares.py).
+what performance_model.py says of the same shares, row by row (shares.py). `--table` measures nothing and
+prints such a file as docs/dual_operator.md has it.
 """
 
 import argparse
@@ -21,6 +22,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent), str(HERE.parents[1] / "support")]
 
+import harmos_measure  # noqa: E402
 import harmos_runs as runs  # noqa: E402
 import performance_model  # noqa: E402
 import shares  # noqa: E402
@@ -186,6 +188,25 @@ def line(row):
     return " ".join(words) + f" {row['memory_mib_of_a_rank']:6.0f} {row['model_coarse_mib_of_a_rank']:7.2f}"
 
 
+def pages_table(document):
+    """As a table of docs/dual_operator.md: replicated; distributed, counted and in brackets by the model."""
+    cases = {}
+    for row in document["runs"]:
+        if row["ranks"] > 1:
+            cases.setdefault((row["physics"], row["ranks"], row["coarse_dimension"]), []).append(row)
+    titles = ("messages", "kB in them", "all-reduces", "all-gathers", "kB by both")
+    lines = ["| | ranks, motions | " + " | ".join(titles) + " | MiB of a rank |", "|---" * 8 + "|"]
+    for (physics, ranks, motions), forms in cases.items():
+        cells = [physics, f"{ranks}, {motions}"]
+        for name, by_model in BY_MODEL.items():
+            by, digits = (1e3, 1) if "bytes" in name else (1, 0)
+            pairs = (f"{row[name] / by:.{digits}f} ({row[by_model] / by:.{digits}f})" for row in forms)
+            cells.append("; ".join(pairs))
+        cells.append("; ".join(f"{row['memory_mib_of_a_rank']:.0f}" for row in forms))
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("--physics", default="membrane,solid")
@@ -194,7 +215,11 @@ def main():
     parser.add_argument("--elements", type=int, help="of a subdomain; 8 of membranes, 2 of solids")
     parser.add_argument("--forms", default="replicated,distributed")
     parser.add_argument("--output")
+    parser.add_argument("--table", metavar="FILE", help="what --output wrote")
     given = parser.parse_args()
+    if given.table:
+        print(pages_table(json.loads(Path(given.table).read_text(encoding="utf-8"))))
+        return 0
     table = []
     print(HEAD)
     for physics in given.physics.split(","):
@@ -204,7 +229,7 @@ def main():
                 table.append(measure(physics, ranks, form, side, elements))
                 print(line(table[-1]), flush=True)
     if given.output:
-        document = {"benchmark": "communication", "runs": table}
+        document = {"benchmark": "communication", "harmos": harmos_measure.version(), "runs": table}
         Path(given.output).write_text(json.dumps(document, indent=2) + "\n", encoding="utf-8")
     return 0
 
