@@ -150,9 +150,10 @@ RankMemory memoryOf(const RankLoad& load, const PlanSurvey& survey, const run::R
                 perRow * load.touchedRows + survey.contactBytes;
   memory.factors = load.predictions[way].factorBytes;
   memory.dense = load.predictions[way].bytes - memory.factors;
-  // G̃ᵀ by rows, places of its pairs; A⁻, and once more on a face of PDAS.
+  // G̃ᵀ by rows, places of its pairs; A⁻, and another one on a face of PDAS.
   const double inverse = feti::coarseBytes(shape.coarse(), shape.isCoarseDistributed);
-  memory.coarse = 12.0 * load.coarseEntries + 4.0 * load.coarsePairs + 2.0 * inverse;
+  memory.coarse =
+      12.0 * load.coarseEntries + 4.0 * load.coarsePairs + (survey.inequalities > 0 ? 2.0 : 1.0) * inverse;
   memory.directions = 16.0 * directions * load.ownedRows;
 
   // While the largest S is inverted: MUMPS' triplets and front, S and S⁺.

@@ -75,7 +75,7 @@ double coarseBytesOfSetup(const CoarseShape& shape, bool isDistributed);
 
 /// Seconds to make A⁻ where one rank factors A in `factorization` seconds: those; distributed, in which
 /// groups take no longer, and for the rows of their ranks 2 entries·own·group/(coarseEntries·√group), since
-/// blocks of right-hand sides read L once. Of what coarse_factor takes on two ranks that is 0.9 (1024 rows)
+/// blocks of right-hand sides read L once. Of what coarse_factor takes on two ranks that is 0.95 (1024 rows)
 /// and 1.7 (10000). @param isFace see coarseSolves().
 double coarseSetupSeconds(const CoarseShape& shape, bool isDistributed, bool isFace, double factorization,
                           const CoarseRates& rates);
