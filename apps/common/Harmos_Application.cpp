@@ -226,7 +226,7 @@ int runDeck(const Application& application, const ProgramContext& context) {
     // Steps that failed leave a state of no load that the deck tells of.
     const bool isAtEnd = report.converged || !scene.timeline.hasSteps();
     if (application.evaluate && isAtEnd && !report.isInterrupted()) {
-      application.evaluate(deck, report);
+      application.evaluate(*comm, deck, report);
       for (const auto& [name, value] : report.results)
         log.info(name + ": " + scientific(value, 6));
     }

@@ -38,7 +38,7 @@ struct Application {
   std::function<scene::Scene(const DeckContext&)> makeScene;
   /// Puts what the application alone can say of a finished run into report.results; may be null. Local; every
   /// rank has the same report.
-  std::function<void(const Teuchos::ParameterList&, run::RunReport&)> evaluate;
+  std::function<void(const Teuchos::Comm<int>&, const Teuchos::ParameterList&, run::RunReport&)> evaluate;
   /// The effects that its decks may name, for --list-effects; null if its decks name none.
   std::shared_ptr<const scene::EffectRegistry> effects;
 };

@@ -3,6 +3,7 @@
 
 #include "Harmos_Adhesion.hpp"
 #include "Harmos_Composite.hpp"
+#include "Harmos_Exchange.hpp"
 
 #include <cmath>
 
@@ -133,7 +134,7 @@ scene::Scene makeScene(const app::DeckContext& context) {
 // unstretched at the beginning, the problem is homogeneous of degree two: force times displacement = twice
 // the energy. With friction that is twice the stored energy and what is dissipated, which the audit's energy
 // has in it.
-void evaluate(const Teuchos::ParameterList& deck, run::RunReport& report) {
+void evaluate(const Teuchos::Comm<int>& comm, const Teuchos::ParameterList& deck, run::RunReport& report) {
   const Sample sample = sampleOf(deck);
   const scene::Timeline timeline = scene::Timeline::fromDeck(deck);
   const double strain =
@@ -141,15 +142,14 @@ void evaluate(const Teuchos::ParameterList& deck, run::RunReport& report) {
   if (strain != 0.0)
     report.results["effective_modulus"] =
         (2.0 * report.audit.energy - report.audit.frictionWork) / (strain * strain * sample.area());
-  if (report.contact.empty())
+  const run::ContactCounts& counts = report.contactCounts;
+  if (counts.points == 0)
     return;
-  double closed = 0.0, largest = 0.0;
-  for (const run::ContactState& state : report.contact) {
-    closed += state.closed ? 1.0 / static_cast<double>(report.contact.size()) : 0.0;
+  double largest = 0.0;
+  for (const run::ContactState& state : report.contact)
     largest = std::max(largest, state.pressure);
-  }
-  report.results["closed_fraction"] = closed;
-  report.results["largest_contact_pressure"] = largest;
+  report.results["closed_fraction"] = static_cast<double>(counts.closed) / static_cast<double>(counts.points);
+  report.results["largest_contact_pressure"] = globalMax(comm, largest);
 }
 
 } // namespace

@@ -2,6 +2,7 @@
 #include "Harmos_ElasticSignorini.hpp"
 
 #include "Harmos_BodyForce.hpp"
+#include "Harmos_Exchange.hpp"
 #include "Harmos_PrescribedDisplacement.hpp"
 #include "Harmos_RigidObstacle.hpp"
 #include "Harmos_StructuredBlock.hpp"
@@ -115,7 +116,8 @@ scene::Scene hertz(const Teuchos::ParameterList& deck, bool isBall) {
   return scene;
 }
 
-void evaluateHertz(const Teuchos::ParameterList& deck, bool isBall, run::RunReport& report) {
+void evaluateHertz(const Teuchos::Comm<int>& comm, const Teuchos::ParameterList& deck, bool isBall,
+                   run::RunReport& report) {
   const double pi = std::acos(-1.0);
   const fem::Material material = materialOf(deck);
   const double modulus = material.young[0] / (1.0 - material.poisson[0] * material.poisson[0]);
@@ -127,6 +129,9 @@ void evaluateHertz(const Teuchos::ParameterList& deck, bool isBall, run::RunRepo
     moment += report.contact[k].force * (x[0] * x[0] + (isBall ? x[1] * x[1] : 0.0));
     peak = std::max(peak, report.contact[k].pressure);
   }
+  load = globalSum(comm, load);
+  moment = globalSum(comm, moment);
+  peak = globalMax(comm, peak);
   const double halfWidth = load > 0.0 ? std::sqrt((isBall ? 2.5 : 4.0) * moment / load) : 0.0;
   load *= isBall ? 4.0 : 2.0; // of the whole body
   const double a =

@@ -28,6 +28,8 @@ scene::Scene hertz(const Teuchos::ParameterList& deck, bool isBall);
 /// ball's approach: Tatara, J. Eng. Mater. Technol. 113, 1991).
 /// The half-width of a computed solution is that of the Hertz pressure with the same second moment:
 /// ∫p x² = P a²/4 for the cylinder, ∫p r² = 2P a²/5 for the ball.
-void evaluateHertz(const Teuchos::ParameterList& deck, bool isBall, run::RunReport& report);
+/// @note Collective.
+void evaluateHertz(const Teuchos::Comm<int>& comm, const Teuchos::ParameterList& deck, bool isBall,
+                   run::RunReport& report);
 
 } // namespace Harmos::signorini

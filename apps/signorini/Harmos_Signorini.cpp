@@ -50,10 +50,10 @@ scene::Scene makeScene(const app::DeckContext& context) {
   return signorini::membranes(context.deck.sublist("Model"));
 }
 
-void evaluate(const Teuchos::ParameterList& deck, run::RunReport& report) {
+void evaluate(const Teuchos::Comm<int>& comm, const Teuchos::ParameterList& deck, run::RunReport& report) {
   const std::string problem = problemOf(deck);
   if (problem == "hertz cylinder" || problem == "hertz ball")
-    signorini::evaluateHertz(deck, problem == "hertz ball", report);
+    signorini::evaluateHertz(comm, deck, problem == "hertz ball", report);
 }
 
 } // namespace

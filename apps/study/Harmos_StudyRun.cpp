@@ -81,7 +81,9 @@ Outcome runSetting(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Pla
       if (run == 0) {
         outcome.memoryMiB = globalSum(*comm, statusMiB("VmHWM") - resident);
         outcome.run = std::make_shared<run::FinishedRun>();
-        *outcome.run = {std::move(scene), std::move(solution), report.contactPoints, report.contact};
+        run::WholeContact contact = run::gatherContact(*comm, report.contactPoints, report.contact);
+        *outcome.run = {std::move(scene), std::move(solution), std::move(contact.points),
+                        std::move(contact.states)};
         outcome.reason = report.reason;
         outcome.report = report;
         outcome.localSolver = inexactLocalSolver(deck.sublist("Dual operator"));

@@ -23,6 +23,7 @@ struct ContactPoint {
     double weight;
   };
   long long node = 0;      ///< of the first surface, which the point belongs to
+  long long number = -1;   ///< of its row, over all ranks; −1: it has none yet
   fem::Point position{};   ///< of that node
   std::vector<Term> terms; ///< by rising node number
   fem::Point normal{};     ///< outward from the first surface
@@ -36,14 +37,14 @@ struct ContactPoint {
 /// that of tributaryAreas().
 /// @param tolerance of the positions, relative to the extent of the surfaces and their distance from the
 /// origin.
-/// @return ordered by node number of the first surface; the same on every rank.
-/// @throws InputError if a node of either has no partner, naming it, or if both surfaces look the same way
-/// there.
-///         Local: every rank holds the surfaces.
+/// @return those of this rank's own nodes of the first surface, by node number.
+/// @throws InputError on all ranks if a node of either has no partner, naming it, or if both surfaces look the
+/// same way there.
+/// @note Collective: see facetsTouching().
 /// Guarded by tests/unit/contact/test_match_nodes.cpp.
 std::vector<ContactPoint> matchNodes(const Surface& first, const Surface& second, double tolerance = 1e-9);
 
-/// Whether matchNodes() would find a partner for each node of both.
+/// Whether matchNodes() would find a partner for each node of both. @note Collective.
 bool nodesMatch(const Surface& first, const Surface& second, double tolerance = 1e-9);
 
 /// Mortar coupling of surfaces that need not match, with dual Lagrange multipliers (Wohlmuth 2000; Popp,
@@ -68,15 +69,20 @@ bool nodesMatch(const Surface& first, const Surface& second, double tolerance = 
 /// 1e-4 of its length, on facets of second order by less than some hundredths. A constant pressure has its
 /// exact resultant but for them.
 ///
-/// Cost: proportional to the number of facets, but for the search, which is O(n log n); on every rank. 20 000
-/// facets of each surface take less than a second.
+/// Cost: proportional to the number of this rank's own facets of the first surface and those of the second one
+/// near them, but for the search, which is O(n log n). 20 000 facets of each surface take less than a second on
+/// one rank. A facet between ranks is sampled by each rank that makes a point of one of its nodes: so a point is
+/// the same, to the last bit, on any number of ranks.
 ///
 /// @param reach counterparts farther than this are none; 0: a tenth of the extent of the smaller surface.
-/// @return ordered by node number; nodes without a counterpart give none.
-/// @throws InputError if no node has a counterpart (the pair never meets), for surfaces whose facets are not
+/// @return those of this rank's own nodes of the first surface, by node number; nodes without a counterpart
+/// give none.
+/// @throws InputError on all ranks if no node has a counterpart (the pair never meets), for surfaces whose facets are not
 ///         supported, for surfaces of different dimensions and a negative reach, and for facets too distorted
-///         to be projected. Local.
-/// Guarded by tests/unit/contact/test_mortar_plane.cpp and tests/unit/contact/test_mortar_space.cpp.
+///         to be projected.
+/// @note Collective.
+/// Guarded by tests/unit/contact/test_mortar_plane.cpp, tests/unit/contact/test_mortar_space.cpp and, on several
+/// ranks, tests/unit/contact/test_pieces.cpp.
 std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& second, double reach = 0.0);
 
 /// A rigid body, at rest.
@@ -91,25 +97,34 @@ struct Obstacle {
 
 /// Contact with a rigid obstacle: n·u ≤ gap at each node of the surface, n the direction towards the
 /// obstacle at the initial position of the node, gap its distance.
-/// @return ordered by node number; areas from tributaryAreas().
-/// @throws InputError for a direction of length zero, a radius of zero, and a node at the centre. Local.
+/// @return those of this rank's own nodes, by node number; areas from tributaryAreas().
+/// @throws InputError on all ranks for a direction of length zero, a radius of zero, and a node at the centre.
+/// @note Collective.
 /// Guarded by tests/unit/contact/test_obstacle.cpp.
 std::vector<ContactPoint> obstaclePoints(const Surface& surface, const Obstacle& obstacle);
 
-/// Rows n·w ≤ gap, one a point, numbered from `firstNumber`; row k of them is given on rank k mod ranks.
+/// Points from rank to rank, as exchangeItems(). @note Collective.
+std::vector<std::vector<ContactPoint>> exchangePoints(const Teuchos::Comm<int>& comm,
+                                                      const std::vector<std::vector<ContactPoint>>& sends);
+/// All of them on every rank, by their numbers. @note Collective.
+std::vector<ContactPoint> gatherPoints(const Teuchos::Comm<int>& comm,
+                                       const std::vector<ContactPoint>& points);
+
+/// Rows n·w ≤ gap, one a point, with the point's number.
 /// @param components dofs a node: dof = node · components + component; 1 for scalar problems, where w is the
 ///        displacement itself and the normal plays no part. Components of a normal that are rounding errors
 ///        (below 1e-14) give no terms.
+/// @param extent of all points, see extentOf(): gaps are known to its rounding errors. Local.
 /// Guarded by tests/unit/contact/test_contact_rows.cpp.
-std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
-                                       const std::vector<ContactPoint>& points, int components,
-                                       long long firstNumber);
+std::vector<ConstraintRow> contactRows(const std::vector<ContactPoint>& points, int components,
+                                       double extent);
 
 /// A contact point that bears friction, or is bound along the surfaces.
 struct SlipPoint {
-  std::size_t point = 0;            ///< its place among the contact points
+  std::size_t point = 0;            ///< its place among the contact points of this rank
   std::vector<fem::Point> tangents; ///< one or two, orthonormal to the normal and each other
-  std::size_t firstRow = 0;         ///< the number of its first row: one for each tangent
+  long long firstRow = 0;           ///< the number of its first row, over all ranks: one for each tangent
+  std::size_t firstPlace = 0;       ///< of that row, among those of this rank
   double limit = 0.0;               ///< of its force, where that is given
   bool follows = false;             ///< or the limit follows the force of contact:
   double coefficient = 0.0;         ///< limit over that
@@ -117,10 +132,10 @@ struct SlipPoint {
 };
 
 /// Whether the surfaces touch at a point: its gap is zero to what matchNodes() takes for the same place.
-/// @param extent the largest coordinate of the points that it is one of.
+/// @param extent the largest coordinate of all the points that it is one of.
 bool touches(const ContactPoint& point, double extent);
-/// That coordinate.
-double extentOf(const std::vector<ContactPoint>& points);
+/// That coordinate. @note Collective.
+double extentOf(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points);
 
 /// Dofs with prescribed values, and these.
 using HeldDofs = std::map<long long, double>;
@@ -138,32 +153,21 @@ std::vector<fem::Point> slipDirections(const ContactPoint& point, int components
                                        const std::map<double, HeldDofs>& held);
 
 /// Rows t·w = 0 whose force is limited, numbered by SlipPoint::firstRow: one a tangent, where there are two
-/// they have one disc, on the rank that gives the row of the point itself. In the order of points and
-/// tangents.
-/// @param points whose contactRows() are numbered from 0.
-/// @param components two or three.
+/// they have one disc. In the order of slips and tangents.
+/// @param points of this rank. @param components two or three. @param extent see contactRows(). Local.
 /// Guarded by tests/unit/contact/test_contact_rows.cpp.
-std::vector<ConstraintRow> slipRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points,
-                                    const std::vector<SlipPoint>& slips, int components);
+std::vector<ConstraintRow> slipRows(const std::vector<ContactPoint>& points,
+                                    const std::vector<SlipPoint>& slips, int components, double extent);
 
-/// Rows of a tie.
-struct TieRows {
-  /// What a row is about.
-  struct Origin {
-    std::size_t point;
-    int component;
-  };
-  std::vector<ConstraintRow> rows; ///< this rank's share: row k is given on rank k mod ranks
-  std::vector<Origin> origins;     ///< of each of these
-  long long count = 0;             ///< over all ranks
-};
-
-/// Rows w_c = 0, one a point and component, numbered from `firstNumber` in this order.
+/// The components c of a point for which a tie has a row w_c = 0.
 /// @param held dofs with prescribed values, and these. A row whose own dof is held, and at most half of the
 ///        weight of whose counterparts is not, is left out: both surfaces end there on a held boundary, and
 ///        what the row has beside them, the small weights of nodes further inside, would hold those too.
 /// @throws InputError if a row that is left out has prescribed values alone and they differ, naming the node.
-TieRows tieRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points, int components,
-                long long firstNumber, const HeldDofs& held = {});
+///         Local.
+std::vector<int> tiedComponents(const ContactPoint& point, int components, const HeldDofs& held = {});
+
+/// That row. Local.
+ConstraintRow tieRow(const ContactPoint& point, int component, int components, long long number);
 
 } // namespace Harmos::contact

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_ContactPoint.hpp"
 #include "Harmos_Errors.hpp"
+#include "Harmos_Exchange.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_PointAlgebra.hpp"
 
@@ -14,10 +15,6 @@ namespace {
 // dofs that have nothing to do with each other.
 constexpr double leastComponent = 1e-14;
 
-bool isMine(const Teuchos::Comm<int>& comm, std::size_t row) {
-  return row % static_cast<std::size_t>(comm.getSize()) == static_cast<std::size_t>(comm.getRank());
-}
-
 // Σ weight · direction · u.
 void addTerms(const ContactPoint& point, const fem::Point& direction, int components, ConstraintRow& row) {
   for (const ContactPoint::Term& term : point.terms)
@@ -29,9 +26,7 @@ void addTerms(const ContactPoint& point, const fem::Point& direction, int compon
 }
 
 // Gaps are differences of coordinates; some thousand times their rounding errors.
-double roundingOf(const std::vector<ContactPoint>& points) {
-  return 1e-12 * extentOf(points);
-}
+constexpr double roundingOfExtent = 1e-12;
 
 bool isHeldOnBothSides(const ContactPoint& point, int components, int component, const HeldDofs& held) {
   const auto own = held.find(point.node * components + component);
@@ -94,12 +89,12 @@ std::vector<fem::Point> tangentsTo(const fem::Point& normal, int components) {
 
 } // namespace
 
-double extentOf(const std::vector<ContactPoint>& points) {
+double extentOf(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points) {
   double largest = 0.0;
   for (const ContactPoint& point : points)
     for (double coordinate : point.position)
       largest = std::max(largest, std::abs(coordinate));
-  return largest;
+  return globalMax(comm, largest);
 }
 
 bool touches(const ContactPoint& point, double extent) {
@@ -107,21 +102,17 @@ bool touches(const ContactPoint& point, double extent) {
   return std::abs(point.gap) <= samePlace * extent;
 }
 
-std::vector<ConstraintRow> contactRows(const Teuchos::Comm<int>& comm,
-                                       const std::vector<ContactPoint>& points, int components,
-                                       long long firstNumber) {
+std::vector<ConstraintRow> contactRows(const std::vector<ContactPoint>& points, int components,
+                                       double extent) {
   HARMOS_REQUIRE(components >= 1 && components <= 3, "a node has one to three dofs");
-  const double rounding = roundingOf(points);
   std::vector<ConstraintRow> rows;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    if (!isMine(comm, k))
-      continue;
+  for (const ContactPoint& point : points) {
     ConstraintRow row;
     row.kind = ConstraintRow::Kind::Inequality;
-    row.number = firstNumber + static_cast<long long>(k);
-    row.bound = points[k].gap;
-    row.rounding = rounding;
-    addTerms(points[k], points[k].normal, components, row);
+    row.number = point.number;
+    row.bound = point.gap;
+    row.rounding = roundingOfExtent * extent;
+    addTerms(point, point.normal, components, row);
     rows.push_back(row);
   }
   return rows;
@@ -147,50 +138,44 @@ std::vector<fem::Point> slipDirections(const ContactPoint& point, int components
   return {scaled(1.0 / norm(along), along)};
 }
 
-std::vector<ConstraintRow> slipRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points,
-                                    const std::vector<SlipPoint>& slips, int components) {
+std::vector<ConstraintRow> slipRows(const std::vector<ContactPoint>& points,
+                                    const std::vector<SlipPoint>& slips, int components, double extent) {
   HARMOS_REQUIRE(components == 2 || components == 3, "only elastic bodies slip");
-  const double rounding = roundingOf(points);
   std::vector<ConstraintRow> rows;
-  for (std::size_t k = 0; k < slips.size(); ++k)
-    for (std::size_t t = 0; t < slips[k].tangents.size() && isMine(comm, slips[k].point); ++t) {
+  for (const SlipPoint& slip : slips)
+    for (std::size_t t = 0; t < slip.tangents.size(); ++t) {
       ConstraintRow row;
       row.kind = ConstraintRow::Kind::Limited;
-      row.number = static_cast<long long>(slips[k].firstRow + t);
-      row.rounding = rounding;
-      row.limit = slips[k].limit;
-      if (slips[k].follows) {
-        row.coefficient = slips[k].coefficient;
-        row.normal = static_cast<long long>(slips[k].point);
+      row.number = slip.firstRow + static_cast<long long>(t);
+      row.rounding = roundingOfExtent * extent;
+      row.limit = slip.limit;
+      if (slip.follows) {
+        row.coefficient = slip.coefficient;
+        row.normal = points[slip.point].number;
       }
-      row.disc = slips[k].tangents.size() == 2 ? static_cast<long long>(k) : -1;
-      addTerms(points[slips[k].point], slips[k].tangents[t], components, row);
+      row.disc = slip.tangents.size() == 2 ? slip.firstRow : -1;
+      addTerms(points[slip.point], slip.tangents[t], components, row);
       rows.push_back(row);
     }
   return rows;
 }
 
-TieRows tieRows(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points, int components,
-                long long firstNumber, const HeldDofs& held) {
+std::vector<int> tiedComponents(const ContactPoint& point, int components, const HeldDofs& held) {
   HARMOS_REQUIRE(components >= 1 && components <= 3, "a node has one to three dofs");
-  TieRows result;
-  for (std::size_t k = 0; k < points.size(); ++k)
-    for (int c = 0; c < components; ++c) {
-      const ContactPoint& point = points[k];
-      if (isHeldOnBothSides(point, components, c, held))
-        continue;
-      if (isMine(comm, static_cast<std::size_t>(result.count))) {
-        ConstraintRow row;
-        row.kind = ConstraintRow::Kind::Equality;
-        row.number = firstNumber + result.count;
-        for (const ContactPoint::Term& term : point.terms)
-          row.terms.push_back({term.node * components + c, term.weight});
-        result.rows.push_back(row);
-        result.origins.push_back({k, c});
-      }
-      ++result.count;
-    }
+  std::vector<int> result;
+  for (int c = 0; c < components; ++c)
+    if (!isHeldOnBothSides(point, components, c, held))
+      result.push_back(c);
   return result;
+}
+
+ConstraintRow tieRow(const ContactPoint& point, int component, int components, long long number) {
+  ConstraintRow row;
+  row.kind = ConstraintRow::Kind::Equality;
+  row.number = number;
+  for (const ContactPoint::Term& term : point.terms)
+    row.terms.push_back({term.node * components + component, term.weight});
+  return row;
 }
 
 } // namespace Harmos::contact

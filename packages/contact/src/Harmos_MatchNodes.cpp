@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Agreement.hpp"
 #include "Harmos_ContactPoint.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_PointAlgebra.hpp"
+#include "Harmos_Rendezvous.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <set>
 
 namespace Harmos::contact {
 namespace {
@@ -16,11 +19,7 @@ using fem::Point;
 double magnitude(const Surface& surface) {
   double result = 1e-100;
   for (std::size_t d = 0; d < 3; ++d) {
-    double least = std::numeric_limits<double>::infinity(), most = -least;
-    for (const Point& x : surface.positions) {
-      least = std::min(least, x[d]);
-      most = std::max(most, x[d]);
-    }
+    const double least = surface.wholeBox.low[d], most = surface.wholeBox.high[d];
     if (least <= most)
       result = std::max({result, most - least, std::abs(least), std::abs(most)});
   }
@@ -33,22 +32,32 @@ Cell cellOf(const Point& x, double size) {
   return {std::llround(x[0] / size), std::llround(x[1] / size), std::llround(x[2] / size)};
 }
 
-// Places on the other surface; its number of nodes where there is no partner.
+constexpr std::size_t nobody = std::numeric_limits<std::size_t>::max();
+
+// Of this rank's own nodes of the first surface.
 struct Matching {
-  std::vector<std::size_t> partners; // of each node of the first surface
-  std::vector<bool> taken;           // each node of the second surface
+  Surface near;                      // what is near them of the second surface
+  std::vector<std::size_t> own;      // their places
+  std::vector<std::size_t> partners; // of each: place in near, or nobody
+  long long matched = 0;             // over all ranks
 };
 
-Matching match(const Surface& first, const Surface& second, double tolerance) {
-  const double size = 2.0 * tolerance * std::max(magnitude(first), magnitude(second));
+struct Pair {
+  long long first, second; // node numbers
+};
+
+// Nodes of near that are where each of the own nodes is.
+std::vector<std::vector<std::size_t>> candidatesOf(const Surface& first, const Matching& matching,
+                                                   double size) {
+  const std::vector<Point>& there = matching.near.positions;
   std::map<Cell, std::vector<std::size_t>> cells;
-  for (std::size_t k = 0; k < second.positions.size(); ++k)
-    cells[cellOf(second.positions[k], size)].push_back(k);
-  Matching matching;
-  matching.taken.assign(second.positions.size(), false);
-  for (const Point& x : first.positions) {
+  for (std::size_t k = 0; k < there.size(); ++k)
+    cells[cellOf(there[k], size)].push_back(k);
+  std::vector<std::vector<std::size_t>> result;
+  for (std::size_t i : matching.own) {
+    std::vector<std::size_t>& candidates = result.emplace_back();
+    const Point& x = first.positions[i];
     const Cell centre = cellOf(x, size);
-    std::size_t partner = second.positions.size();
     for (long long dx = -1; dx <= 1; ++dx)
       for (long long dy = -1; dy <= 1; ++dy)
         for (long long dz = -1; dz <= 1; ++dz) {
@@ -56,13 +65,90 @@ Matching match(const Surface& first, const Surface& second, double tolerance) {
           if (found == cells.end())
             continue;
           for (std::size_t k : found->second)
-            if (!matching.taken[k] && norm(difference(x, second.positions[k])) <= 0.5 * size)
-              partner = k;
+            if (norm(difference(x, there[k])) <= 0.5 * size)
+              candidates.push_back(k);
         }
-    matching.partners.push_back(partner);
-    if (partner < second.positions.size())
-      matching.taken[partner] = true;
   }
+  return result;
+}
+
+// Whether somebody else, too, may be the partner of the candidates of each own node, or of it.
+std::vector<char> areDisputed(const Surface& first, const Matching& matching,
+                              const std::vector<std::vector<std::size_t>>& candidates) {
+  std::vector<std::pair<long long, long long>> claims;
+  std::vector<long long> asked;
+  for (std::size_t k = 0; k < candidates.size(); ++k)
+    for (std::size_t c : candidates[k]) {
+      asked.push_back(matching.near.numbers[c]);
+      claims.emplace_back(asked.back(), first.numbers[matching.own[k]]);
+    }
+  const Teuchos::Comm<int>& comm = *first.comm;
+  const auto least = lookUp(comm, claims, asked, [](long long a, long long b) { return a < b; });
+  const auto most = lookUp(comm, claims, asked, [](long long a, long long b) { return a > b; });
+  std::vector<char> result;
+  std::size_t next = 0;
+  for (const std::vector<std::size_t>& list : candidates) {
+    bool isDisputed = list.size() > 1;
+    for (std::size_t c = 0; c < list.size(); ++c, ++next)
+      isDisputed = isDisputed || *least[next] != *most[next];
+    result.push_back(isDisputed ? 1 : 0);
+  }
+  return result;
+}
+
+// Where several nodes of a surface are at one place, as at a crack, each takes one: first come, first served.
+// These are few, and all ranks see them.
+std::map<long long, long long> settled(const Teuchos::Comm<int>& comm, const std::vector<Pair>& disputed) {
+  std::map<long long, std::vector<long long>> wishes;
+  for (const Pair& pair : gatherAll(comm, disputed))
+    wishes[pair.first].push_back(pair.second);
+  std::set<long long> taken;
+  std::map<long long, long long> result;
+  for (const auto& [first, candidates] : wishes) {
+    const auto last = std::find_if(candidates.rbegin(), candidates.rend(),
+                                   [&](long long second) { return taken.count(second) == 0; });
+    if (last == candidates.rend())
+      continue;
+    result[first] = *last;
+    taken.insert(*last);
+  }
+  return result;
+}
+
+Matching match(const Surface& first, const Surface& second, double tolerance) {
+  const Teuchos::Comm<int>& comm = *first.comm;
+  const double size = 2.0 * tolerance * std::max(magnitude(first), magnitude(second));
+  Matching matching;
+  std::vector<fem::Box> places;
+  for (std::size_t i = 0; i < first.numbers.size(); ++i)
+    if (first.isOwnNode[i] != 0) {
+      matching.own.push_back(i);
+      places.push_back(fem::widened({first.positions[i], first.positions[i]}, size));
+    }
+  matching.near = facetsTouching(second, places);
+  std::vector<std::vector<std::size_t>> candidates;
+  agree(comm, [&] { candidates = candidatesOf(first, matching, size); });
+  const std::vector<char> isDisputed = areDisputed(first, matching, candidates);
+  std::vector<Pair> disputed;
+  for (std::size_t k = 0; k < candidates.size(); ++k)
+    for (std::size_t c : candidates[k])
+      if (isDisputed[k] != 0)
+        disputed.push_back({first.numbers[matching.own[k]], matching.near.numbers[c]});
+  const std::map<long long, long long> served = settled(comm, disputed);
+  long long matched = 0;
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    std::size_t partner = candidates[k].empty() ? nobody : candidates[k].front();
+    if (isDisputed[k] != 0) {
+      const auto found = served.find(first.numbers[matching.own[k]]);
+      partner = nobody;
+      for (std::size_t c : candidates[k])
+        if (found != served.end() && matching.near.numbers[c] == found->second)
+          partner = c;
+    }
+    matching.partners.push_back(partner);
+    matched += partner == nobody ? 0 : 1;
+  }
+  matching.matched = globalSum(comm, matched);
   return matching;
 }
 
@@ -77,44 +163,83 @@ Matching match(const Surface& first, const Surface& second, double tolerance) {
                    {{"node", number}});
 }
 
+// Of those without a partner the lowest number is named. @param alone this rank's, places of the surface, rising.
+void requireNone(const Surface& first, const Surface& second, bool isFirst,
+                 const std::vector<std::size_t>& alone) {
+  const Surface& surface = isFirst ? first : second;
+  const long long mine =
+      alone.empty() ? std::numeric_limits<long long>::max() : surface.numbers[alone.front()];
+  const long long least = globalMin(*surface.comm, mine);
+  agree(*surface.comm, [&] {
+    if (!alone.empty() && mine == least)
+      throwUnmatched(first, second, isFirst, alone.front());
+  });
+}
+
+void requireAllMatched(const Surface& first, const Surface& second, const Matching& matching) {
+  if (matching.matched == first.wholeNodes && matching.matched == second.wholeNodes)
+    return;
+  std::vector<std::size_t> alone;
+  for (std::size_t k = 0; k < matching.own.size(); ++k)
+    if (matching.partners[k] == nobody)
+      alone.push_back(matching.own[k]);
+  requireNone(first, second, true, alone);
+  std::vector<std::pair<long long, char>> taken;
+  for (std::size_t partner : matching.partners)
+    taken.emplace_back(matching.near.numbers[partner], 1);
+  std::vector<std::size_t> own;
+  std::vector<long long> asked;
+  for (std::size_t i = 0; i < second.numbers.size(); ++i)
+    if (second.isOwnNode[i] != 0) {
+      own.push_back(i);
+      asked.push_back(second.numbers[i]);
+    }
+  const auto answers = lookUp(*second.comm, taken, asked);
+  alone.clear();
+  for (std::size_t k = 0; k < own.size(); ++k)
+    if (!answers[k])
+      alone.push_back(own[k]);
+  requireNone(first, second, false, alone);
+}
+
+ContactPoint pointOf(const Surface& first, const Surface& second, std::size_t i, std::size_t k, double area) {
+  ContactPoint point;
+  point.node = first.numbers[i];
+  point.position = first.positions[i];
+  point.terms = {{first.numbers[i], 1.0}, {second.numbers[k], -1.0}};
+  std::sort(point.terms.begin(), point.terms.end(),
+            [](const ContactPoint::Term& a, const ContactPoint::Term& b) { return a.node < b.node; });
+  const Point normal = difference(first.normals[i], second.normals[k]);
+  const double length = norm(normal); // 2 where the surfaces face each other
+  if (!(length > 1e-8))
+    throw InputError(first.name + " and " + second.name + ": at node " + std::to_string(point.node) + " at " +
+                         placeText(first.positions[i]) +
+                         " both surfaces look the same way; contact needs surfaces that face each other",
+                     {{"node", std::to_string(point.node)}});
+  point.normal = scaled(1.0 / length, normal);
+  point.gap = dot(difference(second.positions[k], first.positions[i]), point.normal);
+  point.area = area;
+  return point;
+}
+
 } // namespace
 
 bool nodesMatch(const Surface& first, const Surface& second, double tolerance) {
-  if (first.numberOfNodes() != second.numberOfNodes())
+  if (first.wholeNodes != second.wholeNodes)
     return false;
-  const Matching matching = match(first, second, tolerance);
-  return std::find(matching.taken.begin(), matching.taken.end(), false) == matching.taken.end();
+  return match(first, second, tolerance).matched == first.wholeNodes;
 }
 
 std::vector<ContactPoint> matchNodes(const Surface& first, const Surface& second, double tolerance) {
   const Matching matching = match(first, second, tolerance);
-  const std::vector<double> areas = tributaryAreas(first);
+  requireAllMatched(first, second, matching);
   std::vector<ContactPoint> points;
-  for (std::size_t i = 0; i < first.numbers.size(); ++i) {
-    const std::size_t k = matching.partners[i];
-    if (k == second.numbers.size())
-      throwUnmatched(first, second, true, i);
-    ContactPoint point;
-    point.node = first.numbers[i];
-    point.position = first.positions[i];
-    point.terms = {{first.numbers[i], 1.0}, {second.numbers[k], -1.0}};
-    std::sort(point.terms.begin(), point.terms.end(),
-              [](const ContactPoint::Term& a, const ContactPoint::Term& b) { return a.node < b.node; });
-    const Point normal = difference(first.normals[i], second.normals[k]);
-    const double length = norm(normal); // 2 where the surfaces face each other
-    if (!(length > 1e-8))
-      throw InputError(first.name + " and " + second.name + ": at node " + std::to_string(point.node) +
-                           " at " + placeText(first.positions[i]) +
-                           " both surfaces look the same way; contact needs surfaces that face each other",
-                       {{"node", std::to_string(point.node)}});
-    point.normal = scaled(1.0 / length, normal);
-    point.gap = dot(difference(second.positions[k], first.positions[i]), point.normal);
-    point.area = areas[i];
-    points.push_back(point);
-  }
-  const auto left = std::find(matching.taken.begin(), matching.taken.end(), false);
-  if (left != matching.taken.end())
-    throwUnmatched(first, second, false, static_cast<std::size_t>(left - matching.taken.begin()));
+  agree(*first.comm, [&] {
+    const std::vector<double> areas = tributaryAreas(first);
+    for (std::size_t k = 0; k < matching.own.size(); ++k)
+      points.push_back(
+          pointOf(first, matching.near, matching.own[k], matching.partners[k], areas[matching.own[k]]));
+  });
   return points;
 }
 

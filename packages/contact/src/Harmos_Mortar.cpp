@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Agreement.hpp"
 #include "Harmos_BoxTree.hpp"
 #include "Harmos_ContactPoint.hpp"
 #include "Harmos_Errors.hpp"
@@ -6,6 +7,7 @@
 #include "Harmos_MortarSamples.hpp"
 #include "Harmos_PointAlgebra.hpp"
 #include "Harmos_ReferenceElement.hpp"
+#include "Harmos_Rendezvous.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,10 +19,8 @@ namespace Harmos::contact {
 namespace {
 
 using fem::Box;
-using fem::boxAround;
 using fem::BoxTree;
 using fem::Point;
-using fem::widened;
 
 using Values = std::array<double, maxFacetNodes>; // of the functions of a facet
 
@@ -102,6 +102,27 @@ class SurfaceCarriers {
       share_[nodes.node(k)] = Carriers::partialShare;
   }
 
+  // What other ranks have seen of the edges of these facets. @note Collective.
+  void share(const std::vector<int>& facets) {
+    std::vector<std::pair<long long, char>> known;
+    std::vector<std::size_t> places;
+    std::vector<long long> asked;
+    for (std::size_t i = 0; i < share_.size(); ++i)
+      if (share_[i] == Carriers::partialShare)
+        known.emplace_back(surface_.numbers[i], 1);
+    for (int f : facets) {
+      const Facet nodes(surface_, f);
+      for (std::size_t k = nodes.corners(); k < nodes.size(); ++k) {
+        places.push_back(nodes.node(k));
+        asked.push_back(surface_.numbers[nodes.node(k)]);
+      }
+    }
+    const auto answers = lookUp(*surface_.comm, known, asked);
+    for (std::size_t k = 0; k < places.size(); ++k)
+      if (answers[k])
+        share_[places[k]] = Carriers::partialShare;
+  }
+
   Carriers of(int facet) const {
     const Facet nodes(surface_, facet);
     std::array<double, 4> shares{};
@@ -161,20 +182,9 @@ void add(const std::vector<MortarSample>& samples, const Facet& facet, const Car
   }
 }
 
-// Of points of a facet. Second-order facets bulge beyond the box of their nodes, by at most a quarter of its
-// size.
-Box boxOf(const Surface& surface, const Facet& facet, std::vector<Point> points) {
-  std::vector<Point> nodes;
-  for (std::size_t k = 0; k < facet.size(); ++k)
-    nodes.push_back(facet.position(k));
-  const Box own = boxAround(nodes);
-  const double bulge = fem::shapeOf(surface.facetType).order == 2 ? 0.25 : 1e-9;
-  points.insert(points.end(), nodes.begin(), nodes.end());
-  return widened(boxAround(points), bulge * norm(difference(own.high, own.low)));
-}
-
 // Where counterparts of a facet may be: along the normals alone, for the reach may be many facets wide.
-Box boxWithin(const Surface& surface, const Facet& facet, double reach) {
+Box boxWithin(const Surface& surface, int f, double reach) {
+  const Facet facet(surface, f);
   const Point areaNormal = facet.at(facetCentre(surface.facetType)).areaNormal;
   const Point middle = scaled(1.0 / norm(areaNormal), areaNormal);
   std::vector<Point> points;
@@ -182,12 +192,11 @@ Box boxWithin(const Surface& surface, const Facet& facet, double reach) {
     for (const Point& normal : {surface.normals[facet.node(k)], middle})
       for (double side : {-1.1, 1.1}) // a little more, as normals between the nodes differ from these
         points.push_back(sum(facet.position(k), scaled(side * reach, normal)));
-  return boxOf(surface, facet, points);
+  return boxOfFacet(surface, f, points);
 }
 
 double extent(const Surface& surface) {
-  const Box box = boxAround(surface.positions);
-  const Point size = difference(box.high, box.low);
+  const Point size = difference(surface.wholeBox.high, surface.wholeBox.low);
   return std::max({size[0], size[1], size[2]});
 }
 
@@ -211,61 +220,111 @@ constexpr double negligibleWeight = 1e-13;
 
 double farthestOf(const Surface& surface) {
   double farthest = 0.0;
-  for (const fem::Point& x : surface.positions)
-    for (double coordinate : x)
-      farthest = std::max(farthest, std::abs(coordinate));
+  for (std::size_t d = 0; d < 3; ++d)
+    farthest =
+        std::max({farthest, std::abs(surface.wholeBox.low[d]), std::abs(surface.wholeBox.high[d])});
   return farthest;
 }
 
-} // namespace
+// The points of this rank's own nodes.
+class MortarPieces {
+ public:
+  MortarPieces(const Surface& first, const Surface& second, double reach)
+      : first_(first), reach_(reach), carriers_(first) {
+    std::vector<Box> boxes;
+    agree(*first.comm, [&] {
+      for (int f = 0; f < first.numberOfFacets(); ++f) {
+        const Facet facet(first, f);
+        bool isAtOwn = false;
+        for (std::size_t k = 0; k < facet.size(); ++k)
+          isAtOwn = isAtOwn || first.isOwnNode[facet.node(k)] != 0;
+        if (isAtOwn)
+          atOwn_.push_back(f);
+        // Of own facets others want to know whether they are covered as a whole.
+        if (isAtOwn || (carriers_.dependOnCoverage() && first.isOwnFacet[static_cast<std::size_t>(f)] != 0))
+          sampled_.push_back(f);
+      }
+      for (int f : sampled_)
+        boxes.push_back(boxWithin(first, f, reach));
+    });
+    near_ = facetsTouching(second, boxes);
+    agree(*first.comm, [&] {
+      boxes.clear();
+      for (int f = 0; f < near_.numberOfFacets(); ++f)
+        boxes.push_back(boxOfFacet(near_, f));
+      tree_ = BoxTree(boxes);
+    });
+  }
 
-std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& second, double reach) {
-  requireSupported(first, second, reach);
-  const double distance = reach > 0.0 ? reach : 0.1 * std::min(extent(first), extent(second));
-  std::vector<Box> boxes;
-  for (int f = 0; f < second.numberOfFacets(); ++f)
-    boxes.push_back(boxOf(second, Facet(second, f), {}));
-  const BoxTree tree(boxes);
-  const std::vector<double> whole = tributaryAreas(first);
-  const auto samplesOf = [&](int f) {
-    const std::vector<int> candidates = tree.touching(boxWithin(first, Facet(first, f), distance));
+  // In the order of the nodes. @note Collective.
+  std::vector<ContactPoint> points(double farthest) {
+    // Twice, since samples of all facets at once may take more memory than the bodies.
+    if (carriers_.dependOnCoverage()) {
+      agree(*first_.comm, [&] {
+        for (int f : sampled_)
+          carriers_.setCovered(f, samplesOf(f));
+      });
+      carriers_.share(atOwn_);
+    }
+    std::vector<ContactPoint> result;
+    agree(*first_.comm, [&] {
+      std::vector<NodeSums> sums(first_.numbers.size());
+      for (int f : atOwn_)
+        if (const std::vector<MortarSample> samples = samplesOf(f); !samples.empty())
+          add(samples, Facet(first_, f), carriers_.of(f), first_, near_, sums);
+      const std::vector<double> whole = tributaryAreas(first_);
+      const double unit = 10.0 * std::numeric_limits<double>::epsilon() * farthest;
+      for (std::size_t i = 0; i < sums.size(); ++i)
+        if (first_.isOwnNode[i] != 0 && sums[i].area > leastCoverage * whole[i] &&
+            sums[i].magnitude <= mostMagnification * sums[i].area)
+          result.push_back(pointOf(i, sums[i], unit));
+    });
+    return result;
+  }
+
+ private:
+  std::vector<MortarSample> samplesOf(int f) const {
+    const std::vector<int> candidates = tree_.touching(boxWithin(first_, f, reach_));
     if (candidates.empty())
-      return std::vector<MortarSample>();
-    return first.dimension == 2 ? planeSamples(first, f, second, candidates, distance)
-                                : spaceSamples(first, f, second, candidates, distance);
-  };
-  SurfaceCarriers carriers(first);
-  // Twice, since samples of all facets at once may take more memory than the bodies.
-  for (int f = 0; f < first.numberOfFacets() && carriers.dependOnCoverage(); ++f)
-    carriers.setCovered(f, samplesOf(f));
-  std::vector<NodeSums> sums(first.numbers.size());
-  for (int f = 0; f < first.numberOfFacets(); ++f)
-    if (const std::vector<MortarSample> samples = samplesOf(f); !samples.empty())
-      add(samples, Facet(first, f), carriers.of(f), first, second, sums);
-  std::vector<ContactPoint> points;
-  const double unit =
-      10.0 * std::numeric_limits<double>::epsilon() * std::max(farthestOf(first), farthestOf(second));
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    const NodeSums& sum = sums[i];
-    const double size = first.dimension == 2 ? sum.area : std::sqrt(sum.area);
+      return {};
+    return first_.dimension == 2 ? planeSamples(first_, f, near_, candidates, reach_)
+                                 : spaceSamples(first_, f, near_, candidates, reach_);
+  }
+
+  ContactPoint pointOf(std::size_t i, const NodeSums& sum, double unit) const {
+    const double size = first_.dimension == 2 ? sum.area : std::sqrt(sum.area);
     const double negligible = std::max(negligibleWeight, unit / size);
-    if (!(sum.area > leastCoverage * whole[i]) || sum.magnitude > mostMagnification * sum.area)
-      continue;
     ContactPoint point;
-    point.node = first.numbers[i];
-    point.position = first.positions[i];
+    point.node = first_.numbers[i];
+    point.position = first_.positions[i];
     std::map<long long, double> weights(sum.own.begin(), sum.own.end());
     for (const auto& [node, integral] : sum.others)
       if (std::abs(integral) > negligible * sum.area)
         weights[node] -= integral / sum.area;
     for (const auto& [node, weight] : weights)
       point.terms.push_back({node, weight});
-    point.normal = first.normals[i];
+    point.normal = first_.normals[i];
     point.gap = sum.gap / sum.area;
     point.area = sum.area;
-    points.push_back(point);
+    return point;
   }
-  if (points.empty())
+
+  const Surface& first_;
+  double reach_;
+  SurfaceCarriers carriers_;
+  std::vector<int> atOwn_, sampled_; // facets: those around own nodes, and all whose samples are wanted
+  Surface near_;                     // facets of the second surface
+  BoxTree tree_{{}};
+};
+
+} // namespace
+
+std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& second, double reach) {
+  requireSupported(first, second, reach);
+  const double distance = reach > 0.0 ? reach : 0.1 * std::min(extent(first), extent(second));
+  const std::vector<ContactPoint> points =
+      MortarPieces(first, second, distance).points(std::max(farthestOf(first), farthestOf(second)));
+  if (globalMax(*first.comm, static_cast<long long>(points.size())) == 0)
     throw InputError(first.name + " and " + second.name +
                      ": the surfaces never meet: no facet of the first one faces one of the second within " +
                      scientific(distance) + "; check their positions and names, or give a longer reach");

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Agreement.hpp"
 #include "Harmos_ContactPoint.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_PointAlgebra.hpp"
@@ -38,9 +39,7 @@ Separation roundSeparation(const Point& fromCentre, double radius, const Surface
   return {scaled(1.0 / distance, fromCentre), -radius - distance};
 }
 
-} // namespace
-
-std::vector<ContactPoint> obstaclePoints(const Surface& surface, const Obstacle& obstacle) {
+std::vector<ContactPoint> pointsOf(const Surface& surface, const Obstacle& obstacle) {
   const bool isRound = obstacle.shape != Obstacle::Shape::HalfSpace;
   if (isRound && (obstacle.radius == 0.0 || !std::isfinite(obstacle.radius)))
     throw InputError("obstacle of surface " + surface.name + ": its radius is " +
@@ -52,6 +51,8 @@ std::vector<ContactPoint> obstaclePoints(const Surface& surface, const Obstacle&
   const std::vector<double> areas = tributaryAreas(surface);
   std::vector<ContactPoint> points;
   for (std::size_t i = 0; i < surface.numbers.size(); ++i) {
+    if (surface.isOwnNode[i] == 0)
+      continue;
     Point offset = difference(surface.positions[i], obstacle.point);
     if (surface.dimension == 2)
       offset[2] = 0.0;
@@ -77,6 +78,14 @@ std::vector<ContactPoint> obstaclePoints(const Surface& surface, const Obstacle&
     point.area = areas[i];
     points.push_back(point);
   }
+  return points;
+}
+
+} // namespace
+
+std::vector<ContactPoint> obstaclePoints(const Surface& surface, const Obstacle& obstacle) {
+  std::vector<ContactPoint> points;
+  agree(*surface.comm, [&] { points = pointsOf(surface, obstacle); });
   return points;
 }
 

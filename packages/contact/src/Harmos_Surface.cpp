@@ -6,9 +6,12 @@
 #include "Harmos_Facet.hpp"
 #include "Harmos_PointAlgebra.hpp"
 #include "Harmos_ReferenceElement.hpp"
+#include "Harmos_Rendezvous.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <limits>
+#include <tuple>
+#include <unordered_map>
 
 namespace Harmos::contact {
 namespace {
@@ -16,19 +19,25 @@ namespace {
 using fem::CellType;
 using fem::Point;
 
-struct NumberedNode {
+constexpr long long noNode = -1;
+
+struct FacetItem {
+  std::array<long long, maxFacetNodes> nodes; // those it lacks are noNode
+};
+
+struct NodeCopy {
   long long number;
   Point position;
-  bool operator<(const NumberedNode& other) const {
+  bool operator<(const NodeCopy& other) const {
     return std::tie(number, position) < std::tie(other.number, other.position);
   }
 };
 
 // What the subdomains of this rank see of the surface.
 struct Part {
-  std::vector<int> types; // of facets, where there are any
-  std::vector<long long> facets;
-  std::vector<NumberedNode> nodes;
+  long long leastType = std::numeric_limits<long long>::max(), largestType = -1; // of facets
+  std::vector<FacetItem> facets;
+  std::vector<NodeCopy> nodes; // once each
 };
 
 Part partOf(const std::vector<const fem::PlacedMesh*>& meshes, const std::string& set,
@@ -39,52 +48,169 @@ Part partOf(const std::vector<const fem::PlacedMesh*>& meshes, const std::string
     if (found == placed->sides.end() || found->second.empty())
       continue;
     const fem::Mesh& mesh = *placed->mesh;
-    part.types.push_back(static_cast<int>(fem::shapeOf(mesh.cellType).side));
-    for (const fem::Side& side : found->second)
+    const auto type = static_cast<long long>(fem::shapeOf(mesh.cellType).side);
+    part.leastType = std::min(part.leastType, type);
+    part.largestType = std::max(part.largestType, type);
+    for (const fem::Side& side : found->second) {
+      FacetItem& facet = part.facets.emplace_back();
+      facet.nodes.fill(noNode);
+      std::size_t k = 0;
       for (int node : mesh.nodesOf(side)) {
         HARMOS_REQUIRE(std::binary_search(mesh.boundary.begin(), mesh.boundary.end(), node),
                        "surface " + name + ": a node of a side is not on the boundary of its subdomain");
-        part.facets.push_back(placed->number(node));
+        facet.nodes[k++] = placed->number(node);
         part.nodes.push_back({placed->number(node), placed->position(node)});
       }
+    }
   }
-  std::sort(part.types.begin(), part.types.end());
-  part.types.erase(std::unique(part.types.begin(), part.types.end()), part.types.end());
-  // Copies of other subdomains stay: which of them is taken must not depend on the rank they are on.
+  // Of the copies of a node, which differ by rounding, the one that does not depend on the ranks they are on.
   std::sort(part.nodes.begin(), part.nodes.end());
-  part.nodes.erase(std::unique(part.nodes.begin(), part.nodes.end(),
-                               [](const NumberedNode& a, const NumberedNode& b) {
-                                 return a.number == b.number && a.position == b.position;
-                               }),
-                   part.nodes.end());
+  part.nodes.erase(
+      std::unique(part.nodes.begin(), part.nodes.end(),
+                  [](const NodeCopy& a, const NodeCopy& b) { return a.number == b.number; }),
+      part.nodes.end());
   return part;
 }
 
-void setNodes(Surface& surface, std::vector<NumberedNode> nodes) {
+// What a rank learns of one of its nodes.
+struct Meeting {
+  Point position;
+  int owner;  // the lowest rank that has it
+  int others; // how many ranks have it beside this one
+};
+
+// All nodes of the surface, each at the rank of its number.
+struct Meetings {
+  std::vector<Meeting> of;              // of this rank's nodes, in their order
+  std::vector<std::vector<int>> sharers; // of these
+  long long wholeNodes = 0;
+};
+
+Meetings meet(const Teuchos::Comm<int>& comm, const std::vector<NodeCopy>& nodes) {
+  const auto ranks = static_cast<std::size_t>(comm.getSize());
+  std::vector<std::vector<NodeCopy>> sends(ranks);
+  agree(comm, [&] {
+    for (const NodeCopy& node : nodes)
+      sends[homeOf(node.number, comm)].push_back(node);
+  });
+  const std::vector<std::vector<NodeCopy>> arrived = exchangeItems(comm, sends);
+  std::vector<std::vector<Meeting>> answers(ranks);
+  std::vector<std::vector<int>> lists(ranks);
+  long long here = 0;
+  agree(comm, [&] {
+    struct All {
+      Point position;
+      std::vector<int> ranks;
+    };
+    std::unordered_map<long long, All> known;
+    for (std::size_t r = 0; r < ranks; ++r)
+      for (const NodeCopy& node : arrived[r]) {
+        const auto [place, isNew] = known.emplace(node.number, All{node.position, {}});
+        if (!isNew)
+          place->second.position = std::min(place->second.position, node.position);
+        place->second.ranks.push_back(static_cast<int>(r));
+      }
+    here = static_cast<long long>(known.size());
+    for (std::size_t r = 0; r < ranks; ++r)
+      for (const NodeCopy& node : arrived[r]) {
+        const All& all = known.at(node.number);
+        answers[r].push_back(
+            {all.position, all.ranks.front(), static_cast<int>(all.ranks.size()) - 1});
+        for (int other : all.ranks)
+          if (other != static_cast<int>(r))
+            lists[r].push_back(other);
+      }
+  });
+  answers = exchangeItems(comm, answers);
+  lists = exchangeItems(comm, lists);
+  Meetings result;
+  result.wholeNodes = globalSum(comm, here);
+  std::vector<std::size_t> next(ranks, 0), nextOther(ranks, 0);
+  for (const NodeCopy& node : nodes) {
+    const std::size_t home = homeOf(node.number, comm);
+    result.of.push_back(answers[home][next[home]++]);
+    std::vector<int>& others = result.sharers.emplace_back();
+    for (int k = 0; k < result.of.back().others; ++k)
+      others.push_back(lists[home][nextOther[home]++]);
+  }
+  return result;
+}
+
+std::size_t placeIn(const std::vector<NodeCopy>& nodes, long long number) {
+  const auto at = std::lower_bound(nodes.begin(), nodes.end(), number,
+                                   [](const NodeCopy& node, long long n) { return node.number < n; });
+  return static_cast<std::size_t>(at - nodes.begin());
+}
+
+// Places of this rank's facets that other ranks need beside theirs: those that have a node in common.
+std::vector<std::vector<std::size_t>> facetsForOthers(const Part& part, const Meetings& meetings,
+                                                      std::size_t ranks) {
+  std::vector<std::vector<std::size_t>> result(ranks);
+  for (std::size_t f = 0; f < part.facets.size(); ++f)
+    for (const long long number : part.facets[f].nodes)
+      if (number != noNode)
+        for (int other : meetings.sharers[placeIn(part.nodes, number)])
+          if (std::vector<std::size_t>& list = result[static_cast<std::size_t>(other)];
+              list.empty() || list.back() != f)
+            list.push_back(f);
+  return result;
+}
+
+// A facet on its way to another rank: with the nodes' positions, or their normals.
+struct PlacedFacet {
+  FacetItem facet;
+  std::array<Point, maxFacetNodes> positions;
+};
+struct NodeResult {
+  long long number;
+  Point normal;
+  double area;
+};
+
+void setNodes(Surface& surface, std::vector<NodeCopy> nodes) {
   std::sort(nodes.begin(), nodes.end());
-  for (const NumberedNode& node : nodes)
+  for (const NodeCopy& node : nodes)
     if (surface.numbers.empty() || surface.numbers.back() != node.number) {
       surface.numbers.push_back(node.number);
       surface.positions.push_back(node.position);
     }
 }
 
-void setFacets(Surface& surface, const std::vector<long long>& numbers) {
-  const auto width = static_cast<std::size_t>(surface.nodesPerFacet());
-  std::vector<std::vector<int>> facets(numbers.size() / width);
-  for (std::size_t k = 0; k < numbers.size(); ++k) {
-    const auto place = std::lower_bound(surface.numbers.begin(), surface.numbers.end(), numbers[k]);
-    facets[k / width].push_back(static_cast<int>(place - surface.numbers.begin()));
+int placeOf(const Surface& surface, long long number) {
+  return static_cast<int>(std::lower_bound(surface.numbers.begin(), surface.numbers.end(), number) -
+                          surface.numbers.begin());
+}
+
+// By their node numbers.
+void setFacets(Surface& surface, const std::vector<FacetItem>& items, std::size_t own) {
+  std::vector<std::pair<std::vector<int>, char>> facets;
+  for (std::size_t f = 0; f < items.size(); ++f) {
+    auto& [nodes, isOwn] = facets.emplace_back(std::vector<int>(), f < own ? 1 : 0);
+    for (int k = 0; k < surface.nodesPerFacet(); ++k)
+      nodes.push_back(placeOf(surface, items[f].nodes[static_cast<std::size_t>(k)]));
   }
   std::sort(facets.begin(), facets.end());
-  for (const std::vector<int>& facet : facets)
-    surface.facets.insert(surface.facets.end(), facet.begin(), facet.end());
+  for (const auto& [nodes, isOwn] : facets) {
+    surface.facets.insert(surface.facets.end(), nodes.begin(), nodes.end());
+    surface.isOwnFacet.push_back(isOwn);
+  }
+}
+
+// Nodes of this rank's own facets, around which all facets are here.
+std::vector<char> isInside(const Surface& surface) {
+  std::vector<char> result(surface.numbers.size(), 0);
+  for (int f = 0; f < surface.numberOfFacets(); ++f)
+    if (surface.isOwnFacet[static_cast<std::size_t>(f)] != 0)
+      for (std::size_t k = 0; k < Facet(surface, f).size(); ++k)
+        result[Facet(surface, f).node(k)] = 1;
+  return result;
 }
 
 // Where facets join: edges in space, nodes in the plane (first = second).
 struct Joint {
   int low, high;
   bool rises; // the facet runs from low to high; in the plane: begins there
+  bool isOwn; // of this rank's facets: all facets that meet there are here
   bool operator<(const Joint& other) const {
     return std::tie(low, high, rises) < std::tie(other.low, other.high, other.rises);
   }
@@ -94,13 +220,14 @@ std::vector<Joint> jointsOf(const Surface& surface) {
   std::vector<Joint> joints;
   for (int f = 0; f < surface.numberOfFacets(); ++f) {
     const Facet facet(surface, f);
+    const bool isOwn = surface.isOwnFacet[static_cast<std::size_t>(f)] != 0;
     for (std::size_t k = 0; k < facet.corners(); ++k) {
       const auto from = static_cast<int>(facet.node(k));
       const auto to = static_cast<int>(facet.node((k + 1) % facet.corners()));
       if (surface.dimension == 2)
-        joints.push_back({from, from, k == 0});
+        joints.push_back({from, from, k == 0, isOwn});
       else
-        joints.push_back({std::min(from, to), std::max(from, to), from < to});
+        joints.push_back({std::min(from, to), std::max(from, to), from < to, isOwn});
     }
   }
   std::sort(joints.begin(), joints.end());
@@ -111,11 +238,14 @@ void requireManifold(const Surface& surface) {
   const std::vector<Joint> joints = jointsOf(surface);
   for (std::size_t k = 0; k < joints.size();) {
     std::size_t end = k, rising = 0;
+    bool isOwn = false;
     for (; end < joints.size() && joints[end].low == joints[k].low && joints[end].high == joints[k].high;
-         ++end)
+         ++end) {
       rising += joints[end].rises ? 1 : 0;
+      isOwn = isOwn || joints[end].isOwn;
+    }
     const std::size_t count = end - k;
-    if (count > 2 || rising > 1 || count - rising > 1) {
+    if (isOwn && (count > 2 || rising > 1 || count - rising > 1)) {
       const Point middle = scaled(0.5, sum(surface.positions[static_cast<std::size_t>(joints[k].low)],
                                            surface.positions[static_cast<std::size_t>(joints[k].high)]));
       const std::string joint = surface.dimension == 2 ? "node" : "edge";
@@ -131,7 +261,8 @@ void requireManifold(const Surface& surface) {
   }
 }
 
-void setAreasAndNormals(Surface& surface) {
+// Right at nodes that are inside.
+void setAreasAndNormals(Surface& surface, const std::vector<char>& inside) {
   const fem::Quadrature rule =
       fem::quadratureOn(surface.facetType, 2 * fem::shapeOf(surface.facetType).order + 4);
   const std::vector<Point>& reference = fem::shapeOf(surface.facetType).nodeCoordinates;
@@ -150,7 +281,8 @@ void setAreasAndNormals(Surface& surface) {
     }
     for (std::size_t k = 1; k < facet.size(); ++k)
       size = std::max(size, norm(difference(facet.position(k), facet.position(0))));
-    if (!(area > 1e-12 * std::pow(size, surface.dimension - 1)))
+    if (surface.isOwnFacet[static_cast<std::size_t>(f)] != 0 &&
+        !(area > 1e-12 * std::pow(size, surface.dimension - 1)))
       throw InputError("surface " + surface.name + ": the facet at " + placeText(facet.position(0)) +
                            " has no area: nodes coincide or lie on a line; mend the mesh there",
                        {{"surface", surface.name}});
@@ -164,6 +296,8 @@ void setAreasAndNormals(Surface& surface) {
     }
   }
   for (std::size_t i = 0; i < surface.numbers.size(); ++i) {
+    if (inside[i] == 0)
+      continue;
     const double length = norm(surface.normals[i]);
     // The cancellation of a fold, against the rounding of a sum of unit vectors.
     if (!(length > 1e-8 * around[i]))
@@ -190,39 +324,106 @@ void takeNormalsFrom(const NormalField& field, Surface& surface) {
   }
 }
 
+// The same on every rank.
+void setType(Surface& surface, const std::string& set, long long least, long long largest) {
+  if (largest < 0)
+    throw InputError("surface " + surface.name + ": the part \"" + set +
+                         "\" has no sides of cells; name a boundary part of the body",
+                     {{"surface", surface.name}, {"part", set}});
+  if (least != largest)
+    throw InputError("surface " + surface.name + ": it has facets of different types, " +
+                         fem::shapeOf(static_cast<CellType>(least)).name + " and " +
+                         fem::shapeOf(static_cast<CellType>(largest)).name +
+                         "; give the parts of each type a name of their own",
+                     {{"surface", surface.name}});
+  surface.facetType = static_cast<CellType>(least);
+  surface.dimension = fem::shapeOf(surface.facetType).dimension + 1;
+}
+
+// Own facets and those around.
+void setPiece(Surface& surface, const Part& mine, const Meetings& meetings, int rank,
+              const std::vector<std::vector<PlacedFacet>>& around) {
+  std::vector<NodeCopy> nodes = mine.nodes;
+  std::vector<FacetItem> facets = mine.facets;
+  for (const std::vector<PlacedFacet>& part : around)
+    for (const PlacedFacet& item : part) {
+      facets.push_back(item.facet);
+      for (std::size_t k = 0; k < maxFacetNodes && item.facet.nodes[k] != noNode; ++k)
+        nodes.push_back({item.facet.nodes[k], item.positions[k]});
+    }
+  setNodes(surface, std::move(nodes));
+  setFacets(surface, facets, mine.facets.size());
+  surface.isOwnNode.assign(surface.numbers.size(), 0);
+  for (std::size_t k = 0; k < mine.nodes.size(); ++k)
+    if (meetings.of[k].owner == rank)
+      surface.isOwnNode[static_cast<std::size_t>(placeOf(surface, mine.nodes[k].number))] = 1;
+}
+
+void setBox(Surface& surface) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (std::size_t d = 0; d < 3; ++d) {
+    double low = infinity, high = -infinity;
+    for (const Point& x : surface.positions) {
+      low = std::min(low, x[d]);
+      high = std::max(high, x[d]);
+    }
+    surface.wholeBox.low[d] = globalMin(*surface.comm, low);
+    surface.wholeBox.high[d] = globalMax(*surface.comm, high);
+  }
+}
+
 } // namespace
 
 Surface gatherSurface(const Teuchos::Comm<int>& comm, const std::vector<const fem::PlacedMesh*>& parts,
                       const std::string& set, const std::string& name, const NormalField& field) {
+  const auto ranks = static_cast<std::size_t>(comm.getSize());
   Part mine;
   agree(comm, [&] { mine = partOf(parts, set, name); });
-  std::vector<int> types = gatherAll(comm, mine.types);
-  const std::vector<long long> facets = gatherAll(comm, mine.facets);
-  std::vector<NumberedNode> nodes = gatherAll(comm, mine.nodes);
   Surface surface;
-  // Every rank has the same data from here on; a user's field may still fail on one of them alone.
+  surface.name = name;
+  surface.comm = &comm;
+  setType(surface, set, globalMin(comm, mine.leastType), globalMax(comm, mine.largestType));
+  const Meetings meetings = meet(comm, mine.nodes);
+  surface.wholeNodes = meetings.wholeNodes;
+  std::vector<std::vector<std::size_t>> forOthers;
+  std::vector<std::vector<PlacedFacet>> around(ranks);
   agree(comm, [&] {
-    if (types.empty())
-      throw InputError("surface " + name + ": the part \"" + set +
-                           "\" has no sides of cells; name a boundary part of the body",
-                       {{"surface", name}, {"part", set}});
-    std::sort(types.begin(), types.end());
-    if (types.front() != types.back())
-      throw InputError("surface " + name + ": it has facets of different types, " +
-                           fem::shapeOf(static_cast<CellType>(types.front())).name + " and " +
-                           fem::shapeOf(static_cast<CellType>(types.back())).name +
-                           "; give the parts of each type a name of their own",
-                       {{"surface", name}});
-    surface.name = name;
-    surface.facetType = static_cast<CellType>(types.front());
-    surface.dimension = fem::shapeOf(surface.facetType).dimension + 1;
-    setNodes(surface, std::move(nodes));
-    setFacets(surface, facets);
-    requireManifold(surface);
-    setAreasAndNormals(surface);
-    if (field)
-      takeNormalsFrom(field, surface);
+    for (std::size_t k = 0; k < mine.nodes.size(); ++k)
+      mine.nodes[k].position = meetings.of[k].position;
+    forOthers = facetsForOthers(mine, meetings, ranks);
+    for (std::size_t r = 0; r < ranks; ++r)
+      for (std::size_t f : forOthers[r]) {
+        PlacedFacet& item = around[r].emplace_back();
+        item.facet = mine.facets[f];
+        for (std::size_t k = 0; k < maxFacetNodes && item.facet.nodes[k] != noNode; ++k)
+          item.positions[k] = mine.nodes[placeIn(mine.nodes, item.facet.nodes[k])].position;
+      }
   });
+  around = exchangeItems(comm, around);
+  std::vector<std::vector<NodeResult>> results(ranks);
+  agree(comm, [&] {
+    setPiece(surface, mine, meetings, comm.getRank(), around);
+    const std::vector<char> inside = isInside(surface);
+    requireManifold(surface);
+    setAreasAndNormals(surface, inside);
+    for (std::size_t r = 0; r < ranks; ++r)
+      for (std::size_t f : forOthers[r])
+        for (const long long number : mine.facets[f].nodes)
+          if (number != noNode) {
+            const auto i = static_cast<std::size_t>(placeOf(surface, number));
+            results[r].push_back({number, surface.normals[i], surface.areas[i]});
+          }
+  });
+  // What is outside here is inside there.
+  for (const std::vector<NodeResult>& part : exchangeItems(comm, results))
+    for (const NodeResult& node : part) {
+      const auto i = static_cast<std::size_t>(placeOf(surface, node.number));
+      surface.normals[i] = node.normal;
+      surface.areas[i] = node.area;
+    }
+  if (field)
+    agree(comm, [&] { takeNormalsFrom(field, surface); });
+  setBox(surface);
   return surface;
 }
 

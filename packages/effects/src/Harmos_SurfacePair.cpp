@@ -2,6 +2,7 @@
 #include "Harmos_SurfacePair.hpp"
 
 #include "Harmos_Errors.hpp"
+#include "Harmos_Exchange.hpp"
 
 #include <algorithm>
 
@@ -23,9 +24,10 @@ std::vector<contact::ContactPoint> SurfacePair::points(scene::ConstraintCollecto
       const auto at = std::lower_bound(one.numbers.begin(), one.numbers.end(), point.node);
       point.normal = one.normals[static_cast<std::size_t>(at - one.numbers.begin())];
     }
-  if (points.size() < one.numbers.size())
-    collector.note(std::to_string(one.numbers.size() - points.size()) + " of the " +
-                   std::to_string(one.numbers.size()) + " nodes of " + one.name + " have no counterpart on " +
+  const long long found = globalSum(*one.comm, static_cast<long long>(points.size()));
+  if (found < one.wholeNodes)
+    collector.note(std::to_string(one.wholeNodes - found) + " of the " +
+                   std::to_string(one.wholeNodes) + " nodes of " + one.name + " have no counterpart on " +
                    other.name + " within reach and may move freely through it");
   return points;
 }

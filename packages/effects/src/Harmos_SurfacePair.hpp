@@ -23,7 +23,7 @@ struct SurfacePair {
 
   std::vector<scene::Effect::BoundaryPart> parts() const;
 
-  /// The points of the first surface that have counterparts; a note tells of those that have none.
+  /// This rank's points of the first surface that have counterparts; a note tells of those that have none.
   /// @throws InputError on all ranks, see contact::gatherSurface(), contact::matchNodes() and
   ///         contact::mortarPoints().
   /// @note Collective.

@@ -8,6 +8,8 @@
 #include "Harmos_StructuredBlock.hpp"
 #include "Harmos_TestComm.hpp"
 
+#include <Teuchos_DefaultMpiComm.hpp>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -35,21 +37,29 @@ inline fem::StructuredBlock block(fem::CellType type, const fem::Point& origin, 
   return fem::StructuredBlock(options);
 }
 
-/// This rank's subdomains of a body: s with s mod ranks = rank.
-inline std::vector<fem::PlacedMesh> share(const fem::StructuredBlock& body) {
-  const auto comm = testComm();
+/// Each rank by itself.
+inline const Teuchos::Comm<int>& aloneComm() {
+  static const Teuchos::MpiComm<int> comm(MPI_COMM_SELF);
+  return comm;
+}
+
+/// All subdomains of a body, and on several ranks those of one: s with s mod ranks = rank.
+inline std::vector<fem::PlacedMesh> share(const fem::StructuredBlock& body, int rank = 0, int ranks = 1) {
   std::vector<fem::PlacedMesh> meshes;
-  for (int s = comm->getRank(); s < body.numberOfSubdomains(); s += comm->getSize())
+  for (int s = rank; s < body.numberOfSubdomains(); s += ranks)
     meshes.push_back(body.subdomain(s));
   return meshes;
 }
 
+/// Of the meshes that are here: without a communicator a whole surface on each rank; see test_pieces.cpp for
+/// pieces.
 inline Surface gather(const std::vector<fem::PlacedMesh>& meshes, const std::string& set,
-                      const std::string& name, const NormalField& field = nullptr) {
+                      const std::string& name, const NormalField& field = nullptr,
+                      const Teuchos::Comm<int>& comm = aloneComm()) {
   std::vector<const fem::PlacedMesh*> parts;
   for (const fem::PlacedMesh& mesh : meshes)
     parts.push_back(&mesh);
-  return gatherSurface(*testComm(), parts, set, name, field);
+  return gatherSurface(comm, parts, set, name, field);
 }
 
 inline Surface surfaceOf(const fem::StructuredBlock& body, const std::string& set,

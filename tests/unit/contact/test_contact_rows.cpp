@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_ContactTestSupport.hpp"
-#include "Harmos_Exchange.hpp"
 
 #include <gtest/gtest.h>
 
@@ -20,6 +19,7 @@ std::vector<ContactPoint> somePoints() {
     point.terms = {{k, 1.0}, {10 + k, -0.25}, {11 + k, -0.75}};
     point.normal = {0.6, 0.0, -0.8};
     point.gap = 0.1 * static_cast<double>(k);
+    point.number = 7 + k;
     points.push_back(point);
   }
   return points;
@@ -33,27 +33,16 @@ ContactPoint pointWith(const fem::Point& normal) {
   return point;
 }
 
-void expectNumbered(const std::vector<ConstraintRow>& rows, long long first, long long count) {
-  const auto comm = testComm();
-  std::vector<long long> numbers;
-  for (const ConstraintRow& row : rows) {
-    EXPECT_EQ((row.number - first) % comm->getSize(), comm->getRank());
-    numbers.push_back(row.number);
-  }
-  numbers = gatherAll(*comm, numbers);
-  std::sort(numbers.begin(), numbers.end());
-  ASSERT_EQ(static_cast<long long>(numbers.size()), count);
-  for (long long k = 0; k < count; ++k)
-    EXPECT_EQ(numbers[static_cast<std::size_t>(k)], first + k);
-}
-
 } // namespace
 
 TEST(ContactRows, inequalities_are_along_the_normal) {
-  const auto rows = contactRows(*testComm(), somePoints(), 3, 7);
-  expectNumbered(rows, 7, 5);
-  for (const ConstraintRow& row : rows) {
-    const long long k = row.number - 7;
+  const auto rows = contactRows(somePoints(), 3, 2.0);
+  ASSERT_EQ(rows.size(), 5u);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const ConstraintRow& row = rows[r];
+    const auto k = static_cast<long long>(r);
+    EXPECT_EQ(row.number, 7 + k);
+    EXPECT_EQ(row.rounding, 2e-12);
     EXPECT_EQ(row.kind, ConstraintRow::Kind::Inequality);
     EXPECT_EQ(row.bound, 0.1 * static_cast<double>(k));
     // Components of the normal that are zero give no term.
@@ -69,9 +58,9 @@ TEST(ContactRows, inequalities_are_along_the_normal) {
 }
 
 TEST(ContactRows, scalar_rows_know_no_normal) {
-  for (const ConstraintRow& row : contactRows(*testComm(), somePoints(), 1, 0)) {
+  for (const ConstraintRow& row : contactRows(somePoints(), 1, 1.0)) {
     ASSERT_EQ(row.terms.size(), 3u);
-    EXPECT_EQ(row.terms[0].dof, row.number);
+    EXPECT_EQ(row.terms[0].dof, row.number - 7);
     EXPECT_EQ(row.terms[0].coefficient, 1.0);
     EXPECT_EQ(row.terms[1].coefficient, -0.25);
     EXPECT_EQ(row.terms[2].coefficient, -0.75);
@@ -79,10 +68,13 @@ TEST(ContactRows, scalar_rows_know_no_normal) {
 }
 
 TEST(ContactRows, ties_have_a_row_for_each_component) {
-  const auto rows = tieRows(*testComm(), somePoints(), 2, 3).rows;
-  expectNumbered(rows, 3, 10);
-  for (const ConstraintRow& row : rows) {
-    const long long k = (row.number - 3) / 2, c = (row.number - 3) % 2;
+  const auto points = somePoints();
+  for (long long k = 0; k < 5; ++k) {
+    const ContactPoint& point = points[static_cast<std::size_t>(k)];
+    EXPECT_EQ(tiedComponents(point, 2), (std::vector<int>{0, 1}));
+    const int c = static_cast<int>(k % 2);
+    const ConstraintRow row = tieRow(point, c, 2, 3 + k);
+    EXPECT_EQ(row.number, 3 + k);
     EXPECT_EQ(row.kind, ConstraintRow::Kind::Equality);
     EXPECT_EQ(row.bound, 0.0);
     ASSERT_EQ(row.terms.size(), 3u);
@@ -154,18 +146,16 @@ TEST(ContactRows, slips_have_a_row_for_each_tangent) {
   const auto points = somePoints();
   std::vector<SlipPoint> slips;
   for (std::size_t k : {1u, 3u, 4u})
-    slips.push_back({k, slipDirections(points[k], 3, {}), 2 * slips.size(), 0.5 + static_cast<double>(k)});
-  const auto rows = slipRows(*testComm(), points, slips, 3);
+    slips.push_back({k, slipDirections(points[k], 3, {}), 10 + 2 * static_cast<long long>(slips.size()),
+                     2 * slips.size(), 0.5 + static_cast<double>(k)});
+  const auto rows = slipRows(points, slips, 3, 1.0);
   std::vector<long long> numbers;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const ConstraintRow& row = rows[r];
     numbers.push_back(row.number);
     EXPECT_EQ(row.kind, ConstraintRow::Kind::Limited);
-    EXPECT_EQ(row.disc, row.number / 2);
-    EXPECT_EQ(rows[r ^ 1].disc, row.disc);
-    const SlipPoint& slip = slips[static_cast<std::size_t>(row.disc)];
-    // Where the row of the point itself is.
-    EXPECT_EQ(static_cast<int>(slip.point) % testComm()->getSize(), testComm()->getRank());
+    const SlipPoint& slip = slips[r / 2];
+    EXPECT_EQ(row.disc, slip.firstRow); // of both rows of a point, and of no other
     EXPECT_EQ(row.limit, slip.limit);
     EXPECT_EQ(row.bound, 0.0);
     // Σ weight · t·u is zero for a motion of all alike, and t·u of the first surface else.
@@ -179,7 +169,5 @@ TEST(ContactRows, slips_have_a_row_for_each_tangent) {
     EXPECT_NEAR(together, 0.0, 1e-15);
     EXPECT_NEAR(alone, 1.0, 1e-15);
   }
-  numbers = gatherAll(*testComm(), numbers);
-  std::sort(numbers.begin(), numbers.end());
-  EXPECT_EQ(numbers, (std::vector<long long>{0, 1, 2, 3, 4, 5}));
+  EXPECT_EQ(numbers, (std::vector<long long>{10, 11, 12, 13, 14, 15}));
 }

@@ -191,21 +191,6 @@ TEST(Surface, does_not_depend_on_the_order_of_the_subdomains) {
   EXPECT_EQ(one.areas, other.areas);
 }
 
-TEST(Surface, every_rank_has_the_same_bits) {
-  const auto body = block(CellType::Hexahedron8, {0.1, 0.2, 0.3}, {1, 1, 1}, {3, 2, 1}, {2, 2, 1});
-  const Surface surface = surfaceOf(body, "top");
-  std::vector<double> mine;
-  for (std::size_t i = 0; i < surface.numbers.size(); ++i) {
-    mine.push_back(surface.areas[i]);
-    mine.insert(mine.end(), surface.positions[i].begin(), surface.positions[i].end());
-    mine.insert(mine.end(), surface.normals[i].begin(), surface.normals[i].end());
-  }
-  const std::vector<double> all = gatherAll(*testComm(), mine);
-  ASSERT_EQ(all.size(), mine.size() * static_cast<std::size_t>(testComm()->getSize()));
-  for (std::size_t k = 0; k < all.size(); ++k)
-    EXPECT_EQ(all[k], mine[k % mine.size()]);
-}
-
 TEST(Surface, normals_of_an_arc_are_radial_where_facets_lie_to_both_sides) {
   const auto ring = block(CellType::Quadrilateral9, {1, 0, 0}, {1, 1.5, 0}, {1, 2, 1}, {1, 4, 1}, 0, polar);
   const Surface inner = surfaceOf(ring, "left");

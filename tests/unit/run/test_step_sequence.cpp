@@ -9,6 +9,8 @@
 #include "Harmos_TestComm.hpp"
 #include "Harmos_TestScene.hpp"
 
+#include <Teuchos_DefaultMpiComm.hpp>
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -193,17 +195,19 @@ TEST(EffectStates, a_trial_that_fails_leaves_nothing_behind) {
   const auto floor = std::make_shared<CrushableFloor>(0, "bottom", 1.0, 2.0);
   scene.effects = {floor};
   scene::ContactSetup contact;
+  const Teuchos::MpiComm<int> alone(MPI_COMM_SELF);
   contact.points.resize(2);
-  for (contact::ContactPoint& point : contact.points)
-    point.area = 1.0;
+  contact.pointCount = 2;
   contact.effects = {floor.get(), floor.get()};
   contact.rows.resize(2);
   for (std::size_t k = 0; k < 2; ++k) {
+    contact.points[k].area = 1.0;
+    contact.points[k].number = static_cast<long long>(k);
     contact.rows[k].kind = ConstraintRow::Kind::Inequality;
     contact.rows[k].number = static_cast<long long>(k);
     contact.rows[k].bound = 0.5;
   }
-  run::EffectStates states(scene, contact);
+  run::EffectStates states(alone, scene, contact);
   ASSERT_TRUE(states.any());
   const std::vector<run::ContactState> answer = {{3.0, 3.0, 0.0, true}, {0.5, 0.5, 0.0, true}};
   states.begin();
@@ -223,7 +227,7 @@ TEST(EffectStates, a_trial_that_fails_leaves_nothing_behind) {
   Numbers archive;
   states.exchange(archive);
   archive.reads = true;
-  run::EffectStates again(scene, contact);
+  run::EffectStates again(alone, scene, contact);
   again.exchange(archive);
   EXPECT_EQ(again.rows()[0].bound, 2.5);
   again.begin();

@@ -2,6 +2,7 @@
 #include "Harmos_BoundaryParts.hpp"
 #include "Harmos_ContactFields.hpp"
 #include "Harmos_ContactSetup.hpp"
+#include "Harmos_Exchange.hpp"
 #include "Harmos_StructuredBlock.hpp"
 #include "Harmos_TestComm.hpp"
 #include "Harmos_TestErrors.hpp"
@@ -50,13 +51,14 @@ scene::ContactSetup setUp(const scene::Scene& scene) {
 // reach shorter than the gap finds none at all.
 TEST(ContactSetup, nodes_without_counterpart_are_told) {
   const scene::ContactSetup setup = setUp(stack());
-  EXPECT_LT(setup.points.size(), 5u);
-  EXPECT_GE(setup.points.size(), 3u);
+  EXPECT_LT(setup.pointCount, 5);
+  EXPECT_GE(setup.pointCount, 3);
+  EXPECT_EQ(globalSum(*testComm(), static_cast<long long>(setup.points.size())), setup.pointCount);
   for (const contact::ContactPoint& point : setup.points)
     EXPECT_NEAR(point.gap, 0.01, 1e-12);
   ASSERT_EQ(setup.notes.size(), 1u);
   EXPECT_TRUE(
-      contains(setup.notes[0], std::to_string(5 - setup.points.size()) + " of the 5 nodes of lower/top"))
+      contains(setup.notes[0], std::to_string(5 - setup.pointCount) + " of the 5 nodes of lower/top"))
       << setup.notes[0];
   EXPECT_NE(inputErrorOf([&] { setUp(stack(0.005)); }), "");
 }
@@ -100,7 +102,7 @@ TEST(ContactFields, node_of_two_contacts_shows_the_closed_one) {
   }
   const run::ContactState open{0.0, 0.0, 0.5, false}, closed{3.0, 1.5, 0.0, true};
   for (const auto& states : {std::vector<run::ContactState>{open, closed}, {closed, open}}) {
-    const run::ContactFields fields = run::contactFields(owned, points, states);
+    const run::ContactFields fields = run::contactFields(*testComm(), owned, points, states);
     for (std::size_t i = 0; i < owned.size(); ++i)
       for (std::size_t k = 0; k < owned[i].mesh.boundaryNumbers.size(); ++k) {
         const auto node = static_cast<std::size_t>(owned[i].mesh.mesh->boundary[k]);
@@ -124,9 +126,9 @@ TEST(ContactFields, kinds_are_those_of_the_scene) {
   state.damage = 0.25;
   state.jump = {1.0, 2.0, 3.0};
   state.wholeTraction = {4.0, 5.0, 6.0};
-  const run::ContactFields none = run::contactFields(owned, points, {state});
+  const run::ContactFields none = run::contactFields(*testComm(), owned, points, {state});
   EXPECT_TRUE(none.friction.empty() && none.slip.empty() && none.damage.empty() && none.jump.empty());
-  const run::ContactFields fields = run::contactFields(owned, points, {state}, {true, true});
+  const run::ContactFields fields = run::contactFields(*testComm(), owned, points, {state}, {true, true});
   ASSERT_EQ(fields.friction.size(), owned.size());
   ASSERT_EQ(fields.damage.size(), owned.size());
   for (std::size_t i = 0; i < owned.size(); ++i) {

@@ -56,8 +56,7 @@ nlohmann::ordered_json auditJson(const RunReport& report) {
     json["limit_excess"] = number(report.audit.limitExcess);
     json["friction_work"] = number(report.audit.frictionWork);
   }
-  if (std::any_of(report.contact.begin(), report.contact.end(),
-                  [](const ContactState& point) { return point.isBound; })) {
+  if (report.bonds > 0) {
     json["spring_error"] = number(report.audit.springError);
     json["spring_energy"] = number(report.audit.springEnergy);
   }
@@ -168,14 +167,12 @@ StepRow stepRow(const RunReport& report, const EnergyAccount& energy) {
   row.activeSets = report.result.counters.faces;
   row.energy = energy.stored();
   row.externalWork = energy.externalWork();
-  row.closed = std::count_if(report.contact.begin(), report.contact.end(),
-                             [](const ContactState& point) { return point.closed; });
-  row.open = static_cast<long long>(report.contact.size()) - row.closed;
-  for (const ContactState& point : report.contact) {
-    row.sticking += point.friction == Friction::Sticks ? 1 : 0;
-    row.slipping += point.friction == Friction::Slips ? 1 : 0;
-    row.broken += point.isBound && point.damage == 1.0 ? 1 : 0;
-  }
+  const ContactCounts& counts = report.contactCounts;
+  row.closed = counts.closed;
+  row.open = counts.points - counts.closed;
+  row.sticking = counts.sticking;
+  row.slipping = counts.slipping;
+  row.broken = counts.broken;
   row.dissipated = energy.dissipated();
   row.released = energy.released();
   row.forces = report.forces.effects;

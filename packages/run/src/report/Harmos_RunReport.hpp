@@ -53,10 +53,12 @@ struct RunReport : feti::SolveReport {
   Forces forces;                ///< audited runs only; the same on every rank
   std::vector<StepRow> steps;   ///< that were accepted, or the one there is
   long long factorisations = 0; ///< numerical ones of subdomains, on all ranks, in the whole run
-  // With inequalities; the same on every rank. For what applications make of them.
+  // With inequalities: those of this rank. For what applications make of them; see gatherContact().
   std::vector<contact::ContactPoint> contactPoints;
   std::vector<ContactState> contact;     ///< of each point
   std::vector<RowSlip> slips;            ///< of each limited row; only where there is friction
+  ContactCounts contactCounts;           ///< of all ranks
+  long long bonds = 0;                   ///< points that adhesion binds, of all ranks
   std::map<std::string, double> results; ///< of the application
   std::map<std::string, double> seconds;
   double peakMemoryMiB = 0.0;

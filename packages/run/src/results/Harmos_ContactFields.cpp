@@ -2,7 +2,9 @@
 #include "Harmos_ContactFields.hpp"
 
 #include "Harmos_Exchange.hpp"
+#include "Harmos_Rendezvous.hpp"
 
+#include <algorithm>
 #include <unordered_map>
 
 namespace Harmos::run {
@@ -10,45 +12,109 @@ namespace Harmos::run {
 std::vector<ContactState> contactStates(const Teuchos::Comm<int>& comm,
                                         const std::vector<contact::ContactPoint>& points,
                                         const feti::ContactState& state) {
-  struct Item {
-    long long row;
-    double gap;
-    double force;
+  struct Answer {
+    double gap, force;
   };
-  std::vector<Item> mine;
+  std::vector<std::pair<long long, Answer>> known;
   for (std::size_t k = 0; k < state.row.size(); ++k)
-    mine.push_back({state.row[k], state.gap[k], state.force[k]});
+    known.emplace_back(state.row[k], Answer{state.gap[k], state.force[k]});
+  std::vector<long long> asked;
+  for (const contact::ContactPoint& point : points)
+    asked.push_back(point.number);
+  const std::vector<std::optional<Answer>> answers = lookUp(comm, known, asked);
   std::vector<ContactState> result(points.size());
-  for (const Item& item : gatherAll(comm, mine)) {
-    const double area = points[static_cast<std::size_t>(item.row)].area;
-    ContactState& point = result[static_cast<std::size_t>(item.row)];
-    point.pressure = item.force / area;
-    point.force = item.force;
-    point.gap = item.gap;
-    point.closed = item.force > 0.0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Answer answer = answers[k].value_or(Answer{0.0, 0.0});
+    ContactState& point = result[k];
+    point.pressure = answer.force / points[k].area;
+    point.force = answer.force;
+    point.gap = answer.gap;
+    point.closed = answer.force > 0.0;
   }
   return result;
 }
 
-ContactFields contactFields(const std::vector<scene::OwnedSubdomain>& owned,
-                            const std::vector<contact::ContactPoint>& points,
-                            const std::vector<ContactState>& states, ContactFieldKinds kinds) {
-  struct Shown {
-    const ContactState* state = nullptr;
-    double sign = 1.0;
+ContactCounts countContact(const Teuchos::Comm<int>& comm, const std::vector<ContactState>& states) {
+  std::vector<double> counts(6, 0.0);
+  for (const ContactState& state : states) {
+    const bool kinds[] = {true,
+                          state.closed,
+                          state.friction == Friction::Sticks,
+                          state.friction == Friction::Slips,
+                          state.isBound && state.damage == 1.0,
+                          state.damage > 0.0};
+    for (std::size_t k = 0; k < counts.size(); ++k)
+      counts[k] += kinds[k] ? 1.0 : 0.0;
+  }
+  globalSum(comm, counts);
+  const auto at = [&](std::size_t k) { return static_cast<long long>(counts[k]); };
+  return {at(0), at(1), at(2), at(3), at(4), at(5)};
+}
+
+WholeContact gatherContact(const Teuchos::Comm<int>& comm, const std::vector<contact::ContactPoint>& points,
+                           const std::vector<ContactState>& states) {
+  struct Numbered {
+    long long number;
+    ContactState state;
   };
-  std::unordered_map<long long, Shown> atNode;
+  std::vector<Numbered> mine;
+  for (std::size_t k = 0; k < states.size(); ++k)
+    mine.push_back({points[k].number, states[k]});
+  std::vector<Numbered> all = gatherAll(comm, mine);
+  std::sort(all.begin(), all.end(),
+            [](const Numbered& a, const Numbered& b) { return a.number < b.number; });
+  WholeContact result{contact::gatherPoints(comm, points), {}};
+  for (const Numbered& item : all)
+    result.states.push_back(item.state);
+  return result;
+}
+
+namespace {
+
+// Of a point at one of its nodes.
+struct Shown {
+  long long number = -1;
+  ContactState state{};
+  double sign = 1.0;
+};
+
+std::unordered_map<long long, Shown> shownAt(const Teuchos::Comm<int>& comm,
+                                             const std::vector<scene::OwnedSubdomain>& owned,
+                                             const std::vector<contact::ContactPoint>& points,
+                                             const std::vector<ContactState>& states) {
+  std::vector<std::pair<long long, Shown>> known;
   for (std::size_t k = 0; k < points.size(); ++k) {
     const std::vector<contact::ContactPoint::Term>& terms = points[k].terms;
     const bool nodeToNode = terms.size() == 2 && terms[0].weight * terms[1].weight == -1.0;
     for (const contact::ContactPoint::Term& term : terms)
-      if (term.node == points[k].node || nodeToNode) {
-        // A node of two interfaces shows the one that is closed.
-        Shown& shown = atNode[term.node];
-        if (shown.state == nullptr || !shown.state->closed)
-          shown = {&states[k], term.node == points[k].node ? 1.0 : -1.0};
-      }
+      if (term.node == points[k].node || nodeToNode)
+        known.emplace_back(
+            term.node, Shown{points[k].number, states[k], term.node == points[k].node ? 1.0 : -1.0});
   }
+  std::vector<long long> nodes;
+  for (const scene::OwnedSubdomain& subdomain : owned)
+    nodes.insert(nodes.end(), subdomain.mesh.boundaryNumbers.begin(), subdomain.mesh.boundaryNumbers.end());
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  // A node of several interfaces shows the first one that is closed; none is: the last one.
+  const auto answers = lookUp(comm, known, nodes, [](const Shown& next, const Shown& present) {
+    if (next.state.closed != present.state.closed)
+      return next.state.closed;
+    return next.state.closed ? next.number < present.number : next.number > present.number;
+  });
+  std::unordered_map<long long, Shown> result;
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    if (answers[k])
+      result.emplace(nodes[k], *answers[k]);
+  return result;
+}
+
+} // namespace
+
+ContactFields contactFields(const Teuchos::Comm<int>& comm, const std::vector<scene::OwnedSubdomain>& owned,
+                            const std::vector<contact::ContactPoint>& points,
+                            const std::vector<ContactState>& states, ContactFieldKinds kinds) {
+  const std::unordered_map<long long, Shown> atNode = shownAt(comm, owned, points, states);
   ContactFields fields;
   for (const scene::OwnedSubdomain& subdomain : owned) {
     const auto nodes = static_cast<std::size_t>(subdomain.mesh.mesh->numberOfNodes());
@@ -61,7 +127,8 @@ ContactFields contactFields(const std::vector<scene::OwnedSubdomain>& owned,
       const auto found = atNode.find(subdomain.mesh.boundaryNumbers[place]);
       if (found == atNode.end())
         continue;
-      const auto& [state, sign] = found->second;
+      const ContactState* state = &found->second.state;
+      const double sign = found->second.sign;
       pressure[k] = state->pressure;
       gap[k] = state->gap;
       active[k] = state->closed ? 2 : 1;

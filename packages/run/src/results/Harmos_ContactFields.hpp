@@ -30,11 +30,28 @@ struct ContactState {
   fem::Point wholeTraction{}; ///< of all that acts at the point, on the first body: force per tributary area
 };
 
-/// Of all points, in their order, on every rank.
-/// @note Collective; the rows are gathered on every rank.
+/// Of this rank's points, in their order.
+/// @note Collective: rows are where their subdomains are, points where they were found.
 std::vector<ContactState> contactStates(const Teuchos::Comm<int>& comm,
                                         const std::vector<contact::ContactPoint>& points,
                                         const feti::ContactState& state);
+
+/// How many points there are of what kind, over all ranks.
+struct ContactCounts {
+  long long points = 0, closed = 0, sticking = 0, slipping = 0;
+  long long broken = 0, damaged = 0; ///< of those that adhesion binds
+};
+/// @note Collective.
+ContactCounts countContact(const Teuchos::Comm<int>& comm, const std::vector<ContactState>& states);
+
+/// Points and states of all ranks, by the numbers of the points.
+struct WholeContact {
+  std::vector<contact::ContactPoint> points;
+  std::vector<ContactState> states;
+};
+/// On every rank, for what looks at an answer as a whole: comparisons and tests. @note Collective.
+WholeContact gatherContact(const Teuchos::Comm<int>& comm, const std::vector<contact::ContactPoint>& points,
+                           const std::vector<ContactState>& states);
 
 /// Contact results at the nodes of this rank's subdomains, for output.
 struct ContactFields {
@@ -57,8 +74,8 @@ struct ContactFieldKinds {
 /// Brings the states to the nodes; every copy of a node gets the same values. With node to node contact both
 /// sides have them, with mortar coupling the side that carries the multipliers. Tractions, slips and jumps on
 /// the second side are the negative ones.
-/// Local.
-ContactFields contactFields(const std::vector<scene::OwnedSubdomain>& owned,
+/// @param points, states of this rank. @note Collective: points meet those who have their nodes.
+ContactFields contactFields(const Teuchos::Comm<int>& comm, const std::vector<scene::OwnedSubdomain>& owned,
                             const std::vector<contact::ContactPoint>& points,
                             const std::vector<ContactState>& states, ContactFieldKinds kinds = {});
 

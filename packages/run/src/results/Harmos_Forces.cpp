@@ -38,9 +38,11 @@ class Sums {
       : scene_(scene), values_(6 * scene.effects.size() + 4, 0.0) {
     for (std::size_t k = 0; k < scene.effects.size(); ++k)
       place_[scene.effects[k].get()] = k;
-    for (const contact::SlipPoint& slip : contact.slips)
-      if (tangential_.emplace(contact.effects[slip.point], values_.size()).second)
+    for (const auto& effect : scene.effects)
+      if (contact.tangential.count(effect.get()) > 0) {
+        tangential_.emplace(effect.get(), values_.size());
         values_.resize(values_.size() + 3, 0.0);
+      }
   }
 
   void addTangential(const scene::Effect& effect, const Point& force) {

@@ -1,48 +1,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_SlipStates.hpp"
 
-#include "Harmos_Exchange.hpp"
+#include "Harmos_Rendezvous.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace Harmos::run {
-namespace {
-
-template<class T>
-struct Item {
-  long long row;
-  T value;
-};
-
-template<class T>
-std::vector<T> byRow(const Teuchos::Comm<int>& comm, const scene::ContactSetup& contact,
-                     const std::vector<Item<T>>& mine) {
-  if (contact.slips.empty())
-    return {};
-  std::vector<T> result(contact.slipRows());
-  for (const Item<T>& item : gatherAll(comm, mine))
-    result[static_cast<std::size_t>(item.row)] = item.value;
-  return result;
-}
-
-} // namespace
 
 std::vector<RowSlip> rowSlips(const Teuchos::Comm<int>& comm, const scene::ContactSetup& contact,
                               const feti::FrictionState& state) {
-  std::vector<Item<RowSlip>> mine;
+  if (contact.limitedRows == 0)
+    return {};
+  std::vector<std::pair<long long, RowSlip>> known;
   for (std::size_t k = 0; k < state.row.size(); ++k)
-    mine.push_back({state.row[k], {state.slip[k], state.force[k]}});
-  return byRow(comm, contact, mine);
+    known.emplace_back(state.row[k], RowSlip{state.slip[k], state.force[k]});
+  std::vector<long long> asked;
+  for (const contact::SlipPoint& slip : contact.slips)
+    for (std::size_t t = 0; t < slip.tangents.size(); ++t)
+      asked.push_back(slip.firstRow + static_cast<long long>(t));
+  std::vector<RowSlip> result;
+  for (const std::optional<RowSlip>& answer : lookUp(comm, known, asked))
+    result.push_back(answer.value_or(RowSlip()));
+  return result;
 }
 
-std::vector<double> slipsBefore(const Teuchos::Comm<int>& comm, const scene::ContactSetup& contact,
-                                const std::vector<ConstraintRow>& rows) {
-  std::vector<Item<double>> mine;
+std::vector<double> slipsBefore(const std::vector<ConstraintRow>& rows) {
+  std::vector<double> result;
   for (const ConstraintRow& row : rows)
     if (row.kind == ConstraintRow::Kind::Limited)
-      mine.push_back({row.number, row.bound});
-  return byRow(comm, contact, mine);
+      result.push_back(row.bound);
+  return result;
 }
 
 void addSlips(const scene::ContactSetup& contact, const std::vector<RowSlip>& slips,
@@ -55,7 +43,7 @@ void addSlips(const scene::ContactSetup& contact, const std::vector<RowSlip>& sl
     double force2 = 0.0;
     state.slip = state.traction = {};
     for (std::size_t t = 0; t < point.tangents.size(); ++t) {
-      const std::size_t row = point.firstRow + t;
+      const std::size_t row = point.firstPlace + t;
       const double slip = slips[row].slip + (before.empty() ? 0.0 : before[row]);
       force2 += slips[row].force * slips[row].force;
       for (std::size_t d = 0; d < 3; ++d) {

@@ -11,20 +11,19 @@
 
 namespace Harmos::run {
 
-/// What the limited rows of a scene's friction answer: by their numbers, the same on every rank.
+/// What the limited rows of a scene's friction answer: those of this rank's points, in their order.
 struct RowSlip {
   double slip = 0.0;  ///< Δs of the step, of the first body against the second
   double force = 0.0; ///< λ, parallel to it
 };
 
-/// @note Collective; the rows are gathered on every rank.
+/// @note Collective: rows are where their subdomains are, points where they were found.
 std::vector<RowSlip> rowSlips(const Teuchos::Comm<int>& comm, const scene::ContactSetup& contact,
                               const feti::FrictionState& state);
 
-/// c_t of the limited rows among those that this rank gives, by their numbers: the slips when the step began.
-/// @note Collective.
-std::vector<double> slipsBefore(const Teuchos::Comm<int>& comm, const scene::ContactSetup& contact,
-                                const std::vector<ConstraintRow>& rows);
+/// c_t of the limited rows among those that this rank gives, in their order: the slips when the step began.
+/// Local.
+std::vector<double> slipsBefore(const std::vector<ConstraintRow>& rows);
 
 /// Brings both to the points that bear friction. Local.
 /// @param before of each row, or empty: zeros.

@@ -199,11 +199,12 @@ void RunStages::constrain() {
   report_.dualDimension = constraints_->dualDimension();
   report_.inequalities = constraints_->inequalities();
   report_.limited = constraints_->limited();
+  report_.bonds = contact_.bondCount;
   log_.info("Primal dimension " + std::to_string(report_.primalDimension) + ", dual dimension " +
             std::to_string(report_.dualDimension) + " (" + std::to_string(report_.inequalities) +
             " inequalities" +
             (report_.limited > 0 ? ", " + std::to_string(report_.limited) +
-                                       (contact_.bonds.empty() ? " of friction" : " of friction and adhesion")
+                                       (contact_.bondCount == 0 ? " of friction" : " of friction and adhesion")
                                  : "") +
             "), kernel dimension " + std::to_string(report_.kernelDimension));
   if (!report_.effectCosts.empty())
@@ -336,7 +337,7 @@ void RunStages::prepare(const Data& data) {
   if (data.rows != nullptr)
     constraints_->setBounds(*data.rows);
   if (data.rows != nullptr && report_.limited > 0)
-    slipsBefore_ = slipsBefore(*comm_, contact_, *data.rows);
+    slipsBefore_ = slipsBefore(*data.rows);
   dual_.emplace(*system_, *constraints_, *inverses_, *dualOperator_, *coarse_);
 }
 
@@ -348,7 +349,7 @@ void RunStages::checkBounds(const std::vector<std::vector<double>>& prescribed) 
 Teuchos::RCP<RunMonitor> RunStages::monitor(const CheckpointReader* checkpoint, const Log& log,
                                             SolvePlace place) {
   return Teuchos::rcp(
-      new RunMonitor(*comm_, options_, checkpoint, contact_.points, log, report_, std::move(place)));
+      new RunMonitor(*comm_, options_, checkpoint, contact_, log, report_, std::move(place)));
 }
 
 void RunStages::solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log,
@@ -466,6 +467,7 @@ void RunStages::recover() {
     report_.slips = rowSlips(*comm_, contact_, feti::frictionState(*constraints_, torn_));
     addSlips(contact_, report_.slips, slipsBefore_, report_.contact);
   }
+  report_.contactCounts = countContact(*comm_, report_.contact);
   reactions_ = feti::reactions(*system_, *constraints_, torn_);
   report_.forces = forcesOf(*comm_, scene_, owned_, *system_, contact_, torn_.displacement, reactions_,
                             constraints_->givenMultipliers(*torn_.multiplier));
@@ -520,8 +522,8 @@ void RunStages::writeFields(const std::string& file) {
   }
   ContactFields atNodes;
   if (report_.inequalities > 0) {
-    fields.kinds = {contact_.hasFriction(), scene_.breaks()};
-    atNodes = contactFields(owned_, contact_.points, report_.contact, fields.kinds);
+    fields.kinds = {contact_.hasFriction, scene_.breaks()};
+    atNodes = contactFields(*comm_, owned_, contact_.points, report_.contact, fields.kinds);
     fields.contact = &atNodes;
   }
   writeResult(*comm_, directory_.place(file), owned_, fields);

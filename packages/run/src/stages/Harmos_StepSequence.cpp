@@ -57,8 +57,8 @@ Solution StepSequence::go() {
 
 void StepSequence::begin() {
   run_.setUp();
-  states_.emplace(scene_, run_.contact());
-  energy_.emplace(run_.loads().cases(), !run_.contact().slips.empty(), scene_.breaks());
+  states_.emplace(*comm_, scene_, run_.contact());
+  energy_.emplace(run_.loads().cases(), run_.contact().limitedRows > 0, scene_.breaks());
   prescribesMotion_ = globalMax(*comm_, run_.loads().prescribesMotion() ? 1LL : 0LL) > 0;
   requireConsistent();
   if (hasSteps())
@@ -104,7 +104,7 @@ StepSequence::Outcome StepSequence::attempt() {
     updates_ = 0;
     attemptCounters_ = {};
   }
-  const int most = mostUpdates + static_cast<int>(run_.contact().bonds.size());
+  const int most = mostUpdates + static_cast<int>(run_.contact().bondCount);
   while (true) {
     const Outcome outcome = solve();
     if (outcome != Outcome::Accepted)
@@ -209,6 +209,7 @@ StepSequence::Outcome StepSequence::accept() {
                   report_.audit.energy, scene::freeStrainEnergy(*comm_, scene_, run_.owned(), clock_.to()),
                   report_.audit.frictionWork, states_->dissipated()});
   states_->tell(report_.slips, report_.contact);
+  report_.contactCounts = countContact(*comm_, report_.contact);
   StepRow row = stepRow(report_, *energy_);
   row.step = clock_.step();
   row.time = clock_.to();
@@ -271,10 +272,8 @@ void StepSequence::tell(const StepRow& row, double snapped) const {
     text << ", " << row.closed << " of " << row.closed + row.open << " contact points closed";
   if (row.sticking + row.slipping > 0)
     text << ", " << row.slipping << " of " << row.sticking + row.slipping << " slip";
-  if (const std::size_t bound = run_.contact().bonds.size(); bound > 0) {
-    const auto damaged = std::count_if(report_.contact.begin(), report_.contact.end(),
-                                       [](const ContactState& point) { return point.damage > 0.0; });
-    text << ", " << damaged << " of " << bound << " bonds damaged, " << row.broken << " broken";
+  if (const long long bound = run_.contact().bondCount; bound > 0) {
+    text << ", " << report_.contactCounts.damaged << " of " << bound << " bonds damaged, " << row.broken << " broken";
     constexpr double known = 10.0; // tolerances of forces
     if (snapped > known * report_.tolerance * std::abs(row.externalWork))
       text << ", it snapped and released " << scientific(snapped, 3);

@@ -2,34 +2,150 @@
 #include "Harmos_EffectStates.hpp"
 
 #include "Harmos_Errors.hpp"
+#include "Harmos_Exchange.hpp"
 
 #include <algorithm>
 #include <map>
 #include <string>
+#include <tuple>
 
 namespace Harmos::run {
 
-EffectStates::EffectStates(const scene::Scene& scene, const scene::ContactSetup& contact)
-    : contact_(contact) {
+EffectStates::EffectStates(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
+                           const scene::ContactSetup& contact)
+    : comm_(comm), scene_(scene), contact_(contact) {
+  if (!anyHasState())
+    return;
+  gather();
   std::map<const scene::Effect*, std::vector<std::size_t>> points, limited;
-  for (std::size_t k = 0; k < contact.effects.size(); ++k)
-    points[contact.effects[k]].push_back(k);
-  for (std::size_t k = 0; k < contact.frictions.size(); ++k)
-    for (std::size_t t = 0; t < contact.slips[k].tangents.size(); ++t) {
-      if (contact.slips[k].hasFriction)
-        limited[contact.frictions[k]].push_back(contact.slips[k].firstRow + t);
-      pointOfSlip_.push_back(contact.slips[k].point);
-    }
-  for (const scene::ContactSetup::Bond& bond : contact.bonds) {
+  for (std::size_t k = 0; k < whole_.effects.size(); ++k)
+    points[whole_.effects[k]].push_back(k);
+  for (std::size_t row = 0; row < whole_.slipEffects.size(); ++row)
+    if (whole_.slipEffects[row] != nullptr)
+      limited[whole_.slipEffects[row]].push_back(row);
+  for (const Whole::Bond& bond : whole_.bonds) {
     points[bond.effect].push_back(bond.point);
-    if (bond.slip != scene::ContactSetup::Bond::none)
-      for (std::size_t t = 0; t < contact.slips[bond.slip].tangents.size(); ++t)
-        limited[bond.effect].push_back(contact.slips[bond.slip].firstRow + t);
+    for (std::size_t t = 0; t < bond.slips; ++t)
+      limited[bond.effect].push_back(bond.firstSlip + t);
   }
   for (const auto& effect : scene.effects)
     add(*effect, points[effect.get()], limited[effect.get()]);
   if (std::vector<double> stiffnesses = stiffnessesOfSoftening(); !stiffnesses.empty())
     softening_.emplace(std::move(stiffnesses));
+}
+
+// Of all ranks' points and rows.
+bool EffectStates::anyHasState() const {
+  std::map<const scene::Effect*, std::size_t> places;
+  for (std::size_t k = 0; k < scene_.effects.size(); ++k)
+    places[scene_.effects[k].get()] = k;
+  std::vector<double> counts(2 * places.size(), 0.0); // points and limited rows of each effect
+  for (const scene::Effect* effect : contact_.effects)
+    counts[2 * places.at(effect)] += 1.0;
+  for (std::size_t s = 0; s < contact_.slips.size(); ++s)
+    if (contact_.slips[s].hasFriction)
+      counts[2 * places.at(contact_.frictions[s]) + 1] +=
+          static_cast<double>(contact_.slips[s].tangents.size());
+  for (const scene::ContactSetup::Bond& bond : contact_.bonds) {
+    counts[2 * places.at(bond.effect)] += 1.0;
+    if (bond.slip != scene::ContactSetup::Bond::none)
+      counts[2 * places.at(bond.effect) + 1] +=
+          static_cast<double>(contact_.slips[bond.slip].tangents.size());
+  }
+  globalSum(comm_, counts);
+  for (std::size_t k = 0; k < scene_.effects.size(); ++k)
+    if (scene_.effects[k]->stateSize(static_cast<std::size_t>(counts[2 * k]),
+                                     static_cast<std::size_t>(counts[2 * k + 1])) > 0)
+      return true;
+  return false;
+}
+
+// Effects are told by their places in the scene.
+void EffectStates::gather() {
+  std::map<const scene::Effect*, long long> places;
+  for (const auto& effect : scene_.effects)
+    places.emplace(effect.get(), static_cast<long long>(places.size()));
+  const auto effectAt = [&](long long place) {
+    return place < 0 ? nullptr : scene_.effects[static_cast<std::size_t>(place)].get();
+  };
+  struct PointEffect {
+    long long number, effect;
+  };
+  struct Slip {
+    long long row, point, effect;
+  };
+  struct Bond {
+    long long effect, point, firstSlip, slips;
+    double softness, tangentialSoftness;
+  };
+  std::vector<PointEffect> effects;
+  std::vector<Slip> slips;
+  std::vector<Bond> bonds;
+  for (std::size_t k = 0; k < contact_.points.size(); ++k)
+    effects.push_back({contact_.points[k].number, places.at(contact_.effects[k])});
+  for (std::size_t s = 0; s < contact_.slips.size(); ++s) {
+    const contact::SlipPoint& slip = contact_.slips[s];
+    for (std::size_t t = 0; t < slip.tangents.size(); ++t)
+      slips.push_back({slip.firstRow + static_cast<long long>(t), contact_.points[slip.point].number,
+                       slip.hasFriction ? places.at(contact_.frictions[s]) : -1});
+  }
+  for (const scene::ContactSetup::Bond& bond : contact_.bonds) {
+    Bond& item = bonds.emplace_back();
+    item = {places.at(bond.effect), contact_.points[bond.point].number, 0, 0, bond.softness,
+            bond.tangentialSoftness};
+    if (bond.slip == scene::ContactSetup::Bond::none)
+      continue;
+    item.firstSlip = contact_.slips[bond.slip].firstRow;
+    item.slips = static_cast<long long>(contact_.slips[bond.slip].tangents.size());
+  }
+  const auto at = [](long long k) { return static_cast<std::size_t>(k); };
+  whole_.points = contact::gatherPoints(comm_, contact_.points);
+  whole_.effects.resize(whole_.points.size());
+  for (const PointEffect& item : gatherAll(comm_, effects))
+    whole_.effects[at(item.number)] = effectAt(item.effect);
+  whole_.pointOfSlip.resize(at(contact_.limitedRows));
+  whole_.slipEffects.resize(at(contact_.limitedRows));
+  for (const Slip& item : gatherAll(comm_, slips)) {
+    whole_.pointOfSlip[at(item.row)] = at(item.point);
+    whole_.slipEffects[at(item.row)] = effectAt(item.effect);
+  }
+  bonds = gatherAll(comm_, bonds);
+  // Of several effects in their order.
+  std::sort(bonds.begin(), bonds.end(), [](const Bond& a, const Bond& b) {
+    return std::tie(a.effect, a.point) < std::tie(b.effect, b.point);
+  });
+  for (const Bond& item : bonds)
+    whole_.bonds.push_back({effectAt(item.effect), at(item.point), item.softness, item.tangentialSoftness,
+                            at(item.firstSlip), at(item.slips)});
+}
+
+std::vector<ContactState> EffectStates::gathered(const std::vector<ContactState>& answer) const {
+  struct Item {
+    long long number;
+    ContactState state;
+  };
+  std::vector<Item> mine;
+  for (std::size_t k = 0; k < answer.size(); ++k)
+    mine.push_back({contact_.points[k].number, answer[k]});
+  std::vector<ContactState> all(whole_.points.size());
+  for (const Item& item : gatherAll(comm_, mine))
+    all[static_cast<std::size_t>(item.number)] = item.state;
+  return all;
+}
+
+std::vector<RowSlip> EffectStates::gathered(const std::vector<RowSlip>& slips) const {
+  struct Item {
+    long long row;
+    RowSlip slip;
+  };
+  std::vector<Item> mine;
+  for (const contact::SlipPoint& slip : contact_.slips)
+    for (std::size_t t = 0; t < slip.tangents.size() && !slips.empty(); ++t)
+      mine.push_back({slip.firstRow + static_cast<long long>(t), slips[slip.firstPlace + t]});
+  std::vector<RowSlip> all(whole_.pointOfSlip.size());
+  for (const Item& item : gatherAll(comm_, mine))
+    all[static_cast<std::size_t>(item.row)] = item.slip;
+  return all;
 }
 
 void EffectStates::add(const scene::Effect& effect, std::vector<std::size_t> points,
@@ -46,12 +162,12 @@ void EffectStates::add(const scene::Effect& effect, std::vector<std::size_t> poi
   std::map<std::size_t, std::size_t> places;
   const auto addRow = [&](std::size_t point, bool isLimited) {
     const std::size_t place = places.emplace(point, places.size()).first->second;
-    state.rows.push_back({&contact_.points[point], place, isLimited});
+    state.rows.push_back({&whole_.points[point], place, isLimited});
   };
   for (std::size_t point : state.points)
     addRow(point, false);
   for (std::size_t row : state.limited)
-    addRow(pointOfSlip_[row], true);
+    addRow(whole_.pointOfSlip[row], true);
   states_.push_back(std::move(state));
 }
 
@@ -64,8 +180,12 @@ void EffectStates::begin(std::optional<double> advance) {
     softening_->begin(softeningParts(), advance);
 }
 
-bool EffectStates::update(const std::vector<ContactState>& answer, const std::vector<RowSlip>& slips,
+bool EffectStates::update(const std::vector<ContactState>& ownAnswer, const std::vector<RowSlip>& ownSlips,
                           double tolerance, const feti::WarmStart& multipliers, double startedAt) {
+  if (!any())
+    return false;
+  const std::vector<ContactState> answer = gathered(ownAnswer);
+  const std::vector<RowSlip> slips = gathered(ownSlips);
   const Rows rows = applied();
   bool again = false;
   std::vector<Softening::Part> softening;
@@ -108,11 +228,10 @@ std::vector<scene::Effect::RowAnswer> EffectStates::answersOf(const State& state
 // Of springs as they were made.
 std::vector<double> EffectStates::stiffnessesOfSoftening() const {
   std::map<std::size_t, double> ofPoints, ofSlips;
-  for (const scene::ContactSetup::Bond& bond : contact_.bonds) {
+  for (const Whole::Bond& bond : whole_.bonds) {
     ofPoints[bond.point] = 1.0 / bond.softness;
-    if (bond.slip != scene::ContactSetup::Bond::none)
-      for (std::size_t t = 0; t < contact_.slips[bond.slip].tangents.size(); ++t)
-        ofSlips[contact_.slips[bond.slip].firstRow + t] = 1.0 / bond.tangentialSoftness;
+    for (std::size_t t = 0; t < bond.slips; ++t)
+      ofSlips[bond.firstSlip + t] = 1.0 / bond.tangentialSoftness;
   }
   std::vector<double> stiffnesses;
   for (const State& state : states_) {
@@ -156,16 +275,15 @@ std::vector<double> EffectStates::shiftsBy(const State& state) const {
 
 EffectStates::Rows EffectStates::applied() const {
   Rows rows;
-  rows.shift.assign(contact_.points.size(), 0.0);
-  rows.slip.assign(pointOfSlip_.size(), 0.0);
-  rows.unstretched.assign(contact_.points.size(), 0.0);
+  rows.shift.assign(whole_.points.size(), 0.0);
+  rows.slip.assign(whole_.pointOfSlip.size(), 0.0);
+  rows.unstretched.assign(whole_.points.size(), 0.0);
   rows.softness.resize(rows.shift.size());
   rows.slipSoftness.resize(rows.slip.size());
-  for (const scene::ContactSetup::Bond& bond : contact_.bonds) {
+  for (const Whole::Bond& bond : whole_.bonds) {
     rows.softness[bond.point] = bond.softness;
-    if (bond.slip != scene::ContactSetup::Bond::none)
-      for (std::size_t t = 0; t < contact_.slips[bond.slip].tangents.size(); ++t)
-        rows.slipSoftness[contact_.slips[bond.slip].firstRow + t] = bond.tangentialSoftness;
+    for (std::size_t t = 0; t < bond.slips; ++t)
+      rows.slipSoftness[bond.firstSlip + t] = bond.tangentialSoftness;
   }
   std::vector<double> slipUnstretched(rows.slip.size(), 0.0);
   for (const State& state : states_) {
@@ -193,6 +311,8 @@ EffectStates::Rows EffectStates::applied() const {
 
 std::vector<ConstraintRow> EffectStates::rows() const {
   std::vector<ConstraintRow> result = contact_.rows;
+  if (!any())
+    return result;
   const Rows rows = applied();
   for (ConstraintRow& row : result) {
     const auto number = static_cast<std::size_t>(row.number);
@@ -222,20 +342,23 @@ double EffectStates::haste() const {
 }
 
 void EffectStates::tell(const std::vector<RowSlip>& slips, std::vector<ContactState>& answer) const {
-  if (contact_.bonds.empty())
+  if (contact_.bondCount == 0 || !any())
     return;
   const Rows rows = applied();
+  std::vector<double> damage(whole_.points.size(), 0.0);
   for (const State& state : states_) {
-    const std::vector<double> damage = state.effect->damage(state.trial);
-    for (std::size_t k = 0; k < damage.size(); ++k)
-      answer[state.points[k]].damage = damage[k];
+    const std::vector<double> own = state.effect->damage(state.trial);
+    for (std::size_t k = 0; k < own.size(); ++k)
+      damage[state.points[k]] = own[k];
   }
   for (const scene::ContactSetup::Bond& bond : contact_.bonds) {
     ContactState& point = answer[bond.point];
     const contact::ContactPoint& place = contact_.points[bond.point];
-    const std::optional<double>& softness = rows.softness[bond.point];
+    const auto number = static_cast<std::size_t>(place.number);
+    const std::optional<double>& softness = rows.softness[number];
     const bool holds = softness.has_value();
     point.isBound = true;
+    point.damage = damage[number];
     if (holds) {
       point.gap = point.closed ? point.gap : -*softness * point.force;
       point.friction = Friction::None;
@@ -244,9 +367,10 @@ void EffectStates::tell(const std::vector<RowSlip>& slips, std::vector<ContactSt
     if (holds && bond.slip != scene::ContactSetup::Bond::none) {
       const contact::SlipPoint& slip = contact_.slips[bond.slip];
       for (std::size_t t = 0; t < slip.tangents.size(); ++t) {
-        const std::size_t row = slip.firstRow + t;
+        const double stretch =
+            *rows.slipSoftness[static_cast<std::size_t>(slip.firstRow) + t] * slips[slip.firstPlace + t].force;
         for (std::size_t d = 0; d < 3; ++d)
-          point.slip[d] += *rows.slipSoftness[row] * slips[row].force * slip.tangents[t][d];
+          point.slip[d] += stretch * slip.tangents[t][d];
       }
     }
     for (std::size_t d = 0; d < 3; ++d) {

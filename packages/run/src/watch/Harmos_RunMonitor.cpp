@@ -4,6 +4,7 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_AtomicFile.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_Rendezvous.hpp"
 #include "Harmos_StatusTest.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
@@ -61,12 +62,12 @@ void requireSameProblem(const CheckpointReader& checkpoint, const feti::DualProb
 }
 
 RunMonitor::RunMonitor(const Teuchos::Comm<int>& comm, const RunOptions& options,
-                       const CheckpointReader* checkpoint, const std::vector<contact::ContactPoint>& points,
+                       const CheckpointReader* checkpoint, const scene::ContactSetup& contact,
                        const Log& log, RunReport& report, SolvePlace place)
     : comm_(comm),
       options_(options),
       checkpoint_(checkpoint),
-      points_(points),
+      contact_(contact),
       log_(log),
       report_(report),
       place_(std::move(place)),
@@ -166,7 +167,7 @@ RunMonitor::Wish RunMonitor::ask(const qp::IterationState<MultiVector>& state) {
   if (now.told == Told::Stop)
     wish = Wish::SaveAndStop;
   if (options_.liveSeconds > 0.0 && now.elapsed - clock_->lastShow >= options_.liveSeconds &&
-      !points_.empty()) {
+      contact_.pointCount > 0) {
     clock_->lastShow = now.elapsed;
     showContact(*state.x);
   }
@@ -247,38 +248,58 @@ void RunMonitor::restore(const Exchange& state) {
   checkpoint_->restore(basis, [&](Archive& archive) { state(archive); });
 }
 
-// contact.csv: the forces that the present multipliers stand for. Springs pull.
-void RunMonitor::showContact(const MultiVector& lambda) const {
-  struct Item {
-    long long row;
-    double force;
-  };
+namespace {
+
+// A line of contact.csv.
+struct ShownPoint {
+  long long number;
+  fem::Point position;
+  double pressure;
+};
+
+} // namespace
+
+// The forces that the present multipliers stand for, by row. Springs pull.
+std::vector<std::pair<long long, double>> RunMonitor::contactForces(const MultiVector& lambda) const {
   const feti::Constraints& constraints = run_->stages.constraints;
-  std::vector<Item> mine;
-  {
-    const auto free = lambda.getLocalViewHost(Tpetra::Access::ReadOnly);
-    const auto shift = run_->stages.problem.shift()->getLocalViewHost(Tpetra::Access::ReadOnly);
-    for (std::size_t r = 0; r < free.extent(0); ++r) {
-      const int row = static_cast<int>(r);
-      if (constraints.rowType(row) != feti::RowType::Inequality)
-        continue;
-      const double force = (free(r, 0) + shift(r, 0)) * constraints.rowScale(row);
-      mine.push_back(
-          {static_cast<long long>(constraints.rowMap()->getGlobalElement(static_cast<LocalOrdinal>(row))),
-           constraints.isSoft(row) ? force : std::max(0.0, force)});
-    }
+  std::vector<std::pair<long long, double>> forces;
+  const auto free = lambda.getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto shift = run_->stages.problem.shift()->getLocalViewHost(Tpetra::Access::ReadOnly);
+  for (std::size_t r = 0; r < free.extent(0); ++r) {
+    const int row = static_cast<int>(r);
+    if (constraints.rowType(row) != feti::RowType::Inequality)
+      continue;
+    const double force = (free(r, 0) + shift(r, 0)) * constraints.rowScale(row);
+    forces.emplace_back(
+        static_cast<long long>(constraints.rowMap()->getGlobalElement(static_cast<LocalOrdinal>(row))),
+        constraints.isSoft(row) ? force : std::max(0.0, force));
   }
-  const std::vector<Item> all = gatherAll(comm_, mine);
+  return forces;
+}
+
+// contact.csv, of which the first rank sees all lines.
+void RunMonitor::showContact(const MultiVector& lambda) const {
+  std::vector<long long> asked;
+  for (const contact::ContactPoint& point : contact_.points)
+    asked.push_back(point.number);
+  const std::vector<std::optional<double>> forces = lookUp(comm_, contactForces(lambda), asked);
+  std::vector<std::vector<ShownPoint>> sends(static_cast<std::size_t>(comm_.getSize()));
+  for (std::size_t k = 0; k < asked.size(); ++k) {
+    const contact::ContactPoint& point = contact_.points[k];
+    sends.front().push_back({point.number, point.position, forces[k].value_or(0.0) / point.area});
+  }
+  std::vector<ShownPoint> all;
+  for (const std::vector<ShownPoint>& part : exchangeItems(comm_, sends))
+    all.insert(all.end(), part.begin(), part.end());
   if (comm_.getRank() != 0)
     return;
-  std::vector<double> force(points_.size(), 0.0);
-  for (const Item& item : all)
-    force[static_cast<std::size_t>(item.row)] = item.force;
+  std::sort(all.begin(), all.end(),
+            [](const ShownPoint& a, const ShownPoint& b) { return a.number < b.number; });
   std::ostringstream text;
   text << "x,y,z,pressure,closed\n" << std::setprecision(9);
-  for (std::size_t k = 0; k < points_.size(); ++k)
-    text << points_[k].position[0] << ',' << points_[k].position[1] << ',' << points_[k].position[2] << ','
-         << force[k] / points_[k].area << ',' << (force[k] > 0.0 ? 1 : 0) << '\n';
+  for (const ShownPoint& point : all)
+    text << point.position[0] << ',' << point.position[1] << ',' << point.position[2] << ','
+         << point.pressure << ',' << (point.pressure > 0.0 ? 1 : 0) << '\n';
   try {
     io::writeAtomically(options_.outputDirectory + "/contact.csv", text.str());
   } catch (const InputError&) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "Harmos_CheckpointFile.hpp"
-#include "Harmos_ContactPoint.hpp"
+#include "Harmos_ContactSetup.hpp"
 #include "Harmos_DualSolution.hpp"
 #include "Harmos_LiveView.hpp"
 #include "Harmos_Log.hpp"
@@ -50,7 +50,7 @@ class RunMonitor : public feti::DualMonitor {
   /// @param checkpoint to go on from, or null. All to outlive this. Checkpoints and their fate go to the
   /// report.
   RunMonitor(const Teuchos::Comm<int>& comm, const RunOptions& options, const CheckpointReader* checkpoint,
-             const std::vector<contact::ContactPoint>& points, const Log& log, RunReport& report,
+             const scene::ContactSetup& contact, const Log& log, RunReport& report,
              SolvePlace place = {});
   ~RunMonitor() override;
 
@@ -78,13 +78,14 @@ class RunMonitor : public feti::DualMonitor {
   };
   Look look();
   void write(const Exchange& all);
+  std::vector<std::pair<long long, double>> contactForces(const MultiVector& lambda) const;
   void showContact(const MultiVector& lambda) const;
   void exchangeProblem(Archive& archive);
 
   const Teuchos::Comm<int>& comm_;
   const RunOptions& options_;
   const CheckpointReader* checkpoint_;
-  const std::vector<contact::ContactPoint>& points_;
+  const scene::ContactSetup& contact_;
   const Log& log_;
   RunReport& report_;
   SolvePlace place_;

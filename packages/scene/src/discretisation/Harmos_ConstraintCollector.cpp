@@ -1,10 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_ConstraintCollector.hpp"
 
+#include "Harmos_Agreement.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_GlobalOrder.hpp"
+#include "Harmos_Rendezvous.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <tuple>
+#include <unordered_map>
 
 namespace Harmos::scene {
 namespace {
@@ -21,34 +27,119 @@ std::size_t bytesOf(const ConstraintRow& row) {
 
 } // namespace
 
-bool ContactSetup::hasFriction() const {
-  return std::any_of(slips.begin(), slips.end(),
-                     [](const contact::SlipPoint& slip) { return slip.hasFriction; });
-}
-
 void DistinctPoints::add(const std::vector<ContactPoint>& more, const Effect& effect) {
   for (const ContactPoint& point : more) {
-    std::vector<std::size_t>& here = withNode_[point.terms.front().node];
-    const auto twin =
-        std::find_if(here.begin(), here.end(), [&](std::size_t k) { return sameRow(all_[k], point); });
-    if (twin != here.end()) {
-      double& gap = all_[*twin].gap;
-      if (std::isnan(point.gap) || point.gap < gap) // a NaN is kept, to be refused
-        gap = point.gap;
-      if (effects_[*twin] != &effect)
-        others_[*twin].push_back(&effect);
-      continue;
-    }
-    here.push_back(all_.size());
     all_.push_back(point);
-    effects_.push_back(&effect);
+    effects_.push_back({batches_.size()});
   }
+  batches_.push_back(&effect);
+}
+
+namespace {
+
+// Of points that came from all ranks, in the order in which their effects gave them.
+struct Arrival {
+  std::size_t batch, rank, place;
+  const ContactPoint* point;
+};
+
+// What a rank is told of a point of its own: that it is kept, or, with a gap of no meaning, of one more effect.
+struct Verdict {
+  std::size_t point, batch;
+  double gap;
+  bool isFirst;
+};
+
+} // namespace
+
+std::vector<DistinctPoints::Kept> DistinctPoints::distinct(const Teuchos::Comm<int>& comm) const {
+  const auto ranks = static_cast<std::size_t>(comm.getSize());
+  std::vector<std::vector<ContactPoint>> points(ranks);
+  std::vector<std::vector<std::array<std::size_t, 2>>> places(ranks); // batch, and place here
+  agree(comm, [&] {
+    for (std::size_t k = 0; k < all_.size(); ++k) {
+      const std::size_t home = homeOf(all_[k].terms.front().node, comm);
+      points[home].push_back(all_[k]);
+      places[home].push_back({effects_[k].front(), k});
+    }
+  });
+  points = contact::exchangePoints(comm, points);
+  places = exchangeItems(comm, places);
+  std::vector<std::vector<Verdict>> verdicts(ranks);
+  agree(comm, [&] {
+    std::vector<Arrival> arrivals;
+    for (std::size_t r = 0; r < ranks; ++r)
+      for (std::size_t k = 0; k < points[r].size(); ++k)
+        arrivals.push_back({places[r][k][0], r, places[r][k][1], &points[r][k]});
+    std::sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) {
+      return std::tie(a.batch, a.point->node, a.rank, a.place) <
+             std::tie(b.batch, b.point->node, b.rank, b.place);
+    });
+    struct Survivor {
+      const Arrival* first;
+      std::size_t verdict; // of its rank
+    };
+    std::unordered_map<long long, std::vector<Survivor>> withNode; // by the lowest node
+    for (const Arrival& item : arrivals) {
+      std::vector<Survivor>& here = withNode[item.point->terms.front().node];
+      const auto twin = std::find_if(here.begin(), here.end(), [&](const Survivor& survivor) {
+        return sameRow(*survivor.first->point, *item.point);
+      });
+      if (twin == here.end()) {
+        here.push_back({&item, verdicts[item.rank].size()});
+        verdicts[item.rank].push_back({item.place, item.batch, item.point->gap, true});
+        continue;
+      }
+      const Arrival& first = *twin->first;
+      double& gap = verdicts[first.rank][twin->verdict].gap;
+      if (std::isnan(item.point->gap) || item.point->gap < gap) // a NaN is kept, to be refused
+        gap = item.point->gap;
+      if (batches_[first.batch] != batches_[item.batch])
+        verdicts[first.rank].push_back({first.place, item.batch, 0.0, false});
+    }
+  });
+  std::map<std::size_t, Kept> kept;
+  for (const std::vector<Verdict>& part : exchangeItems(comm, verdicts))
+    for (const Verdict& verdict : part) {
+      Kept& point = kept[verdict.point];
+      point.point = verdict.point;
+      point.batches.push_back(verdict.batch);
+      if (verdict.isFirst)
+        point.gap = verdict.gap;
+    }
+  std::vector<Kept> result;
+  for (auto& [place, point] : kept)
+    result.push_back(std::move(point));
+  return result;
+}
+
+void DistinctPoints::finish(const Teuchos::Comm<int>& comm) {
+  std::vector<Kept> kept = distinct(comm);
+  const auto keyOf = [&](const Kept& point) {
+    return OrderKey{static_cast<long long>(point.batches.front()), all_[point.point].node};
+  };
+  std::stable_sort(kept.begin(), kept.end(),
+                   [&](const Kept& a, const Kept& b) { return keyOf(a) < keyOf(b); });
+  std::vector<OrderKey> keys;
+  std::vector<ContactPoint> points;
+  effects_.clear();
+  for (Kept& point : kept) {
+    keys.push_back(keyOf(point));
+    points.push_back(std::move(all_[point.point]));
+    points.back().gap = point.gap;
+    effects_.push_back(std::move(point.batches));
+  }
+  const std::vector<long long> numbers = sumsBefore(comm, keys, std::vector<long long>(keys.size(), 1));
+  for (std::size_t k = 0; k < points.size(); ++k)
+    points[k].number = numbers[k];
+  all_ = std::move(points);
+  count_ = globalSum(comm, static_cast<long long>(all_.size()));
 }
 
 std::vector<const Effect*> DistinctPoints::effectsAt(std::size_t point) const {
-  std::vector<const Effect*> result = {effects_[point]};
-  if (const auto more = others_.find(point); more != others_.end())
-    result.insert(result.end(), more->second.begin(), more->second.end());
+  std::vector<const Effect*> result;
+  for (std::size_t batch : effects_[point])
+    result.push_back(batches_[batch]);
   return result;
 }
 
@@ -102,7 +193,7 @@ void ConstraintCollector::addContacts(const std::vector<ContactPoint>& points,
   contacts_.add(points, *asked_);
   surfacesOf_[asked_] = surfaces;
   if (isAlong(asked_))
-    findHeldDofs(surfaces);
+    askForHeldDofs(surfaces);
 }
 
 // Whether friction or adhesion has asked for rows along the surfaces of a contact.
@@ -114,45 +205,72 @@ bool ConstraintCollector::isAlong(const Effect* contact) const {
 
 void ConstraintCollector::addFriction(Friction friction) {
   if (const auto surfaces = surfacesOf_.find(friction.contact); surfaces != surfacesOf_.end())
-    findHeldDofs(surfaces->second);
+    askForHeldDofs(surfaces->second);
   frictions_.push_back(std::move(friction));
 }
 
 void ConstraintCollector::addAdhesion(const Effect& contact, double normal, double tangential) {
   if (const auto surfaces = surfacesOf_.find(&contact); surfaces != surfacesOf_.end())
-    findHeldDofs(surfaces->second);
+    askForHeldDofs(surfaces->second);
   adhesions_.push_back({&contact, asked_, normal, tangential});
 }
 
 void ConstraintCollector::addTies(const std::vector<ContactPoint>& points,
                                   const std::vector<Part>& surfaces) {
   ties_.add(points, *asked_);
-  findHeldDofs(surfaces);
+  askForHeldDofs(surfaces);
 }
 
-// The same on every rank.
-void ConstraintCollector::findHeldDofs(const std::vector<Part>& surfaces) {
+// Of the dofs of this rank's points: what is held there, on whatever rank it is prescribed.
+void ConstraintCollector::findHeldDofs() {
+  if (heldParts_.empty())
+    return;
   const int components = scene_.components();
-  struct Item {
-    long long dof;
-    double time, value;
-  };
-  std::vector<Item> mine;
-  for (const Part& part : surfaces) {
-    const auto subdomains = withNodes_.find(part);
-    if (subdomains == withNodes_.end())
-      continue;
-    for (const OwnedSubdomain* item : subdomains->second) {
-      const std::vector<int>& nodes = item->mesh.sets.at(part.second);
-      for (const auto& timed : held_)
-        for (const feti::FixedDof& fixed : effects_.prescribed(*item, timed.first))
-          if (const int node = fixed.dof / components; std::binary_search(nodes.begin(), nodes.end(), node))
-            mine.push_back(
-                {item->mesh.number(node) * components + fixed.dof % components, timed.first, fixed.value});
+  const auto times = static_cast<long long>(held_.size());
+  std::vector<std::pair<long long, double>> known; // by dof and time
+  std::vector<long long> asked;
+  agree(comm_, [&] {
+    for (const Part& part : heldParts_) {
+      const auto subdomains = withNodes_.find(part);
+      if (subdomains == withNodes_.end())
+        continue;
+      for (const OwnedSubdomain* item : subdomains->second) {
+        const std::vector<int>& nodes = item->mesh.sets.at(part.second);
+        long long time = 0;
+        for (const auto& timed : held_) {
+          for (const feti::FixedDof& fixed : effects_.prescribed(*item, timed.first))
+            if (const int node = fixed.dof / components;
+                std::binary_search(nodes.begin(), nodes.end(), node))
+              known.emplace_back(
+                  (item->mesh.number(node) * components + fixed.dof % components) * times + time,
+                  fixed.value);
+          ++time;
+        }
+      }
     }
-  }
-  for (const Item& item : gatherAll(comm_, mine))
-    held_.at(item.time).emplace(item.dof, item.value);
+    const bool areAlong = !frictions_.empty() || !adhesions_.empty();
+    for (const DistinctPoints* points : {&contacts_, &ties_})
+      for (const ContactPoint& point : points->all())
+        if (points == &ties_ || areAlong)
+          for (const ContactPoint::Term& term : point.terms)
+            for (int c = 0; c < components; ++c)
+              asked.push_back(term.node * components + c);
+    std::sort(asked.begin(), asked.end());
+    asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
+    std::vector<long long> withTimes;
+    for (const long long dof : asked)
+      for (long long time = 0; time < times; ++time)
+        withTimes.push_back(dof * times + time);
+    asked = std::move(withTimes);
+  });
+  const std::vector<std::optional<double>> values =
+      lookUp(comm_, known, asked, [](double next, double present) { return next < present; });
+  std::vector<contact::HeldDofs*> byTime;
+  for (auto& timed : held_)
+    byTime.push_back(&timed.second);
+  for (std::size_t k = 0; k < asked.size(); ++k)
+    if (values[k])
+      byTime[static_cast<std::size_t>(asked[k] % times)]->emplace(asked[k] / times, *values[k]);
 }
 
 void ConstraintCollector::collect(const Effect& effect) {
@@ -161,15 +279,14 @@ void ConstraintCollector::collect(const Effect& effect) {
   effect.addConstraints(*this);
 }
 
-void ConstraintCollector::addContactRows(ContactSetup& setup) {
+void ConstraintCollector::addContactRows(ContactSetup& setup, double extent) {
   const std::vector<ContactPoint>& points = contacts_.all();
-  setup.rows = contact::contactRows(comm_, points, scene_.components(), 0);
+  setup.rows = contact::contactRows(points, scene_.components(), extent);
   const bool isScalar = scene_.components() == 1;
-  for (const ConstraintRow& row : setup.rows) {
-    const auto k = static_cast<std::size_t>(row.number);
+  for (std::size_t k = 0; k < points.size(); ++k) {
     const Effect& effect = contacts_.effect(k);
     costs_.addRows(effect.kind(), 1);
-    costs_.addBytes(effect.kind(), bytesOf(row));
+    costs_.addBytes(effect.kind(), bytesOf(setup.rows[k]));
     setup.origins.push_back(
         {&effect, points[k].position, isScalar ? directionOf(scene_, 0) : points[k].normal});
   }
@@ -209,19 +326,19 @@ void ConstraintCollector::findSlips(ContactSetup& setup) {
       slip.tangents = contact::slipDirections(points[k], scene_.components(), held_);
       if (slip.tangents.empty())
         continue;
-      slip.firstRow = setup.slipRows();
+      slip.firstPlace = setup.slipRows();
       slip.follows = frictions_[f].isByPressure;
       const double value = frictions_[f].value(points[k].position);
       (slip.follows ? slip.coefficient : slip.limit) = slip.follows ? value : value * points[k].area;
       setup.slips.push_back(slip);
       setup.frictions.push_back(frictions_[f].effect);
+      slipOrder_.push_back(f);
     }
 }
 
 // Likewise, after all friction.
-void ConstraintCollector::findBonds(ContactSetup& setup) {
+void ConstraintCollector::findBonds(ContactSetup& setup, double extent) {
   const std::vector<ContactPoint>& points = contacts_.all();
-  const double extent = adhesions_.empty() ? 0.0 : contact::extentOf(points);
   std::unordered_map<std::size_t, std::size_t> slipAt;
   for (std::size_t s = 0; s < setup.slips.size() && !adhesions_.empty(); ++s)
     slipAt.emplace(setup.slips[s].point, s);
@@ -244,43 +361,58 @@ void ConstraintCollector::findBonds(ContactSetup& setup) {
         contact::SlipPoint slip;
         slip.point = k;
         slip.tangents = std::move(tangents);
-        slip.firstRow = setup.slipRows();
+        slip.firstPlace = setup.slipRows();
         slip.hasFriction = false;
         setup.slips.push_back(slip);
         setup.frictions.push_back(adhesion.effect);
+        slipOrder_.push_back(frictions_.size() + a);
       }
       setup.bonds.push_back(bond);
     }
-    const std::size_t bound = setup.bonds.size() - before;
-    note(adhesion.effect->label() + " binds " + std::to_string(bound) + " of the " +
-         std::to_string(own[a].size()) + " points of " + adhesion.contact->label() +
-         (bound == own[a].size() ? std::string()
-                                 : "; at the other " + std::to_string(own[a].size() - bound) +
+    const long long bound = globalSum(comm_, static_cast<long long>(setup.bonds.size() - before)),
+                    all = globalSum(comm_, static_cast<long long>(own[a].size()));
+    note(adhesion.effect->label() + " binds " + std::to_string(bound) + " of the " + std::to_string(all) +
+         " points of " + adhesion.contact->label() +
+         (bound == all ? std::string()
+                                 : "; at the other " + std::to_string(all - bound) +
                                        " the surfaces are apart, or overlap: a contact without adhesion"));
   }
 }
 
-void ConstraintCollector::addSlipRows(ContactSetup& setup) {
-  findSlips(setup);
-  findBonds(setup);
-  if (setup.slips.empty())
+// Over all ranks, as the effects that ask for them follow each other, then by points.
+void ConstraintCollector::numberSlips(ContactSetup& setup) const {
+  std::vector<OrderKey> keys;
+  std::vector<long long> rows;
+  for (std::size_t s = 0; s < setup.slips.size(); ++s) {
+    keys.push_back({static_cast<long long>(slipOrder_[s]), setup.points[setup.slips[s].point].number});
+    rows.push_back(static_cast<long long>(setup.slips[s].tangents.size()));
+  }
+  const std::vector<long long> first = sumsBefore(comm_, keys, rows);
+  for (std::size_t s = 0; s < setup.slips.size(); ++s)
+    setup.slips[s].firstRow = first[s];
+}
+
+void ConstraintCollector::addSlipRows(ContactSetup& setup, double extent) {
+  if (frictions_.empty() && adhesions_.empty())
     return;
-  const std::vector<ContactPoint>& points = contacts_.all();
+  agree(comm_, [&] { findSlips(setup); });
+  findBonds(setup, extent);
+  numberSlips(setup);
   for (const Effect* friction : setup.frictions)
     costs_.addBytes(friction->kind(), sizeof(contact::SlipPoint));
-  std::size_t s = 0;
-  for (const ConstraintRow& row : contact::slipRows(comm_, points, setup.slips, scene_.components())) {
-    const auto number = static_cast<std::size_t>(row.number);
-    while (number >= setup.slips[s].firstRow + setup.slips[s].tangents.size())
-      ++s;
-    const contact::SlipPoint& slip = setup.slips[s];
-    const std::string& kind = setup.frictions[s]->kind();
-    costs_.addRows(kind, 1);
-    costs_.addBytes(kind, bytesOf(row));
-    setup.rows.push_back(row);
-    setup.origins.push_back({&contacts_.effect(slip.point), points[slip.point].position,
-                             slip.tangents[number - slip.firstRow], true});
-  }
+  const std::vector<ContactPoint>& points = setup.points;
+  const std::vector<ConstraintRow> rows =
+      contact::slipRows(points, setup.slips, scene_.components(), extent);
+  std::size_t row = 0;
+  for (std::size_t s = 0; s < setup.slips.size(); ++s)
+    for (const fem::Point& tangent : setup.slips[s].tangents) {
+      const std::string& kind = setup.frictions[s]->kind();
+      costs_.addRows(kind, 1);
+      costs_.addBytes(kind, bytesOf(rows[row]));
+      setup.rows.push_back(rows[row++]);
+      const std::size_t point = setup.slips[s].point;
+      setup.origins.push_back({setup.effects[point], points[point].position, tangent, true});
+    }
 }
 
 // The springs of what is bound.
@@ -290,12 +422,12 @@ void ConstraintCollector::soften(ContactSetup& setup) const {
   std::unordered_map<long long, double> ofPoint, ofSlip;
   for (const ContactSetup::Bond& bond : setup.bonds) {
     costs_.addBytes(bond.effect->kind(), sizeof(ContactSetup::Bond));
-    ofPoint.emplace(static_cast<long long>(bond.point), bond.softness);
+    ofPoint.emplace(setup.points[bond.point].number, bond.softness);
     if (bond.slip == ContactSetup::Bond::none)
       continue;
     const contact::SlipPoint& slip = setup.slips[bond.slip];
     for (std::size_t t = 0; t < slip.tangents.size(); ++t)
-      ofSlip.emplace(static_cast<long long>(slip.firstRow + t), bond.tangentialSoftness);
+      ofSlip.emplace(slip.firstRow + static_cast<long long>(t), bond.tangentialSoftness);
   }
   for (ConstraintRow& row : setup.rows) {
     if (row.kind == ConstraintRow::Kind::Equality)
@@ -306,41 +438,74 @@ void ConstraintCollector::soften(ContactSetup& setup) const {
   }
 }
 
-// Kind after kind, to know whose rows are whose; their points are not kept.
+// The points of ties are not kept.
 void ConstraintCollector::addTieRows(ContactSetup& setup) {
-  const std::vector<ContactPoint>& ties = ties_.all();
-  long long first = 0;
-  for (std::size_t begin = 0, end = 0; begin < ties.size(); begin = end) {
-    const std::string& kind = ties_.effect(begin).kind();
-    while (end < ties.size() && ties_.effect(end).kind() == kind)
-      ++end;
-    const auto at = [&](std::size_t k) { return ties.begin() + static_cast<std::ptrdiff_t>(k); };
-    const std::vector<ContactPoint> points(at(begin), at(end));
-    contact::TieRows part;
-    for (const auto& timed : held_) // the same rows each time, or a contradiction
-      part = contact::tieRows(comm_, points, scene_.components(), first, timed.second);
-    first += part.count;
-    for (const ConstraintRow& row : part.rows)
-      costs_.addBytes(kind, bytesOf(row));
-    costs_.addRows(kind, static_cast<long long>(part.rows.size()));
-    setup.rows.insert(setup.rows.end(), part.rows.begin(), part.rows.end());
-    for (const auto& [point, component] : part.origins)
-      setup.origins.push_back(
-          {&ties_.effect(begin + point), ties[begin + point].position, directionOf(scene_, component)});
+  const std::vector<ContactPoint>& points = ties_.all();
+  const int components = scene_.components();
+  std::vector<std::vector<int>> tied;
+  std::vector<OrderKey> keys;
+  std::vector<long long> counts;
+  agree(comm_, [&] {
+    for (const ContactPoint& point : points) {
+      std::vector<int> here;
+      for (const auto& timed : held_) // the same rows each time, or a contradiction
+        here = contact::tiedComponents(point, components, timed.second);
+      keys.push_back({point.number, 0});
+      counts.push_back(static_cast<long long>(here.size()));
+      tied.push_back(std::move(here));
+    }
+  });
+  const std::vector<long long> first = sumsBefore(comm_, keys, counts);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Effect& effect = ties_.effect(k);
+    long long number = first[k];
+    for (int component : tied[k]) {
+      setup.rows.push_back(contact::tieRow(points[k], component, components, number++));
+      costs_.addRows(effect.kind(), 1);
+      costs_.addBytes(effect.kind(), bytesOf(setup.rows.back()));
+      setup.origins.push_back({&effect, points[k].position, directionOf(scene_, component)});
+    }
   }
+}
+
+// Over all ranks.
+void ConstraintCollector::count(ContactSetup& setup) const {
+  setup.pointCount = contacts_.count();
+  setup.limitedRows = globalSum(comm_, static_cast<long long>(setup.slipRows()));
+  setup.bondCount = globalSum(comm_, static_cast<long long>(setup.bonds.size()));
+  if (setup.limitedRows == 0)
+    return;
+  std::vector<double> has(scene_.effects.size() + 1, 0.0); // of each effect whether it has tangential rows
+  std::map<const Effect*, std::size_t> places;
+  for (std::size_t k = 0; k < scene_.effects.size(); ++k)
+    places[scene_.effects[k].get()] = k;
+  for (const contact::SlipPoint& slip : setup.slips) {
+    has[places.at(setup.effects[slip.point])] = 1.0;
+    has.back() = slip.hasFriction ? 1.0 : has.back();
+  }
+  globalSum(comm_, has);
+  setup.hasFriction = has.back() > 0.0;
+  for (std::size_t k = 0; k < scene_.effects.size(); ++k)
+    if (has[k] > 0.0)
+      setup.tangential.insert(scene_.effects[k].get());
 }
 
 ContactSetup ConstraintCollector::finish() {
   ContactSetup result;
-  addContactRows(result);
-  addSlipRows(result);
-  soften(result);
-  addTieRows(result);
+  contacts_.finish(comm_);
+  ties_.finish(comm_);
+  findHeldDofs();
+  const double extent = contact::extentOf(comm_, contacts_.all());
+  addContactRows(result, extent);
   for (std::size_t k = 0; k < contacts_.all().size(); ++k) {
     costs_.addBytes(contacts_.effect(k).kind(), bytesOf(contacts_.all()[k]));
     result.effects.push_back(&contacts_.effect(k));
   }
-  result.points = std::move(contacts_.all());
+  result.points = contacts_.all();
+  addSlipRows(result, extent);
+  soften(result);
+  addTieRows(result);
+  count(result);
   result.notes = std::move(notes_);
   return result;
 }

@@ -12,14 +12,15 @@
 
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
 namespace Harmos::scene {
 
-/// Where bodies may touch each other and obstacles, and the rows that follow.
+/// Where bodies may touch each other and obstacles, and the rows that follow: those of this rank. What is
+/// counted is counted over all ranks.
 struct ContactSetup {
   /// What a row's multiplier does: −multiplier · direction is the force on the first body, at the position.
   struct Origin {
@@ -35,47 +36,67 @@ struct ContactSetup {
     std::size_t slip;     ///< that among those with limited rows; none: held on both sides in all directions
     double softness, tangentialSoftness; ///< opening, and slip, by force
   };
-  /// The points of the inequality rows, in their order, which is that of the effects. The same on every rank.
+  /// The points of the inequality rows, by their numbers, which rise with the effects and, of each, with the
+  /// nodes: the same on any number of ranks.
   std::vector<contact::ContactPoint> points;
   std::vector<const Effect*> effects; ///< of each point
+  long long pointCount = 0;           ///< of all ranks
   /// The points that bear friction, or are bound, in the order of the limited rows, and the effects that say
   /// so: of a point that does both friction.
   std::vector<contact::SlipPoint> slips;
   std::vector<const Effect*> frictions;
-  bool hasFriction() const;
+  long long limitedRows = 0;         ///< of all ranks
+  bool hasFriction = false;          ///< whether any of these points, on any rank, does not only hold by springs
+  std::set<const Effect*> tangential; ///< effects of points with limited rows, on any rank
   /// In the order of the effects that bind them and of points.
   std::vector<Bond> bonds;
+  long long bondCount = 0; ///< of all ranks
+  /// Limited rows of this rank.
   std::size_t slipRows() const {
-    return slips.empty() ? 0 : slips.back().firstRow + slips.back().tangents.size();
+    return slips.empty() ? 0 : slips.back().firstPlace + slips.back().tangents.size();
   }
-  std::vector<ConstraintRow> rows; ///< this rank's share, ties too
+  std::vector<ConstraintRow> rows; ///< of inequalities, of slips, of ties
   std::vector<Origin> origins;     ///< of each of these; a row that two effects ask for is the first one's
   std::vector<std::string> notes;  ///< what the user should know; sentences
 };
 
 /// Points whose rows differ. Effects that overlap give the same row twice, perhaps with the surfaces
-/// exchanged; two of them would be dependent, and of contacts the one with the smaller gap is enough.
+/// exchanged; two of them would be dependent, and of contacts the one with the smaller gap is enough. Such
+/// points meet at the rank of their lowest node, and the one that is kept stays where it came from.
 class DistinctPoints {
  public:
   /// @param normalsMatter not for ties, which have rows in every direction, nor for scalar problems.
   explicit DistinctPoints(bool normalsMatter) : normalsMatter_(normalsMatter) {}
 
-  /// @param effect that they are of.
+  /// This rank's points of an effect; all ranks ask for the same effects in the same order. Local.
   void add(const std::vector<contact::ContactPoint>& more, const Effect& effect);
-  std::vector<contact::ContactPoint>& all() { return all_; }
+  /// Leaves out what is there twice, and numbers the others: by effects, then by nodes. @note Collective.
+  void finish(const Teuchos::Comm<int>& comm);
+
+  // After that.
+
+  const std::vector<contact::ContactPoint>& all() const { return all_; }
+  /// On all ranks.
+  long long count() const { return count_; }
   /// The one that named a point first.
-  const Effect& effect(std::size_t point) const { return *effects_[point]; }
+  const Effect& effect(std::size_t point) const { return *batches_[effects_[point].front()]; }
   /// All that named it, in their order.
   std::vector<const Effect*> effectsAt(std::size_t point) const;
 
  private:
+  struct Kept {
+    std::size_t point;                // of those that were added
+    double gap;                       // the smallest
+    std::vector<std::size_t> batches; // the first one's, and those of others
+  };
   bool sameRow(const contact::ContactPoint& a, const contact::ContactPoint& b) const;
+  std::vector<Kept> distinct(const Teuchos::Comm<int>& comm) const;
 
   bool normalsMatter_;
+  std::vector<const Effect*> batches_;         // of each call of add()
   std::vector<contact::ContactPoint> all_;
-  std::vector<const Effect*> effects_;
-  std::unordered_map<long long, std::vector<std::size_t>> withNode_; // by the lowest node
-  std::map<std::size_t, std::vector<const Effect*>> others_;         // that named a point again
+  std::vector<std::vector<std::size_t>> effects_; // places in batches_ of each point
+  long long count_ = 0;
 };
 
 /// Where effects put their constraints, and what they need to find them. Every row is told apart from those
@@ -88,20 +109,20 @@ class ConstraintCollector {
 
   // For effects.
 
-  /// A boundary part, on every rank; see contact::gatherSurface(). @note Collective.
+  /// A boundary part: the piece that is on this rank; see contact::gatherSurface(). @note Collective.
   contact::Surface surface(int body, const std::string& set,
                            const contact::NormalField& normal = nullptr) const;
 
-  /// Inequality rows n·w ≤ gap, one a point. The same on every rank.
+  /// Inequality rows n·w ≤ gap, one a point, of this rank's points: each point on one rank alone.
   /// @param surfaces that the points belong to, body and boundary part: where they are not given, friction
-  /// does not know where both sides are held. @note Collective.
+  /// does not know where both sides are held. @note On every rank.
   void addContacts(const std::vector<contact::ContactPoint>& points,
                    const std::vector<std::pair<int, std::string>>& surfaces = {});
 
   /// Equality rows w_c = 0, one a point and component; points as above. Where both sides end on prescribed
   /// displacements rows are left out, see contact::tieRows().
   /// @param surfaces that the points belong to: body and boundary part.
-  /// @note Collective.
+  /// @note On every rank.
   void addTies(const std::vector<contact::ContactPoint>& points,
                const std::vector<std::pair<int, std::string>>& surfaces);
 
@@ -136,17 +157,19 @@ class ConstraintCollector {
   void collect(const Effect& effect);
 
   /// All that was collected; the collector is empty then.
-  /// @throws InputError on all ranks if a tie contradicts prescribed displacements. Local.
+  /// @throws InputError on all ranks if a tie contradicts prescribed displacements. @note Collective.
   ContactSetup finish();
 
  private:
-  void addContactRows(ContactSetup& setup);
+  void addContactRows(ContactSetup& setup, double extent);
   void findSlips(ContactSetup& setup);
-  void findBonds(ContactSetup& setup);
-  void addSlipRows(ContactSetup& setup);
+  void findBonds(ContactSetup& setup, double extent);
+  void numberSlips(ContactSetup& setup) const;
+  void addSlipRows(ContactSetup& setup, double extent);
+  void count(ContactSetup& setup) const;
   void soften(ContactSetup& setup) const;
   void addTieRows(ContactSetup& setup);
-  void findHeldDofs(const std::vector<std::pair<int, std::string>>& surfaces);
+  void findHeldDofs();
   struct Friction {
     const Effect *contact, *effect;
     std::function<double(const fem::Point&)> value; ///< a bound, or
@@ -158,6 +181,9 @@ class ConstraintCollector {
     double normal, tangential; ///< stiffness
   };
   bool isAlong(const Effect* contact) const;
+  void askForHeldDofs(const std::vector<std::pair<int, std::string>>& surfaces) {
+    heldParts_.insert(surfaces.begin(), surfaces.end());
+  }
 
   const Teuchos::Comm<int>& comm_;
   const Scene& scene_;
@@ -171,8 +197,10 @@ class ConstraintCollector {
   DistinctPoints contacts_, ties_;
   std::vector<Friction> frictions_;
   std::vector<Adhesion> adhesions_;
+  std::vector<std::size_t> slipOrder_; // of each slip: place of what asked for it, friction before adhesion
   std::map<const Effect*, std::vector<Part>> surfacesOf_; // of contacts
-  std::map<double, contact::HeldDofs> held_;              // at ties and where there are limited rows, by time
+  std::set<Part> heldParts_; // where ties are, and limited rows
+  std::map<double, contact::HeldDofs> held_; // of dofs of this rank's points there, by time
   std::vector<std::string> notes_;
 };
 
