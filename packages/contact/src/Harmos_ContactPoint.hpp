@@ -38,8 +38,8 @@ struct ContactPoint {
 /// @param tolerance of the positions, relative to the extent of the surfaces and their distance from the
 /// origin.
 /// @return those of this rank's own nodes of the first surface, by node number.
-/// @throws InputError on all ranks if a node of either has no partner, naming it, or if both surfaces look the
-/// same way there.
+/// @throws InputError on all ranks if a node of either has no partner, naming it, or if both surfaces look
+/// the same way there.
 /// @note Collective: see facetsTouching().
 /// Guarded by tests/unit/contact/test_match_nodes.cpp.
 std::vector<ContactPoint> matchNodes(const Surface& first, const Surface& second, double tolerance = 1e-9);
@@ -69,20 +69,21 @@ bool nodesMatch(const Surface& first, const Surface& second, double tolerance = 
 /// 1e-4 of its length, on facets of second order by less than some hundredths. A constant pressure has its
 /// exact resultant but for them.
 ///
-/// Cost: proportional to the number of this rank's own facets of the first surface and those of the second one
-/// near them, but for the search, which is O(n log n). 20 000 facets of each surface take less than a second on
-/// one rank. A facet between ranks is sampled by each rank that makes a point of one of its nodes: so a point is
-/// the same, to the last bit, on any number of ranks.
+/// Cost: proportional to the number of this rank's own facets of the first surface and those of the second
+/// one near them, but for the search, which is O(n log n). 20 000 facets of each surface take less than a
+/// second on one rank. A facet between ranks is sampled by each rank that makes a point of one of its nodes:
+/// so a point is the same, to the last bit, on any number of ranks.
 ///
 /// @param reach counterparts farther than this are none; 0: a tenth of the extent of the smaller surface.
 /// @return those of this rank's own nodes of the first surface, by node number; nodes without a counterpart
 /// give none.
-/// @throws InputError on all ranks if no node has a counterpart (the pair never meets), for surfaces whose facets are not
+/// @throws InputError on all ranks if no node has a counterpart (the pair never meets), for surfaces whose
+/// facets are not
 ///         supported, for surfaces of different dimensions and a negative reach, and for facets too distorted
 ///         to be projected.
 /// @note Collective.
-/// Guarded by tests/unit/contact/test_mortar_plane.cpp, tests/unit/contact/test_mortar_space.cpp and, on several
-/// ranks, tests/unit/contact/test_pieces.cpp.
+/// Guarded by tests/unit/contact/test_mortar_plane.cpp, tests/unit/contact/test_mortar_space.cpp and, on
+/// several ranks, tests/unit/contact/test_pieces.cpp.
 std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& second, double reach = 0.0);
 
 /// A rigid body, at rest.
@@ -98,7 +99,8 @@ struct Obstacle {
 /// Contact with a rigid obstacle: n·u ≤ gap at each node of the surface, n the direction towards the
 /// obstacle at the initial position of the node, gap its distance.
 /// @return those of this rank's own nodes, by node number; areas from tributaryAreas().
-/// @throws InputError on all ranks for a direction of length zero, a radius of zero, and a node at the centre.
+/// @throws InputError on all ranks for a direction of length zero, a radius of zero, and a node at the
+/// centre.
 /// @note Collective.
 /// Guarded by tests/unit/contact/test_obstacle.cpp.
 std::vector<ContactPoint> obstaclePoints(const Surface& surface, const Obstacle& obstacle);

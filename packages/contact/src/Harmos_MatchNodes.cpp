@@ -163,7 +163,8 @@ Matching match(const Surface& first, const Surface& second, double tolerance) {
                    {{"node", number}});
 }
 
-// Of those without a partner the lowest number is named. @param alone this rank's, places of the surface, rising.
+// Of those without a partner the lowest number is named. @param alone this rank's, places of the surface,
+// rising.
 void requireNone(const Surface& first, const Surface& second, bool isFirst,
                  const std::vector<std::size_t>& alone) {
   const Surface& surface = isFirst ? first : second;

@@ -221,8 +221,7 @@ constexpr double negligibleWeight = 1e-13;
 double farthestOf(const Surface& surface) {
   double farthest = 0.0;
   for (std::size_t d = 0; d < 3; ++d)
-    farthest =
-        std::max({farthest, std::abs(surface.wholeBox.low[d]), std::abs(surface.wholeBox.high[d])});
+    farthest = std::max({farthest, std::abs(surface.wholeBox.low[d]), std::abs(surface.wholeBox.high[d])});
   return farthest;
 }
 

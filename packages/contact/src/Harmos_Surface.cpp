@@ -65,10 +65,9 @@ Part partOf(const std::vector<const fem::PlacedMesh*>& meshes, const std::string
   }
   // Of the copies of a node, which differ by rounding, the one that does not depend on the ranks they are on.
   std::sort(part.nodes.begin(), part.nodes.end());
-  part.nodes.erase(
-      std::unique(part.nodes.begin(), part.nodes.end(),
-                  [](const NodeCopy& a, const NodeCopy& b) { return a.number == b.number; }),
-      part.nodes.end());
+  part.nodes.erase(std::unique(part.nodes.begin(), part.nodes.end(),
+                               [](const NodeCopy& a, const NodeCopy& b) { return a.number == b.number; }),
+                   part.nodes.end());
   return part;
 }
 
@@ -81,7 +80,7 @@ struct Meeting {
 
 // All nodes of the surface, each at the rank of its number.
 struct Meetings {
-  std::vector<Meeting> of;              // of this rank's nodes, in their order
+  std::vector<Meeting> of;               // of this rank's nodes, in their order
   std::vector<std::vector<int>> sharers; // of these
   long long wholeNodes = 0;
 };
@@ -114,8 +113,7 @@ Meetings meet(const Teuchos::Comm<int>& comm, const std::vector<NodeCopy>& nodes
     for (std::size_t r = 0; r < ranks; ++r)
       for (const NodeCopy& node : arrived[r]) {
         const All& all = known.at(node.number);
-        answers[r].push_back(
-            {all.position, all.ranks.front(), static_cast<int>(all.ranks.size()) - 1});
+        answers[r].push_back({all.position, all.ranks.front(), static_cast<int>(all.ranks.size()) - 1});
         for (int other : all.ranks)
           if (other != static_cast<int>(r))
             lists[r].push_back(other);

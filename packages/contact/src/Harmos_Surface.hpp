@@ -16,8 +16,8 @@ namespace Harmos::contact {
 /// generated circle for instance.
 using NormalField = std::function<fem::Point(const fem::Point&)>;
 
-/// A named boundary part of a body: the piece of it that lies on this rank's subdomains, and the facets of other
-/// ranks around that. What is said of the whole is the same on every rank.
+/// A named boundary part of a body: the piece of it that lies on this rank's subdomains, and the facets of
+/// other ranks around that. What is said of the whole is the same on every rank.
 ///
 /// Normals are averaged over the facets around a node, weighted by their area, over all subdomains and the
 /// named part alone: so they do not depend on the decomposition, and an edge between two parts has a normal
@@ -31,13 +31,13 @@ struct Surface {
   std::vector<long long> numbers; ///< global node numbers, rising: of the nodes of all facets that are here
   std::vector<fem::Point> positions; ///< of each node
   std::vector<fem::Point> normals;   ///< of each node, outward, of length one
-  std::vector<double> areas;         ///< ∫ φ_i: lengths in the plane (per unit thickness); 0 at the corners of
-                                     ///< straight triangles of six nodes
-  std::vector<int> facets;           ///< nodes (places in numbers) of each facet, in the order of its shape,
-                                     ///< seen from outside
-  std::vector<char> isOwnFacet;      ///< 1: of a subdomain of this rank
-  std::vector<char> isOwnNode; ///< 1: this rank makes the contact point of the node; a node is one rank's own,
-                               ///< and that has all facets around it
+  std::vector<double> areas;    ///< ∫ φ_i: lengths in the plane (per unit thickness); 0 at the corners of
+                                ///< straight triangles of six nodes
+  std::vector<int> facets;      ///< nodes (places in numbers) of each facet, in the order of its shape,
+                                ///< seen from outside
+  std::vector<char> isOwnFacet; ///< 1: of a subdomain of this rank
+  std::vector<char> isOwnNode;  ///< 1: this rank makes the contact point of the node; a node is one rank's
+                               ///< own, and that has all facets around it
 
   const Teuchos::Comm<int>* comm = nullptr; ///< of all ranks that have a piece, or none
   long long wholeNodes = 0;                 ///< of all of it
@@ -48,8 +48,8 @@ struct Surface {
   int numberOfFacets() const { return static_cast<int>(facets.size()) / nodesPerFacet(); }
 };
 
-/// Gathers the pieces of a boundary part. Nodes meet at a rank that follows from their number, which tells who
-/// else has them; facets at such nodes go from rank to rank. Memory and time go with the piece.
+/// Gathers the pieces of a boundary part. Nodes meet at a rank that follows from their number, which tells
+/// who else has them; facets at such nodes go from rank to rank. Memory and time go with the piece.
 /// @param comm to outlive the surface. @param parts this rank's subdomains of the body. @param field null:
 /// averaged facet normals.
 /// @throws InputError on all ranks if the part is empty, has facets of different types, is not a manifold
@@ -61,14 +61,14 @@ struct Surface {
 Surface gatherSurface(const Teuchos::Comm<int>& comm, const std::vector<const fem::PlacedMesh*>& parts,
                       const std::string& set, const std::string& name, const NormalField& field = nullptr);
 
-/// The facets of a surface that touch boxes, in the order of the whole surface, with the nodes of these alone,
-/// their normals among them: from whatever ranks they are on. Ranks whose facets are nowhere near say nothing to
-/// each other.
+/// The facets of a surface that touch boxes, in the order of the whole surface, with the nodes of these
+/// alone, their normals among them: from whatever ranks they are on. Ranks whose facets are nowhere near say
+/// nothing to each other.
 /// @param boxes this rank's. @note Collective; boxes of the ranks' pieces are known to all.
 Surface facetsTouching(const Surface& surface, const std::vector<fem::Box>& boxes);
 
-/// Of points of a facet; those of second order bulge beyond the box of their nodes, by at most a quarter of its
-/// size. @param points more that the box is to hold.
+/// Of points of a facet; those of second order bulge beyond the box of their nodes, by at most a quarter of
+/// its size. @param points more that the box is to hold.
 fem::Box boxOfFacet(const Surface& surface, int facet, std::vector<fem::Point> points = {});
 
 /// The part of the surface that belongs to each node, for contact pressures: force of a node / area. As

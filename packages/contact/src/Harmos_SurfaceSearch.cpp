@@ -70,9 +70,9 @@ void setFacets(Surface& surface, const std::vector<WholeFacet>& items) {
   for (const WholeFacet& item : items) {
     std::vector<int>& places = facets.emplace_back();
     for (std::size_t k = 0; k < count; ++k)
-      places.push_back(static_cast<int>(
-          std::lower_bound(surface.numbers.begin(), surface.numbers.end(), item.numbers[k]) -
-          surface.numbers.begin()));
+      places.push_back(
+          static_cast<int>(std::lower_bound(surface.numbers.begin(), surface.numbers.end(), item.numbers[k]) -
+                           surface.numbers.begin()));
   }
   std::sort(facets.begin(), facets.end());
   for (const std::vector<int>& places : facets)

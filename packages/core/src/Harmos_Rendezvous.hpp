@@ -12,9 +12,9 @@
 
 namespace Harmos {
 
-/// The rank at which all that is known of a key, and all who ask for it, meet. Keys in arithmetic progression,
-/// as numbers of the nodes of a surface often are, go to all ranks alike (the mixer of Steele, Lea, Flood:
-/// Fast splittable pseudorandom number generators, OOPSLA 2014).
+/// The rank at which all that is known of a key, and all who ask for it, meet. Keys in arithmetic
+/// progression, as numbers of the nodes of a surface often are, go to all ranks alike (the mixer of Steele,
+/// Lea, Flood: Fast splittable pseudorandom number generators, OOPSLA 2014).
 inline std::size_t homeOf(long long key, const Teuchos::Comm<int>& comm) {
   auto bits = static_cast<std::uint64_t>(key);
   bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -23,18 +23,18 @@ inline std::size_t homeOf(long long key, const Teuchos::Comm<int>& comm) {
   return static_cast<std::size_t>(bits % static_cast<std::uint64_t>(comm.getSize()));
 }
 
-/// What ranks know of keys, for those who ask: the value of each key asked for, in the order of the questions;
-/// none where nobody knows it. Both meet at homeOf() the key: a rank needs memory for what it knows and asks,
-/// and for a share of all.
+/// What ranks know of keys, for those who ask: the value of each key asked for, in the order of the
+/// questions; none where nobody knows it. Both meet at homeOf() the key: a rank needs memory for what it
+/// knows and asks, and for a share of all.
 /// @param known pairs of key, ≥ 0, and value; a key may be known several times. @param replaces (next,
 /// present) whether a value takes the place of another one of its key; the answer depends on it alone if it
 /// orders all values of a key.
 /// @note Collective, two exchanges.
 /// Guarded by tests/unit/core/test_rendezvous.cpp.
 template<class Value, class Replaces>
-std::vector<std::optional<Value>>
-lookUp(const Teuchos::Comm<int>& comm, const std::vector<std::pair<long long, Value>>& known,
-       const std::vector<long long>& asked, Replaces replaces) {
+std::vector<std::optional<Value>> lookUp(const Teuchos::Comm<int>& comm,
+                                         const std::vector<std::pair<long long, Value>>& known,
+                                         const std::vector<long long>& asked, Replaces replaces) {
   struct Known {
     long long key;
     Value value;

@@ -26,9 +26,9 @@ std::vector<contact::ContactPoint> SurfacePair::points(scene::ConstraintCollecto
     }
   const long long found = globalSum(*one.comm, static_cast<long long>(points.size()));
   if (found < one.wholeNodes)
-    collector.note(std::to_string(one.wholeNodes - found) + " of the " +
-                   std::to_string(one.wholeNodes) + " nodes of " + one.name + " have no counterpart on " +
-                   other.name + " within reach and may move freely through it");
+    collector.note(std::to_string(one.wholeNodes - found) + " of the " + std::to_string(one.wholeNodes) +
+                   " nodes of " + one.name + " have no counterpart on " + other.name +
+                   " within reach and may move freely through it");
   return points;
 }
 

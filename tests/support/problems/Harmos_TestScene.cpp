@@ -133,8 +133,7 @@ TestRun runScene(const scene::Scene& scene, double tolerance, const std::vector<
   const Log log =
       isTold ? Log(std::cout, std::cerr, Log::Verbosity::Detailed, testComm()->getRank() == 0) : Log();
   const Teuchos::RCP<const Teuchos::Comm<int>> ranks = comm.is_null() ? testComm() : comm;
-  run.solution =
-      run::runScene(ranks, scene, options, log, std::chrono::steady_clock::now(), run.report);
+  run.solution = run::runScene(ranks, scene, options, log, std::chrono::steady_clock::now(), run.report);
   run::WholeContact contact = run::gatherContact(*ranks, run.report.contactPoints, run.report.contact);
   run.report.contactPoints = std::move(contact.points);
   run.report.contact = std::move(contact.states);

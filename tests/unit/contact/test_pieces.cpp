@@ -15,7 +15,8 @@ using fem::Point;
 
 namespace {
 
-Surface pieceOf(const fem::StructuredBlock& body, const std::string& set, const NormalField& field = nullptr) {
+Surface pieceOf(const fem::StructuredBlock& body, const std::string& set,
+                const NormalField& field = nullptr) {
   const auto comm = testComm();
   return gather(share(body, comm->getRank(), comm->getSize()), set, "body/" + set, field, *comm);
 }
@@ -62,8 +63,9 @@ fem::StructuredBlock lower(CellType type, const std::array<int, 3>& subdomains,
 fem::StructuredBlock upper(CellType type, const std::array<int, 3>& subdomains,
                            const std::array<int, 3>& elements) {
   const bool isPlane = fem::shapeOf(type).dimension == 2;
-  return isPlane ? block(type, {0.13, 0.001, 0}, {1.2, 1, 0}, {subdomains[0], 1, 1}, elements, 10000, bentInPlane)
-                 : block(type, {0.13, -0.21, 0.001}, {1.2, 0.9, 1}, subdomains, elements, 10000, bent);
+  return isPlane
+             ? block(type, {0.13, 0.001, 0}, {1.2, 1, 0}, {subdomains[0], 1, 1}, elements, 10000, bentInPlane)
+             : block(type, {0.13, -0.21, 0.001}, {1.2, 0.9, 1}, subdomains, elements, 10000, bent);
 }
 
 } // namespace
@@ -114,17 +116,18 @@ TEST(Pieces, facets_near_boxes_are_found_on_any_rank) {
 }
 
 TEST(Pieces, mortar_points_are_those_of_whole_surfaces) {
-  for (const auto& [first, second] :
-       {std::pair(CellType::Quadrilateral4, CellType::Quadrilateral9),
-        std::pair(CellType::Triangle6, CellType::Quadrilateral4), std::pair(CellType::Hexahedron8, CellType::Tetrahedron4),
-        std::pair(CellType::Tetrahedron10, CellType::Tetrahedron10),
-        std::pair(CellType::Hexahedron27, CellType::Hexahedron8)}) {
+  for (const auto& [first, second] : {std::pair(CellType::Quadrilateral4, CellType::Quadrilateral9),
+                                      std::pair(CellType::Triangle6, CellType::Quadrilateral4),
+                                      std::pair(CellType::Hexahedron8, CellType::Tetrahedron4),
+                                      std::pair(CellType::Tetrahedron10, CellType::Tetrahedron10),
+                                      std::pair(CellType::Hexahedron27, CellType::Hexahedron8)}) {
     const auto below = lower(first, {3, 2, 1}, {2, 3, 1}), above = upper(second, {2, 3, 1}, {3, 2, 1});
     const std::string what = fem::shapeOf(first).name + " on " + fem::shapeOf(second).name;
     const bool isPlane = fem::shapeOf(first).dimension == 2;
     const std::string top = "top", bottom = "bottom";
     expectSame(mortarPoints(pieceOf(below, top), pieceOf(above, bottom)),
-               mortarPoints(surfaceOf(below, top), surfaceOf(above, bottom)), what + (isPlane ? " in the plane" : ""));
+               mortarPoints(surfaceOf(below, top), surfaceOf(above, bottom)),
+               what + (isPlane ? " in the plane" : ""));
     expectSame(mortarPoints(pieceOf(above, bottom), pieceOf(below, top), 0.3),
                mortarPoints(surfaceOf(above, bottom), surfaceOf(below, top), 0.3), what + ", exchanged");
   }
@@ -152,9 +155,8 @@ TEST(Pieces, nodes_at_one_place_have_a_partner_each) {
     std::vector<fem::PlacedMesh> mine;
     for (int k = 0; k < 4; ++k)
       if (k % ranks == rank)
-        for (const fem::PlacedMesh& mesh :
-             share(block(CellType::Quadrilateral4, {1.0 * k, y, 0}, {1, 1, 0}, {1, 1, 1}, {2, 1, 1},
-                         firstNode + 10 * k)))
+        for (const fem::PlacedMesh& mesh : share(block(CellType::Quadrilateral4, {1.0 * k, y, 0}, {1, 1, 0},
+                                                       {1, 1, 1}, {2, 1, 1}, firstNode + 10 * k)))
           mine.push_back(mesh);
     return mine;
   };
@@ -162,8 +164,8 @@ TEST(Pieces, nodes_at_one_place_have_a_partner_each) {
   const Surface first = gather(meshes(0, 0, rank, ranks), "top", "lower", nullptr, *comm),
                 second = gather(meshes(1, 100, ranks - 1 - rank, ranks), "bottom", "upper", nullptr, *comm);
   EXPECT_TRUE(nodesMatch(first, second));
-  const auto whole = matchNodes(gather(meshes(0, 0, 0, 1), "top", "lower"),
-                                gather(meshes(1, 100, 0, 1), "bottom", "upper"));
+  const auto whole =
+      matchNodes(gather(meshes(0, 0, 0, 1), "top", "lower"), gather(meshes(1, 100, 0, 1), "bottom", "upper"));
   EXPECT_EQ(whole.size(), 12u);
   expectSame(matchNodes(first, second), whole, "blocks side by side");
 }
@@ -183,8 +185,10 @@ TEST(Pieces, faults_are_told_on_all_ranks) {
   const auto comm = testComm();
   const int rank = comm->getRank(), ranks = comm->getSize();
   const auto body = block(CellType::Quadrilateral4, {0, 0, 0}, {1, 1, 0}, {4, 1, 1}, {2, 2, 1});
-  const auto other = block(CellType::Quadrilateral4, {0, 1, 0}, {1, 1, 0}, {4, 1, 1}, {2, 2, 1}, 1000,
-                           [](const Point& x) { return Point{x[0], x[1], 0}; });
+  const auto other =
+      block(CellType::Quadrilateral4, {0, 1, 0}, {1, 1, 0}, {4, 1, 1}, {2, 2, 1}, 1000, [](const Point& x) {
+        return Point{x[0], x[1], 0};
+      });
   auto inner = share(body, rank, ranks);
   for (fem::PlacedMesh& mesh : inner)
     for (const fem::Side& side : fem::boundarySides(*mesh.mesh))
@@ -195,17 +199,21 @@ TEST(Pieces, faults_are_told_on_all_ranks) {
   EXPECT_TRUE(contains(empty, "the part \"lid\" has no sides of cells")) << empty;
 
   // A partner is missing at one end: the node of the lowest number is named.
-  const auto moved = block(CellType::Quadrilateral4, {0, 1, 0}, {1, 1, 0}, {4, 1, 1}, {2, 2, 1}, 1000,
-                           [](const Point& x) { return Point{x[0] > 0.8 ? x[0] + 0.1 : x[0], x[1], 0}; });
+  const auto moved =
+      block(CellType::Quadrilateral4, {0, 1, 0}, {1, 1, 0}, {4, 1, 1}, {2, 2, 1}, 1000, [](const Point& x) {
+        return Point{x[0] > 0.8 ? x[0] + 0.1 : x[0], x[1], 0};
+      });
   const Surface top = pieceOf(body, "top");
   EXPECT_TRUE(nodesMatch(top, pieceOf(other, "bottom")));
   EXPECT_FALSE(nodesMatch(top, pieceOf(moved, "bottom")));
   const std::string alone = messageOf([&] { matchNodes(top, pieceOf(moved, "bottom")); });
-  EXPECT_TRUE(contains(alone, "node 25 at (0.875000, 1.000000, 0.000000) of the first surface has no partner"))
+  EXPECT_TRUE(
+      contains(alone, "node 25 at (0.875000, 1.000000, 0.000000) of the first surface has no partner"))
       << alone;
   const std::string far = messageOf([&] {
-    mortarPoints(top, pieceOf(block(CellType::Quadrilateral4, {9, 1, 0}, {1, 1, 0}, {4, 1, 1}, {2, 2, 1}, 1000),
-                              "bottom"));
+    mortarPoints(
+        top,
+        pieceOf(block(CellType::Quadrilateral4, {9, 1, 0}, {1, 1, 0}, {4, 1, 1}, {2, 2, 1}, 1000), "bottom"));
   });
   EXPECT_TRUE(contains(far, "the surfaces never meet")) << far;
   const NormalField down = [](const Point& x) { return Point{0, x[0] > 0.9 ? -1.0 : 1.0, 0}; };

@@ -70,9 +70,7 @@ TEST(GlobalOrder, sums_before_are_those_of_one_list) {
     OrderKey key;
     int rank;
     long long weight;
-    bool operator<(const Item& other) const {
-      return std::tie(key, rank) < std::tie(other.key, other.rank);
-    }
+    bool operator<(const Item& other) const { return std::tie(key, rank) < std::tie(other.key, other.rank); }
   };
   for (const int size : {0, 1, 7, 500}) {
     std::vector<Item> all;

@@ -246,8 +246,7 @@ TEST(Adhesion, points_apart_are_not_bound) {
     EXPECT_LT(touching, setup.pointCount);
     EXPECT_EQ(setup.bondCount, touching);
     for (const ConstraintRow& row : rowsOf(setup.rows).contact)
-      EXPECT_EQ(row.softness.has_value(),
-                gap == 0.0 && pointOf(setup, row.number).position[0] < 0.45);
+      EXPECT_EQ(row.softness.has_value(), gap == 0.0 && pointOf(setup, row.number).position[0] < 0.45);
     bool isTold = false;
     for (const std::string& note : setup.notes)
       isTold = isTold || (contains(note, "binds " + std::to_string(touching) + " of the") &&
@@ -299,8 +298,7 @@ TEST(Adhesion, friction_takes_over_what_is_broken) {
   // The point of the first row, on whatever rank.
   const bool isHere = !setup.slips.empty() && setup.slips[0].firstRow == 0;
   const double area = globalSum(*testComm(), isHere ? setup.points[setup.slips[0].point].area : 0.0);
-  const long long broken =
-      globalMax(*testComm(), isHere ? setup.points[setup.slips[0].point].number : -1LL);
+  const long long broken = globalMax(*testComm(), isHere ? setup.points[setup.slips[0].point].number : -1LL);
   EXPECT_NEAR(states.dissipated(), area * 0.5 / 40.0, 1e-15);
   for (const ConstraintRow& row : rowsOf(states.rows()).along) {
     const bool isBroken = row.number == 0;

@@ -57,8 +57,7 @@ TEST(ContactSetup, nodes_without_counterpart_are_told) {
   for (const contact::ContactPoint& point : setup.points)
     EXPECT_NEAR(point.gap, 0.01, 1e-12);
   ASSERT_EQ(setup.notes.size(), 1u);
-  EXPECT_TRUE(
-      contains(setup.notes[0], std::to_string(5 - setup.pointCount) + " of the 5 nodes of lower/top"))
+  EXPECT_TRUE(contains(setup.notes[0], std::to_string(5 - setup.pointCount) + " of the 5 nodes of lower/top"))
       << setup.notes[0];
   EXPECT_NE(inputErrorOf([&] { setUp(stack(0.005)); }), "");
 }

@@ -5,6 +5,7 @@
 #include "Harmos_DominantModes.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_FormChoice.hpp"
+#include "Harmos_GlobalOrder.hpp"
 #include "Harmos_JumpEnergy.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
@@ -123,22 +124,33 @@ struct Numbering {
 };
 
 Numbering numberingOf(const SubdomainSystem& system, const LocalModes& modes) {
-  std::vector<double> counts(static_cast<std::size_t>(system.globalSubdomains()), 0.0);
-  const auto number = [&](std::size_t i) {
-    return static_cast<std::size_t>(system.subdomain(static_cast<int>(i)).number);
+  struct Item {
+    long long subdomain, modes;
+    std::size_t place;
   };
+  std::vector<Item> items;
   for (std::size_t i = 0; i < modes.of.size(); ++i)
-    counts[number(i)] = static_cast<double>(modes.of[i].values.size());
-  globalSum(*system.comm(), counts);
-  Numbering result;
-  std::vector<int> firstOf;
-  for (double count : counts) {
-    firstOf.push_back(result.total);
-    result.total += static_cast<int>(count);
-    result.subdomains += count > 0.0;
+    items.push_back(
+        {system.subdomain(static_cast<int>(i)).number, static_cast<long long>(modes.of[i].values.size()), i});
+  std::sort(items.begin(), items.end(),
+            [](const Item& a, const Item& b) { return a.subdomain < b.subdomain; });
+  std::vector<OrderKey> keys;
+  std::vector<long long> counts;
+  long long total = 0, subdomains = 0;
+  for (const Item& item : items) {
+    keys.push_back({item.subdomain, 0});
+    counts.push_back(item.modes);
+    total += item.modes;
+    subdomains += item.modes > 0 ? 1 : 0;
   }
-  for (std::size_t i = 0; i < modes.of.size(); ++i)
-    result.first.push_back(firstOf[number(i)]);
+  const Teuchos::Comm<int>& comm = *system.comm();
+  const std::vector<long long> firsts = sumsBefore(comm, keys, counts);
+  Numbering result;
+  result.first.resize(modes.of.size());
+  for (std::size_t k = 0; k < items.size(); ++k)
+    result.first[items[k].place] = static_cast<int>(firsts[k]);
+  result.total = static_cast<int>(globalSum(comm, total));
+  result.subdomains = static_cast<int>(globalSum(comm, subdomains));
   return result;
 }
 

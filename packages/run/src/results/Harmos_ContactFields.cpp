@@ -61,8 +61,7 @@ WholeContact gatherContact(const Teuchos::Comm<int>& comm, const std::vector<con
   for (std::size_t k = 0; k < states.size(); ++k)
     mine.push_back({points[k].number, states[k]});
   std::vector<Numbered> all = gatherAll(comm, mine);
-  std::sort(all.begin(), all.end(),
-            [](const Numbered& a, const Numbered& b) { return a.number < b.number; });
+  std::sort(all.begin(), all.end(), [](const Numbered& a, const Numbered& b) { return a.number < b.number; });
   WholeContact result{contact::gatherPoints(comm, points), {}};
   for (const Numbered& item : all)
     result.states.push_back(item.state);
@@ -88,8 +87,8 @@ std::unordered_map<long long, Shown> shownAt(const Teuchos::Comm<int>& comm,
     const bool nodeToNode = terms.size() == 2 && terms[0].weight * terms[1].weight == -1.0;
     for (const contact::ContactPoint::Term& term : terms)
       if (term.node == points[k].node || nodeToNode)
-        known.emplace_back(
-            term.node, Shown{points[k].number, states[k], term.node == points[k].node ? 1.0 : -1.0});
+        known.emplace_back(term.node,
+                           Shown{points[k].number, states[k], term.node == points[k].node ? 1.0 : -1.0});
   }
   std::vector<long long> nodes;
   for (const scene::OwnedSubdomain& subdomain : owned)

@@ -200,13 +200,13 @@ void RunStages::constrain() {
   report_.inequalities = constraints_->inequalities();
   report_.limited = constraints_->limited();
   report_.bonds = contact_.bondCount;
-  log_.info("Primal dimension " + std::to_string(report_.primalDimension) + ", dual dimension " +
-            std::to_string(report_.dualDimension) + " (" + std::to_string(report_.inequalities) +
-            " inequalities" +
-            (report_.limited > 0 ? ", " + std::to_string(report_.limited) +
-                                       (contact_.bondCount == 0 ? " of friction" : " of friction and adhesion")
-                                 : "") +
-            "), kernel dimension " + std::to_string(report_.kernelDimension));
+  log_.info(
+      "Primal dimension " + std::to_string(report_.primalDimension) + ", dual dimension " +
+      std::to_string(report_.dualDimension) + " (" + std::to_string(report_.inequalities) + " inequalities" +
+      (report_.limited > 0 ? ", " + std::to_string(report_.limited) +
+                                 (contact_.bondCount == 0 ? " of friction" : " of friction and adhesion")
+                           : "") +
+      "), kernel dimension " + std::to_string(report_.kernelDimension));
   if (!report_.effectCosts.empty())
     log_.info(scene::costText(report_.effectCosts));
 }
@@ -348,8 +348,7 @@ void RunStages::checkBounds(const std::vector<std::vector<double>>& prescribed) 
 
 Teuchos::RCP<RunMonitor> RunStages::monitor(const CheckpointReader* checkpoint, const Log& log,
                                             SolvePlace place) {
-  return Teuchos::rcp(
-      new RunMonitor(*comm_, options_, checkpoint, contact_, log, report_, std::move(place)));
+  return Teuchos::rcp(new RunMonitor(*comm_, options_, checkpoint, contact_, log, report_, std::move(place)));
 }
 
 void RunStages::solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log,

@@ -273,7 +273,8 @@ void StepSequence::tell(const StepRow& row, double snapped) const {
   if (row.sticking + row.slipping > 0)
     text << ", " << row.slipping << " of " << row.sticking + row.slipping << " slip";
   if (const long long bound = run_.contact().bondCount; bound > 0) {
-    text << ", " << report_.contactCounts.damaged << " of " << bound << " bonds damaged, " << row.broken << " broken";
+    text << ", " << report_.contactCounts.damaged << " of " << bound << " bonds damaged, " << row.broken
+         << " broken";
     constexpr double known = 10.0; // tolerances of forces
     if (snapped > known * report_.tolerance * std::abs(row.externalWork))
       text << ", it snapped and released " << scientific(snapped, 3);

@@ -367,8 +367,8 @@ void EffectStates::tell(const std::vector<RowSlip>& slips, std::vector<ContactSt
     if (holds && bond.slip != scene::ContactSetup::Bond::none) {
       const contact::SlipPoint& slip = contact_.slips[bond.slip];
       for (std::size_t t = 0; t < slip.tangents.size(); ++t) {
-        const double stretch =
-            *rows.slipSoftness[static_cast<std::size_t>(slip.firstRow) + t] * slips[slip.firstPlace + t].force;
+        const double stretch = *rows.slipSoftness[static_cast<std::size_t>(slip.firstRow) + t] *
+                               slips[slip.firstPlace + t].force;
         for (std::size_t d = 0; d < 3; ++d)
           point.slip[d] += stretch * slip.tangents[t][d];
       }

@@ -16,14 +16,13 @@ namespace Harmos::run {
 /// What the effects of a scene keep from step to step, as scene::Effect describes it: committed once a step,
 /// and a trial state that is thrown away where the step is.
 ///
-/// The same on every rank: where an effect has state, the points of contact, some 300 bytes each, their answers
-/// and the states are on all of them. Members are local unless they say otherwise. Guarded by
+/// The same on every rank: where an effect has state, the points of contact, some 300 bytes each, their
+/// answers and the states are on all of them. Members are local unless they say otherwise. Guarded by
 /// tests/unit/run/test_step_sequence.cpp.
 class EffectStates {
  public:
   /// @param scene, contact to outlive this. @note Collective.
-  EffectStates(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
-               const scene::ContactSetup& contact);
+  EffectStates(const Teuchos::Comm<int>& comm, const scene::Scene& scene, const scene::ContactSetup& contact);
 
   bool any() const { return !states_.empty(); }
   /// A step begins, for the first time or again: the trial state becomes the committed one.
@@ -32,7 +31,8 @@ class EffectStates {
   /// Whether springs have changed in the step.
   bool hasSoftened() const { return softening_ && softening_->hasChanged(); }
   /// Asks every effect; whether any wants the step to be solved again.
-  /// @param answer, slips of the inequality and the limited rows of this rank, as they were by the trial state.
+  /// @param answer, slips of the inequality and the limited rows of this rank, as they were by the trial
+  /// state.
   /// @param tolerance of the answer. @note Collective.
   bool update(const std::vector<ContactState>& answer, const std::vector<RowSlip>& slips = {},
               double tolerance = 0.0, const feti::WarmStart& multipliers = {}, double startedAt = 1.0);

@@ -62,8 +62,8 @@ void requireSameProblem(const CheckpointReader& checkpoint, const feti::DualProb
 }
 
 RunMonitor::RunMonitor(const Teuchos::Comm<int>& comm, const RunOptions& options,
-                       const CheckpointReader* checkpoint, const scene::ContactSetup& contact,
-                       const Log& log, RunReport& report, SolvePlace place)
+                       const CheckpointReader* checkpoint, const scene::ContactSetup& contact, const Log& log,
+                       RunReport& report, SolvePlace place)
     : comm_(comm),
       options_(options),
       checkpoint_(checkpoint),
@@ -298,8 +298,8 @@ void RunMonitor::showContact(const MultiVector& lambda) const {
   std::ostringstream text;
   text << "x,y,z,pressure,closed\n" << std::setprecision(9);
   for (const ShownPoint& point : all)
-    text << point.position[0] << ',' << point.position[1] << ',' << point.position[2] << ','
-         << point.pressure << ',' << (point.pressure > 0.0 ? 1 : 0) << '\n';
+    text << point.position[0] << ',' << point.position[1] << ',' << point.position[2] << ',' << point.pressure
+         << ',' << (point.pressure > 0.0 ? 1 : 0) << '\n';
   try {
     io::writeAtomically(options_.outputDirectory + "/contact.csv", text.str());
   } catch (const InputError&) {

@@ -50,8 +50,7 @@ class RunMonitor : public feti::DualMonitor {
   /// @param checkpoint to go on from, or null. All to outlive this. Checkpoints and their fate go to the
   /// report.
   RunMonitor(const Teuchos::Comm<int>& comm, const RunOptions& options, const CheckpointReader* checkpoint,
-             const scene::ContactSetup& contact, const Log& log, RunReport& report,
-             SolvePlace place = {});
+             const scene::ContactSetup& contact, const Log& log, RunReport& report, SolvePlace place = {});
   ~RunMonitor() override;
 
   /// What else belongs to a checkpoint.

@@ -43,7 +43,8 @@ struct Arrival {
   const ContactPoint* point;
 };
 
-// What a rank is told of a point of its own: that it is kept, or, with a gap of no meaning, of one more effect.
+// What a rank is told of a point of its own: that it is kept, or, with a gap of no meaning, of one more
+// effect.
 struct Verdict {
   std::size_t point, batch;
   double gap;
@@ -239,11 +240,10 @@ void ConstraintCollector::findHeldDofs() {
         long long time = 0;
         for (const auto& timed : held_) {
           for (const feti::FixedDof& fixed : effects_.prescribed(*item, timed.first))
-            if (const int node = fixed.dof / components;
-                std::binary_search(nodes.begin(), nodes.end(), node))
-              known.emplace_back(
-                  (item->mesh.number(node) * components + fixed.dof % components) * times + time,
-                  fixed.value);
+            if (const int node = fixed.dof / components; std::binary_search(nodes.begin(), nodes.end(), node))
+              known.emplace_back((item->mesh.number(node) * components + fixed.dof % components) * times +
+                                     time,
+                                 fixed.value);
           ++time;
         }
       }
@@ -374,8 +374,8 @@ void ConstraintCollector::findBonds(ContactSetup& setup, double extent) {
     note(adhesion.effect->label() + " binds " + std::to_string(bound) + " of the " + std::to_string(all) +
          " points of " + adhesion.contact->label() +
          (bound == all ? std::string()
-                                 : "; at the other " + std::to_string(all - bound) +
-                                       " the surfaces are apart, or overlap: a contact without adhesion"));
+                       : "; at the other " + std::to_string(all - bound) +
+                             " the surfaces are apart, or overlap: a contact without adhesion"));
   }
 }
 
@@ -401,8 +401,7 @@ void ConstraintCollector::addSlipRows(ContactSetup& setup, double extent) {
   for (const Effect* friction : setup.frictions)
     costs_.addBytes(friction->kind(), sizeof(contact::SlipPoint));
   const std::vector<ContactPoint>& points = setup.points;
-  const std::vector<ConstraintRow> rows =
-      contact::slipRows(points, setup.slips, scene_.components(), extent);
+  const std::vector<ConstraintRow> rows = contact::slipRows(points, setup.slips, scene_.components(), extent);
   std::size_t row = 0;
   for (std::size_t s = 0; s < setup.slips.size(); ++s)
     for (const fem::Point& tangent : setup.slips[s].tangents) {

@@ -45,8 +45,8 @@ struct ContactSetup {
   /// so: of a point that does both friction.
   std::vector<contact::SlipPoint> slips;
   std::vector<const Effect*> frictions;
-  long long limitedRows = 0;         ///< of all ranks
-  bool hasFriction = false;          ///< whether any of these points, on any rank, does not only hold by springs
+  long long limitedRows = 0; ///< of all ranks
+  bool hasFriction = false;  ///< whether any of these points, on any rank, does not only hold by springs
   std::set<const Effect*> tangential; ///< effects of points with limited rows, on any rank
   /// In the order of the effects that bind them and of points.
   std::vector<Bond> bonds;
@@ -93,7 +93,7 @@ class DistinctPoints {
   std::vector<Kept> distinct(const Teuchos::Comm<int>& comm) const;
 
   bool normalsMatter_;
-  std::vector<const Effect*> batches_;         // of each call of add()
+  std::vector<const Effect*> batches_; // of each call of add()
   std::vector<contact::ContactPoint> all_;
   std::vector<std::vector<std::size_t>> effects_; // places in batches_ of each point
   long long count_ = 0;
@@ -199,8 +199,8 @@ class ConstraintCollector {
   std::vector<Adhesion> adhesions_;
   std::vector<std::size_t> slipOrder_; // of each slip: place of what asked for it, friction before adhesion
   std::map<const Effect*, std::vector<Part>> surfacesOf_; // of contacts
-  std::set<Part> heldParts_; // where ties are, and limited rows
-  std::map<double, contact::HeldDofs> held_; // of dofs of this rank's points there, by time
+  std::set<Part> heldParts_;                              // where ties are, and limited rows
+  std::map<double, contact::HeldDofs> held_;              // of dofs of this rank's points there, by time
   std::vector<std::string> notes_;
 };
 
