@@ -101,6 +101,16 @@ class Programs(unittest.TestCase):
             self.assertEqual(item["order"], order)
             self.assertEqual(item["distributed"]["form"], "rows")
 
+    def test_contact_search(self):
+        document = run("contact_search", "--side", "1", "--elements", "6", np=4)
+        for item in document["runs"]:
+            self.assertEqual(set(item), described("contact_search"))
+            self.assertEqual(item["facets"], 2 * 6**2 + 2 * 7**2)
+            self.assertEqual(item["facets_of_rank"], 7**2)
+            # Nodes of the lower surface; the rank with the most has all of its own.
+            self.assertEqual(item["rows"], 13 * 7)
+            self.assertEqual(item["points_of_rank"], 7**2)
+
     def test_communication(self):
         document = self.script("messages/communication.py", "--ranks", "2,4")
         self.assertEqual(len(document["runs"]), 2 * 2 * 2)
