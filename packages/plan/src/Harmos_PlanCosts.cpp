@@ -146,8 +146,8 @@ RankMemory memoryOf(const RankLoad& load, const PlanSurvey& survey, const run::R
   // has its places in two maps with their tables, in Import's lists, and some twenty vectors.
   constexpr double perRow = 160.0 + 2.0 * 50.0;
   const double perEntry = 16.0 + 2.0 * 16.0 + (hasPreconditioner ? 2.0 * 16.0 : 0.0);
-  memory.mesh = load.sharedBytes + load.ownBytes + perEntry * load.constraintEntries +
-                perRow * load.touchedRows + survey.contactBytes;
+  memory.mesh =
+      load.sharedBytes + load.ownBytes + perEntry * load.constraintEntries + perRow * load.touchedRows;
   memory.factors = load.predictions[way].factorBytes;
   memory.dense = load.predictions[way].bytes - memory.factors;
   // G̃ᵀ by rows, places of its pairs; A⁻, and another one on a face of PDAS.

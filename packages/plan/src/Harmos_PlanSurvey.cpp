@@ -18,6 +18,7 @@
 #include <optional>
 #include <set>
 #include <tuple>
+#include <unordered_map>
 
 namespace Harmos::plan {
 namespace {
@@ -264,7 +265,7 @@ class Surveyor {
   void countDimensions();
   void count(int i);
   void numberObjects(int i, SurveyedSubdomain& s);
-  double ownBytes(int i) const;
+  double ownBytes(int i);
   std::vector<int> countRows(int i, SurveyedSubdomain& s);
   void countCoarse(int overlapRow, SurveyedSubdomain& s) const;
   void gather();
@@ -277,6 +278,7 @@ class Surveyor {
   std::vector<scene::OwnedSubdomain> owned_;
   std::optional<feti::SubdomainSystem> system_;
   scene::ContactSetup contact_;
+  std::unordered_map<long long, double> pointBytes_; // of contact, by node
   std::optional<feti::Constraints> constraints_;
   std::optional<feti::ReplicatedCoarse> coarse_;
 
@@ -328,8 +330,8 @@ void Surveyor::countDimensions() {
   survey_.coarseFactorEntries = coarse_->factor().entries();
   survey_.coarseIsDense = coarse_->factor().isDense();
   for (const contact::ContactPoint& point : contact_.points)
-    survey_.contactBytes += static_cast<double>(sizeof(contact::ContactPoint) +
-                                                point.terms.size() * sizeof(contact::ContactPoint::Term));
+    pointBytes_[point.node] += static_cast<double>(sizeof(contact::ContactPoint) +
+                                                   point.terms.size() * sizeof(contact::ContactPoint::Term));
 }
 
 void Surveyor::count(int i) {
@@ -366,7 +368,8 @@ void Surveyor::numberObjects(int i, SurveyedSubdomain& s) {
   });
 }
 
-double Surveyor::ownBytes(int i) const {
+// Contact points are those of the first subdomain that has their node.
+double Surveyor::ownBytes(int i) {
   const feti::Subdomain& subdomain = system_->subdomain(i);
   const double vector = 8.0 * system_->matrix(i).rows();
   double bytes =
@@ -375,6 +378,11 @@ double Surveyor::ownBytes(int i) const {
     bytes += vector;
   if (&system_->rhs(i) != subdomain.load.get())
     bytes += vector;
+  for (const long long number : owned_[static_cast<std::size_t>(i)].mesh.boundaryNumbers)
+    if (const auto point = pointBytes_.find(number); point != pointBytes_.end()) {
+      bytes += point->second;
+      pointBytes_.erase(point);
+    }
   return bytes;
 }
 

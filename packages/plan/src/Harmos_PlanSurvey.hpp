@@ -17,7 +17,7 @@ struct SurveyedSubdomain {
   // Numbers of the objects that it shares with others that are equal; see PlanSurvey.
   int mesh = 0, stiffness = 0, matrix = 0;
   int rows = 0, kernelColumns = 0, nodes = 0, nodesPerCell = 0, cells = 0;
-  double ownBytes = 0.0;          ///< of what nothing shares: numbers, named parts, its own load
+  double ownBytes = 0.0; ///< of what nothing shares: numbers, named parts, its own load, its contact points
   double constraintEntries = 0.0; ///< of B_i
   double touchedRows = 0.0;       ///< of B_i
   double ownedRows = 0.0;         ///< dual rows of which it is the lowest subdomain
@@ -43,8 +43,6 @@ struct PlanSurvey {
   int kernelDimension = 0, coarseDimension = 0;
   double coarseFactorEntries = 0.0; ///< of L, LLᵀ = G̃G̃ᵀ
   bool coarseIsDense = true;
-  double contactBytes = 0.0; ///< of contact points, which each rank has whole
-
   long long steps = 1; ///< of the run
 
   int ranks = 1;                ///< that made the survey
