@@ -188,13 +188,17 @@ def solved(case, deck, sets=None, np=2, **more):
 
 
 class Background:
-    """A run that goes on while the test looks at it."""
+    """A run that goes on while the test looks at it.
+
+    program  an application, or the path of another program; deck None if it takes none
+    """
 
     def __init__(self, deck, sets, np=2, words=(), program="signorini"):
         self.program = program
         self.directory = scratch("background")
         self.out = scratch("out")
-        command = [*launcher(np), application(program), deck, "--output", self.directory]
+        path = program if "/" in program else application(program)
+        command = [*launcher(np), path, *([deck] if deck else []), "--output", self.directory]
         for path, value in sets.items():
             command += ["--set", f"{path}={str(value).lower() if value is False else value}"]
         with open(self.out, "wb") as out:
@@ -232,7 +236,7 @@ class Background:
                 words = (entry / "cmdline").read_bytes().split(b"\0")
             except OSError:
                 continue
-            if words[0].endswith(b"/" + self.program.encode()) and str(self.directory).encode() in words:
+            if words[0].endswith(b"/" + Path(self.program).name.encode()) and str(self.directory).encode() in words:
                 found.append(int(entry.name))
         return found
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A coarse problem that every rank has whole and one in shares have the same answers.
 
-On 1, 2, 4 and 8 ranks; with the word Many on 16, 32 and 64 (a long test, on any number of cores).
+On 1, 2, 4 and 8 ranks; with the word Many on 16, 32 and 64 (a long test, on any number of cores). And a rank that is killed, there or in the search for contact, leaves no other waiting.
 Energies agree to 1e-10, products with F to one, and what is said of rigid motions word for word.
 """
 
@@ -124,19 +124,30 @@ class Forms(unittest.TestCase):
 
 
 class Killed(unittest.TestCase):
-    def test_a_rank_that_is_killed_ends_the_run(self):
-        """In the set-up of the coarse problem and in the iterations: at whatever it is."""
+    """A rank that is killed ends the run, whatever the ranks are at."""
+
+    def kill(self, delay, start):
+        with self.subTest(delay=delay):
+            done = start()
+            self.assertTrue(done.wait_until(lambda: len(done.ranks()) == 4), done.text())
+            time.sleep(delay)
+            ranks = done.ranks()
+            self.assertEqual(len(ranks), 4, "the run is over already\n" + done.text())
+            os.kill(ranks[-1], signal.SIGKILL)
+            self.assertNotEqual(done.end(60), 0)
+
+    def test_in_the_coarse_problem_and_the_iterations(self):
         sets = {"Decomposition/Coarse problem": "distributed", "Solver/Tolerance": "1e-9"}
         deck = APPS / "fiber_composite" / "decks" / "debonding.xml"
         for delay in (0.1, 0.3, 0.5, 0.7):
-            with self.subTest(delay=delay):
-                done = runs.Background(deck, sets, np=4, program="fiber_composite")
-                self.assertTrue(done.wait_until(lambda: len(done.ranks()) == 4), done.text())
-                time.sleep(delay)
-                ranks = done.ranks()
-                self.assertEqual(len(ranks), 4, "the run is over already\n" + done.text())
-                os.kill(ranks[-1], signal.SIGKILL)
-                self.assertNotEqual(done.end(60), 0)
+            self.kill(delay, lambda: runs.Background(deck, sets, np=4, program="fiber_composite"))
+
+    def test_in_the_search_for_contact(self):
+        """A program that does nothing else, on surfaces of which it has some seconds."""
+        program = str(runs.BINARY / "tests" / "bin" / "contact_search")
+        words = ("--side", "2", "--elements", "96")
+        for delay in (0.2, 0.6, 1.0):
+            self.kill(delay, lambda: runs.Background(None, {}, np=4, words=words, program=program))
 
 
 class Many(Forms):

@@ -22,7 +22,9 @@ namespace {
 template<class Fault>
 nlohmann::json summaryAfter(const Fault& fault, const std::string& name) {
   app::Application application = app::signoriniApplication();
-  application.evaluate = [&](const Teuchos::ParameterList&, run::RunReport&) { throw fault; };
+  application.evaluate = [&](const Teuchos::Comm<int>&, const Teuchos::ParameterList&, run::RunReport&) {
+    throw fault;
+  };
   app::CommandLine line;
   line.output = name + "_np" + std::to_string(testComm()->getSize());
   line.deck = line.output + ".xml";
