@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -38,8 +39,9 @@ double now() {
 }
 
 // A slab of so many subdomains, thin, with facets of about the size of a unit at the joint z = 0.
+// Or both bent about a ball.
 scene::Body slab(const std::string& name, const std::array<int, 3>& subdomains, int elements, bool isUpper,
-                 long long firstNode) {
+                 long long firstNode, bool isBent) {
   fem::StructuredBlock::Options options;
   options.cellType = fem::CellType::Hexahedron8;
   options.origin = {0.0, 0.0, isUpper ? 0.0 : -1.0};
@@ -47,6 +49,15 @@ scene::Body slab(const std::string& name, const std::array<int, 3>& subdomains, 
   options.subdomains = subdomains;
   options.elements = {elements, elements, 1};
   options.firstNode = firstNode;
+  if (isBent) {
+    const double radius = std::max(options.size[0], options.size[1]);
+    const fem::Point middle = {0.5 * options.size[0], 0.5 * options.size[1], 0.0};
+    options.map = [radius, middle](const fem::Point& x) {
+      const double u = (x[0] - middle[0]) / radius, v = (x[1] - middle[1]) / radius;
+      const double length = std::sqrt(1.0 + u * u + v * v), r = radius + x[2];
+      return fem::Point{r * u / length, r * v / length, r / length};
+    };
+  }
   const auto block = std::make_shared<const fem::StructuredBlock>(options);
   scene::Body body;
   body.name = name;
@@ -57,7 +68,7 @@ scene::Body slab(const std::string& name, const std::array<int, 3>& subdomains, 
 }
 
 // Half of the ranks have one body, half the other: what touches is on two ranks at least.
-scene::Scene sceneOf(int ranks, int side, int elements) {
+scene::Scene sceneOf(int ranks, int side, int elements, bool isBent) {
   int columns = 1;
   while (2 * columns * columns < ranks)
     columns *= 2;
@@ -66,8 +77,9 @@ scene::Scene sceneOf(int ranks, int side, int elements) {
   scene.name = "slabs";
   scene.physics = scene::Physics::Solid;
   constexpr long long ofSecond = 1LL << 40;
-  scene.bodies.push_back(slab("lower", {side * columns, side * rows, 1}, elements, false, 0));
-  scene.bodies.push_back(slab("upper", {side * columns, side * rows, 1}, elements + 1, true, ofSecond));
+  scene.bodies.push_back(slab("lower", {side * columns, side * rows, 1}, elements, false, 0, isBent));
+  scene.bodies.push_back(
+      slab("upper", {side * columns, side * rows, 1}, elements + 1, true, ofSecond, isBent));
   effects::SurfacePair pair;
   pair.first = {0, "top"};
   pair.second = {1, "bottom"};
@@ -82,13 +94,15 @@ int main(int argc, char* argv[]) {
   const auto comm = Teuchos::DefaultComm<int>::getComm();
   CLI::App app("The search for contact, at a fixed surface a rank");
   int side = 2, elements = 32;
+  bool isBent = false;
   std::string output;
+  app.add_flag("--bent", isBent, "about a ball, so that normals lie across the axes");
   app.add_option("--side", side, "subdomains a side of a rank's share of a body");
   app.add_option("--elements", elements, "a subdomain side");
   app.add_option("--output", output, "JSON file");
   CLI11_PARSE(app, argc, argv);
 
-  const scene::Scene scene = sceneOf(comm->getSize(), side, elements);
+  const scene::Scene scene = sceneOf(comm->getSize(), side, elements, isBent);
   const auto owned = scene::decompose(*comm, scene);
   comm->barrier();
   const double before = peakMiB(), start = now();

@@ -195,6 +195,34 @@ Box boxWithin(const Surface& surface, int f, double reach) {
   return boxOfFacet(surface, f, points);
 }
 
+// The same in pieces along the normals, where a box along the axes would hold much that is not opposite: the
+// reach may be many facets wide, and normals lie across the axes. In space: there candidates that are not
+// opposite say nothing, in the plane they may cut a facet where it need not be.
+void addBoxesWithin(const Surface& surface, int f, double reach, std::vector<Box>& boxes) {
+  constexpr double slender = 4.0; // times the facet
+  constexpr int mostPieces = 32;
+  const Box whole = boxWithin(surface, f, reach), own = boxOfFacet(surface, f);
+  Point extents = difference(whole.high, whole.low);
+  std::sort(extents.begin(), extents.end());
+  const double size = norm(difference(own.high, own.low));
+  if (surface.dimension == 2 || extents[1] <= slender * size) {
+    boxes.push_back(whole);
+    return;
+  }
+  const Facet facet(surface, f);
+  const Point areaNormal = facet.at(facetCentre(surface.facetType)).areaNormal;
+  const Point middle = scaled(1.0 / norm(areaNormal), areaNormal);
+  const int pieces = std::min(mostPieces, static_cast<int>(std::ceil(2.0 * extents[1] / (slender * size))));
+  for (int piece = 0; piece < pieces; ++piece) {
+    std::vector<Point> points;
+    for (std::size_t k = 0; k < facet.size(); ++k)
+      for (const Point& normal : {surface.normals[facet.node(k)], middle})
+        for (int end : {piece, piece + 1})
+          points.push_back(sum(facet.position(k), scaled(1.1 * reach * (2.0 * end / pieces - 1.0), normal)));
+    boxes.push_back(fem::widened(fem::boxAround(points), 0.5 * size)); // bulges among it
+  }
+}
+
 double extent(const Surface& surface) {
   const Point size = difference(surface.wholeBox.high, surface.wholeBox.low);
   return std::max({size[0], size[1], size[2]});
@@ -244,7 +272,7 @@ class MortarPieces {
           sampled_.push_back(f);
       }
       for (int f : sampled_)
-        boxes.push_back(boxWithin(first, f, reach));
+        addBoxesWithin(first, f, reach, boxes);
     });
     near_ = facetsTouching(second, boxes);
     agree(*first.comm, [&] {
