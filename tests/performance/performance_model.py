@@ -15,9 +15,10 @@ elements if nothing else is given) or of a cube of solids (three, and six; 8 of 
     vectors    the dual rows of a rank, `PASSES` times, at the rate of reading
     exchange   neighbour exchanges, in and out of F and of the preconditioner: the latency of up to 8 or 26
                neighbours, and 8 bytes for each row on the rim of the rank's share
-    scalars    reductions of a few numbers: log2(P) latencies up, and as many down
+    scalars    reductions of a few numbers by themselves: log2(P) latencies up, and as many down; those
+               that travel with the coarse problem cost nothing
     coarse     replicated: reductions of n_c numbers, as above, and twice the vector by the bandwidth; solves
-               with L on every rank. Distributed: all-gathers of n_c numbers, products with the rank's rows
+               with L on every rank. Distributed: all-gathers of n_c numbers and scalars, products with the rank's rows
                of the inverse, n_c numbers each, at the rate of reading, and exchanges of motions with
                neighbours; where the rows would take more than 512 MiB, solves by groups of ranks
 
@@ -52,10 +53,10 @@ class Calls:
     coarse_exchanges: float  # of numbers of motions with neighbours
     coarse_solves: float  # with L or its transpose; products with own rows of the inverse
     reductions: float  # of a few numbers
-    reduced_numbers: float  # in all of them
+    reduced_numbers: float  # in all collectives; in an all-gather those of each rank come
 
 
-CALLS = {"replicated": Calls(4, 4, 0, 7, 2, 8), "distributed": Calls(4, 4, 8, 4, 4, 10)}
+CALLS = {"replicated": Calls(4, 2, 0, 4, 0, 6), "distributed": Calls(4, 2, 4, 2, 0, 6)}
 
 
 @dataclass
@@ -165,7 +166,9 @@ def coarse_seconds(shape, machine, form):
     else:
         solve = WORD * n * shape.own_motions / machine.read
     neighbourly = calls.coarse_exchanges * shape.neighbours * machine.latency if shape.ranks > 1 else 0
-    return calls.coarse_vectors * (tree + transfer) + calls.coarse_solves * solve + neighbourly
+    gathered = calls.coarse_vectors * n + calls.reduced_numbers * shape.ranks
+    transfer = WORD * gathered / machine.bandwidth if shape.ranks > 1 else 0
+    return calls.coarse_vectors * tree + transfer + calls.coarse_solves * solve + neighbourly
 
 
 def is_distributed_cheaper(shape, machine):
@@ -191,7 +194,8 @@ def counts(shape, form):
     calls, alone = CALLS[form], shape.ranks == 1
     is_distributed = form == "distributed"
     exchanged = calls.exchanges * shape.shared_rows + calls.coarse_exchanges * shape.shared_motions
-    numbers = calls.coarse_vectors * shape.coarse_dimension + calls.reduced_numbers
+    sums = calls.reduced_numbers * (shape.ranks if is_distributed else 1)
+    numbers = calls.coarse_vectors * shape.coarse_dimension + sums
     table = {
         "messages": (calls.exchanges + calls.coarse_exchanges) / 2 * shape.neighbours,
         "message_bytes": WORD * exchanged / 2,
@@ -310,7 +314,7 @@ def pages_table(physics):
     machine = Machine()
     loads = {"membrane": (16, 128), "solid": (8, 8)}[physics]
     problems = [Problem(*loads, physics=physics, form=form) for form in FORMS]
-    titles = ("local work", "exchange", "reductions of numbers", "coarse problem")
+    titles = ("local work", "exchange", "coarse problem")
     titles += ("messages", "kB in them", "kB by collectives", "MiB of A⁻")
     lines = ["| P | " + " | ".join(titles) + " |", "|---" * (len(titles) + 1) + "|"]
     for one, other in zip(*(table_of(machine, problem) for problem in problems)):
@@ -318,10 +322,10 @@ def pages_table(physics):
             continue
         both = (one, other)
         cells = [f"{one['ranks']}", in_words(one["products"] + one["vectors"]), in_words(one["exchange"])]
-        cells += ["; ".join(in_words(row[name]) for row in both) for name in ("scalars", "coarse")]
+        cells.append("; ".join(in_words(row["coarse"] + row["scalars"]) for row in both))
         cells.append("; ".join(f"{row['messages']:.0f}" for row in both))
         cells.append("; ".join(f"{row['message_bytes'] / 1e3:.0f}" for row in both))
-        cells.append(f"{one['collective_bytes'] / 1e3:.0f}")
+        cells.append("; ".join(f"{row['collective_bytes'] / 1e3:.0f}" for row in both))
         cells.append("; ".join(two_digits(row["coarse_mib"]) for row in both))
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)

@@ -37,7 +37,7 @@ struct Surface {
                                 ///< seen from outside
   std::vector<char> isOwnFacet; ///< 1: of a subdomain of this rank
   std::vector<char> isOwnNode;  ///< 1: this rank makes the contact point of the node; a node is one rank's
-                               ///< own, and that has all facets around it
+                                ///< own, and that has all facets around it
 
   const Teuchos::Comm<int>* comm = nullptr; ///< of all ranks that have a piece, or none
   long long wholeNodes = 0;                 ///< of all of it

@@ -71,13 +71,14 @@ double distributedCoarseSeconds(const CoarseShape& shape, const CoarseRates& rat
   constexpr StepCalls calls = distributedCalls;
   const bool several = shape.ranks > 1;
   const double tree = std::log2(shape.ranks) * rates.latency;
-  const double transfer = several ? word * shape.dimension / rates.bandwidth : 0.0;
+  const double gathered = calls.coarseVectors * shape.dimension + calls.reducedNumbers * shape.ranks;
+  const double transfer = several ? word * gathered / rates.bandwidth : 0.0;
   const double neighbours = shape.neighbours < 0.0 ? likelyNeighbours(shape) : shape.neighbours;
   const int group = coarseGroup(shape);
   const double solve = coarseSolves(shape, group, false)
                            ? 2.0 * entriesOf(shape) / (rates.coarseFromMemory * std::sqrt(group))
                            : word * shape.dimension * shape.mostOwn / rates.readBytes;
-  return calls.coarseVectors * (tree + transfer) + calls.coarseSolves * solve +
+  return calls.coarseVectors * tree + transfer + calls.coarseSolves * solve +
          (several ? calls.coarseExchanges * neighbours * rates.latency : 0.0);
 }
 

@@ -51,7 +51,8 @@ int coarseGroup(const CoarseShape& shape);
 /// c = StepCalls:
 ///
 ///     replicated   c.coarseVectors (2 t + 16 n/bandwidth) + c.coarseSolves·entries/rate
-///     distributed  c.coarseVectors (t + 8 n/bandwidth) + c.coarseExchanges·neighbours·latency
+///     distributed  c.coarseVectors·t + 8 (c.coarseVectors·n + c.reducedNumbers·P)/bandwidth
+///                  + c.coarseExchanges·neighbours·latency
 ///                  + c.coarseSolves·8 n·own/readBytes, or where groups solve, coarseSolves(),
 ///                    c.coarseSolves·2 entries/(coarseFromMemory·√group)
 ///

@@ -47,7 +47,8 @@ StepCounts predictCounts(const StepShape& shape) {
       0.5 * word * (calls.exchanges * shape.sharedRows + calls.coarseExchanges * shape.sharedMotions);
   counts.reductions = calls.reductions + (shape.isCoarseDistributed ? 0.0 : calls.coarseVectors);
   counts.gathers = shape.isCoarseDistributed ? calls.coarseVectors : 0.0;
-  counts.collectiveBytes = word * (calls.coarseVectors * shape.coarseDimension + calls.reducedNumbers);
+  const double numbers = calls.reducedNumbers * (shape.isCoarseDistributed ? shape.ranks : 1);
+  counts.collectiveBytes = word * (calls.coarseVectors * shape.coarseDimension + numbers);
   return counts;
 }
 

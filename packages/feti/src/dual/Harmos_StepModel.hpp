@@ -54,7 +54,7 @@ StepSeconds predictStep(const StepShape& shape, const StepRates& rates = {});
 ///
 ///     messages    (c.exchanges + c.coarseExchanges)/2 · neighbours
 ///     their bytes 8 (c.exchanges sharedRows + c.coarseExchanges sharedMotions)/2
-///     bytes of collectives   8 (c.coarseVectors n_c + c.reducedNumbers)
+///     bytes of collectives   8 (c.coarseVectors n_c + c.reducedNumbers), distributed P c.reducedNumbers
 ///
 /// Counted at MPI by tests/performance/messages/communication.py.
 StepCounts predictCounts(const StepShape& shape);
