@@ -49,6 +49,10 @@ TEST(LifeCycle, problems_that_cannot_be_set_say_why) {
   EXPECT_FALSE(qp.problem->setProblem());
   EXPECT_TRUE(contains(qp.problem->whyNotSet(), "differ in length"));
   qp.problem->setUpperBound(Teuchos::null);
+  qp.problem->setUnprojectedHessian(qp.problem->hessian());
+  EXPECT_FALSE(qp.problem->setProblem());
+  EXPECT_TRUE(contains(qp.problem->whyNotSet(), "EqualityStructure::OrthonormalInvariant"));
+  qp.problem->setUnprojectedHessian(Teuchos::null);
   qp.problem->setRhs(Teuchos::null);
   EXPECT_FALSE(qp.problem->setProblem());
   EXPECT_TRUE(contains(qp.problem->whyNotSet(), "missing"));

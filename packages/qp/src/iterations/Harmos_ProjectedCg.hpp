@@ -35,9 +35,8 @@ namespace Harmos::qp {
 /// which scalars travel where the rows know how (FaceGram::solveFor()): what they are products with lies in
 /// the kernel already. So there are two reductions a step; without a preconditioner w is projected in the
 /// place of z. With one, rounding errors of w out of the kernel add up, which are of what was projected away
-/// in each step; they are looked at in each tenth, and taken out there or, where they count, in each step
-/// from then on (of what they do: Gould, Hribar, Nocedal, SIAM J. Sci. Comput. 23, 2001). What full
-/// conjugation adds see ConjugateDirections.
+/// in each step, and are taken out in each tenth; left in, they end in a breakdown (of such errors: Gould,
+/// Hribar, Nocedal, SIAM J. Sci. Comput. 23, 2001). What full conjugation adds see ConjugateDirections.
 ///
 /// Where A = PFP is given by F (Problem::setUnprojectedHessian()), P and P_F are one projection: P_FP = P_F.
 /// On faces gradients are then known up to the range of C̄ᵀ until they are asked for, see settle().
@@ -201,7 +200,6 @@ class ProjectedCg {
   double iterateNorm_ = 0.0;
   double level_ = 0.0;
   int staleness_ = 0;
-  bool isDrifting_ = false; // w, out of the kernel, by more than may be left for ten steps
   // ‖Cx − c‖ and the distance, when it was looked.
   double equalityResidual_ = 0.0, equalityDistance_ = 0.0;
   bool hasLooked_ = false;

@@ -156,21 +156,14 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
 }
 
 // In each tenth step the distance from the equalities is looked at, and what rounding errors have brought to
-// w out of the kernel is taken out; where that counts, in each step from then on. Without a preconditioner it
-// is taken out where z is made.
+// w out of the kernel is taken out. Without a preconditioner that is done where z is made.
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::watchRows() {
-  if (!rows_.isPresent())
+  if (!rows_.isPresent() || staleness_ % lookInterval != 0)
     return;
-  constexpr double drift = 1e-10;
-  const bool isTurn = staleness_ % lookInterval == 0;
-  const bool drifts = preconditioner_.isPresent() || isSoftened_;
-  if (drifts && (isTurn || isDrifting_)) {
+  if (preconditioner_.isPresent() || isSoftened_)
     project(*w_, removed_.get());
-    isDrifting_ = isDrifting_ || norm<Scalar>(*rowWork_) > drift * residualNorm();
-  }
-  if (isTurn)
-    lookAtRows();
+  lookAtRows();
 }
 
 // image_ ← Ap, or Fp, and onFace_ ← P_F of it; rowWork_ ← what was taken away there. p lies in the kernel of

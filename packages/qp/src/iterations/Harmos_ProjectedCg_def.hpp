@@ -235,7 +235,6 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
   archive.number("cg equality residual", equalityResidual_);
   archive.number("cg equality distance", equalityDistance_);
   archive.number("cg has looked", hasLooked_);
-  archive.number("cg drifts", isDrifting_);
   archive.number("cg residual", residual2_);
   archive.number("cg curvature bound", curvatureBound_);
   archive.number("cg load", rhsNorm_);
