@@ -23,6 +23,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 using namespace Harmos;
@@ -214,7 +215,8 @@ TEST(Stability, slivers_and_bad_aspect_ratio) {
 // Two strips, one on the other, held at the ends of the lower one and bent by a load: their bending makes the
 // dual problem badly conditioned, and active sets that are made of rough solutions wander.
 TEST(Stability, slender_bodies_in_contact) {
-  for (double length : {10.0, 20.0, 40.0}) {
+  std::vector<double> ofSlenderest;
+  for (double length : {10.0, 20.0, 38.0, 39.0, 40.0, 41.0, 42.0}) {
     scene::Scene scene;
     scene.physics = Physics::PlaneStrain;
     fem::StructuredBlock::Options options;
@@ -237,11 +239,17 @@ TEST(Stability, slender_bodies_in_contact) {
     ASSERT_TRUE(reference.solvable);
     const TestRun run = runScene(scene, tolerance);
     expectReference(reference, run, bound);
-    // Sets that were made of rough solutions alone took 1317 at 40 to 1 on one rank. How long they wander
-    // there is decided by rounding errors: 348 and 782 with two versions of the libraries, 185 on two ranks.
-    EXPECT_LE(products(run.report), length > 20.0 ? 1000 : 150);
+    if (length > 20.0)
+      ofSlenderest.push_back(products(run.report));
+    else
+      EXPECT_LE(products(run.report), 150);
     const std::string name = std::to_string(static_cast<int>(length)) + " to 1";
     tellFigure(name + ": products", products(run.report));
     tellFigure(name + ": deviation", deviation(reference, run).largest());
   }
+  // Sets that were made of rough solutions alone took 1317 at 40 to 1 on one rank. How long they wander there
+  // is decided by rounding errors: of 24 lengths between 32 and 50 a median of 709 and 789 with two orders of
+  // sums, least 168, most 1994 and 8308. So it is the median that says something.
+  std::sort(ofSlenderest.begin(), ofSlenderest.end());
+  EXPECT_LE(ofSlenderest[ofSlenderest.size() / 2], 1000.0);
 }

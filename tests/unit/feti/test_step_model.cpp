@@ -53,8 +53,8 @@ TEST(StepModel, formulas) {
   shape.ownMotions = 4.0;
   step = predictStep(shape, ones());
   constexpr StepCalls shared = distributedCalls;
-  EXPECT_DOUBLE_EQ(step.coarse, shared.coarseVectors * (3.0 + 160.0) + shared.coarseSolves * 640.0 +
-                                    shared.coarseExchanges * 5.0);
+  EXPECT_DOUBLE_EQ(step.coarse, shared.coarseVectors * (3.0 + 160.0) + 8.0 * shared.reducedNumbers * 8.0 +
+                                    shared.coarseSolves * 640.0 + shared.coarseExchanges * 5.0);
 }
 
 // A rank alone sends nothing.

@@ -74,9 +74,9 @@ TEST(CoarseModel, formulas) {
   shape.neighbours = 3.0;
   EXPECT_DOUBLE_EQ(replicatedCoarseSeconds(shape, ones()),
                    whole.coarseVectors * (6.0 + 320.0) + whole.coarseSolves * 210.0);
-  EXPECT_DOUBLE_EQ(distributedCoarseSeconds(shape, ones()), shared.coarseVectors * (3.0 + 160.0) +
-                                                                shared.coarseSolves * 800.0 +
-                                                                shared.coarseExchanges * 3.0);
+  EXPECT_DOUBLE_EQ(distributedCoarseSeconds(shape, ones()),
+                   shared.coarseVectors * (3.0 + 160.0) + 8.0 * shared.reducedNumbers * 8.0 +
+                       shared.coarseSolves * 800.0 + shared.coarseExchanges * 3.0);
   EXPECT_DOUBLE_EQ(coarseBytes(shape, false), 16.0 * 210.0);
   EXPECT_DOUBLE_EQ(coarseBytes(shape, true), 800.0);
   EXPECT_DOUBLE_EQ(coarseBytesOfSetup(shape, true), 8.0 * 210.0); // two ranks
