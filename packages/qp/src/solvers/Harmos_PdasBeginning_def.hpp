@@ -10,6 +10,33 @@ namespace Harmos::qp {
 
 // The first active set of PDAS.
 
+template<class Scalar, class MV, class OP>
+void PdasSolver<Scalar, MV, OP>::Run::begin() {
+  isCold_ = norm<Scalar>(x_) == 0.0 && (!rows_.isPresent() || norm<Scalar>(*problem_.multiplier()) == 0.0);
+  if (hasFollowing() && !isCold_)
+    solver_.problem_->follow();
+  BT::project(x_, feasible_);
+  if (problem_.hasSoftBounds()) {
+    random_ = MVT::Clone(x_, 1);
+    BT::setRandom(*random_);
+  }
+  best_ = MVT::CloneCopy(x_);
+  if (rows_.isPresent()) {
+    bestMultiplier_ = rows_.makeVector();
+    MVT::MvInit(*bestMultiplier_, 0.0);
+  }
+  describeState();
+  if (solver_.resumes()) {
+    solver_.resume();
+    resumed_ = true;
+    newFace_ = false;
+  } else {
+    guess();
+    cg_.lookAtRows();
+  }
+  state_ = evaluate(resumed_ ? cg_.residualNorm() : std::numeric_limits<double>::infinity(), inner_);
+}
+
 // Whether x is at each bound there is: in contact, no load acts on a body as a whole. Elsewhere the gradient
 // knows the elasticity of what is pushed against the bounds. Where loads cancel, what is left of them on a
 // whole body is rounding errors.

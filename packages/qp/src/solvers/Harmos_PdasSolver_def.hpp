@@ -157,34 +157,6 @@ void PdasSolver<Scalar, MV, OP>::Run::go() {
 }
 
 template<class Scalar, class MV, class OP>
-void PdasSolver<Scalar, MV, OP>::Run::begin() {
-  isCold_ = norm<Scalar>(x_) == 0.0 && (!rows_.isPresent() || norm<Scalar>(*problem_.multiplier()) == 0.0);
-  if (hasFollowing() && !isCold_)
-    solver_.problem_->follow();
-  BT::project(x_, feasible_);
-  if (problem_.hasSoftBounds()) {
-    random_ = MVT::Clone(x_, 1);
-    BT::setRandom(*random_);
-  }
-  best_ = MVT::CloneCopy(x_);
-  if (rows_.isPresent()) {
-    bestMultiplier_ = rows_.makeVector();
-    MVT::MvInit(*bestMultiplier_, 0.0);
-  }
-  describeState();
-  if (solver_.resumes()) {
-    solver_.resume();
-    resumed_ = true;
-    newFace_ = false;
-  } else {
-    guess();
-  }
-  if (!resumed_)
-    cg_.lookAtRows();
-  state_ = evaluate(resumed_ ? cg_.residualNorm() : std::numeric_limits<double>::infinity(), inner_);
-}
-
-template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::describeState() {
   solver_.describeState([this](StateArchive<MV>& archive) {
     archive.number("inner", inner_);
