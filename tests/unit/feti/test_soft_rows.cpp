@@ -291,7 +291,6 @@ TEST(SoftRows, beside_limits_that_follow) {
   EXPECT_GT(countsOf(solver).pulled, 0);
   EXPECT_LE(solver.audit().limitExcess, 1e-12);
   // One of the two alone has a force that may pull.
-  rows.front().softness = 1.0;
   for (ConstraintRow& row : rows)
     if (row.kind == ConstraintRow::Kind::Inequality)
       row.softness = 1.0;
