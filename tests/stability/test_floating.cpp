@@ -96,8 +96,7 @@ TestModel withDirichletRows(const TestModel& model, bool glueToo) {
   std::map<long long, double> held;
   for (const Held& item : gatherAll(*comm, mine))
     held[item.dof] = item.value;
-  if (comm->getRank() != 0)
-    return result;
+  // Gluing rows are on the first rank, contacts where they were found.
   std::vector<ConstraintRow> rows;
   long long number = 0;
   for (ConstraintRow& row : result.rows) {
@@ -116,8 +115,9 @@ TestModel withDirichletRows(const TestModel& model, bool glueToo) {
     }
     rows.push_back(row);
   }
-  for (const auto& [dof, value] : held)
-    rows.push_back({ConstraintRow::Kind::Equality, number++, {{dof, 1.0}}, value, 0.0});
+  if (comm->getRank() == 0)
+    for (const auto& [dof, value] : held)
+      rows.push_back({ConstraintRow::Kind::Equality, number++, {{dof, 1.0}}, value, 0.0});
   result.rows = rows;
   return result;
 }
