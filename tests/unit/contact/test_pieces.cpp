@@ -72,8 +72,11 @@ fem::StructuredBlock upper(CellType type, const std::array<int, 3>& subdomains,
 
 TEST(Pieces, surfaces_are_pieces_of_the_whole) {
   const auto comm = testComm();
-  for (const CellType type : {CellType::Hexahedron8, CellType::Tetrahedron10}) {
-    const auto body = block(type, {0.1, 0.2, 0.3}, {1, 1, 1}, {3, 2, 1}, {2, 2, 1}, 0, bent);
+  // In the last one copies of a node differ by rounding.
+  for (const auto& body :
+       {block(CellType::Hexahedron8, {0.1, 0.2, 0.3}, {1, 1, 1}, {3, 2, 1}, {2, 2, 1}, 0, bent),
+        block(CellType::Tetrahedron10, {0.1, 0.2, 0.3}, {1, 1, 1}, {3, 2, 1}, {2, 2, 1}, 0, bent),
+        block(CellType::Hexahedron8, {0.1, 0.2, 0.3}, {1.1, 1.3, 1}, {7, 5, 1}, {3, 3, 1})}) {
     const Surface piece = pieceOf(body, "top"), whole = surfaceOf(body, "top");
     long long facets = 0, nodes = 0;
     for (char isOwn : piece.isOwnFacet)
@@ -85,7 +88,7 @@ TEST(Pieces, surfaces_are_pieces_of_the_whole) {
     EXPECT_EQ(piece.wholeNodes, whole.numberOfNodes());
     EXPECT_EQ(piece.wholeBox.low, whole.wholeBox.low);
     EXPECT_EQ(piece.wholeBox.high, whole.wholeBox.high);
-    if (comm->getSize() == 4 && comm->getRank() == 3) // one subdomain of six: not even its neighbours' all
+    if (comm->getSize() == 4 && comm->getRank() == 3 && body.numberOfSubdomains() == 6) // it has one
       EXPECT_LT(piece.numberOfFacets(), whole.numberOfFacets());
     for (std::size_t i = 0; i < piece.numbers.size(); ++i) {
       const auto at = static_cast<std::size_t>(
