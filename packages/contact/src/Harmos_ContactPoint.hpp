@@ -7,6 +7,7 @@
 #include <Teuchos_Comm.hpp>
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,8 +45,9 @@ struct ContactPoint {
 /// Guarded by tests/unit/contact/test_match_nodes.cpp.
 std::vector<ContactPoint> matchNodes(const Surface& first, const Surface& second, double tolerance = 1e-9);
 
-/// Whether matchNodes() would find a partner for each node of both. @note Collective.
-bool nodesMatch(const Surface& first, const Surface& second, double tolerance = 1e-9);
+/// matchNodes() where each node of both has a partner, else nothing: with one search. @note Collective.
+std::optional<std::vector<ContactPoint>> matchNodesIfAll(const Surface& first, const Surface& second,
+                                                         double tolerance = 1e-9);
 
 /// Mortar coupling of surfaces that need not match, with dual Lagrange multipliers (Wohlmuth 2000; Popp,
 /// Gitterle, Gee, Wall 2010): a point for each node i of the first surface,

@@ -75,22 +75,26 @@ std::vector<std::vector<std::size_t>> candidatesOf(const Surface& first, const M
 // Whether somebody else, too, may be the partner of the candidates of each own node, or of it.
 std::vector<char> areDisputed(const Surface& first, const Matching& matching,
                               const std::vector<std::vector<std::size_t>>& candidates) {
-  std::vector<std::pair<long long, long long>> claims;
+  struct Claims {
+    long long least, most; // first nodes that claim a second one
+  };
+  std::vector<std::pair<long long, Claims>> claims;
   std::vector<long long> asked;
   for (std::size_t k = 0; k < candidates.size(); ++k)
     for (std::size_t c : candidates[k]) {
+      const long long own = first.numbers[matching.own[k]];
       asked.push_back(matching.near.numbers[c]);
-      claims.emplace_back(asked.back(), first.numbers[matching.own[k]]);
+      claims.emplace_back(asked.back(), Claims{own, own});
     }
-  const Teuchos::Comm<int>& comm = *first.comm;
-  const auto least = lookUp(comm, claims, asked, [](long long a, long long b) { return a < b; });
-  const auto most = lookUp(comm, claims, asked, [](long long a, long long b) { return a > b; });
+  const auto all = lookUpMerged(*first.comm, claims, asked, [](Claims& present, const Claims& next) {
+    present = {std::min(present.least, next.least), std::max(present.most, next.most)};
+  });
   std::vector<char> result;
   std::size_t next = 0;
   for (const std::vector<std::size_t>& list : candidates) {
     bool isDisputed = list.size() > 1;
     for (std::size_t c = 0; c < list.size(); ++c, ++next)
-      isDisputed = isDisputed || *least[next] != *most[next];
+      isDisputed = isDisputed || all[next]->least != all[next]->most;
     result.push_back(isDisputed ? 1 : 0);
   }
   return result;
@@ -223,17 +227,7 @@ ContactPoint pointOf(const Surface& first, const Surface& second, std::size_t i,
   return point;
 }
 
-} // namespace
-
-bool nodesMatch(const Surface& first, const Surface& second, double tolerance) {
-  if (first.wholeNodes != second.wholeNodes)
-    return false;
-  return match(first, second, tolerance).matched == first.wholeNodes;
-}
-
-std::vector<ContactPoint> matchNodes(const Surface& first, const Surface& second, double tolerance) {
-  const Matching matching = match(first, second, tolerance);
-  requireAllMatched(first, second, matching);
+std::vector<ContactPoint> pointsOf(const Surface& first, const Matching& matching) {
   std::vector<ContactPoint> points;
   agree(*first.comm, [&] {
     const std::vector<double> areas = tributaryAreas(first);
@@ -242,6 +236,24 @@ std::vector<ContactPoint> matchNodes(const Surface& first, const Surface& second
           pointOf(first, matching.near, matching.own[k], matching.partners[k], areas[matching.own[k]]));
   });
   return points;
+}
+
+} // namespace
+
+std::optional<std::vector<ContactPoint>> matchNodesIfAll(const Surface& first, const Surface& second,
+                                                         double tolerance) {
+  if (first.wholeNodes != second.wholeNodes)
+    return std::nullopt;
+  const Matching matching = match(first, second, tolerance);
+  if (matching.matched != first.wholeNodes)
+    return std::nullopt;
+  return pointsOf(first, matching);
+}
+
+std::vector<ContactPoint> matchNodes(const Surface& first, const Surface& second, double tolerance) {
+  const Matching matching = match(first, second, tolerance);
+  requireAllMatched(first, second, matching);
+  return pointsOf(first, matching);
 }
 
 } // namespace Harmos::contact

@@ -358,15 +358,16 @@ void setPiece(Surface& surface, const Part& mine, const Meetings& meetings, int 
 }
 
 void setBox(Surface& surface) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  for (std::size_t d = 0; d < 3; ++d) {
-    double low = infinity, high = -infinity;
-    for (const Point& x : surface.positions) {
-      low = std::min(low, x[d]);
-      high = std::max(high, x[d]);
+  std::vector<double> ends(6, -std::numeric_limits<double>::infinity()); // −x, −y, −z, x, y, z at most
+  for (const Point& x : surface.positions)
+    for (std::size_t d = 0; d < 3; ++d) {
+      ends[d] = std::max(ends[d], -x[d]);
+      ends[3 + d] = std::max(ends[3 + d], x[d]);
     }
-    surface.wholeBox.low[d] = globalMin(*surface.comm, low);
-    surface.wholeBox.high[d] = globalMax(*surface.comm, high);
+  globalMax(*surface.comm, ends);
+  for (std::size_t d = 0; d < 3; ++d) {
+    surface.wholeBox.low[d] = -ends[d];
+    surface.wholeBox.high[d] = ends[3 + d];
   }
 }
 

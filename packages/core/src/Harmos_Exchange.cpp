@@ -117,6 +117,14 @@ void globalSum(const Teuchos::Comm<int>& comm, std::vector<double>& values) {
                                   values.data());
 }
 
+void globalMax(const Teuchos::Comm<int>& comm, std::vector<double>& values) {
+  if (values.empty())
+    return;
+  const std::vector<double> mine = values;
+  Teuchos::reduceAll<int, double>(comm, Teuchos::REDUCE_MAX, static_cast<int>(mine.size()), mine.data(),
+                                  values.data());
+}
+
 void globalSumAndMin(const Teuchos::Comm<int>& comm, double* values, int count, double& least) {
   if (comm.getSize() == 1)
     return;

@@ -68,6 +68,9 @@ void globalSumAndMin(const Teuchos::Comm<int>& comm, double* values, int count, 
 double globalMax(const Teuchos::Comm<int>& comm, double value);
 long long globalMax(const Teuchos::Comm<int>& comm, long long value);
 
+/// Maxima over the ranks of an array, in place: a single reduction. @note Collective.
+void globalMax(const Teuchos::Comm<int>& comm, std::vector<double>& values);
+
 /// Minimum over the ranks. @note Collective.
 double globalMin(const Teuchos::Comm<int>& comm, double value);
 long long globalMin(const Teuchos::Comm<int>& comm, long long value);

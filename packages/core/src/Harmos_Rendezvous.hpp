@@ -26,15 +26,14 @@ inline std::size_t homeOf(long long key, const Teuchos::Comm<int>& comm) {
 /// What ranks know of keys, for those who ask: the value of each key asked for, in the order of the
 /// questions; none where nobody knows it. Both meet at homeOf() the key: a rank needs memory for what it
 /// knows and asks, and for a share of all.
-/// @param known pairs of key, ≥ 0, and value; a key may be known several times. @param replaces (next,
-/// present) whether a value takes the place of another one of its key; the answer depends on it alone if it
-/// orders all values of a key.
-/// @note Collective, two exchanges.
+/// @param known pairs of key, ≥ 0, and value; a key may be known several times. @param merge (present, next)
+/// makes one value of two of a key; the answer depends on it alone if it does not matter in which order.
+/// @note Collective, three exchanges.
 /// Guarded by tests/unit/core/test_rendezvous.cpp.
-template<class Value, class Replaces>
-std::vector<std::optional<Value>> lookUp(const Teuchos::Comm<int>& comm,
-                                         const std::vector<std::pair<long long, Value>>& known,
-                                         const std::vector<long long>& asked, Replaces replaces) {
+template<class Value, class Merge>
+std::vector<std::optional<Value>> lookUpMerged(const Teuchos::Comm<int>& comm,
+                                               const std::vector<std::pair<long long, Value>>& known,
+                                               const std::vector<long long>& asked, Merge merge) {
   struct Known {
     long long key;
     Value value;
@@ -60,8 +59,8 @@ std::vector<std::optional<Value>> lookUp(const Teuchos::Comm<int>& comm,
     for (const std::vector<Known>& part : offers)
       for (const Known& item : part) {
         const auto [place, isNew] = values.emplace(item.key, item.value);
-        if (!isNew && replaces(item.value, place->second))
-          place->second = item.value;
+        if (!isNew)
+          merge(place->second, item.value);
       }
     for (std::size_t r = 0; r < ranks; ++r)
       for (const long long key : questions[r]) {
@@ -78,6 +77,18 @@ std::vector<std::optional<Value>> lookUp(const Teuchos::Comm<int>& comm,
     result.push_back(answer.isKnown ? std::optional<Value>(answer.value) : std::nullopt);
   }
   return result;
+}
+
+/// The same, with one of the values of a key. @param replaces (next, present) whether a value takes the place
+/// of another one.
+template<class Value, class Replaces>
+std::vector<std::optional<Value>> lookUp(const Teuchos::Comm<int>& comm,
+                                         const std::vector<std::pair<long long, Value>>& known,
+                                         const std::vector<long long>& asked, Replaces replaces) {
+  return lookUpMerged(comm, known, asked, [&](Value& present, const Value& next) {
+    if (replaces(next, present))
+      present = next;
+  });
 }
 
 /// The same of keys that are known once, or always with the same value.

@@ -5,6 +5,8 @@
 #include "Harmos_Exchange.hpp"
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 namespace Harmos::effects {
 
@@ -15,10 +17,13 @@ std::vector<scene::Effect::BoundaryPart> SurfacePair::parts() const {
 std::vector<contact::ContactPoint> SurfacePair::points(scene::ConstraintCollector& collector) const {
   const contact::Surface one = collector.surface(first.body, first.set, normal);
   const contact::Surface other = collector.surface(second.body, second.set);
-  const bool nodes =
-      coupling == Coupling::Nodes || (coupling == Coupling::Automatic && contact::nodesMatch(one, other));
+  std::optional<std::vector<contact::ContactPoint>> matched;
+  if (coupling == Coupling::Automatic)
+    matched = contact::matchNodesIfAll(one, other);
+  else if (coupling == Coupling::Nodes)
+    matched = contact::matchNodes(one, other);
   std::vector<contact::ContactPoint> points =
-      nodes ? contact::matchNodes(one, other) : contact::mortarPoints(one, other, reach);
+      matched ? std::move(*matched) : contact::mortarPoints(one, other, reach);
   if (normal) // exact where it is known, not averaged with the other side's facets
     for (contact::ContactPoint& point : points) {
       const auto at = std::lower_bound(one.numbers.begin(), one.numbers.end(), point.node);

@@ -142,7 +142,9 @@ TEST(Pieces, matched_nodes_are_those_of_whole_surfaces) {
     const auto below = block(type, {0, 0, -1}, {1, 1, 1}, {3, 2, 1}, {2, 2, 1}, 0, bent);
     const auto above = block(type, {0, 0, 0}, {1, 1, 1}, {2, 4, 1}, {3, 1, 1}, 10000, bent);
     const Surface first = pieceOf(below, "top"), second = pieceOf(above, "bottom");
-    EXPECT_TRUE(nodesMatch(first, second));
+    const auto all = matchNodesIfAll(first, second);
+    ASSERT_TRUE(all);
+    expectSame(*all, matchNodes(surfaceOf(below, "top"), surfaceOf(above, "bottom")), "if all match");
     expectSame(matchNodes(first, second), matchNodes(surfaceOf(below, "top"), surfaceOf(above, "bottom")),
                fem::shapeOf(type).name);
     const NormalField up = [](const Point& x) { return Point{0.1 * x[0], 0, 1}; };
@@ -166,7 +168,7 @@ TEST(Pieces, nodes_at_one_place_have_a_partner_each) {
   const int rank = comm->getRank(), ranks = comm->getSize();
   const Surface first = gather(meshes(0, 0, rank, ranks), "top", "lower", nullptr, *comm),
                 second = gather(meshes(1, 100, ranks - 1 - rank, ranks), "bottom", "upper", nullptr, *comm);
-  EXPECT_TRUE(nodesMatch(first, second));
+  EXPECT_TRUE(matchNodesIfAll(first, second));
   const auto whole =
       matchNodes(gather(meshes(0, 0, 0, 1), "top", "lower"), gather(meshes(1, 100, 0, 1), "bottom", "upper"));
   EXPECT_EQ(whole.size(), 12u);
@@ -207,8 +209,8 @@ TEST(Pieces, faults_are_told_on_all_ranks) {
         return Point{x[0] > 0.8 ? x[0] + 0.1 : x[0], x[1], 0};
       });
   const Surface top = pieceOf(body, "top");
-  EXPECT_TRUE(nodesMatch(top, pieceOf(other, "bottom")));
-  EXPECT_FALSE(nodesMatch(top, pieceOf(moved, "bottom")));
+  EXPECT_TRUE(matchNodesIfAll(top, pieceOf(other, "bottom")));
+  EXPECT_FALSE(matchNodesIfAll(top, pieceOf(moved, "bottom")));
   const std::string alone = messageOf([&] { matchNodes(top, pieceOf(moved, "bottom")); });
   EXPECT_TRUE(
       contains(alone, "node 25 at (0.875000, 1.000000, 0.000000) of the first surface has no partner"))
