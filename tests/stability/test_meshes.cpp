@@ -248,8 +248,8 @@ TEST(Stability, slender_bodies_in_contact) {
     tellFigure(name + ": deviation", deviation(reference, run).largest());
   }
   // Sets that were made of rough solutions alone took 1317 at 40 to 1 on one rank. How long they wander there
-  // is decided by rounding errors: of 24 lengths between 32 and 50 a median of 709 and 789 with two orders of
-  // sums, least 168, most 1994 and 8308. So it is the median that says something.
+  // is decided by rounding errors: of 24 lengths between 32 and 50 the median is 825, and was 709 with three
+  // projections a step; the least were 168, the most 8308. So it is a median that says something.
   std::sort(ofSlenderest.begin(), ofSlenderest.end());
   EXPECT_LE(ofSlenderest[ofSlenderest.size() / 2], 1000.0);
 }

@@ -38,7 +38,7 @@ double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// A slab of so many subdomains, thin, with facets of about the size of a unit at the joint z = 0.
+// A slab of so many subdomains of unit size, one element thick, that meets the other one at z = 0.
 // Or both bent about a ball.
 scene::Body slab(const std::string& name, const std::array<int, 3>& subdomains, int elements, bool isUpper,
                  long long firstNode, bool isBent) {

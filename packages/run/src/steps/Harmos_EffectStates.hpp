@@ -16,7 +16,7 @@ namespace Harmos::run {
 /// What the effects of a scene keep from step to step, as scene::Effect describes it: committed once a step,
 /// and a trial state that is thrown away where the step is.
 ///
-/// The same on every rank: where an effect has state, the points of contact, some 300 bytes each, their
+/// The same on every rank: where an effect has state, the points of contact, some 400 bytes each, their
 /// answers and the states are on all of them. Members are local unless they say otherwise. Guarded by
 /// tests/unit/run/test_step_sequence.cpp.
 class EffectStates {
