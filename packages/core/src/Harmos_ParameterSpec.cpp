@@ -94,6 +94,13 @@ bool parseNumber(const std::string& text, T& value) {
   return static_cast<bool>(stream >> value) && (stream >> std::ws).eof();
 }
 
+std::vector<std::string> namesOf(const std::vector<ParameterSpec::Choice>& choices) {
+  std::vector<std::string> names;
+  for (const ParameterSpec::Choice& choice : choices)
+    names.push_back(choice.first);
+  return names;
+}
+
 } // namespace
 
 bool Range::contains(double value) const {
@@ -239,10 +246,9 @@ std::string ParameterSpec::expected(const Parameter& parameter) {
   case Type::Text:
     return "a string (type=\"string\")";
   case Type::Choice: {
-    std::vector<std::string> values;
-    for (const Choice& allowed : parameter.allowed)
-      values.push_back(allowed.first);
-    return "one of " + joined(values) + " (type=\"string\")";
+    const std::vector<std::string> values = namesOf(parameter.allowed);
+    return "one of " + joined(values) + " (type=\"string\")" +
+           (parameter.mayBeInteger ? ", or an integer (type=\"int\") in " + parameter.range.text() : "");
   }
   case Type::Integers:
     return std::to_string(parameter.integers.size()) + " integers (type=\"Array(int)\") in " +
@@ -321,12 +327,18 @@ void ParameterSpec::validate(const Parameter& parameter, const Teuchos::Paramete
     result.set(parameter.name, Teuchos::getValue<std::string>(entry));
     return;
   case Type::Choice: {
-    if (!entry.isType<std::string>())
+    const bool isInteger = parameter.mayBeInteger && entry.isType<int>();
+    if (!isInteger && !entry.isType<std::string>())
       return wrongType();
-    const std::string value = Teuchos::getValue<std::string>(entry);
-    std::vector<std::string> values;
-    for (const Choice& allowed : parameter.allowed)
-      values.push_back(allowed.first);
+    const std::string value =
+        isInteger ? std::to_string(Teuchos::getValue<int>(entry)) : Teuchos::getValue<std::string>(entry);
+    if (int number = 0; parameter.mayBeInteger && parseNumber(value, number)) {
+      if (!parameter.range.contains(number))
+        return outOfRange(value);
+      result.set(parameter.name, std::to_string(number));
+      return;
+    }
+    const std::vector<std::string> values = namesOf(parameter.allowed);
     if (std::find(values.begin(), values.end(), value) == values.end()) {
       const std::string nearest = nearestName(value, values);
       faults.push_back(place + " = " + quoted(value) + " is not allowed, expected " + expected(parameter) +
@@ -444,11 +456,8 @@ void ParameterSpec::setDefault(const Parameter& parameter, Teuchos::ParameterLis
     const double largest = std::numeric_limits<double>::max();
     validator = Teuchos::rcp(
         new Teuchos::EnhancedNumberValidator<double>(std::max(least, -largest), std::min(most, largest)));
-  } else if (validators && parameter.type == Type::Choice) {
-    Teuchos::Array<std::string> values;
-    for (const Choice& allowed : parameter.allowed)
-      values.push_back(allowed.first);
-    validator = Teuchos::rcp(new Teuchos::StringValidator(values));
+  } else if (validators && parameter.type == Type::Choice && !parameter.mayBeInteger) {
+    validator = Teuchos::rcp(new Teuchos::StringValidator(namesOf(parameter.allowed)));
   }
   const std::string doc = validators ? parameter.meaning : std::string();
   switch (parameter.type) {

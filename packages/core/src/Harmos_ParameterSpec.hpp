@@ -52,6 +52,15 @@ class ParameterSpec {
   ParameterSpec& text(const std::string& name, const std::string& value, const std::string& meaning);
   ParameterSpec& choice(const std::string& name, const std::string& value, const std::vector<Choice>& allowed,
                         const std::string& meaning);
+  /// The same, or an integer, of type "int" in a deck; in the validated list it is text.
+  ParameterSpec& choiceOrInteger(const std::string& name, const std::string& value,
+                                 const std::vector<Choice>& allowed, int least, int most,
+                                 const std::string& meaning) {
+    choice(name, value, allowed, meaning);
+    parameters_.back().mayBeInteger = true;
+    parameters_.back().range = Range::within(least, most);
+    return *this;
+  }
   /// As many numbers as the default has; type "Array(double)" and "Array(int)" in a deck.
   ParameterSpec& reals(const std::string& name, const std::vector<double>& value, const Range& range,
                        const std::string& meaning);
@@ -124,6 +133,7 @@ class ParameterSpec {
     std::vector<std::string> texts;
     Range range;
     std::vector<Choice> allowed;
+    bool mayBeInteger = false; ///< beside choices
   };
 
   Parameter& add(const std::string& name, Type type, const std::string& meaning);

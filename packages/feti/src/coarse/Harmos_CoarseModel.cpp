@@ -3,8 +3,8 @@
 
 #include "Harmos_CoarseFactor.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_RigidMotions.hpp"
 #include "Harmos_StepCalls.hpp"
-#include "Harmos_SubdomainSystem.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -45,14 +45,13 @@ int coarseGroup(const CoarseShape& shape) {
   return static_cast<int>(std::clamp(ranks, std::min(2.0, 1.0 * shape.ranks), 1.0 * shape.ranks));
 }
 
-CoarseShape shapeOf(const SubdomainSystem& system) {
+CoarseShape shapeOf(const RigidMotions& motions) {
+  const SubdomainSystem& system = motions.system();
   CoarseShape shape;
-  shape.dimension = system.kernelDimension();
+  shape.dimension = motions.dimension();
   shape.motions = shape.dimension / static_cast<double>(std::max(1LL, system.globalSubdomains()));
   shape.ranks = system.comm()->getSize();
-  long long own = 0;
-  for (int i = 0; i < system.size(); ++i)
-    own += system.kernel(i).columns;
+  const auto own = static_cast<long long>(motions.ownColumns().size());
   shape.mostOwn = static_cast<double>(globalMax(*system.comm(), own));
   return shape;
 }

@@ -3,7 +3,7 @@
 
 namespace Harmos::feti {
 
-class SubdomainSystem;
+class RigidMotions;
 
 /// What the coarse problem's costs are computed with. Rates of solves and of reading are those of one core of
 /// an AMD EPYC with two cores in use (tests/performance/coarse_factor, dual_operator). Latency and bandwidth
@@ -28,7 +28,7 @@ struct CoarseShape {
   bool isInSpace() const { return motions > 3.5; }
 };
 /// @note Collective.
-CoarseShape shapeOf(const SubdomainSystem& system);
+CoarseShape shapeOf(const RigidMotions& motions);
 
 /// Entries of L, LLᵀ = G̃G̃ᵀ, of N = n/m subdomains on a grid, each coupled to all that it touches:
 ///

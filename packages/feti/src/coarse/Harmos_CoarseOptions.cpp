@@ -15,18 +15,18 @@ bool takesDistributed(const CoarseOptions& options, const CoarseShape& shape) {
          (options.form == Form::Auto && isDistributedCheaper(shape, options.rates));
 }
 
-std::unique_ptr<CoarseSpace> makeCoarseSpace(const SubdomainSystem& system, const Constraints& constraints,
+std::unique_ptr<CoarseSpace> makeCoarseSpace(const RigidMotions& motions, const Constraints& constraints,
                                              const CoarseOptions& options) {
   using Form = CoarseOptions::Form;
   if (options.form == Form::Distributed)
-    return std::make_unique<DistributedCoarse>(system, constraints, options);
-  if (options.form == Form::Auto && takesDistributed(options, shapeOf(system))) {
+    return std::make_unique<DistributedCoarse>(motions, constraints, options);
+  if (options.form == Form::Auto && takesDistributed(options, shapeOf(motions))) {
     try {
-      return std::make_unique<DistributedCoarse>(system, constraints, options);
+      return std::make_unique<DistributedCoarse>(motions, constraints, options);
     } catch (const NumericalError&) { // on all ranks
     }
   }
-  return std::make_unique<ReplicatedCoarse>(system, constraints);
+  return std::make_unique<ReplicatedCoarse>(motions, constraints);
 }
 
 } // namespace Harmos::feti

@@ -9,7 +9,7 @@ namespace Harmos::feti {
 
 class CoarseSpace;
 class Constraints;
-class SubdomainSystem;
+class RigidMotions;
 
 /// How the coarse problem is solved: "Decomposition/Coarse problem" of a deck.
 struct CoarseOptions {
@@ -36,7 +36,7 @@ bool takesDistributed(const CoarseOptions& options, const CoarseShape& shape);
 /// The coarse space in the form that was asked for, or by the cost model. Where the form is left open and a
 /// distributed one proves too inaccurate, it is the replicated one.
 /// @throws NumericalError on all ranks if a distributed one was asked for and proves so. @note Collective.
-std::unique_ptr<CoarseSpace> makeCoarseSpace(const SubdomainSystem& system, const Constraints& constraints,
+std::unique_ptr<CoarseSpace> makeCoarseSpace(const RigidMotions& motions, const Constraints& constraints,
                                              const CoarseOptions& options = {});
 
 } // namespace Harmos::feti

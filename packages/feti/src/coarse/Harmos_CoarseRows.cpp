@@ -9,6 +9,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <tuple>
 
 namespace Harmos::feti {
@@ -20,42 +21,101 @@ struct CoarseEntry {
   int column;
 };
 
+struct PartEntry {
+  int row; // overlapping
+  double value;
+  std::size_t column; // of the part
+};
+
+// What subdomains add to rows of BR, and bounds of the rounding errors, by the columns of their part.
+struct Addends {
+  std::vector<int> rows;             // overlapping
+  std::vector<double> values, sizes; // by columns for each of them
+};
+
+void addAddends(const RigidMotions& motions, const Constraints& constraints, int part, std::size_t member,
+                int subdomain, Addends& to) {
+  const Kernel& kernel = motions.kernel(subdomain);
+  const std::vector<Constraints::Entry>& entries = constraints.entries(subdomain);
+  std::vector<double> largest(static_cast<std::size_t>(kernel.columns), 0.0), values(largest), sizes(largest);
+  for (int k = 0; k < kernel.columns; ++k)
+    for (int j = 0; j < kernel.rows; ++j)
+      largest[static_cast<std::size_t>(k)] =
+          std::max(largest[static_cast<std::size_t>(k)], std::abs(kernel.column(k)[j]));
+  const auto append = [&](std::vector<double>& all, const std::vector<double>& mine, bool absolute) {
+    if (motions.areOfSubdomains()) {
+      all.insert(all.end(), mine.begin(), mine.end());
+      return;
+    }
+    const std::vector<double> moved = motions.ofPart(part, member, mine.data(), absolute);
+    all.insert(all.end(), moved.begin(), moved.end());
+  };
+  for (std::size_t begin = 0; begin < entries.size();) {
+    std::size_t end = begin;
+    double size = 0.0;
+    for (; end < entries.size() && entries[end].row == entries[begin].row; ++end)
+      size += std::abs(entries[end].value);
+    for (int k = 0; k < kernel.columns; ++k) {
+      double value = 0.0;
+      for (std::size_t e = begin; e < end; ++e)
+        value += entries[e].value * kernel.column(k)[entries[e].dof];
+      values[static_cast<std::size_t>(k)] = value;
+      sizes[static_cast<std::size_t>(k)] = size * largest[static_cast<std::size_t>(k)];
+    }
+    to.rows.push_back(entries[begin].row);
+    append(to.values, values, false);
+    append(to.sizes, sizes, true);
+    begin = end;
+  }
+}
+
+// A motion along a surface leaves rounding errors there, which hold nothing; where nothing else holds it,
+// they would be the largest entries of all. So do those of a cluster at rows within it, which are known to
+// what it is closed to.
+std::vector<PartEntry> entriesOfPart(const RigidMotions& motions, const Constraints& constraints, int part) {
+  constexpr double unit = 1e2 * std::numeric_limits<double>::epsilon();
+  constexpr double closed = 1e-11;
+  const std::vector<int> members = motions.members(part);
+  Addends addends;
+  for (std::size_t m = 0; m < members.size(); ++m)
+    addAddends(motions, constraints, part, m, members[m], addends);
+  std::vector<std::size_t> order(addends.rows.size());
+  std::iota(order.begin(), order.end(), 0);
+  if (members.size() > 1)
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return addends.rows[a] < addends.rows[b]; });
+  const double rounding = members.size() > 1 ? closed : unit;
+  const auto place = static_cast<std::size_t>(part);
+  const std::size_t columns = motions.places()[place + 1] - motions.places()[place];
+  std::vector<PartEntry> result;
+  for (auto first = order.begin(); first != order.end();) {
+    const int row = addends.rows[*first];
+    const auto last = std::find_if(first, order.end(), [&](std::size_t k) { return addends.rows[k] != row; });
+    for (std::size_t c = 0; c < columns; ++c) {
+      double value = 0.0, size = 0.0;
+      for (auto k = first; k != last; ++k) {
+        value += addends.values[*k * columns + c];
+        size += addends.sizes[*k * columns + c];
+      }
+      if (std::abs(value) > rounding * size)
+        result.push_back({row, value, c});
+    }
+    first = last;
+  }
+  return result;
+}
+
 } // namespace
 
-CoarseRows::CoarseRows(const SubdomainSystem& system, const Constraints& constraints) {
-  const Teuchos::Comm<int>& comm = *system.comm();
-  // Each subdomain makes its rows of G̃; the entries go to the ranks that own the dual rows. A motion along a
-  // surface leaves rounding errors there, which hold nothing; where nothing else holds it, they would be the
-  // largest entries of all.
-  constexpr double rounding = 1e2 * std::numeric_limits<double>::epsilon();
+CoarseRows::CoarseRows(const RigidMotions& motions, const Constraints& constraints) {
+  const Teuchos::Comm<int>& comm = *motions.system().comm();
+  // Each part makes its rows of G̃; the entries go to the ranks that own the dual rows.
   std::vector<std::vector<CoarseEntry>> sends(static_cast<std::size_t>(comm.getSize()));
-  for (int i = 0; i < system.size(); ++i) {
-    const Kernel& kernel = system.kernel(i);
-    const std::vector<Constraints::Entry>& entries = constraints.entries(i);
-    std::vector<double> largest(static_cast<std::size_t>(kernel.columns), 0.0);
-    for (int k = 0; k < kernel.columns; ++k)
-      for (int j = 0; j < kernel.rows; ++j)
-        largest[static_cast<std::size_t>(k)] =
-            std::max(largest[static_cast<std::size_t>(k)], std::abs(kernel.column(k)[j]));
-    for (std::size_t begin = 0; begin < entries.size();) {
-      std::size_t end = begin;
-      while (end < entries.size() && entries[end].row == entries[begin].row)
-        ++end;
-      double size = 0.0;
-      for (std::size_t e = begin; e < end; ++e)
-        size += std::abs(entries[e].value);
-      for (int k = 0; k < kernel.columns; ++k) {
-        double value = 0.0;
-        for (std::size_t e = begin; e < end; ++e)
-          value += entries[e].value * kernel.column(k)[entries[e].dof];
-        if (std::abs(value) > rounding * size * largest[static_cast<std::size_t>(k)])
-          sends[static_cast<std::size_t>(constraints.overlapOwner(entries[begin].row))].push_back(
-              {static_cast<long long>(constraints.overlapMap()->getGlobalElement(entries[begin].row)), value,
-               system.kernelOffset(i) + k});
-      }
-      begin = end;
-    }
-  }
+  for (int p = 0; p < motions.parts(); ++p)
+    for (const PartEntry& entry : entriesOfPart(motions, constraints, p))
+      sends[static_cast<std::size_t>(constraints.overlapOwner(entry.row))].push_back(
+          {static_cast<long long>(constraints.overlapMap()->getGlobalElement(entry.row)), entry.value,
+           motions.ownColumns()[motions.places()[static_cast<std::size_t>(p)] + entry.column]});
   std::vector<std::pair<int, CoarseEntry>> owned; // with local rows
   for (const std::vector<CoarseEntry>& part : exchangeItems(comm, sends))
     for (const CoarseEntry& entry : part)

@@ -3,6 +3,7 @@
 
 #include "Harmos_BoundTraits.hpp"
 #include "Harmos_Constraints.hpp"
+#include "Harmos_RigidMotions.hpp"
 
 #include <utility>
 #include <vector>
@@ -16,7 +17,7 @@ namespace Harmos::feti {
 class CoarseRows {
  public:
   /// @note Collective.
-  CoarseRows(const SubdomainSystem& system, const Constraints& constraints);
+  CoarseRows(const RigidMotions& motions, const Constraints& constraints);
 
   /// Owned rows.
   std::size_t size() const { return offsets_.size() - 1; }

@@ -10,14 +10,9 @@
 
 namespace Harmos::feti {
 
-CoarseSpace::CoarseSpace(const SubdomainSystem& system, const Constraints& constraints)
-    : comm_(system.comm()), kernelDimension_(system.kernelDimension()), rows_(system, constraints) {
-  std::vector<GlobalOrdinal> own, touched;
-  for (int i = 0; i < system.size(); ++i)
-    for (int k = 0; k < system.kernel(i).columns; ++k) {
-      ownColumns_.push_back(system.kernelOffset(i) + k);
-      own.push_back(static_cast<GlobalOrdinal>(ownColumns_.back()));
-    }
+CoarseSpace::CoarseSpace(const RigidMotions& motions, const Constraints& constraints)
+    : comm_(motions.system().comm()), motions_(motions), rows_(motions, constraints) {
+  std::vector<GlobalOrdinal> own(ownColumns().begin(), ownColumns().end()), touched;
   touchedColumns_ = rows_.columns();
   std::sort(touchedColumns_.begin(), touchedColumns_.end());
   touchedColumns_.erase(std::unique(touchedColumns_.begin(), touchedColumns_.end()), touchedColumns_.end());
@@ -26,7 +21,7 @@ CoarseSpace::CoarseSpace(const SubdomainSystem& system, const Constraints& const
   for (int column : rows_.columns())
     touched_.push_back(static_cast<int>(
         std::lower_bound(touchedColumns_.begin(), touchedColumns_.end(), column) - touchedColumns_.begin()));
-  const auto total = static_cast<Tpetra::global_size_t>(kernelDimension_);
+  const auto total = static_cast<Tpetra::global_size_t>(kernelDimension());
   const auto mapOf = [&](Tpetra::global_size_t size, const std::vector<GlobalOrdinal>& list) {
     return Teuchos::rcp(new Map(size, Teuchos::arrayViewFromVector(list), 0, comm_));
   };

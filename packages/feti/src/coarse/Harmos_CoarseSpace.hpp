@@ -17,8 +17,8 @@ namespace Harmos::feti {
 /// LLᵀ = A, has orthonormal rows. Rows of G̃ that depend on the others are left out of G, which has the same
 /// kernel all the same.
 ///
-/// Vectors of motions have a number for each column of R of this rank's subdomains, in the order of the
-/// subdomains. How A is factored, and by whom, is left to ReplicatedCoarse and DistributedCoarse.
+/// Vectors of motions have a number for each column of R of this rank, see RigidMotions: with clusters R is
+/// that of the clusters. How A is factored, and by whom, is left to ReplicatedCoarse and DistributedCoarse.
 ///
 /// Guarded by tests/unit/feti/coarse/test_coarse_space.cpp (P² = P, GGᵀ = I, rank deficiency, all forms).
 class CoarseSpace {
@@ -30,7 +30,9 @@ class CoarseSpace {
   /// Rows of G; less than the kernel dimension if G̃ is rank deficient.
   virtual int dimension() const = 0;
   /// Rows of G̃.
-  int kernelDimension() const { return kernelDimension_; }
+  int kernelDimension() const { return motions_.dimension(); }
+  /// R.
+  const RigidMotions& motions() const { return motions_; }
   /// Estimated smallest over largest pivot of A among those kept.
   virtual double smallestPivotRatio() const = 0;
   /// 1 for motions of this rank that are left out because of rank deficiency.
@@ -43,7 +45,7 @@ class CoarseSpace {
 
   const CoarseRows& rows() const { return rows_; }
   /// Columns of R of this rank's subdomains, by their numbers.
-  const std::vector<int>& ownColumns() const { return ownColumns_; }
+  const std::vector<int>& ownColumns() const { return motions_.ownColumns(); }
 
   /// G̃λ. @note Collective, messages to neighbours.
   std::vector<double> multiply(const MultiVector& lambda, std::size_t column = 0) const;
@@ -71,7 +73,7 @@ class CoarseSpace {
 
  protected:
   /// @note Collective.
-  CoarseSpace(const SubdomainSystem& system, const Constraints& constraints);
+  CoarseSpace(const RigidMotions& motions, const Constraints& constraints);
   const Teuchos::RCP<const Teuchos::Comm<int>>& communicator() const { return comm_; }
   const Teuchos::Comm<int>& comm() const { return *comm_; }
   /// Columns that rows of this rank touch, rising, and what a vector of motions has there. @note Collective.
@@ -82,9 +84,8 @@ class CoarseSpace {
 
  private:
   Teuchos::RCP<const Teuchos::Comm<int>> comm_;
-  int kernelDimension_;
+  RigidMotions motions_;
   CoarseRows rows_;
-  std::vector<int> ownColumns_;
   std::vector<double> sumsOf(const MultiVector& touched) const;
 
   std::vector<int> touchedColumns_;

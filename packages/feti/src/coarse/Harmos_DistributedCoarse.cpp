@@ -116,11 +116,11 @@ class DistributedFaces : public qp::FaceGramMaker<MultiVector> {
 
 } // namespace
 
-DistributedCoarse::DistributedCoarse(const SubdomainSystem& system, const Constraints& constraints,
+DistributedCoarse::DistributedCoarse(const RigidMotions& motions, const Constraints& constraints,
                                      const CoarseOptions& options)
-    : CoarseSpace(system, constraints),
+    : CoarseSpace(motions, constraints),
       dualMap_(constraints.rowMap()),
-      shape_(shapeOf(system)),
+      shape_(shapeOf(motions)),
       isScaled_(constraints.hasWeights()),
       inverse_(options.inverse) {
   const auto own = static_cast<int>(ownColumns().size());

@@ -27,7 +27,7 @@ class DistributedCoarse : public CoarseSpace {
  public:
   /// @throws NumericalError on all ranks if A is conditioned so badly that refinement does not help.
   /// @note Collective.
-  DistributedCoarse(const SubdomainSystem& system, const Constraints& constraints,
+  DistributedCoarse(const RigidMotions& motions, const Constraints& constraints,
                     const CoarseOptions& options);
 
   int dimension() const override { return kernelDimension() - static_cast<int>(factor_->leftOut().size()); }

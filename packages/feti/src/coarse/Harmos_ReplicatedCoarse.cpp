@@ -102,9 +102,8 @@ class ReplicatedFaces : public qp::FaceGramMaker<MultiVector> {
 
 } // namespace
 
-ReplicatedCoarse::ReplicatedCoarse(const SubdomainSystem& system, const Constraints& constraints,
-                                   int mostDense)
-    : CoarseSpace(system, constraints), dualMap_(constraints.rowMap()), mostDense_(mostDense) {
+ReplicatedCoarse::ReplicatedCoarse(const RigidMotions& motions, const Constraints& constraints, int mostDense)
+    : CoarseSpace(motions, constraints), dualMap_(constraints.rowMap()), mostDense_(mostDense) {
   makePattern();
   if (constraints.hasWeights())
     makeScale();

@@ -19,7 +19,7 @@ namespace Harmos::feti {
 class ReplicatedCoarse : public CoarseSpace {
  public:
   /// @param mostDense see CoarseFactor. @note Collective.
-  ReplicatedCoarse(const SubdomainSystem& system, const Constraints& constraints,
+  ReplicatedCoarse(const RigidMotions& motions, const Constraints& constraints,
                    int mostDense = CoarseFactor::mostDense);
 
   int dimension() const override { return factor_.rank(); }

@@ -40,11 +40,15 @@ std::vector<SubdomainSum::Entry> boundaryEntries(const std::vector<std::vector<C
 }
 
 DualOperator::DualOperator(const Constraints& constraints, const LocalInverses& inverses)
-    : SubdomainSum(constraints.importer(), makeGroups(constraints, inverses)), constraints_(constraints) {}
+    : SubdomainSum(constraints.importer(), makeGroups(constraints, inverses), inverses.joined()),
+      constraints_(constraints),
+      inverses_(inverses) {}
 
 void DualOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode, Scalar alpha,
                          Scalar beta) const {
   SubdomainSum::apply(X, Y, mode, alpha, beta);
+  if (inverses_.joined() != nullptr)
+    inverses_.joined()->clusters().removeJoined(Y);
   if (!constraints_.hasCompliance())
     return;
   const auto x = X.getLocalViewHost(Tpetra::Access::ReadOnly);

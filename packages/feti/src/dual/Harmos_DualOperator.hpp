@@ -6,7 +6,8 @@
 
 namespace Harmos::feti {
 
-/// F = B K⁺ Bᵀ, in the form of the local inverses; with rows that give way, F + C.
+/// F = B K⁺ Bᵀ, in the form of the local inverses; with rows that give way, F + C. Of clusters UᵀF = 0, and
+/// rounding errors in that are taken out.
 ///
 /// Symmetric positive semidefinite on vectors over Constraints::rowMap(). Cost: one neighbour exchange each
 /// way; locally, for each class of congruent subdomains one matrix-matrix product with its S⁺ (condensed) or
@@ -23,6 +24,7 @@ class DualOperator : public SubdomainSum {
 
  private:
   const Constraints& constraints_;
+  const LocalInverses& inverses_;
 };
 
 /// The entries of B, or B_D, of the members of a class, counted by boundary dofs. @param entries by

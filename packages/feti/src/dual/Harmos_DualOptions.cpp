@@ -137,6 +137,20 @@ void DualOptions::addDecompositionTo(ParameterSpec& deck) {
                         {"distributed", "groups of ranks factor it together, each rank keeps its rows of the "
                                         "inverse"}},
                        "Who solves the coarse problem, of the rigid motions of all subdomains.");
+  decomposition.choiceOrInteger(
+      "Clusters", "auto",
+      {{"auto", "by the cost model: where the coarse problem of many ranks takes most of the time"},
+       {"none", "each subdomain has rigid motions of its own in the coarse problem"},
+       {"rank", "the subdomains of a rank are joined to one cluster, as far as they hang together"}},
+      1, 1000000,
+      "Subdomains of a rank that averages join to clusters of about so many, each of which has one set of "
+      "rigid motions: a smaller coarse problem, and more products.");
+  decomposition.choice(
+      "Cluster joins", "faces",
+      {{"faces", "where two subdomains meet"},
+       {"corners", "where more than two do: corners in the plane, edges and corners in space"},
+       {"all", "both"}},
+      "Where averages join the subdomains of a cluster.");
   deck.list(std::move(decomposition));
 }
 
@@ -153,6 +167,22 @@ CoarseOptions DualOptions::coarseFrom(const Teuchos::ParameterList& decompositio
   const std::string asked = decomposition.get<std::string>("Coarse problem");
   options.form = asked == "auto" ? Form::Auto : asked == "replicated" ? Form::Replicated : Form::Distributed;
   options.rates = rates.step;
+  return options;
+}
+
+ClusterOptions DualOptions::clustersFrom(const Teuchos::ParameterList& decomposition) {
+  using Kind = ClusterOptions::Kind;
+  using Joins = ClusterOptions::Joins;
+  ClusterOptions options;
+  const std::string asked = decomposition.get<std::string>("Clusters");
+  options.kind = asked == "auto"   ? Kind::Auto
+                 : asked == "none" ? Kind::None
+                 : asked == "rank" ? Kind::Rank
+                                   : Kind::Size;
+  if (options.kind == Kind::Size)
+    options.size = std::stoi(asked);
+  const std::string joins = decomposition.get<std::string>("Cluster joins");
+  options.joins = joins == "faces" ? Joins::Faces : joins == "corners" ? Joins::Corners : Joins::All;
   return options;
 }
 

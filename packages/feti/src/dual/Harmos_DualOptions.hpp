@@ -42,6 +42,7 @@ struct DualOptions {
   static constexpr double muchContrast = 30.0;
   AdaptiveOptions adaptive;
   CoarseOptions coarse;     ///< of the list "Decomposition": coarseFrom()
+  ClusterOptions clusters;  ///< likewise: clustersFrom()
   int expectedProducts = 0; ///< 0: as usual
   int memoryBudgetMiB = 0;
   Rates rates;                     ///< of the cost model
@@ -74,6 +75,7 @@ struct DualOptions {
   static std::optional<DirichletForm> decompositionFrom(const Teuchos::ParameterList& list);
   /// `coarse` with what that list says of it and the rates that are here.
   CoarseOptions coarseFrom(const Teuchos::ParameterList& decomposition) const;
+  static ClusterOptions clustersFrom(const Teuchos::ParameterList& decomposition);
 
   /// Adds the list to the specification of a deck.
   static void addTo(ParameterSpec& deck);

@@ -308,7 +308,8 @@ SubdomainSum makeSum(const SubdomainSystem& system, const Constraints& constrain
 DualPreconditioner::DualPreconditioner(const SubdomainSystem& system, const Constraints& constraints,
                                        const LocalInverses& inverses, PreconditionerKind kind,
                                        PreconditionerScaling scaling)
-    : SubdomainSum(makeSum(system, constraints, inverses, kind, scaling)) {
+    : SubdomainSum(makeSum(system, constraints, inverses, kind, scaling)),
+      clusters_(inverses.joined() != nullptr ? inverses.joined()->sharedClusters() : nullptr) {
   if (!constraints.hasCompliance())
     return;
   const MultiVector shares = sharesOfStiffness(system, constraints);
@@ -322,6 +323,8 @@ DualPreconditioner::DualPreconditioner(const SubdomainSystem& system, const Cons
 void DualPreconditioner::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode, Scalar alpha,
                                Scalar beta) const {
   SubdomainSum::apply(X, Y, mode, alpha, beta);
+  if (clusters_)
+    clusters_->removeJoined(Y);
   if (ofRows_.empty())
     return;
   const auto x = X.getLocalViewHost(Tpetra::Access::ReadOnly);

@@ -33,6 +33,8 @@ enum class PreconditionerScaling {
 /// Of rows that give way, (F + C)⁻¹ is approximated by TM⁻¹T + (I − T²)²C⁻¹, T² = q/(q + C), q the diagonal
 /// of BD⁻¹Bᵀ: the first part alone where C is small, the second where it is large.
 ///
+/// Where subdomains are joined, directions keep to what F sees: UᵀMx = 0 (Clusters).
+///
 /// To be used between projections: PM⁻¹P.
 /// Guarded by tests/unit/feti/test_dual_preconditioner.cpp.
 class DualPreconditioner : public SubdomainSum {
@@ -48,7 +50,8 @@ class DualPreconditioner : public SubdomainSum {
              Scalar alpha = 1.0, Scalar beta = 0.0) const override;
 
  private:
-  std::vector<double> ofRows_; ///< (I − T²)²C⁻¹; none where no row gives way
+  std::shared_ptr<const Clusters> clusters_; ///< or null
+  std::vector<double> ofRows_;               ///< (I − T²)²C⁻¹; none where no row gives way
 };
 
 /// The entries of B_D, of TB_D where rows give way, by subdomains, over an overlapping map of their own.

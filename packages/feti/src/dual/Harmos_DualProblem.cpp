@@ -24,7 +24,7 @@ struct KernelLoad {
 
 // ẽ = Rᵀf. Loads that balance themselves, such as those of a warm body, leave rounding
 // errors, for which there need be no forces that hold them: those are taken for zero.
-KernelLoad kernelLoad(const SubdomainSystem& system) {
+KernelLoad kernelLoad(const RigidMotions& motions) {
   // Of sums of n terms, those of the load vector too: ε√n, and n is some thousands.
   constexpr double unit = 1e2 * std::numeric_limits<double>::epsilon();
   // R itself is known to so much: KR = 0 was verified to that, and loads of warm bodies are K times
@@ -33,21 +33,30 @@ KernelLoad kernelLoad(const SubdomainSystem& system) {
   // Entries of R that are zero are so to rounding errors of a column's largest: what holds some components of
   // a body leaves motions that are made by orthogonalisation.
   constexpr double entryRounding = 10.0 * std::numeric_limits<double>::epsilon();
-  KernelLoad load;
-  for (int i = 0; i < system.size(); ++i)
-    for (int k = 0; k < system.kernel(i).columns; ++k) {
+  const SubdomainSystem& system = motions.system();
+  std::vector<double> sums, bounds, rounding; // of amplitudes
+  for (int i = 0; i < system.size(); ++i) {
+    const Kernel& kernel = motions.kernel(i);
+    for (int k = 0; k < kernel.columns; ++k) {
       double sum = 0.0, sizes = 0.0, largest = 0.0, forces = 0.0;
       for (std::size_t j = 0; j < system.rhs(i).size(); ++j) {
-        const double motion = system.kernel(i).column(k)[j], force = system.rhs(i)[j];
+        const double motion = kernel.column(k)[j], force = system.rhs(i)[j];
         sum += motion * force;
         sizes += std::abs(motion * force);
         largest = std::max(largest, std::abs(motion));
         forces += std::abs(force);
       }
       const double ofEntries = entryRounding * largest * forces;
-      load.rounding.push_back(kernelRounding * sizes + ofEntries);
-      load.e.push_back(std::abs(sum) > unit * sizes + ofEntries ? sum : 0.0);
+      sums.push_back(sum);
+      bounds.push_back(unit * sizes + ofEntries);
+      rounding.push_back(kernelRounding * sizes + ofEntries);
     }
+  }
+  KernelLoad load = {motions.motions(sums), motions.motions(rounding, true)};
+  bounds = motions.motions(bounds, true);
+  for (std::size_t k = 0; k < load.e.size(); ++k)
+    if (!(std::abs(load.e[k]) > bounds[k]))
+      load.e[k] = 0.0;
   return load;
 }
 
@@ -55,11 +64,24 @@ bool isZero(const std::vector<double>& v) {
   return std::all_of(v.begin(), v.end(), [](double entry) { return entry == 0.0; });
 }
 
+// BK⁺f of clusters, where that of their subdomains is known.
+void addCorrection(const SubdomainSystem& system, const Constraints& constraints,
+                   const ClusterInverse& joined, const ClusterInverse::Amounts& answer,
+                   std::vector<double>& overlap) {
+  for (int i = 0; i < system.size(); ++i) {
+    std::vector<double> u(system.rhs(i).size(), 0.0);
+    joined.addCorrection(i, answer, u.data());
+    constraints.addB(i, u.data(), overlap.data());
+  }
+}
+
 // d̃ = BK⁺f − c. Each distinct load of a class is solved for once, loads of zero not at all.
 void applyInverseToLoads(const SubdomainSystem& system, const Constraints& constraints,
                          const LocalInverses& inverses, MultiVector& d) {
   std::vector<double> overlap(localSize(*constraints.overlapMap()), 0.0);
+  const ClusterInverse* joined = inverses.joined();
   agree(*system.comm(), [&] {
+    ClusterInverse::Amounts amounts = joined ? joined->none() : ClusterInverse::Amounts();
     for (std::size_t c = 0; c < inverses.classes().size(); ++c) {
       // In the order of the subdomains, not of addresses: sums are to be the same in every run.
       std::map<const std::vector<double>*, std::size_t> places;
@@ -75,10 +97,15 @@ void applyInverseToLoads(const SubdomainSystem& system, const Constraints& const
           continue;
         std::vector<double> x = *load;
         inverses.inverse(c).apply(x.data(), 1);
-        for (int i : members)
+        for (int i : members) {
           constraints.addB(i, x.data(), overlap.data());
+          if (joined != nullptr)
+            joined->measure(i, x.data(), load->data(), amounts);
+        }
       }
     }
+    if (joined != nullptr)
+      addCorrection(system, constraints, *joined, joined->answer(amounts), overlap);
   });
   constraints.fromOverlap(overlap, d);
   const auto view = d.getLocalViewHost(Tpetra::Access::ReadWrite);
@@ -118,11 +145,15 @@ std::optional<Unbalanced> unbalanced(const SubdomainSystem& system, const Coarse
   for (std::size_t k = 0; k < residual.size(); ++k)
     most = std::max(most, std::abs(residual[k] - others[k]));
   most = globalMax(comm, most);
+  for (std::size_t k = 0; k < residual.size(); ++k)
+    residual[k] -= others[k];
+  const std::vector<double> amplitudes = coarse.motions().amplitudes(residual);
   long long first = system.globalSubdomains() - 1;
-  std::size_t place = 0;
+  const std::vector<std::size_t>& places = coarse.motions().amplitudePlaces();
   for (int i = 0; i < system.size(); ++i)
-    for (int k = 0; k < system.kernel(i).columns; ++k, ++place)
-      if (std::abs(residual[place] - others[place]) > moved * most)
+    for (std::size_t place = places[static_cast<std::size_t>(i)];
+         place < places[static_cast<std::size_t>(i) + 1]; ++place)
+      if (std::abs(amplitudes[place]) > moved * most)
         first = std::min(first, system.subdomain(i).number);
   return Unbalanced{globalMin(comm, first), largest};
 }
@@ -164,7 +195,7 @@ DualProblem::DualProblem(const SubdomainSystem& system, const Constraints& const
 
   shift_ = Teuchos::rcp(new MultiVector(map, 1));
   projectedD_ = Teuchos::rcp(new MultiVector(map, 1));
-  const KernelLoad load = kernelLoad(system);
+  const KernelLoad load = kernelLoad(coarse.motions());
   if (coarse.dimension() > 0) {
     std::vector<double> s = coarse.solve(load.e);
     coarse.addTransposed(1.0, s, *shift_);
@@ -185,6 +216,8 @@ DualProblem::DualProblem(const SubdomainSystem& system, const Constraints& const
     requireBalance(system, coarse, *shift_, load);
     hessian_ = Teuchos::rcpFromRef(static_cast<const Operator&>(dualOperator));
   }
+  if (inverses.joined() != nullptr)
+    inverses.joined()->clusters().removeJoined(*d_);
   projectedD_->update(1.0, *d_, 0.0);
   coarse.project(*projectedD_);
 

@@ -11,29 +11,65 @@
 
 namespace Harmos::feti {
 
-SubdomainSum::SubdomainSum(Teuchos::RCP<const Import> importer, std::vector<Group> groups)
-    : importer_(std::move(importer)), groups_(std::move(groups)) {}
+namespace {
+
+// t ← C_iᵀx of all members, one vector after the other.
+void gather(const SubdomainSum::Group& group, const double* in, std::size_t stride, std::size_t count,
+            std::vector<double>& t) {
+  const std::size_t size =
+      static_cast<std::size_t>(group.op->size()) * static_cast<std::size_t>(group.members);
+  t.assign(size * count, 0.0);
+  for (std::size_t c = 0; c < count; ++c)
+    for (const SubdomainSum::Entry& entry : group.entries)
+      t[c * size + static_cast<std::size_t>(entry.place)] +=
+          entry.value * in[c * stride + static_cast<std::size_t>(entry.row)];
+}
+
+// y ← y + C_iu.
+void scatter(const SubdomainSum::Group& group, const std::vector<double>& u, double* out, std::size_t stride,
+             std::size_t count) {
+  const std::size_t size =
+      static_cast<std::size_t>(group.op->size()) * static_cast<std::size_t>(group.members);
+  for (std::size_t c = 0; c < count; ++c)
+    for (const SubdomainSum::Entry& entry : group.entries)
+      out[c * stride + static_cast<std::size_t>(entry.row)] +=
+          entry.value * u[c * size + static_cast<std::size_t>(entry.place)];
+}
+
+} // namespace
+
+SubdomainSum::SubdomainSum(Teuchos::RCP<const Import> importer, std::vector<Group> groups,
+                           const ClusterInverse* joined)
+    : importer_(std::move(importer)), groups_(std::move(groups)), joined_(joined) {}
 
 Teuchos::RCP<const Map> SubdomainSum::getDomainMap() const {
   return importer_->getSourceMap();
 }
 
 void SubdomainSum::applyLocally(const double* in, double* out, std::size_t stride, int columns) const {
+  const auto count = static_cast<std::size_t>(columns);
   for (const Group& group : groups_) {
-    const std::size_t size =
-        static_cast<std::size_t>(group.op->size()) * static_cast<std::size_t>(group.members);
-    const auto count = static_cast<std::size_t>(columns);
-    t_.assign(size * count, 0.0);
+    gather(group, in, stride, count, t_);
     u_.resize(t_.size());
-    for (std::size_t c = 0; c < count; ++c)
-      for (const Entry& entry : group.entries)
-        t_[c * size + static_cast<std::size_t>(entry.place)] +=
-            entry.value * in[c * stride + static_cast<std::size_t>(entry.row)];
     group.op->apply(t_.data(), u_.data(), group.members * columns);
-    for (std::size_t c = 0; c < count; ++c)
-      for (const Entry& entry : group.entries)
-        out[c * stride + static_cast<std::size_t>(entry.row)] +=
-            entry.value * u_[c * size + static_cast<std::size_t>(entry.place)];
+    scatter(group, u_, out, stride, count);
+  }
+}
+
+// What joins subdomains needs all of them before any has its answer.
+void SubdomainSum::applyJoined(const double* in, double* out, std::size_t stride, int columns) const {
+  const auto count = static_cast<std::size_t>(columns);
+  us_.resize(groups_.size());
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    gather(groups_[g], in, stride, count, t_);
+    us_[g].resize(t_.size());
+    groups_[g].op->apply(t_.data(), us_[g].data(), groups_[g].members * columns);
+    joined_->gather(g, t_.data(), columns);
+  }
+  joined_->solve(columns);
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    joined_->add(g, us_[g].data(), columns);
+    scatter(groups_[g], us_[g], out, stride, count);
   }
 }
 
@@ -59,7 +95,10 @@ void SubdomainSum::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp,
       };
       fill(0.0);
       try {
-        applyLocally(&in(0, c), &out(0, c), out.stride(1), static_cast<int>(count));
+        if (joined_ == nullptr)
+          applyLocally(&in(0, c), &out(0, c), out.stride(1), static_cast<int>(count));
+        else
+          applyJoined(&in(0, c), &out(0, c), out.stride(1), static_cast<int>(count));
       } catch (...) {
         failure_ = std::current_exception();
         fill(std::numeric_limits<double>::quiet_NaN());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_BoundaryOperator.hpp"
+#include "Harmos_ClusterInverse.hpp"
 #include "Harmos_Types.hpp"
 
 #include <Teuchos_RCP.hpp>
@@ -17,7 +18,8 @@ namespace Harmos::feti {
 /// Σ_i C_i A_i C_iᵀ over all subdomains, A_i an operator on boundary dofs, C_i sparse: what the dual operator
 /// (C = B, A = K⁺_bb) and the dual preconditioners (C = B_D, A = S or K_bb) have in common.
 ///
-/// Subdomains that share A_i are dealt with at once. A product costs one neighbour exchange each way
+/// Subdomains that share A_i are dealt with at once. Where they are joined to clusters, the inverse of these
+/// takes part: groups are those that it was made of. A product costs one neighbour exchange each way
 /// (Tpetra Import and Export of the rows that touch a subdomain of this rank) and no reduction.
 ///
 /// A failure of a local operator on one rank cannot be thrown at once, or the others would wait in the
@@ -41,7 +43,9 @@ class SubdomainSum : public Operator {
   };
 
   /// @param importer from the rows that a rank owns to those that touch its subdomains.
-  SubdomainSum(Teuchos::RCP<const Import> importer, std::vector<Group> groups);
+  /// @param joined or null; to outlive this.
+  SubdomainSum(Teuchos::RCP<const Import> importer, std::vector<Group> groups,
+               const ClusterInverse* joined = nullptr);
 
   Teuchos::RCP<const Map> getDomainMap() const override;
   Teuchos::RCP<const Map> getRangeMap() const override { return getDomainMap(); }
@@ -59,11 +63,14 @@ class SubdomainSum : public Operator {
 
  private:
   void applyLocally(const double* in, double* out, std::size_t stride, int columns) const;
+  void applyJoined(const double* in, double* out, std::size_t stride, int columns) const;
 
   Teuchos::RCP<const Import> importer_;
   std::vector<Group> groups_;
+  const ClusterInverse* joined_;
   mutable Teuchos::RCP<MultiVector> in_, out_, image_; // kept from product to product
   mutable std::vector<double> t_, u_;
+  mutable std::vector<std::vector<double>> us_; // of all groups, where they are joined
   mutable std::exception_ptr failure_;
 };
 

@@ -192,7 +192,7 @@ double LocalInverses::bytes() const {
   double sum = 0.0;
   for (const auto& inverse : inverses_)
     sum += inverse->bytes();
-  return sum;
+  return joined_ ? sum + joined_->bytes() : sum;
 }
 
 int LocalInverses::roundedFactorizations() const {
@@ -204,6 +204,8 @@ void LocalInverses::restoreProducts(const Teuchos::Comm<int>& comm) {
   agree(comm, [&] {
     for (const auto& inverse : inverses_)
       inverse->restoreProducts();
+    if (joined_)
+      join(joined_->sharedClusters());
     if (context_ != nullptr)
       context_->releaseWorkspace();
   });
@@ -225,6 +227,15 @@ void LocalInverses::take(std::size_t ofClass, Details::MadeInverse made) {
   isReplaced_[ofClass] = made.isReplaced || isReplaced_[ofClass] != 0 ? 1 : 0;
   condition_ = std::max(condition_, made.quality.condition());
   defect_ = std::max(defect_, made.quality.defect);
+}
+
+void LocalInverses::join(const std::shared_ptr<const Clusters>& clusters) {
+  if (!clusters)
+    return;
+  std::vector<ClusterInverse::Group> groups;
+  for (std::size_t c = 0; c < classes_.size(); ++c)
+    groups.push_back({classes_[c].members, classes_[c].boundary, &inverses_[c]->boundaryOperator()});
+  joined_ = std::make_unique<ClusterInverse>(clusters, groups);
 }
 
 void LocalInverses::refactor(const SubdomainSystem& system, const LocalInverseOptions& options) {
@@ -252,9 +263,14 @@ void LocalInverses::refactor(const SubdomainSystem& system, const LocalInverseOp
       take(c, wasReplaced ? again()
                           : madeOrReplaced({matrix, kernel, classes_[c], number}, options, context_, again));
     }
+    join(options.clusters);
     if (context_ != nullptr) // inverses that were made elsewhere keep their own
       context_->releaseWorkspace();
   });
+}
+
+RigidMotions motionsOf(const SubdomainSystem& system, const LocalInverses& inverses) {
+  return inverses.joined() != nullptr ? inverses.joined()->clusters().motions() : RigidMotions(system);
 }
 
 LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints& constraints,
@@ -278,6 +294,8 @@ LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints
   for (std::size_t c = 0; c < inverses.size(); ++c)
     result.take(c, std::move(inverses[c]));
   result.context_ = std::move(context);
+  if (options.clusters)
+    agree(*system.comm(), [&] { result.join(options.clusters); });
   return result;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ClusterInverse.hpp"
 #include "Harmos_Constraints.hpp"
 #include "Harmos_InverseQuality.hpp"
 #include "Harmos_LocalInverse.hpp"
@@ -30,6 +31,8 @@ struct LocalInverseOptions : LocalInverseSettings {
   bool checkNullPivots = false; ///< compare the kernels with MUMPS' null pivots
   /// Analyses that were made already; null: none.
   std::shared_ptr<FactorizationContext> context;
+  /// Subdomains that are joined; null: each is by itself.
+  std::shared_ptr<const Clusters> clusters;
 };
 
 /// Subdomains of this rank with one matrix and one boundary, which share what is made of them.
@@ -58,6 +61,9 @@ std::vector<CongruenceClass> congruenceClasses(const SubdomainSystem& system, co
 /// solver that converges to a wrong answer, which tests/unit/feti/test_mixed_inverses.cpp shows. Therefore
 /// DualOperator, DualProblem and recover() take this one object.
 ///
+/// Where subdomains are joined to clusters, K⁺ is that of the clusters: joined() goes with the inverses of
+/// the subdomains wherever these are used.
+///
 /// Congruent subdomains share an inverse: one factorisation, one S, one S⁺, and products with all of them at
 /// once. What makes them congruent is the content of their matrices, see SubdomainSystem.
 class LocalInverses {
@@ -67,6 +73,8 @@ class LocalInverses {
 
   const std::vector<CongruenceClass>& classes() const { return classes_; }
   const LocalInverse& inverse(std::size_t ofClass) const { return *inverses_[ofClass]; }
+  /// What makes these the inverses of clusters; null: each subdomain is by itself.
+  const ClusterInverse* joined() const { return joined_.get(); }
   /// Factorisations held on this rank.
   int distinctFactorizations() const { return static_cast<int>(inverses_.size()); }
   /// The largest of the estimated condition numbers, on this rank; 1 without subdomains.
@@ -94,6 +102,7 @@ class LocalInverses {
 
  private:
   void take(std::size_t ofClass, Details::MadeInverse made);
+  void join(const std::shared_ptr<const Clusters>& clusters);
   friend LocalInverses makeLocalInverses(const SubdomainSystem&, const Constraints&,
                                          const LocalInverseOptions&);
 
@@ -103,6 +112,7 @@ class LocalInverses {
   double condition_ = 1.0;
   double defect_ = 0.0;
   std::shared_ptr<FactorizationContext> context_;
+  std::unique_ptr<ClusterInverse> joined_;
 };
 
 /// Makes them and verifies each: ‖K K⁺ K x − K x‖ ≤ δ ‖Kx‖, δ see defectLimit(), and ‖D⁻¹Kv‖ > 1e-12 ‖v‖ for
@@ -114,5 +124,8 @@ class LocalInverses {
 /// Guarded by tests/unit/feti/local/test_local_inverse.cpp.
 LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints& constraints,
                                 const LocalInverseOptions& options = {});
+
+/// R of the coarse problem that goes with them: that of the clusters, or of the subdomains.
+RigidMotions motionsOf(const SubdomainSystem& system, const LocalInverses& inverses);
 
 } // namespace Harmos::feti

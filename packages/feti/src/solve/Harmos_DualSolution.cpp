@@ -148,6 +148,7 @@ class DualSolve {
   void guess(const WarmStart* start);
   void startFrom(const WarmStart& start);
   void startFromHalfLoad();
+  void removeJoined();
   bool hasVectorsFromStart() const;
   // By the state that the solver goes on from.
   bool isHeld(const char* name) const { return watch_.hasState() && watch_.holds(name); }
@@ -208,6 +209,7 @@ void DualSolve::startFrom(const WarmStart& start) {
   Tpetra::deep_copy(*solution_.lambda, *start.multiplier);
   solution_.lambda->update(-1.0, *dual_.shift(), 1.0);
   stages_.coarse.project(*solution_.lambda);
+  removeJoined();
   if (dual_.lowerBound().is_null())
     return;
   // Open contacts stay at their bounds to the last bit, or active sets would begin without them.
@@ -228,6 +230,13 @@ void DualSolve::startFromHalfLoad() {
     constraints.addB(i, stages_.system.rhs(i).data(), overlap.data());
   constraints.fromOverlap(overlap, *solution_.lambda);
   solution_.lambda->scale(0.5);
+  removeJoined();
+}
+
+// What F of clusters does not see.
+void DualSolve::removeJoined() {
+  if (const ClusterInverse* joined = stages_.inverses.joined())
+    joined->clusters().removeJoined(*solution_.lambda);
 }
 
 // Those of steps before are there, and a solver that had them when it was interrupted needs them.
@@ -500,13 +509,16 @@ DualSolution solveDualProblem(const DualStages& stages, const SolverOptions& opt
   return DualSolve(stages, options, acceptance, log, report, monitor).go(start);
 }
 
-std::vector<long long> escapingParts(const SubdomainSystem& system, const std::vector<double>& escape,
+std::vector<long long> escapingParts(const RigidMotions& motions, const std::vector<double>& escape,
                                      const std::vector<long long>& partOf, long long parts) {
+  const SubdomainSystem& system = motions.system();
+  const std::vector<double> amplitudes = motions.amplitudes(escape);
   std::vector<double> squares(static_cast<std::size_t>(parts), 0.0);
   std::size_t place = 0;
   for (int i = 0; i < system.size(); ++i)
-    for (int k = 0; k < system.kernel(i).columns; ++k, ++place)
-      squares[static_cast<std::size_t>(partOf[static_cast<std::size_t>(i)])] += std::pow(escape[place], 2);
+    for (int k = 0; k < motions.kernel(i).columns; ++k, ++place)
+      squares[static_cast<std::size_t>(partOf[static_cast<std::size_t>(i)])] +=
+          std::pow(amplitudes[place], 2);
   globalSum(*system.comm(), squares);
   const double largest = *std::max_element(squares.begin(), squares.end());
   std::vector<long long> result;

@@ -95,7 +95,7 @@ DualSolution solveDualProblem(const DualStages& stages, const SolverOptions& opt
 /// their amplitudes those above a hundredth of the largest amplitude. A part may be a subdomain or a body.
 /// @param escape of DualSolution. @param partOf a number, from zero to below `parts`, for each subdomain of
 /// this rank. @note Collective. Guarded by tests/unit/feti/test_feti_solver.cpp.
-std::vector<long long> escapingParts(const SubdomainSystem& system, const std::vector<double>& escape,
+std::vector<long long> escapingParts(const RigidMotions& motions, const std::vector<double>& escape,
                                      const std::vector<long long>& partOf, long long parts);
 
 } // namespace Harmos::feti

@@ -27,6 +27,7 @@ FetiSolver::FetiSolver(Teuchos::RCP<const Teuchos::Comm<int>> comm, std::vector<
     : log_(log), list_(parameters().validated(given, "the parameters given")) {
   dual_ = DualOptions::fromList(list_.sublist("Dual operator"));
   dual_.coarse = dual_.coarseFrom(list_.sublist("Decomposition"));
+  dual_.clusters = DualOptions::clustersFrom(list_.sublist("Decomposition"));
   options_ = SolverOptions::fromList(list_.sublist("Solver"));
   const DirichletForm form =
       DualOptions::decompositionFrom(list_.sublist("Decomposition")).value_or(DirichletForm::Primal);
@@ -48,6 +49,7 @@ void FetiSolver::setUpInverses() {
   // What the subdomains are made of is not known here: materials may jump within them.
   decided_ = dual_.decided(*system_, *constraints_, DualOptions::usualProducts(true, options_.tolerance),
                            false, log_);
+  decided_.inverses.clusters = makeClusters(*system_, *constraints_, dual_.clusters);
   inverses_ = std::make_unique<LocalInverses>(makeLocalInverses(*system_, *constraints_, decided_.inverses));
   defect_ = globalMax(*system_->comm(), inverses_->defect());
 }
@@ -58,7 +60,7 @@ void FetiSolver::setUpOperators() {
   history_.clear();
   adaptive_.reset();
   operator_ = std::make_unique<DualOperator>(*constraints_, *inverses_);
-  coarse_ = makeCoarseSpace(*system_, *constraints_, dual_.coarse);
+  coarse_ = makeCoarseSpace(motionsOf(*system_, *inverses_), *constraints_, dual_.coarse);
   preconditioner_ =
       decided_.preconditioner == PreconditionerKind::None
           ? Teuchos::null
@@ -104,10 +106,12 @@ void FetiSolver::setMatrices(const std::vector<std::shared_ptr<const LocalMatrix
   };
   const bool isSame = std::equal(classes.begin(), classes.end(), inverses_->classes().begin(),
                                  inverses_->classes().end(), same);
-  if (globalMin(*system_->comm(), isSame ? 1LL : 0LL) > 0)
+  if (globalMin(*system_->comm(), isSame ? 1LL : 0LL) > 0) {
+    decided_.inverses.clusters = makeClusters(*system_, *constraints_, dual_.clusters);
     inverses_->refactor(*system_, decided_.inverses);
-  else
+  } else {
     setUpInverses();
+  }
   setUpOperators();
 }
 
@@ -180,7 +184,7 @@ std::string FetiSolver::escapingSubdomains(const DualSolution& dual) const {
   for (int i = 0; i < system_->size(); ++i)
     numbers.push_back(system_->subdomain(i).number);
   const std::vector<long long> parts =
-      escapingParts(*system_, dual.escape, numbers, system_->globalSubdomains());
+      escapingParts(coarse_->motions(), dual.escape, numbers, system_->globalSubdomains());
   std::string text = parts.size() == 1 ? "subdomain" : "subdomains";
   for (std::size_t k = 0; k < std::min(parts.size(), mostNamed); ++k)
     text += (k == 0 ? " " : ", ") + std::to_string(parts[k]);

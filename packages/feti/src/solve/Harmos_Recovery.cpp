@@ -11,20 +11,91 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace Harmos::feti {
 namespace {
 
-void addRigidMotion(const SubdomainSystem& system, const std::vector<double>& alpha, TornVector& u) {
+// u ← u + Rα.
+void addRigidMotion(const RigidMotions& motions, const std::vector<double>& alpha, TornVector& u) {
+  const std::vector<double> amplitudes = motions.amplitudes(alpha);
   std::size_t place = 0;
-  for (int i = 0; i < system.size(); ++i)
-    for (int k = 0; k < system.kernel(i).columns; ++k, ++place) {
-      const double factor = alpha[place];
-      const double* column = system.kernel(i).column(k);
+  for (int i = 0; i < motions.system().size(); ++i)
+    for (int k = 0; k < motions.kernel(i).columns; ++k, ++place) {
+      const double factor = amplitudes[place];
+      const double* column = motions.kernel(i).column(k);
       std::vector<double>& values = u[static_cast<std::size_t>(i)];
       for (std::size_t j = 0; j < values.size(); ++j)
         values[j] += factor * column[j];
     }
+}
+
+// f − Bᵀλ.
+TornVector loadsLeft(const SubdomainSystem& system, const Constraints& constraints,
+                     const MultiVector& lambda) {
+  const std::vector<double> overlap = constraints.toOverlap(lambda);
+  TornVector loads(static_cast<std::size_t>(system.size()));
+  for (int i = 0; i < system.size(); ++i) {
+    std::vector<double>& load = loads[static_cast<std::size_t>(i)];
+    load.assign(system.rhs(i).size(), 0.0);
+    constraints.addBt(i, overlap.data(), load.data());
+    for (std::size_t j = 0; j < load.size(); ++j)
+      load[j] = system.rhs(i)[j] - load[j];
+  }
+  return loads;
+}
+
+// x ← K⁺x of each subdomain, in parts of a class: many right-hand sides at once.
+void solveLocally(const LocalInverses& inverses, TornVector& x) {
+  constexpr std::size_t mostAtOnce = 32;
+  std::vector<double> part;
+  for (std::size_t c = 0; c < inverses.classes().size(); ++c) {
+    const std::vector<int>& members = inverses.classes()[c].members;
+    for (std::size_t begin = 0; begin < members.size(); begin += mostAtOnce) {
+      const std::size_t count = std::min(mostAtOnce, members.size() - begin);
+      const std::size_t n = x[static_cast<std::size_t>(members[begin])].size();
+      part.clear();
+      for (std::size_t m = 0; m < count; ++m) {
+        const std::vector<double>& load = x[static_cast<std::size_t>(members[begin + m])];
+        part.insert(part.end(), load.begin(), load.end());
+      }
+      inverses.inverse(c).apply(part.data(), static_cast<int>(count));
+      for (std::size_t m = 0; m < count; ++m)
+        std::copy(part.begin() + static_cast<std::ptrdiff_t>(m * n),
+                  part.begin() + static_cast<std::ptrdiff_t>((m + 1) * n),
+                  x[static_cast<std::size_t>(members[begin + m])].begin());
+    }
+  }
+}
+
+// v ← (I − RRᵀ)v for the R of the coarse problem.
+void removeMotions(const RigidMotions& motions, TornVector& v) {
+  std::vector<double> amplitudes;
+  for (int i = 0; i < motions.system().size(); ++i)
+    for (int k = 0; k < motions.kernel(i).columns; ++k) {
+      const double* column = motions.kernel(i).column(k);
+      const std::vector<double>& values = v[static_cast<std::size_t>(i)];
+      amplitudes.push_back(std::inner_product(values.begin(), values.end(), column, 0.0));
+    }
+  std::vector<double> alpha = motions.motions(amplitudes);
+  for (double& value : alpha)
+    value = -value;
+  addRigidMotion(motions, alpha, v);
+}
+
+// What of the answer joins subdomains to clusters. @param loads of all subdomains in balance, afterwards.
+ClusterInverse::Amounts joiningAnswer(const ClusterInverse& joined, const LocalInverses& inverses,
+                                      TornVector& loads) {
+  removeMotions(joined.clusters().motions(), loads);
+  TornVector u = loads;
+  solveLocally(inverses, u);
+  ClusterInverse::Amounts amounts = joined.none();
+  for (std::size_t i = 0; i < loads.size(); ++i)
+    joined.measure(static_cast<int>(i), u[i].data(), loads[i].data(), amounts);
+  ClusterInverse::Amounts answer = joined.answer(amounts);
+  for (std::size_t i = 0; i < loads.size(); ++i)
+    joined.subtractForces(static_cast<int>(i), answer, loads[i].data());
+  return answer;
 }
 
 } // namespace
@@ -38,39 +109,25 @@ TornSolution recover(const SubdomainSystem& system, const Constraints& constrain
   total->update(1.0, *dual.shift(), 1.0);
   solution.multiplier = total;
 
-  // u₀ = K⁺(f − Bᵀλ), in parts of a class: many right-hand sides at once.
-  const std::vector<double> overlap = constraints.toOverlap(*total);
-  solution.displacement.resize(static_cast<std::size_t>(system.size()));
+  // u₀ = K⁺(f − Bᵀλ).
+  const ClusterInverse* joined = inverses.joined();
+  ClusterInverse::Amounts answer;
+  solution.displacement = loadsLeft(system, constraints, *total);
   agree(comm, [&] {
-    constexpr std::size_t mostAtOnce = 32;
-    std::vector<double> x;
-    for (std::size_t c = 0; c < inverses.classes().size(); ++c) {
-      const std::vector<int>& members = inverses.classes()[c].members;
-      for (std::size_t begin = 0; begin < members.size(); begin += mostAtOnce) {
-        const std::size_t count = std::min(mostAtOnce, members.size() - begin);
-        const auto n = static_cast<std::size_t>(system.matrix(members[begin]).rows());
-        x.resize(n * count);
-        std::vector<double> load;
-        for (std::size_t m = 0; m < count; ++m) {
-          const int i = members[begin + m];
-          load.assign(n, 0.0);
-          constraints.addBt(i, overlap.data(), load.data());
-          for (std::size_t j = 0; j < n; ++j)
-            load[j] = system.rhs(i)[j] - load[j];
-          // Gλ vanishes to the tolerance only, so that the loads are not quite in balance. K⁺ would answer
-          // the rest by point forces where it holds the kernel, and u depend on the choice: R_iᵀ of the loads
-          // is taken out.
-          removeKernel(system.kernel(i), load);
-          std::copy(load.begin(), load.end(), x.begin() + static_cast<std::ptrdiff_t>(m * n));
-        }
-        inverses.inverse(c).apply(x.data(), static_cast<int>(count));
-        for (std::size_t m = 0; m < count; ++m)
-          solution.displacement[static_cast<std::size_t>(members[begin + m])].assign(
-              x.begin() + static_cast<std::ptrdiff_t>(m * n),
-              x.begin() + static_cast<std::ptrdiff_t>((m + 1) * n));
-      }
-    }
+    TornVector& u = solution.displacement;
+    if (joined != nullptr)
+      answer = joiningAnswer(*joined, inverses, u);
+    // Gλ vanishes to the tolerance only, so that the loads are not quite in balance. K⁺ would answer the rest
+    // by point forces where it holds the kernel, and u depend on the choice: R_iᵀ of the loads is taken out.
+    for (int i = 0; i < system.size(); ++i)
+      removeKernel(system.kernel(i), u[static_cast<std::size_t>(i)]);
+    solveLocally(inverses, u);
+    for (int i = 0; joined != nullptr && i < system.size(); ++i)
+      joined->addMotion(i, answer, u[static_cast<std::size_t>(i)].data());
   });
+  // The forces of averages are such of gluing rows.
+  if (joined != nullptr)
+    joined->clusters().addJoined(answer.averages, *total);
   if (coarse.kernelDimension() == 0)
     return solution;
 
@@ -105,7 +162,7 @@ TornSolution recover(const SubdomainSystem& system, const Constraints& constrain
   const std::vector<double> delta = coarse.minimumNormSolution(holds, coarse.multiply(residual));
   for (std::size_t k = 0; k < delta.size(); ++k)
     alpha[k] += delta[k];
-  addRigidMotion(system, alpha, solution.displacement);
+  addRigidMotion(coarse.motions(), alpha, solution.displacement);
   solution.rigidMotion = alpha;
   return solution;
 }

@@ -36,34 +36,6 @@ void orthonormalize(Kernel& kernel) {
                work.data(), static_cast<int>(work.size()), &info);
 }
 
-// The combinations Bα of the columns of an orthonormal basis B for which Mα = 0; M has m ≥ k rows, columns
-// one after the other. Singular values up to `zero` are none.
-Kernel combinationsThatVanish(const Kernel& basis, std::vector<double> image, int m, double zero) {
-  const int k = basis.columns;
-  std::vector<double> sigma(static_cast<std::size_t>(k)), vt(static_cast<std::size_t>(k * k)),
-      work(static_cast<std::size_t>(10 * (m + 3 * k)));
-  int info = 0;
-  double unused = 0.0;
-  // The k×k Gram matrix would square the condition number: decompose the rows themselves.
-  Teuchos::LAPACK<int, double>().GESVD('N', 'A', m, k, image.data(), m, sigma.data(), &unused, 1, vt.data(),
-                                       k, work.data(), static_cast<int>(work.size()), &unused, &info);
-  HARMOS_REQUIRE(info == 0, "the singular value decomposition of a kernel failed");
-  Kernel result;
-  result.rows = basis.rows;
-  for (int v = 0; v < k; ++v) {
-    if (sigma[static_cast<std::size_t>(v)] > zero)
-      continue;
-    ++result.columns;
-    for (int i = 0; i < basis.rows; ++i) {
-      double sum = 0.0;
-      for (int c = 0; c < k; ++c)
-        sum += basis.column(c)[i] * vt[static_cast<std::size_t>(c * k + v)];
-      result.values.push_back(sum);
-    }
-  }
-  return result;
-}
-
 } // namespace
 
 Kernel constantKernel(int rows) {
@@ -102,6 +74,32 @@ Kernel rigidBodyKernel(const std::vector<double>& coordinates, int dimension) {
       }
   }
   return kernel;
+}
+
+Kernel combinationsThatVanish(const Kernel& basis, std::vector<double> image, int m, double zero) {
+  const int k = basis.columns;
+  std::vector<double> sigma(static_cast<std::size_t>(k)), vt(static_cast<std::size_t>(k * k)),
+      work(static_cast<std::size_t>(10 * (m + 3 * k)));
+  int info = 0;
+  double unused = 0.0;
+  // The k×k Gram matrix would square the condition number: decompose the rows themselves.
+  Teuchos::LAPACK<int, double>().GESVD('N', 'A', m, k, image.data(), m, sigma.data(), &unused, 1, vt.data(),
+                                       k, work.data(), static_cast<int>(work.size()), &unused, &info);
+  HARMOS_REQUIRE(info == 0, "the singular value decomposition of a kernel failed");
+  Kernel result;
+  result.rows = basis.rows;
+  for (int v = 0; v < k; ++v) {
+    if (sigma[static_cast<std::size_t>(v)] > zero)
+      continue;
+    ++result.columns;
+    for (int i = 0; i < basis.rows; ++i) {
+      double sum = 0.0;
+      for (int c = 0; c < k; ++c)
+        sum += basis.column(c)[i] * vt[static_cast<std::size_t>(c * k + v)];
+      result.values.push_back(sum);
+    }
+  }
+  return result;
 }
 
 Kernel heldKernel(const Kernel& motions, const std::vector<int>& fixed) {

@@ -41,6 +41,11 @@ Kernel heldKernel(const Kernel& motions, const std::vector<int>& fixed);
 /// @throws NumericalError if the given motions are linearly dependent.
 Kernel keptKernel(const Kernel& motions, const LocalMatrix& addition);
 
+/// The combinations Bα of the columns of an orthonormal basis B for which Mα = 0.
+/// @param image M, m rows, as many as columns at least, columns after each other. @param zero singular values
+/// up to it are none.
+Kernel combinationsThatVanish(const Kernel& basis, std::vector<double> image, int m, double zero);
+
 /// v ← (I − RRᵀ)v for a kernel with orthonormal columns.
 void removeKernel(const Kernel& kernel, std::vector<double>& v);
 

@@ -7,7 +7,9 @@
 #include <Teuchos_Comm.hpp>
 #include <Teuchos_RCP.hpp>
 
+#include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace Harmos::feti {
@@ -30,6 +32,8 @@ struct Subdomain {
                                          ///< one dof; gaps allowed
   std::vector<FixedDof> fixed;           ///< Dirichlet conditions; the same on all copies of a dof
   std::shared_ptr<const Kernel> motions; ///< kernel of the stiffness without boundary conditions
+  /// Where it is, if that is known: clusters are bricks by it; see partitionIntoClusters().
+  std::optional<std::array<double, 3>> centre = std::nullopt;
 };
 
 /// How Dirichlet conditions are enforced.

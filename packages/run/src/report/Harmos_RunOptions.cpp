@@ -58,6 +58,7 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
   options.dirichlet = feti::DualOptions::decompositionFrom(deck.sublist("Decomposition"));
   options.dual = feti::DualOptions::fromList(deck.sublist("Dual operator"));
   options.dual.coarse = options.dual.coarseFrom(deck.sublist("Decomposition"));
+  options.dual.clusters = feti::DualOptions::clustersFrom(deck.sublist("Decomposition"));
   options.toleranceRule = solver.get<std::string>("Tolerance rule") == "balanced" ? ToleranceRule::Balanced
                                                                                   : ToleranceRule::Fixed;
   options.solverErrorShare = solver.get<double>("Solver error share");

@@ -241,6 +241,7 @@ void RunStages::factorise() {
     report_.dualForms = toString(decided.forms());
     preconditionerKind_ = decided.preconditioner;
     inverseOptions_ = decided.inverses;
+    inverseOptions_.clusters = feti::makeClusters(*system_, *constraints_, options_.dual.clusters);
     report_.isSingle = inverseOptions_.precision == feti::Precision::Single;
     inverses_.emplace(feti::makeLocalInverses(*system_, *constraints_, inverseOptions_));
     report_.localCondition = globalMax(*comm_, inverses_->condition());
@@ -291,7 +292,8 @@ void RunStages::makeDualProblem() {
   makeOperators();
   {
     const auto scope = timers_.scope("coarse");
-    coarse_ = feti::makeCoarseSpace(*system_, *constraints_, options_.dual.coarse);
+    coarse_ =
+        feti::makeCoarseSpace(feti::motionsOf(*system_, *inverses_), *constraints_, options_.dual.coarse);
   }
   report_.coarseDimension = coarse_->dimension();
   report_.isCoarseDistributed = coarse_->isDistributed();
@@ -497,8 +499,8 @@ std::string RunStages::escapingBodies() const {
   for (const scene::OwnedSubdomain& item : owned_)
     bodyOf.push_back(item.body);
   std::string names;
-  for (const long long body :
-       feti::escapingParts(*system_, solution_.escape, bodyOf, static_cast<long long>(scene_.bodies.size())))
+  for (const long long body : feti::escapingParts(coarse_->motions(), solution_.escape, bodyOf,
+                                                  static_cast<long long>(scene_.bodies.size())))
     names += (names.empty() ? "\"" : ", \"") + scene_.bodies[static_cast<std::size_t>(body)].name + "\"";
   return names;
 }

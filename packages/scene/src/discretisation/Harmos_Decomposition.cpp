@@ -18,11 +18,21 @@ namespace {
 struct SharedParts {
   SubdomainEffects::Stiffness elastic;
   std::shared_ptr<const std::vector<int>> interface;
+  fem::Point centre{}; ///< of the nodes, relative to the anchor
 };
+
+fem::Point centreOf(const fem::Mesh& mesh) {
+  fem::Point centre{};
+  const auto d = static_cast<std::size_t>(mesh.dimension());
+  for (std::size_t k = 0; k < mesh.coordinates.size(); ++k)
+    centre[k % d] += mesh.coordinates[k] / mesh.numberOfNodes();
+  return centre;
+}
 
 SharedParts sharedParts(const Scene& scene, const Body& body, const std::shared_ptr<const fem::Mesh>& mesh) {
   const int components = scene.components();
   SharedParts parts;
+  parts.centre = centreOf(*mesh);
   if (scene.physics == Physics::Membrane) {
     parts.elastic.matrix = std::make_shared<LocalMatrix>(fem::assembleLaplace(*mesh));
     parts.elastic.motions = std::make_shared<feti::Kernel>(feti::constantKernel(mesh->numberOfNodes()));
@@ -128,6 +138,9 @@ std::vector<feti::Subdomain> assemble(const Scene& scene, const std::vector<Owne
       subdomain.interface = parts.interface;
       subdomain.load = effects.load(item);
       subdomain.fixed = effects.countedPrescribed(item);
+      subdomain.centre = parts.centre;
+      for (std::size_t d = 0; d < 3; ++d)
+        (*subdomain.centre)[d] += item.mesh.anchor[d];
     } catch (const NumericalError& error) {
       const fem::Point& anchor = item.mesh.anchor;
       throw InputError("body \"" + body.name + "\", subdomain " + std::to_string(item.number) +

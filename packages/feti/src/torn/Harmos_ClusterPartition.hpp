@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <vector>
+
+namespace Harmos::feti {
+
+/// Subdomains of a rank that share dofs with each other alone, and how many.
+struct SubdomainLink {
+  int first, second; ///< subdomains of the rank, the first one lower
+  int weight;
+};
+
+/// Groups of about so many subdomains that hang together by links.
+///
+/// By recursive bisection of the centres across the longest side of their box, which gives bricks of grids
+/// and the same on any machine; without centres by METIS, of the graph of the links. What of a group does not
+/// hang together with its largest piece joins the group that it has most links with, or is one of its own.
+/// @param centres of each subdomain; none at all: METIS. @param size of a group; 0: as large as there are.
+/// @return members by rising subdomains, groups by their first. Local.
+/// Guarded by tests/unit/feti/test_clusters.cpp.
+std::vector<std::vector<int>> partitionIntoClusters(int subdomains, const std::vector<SubdomainLink>& links,
+                                                    const std::vector<std::array<double, 3>>& centres,
+                                                    int size);
+
+} // namespace Harmos::feti
