@@ -46,13 +46,13 @@ int coarseGroup(const CoarseShape& shape) {
 }
 
 CoarseShape shapeOf(const RigidMotions& motions) {
-  const SubdomainSystem& system = motions.system();
+  const Teuchos::Comm<int>& comm = *motions.system().comm();
   CoarseShape shape;
   shape.dimension = motions.dimension();
-  shape.motions = shape.dimension / static_cast<double>(std::max(1LL, system.globalSubdomains()));
-  shape.ranks = system.comm()->getSize();
+  shape.motions = shape.dimension / static_cast<double>(std::max(1LL, motions.totalParts()));
+  shape.ranks = comm.getSize();
   const auto own = static_cast<long long>(motions.ownColumns().size());
-  shape.mostOwn = static_cast<double>(globalMax(*system.comm(), own));
+  shape.mostOwn = static_cast<double>(globalMax(comm, own));
   return shape;
 }
 

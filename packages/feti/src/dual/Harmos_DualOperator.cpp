@@ -40,7 +40,8 @@ std::vector<SubdomainSum::Entry> boundaryEntries(const std::vector<std::vector<C
 }
 
 DualOperator::DualOperator(const Constraints& constraints, const LocalInverses& inverses)
-    : SubdomainSum(constraints.importer(), makeGroups(constraints, inverses), inverses.joined()),
+    : SubdomainSum(constraints.importer(), makeGroups(constraints, inverses),
+                   {std::shared_ptr<const void>(), inverses.joined()}),
       constraints_(constraints),
       inverses_(inverses) {}
 

@@ -299,8 +299,18 @@ SubdomainSum makeSum(const SubdomainSystem& system, const Constraints& constrain
   HARMOS_REQUIRE(kind != PreconditionerKind::None, "there is no preconditioner to be made");
   const ScaledConstraints scaled = scaledConstraints(system, constraints, scaling);
   std::vector<SubdomainSum::Group> groups;
-  agree(*system.comm(), [&] { groups = makeGroups(system, inverses, scaled, kind); });
-  return SubdomainSum(scaled.importer, std::move(groups));
+  std::shared_ptr<const ClusterInverse> joined;
+  agree(*system.comm(), [&] {
+    groups = makeGroups(system, inverses, scaled, kind);
+    if (inverses.joined() == nullptr)
+      return;
+    std::vector<ClusterInverse::Group> members;
+    for (std::size_t c = 0; c < groups.size(); ++c)
+      members.push_back({inverses.classes()[c].members, inverses.classes()[c].boundary, groups[c].op.get()});
+    joined = std::make_shared<const ClusterInverse>(inverses.joined()->sharedClusters(), members,
+                                                    ClusterInverse::Role::Preconditioner);
+  });
+  return SubdomainSum(scaled.importer, std::move(groups), std::move(joined));
 }
 
 } // namespace

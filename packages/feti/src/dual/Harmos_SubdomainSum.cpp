@@ -39,8 +39,8 @@ void scatter(const SubdomainSum::Group& group, const std::vector<double>& u, dou
 } // namespace
 
 SubdomainSum::SubdomainSum(Teuchos::RCP<const Import> importer, std::vector<Group> groups,
-                           const ClusterInverse* joined)
-    : importer_(std::move(importer)), groups_(std::move(groups)), joined_(joined) {}
+                           std::shared_ptr<const ClusterInverse> joined)
+    : importer_(std::move(importer)), groups_(std::move(groups)), joined_(std::move(joined)) {}
 
 Teuchos::RCP<const Map> SubdomainSum::getDomainMap() const {
   return importer_->getSourceMap();

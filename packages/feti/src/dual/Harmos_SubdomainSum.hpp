@@ -43,9 +43,9 @@ class SubdomainSum : public Operator {
   };
 
   /// @param importer from the rows that a rank owns to those that touch its subdomains.
-  /// @param joined or null; to outlive this.
+  /// @param joined or null.
   SubdomainSum(Teuchos::RCP<const Import> importer, std::vector<Group> groups,
-               const ClusterInverse* joined = nullptr);
+               std::shared_ptr<const ClusterInverse> joined = nullptr);
 
   Teuchos::RCP<const Map> getDomainMap() const override;
   Teuchos::RCP<const Map> getRangeMap() const override { return getDomainMap(); }
@@ -67,7 +67,7 @@ class SubdomainSum : public Operator {
 
   Teuchos::RCP<const Import> importer_;
   std::vector<Group> groups_;
-  const ClusterInverse* joined_;
+  std::shared_ptr<const ClusterInverse> joined_;
   mutable Teuchos::RCP<MultiVector> in_, out_, image_; // kept from product to product
   mutable std::vector<double> t_, u_;
   mutable std::vector<std::vector<double>> us_; // of all groups, where they are joined

@@ -77,8 +77,9 @@ std::vector<double> invertedOnComplement(std::vector<double> s, int n, const std
 
 } // namespace
 
-ClusterInverse::ClusterInverse(std::shared_ptr<const Clusters> clusters, const std::vector<Group>& groups)
-    : clusters_(std::move(clusters)) {
+ClusterInverse::ClusterInverse(std::shared_ptr<const Clusters> clusters, const std::vector<Group>& groups,
+                               Role role)
+    : clusters_(std::move(clusters)), role_(role) {
   makeShared(groups);
   std::map<std::vector<int>, std::size_t> known;
   for (std::size_t c = 0; c < clusters_->all().size(); ++c) {
@@ -116,12 +117,17 @@ void ClusterInverse::makeShared(const std::vector<Group>& groups) {
     for (int i : cluster.members) {
       members_[static_cast<std::size_t>(i)].cluster = c;
       members_[static_cast<std::size_t>(i)].amplitude = amplitude;
-      amplitude += static_cast<std::size_t>(motions.kernel(i).columns);
+      if (role_ == Role::Inverse)
+        amplitude += static_cast<std::size_t>(motions.kernel(i).columns);
     }
     for (const Clusters::Join& join : cluster.joins)
       for (const Clusters::Side& side : join.sides) {
+        if (role_ == Role::Preconditioner && join.copies != 2)
+          continue;
         Member& member = members_[static_cast<std::size_t>(side.subdomain)];
         member.uses.push_back(useOf(join, side, known[member.group]));
+        if (role_ == Role::Preconditioner && &side != &join.sides.front())
+          member.uses.back().sign *= -1.0;
       }
   }
   for (std::size_t g = 0; g < groups.size(); ++g) {
@@ -133,7 +139,7 @@ void ClusterInverse::makeShared(const std::vector<Group>& groups) {
     for (const KnownSide& side : known[g])
       shared.joined += side.columns;
     const Kernel& kernel = motions.kernel(group.members.front());
-    shared.motions = kernel.columns;
+    shared.motions = role_ == Role::Inverse ? kernel.columns : 0;
     shared.width = shared.joined + shared.motions;
     const auto joined = static_cast<std::size_t>(shared.joined);
     std::vector<double> sides(b * joined, 0.0);
@@ -144,7 +150,7 @@ void ClusterInverse::makeShared(const std::vector<Group>& groups) {
               side.values[q * side.dofs.size() + k];
     shared.w.resize(b * joined);
     group.op->apply(sides.data(), shared.w.data(), shared.joined);
-    for (int k = 0; k < kernel.columns; ++k)
+    for (int k = 0; k < shared.motions; ++k)
       for (int dof : group.boundary)
         shared.w.push_back(kernel.column(k)[dof]);
     const int n = static_cast<int>(b);
@@ -241,7 +247,7 @@ ClusterInverse::Factor ClusterInverse::factorOf(std::size_t cluster) const {
       "the cluster of " + std::to_string(item.members.size()) + " subdomains from subdomain " +
       std::to_string(clusters_->motions().system().subdomain(item.members.front()).number) + " on";
   factor.f0 = SparseCholesky(factor.averages, rows, columns, values);
-  if (factor.f0.rank() < factor.averages)
+  if (role_ == Role::Inverse && factor.f0.rank() < factor.averages)
     throw NumericalError(name + " has averages that depend on each other: the factor of B₀K⁺B₀ᵀ has rank " +
                          std::to_string(factor.f0.rank()) + " of " + std::to_string(factor.averages));
   // A cluster without joins moves as its subdomains do: S₀ is zero.

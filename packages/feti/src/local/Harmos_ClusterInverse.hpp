@@ -38,10 +38,16 @@ class ClusterInverse {
     std::vector<double> averages, amplitudes;
   };
 
-  /// @param groups (K⁺)_bb of all subdomains of this rank.
+  enum class Role {
+    Inverse,       ///< of K⁺, as above
+    Preconditioner ///< of S, see DualPreconditioner: no motions, and both sides of a face move together
+  };
+
+  /// @param groups (K⁺)_bb, or S, of all subdomains of this rank.
   /// @throws NumericalError, InternalError where a cluster has motions that its kernel does not contain.
   /// Local.
-  ClusterInverse(std::shared_ptr<const Clusters> clusters, const std::vector<Group>& groups);
+  ClusterInverse(std::shared_ptr<const Clusters> clusters, const std::vector<Group>& groups,
+                 Role role = Role::Inverse);
 
   const Clusters& clusters() const { return *clusters_; }
   const std::shared_ptr<const Clusters>& sharedClusters() const { return clusters_; }
@@ -117,6 +123,7 @@ class ClusterInverse {
                     std::vector<double>& amplitudes) const;
 
   std::shared_ptr<const Clusters> clusters_;
+  Role role_;
   std::vector<Shared> shared_;  ///< by group
   std::vector<Member> members_; ///< by subdomain
   std::vector<Factor> factors_;

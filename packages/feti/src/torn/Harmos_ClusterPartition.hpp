@@ -14,9 +14,10 @@ struct SubdomainLink {
 
 /// Groups of about so many subdomains that hang together by links.
 ///
-/// By recursive bisection of the centres across the longest side of their box, which gives bricks of grids
-/// and the same on any machine; without centres by METIS, of the graph of the links. What of a group does not
-/// hang together with its largest piece joins the group that it has most links with, or is one of its own.
+/// By recursive bisection of the centres across the longest side of their box, between layers of a grid where
+/// there are such, which gives bricks; or by METIS, of the graph of the links, where that cuts clearly fewer
+/// dofs, and where no centres are known. What of a group does not hang together with its largest piece joins
+/// the group that it has most links with, or is one of its own.
 /// @param centres of each subdomain; none at all: METIS. @param size of a group; 0: as large as there are.
 /// @return members by rising subdomains, groups by their first. Local.
 /// Guarded by tests/unit/feti/test_clusters.cpp.

@@ -138,6 +138,7 @@ std::vector<double> orthonormalised(const std::vector<double>& columns, std::siz
 Join joinOf(const SubdomainSystem& system, const std::vector<Copies>& dofs, std::size_t level) {
   const std::size_t n = dofs.size();
   Join join;
+  join.copies = static_cast<int>(dofs.front().at.size());
   for (const Copies& dof : dofs)
     join.rows.push_back(dof.rows[level]);
   const Kernel& motions = *system.subdomain(dofs.front().at.front().first).motions;
@@ -421,7 +422,6 @@ Clusters::Clusters(const SubdomainSystem& system, const Constraints& constraints
       averagePlaces_.push_back(averagePlaces_.back() + static_cast<std::size_t>(cluster.averages));
     }
   });
-  total_ = globalSum(*system.comm(), static_cast<long long>(clusters_.size()));
   motions_.emplace(system, std::move(parts), basesOf(system));
 }
 

@@ -60,6 +60,7 @@ class Clusters {
   struct Join {
     std::vector<int> rows; ///< of B, owned by this rank
     int columns = 0;
+    int copies = 0;              ///< of its dofs: 2 at a face
     std::vector<double> weights; ///< U, rows by columns
     std::vector<Side> sides;
     int first = 0; ///< its first average among those of its cluster
@@ -78,7 +79,7 @@ class Clusters {
 
   const std::vector<Cluster>& all() const { return clusters_; }
   /// Over all ranks.
-  long long total() const { return total_; }
+  long long total() const { return motions_->totalParts(); }
   /// The kernels of all clusters.
   const RigidMotions& motions() const { return *motions_; }
   /// v ← v − UUᵀv. Local.
@@ -92,7 +93,6 @@ class Clusters {
   std::vector<Cluster> clusters_;
   std::optional<RigidMotions> motions_;
   std::vector<std::size_t> averagePlaces_ = {0};
-  long long total_ = 0;
 };
 
 } // namespace Harmos::feti

@@ -12,7 +12,7 @@
 namespace Harmos::feti {
 
 RigidMotions::RigidMotions(const SubdomainSystem& system)
-    : system_(&system), dimension_(system.kernelDimension()) {
+    : system_(&system), dimension_(system.kernelDimension()), totalParts_(system.globalSubdomains()) {
   for (int i = 0; i < system.size(); ++i) {
     for (int k = 0; k < system.kernel(i).columns; ++k)
       ownColumns_.push_back(system.kernelOffset(i) + k);
@@ -45,6 +45,7 @@ RigidMotions::RigidMotions(const SubdomainSystem& system, std::vector<Part> part
       ownColumns_.push_back(static_cast<int>(offsets[p]) + k);
     places_.push_back(ownColumns_.size());
   }
+  totalParts_ = globalSum(comm, static_cast<long long>(parts_.size()));
   dimension_ = static_cast<int>(globalSum(comm, static_cast<long long>(ownColumns_.size())));
   countAmplitudes();
 }

@@ -37,6 +37,9 @@ class RigidMotions {
   int dimension() const { return dimension_; }
   /// Whether each subdomain moves by itself.
   bool areOfSubdomains() const { return parts_.empty(); }
+  /// Over all ranks.
+  long long totalParts() const { return totalParts_; }
+  /// Of this rank.
   int parts() const { return areOfSubdomains() ? system_->size() : static_cast<int>(parts_.size()); }
   /// Of a part, its subdomains.
   std::vector<int> members(int part) const;
@@ -67,6 +70,7 @@ class RigidMotions {
   std::vector<Part> parts_; ///< none: T = I
   std::vector<int> bases_;
   int dimension_ = 0;
+  long long totalParts_ = 0;
   std::vector<int> ownColumns_;
   std::vector<std::size_t> places_ = {0}, amplitudePlaces_ = {0};
 };
