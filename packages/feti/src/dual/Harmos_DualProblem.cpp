@@ -216,8 +216,10 @@ DualProblem::DualProblem(const SubdomainSystem& system, const Constraints& const
     requireBalance(system, coarse, *shift_, load);
     hessian_ = Teuchos::rcpFromRef(static_cast<const Operator&>(dualOperator));
   }
-  if (inverses.joined() != nullptr)
+  if (inverses.joined() != nullptr) {
     inverses.joined()->clusters().removeJoined(*d_);
+    clusters_ = inverses.joined()->clusters().fingerprint();
+  }
   projectedD_->update(1.0, *d_, 0.0);
   coarse.project(*projectedD_);
 

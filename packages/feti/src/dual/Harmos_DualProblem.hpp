@@ -62,6 +62,9 @@ class DualProblem {
   Teuchos::RCP<const MultiVector> shift() const { return shift_; }
   /// ‖(G̃G̃ᵀ)⁻¹ẽ‖.
   double scaledLoadNorm() const { return scaledLoadNorm_; }
+  /// Clusters::fingerprint() of those that it was made with; 0: none. λ and d are those of one set of
+  /// clusters.
+  double clusters() const { return clusters_; }
   /// Products with F spent on making d.
   int setupApplications() const { return setupApplications_; }
 
@@ -81,6 +84,7 @@ class DualProblem {
   std::shared_ptr<const qp::LocalSoftBounds> soft_;
   double scaledLoadNorm_ = 0.0;
   int setupApplications_ = 0;
+  double clusters_ = 0.0;
 };
 
 } // namespace Harmos::feti

@@ -360,6 +360,20 @@ std::vector<std::array<double, 3>> centresOf(const SubdomainSystem& system) {
   return result;
 }
 
+// The sum of a hash of each cluster, whatever ranks they are on; small enough for a double to hold it.
+double fingerprintOf(const SubdomainSystem& system, const std::vector<Cluster>& clusters) {
+  constexpr unsigned long long prime = 1099511628211ULL, offset = 14695981039346656037ULL; // FNV-1a
+  constexpr long long most = 1LL << 30;
+  long long sum = 0;
+  for (const Cluster& cluster : clusters) {
+    unsigned long long hash = offset;
+    for (int i : cluster.members)
+      hash = (hash ^ static_cast<unsigned long long>(system.subdomain(i).number + 1)) * prime;
+    sum += static_cast<long long>((hash >> 20) % static_cast<unsigned long long>(most));
+  }
+  return 1.0 + static_cast<double>(globalSum(*system.comm(), sum) % (most * most / 4));
+}
+
 bool isChosen(ClusterOptions::Joins joins, std::size_t copies) {
   return joins == ClusterOptions::Joins::All || (joins == ClusterOptions::Joins::Faces) == (copies == 2);
 }
@@ -423,6 +437,7 @@ Clusters::Clusters(const SubdomainSystem& system, const Constraints& constraints
     }
   });
   motions_.emplace(system, std::move(parts), basesOf(system));
+  fingerprint_ = fingerprintOf(system, clusters_);
 }
 
 void Clusters::removeJoined(MultiVector& v) const {

@@ -80,6 +80,8 @@ class Clusters {
   const std::vector<Cluster>& all() const { return clusters_; }
   /// Over all ranks.
   long long total() const { return motions_->totalParts(); }
+  /// A number by which clusters are told from others: of the subdomains of each, on all ranks; not zero.
+  double fingerprint() const { return fingerprint_; }
   /// The kernels of all clusters.
   const RigidMotions& motions() const { return *motions_; }
   /// v ← v − UUᵀv. Local.
@@ -93,6 +95,7 @@ class Clusters {
   std::vector<Cluster> clusters_;
   std::optional<RigidMotions> motions_;
   std::vector<std::size_t> averagePlaces_ = {0};
+  double fingerprint_ = 0.0;
 };
 
 } // namespace Harmos::feti

@@ -358,7 +358,8 @@ void RunStages::solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonito
   if (options_.toleranceRule != ToleranceRule::Balanced)
     report_.tolerance = tolerance;
   monitor->addState([this](qp::StateArchive<MultiVector>& archive) { check_->exchange(archive); });
-  solveOnce(start, monitor, log, secondsSpent);
+  const std::optional<feti::WarmStart> reached = monitor->startOfOtherClusters(*dual_);
+  solveOnce(reached ? &*reached : start, monitor, log, secondsSpent);
   if (roundingIsSeen_)
     solveUnrounded(monitor, log, secondsSpent);
 }

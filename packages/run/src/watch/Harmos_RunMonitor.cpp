@@ -21,7 +21,9 @@ namespace Harmos::run {
 namespace {
 
 const char* const loadName = "right-hand side"; // Pd
-constexpr double lookInterval = 0.25;           // seconds between two reductions
+const char* const clustersName = "clusters";
+const char* const reachedName = "multiplier reached"; // λ + λ̃
+constexpr double lookInterval = 0.25;                 // seconds between two reductions
 
 double secondsSince(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -50,10 +52,20 @@ void requireSame(const CheckpointReader& checkpoint, MultiVector& kept, const fe
                      {{"file", checkpoint.path()}});
 }
 
+bool isOfOtherClusters(const CheckpointReader& checkpoint, const feti::DualProblem& present) {
+  double before = 0.0;
+  if (checkpoint.holds(clustersName))
+    checkpoint.restore({},
+                       [&](qp::StateArchive<MultiVector>& archive) { archive.number(clustersName, before); });
+  return before != present.clusters();
+}
+
 } // namespace
 
 void requireSameProblem(const CheckpointReader& checkpoint, const feti::DualProblem& present,
                         double condition) {
+  if (isOfOtherClusters(checkpoint, present)) // Pd is another
+    return;
   // Pd is the same for every choice of K⁺, which depends on the subdomains that a rank has; d is not.
   MultiVector kept(*present.rhs(), Teuchos::Copy);
   checkpoint.restore(rowBasis(present),
@@ -74,6 +86,17 @@ RunMonitor::RunMonitor(const Teuchos::Comm<int>& comm, const RunOptions& options
       clock_(place_.clock ? place_.clock : std::make_shared<WatchClock>()) {}
 
 RunMonitor::~RunMonitor() = default;
+
+std::optional<feti::WarmStart> RunMonitor::startOfOtherClusters(const feti::DualProblem& problem) {
+  if (checkpoint_ == nullptr || !isOfOtherClusters(*checkpoint_, problem))
+    return std::nullopt;
+  log_.info("The checkpoint is of other clusters of subdomains: the solver begins anew, from the forces that "
+            "it had come to");
+  const auto reached = Teuchos::rcp(new MultiVector(problem.d().getMap(), 1));
+  checkpoint_->restore(rowBasis(problem), [&](Archive& archive) { archive.vector(reachedName, *reached); });
+  checkpoint_ = nullptr;
+  return feti::WarmStart{reached, {}};
+}
 
 void RunMonitor::goesOnAfter(const qp::IterationRecord& last) {
   place_.before = qp::countedOn(last, place_.before);
@@ -114,6 +137,12 @@ void RunMonitor::exchangeProblem(Archive& archive) {
   std::vector<double> rows = qp::toNumbers(rows_);
   archive.numbers("rows shown", rows);
   rows_ = qp::historyOf(rows);
+  if (!archive.isReading()) {
+    double clusters = run_->stages.problem.clusters();
+    archive.number(clustersName, clusters);
+    MultiVector reached(reached_.is_null() ? *run_->stages.problem.shift() : *reached_, Teuchos::Copy);
+    archive.vector(reachedName, reached);
+  }
   if (!archive.isReading())
     return;
   const std::string before(method.begin(), method.end());
@@ -146,6 +175,15 @@ RunMonitor::Look RunMonitor::look() {
 }
 
 RunMonitor::Wish RunMonitor::ask(const qp::IterationState<MultiVector>& state) {
+  const Wish wish = wishAt(state);
+  if (wish != Wish::GoOn) {
+    reached_ = Teuchos::rcp(new MultiVector(*state.x, Teuchos::Copy));
+    reached_->update(1.0, *run_->stages.problem.shift(), 1.0);
+  }
+  return wish;
+}
+
+RunMonitor::Wish RunMonitor::wishAt(const qp::IterationState<MultiVector>& state) {
   checkpoint_ = nullptr; // the solver is beyond it
   ++asked_;
   const CheckpointOptions& options = options_.checkpoint;

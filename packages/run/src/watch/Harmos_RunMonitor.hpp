@@ -53,6 +53,10 @@ class RunMonitor : public feti::DualMonitor {
              const scene::ContactSetup& contact, const Log& log, RunReport& report, SolvePlace place = {});
   ~RunMonitor() override;
 
+  /// Where to start from a checkpoint of other clusters, as on another number of ranks: the state of the
+  /// solver is of no use then, and is left, but not the forces that it had come to. None: go on from its
+  /// state, or there is no checkpoint. @note Collective.
+  std::optional<feti::WarmStart> startOfOtherClusters(const feti::DualProblem& problem);
   /// What else belongs to a checkpoint.
   void addState(const Exchange& state) { states_.push_back(state); }
 
@@ -76,6 +80,7 @@ class RunMonitor : public feti::DualMonitor {
     Told told;
   };
   Look look();
+  Wish wishAt(const qp::IterationState<MultiVector>& state);
   void write(const Exchange& all);
   std::vector<std::pair<long long, double>> contactForces(const MultiVector& lambda) const;
   void showContact(const MultiVector& lambda) const;
@@ -96,6 +101,7 @@ class RunMonitor : public feti::DualMonitor {
   double lastElapsed_ = 0.0;
   int lastOuter_ = 1;
   std::vector<qp::IterationRecord> rows_;
+  Teuchos::RCP<MultiVector> reached_; // λ + λ̃ when a checkpoint is due
 };
 
 } // namespace Harmos::run
