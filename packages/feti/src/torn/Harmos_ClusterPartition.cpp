@@ -14,9 +14,17 @@ namespace {
 
 using Centre = std::array<double, 3>;
 
-// Parts by recursive bisection; part numbers are from `first` on.
-void bisect(std::vector<int> items, const std::vector<Centre>& centres, int first, int parts,
-            std::vector<int>& partOf) {
+// Into how many pieces a box of so many parts is cut at once: 27 parts are three times three times three.
+int piecesOf(int parts) {
+  for (int prime : {2, 3, 5, 7})
+    if (parts % prime == 0)
+      return prime;
+  return 2;
+}
+
+// Parts by recursive sections; part numbers are from `first` on.
+void section(std::vector<int> items, const std::vector<Centre>& centres, int first, int parts,
+             std::vector<int>& partOf) {
   if (parts <= 1 || items.size() <= 1) {
     for (int i : items)
       partOf[static_cast<std::size_t>(i)] = first;
@@ -42,20 +50,29 @@ void bisect(std::vector<int> items, const std::vector<Centre>& centres, int firs
                                  std::round((c[axes[2]] - low[axes[2]]) / layer)};
   };
   std::stable_sort(items.begin(), items.end(), [&](int a, int b) { return keyOf(a) < keyOf(b); });
-  // Between layers, if there is such a place near that of equal shares.
-  const double ideal = static_cast<double>(items.size()) * (parts / 2) / parts;
+  const int pieces = piecesOf(parts);
   const double share = static_cast<double>(items.size()) / parts;
-  std::ptrdiff_t cut = std::llround(ideal);
-  double nearest = 0.75 * share;
-  for (std::size_t k = 1; k < items.size(); ++k)
-    if (const double distance = std::abs(static_cast<double>(k) - ideal);
-        keyOf(items[k])[0] - keyOf(items[k - 1])[0] > 1.0 && distance < nearest) {
-      nearest = distance;
-      cut = static_cast<std::ptrdiff_t>(k);
-    }
-  const int left = std::clamp(static_cast<int>(std::lround(static_cast<double>(cut) / share)), 1, parts - 1);
-  bisect({items.begin(), items.begin() + cut}, centres, first, left, partOf);
-  bisect({items.begin() + cut, items.end()}, centres, first + left, parts - left, partOf);
+  int done = 0; // parts
+  std::ptrdiff_t begin = 0;
+  for (int piece = 1; piece <= pieces; ++piece) {
+    // Between layers, if there is such a place near that of equal shares.
+    const double ideal = static_cast<double>(items.size()) * piece / pieces;
+    std::ptrdiff_t cut = std::llround(ideal);
+    double nearest = 0.75 * share;
+    for (auto k = static_cast<std::size_t>(begin) + 1; k < items.size() && piece < pieces; ++k)
+      if (const double distance = std::abs(static_cast<double>(k) - ideal);
+          keyOf(items[k])[0] - keyOf(items[k - 1])[0] > 1.0 && distance < nearest) {
+        nearest = distance;
+        cut = static_cast<std::ptrdiff_t>(k);
+      }
+    const int upTo = piece == pieces
+                         ? parts
+                         : std::clamp(static_cast<int>(std::lround(static_cast<double>(cut) / share)),
+                                      done + 1, parts - (pieces - piece));
+    section({items.begin() + begin, items.begin() + cut}, centres, first + done, upTo - done, partOf);
+    done = upTo;
+    begin = cut;
+  }
 }
 
 std::vector<int> byMetis(int subdomains, const std::vector<SubdomainLink>& links, int parts) {
@@ -157,7 +174,7 @@ std::vector<std::vector<int>> partitionIntoClusters(int subdomains, const std::v
     if (!centres.empty()) {
       std::vector<int> all(partOf.size()), bricks(partOf.size(), 0);
       std::iota(all.begin(), all.end(), 0);
-      bisect(std::move(all), centres, 0, parts, bricks);
+      section(std::move(all), centres, 0, parts, bricks);
       mendParts(bricks, links);
       constexpr double muchBetter = 0.95;
       if (cutOf(partOf, links) >= muchBetter * cutOf(bricks, links))

@@ -14,7 +14,7 @@ struct SubdomainLink {
 
 /// Groups of about so many subdomains that hang together by links.
 ///
-/// By recursive bisection of the centres across the longest side of their box, between layers of a grid where
+/// By recursive sections of the centres across the longest side of their box, between layers of a grid where
 /// there are such, which gives bricks; or by METIS, of the graph of the links, where that cuts clearly fewer
 /// dofs, and where no centres are known. What of a group does not hang together with its largest piece joins
 /// the group that it has most links with, or is one of its own.
