@@ -33,7 +33,11 @@ enum class PreconditionerScaling {
 /// Of rows that give way, (F + C)⁻¹ is approximated by TM⁻¹T + (I − T²)²C⁻¹, T² = q/(q + C), q the diagonal
 /// of BD⁻¹Bᵀ: the first part alone where C is small, the second where it is large.
 ///
-/// Where subdomains are joined, directions keep to what F sees: UᵀMx = 0 (Clusters).
+/// Where subdomains are joined to clusters, M⁻¹ = B_D(S − SC(CᵀSC)⁻CᵀS)B_Dᵀ, C the motions of faces within a
+/// cluster, the same on both sides: as BC = 0, and averages of C agree, that is the least energy of all
+/// extensions B_Dᵀx + Cy, and no eigenvalue of M⁻¹F falls below one by it, as without C (Klawonn, Widlund,
+/// Dryja: Dual-primal FETI methods for three-dimensional elliptic problems, SIAM J. Numer. Anal. 40, 2002).
+/// Directions keep to what F sees: UᵀM⁻¹x = 0 (Clusters).
 ///
 /// To be used between projections: PM⁻¹P.
 /// Guarded by tests/unit/feti/test_dual_preconditioner.cpp.

@@ -90,15 +90,15 @@ ClusterInverse::ClusterInverse(std::shared_ptr<const Clusters> clusters, const s
   }
 }
 
-ClusterInverse::Use ClusterInverse::useOf(const Clusters::Join& join, const Clusters::Side& side,
+ClusterInverse::Use ClusterInverse::useOf(const Clusters::Columns& join, const Clusters::Side& side,
                                           std::vector<KnownSide>& known) const {
   for (const KnownSide& other : known)
-    if (other.dofs == side.dofs && other.columns == join.columns)
+    if (other.dofs == side.dofs && other.columns == join.count)
       if (const double sign = signOf(other.values, side.values); sign != 0.0)
-        return {other.first, join.first, join.columns, sign, &side};
+        return {other.first, join.first, join.count, sign, &side};
   const int first = known.empty() ? 0 : known.back().first + known.back().columns;
-  known.push_back({side.dofs, side.values, first, join.columns});
-  return {first, join.first, join.columns, 1.0, &side};
+  known.push_back({side.dofs, side.values, first, join.count});
+  return {first, join.first, join.count, 1.0, &side};
 }
 
 void ClusterInverse::makeShared(const std::vector<Group>& groups) {
@@ -120,15 +120,16 @@ void ClusterInverse::makeShared(const std::vector<Group>& groups) {
       if (role_ == Role::Inverse)
         amplitude += static_cast<std::size_t>(motions.kernel(i).columns);
     }
-    for (const Clusters::Join& join : cluster.joins)
-      for (const Clusters::Side& side : join.sides) {
-        if (role_ == Role::Preconditioner && join.copies != 2)
-          continue;
+    const auto addUses = [&](const Clusters::Columns& columns) {
+      for (const Clusters::Side& side : columns.sides) {
         Member& member = members_[static_cast<std::size_t>(side.subdomain)];
-        member.uses.push_back(useOf(join, side, known[member.group]));
-        if (role_ == Role::Preconditioner && &side != &join.sides.front())
-          member.uses.back().sign *= -1.0;
+        member.uses.push_back(useOf(columns, side, known[member.group]));
       }
+    };
+    if (role_ == Role::Inverse)
+      std::for_each(cluster.joins.begin(), cluster.joins.end(), addUses);
+    else
+      std::for_each(cluster.moves.begin(), cluster.moves.end(), addUses);
   }
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const Group& group = groups[g];
@@ -170,7 +171,7 @@ void ClusterInverse::makeShared(const std::vector<Group>& groups) {
 // Clusters with one signature have one F₀ and one S₀.
 std::vector<int> ClusterInverse::signature(std::size_t cluster) const {
   const Clusters::Cluster& item = clusters_->all()[cluster];
-  std::vector<int> result = {item.averages};
+  std::vector<int> result = {columnsOf(item)};
   for (int i : item.members) {
     const Member& member = members_[static_cast<std::size_t>(i)];
     result.insert(result.end(), {-1, static_cast<int>(member.group)});
@@ -201,7 +202,7 @@ std::vector<double> ClusterInverse::gTimes(std::size_t cluster, const std::vecto
 std::vector<double> ClusterInverse::gTransposedTimes(std::size_t cluster,
                                                      const std::vector<double>& alpha) const {
   const Clusters::Cluster& item = clusters_->all()[cluster];
-  std::vector<double> result(static_cast<std::size_t>(item.averages), 0.0);
+  std::vector<double> result(static_cast<std::size_t>(columnsOf(item)), 0.0);
   for (int i : item.members) {
     const Member& member = members_[static_cast<std::size_t>(i)];
     const Shared& shared = shared_[member.group];
@@ -220,7 +221,7 @@ std::vector<double> ClusterInverse::gTransposedTimes(std::size_t cluster,
 ClusterInverse::Factor ClusterInverse::factorOf(std::size_t cluster) const {
   const Clusters::Cluster& item = clusters_->all()[cluster];
   Factor factor;
-  factor.averages = item.averages;
+  factor.averages = columnsOf(item);
   std::map<std::pair<int, int>, double> entries; // of the lower triangle of F₀
   for (int i : item.members) {
     const Member& member = members_[static_cast<std::size_t>(i)];
@@ -332,7 +333,7 @@ void ClusterInverse::solve(int columns) const {
   for (std::size_t x = 0; x < static_cast<std::size_t>(columns); ++x)
     for (std::size_t c = 0; c < clusters_->all().size(); ++c) {
       const Clusters::Cluster& cluster = clusters_->all()[c];
-      averages.assign(static_cast<std::size_t>(cluster.averages), 0.0);
+      averages.assign(static_cast<std::size_t>(columnsOf(cluster)), 0.0);
       amplitudes.clear();
       const auto amountsOf = [&](const Member& member) {
         const Shared& shared = shared_[member.group];

@@ -40,7 +40,7 @@ class ClusterInverse {
 
   enum class Role {
     Inverse,       ///< of K⁺, as above
-    Preconditioner ///< of S, see DualPreconditioner: no motions, and both sides of a face move together
+    Preconditioner ///< of S, with the moves of a cluster in the place of its averages, and without R
   };
 
   /// @param groups (K⁺)_bb, or S, of all subdomains of this rank.
@@ -111,8 +111,11 @@ class ClusterInverse {
     std::optional<DenseOperator> inverse; ///< S₀⁺; none where nothing moves
   };
 
+  int columnsOf(const Clusters::Cluster& cluster) const {
+    return role_ == Role::Inverse ? cluster.averages : cluster.motions;
+  }
   void makeShared(const std::vector<Group>& groups);
-  Use useOf(const Clusters::Join& join, const Clusters::Side& side, std::vector<KnownSide>& known) const;
+  Use useOf(const Clusters::Columns& join, const Clusters::Side& side, std::vector<KnownSide>& known) const;
   std::vector<int> signature(std::size_t cluster) const;
   Factor factorOf(std::size_t cluster) const;
   /// G₀μ and G₀ᵀα.

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <utility>
 
 namespace Harmos::feti {
@@ -134,36 +135,59 @@ std::vector<double> orthonormalised(const std::vector<double>& columns, std::siz
   return result;
 }
 
-// The averages of one level of gluing rows of a place: those of the copy `level` + 1 with what is before it.
-Join joinOf(const SubdomainSystem& system, const std::vector<Copies>& dofs, std::size_t level) {
-  const std::size_t n = dofs.size();
-  Join join;
-  join.copies = static_cast<int>(dofs.front().at.size());
-  for (const Copies& dof : dofs)
-    join.rows.push_back(dof.rows[level]);
+// Motions of the first subdomain of a place at its dofs, columns after each other. @param factorOf of each
+// dof.
+template<class FactorOf>
+std::vector<double> motionsAt(const SubdomainSystem& system, const std::vector<Copies>& dofs,
+                              FactorOf&& factorOf) {
   const Kernel& motions = *system.subdomain(dofs.front().at.front().first).motions;
   std::vector<double> columns;
   for (int k = 0; k < motions.columns; ++k)
     for (const Copies& dof : dofs)
-      columns.push_back(motions.column(k)[dof.at.front().second] / dof.values[level].front());
-  join.weights = orthonormalised(columns, n);
-  join.columns = static_cast<int>(join.weights.size() / n);
-  for (std::size_t copy = 0; copy <= level + 1; ++copy) {
-    std::vector<std::size_t> order(n);
-    for (std::size_t k = 0; k < n; ++k)
-      order[k] = k;
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return dofs[a].at[copy].second < dofs[b].at[copy].second;
-    });
-    Side side{dofs.front().at[copy].first, {}, {}};
+      columns.push_back(motions.column(k)[dof.at.front().second] * factorOf(dof));
+  return orthonormalised(columns, dofs.size());
+}
+
+// @param columns values at the dofs, after each other. @param factorOf of each dof.
+template<class FactorOf>
+Side sideOf(const std::vector<Copies>& dofs, std::size_t copy, const std::vector<double>& columns,
+            FactorOf&& factorOf) {
+  const std::size_t n = dofs.size();
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return dofs[a].at[copy].second < dofs[b].at[copy].second; });
+  Side side{dofs.front().at[copy].first, {}, {}};
+  for (std::size_t k : order)
+    side.dofs.push_back(dofs[k].at[copy].second);
+  for (std::size_t c = 0; c < columns.size(); c += n)
     for (std::size_t k : order)
-      side.dofs.push_back(dofs[k].at[copy].second);
-    for (std::size_t c = 0; c < join.weights.size(); c += n)
-      for (std::size_t k : order)
-        side.values.push_back(join.weights[c + k] * dofs[k].values[level][copy]);
-    join.sides.push_back(std::move(side));
-  }
+      side.values.push_back(columns[c + k] * factorOf(dofs[k]));
+  return side;
+}
+
+// The averages of one level of gluing rows of a place: those of the copy `level` + 1 with what is before it.
+Join joinOf(const SubdomainSystem& system, const std::vector<Copies>& dofs, std::size_t level) {
+  Join join;
+  for (const Copies& dof : dofs)
+    join.rows.push_back(dof.rows[level]);
+  join.weights = motionsAt(system, dofs, [&](const Copies& dof) { return 1.0 / dof.values[level].front(); });
+  join.count = static_cast<int>(join.weights.size() / dofs.size());
+  for (std::size_t copy = 0; copy <= level + 1; ++copy)
+    join.sides.push_back(
+        sideOf(dofs, copy, join.weights, [&](const Copies& dof) { return dof.values[level][copy]; }));
   return join;
+}
+
+// A place that moves as a whole.
+Clusters::Columns moveOf(const SubdomainSystem& system, const std::vector<Copies>& dofs) {
+  const auto one = [](const Copies&) { return 1.0; };
+  const std::vector<double> columns = motionsAt(system, dofs, one);
+  Clusters::Columns move;
+  move.count = static_cast<int>(columns.size() / dofs.size());
+  for (std::size_t copy = 0; copy < dofs.front().at.size(); ++copy)
+    move.sides.push_back(sideOf(dofs, copy, columns, one));
+  return move;
 }
 
 // B₀R_i of a side, columns of R_i after each other.
@@ -278,7 +302,7 @@ class Growth {
       if (which(cluster_.joins[j])) {
         chosen.push_back(j);
         firstImage.push_back(image);
-        rows += cluster_.joins[j].columns;
+        rows += cluster_.joins[j].count;
       }
       image += cluster_.joins[j].sides.size();
     }
@@ -288,7 +312,7 @@ class Growth {
       std::size_t row = static_cast<std::size_t>(c) * static_cast<std::size_t>(rows);
       for (std::size_t j = 0; j < chosen.size(); ++j) {
         const Join& join = cluster_.joins[chosen[j]];
-        const auto columns = static_cast<std::size_t>(join.columns);
+        const auto columns = static_cast<std::size_t>(join.count);
         for (std::size_t s = 0; s < join.sides.size(); ++s) {
           const std::vector<double>& a = images_[firstImage[j] + s];
           const double* alpha = basis_.column(c) + first_.at(place_.at(join.sides[s].subdomain));
@@ -397,19 +421,22 @@ std::vector<Cluster> clustersOf(const SubdomainSystem& system, const Constraints
       clusterOf[static_cast<std::size_t>(i)] = clusters.size();
     std::sort(members.begin(), members.end(),
               [&](int a, int b) { return system.subdomain(a).number < system.subdomain(b).number; });
-    clusters.push_back({std::move(members), {}, 0});
+    clusters.push_back({std::move(members), {}, 0, {}, 0});
   }
   for (const auto& [who, dofs] : places) {
     const auto of = [&](int i) { return clusterOf[static_cast<std::size_t>(i)]; };
-    if (!isChosen(options.joins, who.size()) ||
-        !std::all_of(who.begin(), who.end(), [&](int i) { return of(i) == of(who.front()); }))
+    if (!std::all_of(who.begin(), who.end(), [&](int i) { return of(i) == of(who.front()); }))
       continue;
     Cluster& cluster = clusters[of(who.front())];
-    for (std::size_t level = 0; level + 1 < who.size(); ++level) {
-      Join join = joinOf(system, dofs, level);
-      join.first = cluster.averages;
-      cluster.averages += join.columns;
-      cluster.joins.push_back(std::move(join));
+    if (who.size() == 2) { // edges and corners that move along bring hardly a product
+      cluster.moves.push_back(moveOf(system, dofs));
+      cluster.moves.back().first = cluster.motions;
+      cluster.motions += cluster.moves.back().count;
+    }
+    for (std::size_t level = 0; isChosen(options.joins, who.size()) && level + 1 < who.size(); ++level) {
+      cluster.joins.push_back(joinOf(system, dofs, level));
+      cluster.joins.back().first = cluster.averages;
+      cluster.averages += cluster.joins.back().count;
     }
   }
   return clusters;
@@ -462,7 +489,7 @@ void Clusters::addJoined(const std::vector<double>& mu, MultiVector& v) const {
   for (std::size_t c = 0; c < clusters_.size(); ++c)
     for (const Join& join : clusters_[c].joins) {
       const std::size_t n = join.rows.size();
-      for (std::size_t q = 0; q < static_cast<std::size_t>(join.columns); ++q)
+      for (std::size_t q = 0; q < static_cast<std::size_t>(join.count); ++q)
         for (std::size_t k = 0; k < n; ++k)
           view(static_cast<std::size_t>(join.rows[k]), 0) +=
               join.weights[q * n + k] * mu[averagePlaces_[c] + static_cast<std::size_t>(join.first) + q];

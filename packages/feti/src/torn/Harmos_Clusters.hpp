@@ -50,25 +50,30 @@ std::shared_ptr<const Clusters> makeClusters(const SubdomainSystem& system, cons
 /// Guarded by tests/unit/feti/test_clusters.cpp.
 class Clusters {
  public:
-  /// What a place says of one of its subdomains: a row of B₀ for each column.
+  /// Values at a subdomain's dofs of a place, by columns.
   struct Side {
     int subdomain;              ///< of this rank
     std::vector<int> dofs;      ///< rising
-    std::vector<double> values; ///< of B₀, dofs by columns
+    std::vector<double> values; ///< dofs by columns
   };
-  /// A place that joins subdomains.
-  struct Join {
-    std::vector<int> rows; ///< of B, owned by this rank
-    int columns = 0;
-    int copies = 0;              ///< of its dofs: 2 at a face
-    std::vector<double> weights; ///< U, rows by columns
+  /// Columns that reach over the subdomains of a place.
+  struct Columns {
+    int count = 0;
+    int first = 0; ///< among those of the cluster
     std::vector<Side> sides;
-    int first = 0; ///< its first average among those of its cluster
+  };
+  /// A place that joins subdomains: its sides are those of B₀ᵀ.
+  struct Join : Columns {
+    std::vector<int> rows;       ///< of B, owned by this rank
+    std::vector<double> weights; ///< U, rows by columns
   };
   struct Cluster {
     std::vector<int> members; ///< subdomains of this rank, by rising numbers
     std::vector<Join> joins;
     int averages = 0; ///< rows of B₀
+    /// Motions of places, the same at all copies: what may move without a jump; see DualPreconditioner.
+    std::vector<Columns> moves;
+    int motions = 0; ///< columns of these
   };
 
   /// @param options of Kind Rank or Size. Both others to outlive this.
