@@ -36,7 +36,8 @@ enum class PreconditionerScaling {
 /// Where subdomains are joined to clusters, M⁻¹ = B_D(S − SC(CᵀSC)⁻CᵀS)B_Dᵀ, C the motions of faces within a
 /// cluster, the same on both sides: as BC = 0, and averages of C agree, that is the least energy of all
 /// extensions B_Dᵀx + Cy, and no eigenvalue of M⁻¹F falls below one by it, as without C (Klawonn, Widlund,
-/// Dryja: Dual-primal FETI methods for three-dimensional elliptic problems, SIAM J. Numer. Anal. 40, 2002).
+/// Dryja: Dual-primal FETI methods for three-dimensional elliptic problems with heterogeneous coefficients,
+/// SIAM J. Numer. Anal. 40, 2002).
 /// Directions keep to what F sees: UᵀM⁻¹x = 0 (Clusters).
 ///
 /// To be used between projections: PM⁻¹P.
