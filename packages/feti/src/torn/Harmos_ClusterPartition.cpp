@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <metis.h>
 #include <numeric>
@@ -14,10 +15,11 @@ namespace {
 
 using Centre = std::array<double, 3>;
 
-// Into how many pieces a box of so many parts is cut at once: 27 parts are three times three times three.
+// Into how many pieces a box of so many parts is cut at once: 27 parts are three times three times three, but
+// seven are better not made seven slices.
 int piecesOf(int parts) {
   for (int prime : {2, 3, 5, 7})
-    if (parts % prime == 0)
+    if (parts % prime == 0 && (prime <= 3 || parts / prime >= prime))
       return prime;
   return 2;
 }
@@ -160,6 +162,167 @@ double cutOf(const std::vector<int>& partOf, const std::vector<SubdomainLink>& l
   return sum;
 }
 
+// Σ|x − x̄|² over all parts, x̄ their centroids.
+double inertiaOf(const std::vector<int>& partOf, const std::vector<Centre>& centres) {
+  std::map<int, std::array<double, 5>> sums; // Σx, Σ|x|², count
+  for (std::size_t i = 0; i < partOf.size(); ++i) {
+    std::array<double, 5>& sum = sums[partOf[i]];
+    for (std::size_t d = 0; d < 3; ++d) {
+      sum[d] += centres[i][d];
+      sum[3] += centres[i][d] * centres[i][d];
+    }
+    sum[4] += 1.0;
+  }
+  double result = 0.0;
+  for (const auto& [part, s] : sums)
+    result += s[3] - (s[0] * s[0] + s[1] * s[1] + s[2] * s[2]) / s[4];
+  return result;
+}
+
+// Each to the nearest centroid (Lloyd), some times.
+std::vector<int> compacted(std::vector<int> partOf, const std::vector<Centre>& centres) {
+  constexpr int sweeps = 20;
+  constexpr double clearly = 1.0 - 1e-6;
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    std::map<int, std::array<double, 4>> sums;
+    for (std::size_t i = 0; i < partOf.size(); ++i) {
+      std::array<double, 4>& sum = sums[partOf[i]];
+      for (std::size_t d = 0; d < 3; ++d)
+        sum[d] += centres[i][d];
+      sum[3] += 1.0;
+    }
+    const auto distance = [&](std::size_t i, const std::array<double, 4>& sum) {
+      double square = 0.0;
+      for (std::size_t d = 0; d < 3; ++d)
+        square += (centres[i][d] - sum[d] / sum[3]) * (centres[i][d] - sum[d] / sum[3]);
+      return square;
+    };
+    bool hasMoved = false;
+    for (std::size_t i = 0; i < partOf.size(); ++i) {
+      int nearest = partOf[i];
+      double least = clearly * distance(i, sums[nearest]);
+      for (const auto& [part, sum] : sums)
+        if (const double other = distance(i, sum); other < least) {
+          least = other;
+          nearest = part;
+        }
+      hasMoved = hasMoved || nearest != partOf[i];
+      partOf[i] = nearest;
+    }
+    if (!hasMoved)
+      break;
+  }
+  return partOf;
+}
+
+// Centres at the places of a grid, layer by layer.
+struct Grid {
+  std::array<int, 3> layers = {1, 1, 1};
+  std::array<double, 3> spacing = {0.0, 0.0, 0.0}; ///< 0: one layer
+  std::vector<std::array<int, 3>> places;          ///< none: there is no grid
+};
+
+Grid gridOf(const std::vector<Centre>& centres) {
+  Grid grid;
+  grid.places.resize(centres.size());
+  for (std::size_t d = 0; d < 3; ++d) {
+    std::vector<double> values;
+    for (const Centre& centre : centres)
+      values.push_back(centre[d]);
+    std::sort(values.begin(), values.end());
+    const double extent = values.back() - values.front(), rounding = 1e-6 * extent;
+    values.erase(
+        std::unique(values.begin(), values.end(), [&](double a, double b) { return b - a <= rounding; }),
+        values.end());
+    grid.layers[d] = static_cast<int>(values.size());
+    grid.spacing[d] = values.size() > 1 ? extent / static_cast<double>(values.size() - 1) : 0.0;
+    for (std::size_t i = 0; i < centres.size(); ++i)
+      grid.places[i][d] = static_cast<int>(
+          std::upper_bound(values.begin(), values.end(), centres[i][d] + rounding) - values.begin() - 1);
+  }
+  if (static_cast<long long>(grid.layers[0]) * grid.layers[1] * grid.layers[2] !=
+      static_cast<long long>(centres.size()))
+    grid.places.clear();
+  return grid;
+}
+
+// Into how many pieces a grid is cut along each axis: bricks about as long as wide, of about so many. The
+// worst brick counts, since pieces of one axis differ by a layer.
+std::array<int, 3> piecesOf(const Grid& grid, double size) {
+  std::array<int, 3> best = {1, 1, 1}, p;
+  double least = std::numeric_limits<double>::infinity();
+  constexpr double mostOther = 2.0;                // times the size, or its part
+  const double leastMean = size > 1.5 ? 1.5 : 1.0; // most are to be joined
+  for (p[0] = 1; p[0] <= grid.layers[0]; ++p[0])
+    for (p[1] = 1; p[1] <= grid.layers[1]; ++p[1])
+      for (p[2] = 1; p[2] <= grid.layers[2]; ++p[2]) {
+        double mean = 1.0, longest = 0.0, shortest = std::numeric_limits<double>::infinity();
+        for (std::size_t d = 0; d < 3; ++d) {
+          mean *= static_cast<double>(grid.layers[d]) / p[d];
+          if (grid.layers[d] == 1)
+            continue;
+          longest = std::max(longest, grid.spacing[d] * ((grid.layers[d] + p[d] - 1) / p[d]));
+          shortest = std::min(shortest, grid.spacing[d] * (grid.layers[d] / p[d]));
+        }
+        const double other = std::max(mean / size, size / mean);
+        const double shape = longest > 0.0 ? longest / shortest : 1.0;
+        const double score = std::log(other) * (1.0 + 1e-6) + std::log(shape);
+        if (other <= mostOther && mean >= leastMean && score <= least) {
+          least = score;
+          best = p;
+        }
+      }
+  return best;
+}
+
+std::vector<int> bricksOf(const Grid& grid, const std::array<int, 3>& pieces) {
+  std::vector<int> partOf;
+  for (const std::array<int, 3>& place : grid.places) {
+    int part = 0;
+    for (std::size_t d = 0; d < 3; ++d)
+      part = part * pieces[d] + place[d] * pieces[d] / grid.layers[d];
+    partOf.push_back(part);
+  }
+  return partOf;
+}
+
+// Those that differ in nothing that counts are taken in this order.
+std::vector<std::vector<int>> candidates(int subdomains, const std::vector<SubdomainLink>& links,
+                                         const std::vector<Centre>& centres, int parts) {
+  std::vector<std::vector<int>> result;
+  if (!centres.empty()) {
+    std::vector<int> all(static_cast<std::size_t>(subdomains));
+    std::iota(all.begin(), all.end(), 0);
+    result.emplace_back(all.size(), 0);
+    section(std::move(all), centres, 0, parts, result.back());
+  }
+  result.push_back(byMetis(subdomains, links, parts));
+  const std::size_t made = result.size();
+  for (std::size_t k = 0; k < made && !centres.empty(); ++k)
+    result.push_back(compacted(result[k], centres));
+  for (std::vector<int>& partOf : result)
+    mendParts(partOf, links);
+  return result;
+}
+
+// That which cuts few dofs and is compact: the least product of both.
+std::vector<int> bestOf(const std::vector<std::vector<int>>& partitions,
+                        const std::vector<SubdomainLink>& links, const std::vector<Centre>& centres) {
+  constexpr double clearly = 0.98;
+  std::size_t best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < partitions.size(); ++k) {
+    double score = cutOf(partitions[k], links);
+    if (!centres.empty())
+      score *= inertiaOf(partitions[k], centres);
+    if (score < clearly * least) {
+      least = score;
+      best = k;
+    }
+  }
+  return partitions[best];
+}
+
 } // namespace
 
 std::vector<std::vector<int>> partitionIntoClusters(int subdomains, const std::vector<SubdomainLink>& links,
@@ -168,19 +331,12 @@ std::vector<std::vector<int>> partitionIntoClusters(int subdomains, const std::v
   const int parts =
       size <= 0 ? 1 : std::max(1, static_cast<int>(std::lround(static_cast<double>(subdomains) / size)));
   std::vector<int> partOf(static_cast<std::size_t>(subdomains), 0);
-  if (parts > 1) {
-    partOf = byMetis(subdomains, links, std::min(parts, subdomains));
+  const Grid grid = parts > 1 && !centres.empty() ? gridOf(centres) : Grid();
+  if (!grid.places.empty()) {
+    partOf = bricksOf(grid, piecesOf(grid, size));
     mendParts(partOf, links);
-    if (!centres.empty()) {
-      std::vector<int> all(partOf.size()), bricks(partOf.size(), 0);
-      std::iota(all.begin(), all.end(), 0);
-      section(std::move(all), centres, 0, parts, bricks);
-      mendParts(bricks, links);
-      constexpr double muchBetter = 0.95;
-      if (cutOf(partOf, links) >= muchBetter * cutOf(bricks, links))
-        partOf = std::move(bricks);
-    }
-  }
+  } else if (parts > 1)
+    partOf = bestOf(candidates(subdomains, links, centres, std::min(parts, subdomains)), links, centres);
   std::map<int, std::vector<int>> groups; // by their first member
   const std::vector<int> piece = pieces(partOf, links);
   for (int i = 0; i < subdomains; ++i)

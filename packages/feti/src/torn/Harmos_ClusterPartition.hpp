@@ -14,9 +14,9 @@ struct SubdomainLink {
 
 /// Groups of about so many subdomains that hang together by links.
 ///
-/// By recursive sections of the centres across the longest side of their box, between layers of a grid where
-/// there are such, which gives bricks; or by METIS, of the graph of the links, where that cuts clearly fewer
-/// dofs, and where no centres are known. What of a group does not hang together with its largest piece joins
+/// Where centres stand on a grid, bricks of it, about as long as wide; else of sections of their box, of
+/// METIS' parts of the graph of the links, and of both made compact, that which cuts few links and is
+/// compact; without centres METIS' parts. What of a group does not hang together with its largest piece joins
 /// the group that it has most links with, or is one of its own.
 /// @param centres of each subdomain; none at all: METIS. @param size of a group; 0: as large as there are.
 /// @return members by rising subdomains, groups by their first. Local.
