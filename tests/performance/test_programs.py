@@ -77,6 +77,26 @@ class Programs(unittest.TestCase):
             self.assertEqual(set(item), described("dual_operator"))
             self.assertEqual(item["factorizations"], 3 if item["shared"] else 8)
 
+    def test_cluster_growth(self):
+        output = runs.scratch("cluster_growth")
+        program = HERE / "cluster_growth.py"
+        words = ("--plane", "1,2", "--space", "1,2", "--output", output)
+        status, _, errors = runs.execute([sys.executable, program, *words])
+        self.assertEqual(status, 0, errors)
+        document = json.loads(output.read_text(encoding="utf-8"))
+        motions = {"membrane": 1, "plane strain": 3, "solid": 6}
+        for item in document["runs"]:
+            clusters = 27 if item["physics"] == "solid" else 16
+            self.assertEqual(item["clusters"]["coarse_dimension"], clusters * motions[item["physics"]], item)
+            # Of a tolerance of 1e-8 energies know the square, and rounding errors.
+            self.assertLess(item["difference"], 1e-10, item)
+            # What the guide says: up to twice the products for 16 subdomains in the plane and 8 in space.
+            self.assertLessEqual(item["clusters"]["products"], 2 * item["none"]["products"], item)
+            if item["side"] > 1:
+                self.assertGreater(item["clusters"]["products"], item["none"]["products"], item)
+        self.assertEqual(set(document["fits"]), set(motions))
+        self.assertEqual([item["shape"] for item in document["shapes"]], ["cubes", "plates", "bars"])
+
     def test_linear_limit(self):
         document = run("linear_limit", "--subdomains", "4", "--sizes", "8", "--repetitions", "1")
         self.assertEqual([r["contact"] for r in document["runs"]], ["closed", "open"])

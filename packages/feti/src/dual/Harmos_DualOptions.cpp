@@ -147,7 +147,7 @@ void DualOptions::addDecompositionTo(ParameterSpec& deck) {
       "rigid motions: a smaller coarse problem, and more products.");
   decomposition.choice(
       "Cluster joins", "faces",
-      {{"faces", "where two subdomains meet"},
+      {{"faces", "where two subdomains meet; edges and corners too where faces are of few nodes"},
        {"corners", "where more than two do: corners in the plane, edges and corners in space"},
        {"all", "both"}},
       "Where averages join the subdomains of a cluster.");

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 #include <utility>
 
 namespace Harmos::feti {
@@ -398,6 +399,31 @@ double fingerprintOf(const SubdomainSystem& system, const std::vector<Cluster>& 
   return 1.0 + static_cast<double>(globalSum(*system.comm(), sum) % (most * most / 4));
 }
 
+// Pairs of subdomains that meet at a face of so few dofs that it has not all motions.
+std::set<std::pair<int, int>> poorFaces(const SubdomainSystem& system, const Places& places) {
+  std::set<std::pair<int, int>> result;
+  const auto one = [](const Copies&) { return 1.0; };
+  for (const auto& [who, dofs] : places) {
+    const int motions = system.subdomain(who.front()).motions->columns;
+    // Many dofs of one place have all motions but in degenerate cases, which need no more averages.
+    constexpr std::size_t enough = 24;
+    if (who.size() == 2 && dofs.size() < enough &&
+        motionsAt(system, dofs, one).size() < static_cast<std::size_t>(motions) * dofs.size())
+      result.emplace(std::min(who[0], who[1]), std::max(who[0], who[1]));
+  }
+  return result;
+}
+
+bool hasPair(const std::set<std::pair<int, int>>& pairs, const std::vector<int>& who) {
+  if (pairs.empty())
+    return false;
+  for (int a : who)
+    for (int b : who)
+      if (a < b && pairs.count({a, b}) > 0)
+        return true;
+  return false;
+}
+
 bool isChosen(ClusterOptions::Joins joins, std::size_t copies) {
   return joins == ClusterOptions::Joins::All || (joins == ClusterOptions::Joins::Faces) == (copies == 2);
 }
@@ -423,6 +449,9 @@ std::vector<Cluster> clustersOf(const SubdomainSystem& system, const Constraints
               [&](int a, int b) { return system.subdomain(a).number < system.subdomain(b).number; });
     clusters.push_back({std::move(members), {}, 0, {}, 0});
   }
+  const std::set<std::pair<int, int>> poor = options.joins == ClusterOptions::Joins::Faces
+                                                 ? poorFaces(system, places)
+                                                 : std::set<std::pair<int, int>>();
   for (const auto& [who, dofs] : places) {
     const auto of = [&](int i) { return clusterOf[static_cast<std::size_t>(i)]; };
     if (!std::all_of(who.begin(), who.end(), [&](int i) { return of(i) == of(who.front()); }))
@@ -433,7 +462,8 @@ std::vector<Cluster> clustersOf(const SubdomainSystem& system, const Constraints
       cluster.moves.back().first = cluster.motions;
       cluster.motions += cluster.moves.back().count;
     }
-    for (std::size_t level = 0; isChosen(options.joins, who.size()) && level + 1 < who.size(); ++level) {
+    const bool isJoin = isChosen(options.joins, who.size()) || hasPair(poor, who);
+    for (std::size_t level = 0; isJoin && level + 1 < who.size(); ++level) {
       cluster.joins.push_back(joinOf(system, dofs, level));
       cluster.joins.back().first = cluster.averages;
       cluster.averages += cluster.joins.back().count;

@@ -23,7 +23,7 @@ struct ClusterOptions {
   int size = 0;
   /// Where two subdomains meet; where more do, which are corners in the plane, and edges and corners in
   /// space; both.
-  enum class Joins { Faces, Corners, All };
+  enum class Joins { Faces, Corners, All }; ///< Faces: and what is around those of too few dofs
   Joins joins = Joins::Faces;
 };
 
