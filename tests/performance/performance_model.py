@@ -28,7 +28,8 @@ elements if nothing else is given) or of a cube of solids (three, and six; 8 of 
 How many of each there are stands in CALLS, once. Formulas and rates are those of C++:
 Harmos_StepModel.hpp, Harmos_ClusterModel.hpp, Harmos_CoarseModel.hpp, Harmos_StepCalls.hpp in
 packages/feti/src, by which `Coarse problem` and `Clusters` = `auto` decide and --plan predicts. `--cases` writes shapes and what they give here, with
-which tests/unit/feti/test_step_model.cpp compares, `--tables` the tables of docs/dual_operator.md. Rates of products and of reading are those that
+which tests/unit/feti/test_step_model.cpp compares, `--tables` the tables of
+docs/dual_operator.md, and the last one of docs/clusters.md. Rates of products and of reading are those that
 dual_operator shows on one rank of two, solves those of coarse_factor; the overhead is fitted to scaling.py.
 Latency and bandwidth of a network are to be given; the defaults are assumptions about a common cluster and
 not measured.
@@ -465,6 +466,23 @@ def cluster_takeovers():
     return "\n".join(lines)
 
 
+def guide_table():
+    """Of docs/clusters.md: ranks from which on the coarse problem takes over; none, and a cluster a rank."""
+    machine, lines = Machine(), []
+    titles = [f"{form}{joined}" for joined in ("", ", a cluster a rank") for form in FORMS]
+    lines.append("| a rank has | " + " | ".join(titles) + " |\n" + "|---" * 5 + "|")
+    for name, physics, subdomains, elements in (
+        ("16 membranes of 128 × 128 elements", "membrane", 16, 128),
+        ("8 solids of 8 × 8 × 8 elements", "solid", 8, 8),
+    ):
+        for shared, alike in ((True, f"{name}, alike"), (False, "the same, no two alike")):
+            problem = Problem(subdomains, elements, shared, physics)
+            problems = (replace(problem, form=form, cluster=m) for m in (1, subdomains) for form in FORMS)
+            cells = (two_digits(takeover(machine, item)) for item in problems)
+            lines.append(f"| {alike} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
 def cluster_table(physics):
     """A step with a distributed coarse problem: no clusters; one a rank."""
     machine = Machine()
@@ -503,7 +521,7 @@ def arguments():
     for name in asdict(Machine()):
         parser.add_argument(f"--{name.replace('_', '-')}", type=float, default=getattr(Machine, name))
     parser.add_argument("--cases", metavar="FILE", help="shapes and what they give, for the test of C++")
-    parser.add_argument("--tables", action="store_true", help="those of docs/dual_operator.md")
+    parser.add_argument("--tables", action="store_true", help="those of docs/dual_operator.md and docs/clusters.md")
     parser.add_argument("--output", metavar="FILE")
     return parser.parse_args()
 
@@ -520,6 +538,7 @@ def main():
     if given.tables:
         both = ("membrane", "solid")
         tables = [*map(pages_table, both), takeovers(), *map(cluster_table, both), cluster_takeovers()]
+        tables.append(guide_table())
         print("\n\n".join(tables))
         return 0
     machine = Machine(*(getattr(given, name) for name in asdict(Machine())))

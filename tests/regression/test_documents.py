@@ -269,8 +269,18 @@ class Documents(unittest.TestCase):
     def test_tables_of_many_ranks_are_those_of_the_model(self):
         page = (ROOT / "docs/dual_operator.md").read_text(encoding="utf-8")
         tables = [performance_model.pages_table(physics) for physics in ("membrane", "solid")]
-        for table in (*tables, performance_model.takeovers()):
+        tables += [performance_model.cluster_table(physics) for physics in ("membrane", "solid")]
+        for table in (*tables, performance_model.takeovers(), performance_model.cluster_takeovers()):
             self.assertIn(table, page, "performance_model.py --tables prints what is to stand there")
+        guide = (ROOT / "docs/clusters.md").read_text(encoding="utf-8")
+        self.assertIn(performance_model.guide_table(), guide, "the last one of performance_model.py --tables")
+
+    def test_growth_of_products_is_that_of_the_model(self):
+        page = (ROOT / "docs/dual_operator.md").read_text(encoding="utf-8")
+        plane, space = performance_model.GROWTH.values()
+        self.assertIn(f"a = {plane} in the plane and {space} in space", page)
+        header = (ROOT / "packages/feti/src/dual/Harmos_ClusterModel.hpp").read_text(encoding="utf-8")
+        self.assertIn(f"plane = {plane}, space = {space};", header)
 
     def test_every_hard_case_has_its_row_and_its_test(self):
         """The table of docs/stability.md names each test of tests/stability once, and no other.

@@ -187,7 +187,7 @@ std::string planText(const RunPlan& plan) {
   const bool hasClusters =
       std::any_of(plan.rows.begin(), plan.rows.end(), [](const PlanRow& row) { return row.clusters > 0; });
   if (hasClusters)
-    text << "            | clusters  coarse dimension";
+    text << "   clusters  coarse dimension";
   for (std::size_t k = 0; k < plan.rows.size(); ++k) {
     const PlanRow& row = plan.rows[k];
     const RankMemory& m = row.memory;
@@ -202,9 +202,10 @@ std::string planText(const RunPlan& plan) {
          << m.factors / mebi << std::setw(8) << m.dense / mebi << std::setw(8) << m.mesh / mebi
          << std::setw(8) << m.coarse / mebi << std::defaultfloat << "  |" << number(row.setup(), 16)
          << number(row.product, 9) << number(row.step.coarse, 8) << std::setw(13) << coarseForm(row) << "   "
-         << seconds(row.least) << " to " << seconds(row.most);
+         << std::setw(hasClusters ? 18 : 0) << std::left << seconds(row.least) + " to " + seconds(row.most)
+         << std::right;
     if (hasClusters)
-      text << "  | " << row.clusters << "  " << std::llround(row.shape.coarseDimension);
+      text << std::setw(11) << row.clusters << std::setw(18) << std::llround(row.shape.coarseDimension);
   }
   const PlanRow& row = plan.rows[plan.recommended < 0 ? 0 : static_cast<std::size_t>(plan.recommended)];
   text << "\n\n"
