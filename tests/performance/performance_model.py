@@ -46,7 +46,9 @@ RANKS = (1, 2, 10, 100, 1000, 10000, 100000)
 WORD = 8
 PASSES = 40
 MOST_DENSE = 200  # rows of a coarse matrix that is factored densely
-GROWTH = {2: 0.2, 3: 0.5}  # a_d by dimension: products grow by 1 + a_d (m^(1/d) - 1) with clusters of m subdomains
+# Products grow by 1 + a_d (m^(1/d) - 1) + c_d (aspect - 1) with clusters of m subdomains: a_d and c_d.
+GROWTH = {2: 0.2, 3: 0.5}
+SLENDER = {2: 0.4, 3: 1.2}
 AT_ONCE = 6  # vectors that take as long to multiply with W as it takes to read it
 
 
@@ -107,6 +109,7 @@ class Clusters:
     distinct: float = 1.0  # operators that they have
     boundary: float = 0.0  # dofs of a subdomain's
     motions: float = 1.0  # of a subdomain that floats
+    aspect: float = 1.0  # of a cluster's sides
 
     @property
     def dimension(self):
@@ -180,8 +183,9 @@ def is_solved(shape):
     return WORD * shape.coarse_dimension * shape.own_motions > 512 * 2**20
 
 
-def growth_of_products(size, dimension):
-    return 1 + GROWTH[dimension] * (max(1, size) ** (1 / dimension) - 1)
+def growth_of_products(size, dimension, aspect=1):
+    side = max(1, size) ** (1 / dimension)
+    return 1 + GROWTH[dimension] * (side - 1) + SLENDER[dimension] * (max(1, aspect) - 1)
 
 
 def join_costs(clusters):
@@ -374,8 +378,9 @@ def cases():
             item = {"shape": asdict(shape), "distributed_by_auto": is_distributed_cheaper(shape, machine)}
             if problem.cluster > 1:
                 item["alone"] = asdict(shape_of(replace(problem, cluster=1), ranks))
+                clusters = replace(clusters, aspect=1.0 if problem.shared else 4.0)
                 item["clusters"] = asdict(clusters) | join_costs(clusters)
-                item["growth"] = growth_of_products(clusters.size, clusters.dimension)
+                item["growth"] = growth_of_products(clusters.size, clusters.dimension, clusters.aspect)
             for form in FORMS:
                 item[form] = {
                     **step_seconds(shape, machine, form),

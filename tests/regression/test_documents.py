@@ -278,9 +278,12 @@ class Documents(unittest.TestCase):
     def test_growth_of_products_is_that_of_the_model(self):
         page = (ROOT / "docs/dual_operator.md").read_text(encoding="utf-8")
         plane, space = performance_model.GROWTH.values()
-        self.assertIn(f"a = {plane} in the plane and {space} in space", page)
+        slender = performance_model.SLENDER.values()
+        coefficients = "a = {} in the plane and {} in space, c = {} and {}".format(plane, space, *slender)
+        self.assertIn(coefficients, page)
         header = (ROOT / "packages/feti/src/dual/Harmos_ClusterModel.hpp").read_text(encoding="utf-8")
         self.assertIn(f"plane = {plane}, space = {space};", header)
+        self.assertIn("slenderInPlane = {}, slenderInSpace = {};".format(*slender), header)
 
     def test_every_hard_case_has_its_row_and_its_test(self):
         """The table of docs/stability.md names each test of tests/stability once, and no other.

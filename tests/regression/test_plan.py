@@ -250,7 +250,7 @@ class Table(Case):
                     continue
                 size = row["shape"]["cluster_size"]
                 self.assertGreater(size, 1)
-                self.assertAlmostEqual(growth, performance_model.growth_of_products(size, 3), 12)
+                self.assertAlmostEqual(growth, performance_model.growth_of_products(size, 3, row["cluster_aspect"]), 9)
                 self.assertAlmostEqual(row["shape"]["coarse_dimension"], 6 * row["clusters"], 9)
                 self.assertLess(row["memory_mib"]["coarse"], alone["memory_mib"]["coarse"])
                 self.assertGreater(row["memory_mib"]["joins"], 0)

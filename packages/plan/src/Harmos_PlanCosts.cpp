@@ -27,6 +27,7 @@ struct RankLoad {
   double ownBytes = 0.0, rows = 0.0, nodes = 0.0, cells = 0.0, links = 0.0;
   double constraintEntries = 0.0, touchedRows = 0.0, ownedRows = 0.0;
   double coarseEntries = 0.0, coarsePairs = 0.0, motions = 0.0;
+  std::vector<std::array<double, 3>> centres;
 };
 
 struct Class {
@@ -68,6 +69,8 @@ RankLoad loadOf(const PlanSurvey& survey, const feti::LocalInverseOptions& optio
     load.coarseEntries += s.coarseEntries;
     load.coarsePairs += s.coarsePairs;
     load.motions += s.kernelColumns;
+    if (s.hasCentre)
+      load.centres.push_back(s.centre);
     load.largestRows = std::max(load.largestRows, static_cast<double>(s.rows));
   }
   load.sharedBytes += load.assembledBytes;
@@ -232,6 +235,14 @@ feti::ClusterPrediction clustersOf(const PlanSurvey& survey, const std::vector<R
   run.clusters.motions = !elastic ? 1.0 : survey.dimension == 3 ? 6.0 : 3.0;
   for (const std::vector<int>& boundary : survey.boundaries)
     run.clusters.boundary += static_cast<double>(boundary.size()) / run.subdomains;
+  // Ranks without subdomains have no shape.
+  run.sides.shortest = run.clusters.subdomains;
+  for (const RankLoad& load : loads)
+    if (const feti::ShareSides sides = feti::sidesOf(load.centres, run.clusters.isInSpace());
+        load.subdomains > 0) {
+      run.sides.longest = std::max(run.sides.longest, sides.longest);
+      run.sides.shortest = std::min(run.sides.shortest, sides.shortest);
+    }
   const feti::ClusterOptions& asked = options.clusters;
   feti::ClusterPrediction result =
       asked.kind == Kind::Auto ? feti::chooseClusters(run, options.coarse, rates)
@@ -302,6 +313,7 @@ PlanRow planRow(const PlanSurvey& survey, const run::RunOptions& options, bool e
                  feti::DualOptions::usualProducts(elastic, options.tolerance), rates.step);
   row.clusters = clusters.clusters;
   row.productsGrowth = clusters.growth;
+  row.clusterAspect = clusters.shape.aspect;
   row.shape = clusters.step;
   const double directions =
       directionsFor(options, static_cast<int>(std::ceil(clusters.growth * products.most)));

@@ -33,6 +33,7 @@ struct PlanRow {
   feti::DualForms forms;                             ///< of the dual operator
   long long clusters = 0;                            ///< as asked for, or chosen by the model; 0: none
   double productsGrowth = 1.0;                       ///< by them
+  double clusterAspect = 1.0;                        ///< of their sides
   RankMemory memory;
   double totalMemory = 0.0; ///< bytes of all ranks
   // Seconds.

@@ -259,6 +259,7 @@ std::string planJson(const RunPlan& plan, const std::string& deck) {
                             {"form", feti::toString(row.forms.form)},
                             {"coarse_problem", coarseForm(row)},
                             {"clusters", row.clusters},
+                            {"cluster_aspect", row.clusterAspect},
                             {"products_growth", row.productsGrowth},
                             {"shape", shapeJson(row.shape)},
                             {"messages",

@@ -100,6 +100,19 @@ TEST(ClusterChoice, is_a_clear_gain) {
   EXPECT_GT(joined, 10);
 }
 
+// Strips, as the shares of generated blocks are: where a cube has a cluster, a chain of eight has none, or
+// shorter ones.
+TEST(ClusterChoice, slender_clusters_are_dear) {
+  UnjoinedRun run = solids(4096);
+  const ClusterPrediction cube = chosen(run);
+  ASSERT_EQ(cube.kind, Kind::Rank);
+  run.sides = {8.0, 1.0};
+  EXPECT_GT(predictClusters(run, Kind::Rank, 0, {}, {}).growth, 3.0 * cube.growth);
+  EXPECT_EQ(chosen(run).kind, Kind::None);
+  run.sides = {2.0, 2.0};
+  EXPECT_DOUBLE_EQ(chosen(run).growth, cube.growth);
+}
+
 // One subdomain a rank: nothing is there to be joined.
 TEST(ClusterChoice, one_subdomain_a_rank_stays_alone) {
   EXPECT_EQ(chosen(membranes(100000, 1.0), Form::Replicated).kind, Kind::None);

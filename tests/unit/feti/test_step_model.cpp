@@ -45,6 +45,7 @@ ClusterShape clustersFrom(const nlohmann::json& json) {
   clusters.distinct = json.at("distinct");
   clusters.boundary = json.at("boundary");
   clusters.motions = json.at("motions");
+  clusters.aspect = json.at("aspect");
   return clusters;
 }
 
@@ -130,6 +131,34 @@ TEST(StepModel, products_grow_with_the_side_of_a_cluster) {
   EXPECT_DOUBLE_EQ(growthOfProducts(1.0, false), 1.0);
   EXPECT_DOUBLE_EQ(growthOfProducts(16.0, false), 1.0 + 3.0 * ProductGrowth::plane);
   EXPECT_DOUBLE_EQ(growthOfProducts(27.0, true), 1.0 + 2.0 * ProductGrowth::space);
+  EXPECT_DOUBLE_EQ(growthOfProducts(8.0, true, 8.0),
+                   1.0 + ProductGrowth::space + 7.0 * ProductGrowth::slenderInSpace);
+  EXPECT_DOUBLE_EQ(growthOfProducts(16.0, false, 3.0),
+                   1.0 + 3.0 * ProductGrowth::plane + 2.0 * ProductGrowth::slenderInPlane);
+}
+
+// Bricks of cells of any size, whose centres say how many there are along a side.
+TEST(StepModel, sides_of_shares) {
+  struct Case {
+    int x, y, z;
+    bool isInSpace;
+    double longest, shortest;
+  };
+  for (const Case& item : {Case{4, 4, 1, false, 4, 4}, Case{8, 2, 1, false, 8, 2}, Case{1, 8, 1, false, 8, 1},
+                           Case{2, 2, 2, true, 2, 2}, Case{1, 1, 8, true, 8, 1}, Case{2, 6, 3, true, 6, 2},
+                           Case{1, 1, 1, true, 1, 1}}) {
+    std::vector<std::array<double, 3>> centres;
+    for (int k = 0; k < item.x * item.y * item.z; ++k)
+      centres.push_back({7.0 + 0.3 * (k % item.x), 0.3 * (k / item.x % item.y), 0.3 * (k / item.x / item.y)});
+    const ShareSides sides = sidesOf(centres, item.isInSpace);
+    EXPECT_NEAR(sides.longest, item.longest, 1e-9) << item.x << item.y << item.z;
+    EXPECT_NEAR(sides.shortest, item.shortest, 1e-9) << item.x << item.y << item.z;
+  }
+  EXPECT_DOUBLE_EQ(aspectOfClusters({8.0, 1.0}, 8.0, 1.0, true), 8.0);
+  EXPECT_DOUBLE_EQ(aspectOfClusters({8.0, 1.0}, 8.0, 2.0, true), 4.0);
+  EXPECT_DOUBLE_EQ(aspectOfClusters({8.0, 1.0}, 8.0, 8.0, true), 1.0);
+  EXPECT_DOUBLE_EQ(aspectOfClusters({8.0, 2.0}, 16.0, 4.0, false), 1.0);
+  EXPECT_DOUBLE_EQ(aspectOfClusters({6.0, 2.0}, 36.0, 1.0, true), 3.0);
 }
 
 // Membranes and solids on 1 to 10⁵ ranks, in both forms: the same as by
@@ -153,7 +182,7 @@ TEST(StepModel, agrees_with_the_performance_model) {
       const JoinCosts costs = joinCosts(clusters);
       expectNear(costs.averages, item.at("clusters").at("averages"));
       expectNear(costs.bytesHeld, item.at("clusters").at("bytes_held"));
-      expectNear(growthOfProducts(clusters.size, clusters.isInSpace()), item.at("growth"));
+      expectNear(growthOfProducts(clusters.size, clusters.isInSpace(), clusters.aspect), item.at("growth"));
     }
     EXPECT_EQ(isDistributedCheaper(shape.coarse(), {}), item.at("distributed_by_auto").get<bool>());
     for (const char* form : {"replicated", "distributed"}) {

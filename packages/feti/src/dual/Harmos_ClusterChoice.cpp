@@ -53,7 +53,11 @@ ClusterPrediction predictClusters(const UnjoinedRun& run, Kind kind, int size, c
     result.clusters = static_cast<long long>(clusters);
     result.shape.share = std::min(1.0, clusters / run.subdomains);
     result.shape.size = std::max(1.0, run.clusters.subdomains / clustersOf(run.clusters.subdomains));
-    result.growth = growthOfProducts(result.shape.size, result.shape.isInSpace());
+    const bool isInSpace = result.shape.isInSpace();
+    if (run.sides.longest > 1.0)
+      result.shape.aspect = aspectOfClusters(run.sides, run.clusters.subdomains,
+                                             clustersOf(run.clusters.subdomains), isInSpace);
+    result.growth = growthOfProducts(result.shape.size, isInSpace, result.shape.aspect);
   }
   result.step = withClusters(run.step, result.shape);
   CoarseShape asked = result.step.coarse();
@@ -95,14 +99,18 @@ UnjoinedRun unjoinedRun(const SubdomainSystem& system, const Constraints& constr
                         int products) {
   const Teuchos::Comm<int>& comm = *system.comm();
   double boundaries = 0.0, distinct = 0.0, motions = 1.0;
+  std::vector<std::array<double, 3>> centres;
   agree(comm, [&] {
     for (const CongruenceClass& item :
          congruenceClasses(system, constraints, inverses.share, inverses.fixingPlaces)) {
       boundaries += static_cast<double>(item.members.size() * item.boundary.size());
       distinct += 1.0;
     }
-    for (int i = 0; i < system.size(); ++i)
+    for (int i = 0; i < system.size(); ++i) {
       motions = std::max(motions, static_cast<double>(system.subdomain(i).motions->columns));
+      if (system.subdomain(i).centre)
+        centres.push_back(*system.subdomain(i).centre);
+    }
   });
   FormLimits limits;
   limits.form = forms.form;
@@ -121,6 +129,9 @@ UnjoinedRun unjoinedRun(const SubdomainSystem& system, const Constraints& constr
   run.clusters.distinct = globalMax(comm, distinct);
   run.clusters.boundary = globalSum(comm, boundaries) / run.subdomains;
   run.clusters.motions = globalMax(comm, motions);
+  const ShareSides sides = sidesOf(centres, run.clusters.isInSpace());
+  run.sides.longest = globalMax(comm, sides.longest);
+  run.sides.shortest = -globalMax(comm, -sides.shortest);
   const auto rows = static_cast<double>(localSize(*constraints.rowMap()));
   const auto touched = static_cast<double>(localSize(*constraints.overlapMap()));
   run.step.ranks = comm.getSize();

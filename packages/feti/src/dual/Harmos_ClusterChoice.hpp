@@ -16,8 +16,9 @@ namespace Harmos::feti {
 /// A run without clusters, as far as they matter to it.
 struct UnjoinedRun {
   StepShape step;
-  ClusterShape clusters;       ///< but for size and share
-  double subdomains = 1.0;     ///< of all ranks
+  ClusterShape clusters;   ///< but for size, share and aspect
+  ShareSides sides;        ///< the longest and the shortest of any rank; 1 and 1: those of squares and cubes
+  double subdomains = 1.0; ///< of all ranks
   double productSeconds = 0.0; ///< of F, and of the preconditioner with it, on the busiest rank
   double products = 0.0;       ///< expected
 };

@@ -3,12 +3,54 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace Harmos::feti {
 
-double growthOfProducts(double clusterSize, bool isInSpace) {
+double growthOfProducts(double clusterSize, bool isInSpace, double aspect) {
+  using Growth = ProductGrowth;
   const double side = std::pow(std::max(1.0, clusterSize), isInSpace ? 1.0 / 3.0 : 0.5);
-  return 1.0 + (isInSpace ? ProductGrowth::space : ProductGrowth::plane) * (side - 1.0);
+  return 1.0 + (isInSpace ? Growth::space : Growth::plane) * (side - 1.0) +
+         (isInSpace ? Growth::slenderInSpace : Growth::slenderInPlane) * (std::max(1.0, aspect) - 1.0);
+}
+
+ShareSides sidesOf(const std::vector<std::array<double, 3>>& centres, bool isInSpace) {
+  if (centres.size() < 2)
+    return {};
+  std::array<double, 3> low = centres.front(), high = low;
+  for (const auto& centre : centres)
+    for (std::size_t d = 0; d < 3; ++d) {
+      low[d] = std::min(low[d], centre[d]);
+      high[d] = std::max(high[d], centre[d]);
+    }
+  std::array<double, 3> sides{};
+  for (std::size_t d = 0; d < 3; ++d)
+    sides[d] = high[d] - low[d];
+  std::sort(sides.begin(), sides.end(), std::greater<>());
+  const std::size_t dimension = isInSpace ? 3 : 2;
+  const auto count = static_cast<double>(centres.size());
+  // 1/h, for which the box is as full as it is; a chain of all of them has the largest one.
+  double least = 0.0, most = sides[0] > 0.0 ? (count - 1.0) / sides[0] : 0.0;
+  constexpr int halvings = 50; // to the last digit
+  for (int k = 0; k < halvings; ++k) {
+    const double middle = 0.5 * (least + most);
+    double product = 1.0;
+    for (std::size_t d = 0; d < dimension; ++d)
+      product *= sides[d] * middle + 1.0;
+    (product < count ? least : most) = middle;
+  }
+  return {sides[0] * most + 1.0, sides[dimension - 1] * most + 1.0};
+}
+
+double aspectOfClusters(const ShareSides& share, double subdomains, double clusters, bool isInSpace) {
+  std::vector<double> sides = {share.longest, share.shortest};
+  if (isInSpace)
+    sides.push_back(std::clamp(subdomains / (share.longest * share.shortest), share.shortest, share.longest));
+  for (double parts = clusters; parts > 1.0; parts *= 0.5) {
+    double& longest = *std::max_element(sides.begin(), sides.end());
+    longest = std::max(1.0, longest / std::min(2.0, parts));
+  }
+  return *std::max_element(sides.begin(), sides.end()) / *std::min_element(sides.begin(), sides.end());
 }
 
 JoinCosts joinCosts(const ClusterShape& clusters) {

@@ -3,16 +3,32 @@
 
 #include "Harmos_StepModel.hpp"
 
+#include <array>
+#include <vector>
+
 namespace Harmos::feti {
 
-/// How products grow with clusters of m subdomains: 1 + a_d (m^(1/d) − 1) times those without, d = 2 or 3.
+/// How products grow with clusters of m subdomains, d = 2 or 3: 1 + a_d (m^(1/d) − 1) + c_d (aspect − 1)
+/// times those without, the aspect being that of the longest side of a cluster to its shortest.
 ///
-/// The one place for a_d. Fitted to steps to 1e-8 with the Dirichlet preconditioner on structured grids, see
-/// docs/dual_operator.md; tests/performance/performance_model.py has them too, in GROWTH.
+/// The one place for a_d and c_d. Fitted to steps to 1e-8 with the Dirichlet preconditioner on structured
+/// grids, see docs/dual_operator.md; tests/performance/performance_model.py has them too, in GROWTH and
+/// SLENDER.
 struct ProductGrowth {
   static constexpr double plane = 0.2, space = 0.5;
+  static constexpr double slenderInPlane = 0.4, slenderInSpace = 1.2;
 };
-double growthOfProducts(double clusterSize, bool isInSpace);
+double growthOfProducts(double clusterSize, bool isInSpace, double aspect = 1.0);
+
+/// The longest and the shortest side of a rank's share, counted in subdomains.
+struct ShareSides {
+  double longest = 1.0, shortest = 1.0;
+};
+/// Of as many subdomains as there are centres, which fill the box of these: (e_1/h + 1) … (e_d/h + 1) of
+/// them, e the sides of the box. Local.
+ShareSides sidesOf(const std::vector<std::array<double, 3>>& centres, bool isInSpace);
+/// Of one of so many clusters of a share, whose longest side is halved again and again.
+double aspectOfClusters(const ShareSides& share, double subdomains, double clusters, bool isInSpace);
 
 /// What clusters of a rank cost depends on. A cluster is taken for a square or a cube of subdomains.
 struct ClusterShape {
@@ -22,6 +38,7 @@ struct ClusterShape {
   double distinct = 1.0;   ///< q, operators that they have
   double boundary = 0.0;   ///< b, dofs of a subdomain's
   double motions = 1.0;    ///< r, of a subdomain that floats: 1 of a membrane, 3 in the plane, 6 in space
+  double aspect = 1.0;     ///< of a cluster's sides
 
   bool isInSpace() const { return motions > 3.5; }
 };
