@@ -252,7 +252,8 @@ class Table(Case):
                 self.assertGreater(size, 1)
                 self.assertAlmostEqual(growth, performance_model.growth_of_products(size, 3, row["cluster_aspect"]), 9)
                 self.assertAlmostEqual(row["shape"]["coarse_dimension"], 6 * row["clusters"], 9)
-                self.assertLess(row["memory_mib"]["coarse"], alone["memory_mib"]["coarse"])
+                if row["coarse_problem"] == alone["coarse_problem"]:
+                    self.assertLess(row["memory_mib"]["coarse"], alone["memory_mib"]["coarse"])
                 self.assertGreater(row["memory_mib"]["joins"], 0)
                 self.assertGreater(seconds["step"]["joins"], 0)
         for np in (1, 2):
@@ -274,7 +275,8 @@ class Table(Case):
         slow = self.plan(deck, sets, *words, program="harmos")
         none = self.plan(deck, sets | {"Decomposition/Clusters": "none"}, *words, program="harmos")
         self.check_choice(slow, none)
-        self.assertEqual([row["clusters"] > 0 for row in slow["rows"]], [False] * 3 + [True] * 2 + [False])
+        # Of 64 ranks each has three or four in a row, of 216 one.
+        self.assertEqual([row["clusters"] > 0 for row in slow["rows"]], [False] * 3 + [True] + [False] * 2)
         self.assertEqual([row["clusters"] for row in usual["rows"][:3]], 3 * [0])
         summary = runs.solved(self, deck, sets | {"Dual operator/Rates": path}, np=2, program="harmos").summary
         self.assertEqual(summary["clusters"], 0)

@@ -66,9 +66,9 @@ TEST(ClusterDecision, numbers_of_a_run) {
   EXPECT_EQ(run.clusters.distinct, 1.0); // alike, and all of them float
   EXPECT_EQ(run.clusters.boundary, 32.0);
   EXPECT_EQ(run.products, 30.0);
-  // Centres are not known.
-  EXPECT_EQ(run.sides.longest, 1.0);
-  EXPECT_EQ(run.sides.shortest, 1.0);
+  // Both squares side by side, one of them, half of one.
+  EXPECT_NEAR(run.sides.longest, comm.getSize() == 1 ? 8.0 : 4.0, 1e-9);
+  EXPECT_NEAR(run.sides.shortest, comm.getSize() < 4 ? 4.0 : 2.0, 1e-9);
   EXPECT_GT(run.productSeconds, 0.0);
   EXPECT_GE(run.step.rows * comm.getSize(), static_cast<double>(decision.constraints.dualDimension()));
   EXPECT_EQ(run.step.sharedRows > 0.0, comm.getSize() > 1);
