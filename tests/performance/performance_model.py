@@ -29,7 +29,7 @@ How many of each there are stands in CALLS, once. Formulas and rates are those o
 Harmos_StepModel.hpp, Harmos_ClusterModel.hpp, Harmos_CoarseModel.hpp, Harmos_StepCalls.hpp in
 packages/feti/src, by which `Coarse problem` and `Clusters` = `auto` decide and --plan predicts. `--cases` writes shapes and what they give here, with
 which tests/unit/feti/test_step_model.cpp compares, `--tables` the tables of
-docs/dual_operator.md, and the last one of docs/clusters.md. Rates of products and of reading are those that
+docs/dual_operator.md, and the last one, with a sentence, of docs/clusters.md. Rates of products and of reading are those that
 dual_operator shows on one rank of two, solves those of coarse_factor; the overhead is fitted to scaling.py.
 Latency and bandwidth of a network are to be given; the defaults are assumptions about a common cluster and
 not measured.
@@ -488,6 +488,17 @@ def guide_table():
     return "\n".join(lines)
 
 
+def guide_words():
+    """Of docs/clusters.md: where clusters begin to pay."""
+    loads = (("solid", 8, 8), ("solid", 27, 8), ("membrane", 16, 128))
+    problems = (Problem(s, n, physics=physics, form="distributed") for physics, s, n in loads)
+    eight, many, membranes = (two_digits(half_from(Machine(), problem)) for problem in problems)
+    return (
+        f"by the model 8 solids of 8 × 8 × 8 elements a rank take half as long with it from {eight} ranks on, "
+        f"27 of them from {many}, 16 membranes of 128 × 128 elements from {membranes}"
+    )
+
+
 def cluster_table(physics):
     """A step with a distributed coarse problem: no clusters; one a rank."""
     machine = Machine()
@@ -543,7 +554,7 @@ def main():
     if given.tables:
         both = ("membrane", "solid")
         tables = [*map(pages_table, both), takeovers(), *map(cluster_table, both), cluster_takeovers()]
-        tables.append(guide_table())
+        tables += [guide_table(), guide_words()]
         print("\n\n".join(tables))
         return 0
     machine = Machine(*(getattr(given, name) for name in asdict(Machine())))

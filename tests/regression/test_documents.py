@@ -274,6 +274,7 @@ class Documents(unittest.TestCase):
             self.assertIn(table, page, "performance_model.py --tables prints what is to stand there")
         guide = (ROOT / "docs/clusters.md").read_text(encoding="utf-8")
         self.assertIn(performance_model.guide_table(), guide, "the last one of performance_model.py --tables")
+        self.assertIn(performance_model.guide_words(), guide, "the sentence of performance_model.py --tables")
 
     def test_growth_of_products_is_that_of_the_model(self):
         page = (ROOT / "docs/dual_operator.md").read_text(encoding="utf-8")
