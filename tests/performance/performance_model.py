@@ -2,7 +2,7 @@
 """Time, messages and memory of a step on P ranks, from latency, bandwidth and the size of the coarse problem.
 
     performance_model.py [--physics membrane|solid] [--subdomains-per-rank 16] [--elements 128] [--shared]
-                         [--form replicated|distributed|auto] [--latency 2e-6] [--bandwidth 1e10]
+                         [--form replicated|distributed|auto] [--cluster 1] [--latency 2e-6] [--bandwidth 1e10]
                          [--output FILE] [--cases FILE] [--tables]
 
 One step of projected conjugate gradients with a Dirichlet preconditioner, weak scaling: s subdomains on a
@@ -21,11 +21,14 @@ elements if nothing else is given) or of a cube of solids (three, and six; 8 of 
                with L on every rank. Distributed: all-gathers of n_c numbers and scalars, products with the rank's rows
                of the inverse, n_c numbers each, at the rate of reading, and exchanges of motions with
                neighbours; where the rows would take more than 512 MiB, solves by groups of ranks
+    joins      with clusters of so many subdomains (--cluster), which have the motions of one: what joins them,
+               W = [K^+ B_0', R] of each operator, is read twice for F and, without R, twice for the
+               preconditioner, at the rate of reading, F_0 solved with three times. Products grow, see GROWTH
 
 How many of each there are stands in CALLS, once. Formulas and rates are those of C++:
-Harmos_StepModel.hpp, Harmos_CoarseModel.hpp, Harmos_StepCalls.hpp in packages/feti/src, by which
-`Coarse problem` = `auto` decides and --plan predicts. `--cases` writes shapes and what they give here, with
-which tests/unit/feti/test_step_model.cpp compares, `--tables` the tables of docs/dual_operator.md. Rates of products and of reading are those that
+Harmos_StepModel.hpp, Harmos_ClusterModel.hpp, Harmos_CoarseModel.hpp, Harmos_StepCalls.hpp in
+packages/feti/src, by which `Coarse problem` and `Clusters` = `auto` decide and --plan predicts. `--cases` writes shapes and what they give here, with
+which tests/unit/feti/test_step_model.cpp compares, `--tables` those of the pages (messages/performance_tables.py). Rates of products and of reading are those that
 dual_operator shows on one rank of two, solves those of coarse_factor; the overhead is fitted to scaling.py.
 Latency and bandwidth of a network are to be given; the defaults are assumptions about a common cluster and
 not measured.
@@ -35,13 +38,18 @@ import argparse
 import json
 import math
 import sys
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 
 FORMS = ("replicated", "distributed")
 RANKS = (1, 2, 10, 100, 1000, 10000, 100000)
 WORD = 8
 PASSES = 40
 MOST_DENSE = 200  # rows of a coarse matrix that is factored densely
+# Products grow by 1 + a_d (m^(1/d) - 1) + c_d (aspect - 1) with clusters of m subdomains: a_d and c_d.
+GROWTH = {2: 0.2, 3: 0.5}
+SLENDER = {2: 0.4, 3: 1.2}
+AT_ONCE = 6  # vectors that take as long to multiply with W as it takes to read it
 
 
 @dataclass(frozen=True)
@@ -85,6 +93,27 @@ class Shape:
     own_motions: float = 0.0  # of its subdomains
     motions: float = 1.0  # of a subdomain
     shared_motions: float = 0.0  # of others' that its rows touch, and the other way round
+    # Where subdomains are joined, motions are those of clusters.
+    cluster_size: float = 1.0  # subdomains of a cluster
+    join_bytes: float = 0.0  # read to join them, in a product with F and one with the preconditioner
+    join_entries: float = 0.0  # of L of F_0, in the solves of these
+
+
+@dataclass
+class Clusters:
+    """What clusters of a rank cost depends on: C++'s ClusterShape."""
+
+    size: float = 1.0  # m, subdomains of a cluster
+    share: float = 1.0  # clusters for each subdomain, over all ranks
+    subdomains: float = 1.0  # of the rank
+    distinct: float = 1.0  # operators that they have
+    boundary: float = 0.0  # dofs of a subdomain's
+    motions: float = 1.0  # of a subdomain that floats
+    aspect: float = 1.0  # of a cluster's sides
+
+    @property
+    def dimension(self):
+        return 3 if self.motions > 3.5 else 2
 
 
 @dataclass
@@ -94,6 +123,7 @@ class Problem:
     shared: bool = True
     physics: str = "membrane"
     form: str = "replicated"
+    cluster: int = 1  # subdomains of a cluster
 
     @property
     def dimension(self):
@@ -153,6 +183,49 @@ def is_solved(shape):
     return WORD * shape.coarse_dimension * shape.own_motions > 512 * 2**20
 
 
+def growth_of_products(size, dimension, aspect=1):
+    side = max(1, size) ** (1 / dimension)
+    return 1 + GROWTH[dimension] * (side - 1) + SLENDER[dimension] * (max(1, aspect) - 1)
+
+
+def join_costs(clusters):
+    """See ClusterModel."""
+    m, r, d = clusters.size, clusters.motions, clusters.dimension
+    if m <= 1:
+        return {"averages": 0.0, "bytes_read": 0.0, "entries": 0.0, "bytes_held": 0.0}
+    faces, number = d * (m - m ** ((d - 1) / d)), clusters.subdomains / m
+    is_shared = clusters.distinct < clusters.subdomains
+    joined = r * (min(2 * d, 2 * faces) if is_shared else 2 * faces / m)
+    w = WORD * clusters.boundary * (2 * joined + r) * clusters.distinct
+    readings = max(1, clusters.subdomains / (AT_ONCE * clusters.distinct))
+    of_motions = WORD / 2 * r * m * (r * m + 1)
+    entries = factor_entries(Shape(coarse_dimension=r * faces, motions=r))
+    return {
+        "averages": r * faces,
+        "bytes_read": 2 * w * readings + number * of_motions,
+        "entries": 6 * number * entries,
+        "bytes_held": w + number * (32 * entries + of_motions),
+    }
+
+
+def with_clusters(shape, clusters):
+    """A step with clusters, of one without."""
+    if clusters.size <= 1:
+        return shape
+    d, number = clusters.dimension, clusters.subdomains / clusters.size
+    costs = join_costs(clusters)
+    return replace(
+        shape,
+        coarse_dimension=shape.coarse_dimension * clusters.share,
+        coarse_entries=0.0,
+        own_motions=shape.own_motions / clusters.size,
+        shared_motions=shape.motions * ((number ** (1 / d) + 2) ** d - number) if shape.ranks > 1 else 0.0,
+        cluster_size=clusters.size,
+        join_bytes=costs["bytes_read"],
+        join_entries=costs["entries"],
+    )
+
+
 def coarse_seconds(shape, machine, form):
     calls, n = CALLS[form], shape.coarse_dimension
     tree = math.log2(shape.ranks) * machine.latency
@@ -186,6 +259,7 @@ def step_seconds(shape, machine, form):
         "exchange": calls.exchanges * of_neighbours if several else 0.0,
         "scalars": calls.reductions * 2 * math.log2(shape.ranks) * machine.latency,
         "coarse": coarse_seconds(shape, machine, form),
+        "joins": shape.join_bytes / machine.read + shape.join_entries / machine.solve,
     }
 
 
@@ -215,11 +289,16 @@ def coarse_bytes(shape, form):
     return WORD * shape.coarse_dimension * shape.own_motions
 
 
+def clusters_of(problem):
+    s, m = problem.subdomains_per_rank, problem.cluster
+    return Clusters(m, 1 / m, s, 1 if problem.shared else s, problem.boundary(), problem.motions)
+
+
 def shape_of(problem, ranks):
     """Of a rank in the middle of so many, with a share that is about a square or a cube."""
     d, s, m = problem.dimension, problem.subdomains_per_rank, problem.motions
     side = s ** (1 / d)
-    return Shape(
+    shape = Shape(
         ranks=ranks,
         rows=s * problem.rows(),
         shared_rows=problem.touched_rows() * side ** (d - 1) if ranks > 1 else 0,
@@ -229,6 +308,7 @@ def shape_of(problem, ranks):
         motions=m,
         shared_motions=m * ((side + 2) ** d - s) if ranks > 1 else 0,
     )
+    return with_clusters(shape, clusters_of(problem))
 
 
 def form_of(problem, shape, machine):
@@ -287,10 +367,20 @@ def cases():
     """Shapes of both physics, and what they give in both forms by the rates that stand here."""
     machine, result = Machine(), []
     loads = (("membrane", 16, 128), ("membrane", 1, 16), ("solid", 8, 8), ("solid", 27, 4))
-    for physics, subdomains, elements in loads:
+    problems = [Problem(subdomains, elements, physics=physics) for physics, subdomains, elements in loads]
+    # Pieces of ranks and whole ones, alike and no two alike.
+    problems += [Problem(16, 128, shared, cluster=m) for shared in (True, False) for m in (4, 16)]
+    problems += [Problem(8, 8, shared, "solid", cluster=m) for shared in (True, False) for m in (2, 8)]
+    problems += [Problem(125, 4, False, "solid", cluster=125)]
+    for problem in problems:
         for ranks in (*RANKS, 8, 64):
-            shape = shape_of(Problem(subdomains, elements, physics=physics), ranks)
+            shape, clusters = shape_of(problem, ranks), clusters_of(problem)
             item = {"shape": asdict(shape), "distributed_by_auto": is_distributed_cheaper(shape, machine)}
+            if problem.cluster > 1:
+                item["alone"] = asdict(shape_of(replace(problem, cluster=1), ranks))
+                clusters = replace(clusters, aspect=1.0 if problem.shared else 4.0)
+                item["clusters"] = asdict(clusters) | join_costs(clusters)
+                item["growth"] = growth_of_products(clusters.size, clusters.dimension, clusters.aspect)
             for form in FORMS:
                 item[form] = {
                     **step_seconds(shape, machine, form),
@@ -299,52 +389,6 @@ def cases():
                 }
             result.append(item)
     return {"calls": {form: asdict(calls) for form, calls in CALLS.items()}, "cases": result}
-
-
-def two_digits(value):
-    return f"{float(f'{value:.2g}'):g}"
-
-
-def in_words(seconds):
-    return f"{two_digits(seconds)} s" if seconds >= 1 else f"{two_digits(1e3 * seconds)} ms"
-
-
-def pages_table(physics):
-    """Of docs/dual_operator.md: replicated; distributed."""
-    machine = Machine()
-    loads = {"membrane": (16, 128), "solid": (8, 8)}[physics]
-    problems = [Problem(*loads, physics=physics, form=form) for form in FORMS]
-    titles = ("local work", "exchange", "coarse problem")
-    titles += ("messages", "kB in them", "kB by collectives", "MiB of A⁻")
-    lines = ["| P | " + " | ".join(titles) + " |", "|---" * (len(titles) + 1) + "|"]
-    for one, other in zip(*(table_of(machine, problem) for problem in problems)):
-        if one["ranks"] < 10:
-            continue
-        both = (one, other)
-        cells = [f"{one['ranks']}", in_words(one["products"] + one["vectors"]), in_words(one["exchange"])]
-        cells.append("; ".join(in_words(row["coarse"] + row["scalars"]) for row in both))
-        cells.append("; ".join(f"{row['messages']:.0f}" for row in both))
-        cells.append("; ".join(f"{row['message_bytes'] / 1e3:.0f}" for row in both))
-        cells.append("; ".join(f"{row['collective_bytes'] / 1e3:.0f}" for row in both))
-        cells.append("; ".join(two_digits(row["coarse_mib"]) for row in both))
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines)
-
-
-def takeovers():
-    """The ranks from which on the coarse problem takes over, by the load of a rank: shared; not shared."""
-    machine, lines = Machine(), []
-    lines.append("| a rank | replicated | distributed | `auto` distributes from |\n|---|---|---|---|")
-    loads = [("membrane", s, 128) for s in (4, 16, 64)] + [("solid", s, n) for n in (8, 16) for s in (1, 8, 27)]
-    for physics, subdomains, elements in loads:
-        size = " × ".join([str(elements)] * (3 if physics == "solid" else 2))
-        cells = [f"{subdomains} {physics}{'s' if subdomains > 1 else ''} of {size}"]
-        for form in FORMS:
-            problems = (Problem(subdomains, elements, shared, physics, form) for shared in (True, False))
-            cells.append("; ".join(two_digits(takeover(machine, problem)) for problem in problems))
-        cells.append(str(distributed_from(machine, problem=Problem(subdomains, elements, physics=physics))))
-        lines.append("| " + " | ".join(cells) + " |")
-    return "\n".join(lines)
 
 
 def as_json(document):
@@ -357,16 +401,17 @@ def arguments():
     parser.add_argument("--subdomains-per-rank", type=int, help="16 of membranes, 8 of solids")
     parser.add_argument("--elements", type=int, help="a side of a subdomain; 128 of membranes, 8 of solids")
     parser.add_argument("--shared", action="store_true")
+    parser.add_argument("--cluster", type=int, default=1, help="subdomains of a cluster; 1: none")
     parser.add_argument("--form", choices=(*FORMS, "auto"), default="replicated")
     for name in asdict(Machine()):
         parser.add_argument(f"--{name.replace('_', '-')}", type=float, default=getattr(Machine, name))
     parser.add_argument("--cases", metavar="FILE", help="shapes and what they give, for the test of C++")
-    parser.add_argument("--tables", action="store_true", help="those of docs/dual_operator.md")
+    parser.add_argument("--tables", action="store_true", help="those of docs/dual_operator.md and docs/clusters.md")
     parser.add_argument("--output", metavar="FILE")
     return parser.parse_args()
 
 
-SECONDS = ("products", "vectors", "exchange", "scalars", "coarse")
+SECONDS = ("products", "vectors", "exchange", "scalars", "coarse", "joins")
 
 
 def main():
@@ -376,7 +421,10 @@ def main():
             file.write(as_json(cases()))
         return 0
     if given.tables:
-        print("\n\n".join([*map(pages_table, ("membrane", "solid")), takeovers()]))
+        sys.path.append(str(Path(__file__).resolve().parent / "messages"))
+        import performance_tables  # which imports this
+
+        print(performance_tables.all_of_them())
         return 0
     machine = Machine(*(getattr(given, name) for name in asdict(Machine())))
     subdomains, elements = (8, 8) if given.physics == "solid" else (16, 128)
@@ -386,6 +434,7 @@ def main():
         given.shared,
         given.physics,
         given.form,
+        given.cluster,
     )
     table = table_of(machine, problem)
     print(f"{'ranks':>8} {'coarse':>12}" + "".join(f"{name:>10}" for name in SECONDS), end="")

@@ -133,7 +133,7 @@ class Programs(unittest.TestCase):
 
     def test_communication(self):
         document = self.script("messages/communication.py", "--ranks", "2,4")
-        self.assertEqual(len(document["runs"]), 2 * 2 * 2)
+        self.assertEqual(len(document["runs"]), 2 * 2 * 2 * 2)
         kinds = {f"{kind}_{key}" for kind in ("message", *communication.COLLECTIVES) for key in ("calls", "bytes")}
         counted = {f"{kind}_{when}" for kind in kinds for when in ("a_step", "of_setup")}
         for item in document["runs"]:

@@ -16,11 +16,13 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "performance"))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "performance/peer"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "performance/messages"))
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "docs/tools"))
 import harmos_runs as runs  # noqa: E402
 import headline_page  # noqa: E402
 import parameter_pages  # noqa: E402
 import performance_model  # noqa: E402
+import performance_tables  # noqa: E402
 import real_bodies_page  # noqa: E402
 import unstructured_page  # noqa: E402
 
@@ -268,9 +270,23 @@ class Documents(unittest.TestCase):
 
     def test_tables_of_many_ranks_are_those_of_the_model(self):
         page = (ROOT / "docs/dual_operator.md").read_text(encoding="utf-8")
-        tables = [performance_model.pages_table(physics) for physics in ("membrane", "solid")]
-        for table in (*tables, performance_model.takeovers()):
+        tables = [performance_tables.pages_table(physics) for physics in ("membrane", "solid")]
+        tables += [performance_tables.cluster_table(physics) for physics in ("membrane", "solid")]
+        for table in (*tables, performance_tables.takeovers(), performance_tables.cluster_takeovers()):
             self.assertIn(table, page, "performance_model.py --tables prints what is to stand there")
+        guide = (ROOT / "docs/clusters.md").read_text(encoding="utf-8")
+        self.assertIn(performance_tables.guide_table(), guide, "the last one of performance_model.py --tables")
+        self.assertIn(performance_tables.guide_words(), guide, "the sentence of performance_model.py --tables")
+
+    def test_growth_of_products_is_that_of_the_model(self):
+        page = (ROOT / "docs/dual_operator.md").read_text(encoding="utf-8")
+        plane, space = performance_model.GROWTH.values()
+        slender = performance_model.SLENDER.values()
+        coefficients = "a = {} in the plane and {} in space, c = {} and {}".format(plane, space, *slender)
+        self.assertIn(coefficients, page)
+        header = (ROOT / "packages/feti/src/dual/Harmos_ClusterModel.hpp").read_text(encoding="utf-8")
+        self.assertIn(f"plane = {plane}, space = {space};", header)
+        self.assertIn("slenderInPlane = {}, slenderInSpace = {};".format(*slender), header)
 
     def test_every_hard_case_has_its_row_and_its_test(self):
         """The table of docs/stability.md names each test of tests/stability once, and no other.

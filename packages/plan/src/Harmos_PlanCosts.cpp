@@ -27,6 +27,7 @@ struct RankLoad {
   double ownBytes = 0.0, rows = 0.0, nodes = 0.0, cells = 0.0, links = 0.0;
   double constraintEntries = 0.0, touchedRows = 0.0, ownedRows = 0.0;
   double coarseEntries = 0.0, coarsePairs = 0.0, motions = 0.0;
+  std::vector<std::array<double, 3>> centres;
 };
 
 struct Class {
@@ -68,6 +69,8 @@ RankLoad loadOf(const PlanSurvey& survey, const feti::LocalInverseOptions& optio
     load.coarseEntries += s.coarseEntries;
     load.coarsePairs += s.coarsePairs;
     load.motions += s.kernelColumns;
+    if (s.hasCentre)
+      load.centres.push_back(s.centre);
     load.largestRows = std::max(load.largestRows, static_cast<double>(s.rows));
   }
   load.sharedBytes += load.assembledBytes;
@@ -136,9 +139,16 @@ double resultBytes(const RankLoad& load, const PlanSurvey& survey, const run::Ru
   return kept * load.nodes + std::max(atNode * load.nodes, 8.0 * load.links + 9.0 * load.cells);
 }
 
+// Of rows, those that are at the rim of a cluster: within, nothing opens when it moves.
+double rimOf(const PlanSurvey& survey, const feti::ClusterPrediction& clusters) {
+  return std::pow(clusters.shape.size, -1.0 / survey.dimension);
+}
+
 // Bytes an item, from the sources named.
 RankMemory memoryOf(const RankLoad& load, const PlanSurvey& survey, const run::RunOptions& options,
-                    std::size_t way, bool elastic, double directions, const feti::StepShape& shape) {
+                    std::size_t way, bool elastic, double directions,
+                    const feti::ClusterPrediction& clusters) {
+  const feti::StepShape& shape = clusters.step;
   const DualForm form = feti::dualForms()[way].form;
   RankMemory memory;
   const bool hasPreconditioner = options.dual.preconditioner != feti::PreconditionerKind::None;
@@ -152,8 +162,10 @@ RankMemory memoryOf(const RankLoad& load, const PlanSurvey& survey, const run::R
   memory.dense = load.predictions[way].bytes - memory.factors;
   // G̃ᵀ by rows, places of its pairs; A⁻, and another one on a face of PDAS.
   const double inverse = feti::coarseBytes(shape.coarse(), shape.isCoarseDistributed);
-  memory.coarse =
-      12.0 * load.coarseEntries + 4.0 * load.coarsePairs + (survey.inequalities > 0 ? 2.0 : 1.0) * inverse;
+  const double rim = rimOf(survey, clusters);
+  memory.coarse = rim * (12.0 * load.coarseEntries + 4.0 * load.coarsePairs) +
+                  (survey.inequalities > 0 ? 2.0 : 1.0) * inverse;
+  memory.joins = feti::joinCosts(clusters.shape).bytesHeld;
   memory.directions = 16.0 * directions * load.ownedRows;
 
   // While the largest S is inverted: MUMPS' triplets and front, S and S⁺.
@@ -161,7 +173,7 @@ RankMemory memoryOf(const RankLoad& load, const PlanSurvey& survey, const run::R
   const double whileFactoring = 2.0 * 8.0 * b * b + load.largestStiffness;
   // Pairs of columns, in the order of rows and sorted; the factor that rows of the inverse are made with.
   const double whileCoarse =
-      16.0 * load.coarsePairs + feti::coarseBytesOfSetup(shape.coarse(), shape.isCoarseDistributed);
+      rim * 16.0 * load.coarsePairs + feti::coarseBytesOfSetup(shape.coarse(), shape.isCoarseDistributed);
   // Displacements; 32 right-hand sides at once.
   const double whileEnding = 2.0 * 8.0 * load.rows + 32.0 * 8.0 * load.largestRows +
                              (options.writeFields ? resultBytes(load, survey, options, elastic) : 0.0);
@@ -189,8 +201,7 @@ std::vector<RankLoad> loadsOf(const PlanSurvey& survey, const run::RunOptions& o
 }
 
 // A rank's share is about a square or a cube of subdomains: rows on its rim, and neighbours on all sides.
-feti::StepShape shapeOf(const PlanSurvey& survey, const std::vector<RankLoad>& loads,
-                        const feti::CoarseOptions& options) {
+feti::StepShape shapeOf(const PlanSurvey& survey, const std::vector<RankLoad>& loads) {
   const auto total = static_cast<double>(survey.subdomains.size());
   const double d = survey.dimension, share = most(loads, &RankLoad::subdomains);
   double touched = 0.0;
@@ -201,19 +212,56 @@ feti::StepShape shapeOf(const PlanSurvey& survey, const std::vector<RankLoad>& l
   shape.rows = most(loads, &RankLoad::ownedRows);
   shape.sharedRows = touched * std::pow(share, (d - 1.0) / d);
   shape.neighbours = static_cast<int>(std::min(std::pow(3.0, d), static_cast<double>(shape.ranks))) - 1;
-  shape.coarseDimension = survey.coarseDimension;
-  shape.coarseEntries = survey.coarseFactorEntries;
+  shape.coarseDimension = survey.kernelDimension;
   shape.ownMotions = most(loads, &RankLoad::motions);
   shape.motions = survey.kernelDimension / total;
   shape.sharedMotions = shape.motions * (std::pow(std::pow(share, 1.0 / d) + 2.0, d) - share);
-  // As a run decides, which has no factor then.
-  feti::CoarseShape coarse;
-  coarse.dimension = survey.kernelDimension;
-  coarse.motions = shape.motions;
-  coarse.ranks = shape.ranks;
-  coarse.mostOwn = shape.ownMotions;
-  shape.isCoarseDistributed = feti::takesDistributed(options, coarse);
   return shape;
+}
+
+// Clusters as asked for, or as a run chooses them; the coarse problem as a run decides, which has no factor
+// then and takes all motions.
+feti::ClusterPrediction clustersOf(const PlanSurvey& survey, const std::vector<RankLoad>& loads,
+                                   const feti::DualOptions& options, bool elastic, double productSeconds,
+                                   int usualProducts, const feti::StepRates& rates) {
+  using Kind = feti::ClusterOptions::Kind;
+  feti::UnjoinedRun run;
+  run.step = shapeOf(survey, loads);
+  run.subdomains = static_cast<double>(survey.subdomains.size());
+  run.productSeconds = productSeconds;
+  run.products = options.expectedProducts > 0 ? options.expectedProducts : usualProducts;
+  run.clusters.subdomains = most(loads, &RankLoad::subdomains);
+  run.clusters.distinct = most(loads, &RankLoad::classes);
+  run.clusters.motions = !elastic ? 1.0 : survey.dimension == 3 ? 6.0 : 3.0;
+  for (const std::vector<int>& boundary : survey.boundaries)
+    run.clusters.boundary += static_cast<double>(boundary.size()) / run.subdomains;
+  // Ranks without subdomains have no shape.
+  run.sides.shortest = run.clusters.subdomains;
+  for (const RankLoad& load : loads)
+    if (const feti::ShareSides sides = feti::sidesOf(load.centres, run.clusters.isInSpace());
+        load.subdomains > 0) {
+      run.sides.longest = std::max(run.sides.longest, sides.longest);
+      run.sides.shortest = std::min(run.sides.shortest, sides.shortest);
+    }
+  const feti::ClusterOptions& asked = options.clusters;
+  feti::ClusterPrediction result =
+      asked.kind == Kind::Auto ? feti::chooseClusters(run, options.coarse, rates)
+                               : feti::predictClusters(run, asked.kind, asked.size, options.coarse, rates);
+  result.step.coarseDimension =
+      std::max(0.0, result.step.coarseDimension - (survey.kernelDimension - survey.coarseDimension));
+  if (result.clusters == 0)
+    result.step.coarseEntries = survey.coarseFactorEntries;
+  return result;
+}
+
+// Seconds of a factor go with the squares of columns of L.
+double factorShare(const PlanSurvey& survey, const feti::StepShape& shape) {
+  if (shape.clusterSize <= 1.0 || survey.coarseFactorEntries <= 0.0)
+    return 1.0;
+  if (shape.coarseDimension <= 0.0)
+    return 0.0;
+  const double entries = feti::coarseFactorEntries(shape.coarse()) / survey.coarseFactorEntries;
+  return entries * entries * survey.coarseDimension / shape.coarseDimension;
 }
 
 } // namespace
@@ -257,10 +305,20 @@ PlanRow planRow(const PlanSurvey& survey, const run::RunOptions& options, bool e
   const std::size_t way =
       waysOf(loads, options.dual, feti::DualOptions::usualProducts(elastic, options.tolerance), mayLump);
   row.forms = feti::dualForms()[way];
-  const double directions = directionsFor(options, products.most);
-  row.shape = shapeOf(survey, loads, options.dual.coarse);
+  double productSeconds = 0.0;
+  for (const RankLoad& load : loads)
+    productSeconds = std::max(productSeconds, load.predictions[way].productSeconds);
+  const feti::ClusterPrediction clusters =
+      clustersOf(survey, loads, options.dual, elastic, productSeconds,
+                 feti::DualOptions::usualProducts(elastic, options.tolerance), rates.step);
+  row.clusters = clusters.clusters;
+  row.productsGrowth = clusters.growth;
+  row.clusterAspect = clusters.shape.aspect;
+  row.shape = clusters.step;
+  const double directions =
+      directionsFor(options, static_cast<int>(std::ceil(clusters.growth * products.most)));
   for (std::size_t rank = 0; rank < loads.size(); ++rank) {
-    RankMemory memory = memoryOf(loads[rank], survey, options, way, elastic, directions, row.shape);
+    RankMemory memory = memoryOf(loads[rank], survey, options, way, elastic, directions, clusters);
     // MUMPS, BLAS, HDF5 and MPI touch more of themselves than a plan does: 7 to 12 MiB on small runs.
     constexpr double libraries = 10.0 * 1048576.0;
     memory.program = programBytes + libraries + (rank == 0 ? sceneBytes : 0.0);
@@ -269,9 +327,10 @@ PlanRow planRow(const PlanSurvey& survey, const run::RunOptions& options, bool e
       row.memory = memory;
     const feti::FormPrediction& prediction = loads[rank].predictions[way];
     row.factorization = std::max(row.factorization, prediction.setupSeconds);
-    row.product = std::max(row.product, prediction.productSeconds);
     row.recovery = std::max(row.recovery, 2.0 * loads[rank].recoverySeconds);
   }
+  row.product = productSeconds;
+  row.factorization += clusters.setupSeconds;
   // What the survey measured, by what it goes with.
   const std::vector<RankLoad> surveyed = loadsOf(survey, options, rates, survey.ranks);
   const auto scaled = [&](double seconds, double RankLoad::*member) {
@@ -283,22 +342,26 @@ PlanRow planRow(const PlanSurvey& survey, const run::RunOptions& options, bool e
   row.constraints = scaled(survey.secondsOfConstraints, &RankLoad::constraintEntries);
   const auto factored = [&](bool isFace) {
     return feti::coarseSetupSeconds(row.shape.coarse(), row.shape.isCoarseDistributed, isFace,
-                                    survey.secondsOfCoarseFactor, rates.step);
+                                    factorShare(survey, row.shape) * survey.secondsOfCoarseFactor,
+                                    rates.step);
   };
-  row.coarseSetup = scaled(survey.secondsOfCoarseRows, &RankLoad::coarsePairs) + factored(false);
+  row.coarseSetup =
+      rimOf(survey, clusters) * scaled(survey.secondsOfCoarseRows, &RankLoad::coarsePairs) + factored(false);
   row.step = feti::predictStep(row.shape, rates.step);
   row.counts = feti::predictCounts(row.shape);
   // Active sets that the decks that come with Harmos take, and their refinements.
   constexpr double fewestFaces = 1.0, mostFaces = 14.0;
   row.face = survey.inequalities > 0 ? factored(true) : 0.0;
-  row.least = row.setup() + fewestFaces * row.face + products.least * row.perStep();
-  row.most = row.setup() + mostFaces * row.face + products.most * row.perStep();
+  const double leastProducts = clusters.growth * products.least,
+               mostProducts = clusters.growth * products.most;
+  row.least = row.setup() + fewestFaces * row.face + leastProducts * row.perStep();
+  row.most = row.setup() + mostFaces * row.face + mostProducts * row.perStep();
   // Steps after the first take two products for their right-hand side and start from the solutions before:
   // the decks that come with Harmos, in twenty steps, took two products to half of those of the first.
   const auto later = static_cast<double>(survey.steps - 1);
   row.least += later * (0.5 * row.recovery + fewestFaces * row.face + (2.0 + 2.0) * row.perStep());
   row.most +=
-      later * (0.5 * row.recovery + 0.5 * mostFaces * row.face + (2.0 + 0.5 * products.most) * row.perStep());
+      later * (0.5 * row.recovery + 0.5 * mostFaces * row.face + (2.0 + 0.5 * mostProducts) * row.perStep());
   return row;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ClusterChoice.hpp"
 #include "Harmos_PlanSurvey.hpp"
 #include "Harmos_Rates.hpp"
 
@@ -16,10 +17,11 @@ struct RankMemory {
   double mesh = 0.0;       ///< meshes, stiffness matrices, loads, constraints
   double factors = 0.0;    ///< sparse
   double dense = 0.0;      ///< S⁺, S and MUMPS' copy of S
+  double joins = 0.0;      ///< what joins subdomains to clusters
   double coarse = 0.0;     ///< of the coarse problem, replicated or distributed
   double directions = 0.0; ///< of conjugate gradients, that are stored
   double temporary = 0.0;  ///< the largest of the peaks
-  double sum() const { return program + mesh + factors + dense + coarse + directions + temporary; }
+  double sum() const { return program + mesh + factors + dense + joins + coarse + directions + temporary; }
 };
 
 /// What a run on so many ranks is expected to take; of the busiest rank.
@@ -29,6 +31,9 @@ struct PlanRow {
   double imbalance = 1.0;                            ///< most over mean
   long long factorizations = 0;                      ///< of all ranks
   feti::DualForms forms;                             ///< of the dual operator
+  long long clusters = 0;                            ///< as asked for, or chosen by the model; 0: none
+  double productsGrowth = 1.0;                       ///< by them
+  double clusterAspect = 1.0;                        ///< of their sides
   RankMemory memory;
   double totalMemory = 0.0; ///< bytes of all ranks
   // Seconds.

@@ -344,6 +344,8 @@ void Surveyor::count(int i) {
   s.nodesPerCell = mesh.nodesPerCell();
   s.cells = mesh.numberOfCells();
   s.ownBytes = ownBytes(i);
+  s.hasCentre = system_->subdomain(i).centre.has_value();
+  s.centre = system_->subdomain(i).centre.value_or(s.centre);
   const std::vector<int> touched = countRows(i, s);
   boundaries_.push_back(feti::boundaryWithSupport(system_->matrix(i), system_->kernel(i), touched,
                                                   options_.dual.inverses.fixingPlaces));

@@ -8,6 +8,7 @@
 #include <Teuchos_Comm.hpp>
 #include <Teuchos_RCP.hpp>
 
+#include <array>
 #include <vector>
 
 namespace Harmos::plan {
@@ -23,6 +24,8 @@ struct SurveyedSubdomain {
   double ownedRows = 0.0;         ///< dual rows of which it is the lowest subdomain
   double coarseEntries = 0.0;     ///< of G̃ in its own rows
   double coarsePairs = 0.0;       ///< pairs of such entries in a row: terms of G̃G̃ᵀ
+  bool hasCentre = false;
+  std::array<double, 3> centre{};
 };
 
 /// A scene, assembled and counted but not factored. The same on all ranks, whatever their number.

@@ -110,6 +110,18 @@ std::string messagesText(const PlanRow& row) {
   return text.str();
 }
 
+// What the coarse problem of a row is made of.
+std::string coarseText(const PlanRow& row) {
+  if (row.clusters == 0)
+    return std::string("the coarse problem is ") + coarseForm(row);
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(0) << "the coarse problem, of dimension "
+       << row.shape.coarseDimension << ", is " << coarseForm(row) << ". " << row.clusters
+       << (row.clusters == 1 ? " cluster" : " clusters") << " of about " << row.shape.clusterSize
+       << " subdomains: " << std::setprecision(1) << row.productsGrowth << " times as many products";
+  return text.str();
+}
+
 std::string number(double value, int width) {
   std::ostringstream text;
   text << std::setw(width) << std::setprecision(2) << value;
@@ -125,7 +137,10 @@ nlohmann::ordered_json shapeJson(const feti::StepShape& shape) {
           {"coarse_entries", shape.coarseEntries},
           {"own_motions", shape.ownMotions},
           {"motions", shape.motions},
-          {"shared_motions", shape.sharedMotions}};
+          {"shared_motions", shape.sharedMotions},
+          {"cluster_size", shape.clusterSize},
+          {"join_bytes", shape.joinBytes},
+          {"join_entries", shape.joinEntries}};
 }
 
 } // namespace
@@ -169,6 +184,10 @@ std::string planText(const RunPlan& plan) {
        << "    ranks  subdomains  imbalance    MiB a rank: factors   dense  meshes  coarse  | seconds: "
           "set-up  "
           "product  coarse               a run";
+  const bool hasClusters =
+      std::any_of(plan.rows.begin(), plan.rows.end(), [](const PlanRow& row) { return row.clusters > 0; });
+  if (hasClusters)
+    text << "   clusters  coarse dimension";
   for (std::size_t k = 0; k < plan.rows.size(); ++k) {
     const PlanRow& row = plan.rows[k];
     const RankMemory& m = row.memory;
@@ -183,7 +202,10 @@ std::string planText(const RunPlan& plan) {
          << m.factors / mebi << std::setw(8) << m.dense / mebi << std::setw(8) << m.mesh / mebi
          << std::setw(8) << m.coarse / mebi << std::defaultfloat << "  |" << number(row.setup(), 16)
          << number(row.product, 9) << number(row.step.coarse, 8) << std::setw(13) << coarseForm(row) << "   "
-         << seconds(row.least) << " to " << seconds(row.most);
+         << std::setw(hasClusters ? 18 : 0) << std::left << seconds(row.least) + " to " + seconds(row.most)
+         << std::right;
+    if (hasClusters)
+      text << std::setw(11) << row.clusters << std::setw(18) << std::llround(row.shape.coarseDimension);
   }
   const PlanRow& row = plan.rows[plan.recommended < 0 ? 0 : static_cast<std::size_t>(plan.recommended)];
   text << "\n\n"
@@ -198,8 +220,8 @@ std::string planText(const RunPlan& plan) {
        << row.memory.program / mebi << " MiB for the program and what the scene was read with, "
        << row.memory.directions / mebi << " MiB for stored directions, " << row.memory.temporary / mebi
        << " MiB for a while.\n"
-       << "A step on " << ranksText(row.ranks) << " says to others: " << messagesText(row)
-       << "; the coarse problem is " << coarseForm(row) << ".\n"
+       << "A step on " << ranksText(row.ranks) << " says to others: " << messagesText(row) << "; "
+       << coarseText(row) << ".\n"
        << "Rates: " << plan.rates.source
        << ". Seconds are without the writing of fields. Set-up: measured here and scaled, factorisations "
           "predicted.";
@@ -236,6 +258,9 @@ std::string planJson(const RunPlan& plan, const std::string& deck) {
                             {"factorizations", row.factorizations},
                             {"form", feti::toString(row.forms.form)},
                             {"coarse_problem", coarseForm(row)},
+                            {"clusters", row.clusters},
+                            {"cluster_aspect", row.clusterAspect},
+                            {"products_growth", row.productsGrowth},
                             {"shape", shapeJson(row.shape)},
                             {"messages",
                              {{"messages", row.counts.messages},
@@ -248,6 +273,7 @@ std::string planJson(const RunPlan& plan, const std::string& deck) {
                               {"mesh", m.mesh / mebi},
                               {"factors", m.factors / mebi},
                               {"dense", m.dense / mebi},
+                              {"joins", m.joins / mebi},
                               {"coarse", m.coarse / mebi},
                               {"directions", m.directions / mebi},
                               {"temporary", m.temporary / mebi},
@@ -267,7 +293,8 @@ std::string planJson(const RunPlan& plan, const std::string& deck) {
                                {{"vectors", row.step.vectors},
                                 {"exchange", row.step.exchange},
                                 {"reductions", row.step.reductions},
-                                {"coarse", row.step.coarse}}},
+                                {"coarse", row.step.coarse},
+                                {"joins", row.step.joins}}},
                               {"run", {row.least, row.most}}}}});
   }
   json["recommended_ranks"] =

@@ -2,17 +2,19 @@
 """Messages, bytes and reductions of a step, counted at MPI, at a fixed load a rank.
 
     communication.py [--physics membrane,solid] [--ranks 1,2,4,8,16,32,64] [--side N] [--elements N]
-                     [--forms replicated,distributed] [--output FILE] [--table FILE]
+                     [--forms replicated,distributed] [--clusters none,rank] [--output FILE] [--table FILE]
 
 A square of membranes or a cube of solids, side x side (x side) subdomains a rank, held at two
 sides under a body force, by projected conjugate gradients with the Dirichlet preconditioner; more ranks than
-cores are no matter, for nothing is timed. Runs that stop after 3 and after 8 steps differ by what five steps
+cores are no matter, for nothing is timed. With a cluster a rank (`--clusters rank`) what holds the block are rows
+too, so that each cluster has motions. Runs that stop after 3 and after 8 steps differ by what five steps
 say to other ranks; what is left of the first is set-up, and the end. `mpi_counts` counts. Beside it stands
 what performance_model.py says of the same shares, row by row (shares.py). `--table` measures nothing and
 prints such a file as docs/dual_operator.md has it.
 """
 
 import argparse
+import itertools
 import json
 import subprocess
 import sys
@@ -38,6 +40,8 @@ BY_MODEL = {
     "collective_bytes_a_step": "model_collective_bytes",
 }
 SIDES = {"membrane": (4, 8), "solid": (2, 2)}  # of a rank's share in subdomains, of a subdomain in elements
+# Of solids in clusters: a face between two that has one node inside, as with two elements, is a hinge.
+JOINED_ELEMENTS = {"membrane": 8, "solid": 3}
 
 DECK = """<ParameterList name="harmos">
   <ParameterList name="Model"><Parameter name="Physics" type="string" value="{physics}"/></ParameterList>
@@ -95,7 +99,7 @@ def deck_of(physics, sides, elements):
     )
 
 
-def counted(deck, ranks, form, steps):
+def counted(deck, ranks, form, clusters, steps):
     """What the ranks counted, the largest peak memory of one, MiB, and summary.json."""
     with tempfile.TemporaryDirectory() as folder:
         results = Path(folder) / "results"
@@ -104,6 +108,8 @@ def counted(deck, ranks, form, steps):
         command += ["--output", results]
         for setting in (
             f"Decomposition/Coarse problem={form}",
+            f"Decomposition/Clusters={clusters}",
+            f"Decomposition/Dirichlet={'dual' if clusters == 'rank' else 'auto'}",
             f"Solver/Maximum iterations={steps}",
             "Solver/Tolerance=1e-14",
             "Solver/PCPG/Reorthogonalisation=none",  # or the last checkpoint grows with the steps
@@ -143,9 +149,9 @@ def a_step(second, first, name, key):
     return max(changes) / (STEPS[1] - STEPS[0])
 
 
-def expected(sides, elements, ranks, form):
+def expected(sides, elements, ranks, form, clusters):
     """What the model says of the ranks with the most, and of how many motions and rows there are."""
-    shapes = shares.shapes(sides, elements, ranks)
+    shapes = shares.shapes(sides, elements, ranks, clusters)
     tables = [performance_model.counts(shape, form) for shape in shapes]
     row = {f"model_{name}": max(table[name] for table in tables) for name in tables[0]}
     largest = max(performance_model.coarse_bytes(shape, form) for shape in shapes)
@@ -156,16 +162,20 @@ def expected(sides, elements, ranks, form):
     return row
 
 
-def measure(physics, ranks, form, side, elements):
+def measure(physics, ranks, form, clusters, side, elements):
     sides = grid(physics, ranks, side)
     deck = runs.scratch("deck").with_suffix(".xml")
     deck.write_text(deck_of(physics, sides, elements), encoding="utf-8")
-    (first, _, _), (second, memory, summary) = (counted(deck, ranks, form, steps) for steps in STEPS)
+    (first, _, _), (second, memory, summary) = (
+        counted(deck, ranks, form, clusters, steps) for steps in STEPS
+    )
     row = {"physics": physics, "ranks": ranks, "form": form, "subdomains": summary["subdomains"]}
-    row |= {"memory_mib_of_a_rank": memory, **expected(sides, elements, ranks, form)}
+    row |= {"clusters": summary["clusters"], "memory_mib_of_a_rank": memory}
+    row |= expected(sides, elements, ranks, form, clusters)
     for name in ("dual_dimension", "coarse_dimension"):
         assert row[name] == summary[name], (name, row[name], summary[name])
     assert summary["coarse_problem"] == form
+    assert summary["clusters"] == (ranks if clusters == "rank" else 0)
     for name in ("message", *COLLECTIVES):
         for key in ("calls", "bytes"):
             row[f"{name}_{key}_a_step"] = change = a_step(second, first, name, key)
@@ -175,13 +185,13 @@ def measure(physics, ranks, form, side, elements):
 
 
 HEAD = (
-    "                            messages      kB in them    reductions   all-gathers  kB by these    "
-    "MiB of a rank\nphysics  form        ranks" + 5 * "  counted model" + "   peak  coarse"
+    "                                     messages      kB in them    reductions   all-gathers  kB by these    "
+    "MiB of a rank\nphysics  form        clusters ranks" + 5 * "  counted model" + "   peak  coarse"
 )
 
 
 def line(row):
-    words = [f"{row['physics']:8} {row['form']:11} {row['ranks']:5}"]
+    words = [f"{row['physics']:8} {row['form']:11} {row['clusters']:8} {row['ranks']:5}"]
     for counted_name, by_model in BY_MODEL.items():
         by, digits = (1e3, 2) if "bytes" in counted_name else (1, 1)
         words.append(f"{row[counted_name] / by:8.{digits}f} {row[by_model] / by:5.{digits}f}")
@@ -193,7 +203,8 @@ def pages_table(document):
     cases = {}
     for row in document["runs"]:
         if row["ranks"] > 1:
-            cases.setdefault((row["physics"], row["ranks"], row["coarse_dimension"]), []).append(row)
+            physics = row["physics"] + (", a cluster a rank" if row.get("clusters", 0) > 0 else "")
+            cases.setdefault((physics, row["ranks"], row["coarse_dimension"]), []).append(row)
     titles = ("messages", "kB in them", "all-reduces", "all-gathers", "kB by both")
     lines = ["| | ranks, motions | " + " | ".join(titles) + " | MiB of a rank |", "|---" * 8 + "|"]
     for (physics, ranks, motions), forms in cases.items():
@@ -212,8 +223,9 @@ def main():
     parser.add_argument("--physics", default="membrane,solid")
     parser.add_argument("--ranks", default="1,2,4,8,16,32,64", help="powers of two")
     parser.add_argument("--side", type=int, help="subdomains of a rank; 4 of membranes, 2 of solids")
-    parser.add_argument("--elements", type=int, help="of a subdomain; 8 of membranes, 2 of solids")
+    parser.add_argument("--elements", type=int, help="of a subdomain; 8 of membranes, 2 of solids, 3 in clusters")
     parser.add_argument("--forms", default="replicated,distributed")
+    parser.add_argument("--clusters", default="none,rank")
     parser.add_argument("--output")
     parser.add_argument("--table", metavar="FILE", help="what --output wrote")
     given = parser.parse_args()
@@ -223,10 +235,12 @@ def main():
     table = []
     print(HEAD)
     for physics in given.physics.split(","):
-        side, elements = (own or usual for own, usual in zip((given.side, given.elements), SIDES[physics]))
-        for form in given.forms.split(","):
+        side = given.side or SIDES[physics][0]
+        for clusters, form in itertools.product(given.clusters.split(","), given.forms.split(",")):
+            usual = JOINED_ELEMENTS[physics] if clusters == "rank" else SIDES[physics][1]
+            elements = given.elements or usual
             for ranks in map(int, given.ranks.split(",")):
-                table.append(measure(physics, ranks, form, side, elements))
+                table.append(measure(physics, ranks, form, clusters, side, elements))
                 print(line(table[-1]), flush=True)
     if given.output:
         document = {"benchmark": "communication", "harmos": harmos_measure.version(), "runs": table}

@@ -3,6 +3,7 @@
 
 The rule for a dof with k copies (Harmos_GluingRows.hpp, Harmos_Constraints.cpp): it has k - 1 rows, of
 which row j acts on the first j + 2 copies in the order of subdomains, and belongs to the rank of the first.
+Where prescribed values are rows too (Total FETI), a dof that is held has one for each copy in their place.
 Subdomains are numbered along x, then y, then z, and each rank has consecutive ones (scene::shareOf()): of
 an oblong share more is at its rim than performance_model.py takes for a compact one.
 """
@@ -18,53 +19,63 @@ import performance_model
 
 
 def nodes_along(subdomains, elements):
-    """Of a direction: how many nodes lie in which subdomains."""
+    """Of a direction: how many nodes lie in which subdomains, and whether they are the first."""
     count = Counter()
     for node in range(subdomains * elements + 1):
         place = node // elements
         meets = node % elements == 0 and 0 < place < subdomains
-        count[(place - 1, place) if meets else (min(place, subdomains - 1),)] += 1
+        count[(place - 1, place) if meets else (min(place, subdomains - 1),), node == 0] += 1
     return count
 
 
 def copies(grid, elements):
-    """Subdomains, rising, that have a node in common, and how many such nodes there are."""
+    """Subdomains, rising, that have a node in common, how many such nodes there are, and whether these are held:
+    at the beginning of the first or the last direction."""
     strides = [math.prod(grid[:d]) for d in range(len(grid))]
     for parts in itertools.product(*(nodes_along(side, elements).items() for side in grid)):
-        places = itertools.product(*(place for place, _ in parts))
+        places = itertools.product(*(place for (place, _), _ in parts))
         numbers = sorted(sum(at * stride for at, stride in zip(place, strides)) for place in places)
-        if len(numbers) > 1:
-            yield numbers, math.prod(nodes for _, nodes in parts)
+        (_, is_left), (_, is_bottom) = parts[0][0], parts[-1][0]
+        yield numbers, math.prod(nodes for _, nodes in parts), is_left or is_bottom
 
 
-def shapes(grid, elements, ranks):
+def shapes(grid, elements, ranks, clusters="none"):
     """Each rank's performance_model.Shape; a grid of two sides is a membrane. Where the first and the last
-    direction begin subdomains are held."""
+    direction begin subdomains are held, if they are by themselves. With `clusters` = rank those of a rank are
+    one, and what is prescribed are rows."""
+    is_joined = clusters == "rank"
     total = math.prod(grid)
     components, motions = (1, 1) if len(grid) == 2 else (3, 6)
     rank_of = [r for r in range(ranks) for _ in range(total * r // ranks, total * (r + 1) // ranks)]
     layer = total // grid[-1]
-    moves = [number % grid[0] > 0 and number >= layer for number in range(total)]
+    moves = [is_joined or (number % grid[0] > 0 and number >= layer) for number in range(total)]
     rows, shared = [0] * ranks, [0] * ranks
     near = defaultdict(set)  # ranks with which a rank exchanges rows
-    columns = set()  # subdomains that the rows of a rank touch
-    for numbers, nodes in copies(grid, elements):
+    columns = set()  # subdomains, or clusters by their rank, that the rows of a rank touch
+    for numbers, nodes, is_held in copies(grid, elements):
         owner, count = rank_of[numbers[0]], components * nodes
+        if is_held and is_joined:
+            for number in numbers:
+                rows[rank_of[number]] += count
+            continue
         for row in range(len(numbers) - 1):
             touched = numbers[: row + 2]
             rows[owner] += count
-            columns.update((owner, number) for number in touched)
+            columns.update((owner, rank_of[number] if is_joined else number) for number in touched)
             for other in {rank_of[number] for number in touched} - {owner}:
                 for one, two in ((owner, other), (other, owner)):
                     shared[one] += count
                     near[one].add(two)
     foreign, own = [0] * ranks, [0] * ranks
     for rank, number in columns:
-        if moves[number] and rank_of[number] != rank:
+        other = number if is_joined else rank_of[number]
+        if moves[number] and other != rank:
             foreign[rank] += motions
-            foreign[rank_of[number]] += motions
+            foreign[other] += motions
     for number, rank in enumerate(rank_of):
         own[rank] += motions * moves[number]
+    if is_joined:
+        own = [motions] * ranks
     return [
         performance_model.Shape(
             ranks=ranks,
@@ -73,7 +84,7 @@ def shapes(grid, elements, ranks):
             neighbours=len(near[rank]),
             coarse_dimension=sum(own),
             own_motions=own[rank],
-            motions=sum(own) / total,
+            motions=motions if is_joined else sum(own) / total,
             shared_motions=foreign[rank],
         )
         for rank in range(ranks)

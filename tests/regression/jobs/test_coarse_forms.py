@@ -13,7 +13,9 @@ import time
 import unittest
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+TESTS = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(TESTS / folder) for folder in ("support", "performance", "performance/messages")]
+import communication
 import harmos_runs as runs
 
 APPS = runs.SOURCE / "apps"
@@ -155,6 +157,31 @@ class Killed(unittest.TestCase):
 
 class Many(Forms):
     ranks = few = (1, 8, 16, 32, 64)
+
+    def test_clusters_by_auto(self):
+        """From 32 ranks on the model is asked, which is told here that coarse solves take long."""
+        deck, rates = (runs.scratch(name).with_suffix(end) for name, end in (("bar", ".xml"), ("rates", ".json")))
+        # Consecutive subdomains are cubes of 2 x 2 x 2.
+        deck.write_text(communication.deck_of("solid", (2, 2, 64), 3), encoding="utf-8")
+        rates.write_text('{"coarse_entries": 1e6, "coarse_from_memory": 1e6}', encoding="utf-8")
+        sets = {
+            "Decomposition/Coarse problem": "replicated",
+            "Decomposition/Dirichlet": "dual",
+            "Solver/Tolerance": "1e-9",
+        }
+        slow = sets | {"Dual operator/Rates": rates}
+        cases = ((16, slow, 0), (32, slow, 32), (32, sets, 0))
+        energies = []
+        for np, these, clusters in cases:
+            with self.subTest(ranks=np, clusters=clusters):
+                done = runs.run(deck, these, np, program="harmos")
+                self.assertTrue(done.summary["converged"], done)
+                self.assertEqual(done.summary["clusters"], clusters)
+                self.assertEqual("32 clusters of about 8 subdomains, joined by" in done.stdout, clusters > 0)
+                self.assertEqual(done.summary["coarse_dimension"], 6 * (clusters or 256))
+                energies.append(done.summary["energy"])
+        # Errors of the energy go with squares of the tolerance.
+        self.assertLess(max(energies) - min(energies), 1e-10 * abs(energies[0]))
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Harmos_StepModel.hpp"
+#include "Harmos_ClusterModel.hpp"
 
 #include "Harmos_StepCalls.hpp"
 
+#include <cmath>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -30,7 +31,22 @@ StepShape shapeFrom(const nlohmann::json& json) {
   shape.ownMotions = json.at("own_motions");
   shape.motions = json.at("motions");
   shape.sharedMotions = json.at("shared_motions");
+  shape.clusterSize = json.at("cluster_size");
+  shape.joinBytes = json.at("join_bytes");
+  shape.joinEntries = json.at("join_entries");
   return shape;
+}
+
+ClusterShape clustersFrom(const nlohmann::json& json) {
+  ClusterShape clusters;
+  clusters.size = json.at("size");
+  clusters.share = json.at("share");
+  clusters.subdomains = json.at("subdomains");
+  clusters.distinct = json.at("distinct");
+  clusters.boundary = json.at("boundary");
+  clusters.motions = json.at("motions");
+  clusters.aspect = json.at("aspect");
+  return clusters;
 }
 
 void expectNear(double value, const nlohmann::json& expected) {
@@ -48,7 +64,12 @@ TEST(StepModel, formulas) {
   EXPECT_DOUBLE_EQ(step.exchange, calls.exchanges * (5.0 + 80.0));
   EXPECT_DOUBLE_EQ(step.reductions, calls.reductions * 6.0);
   EXPECT_DOUBLE_EQ(step.coarse, calls.coarseVectors * (6.0 + 320.0) + calls.coarseSolves * 210.0);
-  EXPECT_DOUBLE_EQ(step.sum(), step.vectors + step.exchange + step.reductions + step.coarse);
+  EXPECT_DOUBLE_EQ(step.joins, 0.0);
+  shape.joinBytes = 7.0;
+  shape.joinEntries = 4.0;
+  step = predictStep(shape, ones());
+  EXPECT_DOUBLE_EQ(step.joins, 11.0);
+  EXPECT_DOUBLE_EQ(step.sum(), step.vectors + step.exchange + step.reductions + step.coarse + step.joins);
   shape.isCoarseDistributed = true;
   shape.ownMotions = 4.0;
   step = predictStep(shape, ones());
@@ -75,6 +96,71 @@ TEST(StepModel, large_coarse_factors_are_slower) {
                    replicatedCalls.coarseSolves * 1e6 / 0.5);
 }
 
+// 2 × 2 × 2 solids with boundaries of 10 dofs: 12 faces with 6 averages each, in W as many columns as six
+// faces have where operators are shared, and else as three; F₀ of 72 rows is dense.
+TEST(StepModel, joins_of_a_cube) {
+  ClusterShape cube{8.0, 0.125, 16.0, 16.0, 10.0, 6.0};
+  JoinCosts costs = joinCosts(cube);
+  const double f0 = 36.0 * 73.0, s0 = 4.0 * 48.0 * 49.0;
+  EXPECT_NEAR(costs.averages, 72.0, 1e-9);
+  EXPECT_NEAR(costs.bytesRead, 16.0 * 10.0 * (2.0 * 18.0 + 6.0) * 16.0 + 2.0 * s0, 1e-6);
+  EXPECT_NEAR(costs.entries, 6.0 * 2.0 * f0, 1e-6);
+  EXPECT_NEAR(costs.bytesHeld, 8.0 * 10.0 * 42.0 * 16.0 + 2.0 * (32.0 * f0 + s0), 1e-6);
+  cube.distinct = 1.0;
+  costs = joinCosts(cube);
+  EXPECT_NEAR(costs.bytesRead, 16.0 * 10.0 * (2.0 * 36.0 + 6.0) * (16.0 / 6.0) + 2.0 * s0, 1e-6);
+  cube.size = 1.0;
+  EXPECT_EQ(joinCosts(cube).bytesRead + joinCosts(cube).entries + joinCosts(cube).bytesHeld, 0.0);
+}
+
+// Two clusters of 2 × 2 membranes a rank: a row of two has 12 neighbours less what is its own.
+TEST(StepModel, motions_are_those_of_clusters) {
+  StepShape alone{9, 100.0, 10.0, 8, 72.0, 500.0};
+  alone.ownMotions = 8.0;
+  alone.sharedMotions = 20.0;
+  const StepShape joined = withClusters(alone, {4.0, 0.25, 8.0, 8.0, 10.0, 1.0});
+  EXPECT_DOUBLE_EQ(joined.coarseDimension, 18.0);
+  EXPECT_DOUBLE_EQ(joined.coarseEntries, 0.0); // not those of the larger one
+  EXPECT_DOUBLE_EQ(joined.ownMotions, 2.0);
+  EXPECT_NEAR(joined.sharedMotions, std::pow(std::sqrt(2.0) + 2.0, 2.0) - 2.0, 1e-12);
+  EXPECT_DOUBLE_EQ(joined.sharedRows, alone.sharedRows);
+  EXPECT_EQ(withClusters(alone, {1.0, 1.0, 8.0, 8.0, 10.0, 1.0}).coarseEntries, 500.0);
+}
+
+TEST(StepModel, products_grow_with_the_side_of_a_cluster) {
+  EXPECT_DOUBLE_EQ(growthOfProducts(1.0, false), 1.0);
+  EXPECT_DOUBLE_EQ(growthOfProducts(16.0, false), 1.0 + 3.0 * ProductGrowth::plane);
+  EXPECT_DOUBLE_EQ(growthOfProducts(27.0, true), 1.0 + 2.0 * ProductGrowth::space);
+  EXPECT_DOUBLE_EQ(growthOfProducts(8.0, true, 8.0),
+                   1.0 + ProductGrowth::space + 7.0 * ProductGrowth::slenderInSpace);
+  EXPECT_DOUBLE_EQ(growthOfProducts(16.0, false, 3.0),
+                   1.0 + 3.0 * ProductGrowth::plane + 2.0 * ProductGrowth::slenderInPlane);
+}
+
+// Bricks of cells of any size, whose centres say how many there are along a side.
+TEST(StepModel, sides_of_shares) {
+  struct Case {
+    int x, y, z;
+    bool isInSpace;
+    double longest, shortest;
+  };
+  for (const Case& item : {Case{4, 4, 1, false, 4, 4}, Case{8, 2, 1, false, 8, 2}, Case{1, 8, 1, false, 8, 1},
+                           Case{2, 2, 2, true, 2, 2}, Case{1, 1, 8, true, 8, 1}, Case{2, 6, 3, true, 6, 2},
+                           Case{1, 1, 1, true, 1, 1}}) {
+    std::vector<std::array<double, 3>> centres;
+    for (int k = 0; k < item.x * item.y * item.z; ++k)
+      centres.push_back({7.0 + 0.3 * (k % item.x), 0.3 * (k / item.x % item.y), 0.3 * (k / item.x / item.y)});
+    const ShareSides sides = sidesOf(centres, item.isInSpace);
+    EXPECT_NEAR(sides.longest, item.longest, 1e-9) << item.x << item.y << item.z;
+    EXPECT_NEAR(sides.shortest, item.shortest, 1e-9) << item.x << item.y << item.z;
+  }
+  EXPECT_DOUBLE_EQ(aspectOfClusters({8.0, 1.0}, 8.0, 1.0, true), 8.0);
+  EXPECT_DOUBLE_EQ(aspectOfClusters({8.0, 1.0}, 8.0, 2.0, true), 4.0);
+  EXPECT_DOUBLE_EQ(aspectOfClusters({8.0, 1.0}, 8.0, 8.0, true), 1.0);
+  EXPECT_DOUBLE_EQ(aspectOfClusters({8.0, 2.0}, 16.0, 4.0, false), 1.0);
+  EXPECT_DOUBLE_EQ(aspectOfClusters({6.0, 2.0}, 36.0, 1.0, true), 3.0);
+}
+
 // Membranes and solids on 1 to 10⁵ ranks, in both forms: the same as by
 // tests/performance/performance_model.py, whose table stands in docs/dual_operator.md.
 TEST(StepModel, agrees_with_the_performance_model) {
@@ -84,6 +170,20 @@ TEST(StepModel, agrees_with_the_performance_model) {
   for (const nlohmann::json& item : document.at("cases")) {
     StepShape shape = shapeFrom(item.at("shape"));
     SCOPED_TRACE(item.at("shape").dump());
+    if (item.contains("clusters")) {
+      const ClusterShape clusters = clustersFrom(item.at("clusters"));
+      const StepShape joined = withClusters(shapeFrom(item.at("alone")), clusters);
+      for (const auto& [mine, theirs] :
+           {std::pair(joined.coarseDimension, shape.coarseDimension),
+            std::pair(joined.ownMotions, shape.ownMotions),
+            std::pair(joined.sharedMotions, shape.sharedMotions),
+            std::pair(joined.joinBytes, shape.joinBytes), std::pair(joined.joinEntries, shape.joinEntries)})
+        EXPECT_NEAR(mine, theirs, 1e-12 * theirs);
+      const JoinCosts costs = joinCosts(clusters);
+      expectNear(costs.averages, item.at("clusters").at("averages"));
+      expectNear(costs.bytesHeld, item.at("clusters").at("bytes_held"));
+      expectNear(growthOfProducts(clusters.size, clusters.isInSpace(), clusters.aspect), item.at("growth"));
+    }
     EXPECT_EQ(isDistributedCheaper(shape.coarse(), {}), item.at("distributed_by_auto").get<bool>());
     for (const char* form : {"replicated", "distributed"}) {
       SCOPED_TRACE(form);
@@ -94,6 +194,7 @@ TEST(StepModel, agrees_with_the_performance_model) {
       expectNear(step.exchange, expected.at("exchange"));
       expectNear(step.reductions, expected.at("scalars"));
       expectNear(step.coarse, expected.at("coarse"));
+      expectNear(step.joins, expected.at("joins"));
       const StepCounts counts = predictCounts(shape);
       expectNear(counts.messages, expected.at("messages"));
       expectNear(counts.messageBytes, expected.at("message_bytes"));

@@ -228,6 +228,12 @@ DualOptions::Decided DualOptions::decided(const SubdomainSystem& system, const C
   return result;
 }
 
+ClusterOptions DualOptions::clustersFor(const SubdomainSystem& system, const Constraints& constraints,
+                                        const Decided& decided, int usualProducts, const Log& log) const {
+  return decideClusters(system, constraints, clusters, decided.inverses, decided.preconditioner, coarse,
+                        rates, expectedProducts > 0 ? expectedProducts : usualProducts, log);
+}
+
 int DualOptions::usualProducts(bool isElastic, double tolerance) {
   const double digits = std::clamp(-std::log10(tolerance), 2.0, 12.0);
   return static_cast<int>(std::ceil((isElastic ? 10.0 : 8.0) * digits));

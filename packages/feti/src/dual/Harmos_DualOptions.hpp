@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ClusterChoice.hpp"
 #include "Harmos_CoarseOptions.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_ParameterSpec.hpp"
@@ -65,6 +66,11 @@ struct DualOptions {
   /// @throws InputError on all ranks if nothing fits into the memory budget. @note Collective.
   Decided decided(const SubdomainSystem& system, const Constraints& constraints, int usualProducts,
                   bool mayLump, const Log& log, double tolerance = 0.0) const;
+
+  /// `clusters`, Auto decided. @param usualProducts as decided().
+  /// @note Collective, as decideClusters().
+  ClusterOptions clustersFor(const SubdomainSystem& system, const Constraints& constraints,
+                             const Decided& decided, int usualProducts, const Log& log) const;
 
   /// Products that an elastic body, or a membrane, usually takes to a tolerance: eight or ten for each power
   /// of ten.

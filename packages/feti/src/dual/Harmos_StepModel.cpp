@@ -34,6 +34,7 @@ StepSeconds predictStep(const StepShape& shape, const StepRates& rates) {
   step.reductions = calls.reductions * tree;
   step.coarse = shape.isCoarseDistributed ? distributedCoarseSeconds(shape.coarse(), rates)
                                           : replicatedCoarseSeconds(shape.coarse(), rates);
+  step.joins = shape.joinBytes / rates.readBytes + shape.joinEntries / rates.coarseEntries;
   return step;
 }
 

@@ -23,13 +23,17 @@ struct StepShape {
   double ownMotions = 0.0;    ///< of its subdomains
   double motions = 1.0;       ///< of a subdomain
   double sharedMotions = 0.0; ///< of other ranks' subdomains that its rows touch, and the other way round
+  // Where subdomains are joined, motions are those of clusters; see ClusterModel.
+  double clusterSize = 1.0; ///< subdomains of a cluster
+  double joinBytes = 0.0;   ///< read to join them, in a product with F and one with the preconditioner
+  double joinEntries = 0.0; ///< of L, LLᵀ = F₀, in the solves of these
 
   CoarseShape coarse() const;
 };
 
 struct StepSeconds {
-  double vectors = 0.0, exchange = 0.0, reductions = 0.0, coarse = 0.0;
-  double sum() const { return vectors + exchange + reductions + coarse; }
+  double vectors = 0.0, exchange = 0.0, reductions = 0.0, coarse = 0.0, joins = 0.0;
+  double sum() const { return vectors + exchange + reductions + coarse + joins; }
 };
 
 /// What a step says to other ranks. A pair of exchanges, in and out, is a message to each neighbour.
@@ -45,6 +49,7 @@ struct StepCounts {
 ///     exchange    c.exchanges (neighbours · latency + 8 sharedRows/bandwidth), for P > 1
 ///     reductions  c.reductions t
 ///     coarse      see CoarseModel
+///     joins       joinBytes/readBytes + joinEntries/coarseEntries
 ///
 /// The formulas are those of tests/performance/performance_model.py, see docs/dual_operator.md. Guarded by
 /// tests/unit/feti/test_step_model.cpp, which compares with that program from 1 to 10⁵ ranks.

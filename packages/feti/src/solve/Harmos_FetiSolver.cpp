@@ -47,9 +47,10 @@ void FetiSolver::setUpInverses() {
   if (inverses_)
     spent_ += inverses_->counts();
   // What the subdomains are made of is not known here: materials may jump within them.
-  decided_ = dual_.decided(*system_, *constraints_, DualOptions::usualProducts(true, options_.tolerance),
-                           false, log_);
-  decided_.inverses.clusters = makeClusters(*system_, *constraints_, dual_.clusters);
+  const int products = DualOptions::usualProducts(true, options_.tolerance);
+  decided_ = dual_.decided(*system_, *constraints_, products, false, log_);
+  clusters_ = dual_.clustersFor(*system_, *constraints_, decided_, products, log_);
+  decided_.inverses.clusters = makeClusters(*system_, *constraints_, clusters_);
   inverses_ = std::make_unique<LocalInverses>(makeLocalInverses(*system_, *constraints_, decided_.inverses));
   defect_ = globalMax(*system_->comm(), inverses_->defect());
 }
@@ -107,7 +108,7 @@ void FetiSolver::setMatrices(const std::vector<std::shared_ptr<const LocalMatrix
   const bool isSame = std::equal(classes.begin(), classes.end(), inverses_->classes().begin(),
                                  inverses_->classes().end(), same);
   if (globalMin(*system_->comm(), isSame ? 1LL : 0LL) > 0) {
-    decided_.inverses.clusters = makeClusters(*system_, *constraints_, dual_.clusters);
+    decided_.inverses.clusters = makeClusters(*system_, *constraints_, clusters_);
     inverses_->refactor(*system_, decided_.inverses);
   } else {
     setUpInverses();

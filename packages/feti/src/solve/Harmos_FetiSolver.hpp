@@ -106,6 +106,7 @@ class FetiSolver {
   DualOptions dual_;
   SolverOptions options_;
   DualOptions::Decided decided_ = {};
+  ClusterOptions clusters_;   // the same
   double contrast_ = 1.0;     // of stiffness
   double defect_ = 0.0;       // of the inverses
   double rounding_ = 0.0;     // bounds are known up to this

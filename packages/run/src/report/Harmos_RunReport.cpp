@@ -90,6 +90,7 @@ std::string toJson(const RunReport& report) {
   json["adaptive_vectors"] = report.adaptiveVectors;
   json["adaptive_seconds"] = report.adaptiveSeconds;
   json["subdomains"] = report.subdomains;
+  json["clusters"] = report.clusters;
   json["outer_iterations"] = counters.outerIterations;
   json["hessian_applications"] = counters.hessianApplications;
   json["setup_applications"] = counters.setupApplications;

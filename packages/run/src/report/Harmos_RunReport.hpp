@@ -31,6 +31,7 @@ struct RunReport : feti::SolveReport {
   int coarseDimension = 0;
   bool isCoarseDistributed = false;
   long long subdomains = 0;
+  long long clusters = 0; ///< that they are joined to, of all ranks; 0: none
   long long distinctFactorizations = 0;
   long long roundedFactorizations = 0; ///< of them, with products in single precision
   std::string dualOperator;

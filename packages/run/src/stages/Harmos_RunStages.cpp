@@ -234,14 +234,16 @@ void RunStages::factorise() {
     // FU and what products say of it cancel to many digits.
     if (dual.adaptive.vectors == feti::AdaptiveVectors::All)
       dual.mayRound = false;
+    const int products = feti::DualOptions::usualProducts(isElastic(), options_.tolerance);
     const feti::DualOptions::Decided decided = dual.decided(
-        *system_, *constraints_, feti::DualOptions::usualProducts(isElastic(), options_.tolerance),
-        !scene_.hasSeveralMaterials(), log_, options_.fixedTolerance());
+        *system_, *constraints_, products, !scene_.hasSeveralMaterials(), log_, options_.fixedTolerance());
     report_.dualOperator = decided.describe();
     report_.dualForms = toString(decided.forms());
     preconditionerKind_ = decided.preconditioner;
     inverseOptions_ = decided.inverses;
-    inverseOptions_.clusters = feti::makeClusters(*system_, *constraints_, options_.dual.clusters);
+    inverseOptions_.clusters = feti::makeClusters(
+        *system_, *constraints_, dual.clustersFor(*system_, *constraints_, decided, products, log_));
+    report_.clusters = inverseOptions_.clusters ? inverseOptions_.clusters->total() : 0;
     report_.isSingle = inverseOptions_.precision == feti::Precision::Single;
     inverses_.emplace(feti::makeLocalInverses(*system_, *constraints_, inverseOptions_));
     report_.localCondition = globalMax(*comm_, inverses_->condition());
@@ -315,6 +317,8 @@ void RunStages::bindStages() {
 }
 
 void RunStages::sayCoarse() const {
+  if (report_.clusters > 0)
+    log_.info(feti::describeClusters(*system_, *inverses_));
   if (report_.isCoarseDistributed)
     log_.info("Coarse problem of dimension " + std::to_string(coarse_->dimension()) + ": " +
               coarse_->description());
