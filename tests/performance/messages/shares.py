@@ -5,7 +5,8 @@ The rule for a dof with k copies (Harmos_GluingRows.hpp, Harmos_Constraints.cpp)
 which row j acts on the first j + 2 copies in the order of subdomains, and belongs to the rank of the first.
 Where prescribed values are rows too (Total FETI), a dof that is held has one for each copy in their place.
 Subdomains are numbered along x, then y, then z, and each rank has consecutive ones (scene::shareOf()): of
-an oblong share more is at its rim than performance_model.py takes for a compact one.
+an oblong share more is at its rim than performance_model.py takes for a compact one. Where they may be joined
+to clusters they are numbered so that shares are compact (Harmos_CompactOrder.cpp).
 """
 
 import itertools
@@ -28,13 +29,51 @@ def nodes_along(subdomains, elements):
     return count
 
 
-def copies(grid, elements):
+def pieces_of(groups):
+    for prime in (2, 3, 5, 7):
+        if groups % prime == 0 and (prime <= 3 or groups // prime >= prime):
+            return prime
+    return 2
+
+
+def compact_numbers(grid, ranks):
+    """The number of each subdomain, a square or a cube, by that along x, then y, then z."""
+    total = math.prod(grid)
+    strides = [math.prod(grid[:d]) for d in range(len(grid))]
+    before = [total * r // ranks for r in range(ranks + 1)]
+    place = [
+        tuple(number // stride % side for stride, side in zip(strides, grid)) for number in range(total)
+    ]
+    order = []
+
+    def cut(items, first, end):
+        if end - first <= 1 or not items:
+            order.extend(sorted(items))
+            return
+        extent = [max(place[i][d] for i in items) - min(place[i][d] for i in items) for d in range(len(grid))]
+        axes = sorted(range(len(grid)), key=lambda d: -extent[d])
+        items = sorted(items, key=lambda i: ([place[i][d] for d in axes], i))
+        pieces = pieces_of(end - first)
+        for k in range(pieces):
+            one, two = first + (end - first) * k // pieces, first + (end - first) * (k + 1) // pieces
+            cut(items[before[one] - before[first] : before[two] - before[first]], one, two)
+
+    cut(list(range(total)), 0, ranks)
+    numbers = [0] * total
+    for number, item in enumerate(order):
+        numbers[item] = number
+    return numbers
+
+
+def copies(grid, elements, number_of):
     """Subdomains, rising, that have a node in common, how many such nodes there are, and whether these are held:
     at the beginning of the first or the last direction."""
     strides = [math.prod(grid[:d]) for d in range(len(grid))]
     for parts in itertools.product(*(nodes_along(side, elements).items() for side in grid)):
         places = itertools.product(*(place for (place, _), _ in parts))
-        numbers = sorted(sum(at * stride for at, stride in zip(place, strides)) for place in places)
+        numbers = sorted(
+            number_of[sum(at * stride for at, stride in zip(place, strides))] for place in places
+        )
         (_, is_left), (_, is_bottom) = parts[0][0], parts[-1][0]
         yield numbers, math.prod(nodes for _, nodes in parts), is_left or is_bottom
 
@@ -52,7 +91,8 @@ def shapes(grid, elements, ranks, clusters="none"):
     rows, shared = [0] * ranks, [0] * ranks
     near = defaultdict(set)  # ranks with which a rank exchanges rows
     columns = set()  # subdomains, or clusters by their rank, that the rows of a rank touch
-    for numbers, nodes, is_held in copies(grid, elements):
+    number_of = compact_numbers(grid, ranks) if is_joined else list(range(total))
+    for numbers, nodes, is_held in copies(grid, elements, number_of):
         owner, count = rank_of[numbers[0]], components * nodes
         if is_held and is_joined:
             for number in numbers:

@@ -54,6 +54,13 @@ ClusterPrediction chooseClusters(const UnjoinedRun& run, const CoarseOptions& co
 /// Ranks from which on the model is asked.
 constexpr int fewestRanksOfClusters = 32;
 
+/// Whether there may be clusters on so many ranks, whose shares of subdomains should be compact then.
+inline bool mayJoin(const ClusterOptions& options, int ranks) {
+  using Kind = ClusterOptions::Kind;
+  return options.kind == Kind::Rank || options.kind == Kind::Size ||
+         (options.kind == Kind::Auto && ranks >= fewestRanksOfClusters);
+}
+
 /// Of what there is before anything is factored: numbers of the busiest rank, the same on all.
 /// @param inverses, forms as decided. @param products expected. @note Collective.
 UnjoinedRun unjoinedRun(const SubdomainSystem& system, const Constraints& constraints,

@@ -158,7 +158,10 @@ void RunStages::announce() {
 
 void RunStages::decompose() {
   const auto scope = timers_.scope("mesh");
-  owned_ = scene::decompose(*comm_, scene_);
+  owned_ =
+      scene::decompose(*comm_, scene_,
+                       feti::mayJoin(options_.dual.clusters, comm_->getSize()) ? scene::Numbering::Compact
+                                                                               : scene::Numbering::AsMade);
   scene::checkBoundaryParts(*comm_, scene_, owned_);
 }
 

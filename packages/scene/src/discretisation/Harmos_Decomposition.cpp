@@ -4,6 +4,8 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_Assembly.hpp"
 #include "Harmos_BoundaryRules.hpp"
+#include "Harmos_CompactOrder.hpp"
+#include "Harmos_Exchange.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_SubdomainEffects.hpp"
 #include "Harmos_TornBody.hpp"
@@ -78,7 +80,49 @@ Share shareOf(int rank, int ranks, long long subdomains) {
   return {subdomains * rank / ranks, subdomains * (rank + 1) / ranks};
 }
 
-std::vector<OwnedSubdomain> decompose(const Teuchos::Comm<int>& comm, const Scene& scene) {
+namespace {
+
+fem::Point centreOf(const fem::PlacedMesh& placed, std::map<const fem::Mesh*, fem::Point>& known) {
+  const auto [place, isNew] = known.emplace(placed.mesh.get(), fem::Point());
+  if (isNew)
+    place->second = centreOf(*placed.mesh);
+  fem::Point centre = place->second;
+  for (std::size_t d = 0; d < 3; ++d)
+    centre[d] += placed.anchor[d];
+  return centre;
+}
+
+// Part of a body by number. Each rank looks at those that it would have anyway, rank 0 at meshes that it
+// alone has.
+std::vector<int> orderOf(const Teuchos::Comm<int>& comm, const Body& body, long long first, long long total) {
+  const int ranks = comm.getSize();
+  std::vector<long long> sizes;
+  const auto within = [&](int rank) {
+    const Share share = shareOf(rank, ranks, total);
+    const long long begin = std::clamp(share.begin, first, first + body.subdomains);
+    return Share{begin, std::clamp(share.end, begin, first + body.subdomains)};
+  };
+  for (int r = 0; r < ranks; ++r)
+    if (const Share share = within(r); share.end > share.begin)
+      sizes.push_back(share.end - share.begin);
+  std::vector<fem::Point> centres;
+  std::map<const fem::Mesh*, fem::Point> known;
+  agree(comm, [&] {
+    const Share mine = within(comm.getRank());
+    if (body.subdomain)
+      for (long long number = mine.begin; number < mine.end; ++number)
+        centres.push_back(centreOf(body.subdomain(static_cast<int>(number - first)), known));
+    else if (body.onRoot)
+      for (const fem::PlacedMesh& placed : *body.onRoot)
+        centres.push_back(centreOf(placed, known));
+  });
+  return compactOrder(gatherAll(comm, centres), sizes);
+}
+
+} // namespace
+
+std::vector<OwnedSubdomain> decompose(const Teuchos::Comm<int>& comm, const Scene& scene,
+                                      Numbering numbering) {
   const long long total = scene.subdomains();
   const int rank = comm.getRank(), ranks = comm.getSize();
   const Share share = shareOf(rank, ranks, total);
@@ -87,10 +131,17 @@ std::vector<OwnedSubdomain> decompose(const Teuchos::Comm<int>& comm, const Scen
   for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
     const Body& body = scene.bodies[b];
     const long long begin = std::max(share.begin, first), end = std::min(share.end, first + body.subdomains);
+    std::vector<int> order;
+    if (numbering == Numbering::Compact)
+      order = orderOf(comm, body, first, total);
+    const auto partOf = [&](long long number) {
+      const auto place = static_cast<std::size_t>(number - first);
+      return order.empty() ? static_cast<int>(place) : order[place];
+    };
     if (body.subdomain) {
       agree(comm, [&] {
         for (long long number = begin; number < end; ++number)
-          owned.push_back({number, static_cast<int>(b), body.subdomain(static_cast<int>(number - first))});
+          owned.push_back({number, static_cast<int>(b), body.subdomain(partOf(number))});
       });
     } else {
       std::vector<int> owner;
@@ -100,8 +151,12 @@ std::vector<OwnedSubdomain> decompose(const Teuchos::Comm<int>& comm, const Scen
           ++r;
         owner.push_back(r);
       }
-      static const std::vector<fem::PlacedMesh> none;
-      std::vector<fem::PlacedMesh> mine = fem::distribute(comm, body.onRoot ? *body.onRoot : none, owner);
+      std::vector<fem::PlacedMesh> ordered;
+      if (body.onRoot && !order.empty())
+        for (int part : order)
+          ordered.push_back((*body.onRoot)[static_cast<std::size_t>(part)]);
+      const std::vector<fem::PlacedMesh>& onRoot = body.onRoot && order.empty() ? *body.onRoot : ordered;
+      std::vector<fem::PlacedMesh> mine = fem::distribute(comm, onRoot, owner);
       for (std::size_t k = 0; k < mine.size(); ++k)
         owned.push_back({begin + static_cast<long long>(k), static_cast<int>(b), std::move(mine[k])});
     }

@@ -21,11 +21,18 @@ struct Share {
 /// Blocks of consecutive numbers, as equal as possible; ranks beyond the number of subdomains have none.
 Share shareOf(int rank, int ranks, long long subdomains);
 
+/// How the subdomains of a body are numbered, which says what a rank's share of them is.
+enum class Numbering {
+  AsMade, ///< as generators and cuts of meshes have them
+  Compact ///< so that shares are compact, by compactOrder(): as clusters of a rank's subdomains need them
+};
+
 /// The subdomains of this rank, see shareOf(), with the boundary parts that the scene's rules choose. Meshes
 /// that rank 0 alone has are distributed.
 /// @throws InputError on all ranks for rules that choose nothing.
 /// @note Collective.
-std::vector<OwnedSubdomain> decompose(const Teuchos::Comm<int>& comm, const Scene& scene);
+std::vector<OwnedSubdomain> decompose(const Teuchos::Comm<int>& comm, const Scene& scene,
+                                      Numbering numbering = Numbering::AsMade);
 
 /// Stiffness, load, kernel and Dirichlet conditions of each, with what the effects add to them. Subdomains
 /// that share a mesh share the matrix.
