@@ -183,13 +183,14 @@ std::vector<double> imageOf(const Side& side, const Kernel& kernel) {
 // A cluster that grows: a basis of the amplitudes of its members by which no join opens.
 class Growth {
  public:
-  Growth(const Cluster& cluster, const RigidMotions& ofSubdomains)
-      : cluster_(cluster), motions_(ofSubdomains), place_() {
+  /// @param bases see RigidMotions: T is told in the kernels that it is used with.
+  Growth(const Cluster& cluster, const SubdomainSystem& system, const std::vector<int>& bases)
+      : cluster_(cluster), system_(system), bases_(bases), place_() {
     for (std::size_t m = 0; m < cluster.members.size(); ++m)
       place_[cluster.members[m]] = m;
     for (const Join& join : cluster.joins)
       for (const Side& side : join.sides) {
-        images_.push_back(imageOf(side, motions_.kernel(side.subdomain)));
+        images_.push_back(imageOf(side, kernel(side.subdomain)));
         for (double value : images_.back())
           scale_ = std::max(scale_, std::abs(value));
       }
@@ -202,7 +203,7 @@ class Growth {
     part.members = cluster_.members;
     part.columns = basis_.columns;
     for (std::size_t m = 0; m < cluster_.members.size(); ++m) {
-      const auto rows = static_cast<std::size_t>(motions_.kernel(cluster_.members[m]).columns);
+      const auto rows = static_cast<std::size_t>(kernel(cluster_.members[m]).columns);
       std::vector<double>& mine = part.coefficients.emplace_back();
       for (int c = 0; c < basis_.columns; ++c)
         mine.insert(mine.end(), basis_.column(c) + first_[m], basis_.column(c) + first_[m] + rows);
@@ -212,6 +213,10 @@ class Growth {
   }
 
  private:
+  const Kernel& kernel(int subdomain) const {
+    return system_.kernel(bases_[static_cast<std::size_t>(subdomain)]);
+  }
+
   // Each hangs together with one before it.
   std::vector<std::size_t> order() const {
     std::vector<std::vector<std::size_t>> neighbours(cluster_.members.size());
@@ -238,7 +243,7 @@ class Growth {
   }
 
   void add(std::size_t m) {
-    const int more = motions_.kernel(cluster_.members[m]).columns;
+    const int more = kernel(cluster_.members[m]).columns;
     Kernel wider{basis_.rows + more, basis_.columns + more, {}};
     for (int c = 0; c < basis_.columns; ++c) {
       wider.values.insert(wider.values.end(), basis_.column(c), basis_.column(c) + basis_.rows);
@@ -322,7 +327,7 @@ class Growth {
     for (double value : openingOf(rows, [](const Join&) { return true; }))
       largest = std::max(largest, std::abs(value));
     if (!(largest <= closed * scale_)) {
-      const std::string number = std::to_string(motions_.system().subdomain(cluster_.members.front()).number);
+      const std::string number = std::to_string(system_.subdomain(cluster_.members.front()).number);
       throw NumericalError("the cluster of " + std::to_string(cluster_.members.size()) +
                                " subdomains from subdomain " + number +
                                " on has no kernel that is known well enough: it opens joins by " +
@@ -333,7 +338,8 @@ class Growth {
   }
 
   const Cluster& cluster_;
-  const RigidMotions& motions_;
+  const SubdomainSystem& system_;
+  const std::vector<int>& bases_;
   std::map<int, std::size_t> place_;        // of subdomains among the members
   std::vector<std::vector<double>> images_; // of all sides of all joins
   double scale_ = 0.0;
@@ -414,15 +420,15 @@ std::shared_ptr<const Clusters> makeClusters(const SubdomainSystem& system, cons
 Clusters::Clusters(const SubdomainSystem& system, const Constraints& constraints,
                    const ClusterOptions& options) {
   std::vector<RigidMotions::Part> parts;
+  std::vector<int> bases = basesOf(system);
   agree(*system.comm(), [&] {
     clusters_ = clustersOf(system, constraints, options);
-    const RigidMotions ofSubdomains(system);
     for (const Cluster& cluster : clusters_) {
-      parts.push_back(Growth(cluster, ofSubdomains).grown());
+      parts.push_back(Growth(cluster, system, bases).grown());
       averagePlaces_.push_back(averagePlaces_.back() + static_cast<std::size_t>(cluster.averages));
     }
   });
-  motions_.emplace(system, std::move(parts), basesOf(system));
+  motions_.emplace(system, std::move(parts), std::move(bases));
 }
 
 void Clusters::removeJoined(MultiVector& v) const {
