@@ -35,18 +35,26 @@ struct RowEntry {
   double value;
 };
 
-// Entries of owned gluing rows in subdomains of this rank, by rising subdomain numbers.
+// Entries of owned gluing rows in subdomains of this rank, by rising subdomain numbers. Without those between
+// values that are prescribed in the matrices: no force belongs to them, and an average over them and others
+// would move what is prescribed as long as forces of averages are not known well.
 std::map<int, std::vector<RowEntry>> gluingRows(const SubdomainSystem& system,
                                                 const Constraints& constraints) {
   std::map<int, std::vector<RowEntry>> result;
-  for (int i = 0; i < system.size(); ++i)
+  for (int i = 0; i < system.size(); ++i) {
+    std::vector<char> isPrescribed(static_cast<std::size_t>(system.matrix(i).rows()), 0);
+    for (const FixedDof& fixed : system.subdomain(i).fixed)
+      isPrescribed[static_cast<std::size_t>(fixed.dof)] = 1;
     for (const Constraints::Entry& entry : constraints.entries(i)) {
+      if (isPrescribed[static_cast<std::size_t>(entry.dof)] != 0)
+        continue;
       const LocalOrdinal row =
           constraints.rowMap()->getLocalElement(constraints.overlapMap()->getGlobalElement(entry.row));
       if (row != Teuchos::OrdinalTraits<LocalOrdinal>::invalid() &&
           constraints.rowType(row) == RowType::Gluing)
         result[row].push_back({system.subdomain(i).number, i, entry.dof, entry.value});
     }
+  }
   for (auto& item : result)
     std::sort(item.second.begin(), item.second.end(),
               [](const RowEntry& a, const RowEntry& b) { return a.number < b.number; });

@@ -279,28 +279,6 @@ TEST(ClusterInverse, dual_operator_is_symmetric_and_vanishes_on_averages) {
   }
 }
 
-// UᵀF = 0 to rounding errors of U, whatever those of the cluster's inverse are: of materials that jump by 1e6
-// these are some hundred times as large.
-TEST(ClusterInverse, products_have_no_averages) {
-  TestModel model = gridModel({scene::Physics::PlaneStrain, {4, 2, 1}, {3, 3, 1}, {}});
-  for (Subdomain& subdomain : model.subdomains)
-    if (subdomain.number % 2 == 1) {
-      auto copy = std::make_shared<LocalMatrix>(*subdomain.stiffness);
-      for (double& value : copy->values)
-        value *= 1e6;
-      subdomain.stiffness = copy;
-    }
-  const ClusteredProblem problem(model, clusterOptions());
-  const DualOperator f(problem.constraints, *problem.inverses);
-  MultiVector x = unstructuredRows(problem.constraints), y(x.getMap(), 1);
-  f.apply(x, y);
-  double most = 0.0;
-  for (const Clusters::Cluster& cluster : problem.clusters().all())
-    for (double value : averagesOf(problem.constraints, cluster, y))
-      most = std::max(most, std::abs(value));
-  EXPECT_LT(globalMax(*testComm(), most), 1e-15 * normInf(y));
-}
-
 // PFP has no other zeros than the motions and the averages: clusters whose kernel missed a motion, or was too
 // large, would have more.
 TEST(ClusterInverse, projected_operator_is_definite_elsewhere) {
