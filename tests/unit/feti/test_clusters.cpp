@@ -422,6 +422,26 @@ TEST(Clusters, weighted_rows_and_ties) {
   EXPECT_EQ(problem.clusters().total(), testComm()->getSize());
 }
 
+// A tie that makes two dofs of one subdomain one: a link of a subdomain with itself.
+TEST(Clusters, a_subdomain_may_be_tied_to_itself) {
+  TestModel model = gridModel({scene::Physics::Membrane, {8, 1, 1}, {2, 2, 1}, {}});
+  for (const Subdomain& subdomain : model.subdomains) {
+    // The middle of the lower and of the upper side.
+    ConstraintRow row;
+    row.kind = ConstraintRow::Kind::Equality;
+    row.number = subdomain.number;
+    row.terms = {{subdomain.numbers[1], 1.0}, {subdomain.numbers[subdomain.numbers.size() - 2], -1.0}};
+    model.rows.push_back(row);
+  }
+  for (RowWeights weights : {RowWeights::None, RowWeights::Stiffness})
+    for (int size : {0, 1, 2, 3}) {
+      const ClusteredProblem problem(model, clusterOptions(size), DirichletForm::Primal, {}, weights);
+      expectSound(problem);
+      for (std::size_t c = 0; c < problem.clusters().all().size(); ++c)
+        EXPECT_EQ(problem.kernelOf(c), 1);
+    }
+}
+
 TEST(Clusters, none_are_made_where_none_are_asked_for) {
   const TestModel model = testModel(2, 3);
   const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Primal);

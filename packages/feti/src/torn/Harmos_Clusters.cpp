@@ -374,8 +374,11 @@ std::vector<std::array<double, 3>> centresOf(const SubdomainSystem& system) {
   return result;
 }
 
-bool isChosen(ClusterOptions::Joins joins, std::size_t copies) {
-  return joins == ClusterOptions::Joins::All || (joins == ClusterOptions::Joins::Faces) == (copies == 2);
+// Not where one subdomain alone has all copies, as of ties that close a ring: that joins nothing.
+bool isChosen(ClusterOptions::Joins joins, const std::vector<int>& who) {
+  if (std::all_of(who.begin(), who.end(), [&](int i) { return i == who.front(); }))
+    return false;
+  return joins == ClusterOptions::Joins::All || (joins == ClusterOptions::Joins::Faces) == (who.size() == 2);
 }
 
 std::vector<Cluster> clustersOf(const SubdomainSystem& system, const Constraints& constraints,
@@ -385,7 +388,7 @@ std::vector<Cluster> clustersOf(const SubdomainSystem& system, const Constraints
   for (const auto& [who, dofs] : places)
     for (std::size_t a = 0; a < who.size(); ++a)
       for (std::size_t b = a + 1; b < who.size(); ++b)
-        if (isChosen(options.joins, who.size()))
+        if (isChosen(options.joins, who) && who[a] != who[b])
           links.push_back(
               {std::min(who[a], who[b]), std::max(who[a], who[b]), static_cast<int>(dofs.size())});
   std::vector<Cluster> clusters;
@@ -401,7 +404,7 @@ std::vector<Cluster> clustersOf(const SubdomainSystem& system, const Constraints
   }
   for (const auto& [who, dofs] : places) {
     const auto of = [&](int i) { return clusterOf[static_cast<std::size_t>(i)]; };
-    if (!isChosen(options.joins, who.size()) ||
+    if (!isChosen(options.joins, who) ||
         !std::all_of(who.begin(), who.end(), [&](int i) { return of(i) == of(who.front()); }))
       continue;
     Cluster& cluster = clusters[of(who.front())];
