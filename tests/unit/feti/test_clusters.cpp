@@ -422,6 +422,25 @@ TEST(Clusters, weighted_rows_and_ties) {
   EXPECT_EQ(problem.clusters().total(), testComm()->getSize());
 }
 
+// A cluster does not go across a tie to what is stiffer by orders of magnitude.
+TEST(Clusters, jumps_of_materials_are_borders) {
+  if (testComm()->getSize() > 1)
+    GTEST_SKIP() << "of one rank";
+  for (double jump : {1e2, 1e6}) {
+    TestModel model = testModel(2, 3, true);
+    for (Subdomain& subdomain : model.subdomains)
+      if (subdomain.number >= 4) { // the second membrane
+        auto copy = std::make_shared<LocalMatrix>(*subdomain.stiffness);
+        for (double& value : copy->values)
+          value *= jump;
+        subdomain.stiffness = copy;
+      }
+    const ClusteredProblem problem(model, clusterOptions(), DirichletForm::Primal, {}, RowWeights::Stiffness);
+    expectSound(problem);
+    EXPECT_EQ(problem.clusters().all().size(), jump < 1e4 ? 1u : 2u);
+  }
+}
+
 // A tie that makes two dofs of one subdomain one: a link of a subdomain with itself.
 TEST(Clusters, a_subdomain_may_be_tied_to_itself) {
   TestModel model = gridModel({scene::Physics::Membrane, {8, 1, 1}, {2, 2, 1}, {}});

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -71,7 +72,25 @@ bool isComplete(const std::vector<RowEntry>& row) {
   return std::abs(sum) <= 1e-9 * sizes;
 }
 
+// Where ties join a soft body and one that is stiffer by orders of magnitude, motions of the stiff one within
+// a cluster would be known to rounding errors of the displacements of the soft one, and its forces to these
+// times its stiffness.
+bool isOfOneStiffness(const std::vector<std::vector<double>>& diagonals, const Copies& dof) {
+  constexpr double jump = 1e4;
+  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  for (const auto& [subdomain, local] : dof.at) {
+    const double value = diagonals[static_cast<std::size_t>(subdomain)][static_cast<std::size_t>(local)];
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
+  return most <= jump * least;
+}
+
+// Those of one stiffness.
 std::vector<Copies> wholeDofs(const SubdomainSystem& system, const Constraints& constraints) {
+  std::vector<std::vector<double>> diagonals;
+  for (int i = 0; i < system.size(); ++i)
+    diagonals.push_back(system.matrix(i).diagonal());
   std::map<std::pair<int, int>, std::vector<std::pair<int, std::vector<RowEntry>>>> byFirst;
   for (auto& [row, entries] : gluingRows(system, constraints))
     byFirst[{entries.front().subdomain, entries.front().dof}].emplace_back(row, entries);
@@ -89,7 +108,7 @@ std::vector<Copies> wholeDofs(const SubdomainSystem& system, const Constraints& 
       for (const RowEntry& entry : entries)
         values.push_back(entry.value);
     }
-    if (isWhole)
+    if (isWhole && isOfOneStiffness(diagonals, dof))
       result.push_back(std::move(dof));
   }
   return result;
