@@ -23,6 +23,8 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
+constexpr const char* orInteger = " or integer";
+
 } // namespace
 
 bool ParameterSpec::hasRange(Type type) {
@@ -72,8 +74,11 @@ void ParameterSpec::writeMarkdown(std::ostream& out, const std::string& path) co
         allowed = "any";
       for (const Choice& choice : parameter.allowed)
         allowed += (allowed.empty() ? "" : "; ") + ("`" + choice.first + "`: " + choice.second);
-      out << "| `" << parameter.name << "` | " << typeName(parameter.type) << " | `" << defaultText(parameter)
-          << "` | " << allowed << " | " << parameter.meaning << " |\n";
+      if (parameter.mayBeInteger)
+        allowed += "; an integer in " + parameter.range.text();
+      out << "| `" << parameter.name << "` | " << typeName(parameter.type)
+          << (parameter.mayBeInteger ? orInteger : "") << " | `" << defaultText(parameter) << "` | "
+          << allowed << " | " << parameter.meaning << " |\n";
     }
     out << "\n";
   }
@@ -90,8 +95,9 @@ void ParameterSpec::writeMarkdown(std::ostream& out) const {
 void ParameterSpec::writeText(std::ostream& out, const std::string& path) const {
   out << path << "  -- " << meaning_ << "\n";
   for (const Parameter& parameter : parameters_) {
-    out << "  " << parameter.name << " = " << defaultText(parameter) << "   [" << typeName(parameter.type);
-    if (hasRange(parameter.type))
+    out << "  " << parameter.name << " = " << defaultText(parameter) << "   [" << typeName(parameter.type)
+        << (parameter.mayBeInteger ? orInteger : "");
+    if (hasRange(parameter.type) || parameter.mayBeInteger)
       out << " in " << parameter.range.text();
     out << "]\n      " << parameter.meaning << "\n";
     for (const Choice& choice : parameter.allowed)

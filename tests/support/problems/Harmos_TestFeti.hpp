@@ -12,12 +12,12 @@ namespace Harmos {
 /// All stages from torn bodies to the dual problem of the two-membrane model.
 struct TestFeti {
   explicit TestFeti(const TestModel& model, feti::DirichletForm form = feti::DirichletForm::Primal,
-                    const feti::LocalInverseOptions& options = {})
+                    const feti::LocalInverseOptions& options = {}, const feti::ClusterOptions& clusters = {})
       : system(testComm(), model.subdomains, form),
         constraints(system, model.rows),
-        inverses(feti::makeLocalInverses(system, constraints, options)),
+        inverses(feti::makeLocalInverses(system, constraints, joined(options, clusters))),
         dualOperator(constraints, inverses),
-        coarse(system, constraints),
+        coarse(feti::motionsOf(system, inverses), constraints),
         dual(system, constraints, inverses, dualOperator, coarse) {}
 
   feti::SubdomainSystem system;
@@ -26,6 +26,13 @@ struct TestFeti {
   feti::DualOperator dualOperator;
   feti::ReplicatedCoarse coarse;
   feti::DualProblem dual;
+
+ private:
+  feti::LocalInverseOptions joined(feti::LocalInverseOptions options,
+                                   const feti::ClusterOptions& clusters) const {
+    options.clusters = feti::makeClusters(system, constraints, clusters);
+    return options;
+  }
 };
 
 /// Options of the implicit form, which holds a kernel at so many places.

@@ -348,3 +348,93 @@ TEST(ParameterSpec, an_absent_name_is_told_why) {
   const std::string second = inputErrorOf([&] { spec.set(other, "History", "ramp", "command line"); });
   EXPECT_NE(second.find("a gap does not change"), std::string::npos) << second;
 }
+
+namespace {
+
+ParameterSpec grouped() {
+  ParameterSpec spec("deck", "A deck.");
+  spec.choiceOrInteger("Groups", "auto", {{"auto", "by a model"}, {"rank", "one a rank"}}, 1, 100, "Sizes.");
+  return spec;
+}
+
+std::string groups(const Teuchos::ParameterList& list) {
+  return grouped().validated(list, "deck.xml").get<std::string>("Groups");
+}
+
+template<class T>
+Teuchos::ParameterList groupsList(const T& value) {
+  Teuchos::ParameterList list;
+  list.set("Groups", value);
+  return list;
+}
+
+} // namespace
+
+// A name or a number; of type int in a deck, or as text, as it is assigned on a command line. The validated
+// list has text.
+TEST(ParameterSpec, choices_may_have_integers_beside_them) {
+  EXPECT_EQ(groups({}), "auto");
+  EXPECT_EQ(groups(groupsList(std::string("rank"))), "rank");
+  EXPECT_EQ(groups(groupsList(7)), "7");
+  EXPECT_EQ(groups(groupsList(std::string("7"))), "7");
+  EXPECT_EQ(groups(groupsList(std::string(" 100 "))), "100");
+  Teuchos::ParameterList assigned;
+  grouped().set(assigned, "Groups", "12", "--set");
+  EXPECT_EQ(groups(assigned), "12");
+  grouped().set(assigned, "Groups", "rank", "--set");
+  EXPECT_EQ(groups(assigned), "rank");
+  // What is validated is valid.
+  EXPECT_EQ(groups(grouped().validated(groupsList(7), "deck.xml")), "7");
+}
+
+TEST(ParameterSpec, choices_with_integers_refuse_the_rest) {
+  const auto fault = [](const Teuchos::ParameterList& list) { return inputErrorOf([&] { groups(list); }); };
+  for (const std::string& text : {fault(groupsList(0)), fault(groupsList(std::string("0")))})
+    EXPECT_TRUE(contains(text, "\"Groups\" = 0 is out of range")) << text;
+  EXPECT_TRUE(contains(fault(groupsList(101)), "out of range"));
+  EXPECT_TRUE(contains(fault(groupsList(-3)), "out of range"));
+  EXPECT_EQ(fault(groupsList(std::string("ranks"))),
+            "deck.xml: \"Groups\" = \"ranks\" is not allowed, expected one of \"auto\", \"rank\" "
+            "(type=\"string\"), or an integer (type=\"int\") in [1, 100]; did you mean \"rank\"?");
+  for (const char* word : {"4.5", "4 5", "4x", "", "99999999999"})
+    EXPECT_TRUE(contains(fault(groupsList(std::string(word))), "is not allowed")) << word;
+  EXPECT_TRUE(contains(fault(groupsList(2.0)), "is a real number (2), expected one of"))
+      << fault(groupsList(2.0));
+  EXPECT_TRUE(contains(fault(groupsList(true)), "is a boolean (true), expected one of"))
+      << fault(groupsList(true));
+}
+
+TEST(ParameterSpec, choices_with_integers_in_the_reference) {
+  std::ostringstream markdown, text, xml;
+  grouped()
+      .list(ParameterSpec("Inner", "A list.")
+                .choiceOrInteger("Groups", "3", {{"auto", "by a model"}}, 1, 9, "More sizes."))
+      .writeMarkdown(markdown);
+  for (const char* part : {"| `Groups` | choice or integer | `\"auto\"` | `auto`: by a model; `rank`: one a "
+                           "rank; an integer in [1, "
+                           "100] "
+                           "| Sizes. |",
+                           "| `Groups` | choice or integer | `\"3\"` | `auto`: by a model; an integer in [1, "
+                           "9] | More sizes. |"})
+    EXPECT_TRUE(contains(markdown.str(), part)) << part << "\n" << markdown.str();
+  ParameterSpec outer("outer", "An outer deck.");
+  outer.list(grouped());
+  outer.writeText(text);
+  EXPECT_TRUE(contains(text.str(), "  Groups = \"auto\"   [choice or integer in [1, 100]]")) << text.str();
+  // A printed deck is a valid one, with an integer too.
+  grouped().writeXml(xml);
+  Teuchos::ParameterList list;
+  Teuchos::updateParametersFromXmlString(xml.str(), Teuchos::ptr(&list));
+  EXPECT_EQ(groups(list), "auto");
+  EXPECT_EQ(groups(*Teuchos::getParametersFromXmlString(
+                "<ParameterList><Parameter name=\"Groups\" type=\"int\" value=\"8\"/></ParameterList>")),
+            "8");
+}
+
+// Teuchos' own validation, which library users may call, knows one type of a parameter: numbers are text
+// there.
+TEST(ParameterSpec, teuchos_validators_let_integers_beside_choices_pass_as_text) {
+  const auto valid = grouped().teuchosList();
+  EXPECT_NO_THROW(groupsList(std::string("rank")).validateParameters(*valid));
+  EXPECT_NO_THROW(groupsList(std::string("7")).validateParameters(*valid));
+}

@@ -42,6 +42,35 @@ TEST(Recovery, audit_of_a_tight_solution_is_clean) {
     }
 }
 
+// The same of clusters, whose averages exert forces that the dual problem does not see, and the answer
+// itself.
+TEST(Recovery, clusters_have_the_same_answer) {
+  for (DirichletForm form : {DirichletForm::Primal, DirichletForm::Dual})
+    for (int size : {0, 2, 4}) {
+      ClusterOptions clusters;
+      clusters.kind = size == 0 ? ClusterOptions::Kind::Rank : ClusterOptions::Kind::Size;
+      clusters.size = size;
+      const TestModel model = testModel(3, 4);
+      const TestFeti joined(model, form, {}, clusters), apart(model, form);
+      const Answer a = solveModel(joined, 1e-11), b = solveModel(apart, 1e-11);
+      EXPECT_LT(a.audit.equilibrium, 1e-9) << size;
+      EXPECT_LT(a.audit.gluingJump, 1e-9) << size;
+      EXPECT_LT(a.audit.penetration, 1e-9) << size;
+      EXPECT_GE(a.audit.minContactMultiplier, 0.0) << size;
+      EXPECT_LT(a.audit.complementarity, 1e-9) << size;
+      EXPECT_LT(joined.coarse.dimension(), apart.coarse.dimension()) << size;
+      for (std::size_t i = 0; i < a.torn.displacement.size(); ++i)
+        for (std::size_t j = 0; j < a.torn.displacement[i].size(); ++j)
+          EXPECT_NEAR(a.torn.displacement[i][j], b.torn.displacement[i][j], 1e-8);
+      // Forces of gluing rows are those of averages too: the multipliers are the same, all of them.
+      MultiVector difference(*a.torn.multiplier, Teuchos::Copy);
+      difference.update(-1.0, *b.torn.multiplier, 1.0);
+      std::vector<double> norm(1);
+      difference.normInf(Teuchos::arrayViewFromVector(norm));
+      EXPECT_LT(norm[0], 1e-7) << size;
+    }
+}
+
 // An unloaded, floating second membrane that the first one would penetrate by δ: λ = 0 there does not fix α,
 // the formula with μ does. The gap is −δ: the second membrane must move up by δ at least.
 TEST(Recovery, unloaded_body_in_initial_penetration) {

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <set>
@@ -37,18 +38,26 @@ struct RowEntry {
   double value;
 };
 
-// Entries of owned gluing rows in subdomains of this rank, by rising subdomain numbers.
+// Entries of owned gluing rows in subdomains of this rank, by rising subdomain numbers. Without those between
+// values that are prescribed in the matrices: no force belongs to them, and an average over them and others
+// would move what is prescribed as long as forces of averages are not known well.
 std::map<int, std::vector<RowEntry>> gluingRows(const SubdomainSystem& system,
                                                 const Constraints& constraints) {
   std::map<int, std::vector<RowEntry>> result;
-  for (int i = 0; i < system.size(); ++i)
+  for (int i = 0; i < system.size(); ++i) {
+    std::vector<char> isPrescribed(static_cast<std::size_t>(system.matrix(i).rows()), 0);
+    for (const FixedDof& fixed : system.subdomain(i).fixed)
+      isPrescribed[static_cast<std::size_t>(fixed.dof)] = 1;
     for (const Constraints::Entry& entry : constraints.entries(i)) {
+      if (isPrescribed[static_cast<std::size_t>(entry.dof)] != 0)
+        continue;
       const LocalOrdinal row =
           constraints.rowMap()->getLocalElement(constraints.overlapMap()->getGlobalElement(entry.row));
       if (row != Teuchos::OrdinalTraits<LocalOrdinal>::invalid() &&
           constraints.rowType(row) == RowType::Gluing)
         result[row].push_back({system.subdomain(i).number, i, entry.dof, entry.value});
     }
+  }
   for (auto& item : result)
     std::sort(item.second.begin(), item.second.end(),
               [](const RowEntry& a, const RowEntry& b) { return a.number < b.number; });
@@ -65,7 +74,25 @@ bool isComplete(const std::vector<RowEntry>& row) {
   return std::abs(sum) <= 1e-9 * sizes;
 }
 
+// Where ties join a soft body and one that is stiffer by orders of magnitude, motions of the stiff one within
+// a cluster would be known to rounding errors of the displacements of the soft one, and its forces to these
+// times its stiffness.
+bool isOfOneStiffness(const std::vector<std::vector<double>>& diagonals, const Copies& dof) {
+  constexpr double jump = 1e4;
+  double least = std::numeric_limits<double>::infinity(), most = 0.0;
+  for (const auto& [subdomain, local] : dof.at) {
+    const double value = diagonals[static_cast<std::size_t>(subdomain)][static_cast<std::size_t>(local)];
+    least = std::min(least, value);
+    most = std::max(most, value);
+  }
+  return most <= jump * least;
+}
+
+// Those of one stiffness.
 std::vector<Copies> wholeDofs(const SubdomainSystem& system, const Constraints& constraints) {
+  std::vector<std::vector<double>> diagonals;
+  for (int i = 0; i < system.size(); ++i)
+    diagonals.push_back(system.matrix(i).diagonal());
   std::map<std::pair<int, int>, std::vector<std::pair<int, std::vector<RowEntry>>>> byFirst;
   for (auto& [row, entries] : gluingRows(system, constraints))
     byFirst[{entries.front().subdomain, entries.front().dof}].emplace_back(row, entries);
@@ -83,7 +110,7 @@ std::vector<Copies> wholeDofs(const SubdomainSystem& system, const Constraints& 
       for (const RowEntry& entry : entries)
         values.push_back(entry.value);
     }
-    if (isWhole)
+    if (isWhole && isOfOneStiffness(diagonals, dof))
       result.push_back(std::move(dof));
   }
   return result;
@@ -208,13 +235,14 @@ std::vector<double> imageOf(const Side& side, const Kernel& kernel) {
 // A cluster that grows: a basis of the amplitudes of its members by which no join opens.
 class Growth {
  public:
-  Growth(const Cluster& cluster, const RigidMotions& ofSubdomains)
-      : cluster_(cluster), motions_(ofSubdomains), place_() {
+  /// @param bases see RigidMotions: T is told in the kernels that it is used with.
+  Growth(const Cluster& cluster, const SubdomainSystem& system, const std::vector<int>& bases)
+      : cluster_(cluster), system_(system), bases_(bases), place_() {
     for (std::size_t m = 0; m < cluster.members.size(); ++m)
       place_[cluster.members[m]] = m;
     for (const Join& join : cluster.joins)
       for (const Side& side : join.sides) {
-        images_.push_back(imageOf(side, motions_.kernel(side.subdomain)));
+        images_.push_back(imageOf(side, kernel(side.subdomain)));
         for (double value : images_.back())
           scale_ = std::max(scale_, std::abs(value));
       }
@@ -227,7 +255,7 @@ class Growth {
     part.members = cluster_.members;
     part.columns = basis_.columns;
     for (std::size_t m = 0; m < cluster_.members.size(); ++m) {
-      const auto rows = static_cast<std::size_t>(motions_.kernel(cluster_.members[m]).columns);
+      const auto rows = static_cast<std::size_t>(kernel(cluster_.members[m]).columns);
       std::vector<double>& mine = part.coefficients.emplace_back();
       for (int c = 0; c < basis_.columns; ++c)
         mine.insert(mine.end(), basis_.column(c) + first_[m], basis_.column(c) + first_[m] + rows);
@@ -237,6 +265,10 @@ class Growth {
   }
 
  private:
+  const Kernel& kernel(int subdomain) const {
+    return system_.kernel(bases_[static_cast<std::size_t>(subdomain)]);
+  }
+
   // Each hangs together with one before it.
   std::vector<std::size_t> order() const {
     std::vector<std::vector<std::size_t>> neighbours(cluster_.members.size());
@@ -263,7 +295,7 @@ class Growth {
   }
 
   void add(std::size_t m) {
-    const int more = motions_.kernel(cluster_.members[m]).columns;
+    const int more = kernel(cluster_.members[m]).columns;
     Kernel wider{basis_.rows + more, basis_.columns + more, {}};
     for (int c = 0; c < basis_.columns; ++c) {
       wider.values.insert(wider.values.end(), basis_.column(c), basis_.column(c) + basis_.rows);
@@ -347,7 +379,7 @@ class Growth {
     for (double value : openingOf(rows, [](const Join&) { return true; }))
       largest = std::max(largest, std::abs(value));
     if (!(largest <= closed * scale_)) {
-      const std::string number = std::to_string(motions_.system().subdomain(cluster_.members.front()).number);
+      const std::string number = std::to_string(system_.subdomain(cluster_.members.front()).number);
       throw NumericalError("the cluster of " + std::to_string(cluster_.members.size()) +
                                " subdomains from subdomain " + number +
                                " on has no kernel that is known well enough: it opens joins by " +
@@ -358,7 +390,8 @@ class Growth {
   }
 
   const Cluster& cluster_;
-  const RigidMotions& motions_;
+  const SubdomainSystem& system_;
+  const std::vector<int>& bases_;
   std::map<int, std::size_t> place_;        // of subdomains among the members
   std::vector<std::vector<double>> images_; // of all sides of all joins
   double scale_ = 0.0;
@@ -424,8 +457,11 @@ bool hasPair(const std::set<std::pair<int, int>>& pairs, const std::vector<int>&
   return false;
 }
 
-bool isChosen(ClusterOptions::Joins joins, std::size_t copies) {
-  return joins == ClusterOptions::Joins::All || (joins == ClusterOptions::Joins::Faces) == (copies == 2);
+// Not where one subdomain alone has all copies, as of ties that close a ring: that joins nothing.
+bool isChosen(ClusterOptions::Joins joins, const std::vector<int>& who) {
+  if (std::all_of(who.begin(), who.end(), [&](int i) { return i == who.front(); }))
+    return false;
+  return joins == ClusterOptions::Joins::All || (joins == ClusterOptions::Joins::Faces) == (who.size() == 2);
 }
 
 std::vector<Cluster> clustersOf(const SubdomainSystem& system, const Constraints& constraints,
@@ -435,7 +471,7 @@ std::vector<Cluster> clustersOf(const SubdomainSystem& system, const Constraints
   for (const auto& [who, dofs] : places)
     for (std::size_t a = 0; a < who.size(); ++a)
       for (std::size_t b = a + 1; b < who.size(); ++b)
-        if (isChosen(options.joins, who.size()))
+        if (isChosen(options.joins, who) && who[a] != who[b])
           links.push_back(
               {std::min(who[a], who[b]), std::max(who[a], who[b]), static_cast<int>(dofs.size())});
   std::vector<Cluster> clusters;
@@ -457,12 +493,13 @@ std::vector<Cluster> clustersOf(const SubdomainSystem& system, const Constraints
     if (!std::all_of(who.begin(), who.end(), [&](int i) { return of(i) == of(who.front()); }))
       continue;
     Cluster& cluster = clusters[of(who.front())];
-    if (who.size() == 2) { // edges and corners that move along bring hardly a product
+    if (who.size() == 2 &&
+        who.front() != who.back()) { // edges and corners that move along bring hardly a product
       cluster.moves.push_back(moveOf(system, dofs));
       cluster.moves.back().first = cluster.motions;
       cluster.motions += cluster.moves.back().count;
     }
-    const bool isJoin = isChosen(options.joins, who.size()) || hasPair(poor, who);
+    const bool isJoin = isChosen(options.joins, who) || hasPair(poor, who);
     for (std::size_t level = 0; isJoin && level + 1 < who.size(); ++level) {
       cluster.joins.push_back(joinOf(system, dofs, level));
       cluster.joins.back().first = cluster.averages;
@@ -485,15 +522,15 @@ std::shared_ptr<const Clusters> makeClusters(const SubdomainSystem& system, cons
 Clusters::Clusters(const SubdomainSystem& system, const Constraints& constraints,
                    const ClusterOptions& options) {
   std::vector<RigidMotions::Part> parts;
+  std::vector<int> bases = basesOf(system);
   agree(*system.comm(), [&] {
     clusters_ = clustersOf(system, constraints, options);
-    const RigidMotions ofSubdomains(system);
     for (const Cluster& cluster : clusters_) {
-      parts.push_back(Growth(cluster, ofSubdomains).grown());
+      parts.push_back(Growth(cluster, system, bases).grown());
       averagePlaces_.push_back(averagePlaces_.back() + static_cast<std::size_t>(cluster.averages));
     }
   });
-  motions_.emplace(system, std::move(parts), basesOf(system));
+  motions_.emplace(system, std::move(parts), std::move(bases));
   fingerprint_ = fingerprintOf(system, clusters_);
 }
 
