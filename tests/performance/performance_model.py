@@ -47,7 +47,7 @@ WORD = 8
 PASSES = 40
 MOST_DENSE = 200  # rows of a coarse matrix that is factored densely
 # Products grow by 1 + a_d (m^(1/d) - 1) + c_d (aspect - 1) with clusters of m subdomains: a_d and c_d.
-GROWTH = {2: 0.2, 3: 0.5}
+GROWTH = {2: 0.42, 3: 0.71}
 SLENDER = {2: 0.4, 3: 1.2}
 AT_ONCE = 6  # vectors that take as long to multiply with W as it takes to read it
 
@@ -185,7 +185,7 @@ def is_solved(shape):
 
 def growth_of_products(size, dimension, aspect=1):
     side = max(1, size) ** (1 / dimension)
-    return 1 + GROWTH[dimension] * (side - 1) + SLENDER[dimension] * (max(1, aspect) - 1)
+    return 1 + GROWTH[dimension] * math.log2(side) + SLENDER[dimension] * (max(1, aspect) - 1)
 
 
 def join_costs(clusters):

@@ -79,7 +79,7 @@ class Programs(unittest.TestCase):
 
     def test_cluster_growth(self):
         output = runs.scratch("cluster_growth")
-        program = HERE / "cluster_growth.py"
+        program = HERE / "clusters" / "cluster_growth.py"
         words = ("--plane", "1,2", "--space", "1,2", "--output", output)
         status, _, errors = runs.execute([sys.executable, program, *words])
         self.assertEqual(status, 0, errors)

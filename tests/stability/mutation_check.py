@@ -101,8 +101,8 @@ FAULTS = (
         "values[j] += factor * column[j];", "values[j] -= factor * column[j];", FETI),
     fault(
         "a side of an average of the wrong sign", "packages/feti/src/torn/Harmos_Clusters.cpp",
-        "side.values.push_back(join.weights[c + k] * dofs[k].values[level][copy]);",
-        "side.values.push_back(join.weights[c + k] * std::abs(dofs[k].values[level][copy]));", FETI),
+        "[&](const Copies& dof) { return dof.values[level][copy]; }",
+        "[&](const Copies& dof) { return std::abs(dof.values[level][copy]); }", FETI),
     fault(
         "motions of a cluster in other bases than those that they are used with",
         "packages/feti/src/torn/Harmos_Clusters.cpp",
@@ -125,8 +125,10 @@ FAULTS = (
         "joined->clusters().addJoined(answer.averages, *total);", "joined->clusters();", FETI),
     fault(
         "faces of clusters that move apart in the preconditioner",
-        "packages/feti/src/local/Harmos_ClusterInverse.cpp",
-        "member.uses.back().sign *= -1.0;", "member.uses.back().sign *= 1.0;", FETI),
+        "packages/feti/src/torn/Harmos_Clusters.cpp",
+        "move.sides.push_back(sideOf(dofs, copy, columns, one));",
+        "move.sides.push_back(sideOf(dofs, copy, columns,\n                                "
+        "[&](const Copies&) { return copy == 0 ? 1.0 : -1.0; }));", FETI),
     fault(
         "rounding errors of S hold the kernel", "packages/feti/src/local/Harmos_LocalInverse.cpp",
         "const double least = std::sqrt(std::numeric_limits<double>::epsilon());",

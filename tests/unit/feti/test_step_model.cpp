@@ -129,12 +129,12 @@ TEST(StepModel, motions_are_those_of_clusters) {
 
 TEST(StepModel, products_grow_with_the_side_of_a_cluster) {
   EXPECT_DOUBLE_EQ(growthOfProducts(1.0, false), 1.0);
-  EXPECT_DOUBLE_EQ(growthOfProducts(16.0, false), 1.0 + 3.0 * ProductGrowth::plane);
-  EXPECT_DOUBLE_EQ(growthOfProducts(27.0, true), 1.0 + 2.0 * ProductGrowth::space);
+  EXPECT_DOUBLE_EQ(growthOfProducts(16.0, false), 1.0 + 2.0 * ProductGrowth::plane);
+  EXPECT_NEAR(growthOfProducts(27.0, true), 1.0 + std::log2(3.0) * ProductGrowth::space, 1e-14);
   EXPECT_DOUBLE_EQ(growthOfProducts(8.0, true, 8.0),
                    1.0 + ProductGrowth::space + 7.0 * ProductGrowth::slenderInSpace);
   EXPECT_DOUBLE_EQ(growthOfProducts(16.0, false, 3.0),
-                   1.0 + 3.0 * ProductGrowth::plane + 2.0 * ProductGrowth::slenderInPlane);
+                   1.0 + 2.0 * ProductGrowth::plane + 2.0 * ProductGrowth::slenderInPlane);
 }
 
 // Bricks of cells of any size, whose centres say how many there are along a side.

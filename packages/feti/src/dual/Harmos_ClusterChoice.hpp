@@ -69,8 +69,8 @@ UnjoinedRun unjoinedRun(const SubdomainSystem& system, const Constraints& constr
 
 /// What Auto comes to in a run; all else stays. The same on all ranks and, for the same rates, in every run:
 /// nothing is measured. Says what was chosen and why.
-/// @note Collective from fewestRanksOfClusters on. Guarded by tests/unit/feti/test_cluster_choice.cpp,
-/// tests/unit/feti/test_cluster_decision.cpp.
+/// @note Collective from fewestRanksOfClusters on. Guarded by
+/// tests/unit/feti/clusters/test_cluster_choice.cpp, tests/unit/feti/clusters/test_cluster_decision.cpp.
 ClusterOptions decideClusters(const SubdomainSystem& system, const Constraints& constraints,
                               const ClusterOptions& options, const LocalInverseOptions& inverses,
                               PreconditionerKind preconditioner, const CoarseOptions& coarse,

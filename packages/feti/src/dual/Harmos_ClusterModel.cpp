@@ -10,7 +10,7 @@ namespace Harmos::feti {
 double growthOfProducts(double clusterSize, bool isInSpace, double aspect) {
   using Growth = ProductGrowth;
   const double side = std::pow(std::max(1.0, clusterSize), isInSpace ? 1.0 / 3.0 : 0.5);
-  return 1.0 + (isInSpace ? Growth::space : Growth::plane) * (side - 1.0) +
+  return 1.0 + (isInSpace ? Growth::space : Growth::plane) * std::log2(side) +
          (isInSpace ? Growth::slenderInSpace : Growth::slenderInPlane) * (std::max(1.0, aspect) - 1.0);
 }
 

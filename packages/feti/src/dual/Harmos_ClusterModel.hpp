@@ -8,14 +8,15 @@
 
 namespace Harmos::feti {
 
-/// How products grow with clusters of m subdomains, d = 2 or 3: 1 + a_d (m^(1/d) − 1) + c_d (aspect − 1)
+/// How products grow with clusters of m subdomains, d = 2 or 3: 1 + a_d log₂ m^(1/d) + c_d (aspect − 1)
 /// times those without, the aspect being that of the longest side of a cluster to its shortest.
 ///
-/// The one place for a_d and c_d. Fitted to steps to 1e-8 with the Dirichlet preconditioner on structured
-/// grids, see docs/dual_operator.md; tests/performance/performance_model.py has them too, in GROWTH and
+/// The one place for a_d and c_d. a_d fitted by tests/performance/clusters/cluster_growth.py to products to
+/// 1e-8 with the Dirichlet preconditioner (in the plane the mean of membranes and plane strain), c_d roughly
+/// to slender clusters on such grids; tests/performance/performance_model.py has them too, in GROWTH and
 /// SLENDER.
 struct ProductGrowth {
-  static constexpr double plane = 0.2, space = 0.5;
+  static constexpr double plane = 0.42, space = 0.71;
   static constexpr double slenderInPlane = 0.4, slenderInSpace = 1.2;
 };
 double growthOfProducts(double clusterSize, bool isInSpace, double aspect = 1.0);

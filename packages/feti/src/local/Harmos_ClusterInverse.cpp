@@ -135,7 +135,7 @@ void ClusterInverse::makeShared(const std::vector<Group>& groups) {
     const Group& group = groups[g];
     Shared shared;
     shared.boundary = group.boundary;
-    shared.members = group.members.size();
+    shared.members = group.members;
     const std::size_t b = group.boundary.size();
     for (const KnownSide& side : known[g])
       shared.joined += side.columns;
@@ -164,6 +164,14 @@ void ClusterInverse::makeShared(const std::vector<Group>& groups) {
     if (joined > 0 && shared.motions > 0)
       blas.GEMM(Teuchos::TRANS, Teuchos::NO_TRANS, shared.motions, shared.joined, n, 1.0,
                 shared.w.data() + b * joined, n, sides.data(), n, 0.0, shared.g.data(), shared.motions);
+    // Faces at the rim of a body have other dofs than those within, and all of them are columns of W: where
+    // most members use few of these it is better to take them one after the other.
+    constexpr double many = 1.5;
+    double used = 0.0;
+    for (int i : group.members)
+      for (const Use& use : members_[static_cast<std::size_t>(i)].uses)
+        used += use.columns;
+    shared.isSelective = shared.joined * static_cast<double>(group.members.size()) > many * used;
     shared_.push_back(std::move(shared));
   }
 }
@@ -312,7 +320,7 @@ double ClusterInverse::bytes() const {
   double sum = 0.0;
   for (const Shared& shared : shared_)
     sum += 8.0 * static_cast<double>(shared.w.size() + shared.f.size() + shared.g.size() +
-                                     shared.members * static_cast<std::size_t>(shared.width));
+                                     shared.members.size() * static_cast<std::size_t>(shared.width));
   for (const Factor& factor : factors_)
     sum += 16.0 * factor.f0.entries() + (factor.inverse ? factor.inverse->bytes() : 0.0);
   return sum;
@@ -320,12 +328,24 @@ double ClusterInverse::bytes() const {
 
 void ClusterInverse::gather(std::size_t group, const double* t, int columns) const {
   const Shared& shared = shared_[group];
-  const int vectors = static_cast<int>(shared.members) * columns,
-            b = static_cast<int>(shared.boundary.size());
-  shared.amounts.resize(static_cast<std::size_t>(shared.width) * static_cast<std::size_t>(vectors));
-  if (shared.width > 0 && vectors > 0)
-    Teuchos::BLAS<int, double>().GEMM(Teuchos::TRANS, Teuchos::NO_TRANS, shared.width, vectors, b, 1.0,
-                                      shared.w.data(), b, t, b, 0.0, shared.amounts.data(), shared.width);
+  const int b = static_cast<int>(shared.boundary.size());
+  const std::size_t vectors = shared.members.size() * static_cast<std::size_t>(columns);
+  shared.amounts.resize(static_cast<std::size_t>(shared.width) * vectors);
+  const auto multiply = [&](int first, int count, const double* of, int number, double* to) {
+    if (count > 0 && number > 0)
+      Teuchos::BLAS<int, double>().GEMM(Teuchos::TRANS, Teuchos::NO_TRANS, count, number, b, 1.0,
+                                        shared.w.data() + static_cast<std::ptrdiff_t>(first) * b, b, of, b,
+                                        0.0, to + first, shared.width);
+  };
+  if (!shared.isSelective)
+    return multiply(0, shared.width, t, static_cast<int>(vectors), shared.amounts.data());
+  for (std::size_t v = 0; v < vectors; ++v) {
+    const double* mine = t + v * static_cast<std::size_t>(b);
+    double* to = shared.amounts.data() + v * static_cast<std::size_t>(shared.width);
+    for (const Use& use : usesOf(shared, v))
+      multiply(use.column, use.columns, mine, 1, to);
+    multiply(shared.joined, shared.motions, mine, 1, to);
+  }
 }
 
 void ClusterInverse::solve(int columns) const {
@@ -338,7 +358,7 @@ void ClusterInverse::solve(int columns) const {
       const auto amountsOf = [&](const Member& member) {
         const Shared& shared = shared_[member.group];
         return shared.amounts.data() +
-               (x * shared.members + member.place) * static_cast<std::size_t>(shared.width);
+               (x * shared.members.size() + member.place) * static_cast<std::size_t>(shared.width);
       };
       for (int i : cluster.members) {
         const Member& member = members_[static_cast<std::size_t>(i)];
@@ -366,11 +386,23 @@ void ClusterInverse::solve(int columns) const {
 
 void ClusterInverse::add(std::size_t group, double* u, int columns) const {
   const Shared& shared = shared_[group];
-  const int vectors = static_cast<int>(shared.members) * columns,
-            b = static_cast<int>(shared.boundary.size());
-  if (shared.width > 0 && vectors > 0)
-    Teuchos::BLAS<int, double>().GEMM(Teuchos::NO_TRANS, Teuchos::NO_TRANS, b, vectors, shared.width, -1.0,
-                                      shared.w.data(), b, shared.amounts.data(), shared.width, 1.0, u, b);
+  const int b = static_cast<int>(shared.boundary.size());
+  const std::size_t vectors = shared.members.size() * static_cast<std::size_t>(columns);
+  const auto subtract = [&](int first, int count, const double* amounts, int number, double* from) {
+    if (count > 0 && number > 0)
+      Teuchos::BLAS<int, double>().GEMM(Teuchos::NO_TRANS, Teuchos::NO_TRANS, b, number, count, -1.0,
+                                        shared.w.data() + static_cast<std::ptrdiff_t>(first) * b, b,
+                                        amounts + first, shared.width, 1.0, from, b);
+  };
+  if (!shared.isSelective)
+    return subtract(0, shared.width, shared.amounts.data(), static_cast<int>(vectors), u);
+  for (std::size_t v = 0; v < vectors; ++v) {
+    const double* mine = shared.amounts.data() + v * static_cast<std::size_t>(shared.width);
+    double* from = u + v * static_cast<std::size_t>(b);
+    for (const Use& use : usesOf(shared, v))
+      subtract(use.column, use.columns, mine, 1, from);
+    subtract(shared.joined, shared.motions, mine, 1, from);
+  }
 }
 
 ClusterInverse::Amounts ClusterInverse::none() const {

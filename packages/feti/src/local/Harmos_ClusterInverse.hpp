@@ -88,7 +88,8 @@ class ClusterInverse {
     int width = 0, joined = 0, motions = 0; ///< columns of W, of K⁺B₀ᵀ in it, of R
     std::vector<double> w;                  ///< boundary × width
     std::vector<double> f, g; ///< B₀K⁺B₀ᵀ and RᵀB₀ᵀ of the sides, joined × joined, motions × joined
-    std::size_t members = 0;
+    std::vector<int> members;
+    bool isSelective = false;            ///< most members use few of the columns
     mutable std::vector<double> amounts; ///< Wᵀt, then (μ, −α): width for each vector
   };
   /// How a subdomain has part in a join.
@@ -113,6 +114,10 @@ class ClusterInverse {
 
   int columnsOf(const Clusters::Cluster& cluster) const {
     return role_ == Role::Inverse ? cluster.averages : cluster.motions;
+  }
+  /// Of the member that a vector of a group is of.
+  const std::vector<Use>& usesOf(const Shared& shared, std::size_t vector) const {
+    return members_[static_cast<std::size_t>(shared.members[vector % shared.members.size()])].uses;
   }
   void makeShared(const std::vector<Group>& groups);
   Use useOf(const Clusters::Columns& join, const Clusters::Side& side, std::vector<KnownSide>& known) const;

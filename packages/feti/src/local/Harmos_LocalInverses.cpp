@@ -235,7 +235,10 @@ void LocalInverses::join(const std::shared_ptr<const Clusters>& clusters) {
   std::vector<ClusterInverse::Group> groups;
   for (std::size_t c = 0; c < classes_.size(); ++c)
     groups.push_back({classes_[c].members, classes_[c].boundary, &inverses_[c]->boundaryOperator()});
-  joined_ = std::make_unique<ClusterInverse>(clusters, groups);
+  if (joined_) // operators that were handed out have it
+    *joined_ = ClusterInverse(clusters, groups);
+  else
+    joined_ = std::make_unique<ClusterInverse>(clusters, groups);
 }
 
 void LocalInverses::refactor(const SubdomainSystem& system, const LocalInverseOptions& options) {

@@ -20,7 +20,7 @@ struct SubdomainLink {
 /// the group that it has most links with, or is one of its own.
 /// @param centres of each subdomain; none at all: METIS. @param size of a group; 0: as large as there are.
 /// @return members by rising subdomains, groups by their first. Local.
-/// Guarded by tests/unit/feti/test_clusters.cpp.
+/// Guarded by tests/unit/feti/clusters/test_clusters.cpp.
 std::vector<std::vector<int>> partitionIntoClusters(int subdomains, const std::vector<SubdomainLink>& links,
                                                     const std::vector<std::array<double, 3>>& centres,
                                                     int size);

@@ -47,7 +47,7 @@ std::shared_ptr<const Clusters> makeClusters(const SubdomainSystem& system, cons
 /// value decompositions while the cluster grows from subdomain to subdomain; and rows UᵀF = 0, for which
 /// vectors are kept orthogonal to U. Inequality, limited and Dirichlet rows are outside of U.
 ///
-/// Guarded by tests/unit/feti/test_clusters.cpp.
+/// Guarded by tests/unit/feti/clusters/test_clusters.cpp.
 class Clusters {
  public:
   /// Values at a subdomain's dofs of a place, by columns.

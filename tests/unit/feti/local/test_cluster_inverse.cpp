@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "../Harmos_ClusterTestSupport.hpp"
+#include "../clusters/Harmos_ClusterTestSupport.hpp"
 
 #include "Harmos_DualOperator.hpp"
 #include "Harmos_DualPreconditioner.hpp"
@@ -395,7 +395,7 @@ TEST(ClusterInverse, averages_that_are_none_are_named) {
   // Without the last join the last subdomain moves by itself, of which the kernel says nothing. The object is
   // not const.
   auto& cluster = const_cast<Clusters::Cluster&>(clusters->all().front());
-  cluster.averages -= cluster.joins.back().columns;
+  cluster.averages -= cluster.joins.back().count;
   cluster.joins.pop_back();
   const std::string missed = failure(clusters, system, constraints, [](int) { return 1.0; });
   EXPECT_TRUE(contains(missed, "the cluster of 4 subdomains from subdomain 0 on has a motion that its "

@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "support")]
+sys.path.insert(0, str(HERE.parents[1] / "support"))
 
 import harmos_measure  # noqa: E402
 import harmos_runs as runs  # noqa: E402

@@ -124,9 +124,9 @@ void expectSound(const ClusteredProblem& problem) {
     int averages = 0;
     for (const Clusters::Join& join : cluster.joins) {
       EXPECT_EQ(join.first, averages);
-      averages += join.columns;
+      averages += join.count;
       const std::size_t n = join.rows.size();
-      ASSERT_EQ(join.weights.size(), n * static_cast<std::size_t>(join.columns));
+      ASSERT_EQ(join.weights.size(), n * static_cast<std::size_t>(join.count));
       for (int row : join.rows) {
         EXPECT_EQ(problem.constraints.rowType(row), RowType::Gluing);
         EXPECT_TRUE(rows.insert(row).second) << "row " << row << " is in two joins";
@@ -181,21 +181,26 @@ TEST(ClusterPartition, rounding_errors_of_centres_have_no_say) {
             (Groups{{0, 1, 4, 5}, {2, 3, 6, 7}, {8, 9, 12, 13}, {10, 11, 14, 15}}));
 }
 
-// Between layers where that gives groups of about so many, though sizes then differ.
+// Bricks about as long as wide, of about so many: six of 2 × 2, and not of 3 × 2 or of five.
 TEST(ClusterPartition, cuts_are_between_layers) {
-  const Grid grid(3, 3);
-  const Groups groups = partitionIntoClusters(9, grid.links, grid.centres, 5); // two groups
-  ASSERT_EQ(groups.size(), 2u);
-  expectGroups(groups, 9, grid.links);
+  const Grid grid(6, 4);
+  const Groups groups = partitionIntoClusters(24, grid.links, grid.centres, 5);
+  ASSERT_EQ(groups.size(), 6u);
+  expectGroups(groups, 24, grid.links);
   for (const std::vector<int>& group : groups)
-    EXPECT_EQ(group.size() % 3, 0u);
+    EXPECT_EQ(group, (std::vector<int>{group[0], group[0] + 1, group[0] + 6, group[0] + 7}));
+  // Three layers in two pieces, on both axes.
+  const Grid odd(3, 3);
+  EXPECT_EQ(partitionIntoClusters(9, odd.links, odd.centres, 3), (Groups{{0, 1, 3, 4}, {2, 5}, {6, 7}, {8}}));
 }
 
-// A grid whose columns hang together by one dof each and whose rows by many: bricks would cut the rows, the
-// graph keeps them whole. Links of ten dofs are those along y here.
+// Centres that stand on no grid, whose columns hang together by few dofs and whose rows by many: bricks would
+// cut the rows, the graph keeps them whole.
 TEST(ClusterPartition, links_of_many_dofs_are_kept_where_bricks_would_cut_them) {
-  // Eight columns of two, wide and flat: bricks cut across x. Along x subdomains share 100 dofs, along y 10.
-  const Grid grid(8, 2, 100);
+  // Eight columns of two, wide and flat: bricks cut across x. Along x subdomains share 1000 dofs, along y 10.
+  Grid grid(8, 2, 1000);
+  for (std::size_t k = 0; k < grid.centres.size(); ++k)
+    grid.centres[k][0] += 0.02 * static_cast<double>(k % 5);
   const Groups groups = partitionIntoClusters(16, grid.links, grid.centres, 8);
   EXPECT_EQ(groups, (Groups{{0, 1, 2, 3, 4, 5, 6, 7}, {8, 9, 10, 11, 12, 13, 14, 15}}));
 }

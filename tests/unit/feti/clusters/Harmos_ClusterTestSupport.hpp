@@ -115,7 +115,7 @@ inline std::vector<double> averagesOf(const feti::Constraints& constraints,
   const auto view = bu.getLocalViewHost(Tpetra::Access::ReadOnly);
   std::vector<double> result(static_cast<std::size_t>(cluster.averages), 0.0);
   for (const feti::Clusters::Join& join : cluster.joins)
-    for (std::size_t q = 0; q < static_cast<std::size_t>(join.columns); ++q)
+    for (std::size_t q = 0; q < static_cast<std::size_t>(join.count); ++q)
       for (std::size_t k = 0; k < join.rows.size(); ++k)
         result[static_cast<std::size_t>(join.first) + q] +=
             join.weights[q * join.rows.size() + k] * view(static_cast<std::size_t>(join.rows[k]), 0);
@@ -206,7 +206,7 @@ class DenseCluster {
       const int row = own.getLocalElement(overlap.getGlobalElement(entry.row));
       for (const feti::Clusters::Join& join : item.joins)
         for (std::size_t place = 0; place < join.rows.size(); ++place)
-          for (int q = 0; q < join.columns && join.rows[place] == row; ++q) {
+          for (int q = 0; q < join.count && join.rows[place] == row; ++q) {
             const double value =
                 entry.value * join.weights[static_cast<std::size_t>(q) * join.rows.size() + place];
             matrix_(first + entry.dof, size_ + join.first + q) += value;
