@@ -80,7 +80,9 @@ std::vector<double> invertedOnComplement(std::vector<double> s, int n, const std
 ClusterInverse::ClusterInverse(std::shared_ptr<const Clusters> clusters, const std::vector<Group>& groups,
                                Role role)
     : clusters_(std::move(clusters)), role_(role) {
-  makeShared(groups);
+  const std::vector<std::vector<KnownSide>> sides = findMembers(groups);
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    shared_.push_back(sharedOf(groups[g], sides[g]));
   std::map<std::vector<int>, std::size_t> known;
   for (std::size_t c = 0; c < clusters_->all().size(); ++c) {
     const auto [place, isNew] = known.emplace(signature(c), factors_.size());
@@ -101,7 +103,9 @@ ClusterInverse::Use ClusterInverse::useOf(const Clusters::Columns& join, const C
   return {first, join.first, join.count, 1.0, &side};
 }
 
-void ClusterInverse::makeShared(const std::vector<Group>& groups) {
+// What part each subdomain has in its cluster. @return the distinct sides of each group.
+std::vector<std::vector<ClusterInverse::KnownSide>>
+ClusterInverse::findMembers(const std::vector<Group>& groups) {
   const RigidMotions& motions = clusters_->motions();
   members_.resize(static_cast<std::size_t>(motions.system().size()));
   for (std::size_t g = 0; g < groups.size(); ++g)
@@ -131,49 +135,51 @@ void ClusterInverse::makeShared(const std::vector<Group>& groups) {
     else
       std::for_each(cluster.moves.begin(), cluster.moves.end(), addUses);
   }
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    const Group& group = groups[g];
-    Shared shared;
-    shared.boundary = group.boundary;
-    shared.members = group.members;
-    const std::size_t b = group.boundary.size();
-    for (const KnownSide& side : known[g])
-      shared.joined += side.columns;
-    const Kernel& kernel = motions.kernel(group.members.front());
-    shared.motions = role_ == Role::Inverse ? kernel.columns : 0;
-    shared.width = shared.joined + shared.motions;
-    const auto joined = static_cast<std::size_t>(shared.joined);
-    std::vector<double> sides(b * joined, 0.0);
-    for (const KnownSide& side : known[g])
-      for (std::size_t q = 0; q < static_cast<std::size_t>(side.columns); ++q)
-        for (std::size_t k = 0; k < side.dofs.size(); ++k)
-          sides[(static_cast<std::size_t>(side.first) + q) * b + placeOf(group.boundary, side.dofs[k])] =
-              side.values[q * side.dofs.size() + k];
-    shared.w.resize(b * joined);
-    group.op->apply(sides.data(), shared.w.data(), shared.joined);
-    for (int k = 0; k < shared.motions; ++k)
-      for (int dof : group.boundary)
-        shared.w.push_back(kernel.column(k)[dof]);
-    const int n = static_cast<int>(b);
-    Teuchos::BLAS<int, double> blas;
-    shared.f.assign(joined * joined, 0.0);
-    shared.g.assign(static_cast<std::size_t>(shared.motions) * joined, 0.0);
-    if (joined > 0)
-      blas.GEMM(Teuchos::TRANS, Teuchos::NO_TRANS, shared.joined, shared.joined, n, 1.0, sides.data(), n,
-                shared.w.data(), n, 0.0, shared.f.data(), shared.joined);
-    if (joined > 0 && shared.motions > 0)
-      blas.GEMM(Teuchos::TRANS, Teuchos::NO_TRANS, shared.motions, shared.joined, n, 1.0,
-                shared.w.data() + b * joined, n, sides.data(), n, 0.0, shared.g.data(), shared.motions);
-    // Faces at the rim of a body have other dofs than those within, and all of them are columns of W: where
-    // most members use few of these it is better to take them one after the other.
-    constexpr double many = 1.5;
-    double used = 0.0;
-    for (int i : group.members)
-      for (const Use& use : members_[static_cast<std::size_t>(i)].uses)
-        used += use.columns;
-    shared.isSelective = shared.joined * static_cast<double>(group.members.size()) > many * used;
-    shared_.push_back(std::move(shared));
-  }
+  return known;
+}
+
+ClusterInverse::Shared ClusterInverse::sharedOf(const Group& group,
+                                                const std::vector<KnownSide>& known) const {
+  Shared shared;
+  shared.boundary = group.boundary;
+  shared.members = group.members;
+  const std::size_t b = group.boundary.size();
+  for (const KnownSide& side : known)
+    shared.joined += side.columns;
+  const Kernel& kernel = clusters_->motions().kernel(group.members.front());
+  shared.motions = role_ == Role::Inverse ? kernel.columns : 0;
+  shared.width = shared.joined + shared.motions;
+  const auto joined = static_cast<std::size_t>(shared.joined);
+  std::vector<double> sides(b * joined, 0.0);
+  for (const KnownSide& side : known)
+    for (std::size_t q = 0; q < static_cast<std::size_t>(side.columns); ++q)
+      for (std::size_t k = 0; k < side.dofs.size(); ++k)
+        sides[(static_cast<std::size_t>(side.first) + q) * b + placeOf(group.boundary, side.dofs[k])] =
+            side.values[q * side.dofs.size() + k];
+  shared.w.resize(b * joined);
+  group.op->apply(sides.data(), shared.w.data(), shared.joined);
+  for (int k = 0; k < shared.motions; ++k)
+    for (int dof : group.boundary)
+      shared.w.push_back(kernel.column(k)[dof]);
+  const int n = static_cast<int>(b);
+  Teuchos::BLAS<int, double> blas;
+  shared.f.assign(joined * joined, 0.0);
+  shared.g.assign(static_cast<std::size_t>(shared.motions) * joined, 0.0);
+  if (joined > 0)
+    blas.GEMM(Teuchos::TRANS, Teuchos::NO_TRANS, shared.joined, shared.joined, n, 1.0, sides.data(), n,
+              shared.w.data(), n, 0.0, shared.f.data(), shared.joined);
+  if (joined > 0 && shared.motions > 0)
+    blas.GEMM(Teuchos::TRANS, Teuchos::NO_TRANS, shared.motions, shared.joined, n, 1.0,
+              shared.w.data() + b * joined, n, sides.data(), n, 0.0, shared.g.data(), shared.motions);
+  // Faces at the rim of a body have other dofs than those within, and all of them are columns of W: where
+  // most members use few of these it is better to take them one after the other.
+  constexpr double many = 1.5;
+  double used = 0.0;
+  for (int i : group.members)
+    for (const Use& use : members_[static_cast<std::size_t>(i)].uses)
+      used += use.columns;
+  shared.isSelective = shared.joined * static_cast<double>(group.members.size()) > many * used;
+  return shared;
 }
 
 // Clusters with one signature have one F₀ and one S₀.
@@ -226,6 +232,25 @@ std::vector<double> ClusterInverse::gTransposedTimes(std::size_t cluster,
   return result;
 }
 
+// T: the motions of the whole cluster, column after column.
+std::vector<double> ClusterInverse::motionsOf(std::size_t cluster) const {
+  const RigidMotions& motions = clusters_->motions();
+  const std::size_t first = motions.places()[cluster], end = motions.places()[cluster + 1];
+  std::vector<double> t, whole(motions.places().back(), 0.0);
+  for (std::size_t c = first; c < end; ++c) {
+    whole[c] = 1.0;
+    const std::vector<double> amplitudes = motions.amplitudes(whole);
+    for (int i : clusters_->all()[cluster].members) {
+      const std::vector<double> mine =
+          part(amplitudes, motions.amplitudePlaces()[static_cast<std::size_t>(i)],
+               motions.amplitudePlaces()[static_cast<std::size_t>(i) + 1]);
+      t.insert(t.end(), mine.begin(), mine.end());
+    }
+    whole[c] = 0.0;
+  }
+  return t;
+}
+
 ClusterInverse::Factor ClusterInverse::factorOf(std::size_t cluster) const {
   const Clusters::Cluster& item = clusters_->all()[cluster];
   Factor factor;
@@ -274,23 +299,8 @@ ClusterInverse::Factor ClusterInverse::factorOf(std::size_t cluster) const {
   for (std::size_t j = 0; j < n; ++j)
     for (std::size_t i = 0; i < j; ++i)
       s[j * n + i] = s[i * n + j] = 0.5 * (s[j * n + i] + s[i * n + j]);
-  // T: the motions of the whole cluster, column after column.
-  const RigidMotions& motions = clusters_->motions();
-  const std::size_t first = motions.places()[cluster], end = motions.places()[cluster + 1];
-  std::vector<double> t, whole(motions.places().back(), 0.0);
-  for (std::size_t c = first; c < end; ++c) {
-    whole[c] = 1.0;
-    const std::vector<double> amplitudes = motions.amplitudes(whole);
-    for (int i : item.members) {
-      const std::vector<double> mine =
-          part(amplitudes, motions.amplitudePlaces()[static_cast<std::size_t>(i)],
-               motions.amplitudePlaces()[static_cast<std::size_t>(i) + 1]);
-      t.insert(t.end(), mine.begin(), mine.end());
-    }
-    whole[c] = 0.0;
-  }
-  factor.inverse.emplace(invertedOnComplement(std::move(s), factor.amplitudes, t, name), factor.amplitudes,
-                         Precision::Double, 1);
+  factor.inverse.emplace(invertedOnComplement(std::move(s), factor.amplitudes, motionsOf(cluster), name),
+                         factor.amplitudes, Precision::Double, 1);
   return factor;
 }
 

@@ -119,10 +119,12 @@ class ClusterInverse {
   const std::vector<Use>& usesOf(const Shared& shared, std::size_t vector) const {
     return members_[static_cast<std::size_t>(shared.members[vector % shared.members.size()])].uses;
   }
-  void makeShared(const std::vector<Group>& groups);
+  std::vector<std::vector<KnownSide>> findMembers(const std::vector<Group>& groups);
+  Shared sharedOf(const Group& group, const std::vector<KnownSide>& known) const;
   Use useOf(const Clusters::Columns& join, const Clusters::Side& side, std::vector<KnownSide>& known) const;
   std::vector<int> signature(std::size_t cluster) const;
   Factor factorOf(std::size_t cluster) const;
+  std::vector<double> motionsOf(std::size_t cluster) const;
   /// G₀μ and G₀ᵀα.
   std::vector<double> gTimes(std::size_t cluster, const std::vector<double>& mu) const;
   std::vector<double> gTransposedTimes(std::size_t cluster, const std::vector<double>& alpha) const;
