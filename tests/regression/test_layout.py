@@ -37,6 +37,8 @@ SEES = {
     "contact": {"core", "fem"},
     "scene": {"core", "feti", "fem", "contact"},
     "effects": {"core", "feti", "fem", "contact", "scene"},
+    "sensitivity": {"core", "feti", "fem", "contact", "scene"},
+    "rol": {"core", "sensitivity"},
     "run": {"core", "io", "qp", "feti", "fem", "contact", "scene"},
     "plan": {"core", "qp", "feti", "fem", "contact", "scene", "run"},
 }
