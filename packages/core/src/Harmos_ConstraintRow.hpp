@@ -25,6 +25,9 @@ struct ConstraintRow {
     double coefficient;
   };
   enum class Kind { Inequality, Equality, Limited };
+  /// What is known of an inequality: closed, it is an equality, whatever the sign of its force; open, it has
+  /// none. So that a problem is linear, as one of what changes an answer a little.
+  enum class Status { Undecided, Closed, Open };
 
   Kind kind = Kind::Equality;
   long long number = 0;
@@ -42,6 +45,8 @@ struct ConstraintRow {
   long long disc = -1;      ///< of limited rows: a number that no other pair has; −1: none
   double coefficient = 0.0; ///< ≥ 0, of limited rows whose limit follows an inequality
   long long normal = -1;    ///< the number of that inequality; −1: the limit is given
+  /// Of inequalities without softness, which no limit follows; may change from one solution to the next.
+  Status status = Status::Undecided;
 };
 
 } // namespace Harmos

@@ -23,8 +23,8 @@ struct DesignSpace {
   std::vector<double> weights;
 
   std::size_t size() const { return start.size(); }
-  /// @throws InputError for lists of different lengths, bounds that cross, a start that is not between them, and
-  /// weights that are not above zero. Local.
+  /// @throws InputError for lists of different lengths, bounds that cross, a start that is not between them,
+  /// and weights that are not above zero. Local.
   void check() const;
 };
 

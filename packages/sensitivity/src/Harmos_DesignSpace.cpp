@@ -17,8 +17,8 @@ void DesignSpace::check() const {
   for (std::size_t k = 0; k < n; ++k) {
     const std::string name = "number " + std::to_string(k) + " of the design";
     if (!(lower[k] <= upper[k]))
-      throw InputError(name + ": its lower bound, " + scientific(lower[k]) +
-                       ", is above its upper one, " + scientific(upper[k]));
+      throw InputError(name + ": its lower bound, " + scientific(lower[k]) + ", is above its upper one, " +
+                       scientific(upper[k]));
     if (!(start[k] >= lower[k] && start[k] <= upper[k]))
       throw InputError(name + " begins with " + scientific(start[k]) + ", which is not between its bounds, " +
                        scientific(lower[k]) + " and " + scientific(upper[k]));

@@ -24,7 +24,7 @@ struct KernelLoad {
 
 // ẽ = Rᵀf. Loads that balance themselves, such as those of a warm body, leave rounding
 // errors, for which there need be no forces that hold them: those are taken for zero.
-KernelLoad kernelLoad(const RigidMotions& motions) {
+KernelLoad kernelLoad(const SubdomainSystem& system, const RigidMotions& motions) {
   // Of sums of n terms, those of the load vector too: ε√n, and n is some thousands.
   constexpr double unit = 1e2 * std::numeric_limits<double>::epsilon();
   // R itself is known to so much: KR = 0 was verified to that, and loads of warm bodies are K times
@@ -33,7 +33,6 @@ KernelLoad kernelLoad(const RigidMotions& motions) {
   // Entries of R that are zero are so to rounding errors of a column's largest: what holds some components of
   // a body leaves motions that are made by orthogonalisation.
   constexpr double entryRounding = 10.0 * std::numeric_limits<double>::epsilon();
-  const SubdomainSystem& system = motions.system();
   std::vector<double> sums, bounds, rounding; // of amplitudes
   for (int i = 0; i < system.size(); ++i) {
     const Kernel& kernel = motions.kernel(i);
@@ -195,7 +194,7 @@ DualProblem::DualProblem(const SubdomainSystem& system, const Constraints& const
 
   shift_ = Teuchos::rcp(new MultiVector(map, 1));
   projectedD_ = Teuchos::rcp(new MultiVector(map, 1));
-  const KernelLoad load = kernelLoad(coarse.motions());
+  const KernelLoad load = kernelLoad(system, coarse.motions());
   if (coarse.dimension() > 0) {
     std::vector<double> s = coarse.solve(load.e);
     coarse.addTransposed(1.0, s, *shift_);

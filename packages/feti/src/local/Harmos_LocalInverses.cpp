@@ -184,7 +184,10 @@ std::vector<CongruenceClass> congruenceClasses(const SubdomainSystem& system, co
 
 LocalInverses::LocalInverses(std::vector<CongruenceClass> classes,
                              std::vector<std::unique_ptr<LocalInverse>> inverses)
-    : classes_(std::move(classes)), inverses_(std::move(inverses)), isReplaced_(classes_.size(), 0) {
+    : classes_(std::move(classes)),
+      inverses_(std::move(inverses)),
+      isReplaced_(classes_.size(), 0),
+      qualities_(classes_.size()) {
   HARMOS_REQUIRE(classes_.size() == inverses_.size(), "each class of subdomains needs one inverse");
 }
 
@@ -225,8 +228,16 @@ FactorizationCounts LocalInverses::counts() const {
 void LocalInverses::take(std::size_t ofClass, Details::MadeInverse made) {
   inverses_[ofClass] = std::move(made.inverse);
   isReplaced_[ofClass] = made.isReplaced || isReplaced_[ofClass] != 0 ? 1 : 0;
-  condition_ = std::max(condition_, made.quality.condition());
-  defect_ = std::max(defect_, made.quality.defect);
+  qualities_[ofClass] = made.quality;
+}
+
+void LocalInverses::judge() {
+  condition_ = 1.0;
+  defect_ = 0.0;
+  for (const InverseQuality& quality : qualities_) {
+    condition_ = std::max(condition_, quality.condition());
+    defect_ = std::max(defect_, quality.defect);
+  }
 }
 
 void LocalInverses::join(const std::shared_ptr<const Clusters>& clusters) {
@@ -241,11 +252,17 @@ void LocalInverses::join(const std::shared_ptr<const Clusters>& clusters) {
     joined_ = std::make_unique<ClusterInverse>(clusters, groups);
 }
 
-void LocalInverses::refactor(const SubdomainSystem& system, const LocalInverseOptions& options) {
+void LocalInverses::refactor(const SubdomainSystem& system, const LocalInverseOptions& options,
+                             const std::vector<char>& isSame) {
+  const auto stays = [&](const CongruenceClass& item) {
+    return !isSame.empty() && std::all_of(item.members.begin(), item.members.end(), [&](int member) {
+      return isSame[static_cast<std::size_t>(member)] != 0;
+    });
+  };
   agree(*system.comm(), [&] {
-    condition_ = 1.0;
-    defect_ = 0.0;
     for (std::size_t c = 0; c < classes_.size(); ++c) {
+      if (stays(classes_[c]))
+        continue;
       const int first = classes_[c].members.front();
       const LocalMatrix& matrix = system.matrix(first);
       const Kernel& kernel = system.kernel(first);
@@ -266,6 +283,7 @@ void LocalInverses::refactor(const SubdomainSystem& system, const LocalInverseOp
       take(c, wasReplaced ? again()
                           : madeOrReplaced({matrix, kernel, classes_[c], number}, options, context_, again));
     }
+    judge();
     join(options.clusters);
     if (context_ != nullptr) // inverses that were made elsewhere keep their own
       context_->releaseWorkspace();
@@ -296,6 +314,7 @@ LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints
   LocalInverses result(std::move(classes), std::vector<std::unique_ptr<LocalInverse>>(inverses.size()));
   for (std::size_t c = 0; c < inverses.size(); ++c)
     result.take(c, std::move(inverses[c]));
+  result.judge();
   result.context_ = std::move(context);
   if (options.clusters)
     agree(*system.comm(), [&] { result.join(options.clusters); });

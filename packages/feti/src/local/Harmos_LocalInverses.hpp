@@ -96,12 +96,16 @@ class LocalInverses {
 
   /// Become those of a system whose matrices have other values, and are verified again: numerical
   /// factorisations by the analyses that are there. Operators made from these inverses are to be made anew.
+  /// @param isSame of this rank's subdomains, whether matrix and kernel are what they were: classes of such
+  /// alone stay.
   /// @throws InputError on all ranks if a graph has changed, or subdomains that shared an inverse no longer
   ///         have one matrix; NumericalError as makeLocalInverses(). @note Collective.
-  void refactor(const SubdomainSystem& system, const LocalInverseOptions& options);
+  void refactor(const SubdomainSystem& system, const LocalInverseOptions& options,
+                const std::vector<char>& isSame = {});
 
  private:
   void take(std::size_t ofClass, Details::MadeInverse made);
+  void judge();
   void join(const std::shared_ptr<const Clusters>& clusters);
   friend LocalInverses makeLocalInverses(const SubdomainSystem&, const Constraints&,
                                          const LocalInverseOptions&);
@@ -109,6 +113,7 @@ class LocalInverses {
   std::vector<CongruenceClass> classes_;
   std::vector<std::unique_ptr<LocalInverse>> inverses_;
   std::vector<char> isReplaced_;
+  std::vector<InverseQuality> qualities_;
   double condition_ = 1.0;
   double defect_ = 0.0;
   std::shared_ptr<FactorizationContext> context_;

@@ -59,6 +59,7 @@ void FetiSolver::setUpInverses() {
 void FetiSolver::setUpOperators() {
   problem_.reset();
   history_.clear();
+  increments_.clear();
   adaptive_.reset();
   operator_ = std::make_unique<DualOperator>(*constraints_, *inverses_);
   coarse_ = makeCoarseSpace(motionsOf(*system_, *inverses_), *constraints_, dual_.coarse);
@@ -90,40 +91,79 @@ void FetiSolver::setBounds(const std::vector<ConstraintRow>& rows) {
 
 void FetiSolver::setMatrices(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
                              const std::vector<std::shared_ptr<const Kernel>>& motions) {
+  const Factored before = factored();
   system_->setMatrices(stiffness, motions);
-  // From here on nothing that was made of the old matrices may be used, also if a factorisation fails.
+  forgetOperators();
+  renewInverses(before);
+  setUpOperators();
+}
+
+void FetiSolver::setShape(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
+                          const std::vector<std::shared_ptr<const Kernel>>& motions,
+                          std::vector<std::shared_ptr<const std::vector<double>>> loads,
+                          const std::vector<ConstraintRow>& rows) {
+  const Factored before = factored();
+  system_->setMatrices(stiffness, motions);
+  forgetOperators();
+  system_->setLoads(std::move(loads));
+  constraints_ = std::make_unique<Constraints>(*system_, rows, dual_.weightsFor(contrast_));
+  renewInverses(before);
+  setUpOperators();
+}
+
+// The matrices and kernels that inverses are of.
+FetiSolver::Factored FetiSolver::factored() const {
+  Factored result;
+  for (int i = 0; i < system_->size(); ++i)
+    result.emplace_back(&system_->matrix(i), &system_->kernel(i));
+  return result;
+}
+
+// From here on nothing that was made of the old matrices may be used, also if a factorisation fails.
+void FetiSolver::forgetOperators() {
   problem_.reset();
   history_.clear();
+  increments_.clear();
   adaptive_.reset();
   operator_.reset();
   preconditioner_ = Teuchos::null;
+}
+
+void FetiSolver::renewInverses(const Factored& before) {
+  const Factored now = factored();
   std::vector<CongruenceClass> classes;
+  std::vector<char> isSame;
   agree(*system_->comm(), [&] {
     classes =
         congruenceClasses(*system_, *constraints_, decided_.inverses.share, decided_.inverses.fixingPlaces);
+    for (std::size_t i = 0; i < now.size(); ++i)
+      isSame.push_back(now[i] == before[i] ? 1 : 0);
   });
   const auto same = [](const CongruenceClass& a, const CongruenceClass& b) {
     return a.members == b.members && a.boundary == b.boundary;
   };
-  const bool isSame = std::equal(classes.begin(), classes.end(), inverses_->classes().begin(),
-                                 inverses_->classes().end(), same);
-  if (globalMin(*system_->comm(), isSame ? 1LL : 0LL) > 0) {
+  const bool areSame = std::equal(classes.begin(), classes.end(), inverses_->classes().begin(),
+                                  inverses_->classes().end(), same);
+  if (globalMin(*system_->comm(), areSame ? 1LL : 0LL) > 0) {
     decided_.inverses.clusters = makeClusters(*system_, *constraints_, clusters_);
-    inverses_->refactor(*system_, decided_.inverses);
+    inverses_->refactor(*system_, decided_.inverses, isSame);
   } else {
     setUpInverses();
   }
-  setUpOperators();
 }
 
 const SolveReport& FetiSolver::solve() {
   return solve(options_.tolerance);
 }
 
-const SolveReport& FetiSolver::solve(double tolerance) {
+void FetiSolver::requireOperators() const {
   if (!operator_)
     throw InputError(
         "the last setMatrices() failed; give matrices that can be factored, or make a new solver");
+}
+
+const SolveReport& FetiSolver::solve(double tolerance) {
+  requireOperators();
   if (!problem_) {
     try {
       problem_ = std::make_unique<DualProblem>(*system_, *constraints_, *inverses_, *operator_, *coarse_);
@@ -134,15 +174,40 @@ const SolveReport& FetiSolver::solve(double tolerance) {
       return report_;
     }
   }
-  const DualStages stages{*system_,  *constraints_,   *inverses_,     *coarse_,
-                          *problem_, preconditioner_, adaptive_.get()};
-  const std::optional<WarmStart> start = history_.start(*problem_, tolerance);
-  TornSolution torn;
+  Answer answer = solved({*system_, *constraints_, *problem_, history_}, tolerance);
+  report_ = std::move(answer.report);
+  audit_ = answer.audit;
+  solution_ = std::make_unique<TornSolution>(std::move(answer.torn));
+  return report_;
+}
+
+FetiSolver::Increment
+FetiSolver::solveIncrement(std::vector<std::shared_ptr<const std::vector<double>>> loads,
+                           const std::vector<ConstraintRow>& rows, double tolerance) {
+  requireOperators();
+  SubdomainSystem system = *system_;
+  system.setLoads(std::move(loads));
+  std::vector<std::vector<double>> held;
+  for (int i = 0; i < system.size(); ++i)
+    held.emplace_back(system.subdomain(i).fixed.size(), 0.0);
+  system.setPrescribed(held);
+  const Constraints constraints = constraints_->withBounds(system, rows);
+  const DualProblem problem(system, constraints, *inverses_, *operator_, *coarse_);
+  Answer answer = solved({system, constraints, problem, increments_}, tolerance);
+  return {std::move(answer.report), std::move(answer.torn.displacement),
+          constraints.givenMultipliers(*answer.torn.multiplier)};
+}
+
+FetiSolver::Answer FetiSolver::solved(const Task& task, double tolerance) {
+  const DualStages stages{task.system,  task.constraints, *inverses_,     *coarse_,
+                          task.problem, preconditioner_,  adaptive_.get()};
+  const std::optional<WarmStart> start = task.history.start(task.problem, tolerance);
+  Answer answer;
   bool looked = false, agrees = false;
   const auto look = [&](const MultiVector& lambda, const std::vector<double>& mu) {
-    torn = recover(*system_, *constraints_, *inverses_, *coarse_, *problem_, lambda, mu);
-    audit_ = feti::audit(*system_, *constraints_, torn);
-    return auditAgrees(audit_, {auditShare(tolerance), rounding_, defect_});
+    answer.torn = recover(task.system, task.constraints, *inverses_, *coarse_, task.problem, lambda, mu);
+    answer.audit = feti::audit(task.system, task.constraints, answer.torn);
+    return auditAgrees(answer.audit, {auditShare(tolerance), rounding_, defect_});
   };
   const auto accept = [&](const MultiVector& lambda, const std::vector<double>& mu,
                           double reached) -> std::optional<double> {
@@ -154,28 +219,27 @@ const SolveReport& FetiSolver::solve(double tolerance) {
     log_.info("The audit contradicts the residuals: going on to a smaller tolerance");
     return reached / 10.0;
   };
-  report_ = {};
+  SolveReport& report = answer.report;
   SolverOptions options = options_;
   options.tolerance = tolerance;
   const DualSolution dual =
-      solveDualProblem(stages, options, start ? &*start : nullptr, accept, log_, report_);
+      solveDualProblem(stages, options, start ? &*start : nullptr, accept, log_, report);
   operator_->rethrowFailure();
   if (!preconditioner_.is_null())
     preconditioner_->rethrowFailure();
   if (dual.isEscaping)
-    report_.reason += "; pulled away, with nothing to hold it: " + escapingSubdomains(dual);
+    report.reason += "; pulled away, with nothing to hold it: " + escapingSubdomains(dual);
   // An answer that was accepted has been looked at last.
-  if (!looked || !report_.converged)
+  if (!looked || !report.converged)
     agrees = look(*dual.lambda, dual.mu);
-  if (!agrees && report_.converged && report_.solver != "Dual Penalty") {
-    report_.converged = false;
-    report_.reason = "the residuals of the dual problem are as small as they get, but the audit of "
-                     "displacements and forces contradicts them";
+  if (!agrees && report.converged && report.solver != "Dual Penalty") {
+    report.converged = false;
+    report.reason = "the residuals of the dual problem are as small as they get, but the audit of "
+                    "displacements and forces contradicts them";
   }
-  solution_ = std::make_unique<TornSolution>(std::move(torn));
-  if (report_.converged)
-    history_.add(*problem_, solution_->multiplier, dual.mu);
-  return report_;
+  if (report.converged)
+    task.history.add(task.problem, answer.torn.multiplier, dual.mu);
+  return answer;
 }
 
 // "subdomains 4, 5, 6": whoever made them knows what bodies they are of.

@@ -58,6 +58,16 @@ class FetiSolver {
   void setMatrices(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
                    const std::vector<std::shared_ptr<const Kernel>>& motions = {});
 
+  /// Bodies of another shape: matrices with the graphs of the old ones, kernels, loads, and rows with other
+  /// coefficients, of the same kinds and numbers. Subdomains with the matrices that they had keep their
+  /// factors.
+  /// @param motions as setMatrices(). @throws as setMatrices() and the constructor. After an error no solve()
+  /// until a shape that succeeds was set. @note Collective.
+  void setShape(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
+                const std::vector<std::shared_ptr<const Kernel>>& motions,
+                std::vector<std::shared_ptr<const std::vector<double>>> loads,
+                const std::vector<ConstraintRow>& rows);
+
   /// Solves, and judges the answer by its audit: where that contradicts the residuals, the solver goes on,
   /// and an answer that it contradicts to the end is not called converged. That there is no solution is no
   /// error, but a report with the reason, which names the subdomains that nothing holds.
@@ -68,6 +78,20 @@ class FetiSolver {
   double tolerance() const { return options_.tolerance; }
   /// The next solution starts cold, as the options say.
   void forgetSolutions() { history_.clear(); }
+
+  /// How an answer changes: that of the matrices and rows that are here to other loads and bounds, with
+  /// prescribed values of zero. What solve() has found, and what it finds next, is as if this had not been
+  /// asked. Starts from what was asked before.
+  struct Increment {
+    SolveReport report;
+    TornVector displacement;
+    std::vector<double> rowForces; ///< of the rows that this rank gave
+  };
+  /// @param loads of this rank's subdomains. @param rows those that are here, with other bounds, and with
+  /// statuses: where all inequalities are decided the problem is linear. @param tolerance as solve().
+  /// @throws InputError, NumericalError, InternalError on all ranks. @note Collective.
+  Increment solveIncrement(std::vector<std::shared_ptr<const std::vector<double>>> loads,
+                           const std::vector<ConstraintRow>& rows, double tolerance);
 
   /// Of the last solution, copies of a dof in each subdomain.
   const TornVector& displacement() const { return solution().displacement; }
@@ -97,7 +121,25 @@ class FetiSolver {
   FactorizationCounts factorizations() const;
 
  private:
+  // What is solved for, and where it starts.
+  struct Task {
+    const SubdomainSystem& system;
+    const Constraints& constraints;
+    const DualProblem& problem;
+    SolutionHistory& history;
+  };
+  struct Answer {
+    SolveReport report;
+    TornSolution torn;
+    KktAudit audit;
+  };
+  Answer solved(const Task& task, double tolerance);
+  void requireOperators() const;
   void setUpInverses();
+  void forgetOperators();
+  using Factored = std::vector<std::pair<const LocalMatrix*, const Kernel*>>;
+  Factored factored() const;
+  void renewInverses(const Factored& before);
   void setUpOperators();
   std::string escapingSubdomains(const DualSolution& dual) const;
 
@@ -120,7 +162,7 @@ class FetiSolver {
   Teuchos::RCP<const DualPreconditioner> preconditioner_;
   std::unique_ptr<AdaptiveSpace> adaptive_;
   std::unique_ptr<TornSolution> solution_;
-  SolutionHistory history_;
+  SolutionHistory history_, increments_;
   KktAudit audit_;
   SolveReport report_;
 };

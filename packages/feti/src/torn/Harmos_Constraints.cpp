@@ -45,6 +45,7 @@ struct RowHead {
   double coefficient = 0.0;
   long long normal = -1;  // row that the limit follows
   double softness = -1.0; // −1: none
+  int status = 0;
 };
 
 using Importer = Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>;
@@ -221,7 +222,7 @@ std::vector<Details::MultiplierTerm> addGiven(const std::vector<ConstraintRow>& 
     multipliers.push_back({static_cast<int>(r), number, scale});
     builder.add({number, scale * part.bound, scale, part.compliance * scale * scale,
                  static_cast<int>(typeOf(row.kind)), row.limit / scale, row.disc, row.coefficient, row.normal,
-                 softnessOf(row, part) * scale * scale},
+                 softnessOf(row, part) * scale * scale, static_cast<int>(row.status)},
                 part.terms, given.owners[r], !part.isIdle);
     builder.addHeld(number, part.held);
     for (const ConstraintRow::Term& term : row.terms)
@@ -285,7 +286,7 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
 
 Constraints::Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows,
                          bool hasWeights, Details::Weights weights)
-    : system_(system), weights_(std::move(weights)), hasWeights_(hasWeights) {
+    : system_(&system), weights_(std::move(weights)), hasWeights_(hasWeights) {
   const Teuchos::Comm<int>& comm = *system.comm();
   const auto ranks = static_cast<std::size_t>(comm.getSize());
 
@@ -334,8 +335,11 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
     compliances_.push_back(head.compliance);
     limits_.push_back(head.limit);
     softness_.push_back(head.softness);
-    isInterval_.push_back(types_.back() == RowType::Limited && head.disc < 0 && !(head.softness >= 0.0) ? 1
-                                                                                                        : 0);
+    statuses_.push_back(static_cast<ConstraintRow::Status>(head.status));
+    isInterval_.push_back(rowType(static_cast<int>(types_.size()) - 1) == RowType::Limited && head.disc < 0 &&
+                                  !(head.softness >= 0.0)
+                              ? 1
+                              : 0);
   }
   pairs_ = pairsOf(heads);
   findSoft(comm);
@@ -389,6 +393,8 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
 // And discs that are none of them.
 void Constraints::findSoft(const Teuchos::Comm<int>& comm) {
   long long any = 0, limited = 0;
+  openCount_ = globalSum(comm, static_cast<long long>(std::count(statuses_.begin(), statuses_.end(),
+                                                                 ConstraintRow::Status::Open)));
   for (std::size_t r = 0; r < types_.size(); ++r)
     if (isSoft(static_cast<int>(r))) {
       any = 1;
@@ -412,9 +418,9 @@ void Constraints::keepFullRows(const std::vector<std::vector<RowEntry>>& held) {
     place = static_cast<int>(touched.size());
     touched.push_back(static_cast<GlobalOrdinal>(row));
   }
-  heldEntries_ = bySubdomain(held, localRow, system_.size());
+  heldEntries_ = bySubdomain(held, localRow, system_->size());
   heldMap_ = Teuchos::rcp(
-      new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), touched(), 0, system_.comm()));
+      new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), touched(), 0, system_->comm()));
 }
 
 // Sorted by row.
@@ -433,8 +439,8 @@ Constraints::bySubdomain(const std::vector<std::vector<RowEntry>>& entries,
 }
 
 void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
-  const Constraints changed(system_, rows, hasWeights_, weights_);
-  agree(*system_.comm(), [&] {
+  const Constraints changed(*system_, rows, hasWeights_, weights_);
+  agree(*system_->comm(), [&] {
     if (changed.types_ != types_ || changed.entries_ != entries_ || changed.compliances_ != compliances_ ||
         changed.pairs_ != pairs_ || !changed.rowMap_->isLocallyFitted(*rowMap_))
       throw InputError(
@@ -444,6 +450,18 @@ void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
           "change); new "
           "constraints are needed");
   });
+  takeBounds(changed);
+}
+
+Constraints Constraints::withBounds(const SubdomainSystem& system,
+                                    const std::vector<ConstraintRow>& rows) const {
+  Constraints other = *this;
+  other.system_ = &system;
+  other.setBounds(rows);
+  return other;
+}
+
+void Constraints::takeBounds(const Constraints& changed) {
   bounds_ = changed.bounds_;
   limits_ = changed.limits_;
   softness_ = changed.softness_;
@@ -451,6 +469,8 @@ void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
   softLimited_ = changed.softLimited_;
   discs_ = changed.discs_;
   discCount_ = changed.discCount_;
+  statuses_ = changed.statuses_;
+  openCount_ = changed.openCount_;
   isInterval_ = changed.isInterval_;
   followers_ = changed.followers_;
   followerCount_ = changed.followerCount_;
@@ -483,7 +503,7 @@ void Constraints::addB(int subdomain, const double* u, double* overlap) const {
 
 void Constraints::applyB(const TornVector& u, MultiVector& y) const {
   std::vector<double> overlap(localSize(*overlapMap_), 0.0);
-  for (int i = 0; i < system_.size(); ++i)
+  for (int i = 0; i < system_->size(); ++i)
     addB(i, u[static_cast<std::size_t>(i)].data(), overlap.data());
   fromOverlap(overlap, y);
 }
@@ -525,15 +545,37 @@ std::vector<double> Constraints::givenMultipliers(const MultiVector& lambda) con
   return result;
 }
 
+// Of scaled rows: a multiplier's factor is the scale, and a residual's is its inverse.
+std::vector<double> Constraints::atGiven(MultiVector& scaled) const {
+  {
+    const auto view = scaled.getLocalViewHost(Tpetra::Access::ReadWrite);
+    for (std::size_t r = 0; r < view.extent(0); ++r)
+      view(r, 0) /= scales_[r] * scales_[r];
+  }
+  return givenMultipliers(scaled);
+}
+
+std::vector<double> Constraints::givenProducts(const TornVector& v) const {
+  MultiVector image(rowMap_, 1);
+  applyB(v, image);
+  return atGiven(image);
+}
+
+std::vector<double> Constraints::givenResiduals(const TornVector& u, const MultiVector& lambda) const {
+  MultiVector left(rowMap_, 1);
+  residual(u, lambda, left);
+  return atGiven(left);
+}
+
 std::vector<std::vector<double>> Constraints::heldForces(const MultiVector& lambda) const {
   const std::vector<double> multipliers = brought(lambda, Importer(rowMap_, heldMap_));
   std::vector<std::vector<double>> result;
-  for (int i = 0; i < system_.size(); ++i) {
+  for (int i = 0; i < system_->size(); ++i) {
     std::map<int, double> atDof;
     for (const Entry& entry : heldEntries_[static_cast<std::size_t>(i)])
       atDof[entry.dof] += entry.value * multipliers[static_cast<std::size_t>(entry.row)];
     std::vector<double>& forces = result.emplace_back();
-    for (const FixedDof& fixed : system_.subdomain(i).fixed)
+    for (const FixedDof& fixed : system_->subdomain(i).fixed)
       forces.push_back(atDof.count(fixed.dof) > 0 ? atDof[fixed.dof] : 0.0);
   }
   return result;

@@ -108,6 +108,11 @@ class Constraints {
   /// @throws InputError on all ranks if they differ in more, and as the constructor. @note Collective.
   void setBounds(const std::vector<ConstraintRow>& rows);
 
+  /// The same B with other bounds, limits, softness and statuses, for a system that differs in loads and
+  /// prescribed values alone. @param system to outlive the answer. @throws InputError likewise. @note
+  /// Collective.
+  Constraints withBounds(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows) const;
+
   /// Rows owned by this rank: the map of dual vectors.
   const Teuchos::RCP<const Map>& rowMap() const { return rowMap_; }
   /// Rows that touch a subdomain of this rank.
@@ -122,8 +127,14 @@ class Constraints {
   /// B_i of all subdomains of this rank.
   const std::vector<std::vector<Entry>>& entries() const { return entries_; }
 
-  /// Of an owned row, by local index of rowMap().
-  RowType rowType(int row) const { return types_[static_cast<std::size_t>(row)]; }
+  /// Of an owned row, by local index of rowMap(); an inequality that is decided is an equality where it is
+  /// closed, and where it is open limited to a force of zero.
+  RowType rowType(int row) const {
+    const auto r = static_cast<std::size_t>(row);
+    return statuses_[r] == ConstraintRow::Status::Undecided ? types_[r]
+           : statuses_[r] == ConstraintRow::Status::Closed  ? RowType::Equality
+                                                            : RowType::Limited;
+  }
   /// Factor by which the physical row was multiplied: residual/scale and multiplier·scale are physical.
   double rowScale(int row) const { return scales_[static_cast<std::size_t>(row)]; }
   /// Whether rows are orthonormal in the inner product of weights; see RowWeights.
@@ -158,8 +169,8 @@ class Constraints {
   const std::vector<std::array<int, 2>>& pairs() const { return pairs_; }
   /// Whether there are discs, and limited rows in none, on any rank. Soft ones are neither.
   bool hasDiscs() const { return discCount_ > 0; }
-  bool hasIntervals() const { return limited_ > 2 * discCount_ + softLimited_; }
-  /// Whether an owned row is limited, in no disc and not soft.
+  bool hasIntervals() const { return limited_ > 2 * discCount_ + softLimited_ || openCount_ > 0; }
+  /// Whether an owned row is limited, in no disc and not soft; or an open inequality.
   bool isInterval(int row) const { return isInterval_[static_cast<std::size_t>(row)] != 0; }
   /// Whether any row gives way, on any rank.
   bool hasCompliance() const { return hasCompliance_; }
@@ -168,6 +179,7 @@ class Constraints {
   double boundRounding() const { return boundRounding_; }
 
   long long dualDimension() const { return dualDimension_; }
+  /// Whatever their statuses.
   long long inequalities() const { return inequalities_; }
   long long limited() const { return limited_; }
 
@@ -194,6 +206,12 @@ class Constraints {
   /// Bᵀλ each row exerts −coefficient · multiplier on its dofs. @note Collective.
   std::vector<double> givenMultipliers(const MultiVector& lambda) const;
 
+  /// Bv of the rows that this rank gave, physical and in their order, for a v that is zero where values are
+  /// prescribed; zero of rows that another one stands for. @note Collective.
+  std::vector<double> givenProducts(const TornVector& v) const;
+  /// residual() likewise: of an open contact the negative gap. @note Collective.
+  std::vector<double> givenResiduals(const TornVector& u, const MultiVector& lambda) const;
+
   /// Bᵀλ of the given rows, in full, at dofs with prescribed values: of each subdomain a value for each of
   /// Subdomain::fixed. @note Collective.
   std::vector<std::vector<double>> heldForces(const MultiVector& lambda) const;
@@ -204,10 +222,12 @@ class Constraints {
               Details::Weights weights);
   void keepFullRows(const Sent& held);
   void findSoft(const Teuchos::Comm<int>& comm);
+  void takeBounds(const Constraints& changed);
+  std::vector<double> atGiven(MultiVector& scaled) const;
   static std::vector<std::vector<Entry>>
   bySubdomain(const Sent& entries, const std::map<long long, int>& localRow, int subdomains);
 
-  const SubdomainSystem& system_;
+  const SubdomainSystem* system_;
   Details::Weights weights_; // as they were at first
   bool hasWeights_ = false;
   Teuchos::RCP<const Map> rowMap_;
@@ -225,14 +245,15 @@ class Constraints {
   };
   Teuchos::RCP<const Map> givenMap_;
   std::vector<std::vector<MultiplierTerm>> multipliers_;
-  std::vector<RowType> types_;
+  std::vector<RowType> types_; // whatever the statuses
+  std::vector<ConstraintRow::Status> statuses_;
   std::vector<double> scales_;
   std::vector<double> bounds_;
   std::vector<double> compliances_, limits_;
   std::vector<double> softness_; // −1: none
   std::vector<std::array<int, 2>> discs_, pairs_;
   std::vector<char> isInterval_;
-  long long discCount_ = 0, followerCount_ = 0, softLimited_ = 0;
+  long long discCount_ = 0, followerCount_ = 0, softLimited_ = 0, openCount_ = 0;
   bool hasSoft_ = false;
   std::vector<Follower> followers_;
   bool hasCompliance_ = false;

@@ -160,6 +160,10 @@ void requireNumbers(const ConstraintRow& row) {
   require(row.limit, "limit");
   require(row.coefficient, "coefficient of friction");
   require(row.softness.value_or(0.0), "softness");
+  if (row.status != ConstraintRow::Status::Undecided &&
+      (row.kind != ConstraintRow::Kind::Inequality || row.softness))
+    throw InputError(name + " is said to be open or closed; only inequalities without softness are",
+                     {{"row", std::to_string(row.number)}});
   if (row.softness && row.kind == ConstraintRow::Kind::Equality)
     throw InputError(name + " is an equality with a softness; give it a compliance, or make it a limited row",
                      {{"row", std::to_string(row.number)}});
@@ -280,6 +284,10 @@ std::vector<std::array<std::size_t, 2>> followersOf(const std::vector<Constraint
     if (normal == inequalities.end())
       throw InputError(name + " follows the force of inequality " + std::to_string(rows[r].normal) +
                            ", which this rank does not give; give both on the same rank",
+                       {{"row", std::to_string(rows[r].number)}});
+    if (rows[normal->second].status != ConstraintRow::Status::Undecided)
+      throw InputError(name + " follows the force of inequality " + std::to_string(rows[r].normal) +
+                           ", which is said to be open or closed; leave it undecided",
                        {{"row", std::to_string(rows[r].number)}});
     if (rows[r].limit != 0.0)
       throw InputError(name + " has a limit of its own, and one that follows inequality " +

@@ -95,6 +95,8 @@ std::vector<double> loadWithTrivialEquations(const Subdomain& s) {
 template<class Key, class Value>
 class Shared {
  public:
+  Shared() = default;
+  explicit Shared(std::map<Key, std::shared_ptr<const Value>> known) : values_(std::move(known)) {}
   template<class Make>
   std::shared_ptr<const Value> get(const Key& key, Make&& make) {
     std::shared_ptr<const Value>& value = values_[key];
@@ -115,7 +117,7 @@ SubdomainSystem::SubdomainSystem(Teuchos::RCP<const Teuchos::Comm<int>> comm,
   agree(*comm_, [&] {
     checkInput();
     shareStiffness();
-    build();
+    build({});
   });
 
   // Numbers 0 … N−1, each once; the order of the kernels follows them, whatever the distribution.
@@ -303,6 +305,14 @@ void SubdomainSystem::setMatrices(const std::vector<std::shared_ptr<const LocalM
   const auto matrices = matrices_;
   const auto rhs = rhs_;
   const auto kernels = kernels_;
+  // What stays the same stays the same object, by which inverses know it.
+  Known known;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const std::vector<int> fixed = heldDofs(before[i]);
+    if (!fixed.empty())
+      known.matrices[{before[i].stiffness.get(), fixed}] = matrices_[i];
+    known.kernels[{before[i].motions.get(), fixed}] = kernels_[i];
+  }
   try {
     agree(*comm_, [&] {
       if (stiffness.size() != before.size() || (!motions.empty() && motions.size() != before.size()))
@@ -313,13 +323,15 @@ void SubdomainSystem::setMatrices(const std::vector<std::shared_ptr<const LocalM
             stiffness[i]->columns != before[i].stiffness->columns)
           throw InputError(name(before[i]) + ": the new stiffness matrix has another graph",
                            dataOf(before[i]));
-        subdomains_[i].stiffness = stiffness[i];
-        if (!motions.empty() && motions[i])
+        if (stiffness[i]->values != before[i].stiffness->values)
+          subdomains_[i].stiffness = stiffness[i];
+        if (!motions.empty() && motions[i] &&
+            (motions[i]->rows != before[i].motions->rows || motions[i]->values != before[i].motions->values))
           subdomains_[i].motions = motions[i];
       }
       checkInput();
       shareStiffness();
-      build();
+      build(std::move(known));
       for (std::size_t i = 0; i < before.size(); ++i)
         if (kernels_[i]->columns != kernels[i]->columns)
           throw InputError(name(before[i]) + ": the new matrix has a kernel of dimension " +
@@ -361,12 +373,17 @@ void SubdomainSystem::updateRhs() {
   }
 }
 
-void SubdomainSystem::build() {
+// Of the primal form those with prescribed values, rising.
+std::vector<int> SubdomainSystem::heldDofs(const Subdomain& s) const {
+  return form_ == DirichletForm::Primal && !s.fixed.empty() ? fixedDofs(s) : std::vector<int>();
+}
+
+void SubdomainSystem::build(Known known) {
   matrices_.clear();
   kernels_.clear();
   using Dofs = std::vector<int>;
-  Shared<std::pair<const LocalMatrix*, Dofs>, LocalMatrix> matrices;
-  Shared<std::pair<const Kernel*, Dofs>, Kernel> kernels;
+  Shared<std::pair<const LocalMatrix*, Dofs>, LocalMatrix> matrices(std::move(known.matrices));
+  Shared<std::pair<const Kernel*, Dofs>, Kernel> kernels(std::move(known.kernels));
   std::set<std::pair<const LocalMatrix*, const Kernel*>> verified;
   for (const Subdomain& s : subdomains_) {
     if (verified.insert({s.stiffness.get(), s.motions.get()}).second) {
@@ -379,10 +396,9 @@ void SubdomainSystem::build() {
                 "are its coordinates wrong?",
             {{"subdomain", std::to_string(s.number)}, {"defect", scientific(defect)}});
     }
-    const bool held = form_ == DirichletForm::Primal && !s.fixed.empty();
-    const Dofs fixed = held ? fixedDofs(s) : Dofs();
+    const Dofs fixed = heldDofs(s);
     kernels_.push_back(kernels.get({s.motions.get(), fixed}, [&] { return heldKernel(*s.motions, fixed); }));
-    if (held) {
+    if (!fixed.empty()) {
       matrices_.push_back(matrices.get({s.stiffness.get(), fixed},
                                        [&] { return matrixWithTrivialEquations(*s.stiffness, fixed); }));
     } else {

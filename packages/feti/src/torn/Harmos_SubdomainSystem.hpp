@@ -8,8 +8,10 @@
 #include <Teuchos_RCP.hpp>
 
 #include <array>
+#include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace Harmos::feti {
@@ -73,7 +75,8 @@ class SubdomainSystem {
   /// @throws InputError on all ranks likewise. @note Collective.
   void setPrescribed(const std::vector<std::vector<double>>& values);
   /// New stiffness matrices with the graphs of the old ones, and their kernels where they change too. What
-  /// was made of the old ones is to be made anew; see LocalInverses::refactor().
+  /// was made of the old ones is to be made anew; see LocalInverses::refactor(). Of subdomains whose values
+  /// do not change matrix(i) and kernel(i) stay the same objects.
   /// @param motions null pointers: as they were.
   /// @throws InputError, NumericalError on all ranks, as the constructor, and for another graph.
   /// @note Collective. The system is as it was if this throws.
@@ -107,7 +110,13 @@ class SubdomainSystem {
  private:
   void checkInput() const;
   void shareStiffness();
-  void build();
+  // By what matrices and kernels are made of, with the dofs that are held.
+  struct Known {
+    std::map<std::pair<const LocalMatrix*, std::vector<int>>, std::shared_ptr<const LocalMatrix>> matrices;
+    std::map<std::pair<const Kernel*, std::vector<int>>, std::shared_ptr<const Kernel>> kernels;
+  };
+  std::vector<int> heldDofs(const Subdomain& s) const;
+  void build(Known known);
   void numberKernels();
   void updateRhs();
 
