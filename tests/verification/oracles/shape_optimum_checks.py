@@ -121,7 +121,8 @@ def in_one(scene, contact, phi, lower, upper, volume):
     b = sp.vstack([sp.hstack([rows, -sp.csr_matrix(phi)]), unit, -unit, weights], format="csr")
     c = np.concatenate([contact.gaps, np.full(count, upper), np.full(count, -lower), [volume]])
     equality = np.zeros(len(c), dtype=bool)
-    problem = Problem(k, np.concatenate([load, np.zeros(count)]), prescribed, b, c, sp.block_diag([modes, sp.eye(count)]), equality)
+    motions, load = sp.block_diag([modes, sp.eye(count)]), np.concatenate([load, np.zeros(count)])
+    problem = Problem(k, load, prescribed, b, c, motions, equality)
     near, active, _ = problem.interior()
     solution, _ = problem.newton(active, near.copy())
     if solution is None:
@@ -129,8 +130,7 @@ def in_one(scene, contact, phi, lower, upper, volume):
     u, multipliers, _ = solution
     full = problem.u_full.copy()
     full[problem.free] = u
-    u = full[: len(load)]
-    return 0.5 * u @ (stiffness @ u) - load @ u, multipliers
+    return 0.5 * full @ (k @ full) - load @ full, multipliers
 
 
 def by_walking(contact, phi, lower, upper, volume):
@@ -156,7 +156,10 @@ def check_softest(check):
     for name, scene in (("carried", punch()), ("held", punch(down=0.03)), ("on a plane", on_plane())):
         contact = condense(scene)
         along = contact.x[:, 0]
-        for kind, phi in (("nodes", np.eye(len(along))), ("hats", hats(along, np.linspace(0, 1, 5))), ("polynomials", polynomials(along, 3))):
+        designs = {
+            "nodes": np.eye(len(along)), "hats": hats(along, np.linspace(0, 1, 5)), "polynomials": polynomials(along, 3),
+        }
+        for kind, phi in designs.items():
             found = softest(contact, phi, lower, upper, (-np.inf, volume))
             what = f"{kind}, {name}"
             check(f"conditions of optimality, {what}", max(found.residuals.values()), 1e-9)
