@@ -129,7 +129,7 @@ class Programs(Installed):
 class Tools(Installed):
     # What --help has to speak of, beside what all do.
     HELP = {
-        "harmos-plot": ("result.vtkhdf", "solution.png", "convergence.png", "contact.png", "scaling.csv", "--follow", "curve.png", "steps.gif", "damage.png"),
+        "harmos-plot": ("result.vtkhdf", "solution.png", "convergence.png", "contact.png", "scaling.csv", "--follow", "curve.png", "steps.gif", "damage.png", "shape.png"),
         "harmos-study-plot": ("study.json", "error_against_seconds", "error_parts"),
         "harmos-submit": ("harmos.slurm", "harmos.pbs", "--scaling weak", "--dry-run", "--resubmissions"),
     }

@@ -16,10 +16,10 @@ import sys
 import unittest
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "verification" / "oracles"))
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "docs" / "tools"))
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "apps" / "tools"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "verification" / "oracles"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "docs" / "tools"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "apps" / "tools"))
 
 import harmos_runs as runs  # noqa: E402
 
