@@ -55,6 +55,8 @@ DilatationSpace::DilatationSpace(const Mesh& mesh, const CellIntegrator& cell)
 }
 
 void DilatationSpace::update() {
+  if (size_ == 1)
+    return; // the constant is the same in all cells
   Point centre{};
   const double size = cell_.size();
   for (int q = 0; q < cell_.points(); ++q)

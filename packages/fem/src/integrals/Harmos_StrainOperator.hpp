@@ -30,7 +30,7 @@ class DilatationSpace {
   void update();
 
   std::size_t size() const { return size_; }
-  /// What coordinates are divided by: the root of the cell's size.
+  /// What coordinates are divided by: the root of the cell's size. Of no use where 1 is alone.
   double length() const { return length_; }
   /// The functions at point q.
   const double* at(std::size_t q) const { return values_.data() + q * size_; }
