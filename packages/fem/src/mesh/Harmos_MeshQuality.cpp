@@ -145,8 +145,6 @@ void visitQualities(const Mesh& mesh, Visit&& visit) {
     const double mean = samples.mean();
     Least least;
     for (std::size_t k = 0; k < samples.size(); ++k) {
-      // A simplex whose mean of det J is compared is curved; a straight one has it as its own, which is never
-      // above the product.
       const double det = determinant(samples.frame(k));
       least.take(ratio(det, std::max(mean, samples.lengths(k))), k);
     }
