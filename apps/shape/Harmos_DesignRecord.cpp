@@ -14,7 +14,8 @@ const DesignRecord::Answer* DesignRecord::recalled(bool isGradient, const std::v
   if (!isRecalling())
     return nullptr;
   const Answer& answer = answers_[next_];
-  if ((answer.what == What::Gradient) == isGradient && answer.design == design && answer.tolerance == tolerance)
+  if ((answer.what == What::Gradient) == isGradient && answer.design == design &&
+      answer.tolerance == tolerance)
     return &answers_[next_++];
   // From here on it is another run.
   forgotten_ = recalled_ - next_;
@@ -57,8 +58,9 @@ std::vector<double> DesignRecord::gradient(const std::vector<double>& design, do
 void DesignRecord::exchange(qp::StateArchive<MultiVector>& archive) {
   std::vector<double> all;
   for (const Answer& answer : answers_) {
-    all.insert(all.end(), {static_cast<double>(answer.what), answer.tolerance, static_cast<double>(answer.design.size()),
-                           static_cast<double>(answer.numbers.size())});
+    all.insert(all.end(),
+               {static_cast<double>(answer.what), answer.tolerance, static_cast<double>(answer.design.size()),
+                static_cast<double>(answer.numbers.size())});
     all.insert(all.end(), answer.design.begin(), answer.design.end());
     all.insert(all.end(), answer.numbers.begin(), answer.numbers.end());
   }

@@ -10,14 +10,15 @@
 
 namespace Harmos::shape {
 
-/// A function of designs that remembers all that it was asked: optimisers always ask the same where they get the same
-/// answers, so that a run that begins anew with the record of an earlier one comes to where that one was without a solution,
-/// to the last bit, whatever state the optimiser has.
+/// A function of designs that remembers all that it was asked: optimisers always ask the same where they get
+/// the same answers, so that a run that begins anew with the record of an earlier one comes to where that one
+/// was without a solution, to the last bit, whatever state the optimiser has.
 ///
 /// Guarded by tests/regression/test_shape.py.
 class DesignRecord : public sensitivity::DesignFunction {
  public:
-  /// @param function to outlive this. @param before asked before each answer that is not on record; may throw. Collective.
+  /// @param function to outlive this. @param before asked before each answer that is not on record; may
+  /// throw. Collective.
   DesignRecord(sensitivity::DesignFunction& function, std::function<void()> before);
 
   double value(const std::vector<double>& design, double tolerance) override;

@@ -15,70 +15,87 @@ namespace {
 
 void addDesign(ParameterSpec& shape) {
   ParameterSpec design("Design", "What is designed: the numbers that the optimiser chooses.");
-  design.choice("Kind", "gap",
-                {{"gap", "the gaps of contacts and obstacles: a profile on a surface that is nearly flat; no matrix changes"},
-                 {"position", "the nodes of a body near a boundary part, those inside following smoothly"}},
-                "What changes.");
+  design.choice(
+      "Kind", "gap",
+      {{"gap",
+        "the gaps of contacts and obstacles: a profile on a surface that is nearly flat; no matrix changes"},
+       {"position", "the nodes of a body near a boundary part, those inside following smoothly"}},
+      "What changes.");
   design.texts("Contacts", {},
-               "Kind \"gap\": contacts and obstacles whose gaps are designed, as in \"Contact/joint\"; none: all of them.");
+               "Kind \"gap\": contacts and obstacles whose gaps are designed, as in \"Contact/joint\"; none: "
+               "all of them.");
   design.choice("Functions", "nodes",
                 {{"nodes", "a number for each contact point"}, {"splines", "B-splines along axes"}},
                 "Kind \"gap\": of what the profile is made. Positions always are splines.");
-  design.texts("Axes", {},
-               "Splines: x, y or z, or two of them; none: those along which the surface extends, one in the plane.");
+  design.texts(
+      "Axes", {},
+      "Splines: x, y or z, or two of them; none: those along which the surface extends, one in the plane.");
   design.integers("Pieces", {8, 8}, 1, 10000, "Splines: equal pieces along the first and the second axis.");
-  design.integer("Degree", 2, 0, 3, "Splines: 0 constant, 1 linear, 2 and 3 smooth. Pieces and degree together are the numbers "
-                                    "along an axis.");
+  design.integer("Degree", 2, 0, 3,
+                 "Splines: 0 constant, 1 linear, 2 and 3 smooth. Pieces and degree together are the numbers "
+                 "along an axis.");
   design.series("Start", Range(), "Where the numbers begin: one for all of them, or one each; none: 0.");
   design.series("Lower", Range(), "Their lower bounds, likewise; none: no bound.");
   design.series("Upper", Range(), "Their upper bounds, likewise; none: no bound.");
   design.text("Surface", "", "Kind \"position\": \"body/boundary part\" whose nodes are designed.");
   design.texts("Bodies", {},
-               "Kind \"position\": bodies whose nodes follow; none: that of the surface. Bodies that touch with nodes that match "
+               "Kind \"position\": bodies whose nodes follow; none: that of the surface. Bodies that touch "
+               "with nodes that match "
                "have to follow both.");
-  design.reals("Direction", {0.0, 1.0, 0.0}, Range(), "Kind \"position\": along which nodes move: the surface's outward normal.");
+  design.reals("Direction", {0.0, 1.0, 0.0}, Range(),
+               "Kind \"position\": along which nodes move: the surface's outward normal.");
   design.real("Depth", 0.0, Range::atLeast(0.0),
               "Kind \"position\": how deep below the surface nodes still follow; 0: all through the bodies.");
   design.real("Least quality", 0.2, Range::strictlyWithin(0.0, 1.0),
-              "Kind \"position\": designs that leave less than that of the shape of any cell (1: similar, 0: tangled) are refused.");
+              "Kind \"position\": designs that leave less than that of the shape of any cell (1: similar, 0: "
+              "tangled) are refused.");
   shape.list(std::move(design));
 }
 
 void addCost(ParameterSpec& shape) {
   ParameterSpec cost("Cost", "What is to be small.");
-  cost.choice("Quantity", "peak pressure",
-              {{"peak pressure", "the norm (Σ a pᵖ/Σ a)^(1/p) of the contact pressure, near its peak for large p"},
-               {"pressure spread", "the square of the pressure's coefficient of variation"},
-               {"softest", "the least potential energy J = min ½uᵀKu − fᵀu itself: where loads act, they move most"},
-               {"stiffest", "−J: where loads act, they move least. J is convex in gaps and −J is not: what is found is the "
-                            "best nearby"},
-               {"displacement", "the mean displacement of a boundary part along a direction"}},
-              "Of the answer at a design.");
+  cost.choice(
+      "Quantity", "peak pressure",
+      {{"peak pressure", "the norm (Σ a pᵖ/Σ a)^(1/p) of the contact pressure, near its peak for large p"},
+       {"pressure spread", "the square of the pressure's coefficient of variation"},
+       {"softest", "the least potential energy J = min ½uᵀKu − fᵀu itself: where loads act, they move most"},
+       {"stiffest",
+        "−J: where loads act, they move least. J is convex in gaps and −J is not: what is found is the "
+        "best nearby"},
+       {"displacement", "the mean displacement of a boundary part along a direction"}},
+      "Of the answer at a design.");
   cost.real("Exponent", 8.0, Range::above(1.0), "Quantity \"peak pressure\": p.");
   cost.texts("Contacts", {},
-             "Whose pressure it is, and of which peak and mean are told; none: those whose gaps are designed, or all.");
+             "Whose pressure it is, and of which peak and mean are told; none: those whose gaps are "
+             "designed, or all.");
   cost.text("Part", "", "Quantity \"displacement\": \"body/boundary part\".");
-  cost.reals("Direction", {0.0, 1.0, 0.0}, Range(), "Quantity \"displacement\": along which; opposite for the largest one.");
+  cost.reals("Direction", {0.0, 1.0, 0.0}, Range(),
+             "Quantity \"displacement\": along which; opposite for the largest one.");
   shape.list(std::move(cost));
 }
 
 } // namespace
 
 void ShapeDeck::addTo(ParameterSpec& deck) {
-  ParameterSpec shape("Shape", "The best shape of a contact surface: what is designed, for what, within what.");
+  ParameterSpec shape("Shape",
+                      "The best shape of a contact surface: what is designed, for what, within what.");
   addDesign(shape);
   addCost(shape);
   ParameterSpec constraints("Constraints", "What designs have to keep to, beside their bounds.");
   constraints.series("Volume", Range(),
-                     "What a design adds to the gaps, ∫ profile, or to the bodies: its value, or the least and the most; none: no "
+                     "What a design adds to the gaps, ∫ profile, or to the bodies: its value, or the least "
+                     "and the most; none: no "
                      "such constraint. In the plane an area.");
   shape.list(std::move(constraints));
   ParameterSpec limits("Limits", "When to stop before the optimiser does; --restart goes on.");
-  limits.integer("Evaluations", 0, 0, 1000000000, "Solutions for costs, of the whole optimisation; 0 for no limit.");
+  limits.integer("Evaluations", 0, 0, 1000000000,
+                 "Solutions for costs, of the whole optimisation; 0 for no limit.");
   limits.real("Seconds", 0.0, Range::atLeast(0.0), "Of this run; 0 for no limit.");
   shape.list(std::move(limits));
-  shape.foreign("Optimiser", "Parameters of ROL, over the defaults of Harmos: \"Status Test\", \"Step\", \"General\", as ROL's "
-                             "own documentation has them.");
+  shape.foreign(
+      "Optimiser",
+      "Parameters of ROL, over the defaults of Harmos: \"Status Test\", \"Step\", \"General\", as ROL's "
+      "own documentation has them.");
   deck.list(std::move(shape));
 }
 
@@ -95,7 +112,8 @@ std::vector<double> numbersIn(const Teuchos::ParameterList& list, const std::str
 }
 
 // Contacts and obstacles by their paths.
-std::set<int> surfacesIn(const scene::Scene& scene, const Teuchos::ParameterList& list, const std::string& path) {
+std::set<int> surfacesIn(const scene::Scene& scene, const Teuchos::ParameterList& list,
+                         const std::string& path) {
   const std::vector<std::string> paths = scene.effectPaths();
   std::vector<std::string> known;
   std::set<int> all, chosen;
@@ -107,8 +125,8 @@ std::set<int> surfacesIn(const scene::Scene& scene, const Teuchos::ParameterList
   for (const std::string& name : textsIn(list, "Contacts")) {
     const auto found = std::find(paths.begin(), paths.end(), name);
     if (std::find(known.begin(), known.end(), name) == known.end())
-      throw InputError("\"" + path + "/Contacts\" names \"" + name + "\", which is no contact or obstacle of the scene" +
-                           offer(name, known),
+      throw InputError("\"" + path + "/Contacts\" names \"" + name +
+                           "\", which is no contact or obstacle of the scene" + offer(name, known),
                        {{"path", path + "/Contacts"}});
     chosen.insert(static_cast<int>(found - paths.begin()));
   }
@@ -122,7 +140,8 @@ void readDesign(const Teuchos::ParameterList& list, const scene::Scene& scene, S
   deck.byNodes = list.get<std::string>("Functions") == "nodes" && deck.kind == ShapeDeck::Kind::Gap;
   for (const std::string& axis : textsIn(list, "Axes")) {
     if (axis != "x" && axis != "y" && axis != "z")
-      throw InputError("\"" + path + "/Axes\" names \"" + axis + "\"; name x, y or z", {{"path", path + "/Axes"}});
+      throw InputError("\"" + path + "/Axes\" names \"" + axis + "\"; name x, y or z",
+                       {{"path", path + "/Axes"}});
     deck.axes.push_back(axis[0] - 'x');
   }
   const auto& pieces = list.get<Teuchos::Array<int>>("Pieces");
@@ -152,8 +171,9 @@ void readCost(const Teuchos::ParameterList& list, const scene::Scene& scene, Sha
   deck.quantity = list.get<std::string>("Quantity");
   deck.sign = deck.quantity == "stiffest" ? -1.0 : 1.0;
   deck.exponent = list.get<double>("Exponent");
-  deck.pressed = textsIn(list, "Contacts").empty() && deck.kind == ShapeDeck::Kind::Gap ? deck.surfaces
-                                                                                         : surfacesIn(scene, list, path);
+  deck.pressed = textsIn(list, "Contacts").empty() && deck.kind == ShapeDeck::Kind::Gap
+                     ? deck.surfaces
+                     : surfacesIn(scene, list, path);
   deck.displacedDirection = effects::pointIn(list, "Direction");
   if (deck.quantity != "displacement")
     return;
@@ -169,7 +189,8 @@ ShapeDeck ShapeDeck::fromDeck(const Teuchos::ParameterList& deck, const scene::S
   if (scene.goesInSteps())
     throw InputError("a shape is designed for one state: leave \"Steps\" and adhesion out of the deck");
   if (!scene.hasInequalities())
-    throw InputError("the scene has no contact whose surface could be designed; add \"Effects/Contact\" or \"Effects/Obstacle\"");
+    throw InputError("the scene has no contact whose surface could be designed; add \"Effects/Contact\" or "
+                     "\"Effects/Obstacle\"");
   ShapeDeck result;
   readDesign(list.sublist("Design"), scene, result);
   readCost(list.sublist("Cost"), scene, result);
@@ -200,7 +221,8 @@ sensitivity::TensorSplineBasis ShapeDeck::basis(const scene::Scene& scene, const
     chosen = order;
   }
   if (chosen.size() > 2)
-    throw InputError("\"Shape/Design/Axes\" names three axes; splines lie along one or two", {{"path", "Shape/Design/Axes"}});
+    throw InputError("\"Shape/Design/Axes\" names three axes; splines lie along one or two",
+                     {{"path", "Shape/Design/Axes"}});
   std::vector<sensitivity::SplineBasis> bases;
   for (std::size_t k = 0; k < chosen.size(); ++k) {
     const auto axis = static_cast<std::size_t>(chosen[k]);
@@ -218,8 +240,9 @@ sensitivity::TensorSplineBasis ShapeDeck::basis(const scene::Scene& scene, const
 sensitivity::DesignSpace ShapeDeck::space(const std::vector<double>& weights) const {
   const auto spread = [&](const std::vector<double>& given, double none, const std::string& name) {
     if (given.size() > 1 && given.size() != weights.size())
-      throw InputError("\"Shape/Design/" + name + "\" has " + std::to_string(given.size()) + " numbers, but the design " +
-                           std::to_string(weights.size()) + "; give one for all, or one each",
+      throw InputError("\"Shape/Design/" + name + "\" has " + std::to_string(given.size()) +
+                           " numbers, but the design " + std::to_string(weights.size()) +
+                           "; give one for all, or one each",
                        {{"path", "Shape/Design/" + name}});
     return given.size() == weights.size()
                ? given

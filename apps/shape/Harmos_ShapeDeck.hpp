@@ -51,11 +51,13 @@ struct ShapeDeck {
 
   /// Adds the list to a deck's specification.
   static void addTo(ParameterSpec& deck);
-  /// From a validated deck. @throws InputError for names that are not there and settings that contradict each other. Local.
+  /// From a validated deck. @throws InputError for names that are not there and settings that contradict each
+  /// other. Local.
   static ShapeDeck fromDeck(const Teuchos::ParameterList& deck, const scene::Scene& scene);
 
   /// Splines over points, or over a box. @throws InputError for axes along which they do not extend.
-  sensitivity::TensorSplineBasis basis(const scene::Scene& scene, const fem::Point& low, const fem::Point& high) const;
+  sensitivity::TensorSplineBasis basis(const scene::Scene& scene, const fem::Point& low,
+                                       const fem::Point& high) const;
   /// @param weights of the model. @throws InputError for lists of another length.
   sensitivity::DesignSpace space(const std::vector<double>& weights) const;
 };

@@ -59,7 +59,8 @@ void leaveSummary(const app::ProgramContext& context, const run::RunOptions& opt
   }
 }
 
-void check(const app::ProgramContext& context, const scene::Scene& scene, const Teuchos::ParameterList& deck) {
+void check(const app::ProgramContext& context, const scene::Scene& scene,
+           const Teuchos::ParameterList& deck) {
   const ShapeDeck shape = ShapeDeck::fromDeck(deck, scene);
   rol::completeOptions(shape.optimiser, false);
   run::checkScene(*context.comm, scene);
@@ -79,8 +80,9 @@ int work(const app::ProgramContext& context) {
   }
   run::checkConsistency(scene, options);
   if (options.toleranceRule != run::ToleranceRule::Fixed)
-    throw InputError("\"Solver/Tolerance rule\" = \"balanced\" gives each design another tolerance; use \"fixed\"",
-                     {{"path", "Solver/Tolerance rule"}});
+    throw InputError(
+        "\"Solver/Tolerance rule\" = \"balanced\" gives each design another tolerance; use \"fixed\"",
+        {{"path", "Solver/Tolerance rule"}});
   if (line.check) {
     check(context, scene, deck);
     return exitConverged;

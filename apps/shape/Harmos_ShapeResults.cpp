@@ -29,7 +29,8 @@ void put(std::ostream& text, double value) {
 
 std::string historyText(const std::vector<HistoryRow>& rows) {
   std::ostringstream text;
-  text << "iteration,evaluations,cost,gradient_norm,constraint,step,refused,seconds\n" << std::setprecision(17);
+  text << "iteration,evaluations,cost,gradient_norm,constraint,step,refused,seconds\n"
+       << std::setprecision(17);
   for (const HistoryRow& row : rows) {
     text << row.iteration << "," << row.evaluations << ",";
     for (double value : {row.cost, row.gradientNorm, row.violation, row.step}) {
@@ -63,7 +64,8 @@ std::string shapeText(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
                       const SurfaceState& after) {
   std::vector<std::vector<Line>> sends(static_cast<std::size_t>(comm.getSize()));
   for (std::size_t k = 0; k < after.numbers.size(); ++k)
-    sends[0].push_back({after.numbers[k], after.nodes[k], after.surfaces[k], before.points[k], after.points[k]});
+    sends[0].push_back(
+        {after.numbers[k], after.nodes[k], after.surfaces[k], before.points[k], after.points[k]});
   std::vector<Line> lines;
   for (const std::vector<Line>& part : exchangeItems(comm, sends))
     lines.insert(lines.end(), part.begin(), part.end());
@@ -80,8 +82,8 @@ std::string shapeText(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
     for (const PointState* state : {&line.before, &line.after})
       for (double x : state->position)
         text << "," << x;
-    text << "," << line.before.gap << "," << line.after.gap << "," << line.before.pressure << "," << line.after.pressure
-         << "," << line.after.area << "\n";
+    text << "," << line.before.gap << "," << line.after.gap << "," << line.before.pressure << ","
+         << line.after.pressure << "," << line.after.area << "\n";
   }
   return text.str();
 }
@@ -118,7 +120,8 @@ void writeFields(const Answer& answer, const std::string& path, bool withStresse
   }
   const std::vector<run::ContactState> states =
       run::contactStates(answer.comm, answer.contact.points, answer.solver.contact());
-  const run::ContactFields atNodes = run::contactFields(answer.comm, answer.owned, answer.contact.points, states);
+  const run::ContactFields atNodes =
+      run::contactFields(answer.comm, answer.owned, answer.contact.points, states);
   fields.contact = &atNodes;
   run::writeResult(answer.comm, path, answer.owned, fields);
 }
@@ -142,7 +145,8 @@ void tell(const Answer& answer, const feti::SolveReport& solve, run::RunReport& 
       globalSum(answer.comm, static_cast<long long>(solver.inverses().roundedFactorizations()));
   report.localCondition = globalMax(answer.comm, solver.inverses().condition());
   report.localDefect = globalMax(answer.comm, solver.inverses().defect());
-  report.factorisations = globalSum(answer.comm, static_cast<long long>(solver.factorizations().factorizations));
+  report.factorisations =
+      globalSum(answer.comm, static_cast<long long>(solver.factorizations().factorizations));
   constexpr double mebi = 1048576.0;
   report.dualOperatorMiB = globalSum(answer.comm, solver.inverses().bytes() / mebi);
   report.reachedTolerance = report.tolerance;

@@ -39,7 +39,8 @@ struct SurfaceState {
 SurfaceState surfaceState(const scene::ContactSetup& contact, const std::vector<ConstraintRow>& rows,
                           const sensitivity::RowGeometry& geometry, const std::vector<double>& forces);
 
-/// shape.csv as text: all points of all ranks before and after, by their numbers. @note Collective; empty but on rank 0.
+/// shape.csv as text: all points of all ranks before and after, by their numbers. @note Collective; empty but
+/// on rank 0.
 std::string shapeText(const Teuchos::Comm<int>& comm, const scene::Scene& scene, const SurfaceState& before,
                       const SurfaceState& after);
 
@@ -55,7 +56,8 @@ struct Answer {
   const scene::ContactSetup& contact;
   const feti::FetiSolver& solver;
 };
-/// The fields of an answer, as a run of harmos writes them. @throws InputError on all ranks. @note Collective.
+/// The fields of an answer, as a run of harmos writes them. @throws InputError on all ranks. @note
+/// Collective.
 void writeFields(const Answer& answer, const std::string& path, bool withStresses);
 /// What a report tells of an answer: dimensions, audit, contact, forces. @note Collective.
 void tell(const Answer& answer, const feti::SolveReport& solve, run::RunReport& report);

@@ -43,7 +43,8 @@ Teuchos::ParameterList solverParameters(const Teuchos::ParameterList& deck, cons
       .set("Dirichlet", run::dirichletForm(scene, options) == feti::DirichletForm::Dual ? "dual" : "primal");
   list.sublist("Solver").set("Progress frequency", 0);
   const feti::SolverOptions solver = run::solverOptions(scene, options);
-  if (solver.methodLists.isSublist("PDAS") && solver.methodLists.sublist("PDAS").isParameter("First active set"))
+  if (solver.methodLists.isSublist("PDAS") &&
+      solver.methodLists.sublist("PDAS").isParameter("First active set"))
     list.sublist("Solver").sublist("PDAS").set(
         "First active set", solver.methodLists.sublist("PDAS").get<std::string>("First active set"));
   return list;
@@ -90,17 +91,19 @@ void ShapeRun::setUp() {
   report_.tolerance = options_.tolerance;
   report_.toleranceRule = "fixed";
   report_.stoppingRule = feti::toString(options_.stoppingRule);
-  owned_ = scene::decompose(*comm_, scene_,
-                            feti::mayJoin(options_.dual.clusters, comm_->getSize()) ? scene::Numbering::Compact
-                                                                                    : scene::Numbering::AsMade);
+  owned_ =
+      scene::decompose(*comm_, scene_,
+                       feti::mayJoin(options_.dual.clusters, comm_->getSize()) ? scene::Numbering::Compact
+                                                                               : scene::Numbering::AsMade);
   scene::checkBoundaryParts(*comm_, scene_, owned_);
   std::vector<feti::Subdomain> subdomains;
   agree(*comm_, [&] { subdomains = scene::assemble(scene_, owned_); });
   contact_ = scene::setUpContact(*comm_, scene_, owned_);
   for (const std::string& note : contact_.notes)
     log_.info(note);
-  solver_ = std::make_unique<feti::FetiSolver>(comm_, std::move(subdomains), contact_.rows,
-                                               solverParameters(deckList_, scene_, options_), log_.withoutInfo());
+  solver_ =
+      std::make_unique<feti::FetiSolver>(comm_, std::move(subdomains), contact_.rows,
+                                         solverParameters(deckList_, scene_, options_), log_.withoutInfo());
   makeModel();
   space_ = deck_.space(model_->weights());
   best_ = space_.start;
@@ -111,9 +114,11 @@ void ShapeRun::setUp() {
   setUpSeconds_ = elapsed();
   std::ostringstream text;
   text << "Scene \"" << scene_.name << "\": " << solver_->system().globalSubdomains() << " subdomains on "
-       << comm_->getSize() << (comm_->getSize() == 1 ? " rank" : " ranks") << ", " << solver_->system().primalDimension()
-       << " unknowns, " << solver_->constraints().inequalities() << " contact points\nDesign of " << space_.size()
-       << (deck_.kind == ShapeDeck::Kind::Gap ? " numbers: gaps" : " numbers: positions of nodes") << "; cost: "
+       << comm_->getSize() << (comm_->getSize() == 1 ? " rank" : " ranks") << ", "
+       << solver_->system().primalDimension() << " unknowns, " << solver_->constraints().inequalities()
+       << " contact points\nDesign of " << space_.size()
+       << (deck_.kind == ShapeDeck::Kind::Gap ? " numbers: gaps" : " numbers: positions of nodes")
+       << "; cost: "
        << (deck_.quantity == "softest"    ? "J = min u'Ku/2 - f'u (softest)"
            : deck_.quantity == "stiffest" ? "-J = -min (u'Ku/2 - f'u) (stiffest)"
                                           : deck_.quantity);
@@ -123,8 +128,8 @@ void ShapeRun::setUp() {
 sensitivity::ShapeMap ShapeRun::shapeMap() const {
   constexpr double far = std::numeric_limits<double>::infinity();
   const double length = std::hypot(deck_.direction[0], deck_.direction[1], deck_.direction[2]);
-  std::vector<double> most(7, -far); // of x, −x and level on the surface
-  std::vector<double> reach(2, -far);  // of ±X·d over the bodies
+  std::vector<double> most(7, -far);  // of x, −x and level on the surface
+  std::vector<double> reach(2, -far); // of ±X·d over the bodies
   for (const scene::OwnedSubdomain& item : owned_) {
     const auto along = [&](int node) {
       const fem::Point x = item.mesh.position(node);
@@ -153,8 +158,8 @@ sensitivity::ShapeMap ShapeRun::shapeMap() const {
     throw InputError("\"Shape/Design/Surface\": the body has no boundary part \"" + deck_.part + "\"",
                      {{"path", "Shape/Design/Surface"}});
   const double depth = deck_.depth > 0.0 ? deck_.depth : std::max(reach[0] - most[6], reach[1] + most[6]);
-  return {deck_.basis(scene_, {-most[3], -most[4], -most[5]}, {most[0], most[1], most[2]}), deck_.direction, most[6],
-          depth};
+  return {deck_.basis(scene_, {-most[3], -most[4], -most[5]}, {most[0], most[1], most[2]}), deck_.direction,
+          most[6], depth};
 }
 
 void ShapeRun::makeModel() {
@@ -170,7 +175,8 @@ void ShapeRun::makeModel() {
   } else {
     const auto [low, high] = sensitivity::extentOfPoints(*comm_, geometry, deck_.surfaces);
     basis = deck_.basis(scene_, low, high);
-    model_ = std::make_unique<sensitivity::GapProfile>(*solver_, contact_.rows, geometry, deck_.surfaces, *basis);
+    model_ =
+        std::make_unique<sensitivity::GapProfile>(*solver_, contact_.rows, geometry, deck_.surfaces, *basis);
   }
   for (int k = 0; basis && k < basis->size(); ++k)
     places_.push_back(basis->abscissa(k));
@@ -261,9 +267,11 @@ void ShapeRun::restore() {
 // Before a solution: the last moment to stop without losing one.
 void ShapeRun::askBefore() {
   const auto told = static_cast<run::Told>(globalMax(
-      *comm_, static_cast<long long>(options_.checkpoint.told ? options_.checkpoint.told() : run::Told::Nothing)));
+      *comm_,
+      static_cast<long long>(options_.checkpoint.told ? options_.checkpoint.told() : run::Told::Nothing)));
   const double now = globalMax(*comm_, elapsed());
-  const bool isDue = options_.checkpoint.minutes > 0.0 && now - lastSave_ >= 60.0 * options_.checkpoint.minutes;
+  const bool isDue =
+      options_.checkpoint.minutes > 0.0 && now - lastSave_ >= 60.0 * options_.checkpoint.minutes;
   if (told == run::Told::Stop)
     throw Halt{true, qp::toString(qp::Reason::Interrupted) + ": the program was told to stop"};
   if (told == run::Told::Save || isDue) {
@@ -271,7 +279,8 @@ void ShapeRun::askBefore() {
     lastSave_ = now;
   }
   if (deck_.mostEvaluations > 0 && record_->values() >= deck_.mostEvaluations)
-    throw Halt{false, "\"Shape/Limits/Evaluations\", " + std::to_string(deck_.mostEvaluations) + ", are spent"};
+    throw Halt{false,
+               "\"Shape/Limits/Evaluations\", " + std::to_string(deck_.mostEvaluations) + ", are spent"};
   if (deck_.mostSeconds > 0.0 && now > deck_.mostSeconds)
     throw Halt{false, "\"Shape/Limits/Seconds\", " + scientific(deck_.mostSeconds) + ", are over"};
 }
@@ -281,8 +290,8 @@ bool ShapeRun::accepted(const rol::Iterate& iterate) {
   history_.push_back({iterate.iteration, record_->values(), deck_.sign * iterate.cost, iterate.gradientNorm,
                       iterate.violation, iterate.step, refused_, elapsed()});
   std::ostringstream text;
-  text << "Iterate " << iterate.iteration << ": cost " << scientific(deck_.sign * iterate.cost, 6) << ", |gradient| "
-       << scientific(iterate.gradientNorm) << ", " << record_->values() << " evaluations";
+  text << "Iterate " << iterate.iteration << ": cost " << scientific(deck_.sign * iterate.cost, 6)
+       << ", |gradient| " << scientific(iterate.gradientNorm) << ", " << record_->values() << " evaluations";
   if (!deck_.volume.empty())
     text << ", constraint missed by " << scientific(iterate.violation, 0);
   log_.info(text.str());
@@ -348,9 +357,8 @@ sensitivity::DesignProblem ShapeRun::problem() {
 void ShapeRun::optimise() {
   rol::Outcome outcome;
   try {
-    outcome = rol::minimise(problem(), deck_.optimiser, [this](const rol::Iterate& iterate) {
-      return accepted(iterate);
-    });
+    outcome = rol::minimise(problem(), deck_.optimiser,
+                            [this](const rol::Iterate& iterate) { return accepted(iterate); });
     best_ = outcome.design;
     report_.converged = outcome.isConverged();
     report_.reason = outcome.reason;
@@ -358,7 +366,8 @@ void ShapeRun::optimise() {
   } catch (const Halt& halt) {
     outcome.design = best_;
     outcome.cost = history_.empty() ? deck_.sign * costBefore_ : deck_.sign * history_.back().cost;
-    outcome.gradientNorm = history_.empty() ? std::numeric_limits<double>::quiet_NaN() : history_.back().gradientNorm;
+    outcome.gradientNorm =
+        history_.empty() ? std::numeric_limits<double>::quiet_NaN() : history_.back().gradientNorm;
     outcome.iterations = history_.empty() ? 0 : history_.back().iteration;
     report_.reason = halt.reason + "; go on with --restart \"" + options_.outputDirectory + "\"";
     report_.solved = true;
@@ -375,8 +384,8 @@ void ShapeRun::optimise() {
     throw;
   }
   if (record_->forgotten() > 0)
-    log_.info("The optimiser has asked for other designs than before: " + std::to_string(record_->forgotten()) +
-              " answers of the checkpoint were of no use");
+    log_.info("The optimiser has asked for other designs than before: " +
+              std::to_string(record_->forgotten()) + " answers of the checkpoint were of no use");
   conclude(outcome);
 }
 
@@ -406,7 +415,8 @@ void ShapeRun::conclude(const rol::Outcome& outcome) {
     results["peak_pressure"] = pressure.peak;
     results["mean_pressure"] = pressure.mean;
     results["volume"] = model_->volume(best_);
-    if (deck_.quantity != "softest" && deck_.quantity != "stiffest") { // one-sided derivatives have a say there
+    if (deck_.quantity != "softest" &&
+        deck_.quantity != "stiffest") { // one-sided derivatives have a say there
       cost_->gradient(best_, 0.0);
       results["weak_contacts"] = static_cast<double>(cost_->sensitivities()->weakContacts());
     }

@@ -23,17 +23,19 @@
 
 namespace Harmos::shape {
 
-/// An optimisation from a deck to its files: set-up as a run has it, designs by ROL, and what they leave behind.
+/// An optimisation from a deck to its files: set-up as a run has it, designs by ROL, and what they leave
+/// behind.
 ///
-/// Whatever ends it, the best design so far is on disk, and with --restart the run goes on from all that was computed.
+/// Whatever ends it, the best design so far is on disk, and with --restart the run goes on from all that was
+/// computed.
 ///
 /// Guarded by tests/regression/test_shape.py.
 class ShapeRun {
  public:
   /// All to outlive this. @param deck validated. @param report filled as far as the run gets.
-  ShapeRun(Teuchos::RCP<const Teuchos::Comm<int>> comm, const scene::Scene& scene, const Teuchos::ParameterList& deck,
-           const run::RunOptions& options, const Log& log, std::chrono::steady_clock::time_point begin,
-           run::RunReport& report);
+  ShapeRun(Teuchos::RCP<const Teuchos::Comm<int>> comm, const scene::Scene& scene,
+           const Teuchos::ParameterList& deck, const run::RunOptions& options, const Log& log,
+           std::chrono::steady_clock::time_point begin, run::RunReport& report);
 
   /// @throws InputError, NumericalError, InternalError on all ranks. @note Collective.
   void go();

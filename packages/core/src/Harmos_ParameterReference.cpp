@@ -119,7 +119,8 @@ void ParameterSpec::writeText(std::ostream& out) const {
     sublist.writeText(out, sublist.name());
 }
 
-void ParameterSpec::setForeign(Teuchos::ParameterList& list, const std::string& path, const std::string& value) {
+void ParameterSpec::setForeign(Teuchos::ParameterList& list, const std::string& path,
+                               const std::string& value) {
   if (const std::size_t slash = path.find('/'); slash != std::string::npos)
     return setForeign(list.sublist(path.substr(0, slash)), path.substr(slash + 1), value);
   const char* const begin = value.c_str();

@@ -76,8 +76,8 @@ class ParameterSpec {
   /// such a name: "<body>".
   ParameterSpec& family(ParameterSpec member);
 
-  /// A list that another library describes and checks: it is taken as it is. In assignments values are true or false, whole
-  /// numbers, numbers, else text.
+  /// A list that another library describes and checks: it is taken as it is. In assignments values are true
+  /// or false, whole numbers, numbers, else text.
   ParameterSpec& foreign(const std::string& name, const std::string& meaning) {
     list(ParameterSpec(name, meaning));
     lists_.back().isForeign_ = true;
