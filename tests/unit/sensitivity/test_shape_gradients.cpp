@@ -68,7 +68,7 @@ TEST(ShapeGradients, agree_with_differences) {
     for (bool onPlane : {true, false})
       for (const char* dirichlet : {"primal", "dual"}) {
         ContactCase problem(pressedBlocks(isSpace, onPlane, isSpace ? 2 : 6),
-                            contactCaseParameters(tolerance, dirichlet));
+                            contactCaseParameters(tolerance, dirichlet), true);
         const int surface = problem.effect(onPlane ? "Obstacle" : "Contact");
         ShapeModel model(*problem.solver, problem.scene, problem.owned, problem.contact, mapOf(isSpace, 1.0),
                          onPlane ? std::set<int>{0} : std::set<int>{0, 1});
