@@ -24,6 +24,10 @@ class DesignRecord : public sensitivity::DesignFunction {
   double value(const std::vector<double>& design, double tolerance) override;
   std::vector<double> gradient(const std::vector<double>& design, double tolerance) override;
 
+  /// A design that was made of answers, and is on record likewise. @param make collective.
+  std::vector<double> derived(const std::vector<double>& design,
+                              const std::function<std::vector<double>()>& make);
+
   /// Values that were asked for, those on record included.
   int values() const { return values_; }
   /// Whether answers still come from the record of an earlier run.
@@ -38,14 +42,14 @@ class DesignRecord : public sensitivity::DesignFunction {
   void setRefusals(const std::string& lines);
 
  private:
-  enum class What { Value, Gradient, Refused };
+  enum class What { Value, Gradient, Refused, Derived };
   struct Answer {
     What what;
     double tolerance;
     std::vector<double> design, numbers; // the value, or the gradient
     std::string refusal;
   };
-  const Answer* recalled(bool isGradient, const std::vector<double>& design, double tolerance);
+  const Answer* recalled(What what, const std::vector<double>& design, double tolerance);
 
   sensitivity::DesignFunction& function_;
   std::function<void()> before_;

@@ -354,11 +354,58 @@ sensitivity::DesignProblem ShapeRun::problem() {
   return problem;
 }
 
+// A design by nodes in which points are open is stationary in their gaps, and may be far from the best: where
+// pressures are the cost such points are closed, and the optimiser begins again from there, as long as that
+// pays.
+std::vector<double> ShapeRun::reclosed(const std::vector<double>& design) {
+  const auto* profile = dynamic_cast<const sensitivity::GapProfile*>(model_.get());
+  if (profile == nullptr || (deck_.quantity != "peak pressure" && deck_.quantity != "pressure spread"))
+    return {};
+  return record_->derived(design, [&] {
+    cost_->value(design, 0.0);
+    return profile->reclosed(design, cost_->response(), space_).value_or(std::vector<double>());
+  });
+}
+
+rol::Outcome ShapeRun::minimised() {
+  constexpr int mostRounds = 20;
+  rol::Outcome best;
+  std::vector<double> start = space_.start;
+  int iterations = 0, refused = 0;
+  for (int round = 0; round < mostRounds && !start.empty(); ++round) {
+    if (round > 0)
+      log_.info("Points of this design are open: they are closed, and the optimiser begins again");
+    std::vector<double> closed;
+    const rol::Outcome outcome = minimisedFrom(start, round + 1 < mostRounds ? &closed : nullptr);
+    iterations += outcome.iterations;
+    refused += outcome.refused;
+    if (round == 0 || outcome.cost < best.cost)
+      best = outcome;
+    start = closed.empty() ? reclosed(outcome.design) : closed;
+  }
+  best.iterations = iterations;
+  best.refused = refused;
+  return best;
+}
+
+rol::Outcome ShapeRun::minimisedFrom(const std::vector<double>& start, std::vector<double>* closed) {
+  sensitivity::DesignProblem here = problem();
+  here.space.start = start;
+  const int before = history_.empty() ? 0 : history_.back().iteration + 1;
+  return rol::minimise(here, deck_.optimiser, [&](const rol::Iterate& iterate) {
+    rol::Iterate counted = iterate;
+    counted.iteration += before;
+    accepted(counted);
+    if (closed != nullptr && iterate.iteration > 0)
+      *closed = reclosed(iterate.design);
+    return closed == nullptr || closed->empty();
+  });
+}
+
 void ShapeRun::optimise() {
   rol::Outcome outcome;
   try {
-    outcome = rol::minimise(problem(), deck_.optimiser,
-                            [this](const rol::Iterate& iterate) { return accepted(iterate); });
+    outcome = minimised();
     best_ = outcome.design;
     report_.converged = outcome.isConverged();
     report_.reason = outcome.reason;

@@ -47,6 +47,9 @@ class ShapeRun {
   void solveFirst();
   void restore();
   void optimise();
+  rol::Outcome minimised();
+  rol::Outcome minimisedFrom(const std::vector<double>& start, std::vector<double>* closed);
+  std::vector<double> reclosed(const std::vector<double>& design);
   void finish();
   void conclude(const rol::Outcome& outcome);
 

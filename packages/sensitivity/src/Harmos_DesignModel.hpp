@@ -53,6 +53,8 @@ class ContactCost : public DesignFunction {
   double value(const std::vector<double>& design, double tolerance) override;
   std::vector<double> gradient(const std::vector<double>& design, double tolerance) override;
 
+  /// The answer at the last design of value().
+  Response response() const { return {solver_, forces_, model_.geometry()}; }
   /// At the last design of value(). Null: that of the last gradient() was another one.
   const Sensitivities* sensitivities() const { return sensitivities_.get(); }
   const std::vector<double>& design() const { return design_; }
@@ -68,7 +70,6 @@ class ContactCost : public DesignFunction {
   const Spent& spent() const { return spent_; }
 
  private:
-  Response response() const { return {solver_, forces_, model_.geometry()}; }
   double tolerated(double tolerance) const;
   void solve(const std::vector<double>& design, double tolerance);
 
