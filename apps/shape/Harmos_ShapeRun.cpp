@@ -101,6 +101,8 @@ void ShapeRun::setUp() {
   contact_ = scene::setUpContact(*comm_, scene_, owned_);
   for (const std::string& note : contact_.notes)
     log_.info(note);
+  if (deck_.kind == ShapeDeck::Kind::Position)
+    sensitivity::completeRows(contact_, scene_.components());
   solver_ =
       std::make_unique<feti::FetiSolver>(comm_, std::move(subdomains), contact_.rows,
                                          solverParameters(deckList_, scene_, options_), log_.withoutInfo());
@@ -285,13 +287,18 @@ void ShapeRun::askBefore() {
     throw Halt{false, "\"Shape/Limits/Seconds\", " + scientific(deck_.mostSeconds) + ", are over"};
 }
 
-bool ShapeRun::accepted(const rol::Iterate& iterate) {
+// Iterates of the method that the one for constraints that are not linear calls have no gradient norm of
+// their own.
+void ShapeRun::accepted(const rol::Iterate& iterate) {
   best_ = iterate.design;
-  history_.push_back({iterate.iteration, record_->values(), deck_.sign * iterate.cost, iterate.gradientNorm,
+  const double norm = iterate.isInner ? std::numeric_limits<double>::quiet_NaN() : iterate.gradientNorm;
+  history_.push_back({static_cast<int>(history_.size()), record_->values(), deck_.sign * iterate.cost, norm,
                       iterate.violation, iterate.step, refused_, elapsed()});
   std::ostringstream text;
-  text << "Iterate " << iterate.iteration << ": cost " << scientific(deck_.sign * iterate.cost, 6)
-       << ", |gradient| " << scientific(iterate.gradientNorm) << ", " << record_->values() << " evaluations";
+  text << "Iterate " << history_.back().iteration << ": cost " << scientific(deck_.sign * iterate.cost, 6);
+  if (!iterate.isInner)
+    text << ", |gradient| " << scientific(norm);
+  text << ", " << record_->values() << " evaluations";
   if (!deck_.volume.empty())
     text << ", constraint missed by " << scientific(iterate.violation, 0);
   log_.info(text.str());
@@ -299,7 +306,6 @@ bool ShapeRun::accepted(const rol::Iterate& iterate) {
     writeHistory();
     writeDesign();
   }
-  return true;
 }
 
 void ShapeRun::writeHistory() const {
@@ -391,11 +397,8 @@ rol::Outcome ShapeRun::minimised() {
 rol::Outcome ShapeRun::minimisedFrom(const std::vector<double>& start, std::vector<double>* closed) {
   sensitivity::DesignProblem here = problem();
   here.space.start = start;
-  const int before = history_.empty() ? 0 : history_.back().iteration + 1;
   return rol::minimise(here, deck_.optimiser, [&](const rol::Iterate& iterate) {
-    rol::Iterate counted = iterate;
-    counted.iteration += before;
-    accepted(counted);
+    accepted(iterate);
     if (closed != nullptr && iterate.iteration > 0)
       *closed = reclosed(iterate.design);
     return closed == nullptr || closed->empty();

@@ -54,7 +54,7 @@ class ShapeRun {
   void conclude(const rol::Outcome& outcome);
 
   void askBefore();
-  bool accepted(const rol::Iterate& iterate);
+  void accepted(const rol::Iterate& iterate);
   void save();
   void writeHistory() const;
   void writeDesign() const;

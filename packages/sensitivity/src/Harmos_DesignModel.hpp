@@ -25,6 +25,8 @@ class DesignModel {
   virtual const std::vector<ConstraintRow>& rows() const = 0;
   virtual const RowGeometry& geometry() const = 0;
 
+  /// Whether gradient() needs v of the adjoint: not where gaps alone change.
+  virtual bool needsDisplacement() const { return true; }
   /// dΦ/ddesign, the same on all ranks. @param response, adjoint of the last design. @note Collective.
   virtual std::vector<double> gradient(const Functional& functional, const Response& response,
                                        const Functional::Adjoint& adjoint) = 0;

@@ -144,7 +144,7 @@ std::optional<std::vector<double>> GapProfile::reclosed(const std::vector<double
   for (int i = 0; i < solver_.system().size(); ++i)
     loads.push_back(std::make_shared<const std::vector<double>>(solver_.system().rhs(i).size(), 0.0));
   const feti::FetiSolver::Increment closing =
-      solver_.solveIncrement(std::move(loads), rows, solver_.tolerance());
+      solver_.solveIncrement(std::move(loads), rows, solver_.tolerance(), false);
   double most = 0.0; // pressure for each unit of closing
   for (std::size_t r = 0; r < rows.size(); ++r)
     if (isOpen[r] != 0)

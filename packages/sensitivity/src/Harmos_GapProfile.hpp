@@ -39,6 +39,7 @@ class GapProfile : public DesignModel {
                                const Functional::Adjoint& adjoint) override;
   double volume(const std::vector<double>& design) override;
   std::vector<double> volumeGradient(const std::vector<double>&) override { return weights_; }
+  bool needsDisplacement() const override { return false; }
   bool hasLinearVolume() const override { return true; }
 
   /// Σ_k α_k φ_k at the rows of this rank, zero at others than those of the surfaces. Local.

@@ -84,14 +84,16 @@ class FetiSolver {
   /// asked. Starts from what was asked before.
   struct Increment {
     SolveReport report;
-    TornVector displacement;
+    TornVector displacement;       ///< empty where it was not asked for
     std::vector<double> rowForces; ///< of the rows that this rank gave
   };
   /// @param loads of this rank's subdomains. @param rows those that are here, with other bounds, and with
-  /// statuses: where all inequalities are decided the problem is linear. @param tolerance as solve().
+  /// statuses: where all inequalities are decided the problem is linear. @param tolerance as solve(). @param
+  /// withDisplacement without it there is no audit either, and a product with the local inverses less.
   /// @throws InputError, NumericalError, InternalError on all ranks. @note Collective.
   Increment solveIncrement(std::vector<std::shared_ptr<const std::vector<double>>> loads,
-                           const std::vector<ConstraintRow>& rows, double tolerance);
+                           const std::vector<ConstraintRow>& rows, double tolerance,
+                           bool withDisplacement = true);
 
   /// Of the last solution, copies of a dof in each subdomain.
   const TornVector& displacement() const { return solution().displacement; }
@@ -138,7 +140,7 @@ class FetiSolver {
     TornSolution torn;
     KktAudit audit;
   };
-  Answer solved(const Task& task, double tolerance);
+  Answer solved(const Task& task, double tolerance, bool recovers = true);
   void requireOperators() const;
   void setUpInverses();
   void forgetOperators();
