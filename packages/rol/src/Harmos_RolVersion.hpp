@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// ROL's headers, and the differences between ROL of Trilinos 13.2 and of current Trilinos (16 and later), all of
-/// them, in one place.
+/// ROL's headers, and the differences between ROL of Trilinos 13.2 and of current Trilinos (16 and later),
+/// all of them, in one place.
 
 #include <ROL_Bounds.hpp>
 #include <ROL_Constraint.hpp>
