@@ -27,6 +27,7 @@ const DesignRecord::Answer* DesignRecord::recalled(What what, const std::vector<
 double DesignRecord::value(const std::vector<double>& design, double tolerance) {
   if (const Answer* known = recalled(What::Value, design, tolerance)) {
     ++values_;
+    refused_ += known->what == What::Refused ? 1 : 0;
     if (known->what == What::Refused)
       throw sensitivity::RefusedDesign(known->refusal);
     return known->numbers.front();
@@ -39,6 +40,7 @@ double DesignRecord::value(const std::vector<double>& design, double tolerance) 
   } catch (const sensitivity::RefusedDesign& error) {
     answers_.push_back({What::Refused, tolerance, design, {}, error.what()});
     next_ = recalled_ = answers_.size();
+    ++refused_;
     throw;
   }
   next_ = recalled_ = answers_.size();

@@ -30,6 +30,8 @@ class DesignRecord : public sensitivity::DesignFunction {
 
   /// Values that were asked for, those on record included.
   int values() const { return values_; }
+  /// Designs among these that were refused.
+  int refused() const { return refused_; }
   /// Whether answers still come from the record of an earlier run.
   bool isRecalling() const { return next_ < recalled_; }
   /// Answers of an earlier run that were of no use: the optimiser asked something else.
@@ -55,7 +57,7 @@ class DesignRecord : public sensitivity::DesignFunction {
   std::function<void()> before_;
   std::vector<Answer> answers_;
   std::size_t next_ = 0, recalled_ = 0, forgotten_ = 0;
-  int values_ = 0;
+  int values_ = 0, refused_ = 0;
 };
 
 } // namespace Harmos::shape

@@ -293,7 +293,7 @@ void ShapeRun::accepted(const rol::Iterate& iterate) {
   best_ = iterate.design;
   const double norm = iterate.isInner ? std::numeric_limits<double>::quiet_NaN() : iterate.gradientNorm;
   history_.push_back({static_cast<int>(history_.size()), record_->values(), deck_.sign * iterate.cost, norm,
-                      iterate.violation, iterate.step, refused_, elapsed()});
+                      iterate.violation, iterate.step, record_->refused(), elapsed()});
   std::ostringstream text;
   text << "Iterate " << history_.back().iteration << ": cost " << scientific(deck_.sign * iterate.cost, 6);
   if (!iterate.isInner)
@@ -377,20 +377,18 @@ rol::Outcome ShapeRun::minimised() {
   constexpr int mostRounds = 20;
   rol::Outcome best;
   std::vector<double> start = space_.start;
-  int iterations = 0, refused = 0;
+  int iterations = 0;
   for (int round = 0; round < mostRounds && !start.empty(); ++round) {
     if (round > 0)
       log_.info("Points of this design are open: they are closed, and the optimiser begins again");
     std::vector<double> closed;
     const rol::Outcome outcome = minimisedFrom(start, round + 1 < mostRounds ? &closed : nullptr);
     iterations += outcome.iterations;
-    refused += outcome.refused;
     if (round == 0 || outcome.cost < best.cost)
       best = outcome;
     start = closed.empty() ? reclosed(outcome.design) : closed;
   }
   best.iterations = iterations;
-  best.refused = refused;
   return best;
 }
 
@@ -412,7 +410,6 @@ void ShapeRun::optimise() {
     best_ = outcome.design;
     report_.converged = outcome.isConverged();
     report_.reason = outcome.reason;
-    refused_ = outcome.refused;
   } catch (const Halt& halt) {
     outcome.design = best_;
     outcome.cost = history_.empty() ? deck_.sign * costBefore_ : deck_.sign * history_.back().cost;
@@ -456,7 +453,7 @@ void ShapeRun::conclude(const rol::Outcome& outcome) {
   results["adjoints"] = spent.gradients;
   results["products_of_solutions"] = spent.products;
   results["products_of_adjoints"] = spent.adjointProducts;
-  results["refused_designs"] = outcome.refused;
+  results["refused_designs"] = record_->refused();
   results["design_variables"] = static_cast<double>(space_.size());
   if (!isInterrupted) { // there may be little time left
     cost_->value(best_, 0.0);

@@ -90,7 +90,6 @@ class ShapeRun {
   std::vector<HistoryRow> history_;
   std::vector<double> best_;
   double costBefore_ = 0.0, lastSave_ = 0.0;
-  int refused_ = 0;
   double firstValueSeconds_ = 0.0, setUpSeconds_ = 0.0, outputSeconds_ = 0.0;
 };
 

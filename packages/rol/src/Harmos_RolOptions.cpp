@@ -135,7 +135,7 @@ Teuchos::ParameterList defaultOptions(bool isNonlinear) {
   status.set("Gradient Tolerance", 1e-3);
   status.set("Constraint Tolerance", 1e-6);
   status.set("Step Tolerance", 1e-6);
-  status.set("Iteration Limit", 100);
+  status.set("Iteration Limit", 300);
   status.set("Use Relative Tolerances", true);
   return list;
 }

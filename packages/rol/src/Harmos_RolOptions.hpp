@@ -19,7 +19,7 @@ namespace Harmos::rol {
 /// Projection/Type | Dai-Fletcher | of one linear constraint; of more of them Semismooth Newton | | Status
 /// Test/Gradient Tolerance | 1e-3 | of the first one's | | Status Test/Step Tolerance | 1e-6 | of the box's
 /// diagonal | | Status Test/Constraint Tolerance | 1e-6 | of what a constraint changes over the box | |
-/// Status Test/Iteration Limit | 100 | | | Status Test/Use Relative Tolerances | true | false: gradient and
+/// Status Test/Iteration Limit | 300 | | | Status Test/Use Relative Tolerances | true | false: gradient and
 /// step in the units of the cost and the design |
 ///
 /// @param isNonlinear whether there is a constraint that is not linear: another family of methods.
