@@ -230,13 +230,13 @@ TEST(FetiSolver, matrices_that_cannot_be_factored) {
     const TestModel model = stiffened(testModel(2, 4));
     TestModel bad = model;
     for (feti::Subdomain& subdomain : bad.subdomains)
-      if (subdomain.number == 1) { // K − 2aaᵀ, a = e₆ − e₇: constants stay in the kernel
+      if (subdomain.number == 1) { // K − 2.5aaᵀ, a = e₆ − e₇: constants stay in the kernel
         auto matrix = std::make_shared<LocalMatrix>(*subdomain.stiffness);
         for (const auto& [i, j, value] : {std::tuple{6, 6, -1.0}, {6, 7, 1.0}, {7, 6, 1.0}, {7, 7, -1.0}})
           for (std::size_t k = matrix->offsets[static_cast<std::size_t>(i)];
                k < matrix->offsets[static_cast<std::size_t>(i) + 1]; ++k)
             if (matrix->columns[k] == j)
-              matrix->values[k] += 2.0 * value;
+              matrix->values[k] += 2.5 * value;
         subdomain.stiffness = matrix;
       }
     feti::FetiSolver solver(testComm(), model.subdomains, model.rows, parametersOf(form));
