@@ -56,6 +56,8 @@ macro(harmos_find_dependencies)
       harmos_import_trilinos(intrepid2 Intrepid2 Shards)
     elseif(harmos_dependency STREQUAL "muelu")
       harmos_import_trilinos(muelu MueLu Ifpack2)
+    elseif(harmos_dependency STREQUAL "rol")
+      harmos_import_trilinos(rol ROL)
     elseif(harmos_dependency STREQUAL "mumps")
       # Double and single precision, parallel build.
       find_path(MUMPS_INCLUDE_DIR dmumps_c.h REQUIRED)

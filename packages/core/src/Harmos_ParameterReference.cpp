@@ -6,6 +6,7 @@
 
 #include <Teuchos_XMLParameterListCoreHelpers.hpp>
 
+#include <cstdlib>
 #include <ostream>
 
 namespace Harmos {
@@ -116,6 +117,22 @@ void ParameterSpec::writeText(std::ostream& out) const {
     out << "  " << parameter.name << " = " << defaultText(parameter) << "   " << parameter.meaning << "\n";
   for (const ParameterSpec& sublist : lists_)
     sublist.writeText(out, sublist.name());
+}
+
+void ParameterSpec::setForeign(Teuchos::ParameterList& list, const std::string& path,
+                               const std::string& value) {
+  if (const std::size_t slash = path.find('/'); slash != std::string::npos)
+    return setForeign(list.sublist(path.substr(0, slash)), path.substr(slash + 1), value);
+  const char* const begin = value.c_str();
+  char* end = nullptr;
+  if (value == "true" || value == "false")
+    list.set(path, value == "true");
+  else if (const long whole = std::strtol(begin, &end, 10); end != begin && *end == '\0')
+    list.set(path, static_cast<int>(whole));
+  else if (const double number = std::strtod(begin, &end); end != begin && *end == '\0')
+    list.set(path, number);
+  else
+    list.set(path, value);
 }
 
 } // namespace Harmos

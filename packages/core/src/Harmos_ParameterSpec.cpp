@@ -389,7 +389,9 @@ void ParameterSpec::validate(const Parameter& parameter, const Teuchos::Paramete
 
 void ParameterSpec::validate(const Teuchos::ParameterList& given, const std::string& path,
                              Teuchos::ParameterList& result, std::vector<std::string>& faults) const {
-  for (auto item = given.begin(); item != given.end(); ++item) {
+  if (isForeign_)
+    result.setParameters(given);
+  for (auto item = given.begin(); !isForeign_ && item != given.end(); ++item) {
     const std::string& name = given.name(item);
     const Teuchos::ParameterEntry& entry = given.entry(item);
     if (entry.isList()) {
@@ -515,6 +517,8 @@ void ParameterSpec::set(Teuchos::ParameterList& list, const std::string& path, c
 // The head is the path of this list in the deck, with its slash.
 void ParameterSpec::set(Teuchos::ParameterList& list, const std::string& head, const std::string& path,
                         const std::string& value, const std::string& source) const {
+  if (isForeign_)
+    return setForeign(list, path, value);
   const std::size_t slash = path.find('/');
   if (slash != std::string::npos) {
     const std::string first = path.substr(0, slash);

@@ -76,6 +76,14 @@ class ParameterSpec {
   /// such a name: "<body>".
   ParameterSpec& family(ParameterSpec member);
 
+  /// A list that another library describes and checks: it is taken as it is. In assignments values are true
+  /// or false, whole numbers, numbers, else text.
+  ParameterSpec& foreign(const std::string& name, const std::string& meaning) {
+    list(ParameterSpec(name, meaning));
+    lists_.back().isForeign_ = true;
+    return *this;
+  }
+
   /// A name that people may expect and that is none here; they are told why, in a clause: "a contact has no
   /// magnitude".
   ParameterSpec& absent(const std::string& name, const std::string& why);
@@ -114,6 +122,7 @@ class ParameterSpec {
   void writeText(std::ostream& out) const;
 
  private:
+  static void setForeign(Teuchos::ParameterList& list, const std::string& path, const std::string& value);
   void set(Teuchos::ParameterList& list, const std::string& head, const std::string& path,
            const std::string& value, const std::string& source) const;
 
@@ -161,6 +170,7 @@ class ParameterSpec {
   std::vector<ParameterSpec> lists_;
   std::vector<ParameterSpec> family_; // none or one
   std::vector<std::pair<std::string, std::string>> absent_;
+  bool isForeign_ = false;
 };
 
 } // namespace Harmos

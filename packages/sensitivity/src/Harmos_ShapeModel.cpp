@@ -90,6 +90,20 @@ bool sameTerms(const ConstraintRow& a, const ConstraintRow& b) {
 
 } // namespace
 
+void completeRows(scene::ContactSetup& contact, int components) {
+  std::size_t next = 0; // rows of inequalities are those of the points, in their order
+  for (ConstraintRow& row : contact.rows) {
+    if (row.kind != ConstraintRow::Kind::Inequality)
+      continue;
+    const contact::ContactPoint& point = contact.points[next++];
+    row.terms.clear();
+    for (const contact::ContactPoint::Term& term : point.terms)
+      for (int c = 0; c < components; ++c)
+        row.terms.push_back(
+            {term.node * components + c, term.weight * point.normal[static_cast<std::size_t>(c)]});
+  }
+}
+
 ShapeModel::ShapeModel(feti::FetiSolver& solver, const scene::Scene& scene,
                        const std::vector<OwnedSubdomain>& owned, const scene::ContactSetup& contact,
                        ShapeMap map, std::set<int> bodies, double leastQuality)
@@ -105,6 +119,10 @@ ShapeModel::ShapeModel(feti::FetiSolver& solver, const scene::Scene& scene,
       contact_(contact),
       geometry_(geometryOf(contact, scene)) {
   const Teuchos::Comm<int>& comm = commOf(solver_);
+  if (scene_.physics == scene::Physics::Membrane)
+    throw InputError("the nodes of membranes cannot be designed; design their gaps");
+  completeRows(reference_, scene_.components());
+  contact_ = reference_;
   std::vector<double> moved(map_.size(), 0.0);
   std::vector<fem::Point> places;
   agree(comm, [&] {
@@ -150,8 +168,6 @@ ShapeModel::ShapeModel(feti::FetiSolver& solver, const scene::Scene& scene,
 
 // Local.
 void ShapeModel::requireSupported() const {
-  if (scene_.physics == scene::Physics::Membrane)
-    throw InputError("the nodes of membranes cannot be designed; design their gaps");
   for (std::size_t place : places_)
     for (const auto& effect : scene_.effects)
       if (effect->stiffnessKey(scene_, atRest_[place]))
@@ -185,6 +201,7 @@ std::vector<OwnedSubdomain> ShapeModel::all(std::vector<OwnedSubdomain> moving) 
 
 scene::ContactSetup ShapeModel::contactOf(const std::vector<OwnedSubdomain>& owned) const {
   scene::ContactSetup contact = scene::setUpContact(commOf(solver_), scene_, owned);
+  completeRows(contact, scene_.components());
   requireSameRows(contact);
   return contact;
 }

@@ -12,6 +12,11 @@
 
 namespace Harmos::sensitivity {
 
+/// Gives rows of contact a term for each component of the displacement, of zero where the normal has none: as
+/// normals turn, rows keep their dofs, and what is factored its boundary. For solvers whose bodies are to
+/// change. Local.
+void completeRows(scene::ContactSetup& contact, int components);
+
 /// Bodies whose nodes follow a design, on obstacles and on each other where their nodes match.
 ///
 /// Subdomains that have nodes which may move are assembled and factored anew for each design, others never.
@@ -26,8 +31,8 @@ namespace Harmos::sensitivity {
 /// Guarded by tests/unit/sensitivity/test_shape_gradients.cpp.
 class ShapeModel : public DesignModel {
  public:
-  /// @param solver of the scene's subdomains and rows, to outlive this; so are scene and owned. @param owned
-  /// at rest.
+  /// @param solver of the scene's subdomains and rows, after completeRows(), to outlive this; so are scene
+  /// and owned. @param owned, contact at rest.
   /// @param bodies that move. @param leastQuality of cells, as fem::worstCell() judges them by what they
   /// were: below, a mesh counts as tangled.
   /// @throws InputError on all ranks for bodies on foundations, prescribed values that depend on the place of

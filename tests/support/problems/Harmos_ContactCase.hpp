@@ -5,6 +5,7 @@
 #include "Harmos_Decomposition.hpp"
 #include "Harmos_FetiSolver.hpp"
 #include "Harmos_Functional.hpp"
+#include "Harmos_ShapeModel.hpp"
 #include "Harmos_TestComm.hpp"
 #include "Harmos_TestScene.hpp"
 
@@ -23,10 +24,14 @@ struct ContactCase {
   scene::ContactSetup contact;
   std::unique_ptr<feti::FetiSolver> solver;
 
-  ContactCase(scene::Scene what, const Teuchos::ParameterList& list) : scene(std::move(what)) {
+  /// @param moves whether nodes are to be moved.
+  ContactCase(scene::Scene what, const Teuchos::ParameterList& list, bool moves = false)
+      : scene(std::move(what)) {
     const auto comm = testComm();
     owned = scene::decompose(*comm, scene);
     contact = scene::setUpContact(*comm, scene, owned);
+    if (moves)
+      sensitivity::completeRows(contact, scene.components());
     solver = std::make_unique<feti::FetiSolver>(comm, scene::assemble(scene, owned), contact.rows, list);
   }
   sensitivity::RowGeometry geometry() const { return sensitivity::geometryOf(contact, scene); }

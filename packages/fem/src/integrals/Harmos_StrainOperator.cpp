@@ -47,15 +47,36 @@ const VoigtMatrix& stiffnessOf(const std::vector<VoigtMatrix>& all, int region) 
   return all[static_cast<std::size_t>(region)];
 }
 
+DilatationSpace::DilatationSpace(const Mesh& mesh, const CellIntegrator& cell)
+    : cell_(cell), dimension_(static_cast<std::size_t>(mesh.dimension())) {
+  const CellShape& shape = shapeOf(mesh.cellType);
+  size_ = shape.order == 2 && !shape.isSimplex ? 1 + dimension_ : 1;
+  values_.assign(static_cast<std::size_t>(cell.points()) * size_, 1.0);
+}
+
+void DilatationSpace::update() {
+  if (size_ == 1)
+    return; // the constant is the same in all cells
+  Point centre{};
+  const double size = cell_.size();
+  for (int q = 0; q < cell_.points(); ++q)
+    for (std::size_t d = 0; d < 3; ++d)
+      centre[d] += cell_.measure(q) / size * cell_.position(q)[d];
+  length_ = std::pow(size, 1.0 / static_cast<double>(dimension_));
+  for (int q = 0; q < cell_.points(); ++q) {
+    const Point x = cell_.position(q);
+    for (std::size_t a = 1; a < size_; ++a)
+      values_[static_cast<std::size_t>(q) * size_ + a] = (x[a - 1] - centre[a - 1]) / length_;
+  }
+}
+
 StrainOperator::StrainOperator(const Mesh& mesh, const CellIntegrator& cell, bool projected)
     : cell_(cell),
       dimension_(static_cast<std::size_t>(mesh.dimension())),
       rows_(strainSize(mesh)),
       dofs_(static_cast<std::size_t>(cell.basisSize()) * dimension_),
-      projected_(projected) {
-  const CellShape& shape = shapeOf(mesh.cellType);
-  // Functions of a coordinate relative to the centre of the cell: 1, or 1, x, y(, z).
-  functions_ = shape.order == 2 && !shape.isSimplex ? 1 + mesh.dimension() : 1;
+      projected_(projected),
+      space_(mesh, cell) {
   values_.resize(static_cast<std::size_t>(cell.points()) * rows_ * dofs_);
 }
 
@@ -83,38 +104,30 @@ void StrainOperator::update() {
 
 // The divergence d of each basis function becomes its L2 projection d̄: ε̄ = ε + (d̄ − d)/3 · I.
 void StrainOperator::project() {
-  const auto m = static_cast<std::size_t>(functions_);
+  space_.update();
+  const std::size_t m = space_.size();
   std::vector<double> gram(m * m, 0.0), moments(m * dofs_, 0.0);
   const auto points = static_cast<std::size_t>(cell_.points());
-  std::vector<double> psi(points * m, 1.0);
-  Point centre{};
-  const double size = cell_.size();
-  for (int q = 0; q < cell_.points(); ++q)
-    for (std::size_t d = 0; d < 3; ++d)
-      centre[d] += cell_.measure(q) / size * cell_.position(q)[d];
-  const double length = std::pow(size, 1.0 / static_cast<double>(dimension_));
   std::vector<double> divergence(points * dofs_);
   for (std::size_t q = 0; q < points; ++q) {
     const int iq = static_cast<int>(q);
-    const Point x = cell_.position(iq);
-    for (std::size_t a = 1; a < m; ++a)
-      psi[q * m + a] = (x[a - 1] - centre[a - 1]) / length;
+    const double* psi = space_.at(q);
     for (std::size_t j = 0; j < dofs_; ++j)
       divergence[q * dofs_ + j] = row(iq, 0)[j] + row(iq, 1)[j] + (dimension_ == 3 ? row(iq, 2)[j] : 0.0);
     for (std::size_t a = 0; a < m; ++a) {
-      const double weight = cell_.measure(iq) * psi[q * m + a];
+      const double weight = cell_.measure(iq) * psi[a];
       for (std::size_t b = 0; b < m; ++b)
-        gram[a * m + b] += weight * psi[q * m + b];
+        gram[a * m + b] += weight * psi[b];
       for (std::size_t j = 0; j < dofs_; ++j)
         moments[j * m + a] += weight * divergence[q * dofs_ + j];
     }
   }
-  solveSmall(functions_, gram, static_cast<int>(dofs_), moments.data());
+  solveSmall(static_cast<int>(m), gram, static_cast<int>(dofs_), moments.data());
   for (std::size_t q = 0; q < points; ++q)
     for (std::size_t j = 0; j < dofs_; ++j) {
       double projected = 0.0;
       for (std::size_t a = 0; a < m; ++a)
-        projected += psi[q * m + a] * moments[j * m + a];
+        projected += space_.at(q)[a] * moments[j * m + a];
       const double change = (projected - divergence[q * dofs_ + j]) / 3.0;
       for (std::size_t r = 0; r < 3; ++r)
         at(static_cast<int>(q), r)[j] += change;

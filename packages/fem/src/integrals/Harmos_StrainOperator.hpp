@@ -19,6 +19,29 @@ std::vector<VoigtMatrix> stiffnesses(const Elasticity& elasticity);
 /// @throws InternalError if the region has no material.
 const VoigtMatrix& stiffnessOf(const std::vector<VoigtMatrix>& all, int region);
 
+/// The functions that the dilatation of a cell is projected onto, see Dilatation, at its quadrature points:
+/// 1, or 1, x, y(, z), relative to the centre of the cell and over its length.
+class DilatationSpace {
+ public:
+  /// Both to outlive this.
+  DilatationSpace(const Mesh& mesh, const CellIntegrator& cell);
+
+  /// For the cell that the integrator has turned to.
+  void update();
+
+  std::size_t size() const { return size_; }
+  /// What coordinates are divided by: the root of the cell's size. Of no use where 1 is alone.
+  double length() const { return length_; }
+  /// The functions at point q.
+  const double* at(std::size_t q) const { return values_.data() + q * size_; }
+
+ private:
+  const CellIntegrator& cell_;
+  std::size_t dimension_, size_;
+  double length_ = 1.0;
+  std::vector<double> values_;
+};
+
 /// B̄ of a cell at all its quadrature points: strains of the basis functions, see Dilatation.
 class StrainOperator {
  public:
@@ -49,7 +72,7 @@ class StrainOperator {
   const CellIntegrator& cell_;
   std::size_t dimension_, rows_, dofs_;
   bool projected_;
-  int functions_ = 1;
+  DilatationSpace space_;
   std::vector<double> values_;
 };
 

@@ -116,6 +116,11 @@ class FetiSolver {
   const SubdomainSystem& system() const { return *system_; }
   const Constraints& constraints() const { return *constraints_; }
   const LocalInverses& inverses() const { return *inverses_; }
+  const CoarseSpace& coarse() const { return *coarse_; }
+  /// That subdomains are joined to, of all ranks; 0: none.
+  long long clusters() const { return decided_.inverses.clusters ? decided_.inverses.clusters->total() : 0; }
+  /// What was decided: "condensed, double, Dirichlet preconditioner".
+  std::string dualOperatorText() const { return decided_.describe(); }
   /// F, to be used alone. Made anew with new matrices.
   const DualOperator& dualOperator() const { return *operator_; }
   /// What this rank spent on factors so far.

@@ -40,6 +40,7 @@ struct CheckpointOptions {
   std::string deck;                     ///< the validated deck, as XML
   std::string deckFile;                 ///< where it was read
   std::vector<std::string> assignments; ///< that were applied to it
+  std::vector<std::string> mayDiffer;   ///< lists of an application's own that may be others after a restart
 };
 
 /// The lists of a deck that every application shares: Decomposition, Dual operator, Solver, Output. Its

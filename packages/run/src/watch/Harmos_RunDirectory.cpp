@@ -44,10 +44,17 @@ void RunDirectory::checkDeck() const {
     const std::string before = checkpoint_->text("deck"), &now = options_.checkpoint.deck;
     if (before.empty() || now.empty())
       return; // of an application without decks
+    std::vector<std::string> mayDiffer = {"Output",
+                                          "Solver/Tolerance",
+                                          "Solver/Maximum iterations",
+                                          "Solver/Maximum seconds",
+                                          "Solver/Progress frequency",
+                                          "Steps/Smallest step",
+                                          "Dual operator/Rates"};
+    mayDiffer.insert(mayDiffer.end(), options_.checkpoint.mayDiffer.begin(),
+                     options_.checkpoint.mayDiffer.end());
     const std::string difference = scene::firstDifference(
-        *Teuchos::getParametersFromXmlString(before), *Teuchos::getParametersFromXmlString(now),
-        {"Output", "Solver/Tolerance", "Solver/Maximum iterations", "Solver/Maximum seconds",
-         "Solver/Progress frequency", "Steps/Smallest step", "Dual operator/Rates"});
+        *Teuchos::getParametersFromXmlString(before), *Teuchos::getParametersFromXmlString(now), mayDiffer);
     if (!difference.empty())
       throw InputError(
           "the checkpoint \"" + checkpoint_->path() + "\" is of another deck: " + difference +

@@ -1,0 +1,453 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_ShapeRun.hpp"
+
+#include "Harmos_Agreement.hpp"
+#include "Harmos_AtomicFile.hpp"
+#include "Harmos_BoundaryParts.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_GapProfile.hpp"
+#include "Harmos_ProcessMemory.hpp"
+#include "Harmos_Rendezvous.hpp"
+#include "Harmos_ShapeModel.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+namespace Harmos::shape {
+namespace {
+
+// What ends an optimisation from within.
+struct Halt {
+  bool isSignal;
+  std::string reason;
+};
+
+// Of a deck, what the solver knows; the rest is the run's.
+Teuchos::ParameterList solverParameters(const Teuchos::ParameterList& deck, const scene::Scene& scene,
+                                        const run::RunOptions& options) {
+  Teuchos::ParameterList list = feti::FetiSolver::parameters().defaults();
+  for (const char* name : {"Decomposition", "Dual operator", "Solver"}) {
+    Teuchos::ParameterList& mine = list.sublist(name);
+    const Teuchos::ParameterList& given = deck.sublist(name);
+    for (auto item = given.begin(); item != given.end(); ++item)
+      if (const std::string& key = given.name(item); mine.isParameter(key)) {
+        if (mine.isSublist(key))
+          mine.sublist(key).setParameters(given.sublist(key));
+        else
+          mine.setEntry(key, given.entry(item));
+      }
+  }
+  list.sublist("Decomposition")
+      .set("Dirichlet", run::dirichletForm(scene, options) == feti::DirichletForm::Dual ? "dual" : "primal");
+  list.sublist("Solver").set("Progress frequency", 0);
+  const feti::SolverOptions solver = run::solverOptions(scene, options);
+  if (solver.methodLists.isSublist("PDAS") &&
+      solver.methodLists.sublist("PDAS").isParameter("First active set"))
+    list.sublist("Solver").sublist("PDAS").set(
+        "First active set", solver.methodLists.sublist("PDAS").get<std::string>("First active set"));
+  return list;
+}
+
+} // namespace
+
+ShapeRun::ShapeRun(Teuchos::RCP<const Teuchos::Comm<int>> comm, const scene::Scene& scene,
+                   const Teuchos::ParameterList& deck, const run::RunOptions& options, const Log& log,
+                   std::chrono::steady_clock::time_point begin, run::RunReport& report)
+    : comm_(std::move(comm)),
+      scene_(scene),
+      deckList_(deck),
+      deck_(ShapeDeck::fromDeck(deck, scene)),
+      options_(options),
+      log_(log),
+      begin_(begin),
+      report_(report),
+      directory_(*comm_, options) {}
+
+double ShapeRun::elapsed() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+}
+
+void ShapeRun::go() {
+  report_.restartedFrom = directory_.restartedFrom();
+  directory_.checkDeck();
+  directory_.prepare(log_);
+  agree(*comm_, [&] {
+    if (comm_->getRank() == 0)
+      for (const char* name : {"history.csv", "shape.csv", "design.csv", "before.vtkhdf"})
+        io::removeFile(directory_.place(name));
+  });
+  setUp();
+  solveFirst();
+  restore();
+  optimise();
+}
+
+void ShapeRun::setUp() {
+  report_.ranks = comm_->getSize();
+  report_.scene = scene_.name;
+  report_.effects = scene_.effectKinds();
+  report_.tolerance = options_.tolerance;
+  report_.toleranceRule = "fixed";
+  report_.stoppingRule = feti::toString(options_.stoppingRule);
+  owned_ =
+      scene::decompose(*comm_, scene_,
+                       feti::mayJoin(options_.dual.clusters, comm_->getSize()) ? scene::Numbering::Compact
+                                                                               : scene::Numbering::AsMade);
+  scene::checkBoundaryParts(*comm_, scene_, owned_);
+  std::vector<feti::Subdomain> subdomains;
+  agree(*comm_, [&] { subdomains = scene::assemble(scene_, owned_); });
+  contact_ = scene::setUpContact(*comm_, scene_, owned_);
+  for (const std::string& note : contact_.notes)
+    log_.info(note);
+  solver_ =
+      std::make_unique<feti::FetiSolver>(comm_, std::move(subdomains), contact_.rows,
+                                         solverParameters(deckList_, scene_, options_), log_.withoutInfo());
+  makeModel();
+  space_ = deck_.space(model_->weights());
+  best_ = space_.start;
+  makeFunctional();
+  cost_ = std::make_unique<sensitivity::ContactCost>(*solver_, *model_, *functional_, deck_.sign);
+  volume_ = std::make_unique<sensitivity::DesignVolume>(*model_);
+  record_ = std::make_unique<DesignRecord>(*cost_, [this] { askBefore(); });
+  setUpSeconds_ = elapsed();
+  std::ostringstream text;
+  text << "Scene \"" << scene_.name << "\": " << solver_->system().globalSubdomains() << " subdomains on "
+       << comm_->getSize() << (comm_->getSize() == 1 ? " rank" : " ranks") << ", "
+       << solver_->system().primalDimension() << " unknowns, " << solver_->constraints().inequalities()
+       << " contact points\nDesign of " << space_.size()
+       << (deck_.kind == ShapeDeck::Kind::Gap ? " numbers: gaps" : " numbers: positions of nodes")
+       << "; cost: "
+       << (deck_.quantity == "softest"    ? "J = min u'Ku/2 - f'u (softest)"
+           : deck_.quantity == "stiffest" ? "-J = -min (u'Ku/2 - f'u) (stiffest)"
+                                          : deck_.quantity);
+  log_.info(text.str());
+}
+
+sensitivity::ShapeMap ShapeRun::shapeMap() const {
+  constexpr double far = std::numeric_limits<double>::infinity();
+  const double length = std::hypot(deck_.direction[0], deck_.direction[1], deck_.direction[2]);
+  std::vector<double> most(7, -far);  // of x, −x and level on the surface
+  std::vector<double> reach(2, -far); // of ±X·d over the bodies
+  for (const scene::OwnedSubdomain& item : owned_) {
+    const auto along = [&](int node) {
+      const fem::Point x = item.mesh.position(node);
+      return (x[0] * deck_.direction[0] + x[1] * deck_.direction[1] + x[2] * deck_.direction[2]) / length;
+    };
+    if (deck_.bodies.count(item.body) > 0)
+      for (int node = 0; node < item.mesh.mesh->numberOfNodes(); ++node) {
+        reach[0] = std::max(reach[0], along(node));
+        reach[1] = std::max(reach[1], -along(node));
+      }
+    const auto part = item.mesh.sets.find(deck_.part);
+    if (item.body != deck_.body || part == item.mesh.sets.end())
+      continue;
+    for (int node : part->second) {
+      const fem::Point x = item.mesh.position(node);
+      for (std::size_t d = 0; d < 3; ++d) {
+        most[d] = std::max(most[d], x[d]);
+        most[3 + d] = std::max(most[3 + d], -x[d]);
+      }
+      most[6] = std::max(most[6], along(node));
+    }
+  }
+  globalMax(*comm_, most);
+  globalMax(*comm_, reach);
+  if (!(most[6] > -far))
+    throw InputError("\"Shape/Design/Surface\": the body has no boundary part \"" + deck_.part + "\"",
+                     {{"path", "Shape/Design/Surface"}});
+  const double depth = deck_.depth > 0.0 ? deck_.depth : std::max(reach[0] - most[6], reach[1] + most[6]);
+  return {deck_.basis(scene_, {-most[3], -most[4], -most[5]}, {most[0], most[1], most[2]}), deck_.direction,
+          most[6], depth};
+}
+
+void ShapeRun::makeModel() {
+  const sensitivity::RowGeometry geometry = sensitivity::geometryOf(contact_, scene_);
+  std::optional<sensitivity::TensorSplineBasis> basis;
+  if (deck_.kind == ShapeDeck::Kind::Position) {
+    sensitivity::ShapeMap map = shapeMap();
+    basis = map.basis();
+    model_ = std::make_unique<sensitivity::ShapeModel>(*solver_, scene_, owned_, contact_, std::move(map),
+                                                       deck_.bodies, deck_.leastQuality);
+  } else if (deck_.byNodes) {
+    model_ = std::make_unique<sensitivity::GapProfile>(*solver_, contact_.rows, geometry, deck_.surfaces);
+  } else {
+    const auto [low, high] = sensitivity::extentOfPoints(*comm_, geometry, deck_.surfaces);
+    basis = deck_.basis(scene_, low, high);
+    model_ =
+        std::make_unique<sensitivity::GapProfile>(*solver_, contact_.rows, geometry, deck_.surfaces, *basis);
+  }
+  for (int k = 0; basis && k < basis->size(); ++k)
+    places_.push_back(basis->abscissa(k));
+}
+
+// A share for each node of the part, and each copy of it, in every subdomain.
+feti::TornVector ShapeRun::meanDisplacement() const {
+  std::vector<std::pair<long long, int>> known;
+  std::vector<long long> asked;
+  for (const scene::OwnedSubdomain& item : owned_)
+    if (const auto part = item.mesh.sets.find(deck_.displacedPart);
+        item.body == deck_.displacedBody && part != item.mesh.sets.end())
+      for (int node : part->second) {
+        known.emplace_back(item.mesh.number(node), 1);
+        asked.push_back(item.mesh.number(node));
+      }
+  const std::vector<std::optional<int>> copies =
+      lookUpMerged(*comm_, known, asked, [](int& present, int next) { present += next; });
+  double nodes = 0.0;
+  for (const std::optional<int>& count : copies)
+    nodes += 1.0 / *count;
+  nodes = globalSum(*comm_, nodes);
+  if (!(nodes > 0.0))
+    throw InputError("\"Shape/Cost/Part\": the body has no boundary part \"" + deck_.displacedPart + "\"",
+                     {{"path", "Shape/Cost/Part"}});
+  feti::TornVector weights = solver_->system().zeroVector();
+  const auto components = static_cast<std::size_t>(scene_.components());
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < owned_.size(); ++i)
+    if (const auto part = owned_[i].mesh.sets.find(deck_.displacedPart);
+        owned_[i].body == deck_.displacedBody && part != owned_[i].mesh.sets.end())
+      for (int node : part->second) {
+        const double share = 1.0 / (nodes * *copies[next++]);
+        for (std::size_t c = 0; c < components; ++c)
+          weights[i][static_cast<std::size_t>(node) * components + c] =
+              share * deck_.displacedDirection[components == 1 ? 2 : c];
+      }
+  return weights;
+}
+
+void ShapeRun::makeFunctional() {
+  if (deck_.quantity == "peak pressure")
+    functional_ = std::make_unique<sensitivity::PressureNorm>(deck_.pressed, deck_.exponent);
+  else if (deck_.quantity == "pressure spread")
+    functional_ = std::make_unique<sensitivity::PressureSpread>(deck_.pressed);
+  else if (deck_.quantity == "displacement")
+    functional_ = std::make_unique<sensitivity::LinearDisplacement>(meanDisplacement());
+  else
+    functional_ = std::make_unique<sensitivity::Energy>();
+}
+
+Answer ShapeRun::answer() const {
+  if (const auto* moved = dynamic_cast<const sensitivity::ShapeModel*>(model_.get()))
+    return {*comm_, scene_, moved->owned(), moved->contact(), *solver_};
+  return {*comm_, scene_, owned_, contact_, *solver_};
+}
+
+SurfaceState ShapeRun::state() const {
+  return surfaceState(answer().contact, model_->rows(), model_->geometry(), cost_->forces());
+}
+
+// The design with which it begins has to have an answer; with --restart, too, for pictures of before.
+void ShapeRun::solveFirst() {
+  const double begin = elapsed();
+  costBefore_ = cost_->value(space_.start, 0.0);
+  firstValueSeconds_ = elapsed() - begin;
+  before_ = state();
+  const sensitivity::PressureSummary pressure =
+      sensitivity::pressureSummary(*comm_, cost_->forces(), model_->geometry(), deck_.pressed);
+  report_.results["cost_before"] = costBefore_;
+  report_.results["peak_pressure_before"] = pressure.peak;
+  report_.results["mean_pressure_before"] = pressure.mean;
+  const double writing = elapsed();
+  if (options_.writeFields)
+    writeFields(answer(), directory_.place("before.vtkhdf"), options_.writeStresses);
+  outputSeconds_ += elapsed() - writing;
+}
+
+void ShapeRun::restore() {
+  const run::CheckpointReader* checkpoint = directory_.checkpoint();
+  if (checkpoint == nullptr)
+    return;
+  checkpoint->restore({}, [&](qp::StateArchive<MultiVector>& archive) { record_->exchange(archive); });
+  record_->setRefusals(checkpoint->text("refusals"));
+  log_.info("Going on from \"" + report_.restartedFrom + "\": what it holds is not computed again");
+}
+
+// Before a solution: the last moment to stop without losing one.
+void ShapeRun::askBefore() {
+  const auto told = static_cast<run::Told>(globalMax(
+      *comm_,
+      static_cast<long long>(options_.checkpoint.told ? options_.checkpoint.told() : run::Told::Nothing)));
+  const double now = globalMax(*comm_, elapsed());
+  const bool isDue =
+      options_.checkpoint.minutes > 0.0 && now - lastSave_ >= 60.0 * options_.checkpoint.minutes;
+  if (told == run::Told::Stop)
+    throw Halt{true, qp::toString(qp::Reason::Interrupted) + ": the program was told to stop"};
+  if (told == run::Told::Save || isDue) {
+    save();
+    lastSave_ = now;
+  }
+  if (deck_.mostEvaluations > 0 && record_->values() >= deck_.mostEvaluations)
+    throw Halt{false,
+               "\"Shape/Limits/Evaluations\", " + std::to_string(deck_.mostEvaluations) + ", are spent"};
+  if (deck_.mostSeconds > 0.0 && now > deck_.mostSeconds)
+    throw Halt{false, "\"Shape/Limits/Seconds\", " + scientific(deck_.mostSeconds) + ", are over"};
+}
+
+bool ShapeRun::accepted(const rol::Iterate& iterate) {
+  best_ = iterate.design;
+  history_.push_back({iterate.iteration, record_->values(), deck_.sign * iterate.cost, iterate.gradientNorm,
+                      iterate.violation, iterate.step, refused_, elapsed()});
+  std::ostringstream text;
+  text << "Iterate " << iterate.iteration << ": cost " << scientific(deck_.sign * iterate.cost, 6)
+       << ", |gradient| " << scientific(iterate.gradientNorm) << ", " << record_->values() << " evaluations";
+  if (!deck_.volume.empty())
+    text << ", constraint missed by " << scientific(iterate.violation, 0);
+  log_.info(text.str());
+  if (!record_->isRecalling()) {
+    writeHistory();
+    writeDesign();
+  }
+  return true;
+}
+
+void ShapeRun::writeHistory() const {
+  agree(*comm_, [&] {
+    if (comm_->getRank() == 0)
+      io::writeAtomically(directory_.place("history.csv"), historyText(history_));
+  });
+}
+
+void ShapeRun::writeDesign() const {
+  agree(*comm_, [&] {
+    if (comm_->getRank() == 0)
+      io::writeAtomically(directory_.place("design.csv"), designText(space_, best_, places_));
+  });
+}
+
+void ShapeRun::save() {
+  const std::string path = run::checkpointPath(options_.outputDirectory);
+  try {
+    std::string assignments;
+    for (const std::string& assignment : options_.checkpoint.assignments)
+      assignments += assignment + '\0'; // which none of them contains
+    run::StateSize size;
+    record_->exchange(size);
+    const std::string refusals = record_->refusals();
+    const std::size_t texts = options_.checkpoint.deck.size() + options_.checkpoint.deckFile.size() +
+                              assignments.size() + refusals.size();
+    run::CheckpointWriter writer(*comm_, path, {}, size.bytes() + static_cast<long long>(texts));
+    writer.text("deck", options_.checkpoint.deck);
+    writer.text("deck file", options_.checkpoint.deckFile);
+    writer.text("assignments", assignments);
+    writer.text("refusals", refusals);
+    record_->exchange(writer);
+    writer.commit();
+  } catch (const InputError& error) {
+    report_.checkpointFault = error.what();
+    log_.warning(std::string("no checkpoint: ") + error.what());
+    return;
+  }
+  report_.checkpointFault.clear();
+  report_.checkpoint = path;
+  ++report_.checkpoints;
+}
+
+sensitivity::DesignProblem ShapeRun::problem() {
+  sensitivity::DesignProblem problem;
+  problem.space = space_;
+  problem.cost = record_.get();
+  if (!deck_.volume.empty())
+    problem.constraints.push_back(
+        {"volume", volume_.get(), deck_.volume.front(), deck_.volume.back(), model_->hasLinearVolume()});
+  return problem;
+}
+
+void ShapeRun::optimise() {
+  rol::Outcome outcome;
+  try {
+    outcome = rol::minimise(problem(), deck_.optimiser,
+                            [this](const rol::Iterate& iterate) { return accepted(iterate); });
+    best_ = outcome.design;
+    report_.converged = outcome.isConverged();
+    report_.reason = outcome.reason;
+    refused_ = outcome.refused;
+  } catch (const Halt& halt) {
+    outcome.design = best_;
+    outcome.cost = history_.empty() ? deck_.sign * costBefore_ : deck_.sign * history_.back().cost;
+    outcome.gradientNorm =
+        history_.empty() ? std::numeric_limits<double>::quiet_NaN() : history_.back().gradientNorm;
+    outcome.iterations = history_.empty() ? 0 : history_.back().iteration;
+    report_.reason = halt.reason + "; go on with --restart \"" + options_.outputDirectory + "\"";
+    report_.solved = true;
+    save();
+    if (halt.isSignal) {
+      report_.result.reason = qp::Reason::Interrupted;
+      if (!report_.checkpointFault.empty())
+        report_.reason = halt.reason + "; no checkpoint: " + report_.checkpointFault;
+    }
+  } catch (const Error&) { // the best design so far, and all that was computed, stay
+    writeHistory();
+    writeDesign();
+    save();
+    throw;
+  }
+  if (record_->forgotten() > 0)
+    log_.info("The optimiser has asked for other designs than before: " +
+              std::to_string(record_->forgotten()) + " answers of the checkpoint were of no use");
+  conclude(outcome);
+}
+
+void ShapeRun::conclude(const rol::Outcome& outcome) {
+  const bool isInterrupted = report_.isInterrupted();
+  const bool wasConverged = report_.converged;
+  const std::string reason = report_.reason;
+  writeHistory();
+  writeDesign();
+  const auto& spent = cost_->spent();
+  std::map<std::string, double>& results = report_.results;
+  results["cost"] = deck_.sign * outcome.cost;
+  results["gradient_norm"] = outcome.gradientNorm;
+  results["constraint_violation"] = outcome.violation;
+  results["iterations"] = outcome.iterations;
+  results["evaluations"] = record_->values();
+  results["solutions"] = spent.values;
+  results["adjoints"] = spent.gradients;
+  results["products_of_solutions"] = spent.products;
+  results["products_of_adjoints"] = spent.adjointProducts;
+  results["refused_designs"] = outcome.refused;
+  results["design_variables"] = static_cast<double>(space_.size());
+  if (!isInterrupted) { // there may be little time left
+    cost_->value(best_, 0.0);
+    const sensitivity::PressureSummary pressure =
+        sensitivity::pressureSummary(*comm_, cost_->forces(), model_->geometry(), deck_.pressed);
+    results["peak_pressure"] = pressure.peak;
+    results["mean_pressure"] = pressure.mean;
+    results["volume"] = model_->volume(best_);
+    if (deck_.quantity != "softest" &&
+        deck_.quantity != "stiffest") { // one-sided derivatives have a say there
+      cost_->gradient(best_, 0.0);
+      results["weak_contacts"] = static_cast<double>(cost_->sensitivities()->weakContacts());
+    }
+    finish();
+  }
+  report_.converged = wasConverged;
+  report_.reason = reason;
+  if (isInterrupted)
+    report_.result.reason = qp::Reason::Interrupted;
+  else if (wasConverged)
+    directory_.removeCheckpoint(report_.checkpoints > 0);
+  report_.seconds["set_up"] = globalMax(*comm_, setUpSeconds_);
+  report_.seconds["first_value"] = globalMax(*comm_, firstValueSeconds_);
+  report_.seconds["values"] = globalMax(*comm_, spent.valueSeconds);
+  report_.seconds["gradients"] = globalMax(*comm_, spent.gradientSeconds);
+  report_.seconds["output"] = globalMax(*comm_, outputSeconds_);
+  report_.seconds["total"] = globalMax(*comm_, elapsed());
+  report_.peakMemoryMiB = globalSum(*comm_, run::peakMemoryMiB());
+}
+
+void ShapeRun::finish() {
+  const double begin = elapsed();
+  const std::string text = shapeText(*comm_, scene_, before_, state());
+  agree(*comm_, [&] {
+    if (comm_->getRank() == 0)
+      io::writeAtomically(directory_.place("shape.csv"), text);
+  });
+  if (options_.writeFields)
+    writeFields(answer(), directory_.place("result.vtkhdf"), options_.writeStresses);
+  tell(answer(), cost_->report(), report_);
+  outputSeconds_ += elapsed() - begin;
+}
+
+} // namespace Harmos::shape
