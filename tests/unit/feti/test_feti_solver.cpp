@@ -270,6 +270,19 @@ TEST(FetiSolver, names_the_subdomains_that_nothing_holds) {
   }
 }
 
+// A limit is told as such, with the answer so far; nobody has to watch.
+TEST(FetiSolver, limits_of_iterations) {
+  for (const char* method : {"PDAS", "SMALBE"}) {
+    const TestModel model = testModel(2, 4);
+    Teuchos::ParameterList list = parametersOf("condensed");
+    list.sublist("Solver").set("Maximum iterations", 2).set("Method", std::string(method));
+    feti::FetiSolver solver(testComm(), model.subdomains, model.rows, list);
+    EXPECT_FALSE(solver.solve().converged) << method;
+    EXPECT_EQ(solver.report().result.reason, qp::Reason::IterationLimit) << solver.report().reason;
+    EXPECT_TRUE(solver.hasSolution()) << method;
+  }
+}
+
 TEST(FetiSolver, there_is_no_solution_before_it_is_asked_for) {
   const TestModel model = testModel(1, 2);
   const feti::FetiSolver solver(testComm(), model.subdomains, model.rows);

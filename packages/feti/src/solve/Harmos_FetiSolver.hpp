@@ -110,6 +110,8 @@ class FetiSolver {
   /// @note Collective.
   std::vector<double> rowForces() const { return constraints_->givenMultipliers(*solution().multiplier); }
   const TornSolution& solution() const;
+  /// Of the last solve().
+  const SolveReport& report() const { return report_; }
   /// Not before solve(), nor where loads cannot be held.
   bool hasSolution() const { return solution_ != nullptr; }
 
