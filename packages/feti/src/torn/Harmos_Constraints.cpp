@@ -277,6 +277,16 @@ std::vector<Constraints::Follower> followersAmong(const std::vector<RowHead>& he
   return result;
 }
 
+// Gives rows their places, by rising numbers. @return these.
+Teuchos::Array<GlobalOrdinal> numbered(std::map<long long, int>& places) {
+  Teuchos::Array<GlobalOrdinal> rows;
+  for (auto& [row, place] : places) {
+    place = static_cast<int>(rows.size());
+    rows.push_back(static_cast<GlobalOrdinal>(row));
+  }
+  return rows;
+}
+
 } // namespace
 
 Constraints::Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows,
@@ -374,11 +384,7 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   std::map<long long, int> ofGiven;
   for (const Details::MultiplierTerm& term : multipliers)
     ofGiven[term.row] = 0;
-  Teuchos::Array<GlobalOrdinal> given;
-  for (auto& [row, place] : ofGiven) {
-    place = static_cast<int>(given.size());
-    given.push_back(static_cast<GlobalOrdinal>(row));
-  }
+  const Teuchos::Array<GlobalOrdinal> given = numbered(ofGiven);
   givenMap_ = Teuchos::rcp(
       new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), given(), 0, system.comm()));
   givenImport_ = Teuchos::rcp(new Importer(rowMap_, givenMap_));
@@ -415,11 +421,7 @@ void Constraints::keepFullRows(const std::vector<std::vector<RowEntry>>& held) {
   for (const std::vector<RowEntry>& part : held)
     for (const RowEntry& entry : part)
       localRow[entry.row] = 0;
-  Teuchos::Array<GlobalOrdinal> touched;
-  for (auto& [row, place] : localRow) {
-    place = static_cast<int>(touched.size());
-    touched.push_back(static_cast<GlobalOrdinal>(row));
-  }
+  const Teuchos::Array<GlobalOrdinal> touched = numbered(localRow);
   heldEntries_ = bySubdomain(held, localRow, system_->size());
   heldMap_ = Teuchos::rcp(
       new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), touched(), 0, system_->comm()));
