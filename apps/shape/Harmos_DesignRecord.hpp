@@ -17,8 +17,8 @@ namespace Harmos::shape {
 /// Guarded by tests/regression/test_shape.py.
 class DesignRecord : public sensitivity::DesignFunction {
  public:
-  /// @param function to outlive this. @param before asked before each answer that is not on record; may
-  /// throw. Collective.
+  /// @param function to outlive this. @param before asked before each value that is not on record, when the
+  /// function has nothing at hand that a run that goes on from here would lack; may throw. Collective.
   DesignRecord(sensitivity::DesignFunction& function, std::function<void()> before);
 
   double value(const std::vector<double>& design, double tolerance) override;

@@ -55,6 +55,7 @@ class ShapeRun {
 
   void askBefore();
   void accepted(const rol::Iterate& iterate);
+  void exchange(qp::StateArchive<MultiVector>& archive);
   void save();
   void writeHistory() const;
   void writeDesign() const;
@@ -89,6 +90,7 @@ class ShapeRun {
   SurfaceState before_;
   std::vector<HistoryRow> history_;
   std::vector<double> best_;
+  std::size_t bestRow_ = 0; // of the history
   double costBefore_ = 0.0, lastSave_ = 0.0;
   double firstValueSeconds_ = 0.0, setUpSeconds_ = 0.0, outputSeconds_ = 0.0;
 };

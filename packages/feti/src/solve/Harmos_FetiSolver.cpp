@@ -250,6 +250,13 @@ FetiSolver::Answer FetiSolver::solved(const Task& task, double tolerance, bool r
   return answer;
 }
 
+void FetiSolver::exchangeStarts(qp::StateArchive<MultiVector>& archive) {
+  if (!problem_)
+    throw InputError("there is no dual problem, whose vectors starts of solutions are; call solve() first");
+  history_.exchange(archive, *problem_);
+  increments_.exchange(archive, *problem_, "increments: ");
+}
+
 // "subdomains 4, 5, 6": whoever made them knows what bodies they are of.
 std::string FetiSolver::escapingSubdomains(const DualSolution& dual) const {
   constexpr std::size_t mostNamed = 20;

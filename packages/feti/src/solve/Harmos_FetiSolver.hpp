@@ -79,6 +79,14 @@ class FetiSolver {
   double tolerance() const { return options_.tolerance; }
   /// The next solution starts cold, as the options say.
   void forgetSolutions() { history_.clear(); }
+  /// For checkpoints: where the next solutions and increments start. With the same matrices and rows they are
+  /// then, to the last bit on as many ranks, those of the run that wrote it; after setMatrices() and
+  /// setShape(), which forget the starts, anyway. @throws InputError on all ranks without a problem().
+  /// @note Collective.
+  void exchangeStarts(qp::StateArchive<MultiVector>& archive);
+  /// The dual problem of the last solution; null before solve(), after changes, and where loads cannot be
+  /// held.
+  const DualProblem* problem() const { return problem_.get(); }
 
   /// How an answer changes: that of the matrices and rows that are here to other loads and bounds, with
   /// prescribed values of zero. What solve() has found, and what it finds next, is as if this had not been
