@@ -124,7 +124,8 @@ TEST(Minimise, evaluations_are_few) {
   EXPECT_GT(rol::minimise(problem, options).values, 2 * outcome.values);
 }
 
-// Powers of two change no digit: steps, and what is asked for, are the same to the last bit.
+// Powers of two change no digit, but ROL has some tolerances without units, of projections and of ratios: the
+// same number of designs, and the same ones but for these.
 TEST(Minimise, units_do_not_matter) {
   const double length = std::ldexp(1.0, -10), energy = std::ldexp(1.0, 40), area = std::ldexp(1.0, -6);
   const Levelled data;
