@@ -204,6 +204,16 @@ FAULTS = (
     fault(
         "cones that are wider", "packages/qp/src/kernels/Harmos_FollowingLimits.cpp",
         "std::max(0.0, (n + f * length) / (1.0 + f * f))", "std::max(0.0, (n + f * length))", ("unit_qp",)),
+    fault(
+        "a refused design that is not far worse", "packages/rol/src/Harmos_GuardedFunction.cpp",
+        "known.value = farAbove * (1.0 + largest_);", "known.value = largest_;", ("unit_rol",)),
+    fault(
+        "an error that an optimiser keeps to itself", "packages/rol/src/Harmos_GuardedFunction.cpp",
+        "known.gradientTolerance = tolerance;\n  } catch (...) {\n    error_ = std::current_exception();",
+        "known.gradientTolerance = tolerance;\n  } catch (...) {", ("unit_rol",)),
+    fault(
+        "a cost whose size decides of the first step", "packages/rol/src/Harmos_Minimise.cpp",
+        "factor_ = firstStep_ / norm;", "factor_ = 1.0;", ("unit_rol",)),
 )
 
 
@@ -272,7 +282,7 @@ class Copy:
 
     def configure(self):
         if self.call(["cmake", "-S", self.source, "-B", self.build, "-DCMAKE_BUILD_TYPE=Release",
-                      "-DHARMOS_ENABLE_GMSH=ON", "-DHARMOS_ENABLE_TESTS=ON"]) != 0:
+                      "-DHARMOS_ENABLE_GMSH=ON", "-DHARMOS_ENABLE_ROL=ON", "-DHARMOS_ENABLE_TESTS=ON"]) != 0:
             raise SystemExit(f"cannot be configured; see {self.log}")
 
     def make(self, targets):

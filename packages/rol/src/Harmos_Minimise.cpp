@@ -35,12 +35,22 @@ class WatchedObjective : public DesignObjective {
   using DesignObjective::DesignObjective;
   using DesignObjective::update;
 
-  void watch(std::function<void(const std::vector<double>&)> accepted) { accepted_ = std::move(accepted); }
+  // ROL projects the start anew, which turns its last bits: for that nothing is computed again.
+  void watch(const ROL::Vector<double>& start, std::function<void(const std::vector<double>&)> accepted) {
+    start_ = start.clone();
+    start_->set(start);
+    difference_ = start.clone();
+    accepted_ = std::move(accepted);
+  }
+
+  double value(const ROL::Vector<double>& design, double& tolerance) override {
+    return DesignObjective::value(isStart(design) ? *start_ : design, tolerance);
+  }
 
   void update(const ROL::Vector<double>& design, ROL::UpdateType type, int) override {
     const bool isAccepted = type == ROL::UpdateType::Initial || type == ROL::UpdateType::Accept;
     if (accepted_ && isAccepted && !function().isRefused(numbersOf(design)))
-      accepted_(numbersOf(design));
+      accepted_(numbersOf(isStart(design) ? *start_ : design));
   }
 
   void gradient(ROL::Vector<double>& derivative, const ROL::Vector<double>& design,
@@ -48,10 +58,19 @@ class WatchedObjective : public DesignObjective {
     // Line searches take the last trial where none was good enough.
     if (function().isRefused(numbersOf(design)))
       throw Ended{Ending::Refused};
-    DesignObjective::gradient(derivative, design, tolerance);
+    DesignObjective::gradient(derivative, isStart(design) ? *start_ : design, tolerance);
   }
 
  private:
+  bool isStart(const ROL::Vector<double>& design) {
+    if (start_ == ROL::nullPtr)
+      return false;
+    difference_->set(design);
+    difference_->axpy(-1.0, *start_);
+    return difference_->norm() < 1e-12;
+  }
+
+  ROL::Ptr<ROL::Vector<double>> start_, difference_;
   std::function<void(const std::vector<double>&)> accepted_;
 };
 
@@ -250,13 +269,7 @@ void Search::project(ROL::Vector<double>& design) {
 }
 
 void Search::start() {
-  // ROL projects the start, too: repeated until it stays, so that ROL finds the same design.
-  auto& design = *rol_->getPrimalOptimizationVector();
-  std::vector<double> before;
-  for (int k = 0; k < 10 && before != numbersOf(*design_); ++k) {
-    before = numbersOf(*design_);
-    project(design);
-  }
+  project(*rol_->getPrimalOptimizationVector());
   for (const auto& limit : limits_)
     if (limit.constraint->isLinear && violation(numbersOf(*design_)) > 1e-6)
       throw InputError(
@@ -399,7 +412,7 @@ Outcome Search::run() {
   makeProblem();
   start();
   scaleTolerances();
-  cost_->watch([this](const std::vector<double>& design) { accept(design); });
+  cost_->watch(*design_, [this](const std::vector<double>& design) { accept(design); });
   solve();
   return outcome();
 }

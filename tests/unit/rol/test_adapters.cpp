@@ -103,6 +103,8 @@ TEST(Adapters, constraints_pass_the_checks_of_ROL) {
 TEST(Adapters, infinite_bounds_hold_nothing) {
   const double infinity = std::numeric_limits<double>::infinity();
   const auto bounds = rol::makeBounds({-infinity, 0.0}, {1.0, infinity}, {1.0, 1.0});
+  EXPECT_EQ(rol::numbersOf(*bounds->getLowerBound()), Design({ROL::ROL_NINF<double>(), 0.0}));
+  EXPECT_EQ(rol::numbersOf(*bounds->getUpperBound()), Design({1.0, ROL::ROL_INF<double>()}));
   const auto x = rol::makeDesign({-1e30, 1e30}, {1.0, 1.0});
   bounds->project(*x);
   EXPECT_EQ(rol::numbersOf(*x), Design({-1e30, 1e30}));
@@ -194,6 +196,16 @@ TEST(Adapters, a_refused_design_is_far_worse_but_finite) {
   second.value({3.0}, 0.0);
   EXPECT_EQ(second.refusals().count, 2);
   EXPECT_EQ(second.value({0.5}, 0.0), -6.5);
+
+  // Two functions of one problem refuse a design together.
+  const auto refusals = std::make_shared<rol::Refusals>();
+  rol::GuardedFunction one(function, refusals), other(function, refusals);
+  for (auto* each : {&one, &other})
+    each->value({0.5}, 0.0);
+  for (const double number : {2.0, 3.0})
+    for (auto* each : {&one, &other})
+      each->value({number}, 0.0);
+  EXPECT_EQ(refusals->count, 2);
 }
 
 TEST(Adapters, after_an_error_there_is_no_other_answer) {

@@ -152,6 +152,8 @@ TEST(Constraints, a_circle_and_a_disc) {
     EXPECT_LT(outcome.violation, 1e-5);
     EXPECT_NEAR(outcome.constraints[0], 2.0, 1e-4);
     EXPECT_GT(inner, static_cast<int>(outer.size()));
+    // At the start 0.5 in the place of 2, with a gradient of √2 on a box whose diagonal is √32.
+    EXPECT_NEAR(outer[0].violation, lower == 2.0 ? 1.5 / 8.0 : 0.0, 1e-12);
     EXPECT_EQ(outer.back().design, outcome.design);
     EXPECT_LE(outcome.values, 150);
   }

@@ -59,6 +59,7 @@ TEST(Minimise, bounds_and_a_volume) {
   const auto outcome = rol::minimise(problem, options, [&](const rol::Iterate& iterate) {
     if (iterate.iteration == 0)
       first = iterate.gradientNorm;
+    EXPECT_EQ(iterate.design, cost.gradientDesigns.back());
     EXPECT_LT(iterate.violation, 1e-10); // of rounding: projections are exact
     for (const double number : iterate.design)
       EXPECT_LE(std::abs(number), 1.0);
@@ -123,7 +124,8 @@ TEST(Minimise, evaluations_are_few) {
   EXPECT_GT(rol::minimise(problem, options).values, 2 * outcome.values);
 }
 
-// Powers of two change no digit: steps, and what is asked for, are the same to the last bit.
+// Powers of two change no digit, but ROL has some tolerances without units, of projections and of ratios: the
+// same number of designs, and the same ones but for these.
 TEST(Minimise, units_do_not_matter) {
   const double length = std::ldexp(1.0, -10), energy = std::ldexp(1.0, 40), area = std::ldexp(1.0, -6);
   const Levelled data;
@@ -160,12 +162,57 @@ TEST(Minimise, two_runs_ask_for_the_same_designs) {
     designs = cost.designs;
   }
   EXPECT_EQ(asked[0], asked[1]);
+  // The projected start is asked for once, though ROL projects it again.
+  EXPECT_GT(distance(asked[0][0], asked[0][1]), 1e-3);
 
   // And so do all ranks.
   const auto comm = testComm();
   Design first = asked[0].back();
   Teuchos::broadcast(*comm, 0, static_cast<int>(first.size()), first.data());
   EXPECT_EQ(first, asked[0].back());
+}
+
+// The volume holds nearly all of the first gradient; what it leaves is what the tolerance is about.
+TEST(Minimise, a_gradient_that_a_constraint_holds) {
+  const Levelled data;
+  auto part = bowl(data.a, data.target);
+  TestFunction cost([&](const Design& x) { return part.value(x, 0.0) + 1e5 * product(data.v, x); },
+                    [&](const Design& x) {
+                      Design result = part.gradient(x, 0.0);
+                      for (std::size_t k = 0; k < x.size(); ++k)
+                        result[k] += 1e5 * data.v[k];
+                      return result;
+                    });
+  auto volume = linearFunction(data.v);
+  auto problem = inBox(cost, data.n, 0.0, -1.0, 1.0);
+  problem.constraints = {limited("volume", volume, 6.0, 6.0, true)};
+  const auto outcome = rol::minimise(problem);
+  EXPECT_TRUE(outcome.isConverged()) << outcome.reason;
+  // The first gradient without its normal part is below 600, the tolerance 1e-3 of it, the least curvature 1.
+  EXPECT_LT(distance(outcome.design, levelled(data.a, data.target, data.v, 6.0, -1.0, 1.0)), 0.6);
+  EXPECT_LT(outcome.cost - cost.value(levelled(data.a, data.target, data.v, 6.0, -1.0, 1.0), 0.0), 0.1);
+  EXPECT_GT(outcome.iterations, 5);
+}
+
+// Spectral gradients go uphill; the outcome is the best that they passed.
+TEST(Minimise, the_best_design_counts_where_the_last_is_none) {
+  int uphill = 0;
+  for (int limit = 8; limit < 20; ++limit) {
+    auto cost = skewBowl(20, 100.0, scatteredDesign(20, 4));
+    Teuchos::ParameterList options;
+    options.sublist("Step").set("Type", "Spectral Gradient");
+    options.sublist("Status Test").set("Iteration Limit", limit);
+    std::vector<double> costs;
+    const auto outcome =
+        rol::minimise(inBox(cost, 20, 0.0, -0.8, 0.8), options, [&](const rol::Iterate& iterate) {
+          costs.push_back(iterate.cost);
+          return true;
+        });
+    EXPECT_EQ(outcome.cost, *std::min_element(costs.begin(), costs.end()));
+    EXPECT_NEAR(cost.value(outcome.design, 0.0), outcome.cost, 1e-12 * costs[0]);
+    uphill += costs.back() > outcome.cost;
+  }
+  EXPECT_GT(uphill, 0);
 }
 
 TEST(Minimise, without_bounds) {
@@ -245,6 +292,21 @@ TEST(Minimise, the_gradient_norm_is_in_the_units_of_the_caller) {
   const auto outcome = rol::minimise(problem, options);
   EXPECT_TRUE(outcome.isConverged()) << outcome.reason;
   EXPECT_LT(outcome.gradientNorm, 100.0);
+
+  // Steps in the units of the design, in a box whose diagonal is 400 of them.
+  problem.space.lower.assign(2, -100.0);
+  problem.space.upper.assign(2, 100.0);
+  options.sublist("Status Test").set("Gradient Tolerance", 1e-30);
+  options.sublist("Status Test").set("Step Tolerance", 0.01);
+  std::vector<double> steps;
+  const auto coarse = rol::minimise(problem, options, [&](const rol::Iterate& iterate) {
+    steps.push_back(iterate.step);
+    return true;
+  });
+  EXPECT_EQ(coarse.ending, rol::Ending::StepTolerance);
+  ASSERT_GT(steps.size(), 2u);
+  EXPECT_LE(steps.back(), 0.01);
+  EXPECT_GT(*std::min_element(steps.begin() + 1, steps.end() - 1), 0.01);
 }
 
 TEST(Minimise, ends_without_an_optimum_are_told) {
@@ -323,7 +385,9 @@ TEST(Minimise, parameters_that_ROL_does_not_have_are_refused) {
                        "no method \"Trust Regoin\""));
   EXPECT_TRUE(contains(message([](auto& o) { o.sublist("Step").set("Type", "Augmented Lagrangian"); }),
                        "for this problem"));
-  EXPECT_EQ(message([](auto& o) { o.sublist("Status Test").set("Gradient Tolerance", 1); }), "");
+  Teuchos::ParameterList whole;
+  whole.sublist("Status Test").set("Gradient Tolerance", 1);
+  EXPECT_EQ(rol::completeOptions(whole, false).sublist("Status Test").get<double>("Gradient Tolerance"), 1.0);
   EXPECT_EQ(message([](auto& o) {
               o.sublist("Step").sublist("Spectral Gradient").set("Maximum Storage Size", 5);
               o.sublist("General").sublist("Polyhedral Projection").set("Absolute Tolerance", 1e-9);

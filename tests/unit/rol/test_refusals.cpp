@@ -78,6 +78,17 @@ TEST(Refusals, a_refused_step_is_taken_back) {
   }
 }
 
+// What was refused long before the end does not explain it.
+TEST(Refusals, old_refusals_do_not_end_a_run) {
+  Walled cost(6, 0.1, 0.7);
+  Teuchos::ParameterList options;
+  options.sublist("Status Test").set("Gradient Tolerance", 1e-15);
+  const auto outcome = rol::minimise(problemOf(cost, 6), options, {}, 2.0);
+  EXPECT_GT(outcome.refused, 0);
+  EXPECT_EQ(outcome.ending, rol::Ending::StepTolerance) << outcome.reason;
+  EXPECT_LT(distance(outcome.design, Design(6, 0.1)), 1e-4);
+}
+
 TEST(Refusals, a_wall_before_the_optimum_ends_the_run_with_the_best_design) {
   for (const auto& method : methods) {
     SCOPED_TRACE(std::string(method.type) + " " + method.model);
