@@ -5,6 +5,7 @@
 #include "Harmos_MemoryArchive.hpp"
 #include "Harmos_TestErrors.hpp"
 
+#include <BelosTpetraAdapter.hpp>
 #include <gtest/gtest.h>
 
 #include <string>
