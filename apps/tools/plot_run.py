@@ -153,6 +153,8 @@ def run(options):
     output = output_of(options)
     if options.follow:
         follow(directory, output, options.dpi, options.interval, plot_convergence)
+    if (directory / "history.csv").exists() and not (directory / "iterations.csv").exists():
+        raise PlotError(f"{directory}: the directory of a run of the program shape; harmos-plot {directory} --shape draws it")
     summary = read_summary(directory / "summary.json")
     table = read_iterations(directory / "iterations.csv")
     frames = frames_of(directory)

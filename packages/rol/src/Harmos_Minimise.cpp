@@ -277,7 +277,7 @@ void Search::scaleCost() {
   if (!(norm > 0.0) || !std::isfinite(norm))
     return;
   factor_ = firstStep_ / norm;
-  // Constraints may hold the most of that step.
+  // Bounds and constraints may hold the most of that step. At an optimum they hold all of it: not beyond 1e4.
   const auto step = design.clone();
   for (int k = 0; k < 4; ++k) {
     step->set(design);

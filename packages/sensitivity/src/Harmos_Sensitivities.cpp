@@ -34,6 +34,10 @@ Sensitivities::Sensitivities(feti::FetiSolver& solver, const std::vector<Constra
     : solver_(solver), rows_(rows), isWeak_(rows.size(), 0) {
   const Teuchos::Comm<int>& comm = *solver.system().comm();
   agree(comm, [&] { requireLaw(rows); });
+  if (solver.hasSolution() && !solver.report().converged)
+    throw InputError("the solver has not converged, and what it has is no solution that changes with the "
+                     "data: " +
+                     solver.report().reason);
   const std::vector<double> forces = solver.rowForces();
   const std::vector<double> residuals =
       solver.constraints().givenResiduals(solver.displacement(), *solver.solution().multiplier);

@@ -40,8 +40,11 @@ SHAPE = (
     "area\n"
 )
 SUMMARY = {
-    "converged": True, "reason": "converged", "primal_dimension": 42, "peak_pressure_before": 4.0, "peak_pressure": 3.0,
-    "mean_pressure": 2.5, "evaluations": 5, "gradient_norm": 0.0, "cost": 2.5, "cost_before": 4.0,
+    "converged": True, "reason": "converged", "primal_dimension": 42,
+    "results": {
+        "peak_pressure_before": 4.0, "peak_pressure": 3.0, "mean_pressure": 2.5, "evaluations": 5, "gradient_norm": 0.0,
+        "cost": 2.5, "cost_before": 4.0,
+    },
 }
 
 

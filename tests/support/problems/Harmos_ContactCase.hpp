@@ -25,9 +25,9 @@ struct ContactCase {
   std::unique_ptr<feti::FetiSolver> solver;
 
   /// @param moves whether nodes are to be moved.
-  ContactCase(scene::Scene what, const Teuchos::ParameterList& list, bool moves = false)
+  ContactCase(scene::Scene what, const Teuchos::ParameterList& list, bool moves = false,
+              const Teuchos::RCP<const Teuchos::Comm<int>>& comm = testComm())
       : scene(std::move(what)) {
-    const auto comm = testComm();
     owned = scene::decompose(*comm, scene);
     contact = scene::setUpContact(*comm, scene, owned);
     if (moves)

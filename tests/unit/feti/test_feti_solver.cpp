@@ -230,13 +230,13 @@ TEST(FetiSolver, matrices_that_cannot_be_factored) {
     const TestModel model = stiffened(testModel(2, 4));
     TestModel bad = model;
     for (feti::Subdomain& subdomain : bad.subdomains)
-      if (subdomain.number == 1) { // K − 2aaᵀ, a = e₆ − e₇: constants stay in the kernel
+      if (subdomain.number == 1) { // K − 2.5aaᵀ, a = e₆ − e₇: constants stay in the kernel
         auto matrix = std::make_shared<LocalMatrix>(*subdomain.stiffness);
         for (const auto& [i, j, value] : {std::tuple{6, 6, -1.0}, {6, 7, 1.0}, {7, 6, 1.0}, {7, 7, -1.0}})
           for (std::size_t k = matrix->offsets[static_cast<std::size_t>(i)];
                k < matrix->offsets[static_cast<std::size_t>(i) + 1]; ++k)
             if (matrix->columns[k] == j)
-              matrix->values[k] += 2.0 * value;
+              matrix->values[k] += 2.5 * value;
         subdomain.stiffness = matrix;
       }
     feti::FetiSolver solver(testComm(), model.subdomains, model.rows, parametersOf(form));
@@ -267,6 +267,19 @@ TEST(FetiSolver, names_the_subdomains_that_nothing_holds) {
     EXPECT_NE(report.reason.find("; pulled away, with nothing to hold it: subdomains 4, 5, 6, 7"),
               std::string::npos)
         << dirichlet << ": " << report.reason;
+  }
+}
+
+// A limit is told as such, with the answer so far; nobody has to watch.
+TEST(FetiSolver, limits_of_iterations) {
+  for (const char* method : {"PDAS", "SMALBE"}) {
+    const TestModel model = testModel(2, 4);
+    Teuchos::ParameterList list = parametersOf("condensed");
+    list.sublist("Solver").set("Maximum iterations", 2).set("Method", std::string(method));
+    feti::FetiSolver solver(testComm(), model.subdomains, model.rows, list);
+    EXPECT_FALSE(solver.solve().converged) << method;
+    EXPECT_EQ(solver.report().result.reason, qp::Reason::IterationLimit) << solver.report().reason;
+    EXPECT_TRUE(solver.hasSolution()) << method;
   }
 }
 

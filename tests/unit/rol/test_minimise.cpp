@@ -72,7 +72,7 @@ TEST(Minimise, bounds_and_a_volume) {
   // 1/2.
   EXPECT_LT(distance(outcome.design, optimum), 1e-2);
   EXPECT_NEAR(outcome.cost, cost.value(optimum, 0.0), 1e-5 * outcome.cost);
-  EXPECT_LT(outcome.gradientNorm, 1.0001e-6 * first);
+  EXPECT_LT(outcome.gradientNorm, 2e-6 * first); // which bounds may shorten by a half
   ASSERT_EQ(outcome.constraints.size(), 1u);
   EXPECT_NEAR(outcome.constraints[0], 6.0, 1e-9);
 }

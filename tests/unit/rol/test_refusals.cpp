@@ -125,7 +125,7 @@ TEST(Refusals, a_constraint_may_refuse) {
       });
   auto problem = inBox(cost, 2, 0.2, -2.0, 2.0);
   problem.constraints = {limited("circle", circle, 0.0, 2.0, false)};
-  const auto outcome = rol::minimise(problem, {}, {}, 2.0);
+  const auto outcome = rol::minimise(problem, {}, {}, 1.0);
   EXPECT_TRUE(outcome.isConverged()) << outcome.reason;
   EXPECT_GT(refused, 0);
   EXPECT_EQ(outcome.refused, refused);

@@ -44,30 +44,31 @@ FetiSolver::FetiSolver(Teuchos::RCP<const Teuchos::Comm<int>> comm, std::vector<
 FetiSolver::~FetiSolver() = default;
 
 void FetiSolver::setUpInverses() {
-  if (inverses_)
-    spent_ += inverses_->counts();
   // What the subdomains are made of is not known here: materials may jump within them.
   const int products = DualOptions::usualProducts(true, options_.tolerance);
   decided_ = dual_.decided(*system_, *constraints_, products, false, log_);
   clusters_ = dual_.clustersFor(*system_, *constraints_, decided_, products, log_);
   decided_.inverses.clusters = makeClusters(*system_, *constraints_, clusters_);
-  inverses_ = std::make_unique<LocalInverses>(makeLocalInverses(*system_, *constraints_, decided_.inverses));
+  auto made = std::make_unique<LocalInverses>(makeLocalInverses(*system_, *constraints_, decided_.inverses));
+  if (inverses_)
+    spent_ += inverses_->counts();
+  inverses_ = std::move(made);
   defect_ = globalMax(*system_->comm(), inverses_->defect());
 }
 
-// All that is made of the inverses and kernels.
+// All that is made of the inverses and kernels. The operator last: it tells that the rest is there.
 void FetiSolver::setUpOperators() {
   problem_.reset();
   history_.clear();
   increments_.clear();
   adaptive_.reset();
-  operator_ = std::make_unique<DualOperator>(*constraints_, *inverses_);
   coarse_ = makeCoarseSpace(motionsOf(*system_, *inverses_), *constraints_, dual_.coarse);
   preconditioner_ =
       decided_.preconditioner == PreconditionerKind::None
           ? Teuchos::null
           : Teuchos::rcp(new DualPreconditioner(*system_, *constraints_, *inverses_, decided_.preconditioner,
                                                 dual_.scalingFor(false, contrast_)));
+  operator_ = std::make_unique<DualOperator>(*constraints_, *inverses_);
   adaptive_ = std::make_unique<AdaptiveSpace>(
       AdaptiveSpace::Stages{*system_, *constraints_, *inverses_, *coarse_, *operator_, preconditioner_},
       AdaptiveSpace::Forms{decided_.inverses, decided_.preconditioner, dual_.scalingFor(false, contrast_)},
@@ -91,7 +92,7 @@ void FetiSolver::setBounds(const std::vector<ConstraintRow>& rows) {
 
 void FetiSolver::setMatrices(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
                              const std::vector<std::shared_ptr<const Kernel>>& motions) {
-  const Factored before = factored();
+  const Factored before = operator_ ? factored() : Factored(); // after an error in the midst nothing is known
   system_->setMatrices(stiffness, motions);
   forgetOperators();
   renewInverses(before);
@@ -102,16 +103,17 @@ void FetiSolver::setShape(const std::vector<std::shared_ptr<const LocalMatrix>>&
                           const std::vector<std::shared_ptr<const Kernel>>& motions,
                           std::vector<std::shared_ptr<const std::vector<double>>> loads,
                           const std::vector<ConstraintRow>& rows) {
-  const Factored before = factored();
+  const Factored before = operator_ ? factored() : Factored(); // after an error in the midst nothing is known
   system_->setMatrices(stiffness, motions);
   forgetOperators();
   system_->setLoads(std::move(loads));
   constraints_ = std::make_unique<Constraints>(*system_, rows, dual_.weightsFor(contrast_));
+  solution_.reset(); // its multipliers are those of the rows of before
   renewInverses(before);
   setUpOperators();
 }
 
-// The matrices and kernels that inverses are of.
+// The matrices and kernels that inverses are of, or are to be of.
 FetiSolver::Factored FetiSolver::factored() const {
   Factored result;
   for (int i = 0; i < system_->size(); ++i)
@@ -137,7 +139,7 @@ void FetiSolver::renewInverses(const Factored& before) {
     classes =
         congruenceClasses(*system_, *constraints_, decided_.inverses.share, decided_.inverses.fixingPlaces);
     for (std::size_t i = 0; i < now.size(); ++i)
-      isSame.push_back(now[i] == before[i] ? 1 : 0);
+      isSame.push_back(!before.empty() && now[i] == before[i] ? 1 : 0);
   });
   const auto same = [](const CongruenceClass& a, const CongruenceClass& b) {
     return a.members == b.members && a.boundary == b.boundary;
@@ -159,7 +161,8 @@ const SolveReport& FetiSolver::solve() {
 void FetiSolver::requireOperators() const {
   if (!operator_)
     throw InputError(
-        "the last setMatrices() failed; give matrices that can be factored, or make a new solver");
+        "the last setMatrices() or setShape() failed; give matrices that can be factored, and rows that fit "
+        "them, or make a new solver");
 }
 
 const SolveReport& FetiSolver::solve(double tolerance) {

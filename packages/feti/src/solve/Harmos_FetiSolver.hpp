@@ -52,15 +52,16 @@ class FetiSolver {
   void setPrescribed(const std::vector<std::vector<double>>& values);
   /// @param rows those of the constructor, with other bounds, limits and softness, or none or some of it.
   void setBounds(const std::vector<ConstraintRow>& rows);
-  /// @param motions null pointers, or nothing: kernels as they were. Where subdomains that had equal matrices
-  /// have not any more, or the other way round, everything is made anew. After a factorisation that fails
-  /// (NumericalError) no solve() until matrices that succeed were set.
+  /// @param stiffness what was given before is not to be changed in place: where values are the same, factors
+  /// stay. @param motions null pointers, or nothing: kernels as they were. Where subdomains that had equal
+  /// matrices have not any more, or the other way round, everything is made anew. After a factorisation that
+  /// fails (NumericalError) no solve() until matrices that succeed were set.
   void setMatrices(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
                    const std::vector<std::shared_ptr<const Kernel>>& motions = {});
 
   /// Bodies of another shape: matrices with the graphs of the old ones, kernels, loads, and rows with other
   /// coefficients, of the same kinds and numbers. Subdomains with the matrices that they had keep their
-  /// factors.
+  /// factors. There is no solution until solve() finds one.
   /// @param motions as setMatrices(). @throws as setMatrices() and the constructor. After an error no solve()
   /// until a shape that succeeds was set. @note Collective.
   void setShape(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
@@ -119,6 +120,8 @@ class FetiSolver {
   /// @note Collective.
   std::vector<double> rowForces() const { return constraints_->givenMultipliers(*solution().multiplier); }
   const TornSolution& solution() const;
+  /// Of the last solve().
+  const SolveReport& report() const { return report_; }
   /// Not before solve(), nor where loads cannot be held.
   bool hasSolution() const { return solution_ != nullptr; }
 

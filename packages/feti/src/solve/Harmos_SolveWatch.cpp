@@ -80,7 +80,7 @@ SolveWatch::Wish SolveWatch::ask(const qp::IterationState<MultiVector>& state) {
 }
 
 void SolveWatch::save(const Exchange& state) {
-  if (isStopped_) // and goes on at once
+  if (isStopped_ || monitor_.is_null()) // goes on at once; or nobody keeps it
     return;
   monitor_->save([&](Archive& archive) {
     exchange(archive);
