@@ -14,7 +14,7 @@ namespace Harmos::shape {
 /// the same answers, so that a run that begins anew with the record of an earlier one comes to where that one
 /// was without a solution, to the last bit, whatever state the optimiser has.
 ///
-/// Guarded by tests/regression/test_shape.py.
+/// Guarded by tests/unit/apps/test_design_record.cpp.
 class DesignRecord : public sensitivity::DesignFunction {
  public:
   /// @param function to outlive this. @param before asked before each value that is not on record, when the

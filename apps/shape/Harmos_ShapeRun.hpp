@@ -29,7 +29,7 @@ namespace Harmos::shape {
 /// Whatever ends it, the best design so far is on disk, and with --restart the run goes on from all that was
 /// computed.
 ///
-/// Guarded by tests/regression/test_shape.py.
+/// Guarded by tests/regression/shape/test_shape.py.
 class ShapeRun {
  public:
   /// All to outlive this. @param deck validated. @param report filled as far as the run gets.

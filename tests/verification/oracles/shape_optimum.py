@@ -331,7 +331,7 @@ def uniform_profile(contact, pressure=None, volume=None):
     if free.shape[1] > 1:
         raise OracleError("shape: contact alone carries several motions; hold the bodies along their sides")
     if free.shape[1]:
-        motion = free[:, 0]
+        motion = free[:, 0] * np.sign(free[:, 0] @ a)  # of eigenvectors any sign comes
         mean = (motion @ contact.load) / (motion @ a)
         if pressure is None:
             pressure = mean

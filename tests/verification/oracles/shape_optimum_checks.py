@@ -12,6 +12,8 @@ What each part guards against:
     refused   answers where there are none
 """
 
+import dataclasses
+
 import numpy as np
 import scipy.optimize
 import scipy.sparse as sp
@@ -204,6 +206,8 @@ def check_uniform(check):
     gaps, pressure = uniform_profile(contact)
     check("its pressure is the mean", abs(pressure / PRESSURE - 1), 1e-11)
     check("its least gap is zero", abs(gaps.min()), 1e-16)
+    turned = uniform_profile(dataclasses.replace(contact, free=-contact.free))[0]
+    check("whatever the sign of the motion that is free", np.abs(turned - gaps).max(), 1e-15)
     found = pressures(contact, gaps)
     check("the pressure of the profile", np.abs(found.pressures / pressure - 1).max(), 1e-10)
     flat = pressures(contact)

@@ -82,7 +82,7 @@ class FetiSolver {
   /// For checkpoints: where the next solutions and increments start. With the same matrices and rows they are
   /// then, to the last bit on as many ranks, those of the run that wrote it; after setMatrices() and
   /// setShape(), which forget the starts, anyway. @throws InputError on all ranks without a problem().
-  /// @note Collective.
+  /// Guarded by tests/regression/shape/test_shape.py. @note Collective.
   void exchangeStarts(qp::StateArchive<MultiVector>& archive);
   /// The dual problem of the last solution; null before solve(), after changes, and where loads cannot be
   /// held.
