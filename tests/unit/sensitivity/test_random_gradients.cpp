@@ -8,11 +8,12 @@
 ///     HARMOS_DESIGN_SEED=17 ...                                     one of them
 ///
 /// Each gradient is compared with a central difference along a random direction. While the same contacts are
-/// closed at the design and to both sides of it, answers are linear in the step: a difference of the energy,
-/// which is quadratic, is exact, that of other functionals known to the square of the step by that of the
-/// pressure, (1e-5/0.01)²; and values to some hundred tolerances by the step. Where the step changes what is
-/// closed, or a contact is weak, the one-sided ones bracket the derivative that there is not: those cases
-/// are counted, and few.
+/// closed at the design and to both sides of it, forces are linear in the step: a difference of the energy,
+/// which is quadratic, is exact, that of other functionals known to the square of the share ρ by which the
+/// step changes forces, times what the exponents of pressures, up to 6, make of it: 6²/6 ρ²; the spread Φ of
+/// a nearly uniform pressure, whose derivative of 2√Φρ is as small as that, to ρ³ by it. Values are known to
+/// some hundred tolerances, by the step. Where the step changes what is closed, or a contact is weak, there
+/// are one-sided derivatives at best: those cases are counted, and few.
 
 #include "Harmos_DesignDerivatives.hpp"
 
@@ -31,7 +32,7 @@ using sensitivity::TensorSplineBasis;
 
 namespace {
 
-constexpr double tolerance = 1e-12; // of the solver
+constexpr double tolerance = 1e-11; // of the solver: smaller ones are not to be had everywhere
 constexpr double step = 1e-5;
 
 unsigned fromEnvironment(const char* name, unsigned otherwise) {
@@ -62,6 +63,12 @@ Teuchos::ParameterList randomParameters(std::mt19937& random, std::string& text)
   return list;
 }
 
+// ‖v‖ of all ranks' parts.
+double sizeOf(const std::vector<double>& v) {
+  const double norm = normOf(v);
+  return std::sqrt(globalSum(*testComm(), norm * norm));
+}
+
 // What of a solution is closed.
 std::vector<char> closedOf(const std::vector<double>& forces) {
   std::vector<char> closed;
@@ -70,9 +77,19 @@ std::vector<char> closedOf(const std::vector<double>& forces) {
   return closed;
 }
 
+// Whether any contact is open.
+long long hasOpenContacts(const std::vector<ConstraintRow>& rows, const std::vector<char>& closed) {
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (rows[r].kind == ConstraintRow::Kind::Inequality && closed[r] == 0)
+      return 1;
+  return 0;
+}
+
 struct Tally {
   int gradients = 0, beyond = 0; ///< that were judged, and that have no derivative within the step
-  double worst = 0.0;            ///< of the first, in shares of what is allowed
+  int refused = 0;
+  int open = 0;       ///< of the first, with contacts that are open
+  double worst = 0.0; ///< of the first, in shares of what is allowed
 };
 
 void judge(unsigned seed, Tally& tally) {
@@ -101,7 +118,7 @@ void judge(unsigned seed, Tally& tally) {
                                          std::set<int>{surface}, TensorSplineBasis(bases, axes));
   }
   const std::vector<double> design =
-      randomDesign(model->size(), static_cast<int>(seed), uniform(random, 0.0, 0.03));
+      randomDesign(model->size(), static_cast<int>(seed), uniform(random, 0.0, 0.2));
   const std::vector<double> direction = randomDesign(model->size(), static_cast<int>(seed) + 1, 1.0);
   for (const auto& [name, functional] : functionalsOf(problem, surface)) {
     // A force that is given is the resultant whatever the profile.
@@ -109,14 +126,22 @@ void judge(unsigned seed, Tally& tally) {
       continue;
     const std::string what = "seed " + std::to_string(seed) + ": " + text + ", " + name;
     ContactCost cost(*problem.solver, *model, *functional);
-    const double here = cost.value(design, 0.0);
+    double here = 0.0;
+    try {
+      here = cost.value(design, 0.0);
+    } catch (const sensitivity::RefusedDesign&) { // that lifts a body off
+      ++tally.refused;
+      continue;
+    }
     const std::vector<double> gradient = cost.gradient(design, 0.0);
     const long long weak = cost.sensitivities()->weakContacts();
     const std::vector<char> closed = closedOf(cost.forces());
-    double difference = 0.0;
+    const std::vector<double> forces = cost.forces();
+    double difference = 0.0, change = 0.0; // the latter of forces
     bool isSmooth = weak == 0;
     for (double side : {1.0, -1.0}) {
       difference += side * cost.value(moved(design, direction, side * step), 0.0) / (2.0 * step);
+      change = std::max(change, sizeOf(moved(forces, cost.forces(), -1.0)));
       isSmooth = globalMin(*testComm(), closedOf(cost.forces()) == closed && isSmooth ? 1LL : 0LL) > 0;
     }
     if (!isSmooth) {
@@ -126,10 +151,15 @@ void judge(unsigned seed, Tally& tally) {
     double along = 0.0;
     for (std::size_t k = 0; k < direction.size(); ++k)
       along += gradient[k] * direction[k];
-    const double allowed = (name == "energy" ? 1e-6 : 1e-5) * normOf(gradient) * normOf(direction) /
-                               std::sqrt(static_cast<double>(direction.size())) +
-                           1e2 * tolerance * std::abs(here) / step;
+    const double share = sizeOf(forces) > 0.0 ? change / sizeOf(forces) : 0.0;
+    const double relative =
+        name == "energy" ? 1e-6
+                         : 1e-5 + share * share * (6.0 + (name == "spread" ? 1.0 / std::sqrt(here) : 0.0));
+    const double allowed =
+        relative * normOf(gradient) * normOf(direction) / std::sqrt(static_cast<double>(direction.size())) +
+        1e2 * tolerance * std::abs(here) / step + 1e-20; // where a body is off, all is zero
     ++tally.gradients;
+    tally.open += static_cast<int>(globalMax(*testComm(), hasOpenContacts(model->rows(), closed)));
     tally.worst = std::max(tally.worst, std::abs(along - difference) / allowed);
     EXPECT_NEAR(along, difference, allowed) << what;
   }
@@ -141,12 +171,16 @@ TEST(RandomGradients, agree_with_differences) {
   Tally tally;
   if (const unsigned seed = fromEnvironment("HARMOS_DESIGN_SEED", 0); seed > 0)
     return judge(seed, tally);
-  const unsigned designs = fromEnvironment("HARMOS_DESIGNS", 12);
+  const unsigned designs = fromEnvironment("HARMOS_DESIGNS", 10);
   for (unsigned seed = 1; seed <= designs; ++seed)
     judge(seed, tally);
   if (testComm()->getRank() == 0)
-    std::cout << tally.gradients << " gradients, the worst at " << tally.worst
-              << " of what is allowed; without a derivative within the step: " << tally.beyond << '\n';
+    std::cout << tally.gradients << " gradients, " << tally.open
+              << " of them beside open contacts, the worst at " << tally.worst
+              << " of what is allowed; without a derivative within the step: " << tally.beyond
+              << ", refused: " << tally.refused << '\n';
   EXPECT_GE(tally.gradients, 3 * static_cast<int>(designs));
+  EXPECT_GE(tally.open, 0.25 * tally.gradients);
+  EXPECT_LE(tally.refused, 0.1 * tally.gradients);
   EXPECT_LE(tally.beyond, 0.05 * tally.gradients + 2);
 }
