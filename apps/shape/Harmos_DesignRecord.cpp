@@ -9,13 +9,13 @@ namespace Harmos::shape {
 DesignRecord::DesignRecord(sensitivity::DesignFunction& function, std::function<void()> before)
     : function_(function), before_(std::move(before)) {}
 
-const DesignRecord::Answer* DesignRecord::recalled(bool isGradient, const std::vector<double>& design,
+const DesignRecord::Answer* DesignRecord::recalled(What what, const std::vector<double>& design,
                                                    double tolerance) {
   if (!isRecalling())
     return nullptr;
   const Answer& answer = answers_[next_];
-  if ((answer.what == What::Gradient) == isGradient && answer.design == design &&
-      answer.tolerance == tolerance)
+  const What kind = answer.what == What::Refused ? What::Value : answer.what;
+  if (kind == what && answer.design == design && answer.tolerance == tolerance)
     return &answers_[next_++];
   // From here on it is another run.
   forgotten_ = recalled_ - next_;
@@ -25,8 +25,9 @@ const DesignRecord::Answer* DesignRecord::recalled(bool isGradient, const std::v
 }
 
 double DesignRecord::value(const std::vector<double>& design, double tolerance) {
-  if (const Answer* known = recalled(false, design, tolerance)) {
+  if (const Answer* known = recalled(What::Value, design, tolerance)) {
     ++values_;
+    refused_ += known->what == What::Refused ? 1 : 0;
     if (known->what == What::Refused)
       throw sensitivity::RefusedDesign(known->refusal);
     return known->numbers.front();
@@ -39,6 +40,7 @@ double DesignRecord::value(const std::vector<double>& design, double tolerance) 
   } catch (const sensitivity::RefusedDesign& error) {
     answers_.push_back({What::Refused, tolerance, design, {}, error.what()});
     next_ = recalled_ = answers_.size();
+    ++refused_;
     throw;
   }
   next_ = recalled_ = answers_.size();
@@ -46,10 +48,18 @@ double DesignRecord::value(const std::vector<double>& design, double tolerance) 
 }
 
 std::vector<double> DesignRecord::gradient(const std::vector<double>& design, double tolerance) {
-  if (const Answer* known = recalled(true, design, tolerance))
+  if (const Answer* known = recalled(What::Gradient, design, tolerance))
     return known->numbers;
-  before_();
   answers_.push_back({What::Gradient, tolerance, design, function_.gradient(design, tolerance), ""});
+  next_ = recalled_ = answers_.size();
+  return answers_.back().numbers;
+}
+
+std::vector<double> DesignRecord::derived(const std::vector<double>& design,
+                                          const std::function<std::vector<double>()>& make) {
+  if (const Answer* known = recalled(What::Derived, design, 0.0))
+    return known->numbers;
+  answers_.push_back({What::Derived, 0.0, design, make(), ""});
   next_ = recalled_ = answers_.size();
   return answers_.back().numbers;
 }

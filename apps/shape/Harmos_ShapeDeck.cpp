@@ -133,6 +133,14 @@ std::set<int> surfacesIn(const scene::Scene& scene, const Teuchos::ParameterList
   return chosen.empty() ? all : chosen;
 }
 
+fem::Point directionIn(const Teuchos::ParameterList& list, const std::string& path) {
+  const fem::Point direction = effects::pointIn(list, "Direction");
+  if (!(std::hypot(direction[0], direction[1], direction[2]) > 0.0))
+    throw InputError("\"" + path + "/Direction\" has no length; give a vector of any other length",
+                     {{"path", path + "/Direction"}});
+  return direction;
+}
+
 void readDesign(const Teuchos::ParameterList& list, const scene::Scene& scene, ShapeDeck& deck) {
   const std::string path = "Shape/Design";
   deck.kind = list.get<std::string>("Kind") == "gap" ? ShapeDeck::Kind::Gap : ShapeDeck::Kind::Position;
@@ -161,7 +169,7 @@ void readDesign(const Teuchos::ParameterList& list, const scene::Scene& scene, S
     one.set("Bodies", name);
     deck.bodies.insert(effects::bodyIn(scene, one, "Bodies", path));
   }
-  deck.direction = effects::pointIn(list, "Direction");
+  deck.direction = directionIn(list, path);
   deck.depth = list.get<double>("Depth");
   deck.leastQuality = list.get<double>("Least quality");
 }
@@ -174,12 +182,12 @@ void readCost(const Teuchos::ParameterList& list, const scene::Scene& scene, Sha
   deck.pressed = textsIn(list, "Contacts").empty() && deck.kind == ShapeDeck::Kind::Gap
                      ? deck.surfaces
                      : surfacesIn(scene, list, path);
-  deck.displacedDirection = effects::pointIn(list, "Direction");
   if (deck.quantity != "displacement")
     return;
   const effects::Part part = effects::partIn(scene, list, "Part", path);
   deck.displacedBody = part.body;
   deck.displacedPart = part.set;
+  deck.displacedDirection = directionIn(list, path);
 }
 
 } // namespace
@@ -202,6 +210,21 @@ ShapeDeck ShapeDeck::fromDeck(const Teuchos::ParameterList& deck, const scene::S
   result.mostSeconds = list.sublist("Limits").get<double>("Seconds");
   result.optimiser = list.sublist("Optimiser");
   return result;
+}
+
+void ShapeDeck::checkParts(const scene::Scene& scene, const scene::PartNames& names) const {
+  const auto check = [&](int number, const std::string& name, const std::string& path) {
+    const auto place = static_cast<std::size_t>(number);
+    if (const std::set<std::string>& known = names.all[place]; known.count(name) == 0)
+      throw InputError("\"" + path + "\" names the boundary part \"" + name + "\", which the body \"" +
+                           scene.bodies[place].name + "\" does not have" +
+                           offer(name, {known.begin(), known.end()}),
+                       {{"path", path}});
+  };
+  if (kind == Kind::Position)
+    check(body, part, "Shape/Design/Surface");
+  if (quantity == "displacement")
+    check(displacedBody, displacedPart, "Shape/Cost/Part");
 }
 
 sensitivity::TensorSplineBasis ShapeDeck::basis(const scene::Scene& scene, const fem::Point& low,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_BoundaryParts.hpp"
 #include "Harmos_DesignModel.hpp"
 #include "Harmos_ParameterSpec.hpp"
 #include "Harmos_Scene.hpp"
@@ -54,6 +55,9 @@ struct ShapeDeck {
   /// From a validated deck. @throws InputError for names that are not there and settings that contradict each
   /// other. Local.
   static ShapeDeck fromDeck(const Teuchos::ParameterList& deck, const scene::Scene& scene);
+
+  /// @throws InputError for boundary parts that bodies do not have, with the nearest one. Local.
+  void checkParts(const scene::Scene& scene, const scene::PartNames& names) const;
 
   /// Splines over points, or over a box. @throws InputError for axes along which they do not extend.
   sensitivity::TensorSplineBasis basis(const scene::Scene& scene, const fem::Point& low,

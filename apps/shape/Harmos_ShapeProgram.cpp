@@ -61,8 +61,7 @@ void leaveSummary(const app::ProgramContext& context, const run::RunOptions& opt
 
 void check(const app::ProgramContext& context, const scene::Scene& scene,
            const Teuchos::ParameterList& deck) {
-  const ShapeDeck shape = ShapeDeck::fromDeck(deck, scene);
-  rol::completeOptions(shape.optimiser, false);
+  ShapeDeck::fromDeck(deck, scene);
   run::checkScene(*context.comm, scene);
   context.log.info("The deck \"" + context.line.deck + "\" is valid.");
 }
@@ -83,6 +82,8 @@ int work(const app::ProgramContext& context) {
     throw InputError(
         "\"Solver/Tolerance rule\" = \"balanced\" gives each design another tolerance; use \"fixed\"",
         {{"path", "Solver/Tolerance rule"}});
+  // Before anything is solved; volumes are linear in all designs.
+  rol::completeOptions(deck.sublist("Shape").sublist("Optimiser"), false);
   if (line.check) {
     check(context, scene, deck);
     return exitConverged;

@@ -8,6 +8,7 @@
 #include "Harmos_GapProfile.hpp"
 #include "Harmos_ProcessMemory.hpp"
 #include "Harmos_Rendezvous.hpp"
+#include "Harmos_RunMonitor.hpp"
 #include "Harmos_ShapeModel.hpp"
 
 #include <algorithm>
@@ -96,11 +97,14 @@ void ShapeRun::setUp() {
                        feti::mayJoin(options_.dual.clusters, comm_->getSize()) ? scene::Numbering::Compact
                                                                                : scene::Numbering::AsMade);
   scene::checkBoundaryParts(*comm_, scene_, owned_);
+  deck_.checkParts(scene_, scene::gatherPartNames(*comm_, scene_.bodies.size(), owned_));
   std::vector<feti::Subdomain> subdomains;
   agree(*comm_, [&] { subdomains = scene::assemble(scene_, owned_); });
   contact_ = scene::setUpContact(*comm_, scene_, owned_);
   for (const std::string& note : contact_.notes)
     log_.info(note);
+  if (deck_.kind == ShapeDeck::Kind::Position)
+    sensitivity::completeRows(contact_, scene_.components());
   solver_ =
       std::make_unique<feti::FetiSolver>(comm_, std::move(subdomains), contact_.rows,
                                          solverParameters(deckList_, scene_, options_), log_.withoutInfo());
@@ -154,9 +158,6 @@ sensitivity::ShapeMap ShapeRun::shapeMap() const {
   }
   globalMax(*comm_, most);
   globalMax(*comm_, reach);
-  if (!(most[6] > -far))
-    throw InputError("\"Shape/Design/Surface\": the body has no boundary part \"" + deck_.part + "\"",
-                     {{"path", "Shape/Design/Surface"}});
   const double depth = deck_.depth > 0.0 ? deck_.depth : std::max(reach[0] - most[6], reach[1] + most[6]);
   return {deck_.basis(scene_, {-most[3], -most[4], -most[5]}, {most[0], most[1], most[2]}), deck_.direction,
           most[6], depth};
@@ -199,9 +200,6 @@ feti::TornVector ShapeRun::meanDisplacement() const {
   for (const std::optional<int>& count : copies)
     nodes += 1.0 / *count;
   nodes = globalSum(*comm_, nodes);
-  if (!(nodes > 0.0))
-    throw InputError("\"Shape/Cost/Part\": the body has no boundary part \"" + deck_.displacedPart + "\"",
-                     {{"path", "Shape/Cost/Part"}});
   feti::TornVector weights = solver_->system().zeroVector();
   const auto components = static_cast<std::size_t>(scene_.components());
   std::size_t next = 0;
@@ -259,9 +257,20 @@ void ShapeRun::restore() {
   const run::CheckpointReader* checkpoint = directory_.checkpoint();
   if (checkpoint == nullptr)
     return;
-  checkpoint->restore({}, [&](qp::StateArchive<MultiVector>& archive) { record_->exchange(archive); });
+  checkpoint->restore(run::rowBasis(*solver_->problem()),
+                      [&](qp::StateArchive<MultiVector>& archive) { exchange(archive); });
   record_->setRefusals(checkpoint->text("refusals"));
   log_.info("Going on from \"" + report_.restartedFrom + "\": what it holds is not computed again");
+}
+
+// Answers, and where the next solution starts: without that it would differ from that of a run that was not
+// interrupted, within the tolerance.
+void ShapeRun::exchange(qp::StateArchive<MultiVector>& archive) {
+  record_->exchange(archive);
+  bool hasStarts = solver_->problem() != nullptr;
+  archive.number("starts are known", hasStarts);
+  if (hasStarts)
+    solver_->exchangeStarts(archive);
 }
 
 // Before a solution: the last moment to stop without losing one.
@@ -285,13 +294,22 @@ void ShapeRun::askBefore() {
     throw Halt{false, "\"Shape/Limits/Seconds\", " + scientific(deck_.mostSeconds) + ", are over"};
 }
 
-bool ShapeRun::accepted(const rol::Iterate& iterate) {
-  best_ = iterate.design;
-  history_.push_back({iterate.iteration, record_->values(), deck_.sign * iterate.cost, iterate.gradientNorm,
-                      iterate.violation, iterate.step, refused_, elapsed()});
+// Iterates of the method that the one for constraints that are not linear calls have no gradient norm of
+// their own.
+void ShapeRun::accepted(const rol::Iterate& iterate) {
+  const double norm = iterate.isInner ? std::numeric_limits<double>::quiet_NaN() : iterate.gradientNorm;
+  history_.push_back({static_cast<int>(history_.size()), record_->values(), iterate.cost, norm,
+                      iterate.violation, iterate.step, record_->refused(), elapsed()});
+  // Where constraints are met by the end alone, a cost that is less says nothing.
+  if (!model_->hasLinearVolume() || iterate.cost <= history_[bestRow_].cost) {
+    best_ = iterate.design;
+    bestRow_ = history_.size() - 1;
+  }
   std::ostringstream text;
-  text << "Iterate " << iterate.iteration << ": cost " << scientific(deck_.sign * iterate.cost, 6)
-       << ", |gradient| " << scientific(iterate.gradientNorm) << ", " << record_->values() << " evaluations";
+  text << "Iterate " << history_.back().iteration << ": cost " << scientific(iterate.cost, 6);
+  if (!iterate.isInner)
+    text << ", |gradient| " << scientific(norm);
+  text << ", " << record_->values() << " evaluations";
   if (!deck_.volume.empty())
     text << ", constraint missed by " << scientific(iterate.violation, 0);
   log_.info(text.str());
@@ -299,7 +317,6 @@ bool ShapeRun::accepted(const rol::Iterate& iterate) {
     writeHistory();
     writeDesign();
   }
-  return true;
 }
 
 void ShapeRun::writeHistory() const {
@@ -323,16 +340,17 @@ void ShapeRun::save() {
     for (const std::string& assignment : options_.checkpoint.assignments)
       assignments += assignment + '\0'; // which none of them contains
     run::StateSize size;
-    record_->exchange(size);
+    exchange(size);
     const std::string refusals = record_->refusals();
     const std::size_t texts = options_.checkpoint.deck.size() + options_.checkpoint.deckFile.size() +
                               assignments.size() + refusals.size();
-    run::CheckpointWriter writer(*comm_, path, {}, size.bytes() + static_cast<long long>(texts));
+    const run::RowBasis basis = solver_->problem() ? run::rowBasis(*solver_->problem()) : run::RowBasis();
+    run::CheckpointWriter writer(*comm_, path, basis, size.bytes() + static_cast<long long>(texts));
     writer.text("deck", options_.checkpoint.deck);
     writer.text("deck file", options_.checkpoint.deckFile);
     writer.text("assignments", assignments);
     writer.text("refusals", refusals);
-    record_->exchange(writer);
+    exchange(writer);
     writer.commit();
   } catch (const InputError& error) {
     report_.checkpointFault = error.what();
@@ -354,20 +372,62 @@ sensitivity::DesignProblem ShapeRun::problem() {
   return problem;
 }
 
+// A design by nodes in which points are open is stationary in their gaps, and may be far from the best: where
+// pressures are the cost such points are closed, and the optimiser begins again from there, as long as that
+// pays.
+std::vector<double> ShapeRun::reclosed(const std::vector<double>& design) {
+  const auto* profile = dynamic_cast<const sensitivity::GapProfile*>(model_.get());
+  if (profile == nullptr || (deck_.quantity != "peak pressure" && deck_.quantity != "pressure spread"))
+    return {};
+  return record_->derived(design, [&] {
+    cost_->value(design, 0.0);
+    return profile->reclosed(design, cost_->response(), space_).value_or(std::vector<double>());
+  });
+}
+
+rol::Outcome ShapeRun::minimised() {
+  constexpr int mostRounds = 20;
+  rol::Outcome best;
+  std::vector<double> start = space_.start;
+  int iterations = 0;
+  for (int round = 0; round < mostRounds && !start.empty(); ++round) {
+    if (round > 0)
+      log_.info("Points of this design are open: they are closed, and the optimiser begins again");
+    std::vector<double> closed;
+    const rol::Outcome outcome = minimisedFrom(start, round + 1 < mostRounds ? &closed : nullptr);
+    iterations += outcome.iterations;
+    if (round == 0 || outcome.cost < best.cost)
+      best = outcome;
+    start = closed.empty() ? reclosed(outcome.design) : closed;
+  }
+  best.iterations = iterations;
+  return best;
+}
+
+rol::Outcome ShapeRun::minimisedFrom(const std::vector<double>& start, std::vector<double>* closed) {
+  sensitivity::DesignProblem here = problem();
+  here.space.start = start;
+  return rol::minimise(here, deck_.optimiser, [&](const rol::Iterate& iterate) {
+    accepted(iterate);
+    if (closed != nullptr && iterate.iteration > 0)
+      *closed = reclosed(iterate.design);
+    return closed == nullptr || closed->empty();
+  });
+}
+
 void ShapeRun::optimise() {
   rol::Outcome outcome;
   try {
-    outcome = rol::minimise(problem(), deck_.optimiser,
-                            [this](const rol::Iterate& iterate) { return accepted(iterate); });
+    outcome = minimised();
     best_ = outcome.design;
     report_.converged = outcome.isConverged();
     report_.reason = outcome.reason;
-    refused_ = outcome.refused;
   } catch (const Halt& halt) {
     outcome.design = best_;
-    outcome.cost = history_.empty() ? deck_.sign * costBefore_ : deck_.sign * history_.back().cost;
+    outcome.cost = history_.empty() ? costBefore_ : history_[bestRow_].cost;
     outcome.gradientNorm =
-        history_.empty() ? std::numeric_limits<double>::quiet_NaN() : history_.back().gradientNorm;
+        history_.empty() ? std::numeric_limits<double>::quiet_NaN() : history_[bestRow_].gradientNorm;
+    outcome.violation = history_.empty() ? 0.0 : history_[bestRow_].violation;
     outcome.iterations = history_.empty() ? 0 : history_.back().iteration;
     report_.reason = halt.reason + "; go on with --restart \"" + options_.outputDirectory + "\"";
     report_.solved = true;
@@ -397,7 +457,7 @@ void ShapeRun::conclude(const rol::Outcome& outcome) {
   writeDesign();
   const auto& spent = cost_->spent();
   std::map<std::string, double>& results = report_.results;
-  results["cost"] = deck_.sign * outcome.cost;
+  results["cost"] = outcome.cost;
   results["gradient_norm"] = outcome.gradientNorm;
   results["constraint_violation"] = outcome.violation;
   results["iterations"] = outcome.iterations;
@@ -406,7 +466,7 @@ void ShapeRun::conclude(const rol::Outcome& outcome) {
   results["adjoints"] = spent.gradients;
   results["products_of_solutions"] = spent.products;
   results["products_of_adjoints"] = spent.adjointProducts;
-  results["refused_designs"] = outcome.refused;
+  results["refused_designs"] = record_->refused();
   results["design_variables"] = static_cast<double>(space_.size());
   if (!isInterrupted) { // there may be little time left
     cost_->value(best_, 0.0);

@@ -47,11 +47,15 @@ class ShapeRun {
   void solveFirst();
   void restore();
   void optimise();
+  rol::Outcome minimised();
+  rol::Outcome minimisedFrom(const std::vector<double>& start, std::vector<double>* closed);
+  std::vector<double> reclosed(const std::vector<double>& design);
   void finish();
   void conclude(const rol::Outcome& outcome);
 
   void askBefore();
-  bool accepted(const rol::Iterate& iterate);
+  void accepted(const rol::Iterate& iterate);
+  void exchange(qp::StateArchive<MultiVector>& archive);
   void save();
   void writeHistory() const;
   void writeDesign() const;
@@ -86,8 +90,8 @@ class ShapeRun {
   SurfaceState before_;
   std::vector<HistoryRow> history_;
   std::vector<double> best_;
+  std::size_t bestRow_ = 0; // of the history
   double costBefore_ = 0.0, lastSave_ = 0.0;
-  int refused_ = 0;
   double firstValueSeconds_ = 0.0, setUpSeconds_ = 0.0, outputSeconds_ = 0.0;
 };
 

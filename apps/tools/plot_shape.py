@@ -413,11 +413,11 @@ def plot_shape(history, surfaces, title, caption):
 
 def words_of(history, summary):
     """The caption: peaks and work of the run, then what all runs tell."""
-    words = []
-    peaks = [summary.get(key) for key in ("peak_pressure_before", "peak_pressure", "mean_pressure")]
+    words, results = [], summary.get("results", {})
+    peaks = [results.get(key) for key in ("peak_pressure_before", "peak_pressure", "mean_pressure")]
     if all(isinstance(value, (int, float)) for value in peaks) and peaks[2]:
         words.append("peak pressure {:.4g}, after {:.4g}, {:.4g} times the mean".format(*peaks[:2], peaks[1] / peaks[2]))
-    evaluations = summary.get("evaluations", history["evaluations"][-1])
+    evaluations = results.get("evaluations", history["evaluations"][-1])
     words.append(f"{evaluations:g} evaluations")
     return words + (caption_of(summary) if summary else [f"running: {history['iteration'][-1]:g} iterations so far"])
 

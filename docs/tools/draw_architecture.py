@@ -33,6 +33,8 @@ PURPOSES = {
     "contact": "surfaces, gaps, mortar, constraint rows",
     "scene": "bodies and effects; decks; discretisation",
     "effects": "contact, ties, loads, supports",
+    "sensitivity": "derivatives by gaps and shapes",
+    "rol": "best designs by Trilinos' ROL",
     "run": "stages, judgement, checkpoints, results",
     "plan": "ranks, memory, seconds before a run",
 }

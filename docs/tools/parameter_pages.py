@@ -15,7 +15,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PLACE = "docs/parameters"
-PROGRAMS = ("signorini", "harmos", "fiber_composite", "study")
+PROGRAMS = ("signorini", "harmos", "fiber_composite", "study", "shape")
+EFFECTS_OF = "harmos"  # others that have effects have the same
 
 
 def pages(program, printed):
@@ -23,8 +24,10 @@ def pages(program, printed):
     own, of_effects = [], {}
     for section in re.split(r"(?m)^(?=## )", printed):
         kind = re.match(r"## \w+/Effects/([^/\n]+)", section)
-        if kind:
+        if kind and program == EFFECTS_OF:
             of_effects.setdefault(kind.group(1), []).append(section)
+        elif kind:
+            continue
         elif re.match(r"## \w+/Effects\n", section):
             own.append(section.rstrip("\n") + " Each kind has [a page of its own](effects).\n\n")
         else:

@@ -259,6 +259,17 @@ class Programs(unittest.TestCase):
             self.assertEqual(len(item["combinations"]), 8)
             self.assertEqual(len(item["auto"]["dual_operator"]), 1)
 
+    def test_shape_cost(self):
+        if not (runs.BINARY / "bin/shape").is_file():
+            self.skipTest("the program shape is not built (HARMOS_ENABLE_ROL)")
+        words = ["--scale", "9", "--repetitions", "1", "--only", "shared", "unshared", "nodes", "moved"]
+        document = self.script("shape/shape_cost.py", *words)
+        for item in document["runs"]:
+            self.assertEqual(set(item), described("shape_cost"))
+            self.assertLess(item["peak_over_mean"], item["peak_over_mean_before"], item)
+            if item["name"] != "moved":  # gaps change no matrix
+                self.assertEqual(item["factorisations"], item["factorisations_of_first"], item)
+
     def test_unstructured(self):
         """Harmos and the peer come to the same energies and contacts, and the page is written from the JSON."""
         if not gmsh_meshes.available() or peer_petsc.directory() is None:

@@ -38,7 +38,7 @@ def anchors(page):
 
 class Documents(unittest.TestCase):
     def test_parameter_pages_are_what_the_programs_print(self):
-        for program in ("signorini", "harmos", "fiber_composite", "study"):
+        for program in filter(runs.is_built, parameter_pages.PROGRAMS):
             printed = runs.start(["--print-parameters", "markdown"], np=1, program=program)
             self.assertEqual(printed.returncode, 0, printed.stderr)
             for path, text in parameter_pages.pages(program, printed.stdout).items():
@@ -94,7 +94,8 @@ class Documents(unittest.TestCase):
         Pictures are drawn as the page says; what bootstraps, configures or builds is left out, for
         whoever runs this test has done it.
         """
-        for page in ("README.md", "docs/scenes.md", "docs/signorini.md", "docs/debonding.md", "docs/clusters.md"):
+        for page in ("README.md", "docs/scenes.md", "docs/signorini.md", "docs/debonding.md", "docs/clusters.md",
+                     "docs/shape.md"):
             text = (ROOT / page).read_text(encoding="utf-8")
             blocks = [b for b in re.findall(r"```sh\n(.*?)```", text, re.S) if "build/bin/" in b]
             self.assertTrue(blocks, page)
@@ -311,7 +312,8 @@ class Documents(unittest.TestCase):
             self.assertRegex(declared, rf"(\b|_){source.stem[5:]}\b")
 
     def test_decks_that_are_named_exist(self):
-        for page in ("README.md", "docs/scenes.md", "docs/signorini.md", "docs/debonding.md", "docs/accuracy.md"):
+        for page in ("README.md", "docs/scenes.md", "docs/signorini.md", "docs/debonding.md", "docs/accuracy.md",
+                     "docs/shape.md"):
             text = (ROOT / page).read_text(encoding="utf-8")
             for deck in re.findall(r"`(apps/[^`]*\.xml)`", text):
                 self.assertTrue(list(ROOT.glob(deck)), deck)
@@ -323,6 +325,17 @@ class Documents(unittest.TestCase):
         for deck in decks:
             self.assertIn(f"`{deck.name}`", text)
             picture = ROOT / f"docs/images/{deck.stem}.png"
+            self.assertIn(f"](images/{picture.name})", text)
+            self.assertLess(picture.stat().st_size, 150_000, picture)
+
+    def test_every_deck_of_shape_has_its_place_and_picture_in_the_guide(self):
+        text = (ROOT / "docs/shape.md").read_text(encoding="utf-8")
+        decks = sorted((ROOT / "apps/shape/decks").glob("*.xml"))
+        self.assertTrue(decks)
+        for deck in decks:
+            self.assertIn(f"apps/shape/decks/{deck.name}", text)
+            self.assertIn(f"](images/shape_{deck.stem}.png)", text)
+        for picture in (ROOT / "docs/images").glob("shape_*.png"):
             self.assertIn(f"](images/{picture.name})", text)
             self.assertLess(picture.stat().st_size, 150_000, picture)
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace Harmos::rol {
 
@@ -36,11 +37,13 @@ ROL::Ptr<std::vector<double>> copiedBounds(const std::vector<double>& values) {
 
 } // namespace
 
-ROL::Ptr<ROL::Vector<double>> makeDesign(const std::vector<double>& values, const std::vector<double>& weights) {
+ROL::Ptr<ROL::Vector<double>> makeDesign(const std::vector<double>& values,
+                                         const std::vector<double>& weights) {
   return ROL::makePtr<ROL::PrimalScaledStdVector<double>>(copied(values), copied(weights));
 }
 
-ROL::Ptr<ROL::Vector<double>> makeDerivative(const std::vector<double>& values, const std::vector<double>& weights) {
+ROL::Ptr<ROL::Vector<double>> makeDerivative(const std::vector<double>& values,
+                                             const std::vector<double>& weights) {
   return ROL::makePtr<ROL::DualScaledStdVector<double>>(copied(values), copied(weights));
 }
 
@@ -56,7 +59,8 @@ std::vector<double>& numbersOf(ROL::Vector<double>& vector) {
   return *dynamic_cast<ROL::StdVector<double>&>(vector).getVector();
 }
 
-ROL::Ptr<ROL::BoundConstraint<double>> makeBounds(const std::vector<double>& lower, const std::vector<double>& upper,
+ROL::Ptr<ROL::BoundConstraint<double>> makeBounds(const std::vector<double>& lower,
+                                                  const std::vector<double>& upper,
                                                   const std::vector<double>& weights) {
   const auto bound = [&](const std::vector<double>& values) -> ROL::Ptr<ROL::Vector<double>> {
     return ROL::makePtr<ROL::PrimalScaledStdVector<double>>(copiedBounds(values), copied(weights));
@@ -71,17 +75,20 @@ ROL::Ptr<ROL::BoundConstraint<double>> makeLimits(double lower, double upper) {
   return ROL::makePtr<ROL::Bounds<double>>(limit(lower), limit(upper));
 }
 
-DesignObjective::DesignObjective(sensitivity::DesignFunction& function, Tolerances tolerances)
-    : function_(function), tolerances_(tolerances) {}
+DesignObjective::DesignObjective(sensitivity::DesignFunction& function, Tolerances tolerances,
+                                 std::shared_ptr<Refusals> refusals)
+    : function_(function, std::move(refusals)), tolerances_(tolerances) {}
 
 double DesignObjective::value(const ROL::Vector<double>& design, double& tolerance) {
-  const double result = function_.value(numbersOf(design), relativeTolerance(tolerances_, tolerance / factor_, firstValue_));
+  const double result =
+      function_.value(numbersOf(design), relativeTolerance(tolerances_, tolerance / factor_, firstValue_));
   if (firstValue_ == 0.0)
     firstValue_ = std::abs(result);
   return factor_ * result;
 }
 
-void DesignObjective::gradient(ROL::Vector<double>& derivative, const ROL::Vector<double>& design, double& tolerance) {
+void DesignObjective::gradient(ROL::Vector<double>& derivative, const ROL::Vector<double>& design,
+                               double& tolerance) {
   const double asked = relativeTolerance(tolerances_, tolerance / factor_, firstGradient_);
   numbersOf(derivative) = function_.gradient(numbersOf(design), asked);
   if (firstGradient_ == 0.0)
@@ -89,8 +96,9 @@ void DesignObjective::gradient(ROL::Vector<double>& derivative, const ROL::Vecto
   derivative.scale(factor_);
 }
 
-DesignLimit::DesignLimit(sensitivity::DesignFunction& function, Tolerances tolerances, double factor, double origin)
-    : function_(function), tolerances_(tolerances), factor_(factor), origin_(origin) {}
+DesignLimit::DesignLimit(sensitivity::DesignFunction& function, Tolerances tolerances, double factor,
+                         double origin, std::shared_ptr<Refusals> refusals)
+    : function_(function, std::move(refusals)), tolerances_(tolerances), factor_(factor), origin_(origin) {}
 
 void DesignLimit::value(ROL::Vector<double>& result, const ROL::Vector<double>& design, double& tolerance) {
   const double value =
@@ -101,7 +109,8 @@ void DesignLimit::value(ROL::Vector<double>& result, const ROL::Vector<double>& 
 }
 
 const std::vector<double>& DesignLimit::gradient(const std::vector<double>& design, double tolerance) {
-  const auto& result = function_.gradient(design, relativeTolerance(tolerances_, tolerance / factor_, firstGradient_));
+  const auto& result =
+      function_.gradient(design, relativeTolerance(tolerances_, tolerance / factor_, firstGradient_));
   if (firstGradient_ == 0.0)
     firstGradient_ = norm(result);
   return result;

@@ -9,20 +9,23 @@
 
 namespace Harmos::rol {
 
-/// A design as ROL's vector, in the inner product Σ weights·a·b. Its dual is that of derivatives, Σ a·b/weights:
-/// ROL's gradient of f is (df/da)/weights. Local; the same on all ranks.
-ROL::Ptr<ROL::Vector<double>> makeDesign(const std::vector<double>& values, const std::vector<double>& weights);
+/// A design as ROL's vector, in the inner product Σ weights·a·b. Its dual is that of derivatives, Σ
+/// a·b/weights: ROL's gradient of f is (df/da)/weights. Local; the same on all ranks.
+ROL::Ptr<ROL::Vector<double>> makeDesign(const std::vector<double>& values,
+                                         const std::vector<double>& weights);
 /// The same for derivatives.
 ROL::Ptr<ROL::Vector<double>> makeDerivative(const std::vector<double>& values,
                                              const std::vector<double>& weights);
-/// The numbers of a vector of makeDesign(), makeDerivative() or makeNumber(). @throws std::bad_cast for others.
+/// The numbers of a vector of makeDesign(), makeDerivative() or makeNumber(). @throws std::bad_cast for
+/// others.
 const std::vector<double>& numbersOf(const ROL::Vector<double>& vector);
 std::vector<double>& numbersOf(ROL::Vector<double>& vector);
 /// What a constraint's value, multiplier and limits are.
 ROL::Ptr<ROL::Vector<double>> makeNumber(double value);
 
 /// Bounds of designs as ROL has them, in whom 0.1 of the largest number stands for infinity.
-ROL::Ptr<ROL::BoundConstraint<double>> makeBounds(const std::vector<double>& lower, const std::vector<double>& upper,
+ROL::Ptr<ROL::BoundConstraint<double>> makeBounds(const std::vector<double>& lower,
+                                                  const std::vector<double>& upper,
                                                   const std::vector<double>& weights);
 /// Limits of a constraint; either may be infinite.
 ROL::Ptr<ROL::BoundConstraint<double>> makeLimits(double lower, double upper);
@@ -35,21 +38,22 @@ enum class Tolerances {
 
 /// A number that depends on a design as ROL's objective: times a factor, in the inner product of the weights.
 ///
-/// Values, gradients and errors as in GuardedFunction. Second derivatives are ROL's differences of gradients, which
-/// cost a gradient at another design each: use a secant. Guarded by tests/unit/rol/test_adapters.cpp.
+/// Values, gradients and errors as in GuardedFunction. Second derivatives are ROL's differences of gradients,
+/// which cost a gradient at another design each: use a secant. Guarded by tests/unit/rol/test_adapters.cpp.
 class DesignObjective : public ROL::Objective<double> {
  public:
   /// @param function must outlive this.
-  explicit DesignObjective(sensitivity::DesignFunction& function, Tolerances tolerances = Tolerances::AsAsked);
+  explicit DesignObjective(sensitivity::DesignFunction& function, Tolerances tolerances = Tolerances::AsAsked,
+                           std::shared_ptr<Refusals> refusals = nullptr);
 
   /// The objective is the function times this. Above zero.
   void setFactor(double factor) { factor_ = factor; }
 
   double value(const ROL::Vector<double>& design, double& tolerance) override;
-  void gradient(ROL::Vector<double>& derivative, const ROL::Vector<double>& design, double& tolerance) override;
+  void gradient(ROL::Vector<double>& derivative, const ROL::Vector<double>& design,
+                double& tolerance) override;
 
   const GuardedFunction& function() const { return function_; }
-  GuardedFunction& function() { return function_; }
 
  private:
   GuardedFunction function_;
@@ -57,13 +61,14 @@ class DesignObjective : public ROL::Objective<double> {
   double factor_ = 1.0, firstValue_ = 0.0, firstGradient_ = 0.0;
 };
 
-/// A number that depends on a design as a constraint of ROL, with one number as its value: factor (function − origin).
-/// Guarded by tests/unit/rol/test_adapters.cpp.
+/// A number that depends on a design as a constraint of ROL, with one number as its value: factor (function −
+/// origin). Guarded by tests/unit/rol/test_adapters.cpp.
 class DesignLimit : public ROL::Constraint<double> {
  public:
   /// @param function must outlive this.
   explicit DesignLimit(sensitivity::DesignFunction& function, Tolerances tolerances = Tolerances::AsAsked,
-                       double factor = 1.0, double origin = 0.0);
+                       double factor = 1.0, double origin = 0.0,
+                       std::shared_ptr<Refusals> refusals = nullptr);
 
   void value(ROL::Vector<double>& result, const ROL::Vector<double>& design, double& tolerance) override;
   void applyJacobian(ROL::Vector<double>& result, const ROL::Vector<double>& step,
@@ -72,7 +77,7 @@ class DesignLimit : public ROL::Constraint<double> {
   void applyAdjointJacobian(ROL::Vector<double>& derivative, const ROL::Vector<double>& multiplier,
                             const ROL::Vector<double>& design, double& tolerance) override;
 
-  const GuardedFunction& function() const { return function_; }
+  GuardedFunction& function() { return function_; }
 
  private:
   const std::vector<double>& gradient(const std::vector<double>& design, double tolerance);

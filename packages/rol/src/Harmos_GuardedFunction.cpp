@@ -12,12 +12,16 @@ namespace {
 // Far above all values, but its square is still a number: methods interpolate and penalise.
 constexpr double farAbove = 1e20;
 
-// Whether what is known with one tolerance will do where another is asked for; 0 is what the function does as usual.
+// Whether what is known with one tolerance will do where another is asked for; 0 is what the function does as
+// usual.
 bool suffices(double known, double asked) {
   return known == asked || asked == 0.0 || (known > 0.0 && known < asked);
 }
 
 } // namespace
+
+GuardedFunction::GuardedFunction(sensitivity::DesignFunction& function, std::shared_ptr<Refusals> refusals)
+    : function_(&function), refusals_(refusals ? std::move(refusals) : std::make_shared<Refusals>()) {}
 
 GuardedFunction::Answer& GuardedFunction::answer(const std::vector<double>& design) {
   if (answers_[0].design != design)
@@ -46,19 +50,25 @@ double GuardedFunction::value(const std::vector<double>& design, double toleranc
     known.valueTolerance = tolerance;
     largest_ = std::max(largest_, std::abs(known.value));
   } catch (const sensitivity::RefusedDesign& error) {
-    ++refused_;
-    refusal_ = error.what();
+    refuse(known, error.what());
     if (!isKnown_) {
       error_ = std::current_exception();
       throw;
     }
-    known.isRefused = true;
-    known.value = farAbove * (1.0 + largest_);
   } catch (...) {
     error_ = std::current_exception();
     throw;
   }
   return known.value;
+}
+
+void GuardedFunction::refuse(Answer& known, const std::string& message) {
+  if (!isRefused(known.design))
+    ++refusals_->count;
+  refusals_->message = message;
+  refusals_->design = known.design;
+  known.isRefused = true;
+  known.value = farAbove * (1.0 + largest_);
 }
 
 const std::vector<double>& GuardedFunction::gradient(const std::vector<double>& design, double tolerance) {
@@ -79,9 +89,11 @@ const std::vector<double>& GuardedFunction::gradient(const std::vector<double>& 
   return known.gradient;
 }
 
-bool GuardedFunction::isRefused(const std::vector<double>& design) const {
-  return std::any_of(answers_.begin(), answers_.end(),
-                     [&](const Answer& known) { return known.isRefused && known.design == design; });
+std::optional<double> GuardedFunction::knownValue(const std::vector<double>& design) const {
+  for (const Answer& known : answers_)
+    if (known.hasValue && known.design == design)
+      return known.value;
+  return std::nullopt;
 }
 
 } // namespace Harmos::rol

@@ -22,7 +22,9 @@ double AffineFunction::value(const std::vector<double>& design, double) {
   return result;
 }
 
-std::vector<double> AffineFunction::gradient(const std::vector<double>&, double) { return gradient_; }
+std::vector<double> AffineFunction::gradient(const std::vector<double>&, double) {
+  return gradient_;
+}
 
 double AffineFunction::extreme(const sensitivity::DesignSpace& space, double sign) const {
   double result = value_;
@@ -40,16 +42,17 @@ void checkReach(const sensitivity::DesignConstraint& constraint, const AffineFun
   for (const double number : {least, most, constraint.lower, constraint.upper})
     if (std::isfinite(number))
       size = std::max(size, std::abs(number));
-  const double rounding = 10.0 * static_cast<double>(space.size()) * std::numeric_limits<double>::epsilon() * size;
+  const double rounding =
+      10.0 * static_cast<double>(space.size()) * std::numeric_limits<double>::epsilon() * size;
   if (constraint.lower <= most + rounding && constraint.upper >= least - rounding)
     return;
   const std::string limits = constraint.isEquality()
                                  ? "is to be " + scientific(constraint.lower, 6)
                                  : "is to lie between " + scientific(constraint.lower, 6) + " and " +
                                        scientific(constraint.upper, 6);
-  throw InputError("no design within the bounds meets the constraint \"" + constraint.name + "\": it " + limits +
-                       ", but is at least " + scientific(least, 6) + " and at most " + scientific(most, 6) +
-                       "; widen the bounds of the design, or change the limits",
+  throw InputError("no design within the bounds meets the constraint \"" + constraint.name + "\": it " +
+                       limits + ", but is at least " + scientific(least, 6) + " and at most " +
+                       scientific(most, 6) + "; widen the bounds of the design, or change the limits",
                    {{"constraint", constraint.name},
                     {"least", scientific(least, 6)},
                     {"most", scientific(most, 6)},

@@ -7,11 +7,12 @@
 
 namespace Harmos::rol {
 
-/// A linear function, known from its value and gradient at one design: ROL asks for such functions at designs that
-/// have no shape, all zeros for one (DaiFletcherProjection).
+/// A linear function, known from its value and gradient at one design: ROL asks for such functions at designs
+/// that have no shape, all zeros for one (DaiFletcherProjection).
 class AffineFunction : public sensitivity::DesignFunction {
  public:
-  /// Asks the function at the design. @throws what the function throws. @note Collective, as nothing else here is.
+  /// Asks the function at the design. @throws what the function throws. @note Collective, as nothing else
+  /// here is.
   AffineFunction(sensitivity::DesignFunction& function, const std::vector<double>& design);
 
   double value(const std::vector<double>& design, double tolerance = 0.0) override;
@@ -28,8 +29,8 @@ class AffineFunction : public sensitivity::DesignFunction {
   double value_;
 };
 
-/// @throws InputError if no design between the bounds meets the limits: with the constraint's name, what it is at
-/// least and at most, and its limits. Guarded by tests/unit/rol/test_constraints.cpp.
+/// @throws InputError if no design between the bounds meets the limits: with the constraint's name, what it
+/// is at least and at most, and its limits. Guarded by tests/unit/rol/test_constraints.cpp.
 void checkReach(const sensitivity::DesignConstraint& constraint, const AffineFunction& function,
                 const sensitivity::DesignSpace& space);
 

@@ -38,11 +38,13 @@ class WatchedObjective : public DesignObjective {
   void watch(std::function<void(const std::vector<double>&)> accepted) { accepted_ = std::move(accepted); }
 
   void update(const ROL::Vector<double>& design, ROL::UpdateType type, int) override {
-    if (accepted_ && (type == ROL::UpdateType::Initial || type == ROL::UpdateType::Accept))
+    const bool isAccepted = type == ROL::UpdateType::Initial || type == ROL::UpdateType::Accept;
+    if (accepted_ && isAccepted && !function().isRefused(numbersOf(design)))
       accepted_(numbersOf(design));
   }
 
-  void gradient(ROL::Vector<double>& derivative, const ROL::Vector<double>& design, double& tolerance) override {
+  void gradient(ROL::Vector<double>& derivative, const ROL::Vector<double>& design,
+                double& tolerance) override {
     // Line searches take the last trial where none was good enough.
     if (function().isRefused(numbersOf(design)))
       throw Ended{Ending::Refused};
@@ -86,12 +88,14 @@ void checkProblem(const DesignProblem& problem) {
   HARMOS_REQUIRE(problem.cost != nullptr, "a design problem without a cost");
   std::set<std::string> names;
   for (const auto& constraint : problem.constraints) {
-    HARMOS_REQUIRE(constraint.function != nullptr, "the constraint \"" + constraint.name + "\" has no function");
+    HARMOS_REQUIRE(constraint.function != nullptr,
+                   "the constraint \"" + constraint.name + "\" has no function");
     if (!names.insert(constraint.name).second)
       throw InputError("two constraints have the name \"" + constraint.name + "\"");
     if (!(constraint.lower <= constraint.upper))
-      throw InputError("constraint \"" + constraint.name + "\": its lower limit, " + scientific(constraint.lower) +
-                       ", is above its upper one, " + scientific(constraint.upper));
+      throw InputError("constraint \"" + constraint.name + "\": its lower limit, " +
+                       scientific(constraint.lower) + ", is above its upper one, " +
+                       scientific(constraint.upper));
   }
 }
 
@@ -103,9 +107,9 @@ struct Limit {
   double factor = 1.0;
 };
 
-// One minimisation. ROL works in units without dimension: designs in those of the box's diagonal, the cost so that
-// the first step along its gradient has a given length; its radii, first steps and tolerances then mean the same for
-// all problems.
+// One minimisation. ROL works in units without dimension: designs in those of the box's diagonal, the cost so
+// that the first step along its gradient has a given length; its radii, first steps and tolerances then mean
+// the same for all problems.
 class Search {
  public:
   Search(const DesignProblem& problem, const Teuchos::ParameterList& options, const Monitor& monitor,
@@ -125,9 +129,10 @@ class Search {
   bool tell(Iterate iterate);
   Iterate iterateOf(const ROL::AlgorithmState<double>& state);
   double violation(const std::vector<double>& design);
+  void solve();
   void rethrowErrors() const;
   Outcome outcome();
-  std::string reason(const Outcome& outcome) const;
+  std::string reason() const;
 
   const DesignProblem& problem_;
   const Monitor& monitor_;
@@ -137,6 +142,7 @@ class Search {
   Tolerances tolerances_;
   std::vector<double> weights_; // of the inner product in units of the box
   std::vector<Limit> limits_;
+  std::shared_ptr<Refusals> refusals_ = std::make_shared<Refusals>();
   ROL::Ptr<WatchedObjective> cost_;
   ROL::Ptr<ROL::Vector<double>> design_;
   ROL::Ptr<ROL::Problem<double>> rol_;
@@ -144,9 +150,11 @@ class Search {
   double factor_ = 1.0; // of the cost
   ROL::Ptr<ROL::StatusTest<double>> test_;
   std::vector<double> accepted_;
-  bool isNew_ = false; // accepted_, since the last check
+  bool isNew_ = false;    // accepted_, since the last check
+  int refusedBefore_ = 0; // until the last step that was not too short
   Iterate last_, best_;
   Ending ending_ = Ending::NoNumber;
+  std::exception_ptr error_; // the monitor's
 };
 
 Search::Search(const DesignProblem& problem, const Teuchos::ParameterList& options, const Monitor& monitor,
@@ -186,8 +194,9 @@ void Search::makeLimits() {
       throw InputError("the constraint \"" + constraint.name + "\" does not depend on the design");
     limit.factor = slope > 0.0 ? 1.0 / slope : 1.0;
     const double origin = std::isfinite(constraint.lower) ? constraint.lower : constraint.upper;
-    limit.limit = ROL::makePtr<DesignLimit>(*function, constraint.isLinear ? Tolerances::AsUsual : tolerances_,
-                                            limit.factor, std::isfinite(origin) ? origin : 0.0);
+    limit.limit =
+        ROL::makePtr<DesignLimit>(*function, constraint.isLinear ? Tolerances::AsUsual : tolerances_,
+                                  limit.factor, std::isfinite(origin) ? origin : 0.0, refusals_);
     limits_.push_back(std::move(limit));
   }
 }
@@ -205,8 +214,8 @@ void Search::addLimit(Limit& limit) {
       rol_->addConstraint(constraint.name, limit.limit, multiplier);
     return;
   }
-  const auto bounds = rol::makeLimits(limit.factor * (constraint.lower - origin),
-                                      limit.factor * (constraint.upper - origin));
+  const auto bounds =
+      rol::makeLimits(limit.factor * (constraint.lower - origin), limit.factor * (constraint.upper - origin));
   if (constraint.isLinear)
     rol_->addLinearConstraint(constraint.name, limit.limit, multiplier, bounds);
   else
@@ -215,10 +224,10 @@ void Search::addLimit(Limit& limit) {
 
 void Search::makeProblem() {
   const auto& space = problem_.space;
-  cost_ = ROL::makePtr<WatchedObjective>(*problem_.cost, tolerances_);
+  cost_ = ROL::makePtr<WatchedObjective>(*problem_.cost, tolerances_, refusals_);
   design_ = makeDesign(space.start, weights_);
-  rol_ = ROL::makePtr<ROL::Problem<double>>(
-      cost_, design_, makeDerivative(std::vector<double>(space.size(), 0.0), weights_));
+  rol_ = ROL::makePtr<ROL::Problem<double>>(cost_, design_,
+                                            makeDerivative(std::vector<double>(space.size(), 0.0), weights_));
   rol_->addBoundConstraint(makeBounds(space.lower, space.upper, weights_));
   for (auto& limit : limits_)
     addLimit(limit);
@@ -250,9 +259,10 @@ void Search::start() {
   }
   for (const auto& limit : limits_)
     if (limit.constraint->isLinear && violation(numbersOf(*design_)) > 1e-6)
-      throw InputError("no design within the bounds meets all constraints together: that which is nearest to the "
-                       "start misses \"" +
-                       limit.constraint->name + "\"");
+      throw InputError(
+          "no design within the bounds meets all constraints together: that which is nearest to the "
+          "start misses \"" +
+          limit.constraint->name + "\"");
   scaleCost();
 }
 
@@ -267,7 +277,7 @@ void Search::scaleCost() {
   if (!(norm > 0.0) || !std::isfinite(norm))
     return;
   factor_ = firstStep_ / norm;
-  // Constraints may hold the most of that step.
+  // Bounds and constraints may hold the most of that step. At an optimum they hold all of it: not beyond 1e4.
   const auto step = design.clone();
   for (int k = 0; k < 4; ++k) {
     step->set(design);
@@ -285,7 +295,8 @@ void Search::scaleCost() {
 void Search::scaleTolerances() {
   auto& status = options_.sublist("Status Test");
   const bool isRelative = status.get<bool>("Use Relative Tolerances");
-  status.set("Gradient Tolerance", status.get<double>("Gradient Tolerance") * (isRelative ? firstStep_ : factor_ * extent_));
+  status.set("Gradient Tolerance",
+             status.get<double>("Gradient Tolerance") * (isRelative ? firstStep_ : factor_ * extent_));
   status.set("Step Tolerance", status.get<double>("Step Tolerance") / (isRelative ? 1.0 : extent_));
   status.set("Use Relative Tolerances", false);
   if (isNonlinear_)
@@ -298,7 +309,10 @@ double Search::violation(const std::vector<double>& design) {
   double result = 0.0;
   for (const auto& limit : limits_) {
     const auto& constraint = *limit.constraint;
-    const double value = limit.affine ? limit.affine->value(design) : constraint.function->value(design, 0.0);
+    const auto known = limit.limit->function().knownValue(design);
+    const double value = limit.affine ? limit.affine->value(design)
+                         : known      ? *known
+                                      : limit.limit->function().value(design, 0.0);
     result = std::max(result, limit.factor * std::max(constraint.lower - value, value - constraint.upper));
   }
   return result;
@@ -318,18 +332,24 @@ Iterate Search::iterateOf(const ROL::AlgorithmState<double>& state) {
 bool Search::tell(Iterate iterate) {
   iterate.values = cost_->function().values();
   iterate.gradients = cost_->function().gradients();
-  return !monitor_ || monitor_(iterate);
+  try {
+    return !monitor_ || monitor_(iterate);
+  } catch (...) {
+    error_ = std::current_exception();
+    throw;
+  }
 }
 
 void Search::accept(const std::vector<double>& design) {
   accepted_ = design;
   isNew_ = true;
-  if (!isNonlinear_)
+  const auto cost = cost_->function().knownValue(design);
+  if (!isNonlinear_ || !cost || last_.design.empty() || last_.design == design)
     return; // the test after each iteration tells of it
   Iterate inner = last_;
   inner.isInner = true;
   inner.design = design;
-  inner.cost = cost_->function().value(design, 0.0);
+  inner.cost = *cost;
   inner.violation = violation(design);
   if (!tell(inner)) {
     last_ = inner;
@@ -338,10 +358,12 @@ void Search::accept(const std::vector<double>& design) {
 }
 
 bool Search::check(ROL::AlgorithmState<double>& state) {
-  if (!std::isfinite(state.value) || !std::isfinite(state.gnorm) || std::isnan(state.snorm))
-    throw Ended{Ending::NoNumber};
-  if (isNew_) {
+  const bool isNumber = std::isfinite(state.value) && std::isfinite(state.gnorm) && !std::isnan(state.snorm);
+  const bool isNew = isNew_;
+  if (isNew || last_.design.empty()) {
     last_ = iterateOf(state);
+    if (!isNumber)
+      throw Ended{Ending::NoNumber};
     if (best_.design.empty() || last_.cost < best_.cost)
       best_ = last_;
     isNew_ = false;
@@ -349,17 +371,22 @@ bool Search::check(ROL::AlgorithmState<double>& state) {
       throw Ended{Ending::Stopped};
   }
   last_.iteration = state.iter;
-  if (test_->check(state))
+  if (test_->check(state)) {
+    if (isNew)
+      refusedBefore_ = refusals_->count;
     return true;
+  }
   ending_ = state.statusFlag == ROL::EXITSTATUS_CONVERGED ? Ending::Converged
             : state.statusFlag == ROL::EXITSTATUS_STEPTOL ? Ending::StepTolerance
             : state.statusFlag == ROL::EXITSTATUS_MAXITER ? Ending::IterationLimit
                                                           : Ending::NoNumber;
+  if (ending_ == Ending::StepTolerance && refusals_->count > refusedBefore_)
+    ending_ = Ending::Refused;
   return false;
 }
 
 void Search::rethrowErrors() const {
-  std::exception_ptr error = cost_->function().error();
+  std::exception_ptr error = error_ ? error_ : cost_->function().error();
   for (const auto& limit : limits_)
     if (!error)
       error = limit.limit->function().error();
@@ -373,37 +400,82 @@ Outcome Search::run() {
   start();
   scaleTolerances();
   cost_->watch([this](const std::vector<double>& design) { accept(design); });
+  solve();
+  return outcome();
+}
+
+void Search::solve() {
   try {
     ROL::Solver<double> solver(rol_, options_);
     solver.solve(silence_, ROL::makePtr<CallbackTest>([this](auto& state) { return check(state); }), false);
   } catch (const Ended& ended) {
     ending_ = ended.ending;
+  } catch (const std::exception& error) {
+    rethrowErrors();
+    throw InputError(
+        std::string("ROL cannot solve this problem with this method (Step/Type and what belongs to it): ") +
+        error.what());
+  } catch (...) {
+    rethrowErrors();
+    throw;
   }
-  rethrowErrors();
-  return outcome();
+  rethrowErrors(); // one that ROL kept to itself
 }
 
 Outcome Search::outcome() {
   // Methods may go uphill for a while; where constraints are met by the end alone, the end it is.
-  const Iterate& end = ending_ == Ending::Converged || isNonlinear_ ? last_ : best_;
+  const Iterate& end = ending_ == Ending::Converged || isNonlinear_ || best_.design.empty() ? last_ : best_;
   Outcome result;
   result.design = end.design;
   result.cost = end.cost;
   result.gradientNorm = end.gradientNorm;
-  result.violation = end.violation;
-  for (const auto& constraint : problem_.constraints)
-    result.constraints.push_back(constraint.function->value(end.design, 0.0));
+  for (const auto& limit : limits_) {
+    const auto& constraint = *limit.constraint;
+    const auto known = limit.affine ? std::nullopt : limit.limit->function().knownValue(end.design);
+    const double value = known ? *known : constraint.function->value(end.design, 0.0);
+    result.constraints.push_back(value);
+    result.violation = std::max(result.violation,
+                                limit.factor * std::max(constraint.lower - value, value - constraint.upper));
+    // Rounding and projections stay far below.
+    if (limit.affine && limit.factor * std::abs(value - limit.affine->value(end.design)) > 1e-6)
+      ending_ = Ending::Missed;
+  }
   result.iterations = last_.iteration;
   result.values = cost_->function().values();
   result.gradients = cost_->function().gradients();
-  result.refused = cost_->function().refused();
-  result.refusal = cost_->function().refusal();
+  result.refused = refusals_->count;
+  result.refusal = refusals_->message;
   result.ending = ending_;
-  result.reason = reason(result);
+  result.reason = reason();
   return result;
 }
 
-std::string Search::reason(const Outcome&) const { return ""; }
+std::string Search::reason() const {
+  switch (ending_) {
+  case Ending::Converged:
+    return "the gradient is below its tolerance";
+  case Ending::StepTolerance:
+    return "steps became shorter than \"Step Tolerance\" before the gradient met its own: the cost is not "
+           "smooth here, "
+           "or its derivatives are less exact than that; solve for it with a tighter tolerance, or raise "
+           "\"Gradient Tolerance\" (Status Test)";
+  case Ending::IterationLimit:
+    return "the limit of " + std::to_string(options_.sublist("Status Test").get<int>("Iteration Limit")) +
+           " iterations was reached; raise \"Iteration Limit\" (Status Test), or begin with the design that "
+           "was "
+           "found";
+  case Ending::Refused:
+    return "each step from here leads to a design that is refused (" + refusals_->message +
+           "); bound the design so that it stays away from there";
+  case Ending::Missed:
+    return "a constraint that is said to be linear is not; say that it is not";
+  case Ending::Stopped:
+    return "stopped from outside; begin with the design that was found to go on";
+  case Ending::NoNumber:
+    break;
+  }
+  return "a cost, a gradient or a step is no number; look at what the function gives for the design";
+}
 
 } // namespace
 

@@ -85,7 +85,8 @@ void refuseUnknown(const Teuchos::ParameterList& given, const Teuchos::Parameter
   for (const auto& entry : given) {
     const std::string path = joined(place, entry.first);
     if (!known.isParameter(entry.first))
-      throw InputError("ROL has no parameter \"" + path + "\"" + offer(entry.first, names), {{"parameter", path}});
+      throw InputError("ROL has no parameter \"" + path + "\"" + offer(entry.first, names),
+                       {{"parameter", path}});
     const auto& other = known.getEntry(entry.first);
     if (entry.second.isList() != other.isList())
       throw InputError("\"" + path + "\" is " + (other.isList() ? "a list" : "a value") + " of ROL",
@@ -128,12 +129,13 @@ Teuchos::ParameterList defaultOptions(bool isNonlinear) {
   step.sublist("Line Search").sublist("Descent Method").set("Type", "Quasi-Newton Method");
   auto& secant = list.sublist("General").sublist("Secant");
   secant.set("Use as Hessian", true);
-  secant.set("Maximum Storage", 30);
+  secant.set("Maximum Storage", 60);
+  list.sublist("General").sublist("Krylov").set("Iteration Limit", 60);
   auto& status = list.sublist("Status Test");
-  status.set("Gradient Tolerance", 1e-4);
+  status.set("Gradient Tolerance", 1e-3);
   status.set("Constraint Tolerance", 1e-6);
   status.set("Step Tolerance", 1e-6);
-  status.set("Iteration Limit", 100);
+  status.set("Iteration Limit", 300);
   status.set("Use Relative Tolerances", true);
   return list;
 }

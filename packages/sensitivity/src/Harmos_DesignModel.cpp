@@ -68,7 +68,8 @@ std::vector<double> ContactCost::gradient(const std::vector<double>& design, dou
   if (!sensitivities_)
     sensitivities_ = std::make_unique<Sensitivities>(solver_, model_.rows());
   const int before = sensitivities_->products();
-  const Functional::Adjoint adjoint = sensitivities_->adjoint(functional_, response(), tolerated(tolerance));
+  const Functional::Adjoint adjoint =
+      sensitivities_->adjoint(functional_, response(), tolerated(tolerance), model_.needsDisplacement());
   ++spent_.gradients;
   spent_.adjointProducts += sensitivities_->products() - before;
   std::vector<double> gradient = model_.gradient(functional_, response(), adjoint);

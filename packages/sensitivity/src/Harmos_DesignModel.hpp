@@ -25,6 +25,8 @@ class DesignModel {
   virtual const std::vector<ConstraintRow>& rows() const = 0;
   virtual const RowGeometry& geometry() const = 0;
 
+  /// Whether gradient() needs v of the adjoint: not where gaps alone change.
+  virtual bool needsDisplacement() const { return true; }
   /// dΦ/ddesign, the same on all ranks. @param response, adjoint of the last design. @note Collective.
   virtual std::vector<double> gradient(const Functional& functional, const Response& response,
                                        const Functional::Adjoint& adjoint) = 0;
@@ -53,6 +55,8 @@ class ContactCost : public DesignFunction {
   double value(const std::vector<double>& design, double tolerance) override;
   std::vector<double> gradient(const std::vector<double>& design, double tolerance) override;
 
+  /// The answer at the last design of value().
+  Response response() const { return {solver_, forces_, model_.geometry()}; }
   /// At the last design of value(). Null: that of the last gradient() was another one.
   const Sensitivities* sensitivities() const { return sensitivities_.get(); }
   const std::vector<double>& design() const { return design_; }
@@ -68,7 +72,6 @@ class ContactCost : public DesignFunction {
   const Spent& spent() const { return spent_; }
 
  private:
-  Response response() const { return {solver_, forces_, model_.geometry()}; }
   double tolerated(double tolerance) const;
   void solve(const std::vector<double>& design, double tolerance);
 

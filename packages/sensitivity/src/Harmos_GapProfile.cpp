@@ -32,6 +32,7 @@ GapProfile::GapProfile(feti::FetiSolver& solver, std::vector<ConstraintRow> rows
     : solver_(solver),
       rows_(std::move(rows)),
       geometry_(std::move(geometry)),
+      isByNodes_(true),
       gaps_(boundsOf(rows_)),
       functions_(rows_.size()) {
   std::vector<long long> mine;
@@ -110,6 +111,54 @@ void GapProfile::apply(const std::vector<double>& design) {
 std::vector<double> GapProfile::gradient(const Functional&, const Response&,
                                          const Functional::Adjoint& adjoint) {
   return transposed(adjoint.forces);
+}
+
+std::optional<std::vector<double>> GapProfile::reclosed(const std::vector<double>& design,
+                                                        const Response& response,
+                                                        const DesignSpace& space) const {
+  using Status = ConstraintRow::Status;
+  if (!isByNodes_)
+    return std::nullopt;
+  const Teuchos::Comm<int>& comm = commOf(solver_);
+  const std::vector<double> residuals =
+      solver_.constraints().givenResiduals(solver_.displacement(), *solver_.solution().multiplier);
+  std::vector<ConstraintRow> rows = rows_;
+  std::vector<char> isOpen(rows.size(), 0);
+  std::vector<double> sums(3, 0.0); // open points, force, area
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    rows[r].bound = rows[r].rounding = 0.0;
+    if (rows[r].kind != ConstraintRow::Kind::Inequality)
+      continue;
+    const bool isClosed = response.forces[r] > 0.0, isDesigned = !functions_[r].empty();
+    isOpen[r] = !isClosed && isDesigned ? 1 : 0;
+    rows[r].status = isClosed || isDesigned ? Status::Closed : Status::Open;
+    rows[r].bound = isOpen[r] != 0 ? -1.0 : 0.0;
+    sums[0] += isOpen[r];
+    sums[1] += isDesigned ? response.forces[r] : 0.0;
+    sums[2] += isDesigned ? geometry_.areas[r] : 0.0;
+  }
+  globalSum(comm, sums);
+  if (sums[0] == 0.0)
+    return std::nullopt;
+  std::vector<std::shared_ptr<const std::vector<double>>> loads;
+  for (int i = 0; i < solver_.system().size(); ++i)
+    loads.push_back(std::make_shared<const std::vector<double>>(solver_.system().rhs(i).size(), 0.0));
+  const feti::FetiSolver::Increment closing =
+      solver_.solveIncrement(std::move(loads), rows, solver_.tolerance(), false);
+  double most = 0.0; // pressure for each unit of closing
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (isOpen[r] != 0)
+      most = std::max(most, closing.rowForces[r] / geometry_.areas[r]);
+  most = globalMax(comm, most);
+  const double beyond = most > 0.0 ? 0.5 * (sums[1] / sums[2]) / most : 0.0;
+  std::vector<double> changes(rows.size(), 0.0);
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (isOpen[r] != 0)
+      changes[r] = std::min(0.0, residuals[r]) - beyond;
+  std::vector<double> result = transposed(changes);
+  for (std::size_t k = 0; k < result.size(); ++k)
+    result[k] = std::clamp(design[k] + result[k], space.lower[k], space.upper[k]);
+  return result;
 }
 
 double GapProfile::volume(const std::vector<double>& design) {

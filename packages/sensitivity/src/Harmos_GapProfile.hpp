@@ -39,12 +39,21 @@ class GapProfile : public DesignModel {
                                const Functional::Adjoint& adjoint) override;
   double volume(const std::vector<double>& design) override;
   std::vector<double> volumeGradient(const std::vector<double>&) override { return weights_; }
+  bool needsDisplacement() const override { return false; }
   bool hasLinearVolume() const override { return true; }
 
   /// Σ_k α_k φ_k at the rows of this rank, zero at others than those of the surfaces. Local.
   std::vector<double> profile(const std::vector<double>& design) const;
   /// Σ_r values_r φ_k(x_r) over all ranks. @note Collective.
   std::vector<double> transposed(const std::vector<double>& values) const;
+  /// A design, one number a contact point, in which points that are open bear again: each is brought to
+  /// touch, and beyond that by as much as gives the one that bears most half the mean pressure; within the
+  /// bounds of the space. While a point is open the answer does not depend on its gap, so that optimisers
+  /// stop at such designs, however much better they were with the point closed. Nothing where none is open,
+  /// or the design is one of splines.
+  /// @param response of the design. @throws as Sensitivities::rate(). @note Collective, one linear solution.
+  std::optional<std::vector<double>> reclosed(const std::vector<double>& design, const Response& response,
+                                              const DesignSpace& space) const;
   /// c⁰ of the rows of this rank.
   const std::vector<double>& gaps() const { return gaps_; }
 
@@ -54,6 +63,7 @@ class GapProfile : public DesignModel {
   feti::FetiSolver& solver_;
   std::vector<ConstraintRow> rows_;
   RowGeometry geometry_;
+  bool isByNodes_ = false;
   std::vector<double> gaps_, weights_;
   std::vector<std::vector<std::pair<std::size_t, double>>> functions_; // of each row: number, value
 };

@@ -63,8 +63,8 @@ Sensitivities::Sensitivities(feti::FetiSolver& solver, const std::vector<Constra
 }
 
 feti::FetiSolver::Increment Sensitivities::increment(const feti::TornVector& loads,
-                                                     const std::vector<double>& bounds, bool decidesAll,
-                                                     double tolerance) {
+                                                     const std::vector<double>& bounds, bool isAdjoint,
+                                                     double tolerance, bool withDisplacement) {
   const feti::SubdomainSystem& system = solver_.system();
   if (hasLimited_)
     throw InputError(
@@ -72,7 +72,7 @@ feti::FetiSolver::Increment Sensitivities::increment(const feti::TornVector& loa
         "known; the energy has them (the cost \"softest\" or \"stiffest\")");
   std::vector<ConstraintRow> rows = rows_;
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    if (isWeak_[r] != 0 && !decidesAll)
+    if (isWeak_[r] != 0 && !isAdjoint)
       rows[r].status = Status::Undecided;
     if (rows[r].status != Status::Open && !bounds.empty())
       rows[r].bound = bounds[r];
@@ -81,7 +81,8 @@ feti::FetiSolver::Increment Sensitivities::increment(const feti::TornVector& loa
   for (int i = 0; i < system.size(); ++i)
     vectors.push_back(std::make_shared<const std::vector<double>>(
         loads.empty() ? std::vector<double>(system.rhs(i).size(), 0.0) : loads[static_cast<std::size_t>(i)]));
-  feti::FetiSolver::Increment increment = solver_.solveIncrement(std::move(vectors), rows, tolerance);
+  feti::FetiSolver::Increment increment =
+      solver_.solveIncrement(std::move(vectors), rows, tolerance, withDisplacement);
   products_ += increment.report.result.counters.hessianApplications;
   if (!increment.report.converged)
     throw NumericalError("the linear problem of a derivative was not solved: " + increment.report.reason);
@@ -89,18 +90,18 @@ feti::FetiSolver::Increment Sensitivities::increment(const feti::TornVector& loa
 }
 
 Functional::Adjoint Sensitivities::adjoint(const Functional& functional, const Response& response,
-                                           double tolerance) {
+                                           double tolerance, bool withDisplacement) {
   if (std::optional<Functional::Adjoint> known = functional.knownAdjoint(response))
     return std::move(*known);
   const Functional::Partials partials = functional.partials(response);
   feti::FetiSolver::Increment increment =
-      this->increment(partials.displacement, partials.forces, true, tolerance);
+      this->increment(partials.displacement, partials.forces, true, tolerance, withDisplacement);
   return {std::move(increment.displacement), std::move(increment.rowForces)};
 }
 
 Sensitivities::Rate Sensitivities::rate(const feti::TornVector& loads, const std::vector<double>& bounds,
                                         double tolerance) {
-  feti::FetiSolver::Increment increment = this->increment(loads, bounds, false, tolerance);
+  feti::FetiSolver::Increment increment = this->increment(loads, bounds, false, tolerance, true);
   return {std::move(increment.displacement), std::move(increment.rowForces)};
 }
 

@@ -39,9 +39,11 @@ class Sensitivities {
   /// the force, and adhesion, which have no energy that is least. @note Collective.
   Sensitivities(feti::FetiSolver& solver, const std::vector<ConstraintRow>& rows, double weakShare = 1e-6);
 
-  /// (v, η) of a functional. @param tolerance of the linear solution. @throws InputError on all ranks with
-  /// friction, but of the energy; NumericalError if the linear solution fails. @note Collective.
-  Functional::Adjoint adjoint(const Functional& functional, const Response& response, double tolerance);
+  /// (v, η) of a functional. @param tolerance of the linear solution. @param withDisplacement else v is
+  /// empty. @throws InputError on all ranks with friction, but of the energy; NumericalError if the linear
+  /// solution fails. @note Collective.
+  Functional::Adjoint adjoint(const Functional& functional, const Response& response, double tolerance,
+                              bool withDisplacement = true);
 
   /// How u and λ change from here on, to one side, with data that do.
   struct Rate {
@@ -59,7 +61,7 @@ class Sensitivities {
 
  private:
   feti::FetiSolver::Increment increment(const feti::TornVector& loads, const std::vector<double>& bounds,
-                                        bool decidesAll, double tolerance);
+                                        bool isAdjoint, double tolerance, bool withDisplacement);
 
   feti::FetiSolver& solver_;
   std::vector<ConstraintRow> rows_; // with statuses, without bounds

@@ -363,14 +363,14 @@ std::vector<double> ShapeModel::gradient(const Functional& functional, const Res
 double ShapeModel::volume(const std::vector<double>& design) {
   double sum = 0.0;
   const std::vector<OwnedSubdomain> moved = moving(design);
-  agree(commOf(solver_), [&] {
-    try {
+  try { // outside of agree(), which knows no more than the kind of an error
+    agree(commOf(solver_), [&] {
       for (const OwnedSubdomain& item : moved)
         sum += fem::measureOf(*item.mesh.mesh);
-    } catch (const NumericalError& error) {
-      throw RefusedDesign("the design tangles the mesh: " + std::string(error.what()));
-    }
-  });
+    });
+  } catch (const NumericalError& error) {
+    throw RefusedDesign("the design tangles the mesh: " + std::string(error.what()));
+  }
   return globalSum(commOf(solver_), sum) - volumeAtRest_;
 }
 

@@ -50,7 +50,9 @@ class ShapeModel : public DesignModel {
                                const Functional::Adjoint& adjoint) override;
   double volume(const std::vector<double>& design) override;
   std::vector<double> volumeGradient(const std::vector<double>& design) override;
-  bool hasLinearVolume() const override { return false; }
+  /// All nodes move along one direction d, by a: the Jacobian matrix X_ξ + d a_ξᵀ changes by one of rank one,
+  /// its determinant, det X_ξ (1 + a_ξᵀ X_ξ⁻¹ d), linearly.
+  bool hasLinearVolume() const override { return true; }
 
   /// Subdomains as the last design has them, and their contacts.
   const std::vector<scene::OwnedSubdomain>& owned() const { return owned_; }

@@ -206,7 +206,7 @@ ScaledConstraints rigidConstraints(const SubdomainSystem& system, const Constrai
   constraints.rowMap()->getRemoteIndexList(lowest(), owners());
   std::vector<std::vector<GroupEntry>> sends(static_cast<std::size_t>(comm.getSize()));
   for (int i = 0; i < system.size(); ++i) {
-    const std::vector<double> diagonal = system.matrix(i).diagonal();
+    const std::vector<double>& diagonal = system.diagonal(i);
     for (const Constraints::Entry& entry : entries[static_cast<std::size_t>(i)]) {
       const long long label = group[static_cast<std::size_t>(entry.row)];
       const auto place = std::lower_bound(distinct.begin(), distinct.end(), label) - distinct.begin();
@@ -261,7 +261,7 @@ ScaledConstraints rigidConstraints(const SubdomainSystem& system, const Constrai
 MultiVector sharesOfStiffness(const SubdomainSystem& system, const Constraints& constraints) {
   std::vector<double> overlap(localSize(*constraints.overlapMap()), 0.0);
   for (int i = 0; i < system.size(); ++i) {
-    const std::vector<double> diagonal = system.matrix(i).diagonal();
+    const std::vector<double>& diagonal = system.diagonal(i);
     for (const Constraints::Entry& entry : constraints.entries(i))
       overlap[static_cast<std::size_t>(entry.row)] +=
           entry.value * entry.value / diagonal[static_cast<std::size_t>(entry.dof)];

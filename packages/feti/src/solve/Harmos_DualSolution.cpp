@@ -51,7 +51,7 @@ double stiffnessScale(const SubdomainSystem& system) {
   for (int i = 0; i < system.size(); ++i)
     if (known.insert(&system.matrix(i)).second) {
       double sum = 0.0;
-      for (double entry : system.matrix(i).diagonal())
+      for (double entry : system.diagonal(i))
         sum += entry;
       largest = std::max(largest, sum / std::max(1, system.matrix(i).rows()));
     }

@@ -186,7 +186,7 @@ const SolveReport& FetiSolver::solve(double tolerance) {
 
 FetiSolver::Increment
 FetiSolver::solveIncrement(std::vector<std::shared_ptr<const std::vector<double>>> loads,
-                           const std::vector<ConstraintRow>& rows, double tolerance) {
+                           const std::vector<ConstraintRow>& rows, double tolerance, bool withDisplacement) {
   requireOperators();
   SubdomainSystem system = *system_;
   system.setLoads(std::move(loads));
@@ -196,17 +196,17 @@ FetiSolver::solveIncrement(std::vector<std::shared_ptr<const std::vector<double>
   system.setPrescribed(held);
   const Constraints constraints = constraints_->withBounds(system, rows);
   const DualProblem problem(system, constraints, *inverses_, *operator_, *coarse_);
-  Answer answer = solved({system, constraints, problem, increments_}, tolerance);
+  Answer answer = solved({system, constraints, problem, increments_}, tolerance, withDisplacement);
   return {std::move(answer.report), std::move(answer.torn.displacement),
           constraints.givenMultipliers(*answer.torn.multiplier)};
 }
 
-FetiSolver::Answer FetiSolver::solved(const Task& task, double tolerance) {
+FetiSolver::Answer FetiSolver::solved(const Task& task, double tolerance, bool recovers) {
   const DualStages stages{task.system,  task.constraints, *inverses_,     *coarse_,
                           task.problem, preconditioner_,  adaptive_.get()};
   const std::optional<WarmStart> start = task.history.start(task.problem, tolerance);
   Answer answer;
-  bool looked = false, agrees = false;
+  bool looked = !recovers, agrees = !recovers;
   const auto look = [&](const MultiVector& lambda, const std::vector<double>& mu) {
     answer.torn = recover(task.system, task.constraints, *inverses_, *coarse_, task.problem, lambda, mu);
     answer.audit = feti::audit(task.system, task.constraints, answer.torn);
@@ -225,15 +225,20 @@ FetiSolver::Answer FetiSolver::solved(const Task& task, double tolerance) {
   SolveReport& report = answer.report;
   SolverOptions options = options_;
   options.tolerance = tolerance;
-  const DualSolution dual =
-      solveDualProblem(stages, options, start ? &*start : nullptr, accept, log_, report);
+  const DualSolution dual = solveDualProblem(stages, options, start ? &*start : nullptr,
+                                             recovers ? Acceptance(accept) : Acceptance(), log_, report);
   operator_->rethrowFailure();
   if (!preconditioner_.is_null())
     preconditioner_->rethrowFailure();
   if (dual.isEscaping)
     report.reason += "; pulled away, with nothing to hold it: " + escapingSubdomains(dual);
+  if (!recovers) {
+    const Teuchos::RCP<MultiVector> total = Teuchos::rcp(new MultiVector(*dual.lambda, Teuchos::Copy));
+    total->update(1.0, *task.problem.shift(), 1.0);
+    answer.torn.multiplier = total;
+  }
   // An answer that was accepted has been looked at last.
-  if (!looked || !report.converged)
+  if (recovers && (!looked || !report.converged))
     agrees = look(*dual.lambda, dual.mu);
   if (!agrees && report.converged && report.solver != "Dual Penalty") {
     report.converged = false;
@@ -243,6 +248,13 @@ FetiSolver::Answer FetiSolver::solved(const Task& task, double tolerance) {
   if (report.converged)
     task.history.add(task.problem, answer.torn.multiplier, dual.mu);
   return answer;
+}
+
+void FetiSolver::exchangeStarts(qp::StateArchive<MultiVector>& archive) {
+  if (!problem_)
+    throw InputError("there is no dual problem, whose vectors starts of solutions are; call solve() first");
+  history_.exchange(archive, *problem_);
+  increments_.exchange(archive, *problem_, "increments: ");
 }
 
 // "subdomains 4, 5, 6": whoever made them knows what bodies they are of.

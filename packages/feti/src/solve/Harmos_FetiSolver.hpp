@@ -79,20 +79,30 @@ class FetiSolver {
   double tolerance() const { return options_.tolerance; }
   /// The next solution starts cold, as the options say.
   void forgetSolutions() { history_.clear(); }
+  /// For checkpoints: where the next solutions and increments start. With the same matrices and rows they are
+  /// then, to the last bit on as many ranks, those of the run that wrote it; after setMatrices() and
+  /// setShape(), which forget the starts, anyway. @throws InputError on all ranks without a problem().
+  /// @note Collective.
+  void exchangeStarts(qp::StateArchive<MultiVector>& archive);
+  /// The dual problem of the last solution; null before solve(), after changes, and where loads cannot be
+  /// held.
+  const DualProblem* problem() const { return problem_.get(); }
 
   /// How an answer changes: that of the matrices and rows that are here to other loads and bounds, with
   /// prescribed values of zero. What solve() has found, and what it finds next, is as if this had not been
   /// asked. Starts from what was asked before.
   struct Increment {
     SolveReport report;
-    TornVector displacement;
+    TornVector displacement;       ///< empty where it was not asked for
     std::vector<double> rowForces; ///< of the rows that this rank gave
   };
   /// @param loads of this rank's subdomains. @param rows those that are here, with other bounds, and with
-  /// statuses: where all inequalities are decided the problem is linear. @param tolerance as solve().
+  /// statuses: where all inequalities are decided the problem is linear. @param tolerance as solve(). @param
+  /// withDisplacement without it there is no audit either, and a product with the local inverses less.
   /// @throws InputError, NumericalError, InternalError on all ranks. @note Collective.
   Increment solveIncrement(std::vector<std::shared_ptr<const std::vector<double>>> loads,
-                           const std::vector<ConstraintRow>& rows, double tolerance);
+                           const std::vector<ConstraintRow>& rows, double tolerance,
+                           bool withDisplacement = true);
 
   /// Of the last solution, copies of a dof in each subdomain.
   const TornVector& displacement() const { return solution().displacement; }
@@ -141,7 +151,7 @@ class FetiSolver {
     TornSolution torn;
     KktAudit audit;
   };
-  Answer solved(const Task& task, double tolerance);
+  Answer solved(const Task& task, double tolerance, bool recovers = true);
   void requireOperators() const;
   void setUpInverses();
   void forgetOperators();

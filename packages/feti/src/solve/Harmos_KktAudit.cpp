@@ -144,7 +144,7 @@ KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, co
     if (!hasTrivialEquations)
       addEnergy();
     constraints.addBt(i, overlap.data(), force.data());
-    const std::vector<double> diagonal = system.matrix(i).diagonal();
+    const std::vector<double>& diagonal = system.diagonal(i);
     // Trivial equations k u = k g say nothing of forces; k g, which may be large, would hide those out of
     // balance. Prescribed values are audited above.
     std::vector<bool> isTrivial(u.size(), false);

@@ -68,14 +68,15 @@ void SolutionHistory::add(const DualProblem& problem, const Teuchos::RCP<const M
     entries_.pop_front();
 }
 
-void SolutionHistory::exchange(qp::StateArchive<MultiVector>& archive, const DualProblem& problem) {
+void SolutionHistory::exchange(qp::StateArchive<MultiVector>& archive, const DualProblem& problem,
+                               const std::string& prefix) {
   std::size_t count = entries_.size();
-  archive.number("solutions", count);
+  archive.number(prefix + "solutions", count);
   if (archive.isReading())
     entries_.assign(count, {});
   for (std::size_t k = 0; k < count; ++k) {
     Entry& entry = entries_[k];
-    const std::string name = "solution " + std::to_string(k);
+    const std::string name = prefix + "solution " + std::to_string(k);
     exchangeVector(archive, problem, name + ", d", entry.d);
     exchangeVector(archive, problem, name + ", shift", entry.shift);
     WarmStart solution = {entry.multiplier, entry.mu};

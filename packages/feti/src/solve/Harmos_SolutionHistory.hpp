@@ -6,6 +6,7 @@
 
 #include <deque>
 #include <optional>
+#include <string>
 
 namespace Harmos::feti {
 
@@ -32,8 +33,10 @@ class SolutionHistory {
   /// Nothing without a solution. @param tolerance of the solutions. @note Collective.
   std::optional<WarmStart> start(const DualProblem& problem, double tolerance) const;
   void clear() { entries_.clear(); }
-  /// For checkpoints. @param problem any of those with this K and B. @note Collective.
-  void exchange(qp::StateArchive<MultiVector>& archive, const DualProblem& problem);
+  /// For checkpoints. @param problem any of those with this K and B. @param prefix of names there, where an
+  /// archive has several histories. @note Collective.
+  void exchange(qp::StateArchive<MultiVector>& archive, const DualProblem& problem,
+                const std::string& prefix = "");
 
  private:
   struct Entry {

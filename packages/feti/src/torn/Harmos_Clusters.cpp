@@ -92,7 +92,7 @@ bool isOfOneStiffness(const std::vector<std::vector<double>>& diagonals, const C
 std::vector<Copies> wholeDofs(const SubdomainSystem& system, const Constraints& constraints) {
   std::vector<std::vector<double>> diagonals;
   for (int i = 0; i < system.size(); ++i)
-    diagonals.push_back(system.matrix(i).diagonal());
+    diagonals.push_back(system.diagonal(i));
   std::map<std::pair<int, int>, std::vector<std::pair<int, std::vector<RowEntry>>>> byFirst;
   for (auto& [row, entries] : gluingRows(system, constraints))
     byFirst[{entries.front().subdomain, entries.front().dof}].emplace_back(row, entries);

@@ -277,6 +277,16 @@ std::vector<Constraints::Follower> followersAmong(const std::vector<RowHead>& he
   return result;
 }
 
+// Gives rows their places, by rising numbers. @return these.
+Teuchos::Array<GlobalOrdinal> numbered(std::map<long long, int>& places) {
+  Teuchos::Array<GlobalOrdinal> rows;
+  for (auto& [row, place] : places) {
+    place = static_cast<int>(rows.size());
+    rows.push_back(static_cast<GlobalOrdinal>(row));
+  }
+  return rows;
+}
+
 } // namespace
 
 Constraints::Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows,
@@ -309,11 +319,12 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   RowBuilder builder(ranks);
   std::map<long long, long long> gluing; // the first row of each dof
   std::vector<Details::MultiplierTerm> multipliers;
+  GivenRows parts;
   agree(comm, [&] {
     gluing = addGluingAndDirichlet(dofs.here(), system.dirichletForm(), firstRow, builder);
-    multipliers =
-        addGiven(rows, isTaken, numbers, dofs, answers,
-                 given(rows, isTaken, answers, system.dirichletForm(), weights_.unit, softness), builder);
+    parts = given(rows, isTaken, answers, system.dirichletForm(), weights_.unit, softness);
+    multipliers = addGiven(rows, isTaken, numbers, dofs, answers, parts, builder);
+    keepGiven(rows, isTaken, parts.rows);
   });
   if (taken > 0)
     for (const std::vector<Details::MultiplierTerm>& part :
@@ -373,13 +384,10 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
   std::map<long long, int> ofGiven;
   for (const Details::MultiplierTerm& term : multipliers)
     ofGiven[term.row] = 0;
-  Teuchos::Array<GlobalOrdinal> given;
-  for (auto& [row, place] : ofGiven) {
-    place = static_cast<int>(given.size());
-    given.push_back(static_cast<GlobalOrdinal>(row));
-  }
+  const Teuchos::Array<GlobalOrdinal> given = numbered(ofGiven);
   givenMap_ = Teuchos::rcp(
       new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), given(), 0, system.comm()));
+  givenImport_ = Teuchos::rcp(new Importer(rowMap_, givenMap_));
   multipliers_.resize(rows.size());
   for (const Details::MultiplierTerm& term : multipliers)
     multipliers_[static_cast<std::size_t>(term.place)].push_back({ofGiven.at(term.row), term.factor});
@@ -413,11 +421,7 @@ void Constraints::keepFullRows(const std::vector<std::vector<RowEntry>>& held) {
   for (const std::vector<RowEntry>& part : held)
     for (const RowEntry& entry : part)
       localRow[entry.row] = 0;
-  Teuchos::Array<GlobalOrdinal> touched;
-  for (auto& [row, place] : localRow) {
-    place = static_cast<int>(touched.size());
-    touched.push_back(static_cast<GlobalOrdinal>(row));
-  }
+  const Teuchos::Array<GlobalOrdinal> touched = numbered(localRow);
   heldEntries_ = bySubdomain(held, localRow, system_->size());
   heldMap_ = Teuchos::rcp(
       new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), touched(), 0, system_->comm()));
@@ -436,44 +440,6 @@ Constraints::bySubdomain(const std::vector<std::vector<RowEntry>>& entries,
     std::sort(list.begin(), list.end(),
               [](const Entry& a, const Entry& b) { return std::tie(a.row, a.dof) < std::tie(b.row, b.dof); });
   return result;
-}
-
-void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
-  const Constraints changed(*system_, rows, hasWeights_, weights_);
-  agree(*system_->comm(), [&] {
-    if (changed.types_ != types_ || changed.entries_ != entries_ || changed.compliances_ != compliances_ ||
-        changed.pairs_ != pairs_ || !changed.rowMap_->isLocallyFitted(*rowMap_))
-      throw InputError(
-          "constraint rows are given new bounds, but their number, kinds, dofs coefficients or compliances "
-          "have "
-          "changed too (with weights, a bound other than zero of a row that glues two dofs is such a "
-          "change); new "
-          "constraints are needed");
-  });
-  takeBounds(changed);
-}
-
-Constraints Constraints::withBounds(const SubdomainSystem& system,
-                                    const std::vector<ConstraintRow>& rows) const {
-  Constraints other = *this;
-  other.system_ = &system;
-  other.setBounds(rows);
-  return other;
-}
-
-void Constraints::takeBounds(const Constraints& changed) {
-  bounds_ = changed.bounds_;
-  limits_ = changed.limits_;
-  softness_ = changed.softness_;
-  hasSoft_ = changed.hasSoft_;
-  softLimited_ = changed.softLimited_;
-  discs_ = changed.discs_;
-  discCount_ = changed.discCount_;
-  statuses_ = changed.statuses_;
-  openCount_ = changed.openCount_;
-  isInterval_ = changed.isInterval_;
-  followers_ = changed.followers_;
-  followerCount_ = changed.followerCount_;
 }
 
 std::vector<double> Constraints::limits(const MultiVector& lambda) const {
@@ -533,9 +499,8 @@ std::vector<double> Constraints::toOverlap(const MultiVector& lambda) const {
   return brought(lambda, *import_);
 }
 
-// An exchange of its own, for what is asked once a solution.
 std::vector<double> Constraints::givenMultipliers(const MultiVector& lambda) const {
-  const std::vector<double> values = brought(lambda, Importer(rowMap_, givenMap_));
+  const std::vector<double> values = brought(lambda, *givenImport_);
   std::vector<double> result;
   for (const std::vector<MultiplierTerm>& terms : multipliers_) {
     double& sum = result.emplace_back(0.0);

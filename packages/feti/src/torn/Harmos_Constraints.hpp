@@ -17,6 +17,7 @@
 namespace Harmos::feti {
 
 namespace Details {
+struct GivenRow;
 /// An entry of a finished row on its way to the rank of its subdomain.
 struct RowEntry {
   long long row;
@@ -222,6 +223,9 @@ class Constraints {
               Details::Weights weights);
   void keepFullRows(const Sent& held);
   void findSoft(const Teuchos::Comm<int>& comm);
+  void keepGiven(const std::vector<ConstraintRow>& rows, const std::vector<char>& isTaken,
+                 const std::vector<Details::GivenRow>& parts);
+  bool setPlainBounds(const std::vector<ConstraintRow>& rows);
   void takeBounds(const Constraints& changed);
   std::vector<double> atGiven(MultiVector& scaled) const;
   static std::vector<std::vector<Entry>>
@@ -245,6 +249,14 @@ class Constraints {
   };
   Teuchos::RCP<const Map> givenMap_;
   std::vector<std::vector<MultiplierTerm>> multipliers_;
+  Teuchos::RCP<const Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>> givenImport_;
+  // The rows that this rank gave last, at these prescribed values; an inequality with unknowns, one that is
+  // no row, or neither; and what was taken from its bound.
+  enum class Standing { Plain, Taken, Other };
+  std::vector<ConstraintRow> given_;
+  std::vector<std::vector<double>> prescribed_;
+  std::vector<Standing> standing_;
+  std::vector<std::vector<double>> subtracted_;
   std::vector<RowType> types_; // whatever the statuses
   std::vector<ConstraintRow::Status> statuses_;
   std::vector<double> scales_;

@@ -130,8 +130,10 @@ GivenRow byCopies(const ConstraintRow& row, const std::map<long long, double>& c
       result.terms.push_back({copy, share});
       result.norm2 += share * share / copy.weight;
     }
-    if (fixed != nullptr && result.hasUnknown)
-      result.bound -= coefficient * fixed->value;
+    if (fixed != nullptr && result.hasUnknown) {
+      result.prescribed.push_back(coefficient * fixed->value);
+      result.bound -= result.prescribed.back();
+    }
   }
   return result;
 }

@@ -36,6 +36,7 @@ struct GivenRow {
   std::vector<CopyTerm> terms, held; ///< with unknowns; at prescribed values
   double norm2 = 0.0;                ///< bD⁻¹bᵀ
   double bound = 0.0;
+  std::vector<double> prescribed; ///< what was taken from the bound: coefficients times prescribed values
   double compliance = 0.0;
   bool hasUnknown = false;
   bool isIdle = false; ///< no force of its own moves anything

@@ -18,7 +18,7 @@ Weights stiffnessWeights(const SubdomainSystem& system) {
   std::vector<std::vector<double>> weights;
   double largest = 0.0, smallest = std::numeric_limits<double>::infinity();
   for (int i = 0; i < system.size(); ++i) {
-    const std::vector<double> diagonal = system.matrix(i).diagonal();
+    const std::vector<double>& diagonal = system.diagonal(i);
     std::vector<double>& mine = weights.emplace_back();
     for (int local : *system.subdomain(i).interface) {
       mine.push_back(diagonal[static_cast<std::size_t>(local)]);

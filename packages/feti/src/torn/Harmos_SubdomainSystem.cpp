@@ -305,6 +305,7 @@ void SubdomainSystem::setMatrices(const std::vector<std::shared_ptr<const LocalM
   const auto matrices = matrices_;
   const auto rhs = rhs_;
   const auto kernels = kernels_;
+  const auto diagonals = diagonals_;
   // What stays the same stays the same object, by which inverses know it.
   Known known;
   for (std::size_t i = 0; i < before.size(); ++i) {
@@ -344,6 +345,7 @@ void SubdomainSystem::setMatrices(const std::vector<std::shared_ptr<const LocalM
     matrices_ = matrices;
     rhs_ = rhs;
     kernels_ = kernels;
+    diagonals_ = diagonals;
     throw;
   }
 }
@@ -381,9 +383,11 @@ std::vector<int> SubdomainSystem::heldDofs(const Subdomain& s) const {
 void SubdomainSystem::build(Known known) {
   matrices_.clear();
   kernels_.clear();
+  diagonals_.clear();
   using Dofs = std::vector<int>;
   Shared<std::pair<const LocalMatrix*, Dofs>, LocalMatrix> matrices(std::move(known.matrices));
   Shared<std::pair<const Kernel*, Dofs>, Kernel> kernels(std::move(known.kernels));
+  Shared<const LocalMatrix*, std::vector<double>> diagonals;
   std::set<std::pair<const LocalMatrix*, const Kernel*>> verified;
   for (const Subdomain& s : subdomains_) {
     if (verified.insert({s.stiffness.get(), s.motions.get()}).second) {
@@ -404,6 +408,7 @@ void SubdomainSystem::build(Known known) {
     } else {
       matrices_.push_back(s.stiffness);
     }
+    diagonals_.push_back(diagonals.get(matrices_.back().get(), [&] { return matrices_.back()->diagonal(); }));
   }
   updateRhs();
 }

@@ -91,6 +91,8 @@ class SubdomainSystem {
   const Subdomain& subdomain(int i) const { return subdomains_[static_cast<std::size_t>(i)]; }
   /// K_i with the trivial equations of the primal form.
   const LocalMatrix& matrix(int i) const { return *matrices_[static_cast<std::size_t>(i)]; }
+  /// Its diagonal.
+  const std::vector<double>& diagonal(int i) const { return *diagonals_[static_cast<std::size_t>(i)]; }
   /// f_i belonging to matrix(i); in the dual form without loads on prescribed values, of which multipliers do
   /// not tell then.
   const std::vector<double>& rhs(int i) const { return *rhs_[static_cast<std::size_t>(i)]; }
@@ -124,7 +126,7 @@ class SubdomainSystem {
   std::vector<Subdomain> subdomains_;
   DirichletForm form_;
   std::vector<std::shared_ptr<const LocalMatrix>> matrices_;
-  std::vector<std::shared_ptr<const std::vector<double>>> rhs_;
+  std::vector<std::shared_ptr<const std::vector<double>>> diagonals_, rhs_;
   std::vector<std::shared_ptr<const Kernel>> kernels_;
   std::vector<int> kernelOffsets_;
   long long globalSubdomains_ = 0;
