@@ -209,6 +209,30 @@ TEST(GapProfiles, cost_of_gradients) {
   }
 }
 
+// Functionals in other units have gradients in these: what rows of displacements are known to says nothing of
+// adjoints, which may be smaller than that.
+TEST(GapProfiles, gradients_have_units) {
+  const auto gradientOf = [](double unit) {
+    // By a solver of its own, or starts would be multiples of what is known.
+    ContactCase problem(pressedBlocks(false, false, 6), contactCaseParameters(1e-10));
+    GapProfile model(*problem.solver, problem.contact.rows, problem.geometry(), {surfaceOf(problem)});
+    const std::vector<double> design = randomDesign(model.size(), 2, 0.02);
+    feti::TornVector weights = randomWeights(problem, 3);
+    for (std::vector<double>& part : weights)
+      for (double& weight : part)
+        weight *= unit;
+    const sensitivity::LinearDisplacement functional(weights);
+    ContactCost cost(*problem.solver, model, functional);
+    std::vector<double> gradient = cost.gradient(design, 0.0);
+    for (double& entry : gradient)
+      entry /= unit;
+    return gradient;
+  };
+  const std::vector<double> one = gradientOf(1.0);
+  for (double unit : {1e-20, 1e-14, 1e-7, 1e9, 1e20})
+    EXPECT_LE(differenceOf(gradientOf(unit), one), 1e4 * 1e-10) << unit;
+}
+
 // Not solved again for the same design, but to a smaller tolerance; the sign is that of all of it.
 TEST(GapProfiles, values_are_kept) {
   ContactCase problem(pressedBlocks(false, true, 6), contactCaseParameters(1e-12));
