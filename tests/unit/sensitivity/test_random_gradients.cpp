@@ -157,7 +157,7 @@ void judge(unsigned seed, Tally& tally) {
                          : 1e-5 + share * share * (6.0 + (name == "spread" ? 1.0 / std::sqrt(here) : 0.0));
     const double allowed =
         relative * normOf(gradient) * normOf(direction) / std::sqrt(static_cast<double>(direction.size())) +
-        1e2 * tolerance * std::abs(here) / step + 1e-20; // where a body is off, all is zero
+        1e2 * tolerance * std::abs(here) / step + 1e-18; // where a body is off, all is zero
     ++tally.gradients;
     tally.open += static_cast<int>(globalMax(*testComm(), hasOpenContacts(model->rows(), closed)));
     tally.worst = std::max(tally.worst, std::abs(along - difference) / allowed);
