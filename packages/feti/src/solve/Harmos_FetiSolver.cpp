@@ -10,6 +10,17 @@
 #include <algorithm>
 
 namespace Harmos::feti {
+namespace {
+
+// What all bounds are known to.
+double roundingOf(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRow>& rows) {
+  double rounding = 0.0;
+  for (const ConstraintRow& row : rows)
+    rounding = std::max(rounding, row.rounding);
+  return globalMax(comm, rounding);
+}
+
+} // namespace
 
 ParameterSpec FetiSolver::parameters() {
   ParameterSpec spec("Harmos FETI", "A torn problem of an application's own.");
@@ -31,9 +42,7 @@ FetiSolver::FetiSolver(Teuchos::RCP<const Teuchos::Comm<int>> comm, std::vector<
   options_ = SolverOptions::fromList(list_.sublist("Solver"));
   const DirichletForm form =
       DualOptions::decompositionFrom(list_.sublist("Decomposition")).value_or(DirichletForm::Primal);
-  for (const ConstraintRow& row : rows)
-    rounding_ = std::max(rounding_, row.rounding);
-  rounding_ = globalMax(*comm, rounding_);
+  rounding_ = roundingOf(*comm, rows);
   system_ = std::make_unique<SubdomainSystem>(std::move(comm), std::move(subdomains), form);
   contrast_ = std::max(stiffnessContrast(*system_), complianceContrast(*system_, rows));
   constraints_ = std::make_unique<Constraints>(*system_, rows, dual_.weightsFor(contrast_));
@@ -177,7 +186,7 @@ const SolveReport& FetiSolver::solve(double tolerance) {
       return report_;
     }
   }
-  Answer answer = solved({*system_, *constraints_, *problem_, history_}, tolerance);
+  Answer answer = solved({*system_, *constraints_, *problem_, history_, rounding_}, tolerance);
   report_ = std::move(answer.report);
   audit_ = answer.audit;
   solution_ = std::make_unique<TornSolution>(std::move(answer.torn));
@@ -196,7 +205,8 @@ FetiSolver::solveIncrement(std::vector<std::shared_ptr<const std::vector<double>
   system.setPrescribed(held);
   const Constraints constraints = constraints_->withBounds(system, rows);
   const DualProblem problem(system, constraints, *inverses_, *operator_, *coarse_);
-  Answer answer = solved({system, constraints, problem, increments_}, tolerance, withDisplacement);
+  Answer answer = solved({system, constraints, problem, increments_, roundingOf(*system.comm(), rows)},
+                         tolerance, withDisplacement);
   return {std::move(answer.report), std::move(answer.torn.displacement),
           constraints.givenMultipliers(*answer.torn.multiplier)};
 }
@@ -210,7 +220,7 @@ FetiSolver::Answer FetiSolver::solved(const Task& task, double tolerance, bool r
   const auto look = [&](const MultiVector& lambda, const std::vector<double>& mu) {
     answer.torn = recover(task.system, task.constraints, *inverses_, *coarse_, task.problem, lambda, mu);
     answer.audit = feti::audit(task.system, task.constraints, answer.torn);
-    return auditAgrees(answer.audit, {auditShare(tolerance), rounding_, defect_});
+    return auditAgrees(answer.audit, {auditShare(tolerance), task.rounding, defect_});
   };
   const auto accept = [&](const MultiVector& lambda, const std::vector<double>& mu,
                           double reached) -> std::optional<double> {

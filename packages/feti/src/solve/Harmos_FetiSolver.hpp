@@ -145,6 +145,7 @@ class FetiSolver {
     const Constraints& constraints;
     const DualProblem& problem;
     SolutionHistory& history;
+    double rounding; // bounds are known up to this
   };
   struct Answer {
     SolveReport report;

@@ -118,7 +118,10 @@ bool Constraints::setPlainBounds(const std::vector<ConstraintRow>& rows) {
   owned.putScalar(0.0);
   owned.doExport(given, *givenImport_, Tpetra::ADD);
   const auto view = owned.getLocalViewHost(Tpetra::Access::ReadOnly);
-  long long open = 0;
+  std::vector<double> sums(2, 0.0); // open contacts, squares of what bounds are known to
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (standing_[r] != Standing::Taken)
+      sums[1] += std::pow(multipliers_[r].front().factor * rows[r].rounding, 2);
   for (std::size_t r = 0; r < view.extent(0); ++r) {
     if (view(r, 2) == 0.0) {
       bounds_[r] = isSame ? bounds_[r] : 0.0;
@@ -127,9 +130,11 @@ bool Constraints::setPlainBounds(const std::vector<ConstraintRow>& rows) {
     bounds_[r] = view(r, 0);
     statuses_[r] = static_cast<Status>(static_cast<int>(view(r, 1)));
     isInterval_[r] = statuses_[r] == Status::Open ? 1 : 0;
-    open += isInterval_[r];
+    sums[0] += isInterval_[r];
   }
-  openCount_ = globalSum(*system_->comm(), open);
+  globalSum(*system_->comm(), sums);
+  openCount_ = static_cast<long long>(sums[0]);
+  boundRounding_ = std::sqrt(sums[1]);
   given_ = rows;
   prescribed_ = prescribed;
   for (std::vector<double>& parts : subtracted_)
@@ -159,6 +164,7 @@ void Constraints::takeBounds(const Constraints& changed) {
   isInterval_ = changed.isInterval_;
   followers_ = changed.followers_;
   followerCount_ = changed.followerCount_;
+  boundRounding_ = changed.boundRounding_;
   given_ = changed.given_;
   prescribed_ = changed.prescribed_;
   standing_ = changed.standing_;
