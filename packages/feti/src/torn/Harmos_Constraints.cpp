@@ -277,6 +277,13 @@ std::vector<Constraints::Follower> followersAmong(const std::vector<RowHead>& he
   return result;
 }
 
+std::vector<RowHead> joined(const std::vector<std::vector<RowHead>>& parts) {
+  std::vector<RowHead> all;
+  for (const std::vector<RowHead>& part : parts)
+    all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
 // Gives rows their places, by rising numbers. @return these.
 Teuchos::Array<GlobalOrdinal> numbered(std::map<long long, int>& places) {
   Teuchos::Array<GlobalOrdinal> rows;
@@ -331,11 +338,8 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
          exchangeItems(comm, multipliersOfUnions(dofs, gluing, exchangeItems(comm, builder.leans))))
       multipliers.insert(multipliers.end(), part.begin(), part.end());
   const std::vector<std::vector<RowEntry>> entries = exchangeItems(comm, builder.entries);
-  const std::vector<std::vector<RowHead>> headParts = exchangeItems(comm, builder.heads);
 
-  std::vector<RowHead> heads;
-  for (const std::vector<RowHead>& part : headParts)
-    heads.insert(heads.end(), part.begin(), part.end());
+  std::vector<RowHead> heads = joined(exchangeItems(comm, builder.heads));
   sortRuns(heads, [](const RowHead& a, const RowHead& b) { return a.row < b.row; });
   Teuchos::Array<GlobalOrdinal> owned;
   for (const RowHead& head : heads) {
