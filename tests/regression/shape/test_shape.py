@@ -201,11 +201,11 @@ class Outputs(Case):
         self.assertAlmostEqual(energies["softest"][1] / energies["stiffest"][1], 1.0, delta=TOLERANCE)
 
     def test_ranks(self):
-        for deck in (PUNCH, BLOCK):
+        for deck, counts in ((PUNCH, (2, 4)), (BLOCK, (2,))):
             first = optimised(self, deck)
             theirs, best = column(rows(first, "history.csv"), "cost"), column(rows(first, "design.csv"), "best")
             area = 1.0 / len(best)
-            for np_ in (2, 4):
+            for np_ in counts:
                 with self.subTest(deck=deck.name, ranks=np_):
                     other = optimised(self, deck, np_=np_)
                     mine = column(rows(other, "history.csv"), "cost")
