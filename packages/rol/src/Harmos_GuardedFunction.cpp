@@ -38,8 +38,19 @@ void GuardedFunction::rethrow() const {
     std::rethrow_exception(error_);
 }
 
+void GuardedFunction::requireNumbers(const std::vector<double>& design) {
+  if (std::all_of(design.begin(), design.end(), [](double number) { return std::isfinite(number); }))
+    return;
+  error_ = std::make_exception_ptr(
+      InputError("ROL has asked for a design with a number that is not finite: its method (Step/Type) does "
+                 "not stand this problem, as interior points do not a start on a bound; choose another "
+                 "method, or another start"));
+  rethrow();
+}
+
 double GuardedFunction::value(const std::vector<double>& design, double tolerance) {
   rethrow();
+  requireNumbers(design);
   Answer& known = answer(design);
   if (known.isRefused || (known.hasValue && suffices(known.valueTolerance, tolerance)))
     return known.value;
@@ -73,6 +84,7 @@ void GuardedFunction::refuse(Answer& known, const std::string& message) {
 
 const std::vector<double>& GuardedFunction::gradient(const std::vector<double>& design, double tolerance) {
   rethrow();
+  requireNumbers(design);
   Answer& known = answer(design);
   if (known.hasGradient && suffices(known.gradientTolerance, tolerance))
     return known.gradient;

@@ -37,8 +37,8 @@ class GuardedFunction {
   /// finite: line searches and trust regions of ROL then take a shorter step; they do not stand infinities
   /// and NaN.
   /// @param tolerance relative; 0: as usual.
-  /// @throws sensitivity::RefusedDesign while no design has a value; what the function throws. @note
-  /// Collective.
+  /// @throws sensitivity::RefusedDesign while no design has a value; InputError for a design that is no
+  /// number; what the function throws. @note Collective.
   double value(const std::vector<double>& design, double tolerance);
   /// @throws what the function throws. @note Collective.
   const std::vector<double>& gradient(const std::vector<double>& design, double tolerance);
@@ -65,6 +65,7 @@ class GuardedFunction {
 
   Answer& answer(const std::vector<double>& design);
   void refuse(Answer& known, const std::string& message);
+  void requireNumbers(const std::vector<double>& design);
   void rethrow() const;
 
   sensitivity::DesignFunction* function_;
