@@ -8,6 +8,7 @@
 #include <Tpetra_MultiVector.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace Harmos::feti {
 namespace {
@@ -186,7 +187,7 @@ const SolveReport& FetiSolver::solve(double tolerance) {
       return report_;
     }
   }
-  Answer answer = solved({*system_, *constraints_, *problem_, history_, rounding_}, tolerance);
+  Answer answer = solved({*system_, *constraints_, *problem_, history_, rounding_, 0.0}, tolerance);
   report_ = std::move(answer.report);
   audit_ = answer.audit;
   solution_ = std::make_unique<TornSolution>(std::move(answer.torn));
@@ -205,8 +206,15 @@ FetiSolver::solveIncrement(std::vector<std::shared_ptr<const std::vector<double>
   system.setPrescribed(held);
   const Constraints constraints = constraints_->withBounds(system, rows);
   const DualProblem problem(system, constraints, *inverses_, *operator_, *coarse_);
-  Answer answer = solved({system, constraints, problem, increments_, roundingOf(*system.comm(), rows)},
-                         tolerance, withDisplacement);
+  // Gaps of the last solution are known to rounding errors, and changes of them to the same share.
+  const double size = solution_ ? audit_.largestDisplacement : 0.0,
+               share = size > 0.0 ? rounding_ / size : 0.0;
+  double largest = 0.0;
+  for (const ConstraintRow& row : rows)
+    largest = std::max(largest, std::abs(row.bound));
+  const double rounding = roundingOf(*system.comm(), rows) + share * globalMax(*system.comm(), largest);
+  Answer answer =
+      solved({system, constraints, problem, increments_, rounding, share}, tolerance, withDisplacement);
   return {std::move(answer.report), std::move(answer.torn.displacement),
           constraints.givenMultipliers(*answer.torn.multiplier)};
 }
@@ -220,7 +228,8 @@ FetiSolver::Answer FetiSolver::solved(const Task& task, double tolerance, bool r
   const auto look = [&](const MultiVector& lambda, const std::vector<double>& mu) {
     answer.torn = recover(task.system, task.constraints, *inverses_, *coarse_, task.problem, lambda, mu);
     answer.audit = feti::audit(task.system, task.constraints, answer.torn);
-    return auditAgrees(answer.audit, {auditShare(tolerance), task.rounding, defect_});
+    const double rounding = task.rounding + task.roundingShare * answer.audit.largestDisplacement;
+    return auditAgrees(answer.audit, {auditShare(tolerance), rounding, defect_});
   };
   const auto accept = [&](const MultiVector& lambda, const std::vector<double>& mu,
                           double reached) -> std::optional<double> {

@@ -145,7 +145,7 @@ class FetiSolver {
     const Constraints& constraints;
     const DualProblem& problem;
     SolutionHistory& history;
-    double rounding; // bounds are known up to this
+    double rounding, roundingShare; // bounds are known up to this, and this share of displacements
   };
   struct Answer {
     SolveReport report;
