@@ -214,6 +214,24 @@ FAULTS = (
     fault(
         "a cost whose size decides of the first step", "packages/rol/src/Harmos_Minimise.cpp",
         "factor_ = firstStep_ / norm;", "factor_ = 1.0;", ("unit_rol",)),
+    fault(
+        "open contacts that count in derivatives",
+        "packages/sensitivity/src/Harmos_Sensitivities.cpp",
+        "isClosed ? Status::Closed : Status::Open;", "Status::Closed;", ("unit_sensitivity",)),
+    fault(
+        "rates in which weak contacts are decided",
+        "packages/sensitivity/src/Harmos_Sensitivities.cpp",
+        "if (isWeak_[r] != 0 && !isAdjoint)", "if (isWeak_[r] > 1 && !isAdjoint)",
+        ("unit_sensitivity",)),
+    fault(
+        "increments that start from solutions", "packages/feti/src/solve/Harmos_FetiSolver.cpp",
+        "problem, increments_, rounding", "problem, history_, rounding", ("unit_feti",)),
+    fault(
+        "rounding errors of gaps in adjoints", "packages/feti/src/torn/Harmos_ConstraintBounds.cpp",
+        "  boundRounding_ = std::sqrt(sums[1]);\n", "", ("unit_sensitivity",)),
+    fault(
+        "factors of shapes that moved", "packages/feti/src/solve/Harmos_FetiSolver.cpp",
+        "!before.empty() && now[i] == before[i] ? 1 : 0", "!before.empty() ? 1 : 0", ("unit_feti",)),
 )
 
 
