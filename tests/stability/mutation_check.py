@@ -94,7 +94,7 @@ FAULTS = (
         "view(r, 0) -= constraints.bound(", "view(r, 0) += constraints.bound(", FETI),
     fault(
         "prescribed values added to bounds", "packages/feti/src/torn/Harmos_GivenRows.cpp",
-        "bound -= coefficient * fixed->value;", "bound += coefficient * fixed->value;", FETI),
+        "bound -= result.prescribed.back();", "bound += result.prescribed.back();", FETI),
     fault(
         "rigid motion of the wrong sign in the recovery",
         "packages/feti/src/solve/Harmos_Recovery.cpp",
