@@ -27,7 +27,7 @@ class MutationCheck(unittest.TestCase):
 
     def test_faults_are_spread_over_the_packages(self):
         packages = {Path(item.file).parts[1] for item in mutation_check.FAULTS}
-        self.assertEqual(packages, {"qp", "feti", "fem", "contact", "scene", "effects", "run",
+        self.assertEqual(packages, {"qp", "feti", "fem", "contact", "scene", "effects", "run", "rol",
                                     "sensitivity"})
 
     def test_texts_that_are_not_there_or_not_once_are_refused(self):
