@@ -165,14 +165,14 @@ std::string seriesOf(const std::string& directory) {
   return std::filesystem::exists(directory + "/" + name) ? ", " + name : "";
 }
 
-// A run that failed leaves what is known of it. A rank that is alone with its fault writes by itself: the
-// others may be waiting for something else.
+} // namespace
+
 void leaveSummary(const ProgramContext& context, const run::RunOptions& options, run::RunReport& report,
-                  const Error& error, bool alone) {
+                  const Error& error) {
   report.converged = false;
   report.reason = error.what();
   try {
-    if (alone)
+    if (standsAlone(*context.comm, error)) // the others may be waiting for something else
       run::writeSummaryAlone(options, report);
     else
       run::writeSummary(*context.comm, options, report);
@@ -182,8 +182,6 @@ void leaveSummary(const ProgramContext& context, const run::RunOptions& options,
       context.log.warning(second.what());
   }
 }
-
-} // namespace
 
 int runDeck(const Application& application, const ProgramContext& context) {
   const auto& [comm, line, log, begin] = context;
@@ -231,11 +229,11 @@ int runDeck(const Application& application, const ProgramContext& context) {
         log.info(name + ": " + scientific(value, 6));
     }
   } catch (const Error& error) {
-    leaveSummary(context, options, report, error, standsAlone(*comm, error));
+    leaveSummary(context, options, report, error);
     throw;
   } catch (const std::exception& error) { // of a library, or no memory is left
     const InternalError unexpected(error.what());
-    leaveSummary(context, options, report, unexpected, standsAlone(*comm, unexpected));
+    leaveSummary(context, options, report, unexpected);
     throw;
   }
   run::writeSummary(*comm, options, report);

@@ -5,6 +5,7 @@
 #include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_ParameterSpec.hpp"
+#include "Harmos_RunOptions.hpp"
 #include "Harmos_RunPlan.hpp"
 #include "Harmos_RunReport.hpp"
 #include "Harmos_Scene.hpp"
@@ -92,6 +93,11 @@ std::string directoryOf(const std::string& file);
 
 /// An internal error of this rank alone: the others do not know of it, and nothing collective may follow.
 bool standsAlone(const Teuchos::Comm<int>& comm, const Error& error);
+
+/// A run that failed leaves what is known of it: a summary with the cause. A rank that stands alone with its
+/// fault writes by itself. @note Collective otherwise.
+void leaveSummary(const ProgramContext& context, const run::RunOptions& options, run::RunReport& report,
+                  const Error& error);
 
 /// The work of an application's program: the deck, the run, the summary. A run that fails once its output
 /// directory is there leaves a summary.json with the cause. @return the exit status. @throws whatever ended

@@ -44,21 +44,6 @@ run::RunOptions optionsOf(const app::ProgramContext& context, const Teuchos::Par
   return options;
 }
 
-void leaveSummary(const app::ProgramContext& context, const run::RunOptions& options, run::RunReport& report,
-                  const Error& error) {
-  report.converged = false;
-  report.reason = error.what();
-  try {
-    if (app::standsAlone(*context.comm, error))
-      run::writeSummaryAlone(options, report);
-    else
-      run::writeSummary(*context.comm, options, report);
-  } catch (const Error& second) {
-    if (second.data() != error.data())
-      context.log.warning(second.what());
-  }
-}
-
 void check(const app::ProgramContext& context, const scene::Scene& scene,
            const Teuchos::ParameterList& deck) {
   ShapeDeck::fromDeck(deck, scene);
@@ -93,10 +78,10 @@ int work(const app::ProgramContext& context) {
   try {
     ShapeRun(comm, scene, deck, options, log, begin, report).go();
   } catch (const Error& error) {
-    leaveSummary(context, options, report, error);
+    app::leaveSummary(context, options, report, error);
     throw;
   } catch (const std::exception& error) { // of a library, or no memory is left
-    leaveSummary(context, options, report, InternalError(error.what()));
+    app::leaveSummary(context, options, report, InternalError(error.what()));
     throw;
   }
   for (const auto& [name, value] : report.results)

@@ -169,10 +169,15 @@ void ShapeRun::makeModel() {
   if (deck_.kind == ShapeDeck::Kind::Position) {
     sensitivity::ShapeMap map = shapeMap();
     basis = map.basis();
-    model_ = std::make_unique<sensitivity::ShapeModel>(*solver_, scene_, owned_, contact_, std::move(map),
-                                                       deck_.bodies, deck_.leastQuality);
+    auto moved = std::make_unique<sensitivity::ShapeModel>(*solver_, scene_, owned_, contact_, std::move(map),
+                                                           deck_.bodies, deck_.leastQuality);
+    moved_ = moved.get();
+    model_ = std::move(moved);
   } else if (deck_.byNodes) {
-    model_ = std::make_unique<sensitivity::GapProfile>(*solver_, contact_.rows, geometry, deck_.surfaces);
+    auto profile =
+        std::make_unique<sensitivity::GapProfile>(*solver_, contact_.rows, geometry, deck_.surfaces);
+    profile_ = profile.get();
+    model_ = std::move(profile);
   } else {
     const auto [low, high] = sensitivity::extentOfPoints(*comm_, geometry, deck_.surfaces);
     basis = deck_.basis(scene_, low, high);
@@ -227,8 +232,8 @@ void ShapeRun::makeFunctional() {
 }
 
 Answer ShapeRun::answer() const {
-  if (const auto* moved = dynamic_cast<const sensitivity::ShapeModel*>(model_.get()))
-    return {*comm_, scene_, moved->owned(), moved->contact(), *solver_};
+  if (moved_ != nullptr)
+    return {*comm_, scene_, moved_->owned(), moved_->contact(), *solver_};
   return {*comm_, scene_, owned_, contact_, *solver_};
 }
 
@@ -376,12 +381,11 @@ sensitivity::DesignProblem ShapeRun::problem() {
 // pressures are the cost such points are closed, and the optimiser begins again from there, as long as that
 // pays.
 std::vector<double> ShapeRun::reclosed(const std::vector<double>& design) {
-  const auto* profile = dynamic_cast<const sensitivity::GapProfile*>(model_.get());
-  if (profile == nullptr || (deck_.quantity != "peak pressure" && deck_.quantity != "pressure spread"))
+  if (profile_ == nullptr || (deck_.quantity != "peak pressure" && deck_.quantity != "pressure spread"))
     return {};
   return record_->derived(design, [&] {
     cost_->value(design, 0.0);
-    return profile->reclosed(design, cost_->response(), space_).value_or(std::vector<double>());
+    return profile_->reclosed(design, cost_->response(), space_).value_or(std::vector<double>());
   });
 }
 

@@ -3,12 +3,14 @@
 
 #include "Harmos_DesignModel.hpp"
 #include "Harmos_DesignRecord.hpp"
+#include "Harmos_GapProfile.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_Minimise.hpp"
 #include "Harmos_RunDirectory.hpp"
 #include "Harmos_RunOptions.hpp"
 #include "Harmos_RunReport.hpp"
 #include "Harmos_ShapeDeck.hpp"
+#include "Harmos_ShapeModel.hpp"
 #include "Harmos_ShapeResults.hpp"
 
 #include <Teuchos_Comm.hpp>
@@ -80,6 +82,9 @@ class ShapeRun {
   scene::ContactSetup contact_;
   std::unique_ptr<feti::FetiSolver> solver_;
   std::unique_ptr<sensitivity::DesignModel> model_;
+  // One of these two is it.
+  const sensitivity::ShapeModel* moved_ = nullptr;
+  const sensitivity::GapProfile* profile_ = nullptr;
   std::vector<fem::Point> places_; // of the numbers of a design, where they have any
   std::unique_ptr<sensitivity::Functional> functional_;
   std::unique_ptr<sensitivity::ContactCost> cost_;

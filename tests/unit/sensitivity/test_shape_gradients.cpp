@@ -4,7 +4,7 @@
 /// and in space, on planes, round obstacles and matching bodies; factorisations of moving bodies alone;
 /// meshes that tangle.
 
-#include "Harmos_ContactCase.hpp"
+#include "Harmos_DesignDerivatives.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_ShapeModel.hpp"
@@ -31,34 +31,10 @@ ShapeMap mapOf(bool isSpace, double depth) {
   return {{bases, axes}, isSpace ? fem::Point{0.0, 0.0, 1.0} : fem::Point{0.0, 1.0, 0.0}, 1.0, depth};
 }
 
-double norm(const std::vector<double>& v) {
-  double sum = 0.0;
-  for (double entry : v)
-    sum += entry * entry;
-  return std::sqrt(sum);
-}
-
-double differenceOf(ContactCost& cost, const std::vector<double>& design, double step) {
-  cost.value(design, 0.0);
+double errorOf(ContactCost& cost, const std::vector<double>& design, double step) {
   const std::vector<double> gradient = cost.gradient(design, 0.0);
   EXPECT_EQ(cost.sensitivities()->weakContacts(), 0);
-  std::vector<double> error;
-  for (std::size_t k = 0; k < design.size(); ++k) {
-    std::vector<double> to = design;
-    to[k] = design[k] + step;
-    const double above = cost.value(to, 0.0);
-    to[k] = design[k] - step;
-    const double below = cost.value(to, 0.0);
-    error.push_back((above - below) / (2.0 * step) - gradient[k]);
-  }
-  return norm(error) / norm(gradient);
-}
-
-std::vector<double> randomShape(std::size_t size, int seed, double amplitude) {
-  std::vector<double> design;
-  for (std::size_t k = 0; k < size; ++k)
-    design.push_back(amplitude * pseudoRandom(seed, k));
-  return design;
+  return differenceOf(centralDifferences(cost, design, step), gradient);
 }
 
 } // namespace
@@ -79,13 +55,13 @@ TEST(ShapeGradients, agree_with_differences) {
         const sensitivity::Energy energy;
         const sensitivity::PressureNorm pressure({surface}, 6.0);
         const sensitivity::LinearDisplacement displacement(weights);
-        const std::vector<double> design = randomShape(model.size(), 4, 0.03);
+        const std::vector<double> design = randomDesign(model.size(), 4, 0.03);
         for (const auto& [name, functional, largest] :
              {std::tuple<std::string, const sensitivity::Functional*, double>{"energy", &energy, 1e-6},
               {"norm", &pressure, 1e-5},
               {"displacement", &displacement, 1e-5}}) {
           ContactCost cost(*problem.solver, model, *functional);
-          const double difference = differenceOf(cost, design, 1e-5);
+          const double difference = errorOf(cost, design, 1e-5);
           EXPECT_LE(difference, largest) << name << (isSpace ? " in space " : " in the plane ")
                                          << (onPlane ? "plane " : "blocks ") << dirichlet;
         }
