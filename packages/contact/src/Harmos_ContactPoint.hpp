@@ -73,12 +73,14 @@ constexpr double samePlace = 1e-9;
 /// @note Collective: see facetsTouching().
 /// Guarded by tests/unit/contact/test_match_nodes.cpp.
 /// @param joinsEdges one point a node at sharp edges too, see MortarOptions.
-std::vector<ContactPoint> matchNodes(const Surface& first, const Surface& second, double tolerance = samePlace,
-                                     bool joinsEdges = false);
+std::vector<ContactPoint> matchNodes(const Surface& first, const Surface& second,
+                                     double tolerance = samePlace, bool joinsEdges = false);
 
-/// matchNodes() where each node of both has a partner, else nothing: with one search. @note Collective.
+/// matchNodes() where each node of both has a partner, and each facet, else nothing: node to node forces of a
+/// constant pressure are equal on equal facets alone. @note Collective.
 std::optional<std::vector<ContactPoint>> matchNodesIfAll(const Surface& first, const Surface& second,
-                                                         double tolerance = samePlace, bool joinsEdges = false);
+                                                         double tolerance = samePlace,
+                                                         bool joinsEdges = false);
 
 /// Mortar coupling of surfaces that need not match, with dual Lagrange multipliers (Wohlmuth 2000; Popp,
 /// Gitterle, Gee, Wall 2010): a point for each node i of the first surface,

@@ -8,8 +8,8 @@
 
 namespace Harmos::contact {
 
-/// Which nodes of a facet bear multipliers of mortar coupling, where some of its nodes are to have none: those
-/// that belong to both surfaces, and those that another effect holds. The carrier of a node x without a
+/// Which nodes of a facet bear multipliers of mortar coupling, where some of its nodes are to have none:
+/// those that belong to both surfaces, and those that another effect holds. The carrier of a node x without a
 /// multiplier goes to its neighbours on the facet,
 ///
 ///     φ̃'_j = φ̃_j + c_jx φ̃_x,  Σ_j c_jx = 1,

@@ -2,10 +2,13 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_ContactPoint.hpp"
 #include "Harmos_Errors.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_Facet.hpp"
 #include "Harmos_PointAlgebra.hpp"
 #include "Harmos_Rendezvous.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <set>
@@ -288,14 +291,55 @@ std::vector<ContactPoint> pointsOf(const Surface& first, const Matching& matchin
   return points;
 }
 
+// Of nodes in any order.
+long long keyOf(std::vector<long long> nodes) {
+  std::sort(nodes.begin(), nodes.end());
+  std::uint64_t key = 1469598103934665603ULL; // Fowler, Noll, Vo
+  for (const long long node : nodes)
+    key = (key ^ static_cast<std::uint64_t>(node)) * 1099511628211ULL;
+  return static_cast<long long>(key >> 1);
+}
+
+// Whether facets have the same nodes too. Where they do not, as triangles of other diagonals, a constant
+// pressure has other forces at the nodes of either side. @note Collective.
+bool facetsMatch(const Surface& first, const Surface& second, const Matching& matching) {
+  std::vector<std::pair<long long, long long>> partners;
+  for (std::size_t k = 0; k < matching.own.size(); ++k)
+    partners.emplace_back(first.numbers[matching.own[k]], matching.near.numbers[matching.partners[k]]);
+  const auto partnerOf = lookUp(*first.comm, partners, first.numbers);
+  const auto ownFacets = [](const Surface& surface, auto&& numberOf) {
+    std::vector<long long> keys;
+    for (int f = 0; f < surface.numberOfFacets(); ++f) {
+      const Facet facet(surface, f);
+      std::vector<long long> nodes;
+      for (std::size_t k = 0; k < facet.size(); ++k)
+        nodes.push_back(numberOf(facet.node(k)));
+      if (surface.isOwnFacet[static_cast<std::size_t>(f)] != 0)
+        keys.push_back(keyOf(nodes));
+    }
+    return keys;
+  };
+  std::vector<std::pair<long long, char>> known;
+  for (const long long key : ownFacets(second, [&](std::size_t i) { return second.numbers[i]; }))
+    known.emplace_back(key, 1);
+  const auto found =
+      lookUp(*first.comm, known, ownFacets(first, [&](std::size_t i) { return partnerOf[i].value_or(-1); }));
+  long long missing = 0;
+  for (const auto& answer : found)
+    missing += answer ? 0 : 1;
+  return globalSum(*first.comm, missing) == 0;
+}
+
 } // namespace
 
 std::optional<std::vector<ContactPoint>> matchNodesIfAll(const Surface& first, const Surface& second,
                                                          double tolerance, bool joinsEdges) {
   if (first.wholeNodes != second.wholeNodes)
     return std::nullopt;
+  if (first.facetType != second.facetType)
+    return std::nullopt;
   const Matching matching = match(first, second, tolerance);
-  if (matching.matched != first.wholeNodes)
+  if (matching.matched != first.wholeNodes || !facetsMatch(first, second, matching))
     return std::nullopt;
   return pointsOf(first, matching, joinsEdges);
 }

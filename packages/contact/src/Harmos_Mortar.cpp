@@ -373,8 +373,7 @@ class MortarPieces {
       const long long number = first_.numbers[i];
       const bool isCopy = options.joinsEdges && i > 0 && first_.numbers[i - 1] == number;
       sumAt_.push_back(isCopy ? sumAt_.back() : i);
-      without_.push_back(
-          std::binary_search(options.without.begin(), options.without.end(), number) ? 1 : 0);
+      without_.push_back(std::binary_search(options.without.begin(), options.without.end(), number) ? 1 : 0);
     }
   }
 
@@ -551,8 +550,7 @@ class MortarPieces {
 std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& second,
                                        const MortarOptions& options) {
   requireSupported(first, second, options.reach);
-  const double distance =
-      options.reach > 0.0 ? options.reach : 0.1 * std::min(extent(first), extent(second));
+  const double distance = options.reach > 0.0 ? options.reach : 0.1 * std::min(extent(first), extent(second));
   Surface sides;
   agree(*first.comm, [&] { sides = splitAtEdges(first); });
   const std::vector<ContactPoint> points =

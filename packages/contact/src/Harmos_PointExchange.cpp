@@ -25,7 +25,8 @@ std::vector<std::vector<ContactPoint>> exchangePoints(const Teuchos::Comm<int>& 
   for (std::size_t r = 0; r < sends.size(); ++r)
     for (const ContactPoint& point : sends[r]) {
       heads[r].push_back({point.node, point.number, static_cast<long long>(point.terms.size()),
-                          static_cast<long long>(point.pressure.size()), point.side, point.position, point.normal, point.gap, point.area});
+                          static_cast<long long>(point.pressure.size()), point.side, point.position,
+                          point.normal, point.gap, point.area});
       terms[r].insert(terms[r].end(), point.terms.begin(), point.terms.end());
       pressures[r].insert(pressures[r].end(), point.pressure.begin(), point.pressure.end());
     }

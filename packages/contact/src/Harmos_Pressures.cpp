@@ -46,8 +46,8 @@ void setPressures(const Surface& surface, const std::vector<fem::Point>& towards
   const double share = Carriers::usualShare(surface.facetType);
   const std::vector<NodeShares> shares = sharesOf(surface, towards);
   const auto firstOf = [&](long long number) {
-    return static_cast<std::size_t>(
-        std::lower_bound(surface.numbers.begin(), surface.numbers.end(), number) - surface.numbers.begin());
+    return static_cast<std::size_t>(std::lower_bound(surface.numbers.begin(), surface.numbers.end(), number) -
+                                    surface.numbers.begin());
   };
   for (ContactPoint& point : points) {
     const std::size_t place = firstOf(point.node) + static_cast<std::size_t>(point.side);
@@ -59,8 +59,8 @@ void setPressures(const Surface& surface, const std::vector<fem::Point>& towards
       continue;
     point.pressure = {{point.node, point.side, -1, 1.0 / whole}};
     for (const std::size_t e : node.edges)
-      point.pressure.push_back({surface.numbers[e],
-                                static_cast<int>(e - firstOf(surface.numbers[e])), -1, share / whole});
+      point.pressure.push_back(
+          {surface.numbers[e], static_cast<int>(e - firstOf(surface.numbers[e])), -1, share / whole});
   }
 }
 

@@ -77,9 +77,9 @@ fem::Box boxOfFacet(const Surface& surface, int facet, std::vector<fem::Point> p
 /// Facets that meet at more than this angle make a sharp edge: circles of eight facets are round.
 constexpr double sharpestAngle = 50.0 / 180.0 * 3.14159265358979323846;
 
-/// The surface with its smooth sides apart: a node on a sharp edge stands once for each side (Surface::numbers
-/// repeats it, in the order of the first facet of each side), with the normal and the area of that side alone.
-/// The surface itself where nothing is sharp. Local; right at the nodes of own facets.
+/// The surface with its smooth sides apart: a node on a sharp edge stands once for each side
+/// (Surface::numbers repeats it, in the order of the first facet of each side), with the normal and the area
+/// of that side alone. The surface itself where nothing is sharp. Local; right at the nodes of own facets.
 /// Guarded by tests/unit/contact/test_surface_sides.cpp.
 Surface splitAtEdges(const Surface& surface);
 

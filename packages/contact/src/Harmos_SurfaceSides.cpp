@@ -17,9 +17,9 @@ using fem::Point;
 // A facet at one of its nodes.
 struct Corner {
   int facet;
-  std::size_t place;    // of the node among those of the facet
-  Point normal;         // of the facet there, of length one
-  double area;          // of the facet
+  std::size_t place; // of the node among those of the facet
+  Point normal;      // of the facet there, of length one
+  double area;       // of the facet
 };
 
 fem::Quadrature ruleOn(const Surface& surface) {
@@ -147,8 +147,7 @@ Surface splitAtEdges(const Surface& surface) {
     }
   }
   for (std::size_t k = 0; k < surface.facets.size(); ++k)
-    result.facets[k] =
-        static_cast<int>(first[static_cast<std::size_t>(surface.facets[k])] + sideOf[k]);
+    result.facets[k] = static_cast<int>(first[static_cast<std::size_t>(surface.facets[k])] + sideOf[k]);
   const fem::Quadrature rule = ruleOn(surface);
   for (int f = 0; f < result.numberOfFacets(); ++f) {
     const Facet facet(result, f);

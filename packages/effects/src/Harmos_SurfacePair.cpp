@@ -30,8 +30,8 @@ bool holdsSame(const Taken& taken, const std::vector<fem::Point>& normals, bool 
 }
 
 // Of each node of the surface that is here, whether it belongs to an effect before. Where effects overlap, as
-// a contact that is named twice, no facet has other nodes to pass the force to: there rows that are the same
-// are left out later (scene::DistinctPoints), unless a tie holds what a contact would.
+// a contact that is named twice, all nodes of a facet are those of one other effect, and rows that are the
+// same are left out later (scene::DistinctPoints), unless a tie holds what a contact would.
 std::vector<char> belongToOthers(const contact::Surface& surface, const std::vector<Taken>& taken,
                                  bool isTie) {
   std::vector<std::vector<fem::Point>> normals(surface.numbers.size());
@@ -46,12 +46,12 @@ std::vector<char> belongToOthers(const contact::Surface& surface, const std::vec
   const auto size = static_cast<std::size_t>(surface.nodesPerFacet());
   for (std::size_t k = 0; k < surface.facets.size(); k += size) {
     const auto placeOf = [&](std::size_t j) { return static_cast<std::size_t>(surface.facets[k + j]); };
-    bool isAnyFree = false;
+    bool isOverlap = true;
     for (std::size_t j = 0; j < size; ++j)
-      isAnyFree = isAnyFree || holds[placeOf(j)] == 0;
+      isOverlap =
+          isOverlap && holds[placeOf(j)] != 0 && taken[placeOf(j)]->effect == taken[placeOf(0)]->effect;
     for (std::size_t j = 0; j < size; ++j)
-      if (const std::size_t i = placeOf(j);
-          holds[i] != 0 && (isAnyFree || (!isTie && taken[i]->isTied)))
+      if (const std::size_t i = placeOf(j); holds[i] != 0 && (!isOverlap || (!isTie && taken[i]->isTied)))
         result[i] = 1;
   }
   return result;

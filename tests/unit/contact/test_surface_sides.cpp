@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-/// Surfaces with sharp edges: each smooth side has its own normals, areas and points; sides that meet nothing do not
-/// turn the normals of those that do.
+/// Surfaces with sharp edges: each smooth side has its own normals, areas and points; sides that meet nothing
+/// do not turn the normals of those that do.
 
 #include "Harmos_ContactTestSupport.hpp"
 
@@ -27,9 +27,9 @@ Surface skinOf(const fem::StructuredBlock& body, int rank = 0, int ranks = 1,
   return gather(meshes, "skin", "body/skin", nullptr, comm);
 }
 
-const std::vector<CellType> allTypes = {CellType::Triangle3,    CellType::Triangle6,     CellType::Quadrilateral4,
-                                        CellType::Quadrilateral9, CellType::Tetrahedron4, CellType::Tetrahedron10,
-                                        CellType::Hexahedron8,  CellType::Hexahedron27};
+const std::vector<CellType> allTypes = {
+    CellType::Triangle3,    CellType::Triangle6,     CellType::Quadrilateral4, CellType::Quadrilateral9,
+    CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8,    CellType::Hexahedron27};
 
 bool isSpace(CellType type) {
   return fem::shapeOf(type).dimension == 3;
@@ -74,16 +74,18 @@ TEST(SurfaceSides, round_surfaces_have_one) {
   EXPECT_EQ(splitAtEdges(round).normals, round.normals);
 }
 
-// Of a skin above a body, the points of mortar coupling, of matching nodes and of an obstacle are those of the face
-// that meets it.
+// Of a skin above a body, the points of mortar coupling, of matching nodes and of an obstacle are those of
+// the face that meets it.
 TEST(SurfaceSides, a_skin_touches_like_the_face) {
   for (CellType type : allTypes) {
     const Point above = isSpace(type) ? Point{0, 0, 1} : Point{0, 1, 0};
     const fem::StructuredBlock lower = block(type, {0, 0, 0}, {1, 1, 1}, {1, 1, 1}, {3, 3, 2});
-    const fem::StructuredBlock upper = block(type, above, {1, 1, 1}, {1, 1, 1}, {2, 2, 2}, lower.numberOfNodes());
+    const fem::StructuredBlock upper =
+        block(type, above, {1, 1, 1}, {1, 1, 1}, {2, 2, 2}, lower.numberOfNodes());
     const Surface top = surfaceOf(lower, "top"), bottom = surfaceOf(upper, "bottom");
-    for (const auto& [skin, face] : {std::pair{mortarPoints(skinOf(upper), top), mortarPoints(bottom, top)},
-                                     std::pair{mortarPoints(top, skinOf(upper)), mortarPoints(top, bottom)}}) {
+    for (const auto& [skin, face] :
+         {std::pair{mortarPoints(skinOf(upper), top), mortarPoints(bottom, top)},
+          std::pair{mortarPoints(top, skinOf(upper)), mortarPoints(top, bottom)}}) {
       ASSERT_EQ(skin.size(), face.size()) << fem::shapeOf(type).name;
       for (std::size_t k = 0; k < skin.size(); ++k) {
         EXPECT_EQ(skin[k].node, face[k].node);

@@ -22,7 +22,7 @@ class Blocks:
         pick = self.random.choice
         self.dimension = pick([2, 2, 3])
         self.up = self.dimension - 1
-        self.bodies, self.parts, self.areas = {}, {}, {}
+        self.bodies, self.parts, self.areas = {}, {}, {}  # areas: of each interface by its key in summary.json
         self.effects = {"Contact": {}, "Tie": {}, "Friction": {}, "Obstacle": {}, "Prescribed displacement": {}, "Traction": {}}
         self.words = []
         self.build()
@@ -153,6 +153,10 @@ class Blocks:
             "Effects": {kind: effects for kind, effects in self.effects.items() if effects},
             "Solver": {"Tolerance": 1e-10},
         }
+
+    @property
+    def hasPressure(self):
+        return any(not name.startswith("Tie/") for name in self.areas)
 
     def force(self, name):
         """Upward per area: of the obstacle, or of the second body on the first."""

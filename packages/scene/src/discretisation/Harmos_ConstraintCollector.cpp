@@ -257,7 +257,7 @@ ConstraintCollector::taken(int body, int other, const std::vector<long long>& no
   if (globalMax(comm_, static_cast<long long>(known.size())) == 0)
     return std::vector<std::optional<Taken>>(nodes.size());
   return lookUp(comm_, known, nodes, [](const Taken& next, const Taken& present) {
-    return std::tie(next.isTied, next.normal) > std::tie(present.isTied, present.normal);
+    return next.effect != present.effect ? next.effect < present.effect : next.normal < present.normal;
   });
 }
 
@@ -269,7 +269,7 @@ void ConstraintCollector::take(const std::vector<ContactPoint>& points, const st
   auto& known = taken_[std::minmax(surfaces[0].first, surfaces[1].first)];
   for (const ContactPoint& point : points)
     for (const ContactPoint::Term& term : point.terms)
-      known.emplace_back(term.node, Taken{point.normal, isTied});
+      known.emplace_back(term.node, Taken{point.normal, isTied, askedBefore_});
 }
 
 void ConstraintCollector::addTies(const std::vector<ContactPoint>& points,
@@ -332,6 +332,7 @@ void ConstraintCollector::findHeldDofs() {
 
 void ConstraintCollector::collect(const Effect& effect) {
   asked_ = &effect;
+  ++askedBefore_;
   const auto scope = costs_.scope(effect);
   effect.addConstraints(*this);
 }

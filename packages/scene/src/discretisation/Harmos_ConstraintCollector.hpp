@@ -122,6 +122,7 @@ class ConstraintCollector {
   struct Taken {
     fem::Point normal; ///< of that point
     bool isTied;       ///< by it, whatever the normal
+    int effect;        ///< which: how many were asked before
   };
   /// Of each of these nodes. Rows of two effects would hold the same jump, and how they shared its force were
   /// arbitrary: such a node belongs to the first effect, ties before contacts.
@@ -210,6 +211,7 @@ class ConstraintCollector {
   std::map<Part, std::vector<const fem::PlacedMesh*>> withSides_;
   std::map<Part, std::vector<const OwnedSubdomain*>> withNodes_;
   const Effect* asked_ = nullptr;
+  int askedBefore_ = -1;
   DistinctPoints contacts_, ties_;
   std::vector<Friction> frictions_;
   std::vector<Adhesion> adhesions_;
