@@ -23,14 +23,41 @@ struct ContactPoint {
     long long node;
     double weight;
   };
+  /// Part of a contact pressure, see pressure.
+  struct PressureTerm {
+    long long node;   ///< of a point of the same effect,
+    int side;         ///< and its side;
+    long long number; ///< that point's, once it has one
+    double weight;    ///< pressure by force
+  };
   long long node = 0;      ///< of the first surface, which the point belongs to
+  int side = 0;            ///< which of the smooth sides of that node, at sharp edges
   long long number = -1;   ///< of its row, over all ranks; −1: it has none yet
   fem::Point position{};   ///< of that node
   std::vector<Term> terms; ///< by rising node number
   fem::Point normal{};     ///< outward from the first surface
   double gap = 0.0;        ///< initial distance along the normal; negative: penetration
-  double area = 0.0;       ///< tributary area: force of the row / area = contact pressure
+  double area = 0.0;       ///< tributary area, positive
+  /// Contact pressure = Σ weight · force; empty: force of the row / area. See setPressures().
+  std::vector<PressureTerm> pressure{};
 };
+
+/// What pressures and tractions follow from, where forces of nodes are not the pressure times an area that is
+/// positive: on triangles of six nodes a constant pressure p has the forces p∫φ_k, none of them at corners.
+/// Tested with the carriers φ̃ of mortar coupling (Carriers), which are all positive,
+///
+///     p_k = ∫φ̃_k p / ∫φ̃_k,  ∫φ̃_k p = f_k + s Σ_e f_e at a corner k with its edges e, (1 − 2s) f_k at edges,
+///
+/// a mean of the pressure around the node: right for constants, no larger than the largest pressure, and
+/// positive where forces are. Other facets are left as they are.
+/// @param surface with its sides apart where points have these. @param towards as with tributaryAreas().
+/// @param points of this rank's own nodes. Local.
+/// Guarded by tests/unit/contact/test_pressures.cpp and tests/verification/test_contact_pressures.cpp.
+void setPressures(const Surface& surface, const std::vector<fem::Point>& towards,
+                  std::vector<ContactPoint>& points);
+
+/// Nodes within this, relative, are at the same place.
+constexpr double samePlace = 1e-9;
 
 /// Where two surfaces touch initially in nodes of the same position: u¹ − u² at each pair.
 ///
@@ -38,16 +65,22 @@ struct ContactPoint {
 /// that of tributaryAreas().
 /// @param tolerance of the positions, relative to the extent of the surfaces and their distance from the
 /// origin.
+/// A node of both surfaces, as at the tip of a crack, is in contact with itself and has no point. At sharp
+/// edges each smooth side has a point of its own, as with mortarPoints().
 /// @return those of this rank's own nodes of the first surface, by node number.
 /// @throws InputError on all ranks if a node of either has no partner, naming it, or if both surfaces look
 /// the same way there.
 /// @note Collective: see facetsTouching().
 /// Guarded by tests/unit/contact/test_match_nodes.cpp.
-std::vector<ContactPoint> matchNodes(const Surface& first, const Surface& second, double tolerance = 1e-9);
+/// @param joinsEdges one point a node at sharp edges too, see MortarOptions.
+std::vector<ContactPoint> matchNodes(const Surface& first, const Surface& second,
+                                     double tolerance = samePlace, bool joinsEdges = false);
 
-/// matchNodes() where each node of both has a partner, else nothing: with one search. @note Collective.
+/// matchNodes() where each node of both has a partner, and each facet, else nothing: node to node forces of a
+/// constant pressure are equal on equal facets alone. @note Collective.
 std::optional<std::vector<ContactPoint>> matchNodesIfAll(const Surface& first, const Surface& second,
-                                                         double tolerance = 1e-9);
+                                                         double tolerance = samePlace,
+                                                         bool joinsEdges = false);
 
 /// Mortar coupling of surfaces that need not match, with dual Lagrange multipliers (Wohlmuth 2000; Popp,
 /// Gitterle, Gee, Wall 2010): a point for each node i of the first surface,
@@ -86,7 +119,24 @@ std::optional<std::vector<ContactPoint>> matchNodesIfAll(const Surface& first, c
 /// @note Collective.
 /// Guarded by tests/unit/contact/test_mortar_plane.cpp, tests/unit/contact/test_mortar_space.cpp and, on
 /// several ranks, tests/unit/contact/test_pieces.cpp.
+/// At sharp edges of the first surface (sharpestAngle) each smooth side has a point of its own, with its own
+/// normal: sides that meet nothing have none, and do not turn the normals of those that do.
 std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& second, double reach = 0.0);
+
+struct MortarOptions {
+  double reach = 0.0; ///< see above
+  /// One point a node at sharp edges too, for couplings to which normals do not matter.
+  bool joinsEdges = false;
+  /// Nodes of the first surface that have no multiplier, rising: those of both surfaces, and those that
+  /// another effect holds; see FacetMultipliers. They have no point.
+  std::vector<long long> without{};
+};
+std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& second,
+                                       const MortarOptions& options);
+
+/// Of each node of the first surface that is here, whether it belongs to both surfaces, as at the tip of a
+/// crack. @note Collective.
+std::vector<char> isShared(const Surface& first, const Surface& second);
 
 /// A rigid body, at rest.
 struct Obstacle {

@@ -98,7 +98,6 @@ double extentOf(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>&
 }
 
 bool touches(const ContactPoint& point, double extent) {
-  constexpr double samePlace = 1e-9;
   return std::abs(point.gap) <= samePlace * extent;
 }
 

@@ -166,6 +166,24 @@ Facet::State Facet::at(const FacetPlace& place) const {
   return state;
 }
 
+bool facesAt(const Facet& facet, std::size_t node, const Point& direction) {
+  const Point& place = facet.shape().nodeCoordinates[node];
+  const Point normal = facet.at({place[0], place[1]}).areaNormal;
+  return dot(normal, direction) > leastFacing * norm(normal);
+}
+
+FacetIntegrals integralsOn(const Facet& facet, const fem::Quadrature& rule) {
+  FacetIntegrals result;
+  for (std::size_t q = 0; q < rule.points.size(); ++q) {
+    const Facet::State state = facet.at({rule.points[q][0], rule.points[q][1]});
+    const double weight = rule.weights[q] * norm(state.areaNormal);
+    result.area += weight;
+    for (std::size_t k = 0; k < facet.size(); ++k)
+      result.ofNodes[k] += weight * state.basis.values[k];
+  }
+  return result;
+}
+
 Point Facet::smoothNormal(const FacetBasis& basis) const {
   Point normal{};
   for (std::size_t k = 0; k < size(); ++k)

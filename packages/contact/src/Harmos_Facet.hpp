@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ReferenceElement.hpp"
 #include "Harmos_Surface.hpp"
 
 #include <array>
@@ -83,6 +84,7 @@ class Facet {
 
   std::size_t size() const { return static_cast<std::size_t>(surface_.nodesPerFacet()); }
   std::size_t corners() const { return static_cast<std::size_t>(fem::shapeOf(surface_.facetType).corners); }
+  const fem::CellShape& shape() const { return fem::shapeOf(surface_.facetType); }
   /// Place of a node in the lists of the surface.
   std::size_t node(std::size_t k) const { return static_cast<std::size_t>(nodes_[k]); }
   const fem::Point& position(std::size_t k) const { return surface_.positions[node(k)]; }
@@ -94,5 +96,15 @@ class Facet {
   const Surface& surface_;
   const int* nodes_;
 };
+
+/// Whether a facet, at one of its nodes, looks into a direction (of length one), see leastFacing.
+bool facesAt(const Facet& facet, std::size_t node, const fem::Point& direction);
+
+/// ∫1 and ∫φ_k over a facet.
+struct FacetIntegrals {
+  double area = 0.0;
+  std::array<double, maxFacetNodes> ofNodes{};
+};
+FacetIntegrals integralsOn(const Facet& facet, const fem::Quadrature& rule);
 
 } // namespace Harmos::contact

@@ -2,10 +2,13 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_ContactPoint.hpp"
 #include "Harmos_Errors.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_Facet.hpp"
 #include "Harmos_PointAlgebra.hpp"
 #include "Harmos_Rendezvous.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <set>
@@ -207,7 +210,30 @@ void requireAllMatched(const Surface& first, const Surface& second, const Matchi
   requireNone(first, second, false, alone);
 }
 
-ContactPoint pointOf(const Surface& first, const Surface& second, std::size_t i, std::size_t k, double area) {
+// A node as its smooth sides see it: places in the surface with its sides apart.
+using Sides = std::pair<std::size_t, std::size_t>;
+
+Sides sidesOf(const Surface& apart, long long number) {
+  const auto range = std::equal_range(apart.numbers.begin(), apart.numbers.end(), number);
+  return {range.first - apart.numbers.begin(), range.second - apart.numbers.begin()};
+}
+
+// The normals of those sides of two nodes that face each other most.
+struct FacingSides {
+  std::size_t first, second;
+  double cosine;
+};
+
+FacingSides mostFacing(const Surface& first, std::size_t i, const Surface& second, Sides others) {
+  FacingSides result = {i, others.first, dot(first.normals[i], second.normals[others.first])};
+  for (std::size_t k = others.first + 1; k < others.second; ++k)
+    if (const double cosine = dot(first.normals[i], second.normals[k]); cosine < result.cosine)
+      result = {i, k, cosine};
+  return result;
+}
+
+ContactPoint pointOf(const Surface& first, const Surface& second, const FacingSides& sides, double area) {
+  const std::size_t i = sides.first, k = sides.second;
   ContactPoint point;
   point.node = first.numbers[i];
   point.position = first.positions[i];
@@ -227,33 +253,113 @@ ContactPoint pointOf(const Surface& first, const Surface& second, std::size_t i,
   return point;
 }
 
-std::vector<ContactPoint> pointsOf(const Surface& first, const Matching& matching) {
+// With the sides of both surfaces apart: each side of a node that faces one of its partner; at least one.
+void addPoints(const Surface& first, const Surface& second, Sides own, Sides others,
+               const std::vector<double>& areas, std::vector<ContactPoint>& points) {
+  FacingSides most = mostFacing(first, own.first, second, others);
+  bool isAny = false;
+  for (std::size_t i = own.first; i < own.second; ++i) {
+    const FacingSides sides = mostFacing(first, i, second, others);
+    most = sides.cosine < most.cosine ? sides : most;
+    if (own.second - own.first == 1 || sides.cosine < -leastFacing) {
+      points.push_back(pointOf(first, second, sides, areas[i]));
+      points.back().side = static_cast<int>(i - own.first);
+      isAny = true;
+    }
+  }
+  if (!isAny) {
+    points.push_back(pointOf(first, second, most, areas[most.first]));
+    points.back().side = static_cast<int>(most.first - own.first);
+  }
+}
+
+std::vector<ContactPoint> pointsOf(const Surface& first, const Matching& matching, bool joinsEdges) {
   std::vector<ContactPoint> points;
   agree(*first.comm, [&] {
-    const std::vector<double> areas = tributaryAreas(first);
-    for (std::size_t k = 0; k < matching.own.size(); ++k)
-      points.push_back(
-          pointOf(first, matching.near, matching.own[k], matching.partners[k], areas[matching.own[k]]));
+    const Surface ownSides = joinsEdges ? first : splitAtEdges(first);
+    const Surface otherSides = joinsEdges ? matching.near : splitAtEdges(matching.near);
+    const std::vector<double> areas = tributaryAreas(ownSides);
+    for (std::size_t k = 0; k < matching.own.size(); ++k) {
+      const std::size_t i = matching.own[k], partner = matching.partners[k];
+      const long long own = first.numbers[i], other = matching.near.numbers[partner];
+      // A node that looks both ways is in contact with itself.
+      if (own != other || dot(first.normals[i], matching.near.normals[partner]) > 0.0)
+        addPoints(ownSides, otherSides, sidesOf(ownSides, own), sidesOf(otherSides, other), areas, points);
+    }
+    setPressures(ownSides, {}, points);
   });
   return points;
+}
+
+// Of nodes in any order.
+long long keyOf(std::vector<long long> nodes) {
+  std::sort(nodes.begin(), nodes.end());
+  std::uint64_t key = 1469598103934665603ULL; // Fowler, Noll, Vo
+  for (const long long node : nodes)
+    key = (key ^ static_cast<std::uint64_t>(node)) * 1099511628211ULL;
+  return static_cast<long long>(key >> 1);
+}
+
+// Whether facets have the same nodes too. Where they do not, as triangles of other diagonals, a constant
+// pressure has other forces at the nodes of either side. @note Collective.
+bool facetsMatch(const Surface& first, const Surface& second, const Matching& matching) {
+  std::vector<std::pair<long long, long long>> partners;
+  for (std::size_t k = 0; k < matching.own.size(); ++k)
+    partners.emplace_back(first.numbers[matching.own[k]], matching.near.numbers[matching.partners[k]]);
+  const auto partnerOf = lookUp(*first.comm, partners, first.numbers);
+  const auto ownFacets = [](const Surface& surface, auto&& numberOf) {
+    std::vector<long long> keys;
+    for (int f = 0; f < surface.numberOfFacets(); ++f) {
+      const Facet facet(surface, f);
+      std::vector<long long> nodes;
+      for (std::size_t k = 0; k < facet.size(); ++k)
+        nodes.push_back(numberOf(facet.node(k)));
+      if (surface.isOwnFacet[static_cast<std::size_t>(f)] != 0)
+        keys.push_back(keyOf(nodes));
+    }
+    return keys;
+  };
+  std::vector<std::pair<long long, char>> known;
+  for (const long long key : ownFacets(second, [&](std::size_t i) { return second.numbers[i]; }))
+    known.emplace_back(key, 1);
+  const auto found =
+      lookUp(*first.comm, known, ownFacets(first, [&](std::size_t i) { return partnerOf[i].value_or(-1); }));
+  long long missing = 0;
+  for (const auto& answer : found)
+    missing += answer ? 0 : 1;
+  return globalSum(*first.comm, missing) == 0;
 }
 
 } // namespace
 
 std::optional<std::vector<ContactPoint>> matchNodesIfAll(const Surface& first, const Surface& second,
-                                                         double tolerance) {
+                                                         double tolerance, bool joinsEdges) {
   if (first.wholeNodes != second.wholeNodes)
     return std::nullopt;
-  const Matching matching = match(first, second, tolerance);
-  if (matching.matched != first.wholeNodes)
+  if (first.facetType != second.facetType)
     return std::nullopt;
-  return pointsOf(first, matching);
+  const Matching matching = match(first, second, tolerance);
+  if (matching.matched != first.wholeNodes || !facetsMatch(first, second, matching))
+    return std::nullopt;
+  return pointsOf(first, matching, joinsEdges);
 }
 
-std::vector<ContactPoint> matchNodes(const Surface& first, const Surface& second, double tolerance) {
+std::vector<char> isShared(const Surface& first, const Surface& second) {
+  std::vector<std::pair<long long, char>> known;
+  for (std::size_t i = 0; i < second.numbers.size(); ++i)
+    if (second.isOwnNode[i] != 0)
+      known.emplace_back(second.numbers[i], 1);
+  std::vector<char> result;
+  for (const auto& answer : lookUp(*first.comm, known, first.numbers))
+    result.push_back(answer.has_value() ? 1 : 0);
+  return result;
+}
+
+std::vector<ContactPoint> matchNodes(const Surface& first, const Surface& second, double tolerance,
+                                     bool joinsEdges) {
   const Matching matching = match(first, second, tolerance);
   requireAllMatched(first, second, matching);
-  return pointsOf(first, matching);
+  return pointsOf(first, matching, joinsEdges);
 }
 
 } // namespace Harmos::contact

@@ -3,6 +3,8 @@
 #include "Harmos_BoxTree.hpp"
 #include "Harmos_ContactPoint.hpp"
 #include "Harmos_Errors.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_FacetMultipliers.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_MortarSamples.hpp"
 #include "Harmos_PointAlgebra.hpp"
@@ -14,6 +16,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <tuple>
 
 namespace Harmos::contact {
 namespace {
@@ -26,11 +29,13 @@ using Values = std::array<double, maxFacetNodes>; // of the functions of a facet
 
 // What is gathered for a node of the first surface, not yet divided by D_ii.
 struct NodeSums {
-  double area = 0.0;                             // D_ii
+  double area = 0.0;                             // D_i
   double magnitude = 0.0;                        // ∫|ψ_i|
   double gap = 0.0;                              // ∫ψ_i g
   std::map<long long, double> others;            // M_ik
-  std::vector<std::pair<long long, double>> own; // D_ij / D_ii
+  std::vector<std::pair<long long, double>> own; // D_ij / D_i on facets all of whose nodes bear multipliers
+  std::map<long long, double> ownBeside;         // D_ij = ∫ψ_i φ_j on others,
+  double areaBeside = 0.0;                       // and what D_i has of them
 };
 
 // For each function j of a facet its dual function divided by ∫φ_j, at each sample: result[j][q] with
@@ -150,37 +155,87 @@ class SurfaceCarriers {
   std::vector<bool> isPartial_;
 };
 
-void add(const std::vector<MortarSample>& samples, const Facet& facet, const Carriers& carriers,
-         const Surface& first, const Surface& second, std::vector<NodeSums>& sums) {
-  std::vector<Values> own, opposite;
-  for (const MortarSample& sample : samples) {
-    HARMOS_REQUIRE(sample.weight > 0.0, "mortar quadrature needs positive weights");
-    own.push_back(carriers.values(facetBasis(first.facetType, sample.place).values));
-    opposite.push_back(facetBasis(second.facetType, sample.oppositePlace).values);
+// What a facet gives to the sums of its nodes.
+class FacetSums {
+ public:
+  FacetSums(const std::vector<MortarSample>& samples, const Facet& facet, const Carriers& carriers,
+            const FacetMultipliers& multipliers, const Surface& first, const Surface& second)
+      : samples_(samples),
+        facet_(facet),
+        carriers_(carriers),
+        multipliers_(multipliers),
+        first_(first),
+        second_(second) {
+    for (const MortarSample& sample : samples) {
+      HARMOS_REQUIRE(sample.weight > 0.0, "mortar quadrature needs positive weights");
+      functions_.push_back(facetBasis(first.facetType, sample.place).values);
+      own_.push_back(multipliers.values(carriers.values(functions_.back())));
+      opposite_.push_back(facetBasis(second.facetType, sample.oppositePlace).values);
+    }
+    duals_ = dualFunctions(samples, own_, multipliers.nodes().size());
   }
-  const auto duals = dualFunctions(samples, own, facet.size());
-  if (!duals)
-    return;
-  const auto others = static_cast<std::size_t>(second.nodesPerFacet());
-  for (std::size_t j = 0; j < facet.size(); ++j) {
-    NodeSums& sum = sums[facet.node(j)];
-    if (sum.own.empty())
-      for (const auto& [k, weight] : carriers.coefficient(j))
-        sum.own.emplace_back(first.numbers[facet.node(k)], weight);
-    double area = 0.0;
-    for (std::size_t q = 0; q < samples.size(); ++q)
-      area += samples[q].weight * own[q][j];
-    sum.area += area;
-    for (std::size_t q = 0; q < samples.size(); ++q) {
-      const double weight = area * samples[q].weight * (*duals)[j][q];
-      sum.magnitude += std::abs(weight);
-      sum.gap += weight * samples[q].gap;
-      const Facet other(second, samples[q].opposite);
-      for (std::size_t k = 0; k < others; ++k)
-        sum.others[second.numbers[other.node(k)]] += weight * opposite[q][k];
+
+  /// Where no node of the facet bears a multiplier: a constant one on it, which is the mean of those of the
+  /// nodes next to it.
+  static NodeSums constant(const std::vector<MortarSample>& samples, const Facet& facet, const Surface& first,
+                           const Surface& second) {
+    NodeSums sum;
+    for (const MortarSample& sample : samples) {
+      const Values own = facetBasis(first.facetType, sample.place).values;
+      const Values opposite = facetBasis(second.facetType, sample.oppositePlace).values;
+      const Facet other(second, sample.opposite);
+      sum.area += sample.weight;
+      sum.gap += sample.weight * sample.gap;
+      for (std::size_t k = 0; k < facet.size(); ++k)
+        sum.ownBeside[first.numbers[facet.node(k)]] += sample.weight * own[k];
+      for (std::size_t k = 0; k < other.size(); ++k)
+        sum.others[second.numbers[other.node(k)]] += sample.weight * opposite[k];
+    }
+    sum.areaBeside = sum.magnitude = sum.area;
+    return sum;
+  }
+
+  /// @param sumAt where the sums of each node of the first surface are.
+  void addTo(std::vector<NodeSums>& sums, const std::vector<std::size_t>& sumAt) const {
+    for (std::size_t j = 0; duals_ && j < multipliers_.nodes().size(); ++j) {
+      const std::size_t k = multipliers_.nodes()[j];
+      NodeSums& sum = sums[sumAt[facet_.node(k)]];
+      if (multipliers_.isWhole() && sum.own.empty())
+        for (const auto& [place, weight] : carriers_.coefficient(k))
+          sum.own.emplace_back(first_.numbers[facet_.node(place)], weight);
+      add(j, sum);
     }
   }
-}
+
+ private:
+  void add(std::size_t j, NodeSums& sum) const {
+    double area = 0.0;
+    for (std::size_t q = 0; q < samples_.size(); ++q)
+      area += samples_[q].weight * own_[q][j];
+    sum.area += area;
+    if (!multipliers_.isWhole())
+      sum.areaBeside += area;
+    const auto others = static_cast<std::size_t>(second_.nodesPerFacet());
+    for (std::size_t q = 0; q < samples_.size(); ++q) {
+      const double weight = area * samples_[q].weight * (*duals_)[j][q];
+      sum.magnitude += std::abs(weight);
+      sum.gap += weight * samples_[q].gap;
+      const Facet other(second_, samples_[q].opposite);
+      for (std::size_t k = 0; k < others; ++k)
+        sum.others[second_.numbers[other.node(k)]] += weight * opposite_[q][k];
+      for (std::size_t k = 0; k < facet_.size() && !multipliers_.isWhole(); ++k)
+        sum.ownBeside[first_.numbers[facet_.node(k)]] += weight * functions_[q][k];
+    }
+  }
+
+  const std::vector<MortarSample>& samples_;
+  const Facet& facet_;
+  const Carriers& carriers_;
+  const FacetMultipliers& multipliers_;
+  const Surface &first_, &second_;
+  std::vector<Values> functions_, own_, opposite_; // at each sample
+  std::optional<std::vector<std::vector<double>>> duals_;
+};
 
 // Where counterparts of a facet may be: along the normals alone, for the reach may be many facets wide.
 Box boxWithin(const Surface& surface, int f, double reach) {
@@ -256,10 +311,12 @@ double farthestOf(const Surface& surface) {
 // The points of this rank's own nodes.
 class MortarPieces {
  public:
-  MortarPieces(const Surface& first, const Surface& second, double reach)
+  /// @param first with its sides apart.
+  MortarPieces(const Surface& first, const Surface& second, double reach, const MortarOptions& options)
       : first_(first), reach_(reach), carriers_(first) {
     std::vector<Box> boxes;
     agree(*first.comm, [&] {
+      setPlaces(options);
       for (int f = 0; f < first.numberOfFacets(); ++f) {
         const Facet facet(first, f);
         bool isAtOwn = false;
@@ -267,8 +324,9 @@ class MortarPieces {
           isAtOwn = isAtOwn || first.isOwnNode[facet.node(k)] != 0;
         if (isAtOwn)
           atOwn_.push_back(f);
-        // Of own facets others want to know whether they are covered as a whole.
-        if (isAtOwn || (carriers_.dependOnCoverage() && first.isOwnFacet[static_cast<std::size_t>(f)] != 0))
+        // Of own facets others want to know whether they are covered as a whole, and have what is passed on.
+        if (isAtOwn || ((carriers_.dependOnCoverage() || !options.without.empty()) &&
+                        first.isOwnFacet[static_cast<std::size_t>(f)] != 0))
           sampled_.push_back(f);
       }
       for (int f : sampled_)
@@ -293,23 +351,143 @@ class MortarPieces {
       });
       carriers_.share(atOwn_);
     }
+    std::vector<NodeSums> sums;
+    agree(*first_.comm, [&] { sums = sumsOfNodes(); });
+    addPassedOn(sums);
     std::vector<ContactPoint> result;
     agree(*first_.comm, [&] {
-      std::vector<NodeSums> sums(first_.numbers.size());
-      for (int f : atOwn_)
-        if (const std::vector<MortarSample> samples = samplesOf(f); !samples.empty())
-          add(samples, Facet(first_, f), carriers_.of(f), first_, near_, sums);
       const std::vector<double> whole = tributaryAreas(first_);
       const double unit = 10.0 * std::numeric_limits<double>::epsilon() * farthest;
       for (std::size_t i = 0; i < sums.size(); ++i)
         if (first_.isOwnNode[i] != 0 && sums[i].area > leastCoverage * whole[i] &&
             sums[i].magnitude <= mostMagnification * sums[i].area)
-          result.push_back(pointOf(i, sums[i], unit));
+          if (ContactPoint point = pointOf(i, sums[i], unit); !point.terms.empty())
+            result.push_back(std::move(point));
     });
     return result;
   }
 
  private:
+  void setPlaces(const MortarOptions& options) {
+    for (std::size_t i = 0; i < first_.numbers.size(); ++i) {
+      const long long number = first_.numbers[i];
+      const bool isCopy = options.joinsEdges && i > 0 && first_.numbers[i - 1] == number;
+      sumAt_.push_back(isCopy ? sumAt_.back() : i);
+      without_.push_back(std::binary_search(options.without.begin(), options.without.end(), number) ? 1 : 0);
+    }
+  }
+
+  // A part of the sums of a node, on its way from the rank of a facet.
+  struct Part {
+    std::array<long long, 4> facet; // nodes of it, which tell the order of the parts
+    long long heir, node;           // node: that D or M is about
+    int side, kind;                 // of the heir; 0: area and gap, 1: D, 2: M
+    double value, gap;
+    bool operator<(const Part& other) const {
+      return std::tie(facet, heir, side, kind, node) <
+             std::tie(other.facet, other.heir, other.side, other.kind, other.node);
+    }
+  };
+
+  int sideOf(std::size_t place) const {
+    int side = 0;
+    for (std::size_t k = place; k > 0 && first_.numbers[k - 1] == first_.numbers[place]; --k)
+      ++side;
+    return side;
+  }
+
+  // Nodes with multipliers on the facets that have a node in common with this one.
+  std::vector<std::size_t> heirsOf(int f) const {
+    const Facet facet(first_, f);
+    std::vector<std::size_t> heirs;
+    for (int g = 0; g < first_.numberOfFacets(); ++g) {
+      const Facet beside(first_, g);
+      bool touches = false;
+      for (std::size_t j = 0; j < facet.size(); ++j)
+        for (std::size_t k = 0; k < beside.size(); ++k)
+          touches = touches || facet.node(j) == beside.node(k);
+      for (std::size_t k = 0; k < beside.size() && touches; ++k)
+        if (without_[beside.node(k)] == 0)
+          heirs.push_back(beside.node(k));
+    }
+    std::sort(heirs.begin(), heirs.end());
+    heirs.erase(std::unique(heirs.begin(), heirs.end()), heirs.end());
+    return heirs;
+  }
+
+  // Of this rank's facets without any multiplier: such are few.
+  std::vector<Part> partsToPassOn() const {
+    std::vector<Part> parts;
+    if (std::find(without_.begin(), without_.end(), 1) == without_.end())
+      return parts;
+    for (int f = 0; f < first_.numberOfFacets(); ++f) {
+      const Facet facet(first_, f);
+      if (first_.isOwnFacet[static_cast<std::size_t>(f)] == 0 ||
+          !FacetMultipliers(facet, without_).nodes().empty())
+        continue;
+      const std::vector<MortarSample> samples = samplesOf(f);
+      const std::vector<std::size_t> heirs = heirsOf(f);
+      const NodeSums sum = FacetSums::constant(samples, facet, first_, near_);
+      Part part{};
+      for (std::size_t k = 0; k < std::min<std::size_t>(4, facet.size()); ++k)
+        part.facet[k] = first_.numbers[facet.node(k)];
+      const double share = 1.0 / static_cast<double>(heirs.size());
+      for (std::size_t heir : heirs) {
+        part.heir = first_.numbers[heir];
+        part.side = sideOf(heir);
+        const auto add = [&](int kind, long long node, double value, double gap) {
+          part.kind = kind;
+          part.node = node;
+          part.value = share * value;
+          part.gap = share * gap;
+          parts.push_back(part);
+        };
+        add(0, 0, sum.area, sum.gap);
+        for (const auto& [node, value] : sum.ownBeside)
+          add(1, node, value, 0.0);
+        for (const auto& [node, value] : sum.others)
+          add(2, node, value, 0.0);
+      }
+    }
+    return parts;
+  }
+
+  // @note Collective.
+  void addPassedOn(std::vector<NodeSums>& sums) const {
+    std::vector<Part> parts;
+    agree(*first_.comm, [&] { parts = partsToPassOn(); });
+    parts = gatherAll(*first_.comm, parts);
+    std::sort(parts.begin(), parts.end());
+    for (const Part& part : parts) {
+      const auto at = std::lower_bound(first_.numbers.begin(), first_.numbers.end(), part.heir);
+      const auto place = static_cast<std::size_t>(at - first_.numbers.begin() + part.side);
+      if (place >= sums.size() || first_.numbers[place] != part.heir || first_.isOwnNode[place] == 0)
+        continue;
+      NodeSums& sum = sums[sumAt_[place]];
+      if (part.kind == 0) {
+        sum.area += part.value;
+        sum.areaBeside += part.value;
+        sum.magnitude += std::abs(part.value);
+        sum.gap += part.gap;
+      } else {
+        (part.kind == 1 ? sum.ownBeside : sum.others)[part.node] += part.value;
+      }
+    }
+  }
+
+  std::vector<NodeSums> sumsOfNodes() const {
+    std::vector<NodeSums> sums(first_.numbers.size());
+    for (int f : atOwn_) {
+      const Facet facet(first_, f);
+      const FacetMultipliers multipliers(facet, without_);
+      if (multipliers.nodes().empty())
+        continue;
+      if (const std::vector<MortarSample> samples = samplesOf(f); !samples.empty())
+        FacetSums(samples, facet, carriers_.of(f), multipliers, first_, near_).addTo(sums, sumAt_);
+    }
+    return sums;
+  }
+
   std::vector<MortarSample> samplesOf(int f) const {
     const std::vector<int> candidates = tree_.touching(boxWithin(first_, f, reach_));
     if (candidates.empty())
@@ -318,16 +496,37 @@ class MortarPieces {
                                  : spaceSamples(first_, f, near_, candidates, reach_);
   }
 
+  // D_ij / D_i.
+  static std::map<long long, double> ownWeights(const NodeSums& sum, double negligible) {
+    std::map<long long, double> weights(sum.own.begin(), sum.own.end());
+    if (sum.ownBeside.empty())
+      return weights;
+    for (auto& [node, weight] : weights)
+      weight *= (sum.area - sum.areaBeside) / sum.area;
+    for (const auto& [node, integral] : sum.ownBeside)
+      if (std::abs(integral) > negligible * sum.area)
+        weights[node] += integral / sum.area;
+    return weights;
+  }
+
   ContactPoint pointOf(std::size_t i, const NodeSums& sum, double unit) const {
     const double size = first_.dimension == 2 ? sum.area : std::sqrt(sum.area);
     const double negligible = std::max(negligibleWeight, unit / size);
     ContactPoint point;
     point.node = first_.numbers[i];
+    point.side = sideOf(i);
     point.position = first_.positions[i];
-    std::map<long long, double> weights(sum.own.begin(), sum.own.end());
-    for (const auto& [node, integral] : sum.others)
-      if (std::abs(integral) > negligible * sum.area)
-        weights[node] -= integral / sum.area;
+    std::map<long long, double> weights = ownWeights(sum, negligible);
+    for (const auto& [node, integral] : sum.others) {
+      if (std::abs(integral) <= negligible * sum.area)
+        continue;
+      double& weight = weights[node];
+      const double own = weight;
+      weight -= integral / sum.area;
+      // A node of both surfaces: of what cancels there, rounding errors are left.
+      if (own != 0.0 && std::abs(weight) <= 10.0 * negligible * std::abs(own))
+        weights.erase(node);
+    }
     for (const auto& [node, weight] : weights)
       point.terms.push_back({node, weight});
     point.normal = first_.normals[i];
@@ -339,6 +538,8 @@ class MortarPieces {
   const Surface& first_;
   double reach_;
   SurfaceCarriers carriers_;
+  std::vector<std::size_t> sumAt_;   // of each node: where its sums are
+  std::vector<char> without_;        // of each node: whether it has no multiplier
   std::vector<int> atOwn_, sampled_; // facets: those around own nodes, and all whose samples are wanted
   Surface near_;                     // facets of the second surface
   BoxTree tree_{{}};
@@ -346,16 +547,25 @@ class MortarPieces {
 
 } // namespace
 
-std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& second, double reach) {
-  requireSupported(first, second, reach);
-  const double distance = reach > 0.0 ? reach : 0.1 * std::min(extent(first), extent(second));
+std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& second,
+                                       const MortarOptions& options) {
+  requireSupported(first, second, options.reach);
+  const double distance = options.reach > 0.0 ? options.reach : 0.1 * std::min(extent(first), extent(second));
+  Surface sides;
+  agree(*first.comm, [&] { sides = splitAtEdges(first); });
   const std::vector<ContactPoint> points =
-      MortarPieces(first, second, distance).points(std::max(farthestOf(first), farthestOf(second)));
+      MortarPieces(sides, second, distance, options).points(std::max(farthestOf(first), farthestOf(second)));
   if (globalMax(*first.comm, static_cast<long long>(points.size())) == 0)
     throw InputError(first.name + " and " + second.name +
                      ": the surfaces never meet: no facet of the first one faces one of the second within " +
                      scientific(distance) + "; check their positions and names, or give a longer reach");
   return points;
+}
+
+std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& second, double reach) {
+  MortarOptions options;
+  options.reach = reach;
+  return mortarPoints(first, second, options);
 }
 
 } // namespace Harmos::contact

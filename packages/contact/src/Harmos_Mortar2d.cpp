@@ -90,8 +90,9 @@ MortarSample sampleAt(const Surface& second, const Facet& facet, double x, int o
 }
 
 bool face(const Surface& second, const Facet& facet, const MortarSample& sample) {
-  return dot(facet.at(sample.place).areaNormal,
-             Facet(second, sample.opposite).at(sample.oppositePlace).areaNormal) < 0.0;
+  const Point one = facet.at(sample.place).areaNormal;
+  const Point other = Facet(second, sample.opposite).at(sample.oppositePlace).areaNormal;
+  return dot(one, other) < -leastFacing * norm(one) * norm(other);
 }
 
 } // namespace

@@ -14,10 +14,6 @@ using fem::Point;
 using Place = std::array<double, 2>; // in the auxiliary plane
 using Polygon = std::vector<Place>;  // counter-clockwise
 
-// Cosine of the angle between facets: at more than 84 degrees their projections are ill-conditioned, and no
-// pressure passes from one to the other.
-constexpr double leastFacing = 0.1;
-
 // The plane in which facets are clipped: through the centre of a facet of the first surface.
 struct Plane {
   Point origin, normal, first, second;

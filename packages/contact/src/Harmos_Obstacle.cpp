@@ -48,11 +48,9 @@ std::vector<ContactPoint> pointsOf(const Surface& surface, const Obstacle& obsta
   const Point axis = obstacle.shape == Obstacle::Shape::Sphere
                          ? Point{}
                          : direction(obstacle, surface.dimension, surface.name);
-  const std::vector<double> areas = tributaryAreas(surface);
   std::vector<ContactPoint> points;
+  std::vector<Point> towards; // the obstacle, of all nodes
   for (std::size_t i = 0; i < surface.numbers.size(); ++i) {
-    if (surface.isOwnNode[i] == 0)
-      continue;
     Point offset = difference(surface.positions[i], obstacle.point);
     if (surface.dimension == 2)
       offset[2] = 0.0;
@@ -69,15 +67,23 @@ std::vector<ContactPoint> pointsOf(const Surface& surface, const Obstacle& obsta
       separation = roundSeparation(offset, obstacle.radius, surface, i);
       break;
     }
+    towards.push_back(separation.normal);
+    if (surface.isOwnNode[i] == 0)
+      continue;
     ContactPoint point;
     point.node = surface.numbers[i];
     point.position = surface.positions[i];
     point.terms = {{point.node, 1.0}};
     point.normal = separation.normal;
     point.gap = separation.gap;
-    point.area = areas[i];
     points.push_back(point);
   }
+  const std::vector<double> areas = tributaryAreas(surface, towards);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < surface.numbers.size(); ++i)
+    if (surface.isOwnNode[i] != 0)
+      points[next++].area = areas[i];
+  setPressures(surface, towards, points);
   return points;
 }
 

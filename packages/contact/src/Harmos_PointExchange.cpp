@@ -9,7 +9,8 @@ namespace {
 
 // All of a point but its terms, which follow.
 struct Head {
-  long long node, number, terms;
+  long long node, number, terms, pressures;
+  int side;
   fem::Point position, normal;
   double gap, area;
 };
@@ -20,17 +21,22 @@ std::vector<std::vector<ContactPoint>> exchangePoints(const Teuchos::Comm<int>& 
                                                       const std::vector<std::vector<ContactPoint>>& sends) {
   std::vector<std::vector<Head>> heads(sends.size());
   std::vector<std::vector<ContactPoint::Term>> terms(sends.size());
+  std::vector<std::vector<ContactPoint::PressureTerm>> pressures(sends.size());
   for (std::size_t r = 0; r < sends.size(); ++r)
     for (const ContactPoint& point : sends[r]) {
       heads[r].push_back({point.node, point.number, static_cast<long long>(point.terms.size()),
-                          point.position, point.normal, point.gap, point.area});
+                          static_cast<long long>(point.pressure.size()), point.side, point.position,
+                          point.normal, point.gap, point.area});
       terms[r].insert(terms[r].end(), point.terms.begin(), point.terms.end());
+      pressures[r].insert(pressures[r].end(), point.pressure.begin(), point.pressure.end());
     }
   heads = exchangeItems(comm, heads);
   terms = exchangeItems(comm, terms);
+  pressures = exchangeItems(comm, pressures);
   std::vector<std::vector<ContactPoint>> received(heads.size());
   for (std::size_t r = 0; r < heads.size(); ++r) {
     auto next = terms[r].begin();
+    auto nextPressure = pressures[r].begin();
     for (const Head& head : heads[r]) {
       ContactPoint& point = received[r].emplace_back();
       point.node = head.node;
@@ -41,6 +47,9 @@ std::vector<std::vector<ContactPoint>> exchangePoints(const Teuchos::Comm<int>& 
       point.area = head.area;
       point.terms.assign(next, next + head.terms);
       next += head.terms;
+      point.side = head.side;
+      point.pressure.assign(nextPressure, nextPressure + head.pressures);
+      nextPressure += head.pressures;
     }
   }
   return received;

@@ -7,6 +7,7 @@
 #include "Harmos_PointAlgebra.hpp"
 #include "Harmos_ReferenceElement.hpp"
 #include "Harmos_Rendezvous.hpp"
+#include "Harmos_SurfaceSides.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -163,6 +164,10 @@ struct NodeResult {
   long long number;
   Point normal;
   double area;
+};
+struct FacetSides {
+  FacetItem facet;
+  std::array<Point, maxFacetNodes> normals;
 };
 
 void setNodes(Surface& surface, std::vector<NodeCopy> nodes) {
@@ -357,6 +362,52 @@ void setPiece(Surface& surface, const Part& mine, const Meetings& meetings, int 
       surface.isOwnNode[static_cast<std::size_t>(placeOf(surface, mine.nodes[k].number))] = 1;
 }
 
+// Facets of this surface by their nodes.
+int facetWith(const Surface& surface, const FacetItem& item) {
+  std::vector<int> places;
+  for (int k = 0; k < surface.nodesPerFacet(); ++k)
+    places.push_back(placeOf(surface, item.nodes[static_cast<std::size_t>(k)]));
+  const auto size = static_cast<std::ptrdiff_t>(places.size());
+  std::ptrdiff_t low = 0, high = surface.numberOfFacets();
+  while (low < high) {
+    const std::ptrdiff_t middle = (low + high) / 2;
+    const auto begin = surface.facets.begin() + middle * size;
+    if (std::lexicographical_compare(begin, begin + size, places.begin(), places.end()))
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return static_cast<int>(low);
+}
+
+// What is outside here is inside where the facet comes from. @note Collective.
+void setSideNormals(Surface& surface, const Part& mine,
+                    const std::vector<std::vector<std::size_t>>& forOthers) {
+  const Teuchos::Comm<int>& comm = *surface.comm;
+  std::vector<Point> normals;
+  agree(comm, [&] { normals = Details::sideNormalsOf(surface, isInside(surface)); });
+  if (globalMax(comm, normals.empty() ? 0LL : 1LL) == 0)
+    return;
+  if (normals.empty())
+    for (int node : surface.facets)
+      normals.push_back(surface.normals[static_cast<std::size_t>(node)]);
+  const auto size = static_cast<std::size_t>(surface.nodesPerFacet());
+  const auto at = [&](const FacetItem& facet) {
+    return static_cast<std::ptrdiff_t>(facetWith(surface, facet)) * static_cast<std::ptrdiff_t>(size);
+  };
+  std::vector<std::vector<FacetSides>> sends(forOthers.size());
+  for (std::size_t r = 0; r < forOthers.size(); ++r)
+    for (std::size_t f : forOthers[r]) {
+      FacetSides& item = sends[r].emplace_back();
+      item.facet = mine.facets[f];
+      std::copy_n(normals.begin() + at(item.facet), size, item.normals.begin());
+    }
+  for (const std::vector<FacetSides>& part : exchangeItems(comm, sends))
+    for (const FacetSides& item : part)
+      std::copy_n(item.normals.begin(), size, normals.begin() + at(item.facet));
+  surface.sideNormals = std::move(normals);
+}
+
 void setBox(Surface& surface) {
   std::vector<double> ends(6, -std::numeric_limits<double>::infinity()); // −x, −y, −z, x, y, z at most
   for (const Point& x : surface.positions)
@@ -422,25 +473,59 @@ Surface gatherSurface(const Teuchos::Comm<int>& comm, const std::vector<const fe
     }
   if (field)
     agree(comm, [&] { takeNormalsFrom(field, surface); });
+  else
+    setSideNormals(surface, mine, forOthers);
   setBox(surface);
   return surface;
 }
 
-std::vector<double> tributaryAreas(const Surface& surface) {
-  if (surface.facetType != CellType::Triangle6)
-    return surface.areas;
+namespace {
+
+// Of triangles of six nodes from functions that are linear on four pieces.
+FacetIntegrals tributaryOn(const Facet& facet, const fem::Quadrature& rule, bool hasSixNodes) {
+  if (!hasSixNodes)
+    return integralsOn(facet, rule);
   constexpr std::array<std::array<std::size_t, 3>, 4> pieces = {{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
-  std::vector<double> areas(surface.numbers.size(), 0.0);
+  FacetIntegrals result;
+  for (const auto& [a, b, c] : pieces) {
+    const double area = 0.5 * norm(cross(difference(facet.position(b), facet.position(a)),
+                                         difference(facet.position(c), facet.position(a))));
+    result.area += area;
+    for (std::size_t k : {a, b, c})
+      result.ofNodes[k] += area / 3.0;
+  }
+  return result;
+}
+
+} // namespace
+
+std::vector<double> tributaryAreas(const Surface& surface, const std::vector<Point>& towards) {
+  const bool hasSixNodes = surface.facetType == CellType::Triangle6;
+  if (!hasSixNodes && towards.empty())
+    return surface.areas;
+  const fem::Quadrature rule =
+      fem::quadratureOn(surface.facetType, 2 * fem::shapeOf(surface.facetType).order + 4);
+  std::vector<double> whole(surface.numbers.size(), 0.0), facing = whole;
+  std::vector<char> isPartial(surface.numbers.size(), 0);
   for (int f = 0; f < surface.numberOfFacets(); ++f) {
     const Facet facet(surface, f);
-    for (const auto& [a, b, c] : pieces) {
-      const double area = 0.5 * norm(cross(difference(facet.position(b), facet.position(a)),
-                                           difference(facet.position(c), facet.position(a))));
-      for (std::size_t k : {a, b, c})
-        areas[facet.node(k)] += area / 3.0;
+    const FacetIntegrals integrals = tributaryOn(facet, rule, hasSixNodes);
+    for (std::size_t k = 0; k < facet.size(); ++k) {
+      const std::size_t i = facet.node(k);
+      whole[i] += integrals.ofNodes[k];
+      if (towards.empty() || facesAt(facet, k, towards[i]))
+        facing[i] += integrals.ofNodes[k];
+      else
+        isPartial[i] = 1;
     }
   }
-  return areas;
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    if (isPartial[i] != 0 && facing[i] > 0.0)
+      whole[i] = facing[i];
+    else if (!hasSixNodes)
+      whole[i] = surface.areas[i];
+  }
+  return whole;
 }
 
 } // namespace Harmos::contact

@@ -38,6 +38,9 @@ struct Surface {
   std::vector<char> isOwnFacet; ///< 1: of a subdomain of this rank
   std::vector<char> isOwnNode;  ///< 1: this rank makes the contact point of the node; a node is one rank's
                                 ///< own, and that has all facets around it
+  /// Where the surface has sharp edges: the normal at each node of each facet, in the order of facets, which
+  /// is that of the smooth side of the node that the facet belongs to. Empty without sharp edges.
+  std::vector<fem::Point> sideNormals;
 
   const Teuchos::Comm<int>* comm = nullptr; ///< of all ranks that have a piece, or none
   long long wholeNodes = 0;                 ///< of all of it
@@ -71,10 +74,24 @@ Surface facetsTouching(const Surface& surface, const std::vector<fem::Box>& boxe
 /// its size. @param points more that the box is to hold.
 fem::Box boxOfFacet(const Surface& surface, int facet, std::vector<fem::Point> points = {});
 
-/// The part of the surface that belongs to each node, for contact pressures: force of a node / area. As
-/// Surface::areas, but with positive areas for the corners of triangles of six nodes, from the functions that
-/// are linear on the four triangles which the nodes cut each facet into. Right at the
-/// nodes of own facets. Local.
-std::vector<double> tributaryAreas(const Surface& surface);
+/// Facets that meet at more than this angle make a sharp edge: circles of eight facets are round.
+constexpr double sharpestAngle = 50.0 / 180.0 * 3.14159265358979323846;
+
+/// The surface with its smooth sides apart: a node on a sharp edge stands once for each side
+/// (Surface::numbers repeats it, in the order of the first facet of each side), with the normal and the area
+/// of that side alone. The surface itself where nothing is sharp. Local; right at the nodes of own facets.
+/// Guarded by tests/unit/contact/test_surface_sides.cpp.
+Surface splitAtEdges(const Surface& surface);
+
+/// Cosine of the angle beyond which a facet does not face what is opposite: 84 degrees. Projections are ill
+/// conditioned there, and no pressure passes.
+constexpr double leastFacing = 0.1;
+
+/// The part of the surface that belongs to each node: a measure of area that is positive everywhere. As
+/// Surface::areas, but for the corners of triangles of six nodes, from the functions that are linear on the
+/// four triangles which the nodes cut each facet into. Right at the nodes of own facets. Local.
+/// @param towards of each node the direction of what it may touch: facets that do not face it (leastFacing)
+/// bear no pressure and do not count, unless none of the node does. Not given: all count.
+std::vector<double> tributaryAreas(const Surface& surface, const std::vector<fem::Point>& towards = {});
 
 } // namespace Harmos::contact

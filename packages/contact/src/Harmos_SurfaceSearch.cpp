@@ -32,7 +32,7 @@ Box around(const std::vector<Box>& boxes) {
 // A facet with all that is known of its nodes.
 struct WholeFacet {
   std::array<long long, maxFacetNodes> numbers;
-  std::array<Point, maxFacetNodes> positions, normals;
+  std::array<Point, maxFacetNodes> positions, normals, sideNormals;
   std::array<double, maxFacetNodes> areas;
 };
 
@@ -45,12 +45,14 @@ WholeFacet wholeFacet(const Surface& surface, int f) {
     item.positions[k] = surface.positions[i];
     item.normals[k] = surface.normals[i];
     item.areas[k] = surface.areas[i];
+    if (!surface.sideNormals.empty())
+      item.sideNormals[k] = surface.sideNormals[static_cast<std::size_t>(f) * facet.size() + k];
   }
   return item;
 }
 
 // A surface of these facets, none of them this rank's own.
-void setFacets(Surface& surface, const std::vector<WholeFacet>& items) {
+void setFacets(Surface& surface, const std::vector<WholeFacet>& items, bool isSharp) {
   struct Node {
     Point position, normal;
     double area;
@@ -66,17 +68,21 @@ void setFacets(Surface& surface, const std::vector<WholeFacet>& items) {
     surface.normals.push_back(node.normal);
     surface.areas.push_back(node.area);
   }
-  std::vector<std::vector<int>> facets;
+  std::vector<std::pair<std::vector<int>, const WholeFacet*>> facets;
   for (const WholeFacet& item : items) {
-    std::vector<int>& places = facets.emplace_back();
+    std::vector<int>& places = facets.emplace_back(std::vector<int>(), &item).first;
     for (std::size_t k = 0; k < count; ++k)
       places.push_back(
           static_cast<int>(std::lower_bound(surface.numbers.begin(), surface.numbers.end(), item.numbers[k]) -
                            surface.numbers.begin()));
   }
-  std::sort(facets.begin(), facets.end());
-  for (const std::vector<int>& places : facets)
+  std::sort(facets.begin(), facets.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [places, item] : facets) {
     surface.facets.insert(surface.facets.end(), places.begin(), places.end());
+    if (isSharp)
+      surface.sideNormals.insert(surface.sideNormals.end(), item->sideNormals.begin(),
+                                 item->sideNormals.begin() + surface.nodesPerFacet());
+  }
   surface.isOwnFacet.assign(facets.size(), 0);
   surface.isOwnNode.assign(surface.numbers.size(), 0);
 }
@@ -145,7 +151,7 @@ Surface facetsTouching(const Surface& surface, const std::vector<Box>& boxes) {
     std::vector<WholeFacet> items;
     for (const std::vector<WholeFacet>& part : answers)
       items.insert(items.end(), part.begin(), part.end());
-    setFacets(found, items);
+    setFacets(found, items, !surface.sideNormals.empty());
   });
   return found;
 }

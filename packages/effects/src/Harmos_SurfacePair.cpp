@@ -3,6 +3,7 @@
 
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_PointAlgebra.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -14,26 +15,109 @@ std::vector<scene::Effect::BoundaryPart> SurfacePair::parts() const {
   return {{first.body, first.set, true}, {second.body, second.set, true}};
 }
 
-std::vector<contact::ContactPoint> SurfacePair::points(scene::ConstraintCollector& collector) const {
+namespace {
+
+using Taken = std::optional<scene::ConstraintCollector::Taken>;
+
+// Whether a point with one of the normals that the surface has at a node would hold the same jump.
+bool holdsSame(const Taken& taken, const std::vector<fem::Point>& normals, bool isTie) {
+  constexpr double parallel = 0.64; // within contact::sharpestAngle
+  if (!taken || (isTie && !taken->isTied))
+    return false;
+  return taken->isTied || std::any_of(normals.begin(), normals.end(), [&](const fem::Point& normal) {
+           return std::abs(dot(normal, taken->normal)) > parallel;
+         });
+}
+
+// Of each node of the surface that is here, whether it belongs to an effect before. Where effects overlap, as
+// a contact that is named twice, all nodes of a facet are those of one other effect, and rows that are the
+// same are left out later (scene::DistinctPoints), unless a tie holds what a contact would.
+std::vector<char> belongToOthers(const contact::Surface& surface, const std::vector<Taken>& taken,
+                                 bool isTie) {
+  std::vector<std::vector<fem::Point>> normals(surface.numbers.size());
+  const std::vector<fem::Point>& ofFacets = surface.sideNormals;
+  for (std::size_t k = 0; k < surface.facets.size(); ++k) {
+    const auto i = static_cast<std::size_t>(surface.facets[k]);
+    normals[i].push_back(ofFacets.empty() ? surface.normals[i] : ofFacets[k]);
+  }
+  std::vector<char> holds, result(surface.numbers.size(), 0);
+  for (std::size_t i = 0; i < taken.size(); ++i)
+    holds.push_back(holdsSame(taken[i], normals[i], isTie) ? 1 : 0);
+  const auto size = static_cast<std::size_t>(surface.nodesPerFacet());
+  for (std::size_t k = 0; k < surface.facets.size(); k += size) {
+    const auto placeOf = [&](std::size_t j) { return static_cast<std::size_t>(surface.facets[k + j]); };
+    bool isOverlap = true;
+    for (std::size_t j = 0; j < size; ++j)
+      isOverlap =
+          isOverlap && holds[placeOf(j)] != 0 && taken[placeOf(j)]->effect == taken[placeOf(0)]->effect;
+    for (std::size_t j = 0; j < size; ++j)
+      if (const std::size_t i = placeOf(j); holds[i] != 0 && (!isOverlap || (!isTie && taken[i]->isTied)))
+        result[i] = 1;
+  }
+  return result;
+}
+
+// Nodes of the surface over all ranks. @note Collective.
+long long countOf(const contact::Surface& surface, const std::vector<char>& nodes) {
+  long long own = 0;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    own += nodes[i] != 0 && surface.isOwnNode[i] != 0 ? 1 : 0;
+  return globalSum(*surface.comm, own);
+}
+
+std::vector<long long> numbersOf(const contact::Surface& surface, const std::vector<char>& nodes) {
+  std::vector<long long> result;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (nodes[i] != 0)
+      result.push_back(surface.numbers[i]);
+  return result;
+}
+
+// @param points by node number. @note Collective.
+void tellOfLone(scene::ConstraintCollector& collector, const contact::Surface& one,
+                const contact::Surface& other, const std::vector<contact::ContactPoint>& points,
+                long long without) {
+  long long found = 0;
+  for (std::size_t k = 0; k < points.size(); ++k)
+    found += k == 0 || points[k].node != points[k - 1].node ? 1 : 0;
+  const long long lone = one.wholeNodes - without - globalSum(*one.comm, found);
+  if (lone > 0)
+    collector.note(std::to_string(lone) + " of the " + std::to_string(one.wholeNodes) + " nodes of " +
+                   one.name + " have no counterpart on " + other.name +
+                   " within reach and may move freely through it");
+}
+
+} // namespace
+
+std::vector<contact::ContactPoint> SurfacePair::points(scene::ConstraintCollector& collector,
+                                                       Purpose purpose) const {
   const contact::Surface one = collector.surface(first.body, first.set, normal);
   const contact::Surface other = collector.surface(second.body, second.set);
+  const bool isTie = purpose == Purpose::Tie, joinsEdges = isTie || collector.isScalar();
+  std::vector<char> without =
+      belongToOthers(one, collector.taken(first.body, second.body, one.numbers), isTie);
+  if (countOf(one, without) == one.wholeNodes) // a contact on a tie: the rows of the tie hold
+    without.assign(without.size(), 0);
+  if (first.body == second.body) {
+    const std::vector<char> isOfBoth = contact::isShared(one, other);
+    for (std::size_t i = 0; i < without.size(); ++i)
+      without[i] = std::max(without[i], isOfBoth[i]);
+  }
+  // Node to node cannot pass on what a node without a row has: mortar coupling can.
   std::optional<std::vector<contact::ContactPoint>> matched;
-  if (coupling == Coupling::Automatic)
-    matched = contact::matchNodesIfAll(one, other);
-  else if (coupling == Coupling::Nodes)
-    matched = contact::matchNodes(one, other);
+  if (coupling == Coupling::Nodes)
+    matched = contact::matchNodes(one, other, contact::samePlace, joinsEdges);
+  else if (coupling == Coupling::Automatic && countOf(one, without) == 0)
+    matched = contact::matchNodesIfAll(one, other, contact::samePlace, joinsEdges);
   std::vector<contact::ContactPoint> points =
-      matched ? std::move(*matched) : contact::mortarPoints(one, other, reach);
+      matched ? std::move(*matched)
+              : contact::mortarPoints(one, other, {reach, joinsEdges, numbersOf(one, without)});
   if (normal) // exact where it is known, not averaged with the other side's facets
     for (contact::ContactPoint& point : points) {
       const auto at = std::lower_bound(one.numbers.begin(), one.numbers.end(), point.node);
       point.normal = one.normals[static_cast<std::size_t>(at - one.numbers.begin())];
     }
-  const long long found = globalSum(*one.comm, static_cast<long long>(points.size()));
-  if (found < one.wholeNodes)
-    collector.note(std::to_string(one.wholeNodes - found) + " of the " + std::to_string(one.wholeNodes) +
-                   " nodes of " + one.name + " have no counterpart on " + other.name +
-                   " within reach and may move freely through it");
+  tellOfLone(collector, one, other, points, countOf(one, without));
   return points;
 }
 

@@ -23,11 +23,16 @@ struct SurfacePair {
 
   std::vector<scene::Effect::BoundaryPart> parts() const;
 
+  /// What the points are for: a tie has a row in each direction, whatever the normal.
+  enum class Purpose { Contact, Tie };
+
   /// This rank's points of the first surface that have counterparts; a note tells of those that have none.
+  /// Nodes of both surfaces, and those that an effect before holds between the same bodies, have none either:
+  /// see contact::FacetMultipliers.
   /// @throws InputError on all ranks, see contact::gatherSurface(), contact::matchNodes() and
   ///         contact::mortarPoints().
   /// @note Collective.
-  std::vector<contact::ContactPoint> points(scene::ConstraintCollector& collector) const;
+  std::vector<contact::ContactPoint> points(scene::ConstraintCollector& collector, Purpose purpose) const;
 
   static void addTo(ParameterSpec& spec);
   /// @throws InputError for parts that are not there or are the same one.

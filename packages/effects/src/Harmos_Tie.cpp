@@ -15,7 +15,7 @@ scene::EffectKind kindOfTie() {
 Tie::Tie(SurfacePair pair, std::string name) : Effect(kindName, std::move(name)), pair_(std::move(pair)) {}
 
 void Tie::addConstraints(scene::ConstraintCollector& collector) const {
-  collector.addTies(pair_.points(collector),
+  collector.addTies(pair_.points(collector, SurfacePair::Purpose::Tie),
                     {{pair_.first.body, pair_.first.set}, {pair_.second.body, pair_.second.set}});
 }
 

@@ -9,6 +9,34 @@
 
 namespace Harmos::run {
 
+std::vector<fem::Point> tractions(const Teuchos::Comm<int>& comm,
+                                  const std::vector<contact::ContactPoint>& points,
+                                  const std::vector<fem::Point>& forces) {
+  std::vector<std::pair<long long, fem::Point>> known;
+  std::vector<long long> asked;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    known.emplace_back(points[k].number, forces[k]);
+    for (const contact::ContactPoint::PressureTerm& term : points[k].pressure)
+      asked.push_back(term.number);
+  }
+  std::vector<std::optional<fem::Point>> answers;
+  if (globalMax(comm, static_cast<long long>(asked.size())) > 0)
+    answers = lookUp(comm, known, asked);
+  std::vector<fem::Point> result;
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    fem::Point& traction = result.emplace_back();
+    for (std::size_t d = 0; d < 3 && points[k].pressure.empty(); ++d)
+      traction[d] = forces[k][d] / points[k].area;
+    for (const contact::ContactPoint::PressureTerm& term : points[k].pressure) {
+      const fem::Point force = answers[next++].value_or(fem::Point{});
+      for (std::size_t d = 0; d < 3; ++d)
+        traction[d] += term.weight * force[d];
+    }
+  }
+  return result;
+}
+
 std::vector<ContactState> contactStates(const Teuchos::Comm<int>& comm,
                                         const std::vector<contact::ContactPoint>& points,
                                         const feti::ContactState& state) {
@@ -22,11 +50,15 @@ std::vector<ContactState> contactStates(const Teuchos::Comm<int>& comm,
   for (const contact::ContactPoint& point : points)
     asked.push_back(point.number);
   const std::vector<std::optional<Answer>> answers = lookUp(comm, known, asked);
+  std::vector<fem::Point> forces;
+  for (const std::optional<Answer>& answer : answers)
+    forces.push_back({answer ? answer->force : 0.0, 0.0, 0.0});
+  const std::vector<fem::Point> pressures = tractions(comm, points, forces);
   std::vector<ContactState> result(points.size());
   for (std::size_t k = 0; k < points.size(); ++k) {
     const Answer answer = answers[k].value_or(Answer{0.0, 0.0});
     ContactState& point = result[k];
-    point.pressure = answer.force / points[k].area;
+    point.pressure = pressures[k][0];
     point.force = answer.force;
     point.gap = answer.gap;
     point.closed = answer.force > 0.0;

@@ -16,12 +16,12 @@ enum class Friction : unsigned char { None, Sticks, Slips };
 
 /// The state of a contact point in the solution.
 struct ContactState {
-  double pressure; ///< force per tributary area
+  double pressure; ///< see tractions(); of springs that hold force per tributary area
   double force;
   double gap; ///< that is left
   bool closed;
   Friction friction = Friction::None;
-  fem::Point traction{}; ///< of friction or springs, on the first body: force per tributary area
+  fem::Point traction{}; ///< of friction or springs, on the first body: likewise
   fem::Point slip{};     ///< of the first body against the second, since the beginning of the run
   // Of points that adhesion binds, or has bound.
   bool isBound = false;
@@ -35,6 +35,13 @@ struct ContactState {
 std::vector<ContactState> contactStates(const Teuchos::Comm<int>& comm,
                                         const std::vector<contact::ContactPoint>& points,
                                         const feti::ContactState& state);
+
+/// Forces per area at this rank's points, from forces of points: by contact::ContactPoint::pressure, else per
+/// tributary area. @note Collective: some of them are found on other ranks.
+/// Guarded by tests/verification/test_contact_pressures.cpp.
+std::vector<fem::Point> tractions(const Teuchos::Comm<int>& comm,
+                                  const std::vector<contact::ContactPoint>& points,
+                                  const std::vector<fem::Point>& forces);
 
 /// How many points there are of what kind, over all ranks.
 struct ContactCounts {

@@ -33,10 +33,12 @@ std::vector<double> slipsBefore(const std::vector<ConstraintRow>& rows) {
   return result;
 }
 
-void addSlips(const scene::ContactSetup& contact, const std::vector<RowSlip>& slips,
-              const std::vector<double>& before, std::vector<ContactState>& states) {
-  if (contact.slips.empty())
+void addSlips(const Teuchos::Comm<int>& comm, const scene::ContactSetup& contact,
+              const std::vector<RowSlip>& slips, const std::vector<double>& before,
+              std::vector<ContactState>& states) {
+  if (contact.limitedRows == 0)
     return;
+  std::vector<fem::Point> forces(states.size());
   constexpr double rounding = 1e-9; // as where rows of an answer are told apart
   for (const contact::SlipPoint& point : contact.slips) {
     ContactState& state = states[point.point];
@@ -49,6 +51,7 @@ void addSlips(const scene::ContactSetup& contact, const std::vector<RowSlip>& sl
       for (std::size_t d = 0; d < 3; ++d) {
         state.slip[d] += slip * point.tangents[t][d];
         state.traction[d] -= slips[row].force / contact.points[point.point].area * point.tangents[t][d];
+        forces[point.point][d] -= slips[row].force * point.tangents[t][d];
       }
     }
     const double limit = point.follows ? point.coefficient * std::max(0.0, state.force) : point.limit;
@@ -58,6 +61,10 @@ void addSlips(const scene::ContactSetup& contact, const std::vector<RowSlip>& sl
                      : std::sqrt(force2) < (1.0 - rounding) * limit ? Friction::Sticks
                                                                     : Friction::Slips;
   }
+  const std::vector<fem::Point> found = tractions(comm, contact.points, forces);
+  for (const contact::SlipPoint& point : contact.slips)
+    if (!contact.points[point.point].pressure.empty())
+      states[point.point].traction = found[point.point];
 }
 
 } // namespace Harmos::run

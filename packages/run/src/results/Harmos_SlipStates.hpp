@@ -25,9 +25,10 @@ std::vector<RowSlip> rowSlips(const Teuchos::Comm<int>& comm, const scene::Conta
 /// Local.
 std::vector<double> slipsBefore(const std::vector<ConstraintRow>& rows);
 
-/// Brings both to the points that bear friction. Local.
+/// Brings both to the points that bear friction. @note Collective, see tractions().
 /// @param before of each row, or empty: zeros.
-void addSlips(const scene::ContactSetup& contact, const std::vector<RowSlip>& slips,
-              const std::vector<double>& before, std::vector<ContactState>& states);
+void addSlips(const Teuchos::Comm<int>& comm, const scene::ContactSetup& contact,
+              const std::vector<RowSlip>& slips, const std::vector<double>& before,
+              std::vector<ContactState>& states);
 
 } // namespace Harmos::run

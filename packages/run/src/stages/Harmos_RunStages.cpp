@@ -474,7 +474,7 @@ void RunStages::recover() {
     report_.contact = contactStates(*comm_, contact_.points, feti::contactState(*constraints_, torn_));
   if (report_.limited > 0) {
     report_.slips = rowSlips(*comm_, contact_, feti::frictionState(*constraints_, torn_));
-    addSlips(contact_, report_.slips, slipsBefore_, report_.contact);
+    addSlips(*comm_, contact_, report_.slips, slipsBefore_, report_.contact);
   }
   report_.contactCounts = countContact(*comm_, report_.contact);
   reactions_ = feti::reactions(*system_, *constraints_, torn_);

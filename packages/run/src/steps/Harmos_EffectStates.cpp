@@ -360,17 +360,21 @@ void EffectStates::tell(const std::vector<RowSlip>& slips, std::vector<ContactSt
     point.isBound = true;
     point.damage = damage[number];
     if (holds) {
+      point.pressure = point.force / place.area;
       point.gap = point.closed ? point.gap : -*softness * point.force;
       point.friction = Friction::None;
       point.slip = {};
     }
     if (holds && bond.slip != scene::ContactSetup::Bond::none) {
       const contact::SlipPoint& slip = contact_.slips[bond.slip];
+      point.traction = {};
       for (std::size_t t = 0; t < slip.tangents.size(); ++t) {
-        const double stretch = *rows.slipSoftness[static_cast<std::size_t>(slip.firstRow) + t] *
-                               slips[slip.firstPlace + t].force;
-        for (std::size_t d = 0; d < 3; ++d)
+        const double force = slips[slip.firstPlace + t].force;
+        const double stretch = *rows.slipSoftness[static_cast<std::size_t>(slip.firstRow) + t] * force;
+        for (std::size_t d = 0; d < 3; ++d) {
           point.slip[d] += stretch * slip.tangents[t][d];
+          point.traction[d] -= force / place.area * slip.tangents[t][d];
+        }
       }
     }
     for (std::size_t d = 0; d < 3; ++d) {

@@ -134,7 +134,39 @@ void DistinctPoints::finish(const Teuchos::Comm<int>& comm) {
   for (std::size_t k = 0; k < points.size(); ++k)
     points[k].number = numbers[k];
   all_ = std::move(points);
+  numberPressures(comm);
   count_ = globalSum(comm, static_cast<long long>(all_.size()));
+}
+
+// Terms of pressures name points of the same effect by node and side. Where one of them is another effect's,
+// and goes by that one's node, the force of the row per area is what is left.
+void DistinctPoints::numberPressures(const Teuchos::Comm<int>& comm) {
+  const auto keyOf = [this](long long node, int side, std::size_t batch) {
+    constexpr long long mostSides = 64;
+    return (node * mostSides + side) * static_cast<long long>(batches_.size()) +
+           static_cast<long long>(batch);
+  };
+  std::vector<std::pair<long long, long long>> known;
+  std::vector<long long> asked;
+  for (std::size_t k = 0; k < all_.size(); ++k) {
+    for (const std::size_t batch : effects_[k])
+      known.emplace_back(keyOf(all_[k].node, all_[k].side, batch), all_[k].number);
+    for (const ContactPoint::PressureTerm& term : all_[k].pressure)
+      asked.push_back(keyOf(term.node, term.side, effects_[k].front()));
+  }
+  if (globalMax(comm, static_cast<long long>(asked.size())) == 0)
+    return;
+  const std::vector<std::optional<long long>> numbers = lookUp(comm, known, asked);
+  std::size_t next = 0;
+  for (ContactPoint& point : all_) {
+    bool isComplete = true;
+    for (ContactPoint::PressureTerm& term : point.pressure) {
+      term.number = numbers[next].value_or(-1);
+      isComplete = isComplete && numbers[next++].has_value();
+    }
+    if (!isComplete)
+      point.pressure.clear();
+  }
 }
 
 std::vector<const Effect*> DistinctPoints::effectsAt(std::size_t point) const {
@@ -192,6 +224,7 @@ contact::Surface ConstraintCollector::surface(int body, const std::string& set,
 void ConstraintCollector::addContacts(const std::vector<ContactPoint>& points,
                                       const std::vector<Part>& surfaces) {
   contacts_.add(points, *asked_);
+  take(points, surfaces, false);
   surfacesOf_[asked_] = surfaces;
   if (isAlong(asked_))
     askForHeldDofs(surfaces);
@@ -216,8 +249,32 @@ void ConstraintCollector::addAdhesion(const Effect& contact, double normal, doub
   adhesions_.push_back({&contact, asked_, normal, tangential});
 }
 
+std::vector<std::optional<ConstraintCollector::Taken>>
+ConstraintCollector::taken(int body, int other, const std::vector<long long>& nodes) const {
+  const auto found = taken_.find(std::minmax(body, other));
+  const std::vector<std::pair<long long, Taken>> known =
+      found == taken_.end() ? std::vector<std::pair<long long, Taken>>() : found->second;
+  if (globalMax(comm_, static_cast<long long>(known.size())) == 0)
+    return std::vector<std::optional<Taken>>(nodes.size());
+  return lookUp(comm_, known, nodes, [](const Taken& next, const Taken& present) {
+    return next.effect != present.effect ? next.effect < present.effect : next.normal < present.normal;
+  });
+}
+
+// Nodes of both sides: the next effect may have its multipliers on the other one.
+void ConstraintCollector::take(const std::vector<ContactPoint>& points, const std::vector<Part>& surfaces,
+                               bool isTied) {
+  if (surfaces.size() != 2)
+    return;
+  auto& known = taken_[std::minmax(surfaces[0].first, surfaces[1].first)];
+  for (const ContactPoint& point : points)
+    for (const ContactPoint::Term& term : point.terms)
+      known.emplace_back(term.node, Taken{point.normal, isTied, askedBefore_});
+}
+
 void ConstraintCollector::addTies(const std::vector<ContactPoint>& points,
                                   const std::vector<Part>& surfaces) {
+  take(points, surfaces, true);
   ties_.add(points, *asked_);
   askForHeldDofs(surfaces);
 }
@@ -275,6 +332,7 @@ void ConstraintCollector::findHeldDofs() {
 
 void ConstraintCollector::collect(const Effect& effect) {
   asked_ = &effect;
+  ++askedBefore_;
   const auto scope = costs_.scope(effect);
   effect.addConstraints(*this);
 }

@@ -12,6 +12,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -90,6 +91,7 @@ class DistinctPoints {
     std::vector<std::size_t> batches; // the first one's, and those of others
   };
   bool sameRow(const contact::ContactPoint& a, const contact::ContactPoint& b) const;
+  void numberPressures(const Teuchos::Comm<int>& comm);
   std::vector<Kept> distinct(const Teuchos::Comm<int>& comm) const;
 
   bool normalsMatter_;
@@ -109,9 +111,23 @@ class ConstraintCollector {
 
   // For effects.
 
+  /// Whether nodes have one dof, and normals play no part.
+  bool isScalar() const { return scene_.components() == 1; }
+
   /// A boundary part: the piece that is on this rank; see contact::gatherSurface(). @note Collective.
   contact::Surface surface(int body, const std::string& set,
                            const contact::NormalField& normal = nullptr) const;
+
+  /// A node at which an effect that was asked before has a point between the same two bodies.
+  struct Taken {
+    fem::Point normal; ///< of that point
+    bool isTied;       ///< by it, whatever the normal
+    int effect;        ///< which: how many were asked before
+  };
+  /// Of each of these nodes. Rows of two effects would hold the same jump, and how they shared its force were
+  /// arbitrary: such a node belongs to the first effect, ties before contacts.
+  /// @param nodes of this rank, of either body. @note Collective.
+  std::vector<std::optional<Taken>> taken(int body, int other, const std::vector<long long>& nodes) const;
 
   /// Inequality rows n·w ≤ gap, one a point, of this rank's points: each point on one rank alone.
   /// @param surfaces that the points belong to, body and boundary part: where they are not given, friction
@@ -161,6 +177,7 @@ class ConstraintCollector {
   ContactSetup finish();
 
  private:
+  using Part = std::pair<int, std::string>;
   void addContactRows(ContactSetup& setup, double extent);
   void findSlips(ContactSetup& setup);
   void findBonds(ContactSetup& setup, double extent);
@@ -181,6 +198,7 @@ class ConstraintCollector {
     double normal, tangential; ///< stiffness
   };
   bool isAlong(const Effect* contact) const;
+  void take(const std::vector<contact::ContactPoint>& points, const std::vector<Part>& surfaces, bool isTied);
   void askForHeldDofs(const std::vector<std::pair<int, std::string>>& surfaces) {
     heldParts_.insert(surfaces.begin(), surfaces.end());
   }
@@ -190,10 +208,10 @@ class ConstraintCollector {
   EffectCosts& costs_;
   SubdomainEffects effects_;
   // This rank's subdomains by body and boundary part: scenes may have thousands of parts.
-  using Part = std::pair<int, std::string>;
   std::map<Part, std::vector<const fem::PlacedMesh*>> withSides_;
   std::map<Part, std::vector<const OwnedSubdomain*>> withNodes_;
   const Effect* asked_ = nullptr;
+  int askedBefore_ = -1;
   DistinctPoints contacts_, ties_;
   std::vector<Friction> frictions_;
   std::vector<Adhesion> adhesions_;
@@ -201,6 +219,7 @@ class ConstraintCollector {
   std::map<const Effect*, std::vector<Part>> surfacesOf_; // of contacts
   std::set<Part> heldParts_;                              // where ties are, and limited rows
   std::map<double, contact::HeldDofs> held_;              // of dofs of this rank's points there, by time
+  std::map<std::pair<int, int>, std::vector<std::pair<long long, Taken>>> taken_; // of this rank, by bodies
   std::vector<std::string> notes_;
 };
 

@@ -6,8 +6,11 @@ namespace Harmos::scene {
 ContactSetup setUpContact(const Teuchos::Comm<int>& comm, const Scene& scene,
                           const std::vector<OwnedSubdomain>& owned, EffectCosts& costs) {
   ConstraintCollector collector(comm, scene, owned, costs);
-  for (const auto& effect : scene.effects)
-    collector.collect(*effect);
+  // What nodes ties hold is known before contacts beside them ask.
+  for (const bool areTies : {true, false})
+    for (const auto& effect : scene.effects)
+      if (effect->tiesSurfaces() == areTies)
+        collector.collect(*effect);
   return collector.finish();
 }
 

@@ -66,6 +66,8 @@ class Effect {
   /// Bodies that it holds against rigid motions by itself, without inequalities.
   virtual std::vector<int> heldBodies() const { return {}; }
   virtual bool givesInequalities() const { return false; }
+  /// Whether it holds two surfaces together: nodes of both are its own, see ConstraintCollector::taken().
+  virtual bool tiesSurfaces() const { return false; }
   /// Whether a run tells the force that it exerts: as a support, a foundation, an obstacle, or between two
   /// bodies.
   virtual bool exertsForce() const { return givesInequalities() || !heldBodies().empty(); }
