@@ -22,7 +22,7 @@ from plot_style import FAINT, INK, OPEN, finish
 
 BROKEN = OPEN  # of plain contact
 DAMAGE_MAP = plt.get_cmap("plasma_r").with_extremes(over=BROKEN)
-RANGE = Normalize(0.0, 1.0 - 1e-12)  # what is broken is over it
+RANGE = Normalize(0.0, np.nextafter(1.0, 0.0))  # what is broken, 1 in the law of adhesion too, is over it
 PALE = "#E6E6E6"  # bodies
 PANEL = 5.6  # inches
 

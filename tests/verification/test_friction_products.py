@@ -147,9 +147,8 @@ class Composite(unittest.TestCase):
         print("moduli", [f"{modulus:.6f}" for modulus in moduli], "products", counts)
         for softer, stiffer in zip(moduli, moduli[1:]):
             self.assertLess(softer * (1.0 + 1e-4), stiffer)
-        # Up to a coefficient of 0.3 as in regular composites; sets of scattered fibres that hold fast wander for a while.
-        self.assertLessEqual(max(counts[1:3]), max(3 * counts[0], 60))
-        self.assertLessEqual(counts[3], 300)
+        # As in regular composites, with the fifth more that one of several may have.
+        self.assertLessEqual(max(counts[1:4]), 1.3 * max(3 * counts[0], 60))
 
 
 if __name__ == "__main__":

@@ -38,8 +38,11 @@ RADIUS = 0.3
 
 
 def damage_at(angle, share=1.0):
-    """Intact on the left of a fibre, broken on its right within 60 degrees for all of the load."""
-    return np.clip(share * (1.0 + np.cos(angle)) / 1.5, 0.0, 1.0)
+    """Intact on the left of a fibre, within 8 degrees, broken on its right within 65 degrees for all of the load.
+
+    Nodes lie at multiples of 15 degrees: whether one is intact or broken is no matter of a cosine's rounding.
+    """
+    return np.clip(share * (0.99 + np.cos(angle)) / 1.41, 0.0, 1.0)
 
 
 def composite(share=1.0, hidden=False, **more):
@@ -101,9 +104,22 @@ class Sides(unittest.TestCase):
         # The map goes from light to dark.
         light = shown[damage < 1][order, :3].sum(axis=1)
         self.assertGreater(light[0], light[-1] + 1)
-        # 24 points a fibre: of the angles k/24 of a turn all but that on the left are damaged, 9 within 60 degrees.
+        # 24 points a fibre: of the angles k/24 of a turn all but that on the left are damaged, 9 within 65 degrees.
         words = [text.get_text() for text in figure.legends[0].get_texts()]
         self.assertIn("of 48 points 46 are damaged, 18 broken", words)
+        plt.close(figure)
+
+    def test_nearly_broken(self):
+        """As near to 1 as a number can be, and still held."""
+        solid, _ = solid_of()
+        solid.damage = np.where(solid.damage == 1.0, np.nextafter(1.0, 0.0), solid.damage)
+        figure = plot_damage.plot_damage(solid, "", [])
+        sides = next(drawn for drawn in figure.axes[0].collections if drawn.get_array() is not None)
+        figure.canvas.draw()
+        apart = np.abs(sides.get_colors() - colors.to_rgba(plot_damage.BROKEN)).max(axis=1)
+        self.assertGreater(apart.min(), 1e-3)
+        words = [text.get_text() for text in figure.legends[0].get_texts()]
+        self.assertIn("of 48 points 46 are damaged, 0 broken", words)
         plt.close(figure)
 
     def test_no_adhesion(self):

@@ -119,7 +119,7 @@ class Outputs(Case):
         )
         steps, design, points = (rows(done, name) for name in ("history.csv", "design.csv", "shape.csv"))
         self.assertEqual(float(steps[-1]["cost"]), results["cost"])
-        self.assertEqual(float(steps[0]["cost"]), results["cost_before"])
+        self.compare_first(steps, results)
         self.assertEqual(float(steps[-1]["gradient_norm"]), results["gradient_norm"])
         self.assertEqual(len(design), results["design_variables"])
         evaluations = column(steps, "evaluations")
@@ -138,6 +138,11 @@ class Outputs(Case):
                 self.assertAlmostEqual(mean / results["mean_pressure" + suffix], 1.0, delta=1e-13)
         self.compare_fields(done, points)
         return results, steps, design, points
+
+    def compare_first(self, steps, results):
+        """The optimiser begins at the projection of the start onto bounds and volume, which is the start but for rounding:
+        the answer there is another one, to the tolerance of the solver."""
+        self.assertAlmostEqual(float(steps[0]["cost"]) / results["cost_before"], 1.0, delta=TOLERANCE)
 
     def compare_fields(self, done, points):
         """Pressures of files and table, at nodes of the first body, whose copies subdomains may have."""
@@ -195,7 +200,7 @@ class Outputs(Case):
             results = done.summary["results"]
             self.assertAlmostEqual(results["cost"] / done.summary["energy"], sign, delta=1e-9)
             self.assertLess(results["cost"], results["cost_before"])
-            self.assertEqual(float(rows(done, "history.csv")[0]["cost"]), results["cost_before"])
+            self.compare_first(rows(done, "history.csv"), results)
             energies[quantity] = done.summary["energy"], sign * results["cost_before"]
         self.assertLess(energies["softest"][0], energies["stiffest"][0])
         self.assertAlmostEqual(energies["softest"][1] / energies["stiffest"][1], 1.0, delta=TOLERANCE)

@@ -12,8 +12,10 @@ bool PdasSolver<Scalar, MV, OP>::Run::mayBalance() const {
   return next_.isFit() && (hasFollowing() || problem_.hasDiscs());
 }
 
-// Where limits follow, or pairs turn: from the best iterate on, all sets are balanced; then springs are
-// stiffer, and steps shorter with them, which leads out of circles. As stiff as A they have no say any more.
+// Where limits follow, or pairs turn: from the best iterate on, all sets are balanced; springs are stiffer,
+// and steps shorter with them, which leads out of circles. As stiff as A they have no say any more. Where
+// limits follow, springs as soft as the solution lead back into the circle: sets that nothing holds were
+// balanced with these before.
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::balances(const std::string& why) {
   constexpr double factor = 10.0, stiffAtFirst = 100.0;
@@ -21,7 +23,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::balances(const std::string& why) {
       paths_ > 0 ? std::max(stiffAtFirst, cg_.curvatureBound() / cg_.stiffness()) : stiffAtFirst;
   if (!mayBalance() || stiffening_ >= stiffest)
     return false;
-  stiffening_ *= balances_ ? factor : 1.0;
+  stiffening_ *= balances_ || hasFollowing() ? factor : 1.0;
   balances_ = true;
   if (!bestGradient_.is_null()) {
     MVT::Assign(*best_, x_);

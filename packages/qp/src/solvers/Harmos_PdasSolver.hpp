@@ -32,6 +32,9 @@ namespace Harmos::qp {
 /// were too many guesses, or when the share of the iterations is used up that is meant for it, MPRGP or
 /// SMALBE takes over from the best iterate (counters: safeguards) and has the rest of the iterations.
 ///
+/// Where limits follow the solution there is no cost that could fall: the first set that comes back after
+/// another one is a circle, and sets are balanced with stiffer springs from there on (BalancedActiveSet).
+///
 /// Entries that are outside of soft bounds are springs of the face (SpringOps), by the side where they are:
 /// Newton's method for a gradient that bends there. Where that goes in circles, sides stay until the rest has
 /// settled, and x goes from answer to answer as far as the cost falls on the way (generalised Newton's method
@@ -84,6 +87,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   // How the sets get on.
   struct Progress {
     std::set<std::pair<double, double>> seen; // signatures
+    std::pair<double, double> last{0.0, 0.0};
     // Inexact solves may come back to a set on their way; exact ones that do so go round in circles.
     static constexpr int mostRepeats = 3;
     int repeats = 0;
@@ -104,6 +108,8 @@ class PdasSolver<Scalar, MV, OP>::Run {
     bool isLost(double bound, int patience);
     /// Whether sets have come back too often.
     bool isCircle(const ActiveSetChange& change);
+    /// Whether a set came back after another one.
+    bool isBack(const ActiveSetChange& change);
   };
 
   // The steps, in their order. Where one of them returns false, the solver has stopped or handed over.

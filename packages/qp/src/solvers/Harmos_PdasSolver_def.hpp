@@ -208,6 +208,8 @@ void PdasSolver<Scalar, MV, OP>::Run::Progress::exchange(StateArchive<MV>& archi
   archive.number("pdas least", least);
   archive.number("pdas mark", mark);
   archive.number("pdas sets since mark", setsSinceMark);
+  archive.number("pdas last set", last.first);
+  archive.number("pdas last set's other", last.second);
   std::vector<double> signatures;
   for (const auto& [first, second] : seen)
     signatures.insert(signatures.end(), {first, second});
@@ -230,6 +232,13 @@ bool PdasSolver<Scalar, MV, OP>::Run::Progress::isLost(double bound, int patienc
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::Progress::isCircle(const ActiveSetChange& change) {
   return !seen.insert({change.signature[0], change.signature[1]}).second && ++repeats > mostRepeats;
+}
+
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::Progress::isBack(const ActiveSetChange& change) {
+  const std::pair<double, double> now{change.signature[0], change.signature[1]};
+  const bool isSame = now == std::exchange(last, now);
+  return !seen.insert(now).second && !isSame;
 }
 
 template<class Scalar, class MV, class OP>
@@ -517,8 +526,10 @@ bool PdasSolver<Scalar, MV, OP>::Run::mayGoOn() {
   const std::string why = isBlownUp ? "forces that do not balance have grown"
                           : isLost  ? std::to_string(patience_) + " active sets brought no progress"
                                     : "an active set came back";
-  // Where limits follow sets may be the same again and again.
-  if (!isLost && (hasFollowing() || !progress_.isCircle(change_)))
+  // Where limits follow a set may be the same again and again until these settle; the first that comes back
+  // after another one goes in circles, for there is no cost that falls on the way.
+  const bool isCircle = hasFollowing() ? progress_.isBack(change_) : progress_.isCircle(change_);
+  if (!isLost && !isCircle)
     return true;
   if (balances(why) || comesFromInside(why) || follows(why) || holdsSides(why) || descends(why))
     return true;
