@@ -255,7 +255,7 @@ std::vector<std::array<std::size_t, 2>> discsOf(const std::vector<ConstraintRow>
   for (const auto& [disc, members] : places) {
     const auto ofOneDisc = [](const ConstraintRow& a, const ConstraintRow& b) {
       return a.limit == b.limit && a.normal == b.normal && a.coefficient == b.coefficient &&
-             a.softness == b.softness;
+             a.softness.has_value() == b.softness.has_value();
     };
     if (members.size() != 2 || !ofOneDisc(rows[members[0]], rows[members[1]]))
       throw InputError("disc " + std::to_string(disc) + " of limited rows has " +
