@@ -130,6 +130,7 @@ class Effect {
   struct Spring {
     std::optional<double> softness;
     double unstretched = 0.0;
+    std::optional<double> brokenAt; ///< slip at which it broke in this step: from there friction takes over
   };
   /// How many numbers it keeps, with so many inequality rows and limited ones; they are zero before the first
   /// step.
@@ -167,9 +168,11 @@ class Effect {
   }
   /// The damage of such openings, and springs: with it, through the origin; or where points soften through
   /// force and opening, so many times as stiff as softening is steep.
+  /// @param known to what tractions are, as a share of the strength.
   /// @return whether any of them softens.
   virtual bool follow(const std::vector<Row>& /*rows*/, const std::vector<double>& /*openings*/,
-                      std::optional<double> /*steepness*/, std::vector<double>& /*trial*/) const {
+                      std::optional<double> /*steepness*/, double /*known*/,
+                      std::vector<double>& /*trial*/) const {
     return false;
   }
 
