@@ -126,11 +126,12 @@ class Effect {
     double hold() const;
   };
   /// What holds a row: ConstraintRow::softness, and by how much Bu is beyond the bound that the row was made
-  /// with where it has no force.
+  /// with where it has no force. Of a limited row whose spring broke in this step: at which slip, from where
+  /// friction takes over.
   struct Spring {
     std::optional<double> softness;
     double unstretched = 0.0;
-    std::optional<double> brokenAt; ///< slip at which it broke in this step: from there friction takes over
+    std::optional<double> brokenAt = std::nullopt;
   };
   /// How many numbers it keeps, with so many inequality rows and limited ones; they are zero before the first
   /// step.
