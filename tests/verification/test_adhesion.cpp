@@ -440,7 +440,7 @@ namespace {
 struct Blocks {
   CellType cellType = CellType::Hexahedron8;
   int elements = 1; // a side of the interface
-  double width = 1.0, young = 1e6;
+  double width = 1.0, modulus = 1e6;
   CohesiveLaw::Options law = softLaw();
   double friction = 0.0; // coefficient; 0: none
 };
@@ -458,7 +458,7 @@ scene::Scene movedBlocks(const Blocks& blocks, const Point& along, const std::ve
   options.size = {blocks.width, inSpace ? blocks.width : 1.0, 1.0};
   options.subdomains = {1, 1, 1};
   options.elements = {blocks.elements, inSpace ? blocks.elements : 1, 1};
-  const fem::Material material = fem::Material::isotropic(blocks.young, 0.0);
+  const fem::Material material = fem::Material::isotropic(blocks.modulus, 0.0);
   scene.bodies.push_back(blockBody("lower", options, material));
   options.origin[up] = 1.0;
   scene.bodies.push_back(blockBody("upper", options, material));
@@ -597,11 +597,11 @@ namespace {
 // interface slips.
 constexpr double roughness = 0.3, slipAtEnd = 2.0 * 0.08 / 0.8;
 
-Blocks pressedBlocks(CellType cellType, double young) {
+Blocks pressedBlocks(CellType cellType, double modulus) {
   Blocks blocks;
   blocks.cellType = cellType;
   blocks.width = 10.0; // so that the moment of the shear changes pressures little
-  blocks.young = young;
+  blocks.modulus = modulus;
   blocks.friction = roughness;
   return blocks;
 }
@@ -613,17 +613,18 @@ Blocks pressedBlocks(CellType cellType, double young) {
 // that are stiffer than softening is steep follow all of it. There is no answer in which friction acts from
 // an earlier slip: it would hold the point where it is not broken.
 TEST(Adhesion, friction_takes_over_where_a_point_breaks) {
-  constexpr double young = 50.0, tolerance = 1e-6;
+  constexpr double modulus = 50.0, tolerance = 1e-6;
   for (const auto& [cellType, along] : {std::pair(CellType::Quadrilateral4, Point{1.0, 1.0, 0.0}),
                                         std::pair(CellType::Hexahedron8, Point{0.8, -0.6, 1.0})}) {
     const bool inSpace = cellType == CellType::Hexahedron8;
-    const double area = inSpace ? 100.0 : 10.0, compliance = 4.0 / young;
+    const double area = inSpace ? 100.0 : 10.0, compliance = 4.0 / modulus;
     const double held = 0.4 * roughness; // of the shear, in the step in which it stands still
     std::vector<double> rights = {0.0, 0.08, 0.12, 0.16, 0.19};
     rights.push_back(slipAtEnd + compliance * held);
     rights.push_back(slipAtEnd + 2.0 * compliance * roughness);
-    const std::vector<double> ups(rights.size(), -2.0 / young);
-    const TestRun run = runScene(movedBlocks(pressedBlocks(cellType, young), along, ups, rights), tolerance);
+    const std::vector<double> ups(rights.size(), -2.0 / modulus);
+    const TestRun run =
+        runScene(movedBlocks(pressedBlocks(cellType, modulus), along, ups, rights), tolerance);
     ASSERT_TRUE(run.report.converged) << run.report.reason;
     const std::vector<run::StepRow> rows = wholeSteps(run.report);
     ASSERT_EQ(rows.size(), rights.size());
@@ -652,13 +653,14 @@ TEST(Adhesion, friction_takes_over_where_a_point_breaks) {
 // Bodies that are softer than softening is steep cannot follow: the interface snaps to friction, at once, and
 // the run says what that released.
 TEST(Adhesion, soft_bodies_snap_to_friction) {
-  constexpr double young = 8.0, tolerance = 1e-6;
+  constexpr double modulus = 8.0, tolerance = 1e-6;
   for (const auto& [cellType, along] : {std::pair(CellType::Quadrilateral4, Point{1.0, 1.0, 0.0}),
                                         std::pair(CellType::Hexahedron8, Point{0.8, -0.6, 1.0})}) {
     const bool inSpace = cellType == CellType::Hexahedron8;
     const double area = inSpace ? 100.0 : 10.0;
-    const std::vector<double> rights = {0.0, 0.3, 0.5, 0.7}, ups(rights.size(), -2.0 / young);
-    const TestRun run = runScene(movedBlocks(pressedBlocks(cellType, young), along, ups, rights), tolerance);
+    const std::vector<double> rights = {0.0, 0.3, 0.5, 0.7}, ups(rights.size(), -2.0 / modulus);
+    const TestRun run =
+        runScene(movedBlocks(pressedBlocks(cellType, modulus), along, ups, rights), tolerance);
     ASSERT_TRUE(run.report.converged) << run.report.reason;
     const run::StepRow& end = run.report.steps.back();
     EXPECT_EQ(end.broken, run.report.contactCounts.points);
