@@ -177,6 +177,8 @@ void Adhesion::soften(const std::vector<double>& state, const std::vector<Row>& 
     const DamageUpdate::Spring spring = DamageUpdate::spring(state, rows[k].place);
     if (damage[rows[k].place] == 1.0) {
       softness.reset();
+      if (const auto at = DamageUpdate::brokenAt(state, rows[k].place); at && rows[k].isLimited)
+        springs[k].brokenAt = (*at)[directions[k]] / root(directions[k]);
       continue;
     }
     *softness /= spring.stiffness[directions[k]];
@@ -232,8 +234,9 @@ double Adhesion::misfit(const std::vector<RowAnswer>& answer, const std::vector<
 }
 
 bool Adhesion::follow(const std::vector<Row>& rows, const std::vector<double>& openings,
-                      std::optional<double> steepness, std::vector<double>& trial) const {
-  return DamageUpdate(law_, trial).follow(pointsOf(rows, openings, DamageUpdate::points(trial)), steepness);
+                      std::optional<double> steepness, double known, std::vector<double>& trial) const {
+  return DamageUpdate(law_, trial)
+      .follow(pointsOf(rows, openings, DamageUpdate::points(trial)), steepness, known);
 }
 
 std::vector<double> Adhesion::damage(const std::vector<double>& state) const {

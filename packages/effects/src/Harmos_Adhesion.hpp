@@ -49,7 +49,7 @@ class Adhesion : public scene::Effect {
                                 const std::vector<double>& openings) const override;
   double misfit(const std::vector<RowAnswer>& answer, const std::vector<double>& trial) const override;
   bool follow(const std::vector<Row>& rows, const std::vector<double>& openings,
-              std::optional<double> steepness, std::vector<double>& trial) const override;
+              std::optional<double> steepness, double known, std::vector<double>& trial) const override;
   bool breaks() const override { return true; }
   std::vector<double> damage(const std::vector<double>& state) const override;
   double dissipated(const std::vector<double>& state) const override;

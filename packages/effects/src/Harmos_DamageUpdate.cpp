@@ -63,6 +63,17 @@ DamageUpdate::Spring DamageUpdate::spring(const std::vector<double>& numbers, st
   return spring;
 }
 
+std::optional<DamageUpdate::Stretch> DamageUpdate::brokenAt(const std::vector<double>& numbers,
+                                                            std::size_t point) {
+  const std::size_t n = points(numbers);
+  if (numbers[begun * n + point] == 1.0 || numbers[damages * n + point] < 1.0)
+    return std::nullopt;
+  Stretch at;
+  for (std::size_t d = 0; d < 3; ++d)
+    at[d] = numbers[(places + d) * n + point];
+  return at;
+}
+
 void DamageUpdate::beginStep() {
   std::fill_n(part(stiffnesses), 3 * points_, 0.0);
   std::copy_n(part(damages), points_, part(begun));
@@ -89,8 +100,10 @@ bool DamageUpdate::breakWorst(const std::vector<Point>& points, double tolerance
     worst = std::max(worst, strain(k));
   const bool breaks = worst > 1.0 + tolerance;
   for (std::size_t k = 0; k < points_ && breaks; ++k)
-    if (const double here = strain(k); here > 1.0 && here >= nearly * worst)
+    if (const double here = strain(k); here > 1.0 && here >= nearly * worst) {
       part(damages)[k] = 1.0;
+      place(k, points[k].stretch, 1.0 / here);
+    }
   account(points);
   return breaks;
 }
@@ -131,16 +144,35 @@ double DamageUpdate::misfit(const CohesiveLaw& law, const std::vector<double>& n
   return worst;
 }
 
-bool DamageUpdate::follow(const std::vector<Point>& points, std::optional<double> steepness) {
+void DamageUpdate::place(std::size_t k, const Stretch& stretch, double share) {
+  for (std::size_t d = 0; d < 3; ++d)
+    part(places + d)[k] = share * stretch[d];
+}
+
+bool DamageUpdate::staysBroken(std::size_t k, const Stretch& stretch, double known) const {
+  const CohesiveLaw::Opening opening = openingOf(stretch);
+  return part(damages)[k] == 1.0 && part(begun)[k] < 1.0 &&
+         (1.0 - law_.damage(opening)) * opening.size <= known * law_.onset(opening.share);
+}
+
+bool DamageUpdate::follow(const std::vector<Point>& points, std::optional<double> steepness, double known) {
   bool softens = false;
   keepModes(points);
   for (std::size_t k = 0; k < points_; ++k) {
     const Stretch& stretch = points[k].stretch;
-    part(damages)[k] = damageAt(law_, part(begun)[k], openingOf(stretch));
-    for (std::size_t d = 0; d < 3; ++d) {
-      part(places + d)[k] = stretch[d];
+    for (std::size_t d = 0; d < 3; ++d)
       part(stiffnesses + d)[k] = 0.0;
+    if (staysBroken(k, stretch, known)) {
+      softens = true;
+      continue;
     }
+    const CohesiveLaw::Opening opening = openingOf(stretch);
+    part(damages)[k] = damageAt(law_, part(begun)[k], opening);
+    // Of one that breaks: straight on it was there when it did.
+    const double share = part(damages)[k] == 1.0 && part(begun)[k] < 1.0
+                             ? std::min(1.0, law_.end(opening.share) / opening.size)
+                             : 1.0;
+    place(k, stretch, share);
     const bool doesIt = part(damages)[k] > part(begun)[k];
     softens = softens || doesIt;
     if (steepness && doesIt && part(damages)[k] < 1.0)

@@ -23,6 +23,12 @@ namespace Harmos::effects {
 /// openings and what θ says run::Softening. What a point has opened on the way is nothing that it remembers:
 /// damage is d_0 at least, and what the answer says.
 ///
+/// A point that breaks while friction waits for it is where the law ends: bodies need no more than friction
+/// may bear, and no less than nothing, to hold it there. So friction takes over from that slip, not from
+/// where the step began; the point stays broken unless it goes back by more than tractions are known to.
+/// (With friction from the beginning of the step on it would be held where it is not broken, be freed again,
+/// slip and break, for ever.)
+///
 /// The brittle law breaks what is beyond its strength by at least nine tenths of what the worst point is.
 ///
 /// All members are local. Guarded by tests/unit/effects/test_damage_update.cpp.
@@ -49,7 +55,9 @@ class DamageUpdate {
   bool breakWorst(const std::vector<Point>& answer, double tolerance);
   /// Damage of such openings; springs through the origin, or, where points soften, so many times as stiff as
   /// softening is steep, through traction and opening. @return whether any does.
-  bool follow(const std::vector<Point>& points, std::optional<double> steepness);
+  /// @param known to what tractions are, as a share of the strength: less than that brings no broken point
+  /// back.
+  bool follow(const std::vector<Point>& points, std::optional<double> steepness, double known);
 
   /// By the law, each divided by the root of its stiffness, from the damage with which the step began.
   static Stretch traction(const CohesiveLaw& law, const std::vector<double>& numbers, std::size_t point,
@@ -71,10 +79,14 @@ class DamageUpdate {
     Stretch stiffness = {}, unstretched = {};
   };
   static Spring spring(const std::vector<double>& numbers, std::size_t point);
+  /// Where a point broke, if it did so in the step.
+  static std::optional<Stretch> brokenAt(const std::vector<double>& numbers, std::size_t point);
 
  private:
   void keepModes(const std::vector<Point>& points);
+  void place(std::size_t k, const Stretch& stretch, double share);
   void linearise(std::size_t k, double steepness);
+  bool staysBroken(std::size_t k, const Stretch& stretch, double known) const;
   void account(const std::vector<Point>& points);
   double* part(std::size_t index) { return numbers_.data() + index * points_; }
   const double* part(std::size_t index) const { return numbers_.data() + index * points_; }

@@ -327,3 +327,47 @@ TEST(DamageUpdate, brittle_points_break_from_the_worst_on) {
   EXPECT_NEAR(DamageUpdate::dissipated(numbers), 3 * 2.0 * 0.5 / 1e3, 1e-15);
   EXPECT_NEAR(DamageUpdate::brokenShare(numbers), 0.25, 1e-12);
 }
+
+// A point that breaks was, on its way, where the law ends; there friction takes over. It stays broken as long
+// as what the law says is not more than tractions are known to, and in the next step is broken for good.
+TEST(DamageUpdate, broken_points_are_known_by_their_places) {
+  constexpr double last = 0.1, known = 1e-3;
+  const CohesiveLaw law = lawOf(100.0, last);
+  const double root = std::sqrt(100.0);
+  const auto slipped = [&](double slip) {
+    return std::vector<DamageUpdate::Point>{{1.0, {0.0, 0.6 * root * slip, -0.8 * root * slip}}};
+  };
+  std::vector<double> numbers(DamageUpdate::size(1), 0.0);
+  DamageUpdate update(law, numbers);
+  update.beginStep();
+  update.follow(slipped(0.9 * last), std::nullopt, known);
+  EXPECT_FALSE(DamageUpdate::brokenAt(numbers, 0));
+  update.follow(slipped(1.5 * last), std::nullopt, known);
+  const auto expectPlace = [&] {
+    const auto at = DamageUpdate::brokenAt(numbers, 0);
+    ASSERT_TRUE(at);
+    EXPECT_NEAR((*at)[1], 0.6 * root * last, 1e-12);
+    EXPECT_NEAR((*at)[2], -0.8 * root * last, 1e-12);
+  };
+  expectPlace();
+  // (1 − d)kδ = (last − δ)/(last − 0.01) of a strength of one.
+  const double slope = 1.0 / (last - 0.01);
+  update.follow(slipped(last - 0.9 * known / slope), std::nullopt, known);
+  EXPECT_EQ(*DamageUpdate::damage(numbers), 1.0);
+  expectPlace();
+  update.follow(slipped(last - 1.1 * known / slope), std::nullopt, known);
+  EXPECT_LT(*DamageUpdate::damage(numbers), 1.0);
+  EXPECT_FALSE(DamageUpdate::brokenAt(numbers, 0));
+  update.follow(slipped(1.5 * last), std::nullopt, known);
+  update.beginStep();
+  EXPECT_FALSE(DamageUpdate::brokenAt(numbers, 0));
+
+  const CohesiveLaw brittle = lawOf(100.0, last, CohesiveLaw::Kind::Brittle);
+  numbers.assign(DamageUpdate::size(1), 0.0);
+  DamageUpdate breaks(brittle, numbers);
+  breaks.beginStep();
+  EXPECT_TRUE(breaks.breakWorst(slipped(0.05), 1e-6));
+  const auto at = DamageUpdate::brokenAt(numbers, 0);
+  ASSERT_TRUE(at);
+  EXPECT_NEAR((*at)[1], 0.6 * root * 0.01, 1e-12);
+}

@@ -170,6 +170,33 @@ TEST(SoftRows, answers_of_a_dense_solver) {
       }
 }
 
+// Given as discs, which they become when softness goes: each row has its own softness until then.
+TEST(SoftRows, two_directions_of_different_softness) {
+  for (const char* weights : {"none", "auto"}) {
+    TestModel model = glued(1.0, true, true);
+    const long long points =
+        globalSum(*testComm(), static_cast<long long>(std::count_if(
+                                   model.rows.begin(), model.rows.end(), [](const ConstraintRow& row) {
+                                     return row.kind == ConstraintRow::Kind::Inequality;
+                                   })));
+    for (ConstraintRow& row : model.rows)
+      if (row.kind == ConstraintRow::Kind::Limited && row.number >= points)
+        row.softness = 0.01;
+    feti::FetiSolver solver(testComm(), model.subdomains, model.rows, parametersOf(weights));
+    const feti::SolveReport& report = solver.solve();
+    ASSERT_TRUE(report.converged) << report.reason;
+    EXPECT_FALSE(solver.constraints().hasDiscs() || solver.constraints().hasIntervals());
+    expectAnswer(solver, model, weights);
+    for (ConstraintRow& row : model.rows)
+      if (row.kind == ConstraintRow::Kind::Limited && row.number >= points)
+        row.softness.reset();
+    EXPECT_NE(inputErrorOf([&] {
+                feti::FetiSolver(testComm(), model.subdomains, model.rows, parametersOf(weights));
+              }).find("both of them with softness or none"),
+              std::string::npos);
+  }
+}
+
 // Of one softness, and of 1e-6 to 1e6 along the rows, not in order.
 TEST(SoftRows, products_do_not_depend_on_softness) {
   for (const char* weights : {"none", "auto"}) {

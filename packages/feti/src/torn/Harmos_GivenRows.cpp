@@ -255,13 +255,14 @@ std::vector<std::array<std::size_t, 2>> discsOf(const std::vector<ConstraintRow>
   for (const auto& [disc, members] : places) {
     const auto ofOneDisc = [](const ConstraintRow& a, const ConstraintRow& b) {
       return a.limit == b.limit && a.normal == b.normal && a.coefficient == b.coefficient &&
-             a.softness == b.softness;
+             a.softness.has_value() == b.softness.has_value();
     };
     if (members.size() != 2 || !ofOneDisc(rows[members[0]], rows[members[1]]))
-      throw InputError("disc " + std::to_string(disc) + " of limited rows has " +
-                           std::to_string(members.size()) +
-                           " of them on this rank; give two rows of one limit and softness, on the same rank",
-                       {{"disc", std::to_string(disc)}});
+      throw InputError(
+          "disc " + std::to_string(disc) + " of limited rows has " + std::to_string(members.size()) +
+              " of them on this rank, or two that do not go together; give two rows of one limit, "
+              "both of them with softness or none, on the same rank",
+          {{"disc", std::to_string(disc)}});
     pairs.push_back({members[0], members[1]});
   }
   return pairs;

@@ -54,6 +54,7 @@ GivenRow givenRow(const ConstraintRow& row, const DofCopies::Answers& answers, D
 std::string dofText(const Copy& copy);
 
 /// Given rows that have one disc, by their places among the rows of this rank; in the order of discs.
+/// While they are soft their limits do not count, and each has its own softness.
 /// @throws InputError for a disc of which there are not two rows, and for limits that are no radius of it.
 std::vector<std::array<std::size_t, 2>> discsOf(const std::vector<ConstraintRow>& rows);
 

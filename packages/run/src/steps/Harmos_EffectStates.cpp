@@ -286,6 +286,7 @@ EffectStates::Rows EffectStates::applied() const {
       rows.slipSoftness[bond.firstSlip + t] = bond.tangentialSoftness;
   }
   std::vector<double> slipUnstretched(rows.slip.size(), 0.0);
+  std::vector<std::optional<double>> brokenAt(rows.slip.size());
   for (const State& state : states_) {
     const std::vector<double> own = shiftsBy(state);
     std::vector<scene::Effect::Spring> springs;
@@ -295,17 +296,21 @@ EffectStates::Rows EffectStates::applied() const {
     };
     for (std::size_t k = 0; k < own.size(); ++k) {
       place(k, rows.shift, rows.slip) += own[k];
-      springs.push_back({place(k, rows.softness, rows.slipSoftness), 0.0});
+      springs.push_back({place(k, rows.softness, rows.slipSoftness), 0.0, std::nullopt});
     }
     state.effect->soften(state.trial, state.rows, springs);
     for (std::size_t k = 0; k < own.size(); ++k) {
       place(k, rows.softness, rows.slipSoftness) = springs[k].softness;
       place(k, rows.unstretched, slipUnstretched) += springs[k].unstretched;
+      if (springs[k].brokenAt)
+        brokenAt[state.limited[k - state.points.size()]] = springs[k].brokenAt;
     }
   }
   for (std::size_t k = 0; k < rows.slip.size(); ++k)
     if (rows.slipSoftness[k]) // of friction that takes over one day
       rows.slip[k] = slipUnstretched[k];
+    else if (brokenAt[k])
+      rows.slip[k] = *brokenAt[k];
   return rows;
 }
 

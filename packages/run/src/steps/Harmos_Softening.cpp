@@ -33,12 +33,13 @@ bool isThroughOrigin(const Effect::RowAnswer& row) {
 }
 
 bool follow(const std::vector<Softening::Part>& parts, const std::vector<double>& openings,
-            std::optional<double> times) {
+            std::optional<double> times, double known) {
   bool softens = false;
   std::size_t begin = 0;
   for (const Softening::Part& part : parts) {
-    softens = part.effect->follow(*part.rows, cut(openings, begin, part.rows->size()), times, *part.trial) ||
-              softens;
+    softens =
+        part.effect->follow(*part.rows, cut(openings, begin, part.rows->size()), times, known, *part.trial) ||
+        softens;
     begin += part.rows->size();
   }
   return softens;
@@ -63,7 +64,7 @@ void Softening::begin(const std::vector<Part>& parts, std::optional<double> adva
   std::vector<double> openings = accepted_[1].openings;
   for (std::size_t k = 0; k < openings.size(); ++k)
     openings[k] += *advance * (openings[k] - accepted_[0].openings[k]);
-  isOnTheWay_ = follow(parts, openings, steepness);
+  isOnTheWay_ = follow(parts, openings, steepness, 0.0);
   if (!isOnTheWay_ || accepted_[1].multipliers.multiplier.is_null())
     return;
   const feti::WarmStart &before = accepted_[0].multipliers, &now = accepted_[1].multipliers;
@@ -148,14 +149,14 @@ bool Softening::update(const std::vector<Part>& parts, const feti::WarmStart& mu
   if (isThere) {
     agreed_ += 1.0;
     isOnTheWay_ = false;
-    follow(parts, openings, std::nullopt);
+    follow(parts, openings, std::nullopt, known(tolerance));
     return true;
   }
   isOnTheWay_ = true;
   const AnswerSpan::Found found =
       span_.settle([&](const std::vector<double>& there) { return forces(parts, there); });
   start_ = found.multipliers;
-  follow(parts, found.openings, steepness);
+  follow(parts, found.openings, steepness, known(tolerance));
   return true;
 }
 

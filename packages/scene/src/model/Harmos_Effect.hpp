@@ -128,10 +128,12 @@ class Effect {
     double hold() const;
   };
   /// What holds a row: ConstraintRow::softness, and by how much Bu is beyond the bound that the row was made
-  /// with where it has no force.
+  /// with where it has no force. Of a limited row whose spring broke in this step: at which slip, from where
+  /// friction takes over.
   struct Spring {
     std::optional<double> softness;
     double unstretched = 0.0;
+    std::optional<double> brokenAt = std::nullopt;
   };
   /// How many numbers it keeps, with so many inequality rows and limited ones; they are zero before the first
   /// step.
@@ -169,9 +171,11 @@ class Effect {
   }
   /// The damage of such openings, and springs: with it, through the origin; or where points soften through
   /// force and opening, so many times as stiff as softening is steep.
+  /// @param known to what tractions are, as a share of the strength.
   /// @return whether any of them softens.
   virtual bool follow(const std::vector<Row>& /*rows*/, const std::vector<double>& /*openings*/,
-                      std::optional<double> /*steepness*/, std::vector<double>& /*trial*/) const {
+                      std::optional<double> /*steepness*/, double /*known*/,
+                      std::vector<double>& /*trial*/) const {
     return false;
   }
 
