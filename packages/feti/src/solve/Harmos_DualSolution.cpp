@@ -3,6 +3,7 @@
 
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_KeptAnswer.hpp"
 #include "Harmos_Qp.hpp"
 #include "Harmos_SolveWatch.hpp"
 #include "Harmos_TrilinosVersion.hpp"
@@ -166,6 +167,7 @@ class DualSolve {
   void makeSolver();
   Teuchos::RCP<Teuchos::ParameterList> parametersOf(const std::string& method) const;
   bool isAccepted();
+  void takeKept();
   void begin();
   void announce() const;
   void conclude();
@@ -195,6 +197,7 @@ class DualSolve {
   std::string method_;
   Teuchos::RCP<qp::TpetraSolverManager> solver_;
   Test test_;
+  Details::KeptAnswer kept_;
 };
 
 void DualSolve::guess(const WarmStart* start) {
@@ -423,13 +426,23 @@ bool DualSolve::isAccepted() {
     met = std::max(met, tolerance_ * test_.equality->value() / test_.equality->limit());
   if (deflation_)
     deflation_->complete(dual_.d(), *solution_.lambda);
-  const std::optional<double> next =
+  const Verdict verdict =
       acceptance_(*solution_.lambda, valuesOf(multiplier_), std::isfinite(met) ? met : tolerance_);
-  if (!next)
+  kept_.forget();
+  if (!verdict.next)
     return true;
-  tolerance_ = *next;
+  if (verdict.isEnough)
+    kept_.keep(*solution_.lambda, multiplier_, test_.gradient->value(),
+               test_.equality.is_null() ? 0.0 : test_.equality->value());
+  tolerance_ = *verdict.next;
   setTolerance();
   return false;
+}
+
+void DualSolve::takeKept() {
+  const std::string reason = qp::toString(report_.result.reason);
+  if (kept_.replace(report_.result, *solution_.lambda, multiplier_))
+    log_.info("The solver comes no further (" + reason + "): the answer that met the tolerance is taken");
 }
 
 void DualSolve::begin() {
@@ -453,9 +466,14 @@ void DualSolve::begin() {
                       }});
   if (mayAdapt || mayLeave || !monitor_.is_null())
     solver_->setMonitor(Teuchos::rcpFromRef<qp::SolverMonitor<MultiVector>>(watch_));
+  watch_.alsoKeep([this](qp::StateArchive<MultiVector>& archive) {
+    kept_.exchange(archive, *solution_.lambda, multiplier_);
+  });
   if (!watch_.hasState())
     return;
   watch_.restore([this](qp::StateArchive<MultiVector>& archive) { watch_.exchange(archive); });
+  if (tolerance_ == asked_.tolerance) // another one was asked for then
+    kept_.forget();
   setTolerance();
 }
 
@@ -471,6 +489,7 @@ void DualSolve::announce() const {
 void DualSolve::conclude() {
   if (deflation_)
     deflation_->complete(dual_.d(), *solution_.lambda);
+  takeKept();
   report_.result.counters.setupApplications += dual_.setupApplications();
   report_.solved = true;
   if (!test_.equality.is_null())

@@ -78,9 +78,16 @@ class DualMonitor : public qp::SolverMonitor<MultiVector> {
   virtual void goesOnAfter(const qp::IterationRecord& /*last*/) {}
 };
 
-/// Is asked about λ and μ that just meet a tolerance: the tolerance to go on to, or nothing. Collective.
-using Acceptance = std::function<std::optional<double>(const MultiVector& lambda,
-                                                       const std::vector<double>& mu, double tolerance)>;
+/// What an acceptance says of an answer.
+struct Verdict {
+  std::optional<double> next; ///< the tolerance to go on to; nothing: the answer is accepted
+  /// With a tolerance to go on to: the answer is accepted all the same if the solver comes no further.
+  bool isEnough = false;
+};
+
+/// Is asked about λ and μ that just meet a tolerance. Collective.
+using Acceptance =
+    std::function<Verdict(const MultiVector& lambda, const std::vector<double>& mu, double tolerance)>;
 
 /// Hands the dual problem to the quadratic programming layer, with the solver, stopping rule and
 /// preconditioner of the options, and puts what became of it into the report.

@@ -111,6 +111,12 @@ std::string toJson(const RunReport& report) {
     json["estimated_errors"]["solver"] = number(ratio(report.solverError, report.audit.energyNorm));
   if (report.discretisationError > 0.0)
     json["estimated_errors"]["discretisation"] = number(report.discretisationError);
+  if (!report.pairErrors.empty()) {
+    double largest = 0.0;
+    for (const PairError& pair : report.pairErrors)
+      largest = pair.force > 0.0 ? std::max(largest, pair.relative()) : largest;
+    json["estimated_errors"]["forces"] = number(largest);
+  }
   json["stopping_rule"] = report.stoppingRule;
   json["tolerance_projected_gradient"] = number(report.tolerance * report.gradientScale);
   json["tolerance_equality_residual"] = number(report.tolerance * report.equalityScale);
@@ -132,6 +138,8 @@ std::string toJson(const RunReport& report) {
       entry["normal"] = numbers(effect.normal);
       entry["tangential"] = numbers(effect.tangential);
     }
+    if (effect.error)
+      entry["estimated_error"] = number(*effect.error);
   }
   json["steps"] = nlohmann::ordered_json::array();
   for (const StepRow& row : report.steps)
@@ -180,9 +188,46 @@ StepRow stepRow(const RunReport& report, const EnergyAccount& energy) {
   return row;
 }
 
+namespace {
+
+double balancedShare(const RunReport& report) {
+  return std::min(report.allowedError, 0.1);
+}
+
+double auditShare(const RunReport& report) {
+  return std::max(feti::auditShare(report.tolerance), balancedShare(report));
+}
+
+} // namespace
+
+double allowedForceError(const RunReport& report, const PairError& pair) {
+  constexpr double leastForce = 1e-5;
+  // As auditAgrees() has it for forces out of balance.
+  constexpr double rounding = 1e-13;
+  const feti::KktAudit& audit = report.audit;
+  return auditShare(report) * std::max(pair.force, leastForce * audit.forces) +
+         rounding * audit.displacementForce + report.gapRounding * audit.unitForce;
+}
+
+std::string doubtfulForces(const RunReport& report) {
+  constexpr std::size_t most = 10;
+  const double share = std::max(auditShare(report), 0.01);
+  std::string names;
+  std::size_t count = 0;
+  for (const PairError& pair : report.pairErrors)
+    if (pair.force > 0.0 && pair.relative() > share && count++ < most)
+      names += (names.empty() ? "\"" : ", \"") + pair.path + "\" (" + scientific(pair.relative(), 0) + ")";
+  if (count > most)
+    names += " and " + std::to_string(count - most) + " more";
+  return count == 0 ? ""
+                    : "Forces that may be wrong by a large share of themselves: " + names +
+                          "; they are small beside all forces of the scene. A smaller \"Solver/Tolerance\" "
+                          "helps as far as rounding errors allow";
+}
+
 bool auditAgrees(const RunReport& report) {
-  const double balanced = std::min(report.allowedError, 0.1);
-  const double share = std::max(feti::auditShare(report.tolerance), balanced);
+  const double balanced = balancedShare(report);
+  const double share = auditShare(report);
   const double energyShare = std::max(feti::energyErrorShare(report.tolerance), balanced);
   return feti::auditAgrees(report.audit,
                            {share, report.gapRounding, report.localDefect, report.solverError, energyShare});

@@ -227,6 +227,9 @@ std::string forcesText(const Forces& forces) {
        << "  " << std::left << std::setw(static_cast<int>(width)) << "" << std::right;
   for (const char* name : {"x", "y", "z", "moment x", "moment y", "moment z"})
     text << std::setw(12) << name;
+  if (std::any_of(forces.effects.begin(), forces.effects.begin() + static_cast<std::ptrdiff_t>(shown),
+                  [](const Forces::Of& effect) { return effect.error.has_value(); }))
+    text << std::setw(12) << "error about";
   for (std::size_t k = 0; k < shown; ++k) {
     const Forces::Of& effect = forces.effects[k];
     const auto tell = [&](const std::string& name, const std::vector<const Point*>& vectors) {
@@ -236,6 +239,8 @@ std::string forcesText(const Forces& forces) {
           text << std::setw(12) << scientific(component, 3);
     };
     tell(effect.path, {&effect.resultant.force, &effect.resultant.moment});
+    if (effect.error)
+      text << std::setw(12) << scientific(*effect.error, 1);
     if (effect.hasFriction) {
       tell("  normal", {&effect.normal});
       tell("  tangential", {&effect.tangential});
