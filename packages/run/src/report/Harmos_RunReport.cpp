@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <limits>
 #include <sstream>
 
 namespace Harmos::run {
@@ -155,6 +156,7 @@ std::string toJson(const RunReport& report) {
   json["restarted_from"] = report.restartedFrom;
   json["checkpoints"] = report.checkpoints;
   json["dual_operator"] = report.dualOperator;
+  json["attainable_accuracy"] = number(attainableAccuracy(report));
   json["local_condition"] = number(report.localCondition);
   json["dual_operator_mib"] = number(report.dualOperatorMiB);
   json["solver"] = report.solver;
@@ -199,6 +201,38 @@ double auditShare(const RunReport& report) {
 }
 
 } // namespace
+
+namespace {
+
+double matrixRounding(const RunReport& report) {
+  return 0.5 * std::numeric_limits<double>::epsilon() * report.localCondition;
+}
+
+} // namespace
+
+double attainableAccuracy(const RunReport& report) {
+  return std::max(matrixRounding(report), report.openingRounding);
+}
+
+std::string attainableText(const RunReport& report) {
+  std::string text;
+  if (const double share = matrixRounding(report); share > report.tolerance)
+    text = "Attainable accuracy: rounding errors of a subdomain's matrix change its softest motions by a share "
+           "of " +
+           scientific(share, 0) + " and more, its condition number being " +
+           scientific(report.localCondition, 0) + " at least, and the tolerance is " +
+           scientific(report.tolerance, 0) +
+           "; a stiff body on a soft foundation, thin cells and jumps of materials do this; forces are out of "
+           "balance by " +
+           scientific(report.forces.balance, 0);
+  if (const double share = report.openingRounding; share > report.tolerance)
+    text += (text.empty() ? "" : "\n") +
+            ("Attainable accuracy: springs open so far beside what bodies are strained by that rounding errors "
+             "of the openings are " +
+             scientific(share, 0) + " of that, and the tolerance is " + scientific(report.tolerance, 0) +
+             "; openings and forces of the springs are not concerned");
+  return text;
+}
 
 double allowedForceError(const RunReport& report, const PairError& pair) {
   constexpr double leastForce = 1e-5;

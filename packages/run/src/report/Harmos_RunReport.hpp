@@ -101,6 +101,14 @@ double allowedForceError(const RunReport& report, const PairError& pair);
 /// sentences, "" for none.
 std::string doubtfulForces(const RunReport& report);
 
+/// What share rounding errors leave of an answer's accuracy at least, by estimate: K is known to rounding
+/// errors, and what they do to the softest motions of a subdomain is κ times as large, a stiff body's on soft
+/// springs for instance; and openings of springs have rounding errors that may be large beside strains.
+double attainableAccuracy(const RunReport& report);
+
+/// Why that is above the tolerance: sentences, "" where it is not.
+std::string attainableText(const RunReport& report);
+
 /// The audit and the timing, for people.
 std::string auditText(const RunReport& report);
 std::string timingText(const RunReport& report, const std::vector<std::string>& stages);

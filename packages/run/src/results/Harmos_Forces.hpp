@@ -33,7 +33,8 @@ struct Forces {
   std::vector<Of> effects;
   /// |Σ of all loads and reactions| / Σ of their sizes, node by node; moments take no part.
   double balance = 0.0;
-  double size = 0.0; ///< Σ of their sizes
+  double size = 0.0;  ///< Σ of their sizes
+  double known = 0.0; ///< of it loads and springs, which are no differences of large numbers
 };
 
 /// Resultants of a solution, from the rows of B in full: what they are at prescribed values, too. A dof that
