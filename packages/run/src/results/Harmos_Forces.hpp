@@ -26,7 +26,7 @@ struct Forces {
     bool hasFriction = false;
     fem::Point normal{}, tangential{}; ///< what the force is made of, with friction
     /// How wrong the forces at the nodes are, as a share of them, by estimate: of contacts, obstacles and ties.
-    std::optional<double> error;
+    std::optional<double> error{};
   };
   /// Of each effect that exerts a force, in the order of the scene: by a prescribed displacement, an obstacle
   /// or a foundation on the body; by the second body of a contact or tie on the first.
