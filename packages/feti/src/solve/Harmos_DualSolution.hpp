@@ -33,11 +33,11 @@ struct SolveReport {
   bool converged = false;
   std::string reason = "not finished";
   qp::Result result;
-  double gradientScale = 0.0;   ///< ‖g^P‖ is measured against it
-  double equalityScale = 0.0;   ///< ‖Gλ‖ likewise, 0 without a coarse problem
-  double dNorm = 0.0;           ///< ‖d‖
-  /// Where ‖g^P‖ came down to the rounding errors of what rows give way by, and not to the tolerance: these as
-  /// a share of the rule's scale. gradientScale is what they amount to then.
+  double gradientScale = 0.0; ///< ‖g^P‖ is measured against it
+  double equalityScale = 0.0; ///< ‖Gλ‖ likewise, 0 without a coarse problem
+  double dNorm = 0.0;         ///< ‖d‖
+  /// Where ‖g^P‖ came down to the rounding errors of what rows give way by, and not to the tolerance: these
+  /// as a share of the rule's scale. gradientScale is what they amount to then.
   double openingRounding = 0.0;
   int adaptiveVectors = 0;      ///< that the solver had in the end
   double adaptiveSeconds = 0.0; ///< that they took to make

@@ -29,7 +29,7 @@ struct ForceError {
 /// @param jumps r, see keepErrors(). @param correction M⁻¹r. @param groupOf each given row of this rank, −1
 /// for none.
 /// @return of each group, the same on all ranks. @note Collective.
-/// Guarded by tests/unit/feti/test_force_errors.cpp.
+/// Guarded by tests/unit/feti/solve/test_force_errors.cpp.
 std::vector<ForceError> forceErrors(const Constraints& constraints, const MultiVector& multiplier,
                                     const MultiVector& jumps, const MultiVector& correction,
                                     const std::vector<int>& groupOf, int groups);

@@ -14,8 +14,7 @@ void KeptAnswer::keep(const MultiVector& lambda, const Teuchos::RCP<const MultiV
            equality};
 }
 
-bool KeptAnswer::replace(qp::Result& result, MultiVector& lambda,
-                         const Teuchos::RCP<MultiVector>& mu) const {
+bool KeptAnswer::replace(qp::Result& result, MultiVector& lambda, const Teuchos::RCP<MultiVector>& mu) const {
   if (!kept_ || result.converged() || result.reason == qp::Reason::Interrupted)
     return false;
   Tpetra::deep_copy(lambda, *kept_->lambda);

@@ -11,10 +11,10 @@
 
 namespace Harmos::feti::Details {
 
-/// An answer that met what was asked of the solver, kept while the solver goes on to a smaller tolerance: what
-/// is returned if it comes no further.
+/// An answer that met what was asked of the solver, kept while the solver goes on to a smaller tolerance:
+/// what is returned if it comes no further.
 ///
-/// Guarded by tests/unit/feti/test_kept_answer.cpp.
+/// Guarded by tests/unit/feti/solve/test_kept_answer.cpp.
 class KeptAnswer {
  public:
   bool isThere() const { return kept_.has_value(); }

@@ -15,7 +15,7 @@ namespace Harmos::feti::Details {
 /// what is left are their rounding errors. Where only these are asked about, ‖Pd‖ stays the measure: strains
 /// of the stiff body are of its size, and ε times the openings may be more than all of them.
 ///
-/// Guarded by tests/unit/feti/test_stopping_test.cpp.
+/// Guarded by tests/unit/feti/solve/test_stopping_test.cpp.
 class GradientTest : public qp::StatusTestProjectedGradient<MultiVector> {
  public:
   /// Rounding errors of g at an iterate. Collective; asked only where the rest does not pass.

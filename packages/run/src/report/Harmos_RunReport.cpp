@@ -217,20 +217,22 @@ double attainableAccuracy(const RunReport& report) {
 std::string attainableText(const RunReport& report) {
   std::string text;
   if (const double share = matrixRounding(report); share > report.tolerance)
-    text = "Attainable accuracy: rounding errors of a subdomain's matrix change its softest motions by a share "
-           "of " +
-           scientific(share, 0) + " and more, its condition number being " +
-           scientific(report.localCondition, 0) + " at least, and the tolerance is " +
-           scientific(report.tolerance, 0) +
-           "; a stiff body on a soft foundation, thin cells and jumps of materials do this; forces are out of "
-           "balance by " +
-           scientific(report.forces.balance, 0);
+    text =
+        "Attainable accuracy: rounding errors of a subdomain's matrix change its softest motions by a share "
+        "of " +
+        scientific(share, 0) + " and more, its condition number being " +
+        scientific(report.localCondition, 0) + " at least, and the tolerance is " +
+        scientific(report.tolerance, 0) +
+        "; a stiff body on a soft foundation, thin cells and jumps of materials do this; forces are out of "
+        "balance by " +
+        scientific(report.forces.balance, 0);
   if (const double share = report.openingRounding; share > report.tolerance)
-    text += (text.empty() ? "" : "\n") +
-            ("Attainable accuracy: springs open so far beside what bodies are strained by that rounding errors "
-             "of the openings are " +
-             scientific(share, 0) + " of that, and the tolerance is " + scientific(report.tolerance, 0) +
-             "; openings and forces of the springs are not concerned");
+    text +=
+        (text.empty() ? "" : "\n") +
+        ("Attainable accuracy: springs open so far beside what bodies are strained by that rounding errors "
+         "of the openings are " +
+         scientific(share, 0) + " of that, and the tolerance is " + scientific(report.tolerance, 0) +
+         "; openings and forces of the springs are not concerned");
   return text;
 }
 

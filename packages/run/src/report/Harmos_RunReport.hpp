@@ -52,10 +52,10 @@ struct RunReport : feti::SolveReport {
   double tolerance = 0.0;        ///< asked for, or chosen by the rule "balanced"
   double reachedTolerance = 0.0; ///< below that, where the audit asked for more
   // Estimates in the energy norm; 0 where they were not made.
-  double solverError = 0.0;         ///< with a preconditioner; see AnswerCheck
-  double discretisationError = 0.0; ///< rule "balanced" only, relative to the solution
-  double allowedError = 0.0;        ///< likewise: what that rule allows the solver
-  double gapRounding = 0.0;         ///< gaps are known up to this: they are differences of coordinates
+  double solverError = 0.0;          ///< with a preconditioner; see AnswerCheck
+  double discretisationError = 0.0;  ///< rule "balanced" only, relative to the solution
+  double allowedError = 0.0;         ///< likewise: what that rule allows the solver
+  double gapRounding = 0.0;          ///< gaps are known up to this: they are differences of coordinates
   std::vector<PairError> pairErrors; ///< estimates, of each effect with rows, in the order of the scene
   bool audited = false;
   feti::KktAudit audit;
@@ -89,12 +89,11 @@ std::string toJson(const RunReport& report);
 /// Guarded by tests/unit/run/test_pipeline.cpp.
 bool auditAgrees(const RunReport& report);
 
-/// What the acceptance of an answer allows the error of a pair's forces to be, in a run that has been audited:
-/// as share of these forces what auditAgrees() allows jumps of displacements, a hundred tolerances and a tenth
-/// at most. Of forces below 1e-5 of all forces of the scene that share of 1e-5: what presses that little may
-/// press by nothing but rounding errors, and there would be no end. Beside it what rounding errors of
-/// displacements and gaps make of forces.
-/// Guarded by tests/unit/run/test_pair_errors.cpp.
+/// What the acceptance of an answer allows the error of a pair's forces to be, in a run that has been
+/// audited: as share of these forces what auditAgrees() allows jumps of displacements, a hundred tolerances
+/// and a tenth at most. Of forces below 1e-5 of all forces of the scene that share of 1e-5: what presses that
+/// little may press by nothing but rounding errors, and there would be no end. Beside it what rounding errors
+/// of displacements and gaps make of forces. Guarded by tests/unit/run/test_pair_errors.cpp.
 double allowedForceError(const RunReport& report, const PairError& pair);
 
 /// Which pairs have forces that may be wrong by a share of more than 0.01, and than auditAgrees() allows:

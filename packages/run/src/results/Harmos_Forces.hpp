@@ -25,7 +25,8 @@ struct Forces {
     Resultant resultant;
     bool hasFriction = false;
     fem::Point normal{}, tangential{}; ///< what the force is made of, with friction
-    /// How wrong the forces at the nodes are, as a share of them, by estimate: of contacts, obstacles and ties.
+    /// How wrong the forces at the nodes are, as a share of them, by estimate: of contacts, obstacles and
+    /// ties.
     std::optional<double> error{};
   };
   /// Of each effect that exerts a force, in the order of the scene: by a prescribed displacement, an obstacle

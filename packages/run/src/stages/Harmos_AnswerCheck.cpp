@@ -54,7 +54,8 @@ double firstBalancedTolerance() {
 
 AnswerCheck::AnswerCheck(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
                          const std::vector<scene::OwnedSubdomain>& owned, const feti::DualStages& stages,
-                         const scene::ContactSetup& contact, const RunOptions& options, double time, const Log& log, RunReport& report)
+                         const scene::ContactSetup& contact, const RunOptions& options, double time,
+                         const Log& log, RunReport& report)
     : comm_(comm),
       scene_(scene),
       owned_(owned),
@@ -144,8 +145,7 @@ std::optional<double> AnswerCheck::balance(double tolerance) {
   return tolerance * std::clamp(0.7 * allowed / solver, 0.01, 1.0 / 3.0);
 }
 
-feti::Verdict AnswerCheck::judge(const MultiVector& lambda, const std::vector<double>& mu,
-                                 double tolerance) {
+feti::Verdict AnswerCheck::judge(const MultiVector& lambda, const std::vector<double>& mu, double tolerance) {
   recover(lambda, mu);
   report_.reachedTolerance = tolerance;
   std::optional<double> next = improve(tolerance);
@@ -168,8 +168,8 @@ std::optional<double> AnswerCheck::improveForces(double tolerance) {
         pair.error * allowedForceError(report_, *worst) > worst->error * allowedForceError(report_, pair))
       worst = &pair;
   log_.info("The forces of \"" + worst->path + "\" may be wrong by a share of " +
-            scientific(worst->relative(), 1) + " (they are " + scientific(worst->force) +
-            ", of all forces " + scientific(report_.audit.forces) + "): going on to a smaller tolerance");
+            scientific(worst->relative(), 1) + " (they are " + scientific(worst->force) + ", of all forces " +
+            scientific(report_.audit.forces) + "): going on to a smaller tolerance");
   // Errors fall about like residuals, and the estimate of a bad answer is bad itself.
   return tolerance * std::clamp(0.5 / excess, 0.01, 0.5);
 }

@@ -17,12 +17,12 @@ namespace Harmos::run {
 
 /// Looks from the primal side at answers that meet the solver's tolerance, and says whether to go on.
 ///
-/// Three reasons to go on. The audit contradicts the answer (auditAgrees()): residuals of the dual problem are
-/// no measure of the jumps of u where the condition of F is bad. The forces of a contact, an obstacle or a tie
-/// are wrong by more than allowedForceError(), by the estimate of feti::forceErrors(): residuals are measured
-/// against the whole load, of which a small contact has a small share. An answer that the audit agrees with
-/// is taken all the same if the solver comes no further. And, by the tolerance rule "balanced", the solver's
-/// error is still more than its share of the discretisation error:
+/// Three reasons to go on. The audit contradicts the answer (auditAgrees()): residuals of the dual problem
+/// are no measure of the jumps of u where the condition of F is bad. The forces of a contact, an obstacle or
+/// a tie are wrong by more than allowedForceError(), by the estimate of feti::forceErrors(): residuals are
+/// measured against the whole load, of which a small contact has a small share. An answer that the audit
+/// agrees with is taken all the same if the solver comes no further. And, by the tolerance rule "balanced",
+/// the solver's error is still more than its share of the discretisation error:
 ///
 ///  - the solver's error in the energy norm is at most ‖u − v‖, where u is in equilibrium with the
 ///  multipliers
@@ -39,7 +39,8 @@ class AnswerCheck {
   /// @param time of the loads.
   AnswerCheck(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
               const std::vector<scene::OwnedSubdomain>& owned, const feti::DualStages& stages,
-              const scene::ContactSetup& contact, const RunOptions& options, double time, const Log& log, RunReport& report);
+              const scene::ContactSetup& contact, const RunOptions& options, double time, const Log& log,
+              RunReport& report);
 
   /// @param lambda, mu an answer; @param tolerance that it meets.
   /// @return the tolerance to go on to; nothing if the answer is accepted, or going on would not help.

@@ -40,8 +40,8 @@ qp::Result ended(qp::Reason reason) {
 } // namespace
 
 TEST(KeptAnswer, takes_the_place_of_what_came_no_further) {
-  for (const qp::Reason reason : {qp::Reason::Stagnation, qp::Reason::IterationLimit, qp::Reason::TimeLimit,
-                                  qp::Reason::Breakdown}) {
+  for (const qp::Reason reason :
+       {qp::Reason::Stagnation, qp::Reason::IterationLimit, qp::Reason::TimeLimit, qp::Reason::Breakdown}) {
     const auto lambda = vectorOf(1.0), mu = vectorOf(2.0);
     Details::KeptAnswer kept;
     kept.keep(*lambda, mu, 0.5, 0.25);
