@@ -4,6 +4,7 @@
 
 #include "Harmos_KeptAnswer.hpp"
 #include "Harmos_MemoryArchive.hpp"
+#include "Harmos_Qp.hpp"
 #include "Harmos_TestComm.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
