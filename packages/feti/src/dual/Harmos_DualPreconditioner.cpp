@@ -319,6 +319,7 @@ DualPreconditioner::DualPreconditioner(const SubdomainSystem& system, const Cons
                                        const LocalInverses& inverses, PreconditionerKind kind,
                                        PreconditionerScaling scaling)
     : SubdomainSum(makeSum(system, constraints, inverses, kind, scaling)),
+      kind_(kind),
       clusters_(inverses.joined() != nullptr ? inverses.joined()->sharedClusters() : nullptr) {
   if (!constraints.hasCompliance())
     return;

@@ -51,10 +51,13 @@ class DualPreconditioner : public SubdomainSum {
   DualPreconditioner(const SubdomainSystem& system, const Constraints& constraints,
                      const LocalInverses& inverses, PreconditionerKind kind, PreconditionerScaling scaling);
 
+  PreconditionerKind kind() const { return kind_; }
+
   void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
              Scalar alpha = 1.0, Scalar beta = 0.0) const override;
 
  private:
+  PreconditionerKind kind_;
   std::shared_ptr<const Clusters> clusters_; ///< or null
   std::vector<double> ofRows_;               ///< (I − T²)²C⁻¹; none where no row gives way
 };

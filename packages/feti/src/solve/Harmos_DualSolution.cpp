@@ -3,8 +3,10 @@
 
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_KeptAnswer.hpp"
 #include "Harmos_Qp.hpp"
 #include "Harmos_SolveWatch.hpp"
+#include "Harmos_StoppingTest.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
 #include <Tpetra_MultiVector.hpp>
@@ -12,8 +14,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
-#include <set>
 #include <sstream>
 
 namespace Harmos::feti {
@@ -22,7 +22,6 @@ namespace {
 using Details::slowness;
 using Details::SolveWatch;
 using Details::standstill;
-using StatusTestType = qp::StatusTest<MultiVector>;
 
 double norm(const MultiVector& x) {
   std::vector<double> result(1);
@@ -39,70 +38,6 @@ std::vector<double> valuesOf(const Teuchos::RCP<const MultiVector>& vector) {
   for (std::size_t k = 0; k < view.extent(0); ++k)
     values.push_back(view(k, 0));
   return values;
-}
-
-// Of a residual, in rounding errors of what it is made of; ten for sums.
-constexpr double attainable = 10.0 * std::numeric_limits<double>::epsilon();
-
-// The largest mean diagonal of a K_i: force over displacement of a dof. Collective.
-double stiffnessScale(const SubdomainSystem& system) {
-  std::set<const LocalMatrix*> known;
-  double largest = 0.0;
-  for (int i = 0; i < system.size(); ++i)
-    if (known.insert(&system.matrix(i)).second) {
-      double sum = 0.0;
-      for (double entry : system.diagonal(i))
-        sum += entry;
-      largest = std::max(largest, sum / std::max(1, system.matrix(i).rows()));
-    }
-  return globalMax(*system.comm(), largest);
-}
-
-// The convergence test of the stopping rule; the scales go to the report.
-struct Test {
-  Teuchos::RCP<StatusTestType> test;
-  Teuchos::RCP<qp::StatusTestProjectedGradient<MultiVector>> gradient;
-  Teuchos::RCP<qp::StatusTestEqualityResidual<MultiVector>> equality;
-};
-
-Test convergenceTest(const DualProblem& dual, const SolverOptions& options, double tolerance,
-                     double stiffness, double boundRounding, bool judgeEquality, SolveReport& report) {
-  report.dNorm = norm(dual.d());
-  report.gradientScale = options.stoppingRule == StoppingRule::Paper ? report.dNorm : norm(*dual.rhs());
-  // Bodies that are moved as a whole and strained by nothing have no forces, and residuals of rounding
-  // errors, of which no share is to be had: those of d, and what forces they stand for.
-  const double rounding = attainable * report.dNorm + boundRounding;
-  if (report.gradientScale <= rounding)
-    report.gradientScale = std::max(report.gradientScale, rounding / tolerance);
-  Test result;
-  result.gradient =
-      Teuchos::rcp(new qp::StatusTestProjectedGradient<MultiVector>(tolerance, report.gradientScale));
-  std::vector<Teuchos::RCP<StatusTestType>> tests = {result.gradient};
-  if (!dual.equalityRows().is_null()) {
-    using EqualityTest = qp::StatusTestEqualityResidual<MultiVector>;
-    switch (options.stoppingRule) {
-    case StoppingRule::Scaled:
-      report.equalityScale = norm(*dual.shift());
-      result.equality =
-          Teuchos::rcp(new EqualityTest(tolerance, report.equalityScale, dual.shift(), stiffness * rounding));
-      break;
-    case StoppingRule::Paper:
-      report.equalityScale = dual.scaledLoadNorm();
-      result.equality = Teuchos::rcp(
-          new EqualityTest(tolerance, report.equalityScale, Teuchos::null, stiffness * rounding));
-      break;
-    case StoppingRule::Permon:
-      report.equalityScale = norm(*dual.rhs());
-      result.equality = Teuchos::rcp(
-          new EqualityTest(tolerance, report.equalityScale, Teuchos::null, stiffness * rounding));
-      break;
-    }
-    if (judgeEquality)
-      tests.push_back(result.equality);
-  }
-  result.test = Teuchos::rcp(
-      new qp::StatusTestCombo<MultiVector>(qp::StatusTestCombo<MultiVector>::Type::Sequence, tests));
-  return result;
 }
 
 // One solution of the dual problem: where it starts, what the quadratic programming layer gets, what became
@@ -166,10 +101,12 @@ class DualSolve {
   void makeSolver();
   Teuchos::RCP<Teuchos::ParameterList> parametersOf(const std::string& method) const;
   bool isAccepted();
+  void takeKept();
   void begin();
   void announce() const;
   void conclude();
   void measureEquality();
+  void measureRounding();
   bool isPenalty() const { return method_ == "Dual Penalty"; }
   void setTolerance();
   bool startsNearest() const;
@@ -194,7 +131,8 @@ class DualSolve {
   Teuchos::RCP<qp::TpetraProblem> problem_;
   std::string method_;
   Teuchos::RCP<qp::TpetraSolverManager> solver_;
-  Test test_;
+  Details::StoppingTest test_;
+  Details::KeptAnswer kept_;
 };
 
 void DualSolve::guess(const WarmStart* start) {
@@ -377,8 +315,7 @@ void DualSolve::makeSolver() {
   method_ = options_.method == "Auto" ? Auto::choice(*problem_) : options_.method;
   solver_ = qp::TpetraSolverFactory().create(method_, parametersOf(method_));
   report_.solver = solver_->name();
-  test_ = convergenceTest(dual_, options_, tolerance_, stiffnessScale(stages_.system),
-                          stages_.constraints.boundRounding(), !isPenalty(), report_);
+  test_ = Details::stoppingTest(stages_, options_, tolerance_, !isPenalty(), report_);
   solver_->setConvergenceTest(test_.test);
   solver_->setLog(log_);
   solver_->setProblem(problem_);
@@ -423,13 +360,23 @@ bool DualSolve::isAccepted() {
     met = std::max(met, tolerance_ * test_.equality->value() / test_.equality->limit());
   if (deflation_)
     deflation_->complete(dual_.d(), *solution_.lambda);
-  const std::optional<double> next =
+  const Verdict verdict =
       acceptance_(*solution_.lambda, valuesOf(multiplier_), std::isfinite(met) ? met : tolerance_);
-  if (!next)
+  kept_.forget();
+  if (!verdict.next)
     return true;
-  tolerance_ = *next;
+  if (verdict.isEnough)
+    kept_.keep(*solution_.lambda, multiplier_, test_.gradient->value(),
+               test_.equality.is_null() ? 0.0 : test_.equality->value());
+  tolerance_ = *verdict.next;
   setTolerance();
   return false;
+}
+
+void DualSolve::takeKept() {
+  const std::string reason = qp::toString(report_.result.reason);
+  if (kept_.replace(report_.result, *solution_.lambda, multiplier_))
+    log_.info("The solver comes no further (" + reason + "): the answer that met the tolerance is taken");
 }
 
 void DualSolve::begin() {
@@ -453,9 +400,14 @@ void DualSolve::begin() {
                       }});
   if (mayAdapt || mayLeave || !monitor_.is_null())
     solver_->setMonitor(Teuchos::rcpFromRef<qp::SolverMonitor<MultiVector>>(watch_));
+  watch_.alsoKeep([this](qp::StateArchive<MultiVector>& archive) {
+    kept_.exchange(archive, *solution_.lambda, multiplier_);
+  });
   if (!watch_.hasState())
     return;
   watch_.restore([this](qp::StateArchive<MultiVector>& archive) { watch_.exchange(archive); });
+  if (tolerance_ == asked_.tolerance) // another one was asked for then
+    kept_.forget();
   setTolerance();
 }
 
@@ -471,8 +423,10 @@ void DualSolve::announce() const {
 void DualSolve::conclude() {
   if (deflation_)
     deflation_->complete(dual_.d(), *solution_.lambda);
+  takeKept();
   report_.result.counters.setupApplications += dual_.setupApplications();
   report_.solved = true;
+  measureRounding();
   if (!test_.equality.is_null())
     measureEquality();
   // y with yᵀGλ > 0 for all admissible λ: forces of one sign act on the motion R L⁻ᵀy.
@@ -487,6 +441,15 @@ void DualSolve::conclude() {
   if (!report_.converged)
     report_.reason += ": " + report_.result.explanation;
   solution_.mu = valuesOf(multiplier_);
+}
+
+// Springs that open far beside what bodies are strained by.
+void DualSolve::measureRounding() {
+  const double rounding = test_.gradient->rounding();
+  if (!report_.result.converged() || !(rounding > tolerance_ * report_.gradientScale))
+    return;
+  report_.openingRounding = rounding / report_.gradientScale;
+  report_.gradientScale = rounding / tolerance_;
 }
 
 // The scale that belongs to the last iterate, which the solver may not have asked for.

@@ -33,9 +33,12 @@ struct SolveReport {
   bool converged = false;
   std::string reason = "not finished";
   qp::Result result;
-  double gradientScale = 0.0;   ///< ‖g^P‖ is measured against it
-  double equalityScale = 0.0;   ///< ‖Gλ‖ likewise, 0 without a coarse problem
-  double dNorm = 0.0;           ///< ‖d‖
+  double gradientScale = 0.0; ///< ‖g^P‖ is measured against it
+  double equalityScale = 0.0; ///< ‖Gλ‖ likewise, 0 without a coarse problem
+  double dNorm = 0.0;         ///< ‖d‖
+  /// Where ‖g^P‖ came down to the rounding errors of what rows give way by, and not to the tolerance: these
+  /// as a share of the rule's scale. gradientScale is what they amount to then.
+  double openingRounding = 0.0;
   int adaptiveVectors = 0;      ///< that the solver had in the end
   double adaptiveSeconds = 0.0; ///< that they took to make
 };
@@ -78,9 +81,16 @@ class DualMonitor : public qp::SolverMonitor<MultiVector> {
   virtual void goesOnAfter(const qp::IterationRecord& /*last*/) {}
 };
 
-/// Is asked about λ and μ that just meet a tolerance: the tolerance to go on to, or nothing. Collective.
-using Acceptance = std::function<std::optional<double>(const MultiVector& lambda,
-                                                       const std::vector<double>& mu, double tolerance)>;
+/// What an acceptance says of an answer.
+struct Verdict {
+  std::optional<double> next; ///< the tolerance to go on to; nothing: the answer is accepted
+  /// With a tolerance to go on to: the answer is accepted all the same if the solver comes no further.
+  bool isEnough = false;
+};
+
+/// Is asked about λ and μ that just meet a tolerance. Collective.
+using Acceptance =
+    std::function<Verdict(const MultiVector& lambda, const std::vector<double>& mu, double tolerance)>;
 
 /// Hands the dual problem to the quadratic programming layer, with the solver, stopping rule and
 /// preconditioner of the options, and puts what became of it into the report.

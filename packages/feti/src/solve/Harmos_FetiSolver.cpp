@@ -232,14 +232,14 @@ FetiSolver::Answer FetiSolver::solved(const Task& task, double tolerance, bool r
     return auditAgrees(answer.audit, {auditShare(tolerance), rounding, defect_});
   };
   const auto accept = [&](const MultiVector& lambda, const std::vector<double>& mu,
-                          double reached) -> std::optional<double> {
+                          double reached) -> Verdict {
     const double least = decided_.inverses.precision == Precision::Single ? 1e-7 : 1e-15;
     looked = true;
     agrees = look(lambda, mu);
     if (agrees || reached / 10.0 < least)
-      return std::nullopt;
+      return {};
     log_.info("The audit contradicts the residuals: going on to a smaller tolerance");
-    return reached / 10.0;
+    return {reached / 10.0, false};
   };
   SolveReport& report = answer.report;
   SolverOptions options = options_;

@@ -40,6 +40,8 @@ void SolveWatch::exchange(Archive& archive) {
   archive.number("tolerance", tolerance);
   if (asked == asked_)
     tolerance_ = tolerance;
+  if (further_)
+    further_(archive);
   if (vectors_ == Vectors::None)
     return;
   bool isSo = true;

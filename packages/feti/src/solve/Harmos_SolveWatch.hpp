@@ -45,6 +45,9 @@ class SolveWatch : public qp::SolverMonitor<MultiVector> {
   void leaveVectors() { vectors_ = Vectors::Left; }
   bool hasLeftVectors() const { return vectors_ == Vectors::Left; }
 
+  /// What else is part of the solver's state.
+  void alsoKeep(Exchange further) { further_ = std::move(further); }
+
   /// @param target of ‖g^P‖, of now.
   void stopWhen(Patience patience, std::function<double()> target) {
     patience_ = std::move(patience);
@@ -73,6 +76,7 @@ class SolveWatch : public qp::SolverMonitor<MultiVector> {
   bool isForeign_ = false;
   qp::Result before_; // counters and history of the solvers before
   Patience patience_;
+  Exchange further_;
   std::function<double()> target_;
   bool isOver_ = false, isStopped_ = false;
 };

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <limits>
 #include <sstream>
 
 namespace Harmos::run {
@@ -111,6 +112,12 @@ std::string toJson(const RunReport& report) {
     json["estimated_errors"]["solver"] = number(ratio(report.solverError, report.audit.energyNorm));
   if (report.discretisationError > 0.0)
     json["estimated_errors"]["discretisation"] = number(report.discretisationError);
+  if (!report.pairErrors.empty()) {
+    double largest = 0.0;
+    for (const PairError& pair : report.pairErrors)
+      largest = pair.force > 0.0 ? std::max(largest, pair.relative()) : largest;
+    json["estimated_errors"]["forces"] = number(largest);
+  }
   json["stopping_rule"] = report.stoppingRule;
   json["tolerance_projected_gradient"] = number(report.tolerance * report.gradientScale);
   json["tolerance_equality_residual"] = number(report.tolerance * report.equalityScale);
@@ -132,6 +139,8 @@ std::string toJson(const RunReport& report) {
       entry["normal"] = numbers(effect.normal);
       entry["tangential"] = numbers(effect.tangential);
     }
+    if (effect.error)
+      entry["estimated_error"] = number(*effect.error);
   }
   json["steps"] = nlohmann::ordered_json::array();
   for (const StepRow& row : report.steps)
@@ -147,6 +156,7 @@ std::string toJson(const RunReport& report) {
   json["restarted_from"] = report.restartedFrom;
   json["checkpoints"] = report.checkpoints;
   json["dual_operator"] = report.dualOperator;
+  json["attainable_accuracy"] = number(attainableAccuracy(report));
   json["local_condition"] = number(report.localCondition);
   json["dual_operator_mib"] = number(report.dualOperatorMiB);
   json["solver"] = report.solver;
@@ -180,9 +190,80 @@ StepRow stepRow(const RunReport& report, const EnergyAccount& energy) {
   return row;
 }
 
+namespace {
+
+double balancedShare(const RunReport& report) {
+  return std::min(report.allowedError, 0.1);
+}
+
+double auditShare(const RunReport& report) {
+  return std::max(feti::auditShare(report.tolerance), balancedShare(report));
+}
+
+} // namespace
+
+namespace {
+
+double matrixRounding(const RunReport& report) {
+  return 0.5 * std::numeric_limits<double>::epsilon() * report.localCondition;
+}
+
+} // namespace
+
+double attainableAccuracy(const RunReport& report) {
+  return std::max(matrixRounding(report), report.openingRounding);
+}
+
+std::string attainableText(const RunReport& report) {
+  std::string text;
+  if (const double share = matrixRounding(report); share > report.tolerance)
+    text =
+        "Attainable accuracy: rounding errors of a subdomain's matrix change its softest motions by a share "
+        "of " +
+        scientific(share, 0) + " and more, its condition number being " +
+        scientific(report.localCondition, 0) + " at least, and the tolerance is " +
+        scientific(report.tolerance, 0) +
+        "; a stiff body on a soft foundation, thin cells and jumps of materials do this; forces are out of "
+        "balance by " +
+        scientific(report.forces.balance, 0);
+  if (const double share = report.openingRounding; share > report.tolerance)
+    text +=
+        (text.empty() ? "" : "\n") +
+        ("Attainable accuracy: springs open so far beside what bodies are strained by that rounding errors "
+         "of the openings are " +
+         scientific(share, 0) + " of that, and the tolerance is " + scientific(report.tolerance, 0) +
+         "; openings and forces of the springs are not concerned");
+  return text;
+}
+
+double allowedForceError(const RunReport& report, const PairError& pair) {
+  constexpr double leastForce = 1e-5;
+  // As auditAgrees() has it for forces out of balance.
+  constexpr double rounding = 1e-13;
+  const feti::KktAudit& audit = report.audit;
+  return auditShare(report) * std::max(pair.force, leastForce * audit.forces) +
+         rounding * audit.displacementForce + report.gapRounding * audit.unitForce;
+}
+
+std::string doubtfulForces(const RunReport& report) {
+  constexpr std::size_t most = 10;
+  const double share = std::max(auditShare(report), 0.01);
+  std::string names;
+  std::size_t count = 0;
+  for (const PairError& pair : report.pairErrors)
+    if (pair.force > 0.0 && pair.relative() > share && count++ < most)
+      names += (names.empty() ? "\"" : ", \"") + pair.path + "\" (" + scientific(pair.relative(), 0) + ")";
+  if (count > most)
+    names += " and " + std::to_string(count - most) + " more";
+  return count == 0 ? ""
+                    : "Forces that may be wrong by a large share of themselves: " + names +
+                          "; they are small beside all forces of the scene. A smaller \"Solver/Tolerance\" "
+                          "helps as far as rounding errors allow";
+}
+
 bool auditAgrees(const RunReport& report) {
-  const double balanced = std::min(report.allowedError, 0.1);
-  const double share = std::max(feti::auditShare(report.tolerance), balanced);
+  const double balanced = balancedShare(report);
+  const double share = auditShare(report);
   const double energyShare = std::max(feti::energyErrorShare(report.tolerance), balanced);
   return feti::auditAgrees(report.audit,
                            {share, report.gapRounding, report.localDefect, report.solverError, energyShare});

@@ -5,6 +5,7 @@
 #include "Harmos_DualSolution.hpp"
 #include "Harmos_EffectCosts.hpp"
 #include "Harmos_EnergyAccount.hpp"
+#include "Harmos_ForceErrors.hpp"
 #include "Harmos_Forces.hpp"
 #include "Harmos_KktAudit.hpp"
 #include "Harmos_SlipStates.hpp"
@@ -15,6 +16,12 @@
 #include <vector>
 
 namespace Harmos::run {
+
+/// How wrong the forces of an effect with rows are, of a contact, an obstacle or a tie with its friction and
+/// adhesion; see feti::forceErrors().
+struct PairError : feti::ForceError {
+  std::string path; ///< of the effect, see scene::Scene::effectPaths()
+};
 
 /// What is known of a run, finished or failed: the content of summary.json.
 struct RunReport : feti::SolveReport {
@@ -45,10 +52,11 @@ struct RunReport : feti::SolveReport {
   double tolerance = 0.0;        ///< asked for, or chosen by the rule "balanced"
   double reachedTolerance = 0.0; ///< below that, where the audit asked for more
   // Estimates in the energy norm; 0 where they were not made.
-  double solverError = 0.0;         ///< with a preconditioner; see AnswerCheck
-  double discretisationError = 0.0; ///< rule "balanced" only, relative to the solution
-  double allowedError = 0.0;        ///< likewise: what that rule allows the solver
-  double gapRounding = 0.0;         ///< gaps are known up to this: they are differences of coordinates
+  double solverError = 0.0;          ///< with a preconditioner; see AnswerCheck
+  double discretisationError = 0.0;  ///< rule "balanced" only, relative to the solution
+  double allowedError = 0.0;         ///< likewise: what that rule allows the solver
+  double gapRounding = 0.0;          ///< gaps are known up to this: they are differences of coordinates
+  std::vector<PairError> pairErrors; ///< estimates, of each effect with rows, in the order of the scene
   bool audited = false;
   feti::KktAudit audit;
   Forces forces;                ///< audited runs only; the same on every rank
@@ -80,6 +88,25 @@ std::string toJson(const RunReport& report);
 /// Where the rule "balanced" chose it, the error that the rule allows is what the run claims.
 /// Guarded by tests/unit/run/test_pipeline.cpp.
 bool auditAgrees(const RunReport& report);
+
+/// What the acceptance of an answer allows the error of a pair's forces to be, in a run that has been
+/// audited: as share of these forces what auditAgrees() allows jumps of displacements, a hundred tolerances
+/// and a tenth at most. Of forces below 1e-5 of all forces of the scene that share of 1e-5: what presses that
+/// little may press by nothing but rounding errors, and there would be no end. Beside it what rounding errors
+/// of displacements and gaps make of forces. Guarded by tests/unit/run/test_pair_errors.cpp.
+double allowedForceError(const RunReport& report, const PairError& pair);
+
+/// Which pairs have forces that may be wrong by a share of more than 0.01, and than auditAgrees() allows:
+/// sentences, "" for none.
+std::string doubtfulForces(const RunReport& report);
+
+/// What share rounding errors leave of an answer's accuracy at least, by estimate: K is known to rounding
+/// errors, and what they do to the softest motions of a subdomain is κ times as large, a stiff body's on soft
+/// springs for instance; and openings of springs have rounding errors that may be large beside strains.
+double attainableAccuracy(const RunReport& report);
+
+/// Why that is above the tolerance: sentences, "" where it is not.
+std::string attainableText(const RunReport& report);
 
 /// The audit and the timing, for people.
 std::string auditText(const RunReport& report);

@@ -35,7 +35,7 @@ double length(const Point& v) {
 class Sums {
  public:
   Sums(const scene::Scene& scene, const scene::ContactSetup& contact)
-      : scene_(scene), values_(6 * scene.effects.size() + 4, 0.0) {
+      : scene_(scene), values_(6 * scene.effects.size() + 5, 0.0) {
     for (std::size_t k = 0; k < scene.effects.size(); ++k)
       place_[scene.effects[k].get()] = k;
     for (const auto& effect : scene.effects)
@@ -66,6 +66,11 @@ class Sums {
     sum[3] += size;
   }
   void addOuter(const Point& force) { addOuter(force, length(force)); }
+  // The same, of what is no reaction.
+  void addKnown(const Point& force, double size) {
+    addOuter(force, size);
+    values_[6 * scene_.effects.size() + 4] += size;
+  }
 
   Forces total(const Teuchos::Comm<int>& comm) {
     globalSum(comm, values_);
@@ -88,6 +93,7 @@ class Sums {
     }
     const double* outer = values_.data() + 6 * scene_.effects.size();
     forces.size = outer[3];
+    forces.known = outer[4];
     if (outer[3] > 0.0)
       forces.balance = length({outer[0], outer[1], outer[2]}) / outer[3];
     return forces;
@@ -95,7 +101,7 @@ class Sums {
 
  private:
   const scene::Scene& scene_;
-  std::vector<double> values_; // force and moment of each effect; all outer forces, their sizes
+  std::vector<double> values_; // force and moment of each effect; all outer forces, their sizes, known
   std::unordered_map<const scene::Effect*, std::size_t> place_, tangential_;
 };
 
@@ -117,7 +123,7 @@ void addLoads(const scene::Scene& scene, const feti::SubdomainSystem& system, Su
         load.force[d] += force[d];
       load.size += length(force);
     }
-    sums.addOuter(load.force, load.size);
+    sums.addKnown(load.force, load.size);
   }
 }
 
@@ -173,7 +179,7 @@ void addSprings(const scene::Scene& scene, const std::vector<scene::OwnedSubdoma
       for (const auto& [node, values] : atNode) {
         const Point force = vectorOf(values.data(), components);
         sums.add(*effect, owned[i].mesh.position(node), force);
-        sums.addOuter(force);
+        sums.addKnown(force, length(force));
       }
     }
   }
@@ -227,6 +233,9 @@ std::string forcesText(const Forces& forces) {
        << "  " << std::left << std::setw(static_cast<int>(width)) << "" << std::right;
   for (const char* name : {"x", "y", "z", "moment x", "moment y", "moment z"})
     text << std::setw(12) << name;
+  if (std::any_of(forces.effects.begin(), forces.effects.begin() + static_cast<std::ptrdiff_t>(shown),
+                  [](const Forces::Of& effect) { return effect.error.has_value(); }))
+    text << std::setw(12) << "error about";
   for (std::size_t k = 0; k < shown; ++k) {
     const Forces::Of& effect = forces.effects[k];
     const auto tell = [&](const std::string& name, const std::vector<const Point*>& vectors) {
@@ -236,6 +245,8 @@ std::string forcesText(const Forces& forces) {
           text << std::setw(12) << scientific(component, 3);
     };
     tell(effect.path, {&effect.resultant.force, &effect.resultant.moment});
+    if (effect.error)
+      text << std::setw(12) << scientific(*effect.error, 1);
     if (effect.hasFriction) {
       tell("  normal", {&effect.normal});
       tell("  tangential", {&effect.tangential});

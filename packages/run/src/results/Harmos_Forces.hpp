@@ -6,6 +6,7 @@
 
 #include <Teuchos_Comm.hpp>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,13 +25,17 @@ struct Forces {
     Resultant resultant;
     bool hasFriction = false;
     fem::Point normal{}, tangential{}; ///< what the force is made of, with friction
+    /// How wrong the forces at the nodes are, as a share of them, by estimate: of contacts, obstacles and
+    /// ties.
+    std::optional<double> error{};
   };
   /// Of each effect that exerts a force, in the order of the scene: by a prescribed displacement, an obstacle
   /// or a foundation on the body; by the second body of a contact or tie on the first.
   std::vector<Of> effects;
   /// |Σ of all loads and reactions| / Σ of their sizes, node by node; moments take no part.
   double balance = 0.0;
-  double size = 0.0; ///< Σ of their sizes
+  double size = 0.0;  ///< Σ of their sizes
+  double known = 0.0; ///< of it loads and springs, which are no differences of large numbers
 };
 
 /// Resultants of a solution, from the rows of B in full: what they are at prescribed values, too. A dof that

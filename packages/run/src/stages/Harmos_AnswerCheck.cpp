@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <unordered_map>
 
 namespace Harmos::run {
 namespace {
@@ -17,6 +18,30 @@ namespace {
 // Nothing is to be had below: products with dense blocks in single precision, or rounding errors.
 double leastTolerance(const RunReport& report) {
   return report.isSingle ? 1e-7 : 1e-15;
+}
+
+// An entry for each effect with rows; the place of each row's.
+std::vector<int> groups(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
+                        const scene::ContactSetup& contact, std::vector<PairError>& pairs) {
+  std::unordered_map<const scene::Effect*, std::size_t> places;
+  for (std::size_t k = 0; k < scene.effects.size(); ++k)
+    places[scene.effects[k].get()] = k;
+  std::vector<double> rows(scene.effects.size(), 0.0);
+  for (const scene::ContactSetup::Origin& origin : contact.origins)
+    rows[places.at(origin.effect)] += 1.0;
+  globalSum(comm, rows);
+  const std::vector<std::string> paths = scene.effectPaths();
+  std::vector<int> pairOf(rows.size(), -1);
+  pairs.clear();
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    if (rows[k] > 0.0) {
+      pairOf[k] = static_cast<int>(pairs.size());
+      pairs.push_back({{}, paths[k]});
+    }
+  std::vector<int> result;
+  for (const scene::ContactSetup::Origin& origin : contact.origins)
+    result.push_back(pairOf[places.at(origin.effect)]);
+  return result;
 }
 
 } // namespace
@@ -29,11 +54,13 @@ double firstBalancedTolerance() {
 
 AnswerCheck::AnswerCheck(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
                          const std::vector<scene::OwnedSubdomain>& owned, const feti::DualStages& stages,
-                         const RunOptions& options, double time, const Log& log, RunReport& report)
+                         const scene::ContactSetup& contact, const RunOptions& options, double time,
+                         const Log& log, RunReport& report)
     : comm_(comm),
       scene_(scene),
       owned_(owned),
       stages_(stages),
+      groupOf_(groups(comm, scene, contact, report.pairErrors)),
       options_(options),
       time_(time),
       log_(log),
@@ -58,23 +85,39 @@ void AnswerCheck::recover(const MultiVector& lambda, const std::vector<double>& 
                         stages_.problem, lambda, mu);
   report_.audit = feti::audit(stages_.system, stages_.constraints, torn_);
   report_.audited = true;
-  report_.solverError = solverError();
-  if (!isBoundAlone_ || auditAgrees(report_))
+  estimate();
+  const auto made = Teuchos::rcp_dynamic_cast<const feti::DualPreconditioner>(extension_);
+  const bool isLumped = !made.is_null() && made->kind() == feti::PreconditionerKind::Lumped;
+  if (!(isBoundAlone_ && !auditAgrees(report_)) && !(isLumped && forceExcess() > 1.0))
     return;
   // A bound that is too large must not refuse an answer.
   makeExtension(feti::PreconditionerKind::Dirichlet);
-  report_.solverError = solverError();
+  estimate();
 }
 
-// √(rᵀM⁻¹r).
-double AnswerCheck::solverError() const {
+// √(rᵀM⁻¹r), and M⁻¹r of each pair.
+void AnswerCheck::estimate() {
   MultiVector jumps(stages_.constraints.rowMap(), 1), forces(stages_.constraints.rowMap(), 1);
   stages_.constraints.residual(torn_.displacement, *torn_.multiplier, jumps);
   feti::keepErrors(stages_.constraints, *torn_.multiplier, jumps);
   extension_->apply(jumps, forces);
   std::vector<double> product(1);
   jumps.dot(forces, Teuchos::arrayViewFromVector(product));
-  return std::sqrt(std::max(product[0], 0.0));
+  report_.solverError = std::sqrt(std::max(product[0], 0.0));
+  const std::vector<feti::ForceError> errors =
+      feti::forceErrors(stages_.constraints, *torn_.multiplier, jumps, forces, groupOf_,
+                        static_cast<int>(report_.pairErrors.size()));
+  for (std::size_t k = 0; k < errors.size(); ++k)
+    static_cast<feti::ForceError&>(report_.pairErrors[k]) = errors[k];
+}
+
+// The largest error of a pair's forces, as a multiple of what it may be.
+double AnswerCheck::forceExcess() const {
+  double largest = 0.0;
+  for (const PairError& pair : report_.pairErrors)
+    if (pair.error > 0.0)
+      largest = std::max(largest, pair.error / allowedForceError(report_, pair));
+  return largest;
 }
 
 std::optional<double> AnswerCheck::balance(double tolerance) {
@@ -102,10 +145,36 @@ std::optional<double> AnswerCheck::balance(double tolerance) {
   return tolerance * std::clamp(0.7 * allowed / solver, 0.01, 1.0 / 3.0);
 }
 
-std::optional<double> AnswerCheck::judge(const MultiVector& lambda, const std::vector<double>& mu,
-                                         double tolerance) {
+feti::Verdict AnswerCheck::judge(const MultiVector& lambda, const std::vector<double>& mu, double tolerance) {
   recover(lambda, mu);
   report_.reachedTolerance = tolerance;
+  std::optional<double> next = improve(tolerance);
+  const bool isEnough = !next;
+  if (isEnough)
+    next = improveForces(tolerance);
+  if (next && *next < leastTolerance(report_))
+    return {};
+  return {next, isEnough};
+}
+
+// Forces of pairs that are measured by themselves.
+std::optional<double> AnswerCheck::improveForces(double tolerance) {
+  const double excess = forceExcess();
+  if (!auditAgrees(report_) || !(excess > 1.0))
+    return std::nullopt;
+  const PairError* worst = nullptr;
+  for (const PairError& pair : report_.pairErrors)
+    if (worst == nullptr ||
+        pair.error * allowedForceError(report_, *worst) > worst->error * allowedForceError(report_, pair))
+      worst = &pair;
+  log_.info("The forces of \"" + worst->path + "\" may be wrong by a share of " +
+            scientific(worst->relative(), 1) + " (they are " + scientific(worst->force) + ", of all forces " +
+            scientific(report_.audit.forces) + "): going on to a smaller tolerance");
+  // Errors fall about like residuals, and the estimate of a bad answer is bad itself.
+  return tolerance * std::clamp(0.5 / excess, 0.01, 0.5);
+}
+
+std::optional<double> AnswerCheck::improve(double tolerance) {
   std::optional<double> next;
   if (options_.toleranceRule == ToleranceRule::Balanced) {
     report_.tolerance = tolerance;
@@ -125,8 +194,6 @@ std::optional<double> AnswerCheck::judge(const MultiVector& lambda, const std::v
         report_.audit, {feti::auditShare(report_.tolerance), report_.gapRounding, report_.localDefect});
     next = tolerance * (isErrorAlone ? std::clamp(0.5 * allowed / report_.solverError, 0.1, 0.5) : 0.1);
   }
-  if (next && *next < leastTolerance(report_))
-    return std::nullopt;
   return next;
 }
 

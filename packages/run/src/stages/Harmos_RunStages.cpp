@@ -403,14 +403,14 @@ void RunStages::solveOnce(const feti::WarmStart* start, const Teuchos::RCP<RunMo
                           const Log& log, double secondsSpent) {
   roundingIsSeen_ = false;
   static_cast<feti::SolveReport&>(report_) = {};
-  check_.emplace(*comm_, scene_, owned_, *dualStages_, options_, time_, log, report_);
+  check_.emplace(*comm_, scene_, owned_, *dualStages_, contact_, options_, time_, log, report_);
   const auto accept = [&](const MultiVector& lambda, const std::vector<double>& mu, double tolerance) {
-    const std::optional<double> next = check_->judge(lambda, mu, tolerance);
+    const feti::Verdict verdict = check_->judge(lambda, mu, tolerance);
     // Asked for less than what products were rounded to: more of the same brings nothing.
-    roundingIsSeen_ =
-        (next && report_.roundedFactorizations > 0 && *next < 0.5 * inverseOptions_.productError) ||
-        (!next && report_.isSingle && !auditAgrees(report_));
-    return roundingIsSeen_ ? std::nullopt : next;
+    roundingIsSeen_ = (verdict.next && report_.roundedFactorizations > 0 &&
+                       *verdict.next < 0.5 * inverseOptions_.productError) ||
+                      (!verdict.next && report_.isSingle && !auditAgrees(report_));
+    return roundingIsSeen_ ? feti::Verdict() : verdict;
   };
   feti::SolverOptions first = solverOptions(scene_, options_);
   first.tolerance =
@@ -480,11 +480,17 @@ void RunStages::recover() {
   reactions_ = feti::reactions(*system_, *constraints_, torn_);
   report_.forces = forcesOf(*comm_, scene_, owned_, *system_, contact_, torn_.displacement, reactions_,
                             constraints_->givenMultipliers(*torn_.multiplier));
-  // Where nothing is strained: rounding errors of stiffness times displacement are in no balance.
+  // Where nothing is strained: rounding errors of stiffness times displacement are in no balance. Loads and
+  // springs are no such errors.
   constexpr double rounding = 1e-12;
   const feti::KktAudit& audit = report_.audit;
-  if (report_.forces.size <= rounding * audit.unitEnergy * audit.unitEnergy * audit.largestDisplacement)
+  if (report_.forces.known < 0.5 * report_.forces.size &&
+      report_.forces.size <= rounding * audit.unitEnergy * audit.unitEnergy * audit.largestDisplacement)
     report_.forces.balance = 0.0;
+  for (const PairError& pair : report_.pairErrors)
+    for (Forces::Of& effect : report_.forces.effects)
+      if (effect.path == pair.path)
+        effect.error = pair.relative();
 }
 
 void RunStages::tellResult() const {
@@ -492,6 +498,10 @@ void RunStages::tellResult() const {
   if (const std::string text = forcesText(report_.forces); !text.empty())
     log_.info(text);
   log_.info(auditText(report_));
+  if (const std::string text = attainableText(report_); report_.converged && !text.empty())
+    log_.info(text);
+  if (const std::string text = doubtfulForces(report_); report_.converged && !text.empty())
+    log_.info(text);
 }
 
 void RunStages::judgeAudit() {

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_QpTypes.hpp"
+#include "Harmos_SolverMonitor.hpp"
+#include "Harmos_Types.hpp"
+
+#include <Teuchos_RCP.hpp>
+
+#include <optional>
+
+namespace Harmos::feti::Details {
+
+/// An answer that met what was asked of the solver, kept while the solver goes on to a smaller tolerance:
+/// what is returned if it comes no further.
+///
+/// Guarded by tests/unit/feti/solve/test_kept_answer.cpp.
+class KeptAnswer {
+ public:
+  bool isThere() const { return kept_.has_value(); }
+  void forget() { kept_.reset(); }
+
+  /// Copies. @param mu null without equality rows. @param gradient, equality its residuals.
+  void keep(const MultiVector& lambda, const Teuchos::RCP<const MultiVector>& mu, double gradient,
+            double equality);
+
+  /// Puts the answer in the place of one that has not converged, and its residuals with the result; unless
+  /// there is none, or the solver is to go on in another run. @return whether it did.
+  bool replace(qp::Result& result, MultiVector& lambda, const Teuchos::RCP<MultiVector>& mu) const;
+
+  /// As part of the state of a solver. @param lambda, mu of the right shape. @note Collective.
+  void exchange(qp::StateArchive<MultiVector>& archive, const MultiVector& lambda,
+                const Teuchos::RCP<const MultiVector>& mu);
+
+ private:
+  struct Kept {
+    Teuchos::RCP<MultiVector> lambda, mu;
+    double gradient, equality;
+  };
+  std::optional<Kept> kept_;
+};
+
+} // namespace Harmos::feti::Details

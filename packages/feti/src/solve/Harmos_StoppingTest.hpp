@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_DualSolution.hpp"
+#include "Harmos_StatusTest.hpp"
+
+#include <functional>
+
+namespace Harmos::feti::Details {
+
+/// ‖g^P‖ ≤ ε · scale; or no more than the rounding errors of what g is made of, where these are larger.
+///
+/// With rows that give way, g = Fλ − d + s(λ) with the openings s of their springs. Of a stiff body on soft
+/// springs these are larger than ‖Pd‖, which goes with 1/E, by orders of magnitude: Fλ − d cancels them, and
+/// what is left are their rounding errors. Where only these are asked about, ‖Pd‖ stays the measure: strains
+/// of the stiff body are of its size, and ε times the openings may be more than all of them.
+///
+/// Guarded by tests/unit/feti/solve/test_stopping_test.cpp.
+class GradientTest : public qp::StatusTestProjectedGradient<MultiVector> {
+ public:
+  /// Rounding errors of g at an iterate. Collective; asked only where the rest does not pass.
+  using Rounding = std::function<double(const MultiVector& lambda)>;
+
+  GradientTest(double tolerance, double scale, Rounding rounding)
+      : qp::StatusTestProjectedGradient<MultiVector>(tolerance, scale), rounding_(std::move(rounding)) {}
+  qp::Status checkStatus(const qp::IterationState<MultiVector>& state) override;
+  /// The rounding errors that the gradient was last compared with; 0 if it was not.
+  double rounding() const { return lastRounding_; }
+
+ private:
+  Rounding rounding_; // null: none
+  double lastRounding_ = 0.0;
+};
+
+/// The convergence test of a stopping rule.
+struct StoppingTest {
+  Teuchos::RCP<qp::StatusTest<MultiVector>> test;
+  Teuchos::RCP<GradientTest> gradient;
+  Teuchos::RCP<qp::StatusTestEqualityResidual<MultiVector>> equality; // null without a coarse problem
+};
+
+/// @param judgeEquality whether ‖Gλ‖ has a say. @param report gets the scales. All to outlive the test.
+/// @note Collective.
+StoppingTest stoppingTest(const DualStages& stages, const SolverOptions& options, double tolerance,
+                          bool judgeEquality, SolveReport& report);
+
+} // namespace Harmos::feti::Details

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The estimate of how wrong the forces of given rows are, against how wrong they are.
+
+#include "Harmos_DualPreconditioner.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_ForceErrors.hpp"
+#include "Harmos_RowErrors.hpp"
+#include "Harmos_TestFeti.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace Harmos;
+using namespace Harmos::feti;
+
+namespace {
+
+struct Estimate {
+  std::vector<ForceError> errors;
+  std::vector<double> forces; // of the given rows of this rank
+};
+
+struct Estimator {
+  const TestFeti& feti;
+  DualPreconditioner preconditioner;
+  explicit Estimator(const TestFeti& f)
+      : feti(f),
+        preconditioner(f.system, f.constraints, f.inverses, PreconditionerKind::Dirichlet,
+                       PreconditionerScaling::Multiplicity) {}
+
+  TornSolution solution(double tolerance) const {
+    const TestDualSolution dual = solveDual(feti.dual, feti.coarse, tolerance);
+    EXPECT_TRUE(dual.result.converged()) << dual.result.explanation;
+    return recover(feti.system, feti.constraints, feti.inverses, feti.coarse, feti.dual, *dual.lambda,
+                   dual.mu);
+  }
+
+  // @param factor of M⁻¹r. @param group of all rows.
+  Estimate of(const TornSolution& torn, double factor = 1.0, int group = 0) const {
+    MultiVector jumps(feti.constraints.rowMap(), 1), correction(feti.constraints.rowMap(), 1);
+    feti.constraints.residual(torn.displacement, *torn.multiplier, jumps);
+    keepErrors(feti.constraints, *torn.multiplier, jumps);
+    preconditioner.apply(jumps, correction);
+    correction.scale(factor);
+    Estimate result;
+    result.forces = feti.constraints.givenMultipliers(*torn.multiplier);
+    result.errors = forceErrors(feti.constraints, *torn.multiplier, jumps, correction,
+                                std::vector<int>(result.forces.size(), group), 2);
+    return result;
+  }
+};
+
+double difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k)
+    sum += (a[k] - b[k]) * (a[k] - b[k]);
+  return std::sqrt(globalSum(*testComm(), sum));
+}
+
+} // namespace
+
+// Measured on these: 0.5 to 4 times the error.
+TEST(ForceErrors, are_about_as_large_as_estimated) {
+  for (DirichletForm form : {DirichletForm::Primal, DirichletForm::Dual})
+    for (int elements : {4, 8}) {
+      const TestFeti feti(testModel(3, elements), form);
+      const Estimator estimator(feti);
+      const Estimate exact = estimator.of(estimator.solution(1e-12));
+      const double size = difference(exact.forces, std::vector<double>(exact.forces.size(), 0.0));
+      EXPECT_NEAR(exact.errors[0].force, size, 1e-12 * size);
+      EXPECT_LT(exact.errors[0].relative(), 1e-9);
+      for (double tolerance : {1e-2, 1e-4, 1e-6}) {
+        const Estimate loose = estimator.of(estimator.solution(tolerance));
+        const double wrong = difference(loose.forces, exact.forces);
+        EXPECT_GT(loose.errors[0].error, 0.25 * wrong) << elements << " " << tolerance;
+        EXPECT_LT(loose.errors[0].error, 8.0 * wrong) << elements << " " << tolerance;
+        EXPECT_EQ(loose.errors[1].force, 0.0); // of no row
+        EXPECT_EQ(loose.errors[1].error, 0.0);
+      }
+    }
+}
+
+TEST(ForceErrors, contacts_lose_no_more_than_they_have) {
+  const TestFeti feti(testModel(2, 4), DirichletForm::Primal);
+  const Estimator estimator(feti);
+  const TornSolution torn = estimator.solution(1e-4);
+  // One way or the other each row is asked for more than it has.
+  const ForceError lost = estimator.of(torn, 1e6).errors[0], gained = estimator.of(torn, -1e6).errors[0];
+  EXPECT_GT(std::max(lost.error, gained.error), lost.force);
+  const ForceError plain = estimator.of(torn).errors[0];
+  EXPECT_LT(std::min(lost.error, gained.error), 0.9e6 * plain.error);
+}
+
+TEST(ForceErrors, rows_of_no_group_do_not_count) {
+  const TestFeti feti(testModel(2, 4), DirichletForm::Primal);
+  const Estimator estimator(feti);
+  const TornSolution torn = estimator.solution(1e-4);
+  for (const ForceError& error : estimator.of(torn, 1.0, -1).errors) {
+    EXPECT_EQ(error.force, 0.0);
+    EXPECT_EQ(error.relative(), 0.0);
+  }
+  EXPECT_TRUE(std::isinf((ForceError{0.0, 1.0}).relative()));
+}
