@@ -141,6 +141,16 @@ FAULTS = (
         "gap of mortar contact reversed", "packages/contact/src/Harmos_Mortar.cpp",
         "point.gap = sum.gap / sum.area;", "point.gap = -sum.gap / sum.area;", CONTACT),
     fault(
+        "a node without a multiplier keeps its carrier", "packages/contact/src/Harmos_FacetMultipliers.cpp",
+        "result[j] += shares_[x][j] * carriers[x];", "result[j] += 0.0 * carriers[x];", CONTACT),
+    fault(
+        "sharp edges are averaged over", "packages/contact/src/Harmos_SurfaceSides.cpp",
+        "dot(corners[a].normal, corners[b].normal) > least", "dot(corners[a].normal, corners[b].normal) > -2.0",
+        CONTACT),
+    fault(
+        "pressures of six-node triangles by tributary areas", "packages/contact/src/Harmos_Pressures.cpp",
+        "if (surface.facetType != fem::CellType::Triangle6)", "if (surface.dimension > 0)", CONTACT),
+    fault(
         "gap of an obstacle reversed", "packages/contact/src/Harmos_Obstacle.cpp",
         "point.gap = separation.gap;", "point.gap = -separation.gap;", CONTACT),
     fault(

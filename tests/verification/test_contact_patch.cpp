@@ -96,10 +96,9 @@ TEST(ContactPatch, matching_meshes) {
     }
 }
 
-// Elements of the second order: pressures at nodes are those of lumped areas, so that only displacements are
-// asked of node to node contact; but mortar coupling in the plane has both.
 TEST(ContactPatch, matching_meshes_of_the_second_order) {
-  for (CellType type : {CellType::Triangle6, CellType::Quadrilateral9, CellType::Hexahedron27}) {
+  for (CellType type :
+       {CellType::Triangle6, CellType::Quadrilateral9, CellType::Hexahedron27, CellType::Tetrahedron10}) {
     const scene::Scene scene = tower(type, type, {2, 2, 2}, {2, 2, 2}, Joint::Contact, 0.03);
     expectConstantStrain(scene, runScene(scene, tolerance), fem::shapeOf(type).name);
   }

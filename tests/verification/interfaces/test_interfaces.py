@@ -21,7 +21,7 @@ import harmos_runs as runs  # noqa: E402
 import pressed_blocks  # noqa: E402
 import pressed_slits  # noqa: E402
 
-FIRST, SCENES = int(os.environ.get("HARMOS_FIRST_SCENE", "0")), int(os.environ.get("HARMOS_SCENES", "24"))
+FIRST, SCENES = int(os.environ.get("HARMOS_FIRST_SCENE", "0")), int(os.environ.get("HARMOS_SCENES", "12"))
 # Solved to 1e-10; ten times that, and a factor of a thousand by which forces at single nodes are worse than the norm of
 # all: condition of local problems and constraints.
 ALLOWED = 1e-6
