@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_RunStages.hpp"
 
+#include "Harmos_Drift.hpp"
+
 #include "Harmos_Agreement.hpp"
 #include "Harmos_BoundaryParts.hpp"
 #include "Harmos_ContactFields.hpp"
@@ -319,6 +321,12 @@ void RunStages::bindStages() {
       feti::DualStages{*system_, *constraints_, *inverses_, *coarse_, *dual_, preconditioner_, &*adaptive_});
 }
 
+// Of G̃G̃ᵀ, whose pivots go with the squares of the singular values of G̃.
+bool RunStages::isHeldWeakly() const {
+  constexpr double weak = 1e-6;
+  return coarse_->dimension() > 0 && coarse_->smallestPivotRatio() < weak && !constraints_->hasWeights();
+}
+
 void RunStages::sayCoarse() const {
   if (report_.clusters > 0)
     log_.info(feti::describeClusters(*system_, *inverses_));
@@ -329,9 +337,7 @@ void RunStages::sayCoarse() const {
     log_.info(std::to_string(coarse_->kernelDimension() - coarse_->dimension()) +
               " rigid motions are held by no constraint (a round body without friction rotates freely); they "
               "are left at rest");
-  // Of G̃G̃ᵀ, whose pivots go with the squares of the singular values of G̃.
-  constexpr double weak = 1e-6;
-  if (coarse_->dimension() > 0 && coarse_->smallestPivotRatio() < weak && !constraints_->hasWeights())
+  if (isHeldWeakly())
     log_.info("a rigid motion is held only weakly: the smallest singular value of G is about " +
               scientific(std::pow(10.0, std::round(0.5 * std::log10(coarse_->smallestPivotRatio()))), 0) +
               " of the largest; a round body whose normals come from its facets rotates almost freely");
@@ -505,6 +511,11 @@ void RunStages::tellResult() const {
 }
 
 void RunStages::judgeAudit() {
+  if (report_.converged && isHeldWeakly())
+    if (const std::string drift = driftText(*comm_, scene_, owned_, torn_.displacement); !drift.empty()) {
+      report_.converged = false;
+      report_.reason = drift;
+    }
   if (!report_.converged || leavesJumps() || auditAgrees(report_))
     return;
   report_.converged = false;

@@ -110,6 +110,7 @@ class RunStages {
   void write();
 
   void sayConstraints();
+  bool isHeldWeakly() const;
   void sayCoarse() const;
   void leaveInterrupted();
   StepRow onlyStep();
