@@ -641,12 +641,17 @@ TEST(Adhesion, friction_takes_over_where_a_point_breaks) {
     EXPECT_NEAR(shearOf(stands), held, 0.02 * held);
     EXPECT_EQ(slips.sticking, 0);
     EXPECT_NEAR(shearOf(slips), roughness * pressOf(slips), 1e-4 * roughness);
-    // And then friction's, by a way of compliance · roughness.
-    EXPECT_NEAR(slips.dissipated, (0.08 + roughness * compliance * roughness) * area, 1e-3 * 0.08 * area);
+    // And then friction's, by a way of compliance · roughness. Blocks bend: that adds a share of the square
+    // of height over width to their compliance, a hundredth or two.
+    const double rubbed = roughness * compliance * roughness;
+    EXPECT_NEAR(slips.dissipated, (0.08 + rubbed) * area, 0.02 * rubbed * area);
     for (const run::ContactState& state : run.report.contact)
       EXPECT_NEAR(std::sqrt(dot(state.slip, state.slip)), slipAtEnd + compliance * roughness, 1e-3);
+    // The force falls to nothing and rises again within the step in which all breaks: of that the trapezoidal
+    // rule knows half of force times motion.
+    const double motion = slipAtEnd + compliance * held - 0.19;
     for (const run::StepRow& row : run.report.steps)
-      EXPECT_NEAR(row.released, 0.0, 2e-3 * 0.08 * area) << row.time;
+      EXPECT_NEAR(row.released, 0.0, 0.5 * held * motion * area) << row.time;
   }
 }
 

@@ -177,8 +177,9 @@ void Adhesion::soften(const std::vector<double>& state, const std::vector<Row>& 
     const DamageUpdate::Spring spring = DamageUpdate::spring(state, rows[k].place);
     if (damage[rows[k].place] == 1.0) {
       softness.reset();
-      if (const auto at = DamageUpdate::brokenAt(state, rows[k].place); at && rows[k].isLimited)
-        springs[k].brokenAt = (*at)[directions[k]] / root(directions[k]);
+      if (rows[k].isLimited && softens()) // the brittle law breaks for good: from where the step began
+        if (const auto at = DamageUpdate::brokenAt(state, rows[k].place))
+          springs[k].brokenAt = (*at)[directions[k]] / root(directions[k]);
       continue;
     }
     *softness /= spring.stiffness[directions[k]];

@@ -100,10 +100,8 @@ bool DamageUpdate::breakWorst(const std::vector<Point>& points, double tolerance
     worst = std::max(worst, strain(k));
   const bool breaks = worst > 1.0 + tolerance;
   for (std::size_t k = 0; k < points_ && breaks; ++k)
-    if (const double here = strain(k); here > 1.0 && here >= nearly * worst) {
+    if (const double here = strain(k); here > 1.0 && here >= nearly * worst)
       part(damages)[k] = 1.0;
-      place(k, points[k].stretch, 1.0 / here);
-    }
   account(points);
   return breaks;
 }

@@ -79,7 +79,7 @@ class DamageUpdate {
     Stretch stiffness = {}, unstretched = {};
   };
   static Spring spring(const std::vector<double>& numbers, std::size_t point);
-  /// Where a point broke, if it did so in the step.
+  /// Where a point of the bilinear law broke, if it did so in the step.
   static std::optional<Stretch> brokenAt(const std::vector<double>& numbers, std::size_t point);
 
  private:

@@ -361,13 +361,4 @@ TEST(DamageUpdate, broken_points_are_known_by_their_places) {
   update.follow(slipped(1.5 * last), std::nullopt, known);
   update.beginStep();
   EXPECT_FALSE(DamageUpdate::brokenAt(numbers, 0));
-
-  const CohesiveLaw brittle = lawOf(100.0, last, CohesiveLaw::Kind::Brittle);
-  numbers.assign(DamageUpdate::size(1), 0.0);
-  DamageUpdate breaks(brittle, numbers);
-  breaks.beginStep();
-  EXPECT_TRUE(breaks.breakWorst(slipped(0.05), 1e-6));
-  const auto at = DamageUpdate::brokenAt(numbers, 0);
-  ASSERT_TRUE(at);
-  EXPECT_NEAR((*at)[1], 0.6 * root * 0.01, 1e-12);
 }
