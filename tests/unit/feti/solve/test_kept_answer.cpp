@@ -44,7 +44,7 @@ TEST(KeptAnswer, takes_the_place_of_what_came_no_further) {
   for (const qp::Reason reason :
        {qp::Reason::Stagnation, qp::Reason::IterationLimit, qp::Reason::TimeLimit, qp::Reason::Breakdown}) {
     const auto lambda = vectorOf(1.0), mu = vectorOf(2.0);
-    Details::KeptAnswer kept;
+    feti::Details::KeptAnswer kept;
     kept.keep(*lambda, mu, 0.5, 0.25);
     lambda->putScalar(5.0);
     mu->putScalar(6.0);
@@ -61,7 +61,7 @@ TEST(KeptAnswer, takes_the_place_of_what_came_no_further) {
 TEST(KeptAnswer, leaves_a_better_one_and_a_run_that_is_to_go_on) {
   for (const qp::Reason reason : {qp::Reason::Converged, qp::Reason::Interrupted}) {
     const auto lambda = vectorOf(1.0);
-    Details::KeptAnswer kept;
+    feti::Details::KeptAnswer kept;
     kept.keep(*lambda, Teuchos::null, 0.5, 0.0);
     lambda->putScalar(5.0);
     qp::Result result = ended(reason);
@@ -70,7 +70,7 @@ TEST(KeptAnswer, leaves_a_better_one_and_a_run_that_is_to_go_on) {
     EXPECT_EQ(firstOf(*lambda), 5.0);
   }
   const auto lambda = vectorOf(5.0);
-  Details::KeptAnswer none;
+  feti::Details::KeptAnswer none;
   none.keep(*lambda, Teuchos::null, 0.5, 0.0);
   none.forget();
   qp::Result result = ended(qp::Reason::Stagnation);
@@ -82,13 +82,13 @@ TEST(KeptAnswer, leaves_a_better_one_and_a_run_that_is_to_go_on) {
 TEST(KeptAnswer, goes_through_an_archive) {
   const auto lambda = vectorOf(1.0), mu = vectorOf(2.0);
   for (const bool isThere : {false, true}) {
-    Details::KeptAnswer kept;
+    feti::Details::KeptAnswer kept;
     if (isThere)
       kept.keep(*lambda, mu, 0.5, 0.25);
     MemoryState<MultiVector> state;
     MemoryArchive<MultiVector> writer(state, false), reader(state, true);
     kept.exchange(writer, *lambda, mu);
-    Details::KeptAnswer read;
+    feti::Details::KeptAnswer read;
     read.keep(*vectorOf(3.0), vectorOf(3.0), 3.0, 3.0); // what it knew before is no more
     const auto x = vectorOf(5.0), y = vectorOf(6.0);
     read.exchange(reader, *x, y);

@@ -13,7 +13,7 @@
 
 using namespace Harmos;
 using namespace Harmos::feti;
-using Details::GradientTest;
+using feti::Details::GradientTest;
 
 namespace {
 
