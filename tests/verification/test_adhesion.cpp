@@ -4,7 +4,7 @@
 /// the load, two stiff blocks whose force is the law itself, in each mode and between them, pulled, let go
 /// and pressed; and the energies of whole paths.
 
-#include "Harmos_AdhesionScene.hpp"
+#include "adhesion/Harmos_AdhesionScene.hpp"
 #include "Harmos_Friction.hpp"
 #include "Harmos_PointAlgebra.hpp"
 #include "Harmos_TestComm.hpp"

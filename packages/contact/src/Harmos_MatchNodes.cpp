@@ -305,6 +305,9 @@ long long keyOf(std::vector<long long> nodes) {
 // Whether facets have the same nodes too. Where they do not, as triangles of other diagonals, a constant
 // pressure has other forces at the nodes of either side. @note Collective.
 bool facetsMatch(const Surface& first, const Surface& second, const Matching& matching) {
+  // Where several nodes are at one place facets may go by any of them.
+  if (matching.hasDisputes)
+    return true;
   std::vector<std::pair<long long, long long>> partners;
   for (std::size_t k = 0; k < matching.own.size(); ++k)
     partners.emplace_back(first.numbers[matching.own[k]], matching.near.numbers[matching.partners[k]]);
