@@ -4,12 +4,12 @@
 /// the load, two stiff blocks whose force is the law itself, in each mode and between them, pulled, let go
 /// and pressed; and the energies of whole paths.
 
-#include "adhesion/Harmos_AdhesionScene.hpp"
 #include "Harmos_Friction.hpp"
 #include "Harmos_PointAlgebra.hpp"
 #include "Harmos_TestComm.hpp"
 #include "Harmos_TestErrors.hpp"
 #include "Harmos_TestScene.hpp"
+#include "adhesion/Harmos_AdhesionScene.hpp"
 
 #include <gtest/gtest.h>
 
