@@ -85,10 +85,10 @@ def slit(pressure, ratio=1, friction=None):
 
 
 def pressures(run):
-    """At the nodes of the slit, without its ends."""
+    """At the nodes of the slit's first side, which beside a tie bears the multipliers, without its ends."""
     with h5py.File(run.directory / "result.vtkhdf", "r") as file:
         x = file["VTKHDF/Points"][()]
-        inside = (np.abs(x[:, 1]) < 1e-9) & (np.abs(x[:, 0]) < 0.999)
+        inside = (np.abs(x[:, 1]) < 1e-9) & (np.abs(x[:, 0]) < 0.999) & (file["VTKHDF/PointData/active_set"][()] > 0)
         return file["VTKHDF/PointData/contact_pressure"][()][inside]
 
 
@@ -98,7 +98,7 @@ class SmallContacts(unittest.TestCase):
         for np_, pressure, friction in ((1, 1e-3, None), (2, 1e-3, None), (2, 1e-2, 0.3)):
             run = runs.solved(self, slit(pressure, friction=friction), np=np_, program="harmos")
             found = pressures(run)
-            self.assertGreater(len(found), 15)
+            self.assertGreater(len(found), 7)
             # One part in a hundred is what the acceptance asks of all forces; 0.83 without it.
             np.testing.assert_allclose(found, pressure, rtol=0.04)
             summary = run.summary
