@@ -74,8 +74,8 @@ Surface facetsTouching(const Surface& surface, const std::vector<fem::Box>& boxe
 /// its size. @param points more that the box is to hold.
 fem::Box boxOfFacet(const Surface& surface, int facet, std::vector<fem::Point> points = {});
 
-/// Facets that meet at more than this angle make a sharp edge: circles of eight facets are round.
-constexpr double sharpestAngle = 50.0 / 180.0 * 3.14159265358979323846;
+/// Facets that meet at more than this angle make a sharp edge: circles of seven facets are round.
+constexpr double sharpestAngle = 60.0 / 180.0 * 3.14159265358979323846;
 
 /// The surface with its smooth sides apart: a node on a sharp edge stands once for each side
 /// (Surface::numbers repeats it, in the order of the first facet of each side), with the normal and the area
