@@ -123,7 +123,7 @@ double pushOf(const TestRun& run) {
   double q = 0.0, p = 0.0;
   for (std::size_t k = 0; k < run.report.contact.size(); ++k) {
     p += run.report.contact[k].force;
-    q -= run.report.contact[k].traction[0] * run.report.contactPoints[k].area;
+    q -= run.report.contact[k].tangentialForce[0];
   }
   return q / (coefficient * p);
 }

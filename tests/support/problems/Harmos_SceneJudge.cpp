@@ -165,7 +165,7 @@ class Whole {
         const ConstraintRow& row = *limited.at(static_cast<long long>(point.firstRow + t));
         double slip = -row.bound, force = 0.0;
         for (std::size_t d = 0; d < 3; ++d)
-          force -= state.traction[d] * point.tangents[t][d] * contact_.points[point.point].area;
+          force -= state.tangentialForce[d] * point.tangents[t][d];
         for (const ConstraintRow::Term& term : row.terms) {
           slip += term.coefficient * u[shared_.at(term.dof)];
           imbalance[shared_.at(term.dof)] += force * term.coefficient;

@@ -21,8 +21,9 @@ struct ContactState {
   double gap; ///< that is left
   bool closed;
   Friction friction = Friction::None;
-  fem::Point traction{}; ///< of friction or springs, on the first body: likewise
-  fem::Point slip{};     ///< of the first body against the second, since the beginning of the run
+  fem::Point traction{};        ///< of friction or springs, on the first body: likewise
+  fem::Point tangentialForce{}; ///< of the same
+  fem::Point slip{};            ///< of the first body against the second, since the beginning of the run
   // Of points that adhesion binds, or has bound.
   bool isBound = false;
   double damage = 0.0;

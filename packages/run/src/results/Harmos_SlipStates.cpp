@@ -62,9 +62,11 @@ void addSlips(const Teuchos::Comm<int>& comm, const scene::ContactSetup& contact
                                                                     : Friction::Slips;
   }
   const std::vector<fem::Point> found = tractions(comm, contact.points, forces);
-  for (const contact::SlipPoint& point : contact.slips)
+  for (const contact::SlipPoint& point : contact.slips) {
+    states[point.point].tangentialForce = forces[point.point];
     if (!contact.points[point.point].pressure.empty())
       states[point.point].traction = found[point.point];
+  }
 }
 
 } // namespace Harmos::run
