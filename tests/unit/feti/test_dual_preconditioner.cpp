@@ -133,6 +133,33 @@ TEST(DualPreconditioner, scaled_rows_are_a_left_inverse) {
     }
 }
 
+// Rows that depend on others, as those of a held edge in contact with a coarser surface, are seen by M all the
+// same: the residual of rows that it maps to zero would never fall.
+TEST(DualPreconditioner, rows_that_depend_on_others_are_seen) {
+  for (PreconditionerScaling scaling :
+       {PreconditionerScaling::Multiplicity, PreconditionerScaling::Stiffness}) {
+    TestModel model = testModel(2, 3);
+    const std::vector<ConstraintRow> once = model.rows; // of this rank
+    const long long numbers = globalSum(*testComm(), static_cast<long long>(once.size()));
+    ASSERT_GT(numbers, 0);
+    for (ConstraintRow row : once) {
+      row.number += numbers;
+      model.rows.push_back(row);
+    }
+    const TestFeti feti(model, DirichletForm::Primal, withSchur());
+    const DualPreconditioner preconditioner(feti.system, feti.constraints, feti.inverses,
+                                            PreconditionerKind::Dirichlet, scaling);
+    const auto map = feti.constraints.rowMap();
+    for (std::size_t k = 0; k < map->getGlobalNumElements(); ++k) {
+      std::vector<double> unit(map->getGlobalNumElements(), 0.0);
+      unit[k] = 1.0;
+      MultiVector image(map, 1);
+      preconditioner.apply(*toVector(unit, map), image);
+      EXPECT_GT(fromVector(image)[k], 0.0) << "row " << k;
+    }
+  }
+}
+
 // Stiffness scaling gives a jump to the softer side: with a factor φ between two subdomains, the stiff copy
 // takes 1/(1 + φ) of it.
 TEST(DualPreconditioner, stiffness_scaling_moves_the_softer_copy) {

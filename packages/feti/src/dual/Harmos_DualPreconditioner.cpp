@@ -125,17 +125,18 @@ void scaleGroup(Iterator begin, Iterator end, std::vector<std::vector<ScaledEntr
   for (auto& copy : copies)
     copy.second = count++;
   const std::size_t m = rows.size(), n = copies.size();
-  const bool isLarge = m > static_cast<std::size_t>(DualPreconditioner::mostRows);
-  if (isLarge) {
+  std::vector<char> isByDiagonal(m, m > static_cast<std::size_t>(DualPreconditioner::mostRows) ? 1 : 0);
+  const auto addByDiagonal = [&] {
     std::vector<double> diagonal(m, 0.0);
     for (Iterator e = begin; e != end; ++e)
       diagonal[static_cast<std::size_t>(rows[e->row])] += e->value * e->value * e->weight;
     for (Iterator e = begin; e != end; ++e)
-      sends[static_cast<std::size_t>(e->rank)].push_back(
-          {e->row, e->value * e->weight / diagonal[static_cast<std::size_t>(rows[e->row])], e->place,
-           e->dof});
-    return;
-  }
+      if (const auto row = static_cast<std::size_t>(rows[e->row]); isByDiagonal[row] != 0)
+        sends[static_cast<std::size_t>(e->rank)].push_back(
+            {e->row, e->value * e->weight / diagonal[row], e->place, e->dof});
+  };
+  if (m > static_cast<std::size_t>(DualPreconditioner::mostRows))
+    return addByDiagonal();
   std::vector<double> b(m * n, 0.0), weighted(m * n, 0.0), w(m * m, 0.0); // by columns
   for (Iterator e = begin; e != end; ++e) {
     const std::size_t place = static_cast<std::size_t>(copies[{e->rank, e->place, e->dof}]) * m +
@@ -148,6 +149,11 @@ void scaleGroup(Iterator begin, Iterator end, std::vector<std::vector<ScaledEntr
       for (std::size_t p = 0; p < m; ++p)
         w[q * m + p] += b[j * m + p] * weighted[j * m + q];
   const PivotedCholesky factor(std::move(w), static_cast<int>(m));
+  // Rows that depend on others, as where a held edge is in contact with a coarser surface, would be none to M:
+  // a residual there would never fall.
+  for (std::size_t k = static_cast<std::size_t>(factor.rank()); k < m; ++k)
+    isByDiagonal[static_cast<std::size_t>(factor.pivots()[k])] = 1;
+  addByDiagonal();
   for (const auto& [copy, j] : copies) {
     const auto first = weighted.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(j) * m);
     const std::vector<double> column = factor.solve({first, first + static_cast<std::ptrdiff_t>(m)});
