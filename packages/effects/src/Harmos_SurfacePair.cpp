@@ -29,18 +29,25 @@ bool holdsSame(const Taken& taken, const std::vector<fem::Point>& normals, bool 
          });
 }
 
-// Of each node of the surface that is here, whether it belongs to an effect before. Where effects overlap, as
-// a contact that is named twice, all nodes of a facet are those of one other effect, and rows that are the
-// same are left out later (scene::DistinctPoints), unless a tie holds what a contact would.
-std::vector<char> belongToOthers(const contact::Surface& surface, const std::vector<Taken>& taken,
-                                 bool isTie) {
+// What effects before have of a surface.
+struct Belonging {
+  std::vector<char> nodes; // of each that is here
+  bool overlaps = true;    // all facets are those of one other effect each
+};
+
+// Where effects overlap, as a contact that is named twice, all nodes of a facet are those of one other effect,
+// and rows that are the same are left out later (scene::DistinctPoints), unless a tie holds what a contact
+// would.
+Belonging belongToOthers(const contact::Surface& surface, const std::vector<Taken>& taken, bool isTie) {
   std::vector<std::vector<fem::Point>> normals(surface.numbers.size());
   const std::vector<fem::Point>& ofFacets = surface.sideNormals;
   for (std::size_t k = 0; k < surface.facets.size(); ++k) {
     const auto i = static_cast<std::size_t>(surface.facets[k]);
     normals[i].push_back(ofFacets.empty() ? surface.normals[i] : ofFacets[k]);
   }
-  std::vector<char> holds, result(surface.numbers.size(), 0);
+  Belonging result;
+  result.nodes.assign(surface.numbers.size(), 0);
+  std::vector<char> holds;
   for (std::size_t i = 0; i < taken.size(); ++i)
     holds.push_back(holdsSame(taken[i], normals[i], isTie) ? 1 : 0);
   const auto size = static_cast<std::size_t>(surface.nodesPerFacet());
@@ -52,7 +59,8 @@ std::vector<char> belongToOthers(const contact::Surface& surface, const std::vec
           isOverlap && holds[placeOf(j)] != 0 && taken[placeOf(j)]->effect == taken[placeOf(0)]->effect;
     for (std::size_t j = 0; j < size; ++j)
       if (const std::size_t i = placeOf(j); holds[i] != 0 && (!isOverlap || (!isTie && taken[i]->isTied)))
-        result[i] = 1;
+        result.nodes[i] = 1;
+    result.overlaps = result.overlaps && isOverlap;
   }
   return result;
 }
@@ -63,6 +71,17 @@ long long countOf(const contact::Surface& surface, const std::vector<char>& node
   for (std::size_t i = 0; i < nodes.size(); ++i)
     own += nodes[i] != 0 && surface.isOwnNode[i] != 0 ? 1 : 0;
   return globalSum(*surface.comm, own);
+}
+
+// A surface between others, a facet wide, may have no node for itself. @note Collective.
+void requireOwn(const contact::Surface& one, const contact::Surface& other, const Belonging& others) {
+  if (globalMax(*one.comm, others.overlaps ? 0LL : 1LL) == 0)
+    return;
+  const std::string message =
+      one.name + " on " + other.name +
+      ": each node of the first surface belongs to a contact or tie beside it, and none is left that could "
+      "carry a force; make it more than a facet wide, name the finer surface first, or join it to one of those";
+  throw InputError(message, {{"first", one.name}, {"second", other.name}});
 }
 
 std::vector<long long> numbersOf(const contact::Surface& surface, const std::vector<char>& nodes) {
@@ -94,10 +113,12 @@ std::vector<contact::ContactPoint> SurfacePair::points(scene::ConstraintCollecto
   const contact::Surface one = collector.surface(first.body, first.set, normal);
   const contact::Surface other = collector.surface(second.body, second.set);
   const bool isTie = purpose == Purpose::Tie, joinsEdges = isTie || collector.isScalar();
-  std::vector<char> without =
-      belongToOthers(one, collector.taken(first.body, second.body, one.numbers), isTie);
-  if (countOf(one, without) == one.wholeNodes) // a contact on a tie: the rows of the tie hold
-    without.assign(without.size(), 0);
+  Belonging others = belongToOthers(one, collector.taken(first.body, second.body, one.numbers), isTie);
+  std::vector<char>& without = others.nodes;
+  if (countOf(one, without) == one.wholeNodes) {
+    requireOwn(one, other, others);
+    without.assign(without.size(), 0); // a contact on a tie: the rows of the tie hold
+  }
   if (first.body == second.body) {
     const std::vector<char> isOfBoth = contact::isShared(one, other);
     for (std::size_t i = 0; i < without.size(); ++i)

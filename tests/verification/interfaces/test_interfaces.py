@@ -25,6 +25,8 @@ FIRST, SCENES = int(os.environ.get("HARMOS_FIRST_SCENE", "0")), int(os.environ.g
 # Solved to 1e-10; ten times that, and a factor of a thousand by which forces at single nodes are worse than the norm of
 # all: condition of local problems and constraints.
 ALLOWED = 1e-6
+# An interface of one facet between others has no node of its own.
+NO_NODE = "and none is left that could carry a force"
 
 
 def errors_of(scene, run):
@@ -52,7 +54,7 @@ class Pressed:
         raise NotImplementedError
 
     def test_scenes(self):
-        worst = 0.0
+        worst, rejected = 0.0, 0
         for seed in range(FIRST, FIRST + SCENES):
             directory = runs.scratch("pressed")
             directory.mkdir(parents=True, exist_ok=True)
@@ -61,11 +63,15 @@ class Pressed:
             deck.write_text(harmos_decks.xml("harmos", scene.tree()), encoding="utf-8")
             run = runs.run(deck, np=1 + seed % 2, output=directory / "out", program="harmos")
             with self.subTest(seed=seed, scene="; ".join(scene.words)):
+                if run.returncode == 2 and NO_NODE in run.stderr:
+                    rejected += 1
+                    continue
                 self.assertEqual(run.returncode, 0, run)
                 errors = errors_of(scene, run)
                 worst = max(worst, *errors.values())
                 self.assertLess(max(errors.values()), ALLOWED, errors)
-        print(f"{SCENES} scenes from {FIRST} on: the worst is {worst:.1e}, {ALLOWED:.0e} is allowed")
+        self.assertLessEqual(rejected, 1 + SCENES // 50, "so many have an interface of a facet between others")
+        print(f"{SCENES} scenes from {FIRST} on, {rejected} rejected: the worst is {worst:.1e}, {ALLOWED:.0e} is allowed")
 
 
 class Blocks(Pressed, unittest.TestCase):
