@@ -176,3 +176,20 @@ class Blocks:
         u[:, : self.dimension] = PRESSURE * aside * xyz[:, : self.dimension]
         u[:, self.up] = -PRESSURE * down * xyz[:, self.up]
         return u
+
+
+class Pulled(Blocks):
+    """Pulled along by much more than they are pressed, and solved to the default tolerance."""
+
+    def __init__(self, seed):
+        super().__init__(seed)
+        pull = PRESSURE * self.random.choice([10.0, 100.0, 1000.0])
+        self.words.append(f"pulled by {pull}")
+        for body in self.bodies:
+            density = [pull, 0.0, 0.0]
+            self.effects["Traction"][f"pull {body}"] = {"Part": f"{body}/right", "Density": density}
+
+    def tree(self):
+        tree = super().tree()
+        del tree["Solver"]
+        return tree

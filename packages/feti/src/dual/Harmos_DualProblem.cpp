@@ -59,6 +59,12 @@ KernelLoad kernelLoad(const SubdomainSystem& system, const RigidMotions& motions
   return load;
 }
 
+double lengthOf(const MultiVector& x) {
+  std::vector<double> result(1);
+  x.norm2(Teuchos::arrayViewFromVector(result));
+  return result[0];
+}
+
 bool isZero(const std::vector<double>& v) {
   return std::all_of(v.begin(), v.end(), [](double entry) { return entry == 0.0; });
 }
@@ -139,6 +145,12 @@ std::optional<Unbalanced> unbalanced(const SubdomainSystem& system, const Coarse
   MultiVector forces(shift.getMap(), 1);
   coarse.addTransposed(1.0, residual, forces);
   const std::vector<double> others = coarse.solve(coarse.multiply(forces));
+  // What hardly anything holds is left out, too: forces that hold the others act on it by as little, and that
+  // is none of its own load.
+  const double own2 = std::pow(coarse.norm(residual), 2);
+  coarse.addTransposed(-1.0, others, forces);
+  if (own2 <= 2.0 * lengthOf(forces) * lengthOf(shift))
+    return std::nullopt;
   constexpr double moved = 1e-6; // of the largest
   double most = 0.0;
   for (std::size_t k = 0; k < residual.size(); ++k)
