@@ -220,6 +220,35 @@ TEST(Constraints, given_multipliers_exert_the_forces_of_united_dofs) {
   }
 }
 
+// 0.1 + 0.2 − 0.3 is not zero: scaled to one, what rounding leaves of a dof would be a row of its own.
+TEST(Constraints, terms_of_a_dof_that_cancel_are_none) {
+  TestModel model = testModel(2, 2);
+  const auto cancel = [](ConstraintRow& row) {
+    const long long dof = row.terms.front().dof;
+    row.terms.front().coefficient = 0.1;
+    row.terms.push_back({dof, 0.2});
+    row.terms.push_back({dof, -0.3});
+  };
+  for (ConstraintRow& row : model.rows)
+    if (row.number == 0)
+      cancel(row);
+  const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Dual);
+  const Constraints constraints(system, model.rows);
+  long long small = 0, entries = 0;
+  for (int i = 0; i < system.size(); ++i)
+    for (const Constraints::Entry& entry : constraints.entries(i)) {
+      small += entry.value != 0.0 && std::abs(entry.value) < 1e-12 ? 1 : 0;
+      entries += 1;
+    }
+  EXPECT_GT(globalSum(*testComm(), entries), 0);
+  EXPECT_EQ(globalSum(*testComm(), small), 0);
+  // A row of such terms alone is told.
+  for (ConstraintRow& row : model.rows)
+    if (row.number == 0)
+      row.terms = {{row.terms.front().dof, 0.1}, {row.terms.front().dof, 0.2}, {row.terms.front().dof, -0.3}};
+  EXPECT_THROW(Constraints(system, model.rows), InputError);
+}
+
 // Two bodies that touch where both are tied to a third: a contact row between dofs that are one holds
 // already, to rounding, and has no entries; one that they violate is refused.
 TEST(Constraints, a_row_between_united_dofs_holds_already) {

@@ -105,6 +105,10 @@ void auditRows(const Constraints& constraints, const TornSolution& solution, dou
     result.energy += result.springEnergy;
   }
   result.largestMultiplier = globalLargest(comm, largestForce);
+  double ofGiven = 0.0;
+  for (const double force : constraints.givenMultipliers(*solution.multiplier))
+    ofGiven = largerOf(ofGiven, std::abs(force));
+  result.largestRowForce = globalLargest(comm, ofGiven);
 }
 
 } // namespace

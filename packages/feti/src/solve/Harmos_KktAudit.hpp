@@ -36,6 +36,7 @@ struct KktAudit {
   double displacementEnergy = 0.0; ///< √(uᵀ diag(K) u), that of moving each dof alone: the scale of rounding
   double unitEnergy = 0.0;         ///< √(tr K), the same for displacements of one
   double largestMultiplier = 0.0; ///< max |λ_I|, physical
+  double largestRowForce = 0.0;   ///< the same of all given rows, by their coefficients as they were given
   // What loads would do to each dof alone, f_j/k_jj: the scale of rounding where they move nothing.
   double loadDisplacement = 0.0; ///< the largest
   double loadEnergy = 0.0;       ///< √Σ f_j²/k_jj

@@ -62,8 +62,8 @@ double requireMet(const ConstraintRow& row, const std::map<long long, double>& c
   return -excess;
 }
 
-// By name: a dof named twice counts once, with the sum, and so do dofs that are united; of what cancels
-// there, rounding errors are left.
+// By name: a dof named twice counts once, with the sum, and so do dofs that are united. Of what cancels there
+// rounding errors would be left, which scaling makes a row of.
 std::map<long long, double> coefficientsOf(const ConstraintRow& row, const DofCopies::Answers& answers) {
   constexpr double rounding = 1e-12; // as where contact rows are compared
   std::map<long long, double> sums, sizes;
@@ -76,8 +76,7 @@ std::map<long long, double> coefficientsOf(const ConstraintRow& row, const DofCo
     sizes[answers.name.at(term.dof)] += std::abs(term.coefficient);
   }
   for (const ConstraintRow::Term& term : row.terms)
-    if (const long long name = answers.name.at(term.dof);
-        answers.isUnited(term.dof) && std::abs(sums[name]) <= rounding * sizes[name])
+    if (const long long name = answers.name.at(term.dof); std::abs(sums[name]) <= rounding * sizes[name])
       sums[name] = 0.0;
   return sums;
 }

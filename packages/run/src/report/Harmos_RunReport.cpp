@@ -51,6 +51,7 @@ nlohmann::ordered_json auditJson(const RunReport& report) {
                                  {"complementarity", number(report.audit.complementarity)},
                                  {"largest_displacement", number(report.audit.largestDisplacement)},
                                  {"largest_contact_multiplier", number(report.audit.largestMultiplier)},
+                                 {"largest_row_force", number(report.audit.largestRowForce)},
                                  {"balance", number(report.forces.balance)}};
   if (report.limited > 0) {
     json["slip_error"] = number(report.audit.slipError);
@@ -261,7 +262,22 @@ std::string doubtfulForces(const RunReport& report) {
                           "helps as far as rounding errors allow";
 }
 
+std::string rowForceText(const RunReport& report) {
+  // Rows of a scene have coefficients of one: a force that is so much larger than all that bodies feel is that
+  // of a row that nearly cancels, and is scaled to one.
+  constexpr double most = 1e6;
+  const feti::KktAudit& audit = report.audit;
+  const bool isAtRest = audit.forces <= report.gapRounding * audit.unitForce;
+  if (isAtRest || audit.largestRowForce <= most * audit.forces)
+    return "";
+  return "the force of a contact or tie is " + scientific(audit.largestRowForce) + " where bodies feel " +
+         scientific(audit.forces) +
+         ": both its sides move together at some place; leave that out of one of the surfaces";
+}
+
 bool auditAgrees(const RunReport& report) {
+  if (!rowForceText(report).empty())
+    return false;
   const double balanced = balancedShare(report);
   const double share = auditShare(report);
   const double energyShare = std::max(feti::energyErrorShare(report.tolerance), balanced);

@@ -89,6 +89,10 @@ std::string toJson(const RunReport& report);
 /// Guarded by tests/unit/run/test_pipeline.cpp.
 bool auditAgrees(const RunReport& report);
 
+/// What is wrong where the force of a constraint row is beyond all that bodies feel; "" where none is.
+/// auditAgrees() objects then. Guarded by tests/unit/run/test_row_forces.cpp.
+std::string rowForceText(const RunReport& report);
+
 /// What the acceptance of an answer allows the error of a pair's forces to be, in a run that has been
 /// audited: as share of these forces what auditAgrees() allows jumps of displacements, a hundred tolerances
 /// and a tenth at most. Of forces below 1e-5 of all forces of the scene that share of 1e-5: what presses that

@@ -524,7 +524,8 @@ void RunStages::judgeAudit() {
   if (!report_.converged || leavesJumps() || auditAgrees(report_))
     return;
   report_.converged = false;
-  report_.reason = contradiction;
+  const std::string ofRows = rowForceText(report_);
+  report_.reason = ofRows.empty() ? contradiction : ofRows;
 }
 
 // "“second membrane”": the bodies that have a share in a rigid motion.

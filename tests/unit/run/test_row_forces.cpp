@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+
+/// The force of a constraint row that nearly cancels is beyond all that bodies feel: the audit objects.
+
+#include "Harmos_RunReport.hpp"
+#include "Harmos_TestErrors.hpp"
+
+#include <gtest/gtest.h>
+
+using namespace Harmos;
+
+namespace {
+
+run::RunReport reportOf(double rowForce, double forces) {
+  run::RunReport report;
+  report.tolerance = 1e-4;
+  report.audit.forces = forces;
+  report.audit.unitForce = 1.0;
+  report.audit.largestRowForce = rowForce;
+  return report;
+}
+
+} // namespace
+
+TEST(RowForces, beyond_what_bodies_feel) {
+  EXPECT_TRUE(run::auditAgrees(reportOf(100.0, 2.0)));
+  const run::RunReport wrong = reportOf(1e15, 2.0);
+  EXPECT_FALSE(run::auditAgrees(wrong));
+  EXPECT_TRUE(contains(run::rowForceText(wrong), "1.00e+15")) << run::rowForceText(wrong);
+}
+
+// Rounding errors of bodies at rest say nothing.
+TEST(RowForces, at_rest) {
+  run::RunReport report = reportOf(1e-9, 1e-18);
+  report.gapRounding = 1e-16;
+  EXPECT_EQ(run::rowForceText(report), "");
+}
