@@ -40,6 +40,9 @@ struct ContactPoint {
   double area = 0.0;       ///< tributary area, positive
   /// Contact pressure = Σ weight · force; empty: force of the row / area. See setPressures().
   std::vector<PressureTerm> pressure{};
+  /// Nodes beside it that have no point of their own, where another effect or both surfaces have them: the
+  /// pressure there is the mean of those of the points, by these weights.
+  std::vector<Term> beside{};
 };
 
 /// What pressures and tractions follow from, where forces of nodes are not the pressure times an area that is

@@ -363,6 +363,7 @@ class MortarPieces {
             sums[i].magnitude <= mostMagnification * sums[i].area)
           if (ContactPoint point = pointOf(i, sums[i], unit); !point.terms.empty())
             result.push_back(std::move(point));
+      addBeside(result);
     });
     return result;
   }
@@ -375,6 +376,25 @@ class MortarPieces {
       sumAt_.push_back(isCopy ? sumAt_.back() : i);
       without_.push_back(std::binary_search(options.without.begin(), options.without.end(), number) ? 1 : 0);
     }
+  }
+
+  // Nodes without a multiplier next to points, with what carriers get of theirs; see FacetMultipliers.
+  void addBeside(std::vector<ContactPoint>& points) const {
+    std::map<std::pair<long long, int>, std::map<long long, double>> shares;
+    for (int f : atOwn_) {
+      const Facet facet(first_, f);
+      const FacetMultipliers multipliers(facet, without_);
+      for (std::size_t x = 0; x < facet.size() && !multipliers.isWhole(); ++x)
+        for (std::size_t j = 0; j < multipliers.nodes().size() && without_[facet.node(x)] != 0; ++j)
+          if (const double share = multipliers.sharesOf(x)[j]; share > 0.0) {
+            const std::size_t heir = sumAt_[facet.node(multipliers.nodes()[j])];
+            shares[{first_.numbers[heir], sideOf(heir)}][first_.numbers[facet.node(x)]] += share;
+          }
+    }
+    for (ContactPoint& point : points)
+      if (const auto found = shares.find({point.node, point.side}); found != shares.end())
+        for (const auto& [node, share] : found->second)
+          point.beside.push_back({node, share});
   }
 
   // A part of the sums of a node, on its way from the rank of a facet.

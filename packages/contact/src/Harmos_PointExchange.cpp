@@ -9,7 +9,7 @@ namespace {
 
 // All of a point but its terms, which follow.
 struct Head {
-  long long node, number, terms, pressures;
+  long long node, number, terms, pressures, beside;
   int side;
   fem::Point position, normal;
   double gap, area;
@@ -20,23 +20,27 @@ struct Head {
 std::vector<std::vector<ContactPoint>> exchangePoints(const Teuchos::Comm<int>& comm,
                                                       const std::vector<std::vector<ContactPoint>>& sends) {
   std::vector<std::vector<Head>> heads(sends.size());
-  std::vector<std::vector<ContactPoint::Term>> terms(sends.size());
+  std::vector<std::vector<ContactPoint::Term>> terms(sends.size()), beside(sends.size());
   std::vector<std::vector<ContactPoint::PressureTerm>> pressures(sends.size());
   for (std::size_t r = 0; r < sends.size(); ++r)
     for (const ContactPoint& point : sends[r]) {
       heads[r].push_back({point.node, point.number, static_cast<long long>(point.terms.size()),
-                          static_cast<long long>(point.pressure.size()), point.side, point.position,
+                          static_cast<long long>(point.pressure.size()),
+                          static_cast<long long>(point.beside.size()), point.side, point.position,
                           point.normal, point.gap, point.area});
       terms[r].insert(terms[r].end(), point.terms.begin(), point.terms.end());
       pressures[r].insert(pressures[r].end(), point.pressure.begin(), point.pressure.end());
+      beside[r].insert(beside[r].end(), point.beside.begin(), point.beside.end());
     }
   heads = exchangeItems(comm, heads);
   terms = exchangeItems(comm, terms);
   pressures = exchangeItems(comm, pressures);
+  beside = exchangeItems(comm, beside);
   std::vector<std::vector<ContactPoint>> received(heads.size());
   for (std::size_t r = 0; r < heads.size(); ++r) {
     auto next = terms[r].begin();
     auto nextPressure = pressures[r].begin();
+    auto nextBeside = beside[r].begin();
     for (const Head& head : heads[r]) {
       ContactPoint& point = received[r].emplace_back();
       point.node = head.node;
@@ -50,6 +54,8 @@ std::vector<std::vector<ContactPoint>> exchangePoints(const Teuchos::Comm<int>& 
       point.side = head.side;
       point.pressure.assign(nextPressure, nextPressure + head.pressures);
       nextPressure += head.pressures;
+      point.beside.assign(nextBeside, nextBeside + head.beside);
+      nextBeside += head.beside;
     }
   }
   return received;

@@ -27,8 +27,9 @@ FIRST, SCENES = int(os.environ.get("HARMOS_FIRST_SCENE", "0")), int(os.environ.g
 # Solved to 1e-10; ten times that, and a factor of a thousand by which forces at single nodes are worse than the norm of
 # all: condition of local problems and constraints.
 ALLOWED = 1e-6
-# At the default tolerance forces of each effect are asked for to 1e-2; single nodes are worse.
-ALLOWED_PULLED = 5e-2
+# At the default tolerance forces of each effect are asked for to 1e-2 in the norm over its nodes, of which there are up
+# to 25: all of that may be at one of them, and its pressure is made of forces with weights up to two.
+ALLOWED_PULLED = 1e-1
 # Of forces, at the default tolerance.
 ALLOWED_ROLLERS = 1e-3
 # An interface of one facet between others has no node of its own.
@@ -54,8 +55,8 @@ def result_of(run):
 def pressure_error(result):
     import numpy as np
 
-    closed = result.active == 2
-    return np.abs(result.pressure[closed] / pressed_blocks.PRESSURE - 1.0).max() if closed.any() else 1.0
+    shown = (result.active == 2) | (result.pressure != 0.0)
+    return np.abs(result.pressure[shown] / pressed_blocks.PRESSURE - 1.0).max() if shown.any() else 1.0
 
 
 class Pressed:

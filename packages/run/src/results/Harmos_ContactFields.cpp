@@ -140,12 +140,37 @@ std::unordered_map<long long, Shown> shownAt(const Teuchos::Comm<int>& comm,
   return result;
 }
 
+// Pressures at nodes beside points, which have none of their own: means by weights. @note Collective.
+std::unordered_map<long long, double> pressuresBeside(const Teuchos::Comm<int>& comm,
+                                                      const std::vector<contact::ContactPoint>& points,
+                                                      const std::vector<ContactState>& states) {
+  struct Part {
+    long long node, number;
+    double weight, pressure;
+  };
+  std::vector<Part> parts;
+  for (std::size_t k = 0; k < points.size(); ++k)
+    for (const contact::ContactPoint::Term& term : points[k].beside)
+      parts.push_back({term.node, points[k].number, term.weight, states[k].pressure});
+  parts = gatherAll(comm, parts); // few: at ends of interfaces
+  std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) { return a.number < b.number; });
+  std::unordered_map<long long, double> weights, result;
+  for (const Part& part : parts) {
+    weights[part.node] += part.weight;
+    result[part.node] += part.weight * part.pressure;
+  }
+  for (auto& [node, pressure] : result)
+    pressure /= weights[node];
+  return result;
+}
+
 } // namespace
 
 ContactFields contactFields(const Teuchos::Comm<int>& comm, const std::vector<scene::OwnedSubdomain>& owned,
                             const std::vector<contact::ContactPoint>& points,
                             const std::vector<ContactState>& states, ContactFieldKinds kinds) {
   const std::unordered_map<long long, Shown> atNode = shownAt(comm, owned, points, states);
+  const std::unordered_map<long long, double> beside = pressuresBeside(comm, points, states);
   ContactFields fields;
   for (const scene::OwnedSubdomain& subdomain : owned) {
     const auto nodes = static_cast<std::size_t>(subdomain.mesh.mesh->numberOfNodes());
@@ -156,8 +181,11 @@ ContactFields contactFields(const Teuchos::Comm<int>& comm, const std::vector<sc
     for (std::size_t place = 0; place < subdomain.mesh.boundaryNumbers.size(); ++place) {
       const auto k = static_cast<std::size_t>(subdomain.mesh.mesh->boundary[place]);
       const auto found = atNode.find(subdomain.mesh.boundaryNumbers[place]);
-      if (found == atNode.end())
+      if (found == atNode.end()) {
+        if (const auto next = beside.find(subdomain.mesh.boundaryNumbers[place]); next != beside.end())
+          pressure[k] = next->second;
         continue;
+      }
       const ContactState* state = &found->second.state;
       const double sign = found->second.sign;
       pressure[k] = state->pressure;

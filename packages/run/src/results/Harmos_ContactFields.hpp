@@ -80,7 +80,8 @@ struct ContactFieldKinds {
 };
 
 /// Brings the states to the nodes; every copy of a node gets the same values. With node to node contact both
-/// sides have them, with mortar coupling the side that carries the multipliers. Tractions, slips and jumps on
+/// sides have them, with mortar coupling the side that carries the multipliers; a node of that
+/// which belongs to another effect shows the pressure next to it, and no state. Tractions, slips and jumps on
 /// the second side are the negative ones.
 /// @param points, states of this rank. @note Collective: points meet those who have their nodes.
 ContactFields contactFields(const Teuchos::Comm<int>& comm, const std::vector<scene::OwnedSubdomain>& owned,
