@@ -87,6 +87,16 @@ FAULTS = (
         "const double weight = scaling == PreconditionerScaling::Stiffness\n",
         "const double weight = scaling == PreconditionerScaling::Multiplicity\n", FETI),
     fault(
+        "rows that depend on others are unseen by M", "packages/feti/src/dual/Harmos_DualPreconditioner.cpp",
+        "isByDiagonal[static_cast<std::size_t>(factor.pivots()[k])] = 1;",
+        "isByDiagonal[static_cast<std::size_t>(factor.pivots()[k])] = 0;", FETI),
+    fault(
+        "terms of a dof that cancel leave rounding errors", "packages/feti/src/torn/Harmos_GivenRows.cpp",
+        "std::abs(sums[name]) <= rounding * sizes[name])", "sizes[name] == 0.0)", FETI),
+    fault(
+        "deformation is taken for drift", "packages/run/src/results/Harmos_Drift.cpp",
+        "left -= m[i] * rhs[i];", "left -= m[i] * m[i];", ("unit_run",)),
+    fault(
         "half of the projector", "packages/feti/src/coarse/Harmos_ReplicatedCoarse.cpp",
         "addGt(-1.0, applyG(v, c), v, c);", "addGt(-0.5, applyG(v, c), v, c);", FETI),
     fault(
