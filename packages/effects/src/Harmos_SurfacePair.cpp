@@ -35,9 +35,9 @@ struct Belonging {
   bool overlaps = true;    // all facets are those of one other effect each
 };
 
-// Where effects overlap, as a contact that is named twice, all nodes of a facet are those of one other effect,
-// and rows that are the same are left out later (scene::DistinctPoints), unless a tie holds what a contact
-// would.
+// Where effects overlap, as a contact that is named twice, all nodes of a facet are those of one other
+// effect, and rows that are the same are left out later (scene::DistinctPoints), unless a tie holds what a
+// contact would.
 Belonging belongToOthers(const contact::Surface& surface, const std::vector<Taken>& taken, bool isTie) {
   std::vector<std::vector<fem::Point>> normals(surface.numbers.size());
   const std::vector<fem::Point>& ofFacets = surface.sideNormals;
@@ -80,7 +80,8 @@ void requireOwn(const contact::Surface& one, const contact::Surface& other, cons
   const std::string message =
       one.name + " on " + other.name +
       ": each node of the first surface belongs to a contact or tie beside it, and none is left that could "
-      "carry a force; make it more than a facet wide, name the finer surface first, or join it to one of those";
+      "carry a force; make it more than a facet wide, name the finer surface first, or join it to one of "
+      "those";
   throw InputError(message, {{"first", one.name}, {"second", other.name}});
 }
 

@@ -133,8 +133,8 @@ TEST(DualPreconditioner, scaled_rows_are_a_left_inverse) {
     }
 }
 
-// Rows that depend on others, as those of a held edge in contact with a coarser surface, are seen by M all the
-// same: the residual of rows that it maps to zero would never fall.
+// Rows that depend on others, as those of a held edge in contact with a coarser surface, are seen by M all
+// the same: the residual of rows that it maps to zero would never fall.
 TEST(DualPreconditioner, rows_that_depend_on_others_are_seen) {
   for (PreconditionerScaling scaling :
        {PreconditionerScaling::Multiplicity, PreconditionerScaling::Stiffness}) {

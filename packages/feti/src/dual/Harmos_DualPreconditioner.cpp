@@ -149,8 +149,8 @@ void scaleGroup(Iterator begin, Iterator end, std::vector<std::vector<ScaledEntr
       for (std::size_t p = 0; p < m; ++p)
         w[q * m + p] += b[j * m + p] * weighted[j * m + q];
   const PivotedCholesky factor(std::move(w), static_cast<int>(m));
-  // Rows that depend on others, as where a held edge is in contact with a coarser surface, would be none to M:
-  // a residual there would never fall.
+  // Rows that depend on others, as where a held edge is in contact with a coarser surface, would be none to
+  // M: a residual there would never fall.
   for (std::size_t k = static_cast<std::size_t>(factor.rank()); k < m; ++k)
     isByDiagonal[static_cast<std::size_t>(factor.pivots()[k])] = 1;
   addByDiagonal();

@@ -27,8 +27,8 @@ enum class PreconditionerScaling {
 ///
 /// BD⁻¹Bᵀ couples rows that share a copy of a dof: small groups (the rows at a cross point), each inverted
 /// densely. Groups of more than `mostRows` rows (mortar conditions along a surface) are inverted by their
-/// diagonal, and so is a row that depends on others of its group: M is to see what F does not. With orthonormal rows and Scaling::Multiplicity, B_D = B. Cost of a product: as of F in the
-/// condensed form.
+/// diagonal, and so is a row that depends on others of its group: M is to see what F does not. With
+/// orthonormal rows and Scaling::Multiplicity, B_D = B. Cost of a product: as of F in the condensed form.
 ///
 /// Of rows that give way, (F + C)⁻¹ is approximated by TM⁻¹T + (I − T²)²C⁻¹, T² = q/(q + C), q the diagonal
 /// of BD⁻¹Bᵀ: the first part alone where C is small, the second where it is large.

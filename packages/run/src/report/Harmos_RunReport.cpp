@@ -263,8 +263,8 @@ std::string doubtfulForces(const RunReport& report) {
 }
 
 std::string rowForceText(const RunReport& report) {
-  // Rows of a scene have coefficients of one: a force that is so much larger than all that bodies feel is that
-  // of a row that nearly cancels, and is scaled to one.
+  // Rows of a scene have coefficients of one: a force that is so much larger than all that bodies feel is
+  // that of a row that nearly cancels, and is scaled to one.
   constexpr double most = 1e6;
   const feti::KktAudit& audit = report.audit;
   const bool isAtRest = audit.forces <= report.gapRounding * audit.unitForce;

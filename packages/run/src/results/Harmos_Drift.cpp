@@ -30,13 +30,15 @@ double extentOf(const Teuchos::Comm<int>& comm, const std::vector<scene::OwnedSu
   return extent;
 }
 
-// The normal equations AᵀAm = Aᵀu of the rigid motion m next to the displacement of a body, and uᵀu. A row of A
-// is that of a dof: an axis, then (e × x) of each rotation.
+// The normal equations AᵀAm = Aᵀu of the rigid motion m next to the displacement of a body, and uᵀu. A row of
+// A is that of a dof: an axis, then (e × x) of each rotation.
 class RigidFit {
  public:
   explicit RigidFit(int components)
       : components_(static_cast<std::size_t>(components)),
-        modes_(components == 3 ? 6 : components == 2 ? 3 : 1),
+        modes_(components == 3   ? 6
+               : components == 2 ? 3
+                                 : 1),
         sums_(modes_ * modes_ + modes_ + 2, 0.0) {}
 
   std::vector<double>& sums() { return sums_; }
@@ -117,7 +119,8 @@ std::string driftText(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
       names += (names.empty() ? "\"" : ", \"") + scene.bodies[b].name + "\"";
   return "drift: " + names + " moved by up to " + scientific(farthest) + " in a scene of size " +
          scientific(extent) +
-         ", and hardly deformed: nothing holds a rigid-body mode but the small differences between normals of its "
+         ", and hardly deformed: nothing holds a rigid-body mode but the small differences between normals "
+         "of its "
          "contacts; prescribe a displacement in that direction, or give the contact friction";
 }
 

@@ -12,8 +12,8 @@ namespace Harmos::run {
 
 /// What is to be said where bodies move farther than the scene is large, by a rigid-body mode that hardly
 /// anything holds: the forces of such an answer may be right, its displacements are not. "" where none does:
-/// where bodies deform as much, as with loads that are not to scale, or follow what is prescribed, they do not
-/// drift.
+/// where bodies deform as much, as with loads that are not to scale, or follow what is prescribed, they do
+/// not drift.
 /// @param u of this rank's subdomains. @param prescribed the largest displacement of this rank that is.
 /// @note Collective.
 /// Guarded by tests/unit/run/test_drift.cpp.
