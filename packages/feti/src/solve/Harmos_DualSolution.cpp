@@ -133,6 +133,25 @@ class DualSolve {
   Teuchos::RCP<qp::TpetraSolverManager> solver_;
   Details::StoppingTest test_;
   Details::KeptAnswer kept_;
+  int inner_ = 0; // iterations that were last judged
+};
+
+// Whether it takes too long to improve an answer that is kept.
+class KeptIsEnough : public qp::StatusTestValue<MultiVector> {
+ public:
+  KeptIsEnough(const Details::KeptAnswer& kept, int& inner)
+      : qp::StatusTestValue<MultiVector>("iterations left to improve an answer"),
+        kept_(kept),
+        inner_(inner) {}
+  qp::Status checkStatus(const qp::IterationState<MultiVector>& state) override {
+    inner_ = state.inner;
+    return judge(kept_.isSpent(state.inner) ? 0.0 : 1.0, 0.0);
+  }
+  qp::Reason reason() const override { return qp::Reason::IterationLimit; }
+
+ private:
+  const Details::KeptAnswer& kept_;
+  int& inner_;
 };
 
 void DualSolve::guess(const WarmStart* start) {
@@ -316,7 +335,9 @@ void DualSolve::makeSolver() {
   solver_ = qp::TpetraSolverFactory().create(method_, parametersOf(method_));
   report_.solver = solver_->name();
   test_ = Details::stoppingTest(stages_, options_, tolerance_, !isPenalty(), report_);
-  solver_->setConvergenceTest(test_.test);
+  using Combo = qp::StatusTestCombo<MultiVector>;
+  const Teuchos::RCP<qp::StatusTest<MultiVector>> spent = Teuchos::rcp(new KeptIsEnough(kept_, inner_));
+  solver_->setConvergenceTest(Teuchos::rcp(new Combo(Combo::Type::Or, {test_.test, spent})));
   solver_->setLog(log_);
   solver_->setProblem(problem_);
 }
@@ -367,7 +388,7 @@ bool DualSolve::isAccepted() {
     return true;
   if (verdict.isEnough)
     kept_.keep(*solution_.lambda, multiplier_, test_.gradient->value(),
-               test_.equality.is_null() ? 0.0 : test_.equality->value());
+               test_.equality.is_null() ? 0.0 : test_.equality->value(), inner_);
   tolerance_ = *verdict.next;
   setTolerance();
   return false;
@@ -375,8 +396,10 @@ bool DualSolve::isAccepted() {
 
 void DualSolve::takeKept() {
   const std::string reason = qp::toString(report_.result.reason);
+  const bool isSpent = kept_.isSpent(inner_);
   if (kept_.replace(report_.result, *solution_.lambda, multiplier_))
-    log_.info("The solver comes no further (" + reason + "): the answer that met the tolerance is taken");
+    log_.info("The solver comes no further (" + (isSpent ? "this takes too long" : reason) +
+              "): the answer that met the tolerance is taken");
 }
 
 void DualSolve::begin() {

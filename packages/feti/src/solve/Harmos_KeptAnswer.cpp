@@ -8,10 +8,12 @@
 namespace Harmos::feti::Details {
 
 void KeptAnswer::keep(const MultiVector& lambda, const Teuchos::RCP<const MultiVector>& mu, double gradient,
-                      double equality) {
+                      double equality, int inner) {
+  constexpr int few = 20;
   kept_ = {Teuchos::rcp(new MultiVector(lambda, Teuchos::Copy)),
            mu.is_null() ? Teuchos::null : Teuchos::rcp(new MultiVector(*mu, Teuchos::Copy)), gradient,
            equality};
+  most_ = inner + inner / 2 + few;
 }
 
 bool KeptAnswer::replace(qp::Result& result, MultiVector& lambda, const Teuchos::RCP<MultiVector>& mu) const {
@@ -35,12 +37,13 @@ void KeptAnswer::exchange(qp::StateArchive<MultiVector>& archive, const MultiVec
     return;
   }
   if (!kept_)
-    keep(lambda, mu, 0.0, 0.0);
+    keep(lambda, mu, 0.0, 0.0, 0);
   archive.vector("answer kept: lambda", *kept_->lambda);
   if (!kept_->mu.is_null())
     archive.rowVector("answer kept: mu", *kept_->mu);
   archive.number("answer kept: gradient", kept_->gradient);
   archive.number("answer kept: equality", kept_->equality);
+  archive.number("answer kept: iterations", most_);
 }
 
 } // namespace Harmos::feti::Details

@@ -20,9 +20,14 @@ class KeptAnswer {
   bool isThere() const { return kept_.has_value(); }
   void forget() { kept_.reset(); }
 
-  /// Copies. @param mu null without equality rows. @param gradient, equality its residuals.
+  /// Copies. @param mu null without equality rows. @param gradient, equality its residuals. @param inner the
+  /// iterations that it took.
   void keep(const MultiVector& lambda, const Teuchos::RCP<const MultiVector>& mu, double gradient,
-            double equality);
+            double equality, int inner);
+
+  /// Whether going on has taken half as many iterations again, and a few: where Coulomb's friction holds
+  /// bodies by little, active sets may wander below a tolerance that they have met.
+  bool isSpent(int inner) const { return isThere() && inner > most_; }
 
   /// Puts the answer in the place of one that has not converged, and its residuals with the result; unless
   /// there is none, or the solver is to go on in another run. @return whether it did.
@@ -38,6 +43,7 @@ class KeptAnswer {
     double gradient, equality;
   };
   std::optional<Kept> kept_;
+  int most_ = 0; // iterations
 };
 
 } // namespace Harmos::feti::Details

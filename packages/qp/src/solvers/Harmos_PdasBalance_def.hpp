@@ -50,8 +50,10 @@ bool PdasSolver<Scalar, MV, OP>::Run::comesFromInside(const std::string& why) {
                                     CgOptions::fromList(solver_.parameters_->sublist("PCPG")), cg_.kept(),
                                     mostKept_, counters_, springsOf(set_));
   const bool isThrough = path.run(*best_, q, paths_ == 1 ? 1e-8 : 1e-11, most, [&] {
-    const std::optional<Reason> reason = solver_.judge(state_);
-    return reason && *reason == Reason::TimeLimit;
+    IterationState<MV> now = state_;
+    now.inner += path.steps();
+    const std::optional<Reason> reason = solver_.judge(now);
+    return reason && (*reason == Reason::TimeLimit || *reason == Reason::IterationLimit);
   });
   if (!std::isfinite(norm<Scalar>(path.x()) + norm<Scalar>(path.y())))
     return false;

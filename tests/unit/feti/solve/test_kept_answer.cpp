@@ -45,7 +45,7 @@ TEST(KeptAnswer, takes_the_place_of_what_came_no_further) {
        {qp::Reason::Stagnation, qp::Reason::IterationLimit, qp::Reason::TimeLimit, qp::Reason::Breakdown}) {
     const auto lambda = vectorOf(1.0), mu = vectorOf(2.0);
     feti::Details::KeptAnswer kept;
-    kept.keep(*lambda, mu, 0.5, 0.25);
+    kept.keep(*lambda, mu, 0.5, 0.25, 30);
     lambda->putScalar(5.0);
     mu->putScalar(6.0);
     qp::Result result = ended(reason);
@@ -62,7 +62,7 @@ TEST(KeptAnswer, leaves_a_better_one_and_a_run_that_is_to_go_on) {
   for (const qp::Reason reason : {qp::Reason::Converged, qp::Reason::Interrupted}) {
     const auto lambda = vectorOf(1.0);
     feti::Details::KeptAnswer kept;
-    kept.keep(*lambda, Teuchos::null, 0.5, 0.0);
+    kept.keep(*lambda, Teuchos::null, 0.5, 0.0, 30);
     lambda->putScalar(5.0);
     qp::Result result = ended(reason);
     EXPECT_FALSE(kept.replace(result, *lambda, Teuchos::null));
@@ -71,11 +71,22 @@ TEST(KeptAnswer, leaves_a_better_one_and_a_run_that_is_to_go_on) {
   }
   const auto lambda = vectorOf(5.0);
   feti::Details::KeptAnswer none;
-  none.keep(*lambda, Teuchos::null, 0.5, 0.0);
+  none.keep(*lambda, Teuchos::null, 0.5, 0.0, 30);
   none.forget();
   qp::Result result = ended(qp::Reason::Stagnation);
   EXPECT_FALSE(none.replace(result, *lambda, Teuchos::null));
   EXPECT_EQ(result.reason, qp::Reason::Stagnation);
+}
+
+// Going on is worth half of the iterations again, and twenty.
+TEST(KeptAnswer, is_spent) {
+  feti::Details::KeptAnswer kept;
+  EXPECT_FALSE(kept.isSpent(1000));
+  kept.keep(*vectorOf(1.0), Teuchos::null, 0.5, 0.0, 40);
+  EXPECT_FALSE(kept.isSpent(80));
+  EXPECT_TRUE(kept.isSpent(81));
+  kept.forget();
+  EXPECT_FALSE(kept.isSpent(81));
 }
 
 // It is part of what a checkpoint knows.
@@ -84,15 +95,17 @@ TEST(KeptAnswer, goes_through_an_archive) {
   for (const bool isThere : {false, true}) {
     feti::Details::KeptAnswer kept;
     if (isThere)
-      kept.keep(*lambda, mu, 0.5, 0.25);
+      kept.keep(*lambda, mu, 0.5, 0.25, 30);
     MemoryState<MultiVector> state;
     MemoryArchive<MultiVector> writer(state, false), reader(state, true);
     kept.exchange(writer, *lambda, mu);
     feti::Details::KeptAnswer read;
-    read.keep(*vectorOf(3.0), vectorOf(3.0), 3.0, 3.0); // what it knew before is no more
+    read.keep(*vectorOf(3.0), vectorOf(3.0), 3.0, 3.0, 3); // what it knew before is no more
     const auto x = vectorOf(5.0), y = vectorOf(6.0);
     read.exchange(reader, *x, y);
     EXPECT_EQ(read.isThere(), isThere);
+    EXPECT_FALSE(read.isSpent(65));
+    EXPECT_EQ(read.isSpent(66), isThere);
     qp::Result result = ended(qp::Reason::Stagnation);
     EXPECT_EQ(read.replace(result, *x, y), isThere);
     EXPECT_EQ(firstOf(*x), isThere ? 1.0 : 5.0);
