@@ -80,7 +80,8 @@ class Case(unittest.TestCase):
                     dimension, count, elements, jump, pattern, has_contact
                 )
                 equal = self.products(make(1.0), tolerance)
-                most = max(1.5 * equal, 25 if has_contact and tolerance == 1e-4 else 0)
+                # At 1e-4 the audit of penetrations may ask contact for another ten products.
+                most = max(1.5 * equal, 32 if has_contact and tolerance == 1e-4 else 0)
                 for jump in JUMPS:
                     with self.subTest(dimension=dimension, pattern=pattern, jump=jump, tolerance=tolerance):
                         found = self.products(make(jump), tolerance)
