@@ -120,8 +120,7 @@ std::string driftText(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
   return "drift: " + names + " moved by up to " + scientific(farthest) + " in a scene of size " +
          scientific(extent) +
          ", and hardly deformed: nothing holds a rigid-body mode but the small differences between normals "
-         "of its "
-         "contacts; prescribe a displacement in that direction, or give the contact friction";
+         "of its contacts; prescribe a displacement in that direction, or give the contact friction";
 }
 
 } // namespace Harmos::run
