@@ -28,6 +28,20 @@ PivotedCholesky::PivotedCholesky(std::vector<long double> matrix, int n, double 
     factor_.push_back(static_cast<double>(value));
 }
 
+PivotedCholesky::PivotedCholesky(std::vector<double> triangle, std::vector<int> pivots, int rank)
+    : factor_(std::move(triangle)),
+      pivots_(std::move(pivots)),
+      n_(static_cast<int>(pivots_.size())),
+      rank_(rank) {
+  double least = 1.0, most = 0.0;
+  for (int k = 0; k < rank_; ++k) {
+    const double pivot = factor_[at(k, k, n_)] * factor_[at(k, k, n_)];
+    least = k == 0 ? pivot : std::min(least, pivot);
+    most = std::max(most, pivot);
+  }
+  smallestRatio_ = rank_ > 0 ? least / most : 1.0;
+}
+
 template<class Real>
 void PivotedCholesky::factorise(std::vector<Real>& a, double relativeThreshold) {
   const int n = n_;

@@ -23,6 +23,10 @@ class PivotedCholesky {
   /// is rounded after that, which changes LᵀA⁻¹L by ε times the condition of L, not of A.
   PivotedCholesky(std::vector<long double> matrix, int n, double relativeThreshold = 0.0);
 
+  /// A factor that is known already, of a matrix with this rank. @param triangle L, n × n, column after
+  /// column, rows in the order of the pivots.
+  PivotedCholesky(std::vector<double> triangle, std::vector<int> pivots, int rank);
+
   int size() const { return n_; }
   int rank() const { return rank_; }
   /// Smallest over largest pivot among those kept; 1 for rank 0.

@@ -120,6 +120,27 @@ TEST(HardProblems, nearly_dependent_rows_are_not_contradictory) {
   }
 }
 
+// x = (2, 0) meets rows that differ by little; CCᵀ takes them for one. Their difference is known to ε/angle.
+TEST(HardProblems, rows_that_differ_by_little_are_both_met) {
+  for (double angle : {1e-6, 1e-8, 1e-9, 1e-11})
+    for (const std::string name : {"Auto", "PCPG", "SMALBE", "PDAS"})
+      for (int copies : {0, 2}) {
+        SmallQp qp{diagonal({1, 1}), {0, 0}, {}, {}, rows({{1, 1}, {1, 1 + angle}}), {2, 2}};
+        if (copies > 0) // rows that do depend on others are left out as before
+          qp.c = rows({{1, 1}, {-3, -3}, {1, 1 + angle}, {2, 2 + 2 * angle}}), qp.cRhs = {2, -6, 2, 4};
+        // Where CCᵀ still tells, C̄x is L⁻¹(Cx), with an error of ε/angle; of a basis it is one of ε.
+        const double tolerance = angle > 1e-7 ? 1e-9 : 1e-12;
+        const Answer answer = solve(name, qp, tolerance);
+        const std::string what = name + " " + std::to_string(angle) + ": " + answer.result.explanation;
+        ASSERT_TRUE(answer.result.converged()) << what;
+        EXPECT_NEAR(answer.x[0], 2.0, 1e-15 / angle + 1e2 * tolerance) << what;
+        EXPECT_NEAR(answer.x[1], 0.0, 1e-15 / angle + 1e2 * tolerance) << what;
+        const std::vector<double> gradient = lagrangianGradient(qp, answer.x, answer.mu);
+        // Multipliers are of the size of 1/angle, and cancel.
+        EXPECT_LT(norm(gradient), 1e-14 / angle + 1e2 * tolerance) << what;
+      }
+}
+
 // One orthonormalisation leaves C̄C̄ᵀ − I = ε/angle², 1e-6 here, and with it the equalities unmet; two leave ε.
 TEST(HardProblems, ill_conditioned_rows_are_met) {
   for (double angle : {1e-4, 1e-5}) {

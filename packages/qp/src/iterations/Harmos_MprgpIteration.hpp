@@ -123,6 +123,7 @@ class MprgpIteration {
   void goDown(const MV& direction);
   Outcome proportionBySteps();
   bool expandProjected(double cgStep);
+  double roundingOfCurvature() const;
 
   Apply apply_;
   Precondition precondition_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_CurvatureTerms.hpp"
 #include "Harmos_MprgpIteration.hpp"
 #include "Harmos_VectorOps.hpp"
 
@@ -176,6 +177,12 @@ typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::proport
   return Outcome::Proportioning;
 }
 
+// Of pᵀHp/‖p‖², from the terms that it is a sum of.
+template<class Scalar, class MV>
+double MprgpIteration<Scalar, MV>::roundingOfCurvature() const {
+  return 100.0 * std::numeric_limits<double>::epsilon() * curvatureTerms<Scalar, MV>(apply_, *p_);
+}
+
 template<class Scalar, class MV>
 typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::step() {
   using BT = BoundTraits<Scalar, MV>;
@@ -214,7 +221,7 @@ typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::step() 
   const double flat = 100.0 * epsilon * curvatureScale_;
   if (curvature < -flat)
     return Outcome::Breakdown;
-  const bool isFlat = curvature <= flat;
+  const bool isFlat = curvature <= flat && curvature <= roundingOfCurvature();
   if (isFlat && !std::isfinite(longestStep_))
     return Outcome::Unbounded;
   const double cgStep =

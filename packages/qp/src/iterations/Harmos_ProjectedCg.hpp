@@ -143,6 +143,7 @@ class ProjectedCg {
   void project(MV& v, std::vector<double>& sums);
   void project(MV& v, MV* removed = nullptr);
   DirectionSums applyToDirection();
+  bool isFlatAlongDirection(double curvature);
   ResidualSums preconditionAndSum();
   void settle();
   void watchRows();

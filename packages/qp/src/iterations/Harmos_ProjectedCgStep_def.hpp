@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_CurvatureTerms.hpp"
 #include "Harmos_EqualityRows_def.hpp"
 #include "Harmos_ProjectedCg.hpp"
 #include "Harmos_VectorOps.hpp"
@@ -127,7 +128,7 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
   curvatureBound_ = std::max(curvatureBound_, sums.dotHessian / sums.norm2);
   if (curvature < -100.0 * epsilon * curvatureBound_)
     return Outcome::Breakdown;
-  if (curvature <= 100.0 * epsilon * curvatureBound_)
+  if (curvature <= 100.0 * epsilon * curvatureBound_ && isFlatAlongDirection(curvature))
     return Outcome::Flat;
   directionDotImage_ = sums.dotImage;
   const double length = sums.dotGradient / directionDotImage_;
@@ -153,6 +154,16 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
   MVT::MvAddMv(1.0, *z_, -beta, *p_, *p_);
   directions_.conjugate(*p_);
   return Outcome::Step;
+}
+
+// Whether a curvature along p is no more than what rounding leaves of the terms that it is a sum of.
+template<class Scalar, class MV, class OP>
+bool ProjectedCg<Scalar, MV, OP>::isFlatAlongDirection(double curvature) {
+  const std::function<void(const MV&, MV&)> apply = [this](const MV& in, MV& out) {
+    ++counters_.hessianApplications;
+    Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), in, out);
+  };
+  return curvature <= 100.0 * std::numeric_limits<double>::epsilon() * curvatureTerms<Scalar, MV>(apply, *p_);
 }
 
 // In each tenth step the distance from the equalities is looked at, and what rounding errors have brought to

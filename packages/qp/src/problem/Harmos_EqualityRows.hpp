@@ -4,10 +4,12 @@
 #include "Harmos_PivotedCholesky.hpp"
 #include "Harmos_QpProblem.hpp"
 #include "Harmos_QpTypes.hpp"
+#include "Harmos_RowBasis.hpp"
 
 #include <Teuchos_RCP.hpp>
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 namespace Harmos::qp {
@@ -16,10 +18,12 @@ namespace Harmos::qp {
 ///
 /// Rows that are known to be orthonormal are taken as they are (T = I). Others are orthonormalised with the
 /// dense CCᵀ, found by a product with C and Cᵀ for each row: LLᵀ = CCᵀ by Cholesky with complete pivoting,
-/// which leaves dependent rows out, done twice so that C̄C̄ᵀ = I to rounding also for ill-conditioned rows
-/// (Giraud, Langou, Rozložník: the loss of orthogonality in the Gram-Schmidt orthogonalization process,
-/// 2005). Penalties and projectors then do not depend on how a user scales or repeats rows. Beyond `mostRows`
-/// rows it would cost too much; such rows are used as they stand (isOrthonormal() tells).
+/// done twice so that C̄C̄ᵀ = I to rounding also for ill-conditioned rows (Giraud, Langou, Rozložník: the loss
+/// of orthogonality in the Gram-Schmidt orthogonalization process, 2005). CCᵀ tells rows that differ by less
+/// than √(100 ε) not from dependent ones: where it leaves rows out, a RowBasis of the rows themselves
+/// decides, and leaves out what depends on others to rounding. Penalties and projectors then do not depend on
+/// how a user scales or repeats rows. Beyond `mostRows` rows it would cost too much; such rows are used as
+/// they stand (isOrthonormal() tells).
 ///
 /// Residuals are reported in the user's rows: residualNorm() is ‖Cx − c‖.
 ///
@@ -58,6 +62,8 @@ class EqualityRows {
   /// ‖C̄x − c̄‖ of the last residual(), or |C_ix − c_i|/‖C_i‖ where a row, taken for dependent, is further off;
   /// in units of ‖C‖ for rows used as they stand.
   double distance() const { return distance_; }
+  /// x ← the point with C̄x = c̄ next to zero, C̄ᵀc̄; of rows used as they stand, the one next to them along Cᵀc.
+  void nearestToZero(MV& x) const;
   const MV& values() const { return *values_; }
   /// ‖c̄‖.
   double valuesNorm() const { return valuesNorm_; }
@@ -84,7 +90,8 @@ class EqualityRows {
  private:
   void prepare(int mostRows);
   void checkOrthonormality();
-  bool isDependence(const std::vector<double>& y) const;
+  void makeBasis();
+  std::vector<double> inOthers(std::size_t dependentRow) const;
   std::vector<double> gramOf(const std::function<void(MV&)>& weigh) const;
   Teuchos::RCP<const FaceGram<MV>> denseGram(std::vector<double> gram) const;
   std::vector<double> orthonormalised(std::vector<double> scaled) const;
@@ -96,8 +103,9 @@ class EqualityRows {
   Teuchos::RCP<const FaceGram<MV>> whole_; // or null
   // T = L₂⁻¹L₁⁻¹ diag(1/‖C_i‖) where rows were orthonormalised, of the pivot rows; zero elsewhere.
   std::vector<PivotedCholesky> factors_;
-  std::vector<double> rowScale_; // 1/‖C_i‖
-  std::vector<double> gram_;     // of the scaled rows, kept for the consistency check
+  std::vector<double> rowScale_;                      // 1/‖C_i‖
+  std::vector<double> gram_;                          // of the scaled rows
+  std::shared_ptr<const RowBasis<Scalar, MV>> basis_; // where CCᵀ does not tell; null: it does
   bool orthonormal_ = false;
   double norm2_ = 0.0;
   double valuesNorm_ = 0.0;

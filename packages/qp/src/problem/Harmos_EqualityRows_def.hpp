@@ -66,10 +66,33 @@ void EqualityRows<Scalar, MV, OP>::prepare(int mostRows) {
       gram_[j * size + i] *= rowScale_[i] * rowScale_[j];
   // Its entries are exact to ε: distances between rows below √(100 ε) cannot be told from dependence.
   factors_.emplace_back(gram_, rows, 1e2 * std::numeric_limits<double>::epsilon());
-  factors_.emplace_back(gramOf(nullptr), rows, 0.5);
+  if (factors_.front().rank() < rows)
+    makeBasis();
+  else
+    factors_.emplace_back(gramOf(nullptr), rows, 0.5);
   orthonormal_ = true;
   BoundTraits<Scalar, MV>::scatter(transform(BoundTraits<Scalar, MV>::gather(*problem.equalityValues())),
                                    *values_);
+}
+
+// Of the rows themselves, each divided by its norm.
+template<class Scalar, class MV, class OP>
+void EqualityRows<Scalar, MV, OP>::makeBasis() {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using BT = BoundTraits<Scalar, MV>;
+  const auto rows = static_cast<int>(rowScale_.size());
+  const Teuchos::RCP<MV> vectors = MVT::Clone(*image_, rows), unit = makeVector();
+  std::vector<double> e(rowScale_.size(), 0.0);
+  for (int k = 0; k < rows; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    e[i] = rowScale_[i];
+    BT::scatter(e, *unit);
+    e[i] = 0.0;
+    Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), *unit, *image_, Belos::TRANS);
+    MVT::SetBlock(*image_, Teuchos::Range1D(k, k), *vectors);
+  }
+  basis_ = std::make_shared<const RowBasis<Scalar, MV>>(*vectors);
+  factors_ = {basis_->factor()};
 }
 
 // CCᵀ, or C̄M_FC̄ᵀ as far as T is there, a column a product.
@@ -193,6 +216,20 @@ std::vector<double> EqualityRows<Scalar, MV, OP>::transformTransposed(const std:
   return r;
 }
 
+// The coefficients of a dependent row, of norm 1, in the rows that it depends on.
+template<class Scalar, class MV, class OP>
+std::vector<double> EqualityRows<Scalar, MV, OP>::inOthers(std::size_t dependentRow) const {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using BT = BoundTraits<Scalar, MV>;
+  const Teuchos::RCP<MV> unit = makeVector(), part = makeVector(), row = MVT::Clone(*image_, 1);
+  std::vector<double> e(rowScale_.size(), 0.0);
+  e[dependentRow] = rowScale_[dependentRow];
+  BT::scatter(e, *unit);
+  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), *unit, *row, Belos::TRANS);
+  apply(*row, *part);
+  return transformTransposed(BT::gather(*part));
+}
+
 template<class Scalar, class MV, class OP>
 bool EqualityRows<Scalar, MV, OP>::isConsistent(MV& y, Certificate& certificate) const {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
@@ -208,11 +245,9 @@ bool EqualityRows<Scalar, MV, OP>::isConsistent(MV& y, Certificate& certificate)
   const std::vector<int>& pivots = factors_.front().pivots();
   for (auto k = static_cast<std::size_t>(factors_.front().rank()); k < rows; ++k) {
     const auto i = static_cast<std::size_t>(pivots[k]);
-    const std::vector<double> column(gram_.begin() + static_cast<std::ptrdiff_t>(i * rows),
-                                     gram_.begin() + static_cast<std::ptrdiff_t>((i + 1) * rows));
-    std::vector<double> combination = transformTransposed(orthonormalised(column));
-    for (std::size_t j = 0; j < rows; ++j)
-      combination[j] *= -1.0;
+    std::vector<double> combination = inOthers(i);
+    for (double& value : combination)
+      value *= -1.0;
     combination[i] += rowScale_[i];
     double sum = 0.0, absolute = 0.0;
     for (std::size_t j = 0; j < rows; ++j) {
@@ -220,7 +255,7 @@ bool EqualityRows<Scalar, MV, OP>::isConsistent(MV& y, Certificate& certificate)
       absolute += std::abs(combination[j] * c[j]);
     }
     if (std::abs(sum) > std::sqrt(1e2 * std::numeric_limits<double>::epsilon()) * absolute &&
-        std::abs(sum) > gap && isDependence(combination)) {
+        std::abs(sum) > gap) {
       gap = std::abs(sum);
       worst = combination;
       for (double& value : worst)
@@ -237,20 +272,6 @@ bool EqualityRows<Scalar, MV, OP>::isConsistent(MV& y, Certificate& certificate)
   certificate.gap = gap / length;
   certificate.defect = norm<Scalar>(*w);
   return false;
-}
-
-// Whether Cᵀy vanishes but for rounding errors: CCᵀ knows dependence only to √(100 ε), and rows that nearly
-// depend on each other may well be met together, by a large x.
-template<class Scalar, class MV, class OP>
-bool EqualityRows<Scalar, MV, OP>::isDependence(const std::vector<double>& y) const {
-  const Teuchos::RCP<MV> combination = makeVector(), w = Belos::MultiVecTraits<Scalar, MV>::Clone(*image_, 1);
-  BoundTraits<Scalar, MV>::scatter(y, *combination);
-  Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), *combination, *w, Belos::TRANS);
-  double terms = 0.0;
-  for (std::size_t i = 0; i < y.size(); ++i)
-    terms += std::abs(y[i]) / rowScale_[i];
-  // The combination was found from CCᵀ, to ε times its condition.
-  return norm<Scalar>(*w) <= 1e-10 * terms;
 }
 
 template<class Scalar, class MV, class OP>
@@ -282,6 +303,8 @@ void EqualityRows<Scalar, MV, OP>::setRandom(MV& w) const {
 template<class Scalar, class MV, class OP>
 void EqualityRows<Scalar, MV, OP>::apply(const MV& x, MV& w) const {
   using BT = BoundTraits<Scalar, MV>;
+  if (basis_)
+    return basis_->apply(x, w);
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), x, w);
   if (!factors_.empty())
     BT::scatter(transform(BT::gather(w)), w);
@@ -303,6 +326,8 @@ void EqualityRows<Scalar, MV, OP>::solveFor(const FaceGram<MV>* gram, const MV& 
 template<class Scalar, class MV, class OP>
 void EqualityRows<Scalar, MV, OP>::addTransposed(double factor, const MV& w, MV& x) const {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  if (basis_)
+    return basis_->addTransposed(factor, w, x);
   if (factors_.empty()) {
     Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), w, *image_, Belos::TRANS);
   } else {
@@ -323,10 +348,29 @@ void EqualityRows<Scalar, MV, OP>::residual(const MV& x, MV& r) {
   if (factors_.empty())
     return;
   const std::vector<double> entries = BT::gather(r);
-  BT::scatter(transform(entries), r);
+  if (basis_) {
+    basis_->apply(x, r);
+    MVT::MvAddMv(1.0, r, -1.0, *values_, r);
+  } else {
+    BT::scatter(transform(entries), r);
+  }
   distance_ = norm<Scalar>(r);
   for (std::size_t i = 0; i < entries.size(); ++i)
     distance_ = std::max(distance_, std::abs(entries[i]) * rowScale_[i]);
+}
+
+template<class Scalar, class MV, class OP>
+void EqualityRows<Scalar, MV, OP>::nearestToZero(MV& x) const {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  MVT::MvInit(x, 0.0);
+  addTransposed(1.0, *values_, x);
+  if (orthonormal_)
+    return;
+  const Teuchos::RCP<MV> image = makeVector();
+  apply(x, *image);
+  const double length = norm<Scalar>(*image);
+  if (length > 0.0)
+    MVT::MvScale(x, dot<Scalar>(*image, *values_) / (length * length));
 }
 
 template<class Scalar, class MV, class OP>

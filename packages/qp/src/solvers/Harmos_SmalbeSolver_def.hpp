@@ -102,6 +102,8 @@ typename SmalbeSolver<Scalar, MV, OP>::Run::Scales SmalbeSolver<Scalar, MV, OP>:
   scale.norm = lagrangian_.hessianNorm();
   if (!(scale.norm > 0.0))
     scale.norm = scale.gradient > 0.0 ? scale.gradient / (distance > 0.0 ? distance : 1.0) : 1.0;
+  if (scale.gradient == 0.0) // what holds x on the equalities is the load
+    scale.gradient = scale.norm * distance;
   scale.equality = scale.gradient / scale.norm * scale.row;
   scale.norm /= scale.row;
   return scale;

@@ -23,9 +23,11 @@ namespace Harmos::qp {
 ///
 /// Life cycle: setParameters() (checked against the specification at once, the first call included),
 /// setProblem(), solve(). solve() reads the solution vector of the problem as initial guess and writes the
-/// answer there. By default the solver converges when ‖g^P‖ ≤ tol‖b‖ (relative to the first one where b = 0)
-/// and the distance of x from the equalities is at most tol‖x‖; setConvergenceTest() puts another test in its
-/// place.
+/// answer there. By default the solver converges when ‖g^P‖ ≤ tol‖b‖ and the distance of x from the
+/// equalities is at most tol‖x‖; setConvergenceTest() puts another test in its place. Where b = 0 (least
+/// norms) max(‖Ax_l‖, ‖Ax_c‖) takes the place of ‖b‖: x_l is the point within the bounds and x_c that on the
+/// equalities next to zero, and moving the origin there makes b − Ax of b. Where these are zero too, as the
+/// answer x = 0 then is, the initial guess counts, ‖Ax₀‖.
 ///
 /// Before the first iteration every solver looks for what makes the problem senseless: crossed bounds,
 /// contradictory equality rows, a load along a known kernel direction that nothing stops.
@@ -116,8 +118,8 @@ class SolverManager {
   /// The test that is used when the caller gives none.
   virtual Teuchos::RCP<StatusTest<MV>> defaultTest() const;
 
-  /// Its part for the projected gradient: relative to ‖b‖ or, where b = 0, to the initial one.
-  Teuchos::RCP<StatusTest<MV>> gradientTest() const;
+  /// Its part for the projected gradient.
+  Teuchos::RCP<StatusTest<MV>> gradientTest() const { return loadTest_; }
 
   /// The parameters every solver has.
   static void addCommonParameters(ParameterSpec& spec);
@@ -194,6 +196,9 @@ class SolverManager {
   int firstInner_ = 0; // iterations of the solver that delegates to this one
 
  private:
+  void makeTest();
+  void measureLoad(const EqualityRows<Scalar, MV, OP>* rows);
+  double imageNorm(const MV& x);
   bool isSenseless();
   bool fallsAlongNullSpace();
   static std::string prefix(int depth) { return "solver" + std::to_string(depth) + " "; }
@@ -203,6 +208,7 @@ class SolverManager {
   void save();
   double sessionSeconds() const;
 
+  Teuchos::RCP<StatusTestProjectedGradient<MV>> loadTest_; // of the default test, till its scale is known
   Teuchos::RCP<SolverMonitor<MV>> monitor_;
   std::function<void(Archive&)> state_;      // of doSolve()
   std::function<void(Archive&)> delegation_; // of doSolve(), beside that of the solver it delegates to

@@ -69,12 +69,53 @@ void SolverManager<Scalar, MV, OP>::setProblem(const Teuchos::RCP<ProblemType>& 
 }
 
 template<class Scalar, class MV, class OP>
-Teuchos::RCP<StatusTest<MV>> SolverManager<Scalar, MV, OP>::gradientTest() const {
-  const double tolerance = parameters_->template get<double>("Convergence Tolerance");
-  const double scale = norm<Scalar>(*problem_->rhs());
-  if (scale > 0.0)
-    return Teuchos::rcp(new StatusTestProjectedGradient<MV>(tolerance, scale));
-  return Teuchos::rcp(new StatusTestInitialGradient<MV>(tolerance));
+void SolverManager<Scalar, MV, OP>::makeTest() {
+  if (!convergenceTest_.is_null()) {
+    activeTest_ = convergenceTest_;
+  } else {
+    loadTest_ = Teuchos::rcp(new StatusTestProjectedGradient<MV>(
+        parameters_->template get<double>("Convergence Tolerance"), norm<Scalar>(*problem_->rhs())));
+    activeTest_ = defaultTest();
+  }
+  if (testGoesOn_)
+    return;
+  activeTest_->reset();
+  if (!problem_->hasEqualities())
+    measureLoad(nullptr);
+}
+
+// Where b = 0: its size with the origin moved to the point next to it that bounds, or equalities, allow.
+template<class Scalar, class MV, class OP>
+void SolverManager<Scalar, MV, OP>::measureLoad(const EqualityRows<Scalar, MV, OP>* rows) {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  if (loadTest_.is_null() || loadTest_->scale() > 0.0)
+    return;
+  const Teuchos::RCP<MV> x = MVT::Clone(*problem_->solution(), 1);
+  MVT::MvInit(*x, 0.0);
+  if (problem_->hasBounds())
+    BoundTraits<Scalar, MV>::project(*x, problem_->feasibleSet());
+  loadTest_->raiseScale(imageNorm(*x));
+  if (rows != nullptr) {
+    rows->nearestToZero(*x);
+    loadTest_->raiseScale(imageNorm(*x));
+  }
+  if (loadTest_->scale() == 0.0)
+    loadTest_->raiseScale(imageNorm(*problem_->solution()));
+  loadTest_ = Teuchos::null; // others to which this one delegates need not do so again
+}
+
+// ‖Ax‖, with the forces of soft bounds that x has left.
+template<class Scalar, class MV, class OP>
+double SolverManager<Scalar, MV, OP>::imageNorm(const MV& x) {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  const Teuchos::RCP<MV> image = MVT::Clone(x, 1);
+  MVT::MvInit(*image, 0.0);
+  if (norm<Scalar>(x) > 0.0) {
+    Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_->hessian(), x, *image);
+    ++result_.counters.setupApplications;
+  }
+  SpringOps<Scalar, MV>::addForces(problem_->softBounds(), x, *image);
+  return norm<Scalar>(*image);
 }
 
 template<class Scalar, class MV, class OP>
@@ -100,13 +141,12 @@ Result SolverManager<Scalar, MV, OP>::solve() {
                               "interface that is glued; use PDAS or Auto");
   reset();
   result_.method = name();
-  activeTest_ = convergenceTest_.is_null() ? defaultTest() : convergenceTest_;
-  if (!testGoesOn_)
-    activeTest_->reset();
   start_ = std::chrono::steady_clock::now();
   secondsBefore_ = 0.0;
   hasResumed_ = false;
   state_ = nullptr;
+  if (!testGoesOn_)
+    loadTest_ = Teuchos::null;
   // It refers to what doSolve() leaves behind.
   struct Forget {
     std::function<void(Archive&)>& state;
@@ -115,6 +155,7 @@ Result SolverManager<Scalar, MV, OP>::solve() {
   delegation_ = nullptr;
   if (isSenseless())
     return result_;
+  makeTest();
   const bool isHard = problem_->hasFollowingLimits() || (problem_->hasDiscs() && handsOver_);
   if (isHard && !letsLimitsFollow()) {
     FixedPointSolver<Scalar, MV, OP> solver(clone());
@@ -304,8 +345,10 @@ Teuchos::RCP<EqualityRows<Scalar, MV, OP>> SolverManager<Scalar, MV, OP>::makeRo
   }
   const Teuchos::RCP<MV> y = rows->makeVector();
   Certificate certificate;
-  if (rows->isConsistent(*y, certificate))
+  if (rows->isConsistent(*y, certificate)) {
+    measureLoad(rows.get());
     return rows;
+  }
   stopInfeasible(y, certificate);
   return Teuchos::null;
 }
@@ -391,7 +434,9 @@ void SolverManager<Scalar, MV, OP>::delegate(SolverManager& other, const Teuchos
   other.setDebugStatusTest(debugTest_);
   other.setLog(log_);
   other.testGoesOn_ = true;
+  other.loadTest_ = loadTest_;
   Result result = other.solve();
+  loadTest_ = other.loadTest_;
   certificate_ = other.certificate();
   const Counters first = result_.counters;
   for (IterationRecord& record : result.history) {

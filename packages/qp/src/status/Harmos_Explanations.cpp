@@ -3,6 +3,8 @@
 
 #include "Harmos_Log.hpp"
 
+#include <limits>
+
 namespace Harmos::qp::Explanations {
 
 std::string converged() {
@@ -42,11 +44,18 @@ std::string limit(const std::string& limit) {
 }
 
 std::string stagnation(double projectedGradient, double attainable, double equalityDistance) {
+  const double terms = attainable / std::numeric_limits<double>::epsilon();
   return "the projected gradient, " + scientific(projectedGradient) +
          ", is at the level of rounding errors, " + scientific(attainable) +
          (equalityDistance > 0.0 ? ", with a distance from the equalities of " + scientific(equalityDistance)
                                  : std::string()) +
-         ", and cannot be reduced to the tolerance asked for; loosen the tolerance";
+         ", and cannot be reduced to the tolerance asked for: it is a difference of terms ‖A‖‖x‖ + ‖b‖ of "
+         "the size "
+         "of " +
+         scientific(terms) +
+         ". Loosen the tolerance, or find what makes these so large (parts far stiffer or softer than the "
+         "rest, "
+         "loads that cancel)";
 }
 
 std::string stoppedByTest(Reason reason) {
@@ -63,16 +72,14 @@ std::string infeasible(const Certificate& certificate) {
          (certificate.defect > 0.0
               ? " (for all x with a norm up to " + scientific(certificate.gap / certificate.defect) + ")"
               : std::string()) +
-         "; see SolverManager::certificate() (in the dual problem of contact: a body is pulled away from all "
-         "that could hold it)";
+         " (in the dual problem of contact: a body is pulled away from all that could hold it)";
 }
 
 std::string unbounded(const Certificate& certificate) {
   return "the cost falls without end along a feasible direction d, with norm 1: bᵀd = " +
          scientific(certificate.gap) + ", and curvature and equality rows vanish along it to " +
          scientific(certificate.defect) +
-         "; see SolverManager::certificate() (in the dual problem of contact: constraints or gaps that "
-         "contradict each other)";
+         " (in the dual problem of contact: constraints or gaps that contradict each other)";
 }
 
 } // namespace Harmos::qp::Explanations

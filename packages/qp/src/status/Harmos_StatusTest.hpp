@@ -7,6 +7,7 @@
 #include <BelosMultiVecTraits.hpp>
 #include <Teuchos_RCP.hpp>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <iosfwd>
@@ -91,6 +92,7 @@ class StatusTestProjectedGradient : public StatusTestValue<MV> {
     return this->judge(state.projectedGradient, tolerance_ * scale_);
   }
   double scale() const { return scale_; }
+  void raiseScale(double scale) { scale_ = std::max(scale_, scale); }
   void setTolerance(double tolerance) { tolerance_ = tolerance; }
 
  private:
