@@ -130,6 +130,15 @@ std::string listed(const std::vector<int>& parts) {
   return text + (named < parts.size() ? " and " + std::to_string(parts.size() - named) + " others" : "");
 }
 
+// As files have them that were made of several solids, or whose nodes were not merged.
+void notePieces(const std::string& name, const fem::Mesh& mesh, std::vector<std::string>& notes) {
+  if (const int pieces = fem::numberOfPieces(mesh); pieces > 1)
+    notes.push_back(
+        "Body \"" + name + "\" is in " + std::to_string(pieces) +
+        " pieces that share no node, so that nothing in it holds them together; if they should be one, "
+        "merge the nodes where the mesh is made, or else make each a body and tie them");
+}
+
 // Ragged parts cost iterations, each some, and nothing else tells of them.
 void noteRagged(const std::string& name, const fem::Partition& partition, fem::PartitionMethod method,
                 std::vector<std::string>& notes) {
@@ -245,6 +254,7 @@ void readBodies(const DeckContext& context, int dimension, const std::vector<std
                        std::to_string(meshes[k].mesh.numberOfCells()) + " cells (" +
                        fem::shapeOf(meshes[k].mesh.cellType).name + "), cut into " + sizesOf(partition));
       scene.notes.insert(scene.notes.end(), partition.notes.begin(), partition.notes.end());
+      notePieces(name, meshes[k].mesh, scene.notes);
       noteRagged(name, partition, cut.method, scene.notes);
       noteLocking(scene.bodies[which[k]], scene.physics, meshes[k].mesh.cellType, scene.notes);
     }

@@ -37,7 +37,7 @@ struct Request {
   std::vector<std::string> perBody; // "name=number"
   std::string partition = "compact";
   int seed = 1;
-  int dimension = 3;
+  int dimension = 0; // as the file has it
   fem::GmshMeshing meshing;
 };
 
@@ -48,7 +48,8 @@ std::pair<std::string, std::string> halves(const std::string& text) {
 }
 
 std::optional<int> parse(int argc, char** argv, Request& request) {
-  CLI::App cli("Reads a mesh (.msh, .vtk) or a geometry (.geo, .step: meshed first), reports what it holds, "
+  CLI::App cli("Reads a mesh (.msh, .vtk, .vtu, .mesh, .bdf, .unv) or a geometry (.geo, .step: meshed "
+               "first), reports what it holds, "
                "and cuts it "
                "into subdomains: decks name the file that is written as \"Model/Mesh file\"",
                "harmos-mesh");
@@ -71,7 +72,9 @@ std::optional<int> parse(int argc, char** argv, Request& request) {
       ->check(CLI::IsMember({"compact", "METIS"}));
   cli.add_option("--partition-seed", request.seed, "Another one gives another cut, as good")
       ->check(CLI::Range(0, 1000000));
-  cli.add_option("--dimension", request.dimension, "Of the bodies")->check(CLI::IsMember({2, 3}));
+  cli.add_option("--dimension", request.dimension,
+                 "Of the bodies; not given: 3 if the file has cells or shapes of it, else 2")
+      ->check(CLI::IsMember({2, 3}));
   cli.add_option("--size", request.meshing.size, "Of a geometry: the longest edge of its cells, about")
       ->type_name("LENGTH")
       ->check(CLI::Range(1e-100, 1e100));

@@ -54,18 +54,29 @@ struct PartBoxes {
   std::string name;
   std::size_t body;
   std::vector<fem::Box> boxes;
+  std::vector<Point> normals;
 };
+
+// Faces that look into each other, up to 60 degrees: others touch at edges, or go through each other.
+bool isFacing(const PartBoxes& part, std::size_t side, const PartBoxes& other, const fem::BoxTree& tree) {
+  const std::vector<int> near = tree.touching(part.boxes[side]);
+  constexpr double leastOpposed = 0.5;
+  return std::any_of(near.begin(), near.end(), [&](int k) {
+    return dot(part.normals[side], other.normals[static_cast<std::size_t>(k)]) < -leastOpposed;
+  });
+}
 
 std::vector<PartBoxes> partBoxes(const std::vector<fem::BodyMesh>& bodies, double margin) {
   std::vector<PartBoxes> parts;
   for (std::size_t b = 0; b < bodies.size(); ++b)
     for (const auto& [name, sides] : bodies[b].sides) {
-      parts.push_back({bodies[b].name + "/" + name, b, {}});
+      parts.push_back({bodies[b].name + "/" + name, b, {}, {}});
       for (const fem::Side& side : sides) {
         std::vector<Point> places;
         for (int node : bodies[b].mesh.nodesOf(side))
           places.push_back(bodies[b].mesh.local(node));
         parts.back().boxes.push_back(fem::widened(fem::boxAround(places), margin));
+        parts.back().normals.push_back(fem::geometryOf(bodies[b].mesh, {}, side).normal);
       }
     }
   return parts;
@@ -115,11 +126,12 @@ std::vector<TouchingParts> touchingParts(const std::vector<fem::BodyMesh>& bodie
     for (std::size_t first = 0; first < second; ++first) {
       if (parts[first].body == parts[second].body)
         continue;
-      const auto near = std::count_if(parts[first].boxes.begin(), parts[first].boxes.end(),
-                                      [&](const fem::Box& box) { return !tree.touching(box).empty(); });
-      if (near > 0)
-        result.push_back({parts[first].name, parts[second].name, static_cast<int>(near),
-                          static_cast<int>(parts[first].boxes.size())});
+      int facing = 0;
+      for (std::size_t side = 0; side < parts[first].boxes.size(); ++side)
+        facing += isFacing(parts[first], side, parts[second], tree) ? 1 : 0;
+      if (facing > 0)
+        result.push_back(
+            {parts[first].name, parts[second].name, facing, static_cast<int>(parts[first].boxes.size())});
     }
   }
   return result;
@@ -135,6 +147,8 @@ std::string reportOf(const std::vector<fem::BodyMesh>& bodies) {
          << body.mesh.numberOfCells() << " cells (" << fem::shapeOf(body.mesh.cellType).name << "), quality "
          << quality.mean << " in the mean, " << quality.least << " at (" << at[0] << ", " << at[1] << ", "
          << at[2] << ")\n";
+    if (const int pieces = fem::numberOfPieces(body.mesh); pieces > 1)
+      text << "  in " << pieces << " pieces that share no node: nothing but effects can hold them together\n";
     for (const auto& [name, sides] : body.sides)
       text << "  part \"" << name << "\": " << sides.size() << " sides, "
            << (body.mesh.dimension() == 2 ? "length " : "area ") << fem::textOf(geometryOf(body, sides))

@@ -182,7 +182,10 @@ TEST(Stability, slivers_and_bad_aspect_ratio) {
     ASSERT_TRUE(reference.solvable);
     const std::string name = fem::shapeOf(type).name;
     for (const char* form : {"primal", "dual"}) {
-      const TestRun run = runScene(scene, tolerance, {std::string("Decomposition/Dirichlet=") + form});
+      // ‖F‖‖λ‖ is 10³ times ‖Pd‖, by the foil's cells: 1e-10 of the latter, 2e-13, is but three times the
+      // rounding of the former, and with some kernels of BLAS out of reach.
+      const double reachable = 10.0 * tolerance;
+      const TestRun run = runScene(scene, reachable, {std::string("Decomposition/Dirichlet=") + form});
       expectReference(reference, run, bound, name);
       tellFigure(name + ", " + form + ": condition of the subdomains", run.report.localCondition);
       tellFigure(name + ", " + form + ": products", products(run.report));

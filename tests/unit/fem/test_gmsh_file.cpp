@@ -351,9 +351,9 @@ $EndElements
   EXPECT_NEAR(sizeOf(corner), 1.0 / 6.0, 1e-14);
 }
 
-TEST_F(GmshFile, refuses_folded_meshes) {
-  // Two triangles that lie on each other's side of their common edge.
-  const std::string text = refusalOf(file("folded.msh", R"($MeshFormat
+// Two triangles of one entity that go around in different ways, as .vtk files hold them.
+TEST_F(GmshFile, turns_each_mirrored_cell) {
+  const BodyMesh square = readGmsh(file("mixed.msh", R"($MeshFormat
 2.2 0 8
 $EndMeshFormat
 $Nodes
@@ -369,9 +369,105 @@ $Elements
 2 2 2 1 1 2 3 4
 $EndElements
 )"),
+                                   {{"all", {"1"}}}, 2)
+                              .front();
+  EXPECT_NEAR(sizeOf(square), 1.0, 1e-14);
+  EXPECT_EQ(boundarySides(square.mesh).size(), 4u);
+}
+
+TEST_F(GmshFile, refuses_folded_meshes) {
+  // The third node of the second triangle lies on the first one's side of their common edge, at (0.2, 0.2).
+  const std::string text = refusalOf(file("folded.msh", R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+4
+1 0 0 0
+2 1 0 0
+3 0 1 0
+4 0.2 0.2 0
+$EndNodes
+$Elements
+2
+1 2 2 1 1 1 2 3
+2 2 2 1 1 2 3 4
+$EndElements
+)"),
                                      {{"all", {"1"}}});
-  EXPECT_TRUE(contains(text, "1 cells of surface 1") && contains(text, "folded")) << text;
-  EXPECT_TRUE(contains(text, "at (1, 0, 0) with the corner nodes 2, 3, 4")) << text;
+  EXPECT_TRUE(contains(text, "body \"all\"") && contains(text, "folded")) << text;
+  EXPECT_TRUE(contains(text, "with the corner nodes 1, 2, 3")) << text;
+  EXPECT_TRUE(contains(text, "lie on the same side of the side that they share")) << text;
+}
+
+// In space, and where three cells share a face.
+TEST_F(GmshFile, refuses_tetrahedra_that_cover_each_other) {
+  const std::string nodes = R"($MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+6
+1 0 0 0
+2 1 0 0
+3 0 1 0
+4 0 0 1
+5 0 0 -1
+6 0.2 0.2 0.2
+$EndNodes
+$Elements
+)";
+  const std::string all = "$EndElements\n", first = "1 4 2 1 1 1 2 3 4\n", below = "2 4 2 1 1 1 2 3 5\n",
+                    within = "3 4 2 1 1 1 2 3 6\n";
+  EXPECT_NEAR(
+      sizeOf(readGmsh(file("two.msh", nodes + "2\n" + first + below + all), {{"all", {"1"}}}, 3).front()),
+      1.0 / 3.0, 1e-14);
+  const std::string inside =
+      refusalOf(file("inside.msh", nodes + "2\n" + first + within + all), {{"all", {"1"}}}, 3);
+  EXPECT_TRUE(contains(inside, "folded")) << inside;
+  const std::string third =
+      refusalOf(file("third.msh", nodes + "3\n" + first + below + within + all), {{"all", {"1"}}}, 3);
+  EXPECT_TRUE(contains(third, "folded")) << third;
+}
+
+// A second surface that is named and has no cells; and nothing says that the file is plane.
+TEST_F(GmshFile, leaves_out_what_is_not_meshed) {
+  const std::string path = file("empty.msh", R"($MeshFormat
+4.1 0 8
+$EndMeshFormat
+$PhysicalNames
+2
+2 1 "plate"
+2 2 "ghost"
+$EndPhysicalNames
+$Entities
+0 0 2 0
+1 0 0 0 1 1 0 1 1 0
+2 0 0 0 1 1 0 1 2 0
+$EndEntities
+$Nodes
+1 3 1 3
+2 1 0 3
+1
+2
+3
+0 0 0
+1 0 0
+0 1 0
+$EndNodes
+$Elements
+1 1 1 1
+2 1 2 1
+1 1 2 3
+$EndElements
+)");
+  const std::vector<BodyMesh> bodies = readGmsh(path, {}, 0);
+  ASSERT_EQ(bodies.size(), 1u);
+  EXPECT_EQ(bodies.front().name, "plate");
+  EXPECT_EQ(bodies.front().mesh.dimension(), 2);
+  EXPECT_NEAR(sizeOf(readGmsh(path, {{"both", {"plate", "ghost"}}}, 2).front()), 0.5, 1e-14);
+  const std::string text = refusalOf(path, {{"ghost", {"ghost"}}});
+  EXPECT_TRUE(contains(text, "has no cells")) << text;
+  const std::string flat = refusalOf(path, {{"plate", {"plate"}}}, 3);
+  EXPECT_TRUE(contains(flat, "is a plane mesh, of dimension 2")) << flat;
 }
 
 TEST_F(GmshFile, refuses_cells_of_no_size) {

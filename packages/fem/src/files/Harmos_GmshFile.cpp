@@ -39,10 +39,19 @@ std::string placeText(const Point& x) {
   return text.str();
 }
 
+// What helps, where Gmsh's own words do not say so.
+std::string remedyFor(const std::string& reason) {
+  for (const char* word : {"overlapping facets", "intersect", "PLC", "self-intersect", "boundary mesh"})
+    if (reason.find(word) != std::string::npos)
+      return ". The triangles of its surface cut each other, as they do where cells are larger than what "
+             "lies beside "
+             "them: ask for smaller ones (--size), or for more where it is curved (--per-circle)";
+  return ". Open the file in Gmsh to see where it fails";
+}
+
 [[noreturn]] void throwGmshError(const std::string& path, const std::string& reason) {
   throw InputError("Gmsh cannot read or mesh \"" + path +
-                   "\": " + (reason.empty() ? "it does not say why" : reason) +
-                   ". Open the file in Gmsh to see where it fails");
+                   "\": " + (reason.empty() ? "it does not say why" : reason) + remedyFor(reason));
 }
 
 /// A file's mesh, as far as bodies are made from it.
@@ -66,7 +75,8 @@ class Reader {
   std::vector<GmshBody> eachGroup() const {
     std::vector<GmshBody> bodies;
     for (const std::string& name : names(dimension_))
-      bodies.push_back({name, {name}});
+      if (hasCells(name))
+        bodies.push_back({name, {name}});
     return bodies;
   }
 
@@ -94,13 +104,23 @@ class Reader {
       const Point x = place(node);
       body.mesh.coordinates.insert(body.mesh.coordinates.end(), x.begin(), x.begin() + dimension_);
     }
+    requireUnfolded(body, cells);
     nameSides(body, numbers);
     nameNodes(body, numbers);
     return body;
   }
 
  private:
-  void open(const GmshMeshing& meshing) const {
+  // Whether there are cells or shapes of a dimension.
+  static bool has(int dimension) {
+    std::vector<int> types;
+    gmsh::model::mesh::getElementTypes(types, dimension);
+    gmsh::vectorpair entities;
+    gmsh::model::getEntities(entities, dimension);
+    return !types.empty() || !entities.empty();
+  }
+
+  void open(const GmshMeshing& meshing) {
     std::error_code failure;
     if (!std::filesystem::exists(path_, failure))
       throw InputError("there is no mesh file \"" + path_ + "\"; check its path");
@@ -108,7 +128,12 @@ class Reader {
       throw InputError("\"" + path_ + "\" is no file, but a mesh is to be read from it; check its path");
     std::vector<int> types;
     try {
-      gmsh::open(path_);
+      if (isVtk(path_))
+        loadGrid(path_, readVtk(path_));
+      else
+        gmsh::open(path_);
+      if (dimension_ == 0)
+        dimension_ = has(3) ? 3 : 2;
       gmsh::model::mesh::getElementTypes(types, dimension_);
       if (!types.empty() && meshing.isGiven())
         throw InputError("\"" + path_ +
@@ -131,7 +156,11 @@ class Reader {
     }
     if (types.empty())
       throw InputError("\"" + path_ + "\" holds no cells of dimension " + std::to_string(dimension_) +
-                       " and no geometry to make them from: it is no mesh, or one of another dimension");
+                       " and no geometry to make them from: it " +
+                       (dimension_ == 3 && has(2)
+                            ? "is a plane mesh, of dimension 2, or the skin of a solid, whose "
+                              "inside is to be meshed first"
+                            : "is no mesh, or one of another dimension"));
   }
 
   static void prescribe(const GmshMeshing& meshing) {
@@ -162,6 +191,16 @@ class Reader {
     for (const auto& group : groups(dimension))
       result.push_back(group.first);
     return result;
+  }
+
+  // Files may name what is not meshed.
+  bool hasCells(const std::string& group) const {
+    const std::vector<int>& all = groups(dimension_).at(group);
+    return std::any_of(all.begin(), all.end(), [this](int entity) {
+      const Elements elements = elementsOf(dimension_, entity);
+      return std::any_of(elements.tags.begin(), elements.tags.end(),
+                         [](const std::vector<Tag>& tags) { return !tags.empty(); });
+    });
   }
 
   const std::vector<int>& entities(const std::string& body, const std::string& group) const {
@@ -277,12 +316,15 @@ class Reader {
     return "the cell at " + placeText(place(cell[0])) + " with the corner nodes " + nodes;
   }
 
-  // Renumbers the cells of an entity if all are mirrored.
+  // Renumbers mirrored cells: writers of .vtk and others do not care how they go around.
   void orient(CellType type, int entity, std::vector<Tag>& cells) const {
     const CellShape& shape = shapeOf(type);
     const auto nodes = static_cast<std::size_t>(shape.nodes);
-    std::size_t mirrored = 0, right = 0;
-    std::string odd;
+    std::vector<Point> swapped = shape.nodeCoordinates;
+    for (Point& x : swapped)
+      std::swap(x[0], x[1]);
+    const std::vector<std::size_t> order = matched(swapped, shape.nodeCoordinates);
+    std::vector<Tag> cell(nodes);
     for (std::size_t first = 0; first < cells.size(); first += nodes) {
       const int sign = orientation(shape, &cells[first]);
       if (sign == 0 && shape.isSimplex)
@@ -291,29 +333,29 @@ class Reader {
             cellText(shape, &cells[first]) + " has no " +
             (dimension_ == 2 ? "area: its corners lie on a line" : "volume: its corners lie in a plane") +
             ". Mend it in Gmsh (Mesh.Optimize), or drop the cell");
-      if (sign < 0) {
-        ++mirrored;
-        odd = cellText(shape, &cells[first]);
-      }
-      right += sign > 0 ? 1 : 0;
-    }
-    if (mirrored == 0)
-      return;
-    if (right > 0)
-      throw InputError("in \"" + path_ + "\", " + std::to_string(mirrored) + " cells of " +
-                       entityName(dimension_) + " " + std::to_string(entity) + ", one of them " + odd +
-                       ", are inverted, and " + std::to_string(right) +
-                       " are not: the mesh is folded. Mend it in Gmsh (a finer mesh, Mesh.Optimize)");
-    std::vector<Point> swapped = shape.nodeCoordinates;
-    for (Point& x : swapped)
-      std::swap(x[0], x[1]);
-    const std::vector<std::size_t> order = matched(swapped, shape.nodeCoordinates);
-    std::vector<Tag> cell(nodes);
-    for (std::size_t first = 0; first < cells.size(); first += nodes) {
+      if (sign >= 0)
+        continue;
       for (std::size_t i = 0; i < nodes; ++i)
         cell[i] = cells[first + order[i]];
       std::copy(cell.begin(), cell.end(), cells.begin() + static_cast<std::ptrdiff_t>(first));
     }
+  }
+
+  // Neighbours that cover each other, which no sign of a Jacobian tells.
+  void requireUnfolded(const BodyMesh& body, const std::vector<Tag>& cells) const {
+    const std::optional<std::pair<Side, Side>> folded = foldedSides(body.mesh);
+    if (!folded)
+      return;
+    const CellShape& shape = shapeOf(body.mesh.cellType);
+    const auto cellOf = [&](const Side& side) {
+      return cellText(shape,
+                      &cells[static_cast<std::size_t>(side.cell) * static_cast<std::size_t>(shape.nodes)]);
+    };
+    throw InputError(
+        "in \"" + path_ + "\", body " + quoted(body.name) + ", " + cellOf(folded->first) + " and " +
+        cellOf(folded->second) +
+        " lie on the same side of the side that they share: the mesh is folded, and cells cover each "
+        "other. Mend it in Gmsh (a finer mesh, Mesh.Optimize)");
   }
 
   // 1 or −1 if the Jacobian has this sign at every corner of the cell with straight edges; 0 otherwise, which
@@ -370,9 +412,10 @@ class Reader {
     if (most[2] - least[2] > tolerance * size) {
       std::ostringstream heights;
       heights << least[2] << " to " << most[2];
-      throw InputError(
-          "body " + quoted(body) + " of \"" + path_ + "\" reaches from z = " + heights.str() +
-          ", but a body of dimension 2 lies in a plane z = constant. Turn it into the x-y plane");
+      throw InputError("body " + quoted(body) + " of \"" + path_ + "\" reaches from z = " + heights.str() +
+                       ", but a body of dimension 2 lies in a plane z = constant. Turn it into the x-y "
+                       "plane; if it is the skin "
+                       "of a solid, as .stl files are, mesh its inside first");
     }
   }
 
@@ -462,7 +505,7 @@ bool canReadGmsh() {
 
 std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBody>& bodies, int dimension,
                                const GmshMeshing& meshing) {
-  HARMOS_REQUIRE(dimension == 2 || dimension == 3, "bodies have two or three dimensions");
+  HARMOS_REQUIRE(dimension == 0 || dimension == 2 || dimension == 3, "bodies have two or three dimensions");
   // Gmsh throws strings, and numbers where it knows no more.
   try {
     const GmshSession session(path);

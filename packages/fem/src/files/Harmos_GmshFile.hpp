@@ -26,7 +26,8 @@ struct GmshMeshing {
 /// Whether this build can read Gmsh's files (CMake option HARMOS_ENABLE_GMSH).
 bool canReadGmsh();
 
-/// Reads bodies from a file that Gmsh can open: .msh; .geo, .step and other geometries are meshed first.
+/// Reads bodies from a file that Gmsh can open: .msh, .mesh, .bdf, .unv; .geo, .step and other geometries are
+/// meshed first; and VTK's .vtk and .vtu, see readVtk().
 ///
 /// Bodies share no nodes: a node that two bodies use in the file becomes one of each. Within a body, regions
 /// share theirs. Nodes and cells are numbered anew, nodes in the order of the file's tags, cells group by
@@ -40,9 +41,11 @@ bool canReadGmsh();
 /// "volume 1", "surface 4", "curve 2", "point 3". Sizes that differ from place to place, and groups, are
 /// given by a .geo file that merges the .step file.
 ///
-/// Gmsh lets surfaces and extruded volumes be numbered in a mirrored way: when every cell of such an entity
-/// has negative Jacobians at its corners, all its cells are renumbered. An entity with cells of both kinds is
-/// refused.
+/// Cells that are numbered in a mirrored way, with negative Jacobians at their corners, are renumbered, each
+/// by itself: Gmsh's own surfaces and extruded volumes may be such, and other writers do not care. That cells
+/// lie on the same side of one that they share tells a folded mesh, which is refused.
+///
+/// Groups without cells are left out where no bodies are named.
 ///
 /// Cells that a file holds more than once (format 2, an entity in several groups) count once.
 ///
@@ -56,8 +59,8 @@ bool canReadGmsh();
 ///
 /// Guarded by tests/unit/fem/test_gmsh_file.cpp.
 ///
-/// @param bodies none: each group of the highest dimension is one. @param dimension of the bodies, 2 or 3.
-/// Plane meshes lie in a plane z = constant.
+/// @param bodies none: each group of the highest dimension is one. @param dimension of the bodies, 2 or 3; 0:
+/// 3 if the file has anything of it, else 2. Plane meshes lie in a plane z = constant.
 /// @throws InputError if this build has no Gmsh; for sizes where the file has cells already; for a file that
 /// is missing, broken or empty; for groups it does not have; for a body with cells of more than one type or
 /// of one that Harmos does not have; for cells that belong to two regions; for folded meshes and simplices of

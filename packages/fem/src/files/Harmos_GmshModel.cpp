@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_GmshModel.hpp"
 
+#include "Harmos_Errors.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <csignal>
@@ -8,6 +10,7 @@
 #include <cstdlib>
 #include <fcntl.h>
 #include <gmsh.h>
+#include <numeric>
 #include <unistd.h>
 
 namespace Harmos::fem::Details {
@@ -87,6 +90,112 @@ GmshSession::~GmshSession() {
   try {
     gmsh::finalize();
   } catch (...) { // nothing is left to be done about it
+  }
+}
+
+namespace {
+
+/// A cell type of VTK, and Gmsh's order of its nodes: Gmsh's node i is VTK's order[i].
+struct VtkType {
+  int vtk, gmsh, dimension;
+  std::vector<int> order;
+};
+
+std::vector<int> asTheyAre(int nodes) {
+  std::vector<int> order(static_cast<std::size_t>(nodes));
+  std::iota(order.begin(), order.end(), 0);
+  return order;
+}
+
+// The figures of both manuals. Those that Harmos does not have are told by name later.
+const std::vector<VtkType>& vtkTypes() {
+  static const std::vector<VtkType> types = {
+      {1, 15, 0, asTheyAre(1)},
+      {3, 1, 1, asTheyAre(2)},
+      {21, 8, 1, asTheyAre(3)},
+      {5, 2, 2, asTheyAre(3)},
+      {22, 9, 2, asTheyAre(6)},
+      {8, 3, 2, {0, 1, 3, 2}},
+      {9, 3, 2, asTheyAre(4)},
+      {23, 16, 2, asTheyAre(8)},
+      {28, 10, 2, asTheyAre(9)},
+      {10, 4, 3, asTheyAre(4)},
+      {24, 11, 3, {0, 1, 2, 3, 4, 5, 6, 7, 9, 8}},
+      {11, 5, 3, {0, 1, 3, 2, 4, 5, 7, 6}},
+      {12, 5, 3, asTheyAre(8)},
+      {25, 17, 3, {0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14}},
+      {29, 12, 3, {0,  1,  2,  3,  4,  5,  6,  7,  8,  11, 16, 9,  17, 10,
+                   18, 19, 12, 15, 13, 14, 24, 22, 20, 21, 23, 25, 26}},
+      {13, 6, 3, asTheyAre(6)},
+      {14, 7, 3, asTheyAre(5)}};
+  return types;
+}
+
+const VtkType& vtkType(const std::string& path, int type) {
+  for (const VtkType& known : vtkTypes())
+    if (known.vtk == type)
+      return known;
+  throw InputError(
+      "\"" + path + "\" has cells of VTK's type " + std::to_string(type) +
+      ", which no body can have; use triangles, quadrilaterals, tetrahedra, hexahedra of first or "
+      "second order");
+}
+
+// What tells the regions; empty: nothing does.
+std::vector<long long> regionsOf(const std::string& path, const VtkGrid& grid) {
+  for (const char* name : {"gmsh:physical", "medit:ref", "CellEntityIds", "MaterialIds", "material",
+                           "Material", "region", "Region", "cell_tags", "gmsh:geometrical"})
+    if (const auto found = grid.data.find(name); found != grid.data.end())
+      return found->second;
+  if (grid.data.empty())
+    return {};
+  if (grid.data.size() == 1)
+    return grid.data.begin()->second;
+  std::string names;
+  for (const auto& item : grid.data)
+    names += (names.empty() ? "\"" : ", \"") + item.first + "\"";
+  throw InputError(
+      "\"" + path + "\" has several integers of each cell (" + names +
+      "); which tells the regions is not known. Save the file with one of them, or call it \"region\"");
+}
+
+} // namespace
+
+void loadGrid(const std::string& path, const VtkGrid& grid) {
+  const std::vector<long long> regions = regionsOf(path, grid);
+  // Of each dimension, region by region, type by type.
+  std::map<std::pair<int, long long>, std::map<int, std::vector<Tag>>> cells;
+  long long begin = 0;
+  for (std::size_t c = 0; c < grid.types.size(); ++c) {
+    const VtkType& type = vtkType(path, grid.types[c]);
+    if (grid.offsets[c] - begin != static_cast<long long>(type.order.size()))
+      throw InputError("\"" + path + "\", cell " + std::to_string(c) + " of VTK's type " +
+                       std::to_string(type.vtk) + " has " + std::to_string(grid.offsets[c] - begin) +
+                       " nodes instead of " + std::to_string(type.order.size()));
+    std::vector<Tag>& nodes = cells[{type.dimension, regions.empty() ? 0 : regions[c]}][type.gmsh];
+    for (int k : type.order)
+      nodes.push_back(static_cast<Tag>(grid.nodes[static_cast<std::size_t>(begin + k)] + 1));
+    begin = grid.offsets[c];
+  }
+  gmsh::model::add("grid");
+  std::array<int, 4> entities{};
+  bool hasNodes = false;
+  for (auto place = cells.rbegin(); place != cells.rend(); ++place) {
+    const auto& [dimension, region] = place->first;
+    const int entity = ++entities[static_cast<std::size_t>(dimension)];
+    gmsh::model::addDiscreteEntity(dimension, entity);
+    if (!hasNodes) {
+      std::vector<Tag> tags(grid.points.size() / 3);
+      std::iota(tags.begin(), tags.end(), Tag(1));
+      gmsh::model::mesh::addNodes(dimension, entity, tags, grid.points);
+      hasNodes = true;
+    }
+    for (const auto& [type, nodes] : place->second)
+      gmsh::model::mesh::addElementsByType(entity, type, {}, nodes);
+    if (!regions.empty()) {
+      const int group = gmsh::model::addPhysicalGroup(dimension, {entity});
+      gmsh::model::setPhysicalName(dimension, group, std::to_string(region));
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_CellType.hpp"
+#include "Harmos_VtkFile.hpp"
 
 #include <array>
 #include <cstddef>
@@ -57,6 +58,14 @@ class GmshSession {
   EndGuard guard_;
   Silence silence_;
 };
+
+/// Gives Gmsh the cells of a grid in the place of a file that it opens: an entity for each region and
+/// dimension. Regions are what integers of the cells say, "gmsh:physical" and the like first, or the only
+/// ones there are; their groups are called by these numbers. Without any, all cells of a dimension are one
+/// entity without group.
+/// @throws InputError for cells of a type that Gmsh does not know; for several integers none of which is
+/// known.
+void loadGrid(const std::string& path, const VtkGrid& grid);
 
 /// "point", "curve", "surface", "volume".
 const char* entityName(int dimension);

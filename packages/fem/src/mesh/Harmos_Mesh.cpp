@@ -1,37 +1,94 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Mesh.hpp"
 
+#include <array>
+#include <numeric>
+
 namespace Harmos::fem {
 
-std::vector<Side> boundarySides(const Mesh& mesh) {
+namespace {
+
+struct CornerSide {
+  std::array<int, 4> corners; // sorted; unused ones are -1
+  Side side;
+};
+
+// All sides of all cells, those with the same corners next to each other, by their cells.
+std::vector<CornerSide> sidesByCorners(const Mesh& mesh) {
   const CellShape& shape = shapeOf(mesh.cellType);
   const auto corners = static_cast<std::size_t>(shapeOf(shape.side).corners);
-  struct Candidate {
-    std::array<int, 4> corners; // sorted; unused ones are -1
-    Side side;
-  };
-  std::vector<Candidate> candidates;
+  std::vector<CornerSide> sides;
   for (int c = 0; c < mesh.numberOfCells(); ++c)
     for (std::size_t s = 0; s < shape.sides.size(); ++s) {
-      Candidate candidate{{-1, -1, -1, -1}, {c, static_cast<int>(s)}};
+      CornerSide side{{-1, -1, -1, -1}, {c, static_cast<int>(s)}};
       for (std::size_t k = 0; k < corners; ++k)
-        candidate.corners[k] = mesh.cell(c)[shape.sides[s][k]];
-      std::sort(candidate.corners.begin(), candidate.corners.end());
-      candidates.push_back(candidate);
+        side.corners[k] = mesh.cell(c)[shape.sides[s][k]];
+      std::sort(side.corners.begin(), side.corners.end());
+      sides.push_back(side);
     }
-  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+  std::sort(sides.begin(), sides.end(), [](const CornerSide& a, const CornerSide& b) {
     return std::tie(a.corners, a.side.cell, a.side.side) < std::tie(b.corners, b.side.cell, b.side.side);
   });
+  return sides;
+}
+
+// Whether corners go around in the same way, of two sides with the same ones.
+bool goesTheSameWay(const std::vector<int>& a, const std::vector<int>& b, std::size_t corners) {
+  for (std::size_t k = 0; k < corners; ++k)
+    if (b[k] == a[0])
+      return b[(k + 1) % corners] == a[1] && !(corners == 2 && k == 1);
+  return false;
+}
+
+} // namespace
+
+std::vector<Side> boundarySides(const Mesh& mesh) {
+  const std::vector<CornerSide> sides = sidesByCorners(mesh);
   std::vector<Side> result;
-  for (std::size_t k = 0; k < candidates.size(); ++k) {
-    const bool shared = (k > 0 && candidates[k - 1].corners == candidates[k].corners) ||
-                        (k + 1 < candidates.size() && candidates[k + 1].corners == candidates[k].corners);
+  for (std::size_t k = 0; k < sides.size(); ++k) {
+    const bool shared = (k > 0 && sides[k - 1].corners == sides[k].corners) ||
+                        (k + 1 < sides.size() && sides[k + 1].corners == sides[k].corners);
     if (!shared)
-      result.push_back(candidates[k].side);
+      result.push_back(sides[k].side);
   }
   std::sort(result.begin(), result.end(),
             [](const Side& a, const Side& b) { return std::tie(a.cell, a.side) < std::tie(b.cell, b.side); });
   return result;
+}
+
+// Corners of sides go around outwards: the other way, seen from the cell behind.
+std::optional<std::pair<Side, Side>> foldedSides(const Mesh& mesh) {
+  const auto corners = static_cast<std::size_t>(shapeOf(shapeOf(mesh.cellType).side).corners);
+  const std::vector<CornerSide> sides = sidesByCorners(mesh);
+  for (std::size_t k = 1; k < sides.size(); ++k) {
+    if (sides[k - 1].corners != sides[k].corners)
+      continue;
+    const bool isThird = k > 1 && sides[k - 2].corners == sides[k].corners;
+    if (isThird || goesTheSameWay(mesh.nodesOf(sides[k - 1].side), mesh.nodesOf(sides[k].side), corners))
+      return std::make_pair(sides[k - 1].side, sides[k].side);
+  }
+  return std::nullopt;
+}
+
+int numberOfPieces(const Mesh& mesh) {
+  std::vector<int> parent(static_cast<std::size_t>(mesh.numberOfNodes()));
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto rootOf = [&](int node) {
+    while (parent[static_cast<std::size_t>(node)] != node)
+      node = parent[static_cast<std::size_t>(node)] =
+          parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(node)])];
+    return node;
+  };
+  int pieces = mesh.numberOfNodes();
+  for (int c = 0; c < mesh.numberOfCells(); ++c)
+    for (int k = 1; k < shapeOf(mesh.cellType).nodes; ++k) {
+      const int a = rootOf(mesh.cell(c)[0]), b = rootOf(mesh.cell(c)[k]);
+      if (a == b)
+        continue;
+      parent[static_cast<std::size_t>(b)] = a;
+      --pieces;
+    }
+  return pieces;
 }
 
 std::vector<int> nodesOf(const Mesh& mesh, const std::vector<Side>& sides) {

@@ -7,8 +7,10 @@
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace Harmos::fem {
@@ -79,6 +81,13 @@ struct PlacedMesh {
 
 /// The sides of cells that no other cell shares: the boundary. Sorted by cell. Local.
 std::vector<Side> boundarySides(const Mesh& mesh);
+
+/// Two cells that share a side and lie on the same side of it, or of which a third shares it: the mesh is
+/// folded, and cells cover each other. None in a sound one. Of cells that are not mirrored. Local.
+std::optional<std::pair<Side, Side>> foldedSides(const Mesh& mesh);
+
+/// The number of pieces that share no node with each other; 1 for a body that hangs together. Local.
+int numberOfPieces(const Mesh& mesh);
 
 /// The nodes of the given sides, sorted, once each. Local.
 std::vector<int> nodesOf(const Mesh& mesh, const std::vector<Side>& sides);

@@ -50,8 +50,7 @@ std::string stagnation(double projectedGradient, double attainable, double equal
          (equalityDistance > 0.0 ? ", with a distance from the equalities of " + scientific(equalityDistance)
                                  : std::string()) +
          ", and cannot be reduced to the tolerance asked for: it is a difference of terms ‖A‖‖x‖ + ‖b‖ of "
-         "the size "
-         "of " +
+         "the size of " +
          scientific(terms) +
          ". Loosen the tolerance, or find what makes these so large (parts far stiffer or softer than the "
          "rest, "
