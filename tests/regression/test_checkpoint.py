@@ -256,20 +256,27 @@ class SameHistory(unittest.TestCase):
 
     def test_vectors_that_were_left(self):
         """A run that is asked for more than its vectors let it have has left them: it goes on without, on any ranks."""
-        deck = inclusions.Inclusions(2, 6, 10, 1e6, "scattered").write(runs.scratch("inclusions"))
         sets = {"Dual operator/Adaptive coarse vectors": "all", "Solver/Tolerance": 1e-14, "Output/Fields": False}
-        plain = runs.run(deck, sets, program="harmos")
-        self.assertIn("on without them", plain.stdout)
-        self.assertIn("stagnation", plain.summary["reason"])
-        self.assertLess(plain.summary["audit"]["gluing_jump"], 1e-12)
-        first = int(plain.iterations()[-1]["inner"]) - 20
+        # When they are left hangs on rounding errors, with some kernels of BLAS but a step before the end.
+        for jump in (1e6, 3e6, 3e5, 1e7):
+            deck = inclusions.Inclusions(2, 6, 10, jump, "scattered").write(runs.scratch("inclusions"))
+            plain = runs.run(deck, sets, program="harmos")
+            self.assertIn("on without them", plain.stdout)
+            self.assertIn("stagnation", plain.summary["reason"])
+            self.assertLess(plain.summary["audit"]["gluing_jump"], 1e-12)
+            rows = plain.iterations()
+            left = max(int(row["inner"]) for row in rows if row["step"] == "start")
+            first = (left + int(rows[-1]["inner"])) // 2
+            if first >= left + 10:
+                break
+        self.assertGreaterEqual(first, left + 10)
         cut = runs.run(deck, sets | {"Solver/Maximum iterations": first}, program="harmos")
         self.assertIn("on without them", cut.stdout)
         for np in (2, 1):
             run = restarted(self, cut.directory, np, 1, {"Solver/Maximum iterations": 10000}, program="harmos")
             self.assertNotIn("daptive", run.stdout)
             # Rounding of K: ε times the jump of moduli, ten for sums.
-            self.compare(run, plain, first, exact=np == 2, rounding=2.2e-9)
+            self.compare(run, plain, first, exact=np == 2, rounding=2.2e-15 * jump)
 
 
 class Stopped(unittest.TestCase):

@@ -146,8 +146,7 @@ DistributedFactor::DistributedFactor(const DistributedGraph& graph, const std::v
   if (graph_.order() == 0)
     return;
   factor(values, options.threshold);
-  // Groups need not come to the same end: the first one's counts. What is left out then leaves a definite
-  // matrix.
+  // Groups need not come to the same end, see nullRows(). What is left out then leaves a definite matrix.
   const std::vector<int> found = nullRows();
   if (!found.empty()) {
     std::vector<int> all;
@@ -155,6 +154,8 @@ DistributedFactor::DistributedFactor(const DistributedGraph& graph, const std::v
     leftOut_.swap(all);
     factor(values, 0.0);
   }
+  if (options.threshold > 0.0)
+    leaveOutWeakRows(values, options.threshold);
   entries_ = mumps_->statistics().factorEntries;
   constexpr double mebi = 1024.0 * 1024.0;
   bytes_ = mebi * mumps_->statistics().memoryMiB / graph_.groupSize();
@@ -192,17 +193,52 @@ void DistributedFactor::factor(const std::vector<double>& values, double thresho
   });
 }
 
-// Those of the first group, on all ranks; none, if no group found any.
+// On all ranks those of the group that has found most: pivots at the threshold are told by last bits, and one
+// more that is left out does no harm, but one that is not spoils all.
 std::vector<int> DistributedFactor::nullRows() const {
   std::vector<int> found = mumps_->nullPivots(); // on the first rank of a group
-  if (globalMax(graph_.comm(), static_cast<long long>(found.size())) == 0)
-    return {};
-  int count = static_cast<int>(found.size());
-  MPI_Bcast(&count, 1, MPI_INT, 0, graph_.world());
-  found.resize(static_cast<std::size_t>(count));
-  MPI_Bcast(found.data(), count, MPI_INT, 0, graph_.world());
+  struct {
+    int count, rank;
+  } mine{static_cast<int>(found.size()), 0}, most{};
+  MPI_Comm_rank(graph_.world(), &mine.rank);
+  MPI_Allreduce(&mine, &most, 1, MPI_2INT, MPI_MAXLOC, graph_.world());
+  found.resize(static_cast<std::size_t>(most.count));
+  if (most.count > 0)
+    MPI_Bcast(found.data(), most.count, MPI_INT, most.rank, graph_.world());
   std::sort(found.begin(), found.end());
   return found;
+}
+
+// MUMPS looks for rows of nothing but rounding errors while it eliminates, and with some kernels of BLAS
+// misses the last one. With Av = s for some s, v has the weak motion in it 1/pivot times: its entry j as the
+// last pivot would be vᵀs/v_j².
+void DistributedFactor::leaveOutWeakRows(const std::vector<double>& values, double threshold) {
+  double largest = 0.0;
+  for (double value : values)
+    largest = std::max(largest, std::abs(value));
+  largest = globalMax(graph_.comm(), largest);
+  while (static_cast<int>(leftOut_.size()) < graph_.order()) {
+    std::vector<double> s, none;
+    for (int k = 0; k < graph_.own(); ++k)
+      s.push_back(isLeftOut(graph_.first() + k) ? 0.0 : std::sin(1.0 + graph_.first() + k));
+    const std::vector<double> v = solveByGroups(s, none);
+    double product = 0.0;
+    struct {
+      double size;
+      int row;
+    } mine{0.0, 0}, most{};
+    for (std::size_t k = 0; k < v.size(); ++k) {
+      product += v[k] * s[k];
+      if (std::abs(v[k]) > mine.size)
+        mine = {std::abs(v[k]), graph_.first() + static_cast<int>(k)};
+    }
+    product = globalSum(graph_.comm(), product);
+    MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE_INT, MPI_MAXLOC, graph_.world());
+    if (!(std::abs(product) <= threshold * largest * most.size * most.size))
+      return;
+    leftOut_.insert(std::lower_bound(leftOut_.begin(), leftOut_.end(), most.row), most.row);
+    factor(values, 0.0);
+  }
 }
 
 // Columns of A⁻ by blocks: the first rank of the group gets them, and sends them to whom they belong.
@@ -244,19 +280,27 @@ std::vector<double> DistributedFactor::solve(const std::vector<double>& e) const
 }
 
 std::vector<double> DistributedFactor::solve(const std::vector<double>& e, std::vector<double>& sums) const {
+  if (form_ == Form::Solves)
+    return solveByGroups(e, sums);
+  std::vector<double> all = graph_.gather(e, sums);
+  for (int row : leftOut_)
+    all[static_cast<std::size_t>(row)] = 0.0;
+  std::vector<double> s(static_cast<std::size_t>(graph_.own()), 0.0);
+  const int n = graph_.order();
+  if (n > 0 && !s.empty())
+    Teuchos::BLAS<int, double>().GEMV(Teuchos::TRANS, n, graph_.own(), 1.0, inverse_.data(), n, all.data(), 1,
+                                      0.0, s.data(), 1);
+  return s;
+}
+
+std::vector<double> DistributedFactor::solveByGroups(const std::vector<double>& e,
+                                                     std::vector<double>& sums) const {
   std::vector<double> all = graph_.gather(e, sums);
   if (graph_.order() == 0)
     return {};
   for (int row : leftOut_)
     all[static_cast<std::size_t>(row)] = 0.0;
   std::vector<double> s(static_cast<std::size_t>(graph_.own()), 0.0);
-  if (form_ == Form::Rows) {
-    const int n = graph_.order();
-    if (n > 0 && !s.empty())
-      Teuchos::BLAS<int, double>().GEMV(Teuchos::TRANS, n, graph_.own(), 1.0, inverse_.data(), n, all.data(),
-                                        1, 0.0, s.data(), 1);
-    return s;
-  }
   try {
     mumps_->solve(all.data(), 1);
   } catch (const std::exception&) {

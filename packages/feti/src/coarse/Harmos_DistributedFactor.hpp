@@ -73,7 +73,8 @@ class DistributedGraph {
 };
 
 /// A⁻ of a symmetric positive semidefinite matrix that no rank holds: LDLᵀ by MUMPS in each group of ranks,
-/// with rows left out whose pivot is a rounding error. What the first group leaves out all leave out.
+/// with rows left out whose pivot is a rounding error. What the group that finds most leaves out all leave
+/// out.
 ///
 /// Where memory allows, each rank keeps the rows of A⁻ that are its own, dense: a product costs an all-gather
 /// and n·own multiplications then, and goes on falling with the number of ranks (ESPRESO's way; Říha et al.,
@@ -112,6 +113,8 @@ class DistributedFactor {
  private:
   void factor(const std::vector<double>& values, double threshold);
   std::vector<int> nullRows() const;
+  void leaveOutWeakRows(const std::vector<double>& values, double threshold);
+  std::vector<double> solveByGroups(const std::vector<double>& e, std::vector<double>& sums) const;
   void makeRows();
 
   const DistributedGraph& graph_;
