@@ -306,12 +306,13 @@ void addBodyParameters(ParameterSpec& deck) {
   deck.list(std::move(materials));
 
   ParameterSpec body("<body>", "A body, by a name of your choice.");
-  body.choice(
-      "Source", "file",
-      {{"file", "from \"Model/Mesh file\""},
-       {"block", "a rectangle (of plane scenes) or a brick with a regular grid; boundary parts left, right, "
-                 "bottom, top, in space also front, back"}},
-      "Where its mesh comes from.");
+  body.choice("Source", "file",
+              {{"file", "from \"Model/Mesh file\""},
+               {"block",
+                "a rectangle (of plane scenes) or a brick with a regular grid; boundary parts left and right "
+                "(least and largest x), bottom and top (y in the plane, z in space), in space also front and "
+                "back (least and largest y)"}},
+              "Where its mesh comes from.");
   body.texts(
       "Groups", {},
       "Source file: the physical groups that make it up, each a region; none: the one of the body's name.");

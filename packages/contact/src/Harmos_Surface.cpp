@@ -499,6 +499,26 @@ FacetIntegrals tributaryOn(const Facet& facet, const fem::Quadrature& rule, bool
 
 } // namespace
 
+double sagitta(const Surface& surface) {
+  constexpr double corner = 30.0 / 180.0 * 3.14159265358979323846, rounding = 1e-12;
+  const fem::CellShape& shape = fem::shapeOf(surface.facetType);
+  double most = 0.0;
+  const auto size = static_cast<std::size_t>(shape.nodes);
+  for (std::size_t f = 0; shape.order == 1 && f < surface.isOwnFacet.size(); ++f)
+    for (std::size_t k = 0; surface.isOwnFacet[f] != 0 && k < size; ++k) {
+      const std::size_t at = f * size + k, next = f * size + (k + 1) % size;
+      const auto a = static_cast<std::size_t>(surface.facets[at]),
+                 b = static_cast<std::size_t>(surface.facets[next]);
+      const bool hasSides = !surface.sideNormals.empty();
+      const Point turn = difference(hasSides ? surface.sideNormals[next] : surface.normals[b],
+                                    hasSides ? surface.sideNormals[at] : surface.normals[a]);
+      const double angle = 2.0 * std::asin(std::min(1.0, 0.5 * norm(turn)));
+      if (angle > rounding && angle < corner)
+        most = std::max(most, norm(difference(surface.positions[b], surface.positions[a])) * angle / 8.0);
+    }
+  return globalMax(*surface.comm, most);
+}
+
 std::vector<double> tributaryAreas(const Surface& surface, const std::vector<Point>& towards) {
   const bool hasSixNodes = surface.facetType == CellType::Triangle6;
   if (!hasSixNodes && towards.empty())

@@ -87,6 +87,11 @@ Surface splitAtEdges(const Surface& surface);
 /// conditioned there, and no pressure passes.
 constexpr double leastFacing = 0.1;
 
+/// How far a surface of straight-edged facets stays behind the curved one through its nodes, at most: Lθ/8
+/// for an edge of length L over which the normal turns by θ, the sagitta of an arc. 0 for facets of second
+/// order and plane surfaces; edges that turn by more than 30° are corners. @note Collective.
+double sagitta(const Surface& surface);
+
 /// The part of the surface that belongs to each node: a measure of area that is positive everywhere. As
 /// Surface::areas, but for the corners of triangles of six nodes, from the functions that are linear on the
 /// four triangles which the nodes cut each facet into. Right at the nodes of own facets. Local.

@@ -21,7 +21,7 @@ Contact::Contact(SurfacePair pair, double gap, std::string name)
     : Effect(kindName, std::move(name)), pair_(std::move(pair)), gap_(gap) {}
 
 void Contact::addConstraints(scene::ConstraintCollector& collector) const {
-  std::vector<contact::ContactPoint> points = pair_.points(collector, SurfacePair::Purpose::Contact);
+  std::vector<contact::ContactPoint> points = pair_.points(collector, SurfacePair::Purpose::Contact, gap_);
   for (contact::ContactPoint& point : points)
     point.gap += gap_;
   collector.addContacts(points, {{pair_.first.body, pair_.first.set}, {pair_.second.body, pair_.second.set}});

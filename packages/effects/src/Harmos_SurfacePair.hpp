@@ -32,7 +32,9 @@ struct SurfacePair {
   /// @throws InputError on all ranks, see contact::gatherSurface(), contact::matchNodes() and
   ///         contact::mortarPoints().
   /// @note Collective.
-  std::vector<contact::ContactPoint> points(scene::ConstraintCollector& collector, Purpose purpose) const;
+  /// @param gap to be added to those of the points, which a note is about.
+  std::vector<contact::ContactPoint> points(scene::ConstraintCollector& collector, Purpose purpose,
+                                            double gap = 0.0) const;
 
   static void addTo(ParameterSpec& spec);
   /// @throws InputError for parts that are not there or are the same one.

@@ -146,6 +146,23 @@ TEST(Surface, areas_are_integrals_of_the_basis_functions) {
   }
 }
 
+// What chords leave out of an arc, R(1 − cos(θ/2)), to the next order; nothing in the plane or with three
+// nodes.
+TEST(Surface, sagitta_is_that_of_arcs) {
+  const double radius = 2.0, angle = 1.0;
+  const Map bend = [&](const Point& x) { return polar({1.0 + x[1], angle * x[0], 0.0}); };
+  for (int edges : {4, 8, 16}) {
+    const auto body =
+        block(CellType::Quadrilateral4, {0, 0, 0}, {1, 1, 0}, {1, 1, 1}, {edges, 1, 1}, 0, bend);
+    const double exact = radius * (1.0 - std::cos(0.5 * angle / edges));
+    EXPECT_NEAR(sagitta(surfaceOf(body, "top")), exact, 0.02 * exact);
+    EXPECT_EQ(sagitta(surfaceOf(body, "left")), 0.0);
+  }
+  EXPECT_EQ(sagitta(surfaceOf(
+                block(CellType::Quadrilateral9, {0, 0, 0}, {1, 1, 0}, {1, 1, 1}, {4, 1, 1}, 0, bend), "top")),
+            0.0);
+}
+
 TEST(Surface, does_not_depend_on_the_decomposition) {
   const Map bend = [](const Point& x) {
     return Point{x[0] + 0.1 * x[1] * x[1], x[1], x[2] + 0.2 * x[0] * x[1]};

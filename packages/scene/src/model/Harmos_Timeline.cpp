@@ -79,7 +79,7 @@ Timeline::Timeline(std::vector<double> ends, double smallest) : ends_(std::move(
 
 void Timeline::addTo(ParameterSpec& deck) {
   ParameterSpec steps("Steps",
-                      "Several states after each other, each from the one before. One step: a static "
+                      "Several states after each other, each from the one before. \"Number\" = 1: a static "
                       "state, as if this list were not there.");
   steps.integer("Number", 1, 1, 10000000, "Steps of equal length.");
   steps.real("End time", 1.0, Range::above(0.0), "Of the last step, where \"Number\" is given.");
@@ -115,6 +115,7 @@ Timeline Timeline::fromDeck(const Teuchos::ParameterList& deck) {
   }
   Timeline timeline =
       at("Steps/Times", [&] { return Timeline(std::move(ends), steps.get<double>("Smallest step")); });
+  timeline.isGiven_ = !times.empty();
   const Teuchos::ParameterList& histories = steps.sublist("Histories");
   for (auto item = histories.begin(); item != histories.end(); ++item) {
     const std::string& name = histories.name(item);

@@ -62,7 +62,8 @@ class Timeline {
 
   const std::vector<double>& ends() const { return ends_; }
   double end() const { return ends_.back(); }
-  bool hasSteps() const { return ends_.size() > 1; }
+  /// More than one, or one whose time a deck gives.
+  bool hasSteps() const { return ends_.size() > 1 || isGiven_; }
   double smallest() const { return smallest_; }
 
   /// The name of the history that an effect follows.
@@ -79,6 +80,7 @@ class Timeline {
  private:
   std::vector<double> ends_ = {1.0};
   double smallest_ = defaultSmallest;
+  bool isGiven_ = false; // the times, by a deck
   std::map<std::string, History> histories_;
   std::map<const Effect*, std::string> followed_;
 };
