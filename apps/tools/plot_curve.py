@@ -23,7 +23,8 @@ COLOURS = (*BODY_COLOURS[:3], "#E69F00", "#56B4E9", "#D55E00", BODY_COLOURS[3])
 MOST_MARKS = 120  # rows; marks would hide the line beyond this
 FEW_MARKS = 30  # large ones
 LISTED = 30  # columns
-BEGIN_AT_ZERO = {"strain", "stress", "stress_y"}  # before the first step, which has no row
+# Before the first step, which has no row.
+BEGIN_AT_ZERO = {"time", "strain", "stress", "stress_y", "dissipated", "released", "broken"}
 ARROWS = (0.65, 0.6, 0.75)  # shares of the first branch, the second and those after it
 # Released in a step, of what is released and dissipated in all: what is less may be the trapezoidal rule's error.
 SNAP = 1e-3
@@ -160,6 +161,8 @@ def plot_curve(runs, names, against, title, caption):
     axes.set_ylabel(names[0].replace("$", r"\$") if len(names) == 1 else "")
     axes.grid(color="#E4E4E4", linewidth=0.6)
     axes.margins(0.03, 0.06)
+    if against == "time":
+        axes.set_xlim(left=0.0)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
     finish(figure, title, caption)

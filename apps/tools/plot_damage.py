@@ -5,7 +5,7 @@ With --frames damage_0001.png and so on, too, all on one scale, and damage.gif.
 
 In the plane bodies are drawn deformed as in plot_deformed.py, and the sides that they share in the colour of their
 damage; a node stands for the halves of the edges on both its sides. Points of surfaces in space are drawn as discs in the plane
-that they spread over. Points that two bodies share count once.
+that they spread over. Points that two bodies share count once; those of contacts that are not glued do not count.
 """
 
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ class Look:
 
 
 def may_break(solid):
-    return getattr(solid, "damage", None) is not None and bool((solid.active > 0).any())
+    return getattr(solid, "damage", None) is not None and bool(solid.bound.any())
 
 
 def look_of(results):
@@ -65,7 +65,7 @@ def at_places(solid):
 
 def points_of(solid):
     """A node of each point of the interfaces, the most damaged of those that lie there."""
-    nodes = np.flatnonzero(solid.active > 0)
+    nodes = np.flatnonzero(solid.bound)
     nodes = nodes[np.argsort(-solid.damage[nodes], kind="stable")]
     _, first = np.unique(np.round(solid.xyz[nodes] / (solid.extent or 1.0), 7), axis=0, return_index=True)
     return nodes[np.sort(first)]
@@ -75,7 +75,7 @@ def halves_of(solid):
     """Halves of the edges along interfaces, (halves, 2): their node and the other end; and their damage."""
     edges = outline(solid)
     bound = np.zeros(int(solid.place.max()) + 1, dtype=bool)
-    np.logical_or.at(bound, solid.place, solid.active > 0)
+    np.logical_or.at(bound, solid.place, solid.bound)
     chosen = edges[bound[solid.place[edges]].all(axis=1)]
     halves = np.concatenate([chosen, chosen[:, ::-1]])
     return halves, at_places(solid)[halves[:, 0]]

@@ -2,7 +2,8 @@
 """Pictures of elastic bodies in the plane: deformed meshes, and the contact pressure around a body.
 
 Displacements are drawn exaggerated, so that the largest of them is a tenth to a fifth of the
-whole and gaps can be seen; the picture says by how much. Colour is the von Mises stress, or the
+whole and gaps can be seen, or less where bodies that have closed a gap would be seen far through each other; the picture
+says by how much. Colour is the von Mises stress, or the
 size of the displacement in results without stresses. The bodies' outlines are drawn and their contact
 sides are marked as closed or open; a node stands for the halves of the edges on both its sides.
 Bodies in space are drawn by plot_solid.py.
@@ -25,12 +26,47 @@ MAX_PIECES = 250_000  # drawn; more take long and show no more at this size
 MAX_MESH = 8_000  # cells; their edges would cover the colours beyond this
 
 
+def closing(solid):
+    """How much nearer points in contact have come to the body that they touch, at most.
+
+    Of each the part of the relative displacement along the other body's normal; a gap closed by that is overshot as many
+    times as displacements are enlarged. In the plane; of results in space it is 0.
+    """
+    touching = np.flatnonzero(solid.active == CANDIDATE_CLOSED)
+    if solid.dimension == 3 or len(touching) == 0:
+        return 0.0
+    edges, xy = outline(solid), deformed(solid, 1.0)
+    bodies, most = solid.body_of_point, 0.0
+    for body in np.unique(bodies[touching]):
+        own = touching[bodies[touching] == body]
+        other = edges[bodies[edges[:, 0]] != body]
+        if len(other) == 0:
+            continue
+        start, along = xy[other[:, 0]], np.diff(xy[other], axis=1)[:, 0]
+        length2 = np.maximum((along**2).sum(axis=1), 1e-300)
+        normal = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.sqrt(length2)[:, None]
+        there = solid.displacement[other, :2].mean(axis=1)
+        for node in own:
+            share = np.clip(((xy[node] - start) * along).sum(axis=1) / length2, 0.0, 1.0)
+            distance = np.linalg.norm(start + share[:, None] * along - xy[node], axis=1)
+            near = distance <= distance.min() + 1e-3 * solid.extent  # at a corner both its sides
+            most = max(most, np.abs(((solid.displacement[node, :2] - there[near]) * normal[near]).sum(axis=1)).min())
+    return float(most)
+
+
+# Of the whole, that bodies are drawn through each other.
+MOST_THROUGH = 0.01
+
+
 def automatic_scale(solids):
     """1, 2 or 5 times a power of ten, at least one, the same for all."""
     share = max(np.linalg.norm(s.displacement, axis=1).max() / s.extent for s in solids)
     if share == 0:
         return 1.0
     target = 0.2 / share
+    through = max(closing(s) / s.extent for s in solids)
+    if through > 0:
+        target = min(target, 1.0 + MOST_THROUGH / through)
     power = 10.0 ** math.floor(math.log10(target))
     return max(1.0, power * max(k for k in (1, 2, 5) if k * power <= target * (1 + 1e-9)))
 

@@ -3,7 +3,7 @@
 
 With --frames friction_0001.png and so on, too, all with one scale.
 
-Points of a flat interface in the plane are drawn along it, as curves; those of others, and of surfaces in
+Points of a flat interface in the plane are drawn along it, as curves, which open points between them part; those of others, and of surfaces in
 space, in the plane that they spread over, as discs, with arrows for tractions and colours for slips. Of two
 surfaces that bear the same points the one of the body that has more of them is shown, or that comes first.
 """
@@ -34,6 +34,7 @@ class Points:
     size: np.ndarray  # of tractions
     slip: np.ndarray  # size
     slips: np.ndarray  # whether
+    open: np.ndarray  # (points,) first coordinates of those that bear none
 
     @property
     def names(self):
@@ -91,34 +92,49 @@ def points_of(solid, order=None):
     return Points(
         xyz @ axes.T, order, traction @ axes.T, np.linalg.norm(traction, axis=1), np.linalg.norm(slip, axis=1),
         solid.friction[nodes] == SLIPPING,
+        solid.xyz[(solid.active > 0) & (solid.friction == 0)] @ axes[0],
     )
 
 
-def zones(points):
-    """Runs of equal state along the first axis; a point owns the half ways beside it."""
+def runs_of(points):
+    """Points along the first axis, in runs that no open point parts: arrays of their numbers."""
     order = np.argsort(points.flat[:, 0])
-    s, slips = points.flat[order, 0], points.slips[order]
-    middle = 0.5 * (s[1:] + s[:-1])
-    limits = np.concatenate([s[:1], middle, s[-1:]])
-    change = np.flatnonzero(np.diff(slips)) + 1
-    return order, [
-        (limits[a], limits[b], bool(slips[a]))
-        for a, b in zip(np.concatenate([[0], change]), np.concatenate([change, [len(s)]]))
-    ]
+    s, between = points.flat[order, 0], np.sort(points.open)
+    tolerance = 1e-9 * max(np.ptp(s), 1e-300)
+    parted = np.searchsorted(between, s[1:] - tolerance) > np.searchsorted(between, s[:-1] + tolerance)
+    return np.split(order, np.flatnonzero(parted) + 1)
+
+
+def zones(points):
+    """(begin, end, slips) of runs of equal state along the first axis; a point owns the half ways beside it, up to the next
+    point, an open one too."""
+    every = np.unique(np.concatenate([points.flat[:, 0], points.open]))
+    found = []
+    for run in runs_of(points):
+        s, slips = points.flat[run, 0], points.slips[run]
+        before, after = every[every < s[0]], every[every > s[-1]]
+        ends = [0.5 * (s[0] + before[-1]) if len(before) else s[0], 0.5 * (s[-1] + after[0]) if len(after) else s[-1]]
+        limits = np.concatenate([ends[:1], 0.5 * (s[1:] + s[:-1]), ends[1:]])
+        change = np.flatnonzero(np.diff(slips)) + 1
+        found += [
+            (limits[a], limits[b], bool(slips[a]))
+            for a, b in zip(np.concatenate([[0], change]), np.concatenate([change, [len(s)]]))
+        ]
+    return found
 
 
 def draw_line(figure, points, look):
     axes = figure.add_axes([0.1, 0.2, 0.78, 0.6])
     second = axes.twinx()
-    order, runs = zones(points)
-    for begin, end, slips in runs:
+    for begin, end, slips in zones(points):
         axes.axvspan(begin, end, color=SLIPS if slips else STICKS, alpha=0.18, linewidth=0)
-    s = points.flat[order, 0]
-    marker = "." if len(s) <= 120 else None
-    axes.plot(s, points.size[order], color=INK, linewidth=1.8, marker=marker, markersize=4)
-    second.plot(
-        s, points.slip[order], color=BODY_COLOURS[0], linewidth=1.6, linestyle="--", marker=marker, markersize=4
-    )
+    for run in runs_of(points):
+        s = points.flat[run, 0]
+        marker = "." if len(points.flat) <= 120 or len(run) == 1 else None
+        axes.plot(s, points.size[run], color=INK, linewidth=1.8, marker=marker, markersize=4)
+        second.plot(
+            s, points.slip[run], color=BODY_COLOURS[0], linewidth=1.6, linestyle="--", marker=marker, markersize=4
+        )
     axes.set_xlabel(f"{points.names[0]} along the interface")
     axes.set_ylabel("traction of friction")
     second.set_ylabel("slip", color=BODY_COLOURS[0])

@@ -46,6 +46,9 @@ def tolerance(summary, name):
     return None
 
 
+# Of outer iterations; more would cover what is drawn.
+MOST_MARKED = 60
+
 # What is that far below the least tolerance is not drawn: rounding errors, others on each machine.
 SHOWN_BELOW_TOLERANCE = 0.1
 
@@ -103,10 +106,12 @@ def plot_convergence(table, summary, title, caption):
 
     outer = table["outer"]
     begins = np.flatnonzero(np.diff(outer) != 0) + 1
-    for axes in (upper, lower):
-        for k in begins:
-            axes.axvline(x[k], color=FAINT, linewidth=0.7, alpha=0.7, zorder=0)
-    if len(begins):
+    if len(begins) > MOST_MARKED:
+        handles.append(Line2D([], [], linestyle="none", label=f"{len(begins) + 1} outer iterations, not marked"))
+    elif len(begins):
+        for axes in (upper, lower):
+            for k in begins:
+                axes.axvline(x[k], color=FAINT, linewidth=0.7, alpha=0.7, zorder=0)
         handles.append(
             Line2D([], [], color=FAINT, linewidth=0.7, label="new outer iteration")
         )

@@ -101,6 +101,7 @@ class Solid:
     slip: np.ndarray = None
     friction: np.ndarray = None
     damage: np.ndarray = None  # (points,) with adhesion, else None
+    bound: np.ndarray = None  # (points,) whether adhesion acts there, broken or not, likewise
 
     @property
     def xy(self):
@@ -402,6 +403,10 @@ def parse_solid(source):
     damage = source.point_data("damage").astype(float) if "PointData/damage" in source else None
     if damage is not None:
         source.require_finite(damage=damage)
+    bound = None
+    if damage is not None:
+        name = "bound" if "PointData/bound" in source else "active_set"  # of results before 0.3
+        bound = source.point_data(name).astype(int) > 0
 
     types = source.types(VTK_PIECES, f"the types {sorted(VTK_PIECES)}")
     dimensions = {VTK_PIECES[kind][0] for kind in np.unique(types).tolist()}
@@ -434,6 +439,7 @@ def parse_solid(source):
         parts=source.parts,
         volumes=volumes if dimension == 3 else {},
         damage=damage,
+        bound=bound,
         **rubs,
     )
 

@@ -122,6 +122,23 @@ class Sides(unittest.TestCase):
         self.assertIn("of 48 points 46 are damaged, 0 broken", words)
         plt.close(figure)
 
+    def test_contact_that_is_not_glued(self):
+        """The second fibre lies in the matrix with friction alone: its points are not bonded ones."""
+        parts, data, centres = composite()
+        xy = np.concatenate([points for _, points, _ in parts])
+        data["bound"] = np.where(xy[:, 0] < 1.0, data["active_set"], 0).astype(np.uint8)
+        data["damage"] = np.where(data["bound"] > 0, data["damage"], 0.0)
+        directory = runs.scratch("half")
+        synthetic_composite.write_run(directory, parts, data)
+        solid = run_results.read_result(directory / "result.vtkhdf")
+        figure = plot_damage.plot_damage(solid, "", [])
+        words = [text.get_text() for text in figure.legends[0].get_texts()]
+        self.assertIn("of 24 points 23 are damaged, 9 broken", words)
+        halves, _ = plot_damage.halves_of(solid)
+        self.assertEqual(len(halves), 2 * 24 * 2)
+        self.assertLess(solid.xy[halves[:, 0], 0].max(), 1.0)
+        plt.close(figure)
+
     def test_no_adhesion(self):
         parts, data, _ = composite()
         directory = runs.scratch("plain")
@@ -140,7 +157,7 @@ class Points(unittest.TestCase):
                 xyz = np.concatenate([xyz.reshape(-1, 3)] * 2)  # of two bodies, and the second does not tell
                 damage = np.concatenate([np.linspace(0, 1, 48), np.zeros(48)])
                 solid = SimpleNamespace(
-                    dimension=3, xyz=xyz, extent=7.0, damage=damage, active=np.ones(96, dtype=int)
+                    dimension=3, xyz=xyz, extent=7.0, damage=damage, bound=np.ones(96, dtype=bool)
                 )
                 figure = plot_damage.plot_damage(solid, "", [])
                 drawn = figure.axes[0].collections[0]

@@ -35,7 +35,7 @@ def rubbing(xyz, state=None, body=None, traction=0.0, slip=0.0, dimension=3):
     along = np.eye(3)[[0] * len(xyz)]
     return SimpleNamespace(
         xyz=xyz, extent=float(np.ptp(xyz, axis=0).max()), dimension=dimension,
-        friction=np.ones(len(xyz), dtype=int) if state is None else state,
+        friction=np.ones(len(xyz), dtype=int) if state is None else state, active=np.ones(len(xyz), dtype=int),
         body_of_point=np.zeros(len(xyz), dtype=int) if body is None else body,
         traction=along * np.reshape(traction, (-1, 1)), slip=along * np.reshape(slip, (-1, 1)),
     )
@@ -74,6 +74,28 @@ class Points(unittest.TestCase):
         # Nor do those count that bear nothing.
         state = np.where(np.arange(9) < 2, 0, 2)
         self.assertEqual(len(plot_friction.points_of(rubbing(xyz, state)).flat), 7)
+
+
+class Lines(unittest.TestCase):
+    """Curves along an interface that is open in its middle."""
+
+    def test_open_points_part_the_curves(self):
+        xyz = np.zeros((9, 3))
+        xyz[:, 0] = np.arange(9)
+        state = np.array([1, 1, 2, 0, 0, 2, 1, 1, 0])
+        solid = rubbing(xyz, state, traction=1.0 + xyz[:, 0], slip=xyz[:, 0], dimension=2)
+        points = plot_friction.points_of(solid)
+        self.assertEqual([points.flat[run, 0].tolist() for run in plot_friction.runs_of(points)], [[0, 1, 2], [5, 6, 7]])
+        self.assertEqual(
+            plot_friction.zones(points), [(0, 1.5, False), (1.5, 2.5, True), (4.5, 5.5, True), (5.5, 7.5, False)]
+        )
+        figure = plot_friction.plot_friction(solid, "", [])
+        drawn = [line.get_xdata().tolist() for line in figure.axes[0].lines]
+        self.assertEqual(drawn, [[0, 1, 2], [5, 6, 7]])
+        plt.close(figure)
+        # Points of the other body that lie at the same places are not open ones.
+        solid.active = np.where(state == 0, 0, 1)
+        self.assertEqual(len(plot_friction.runs_of(plot_friction.points_of(solid))), 1)
 
 
 class Maps(unittest.TestCase):

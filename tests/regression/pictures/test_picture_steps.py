@@ -147,10 +147,11 @@ class Curves(unittest.TestCase):
         self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()], ["soft", "stiff"])
         self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("strain", "stress"))
         self.assertEqual(len(axes.texts), 0)
-        # No row of steps tells where others began.
+        # Over time as well; the axis begins there for all columns, but no row of steps tells what others began with.
         runs_of[0].table["time"] = np.array([1.0, 2.0, 3.0])
         figure = plot_curve.plot_curve(runs_of[:1], ["stress"], "time", "", [])
-        self.assertEqual(figure.axes[0].lines[0].get_xdata().tolist(), [1, 2, 3])
+        self.assertEqual(figure.axes[0].lines[0].get_xdata().tolist(), [0, 1, 2, 3])
+        self.assertEqual(figure.axes[0].get_xlim()[0], 0.0)
 
     def test_ways_back_and_forth(self):
         self.assertEqual(plot_curve.branches(np.array([0, 1, 2, 1, 1, 0, 3])), [(0, 2), (2, 5), (5, 6)])

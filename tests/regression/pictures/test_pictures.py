@@ -29,7 +29,9 @@ try:
     import h5py  # noqa: F401
     import numpy as np
     import plot_deformed
+    import matplotlib.pyplot as plt
     import plot_hertz
+    import plot_run
     import run_results
     import synthetic_composite
 except ImportError as missing:
@@ -251,6 +253,45 @@ class Numbers(unittest.TestCase):
         self.assertEqual(plot_deformed.automatic_scale([far]), 1)
         far.displacement[:] = 0
         self.assertEqual(plot_deformed.automatic_scale([far]), 1)
+
+    def test_bodies_are_not_drawn_through_each_other(self):
+        """A square comes down on another one, over a gap of a hundredth: enlarged, it would be seen in the other."""
+        square = np.array(elastic_oracle.NODES[9], dtype=float)
+        square = (square - square.min(axis=0)) / np.ptp(square, axis=0)
+        for gap, scale in ((0.0, 20), (0.01, 2), (0.001, 20)):
+            with self.subTest(gap=gap):
+                parts = [(0, square, np.arange(4)[None]), (1, square + [0.0, 1.0 + gap], np.arange(4)[None])]
+                points = np.concatenate([p for _, p, _ in parts])
+                upper = np.repeat([False, True], 4)
+                touching = np.abs(points[:, 1] - 1.0) < 0.1
+                displacement = np.zeros((8, 3))
+                displacement[:, 0] = 0.019 * upper  # along each other it may be as large as it likes
+                displacement[:, 1] = -gap * upper
+                data = {
+                    "displacement": displacement, "active_set": np.where(touching, CLOSED, 0).astype(np.uint8),
+                    "contact_pressure": 1.0 * touching, "gap": np.zeros(8),
+                }
+                directory = runs.scratch("stack")
+                synthetic_composite.write_run(directory, parts, data)
+                solid = read(directory)
+                self.assertAlmostEqual(plot_deformed.closing(solid), gap, delta=1e-12)
+                self.assertEqual(plot_deformed.automatic_scale([solid]), scale)
+
+    def test_many_outer_iterations_are_no_wall(self):
+        for outer, marked in ((20, True), (500, False)):
+            count = 2 * outer
+            table = {
+                "hessian_applications": np.arange(count), "projected_gradient": np.geomspace(1.0, 1e-6, count),
+                "equality_residual": np.zeros(count), "outer": np.repeat(np.arange(outer), 2),
+                "active": np.zeros(count), "step": np.array(["cg"] * count),
+            }
+            figure = plot_run.plot_convergence(table, {}, "", [])
+            words = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+            self.assertEqual("new outer iteration" in words, marked)
+            self.assertEqual("500 outer iterations, not marked" in words, not marked)
+            upright = [line for line in figure.axes[0].lines if len(set(line.get_xdata())) == 1]
+            self.assertEqual(len(upright), outer - 1 if marked else 0)
+            plt.close(figure)
 
     def test_hertz_profile(self):
         """A node once, whatever its copies; lengths and pressures in those of theory."""

@@ -175,7 +175,8 @@ ContactFields contactFields(const Teuchos::Comm<int>& comm, const std::vector<sc
   for (const scene::OwnedSubdomain& subdomain : owned) {
     const auto nodes = static_cast<std::size_t>(subdomain.mesh.mesh->numberOfNodes());
     std::vector<double> pressure(nodes, 0.0), gap(nodes, 0.0);
-    std::vector<unsigned char> active(nodes, 0), friction(kinds.friction ? nodes : 0, 0);
+    std::vector<unsigned char> active(nodes, 0), friction(kinds.friction ? nodes : 0, 0),
+        bound(kinds.adhesion ? nodes : 0, 0);
     std::vector<double> traction(3 * friction.size(), 0.0), slip = traction;
     std::vector<double> damage(kinds.adhesion ? nodes : 0, 0.0), jump(3 * damage.size(), 0.0), whole = jump;
     for (std::size_t place = 0; place < subdomain.mesh.boundaryNumbers.size(); ++place) {
@@ -199,6 +200,7 @@ ContactFields contactFields(const Teuchos::Comm<int>& comm, const std::vector<sc
       }
       if (!kinds.adhesion || !state->isBound)
         continue;
+      bound[k] = 1;
       damage[k] = state->damage;
       for (std::size_t d = 0; d < 3; ++d) {
         jump[3 * k + d] = sign * state->jump[d];
@@ -206,6 +208,7 @@ ContactFields contactFields(const Teuchos::Comm<int>& comm, const std::vector<sc
       }
     }
     if (kinds.adhesion) {
+      fields.bound.push_back(std::move(bound));
       fields.damage.push_back(std::move(damage));
       fields.jump.push_back(std::move(jump));
       fields.interfaceTraction.push_back(std::move(whole));

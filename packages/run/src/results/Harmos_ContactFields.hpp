@@ -70,8 +70,9 @@ struct ContactFields {
   feti::TornVector traction, slip;                  ///< three numbers a node
   std::vector<std::vector<unsigned char>> friction; ///< 0 none, 1 sticks, 2 slips
   // Of scenes with adhesion only.
-  feti::TornVector damage;                  ///< 0 where nothing is bound
-  feti::TornVector jump, interfaceTraction; ///< three numbers a node; 0 where nothing is bound
+  std::vector<std::vector<unsigned char>> bound; ///< 1 where adhesion acts, broken or not; plain contact is 0
+  feti::TornVector damage;                       ///< 0 where nothing is bound
+  feti::TornVector jump, interfaceTraction;      ///< three numbers a node; 0 where nothing is bound
 };
 
 /// Which fields there are: a matter of the scene, the same for all of its steps.

@@ -52,7 +52,7 @@ long long bytesOf(const Owned& owned, const ResultFields& fields) {
   const int width = (fields.components == 1 ? 1 : 3) + (fields.stress != nullptr ? 7 : 0);
   const long long atPoint = 8LL * width + (fields.contact != nullptr ? 17 : 0) +
                             (fields.contact != nullptr && !fields.contact->friction.empty() ? 49 : 0) +
-                            (fields.contact != nullptr && !fields.contact->damage.empty() ? 56 : 0);
+                            (fields.contact != nullptr && !fields.contact->damage.empty() ? 57 : 0);
   long long bytes = 0;
   for (const scene::OwnedSubdomain& item : owned)
     bytes += atPoint * item.mesh.mesh->numberOfNodes() + 3LL * 4 * item.mesh.mesh->numberOfCells();
@@ -122,6 +122,7 @@ void writeContact(io::VtkHdfWriter& file, const ContactFields& contact, ContactF
     file.pointData("friction_state", joined(contact.friction));
   }
   if (kinds.adhesion) {
+    file.pointData("bound", joined(contact.bound));
     file.pointData("damage", joined(contact.damage));
     file.pointData("jump", joined(contact.jump), 3);
     file.pointData("interface_traction", joined(contact.interfaceTraction), 3);

@@ -25,8 +25,8 @@ struct ResultFields {
 ///
 /// Point data: displacement (a scalar for membranes, else a vector); stress (xx, yy, zz, xy, yz, xz) and
 /// von_mises; with contact also contact_pressure, gap, active_set; with friction also
-/// friction_traction, slip (vectors), friction_state; with adhesion also damage, jump, interface_traction
-/// (vectors). Cell data: subdomain, body, region.
+/// friction_traction, slip (vectors), friction_state; with adhesion also bound (1 where it acts), damage,
+/// jump, interface_traction (vectors). Cell data: subdomain, body, region.
 ///
 /// Arrays are made when they are written and then let go of: cells with their types and offsets, stresses
 /// with those of von Mises, all else one by one.
