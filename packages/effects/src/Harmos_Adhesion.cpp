@@ -135,7 +135,15 @@ void Adhesion::check(const scene::Scene& scene) const {
 }
 
 void Adhesion::addConstraints(scene::ConstraintCollector& collector) const {
-  collector.addAdhesion(*contact_, law_.options().normalStiffness, law_.options().tangentialStiffness);
+  const CohesiveLaw::Options& law = law_.options();
+  // The length over which a crack softens is E·G/σ², to a factor near 1 (Hillerborg, Modéer, Petersson: Cem.
+  // Concr. Res. 6, 1976; Turon, Dávila, Camanho, Costa: Eng. Fract. Mech. 74, 2007). The brittle law has
+  // none.
+  const double toughness =
+      law_.isBrittle() ? 0.0
+                       : std::min(law.fractureEnergy / (law.normalStrength * law.normalStrength),
+                                  law.fractureEnergyII / (law.tangentialStrength * law.tangentialStrength));
+  collector.addAdhesion(*contact_, {law.normalStiffness, law.tangentialStiffness, toughness});
 }
 
 std::size_t Adhesion::stateSize(std::size_t rows, std::size_t) const {

@@ -4,10 +4,12 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_GlobalOrder.hpp"
+#include "Harmos_Log.hpp"
 #include "Harmos_Rendezvous.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <tuple>
 #include <unordered_map>
@@ -243,10 +245,31 @@ void ConstraintCollector::addFriction(Friction friction) {
   frictions_.push_back(std::move(friction));
 }
 
-void ConstraintCollector::addAdhesion(const Effect& contact, double normal, double tangential) {
+void ConstraintCollector::addAdhesion(const Effect& contact, const Glue& glue) {
   if (const auto surfaces = surfacesOf_.find(&contact); surfaces != surfacesOf_.end())
     askForHeldDofs(surfaces->second);
-  adhesions_.push_back({&contact, asked_, normal, tangential});
+  adhesions_.push_back({&contact, asked_, glue});
+}
+
+// Points that are farther apart than a crack is long where it softens break one by one, each held by its
+// neighbours: the interface bears more than it could.
+void ConstraintCollector::tellOfProcessZone(const Adhesion& adhesion, long long bound, double area) {
+  const auto surfaces = surfacesOf_.find(adhesion.contact);
+  if (adhesion.glue.toughness == 0.0 || bound == 0 || surfaces == surfacesOf_.end())
+    return;
+  double young = std::numeric_limits<double>::infinity();
+  for (const auto& surface : surfaces->second)
+    for (const fem::Material& material : scene_.bodies[static_cast<std::size_t>(surface.first)].materials)
+      young = std::min({young, material.young[0], material.young[1], material.young[2]});
+  const double mean = area / static_cast<double>(bound);
+  const double apart = scene_.components() == 3 ? std::sqrt(mean) : mean,
+               zone = young * adhesion.glue.toughness;
+  constexpr double fewest = 2.0; // points in it; a quarter of one: a beam peels at 208 for 164
+  if (fewest * apart > zone)
+    note(adhesion.effect->label() + ": the zone in which its interface softens, E G/σ², is about " +
+         scientific(zone) + " long, and its points are " + scientific(apart) +
+         " apart: it will bear more than it could. Take smaller cells along it, or less strength at the same "
+         "fracture energy, which makes the zone longer");
 }
 
 std::vector<std::optional<ConstraintCollector::Taken>>
@@ -404,12 +427,13 @@ void ConstraintCollector::findBonds(ContactSetup& setup, double extent) {
   for (std::size_t a = 0; a < adhesions_.size(); ++a) {
     const Adhesion& adhesion = adhesions_[a];
     const std::size_t before = setup.bonds.size();
+    double area = 0.0;
     for (std::size_t k : own[a]) {
       if (!contact::touches(points[k], extent))
         continue;
       ContactSetup::Bond bond = {adhesion.effect, k, ContactSetup::Bond::none,
-                                 1.0 / (adhesion.normal * points[k].area),
-                                 1.0 / (adhesion.tangential * points[k].area)};
+                                 1.0 / (adhesion.glue.normal * points[k].area),
+                                 1.0 / (adhesion.glue.tangential * points[k].area)};
       if (const auto shared = slipAt.find(k); shared != slipAt.end()) {
         bond.slip = shared->second;
       } else if (std::vector<fem::Point> tangents =
@@ -426,6 +450,7 @@ void ConstraintCollector::findBonds(ContactSetup& setup, double extent) {
         slipOrder_.push_back(frictions_.size() + a);
       }
       setup.bonds.push_back(bond);
+      area += points[k].area;
     }
     const long long bound = globalSum(comm_, static_cast<long long>(setup.bonds.size() - before)),
                     all = globalSum(comm_, static_cast<long long>(own[a].size()));
@@ -434,6 +459,7 @@ void ConstraintCollector::findBonds(ContactSetup& setup, double extent) {
          (bound == all ? std::string()
                        : "; at the other " + std::to_string(all - bound) +
                              " the surfaces are apart, or overlap: a contact without adhesion"));
+    tellOfProcessZone(adhesion, bound, globalSum(comm_, area));
   }
 }
 

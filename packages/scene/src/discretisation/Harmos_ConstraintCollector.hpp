@@ -156,13 +156,20 @@ class ConstraintCollector {
     addFriction({&contact, asked_, std::move(coefficient), true});
   }
 
+  /// What adhesion is, at a point of an interface.
+  struct Glue {
+    double normal, tangential; ///< force per area and opening, above 0
+    /// Of a law that softens, min G/σ²: times E the length over which a crack does so, which points have to
+    /// resolve.
+    double toughness = 0.0;
+  };
+
   /// Springs at those points of a contact or an obstacle where the surfaces touch (contact::touches()): the
   /// softness of its row, and of rows t·w = 0 in each direction in which it may slip; those of friction,
   /// where that acts on it, else such of limit 0. A point of two contacts has the first springs alone. A note
   /// tells how many there are.
-  /// @param contact an effect of the scene, asked before or after. @param normal, tangential force per area
-  /// and opening, above 0. @note Collective.
-  void addAdhesion(const Effect& contact, double normal, double tangential);
+  /// @param contact an effect of the scene, asked before or after. @note Collective.
+  void addAdhesion(const Effect& contact, const Glue& glue);
 
   /// What the user should know; a sentence.
   void note(const std::string& text) { notes_.push_back(text); }
@@ -195,8 +202,9 @@ class ConstraintCollector {
   void addFriction(Friction friction);
   struct Adhesion {
     const Effect *contact, *effect;
-    double normal, tangential; ///< stiffness
+    Glue glue;
   };
+  void tellOfProcessZone(const Adhesion& adhesion, long long bound, double area);
   bool isAlong(const Effect* contact) const;
   void take(const std::vector<contact::ContactPoint>& points, const std::vector<Part>& surfaces, bool isTied);
   void askForHeldDofs(const std::vector<std::pair<int, std::string>>& surfaces) {
