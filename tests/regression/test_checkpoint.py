@@ -223,14 +223,8 @@ class SameHistory(unittest.TestCase):
         plain = runs.solved(self, BLOCKS, program="harmos")
         steps = int(plain.iterations()[-1]["inner"])
         cut = runs.run(BLOCKS, {"Solver/Maximum iterations": steps // 2}, program="harmos")
-        run = restarted(
-            self,
-            cut.directory,
-            sets={"Solver/Maximum iterations": 10000},
-            program="harmos",
-        )
+        run = restarted(self, cut.directory, sets={"Solver/Maximum iterations": 10000}, program="harmos")
         self.compare(run, plain, steps // 2, exact=True)
-
 
     def test_adaptive_vectors(self):
         """Vectors are made anew, before the first step of the run that goes on: with those that it had, it takes the same steps."""
@@ -264,9 +258,8 @@ class SameHistory(unittest.TestCase):
             self.assertIn("on without them", plain.stdout)
             self.assertIn("stagnation", plain.summary["reason"])
             self.assertLess(plain.summary["audit"]["gluing_jump"], 1e-12)
-            rows = plain.iterations()
-            left = max(int(row["inner"]) for row in rows if row["step"] == "start")
-            first = (left + int(rows[-1]["inner"])) // 2
+            left = max(int(row["inner"]) for row in plain.iterations() if row["step"] == "start")
+            first = (left + int(plain.iterations()[-1]["inner"])) // 2
             if first >= left + 10:
                 break
         self.assertGreaterEqual(first, left + 10)

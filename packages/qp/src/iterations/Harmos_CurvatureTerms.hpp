@@ -19,7 +19,7 @@ namespace Harmos::qp {
 /// small curvature that is a number of its own, as of a unit in which an entry is measured, is told from one
 /// that is left of larger ones. Two samples, the larger one counts.
 ///
-/// Guarded by tests/unit/qp/test_tiny_curvatures.cpp.
+/// Guarded by tests/unit/qp/problems/test_tiny_curvatures.cpp.
 ///
 /// @param apply y = Ax; called twice. @note Collective.
 template<class Scalar, class MV>
