@@ -76,6 +76,15 @@ FAULTS = (
         "return 4.0 * options_.stepFactor / hessianNorm_;",
         ("unit_qp", "unit_qp_random")),
     fault(
+        "curvatures below the norm's rounding are none", "packages/qp/src/iterations/Harmos_MprgpIteration_def.hpp",
+        "curvature <= flat && curvature <= roundingOfCurvature();", "curvature <= flat;", ("unit_qp_problems",)),
+    fault(
+        "b = 0 is measured by nothing", "packages/qp/src/solvers/Harmos_SolverManager_def.hpp",
+        "if (loadTest_.is_null() || loadTest_->scale() > 0.0)", "if (true)", ("unit_qp_problems",)),
+    fault(
+        "cells that cover each other are no fold", "packages/fem/src/mesh/Harmos_Mesh.cpp",
+        "return b[(k + 1) % corners] == a[1] &&", "return b[k] != a[0] &&", ("unit_fem",)),
+    fault(
         "sign of the multiplier's update in SMALBE",
         "packages/qp/src/iterations/Harmos_BoundedLagrangian_def.hpp",
         "MvAddMv(1.0, *mu_, factor * penalty_, *residual_, *mu_);",
