@@ -26,6 +26,25 @@ Box(2) = {0, 0, 1, 1, 1, 0.5};
 Mesh.MeshSizeMax = 0.6;
 """
 
+# A cube, and in the same volume a second shell that goes through its faces.
+CROSSED = """
+Point(1) = {0, 0, 0, 0.5}; Point(2) = {1, 0, 0, 0.5}; Point(3) = {1, 1, 0, 0.5}; Point(4) = {0, 1, 0, 0.5};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
+Curve Loop(1) = {1, 2, 3, 4}; Plane Surface(1) = {1};
+e[] = Extrude {0, 0, 1} { Surface{1}; };
+Point(101) = {0.5, 0.5, 0.5, 0.5}; Point(102) = {1.5, 0.5, 0.5, 0.5}; Point(103) = {0.5, 1.5, 0.5, 0.5};
+Point(104) = {0.5, 0.5, 1.5, 0.5};
+Line(101) = {101, 102}; Line(102) = {102, 103}; Line(103) = {103, 101};
+Line(104) = {101, 104}; Line(105) = {102, 104}; Line(106) = {103, 104};
+Curve Loop(101) = {101, 102, 103}; Plane Surface(101) = {101};
+Curve Loop(102) = {101, 105, -104}; Plane Surface(102) = {102};
+Curve Loop(103) = {102, 106, -105}; Plane Surface(103) = {103};
+Curve Loop(104) = {103, 104, -106}; Plane Surface(104) = {104};
+Delete { Volume{1}; }
+Surface Loop(1) = {1, e[0], e[2], e[3], e[4], e[5]}; Surface Loop(2) = {101, 102, 103, 104};
+Volume(7) = {1, 2};
+"""
+
 # A square of four triangles, by hand.
 NODES = ((0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0.5))
 TRIANGLES = ((1, 2, 5), (2, 3, 5), (3, 4, 5), (4, 1, 5))
@@ -160,7 +179,9 @@ class Formats(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done)
         self.assertIn('Body "volume 1"', done.stdout)
         self.assertIn('part "surface 12"', done.stdout)
+        # Of twelve faces two look into each other; their neighbours touch along edges.
         self.assertRegex(done.stdout, r"At each other: volume 1/surface \d+ and volume 2/surface \d+ ")
+        self.assertEqual(done.stdout.count("At each other"), 1, done)
 
     def test_what_cannot_be_read(self):
         directory = runs.scratch("refused")
@@ -169,6 +190,7 @@ class Formats(unittest.TestCase):
             "eight.msh": (MSH_2.replace("2 2 2 1 1 1 2 5", "2 16 2 1 1 1 2 3 4 5 1 2 3"), "that Harmos does not have"),
             "mixed.msh": (MSH_2.replace("2 2 2 1 1 1 2 5", "2 3 2 1 1 1 2 3 5"), "cells of more than one type"),
             "nan.msh": (MSH_2.replace("5 0.5 0.5 0", "5 nan 0.5 0"), "no finite number"),
+            "crossed.geo": (CROSSED, r"cut each other.*ask for smaller ones \(--size\)"),
             "exit.geo": (BOXES + "Exit;\n", "ends it itself"),
             "empty.msh": ("", "holds no cells"),
             "text.msh": ("no mesh at all\n", "holds no cells|cannot read"),
