@@ -95,12 +95,26 @@ void SolverManager<Scalar, MV, OP>::measureLoad(const EqualityRows<Scalar, MV, O
   if (problem_->hasBounds())
     BoundTraits<Scalar, MV>::project(*x, problem_->feasibleSet());
   loadTest_->raiseScale(imageNorm(*x));
+  double length = norm<Scalar>(*x);
   if (rows != nullptr) {
     rows->nearestToZero(*x);
     loadTest_->raiseScale(imageNorm(*x));
+    length = std::max(length, norm<Scalar>(*x));
   }
   if (loadTest_->scale() == 0.0)
     loadTest_->raiseScale(imageNorm(*problem_->solution()));
+  // What A makes nothing of is no load: gradients of the size of its rounding errors are zero.
+  double hessianNorm = problem_->hessianNorm();
+  if (hessianNorm == 0.0 && length > 0.0) {
+    BoundTraits<Scalar, MV>::setRandom(*x);
+    hessianNorm = estimateNorm<Scalar, MV>(
+        [this](const MV& in, MV& out) {
+          Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_->hessian(), in, out);
+        },
+        *x, 12, result_.counters.setupApplications);
+  }
+  loadTest_->raiseScale(1e2 * std::numeric_limits<double>::epsilon() * hessianNorm * length /
+                        parameters_->template get<double>("Convergence Tolerance"));
   loadTest_ = Teuchos::null; // others to which this one delegates need not do so again
 }
 

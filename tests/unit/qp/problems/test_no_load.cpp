@@ -94,6 +94,33 @@ TEST(NoLoad, equalities_that_determine_the_solution) {
     }
 }
 
+// The point next to zero costs nothing: A makes rounding errors of it, or nothing at all.
+TEST(NoLoad, a_motion_without_strain) {
+  std::mt19937 random(3);
+  for (int k = 0; k < 20; ++k) {
+    const int n = 3 + k % 4;
+    const Dense q = randomOrthonormal(random, n);
+    SmallQp qp{withSpectrum(q, 1, 100.0),
+               std::vector<double>(static_cast<std::size_t>(n), 0.0),
+               {},
+               {},
+               Dense(1, n),
+               {2.0}};
+    for (int i = 0; i < n; ++i)
+      qp.c(0, i) = q(i, 0); // the kernel
+    if (k % 2 == 1) {
+      qp.lower.assign(static_cast<std::size_t>(n), -3.0);
+      qp.upper.assign(static_cast<std::size_t>(n), 3.0);
+    }
+    for (const std::string& name : solversFor(qp)) {
+      const Answer answer = solve(name, qp);
+      ASSERT_TRUE(answer.result.converged()) << k << " " << name << ": " << answer.result.explanation;
+      for (int i = 0; i < n; ++i)
+        EXPECT_NEAR(answer.x[static_cast<std::size_t>(i)], 2.0 * q(i, 0), 1e-9) << k << " " << name;
+    }
+  }
+}
+
 // The answer is zero: what counts is the load of the initial guess.
 TEST(NoLoad, nothing_to_do) {
   for (const char* name : {"Auto", "MPRGP", "PCPG"}) {
