@@ -12,8 +12,7 @@ using namespace Harmos;
 
 namespace {
 
-// The message of the deck's fault; "" without.
-std::string faultOf(const std::vector<std::string>& assignments) {
+scene::Timeline timelineOf(const std::vector<std::string>& assignments) {
   ParameterSpec deck("deck", "A deck.");
   scene::Timeline::addTo(deck);
   Teuchos::ParameterList list = deck.defaults();
@@ -21,8 +20,13 @@ std::string faultOf(const std::vector<std::string>& assignments) {
     const std::size_t sign = assignment.find('=');
     deck.set(list, assignment.substr(0, sign), assignment.substr(sign + 1), "test");
   }
+  return scene::Timeline::fromDeck(deck.validated(list, "test"));
+}
+
+// The message of the deck's fault; "" without.
+std::string faultOf(const std::vector<std::string>& assignments) {
   try {
-    scene::Timeline::fromDeck(deck.validated(list, "test"));
+    timelineOf(assignments);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -63,6 +67,15 @@ TEST(Timeline, magnitudes_go_up_over_several_steps_and_are_there_in_one) {
   scene.timeline.check(scene.effects);
   EXPECT_EQ(scene.timeline.factor(force, 1.0), 0.5);
   EXPECT_EQ(scene.timeline.corners(), (std::vector<double>{0.0, 1.0, 2.0, 4.0}));
+}
+
+// Who gives a time wants a row of steps.csv, be it one.
+TEST(Timeline, a_time_that_is_given_is_a_step) {
+  EXPECT_FALSE(timelineOf({}).hasSteps());
+  EXPECT_FALSE(timelineOf({"Steps/End time=2"}).hasSteps());
+  EXPECT_TRUE(timelineOf({"Steps/Times={2}"}).hasSteps());
+  EXPECT_EQ(timelineOf({"Steps/Times={2}"}).end(), 2.0);
+  EXPECT_TRUE(timelineOf({"Steps/Number=2"}).hasSteps());
 }
 
 TEST(Timeline, nonsense_is_refused) {
