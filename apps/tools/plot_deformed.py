@@ -27,7 +27,7 @@ MAX_MESH = 8_000  # cells; their edges would cover the colours beyond this
 
 
 def closing(solid):
-    """How much nearer points in contact have come to the body that they touch, at most.
+    """How much nearer points in contact have come to the body that they touch; of a body nine of ten by no more.
 
     Of each the part of the relative displacement along the other body's normal; a gap closed by that is overshot as many
     times as displacements are enlarged. In the plane; of results in space it is 0.
@@ -46,16 +46,18 @@ def closing(solid):
         length2 = np.maximum((along**2).sum(axis=1), 1e-300)
         normal = np.stack([-along[:, 1], along[:, 0]], axis=1) / np.sqrt(length2)[:, None]
         there = solid.displacement[other, :2].mean(axis=1)
+        found = []
         for node in own:
             share = np.clip(((xy[node] - start) * along).sum(axis=1) / length2, 0.0, 1.0)
             distance = np.linalg.norm(start + share[:, None] * along - xy[node], axis=1)
             near = distance <= distance.min() + 1e-3 * solid.extent  # at a corner both its sides
-            most = max(most, np.abs(((solid.displacement[node, :2] - there[near]) * normal[near]).sum(axis=1)).min())
-    return float(most)
+            found.append(np.abs(((solid.displacement[node, :2] - there[near]) * normal[near]).sum(axis=1)).min())
+        most = max(most, float(np.quantile(found, 0.9, method="lower")))
+    return most
 
 
 # Of the whole, that bodies are drawn through each other.
-MOST_THROUGH = 0.01
+MOST_THROUGH = 0.004
 
 
 def automatic_scale(solids):

@@ -363,15 +363,16 @@ class MeshFiles(Case):
     def test_file_that_is_no_mesh(self):
         self.refuse(FILED, 'mesh.msh"', mesh="This is no mesh.\n")
 
-    def test_inverted_cell(self):
-        # The second triangle lies over the first one.
-        cells = [(TRIANGLE, 1, 1, 2, 4), (TRIANGLE, 1, 2, 4, 3), (LINE, 2, 1, 4)]
+    def test_cells_that_cover_each_other(self):
+        # The second triangle lies on the first one, from their common side on.
+        nodes = (*SQUARE, (0.2, 0.2))
+        cells = [(TRIANGLE, 1, 1, 2, 4), (TRIANGLE, 1, 2, 4, 5), (LINE, 2, 1, 4)]
         self.refuse(
             FILED,
-            "1 cells of surface 1",
-            "the cell at (1, 0, 0) with the corner nodes 2, 4, 3",
+            'body "plate"',
+            "with the corner nodes 1, 2, 4 and the cell at",
             "the mesh is folded",
-            mesh=msh(SQUARE, cells),
+            mesh=msh(nodes, cells),
         )
 
     def test_cell_without_area(self):

@@ -4,6 +4,7 @@
 /// to zero that bounds and equalities allow.
 
 #include "Harmos_RandomQp.hpp"
+#include "Harmos_SolvedQp.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,30 +15,7 @@ using namespace Harmos::qp;
 
 namespace {
 
-struct Answer {
-  Result result;
-  std::vector<double> x;
-};
-
-Answer solve(const std::string& name, const SmallQp& qp, const std::vector<double>& start = {}) {
-  const DistributedQp distributed(qp);
-  if (!start.empty())
-    distributed.solution->assign(*toVector(start, distributed.map));
-  const auto list = Teuchos::parameterList();
-  list->set("Convergence Tolerance", 1e-10);
-  const auto solver = TpetraSolverFactory().create(name, list);
-  solver->setProblem(distributed.problem);
-  Answer answer{solver->solve(), {}};
-  answer.x = fromVector(*distributed.solution);
-  return answer;
-}
-
-std::vector<std::string> solversFor(const SmallQp& qp) {
-  if (qp.lower.empty() && qp.upper.empty())
-    return {"Auto", "PCPG", "SMALBE"};
-  return qp.c.rows > 0 ? std::vector<std::string>{"Auto", "PDAS", "SMALBE"}
-                       : std::vector<std::string>{"Auto", "PDAS", "MPRGP"};
-}
+constexpr double tolerance = 1e-10;
 
 Dense unitMatrix(int n) {
   Dense a(n, n);
@@ -65,7 +43,7 @@ TEST(NoLoad, random_problems_have_the_enumerated_solution) {
     const std::vector<double> expected = bruteForce(qp);
     ASSERT_FALSE(expected.empty()) << k;
     for (const std::string& name : solversFor(qp)) {
-      const Answer answer = solve(name, qp);
+      const SolvedQp answer = solvedBy(name, qp, tolerance);
       ASSERT_TRUE(answer.result.converged()) << k << " " << name << ": " << answer.result.explanation;
       // ‖x − x*‖ ≤ tol·‖Ax_c‖/λ_min, with the equalities' own tolerance κ times.
       EXPECT_LT(distance(answer.x, expected), 10 * condition * condition * 1e-10 * norm(expected))
@@ -87,7 +65,7 @@ TEST(NoLoad, equalities_that_determine_the_solution) {
         qp.lower.assign(2, -infinite);
         qp.upper.assign(2, infinite);
       }
-      const Answer answer = solve(name, qp);
+      const SolvedQp answer = solvedBy(name, qp, tolerance);
       EXPECT_TRUE(answer.result.converged()) << name << infinite << ": " << answer.result.explanation;
       EXPECT_NEAR(answer.x[0], 2.0, 1e-8) << name; // κ(C) = 42
       EXPECT_NEAR(answer.x[1], 0.0, 1e-8) << name;
@@ -113,7 +91,7 @@ TEST(NoLoad, a_motion_without_strain) {
       qp.upper.assign(static_cast<std::size_t>(n), 3.0);
     }
     for (const std::string& name : solversFor(qp)) {
-      const Answer answer = solve(name, qp);
+      const SolvedQp answer = solvedBy(name, qp, tolerance);
       ASSERT_TRUE(answer.result.converged()) << k << " " << name << ": " << answer.result.explanation;
       for (int i = 0; i < n; ++i)
         EXPECT_NEAR(answer.x[static_cast<std::size_t>(i)], 2.0 * q(i, 0), 1e-9) << k << " " << name;
@@ -128,7 +106,8 @@ TEST(NoLoad, nothing_to_do) {
     if (std::string(name) != "PCPG")
       qp.lower.assign(3, -1.0);
     qp.a(0, 0) = 100.0;
-    const Answer still = solve(name, qp), moved = solve(name, qp, {1.0, 2.0, 3.0});
+    const SolvedQp still = solvedBy(name, qp, tolerance),
+                   moved = solvedBy(name, qp, tolerance, {1.0, 2.0, 3.0});
     ASSERT_TRUE(still.result.converged()) << name << ": " << still.result.explanation;
     ASSERT_TRUE(moved.result.converged()) << name << ": " << moved.result.explanation;
     EXPECT_EQ(norm(still.x), 0.0) << name;

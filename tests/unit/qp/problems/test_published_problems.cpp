@@ -9,6 +9,7 @@
 
 #include "Harmos_QpFile.hpp"
 #include "Harmos_RandomQp.hpp"
+#include "Harmos_SolvedQp.hpp"
 
 #include <gtest/gtest.h>
 
@@ -79,37 +80,10 @@ SmallQp problemOf(const Published& published) {
   return qp;
 }
 
-// Every solver that admits the structure.
-std::vector<std::string> solversFor(const SmallQp& qp) {
-  if (qp.lower.empty() && qp.upper.empty())
-    return {"Auto", "PCPG", "PDAS", "SMALBE"};
-  return qp.c.rows == 0 ? std::vector<std::string>{"Auto", "PDAS", "MPRGP"}
-                        : std::vector<std::string>{"Auto", "PDAS", "SMALBE"};
-}
-
-struct Answer {
-  Result result;
-  std::vector<double> x, mu;
-};
-
 constexpr double tolerance = 1e-11;
 
-Answer solve(const std::string& name, const SmallQp& qp, double accuracy = tolerance) {
-  const DistributedQp distributed(qp);
-  const auto list = Teuchos::parameterList();
-  list->set("Convergence Tolerance", accuracy);
-  list->set("Maximum Iterations", 100000);
-  const auto solver = TpetraSolverFactory().create(name, list);
-  solver->setProblem(distributed.problem);
-  Answer answer{solver->solve(), {}, {}};
-  answer.x = fromVector(*distributed.solution);
-  if (qp.c.rows > 0)
-    answer.mu = fromVector(*distributed.multiplier);
-  return answer;
-}
-
 void expectOptimum(const std::string& solver, const SmallQp& qp, const Published& expected) {
-  const Answer answer = solve(solver, qp);
+  const SolvedQp answer = solvedBy(solver, qp, tolerance);
   const std::string what = std::string(expected.name) + " by " + solver;
   const double cost = qp.cost(answer.x) + expected.constant;
   if (std::getenv("HARMOS_PRINT_TABLE") != nullptr)

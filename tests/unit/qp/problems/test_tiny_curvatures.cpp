@@ -5,6 +5,7 @@
 
 #include "Harmos_CurvatureTerms.hpp"
 #include "Harmos_RandomQp.hpp"
+#include "Harmos_SolvedQp.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,30 +14,7 @@
 using namespace Harmos;
 using namespace Harmos::qp;
 
-namespace {
-
-struct Answer {
-  Result result;
-  std::vector<double> x;
-};
-
-Answer solve(const std::string& name, const SmallQp& qp, double tolerance) {
-  const DistributedQp distributed(qp);
-  const auto list = Teuchos::parameterList();
-  list->set("Convergence Tolerance", tolerance);
-  const auto solver = TpetraSolverFactory().create(name, list);
-  solver->setProblem(distributed.problem);
-  Answer answer{solver->solve(), {}};
-  answer.x = fromVector(*distributed.solution);
-  return answer;
-}
-
-std::vector<std::string> solversFor(const SmallQp& qp) {
-  return qp.lower.empty() ? std::vector<std::string>{"Auto", "PCPG"}
-                          : std::vector<std::string>{"Auto", "PDAS", "MPRGP"};
-}
-
-} // namespace
+namespace {} // namespace
 
 // min ½·10⁶x₁² + ½·10⁻⁸x₂² − x₂: 14 orders, x₂ = 10⁸.
 TEST(TinyCurvatures, two_units) {
@@ -47,7 +25,7 @@ TEST(TinyCurvatures, two_units) {
     if (bounds)
       qp.lower.assign(2, 0.0);
     for (const std::string& name : solversFor(qp)) {
-      const Answer answer = solve(name, qp, 1e-10);
+      const SolvedQp answer = solvedBy(name, qp, 1e-10);
       ASSERT_TRUE(answer.result.converged()) << name << ": " << answer.result.explanation;
       EXPECT_NEAR(qp.cost(answer.x), -5e7, 1e-8 * 5e7) << name;
     }
@@ -72,7 +50,7 @@ TEST(TinyCurvatures, separable_problems) {
       expected.push_back(std::min(std::max(free, qp.lower.back()), qp.upper.back()));
     }
     for (const std::string& name : solversFor(qp)) {
-      const Answer answer = solve(name, qp, 1e-8);
+      const SolvedQp answer = solvedBy(name, qp, 1e-8);
       ++solved;
       ASSERT_NE(answer.result.reason, Reason::Unbounded) << k << " " << name << answer.result.explanation;
       ASSERT_NE(answer.result.reason, Reason::Breakdown) << k << " " << name << answer.result.explanation;
@@ -114,7 +92,7 @@ TEST(TinyCurvatures, two_units_that_mix) {
     }
     const double best = in.cost(bruteForce(in));
     for (const std::string& name : solversFor(out)) {
-      const Answer answer = solve(name, out, 1e-12 * small);
+      const SolvedQp answer = solvedBy(name, out, 1e-12 * small);
       ++solved;
       ASSERT_NE(answer.result.reason, Reason::Unbounded) << k << " " << name << answer.result.explanation;
       ASSERT_NE(answer.result.reason, Reason::Breakdown) << k << " " << name << answer.result.explanation;
@@ -136,7 +114,7 @@ TEST(TinyCurvatures, kernels_are_told) {
   for (int k = 0; k < 40; ++k) {
     const SmallQp qp = unboundedQp(random, 3 + k % 5, 0, k % 2 == 0);
     for (const std::string& name : solversFor(qp)) {
-      const Answer answer = solve(name, qp, 1e-8);
+      const SolvedQp answer = solvedBy(name, qp, 1e-8);
       EXPECT_EQ(answer.result.reason, Reason::Unbounded) << k << " " << name << answer.result.explanation;
     }
   }
