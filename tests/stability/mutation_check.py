@@ -83,7 +83,8 @@ FAULTS = (
         "if (loadTest_.is_null() || loadTest_->scale() > 0.0)", "if (true)", ("unit_qp_problems",)),
     fault(
         "cells that cover each other are no fold", "packages/fem/src/mesh/Harmos_Mesh.cpp",
-        "return b[(k + 1) % corners] == a[1] &&", "return b[k] != a[0] &&", ("unit_fem",)),
+        "return cornerOf(b, (k + 1) % corners) == cornerOf(a, 1) &&",
+        "return cornerOf(b, k) != cornerOf(a, 0) &&", ("unit_fem",)),
     fault(
         "sign of the multiplier's update in SMALBE",
         "packages/qp/src/iterations/Harmos_BoundedLagrangian_def.hpp",

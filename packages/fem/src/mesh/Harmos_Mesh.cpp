@@ -33,10 +33,13 @@ std::vector<CornerSide> sidesByCorners(const Mesh& mesh) {
 }
 
 // Whether corners go around in the same way, of two sides with the same ones.
-bool goesTheSameWay(const std::vector<int>& a, const std::vector<int>& b, std::size_t corners) {
+bool goTheSameWay(const Mesh& mesh, const Side& a, const Side& b, std::size_t corners) {
+  const auto cornerOf = [&](const Side& side, std::size_t k) {
+    return mesh.cell(side.cell)[shapeOf(mesh.cellType).sides[static_cast<std::size_t>(side.side)][k]];
+  };
   for (std::size_t k = 0; k < corners; ++k)
-    if (b[k] == a[0])
-      return b[(k + 1) % corners] == a[1] && !(corners == 2 && k == 1);
+    if (cornerOf(b, k) == cornerOf(a, 0))
+      return cornerOf(b, (k + 1) % corners) == cornerOf(a, 1) && !(corners == 2 && k == 1);
   return false;
 }
 
@@ -64,7 +67,7 @@ std::optional<std::pair<Side, Side>> foldedSides(const Mesh& mesh) {
     if (sides[k - 1].corners != sides[k].corners)
       continue;
     const bool isThird = k > 1 && sides[k - 2].corners == sides[k].corners;
-    if (isThird || goesTheSameWay(mesh.nodesOf(sides[k - 1].side), mesh.nodesOf(sides[k].side), corners))
+    if (isThird || goTheSameWay(mesh, sides[k - 1].side, sides[k].side, corners))
       return std::make_pair(sides[k - 1].side, sides[k].side);
   }
   return std::nullopt;
