@@ -188,8 +188,9 @@ TEST(ProjectedCg, projects_once_what_is_not_projected) {
                      twice = problem.solved(Form::OnKernel, preconditioned, asked),
                      expected = problem.solved(Form::Projected, preconditioned, asked);
           ASSERT_TRUE(once.result.converged()) << once.result.explanation;
+          // Rounding errors turn steps on faces: with kernels for Nehalem 90 for 79 are seen.
           EXPECT_LE(once.result.counters.hessianApplications,
-                    1.1 * twice.result.counters.hessianApplications + 2.0);
+                    1.2 * twice.result.counters.hessianApplications + 2.0);
           // λ_min = 1, λ_max = 1e3
           const double accuracy = 2.0 * asked * norm(problem.qp.b) + 1e-14 * size * norm(expected.x);
           EXPECT_LE(distance(once.x, expected.x), accuracy);
