@@ -264,7 +264,7 @@ void ConstraintCollector::tellOfProcessZone(const Adhesion& adhesion, long long 
   const double mean = area / static_cast<double>(bound);
   const double apart = scene_.components() == 3 ? std::sqrt(mean) : mean,
                zone = young * adhesion.glue.toughness;
-  constexpr double fewest = 2.0; // points in it; a quarter of one: a beam peels at 208 for 164
+  constexpr double fewest = 2.0; // points in it
   if (fewest * apart > zone)
     note(adhesion.effect->label() + ": the zone in which its interface softens, E G/σ², is about " +
          scientific(zone) + " long, and its points are " + scientific(apart) +

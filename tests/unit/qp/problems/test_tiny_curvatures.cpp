@@ -64,7 +64,7 @@ TEST(TinyCurvatures, separable_problems) {
       EXPECT_NEAR(cost, best, 1e-6 * std::abs(best)) << k << " " << name;
     }
   }
-  std::cout << converged << " of " << solved << " converged\n";
+  EXPECT_GT(2 * converged, solved); // others end at the rounding errors that ‖A‖‖x‖ has
 }
 
 // The same in coordinates that mix: entries measured in two units.
@@ -105,7 +105,7 @@ TEST(TinyCurvatures, two_units_that_mix) {
       EXPECT_NEAR(out.cost(answer.x), best, 1e-7 * std::abs(best)) << k << " " << name << " " << small;
     }
   }
-  std::cout << converged << " of " << solved << " converged\n";
+  EXPECT_GT(4 * converged, solved); // of 300 some 116
 }
 
 // A dense matrix' kernel is one to rounding errors, and a load along it has no end.
