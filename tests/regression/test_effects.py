@@ -6,6 +6,8 @@ What each class guards against:
     Listing   --list-effects that leaves an effect out, or is offered where decks name none
     Costs     a log or a summary that says of an effect that it is on when it is not, or keeps silent of
               what it costs
+    Warnings  an interface whose points are too far apart for the zone that softens, without a word, or with one where
+              they are not; results that do not tell glued points from others
     Pages     generated pages of the documentation that no longer can be generated
 """
 
@@ -89,6 +91,40 @@ class Costs(unittest.TestCase):
         done = runs.run(TWO_BLOCKS, wrong, np=2, program="harmos")
         self.assertEqual(done.returncode, 2, done)
         self.assertEqual(done.summary["effect_costs"], [])
+
+
+class Warnings(unittest.TestCase):
+    GLUE = {
+        "Contact": "joint", "Normal stiffness": 1e3, "Tangential stiffness": 1e3, "Normal strength": 1.0,
+        "Tangential strength": 1.0,
+    }
+
+    def run_with(self, energy):
+        glue = {**self.GLUE, "Fracture energy": energy, "Fracture energy II": energy}
+        sets = {f"Effects/Adhesion/glue/{name}": value for name, value in glue.items()}
+        done = runs.run(TWO_BLOCKS, sets, np=2, program="harmos")
+        self.assertEqual(done.returncode, 0, done)
+        return done
+
+    def test_process_zone(self):
+        """E = 1: the zone is as long as the energy says; points are a sixteenth apart."""
+        for energy, is_told in ((0.01, True), (1.0, False)):
+            with self.subTest(energy=energy):
+                said = "zone in which its interface softens, E G/σ², is about 1.00e-02 long"
+                self.assertEqual(said in self.run_with(energy).stdout, is_told)
+
+    def test_glued_points_are_told(self):
+        try:
+            import h5py
+        except ImportError:
+            self.skipTest("the Python module h5py is missing")
+        done = self.run_with(1.0)
+        with h5py.File(done.directory / "result.vtkhdf") as file:
+            data = file["VTKHDF/PointData"]
+            bound, active = data["bound"][:].ravel(), data["active_set"][:].ravel()
+        # All of the contact is glued, and nothing else.
+        self.assertEqual(bound.tolist(), (active > 0).astype(int).tolist())
+        self.assertGreater(bound.sum(), 0)
 
 
 class Pages(unittest.TestCase):
