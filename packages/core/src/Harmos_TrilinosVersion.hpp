@@ -3,7 +3,6 @@
 
 /// The differences between Trilinos 13 and current Trilinos (16 and later), all of them, in one place.
 
-#include <Tpetra_Map.hpp>
 #include <Trilinos_version.h>
 
 #include <cstddef>

@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Tpetra_Details_DefaultTypes.hpp>
-#include <Tpetra_Map_fwd.hpp>
-#include <Tpetra_MultiVector_fwd.hpp>
-#include <Tpetra_Operator_fwd.hpp>
+#include "Harmos_TrilinosForward.hpp"
 
 namespace Harmos {
 
 /// The one set of types Harmos is instantiated for: Tpetra's defaults, whatever the installation chose.
+///
+/// Tpetra's classes are only declared here. A source file that uses one of them includes its header; one that
+/// passes pointers to them does not.
 using Scalar = double;
-using LocalOrdinal = Tpetra::Details::DefaultTypes::local_ordinal_type;
-using GlobalOrdinal = Tpetra::Details::DefaultTypes::global_ordinal_type;
-using Node = Tpetra::Details::DefaultTypes::node_type;
+using LocalOrdinal = Details::LocalOrdinal;
+using GlobalOrdinal = Details::GlobalOrdinal;
+using Node = Details::Node;
 
 using Map = Tpetra::Map<LocalOrdinal, GlobalOrdinal, Node>;
 using MultiVector = Tpetra::MultiVector<Scalar, LocalOrdinal, GlobalOrdinal, Node>;
 using Operator = Tpetra::Operator<Scalar, LocalOrdinal, GlobalOrdinal, Node>;
+using CrsMatrix = Tpetra::CrsMatrix<Scalar, LocalOrdinal, GlobalOrdinal, Node>;
+using Import = Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>;
 
 } // namespace Harmos

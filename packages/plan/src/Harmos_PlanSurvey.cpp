@@ -9,6 +9,7 @@
 #include "Harmos_ReplicatedCoarse.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
+#include <Tpetra_Map.hpp>
 #include <Tpetra_MultiVector.hpp>
 
 #include <algorithm>

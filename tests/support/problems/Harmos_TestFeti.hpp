@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_DualOperator.hpp"
+#include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_DualProblem.hpp"
 #include "Harmos_KktAudit.hpp"
 #include "Harmos_ReplicatedCoarse.hpp"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_AdaptiveSpace.hpp"
+#include "Harmos_DeflatedOperators.hpp"
 #include "Harmos_DominantModes.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_FetiSolver.hpp"

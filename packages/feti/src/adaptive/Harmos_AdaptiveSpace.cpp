@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_AdaptiveSpace.hpp"
 
+#include "Harmos_DualPreconditioner.hpp"
+
+#include "Harmos_DualOperator.hpp"
+
 #include "Harmos_Agreement.hpp"
 #include "Harmos_DominantModes.hpp"
 #include "Harmos_Exchange.hpp"

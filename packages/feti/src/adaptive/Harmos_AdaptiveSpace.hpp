@@ -3,16 +3,19 @@
 
 #include "Harmos_CoarseSpace.hpp"
 #include "Harmos_Deflation.hpp"
-#include "Harmos_DualOperator.hpp"
 #include "Harmos_DualOptions.hpp"
-#include "Harmos_DualPreconditioner.hpp"
+#include "Harmos_LocalInverses.hpp"
 #include "Harmos_Log.hpp"
+#include "Harmos_PreconditionerKind.hpp"
 
 #include <memory>
 #include <optional>
 #include <string>
 
 namespace Harmos::feti {
+
+class DualOperator;
+class DualPreconditioner;
 
 /// Coarse vectors for what a weighted projector cannot cure: materials that jump within subdomains, ragged
 /// and slender parts, near-incompressibility.

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Deflation.hpp"
 
+#include "Harmos_SubdomainSum.hpp"
+
+#include "Harmos_DeflatedOperators.hpp"
+
 #include "Harmos_Exchange.hpp"
 #include "Harmos_PivotedCholesky.hpp"
 #include "Harmos_TrilinosVersion.hpp"

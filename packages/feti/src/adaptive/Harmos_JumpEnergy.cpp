@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_JumpEnergy.hpp"
 
+#include "Harmos_SubdomainSum.hpp"
+
 #include "Harmos_Agreement.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_TrilinosVersion.hpp"

@@ -2,11 +2,13 @@
 #pragma once
 
 #include "Harmos_LocalInverses.hpp"
-#include "Harmos_SubdomainSum.hpp"
+#include "Harmos_Types.hpp"
 
 #include <vector>
 
 namespace Harmos::feti {
+
+class SubdomainSum;
 
 /// What a jump costs that the boundary of one subdomain alone makes: N_s = B_sᵀMB_s for each subdomain s of
 /// this rank, M = B_D S B_Dᵀ the preconditioner, of rows of equality alone.

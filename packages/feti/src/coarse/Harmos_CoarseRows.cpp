@@ -4,6 +4,8 @@
 #include "Harmos_Exchange.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
+#include <Tpetra_Map.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_CoarseSpace.hpp"
 
+#include "Harmos_ProjectedOperator.hpp"
+
 #include "Harmos_Exchange.hpp"
 
 #include <Tpetra_MultiVector.hpp>

@@ -4,9 +4,7 @@
 #include "Harmos_CoarseRows.hpp"
 #include "Harmos_FaceGram.hpp"
 #include "Harmos_TrilinosVersion.hpp"
-
-#include <Tpetra_Import.hpp>
-#include <Tpetra_Operator.hpp>
+#include "Harmos_Types.hpp"
 
 #include <string>
 #include <vector>
@@ -89,26 +87,8 @@ class CoarseSpace {
   std::vector<double> sumsOf(const MultiVector& touched) const;
 
   std::vector<int> touchedColumns_;
-  std::vector<int> touched_; // place in touchedColumns_, of each entry of rows_
-  Teuchos::RCP<const Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>>
-      import_; // from own to touched columns
-};
-
-/// PFP as a Tpetra operator; or PF, which is the same on vectors with Gλ = 0 and saves a reduction.
-class ProjectedOperator : public Operator {
- public:
-  ProjectedOperator(const Operator& inner, const CoarseSpace& coarse, bool onKernel = false)
-      : inner_(inner), coarse_(coarse), onKernel_(onKernel) {}
-  Teuchos::RCP<const Map> getDomainMap() const override { return inner_.getDomainMap(); }
-  Teuchos::RCP<const Map> getRangeMap() const override { return inner_.getRangeMap(); }
-  bool hasTransposeApply() const override { return true; }
-  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
-             Scalar alpha = 1.0, Scalar beta = 0.0) const override;
-
- private:
-  const Operator& inner_;
-  const CoarseSpace& coarse_;
-  bool onKernel_;
+  std::vector<int> touched_;          // place in touchedColumns_, of each entry of rows_
+  Teuchos::RCP<const Import> import_; // from own to touched columns
 };
 
 } // namespace Harmos::feti

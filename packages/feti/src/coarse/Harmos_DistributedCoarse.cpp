@@ -7,6 +7,7 @@
 #include "Harmos_Log.hpp"
 
 #include <Tpetra_MultiVector.hpp>
+#include <Tpetra_Operator.hpp>
 #include <Tpetra_Vector.hpp>
 
 #include <algorithm>

@@ -6,6 +6,7 @@
 #include <Tpetra_MultiVector.hpp>
 
 #include <Teuchos_CommHelpers.hpp>
+#include <Tpetra_Operator.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,6 +14,44 @@
 
 namespace Harmos::feti {
 namespace {
+
+// G as a Tpetra operator from dual vectors to the replicated coarse map, and its transpose.
+class CoarseOperator : public Operator {
+ public:
+  CoarseOperator(const ReplicatedCoarse& coarse, Teuchos::RCP<const Map> dualMap)
+      : coarse_(coarse), dualMap_(std::move(dualMap)) {}
+  Teuchos::RCP<const Map> getDomainMap() const override { return dualMap_; }
+  Teuchos::RCP<const Map> getRangeMap() const override { return coarse_.coarseMap(); }
+  bool hasTransposeApply() const override { return true; }
+  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
+             Scalar alpha = 1.0, Scalar beta = 0.0) const override;
+
+ private:
+  const ReplicatedCoarse& coarse_;
+  Teuchos::RCP<const Map> dualMap_;
+};
+
+void CoarseOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode, Scalar alpha,
+                           Scalar beta) const {
+  if (beta == 0.0)
+    Y.putScalar(0.0);
+  else
+    Y.scale(beta);
+  for (std::size_t c = 0; c < X.getNumVectors(); ++c) {
+    if (mode == Teuchos::NO_TRANS) {
+      const std::vector<double> w = coarse_.applyG(X, c);
+      const auto view = Y.getLocalViewHost(Tpetra::Access::ReadWrite);
+      for (std::size_t k = 0; k < w.size(); ++k)
+        view(k, c) += alpha * w[k];
+    } else {
+      const auto view = X.getLocalViewHost(Tpetra::Access::ReadOnly);
+      std::vector<double> w(static_cast<std::size_t>(coarse_.dimension()));
+      for (std::size_t k = 0; k < w.size(); ++k)
+        w[k] = view(k, c);
+      coarse_.addGt(alpha, w, Y, c);
+    }
+  }
+}
 
 // What rank 0 has, on all ranks.
 void broadcast(const Teuchos::Comm<int>& comm, std::vector<double>& values) {
@@ -361,28 +400,6 @@ void ReplicatedCoarse::project(MultiVector& v) const {
     return;
   for (std::size_t c = 0; c < v.getNumVectors(); ++c)
     addGt(-1.0, applyG(v, c), v, c);
-}
-
-void CoarseOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode, Scalar alpha,
-                           Scalar beta) const {
-  if (beta == 0.0)
-    Y.putScalar(0.0);
-  else
-    Y.scale(beta);
-  for (std::size_t c = 0; c < X.getNumVectors(); ++c) {
-    if (mode == Teuchos::NO_TRANS) {
-      const std::vector<double> w = coarse_.applyG(X, c);
-      const auto view = Y.getLocalViewHost(Tpetra::Access::ReadWrite);
-      for (std::size_t k = 0; k < w.size(); ++k)
-        view(k, c) += alpha * w[k];
-    } else {
-      const auto view = X.getLocalViewHost(Tpetra::Access::ReadOnly);
-      std::vector<double> w(static_cast<std::size_t>(coarse_.dimension()));
-      for (std::size_t k = 0; k < w.size(); ++k)
-        w[k] = view(k, c);
-      coarse_.addGt(alpha, w, Y, c);
-    }
-  }
 }
 
 } // namespace Harmos::feti

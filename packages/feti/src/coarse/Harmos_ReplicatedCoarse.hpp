@@ -92,20 +92,4 @@ class ReplicatedCoarse : public CoarseSpace {
   int mostDense_;
 };
 
-/// G as a Tpetra operator from dual vectors to the replicated coarse map, and its transpose.
-class CoarseOperator : public Operator {
- public:
-  CoarseOperator(const ReplicatedCoarse& coarse, Teuchos::RCP<const Map> dualMap)
-      : coarse_(coarse), dualMap_(std::move(dualMap)) {}
-  Teuchos::RCP<const Map> getDomainMap() const override { return dualMap_; }
-  Teuchos::RCP<const Map> getRangeMap() const override { return coarse_.coarseMap(); }
-  bool hasTransposeApply() const override { return true; }
-  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
-             Scalar alpha = 1.0, Scalar beta = 0.0) const override;
-
- private:
-  const ReplicatedCoarse& coarse_;
-  Teuchos::RCP<const Map> dualMap_;
-};
-
 } // namespace Harmos::feti

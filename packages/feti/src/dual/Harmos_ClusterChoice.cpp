@@ -5,6 +5,8 @@
 #include "Harmos_Exchange.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
+#include <Tpetra_Map.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <iomanip>

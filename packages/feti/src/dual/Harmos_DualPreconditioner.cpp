@@ -259,7 +259,7 @@ ScaledConstraints rigidConstraints(const SubdomainSystem& system, const Constrai
   const Teuchos::Array<GlobalOrdinal> touched(rows.begin(), rows.end());
   const auto map = Teuchos::rcp(
       new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), touched(), 0, system.comm()));
-  result.importer = Teuchos::rcp(new SubdomainSum::Import(constraints.rowMap(), map));
+  result.importer = Teuchos::rcp(new Import(constraints.rowMap(), map));
   return result;
 }
 

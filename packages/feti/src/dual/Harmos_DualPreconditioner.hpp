@@ -2,24 +2,12 @@
 #pragma once
 
 #include "Harmos_LocalInverses.hpp"
+#include "Harmos_PreconditionerKind.hpp"
 #include "Harmos_SubdomainSum.hpp"
 
 #include <memory>
 
 namespace Harmos::feti {
-
-/// Approximations of the inverse of F.
-enum class PreconditionerKind {
-  None,
-  Lumped, ///< K_bb in the place of S: cheap, weaker
-  Dirichlet ///< S = K_bb − K_bi K_ii⁻¹ K_ib: what makes the condition number grow like (1 + log(H/h))² only
-};
-
-/// How the copies of a dof share a jump.
-enum class PreconditionerScaling {
-  Multiplicity, ///< equally: D is the same at all copies of a dof, and drops out
-  Stiffness ///< the softer copy takes more of it: D = diag(K); for materials that jump across an interface
-};
 
 /// The dual preconditioner M⁻¹ = B_D S B_Dᵀ, B_D = (BD⁻¹Bᵀ)⁻¹BD⁻¹ (Klawonn, Widlund: FETI and Neumann–Neumann
 /// iterative substructuring methods, Comm. Pure Appl. Math. 54, 2001, in the form for rows that are not
@@ -64,7 +52,7 @@ class DualPreconditioner : public SubdomainSum {
 
 /// The entries of B_D, of TB_D where rows give way, by subdomains, over an overlapping map of their own.
 struct ScaledConstraints {
-  Teuchos::RCP<const SubdomainSum::Import> importer;
+  Teuchos::RCP<const Import> importer;
   std::vector<std::vector<Constraints::Entry>> entries; ///< of each subdomain of this rank
 };
 

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_DualProblem.hpp"
 
+#include "Harmos_DualOperator.hpp"
+
+#include "Harmos_ProjectedOperator.hpp"
+
 #include "Harmos_Agreement.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Log.hpp"

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "Harmos_CoarseSpace.hpp"
-#include "Harmos_DualOperator.hpp"
 #include "Harmos_FeasibleSet.hpp"
 #include "Harmos_FollowingLimits.hpp"
+#include "Harmos_LocalInverses.hpp"
 
 #include <Teuchos_RCP.hpp>
 
@@ -12,6 +12,8 @@
 #include <vector>
 
 namespace Harmos::feti {
+
+class DualOperator;
 
 /// The dual quadratic program in shifted and projected form (Dostál, Horák, Vlach, eq. 3.5):
 ///

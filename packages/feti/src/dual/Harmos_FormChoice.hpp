@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_LocalInverses.hpp"
+#include "Harmos_PreconditionerKind.hpp"
 
 #include <optional>
 #include <string>

@@ -6,7 +6,6 @@
 #include "Harmos_Types.hpp"
 
 #include <Teuchos_RCP.hpp>
-#include <Tpetra_Import_fwd.hpp>
 #include <Tpetra_Operator.hpp>
 
 #include <exception>
@@ -27,8 +26,6 @@ namespace Harmos::feti {
 /// to all ranks; rethrowFailure() then makes it an agreed error. Success so costs no reduction.
 class SubdomainSum : public Operator {
  public:
-  using Import = Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>;
-
   /// An entry of C_i of one member of a group.
   struct Entry {
     int row;   ///< local index in the importer's target map

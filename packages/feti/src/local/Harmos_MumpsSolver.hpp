@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_DirectSolver.hpp"
 #include "Harmos_Mumps.hpp"
-#include "Harmos_Types.hpp"
 
 #include <Amesos2_Solver_decl.hpp>
 #include <Teuchos_ParameterList.hpp>
-#include <Tpetra_CrsMatrix_fwd.hpp>
 
 #include <string>
 #include <vector>
 
 namespace Harmos::feti {
-
-using CrsMatrix = Tpetra::CrsMatrix<Scalar, LocalOrdinal, GlobalOrdinal, Node>;
-using DirectSolver = Amesos2::Solver<CrsMatrix, MultiVector>;
 
 /// What MUMPS offers beyond Amesos2's interface. The solver of makeMumpsSolver() is one as well: see
 /// Teuchos::rcp_dynamic_cast<MumpsExtras>().

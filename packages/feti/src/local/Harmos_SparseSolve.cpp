@@ -2,6 +2,7 @@
 #include "Harmos_SparseSolve.hpp"
 
 #include "Harmos_Errors.hpp"
+#include "Harmos_MumpsSolver.hpp"
 
 #include <Amesos2.hpp>
 #include <Teuchos_DefaultMpiComm.hpp>

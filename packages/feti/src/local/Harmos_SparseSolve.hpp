@@ -2,8 +2,8 @@
 #pragma once
 
 #include "Harmos_BoundaryOperator.hpp"
+#include "Harmos_DirectSolver.hpp"
 #include "Harmos_LocalMatrix.hpp"
-#include "Harmos_MumpsSolver.hpp"
 
 #include <Teuchos_RCP.hpp>
 

@@ -1,6 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_DualSolution.hpp"
 
+#include "Harmos_DualOperator.hpp"
+#include "Harmos_DualPreconditioner.hpp"
+#include "Harmos_ProjectedOperator.hpp"
+
+#include "Harmos_DeflatedOperators.hpp"
+
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_KeptAnswer.hpp"

@@ -2,6 +2,8 @@
 #include "Harmos_FetiSolver.hpp"
 
 #include "Harmos_Agreement.hpp"
+#include "Harmos_DualOperator.hpp"
+#include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
 

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_DualOperator.hpp"
 #include "Harmos_DualOptions.hpp"
+#include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_DualSolution.hpp"
 #include "Harmos_KktAudit.hpp"
+#include "Harmos_MumpsSolver.hpp"
 #include "Harmos_Reactions.hpp"
 #include "Harmos_SolutionHistory.hpp"
+#include "Harmos_SubdomainInput.hpp"
 
 #include <Teuchos_ParameterList.hpp>
 

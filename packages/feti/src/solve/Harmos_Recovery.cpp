@@ -7,6 +7,7 @@
 #include "Harmos_RowErrors.hpp"
 
 #include <Tpetra_MultiVector.hpp>
+#include <Tpetra_Operator.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_MumpsSolver.hpp"
+#include "Harmos_DirectSolver.hpp"
 #include "Harmos_SubdomainSystem.hpp"
 
 #include <memory>

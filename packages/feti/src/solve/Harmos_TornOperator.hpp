@@ -5,7 +5,6 @@
 #include "Harmos_SubdomainSystem.hpp"
 #include "Harmos_Types.hpp"
 
-#include <Tpetra_Import_fwd.hpp>
 #include <Tpetra_Operator.hpp>
 
 #include <memory>
@@ -60,7 +59,7 @@ class TornOperator : public Operator {
   std::vector<Subdomain> subdomains_;
   std::vector<ConstraintRow> rows_;
   Teuchos::RCP<const Map> map_, overlapMap_;
-  Teuchos::RCP<const Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>> import_;
+  Teuchos::RCP<const Import> import_;
   std::vector<std::vector<int>> places_; // of each subdomain's dofs in overlapMap_
   std::vector<double> copies_;           // of each dof of overlapMap_, over all ranks
   std::vector<bool> isFixed_;            // of each dof of map_

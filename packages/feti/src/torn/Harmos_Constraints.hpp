@@ -7,8 +7,6 @@
 #include "Harmos_Types.hpp"
 
 #include <Teuchos_RCP.hpp>
-#include <Tpetra_Export_fwd.hpp>
-#include <Tpetra_Import_fwd.hpp>
 
 #include <array>
 #include <map>
@@ -199,9 +197,7 @@ class Constraints {
   /// overlap ← overlap + B_i u. Local.
   void addB(int subdomain, const double* u, double* overlap) const;
 
-  const Teuchos::RCP<const Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>>& importer() const {
-    return import_;
-  }
+  const Teuchos::RCP<const Import>& importer() const { return import_; }
 
   /// Physical multipliers of the rows that this rank gave to the constructor, in their order: with Ku = f −
   /// Bᵀλ each row exerts −coefficient · multiplier on its dofs. @note Collective.
@@ -236,7 +232,7 @@ class Constraints {
   bool hasWeights_ = false;
   Teuchos::RCP<const Map> rowMap_;
   Teuchos::RCP<const Map> overlapMap_;
-  Teuchos::RCP<const Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>> import_;
+  Teuchos::RCP<const Import> import_;
   std::vector<int> overlapOwner_;
   std::vector<std::vector<Entry>> entries_;
   // What given rows are at prescribed dofs: by row of heldMap_.
@@ -249,7 +245,7 @@ class Constraints {
   };
   Teuchos::RCP<const Map> givenMap_;
   std::vector<std::vector<MultiplierTerm>> multipliers_;
-  Teuchos::RCP<const Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>> givenImport_;
+  Teuchos::RCP<const Import> givenImport_;
   // The rows that this rank gave last, at these prescribed values; an inequality with unknowns, one that is
   // no row, or neither; and what was taken from its bound.
   enum class Standing { Plain, Taken, Other };

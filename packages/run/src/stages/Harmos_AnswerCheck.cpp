@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_AnswerCheck.hpp"
 
+#include "Harmos_DualOperator.hpp"
+#include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_KktAudit.hpp"
 #include "Harmos_RowErrors.hpp"

@@ -3,9 +3,9 @@
 
 #include "Harmos_ContactSetup.hpp"
 #include "Harmos_Decomposition.hpp"
-#include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_DualSolution.hpp"
 #include "Harmos_Log.hpp"
+#include "Harmos_PreconditionerKind.hpp"
 #include "Harmos_Recovery.hpp"
 #include "Harmos_RunOptions.hpp"
 #include "Harmos_RunReport.hpp"

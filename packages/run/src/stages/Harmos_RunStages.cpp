@@ -7,6 +7,8 @@
 #include "Harmos_BoundaryParts.hpp"
 #include "Harmos_ContactFields.hpp"
 #include "Harmos_Decomposition.hpp"
+#include "Harmos_DualOperator.hpp"
+#include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_EnergyAccount.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Recovery.hpp"
@@ -79,6 +81,8 @@ void RunStages::setUp() {
   factorise();
   makeDualProblem();
 }
+
+RunStages::~RunStages() = default;
 
 Solution RunStages::goOnce() {
   setUp();
@@ -287,7 +291,7 @@ feti::PreconditionerScaling RunStages::scaling() const {
 }
 
 void RunStages::makeOperators() {
-  dualOperator_.emplace(*constraints_, *inverses_);
+  dualOperator_ = std::make_unique<feti::DualOperator>(*constraints_, *inverses_);
   if (preconditionerKind_ != feti::PreconditionerKind::None) {
     const auto scope = timers_.scope("dual_operator");
     preconditioner_ = Teuchos::rcp(

@@ -5,9 +5,8 @@
 #include "Harmos_AnswerCheck.hpp"
 #include "Harmos_CoarseSpace.hpp"
 #include "Harmos_ContactSetup.hpp"
-#include "Harmos_DualOperator.hpp"
-#include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_DualSolution.hpp"
+#include "Harmos_PreconditionerKind.hpp"
 #include "Harmos_RankTable.hpp"
 #include "Harmos_RunDirectory.hpp"
 #include "Harmos_RunMonitor.hpp"
@@ -43,6 +42,7 @@ class RunStages {
   RunStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
             const RunOptions& options, const Log& log, const StageTimers& timers, RunReport& report,
             RankShare& share);
+  ~RunStages();
 
   /// All of them, once: a static state.
   Solution goOnce();
@@ -139,7 +139,7 @@ class RunStages {
   feti::LocalInverseOptions inverseOptions_; // as decided
   std::optional<feti::LocalInverses> inverses_;
   bool roundingIsSeen_ = false; // of products, or of single precision, in the last answer
-  std::optional<feti::DualOperator> dualOperator_;
+  std::unique_ptr<const feti::DualOperator> dualOperator_;
   feti::PreconditionerKind preconditionerKind_ = feti::PreconditionerKind::Dirichlet; // as decided
   Teuchos::RCP<const feti::DualPreconditioner> preconditioner_;                       // or null
   std::unique_ptr<feti::CoarseSpace> coarse_;
