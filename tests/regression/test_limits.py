@@ -275,6 +275,7 @@ class Counter(unittest.TestCase):
         self.assert_class("class C { double a_ = 0, b_ = 0; };", "a_ b_")
         self.assert_class("class C { double a_ = 0, *b_ = nullptr, c_[3] = {0, 1}, d_{1}; };", "a_ b_ c_ d_")
         self.assert_class("class C { bool a_ = false, *b_, c_; };", "a_ b_ c_", "a_ c_")
+        self.assert_class("class C { struct A a_[2], *b_; bool c_[3]; };", "a_ b_ c_", "c_")
         self.assert_class("class C { unsigned a_ : 3, b_ : 2; bool c_ : 1; unsigned : 2; };", "a_ b_ c_", "c_")
 
     def test_initialisers(self):
@@ -335,6 +336,7 @@ class Counter(unittest.TestCase):
         self.assert_class("template<class T, class = X<T>> class A<T>::C final : B { int a; };", "a", name="A::C")
         self.assert_class("struct [[nodiscard]] C : B<decltype(f({}))>::D { int a; };", "a")
         self.assert_class("class EXPORT C { int a; };", "a")
+        self.assert_class("struct alignas(64) C { int a; };", "a")
         self.assert_class("void f() { if (a) { struct C { int b; }; } }", "b")
         self.assert_class("auto f = [] { class C : B { int b; }; };", "b")
 
@@ -384,7 +386,7 @@ class Counter(unittest.TestCase):
         self.assert_bodies("#define M(a) \\\n f(a)\n#define N 1\n", [("M", 1, 2)])
 
     def test_brackets_that_do_not_close(self):
-        for text in ("class C {", "int f() { (}", "}", "namespace a { int f() {}", "void f() { g(; }"):
+        for text in ("class C {", "int f() { (}", "}", "namespace a { int f() {}", "void f() { g(; }", "class C : B"):
             with self.assertRaises(ValueError, msg=text):
                 cpp.read(text)
 

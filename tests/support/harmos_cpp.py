@@ -240,13 +240,12 @@ class Reader:
         if self.token() not in CLASS_KEYS:
             return False
         before, self.at = self.at, self.at + 1
-        while WORD.match(self.token()) or self.token() in ("::", "<", "["):
-            if self.token() in ("[", "alignas", "__attribute__"):
-                self.skip_attributes()
-            elif self.token() == "<" and self.after_angles(self.at) is None:
+        self.skip_attributes()
+        while WORD.match(self.token()) or self.token() in ("::", "<"):
+            if self.token() == "<" and self.after_angles(self.at) is None:
                 break
-            else:
-                self.skip_angles()
+            self.skip_angles()
+            self.skip_attributes()
         result = self.token() in ("{", ":")
         self.at = before
         return result
@@ -256,17 +255,18 @@ class Reader:
         line, name = self.line(), []
         access = "private" if self.token() == "class" else "public"
         self.at += 1
+        self.skip_attributes()
         while self.token() not in ("{", ":"):
             token = self.token()
-            if token in ("[", "alignas", "__attribute__"):
-                self.skip_attributes()
-                continue
             if WORD.match(token) and token != "final":
                 # A word that no :: follows is a macro.
                 name = [*name, token] if name and self.token(-1) == "::" else [token]
             self.skip_angles()
-        while self.token() != "{":  # bases
+            self.skip_attributes()
+        while self.token() not in ("{", ""):  # bases
             self.skip_angles()
+        if self.token() == "":
+            raise ValueError(f"line {line}: a class without a body")
         behind = self.after_bracket(self.at)
         if not name and place.cls and self.tokens[behind : behind + 1] and self.tokens[behind][0] == ";":
             self.block(Place(place.names, place.cls, place.access))
@@ -278,10 +278,10 @@ class Reader:
 
     # ---- bodies
 
-    def body(self, name, place, begins=None):
+    def body(self, name, place):
         """A function's body, which begins here, with the classes that are local to it."""
-        first, end = self.line() if begins is None else begins, self.after_bracket(self.at)
-        self.functions.append(Function(name, first, self.line(end - 1)))
+        end = self.after_bracket(self.at)
+        self.functions.append(Function(name, self.line(), self.line(end - 1)))
         self.local_classes(end, place)
 
     def local_classes(self, end, place):
