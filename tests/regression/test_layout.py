@@ -7,9 +7,9 @@ What each class guards against:
                meshes, or anything that would close a cycle; a library that prints by itself or
                assumes that all of MPI belongs to it; folders of a package that include each
                other in a circle
-    Tree       files without licence, headers without include guard, sources and functions too long
-               to read, folders too full to find anything, things at the top level that belong
-               further down, a second place that knows about releases of Trilinos
+    Tree       files without licence, headers without include guard, folders too full to find
+               anything, things at the top level that belong further down, a second place that
+               knows about releases of Trilinos
     Planted    this checker finding nothing because it looks at nothing: each fault is planted in
                a copy of the tree and must be found
 """
@@ -24,7 +24,6 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 
 import harmos_runs as runs  # noqa: E402
-from harmos_functions import functions  # noqa: E402
 
 # What a package may see; a new package enters here.
 SEES = {
@@ -61,8 +60,6 @@ TOP_LEVEL = {
 
 LICENCE = "SPDX-License-Identifier: BSD-3-Clause"
 LICENSED = {".cpp", ".hpp", ".h", ".c", ".cmake", ".py", ".sh"}
-MOST_LINES = 600
-MOST_FUNCTION_LINES = 100
 MOST_MODULES = 20  # side by side in a folder
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
@@ -216,20 +213,6 @@ def module_faults(source):
     ]
 
 
-def function_faults(source):
-    faults = []
-    for file in source.files:
-        if Path(file).suffix not in (".hpp", ".cpp", ".inc"):
-            continue
-        for first, last, head in functions(source.text(file)):
-            if last - first + 1 > MOST_FUNCTION_LINES:
-                faults.append(
-                    f"{file}:{first}: {last - first + 1} lines, more than {MOST_FUNCTION_LINES}: "
-                    f"{head[-60:]}"
-                )
-    return faults
-
-
 def is_source(file):
     # Commands have no suffix.
     command = re.fullmatch(r"apps/tools/harmos-[a-z-]+", file)
@@ -264,15 +247,6 @@ def conflict_faults(source):
         for file in source.files
         if Path(file).suffix in texts and CONFLICT.search(source.text(file))
     ]
-
-
-def length_faults(source):
-    faults = []
-    for file in filter(is_source, source.files):
-        length = len(source.text(file).splitlines())
-        if length > MOST_LINES:
-            faults.append(f"{file}: {length} lines, more than {MOST_LINES}")
-    return faults
 
 
 # Where differences between releases of Trilinos are confined to, and what tells of one elsewhere.
@@ -376,12 +350,6 @@ class Tree(Checks):
 
     def test_no_marks_of_a_merge(self):
         self.assert_none(conflict_faults(self.source))
-
-    def test_length(self):
-        self.assert_none(length_faults(self.source))
-
-    def test_length_of_functions(self):
-        self.assert_none(function_faults(self.source))
 
     def test_modules_of_a_folder(self):
         self.assert_none(module_faults(self.source))
@@ -521,37 +489,6 @@ class Planted(Checks):
             fault = f"{file}: {name} belongs to {VERSION_HEADER}"
             self.assert_found(version_faults, file, text, fault)
             (self.top / file).unlink()
-
-    def test_long_source(self):
-        file = "apps/Planted.cpp"
-        fault = f"{file}: {MOST_LINES + 1} lines, more than {MOST_LINES}"
-        self.assert_found(length_faults, file, (MOST_LINES + 1) * "\n", fault)
-
-    def test_long_function(self):
-        file = "apps/Planted.cpp"
-        for head in (
-            "int f(int a) {",
-            "template<class T>\nT C<T>::f() const noexcept {",
-            "class C {\n void f() {",
-            "C::C(int a)\n    : a_(1), b_{a} {",
-            "int f(int a, std::vector<int> b = {}) {",
-            "static const T x = [] {",
-            "template<class T>\nclass C : public B<T> {\n void f() {",
-        ):
-            with self.subTest(head=head):
-                lines = (MOST_FUNCTION_LINES - 1) * "  g({1}); // }\n"
-                end = "}\n};\n" if "class C" in head else "}\n"
-                before = 1 + head.count("\n")
-                opened = head.splitlines()[-1] + "\n"
-                text = "".join(line + "\n" for line in head.splitlines()[:-1]) + opened + lines
-                words = " ".join(head.split())
-                words = re.sub(r"^.*class C[^{]* { | {$", "", words)
-                fault = (
-                    f"{file}:{before}: {MOST_FUNCTION_LINES + 1} lines, more than "
-                    f"{MOST_FUNCTION_LINES}: {words}"
-                )
-                self.assert_found(function_faults, file, text + end, fault)
-                (self.top / file).unlink()
 
     def test_marks_of_a_merge(self):
         file = "docs/planted.md"

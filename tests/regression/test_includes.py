@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Headers of Trilinos that cost seconds in each source: who includes them, directly or through others.
+
+A heavy header belongs to Tpetra, Belos, Kokkos, Amesos2, Thyra, MueLu, Xpetra or Intrepid2 and does
+not end with _fwd.hpp. The seam is the list of our headers that include one, directly or through other
+headers of the tree. The list and the number of sources only shrink.
+
+What each class guards against:
+
+    Includes   a header outside of the seam that reaches a heavy header, a header of the seam that
+               reaches none any more, more sources that reach one
+    Planted    a check that finds nothing: one fault each of a small tree must be found
+"""
+
+import re
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
+
+import harmos_runs as runs  # noqa: E402
+import test_layout as layout  # noqa: E402
+
+LIBRARIES = "Tpetra|Belos|Kokkos|Amesos2|Thyra|MueLu|Xpetra|Intrepid2"
+HEAVY = re.compile(rf"(?:.*/)?(?:{LIBRARIES})(?!\w*_fwd\.hpp$)\w*\.\w+")
+
+# Sources of packages and apps that reach a heavy header, at most.
+MOST_SOURCES = 99
+
+# Headers that reach one, without "Harmos_" and ".hpp".
+SEAM = {
+    "core": """
+        TrilinosVersion Types
+    """,
+    "qp": """
+        AutoSolver AutoSolver_def BalancedActiveSet BoundTraitsTpetra BoundedLagrangian
+        BoundedLagrangian_def BoundedSolver BoundedSolver_def ConeProbe ConjugateDirections
+        CoupledDirections CurvatureTerms DescentOfSets DualPenaltySolver DualPenaltySolver_def
+        EqualityRows EqualityRows_def FeasibilityProbe FirstActiveSet FixedPointSolver
+        FixedPointSolver_def InFacePreconditioner InteriorPath KeptDirections MprgpIteration_def
+        MprgpSolver MprgpSolver_def NearestFeasible NormEstimate_def PcpgSolver PcpgSolver_def
+        PdasBalance_def PdasBeginning_def PdasSolver PdasSolver_def PdasSprings_def ProjectedCg
+        ProjectedCgCoupled_def ProjectedCgStep_def ProjectedCg_def Qp QpProblem_def RowBasis
+        SmalbeSolver SmalbeSolver_def SolverFactory SolverFactory_def SolverManager
+        SolverManager_def StatusTest TpetraViews VectorOps
+    """,
+    "feti": """
+        AdaptiveSpace ClusterChoice ClusterInverse Clusters CoarseRows CoarseSpace Condensation
+        Constraints Deflation DistributedCoarse DualOperator DualOptions DualPreconditioner
+        DualProblem DualSolution Feti FetiSolver ForceErrors FormChoice InverseQuality JumpEnergy
+        KeptAnswer KktAudit LocalInverse LocalInverses MumpsSolver Rates Reactions Recovery
+        ReplicatedCoarse RowErrors SolutionHistory SolveWatch SparseFactor SparseSolve StoppingTest
+        SubdomainInput SubdomainSum TornOperator
+    """,
+    "thyra": """
+        Thyra
+    """,
+    "sensitivity": """
+        DesignModel Functional GapProfile Sensitivities ShapeModel
+    """,
+    "run": """
+        AnswerCheck AnswerSpan CheckpointFile ContactFields EffectStates EnergyAccount Forces
+        LiveView Pipeline ResultFile RunDirectory RunMonitor RunOptions RunReport RunStages
+        SlipStates Softening Solution SolutionComparison StepClock StepSequence StepTable
+    """,
+    "plan": """
+        PlanCosts PlanSurvey RunPlan
+    """,
+    "apps": """
+        Application DeckBodies DeckScene DesignRecord ElasticSignorini FiberComposite
+        HarmosApplication ShapeDeck ShapeProgram ShapeResults ShapeRun Signals Signorini StudyErrors
+        StudyPlan StudyResult StudyRun StudyTable
+    """,
+}
+
+
+def files_of(source):
+    return [f for top in ("packages", "apps") for f in source.below(top, suffixes=(".hpp", ".inc", ".cpp"))]
+
+
+def ways(source):
+    """For each file that reaches a heavy header, the names on the shortest way to one."""
+    files = files_of(source)
+    place = {Path(file).name: file for file in files if Path(file).suffix != ".cpp"}
+    includes = {file: [name for _, name in layout.INCLUDE.findall(source.text(file))] for file in files}
+    users = {file: [] for file in files}
+    for file, names in includes.items():
+        for name in names:
+            if Path(name).name in place:
+                users[place[Path(name).name]].append(file)
+    result = {}
+    for file in files:
+        heavy = sorted(filter(HEAVY.fullmatch, includes[file]))
+        if heavy:
+            result[file] = [heavy[0]]
+    reached = list(result)
+    for file in reached:  # grows
+        for user in users[file]:
+            if user not in result:
+                result[user] = [Path(file).name, *result[file]]
+                reached.append(user)
+    return result
+
+
+def seam_names(seam):
+    return {f"Harmos_{name}.hpp" for names in seam.values() for name in names.split()}
+
+
+def seam_faults(source, seam):
+    """Headers that reach a heavy one and are not in the seam, and those that need not be in it."""
+    found, names = ways(source), seam_names(seam)
+    faults = [
+        f"{file}: reaches {' -> '.join(way)} and is not in the seam"
+        for file, way in sorted(found.items())
+        if Path(file).suffix == ".hpp" and Path(file).name not in names
+    ]
+    reached = {Path(file).name for file in found}
+    for name in sorted(names - reached):
+        faults.append(f"{name}: reaches no heavy header; remove it from the seam")
+    return faults
+
+
+def source_faults(source, most):
+    """All sources that reach a heavy header, with the way, if they are too many."""
+    found = {file: way for file, way in ways(source).items() if Path(file).suffix == ".cpp"}
+    if len(found) <= most:
+        return []
+    return [
+        f"{len(found)} sources reach a heavy header, more than {most}:",
+        *(f"{file}: {' -> '.join(way)}" for file, way in sorted(found.items())),
+    ]
+
+
+class Includes(layout.Checks):
+    def test_seam(self):
+        self.assert_none(seam_faults(self.source, SEAM))
+
+    def test_number_of_sources(self):
+        self.assert_none(source_faults(self.source, MOST_SOURCES))
+
+
+class Planted(unittest.TestCase):
+    def tree(self, **texts):
+        """packages/qp/src/Harmos_<A>.hpp and .cpp with includes, by name: A_hpp="<b.hpp>"."""
+        top = runs.scratch("tree")
+        (top / "packages/qp/src").mkdir(parents=True)
+        files = []
+        for name, included in texts.items():
+            files.append(f"packages/qp/src/Harmos_{name.replace('_', '.')}")
+            text = "".join(f"#include {one}\n" for one in included.split())
+            (top / files[-1]).write_text(text, encoding="utf-8")
+        return layout.Source(top, files)
+
+    def test_heavy_headers(self):
+        heavy = "Tpetra_Map BelosTypes Kokkos_Core Amesos2 Thyra_VectorBase MueLu Xpetra_Map Intrepid2_Basis x/Tpetra_Map"
+        for name in heavy.split():
+            self.assertTrue(HEAVY.fullmatch(f"{name}.hpp"), name)
+        for name in "Tpetra_Map_fwd Teuchos_RCP Teuchos_DefaultMpiComm vector Harmos_BoundTraitsTpetra".split():
+            self.assertFalse(HEAVY.fullmatch(f"{name}.hpp"), name)
+
+    def test_header_outside_of_the_seam(self):
+        source = self.tree(A_hpp="<Tpetra_Map.hpp>", B_hpp='<vector> "Harmos_A.hpp"', C_hpp="<Tpetra_Map_fwd.hpp>",
+                           D_hpp='"Harmos_B.hpp" "Harmos_C.hpp"')
+        faults = seam_faults(source, {"qp": "A"})
+        found = (("B", "Harmos_A.hpp"), ("D", "Harmos_B.hpp -> Harmos_A.hpp"))
+        self.assertEqual(faults, [
+            f"packages/qp/src/Harmos_{name}.hpp: reaches {way} -> Tpetra_Map.hpp and is not in the seam"
+            for name, way in found
+        ])
+        self.assertEqual(seam_faults(source, {"qp": "A B", "feti": "D"}), [])
+
+    def test_seam_that_is_too_large(self):
+        source = self.tree(A_hpp="<Tpetra_Map.hpp>", B_hpp="<vector>")
+        faults = seam_faults(source, {"qp": "A B C"})
+        fault = "reaches no heavy header; remove it from the seam"
+        self.assertEqual(faults, [f"Harmos_{name}.hpp: {fault}" for name in "BC"])
+
+    def test_sources(self):
+        source = self.tree(A_hpp="<Kokkos_Core.hpp>", A_cpp='"Harmos_A.hpp"', B_inc="<Amesos2.hpp>",
+                           C_cpp='"Harmos_B.inc"', D_cpp="<Teuchos_RCP.hpp>")
+        self.assertEqual(source_faults(source, 2), [])
+        self.assertEqual(source_faults(source, 1), [
+            "2 sources reach a heavy header, more than 1:",
+            "packages/qp/src/Harmos_A.cpp: Harmos_A.hpp -> Kokkos_Core.hpp",
+            "packages/qp/src/Harmos_C.cpp: Harmos_B.inc -> Amesos2.hpp",
+        ])
+
+    def test_headers_that_include_each_other(self):
+        source = self.tree(A_hpp='"Harmos_B.hpp"', B_hpp='"Harmos_A.hpp" <MueLu.hpp>')
+        self.assertEqual(len(seam_faults(source, {})), 2)
+
+
+if __name__ == "__main__":
+    runs.main()
