@@ -17,7 +17,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::mayBalance() const {
 // limits follow, springs as soft as the solution lead back into the circle: sets that nothing holds were
 // balanced with these before.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::balances(const std::string& why) {
+bool PdasSolver<Scalar, MV, OP>::Run::balanceSets(const std::string& why) {
   constexpr double factor = 10.0, stiffAtFirst = 100.0;
   const double stiffest =
       paths_ > 0 ? std::max(stiffAtFirst, cg_.curvatureBound() / cg_.stiffness()) : stiffAtFirst;
@@ -38,7 +38,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::balances(const std::string& why) {
 
 // To the set of the end of a path through interior points; the second one goes further.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::comesFromInside(const std::string& why) {
+bool PdasSolver<Scalar, MV, OP>::Run::restartFromInteriorPoint(const std::string& why) {
   constexpr int mostPaths = 2;
   const double q = cg_.stiffness();
   const int most = solver_.maximumIterations() - state_.inner;

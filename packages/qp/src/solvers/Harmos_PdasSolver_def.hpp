@@ -147,11 +147,11 @@ void PdasSolver<Scalar, MV, OP>::Run::go() {
     isMoved_ = false;
     if (!std::isfinite(expected_))
       return solver_.stop(Reason::Breakdown, Explanations::breakdown(), state_);
-    if (isCandidate() && isAnswer())
+    if (considerCandidate() && confirmAnswer())
       return;
     settled_ = change_.changed == 0;
     newFace_ = !settled_ || isMoved_;
-    if (newFace_ && !mayGoOn())
+    if (newFace_ && !advanceOrFallBack())
       return;
   }
 }
@@ -254,8 +254,8 @@ bool PdasSolver<Scalar, MV, OP>::Run::enterFace() {
     return false;
   }
   const std::string why = "the equalities cannot be met on a face";
-  if (!isOn && !(comesFromInside(why) && startsOnFace()) &&
-      !(descends(why) && cg_.start(set_) && descent_.enter(set_, active_))) {
+  if (!isOn && !(restartFromInteriorPoint(why) && startsOnFace()) &&
+      !(startDescent(why) && cg_.start(set_) && descent_.enter(set_, active_))) {
     handOver(why);
     return false;
   }
@@ -350,7 +350,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::advance() {
   const typename Cg::Outcome outcome = cg_.step();
   if (outcome == Cg::Outcome::Flat) {
     const std::string why = "the Hessian is singular on a face";
-    restarts_ = comesFromInside(why);
+    restarts_ = restartFromInteriorPoint(why);
     if (!restarts_)
       handOver(why);
     return false;
@@ -432,7 +432,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::isExhausted() const {
 }
 
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::isCandidate() {
+bool PdasSolver<Scalar, MV, OP>::Run::considerCandidate() {
   if (change_.changed == 0 && isExhausted())
     return true;
   double expected = expected_;
@@ -450,7 +450,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::isCandidate() {
 
 // Whether the projection of x is the answer, or as near to it as rounding errors allow.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::isAnswer() {
+bool PdasSolver<Scalar, MV, OP>::Run::confirmAnswer() {
   const bool exhausted = isExhausted();
   isMoved_ = hasFollowing();
   state_ = measure(state_.inner, change_.violation2 == 0.0);
@@ -462,7 +462,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::isAnswer() {
     }
     sentBack = true; // the test is stricter now
   }
-  if (holdsSides_ && change_.changed == 0 && !sentBack && movesSides())
+  if (sidesFrozen_ && change_.changed == 0 && !sentBack && moveSides())
     return false;
   if (change_.changed != 0 || (cg_.residualNorm() > cg_.attainable() && (!exhausted || sentBack)))
     return false;
@@ -478,7 +478,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::isAnswer() {
 // Sets that are made of iterates far from the solutions on their faces may wander where A is badly
 // conditioned, as in the bending of slender bodies: faces are followed further before anything else is tried.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::follows(const std::string& why) {
+bool PdasSolver<Scalar, MV, OP>::Run::followFaces(const std::string& why) {
   if (descent_.isOn() || innerReduction_ < carefulReduction)
     return false;
   innerReduction_ *= 0.2; // 0.1, 0.02
@@ -489,8 +489,8 @@ bool PdasSolver<Scalar, MV, OP>::Run::follows(const std::string& why) {
 
 // From the best iterate on, sets descend.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::descends(const std::string& why) {
-  if (descent_.isOn() || problem_.hasDiscs() || hasFollowing() || (problem_.hasSoftBounds() && !holdsSides_))
+bool PdasSolver<Scalar, MV, OP>::Run::startDescent(const std::string& why) {
+  if (descent_.isOn() || problem_.hasDiscs() || hasFollowing() || (problem_.hasSoftBounds() && !sidesFrozen_))
     return false;
   const Teuchos::RCP<MV> present = MVT::CloneCopy(x_);
   MVT::Assign(*best_, x_);
@@ -505,10 +505,10 @@ bool PdasSolver<Scalar, MV, OP>::Run::descends(const std::string& why) {
 
 // To another set.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::mayGoOn() {
+bool PdasSolver<Scalar, MV, OP>::Run::advanceOrFallBack() {
   ++counters_.activeSetUpdates;
-  if (!descent_.isOn() && !holdsSides_ && counters_.activeSetUpdates >= mostSets_) {
-    if (holdsSides("there were " + std::to_string(mostSets_) + " active sets"))
+  if (!descent_.isOn() && !sidesFrozen_ && counters_.activeSetUpdates >= mostSets_) {
+    if (freezeSides("there were " + std::to_string(mostSets_) + " active sets"))
       return true;
     handOver("the limit of " + std::to_string(mostSets_) + " active sets was reached");
     return false;
@@ -531,7 +531,8 @@ bool PdasSolver<Scalar, MV, OP>::Run::mayGoOn() {
   const bool isCircle = hasFollowing() ? progress_.isBack(change_) : progress_.isCircle(change_);
   if (!isLost && !isCircle)
     return true;
-  if (balances(why) || comesFromInside(why) || follows(why) || holdsSides(why) || descends(why))
+  if (balanceSets(why) || restartFromInteriorPoint(why) || followFaces(why) || freezeSides(why) ||
+      startDescent(why))
     return true;
   handOver(why);
   return false;
