@@ -287,7 +287,7 @@ void ShapeRun::askBefore() {
   const bool isDue =
       options_.checkpoint.minutes > 0.0 && now - lastSave_ >= 60.0 * options_.checkpoint.minutes;
   if (told == run::Told::Stop)
-    throw Halt{true, qp::toString(qp::Reason::Interrupted) + ": the program was told to stop"};
+    throw Halt{true, qp::toString(qp::Reason::Interrupted) + ": stop requested"};
   if (told == run::Told::Save || isDue) {
     save();
     lastSave_ = now;
@@ -433,7 +433,7 @@ void ShapeRun::optimise() {
         history_.empty() ? std::numeric_limits<double>::quiet_NaN() : history_[bestRow_].gradientNorm;
     outcome.violation = history_.empty() ? 0.0 : history_[bestRow_].violation;
     outcome.iterations = history_.empty() ? 0 : history_.back().iteration;
-    report_.reason = halt.reason + "; go on with --restart \"" + options_.outputDirectory + "\"";
+    report_.reason = halt.reason + "; continue with --restart \"" + options_.outputDirectory + "\"";
     report_.solved = true;
     save();
     if (halt.isSignal) {

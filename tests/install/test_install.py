@@ -79,7 +79,7 @@ class Consumer(Installed):
             printed = run(MPIEXEC, "-np", ranks, build / "first_hour").stdout
             self.assertIn("down: converged\n", printed)
             self.assertRegex(
-                printed, r"up: .*nothing to hold it: subdomains 0, 1, 2, 3, 4, 5, 6, 7, 8\n"
+                printed, r"up: .*unconstrained rigid-body mode under load: subdomains 0, 1, 2, 3, 4, 5, 6, 7, 8\n"
             )
             self.assertRegex(printed, r'refused: .*"Solver/Tolerence"; did you mean "Tolerance"')
 

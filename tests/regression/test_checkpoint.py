@@ -246,7 +246,7 @@ class SameHistory(unittest.TestCase):
                 # On other ranks there are other vectors: with these the solver begins anew.
                 other = restarted(self, cut.directory, 1, sets=sets_on, program="harmos")
                 self.assertAlmostEqual(other.summary["energy"] / plain.summary["energy"], 1.0, delta=1e-3)
-                self.assertEqual("begins anew" in other.stdout, first > made)
+                self.assertEqual("starts again" in other.stdout, first > made)
 
     def test_vectors_that_were_left(self):
         """A run that is asked for more than its vectors let it have has left them: it goes on without, on any ranks."""
@@ -255,7 +255,7 @@ class SameHistory(unittest.TestCase):
         for jump in (1e6, 3e6, 3e5, 1e7):
             deck = inclusions.Inclusions(2, 6, 10, jump, "scattered").write(runs.scratch("inclusions"))
             plain = runs.run(deck, sets, program="harmos")
-            self.assertIn("on without them", plain.stdout)
+            self.assertIn("continue without them", plain.stdout)
             self.assertIn("stagnation", plain.summary["reason"])
             self.assertLess(plain.summary["audit"]["gluing_jump"], 1e-12)
             left = max(int(row["inner"]) for row in plain.iterations() if row["step"] == "start")
@@ -264,7 +264,7 @@ class SameHistory(unittest.TestCase):
                 break
         self.assertGreaterEqual(first, left + 10)
         cut = runs.run(deck, sets | {"Solver/Maximum iterations": first}, program="harmos")
-        self.assertIn("on without them", cut.stdout)
+        self.assertIn("continue without them", cut.stdout)
         for np in (2, 1):
             run = restarted(self, cut.directory, np, 1, {"Solver/Maximum iterations": 10000}, program="harmos")
             self.assertNotIn("daptive", run.stdout)
@@ -283,7 +283,7 @@ class Stopped(unittest.TestCase):
         send(run)
         self.assertEqual(run.end(), 4, run.text())
         text = run.text()
-        self.assertIn("go on with --restart", text)
+        self.assertIn("continue with --restart", text)
         summary = runs.json.loads((run.directory / "summary.json").read_text())
         self.assertFalse(summary["converged"])
         self.assertTrue(summary["reason"].startswith("interrupted"), summary["reason"])

@@ -388,7 +388,7 @@ class Check(Case):
                     result = self.start([path, "--check"], np)
                     self.assertEqual(result.returncode, 0, result)
                     self.assertEqual(result.stdout.count("is valid"), 1, result)
-                    self.assertNotIn("Solving", result.stdout)
+                    self.assertNotIn("Solver:", result.stdout)
                     self.assertEqual(list(self.place.iterdir()), [])
 
     def test_yaml_deck_is_valid(self):

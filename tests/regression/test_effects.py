@@ -69,7 +69,7 @@ class Costs(unittest.TestCase):
             )
             costs = done.summary["effect_costs"]
             self.assertEqual([cost["kind"] for cost in costs], done.summary["effects"])
-            table = done.stdout.split("Effects that are on")[1].split("\n")[1 : len(costs) + 1]
+            table = done.stdout.split("Active effects")[1].split("\n")[1 : len(costs) + 1]
             for cost, line in zip(costs, table):
                 kind, number, rows, seconds, mib = re.fullmatch(
                     r"  (\S.*?)  +(\d+) +(\d+) +([\d.]+) +([\d.]+)", line

@@ -47,7 +47,7 @@ class Case(unittest.TestCase):
         )
         self.assertEqual(done.returncode, 0, done)
         self.assertEqual([path.name for path in directory.iterdir()], ["plan.json"])
-        self.assertNotIn("products with F (", done.stdout, "it solves")
+        self.assertNotIn("applications of F (", done.stdout, "it solves")
         plan = json.loads((directory / "plan.json").read_text(encoding="utf-8"))
         plan["printed"] = done.stdout
         return plan

@@ -400,7 +400,7 @@ class Following(unittest.TestCase):
         self.assertFalse(follow_run.has_ended(summary))
         for text, ended in (
             ("", False),
-            ('{"reason": "interrupted: the program was told to stop"}', False),
+            ('{"reason": "interrupted: stop requested"}', False),
             ('{"reason": "converged"}', True),
             ('{"reason": "iteration limit: ..."}', True),
         ):

@@ -295,7 +295,7 @@ class Restart(Case):
         self.assertEqual(background.end(), 4, background.text())
         summary = runs.json.loads((background.directory / "summary.json").read_text(encoding="utf-8"))
         self.assertFalse(summary["converged"])
-        self.assertIn("told to stop", summary["reason"])
+        self.assertIn("stop requested", summary["reason"])
         steps = len(file.read_text().splitlines())
         self.assertTrue((background.directory / "design.csv").is_file())
         # It goes on for a few evaluations, which are those of a run that was never stopped.

@@ -17,7 +17,7 @@ std::string breakdown() {
 }
 
 std::string interrupted() {
-  return "the program was told to stop";
+  return "stop requested";
 }
 
 std::string notFinite(const std::string& what) {

@@ -206,7 +206,7 @@ void RunDirectory::putCheckpointAside(const Log& log) const {
     throw InputError("the checkpoint \"" + path + "\" of an earlier run cannot be put aside: " +
                          error.message() + "; remove it, or choose another output directory",
                      {{"file", path}});
-  log.info("The checkpoint of an earlier run is \"" + aside + "\" now");
+  log.info("Checkpoint of an earlier run renamed to \"" + aside + "\"");
 }
 
 void RunDirectory::writeIterations(const std::vector<qp::IterationRecord>& history) const {

@@ -90,8 +90,8 @@ RunMonitor::~RunMonitor() = default;
 std::optional<feti::WarmStart> RunMonitor::startOfOtherClusters(const feti::DualProblem& problem) {
   if (checkpoint_ == nullptr || !isOfOtherClusters(*checkpoint_, problem))
     return std::nullopt;
-  log_.info("The checkpoint is of other clusters of subdomains: the solver begins anew, from the forces that "
-            "it had come to");
+  log_.info("Restart: the checkpoint has other clusters of subdomains; the solver starts again from the "
+            "stored multipliers");
   const auto reached = Teuchos::rcp(new MultiVector(problem.d().getMap(), 1));
   checkpoint_->restore(rowBasis(problem), [&](Archive& archive) { archive.vector(reachedName, *reached); });
   checkpoint_ = nullptr;
@@ -121,7 +121,7 @@ void RunMonitor::begins(const feti::DualRun& run) {
   view_->begin(rows_);
   if (!rows_.empty()) {
     lastOuter_ = rows_.back().outer;
-    log_.info("Going on from iteration " + std::to_string(qp::countedOn(rows_.back(), place_.before).inner) +
+    log_.info("Restart from iteration " + std::to_string(qp::countedOn(rows_.back(), place_.before).inner) +
               " of \"" + checkpoint_->path() + "\"");
   }
 }
