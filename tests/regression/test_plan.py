@@ -339,7 +339,7 @@ class Table(Case):
         self.assertGreater(plan["recommended_ranks"], 1)
         plan = self.plan(runs.MODEL, sets, "--plan-memory", "1")
         self.assertIsNone(plan["recommended_ranks"])
-        self.assertIn("No recommendation: none of these fits into 1 MiB a rank", plan["printed"])
+        self.assertIn("No recommendation: no option fits into 1 MiB per rank", plan["printed"])
 
 
 class Rates(Case):
@@ -431,7 +431,7 @@ class Request(Case):
 
     def test_requests_that_make_no_sense(self):
         for words, message in (
-            (["--plan", "--plan-ranks", "2,0"], "0 is no number of ranks"),
+            (["--plan", "--plan-ranks", "2,0"], "0 is not a valid number of ranks"),
             (["--plan", "--plan-ranks", "two"], "--plan-ranks"),
             (["--plan-ranks", "2"], "--plan"),
             (["--plan", "--plan-memory", "-1"], "--plan-memory"),

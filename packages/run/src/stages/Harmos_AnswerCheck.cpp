@@ -133,10 +133,10 @@ std::optional<double> AnswerCheck::balance(double tolerance) {
   report_.allowedError = allowed / discretisation_->norm;
   const bool enough = solver <= allowed;
   std::ostringstream text;
-  text << "Tolerance " << scientific(tolerance, 1) << ": the solver's error is about "
-       << scientific(solver / discretisation_->norm, 1) << " in the energy norm, that of the discretisation "
+  text << "Tolerance " << scientific(tolerance, 1) << ": estimated error in the energy norm of the solver "
+       << scientific(solver / discretisation_->norm, 1) << ", of the discretisation "
        << scientific(report_.discretisationError, 1) << (trusted_ ? "" : " at most")
-       << (enough ? "; that is enough" : "");
+       << (enough ? ": accepted" : "");
   log_.info(text.str());
   if (enough)
     return std::nullopt;

@@ -455,12 +455,10 @@ void RunStages::tellWhatIsAttainable() {
   if (report_.converged || !isGivenUp || !(attainable >= report_.tolerance))
     return;
   report_.reason =
-      "attainable accuracy: rounding errors of a subdomain's matrix change its softest motions by a share "
-      "of " +
-      scientific(attainable, 0) + " and more, its condition number being " +
-      scientific(report_.localCondition, 0) + " at least, and the tolerance is " +
-      scientific(report_.tolerance, 0) +
-      "; loosen it, or make cells less thin, the jump of materials smaller, or Poisson's ratio further "
+      "attainable accuracy: rounding errors of a subdomain's matrix change its softest modes by at least " +
+      scientific(attainable, 0) + " (relative, condition number at least " +
+      scientific(report_.localCondition, 0) + "), above the tolerance " + scientific(report_.tolerance, 0) +
+      ". Loosen the tolerance, or use less thin cells, smaller material jumps or a Poisson's ratio further "
       "from 0.5; " +
       report_.reason;
 }
