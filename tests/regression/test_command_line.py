@@ -181,7 +181,7 @@ class BadInput(Case):
             with self.subTest(setting=setting):
                 # All take the same way through the program: one run each will do.
                 result = self.start([runs.MODEL, "--check", "--set", setting], 0)
-                fragment = f'--set: "{value}" cannot be the value of "{name}", expected'
+                fragment = f'--set: "{value}" is not a valid value of "{name}", expected'
                 self.assert_refused(result, [fragment])
 
     def test_out_of_range_in_the_deck(self):

@@ -317,7 +317,7 @@ class Settings(Case):
     def test_component_that_the_physics_does_not_have(self):
         path = "Effects/Prescribed displacement/side/Components"
         self.refuse(
-            changed(SCENE, path, ["z"]), f'"{path}" names none of the components of this physics'
+            changed(SCENE, path, ["z"]), f'"{path}" names no component of this physics'
         )
 
     def test_elastic_effects_on_membranes(self):
@@ -436,7 +436,7 @@ class Surfaces(Case):
         scene = changed(SCENE, "Bodies/upper/Origin", [0.0, 0.0, 0.0])
         scene = changed(scene, "Effects/Contact/joint/First", "upper/top")
         self.refuse(
-            scene, "upper/top and lower/top: ", "both surfaces look the same way", reported=True
+            scene, "upper/top and lower/top: ", "both surfaces point the same way", reported=True
         )
 
     def test_that_do_not_match(self):
@@ -444,7 +444,7 @@ class Surfaces(Case):
         self.refuse(
             changed(scene, "Bodies/upper/Elements a side", [3, 2, 2]),
             "upper/bottom and lower/top: the surfaces do not match",
-            "couple them by mortar",
+            "mortar coupling",
             reported=True,
         )
 
@@ -460,7 +460,7 @@ class Surfaces(Case):
         )
         self.refuse(
             scene,
-            "surface plate/rim: it is not a manifold",
+            "surface plate/rim: not a manifold",
             "4 facets meet at the node at (0.500000, 1.000000, 0.000000)",
             mesh=msh(nodes, cells),
             reported=True,

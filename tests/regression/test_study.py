@@ -311,7 +311,7 @@ class Refused(unittest.TestCase):
             ({"Study/Targets": "{1e-1, small}"}, '"small", which is no positive number'),
             ({"Study/Set": "{Model}"}, 'Study/Set.* "Model", which is not of the form'),
             ({"Axes/mesh/Parameters": "{Model/Elements}"}, '"Axes/mesh".*Elements'),
-            ({"Axes/mesh/Values": "{4, many, 32}"}, '"Axes/mesh".*"many" cannot be the value'),
+            ({"Axes/mesh/Values": "{4, many, 32}"}, '"Axes/mesh".*"many" is not a valid value'),
             ({"Axes/mesh/Values": "{4, 4, 32}"}, 'has the value "4" twice'),
             ({"Axes/mesh/Values": "{4, 32}"}, "has 2 values, but 3 labels"),
             ({"Axes/local solver/Values": "{condensed, implicit}"}, "has 1 parts; separate them"),

@@ -538,7 +538,7 @@ void ParameterSpec::set(Teuchos::ParameterList& list, const std::string& head, c
   if (parameter == nullptr)
     throw InputError(source + ": " + unknownParameter(head, path), {{"path", head + path}});
   const auto refuse = [&] {
-    throw InputError(source + ": " + quoted(value) + " cannot be the value of " + quoted(head + path) +
+    throw InputError(source + ": " + quoted(value) + " is not a valid value of " + quoted(head + path) +
                          ", expected " + expected(*parameter),
                      {{"path", head + path}});
   };

@@ -68,7 +68,8 @@ TEST(ContactSetup, references_that_lead_nowhere_are_refused) {
   EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }), "names body number 5"));
   scene = stack();
   prescribe(scene, {0, "bottom"}, 2);
-  EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }), "component 2, but a node has 2"));
+  EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }),
+                       "component 2, but the number of components per node is 2"));
   scene = blocks();
   addContact(scene, {0, "top"}, {1, "botom"});
   EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }), "did you mean \"bottom\"?"));
