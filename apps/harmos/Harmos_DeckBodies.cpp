@@ -133,10 +133,9 @@ std::string listed(const std::vector<int>& parts) {
 // As files have them that were made of several solids, or whose nodes were not merged.
 void notePieces(const std::string& name, const fem::Mesh& mesh, std::vector<std::string>& notes) {
   if (const int pieces = fem::numberOfPieces(mesh); pieces > 1)
-    notes.push_back(
-        "Body \"" + name + "\" is in " + std::to_string(pieces) +
-        " pieces that share no node, so that nothing in it holds them together; if they should be one, "
-        "merge the nodes where the mesh is made, or else make each a body and tie them");
+    notes.push_back("Body \"" + name + "\" is in " + std::to_string(pieces) +
+                    " pieces without common nodes, which nothing couples. Merge the nodes in the mesh "
+                    "generator, or make each piece a body and tie them");
 }
 
 // Ragged parts cost iterations, each some, and nothing else tells of them.

@@ -136,7 +136,7 @@ std::set<int> surfacesIn(const scene::Scene& scene, const Teuchos::ParameterList
 fem::Point directionIn(const Teuchos::ParameterList& list, const std::string& path) {
   const fem::Point direction = effects::pointIn(list, "Direction");
   if (!(std::hypot(direction[0], direction[1], direction[2]) > 0.0))
-    throw InputError("\"" + path + "/Direction\" has no length; give a vector of any other length",
+    throw InputError("\"" + path + "/Direction\" is a zero vector; give a nonzero vector",
                      {{"path", path + "/Direction"}});
   return direction;
 }

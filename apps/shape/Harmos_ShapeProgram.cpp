@@ -87,8 +87,8 @@ int work(const app::ProgramContext& context) {
   for (const auto& [name, value] : report.results)
     log.info(name + ": " + scientific(value, 6));
   run::writeSummary(*comm, options, report);
-  log.info("Results are in \"" + options.outputDirectory + "\"; harmos-plot " + options.outputDirectory +
-           " --shape draws them");
+  log.info("Results in \"" + options.outputDirectory + "\"; plot with harmos-plot " +
+           options.outputDirectory + " --shape");
   if (report.isInterrupted() && report.checkpointFault.empty()) {
     log.warning(report.reason);
     return exitInterrupted;

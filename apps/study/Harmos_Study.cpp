@@ -188,7 +188,7 @@ int runStudy(const app::ProgramContext& context) {
                                [](const Point& point) { return point.converged; });
     drawn = plan.charts && drawCharts(plan.output, log);
   });
-  log.info("Results are in \"" + plan.output + "\": study.csv, study.json" +
+  log.info("Results in \"" + plan.output + "\": study.csv, study.json" +
            (drawn ? ", charts as PNG and SVG" : ""));
   if (globalMax(*comm, anyConverged ? 1LL : 0LL) == 0) {
     log.error("no run of the study converged; the table says why");

@@ -294,7 +294,7 @@ class BadInput(Case):
         self.refuse([runs.MODEL, "--output"], "command line: --output: ", "DIR", checked=False)
 
     def test_no_deck(self):
-        self.refuse([], "command line: no deck was given")
+        self.refuse([], "command line: no deck given")
 
 
 class Lexical(Case):

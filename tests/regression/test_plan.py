@@ -403,11 +403,11 @@ class Rates(Case):
     def test_nonsense(self):
         for content, message in (
             ('{"dense_flop": 1}', 'unknown rate "dense_flop"; did you mean "dense_flops"?'),
-            ('{"latency": 0}', 'the rate "latency" is no positive number'),
-            ("[1]", "is no JSON object of rates"),
-            ("{", "is no JSON of rates"),
+            ('{"latency": 0}', 'the rate "latency" is not a positive number'),
+            ("[1]", "is not a JSON object of rates"),
+            ("{", "is not a valid JSON file of rates"),
             ('{"benchmark": "scaling"}', "rates are taken from dual_operator and coarse_factor"),
-            ('{"benchmark": "dual_operator", "runs": [{}]}', "is no JSON of rates"),
+            ('{"benchmark": "dual_operator", "runs": [{}]}', "is not a valid JSON file of rates"),
         ):
             path = self.rates(content)
             for words in (["--plan", "--plan-rates", path], ["--set", f"Dual operator/Rates={path}"]):

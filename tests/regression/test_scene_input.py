@@ -338,7 +338,7 @@ class Settings(Case):
         path = "Effects/Obstacle/plate"
         self.refuse(
             changed(SCENE, path, obstacle),
-            f'"{path}/Direction" has no length',
+            f'"{path}/Direction" is a zero vector',
         )
         obstacle = {"Part": "upper/top", "Shape": "cylinder"}
         self.refuse(changed(SCENE, path, obstacle), f'"{path}/Radius" is 0')

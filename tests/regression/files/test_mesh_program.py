@@ -180,8 +180,8 @@ class Formats(unittest.TestCase):
         self.assertIn('Body "volume 1"', done.stdout)
         self.assertIn('part "surface 12"', done.stdout)
         # Of twelve faces two look into each other; their neighbours touch along edges.
-        self.assertRegex(done.stdout, r"At each other: volume 1/surface \d+ and volume 2/surface \d+ ")
-        self.assertEqual(done.stdout.count("At each other"), 1, done)
+        self.assertRegex(done.stdout, r"Facing surfaces: volume 1/surface \d+ and volume 2/surface \d+ ")
+        self.assertEqual(done.stdout.count("Facing surfaces"), 1, done)
 
     def test_what_cannot_be_read(self):
         directory = runs.scratch("refused")
@@ -191,7 +191,7 @@ class Formats(unittest.TestCase):
             "mixed.msh": (MSH_2.replace("2 2 2 1 1 1 2 5", "2 3 2 1 1 1 2 3 5"), "cells of more than one type"),
             "nan.msh": (MSH_2.replace("5 0.5 0.5 0", "5 nan 0.5 0"), "no finite number"),
             "crossed.geo": (CROSSED, r"cut each other.*ask for smaller ones \(--size\)"),
-            "exit.geo": (BOXES + "Exit;\n", "ends it itself"),
+            "exit.geo": (BOXES + "Exit;\n", "contains Exit"),
             "empty.msh": ("", "holds no cells"),
             "text.msh": ("no mesh at all\n", "holds no cells|cannot read"),
             # Gmsh does not survive a field with an expression it cannot read.
@@ -207,11 +207,11 @@ class Formats(unittest.TestCase):
         for words, said in (
             ((directory / "nowhere.msh",), "there is no mesh file"),
             ((DECKS / "punch.geo", "--output", "mesh.msh"), "does not end with"),
-            ((DECKS / "punch.geo", "--cut", "nobody=3", "--output", directory / "m.h5"), "which is not there"),
+            ((DECKS / "punch.geo", "--cut", "nobody=3", "--output", directory / "m.h5"), "unknown body"),
             ((DECKS / "punch.geo", "--body", "a=block", "--body", "a=block"), "twice"),
-            ((DECKS / "punch.geo", "--body", "=block"), "has no name"),
-            (("mesh.h5",), "is cut already"),
-            ((), "no file was given"),
+            ((DECKS / "punch.geo", "--body", "=block"), "has no body name"),
+            (("mesh.h5",), "is already partitioned"),
+            ((), "no file given"),
         ):
             done = mesh(*words)
             self.assertEqual(done.returncode, 2, done)

@@ -396,7 +396,7 @@ class Names(Case):
             (BLOCK, "Shape/Design/Bodies", "{blok}", '"block"', "Shape/Design/Bodies"),
             (BLOCK, "Shape/Design/Axes", "{w}", "x, y or z"),
             (BLOCK, "Shape/Design/Axes", "{y}", "does not extend along y"),
-            (BLOCK, "Shape/Design/Direction", "{0, 0, 0}", "Shape/Design/Direction", "no length"),
+            (BLOCK, "Shape/Design/Direction", "{0, 0, 0}", "Shape/Design/Direction", "is a zero vector"),
             (BLOCK, "Shape/Design/Pieces", "{60, 1}", "moves no node", "fewer pieces"),
             (PUNCH, "Shape/Cost/Quantity", "peak presure", '"peak pressure"'),
         ):

@@ -192,7 +192,7 @@ TEST(SoftRows, two_directions_of_different_softness) {
         row.softness.reset();
     EXPECT_NE(inputErrorOf([&] {
                 feti::FetiSolver(testComm(), model.subdomains, model.rows, parametersOf(weights));
-              }).find("both of them with softness or none"),
+              }).find("the same limit and equal softness"),
               std::string::npos);
   }
 }
@@ -324,7 +324,7 @@ TEST(SoftRows, beside_limits_that_follow) {
       row.softness = 1.0;
   const std::string said =
       inputErrorOf([&] { feti::FetiSolver(testComm(), model.subdomains, rows, parametersOf("auto")); });
-  EXPECT_TRUE(contains(said, "which may pull; give softness to both rows, or to none")) << said;
+  EXPECT_TRUE(contains(said, "which is soft and can pull; give softness to both rows or to none")) << said;
 }
 
 TEST(SoftRows, audit_finds_faults) {

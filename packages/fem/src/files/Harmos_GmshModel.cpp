@@ -65,10 +65,9 @@ void onExit() {
 
 EndGuard::EndGuard(const std::string& path)
     : aborted_(std::signal(SIGABRT, onSignal)), faulted_(std::signal(SIGSEGV, onSignal)) {
-  sentence =
-      "error: Gmsh ended the program that reads \"" + path +
-      "\" by it: the file is damaged, ends it itself (Exit), or asks for what Gmsh cannot do. Open the file "
-      "in Gmsh to see where it fails\n";
+  sentence = "error: Gmsh ended the program that reads \"" + path +
+             "\": the file is damaged, contains Exit or uses an unsupported feature. Open it in Gmsh to "
+             "locate the failure\n";
   static const bool registered = std::atexit(onExit) == 0;
   inGmsh = registered ? 1 : 0;
 }

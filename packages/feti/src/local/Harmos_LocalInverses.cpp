@@ -29,8 +29,8 @@ std::string tooIllConditioned(const InverseQuality& quality, const LocalInverseO
   const bool single = options.precision == Precision::Single;
   return "the condition number of its matrix, " + scientific(quality.condition(), 0) +
          " at least, times the rounding errors of " + (single ? "single" : "double") +
-         " precision explains that; " + (single ? "set \"Dual operator/Precision\" = \"double\", or " : "") +
-         "make cells less thin, the jump of materials smaller, or Poisson's ratio further from 0.5";
+         " precision is the cause; " + (single ? "set \"Dual operator/Precision\" = \"double\", or " : "") +
+         "use less thin cells, smaller material jumps or a Poisson's ratio further from 0.5";
 }
 
 // Of a matrix that seems to have a motion which its kernel does not contain; data() tells whether rounding
@@ -47,9 +47,8 @@ void verify(const LocalMatrix& matrix, const Kernel& kernel, const InverseQualit
             const LocalInverseOptions& options, const std::string& number) {
   if (!(quality.resistance > hiddenTolerance))
     throw hiddenMotion(
-        "subdomain " + number + " has a motion that its matrix does not resist and its kernel of dimension " +
-            std::to_string(kernel.columns) +
-            " does not contain: ‖D⁻¹Kv‖/‖v‖ = " + scientific(quality.resistance) + "; ",
+        "subdomain " + number + " has a zero-energy mode outside its kernel of dimension " +
+            std::to_string(kernel.columns) + ": ‖D⁻¹Kv‖/‖v‖ = " + scientific(quality.resistance) + "; ",
         matrix, kernel, {{"subdomain", number}, {"resistance", scientific(quality.resistance)}});
   const DefectLimit limit = defectLimit(quality, options);
   if (!(quality.defect <= limit.acceptable)) {
@@ -59,7 +58,7 @@ void verify(const LocalMatrix& matrix, const Kernel& kernel, const InverseQualit
                       {"defect", scientific(quality.defect)},
                       {"condition", scientific(quality.condition())}};
     if (quality.defect > limit.rounding)
-      throw hiddenMotion(found + "its material varies too much, or its kernel of dimension " +
+      throw hiddenMotion(found + "its material varies too much or its kernel of dimension " +
                              std::to_string(kernel.columns) + " is too small: ",
                          matrix, kernel, std::move(data));
     if (options.precision == Precision::Double)

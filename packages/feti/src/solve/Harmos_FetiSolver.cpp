@@ -271,7 +271,7 @@ FetiSolver::Answer FetiSolver::solved(const Task& task, double tolerance, bool r
 
 void FetiSolver::exchangeStarts(qp::StateArchive<MultiVector>& archive) {
   if (!problem_)
-    throw InputError("there is no dual problem, whose vectors starts of solutions are; call solve() first");
+    throw InputError("there is no dual problem yet, so no start for it can be set; call solve() first");
   history_.exchange(archive, *problem_);
   increments_.exchange(archive, *problem_, "increments: ");
 }

@@ -119,7 +119,7 @@ void showParts(const Teuchos::Comm<int>& comm, const scene::Scene& scene, const 
       io::makeDirectory(directory);
   });
   writeParts(comm, directory + "/parts.vtkhdf", scene, owned, parts);
-  log.info("Written: \"" + directory + "/parts.vtkhdf\"; harmos-plot " + directory + " --parts draws it");
+  log.info("Written: \"" + directory + "/parts.vtkhdf\"; plot with harmos-plot " + directory + " --parts");
 }
 
 void writeSummaryAlone(const RunOptions& options, const RunReport& report) {
