@@ -426,7 +426,7 @@ class Faults(unittest.TestCase):
     def test_no_checkpoint(self):
         run = restarted(self, Path(runs.solved(self, runs.MODEL, SHORT).directory), status=2,
                         words=[runs.MODEL])
-        self.assertIn("there is no checkpoint", run.errors[0])
+        self.assertIn("checkpoint not found", run.errors[0])
 
     def test_earlier_run(self):
         """Its checkpoint is put aside, not lost, and not taken for one of the new run."""
@@ -449,7 +449,7 @@ class Faults(unittest.TestCase):
         status, out, err = runs.execute(command)
         self.assertEqual(status, 2, out + err)
         self.assertIn("cannot be written by all ranks", err)
-        self.assertIn("one that all nodes see", err)
+        self.assertIn("that all nodes share", err)
 
     def test_other_mesh(self):
         """A mesh file that was changed by a ten-thousandth between the two runs."""
@@ -463,7 +463,7 @@ class Faults(unittest.TestCase):
         self.assertIn("0.8", text)
         mesh.write_text(text.replace("0.8", "0.80008"))
         run = restarted(self, cut.directory, status=2, program="harmos")
-        self.assertIn("is of another problem", run.errors[0])
+        self.assertIn("belongs to another problem", run.errors[0])
 
     def test_other_deck(self):
         run = restarted(
@@ -472,7 +472,7 @@ class Faults(unittest.TestCase):
             status=2,
             sets=self.on | {"Model/Elements per subdomain side": 4},
         )
-        self.assertIn("is of another deck", run.errors[0])
+        self.assertIn("belongs to another deck", run.errors[0])
         self.assertIn('"Model/Elements per subdomain side" was 8, is 4', run.errors[0])
         self.assertTrue((run.directory / "checkpoint.h5").is_file())
 

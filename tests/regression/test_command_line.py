@@ -272,7 +272,7 @@ class BadInput(Case):
         self.refuse_setting(
             "Solver/Method=PCPG",
             'contradictory options: "Solver/Method" = "PCPG"',
-            'use "Auto" or "SMALBE", or tie the interface',
+            'use "Auto" or "SMALBE" or tie the interface',
         )
 
     def test_mprgp_with_a_floating_body(self):
@@ -355,7 +355,7 @@ class Files(Case):
         for np in (0, 2):
             with self.subTest(ranks=max(np, 1)):
                 result = self.start([runs.MODEL, "--output", path], np)
-                self.assert_refused(result, [f'the output directory "{path}" cannot be made: '])
+                self.assert_refused(result, [f'the output directory "{path}" cannot be created: '])
                 self.assertEqual(path.read_text(encoding="utf-8"), "precious")
 
     def test_result_file_that_cannot_be_put_in_place(self):

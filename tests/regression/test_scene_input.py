@@ -402,7 +402,7 @@ class MeshFiles(Case):
         self.refuse(
             FILED,
             'body "plate" of',
-            "has cells of more than one type (1 × triangle of 3 nodes, 1 × quadrilateral of 4 nodes)",
+            "has cells of several types (1 × triangle of 3 nodes, 1 × quadrilateral of 4 nodes)",
             mesh=msh(nodes, cells),
         )
 
@@ -410,7 +410,7 @@ class MeshFiles(Case):
         plate = msh(SQUARE, [(QUADRILATERAL, 1, 1, 2, 3, 4), (LINE, 2, 1, 4)])
         self.refuse(
             changed(FILED, "Bodies/plate/Subdomains", 2),
-            'body "plate" cannot be cut into 2 parts: it has 1 cells',
+            'body "plate" cannot be partitioned into 2 parts: it has 1 cells',
             mesh=plate,
         )
 
@@ -472,7 +472,7 @@ class Surfaces(Case):
         scene = changed(FILED, "Effects/Obstacle/wall", {"Part": "plate/tip"})
         self.refuse(
             scene,
-            'obstacle "wall" names the boundary part "tip" of body "plate", which has nodes but no sides',
+            'obstacle "wall" names the boundary part "tip" of body "plate", which has nodes but no cell sides',
             mesh=mesh,
             reported=True,
         )
@@ -513,12 +513,12 @@ class Steps(unittest.TestCase):
     def test_times(self):
         self.refused(
             {"Steps/Times": "{0.5,0.25}"},
-            '"Steps/Times": times have to rise, but 2.50e-01 comes after 5.00e-01',
+            '"Steps/Times": times must increase, but 2.50e-01 comes after 5.00e-01',
         )
         self.refused({"Steps/Number": 0}, '"Steps/Number" = 0 is out of range')
         self.refused(
             {"Steps/Number": 3, "Steps/Times": "{0.5,1.0}"},
-            '"Steps/Number" = 3 and "Steps/Times" with 2 of them; give one of the two',
+            '"Steps/Number" = 3 and "Steps/Times" with 2 entries; give one of the two',
         )
 
     def test_histories(self):
@@ -528,11 +528,11 @@ class Steps(unittest.TestCase):
             "Steps/Histories/press/Times": "{0,1}",
             "Steps/Histories/press/Values": "{0,1}",
         }
-        self.refused(press | {load: "pres"}, "which nobody defined", 'did you mean "press"?')
+        self.refused(press | {load: "pres"}, "which is not defined", 'did you mean "press"?')
         self.refused(
             press | {"Effects/Contact/joint/History": "press"},
             'there is no parameter "Effects/Contact/joint/History"',
-            "have no magnitude that could follow a history",
+            "have no magnitude to scale by a history",
         )
         self.refused(
             press | {"Steps/Histories/press/Values": "{0,1,2}", load: "press"},

@@ -345,7 +345,7 @@ class Refused(unittest.TestCase):
             {(r["tolerance"], r["local solver"]) for r in failed}, {("1e-8", "condensed;single")}
         )
         for row in failed:
-            self.assertIn("out of reach of dense blocks in single precision", row["reason"])
+            self.assertIn("below the accuracy of dense blocks in single precision", row["reason"])
             self.assertEqual((row["seconds"], row["energy_error"]), ("", ""))
         data = json.loads((run.directory / "study.json").read_text(encoding="utf-8"))
         self.assertFalse(any("1e-8, single" in s for s in data["sentences"]))

@@ -255,7 +255,7 @@ class Restarts(unittest.TestCase):
             self.assertLess(difference(done, plain), 1e-8)
         else:
             self.assertEqual(done.returncode, 2, done)
-            self.assertIn("is of another problem", done.errors[0])
+            self.assertIn("belongs to another problem", done.errors[0])
         # Asked for by name it is another deck.
         done = self.restarted(cut.directory, 2, {CLUSTERS: "none"})
         self.assertEqual(done.returncode, 2, done)

@@ -312,7 +312,7 @@ class Restart(Case):
             told = path.removesuffix("/Type")
             done = restarted(cut.directory, {path: value})
             self.assertEqual(done.returncode, 2, done)
-            self.assertIn("of another deck", done.stderr)
+            self.assertIn("to another deck", done.stderr)
             self.assertIn(told, done.stderr)
             self.assertTrue((done.directory / "checkpoint.h5").is_file())
 

@@ -88,7 +88,7 @@ TEST(ContactSetup, tractions_need_sides) {
   prescribe(scene, {0, "corner"}, 0);
   EXPECT_EQ(inputErrorOf([&] { setUp(scene); }), "");
   addTraction(scene, {0, "corner"}, fem::Point{});
-  EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }), "no sides of cells on the boundary"));
+  EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }), "no cell sides on the boundary"));
 }
 
 // A node of two contacts shows the one that is closed, whatever their order.

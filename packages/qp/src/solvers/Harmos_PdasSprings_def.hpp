@@ -53,8 +53,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::freezeSides(const std::string& why) {
   progress_.forget();
   ++counters_.descents;
   solver_.log_.detail("PDAS: " + why +
-                      "; from the best iterate on, sides of soft bounds stay until the rest "
-                      "has settled");
+                      "; sides of soft bounds frozen at the best iterate until the rest has converged");
   return true;
 }
 
