@@ -155,10 +155,10 @@ void noteRagged(const std::string& name, const fem::Partition& partition, fem::P
   std::ostringstream text;
   text << std::fixed << std::setprecision(2) << "Body \"" << name << "\": " << ragged.size() << " of "
        << partition.parts << " parts " << (one ? "is" : "are") << " ragged (" << listed(ragged)
-       << "), held together by a neck of " << least << (one ? "" : " or more") << " where " << fem::raggedNeck
-       << " would do, and may cost iterations; "
-       << (isCompact ? "another \"Partition seed\" or number of \"Subdomains\" gives another cut"
-                     : "\"Partition\" = \"compact\" rounds parts off");
+       << "), narrowest neck " << least << ", recommended at least " << fem::raggedNeck
+       << "; this can cost iterations: "
+       << (isCompact ? "try another \"Partition seed\" or number of \"Subdomains\""
+                     : "use \"Partition\" = \"compact\" for rounder parts");
   notes.push_back(text.str());
 }
 
@@ -191,11 +191,11 @@ std::size_t placeIn(const fem::CutMeshFile& cut, const std::string& name, const 
   const auto place = static_cast<std::size_t>(found - names.begin());
   const int subdomains = list.get<int>("Subdomains");
   if (!texts(list, "Groups").empty() || (subdomains != 1 && subdomains != cut.bodies()[place].subdomains))
-    throw InputError("\"" + path +
-                         "\" has \"Groups\" or \"Subdomains\", but the mesh file is cut already, into " +
-                         std::to_string(cut.bodies()[place].subdomains) +
-                         " subdomains; leave them out, or cut it anew by harmos-mesh",
-                     {{"path", path}});
+    throw InputError(
+        "\"" + path + "\" has \"Groups\" or \"Subdomains\", but the mesh file is already partitioned into " +
+            std::to_string(cut.bodies()[place].subdomains) +
+            " subdomains; remove them or partition it again with harmos-mesh",
+        {{"path", path}});
   return place;
 }
 
@@ -224,7 +224,7 @@ void readBodies(const DeckContext& context, int dimension, const std::vector<std
   const std::string file = meshFileOf(context);
   if (file.empty())
     throw InputError("\"Model/Mesh file\" is empty, but body \"" + scene.bodies[which.front()].name +
-                         "\" is to come from a file; name it, or choose another \"Source\"",
+                         "\" has the source \"file\"; give the file or choose another \"Source\"",
                      {{"path", "Model/Mesh file"}});
   context.log.info("Reading the mesh file \"" + context.deck.sublist("Model").get<std::string>("Mesh file") +
                    "\"");
@@ -368,7 +368,7 @@ void addBodies(const DeckContext& context, scene::Scene& scene) {
       if (materials.size() != 1 && materials.size() != regions)
         throw InputError("\"Bodies/" + name + "/Materials\" names " + std::to_string(materials.size()) +
                              " materials for " + std::to_string(regions) +
-                             " regions; name one for all or one for each",
+                             " regions; name one for all or one per region",
                          {{"path", "Bodies/" + name + "/Materials"}});
       for (std::size_t r = 0; r < regions; ++r)
         body.materials.push_back(
@@ -382,7 +382,7 @@ void addBodies(const DeckContext& context, scene::Scene& scene) {
     scene.bodies.push_back(std::move(body));
   }
   if (scene.bodies.empty())
-    throw InputError("\"Bodies\" is empty; a scene needs a body", {{"path", "Bodies"}});
+    throw InputError("\"Bodies\" is empty; add at least one body", {{"path", "Bodies"}});
   if (cut)
     takeBodies(context, cut, fromFile, scene, firstNode);
   else if (!fromFile.empty())

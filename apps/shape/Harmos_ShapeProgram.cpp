@@ -65,7 +65,7 @@ int work(const app::ProgramContext& context) {
   run::checkConsistency(scene, options);
   if (options.toleranceRule != run::ToleranceRule::Fixed)
     throw InputError(
-        "\"Solver/Tolerance rule\" = \"balanced\" gives each design another tolerance; use \"fixed\"",
+        "\"Solver/Tolerance rule\" = \"balanced\" would change the tolerance with the design; use \"fixed\"",
         {{"path", "Solver/Tolerance rule"}});
   // Before anything is solved; volumes are linear in all designs.
   rol::completeOptions(deck.sublist("Shape").sublist("Optimiser"), false);

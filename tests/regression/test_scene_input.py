@@ -171,16 +171,16 @@ class Good(Case):
         )
         for parts, partition, told in (
             (1, "compact", ""),
-            (2, "compact", 'another "Partition seed" or number of "Subdomains" gives another cut'),
-            (2, "METIS", '"Partition" = "compact" rounds parts off'),
+            (2, "compact", 'try another "Partition seed" or number of "Subdomains"'),
+            (2, "METIS", 'use "Partition" = "compact" for rounder parts'),
         ):
             settings = {"Bodies/plate/Subdomains": parts, "Bodies/plate/Partition": partition}
             run = runs.solved(self, deck, settings, np=0, program="harmos")
             self.assertEqual(run.stdout.count("ragged"), 1 if told else 0, run)
             if told:
                 self.assertIn(
-                    'Body "plate": 2 of 2 parts are ragged (parts 0 and 1), held together by a neck of 0.32 or '
-                    f"more where 0.40 would do, and may cost iterations; {told}\n", run.stdout,
+                    'Body "plate": 2 of 2 parts are ragged (parts 0 and 1), narrowest neck 0.32, recommended at '
+                    f"least 0.40; this can cost iterations: {told}\n", run.stdout,
                 )
 
 
@@ -272,7 +272,7 @@ class Names(Case):
 
 class Settings(Case):
     def test_no_bodies(self):
-        self.refuse({"Model": {"Name": "nothing"}}, '"Bodies" is empty; a scene needs a body')
+        self.refuse({"Model": {"Name": "nothing"}}, '"Bodies" is empty; add at least one body')
 
     def test_incompressible_and_negative(self):
         self.refuse(
@@ -357,7 +357,7 @@ class MeshFiles(Case):
     def test_file_that_is_not_named(self):
         self.refuse(
             changed(FILED, "Model/Mesh file", None),
-            '"Model/Mesh file" is empty, but body "plate" is to come from a file',
+            '"Model/Mesh file" is empty, but body "plate" has the source "file"',
         )
 
     def test_file_that_is_no_mesh(self):
@@ -531,7 +531,7 @@ class Steps(unittest.TestCase):
         self.refused(press | {load: "pres"}, "which is not defined", 'did you mean "press"?')
         self.refused(
             press | {"Effects/Contact/joint/History": "press"},
-            'there is no parameter "Effects/Contact/joint/History"',
+            'unknown parameter "Effects/Contact/joint/History"',
             "have no magnitude to scale by a history",
         )
         self.refused(

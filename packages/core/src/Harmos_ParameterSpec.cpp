@@ -422,7 +422,7 @@ void ParameterSpec::validate(const Teuchos::ParameterList& given, const std::str
 std::string ParameterSpec::unknownParameter(const std::string& path, const std::string& name) const {
   for (const auto& [absent, why] : absent_)
     if (absent == name)
-      return "there is no parameter " + quoted(path + name) + ": " + why;
+      return "unknown parameter " + quoted(path + name) + ": " + why;
   return unknownName("parameter", path, name, names());
 }
 

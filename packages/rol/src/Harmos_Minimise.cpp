@@ -113,7 +113,7 @@ void checkProblem(const DesignProblem& problem) {
       throw InputError("two constraints have the name \"" + constraint.name + "\"");
     if (!(constraint.lower <= constraint.upper))
       throw InputError("constraint \"" + constraint.name + "\": its lower limit, " +
-                       scientific(constraint.lower) + ", is above its upper one, " +
+                       scientific(constraint.lower) + ", exceeds the upper limit, " +
                        scientific(constraint.upper));
   }
 }
@@ -186,7 +186,7 @@ Search::Search(const DesignProblem& problem, const Teuchos::ParameterList& optio
       options_(completeOptions(options, isNonlinear_)) {
   checkProblem(problem);
   if (!(firstStep > 0.0))
-    throw InputError("the first step of a minimisation is above zero, not " + scientific(firstStep));
+    throw InputError("the first step of a minimisation must be positive, not " + scientific(firstStep));
   extent_ = extentOf(problem.space);
   weights_ = problem.space.weights;
   for (double& weight : weights_)
@@ -272,10 +272,9 @@ void Search::start() {
   project(*rol_->getPrimalOptimizationVector());
   for (const auto& limit : limits_)
     if (limit.constraint->isLinear && violation(numbersOf(*design_)) > 1e-6)
-      throw InputError(
-          "no design within the bounds meets all constraints together: that which is nearest to the "
-          "start misses \"" +
-          limit.constraint->name + "\"");
+      throw InputError("no design within the bounds satisfies all constraints: the design nearest to the "
+                       "start violates \"" +
+                       limit.constraint->name + "\"");
   scaleCost();
 }
 
@@ -426,7 +425,7 @@ void Search::solve() {
   } catch (const std::exception& error) {
     rethrowErrors();
     throw InputError(
-        std::string("ROL cannot solve this problem with this method (Step/Type and what belongs to it): ") +
+        std::string("ROL cannot solve this problem with this method (Step/Type and its parameters): ") +
         error.what());
   } catch (...) {
     rethrowErrors();

@@ -17,7 +17,7 @@ ShapeMap::ShapeMap(TensorSplineBasis basis, const fem::Point& direction, double 
                      "of the surface");
   if (!(depth > 0.0) || !std::isfinite(level))
     throw InputError("a design moves nodes down to a depth of " + scientific(depth) +
-                     " below the surface; give one above zero, as the thickness of the body");
+                     " below the surface; give a positive depth, such as the thickness of the body");
   for (double& component : direction_)
     component /= length;
 }

@@ -143,7 +143,7 @@ class Cut(unittest.TestCase):
         self.assertIn("there is no mesh file", run.stderr)
         run = runs.run(DECKS / "tied_inclusion.xml", {"Model/Mesh file": directory / "mesh.h5"}, program="harmos")
         self.assertEqual(run.returncode, 2, run)
-        self.assertIn("but the mesh file is cut already, into 1 subdomains", run.stderr)
+        self.assertIn("but the mesh file is already partitioned into 1 subdomains", run.stderr)
         done = mesh(DECKS / "tied_inclusion.geo", "--body", "plate", "--output", directory / "half.h5", "--dimension", 2)
         self.assertEqual(done.returncode, 0, done)
         run = runs.run(DECKS / "tied_inclusion.xml",

@@ -423,9 +423,9 @@ class Names(Case):
         each = "{" + ", ".join(["0.001"] * 9) + "}"
         done = run(PUNCH, {"Shape/Design/Lower": each, "Shape/Design/Start": "{0.001}", LIMIT: 2})
         self.assertEqual(column(rows(done, "design.csv"), "lower").tolist(), [0.001] * 9)
-        self.refused(PUNCH, {"Shape/Design/Start": "{-1}"}, "not between its bounds")
-        self.refused(PUNCH, {"Shape/Design/Lower": "{0.2}", "Shape/Design/Start": "{0.2}"}, "above its upper one")
-        self.refused(PUNCH, {"Shape/Constraints/Volume": "{1, 0}"}, "least and the most")
+        self.refused(PUNCH, {"Shape/Design/Start": "{-1}"}, "outside its bounds")
+        self.refused(PUNCH, {"Shape/Design/Lower": "{0.2}", "Shape/Design/Start": "{0.2}"}, "exceeds upper bound")
+        self.refused(PUNCH, {"Shape/Constraints/Volume": "{1, 0}"}, "a minimum and a maximum")
 
     def test_check_and_lists(self):
         for deck in (PUNCH, BLOCK):
@@ -450,7 +450,7 @@ class Physics(Case):
         self.assertLess(done.summary["results"]["cost"], done.summary["results"]["cost_before"])
         self.assertIn("Friction", done.summary["effects"])
         coulomb = {"Effects/Friction/rough/Contact": "Contact/joint", "Effects/Friction/rough/Coefficient": 0.3}
-        self.refused(PUNCH, coulomb | SOFT, "friction by the pressure", "give the friction a bound")
+        self.refused(PUNCH, coulomb | SOFT, "Coulomb friction", "use a slip bound")
 
     def test_history_of_states(self):
         self.refused(PUNCH, {"Steps/Number": 3}, '"Steps"')
@@ -459,7 +459,7 @@ class Physics(Case):
             "Normal strength": 0.1, "Tangential strength": 0.1,
         }
         glue = {f"Effects/Adhesion/glue/{name}": value for name, value in glue.items()}
-        self.refused(PUNCH, glue, "adhesion out of the deck")
+        self.refused(PUNCH, glue, "adhesion from the deck")
 
     def test_membranes(self):
         position = {"Shape/Design/Kind": "position", "Shape/Design/Surface": "upper/right"}
@@ -474,7 +474,7 @@ class Physics(Case):
             "Shape/Design/Kind": "position", "Shape/Design/Surface": "punch/bottom", "Shape/Design/Direction": "{0, -1, 0}",
             "Shape/Design/Pieces": "{3, 1}",
         }
-        self.refused(PUNCH, mortar | position, "do not match", "design its gaps")
+        self.refused(PUNCH, mortar | position, "non-matching nodes", "design its gaps")
         done = optimised(self, PUNCH, mortar)
         self.assertLess(done.summary["results"]["peak_pressure"], 1.02 * 0.05)
 

@@ -136,12 +136,12 @@ TEST(GapProfiles, are_added_to_gaps) {
   EXPECT_NEAR(box.second[1], 1.0, 1e-12);
   const std::string none = inputErrorOf(
       [&] { GapProfile other(*problem.solver, problem.contact.rows, problem.geometry(), {17}); });
-  EXPECT_TRUE(contains(none, "the surfaces whose gaps are to be designed have no contact points")) << none;
+  EXPECT_TRUE(contains(none, "the surfaces whose gaps are designed have no contact points")) << none;
   const std::string narrow = inputErrorOf([&] {
     GapProfile other(*problem.solver, problem.contact.rows, problem.geometry(), {surfaceOf(problem)},
                      basisOf(false, 0, 100));
   });
-  EXPECT_TRUE(contains(narrow, "of the design moves no contact point; take fewer pieces")) << narrow;
+  EXPECT_TRUE(contains(narrow, "of the design moves no contact point; use fewer pieces")) << narrow;
 }
 
 // A gradient of the energy costs no product, others a linear solution: as many products as one that starts

@@ -159,8 +159,8 @@ void Timeline::check(const std::vector<std::shared_ptr<const Effect>>& effects) 
     for (const std::string& other : known)
       all += (all.empty() ? "\"" : ", \"") + other + "\"";
     throw InputError(effect->label() + " follows the history \"" + name + "\", which is not defined" +
-                         (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?") + " (there are " +
-                         all + "; define others in \"Steps/Histories\")",
+                         (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?") +
+                         " (available: " + all + "; define others in \"Steps/Histories\")",
                      {{"history", name}});
   }
 }
