@@ -210,7 +210,7 @@ class Tools(Installed):
                 self.assertRegex(
                     refused.stderr,
                     rf"^{name}: .*/python3 cannot import {module} \(hidden by a test\): install Debian's package "
-                    rf"python3-{module}, which /usr/bin/python3 sees, or name an interpreter that has it, as in "
+                    rf"python3-{module} for /usr/bin/python3, or use an interpreter that has it, as in "
                     rf"PYTHON \S+/{name} DIR\n$",
                 )
 

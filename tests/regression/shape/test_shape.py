@@ -413,7 +413,7 @@ class Names(Case):
             # Before anything is solved.
             self.assertFalse((done.directory / "before.vtkhdf").exists())
             self.refused(PUNCH, {"Shape/Optimiser/" + path: value}, *words, extra=["--check"])
-        self.refused(PUNCH, {"Shape/Optimiser/Step/Type": "Interior Point"}, "not finite", "Step/Type", "another start")
+        self.refused(PUNCH, {"Shape/Optimiser/Step/Type": "Interior Point"}, "non-finite", "Step/Type", "another start")
         sets = {"Shape/Optimiser/Step/Type": "Line Search", "Shape/Optimiser/Status Test/Iteration Limit": 2}
         self.refused(PUNCH, sets, "the limit of 2 iterations", status=1)
 
