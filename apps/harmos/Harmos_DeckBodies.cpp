@@ -98,8 +98,8 @@ void noteLocking(const scene::Body& body, scene::Physics physics, fem::CellType 
   if (body.dilatation == fem::Dilatation::Projected && shape.isSimplex && shape.order == 1 &&
       physics != scene::Physics::PlaneStress)
     notes.push_back("Body \"" + body.name + "\": a " + shape.name +
-                    " is too stiff (locks) near incompressibility, projected or not; use elements of second "
-                    "order, or quadrilaterals or hexahedra");
+                    " locks near incompressibility even with projected dilatation; use second-order "
+                    "elements, quadrilaterals or hexahedra");
 }
 
 fem::PartitionOptions partitionOptions(const ParameterList& list) {

@@ -330,7 +330,7 @@ class Settings(Case):
         ):
             self.refuse(
                 changed(membranes, f"Effects/{kind}/extra", effect),
-                f'"Effects/{kind}/extra" is for elastic bodies, but "Model/Physics" = "membrane"',
+                f'"Effects/{kind}/extra" needs elastic bodies, but "Model/Physics" = "membrane"',
             )
 
     def test_obstacle_without_direction_or_radius(self):

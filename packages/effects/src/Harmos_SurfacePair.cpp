@@ -121,10 +121,10 @@ void tellOfFacets(scene::ConstraintCollector& collector, const contact::Surface&
   constexpr double enough = 0.2, touching = 2.0;
   if (behind > enough * overlap && overlap > (gap < 0.0 ? 0.0 : touching * behind))
     collector.note(one.name + " on " + other.name + " overlap by " + scientific(overlap) +
-                   ", and their straight facets stay up to " + scientific(behind) +
-                   " behind the curved geometry: pressures can have a relative error of that order. Use "
-                   "second-order cells (harmos-mesh --order 2), nodes that match, or smaller cells: half the "
-                   "size, a quarter of that");
+                   ", their straight facets deviate by up to " + scientific(behind) +
+                   " from the curved geometry: the relative error of pressures can reach the ratio of both. "
+                   "Use second-order cells (harmos-mesh --order 2), matching nodes or smaller cells (half "
+                   "the size: a quarter of the error)");
 }
 
 } // namespace

@@ -74,9 +74,8 @@ PressureFunctional::Sums PressureFunctional::sums(const Response& response) cons
     throw InputError("the surfaces whose pressure is the cost have no contact points; name contacts or "
                      "obstacles with surfaces that meet");
   if (!(summary.peak > 0.0))
-    throw RefusedDesign(
-        "no point of the contact bears a force: the body has lifted off, and there is no pressure to "
-        "speak of; make the gaps smaller, or prescribe a force in the place of a displacement");
+    throw RefusedDesign("no contact point carries a force: the body has lifted off, so there is no pressure. "
+                        "Use smaller gaps or prescribe a force instead of a displacement");
   return {summary.area, summary.mean * summary.area, summary.peak};
 }
 

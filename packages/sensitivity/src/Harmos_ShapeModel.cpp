@@ -232,9 +232,9 @@ void ShapeModel::requireQuality(const std::vector<OwnedSubdomain>& moving) const
   const bool isMine = least == worst;
   const std::vector<char> told =
       gatherAll(comm, isMine ? std::vector<char>(text.begin(), text.end()) : std::vector<char>());
-  throw RefusedDesign("the design tangles the mesh: " + std::string(told.begin(), told.end()) + ", where " +
-                      scientific(leastQuality_) +
-                      " is the least that is taken; bound the design more tightly, or let it reach deeper");
+  throw RefusedDesign("the design tangles the mesh: " + std::string(told.begin(), told.end()) +
+                      "; at least " + scientific(leastQuality_) +
+                      " is required. Tighten the bounds of the design or increase its depth");
 }
 
 void ShapeModel::apply(const std::vector<double>& design) {

@@ -347,16 +347,16 @@ class Refused(Case):
             self.assertGreater(len(rows(done, "design.csv")), 4)
 
     def test_start_that_lifts_off(self):
-        done = self.refused(PUNCH, HELD | {"Shape/Design/Start": "{0.05}"}, "no point of the contact bears a force", "make the gaps smaller")
+        done = self.refused(PUNCH, HELD | {"Shape/Design/Start": "{0.05}"}, "no contact point carries a force", "Use smaller gaps")
         self.assertIn("lifted off", done.summary["reason"])
 
     def test_nothing_holds(self):
-        done = self.refused(PUNCH, {"Effects/Traction/force/Density": "{0, 0.05, 0}"}, "nothing holds the bodies")
+        done = self.refused(PUNCH, {"Effects/Traction/force/Density": "{0, 0.05, 0}"}, "unconstrained rigid-body mode")
         self.assertFalse(done.summary["converged"])
 
     def test_start_that_tangles(self):
         sets = {"Shape/Constraints/Volume": "{}", "Shape/Design/Lower": "{-3}", "Shape/Design/Upper": "{3}"}
-        done = self.refused(BLOCK, sets | {"Shape/Design/Start": "{-0.9}"}, "tangles the mesh", 'body "block"', "quality", "bound the design")
+        done = self.refused(BLOCK, sets | {"Shape/Design/Start": "{-0.9}"}, "tangles the mesh", 'body "block"', "quality", "bounds of the design")
         self.assertFalse((done.directory / "result.vtkhdf").exists())
 
     def test_steps_that_tangle(self):

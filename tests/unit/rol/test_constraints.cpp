@@ -128,7 +128,7 @@ TEST(Constraints, one_that_is_said_to_be_linear_and_is_not) {
   const auto outcome = rol::minimise(problem);
   EXPECT_EQ(outcome.ending, rol::Ending::Missed);
   EXPECT_FALSE(outcome.isConverged());
-  EXPECT_TRUE(contains(outcome.reason, "said to be linear")) << outcome.reason;
+  EXPECT_TRUE(contains(outcome.reason, "declared linear")) << outcome.reason;
 }
 
 // The least of x + 2y on a circle and in its disc: −(1, 2)√(2/5).

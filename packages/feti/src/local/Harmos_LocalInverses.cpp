@@ -28,8 +28,8 @@ std::vector<int> touchedDofs(const Constraints& constraints, const std::vector<i
 std::string tooIllConditioned(const InverseQuality& quality, const LocalInverseOptions& options) {
   const bool single = options.precision == Precision::Single;
   return "the condition number of its matrix, " + scientific(quality.condition(), 0) +
-         " at least, times the rounding errors of " + (single ? "single" : "double") +
-         " precision is the cause; " + (single ? "set \"Dual operator/Precision\" = \"double\", or " : "") +
+         " or more, with rounding errors of " + (single ? "single" : "double") + " precision is the cause; " +
+         (single ? "set \"Dual operator/Precision\" = \"double\", or " : "") +
          "use less thin cells, smaller material jumps or a Poisson's ratio further from 0.5";
 }
 
@@ -114,11 +114,10 @@ void rethrowing(const LocalMatrix& matrix, const Kernel& kernel, const LocalInve
   try {
     make();
   } catch (const NumericalError& error) {
-    const std::string precision =
-        options.precision == Precision::Single
-            ? "single precision is too short for its condition number (\"Dual operator/Precision\" = "
-              "\"double\" tells), or "
-            : "";
+    const std::string precision = options.precision == Precision::Single
+                                      ? "its condition number is too large for single precision (check with "
+                                        "\"Dual operator/Precision\" = \"double\"), or "
+                                      : "";
     throw hiddenMotion("subdomain " + number + ": " + error.what() + "; " + precision, matrix, kernel,
                        {{"subdomain", number}});
   }
@@ -270,8 +269,8 @@ void LocalInverses::refactor(const SubdomainSystem& system, const LocalInverseOp
         if (&system.matrix(member) != &matrix)
           throw InputError("subdomains " + number + " and " +
                                std::to_string(system.subdomain(member).number) +
-                               " shared a factorisation, but their new matrices differ; make the inverses "
-                               "anew, or do not share",
+                               " shared a factorisation, but their new matrices differ; create new inverses "
+                               "or switch sharing off",
                            {{"subdomain", number}});
       const auto again = [&] {
         rethrowing(matrix, kernel, options, number, [&] { inverses_[c]->refactor(matrix, kernel); });

@@ -29,7 +29,7 @@ std::string sentence(int code, int detail) {
     return "a phase was called before the one it needs: analyse, factorize and solve in this order";
   case -4:
     return "the given ordering is no permutation (entry " + number +
-           "); give each row a position of its own, or another ordering";
+           "); give each row a unique position or use another ordering";
   case -5:
   case -7:
   case -13:
@@ -37,7 +37,7 @@ std::string sentence(int code, int detail) {
            ", in millions if negative); use more ranks, smaller subdomains or a coarser mesh";
   case -6:
     return "the matrix is structurally singular (structural rank " + number +
-           "); look for a node that no element uses, or a material of zero stiffness";
+           "); check for a node without elements or a material of zero stiffness";
   case -8:
   case -9:
   case -11:
@@ -50,8 +50,8 @@ std::string sentence(int code, int detail) {
     return "its workspace is too small by " + number + " entries even after it was enlarged";
   case -10:
     return "the matrix is numerically singular (" + number +
-           " pivots found); the subdomain has more rigid motions than its kernel says: look for a mechanism, "
-           "a hinge, or parts that are not connected";
+           " pivots found); the subdomain has more zero-energy modes than its kernel: check for a mechanism, "
+           "a hinge or unconnected parts";
   case -16:
     return "the order of the matrix, " + number + ", is out of range";
   case -19:
@@ -60,8 +60,8 @@ std::string sentence(int code, int detail) {
   case -22:
     return "an array (number " + number + ") is missing";
   case -40:
-    return "the matrix is not positive definite; the subdomain has more rigid motions than its kernel says "
-           "(a mechanism, a hinge, parts that are not connected), or a material has a negative stiffness";
+    return "the matrix is not positive definite; the subdomain has more zero-energy modes than its kernel (a "
+           "mechanism, a hinge, unconnected parts) or a material with negative stiffness";
   case -51:
     return "the matrix has too many entries for 32-bit graphs (" + number +
            "); use smaller subdomains, or the ordering \"AMD\"";
