@@ -180,7 +180,7 @@ TEST(MortarPlane, only_surfaces_that_face_each_other_within_reach_count) {
   const Surface away = surfaceOf(
       block(CellType::Quadrilateral4, {0, -0.9, 0}, {3, 1, 0}, {1, 1, 1}, {3, 1, 1}, upperFirst), "top");
   EXPECT_NE(messageOf([&] { mortarPoints(pair.lower, away); }).find("never meet"), std::string::npos);
-  EXPECT_NE(messageOf([&] { mortarPoints(pair.lower, pair.upper, -1.0); }).find("the reach is -1"),
+  EXPECT_NE(messageOf([&] { mortarPoints(pair.lower, pair.upper, -1.0); }).find("invalid reach -1"),
             std::string::npos);
   const Surface space =
       surfaceOf(block(CellType::Hexahedron8, {0, 0, 0}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}), "bottom");

@@ -113,7 +113,7 @@ class SmallContacts(unittest.TestCase):
                     r"forces \S+\): continue with a smaller tolerance",
                 )
                 self.assertLess(summary["reached_tolerance"], 2e-5)
-            self.assertRegex(run.stdout, r"(?m)^ +x +y +z +moment x +moment y +moment z est. error$")
+            self.assertRegex(run.stdout, r"(?m)^ +x +y +z +moment x +moment y +moment z +est\. error$")
 
     def test_meshes_that_do_not_match(self):
         """Against a solution to 1e-11."""
