@@ -49,18 +49,18 @@ void addPlanOptions(CLI::App& cli, CommandLine& line) {
   plan::PlanRequest& request = line.planRequest;
   CLI::Option* plan = cli.add_flag(
       "--plan", line.plan,
-      "Advise on ranks and memory without solving, and stop; with --output also write DIR/plan.json");
-  cli.add_option("--plan-ranks", request.ranks, "Numbers of ranks to compare, as in 1,2,4")
+      "Recommend ranks and memory without solving, then exit; with --output also write DIR/plan.json");
+  cli.add_option("--plan-ranks", request.ranks, "Numbers of ranks to compare, e.g. 1,2,4")
       ->type_name("LIST")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->needs(plan);
-  cli.add_option("--plan-memory", request.memoryMiB, "Memory that a rank may take")
+  cli.add_option("--plan-memory", request.memoryMiB, "Memory limit per rank")
       ->type_name("MIB")
       ->check(CLI::PositiveNumber)
       ->needs(plan);
   cli.add_option("--plan-rates", request.ratesFile,
-                 "Rates of your machine: a JSON file, see docs/clusters.md")
+                 "JSON file with the rates of this machine, see docs/clusters.md")
       ->type_name("FILE")
       ->needs(plan);
 }
@@ -69,35 +69,34 @@ void addPlanOptions(CLI::App& cli, CommandLine& line) {
 // nothing if the run is to go on.
 std::optional<int> parse(int argc, char** argv, const Program& program, bool speaks, CommandLine& line) {
   CLI::App cli(program.description, program.name);
-  cli.add_option("deck", line.deck, "Deck: an XML (or YAML) ParameterList")->type_name("DECK");
+  cli.add_option("deck", line.deck, "Deck: a ParameterList in XML or YAML")->type_name("DECK");
   cli.add_option("--set", line.assignments, "Override a parameter of the deck: \"List/Sublist/Name=value\"")
       ->type_name("PATH=VALUE")
       ->expected(1)
       ->take_all();
-  cli.add_option("--output", line.output, "Directory of the results")->type_name("DIR");
+  cli.add_option("--output", line.output, "Directory for the results")->type_name("DIR");
   if (program.restarts)
-    cli.add_option(
-           "--restart", line.restart,
-           "Go on from the checkpoint in the output directory of an earlier run; without a deck, with "
-           "the deck and the overrides of that run")
+    cli.add_option("--restart", line.restart,
+                   "Continue from the checkpoint in the output directory of an earlier run; if no deck is "
+                   "given, its deck and overrides are used")
         ->type_name("DIR");
-  cli.add_flag("--check", line.check, "Validate the deck, its meshes, materials and contacts, and stop");
+  cli.add_flag("--check", line.check, "Validate the deck, its meshes, materials and contacts, then exit");
   if (program.showsParts)
     cli.add_flag("--parts", line.parts,
-                 "List the boundary parts that effects may name, and stop; with --output also write "
+                 "List the boundary parts available to effects, then exit; with --output also write "
                  "DIR/parts.vtkhdf for harmos-plot --parts");
   if (program.plans)
     addPlanOptions(cli, line);
   cli.add_option("--print-parameters", line.printParameters,
-                 "Print every parameter with type, default, range and meaning, and stop")
+                 "Print every parameter with type, default, range and meaning, then exit")
       ->type_name("text|xml|markdown")
       ->expected(0, 1)
       ->default_str("text");
   if (program.effects != nullptr)
     cli.add_flag("--list-effects", line.listEffects,
-                 "Print the effects that a deck may name, with their parameters, and stop");
+                 "Print the available effects with their parameters, then exit");
   cli.add_flag("--quiet", line.quiet, "Print errors only");
-  cli.add_flag("--version", line.version, "Print the version and stop");
+  cli.add_flag("--version", line.version, "Print the version, then exit");
   try {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -238,7 +237,7 @@ int runDeck(const Application& application, const ProgramContext& context) {
   }
   run::writeSummary(*comm, options, report);
   const bool hasSteps = scene.timeline.hasSteps();
-  log.info("Results are in \"" + options.outputDirectory + "\": summary.json, iterations.csv" +
+  log.info("Results in \"" + options.outputDirectory + "\": summary.json, iterations.csv" +
            (report.isInterrupted() ? ", checkpoint.h5" : "") + (hasSteps ? ", steps.csv" : "") +
            (!options.writeFields      ? ""
             : hasSteps                ? seriesOf(options.outputDirectory)
@@ -359,7 +358,7 @@ int main(int argc, char** argv, const Program& program) {
     if (const int width = speaks ? terminalWidth() : 0; width > 0)
       log.showStatus(width);
     if (line.deck.empty())
-      throw InputError("command line: no deck was given; usage: " + program.name + " [OPTIONS] DECK");
+      throw InputError("command line: no deck given; usage: " + program.name + " [OPTIONS] DECK");
     log.info("Harmos " + version() + " (" + gitHash() + "), " + program.name + " \"" + line.deck + "\"");
     return program.run({comm, line, log, begin});
   } catch (const Error& error) {

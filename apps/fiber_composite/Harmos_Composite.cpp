@@ -142,8 +142,8 @@ std::vector<Cell> scatteredCells(const Sample& sample) {
     const double reach = std::max(std::abs(cell.centre[0]), std::abs(cell.centre[1])) + cell.radius;
     if (reach > 0.48 * cell.size)
       throw InputError("the fibre of cell " + std::to_string(k) + " (radius " + scientific(cell.radius, 4) +
-                           ") comes closer to the side of its cell than a fiftieth of it; reduce "
-                           "\"Volume fraction\", \"Radius scatter\" or \"Offset scatter\"",
+                           ") is closer to the side of its cell than 1/50 of its length; reduce \"Volume "
+                           "fraction\", \"Radius scatter\" or \"Offset scatter\"",
                        {{"cell", std::to_string(k)}});
     cells.push_back(cell);
   }

@@ -110,8 +110,8 @@ Sample sampleOf(const Teuchos::ParameterList& deck) {
   sample.slipBound = model.get<double>("Slip bound");
   sample.frictionCoefficient = model.get<double>("Coefficient of friction");
   if (sample.slipBound > 0.0 && sample.frictionCoefficient > 0.0)
-    throw InputError("\"Model/Slip bound\" and \"Model/Coefficient of friction\" are given, which are two "
-                     "laws of friction; leave out one of them",
+    throw InputError("\"Model/Slip bound\" and \"Model/Coefficient of friction\" are two laws of friction; "
+                     "give one of them",
                      {{"path", "Model/Slip bound"}});
   sample.load = load == "stretch"       ? Sample::Load::Stretch
                 : load == "compression" ? Sample::Load::Compression

@@ -98,8 +98,8 @@ void noteLocking(const scene::Body& body, scene::Physics physics, fem::CellType 
   if (body.dilatation == fem::Dilatation::Projected && shape.isSimplex && shape.order == 1 &&
       physics != scene::Physics::PlaneStress)
     notes.push_back("Body \"" + body.name + "\": a " + shape.name +
-                    " is too stiff (locks) near incompressibility, projected or not; use elements of second "
-                    "order, or quadrilaterals or hexahedra");
+                    " locks near incompressibility even with projected dilatation; use second-order "
+                    "elements, quadrilaterals or hexahedra");
 }
 
 fem::PartitionOptions partitionOptions(const ParameterList& list) {
@@ -133,10 +133,9 @@ std::string listed(const std::vector<int>& parts) {
 // As files have them that were made of several solids, or whose nodes were not merged.
 void notePieces(const std::string& name, const fem::Mesh& mesh, std::vector<std::string>& notes) {
   if (const int pieces = fem::numberOfPieces(mesh); pieces > 1)
-    notes.push_back(
-        "Body \"" + name + "\" is in " + std::to_string(pieces) +
-        " pieces that share no node, so that nothing in it holds them together; if they should be one, "
-        "merge the nodes where the mesh is made, or else make each a body and tie them");
+    notes.push_back("Body \"" + name + "\" is in " + std::to_string(pieces) +
+                    " pieces without common nodes, which nothing couples. Merge the nodes in the mesh "
+                    "generator, or make each piece a body and tie them");
 }
 
 // Ragged parts cost iterations, each some, and nothing else tells of them.
@@ -156,10 +155,10 @@ void noteRagged(const std::string& name, const fem::Partition& partition, fem::P
   std::ostringstream text;
   text << std::fixed << std::setprecision(2) << "Body \"" << name << "\": " << ragged.size() << " of "
        << partition.parts << " parts " << (one ? "is" : "are") << " ragged (" << listed(ragged)
-       << "), held together by a neck of " << least << (one ? "" : " or more") << " where " << fem::raggedNeck
-       << " would do, and may cost iterations; "
-       << (isCompact ? "another \"Partition seed\" or number of \"Subdomains\" gives another cut"
-                     : "\"Partition\" = \"compact\" rounds parts off");
+       << "), narrowest neck " << least << ", recommended at least " << fem::raggedNeck
+       << "; this can cost iterations: "
+       << (isCompact ? "try another \"Partition seed\" or number of \"Subdomains\""
+                     : "use \"Partition\" = \"compact\" for rounder parts");
   notes.push_back(text.str());
 }
 
@@ -192,11 +191,11 @@ std::size_t placeIn(const fem::CutMeshFile& cut, const std::string& name, const 
   const auto place = static_cast<std::size_t>(found - names.begin());
   const int subdomains = list.get<int>("Subdomains");
   if (!texts(list, "Groups").empty() || (subdomains != 1 && subdomains != cut.bodies()[place].subdomains))
-    throw InputError("\"" + path +
-                         "\" has \"Groups\" or \"Subdomains\", but the mesh file is cut already, into " +
-                         std::to_string(cut.bodies()[place].subdomains) +
-                         " subdomains; leave them out, or cut it anew by harmos-mesh",
-                     {{"path", path}});
+    throw InputError(
+        "\"" + path + "\" has \"Groups\" or \"Subdomains\", but the mesh file is already partitioned into " +
+            std::to_string(cut.bodies()[place].subdomains) +
+            " subdomains; remove them or partition it again with harmos-mesh",
+        {{"path", path}});
   return place;
 }
 
@@ -225,7 +224,7 @@ void readBodies(const DeckContext& context, int dimension, const std::vector<std
   const std::string file = meshFileOf(context);
   if (file.empty())
     throw InputError("\"Model/Mesh file\" is empty, but body \"" + scene.bodies[which.front()].name +
-                         "\" is to come from a file; name it, or choose another \"Source\"",
+                         "\" has the source \"file\"; give the file or choose another \"Source\"",
                      {{"path", "Model/Mesh file"}});
   context.log.info("Reading the mesh file \"" + context.deck.sublist("Model").get<std::string>("Mesh file") +
                    "\"");
@@ -369,7 +368,7 @@ void addBodies(const DeckContext& context, scene::Scene& scene) {
       if (materials.size() != 1 && materials.size() != regions)
         throw InputError("\"Bodies/" + name + "/Materials\" names " + std::to_string(materials.size()) +
                              " materials for " + std::to_string(regions) +
-                             " regions; name one for all or one for each",
+                             " regions; name one for all or one per region",
                          {{"path", "Bodies/" + name + "/Materials"}});
       for (std::size_t r = 0; r < regions; ++r)
         body.materials.push_back(
@@ -383,7 +382,7 @@ void addBodies(const DeckContext& context, scene::Scene& scene) {
     scene.bodies.push_back(std::move(body));
   }
   if (scene.bodies.empty())
-    throw InputError("\"Bodies\" is empty; a scene needs a body", {{"path", "Bodies"}});
+    throw InputError("\"Bodies\" is empty; add at least one body", {{"path", "Bodies"}});
   if (cut)
     takeBodies(context, cut, fromFile, scene, firstNode);
   else if (!fromFile.empty())

@@ -34,13 +34,13 @@ struct RuleList {
       return std::nullopt;
     if (array.size() != 3)
       throw fault(path + "/" + name,
-                  "has " + std::to_string(array.size()) + " numbers; a place or direction has three");
+                  "has " + std::to_string(array.size()) + " numbers; points and directions have three");
     return fem::Point{array[0], array[1], array[2]};
   }
   std::optional<fem::Point> direction(const std::string& name) const {
     const std::optional<fem::Point> x = point(name);
     if (x && norm(*x) == 0.0)
-      throw fault(path + "/" + name, "is zero; a direction has a length");
+      throw fault(path + "/" + name, "is a zero vector; give a nonzero direction");
     return x;
   }
   // Two that make sense together alone.
@@ -63,13 +63,13 @@ fem::BoundaryRule ruleFrom(const RuleList& given, const std::string& name) {
     rule.box = fem::Box{low.value_or(fem::Point{-far, -far, -far}), high.value_or(fem::Point{far, far, far})};
     for (std::size_t d = 0; d < 3; ++d)
       if (rule.box->low[d] > rule.box->high[d])
-        throw fault(given.path + "/Box from", "lies beyond \"Box to\"; exchange them");
+        throw fault(given.path + "/Box from", "lies beyond \"Box to\"; swap them");
   }
   const double angle = given.list.get<double>("Angle");
   if (const auto normal = given.direction("Normal"))
     rule.direction = fem::BoundaryRule::Direction{*normal, angle};
   else if (angle != usualAngle)
-    throw fault(given.path + "/Angle", "is given without \"Normal\", the direction from which it is taken");
+    throw fault(given.path + "/Angle", "is given without \"Normal\", its reference direction");
   const auto planePoint = given.point("Plane point"), planeNormal = given.direction("Plane normal");
   given.requireBoth(planePoint.has_value(), "Plane point", planeNormal.has_value(), "Plane normal");
   if (planePoint)
@@ -124,13 +124,12 @@ void addBoundaryRules(const ParameterList& deck, scene::Scene& scene) {
     if (name.empty() || std::any_of(name.begin(), name.end(), isOdd))
       throw fault("Boundary parts",
                   "has a part \"" + name +
-                      "\" with an empty name, a slash, which parts bodies from parts, or an "
-                      "end of line in it; take another name");
+                      "\" whose name is empty or contains a slash or a line break; use another name");
     scene.boundaryRules.push_back(ruleFrom({parts.sublist(name), path}, name));
     for (const std::string& body : scene.boundaryRules.back().bodies)
       if (std::find(bodies.begin(), bodies.end(), body) == bodies.end())
         throw fault(path + "/Bodies",
-                    "names the body \"" + body + "\", which is not there" + offer(body, bodies));
+                    "names the body \"" + body + "\", which does not exist" + offer(body, bodies));
   }
 }
 

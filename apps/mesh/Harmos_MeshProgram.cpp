@@ -48,45 +48,46 @@ std::pair<std::string, std::string> halves(const std::string& text) {
 }
 
 std::optional<int> parse(int argc, char** argv, Request& request) {
-  CLI::App cli("Reads a mesh (.msh, .vtk, .vtu, .mesh, .bdf, .unv) or a geometry (.geo, .step: meshed "
-               "first), reports what it holds, "
-               "and cuts it "
-               "into subdomains: decks name the file that is written as \"Model/Mesh file\"",
-               "harmos-mesh");
+  CLI::App cli(
+      "Reads a mesh (.msh, .vtk, .vtu, .mesh, .bdf, .unv) or meshes a geometry (.geo, .step), reports its "
+      "contents and partitions it into subdomains. A deck reads the output file by \"Model/Mesh file\"",
+      "harmos-mesh");
   cli.add_option("file", request.file, "Mesh or geometry")->type_name("FILE");
-  cli.add_option("--output", request.output, "The cut mesh; none: report only")->type_name("FILE.h5");
-  cli.add_option(
-         "--body", request.bodies,
-         "A body, by the name of its group or with the groups that make it up, each a region: \"ring\", "
-         "\"ring=steel,rubber\"; none: each group of the highest dimension is one")
+  cli.add_option("--output", request.output, "Output file with the partitioned mesh; without it, report only")
+      ->type_name("FILE.h5");
+  cli.add_option("--body", request.bodies,
+                 "A body: the name of its group, or a name and its groups, each a region: \"ring\", "
+                 "\"ring=steel,rubber\". Default: each group of the highest dimension is a body")
       ->type_name("NAME[=GROUP,...]")
       ->expected(1)
       ->take_all();
-  cli.add_option("--subdomains", request.subdomains, "Of all bodies together, by their numbers of cells")
+  cli.add_option("--subdomains", request.subdomains,
+                 "Total number of subdomains, distributed over the bodies by their numbers of cells")
       ->check(CLI::Range(1, 100000000));
-  cli.add_option("--cut", request.perBody, "Subdomains of one body: \"ring=24\"")
+  cli.add_option("--cut", request.perBody, "Number of subdomains of one body: \"ring=24\"")
       ->type_name("NAME=NUMBER")
       ->expected(1)
       ->take_all();
-  cli.add_option("--partition", request.partition, "How bodies are cut")
+  cli.add_option("--partition", request.partition, "Partitioning method")
       ->check(CLI::IsMember({"compact", "METIS"}));
-  cli.add_option("--partition-seed", request.seed, "Another one gives another cut, as good")
+  cli.add_option("--partition-seed", request.seed,
+                 "Seed of the partitioner; other seeds give other partitions of equal quality")
       ->check(CLI::Range(0, 1000000));
   cli.add_option("--dimension", request.dimension,
-                 "Of the bodies; not given: 3 if the file has cells or shapes of it, else 2")
+                 "Dimension of the bodies; default: 3 if the file has cells or shapes of dimension 3, else 2")
       ->check(CLI::IsMember({2, 3}));
-  cli.add_option("--size", request.meshing.size, "Of a geometry: the longest edge of its cells, about")
+  cli.add_option("--size", request.meshing.size, "Geometries: approximate longest cell edge")
       ->type_name("LENGTH")
       ->check(CLI::Range(1e-100, 1e100));
   cli.add_option("--per-circle", request.meshing.perCircle,
-                 "Of a geometry: edges of cells around a full circle, where it is curved")
+                 "Geometries: number of cell edges per full circle on curved parts")
       ->type_name("NUMBER")
       ->check(CLI::Range(3, 100000));
   cli.add_option("--order", request.meshing.order,
-                 "Of a geometry: 1 or 2, as cells of 4 or of 10 nodes are tetrahedra")
+                 "Geometries: order of the cells, 1 or 2 (tetrahedra of 4 or 10 nodes)")
       ->check(CLI::IsMember({1, 2}));
   bool version = false;
-  cli.add_flag("--version", version, "Print the version and stop");
+  cli.add_flag("--version", version, "Print the version, then exit");
   try {
     cli.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -103,19 +104,18 @@ std::optional<int> parse(int argc, char** argv, Request& request) {
     return done;
   }
   if (request.file.empty()) {
-    std::cerr << "error: command line: no file was given; usage: harmos-mesh [OPTIONS] FILE\n";
+    std::cerr << "error: command line: no file given; usage: harmos-mesh [OPTIONS] FILE\n";
     return badInput;
   }
   if (fem::CutMeshFile::isOne(request.file)) {
-    std::cerr
-        << "error: \"" << request.file
-        << "\" is cut already: decks name it as \"Model/Mesh file\". To cut anew, give the mesh it was made "
-           "of\n";
+    std::cerr << "error: \"" << request.file
+              << "\" is already partitioned; a deck reads it by \"Model/Mesh file\". Give the original mesh "
+                 "to partition it again\n";
     return badInput;
   }
   if (!request.output.empty() && !fem::CutMeshFile::isOne(request.output)) {
     std::cerr << "error: command line: --output \"" << request.output
-              << "\" does not end with \".h5\", by which decks know a mesh that is cut\n";
+              << "\" does not end with \".h5\", the suffix of partitioned meshes\n";
     return badInput;
   }
   return std::nullopt;
@@ -126,11 +126,11 @@ std::vector<fem::GmshBody> bodiesOf(const Request& request) {
   for (const std::string& text : request.bodies) {
     const auto [name, groups] = halves(text);
     if (name.empty())
-      throw InputError("command line: --body \"" + text + "\" has no name before its groups");
+      throw InputError("command line: --body \"" + text + "\" has no body name before its groups");
     for (const fem::GmshBody& other : bodies)
       if (other.name == name)
         throw InputError("command line: --body names \"" + name +
-                         "\" twice; a deck could not tell the two apart");
+                         "\" twice; give each body a name of its own");
     fem::GmshBody body{name, {}};
     std::istringstream list(groups.empty() ? name : groups);
     for (std::string group; std::getline(list, group, ',');)
@@ -145,7 +145,7 @@ int numberIn(const std::string& text, const std::string& option) {
   const long number = std::strtol(text.c_str(), &end, 10);
   if (text.empty() || *end != '\0' || number < 1 || number > 1000000)
     throw InputError("command line: " + option +
-                     " wants a number of subdomains, from 1 to 1000000, after \"=\"");
+                     " needs a number of subdomains from 1 to 1000000 after \"=\"");
   return static_cast<int>(number);
 }
 
@@ -166,8 +166,7 @@ std::vector<int> subdomainsOf(const Request& request, const std::vector<fem::Bod
     const auto [name, number] = halves(text);
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end())
-      throw InputError("command line: --cut names the body \"" + name + "\", which is not there" +
-                       offer(name, names));
+      throw InputError("command line: --cut names the unknown body \"" + name + "\"" + offer(name, names));
     wanted[static_cast<std::size_t>(found - names.begin())] = numberIn(number, "--cut \"" + name + "\"");
   }
   return wanted;
@@ -203,7 +202,7 @@ int work(int argc, char** argv, const Request& request) {
   const Tpetra::ScopeGuard guard(&argc, &argv);
   try {
     if (Tpetra::getDefaultComm()->getSize() > 1)
-      throw InputError("harmos-mesh is one process: start it without mpirun");
+      throw InputError("harmos-mesh is a serial program; start it without mpirun");
     std::vector<fem::BodyMesh> meshes =
         fem::readGmsh(request.file, bodiesOf(request), request.dimension, request.meshing);
     std::cout << reportOf(meshes) << std::flush;
@@ -214,8 +213,8 @@ int work(int argc, char** argv, const Request& request) {
     std::cerr << "error: " << error.what() << "\n";
     return error.kind() == Error::Kind::Internal ? internalError : badInput;
   } catch (const std::bad_alloc&) {
-    std::cerr << "error: there is not enough memory for \"" << request.file
-              << "\": it is too large for this machine, or damaged\n";
+    std::cerr << "error: out of memory while reading \"" << request.file
+              << "\"; the file is too large for this machine or damaged\n";
     return badInput;
   } catch (const std::exception& error) {
     std::cerr << "error: " << error.what() << "\n";
@@ -248,7 +247,7 @@ int meshMain(int argc, char** argv) {
   }
   int status = 0;
   if (child < 0 || waitpid(child, &status, 0) < 0) {
-    std::cerr << "error: no process could be started to read \"" << request.file << "\"\n";
+    std::cerr << "error: cannot start a process to read \"" << request.file << "\"\n";
     return internalError;
   }
   if (WIFEXITED(status))
@@ -258,12 +257,12 @@ int meshMain(int argc, char** argv) {
   if (WTERMSIG(status) == SIGKILL) {
     std::cerr
         << "error: the process that read \"" << request.file
-        << "\" was killed, as happens where memory is short: ask for larger cells, or a machine with more\n";
+        << "\" was killed, probably for lack of memory; use larger cells or a machine with more memory\n";
     return badInput;
   }
   std::cerr
-      << "error: Gmsh did not survive \"" << request.file << "\" (signal " << WTERMSIG(status)
-      << "): it is damaged, or asks for what Gmsh cannot do. Open the file in Gmsh to see where it fails\n";
+      << "error: Gmsh crashed on \"" << request.file << "\" (signal " << WTERMSIG(status)
+      << "): the file is damaged or uses an unsupported feature. Open it in Gmsh to locate the failure\n";
   return badInput;
 }
 

@@ -145,10 +145,10 @@ std::string reportOf(const std::vector<fem::BodyMesh>& bodies) {
     const Point at = body.mesh.local(body.mesh.cell(quality.worst)[0]);
     text << "Body \"" << body.name << "\": " << body.mesh.numberOfNodes() << " nodes, "
          << body.mesh.numberOfCells() << " cells (" << fem::shapeOf(body.mesh.cellType).name << "), quality "
-         << quality.mean << " in the mean, " << quality.least << " at (" << at[0] << ", " << at[1] << ", "
+         << quality.mean << " mean, " << quality.least << " minimum at (" << at[0] << ", " << at[1] << ", "
          << at[2] << ")\n";
     if (const int pieces = fem::numberOfPieces(body.mesh); pieces > 1)
-      text << "  in " << pieces << " pieces that share no node: nothing but effects can hold them together\n";
+      text << "  in " << pieces << " pieces without common nodes: only effects can couple them\n";
     for (const auto& [name, sides] : body.sides)
       text << "  part \"" << name << "\": " << sides.size() << " sides, "
            << (body.mesh.dimension() == 2 ? "length " : "area ") << fem::textOf(geometryOf(body, sides))
@@ -160,10 +160,10 @@ std::string reportOf(const std::vector<fem::BodyMesh>& bodies) {
       if (++told <= most)
         text << "  nodes \"" << name << "\": " << nodes.size() << "\n";
     if (told > most)
-      text << "  and nodes of " << told - most << " other names\n";
+      text << "  and node sets of " << told - most << " other names\n";
   }
   for (const TouchingParts& pair : touchingParts(bodies))
-    text << "At each other: " << pair.first << " and " << pair.second << " (" << pair.facets << " of "
+    text << "Facing surfaces: " << pair.first << " and " << pair.second << " (" << pair.facets << " of "
          << pair.of << " sides)\n";
   return text.str();
 }

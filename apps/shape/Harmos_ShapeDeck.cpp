@@ -126,7 +126,7 @@ std::set<int> surfacesIn(const scene::Scene& scene, const Teuchos::ParameterList
     const auto found = std::find(paths.begin(), paths.end(), name);
     if (std::find(known.begin(), known.end(), name) == known.end())
       throw InputError("\"" + path + "/Contacts\" names \"" + name +
-                           "\", which is no contact or obstacle of the scene" + offer(name, known),
+                           "\", which is not a contact or obstacle of the scene" + offer(name, known),
                        {{"path", path + "/Contacts"}});
     chosen.insert(static_cast<int>(found - paths.begin()));
   }
@@ -136,7 +136,7 @@ std::set<int> surfacesIn(const scene::Scene& scene, const Teuchos::ParameterList
 fem::Point directionIn(const Teuchos::ParameterList& list, const std::string& path) {
   const fem::Point direction = effects::pointIn(list, "Direction");
   if (!(std::hypot(direction[0], direction[1], direction[2]) > 0.0))
-    throw InputError("\"" + path + "/Direction\" has no length; give a vector of any other length",
+    throw InputError("\"" + path + "/Direction\" is a zero vector; give a nonzero vector",
                      {{"path", path + "/Direction"}});
   return direction;
 }
@@ -195,16 +195,16 @@ void readCost(const Teuchos::ParameterList& list, const scene::Scene& scene, Sha
 ShapeDeck ShapeDeck::fromDeck(const Teuchos::ParameterList& deck, const scene::Scene& scene) {
   const Teuchos::ParameterList& list = deck.sublist("Shape");
   if (scene.goesInSteps())
-    throw InputError("a shape is designed for one state: leave \"Steps\" and adhesion out of the deck");
+    throw InputError("a shape is designed for one static state; remove \"Steps\" and adhesion from the deck");
   if (!scene.hasInequalities())
-    throw InputError("the scene has no contact whose surface could be designed; add \"Effects/Contact\" or "
-                     "\"Effects/Obstacle\"");
+    throw InputError(
+        "the scene has no contact surface to design; add \"Effects/Contact\" or \"Effects/Obstacle\"");
   ShapeDeck result;
   readDesign(list.sublist("Design"), scene, result);
   readCost(list.sublist("Cost"), scene, result);
   result.volume = numbersIn(list.sublist("Constraints"), "Volume");
   if (result.volume.size() > 2 || (result.volume.size() == 2 && result.volume[0] > result.volume[1]))
-    throw InputError("\"Shape/Constraints/Volume\" is neither a value nor the least and the most",
+    throw InputError("\"Shape/Constraints/Volume\" needs one value or a minimum and a maximum",
                      {{"path", "Shape/Constraints/Volume"}});
   result.mostEvaluations = list.sublist("Limits").get<int>("Evaluations");
   result.mostSeconds = list.sublist("Limits").get<double>("Seconds");
@@ -244,7 +244,7 @@ sensitivity::TensorSplineBasis ShapeDeck::basis(const scene::Scene& scene, const
     chosen = order;
   }
   if (chosen.size() > 2)
-    throw InputError("\"Shape/Design/Axes\" names three axes; splines lie along one or two",
+    throw InputError("\"Shape/Design/Axes\" names three axes; give one or two",
                      {{"path", "Shape/Design/Axes"}});
   std::vector<sensitivity::SplineBasis> bases;
   for (std::size_t k = 0; k < chosen.size(); ++k) {
@@ -265,7 +265,7 @@ sensitivity::DesignSpace ShapeDeck::space(const std::vector<double>& weights) co
     if (given.size() > 1 && given.size() != weights.size())
       throw InputError("\"Shape/Design/" + name + "\" has " + std::to_string(given.size()) +
                            " numbers, but the design " + std::to_string(weights.size()) +
-                           "; give one for all, or one each",
+                           "; give one for all or one each",
                        {{"path", "Shape/Design/" + name}});
     return given.size() == weights.size()
                ? given

@@ -65,7 +65,7 @@ int work(const app::ProgramContext& context) {
   run::checkConsistency(scene, options);
   if (options.toleranceRule != run::ToleranceRule::Fixed)
     throw InputError(
-        "\"Solver/Tolerance rule\" = \"balanced\" gives each design another tolerance; use \"fixed\"",
+        "\"Solver/Tolerance rule\" = \"balanced\" would change the tolerance with the design; use \"fixed\"",
         {{"path", "Solver/Tolerance rule"}});
   // Before anything is solved; volumes are linear in all designs.
   rol::completeOptions(deck.sublist("Shape").sublist("Optimiser"), false);
@@ -87,8 +87,8 @@ int work(const app::ProgramContext& context) {
   for (const auto& [name, value] : report.results)
     log.info(name + ": " + scientific(value, 6));
   run::writeSummary(*comm, options, report);
-  log.info("Results are in \"" + options.outputDirectory + "\"; harmos-plot " + options.outputDirectory +
-           " --shape draws them");
+  log.info("Results in \"" + options.outputDirectory + "\"; plot with harmos-plot " +
+           options.outputDirectory + " --shape");
   if (report.isInterrupted() && report.checkpointFault.empty()) {
     log.warning(report.reason);
     return exitInterrupted;

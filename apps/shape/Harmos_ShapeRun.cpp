@@ -265,7 +265,7 @@ void ShapeRun::restore() {
   checkpoint->restore(run::rowBasis(*solver_->problem()),
                       [&](qp::StateArchive<MultiVector>& archive) { exchange(archive); });
   record_->setRefusals(checkpoint->text("refusals"));
-  log_.info("Going on from \"" + report_.restartedFrom + "\": what it holds is not computed again");
+  log_.info("Restart from \"" + report_.restartedFrom + "\": stored results are reused");
 }
 
 // Answers, and where the next solution starts: without that it would differ from that of a run that was not
@@ -287,16 +287,16 @@ void ShapeRun::askBefore() {
   const bool isDue =
       options_.checkpoint.minutes > 0.0 && now - lastSave_ >= 60.0 * options_.checkpoint.minutes;
   if (told == run::Told::Stop)
-    throw Halt{true, qp::toString(qp::Reason::Interrupted) + ": the program was told to stop"};
+    throw Halt{true, qp::toString(qp::Reason::Interrupted) + ": stop requested"};
   if (told == run::Told::Save || isDue) {
     save();
     lastSave_ = now;
   }
   if (deck_.mostEvaluations > 0 && record_->values() >= deck_.mostEvaluations)
     throw Halt{false,
-               "\"Shape/Limits/Evaluations\", " + std::to_string(deck_.mostEvaluations) + ", are spent"};
+               "\"Shape/Limits/Evaluations\", " + std::to_string(deck_.mostEvaluations) + ", are used up"};
   if (deck_.mostSeconds > 0.0 && now > deck_.mostSeconds)
-    throw Halt{false, "\"Shape/Limits/Seconds\", " + scientific(deck_.mostSeconds) + ", are over"};
+    throw Halt{false, "\"Shape/Limits/Seconds\", " + scientific(deck_.mostSeconds) + ", are used up"};
 }
 
 // Iterates of the method that the one for constraints that are not linear calls have no gradient norm of
@@ -316,7 +316,7 @@ void ShapeRun::accepted(const rol::Iterate& iterate) {
     text << ", |gradient| " << scientific(norm);
   text << ", " << record_->values() << " evaluations";
   if (!deck_.volume.empty())
-    text << ", constraint missed by " << scientific(iterate.violation, 0);
+    text << ", constraint violation " << scientific(iterate.violation, 0);
   log_.info(text.str());
   if (!record_->isRecalling()) {
     writeHistory();
@@ -396,7 +396,7 @@ rol::Outcome ShapeRun::minimised() {
   int iterations = 0;
   for (int round = 0; round < mostRounds && !start.empty(); ++round) {
     if (round > 0)
-      log_.info("Points of this design are open: they are closed, and the optimiser begins again");
+      log_.info("Points of this design are open: they are closed and the optimiser restarts");
     std::vector<double> closed;
     const rol::Outcome outcome = minimisedFrom(start, round + 1 < mostRounds ? &closed : nullptr);
     iterations += outcome.iterations;
@@ -433,7 +433,7 @@ void ShapeRun::optimise() {
         history_.empty() ? std::numeric_limits<double>::quiet_NaN() : history_[bestRow_].gradientNorm;
     outcome.violation = history_.empty() ? 0.0 : history_[bestRow_].violation;
     outcome.iterations = history_.empty() ? 0 : history_.back().iteration;
-    report_.reason = halt.reason + "; go on with --restart \"" + options_.outputDirectory + "\"";
+    report_.reason = halt.reason + "; continue with --restart \"" + options_.outputDirectory + "\"";
     report_.solved = true;
     save();
     if (halt.isSignal) {
@@ -448,8 +448,8 @@ void ShapeRun::optimise() {
     throw;
   }
   if (record_->forgotten() > 0)
-    log_.info("The optimiser has asked for other designs than before: " +
-              std::to_string(record_->forgotten()) + " answers of the checkpoint were of no use");
+    log_.info("Different designs than before the restart: " + std::to_string(record_->forgotten()) +
+              " solutions of the checkpoint not used");
   conclude(outcome);
 }
 

@@ -147,8 +147,8 @@ int runStudy(const app::ProgramContext& context) {
   });
   const std::vector<Setting> todo = missing(*comm, plan, table.get(), all);
   log.info(std::to_string(all.size()) + " settings, " + std::to_string(plan.repetitions) +
-           " repetitions each or more; " + std::to_string(all.size() - todo.size()) +
-           " are in the table already and not run again");
+           " or more repetitions each; " + std::to_string(all.size() - todo.size()) +
+           " already in the table and not repeated");
   ErrorJudge judge(comm, plan, log);
   if (!todo.empty())
     judge.referenceErrors(); // here, so that it does not count for the time that is left
@@ -164,7 +164,7 @@ int runStudy(const app::ProgramContext& context) {
     try {
       parts = judge.partsOf(todo[k], outcome);
     } catch (const NumericalError& error) { // on all ranks: a tight run has no solution
-      outcome.reason += std::string("; its errors are not known: ") + error.what();
+      outcome.reason += std::string("; errors unknown: ") + error.what();
     }
     const Row row = rowOf(plan, todo[k], outcome, parts, reference);
     agree(*comm, [&] {
@@ -188,10 +188,10 @@ int runStudy(const app::ProgramContext& context) {
                                [](const Point& point) { return point.converged; });
     drawn = plan.charts && drawCharts(plan.output, log);
   });
-  log.info("Results are in \"" + plan.output + "\": study.csv, study.json" +
+  log.info("Results in \"" + plan.output + "\": study.csv, study.json" +
            (drawn ? ", charts as PNG and SVG" : ""));
   if (globalMax(*comm, anyConverged ? 1LL : 0LL) == 0) {
-    log.error("no run of the study converged; the table says why");
+    log.error("no run of the study converged; see the reasons in the table");
     return 1;
   }
   return 0;

@@ -37,7 +37,7 @@ bool drawCharts(const std::string& directory, const Log& log) {
     if (succeeds(python + " " + quoted(tool) + " " + quoted(directory) + " > /dev/null"))
       return true;
   }
-  log.info("The charts are not drawn (Python with Matplotlib is needed): harmos-study-plot " +
+  log.info("No charts (Python with Matplotlib is missing); draw them with harmos-study-plot " +
            quoted(directory));
   return false;
 }

@@ -70,8 +70,8 @@ ErrorJudge::Tight ErrorJudge::tightRun(std::vector<std::string> assignments, con
       return {outcome.run, tolerance};
     reason = outcome.reason;
   }
-  throw NumericalError(what + " has no solution, not even to a tolerance of " + scientific(loosest, 0) +
-                       ": " + reason);
+  throw NumericalError(what + " did not converge even to a tolerance of " + scientific(loosest, 0) + ": " +
+                       reason);
 }
 
 void ErrorJudge::makeReference() {
@@ -100,13 +100,12 @@ void ErrorJudge::makeReference() {
   own_[5] = std::max(own_[5], grainOf(*reference_, norms_.stickArea, [](const run::ContactState& state) {
                        return state.friction == run::Friction::Sticks;
                      }));
-  log_.info("Reference solved to " + scientific(finest.tolerance, 0) +
-            ". Its own relative errors, by estimate:");
+  log_.info("Reference solved to tolerance " + scientific(finest.tolerance, 0) +
+            ". Estimated relative errors of the reference:");
   for (std::size_t k = 0; k < measuresOf(plan_); ++k)
     if (std::isfinite(own_[k]))
-      log_.info("  " + measureTitles[k] + ": " + scientific(own_[k], 1) +
-                " (the next coarser mesh is off by " + scientific(first[k], 1) + ", the one after by " +
-                scientific(second[k], 1) + ")");
+      log_.info("  " + measureTitles[k] + ": " + scientific(own_[k], 1) + " (next coarser mesh: " +
+                scientific(first[k], 1) + ", the one after: " + scientific(second[k], 1) + ")");
 }
 
 const Errors& ErrorJudge::referenceErrors() {

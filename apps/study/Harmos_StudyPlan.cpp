@@ -155,7 +155,7 @@ Plan::Plan(const Teuchos::Comm<int>& comm, const app::CommandLine& line) : study
                                             : app::harmosApplication();
   const std::string file = study.get<std::string>("Deck");
   if (file.empty())
-    throw InputError(line.deck + ": \"Study/Deck\" is empty; name a deck of " + name +
+    throw InputError(line.deck + ": \"Study/Deck\" is empty; give a deck of " + name +
                      ", relative to this one");
   deck = file.front() == '/' ? file : app::directoryOf(line.deck) + file;
   repetitions = study.get<int>("Repetitions");
@@ -167,7 +167,8 @@ Plan::Plan(const Teuchos::Comm<int>& comm, const app::CommandLine& line) : study
     char* end = nullptr;
     targets.push_back(std::strtod(text.c_str(), &end));
     if (text.empty() || *end != '\0' || !(targets.back() > 0.0))
-      throw InputError(line.deck + ": \"Study/Targets\" holds \"" + text + "\", which is no positive number");
+      throw InputError(line.deck + ": \"Study/Targets\" holds \"" + text +
+                       "\", which is not a positive number");
   }
   const auto assignmentsOf = [&](const Teuchos::ParameterList& from, const std::string& key) {
     Texts result = textsOf(from, key);
@@ -187,9 +188,8 @@ Plan::Plan(const Teuchos::Comm<int>& comm, const app::CommandLine& line) : study
   coarsest = assignmentsOf(references, "Coarsest");
   for (const Texts* which : {&reference, &coarser, &coarsest})
     if (which->empty())
-      throw InputError(line.deck +
-                       ": the list \"Reference\" needs \"Set\", \"Coarser\" and \"Coarsest\", assignments of "
-                       "three meshes, finest first");
+      throw InputError(line.deck + ": the list \"Reference\" needs \"Set\", \"Coarser\" and \"Coarsest\": "
+                                   "assignments of three meshes, finest first");
   readAxes(list.sublist("Axes"));
 
   const Teuchos::ParameterList basis = readDeck(comm, {});
@@ -240,7 +240,7 @@ void Plan::readAxes(const Teuchos::ParameterList& list) {
     axes.push_back(std::move(axis));
   }
   if (axes.empty())
-    throw InputError(studyDeck + ": the list \"Axes\" is empty; name what is to be varied");
+    throw InputError(studyDeck + ": the list \"Axes\" is empty; add the parameters to vary");
 }
 
 void Plan::checkValues(const Teuchos::Comm<int>& comm) const {

@@ -68,7 +68,7 @@ Table::Table(const Plan& plan, std::vector<std::string> columns)
   if (!std::getline(stream, line))
     return;
   const auto refuse = [&](const std::string& why) {
-    throw InputError("\"" + path_ + "\" " + why + "; name another directory with --output, or remove it",
+    throw InputError("\"" + path_ + "\" " + why + "; use another directory with --output or remove it",
                      {{"file", path_}});
   };
   if (splitCsv(line) != columns_)

@@ -22,7 +22,7 @@ def missing(module, error):
     reason = " ".join(str(error).split())
     return (
         f"{sys.executable} cannot import {module} ({reason}): install Debian's package "
-        f"{PACKAGES.get(module, f'python3-{module}')}, which /usr/bin/python3 sees, or name an interpreter that has it, as in "
+        f"{PACKAGES.get(module, f'python3-{module}')} for /usr/bin/python3, or use an interpreter that has it, as in "
         f"PYTHON {sys.argv[0]} DIR"
     )
 
@@ -45,11 +45,11 @@ def parser_of(text, directory, dpi):
         description=text, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("directory", metavar="DIR", help=directory)
-    parser.add_argument("--output", metavar="DIR2", help="where the pictures go (default: DIR)")
+    parser.add_argument("--output", metavar="DIR2", help="directory for the pictures (default: DIR)")
     parser.add_argument(
-        "--dpi", type=within(10, 1200), default=dpi, help=f"dots an inch (default: {dpi})"
+        "--dpi", type=within(10, 1200), default=dpi, help=f"dots per inch (default: {dpi})"
     )
-    parser.add_argument("--title", default="", help="heading of the pictures (default: none)")
+    parser.add_argument("--title", default="", help="title of the pictures (default: none)")
     return parser
 
 
@@ -74,7 +74,7 @@ def draw(module, options):
         # Files that can be read and hold something else: each may lack anything.
         fault = " ".join(f"{type(error).__name__}: {error}".split())
         print(
-            f"{name}: {options.directory}: its files are not what a finished run leaves behind "
+            f"{name}: {options.directory}: the files are not the output of a finished run "
             f"({fault}); repeat the run",
             file=sys.stderr,
         )

@@ -35,7 +35,7 @@ def read_contact(path):
     try:
         return np.array([[float(cell) for cell in row] for row in rows[1:]]).reshape(-1, 5)
     except ValueError as error:
-        raise PlotError(f"{path}: {error}; is it another program's?") from error
+        raise PlotError(f"{path}: {error}; check that this program wrote it") from error
 
 
 def principal(points):

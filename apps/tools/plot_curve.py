@@ -47,7 +47,7 @@ def read_steps(path):
         ) from error
     rows = [row for row in csv.reader(text[: text.rfind("\n") + 1].splitlines()) if row]
     if len(rows) < 2:
-        raise PlotError(f"{path}: no step in the file; wait for the first, or repeat the run")
+        raise PlotError(f"{path}: no step in the file; wait for the first step or repeat the run")
     header = rows[0]
     for number, row in enumerate(rows[1:], start=2):
         if len(row) != len(header):

@@ -150,7 +150,7 @@ class Look:
 def look_of(solids, scale=None):
     """Looks at all results, which are gone through several times, and may be read anew each time."""
     if len({s.dimension for s in solids}) > 1:
-        raise PlotError("one run is of the plane and the other of space; draw them one by one")
+        raise PlotError("one run is plane and the other in space; plot them separately")
     scale = scale or automatic_scale(solids)
     lows, highs, tops, corners = [], [], [], []
     for solid in solids:
@@ -172,7 +172,7 @@ def plot_deformed(solids, title, caption, look=None, names=("", ""), text=""):
     """The deformed meshes of one or two results in the plane, side by side, on one scale."""
     look = look or look_of(solids)
     if solids[0].dimension == 3:
-        raise PlotError("bodies in space are drawn one by one, by harmos-plot")
+        raise PlotError("bodies in space must be plotted separately, by harmos-plot")
     quantity = colour_values(solids[0])[1]
 
     # Panels of one size and with the same limits, in inches; the figure has their shape.
@@ -260,7 +260,7 @@ def circle(points):
 def contact_polar(solid, body):
     """The contact pressure of a body by the angle around its contact nodes' centre."""
     if solid.dimension != 2:
-        raise PlotError("contact around a body can be drawn in the plane only; use ParaView")
+        raise PlotError("contact around a body can be plotted in the plane only; use ParaView")
     chosen = np.flatnonzero((solid.body_of_point == body) & (solid.active > 0))
     known = np.unique(solid.body_of_point[solid.active > 0]).tolist()
     if len(chosen) == 0:

@@ -54,7 +54,7 @@ def read_series(path):
         raise PlotError(f"{path}: no result in the series; repeat the run")
     for frame in frames:
         if not frame.path.is_file():
-            raise PlotError(f"{path}: names {frame.path.name}, which is not there; repeat the run")
+            raise PlotError(f"{path}: names {frame.path.name}, which does not exist; repeat the run")
     return frames
 
 

@@ -203,6 +203,6 @@ def plot_parts(parts, title):
 def run(options):
     path = Path(options.directory) / "parts.vtkhdf"
     if not path.is_file():
-        raise PlotError(f"{path}: not there; let the application write it: harmos DECK --parts --output DIR")
+        raise PlotError(f"{path}: not found; write it with harmos DECK --parts --output DIR")
     with plt.rc_context(STYLE):
         save(plot_parts(read_with(path, parse_parts), options.title), output_of(options) / "parts.png", options.dpi)

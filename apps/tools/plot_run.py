@@ -159,7 +159,7 @@ def run(options):
     if options.follow:
         follow(directory, output, options.dpi, options.interval, plot_convergence)
     if (directory / "history.csv").exists() and not (directory / "iterations.csv").exists():
-        raise PlotError(f"{directory}: the directory of a run of the program shape; harmos-plot {directory} --shape draws it")
+        raise PlotError(f"{directory}: output of the program shape; plot it with harmos-plot {directory} --shape")
     summary = read_summary(directory / "summary.json")
     table = read_iterations(directory / "iterations.csv")
     frames = frames_of(directory)
@@ -183,8 +183,8 @@ def run(options):
                 save(figure, output / "damage.png", options.dpi)
         else:
             print(
-                f"{directory / 'result.vtkhdf'}: not there (output of fields was off); "
-                "only convergence.png is made",
+                f"{directory / 'result.vtkhdf'}: not found (\"Output/Fields\" was off); "
+                "only convergence.png is drawn",
                 file=sys.stderr,
             )
         figure = plot_convergence(table, summary, options.title, caption_of(summary))

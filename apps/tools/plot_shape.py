@@ -70,7 +70,7 @@ def read_rows(path, columns, remedy):
     header = rows[0] if rows else []
     lacking = [name for name in columns if name not in header]
     if rows and lacking:
-        raise PlotError(f"{path}: no column {', '.join(lacking)}; is it another program's?")
+        raise PlotError(f"{path}: no column {', '.join(lacking)}; check that the program shape wrote it")
     for number, row in enumerate(rows[1:], start=2):
         if len(row) != len(header):
             raise PlotError(f"{path}: row {number} has {len(row)} cells for {len(header)} columns; repeat the run")
@@ -91,7 +91,7 @@ def read_history(path):
     """Columns of history.csv as arrays by name; an empty cell is not a number."""
     history = numbers_of(read_rows(path, HISTORY, "only the program shape writes it, once it has a first design"), path)
     if not len(history["cost"]):
-        raise PlotError(f"{path}: no design in the file; wait for the first, or repeat the run")
+        raise PlotError(f"{path}: no design in the file; wait for the first design or repeat the run")
     return history
 
 
@@ -103,7 +103,7 @@ def read_shape(path):
         raise PlotError(f"{path}: no contact point in the file; repeat the run")
     for name, values in table.items():
         if name != "surface" and not np.isfinite(values).all():
-            raise PlotError(f"{path}: column {name} has values that are not finite; look at the run, it has failed")
+            raise PlotError(f"{path}: column {name} has values that are not finite; check the run, which has failed")
     pairs = {key: np.stack([table[f"{key}_before"], table[f"{key}_after"]]) for key in ("gap", "pressure")}
     before, after = (np.stack([table[f"{k}_{when}"] for k in "xyz"], axis=1) for when in ("before", "after"))
     surfaces = []

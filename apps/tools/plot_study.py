@@ -299,7 +299,7 @@ def iterations(study):
     else:
         axes.set_ylim(bottom=0)
     axes.set_xlabel("relative tolerance of the solver")
-    axes.set_ylabel("products with F")
+    axes.set_ylabel("applications of F")
     axes.set_title("Iterations against tolerance")
     tidy(axes)
     handles = []

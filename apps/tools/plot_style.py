@@ -90,7 +90,7 @@ def output_of(options):
     try:
         output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise PlotError(f"{output}: cannot be made ({error.strerror}); choose another") from error
+        raise PlotError(f"{output}: cannot be created ({error.strerror}); use another directory") from error
     return output
 
 

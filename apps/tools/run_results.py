@@ -222,7 +222,7 @@ def read_iterations(path, growing=False):
         bad = np.flatnonzero(~np.isfinite(table[name]))
         if len(bad):
             raise PlotError(
-                f"{path}: row {bad[0] + 2}, column {name}: no finite number; repeat the run"
+                f"{path}: row {bad[0] + 2}, column {name}: not a finite number; repeat the run"
             )
     table["hessian_applications"] = running(table["hessian_applications"])
     return table
@@ -284,7 +284,7 @@ class Source:
             self.fail(f"dataset /VTKHDF/{name} is missing")
         values = self.root[name][()]
         if length is not None and len(values) != length:
-            self.fail(f"/VTKHDF/{name} has {len(values)} entries where {length} belong")
+            self.fail(f"/VTKHDF/{name} has {len(values)} entries instead of {length}")
         return values
 
     def column(self, name, length):

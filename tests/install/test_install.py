@@ -79,7 +79,7 @@ class Consumer(Installed):
             printed = run(MPIEXEC, "-np", ranks, build / "first_hour").stdout
             self.assertIn("down: converged\n", printed)
             self.assertRegex(
-                printed, r"up: .*nothing to hold it: subdomains 0, 1, 2, 3, 4, 5, 6, 7, 8\n"
+                printed, r"up: .*unconstrained rigid-body mode under load: subdomains 0, 1, 2, 3, 4, 5, 6, 7, 8\n"
             )
             self.assertRegex(printed, r'refused: .*"Solver/Tolerence"; did you mean "Tolerance"')
 
@@ -210,7 +210,7 @@ class Tools(Installed):
                 self.assertRegex(
                     refused.stderr,
                     rf"^{name}: .*/python3 cannot import {module} \(hidden by a test\): install Debian's package "
-                    rf"python3-{module}, which /usr/bin/python3 sees, or name an interpreter that has it, as in "
+                    rf"python3-{module} for /usr/bin/python3, or use an interpreter that has it, as in "
                     rf"PYTHON \S+/{name} DIR\n$",
                 )
 

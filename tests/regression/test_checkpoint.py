@@ -246,7 +246,7 @@ class SameHistory(unittest.TestCase):
                 # On other ranks there are other vectors: with these the solver begins anew.
                 other = restarted(self, cut.directory, 1, sets=sets_on, program="harmos")
                 self.assertAlmostEqual(other.summary["energy"] / plain.summary["energy"], 1.0, delta=1e-3)
-                self.assertEqual("begins anew" in other.stdout, first > made)
+                self.assertEqual("starts again" in other.stdout, first > made)
 
     def test_vectors_that_were_left(self):
         """A run that is asked for more than its vectors let it have has left them: it goes on without, on any ranks."""
@@ -255,7 +255,7 @@ class SameHistory(unittest.TestCase):
         for jump in (1e6, 3e6, 3e5, 1e7):
             deck = inclusions.Inclusions(2, 6, 10, jump, "scattered").write(runs.scratch("inclusions"))
             plain = runs.run(deck, sets, program="harmos")
-            self.assertIn("on without them", plain.stdout)
+            self.assertIn("continue without them", plain.stdout)
             self.assertIn("stagnation", plain.summary["reason"])
             self.assertLess(plain.summary["audit"]["gluing_jump"], 1e-12)
             left = max(int(row["inner"]) for row in plain.iterations() if row["step"] == "start")
@@ -264,7 +264,7 @@ class SameHistory(unittest.TestCase):
                 break
         self.assertGreaterEqual(first, left + 10)
         cut = runs.run(deck, sets | {"Solver/Maximum iterations": first}, program="harmos")
-        self.assertIn("on without them", cut.stdout)
+        self.assertIn("continue without them", cut.stdout)
         for np in (2, 1):
             run = restarted(self, cut.directory, np, 1, {"Solver/Maximum iterations": 10000}, program="harmos")
             self.assertNotIn("daptive", run.stdout)
@@ -283,7 +283,7 @@ class Stopped(unittest.TestCase):
         send(run)
         self.assertEqual(run.end(), 4, run.text())
         text = run.text()
-        self.assertIn("go on with --restart", text)
+        self.assertIn("continue with --restart", text)
         summary = runs.json.loads((run.directory / "summary.json").read_text())
         self.assertFalse(summary["converged"])
         self.assertTrue(summary["reason"].startswith("interrupted"), summary["reason"])
@@ -426,7 +426,7 @@ class Faults(unittest.TestCase):
     def test_no_checkpoint(self):
         run = restarted(self, Path(runs.solved(self, runs.MODEL, SHORT).directory), status=2,
                         words=[runs.MODEL])
-        self.assertIn("there is no checkpoint", run.errors[0])
+        self.assertIn("checkpoint not found", run.errors[0])
 
     def test_earlier_run(self):
         """Its checkpoint is put aside, not lost, and not taken for one of the new run."""
@@ -449,7 +449,7 @@ class Faults(unittest.TestCase):
         status, out, err = runs.execute(command)
         self.assertEqual(status, 2, out + err)
         self.assertIn("cannot be written by all ranks", err)
-        self.assertIn("one that all nodes see", err)
+        self.assertIn("that all nodes share", err)
 
     def test_other_mesh(self):
         """A mesh file that was changed by a ten-thousandth between the two runs."""
@@ -463,7 +463,7 @@ class Faults(unittest.TestCase):
         self.assertIn("0.8", text)
         mesh.write_text(text.replace("0.8", "0.80008"))
         run = restarted(self, cut.directory, status=2, program="harmos")
-        self.assertIn("is of another problem", run.errors[0])
+        self.assertIn("belongs to another problem", run.errors[0])
 
     def test_other_deck(self):
         run = restarted(
@@ -472,7 +472,7 @@ class Faults(unittest.TestCase):
             status=2,
             sets=self.on | {"Model/Elements per subdomain side": 4},
         )
-        self.assertIn("is of another deck", run.errors[0])
+        self.assertIn("belongs to another deck", run.errors[0])
         self.assertIn('"Model/Elements per subdomain side" was 8, is 4', run.errors[0])
         self.assertTrue((run.directory / "checkpoint.h5").is_file())
 

@@ -190,16 +190,16 @@ class Scripts(Place):
         self.assertFalse(self.output.exists())
 
     def test_requests_that_make_no_sense(self):
-        self.refused("--ranks", "0", "--dry-run", message="no list of positive numbers")
-        self.refused("--ranks", "1,2", "--dry-run", message="say --scaling strong or weak")
-        self.refused("--time", "soon", "--dry-run", message='--time "soon" is no time')
+        self.refused("--ranks", "0", "--dry-run", message="not a list of positive numbers")
+        self.refused("--ranks", "1,2", "--dry-run", message="need --scaling strong or --scaling weak")
+        self.refused("--time", "soon", "--dry-run", message='--time "soon" is not a valid time')
         self.refused("--time", "00:05:00", "--dry-run", message="--margin 300 must lie between")
-        self.refused("--job-name", "my job", "--dry-run", message="holds blanks")
-        self.refused("--scaling", "weak", "--dry-run", message="needs a --set that grows")
-        self.refused("--set", "A={ranks.x}", "--dry-run", message="no expression in ranks")
+        self.refused("--job-name", "my job", "--dry-run", message="contains blanks")
+        self.refused("--scaling", "weak", "--dry-run", message="needs a --set that depends on ranks")
+        self.refused("--set", "A={ranks.x}", "--dry-run", message="not an expression in ranks")
         self.refused("--memory", "0", "--dry-run", message="--memory 0 is too small")
-        self.refused("--dry-run", message="there is no deck", deck="missing.xml")
-        self.refused("--dry-run", message="there is no program", app="/nowhere/harmos")
+        self.refused("--dry-run", message="deck not found", deck="missing.xml")
+        self.refused("--dry-run", message="program not found", app="/nowhere/harmos")
         self.refused("--launcher", "srun", "--local", message="belongs to Slurm")
 
     def test_no_scheduler(self):
@@ -284,7 +284,7 @@ class Before(Place):
         done = self.submit("--ranks", "2", "--scheduler", "slurm")
         self.assertEqual(done.returncode, 1)
         self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
-        self.assertIn("Slurm could not start 2 ranks", done.stderr)
+        self.assertIn("Slurm cannot start 2 ranks", done.stderr)
         self.assertFalse(self.lines("submissions"))
 
     def test_plan(self):
@@ -296,7 +296,7 @@ class Before(Place):
         self.assertTrue(30 < needed < 300, needed)
         done = self.submit(*words, "--memory", str(needed - 1))
         self.assertEqual(done.returncode, 1)
-        self.assertIn(f"less than the {needed} that the run takes", done.stderr)
+        self.assertIn(f"less than the {needed} that the run needs", done.stderr)
         done = self.submit(*words, "--set", "Model/Problem=nothing")
         self.assertEqual(done.returncode, 1)
         self.assertIn("the plan failed: error: ", done.stderr)

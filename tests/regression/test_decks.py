@@ -49,7 +49,7 @@ WALK = ("Iterate ", "Points of this design are open")
 SPENT = re.compile(r"(adjoints|evaluations|iterations|solutions|refused_designs|products_of_\w+): ")
 # A line of the table of effects: kind, number, rows; seconds, MiB.
 EFFECT = re.compile(r"(?m)^(  [A-Z][a-z ]+\d+ +\d+) +\d+\.\d+ +\d+\.\d+$")
-# A line of the table of forces, and one of a step: number, of, time, products, energy, closed, of.
+# A line of the table of forces, and one of a step: number, of, time, applications, energy, closed, of.
 FORCE = re.compile(r"  [A-Z][a-z ]+/|    (normal|tangential) ")
 STEP = re.compile(r"Step \d+ of \d+, time ")
 AUDIT = (
@@ -114,9 +114,9 @@ def allowed(line, position, value, energy=1e-6):
         spread = 0.01 * max(abs(float(x)) for x in found[:components]) + 1e-12
         return value - spread, value + spread
     if STEP.match(line):
-        # Step, steps, time, products, energy, closed points of all, those that slip, or bonds damaged, of all, broken.
-        products = value + 20 if "bonds" in line else 0.3 * value + 3  # of some solutions more or less
-        spread = (0.0, 0.0, 0.0, products, 1e-3 * abs(value), 1.0, 0.0, 1.0, 0.0, 1.0)[position]
+        # Step, steps, time, applications, energy, closed points of all, those that slip, or bonds damaged, of all, broken.
+        applications = value + 20 if "bonds" in line else 0.3 * value + 3  # of some solves more or less
+        spread = (0.0, 0.0, 0.0, applications, 1e-3 * abs(value), 1.0, 0.0, 1.0, 0.0, 1.0)[position]
         return value - spread, value + spread
     if SPENT.match(line):
         return value - 0.3 * value - 3, value + 0.3 * value + 3
@@ -175,7 +175,7 @@ class Comparison(unittest.TestCase):
 
     LOG = (
         "Primal dimension 162, dual dimension 9 (9 inequalities), kernel dimension 2\n"
-        "Converged: 3 outer iterations, 20 products with F (10 cg)\n"
+        "Converged: 3 outer iterations, 20 applications of F (10 cg)\n"
         "  Contact/joint    -8.600e-03   0.000e+00   2.450e-02\n"
         "  penetration    max (B_I u - c_I)+          1.00e-07\n"
         "  energy  u'Ku/2 - f'u + lambda'(Bu - c)     -1.000000000000e-03\n"
@@ -188,8 +188,8 @@ class Comparison(unittest.TestCase):
         for old, new, good in (
             ("162", "163", False),
             ("Primal", "Dual", False),
-            ("20 products", "29 products", True),
-            ("20 products", "30 products", False),
+            ("20 applications", "29 applications", True),
+            ("20 applications", "30 applications", False),
             ("1.00e-07", "0.00e+00", True),
             ("1.00e-07", "9.00e-07", True),
             ("1.00e-07", "1.10e-06", False),

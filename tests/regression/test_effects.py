@@ -69,7 +69,7 @@ class Costs(unittest.TestCase):
             )
             costs = done.summary["effect_costs"]
             self.assertEqual([cost["kind"] for cost in costs], done.summary["effects"])
-            table = done.stdout.split("Effects that are on")[1].split("\n")[1 : len(costs) + 1]
+            table = done.stdout.split("Active effects")[1].split("\n")[1 : len(costs) + 1]
             for cost, line in zip(costs, table):
                 kind, number, rows, seconds, mib = re.fullmatch(
                     r"  (\S.*?)  +(\d+) +(\d+) +([\d.]+) +([\d.]+)", line
@@ -110,7 +110,7 @@ class Warnings(unittest.TestCase):
         """E = 1: the zone is as long as the energy says; points are a sixteenth apart."""
         for energy, is_told in ((0.01, True), (1.0, False)):
             with self.subTest(energy=energy):
-                said = "zone in which its interface softens, E G/σ², is about 1.00e-02 long"
+                said = "process zone of its interface, E G/σ², about 1.00e-02 long"
                 self.assertEqual(said in self.run_with(energy).stdout, is_told)
 
     def test_glued_points_are_told(self):

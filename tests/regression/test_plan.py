@@ -47,7 +47,7 @@ class Case(unittest.TestCase):
         )
         self.assertEqual(done.returncode, 0, done)
         self.assertEqual([path.name for path in directory.iterdir()], ["plan.json"])
-        self.assertNotIn("products with F (", done.stdout, "it solves")
+        self.assertNotIn("applications of F (", done.stdout, "it solves")
         plan = json.loads((directory / "plan.json").read_text(encoding="utf-8"))
         plan["printed"] = done.stdout
         return plan
@@ -339,7 +339,7 @@ class Table(Case):
         self.assertGreater(plan["recommended_ranks"], 1)
         plan = self.plan(runs.MODEL, sets, "--plan-memory", "1")
         self.assertIsNone(plan["recommended_ranks"])
-        self.assertIn("No recommendation: none of these fits into 1 MiB a rank", plan["printed"])
+        self.assertIn("No recommendation: no option fits into 1 MiB per rank", plan["printed"])
 
 
 class Rates(Case):
@@ -403,11 +403,11 @@ class Rates(Case):
     def test_nonsense(self):
         for content, message in (
             ('{"dense_flop": 1}', 'unknown rate "dense_flop"; did you mean "dense_flops"?'),
-            ('{"latency": 0}', 'the rate "latency" is no positive number'),
-            ("[1]", "is no JSON object of rates"),
-            ("{", "is no JSON of rates"),
+            ('{"latency": 0}', 'the rate "latency" is not a positive number'),
+            ("[1]", "is not a JSON object of rates"),
+            ("{", "is not a valid JSON file of rates"),
             ('{"benchmark": "scaling"}', "rates are taken from dual_operator and coarse_factor"),
-            ('{"benchmark": "dual_operator", "runs": [{}]}', "is no JSON of rates"),
+            ('{"benchmark": "dual_operator", "runs": [{}]}', "is not a valid JSON file of rates"),
         ):
             path = self.rates(content)
             for words in (["--plan", "--plan-rates", path], ["--set", f"Dual operator/Rates={path}"]):
@@ -431,7 +431,7 @@ class Request(Case):
 
     def test_requests_that_make_no_sense(self):
         for words, message in (
-            (["--plan", "--plan-ranks", "2,0"], "0 is no number of ranks"),
+            (["--plan", "--plan-ranks", "2,0"], "0 is not a valid number of ranks"),
             (["--plan", "--plan-ranks", "two"], "--plan-ranks"),
             (["--plan-ranks", "2"], "--plan"),
             (["--plan", "--plan-memory", "-1"], "--plan-memory"),

@@ -249,7 +249,7 @@ class Resume(unittest.TestCase):
         table = (first.directory / "study.csv").read_text(encoding="utf-8")
         again = study(first.directory, sets=SMALL)
         self.assertEqual(again.returncode, 0, again)
-        self.assertIn("8 settings, 1 repetitions each or more; 8 are in the table already", again.stdout)
+        self.assertIn("8 settings, 1 or more repetitions each; 8 already in the table", again.stdout)
         self.assertNotRegex(again.stdout, r"(?m)^1/")
         self.assertNotIn("Reference", again.stdout)  # nothing is computed
         self.assertEqual((first.directory / "study.csv").read_text(encoding="utf-8"), table)
@@ -263,7 +263,7 @@ class Resume(unittest.TestCase):
                             (first.directory / "study.csv").read_text(encoding="utf-8").splitlines()])
         # Runs on another number of ranks are others.
         other = study(first.directory, np_=1, sets=SMALL)
-        self.assertIn("; 0 are in the table already", other.stdout)
+        self.assertIn("; 0 already in the table", other.stdout)
         self.assertEqual(len(rows_of(first.directory)), 16)
 
     def test_another_study_in_the_directory_is_refused(self):
@@ -295,7 +295,7 @@ class Resume(unittest.TestCase):
         self.assertLess(len(before), 12)
         again = study(directory, np_=0, sets={"Study/Repetitions": 3})
         self.assertEqual(again.returncode, 0, again)
-        self.assertIn(f"; {len(before)} are in the table already", again.stdout)
+        self.assertIn(f"; {len(before)} already in the table", again.stdout)
         rows = rows_of(directory)
         self.assertEqual(rows[: len(before)], before)
         self.assertEqual(len(rows), 12)
@@ -308,10 +308,10 @@ class Refused(unittest.TestCase):
             ({"Study/Deck": "nowhere.xml"}, "nowhere.xml.* cannot be read"),
             ({"Study/Aplication": "x"}, 'did you mean "Application"'),
             ({"Study/Application": "harmos"}, "Subdomains per side"),
-            ({"Study/Targets": "{1e-1, small}"}, '"small", which is no positive number'),
+            ({"Study/Targets": "{1e-1, small}"}, '"small", which is not a positive number'),
             ({"Study/Set": "{Model}"}, 'Study/Set.* "Model", which is not of the form'),
             ({"Axes/mesh/Parameters": "{Model/Elements}"}, '"Axes/mesh".*Elements'),
-            ({"Axes/mesh/Values": "{4, many, 32}"}, '"Axes/mesh".*"many" cannot be the value'),
+            ({"Axes/mesh/Values": "{4, many, 32}"}, '"Axes/mesh".*"many" is not a valid value'),
             ({"Axes/mesh/Values": "{4, 4, 32}"}, 'has the value "4" twice'),
             ({"Axes/mesh/Values": "{4, 32}"}, "has 2 values, but 3 labels"),
             ({"Axes/local solver/Values": "{condensed, implicit}"}, "has 1 parts; separate them"),
@@ -345,13 +345,13 @@ class Refused(unittest.TestCase):
             {(r["tolerance"], r["local solver"]) for r in failed}, {("1e-8", "condensed;single")}
         )
         for row in failed:
-            self.assertIn("out of reach of dense blocks in single precision", row["reason"])
+            self.assertIn("below the accuracy of dense blocks in single precision", row["reason"])
             self.assertEqual((row["seconds"], row["energy_error"]), ("", ""))
         data = json.loads((run.directory / "study.json").read_text(encoding="utf-8"))
         self.assertFalse(any("1e-8, single" in s for s in data["sentences"]))
         # Their reasons, with commas and quotes, are read again.
         again = study(run.directory, sets=sets)
-        self.assertIn("; 8 are in the table already", again.stdout)
+        self.assertIn("; 8 already in the table", again.stdout)
 
 
 class Decks(unittest.TestCase):

@@ -155,7 +155,7 @@ TEST(Stability, NaN_or_zero_in_material_or_load) {
     refused("the load of subdomain 4 is not finite",
             [&](scene::Scene& scene) { addTemperature(scene, 1, bad); });
     refused("is not finite", [&](scene::Scene& scene) { prescribe(scene, {1, "top"}, 0, bad); });
-    refused("has no length", [&](scene::Scene& scene) {
+    refused("is a zero vector", [&](scene::Scene& scene) {
       addObstacle(scene, {1, "top"}, halfSpace({}, {0.0, bad, 0.0}));
     });
     refused("not finite; check its coefficients and its gap", [&](scene::Scene& scene) {

@@ -383,13 +383,13 @@ class Operators(TableCase):
         sets = {"Solver/Tolerance": 1e-7, "Dual operator/Precision": "single"}
         result = runs.run(runs.MODEL, sets)
         self.assertEqual(result.returncode, 2, result)
-        self.assertIn("out of reach of dense blocks in single precision", result.errors[0])
+        self.assertIn("below the accuracy of dense blocks in single precision", result.errors[0])
 
     def test_other_solvers_and_compression(self):
         self.check(Form="implicit", **{"Implicit solver": "KLU2"})
         for sets, text in (
-            ({"Implicit solver": "nonsense"}, "is no direct solver of this Trilinos"),
-            ({"Implicit solver": "KLU2", "Precision": "single"}, "single precision is for"),
+            ({"Implicit solver": "nonsense"}, "is not available in this Trilinos"),
+            ({"Implicit solver": "KLU2", "Precision": "single"}, "single precision needs"),
         ):
             result = runs.run(runs.MODEL, {f"Dual operator/{k}": v for k, v in sets.items()})
             self.assertEqual(result.returncode, 2, result)

@@ -46,10 +46,10 @@ bool isHeldOnBothSides(const ContactPoint& point, int components, int component,
   }
   constexpr double rounding = 1e-9;
   if (anyHeld && freeWeight <= rounding && std::abs(difference) > rounding * size)
-    throw InputError("a tie contradicts prescribed displacements: both sides are held at node " +
-                         std::to_string(point.node) + ", but at values that differ by " +
+    throw InputError("a tie contradicts prescribed displacements: both sides are fixed at node " +
+                         std::to_string(point.node) + ", to values that differ by " +
                          scientific(std::abs(difference)) + " in component " + std::to_string(component) +
-                         "; prescribe equal ones or leave one of them free there",
+                         "; prescribe equal values or release one side there",
                      {{"node", std::to_string(point.node)}});
   return anyHeld && freeWeight <= 0.5;
 }

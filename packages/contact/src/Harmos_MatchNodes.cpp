@@ -168,7 +168,7 @@ Matching match(const Surface& first, const Surface& second, double tolerance) {
                        " at " + placeText(surface.positions[k]) + " of the " +
                        (isFirst ? "first surface has no partner on the second one"
                                 : "second surface has no partner on the first one") +
-                       "; mesh both alike, or couple them by mortar",
+                       "; use matching meshes or mortar coupling",
                    {{"node", number}});
 }
 
@@ -245,10 +245,11 @@ ContactPoint pointOf(const Surface& first, const Surface& second, const FacingSi
   const Point normal = difference(first.normals[i], second.normals[k]);
   const double length = norm(normal); // 2 where the surfaces face each other
   if (!(length > 1e-8))
-    throw InputError(first.name + " and " + second.name + ": at node " + std::to_string(point.node) + " at " +
-                         placeText(first.positions[i]) +
-                         " both surfaces look the same way; contact needs surfaces that face each other",
-                     {{"node", std::to_string(point.node)}});
+    throw InputError(
+        first.name + " and " + second.name + ": at node " + std::to_string(point.node) + " at " +
+            placeText(first.positions[i]) +
+            " the normals of both surfaces point the same way; contact needs surfaces that face each other",
+        {{"node", std::to_string(point.node)}});
   point.normal = scaled(1.0 / length, normal);
   point.gap = dot(difference(second.positions[k], first.positions[i]), point.normal);
   point.area = area;

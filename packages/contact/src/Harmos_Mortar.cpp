@@ -288,7 +288,7 @@ void requireSupported(const Surface& first, const Surface& second, double reach)
   if (first.dimension != second.dimension)
     throw InputError(both + ": one surface is in the plane and the other in space");
   if (!(reach >= 0.0))
-    throw InputError(both + ": the reach is " + std::to_string(reach) +
+    throw InputError(both + ": invalid reach " + std::to_string(reach) +
                      "; give a positive distance, or 0 for a tenth of the smaller surface");
 }
 
@@ -577,8 +577,8 @@ std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& seco
       MortarPieces(sides, second, distance, options).points(std::max(farthestOf(first), farthestOf(second)));
   if (globalMax(*first.comm, static_cast<long long>(points.size())) == 0)
     throw InputError(first.name + " and " + second.name +
-                     ": the surfaces never meet: no facet of the first one faces one of the second within " +
-                     scientific(distance) + "; check their positions and names, or give a longer reach");
+                     ": the surfaces never meet: no facet of the first faces a facet of the second within " +
+                     scientific(distance) + "; check positions and names or give a longer reach");
   return points;
 }
 

@@ -95,8 +95,8 @@ FacetPlace placeOf(const Surface& surface, const Facet& facet, const Plane& plan
   // Negated, so that it holds for a residual that is not a number.
   if (!(error < std::max(1e-9 * size, rounding)))
     throw InputError("surface " + surface.name + ": the facet at " + placeText(facet.position(0)) +
-                     " is too distorted, or too steep to the surface it shall touch: a point of it could "
-                     "not be found again; mend the mesh there, or name a smaller part");
+                     " is too distorted or too steep relative to its counterpart: the projection of a point "
+                     "failed; repair the mesh there or choose a smaller part");
   return place;
 }
 

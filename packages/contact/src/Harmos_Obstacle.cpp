@@ -21,9 +21,9 @@ Point direction(const Obstacle& obstacle, int dimension, const std::string& name
         obstacle.shape == Obstacle::Shape::Cylinder ? Point{0.0, 0.0, 1.0} : Point{given[0], given[1], 0.0};
   const double length = norm(given);
   if (!(length > 0.0) || !std::isfinite(length))
-    throw InputError("obstacle of surface " + name + ": its direction " + placeText(obstacle.direction) +
-                     " has no length; give the outward normal of the half-space, or the axis of the "
-                     "cylinder");
+    throw InputError(
+        "obstacle of surface " + name + ": direction " + placeText(obstacle.direction) +
+        " is a zero vector; give the outward normal of the half-space or the axis of the cylinder");
   return scaled(1.0 / length, given);
 }
 
@@ -32,7 +32,7 @@ Separation roundSeparation(const Point& fromCentre, double radius, const Surface
   if (!(distance > 1e-12 * std::abs(radius)))
     throw InputError("obstacle of surface " + surface.name + ": node " + std::to_string(surface.numbers[i]) +
                          " at " + placeText(surface.positions[i]) +
-                         " is at its centre, where no direction is that of contact; move the obstacle",
+                         " lies at its centre, where the contact direction is undefined; move the obstacle",
                      {{"node", std::to_string(surface.numbers[i])}});
   if (radius > 0.0)
     return {scaled(-1.0 / distance, fromCentre), distance - radius};
@@ -42,9 +42,9 @@ Separation roundSeparation(const Point& fromCentre, double radius, const Surface
 std::vector<ContactPoint> pointsOf(const Surface& surface, const Obstacle& obstacle) {
   const bool isRound = obstacle.shape != Obstacle::Shape::HalfSpace;
   if (isRound && (obstacle.radius == 0.0 || !std::isfinite(obstacle.radius)))
-    throw InputError("obstacle of surface " + surface.name + ": its radius is " +
+    throw InputError("obstacle of surface " + surface.name + ": invalid radius " +
                      std::to_string(obstacle.radius) +
-                     "; give a positive one, or a negative one for a hollow body");
+                     "; give a positive radius, or a negative one for a hollow obstacle");
   const Point axis = obstacle.shape == Obstacle::Shape::Sphere
                          ? Point{}
                          : direction(obstacle, surface.dimension, surface.name);

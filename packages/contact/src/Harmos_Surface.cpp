@@ -253,11 +253,10 @@ void requireManifold(const Surface& surface) {
                                            surface.positions[static_cast<std::size_t>(joints[k].high)]));
       const std::string joint = surface.dimension == 2 ? "node" : "edge";
       throw InputError(
-          "surface " + surface.name + ": it is not a manifold: " + std::to_string(count) +
-              " facets meet at the " + joint + " at " + placeText(middle) +
-              (count > 2 ? ", more than two" : " and look to opposite sides, or are the same facet twice") +
-              "; make it of outer sides of one body, each given once, and give parts that "
-              "touch each other names of their own",
+          "surface " + surface.name + ": not a manifold: " + std::to_string(count) + " facets meet at the " +
+              joint + " at " + placeText(middle) +
+              (count > 2 ? ", more than two" : " with opposite orientation or as duplicates") +
+              "; use outer sides of one body, each once, and separate names for parts that touch each other",
           {{"surface", surface.name}});
     }
     k = end;
@@ -287,7 +286,7 @@ void setAreasAndNormals(Surface& surface, const std::vector<char>& inside) {
     if (surface.isOwnFacet[static_cast<std::size_t>(f)] != 0 &&
         !(area > 1e-12 * std::pow(size, surface.dimension - 1)))
       throw InputError("surface " + surface.name + ": the facet at " + placeText(facet.position(0)) +
-                           " has no area: nodes coincide or lie on a line; mend the mesh there",
+                           " has zero area: its nodes coincide or are collinear; repair the mesh there",
                        {{"surface", surface.name}});
     for (std::size_t k = 0; k < facet.size(); ++k) {
       const Facet::State state = facet.at({reference[k][0], reference[k][1]});
@@ -304,10 +303,9 @@ void setAreasAndNormals(Surface& surface, const std::vector<char>& inside) {
     const double length = norm(surface.normals[i]);
     // The cancellation of a fold, against the rounding of a sum of unit vectors.
     if (!(length > 1e-8 * around[i]))
-      throw InputError("surface " + surface.name + ": it is folded at node " +
-                           std::to_string(surface.numbers[i]) + " at " + placeText(surface.positions[i]) +
-                           ", where the normals of its facets cancel each other; name the two sides "
-                           "separately",
+      throw InputError("surface " + surface.name + ": folded at node " + std::to_string(surface.numbers[i]) +
+                           " at " + placeText(surface.positions[i]) +
+                           ", where facet normals cancel; name the two sides separately",
                        {{"surface", surface.name}, {"node", std::to_string(surface.numbers[i])}});
     surface.normals[i] = scaled(1.0 / length, surface.normals[i]);
   }
@@ -321,7 +319,7 @@ void takeNormalsFrom(const NormalField& field, Surface& surface) {
     if (!(dot(normal, surface.normals[i]) > 0.0) || !(length > 0.0))
       throw InputError("surface " + surface.name + ": the given normal " + placeText(given) + " at node " +
                            std::to_string(surface.numbers[i]) + " at " + placeText(surface.positions[i]) +
-                           " does not look outward; turn it round, or leave it away for averaged normals",
+                           " does not point outward; reverse it or omit it to use averaged normals",
                        {{"surface", surface.name}, {"node", std::to_string(surface.numbers[i])}});
     surface.normals[i] = normal;
   }
@@ -334,10 +332,10 @@ void setType(Surface& surface, const std::string& set, long long least, long lon
                          "\" has no sides of cells; name a boundary part of the body",
                      {{"surface", surface.name}, {"part", set}});
   if (least != largest)
-    throw InputError("surface " + surface.name + ": it has facets of different types, " +
+    throw InputError("surface " + surface.name + ": facets of different types, " +
                          fem::shapeOf(static_cast<CellType>(least)).name + " and " +
                          fem::shapeOf(static_cast<CellType>(largest)).name +
-                         "; give the parts of each type a name of their own",
+                         "; give the parts of each type separate names",
                      {{"surface", surface.name}});
   surface.facetType = static_cast<CellType>(least);
   surface.dimension = fem::shapeOf(surface.facetType).dimension + 1;

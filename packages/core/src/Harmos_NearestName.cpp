@@ -56,7 +56,7 @@ std::string offer(const std::string& name, const std::vector<std::string>& known
   std::string list;
   for (const std::string& other : known)
     list += (list.empty() ? "\"" : ", \"") + other + "\"";
-  return text + (list.empty() ? " (there are none)" : " (there are " + list + ")");
+  return text + (list.empty() ? " (available: none)" : " (available: " + list + ")");
 }
 
 } // namespace Harmos

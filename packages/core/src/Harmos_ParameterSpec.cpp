@@ -422,7 +422,7 @@ void ParameterSpec::validate(const Teuchos::ParameterList& given, const std::str
 std::string ParameterSpec::unknownParameter(const std::string& path, const std::string& name) const {
   for (const auto& [absent, why] : absent_)
     if (absent == name)
-      return "there is no parameter " + quoted(path + name) + ": " + why;
+      return "unknown parameter " + quoted(path + name) + ": " + why;
   return unknownName("parameter", path, name, names());
 }
 
@@ -538,7 +538,7 @@ void ParameterSpec::set(Teuchos::ParameterList& list, const std::string& head, c
   if (parameter == nullptr)
     throw InputError(source + ": " + unknownParameter(head, path), {{"path", head + path}});
   const auto refuse = [&] {
-    throw InputError(source + ": " + quoted(value) + " cannot be the value of " + quoted(head + path) +
+    throw InputError(source + ": " + quoted(value) + " is not a valid value of " + quoted(head + path) +
                          ", expected " + expected(*parameter),
                      {{"path", head + path}});
   };

@@ -20,21 +20,21 @@ void requireGiven(const Teuchos::ParameterList& list, const std::string& path, b
   for (const char* name :
        {"Normal stiffness", "Tangential stiffness", "Normal strength", "Tangential strength"})
     if (!(list.get<double>(name) > 0.0))
-      throw InputError("\"" + path + "/" + name + "\" is missing, or not positive; adhesion needs " +
+      throw InputError("\"" + path + "/" + name + "\" is missing or not positive; adhesion needs " +
                            (std::string(name).find("stiffness") != std::string::npos
                                 ? "a force per area and opening"
                                 : "a force per area") +
-                           ", above zero",
+                           " above zero",
                        {{"path", path + "/" + name}});
   for (const char* name : {"Fracture energy", "Fracture energy II"}) {
     const double energy = list.get<double>(name);
     if (isBrittle && energy != notGiven)
       throw InputError("\"" + path + "/" + name + "\" is given, but " + law +
-                           " has none; leave it out, or give \"Law\" = \"bilinear\"",
+                           " does not use it; omit it or set \"Law\" = \"bilinear\"",
                        {{"path", path + "/" + name}});
     if (!isBrittle && !(energy > 0.0))
       throw InputError("\"" + path + "/" + name + "\" is missing, or not positive; " + law +
-                           " needs an energy per area beside the strength, above zero",
+                           " needs an energy per area above zero",
                        {{"path", path + "/" + name}});
   }
 }
@@ -43,11 +43,10 @@ std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, co
                                           const scene::Scene& scene) {
   requireElastic(scene, "\"" + path + "\"");
   const CohesiveLaw law = cohesiveLawFrom(list, path);
-  return std::make_shared<Adhesion>(
-      contactByName(scene, list.get<std::string>("Contact"), path + "/Contact",
-                    {"is glued for good or never touches anything: there is no adhesion on a tie",
-                     "adhesion acts on a contact or an obstacle"}),
-      law, scene::nameIn(path));
+  return std::make_shared<Adhesion>(contactByName(scene, list.get<std::string>("Contact"), path + "/Contact",
+                                                  {"is permanently glued or never in contact",
+                                                   "adhesion acts on a contact or an obstacle"}),
+                                    law, scene::nameIn(path));
 }
 
 } // namespace
@@ -128,7 +127,7 @@ void Adhesion::check(const scene::Scene& scene) const {
     const auto* other = dynamic_cast<const Adhesion*>(effect.get());
     if (other != nullptr && other != this && other->contact_ == contact_)
       throw InputError(label() + " and " + other->label() + " act on the same " + contact_->label() +
-                       "; leave one of them out");
+                       "; remove one of them");
   }
   if (!isThere)
     throw InputError(label() + " acts on " + contact_->label() + ", which is not an effect of the scene");

@@ -44,9 +44,9 @@ void CohesiveLaw::requirePositive() const {
 // both sides are smooth there.
 void CohesiveLaw::requireNoSnap() const {
   const auto refuse = [](const std::string& name, double given, double least, const std::string& where) {
-    throw InputError("\"" + name + "\" is " + scientific(given, 3) + ", but springs this stiff store " +
-                         scientific(least, 4) + " before they give way" + where +
-                         ": the law would snap; give more than that, or stiffer springs",
+    throw InputError("\"" + name + "\" is " + scientific(given, 3) +
+                         ", but springs of this stiffness store " + scientific(least, 4) + " before failure" +
+                         where + ", which would make the law snap back; increase the energy or the stiffness",
                      {{"parameter", name}});
   };
   const auto stored = [this](double share) { return 0.5 * onset(share) * onset(share); };

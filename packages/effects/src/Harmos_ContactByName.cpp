@@ -33,7 +33,7 @@ std::shared_ptr<const scene::Effect> contactByName(const scene::Scene& scene, co
     return found.front();
   if (found.size() > 1)
     throw InputError("\"" + path + "\" = \"" + name +
-                         "\" is the name of a contact and of an obstacle; say \"" + found[0]->kind() + "/" +
+                         "\" is the name of a contact and of an obstacle; write \"" + found[0]->kind() + "/" +
                          name + "\" or \"" + found[1]->kind() + "/" + name + "\"",
                      {{"path", path}});
   if (!others.empty())

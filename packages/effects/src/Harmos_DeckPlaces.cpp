@@ -39,8 +39,9 @@ Part partIn(const scene::Scene& scene, const Teuchos::ParameterList& list, const
 
 void requireElastic(const scene::Scene& scene, const std::string& what) {
   if (scene.physics == scene::Physics::Membrane)
-    throw InputError(what + " is for elastic bodies, but \"Model/Physics\" = \"membrane\"; leave it out or "
-                            "choose another physics");
+    throw InputError(
+        what +
+        " needs elastic bodies, but \"Model/Physics\" = \"membrane\"; remove it or choose another physics");
 }
 
 fem::Point pointIn(const Teuchos::ParameterList& list, const std::string& parameter) {

@@ -32,7 +32,7 @@ std::vector<int> ElasticFoundation::heldBodies() const {
 void ElasticFoundation::check(const scene::Scene& scene) const {
   requireElastic(scene, label());
   if (!(normal_ >= 0.0 && tangential_ >= 0.0 && normal_ + tangential_ > 0.0))
-    throw InputError(label() + " has no stiffness; give a positive one along or across the normal");
+    throw InputError(label() + " has zero stiffness; give a positive normal or tangential stiffness");
 }
 
 // Congruent subdomains with the same sides on the foundation share their matrix.

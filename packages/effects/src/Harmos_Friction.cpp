@@ -23,12 +23,12 @@ std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, co
   const std::string law = isCoulomb ? "Coulomb's law" : "Tresca's law",
                     needs = isCoulomb ? "a coefficient of friction" : "a force per area";
   if (list.get<double>(other) != notGiven)
-    throw InputError("\"" + path + "/" + other + "\" is given, but " + law + " has none; give \"" + asked +
-                         "\", " + needs + ", or another \"Law\"",
+    throw InputError("\"" + path + "/" + other + "\" is given, but " + law + " does not use it; give \"" +
+                         asked + "\", " + needs + ", or another \"Law\"",
                      {{"path", path + "/" + other}});
   if (!(list.get<double>(asked) >= 0.0))
     throw InputError("\"" + path + "/" + asked + "\" is missing or negative; " + law + " needs " + needs +
-                         ", zero or more",
+                         " of at least 0",
                      {{"path", path + "/" + asked}});
   const std::shared_ptr<const scene::Effect> contact =
       contactByName(scene, list.get<std::string>("Contact"), path + "/Contact",
@@ -86,7 +86,7 @@ void Friction::check(const scene::Scene& scene) const {
     const auto* other = dynamic_cast<const Friction*>(effect.get());
     if (other != nullptr && other != this && other->contact_ == contact_)
       throw InputError(label() + " and " + other->label() + " act on the same " + contact_->label() +
-                       "; leave one of them out");
+                       "; remove one of them");
   }
   if (!isThere)
     throw InputError(label() + " acts on " + contact_->label() + ", which is not an effect of the scene");
@@ -98,7 +98,7 @@ void Friction::addConstraints(scene::ConstraintCollector& collector) const {
     if (!(given >= 0.0) || !std::isfinite(given))
       throw InputError(label() + " has a " + (isCoulomb_ ? "coefficient" : "slip bound") + " of " +
                        scientific(given) + "; give " + (isCoulomb_ ? "a number" : "a force per area") +
-                       ", zero or more");
+                       " of at least 0");
     return given;
   };
   if (isCoulomb_)

@@ -14,7 +14,7 @@ std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, co
   for (const std::string& component : list.get<Teuchos::Array<std::string>>("Components")) {
     const std::size_t c = std::string("xyz").find(component);
     if (component.size() != 1 || c == std::string::npos)
-      throw InputError("\"" + path + "/Components\" holds \"" + component +
+      throw InputError("\"" + path + "/Components\" contains \"" + component +
                            "\", expected \"x\", \"y\" or \"z\"",
                        {{"path", path + "/Components"}});
     // In the plane z is held already.
@@ -23,8 +23,8 @@ std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, co
   }
   if (held.empty())
     throw InputError("\"" + path +
-                         "/Components\" names none of the components of this physics; membranes have "
-                         "\"x\", plane scenes \"x\" and \"y\"",
+                         "/Components\" names no component of this physics; membranes have \"x\", plane "
+                         "scenes \"x\" and \"y\"",
                      {{"path", path + "/Components"}});
   return std::make_shared<PrescribedDisplacement>(part, held, scene::nameIn(path));
 }
@@ -47,8 +47,8 @@ void PrescribedDisplacement::check(const scene::Scene& scene) const {
   for (const Component& held : components_)
     if (held.component < 0 || held.component >= scene.components())
       throw InputError(label() + " of body \"" + scene.bodies[static_cast<std::size_t>(part_.body)].name +
-                       "\" is of component " + std::to_string(held.component) + ", but a node has " +
-                       std::to_string(scene.components()));
+                       "\" prescribes component " + std::to_string(held.component) +
+                       ", but the number of components per node is " + std::to_string(scene.components()));
 }
 
 void PrescribedDisplacement::addPrescribed(const scene::Scene& scene, const scene::OwnedSubdomain& subdomain,

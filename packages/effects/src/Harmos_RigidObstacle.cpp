@@ -15,14 +15,14 @@ void requireGeometry(const contact::Obstacle& obstacle, const scene::Scene& scen
   const bool needsDirection =
       obstacle.shape == Shape::HalfSpace || (obstacle.shape == Shape::Cylinder && !inPlane);
   if (needsDirection && x == 0.0 && y == 0.0 && (inPlane || z == 0.0))
-    throw InputError("\"" + path + "/Direction\" has no length" + (inPlane ? " in the plane" : "") +
-                         "; give the outward normal of the half-space, or the axis of the cylinder",
+    throw InputError("\"" + path + "/Direction\" is a zero vector" + (inPlane ? " in the plane" : "") +
+                         "; give the outward normal of the half-space or the axis of the cylinder",
                      {{"path", path + "/Direction"}});
   if (obstacle.shape != Shape::HalfSpace && obstacle.radius == 0.0)
-    throw InputError("\"" + path +
-                         "/Radius\" is 0; give a positive one, or a negative one for a hollow obstacle with "
-                         "the body inside",
-                     {{"path", path + "/Radius"}});
+    throw InputError(
+        "\"" + path +
+            "/Radius\" is 0; give a positive radius, or a negative one for a hollow obstacle around the body",
+        {{"path", path + "/Radius"}});
 }
 
 std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, const std::string& path,

@@ -78,11 +78,10 @@ long long countOf(const contact::Surface& surface, const std::vector<char>& node
 void requireOwn(const contact::Surface& one, const contact::Surface& other, const Belonging& others) {
   if (globalMax(*one.comm, others.overlaps ? 0LL : 1LL) == 0)
     return;
-  const std::string message =
-      one.name + " on " + other.name +
-      ": each node of the first surface belongs to a contact or tie beside it, and none is left that could "
-      "carry a force; make it more than a facet wide, name the finer surface first, or join it to one of "
-      "those";
+  const std::string message = one.name + " on " + other.name +
+                              ": every node of the first surface belongs to an adjacent contact or tie, so "
+                              "no node can carry a multiplier; make the surface wider than one facet, name "
+                              "the finer surface first, or merge it with one of those";
   throw InputError(message, {{"first", one.name}, {"second", other.name}});
 }
 
@@ -104,8 +103,7 @@ void tellOfLone(scene::ConstraintCollector& collector, const contact::Surface& o
   const long long lone = one.wholeNodes - without - globalSum(*one.comm, found);
   if (lone > 0)
     collector.note(std::to_string(lone) + " of the " + std::to_string(one.wholeNodes) + " nodes of " +
-                   one.name + " have no counterpart on " + other.name +
-                   " within reach and may move freely through it");
+                   one.name + " have no counterpart on " + other.name + " within reach and can penetrate it");
 }
 
 // A press fit is as exact as the surfaces: what straight facets leave out is missing in the overlap.
@@ -123,10 +121,10 @@ void tellOfFacets(scene::ConstraintCollector& collector, const contact::Surface&
   constexpr double enough = 0.2, touching = 2.0;
   if (behind > enough * overlap && overlap > (gap < 0.0 ? 0.0 : touching * behind))
     collector.note(one.name + " on " + other.name + " overlap by " + scientific(overlap) +
-                   ", and their straight facets stay up to " + scientific(behind) +
-                   " behind what is curved: pressures may be off by such a part. Take cells of second order "
-                   "(harmos-mesh "
-                   "--order 2), nodes that match, or smaller cells: half the size, a quarter of that");
+                   ", their straight facets deviate by up to " + scientific(behind) +
+                   " from the curved geometry: the relative error of pressures can reach the ratio of both. "
+                   "Use second-order cells (harmos-mesh --order 2), matching nodes or smaller cells (half "
+                   "the size: a quarter of the error)");
 }
 
 } // namespace

@@ -31,7 +31,7 @@ void makePart(const std::string& path, long long bytes) {
       ::unlink(part.c_str());
   }
   if (fault != 0)
-    throw InputError("the file \"" + path + "\" cannot be written, it needs " +
+    throw InputError("the file \"" + path + "\" cannot be written: it needs " +
                          std::to_string((bytes + 1048575) / 1048576) + " MiB: " + std::strerror(fault) +
                          "; check that the directory is writable and the disk is not full",
                      {{"file", path}});
@@ -41,7 +41,7 @@ void requirePart(const std::string& path) {
   const int file = ::open(partPath(path).c_str(), O_WRONLY);
   if (file < 0)
     throw InputError("the file \"" + path + "\" cannot be written by all ranks: " + std::strerror(errno) +
-                         "; the output directory has to be one that all nodes see",
+                         "; use an output directory that all nodes share",
                      {{"file", path}});
   ::close(file);
 }
@@ -100,8 +100,8 @@ void makeDirectory(const std::string& path) {
   std::error_code error;
   std::filesystem::create_directories(path, error);
   if (error || !std::filesystem::is_directory(path))
-    throw InputError("the output directory \"" + path + "\" cannot be made: " +
-                         (error ? error.message() : std::string("something else has that name")),
+    throw InputError("the output directory \"" + path + "\" cannot be created: " +
+                         (error ? error.message() : std::string("a file of that name exists")),
                      {{"directory", path}});
 }
 

@@ -224,7 +224,7 @@ struct Hdf5Reader::File {
 Hdf5Reader::Hdf5Reader(const std::string& path, const std::string& what)
     : path_(path), what_(what), file_(std::make_unique<File>()) {
   quieten();
-  file_->faults = {path, what, "read", "it is not what was written, or not by this program"};
+  file_->faults = {path, what, "read", "its contents differ from those written, or another program wrote it"};
   file_->file = std::make_unique<Handle>(
       file_->faults.handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "opening it"));
 }

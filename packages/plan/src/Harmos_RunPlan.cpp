@@ -23,7 +23,7 @@ std::vector<int> rankCounts(const PlanRequest& request, long long subdomains) {
     for (int ranks : request.ranks)
       if (ranks < 1)
         throw InputError("command line: --plan-ranks: " + std::to_string(ranks) +
-                         " is no number of ranks; name positive ones, as in --plan-ranks 1,2,4");
+                         " is not a valid number of ranks; give positive integers, as in --plan-ranks 1,2,4");
     std::vector<int> counts = request.ranks;
     std::sort(counts.begin(), counts.end());
     counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
@@ -71,24 +71,23 @@ void recommend(RunPlan& plan, double memoryMiB) {
     }
   }
   if (plan.recommended < 0) {
-    plan.reason =
-        "none of these fits into " + std::to_string(static_cast<long long>(memoryMiB)) +
-        " MiB a rank; use more ranks (--plan-ranks), smaller subdomains, or \"Dual operator/Precision\" = "
-        "\"single\"";
+    plan.reason = "no option fits into " + std::to_string(static_cast<long long>(memoryMiB)) +
+                  " MiB per rank; use more ranks (--plan-ranks), smaller subdomains or \"Dual "
+                  "operator/Precision\" = \"single\"";
     return;
   }
   const PlanRow& row = plan.rows[static_cast<std::size_t>(plan.recommended)];
   std::ostringstream text;
   text << ranksText(row.ranks) << ": ";
   if (&row == first)
-    text << "more of them are expected to waste over half of their time";
+    text << "larger numbers of ranks are predicted to lose more than half of their time";
   else
-    text << "the most that are expected to use at least half of their time as well as "
-         << ranksText(first->ranks) << " (" << std::fixed << std::setprecision(2) << efficiency << " of it)";
+    text << "the largest number of ranks with a predicted parallel efficiency of at least 0.5 relative to "
+         << ranksText(first->ranks) << " (" << std::fixed << std::setprecision(2) << efficiency << ")";
   if (plan.rows.size() == 1)
-    text.str(ranksText(row.ranks) + ": the only number asked about");
+    text.str(ranksText(row.ranks) + ": the only number requested");
   else if (static_cast<std::size_t>(plan.recommended) + 1 == plan.rows.size() && &row == first)
-    text.str(ranksText(row.ranks) + ": no smaller number fits into the memory");
+    text.str(ranksText(row.ranks) + ": the smallest number that fits into the memory");
   plan.reason = text.str();
 }
 
@@ -118,7 +117,7 @@ std::string coarseText(const PlanRow& row) {
   text << std::fixed << std::setprecision(0) << "the coarse problem, of dimension "
        << row.shape.coarseDimension << ", is " << coarseForm(row) << ". " << row.clusters
        << (row.clusters == 1 ? " cluster" : " clusters") << " of about " << row.shape.clusterSize
-       << " subdomains: " << std::setprecision(1) << row.productsGrowth << " times as many products";
+       << " subdomains: " << std::setprecision(1) << row.productsGrowth << " times as many applications of F";
   return text.str();
 }
 
@@ -179,11 +178,10 @@ std::string planText(const RunPlan& plan) {
        << (s.limited > 0 ? ", " + std::to_string(s.limited) + " of friction" : std::string())
        << "), kernel dimension " << s.kernelDimension << ", coarse dimension " << s.coarseDimension << "\n"
        << s.subdomains.size() << " subdomains with " << s.matrices.size() << " distinct matrices; "
-       << plan.products.least << " to " << plan.products.most << " products with F are usual"
+       << plan.products.least << " to " << plan.products.most << " applications of F are typical"
        << (s.steps > 1 ? " in the first of " + std::to_string(s.steps) + " steps" : std::string()) << "\n\n"
-       << "    ranks  subdomains  imbalance    MiB a rank: factors   dense  meshes  coarse  | seconds: "
-          "set-up  "
-          "product  coarse               a run";
+       << "    ranks  subdomains  imbalance  MiB per rank: factors   dense  meshes  coarse  | seconds: "
+          "set-up  apply F  coarse                 run";
   const bool hasClusters =
       std::any_of(plan.rows.begin(), plan.rows.end(), [](const PlanRow& row) { return row.clusters > 0; });
   if (hasClusters)
@@ -210,21 +208,20 @@ std::string planText(const RunPlan& plan) {
   const PlanRow& row = plan.rows[plan.recommended < 0 ? 0 : static_cast<std::size_t>(plan.recommended)];
   text << "\n\n"
        << (plan.recommended < 0 ? "No recommendation: " : "Recommended: ") << plan.reason << ".\n"
-       << "Threads: one BLAS thread a rank (OPENBLAS_NUM_THREADS=1, OMP_NUM_THREADS=1). Harmos runs one "
-          "thread a "
-          "rank; BLAS alone could use more, which pays at most where cores outnumber the "
-       << s.subdomains.size() << " subdomains: ranks beyond that number have nothing to do.\n"
-       << std::fixed << std::setprecision(0) << "Memory: ask for "
-       << std::ceil(1.25 * row.memory.sum() / mebi) << " MiB a rank on " << ranksText(row.ranks)
-       << ", a quarter more than expected; of this " << std::fixed << std::setprecision(0)
-       << row.memory.program / mebi << " MiB for the program and what the scene was read with, "
+       << "Threads: one BLAS thread per rank (OPENBLAS_NUM_THREADS=1, OMP_NUM_THREADS=1). Harmos runs one "
+          "thread per rank; more BLAS threads pay off at most if there are more cores than the "
+       << s.subdomains.size() << " subdomains. Ranks beyond that number stay idle.\n"
+       << std::fixed << std::setprecision(0) << "Memory: request "
+       << std::ceil(1.25 * row.memory.sum() / mebi) << " MiB per rank on " << ranksText(row.ranks)
+       << ", a quarter more than predicted; of this " << std::fixed << std::setprecision(0)
+       << row.memory.program / mebi << " MiB for the program and reading the scene, "
        << row.memory.directions / mebi << " MiB for stored directions, " << row.memory.temporary / mebi
-       << " MiB for a while.\n"
-       << "A step on " << ranksText(row.ranks) << " says to others: " << messagesText(row) << "; "
+       << " MiB temporarily.\n"
+       << "Communication per step on " << ranksText(row.ranks) << ": " << messagesText(row) << "; "
        << coarseText(row) << ".\n"
        << "Rates: " << plan.rates.source
-       << ". Seconds are without the writing of fields. Set-up: measured here and scaled, factorisations "
-          "predicted.";
+       << ". Seconds exclude the writing of fields. Set-up times are measured here and scaled, factorisation "
+          "times predicted.";
   return text.str();
 }
 

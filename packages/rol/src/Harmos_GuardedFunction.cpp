@@ -41,10 +41,9 @@ void GuardedFunction::rethrow() const {
 void GuardedFunction::requireNumbers(const std::vector<double>& design) {
   if (std::all_of(design.begin(), design.end(), [](double number) { return std::isfinite(number); }))
     return;
-  error_ = std::make_exception_ptr(
-      InputError("ROL has asked for a design with a number that is not finite: its method (Step/Type) does "
-                 "not stand this problem, as interior points do not a start on a bound; choose another "
-                 "method, or another start"));
+  error_ = std::make_exception_ptr(InputError(
+      "ROL requested a design with a non-finite number: its method (Step/Type) fails for this problem, as an "
+      "interior-point method does for a start on a bound. Choose another method or another start"));
   rethrow();
 }
 

@@ -50,9 +50,9 @@ void checkReach(const sensitivity::DesignConstraint& constraint, const AffineFun
                                  ? "is to be " + scientific(constraint.lower, 6)
                                  : "is to lie between " + scientific(constraint.lower, 6) + " and " +
                                        scientific(constraint.upper, 6);
-  throw InputError("no design within the bounds meets the constraint \"" + constraint.name + "\": it " +
+  throw InputError("no design within the bounds satisfies the constraint \"" + constraint.name + "\": it " +
                        limits + ", but is at least " + scientific(least, 6) + " and at most " +
-                       scientific(most, 6) + "; widen the bounds of the design, or change the limits",
+                       scientific(most, 6) + "; widen the bounds of the design or change the limits",
                    {{"constraint", constraint.name},
                     {"least", scientific(least, 6)},
                     {"most", scientific(most, 6)},

@@ -113,7 +113,7 @@ void checkProblem(const DesignProblem& problem) {
       throw InputError("two constraints have the name \"" + constraint.name + "\"");
     if (!(constraint.lower <= constraint.upper))
       throw InputError("constraint \"" + constraint.name + "\": its lower limit, " +
-                       scientific(constraint.lower) + ", is above its upper one, " +
+                       scientific(constraint.lower) + ", exceeds the upper limit, " +
                        scientific(constraint.upper));
   }
 }
@@ -186,7 +186,7 @@ Search::Search(const DesignProblem& problem, const Teuchos::ParameterList& optio
       options_(completeOptions(options, isNonlinear_)) {
   checkProblem(problem);
   if (!(firstStep > 0.0))
-    throw InputError("the first step of a minimisation is above zero, not " + scientific(firstStep));
+    throw InputError("the first step of a minimisation must be positive, not " + scientific(firstStep));
   extent_ = extentOf(problem.space);
   weights_ = problem.space.weights;
   for (double& weight : weights_)
@@ -272,10 +272,9 @@ void Search::start() {
   project(*rol_->getPrimalOptimizationVector());
   for (const auto& limit : limits_)
     if (limit.constraint->isLinear && violation(numbersOf(*design_)) > 1e-6)
-      throw InputError(
-          "no design within the bounds meets all constraints together: that which is nearest to the "
-          "start misses \"" +
-          limit.constraint->name + "\"");
+      throw InputError("no design within the bounds satisfies all constraints: the design nearest to the "
+                       "start violates \"" +
+                       limit.constraint->name + "\"");
   scaleCost();
 }
 
@@ -426,7 +425,7 @@ void Search::solve() {
   } catch (const std::exception& error) {
     rethrowErrors();
     throw InputError(
-        std::string("ROL cannot solve this problem with this method (Step/Type and what belongs to it): ") +
+        std::string("ROL cannot solve this problem with this method (Step/Type and its parameters): ") +
         error.what());
   } catch (...) {
     rethrowErrors();
@@ -468,26 +467,23 @@ std::string Search::reason() const {
   case Ending::Converged:
     return "the gradient is below its tolerance";
   case Ending::StepTolerance:
-    return "steps became shorter than \"Step Tolerance\" before the gradient met its own: the cost is not "
-           "smooth here, "
-           "or its derivatives are less exact than that; solve for it with a tighter tolerance, or raise "
-           "\"Gradient Tolerance\" (Status Test)";
+    return "steps became shorter than \"Step Tolerance\" before the gradient reached its tolerance: the cost "
+           "is not smooth here or its derivatives are too inaccurate. Use a smaller solver tolerance or "
+           "raise \"Gradient Tolerance\" (Status Test)";
   case Ending::IterationLimit:
     return "the limit of " + std::to_string(options_.sublist("Status Test").get<int>("Iteration Limit")) +
-           " iterations was reached; raise \"Iteration Limit\" (Status Test), or begin with the design that "
-           "was "
-           "found";
+           " iterations was reached; raise \"Iteration Limit\" (Status Test) or start from the design found";
   case Ending::Refused:
-    return "each step from here leads to a design that is refused (" + refusals_->message +
-           "); bound the design so that it stays away from there";
+    return "each step from here leads to a rejected design (" + refusals_->message +
+           "); tighten the bounds of the design to exclude such designs";
   case Ending::Missed:
-    return "a constraint that is said to be linear is not; say that it is not";
+    return "a constraint declared linear is nonlinear; declare it nonlinear";
   case Ending::Stopped:
-    return "stopped from outside; begin with the design that was found to go on";
+    return "stopped from outside; start from the design found to continue";
   case Ending::NoNumber:
     break;
   }
-  return "a cost, a gradient or a step is no number; look at what the function gives for the design";
+  return "a cost, gradient or step is not a number; check the function at the design";
 }
 
 } // namespace

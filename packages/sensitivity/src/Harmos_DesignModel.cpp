@@ -49,7 +49,8 @@ void ContactCost::solve(const std::vector<double>& design, double tolerance) {
   ++spent_.values;
   spent_.products += report_.result.counters.hessianApplications;
   if (!report_.converged && isUnheld(solver_, report_))
-    throw RefusedDesign("with this design nothing holds the bodies: " + report_.reason);
+    throw RefusedDesign("with this design the bodies have an unconstrained rigid-body mode: " +
+                        report_.reason);
   if (!report_.converged)
     throw NumericalError("the solver did not converge for a design: " + report_.reason);
   forces_ = solver_.rowForces();

@@ -71,13 +71,11 @@ PressureFunctional::Sums PressureFunctional::sums(const Response& response) cons
   const PressureSummary summary =
       pressureSummary(commOf(response), response.forces, response.rows, surfaces_);
   if (!(summary.area > 0.0))
-    throw InputError(
-        "the surfaces whose pressure is the cost have no contact points; name contacts or obstacles of "
-        "the scene whose surfaces meet");
+    throw InputError("the surfaces whose pressure is the cost have no contact points; name contacts or "
+                     "obstacles with surfaces that meet");
   if (!(summary.peak > 0.0))
-    throw RefusedDesign(
-        "no point of the contact bears a force: the body has lifted off, and there is no pressure to "
-        "speak of; make the gaps smaller, or prescribe a force in the place of a displacement");
+    throw RefusedDesign("no contact point carries a force: the body has lifted off, so there is no pressure. "
+                        "Use smaller gaps or prescribe a force instead of a displacement");
   return {summary.area, summary.mean * summary.area, summary.peak};
 }
 
@@ -85,7 +83,7 @@ PressureNorm::PressureNorm(std::set<int> surfaces, double exponent)
     : PressureFunctional(std::move(surfaces)), exponent_(exponent) {
   if (!(exponent > 1.0) || !std::isfinite(exponent))
     throw InputError("the exponent of a norm of pressures is " + scientific(exponent) +
-                     "; give one above 1, such as 8: the larger it is the nearer is the norm to the peak");
+                     "; give an exponent above 1, such as 8: the norm approaches the peak as it increases");
 }
 
 // By shares of the peak, whose powers stay within the range of numbers.

@@ -71,14 +71,13 @@ GapProfile::GapProfile(feti::FetiSolver& solver, std::vector<ConstraintRow> rows
 
 void GapProfile::finish() {
   if (weights_.empty())
-    throw InputError(
-        "the surfaces whose gaps are to be designed have no contact points; name contacts or obstacles of "
-        "the scene whose surfaces meet");
+    throw InputError("the surfaces whose gaps are designed have no contact points; name contacts or "
+                     "obstacles with surfaces that meet");
   weights_ = transposed(geometry_.areas);
   for (std::size_t k = 0; k < weights_.size(); ++k)
     if (!(weights_[k] > 0.0))
       throw InputError("number " + std::to_string(k) +
-                       " of the design moves no contact point; take fewer pieces, or a narrower range");
+                       " of the design moves no contact point; use fewer pieces or a narrower range");
 }
 
 std::vector<double> GapProfile::profile(const std::vector<double>& design) const {

@@ -17,13 +17,11 @@ using Status = ConstraintRow::Status;
 void requireLaw(const std::vector<ConstraintRow>& rows) {
   for (const ConstraintRow& row : rows) {
     if (row.kind == Kind::Limited && row.normal >= 0)
-      throw InputError(
-          "friction by the pressure (\"Coefficient\") has no potential energy that is least, and its "
-          "answers no derivatives of this kind; give the friction a bound, or leave it out");
+      throw InputError("solutions with Coulomb friction (\"Coefficient\") minimise no potential energy and "
+                       "have no derivatives of this kind; use a slip bound or remove the friction");
     if (row.softness)
-      throw InputError(
-          "adhesion remembers what has broken: its answers have derivatives from one side only, which "
-          "are not known; leave it out");
+      throw InputError("solutions with adhesion have one-sided derivatives only, because of damage, and "
+                       "these are not implemented; remove the adhesion");
   }
 }
 
@@ -35,8 +33,7 @@ Sensitivities::Sensitivities(feti::FetiSolver& solver, const std::vector<Constra
   const Teuchos::Comm<int>& comm = *solver.system().comm();
   agree(comm, [&] { requireLaw(rows); });
   if (solver.hasSolution() && !solver.report().converged)
-    throw InputError("the solver has not converged, and what it has is no solution that changes with the "
-                     "data: " +
+    throw InputError("the solver has not converged, so its result has no derivatives: " +
                      solver.report().reason);
   const std::vector<double> forces = solver.rowForces();
   const std::vector<double> residuals =
@@ -67,9 +64,8 @@ feti::FetiSolver::Increment Sensitivities::increment(const feti::TornVector& loa
                                                      double tolerance, bool withDisplacement) {
   const feti::SubdomainSystem& system = solver_.system();
   if (hasLimited_)
-    throw InputError(
-        "with friction forces and displacements have derivatives from one side only, which are not "
-        "known; the energy has them (the cost \"softest\" or \"stiffest\")");
+    throw InputError("with friction, forces and displacements have one-sided derivatives only, which are not "
+                     "implemented; use the energy (cost \"softest\" or \"stiffest\")");
   std::vector<ConstraintRow> rows = rows_;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     if (isWeak_[r] != 0 && !isAdjoint)
@@ -85,7 +81,7 @@ feti::FetiSolver::Increment Sensitivities::increment(const feti::TornVector& loa
       solver_.solveIncrement(std::move(vectors), rows, tolerance, withDisplacement);
   products_ += increment.report.result.counters.hessianApplications;
   if (!increment.report.converged)
-    throw NumericalError("the linear problem of a derivative was not solved: " + increment.report.reason);
+    throw NumericalError("the linear problem of a derivative did not converge: " + increment.report.reason);
   return increment;
 }
 

@@ -13,11 +13,11 @@ ShapeMap::ShapeMap(TensorSplineBasis basis, const fem::Point& direction, double 
     : basis_(std::move(basis)), direction_(direction), level_(level), depth_(depth) {
   const double length = std::hypot(direction[0], direction[1], direction[2]);
   if (!(length > 0.0) || !std::isfinite(length))
-    throw InputError(
-        "the direction in which a design moves nodes has no length; give the outward normal of the surface");
+    throw InputError("the direction in which a design moves nodes is a zero vector; give the outward normal "
+                     "of the surface");
   if (!(depth > 0.0) || !std::isfinite(level))
     throw InputError("a design moves nodes down to a depth of " + scientific(depth) +
-                     " below the surface; give one above zero, as the thickness of the body");
+                     " below the surface; give a positive depth, such as the thickness of the body");
   for (double& component : direction_)
     component /= length;
 }

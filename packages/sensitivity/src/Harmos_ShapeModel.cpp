@@ -120,7 +120,7 @@ ShapeModel::ShapeModel(feti::FetiSolver& solver, const scene::Scene& scene,
       geometry_(geometryOf(contact, scene)) {
   const Teuchos::Comm<int>& comm = commOf(solver_);
   if (scene_.physics == scene::Physics::Membrane)
-    throw InputError("the nodes of membranes cannot be designed; design their gaps");
+    throw InputError("the node positions of membranes cannot be designed; design their gaps");
   completeRows(reference_, scene_.components());
   contact_ = reference_;
   std::vector<double> moved(map_.size(), 0.0);
@@ -146,9 +146,8 @@ ShapeModel::ShapeModel(feti::FetiSolver& solver, const scene::Scene& scene,
   globalSum(comm, moved);
   for (std::size_t k = 0; k < moved.size(); ++k) {
     if (!(moved[k] > 0.0))
-      throw InputError(
-          "number " + std::to_string(k) +
-          " of the design moves no node; take fewer pieces, a narrower range or a greater depth");
+      throw InputError("number " + std::to_string(k) +
+                       " of the design moves no node; use fewer pieces, a narrower range or a greater depth");
     weights_.push_back(map_.basis().integral(static_cast<int>(k)));
   }
   movingSubdomains_ = globalSum(comm, static_cast<long long>(places_.size()));
@@ -171,18 +170,17 @@ void ShapeModel::requireSupported() const {
   for (std::size_t place : places_)
     for (const auto& effect : scene_.effects)
       if (effect->stiffnessKey(scene_, atRest_[place]))
-        throw InputError(
-            effect->label() + " acts on " + nameOf(scene_, atRest_[place]) +
-            ", whose nodes the design moves: how its stiffness changes with them is not known; take it "
-            "away, or a smaller depth");
+        throw InputError(effect->label() + " acts on " + nameOf(scene_, atRest_[place]) +
+                         ", whose nodes the design moves, but the derivative of its stiffness is not "
+                         "implemented; remove it or use a smaller depth");
   for (const ConstraintRow& row :
        reference_.rows) // nodes that match have one term a component on either side
     for (const ConstraintRow::Term& term : row.terms)
       if (row.kind == ConstraintRow::Kind::Inequality &&
           row.terms.size() > 2 * static_cast<std::size_t>(scene_.components()))
-        throw InputError(
-            "a contact of surfaces whose nodes do not match (at dof " + std::to_string(term.dof) +
-            ") has rows whose change with the nodes is not known; design its gaps, or let the nodes match");
+        throw InputError("a contact of surfaces with non-matching nodes (at dof " + std::to_string(term.dof) +
+                         ") has rows without implemented derivatives with respect to nodes; design its gaps "
+                         "or use matching nodes");
 }
 
 std::vector<OwnedSubdomain> ShapeModel::moving(const std::vector<double>& design) const {
@@ -211,9 +209,8 @@ void ShapeModel::requireSameRows(const scene::ContactSetup& contact) const {
       contact.rows.size() == reference_.rows.size() &&
       std::equal(contact.rows.begin(), contact.rows.end(), reference_.rows.begin(), sameTerms);
   if (globalMin(commOf(solver_), isSame ? 1LL : 0LL) == 0)
-    throw InputError(
-        "with the nodes that a design moves, contacts have other counterparts than at rest; let the design "
-        "move both bodies of a contact whose nodes match, or design gaps");
+    throw InputError("the nodes that the design moves change the counterparts of contacts; let the design "
+                     "move both bodies of a contact with matching nodes or design gaps");
 }
 
 void ShapeModel::requireQuality(const std::vector<OwnedSubdomain>& moving) const {
@@ -235,9 +232,9 @@ void ShapeModel::requireQuality(const std::vector<OwnedSubdomain>& moving) const
   const bool isMine = least == worst;
   const std::vector<char> told =
       gatherAll(comm, isMine ? std::vector<char>(text.begin(), text.end()) : std::vector<char>());
-  throw RefusedDesign("the design tangles the mesh: " + std::string(told.begin(), told.end()) + ", where " +
-                      scientific(leastQuality_) +
-                      " is the least that is taken; bound the design more tightly, or let it reach deeper");
+  throw RefusedDesign("the design tangles the mesh: " + std::string(told.begin(), told.end()) +
+                      "; at least " + scientific(leastQuality_) +
+                      " is required. Tighten the bounds of the design or increase its depth");
 }
 
 void ShapeModel::apply(const std::vector<double>& design) {
@@ -257,7 +254,7 @@ void ShapeModel::apply(const std::vector<double>& design) {
       if (!isSame)
         throw InputError(
             nameOf(scene_, moved[m]) +
-            ": prescribed values change with the nodes that the design moves; prescribe constant ones there");
+            ": prescribed values depend on nodes that the design moves; prescribe constant values there");
     }
   });
   std::vector<OwnedSubdomain> owned = all(std::move(moved));

@@ -24,13 +24,12 @@ std::size_t index(int i) {
 SplineBasis SplineBasis::uniform(int degree, double begin, double end, int pieces) {
   if (degree < 0 || degree > mostDegree)
     throw InputError("splines of degree " + std::to_string(degree) +
-                     "; the degree is one of 0 (constants), 1 (hats), 2 and 3");
+                     "; use degree 0 (constants), 1 (hats), 2 or 3");
   if (pieces < 1)
-    throw InputError("splines on " + std::to_string(pieces) +
-                     " pieces of an interval; there has to be one at least");
+    throw InputError("splines on " + std::to_string(pieces) + " pieces of an interval; give at least one");
   if (!std::isfinite(begin) || !std::isfinite(end) || !(begin < end))
     throw InputError("splines on an interval from " + scientific(begin, 6) + " to " + scientific(end, 6) +
-                     "; it has to begin before it ends, and both ends have to be finite");
+                     "; give two finite ends in ascending order");
   std::vector<double> knots(index(degree), begin);
   for (int k = 0; k < pieces; ++k)
     knots.push_back(begin + (end - begin) * k / pieces);
@@ -41,11 +40,11 @@ SplineBasis SplineBasis::uniform(int degree, double begin, double end, int piece
 SplineBasis SplineBasis::hats(const std::vector<double>& places) {
   if (places.size() < 2)
     throw InputError("hat functions over " + std::to_string(places.size()) +
-                     " places; give two at least, the ends of the interval");
+                     " places; give at least two, the ends of the interval");
   for (std::size_t k = 0; k < places.size(); ++k)
     if (!std::isfinite(places[k]) || (k > 0 && !(places[k - 1] < places[k])))
       throw InputError("hat functions: place " + std::to_string(k) + ", " + scientific(places[k], 6) +
-                       ", is not finite or not above the one before it; sort the places, each once");
+                       ", is not finite or not above the previous one; give ascending places");
   std::vector<double> knots = {places.front()};
   knots.insert(knots.end(), places.begin(), places.end());
   knots.push_back(places.back());
@@ -111,7 +110,7 @@ TensorSplineBasis::TensorSplineBasis(std::vector<SplineBasis> bases, std::vector
       throw InputError("splines along axis " + std::to_string(axis) + "; axes are 0 (x), 1 (y) and 2 (z)");
   if (axes_.size() == 2 && axes_[0] == axes_[1])
     throw InputError("both splines of a product run along axis " + std::to_string(axes_[0]) +
-                     "; give each an axis of its own");
+                     "; give each its own axis");
 }
 
 int TensorSplineBasis::size() const {

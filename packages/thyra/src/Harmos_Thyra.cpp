@@ -140,9 +140,8 @@ void FetiLinearOpWithSolveFactory::initializeOp(
     Thyra::LinearOpWithSolveBase<double>* op, Thyra::ESupportSolveUse) const {
   const Teuchos::RCP<const feti::TornOperator> torn = tornOperator(*source);
   if (torn.is_null())
-    throw InputError(
-        "Harmos FETI solves with a feti::TornOperator, wrapped by Thyra::createConstLinearOp(); an "
-        "assembled matrix no longer knows what each subdomain contributed");
+    throw InputError("Harmos FETI solves with a feti::TornOperator, wrapped by Thyra::createConstLinearOp(); "
+                     "an assembled matrix lacks the contributions of the subdomains");
   auto& feti = dynamic_cast<FetiLinearOpWithSolve&>(*op);
   // Graphs decide: matrices alone may be exchanged.
   const auto sameGraph = [](const feti::Subdomain& a, const feti::Subdomain& b) {

@@ -182,7 +182,7 @@ class Faults(unittest.TestCase):
             ({"Box from": "{1, 1, 1}", "Box to": "{0, 2, 2}"}, 'lies beyond "Box to"'),
             ({"Bodies": "{lowr}", "Normal": "{0, 1, 0}"}, 'did you mean "lower"?'),
             ({"Of": "{tpo}"}, 'did you mean "top"?'),
-            ({"Box from": "{5, 5, 5}"}, 'chooses no side of any body: of 90 on its boundary 0 are in the box'),
+            ({"Box from": "{5, 5, 5}"}, 'selects no side of any body: of 90 on its boundary 0 are in the box'),
             ({"Of": "{top}", "Normal": "{1, 0, 0}"}, "of 30 of its parts 0 are of that normal"),
         )
         for conditions, said in cases:

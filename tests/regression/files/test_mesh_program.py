@@ -143,7 +143,7 @@ class Cut(unittest.TestCase):
         self.assertIn("there is no mesh file", run.stderr)
         run = runs.run(DECKS / "tied_inclusion.xml", {"Model/Mesh file": directory / "mesh.h5"}, program="harmos")
         self.assertEqual(run.returncode, 2, run)
-        self.assertIn("but the mesh file is cut already, into 1 subdomains", run.stderr)
+        self.assertIn("but the mesh file is already partitioned into 1 subdomains", run.stderr)
         done = mesh(DECKS / "tied_inclusion.geo", "--body", "plate", "--output", directory / "half.h5", "--dimension", 2)
         self.assertEqual(done.returncode, 0, done)
         run = runs.run(DECKS / "tied_inclusion.xml",
@@ -180,18 +180,18 @@ class Formats(unittest.TestCase):
         self.assertIn('Body "volume 1"', done.stdout)
         self.assertIn('part "surface 12"', done.stdout)
         # Of twelve faces two look into each other; their neighbours touch along edges.
-        self.assertRegex(done.stdout, r"At each other: volume 1/surface \d+ and volume 2/surface \d+ ")
-        self.assertEqual(done.stdout.count("At each other"), 1, done)
+        self.assertRegex(done.stdout, r"Facing surfaces: volume 1/surface \d+ and volume 2/surface \d+ ")
+        self.assertEqual(done.stdout.count("Facing surfaces"), 1, done)
 
     def test_what_cannot_be_read(self):
         directory = runs.scratch("refused")
         directory.mkdir()
         cases = {
-            "eight.msh": (MSH_2.replace("2 2 2 1 1 1 2 5", "2 16 2 1 1 1 2 3 4 5 1 2 3"), "that Harmos does not have"),
-            "mixed.msh": (MSH_2.replace("2 2 2 1 1 1 2 5", "2 3 2 1 1 1 2 3 5"), "cells of more than one type"),
-            "nan.msh": (MSH_2.replace("5 0.5 0.5 0", "5 nan 0.5 0"), "no finite number"),
-            "crossed.geo": (CROSSED, r"cut each other.*ask for smaller ones \(--size\)"),
-            "exit.geo": (BOXES + "Exit;\n", "ends it itself"),
+            "eight.msh": (MSH_2.replace("2 2 2 1 1 1 2 5", "2 16 2 1 1 1 2 3 4 5 1 2 3"), "cells of unsupported type"),
+            "mixed.msh": (MSH_2.replace("2 2 2 1 1 1 2 5", "2 3 2 1 1 1 2 3 5"), "cells of several types"),
+            "nan.msh": (MSH_2.replace("5 0.5 0.5 0", "5 nan 0.5 0"), "not a finite number"),
+            "crossed.geo": (CROSSED, r"cut each other.*use smaller cells \(--size\)"),
+            "exit.geo": (BOXES + "Exit;\n", "contains Exit"),
             "empty.msh": ("", "holds no cells"),
             "text.msh": ("no mesh at all\n", "holds no cells|cannot read"),
             # Gmsh does not survive a field with an expression it cannot read.
@@ -207,11 +207,11 @@ class Formats(unittest.TestCase):
         for words, said in (
             ((directory / "nowhere.msh",), "there is no mesh file"),
             ((DECKS / "punch.geo", "--output", "mesh.msh"), "does not end with"),
-            ((DECKS / "punch.geo", "--cut", "nobody=3", "--output", directory / "m.h5"), "which is not there"),
+            ((DECKS / "punch.geo", "--cut", "nobody=3", "--output", directory / "m.h5"), "unknown body"),
             ((DECKS / "punch.geo", "--body", "a=block", "--body", "a=block"), "twice"),
-            ((DECKS / "punch.geo", "--body", "=block"), "has no name"),
-            (("mesh.h5",), "is cut already"),
-            ((), "no file was given"),
+            ((DECKS / "punch.geo", "--body", "=block"), "has no body name"),
+            (("mesh.h5",), "is already partitioned"),
+            ((), "no file given"),
         ):
             done = mesh(*words)
             self.assertEqual(done.returncode, 2, done)

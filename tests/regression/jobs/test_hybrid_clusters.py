@@ -202,7 +202,7 @@ class Forms(unittest.TestCase):
 class Diagnoses(unittest.TestCase):
     def test_motions(self):
         """What cannot be held or is pulled away is so with clusters; the subdomain that is named is of that body."""
-        for load, said in (("{1e-4, -0.02, 0}", "cannot be held"), ("{0, 0.02, 0}", "pulled away")):
+        for load, said in (("{1e-4, -0.02, 0}", "unbalanced load"), ("{0, 0.02, 0}", "pulled away")):
             deck = runs.scratch("deck").with_suffix(".xml")
             deck.write_text(forms.BLOCK.format(load=load), encoding="utf-8")
             for np, clusters in ((1, "none"), (1, "rank"), (2, "rank"), (2, "4"), (4, "rank")):
@@ -213,8 +213,8 @@ class Diagnoses(unittest.TestCase):
                         self.assertNotEqual(done.returncode, 0, done)
                         text = " ".join(forms.motions(done.stdout + done.stderr))
                         self.assertIn(said, text, done)
-                        if said == "cannot be held":
-                            self.assertRegex(text, r"load on subdomain \d+ cannot be held")
+                        if said == "unbalanced load":
+                            self.assertRegex(text, r"unbalanced load on subdomain \d+")
 
 
 class Restarts(unittest.TestCase):
@@ -255,7 +255,7 @@ class Restarts(unittest.TestCase):
             self.assertLess(difference(done, plain), 1e-8)
         else:
             self.assertEqual(done.returncode, 2, done)
-            self.assertIn("is of another problem", done.errors[0])
+            self.assertIn("belongs to another problem", done.errors[0])
         # Asked for by name it is another deck.
         done = self.restarted(cut.directory, 2, {CLUSTERS: "none"})
         self.assertEqual(done.returncode, 2, done)

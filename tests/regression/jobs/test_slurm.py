@@ -130,7 +130,7 @@ class Slurm(unittest.TestCase):
                 done = self.submit("--ranks", "2", "--output", self.place / "unfit", *words)
                 self.assertEqual(done.returncode, 1, done.stdout)
                 self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
-                self.assertRegex(done.stderr, "error: Slurm could not start .*" + said)
+                self.assertRegex(done.stderr, "error: Slurm cannot start .*" + said)
                 self.assertEqual(len(self.slurm.jobs()), before)
 
     def test_ranks_that_srun_starts(self):

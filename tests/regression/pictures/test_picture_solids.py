@@ -356,7 +356,7 @@ class Programs(unittest.TestCase):
         self.assertRegex(
             refused.stderr,
             r"^harmos-plot: bodies in space are drawn by VTK, but \S+ cannot import vtkmodules \(hidden by a test\): "
-            r"install Debian's package python3-vtk9, which /usr/bin/python3 sees, or name an interpreter .*\n$",
+            r"install Debian's package python3-vtk9 for /usr/bin/python3, or use an interpreter .*\n$",
         )
         square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
         parts = [(0, square, np.arange(4)[None])]

@@ -236,9 +236,9 @@ class Curves(unittest.TestCase):
             (("--curve", "time", "--follow"), "--follow and --curve exclude each other"),
             (("--curve", "time", "--frames"), "--frames and --curve exclude each other"),
             (("--scaling", "auto", "--frames"), "--frames and --scaling exclude each other"),
-            (("--against", "time"), "--against without --curve"),
-            (("--beside", directory), "--beside without --curve"),
-            (("--curve", "time", "--label", "one"), "more of --label than runs"),
+            (("--against", "time"), "--against needs --curve"),
+            (("--beside", directory), "--beside needs --curve"),
+            (("--curve", "time", "--label", "one"), "more --label options than runs"),
         ):
             self.assertIn(message, self.refused(directory, *words))
 
@@ -328,7 +328,7 @@ class Frames(unittest.TestCase):
             (single, r"result.vtkhdf.series: not there; frames are those of a run of several steps"),
             (broken, r"no series of results \(KeyError: 'name'\)"),
             (empty, "no result in the series"),
-            (gone, "names result_0002.vtkhdf, which is not there"),
+            (gone, "names result_0002.vtkhdf, which does not exist"),
         ):
             refused = plot(directory, "--frames")
             self.assertEqual(refused.returncode, 2)

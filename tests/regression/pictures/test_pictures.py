@@ -376,7 +376,7 @@ class Pictures(unittest.TestCase):
         for words, message in (
             ([runs.scratch("nowhere")], "no such directory"),
             ([membranes], "harmos-plot"),
-            ([first, space], "one by one"),
+            ([first, space], "separately"),
             ([first, "--polar", "7"], r"bodies in contact are \[0, 1, 2\]"),
             ([space, "--polar", "0"], "in the plane only"),
             ([first, first, first], "one or two"),
@@ -400,7 +400,7 @@ class Following(unittest.TestCase):
         self.assertFalse(follow_run.has_ended(summary))
         for text, ended in (
             ("", False),
-            ('{"reason": "interrupted: the program was told to stop"}', False),
+            ('{"reason": "interrupted: stop requested"}', False),
             ('{"reason": "converged"}', True),
             ('{"reason": "iteration limit: ..."}', True),
         ):

@@ -295,7 +295,7 @@ class Restart(Case):
         self.assertEqual(background.end(), 4, background.text())
         summary = runs.json.loads((background.directory / "summary.json").read_text(encoding="utf-8"))
         self.assertFalse(summary["converged"])
-        self.assertIn("told to stop", summary["reason"])
+        self.assertIn("stop requested", summary["reason"])
         steps = len(file.read_text().splitlines())
         self.assertTrue((background.directory / "design.csv").is_file())
         # It goes on for a few evaluations, which are those of a run that was never stopped.
@@ -312,7 +312,7 @@ class Restart(Case):
             told = path.removesuffix("/Type")
             done = restarted(cut.directory, {path: value})
             self.assertEqual(done.returncode, 2, done)
-            self.assertIn("of another deck", done.stderr)
+            self.assertIn("to another deck", done.stderr)
             self.assertIn(told, done.stderr)
             self.assertTrue((done.directory / "checkpoint.h5").is_file())
 
@@ -347,16 +347,16 @@ class Refused(Case):
             self.assertGreater(len(rows(done, "design.csv")), 4)
 
     def test_start_that_lifts_off(self):
-        done = self.refused(PUNCH, HELD | {"Shape/Design/Start": "{0.05}"}, "no point of the contact bears a force", "make the gaps smaller")
+        done = self.refused(PUNCH, HELD | {"Shape/Design/Start": "{0.05}"}, "no contact point carries a force", "Use smaller gaps")
         self.assertIn("lifted off", done.summary["reason"])
 
     def test_nothing_holds(self):
-        done = self.refused(PUNCH, {"Effects/Traction/force/Density": "{0, 0.05, 0}"}, "nothing holds the bodies")
+        done = self.refused(PUNCH, {"Effects/Traction/force/Density": "{0, 0.05, 0}"}, "unconstrained rigid-body mode")
         self.assertFalse(done.summary["converged"])
 
     def test_start_that_tangles(self):
         sets = {"Shape/Constraints/Volume": "{}", "Shape/Design/Lower": "{-3}", "Shape/Design/Upper": "{3}"}
-        done = self.refused(BLOCK, sets | {"Shape/Design/Start": "{-0.9}"}, "tangles the mesh", 'body "block"', "quality", "bound the design")
+        done = self.refused(BLOCK, sets | {"Shape/Design/Start": "{-0.9}"}, "tangles the mesh", 'body "block"', "quality", "bounds of the design")
         self.assertFalse((done.directory / "result.vtkhdf").exists())
 
     def test_steps_that_tangle(self):
@@ -396,7 +396,7 @@ class Names(Case):
             (BLOCK, "Shape/Design/Bodies", "{blok}", '"block"', "Shape/Design/Bodies"),
             (BLOCK, "Shape/Design/Axes", "{w}", "x, y or z"),
             (BLOCK, "Shape/Design/Axes", "{y}", "does not extend along y"),
-            (BLOCK, "Shape/Design/Direction", "{0, 0, 0}", "Shape/Design/Direction", "no length"),
+            (BLOCK, "Shape/Design/Direction", "{0, 0, 0}", "Shape/Design/Direction", "is a zero vector"),
             (BLOCK, "Shape/Design/Pieces", "{60, 1}", "moves no node", "fewer pieces"),
             (PUNCH, "Shape/Cost/Quantity", "peak presure", '"peak pressure"'),
         ):
@@ -413,7 +413,7 @@ class Names(Case):
             # Before anything is solved.
             self.assertFalse((done.directory / "before.vtkhdf").exists())
             self.refused(PUNCH, {"Shape/Optimiser/" + path: value}, *words, extra=["--check"])
-        self.refused(PUNCH, {"Shape/Optimiser/Step/Type": "Interior Point"}, "not finite", "Step/Type", "another start")
+        self.refused(PUNCH, {"Shape/Optimiser/Step/Type": "Interior Point"}, "non-finite", "Step/Type", "another start")
         sets = {"Shape/Optimiser/Step/Type": "Line Search", "Shape/Optimiser/Status Test/Iteration Limit": 2}
         self.refused(PUNCH, sets, "the limit of 2 iterations", status=1)
 
@@ -423,9 +423,9 @@ class Names(Case):
         each = "{" + ", ".join(["0.001"] * 9) + "}"
         done = run(PUNCH, {"Shape/Design/Lower": each, "Shape/Design/Start": "{0.001}", LIMIT: 2})
         self.assertEqual(column(rows(done, "design.csv"), "lower").tolist(), [0.001] * 9)
-        self.refused(PUNCH, {"Shape/Design/Start": "{-1}"}, "not between its bounds")
-        self.refused(PUNCH, {"Shape/Design/Lower": "{0.2}", "Shape/Design/Start": "{0.2}"}, "above its upper one")
-        self.refused(PUNCH, {"Shape/Constraints/Volume": "{1, 0}"}, "least and the most")
+        self.refused(PUNCH, {"Shape/Design/Start": "{-1}"}, "outside its bounds")
+        self.refused(PUNCH, {"Shape/Design/Lower": "{0.2}", "Shape/Design/Start": "{0.2}"}, "exceeds upper bound")
+        self.refused(PUNCH, {"Shape/Constraints/Volume": "{1, 0}"}, "a minimum and a maximum")
 
     def test_check_and_lists(self):
         for deck in (PUNCH, BLOCK):
@@ -450,7 +450,7 @@ class Physics(Case):
         self.assertLess(done.summary["results"]["cost"], done.summary["results"]["cost_before"])
         self.assertIn("Friction", done.summary["effects"])
         coulomb = {"Effects/Friction/rough/Contact": "Contact/joint", "Effects/Friction/rough/Coefficient": 0.3}
-        self.refused(PUNCH, coulomb | SOFT, "friction by the pressure", "give the friction a bound")
+        self.refused(PUNCH, coulomb | SOFT, "Coulomb friction", "use a slip bound")
 
     def test_history_of_states(self):
         self.refused(PUNCH, {"Steps/Number": 3}, '"Steps"')
@@ -459,7 +459,7 @@ class Physics(Case):
             "Normal strength": 0.1, "Tangential strength": 0.1,
         }
         glue = {f"Effects/Adhesion/glue/{name}": value for name, value in glue.items()}
-        self.refused(PUNCH, glue, "adhesion out of the deck")
+        self.refused(PUNCH, glue, "adhesion from the deck")
 
     def test_membranes(self):
         position = {"Shape/Design/Kind": "position", "Shape/Design/Surface": "upper/right"}
@@ -474,7 +474,7 @@ class Physics(Case):
             "Shape/Design/Kind": "position", "Shape/Design/Surface": "punch/bottom", "Shape/Design/Direction": "{0, -1, 0}",
             "Shape/Design/Pieces": "{3, 1}",
         }
-        self.refused(PUNCH, mortar | position, "do not match", "design its gaps")
+        self.refused(PUNCH, mortar | position, "non-matching nodes", "design its gaps")
         done = optimised(self, PUNCH, mortar)
         self.assertLess(done.summary["results"]["peak_pressure"], 1.02 * 0.05)
 

@@ -104,7 +104,7 @@ TEST(MatchNodes, surfaces_that_do_not_match_are_refused) {
       << text(a, coarse, "left");
   EXPECT_NE(text(a, fine, "left").find("of the second surface has no partner"), std::string::npos);
   EXPECT_NE(text(a, apart, "left").find("of the first surface has no partner"), std::string::npos);
-  EXPECT_NE(text(a, a, "right").find("both surfaces look the same way"), std::string::npos);
+  EXPECT_NE(text(a, a, "right").find("both surfaces point the same way"), std::string::npos);
   for (const fem::StructuredBlock* other : {&coarse, &fine, &apart})
     EXPECT_FALSE(matchNodesIfAll(surfaceOf(a, "right"), surfaceOf(*other, "left")));
 }

@@ -167,7 +167,7 @@ TEST(MortarPlane, only_surfaces_that_face_each_other_within_reach_count) {
   const Pair pair = pairOf(CellType::Quadrilateral4, 3, CellType::Quadrilateral4, 3, 0.0, 3.0, 0.5, 0.0);
   // A tenth of the extent of 3 is 0.3.
   const std::string far = messageOf([&] { mortarPoints(pair.lower, pair.upper); });
-  EXPECT_NE(far.find("body/top and body/bottom: the surfaces never meet: no facet of the first one faces one "
+  EXPECT_NE(far.find("body/top and body/bottom: the surfaces never meet: no facet of the first faces a facet "
                      "of the second within 3.00e-01"),
             std::string::npos)
       << far;
@@ -180,7 +180,7 @@ TEST(MortarPlane, only_surfaces_that_face_each_other_within_reach_count) {
   const Surface away = surfaceOf(
       block(CellType::Quadrilateral4, {0, -0.9, 0}, {3, 1, 0}, {1, 1, 1}, {3, 1, 1}, upperFirst), "top");
   EXPECT_NE(messageOf([&] { mortarPoints(pair.lower, away); }).find("never meet"), std::string::npos);
-  EXPECT_NE(messageOf([&] { mortarPoints(pair.lower, pair.upper, -1.0); }).find("the reach is -1"),
+  EXPECT_NE(messageOf([&] { mortarPoints(pair.lower, pair.upper, -1.0); }).find("invalid reach -1"),
             std::string::npos);
   const Surface space =
       surfaceOf(block(CellType::Hexahedron8, {0, 0, 0}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}), "bottom");

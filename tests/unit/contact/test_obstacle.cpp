@@ -88,9 +88,9 @@ TEST(Obstacle, senseless_ones_are_refused) {
   const auto has = [](const std::string& message, const std::string& part) {
     EXPECT_NE(message.find(part), std::string::npos) << message;
   };
-  has(text(make(Shape::HalfSpace, {}, {}, 0.0)), "obstacle of surface body/bottom: its direction");
-  has(text(make(Shape::HalfSpace, {}, {0, 0, 1}, 0.0)), "has no length");
-  has(text(make(Shape::Cylinder, {}, {0, 0, 1}, 0.0)), "its radius is 0.000000; give a positive one");
+  has(text(make(Shape::HalfSpace, {}, {}, 0.0)), "obstacle of surface body/bottom: direction");
+  has(text(make(Shape::HalfSpace, {}, {0, 0, 1}, 0.0)), "is a zero vector");
+  has(text(make(Shape::Cylinder, {}, {0, 0, 1}, 0.0)), "invalid radius 0.000000; give a positive radius");
   has(text(make(Shape::Sphere, {0.5, 1, 0}, {}, 1.0)),
-      "node 1 at (0.500000, 1.000000, 0.000000) is at its centre");
+      "node 1 at (0.500000, 1.000000, 0.000000) lies at its centre");
 }

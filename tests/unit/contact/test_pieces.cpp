@@ -223,5 +223,5 @@ TEST(Pieces, faults_are_told_on_all_ranks) {
   EXPECT_TRUE(contains(far, "the surfaces never meet")) << far;
   const NormalField down = [](const Point& x) { return Point{0, x[0] > 0.9 ? -1.0 : 1.0, 0}; };
   const std::string inward = messageOf([&] { pieceOf(body, "top", down); });
-  EXPECT_TRUE(contains(inward, "does not look outward")) << inward;
+  EXPECT_TRUE(contains(inward, "does not point outward")) << inward;
 }

@@ -190,7 +190,7 @@ TEST(CohesiveLaw, laws_that_would_snap_are_refused) {
   options.fractureEnergy = 0.5 * 20.0 * 20.0 / 1e4 * (1.0 - 1e-6); // σ²/2k_n
   EXPECT_TRUE(contains(refusal(options), "Fracture energy")) << refusal(options);
   EXPECT_TRUE(contains(refusal(options), "2.0000e-02")) << refusal(options);
-  EXPECT_TRUE(contains(refusal(options), "the law would snap")) << refusal(options);
+  EXPECT_TRUE(contains(refusal(options), "the law snap back")) << refusal(options);
   options.fractureEnergy *= 1.0 + 3e-6;
   EXPECT_EQ(refusal(options), "");
   options.fractureEnergyII = 0.5 * 12.0 * 12.0 / 3e3 * (1.0 - 1e-6);

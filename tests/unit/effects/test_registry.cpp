@@ -120,5 +120,5 @@ TEST(Effect, references_that_make_no_sense_are_refused) {
   EXPECT_TRUE(contains(refusal(scene), "a body force is per volume, but the body is a membrane"));
   scene = blocks(scene::Physics::Membrane);
   addTemperature(scene, 0, 1.0);
-  EXPECT_TRUE(contains(refusal(scene), "a thermal strain is for elastic bodies"));
+  EXPECT_TRUE(contains(refusal(scene), "a thermal strain needs elastic bodies"));
 }

@@ -132,7 +132,7 @@ TEST(CutMeshFile, damage_is_told) {
         ++damaged;
   EXPECT_EQ(damaged, 1);
   EXPECT_TRUE(contains(inputErrorOf([&] { readAll(changed); }),
-                       "is not what was written; make it anew by harmos-mesh"));
+                       "has a wrong checksum; write it again with harmos-mesh"));
 }
 
 TEST(CutMeshFile, what_is_no_such_file_is_refused) {

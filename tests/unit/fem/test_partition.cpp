@@ -131,8 +131,8 @@ TEST(Partition, squares_that_meet_in_a_node_are_two_parts) {
   EXPECT_EQ(partition.part, (std::vector<int>{0, 1}));
   ASSERT_EQ(partition.notes.size(), 2u);
   EXPECT_EQ(partition.notes[0],
-            "Body \"grid\" consists of 2 components that share no side; each is cut by itself.");
-  EXPECT_EQ(partition.notes[1], "Body \"grid\" is cut into 2 parts in the place of 1.");
+            "Body \"grid\" consists of 2 components without common sides; each is partitioned separately.");
+  EXPECT_EQ(partition.notes[1], "Body \"grid\" is partitioned into 2 parts instead of 1.");
 }
 
 TEST(Partition, cubes_that_meet_in_an_edge_or_a_node_are_parts_of_their_own) {
@@ -187,8 +187,8 @@ TEST(Partition, pieces_of_a_part_are_split_off_or_join_a_neighbour) {
   EXPECT_EQ(mended.parts, 3);
   EXPECT_EQ(sizes(mended), (std::vector<int>{200, 100, 100}));
   ASSERT_EQ(mended.notes.size(), 1u);
-  EXPECT_EQ(mended.notes[0], "Parts were in pieces that share no side: 1 of the pieces became parts of their "
-                             "own, 2 tiny ones joined a neighbour.");
+  EXPECT_EQ(mended.notes[0], "Parts in pieces without common sides: 1 pieces became separate parts, "
+                             "2 tiny pieces joined a neighbour.");
 }
 
 TEST(Partition, a_hinge_within_a_part_is_cut) {
@@ -224,7 +224,7 @@ TEST(Partition, refuses_more_parts_than_cells) {
   const BodyMesh body = block(CellType::Triangle3, 2);
   EXPECT_EQ(
       inputErrorOf([&] { partitionCells(body, 9); }),
-      "body \"block\" cannot be cut into 9 parts: it has 8 cells. Ask for at least one part and at most "
-      "as many as there are cells");
+      "body \"block\" cannot be partitioned into 9 parts: it has 8 cells. Choose between 1 and that many "
+      "parts");
   EXPECT_THROW(partitionCells(body, 0), InputError);
 }

@@ -337,7 +337,7 @@ TEST(Increments, refuse_statuses_of_other_rows) {
   };
   const auto close = [](ConstraintRow& row) { row.status = Status::Closed; };
   refused(tied, with(tied, close).rows,
-          "constraint row 2 is said to be open or closed; only inequalities without softness are");
+          "constraint row 2 is marked open or closed, which is valid only for inequalities without softness");
   const TestModel limited = [&] {
     TestModel model = tied;
     for (ConstraintRow& row : model.rows)
@@ -345,13 +345,13 @@ TEST(Increments, refuse_statuses_of_other_rows) {
     return model;
   }();
   refused(limited, with(limited, close).rows,
-          "constraint row 2 is said to be open or closed; only inequalities without softness are");
+          "constraint row 2 is marked open or closed, which is valid only for inequalities without softness");
   const TestModel soft = with(contact, [](ConstraintRow& row) { row.softness = 0.1; });
   refused(soft, with(soft, close).rows,
-          "constraint row 2 is said to be open or closed; only inequalities without softness are");
+          "constraint row 2 is marked open or closed, which is valid only for inequalities without softness");
   // Rows of another geometry.
   refused(contact, with(contact, [](ConstraintRow& row) { row.terms.front().coefficient *= 1.1; }).rows,
-          "new constraints are needed");
+          "create new constraints");
 }
 
 // A limit that follows a force, which is not to be taken for known.
@@ -371,7 +371,7 @@ TEST(Increments, refuse_statuses_that_limits_follow) {
       row.status = Status::Open;
   const std::string text =
       inputErrorOf([&] { feti::FetiSolver(testComm(), model.subdomains, model.rows, parametersOf({})); });
-  EXPECT_TRUE(contains(text, "follows the force of inequality 1, which is said to be open or closed; "
+  EXPECT_TRUE(contains(text, "follows the force of inequality 1, which is marked open or closed; "
                              "leave it undecided"))
       << text;
 }

@@ -279,8 +279,10 @@ TEST(LimitedRows, what_makes_no_sense_is_refused) {
                 row.limit = -1.0;
             }).find("has a limit of -1"),
             std::string::npos);
-  EXPECT_NE(messageOf(spoilFirst([](ConstraintRow& row) { row.limit = 1.0; })).find("two rows of one limit"),
-            std::string::npos);
-  EXPECT_NE(messageOf(spoilFirst([](ConstraintRow& row) { row.disc = 1000; })).find("two rows of one limit"),
-            std::string::npos);
+  EXPECT_NE(
+      messageOf(spoilFirst([](ConstraintRow& row) { row.limit = 1.0; })).find("two rows with the same limit"),
+      std::string::npos);
+  EXPECT_NE(
+      messageOf(spoilFirst([](ConstraintRow& row) { row.disc = 1000; })).find("two rows with the same limit"),
+      std::string::npos);
 }

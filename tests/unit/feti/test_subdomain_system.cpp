@@ -89,7 +89,7 @@ TEST(SubdomainSystem, a_kernel_that_is_none_is_named_on_all_ranks) {
     wrong->values[4] = 0.5;
     s.motions = wrong;
   });
-  EXPECT_TRUE(contains(text, "the kernel given for subdomain 0 is none")) << text;
+  EXPECT_TRUE(contains(text, "the kernel given for subdomain 0 is not a kernel")) << text;
 }
 
 TEST(SubdomainSystem, bad_numbers_are_refused_before_they_spread) {

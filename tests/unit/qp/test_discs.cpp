@@ -309,7 +309,8 @@ TEST(Discs, radii) {
   const bool isFirst = testComm()->getRank() == 0;
   sound.problem->setDiscs(isFirst ? std::make_shared<LocalDiscs>(std::vector<Disc>(), 99) : nullptr);
   EXPECT_FALSE(sound.problem->setProblem());
-  EXPECT_NE(sound.problem->whyNotSet().find(testComm()->getSize() > 1 ? "on some ranks" : "another length"),
+  EXPECT_NE(sound.problem->whyNotSet().find(testComm()->getSize() > 1 ? "on some ranks"
+                                                                      : "do not match the length"),
             std::string::npos)
       << sound.problem->whyNotSet();
 }

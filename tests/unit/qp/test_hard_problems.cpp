@@ -321,7 +321,7 @@ TEST(HardProblems, rows_that_are_not_orthonormal_are_not_believed_to_be) {
   const SmallQp qp{diagonal({1, 1, 1}), {1, 2, 3}, {}, {}, rows({{2, 2, 2}}), {1}};
   EXPECT_TRUE(
       contains(inputErrorOf([&] { solve("PCPG", qp, 1e-8, "", {}, {}, EqualityStructure::Orthonormal); }),
-               "said to be orthonormal but are not"));
+               "declared orthonormal but are not"));
 }
 
 // Bounds may change in place after setProblem(), as contact gaps do from step to step.

@@ -179,7 +179,7 @@ TEST(LifeCycle, applications_add_solvers) {
   EXPECT_EQ(fromVector(*qp.solution)[0], 7.0);
   EXPECT_TRUE(
       contains(inputErrorOf([&] { factory.addSolver("mprgp", [] { return Teuchos::rcp(new Guess); }); }),
-               "is there already"));
+               "exists already"));
   EXPECT_FALSE(TpetraSolverFactory().isSupported("Guess"));
 }
 
@@ -281,7 +281,7 @@ TEST(LifeCycle, null_space_tells_an_unbounded_problem_before_the_first_step) {
   EXPECT_EQ(unbounded.reason, Reason::Unbounded);
   EXPECT_EQ(unbounded.counters.hessianApplications, 0);
   EXPECT_NEAR(unbounded.certificate.gap, 0.5, 1e-15);
-  EXPECT_TRUE(contains(inputErrorOf([&] { solve({0, 1, 0, 0}); }), "the null space given is none"));
+  EXPECT_TRUE(contains(inputErrorOf([&] { solve({0, 1, 0, 0}); }), "the given null space is invalid"));
   // A bound in the way, or no load: the kernel is harmless.
   qp.b[3] = -0.5;
   EXPECT_TRUE(solve({0, 0, 0, 3}).converged());

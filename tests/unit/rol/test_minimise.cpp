@@ -325,13 +325,13 @@ TEST(Minimise, ends_without_an_optimum_are_told) {
                      });
   const auto stuck = rol::minimise(inBox(wrong, 2, 0.5, -1.0, 1.0));
   EXPECT_EQ(stuck.ending, rol::Ending::StepTolerance);
-  EXPECT_TRUE(contains(stuck.reason, "less exact")) << stuck.reason;
+  EXPECT_TRUE(contains(stuck.reason, "too inaccurate")) << stuck.reason;
   EXPECT_EQ(stuck.design, Design({0.5, 0.5}));
 
   TestFunction none([](const Design&) { return std::nan(""); }, [](const Design& x) { return x; });
   const auto nothing = rol::minimise(inBox(none, 2, 0.5, -1.0, 1.0));
   EXPECT_EQ(nothing.ending, rol::Ending::NoNumber);
-  EXPECT_TRUE(contains(nothing.reason, "no number")) << nothing.reason;
+  EXPECT_TRUE(contains(nothing.reason, "not a number")) << nothing.reason;
 }
 
 TEST(Minimise, tolerances_are_passed_on_where_the_parameters_say_so) {

@@ -103,7 +103,7 @@ TEST(Refusals, a_wall_before_the_optimum_ends_the_run_with_the_best_design) {
     EXPECT_EQ(outcome.ending, rol::Ending::Refused) << outcome.reason;
     EXPECT_FALSE(outcome.isConverged());
     EXPECT_TRUE(contains(outcome.reason, "body lifts off")) << outcome.reason;
-    EXPECT_TRUE(contains(outcome.reason, "bound the design")) << outcome.reason;
+    EXPECT_TRUE(contains(outcome.reason, "bounds of the design")) << outcome.reason;
     EXPECT_LE(Walled::sum(outcome.design), 0.7);
     EXPECT_GT(Walled::sum(outcome.design), 0.0);
     EXPECT_EQ(outcome.cost, *std::min_element(costs.begin(), costs.end()));

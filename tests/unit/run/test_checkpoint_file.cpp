@@ -187,7 +187,7 @@ TEST(CheckpointFile, an_unfinished_one_is_none) {
   write(name, false);
   testComm()->barrier();
   const std::string message = inputErrorOf([&] { CheckpointReader(*testComm(), name); });
-  EXPECT_TRUE(contains(message, "there is no checkpoint \"" + name + "\"")) << message;
+  EXPECT_TRUE(contains(message, "checkpoint not found: \"" + name + "\"")) << message;
 }
 
 TEST(CheckpointFile, what_does_not_fit_is_refused_by_name) {

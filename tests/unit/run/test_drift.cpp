@@ -44,7 +44,7 @@ TEST(Drift, bodies_that_move_farther_than_the_scene_is_large) {
   const std::string one = textOf(0.1, -2.1), both = textOf(3.0, 865.0);
   EXPECT_TRUE(contains(one, "drift: \"upper\" moved by up to 2.1")) << one;
   EXPECT_TRUE(contains(both, "\"lower\", \"upper\" moved by up to 8.6")) << both;
-  EXPECT_TRUE(contains(both, "prescribe a displacement")) << both;
+  EXPECT_TRUE(contains(both, "Prescribe a displacement")) << both;
 }
 
 // What moves as far as it was told, or as others deform, does not drift.

@@ -113,9 +113,8 @@ TEST(PairErrors, doubtful_forces_are_named) {
   report.audit.forces = 100.0;
   report.pairErrors = {
       {{1.0, 1e-5}, "Contact/good"}, {{1e-6, 5e-7}, "Contact/small"}, {{0.0, 1e-9}, "Tie/none"}};
-  EXPECT_EQ(
-      run::doubtfulForces(report),
-      "Forces that may be wrong by a large share of themselves: \"Contact/small\" (5e-01); they are small "
-      "beside all forces of the scene. A smaller \"Solver/Tolerance\" helps as far as rounding errors "
-      "allow");
+  EXPECT_EQ(run::doubtfulForces(report),
+            "Forces with a large estimated relative error: \"Contact/small\" (5e-01). They are small "
+            "relative to all "
+            "forces of the scene; a smaller \"Solver/Tolerance\" reduces the error down to rounding level");
 }

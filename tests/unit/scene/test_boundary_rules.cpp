@@ -182,13 +182,13 @@ TEST(BoundaryRules, what_chooses_nothing_is_refused) {
   rule.bodies = {"two"};
   scene.boundaryRules = {rule};
   EXPECT_TRUE(contains(refusal(scene),
-                       "\"Boundary parts/seat\" chooses no side of body \"two\": of 18 on its "
-                       "boundary 4 are of that normal, 0 are on the plane, none all of it"))
+                       "\"Boundary parts/seat\" selects no side of body \"two\": of 18 on its "
+                       "boundary 4 are of that normal, 0 are on the plane, none of them all"))
       << refusal(scene);
   rule.bodies.clear();
   rule.tolerance = 0.01;
   scene.boundaryRules = {rule};
-  EXPECT_TRUE(contains(refusal(scene), "chooses no side of any body: of 36")) << refusal(scene);
+  EXPECT_TRUE(contains(refusal(scene), "selects no side of any body: of 36")) << refusal(scene);
   rule.direction.reset();
   scene.boundaryRules = {rule};
   EXPECT_EQ(refusal(scene), ""); // within the tolerance

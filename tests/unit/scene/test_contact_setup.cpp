@@ -68,7 +68,8 @@ TEST(ContactSetup, references_that_lead_nowhere_are_refused) {
   EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }), "names body number 5"));
   scene = stack();
   prescribe(scene, {0, "bottom"}, 2);
-  EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }), "component 2, but a node has 2"));
+  EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }),
+                       "component 2, but the number of components per node is 2"));
   scene = blocks();
   addContact(scene, {0, "top"}, {1, "botom"});
   EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }), "did you mean \"bottom\"?"));
@@ -87,7 +88,7 @@ TEST(ContactSetup, tractions_need_sides) {
   prescribe(scene, {0, "corner"}, 0);
   EXPECT_EQ(inputErrorOf([&] { setUp(scene); }), "");
   addTraction(scene, {0, "corner"}, fem::Point{});
-  EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }), "no sides of cells on the boundary"));
+  EXPECT_TRUE(contains(inputErrorOf([&] { setUp(scene); }), "no cell sides on the boundary"));
 }
 
 // A node of two contacts shows the one that is closed, whatever their order.

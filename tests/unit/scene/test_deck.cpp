@@ -93,9 +93,9 @@ TEST(Deck, arrays_are_read_as_a_whole_or_not_at_all) {
   };
   for (const char* value :
        {"{-inf,1}", "{nan,1}", "{x,1}", "{1e,1}", "{0,1.0.5}", "{0,1 2}", "{0,}", "0,1", "{0,1"})
-    EXPECT_TRUE(contains(failure(deck(value)), "is no value of that type")) << value;
+    EXPECT_TRUE(contains(failure(deck(value)), "is not a valid value of that type")) << value;
   for (const char* value : {"{1,2}", "{ 1.5 , 2e3 }", " {1}", "{}"})
-    EXPECT_FALSE(contains(failure(deck(value)), "is no value of that type")) << value;
+    EXPECT_FALSE(contains(failure(deck(value)), "is not a valid value of that type")) << value;
 }
 
 TEST(Deck, contradictions_are_refused) {

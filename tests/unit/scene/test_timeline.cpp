@@ -83,15 +83,15 @@ TEST(Timeline, nonsense_is_refused) {
   EXPECT_EQ(faultOf({"Steps/Times={1,2.5}"}), "");
   expectFault({"Steps/Number=0"}, "\"Steps/Number\" = 0 is out of range");
   expectFault({"Steps/Times={1,3,2}"},
-              "\"Steps/Times\": times have to rise, but 2.00e+00 comes after 3.00e+00");
+              "\"Steps/Times\": times must increase, but 2.00e+00 comes after 3.00e+00");
   expectFault({"Steps/Times={1,2}", "Steps/Number=2"}, "give one of the two");
   const std::string a = "Steps/Histories/a/";
   expectFault({a + "Times={0,2,1}", a + "Values={0,1,2}"},
-              "\"Steps/Histories/a\": times have to rise, but 1.00e+00 comes after 2.00e+00");
+              "\"Steps/Histories/a\": times must increase, but 1.00e+00 comes after 2.00e+00");
   expectFault({a + "Times={0,1}", a + "Values={0}"}, "2 times and 1 values");
   expectFault({a + "Values={0}"}, "at least one time");
   expectFault({"Steps/Histories/ramp/Times={0}", "Steps/Histories/ramp/Values={0}"},
-              "\"ramp\" is there already");
+              "\"ramp\" exists already");
 }
 
 TEST(Timeline, histories_belong_to_magnitudes_and_are_defined) {
@@ -110,7 +110,7 @@ TEST(Timeline, histories_belong_to_magnitudes_and_are_defined) {
     return "";
   };
   EXPECT_EQ(fault(0, "press"), "");
-  EXPECT_NE(fault(0, "pres").find("nobody defined; did you mean \"press\"?"), std::string::npos);
+  EXPECT_NE(fault(0, "pres").find("is not defined; did you mean \"press\"?"), std::string::npos);
   scene.timeline.follow(*scene.effects[0], "press");
   EXPECT_NE(fault(1, "press").find("has no magnitude"), std::string::npos);
 }

@@ -167,7 +167,8 @@ TEST(Functionals, that_there_are_not) {
   const Solved item(false, true);
   const std::set<int> surfaces = {item.surface};
   for (double exponent : {1.0, 0.5, -2.0, std::nan("")})
-    EXPECT_TRUE(contains(inputErrorOf([&] { PressureNorm norm(surfaces, exponent); }), "give one above 1"))
+    EXPECT_TRUE(
+        contains(inputErrorOf([&] { PressureNorm norm(surfaces, exponent); }), "give an exponent above 1"))
         << exponent;
   const std::string nowhere =
       inputErrorOf([&] { item.value(PressureSpread({item.surface + 1}), item.forces); });

@@ -136,12 +136,12 @@ TEST(GapProfiles, are_added_to_gaps) {
   EXPECT_NEAR(box.second[1], 1.0, 1e-12);
   const std::string none = inputErrorOf(
       [&] { GapProfile other(*problem.solver, problem.contact.rows, problem.geometry(), {17}); });
-  EXPECT_TRUE(contains(none, "the surfaces whose gaps are to be designed have no contact points")) << none;
+  EXPECT_TRUE(contains(none, "the surfaces whose gaps are designed have no contact points")) << none;
   const std::string narrow = inputErrorOf([&] {
     GapProfile other(*problem.solver, problem.contact.rows, problem.geometry(), {surfaceOf(problem)},
                      basisOf(false, 0, 100));
   });
-  EXPECT_TRUE(contains(narrow, "of the design moves no contact point; take fewer pieces")) << narrow;
+  EXPECT_TRUE(contains(narrow, "of the design moves no contact point; use fewer pieces")) << narrow;
 }
 
 // A gradient of the energy costs no product, others a linear solution: as many products as one that starts
@@ -271,7 +271,7 @@ TEST(GapProfiles, designs_that_are_refused) {
       cost.value(away, 0.0);
       ADD_FAILURE() << "not refused";
     } catch (const RefusedDesign& error) {
-      EXPECT_TRUE(contains(error.what(), "no point of the contact bears a force: the body has lifted off"))
+      EXPECT_TRUE(contains(error.what(), "no contact point carries a force: the body has lifted off"))
           << error.what();
     }
     EXPECT_THROW(cost.gradient(away, 0.0), RefusedDesign);
@@ -309,8 +309,10 @@ TEST(GapProfiles, bodies_that_are_pulled_away) {
         cost.value(next, 0.0);
         ADD_FAILURE() << "not refused";
       } catch (const RefusedDesign& error) {
-        EXPECT_TRUE(contains(error.what(), "with this design nothing holds the bodies")) << error.what();
-        EXPECT_TRUE(contains(error.what(), "pulled away, with nothing to hold it: subdomain"))
+        EXPECT_TRUE(
+            contains(error.what(), "with this design the bodies have an unconstrained rigid-body mode"))
+            << error.what();
+        EXPECT_TRUE(contains(error.what(), "unconstrained rigid-body mode under load: subdomain"))
             << error.what();
       }
     EXPECT_EQ(cost.sensitivities(), nullptr);

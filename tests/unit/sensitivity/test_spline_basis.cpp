@@ -213,17 +213,16 @@ TEST(SplineBasis, errors_name_the_remedy) {
   };
   EXPECT_EQ(uniform(3, 0.0, 1.0, 1), "");
   for (int degree : {-1, 4})
-    EXPECT_TRUE(
-        contains(uniform(degree, 0.0, 1.0, 1), "the degree is one of 0 (constants), 1 (hats), 2 and 3"));
-  EXPECT_TRUE(contains(uniform(1, 0.0, 1.0, 0), "on 0 pieces of an interval; there has to be one at least"));
-  EXPECT_TRUE(contains(uniform(1, 1.0, 1.0, 2), "it has to begin before it ends"));
-  EXPECT_TRUE(contains(uniform(1, 2.0, 1.0, 2), "it has to begin before it ends"));
-  EXPECT_TRUE(contains(uniform(1, std::nan(""), 1.0, 2), "both ends have to be finite"));
-  EXPECT_TRUE(contains(uniform(1, 0.0, INFINITY, 2), "both ends have to be finite"));
+    EXPECT_TRUE(contains(uniform(degree, 0.0, 1.0, 1), "use degree 0 (constants), 1 (hats), 2 or 3"));
+  EXPECT_TRUE(contains(uniform(1, 0.0, 1.0, 0), "on 0 pieces of an interval; give at least one"));
+  EXPECT_TRUE(contains(uniform(1, 1.0, 1.0, 2), "two finite ends in ascending order"));
+  EXPECT_TRUE(contains(uniform(1, 2.0, 1.0, 2), "two finite ends in ascending order"));
+  EXPECT_TRUE(contains(uniform(1, std::nan(""), 1.0, 2), "two finite ends in ascending order"));
+  EXPECT_TRUE(contains(uniform(1, 0.0, INFINITY, 2), "two finite ends in ascending order"));
   const auto hats = [](const std::vector<double>& at) {
     return inputErrorOf([&] { SplineBasis::hats(at); });
   };
-  EXPECT_TRUE(contains(hats({1.0}), "over 1 places; give two at least"));
+  EXPECT_TRUE(contains(hats({1.0}), "over 1 places; give at least two"));
   EXPECT_TRUE(contains(hats({0.0, 1.0, 1.0}), "place 2, 1.000000e+00, is not finite or not above"));
   EXPECT_TRUE(contains(hats({std::nan(""), 1.0}), "place 0"));
   const SplineBasis basis = SplineBasis::uniform(1, 0.0, 1.0, 1);
@@ -235,7 +234,7 @@ TEST(SplineBasis, errors_name_the_remedy) {
   EXPECT_TRUE(contains(product({basis, basis, basis}, {0, 1, 2}), "give one or two, each with its axis"));
   EXPECT_TRUE(contains(product({basis, basis}, {0}), "each with its axis"));
   EXPECT_TRUE(contains(product({basis}, {3}), "along axis 3; axes are 0 (x), 1 (y) and 2 (z)"));
-  EXPECT_TRUE(contains(product({basis, basis}, {1, 1}), "give each an axis of its own"));
+  EXPECT_TRUE(contains(product({basis, basis}, {1, 1}), "give each its own axis"));
 }
 
 // Function i + n₀ j is the product, along axes in any order; gradients are those of the products.

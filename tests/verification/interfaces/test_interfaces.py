@@ -33,7 +33,7 @@ ALLOWED_PULLED = 1e-1
 # Of forces, at the default tolerance.
 ALLOWED_ROLLERS = 1e-3
 # An interface of one facet between others has no node of its own.
-NO_NODE = "and none is left that could carry a force"
+NO_NODE = "so no node can carry a multiplier"
 
 
 def force_errors(scene, run, up):

@@ -211,15 +211,15 @@ bool CutMeshFile::isOne(const std::string& path) {
 CutMeshFile::CutMeshFile(const std::string& path) : path_(path) {
   std::error_code failure;
   if (!std::filesystem::exists(path, failure))
-    throw InputError("there is no mesh file \"" + path + "\"; check its path, or make it by harmos-mesh");
+    throw InputError("mesh file not found: \"" + path + "\"; check the path or write it with harmos-mesh");
   file_ = std::make_unique<File>(path);
   const auto fail = [&](const std::string& reason) {
-    throw InputError("the mesh file \"" + path + "\" " + reason + "; make it anew by harmos-mesh",
+    throw InputError("the mesh file \"" + path + "\" " + reason + "; write it again with harmos-mesh",
                      {{"file", path}});
   };
   if (!file_->reader.has("/format") ||
       linesOf(file_->names("/format")) != Bytes(format, format + std::string(format).size()))
-    fail("was not written by harmos-mesh, or by another version of it");
+    fail("was not written by this version of harmos-mesh");
   for (const std::string& name : file_->names("/bodies")) {
     const std::string place = placeOf(bodies_.size());
     Body body;
@@ -276,7 +276,7 @@ PlacedMesh CutMeshFile::subdomain(std::size_t body, int number, long long firstN
   if (checkOf(placed) != file.rows<long long>(place + "/check", number, 1).front())
     throw InputError("the mesh file \"" + path_ + "\" is damaged: subdomain " + std::to_string(number) +
                          " of body \"" + bodies_[body].name +
-                         "\" is not what was written; make it anew by harmos-mesh",
+                         "\" has a wrong checksum; write it again with harmos-mesh",
                      {{"file", path_}, {"body", bodies_[body].name}});
   for (long long& node : placed.boundaryNumbers)
     node += firstNode;

@@ -43,15 +43,14 @@ std::string placeText(const Point& x) {
 std::string remedyFor(const std::string& reason) {
   for (const char* word : {"overlapping facets", "intersect", "PLC", "self-intersect", "boundary mesh"})
     if (reason.find(word) != std::string::npos)
-      return ". The triangles of its surface cut each other, as they do where cells are larger than what "
-             "lies beside "
-             "them: ask for smaller ones (--size), or for more where it is curved (--per-circle)";
-  return ". Open the file in Gmsh to see where it fails";
+      return ". The surface triangles cut each other because cells are too large for the geometry; use "
+             "smaller cells (--size) or more cells on curved parts (--per-circle)";
+  return ". Open the file in Gmsh to locate the failure";
 }
 
 [[noreturn]] void throwGmshError(const std::string& path, const std::string& reason) {
   throw InputError("Gmsh cannot read or mesh \"" + path +
-                   "\": " + (reason.empty() ? "it does not say why" : reason) + remedyFor(reason));
+                   "\": " + (reason.empty() ? "no reason given" : reason) + remedyFor(reason));
 }
 
 /// A file's mesh, as far as bodies are made from it.
@@ -69,7 +68,7 @@ class Reader {
     for (std::size_t k = 0; k < coordinates_.size(); ++k)
       if (!std::isfinite(coordinates_[k]))
         throw InputError("in \"" + path_ + "\", node " + std::to_string(tags[k / 3]) +
-                         " has a coordinate that is no finite number; write the mesh anew");
+                         " has a coordinate that is not a finite number; write the mesh again");
   }
 
   std::vector<GmshBody> eachGroup() const {
@@ -85,8 +84,8 @@ class Reader {
     body.name = wanted.name;
     body.regions = wanted.groups;
     if (wanted.groups.empty())
-      throw InputError("body " + quoted(wanted.name) + " is made of no group of \"" + path_ +
-                       "\"; name at least one. There are: " + listed(names(dimension_)));
+      throw InputError("body " + quoted(wanted.name) + " has no group of \"" + path_ +
+                       "\"; name at least one of: " + listed(names(dimension_)));
     const CellType type = typeOf(wanted);
     body.mesh.cellType = type;
     const std::vector<Tag> cells = cellsOf(wanted, type, body.mesh.regions);
@@ -125,7 +124,7 @@ class Reader {
     if (!std::filesystem::exists(path_, failure))
       throw InputError("there is no mesh file \"" + path_ + "\"; check its path");
     if (!std::filesystem::is_regular_file(path_, failure))
-      throw InputError("\"" + path_ + "\" is no file, but a mesh is to be read from it; check its path");
+      throw InputError("\"" + path_ + "\" is not a file; give the path of a mesh file");
     std::vector<int> types;
     try {
       if (isVtk(path_))
@@ -136,9 +135,9 @@ class Reader {
         dimension_ = has(3) ? 3 : 2;
       gmsh::model::mesh::getElementTypes(types, dimension_);
       if (!types.empty() && meshing.isGiven())
-        throw InputError("\"" + path_ +
-                         "\" has cells already, which no size or order changes; give them "
-                         "where the mesh is made");
+        throw InputError(
+            "\"" + path_ +
+            "\" is already meshed, so size and order have no effect; set them in the mesh generator");
       if (types.empty()) {
         prescribe(meshing);
         gmsh::vectorpair entities;
@@ -156,11 +155,10 @@ class Reader {
     }
     if (types.empty())
       throw InputError("\"" + path_ + "\" holds no cells of dimension " + std::to_string(dimension_) +
-                       " and no geometry to make them from: it " +
+                       " and no geometry to mesh: it " +
                        (dimension_ == 3 && has(2)
-                            ? "is a plane mesh, of dimension 2, or the skin of a solid, whose "
-                              "inside is to be meshed first"
-                            : "is no mesh, or one of another dimension"));
+                            ? "is a plane mesh of dimension 2 or the surface of a solid without volume mesh"
+                            : "is not a mesh or has another dimension"));
   }
 
   static void prescribe(const GmshMeshing& meshing) {
@@ -231,7 +229,7 @@ class Reader {
     const std::string place = "body " + quoted(body.name) + " of \"" + path_ + "\"";
     if (counts.empty())
       throw InputError(place + " has no cells: its groups (" + listed(body.groups) +
-                       ") are not meshed. Save the mesh with all its physical groups");
+                       ") are not meshed. Save the mesh with all physical groups");
     std::string kinds;
     for (const auto& [type, count] : counts) {
       const ElementType& element = elementType(type);
@@ -240,15 +238,15 @@ class Reader {
     }
     for (const auto& [type, count] : counts)
       if (!elementType(type).ours)
-        throw InputError(place + " has cells of a type that Harmos does not have (" + kinds +
+        throw InputError(place + " has cells of unsupported type (" + kinds +
                          "). Use triangles of 3 or 6 nodes, quadrilaterals of 4 or 9, tetrahedra of 4 or "
                          "10, hexahedra of 8 or 27: Mesh.ElementOrder = 1 or 2, "
                          "Mesh.SecondOrderIncomplete = 0");
     if (counts.size() > 1)
-      throw InputError(place + " has cells of more than one type (" + kinds +
-                       "), but a body has one. Make it more than one body, or mesh it with one type: "
-                       "Recombine for all or none of its surfaces, Mesh.SubdivisionAlgorithm = 1 (plane) or "
-                       "2 (space) where triangles remain");
+      throw InputError(
+          place + " has cells of several types (" + kinds +
+          "). Split it into bodies of one cell type each or mesh it with one type: Recombine for all or none "
+          "of its surfaces, Mesh.SubdivisionAlgorithm = 1 (plane) or 2 (space) where triangles remain");
     return *elementType(counts.begin()->first).ours;
   }
 
@@ -262,7 +260,7 @@ class Reader {
         if (!isNew)
           throw InputError("in \"" + path_ + "\", " + entityName(dimension_) + " " + std::to_string(entity) +
                            " belongs to " + previous->second + " and to " + owner +
-                           ", but each cell is in one region of one body. Make the groups disjoint");
+                           ". A cell belongs to one region of one body: make the groups disjoint");
         const Elements elements = elementsOf(dimension_, entity);
         for (std::size_t k = 0; k < elements.types.size(); ++k) {
           const ElementType& element = elementType(elements.types[k]);
@@ -332,7 +330,7 @@ class Reader {
             "in \"" + path_ + "\", " + entityName(dimension_) + " " + std::to_string(entity) + ", " +
             cellText(shape, &cells[first]) + " has no " +
             (dimension_ == 2 ? "area: its corners lie on a line" : "volume: its corners lie in a plane") +
-            ". Mend it in Gmsh (Mesh.Optimize), or drop the cell");
+            ". Repair it in Gmsh (Mesh.Optimize) or remove the cell");
       if (sign >= 0)
         continue;
       for (std::size_t i = 0; i < nodes; ++i)
@@ -351,11 +349,10 @@ class Reader {
       return cellText(shape,
                       &cells[static_cast<std::size_t>(side.cell) * static_cast<std::size_t>(shape.nodes)]);
     };
-    throw InputError(
-        "in \"" + path_ + "\", body " + quoted(body.name) + ", " + cellOf(folded->first) + " and " +
-        cellOf(folded->second) +
-        " lie on the same side of the side that they share: the mesh is folded, and cells cover each "
-        "other. Mend it in Gmsh (a finer mesh, Mesh.Optimize)");
+    throw InputError("in \"" + path_ + "\", body " + quoted(body.name) + ", " + cellOf(folded->first) +
+                     " and " + cellOf(folded->second) +
+                     " lie on the same side of their common face: the mesh is folded and cells overlap. "
+                     "Repair it in Gmsh (a finer mesh, Mesh.Optimize)");
   }
 
   // 1 or −1 if the Jacobian has this sign at every corner of the cell with straight edges; 0 otherwise, which
@@ -413,9 +410,8 @@ class Reader {
       std::ostringstream heights;
       heights << least[2] << " to " << most[2];
       throw InputError("body " + quoted(body) + " of \"" + path_ + "\" reaches from z = " + heights.str() +
-                       ", but a body of dimension 2 lies in a plane z = constant. Turn it into the x-y "
-                       "plane; if it is the skin "
-                       "of a solid, as .stl files are, mesh its inside first");
+                       ", but a body of dimension 2 must lie in a plane z = constant. Rotate it into the x-y "
+                       "plane; if it is the surface of a solid (.stl), mesh the volume first");
     }
   }
 
@@ -538,8 +534,8 @@ bool canReadGmsh() {
 std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBody>&, int,
                                const GmshMeshing&) {
   throw InputError("\"" + path +
-                   "\" cannot be read: this Harmos was built without Gmsh. Install libgmsh-dev and "
-                   "configure with -DHARMOS_ENABLE_GMSH=ON");
+                   "\" cannot be read: Harmos was built without Gmsh. Install libgmsh-dev and configure with "
+                   "-DHARMOS_ENABLE_GMSH=ON");
 }
 
 } // namespace Harmos::fem

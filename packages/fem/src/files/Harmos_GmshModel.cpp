@@ -65,10 +65,9 @@ void onExit() {
 
 EndGuard::EndGuard(const std::string& path)
     : aborted_(std::signal(SIGABRT, onSignal)), faulted_(std::signal(SIGSEGV, onSignal)) {
-  sentence =
-      "error: Gmsh ended the program that reads \"" + path +
-      "\" by it: the file is damaged, ends it itself (Exit), or asks for what Gmsh cannot do. Open the file "
-      "in Gmsh to see where it fails\n";
+  sentence = "error: Gmsh ended the program that reads \"" + path +
+             "\": the file is damaged, contains Exit or uses an unsupported feature. Open it in Gmsh to "
+             "locate the failure\n";
   static const bool registered = std::atexit(onExit) == 0;
   inGmsh = registered ? 1 : 0;
 }
@@ -135,10 +134,9 @@ const VtkType& vtkType(const std::string& path, int type) {
   for (const VtkType& known : vtkTypes())
     if (known.vtk == type)
       return known;
-  throw InputError(
-      "\"" + path + "\" has cells of VTK's type " + std::to_string(type) +
-      ", which no body can have; use triangles, quadrilaterals, tetrahedra, hexahedra of first or "
-      "second order");
+  throw InputError("\"" + path + "\" has cells of VTK's type " + std::to_string(type) +
+                   ", which is not supported; use triangles, quadrilaterals, tetrahedra or hexahedra of "
+                   "first or second order");
 }
 
 // What tells the regions; empty: nothing does.
@@ -155,8 +153,8 @@ std::vector<long long> regionsOf(const std::string& path, const VtkGrid& grid) {
   for (const auto& item : grid.data)
     names += (names.empty() ? "\"" : ", \"") + item.first + "\"";
   throw InputError(
-      "\"" + path + "\" has several integers of each cell (" + names +
-      "); which tells the regions is not known. Save the file with one of them, or call it \"region\"");
+      "\"" + path + "\" has several integer arrays per cell (" + names +
+      "), so the region array is ambiguous. Save the file with one of them or name it \"region\"");
 }
 
 } // namespace

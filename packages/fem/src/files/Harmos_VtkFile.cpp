@@ -66,7 +66,8 @@ const NumberType& numberType(const std::string& path, const std::string& name) {
   for (const NumberType& type : numberTypes)
     if (wanted == type.name)
       return type;
-  fail(path, "it holds numbers of the unknown type \"" + name + "\"; save it from ParaView or meshio anew");
+  fail(path,
+       "it contains numbers of the unknown type \"" + name + "\"; save it again with ParaView or meshio");
 }
 
 template<class Number, class As>
@@ -103,7 +104,7 @@ std::vector<As> numbersOf(const std::string& path, const char* bytes, std::size_
                           const std::string& name, std::size_t count, bool isSwapped) {
   const NumberType& type = numberType(path, name);
   if (count > size / type.bytes)
-    fail(path, "it ends early, or is damaged");
+    fail(path, "it is truncated or damaged");
   std::vector<As> values;
   values.reserve(count);
   for (std::size_t k = 0; k < count; ++k)
@@ -181,7 +182,7 @@ class LegacyReader {
     std::size_t k = 0;
     for (std::size_t cell = 0; cell < first; ++cell) {
       if (k >= list.size() || list[k] < 0 || static_cast<std::size_t>(list[k]) > list.size() - k - 1)
-        fail(path_, "its list of cells does not hold together");
+        fail(path_, "its list of cells is inconsistent");
       const auto nodes = static_cast<std::size_t>(list[k++]);
       grid_.nodes.insert(grid_.nodes.end(), list.begin() + static_cast<std::ptrdiff_t>(k),
                          list.begin() + static_cast<std::ptrdiff_t>(k + nodes));
@@ -284,7 +285,7 @@ class LegacyReader {
       ++at_;
     ++at_; // the end of the line
     if (at_ > text_.size() || bytes > text_.size() - at_)
-      fail(path_, "it ends early, or is damaged");
+      fail(path_, "it is truncated or damaged");
     at_ += bytes;
     return text_.data() + (at_ - bytes);
   }
@@ -334,7 +335,7 @@ void check(const std::string& path, const VtkGrid& grid) {
   long long before = 0;
   for (long long end : grid.offsets) {
     if (end < before || end > static_cast<long long>(grid.nodes.size()))
-      fail(path, "its list of cells does not hold together");
+      fail(path, "its list of cells is inconsistent");
     before = end;
   }
   for (long long node : grid.nodes)

@@ -124,7 +124,7 @@ class VtuReader {
     const std::string compressor = tag.get("compressor");
     isCompressed_ = !compressor.empty();
     if (isCompressed_ && compressor != "vtkZLibDataCompressor")
-      fail(path_, "it is compressed by " + compressor + "; save it with zlib, or not compressed");
+      fail(path_, "it uses the unsupported compressor " + compressor + "; save it with zlib or uncompressed");
     headerType_ = tag.get("header_type", "UInt32");
     const unsigned int one = 1;
     const bool isLittle = *reinterpret_cast<const char*>(&one) == 1;
@@ -214,7 +214,7 @@ class VtuReader {
     if (isAppended)
       at = appended_ + count(tag, "offset");
     if (at > end)
-      fail(path_, "it ends early, or is damaged");
+      fail(path_, "it is truncated or damaged");
     const bool isPlain = isAppended && isRaw_;
     const auto take = [&](std::size_t size) {
       std::string bytes;
@@ -225,7 +225,7 @@ class VtuReader {
         bytes = bytesFromBase64(text_, at, end, size, at);
       }
       if (bytes.size() < size)
-        fail(path_, "it ends early, or is damaged");
+        fail(path_, "it is truncated or damaged");
       return bytes;
     };
     const std::size_t word = Details::bytesOf(path_, headerType_);
@@ -269,7 +269,7 @@ class VtuReader {
   std::string unpacked(const char* packed, std::size_t packedSize, std::size_t size) const {
     constexpr std::size_t closest = 1100; // zlib packs no closer than 1032 to one
     if (size > closest * (packedSize + 1))
-      fail(path_, "it ends early, or is damaged");
+      fail(path_, "it is truncated or damaged");
     std::string block(size, '\0');
     auto length = static_cast<uLongf>(size);
     const int status = uncompress(reinterpret_cast<Bytef*>(block.data()), &length,
@@ -289,7 +289,7 @@ class VtuReader {
 
   void checkSize(std::size_t size) const {
     if (size > text_.size())
-      fail(path_, "it ends early, or is damaged");
+      fail(path_, "it is truncated or damaged");
   }
 
   const std::string& path_;

@@ -104,9 +104,9 @@ Partition mended(const CellGraph& graph, const std::vector<int>& labels) {
     ++joined;
   }
   if (alone + joined > 0)
-    result.notes.push_back("Parts were in pieces that share no side: " + std::to_string(alone) +
-                           " of the pieces became parts of their own, " + std::to_string(joined) +
-                           " tiny ones joined a neighbour.");
+    result.notes.push_back("Parts in pieces without common sides: " + std::to_string(alone) +
+                           " pieces became separate parts, " + std::to_string(joined) +
+                           " tiny pieces joined a neighbour.");
   std::vector<int> numbers(count, -1);
   for (std::size_t cell = 0; cell < labels.size(); ++cell) {
     int& number = numbers[at(rootOf(parent, pieces.of[cell]))];
@@ -137,16 +137,16 @@ void number(Partition& partition) {
 Partition partitionCells(const BodyMesh& body, int wanted, const PartitionOptions& options) {
   const int cells = body.mesh.numberOfCells();
   if (wanted < 1 || wanted > cells)
-    throw InputError("body \"" + body.name + "\" cannot be cut into " + std::to_string(wanted) +
+    throw InputError("body \"" + body.name + "\" cannot be partitioned into " + std::to_string(wanted) +
                      " parts: it has " + std::to_string(cells) +
-                     " cells. Ask for at least one part and at most as many as there are cells");
+                     " cells. Choose between 1 and that many parts");
   const CellGraph graph = graphOf(body.mesh);
   const Components whole = componentsOf(graph, std::vector<int>(static_cast<std::size_t>(cells), 0));
   const auto components = static_cast<int>(whole.cells.size());
   std::vector<std::string> notes;
   if (components > 1)
     notes.push_back("Body \"" + body.name + "\" consists of " + std::to_string(components) +
-                    " components that share no side; each is cut by itself.");
+                    " components without common sides; each is partitioned separately.");
   const std::vector<int> shares = sharedOut(wanted, whole.cells);
   std::vector<int> labels(static_cast<std::size_t>(cells), 0);
   int label = 0;
@@ -169,8 +169,8 @@ Partition partitionCells(const BodyMesh& body, int wanted, const PartitionOption
     note = "Body \"" + body.name + "\": " + note;
   result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
   if (result.parts != wanted)
-    result.notes.push_back("Body \"" + body.name + "\" is cut into " + std::to_string(result.parts) +
-                           " parts in the place of " + std::to_string(wanted) + ".");
+    result.notes.push_back("Body \"" + body.name + "\" is partitioned into " + std::to_string(result.parts) +
+                           " parts instead of " + std::to_string(wanted) + ".");
   return result;
 }
 

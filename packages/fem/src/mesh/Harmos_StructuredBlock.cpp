@@ -80,7 +80,7 @@ StructuredBlock::StructuredBlock(Options options)
   for (std::size_t d = 0; d < dimension; ++d)
     if (!(options_.size[d] > 0.0) || options_.subdomains[d] < 1 || options_.elements[d] < 1)
       throw InputError(
-          "a structured block needs positive sizes and at least one subdomain and element a side");
+          "a structured block needs positive sizes and at least one subdomain and one element per side");
   for (std::size_t d = dimension; d < 3; ++d)
     options_.subdomains[d] = options_.elements[d] = 1;
   for (std::size_t d = 0; d < 3; ++d)

@@ -227,8 +227,8 @@ std::string AdaptiveSpace::makeVectors() {
   // A quarter of what there is for N, and as much for U and W.
   const double room = 0.25 * machineMemoryMiB(comm) * mebi;
   if (const double needed = bytesNeeded(stages_.system, stages_.inverses, isImplicit); needed > room)
-    return "no adaptive coarse vectors: their eigenproblems need " + scientific(needed / mebi, 1) +
-           " MiB on a rank; more subdomains, or more ranks, need less";
+    return "No adaptive coarse vectors: their eigenproblems need " + scientific(needed / mebi, 1) +
+           " MiB on a rank (more subdomains or ranks need less)";
   std::optional<LocalInverses> inverses;
   std::optional<DualOperator> dual;
   std::optional<DualPreconditioner> preconditioner;
@@ -263,7 +263,7 @@ std::string AdaptiveSpace::makeVectors() {
   if (deflation_ && deflation_->dimension() == 0)
     deflation_.reset();
   if (!deflation_)
-    return "no adaptive coarse vectors: no mode above " + scientific(options_.threshold, 0);
+    return "No adaptive coarse vectors: no mode above " + scientific(options_.threshold, 0);
   return std::to_string(deflation_->dimension()) + " adaptive coarse vectors of " +
          std::to_string(numbering.total) + " modes in " + std::to_string(numbering.subdomains) +
          " subdomains, the worst at " + scientific(modes.largest, 0) + "; " +

@@ -117,7 +117,7 @@ class Projection {
     Teuchos::LAPACK<int, double>().SYEV('V', 'U', n, pairs.vectors.data(), n, pairs.values.data(),
                                         work.data(), static_cast<int>(work.size()), &info);
     if (info != 0)
-      throw NumericalError("LAPACK's dsyev gives up on the modes of a subdomain: info " +
+      throw NumericalError("LAPACK's dsyev failed for the modes of a subdomain: info " +
                            std::to_string(info));
     return pairs;
   }

@@ -163,10 +163,9 @@ DistributedCoarse::DistributedCoarse(const RigidMotions& motions, const Constrai
   if (isRefined_) {
     const double left = measuredInaccuracy();
     if (!(left <= hopeless))
-      throw NumericalError(
-          "the coarse problem is too badly conditioned to be solved in shares: what a projection "
-          "leaves of a vector of forces that it is to take away is " +
-          scientific(left) + " of it; choose \"Decomposition/Coarse problem\" = \"replicated\"");
+      throw NumericalError("the coarse problem is too ill-conditioned for the distributed factorisation: a "
+                           "projection leaves a relative residual of " +
+                           scientific(left) + "; set \"Decomposition/Coarse problem\" = \"replicated\"");
   }
   smallestPivotRatio_ = estimatedPivotRatio();
 }

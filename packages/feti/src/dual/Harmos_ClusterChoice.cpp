@@ -31,7 +31,7 @@ std::string inWords(const ClusterPrediction& prediction) {
   text << std::setprecision(2);
   if (prediction.clusters > 0)
     text << prediction.clusters << " clusters of about " << std::round(prediction.shape.size)
-         << " subdomains, " << prediction.growth << " times as many products";
+         << " subdomains, " << prediction.growth << " times as many applications of F";
   else
     text << "none";
   text << ", " << prediction.seconds << " s";
@@ -162,8 +162,8 @@ ClusterOptions decideClusters(const SubdomainSystem& system, const Constraints& 
   result.kind = best.kind;
   result.size = best.size;
   if (best.kind != Kind::None)
-    log.info("Clusters: " + inWords(best) +
-             "; expected without: " + inWords(predictClusters(run, Kind::None, 0, coarse, rates.step)));
+    log.info("Clusters: " + inWords(best) + "; predicted without clusters: " +
+             inWords(predictClusters(run, Kind::None, 0, coarse, rates.step)));
   return result;
 }
 

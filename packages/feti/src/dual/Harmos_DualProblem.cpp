@@ -179,9 +179,10 @@ void requireBalance(const SubdomainSystem& system, const CoarseSpace& coarse, co
   if (!found)
     return;
   const std::string owner = std::to_string(found->subdomain);
-  throw NumericalError("the load on subdomain " + owner +
-                           " cannot be held: a rigid motion that no constraint resists carries a load of " +
-                           scientific(found->residual) + "; fix the body it belongs to, or balance its load",
+  throw NumericalError("unbalanced load on subdomain " + owner +
+                           ": a rigid-body mode without any constraint carries a load of " +
+                           scientific(found->residual) +
+                           "; prescribe displacements on its body or balance the load",
                        {{"subdomain", owner}, {"residual", scientific(found->residual)}});
 }
 

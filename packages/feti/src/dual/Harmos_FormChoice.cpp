@@ -246,17 +246,16 @@ FormChoice chooseForm(const SubdomainSystem& system, const Constraints& constrai
       all += (all.empty() ? "" : ", ") + describe(dualForms()[k], choice.predictions[k], limits.products);
   const std::optional<std::size_t> best = bestOf(choice.predictions, limits);
   if (!best)
-    throw InputError(
-        "the memory budget of " + std::to_string(static_cast<long long>(limits.budgetMiB)) +
-            " MiB a rank does not suffice; expected: " + all +
-            " a rank. Raise it, use more ranks, smaller subdomains, single precision, or share identical "
-            "subdomains",
-        {{"path", "Dual operator/Memory budget MiB"}});
+    throw InputError("the memory budget of " + std::to_string(static_cast<long long>(limits.budgetMiB)) +
+                         " MiB per rank is too small; predicted need: " + all +
+                         " per rank. Raise the budget, or use more ranks, smaller subdomains, single "
+                         "precision or shared factorisations of identical subdomains",
+                     {{"path", "Dual operator/Memory budget MiB"}});
   choice.forms = dualForms()[*best];
   choice.reason = "Dual operator: " + toString(choice.forms) +
                   (limits.before && toString(*limits.before) == toString(choice.forms) ? " as before" : "") +
-                  ", expected for " + std::to_string(limits.products) +
-                  " products: " + (closer ? "" : "at least ") + all + " a rank";
+                  "; cost model for " + std::to_string(limits.products) +
+                  " applications of F: " + (closer ? "" : "at least ") + all + " per rank";
   return choice;
 }
 

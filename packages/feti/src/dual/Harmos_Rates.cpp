@@ -87,7 +87,8 @@ void takeNames(const nlohmann::json& object, Rates& rates, const std::string& pa
       throw InputError("\"" + path + "\": unknown rate \"" + name + "\"" + offer(name, names),
                        {{"file", path}});
     if (!value.is_number() || !(value.template get<double>() > 0.0))
-      throw InputError("\"" + path + "\": the rate \"" + name + "\" is no positive number", {{"file", path}});
+      throw InputError("\"" + path + "\": the rate \"" + name + "\" is not a positive number",
+                       {{"file", path}});
     *found->second = value.template get<double>();
   }
 }
@@ -97,26 +98,26 @@ void takeNames(const nlohmann::json& object, Rates& rates, const std::string& pa
 Rates ratesFromFile(const std::string& path) {
   std::ifstream file(path);
   if (!file)
-    throw InputError("cannot read the rates \"" + path + "\"; does the file exist?", {{"file", path}});
+    throw InputError("cannot read the rates \"" + path + "\"; check the path", {{"file", path}});
   Rates rates;
   rates.source = path;
   try {
     const nlohmann::json json = nlohmann::json::parse(file);
     if (!json.is_object())
-      throw InputError("\"" + path + "\" is no JSON object of rates", {{"file", path}});
+      throw InputError("\"" + path + "\" is not a JSON object of rates", {{"file", path}});
     const std::string benchmark = json.contains("benchmark") ? json.at("benchmark").get<std::string>() : "";
     if (benchmark == "dual_operator")
       takeDualOperator(json.at("runs"), rates);
     else if (benchmark == "coarse_factor")
       takeCoarseFactor(json.at("runs"), rates);
     else if (!benchmark.empty())
-      throw InputError("\"" + path + "\" is of the benchmark \"" + benchmark +
+      throw InputError("\"" + path + "\" belongs to the benchmark \"" + benchmark +
                            "\"; rates are taken from dual_operator and coarse_factor",
                        {{"file", path}});
     else
       takeNames(json, rates, path);
   } catch (const nlohmann::json::exception& error) {
-    throw InputError("\"" + path + "\" is no JSON of rates: " + error.what(), {{"file", path}});
+    throw InputError("\"" + path + "\" is not a valid JSON file of rates: " + error.what(), {{"file", path}});
   }
   return rates;
 }

@@ -63,10 +63,10 @@ std::vector<double> invertedOnComplement(std::vector<double> s, int n, const std
   // A long chain of m subdomains has m⁻⁴.
   constexpr double singular = 1e-14;
   if (!(reciprocal > singular))
-    throw NumericalError(name + " has a motion that its averages do not resist and its kernel of dimension " +
+    throw NumericalError(name + " has a zero-energy mode outside its averages and its kernel of dimension " +
                          std::to_string(t.size() / std::max<std::size_t>(rows, 1)) +
-                         " does not contain: the reciprocal condition number of S₀ is " +
-                         scientific(reciprocal) + "; make clusters smaller (\"Decomposition/Clusters\")");
+                         ": the reciprocal condition number of S₀ is " + scientific(reciprocal) +
+                         "; use smaller clusters (\"Decomposition/Clusters\")");
   lapack.POTRI('L', n, s.data(), n, &info);
   HARMOS_REQUIRE(info == 0, "dpotri failed");
   for (std::size_t j = 0; j < rows; ++j)
@@ -282,7 +282,7 @@ ClusterInverse::Factor ClusterInverse::factorOf(std::size_t cluster) const {
       std::to_string(clusters_->motions().system().subdomain(item.members.front()).number) + " on";
   factor.f0 = SparseCholesky(factor.averages, rows, columns, values);
   if (role_ == Role::Inverse && factor.f0.rank() < factor.averages)
-    throw NumericalError(name + " has averages that depend on each other: the factor of B₀K⁺B₀ᵀ has rank " +
+    throw NumericalError(name + " has linearly dependent averages: the factor of B₀K⁺B₀ᵀ has rank " +
                          std::to_string(factor.f0.rank()) + " of " + std::to_string(factor.averages));
   // A cluster without joins moves as its subdomains do: S₀ is zero.
   if (factor.amplitudes == 0 || factor.averages == 0)

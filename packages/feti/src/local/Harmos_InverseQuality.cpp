@@ -131,16 +131,15 @@ HiddenMotion causeOfHiddenMotion(const LocalMatrix& matrix, const Kernel& kernel
   const int parts = connectedParts(matrix);
   if (parts > 1)
     return {"it consists of " + std::to_string(parts) +
-                " parts that are not connected; make a subdomain of each, or connect them",
+                " parts that are not connected; make each a subdomain or connect them",
             false};
   if (kernel.columns == 0)
-    return {"it lacks support: its Dirichlet conditions, or what else is to hold it, leave it movable", true};
-  return {
-      "it contains a mechanism or a hinge: parts that are joined at too few nodes, or a material of almost "
-      "no "
-      "stiffness; or its cells are so thin, and its material so nearly incompressible, that rounding errors "
-      "hide what holds it",
-      true};
+    return {"it lacks support: its Dirichlet conditions and other constraints leave a rigid-body mode free",
+            true};
+  return {"it contains a mechanism or a hinge (parts joined at too few nodes, a material of almost no "
+          "stiffness), or its cells are so thin and nearly incompressible that rounding errors hide its "
+          "stiffness",
+          true};
 }
 
 } // namespace Harmos::feti

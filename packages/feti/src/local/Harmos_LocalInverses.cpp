@@ -28,9 +28,9 @@ std::vector<int> touchedDofs(const Constraints& constraints, const std::vector<i
 std::string tooIllConditioned(const InverseQuality& quality, const LocalInverseOptions& options) {
   const bool single = options.precision == Precision::Single;
   return "the condition number of its matrix, " + scientific(quality.condition(), 0) +
-         " at least, times the rounding errors of " + (single ? "single" : "double") +
-         " precision explains that; " + (single ? "set \"Dual operator/Precision\" = \"double\", or " : "") +
-         "make cells less thin, the jump of materials smaller, or Poisson's ratio further from 0.5";
+         " or more, with rounding errors of " + (single ? "single" : "double") + " precision is the cause; " +
+         (single ? "set \"Dual operator/Precision\" = \"double\", or " : "") +
+         "use less thin cells, smaller material jumps or a Poisson's ratio further from 0.5";
 }
 
 // Of a matrix that seems to have a motion which its kernel does not contain; data() tells whether rounding
@@ -47,9 +47,8 @@ void verify(const LocalMatrix& matrix, const Kernel& kernel, const InverseQualit
             const LocalInverseOptions& options, const std::string& number) {
   if (!(quality.resistance > hiddenTolerance))
     throw hiddenMotion(
-        "subdomain " + number + " has a motion that its matrix does not resist and its kernel of dimension " +
-            std::to_string(kernel.columns) +
-            " does not contain: ‖D⁻¹Kv‖/‖v‖ = " + scientific(quality.resistance) + "; ",
+        "subdomain " + number + " has a zero-energy mode outside its kernel of dimension " +
+            std::to_string(kernel.columns) + ": ‖D⁻¹Kv‖/‖v‖ = " + scientific(quality.resistance) + "; ",
         matrix, kernel, {{"subdomain", number}, {"resistance", scientific(quality.resistance)}});
   const DefectLimit limit = defectLimit(quality, options);
   if (!(quality.defect <= limit.acceptable)) {
@@ -59,7 +58,7 @@ void verify(const LocalMatrix& matrix, const Kernel& kernel, const InverseQualit
                       {"defect", scientific(quality.defect)},
                       {"condition", scientific(quality.condition())}};
     if (quality.defect > limit.rounding)
-      throw hiddenMotion(found + "its material varies too much, or its kernel of dimension " +
+      throw hiddenMotion(found + "its material varies too much or its kernel of dimension " +
                              std::to_string(kernel.columns) + " is too small: ",
                          matrix, kernel, std::move(data));
     if (options.precision == Precision::Double)
@@ -115,11 +114,10 @@ void rethrowing(const LocalMatrix& matrix, const Kernel& kernel, const LocalInve
   try {
     make();
   } catch (const NumericalError& error) {
-    const std::string precision =
-        options.precision == Precision::Single
-            ? "single precision is too short for its condition number (\"Dual operator/Precision\" = "
-              "\"double\" tells), or "
-            : "";
+    const std::string precision = options.precision == Precision::Single
+                                      ? "its condition number is too large for single precision (check with "
+                                        "\"Dual operator/Precision\" = \"double\"), or "
+                                      : "";
     throw hiddenMotion("subdomain " + number + ": " + error.what() + "; " + precision, matrix, kernel,
                        {{"subdomain", number}});
   }
@@ -271,8 +269,8 @@ void LocalInverses::refactor(const SubdomainSystem& system, const LocalInverseOp
         if (&system.matrix(member) != &matrix)
           throw InputError("subdomains " + number + " and " +
                                std::to_string(system.subdomain(member).number) +
-                               " shared a factorisation, but their new matrices differ; make the inverses "
-                               "anew, or do not share",
+                               " shared a factorisation, but their new matrices differ; create new inverses "
+                               "or switch sharing off",
                            {{"subdomain", number}});
       const auto again = [&] {
         rethrowing(matrix, kernel, options, number, [&] { inverses_[c]->refactor(matrix, kernel); });

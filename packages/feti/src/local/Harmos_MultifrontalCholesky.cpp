@@ -60,7 +60,7 @@ class Elimination {
     int info = 0;
     Teuchos::LAPACK<int, double>().POTRF('L', k, dense_, height, &info);
     if (info != 0)
-      throw NumericalError("the matrix is not positive definite: no pivot is left at row " +
+      throw NumericalError("the matrix is not positive definite: no positive pivot at row " +
                            std::to_string(tree_.order[at(front.first + std::max(info, 1) - 1)]) + " of " +
                            std::to_string(matrix_.rows()));
     if (r > 0) {

@@ -29,7 +29,7 @@ std::string sentence(int code, int detail) {
     return "a phase was called before the one it needs: analyse, factorize and solve in this order";
   case -4:
     return "the given ordering is no permutation (entry " + number +
-           "); give each row a position of its own, or another ordering";
+           "); give each row a unique position or use another ordering";
   case -5:
   case -7:
   case -13:
@@ -37,7 +37,7 @@ std::string sentence(int code, int detail) {
            ", in millions if negative); use more ranks, smaller subdomains or a coarser mesh";
   case -6:
     return "the matrix is structurally singular (structural rank " + number +
-           "); look for a node that no element uses, or a material of zero stiffness";
+           "); check for a node without elements or a material of zero stiffness";
   case -8:
   case -9:
   case -11:
@@ -50,8 +50,8 @@ std::string sentence(int code, int detail) {
     return "its workspace is too small by " + number + " entries even after it was enlarged";
   case -10:
     return "the matrix is numerically singular (" + number +
-           " pivots found); the subdomain has more rigid motions than its kernel says: look for a mechanism, "
-           "a hinge, or parts that are not connected";
+           " pivots found); the subdomain has more zero-energy modes than its kernel: check for a mechanism, "
+           "a hinge or unconnected parts";
   case -16:
     return "the order of the matrix, " + number + ", is out of range";
   case -19:
@@ -60,8 +60,8 @@ std::string sentence(int code, int detail) {
   case -22:
     return "an array (number " + number + ") is missing";
   case -40:
-    return "the matrix is not positive definite; the subdomain has more rigid motions than its kernel says "
-           "(a mechanism, a hinge, parts that are not connected), or a material has a negative stiffness";
+    return "the matrix is not positive definite; the subdomain has more zero-energy modes than its kernel (a "
+           "mechanism, a hinge, unconnected parts) or a material with negative stiffness";
   case -51:
     return "the matrix has too many entries for 32-bit graphs (" + number +
            "); use smaller subdomains, or the ordering \"AMD\"";
@@ -144,8 +144,7 @@ std::string Mumps::explainWarning(int code) {
   if (code & 2)
     add("a solution is zero to rounding, its error was not estimated");
   if (code & 4)
-    add("a null pivot was met, or the matrix was changed to avoid one: rely on no digit of the solution in "
-        "that direction");
+    add("a null pivot was found or perturbed: the solution has no reliable digit in that direction");
   if (code & 8)
     add("iterative refinement did not reach its accuracy: the matrix is badly conditioned");
   if (text.empty())
@@ -304,9 +303,8 @@ class EngineOf : public Mumps::Engine {
     HARMOS_REQUIRE(statistics.analyses > 0, "a matrix is factored again after its analysis");
     if (hasEntries_ && (rows.size() != analysedEntries_ || values.size() != analysedEntries_))
       throw InputError("a matrix with " + std::to_string(values.size()) +
-                       " entries is to be factored by an "
-                       "analysis of " +
-                       std::to_string(analysedEntries_) + "; its graph has changed");
+                       " entries does not match the analysis, which has " + std::to_string(analysedEntries_) +
+                       "; repeat the analysis for the new graph");
     rows_ = std::move(rows);
     columns_ = std::move(columns);
     setEntries();
@@ -387,8 +385,8 @@ class EngineOf : public Mumps::Engine {
     if (std::adjacent_find(rows.begin(), rows.end()) != rows.end())
       throw InputError("a Schur row is named twice");
     if (!rows.empty() && static_cast<int>(rows.size()) == order)
-      throw InputError(
-          "all rows are Schur rows: nothing is left to be eliminated, the matrix itself is the answer");
+      throw InputError("all rows are Schur rows, so no row is left to eliminate; the Schur complement is the "
+                       "matrix itself");
   }
 
   // By a power of two, so that the largest entry is about one. MUMPS takes pivots below some absolute size
@@ -403,7 +401,7 @@ class EngineOf : public Mumps::Engine {
       MPI_Allreduce(&mine, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_);
     }
     if (std::isinf(largest))
-      throw InputError("a matrix to be factored has an entry that is not finite");
+      throw InputError("a matrix to be factored has a non-finite entry; check its assembly");
     scale_ = largest > 0.0 ? std::exp2(-std::floor(std::log2(largest))) : 1.0;
     // Beyond the range of numbers there is no such power.
     if (!std::isfinite(scale_) || scale_ == 0.0)

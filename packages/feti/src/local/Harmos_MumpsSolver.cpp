@@ -44,7 +44,7 @@ class MumpsSolver : public Amesos2::SolverCore<MumpsSolver, Matrix, Vector>, pub
  private:
   Mumps& factored() const {
     if (!mumps_)
-      throw InputError("the MUMPS solver has factored nothing yet; call numericFactorization() first");
+      throw InputError("the MUMPS solver has no factorisation; call numericFactorization() first");
     return *mumps_;
   }
 

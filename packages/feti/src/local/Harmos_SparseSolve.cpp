@@ -64,7 +64,7 @@ SparseSolve::~SparseSolve() = default;
 
 void requireGraph(std::size_t hash, const LocalMatrix& matrix) {
   if (patternHash(matrix) != hash)
-    throw InputError("a matrix is to be factored by the analysis of another one, but its graph differs");
+    throw InputError("the graph of the matrix differs from the one analysed; repeat the analysis");
 }
 
 void SparseSolve::refactor(const LocalMatrix& matrix) {

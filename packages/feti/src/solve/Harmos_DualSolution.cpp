@@ -146,7 +146,7 @@ class DualSolve {
 class KeptIsEnough : public qp::StatusTestValue<MultiVector> {
  public:
   KeptIsEnough(const Details::KeptAnswer& kept, int& inner)
-      : qp::StatusTestValue<MultiVector>("iterations left to improve an answer"),
+      : qp::StatusTestValue<MultiVector>("iterations left to improve a solution"),
         kept_(kept),
         inner_(inner) {}
   qp::Status checkStatus(const qp::IterationState<MultiVector>& state) override {
@@ -236,8 +236,8 @@ void DualSolve::deflate() {
 
 // From where the solver has come to.
 void DualSolve::goOnWithVectors() {
-  log_.info("The solver gets on slowly: adaptive coarse vectors after " +
-            std::to_string(report_.result.counters.hessianApplications) + " products");
+  log_.info("Slow convergence: adaptive coarse vectors after " +
+            std::to_string(report_.result.counters.hessianApplications) + " applications of F");
   deflate();
   goOn(valuesOf(multiplier_));
 }
@@ -254,7 +254,7 @@ bool DualSolve::hasGoneAstray() const {
 
 // What they were good for is done.
 void DualSolve::goOnWithoutVectors(const WarmStart* start) {
-  log_.info("With adaptive coarse vectors the solver comes no further: on without them");
+  log_.info("Stagnation with adaptive coarse vectors: continue without them");
   const bool isAstray = hasGoneAstray();
   if (isAstray)
     guess(start);
@@ -278,8 +278,7 @@ void DualSolve::goOn(const std::vector<double>& mu) {
 void DualSolve::recallBefore() {
   watch_.restore([this](qp::StateArchive<MultiVector>& archive) { watch_.exchangeBefore(archive); });
   if (watch_.isForeign())
-    log_.info(
-        "On another number of ranks adaptive coarse vectors are others: the solver begins anew, with them");
+    log_.info("Restart on another number of ranks: new adaptive coarse vectors, and the solver starts again");
   watch_.goesOnAfter(watch_.isForeign() ? qp::Result() : qp::Result(watch_.before()));
   leaveOutBefore();
 }
@@ -404,8 +403,8 @@ void DualSolve::takeKept() {
   const std::string reason = qp::toString(report_.result.reason);
   const bool isSpent = kept_.isSpent(inner_);
   if (kept_.replace(report_.result, *solution_.lambda, multiplier_))
-    log_.info("The solver comes no further (" + (isSpent ? "this takes too long" : reason) +
-              "): the answer that met the tolerance is taken");
+    log_.info("No further progress (" + (isSpent ? "iteration budget used up" : reason) +
+              "): the last solution that met the tolerance is used");
 }
 
 void DualSolve::begin() {
@@ -442,7 +441,7 @@ void DualSolve::begin() {
 
 void DualSolve::announce() const {
   std::ostringstream text;
-  text << "Solving by " << report_.solver << " to " << scientific(tolerance_, 0) << " ("
+  text << "Solver: " << report_.solver << ", tolerance " << scientific(tolerance_, 0) << " ("
        << toString(options_.stoppingRule) << " rule)";
   log_.info(text.str());
   if (options_.progressFrequency > 0)
@@ -489,7 +488,7 @@ void DualSolve::measureEquality() {
   const bool met = test_.equality->checkStatus(last) == qp::Status::Passed;
   report_.equalityScale = test_.equality->scale();
   if (!met && report_.result.converged())
-    log_.info("Note: the penalty leaves |G lambda| = " + scientific(report_.result.equalityNorm) +
+    log_.info("Note: the penalty method leaves |G lambda| = " + scientific(report_.result.equalityNorm) +
               ", above the tolerance of the stopping rule, " + scientific(test_.equality->limit()));
 }
 

@@ -15,7 +15,7 @@
 
 namespace Harmos::feti {
 
-/// The dual side of a torn problem, stage after stage. All to outlive what is made with it.
+/// The stages of the dual problem in their order. All objects must outlive what is made with them.
 struct DualStages {
   const SubdomainSystem& system;
   const Constraints& constraints;
@@ -26,7 +26,7 @@ struct DualStages {
   AdaptiveSpace* adaptive = nullptr;           ///< vectors are made when they are needed; or null
 };
 
-/// What became of a solution of the dual problem.
+/// The outcome of a solve of the dual problem.
 struct SolveReport {
   std::string solver;  ///< the method that was chosen
   bool solved = false; ///< the solver has run
@@ -59,20 +59,20 @@ struct WarmStart {
   std::vector<double> mu;                     ///< of Gλ = 0: without it active sets are guessed wrong
 };
 
-/// Where the residuals are to get to.
+/// Target values of the residuals.
 struct DualTargets {
   double gradient = 0.0; ///< of ‖g^P‖
   double equality = 0.0; ///< of ‖Gλ‖, 0 without a coarse problem
 };
 
-/// A solution of the dual problem that is about to begin.
+/// A solve of the dual problem before its first iteration.
 struct DualRun {
   const DualStages& stages;
   std::string method;
   std::function<DualTargets()> targets; ///< those of now: an acceptance may have made them stricter
 };
 
-/// Looks after the solution of a dual problem.
+/// Monitor of a solve of the dual problem.
 class DualMonitor : public qp::SolverMonitor<MultiVector> {
  public:
   /// Before the first iteration, or before the state of an earlier run is asked for. @note Collective.
@@ -81,7 +81,7 @@ class DualMonitor : public qp::SolverMonitor<MultiVector> {
   virtual void goesOnAfter(const qp::IterationRecord& /*last*/) {}
 };
 
-/// What an acceptance says of an answer.
+/// The verdict of an acceptance test on a solution.
 struct Verdict {
   std::optional<double> next; ///< the tolerance to go on to; nothing: the answer is accepted
   /// With a tolerance to go on to: the answer is accepted all the same if the solver comes no further.

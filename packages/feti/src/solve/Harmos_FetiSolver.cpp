@@ -240,7 +240,7 @@ FetiSolver::Answer FetiSolver::solved(const Task& task, double tolerance, bool r
     agrees = look(lambda, mu);
     if (agrees || reached / 10.0 < least)
       return {};
-    log_.info("The audit contradicts the residuals: going on to a smaller tolerance");
+    log_.info("Audit contradicts the residuals: continue with a smaller tolerance");
     return {reached / 10.0, false};
   };
   SolveReport& report = answer.report;
@@ -252,7 +252,7 @@ FetiSolver::Answer FetiSolver::solved(const Task& task, double tolerance, bool r
   if (!preconditioner_.is_null())
     preconditioner_->rethrowFailure();
   if (dual.isEscaping)
-    report.reason += "; pulled away, with nothing to hold it: " + escapingSubdomains(dual);
+    report.reason += "; unconstrained rigid-body mode under load: " + escapingSubdomains(dual);
   if (!recovers) {
     const Teuchos::RCP<MultiVector> total = Teuchos::rcp(new MultiVector(*dual.lambda, Teuchos::Copy));
     total->update(1.0, *task.problem.shift(), 1.0);
@@ -263,7 +263,7 @@ FetiSolver::Answer FetiSolver::solved(const Task& task, double tolerance, bool r
     agrees = look(*dual.lambda, dual.mu);
   if (!agrees && report.converged && report.solver != "Dual Penalty") {
     report.converged = false;
-    report.reason = "the residuals of the dual problem are as small as they get, but the audit of "
+    report.reason = "the residuals of the dual problem reached their rounding level, but the audit of "
                     "displacements and forces contradicts them";
   }
   if (report.converged)
@@ -273,7 +273,7 @@ FetiSolver::Answer FetiSolver::solved(const Task& task, double tolerance, bool r
 
 void FetiSolver::exchangeStarts(qp::StateArchive<MultiVector>& archive) {
   if (!problem_)
-    throw InputError("there is no dual problem, whose vectors starts of solutions are; call solve() first");
+    throw InputError("there is no dual problem yet, so no start for it can be set; call solve() first");
   history_.exchange(archive, *problem_);
   increments_.exchange(archive, *problem_, "increments: ");
 }

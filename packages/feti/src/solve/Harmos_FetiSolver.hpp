@@ -17,21 +17,21 @@
 
 namespace Harmos::feti {
 
-/// A torn problem from an application's own matrices to displacements and contact forces, as many times as
-/// loads, bounds or the values of the matrices change:
+/// Solves a torn problem given by an application's own matrices, repeatedly as loads, bounds or matrix values
+/// change:
 ///
 ///     min ½uᵀKu − fᵀu   subject to   copies equal,  B_I u ≤ c_I,  B_E u = c_E
 ///
-/// and equalities whose force is limited, as of friction with a given bound, and springs of what is glued;
-/// see ConstraintRow.
+/// Rows may also be equalities with a limited force (friction with a given bound) or springs (glued
+/// interfaces); see ConstraintRow.
 ///
-/// What a change costs: of loads, prescribed values and bounds two products with F; of matrices with the same
-/// graphs numerical factorisations and no analysis. Solutions start where those before suggest: see
-/// SolutionHistory.
+/// Cost of a change: two applications of F for loads, prescribed values and bounds; numerical factorisations
+/// without analysis for matrices with the same graphs. A solve starts from an extrapolation of earlier
+/// solutions; see SolutionHistory.
 ///
-/// Nothing is printed but what the Log is given; neither MPI nor Kokkos is initialised or finalised; the
-/// communicator may be any. Parameters: the lists "Decomposition", "Dual operator" and "Solver" of a deck,
-/// see parameters() and docs/parameters; unknown names are refused.
+/// Output goes to the Log only. MPI and Kokkos are neither initialised nor finalised; any communicator is
+/// valid. Parameters: the lists "Decomposition", "Dual operator" and "Solver" of a deck, see parameters() and
+/// docs/parameters; unknown names are rejected.
 ///
 /// Guarded by tests/unit/feti/test_feti_solver.cpp.
 class FetiSolver {

@@ -11,8 +11,8 @@
 
 namespace Harmos::feti::Details {
 
-/// An answer that met what was asked of the solver, kept while the solver goes on to a smaller tolerance:
-/// what is returned if it comes no further.
+/// A solution that met the tolerance, kept while the solver continues to a smaller tolerance. It is returned
+/// if the solver makes no further progress.
 ///
 /// Guarded by tests/unit/feti/solve/test_kept_answer.cpp.
 class KeptAnswer {

@@ -18,9 +18,9 @@ Patience slowness(double tolerance);
 /// Over where a solver gets on no more.
 Patience standstill();
 
-/// Looks after a solve for the monitor that was given, or for none: adds to what the solver knows the
-/// tolerance that an acceptance has come to and what was done with other adaptive vectors than now, and stops
-/// it where patience is over.
+/// Monitor between a solve and the monitor of the caller, if any. Adds the tolerance set by the acceptance
+/// test and the work done with earlier adaptive vectors to the state of the solver, and stops the solve when
+/// its patience is exhausted.
 ///
 /// Guarded by tests/unit/feti/test_adaptive_space.cpp, tests/regression/test_checkpoint.py.
 class SolveWatch : public qp::SolverMonitor<MultiVector> {

@@ -8,12 +8,12 @@
 
 namespace Harmos::feti::Details {
 
-/// ‖g^P‖ ≤ ε · scale; or no more than the rounding errors of what g is made of, where these are larger.
+/// ‖g^P‖ ≤ ε · scale, or ‖g^P‖ at most the rounding errors of the terms of g, if these are larger.
 ///
-/// With rows that give way, g = Fλ − d + s(λ) with the openings s of their springs. Of a stiff body on soft
-/// springs these are larger than ‖Pd‖, which goes with 1/E, by orders of magnitude: Fλ − d cancels them, and
-/// what is left are their rounding errors. Where only these are asked about, ‖Pd‖ stays the measure: strains
-/// of the stiff body are of its size, and ε times the openings may be more than all of them.
+/// With compliant rows g = Fλ − d + s(λ), where s are the openings of their springs. For a stiff body on soft
+/// springs s exceeds ‖Pd‖ ~ 1/E by orders of magnitude: Fλ − d cancels s up to rounding errors. The scale
+/// nevertheless remains ‖Pd‖, because the strains of the stiff body have this size and ε times the openings
+/// may exceed all of them.
 ///
 /// Guarded by tests/unit/feti/solve/test_stopping_test.cpp.
 class GradientTest : public qp::StatusTestProjectedGradient<MultiVector> {

@@ -38,12 +38,12 @@ template<class Offset>
 std::shared_ptr<const LocalMatrix> localMatrix(int rows, const Offset* offsets, const int* columns,
                                                const double* values) {
   if (rows < 1)
-    throw InputError("a subdomain's matrix needs one row at least, not " + std::to_string(rows));
+    throw InputError("a subdomain's matrix needs at least one row, not " + std::to_string(rows));
   LocalMatrix result;
   result.offsets.clear();
   for (int i = 0; i <= rows; ++i) {
     if (offsets[i] < (i > 0 ? offsets[i - 1] : Offset(0)))
-      throw InputError("the offsets of a subdomain's matrix fall at row " + std::to_string(i));
+      throw InputError("the offsets of a subdomain's matrix decrease at row " + std::to_string(i));
     result.offsets.push_back(static_cast<std::size_t>(offsets[i]));
   }
   result.columns.assign(columns, columns + result.offsets.back());
@@ -60,7 +60,7 @@ template std::shared_ptr<const LocalMatrix> localMatrix(int, const std::size_t*,
 
 std::shared_ptr<const LocalMatrix> localMatrix(const CrsMatrix& matrix) {
   if (!matrix.isFillComplete())
-    throw InputError("a subdomain's matrix is to be complete: call fillComplete() first");
+    throw InputError("a subdomain's matrix is not fill-complete; call fillComplete() first");
   const Map &rows = *matrix.getRowMap(), &columns = *matrix.getColMap();
   const auto here = static_cast<LocalOrdinal>(localSize(rows));
   // Columns are numbered as rows are.
@@ -70,7 +70,7 @@ std::shared_ptr<const LocalMatrix> localMatrix(const CrsMatrix& matrix) {
     if (rowOf[k] < 0)
       throw InputError("a subdomain's matrix has column " +
                        std::to_string(columns.getGlobalElement(static_cast<LocalOrdinal>(k))) +
-                       ", which is none of its rows on this rank; a torn piece is a matrix of its own");
+                       ", which is not one of its rows on this rank; pass the matrix of the torn subdomain");
   }
   const auto local = matrix.getLocalMatrixHost();
   std::vector<std::size_t> offsets = {0};

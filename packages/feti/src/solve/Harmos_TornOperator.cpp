@@ -22,11 +22,10 @@ TornOperator::TornOperator(Teuchos::RCP<const Teuchos::Comm<int>> comm, std::vec
       const std::string number = std::to_string(s.number);
       if (!s.stiffness || !s.interface || s.numbers.size() != static_cast<std::size_t>(s.stiffness->rows()) ||
           s.interface->size() != s.numbers.size())
-        throw InputError(
-            "an operator on global dofs needs the numbers of all dofs, not those of an interface "
-            "alone: subdomain " +
-                number,
-            {{"subdomain", number}});
+        throw InputError("an operator on global dofs needs the global numbers of all dofs, not of the "
+                         "interface alone: subdomain " +
+                             number,
+                         {{"subdomain", number}});
       dofs.insert(dofs.end(), s.numbers.begin(), s.numbers.end());
     }
     std::sort(dofs.begin(), dofs.end());

@@ -12,11 +12,11 @@
 
 namespace Harmos::feti {
 
-/// The operator A = Σ L_iᵀ K_i L_i on global dofs, by the torn matrices: what a FETI solver takes in the
-/// place of an assembled matrix, which no longer knows what each subdomain contributed.
+/// The operator A = Σ L_iᵀ K_i L_i on global dofs, applied by the torn matrices. A FETI solver needs it
+/// instead of an assembled matrix, which lacks the contributions of the subdomains.
 ///
-/// Rows of fixed dofs are those of the identity: a right-hand side holds the prescribed values there. Loads
-/// of the subdomains are not looked at; the right-hand side is the load.
+/// Rows of fixed dofs are those of the identity: the right-hand side contains the prescribed values there.
+/// The right-hand side is the load; loads of the subdomains are ignored.
 ///
 /// Guarded by tests/unit/feti/test_torn_operator.cpp.
 class TornOperator : public Operator {

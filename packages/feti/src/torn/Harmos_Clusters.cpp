@@ -382,9 +382,9 @@ class Growth {
       const std::string number = std::to_string(system_.subdomain(cluster_.members.front()).number);
       throw NumericalError("the cluster of " + std::to_string(cluster_.members.size()) +
                                " subdomains from subdomain " + number +
-                               " on has no kernel that is known well enough: it opens joins by " +
+                               " on has an inaccurate kernel: it opens joins by " +
                                scientific(largest / std::max(scale_, 1e-300)) +
-                               "; make clusters smaller (\"Decomposition/Clusters\")",
+                               "; use smaller clusters (\"Decomposition/Clusters\")",
                            {{"subdomain", number}});
     }
   }

@@ -69,12 +69,9 @@ void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
   agree(*system_->comm(), [&] {
     if (changed.types_ != types_ || changed.entries_ != entries_ || changed.compliances_ != compliances_ ||
         changed.pairs_ != pairs_ || !changed.rowMap_->isLocallyFitted(*rowMap_))
-      throw InputError(
-          "constraint rows are given new bounds, but their number, kinds, dofs coefficients or compliances "
-          "have "
-          "changed too (with weights, a bound other than zero of a row that glues two dofs is such a "
-          "change); new "
-          "constraints are needed");
+      throw InputError("setBounds() changes bounds only, but the number, kinds, dofs, coefficients or "
+                       "compliances of constraint rows differ (with weights, also a nonzero bound of a row "
+                       "that glues two dofs); create new constraints");
   });
   takeBounds(changed);
 }

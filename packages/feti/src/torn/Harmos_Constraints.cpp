@@ -266,7 +266,7 @@ std::vector<Constraints::Follower> followersAmong(const std::vector<RowHead>& he
       const int normal = placeOf.at(head.normal);
       if (heads[static_cast<std::size_t>(normal)].softness >= 0.0)
         throw InputError("a limit follows the force of inequality " + std::to_string(head.normal) +
-                             ", which may pull; give softness to both rows, or to none",
+                             ", which is soft and can pull; give softness to both rows or to none",
                          {{"row", std::to_string(head.normal)}});
       // λ = scale · that of the scaled row
       const double factor = head.coefficient * heads[static_cast<std::size_t>(normal)].scale / head.scale;

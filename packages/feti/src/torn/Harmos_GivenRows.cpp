@@ -56,8 +56,8 @@ double requireMet(const ConstraintRow& row, const std::map<long long, double>& c
                          std::string(inequality ? "a contact or an obstacle" : "a tie") +
                          ": constraint row " + std::to_string(row.number) + " (" +
                          dofText(copies.at(coefficients.begin()->first).front()) +
-                         ") holds prescribed values alone, and they violate it by " + scientific(excess) +
-                         "; free a component there or move the obstacle",
+                         ") contains prescribed values only, which violate it by " + scientific(excess) +
+                         "; release a component there or move the obstacle",
                      {{"row", std::to_string(row.number)}});
   return -excess;
 }
@@ -95,8 +95,8 @@ void requireJoined(const ConstraintRow& row, const Copy& copy) {
   if (excess > row.rounding)
     throw InputError("ties contradict " + std::string(inequality ? "a contact" : "a tie") +
                          ": constraint row " + std::to_string(row.number) + " (" + dofText(copy) +
-                         ") is between dofs that are tied to each other, and they violate it by " +
-                         scientific(excess) + "; leave the place out of one of them",
+                         ") couples dofs that are tied to each other and violate it by " +
+                         scientific(excess) + "; exclude this place from one of them",
                      {{"row", std::to_string(row.number)}});
 }
 
@@ -154,7 +154,7 @@ void requireNumbers(const ConstraintRow& row) {
   const auto require = [&](double value, const char* what) {
     if (!(value >= 0.0) || !std::isfinite(value))
       throw InputError(name + " has a " + what + " of " + scientific(value) +
-                           "; it has to be zero or more, and finite",
+                           "; give a finite value of at least 0",
                        {{"row", std::to_string(row.number)}});
   };
   require(row.compliance, "compliance");
@@ -163,7 +163,8 @@ void requireNumbers(const ConstraintRow& row) {
   require(row.softness.value_or(0.0), "softness");
   if (row.status != ConstraintRow::Status::Undecided &&
       (row.kind != ConstraintRow::Kind::Inequality || row.softness))
-    throw InputError(name + " is said to be open or closed; only inequalities without softness are",
+    throw InputError(name +
+                         " is marked open or closed, which is valid only for inequalities without softness",
                      {{"row", std::to_string(row.number)}});
   if (row.softness && row.kind == ConstraintRow::Kind::Equality)
     throw InputError(name + " is an equality with a softness; give it a compliance, or make it a limited row",
@@ -175,8 +176,8 @@ void requireNumbers(const ConstraintRow& row) {
 void requireUnstretched(const ConstraintRow& row, double gap) {
   if (row.softness && gap > row.rounding)
     throw InputError("constraint row " + std::to_string(row.number) +
-                         " is soft, holds prescribed or tied values alone, and these stretch it by " +
-                         scientific(gap) + "; leave its softness out, or free a component there",
+                         " is soft and contains prescribed or tied values only, which stretch it by " +
+                         scientific(gap) + "; remove its softness or release a component there",
                      {{"row", std::to_string(row.number)}});
 }
 
@@ -257,11 +258,11 @@ std::vector<std::array<std::size_t, 2>> discsOf(const std::vector<ConstraintRow>
              a.softness.has_value() == b.softness.has_value();
     };
     if (members.size() != 2 || !ofOneDisc(rows[members[0]], rows[members[1]]))
-      throw InputError(
-          "disc " + std::to_string(disc) + " of limited rows has " + std::to_string(members.size()) +
-              " of them on this rank, or two that do not go together; give two rows of one limit, "
-              "both of them with softness or none, on the same rank",
-          {{"disc", std::to_string(disc)}});
+      throw InputError("disc " + std::to_string(disc) + " of limited rows has " +
+                           std::to_string(members.size()) +
+                           " of them on this rank or an incompatible pair; give two rows with the same limit "
+                           "and equal softness on the same rank",
+                       {{"disc", std::to_string(disc)}});
     pairs.push_back({members[0], members[1]});
   }
   return pairs;
@@ -285,15 +286,15 @@ std::vector<std::array<std::size_t, 2>> followersOf(const std::vector<Constraint
     const auto normal = inequalities.find(rows[r].normal);
     if (normal == inequalities.end())
       throw InputError(name + " follows the force of inequality " + std::to_string(rows[r].normal) +
-                           ", which this rank does not give; give both on the same rank",
+                           ", which is not on this rank; give both on the same rank",
                        {{"row", std::to_string(rows[r].number)}});
     if (rows[normal->second].status != ConstraintRow::Status::Undecided)
       throw InputError(name + " follows the force of inequality " + std::to_string(rows[r].normal) +
-                           ", which is said to be open or closed; leave it undecided",
+                           ", which is marked open or closed; leave it undecided",
                        {{"row", std::to_string(rows[r].number)}});
     if (rows[r].limit != 0.0)
-      throw InputError(name + " has a limit of its own, and one that follows inequality " +
-                           std::to_string(rows[r].normal) + "; leave out one of them",
+      throw InputError(name + " has a limit of its own and one that follows inequality " +
+                           std::to_string(rows[r].normal) + "; remove one of them",
                        {{"row", std::to_string(rows[r].number)}});
     result.push_back({r, normal->second});
   }

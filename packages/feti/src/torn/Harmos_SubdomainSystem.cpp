@@ -150,8 +150,8 @@ void SubdomainSystem::numberKernels() {
   agree(*comm_, [&] {
     const auto require = [](bool is, long long number) {
       if (!is)
-        throw InputError("subdomains must be numbered 0, 1, ... without gaps and each on one rank; number " +
-                         std::to_string(number) + " is missing or double");
+        throw InputError("subdomains must be numbered 0, 1, ... without gaps, each on one rank; number " +
+                         std::to_string(number) + " is missing or duplicated");
     };
     for (const std::vector<Item>& items : arrived)
       for (const Item& item : items)
@@ -203,7 +203,7 @@ void SubdomainSystem::checkInput() const {
         if (dof < 0 || dof >= n)
           throw InputError(name(s) + ": there is no interface dof " + std::to_string(dof), dataOf(s));
         if (k > 0 && dof <= (*s.interface)[k - 1])
-          throw InputError(name(s) + ": interface dofs must be given once each, in rising order (dof " +
+          throw InputError(name(s) + ": interface dofs must be unique and ascending (dof " +
                                std::to_string(dof) + ")",
                            dataOf(s));
       }
@@ -213,7 +213,7 @@ void SubdomainSystem::checkInput() const {
           !isNew && place->second != fixed.value)
         throw InputError(name(s) + ": dof " + std::to_string(fixed.dof) + " is fixed to " +
                              scientific(place->second) + " and to " + scientific(fixed.value) +
-                             "; do two boundary parts with different values meet there?",
+                             "; check boundary parts with different values that meet there",
                          dataOf(s));
     for (const FixedDof& fixed : s.fixed) {
       if (!std::binary_search(s.interface->begin(), s.interface->end(), fixed.dof))
@@ -237,13 +237,13 @@ void SubdomainSystem::checkInput() const {
         largest = std::max(largest, std::abs(s.stiffness->values[k]));
       if (largest == 0.0)
         throw InputError("row " + std::to_string(i) + " of the stiffness matrix of " + name(s) +
-                             " is zero: a material has zero stiffness, or a node belongs to no element",
+                             " is zero; check for a material with zero stiffness or a node without elements",
                          dataOf(s));
       if (!(diagonal[i] > 0.0))
         throw InputError("the stiffness matrix of " + name(s) +
                              " is not positive semidefinite: its diagonal entry " + std::to_string(i) +
                              " is " + scientific(diagonal[i]) +
-                             "; does a material have a negative stiffness?",
+                             "; check for a material with negative stiffness",
                          dataOf(s));
     }
   }
@@ -269,7 +269,7 @@ void SubdomainSystem::shareStiffness() {
 void SubdomainSystem::setLoads(std::vector<std::shared_ptr<const std::vector<double>>> loads) {
   agree(*comm_, [&] {
     if (loads.size() != subdomains_.size())
-      throw InputError("new loads are needed for each subdomain of the rank: " +
+      throw InputError("new loads must cover each subdomain of the rank: " +
                        std::to_string(subdomains_.size()) + ", not " + std::to_string(loads.size()));
     for (std::size_t i = 0; i < loads.size(); ++i) {
       if (!loads[i] || loads[i]->size() != subdomains_[i].load->size())
@@ -288,8 +288,7 @@ void SubdomainSystem::setPrescribed(const std::vector<std::vector<double>>& valu
     for (std::size_t i = 0; i < std::max(values.size(), subdomains_.size()); ++i) {
       if (i >= values.size() || i >= subdomains_.size() || values[i].size() != subdomains_[i].fixed.size())
         throw InputError(
-            "new prescribed values are needed for each Dirichlet condition of each subdomain of the "
-            "rank");
+            "new prescribed values must cover each Dirichlet condition of each subdomain of the rank");
       requireFinite(values[i], subdomains_[i], "prescribed value");
     }
   });
@@ -317,7 +316,7 @@ void SubdomainSystem::setMatrices(const std::vector<std::shared_ptr<const LocalM
   try {
     agree(*comm_, [&] {
       if (stiffness.size() != before.size() || (!motions.empty() && motions.size() != before.size()))
-        throw InputError("new matrices are needed for each subdomain of the rank: " +
+        throw InputError("new matrices must cover each subdomain of the rank: " +
                          std::to_string(before.size()) + ", not " + std::to_string(stiffness.size()));
       for (std::size_t i = 0; i < before.size(); ++i) {
         if (!stiffness[i] || stiffness[i]->offsets != before[i].stiffness->offsets ||
@@ -393,12 +392,11 @@ void SubdomainSystem::build(Known known) {
     if (verified.insert({s.stiffness.get(), s.motions.get()}).second) {
       const double defect = kernelDefect(*s.stiffness, *s.motions);
       if (!(defect <= kernelTolerance))
-        throw NumericalError(
-            "the kernel given for " + name(s) + " is none: ‖KR‖/(‖K‖‖R‖) = " + scientific(defect) +
-                ", at most " + scientific(kernelTolerance, 0) +
-                " was expected; is the subdomain held by more than its Dirichlet conditions, or "
-                "are its coordinates wrong?",
-            {{"subdomain", std::to_string(s.number)}, {"defect", scientific(defect)}});
+        throw NumericalError("the kernel given for " + name(s) + " is not a kernel: ‖KR‖/(‖K‖‖R‖) = " +
+                                 scientific(defect) + ", at most " + scientific(kernelTolerance, 0) +
+                                 " was expected; check its coordinates and for constraints other than its "
+                                 "Dirichlet conditions",
+                             {{"subdomain", std::to_string(s.number)}, {"defect", scientific(defect)}});
     }
     const Dofs fixed = heldDofs(s);
     kernels_.push_back(kernels.get({s.motions.get(), fixed}, [&] { return heldKernel(*s.motions, fixed); }));

@@ -497,7 +497,8 @@ std::vector<double> Traits::gather(const MultiVector& v) {
   const Map& map = *v.getMap();
   if (static_cast<Tpetra::global_size_t>(map.getMaxAllGlobalIndex() - map.getIndexBase()) + 1 !=
       map.getGlobalNumElements())
-    throw InputError("the equality rows are numbered with gaps; number them through from the index base");
+    throw InputError(
+        "the equality rows are numbered with gaps; number them consecutively from the index base");
   std::vector<double> values(v.getGlobalLength(), 0.0);
   {
     const Reader vs(v);

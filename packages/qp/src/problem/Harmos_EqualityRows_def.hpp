@@ -286,9 +286,9 @@ void EqualityRows<Scalar, MV, OP>::checkOrthonormality() {
   MVT::MvAddMv(1.0, *back, -1.0, *unit, *back);
   const double defect = norm<Scalar>(*back);
   if (std::isfinite(defect) && defect > 1e-6 * length)
-    throw InputError("the equality rows are said to be orthonormal but are not: ‖CCᵀy − y‖ = " +
+    throw InputError("the equality rows are declared orthonormal but are not: ‖CCᵀy − y‖ = " +
                      scientific(defect / length) +
-                     " ‖y‖; orthonormalise them or say EqualityStructure::General");
+                     " ‖y‖; orthonormalise them or use EqualityStructure::General");
 }
 
 template<class Scalar, class MV, class OP>

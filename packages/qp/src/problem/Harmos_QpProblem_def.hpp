@@ -205,32 +205,28 @@ bool Problem<Scalar, MV, OP>::setProblem() {
     return BoundTraits<Scalar, MV>::maximum(*solution_, is ? 1.0 : 0.0) > 0.0;
   };
   if (onAnyRank(hasDiscs()) && onAnyRank(!hasDiscs()))
-    return refuse(
-        "discs are given on some ranks and not on the others: give empty ones where there are none");
+    return refuse("discs are given on some ranks only; give empty ones on the others");
   if (hasDiscs() && onAnyRank(!BoundTraits<Scalar, MV>::isFit(*solution_, *discs_)))
-    return refuse("discs are those of a vector of another length on a rank");
+    return refuse("discs do not match the length of the solution on a rank");
   if (onAnyRank(hasSoftBounds()) && onAnyRank(!hasSoftBounds()))
-    return refuse("soft bounds are given on some ranks and not on the others: give empty ones where there "
-                  "are none");
+    return refuse("soft bounds are given on some ranks only; give empty ones on the others");
   if (hasSoftBounds() && onAnyRank(!BoundTraits<Scalar, MV>::isFit(*solution_, *soft_)))
-    return refuse("soft bounds are those of a vector of another length on a rank");
+    return refuse("soft bounds do not match the length of the solution on a rank");
   if (hasSoftBounds() && onAnyRank(!areSoft()))
     return refuse(
-        "a soft bound is no number, its lower end is above the upper one, its curvature is negative "
-        "or not finite, or its entry has a bound of its own, is in a disc or follows another");
+        "a soft bound is not a number, its lower end exceeds the upper one, its curvature is negative or not "
+        "finite, or its entry has another bound, a disc or a solution-dependent limit");
   const BoundFault fault = BoundTraits<Scalar, MV>::findBoundFault(*solution_, feasibleSet());
   if (fault.found && !(fault.lower > fault.upper))
-    return refuse(
-        "the bounds of entry " + std::to_string(fault.entry) +
-        " are not numbers, or a lower one is +infinity or an upper one -infinity; or it is in a disc "
-        "and has bounds of its own, or in one whose centre or radius is not a finite number");
+    return refuse("the bounds of entry " + std::to_string(fault.entry) +
+                  " are not numbers, a lower one is +infinity or an upper one -infinity, or the entry is in "
+                  "a disc and also has bounds, or its disc has a centre or radius that is not finite");
   if (onAnyRank(hasFollowingLimits()) && onAnyRank(!hasFollowingLimits()))
-    return refuse("limits that follow are given on some ranks and not on the others: give empty ones where "
-                  "there are none");
+    return refuse("solution-dependent limits are given on some ranks only; give empty ones on the others");
   if (hasFollowingLimits()) {
     if (lower_.is_null() || onAnyRank(!isFollowable()))
-      return refuse("a limit that follows is none of the intervals and discs, follows an entry that has no "
-                    "lower bound, or its factor is negative or not a number");
+      return refuse("a solution-dependent limit belongs to no interval or disc, depends on an entry without "
+                    "lower bound, or has a factor that is negative or not a number");
     ownLimits();
   }
   if (!nullSpace_.is_null() && MVT::GetGlobalLength(*nullSpace_) != length)
@@ -241,7 +237,7 @@ bool Problem<Scalar, MV, OP>::setProblem() {
     return refuse("the right-hand side of the equalities and the multiplier differ in length");
   if (!unprojectedHessian_.is_null() &&
       (equality_.is_null() || structure_ != EqualityStructure::OrthonormalInvariant))
-    return refuse("a Hessian that is not projected yet needs equality rows with A = PFP: say so with "
+    return refuse("a Hessian that is not yet projected needs equality rows with A = PFP; declare them with "
                   "EqualityStructure::OrthonormalInvariant");
   if (!(hessianNorm_ >= 0.0))
     return refuse("the given norm of the Hessian is negative or not a number");

@@ -69,7 +69,7 @@ void FixedPointSolver<Scalar, MV, OP>::handOver() {
   if (rows_->isPresent())
     MVT::MvInit(*this->problem_->multiplier(), 0.0);
   PdasSolver<Scalar, MV, OP> solver;
-  this->log_.detail(this->name() + ": this takes long; " + solver.name() + " takes over");
+  this->log_.detail(this->name() + ": slow convergence; fallback to " + solver.name());
   this->delegate(solver);
 }
 
@@ -238,10 +238,9 @@ IterationState<MV> FixedPointSolver<Scalar, MV, OP>::measure() {
 template<class Scalar, class MV, class OP>
 void FixedPointSolver<Scalar, MV, OP>::tellContraction() {
   if (growth_ >= 1.0)
-    this->log_.info(
-        "Note: limits that follow the solution have moved by up to " + scientific(growth_, 1) +
-        " of the time before; it need not be the only one. Another initial guess, or smaller steps of "
-        "the load, tell");
+    this->log_.info("Note: solution-dependent limits changed by up to " + scientific(growth_, 1) +
+                    " times the previous change, so the solution need not be unique. Check with another "
+                    "initial guess or smaller load steps");
 }
 
 // s by Aitken's rule.
@@ -262,9 +261,9 @@ void FixedPointSolver<Scalar, MV, OP>::relax() {
     growth_ = std::max(growth_, size / last);
   if (last > 0.0 && change2 > 0.0)
     share_ = std::clamp(-share_ * dot<Scalar>(*lastStep_, *change) / change2, leastShare, 1.0);
-  this->log_.detail(this->name() + ": limits have moved by " + scientific(size) +
-                    (last > 0.0 ? ", " + scientific(size / last, 2) + " of the time before" : "") +
-                    "; they follow by " + scientific(share_, 2) + " of the way");
+  this->log_.detail(this->name() + ": limits changed by " + scientific(size) +
+                    (last > 0.0 ? ", " + scientific(size / last, 2) + " of the previous change" : "") +
+                    "; relaxation factor " + scientific(share_, 2));
   MVT::MvAddMv(1.0, *radii_, share_, *step_, *radii_);
   MVT::Assign(*step_, *lastStep_);
   this->problem_->setLimits(*radii_);

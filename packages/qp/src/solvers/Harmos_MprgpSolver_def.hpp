@@ -20,7 +20,7 @@ const ParameterSpec& MprgpSolver<Scalar, MV, OP>::spec() {
 template<class Scalar, class MV, class OP>
 void MprgpSolver<Scalar, MV, OP>::doSolve() {
   if (this->problem_->hasEqualities())
-    throw InputError("MPRGP is for bounds alone, but the problem has equalities; use SMALBE");
+    throw InputError("MPRGP handles bounds only, but the problem has equalities; use SMALBE");
   EqualityRows<Scalar, MV, OP> none(*this->problem_, 0);
   BoundedLagrangian<Scalar, MV, OP> lagrangian(*this->problem_, none,
                                                MprgpOptions::fromList(this->parameters_->sublist("MPRGP")),

@@ -23,14 +23,14 @@ const ParameterSpec& PcpgSolver<Scalar, MV, OP>::spec() {
 template<class Scalar, class MV, class OP>
 void PcpgSolver<Scalar, MV, OP>::doSolve() {
   if (this->problem_->hasBounds())
-    throw InputError("PCPG is for equalities alone, but the problem has bounds; use SMALBE or MPRGP");
+    throw InputError("PCPG handles equalities only, but the problem has bounds; use SMALBE or MPRGP");
   const Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = this->makeRows();
   if (rows.is_null())
     return;
   if (rows->isPresent() && !rows->isOrthonormal())
-    throw InputError("PCPG needs equality rows with CCᵀ = I; there are more than \"Orthonormalised Rows\" "
-                     "allows to make so. Orthonormalise them and say so with EqualityStructure::Orthonormal, "
-                     "or raise that parameter");
+    throw InputError("PCPG needs equality rows with CCᵀ = I, but there are more rows than \"Orthonormalised "
+                     "Rows\" allows to orthonormalise. Pass orthonormal rows with "
+                     "EqualityStructure::Orthonormal or raise that parameter");
   Run(*this, *rows).go();
 }
 

@@ -17,7 +17,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::mayBalance() const {
 // limits follow, springs as soft as the solution lead back into the circle: sets that nothing holds were
 // balanced with these before.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::balances(const std::string& why) {
+bool PdasSolver<Scalar, MV, OP>::Run::balanceSets(const std::string& why) {
   constexpr double factor = 10.0, stiffAtFirst = 100.0;
   const double stiffest =
       paths_ > 0 ? std::max(stiffAtFirst, cg_.curvatureBound() / cg_.stiffness()) : stiffAtFirst;
@@ -31,21 +31,21 @@ bool PdasSolver<Scalar, MV, OP>::Run::balances(const std::string& why) {
     next_.aim(x_, *bestGradient_, stiffening_ * cg_.stiffness());
   }
   progress_.forget();
-  solver_.log_.detail("PDAS: " + why + "; sets are balanced, with springs " + scientific(stiffening_, 1) +
+  solver_.log_.detail("PDAS: " + why + "; balanced active sets with springs " + scientific(stiffening_, 1) +
                       " times as stiff");
   return true;
 }
 
 // To the set of the end of a path through interior points; the second one goes further.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::comesFromInside(const std::string& why) {
+bool PdasSolver<Scalar, MV, OP>::Run::restartFromInteriorPoint(const std::string& why) {
   constexpr int mostPaths = 2;
   const double q = cg_.stiffness();
   const int most = solver_.maximumIterations() - state_.inner;
   if (!(hasFollowing() || problem_.hasDiscs()) || paths_ >= mostPaths || !(q > 0.0) || most <= 0)
     return false;
   ++paths_;
-  solver_.log_.detail("PDAS: " + why + "; a path through interior points comes first");
+  solver_.log_.detail("PDAS: " + why + "; restart from an interior point");
   InteriorPath<Scalar, MV, OP> path(problem_, rows_,
                                     CgOptions::fromList(solver_.parameters_->sublist("PCPG")), cg_.kept(),
                                     mostKept_, counters_, springsOf(set_));
@@ -69,7 +69,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::comesFromInside(const std::string& why) {
   stiffening_ = 1.0;
   progress_ = {};
   solver_.log_.detail("PDAS: " + std::to_string(path.steps()) + " steps, " +
-                      (isThrough ? "to its end" : "it breaks off") + "; the set there is the next one");
+                      (isThrough ? "path complete" : "path incomplete") + "; its active set is next");
   return true;
 }
 

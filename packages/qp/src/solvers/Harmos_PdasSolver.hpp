@@ -67,9 +67,9 @@ class PdasSolver : public SolverManager<Scalar, MV, OP> {
 
 /// One solution of a problem, from the first active set to the answer or to the hand-over:
 ///
-///     begin() → enterFace() → descend() → look() ┬→ isCandidate(), isAnswer() → the end
+///     begin() → enterFace() → descend() → look() ┬→ considerCandidate(), confirmAnswer() → the end
 ///                   ↑             ↑              ├→ settled: descend() to the end
-///                   └─────────────┴──────────────┴→ another set: mayGoOn()
+///                   └─────────────┴──────────────┴→ another set: advanceOrFallBack()
 template<class Scalar, class MV, class OP>
 class PdasSolver<Scalar, MV, OP>::Run {
  public:
@@ -122,18 +122,18 @@ class PdasSolver<Scalar, MV, OP>::Run {
   bool isInterrupted();
   bool advance();
   void look();
-  bool isCandidate();
-  bool isAnswer();
-  bool mayGoOn();
-  bool follows(const std::string& why);
+  bool considerCandidate();
+  bool confirmAnswer();
+  bool advanceOrFallBack();
+  bool followFaces(const std::string& why);
   bool mayBalance() const;
   void exchangeBest(StateArchive<MV>& archive);
-  bool balances(const std::string& why);
-  bool comesFromInside(const std::string& why);
+  bool balanceSets(const std::string& why);
+  bool restartFromInteriorPoint(const std::string& why);
   void findSetBeside(const MV& x, const MV& y, double q);
-  bool descends(const std::string& why);
-  bool holdsSides(const std::string& why);
-  bool movesSides();
+  bool startDescent(const std::string& why);
+  bool freezeSides(const std::string& why);
+  bool moveSides();
   void exchangeSides(StateArchive<MV>& archive);
   void guessSprings();
   void lookAtSprings(double noise);
@@ -204,7 +204,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   // point that they are those of, with its gradient without springs.
   Teuchos::RCP<MV> random_, sidesAt_, sidesGradient_;
   double wrongSprings_ = 0.0;
-  bool holdsSides_ = false;
+  bool sidesFrozen_ = false;
   int sideSteps_ = 0;
   // On a face.
   double target_ = 0.0;

@@ -71,9 +71,9 @@ void PdasSolver<Scalar, MV, OP>::fallBack(const std::string& why) {
     solver = Teuchos::rcp(new SmalbeSolver<Scalar, MV, OP>);
   else
     solver = Teuchos::rcp(new MprgpSolver<Scalar, MV, OP>);
-  this->log_.detail("PDAS: " + why + "; " +
-                    (this->problem_->hasFollowingLimits() ? "limits follow between solutions from here on"
-                                                          : solver->name() + " takes over"));
+  this->log_.detail(
+      "PDAS: " + why + "; fallback to " +
+      (this->problem_->hasFollowingLimits() ? "fixed-point updates of the limits" : solver->name()));
   solver->setHandsOver(false);
   this->delegate(*solver);
 }
@@ -86,13 +86,13 @@ void PdasSolver<Scalar, MV, OP>::doSolve() {
     return this->delegate(solver);
   }
   if (this->resumesDelegate())
-    return fallBack("in the run before this one");
+    return fallBack("restart of an interrupted fallback");
   const Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = this->makeRows();
   if (rows.is_null())
     return;
   if (rows->isPresent() && !rows->isOrthonormal())
-    throw InputError("PDAS needs equality rows with CCᵀ = I; there are more than \"Orthonormalised Rows\" "
-                     "allows to make so. Use SMALBE, or raise that parameter");
+    throw InputError("PDAS needs equality rows with CCᵀ = I, but there are more rows than \"Orthonormalised "
+                     "Rows\" allows to orthonormalise. Use SMALBE or raise that parameter");
   Run(*this, *rows).go();
 }
 
@@ -147,11 +147,11 @@ void PdasSolver<Scalar, MV, OP>::Run::go() {
     isMoved_ = false;
     if (!std::isfinite(expected_))
       return solver_.stop(Reason::Breakdown, Explanations::breakdown(), state_);
-    if (isCandidate() && isAnswer())
+    if (considerCandidate() && confirmAnswer())
       return;
     settled_ = change_.changed == 0;
     newFace_ = !settled_ || isMoved_;
-    if (newFace_ && !mayGoOn())
+    if (newFace_ && !advanceOrFallBack())
       return;
   }
 }
@@ -247,15 +247,15 @@ bool PdasSolver<Scalar, MV, OP>::Run::enterFace() {
   constexpr int slow = 10;
   if (!started_ && cg_.staleness() >= slow)
     if (const int found = cg_.keepOutliers(mostKept_); found > 0)
-      solver_.log_.detail("PDAS: " + std::to_string(found) + " directions are kept for all faces");
+      solver_.log_.detail("PDAS: " + std::to_string(found) + " search directions kept for all faces");
   const bool isOn = started_ || (startsOnFace() && descent_.enter(set_, active_));
   if (!isOn && descent_.isOn()) {
-    handOver("no step descends any more");
+    handOver("no step decreases the cost");
     return false;
   }
-  const std::string why = "the equalities cannot be met on a face";
-  if (!isOn && !(comesFromInside(why) && startsOnFace()) &&
-      !(descends(why) && cg_.start(set_) && descent_.enter(set_, active_))) {
+  const std::string why = "the equalities are infeasible on a face";
+  if (!isOn && !(restartFromInteriorPoint(why) && startsOnFace()) &&
+      !(startDescent(why) && cg_.start(set_) && descent_.enter(set_, active_))) {
     handOver(why);
     return false;
   }
@@ -343,14 +343,14 @@ bool PdasSolver<Scalar, MV, OP>::Run::advance() {
   const bool isSpent = state_.inner >= budget_ && budget_ < solver_.maximumIterations();
   if (isSpent || faceSteps_++ > 2 * (length - active_) + 10) {
     const std::string why =
-        isSpent ? "its share of the iterations is used up" : "conjugate gradients crawl on a face";
+        isSpent ? "its share of the iterations is used up" : "conjugate gradients stagnate on a face";
     handOver(why);
     return false;
   }
   const typename Cg::Outcome outcome = cg_.step();
   if (outcome == Cg::Outcome::Flat) {
     const std::string why = "the Hessian is singular on a face";
-    restarts_ = comesFromInside(why);
+    restarts_ = restartFromInteriorPoint(why);
     if (!restarts_)
       handOver(why);
     return false;
@@ -432,7 +432,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::isExhausted() const {
 }
 
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::isCandidate() {
+bool PdasSolver<Scalar, MV, OP>::Run::considerCandidate() {
   if (change_.changed == 0 && isExhausted())
     return true;
   double expected = expected_;
@@ -450,7 +450,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::isCandidate() {
 
 // Whether the projection of x is the answer, or as near to it as rounding errors allow.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::isAnswer() {
+bool PdasSolver<Scalar, MV, OP>::Run::confirmAnswer() {
   const bool exhausted = isExhausted();
   isMoved_ = hasFollowing();
   state_ = measure(state_.inner, change_.violation2 == 0.0);
@@ -462,7 +462,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::isAnswer() {
     }
     sentBack = true; // the test is stricter now
   }
-  if (holdsSides_ && change_.changed == 0 && !sentBack && movesSides())
+  if (sidesFrozen_ && change_.changed == 0 && !sentBack && moveSides())
     return false;
   if (change_.changed != 0 || (cg_.residualNorm() > cg_.attainable() && (!exhausted || sentBack)))
     return false;
@@ -478,19 +478,19 @@ bool PdasSolver<Scalar, MV, OP>::Run::isAnswer() {
 // Sets that are made of iterates far from the solutions on their faces may wander where A is badly
 // conditioned, as in the bending of slender bodies: faces are followed further before anything else is tried.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::follows(const std::string& why) {
+bool PdasSolver<Scalar, MV, OP>::Run::followFaces(const std::string& why) {
   if (descent_.isOn() || innerReduction_ < carefulReduction)
     return false;
   innerReduction_ *= 0.2; // 0.1, 0.02
   progress_.forget();
-  solver_.log_.detail("PDAS: " + why + "; faces are followed further");
+  solver_.log_.detail("PDAS: " + why + "; smaller inner residuals on faces");
   return true;
 }
 
 // From the best iterate on, sets descend.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::descends(const std::string& why) {
-  if (descent_.isOn() || problem_.hasDiscs() || hasFollowing() || (problem_.hasSoftBounds() && !holdsSides_))
+bool PdasSolver<Scalar, MV, OP>::Run::startDescent(const std::string& why) {
+  if (descent_.isOn() || problem_.hasDiscs() || hasFollowing() || (problem_.hasSoftBounds() && !sidesFrozen_))
     return false;
   const Teuchos::RCP<MV> present = MVT::CloneCopy(x_);
   MVT::Assign(*best_, x_);
@@ -499,16 +499,16 @@ bool PdasSolver<Scalar, MV, OP>::Run::descends(const std::string& why) {
     return false;
   }
   ++counters_.descents;
-  solver_.log_.detail("PDAS: " + why + "; from the best iterate on, sets descend");
+  solver_.log_.detail("PDAS: " + why + "; descent of sets from the best iterate");
   return true;
 }
 
 // To another set.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::mayGoOn() {
+bool PdasSolver<Scalar, MV, OP>::Run::advanceOrFallBack() {
   ++counters_.activeSetUpdates;
-  if (!descent_.isOn() && !holdsSides_ && counters_.activeSetUpdates >= mostSets_) {
-    if (holdsSides("there were " + std::to_string(mostSets_) + " active sets"))
+  if (!descent_.isOn() && !sidesFrozen_ && counters_.activeSetUpdates >= mostSets_) {
+    if (freezeSides("limit of " + std::to_string(mostSets_) + " active sets"))
       return true;
     handOver("the limit of " + std::to_string(mostSets_) + " active sets was reached");
     return false;
@@ -516,22 +516,23 @@ bool PdasSolver<Scalar, MV, OP>::Run::mayGoOn() {
   if (descent_.isOn()) {
     if (descent_.leave(faceCost_, change_.violation2 == 0.0, before_, set_, active_))
       return true;
-    handOver("there is no feasible point nearby");
+    handOver("no feasible point nearby");
     return false;
   }
   // Motions of bodies that hardly anything holds grow with each set.
   constexpr double blownUp = 1e3;
   const bool isBlownUp = mayBalance() && !balances_ && expected_ > blownUp * progress_.least;
   const bool isLost = progress_.isLost(expected_, patience_) || isBlownUp;
-  const std::string why = isBlownUp ? "forces that do not balance have grown"
-                          : isLost  ? std::to_string(patience_) + " active sets brought no progress"
-                                    : "an active set came back";
+  const std::string why = isBlownUp ? "unbalanced forces have grown"
+                          : isLost  ? std::to_string(patience_) + " active sets without progress"
+                                    : "an active set recurred";
   // Where limits follow a set may be the same again and again until these settle; the first that comes back
   // after another one goes in circles, for there is no cost that falls on the way.
   const bool isCircle = hasFollowing() ? progress_.isBack(change_) : progress_.isCircle(change_);
   if (!isLost && !isCircle)
     return true;
-  if (balances(why) || comesFromInside(why) || follows(why) || holdsSides(why) || descends(why))
+  if (balanceSets(why) || restartFromInteriorPoint(why) || followFaces(why) || freezeSides(why) ||
+      startDescent(why))
     return true;
   handOver(why);
   return false;

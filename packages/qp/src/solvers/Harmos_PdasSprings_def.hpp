@@ -32,7 +32,7 @@ void PdasSolver<Scalar, MV, OP>::Run::lookAtSprings(double noise) {
   const SpringChange change =
       SpringOps<Scalar, MV>::update(x_, *problem_.softBounds(), noise, *random_, next);
   wrongSprings_ = 0.0;
-  if (holdsSides_)
+  if (sidesFrozen_)
     return;
   wrongSprings_ = std::sqrt(change.wrong2);
   set_.springs = next.springs;
@@ -43,18 +43,17 @@ void PdasSolver<Scalar, MV, OP>::Run::lookAtSprings(double noise) {
 
 // From the best iterate on, sides are those of points from which the cost falls.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::holdsSides(const std::string& why) {
-  if (!hasNoOther() || holdsSides_)
+bool PdasSolver<Scalar, MV, OP>::Run::freezeSides(const std::string& why) {
+  if (!hasNoOther() || sidesFrozen_)
     return false;
-  holdsSides_ = true;
+  sidesFrozen_ = true;
   sidesAt_ = Teuchos::null;
   MVT::Assign(*best_, x_);
   SpringOps<Scalar, MV>::update(x_, *problem_.softBounds(), 0.0, *random_, set_);
   progress_.forget();
   ++counters_.descents;
   solver_.log_.detail("PDAS: " + why +
-                      "; from the best iterate on, sides of soft bounds stay until the rest "
-                      "has settled");
+                      "; sides of soft bounds frozen at the best iterate until the rest has converged");
   return true;
 }
 
@@ -63,7 +62,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::holdsSides(const std::string& why) {
 // the cost rises, and is known from both ends.
 // @return whether there is another set of sides, at a point below.
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::movesSides() {
+bool PdasSolver<Scalar, MV, OP>::Run::moveSides() {
   constexpr int mostSteps = 1000, mostHalvings = 60;
   const LocalSoftBounds& bounds = *problem_.softBounds();
   const Teuchos::RCP<MV> smooth = MVT::Clone(x_, 1); // y without springs
@@ -105,7 +104,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::movesSides() {
 template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::exchangeSides(StateArchive<MV>& archive) {
   exchangeSprings<Scalar>(archive, "pdas", problem_.softBounds(), x_, set_);
-  archive.number("pdas holds sides", holdsSides_);
+  archive.number("pdas holds sides", sidesFrozen_);
   archive.number("pdas side steps", sideSteps_);
   bool isThere = !sidesAt_.is_null();
   archive.number("pdas has sides", isThere);

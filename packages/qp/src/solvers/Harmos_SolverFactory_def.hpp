@@ -38,7 +38,7 @@ SolverFactory<Scalar, MV, OP>::SolverFactory() {
 template<class Scalar, class MV, class OP>
 void SolverFactory<Scalar, MV, OP>::addSolver(const std::string& name, Maker maker) {
   if (isSupported(name))
-    throw InputError("a solver \"" + name + "\" is there already; choose another name");
+    throw InputError("the solver \"" + name + "\" exists already; use another name");
   makers_.emplace_back(name, std::move(maker));
 }
 
@@ -69,7 +69,7 @@ SolverFactory<Scalar, MV, OP>::create(const std::string& name,
     std::string known;
     for (const std::string& candidate : supportedSolverNames())
       known += (known.empty() ? "\"" : ", \"") + candidate + "\"";
-    throw InputError("there is no solver \"" + name + "\"" +
+    throw InputError("unknown solver \"" + name + "\"" +
                      (nearest.empty() ? "." : "; did you mean \"" + nearest + "\"?") + " Known: " + known +
                      ".");
   }

@@ -64,7 +64,7 @@ void SolverManager<Scalar, MV, OP>::setProblem(const Teuchos::RCP<ProblemType>& 
     throw InputError(name() + ": the problem is null");
   if (!problem->isProblemSet())
     throw InputError(name() + ": the problem is not ready: " + problem->whyNotSet() +
-                     ". Call Problem::setProblem() after the last setter and look at its answer.");
+                     ". Call Problem::setProblem() after the last setter and check its result.");
   problem_ = problem;
 }
 
@@ -151,8 +151,8 @@ Result SolverManager<Scalar, MV, OP>::solve() {
   if (!problem_->isProblemSet())
     throw InputError(name() + ": the problem was changed after setProblem(): " + problem_->whyNotSet());
   if (problem_->hasSoftBounds() && !takesSoftBounds())
-    throw InputError(name() + " takes no soft bounds, which entries may leave against a curvature, as of an "
-                              "interface that is glued; use PDAS or Auto");
+    throw InputError(name() + " does not support soft bounds (bounds with a penalty curvature, as of a glued "
+                              "interface); use PDAS or Auto");
   reset();
   result_.method = name();
   start_ = std::chrono::steady_clock::now();
@@ -295,7 +295,7 @@ bool SolverManager<Scalar, MV, OP>::fallsAlongNullSpace() {
     ++counters.setupApplications;
     const double defect = norm<Scalar>(*image), length = norm<Scalar>(*d);
     if (!(defect <= noise * hessianNorm * length))
-      throw InputError(name() + ": the null space given is none: ‖AR‖ = " + scientific(defect) +
+      throw InputError(name() + ": the given null space is invalid: ‖AR‖ = " + scientific(defect) +
                        " for its column " + std::to_string(k) + " of norm " + scientific(length) +
                        ", while ‖A‖ = " + scientific(hessianNorm));
   }

@@ -104,51 +104,49 @@ void checkConsistency(const scene::Scene& scene, const RunOptions& options) {
   scene.timeline.check(scene.effects);
   if (options.method == "PCPG" && scene.hasInequalities())
     throw InputError(
-        "contradictory options: \"Solver/Method\" = \"PCPG\" solves problems without inequalities, but "
-        "the scene has contact; use \"Auto\" or \"SMALBE\", or tie the interface",
+        "contradictory options: \"Solver/Method\" = \"PCPG\" needs a problem without inequalities, but the "
+        "scene has contact; use \"Auto\" or \"SMALBE\" or tie the interface",
         {{"path", "Solver/Method"}});
   const bool isDual = dirichletForm(scene, options) == feti::DirichletForm::Dual;
   const bool floats = scene.hasFloatingBody() || isDual;
   if (options.method == "MPRGP" && floats)
     throw InputError(
-        "contradictory options: \"Solver/Method\" = \"MPRGP\" solves problems without floating "
-        "subdomains, but " +
+        "contradictory options: \"Solver/Method\" = \"MPRGP\" needs a problem without floating subdomains, "
+        "but " +
             std::string(isDual ? "with \"Decomposition/Dirichlet\" = \"dual\" every subdomain floats"
                                : "the scene has a body without a prescribed displacement") +
             "; use \"Auto\" or \"SMALBE\"",
         {{"path", "Solver/Method"}});
   if (options.toleranceRule == ToleranceRule::Balanced && options.method == "Dual Penalty")
-    throw InputError(
-        "contradictory options: the penalty method leaves jumps by design, whatever the tolerance, but "
-        "\"Solver/Tolerance rule\" = \"balanced\"; use \"fixed\" or another method",
-        {{"path", "Solver/Tolerance rule"}});
+    throw InputError("contradictory options: the penalty method leaves jumps at any tolerance, but "
+                     "\"Solver/Tolerance rule\" = \"balanced\"; use \"fixed\" or another method",
+                     {{"path", "Solver/Tolerance rule"}});
   // Residuals are those of a problem whose dense blocks are rounded to 6e-8: smaller ones would say nothing.
   constexpr double singleReaches = 1e-6;
   if (options.dual.inverses.precision == feti::Precision::Single && options.tolerance < singleReaches &&
       options.toleranceRule == ToleranceRule::Fixed && options.dual.form != feti::DualForm::Implicit)
-    throw InputError(
-        "\"Solver/Tolerance\" = " + scientific(options.tolerance, 0) +
-            " is out of reach of dense blocks in single precision; set \"Dual operator/Precision\" = "
-            "\"double\", or \"Dual operator/Form\" = \"implicit\", whose solves are refined, or a tolerance "
-            "of 1e-6 at least",
-        {{"path", "Solver/Tolerance"}});
+    throw InputError("\"Solver/Tolerance\" = " + scientific(options.tolerance, 0) +
+                         " is below the accuracy of dense blocks in single precision; set \"Dual "
+                         "operator/Precision\" = \"double\", or \"Dual operator/Form\" = \"implicit\" (with "
+                         "refined solves) or a tolerance of at least 1e-6",
+                     {{"path", "Solver/Tolerance"}});
   const feti::LocalInverseOptions& inverses = options.dual.inverses;
   const std::string& solver = inverses.solver.name;
   const bool isHarmos = solver == feti::SparseSolverChoice::multifrontal || solver == "MUMPS";
   if (options.dual.form != feti::DualForm::Condensed && !isHarmos) {
     if (!feti::SparseSolverChoice::isAvailable(solver))
-      throw InputError("\"Dual operator/Implicit solver\" = \"" + solver +
-                           "\" is no direct solver of this Trilinos; use \"multifrontal\", \"MUMPS\" or "
-                           "\"KLU2\"",
-                       {{"path", "Dual operator/Implicit solver"}});
+      throw InputError(
+          "\"Dual operator/Implicit solver\" = \"" + solver +
+              "\" is not available in this Trilinos; use \"multifrontal\", \"MUMPS\" or \"KLU2\"",
+          {{"path", "Dual operator/Implicit solver"}});
     if (inverses.precision == feti::Precision::Single || inverses.solver.blockLowRank > 0.0)
-      throw InputError("contradictory options: single precision is for \"multifrontal\" and \"MUMPS\" alone, "
-                       "block low rank factors for MUMPS, but \"Dual operator/Implicit solver\" = \"" +
+      throw InputError("contradictory options: single precision needs \"multifrontal\" or \"MUMPS\", block "
+                       "low rank factors need \"MUMPS\", but \"Dual operator/Implicit solver\" = \"" +
                            solver + "\"",
                        {{"path", "Dual operator/Implicit solver"}});
   }
   if (options.outputDirectory.empty())
-    throw InputError("\"Output/Directory\" is empty; name a directory, \".\" for the present one",
+    throw InputError("\"Output/Directory\" is empty; give a directory, \".\" for the working directory",
                      {{"path", "Output/Directory"}});
 }
 

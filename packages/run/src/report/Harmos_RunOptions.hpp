@@ -28,8 +28,8 @@ enum class Told {
   Stop  ///< to write one and stop
 };
 
-/// When a run writes a checkpoint, and which one it goes on from. What is needed to take the run up again
-/// goes into the checkpoint with it.
+/// When a run writes a checkpoint, and the checkpoint that it restarts from. The checkpoint contains all data
+/// that a restart needs.
 struct CheckpointOptions {
   int outerIterations = 0; ///< between two checkpoints; 0 for none
   double minutes = 30.0;   ///< likewise

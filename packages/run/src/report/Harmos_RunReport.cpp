@@ -219,21 +219,17 @@ std::string attainableText(const RunReport& report) {
   std::string text;
   if (const double share = matrixRounding(report); share > report.tolerance)
     text =
-        "Attainable accuracy: rounding errors of a subdomain's matrix change its softest motions by a share "
-        "of " +
-        scientific(share, 0) + " and more, its condition number being " +
-        scientific(report.localCondition, 0) + " at least, and the tolerance is " +
-        scientific(report.tolerance, 0) +
-        "; a stiff body on a soft foundation, thin cells and jumps of materials do this; forces are out of "
-        "balance by " +
+        "Attainable accuracy: rounding errors of a subdomain's matrix change its softest modes by at least " +
+        scientific(share, 0) + " (relative); condition number at least " +
+        scientific(report.localCondition, 0) + ", tolerance " + scientific(report.tolerance, 0) +
+        ". Typical causes: a stiff body on a soft foundation, thin cells, material jumps; force imbalance " +
         scientific(report.forces.balance, 0);
   if (const double share = report.openingRounding; share > report.tolerance)
-    text +=
-        (text.empty() ? "" : "\n") +
-        ("Attainable accuracy: springs open so far beside what bodies are strained by that rounding errors "
-         "of the openings are " +
-         scientific(share, 0) + " of that, and the tolerance is " + scientific(report.tolerance, 0) +
-         "; openings and forces of the springs are not concerned");
+    text += (text.empty() ? "" : "\n") +
+            ("Attainable accuracy: spring openings are much larger than the deformation of bodies; their "
+             "rounding errors are " +
+             scientific(share, 0) + " of the deformation, tolerance " + scientific(report.tolerance, 0) +
+             ". Openings and forces of the springs are not affected");
   return text;
 }
 
@@ -257,9 +253,9 @@ std::string doubtfulForces(const RunReport& report) {
   if (count > most)
     names += " and " + std::to_string(count - most) + " more";
   return count == 0 ? ""
-                    : "Forces that may be wrong by a large share of themselves: " + names +
-                          "; they are small beside all forces of the scene. A smaller \"Solver/Tolerance\" "
-                          "helps as far as rounding errors allow";
+                    : "Forces with a large estimated relative error: " + names +
+                          ". They are small relative to all forces of the scene; a smaller "
+                          "\"Solver/Tolerance\" reduces the error down to rounding level";
 }
 
 std::string rowForceText(const RunReport& report) {
@@ -270,9 +266,10 @@ std::string rowForceText(const RunReport& report) {
   const bool isAtRest = audit.forces <= report.gapRounding * audit.unitForce;
   if (isAtRest || audit.largestRowForce <= most * audit.forces)
     return "";
-  return "the force of a contact or tie is " + scientific(audit.largestRowForce) + " where bodies feel " +
-         scientific(audit.forces) +
-         ": both its sides move together at some place; leave that out of one of the surfaces";
+  return "the row force of a contact or tie is " + scientific(audit.largestRowForce) +
+         ", the forces on bodies are only " + scientific(audit.forces) +
+         ": at some place both sides move together, so that the row nearly vanishes. Exclude that place from "
+         "one of the surfaces";
 }
 
 bool auditAgrees(const RunReport& report) {
@@ -297,7 +294,7 @@ std::string auditText(const RunReport& report) {
          << "  least contact multiplier                   " << scientific(audit.minContactMultiplier) << "\n"
          << "  complementarity |lambda_I'(B_I u - c_I)|   " << scientific(audit.complementarity) << "\n";
   if (report.limited > 0)
-    text << "  slip           |slip beside friction|      " << scientific(audit.slipError) << "\n"
+    text << "  slip           |inadmissible slip|         " << scientific(audit.slipError) << "\n"
          << "  friction beyond its limit                  " << scientific(audit.limitExcess) << "\n"
          << "  work of friction                           " << scientific(audit.frictionWork) << "\n";
   text << "  energy  u'Ku/2 - f'u + lambda'(Bu - c)     " << scientific(audit.energy, 12);

@@ -119,8 +119,8 @@ std::string driftText(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
       names += (names.empty() ? "\"" : ", \"") + scene.bodies[b].name + "\"";
   return "drift: " + names + " moved by up to " + scientific(farthest) + " in a scene of size " +
          scientific(extent) +
-         ", and hardly deformed: nothing holds a rigid-body mode but the small differences between normals "
-         "of its contacts; prescribe a displacement in that direction, or give the contact friction";
+         ", almost without deformation: only small differences between contact normals resist a rigid-body "
+         "mode. Prescribe a displacement in that direction or add friction";
 }
 
 } // namespace Harmos::run

@@ -229,13 +229,13 @@ std::string forcesText(const Forces& forces) {
   for (std::size_t k = 0; k < shown; ++k)
     width = std::max(width, forces.effects[k].path.size());
   std::ostringstream text;
-  text << "Forces on the bodies; of contacts and ties, of the second body on the first\n"
+  text << "Forces on the bodies (contacts and ties: of the second body on the first)\n"
        << "  " << std::left << std::setw(static_cast<int>(width)) << "" << std::right;
   for (const char* name : {"x", "y", "z", "moment x", "moment y", "moment z"})
     text << std::setw(12) << name;
   if (std::any_of(forces.effects.begin(), forces.effects.begin() + static_cast<std::ptrdiff_t>(shown),
                   [](const Forces::Of& effect) { return effect.error.has_value(); }))
-    text << std::setw(12) << "error about";
+    text << std::setw(12) << "est. error";
   for (std::size_t k = 0; k < shown; ++k) {
     const Forces::Of& effect = forces.effects[k];
     const auto tell = [&](const std::string& name, const std::vector<const Point*>& vectors) {

@@ -135,10 +135,10 @@ std::optional<double> AnswerCheck::balance(double tolerance) {
   report_.allowedError = allowed / discretisation_->norm;
   const bool enough = solver <= allowed;
   std::ostringstream text;
-  text << "Tolerance " << scientific(tolerance, 1) << ": the solver's error is about "
-       << scientific(solver / discretisation_->norm, 1) << " in the energy norm, that of the discretisation "
+  text << "Tolerance " << scientific(tolerance, 1) << ": estimated error in the energy norm of the solver "
+       << scientific(solver / discretisation_->norm, 1) << ", of the discretisation "
        << scientific(report_.discretisationError, 1) << (trusted_ ? "" : " at most")
-       << (enough ? "; that is enough" : "");
+       << (enough ? ": accepted" : "");
   log_.info(text.str());
   if (enough)
     return std::nullopt;
@@ -169,9 +169,9 @@ std::optional<double> AnswerCheck::improveForces(double tolerance) {
     if (worst == nullptr ||
         pair.error * allowedForceError(report_, *worst) > worst->error * allowedForceError(report_, pair))
       worst = &pair;
-  log_.info("The forces of \"" + worst->path + "\" may be wrong by a share of " +
-            scientific(worst->relative(), 1) + " (they are " + scientific(worst->force) + ", of all forces " +
-            scientific(report_.audit.forces) + "): going on to a smaller tolerance");
+  log_.info("Estimated relative error of the forces of \"" + worst->path +
+            "\": " + scientific(worst->relative(), 1) + " (force " + scientific(worst->force) +
+            ", all forces " + scientific(report_.audit.forces) + "): continue with a smaller tolerance");
   // Errors fall about like residuals, and the estimate of a bad answer is bad itself.
   return tolerance * std::clamp(0.5 / excess, 0.01, 0.5);
 }
@@ -183,11 +183,11 @@ std::optional<double> AnswerCheck::improve(double tolerance) {
     next = balance(tolerance);
   }
   if (!next && !auditAgrees(report_)) {
-    log_.info("The audit contradicts the residuals (jump " + scientific(report_.audit.gluingJump) +
+    log_.info("Audit contradicts the residuals (jump " + scientific(report_.audit.gluingJump) +
               ", penetration " + scientific(report_.audit.penetration) + ", displacements up to " +
               scientific(report_.audit.largestDisplacement) + "; error " + scientific(report_.solverError) +
               " of " + scientific(report_.audit.energyNorm) +
-              " in the energy norm): going on to a smaller tolerance");
+              " in the energy norm): continue with a smaller tolerance");
     // Errors fall about like residuals: where they alone are too large, no further than they ask for.
     const double share =
         std::max(feti::energyErrorShare(report_.tolerance), std::min(report_.allowedError, 0.1));

@@ -40,10 +40,9 @@ NumericalError withBody(const scene::Scene& scene, const NumericalError& error) 
       if (valueOf(error, "may be rounding").empty())
         return NumericalError(what, std::move(data));
       return NumericalError(
-          "attainable accuracy: the matrix of a subdomain, rounded to double precision, does not tell its "
-          "softest "
-          "motions from rigid ones, so that no digit of them can be had; make cells less thin, the jump of "
-          "materials smaller, or Poisson's ratio further from 0.5; " +
+          "attainable accuracy: the matrix of a subdomain does not separate its softest modes from "
+          "rigid-body modes in double precision, so no digit of them is reliable. Use less thin cells, "
+          "smaller material jumps or a Poisson's ratio further from 0.5; " +
               what,
           std::move(data));
     }
@@ -120,7 +119,7 @@ void showParts(const Teuchos::Comm<int>& comm, const scene::Scene& scene, const 
       io::makeDirectory(directory);
   });
   writeParts(comm, directory + "/parts.vtkhdf", scene, owned, parts);
-  log.info("Written: \"" + directory + "/parts.vtkhdf\"; harmos-plot " + directory + " --parts draws it");
+  log.info("Written: \"" + directory + "/parts.vtkhdf\"; plot with harmos-plot " + directory + " --parts");
 }
 
 void writeSummaryAlone(const RunOptions& options, const RunReport& report) {

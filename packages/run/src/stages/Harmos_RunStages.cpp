@@ -32,16 +32,15 @@ namespace {
 constexpr double mebi = 1048576.0;
 
 const char* const contradiction =
-    "the residuals of the dual problem are as small as they get, but the audit of displacements and forces "
-    "contradicts them. Materials that vary by many orders of magnitude and single precision do this, and so "
-    "do slender bodies, whose pieces bend more when cut than the whole does; fewer subdomains, or "
-    "\"Dual operator/Precision\" = \"double\", help";
+    "the residuals of the dual problem reached their rounding level, but the audit of displacements and "
+    "forces contradicts them. Likely causes are single precision, material jumps of many orders of magnitude "
+    "or slender bodies; use fewer subdomains or \"Dual operator/Precision\" = \"double\"";
 
 void logResult(const Log& log, const RunReport& report) {
   const qp::Counters& c = report.result.counters;
   std::ostringstream text;
   text << (report.converged ? "Converged: " : "NOT converged: ") << c.outerIterations << " outer iterations, "
-       << c.hessianApplications << " products with F (" << c.cgSteps << " cg, " << c.expansionSteps
+       << c.hessianApplications << " applications of F (" << c.cgSteps << " cg, " << c.expansionSteps
        << " expansion, " << c.proportioningSteps << " proportioning steps, " << c.faces << " faces), "
        << c.setupApplications << " more for set-up";
   log.info(text.str());
@@ -262,12 +261,12 @@ void RunStages::factorise() {
   std::ostringstream text;
   text << report_.distinctFactorizations << " local factorisations of " << report_.subdomains
        << " subdomains, " << std::fixed << std::setprecision(0) << report_.dualOperatorMiB
-       << " MiB; condition of the subdomains about " << scientific(report_.localCondition, 0);
+       << " MiB; condition number of subdomains about " << scientific(report_.localCondition, 0);
   if (report_.roundedFactorizations > 0)
-    text << "; products of " << report_.roundedFactorizations << " in single precision";
+    text << "; applications of " << report_.roundedFactorizations << " in single precision";
   if (const auto replaced = globalSum(*comm_, static_cast<long long>(inverses_->replacedFactorizations()));
       replaced > 0)
-    text << "; " << replaced << " of them implicit: their matrices are too badly conditioned to be condensed";
+    text << "; " << replaced << " of them implicit (too ill-conditioned to condense)";
   log_.info(text.str());
 }
 
@@ -339,12 +338,12 @@ void RunStages::sayCoarse() const {
               coarse_->description());
   if (coarse_->dimension() < coarse_->kernelDimension())
     log_.info(std::to_string(coarse_->kernelDimension() - coarse_->dimension()) +
-              " rigid motions are held by no constraint (a round body without friction rotates freely); they "
-              "are left at rest");
+              " rigid-body modes without any constraint (a round body without friction rotates freely); "
+              "their displacement is set to zero");
   if (isHeldWeakly())
-    log_.info("a rigid motion is held only weakly: the smallest singular value of G is about " +
+    log_.info("Weakly constrained rigid-body mode: smallest singular value of G about " +
               scientific(std::pow(10.0, std::round(0.5 * std::log10(coarse_->smallestPivotRatio()))), 0) +
-              " of the largest; a round body whose normals come from its facets rotates almost freely");
+              " of the largest (a round body with faceted normals rotates almost freely)");
 }
 
 void RunStages::prepare(const Data& data) {
@@ -384,8 +383,8 @@ void RunStages::solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonito
 // Slender bodies, whose pieces bend more when cut than the whole does, show rounding errors of products in
 // the jumps that are left: from where the solver has come to it goes on with products in double precision.
 void RunStages::solveUnrounded(const Teuchos::RCP<RunMonitor>& monitor, const Log& log, double secondsSpent) {
-  log.info(std::string(report_.isSingle ? "Single precision is" : "Rounded products are") +
-           " not good enough for this problem: double precision from here on");
+  log.info(std::string(report_.isSingle ? "Single precision is" : "Single-precision application of F is") +
+           " too inaccurate for this problem: switch to double precision");
   const qp::Result first = report_.result;
   const auto reached = Teuchos::rcp(new MultiVector(*solution_.lambda, Teuchos::Copy));
   reached->update(1.0, *dual_->shift(), 1.0);
@@ -445,7 +444,7 @@ void RunStages::leaveInterrupted() {
   const auto scope = timers_.scope("output");
   report_.audited = false;
   report_.reason += report_.checkpointFault.empty()
-                        ? "; go on with --restart \"" + options_.outputDirectory + "\""
+                        ? "; continue with --restart \"" + options_.outputDirectory + "\""
                         : "; no checkpoint: " + report_.checkpointFault;
   logResult(log_, report_);
   directory_.writeIterations(report_.result.history);
@@ -460,12 +459,10 @@ void RunStages::tellWhatIsAttainable() {
   if (report_.converged || !isGivenUp || !(attainable >= report_.tolerance))
     return;
   report_.reason =
-      "attainable accuracy: rounding errors of a subdomain's matrix change its softest motions by a share "
-      "of " +
-      scientific(attainable, 0) + " and more, its condition number being " +
-      scientific(report_.localCondition, 0) + " at least, and the tolerance is " +
-      scientific(report_.tolerance, 0) +
-      "; loosen it, or make cells less thin, the jump of materials smaller, or Poisson's ratio further "
+      "attainable accuracy: rounding errors of a subdomain's matrix change its softest modes by at least " +
+      scientific(attainable, 0) + " (relative, condition number at least " +
+      scientific(report_.localCondition, 0) + "), above the tolerance " + scientific(report_.tolerance, 0) +
+      ". Loosen the tolerance, or use less thin cells, smaller material jumps or a Poisson's ratio further "
       "from 0.5; " +
       report_.reason;
 }
@@ -473,7 +470,7 @@ void RunStages::tellWhatIsAttainable() {
 void RunStages::recover() {
   tellWhatIsAttainable();
   if (solution_.isEscaping)
-    report_.reason += "; pulled away, with nothing to hold it: " + escapingBodies();
+    report_.reason += "; unconstrained rigid-body mode under load: " + escapingBodies();
   {
     const auto scope = timers_.scope("recovery");
     torn_ = check_->finish(*solution_.lambda, solution_.mu, report_.converged && !leavesJumps());

@@ -48,7 +48,8 @@ Solution StepSequence::go() {
       outcome = accept();
     else if (outcome == Outcome::Failed && !isOutOfTime() && clock_.halve()) {
       log_.info("Step " + std::to_string(clock_.step()) + " of " + std::to_string(clock_.steps()) +
-                ": halved, to time " + timeText(clock_.to()) + ": " + failure_.substr(0, failure_.find(':')));
+                ": halved, new end time " + timeText(clock_.to()) + ": " +
+                failure_.substr(0, failure_.find(':')));
       outcome = Outcome::Accepted;
     }
   }
@@ -71,7 +72,7 @@ void StepSequence::begin() {
     run_.directory().writeSeries(written_);
   run_.directory().writeIterations(iterations_);
   if (goesOn)
-    log_.info("Going on after " + std::to_string(rows_.size()) + " accepted steps of \"" +
+    log_.info("Restart after " + std::to_string(rows_.size()) + " accepted steps of \"" +
               report_.restartedFrom + "\"");
 }
 
@@ -255,7 +256,7 @@ StepSequence::Outcome StepSequence::look(bool endsStep) {
     return Outcome::Accepted;
   report_.converged = false;
   report_.result.reason = qp::Reason::Interrupted;
-  report_.reason = qp::toString(qp::Reason::Interrupted) + ": the program was told to stop";
+  report_.reason = qp::toString(qp::Reason::Interrupted) + ": stop requested";
   return Outcome::Interrupted;
 }
 
@@ -267,17 +268,17 @@ bool StepSequence::writesFields() const {
 void StepSequence::tell(const StepRow& row, double snapped) const {
   std::ostringstream text;
   text << "Step " << row.step << " of " << clock_.steps() << ", time " << timeText(row.time) << ": "
-       << row.products << " products, energy " << scientific(row.energy, 6);
+       << row.products << " applications of F, energy " << scientific(row.energy, 6);
   if (report_.inequalities > 0)
     text << ", " << row.closed << " of " << row.closed + row.open << " contact points closed";
   if (row.sticking + row.slipping > 0)
-    text << ", " << row.slipping << " of " << row.sticking + row.slipping << " slip";
+    text << ", " << row.slipping << " of " << row.sticking + row.slipping << " slipping";
   if (const long long bound = run_.contact().bondCount; bound > 0) {
     text << ", " << report_.contactCounts.damaged << " of " << bound << " bonds damaged, " << row.broken
          << " broken";
     constexpr double known = 10.0; // tolerances of forces
     if (snapped > known * report_.tolerance * std::abs(row.externalWork))
-      text << ", it snapped and released " << scientific(snapped, 3);
+      text << ", snap-through released " << scientific(snapped, 3);
   }
   log_.info(text.str());
 }
@@ -344,7 +345,7 @@ Solution StepSequence::end(Outcome outcome) {
     report_.audited = false;
     report_.forces = {};
     report_.reason += report_.checkpointFault.empty()
-                          ? "; go on with --restart \"" + options_.outputDirectory + "\""
+                          ? "; continue with --restart \"" + options_.outputDirectory + "\""
                           : "; no checkpoint: " + report_.checkpointFault;
     return run_.hand();
   }
@@ -353,9 +354,9 @@ Solution StepSequence::end(Outcome outcome) {
     report_.reason =
         "step " + std::to_string(clock_.step()) + " of " + std::to_string(clock_.steps()) + ", from time " +
         timeText(clock_.from()) + " to " + timeText(clock_.to()) +
-        (clock_.isPart() ? ", the smallest part of it that is tried" : "") + ": " + failure_ +
-        "; results up to time " + timeText(rows_.empty() ? 0.0 : rows_.back().time) +
-        " are whole; go on with --restart and other limits, or smaller parts (\"Steps/Smallest step\")";
+        (clock_.isPart() ? " (the smallest part allowed)" : "") + ": " + failure_ + "; results up to time " +
+        timeText(rows_.empty() ? 0.0 : rows_.back().time) +
+        " are complete; continue with --restart and other limits or a smaller \"Steps/Smallest step\"";
     return run_.hand();
   }
   run_.tellResult();

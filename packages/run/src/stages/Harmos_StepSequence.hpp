@@ -17,11 +17,11 @@ namespace Harmos::run {
 ///
 ///     set-up (once) → for each step: loads, bounds → solve → judge → states of effects → commit → write
 ///
-/// A step that does not converge, or whose states do not settle, is halved (StepClock) and starts from
-/// committed state again; one that cannot be halved any more ends the run, with the reason, and all results
-/// of earlier steps stay. With each step that is accepted steps.csv, the result files and their series, and
-/// the checkpoint are written whole, in this order, so that whatever ends a run it goes on from a checkpoint
-/// with the very results that belong to it.
+/// A step that does not converge, or whose states do not converge, is halved (StepClock) and restarts from
+/// the committed state. If it cannot be halved further, the run ends with the reason, and the results of
+/// earlier steps remain. Each accepted step writes steps.csv, the result files with their series, and the
+/// checkpoint, in this order and each completely. A restart therefore finds a checkpoint with exactly its
+/// results, however the run ended.
 ///
 /// All members are collective. Guarded by tests/regression/test_steps.py.
 class StepSequence {

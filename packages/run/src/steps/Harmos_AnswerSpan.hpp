@@ -10,19 +10,18 @@
 
 namespace Harmos::run {
 
-/// What is known, within a step, of how bodies answer to what holds their interfaces: of the forces f with
-/// which springs hold rows, and the openings x of these, differences between answers. Bodies are linear, so
-/// that any combination x_0 + Σc_j Δx_j goes with f_0 + Σc_j Δf_j, where they touch as in the last answer
-/// x_0. Among these combinations that is found which agrees with a law of the interfaces, without any
-/// solution: a stationary point of
+/// The span of the solutions found within a step: differences of the spring forces f on rows and of the
+/// openings x of these rows. Bodies are linear, so x_0 + Σc_j Δx_j belongs to f_0 + Σc_j Δf_j as long as the
+/// contacts are those of the last solution x_0. A combination that satisfies the law of the interfaces is
+/// found without a further solve, as a stationary point of
 ///
 ///     E(c) = W(x(c)) + Ψ(x(c)),   ∂E/∂c_j = Δx_j · (f_law(x) − f),
 ///
-/// W the energy of the bodies, by Newton's method with the eigenvalues of its matrix made positive: where E
-/// curves downwards, since the law softens more steeply than bodies are stiff, it goes down, away from
-/// saddles (Dauphin et al.: NeurIPS 2014). Between two solutions this is to iterations of springs what
-/// conjugate gradients are to those of a gradient (Narkiss, Zibulevsky: Sequential subspace optimization,
-/// Technion CCIT 559, 2005).
+/// where W is the energy of the bodies, by Newton's method with the eigenvalues of its matrix made positive.
+/// Where E has negative curvature, because the law softens more steeply than the bodies are stiff, the method
+/// descends and leaves saddle points (Dauphin et al.: NeurIPS 2014). It accelerates the iteration of springs
+/// between two solves as conjugate gradients accelerate a gradient method (Narkiss, Zibulevsky: Sequential
+/// subspace optimization, Technion CCIT 559, 2005).
 ///
 /// Openings and forces are the same on all ranks, multipliers shared. Members are local unless they say
 /// otherwise. Guarded by tests/unit/effects/test_damage_update.cpp.

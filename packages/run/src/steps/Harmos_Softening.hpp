@@ -6,17 +6,18 @@
 
 namespace Harmos::run {
 
-/// The way to the answer of a step, of all effects together whose points soften (scene::Effect::softens()).
-/// A solution is one of springs, a convex problem; each says how bodies open then, and forces of the laws at
-/// these openings are others. AnswerSpan finds the best openings x̂ among all that is known; springs of the
-/// next solution go through force and opening there, as stiff as a quarter of the slope s of softening:
+/// The iteration to the solution of a step for all effects with softening points together
+/// (scene::Effect::softens()). Each solve has springs in place of the laws and is convex; the forces of the
+/// laws at its openings differ from those of the springs. AnswerSpan finds the best openings x̂ in the span
+/// of the solutions. The springs of the next solve pass through force and opening there, with a quarter of
+/// the softening slope s as stiffness:
 ///
 ///     f = f_law(x̂) + θs(x − x̂),   θ = 1/4.
 ///
-/// They bound the law's energy from above, so that it falls from solution to solution (Hunter, Lange: Amer.
-/// Statist. 58, 2004). When forces are those of the laws the last solution is one at frozen damage, of
-/// springs through the origin: convex, with the energies of such springs. A step in which loads go on as in
-/// the last one begins with springs through openings that do, if anything softens there.
+/// Their energy bounds that of the law from above, so the energy decreases from solve to solve (Hunter,
+/// Lange: Amer. Statist. 58, 2004). When the forces satisfy the laws, the last solve has frozen damage:
+/// springs through the origin, a convex problem with the energies of such springs. If points soften there, a
+/// step whose loads continue those of the previous step starts with springs at extrapolated openings.
 ///
 /// Openings and forces are the same on all ranks, multipliers shared. Members are local unless they say
 /// otherwise. Guarded by tests/unit/effects/test_damage_update.cpp.

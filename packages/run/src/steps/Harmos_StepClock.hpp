@@ -7,9 +7,9 @@
 
 namespace Harmos::run {
 
-/// Where a run of several steps has come to, and what it tries next: a step of the deck, or a part of it
-/// where more at once did not converge. Parts are halves of halves, so that their ends are the same however a
-/// run came there; the rest of a step is done in parts of equal length, the next step is tried whole.
+/// The time of a run of several steps and its next attempt: a step of the deck, or a part of it after a
+/// failed attempt. Parts result from repeated halving, so their ends do not depend on the history of
+/// attempts. The rest of a step is done in parts of equal length; the next step is tried as a whole.
 ///
 /// All members are local. Guarded by tests/unit/run/test_step_sequence.cpp.
 class StepClock {

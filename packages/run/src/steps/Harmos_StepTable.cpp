@@ -117,8 +117,8 @@ void exchange(qp::StateArchive<MultiVector>& archive, std::vector<StepRow>& rows
     return;
   const std::size_t width = StepRow().numbers().size() + 6 * paths.size();
   if (values.size() % width != 0)
-    throw InputError("the checkpoint's steps tell the forces of other effects; restart with the deck of the "
-                     "run that wrote it");
+    throw InputError("the steps of the checkpoint have the forces of other effects; restart with the deck of "
+                     "the run that wrote it");
   rows.clear();
   for (std::size_t begin = 0; begin < values.size(); begin += width) {
     const double* v = values.data() + begin;

@@ -178,9 +178,8 @@ CheckpointReader::CheckpointReader(const Teuchos::Comm<int>& comm, const std::st
     : comm_(comm), path_(path) {
   agree(comm, [&] {
     if (!std::filesystem::exists(path))
-      throw InputError("there is no checkpoint \"" + path +
-                           "\": name the output directory of a run that was stopped, or start without "
-                           "--restart",
+      throw InputError("checkpoint not found: \"" + path +
+                           "\"; give the output directory of an interrupted run or start without --restart",
                        {{"file", path}});
   });
   try {
@@ -188,7 +187,7 @@ CheckpointReader::CheckpointReader(const Teuchos::Comm<int>& comm, const std::st
     verify();
     agree(comm, [&] {
       if (text("format") != format)
-        throw InputError("it is of the format \"" + text("format") + "\", not \"" + format + "\"");
+        throw InputError("its format is \"" + text("format") + "\", not \"" + format + "\"");
       const std::vector<std::string> names =
           linesOf(textOf(file_->all<unsigned char>("/texts/names of numbers")));
       const std::vector<double> values = file_->all<double>("/numbers");
@@ -216,7 +215,7 @@ void CheckpointReader::verify() const {
     names = linesOf(textOf(file_->all<unsigned char>("/checked datasets")));
     sums = file_->all<long long>("/checksums");
     if (names.empty() || sums.size() != names.size())
-      throw InputError("its checksums are not whole");
+      throw InputError("its checksums are incomplete");
   });
   const int ranks = comm_.getSize(), rank = comm_.getRank();
   for (std::size_t k = 0; k < names.size(); ++k) {
@@ -241,7 +240,7 @@ void CheckpointReader::verify() const {
     else
       sumOf(0.0);
     if (sum != sums[k])
-      throw InputError("the checksum of its \"" + name.substr(name.rfind('/') + 1) + "\" does not fit");
+      throw InputError("the checksum of its \"" + name.substr(name.rfind('/') + 1) + "\" does not match");
   }
 }
 
@@ -315,7 +314,7 @@ class CheckpointReader::Archive : public qp::StateArchive<MultiVector> {
 
  private:
   InputError unfit(const std::string& fault) const {
-    return InputError("the checkpoint \"" + reader_.path_ + "\" does not fit the problem: " + fault +
+    return InputError("the checkpoint \"" + reader_.path_ + "\" does not match the problem: " + fault +
                           "; restart with the deck and the meshes of the run that wrote it",
                       {{"file", reader_.path_}});
   }

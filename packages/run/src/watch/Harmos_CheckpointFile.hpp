@@ -17,8 +17,8 @@ namespace Harmos::run {
 /// Where a run's checkpoint lies.
 std::string checkpointPath(const std::string& directory);
 
-/// What a vector of the equality rows is outside of their basis, and back. The basis of the rows of G may be
-/// another one with other ranks, since its pivots are compared in floating point numbers; Gᵀμ is not.
+/// Maps a vector of the equality rows to a form independent of their basis, and back. The basis of the rows
+/// of G can depend on the number of ranks, because its pivots are compared in floating point; Gᵀμ does not.
 struct RowBasis {
   std::function<void(const MultiVector& rows, MultiVector& dual)> toDual;   ///< Gᵀμ
   std::function<void(const MultiVector& dual, MultiVector& rows)> fromDual; ///< G of that

@@ -57,7 +57,7 @@ void RunDirectory::checkDeck() const {
         *Teuchos::getParametersFromXmlString(before), *Teuchos::getParametersFromXmlString(now), mayDiffer);
     if (!difference.empty())
       throw InputError(
-          "the checkpoint \"" + checkpoint_->path() + "\" is of another deck: " + difference +
+          "the checkpoint \"" + checkpoint_->path() + "\" belongs to another deck: " + difference +
               "; restart with the deck that wrote it (tolerance, limits, rates and output may differ)",
           {{"file", checkpoint_->path()}});
   });
@@ -179,10 +179,10 @@ void RunDirectory::appendStep(const StepRow& row) const {
       return;
     if (!fault)
       std::filesystem::resize_file(path, size, fault); // no half of a row
-    throw InputError("a row of the file \"" + path +
-                         "\" cannot be written; check that it is there, that the directory is writable and "
-                         "that the disk is not full",
-                     {{"file", path}});
+    throw InputError(
+        "cannot append a row to the file \"" + path +
+            "\"; check that it exists, that the directory is writable and that the disk is not full",
+        {{"file", path}});
   });
 }
 
@@ -203,10 +203,10 @@ void RunDirectory::putCheckpointAside(const Log& log) const {
   std::error_code error;
   std::filesystem::rename(path, aside, error);
   if (error)
-    throw InputError("the checkpoint \"" + path + "\" of an earlier run cannot be put aside: " +
-                         error.message() + "; remove it, or choose another output directory",
+    throw InputError("the checkpoint \"" + path + "\" of an earlier run cannot be renamed: " +
+                         error.message() + "; remove it or use another output directory",
                      {{"file", path}});
-  log.info("The checkpoint of an earlier run is \"" + aside + "\" now");
+  log.info("Checkpoint of an earlier run renamed to \"" + aside + "\"");
 }
 
 void RunDirectory::writeIterations(const std::vector<qp::IterationRecord>& history) const {

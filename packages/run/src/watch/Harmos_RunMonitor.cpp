@@ -46,9 +46,10 @@ void requireSame(const CheckpointReader& checkpoint, MultiVector& kept, const fe
   // Of bodies that move as a whole Pd is nothing but rounding errors of d.
   if (norm(kept) > std::max(1e-6, known) * norm(load) + known * norm(present.d()))
     throw InputError("the checkpoint \"" + checkpoint.path() +
-                         "\" is of another problem: the right-hand side of the dual problem differs by " +
+                         "\" belongs to another problem: the right-hand side of the dual problem has a "
+                         "relative difference of " +
                          scientific(norm(kept) / norm(load), 0) +
-                         " of its norm; restart with the deck and the meshes of the run that wrote it",
+                         "; restart with the deck and the meshes of the run that wrote it",
                      {{"file", checkpoint.path()}});
 }
 
@@ -90,8 +91,8 @@ RunMonitor::~RunMonitor() = default;
 std::optional<feti::WarmStart> RunMonitor::startOfOtherClusters(const feti::DualProblem& problem) {
   if (checkpoint_ == nullptr || !isOfOtherClusters(*checkpoint_, problem))
     return std::nullopt;
-  log_.info("The checkpoint is of other clusters of subdomains: the solver begins anew, from the forces that "
-            "it had come to");
+  log_.info("Restart: the checkpoint has other clusters of subdomains; the solver starts again from the "
+            "stored multipliers");
   const auto reached = Teuchos::rcp(new MultiVector(problem.d().getMap(), 1));
   checkpoint_->restore(rowBasis(problem), [&](Archive& archive) { archive.vector(reachedName, *reached); });
   checkpoint_ = nullptr;
@@ -121,7 +122,7 @@ void RunMonitor::begins(const feti::DualRun& run) {
   view_->begin(rows_);
   if (!rows_.empty()) {
     lastOuter_ = rows_.back().outer;
-    log_.info("Going on from iteration " + std::to_string(qp::countedOn(rows_.back(), place_.before).inner) +
+    log_.info("Restart from iteration " + std::to_string(qp::countedOn(rows_.back(), place_.before).inner) +
               " of \"" + checkpoint_->path() + "\"");
   }
 }
@@ -147,8 +148,8 @@ void RunMonitor::exchangeProblem(Archive& archive) {
     return;
   const std::string before(method.begin(), method.end());
   if (before != run_->method)
-    throw InputError("the checkpoint \"" + checkpoint_->path() + "\" is of the method " + before +
-                         ", but this run takes " + run_->method +
+    throw InputError("the checkpoint \"" + checkpoint_->path() + "\" belongs to the method " + before +
+                         ", but this run uses " + run_->method +
                          "; restart with the deck of the run that wrote it",
                      {{"file", checkpoint_->path()}});
   requireSame(*checkpoint_, kept, run_->stages.problem, report_.localCondition);

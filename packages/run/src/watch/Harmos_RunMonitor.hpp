@@ -40,8 +40,8 @@ struct SolvePlace {
   bool hasEarlier = false; ///< iterations.csv has the rows of the steps before; this one's are appended
 };
 
-/// Looks after the solver of a run: iterations.csv while it grows, contact.csv every few seconds, checkpoints
-/// when they are due or asked for, and the way back from one.
+/// Monitor of the solver of a run: appends to iterations.csv, writes contact.csv every few seconds and
+/// checkpoints when they are due or requested, and restores the solver from a checkpoint.
 ///
 /// Clocks and signals of the ranks are compared by a reduction, about four times a second.
 /// Guarded by tests/regression/test_checkpoint.py.

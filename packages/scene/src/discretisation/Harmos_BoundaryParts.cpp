@@ -90,10 +90,10 @@ void requirePart(const Scene& scene, const PartNames& names, const Effect::Bound
     list += (list.empty() ? "\"" : ", \"") + name + "\"";
   throw InputError(what + " names the boundary part \"" + set + "\" of body \"" + scene.bodies[body].name +
                        (names.all[body].count(set) > 0
-                            ? "\", which has nodes but no sides of cells on the boundary"
-                            : "\", which it does not have") +
+                            ? "\", which has nodes but no cell sides on the boundary"
+                            : "\", which does not exist there") +
                        (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?") +
-                       (list.empty() ? " (it has none)" : " (it has " + list + ")"),
+                       (list.empty() ? " (available: none)" : " (available: " + list + ")"),
                    {{"set", set}, {"body", scene.bodies[body].name}});
 }
 

@@ -91,15 +91,15 @@ class RuleWork {
           continue;
         if (names_.all[b].count(rule.name) > 0)
           throw InputError("\"" + path + "\": body \"" + bodyName(b) +
-                               "\" has a part of this name in its mesh; take another name, or say by "
-                               "\"Bodies\" which others it is for",
+                               "\" has a part of this name in its mesh; use another name or restrict the "
+                               "rule to other bodies by \"Bodies\"",
                            {{"path", path}});
         candidates.insert(known[b].begin(), known[b].end());
       }
       for (const std::string& part : rule.of)
         if (candidates.count(part) == 0)
           throw InputError("\"" + path + "/Of\" names the boundary part \"" + part +
-                               "\", which is not there, or has no sides; parts are named without their body" +
+                               "\", which does not exist or has no sides; name parts without their body" +
                                offer(part, {candidates.begin(), candidates.end()}),
                            {{"path", path + "/Of"}});
       for (std::size_t b = 0; b < scene_.bodies.size(); ++b)
@@ -163,7 +163,7 @@ class RuleWork {
       for (std::size_t c = 0; c < tallies; ++c)
         counts[c] += countsOf(r, b)[c];
     std::ostringstream text;
-    text << '"' << pathOf(rule) << "\" chooses no side of "
+    text << '"' << pathOf(rule) << "\" selects no side of "
          << (end == begin + 1 ? "body \"" + bodyName(begin) + "\"" : "any body") << ": of "
          << static_cast<long long>(counts[0]) << (rule.of.empty() ? " on its boundary" : " of its parts");
     std::string list;
@@ -174,7 +174,7 @@ class RuleWork {
         list += (list.empty() ? " " : ", ") + std::to_string(static_cast<long long>(counts[1 + c])) +
                 " are " + words;
       }
-    text << list << (given > 1 ? ", none all of it" : "") << "; look at the boundary by --parts"
+    text << list << (given > 1 ? ", none meets all conditions" : "") << "; list the boundary with --parts"
          << (rule.box || rule.plane || rule.cylinder ? ", or widen its \"Tolerance\"" : "");
     return InputError(text.str(), {{"path", pathOf(rule)}});
   }

@@ -266,10 +266,10 @@ void ConstraintCollector::tellOfProcessZone(const Adhesion& adhesion, long long 
                zone = young * adhesion.glue.toughness;
   constexpr double fewest = 2.0; // points in it
   if (fewest * apart > zone)
-    note(adhesion.effect->label() + ": the zone in which its interface softens, E G/σ², is about " +
-         scientific(zone) + " long, and its points are " + scientific(apart) +
-         " apart: it will bear more than it could. Take smaller cells along it, or less strength at the same "
-         "fracture energy, which makes the zone longer");
+    note(adhesion.effect->label() + ": process zone of its interface, E G/σ², about " + scientific(zone) +
+         " long, point distance " + scientific(apart) +
+         ": the computed strength is too high. Use smaller cells along it or a smaller strength at the same "
+         "fracture energy");
 }
 
 std::vector<std::optional<ConstraintCollector::Taken>>
@@ -457,8 +457,8 @@ void ConstraintCollector::findBonds(ContactSetup& setup, double extent) {
     note(adhesion.effect->label() + " binds " + std::to_string(bound) + " of the " + std::to_string(all) +
          " points of " + adhesion.contact->label() +
          (bound == all ? std::string()
-                       : "; at the other " + std::to_string(all - bound) +
-                             " the surfaces are apart, or overlap: a contact without adhesion"));
+                       : "; the other " + std::to_string(all - bound) +
+                             " are apart or overlap: contact without adhesion"));
     tellOfProcessZone(adhesion, bound, globalSum(comm_, area));
   }
 }

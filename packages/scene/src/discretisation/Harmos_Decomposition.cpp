@@ -57,8 +57,8 @@ void checkBody(const Scene& scene, const Body& body, const fem::Mesh& mesh) {
   const int dimension = scene.physics == Physics::Solid ? 3 : 2;
   if (mesh.dimension() != dimension)
     throw InputError("body \"" + body.name + "\" has cells of " + std::to_string(mesh.dimension()) +
-                         " dimensions in a scene of " + std::to_string(dimension) +
-                         "; choose another physics or another mesh",
+                         " dimensions in a scene of dimension " + std::to_string(dimension) +
+                         "; change the physics or the mesh",
                      {{"body", body.name}});
   if (scene.physics == Physics::Membrane)
     return;

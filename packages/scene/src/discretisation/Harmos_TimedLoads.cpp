@@ -136,10 +136,10 @@ void TimedLoads::requireConsistent() const {
         const Body& body = scene_.bodies[static_cast<std::size_t>(owned_[i].body)];
         throw InputError(
             first.effect->label() + " and " + own.effect->label() + " contradict each other at time " +
-                scientific(time) + ": they prescribe different values, " + scientific(other) + " and " +
+                scientific(time) + ": different prescribed values, " + scientific(other) + " and " +
                 scientific(value) + ", for component " + std::to_string(own.dof % scene_.components()) +
                 " of a node of body \"" + body.name +
-                "\" that both hold; give them the same history and value there, or free one",
+                "\" that both prescribe; use equal histories and values there or release one",
             {{"body", body.name}});
       }
   }

@@ -99,17 +99,17 @@ void checkValues(const Teuchos::XMLObject& list, const std::string& path) {
     const std::string name = child.getRequired("name");
     const std::string place = "\"" + path + name + "\"";
     if (!names.insert(name).second)
-      throw InputError(place + " is given twice; keep one of the two");
+      throw InputError(place + " is given twice; remove one of them");
     if (child.getTag() == "ParameterList") {
       checkValues(child, path + name + "/");
     } else if (child.hasAttribute("type") && child.hasAttribute("value")) {
       const std::string type = child.getRequired("type"), value = child.getRequired("value");
       if (!isValueOf(type, value))
-        throw InputError(
-            place + " has the type \"" + type + "\", but \"" + value + "\" is no value of that type" +
-            (type == "bool"                ? " (true or false)"
-             : type.rfind("Array", 0) == 0 ? " (numbers in braces, with commas between; none is infinite)"
-                                           : ""));
+        throw InputError(place + " has the type \"" + type + "\", but \"" + value +
+                         "\" is not a valid value of that type" +
+                         (type == "bool"                ? " (true or false)"
+                          : type.rfind("Array", 0) == 0 ? " (finite numbers in braces, separated by commas)"
+                                                        : ""));
     }
   }
 }
@@ -120,7 +120,7 @@ Teuchos::ParameterList parse(const std::string& file) {
   std::ifstream stream(file);
   if (!stream)
     throw InputError("the deck \"" + file + "\" cannot be read: " + std::strerror(errno) +
-                         "; check the path, it is relative to the directory the program was started in",
+                         "; check the path, which is relative to the working directory",
                      {{"file", file}});
   std::ostringstream text;
   text << stream.rdbuf();

@@ -24,11 +24,11 @@ class ConstraintCollector;
 ///
 ///     min ½uᵀKu − fᵀu   subject to   B_I u ≤ c_I,  B_E u = c_E :
 ///
-/// to K and f of a subdomain, Dirichlet conditions, and rows of B. Every answer is "nothing" unless a class
-/// says otherwise, and nothing is kept for it: what no effect of a scene names does not exist in its run.
+/// to K and f of a subdomain, Dirichlet conditions, and rows of B. The default contribution is nothing, and
+/// an absent contribution costs no memory or time.
 ///
-/// What effects to come need beyond that has its place here: a kind of row more in ConstraintCollector, as
-/// the limited ones of friction; output fields in a hook beside run::writeResult(), as ContactFields are for
+/// Further needs of new effects extend this interface: a new kind of row in ConstraintCollector, like the
+/// limited rows of friction; output fields by a hook beside run::writeResult(), like ContactFields for
 /// contacts.
 ///
 /// Guarded by tests/unit/effects/test_absence.cpp.

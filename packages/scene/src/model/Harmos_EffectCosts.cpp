@@ -64,7 +64,7 @@ std::vector<EffectCost> EffectCosts::total(const Teuchos::Comm<int>& comm) const
 
 std::string costText(const std::vector<EffectCost>& costs) {
   std::ostringstream text;
-  text << "Effects that are on                 number      rows   seconds       MiB" << std::fixed
+  text << "Active effects                      number      rows   seconds       MiB" << std::fixed
        << std::setprecision(3);
   for (const EffectCost& cost : costs)
     text << "\n  " << std::left << std::setw(30) << cost.kind << std::right << std::setw(10) << cost.effects

@@ -29,9 +29,10 @@ ParameterSpec EffectRegistry::parametersOf(const EffectKind& kind) {
               "What its magnitude is multiplied by over the steps: \"ramp\", \"constant\" or one of "
               "\"Steps/Histories\"; empty: \"ramp\" where there are several steps, else \"constant\".");
   else
-    spec.absent("History", "effects of the kind \"" + kind.name +
-                               "\" have no magnitude that could follow a history; give it to a load or a "
-                               "prescribed displacement");
+    spec.absent(
+        "History",
+        "effects of the kind \"" + kind.name +
+            "\" have no magnitude to scale by a history; use it for a load or a prescribed displacement");
   return spec;
 }
 
@@ -45,10 +46,9 @@ void EffectRegistry::addEffects(const Teuchos::ParameterList& deck, Scene& scene
     for (auto item = list.begin(); item != list.end(); ++item) {
       const std::string& name = list.name(item);
       if (name.find('/') != std::string::npos)
-        throw InputError(
-            "the effect \"" + name + "\" of \"Effects/" + kind.name +
-                "\" has a slash in its name, which parts lists from each other; take another sign",
-            {{"path", "Effects/" + kind.name}});
+        throw InputError("the effect \"" + name + "\" of \"Effects/" + kind.name +
+                             "\" has a slash in its name, the separator of lists; use another character",
+                         {{"path", "Effects/" + kind.name}});
       const Teuchos::ParameterList& parameters = list.sublist(name);
       scene.effects.push_back(kind.make(parameters, "Effects/" + kind.name + "/" + name, scene));
       if (kind.hasMagnitude)

@@ -21,7 +21,7 @@ void requireRising(const std::vector<double>& times) {
     if (!std::isfinite(times[k]))
       throw InputError("time number " + std::to_string(k + 1) + " is not finite");
     if (k > 0 && !(times[k] > times[k - 1]))
-      throw InputError("times have to rise, but " + scientific(times[k]) + " comes after " +
+      throw InputError("times must increase, but " + scientific(times[k]) + " comes after " +
                        scientific(times[k - 1]));
   }
 }
@@ -45,7 +45,7 @@ std::vector<double> numbersIn(const Teuchos::ParameterList& list, const std::str
 History::History(std::vector<double> times, std::vector<double> values)
     : times_(std::move(times)), values_(std::move(values)) {
   if (times_.empty())
-    throw InputError("a history needs at least one time, with a value");
+    throw InputError("a history needs at least one time and value");
   if (times_.size() != values_.size())
     throw InputError("a history needs a value for each time, but has " + std::to_string(times_.size()) +
                      " times and " + std::to_string(values_.size()) + " values");
@@ -71,7 +71,7 @@ Timeline::Timeline(std::vector<double> ends, double smallest) : ends_(std::move(
     throw InputError("a run needs at least one step");
   requireRising(ends_);
   if (!(ends_.front() > 0.0))
-    throw InputError("the run begins at time 0, but its first step ends at " + scientific(ends_.front()));
+    throw InputError("the first step must end after time 0, but ends at " + scientific(ends_.front()));
   if (!(smallest_ >= leastSmallest && smallest_ <= 1.0))
     throw InputError("the smallest part of a step is a share of it, at least " +
                      scientific(leastSmallest, 0) + " and at most 1, not " + scientific(smallest_));
@@ -110,7 +110,7 @@ Timeline Timeline::fromDeck(const Teuchos::ParameterList& deck) {
   } else if (number != 1) {
     throw InputError("contradictory parameters: \"Steps/Number\" = " + std::to_string(number) +
                          " and \"Steps/Times\" with " + std::to_string(times.size()) +
-                         " of them; give one of the two",
+                         " entries; give one of the two",
                      {{"path", "Steps/Times"}});
   }
   Timeline timeline =
@@ -129,7 +129,7 @@ Timeline Timeline::fromDeck(const Teuchos::ParameterList& deck) {
 
 void Timeline::add(const std::string& name, History history) {
   if (name == ramp || name == constant)
-    throw InputError("the history \"" + name + "\" is there already; choose another name");
+    throw InputError("the history \"" + name + "\" exists already; use another name");
   if (!histories_.emplace(name, std::move(history)).second)
     throw InputError("there are two histories of the name \"" + name + "\"");
 }
@@ -150,7 +150,7 @@ void Timeline::check(const std::vector<std::shared_ptr<const Effect>>& effects) 
     const std::string& name = found->second;
     if (!effect->hasMagnitude())
       throw InputError(effect->label() + " follows the history \"" + name +
-                           "\", but has no magnitude that it could scale",
+                           "\", but has no magnitude to scale",
                        {{"history", name}});
     if (std::find(known.begin(), known.end(), name) != known.end())
       continue;
@@ -158,9 +158,9 @@ void Timeline::check(const std::vector<std::shared_ptr<const Effect>>& effects) 
     std::string all;
     for (const std::string& other : known)
       all += (all.empty() ? "\"" : ", \"") + other + "\"";
-    throw InputError(effect->label() + " follows the history \"" + name + "\", which nobody defined" +
-                         (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?") + " (there are " +
-                         all + "; others go into \"Steps/Histories\")",
+    throw InputError(effect->label() + " follows the history \"" + name + "\", which is not defined" +
+                         (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?") +
+                         " (available: " + all + "; define others in \"Steps/Histories\")",
                      {{"history", name}});
   }
 }

@@ -169,5 +169,5 @@ TEST(InverseQuality, too_ill_conditioned_for_the_precision) {
   EXPECT_EQ(objection(Strip(quadratic, 55, 55, 1, 0.4999), options), "");
   options.solver.name = "MUMPS";
   const std::string factors = objection(Strip(quadratic, 55, 55, 1, 0.4999), options);
-  EXPECT_TRUE(contains(factors, "single precision is too short")) << factors;
+  EXPECT_TRUE(contains(factors, "too large for single precision")) << factors;
 }
