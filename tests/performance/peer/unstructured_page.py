@@ -85,7 +85,7 @@ def ranges(entries):
     for way in WAYS:
         found = [seconds(entry, way) / seconds(entry, "harmos") for entry in entries]
         parts.append(f"`{way}` {min(found):.2f} to {max(found):.2f}")
-    return f" The peer takes, in times of Harmos: {', '.join(parts)}."
+    return f" The quotients are: {', '.join(parts)}."
 
 
 def times(entries):
