@@ -70,8 +70,10 @@ def needed(entries, name):
 
 
 def wrapped(text):
-    return textwrap.fill(
-        " ".join(text.split()), LINE, break_long_words=False, break_on_hyphens=False
+    """Paragraphs, filled."""
+    return "\n\n".join(
+        textwrap.fill(" ".join(paragraph.split()), LINE, break_long_words=False, break_on_hyphens=False)
+        for paragraph in text.strip().split("\n\n")
     )
 
 
@@ -120,31 +122,36 @@ def work(entry):
     return f"{entry['products']} applications of F, {seconds(entry)} s"
 
 
+def bullet(text):
+    return textwrap.fill(
+        " ".join(text.split()), LINE, break_long_words=False, break_on_hyphens=False, initial_indent="* ",
+        subsequent_indent="  ",
+    )
+
+
 def in_short(entries):
     """The chief figures in sentences. @throws Incomplete."""
     found = {name: needed(entries, name) for name in LARGEST}
     largest, cube, solid = found["paper-shared"], found["cube-512"], found["half-ball"]
     stretch, compression = found["composite-stretch"], found["composite-compression"]
     return "\n".join(
-        textwrap.fill(
-            " ".join(text.split()), LINE, break_long_words=False, break_on_hyphens=False, subsequent_indent="  "
-        )
+        bullet(text)
         for text in (
-            f"""* The largest model problem of the paper has {largest['unknowns']} unknowns and
+            f"""The largest model problem of the paper has {largest['unknowns']} unknowns and
             {largest['multipliers']} multipliers. Harmos solves it in {cost(largest)}. If each subdomain has a
             factorisation of its own, the run takes {cost(found['paper-unshared'])}; with result files
             {cost(found['paper-unshared-fields'])}. PERMON 3.18 on such a machine takes
             {PERMON_LARGEST_SECONDS} s and {PERMON_LARGEST_GB} GB.""",
-            f"""* The model problem with {found['large']['unknowns'] / 1e6:.0f} million unknowns takes
+            f"""The model problem with {found['large']['unknowns'] / 1e6:.0f} million unknowns takes
             {cost(found['large'])}.""",
-            f"""* An elastic cube of {cube['unknowns']} unknowns on a rigid plane (`block.xml`), cut into
+            f"""An elastic cube of {cube['unknowns']} unknowns on a rigid plane (`block.xml`), cut into
             8 × 8 × 8 subdomains of 8 × 8 × 8 elements, takes {work(cube)} and {gib(cube)} GiB. Cut into
             6 × 6 × 6 subdomains of 11 × 11 × 11 elements, it takes {work(found['cube-216'])} and
             {gib(found['cube-216'])} GiB.""",
-            f"""* The fibre composite of 30 × 30 cells has {stretch['unknowns']} unknowns and
+            f"""The fibre composite of 30 × 30 cells has {stretch['unknowns']} unknowns and
             {stretch['inequalities']} inequalities. Stretched, it takes {work(stretch)}; compressed,
             {work(compression)}.""",
-            f"""* Half a ball of tetrahedra on a rigid plane has {solid['unknowns']} unknowns,
+            f"""Half a ball of tetrahedra on a rigid plane has {solid['unknowns']} unknowns,
             {solid['inequalities']} inequalities and {solid['subdomains']} subdomains, no two of them alike. It
             takes {work(solid)} and {gib(solid)} GiB.""",
         )
@@ -162,13 +169,17 @@ def readme_block(document):
     largest, unshared, large, solid = (
         needed(entries, name) for name in ("paper-shared", "paper-unshared", "large", "half-ball")
     )
-    return wrapped(f"""
-        **Cost** on {document['machine']['cores']} cores, to a relative tolerance of 1e-4: two membranes of
-        {largest['unknowns'] / 1e6:.1f} million unknowns take {cost(largest)} where equal subdomains share a
-        factorisation, else {cost(unshared)} (PERMON 3.18: {PERMON_LARGEST_SECONDS} s and
-        {PERMON_LARGEST_GB} GB); with {large['unknowns'] / 1e6:.0f} million unknowns {cost(large)}, shared. Half a
-        ball of {solid['unknowns']} unknowns, whose {solid['subdomains']} subdomains all differ, takes
-        {cost(solid)}. [Headline figures](docs/headline.md): all cases, machine, commands and spread.""")
+    return "\n".join([
+        f"**Cost** on {document['machine']['cores']} cores, to a relative tolerance of 1e-4"
+        " ([all figures](docs/headline.md), with machine and commands):",
+        "",
+        bullet(f"""two membranes with {largest['unknowns'] / 1e6:.1f} million unknowns: {cost(largest)}. Equal
+            subdomains share a factorisation; without sharing, {cost(unshared)}. PERMON 3.18 on such a machine:
+            {PERMON_LARGEST_SECONDS} s and {PERMON_LARGEST_GB} GB."""),
+        bullet(f"the same with {large['unknowns'] / 1e6:.0f} million unknowns, shared: {cost(large)}."),
+        bullet(f"""half a ball of tetrahedra on a plane, {solid['unknowns']} unknowns, all
+            {solid['subdomains']} subdomains different: {cost(solid)}."""),
+    ])
 
 
 def with_block(readme, document):
@@ -217,18 +228,19 @@ cores, {gib} of memory, a load of {load} at the beginning. Seconds and memory ar
 not written, except where a case says so."""
 
 CHANGED = """
-Later versions may take other numbers of applications than the measured ones. Now, by the log beside the deck:
-{changes}."""
+The measurement is older than this version. By the logs beside the decks, these cases now take another number of
+applications of F: {changes}."""
 
 PRODUCTS = """
-All applications of F from the first iterate to the stop, to a relative tolerance of 1e-4, for a square of S × S
-subdomains per membrane (S = 1/H) with N × N elements each (N = H/h). Default settings are the Dirichlet
-preconditioner and the solver PDAS; without preconditioner the solver is SMALBE. Beside them: all Hessian
-applications of PERMON 3.18 with tuned options on two ranks, and the conjugate gradient iterations that the paper
-reports. The stopping rules differ: that of Harmos is `scaled`, that of PERMON `permon` ([theory](theory.md)).
-`tests/verification` asserts that default settings need at most as many applications as the paper needs iterations
-(at most 0.6 times as many for H/h = 128), and that runs without preconditioner need at most as many as PERMON under
-PERMON's rule."""
+Each membrane has S × S subdomains (S = 1/H) of N × N elements (N = H/h). The table counts all applications of F from
+the first iterate to the stop, to a relative tolerance of 1e-4. The default settings are the Dirichlet preconditioner
+and the solver PDAS; without preconditioner the solver is SMALBE. The rows of PERMON 3.18 count all its Hessian
+applications, with tuned options on two ranks; those of the paper count its conjugate gradient iterations. The
+stopping rules differ: Harmos uses the rule `scaled`, PERMON the rule `permon` ([theory](theory.md)).
+
+`tests/verification` asserts two bounds. Default settings need at most as many applications as the paper needs
+iterations, and at most 0.6 times as many for H/h = 128. Without preconditioner and with PERMON's rule, Harmos needs at
+most as many applications as PERMON."""
 
 COLUMNS = """
 Factorisations are those that were made, of the number of subdomains; F stands for applications of F. Seconds are
@@ -251,7 +263,7 @@ def changed_counts(document):
             continue
         found = COUNTED.search(log.read_text(encoding="utf-8"))
         if found and int(found.group(1)) != entry["products"]:
-            parts.append(f"`{entry['name']}` takes {found.group(1)} instead of {entry['products']}")
+            parts.append(f"`{entry['name']}` {found.group(1)} (measured: {entry['products']})")
     return "; ".join(parts)
 
 
