@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Measures what the README claims, and writes the figures there.
+"""Measures the headline figures; writes docs/headline.json, docs/headline.md and the README's sentence.
 
     headline.py [--build DIR] [--runs 3]      measure; write docs/headline.{json,md} and the README
-    headline.py --only NAME... [--output JSON] [--page FILE]      some cases, nothing else written
-    headline.py --quick [--output JSON] [--page FILE]             tiny forms of all, a smoke test
+    headline.py --only NAME... [--output JSON] [--page FILE]      some cases; writes only the files named
+    headline.py --quick [--output JSON] [--page FILE]             tiny forms of all cases, a smoke test
     headline.py --render                      measure nothing; page and README from the JSON
     headline.py --list
 
-On two ranks; seconds and memory are medians, with the least and the most in the JSON. A case that
-wants more memory than is free is skipped, and JSON and page say so. Exit status 1 if a case failed,
-did not converge or broke its promise of memory; times are never judged.
+Runs have two ranks. Seconds and memory are medians; the JSON also has least and most. A case that
+needs more memory than is free is skipped; JSON and page say so. Exit status 1 if a case failed,
+did not converge or exceeded its memory limit; times are never judged.
 """
 
 import argparse
@@ -37,7 +37,7 @@ README = runs.SOURCE / "README.md"
 
 
 def first_match(pattern, path, default):
-    """The first group of a pattern in a file that may be missing."""
+    """The first group of a pattern in a file; the default if there is no such file or match."""
     try:
         found = re.search(pattern, Path(path).read_text(encoding="utf-8"), re.M)
     except OSError:
@@ -56,7 +56,7 @@ def compiler():
 
 
 def memory_mib(field):
-    """Of /proc/meminfo; nothing elsewhere."""
+    """A field of /proc/meminfo; None where there is no such file."""
     kib = first_match(rf"^{field}:\s*(\d+) kB", "/proc/meminfo", None)
     return None if kib is None else int(kib) // 1024
 
@@ -83,7 +83,7 @@ def four_digits(value):
 
 
 def from_theory(results):
-    """Relative distances of Hertz' quantities from what theory says."""
+    """Relative differences of the results from Hertz' theory."""
     return {
         name: float(f"{value / results[f'{name}_theory'] - 1.0:.3g}")
         for name, value in results.items()
@@ -92,7 +92,7 @@ def from_theory(results):
 
 
 def figures(summaries):
-    """What the JSON says of a case that ran."""
+    """The figures of a case that ran, for the JSON."""
     last = summaries[-1]
     return {
         "unknowns": last["primal_dimension"],
@@ -103,7 +103,7 @@ def figures(summaries):
         "tolerance": last["tolerance"],
         "converged": all(summary["converged"] for summary in summaries),
         "solver": last["solver"],
-        # Repeated runs do the same steps; should they ever not, the claim is the worst.
+        # Repeated runs do the same steps. If they ever differ, the largest count is reported.
         "products": max(summary["hessian_applications"] for summary in summaries),
         "seconds_total": spread([s["seconds"]["total"] for s in summaries], four_digits),
         "seconds_solve": spread([s["seconds"]["solve"] for s in summaries], four_digits),
@@ -113,7 +113,7 @@ def figures(summaries):
 
 
 def measure(case, given):
-    """A case's entry in the JSON."""
+    """The entry of a case in the JSON."""
     sets = {**case.sets, **(case.tiny if given.quick else {})}
     entry = {
         "name": case.name,
@@ -127,13 +127,13 @@ def measure(case, given):
     }
     free = memory_mib("MemAvailable")
     if free is not None and free < case.needs_mib and not given.quick:
-        entry["problem"] = f"skipped: wants {case.needs_mib} MiB of free memory, there are {free}"
+        entry["problem"] = f"skipped: needs {case.needs_mib} MiB of free memory, {free} MiB are free"
         return entry
     try:
         summaries = harmos_measure.repeated(
             given.runs, runs.SOURCE / case.deck, sets, given.np, case.program
         )
-    except (harmos_measure.RunFailed, AssertionError) as error:  # the latter: no end in time
+    except (harmos_measure.RunFailed, AssertionError) as error:  # the latter: the time limit
         print(error, file=sys.stderr)
         entry["problem"] = "failed: see the log of the measurement"
         return entry
@@ -146,14 +146,14 @@ def line(entry):
     total, solve = entry["seconds_total"], entry["seconds_solve"]
     return (
         f"{entry['name']}: {entry['unknowns']}/{entry['multipliers']} "
-        f"({entry['inequalities']} inequalities), {entry['products']} products, "
+        f"({entry['inequalities']} inequalities), {entry['products']} applications, "
         f"{total['median']} s [{total['least']}, {total['most']}], solving {solve['median']} s, "
         f"{entry['peak_memory_mib']['median']} MiB"
     )
 
 
-def keeps_its_promise(entry):
-    """A skipped case has made none; its figures cannot get into the README either."""
+def is_within_limits(entry):
+    """Converged, within its memory limit; or skipped, and then without figures in the README."""
     if entry["problem"]:
         return entry["problem"].startswith("skipped")
     limit = entry["memory_limit_mib"]
@@ -197,10 +197,10 @@ def write_readme(document):
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("--build", type=Path, help="build tree; build, or HARMOS_BINARY_DIR")
-    parser.add_argument("--runs", type=int, default=3, help="of each case")
+    parser.add_argument("--runs", type=int, default=3, help="repetitions of each case")
     parser.add_argument("--np", type=int, default=2)
     parser.add_argument("--only", nargs="+", default=[], metavar="NAME")
-    parser.add_argument("--quick", action="store_true", help="tiny forms, once each")
+    parser.add_argument("--quick", action="store_true", help="tiny forms of the cases, one run each")
     parser.add_argument("--render", action="store_true", help="measure nothing")
     parser.add_argument("--list", action="store_true")
     parser.add_argument("--output", type=Path, metavar="JSON")
@@ -227,7 +227,7 @@ def main():
         for case in CASES.values():
             print(f"{case.name:22} {case.title}")
         return 0
-    # What is quoted is a whole set of one measurement.
+    # The published figures are those of one measurement of all cases.
     whole = not given.only and not given.quick
     if given.render:
         document = json.loads((given.output or DOCUMENT).read_text(encoding="utf-8"))
@@ -237,7 +237,7 @@ def main():
             write(given.output or DOCUMENT, headline_page.as_json(document))
     if whole or given.page:
         write(given.page or PAGE, headline_page.page(document))
-    good = all(keeps_its_promise(entry) for entry in document["runs"])
+    good = all(is_within_limits(entry) for entry in document["runs"])
     if whole and not given.output and not given.page:
         good = write_readme(document) and good
     return 0 if good else 1

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the README claims figures of: the cases of headline.py, each also in a tiny form."""
+"""The cases of headline.py, each also in a tiny form."""
 
 from dataclasses import dataclass
 
@@ -11,24 +11,24 @@ HERE = "tests/performance"
 
 @dataclass(frozen=True)
 class Case:
-    """A run that is measured; names and paths are those of JSON and page."""
+    """A run to measure; names and paths are those of JSON and page."""
 
     name: str
     title: str
     deck: str  # from the top of the source tree
     sets: dict
-    tiny: dict  # what else is overridden with --quick
+    tiny: dict  # further overrides with --quick
     program: str = "signorini"
-    needs_mib: int = 1024  # below that much free memory it is skipped
-    limit_mib: int = None  # promised: no more than that
-    group: str = None  # the row in the table of products; other cases have none
+    needs_mib: int = 1024  # skipped if less memory is free
+    limit_mib: int = None  # upper limit of the peak memory
+    group: str = None  # row in the table of the model problem; None for other cases
 
 
 MODEL = str(runs.MODEL.relative_to(runs.SOURCE))
 BLOCK = str((runs.DECKS / "block.xml").relative_to(runs.SOURCE))
 COMPOSITE = str(runs.COMPOSITE.relative_to(runs.SOURCE))
 
-# The rows of the README's table, and the rule of PERMON, in the words of --list.
+# Rows of the table of the model problem, in the words of --list.
 GROUPS = {
     "default": ("shared", {}, "default settings"),
     "plain": ("unpreconditioned", {}, "without preconditioner"),
@@ -108,7 +108,7 @@ def others():
         "unshared",
         needs_mib=9216,
     )
-    # Its peak once was 8238 MiB, in the writing of fields.
+    # Its peak was once 8238 MiB, while fields were written.
     yield membranes(
         "paper-unshared-fields",
         f"{largest}, a factorisation for each subdomain, with result files",

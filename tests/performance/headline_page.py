@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""docs/headline.md and the README's figures as functions of docs/headline.json alone.
+"""docs/headline.md and the README's sentence as functions of docs/headline.json.
 
-tests/regression/test_documents.py makes both anew and compares.
+The page also reads the logs beside the decks: a deck that takes another number of applications since the
+measurement is named. tests/regression/test_documents.py renders both anew and compares.
 """
 
 import json
 import math
+import re
 import shlex
 import textwrap
 
+import harmos_runs as runs
 from published_figures import (
     PAPER_CG,
     PAPER_LARGEST_SECONDS,
@@ -21,22 +24,22 @@ from published_figures import (
 
 BEGIN = "<!-- headline: begin; written by tests/performance/headline.py --render -->"
 END = "<!-- headline: end -->"
-LINE = 125
+LINE = 118
 
 
 class Incomplete(ValueError):
-    """A figure of the README was not measured."""
+    """A headline figure was not measured."""
 
 
 def as_json(document):
-    """A line a run: what a new measurement changed shows in a diff."""
+    """One run per line, so that a diff shows which runs a new measurement changed."""
     head = json.dumps({**document, "runs": []}, indent=1, ensure_ascii=False)
     lines = [json.dumps(entry, ensure_ascii=False) for entry in document["runs"]]
     return head.replace('"runs": []', '"runs": [\n  ' + ",\n  ".join(lines) + "\n ]") + "\n"
 
 
 def two_digits(value):
-    """Two that count; whole numbers from ten on."""
+    """Two significant digits; whole numbers from ten on."""
     if value <= 0.0:
         return "0"
     decimals = max(0, 1 - math.floor(math.log10(value)))
@@ -67,114 +70,120 @@ def needed(entries, name):
 
 
 def wrapped(text):
-    return textwrap.fill(
-        " ".join(text.split()), LINE, break_long_words=False, break_on_hyphens=False
+    """Paragraphs, filled."""
+    return "\n\n".join(
+        textwrap.fill(" ".join(paragraph.split()), LINE, break_long_words=False, break_on_hyphens=False)
+        for paragraph in text.strip().split("\n\n")
     )
 
 
 def cell_products(entries, group, n):
-    """Of a row of the table; a dash for what was not measured."""
+    """One row of the table; a dash where nothing was measured."""
     row = [entries.get(f"{group}-{s}x{n}") for s in SIDES]
     return [entry["products"] if entry and not entry["problem"] else "—" for entry in row]
 
 
-def products_table(entries, permon_rule):
-    """The table of products; with the row of PERMON's rule on the page only."""
+def products_table(entries):
+    """Applications of F for the model problem, beside PERMON and the paper."""
     text = ["| H/h | | " + " | ".join(f"1/H = {s}" if s == 1 else str(s) for s in SIDES) + " |"]
     text.append("|---" * (2 + len(SIDES)) + "|")
     for n in PAPER_CG:
         rows = [
-            ("Harmos, all products", cell_products(entries, "default", n)),
+            ("Harmos, default settings", cell_products(entries, "default", n)),
             ("Harmos, no preconditioner", cell_products(entries, "plain", n)),
+            ("the same, PERMON's stopping rule", cell_products(entries, "permon", n)),
+            ("PERMON 3.18", PERMON[n]),
+            ("paper, CG iterations", PAPER_CG[n]),
         ]
-        if permon_rule:
-            rows.append(("the same, PERMON's rule", cell_products(entries, "permon", n)))
-        rows += [("PERMON, all products", PERMON[n]), ("paper, CG iterations", PAPER_CG[n])]
         for k, (words, row) in enumerate(rows):
             cells = " | ".join(map(str, row))
             text.append(f"| {n if k == 0 else ''} | {words} | {cells} |".replace("|  |", "| |"))
     return "\n".join(text)
 
 
-def joined(words):
-    return words[0] if len(words) == 1 else ", ".join(words[:-1]) + " and " + words[-1]
+LARGEST = (
+    "paper-shared",
+    "paper-unshared",
+    "paper-unshared-fields",
+    "large",
+    "cube-512",
+    "cube-216",
+    "composite-stretch",
+    "composite-compression",
+    "half-ball",
+)
 
 
-def permon_rule(entries):
-    """Where the other stopping rule takes other numbers of products, in words."""
-    parts = []
-    for n in PAPER_CG:
-        pairs = [
-            (str(a), str(b))
-            for a, b in zip(cell_products(entries, "permon", n), cell_products(entries, "plain", n))
-            if a != b
-        ]
-        if pairs:
-            theirs, ours = zip(*pairs)
-            parts.append(f"{joined(theirs)} instead of {joined(ours)} for H/h = {n}")
-    if not parts:
-        return "ours without preconditioner are the same"
-    return f"ours without preconditioner are {'; '.join(parts)}, and else the same"
+def cost(entry):
+    return f"{seconds(entry)} s and {gib(entry)} GiB"
 
 
-def largest(entries):
-    """The sentences on large problems."""
-    shared, unshared, fields, large, cube, other_cube, stretch, compression, solid = (
-        needed(entries, name)
-        for name in (
-            "paper-shared",
-            "paper-unshared",
-            "paper-unshared-fields",
-            "large",
-            "cube-512",
-            "cube-216",
-            "composite-stretch",
-            "composite-compression",
-            "half-ball",
+def work(entry):
+    return f"{entry['products']} applications of F, {seconds(entry)} s"
+
+
+def bullet(text):
+    return textwrap.fill(
+        " ".join(text.split()), LINE, break_long_words=False, break_on_hyphens=False, initial_indent="* ",
+        subsequent_indent="  ",
+    )
+
+
+def in_short(entries):
+    """The chief figures in sentences. @throws Incomplete."""
+    found = {name: needed(entries, name) for name in LARGEST}
+    largest, cube, solid = found["paper-shared"], found["cube-512"], found["half-ball"]
+    stretch, compression = found["composite-stretch"], found["composite-compression"]
+    return "\n".join(
+        bullet(text)
+        for text in (
+            f"""The largest model problem of the paper has {largest['unknowns']} unknowns and
+            {largest['multipliers']} multipliers. Harmos solves it in {cost(largest)}. If each subdomain has a
+            factorisation of its own, the run takes {cost(found['paper-unshared'])}; with result files
+            {cost(found['paper-unshared-fields'])}. PERMON 3.18 on such a machine takes
+            {PERMON_LARGEST_SECONDS} s and {PERMON_LARGEST_GB} GB.""",
+            f"""The model problem with {found['large']['unknowns'] / 1e6:.0f} million unknowns takes
+            {cost(found['large'])}.""",
+            f"""An elastic cube of {cube['unknowns']} unknowns on a rigid plane (`block.xml`), cut into
+            8 × 8 × 8 subdomains of 8 × 8 × 8 elements, takes {work(cube)} and {gib(cube)} GiB. Cut into
+            6 × 6 × 6 subdomains of 11 × 11 × 11 elements, it takes {work(found['cube-216'])} and
+            {gib(found['cube-216'])} GiB.""",
+            f"""The fibre composite of 30 × 30 cells has {stretch['unknowns']} unknowns and
+            {stretch['inequalities']} inequalities. Stretched, it takes {work(stretch)}; compressed,
+            {work(compression)}.""",
+            f"""Half a ball of tetrahedra on a rigid plane has {solid['unknowns']} unknowns,
+            {solid['inequalities']} inequalities and {solid['subdomains']} subdomains, no two of them alike. It
+            takes {work(solid)} and {gib(solid)} GiB.""",
         )
     )
-    return wrapped(f"""
-        The largest problem of the paper, {shared['unknowns']} unknowns and
-        {shared['multipliers']} multipliers, to 1e-4 on two cores: {seconds(shared)} s and
-        {gib(shared)} GiB; without sharing factorisations {seconds(unshared)} s and
-        {gib(unshared)} GiB, with result files {seconds(fields)} s and {gib(fields)} GiB (PERMON
-        3.18 on such a machine: {PERMON_LARGEST_SECONDS} s, {PERMON_LARGEST_GB} GB).
-        {large['unknowns'] / 1e6:.0f} million unknowns: {seconds(large)} s, {gib(large)} GiB. An
-        elastic cube of {cube['unknowns']} unknowns on a rigid plane (`block.xml`), to 1e-4, as
-        8 × 8 × 8 subdomains of 8 × 8 × 8 elements: {cube['products']} products,
-        {seconds(cube)} s, {gib(cube)} GiB; as 6 × 6 × 6 of 11 × 11 × 11:
-        {other_cube['products']} products, {seconds(other_cube)} s, {gib(other_cube)} GiB. The
-        fibre composite of 30 × 30 cells,
-        {stretch['unknowns']} unknowns and {stretch['inequalities']} inequalities:
-        {stretch['products']} products and {seconds(stretch)} s stretched,
-        {compression['products']} and {seconds(compression)} s compressed. Half a ball of
-        tetrahedra on a plane, {solid['unknowns']} unknowns, {solid['inequalities']} inequalities,
-        {solid['subdomains']} subdomains of which no two are alike: {solid['products']} products,
-        {seconds(solid)} s, {gib(solid)} GiB. Machine, commands and spread: [headline
-        figures](docs/headline.md).""")
 
 
 def readme_block(document):
-    """What stands between the README's markers. @throws Incomplete."""
+    """The text between the README's markers. @throws Incomplete."""
     entries = by_name(document)
     for group in ("default", "plain", "permon"):
         for n in PAPER_CG:
             for s in SIDES:
                 needed(entries, f"{group}-{s}x{n}")
-    table = wrapped(f"""
-        Products with F to a relative tolerance of 1e-4, two ranks, with default settings
-        (Dirichlet preconditioner, PDAS) and without preconditioner (SMALBE); beside them the
-        conjugate gradient iterations the paper reports and all Hessian applications of PERMON 3.18
-        with tuned options. The stopping rules differ (ours is `scaled`, see
-        [theory](docs/theory.md)); under PERMON's rule, `Solver/Stopping rule` = `permon`,
-        {permon_rule(entries)}. `tests/verification` asserts that no cell needs more than the
-        paper's (0.6 of it for H/h = 128), and without preconditioner none more than PERMON's under
-        its rule.""")
-    return "\n\n".join([largest(entries), table, products_table(entries, permon_rule=False)])
+    in_short(entries)
+    largest, unshared, large, solid = (
+        needed(entries, name) for name in ("paper-shared", "paper-unshared", "large", "half-ball")
+    )
+    return "\n".join([
+        f"**Cost** on {document['machine']['cores']} cores, to a relative tolerance of 1e-4"
+        " ([all figures](docs/headline.md), with machine and commands):",
+        "",
+        bullet(f"""two membranes with {largest['unknowns'] / 1e6:.1f} million unknowns: {cost(largest)}. Equal
+            subdomains share a factorisation; without sharing, {cost(unshared)}. PERMON 3.18 on such a machine:
+            {PERMON_LARGEST_SECONDS} s and {PERMON_LARGEST_GB} GB."""),
+        bullet(f"the same with {large['unknowns'] / 1e6:.0f} million unknowns, shared: {cost(large)}."),
+        bullet(f"""half a ball of tetrahedra on a plane, {solid['unknowns']} unknowns, all
+            {solid['subdomains']} subdomains different: {cost(solid)}."""),
+    ])
 
 
 def with_block(readme, document):
-    """The README with its figures anew."""
+    """The README with the figures of a document."""
     before, rest = readme.split(BEGIN)
     after = rest.split(END)[1]
     return f"{before}{BEGIN}\n\n{readme_block(document)}\n\n{END}{after}"
@@ -190,11 +199,11 @@ def command(entry, ranks):
 
 def memory(entry):
     used, limit = entry["peak_memory_mib"]["median"], entry["memory_limit_mib"]
-    return f"{gib(entry)} ({used} MiB" + (f", to be below {limit})" if limit else ")")
+    return f"{gib(entry)} ({used} MiB" + (f", limit {limit})" if limit else ")")
 
 
 def row(entry):
-    first = f"| `{entry['name']}`: {entry['title']} "
+    first = f"| `{entry['name']}` "
     if entry["problem"]:
         return f"{first}| {entry['problem']} | | | | | |"
     least, most = (two_digits(entry["seconds_total"][key]) for key in ("least", "most"))
@@ -207,25 +216,55 @@ def row(entry):
 
 
 INTRODUCTION = """
-What the [README](../README.md#what-works) claims, as it was measured: written by
-`tests/performance/headline.py` from [headline.json](headline.json), and so are the figures of the
-README; a test compares all three."""
+The chief figures of Harmos: seconds, memory, and applications of the dual operator F, which are the unit of cost of
+a FETI method. `tests/performance/headline.py` measures them, writes [headline.json](headline.json), and renders this
+page and the sentence in the [README](../README.md#what-works) from it. A test compares the three. "The paper" is
+Dostál, Horák, Vlach: *Toward scalable FETI algorithm for variational inequalities with applications to composites*."""
 
 MEASURED = """
 Measured on {date} with `{harmos}`, {compiler}, {ranks} ranks{quick}. Machine: {processor}, {cores}
-cores, {gib} of memory, a load of {load} when the measurement began. Seconds and memory are
-{statistic}, memory is the sum of the ranks' peaks. Tolerance 1e-4, Hertz' problems 1e-6; without
-result files, but for the case that says so."""
+cores, {gib} of memory, a load of {load} at the beginning. Seconds and memory are
+{statistic}; memory is the sum of the ranks' peaks. The tolerance is 1e-4, for Hertz' problems 1e-6. Result files are
+not written, except where a case says so."""
+
+CHANGED = """
+The measurement is older than this version. By the logs beside the decks, these cases now take another number of
+applications of F: {changes}."""
 
 PRODUCTS = """
-PERMON's are all Hessian applications of PERMON 3.18 with tuned options on two ranks, the paper's
-are conjugate gradient iterations (Dostál, Horák, Vlach). Stopping rules: ours is `scaled`; that of
-PERMON is `permon` ([theory](theory.md))."""
+Each membrane has S × S subdomains (S = 1/H) of N × N elements (N = H/h). The table counts all applications of F from
+the first iterate to the stop, to a relative tolerance of 1e-4. The default settings are the Dirichlet preconditioner
+and the solver PDAS; without preconditioner the solver is SMALBE. The rows of PERMON 3.18 count all its Hessian
+applications, with tuned options on two ranks; those of the paper count its conjugate gradient iterations. The
+stopping rules differ: Harmos uses the rule `scaled`, PERMON the rule `permon` ([theory](theory.md)).
+
+`tests/verification` asserts two bounds. Default settings need at most as many applications as the paper needs
+iterations, and at most 0.6 times as many for H/h = 128. Without preconditioner and with PERMON's rule, Harmos needs at
+most as many applications as PERMON."""
+
+COLUMNS = """
+Factorisations are those that were made, of the number of subdomains; F stands for applications of F. Seconds are
+those of the whole run, with least and most in brackets, then those of the solver alone."""
 
 PEERS = f"""
-The largest problem of the paper takes PERMON 3.18 with CHOLMOD, on a machine of two cores,
-{PERMON_LARGEST_PRODUCTS} products, {PERMON_LARGEST_SECONDS} s and {PERMON_LARGEST_GB} GB; it took
-the paper {PAPER_LARGEST_SECONDS} s on 64 processors of its time."""
+PERMON 3.18 with CHOLMOD takes {PERMON_LARGEST_PRODUCTS} applications, {PERMON_LARGEST_SECONDS} s and
+{PERMON_LARGEST_GB} GB for the largest problem of the paper, on a machine of two cores. The paper took
+{PAPER_LARGEST_SECONDS} s on 64 processors of its time."""
+
+COUNTED = re.compile(r"(\d+) (?:products with|applications of) F\b")
+
+
+def changed_counts(document):
+    """Cases that run a deck as it is, but whose log has another number of applications; in words."""
+    parts = []
+    for entry in document["runs"]:
+        log = (runs.SOURCE / entry["deck"]).with_suffix(".log")
+        if entry["problem"] or set(entry["set"]) - {"Output/Fields"} or not log.exists():
+            continue
+        found = COUNTED.search(log.read_text(encoding="utf-8"))
+        if found and int(found.group(1)) != entry["products"]:
+            parts.append(f"`{entry['name']}` {found.group(1)} (measured: {entry['products']})")
+    return "; ".join(parts)
 
 
 def head(document):
@@ -238,16 +277,18 @@ def head(document):
         "gib": f"{size / 1024:.0f} GiB" if size else "unknown size",
         "statistic": f"medians of {count} runs" if count > 1 else "those of one run",
     })
-    return "\n\n".join(["# Headline figures", wrapped(INTRODUCTION), wrapped(measured), ""])
+    changes = changed_counts(document)
+    later = [wrapped(CHANGED.format(changes=changes))] if changes else []
+    return "\n\n".join(["# Headline figures", wrapped(INTRODUCTION), wrapped(measured), *later])
 
 
 def theory_table(entries):
-    """Hertz' quantities beside theory."""
+    """Relative differences from Hertz' theory."""
     found = [e for e in entries.values() if not e["problem"] and e["from_theory"]]
     if not found:
         return ""
     names = list(found[0]["from_theory"])
-    text = ["## Distance from Hertz' theory", ""]
+    text = ["## Difference from Hertz' theory", ""]
     text.append("| | " + " | ".join(name.replace("_", " ") for name in names) + " |")
     text.append("|---" * (1 + len(names)) + "|")
     for entry in found:
@@ -257,12 +298,12 @@ def theory_table(entries):
 
 
 def commands(document):
-    """One for each case, and for the cells of the table one for each row."""
+    """One for each case; for the cells of the table, one for each row."""
     lines, groups = [], set()
     for entry in document["runs"]:
         group = entry["group"]
         if group is None or group not in groups:
-            others = "" if group is None else f", and so the other {group} ones"
+            others = "" if group is None else f"; the other {group} cells likewise"
             lines += [f"# {entry['name']}{others}", command(entry, document["ranks"])]
         groups.add(group)
     return "\n".join(lines)
@@ -273,20 +314,24 @@ def page(document):
     entries = by_name(document)
     cells = [entry for entry in document["runs"] if entry["group"]]
     others = [entry for entry in document["runs"] if not entry["group"]]
-    text = [head(document)]
+    text = [head(document), ""]
+    try:
+        text += ["## In short", "", in_short(entries), ""]
+    except Incomplete:
+        pass  # some cases alone, or skipped ones
     if cells:
-        text += ["## Products of the model problem", "", wrapped(PRODUCTS), ""]
-        text += [products_table(entries, permon_rule=True), ""]
+        text += ["## The model problem", "", wrapped(PRODUCTS), "", products_table(entries), ""]
         text += [f"* `{e['name']}`: {e['problem']}" for e in cells if e["problem"]]
     if others:
         text.append("## Large and hard problems\n")
+        text += [f"* `{entry['name']}`: {entry['title']}" for entry in others]
+        text += ["", wrapped(COLUMNS), ""]
         text.append(
-            "| | Unknowns / multipliers | Inequalities | Factorisations of subdomains | Products "
-            "| Seconds in all (least, most); solving | Memory, GiB |"
+            "| | Unknowns / multipliers | Inequalities | Factorisations | F | Seconds; solver | Memory, GiB |"
         )
         text.append("|---" * 7 + "|")
         text += [*map(row, others), "", wrapped(PEERS), "", theory_table(entries)]
     text.append("## Commands\n")
-    text.append("All of it: `/usr/bin/python3 tests/performance/headline.py`; case by case:\n")
+    text.append("`/usr/bin/python3 tests/performance/headline.py` measures all cases. One case at a time:\n")
     text.append(f"```sh\n{commands(document)}\n```")
     return "\n".join(text) + "\n"

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """docs/real_bodies.md as a function of docs/real_bodies.json alone.
 
-tests/regression/test_documents.py makes it anew and compares. Tables have what was measured: without runs in
-contact there is none of contact.
+tests/regression/test_documents.py renders it anew and compares. A table without measured runs is left out.
 """
 
 import json
@@ -10,37 +9,46 @@ import textwrap
 
 import real_bodies
 
-LINE = 125
+LINE = 118
 PROBLEMS = ("linear", "contact")
 PARTITIONS = ("compact", "METIS")
-# What tells a run from the others.
+# These fields identify a run.
 KEY = ("scene", "problem", "partition", "seed", "parts")
 
 INTRODUCTION = """
-Products with F, the unit of cost, on meshes without structure, over the number of subdomains. A method that scales takes
-no more of them where there are more subdomains, and in contact little more than in the linear problem. Measured by
-`tests/performance/real_bodies_table.py`, which writes this page from [real_bodies.json](real_bodies.json); a test
-compares. {versions}, {ranks} ranks, tolerance {tolerance:g}, the Dirichlet preconditioner, and default settings but for
-the cut: `compact` is the default,
-`METIS` what METIS alone makes (`Bodies/<body>/Partition`, [parameters](parameters/harmos.md))."""
+How many applications of the dual operator F a solution takes on unstructured meshes, over the number of subdomains.
+An application is one solve in every subdomain, the unit of cost. For a scalable method the count stays bounded as the
+number of subdomains grows, and contact takes only a few more applications than the linear problem.
+
+`tests/performance/real_bodies_table.py` measures the counts and renders this page from
+[real_bodies.json](real_bodies.json); a test compares. Versions: {versions}, {ranks} ranks. The tolerance is
+{tolerance:g}, the preconditioner Dirichlet; other settings are the default except the partition of the mesh
+(`Bodies/<body>/Partition`, [parameters](parameters/harmos.md)). `compact` is the default; `METIS` is the partition
+by METIS alone."""
 
 SCENES = """
-In the linear problem bodies hang by their weight, without contact; in contact the upper one is pressed down by 3 per cent
-of its radius. The more parts, the more unknowns: those between subdomains count in each."""
+In the linear problem, the bodies hang from their supports under their weight, without contact. In the contact problem, the upper body
+is pressed down by 3 % of its radius. The number of unknowns grows with the number of parts, because each subdomain
+has its own copy of the unknowns on its boundary."""
+
+LINEAR = """
+Applications of F. The last column is the largest count over the count for the fewest parts."""
 
 CONTACT = """
-Products of all active sets together. In the last column, how many sets it took at most."""
+Applications of F for all active sets together. The last column is the largest number of active sets."""
 
 RATIO = """
-Products in contact over those of the linear problem, with the same cut."""
+Applications in contact over those of the linear problem, with the same partition."""
 
 SEEDS = """
-Least and most products of cuts by several seeds of METIS (`Partition seed`), and their ratio."""
+Least and most applications over partitions with several seeds of METIS (`Partition seed`), and their ratio."""
 
 
 def wrapped(text):
-    return textwrap.fill(
-        " ".join(text.split()), LINE, break_long_words=False, break_on_hyphens=False
+    """Paragraphs, filled."""
+    return "\n\n".join(
+        textwrap.fill(" ".join(paragraph.split()), LINE, break_long_words=False, break_on_hyphens=False)
+        for paragraph in text.strip().split("\n\n")
     )
 
 
@@ -49,7 +57,7 @@ def key_of(item):
 
 
 def order_of(item):
-    """Scenes, problems and ways to cut in the order of this page, not of the measurement."""
+    """Scenes, problems and partitions in the order of this page, not of the measurement."""
     return (
         list(real_bodies.BODIES).index(item["scene"]),
         PROBLEMS.index(item["problem"]),
@@ -60,9 +68,9 @@ def order_of(item):
 
 
 def merged(documents):
-    """One document of the runs of all; later ones stand in the place of the same runs of earlier ones.
+    """One document with the runs of all; a later run replaces an earlier one of the same case.
 
-    @throws ValueError for runs on other numbers of ranks or to another tolerance.
+    @throws ValueError for runs on different numbers of ranks or with different tolerances.
     """
     found = {}
     for document in documents:
@@ -85,7 +93,7 @@ def merged(documents):
 
 
 def as_json(document):
-    """A line a run: what a new measurement changed shows in a diff."""
+    """One run per line, so that a diff shows which runs a new measurement changed."""
     head = {name: value for name, value in document.items() if name != "runs"}
     fields = [f" {json.dumps(name)}: {json.dumps(value)}" for name, value in head.items()]
     lines = ",\n".join(f"  {json.dumps(item)}" for item in document["runs"])
@@ -93,7 +101,7 @@ def as_json(document):
 
 
 class Figures:
-    """What was measured, by what tells runs from each other."""
+    """The measured runs, by the fields that identify them."""
 
     def __init__(self, document):
         self.document = document
@@ -106,7 +114,7 @@ class Figures:
         return self.items.get((scene, problem, partition, self.first_seed, parts), {})
 
     def products(self, *place):
-        """None where there was no such run; "failed"."""
+        """None if there is no such run, "failed" if it failed."""
         item = self.item(*place)
         return item.get("products", "failed") if item else None
 
@@ -114,7 +122,7 @@ class Figures:
         return [self.products(scene, problem, partition, n) for n in self.parts]
 
     def of_seeds(self, scene, problem, partition, parts):
-        """Of all seeds of a cut."""
+        """The counts of all seeds of a partition."""
         return [
             item.get("products", "failed")
             for k, item in self.items.items()
@@ -153,11 +161,11 @@ def scenes_table(figures):
             span(unknowns) if unknowns else "—",
             span(candidates) if candidates else "—",
         ])
-    return table(["Scene", "What", "Unknowns", "Inequalities in contact"], rows)
+    return table(["Scene", "Bodies", "Unknowns", "Inequalities in contact"], rows)
 
 
 def products_table(figures, problem):
-    """Rows of the two cuts below each other; nothing where nothing was measured."""
+    """The rows of both partitions of a scene; "" if nothing was measured."""
     rows = []
     for scene in figures.scenes:
         for partition in PARTITIONS:
@@ -172,7 +180,7 @@ def products_table(figures, problem):
                 sets = [figures.item(scene, problem, partition, n).get("active_sets", 0) for n in figures.parts]
                 cells.append(str(max(sets)))
             rows.append(cells)
-    header = ["Scene", "Cut", *(f"{n} parts" if n == figures.parts[0] else str(n) for n in figures.parts)]
+    header = ["Scene", "Partition", *(f"{n} parts" if n == figures.parts[0] else str(n) for n in figures.parts)]
     header.append(f"most / at {figures.parts[0]}")
     if problem == "contact":
         header.append("active sets")
@@ -189,7 +197,7 @@ def ratio_table(figures):
             ]
             if any(cell != "—" for cell in cells):
                 rows.append([f"`{scene}`", partition, *cells])
-    header = ["Scene", "Cut", *(f"{n} parts" if n == figures.parts[0] else str(n) for n in figures.parts)]
+    header = ["Scene", "Partition", *(f"{n} parts" if n == figures.parts[0] else str(n) for n in figures.parts)]
     return table(header, rows) if rows else ""
 
 
@@ -210,7 +218,7 @@ def seeds_table(figures):
                     rows.append((f"`{scene}`", problem, partition, cells))
                     columns |= set(cells)
     columns = sorted(columns)
-    header = ["Scene", "Problem", "Cut", *(f"{n} parts" if n == columns[0] else str(n) for n in columns)]
+    header = ["Scene", "Problem", "Partition", *(f"{n} parts" if n == columns[0] else str(n) for n in columns)]
     return (
         table(header, [[*row, *(cells.get(n, "—") for n in columns)] for *row, cells in rows])
         if rows
@@ -227,13 +235,13 @@ def page(document):
         ranks=document["ranks"],
         tolerance=document["runs"][0]["tolerance"],
     )
-    text = ["# Products on real bodies", wrapped(introduction), "## Scenes", wrapped(SCENES), scenes_table(figures)]
+    text = ["# Applications of F on real bodies", wrapped(introduction), "## Scenes", wrapped(SCENES), scenes_table(figures)]
     for title, words, content in (
-        ("Linear problems", "", products_table(figures, "linear")),
+        ("Linear problems", LINEAR, products_table(figures, "linear")),
         ("Contact", CONTACT, products_table(figures, "contact")),
-        ("Contact beside the linear problem", RATIO, ratio_table(figures)),
+        ("Contact over the linear problem", RATIO, ratio_table(figures)),
         ("Seeds", SEEDS, seeds_table(figures)),
     ):
         if content:
-            text += [f"## {title}", *([wrapped(words)] if words else []), content]
+            text += [f"## {title}", wrapped(words), content]
     return "\n\n".join(text) + "\n"

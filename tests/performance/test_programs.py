@@ -190,22 +190,22 @@ class Programs(unittest.TestCase):
                 headline_page.readme_block({**document, "runs": rest})
 
     def test_headline_shows_what_it_skips(self):
-        """Too little memory: the case is not run, JSON and page say why, the README is refused."""
+        """Too little memory: the case is not run, JSON and page say why, no README is written."""
         case = headline.CASES["paper-unshared"]
         given = argparse.Namespace(quick=False, runs=1, np=2)
         with unittest.mock.patch.object(headline, "memory_mib", lambda field: 100):
             entry = headline.measure(case, given)
-        self.assertEqual(entry["problem"], "skipped: wants 9216 MiB of free memory, there are 100")
+        self.assertEqual(entry["problem"], "skipped: needs 9216 MiB of free memory, 100 MiB are free")
         self.assertIn(entry["problem"], headline_page.row(entry))
-        self.assertTrue(headline.keeps_its_promise(entry))
+        self.assertTrue(headline.is_within_limits(entry))
         with self.assertRaisesRegex(headline_page.Incomplete, "paper-unshared was skipped"):
             headline_page.needed({case.name: entry}, case.name)
 
-    def test_headline_keeps_promises_of_memory(self):
+    def test_headline_checks_memory_limits(self):
         entry = {"problem": None, "converged": True, "memory_limit_mib": 8192}
         for most, kept in ((8191, True), (8192, False)):
             entry["peak_memory_mib"] = {"least": 8000, "median": 8100, "most": most}
-            self.assertEqual(headline.keeps_its_promise(entry), kept)
+            self.assertEqual(headline.is_within_limits(entry), kept)
 
     def test_headline_names_the_nearest_case(self):
         script = [sys.executable, HERE / "headline.py"]

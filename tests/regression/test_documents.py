@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The documentation says what is true.
+"""The documentation is true.
 
-Guards against parameter pages that were not generated anew, links that lead nowhere, commands and decks of
-the README and the guide that no longer work, examples that differ from what their page shows, and figures
-of the README that nobody measured.
+Guards against stale parameter pages, dead links, commands and decks of the README and the guides that no
+longer work, examples that differ from their page, figures that nobody measured, and constants that differ
+from the code.
 """
 
 import json
@@ -29,6 +29,12 @@ import unstructured_page  # noqa: E402
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
+def pages():
+    """All pages but the changelog."""
+    places = ("docs/**/*.md", "packages/*/README.md", "tests/**/README.md")
+    return [ROOT / "README.md", *(page for place in places for page in sorted(ROOT.glob(place)))]
+
+
 def anchors(page):
     """The headings of a page, as links call them."""
     text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.S)
@@ -50,7 +56,7 @@ class Documents(unittest.TestCase):
 
     def test_links_lead_somewhere(self):
         """To files that exist, and with an anchor to a heading as GitHub names it."""
-        for page in [ROOT / "README.md", *ROOT.glob("docs/**/*.md"), *ROOT.glob("packages/*/README.md")]:
+        for page in pages():
             text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.S)
             for link in re.findall(r"\]\(([^)]+)\)", text):
                 target, _, anchor = link.partition("#")
@@ -181,7 +187,7 @@ class Documents(unittest.TestCase):
         """A block of code below a paragraph that ends in "`path`:" stands in that file, word for word."""
         quoted = re.compile(r"`([\w/.]+)`:\n\n```\w+\n(.*?)```", re.S)
         found = []
-        for page in ROOT.glob("docs/**/*.md"):
+        for page in pages():
             for path, code in quoted.findall(page.read_text(encoding="utf-8")):
                 with self.subTest(page=page.name, path=path):
                     self.assertIn(code, (ROOT / path).read_text(encoding="utf-8"))
@@ -235,7 +241,7 @@ class Documents(unittest.TestCase):
             self.assertLessEqual(down[name], linked, name)
 
     def test_headline_figures_are_those_of_the_measurement(self):
-        """docs/headline.json → docs/headline.md and the README's block, word for word."""
+        """docs/headline.json → docs/headline.md and the README's sentence, word for word."""
         text = (ROOT / "docs/headline.json").read_text(encoding="utf-8")
         document = json.loads(text)
         remedy = "write it by tests/performance/headline.py --render"
@@ -245,10 +251,10 @@ class Documents(unittest.TestCase):
         self.assertEqual(headline_page.page(document), page, f"docs/headline.md: {remedy}")
         readme = (ROOT / "README.md").read_text(encoding="utf-8")
         self.assertEqual(headline_page.with_block(readme, document), readme, f"README.md: {remedy}")
-        # The same digits in both.
+        # The page has the same digits.
         block = headline_page.readme_block(document)
         shown = set(re.findall(r"\d[\d.]*", page))
-        for figure, unit in re.findall(r"(\d[\d.]*) (s\b|GiB|GB|products)", block):
+        for figure, unit in re.findall(r"(\d[\d.]*) (s\b|GiB|GB)", block):
             self.assertIn(figure, shown, f"{figure} {unit} of the README")
 
     def test_seconds_beside_multigrid_are_those_of_the_measurement(self):
@@ -312,11 +318,45 @@ class Documents(unittest.TestCase):
             self.assertRegex(declared, rf"(\b|_){source.stem[5:]}\b")
 
     def test_decks_that_are_named_exist(self):
-        for page in ("README.md", "docs/scenes.md", "docs/signorini.md", "docs/debonding.md", "docs/accuracy.md",
-                     "docs/shape.md"):
+        for page in ("docs/README.md", "docs/scenes.md", "docs/signorini.md", "docs/debonding.md",
+                     "docs/accuracy.md", "docs/shape.md"):
             text = (ROOT / page).read_text(encoding="utf-8")
             for deck in re.findall(r"`(apps/[^`]*\.xml)`", text):
                 self.assertTrue(list(ROOT.glob(deck)), deck)
+
+    def test_readme_shows_the_result_of_its_deck(self):
+        """The lines of summary.json that the README prints; numbers to six digits."""
+        text = (ROOT / "README.md").read_text(encoding="utf-8")
+        deck = re.search(r"build/bin/harmos (docs/examples/\w+\.yaml) --output run\n", text).group(1)
+        printed = re.compile(r"```sh\ngrep -E '([^']*)' run/summary\.json\n```\n\nprints:\n\n```\n(.*?)```", re.S)
+        pattern, shown = printed.search(text).groups()
+        directory = runs.scratch()
+        done = runs.start([ROOT / deck, "--output", directory], program="harmos")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        summary = (directory / "summary.json").read_text(encoding="utf-8").splitlines()
+        found = [line for line in summary if re.search(pattern, line)]
+        self.assertEqual(len(found), len(shown.splitlines()), found)
+        for line, wanted in zip(found, shown.splitlines()):
+            (name, value), (key, expected) = (part.strip(" ,").split(": ") for part in (line, wanted))
+            self.assertEqual(name, key)
+            if value != expected:
+                self.assertAlmostEqual(float(value) / float(expected), 1.0, 6, line)
+
+    def test_constants_are_those_of_the_code(self):
+        """A number before the comment `<!-- NAME in FILE -->`: that of the first `NAME = number` in the file."""
+        marked = re.compile(r"(\d[\d.e+-]*)<!-- (\w+)\s+in\s+([\w/.]+)\s+-->")
+        found = 0
+        for page in pages():
+            text = page.read_text(encoding="utf-8")
+            self.assertEqual(len(marked.findall(text)), len(re.findall(r"<!-- \w+\s+in\s", text)), page)
+            for number, name, file in marked.findall(text):
+                with self.subTest(page=page.name, name=name):
+                    code = (ROOT / file).read_text(encoding="utf-8")
+                    constant = re.search(rf"\b{name} = (\d[\d.e+-]*)", code)
+                    self.assertIsNotNone(constant, f"{file} has no constant {name}")
+                    self.assertEqual(float(number), float(constant.group(1)), file)
+                    found += 1
+        self.assertGreater(found, 2)
 
     def test_every_deck_of_harmos_has_its_place_and_picture_in_the_guide(self):
         text = (ROOT / "docs/scenes.md").read_text(encoding="utf-8")

@@ -168,7 +168,7 @@ RankMemory memoryOf(const RankLoad& load, const PlanSurvey& survey, const run::R
   memory.joins = feti::joinCosts(clusters.shape).bytesHeld;
   memory.directions = 16.0 * directions * load.ownedRows;
 
-  // While the largest S is inverted: MUMPS' triplets and front, S and S⁺.
+  // While the largest S is inverted: S and S⁺, whole, and the stiffness matrix.
   const double b = form == DualForm::Condensed ? load.largestBoundary : 0.0;
   const double whileFactoring = 2.0 * 8.0 * b * b + load.largestStiffness;
   // Pairs of columns, in the order of rows and sorted; the factor that rows of the inverse are made with.
@@ -319,7 +319,7 @@ PlanRow planRow(const PlanSurvey& survey, const run::RunOptions& options, bool e
       directionsFor(options, static_cast<int>(std::ceil(clusters.growth * products.most)));
   for (std::size_t rank = 0; rank < loads.size(); ++rank) {
     RankMemory memory = memoryOf(loads[rank], survey, options, way, elastic, directions, clusters);
-    // MUMPS, BLAS, HDF5 and MPI touch more of themselves than a plan does: 7 to 12 MiB on small runs.
+    // A run touches more of its libraries (BLAS, HDF5, MPI) than a plan does: 7 to 12 MiB on small runs.
     constexpr double libraries = 10.0 * 1048576.0;
     memory.program = programBytes + libraries + (rank == 0 ? sceneBytes : 0.0);
     row.totalMemory += memory.sum();

@@ -16,7 +16,7 @@ struct RankMemory {
   double program = 0.0;    ///< libraries, MPI; and what the scene was made from, on rank 0
   double mesh = 0.0;       ///< meshes, stiffness matrices, loads, constraints
   double factors = 0.0;    ///< sparse
-  double dense = 0.0;      ///< S⁺, S and MUMPS' copy of S
+  double dense = 0.0;      ///< S⁺, and S with the Dirichlet preconditioner
   double joins = 0.0;      ///< what joins subdomains to clusters
   double coarse = 0.0;     ///< of the coarse problem, replicated or distributed
   double directions = 0.0; ///< of conjugate gradients, that are stored

@@ -175,7 +175,8 @@ std::vector<std::vector<int>> gatherLists(const Teuchos::Comm<int>& comm,
   return result;
 }
 
-// By MUMPS' analysis of one member of each matrix, where there are not too many, by a rank that has it.
+// A rank that owns a member of a matrix analyses it (feti::analyseFactorization()). If there are too many
+// matrices, some are analysed and the others scaled.
 std::vector<feti::FactorizationEstimate> analyses(const Teuchos::Comm<int>& comm, const PlanSurvey& survey,
                                                   const feti::SubdomainSystem& system) {
   constexpr std::size_t mostAnalyses = 64;

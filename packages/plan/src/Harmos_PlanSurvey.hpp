@@ -36,8 +36,9 @@ struct PlanSurvey {
   std::vector<SurveyedSubdomain> subdomains; ///< by number
   std::vector<std::vector<int>> boundaries;  ///< by number: dofs that B touches, and what holds the kernel
   std::vector<double> meshBytes, stiffnessBytes, matrixBytes; ///< of the distinct objects, by their numbers
-  /// Of the distinct matrices with the union of their boundaries, by MUMPS' analysis; of more than 64 some
-  /// are analysed, and the others scaled by n.
+  /// Of the distinct matrices with the union of their boundaries, by the symbolic analysis of Harmos' own
+  /// multifrontal factorisation (feti::FrontTree), whatever solver the deck asks for. Of more than 64
+  /// matrices, 64 are analysed; the others are scaled by n.
   std::vector<feti::FactorizationEstimate> matrices;
   int dimension = 2; ///< of space
 

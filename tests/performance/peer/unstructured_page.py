@@ -10,64 +10,82 @@ import real_bodies  # noqa: E402
 from real_bodies_page import as_json, table, wrapped  # noqa: E402, F401
 
 INTRODUCTION = """
-Contact of bodies of tetrahedra without structure, by Harmos and by a peer that decomposes nothing: conjugate gradients
-with algebraic multigrid (CG and GAMG of PETSc {petsc}) for the displacements in each of the primal-dual active sets, on
-the matrix of the whole bodies. Measured in one go and in turns by `tests/performance/unstructured.py`, which writes
-this page from [unstructured.json](unstructured.json). {harmos}; {ranks} ranks each, {processor} with {cores} cores,
-medians of {repetitions}."""
+This page compares Harmos with a peer without domain decomposition, for contact of bodies with unstructured meshes of
+tetrahedra. The peer is a primal-dual active set method for the displacements. It solves each active set by conjugate
+gradients with algebraic multigrid (CG and GAMG of PETSc {petsc}) on the matrix of the whole bodies.
+
+`tests/performance/unstructured.py` measures both in turns and renders this page from
+[unstructured.json](unstructured.json). Version {harmos}; {ranks} ranks each, {processor} with {cores} cores, medians
+of {repetitions} runs."""
 
 SCENES = """
-Bodies are pressed by {press:g} of their radius: {titles}. E is 1, ν 0.3. Unknowns are those of the undecomposed mesh; a
-decomposition has more of them."""
+The bodies are pressed by {press:g} of their radius: {titles}. E is 1 and ν is 0.3. Unknowns are those of the whole
+mesh; a decomposition has more."""
 
 HARMOS = """
-**Harmos** is the program `harmos` to a tolerance of {tolerance:g}, with default settings but for the number of
-subdomains{settings}. Its seconds are those of all of a run but reading, meshing, cutting and decomposition: they
-have assembly, the search for contact, the choice of the first active set, factorisations, the solution, the recovery
-of displacements and the audit of the answer on the primal side, which can send the solver back for more."""
+**Harmos** is the program `harmos` with a tolerance of {tolerance:g} and default settings, except for the number of
+subdomains{settings}. Its time is that of a whole run without reading, meshing, cutting and decomposition. It includes
+assembly, the search for contact, the choice of the first active set, factorisations, the solver, the recovery of
+displacements, and the audit of the result on the primal side, which can make the solver continue."""
 
 PEER = """
-**The peer** has its seconds from the moment on at which its matrix is assembled and its candidates for contact are
-known: there is no decomposition, no assembly, no search and no audit in them. Contact is eliminated row by row; at
-first what a rigid body would penetrate is closed. `plain` makes a new hierarchy with GAMG's defaults in each set, and
-solves it from zero to {rtol:g} of the right-hand side. `reused` keeps the interpolation of the first hierarchy, begins
-each set from the last one's displacements, and solves only the last set to {rtol:g}, those before it to a tenth of
-their first residual. `best` is the fastest that was found on small meshes: as `reused`, but it keeps the whole
-hierarchy of the first set, whose aggregates are not smoothed, with W cycles of symmetric SOR."""
+**The peer** has an advantage: its time starts when its matrix is assembled and its contact candidates are known. There
+is no decomposition, no assembly, no search and no audit in it. Contact constraints are eliminated row by row. The
+first active set consists of the points where rigid bodies would penetrate. Three variants were measured.
+
+`plain` makes a new hierarchy with GAMG's defaults for each active set, and solves from zero to {rtol:g} of the
+right-hand side.
+
+`reused` keeps the interpolation of the first hierarchy and starts each set from the displacements of the previous
+one. It solves the last set to {rtol:g}, and each earlier set to a tenth of its initial residual.
+
+`best` is the fastest variant that was found on small meshes: like `reused`, but it keeps the whole hierarchy of the
+first set, with unsmoothed aggregation and W cycles of symmetric SOR."""
 
 WAYS = ("plain", "reused", "best")
 
 MORTAR = """
-Between two bodies the discretisations differ: contact of Harmos is dual mortar, that of the peer node-to-facet, both
-along the normals of the ball. Energies differ by that, less on finer meshes, and not by the solvers alone."""
+Between two bodies the discretisations differ: Harmos uses dual mortar contact, the peer node-to-facet contact, both
+along the normals of the ball. The energies differ for this reason too; the difference decreases on finer meshes."""
 
 LIMITS = """
-What is not compared here: assembly, which the peer's columns leave out and Harmos' have; meshes of congruent parts,
-where Harmos shares factorisations; many ranks; materials, ties, and rows that an elimination cannot take. The peer is
-a program for these scenes alone, assembled in numpy, whose memory includes Python and that assembly (in brackets: its
-peak after the assembly, with the matrix)."""
+**Not compared**: assembly, which only the times of Harmos include; meshes with congruent parts, for which Harmos
+shares factorisations; many ranks; several materials, ties, and constraints that an elimination cannot take. The peer
+is a program for these scenes only. It assembles in numpy, and its memory includes Python and the assembly; the number
+in brackets is its peak after assembly, with the matrix."""
 
 TIMES = """
-Seconds, medians, and in brackets how many times as long as Harmos the peer takes: below 1 the peer is faster."""
+Seconds (medians). In brackets: the time of the peer over that of Harmos. Below 1, the peer is faster.{ranges}"""
 
 COUNTS = """
-What it took: products with F and active sets of Harmos, iterations of CG in all sets of the peer. Energies are relative
-to those of Harmos, the largest difference of its ways."""
+Applications of F and active sets of Harmos; CG iterations of the peer over all its active sets. The last column is
+the largest difference of an energy of the peer, relative to that of Harmos."""
 
 MEMORY = """
-Peak memory of all ranks together, MiB."""
+Peak memory of all ranks together, in MiB."""
 
 STAGES = """
-Where the time goes, seconds."""
+Seconds of each stage, and of the stages that the table of times leaves out."""
 
 
 def number(value):
-    """Three digits, thousands apart."""
+    """Three significant digits; a space between thousands."""
     return f"{value:.3g}" if value < 1000 else f"{value:,.0f}".replace(",", " ")
 
 
 def seconds(entry, who):
     return entry[who]["seconds"]["median"]
+
+
+def ranges(entries):
+    """The least and largest quotients of each way, in a sentence."""
+    if not entries:
+        return ""
+    parts = []
+    for way in WAYS:
+        found = [seconds(entry, way) / seconds(entry, "harmos") for entry in entries]
+        parts.append(f"`{way}` {min(found):.2f} to {max(found):.2f}")
+    return f" The quotients are: {', '.join(parts)}."
 
 
 def times(entries):
@@ -101,8 +119,8 @@ def counts(entries):
         ]
         for entry in entries
     ]
-    header = ["Case", "Candidates of Harmos, of the peer", "Closed in the end", "Products (sets)"]
-    return table([*header, *(f"{way}: iterations (sets)" for way in WAYS), "Energies"], rows)
+    header = ["Case", "Candidates: Harmos, peer", "Closed: Harmos, peer", "F (sets)"]
+    return table([*header, *(f"{way}: iterations (sets)" for way in WAYS), "Energy"], rows)
 
 
 def memory(entries):
@@ -134,11 +152,11 @@ def stages(entries):
                 f"search {number(entry[who]['search_seconds'])}"
             )
             rows.append([f"`{entry['name']}`", title, parts, outside])
-    return table(["Case", "Who", "Stages", "Not counted"], rows)
+    return table(["Case", "Program", "Stages", "Left out"], rows)
 
 
 def introduction(document, entries):
-    """What stands before the tables."""
+    """The text before the tables."""
     machine = document["machine"]
     head = {
         "petsc": entries[0]["best"]["petsc"] if entries else "",
@@ -169,7 +187,7 @@ def page(document):
     text = ["# Unstructured meshes beside algebraic multigrid", *introduction(document, entries)]
     failed = [f"`{entry['name']}`: {entry['problem']}." for entry in document["runs"] if entry["problem"]]
     for title, words, content in (
-        ("Time", TIMES, times(entries)),
+        ("Time", TIMES.format(ranges=ranges(entries)), times(entries)),
         ("Work", COUNTS, counts(entries)),
         ("Memory", MEMORY, memory(entries)),
         ("Stages", STAGES, stages(entries)),

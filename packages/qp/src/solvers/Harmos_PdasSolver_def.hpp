@@ -26,7 +26,7 @@ ParameterSpec PdasSolver<Scalar, MV, OP>::methodSpec() {
       {{"auto", "nearest where the initial guess is at all bounds, as in contact without a load on a body as "
                 "a whole; else gradient. A scene with a body from a mesh file takes tried"},
        {"tried", "as auto; but where that is gradient nearest is tried first, at a product, and kept if the "
-                 "residual there is below a tenth of the load's"},
+                 "residual there is small beside the load"},
        {"nearest", "that of the feasible point next to the right-hand side, scaled"},
        {"gradient", "entries that the gradient pushes against their bounds"}},
       "Where a solution without an initial guess begins.");
