@@ -206,7 +206,7 @@ def pages_table(document):
             physics = row["physics"] + (", a cluster a rank" if row.get("clusters", 0) > 0 else "")
             cases.setdefault((physics, row["ranks"], row["coarse_dimension"]), []).append(row)
     titles = ("messages", "kB in them", "all-reduces", "all-gathers", "kB by both")
-    lines = ["| | ranks, motions | " + " | ".join(titles) + " | MiB of a rank |", "|---" * 8 + "|"]
+    lines = ["| | ranks, coarse dimension | " + " | ".join(titles) + " | MiB of a rank |", "|---" * 8 + "|"]
     for (physics, ranks, motions), forms in cases.items():
         cells = [physics, f"{ranks}, {motions}"]
         for name, by_model in BY_MODEL.items():
