@@ -111,7 +111,7 @@ def guide_table():
         ("16 membranes of 128 × 128 elements", "membrane", 16, 128),
         ("8 solids of 8 × 8 × 8 elements", "solid", 8, 8),
     ):
-        for shared, alike in ((True, f"{name}, alike"), (False, "the same, no two alike")):
+        for shared, alike in ((True, f"{name}, congruent"), (False, "the same, not congruent")):
             problem = Problem(subdomains, elements, shared, physics)
             problems = (replace(problem, form=form, cluster=m) for m in (1, subdomains) for form in FORMS)
             cells = (two_digits(takeover(machine, item)) for item in problems)
