@@ -206,9 +206,9 @@ def pages_table(document):
             physics = row["physics"] + (", a cluster a rank" if row.get("clusters", 0) > 0 else "")
             cases.setdefault((physics, row["ranks"], row["coarse_dimension"]), []).append(row)
     titles = ("messages", "kB in them", "all-reduces", "all-gathers", "kB by both")
-    lines = ["| | ranks, motions | " + " | ".join(titles) + " | MiB of a rank |", "|---" * 8 + "|"]
-    for (physics, ranks, motions), forms in cases.items():
-        cells = [physics, f"{ranks}, {motions}"]
+    lines = ["| | ranks, coarse dimension | " + " | ".join(titles) + " | MiB of a rank |", "|---" * 8 + "|"]
+    for (physics, ranks, dimension), forms in cases.items():
+        cells = [physics, f"{ranks}, {dimension}"]
         for name, by_model in BY_MODEL.items():
             by, digits = (1e3, 1) if "bytes" in name else (1, 0)
             pairs = (f"{row[name] / by:.{digits}f} ({row[by_model] / by:.{digits}f})" for row in forms)

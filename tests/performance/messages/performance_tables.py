@@ -88,7 +88,7 @@ def half_from(machine, problem, most=10**6):
 def cluster_takeovers():
     """Ranks from which on the coarse problem takes over: none; a cluster a rank, of subdomains that share."""
     machine, lines = Machine(), []
-    lines.append("| a rank | replicated | distributed | products | half as long from |\n|---|---|---|---|---|")
+    lines.append("| a rank | replicated | distributed | applications | half as long from |\n|---|---|---|---|---|")
     for physics, subdomains, elements in CLUSTER_LOADS:
         size = " × ".join([str(elements)] * (3 if physics == "solid" else 2))
         cells = [f"{subdomains} {physics}s of {size}"]
@@ -111,7 +111,7 @@ def guide_table():
         ("16 membranes of 128 × 128 elements", "membrane", 16, 128),
         ("8 solids of 8 × 8 × 8 elements", "solid", 8, 8),
     ):
-        for shared, alike in ((True, f"{name}, alike"), (False, "the same, no two alike")):
+        for shared, alike in ((True, f"{name}, congruent"), (False, "the same, not congruent")):
             problem = Problem(subdomains, elements, shared, physics)
             problems = (replace(problem, form=form, cluster=m) for m in (1, subdomains) for form in FORMS)
             cells = (two_digits(takeover(machine, item)) for item in problems)
@@ -120,13 +120,14 @@ def guide_table():
 
 
 def guide_words():
-    """Of docs/clusters.md: where clusters begin to pay."""
+    """The list in docs/clusters.md: from how many ranks on clusters halve the time of all applications."""
     loads = (("solid", 8, 8), ("solid", 27, 8), ("membrane", 16, 128))
     problems = (Problem(s, n, physics=physics, form="distributed") for physics, s, n in loads)
     eight, many, membranes = (two_digits(half_from(Machine(), problem)) for problem in problems)
     return (
-        f"by the model 8 solids of 8 × 8 × 8 elements a rank take half as long with it from {eight} ranks on, "
-        f"27 of them from {many}, 16 membranes of 128 × 128 elements from {membranes}"
+        f"* 8 solids of 8 × 8 × 8 elements a rank, from {eight} ranks on;\n"
+        f"* 27 of these solids a rank, from {many} ranks on;\n"
+        f"* 16 membranes of 128 × 128 elements a rank, from {membranes} ranks on."
     )
 
 
@@ -136,7 +137,7 @@ def cluster_table(physics):
     loads = {"membrane": (16, 128), "solid": (8, 8)}[physics]
     problems = [Problem(*loads, physics=physics, form="distributed", cluster=m) for m in (1, loads[0])]
     growth = growth_of_products(loads[0], problems[0].dimension)
-    titles = ("motions", "coarse problem", "joins", "kB by collectives", "MiB of A⁻", "all products, over none")
+    titles = ("coarse dimension", "coarse problem", "joins", "kB by collectives", "MiB of A⁻", "time, over none")
     lines = ["| P | " + " | ".join(titles) + " |", "|---" * (len(titles) + 1) + "|"]
     for one, other in zip(*(table_of(machine, problem) for problem in problems)):
         if one["ranks"] < 100:
