@@ -6,6 +6,10 @@ target_compile_options(harmos_flags INTERFACE -Wall -Wextra -Wshadow -Wconversio
 if(HARMOS_WARNINGS_AS_ERRORS)
   target_compile_options(harmos_flags INTERFACE -Werror)
 endif()
+if(HARMOS_UNITY_BUILD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  # A batch includes its sources, whose unnamed namespaces GCC then takes for those of a header.
+  target_compile_options(harmos_flags INTERFACE -Wno-subobject-linkage)
+endif()
 if(HARMOS_ENABLE_NATIVE)
   target_compile_options(harmos_flags INTERFACE -O3 -march=native)
 endif()

@@ -22,7 +22,7 @@ std::size_t measuresOf(const Plan& plan) {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double notMeasured = std::numeric_limits<double>::quiet_NaN();
 
 Errors arrayOf(const run::SolutionNorms& norms) {
   return {norms.energy, norms.displacement, norms.pressure, norms.contactArea, norms.slip, norms.stickArea};
@@ -53,7 +53,7 @@ Errors ErrorJudge::relative(const run::SolutionNorms& norms) const {
   const Errors values = arrayOf(norms), scales = arrayOf(norms_);
   Errors result{};
   for (std::size_t k = 0; k < measures; ++k)
-    result[k] = scales[k] > 0.0 ? values[k] / scales[k] : nan;
+    result[k] = scales[k] > 0.0 ? values[k] / scales[k] : notMeasured;
   return result;
 }
 
@@ -130,12 +130,12 @@ void ErrorJudge::turnTo(const Setting& setting) {
 }
 
 ErrorParts ErrorJudge::unknown() {
-  return {filled(nan), filled(nan), filled(nan), filled(nan), nan};
+  return {filled(notMeasured), filled(notMeasured), filled(notMeasured), filled(notMeasured), notMeasured};
 }
 
 ErrorParts ErrorJudge::partsOf(const Setting& setting, const Outcome& outcome) {
   turnTo(setting);
-  ErrorParts parts{filled(nan), discretisation_, filled(nan), filled(0.0), tight_.tolerance};
+  ErrorParts parts{filled(notMeasured), discretisation_, filled(notMeasured), filled(0.0), tight_.tolerance};
   if (!outcome.run)
     return parts;
   const Tight* tight = &tight_;

@@ -12,7 +12,7 @@
 namespace Harmos {
 namespace {
 
-std::string quoted(const std::string& text) {
+std::string inQuotes(const std::string& text) {
   return "\"" + text + "\"";
 }
 
@@ -102,7 +102,7 @@ void ParameterSpec::writeText(std::ostream& out, const std::string& path) const 
       out << " in " << parameter.range.text();
     out << "]\n      " << parameter.meaning << "\n";
     for (const Choice& choice : parameter.allowed)
-      out << "      " << quoted(choice.first) << ": " << choice.second << "\n";
+      out << "      " << inQuotes(choice.first) << ": " << choice.second << "\n";
   }
   out << "\n";
   for (const ParameterSpec& sublist : lists_)

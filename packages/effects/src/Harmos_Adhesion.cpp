@@ -39,7 +39,7 @@ void requireGiven(const Teuchos::ParameterList& list, const std::string& path, b
   }
 }
 
-std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, const std::string& path,
+std::shared_ptr<const scene::Effect> makeAdhesion(const Teuchos::ParameterList& list, const std::string& path,
                                           const scene::Scene& scene) {
   requireElastic(scene, "\"" + path + "\"");
   const CohesiveLaw law = cohesiveLawFrom(list, path);
@@ -110,7 +110,7 @@ scene::EffectKind kindOfAdhesion() {
       "On what it acts: the name of one of \"Effects/Contact\" or \"Effects/Obstacle\", with \"Contact/\" or "
       "\"Obstacle/\" before it where both have it. Required.");
   addCohesiveLaw(spec);
-  return {Adhesion::kindName, spec, make};
+  return {Adhesion::kindName, spec, makeAdhesion};
 }
 
 Adhesion::Adhesion(std::shared_ptr<const scene::Effect> contact, const CohesiveLaw& law, std::string name)

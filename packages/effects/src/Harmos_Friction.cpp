@@ -12,9 +12,9 @@
 namespace Harmos::effects {
 namespace {
 
-constexpr double notGiven = -1.0;
+constexpr double noValue = -1.0;
 
-std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, const std::string& path,
+std::shared_ptr<const scene::Effect> makeFriction(const Teuchos::ParameterList& list, const std::string& path,
                                           const scene::Scene& scene) {
   requireElastic(scene, "\"" + path + "\"");
   const bool isCoulomb = list.get<std::string>("Law") == "Coulomb";
@@ -22,7 +22,7 @@ std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, co
                     other = isCoulomb ? "Slip bound" : "Coefficient";
   const std::string law = isCoulomb ? "Coulomb's law" : "Tresca's law",
                     needs = isCoulomb ? "a coefficient of friction" : "a force per area";
-  if (list.get<double>(other) != notGiven)
+  if (list.get<double>(other) != noValue)
     throw InputError("\"" + path + "/" + other + "\" is given, but " + law + " does not use it; give \"" +
                          asked + "\", " + needs + ", or another \"Law\"",
                      {{"path", path + "/" + other}});
@@ -53,12 +53,12 @@ scene::EffectKind kindOfFriction() {
                {"Tresca", "the bound is given, whatever the pressure is"}},
               "What the bound depends on.");
   spec.real(
-      "Coefficient", notGiven, Range(),
+      "Coefficient", noValue, Range(),
       "Coulomb: coefficient of friction, bound over pressure, zero or more; -1: not given. Required there.");
   spec.real(
-      "Slip bound", notGiven, Range(),
+      "Slip bound", noValue, Range(),
       "Tresca: force per area, zero or more, also where the contact is open; -1: not given. Required there.");
-  return {Friction::kindName, spec, make};
+  return {Friction::kindName, spec, makeFriction};
 }
 
 Friction::Friction(std::shared_ptr<const scene::Effect> contact, double slipBound, std::string name)

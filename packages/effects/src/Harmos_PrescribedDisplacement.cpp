@@ -6,7 +6,7 @@
 namespace Harmos::effects {
 namespace {
 
-std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, const std::string& path,
+std::shared_ptr<const scene::Effect> makePrescribedDisplacement(const Teuchos::ParameterList& list, const std::string& path,
                                           const scene::Scene& scene) {
   const Part part = partIn(scene, list, "Part", path);
   const fem::Point value = pointIn(list, "Displacement");
@@ -37,7 +37,7 @@ scene::EffectKind kindOfPrescribedDisplacement() {
   spec.texts("Components", {"x", "y", "z"},
              "Which are held; the others are free. Membranes have \"x\" alone.");
   spec.reals("Displacement", {0.0, 0.0, 0.0}, Range(), "In x, y, z; only those of the components count.");
-  return {PrescribedDisplacement::kindName, spec, make, true};
+  return {PrescribedDisplacement::kindName, spec, makePrescribedDisplacement, true};
 }
 
 PrescribedDisplacement::PrescribedDisplacement(Part part, std::vector<Component> components, std::string name)

@@ -25,7 +25,7 @@ void requireGeometry(const contact::Obstacle& obstacle, const scene::Scene& scen
         {{"path", path + "/Radius"}});
 }
 
-std::shared_ptr<const scene::Effect> make(const Teuchos::ParameterList& list, const std::string& path,
+std::shared_ptr<const scene::Effect> makeRigidObstacle(const Teuchos::ParameterList& list, const std::string& path,
                                           const scene::Scene& scene) {
   requireElastic(scene, "\"" + path + "\"");
   const Part part = partIn(scene, list, "Part", path);
@@ -59,7 +59,7 @@ scene::EffectKind kindOfRigidObstacle() {
              "Half-space: its outward normal, towards the body. Cylinder: its axis; in the plane always 0, "
              "0, 1. Spheres have none.");
   spec.real("Radius", 0.0, Range(), "Of cylinder and sphere; negative: the body is inside of a hollow one.");
-  return {RigidObstacle::kindName, spec, make};
+  return {RigidObstacle::kindName, spec, makeRigidObstacle};
 }
 
 RigidObstacle::RigidObstacle(Part part, const contact::Obstacle& obstacle, std::string name)

@@ -18,7 +18,7 @@ namespace {
 
 using scene::OwnedSubdomain;
 
-const Teuchos::Comm<int>& commOf(const feti::FetiSolver& solver) {
+const Teuchos::Comm<int>& communicatorOf(const feti::FetiSolver& solver) {
   return *solver.system().comm();
 }
 
@@ -118,7 +118,7 @@ ShapeModel::ShapeModel(feti::FetiSolver& solver, const scene::Scene& scene,
       reference_(contact),
       contact_(contact),
       geometry_(geometryOf(contact, scene)) {
-  const Teuchos::Comm<int>& comm = commOf(solver_);
+  const Teuchos::Comm<int>& comm = communicatorOf(solver_);
   if (scene_.physics == scene::Physics::Membrane)
     throw InputError("the node positions of membranes cannot be designed; design their gaps");
   completeRows(reference_, scene_.components());
@@ -198,7 +198,7 @@ std::vector<OwnedSubdomain> ShapeModel::all(std::vector<OwnedSubdomain> moving) 
 }
 
 scene::ContactSetup ShapeModel::contactOf(const std::vector<OwnedSubdomain>& owned) const {
-  scene::ContactSetup contact = scene::setUpContact(commOf(solver_), scene_, owned);
+  scene::ContactSetup contact = scene::setUpContact(communicatorOf(solver_), scene_, owned);
   completeRows(contact, scene_.components());
   requireSameRows(contact);
   return contact;
@@ -208,13 +208,13 @@ void ShapeModel::requireSameRows(const scene::ContactSetup& contact) const {
   const bool isSame =
       contact.rows.size() == reference_.rows.size() &&
       std::equal(contact.rows.begin(), contact.rows.end(), reference_.rows.begin(), sameTerms);
-  if (globalMin(commOf(solver_), isSame ? 1LL : 0LL) == 0)
+  if (globalMin(communicatorOf(solver_), isSame ? 1LL : 0LL) == 0)
     throw InputError("the nodes that the design moves change the counterparts of contacts; let the design "
                      "move both bodies of a contact with matching nodes or design gaps");
 }
 
 void ShapeModel::requireQuality(const std::vector<OwnedSubdomain>& moving) const {
-  const Teuchos::Comm<int>& comm = commOf(solver_);
+  const Teuchos::Comm<int>& comm = communicatorOf(solver_);
   double least = std::numeric_limits<double>::infinity();
   std::string text;
   agree(comm, [&] {
@@ -239,7 +239,7 @@ void ShapeModel::requireQuality(const std::vector<OwnedSubdomain>& moving) const
 
 void ShapeModel::apply(const std::vector<double>& design) {
   HARMOS_REQUIRE(design.size() == size(), "a design has a number for each function");
-  const Teuchos::Comm<int>& comm = commOf(solver_);
+  const Teuchos::Comm<int>& comm = communicatorOf(solver_);
   std::vector<OwnedSubdomain> moved = moving(design);
   requireQuality(moved);
   std::vector<feti::Subdomain> subdomains;
@@ -299,7 +299,7 @@ void ShapeModel::addMatrices(const Functional& functional, const Response& respo
 // What loads, rows and areas contribute. Sums of this rank; the functional's own change on rank 0.
 void ShapeModel::addDifferences(const Functional& functional, const Response& response,
                                 const Functional::Adjoint& adjoint, std::vector<double>& gradient) const {
-  const Teuchos::Comm<int>& comm = commOf(solver_);
+  const Teuchos::Comm<int>& comm = communicatorOf(solver_);
   const feti::SubdomainSystem& system = solver_.system();
   const feti::TornVector& u = response.solver.displacement();
   const double share = functional.energyShare(), step = 1e-5 * extent_;
@@ -351,9 +351,9 @@ void ShapeModel::addDifferences(const Functional& functional, const Response& re
 std::vector<double> ShapeModel::gradient(const Functional& functional, const Response& response,
                                          const Functional::Adjoint& adjoint) {
   std::vector<double> gradient(size(), 0.0);
-  agree(commOf(solver_), [&] { addMatrices(functional, response, adjoint, gradient); });
+  agree(communicatorOf(solver_), [&] { addMatrices(functional, response, adjoint, gradient); });
   addDifferences(functional, response, adjoint, gradient);
-  globalSum(commOf(solver_), gradient);
+  globalSum(communicatorOf(solver_), gradient);
   return gradient;
 }
 
@@ -361,25 +361,25 @@ double ShapeModel::volume(const std::vector<double>& design) {
   double sum = 0.0;
   const std::vector<OwnedSubdomain> moved = moving(design);
   try { // outside of agree(), which knows no more than the kind of an error
-    agree(commOf(solver_), [&] {
+    agree(communicatorOf(solver_), [&] {
       for (const OwnedSubdomain& item : moved)
         sum += fem::measureOf(*item.mesh.mesh);
     });
   } catch (const NumericalError& error) {
     throw RefusedDesign("the design tangles the mesh: " + std::string(error.what()));
   }
-  return globalSum(commOf(solver_), sum) - volumeAtRest_;
+  return globalSum(communicatorOf(solver_), sum) - volumeAtRest_;
 }
 
 std::vector<double> ShapeModel::volumeGradient(const std::vector<double>& design) {
   std::vector<double> gradient(size(), 0.0);
   const std::vector<OwnedSubdomain> moved = moving(design);
-  agree(commOf(solver_), [&] {
+  agree(communicatorOf(solver_), [&] {
     for (std::size_t m = 0; m < moved.size(); ++m)
       contract(map_, atRest_[places_[m]].mesh, fem::shapeGradientOfMeasure(*moved[m].mesh.mesh), 1.0,
                gradient);
   });
-  globalSum(commOf(solver_), gradient);
+  globalSum(communicatorOf(solver_), gradient);
   return gradient;
 }
 

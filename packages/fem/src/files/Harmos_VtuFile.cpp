@@ -12,7 +12,7 @@
 namespace Harmos::fem {
 namespace {
 
-[[noreturn]] void fail(const std::string& path, const std::string& what) {
+[[noreturn]] void failVtu(const std::string& path, const std::string& what) {
   throw InputError("\"" + path + "\" cannot be read: " + what);
 }
 
@@ -108,7 +108,7 @@ class VtuReader {
         array(section, tag);
     }
     if (pieces_ != 1)
-      fail(path_, "it holds " + std::to_string(pieces_) +
+      failVtu(path_, "it holds " + std::to_string(pieces_) +
                       " pieces, where one is read; in ParaView, Merge Blocks or " +
                       "Append Datasets makes one of them");
     return std::move(grid_);
@@ -117,14 +117,14 @@ class VtuReader {
  private:
   void header(const Tag& tag) {
     if (tag.get("type") != "UnstructuredGrid")
-      fail(
+      failVtu(
           path_,
           "it holds a data set of the kind \"" + tag.get("type") +
               "\", but bodies are made of an UnstructuredGrid; in ParaView, Append Datasets makes one of it");
     const std::string compressor = tag.get("compressor");
     isCompressed_ = !compressor.empty();
     if (isCompressed_ && compressor != "vtkZLibDataCompressor")
-      fail(path_, "it uses the unsupported compressor " + compressor + "; save it with zlib or uncompressed");
+      failVtu(path_, "it uses the unsupported compressor " + compressor + "; save it with zlib or uncompressed");
     headerType_ = tag.get("header_type", "UInt32");
     const unsigned int one = 1;
     const bool isLittle = *reinterpret_cast<const char*>(&one) == 1;
@@ -142,7 +142,7 @@ class VtuReader {
     char* end = nullptr;
     const unsigned long long value = std::strtoull(text.c_str(), &end, 10);
     if (text.empty() || *end != '\0')
-      fail(path_, "a <" + tag.name + "> has no number \"" + name + "\"");
+      failVtu(path_, "a <" + tag.name + "> has no number \"" + name + "\"");
     return static_cast<std::size_t>(value);
   }
 
@@ -153,7 +153,7 @@ class VtuReader {
     isRaw_ = tag.get("encoding", "base64") == "raw";
     appended_ = text_.find('_', tag.end) + 1;
     if (appended_ == 0)
-      fail(path_, "its appended data do not begin with \"_\"");
+      failVtu(path_, "its appended data do not begin with \"_\"");
   }
 
   void array(const std::string& section, const Tag& tag) {
@@ -201,7 +201,7 @@ class VtuReader {
     for (Number value; values.size() < number && stream >> value;)
       values.push_back(value);
     if (number != everything && values.size() < number)
-      fail(path_, "the array \"" + tag.get("Name") + "\" has " + std::to_string(values.size()) +
+      failVtu(path_, "the array \"" + tag.get("Name") + "\" has " + std::to_string(values.size()) +
                       " numbers where " + std::to_string(number) + " were expected");
     return values;
   }
@@ -214,7 +214,7 @@ class VtuReader {
     if (isAppended)
       at = appended_ + count(tag, "offset");
     if (at > end)
-      fail(path_, "it is truncated or damaged");
+      failVtu(path_, "it is truncated or damaged");
     const bool isPlain = isAppended && isRaw_;
     const auto take = [&](std::size_t size) {
       std::string bytes;
@@ -225,7 +225,7 @@ class VtuReader {
         bytes = bytesFromBase64(text_, at, end, size, at);
       }
       if (bytes.size() < size)
-        fail(path_, "it is truncated or damaged");
+        failVtu(path_, "it is truncated or damaged");
       return bytes;
     };
     const std::size_t word = Details::bytesOf(path_, headerType_);
@@ -269,13 +269,13 @@ class VtuReader {
   std::string unpacked(const char* packed, std::size_t packedSize, std::size_t size) const {
     constexpr std::size_t closest = 1100; // zlib packs no closer than 1032 to one
     if (size > closest * (packedSize + 1))
-      fail(path_, "it is truncated or damaged");
+      failVtu(path_, "it is truncated or damaged");
     std::string block(size, '\0');
     auto length = static_cast<uLongf>(size);
     const int status = uncompress(reinterpret_cast<Bytef*>(block.data()), &length,
                                   reinterpret_cast<const Bytef*>(packed), static_cast<uLong>(packedSize));
     if (status != Z_OK || length != size)
-      fail(path_, "its compressed data are damaged");
+      failVtu(path_, "its compressed data are damaged");
     return block;
   }
 
@@ -289,7 +289,7 @@ class VtuReader {
 
   void checkSize(std::size_t size) const {
     if (size > text_.size())
-      fail(path_, "it is truncated or damaged");
+      failVtu(path_, "it is truncated or damaged");
   }
 
   const std::string& path_;

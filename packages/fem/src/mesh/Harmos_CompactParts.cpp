@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_CompactParts.hpp"
 
+#include "Harmos_Index.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -8,10 +10,6 @@
 
 namespace Harmos::fem {
 namespace {
-
-std::size_t at(int k) {
-  return static_cast<std::size_t>(k);
-}
 
 double distance2(const Point& a, const Point& b) {
   double sum = 0.0;

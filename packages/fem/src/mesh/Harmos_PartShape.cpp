@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_PartShape.hpp"
 
+#include "Harmos_Index.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,10 +18,6 @@ namespace {
 constexpr std::size_t most = 4; // vectors at a time
 using Values = std::array<double, most>;
 using Vectors = std::vector<Values>; // a number of each vector at every cell
-
-std::size_t at(int k) {
-  return static_cast<std::size_t>(k);
-}
 
 // The graph of a part by itself.
 CellGraph partOf(const CellGraph& graph, const std::vector<int>& cells, const std::vector<int>& number) {

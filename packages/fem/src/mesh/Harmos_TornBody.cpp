@@ -3,16 +3,13 @@
 
 #include "Harmos_Agreement.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_Index.hpp"
 
 #include <cstring>
 #include <type_traits>
 
 namespace Harmos::fem {
 namespace {
-
-std::size_t at(int k) {
-  return static_cast<std::size_t>(k);
-}
 
 void makeSet(std::vector<int>& values) {
   std::sort(values.begin(), values.end());

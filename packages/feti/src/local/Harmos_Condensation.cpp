@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Condensation.hpp"
 
+#include "Harmos_Index.hpp"
 #include "Harmos_Mumps.hpp"
 
 #include <algorithm>
 
 namespace Harmos::feti {
 namespace {
-
-std::size_t at(int k) {
-  return static_cast<std::size_t>(k);
-}
 
 // Keeps L of A_ii alone: L_bi would be as large as S. What is needed of it, twice a run, is made with A_bi.
 class MultifrontalCondensation : public Condensation {

@@ -2,6 +2,7 @@
 #include "Harmos_FrontTree.hpp"
 
 #include "Harmos_Errors.hpp"
+#include "Harmos_Index.hpp"
 
 #include <algorithm>
 #include <metis.h>
@@ -9,10 +10,6 @@
 
 namespace Harmos::feti {
 namespace {
-
-std::size_t at(int k) {
-  return static_cast<std::size_t>(k);
-}
 
 // Neighbouring rows with the same columns, as the components of a displacement at a node are, are one vertex:
 // all that follows is done once for them.

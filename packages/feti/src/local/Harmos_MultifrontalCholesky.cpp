@@ -2,6 +2,7 @@
 #include "Harmos_MultifrontalCholesky.hpp"
 
 #include "Harmos_Errors.hpp"
+#include "Harmos_Index.hpp"
 #include "Harmos_WideRegisters.hpp"
 
 #include <Teuchos_BLAS.hpp>
@@ -11,10 +12,6 @@
 
 namespace Harmos::feti {
 namespace {
-
-std::size_t at(int k) {
-  return static_cast<std::size_t>(k);
-}
 
 namespace Portable {
 #include "Harmos_MultifrontalCholesky_panels.inc"

@@ -32,7 +32,7 @@ struct Copies {
   std::vector<std::vector<double>> values;
 };
 
-struct RowEntry {
+struct GluedEntry {
   long long number; // of the subdomain
   int subdomain, dof;
   double value;
@@ -41,9 +41,9 @@ struct RowEntry {
 // Entries of owned gluing rows in subdomains of this rank, by rising subdomain numbers. Without those between
 // values that are prescribed in the matrices: no force belongs to them, and an average over them and others
 // would move what is prescribed as long as forces of averages are not known well.
-std::map<int, std::vector<RowEntry>> gluingRows(const SubdomainSystem& system,
+std::map<int, std::vector<GluedEntry>> gluingRows(const SubdomainSystem& system,
                                                 const Constraints& constraints) {
-  std::map<int, std::vector<RowEntry>> result;
+  std::map<int, std::vector<GluedEntry>> result;
   for (int i = 0; i < system.size(); ++i) {
     std::vector<char> isPrescribed(static_cast<std::size_t>(system.matrix(i).rows()), 0);
     for (const FixedDof& fixed : system.subdomain(i).fixed)
@@ -60,14 +60,14 @@ std::map<int, std::vector<RowEntry>> gluingRows(const SubdomainSystem& system,
   }
   for (auto& item : result)
     std::sort(item.second.begin(), item.second.end(),
-              [](const RowEntry& a, const RowEntry& b) { return a.number < b.number; });
+              [](const GluedEntry& a, const GluedEntry& b) { return a.number < b.number; });
   return result;
 }
 
 // Gluing rows sum up to zero: where entries of other ranks are missing they do not.
-bool isComplete(const std::vector<RowEntry>& row) {
+bool isComplete(const std::vector<GluedEntry>& row) {
   double sum = 0.0, sizes = 0.0;
-  for (const RowEntry& entry : row) {
+  for (const GluedEntry& entry : row) {
     sum += entry.value;
     sizes += std::abs(entry.value);
   }
@@ -93,21 +93,21 @@ std::vector<Copies> wholeDofs(const SubdomainSystem& system, const Constraints& 
   std::vector<std::vector<double>> diagonals;
   for (int i = 0; i < system.size(); ++i)
     diagonals.push_back(system.diagonal(i));
-  std::map<std::pair<int, int>, std::vector<std::pair<int, std::vector<RowEntry>>>> byFirst;
+  std::map<std::pair<int, int>, std::vector<std::pair<int, std::vector<GluedEntry>>>> byFirst;
   for (auto& [row, entries] : gluingRows(system, constraints))
     byFirst[{entries.front().subdomain, entries.front().dof}].emplace_back(row, entries);
   std::vector<Copies> result;
   for (const auto& [first, rows] : byFirst) {
     Copies dof;
-    for (const RowEntry& entry : rows.back().second)
+    for (const GluedEntry& entry : rows.back().second)
       dof.at.emplace_back(entry.subdomain, entry.dof);
     bool isWhole = dof.at.size() == rows.size() + 1;
     for (std::size_t k = 0; k < rows.size() && isWhole; ++k) {
-      const std::vector<RowEntry>& entries = rows[k].second;
+      const std::vector<GluedEntry>& entries = rows[k].second;
       isWhole = entries.size() == k + 2 && isComplete(entries);
       dof.rows.push_back(rows[k].first);
       std::vector<double>& values = dof.values.emplace_back();
-      for (const RowEntry& entry : entries)
+      for (const GluedEntry& entry : entries)
         values.push_back(entry.value);
     }
     if (isWhole && isOfOneStiffness(diagonals, dof))

@@ -31,7 +31,7 @@ using Details::DofCopies;
 using Details::dofText;
 using Details::GivenRow;
 using Details::GluingRows;
-using RowEntry = Details::RowEntry;
+using Details::RowEntry;
 
 // The rest of a row on its way to its owner.
 struct RowHead {

@@ -4,6 +4,7 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_BoundaryParts.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_Index.hpp"
 #include "Harmos_NearestName.hpp"
 #include "Harmos_OuterSides.hpp"
 #include "Harmos_PointAlgebra.hpp"
@@ -18,10 +19,6 @@
 
 namespace Harmos::scene {
 namespace {
-
-std::size_t at(long long k) {
-  return static_cast<std::size_t>(k);
-}
 
 // The diagonals of the boxes around the bodies. Collective.
 std::vector<double> diagonalsOf(const Teuchos::Comm<int>& comm, std::size_t bodies,

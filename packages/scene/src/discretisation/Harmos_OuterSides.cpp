@@ -3,6 +3,7 @@
 
 #include "Harmos_Agreement.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_Index.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,10 +12,6 @@
 
 namespace Harmos::scene {
 namespace {
-
-std::size_t at(long long k) {
-  return static_cast<std::size_t>(k);
-}
 
 // A side as all subdomains know it: the numbers of its corners, sorted; those it lacks are −1.
 using SideKey = std::array<long long, 4>;
