@@ -188,9 +188,9 @@ def cell(off, on, key):
 
 HEAD = """# What an effect adds
 
-This page shows what each effect of a scene costs: dimensions, iterations, seconds and memory of a run with and without
-it. It is for readers who choose effects for a large scene, or who [write an effect](adding_an_effect.md) and want to
-compare its cost.
+This page shows what each effect of a scene costs: dimensions, iterations, seconds and memory of a run with and
+without it. It is for readers who choose effects for a large scene, or who [write an effect](adding_an_effect.md) and
+want to compare its cost.
 
 `tests/performance/effects_table.py` generates the page.
 
