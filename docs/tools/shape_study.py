@@ -101,7 +101,7 @@ def peak(results, when=""):
 
 def design_table(directory):
     lines = [
-        "| Design and cost | Numbers | Evaluations | Peak over mean pressure, before | After | Volume |",
+        "| Design and cost | Variables | Evaluations | Peak over mean pressure, before | After | Volume |",
         "|---|---|---|---|---|---|",
     ]
     for words, name, _ in DESIGN:
