@@ -131,8 +131,8 @@ def stress_at(steps, strain):
 def group_table(directory, group):
     title, cases = GROUPS[group]
     lines = [
-        f"| {title} | Load | Modulus at first | " + " | ".join(f"Stress at {100 * s:g} %" for s in SHOWN)
-        + f" | Stress over strain at {100 * SHOWN[-1]:g} % | Dissipated | Released | Broken |",
+        f"| {title} | Load | Initial modulus | " + " | ".join(f"Stress at {100 * s:g} %" for s in SHOWN)
+        + f" | Secant modulus at {100 * SHOWN[-1]:g} % | Dissipated | Released | Broken |",
         "|---" * (len(SHOWN) + 7) + "|",
     ]
     for load in LOADS:
@@ -190,10 +190,12 @@ def cost_lines(directory):
         products[step["step"]] = products.get(step["step"], 0) + step["products"]
     products = sorted(products.values())
     return [
-        f"10 × 10 cells, {summary['primal_dimension']} unknowns and {summary['dual_dimension']} multipliers, through the deck's own history in "
-        f"{len(products)} steps, on one rank and without result files: {summary['seconds']['total']:.0f} s, {summary['peak_memory_mib']:.0f} MiB.",
-        f"A step takes {products[len(products) // 2]} products with F in the median, since most of them let go and come back, and {products[-1]} at most; "
-        f"one solution of the sample without adhesion takes {contact['hessian_applications']}.",
+        f"10 × 10 cells, {summary['primal_dimension']} unknowns and {summary['dual_dimension']} multipliers, with the "
+        f"history of the deck in {len(products)} steps, on one rank",
+        f"and without result files: {summary['seconds']['total']:.0f} s, {summary['peak_memory_mib']:.0f} MiB. A step "
+        f"needs {products[len(products) // 2]} applications of F in the median, because most steps",
+        f"unload and reload, and at most {products[-1]}. One solve of the sample without adhesion needs "
+        f"{contact['hessian_applications']}.",
     ]
 
 

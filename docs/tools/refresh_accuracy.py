@@ -19,6 +19,7 @@ import re
 import statistics
 import sys
 import tempfile
+import textwrap
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -49,7 +50,7 @@ def ratio_table(study):
     """How far from the front the runs with each value of an axis are."""
     name, title = next(iter(study["measures"].items()))
     lines = [
-        f"Seconds over those of the front at the same error ({title}):",
+        f"Seconds divided by those of the Pareto front at the same error ({title}):",
         "",
         "| Setting | Runs judged | On the front | Median | Largest |",
         "|---|---|---|---|---|",
@@ -88,9 +89,9 @@ def rule_table(study):
 
     runs = plot_study.converged(study)
     lines = [
-        "The rule `balanced` against the best of the given tolerances, all else being equal:",
+        "The rule `balanced` compared with the best of the given tolerances, other settings equal:",
         "",
-        f"| Mesh | Error ({title}) | Products | Products of the best | Seconds over the best, median | largest |",
+        f"| Mesh | Error ({title}) | Applications of F | of the best | Seconds / seconds of the best, median | largest |",
         "|---|---|---|---|---|---|",
     ]
     for value in mesh["values"]:
@@ -150,9 +151,12 @@ def parts_table(study):
 
 
 def block(study):
-    lines = [
+    head = (
         f"*{len(study['runs'])} settings on {plot_study.ranks_of(study)}, Harmos {study['harmos']['version']}"
-        f" ({study['harmos']['git']}). {reference_line(study)}*",
+        f" ({study['harmos']['git']}). {reference_line(study)}*"
+    )
+    lines = [
+        *textwrap.wrap(head, 118, break_on_hyphens=False),
         "",
         "```",
         *study["sentences"],

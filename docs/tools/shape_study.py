@@ -101,7 +101,7 @@ def peak(results, when=""):
 
 def design_table(directory):
     lines = [
-        "| Design and cost | Numbers | Evaluations | Peak over mean pressure, before | After | Volume |",
+        "| Design and cost | Variables | Evaluations | Peak over mean pressure, before | After | Volume |",
         "|---|---|---|---|---|---|",
     ]
     for words, name, _ in DESIGN:
@@ -155,8 +155,8 @@ def exponent_table(directory):
 
 def cost_table(directory):
     lines = [
-        "| Run | Evaluations | Products with F, first solution | A later one, in the mean | A gradient, in the mean | "
-        "Factorisations at first | In all |",
+        "| Run | Evaluations | Applications of F, first solve | Later solve, mean | Gradient, mean | "
+        "Factorisations, first design | All |",
         "|---|---|---|---|---|---|---|",
     ]
     cases = [(f"punch, {2 * n} elements along the contact", f"mesh{n}", f"cold{n}") for n in MESHES]
@@ -193,8 +193,9 @@ def given_lines(directory):
     free, kept = results_of(directory / "given_freely"), results_of(directory / "given")
     return [
         f"Without a volume the peak falls from {free['peak_pressure_before']:.3f} to {free['peak_pressure']:.1e}, and the mean "
-        f"with it, in {free['evaluations']:.0f} evaluations, until steps are too short. With `Volume` = 0.005 the peak is "
-        f"{peak(kept):.3f} times the mean after {kept['evaluations']:.0f} evaluations.",
+        f"with it, in {free['evaluations']:.0f} evaluations; the run then ends",
+        f"because its steps are too short. With `Volume` = 0.005 the peak is {peak(kept):.3f} times the mean after "
+        f"{kept['evaluations']:.0f} evaluations.",
     ]
 
 
