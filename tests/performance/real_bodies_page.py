@@ -22,7 +22,7 @@ no more of them where there are more subdomains, and in contact little more than
 `tests/performance/real_bodies_table.py`, which writes this page from [real_bodies.json](real_bodies.json); a test
 compares. {versions}, {ranks} ranks, tolerance {tolerance:g}, the Dirichlet preconditioner, and default settings but for
 the cut: `compact` is the default,
-`METIS` what METIS alone makes (`Bodies/<body>/Partition`, [parameters](parameters/harmos.md))."""
+`METIS` what METIS alone makes (`Bodies/<body>/Expert/Partition`, [parameters](parameters/harmos.md))."""
 
 SCENES = """
 In the linear problem bodies hang by their weight, without contact; in contact the upper one is pressed down by 3 per cent
