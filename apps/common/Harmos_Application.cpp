@@ -155,9 +155,9 @@ void printParameters(const ParameterSpec& spec, const std::string& word) {
     spec.writeText(std::cout, word);
   else {
     spec.writeOverview(std::cout);
-    std::cout << "\nIn full, with types, ranges and choices: --print-parameters LIST, as in Solver, "
-                 "Solver/Expert or "
-                 "Bodies;\n--print-parameters all. A deck with all defaults: --print-parameters xml.\n";
+    std::cout << "\nIn full, with types, ranges and choices: --print-parameters LIST, a path from above; all "
+                 "lists: "
+                 "--print-parameters\nall; a deck with all defaults: --print-parameters xml.\n";
   }
 }
 

@@ -89,9 +89,8 @@ fem::BoundaryRule ruleFrom(const RuleList& given, const std::string& name) {
 } // namespace
 
 void addPartParameters(ParameterSpec& deck) {
-  ParameterSpec part("<part>",
-                     "A boundary part, by a name of your choice: the sides of cells on the boundary "
-                     "that meet all conditions given here.");
+  ParameterSpec part("<part>", "Sides on the boundary, by a name of your choice. A part has the sides of "
+                               "cells on the boundary that meet all conditions given here.");
   part.texts("Bodies", {}, "Bodies with this part; none: each body that has such sides.");
   part.texts("Of", {},
              "Parts of the mesh, or of rules before this one, from which sides are selected; none: the whole "

@@ -23,7 +23,7 @@ void addDesign(ParameterSpec& shape) {
       "Quantity that is designed.");
   design.texts(
       "Contacts", {},
-      "Kind \"gap\": contacts and obstacles with a designed gap, as in \"Contact/joint\"; none: all.");
+      "Kind \"gap\": contacts and obstacles with a designed gap; none: all. Named as in \"Contact/joint\".");
   design.choice("Functions", "nodes",
                 {{"nodes", "a number for each contact point"}, {"splines", "B-splines along axes"}},
                 "Kind \"gap\": basis of the profile. The kind \"position\" always has splines.");
@@ -45,8 +45,7 @@ void addDesign(ParameterSpec& shape) {
   design.reals("Direction", {0.0, 1.0, 0.0}, Range(),
                "Kind \"position\": direction of the movement, the surface's outward normal.");
   design.real("Depth", 0.0, Range::atLeast(0.0),
-              "Kind \"position\": depth below the surface to which nodes follow, a length; 0: all of "
-              "the bodies.");
+              "Kind \"position\": depth to which nodes follow, a length; 0: all of the bodies.");
   design.expert().real(
       "Least quality", 0.2, Range::strictlyWithin(0.0, 1.0),
       "Kind \"position\": least quality of a cell, relative to its initial shape (1: similar, "
@@ -65,11 +64,11 @@ void addCost(ParameterSpec& shape) {
         "−J: least displacement under the loads. J is convex in gaps and −J is not: the result is a local "
         "minimum"},
        {"displacement", "the mean displacement of a boundary part along a direction"}},
-      "Cost of a design.");
+      "Cost.");
   cost.real("Exponent", 8.0, Range::above(1.0), "Quantity \"peak pressure\": p.");
   cost.texts("Contacts", {},
-             "Contacts and obstacles of the pressure in the cost and in the results; none: those with a "
-             "designed gap, or all.");
+             "Contacts and obstacles of the pressure; none: those that are designed, or all. The results "
+             "tell peak and mean of their pressure.");
   cost.text("Part", "", "Quantity \"displacement\": \"body/boundary part\".");
   cost.reals("Direction", {0.0, 1.0, 0.0}, Range(),
              "Quantity \"displacement\": its direction; the opposite one maximises.");
@@ -84,8 +83,8 @@ void ShapeDeck::addTo(ParameterSpec& deck) {
   addCost(shape);
   ParameterSpec constraints("Constraints", "Constraints of a design, in addition to bounds.");
   constraints.series("Volume", Range(),
-                     "Volume that a design adds to the gaps, ∫ profile, or to the bodies: its value, or the "
-                     "least and the largest; none: no constraint. In the plane an area.");
+                     "Added volume: its value, or the least and the largest; none: no constraint. The volume "
+                     "that a design adds to the gaps, ∫ profile, or to the bodies; in the plane an area.");
   shape.list(std::move(constraints));
   ParameterSpec limits("Limits", "Limits of an optimisation; --restart continues it.");
   limits.integer("Evaluations", 0, 0, 1000000000,

@@ -138,13 +138,12 @@ void DualOptions::addDecompositionTo(ParameterSpec& deck) {
                         {"primal", "FETI: prescribed displacements stay in the subdomain matrices"},
                         {"dual", "Total FETI: they become Lagrange multipliers; every subdomain floats"}},
                        "Form of prescribed displacements.");
-  decomposition.choice(
-      "Coarse problem", "auto",
-      {{"auto", "by the cost model: distributed on many ranks"},
-       {"replicated", "every rank factors and solves all of it"},
-       {"distributed", "groups of ranks factor it together; each rank keeps its rows of the "
-                       "inverse"}},
-      "Distribution of the coarse problem, which has the rigid-body modes of all subdomains.");
+  decomposition.choice("Coarse problem", "auto",
+                       {{"auto", "by the cost model: distributed on many ranks"},
+                        {"replicated", "every rank factors and solves all of it"},
+                        {"distributed", "groups of ranks factor it together; each rank keeps its rows of the "
+                                        "inverse"}},
+                       "Distribution of the coarse problem. It has the rigid-body modes of all subdomains.");
   decomposition.choiceOrInteger(
       "Clusters", "auto",
       {{"auto", "by the cost model: if the coarse problem of many ranks takes most of the time"},

@@ -18,7 +18,7 @@ void SolverOptions::addTo(ParameterSpec& solver) {
        {"PDAS", "primal-dual active sets; falls back to SMALBE or MPRGP"}},
       "Method for the dual problem.");
   solver.real("Tolerance", defaults.tolerance, Range::strictlyWithin(0.0, 1.0),
-              "Relative tolerance ε of the stopping rule; not used by the tolerance rule \"balanced\".");
+              "Relative tolerance ε of the stopping rule. Not used by the tolerance rule \"balanced\".");
   solver.choice("Stopping rule", "scaled",
                 {{"scaled", "‖g^P‖ ≤ ε‖Pd‖ and ‖Gλ‖ ≤ ε max(‖λ̃‖, ‖λ + λ̃‖)"},
                  {"paper", "‖g^P‖ ≤ ε‖d‖ and ‖Gλ‖ ≤ ε‖(G̃G̃ᵀ)⁻¹ẽ‖"},

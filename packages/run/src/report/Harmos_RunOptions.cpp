@@ -29,15 +29,17 @@ void RunOptions::addTo(ParameterSpec& deck) {
               "Directory of the results; made if it does not exist. The option --output overrides it.");
   output.boolean("Fields", true, "Write result.vtkhdf for ParaView; false for timing.");
   output.boolean("Stresses", true, "Write the stresses at the nodes of elastic bodies, too.");
-  output.integer("Every", 1, 1, 1000000000,
-                 "Fields are written for every step whose number is a multiple of this, and for the last.");
+  output.integer(
+      "Every", 1, 1, 1000000000,
+      "Interval of steps with fields. Fields are written for every step whose number is a multiple of it, "
+      "and for the last.");
   ParameterSpec checkpoint("Checkpoint",
                            "Times at which checkpoint.h5 is written. --restart goes on from there; a signal "
                            "asks for one at any time.");
   checkpoint.integer(
       "Outer iterations", CheckpointOptions().outerIterations, 0, 1000000000,
-      "Outer iterations (SMALBE) or active sets (PDAS) from one to the next; 0: no such rule. PCPG "
-      "and MPRGP have one outer iteration.");
+      "Outer iterations (PDAS: active sets) from one to the next; 0: no such rule. PCPG and MPRGP have "
+      "one outer iteration.");
   checkpoint.real("Minutes", CheckpointOptions().minutes, Range::atLeast(0.0),
                   "Minutes from one to the next; 0: no such rule.");
   checkpoint.integer("Steps", CheckpointOptions().steps, 0, 1000000000,
