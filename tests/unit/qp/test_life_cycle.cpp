@@ -193,6 +193,17 @@ TEST(LifeCycle, parameters_are_checked_at_the_first_call) {
   EXPECT_TRUE(solver->getValidParameters()->sublist("Expert").isSublist("SMALBE"));
 }
 
+TEST(LifeCycle, expert_parameters_at_their_old_place) {
+  const auto list = Teuchos::parameterList();
+  list->sublist("MPRGP").set("Gamma", 2.0);
+  const auto solver = TpetraSolverFactory().create("SMALBE", list);
+  EXPECT_EQ(solver->getCurrentParameters()->sublist("Expert").sublist("MPRGP").get<double>("Gamma"), 2.0);
+  std::ostringstream text;
+  solver->setLog(Log(text, text, Log::Verbosity::Normal, true));
+  solver->setParameters(list);
+  EXPECT_TRUE(contains(text.str(), "Note: \"MPRGP\" is now \"Expert/MPRGP\"")) << text.str();
+}
+
 TEST(LifeCycle, clone_has_the_parameters_but_no_problem) {
   const auto list = Teuchos::parameterList();
   list->set("Convergence Tolerance", 1e-3);
