@@ -36,8 +36,8 @@ struct Plan {
   double tightTolerance = 0.0;
   bool charts = true;
   std::string output;
-  bool hasToleranceRule = false; ///< the deck knows "Solver/Tolerance rule"
-  bool hasFriction = false;      ///< the reference's deck names friction
+  bool hasToleranceRule = false;  ///< the deck knows "Solver/Tolerance rule"
+  bool hasFriction = false;       ///< the reference's deck names friction
   std::vector<std::string> notes; ///< on rank 0: names at old places in the application's deck and the axes
   /// Of all that errors depend on beside the values of the axes: tables of different ones do not mix.
   std::string fingerprint;
