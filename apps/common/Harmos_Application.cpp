@@ -65,6 +65,29 @@ void addPlanOptions(CLI::App& cli, CommandLine& line) {
       ->needs(plan);
 }
 
+// The word behind --print-parameters is a format, a list or parameter, or the deck. Returns what is wrong.
+std::string readPrintWord(const ParameterSpec& spec, CommandLine& line) {
+  std::string& word = line.printParameters;
+  if (word.empty())
+    word = "text";
+  const std::vector<std::string> formats = {"text", "all", "xml", "markdown"};
+  if (std::find(formats.begin(), formats.end(), word) != formats.end())
+    return "";
+  try {
+    std::ostringstream ignored;
+    spec.writeText(ignored, word);
+    return "";
+  } catch (const InputError& error) {
+    const std::string ending = std::filesystem::path(word).extension();
+    const bool isDeck = ending == ".xml" || ending == ".yaml" || ending == ".yml";
+    if (!isDeck || !line.deck.empty())
+      return word + " not in {all,text,xml,markdown}: " + error.what();
+  }
+  line.deck = word;
+  word = "text";
+  return "";
+}
+
 // Every rank parses the same arguments and comes to the same end; rank 0 speaks. Returns an exit status, or
 // nothing if the run is to go on.
 std::optional<int> parse(int argc, char** argv, const Program& program, bool speaks, CommandLine& line) {
@@ -88,8 +111,8 @@ std::optional<int> parse(int argc, char** argv, const Program& program, bool spe
   if (program.plans)
     addPlanOptions(cli, line);
   cli.add_option("--print-parameters", line.printParameters,
-                 "Print every parameter with type, default, range and meaning, then exit")
-      ->type_name("text|xml|markdown")
+                 "Print the public parameters, one list or parameter in full, or all of them, then exit")
+      ->type_name("LIST|all|xml|markdown")
       ->expected(0, 1)
       ->default_str("text");
   if (program.effects != nullptr)
@@ -110,31 +133,31 @@ std::optional<int> parse(int argc, char** argv, const Program& program, bool spe
     }
     return isHelp ? exitConverged : exitBadInput;
   }
-  if (cli.count("--print-parameters") > 0) {
-    // A word behind it that is no format is the deck.
-    const std::string word = line.printParameters;
-    const bool isFormat = word == "text" || word == "xml" || word == "markdown";
-    const bool isDeck = !isFormat && line.deck.empty() && word.find_first_of("./") != std::string::npos;
-    if (!isFormat && !word.empty() && !isDeck) {
-      if (speaks)
-        std::cerr << "error: command line: --print-parameters: " << word << " not in {text,xml,markdown}\n";
-      return exitBadInput;
-    }
-    if (!isFormat)
-      line.printParameters = "text";
-    if (isDeck)
-      line.deck = word;
-  }
-  return std::nullopt;
+  if (cli.count("--print-parameters") == 0)
+    return std::nullopt;
+  const std::string fault = readPrintWord(program.deckSpec(), line);
+  if (fault.empty())
+    return std::nullopt;
+  if (speaks)
+    std::cerr << "error: command line: --print-parameters: " << fault << "\n";
+  return exitBadInput;
 }
 
-void printParameters(const ParameterSpec& spec, const std::string& format) {
-  if (format == "xml")
+void printParameters(const ParameterSpec& spec, const std::string& word) {
+  if (word == "xml")
     spec.writeXml(std::cout);
-  else if (format == "markdown")
+  else if (word == "markdown")
     spec.writeMarkdown(std::cout);
-  else
+  else if (word == "all")
     spec.writeText(std::cout);
+  else if (word != "text")
+    spec.writeText(std::cout, word);
+  else {
+    spec.writeOverview(std::cout);
+    std::cout << "\nIn full, with types, ranges and choices: --print-parameters LIST, a path from above; all "
+                 "lists: "
+                 "--print-parameters\nall; a deck with all defaults: --print-parameters xml.\n";
+  }
 }
 
 // Ends a run of which only this rank knows that it failed: the others may wait for it for ever.
@@ -184,8 +207,7 @@ void leaveSummary(const ProgramContext& context, const run::RunOptions& options,
 
 int runDeck(const Application& application, const ProgramContext& context) {
   const auto& [comm, line, log, begin] = context;
-  const ParameterSpec spec = deckSpec(application);
-  const Teuchos::ParameterList deck = scene::readDeck(*comm, line.deck, line.assignments, spec);
+  const Teuchos::ParameterList deck = readDeck(context, deckSpec(application));
   run::RunOptions options = run::RunOptions::fromDeck(deck);
   if (!line.output.empty())
     options.outputDirectory = line.output;
@@ -250,6 +272,15 @@ int runDeck(const Application& application, const ProgramContext& context) {
   if (!report.converged)
     log.error("the solver did not converge: " + report.reason);
   return report.converged ? exitConverged : exitNotConverged;
+}
+
+Teuchos::ParameterList readDeck(const ProgramContext& context, const ParameterSpec& spec) {
+  std::vector<std::string> notes;
+  const Teuchos::ParameterList deck =
+      scene::readDeck(*context.comm, context.line.deck, context.line.assignments, spec, &notes);
+  for (const std::string& note : notes)
+    context.log.info("Note: " + note);
+  return deck;
 }
 
 scene::Scene sceneOf(const Application& application, const DeckContext& context) {

@@ -82,6 +82,10 @@ struct Program {
   bool showsParts = false; ///< whether it has --parts
 };
 
+/// The deck of a program's command line, validated; names at old places are noted in the log.
+/// @note Collective.
+Teuchos::ParameterList readDeck(const ProgramContext& context, const ParameterSpec& spec);
+
 /// The scene of an application's deck, with its timeline. @note Collective.
 scene::Scene sceneOf(const Application& application, const DeckContext& context);
 

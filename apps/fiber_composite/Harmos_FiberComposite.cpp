@@ -14,67 +14,74 @@ using composite::Sample;
 
 void addMaterial(ParameterSpec& deck, const std::string& name, const std::string& meaning, double young) {
   ParameterSpec material(name, meaning);
-  material.real("Young's modulus", young, Range::above(0.0), "In units of your choice.");
+  material.real("Young's modulus", young, Range::above(0.0),
+                "Young's modulus, force per area in units of your choice.");
   material.real("Poisson's ratio", 0.3, Range::strictlyWithin(-1.0, 0.5),
-                "Sideways contraction over stretch.");
+                "Ratio of lateral contraction to extension.");
   deck.list(std::move(material));
+}
+
+void addExpertParameters(ParameterSpec& expert) {
+  expert.integer("Fibre layers", 3, 1, 1000, "Layers of elements around the core of a fibre.");
+  expert.integer("Matrix layers", 4, 1, 1000,
+                 "Layers of elements between the fibre and the side of the cell.");
+  expert.integer("Subdomains per fibre", 1, 1, 10000, "Subdomains of a fibre; more than one: by METIS.");
+  expert.integer("Subdomains per matrix cell", 1, 1, 10000,
+                 "Subdomains of the matrix of a cell; more than one: by METIS.");
+  expert.choice("Dilatation", "auto",
+                {{"auto", "projected if Poisson's ratio is above 0.4"},
+                 {"full", "from the displacements"},
+                 {"projected", "B-bar, for nearly incompressible materials"}},
+                "Volume change in the stiffness.");
 }
 
 void addParameters(ParameterSpec& deck) {
   ParameterSpec model("Model", "Geometry and discretisation of the sample.");
-  model.integer("Columns", 4, 1, 10000, "Cells along x.");
-  model.integer("Rows", 4, 1, 10000, "Cells along y.");
-  model.real("Cell size", 1.0, Range::above(0.0), "Side of a cell.");
+  model.integer("Columns", 4, 1, 10000, "Number of cells along x.");
+  model.integer("Rows", 4, 1, 10000, "Number of cells along y.");
+  model.real("Cell size", 1.0, Range::above(0.0), "Side of a cell, a length.");
   model.real("Volume fraction", 0.4, Range::within(0.01, 0.7),
-             "Share of the fibres; the radius follows from it.");
+             "Volume fraction of the fibres, which gives their radius.");
   model.integer("Elements per side", 5, 2, 1000,
-                "Along a side of a cell; four times as many around a fibre.");
-  model.integer("Fibre layers", 3, 1, 1000, "Layers of elements around the core of a fibre.");
-  model.integer("Matrix layers", 4, 1, 1000,
-                "Layers of elements between the fibre and the side of the cell.");
+                "Elements along a side of a cell. There are four times as many around a fibre.");
   model.integer("Element order", 1, 1, 2, "1: bilinear quadrilaterals; 2: biquadratic ones, curved.");
   model.real("Radius scatter", 0.0, Range::within(0.0, 0.9),
-             "Radii vary evenly by this much up and down, relative.");
+             "Largest relative deviation of radii, uniformly distributed.");
   model.real("Offset scatter", 0.0, Range::within(0.0, 0.5),
-             "Centres vary evenly by this much in each direction, in sides of a cell.");
-  model.integer("Seed", 1, 0, 2147483647, "Of the scatter.");
-  model.integer("Subdomains per fibre", 1, 1, 10000, "More than one: by METIS.");
-  model.integer("Subdomains per matrix cell", 1, 1, 10000, "More than one: by METIS.");
-  model.choice(
-      "Interface", "contact",
-      {{"contact", "fibres inserted without adhesion: unilateral contact all around"},
-       {"adhesive", "fibres glued to the matrix until that breaks, by the list Adhesion; contact then"},
-       {"tie", "fibres bonded to the matrix"},
-       {"holes", "no fibres"},
-       {"homogeneous", "bonded fibres of the matrix' own material"}},
-      "What holds between fibre and matrix.");
+             "Largest offset of centres along each axis, uniformly distributed, in sides of a cell.");
+  model.integer("Seed", 1, 0, 2147483647, "Seed of the scatter.");
+  model.choice("Interface", "contact",
+               {{"contact", "fibres inserted without adhesion: unilateral contact all around"},
+                {"adhesive",
+                 "fibres glued to the matrix until the adhesive breaks, see the list Adhesion; then contact"},
+                {"tie", "fibres bonded to the matrix"},
+                {"holes", "no fibres"},
+                {"homogeneous", "bonded fibres of the material of the matrix"}},
+               "Condition between fibre and matrix.");
   model.real("Slip bound", 0.0, Range::atLeast(0.0),
-             "Contact, adhesive: friction by Tresca's law, force per area; 0: none.");
+             "Contact, adhesive: bound of Tresca's friction, force per area; 0: none.");
   model.real("Coefficient of friction", 0.0, Range::atLeast(0.0),
-             "Contact, adhesive: friction by Coulomb's law, bound over pressure; 0: none.");
-  ParameterSpec adhesion("Adhesion", "Interface adhesive: springs around each fibre, and how they break.");
+             "Contact, adhesive: coefficient of Coulomb's friction, bound over pressure; 0: none.");
+  ParameterSpec adhesion("Adhesion", "Interface adhesive: springs around each fibre, and their damage.");
   effects::addCohesiveLaw(adhesion);
   model.list(std::move(adhesion));
   model.choice("Load", "stretch",
                {{"stretch", "the right side moves to the right"},
                 {"compression", "the right side moves to the left"},
                 {"biaxial", "the right side moves to the right and the top upward"}},
-               "The left side is held in x, the bottom in y; other displacements are free.");
+               "Prescribed displacements. The left side is held in x, the bottom in y; others are free.");
   model.real("Strain", 0.01, Range::above(0.0), "Displacement of a side over the length of the sample.");
-  model.text("History", "", "Name of one of \"Steps/Histories\" that the displacement follows; \"\": ramp.");
-  model.choice("Dilatation", "auto",
-               {{"auto", "projected where Poisson's ratio is above 0.4"},
-                {"full", "as the displacements give it"},
-                {"projected", "B-bar, for nearly incompressible materials"}},
-               "How changes of volume enter the stiffness.");
+  model.text("History", "",
+             "Name of one of \"Steps/Histories\", the factor of the displacement; empty: ramp.");
   model.choice(
       "Physics", "plane strain",
       {{"plane strain", "no strain out of the plane"}, {"plane stress", "no stress out of the plane"}},
-      "Of the cross-section.");
+      "State of the cross-section.");
+  addExpertParameters(model.expert());
   deck.list(std::move(model));
-  ParameterSpec materials("Materials", "Isotropic, linear elastic.");
-  addMaterial(materials, "Matrix", "Of the matrix.", 1.0);
-  addMaterial(materials, "Fibre", "Of the fibres.", 10.0);
+  ParameterSpec materials("Materials", "Isotropic, linear elastic materials.");
+  addMaterial(materials, "Matrix", "Material of the matrix.", 1.0);
+  addMaterial(materials, "Fibre", "Material of the fibres.", 10.0);
   deck.list(std::move(materials));
 }
 
@@ -84,21 +91,22 @@ fem::Material material(const Teuchos::ParameterList& list) {
 
 Sample sampleOf(const Teuchos::ParameterList& deck) {
   const Teuchos::ParameterList& model = deck.sublist("Model");
+  const Teuchos::ParameterList& expert = model.sublist("Expert");
   Sample sample;
   sample.columns = model.get<int>("Columns");
   sample.rows = model.get<int>("Rows");
   sample.cell.size = model.get<double>("Cell size");
   sample.cell.radius = sample.cell.size * std::sqrt(model.get<double>("Volume fraction") / std::acos(-1.0));
   sample.cell.elementsPerSide = model.get<int>("Elements per side");
-  sample.cell.fibreLayers = model.get<int>("Fibre layers");
-  sample.cell.matrixLayers = model.get<int>("Matrix layers");
+  sample.cell.fibreLayers = expert.get<int>("Fibre layers");
+  sample.cell.matrixLayers = expert.get<int>("Matrix layers");
   sample.cell.cellType =
       model.get<int>("Element order") == 1 ? fem::CellType::Quadrilateral4 : fem::CellType::Quadrilateral9;
   sample.radiusScatter = model.get<double>("Radius scatter");
   sample.offsetScatter = model.get<double>("Offset scatter");
   sample.seed = model.get<int>("Seed");
-  sample.fibreSubdomains = model.get<int>("Subdomains per fibre");
-  sample.matrixSubdomains = model.get<int>("Subdomains per matrix cell");
+  sample.fibreSubdomains = expert.get<int>("Subdomains per fibre");
+  sample.matrixSubdomains = expert.get<int>("Subdomains per matrix cell");
   const std::string interface = model.get<std::string>("Interface"), load = model.get<std::string>("Load");
   sample.interface = interface == "contact"    ? Sample::Interface::Contact
                      : interface == "adhesive" ? Sample::Interface::Adhesive
@@ -120,7 +128,7 @@ Sample sampleOf(const Teuchos::ParameterList& deck) {
   sample.history = model.get<std::string>("History");
   sample.physics = model.get<std::string>("Physics") == "plane stress" ? scene::Physics::PlaneStress
                                                                        : scene::Physics::PlaneStrain;
-  sample.dilatation = model.get<std::string>("Dilatation");
+  sample.dilatation = expert.get<std::string>("Dilatation");
   sample.matrix = material(deck.sublist("Materials").sublist("Matrix"));
   sample.fibre = material(deck.sublist("Materials").sublist("Fibre"));
   return sample;

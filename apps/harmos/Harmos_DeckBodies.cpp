@@ -84,7 +84,7 @@ std::vector<std::string> groupsOf(const std::string& name, const ParameterList& 
 }
 
 fem::Dilatation dilatationOf(const ParameterList& list, const std::vector<fem::Material>& materials) {
-  const std::string choice = list.get<std::string>("Dilatation");
+  const std::string choice = list.sublist("Expert").get<std::string>("Dilatation");
   const bool project =
       choice == "projected" ||
       (choice == "auto" && std::any_of(materials.begin(), materials.end(), fem::nearlyIncompressible));
@@ -104,9 +104,9 @@ void noteLocking(const scene::Body& body, scene::Physics physics, fem::CellType 
 
 fem::PartitionOptions partitionOptions(const ParameterList& list) {
   fem::PartitionOptions options;
-  if (list.get<std::string>("Partition") == "METIS")
+  if (list.sublist("Expert").get<std::string>("Partition") == "METIS")
     options.method = fem::PartitionMethod::Metis;
-  options.seed = list.get<int>("Partition seed");
+  options.seed = list.sublist("Expert").get<int>("Partition seed");
   return options;
 }
 
@@ -282,68 +282,73 @@ void makeBlock(const ParameterList& list, int dimension, scene::Body& body, long
   noteLocking(body, scene.physics, options.cellType, scene.notes);
 }
 
-} // namespace
-
-void addBodyParameters(ParameterSpec& deck) {
+void addMaterials(ParameterSpec& deck) {
   ParameterSpec material("<material>", "A linear elastic material, by a name of your choice.");
   material.choice("Type", "isotropic",
                   {{"isotropic", "by Young's modulus and Poisson's ratio"},
-                   {"orthotropic", "by three of each and three shear moduli, about turned axes"}},
-                  "How its elasticity is given.");
-  material.real("Young's modulus", 1.0, Range::above(0.0), "Isotropic: force per area.");
+                   {"orthotropic", "by three of each and three shear moduli, about rotated axes"}},
+                  "Symmetry of the material.");
+  material.real("Young's modulus", 1.0, Range::above(0.0), "Isotropic: Young's modulus, force per area.");
   material.real("Poisson's ratio", 0.3, Range::strictlyWithin(-1.0, 0.5),
-                "Isotropic; above 0.4 see \"Dilatation\" of the bodies.");
-  material.reals("Young's moduli", {1.0, 1.0, 1.0}, Range::above(0.0), "Orthotropic: E_1, E_2, E_3.");
+                "Isotropic: Poisson's ratio. Above 0.4 see \"Dilatation\" of the bodies.");
+  material.reals("Young's moduli", {1.0, 1.0, 1.0}, Range::above(0.0),
+                 "Orthotropic: E_1, E_2, E_3, force per area.");
   material.reals("Poisson's ratios", {0.3, 0.3, 0.3}, Range(),
                  "Orthotropic: ν_12, ν_13, ν_23; ν_ij/E_i = ν_ji/E_j.");
-  material.reals("Shear moduli", {0.4, 0.4, 0.4}, Range::above(0.0), "Orthotropic: G_12, G_13, G_23.");
-  material.real("Angle", 0.0, Range(), "Orthotropic: of axis 1 from x, about z, in degrees.");
+  material.reals("Shear moduli", {0.4, 0.4, 0.4}, Range::above(0.0),
+                 "Orthotropic: G_12, G_13, G_23, force per area.");
+  material.real("Angle", 0.0, Range(), "Orthotropic: angle from x to axis 1, about z, in degrees.");
   material.reals("Thermal expansion", {0.0, 0.0, 0.0}, Range(),
-                 "Along the axes 1, 2, 3 (x, y, z where isotropic): strain per degree.");
-  ParameterSpec materials("Materials", "Materials, which bodies name.");
+                 "Strain per degree along the axes 1, 2, 3 (isotropic: x, y, z).");
+  ParameterSpec materials("Materials", "Materials of the bodies.");
   materials.family(std::move(material));
   deck.list(std::move(materials));
+}
 
+} // namespace
+
+void addBodyParameters(ParameterSpec& deck) {
+  addMaterials(deck);
   ParameterSpec body("<body>", "A body, by a name of your choice.");
   body.choice("Source", "file",
               {{"file", "from \"Model/Mesh file\""},
                {"block",
-                "a rectangle (of plane scenes) or a brick with a regular grid; boundary parts left and right "
+                "a rectangle (plane scenes) or a brick with a regular grid; boundary parts left and right "
                 "(least and largest x), bottom and top (y in the plane, z in space), in space also front and "
                 "back (least and largest y)"}},
-              "Where its mesh comes from.");
-  body.texts(
-      "Groups", {},
-      "Source file: the physical groups that make it up, each a region; none: the one of the body's name.");
-  body.integer("Subdomains", 1, 1, 1000000, "Source file: it is cut into so many.");
-  body.choice("Partition", "compact",
-              {{"compact", "METIS' parts, rounded off: counts of iterations do not grow with their number"},
-               {"METIS", "METIS' parts as they are"}},
-              "Source file: how it is cut.");
-  body.integer("Partition seed", 1, 0, 1000000,
-               "Source file: of METIS' random numbers; another one gives another cut, as good.");
-  body.reals("Origin", {0.0, 0.0, 0.0}, Range(), "Source block: its corner of least coordinates.");
+              "Source of the mesh.");
+  body.texts("Groups", {},
+             "Source file: physical groups of the body, each a region; none: the group of the body's name.");
+  body.integer("Subdomains", 1, 1, 1000000, "Source file: number of subdomains.");
+  body.reals("Origin", {0.0, 0.0, 0.0}, Range(), "Source block: corner of least coordinates.");
   body.reals("Size", {1.0, 1.0, 1.0}, Range::above(0.0),
-             "Source block: along x, y, z; plane scenes do not use the third.");
-  body.integers("Subdomains a side", {1, 1, 1}, 1, 100000, "Source block: equal subdomains along x, y, z.");
+             "Source block: lengths along x, y, z; plane scenes do not use the third.");
+  body.integers("Subdomains a side", {1, 1, 1}, 1, 100000,
+                "Source block: numbers of equal subdomains along x, y, z.");
   body.integers("Elements a side", {8, 8, 8}, 1, 100000,
-                "Source block: elements of one subdomain along x, y, z.");
-  body.choice(
-      "Element", "Q1",
-      {{"Q1", "quadrilaterals of 4, hexahedra of 8 nodes"},
-       {"Q2", "of 9 and 27 nodes"},
-       {"P1", "triangles of 3, tetrahedra of 4 nodes"},
-       {"P2", "of 6 and 10 nodes"}},
-      "Source block: the cells. P1 and P2 cut each quadrilateral into two, each hexahedron into six.");
+                "Source block: numbers of elements of one subdomain along x, y, z.");
+  body.choice("Element", "Q1",
+              {{"Q1", "quadrilaterals of 4, hexahedra of 8 nodes"},
+               {"Q2", "of 9 and 27 nodes"},
+               {"P1", "triangles of 3, tetrahedra of 4 nodes"},
+               {"P2", "of 6 and 10 nodes"}},
+              "Source block: type of the cells. P1 and P2 split each quadrilateral into two cells, each "
+              "hexahedron into six.");
   body.texts("Materials", {},
-             "Names from the list Materials, one for each region in the order of the groups; a single name "
-             "serves for all. "
+             "Names from the list Materials, one for each region in the order of the groups, or one for all. "
              "Membranes have none.");
-  body.choice("Dilatation", "auto",
-              {{"auto", "projected if a Poisson's ratio is above 0.4"},
-               {"full", "as the displacements give it"},
-               {"projected", "B-bar, for nearly incompressible materials"}},
-              "How changes of volume enter the stiffness.");
+  body.expert().choice("Partition", "compact",
+                       {{"compact", "METIS' parts, rounded off: iterations do not grow with their number"},
+                        {"METIS", "METIS' parts, unchanged"}},
+                       "Source file: method of the decomposition.");
+  body.expert().integer("Partition seed", 1, 0, 1000000,
+                        "Source file: seed of METIS' random numbers. Each seed gives another decomposition, "
+                        "of equal quality.");
+  body.expert().choice("Dilatation", "auto",
+                       {{"auto", "projected if a Poisson's ratio is above 0.4"},
+                        {"full", "from the displacements"},
+                        {"projected", "B-bar, for nearly incompressible materials"}},
+                       "Volume change in the stiffness.");
   ParameterSpec bodies("Bodies", "The bodies of the scene.");
   bodies.family(std::move(body));
   deck.list(std::move(bodies));

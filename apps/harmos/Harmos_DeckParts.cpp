@@ -82,32 +82,32 @@ fem::BoundaryRule ruleFrom(const RuleList& given, const std::string& name) {
   if (centre)
     rule.cylinder = fem::BoundaryRule::Cylinder{
         *centre, given.direction("Cylinder axis").value_or(fem::Point{0.0, 0.0, 1.0}), radius};
-  rule.tolerance = given.list.get<double>("Tolerance");
+  rule.tolerance = given.list.sublist("Expert").get<double>("Tolerance");
   return rule;
 }
 
 } // namespace
 
 void addPartParameters(ParameterSpec& deck) {
-  ParameterSpec part("<part>",
-                     "The sides of cells on a body's boundary that meet every condition given here, "
-                     "by a name of your choice.");
-  part.texts("Bodies", {}, "Bodies that have it; none: each that has such sides.");
+  ParameterSpec part("<part>", "Sides on the boundary, by a name of your choice. A part has the sides of "
+                               "cells on the boundary that meet all conditions given here.");
+  part.texts("Bodies", {}, "Bodies with this part; none: each body that has such sides.");
   part.texts("Of", {},
-             "Parts of the mesh, or of rules before this one, whose sides are looked at; none: all of the "
+             "Parts of the mesh, or of rules before this one, from which sides are selected; none: the whole "
              "boundary.");
-  part.series("Box from", Range(), "A corner of a box along the axes, all of a side in it.");
-  part.series("Box to", Range(), "The other corner; without it, or the first one, the box has no end there.");
-  part.series("Normal", Range(), "Direction that the outward normal has, within \"Angle\".");
-  part.real("Angle", usualAngle, Range::within(0.0, 180.0), "Degrees that the normal may be off.");
-  part.series("Plane point", Range(), "A point of a plane on which sides lie.");
-  part.series("Plane normal", Range(), "Its normal, either way round.");
-  part.series("Cylinder point", Range(), "A point on the axis of a cylinder on which sides lie.");
-  part.series("Cylinder axis", Range(), "Its direction; none: z.");
-  part.real("Cylinder radius", 0.0, Range::atLeast(0.0), "Its radius; 0: no cylinder.");
-  part.real("Tolerance", 1e-5, Range::within(0.0, 1.0),
-            "Of box, plane and cylinder, in shares of the diagonal of the box around the body.");
-  ParameterSpec parts("Boundary parts", "Boundary parts besides those of the meshes.");
+  part.series("Box from", Range(), "Corner of a box along the axes that contains all of a side.");
+  part.series("Box to", Range(), "Opposite corner. Without one of the two the box is unbounded there.");
+  part.series("Normal", Range(), "Direction of the outward normal, within \"Angle\".");
+  part.real("Angle", usualAngle, Range::within(0.0, 180.0), "Largest angle to \"Normal\", in degrees.");
+  part.series("Plane point", Range(), "Point of a plane that contains the sides.");
+  part.series("Plane normal", Range(), "Normal of the plane, in either direction.");
+  part.series("Cylinder point", Range(), "Point on the axis of a cylinder that contains the sides.");
+  part.series("Cylinder axis", Range(), "Direction of the axis; none: z.");
+  part.real("Cylinder radius", 0.0, Range::atLeast(0.0), "Radius of the cylinder; 0: no cylinder.");
+  part.expert().real("Tolerance", 1e-5, Range::within(0.0, 1.0),
+                     "Tolerance of box, plane and cylinder, as a share of the diagonal of the box around the "
+                     "body.");
+  ParameterSpec parts("Boundary parts", "Boundary parts in addition to those of the meshes.");
   parts.family(std::move(part));
   deck.list(std::move(parts));
 }

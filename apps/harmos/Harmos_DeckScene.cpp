@@ -7,7 +7,7 @@
 namespace Harmos::app {
 namespace {
 
-const std::vector<std::pair<std::string, scene::Physics>> physics = {
+const std::vector<std::pair<std::string, scene::Physics>> physicsNames = {
     {"plane strain", scene::Physics::PlaneStrain},
     {"plane stress", scene::Physics::PlaneStress},
     {"solid", scene::Physics::Solid},
@@ -16,18 +16,18 @@ const std::vector<std::pair<std::string, scene::Physics>> physics = {
 } // namespace
 
 void addSceneParameters(ParameterSpec& deck, const scene::EffectRegistry& registry) {
-  ParameterSpec model("Model", "What the scene is.");
+  ParameterSpec model("Model", "Physics, name and mesh file of the scene.");
   model.choice("Physics", "plane strain",
                {{"plane strain", "elastic, no strain out of the plane"},
                 {"plane stress", "elastic, no stress out of the plane"},
                 {"solid", "elastic, three dimensions"},
                 {"membrane", "−Δu = f in the plane, one displacement a node"}},
-               "One for all bodies.");
-  model.text("Name", "scene", "What the log and the summary call it.");
+               "Physics of all bodies.");
+  model.text("Name", "scene", "Name of the scene in log and summary.");
   model.text("Mesh file", "",
-             "File that Gmsh reads (.msh, .vtk; .geo and .step are meshed first), or that harmos-mesh has "
-             "cut (.h5: each rank "
-             "reads its own parts), relative to the deck; for bodies whose source is \"file\".");
+             "Mesh file of bodies with the source \"file\", relative to the deck. A file that Gmsh reads "
+             "(.msh, .vtk; .geo and .step are meshed first), or one that harmos-mesh has cut (.h5: each rank "
+             "reads its own parts).");
   deck.list(std::move(model));
   addBodyParameters(deck);
   addPartParameters(deck);
@@ -38,7 +38,7 @@ scene::Scene sceneFromDeck(const DeckContext& context, const scene::EffectRegist
   const Teuchos::ParameterList& model = context.deck.sublist("Model");
   scene::Scene scene;
   scene.name = model.get<std::string>("Name");
-  for (const auto& [name, kind] : physics)
+  for (const auto& [name, kind] : physicsNames)
     if (name == model.get<std::string>("Physics"))
       scene.physics = kind;
   addBodies(context, scene);

@@ -14,88 +14,86 @@ namespace Harmos::shape {
 namespace {
 
 void addDesign(ParameterSpec& shape) {
-  ParameterSpec design("Design", "What is designed: the numbers that the optimiser chooses.");
+  ParameterSpec design("Design", "Design variables: the numbers that the optimiser chooses.");
   design.choice(
       "Kind", "gap",
       {{"gap",
         "the gaps of contacts and obstacles: a profile on a surface that is nearly flat; no matrix changes"},
-       {"position", "the nodes of a body near a boundary part, those inside following smoothly"}},
-      "What changes.");
-  design.texts("Contacts", {},
-               "Kind \"gap\": contacts and obstacles whose gaps are designed, as in \"Contact/joint\"; none: "
-               "all of them.");
+       {"position", "the nodes of a body near a boundary part; those inside follow smoothly"}},
+      "Quantity that is designed.");
+  design.texts(
+      "Contacts", {},
+      "Kind \"gap\": contacts and obstacles with a designed gap; none: all. Named as in \"Contact/joint\".");
   design.choice("Functions", "nodes",
                 {{"nodes", "a number for each contact point"}, {"splines", "B-splines along axes"}},
-                "Kind \"gap\": of what the profile is made. Positions always are splines.");
-  design.texts(
-      "Axes", {},
-      "Splines: x, y or z, or two of them; none: those along which the surface extends, one in the plane.");
-  design.integers("Pieces", {8, 8}, 1, 10000, "Splines: equal pieces along the first and the second axis.");
+                "Kind \"gap\": basis of the profile. The kind \"position\" always has splines.");
+  design.texts("Axes", {},
+               "Splines: x, y or z, or two of them. None: those along which the surface extends, one in the "
+               "plane.");
+  design.integers("Pieces", {8, 8}, 1, 10000,
+                  "Splines: number of equal pieces along the first and the second axis.");
   design.integer("Degree", 2, 0, 3,
-                 "Splines: 0 constant, 1 linear, 2 and 3 smooth. Pieces and degree together are the numbers "
-                 "along an axis.");
-  design.series("Start", Range(), "Where the numbers begin: one for all of them, or one each; none: 0.");
-  design.series("Lower", Range(), "Their lower bounds, likewise; none: no bound.");
-  design.series("Upper", Range(), "Their upper bounds, likewise; none: no bound.");
+                 "Splines: degree, 0 constant, 1 linear, 2 and 3 smooth. The sum of pieces and degree is the "
+                 "number of variables along an axis.");
+  design.series("Start", Range(), "Start values: one for all variables, or one each; none: 0.");
+  design.series("Lower", Range(), "Lower bounds: one for all variables, or one each; none: no bound.");
+  design.series("Upper", Range(), "Upper bounds: one for all variables, or one each; none: no bound.");
   design.text("Surface", "", "Kind \"position\": \"body/boundary part\" whose nodes are designed.");
   design.texts("Bodies", {},
-               "Kind \"position\": bodies whose nodes follow; none: that of the surface. Bodies that touch "
-               "with nodes that match "
-               "have to follow both.");
+               "Kind \"position\": bodies whose nodes follow; none: that of the surface. Bodies in contact "
+               "with matching nodes must both follow.");
   design.reals("Direction", {0.0, 1.0, 0.0}, Range(),
-               "Kind \"position\": along which nodes move: the surface's outward normal.");
+               "Kind \"position\": direction of the movement, the surface's outward normal.");
   design.real("Depth", 0.0, Range::atLeast(0.0),
-              "Kind \"position\": how deep below the surface nodes still follow; 0: all through the bodies.");
-  design.real("Least quality", 0.2, Range::strictlyWithin(0.0, 1.0),
-              "Kind \"position\": designs that leave less than that of the shape of any cell (1: similar, 0: "
-              "tangled) are refused.");
+              "Kind \"position\": depth to which nodes follow, a length; 0: all of the bodies.");
+  design.expert().real(
+      "Least quality", 0.2, Range::strictlyWithin(0.0, 1.0),
+      "Kind \"position\": least quality of a cell, relative to its initial shape (1: similar, "
+      "0: tangled). Designs with a lower one are rejected.");
   shape.list(std::move(design));
 }
 
 void addCost(ParameterSpec& shape) {
-  ParameterSpec cost("Cost", "What is to be small.");
+  ParameterSpec cost("Cost", "Quantity that the optimiser minimises.");
   cost.choice(
       "Quantity", "peak pressure",
       {{"peak pressure", "the norm (Σ a pᵖ/Σ a)^(1/p) of the contact pressure, near its peak for large p"},
        {"pressure spread", "the square of the pressure's coefficient of variation"},
-       {"softest", "the least potential energy J = min ½uᵀKu − fᵀu itself: where loads act, they move most"},
+       {"softest", "the least potential energy J = min ½uᵀKu − fᵀu: largest displacement under the loads"},
        {"stiffest",
-        "−J: where loads act, they move least. J is convex in gaps and −J is not: what is found is the "
-        "best nearby"},
+        "−J: least displacement under the loads. J is convex in gaps and −J is not: the result is a local "
+        "minimum"},
        {"displacement", "the mean displacement of a boundary part along a direction"}},
-      "Of the answer at a design.");
+      "Cost.");
   cost.real("Exponent", 8.0, Range::above(1.0), "Quantity \"peak pressure\": p.");
   cost.texts("Contacts", {},
-             "Whose pressure it is, and of which peak and mean are told; none: those whose gaps are "
-             "designed, or all.");
+             "Contacts and obstacles of the pressure; none: those that are designed, or all. The results "
+             "tell peak and mean of their pressure.");
   cost.text("Part", "", "Quantity \"displacement\": \"body/boundary part\".");
   cost.reals("Direction", {0.0, 1.0, 0.0}, Range(),
-             "Quantity \"displacement\": along which; opposite for the largest one.");
+             "Quantity \"displacement\": its direction; the opposite one maximises.");
   shape.list(std::move(cost));
 }
 
 } // namespace
 
 void ShapeDeck::addTo(ParameterSpec& deck) {
-  ParameterSpec shape("Shape",
-                      "The best shape of a contact surface: what is designed, for what, within what.");
+  ParameterSpec shape("Shape", "Optimal shape of a contact surface.");
   addDesign(shape);
   addCost(shape);
-  ParameterSpec constraints("Constraints", "What designs have to keep to, beside their bounds.");
+  ParameterSpec constraints("Constraints", "Constraints of a design, in addition to bounds.");
   constraints.series("Volume", Range(),
-                     "What a design adds to the gaps, ∫ profile, or to the bodies: its value, or the least "
-                     "and the most; none: no "
-                     "such constraint. In the plane an area.");
+                     "Added volume: its value, or the least and the largest; none: no constraint. The volume "
+                     "that a design adds to the gaps, ∫ profile, or to the bodies; in the plane an area.");
   shape.list(std::move(constraints));
-  ParameterSpec limits("Limits", "When to stop before the optimiser does; --restart goes on.");
+  ParameterSpec limits("Limits", "Limits of an optimisation; --restart continues it.");
   limits.integer("Evaluations", 0, 0, 1000000000,
-                 "Solutions for costs, of the whole optimisation; 0 for no limit.");
-  limits.real("Seconds", 0.0, Range::atLeast(0.0), "Of this run; 0 for no limit.");
+                 "Largest number of solves for costs, of the whole optimisation; 0: no limit.");
+  limits.real("Seconds", 0.0, Range::atLeast(0.0), "Time limit of this run in seconds; 0: no limit.");
   shape.list(std::move(limits));
-  shape.foreign(
-      "Optimiser",
-      "Parameters of ROL, over the defaults of Harmos: \"Status Test\", \"Step\", \"General\", as ROL's "
-      "own documentation has them.");
+  shape.foreign("Optimiser",
+                "Parameters of ROL. They replace the defaults of Harmos: \"Status Test\", \"Step\", "
+                "\"General\", as in ROL's documentation.");
   deck.list(std::move(shape));
 }
 
@@ -171,7 +169,7 @@ void readDesign(const Teuchos::ParameterList& list, const scene::Scene& scene, S
   }
   deck.direction = directionIn(list, path);
   deck.depth = list.get<double>("Depth");
-  deck.leastQuality = list.get<double>("Least quality");
+  deck.leastQuality = list.sublist("Expert").get<double>("Least quality");
 }
 
 void readCost(const Teuchos::ParameterList& list, const scene::Scene& scene, ShapeDeck& deck) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_ShapeProgram.hpp"
 
-#include "Harmos_Deck.hpp"
 #include "Harmos_HarmosApplication.hpp"
 #include "Harmos_Pipeline.hpp"
 #include "Harmos_RolOptions.hpp"
@@ -54,8 +53,7 @@ void check(const app::ProgramContext& context, const scene::Scene& scene,
 int work(const app::ProgramContext& context) {
   const auto& [comm, line, log, begin] = context;
   const app::Application application = shape::application();
-  const Teuchos::ParameterList deck =
-      scene::readDeck(*comm, line.deck, line.assignments, app::deckSpec(application));
+  const Teuchos::ParameterList deck = app::readDeck(context, app::deckSpec(application));
   const run::RunOptions options = optionsOf(context, deck);
   const scene::Scene scene = app::sceneOf(application, {*comm, deck, app::directoryOf(line.deck), log});
   if (line.parts) {

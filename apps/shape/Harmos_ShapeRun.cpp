@@ -28,25 +28,14 @@ struct Halt {
 // Of a deck, what the solver knows; the rest is the run's.
 Teuchos::ParameterList solverParameters(const Teuchos::ParameterList& deck, const scene::Scene& scene,
                                         const run::RunOptions& options) {
-  Teuchos::ParameterList list = feti::FetiSolver::parameters().defaults();
-  for (const char* name : {"Decomposition", "Dual operator", "Solver"}) {
-    Teuchos::ParameterList& mine = list.sublist(name);
-    const Teuchos::ParameterList& given = deck.sublist(name);
-    for (auto item = given.begin(); item != given.end(); ++item)
-      if (const std::string& key = given.name(item); mine.isParameter(key)) {
-        if (mine.isSublist(key))
-          mine.sublist(key).setParameters(given.sublist(key));
-        else
-          mine.setEntry(key, given.entry(item));
-      }
-  }
+  Teuchos::ParameterList list = feti::FetiSolver::parameters().commonPart(deck);
   list.sublist("Decomposition")
       .set("Dirichlet", run::dirichletForm(scene, options) == feti::DirichletForm::Dual ? "dual" : "primal");
   list.sublist("Solver").set("Progress frequency", 0);
   const feti::SolverOptions solver = run::solverOptions(scene, options);
   if (solver.methodLists.isSublist("PDAS") &&
       solver.methodLists.sublist("PDAS").isParameter("First active set"))
-    list.sublist("Solver").sublist("PDAS").set(
+    list.sublist("Solver").sublist("Expert").sublist("PDAS").set(
         "First active set", solver.methodLists.sublist("PDAS").get<std::string>("First active set"));
   return list;
 }

@@ -132,6 +132,8 @@ int runStudy(const app::ProgramContext& context) {
   const app::CommandLine& line = context.line;
   const Log& log = context.log;
   const Plan plan(*comm, line);
+  for (const std::string& note : plan.notes)
+    log.info("Note: " + note);
   const std::vector<Setting> all = plan.settings();
   if (line.check) {
     log.info("The deck \"" + line.deck + "\" is valid: " + std::to_string(all.size()) + " settings of \"" +

@@ -79,7 +79,7 @@ void ErrorJudge::makeReference() {
     return;
   const auto exact = [](std::vector<std::string> assignments) {
     assignments.push_back("Dual operator/Precision=double");
-    assignments.push_back("Dual operator/Block low rank tolerance=0");
+    assignments.push_back("Dual operator/Expert/Block low rank tolerance=0");
     return assignments;
   };
   const Tight finest = tightRun(exact(plan_.reference), "the reference");
@@ -122,7 +122,7 @@ void ErrorJudge::turnTo(const Setting& setting) {
   inexact_.clear();
   std::vector<std::string> assignments = scene;
   assignments.push_back("Dual operator/Precision=double");
-  assignments.push_back("Dual operator/Block low rank tolerance=0");
+  assignments.push_back("Dual operator/Expert/Block low rank tolerance=0");
   tight_ = tightRun(assignments, "the tight run for " + plan_.label(setting));
   comparison_ = std::make_unique<const run::SolutionComparison>(*comm_, *reference_, *tight_.run);
   discretisation_ = relative(comparison_->difference(*tight_.run));

@@ -108,39 +108,45 @@ std::string Axis::text(std::size_t value) const {
 }
 
 ParameterSpec Plan::deckSpec() {
-  ParameterSpec deck("study", "Deck of study: what accuracy costs in time, for a scene and its settings.");
-  ParameterSpec study("Study", "What is run, and what is asked of it.");
+  ParameterSpec deck("study", "Deck of study: computing time for an accuracy, for a scene and its settings.");
+  ParameterSpec study("Study", "Scene, runs and targets.");
   study.choice("Application", "signorini",
                {{"signorini", "Signorini problems"},
                 {"fiber_composite", "the fibre composite"},
                 {"harmos", "any scene of a deck"}},
-               "Whose deck it is.");
-  study.text("Deck", "", "Of the application, relative to this deck.");
-  study.texts("Set", {}, "What all runs change in it: \"List/Name=value\". Arrays are written [2 2 1].");
-  study.integer("Repetitions", 3, 1, 1000, "Of each run, at least; seconds are medians.");
+               "Application of the deck.");
+  study.text("Deck", "", "Deck of the application, relative to this deck.");
+  study.texts("Set", {}, "Assignments for all runs: \"List/Name=value\". Arrays are written [2 2 1].");
+  study.integer("Repetitions", 3, 1, 1000, "Least number of repetitions of each run. Seconds are medians.");
   study.real("Least seconds", 0.5, Range::atLeast(0.0),
-             "Runs that take so little that all repetitions stay below this are repeated further, up to a "
-             "hundred times: seconds of single short runs are noise.");
+             "Least total seconds of the repetitions of a run. Shorter runs are repeated further, at most a "
+             "hundred times: the time of a single short run is noise.");
   study.texts("Targets", {"1e-1", "1e-2"},
-              "Relative errors that the closing sentences name the cheapest settings for.");
-  study.real(
-      "Tight tolerance", 1e-10, Range::strictlyWithin(0.0, 1e-4),
-      "Solver/Tolerance of the runs that solver errors are measured against. Where it is out of reach, "
-      "ten times as much, and so on.");
-  study.boolean("Charts", true, "Draw them at the end, where Python and Matplotlib are found.");
+              "Relative errors for which the report names the cheapest settings.");
+  study.real("Tight tolerance", 1e-10, Range::strictlyWithin(0.0, 1e-4),
+             "Solver/Tolerance of the reference runs for solver errors. If it is not reached, ten times as "
+             "much, and so on.");
+  study.boolean("Charts", true, "Draw charts at the end, if Python and Matplotlib are found.");
   study.text("Output", "study", "Directory of study.csv, study.json and the charts; --output overrides it.");
   deck.list(std::move(study));
-  ParameterSpec reference("Reference", "What errors are measured against, and how its own error is found.");
-  reference.texts("Set", {}, "Assignments of the reference, upon those of \"Study/Set\": the finest mesh.");
-  reference.texts("Coarser", {}, "Of the next coarser one, as far from it as \"Coarsest\" from this one.");
-  reference.texts("Coarsest", {}, "Of a third one: from the three comes the rate of convergence.");
+  ParameterSpec reference("Reference", "Reference solution for errors, and the estimate of its own error.");
+  reference.texts("Set", {},
+                  "Assignments of the reference, the finest mesh, in addition to those of \"Study/Set\".");
+  reference.texts(
+      "Coarser", {},
+      "Assignments of the next coarser mesh, coarser than \"Set\" by the factor of \"Coarsest\" to "
+      "this one.");
+  reference.texts("Coarsest", {}, "Assignments of a third mesh. The three give the rate of convergence.");
   deck.list(std::move(reference));
-  ParameterSpec axes("Axes", "What is varied; every combination of values is run.");
-  ParameterSpec axis("<axis>", "An axis of that name.");
+  ParameterSpec axes("Axes", "Axes of the study. Every combination of values is run.");
+  ParameterSpec axis("<axis>",
+                     "An axis of the study, by a name of your choice. Every combination of the values "
+                     "of all axes is run.");
   axis.texts("Parameters", {}, "Paths in the application's deck that each value sets.");
   axis.texts("Values", {},
-             "Of several parameters separated by a semicolon: {2;16, 4;8}. Arrays are written [2 2 1].");
-  axis.texts("Labels", {}, "What sentences and charts call the values; none: by name and value.");
+             "Values; those of several parameters with a semicolon between: {2;16, 4;8}. Arrays are written "
+             "[2 2 1].");
+  axis.texts("Labels", {}, "Names of the values in report and charts; none: name and value.");
   axes.family(std::move(axis));
   deck.list(std::move(axes));
   return deck;
@@ -243,10 +249,14 @@ void Plan::readAxes(const Teuchos::ParameterList& list) {
     throw InputError(studyDeck + ": the list \"Axes\" is empty; add the parameters to vary");
 }
 
-void Plan::checkValues(const Teuchos::Comm<int>& comm) const {
+void Plan::checkValues(const Teuchos::Comm<int>& comm) {
   const auto check = [&](const std::string& what, const Texts& assignments) {
     try {
-      readDeck(comm, assignments);
+      std::vector<std::string> found;
+      readDeck(comm, assignments, &found);
+      for (const std::string& note : found)
+        if (std::find(notes.begin(), notes.end(), note) == notes.end())
+          notes.push_back(note);
     } catch (const InputError& error) {
       throw InputError(studyDeck + ": " + what + ": " + error.what(), error.data());
     }
@@ -263,10 +273,11 @@ void Plan::checkValues(const Teuchos::Comm<int>& comm) const {
   check("\"Reference/Coarsest\"", coarsest);
 }
 
-Teuchos::ParameterList Plan::readDeck(const Teuchos::Comm<int>& comm, const Texts& assignments) const {
+Teuchos::ParameterList Plan::readDeck(const Teuchos::Comm<int>& comm, const Texts& assignments,
+                                      Texts* newNotes) const {
   Texts all = common;
   all.insert(all.end(), assignments.begin(), assignments.end());
-  return scene::readDeck(comm, deck, all, specOf(application));
+  return scene::readDeck(comm, deck, all, specOf(application), newNotes);
 }
 
 std::vector<Setting> Plan::settings() const {

@@ -36,8 +36,9 @@ struct Plan {
   double tightTolerance = 0.0;
   bool charts = true;
   std::string output;
-  bool hasToleranceRule = false; ///< the deck knows "Solver/Tolerance rule"
-  bool hasFriction = false;      ///< the reference's deck names friction
+  bool hasToleranceRule = false;  ///< the deck knows "Solver/Tolerance rule"
+  bool hasFriction = false;       ///< the reference's deck names friction
+  std::vector<std::string> notes; ///< on rank 0: names at old places in the application's deck and the axes
   /// Of all that errors depend on beside the values of the axes: tables of different ones do not mix.
   std::string fingerprint;
 
@@ -57,12 +58,12 @@ struct Plan {
   /// "h = 1/32, tolerance 1e-4".
   std::string label(const Setting& setting) const;
   /// The application's deck with these assignments upon the common ones. @note Collective.
-  Teuchos::ParameterList readDeck(const Teuchos::Comm<int>& comm,
-                                  const std::vector<std::string>& assignments) const;
+  Teuchos::ParameterList readDeck(const Teuchos::Comm<int>& comm, const std::vector<std::string>& assignments,
+                                  std::vector<std::string>* newNotes = nullptr) const;
 
  private:
   void readAxes(const Teuchos::ParameterList& list);
-  void checkValues(const Teuchos::Comm<int>& comm) const;
+  void checkValues(const Teuchos::Comm<int>& comm);
   std::vector<std::string> assignments(const Setting& setting, bool ofScene) const;
 };
 

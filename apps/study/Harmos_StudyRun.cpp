@@ -37,11 +37,11 @@ double residentMiB() {
 // The part of the deck by which solves with subdomains are inexact.
 std::vector<std::string> inexactLocalSolver(const Teuchos::ParameterList& dual) {
   const std::string precision = dual.get<std::string>("Precision");
-  const double lowRank = dual.get<double>("Block low rank tolerance");
+  const double lowRank = dual.sublist("Expert").get<double>("Block low rank tolerance");
   if (precision != "single" && lowRank == 0.0)
     return {}; // auto stays far below what the solver leaves
   return {"Dual operator/Form=" + dual.get<std::string>("Form"), "Dual operator/Precision=" + precision,
-          "Dual operator/Block low rank tolerance=" + scientific(lowRank, 6)};
+          "Dual operator/Expert/Block low rank tolerance=" + scientific(lowRank, 6)};
 }
 
 } // namespace

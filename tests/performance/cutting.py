@@ -87,7 +87,7 @@ def seconds_of(deck, body, parts, partition):
     @throws RunFailed if there is no such line.
     """
     command = [runs.application("harmos"), deck]
-    for name, value in {"Subdomains": parts, "Partition": partition}.items():
+    for name, value in {"Subdomains": parts, "Expert/Partition": partition}.items():
         command += ["--set", f"Bodies/{body}/{name}={value}"]
     command += ["--output", runs.scratch()]
     process = subprocess.Popen(

@@ -58,7 +58,7 @@ nlohmann::json solveLevel(const GridProblem& grid, const Teuchos::RCP<MultiVecto
   list->set("Convergence Tolerance", tolerance);
   list->set("Maximum Iterations", 100000);
   if (settings.method == "Auto" || settings.method == "PDAS")
-    list->sublist("PDAS").set("Inner reduction", settings.innerReduction);
+    list->sublist("Expert").sublist("PDAS").set("Inner reduction", settings.innerReduction);
   const auto solver = qp::TpetraSolverFactory().create(settings.method, list);
   solver->setProblem(problem);
   const qp::Result result = solver->solve();

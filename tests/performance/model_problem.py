@@ -22,7 +22,7 @@ runs.TIMEOUT = 900
 
 KINDS = {
     "shared": {},
-    "unshared": {"Dual operator/Share identical subdomains": False},
+    "unshared": {"Dual operator/Expert/Share identical subdomains": False},
     "implicit": {"Dual operator/Form": "implicit"},
     "tied": {"Model/Interface": "tie"},
     "unpreconditioned": {"Dual operator/Preconditioner": "none"},

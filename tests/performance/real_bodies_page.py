@@ -23,8 +23,8 @@ number of subdomains grows, and contact takes only a few more applications than 
 `tests/performance/real_bodies_table.py` measures the counts and renders this page from
 [real_bodies.json](real_bodies.json); a test compares. Versions: {versions}, {ranks} ranks. The tolerance is
 {tolerance:g}, the preconditioner Dirichlet; other settings are the default except the partition of the mesh
-(`Bodies/<body>/Partition`, [parameters](parameters/harmos.md)). `compact` is the default; `METIS` is the partition
-by METIS alone."""
+(`Bodies/<body>/Expert/Partition`, [parameters](parameters/harmos.md)). `compact` is the default; `METIS` is the
+partition by METIS alone."""
 
 SCENES = """
 In the linear problem, the bodies hang from their supports under their weight, without contact. In the contact problem, the upper body

@@ -43,10 +43,10 @@ LONG = {
     "Dual operator/Preconditioner": "none",
     "Dual operator/Form": "implicit",
     "Dual operator/Implicit solver": "MUMPS",
-    "Dual operator/Share identical subdomains": False,
+    "Dual operator/Expert/Share identical subdomains": False,
 }
 # Some seconds, so that matplotlib is there before the end.
-WATCHED = LONG | {"Model/Elements per subdomain side": 48, "Output/Live seconds": 0.1}
+WATCHED = LONG | {"Model/Elements per subdomain side": 48, "Output/Expert/Live seconds": 0.1}
 # The same steps in an instant.
 SHORT = LONG | {"Model/Elements per subdomain side": 8, "Dual operator/Form": "condensed"}
 
@@ -58,9 +58,9 @@ METHODS = {
         "Dual operator/Preconditioner": "none",
     },
     "Dual Penalty": {"Solver/Method": "Dual Penalty"},
-    "PDAS, then SMALBE": {"Solver/PDAS/Maximum active sets": 2},
+    "PDAS, then SMALBE": {"Solver/Expert/PDAS/Maximum active sets": 2},
     "PDAS, then SMALBE, kept often": {
-        "Solver/PDAS/Maximum active sets": 2,
+        "Solver/Expert/PDAS/Maximum active sets": 2,
         "Output/Checkpoint/Outer iterations": 1,
     },
     "balanced": {"Solver/Tolerance rule": "balanced"},
@@ -191,7 +191,7 @@ class SameHistory(unittest.TestCase):
         sets = SHORT | {"Dual operator/Form": "auto"}
         other = runs.solved(self, runs.MODEL, sets)
         self.assertIn("condensed", other.summary["dual_operator"])
-        sets = sets | {"Dual operator/Rates": rates}
+        sets = sets | {"Dual operator/Expert/Rates": rates}
         plain = runs.solved(self, runs.MODEL, sets)
         self.assertIn("implicit", plain.summary["dual_operator"])
         cut = runs.run(runs.MODEL, sets | {"Solver/Maximum iterations": 20})
@@ -200,7 +200,7 @@ class SameHistory(unittest.TestCase):
                 self,
                 cut.directory,
                 np,
-                sets={"Solver/Maximum iterations": 10000, "Dual operator/Rates": ""},
+                sets={"Solver/Maximum iterations": 10000, "Dual operator/Expert/Rates": ""},
             )
             self.assertIn("as before, expected", run.stdout)
             self.assertEqual(run.summary["dual_operator"], plain.summary["dual_operator"])
@@ -229,7 +229,7 @@ class SameHistory(unittest.TestCase):
     def test_adaptive_vectors(self):
         """Vectors are made anew, before the first step of the run that goes on: with those that it had, it takes the same steps."""
         deck = inclusions.Inclusions(2, 6, 10, 1e6, "scattered").write(runs.scratch("inclusions"))
-        sets = {"Dual operator/Adaptive coarse vectors": "auto", "Output/Fields": False}
+        sets = {"Dual operator/Expert/Adaptive coarse vectors": "auto", "Output/Fields": False}
         plain = runs.solved(self, deck, sets, program="harmos")
         made = 80  # products for four digits, at 20 each
         steps = int(plain.iterations()[-1]["inner"])
@@ -250,7 +250,7 @@ class SameHistory(unittest.TestCase):
 
     def test_vectors_that_were_left(self):
         """A run that is asked for more than its vectors let it have has left them: it goes on without, on any ranks."""
-        sets = {"Dual operator/Adaptive coarse vectors": "all", "Solver/Tolerance": 1e-14, "Output/Fields": False}
+        sets = {"Dual operator/Expert/Adaptive coarse vectors": "all", "Solver/Tolerance": 1e-14, "Output/Fields": False}
         # When they are left hangs on rounding errors, with some kernels of BLAS but a step before the end.
         for jump in (1e6, 3e6, 3e5, 1e7):
             deck = inclusions.Inclusions(2, 6, 10, jump, "scattered").write(runs.scratch("inclusions"))
@@ -580,7 +580,7 @@ class WhileItRuns(unittest.TestCase):
 
 class Ranks(unittest.TestCase):
     def test_table(self):
-        run = runs.solved(self, runs.MODEL, SHORT | {"Output/Rank diagnostics": True}, np=3)
+        run = runs.solved(self, runs.MODEL, SHORT | {"Output/Expert/Rank diagnostics": True}, np=3)
         with open(run.directory / "ranks.csv", newline="", encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual([row["rank"] for row in rows], ["0", "1", "2"])

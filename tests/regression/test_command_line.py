@@ -9,7 +9,7 @@ What each class guards against:
     Lexical        text in a deck that is not of its declared type and becomes another value
     Files          input errors that damage the results of an earlier run
     Check          --check that refuses a good deck, or solves
-    Information    --version, --print-parameters, --help and --quiet that print too much, too
+    Information    --version, --help and --quiet that print too much, too
                    little or once a rank
     NotConverged   a run without a solution that looks like one with a solution
     Ranks          more ranks than subdomains: ranks that own nothing
@@ -20,7 +20,6 @@ import math
 import re
 import sys
 import unittest
-import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
@@ -114,8 +113,8 @@ class BadInput(Case):
 
     def test_unknown_parameter_in_a_sublist_of_the_deck(self):
         self.refuse_deck(
-            deck(sublist("Solver", sublist("SMALBE", parameter("Penalty facto", "double", "2")))),
-            'unknown parameter "Solver/SMALBE/Penalty facto"',
+            deck(sublist("Solver", sublist("Expert", sublist("SMALBE", parameter("Penalty facto", "double", "2"))))),
+            'unknown parameter "Solver/Expert/SMALBE/Penalty facto"',
             'did you mean "Penalty factor"?',
         )
 
@@ -129,8 +128,8 @@ class BadInput(Case):
     def test_unknown_parameter_in_a_sublist_by_set(self):
         # With the whole path: "Parameter scaling", for instance, stands in two lists.
         self.refuse_setting(
-            "Solver/SMALBE/Penalty facto=2",
-            '--set: unknown parameter "Solver/SMALBE/Penalty facto"',
+            "Solver/Expert/SMALBE/Penalty facto=2",
+            '--set: unknown parameter "Solver/Expert/SMALBE/Penalty facto"',
             'did you mean "Penalty factor"?',
         )
 
@@ -398,7 +397,7 @@ class Check(Case):
 
     def test_whole_number_where_a_real_one_belongs(self):
         path = self.write(
-            deck(sublist("Solver", sublist("SMALBE", parameter("Initial penalty", "int", "10"))))
+            deck(sublist("Solver", sublist("Expert", sublist("SMALBE", parameter("Initial penalty", "int", "10")))))
         )
         result = self.start([path, "--check"], 0)
         self.assertEqual(result.returncode, 0, result)
@@ -409,23 +408,6 @@ class Check(Case):
 
 
 class Information(Case):
-    # Names that may not change: users' decks hold them.
-    NAMES = [
-        path.split("/")
-        for path in (
-            "Model/Subdomains per side",
-            "Model/Elements per subdomain side",
-            "Model/Interface",
-            "Decomposition/Dirichlet",
-            "Dual operator/Form",
-            "Dual operator/Preconditioner",
-            "Solver/Tolerance",
-            "Solver/Stopping rule",
-            "Solver/Method",
-            "Output/Fields",
-        )
-    ]
-
     def printed(self, *words, np=2):
         result = self.start(words, np)
         self.assertEqual(result.returncode, 0, result)
@@ -448,43 +430,6 @@ class Information(Case):
             self.assertNotIn("kokkos", text.lower())  # forty lines of its own, from every rank
             for option in ("--set", "--output", "--check", "--print-parameters", "--quiet"):
                 self.assertIn(option, text)
-
-    def test_parameters_as_text(self):
-        text = self.printed("--print-parameters")
-        self.assertEqual(text, self.printed("--print-parameters", "text", np=0))
-        self.assertEqual(text, self.printed("--print-parameters", runs.MODEL, np=0))
-        for path, name in self.NAMES:
-            # Name, default, type; once, so that no rank repeats it.
-            section = text[text.index(f"\n{path}  -- ") :]
-            self.assertRegex(section, rf"\n  {name} = \S.*\[(integer|real|boolean|choice)")
-        self.assertEqual(text.count("Subdomains per side = "), 1)
-        self.assertIn("Tolerance = 0.0001   [real in (0, 1)]", text)
-
-    def test_parameters_as_markdown(self):
-        text = self.printed("--print-parameters", "markdown")
-        for path, name in self.NAMES:
-            section = text[text.index(f"## signorini/{path}\n") :]
-            self.assertIn(f"\n| `{name}` | ", section)
-            self.assertEqual(text.count(f"## signorini/{path}\n"), 1)
-        for row in text.splitlines():
-            if row.startswith("|"):
-                # Five columns; an unprotected bar in a text would make more.
-                self.assertEqual(row.count("|"), 6, row)
-
-    def test_parameters_as_a_deck(self):
-        text = self.printed("--print-parameters", "xml")
-        root = ElementTree.fromstring(text)
-        for path, name in self.NAMES:
-            entry = root.find(f'ParameterList[@name="{path}"]/Parameter[@name="{name}"]')
-            self.assertIsNotNone(entry, f"{path}/{name}")
-            self.assertTrue(entry.get("docString"), f"{path}/{name}")
-        # It is itself a deck.
-        path = self.write(text)
-        result = self.start([path, "--check"], 0)
-        self.assertEqual(result.returncode, 0, result)
-
-    def test_parameters_in_an_unknown_form(self):
-        self.refuse(["--print-parameters", "pdf"], "--print-parameters: pdf not in ")
 
     def test_quiet_run_prints_nothing(self):
         for np in (0, 2):
@@ -543,7 +488,7 @@ class NotConverged(Case):
         self.assertLessEqual(before, result.summary["hessian_applications"])
 
     def test_outer_iteration_limit(self):
-        sets = {"Solver/Method": "SMALBE", "Solver/SMALBE/Maximum outer iterations": 1}
+        sets = {"Solver/Method": "SMALBE", "Solver/Expert/SMALBE/Maximum outer iterations": 1}
         result = runs.run(runs.MODEL, {**sets, "Solver/Tolerance": 1e-8})
         self.assertEqual(result.returncode, 1, result)
         self.assertIs(result.summary["converged"], False)

@@ -65,7 +65,7 @@ class Prediction(Case):
         (
             "signorini",
             runs.MODEL,
-            {**model(8, 32), "Dual operator/Share identical subdomains": "false"},
+            {**model(8, 32), "Dual operator/Expert/Share identical subdomains": "false"},
         ),
         ("signorini", BLOCK, {"Model/Dimension": 3, **model(4, 6)}),
         ("fiber_composite", runs.COMPOSITE, {"Model/Columns": 12, "Model/Rows": 12}),
@@ -278,7 +278,7 @@ class Table(Case):
         # Of 64 ranks each has three or four in a row, of 216 one.
         self.assertEqual([row["clusters"] > 0 for row in slow["rows"]], [False] * 3 + [True] + [False] * 2)
         self.assertEqual([row["clusters"] for row in usual["rows"][:3]], 3 * [0])
-        summary = runs.solved(self, deck, sets | {"Dual operator/Rates": path}, np=2, program="harmos").summary
+        summary = runs.solved(self, deck, sets | {"Dual operator/Expert/Rates": path}, np=2, program="harmos").summary
         self.assertEqual(summary["clusters"], 0)
 
     def check_choice(self, plan, none):
@@ -324,7 +324,7 @@ class Table(Case):
         return max((row["ranks"] for row in good), default=fitting[0]["ranks"]) if fitting else None
 
     def test_recommendation_follows_its_rule(self):
-        sets = {**model(8, 32), "Dual operator/Share identical subdomains": "false"}
+        sets = {**model(8, 32), "Dual operator/Expert/Share identical subdomains": "false"}
         plan = self.plan(runs.MODEL, sets, "--plan-ranks", "1,2,4,8,16,32,64,128,256")
         self.assertEqual(plan["recommended_ranks"], self.recommended(plan))
         self.assertLessEqual(plan["recommended_ranks"], plan["subdomains"])
@@ -362,7 +362,7 @@ class Rates(Case):
         path = self.rates(slow)
         plan = self.plan(runs.MODEL, sets, "--plan-ranks", "1", "--plan-rates", path)
         self.assertEqual(plan["rates"]["source"], str(path))
-        deck = self.plan(runs.MODEL, sets | {"Dual operator/Rates": path}, "--plan-ranks", "1")
+        deck = self.plan(runs.MODEL, sets | {"Dual operator/Expert/Rates": path}, "--plan-ranks", "1")
         self.assertEqual(deck["rates"], plan["rates"])
         self.assertIn(str(path), plan["printed"])
         for name, value in plain["rates"].items():
@@ -410,7 +410,7 @@ class Rates(Case):
             ('{"benchmark": "dual_operator", "runs": [{}]}', "is not a valid JSON file of rates"),
         ):
             path = self.rates(content)
-            for words in (["--plan", "--plan-rates", path], ["--set", f"Dual operator/Rates={path}"]):
+            for words in (["--plan", "--plan-rates", path], ["--set", f"Dual operator/Expert/Rates={path}"]):
                 done = runs.start([runs.MODEL, *words], np=2)
                 self.assertEqual(done.returncode, 2, done)
                 self.assertEqual(len(done.errors), 1, done)

@@ -174,7 +174,7 @@ class Good(Case):
             (2, "compact", 'try another "Partition seed" or number of "Subdomains"'),
             (2, "METIS", 'use "Partition" = "compact" for rounder parts'),
         ):
-            settings = {"Bodies/plate/Subdomains": parts, "Bodies/plate/Partition": partition}
+            settings = {"Bodies/plate/Subdomains": parts, "Bodies/plate/Expert/Partition": partition}
             run = runs.solved(self, deck, settings, np=0, program="harmos")
             self.assertEqual(run.stdout.count("ragged"), 1 if told else 0, run)
             if told:

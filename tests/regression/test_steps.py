@@ -293,7 +293,7 @@ class Restarts(unittest.TestCase):
         "Dual operator/Preconditioner": "none",
         "Dual operator/Form": "implicit",
         "Dual operator/Implicit solver": "MUMPS",
-        "Dual operator/Share identical subdomains": False,
+        "Dual operator/Expert/Share identical subdomains": False,
     }
     # A block that is tilted: forces and displacements are known to less than the tolerance here.
     TILTED = {
@@ -309,7 +309,7 @@ class Restarts(unittest.TestCase):
         "Solver/Tolerance": 1e-8,
         "Dual operator/Form": "implicit",
         "Dual operator/Implicit solver": "MUMPS",
-        "Dual operator/Share identical subdomains": False,
+        "Dual operator/Expert/Share identical subdomains": False,
     }
 
     def plain(self, deck, sets, program="signorini"):
@@ -533,7 +533,7 @@ class Live(unittest.TestCase):
             "Solver/Tolerance": 1e-8,
             "Dual operator/Preconditioner": "none",
             "Output/Fields": False,
-            "Output/Live seconds": 1e-3,
+            "Output/Expert/Live seconds": 1e-3,
             "Output/Checkpoint/Steps": 0,
             glue + "Contact": "joint",
             glue + "Law": "brittle",

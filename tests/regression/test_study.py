@@ -545,7 +545,7 @@ class Friction(unittest.TestCase):
 
     def test_friction_of_another_application(self):
         """The composite has it by a parameter of its model, and says so before a run is made."""
-        mesh = "Model/Elements per side={0}, Model/Fibre layers={1}, Model/Matrix layers={1}"
+        mesh = "Model/Elements per side={0}, Model/Expert/Fibre layers={1}, Model/Expert/Matrix layers={1}"
         for coefficient, columns in ((0.3, 2), (0.0, 0)):
             sets = {
                 "Study/Set": f"{{Model/Columns=1, Model/Rows=1, Model/Coefficient of friction={coefficient}}}",

@@ -236,7 +236,7 @@ TEST(Stability, contact_where_both_are_tied_to_a_third) {
     // The dense solver takes no dependent inequalities: another method, form and inner product in its place.
     const TestRun run = runScene(scene, tolerance),
                   other = runScene(scene, tolerance,
-                                   {"Dual operator/Weights=none", "Decomposition/Dirichlet=dual",
+                                   {"Dual operator/Expert/Weights=none", "Decomposition/Dirichlet=dual",
                                     "Dual operator/Form=implicit", "Solver/Method=SMALBE"});
     const std::string name = "1 to " + std::to_string(static_cast<int>(jump));
     for (const TestRun* one : {&run, &other}) {
@@ -366,9 +366,9 @@ TEST(Stability, infeasible_start) {
   ASSERT_TRUE(reference.solvable);
   for (const char* method : {"PDAS", "SMALBE"})
     for (const char* guess : {"zero", "half load"}) {
-      const TestRun run =
-          runScene(scene, tolerance,
-                   {std::string("Solver/Method=") + method, std::string("Solver/Initial guess=") + guess});
+      const TestRun run = runScene(
+          scene, tolerance,
+          {std::string("Solver/Method=") + method, std::string("Solver/Expert/Initial guess=") + guess});
       expectReference(reference, run, bound, guess);
       tellFigure(std::string("products, ") + method + ", " + guess, products(run.report));
     }

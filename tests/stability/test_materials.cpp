@@ -74,7 +74,7 @@ void expectJump(const scene::Scene& scene, double ratio, const std::string& name
   tellFigure(name + ": deviation", deviation(reference, run).largest());
   const auto most = static_cast<int>(factor * products(run.report));
   const TestRun off = runScene(scene, tolerance,
-                               {"Dual operator/Weights=none", "Solver/PDAS/Kept directions=0",
+                               {"Dual operator/Expert/Weights=none", "Solver/Expert/PDAS/Kept directions=0",
                                 "Solver/Maximum iterations=" + std::to_string(most)});
   if (factor > 1.0)
     EXPECT_FALSE(off.report.converged) << name;
@@ -171,9 +171,10 @@ TEST(Stability, material_jump_within_subdomains) {
     const double rounding = 100 * std::numeric_limits<double>::epsilon() * std::max(jump, 1.0 / jump);
     std::ostringstream name;
     name << "1 to " << jump;
-    const TestRun with = runScene(scene, tolerance, {"Dual operator/Adaptive coarse vectors=all"});
+    const TestRun with = runScene(scene, tolerance, {"Dual operator/Expert/Adaptive coarse vectors=all"});
     const TestRun without = runScene(
-        scene, tolerance, {"Dual operator/Adaptive coarse vectors=none", "Solver/PDAS/Kept directions=0"});
+        scene, tolerance,
+        {"Dual operator/Expert/Adaptive coarse vectors=none", "Solver/Expert/PDAS/Kept directions=0"});
     expectReference(reference, with, 1e3 * tolerance + rounding, name.str());
     if (jump < 1.0)
       EXPECT_GE(products(without.report), 3.0 * products(with.report));

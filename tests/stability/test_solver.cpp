@@ -73,15 +73,16 @@ TEST(Stability, penalty_from_1e_3_to_1e9) {
     std::ostringstream text;
     text << penalty;
     for (const char* kind : {"none", "Dirichlet"}) {
-      const TestRun run = runScene(scene, tolerance,
-                                   {"Solver/Method=SMALBE", "Solver/SMALBE/Initial penalty=" + text.str(),
-                                    std::string("Dual operator/Preconditioner=") + kind});
+      const TestRun run =
+          runScene(scene, tolerance,
+                   {"Solver/Method=SMALBE", "Solver/Expert/SMALBE/Initial penalty=" + text.str(),
+                    std::string("Dual operator/Preconditioner=") + kind});
       expectReference(reference, run, 1e3 * tolerance, text.str());
       tellFigure("rho = " + text.str() + ", " + kind + ": products", products(run.report));
       tellFigure("rho = " + text.str() + ", " + kind + ": deviation", deviation(reference, run).largest());
     }
-    const TestRun off = runScene(scene, tolerance,
-                                 {"Solver/Method=Dual Penalty", "Solver/Dual Penalty/Penalty=" + text.str()});
+    const TestRun off = runScene(
+        scene, tolerance, {"Solver/Method=Dual Penalty", "Solver/Expert/Dual Penalty/Penalty=" + text.str()});
     tellFigure("rho = " + text.str() + ", no multiplier: products", products(off.report));
     tellFigure("rho = " + text.str() + ", no multiplier: deviation", deviation(reference, off).largest());
     if (penalty <= 1.0)
@@ -153,7 +154,7 @@ TEST(Stability, products_rounded_too_much) {
                  "Dual operator/Precision=" + precision);
     EXPECT_NE(std::find(settings.begin(), settings.end(), "Dual operator/Precision=" + precision),
               settings.end());
-    settings.push_back("Dual operator/Weights=none"); // with them it converges before rounding is seen
+    settings.push_back("Dual operator/Expert/Weights=none"); // with them it converges before rounding is seen
     return runScene(drawn.scene, drawn.tolerance, settings);
   };
   const TestRun exact = with("double"), rounded = with("auto");

@@ -232,6 +232,6 @@ def cut(key, parts, partition="compact", seed=1):
     settings = {}
     for name in bodies:
         settings[f"Bodies/{name}/Subdomains"] = parts // len(bodies)
-        settings[f"Bodies/{name}/Partition"] = partition
-        settings[f"Bodies/{name}/Partition seed"] = seed
+        settings[f"Bodies/{name}/Expert/Partition"] = partition
+        settings[f"Bodies/{name}/Expert/Partition seed"] = seed
     return settings

@@ -94,7 +94,7 @@ class Oracle(unittest.TestCase):
 
     def test_nearly_incompressible_matrix(self):
         """With projected dilatation, cell by cell onto constants; the oracle projects in all bodies."""
-        run = solved(self, {"Materials/Matrix/Poisson's ratio": 0.4999, "Model/Dilatation": "projected",
+        run = solved(self, {"Materials/Matrix/Poisson's ratio": 0.4999, "Model/Expert/Dilatation": "projected",
                             "Solver/Tolerance": 1e-8})
         energy = elastic_oracle.composite_energy(
             run.directory / "result.vtkhdf", STRAIN, ((1.0, 0.4999), MATERIALS[1]), "contact",
@@ -112,7 +112,7 @@ class Ranks(unittest.TestCase):
             energies = [solved(self, {"Model/Load": load}, np).summary["energy"] for np in (1, 2, 4)]
             for energy in energies[1:]:
                 self.assertLessEqual(abs(energy / energies[0] - 1.0), 1e-6)
-        pieces = {"Model/Subdomains per fibre": 2, "Model/Subdomains per matrix cell": 3}
+        pieces = {"Model/Expert/Subdomains per fibre": 2, "Model/Expert/Subdomains per matrix cell": 3}
         cut = solved(self, {**pieces, "Solver/Tolerance": 1e-8}, 4).summary
         whole = solved(self, {"Solver/Tolerance": 1e-8}).summary
         self.assertEqual(cut["subdomains"], 16 * 5)
@@ -126,17 +126,17 @@ class Conditioning(unittest.TestCase):
             "Model/Columns": 3,
             "Model/Rows": 1,
             "Model/Elements per side": 3,
-            "Model/Fibre layers": 1,
-            "Model/Matrix layers": 3,
+            "Model/Expert/Fibre layers": 1,
+            "Model/Expert/Matrix layers": 3,
             "Model/Element order": 2,
             "Model/Load": "compression",
-            "Model/Subdomains per fibre": 2,
-            "Model/Subdomains per matrix cell": 5,
+            "Model/Expert/Subdomains per fibre": 2,
+            "Model/Expert/Subdomains per matrix cell": 5,
             "Materials/Matrix/Poisson's ratio": 0.4999,
             "Output/Fields": False,
         }
         # Of which adaptive vectors would take most.
-        short = {"Solver/PCPG/Reorthogonalisation": "none", "Dual operator/Adaptive coarse vectors": "none"}
+        short = {"Solver/Expert/PCPG/Reorthogonalisation": "none", "Dual operator/Expert/Adaptive coarse vectors": "none"}
         tied = solved(self, {**sets, "Model/Interface": "tie"}).summary
         # 89 measured.
         self.assertLessEqual(tied["hessian_applications"], 180)

@@ -329,7 +329,7 @@ TEST(Friction, the_way_does_not_matter) {
   for (const std::vector<std::string>& way : std::vector<std::vector<std::string>>{
            {"Solver/Method=SMALBE"},
            {"Decomposition/Dirichlet=dual"},
-           {"Dual operator/Weights=stiffness"},
+           {"Dual operator/Expert/Weights=stiffness"},
            {"Dual operator/Form=implicit", "Dual operator/Preconditioner=lumped"}}) {
     const TestRun other = runScene(scene, 1e-9, way);
     ASSERT_TRUE(other.report.converged) << way.front() << ": " << other.report.reason;

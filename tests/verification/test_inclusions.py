@@ -25,7 +25,7 @@ except ImportError as error:
     runs.skip(f"{error.name} is not installed")
 
 JUMPS = (1e-6, 1e3, 1e6) if "HARMOS_LONG" in os.environ else (1e-6, 1e6)
-VECTORS = "Dual operator/Adaptive coarse vectors"
+VECTORS = "Dual operator/Expert/Adaptive coarse vectors"
 
 
 def energy_by_the_oracle(block, result):

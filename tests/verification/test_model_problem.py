@@ -344,7 +344,7 @@ class Operators(TableCase):
         paths = {f"Dual operator/{name}": value for name, value in sets.items()}
         run = solved(self, 4, 8, np=ranks, **{"Solver/Tolerance": tolerance, **paths}).summary
         value = error(run, exact(32))
-        names = ("Form", "Share identical subdomains", "Precision", "Preconditioner")
+        names = ("Form", "Expert/Share identical subdomains", "Precision", "Preconditioner")
         key = tuple(str(sets.get(name, "default")) for name in names)
         if ranks == 2:
             factors, products = run["distinct_local_factorizations"], run["hessian_applications"]
@@ -357,7 +357,7 @@ class Operators(TableCase):
             for kind in ("none", "lumped", "Dirichlet"):
                 for share in (True, False):
                     sets = {"Form": form, "Preconditioner": kind}
-                    sets["Share identical subdomains"] = share
+                    sets["Expert/Share identical subdomains"] = share
                     with self.subTest(**sets):
                         run = self.check(**sets)
                         self.assertIn(form, run["dual_operator"])
@@ -374,7 +374,7 @@ class Operators(TableCase):
     def test_stiffness_scaling_and_ranks(self):
         for ranks in (1, 2, 4):
             with self.subTest(ranks=ranks):
-                self.check(ranks=ranks, Scaling="stiffness")
+                self.check(ranks=ranks, **{"Expert/Scaling": "stiffness"})
 
     def test_single_precision(self):
         for form in ("implicit", "condensed"):
@@ -394,14 +394,14 @@ class Operators(TableCase):
             result = runs.run(runs.MODEL, {f"Dual operator/{k}": v for k, v in sets.items()})
             self.assertEqual(result.returncode, 2, result)
             self.assertIn(text, result.errors[0])
-        self.check(Form="implicit", **{"Block low rank tolerance": 1e-12})
-        self.check(Form="condensed", **{"Check null pivots": True})
+        self.check(Form="implicit", **{"Expert/Block low rank tolerance": 1e-12})
+        self.check(Form="condensed", **{"Expert/Check null pivots": True})
 
     def test_memory_budget(self):
         sets = {
             "Model/Subdomains per side": 2,
             "Model/Elements per subdomain side": 128,
-            "Dual operator/Share identical subdomains": False,
+            "Dual operator/Expert/Share identical subdomains": False,
             "Dual operator/Preconditioner": "none",
             "Output/Fields": False,
         }
@@ -475,8 +475,8 @@ class PenaltyTable(TableCase):
         """|G lambda| and |d| for the penalty rho."""
         sets = {
             "Solver/Method": "Dual Penalty",
-            "Solver/Dual Penalty/Parameter scaling": "absolute",
-            "Solver/Dual Penalty/Penalty": rho,
+            "Solver/Expert/Dual Penalty/Parameter scaling": "absolute",
+            "Solver/Expert/Dual Penalty/Penalty": rho,
         }
         summary = solved(self, 8, n, **sets).summary
         self.assertEqual(summary["solver"], "Dual Penalty")

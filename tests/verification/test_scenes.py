@@ -110,10 +110,10 @@ class Same(unittest.TestCase):
                 sets |= {
                     "Bodies/plate/Groups": groups,
                     "Bodies/plate/Materials": "{laminate, rubber}",
-                    "Bodies/plate/Dilatation": "projected",
+                    "Bodies/plate/Expert/Dilatation": "projected",
                 }
             else:
-                sets |= {f"Bodies/{body}/Dilatation": "projected" for body in ("plate", "inclusion")}
+                sets |= {f"Bodies/{body}/Expert/Dilatation": "projected" for body in ("plate", "inclusion")}
             path = runs.scratch("deck").with_suffix(".xml")
             path.write_text(deck, encoding="utf-8")
             energies.append(runs.solved(self, path, sets, program="harmos").summary["energy"])
@@ -141,7 +141,7 @@ class Oracle(unittest.TestCase):
             "Materials/laminate/Type": "isotropic",
             "Materials/laminate/Young's modulus": materials["laminate"][0],
             "Materials/laminate/Poisson's ratio": materials["laminate"][1],
-            "Bodies/plate/Dilatation": "projected",
+            "Bodies/plate/Expert/Dilatation": "projected",
             "Effects/Traction/pull/Density": "{0, 0, 0}",
             f"{stretch}/Part": "plate/right",
             f"{stretch}/Components": "x",
@@ -167,7 +167,7 @@ class Oracle(unittest.TestCase):
     def test_punch(self):
         sets = {
             "Solver/Tolerance": 1e-8,
-            "Bodies/block/Dilatation": "full",
+            "Bodies/block/Expert/Dilatation": "full",
             "Effects/Body force/weight/Density": "{0, 0, 0}",
         }
         run = solved(self, "punch", sets=sets)

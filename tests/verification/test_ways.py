@@ -55,8 +55,8 @@ def deck(directory, application, name, parameter, sizes):
             "Parameters",
             (
                 "Solver/Method",
-                "Solver/PDAS/Active sets without progress",
-                "Solver/PDAS/Maximum active sets",
+                "Solver/Expert/PDAS/Active sets without progress",
+                "Solver/Expert/PDAS/Maximum active sets",
             ),
         ),
         strings("Values", (";".join(map(str, value)) for value in WAYS.values())),

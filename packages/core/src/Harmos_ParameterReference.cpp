@@ -2,19 +2,17 @@
 
 /// The part of ParameterSpec that writes the reference of parameters.
 
+#include "Harmos_Errors.hpp"
 #include "Harmos_ParameterSpec.hpp"
+#include "Harmos_ParameterText.hpp"
 
 #include <Teuchos_XMLParameterListCoreHelpers.hpp>
 
-#include <cstdlib>
+#include <algorithm>
 #include <ostream>
 
 namespace Harmos {
 namespace {
-
-std::string inQuotes(const std::string& text) {
-  return "\"" + text + "\"";
-}
 
 // Markdown takes <...> for HTML, which it does not show.
 std::string escaped(const std::string& text) {
@@ -25,6 +23,47 @@ std::string escaped(const std::string& text) {
 }
 
 constexpr const char* orInteger = " or integer";
+
+constexpr std::size_t lineWidth = 118, meaningColumn = 36;
+
+// In signs, of which UTF-8 marks all bytes but the first.
+std::size_t widthOf(const std::string& text) {
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+// Lines of whole words, the first one and the others indented by so many blanks.
+std::string wrapped(const std::string& text, std::size_t first, std::size_t others) {
+  std::string result, line(first, ' ');
+  std::size_t empty = first;
+  std::size_t begin = 0;
+  while (begin < text.size()) {
+    std::size_t end = text.find_first_not_of(' ', begin);
+    end = std::min(text.find(' ', end == std::string::npos ? text.size() : end), text.size());
+    const std::string word = text.substr(begin, end - begin); // with the blanks before it
+    if (widthOf(line) + widthOf(word) > lineWidth && line.size() > empty) {
+      result += line + "\n";
+      empty = others;
+      line = std::string(others, ' ') + word.substr(std::min(word.find_first_not_of(' '), word.size()));
+    } else {
+      line += word;
+    }
+    begin = end;
+  }
+  return result + line + "\n";
+}
+
+std::string inColumns(const std::string& name, const std::string& meaning) {
+  const std::size_t used = widthOf(name) + 2;
+  const std::size_t blanks = used + 2 > meaningColumn ? 2 : meaningColumn - used;
+  return wrapped("  " + name + std::string(blanks, ' ') + meaning, 0, meaningColumn);
+}
+
+// Without its full stop.
+std::string firstSentence(const std::string& text) {
+  const std::string sentence = text.substr(0, text.find(". "));
+  return sentence.substr(0, sentence.find_last_not_of('.') + 1);
+}
 
 } // namespace
 
@@ -83,56 +122,128 @@ void ParameterSpec::writeMarkdown(std::ostream& out, const std::string& path) co
     }
     out << "\n";
   }
-  for (const ParameterSpec& sublist : lists_)
-    sublist.writeMarkdown(out, path + "/" + sublist.name());
-  for (const ParameterSpec& member : family_)
-    member.writeMarkdown(out, path + "/" + member.name());
+  for (const auto* lists : {&lists_, &family_, &expert_})
+    for (const ParameterSpec& sublist : *lists)
+      sublist.writeMarkdown(out, path + "/" + sublist.name());
 }
 
 void ParameterSpec::writeMarkdown(std::ostream& out) const {
   writeMarkdown(out, name_);
 }
 
-void ParameterSpec::writeText(std::ostream& out, const std::string& path) const {
-  out << path << "  -- " << meaning_ << "\n";
-  for (const Parameter& parameter : parameters_) {
-    out << "  " << parameter.name << " = " << defaultText(parameter) << "   [" << typeName(parameter.type)
-        << (parameter.mayBeInteger ? orInteger : "");
-    if (hasRange(parameter.type) || parameter.mayBeInteger)
-      out << " in " << parameter.range.text();
-    out << "]\n      " << parameter.meaning << "\n";
-    for (const Choice& choice : parameter.allowed)
-      out << "      " << inQuotes(choice.first) << ": " << choice.second << "\n";
-  }
+void ParameterSpec::writeText(std::ostream& out, const Parameter& parameter) {
+  out << "  " << parameter.name << " = " << defaultText(parameter) << "   [" << typeName(parameter.type)
+      << (parameter.mayBeInteger ? orInteger : "");
+  if (hasRange(parameter.type) || parameter.mayBeInteger)
+    out << " in " << parameter.range.text();
+  out << "]\n" << wrapped(parameter.meaning, 6, 6);
+  for (const Choice& choice : parameter.allowed)
+    out << wrapped(quoted(choice.first) + ": " + choice.second, 6, 8);
+}
+
+void ParameterSpec::writeLists(std::ostream& out, const std::string& path) const {
+  out << wrapped(path + "  -- " + meaning_, 0, 4);
+  for (const Parameter& parameter : parameters_)
+    writeText(out, parameter);
   out << "\n";
-  for (const ParameterSpec& sublist : lists_)
-    sublist.writeText(out, (path.empty() ? "" : path + "/") + sublist.name());
-  for (const ParameterSpec& member : family_)
-    member.writeText(out, path + "/" + member.name());
+  for (const auto* lists : {&lists_, &family_, &expert_})
+    for (const ParameterSpec& sublist : *lists)
+      sublist.writeLists(out, path + "/" + sublist.name());
 }
 
 void ParameterSpec::writeText(std::ostream& out) const {
   out << meaning_ << "\n\n";
   for (const Parameter& parameter : parameters_)
-    out << "  " << parameter.name << " = " << defaultText(parameter) << "   " << parameter.meaning << "\n";
-  for (const ParameterSpec& sublist : lists_)
-    sublist.writeText(out, sublist.name());
+    writeText(out, parameter);
+  for (const auto* lists : {&lists_, &expert_})
+    for (const ParameterSpec& sublist : *lists)
+      sublist.writeLists(out, sublist.name());
 }
 
-void ParameterSpec::setForeign(Teuchos::ParameterList& list, const std::string& path,
-                               const std::string& value) {
-  if (const std::size_t slash = path.find('/'); slash != std::string::npos)
-    return setForeign(list.sublist(path.substr(0, slash)), path.substr(slash + 1), value);
-  const char* const begin = value.c_str();
-  char* end = nullptr;
-  if (value == "true" || value == "false")
-    list.set(path, value == "true");
-  else if (const long whole = std::strtol(begin, &end, 10); end != begin && *end == '\0')
-    list.set(path, static_cast<int>(whole));
-  else if (const double number = std::strtod(begin, &end); end != begin && *end == '\0')
-    list.set(path, number);
-  else
-    list.set(path, value);
+void ParameterSpec::writeText(std::ostream& out, const std::string& path) const {
+  const ParameterSpec* spec = this;
+  std::string place;
+  for (std::string rest = path; !rest.empty();) {
+    const std::size_t slash = rest.find('/');
+    const std::string name = rest.substr(0, slash);
+    rest = slash == std::string::npos ? "" : rest.substr(slash + 1);
+    if (const ParameterSpec* expert = spec->expertOf(name); expert != nullptr) {
+      spec = expert;
+      place += std::string(expertName) + "/";
+    }
+    const Parameter* parameter = spec->find(name);
+    if (parameter != nullptr && rest.empty()) {
+      out << place << "\n";
+      return writeText(out, *parameter);
+    }
+    const ParameterSpec* next = spec->findList(name);
+    if (next == nullptr && !spec->family_.empty())
+      next = &spec->family_.front();
+    if (next == nullptr)
+      throw InputError(spec->unknownName("list or parameter", place, name, spec->names()), {{"path", path}});
+    place += next->name() + "/";
+    spec = next;
+  }
+  spec->writeLists(out, place.substr(0, place.size() - 1));
+}
+
+std::size_t ParameterSpec::numberOfParameters() const {
+  std::size_t number = parameters_.size();
+  for (const auto* lists : {&lists_, &family_, &expert_})
+    for (const ParameterSpec& sublist : *lists)
+      number += sublist.numberOfParameters();
+  return number;
+}
+
+void ParameterSpec::writeOverviewHead(std::ostream& out, const std::string& path) const {
+  std::string head = path + "  -- " + firstSentence(meaning_);
+  if (!expert_.empty())
+    head += " (+ " + std::to_string(expert_.front().numberOfParameters()) + " in " + path + "/" + expertName +
+            ")";
+  out << wrapped(head, 0, 4);
+}
+
+// Lists of any names: what they are, and their parameters by name alone.
+void ParameterSpec::writeOverviewOfFamily(std::ostream& out, const std::string& path) const {
+  writeOverviewHead(out, path + "/" + name_);
+  std::string all;
+  for (const Parameter& parameter : parameters_)
+    all += (all.empty() ? "" : ", ") + parameter.name;
+  out << wrapped(all, 2, 2);
+}
+
+void ParameterSpec::writeOverview(std::ostream& out, const std::string& path) const {
+  if (parameters_.empty() && lists_.empty() && !family_.empty())
+    return family_.front().writeOverviewOfFamily(out, path);
+  writeOverviewHead(out, path);
+  for (const Parameter& parameter : parameters_)
+    writeOverview(out, parameter);
+  for (const ParameterSpec& sublist : lists_)
+    if (!parameters_.empty() || sublist.family_.empty())
+      sublist.writeOverview(out, path + "/" + sublist.name());
+    else
+      out << inColumns(sublist.name() + "/" + sublist.family_.front().name(),
+                       firstSentence(sublist.family_.front().meaning()));
+}
+
+void ParameterSpec::writeOverview(std::ostream& out, const Parameter& parameter) {
+  std::string choices;
+  for (const Choice& choice : parameter.allowed)
+    choices += (choices.empty() ? "" : " | ") + choice.first;
+  if (parameter.mayBeInteger)
+    choices += " | integer";
+  out << inColumns(parameter.name + " = " + defaultText(parameter),
+                   firstSentence(parameter.meaning) + (choices.empty() ? "" : " [" + choices + "]"));
+}
+
+void ParameterSpec::writeOverview(std::ostream& out) const {
+  out << meaning_ << "\n";
+  for (const Parameter& parameter : parameters_)
+    writeOverview(out, parameter);
+  for (const ParameterSpec& sublist : lists_) {
+    out << "\n";
+    sublist.writeOverview(out, sublist.name());
+  }
 }
 
 } // namespace Harmos

@@ -2,6 +2,7 @@
 #include "Harmos_ParameterSpec.hpp"
 
 #include "Harmos_Errors.hpp"
+#include "Harmos_ParameterText.hpp"
 
 #include <Teuchos_StandardParameterEntryValidators.hpp>
 
@@ -22,25 +23,11 @@ std::string numberText(double value) {
   return text.str();
 }
 
-std::string quoted(const std::string& text) {
-  return "\"" + text + "\"";
-}
-
 std::string joined(const std::vector<std::string>& texts) {
   std::string result;
   for (const std::string& text : texts)
     result += (result.empty() ? "" : ", ") + quoted(text);
   return result;
-}
-
-std::string unknownName(const std::string& what, const std::string& path, const std::string& name,
-                        const std::vector<std::string>& candidates) {
-  std::string message = "unknown " + what + " " + quoted(path + name);
-  const std::string nearest = nearestName(name, candidates);
-  if (!nearest.empty())
-    message += "; did you mean " + quoted(nearest) + "?";
-  message += candidates.empty() ? " Nothing is allowed here." : " Allowed here: " + joined(candidates) + ".";
-  return message;
 }
 
 template<class List, class Text>
@@ -74,31 +61,31 @@ Teuchos::Array<T> arrayOf(const std::vector<T>& values) {
   return Teuchos::Array<T>(values.begin(), values.end());
 }
 
-// "{1, 2}" or "1, 2".
-std::vector<std::string> splitArray(std::string text) {
-  text.erase(std::remove_if(text.begin(), text.end(), [](char c) { return c == '{' || c == '}'; }),
-             text.end());
-  std::vector<std::string> result;
-  std::istringstream stream(text);
-  for (std::string item; std::getline(stream, item, ',');) {
-    const std::size_t first = item.find_first_not_of(" \t"), last = item.find_last_not_of(" \t");
-    result.push_back(first == std::string::npos ? "" : item.substr(first, last - first + 1));
-  }
-  return result;
-}
-
-// The whole text as a value, or nothing.
-template<class T>
-bool parseNumber(const std::string& text, T& value) {
-  std::istringstream stream(text);
-  return static_cast<bool>(stream >> value) && (stream >> std::ws).eof();
-}
-
 std::vector<std::string> namesOf(const std::vector<ParameterSpec::Choice>& choices) {
   std::vector<std::string> names;
   for (const ParameterSpec::Choice& choice : choices)
     names.push_back(choice.first);
   return names;
+}
+
+// Values at the old place and in the list "Expert" that differ.
+void findContradictions(const Teuchos::ParameterEntry& old, const Teuchos::ParameterList& expert,
+                        const std::string& path, const std::string& name, std::vector<std::string>& faults,
+                        const std::string& between = "") {
+  if (!expert.isParameter(name) || old.isList() != expert.isSublist(name))
+    return;
+  if (old.isList()) {
+    const Teuchos::ParameterList& list = Teuchos::getValue<Teuchos::ParameterList>(old);
+    for (auto item = list.begin(); item != list.end(); ++item)
+      findContradictions(list.entry(item), expert.sublist(name), path, list.name(item), faults,
+                         between + name + "/");
+    return;
+  }
+  const std::string one = foundText(old), other = foundText(expert.getEntry(name));
+  if (one != other)
+    faults.push_back(quoted(path + between + name) + " is " + one + ", but " +
+                     quoted(path + expertName + "/" + between + name) + " is " + other +
+                     "; keep the second, which is its present place");
 }
 
 } // namespace
@@ -223,7 +210,7 @@ const ParameterSpec* ParameterSpec::findList(const std::string& name) const {
   for (const ParameterSpec& sublist : lists_)
     if (sublist.name() == name)
       return &sublist;
-  return nullptr;
+  return !expert_.empty() && name == expertName ? &expert_.front() : nullptr;
 }
 
 std::vector<std::string> ParameterSpec::names() const {
@@ -232,6 +219,8 @@ std::vector<std::string> ParameterSpec::names() const {
     result.push_back(parameter.name);
   for (const ParameterSpec& sublist : lists_)
     result.push_back(sublist.name());
+  for (const ParameterSpec& expert : expert_)
+    result.push_back(expert.name());
   return result;
 }
 
@@ -387,51 +376,62 @@ void ParameterSpec::validate(const Parameter& parameter, const Teuchos::Paramete
   }
 }
 
+void ParameterSpec::validateList(const Teuchos::ParameterList& given, const std::string& path,
+                                 const std::string& name, Teuchos::ParameterList& result,
+                                 Findings& findings) const {
+  if (const ParameterSpec* sublist = findList(name); sublist != nullptr)
+    sublist->validate(given, path + name + "/", result.sublist(name), findings);
+  else if (!family_.empty()) {
+    Teuchos::ParameterList& member = result.sublist(name);
+    family_.front().fill(member, false);
+    member.setName(name);
+    family_.front().validate(given, path + name + "/", member, findings);
+  } else if (find(name) != nullptr)
+    findings.faults.push_back(quoted(path + name) + " is a list, expected " + expected(*find(name)));
+  else
+    findings.faults.push_back(unknownName("list", path, name, names()));
+}
+
+void ParameterSpec::validateValue(const Teuchos::ParameterEntry& entry, const std::string& path,
+                                  const std::string& name, Teuchos::ParameterList& result,
+                                  Findings& findings) const {
+  if (const Parameter* parameter = find(name); parameter != nullptr)
+    validate(*parameter, entry, path, result, findings.faults);
+  else if (findList(name) != nullptr)
+    findings.faults.push_back(quoted(path + name) + " is a single value, expected a ParameterList");
+  else
+    findings.faults.push_back(unknownParameter(path, name));
+}
+
 void ParameterSpec::validate(const Teuchos::ParameterList& given, const std::string& path,
-                             Teuchos::ParameterList& result, std::vector<std::string>& faults) const {
+                             Teuchos::ParameterList& result, Findings& findings) const {
   if (isForeign_)
     result.setParameters(given);
   for (auto item = given.begin(); !isForeign_ && item != given.end(); ++item) {
     const std::string& name = given.name(item);
     const Teuchos::ParameterEntry& entry = given.entry(item);
-    if (entry.isList()) {
-      const ParameterSpec* sublist = findList(name);
-      if (sublist != nullptr)
-        sublist->validate(given.sublist(name), path + name + "/", result.sublist(name), faults);
-      else if (!family_.empty()) {
-        Teuchos::ParameterList& member = result.sublist(name);
-        family_.front().fill(member, false);
-        member.setName(name);
-        family_.front().validate(given.sublist(name), path + name + "/", member, faults);
-      } else if (find(name) != nullptr)
-        faults.push_back(quoted(path + name) + " is a list, expected " + expected(*find(name)));
-      else
-        faults.push_back(unknownName("list", path, name, names()));
-    } else {
-      const Parameter* parameter = find(name);
-      if (parameter != nullptr)
-        validate(*parameter, entry, path, result, faults);
-      else if (findList(name) != nullptr)
-        faults.push_back(quoted(path + name) + " is a single value, expected a ParameterList");
-      else
-        faults.push_back(unknownParameter(path, name));
+    const ParameterSpec* expert = expertOf(name);
+    if (expert != nullptr) {
+      findings.notes.push_back(moved(path, name));
+      if (given.isSublist(expertName))
+        findContradictions(entry, given.sublist(expertName), path, name, findings.faults);
     }
+    const ParameterSpec& owner = expert != nullptr ? *expert : *this;
+    Teuchos::ParameterList& place = expert != nullptr ? result.sublist(expertName) : result;
+    if (entry.isList())
+      owner.validateList(given.sublist(name), path, name, place, findings);
+    else
+      owner.validateValue(entry, path, name, place, findings);
   }
 }
 
-std::string ParameterSpec::unknownParameter(const std::string& path, const std::string& name) const {
-  for (const auto& [absent, why] : absent_)
-    if (absent == name)
-      return "unknown parameter " + quoted(path + name) + ": " + why;
-  return unknownName("parameter", path, name, names());
-}
-
 Teuchos::ParameterList ParameterSpec::validated(const Teuchos::ParameterList& given,
-                                                const std::string& source) const {
+                                                const std::string& source,
+                                                std::vector<std::string>* notes) const {
   Teuchos::ParameterList result = defaults();
-  std::vector<std::string> faults;
-  validate(given, "", result, faults);
-  if (!faults.empty()) {
+  Findings findings;
+  validate(given, "", result, findings);
+  if (const std::vector<std::string>& faults = findings.faults; !faults.empty()) {
     std::string message = source + ": ";
     if (faults.size() > 1)
       message += std::to_string(faults.size()) + " faults:";
@@ -439,6 +439,8 @@ Teuchos::ParameterList ParameterSpec::validated(const Teuchos::ParameterList& gi
       message += (faults.size() > 1 ? "\n  " : "") + fault;
     throw InputError(message, {{"source", source}, {"faults", std::to_string(faults.size())}});
   }
+  if (notes != nullptr)
+    notes->insert(notes->end(), findings.notes.begin(), findings.notes.end());
   return result;
 }
 
@@ -495,6 +497,8 @@ void ParameterSpec::fill(Teuchos::ParameterList& list, bool validators) const {
     setDefault(parameter, list, validators);
   for (const ParameterSpec& sublist : lists_)
     sublist.fill(list.sublist(sublist.name(), false, sublist.meaning()), validators);
+  for (const ParameterSpec& expert : expert_)
+    expert.fill(list.sublist(expert.name(), false, expert.meaning()), validators);
 }
 
 Teuchos::ParameterList ParameterSpec::defaults() const {
@@ -507,90 +511,6 @@ Teuchos::RCP<Teuchos::ParameterList> ParameterSpec::teuchosList() const {
   Teuchos::RCP<Teuchos::ParameterList> list = Teuchos::parameterList(name_);
   fill(*list, true);
   return list;
-}
-
-void ParameterSpec::set(Teuchos::ParameterList& list, const std::string& path, const std::string& value,
-                        const std::string& source) const {
-  set(list, "", path, value, source);
-}
-
-// The head is the path of this list in the deck, with its slash.
-void ParameterSpec::set(Teuchos::ParameterList& list, const std::string& head, const std::string& path,
-                        const std::string& value, const std::string& source) const {
-  if (isForeign_)
-    return setForeign(list, path, value);
-  const std::size_t slash = path.find('/');
-  if (slash != std::string::npos) {
-    const std::string first = path.substr(0, slash);
-    const ParameterSpec* sublist = findList(first);
-    if (sublist == nullptr && !family_.empty())
-      sublist = &family_.front(); // a member that the deck does not have yet is made
-    if (sublist == nullptr) {
-      std::vector<std::string> known;
-      for (const ParameterSpec& candidate : lists_)
-        known.push_back(candidate.name());
-      throw InputError(source + ": " + unknownName("list", head, first, known), {{"path", head + path}});
-    }
-    sublist->set(list.sublist(first), head + first + "/", path.substr(slash + 1), value, source);
-    return;
-  }
-  const Parameter* parameter = find(path);
-  if (parameter == nullptr)
-    throw InputError(source + ": " + unknownParameter(head, path), {{"path", head + path}});
-  const auto refuse = [&] {
-    throw InputError(source + ": " + quoted(value) + " is not a valid value of " + quoted(head + path) +
-                         ", expected " + expected(*parameter),
-                     {{"path", head + path}});
-  };
-  switch (parameter->type) {
-  case Type::Integer: {
-    int number = 0;
-    if (!parseNumber(value, number))
-      refuse();
-    list.set(path, number);
-    return;
-  }
-  case Type::Real: {
-    double number = 0.0;
-    if (!parseNumber(value, number))
-      refuse();
-    list.set(path, number);
-    return;
-  }
-  case Type::Integers: {
-    Teuchos::Array<int> numbers;
-    for (const std::string& item : splitArray(value)) {
-      numbers.push_back(0);
-      if (!parseNumber(item, numbers.back()))
-        refuse();
-    }
-    list.set(path, numbers);
-    return;
-  }
-  case Type::Reals:
-  case Type::Series: {
-    Teuchos::Array<double> numbers;
-    for (const std::string& item : splitArray(value)) {
-      numbers.push_back(0.0);
-      if (!parseNumber(item, numbers.back()))
-        refuse();
-    }
-    list.set(path, numbers);
-    return;
-  }
-  case Type::Texts:
-    list.set(path, arrayOf(splitArray(value)));
-    return;
-  case Type::Boolean:
-    if (value != "true" && value != "false")
-      refuse();
-    list.set(path, value == "true");
-    return;
-  case Type::Text:
-  case Type::Choice:
-    list.set(path, value);
-    return;
-  }
 }
 
 } // namespace Harmos

@@ -37,7 +37,11 @@ struct Range {
 /// From it come the validation of decks, the defaults, the reference pages and Teuchos' valid parameters;
 /// there is no second list anywhere. Names are matched exactly: case, spaces and all; there are no synonyms.
 ///
-/// Guarded by tests/unit/core/test_parameter_spec.cpp.
+/// Parameters that few users set are in the sublist "Expert" of their list, see expert(). This version still
+/// reads each of them directly in the list, its place in version 0.1, with a note that names the present
+/// place.
+///
+/// Guarded by tests/unit/core/test_parameter_spec.cpp and test_expert_parameters.cpp.
 class ParameterSpec {
  public:
   /// An allowed value of a choice and what it means.
@@ -76,6 +80,10 @@ class ParameterSpec {
   /// such a name: "<body>".
   ParameterSpec& family(ParameterSpec member);
 
+  /// The sublist "Expert" of this list, made on demand: parameters, and lists, that few users set. A list
+  /// with a family has none. In a deck their names are also read directly in this list.
+  ParameterSpec& expert();
+
   /// A list that another library describes and checks: it is taken as it is. In assignments values are true
   /// or false, whole numbers, numbers, else text.
   ParameterSpec& foreign(const std::string& name, const std::string& meaning) {
@@ -95,11 +103,16 @@ class ParameterSpec {
   ///
   /// Every fault is reported at once, each with its path in the deck, what was found, what is allowed and the
   /// nearest known name. A whole number is accepted where a real one is expected; no other conversion is
-  /// made.
+  /// made. Expert parameters at their old place move to "Expert"; at both places they must be equal.
   ///
   /// @param source what the message calls the origin, a file name for instance.
+  /// @param notes null or: a sentence for each name at an old place is added.
   /// @throws InputError
-  Teuchos::ParameterList validated(const Teuchos::ParameterList& given, const std::string& source) const;
+  Teuchos::ParameterList validated(const Teuchos::ParameterList& given, const std::string& source,
+                                   std::vector<std::string>* notes = nullptr) const;
+
+  /// Of a validated list of another description, the entries that this one has too.
+  Teuchos::ParameterList commonPart(const Teuchos::ParameterList& other) const;
 
   /// All parameters at their defaults.
   Teuchos::ParameterList defaults() const;
@@ -107,10 +120,12 @@ class ParameterSpec {
   /// Defaults with documentation strings and Teuchos validators, for getValidParameters().
   Teuchos::RCP<Teuchos::ParameterList> teuchosList() const;
 
-  /// Puts a value, given as text, at a path: "List/Sublist/Name".
+  /// Puts a value, given as text, at a path: "List/Sublist/Name". It replaces the value at either place of an
+  /// expert parameter.
+  /// @param notes as of validated().
   /// @throws InputError if the path is unknown (the nearest is offered) or the text is not of its type.
   void set(Teuchos::ParameterList& list, const std::string& path, const std::string& value,
-           const std::string& source) const;
+           const std::string& source, std::vector<std::string>* notes = nullptr) const;
 
   /// A complete deck with the defaults, each parameter with its documentation string.
   void writeXml(std::ostream& out) const;
@@ -118,13 +133,22 @@ class ParameterSpec {
   /// Tables for the documentation.
   void writeMarkdown(std::ostream& out) const;
 
-  /// For the terminal.
+  /// For the terminal: everything, each choice with its meaning.
   void writeText(std::ostream& out) const;
+
+  /// The same of one list or parameter, named by its path: "Solver", "Bodies/<body>", "Solver/Tolerance".
+  /// @throws InputError if the path is unknown; the nearest name is offered.
+  void writeText(std::ostream& out, const std::string& path) const;
+
+  /// For the terminal, at most 118 columns wide: the public parameters, a line each.
+  void writeOverview(std::ostream& out) const;
 
  private:
   static void setForeign(Teuchos::ParameterList& list, const std::string& path, const std::string& value);
-  void set(Teuchos::ParameterList& list, const std::string& head, const std::string& path,
-           const std::string& value, const std::string& source) const;
+  /// What a walk through a list finds.
+  struct Findings {
+    std::vector<std::string> faults, notes;
+  };
 
   enum class Type { Integer, Real, Boolean, Text, Choice, Integers, Reals, Series, Texts };
 
@@ -148,10 +172,23 @@ class ParameterSpec {
   Parameter& add(const std::string& name, Type type, const std::string& meaning);
   const Parameter* find(const std::string& name) const;
   const ParameterSpec* findList(const std::string& name) const;
+  /// Null, or the description of "Expert" if it has the name, which then stands at its old place.
+  const ParameterSpec* expertOf(const std::string& name) const;
   std::vector<std::string> names() const;
+  std::string unknownName(const std::string& what, const std::string& path, const std::string& name,
+                          const std::vector<std::string>& candidates) const;
   std::string unknownParameter(const std::string& path, const std::string& name) const;
+  static std::string moved(const std::string& path, const std::string& name);
+  void set(Teuchos::ParameterList& list, const std::string& head, const std::string& path,
+           const std::string& value, const std::string& source, Findings& findings) const;
+  static void set(const Parameter& parameter, Teuchos::ParameterList& list, const std::string& value,
+                  const std::string& place, const std::string& source);
   void validate(const Teuchos::ParameterList& given, const std::string& path, Teuchos::ParameterList& result,
-                std::vector<std::string>& faults) const;
+                Findings& findings) const;
+  void validateList(const Teuchos::ParameterList& given, const std::string& path, const std::string& name,
+                    Teuchos::ParameterList& result, Findings& findings) const;
+  void validateValue(const Teuchos::ParameterEntry& entry, const std::string& path, const std::string& name,
+                     Teuchos::ParameterList& result, Findings& findings) const;
   static void validate(const Parameter& parameter, const Teuchos::ParameterEntry& entry,
                        const std::string& path, Teuchos::ParameterList& result,
                        std::vector<std::string>& faults);
@@ -162,13 +199,20 @@ class ParameterSpec {
   static bool hasRange(Type type);
   static std::string defaultText(const Parameter& parameter);
   void writeMarkdown(std::ostream& out, const std::string& path) const;
-  void writeText(std::ostream& out, const std::string& path) const;
+  static void writeText(std::ostream& out, const Parameter& parameter);
+  void writeLists(std::ostream& out, const std::string& path) const;
+  void writeOverview(std::ostream& out, const std::string& path) const;
+  static void writeOverview(std::ostream& out, const Parameter& parameter);
+  void writeOverviewHead(std::ostream& out, const std::string& path) const;
+  void writeOverviewOfFamily(std::ostream& out, const std::string& path) const;
+  std::size_t numberOfParameters() const;
 
   std::string name_;
   std::string meaning_;
   std::vector<Parameter> parameters_;
   std::vector<ParameterSpec> lists_;
   std::vector<ParameterSpec> family_; // none or one
+  std::vector<ParameterSpec> expert_; // none or one
   std::vector<std::pair<std::string, std::string>> absent_;
   bool isForeign_ = false;
 };

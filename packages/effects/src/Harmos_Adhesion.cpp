@@ -75,40 +75,43 @@ CohesiveLaw cohesiveLawFrom(const Teuchos::ParameterList& list, const std::strin
 
 void addCohesiveLaw(ParameterSpec& spec) {
   spec.real("Normal stiffness", notGiven, Range(),
-            "Of the springs in tension: force per area and opening. Required, above 0.");
+            "Stiffness in tension: force per area and opening, above 0. Required.");
   spec.real("Tangential stiffness", notGiven, Range(),
-            "Of the springs along the surfaces: force per area and slip. Required, above 0.");
+            "Stiffness along the surface: force per area and slip, above 0. Required.");
   spec.choice("Law", "bilinear",
-              {{"brittle", "a point breaks wholly at its strength"},
-               {"bilinear", "from its strength on a point softens, until the fracture energy is spent"}},
-              "How it breaks.");
+              {{"brittle", "a point breaks completely at its strength"},
+               {"bilinear", "a point softens from its strength on, until the fracture energy is spent"}},
+              "Law of damage.");
   spec.real("Normal strength", notGiven, Range(),
-            "Force per area in tension that begins to break it, alone. Required, above 0.");
-  spec.real("Tangential strength", notGiven, Range(),
-            "Force per area along the surfaces that begins to break it, alone: with both, where (t_n/σ)² + "
-            "(t_t/τ)² = 1. Required, above 0.");
-  spec.real("Fracture energy", notGiven, Range(),
-            "Bilinear: energy per area that tension takes to break it; more than the springs store at the "
-            "strength. -1: not given. Required there, above 0.");
-  spec.real("Fracture energy II", notGiven, Range(),
-            "Bilinear: the same along the surfaces. -1: not given. Required there, above 0.");
+            "Strength in tension alone: force per area, above 0. Required.");
+  spec.real(
+      "Tangential strength", notGiven, Range(),
+      "Strength along the surface alone: force per area, above 0. Under both, damage begins at (t_n/σ)² + "
+      "(t_t/τ)² = 1. Required.");
+  spec.real(
+      "Fracture energy", notGiven, Range(),
+      "Bilinear: fracture energy per area in tension, above the energy of the springs at the strength. -1: "
+      "not given. Required by this law.");
+  spec.real(
+      "Fracture energy II", notGiven, Range(),
+      "Bilinear: fracture energy per area along the surface, above 0. -1: not given. Required by this law.");
   spec.choice(
       "Mixed mode", "power",
       {{"power", "((1 - b)/G)^a + (b/G_II)^a = G_c^-a"}, {"Benzeggagh-Kenane", "G_c = G + (G_II - G) b^a"}},
-      "Bilinear: the energy G_c where both act; b is the share of the springs along the surfaces in "
-      "what intact ones would store, a the exponent.");
-  spec.real("Mixed mode exponent", 1.0, Range::above(0.0), "Of that formula.");
+      "Bilinear: fracture energy G_c under both. b is the share of the tangential springs in the energy that "
+      "intact springs would store, a the exponent.");
+  spec.real("Mixed mode exponent", 1.0, Range::above(0.0), "Exponent a of the mixed mode.");
 }
 
 scene::EffectKind kindOfAdhesion() {
   ParameterSpec spec("<adhesion>",
-                     "The surfaces of a contact, or a body on an obstacle, are glued by springs "
-                     "where they touch when the run begins, until these break: a contact is "
-                     "left then.");
-  spec.text(
-      "Contact", "",
-      "On what it acts: the name of one of \"Effects/Contact\" or \"Effects/Obstacle\", with \"Contact/\" or "
-      "\"Obstacle/\" before it where both have it. Required.");
+                     "Adhesion between the surfaces of a contact or a body and an obstacle. Springs "
+                     "glue the points that touch at the beginning of the run. Where they break, "
+                     "contact remains.");
+  spec.text("Contact", "",
+            "Contact or obstacle on which it acts: the name of one of \"Effects/Contact\" or "
+            "\"Effects/Obstacle\", with \"Contact/\" or "
+            "\"Obstacle/\" before it if both have the name. Required.");
   addCohesiveLaw(spec);
   return {Adhesion::kindName, spec, makeAdhesion};
 }

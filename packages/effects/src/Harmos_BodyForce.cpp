@@ -7,10 +7,10 @@
 namespace Harmos::effects {
 
 scene::EffectKind kindOfBodyForce() {
-  ParameterSpec spec("<force>", "A force on all of a body.");
-  spec.text("Body", "", "The name of the body. Required.");
+  ParameterSpec spec("<force>", "A force on the volume of a body.");
+  spec.text("Body", "", "Name of the body. Required.");
   spec.reals("Density", {0.0, 0.0, 0.0}, Range(),
-             "Force per volume along x, y, z; of membranes per area, the first number alone.");
+             "Force per volume along x, y, z. Membranes: force per area, the first number alone.");
   return {BodyForce::kindName, spec,
           [](const Teuchos::ParameterList& list, const std::string& path, const scene::Scene& scene) {
             const int body = bodyIn(scene, list, "Body", path);

@@ -4,12 +4,12 @@
 namespace Harmos::effects {
 
 scene::EffectKind kindOfContact() {
-  ParameterSpec spec(
-      "<contact>",
-      "Two boundary parts do not penetrate each other; without friction, where none of "
-      "\"Effects/Friction\" acts on it, and without adhesion, where none of \"Effects/Adhesion\" does.");
+  ParameterSpec spec("<contact>", "Two boundary parts do not penetrate each other. \"Effects/Friction\" and "
+                                  "\"Effects/Adhesion\" add friction "
+                                  "and adhesion.");
   SurfacePair::addTo(spec);
-  spec.real("Gap", 0.0, Range(), "Added to the distance of the meshes; negative: initial penetration.");
+  spec.real("Gap", 0.0, Range(),
+            "Length added to the distance of the meshes; negative: initial penetration.");
   return {Contact::kindName, spec,
           [](const Teuchos::ParameterList& list, const std::string& path, const scene::Scene& scene) {
             return std::make_shared<Contact>(SurfacePair::fromList(list, path, scene),

@@ -7,11 +7,13 @@
 namespace Harmos::effects {
 
 scene::EffectKind kindOfElasticFoundation() {
-  ParameterSpec spec("<foundation>", "A boundary part rests on springs that pull and push, spread evenly.");
-  spec.text("Part", "", "Where: \"body/boundary part\". Required.");
+  ParameterSpec spec("<foundation>",
+                     "A boundary part rests on distributed springs in tension and compression.");
+  spec.text("Part", "", "\"body/boundary part\" on the springs. Required.");
   spec.real("Normal stiffness", 1.0, Range::atLeast(0.0),
-            "Force per area and displacement along the normal.");
-  spec.real("Tangential stiffness", 0.0, Range::atLeast(0.0), "The same across the normal.");
+            "Force per area and displacement, along the normal.");
+  spec.real("Tangential stiffness", 0.0, Range::atLeast(0.0),
+            "Force per area and displacement, along the surface.");
   return {ElasticFoundation::kindName, spec,
           [](const Teuchos::ParameterList& list, const std::string& path, const scene::Scene& scene) {
             requireElastic(scene, "\"" + path + "\"");

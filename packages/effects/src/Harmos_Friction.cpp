@@ -41,23 +41,24 @@ std::shared_ptr<const scene::Effect> makeFriction(const Teuchos::ParameterList& 
 } // namespace
 
 scene::EffectKind kindOfFriction() {
-  ParameterSpec spec("<friction>", "The surfaces of a contact, or a body on an obstacle, slip against a "
-                                   "resistance that has a bound: below it points stick, and what they have "
-                                   "slipped they keep from step to step.");
-  spec.text(
-      "Contact", "",
-      "On what it acts: the name of one of \"Effects/Contact\" or \"Effects/Obstacle\", with \"Contact/\" or "
-      "\"Obstacle/\" before it where both have it. Required.");
+  ParameterSpec spec("<friction>", "Friction between the surfaces of a contact or a body and an obstacle. "
+                                   "A point sticks below the bound of the friction force. Its slip "
+                                   "accumulates from step to step.");
+  spec.text("Contact", "",
+            "Contact or obstacle on which it acts: the name of one of \"Effects/Contact\" or "
+            "\"Effects/Obstacle\", with \"Contact/\" or "
+            "\"Obstacle/\" before it if both have the name. Required.");
   spec.choice("Law", "Coulomb",
-              {{"Coulomb", "the bound is a multiple of the pressure"},
-               {"Tresca", "the bound is given, whatever the pressure is"}},
-              "What the bound depends on.");
+              {{"Coulomb", "the bound is proportional to the pressure"},
+               {"Tresca", "the bound is given, independent of the pressure"}},
+              "Law of the bound of the friction force.");
   spec.real(
       "Coefficient", noValue, Range(),
-      "Coulomb: coefficient of friction, bound over pressure, zero or more; -1: not given. Required there.");
+      "Coulomb: coefficient of friction, bound over pressure, at least 0; -1: not given. Required by this "
+      "law.");
   spec.real(
       "Slip bound", noValue, Range(),
-      "Tresca: force per area, zero or more, also where the contact is open; -1: not given. Required there.");
+      "Tresca: bound, force per area, at least 0, also at open points; -1: not given. Required by this law.");
   return {Friction::kindName, spec, makeFriction};
 }
 

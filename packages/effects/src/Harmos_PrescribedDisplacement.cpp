@@ -32,11 +32,12 @@ std::shared_ptr<const scene::Effect> makePrescribedDisplacement(const Teuchos::P
 } // namespace
 
 scene::EffectKind kindOfPrescribedDisplacement() {
-  ParameterSpec spec("<displacement>", "A boundary part is held at given displacements.");
-  spec.text("Part", "", "Where: \"body/boundary part\". Required.");
+  ParameterSpec spec("<displacement>", "A boundary part has given displacements.");
+  spec.text("Part", "", "\"body/boundary part\" that is held. Required.");
   spec.texts("Components", {"x", "y", "z"},
-             "Which are held; the others are free. Membranes have \"x\" alone.");
-  spec.reals("Displacement", {0.0, 0.0, 0.0}, Range(), "In x, y, z; only those of the components count.");
+             "Components that are held; the others are free. Membranes have \"x\" alone.");
+  spec.reals("Displacement", {0.0, 0.0, 0.0}, Range(),
+             "Displacements along x, y, z; those of other components are not used.");
   return {PrescribedDisplacement::kindName, spec, makePrescribedDisplacement, true};
 }
 

@@ -44,21 +44,21 @@ std::shared_ptr<const scene::Effect> makeRigidObstacle(const Teuchos::ParameterL
 } // namespace
 
 scene::EffectKind kindOfRigidObstacle() {
-  ParameterSpec spec(
-      "<obstacle>",
-      "A boundary part does not penetrate a rigid obstacle at rest; without friction, where none of "
-      "\"Effects/Friction\" acts on it, and without adhesion, where none of \"Effects/Adhesion\" does.");
-  spec.text("Part", "", "Where: \"body/boundary part\". Required.");
+  ParameterSpec spec("<obstacle>",
+                     "A boundary part does not penetrate a rigid obstacle at rest. \"Effects/Friction\" and "
+                     "\"Effects/Adhesion\" add friction and adhesion.");
+  spec.text("Part", "", "\"body/boundary part\" in contact. Required.");
   spec.choice("Shape", "half-space",
-              {{"half-space", "behind the plane through \"Point\" that \"Direction\" leaves"},
-               {"cylinder", "about the axis through \"Point\" along \"Direction\""},
-               {"sphere", "about \"Point\""}},
-              "What the obstacle is.");
-  spec.reals("Point", {0.0, 0.0, 0.0}, Range(), "On the plane, on the axis, or the centre.");
-  spec.reals("Direction", {0.0, 1.0, 0.0}, Range(),
-             "Half-space: its outward normal, towards the body. Cylinder: its axis; in the plane always 0, "
-             "0, 1. Spheres have none.");
-  spec.real("Radius", 0.0, Range(), "Of cylinder and sphere; negative: the body is inside of a hollow one.");
+              {{"half-space", "plane through \"Point\" with the outward normal \"Direction\""},
+               {"cylinder", "with the axis through \"Point\" along \"Direction\""},
+               {"sphere", "with the centre \"Point\""}},
+              "Shape of the obstacle.");
+  spec.reals("Point", {0.0, 0.0, 0.0}, Range(), "Point on the plane or on the axis, or the centre.");
+  spec.reals(
+      "Direction", {0.0, 1.0, 0.0}, Range(),
+      "Half-space: outward normal, towards the body. Cylinder: axis; 0, 0, 1 in plane scenes. Not used by "
+      "spheres.");
+  spec.real("Radius", 0.0, Range(), "Radius of cylinder and sphere; negative: hollow, with the body inside.");
   return {RigidObstacle::kindName, spec, makeRigidObstacle};
 }
 

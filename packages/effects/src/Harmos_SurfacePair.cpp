@@ -166,16 +166,16 @@ std::vector<contact::ContactPoint> SurfacePair::points(scene::ConstraintCollecto
 }
 
 void SurfacePair::addTo(ParameterSpec& spec) {
-  spec.text("First", "",
-            "\"body/boundary part\" that carries the multipliers: the finer or softer one. Required.");
-  spec.text("Second", "", "\"body/boundary part\" opposite to it. Required.");
+  spec.text("First", "", "\"body/boundary part\" with the multipliers: the finer or softer one. Required.");
+  spec.text("Second", "", "\"body/boundary part\" opposite to the first one. Required.");
   spec.choice("Coupling", "automatic",
-              {{"automatic", "nodes where they match, else mortar"},
-               {"nodes", "node to node; the nodes have to match"},
+              {{"automatic", "nodes if they match, else mortar"},
+               {"nodes", "node to node; the nodes must match"},
                {"mortar", "dual Lagrange multipliers; the meshes need not match"}},
-              "How the two meshes are brought together.");
-  spec.real("Reach", 0.0, Range::atLeast(0.0),
-            "Mortar: counterparts farther than this are none; 0: a tenth of the smaller surface's extent.");
+              "Coupling of the two meshes.");
+  spec.real(
+      "Reach", 0.0, Range::atLeast(0.0),
+      "Mortar: largest distance of opposite surfaces, a length. 0: a tenth of the smaller surface's extent.");
 }
 
 SurfacePair SurfacePair::fromList(const Teuchos::ParameterList& list, const std::string& path,

@@ -4,10 +4,10 @@
 namespace Harmos::effects {
 
 scene::EffectKind kindOfThermalStrain() {
-  ParameterSpec spec("<temperature>", "A body is warmer than when it was free of stress.");
-  spec.text("Body", "", "The name of the body. Required.");
+  ParameterSpec spec("<temperature>", "A body has another temperature than in its stress-free state.");
+  spec.text("Body", "", "Name of the body. Required.");
   spec.real("Temperature", 0.0, Range(),
-            "Rise in degrees; negative: the body was cooled. Rises of several effects add up.");
+            "Rise of temperature in degrees; negative: cooling. Several effects add up.");
   return {ThermalStrain::kindName, spec,
           [](const Teuchos::ParameterList& list, const std::string& path, const scene::Scene& scene) {
             requireElastic(scene, "\"" + path + "\"");

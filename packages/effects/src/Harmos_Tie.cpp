@@ -4,7 +4,7 @@
 namespace Harmos::effects {
 
 scene::EffectKind kindOfTie() {
-  ParameterSpec spec("<tie>", "Two boundary parts are glued together.");
+  ParameterSpec spec("<tie>", "Two boundary parts are bonded.");
   SurfacePair::addTo(spec);
   return {Tie::kindName, spec,
           [](const Teuchos::ParameterList& list, const std::string& path, const scene::Scene& scene) {

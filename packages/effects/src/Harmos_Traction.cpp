@@ -4,10 +4,9 @@
 namespace Harmos::effects {
 
 scene::EffectKind kindOfTraction() {
-  ParameterSpec spec("<traction>", "A force on a boundary part.");
-  spec.text("Part", "", "Where: \"body/boundary part\". Required.");
-  spec.reals("Density", {0.0, 0.0, 0.0}, Range(),
-             "Force per area along x, y, z; constant, whatever the normal.");
+  ParameterSpec spec("<traction>", "A distributed force on a boundary part.");
+  spec.text("Part", "", "\"body/boundary part\" under load. Required.");
+  spec.reals("Density", {0.0, 0.0, 0.0}, Range(), "Force per area along x, y, z; independent of the normal.");
   spec.real("Pressure", 0.0, Range(), "Force per area against the outward normal.");
   return {Traction::kindName, spec,
           [](const Teuchos::ParameterList& list, const std::string& path, const scene::Scene& scene) {

@@ -112,11 +112,11 @@ def counted(deck, ranks, form, clusters, steps):
             f"Decomposition/Dirichlet={'dual' if clusters == 'rank' else 'auto'}",
             f"Solver/Maximum iterations={steps}",
             "Solver/Tolerance=1e-14",
-            "Solver/PCPG/Reorthogonalisation=none",  # or the last checkpoint grows with the steps
+            "Solver/Expert/PCPG/Reorthogonalisation=none",  # or the last checkpoint grows with the steps
             "Dual operator/Form=condensed",
             "Dual operator/Preconditioner=Dirichlet",
-            "Dual operator/Adaptive coarse vectors=none",
-            "Output/Rank diagnostics=true",
+            "Dual operator/Expert/Adaptive coarse vectors=none",
+            "Output/Expert/Rank diagnostics=true",
             "Output/Fields=false",
         ):
             command += ["--set", setting]

@@ -98,7 +98,7 @@ def case(name, directory, scale):
     if name == "shared":
         return punch, {**blocks(scale), **splines(scale)}
     if name == "unshared":
-        return punch, {**blocks(scale), **splines(scale), "Dual operator/Share identical subdomains": "false"}
+        return punch, {**blocks(scale), **splines(scale), "Dual operator/Expert/Share identical subdomains": "false"}
     if name == "nodes":
         return punch, blocks(scale)
     if name == "moved":

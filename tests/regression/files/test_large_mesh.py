@@ -59,7 +59,9 @@ DECK = """
   </ParameterList>
   <ParameterList name="Output">
     <Parameter name="Fields" type="bool" value="false"/>
-    <Parameter name="Rank diagnostics" type="bool" value="true"/>
+    <ParameterList name="Expert">
+      <Parameter name="Rank diagnostics" type="bool" value="true"/>
+    </ParameterList>
   </ParameterList>
 </ParameterList>
 """

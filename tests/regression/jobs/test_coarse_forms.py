@@ -32,12 +32,12 @@ CASES = {
     "weights": (
         "fiber_composite",
         "fiber_composite/decks/composite.xml",
-        {"Dual operator/Weights": "stiffness"},
+        {"Dual operator/Expert/Weights": "stiffness"},
     ),
     "adaptive vectors": (
         "signorini",
         "signorini/decks/block.xml",
-        {"Dual operator/Adaptive coarse vectors": "all"},
+        {"Dual operator/Expert/Adaptive coarse vectors": "all"},
     ),
 }
 # On one rank nothing is shared, and eight on few cores take their time.
@@ -169,7 +169,7 @@ class Many(Forms):
             "Decomposition/Dirichlet": "dual",
             "Solver/Tolerance": "1e-9",
         }
-        slow = sets | {"Dual operator/Rates": rates}
+        slow = sets | {"Dual operator/Expert/Rates": rates}
         cases = ((16, slow, 0), (32, slow, 32), (32, sets, 0))
         energies = []
         for np, these, clusters in cases:

@@ -61,11 +61,11 @@ CASES = {
     ),
     "solid": Case("signorini", "signorini/decks/block.xml", whole=1, others=((2, "rank", None),)),
     "composite": Case(
-        "fiber_composite", "fiber_composite/decks/composite.xml", {"Dual operator/Weights": "stiffness"},
+        "fiber_composite", "fiber_composite/decks/composite.xml", {"Dual operator/Expert/Weights": "stiffness"},
         others=((4, "rank", None),),
     ),
     "adaptive vectors": Case(
-        "fiber_composite", "fiber_composite/decks/composite.xml", {"Dual operator/Adaptive coarse vectors": "all"},
+        "fiber_composite", "fiber_composite/decks/composite.xml", {"Dual operator/Expert/Adaptive coarse vectors": "all"},
         others=((2, "2", None),),
     ),
     "greco plate": Case("harmos", "harmos/decks/greco_plate.xml", whole=1, others=((2, "rank", None),)),
@@ -152,14 +152,14 @@ class Forms(unittest.TestCase):
         {"Dual operator/Form": "condensed"},
         {"Dual operator/Form": "implicit"},
         {"Dual operator/Form": "implicit", "Dual operator/Implicit solver": "MUMPS"},
-        {"Dual operator/Share identical subdomains": False},
+        {"Dual operator/Expert/Share identical subdomains": False},
         {"Dual operator/Preconditioner": "lumped"},
         {"Dual operator/Preconditioner": "none"},
-        {"Dual operator/Scaling": "multiplicity"},
-        {"Dual operator/Weights": "stiffness"},
+        {"Dual operator/Expert/Scaling": "multiplicity"},
+        {"Dual operator/Expert/Weights": "stiffness"},
         {"Decomposition/Dirichlet": "dual"},
-        {"Decomposition/Cluster joins": "corners"},
-        {"Decomposition/Cluster joins": "all"},
+        {"Decomposition/Expert/Cluster joins": "corners"},
+        {"Decomposition/Expert/Cluster joins": "all"},
         {"Decomposition/Coarse problem": "distributed"},
         {"Solver/Method": "SMALBE", "Solver/Tolerance": 1e-8},
     )
@@ -270,7 +270,7 @@ class Restarts(unittest.TestCase):
             "Solver/Tolerance": 1e-8,
             "Dual operator/Preconditioner": "none",
             "Dual operator/Form": "implicit",
-            "Dual operator/Share identical subdomains": False,
+            "Dual operator/Expert/Share identical subdomains": False,
             "Output/Fields": False,
         }
         plain = runs.run(runs.MODEL, sets)

@@ -83,7 +83,9 @@ Change method(
 
 template<class T>
 Change set(const std::string& sublist, const std::string& name, const T& value) {
-  return [=](Teuchos::ParameterList& list) { list.sublist("Solver").sublist(sublist).set(name, value); };
+  return [=](Teuchos::ParameterList& list) {
+    list.sublist("Solver").sublist("Expert").sublist(sublist).set(name, value);
+  };
 }
 
 } // namespace
@@ -113,7 +115,7 @@ int main(int argc, char** argv) {
         method("PDAS", "Dirichlet", set("PDAS", "Active sets without progress", 1)));
   solve(comm, "PDAS, no share", true, true, method("PDAS", "none", [](Teuchos::ParameterList& list) {
           list.sublist("Solver").set("Maximum iterations", 120);
-          list.sublist("Solver").sublist("PDAS").set("Share of iterations", 0.02);
+          list.sublist("Solver").sublist("Expert").sublist("PDAS").set("Share of iterations", 0.02);
         }));
   for (const char* form : {"implicit", "condensed"})
     solve(comm, form, true, true, method("Auto", "Dirichlet", [=](Teuchos::ParameterList& list) {

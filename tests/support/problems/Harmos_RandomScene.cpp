@@ -384,8 +384,8 @@ class Generator {
     result_.tolerance = draw_.logarithmic(1e-10, 1e-2);
     const std::string form = set("Dual operator/Form", {"auto", "implicit", "condensed"});
     set("Dual operator/Preconditioner", {"Dirichlet", "Dirichlet", "Dirichlet", "lumped", "lumped", "none"});
-    set("Dual operator/Scaling", {"auto", "auto", "multiplicity", "stiffness"});
-    set("Dual operator/Share identical subdomains", {"true", "true", "false"});
+    set("Dual operator/Expert/Scaling", {"auto", "auto", "multiplicity", "stiffness"});
+    set("Dual operator/Expert/Share identical subdomains", {"true", "true", "false"});
     // Dense blocks in single precision reach 1e-6, and not even that where subdomains are badly conditioned
     // themselves: those are refused.
     bool isWellConditioned = true;
@@ -396,7 +396,7 @@ class Generator {
       set("Dual operator/Precision", {"double", "double", "double", "single"});
     const bool isTotal = set("Decomposition/Dirichlet", {"primal", "dual"}) == "dual";
     set("Solver/Stopping rule", {"scaled", "scaled", "scaled", "paper", "permon"});
-    set("Solver/Initial guess", {"zero", "zero", "half load"});
+    set("Solver/Expert/Initial guess", {"zero", "zero", "half load"});
     // Those that the problem admits: with a floating subdomain there are equalities, with contact bounds.
     std::vector<std::string> methods = {"Auto", "Auto"};
     bool floats = isTotal, mayFloat = false;

@@ -222,7 +222,7 @@ TEST(AdaptiveSpace, answers_are_the_same_and_cheap) {
     const TestModel model = threaded(4, 6, tied);
     const auto solve = [&](const std::string& vectors, const std::string& form) {
       Teuchos::ParameterList list;
-      list.sublist("Dual operator").set("Adaptive coarse vectors", vectors);
+      list.sublist("Dual operator").sublist("Expert").set("Adaptive coarse vectors", vectors);
       list.sublist("Dual operator").set("Form", form);
       list.sublist("Dual operator").set("Preconditioner", "Dirichlet");
       list.sublist("Solver").set("Tolerance", 1e-10);
@@ -249,7 +249,7 @@ TEST(AdaptiveSpace, products_fall) {
   const TestModel model = threaded(6, 8, true);
   const auto report = [&](const std::string& vectors) {
     Teuchos::ParameterList list;
-    list.sublist("Dual operator").set("Adaptive coarse vectors", vectors);
+    list.sublist("Dual operator").sublist("Expert").set("Adaptive coarse vectors", vectors);
     list.sublist("Dual operator").set("Form", "condensed");
     list.sublist("Dual operator").set("Preconditioner", "Dirichlet");
     list.sublist("Solver").set("Tolerance", 1e-8);

@@ -109,7 +109,7 @@ Calls ofRun(const Case& item, const Stages& stages, int steps) {
   list->set("Maximum Iterations", steps);
   list->set("Convergence Tolerance", 1e-14);
   if (std::string(item.method) == "PDAS") // all of them on the first face
-    list->sublist("PDAS").set("Share of iterations", 1.0).set("Inner reduction", 1e-12);
+    list->sublist("Expert").sublist("PDAS").set("Share of iterations", 1.0).set("Inner reduction", 1e-12);
   const auto solver = qp::TpetraSolverFactory().create(item.method, list);
   solver->setProblem(problem);
   const Calls result = during([&] { solver->solve(); });

@@ -29,7 +29,8 @@ constexpr double bound = 1e3 * tolerance;
 Teuchos::ParameterList parametersOf(const std::string& weights, const std::string& method = "Auto") {
   Teuchos::ParameterList list;
   list.sublist("Solver").set("Tolerance", tolerance).set("Method", method);
-  list.sublist("Dual operator").set("Weights", weights).set("Preconditioner", "Dirichlet");
+  list.sublist("Dual operator").set("Preconditioner", "Dirichlet");
+  list.sublist("Dual operator").sublist("Expert").set("Weights", weights);
   return list;
 }
 

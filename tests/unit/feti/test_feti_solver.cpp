@@ -145,8 +145,8 @@ TEST(FetiSolver, stiffness_that_jumps) {
   };
   const auto productsOf = [](const TestModel& model, const std::string& weights) {
     Teuchos::ParameterList list = parametersOf("condensed");
-    list.sublist("Dual operator").set("Weights", weights);
-    list.sublist("Solver").sublist("PDAS").set("Kept directions", 0);
+    list.sublist("Dual operator").sublist("Expert").set("Weights", weights);
+    list.sublist("Solver").sublist("Expert").sublist("PDAS").set("Kept directions", 0);
     feti::FetiSolver solver(testComm(), model.subdomains, model.rows, list);
     const feti::SolveReport& report = solver.solve();
     EXPECT_TRUE(report.converged) << weights << ": " << report.reason;

@@ -40,8 +40,13 @@ Teuchos::ParameterList parametersOf(const Setting& s) {
   Teuchos::ParameterList list;
   list.sublist("Solver").set("Tolerance", tolerance).set("Method", s.method);
   list.sublist("Dual operator").set("Form", s.form).set("Preconditioner", s.preconditioner);
-  list.sublist("Dual operator").set("Adaptive coarse vectors", s.vectors).set("Weights", s.weights);
-  list.sublist("Dual operator").set("Adaptive threshold", 1.0); // of such small subdomains any
+  list.sublist("Dual operator")
+      .sublist("Expert")
+      .set("Adaptive coarse vectors", s.vectors)
+      .set("Weights", s.weights);
+  list.sublist("Dual operator")
+      .sublist("Expert")
+      .set("Adaptive threshold", 1.0); // of such small subdomains any
   list.sublist("Decomposition").set("Dirichlet", s.dirichlet).set("Clusters", s.clusters);
   return list;
 }

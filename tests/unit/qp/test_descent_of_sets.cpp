@@ -53,7 +53,10 @@ Result solved(const DistributedQp& distributed, int patience, double tolerance) 
   const auto list = Teuchos::parameterList();
   list->set("Convergence Tolerance", tolerance);
   // Faces are followed as far as they are to be from the start: what is left is to descend.
-  list->sublist("PDAS").set("Active sets without progress", patience).set("Inner reduction", 0.04);
+  list->sublist("Expert")
+      .sublist("PDAS")
+      .set("Active sets without progress", patience)
+      .set("Inner reduction", 0.04);
   const auto solver = TpetraSolverFactory().create("PDAS", list);
   solver->setProblem(distributed.problem);
   return solver->solve();

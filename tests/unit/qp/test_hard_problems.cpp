@@ -51,7 +51,7 @@ Answer solve(const std::string& name, const SmallQp& qp, double tolerance = 1e-8
   list->set("Convergence Tolerance", tolerance);
   list->set("Maximum Iterations", 20000);
   if (!rule.empty())
-    list->sublist("SMALBE").set("Update rule", rule);
+    list->sublist("Expert").sublist("SMALBE").set("Update rule", rule);
   const auto solver = TpetraSolverFactory().create(name, list);
   solver->setProblem(distributed.problem);
   Answer answer{solver->solve(), {}, {}};
@@ -290,7 +290,7 @@ TEST(HardProblems, penalties_do_not_hide_small_curvatures) {
     SmallQp qp{diagonal({1, smallest, 1}), {1, smallest, 1}, {0, 0, 0}, {}, rows({{1, 0, 1}}), {2}};
     const DistributedQp distributed(qp);
     const auto list = Teuchos::parameterList();
-    list->sublist("Dual Penalty").set("Penalty", 1e6);
+    list->sublist("Expert").sublist("Dual Penalty").set("Penalty", 1e6);
     list->set("Convergence Tolerance", 1e-9);
     const auto solver = TpetraSolverFactory().create("Dual Penalty", list);
     solver->setProblem(distributed.problem);
@@ -346,7 +346,7 @@ TEST(HardProblems, rows_used_as_they_stand_converge_in_any_units) {
       value *= s;
     const DistributedQp distributed(qp);
     const auto list = Teuchos::parameterList();
-    list->set("Orthonormalised Rows", 0);
+    list->sublist("Expert").set("Orthonormalised Rows", 0);
     list->set("Convergence Tolerance", 1e-8);
     const auto solver = TpetraSolverFactory().create("SMALBE", list);
     solver->setProblem(distributed.problem);
@@ -371,7 +371,7 @@ TEST(HardProblems, tests_go_on_through_a_change_of_solvers) {
   const SmallQp qp = randomQp(random, 7, 2, true, 1e4);
   const DistributedQp distributed(qp);
   const auto list = Teuchos::parameterList();
-  list->sublist("PDAS").set("Maximum active sets", 1);
+  list->sublist("Expert").sublist("PDAS").set("Maximum active sets", 1);
   const auto solver = TpetraSolverFactory().create("PDAS", list);
   const auto test = Teuchos::rcp(new Resets(1e-8, norm(qp.b)));
   solver->setConvergenceTest(test);
@@ -389,7 +389,7 @@ TEST(HardProblems, iterations_are_counted_through_a_change_of_solvers) {
     const DistributedQp distributed(qp);
     const auto list = Teuchos::parameterList();
     list->set("Convergence Tolerance", 1e-10);
-    list->sublist("PDAS").set("Maximum active sets", 1);
+    list->sublist("Expert").sublist("PDAS").set("Maximum active sets", 1);
     const auto solver = TpetraSolverFactory().create("PDAS", list);
     solver->setProblem(distributed.problem);
     const Result result = solver->solve();

@@ -59,7 +59,7 @@ Solved solved(const SmallQp& qp, int kept, double tolerance) {
   distributed.precondition(identity);
   const auto list = Teuchos::parameterList();
   list->set("Convergence Tolerance", tolerance);
-  list->sublist("PDAS").set("Kept directions", kept);
+  list->sublist("Expert").sublist("PDAS").set("Kept directions", kept);
   const auto solver = TpetraSolverFactory().create("PDAS", list);
   solver->setProblem(distributed.problem);
   Solved outcome{solver->solve(), fromVector(*distributed.solution)};

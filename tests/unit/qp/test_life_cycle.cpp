@@ -108,7 +108,7 @@ TEST(LifeCycle, too_many_general_rows_are_refused_by_name) {
   for (const char* name : {"PCPG", "PDAS"}) {
     const DistributedQp qp(smallQp(2, std::string(name) == "PDAS"));
     const auto list = Teuchos::parameterList();
-    list->set("Orthonormalised Rows", 1);
+    list->sublist("Expert").set("Orthonormalised Rows", 1);
     const auto solver = TpetraSolverFactory().create(name, list);
     solver->setProblem(qp.problem);
     EXPECT_TRUE(contains(inputErrorOf([&] { solver->solve(); }), "\"Orthonormalised Rows\"")) << name;
@@ -185,12 +185,23 @@ TEST(LifeCycle, applications_add_solvers) {
 
 TEST(LifeCycle, parameters_are_checked_at_the_first_call) {
   const auto list = Teuchos::parameterList();
-  list->sublist("MPRGP").set("Gama", 1.0);
+  list->sublist("Expert").sublist("MPRGP").set("Gama", 1.0);
   EXPECT_TRUE(contains(inputErrorOf([&] { TpetraSolverFactory().create("MPRGP", list); }),
                        "did you mean \"Gamma\"?"));
   const auto solver = TpetraSolverFactory().create("SMALBE", Teuchos::null);
-  EXPECT_EQ(solver->getCurrentParameters()->sublist("MPRGP").get<double>("Gamma"), 1.0);
-  EXPECT_TRUE(solver->getValidParameters()->isSublist("SMALBE"));
+  EXPECT_EQ(solver->getCurrentParameters()->sublist("Expert").sublist("MPRGP").get<double>("Gamma"), 1.0);
+  EXPECT_TRUE(solver->getValidParameters()->sublist("Expert").isSublist("SMALBE"));
+}
+
+TEST(LifeCycle, expert_parameters_at_their_old_place) {
+  const auto list = Teuchos::parameterList();
+  list->sublist("MPRGP").set("Gamma", 2.0);
+  const auto solver = TpetraSolverFactory().create("SMALBE", list);
+  EXPECT_EQ(solver->getCurrentParameters()->sublist("Expert").sublist("MPRGP").get<double>("Gamma"), 2.0);
+  std::ostringstream text;
+  solver->setLog(Log(text, text, Log::Verbosity::Normal, true));
+  solver->setParameters(list);
+  EXPECT_TRUE(contains(text.str(), "Note: \"MPRGP\" is now \"Expert/MPRGP\"")) << text.str();
 }
 
 TEST(LifeCycle, clone_has_the_parameters_but_no_problem) {

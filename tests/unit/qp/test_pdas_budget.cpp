@@ -59,7 +59,8 @@ TEST(PdasBudget, sets_that_go_on_changing_leave_their_share) {
     for (double share : {0.25, 0.5}) {
       const auto list = Teuchos::parameterList();
       list->set("Maximum Iterations", most);
-      list->sublist("PDAS")
+      list->sublist("Expert")
+          .sublist("PDAS")
           .set("Maximum active sets", 1000000)
           .set("Active sets without progress", 1000000)
           .set("Share of iterations", share);
@@ -99,8 +100,8 @@ TEST(PdasBudget, crawling_on_a_face_is_noticed_by_its_dimension) {
   qp.lower.assign(n, -infinity);
   std::fill_n(qp.lower.begin(), 5, -0.1);
   const auto list = Teuchos::parameterList();
-  list->sublist("PCPG").set("Reorthogonalisation", "none");
-  list->sublist("PDAS").set("Inner reduction", 1e-6);
+  list->sublist("Expert").sublist("PCPG").set("Reorthogonalisation", "none");
+  list->sublist("Expert").sublist("PDAS").set("Inner reduction", 1e-6);
   const Outcome outcome = solved(qp, "PDAS", list);
   EXPECT_EQ(outcome.result.counters.safeguards, 1);
   EXPECT_EQ(outcome.result.method, "MPRGP");

@@ -40,7 +40,10 @@ Outcome solved(const SmallQp& qp, const std::string& conjugation, int stored = 5
   const DistributedQp distributed(qp, EqualityStructure::Orthonormal);
   const auto list = Teuchos::parameterList();
   list->set("Convergence Tolerance", tolerance);
-  list->sublist("PCPG").set("Reorthogonalisation", conjugation).set("Stored directions", stored);
+  list->sublist("Expert")
+      .sublist("PCPG")
+      .set("Reorthogonalisation", conjugation)
+      .set("Stored directions", stored);
   const auto solver = TpetraSolverFactory().create(qp.lower.empty() ? "PCPG" : "PDAS", list);
   solver->setProblem(distributed.problem);
   Outcome outcome{solver->solve(), fromVector(*distributed.solution)};

@@ -52,7 +52,7 @@ Outcome solve(const Method& method, const SmallQp& qp, double accuracy = toleran
   const auto list = Teuchos::parameterList();
   list->set("Convergence Tolerance", accuracy);
   if (!method.rule.empty())
-    list->sublist("SMALBE").set("Update rule", method.rule);
+    list->sublist("Expert").sublist("SMALBE").set("Update rule", method.rule);
   const auto solver = TpetraSolverFactory().create(method.name, list);
   solver->setProblem(distributed.problem);
   Outcome run;
@@ -124,7 +124,7 @@ TEST(RandomProblems, dual_penalty_within_its_bound) {
       const DistributedQp distributed(qp);
       const auto list = Teuchos::parameterList();
       list->set("Convergence Tolerance", 1e-10);
-      list->sublist("Dual Penalty").set("Penalty", relative);
+      list->sublist("Expert").sublist("Dual Penalty").set("Penalty", relative);
       const auto solver = TpetraSolverFactory().create("Dual Penalty", list);
       solver->setProblem(distributed.problem);
       const Result result = solver->solve();
@@ -189,7 +189,7 @@ TEST(RandomProblems, infeasible_ones_are_named_and_proven) {
       const DistributedQp distributed(qp);
       const auto list = Teuchos::parameterList();
       if (!method.rule.empty())
-        list->sublist("SMALBE").set("Update rule", method.rule);
+        list->sublist("Expert").sublist("SMALBE").set("Update rule", method.rule);
       const auto solver = TpetraSolverFactory().create(method.name, list);
       solver->setProblem(distributed.problem);
       const Result result = solver->solve();
@@ -219,7 +219,7 @@ TEST(RandomProblems, unbounded_ones_are_named_and_proven) {
       const DistributedQp distributed(qp);
       const auto list = Teuchos::parameterList();
       if (!method.rule.empty())
-        list->sublist("SMALBE").set("Update rule", method.rule);
+        list->sublist("Expert").sublist("SMALBE").set("Update rule", method.rule);
       const auto solver = TpetraSolverFactory().create(method.name, list);
       solver->setProblem(distributed.problem);
       const Result result = solver->solve();

@@ -58,7 +58,7 @@ Outcome solve(const SmallQp& qp, const Case& item, const Teuchos::RCP<MemoryMoni
   for (const auto& [path, value] : item.choices) {
     const std::string text = path;
     const std::size_t slash = text.find('/');
-    list->sublist(text.substr(0, slash)).set(text.substr(slash + 1), std::string(value));
+    list->sublist("Expert").sublist(text.substr(0, slash)).set(text.substr(slash + 1), std::string(value));
   }
   const auto solver = TpetraSolverFactory().create(item.method, list);
   solver->setProblem(distributed.problem);
@@ -144,7 +144,7 @@ TEST(Resume, a_solver_that_took_over_goes_on) {
   for (const Case& item : {cases[10], cases[11]}) {
     const SmallQp qp = randomQp(random, 24, item.equalities, true, 1e3);
     Teuchos::ParameterList list;
-    list.sublist("PDAS").set("Maximum active sets", 2);
+    list.sublist("Expert").sublist("PDAS").set("Maximum active sets", 2);
     resumeEverywhere(qp, item, list);
   }
 }
@@ -157,7 +157,7 @@ TEST(Resume, sets_that_descend_go_on_descending) {
     for (const Case& item : {cases[11], cases[12]}) {
       const SmallQp qp = randomQp(random, 40, item.equalities, true, 1e5);
       Teuchos::ParameterList list;
-      list.sublist("PDAS").set("Active sets without progress", 1);
+      list.sublist("Expert").sublist("PDAS").set("Active sets without progress", 1);
       const Outcome plain = solve(qp, item, Teuchos::null, Teuchos::rcp(new Teuchos::ParameterList(list)));
       begun += plain.result.counters.descents;
       resumeEverywhere(qp, item, list);
@@ -205,7 +205,7 @@ TEST(Resume, while_sets_are_balanced) {
   std::mt19937 random(29);
   const Case item = {"PDAS, balanced", "PDAS", 3, true, true, {}};
   Teuchos::ParameterList list;
-  list.sublist("PDAS").set("Active sets without progress", 1);
+  list.sublist("Expert").sublist("PDAS").set("Active sets without progress", 1);
   const std::vector<std::pair<std::string, std::function<SmallQp()>>> kinds = {
       {"bodies that turn", [&] { return turningBodiesQp(random, 4, 6, 0.2); }},
       {"intervals that follow", [&] { return followingQp(random, 8, 1, 2, 3, 0.5); }},

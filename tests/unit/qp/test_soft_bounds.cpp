@@ -83,7 +83,7 @@ TEST(SoftBounds, random_problems_against_enumeration) {
     }
     const auto list = parameters(1e-10);
     if (k % 3 == 0) // sides are held as soon as that may be
-      list->sublist("PDAS").set("Active sets without progress", 1);
+      list->sublist("Expert").sublist("PDAS").set("Active sets without progress", 1);
     const Outcome run = solved(qp, k % 5 == 0 ? "Auto" : "PDAS", list, k % 2 == 1);
     ASSERT_TRUE(run.result.converged()) << k << ": " << run.result.explanation;
     held += run.result.counters.descents;
@@ -122,7 +122,7 @@ TEST(SoftBounds, sides_that_go_in_circles) {
       qp.soft.push_back({i, normal(random), infinity, mean * std::pow(10.0, -1.0 + 4.0 * unit(random))});
     }
     const auto list = parameters(1e-9);
-    list->sublist("PDAS").set("Inner reduction", 1e-6); // as exact as it takes for circles
+    list->sublist("Expert").sublist("PDAS").set("Inner reduction", 1e-6); // as exact as it takes for circles
     const Outcome run = solved(qp, "PDAS", list, false);
     ASSERT_TRUE(run.result.converged()) << k << ": " << run.result.explanation;
     held += run.result.counters.descents;
@@ -290,7 +290,7 @@ TEST(Resume, with_soft_bounds) {
     const auto solve = [&](const Teuchos::RCP<MemoryMonitor<MultiVector>>& monitor) {
       const auto list = parameters(1e-7);
       if (k >= 4)
-        list->sublist("PDAS").set("Active sets without progress", 1);
+        list->sublist("Expert").sublist("PDAS").set("Active sets without progress", 1);
       const DistributedQp distributed(qp);
       if (k % 2 == 1)
         distributed.precondition(jacobi(qp.a));

@@ -77,7 +77,7 @@ TEST(Solvers, mprgp_agrees_with_enumeration) {
     for (const char* expansion : {"projected conjugate gradient", "fixed step"}) {
       const DistributedQp distributed(qp);
       const auto list = parameters(tolerance);
-      list->sublist("MPRGP").set("Expansion", std::string(expansion));
+      list->sublist("Expert").sublist("MPRGP").set("Expansion", std::string(expansion));
       const Result result = solve("MPRGP", distributed, list);
       ASSERT_TRUE(result.converged()) << k << " " << result.explanation;
       EXPECT_LE(distance(fromVector(*distributed.solution), bruteForce(qp)), accuracy)
@@ -95,7 +95,7 @@ TEST(Solvers, mprgp_cost_never_rises) {
     for (const char* expansion : {"projected conjugate gradient", "fixed step"}) {
       const DistributedQp distributed(qp);
       const auto list = parameters(1e-10);
-      list->sublist("MPRGP").set("Expansion", std::string(expansion));
+      list->sublist("Expert").sublist("MPRGP").set("Expansion", std::string(expansion));
       const auto probe = Teuchos::rcp(new CostProbe(qp, 1e-8));
       const Result result = solve("MPRGP", distributed, list, probe);
       ASSERT_TRUE(result.converged());
@@ -126,7 +126,7 @@ TEST(Solvers, mprgp_corrects_a_norm_that_is_too_small) {
     distributed.problem->setHessianNorm(0.01);
     distributed.problem->setProblem();
     const auto list = parameters(tolerance);
-    list->sublist("MPRGP").set("Expansion", std::string("fixed step"));
+    list->sublist("Expert").sublist("MPRGP").set("Expansion", std::string("fixed step"));
     const Result result = solve("MPRGP", distributed, list);
     ASSERT_TRUE(result.converged());
     EXPECT_LE(distance(fromVector(*distributed.solution), bruteForce(qp)), accuracy);
@@ -148,7 +148,7 @@ TEST(Solvers, smalbe_agrees_with_enumeration_in_both_rules) {
     for (const char* rule : {"precision", "penalty"}) {
       const DistributedQp distributed(qp);
       const auto list = parameters(tolerance);
-      list->sublist("SMALBE").set("Update rule", std::string(rule));
+      list->sublist("Expert").sublist("SMALBE").set("Update rule", std::string(rule));
       const Result result = solve("SMALBE", distributed, list);
       ASSERT_TRUE(result.converged()) << k << " " << rule << " " << result.explanation;
       EXPECT_LE(distance(fromVector(*distributed.solution), expected), accuracy) << k << " " << rule;
@@ -172,7 +172,7 @@ TEST(Solvers, penalty_rule_keeps_the_penalty_while_feasibility_keeps_up) {
   const auto run = [&](double equalityTolerance) {
     const DistributedQp distributed(qp);
     const auto list = parameters(1e-8);
-    Teuchos::ParameterList& smalbe = list->sublist("SMALBE");
+    Teuchos::ParameterList& smalbe = list->sublist("Expert").sublist("SMALBE");
     smalbe.set("Update rule", std::string("penalty"));
     smalbe.set("Parameter scaling", std::string("absolute"));
     smalbe.set("Initial penalty", 10.0);
@@ -198,7 +198,7 @@ TEST(Solvers, dual_penalty_error_falls_like_one_over_rho) {
       const DistributedQp distributed(qp);
       // Rounding errors of the gradient are ε ρ‖A‖‖x‖ < 1e-9 at the largest penalty, a part 1e-10 of ‖b‖.
       const auto list = parameters(1e-9);
-      list->sublist("Dual Penalty").set("Penalty", penalty);
+      list->sublist("Expert").sublist("Dual Penalty").set("Penalty", penalty);
       const Result result = solve("Dual Penalty", distributed, list);
       ASSERT_TRUE(result.converged()) << result.explanation;
       residuals.push_back(result.equalityNorm);

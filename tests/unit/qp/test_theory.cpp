@@ -85,7 +85,7 @@ void expectProvenDecrease(bool withDiscs) {
         distributed.problem->setHessianNorm(condition);
         distributed.problem->setProblem();
         const auto list = parameters(1e-9);
-        Teuchos::ParameterList& mprgp = list->sublist("MPRGP");
+        Teuchos::ParameterList& mprgp = list->sublist("Expert").sublist("MPRGP");
         mprgp.set("Expansion", std::string("fixed step"));
         mprgp.set("Step factor", factor);
         mprgp.set("Gamma", gamma);
@@ -133,7 +133,7 @@ TEST(Theory, cost_never_rises_in_any_variant) {
         if (preconditioned)
           distributed.precondition(jacobi(qp.a));
         const auto list = parameters(1e-9);
-        list->sublist("MPRGP").set("Expansion", std::string(expansion));
+        list->sublist("Expert").sublist("MPRGP").set("Expansion", std::string(expansion));
         const auto probe = Teuchos::rcp(new CostProbe(qp));
         const Result result = solve("MPRGP", distributed, list, probe);
         ASSERT_TRUE(result.converged()) << result.explanation;

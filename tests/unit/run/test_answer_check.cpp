@@ -67,7 +67,7 @@ TEST(AnswerCheck, balanced_runs_keep_the_share) {
       ASSERT_TRUE(exact.report.converged);
       for (double share : {1.0, 0.1}) {
         const TestRun run = runScene(
-            scene, 1e-4, {balanced[0], choice, "Solver/Solver error share=" + std::to_string(share)});
+            scene, 1e-4, {balanced[0], choice, "Solver/Expert/Solver error share=" + std::to_string(share)});
         ASSERT_TRUE(run.report.converged) << run.report.reason;
         const run::RunReport& report = run.report;
         const double solver = missing(run, exact.report.audit.energy);

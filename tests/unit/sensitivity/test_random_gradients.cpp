@@ -57,7 +57,7 @@ Teuchos::ParameterList randomParameters(std::mt19937& random, std::string& text)
   const std::string vectors = oneOf<std::string>(random, {"auto", "all"});
   Teuchos::ParameterList list = contactCaseParameters(tolerance, dirichlet);
   list.sublist("Dual operator").set("Form", form).set("Preconditioner", preconditioner);
-  list.sublist("Dual operator").set("Adaptive coarse vectors", vectors);
+  list.sublist("Dual operator").sublist("Expert").set("Adaptive coarse vectors", vectors);
   list.sublist("Decomposition").set("Clusters", clusters);
   text += dirichlet + ", " + form + ", " + preconditioner + ", clusters " + clusters + ", vectors " + vectors;
   return list;

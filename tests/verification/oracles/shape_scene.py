@@ -256,7 +256,7 @@ def deck(scene, subdomains=None, **lists):
         bodies[name] = {
             "Source": "block", "Origin": [*map(float, block.origin), 0.0], "Size": [*map(float, block.size), 1.0],
             "Subdomains a side": [*cut, 1], "Elements a side": [*(n // k for n, k in zip(block.cells, cut)), 1],
-            "Element": "Q1", "Dilatation": "full", "Materials": [f"of {name}"],
+            "Element": "Q1", "Expert": {"Dilatation": "full"}, "Materials": [f"of {name}"],
         }
     rules = boundary_parts(scene)
     return {

@@ -13,7 +13,7 @@ namespace Harmos::fem {
 namespace {
 
 constexpr const char* format = "Harmos cut mesh 1\n";
-constexpr const char* what = "the mesh file";
+constexpr const char* fileKind = "the mesh file";
 
 using Bytes = std::vector<unsigned char>;
 
@@ -83,7 +83,7 @@ std::vector<int> flat(const std::vector<Side>& sides) {
 class Writer {
  public:
   Writer(const Teuchos::Comm<int>& comm, const std::string& path, long long bytes)
-      : file_(comm, path, what, bytes) {}
+      : file_(comm, path, fileKind, bytes) {}
 
   template<class T>
   void write(const std::string& path, const std::vector<T>& values, std::size_t width = 1) {
@@ -197,7 +197,7 @@ struct CutMeshFile::File {
   io::Hdf5Reader reader;
   std::vector<std::vector<std::string>> parts; // of each body
 
-  explicit File(const std::string& path) : reader(path, what) {}
+  explicit File(const std::string& path) : reader(path, fileKind) {}
 
   std::vector<std::string> names(const std::string& path) const {
     return namesIn(reader.all<unsigned char>(path));

@@ -6,85 +6,92 @@
 
 namespace Harmos::feti {
 
+namespace {
+
+void addExpertTo(ParameterSpec& expert) {
+  const DualOptions defaults;
+  expert.boolean("Share identical subdomains", defaults.inverses.share,
+                 "Subdomains with equal matrices share one factorisation. F is applied to all of them at "
+                 "once.");
+  expert.choice(
+      "Scaling", "auto",
+      {{"auto", "stiffness if the scene has more than one material, else multiplicity"},
+       {"multiplicity", "all copies of a dof take an equal share of a jump; if rows have weights, a "
+                        "share in proportion to these"},
+       {"stiffness", "the softer copy takes a larger share: for materials that differ across "
+                     "interfaces"}},
+      "Scaling of the preconditioner.");
+  expert.choice("Weights", "auto",
+                {{"auto", "stiffness if the stiffness of materials differs by a factor above 30, else none"},
+                 {"none", "the coarse projector is orthogonal"},
+                 {"stiffness", "the stiffness at the dofs of a constraint weights the constraint, the coarse "
+                               "projector and the norms of residuals: the number of applications of F does "
+                               "not depend on the contrast between the materials of subdomains"}},
+                "Inner product of the multipliers.");
+  expert.choice("Adaptive coarse vectors", "auto",
+                {{"auto", "of all subdomains, if the convergence of the solver is slow"},
+                 {"none", "the coarse space has the rigid-body modes alone"},
+                 {"all", "of all subdomains, from the first iteration on"}},
+                "Coarse vectors for modes with little energy in a subdomain and much energy in its "
+                "neighbours. They help if materials differ within subdomains, if parts are ragged or slender "
+                "and near incompressibility. They need a preconditioner.");
+  expert.real("Adaptive threshold", defaults.adaptive.threshold, Range::atLeast(1.0),
+              "Least ratio of energies of a mode that becomes an adaptive coarse vector: of its jump in the "
+              "norm of the preconditioner, and of the mode in the subdomain.");
+  expert.real("Block low rank tolerance", defaults.inverses.solver.blockLowRank, Range::within(0.0, 1e-2),
+              "Relative accuracy of the compressed factors of MUMPS; 0: exact factors. A value above 0 "
+              "selects MUMPS.");
+  expert.integer("Fixing places", defaults.inverses.fixingPlaces, 1, 1000,
+                 "Places at which the generalised inverse fixes a floating subdomain. More are added if they "
+                 "do not fix all rigid-body modes.");
+  expert.boolean("Check null pivots", defaults.inverses.checkNullPivots,
+                 "Compares each kernel with the null pivots of MUMPS, at one more factorisation.");
+  expert.integer("Expected products", defaults.expectedProducts, 0, 1000000,
+                 "Number of applications of F with the Dirichlet preconditioner that the cost model assumes. "
+                 "0: for each power of ten of the tolerance 8 for membranes, 10 for elastic bodies.");
+  expert.text("Rates", "",
+              "File with the rates of this machine for the cost model, as for --plan-rates; relative to the "
+              "working directory. Empty: built-in rates, equal on all machines.");
+}
+
+} // namespace
+
 void DualOptions::addTo(ParameterSpec& deck) {
   const DualOptions defaults;
-  ParameterSpec dual("Dual operator", "The product with F = BK⁺Bᵀ, and its preconditioner.");
+  ParameterSpec dual("Dual operator", "Dual operator F = BK⁺Bᵀ and its preconditioner.");
   dual.choice("Form", "auto",
-              {{"implicit", "a solve with each sparse factorisation a product: least memory"},
-               {"condensed", "a dense matrix for the boundary of each subdomain: fastest products"},
-               {"auto", "with the preconditioner, what is fastest by the cost model and fits into memory"}},
-              "How products with F are made.");
-  dual.boolean(
-      "Share identical subdomains", defaults.inverses.share,
-      "Subdomains with equal matrices share one factorisation, and products with all of them are made "
-      "at once.");
-  dual.choice(
-      "Preconditioner", "auto",
-      {{"auto", "with the form, what is fastest by the cost model; Dirichlet where materials differ"},
-       {"none", "no preconditioner"},
-       {"lumped", "the boundary block of the stiffness matrix: cheap, weaker"},
-       {"Dirichlet", "the Schur complement of the stiffness matrix; free to set up in the condensed form"}},
-      "Approximation of the inverse of F.");
-  dual.choice("Scaling", "auto",
-              {{"auto", "stiffness if the scene has more than one material, else multiplicity"},
-               {"multiplicity",
-                "copies of a dof share a jump equally; where rows have weights, in proportion to these"},
-               {"stiffness", "the softer copy takes more of it: for materials that jump across interfaces"}},
-              "Scaling of the preconditioner.");
-  dual.choice(
-      "Weights", "auto",
-      {{"auto",
-        "stiffness if the scene has materials whose stiffness differs by more than 30 times, else none"},
-       {"none", "the coarse projector is the orthogonal one"},
-       {"stiffness", "constraints, and with them the coarse projector and the norms of residuals, are "
-                     "weighted by the stiffness at their dofs: products do not depend on how much "
-                     "materials jump between subdomains"}},
-      "Inner product of the multipliers.");
-  dual.choice("Adaptive coarse vectors", "auto",
-              {{"auto", "once the solver gets on slowly, of all subdomains"},
-               {"none", "the coarse space is that of the rigid motions alone"},
-               {"all", "from the first iteration on, of all subdomains"}},
-              "Coarse vectors for modes of a subdomain that cost it little and its neighbours much, as where "
-              "materials jump within subdomains, parts are ragged or slender, or nearly incompressible. They "
-              "need a preconditioner.");
-  dual.real("Adaptive threshold", defaults.adaptive.threshold, Range::atLeast(1.0),
-            "Adaptive coarse vectors are made of modes whose energy as a jump, in the norm of the "
-            "preconditioner, is more than so many times that in the subdomain.");
+              {{"implicit", "each application of F solves with sparse factors: least memory"},
+               {"condensed", "a dense matrix for the boundary of each subdomain: fastest applications"},
+               {"auto", "the fastest form by the cost model that fits into memory, chosen together with the "
+                        "preconditioner"}},
+              "Form of F.");
+  dual.choice("Preconditioner", "auto",
+              {{"auto", "the fastest one by the cost model, chosen together with the form; Dirichlet if "
+                        "materials differ"},
+               {"none", "no preconditioner"},
+               {"lumped", "boundary block of the stiffness matrix: cheap, weaker"},
+               {"Dirichlet", "Schur complement of the stiffness matrix; the condensed form already has it"}},
+              "Approximation of the inverse of F.");
   dual.choice(
       "Precision", "auto",
-      {{"auto",
-        "double; but products of the implicit form by factors in 32 bits, one subdomain after the other, "
-        "where that changes its answer by less than a tenth of the tolerance, which is tried"},
+      {{"auto", "double; but the implicit form uses factors in 32 bits for each subdomain where a "
+                "test shows that they change its result by less than a tenth of the tolerance"},
        {"double", "64 bits"},
-       {"single", "dense blocks (condensed) or factors (implicit) in 32 bits, sums in 64: half the memory; "
-                  "tolerances below 1e-6 need the implicit form"}},
-      "In which precision blocks and factors are kept.");
+       {"single", "dense blocks (condensed form) or factors (implicit form) in 32 bits, sums in 64: half the "
+                  "memory; tolerances below 1e-6 need the implicit form"}},
+      "Precision of dense blocks and factors.");
   dual.text("Implicit solver", defaults.inverses.solver.name,
-            "Sparse direct solver of the subdomains: multifrontal (Harmos' own, made for single right-hand "
-            "sides), MUMPS, or for the implicit form alone a name that Amesos2 knows, such as KLU2.");
-  dual.real(
-      "Block low rank tolerance", defaults.inverses.solver.blockLowRank, Range::within(0.0, 1e-2),
-      "Relative accuracy to which MUMPS, which is taken then, compresses factors; 0 for exact factors.");
-  dual.integer(
-      "Fixing places", defaults.inverses.fixingPlaces, 1, 1000,
-      "Places at which a floating subdomain is held in its generalised inverse; more are added where they "
-      "do not hold all rigid motions.");
-  dual.boolean("Check null pivots", defaults.inverses.checkNullPivots,
-               "Compare each kernel with the null pivots that MUMPS finds; costs a factorisation more.");
-  dual.integer("Expected products", defaults.expectedProducts, 0, 1000000,
-               "Products with F, with the Dirichlet preconditioner, that the cost model of Form = auto "
-               "reckons with; 0: "
-               "for each power of ten of the tolerance 8 for membranes, 10 for elastic bodies.");
+            "Sparse direct solver of the subdomains. \"multifrontal\" (Harmos' own, for single right-hand "
+            "sides), \"MUMPS\" or, for the implicit form, a solver of Amesos2, such as \"KLU2\".");
   dual.integer("Memory budget MiB", defaults.memoryBudgetMiB, 0, 2000000000,
-               "Limit of what factors and dense blocks may take on a rank, by the cost model; 0 for none.");
-  dual.text("Rates", "",
-            "A file of this machine's rates for the cost model, as --plan-rates takes them; the path is that "
-            "from where the program runs. Empty: rates that were measured once, the same everywhere.");
+               "Memory limit of factors and dense blocks on a rank, by the cost model; 0: none.");
+  addExpertTo(dual.expert());
   deck.list(std::move(dual));
 }
 
 DualOptions DualOptions::fromList(const Teuchos::ParameterList& list) {
   DualOptions options;
+  const Teuchos::ParameterList& expert = list.sublist("Expert");
   const std::string form = list.get<std::string>("Form");
   if (form != "auto")
     options.form = form == "implicit" ? DualForm::Implicit : DualForm::Condensed;
@@ -93,64 +100,65 @@ DualOptions DualOptions::fromList(const Teuchos::ParameterList& list) {
     options.preconditioner = kind == "none"     ? PreconditionerKind::None
                              : kind == "lumped" ? PreconditionerKind::Lumped
                                                 : PreconditionerKind::Dirichlet;
-  const std::string scaling = list.get<std::string>("Scaling");
+  const std::string scaling = expert.get<std::string>("Scaling");
   if (scaling != "auto")
     options.scaling =
         scaling == "stiffness" ? PreconditionerScaling::Stiffness : PreconditionerScaling::Multiplicity;
-  const std::string weights = list.get<std::string>("Weights");
+  const std::string weights = expert.get<std::string>("Weights");
   if (weights != "auto")
     options.weights = weights == "stiffness" ? RowWeights::Stiffness : RowWeights::None;
-  const std::string vectors = list.get<std::string>("Adaptive coarse vectors");
+  const std::string vectors = expert.get<std::string>("Adaptive coarse vectors");
   options.adaptive.vectors = vectors == "auto"   ? AdaptiveVectors::OnDemand
                              : vectors == "none" ? AdaptiveVectors::None
                                                  : AdaptiveVectors::All;
-  options.adaptive.threshold = list.get<double>("Adaptive threshold");
-  options.expectedProducts = list.get<int>("Expected products");
+  options.adaptive.threshold = expert.get<double>("Adaptive threshold");
+  options.expectedProducts = expert.get<int>("Expected products");
   options.memoryBudgetMiB = list.get<int>("Memory budget MiB");
-  if (const std::string path = list.get<std::string>("Rates"); !path.empty())
+  if (const std::string path = expert.get<std::string>("Rates"); !path.empty())
     options.rates = ratesFromFile(path);
   LocalInverseOptions& inverses = options.inverses;
-  inverses.share = list.get<bool>("Share identical subdomains");
+  inverses.share = expert.get<bool>("Share identical subdomains");
   const std::string precision = list.get<std::string>("Precision");
   inverses.precision = precision == "single" ? Precision::Single : Precision::Double;
   options.mayRound = precision == "auto";
   inverses.solver.name = list.get<std::string>("Implicit solver");
-  inverses.solver.blockLowRank = list.get<double>("Block low rank tolerance");
-  inverses.fixingPlaces = list.get<int>("Fixing places");
+  inverses.solver.blockLowRank = expert.get<double>("Block low rank tolerance");
+  inverses.fixingPlaces = expert.get<int>("Fixing places");
   inverses.keepSchur = options.preconditioner.value_or(PreconditionerKind::Dirichlet) ==
                        PreconditionerKind::Dirichlet; // until it is decided
-  inverses.checkNullPivots = list.get<bool>("Check null pivots");
+  inverses.checkNullPivots = expert.get<bool>("Check null pivots");
   return options;
 }
 
 void DualOptions::addDecompositionTo(ParameterSpec& deck) {
-  ParameterSpec decomposition("Decomposition", "How the bodies are torn.");
+  ParameterSpec decomposition("Decomposition", "Decomposition into subdomains.");
   decomposition.choice("Dirichlet", "auto",
-                       {{"auto", "dual where a body of one material comes from a mesh file, whose subdomains "
-                                 "may be held by a few nodes only; else, and for \"MPRGP\", primal"},
+                       {{"auto", "dual if a body of one material comes from a mesh file, because a few nodes "
+                                 "may hold its subdomains; else, and for the method \"MPRGP\", primal"},
                         {"primal", "FETI: prescribed displacements stay in the subdomain matrices"},
                         {"dual", "Total FETI: they become Lagrange multipliers; every subdomain floats"}},
-                       "How prescribed displacements are enforced.");
+                       "Form of prescribed displacements.");
   decomposition.choice("Coarse problem", "auto",
-                       {{"auto", "by the cost model: distributed where there are many ranks"},
+                       {{"auto", "by the cost model: distributed on many ranks"},
                         {"replicated", "every rank factors and solves all of it"},
-                        {"distributed", "groups of ranks factor it together, each rank keeps its rows of the "
+                        {"distributed", "groups of ranks factor it together; each rank keeps its rows of the "
                                         "inverse"}},
-                       "Who solves the coarse problem, of the rigid motions of all subdomains.");
+                       "Distribution of the coarse problem. It has the rigid-body modes of all subdomains.");
   decomposition.choiceOrInteger(
       "Clusters", "auto",
-      {{"auto", "by the cost model: where the coarse problem of many ranks takes most of the time"},
-       {"none", "each subdomain has rigid motions of its own in the coarse problem"},
-       {"rank", "the subdomains of a rank are joined to one cluster, as far as they hang together"}},
+      {{"auto", "by the cost model: if the coarse problem of many ranks takes most of the time"},
+       {"none", "each subdomain has its own rigid-body modes in the coarse problem"},
+       {"rank", "the subdomains of a rank are joined to one cluster, as far as they are connected"}},
       1, 1000000,
-      "Subdomains of a rank that averages join to clusters of about so many, each of which has one set of "
-      "rigid motions: a smaller coarse problem, and more products.");
-  decomposition.choice(
-      "Cluster joins", "faces",
-      {{"faces", "where two subdomains meet; edges and corners too where faces are of few nodes"},
-       {"corners", "where more than two do: corners in the plane, edges and corners in space"},
-       {"all", "both"}},
-      "Where averages join the subdomains of a cluster.");
+      "Number of subdomains per cluster. Averages join subdomains of a rank to a cluster, which has one set "
+      "of rigid-body modes: a smaller coarse problem and more applications of F.");
+  decomposition.expert().choice("Cluster joins", "faces",
+                                {{"faces", "between two subdomains; edges and corners too, if faces have few "
+                                           "nodes"},
+                                 {"corners", "between more than two subdomains: corners in the plane, edges "
+                                             "and corners in space"},
+                                 {"all", "both"}},
+                                "Location of the averages that join the subdomains of a cluster.");
   deck.list(std::move(decomposition));
 }
 
@@ -181,7 +189,7 @@ ClusterOptions DualOptions::clustersFrom(const Teuchos::ParameterList& decomposi
                                    : Kind::Size;
   if (options.kind == Kind::Size)
     options.size = std::stoi(asked);
-  const std::string joins = decomposition.get<std::string>("Cluster joins");
+  const std::string joins = decomposition.sublist("Expert").get<std::string>("Cluster joins");
   options.joins = joins == "faces" ? Joins::Faces : joins == "corners" ? Joins::Corners : Joins::All;
   return options;
 }

@@ -353,16 +353,17 @@ Teuchos::RCP<Teuchos::ParameterList> DualSolve::parametersOf(const std::string& 
   list->set("Maximum Iterations", options_.maximumIterations);
   list->set("Maximum Seconds", options_.maximumSeconds);
   list->set("Output Frequency", options_.progressFrequency);
+  Teuchos::ParameterList& expert = list->sublist("Expert");
   if (method != "PCPG")
-    list->sublist("MPRGP") = options_.methodLists.sublist("MPRGP");
+    expert.sublist("MPRGP") = options_.methodLists.sublist("MPRGP");
   if (method == "SMALBE" || method == "PDAS")
-    list->sublist("SMALBE") = options_.methodLists.sublist("SMALBE");
+    expert.sublist("SMALBE") = options_.methodLists.sublist("SMALBE");
   if (method == "PCPG" || method == "PDAS")
-    list->sublist("PCPG") = options_.methodLists.sublist("PCPG");
+    expert.sublist("PCPG") = options_.methodLists.sublist("PCPG");
   if (method == "Dual Penalty" || method == "PDAS")
-    list->sublist(method) = options_.methodLists.sublist(method);
+    expert.sublist(method) = options_.methodLists.sublist(method);
   if (method == "PDAS" && startsNearest())
-    list->sublist("PDAS").set("First active set", "nearest");
+    expert.sublist("PDAS").set("First active set", "nearest");
   return list;
 }
 

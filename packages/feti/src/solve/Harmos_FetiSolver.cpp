@@ -38,7 +38,11 @@ ParameterSpec FetiSolver::parameters() {
 FetiSolver::FetiSolver(Teuchos::RCP<const Teuchos::Comm<int>> comm, std::vector<Subdomain> subdomains,
                        const std::vector<ConstraintRow>& rows, const Teuchos::ParameterList& given,
                        const Log& log)
-    : log_(log), list_(parameters().validated(given, "the parameters given")) {
+    : log_(log) {
+  std::vector<std::string> notes;
+  list_ = parameters().validated(given, "the parameters given", &notes);
+  for (const std::string& note : notes)
+    log_.info("Note: " + note);
   dual_ = DualOptions::fromList(list_.sublist("Dual operator"));
   dual_.coarse = dual_.coarseFrom(list_.sublist("Decomposition"));
   dual_.clusters = DualOptions::clustersFrom(list_.sublist("Decomposition"));

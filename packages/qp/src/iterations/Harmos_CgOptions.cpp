@@ -7,14 +7,14 @@ ParameterSpec CgOptions::parameterSpec() {
   const CgOptions defaults;
   ParameterSpec spec("PCPG",
                      "Projected conjugate gradients: for equalities alone, and on the faces of PDAS.");
-  spec.choice(
-      "Reorthogonalisation", "auto",
-      {{"none", "a new direction is made conjugate to the last one alone"},
-       {"full", "to all stored ones"},
-       {"auto", "to all stored ones from where rounding errors are seen to spoil conjugacy"}},
-      "Keeps the number of steps near that of exact arithmetic where the problem is ill-conditioned.");
+  spec.choice("Reorthogonalisation", "auto",
+              {{"none", "a new direction is made conjugate to the last one"},
+               {"full", "to all stored directions"},
+               {"auto", "to all stored directions once rounding errors spoil the conjugacy"}},
+              "Conjugacy of the directions. More of it keeps the number of steps of ill-conditioned problems "
+              "near that of exact arithmetic.");
   spec.integer("Stored directions", defaults.storedDirections, 1, 1000000,
-               "Most directions that are kept, the first ones of a face: two vectors each.");
+               "Largest number of stored directions, the first ones of a face, of two vectors each.");
   return spec;
 }
 

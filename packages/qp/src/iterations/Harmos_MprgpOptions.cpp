@@ -5,21 +5,22 @@ namespace Harmos::qp {
 
 ParameterSpec MprgpOptions::parameterSpec() {
   const MprgpOptions defaults;
-  ParameterSpec spec("MPRGP", "Modified proportioning with reduced gradient projections: the solver of the "
+  ParameterSpec spec("MPRGP", "Modified proportioning with reduced gradient projections: the solver of "
                               "bound-constrained problems.");
   spec.real("Gamma", defaults.gamma, Range::above(0.0),
-            "Γ of the proportioning test ‖β‖² ≤ Γ² φ̃ᵀφ: larger values keep the iteration longer in a face.");
+            "Γ of the proportioning test ‖β‖² ≤ Γ² φ̃ᵀφ. Larger values keep the iteration longer on a face.");
   spec.choice("Expansion", "projected conjugate gradient",
               {{"projected conjugate gradient",
-                "project the conjugate gradient step; falls back to the fixed step if the cost rises"},
+                "projection of the conjugate gradient step; falls back to the fixed step if the cost rises"},
                {"fixed step", "step to the boundary, then a projected gradient step of length ᾱ"}},
-              "How a face is left whose conjugate gradient step is not feasible.");
+              "Step off a face if the conjugate gradient step is not feasible.");
   spec.real("Step factor", defaults.stepFactor, Range{0.0, 2.0, true, false},
-            "ᾱ‖H‖: length of the fixed step relative to 1/‖H‖; the theory holds up to 2.");
+            "ᾱ‖H‖: length of the fixed step relative to 1/‖H‖. The theory covers values up to 2.");
   spec.integer("Norm applications", defaults.normApplications, 1, 1000,
-               "Most products with the Hessian that are spent on the estimate of its norm.");
+               "Largest number of applications of the Hessian for the estimate of its norm.");
   spec.real("Norm safety", defaults.normSafety, Range::atLeast(1.0),
-            "Factor on the estimated norm; too long steps are also detected and corrected on the way.");
+            "Factor of the estimated norm. Steps that are too long are also detected and corrected during "
+            "the solve.");
   return spec;
 }
 

@@ -12,10 +12,10 @@ const ParameterSpec& AutoSolver<Scalar, MV, OP>::spec() {
   static const ParameterSpec result = [] {
     ParameterSpec spec("Auto", "The solver that the structure calls for.");
     SolverManager<Scalar, MV, OP>::addCommonParameters(spec);
-    spec.list(CgOptions::parameterSpec());
-    spec.list(PdasSolver<Scalar, MV, OP>::methodSpec());
-    spec.list(SmalbeSolver<Scalar, MV, OP>::methodSpec());
-    spec.list(MprgpOptions::parameterSpec());
+    spec.expert().list(CgOptions::parameterSpec());
+    spec.expert().list(PdasSolver<Scalar, MV, OP>::methodSpec());
+    spec.expert().list(SmalbeSolver<Scalar, MV, OP>::methodSpec());
+    spec.expert().list(MprgpOptions::parameterSpec());
     return spec;
   }();
   return result;

@@ -9,12 +9,11 @@ namespace Harmos::qp {
 
 template<class Scalar, class MV, class OP>
 ParameterSpec DualPenaltySolver<Scalar, MV, OP>::methodSpec() {
-  ParameterSpec spec("Dual Penalty", "Equalities enforced by a fixed penalty alone.");
-  spec.choice(
-      "Parameter scaling", "relative",
-      {{"relative", "the penalty is a multiple of ‖A‖"}, {"absolute", "the penalty is taken as it stands"}},
-      "Unit of the penalty.");
-  spec.real("Penalty", 1e4, Range::above(0.0), "ρ; the equality residual falls like 1/ρ.");
+  ParameterSpec spec("Dual Penalty", "Equalities enforced by a fixed penalty.");
+  spec.choice("Parameter scaling", "relative",
+              {{"relative", "the penalty is a multiple of ‖A‖"}, {"absolute", "the penalty is absolute"}},
+              "Unit of the penalty.");
+  spec.real("Penalty", 1e4, Range::above(0.0), "Penalty ρ. The equality residual is proportional to 1/ρ.");
   return spec;
 }
 
@@ -23,8 +22,8 @@ const ParameterSpec& DualPenaltySolver<Scalar, MV, OP>::spec() {
   static const ParameterSpec result = [] {
     ParameterSpec spec("Dual Penalty", "The penalty method for bounds and equalities.");
     SolverManager<Scalar, MV, OP>::addCommonParameters(spec);
-    spec.list(methodSpec());
-    spec.list(MprgpOptions::parameterSpec());
+    spec.expert().list(methodSpec());
+    spec.expert().list(MprgpOptions::parameterSpec());
     return spec;
   }();
   return result;
@@ -44,13 +43,13 @@ void DualPenaltySolver<Scalar, MV, OP>::doSolve() {
     MprgpSolver<Scalar, MV, OP> solver;
     return this->delegate(solver);
   }
-  const Teuchos::ParameterList& list = this->parameters_->sublist("Dual Penalty");
+  const Teuchos::ParameterList& list = this->methodParameters("Dual Penalty");
   MVT::MvInit(*this->problem_->multiplier(), 0.0);
   const Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = this->makeRows();
   if (rows.is_null())
     return;
   BoundedLagrangian<Scalar, MV, OP> lagrangian(*this->problem_, *rows,
-                                               MprgpOptions::fromList(this->parameters_->sublist("MPRGP")),
+                                               MprgpOptions::fromList(this->methodParameters("MPRGP")),
                                                this->result_.counters, this->resumes());
   const bool relative = list.get<std::string>("Parameter scaling") == "relative";
   const double penalty =

@@ -11,7 +11,7 @@ const ParameterSpec& MprgpSolver<Scalar, MV, OP>::spec() {
   static const ParameterSpec result = [] {
     ParameterSpec spec("MPRGP", "The solver for bounds alone.");
     SolverManager<Scalar, MV, OP>::addCommonParameters(spec);
-    spec.list(MprgpOptions::parameterSpec());
+    spec.expert().list(MprgpOptions::parameterSpec());
     return spec;
   }();
   return result;
@@ -23,7 +23,7 @@ void MprgpSolver<Scalar, MV, OP>::doSolve() {
     throw InputError("MPRGP handles bounds only, but the problem has equalities; use SMALBE");
   EqualityRows<Scalar, MV, OP> none(*this->problem_, 0);
   BoundedLagrangian<Scalar, MV, OP> lagrangian(*this->problem_, none,
-                                               MprgpOptions::fromList(this->parameters_->sublist("MPRGP")),
+                                               MprgpOptions::fromList(this->methodParameters("MPRGP")),
                                                this->result_.counters, this->resumes());
   IterationState<MV> state = this->begin(lagrangian, 0.0, 0.0);
   this->minimise(lagrangian, state, nullptr, 0.0);

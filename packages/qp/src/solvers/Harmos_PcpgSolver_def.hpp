@@ -14,7 +14,7 @@ const ParameterSpec& PcpgSolver<Scalar, MV, OP>::spec() {
   static const ParameterSpec result = [] {
     ParameterSpec spec("PCPG", "The solver for equalities alone.");
     SolverManager<Scalar, MV, OP>::addCommonParameters(spec);
-    spec.list(CgOptions::parameterSpec());
+    spec.expert().list(CgOptions::parameterSpec());
     return spec;
   }();
   return result;
@@ -40,7 +40,7 @@ PcpgSolver<Scalar, MV, OP>::Run::Run(PcpgSolver& solver, EqualityRows<Scalar, MV
       rows_(rows),
       problem_(*solver.problem_),
       counters_(solver.result_.counters),
-      cg_(problem_, rows, CgOptions::fromList(solver.parameters_->sublist("PCPG")), counters_),
+      cg_(problem_, rows, CgOptions::fromList(solver.methodParameters("PCPG")), counters_),
       inner_(solver.firstInner_) {}
 
 template<class Scalar, class MV, class OP>

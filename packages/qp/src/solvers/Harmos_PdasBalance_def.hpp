@@ -46,9 +46,8 @@ bool PdasSolver<Scalar, MV, OP>::Run::restartFromInteriorPoint(const std::string
     return false;
   ++paths_;
   solver_.log_.detail("PDAS: " + why + "; restart from an interior point");
-  InteriorPath<Scalar, MV, OP> path(problem_, rows_,
-                                    CgOptions::fromList(solver_.parameters_->sublist("PCPG")), cg_.kept(),
-                                    mostKept_, counters_, springsOf(set_));
+  InteriorPath<Scalar, MV, OP> path(problem_, rows_, CgOptions::fromList(solver_.methodParameters("PCPG")),
+                                    cg_.kept(), mostKept_, counters_, springsOf(set_));
   const bool isThrough = path.run(*best_, q, paths_ == 1 ? 1e-8 : 1e-11, most, [&] {
     IterationState<MV> now = state_;
     now.inner += path.steps();

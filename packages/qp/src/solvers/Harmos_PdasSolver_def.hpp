@@ -19,31 +19,31 @@ template<class Scalar, class MV, class OP>
 ParameterSpec PdasSolver<Scalar, MV, OP>::methodSpec() {
   ParameterSpec spec("PDAS", "Primal-dual active sets.");
   spec.real("Inner reduction", 0.5, Range::strictlyWithin(0.0, 1.0),
-            "Reduction of the residual on a face after which the active set is looked at again, until it "
-            "settles. A fifth of it, and once more, where sets bring no progress; half of it with discs.");
+            "Reduction of the residual on a face between two updates of the active set, until the set is "
+            "stationary. A fifth of it, and again a fifth, if active sets bring no progress; half of it with "
+            "discs.");
   spec.choice(
       "First active set", "auto",
-      {{"auto", "nearest where the initial guess is at all bounds, as in contact without a load on a body as "
-                "a whole; else gradient. A scene with a body from a mesh file takes tried"},
-       {"tried", "as auto; but where that is gradient nearest is tried first, at a product, and kept if the "
-                 "residual there is small beside the load"},
-       {"nearest", "that of the feasible point next to the right-hand side, scaled"},
+      {{"auto", "nearest if the initial guess is at all bounds, as in contact without a resultant load on a "
+                "body; else gradient. A scene with a body from a mesh file uses tried"},
+       {"tried", "as auto; but before gradient, nearest is tried at one application of the Hessian, and kept "
+                 "if its residual is small beside the load"},
+       {"nearest", "the one of the feasible point nearest to the scaled right-hand side"},
        {"gradient", "entries that the gradient pushes against their bounds"}},
-      "Where a solution without an initial guess begins.");
+      "First active set of a solve without an initial guess.");
   spec.integer("Maximum active sets", 200, 1, 1000000,
-               "Active sets tried before a globally convergent method takes over; those that descend are not "
-               "limited.");
+               "Largest number of active sets before the fallback to a globally convergent method. Active "
+               "sets that descend are not limited.");
   spec.integer("Active sets without progress", 10, 1, 1000000,
-               "Active sets tried in a row, none of which halves the bound on the projected gradient, before "
-               "faces are "
-               "followed further, and sets descend from the best iterate in the end.");
+               "Largest number of active sets in a row that do not halve the bound on the projected "
+               "gradient. Then the solver iterates longer on each face and, in the end, descends from the "
+               "best iterate.");
   spec.integer("Kept directions", 60, 0, 1000,
-               "Most directions kept from slow faces for all those to come, at a product each; 0 for none. "
-               "Needs a preconditioner and stored directions (PCPG/Reorthogonalisation not none).");
+               "Largest number of directions of slow faces that all later faces use, at an application each; "
+               "0: none. Needs a preconditioner and stored directions (PCPG/Reorthogonalisation not none).");
   spec.real("Share of iterations", 0.5, Range{0.0, 1.0, true, false},
-            "Part of \"Maximum Iterations\" after which a globally convergent method takes over; all of them "
-            "if there "
-            "are no more than 100.");
+            "Share of \"Maximum Iterations\" before the fallback to a globally convergent method; all of "
+            "them if there are at most 100.");
   return spec;
 }
 
@@ -52,10 +52,10 @@ const ParameterSpec& PdasSolver<Scalar, MV, OP>::spec() {
   static const ParameterSpec result = [] {
     ParameterSpec spec("PDAS", "The primal-dual active set solver.");
     SolverManager<Scalar, MV, OP>::addCommonParameters(spec);
-    spec.list(methodSpec());
-    spec.list(CgOptions::parameterSpec());
-    spec.list(SmalbeSolver<Scalar, MV, OP>::methodSpec());
-    spec.list(MprgpOptions::parameterSpec());
+    spec.expert().list(methodSpec());
+    spec.expert().list(CgOptions::parameterSpec());
+    spec.expert().list(SmalbeSolver<Scalar, MV, OP>::methodSpec());
+    spec.expert().list(MprgpOptions::parameterSpec());
     return spec;
   }();
   return result;
@@ -105,11 +105,11 @@ PdasSolver<Scalar, MV, OP>::Run::Run(PdasSolver& solver, EqualityRows<Scalar, MV
       x_(*problem_.solution()),
       feasible_(problem_.feasibleSet()),
       y_(MVT::Clone(x_, 1)),
-      cg_(problem_, rows, CgOptions::fromList(solver.parameters_->sublist("PCPG")), counters_),
+      cg_(problem_, rows, CgOptions::fromList(solver.methodParameters("PCPG")), counters_),
       descent_(problem_, rows, cg_),
       next_(problem_, rows),
       inner_(solver.firstInner_) {
-  const Teuchos::ParameterList& list = solver.parameters_->sublist("PDAS");
+  const Teuchos::ParameterList& list = solver.methodParameters("PDAS");
   // Where pairs turn, sets take a product and bring less.
   innerReduction_ = (problem_.hasDiscs() || hasFollowing() ? 0.5 : 1.0) * list.get<double>("Inner reduction");
   patience_ = list.get<int>("Active sets without progress");

@@ -16,14 +16,14 @@ ParameterSpec SmalbeSolver<Scalar, MV, OP>::methodSpec() {
   ParameterSpec spec("SMALBE", "Semimonotonic augmented Lagrangians for bounds and equalities.");
   spec.choice(
       "Update rule", "precision",
-      {{"precision", "SMALBE-M: fixed penalty ρ; M is reduced when the Lagrangian does not rise enough"},
-       {"penalty", "Algorithm 4.1 of Dostál, Horák, Vlach: fixed M; ρ grows when feasibility lags"},
-       {"both", "each of the two adapts its own parameter"}},
-      "What is adapted from one outer iteration to the next.");
+      {{"precision", "SMALBE-M: fixed penalty ρ; M is reduced if the Lagrangian does not rise enough"},
+       {"penalty", "Algorithm 4.1 of Dostál, Horák, Vlach: fixed M; ρ grows if feasibility improves slowly"},
+       {"both", "both M and ρ are adapted, each by its own rule"}},
+      "Quantity that the outer iterations adapt.");
   spec.choice("Parameter scaling", "relative",
               {{"relative", "Initial penalty and M are multiples of ‖A‖, equality tolerances of ‖b‖/‖A‖ and "
                             "gradient tolerances of ‖b‖"},
-               {"absolute", "they are taken as they stand"}},
+               {"absolute", "absolute values"}},
               "Units of the parameters below.");
   spec.real("Initial penalty", 1.0, Range::above(0.0), "ρ₀.");
   spec.real("M", 10.0, Range::above(0.0), "Inner precision ‖g^P‖ ≤ M‖Cx − c‖.");
@@ -32,19 +32,17 @@ ParameterSpec SmalbeSolver<Scalar, MV, OP>::methodSpec() {
   spec.real("Precision factor", 0.1, Range::strictlyWithin(0.0, 1.0),
             "Rules `precision` and `both`: θ, M ← θM.");
   spec.real("Equality tolerance", 0.1, Range::above(0.0),
-            "Rules `penalty` and `both`: η₀, ‖Cx − c‖ expected at first.");
+            "Rules `penalty` and `both`: η₀, the first bound on ‖Cx − c‖.");
   spec.real("Tolerance factor", 0.1, Range::strictlyWithin(0.0, 1.0),
             "Rules `penalty` and `both`: α, η ← αη.");
   spec.real("Penalty factor", 10.0, Range::above(1.0), "Rules `penalty` and `both`: β, ρ ← βρ.");
-  spec.real(
-      "Maximum penalty", 1000.0, Range::above(0.0),
-      "ρ does not grow beyond; the rounding errors of the gradient grow with it, and the method converges "
-      "with any fixed ρ.");
+  spec.real("Maximum penalty", 1000.0, Range::above(0.0),
+            "Largest ρ. The rounding errors of the gradient grow with ρ, and the method converges for any "
+            "fixed ρ.");
   spec.integer("Slow iterations", 4, 1, 1000000,
-               "All rules: ρ ← βρ after so many outer iterations in a row that did not halve ‖Cx − c‖, which "
-               "rows that nearly depend on each other in the free entries bring about.");
-  spec.integer("Maximum outer iterations", 10000, 1, 1000000000,
-               "Outer iterations after which the solver gives up.");
+               "All rules: ρ ← βρ after this number of outer iterations in a row that did not halve "
+               "‖Cx − c‖, as with rows that are nearly dependent in the free entries.");
+  spec.integer("Maximum outer iterations", 10000, 1, 1000000000, "Largest number of outer iterations.");
   return spec;
 }
 
@@ -53,8 +51,8 @@ const ParameterSpec& SmalbeSolver<Scalar, MV, OP>::spec() {
   static const ParameterSpec result = [] {
     ParameterSpec spec("SMALBE", "The solver for bounds and equalities.");
     SolverManager<Scalar, MV, OP>::addCommonParameters(spec);
-    spec.list(methodSpec());
-    spec.list(MprgpOptions::parameterSpec());
+    spec.expert().list(methodSpec());
+    spec.expert().list(MprgpOptions::parameterSpec());
     return spec;
   }();
   return result;
@@ -76,10 +74,10 @@ template<class Scalar, class MV, class OP>
 SmalbeSolver<Scalar, MV, OP>::Run::Run(SmalbeSolver& solver, EqualityRows<Scalar, MV, OP>& rows)
     : solver_(solver),
       rows_(rows),
-      list_(solver.parameters_->sublist("SMALBE")),
+      list_(solver.methodParameters("SMALBE")),
       byPenalty_(list_.get<std::string>("Update rule") != "precision"),
       byPrecision_(list_.get<std::string>("Update rule") != "penalty"),
-      lagrangian_(*solver.problem_, rows, MprgpOptions::fromList(solver.parameters_->sublist("MPRGP")),
+      lagrangian_(*solver.problem_, rows, MprgpOptions::fromList(solver.methodParameters("MPRGP")),
                   solver.result_.counters, solver.resumes()) {
   const Scales scale = scales();
   penalty_ = scale.norm / scale.row * list_.get<double>("Initial penalty");

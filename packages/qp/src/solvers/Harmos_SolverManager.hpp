@@ -182,6 +182,10 @@ class SolverManager {
       monitor_->restore(delegation_);
   }
 
+  /// The expert parameters of a method: "PDAS", "PCPG" ...
+  const Teuchos::ParameterList& methodParameters(const std::string& method) const {
+    return parameters_->sublist("Expert").sublist(method);
+  }
   int maximumIterations() const { return parameters_->template get<int>("Maximum Iterations"); }
   double elapsedSeconds() const;
 

@@ -40,22 +40,25 @@ void SolverManager<Scalar, MV, OP>::addCommonParameters(ParameterSpec& spec) {
       "Convergence Tolerance", 1e-8, Range::above(0.0),
       "Relative tolerance of the default convergence test: of the projected gradient against the right-hand "
       "side, of the equality residual against max(‖c‖, ‖x‖).");
-  spec.integer("Maximum Iterations", 10000, 0, 1000000000,
-               "Inner iterations after which the solver gives up.");
+  spec.integer("Maximum Iterations", 10000, 0, 1000000000, "Largest number of inner iterations.");
   spec.real("Maximum Seconds", 0.0, Range::atLeast(0.0),
-            "Time after which the solver gives up, by the slowest rank's clock; 0 for no limit.");
-  spec.integer("Orthonormalised Rows", 500, 0, 100000,
-               "Equality rows that are not known to be orthonormal are made so, at a product with C and Cᵀ "
-               "each, if there are no more of them than this; else they are used as they stand.");
+            "Time limit in seconds, by the slowest rank's clock; 0: no limit.");
   spec.integer("Output Frequency", 0, 0, 1000000000,
-               "A line of progress every so many iterations; 0 prints none.");
+               "Iterations between two lines of progress; 0: no lines.");
+  spec.expert().integer("Orthonormalised Rows", 500, 0, 100000,
+                        "Largest number of equality rows that are orthonormalised, at an application of C "
+                        "and Cᵀ each, unless they are known to be orthonormal. More rows are used "
+                        "unchanged.");
 }
 
 template<class Scalar, class MV, class OP>
 void SolverManager<Scalar, MV, OP>::setParameters(const Teuchos::RCP<Teuchos::ParameterList>& parameters) {
   const Teuchos::ParameterList empty;
+  std::vector<std::string> notes;
   parameters_ = Teuchos::rcp(new Teuchos::ParameterList(
-      parameterSpec().validated(parameters.is_null() ? empty : *parameters, name() + " parameters")));
+      parameterSpec().validated(parameters.is_null() ? empty : *parameters, name() + " parameters", &notes)));
+  for (const std::string& note : notes)
+    log_.info("Note: " + note);
 }
 
 template<class Scalar, class MV, class OP>
@@ -349,8 +352,8 @@ bool SolverManager<Scalar, MV, OP>::fallsAlongNullSpace() {
 
 template<class Scalar, class MV, class OP>
 Teuchos::RCP<EqualityRows<Scalar, MV, OP>> SolverManager<Scalar, MV, OP>::makeRows() {
-  Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = Teuchos::rcp(
-      new EqualityRows<Scalar, MV, OP>(*problem_, parameters_->template get<int>("Orthonormalised Rows")));
+  Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = Teuchos::rcp(new EqualityRows<Scalar, MV, OP>(
+      *problem_, parameters_->sublist("Expert").template get<int>("Orthonormalised Rows")));
   if (!rows->isPresent())
     return rows;
   if (!rows->isFinite()) {
@@ -420,12 +423,7 @@ void SolverManager<Scalar, MV, OP>::delegate(SolverManager& other, const Teuchos
     monitor_->restore(before);
     hasResumed_ = true;
   }
-  const auto list = Teuchos::parameterList();
-  const auto known = other.getValidParameters();
-  for (const auto& entry : *parameters_)
-    if (known->isParameter(entry.first))
-      list->setEntry(entry.first, entry.second);
-  other.setParameters(list);
+  other.setParameters(Teuchos::parameterList(other.parameterSpec().commonPart(*parameters_)));
   // Ranks compare a common time with this limit; it has to be common itself.
   const double limit = parameters_->template get<double>("Maximum Seconds");
   if (limit > 0.0) {

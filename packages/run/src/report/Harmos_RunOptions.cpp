@@ -12,42 +12,45 @@ void RunOptions::addTo(ParameterSpec& deck) {
   feti::DualOptions::addTo(deck);
   scene::Timeline::addTo(deck);
 
-  ParameterSpec solver("Solver", "Solution of the dual quadratic program.");
+  ParameterSpec solver("Solver", "Solver of the dual quadratic program.");
   feti::SolverOptions::addTo(solver);
   solver.choice("Tolerance rule", "fixed",
                 {{"fixed", "ε is \"Tolerance\""},
-                 {"balanced", "ε is lowered until the solver's error is below a share of the discretisation "
+                 {"balanced", "ε is reduced until the solver error is below a share of the discretisation "
                               "error; both are estimated during the run, in the energy norm"}},
-                "What the tolerance is.");
-  solver.real("Solver error share", 0.3, Range::above(0.0),
-              "Rule \"balanced\": the largest solver error, as a share of the discretisation error.");
+                "Choice of the tolerance.");
+  solver.expert().real(
+      "Solver error share", 0.3, Range::above(0.0),
+      "Rule \"balanced\": the largest solver error, as a share of the discretisation error.");
   deck.list(std::move(solver));
 
-  ParameterSpec output("Output", "What a run leaves behind.");
+  ParameterSpec output("Output", "Files of a run.");
   output.text("Directory", "run",
-              "Where the files go; made if it is not there. The option --output overrides it.");
+              "Directory of the results; made if it does not exist. The option --output overrides it.");
   output.boolean("Fields", true, "Write result.vtkhdf for ParaView; false for timing.");
-  output.boolean("Stresses", true, "Recover stresses at the nodes of elastic bodies and write them too.");
+  output.boolean("Stresses", true, "Write the stresses at the nodes of elastic bodies, too.");
   output.integer(
       "Every", 1, 1, 1000000000,
-      "Of a run with several steps: fields are written for every step whose number is a multiple of "
-      "this, and for the last.");
-  output.boolean("Rank diagnostics", false,
-                 "Write ranks.csv: host, subdomains, memory and seconds of each rank.");
-  output.real("Live seconds", RunOptions().liveSeconds, Range::atLeast(0.0),
-              "While the solver works, contact.csv is written anew after so many seconds, for harmos-plot "
-              "--follow; 0 for never.");
+      "Interval of steps with fields. Fields are written for every step whose number is a multiple of it, "
+      "and for the last.");
   ParameterSpec checkpoint("Checkpoint",
-                           "When checkpoint.h5 is written, from which --restart goes on. Signals ask for one "
-                           "at any time.");
-  checkpoint.integer("Outer iterations", CheckpointOptions().outerIterations, 0, 1000000000,
-                     "Outer iterations (of SMALBE; active sets of PDAS) from one to the next; 0 for no such "
-                     "rule. PCPG and MPRGP have one outer iteration only.");
+                           "Times at which checkpoint.h5 is written. --restart goes on from there; a signal "
+                           "asks for one at any time.");
+  checkpoint.integer(
+      "Outer iterations", CheckpointOptions().outerIterations, 0, 1000000000,
+      "Outer iterations (PDAS: active sets) from one to the next; 0: no such rule. PCPG and MPRGP have "
+      "one outer iteration.");
   checkpoint.real("Minutes", CheckpointOptions().minutes, Range::atLeast(0.0),
-                  "Minutes from one to the next; 0 for no such rule.");
+                  "Minutes from one to the next; 0: no such rule.");
   checkpoint.integer("Steps", CheckpointOptions().steps, 0, 1000000000,
-                     "Steps from one to the next, of a run with several; 0 for no such rule.");
+                     "Steps from one to the next, in a run with several; 0: no such rule.");
   output.list(std::move(checkpoint));
+  output.expert().boolean("Rank diagnostics", false,
+                          "Write ranks.csv: host, subdomains, memory and seconds of each rank.");
+  output.expert().real(
+      "Live seconds", RunOptions().liveSeconds, Range::atLeast(0.0),
+      "Seconds between two versions of contact.csv during a solve, for harmos-plot --follow; "
+      "0: none.");
   deck.list(std::move(output));
 }
 
@@ -61,13 +64,13 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
   options.dual.clusters = feti::DualOptions::clustersFrom(deck.sublist("Decomposition"));
   options.toleranceRule = solver.get<std::string>("Tolerance rule") == "balanced" ? ToleranceRule::Balanced
                                                                                   : ToleranceRule::Fixed;
-  options.solverErrorShare = solver.get<double>("Solver error share");
+  options.solverErrorShare = solver.sublist("Expert").get<double>("Solver error share");
   options.outputDirectory = deck.sublist("Output").get<std::string>("Directory");
   options.writeFields = deck.sublist("Output").get<bool>("Fields");
   options.writeStresses = deck.sublist("Output").get<bool>("Stresses");
   options.every = deck.sublist("Output").get<int>("Every");
-  options.writeRanks = deck.sublist("Output").get<bool>("Rank diagnostics");
-  options.liveSeconds = deck.sublist("Output").get<double>("Live seconds");
+  options.writeRanks = deck.sublist("Output").sublist("Expert").get<bool>("Rank diagnostics");
+  options.liveSeconds = deck.sublist("Output").sublist("Expert").get<double>("Live seconds");
   const Teuchos::ParameterList& checkpoint = deck.sublist("Output").sublist("Checkpoint");
   options.checkpoint.outerIterations = checkpoint.get<int>("Outer iterations");
   options.checkpoint.minutes = checkpoint.get<double>("Minutes");

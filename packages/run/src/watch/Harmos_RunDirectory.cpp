@@ -50,7 +50,7 @@ void RunDirectory::checkDeck() const {
                                           "Solver/Maximum seconds",
                                           "Solver/Progress frequency",
                                           "Steps/Smallest step",
-                                          "Dual operator/Rates"};
+                                          "Dual operator/Expert/Rates"};
     mayDiffer.insert(mayDiffer.end(), options_.checkpoint.mayDiffer.begin(),
                      options_.checkpoint.mayDiffer.end());
     const std::string difference = scene::firstDifference(

@@ -178,7 +178,8 @@ std::string firstDifference(const Teuchos::ParameterList& one, const Teuchos::Pa
 }
 
 Teuchos::ParameterList readDeck(const Teuchos::Comm<int>& comm, const std::string& file,
-                                const std::vector<std::string>& assignments, const ParameterSpec& spec) {
+                                const std::vector<std::string>& assignments, const ParameterSpec& spec,
+                                std::vector<std::string>* notes) {
   std::string text;
   agree(comm, [&] {
     if (comm.getRank() != 0)
@@ -189,12 +190,12 @@ Teuchos::ParameterList readDeck(const Teuchos::Comm<int>& comm, const std::strin
       const std::size_t sign = assignment.find('=');
       if (sign == std::string::npos || sign == 0)
         throw InputError("--set \"" + assignment + "\" is not of the form \"List/Name=value\"");
-      spec.set(list, assignment.substr(0, sign), assignment.substr(sign + 1), "--set");
+      spec.set(list, assignment.substr(0, sign), assignment.substr(sign + 1), "--set", notes);
     }
     if (!assignments.empty())
       source += " with --set";
     std::ostringstream stream;
-    Teuchos::writeParameterListToXmlOStream(spec.validated(list, source), stream);
+    Teuchos::writeParameterListToXmlOStream(spec.validated(list, source, notes), stream);
     text = stream.str();
   });
   int size = static_cast<int>(text.size());

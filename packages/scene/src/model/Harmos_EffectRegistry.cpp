@@ -13,9 +13,10 @@ void EffectRegistry::add(EffectKind kind) {
 }
 
 ParameterSpec EffectRegistry::spec() const {
-  ParameterSpec list("Effects", "What happens to the bodies; what is not named costs nothing.");
+  ParameterSpec list("Effects",
+                     "Loads, supports and conditions between bodies, each by a name of your choice.");
   for (const EffectKind& kind : kinds_) {
-    ParameterSpec ofKind(kind.name, "Effects of this kind, each by a name of your choice.");
+    ParameterSpec ofKind(kind.name, "Effects of this kind, by names of your choice.");
     ofKind.family(parametersOf(kind));
     list.list(std::move(ofKind));
   }
@@ -26,8 +27,9 @@ ParameterSpec EffectRegistry::parametersOf(const EffectKind& kind) {
   ParameterSpec spec = kind.parameters;
   if (kind.hasMagnitude)
     spec.text("History", "",
-              "What its magnitude is multiplied by over the steps: \"ramp\", \"constant\" or one of "
-              "\"Steps/Histories\"; empty: \"ramp\" where there are several steps, else \"constant\".");
+              "Factor of the magnitude over the steps: \"ramp\", \"constant\" or one of \"Steps/Histories\". "
+              "Empty: "
+              "\"ramp\" with several steps, else \"constant\".");
   else
     spec.absent(
         "History",

@@ -78,21 +78,21 @@ Timeline::Timeline(std::vector<double> ends, double smallest) : ends_(std::move(
 }
 
 void Timeline::addTo(ParameterSpec& deck) {
-  ParameterSpec steps("Steps",
-                      "Several states after each other, each from the one before. \"Number\" = 1: a static "
-                      "state, as if this list were not there.");
-  steps.integer("Number", 1, 1, 10000000, "Steps of equal length.");
-  steps.real("End time", 1.0, Range::above(0.0), "Of the last step, where \"Number\" is given.");
+  ParameterSpec steps("Steps", "Load steps, each from the state before. Number = 1: one static state.");
+  steps.integer("Number", 1, 1, 10000000, "Number of steps of equal length.");
+  steps.real("End time", 1.0, Range::above(0.0), "End of the last step, with \"Number\".");
   steps.series("Times", Range::above(0.0),
-               "Ends of the steps, rising, in the place of \"Number\" and \"End time\"; the first one begins "
-               "at time 0.");
+               "Ends of the steps, rising, instead of \"Number\" and \"End time\". The first step begins at "
+               "time 0.");
   steps.real("Smallest step", defaultSmallest, Range::within(leastSmallest, 1.0),
-             "As a share of a step: one that does not converge is halved, down to that; then the run ends.");
-  ParameterSpec histories("Histories", "Factors over time, each by a name of your choice. \"ramp\", 0 to 1 "
-                                       "over the run, and \"constant\", 1, are there already.");
-  ParameterSpec history("<history>", "Piecewise linear; constant before the first time and after the last.");
-  history.series("Times", Range(), "Rising. Required.");
-  history.series("Values", Range(), "One for each time. Required.");
+             "Least part of a step, as a share of it. A step without convergence is halved, down to "
+             "this part; then the run ends.");
+  ParameterSpec histories("Histories", "Factors over time, by names of your choice.");
+  ParameterSpec history("<history>",
+                        "A factor over time. Piecewise linear; constant before the first time and after the "
+                        "last. Built in are \"ramp\", 0 to 1 over the run, and \"constant\", 1.");
+  history.series("Times", Range(), "Times, rising. Required.");
+  history.series("Values", Range(), "Values of the factor, one for each time. Required.");
   histories.family(std::move(history));
   steps.list(std::move(histories));
   deck.list(std::move(steps));
