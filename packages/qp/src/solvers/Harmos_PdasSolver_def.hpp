@@ -305,10 +305,10 @@ bool PdasSolver<Scalar, MV, OP>::Run::descend() {
       state_ = evaluate(cg_.residualNorm(), state_.inner);
       continue;
     }
-    if (reason && *reason != Reason::Converged) {
-      solver_.keepState(*reason);
+    if (const Reason end = reason.value_or(Reason::Converged); end != Reason::Converged) {
+      solver_.keepState(end);
       state_ = measure(state_.inner, false);
-      solver_.stopFor(*reason, state_);
+      solver_.stopFor(end, state_);
       return false;
     }
     if (reason || isFarEnough() || isAttained || (stepped_ && descent_.isAstray(set_)))
