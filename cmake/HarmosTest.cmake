@@ -30,6 +30,8 @@ function(harmos_add_test)
   set_target_properties(${ARG_NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/tests/bin")
   target_link_libraries(${ARG_NAME} PRIVATE ${ARG_LIBRARIES} harmos_test_support harmos_setup_flags)
   target_precompile_headers(${ARG_NAME} REUSE_FROM harmos_test_support)
+  # Each file of a unit test has a namespace of its own, so that several may be compiled at once.
+  set_target_properties(${ARG_NAME} PROPERTIES UNITY_BUILD ${HARMOS_UNITY_BUILD} UNITY_BUILD_BATCH_SIZE 12)
   foreach(ranks IN LISTS ARG_RANKS ARG_LONG_RANKS)
     set(labels ${ARG_LABELS})
     if(ranks IN_LIST ARG_LONG_RANKS)

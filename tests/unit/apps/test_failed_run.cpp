@@ -14,6 +14,8 @@
 #include <fstream>
 #include <new>
 
+namespace test_failed_run {
+
 using namespace Harmos;
 
 namespace {
@@ -59,3 +61,5 @@ TEST(FailedRun, leaves_a_summary_after_a_fault_that_is_not_of_Harmos) {
   EXPECT_FALSE(summary["converged"].get<bool>());
   EXPECT_NE(summary["reason"].get<std::string>().find("bad_alloc"), std::string::npos) << summary["reason"];
 }
+
+} // namespace test_failed_run

@@ -12,6 +12,8 @@
 
 #include <filesystem>
 
+namespace test_two_applications {
+
 using namespace Harmos;
 
 namespace {
@@ -87,3 +89,5 @@ TEST(TwoApplications, at_once_on_disjoint_communicators) {
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
   expectSame(mine, color == 0 ? first : second, false);
 }
+
+} // namespace test_two_applications

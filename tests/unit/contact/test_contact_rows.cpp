@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_contact_rows {
+
 using namespace Harmos;
 using namespace Harmos::contact;
 
@@ -171,3 +173,5 @@ TEST(ContactRows, slips_have_a_row_for_each_tangent) {
   }
   EXPECT_EQ(numbers, (std::vector<long long>{10, 11, 12, 13, 14, 15}));
 }
+
+} // namespace test_contact_rows

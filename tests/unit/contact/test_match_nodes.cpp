@@ -5,6 +5,8 @@
 
 #include <set>
 
+namespace test_match_nodes {
+
 using namespace Harmos;
 using namespace Harmos::contact;
 using fem::CellType;
@@ -108,3 +110,5 @@ TEST(MatchNodes, surfaces_that_do_not_match_are_refused) {
   for (const fem::StructuredBlock* other : {&coarse, &fine, &apart})
     EXPECT_FALSE(matchNodesIfAll(surfaceOf(a, "right"), surfaceOf(*other, "left")));
 }
+
+} // namespace test_match_nodes

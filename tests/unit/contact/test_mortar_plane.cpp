@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+namespace test_mortar_plane {
+
 using namespace Harmos;
 using namespace Harmos::contact;
 using fem::CellType;
@@ -324,3 +326,5 @@ TEST(MortarPlane, does_not_depend_on_the_decomposition_and_is_the_same_on_every_
     }
   }
 }
+
+} // namespace test_mortar_plane

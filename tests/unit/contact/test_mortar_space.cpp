@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+namespace test_mortar_space {
+
 using namespace Harmos;
 using namespace Harmos::contact;
 using fem::CellType;
@@ -300,3 +302,5 @@ TEST(MortarSpace, does_not_depend_on_the_decomposition_and_is_the_same_on_every_
     }
   }
 }
+
+} // namespace test_mortar_space

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+namespace test_obstacle {
+
 using namespace Harmos;
 using namespace Harmos::contact;
 using fem::CellType;
@@ -94,3 +96,5 @@ TEST(Obstacle, senseless_ones_are_refused) {
   has(text(make(Shape::Sphere, {0.5, 1, 0}, {}, 1.0)),
       "node 1 at (0.500000, 1.000000, 0.000000) lies at its centre");
 }
+
+} // namespace test_obstacle

@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+namespace test_pieces {
+
 using namespace Harmos;
 using namespace Harmos::contact;
 using fem::CellType;
@@ -225,3 +227,5 @@ TEST(Pieces, faults_are_told_on_all_ranks) {
   const std::string inward = messageOf([&] { pieceOf(body, "top", down); });
   EXPECT_TRUE(contains(inward, "does not point outward")) << inward;
 }
+
+} // namespace test_pieces

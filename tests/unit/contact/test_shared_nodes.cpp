@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+namespace test_shared_nodes {
+
 using namespace Harmos;
 using namespace Harmos::contact;
 using fem::CellType;
@@ -102,3 +104,5 @@ TEST(SharedNodes, constant_pressure_passes) {
             expectConstantPressure(pair.lower, pair.upper, points, what);
           }
 }
+
+} // namespace test_shared_nodes

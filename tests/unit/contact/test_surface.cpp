@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+namespace test_surface {
+
 using namespace Harmos;
 using namespace Harmos::contact;
 using fem::CellType;
@@ -293,3 +295,5 @@ TEST(Surface, degenerate_geometry_is_refused_on_all_ranks) {
   const std::string zero = messageOf([&] { surfaceOf(body, "top", [](const Point&) { return Point{}; }); });
   EXPECT_TRUE(contains(zero, "does not point outward")) << zero;
 }
+
+} // namespace test_surface

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+namespace test_surface_sides {
+
 using namespace Harmos;
 using namespace Harmos::contact;
 using fem::CellType;
@@ -152,3 +154,5 @@ TEST(SurfaceSides, pieces) {
     }
   }
 }
+
+} // namespace test_surface_sides

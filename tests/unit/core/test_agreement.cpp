@@ -8,6 +8,8 @@
 #include <new>
 #include <numeric>
 
+namespace test_agreement {
+
 using namespace Harmos;
 
 TEST(Agreement, success_throws_nowhere) {
@@ -108,3 +110,5 @@ TEST(Exchange, reductions_and_scan) {
   EXPECT_EQ(gatherAll(*comm, std::vector<long long>(static_cast<std::size_t>(me), me)).size(),
             static_cast<std::size_t>(ranks * (ranks - 1) / 2));
 }
+
+} // namespace test_agreement

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <sstream>
 
+namespace test_expert_parameters {
+
 using namespace Harmos;
 
 namespace {
@@ -184,3 +186,5 @@ TEST(ExpertParameters, printed_xml_is_a_valid_deck_with_the_defaults) {
   Teuchos::updateParametersFromXmlString(text.str(), Teuchos::ptr(&list));
   EXPECT_TRUE(Teuchos::haveSameValues(read(list).list, deck().defaults()));
 }
+
+} // namespace test_expert_parameters

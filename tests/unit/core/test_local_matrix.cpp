@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+namespace test_local_matrix {
+
 using namespace Harmos;
 
 TEST(LocalMatrix, sums_entries_at_equal_places_and_sorts_them) {
@@ -51,3 +53,5 @@ TEST(LocalMatrix, same_content_is_relative_to_each_entry) {
   EXPECT_FALSE(sameContent(a, makeLocalMatrix(2, {{0, 0, 1e9}, {1, 1, 1.0}}), 1e-12));
   EXPECT_EQ(patternHash(a), patternHash(b));
 }
+
+} // namespace test_local_matrix

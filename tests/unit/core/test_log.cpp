@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <sstream>
 
+namespace test_log {
+
 using namespace Harmos;
 
 TEST(Log, quiet_hides_progress_but_never_errors) {
@@ -44,3 +46,5 @@ TEST(Version, has_three_numbers_and_a_hash) {
   EXPECT_EQ(std::count(text.begin(), text.end(), '.'), 2);
   EXPECT_FALSE(gitHash().empty());
 }
+
+} // namespace test_log

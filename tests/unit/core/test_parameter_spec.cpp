@@ -9,6 +9,8 @@
 
 #include <sstream>
 
+namespace test_parameter_spec {
+
 using namespace Harmos;
 
 namespace {
@@ -437,3 +439,5 @@ TEST(ParameterSpec, teuchos_validators_let_integers_beside_choices_pass_as_text)
   EXPECT_NO_THROW(groupsList(std::string("rank")).validateParameters(*valid));
   EXPECT_NO_THROW(groupsList(std::string("7")).validateParameters(*valid));
 }
+
+} // namespace test_parameter_spec

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <random>
 
+namespace test_pivoted_cholesky {
+
 using Harmos::PivotedCholesky;
 
 namespace {
@@ -58,3 +60,5 @@ TEST(PivotedCholesky, threshold_leaves_weak_rows_out) {
   EXPECT_EQ(PivotedCholesky(a, 2, 1e-5).rank(), 1);
   EXPECT_EQ(PivotedCholesky(a, 2, 1e-5).pivots().front(), 0);
 }
+
+} // namespace test_pivoted_cholesky

@@ -7,6 +7,8 @@
 
 #include <numeric>
 
+namespace test_rendezvous {
+
 using namespace Harmos;
 
 // Every rank knows some keys, several of them of another rank, too; asked for are more than are known.
@@ -100,3 +102,5 @@ TEST(GlobalOrder, keys_that_fall_are_refused_on_all_ranks) {
     keys = {{1, 0}, {0, 0}};
   EXPECT_THROW(sumsBefore(*comm, keys, std::vector<long long>(keys.size(), 1)), InternalError);
 }
+
+} // namespace test_rendezvous

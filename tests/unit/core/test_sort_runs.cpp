@@ -6,6 +6,8 @@
 #include <functional>
 #include <random>
 
+namespace test_sort_runs {
+
 using namespace Harmos;
 
 // As std::sort, for none, few and many runs, of any lengths, with items that come twice.
@@ -25,3 +27,5 @@ TEST(SortRuns, sorts_any_number_of_runs) {
       EXPECT_EQ(items, expected) << runs << " runs of " << length;
     }
 }
+
+} // namespace test_sort_runs

@@ -8,6 +8,8 @@
 #include <chrono>
 #include <thread>
 
+namespace test_stage_timers {
+
 using namespace Harmos;
 
 // Counters are global to the process: a second run must not report the first one's seconds.
@@ -29,3 +31,5 @@ TEST(StageTimers, unknown_stage_is_a_bug) {
   const StageTimers timers({"known"});
   EXPECT_THROW(timers.scope("unknown"), InternalError);
 }
+
+} // namespace test_stage_timers

@@ -15,6 +15,8 @@
 #include <algorithm>
 #include <tuple>
 
+namespace test_absence {
+
 using namespace Harmos;
 
 namespace {
@@ -215,3 +217,5 @@ TEST(Absence, scene_with_an_effect_has_what_it_costs) {
     EXPECT_EQ(run.report.dualDimension - bare.report.dualDimension, costOf(run.report, "Tie")->rows);
   }
 }
+
+} // namespace test_absence

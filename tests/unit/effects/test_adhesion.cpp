@@ -22,6 +22,8 @@
 #include <cmath>
 #include <optional>
 
+namespace test_adhesion {
+
 using namespace Harmos;
 using effects::CohesiveLaw;
 
@@ -354,3 +356,5 @@ TEST(Adhesion, damage_of_a_step_that_failed_is_forgotten) {
   EXPECT_FALSE(states.update(contacts, slips, 1e-6));
   EXPECT_EQ(states.dissipated(), 0.0);
 }
+
+} // namespace test_adhesion

@@ -14,6 +14,8 @@
 #include <random>
 #include <string>
 
+namespace test_cohesive_law {
+
 using namespace Harmos;
 using effects::CohesiveLaw;
 
@@ -241,3 +243,5 @@ TEST(CohesiveLaw, numbers_that_make_no_sense_are_refused) {
       EXPECT_EQ(refusal(all[k].first, value, Kind::Brittle).empty(), k >= 4) << all[k].second;
     }
 }
+
+} // namespace test_cohesive_law

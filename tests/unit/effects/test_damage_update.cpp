@@ -17,6 +17,8 @@
 #include <random>
 #include <vector>
 
+namespace test_damage_update {
+
 using namespace Harmos;
 using effects::CohesiveLaw;
 using effects::DamageUpdate;
@@ -362,3 +364,5 @@ TEST(DamageUpdate, broken_points_are_known_by_their_places) {
   update.beginStep();
   EXPECT_FALSE(DamageUpdate::brokenAt(numbers, 0));
 }
+
+} // namespace test_damage_update

@@ -13,6 +13,8 @@
 
 #include <cmath>
 
+namespace test_elastic_foundation {
+
 using namespace Harmos;
 using fem::CellType;
 using fem::Point;
@@ -169,3 +171,5 @@ TEST(ElasticFoundation, settings_that_make_no_sense_are_refused) {
   EXPECT_TRUE(contains(refusal(0.0, 0.0), "an elastic foundation has no stiffness"));
   EXPECT_TRUE(contains(refusal(1.0, -1.0), "an elastic foundation has no stiffness"));
 }
+
+} // namespace test_elastic_foundation

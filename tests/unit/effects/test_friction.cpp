@@ -17,6 +17,8 @@
 
 #include <cmath>
 
+namespace test_friction {
+
 using namespace Harmos;
 
 namespace {
@@ -172,3 +174,5 @@ TEST(Friction, of_contacts_that_share_their_surfaces) {
     EXPECT_EQ(globalSum(*comm, rows), 5);
   }
 }
+
+} // namespace test_friction

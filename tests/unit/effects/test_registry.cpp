@@ -7,6 +7,8 @@
 
 #include <sstream>
 
+namespace test_registry {
+
 using namespace Harmos;
 
 namespace {
@@ -122,3 +124,5 @@ TEST(Effect, references_that_make_no_sense_are_refused) {
   addTemperature(scene, 0, 1.0);
   EXPECT_TRUE(contains(refusal(scene), "a thermal strain needs elastic bodies"));
 }
+
+} // namespace test_registry

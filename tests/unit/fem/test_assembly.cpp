@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numeric>
 
+namespace test_assembly {
+
 using namespace Harmos;
 using fem::makeRectangle;
 using fem::StructuredBlock;
@@ -164,3 +166,5 @@ TEST(Assembly, load_on_all_of_a_body_of_any_cells) {
     EXPECT_NEAR(moment, density * 1.0 * 4.0, 1e-12) << fem::shapeOf(type).name;
   }
 }
+
+} // namespace test_assembly

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_compact_parts {
+
 using namespace Harmos;
 using namespace Harmos::fem;
 
@@ -160,3 +162,5 @@ TEST(CompactParts, another_seed_gives_another_cut) {
   EXPECT_NE(partitionCells(body, 12, {PartitionMethod::Compact, 1}).part,
             partitionCells(body, 12, {PartitionMethod::Compact, 2}).part);
 }
+
+} // namespace test_compact_parts

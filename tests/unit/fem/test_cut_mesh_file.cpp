@@ -14,6 +14,8 @@
 #include <fstream>
 #include <unistd.h>
 
+namespace test_cut_mesh_file {
+
 using namespace Harmos;
 using fem::CellType;
 using fem::CutBody;
@@ -143,3 +145,5 @@ TEST(CutMeshFile, what_is_no_such_file_is_refused) {
   EXPECT_TRUE(CutMeshFile::isOne("a/b.h5"));
   EXPECT_FALSE(CutMeshFile::isOne("a/b.msh"));
 }
+
+} // namespace test_cut_mesh_file

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+namespace test_distribution {
+
 using namespace Harmos;
 using fem::PlacedMesh;
 
@@ -59,3 +61,5 @@ TEST(Distribution, wrong_owners_are_everybodys_error) {
   EXPECT_THROW(distribute(*comm, given, std::vector<int>(all.size(), comm->getSize())), InternalError);
   EXPECT_THROW(distribute(*comm, given, {0}), InternalError);
 }
+
+} // namespace test_distribution

@@ -11,6 +11,8 @@
 #include <cmath>
 #include <numeric>
 
+namespace test_elasticity {
+
 using namespace Harmos;
 using fem::CellType;
 using fem::Kinematics;
@@ -265,3 +267,5 @@ TEST(Elasticity, regions_have_their_materials) {
   EXPECT_NEAR(image[2] + image[8], 1.0, roundoff);
   EXPECT_NEAR(image[4] + image[10], 0.0, roundoff);
 }
+
+} // namespace test_elasticity

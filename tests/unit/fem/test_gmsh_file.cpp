@@ -11,6 +11,8 @@
 #include <iostream>
 #include <unistd.h>
 
+namespace test_gmsh_file {
+
 using namespace Harmos;
 using fem::BodyMesh;
 using fem::CellType;
@@ -511,3 +513,5 @@ TEST_F(GmshFile, groups_inside_a_body_name_nodes) {
     }
   }
 }
+
+} // namespace test_gmsh_file

@@ -15,6 +15,8 @@
 #include <limits>
 #include <random>
 
+namespace test_mesh_quality {
+
 using namespace Harmos;
 using fem::CellType;
 using fem::Point;
@@ -338,3 +340,5 @@ TEST(MeshQuality, of_none_and_of_what_is_no_number) {
   const fem::PlacedMesh mirrored = moved(good, [](const Point& x) { return Point{-x[0], x[1], x[2]}; });
   EXPECT_THROW(fem::worstCell(mirrored, good), InternalError);
 }
+
+} // namespace test_mesh_quality

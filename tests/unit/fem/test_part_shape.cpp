@@ -10,6 +10,8 @@
 #include <functional>
 #include <numeric>
 
+namespace test_part_shape {
+
 using namespace Harmos;
 using namespace Harmos::fem;
 
@@ -242,3 +244,5 @@ TEST(PartShape, no_part_gets_larger_than_is_reasonable) {
     EXPECT_EQ(necks == before, parts == 3);
   }
 }
+
+} // namespace test_part_shape

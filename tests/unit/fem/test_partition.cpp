@@ -8,6 +8,8 @@
 #include <map>
 #include <set>
 
+namespace test_partition {
+
 using namespace Harmos;
 using fem::BodyMesh;
 using fem::CellType;
@@ -228,3 +230,5 @@ TEST(Partition, refuses_more_parts_than_cells) {
       "parts");
   EXPECT_THROW(partitionCells(body, 0), InputError);
 }
+
+} // namespace test_partition

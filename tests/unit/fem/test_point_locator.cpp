@@ -8,6 +8,8 @@
 
 #include <random>
 
+namespace test_point_locator {
+
 using namespace Harmos;
 using namespace Harmos::fem;
 
@@ -224,3 +226,5 @@ TEST(ErrorNorms, membranes) {
   EXPECT_NEAR(errors.energy, 1.0 / 64.0, 1e-13);
   EXPECT_NEAR(errors.l2, std::pow(1.0 / 64.0, 2) / 3.0, 1e-15);
 }
+
+} // namespace test_point_locator

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <iostream>
 
+namespace test_recovery_error {
+
 using namespace Harmos;
 using fem::CellType;
 using fem::Kinematics;
@@ -158,3 +160,5 @@ TEST(RecoveryError, jumps_between_regions_do_not_count) {
   const double mixed = fem::recoveryError(mesh, elasticity, {{&u}}, {&sums}).error;
   EXPECT_GT(mixed, 100.0 * apart);
 }
+
+} // namespace test_recovery_error

@@ -12,6 +12,8 @@
 #include <numeric>
 #include <random>
 
+namespace test_shape_gradient {
+
 using namespace Harmos;
 using fem::CellType;
 using fem::Dilatation;
@@ -276,3 +278,5 @@ TEST(ShapeGradient, errors_are_named) {
     EXPECT_TRUE(contains(numericalErrorOf(call), "cell 0 (quadrilateral of 4 nodes) is inverted"))
         << numericalErrorOf(call);
 }
+
+} // namespace test_shape_gradient

@@ -8,6 +8,8 @@
 #include <map>
 #include <set>
 
+namespace test_structured_block {
+
 using namespace Harmos;
 using fem::makeRectangle;
 using fem::StructuredBlock;
@@ -108,3 +110,5 @@ TEST(StructuredBlock, subdomains_of_every_cell_type_fit_together) {
     EXPECT_EQ(sides["top"], shape.dimension == 2 ? 4 : 4 * 3 * cut) << shape.name;
   }
 }
+
+} // namespace test_structured_block

@@ -11,6 +11,8 @@
 #include <cmath>
 #include <set>
 
+namespace test_torn_body {
+
 using namespace Harmos;
 using fem::BodyMesh;
 using fem::CellType;
@@ -147,3 +149,5 @@ TEST(TornBody, bytes_and_back) {
   }
   EXPECT_THROW(fem::unpack({}), InternalError);
 }
+
+} // namespace test_torn_body

@@ -15,6 +15,8 @@
 #include <limits>
 #include <map>
 
+namespace test_adaptive_space {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 
@@ -263,3 +265,5 @@ TEST(AdaptiveSpace, products_fall) {
   EXPECT_LE(products(all), 30);
   EXPECT_GE(products(none), 3 * products(all));
 }
+
+} // namespace test_adaptive_space

@@ -11,6 +11,8 @@
 #include <gtest/gtest.h>
 #include <mpi.h>
 
+namespace test_communication {
+
 namespace {
 
 struct Calls {
@@ -151,3 +153,5 @@ TEST(Communication, collectives_of_a_step) {
         EXPECT_EQ(ofSteps.others, 0);
       }
 }
+
+} // namespace test_communication

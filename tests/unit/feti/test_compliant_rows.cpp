@@ -18,6 +18,8 @@
 #include <functional>
 #include <limits>
 
+namespace test_compliant_rows {
+
 using namespace Harmos;
 
 namespace {
@@ -129,3 +131,5 @@ TEST(CompliantRows, negative_or_infinite_is_refused) {
     EXPECT_TRUE(contains(error, "constraint row 3 has a compliance of")) << error;
   }
 }
+
+} // namespace test_compliant_rows

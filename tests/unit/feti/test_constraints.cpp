@@ -13,6 +13,8 @@
 #include <limits>
 #include <map>
 
+namespace test_constraints {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 
@@ -481,3 +483,5 @@ TEST(Constraints, a_contact_row_of_prescribed_values_alone_depends_on_no_other_r
       EXPECT_NEAR(product(i, i), 1.0, 1e-14) << i;
   }
 }
+
+} // namespace test_constraints

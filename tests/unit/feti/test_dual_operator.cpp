@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+namespace test_dual_operator {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 
@@ -150,3 +152,5 @@ TEST(DualOperator, local_failure_reaches_all_ranks) {
   EXPECT_TRUE(std::isnan(norm[0]));
   EXPECT_THROW(dualOperator.rethrowFailure(), NumericalError);
 }
+
+} // namespace test_dual_operator

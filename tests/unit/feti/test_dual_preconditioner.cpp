@@ -9,6 +9,8 @@
 #include <cmath>
 #include <map>
 
+namespace test_dual_preconditioner {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 
@@ -231,3 +233,5 @@ TEST(DualPreconditioner, both_forms_give_the_same) {
       EXPECT_NEAR(first[k], second[k], 1e-12);
   }
 }
+
+} // namespace test_dual_preconditioner

@@ -18,6 +18,8 @@
 #include <cmath>
 #include <tuple>
 
+namespace test_feti_solver {
+
 using namespace Harmos;
 
 namespace {
@@ -365,3 +367,5 @@ TEST(FetiSolver, on_two_communicators_at_once) {
       EXPECT_NEAR(mine, alone, 1e-8 * std::abs(alone));
   }
 }
+
+} // namespace test_feti_solver

@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+namespace test_form_choice {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 
@@ -160,3 +162,5 @@ TEST(FormChoice, analysis_counts_the_factors_without_the_dense_block) {
   EXPECT_EQ(estimate.couplingEntries, 2 * b);
   EXPECT_GE(estimate.entries, 3.0 + 3 * b); // of K: the diagonal, and each with both hubs
 }
+
+} // namespace test_form_choice

@@ -15,6 +15,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_increments {
+
 using namespace Harmos;
 using Kind = ConstraintRow::Kind;
 using Status = ConstraintRow::Status;
@@ -486,3 +488,5 @@ TEST(Increments, that_nothing_holds) {
   EXPECT_THROW(solver.solveIncrement(wrong, model.rows, tolerance), InputError);
   EXPECT_TRUE(solver.solve().converged);
 }
+
+} // namespace test_increments

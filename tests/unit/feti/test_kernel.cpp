@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+namespace test_kernel {
+
 using namespace Harmos;
 using feti::Kernel;
 
@@ -118,3 +120,5 @@ TEST(Kernel, dependent_motions_are_refused) {
     kernel.values[static_cast<std::size_t>(2 * kernel.rows + i)] = kernel.values[static_cast<std::size_t>(i)];
   EXPECT_THROW(feti::heldKernel(kernel, {}), NumericalError);
 }
+
+} // namespace test_kernel

@@ -17,6 +17,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_limited_rows {
+
 using namespace Harmos;
 
 namespace {
@@ -286,3 +288,5 @@ TEST(LimitedRows, what_makes_no_sense_is_refused) {
       messageOf(spoilFirst([](ConstraintRow& row) { row.disc = 1000; })).find("two rows with the same limit"),
       std::string::npos);
 }
+
+} // namespace test_limited_rows

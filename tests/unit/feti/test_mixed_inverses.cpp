@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+namespace test_mixed_inverses {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 
@@ -37,3 +39,5 @@ TEST(MixedInverses, the_solver_believes_and_the_audit_objects) {
     }
   }
 }
+
+} // namespace test_mixed_inverses

@@ -18,6 +18,8 @@
 #include <functional>
 #include <tuple>
 
+namespace test_partial_factors {
+
 using namespace Harmos;
 
 namespace {
@@ -274,3 +276,5 @@ TEST(PartialFactors, after_a_shape_that_was_refused) {
     expectReference(a, solver, textOf(form) + ", after bad loads");
   }
 }
+
+} // namespace test_partial_factors

@@ -12,6 +12,8 @@
 #include <cmath>
 #include <set>
 
+namespace test_reactions {
+
 using namespace Harmos;
 
 // Membranes: every row of K sums to zero, so that Σr = −Σf; contacts act on both sides alike.
@@ -54,3 +56,5 @@ TEST(Reactions, balance_the_loads) {
     EXPECT_EQ(byRow, byState) << dirichlet;
   }
 }
+
+} // namespace test_reactions

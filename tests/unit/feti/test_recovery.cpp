@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+namespace test_recovery {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 
@@ -124,3 +126,5 @@ TEST(Recovery, loose_solution_does_not_depend_on_the_generalised_inverse) {
     }
   EXPECT_LT(difference, 1e-10 * std::max(largest, 1.0));
 }
+
+} // namespace test_recovery

@@ -19,6 +19,8 @@
 #include <functional>
 #include <limits>
 
+namespace test_soft_rows {
+
 using namespace Harmos;
 
 namespace {
@@ -369,3 +371,5 @@ TEST(SoftRows, bad_ones_are_refused) {
                        "give it a compliance, or make it a limited row"));
   EXPECT_TRUE(contains(saidOf([](ConstraintRow&) {}, "SMALBE"), "use PDAS or Auto"));
 }
+
+} // namespace test_soft_rows

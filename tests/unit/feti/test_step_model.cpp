@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+namespace test_step_model {
+
 using namespace Harmos::feti;
 
 namespace {
@@ -205,3 +207,5 @@ TEST(StepModel, agrees_with_the_performance_model) {
     }
   }
 }
+
+} // namespace test_step_model

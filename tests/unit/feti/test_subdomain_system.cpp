@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+namespace test_subdomain_system {
+
 using namespace Harmos;
 using feti::DirichletForm;
 using feti::SubdomainSystem;
@@ -127,3 +129,5 @@ TEST(SubdomainSystem, bad_numbers_are_refused_before_they_spread) {
                        "not positive semidefinite"));
   EXPECT_TRUE(contains(failure<InputError>([](feti::Subdomain& s) { s.number = 100; }), "without gaps"));
 }
+
+} // namespace test_subdomain_system

@@ -12,6 +12,8 @@
 #include <cmath>
 #include <map>
 
+namespace test_torn_operator {
+
 using namespace Harmos;
 
 namespace {
@@ -113,3 +115,5 @@ TEST(TornOperator, refuses_subdomains_that_hide_their_interior) {
     }
   EXPECT_THROW(feti::TornOperator(testComm(), subdomains), InputError);
 }
+
+} // namespace test_torn_operator

@@ -10,6 +10,8 @@
 #include <filesystem>
 #include <fstream>
 
+namespace test_hdf5 {
+
 using namespace Harmos;
 using namespace Harmos::io;
 
@@ -93,3 +95,5 @@ TEST(Hdf5, faults_name_the_file) {
   const std::string unreadable = inputErrorOf([&] { Hdf5Reader(name, "the test file"); });
   EXPECT_TRUE(contains(unreadable, "the test file \"" + name + "\" cannot be read")) << unreadable;
 }
+
+} // namespace test_hdf5

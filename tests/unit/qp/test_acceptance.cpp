@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+namespace test_acceptance {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -109,3 +111,5 @@ TEST(Acceptance, endless_refusals_end_in_stagnation) {
     EXPECT_EQ(run.result.reason, Reason::Stagnation) << item.method << ": " << run.result.explanation;
   }
 }
+
+} // namespace test_acceptance

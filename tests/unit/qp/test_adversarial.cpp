@@ -11,6 +11,8 @@
 #include <cmath>
 #include <limits>
 
+namespace test_adversarial {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -137,3 +139,5 @@ TEST(Adversarial, converged_is_converged) {
     EXPECT_GE(converged, runs / 4) << static_cast<int>(kind);
   }
 }
+
+} // namespace test_adversarial

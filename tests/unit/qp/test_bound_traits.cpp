@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+namespace test_bound_traits {
+
 using namespace Harmos;
 
 namespace {
@@ -290,3 +292,5 @@ TEST(BoundTraits, smoothed_discs) {
   EXPECT_NEAR(inside[0], 0.4, 1e-8);
   EXPECT_NEAR(inside[1], 0.1, 1e-8);
 }
+
+} // namespace test_bound_traits

@@ -11,6 +11,8 @@
 
 #include <algorithm>
 
+namespace test_descent_of_sets {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -142,3 +144,5 @@ TEST(DescentOfSets, the_answer_does_not_depend_on_when_it_begins) {
   }
   EXPECT_GT(begun, 15) << "the samples say something";
 }
+
+} // namespace test_descent_of_sets

@@ -14,6 +14,8 @@
 #include <cmath>
 #include <tuple>
 
+namespace test_discs {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -314,3 +316,5 @@ TEST(Discs, radii) {
             std::string::npos)
       << sound.problem->whyNotSet();
 }
+
+} // namespace test_discs

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 
+namespace test_first_active_set {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -93,3 +95,5 @@ TEST(FirstActiveSet, there_is_none_without_a_preconditioner) {
   long long active = 0;
   EXPECT_FALSE(First(*distributed.problem, rows, counters).find(set, active));
 }
+
+} // namespace test_first_active_set

@@ -16,6 +16,8 @@
 #include <cmath>
 #include <sstream>
 
+namespace test_following_limits {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -425,3 +427,5 @@ TEST(InteriorPath, leads_to_where_limits_follow) {
   EXPECT_GE(reached, 55);
   EXPECT_GE(near, 55);
 }
+
+} // namespace test_following_limits

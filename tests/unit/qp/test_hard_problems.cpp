@@ -10,6 +10,8 @@
 #include <cmath>
 #include <limits>
 
+namespace test_hard_problems {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -401,3 +403,5 @@ TEST(HardProblems, iterations_are_counted_through_a_change_of_solvers) {
   }
   EXPECT_GT(fallbacks, 20);
 }
+
+} // namespace test_hard_problems

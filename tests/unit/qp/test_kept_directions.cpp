@@ -10,6 +10,8 @@
 
 #include <cmath>
 
+namespace test_kept_directions {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -137,3 +139,5 @@ TEST(KeptDirections, spare_products_and_change_no_answer) {
     EXPECT_LE(1.3 * with, without) << equalities;
   }
 }
+
+} // namespace test_kept_directions

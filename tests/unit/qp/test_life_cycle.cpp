@@ -9,6 +9,8 @@
 #include <limits>
 #include <sstream>
 
+namespace test_life_cycle {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -344,3 +346,5 @@ TEST(LifeCycle, indefinite_and_non_finite_hessians_break_down) {
     EXPECT_EQ(solver->solve().reason, Reason::Breakdown);
   }
 }
+
+} // namespace test_life_cycle

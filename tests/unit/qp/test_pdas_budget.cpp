@@ -9,6 +9,8 @@
 
 #include <algorithm>
 
+namespace test_pdas_budget {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -108,3 +110,5 @@ TEST(PdasBudget, crawling_on_a_face_is_noticed_by_its_dimension) {
   EXPECT_LE(outcome.ownSteps(), outcome.result.counters.faces * (2 * n + 12));
   EXPECT_LE(distance(outcome.x, solved(qp, "MPRGP").x), accuracy(qp));
 }
+
+} // namespace test_pdas_budget

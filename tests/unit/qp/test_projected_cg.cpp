@@ -9,6 +9,8 @@
 
 #include <algorithm>
 
+namespace test_projected_cg {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -201,3 +203,5 @@ TEST(ProjectedCg, projects_once_what_is_not_projected) {
           EXPECT_GE(once.result.counters.faces, bounds ? 2 : 0);
         }
 }
+
+} // namespace test_projected_cg

@@ -9,6 +9,8 @@
 
 #include <cmath>
 
+namespace test_random_problems {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -244,3 +246,5 @@ TEST(RandomProblems, unbounded_ones_are_named_and_proven) {
     }
   }
 }
+
+} // namespace test_random_problems

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+namespace test_reductions {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -91,3 +93,5 @@ TEST(Reductions, bounds_that_hold_everywhere) {
         EXPECT_LE(distance(contact.x, x), 20.0 * tolerance * norm(qp.b));
       }
 }
+
+} // namespace test_reductions

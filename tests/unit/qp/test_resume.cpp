@@ -11,6 +11,8 @@
 #include <functional>
 #include <iostream>
 
+namespace test_resume {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -265,3 +267,5 @@ TEST(Resume, a_limit_leaves_a_state) {
     expectSame(solve(qp, item, monitor), plain, item.name);
   }
 }
+
+} // namespace test_resume

@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+namespace test_serial_reference {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -119,3 +121,5 @@ TEST(SerialReference, every_solver_makes_the_same_steps) {
 TEST(SerialReference, with_discs_too) {
   compareSteps(true);
 }
+
+} // namespace test_serial_reference

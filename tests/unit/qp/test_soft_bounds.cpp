@@ -14,6 +14,8 @@
 #include <cmath>
 #include <iostream>
 
+namespace test_soft_bounds {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -316,3 +318,5 @@ TEST(Resume, with_soft_bounds) {
     }
   }
 }
+
+} // namespace test_soft_bounds

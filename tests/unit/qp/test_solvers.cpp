@@ -9,6 +9,8 @@
 #include <cmath>
 #include <limits>
 
+namespace test_solvers {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -258,3 +260,5 @@ TEST(Solvers, history_is_complete_and_written_with_a_header) {
                             "hessian_applications,seconds\n1,0,start,"),
             0u);
 }
+
+} // namespace test_solvers

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <sstream>
 
+namespace test_status_tests {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -165,3 +167,5 @@ TEST(StatusTest, prints_value_and_limit) {
   test.print(text);
   EXPECT_EQ(text.str(), "projected gradient = 8 > 2\n");
 }
+
+} // namespace test_status_tests

@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <cmath>
 
+namespace test_theory {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -336,3 +338,5 @@ TEST(Theory, counts_do_not_depend_on_the_scaling_of_rows) {
     }
   }
 }
+
+} // namespace test_theory

@@ -13,6 +13,8 @@
 #include <limits>
 #include <sstream>
 
+namespace test_adapters {
+
 using namespace Harmos;
 
 namespace {
@@ -220,3 +222,5 @@ TEST(Adapters, after_an_error_there_is_no_other_answer) {
   EXPECT_EQ(function.designs.size(), 1u);
   EXPECT_TRUE(guarded.error() != nullptr);
 }
+
+} // namespace test_adapters

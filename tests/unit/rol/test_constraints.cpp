@@ -10,6 +10,8 @@
 
 #include <limits>
 
+namespace test_constraints {
+
 using namespace Harmos;
 
 namespace {
@@ -189,3 +191,5 @@ TEST(Constraints, the_monitor_stops_inner_iterations) {
   EXPECT_EQ(outcome.design, last);
   EXPECT_LE(outcome.values, 6);
 }
+
+} // namespace test_constraints

@@ -13,6 +13,8 @@
 
 #include <algorithm>
 
+namespace test_minimise {
+
 using namespace Harmos;
 
 namespace {
@@ -394,3 +396,5 @@ TEST(Minimise, parameters_that_ROL_does_not_have_are_refused) {
             }),
             "");
 }
+
+} // namespace test_minimise

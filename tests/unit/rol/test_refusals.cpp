@@ -10,6 +10,8 @@
 
 #include <algorithm>
 
+namespace test_refusals {
+
 using namespace Harmos;
 
 namespace {
@@ -208,3 +210,5 @@ TEST(Refusals, errors_of_the_monitor_go_through) {
             }),
             "disk full");
 }
+
+} // namespace test_refusals

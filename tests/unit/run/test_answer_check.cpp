@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+namespace test_answer_check {
+
 using namespace Harmos;
 
 namespace {
@@ -108,3 +110,5 @@ TEST(AnswerCheck, jumps_that_contradict_small_residuals) {
   EXPECT_LT(run.report.reachedTolerance, 0.5 * 1e-3);
   EXPECT_EQ(run.report.tolerance, 1e-3);
 }
+
+} // namespace test_answer_check

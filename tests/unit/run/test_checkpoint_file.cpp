@@ -15,6 +15,8 @@
 #include <filesystem>
 #include <limits>
 
+namespace test_checkpoint_file {
+
 using namespace Harmos;
 using namespace Harmos::run;
 
@@ -204,3 +206,5 @@ TEST(CheckpointFile, what_does_not_fit_is_refused_by_name) {
   const std::string shape = failure([&](auto& archive) { archive.vector("block", narrow); });
   EXPECT_TRUE(contains(shape, "its \"block\" has 101 rows of 3, not 101 of 2")) << shape;
 }
+
+} // namespace test_checkpoint_file

@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+namespace test_drift {
+
 using namespace Harmos;
 
 namespace {
@@ -84,3 +86,5 @@ TEST(Drift, rotations_are_rigid) {
     EXPECT_TRUE(contains(text, "drift: \"block\"")) << text;
   }
 }
+
+} // namespace test_drift

@@ -10,6 +10,8 @@
 
 #include <cmath>
 
+namespace test_forces {
+
 using namespace Harmos;
 
 namespace {
@@ -218,3 +220,5 @@ TEST(Forces, membranes_have_them_along_z) {
     expectNear(edge.moment, {1.0, 0.0, 0.0}, "moment");
   }
 }
+
+} // namespace test_forces

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+namespace test_live_view {
+
 using namespace Harmos;
 using namespace Harmos::run;
 
@@ -62,3 +64,5 @@ TEST(StatusLine, tells_times_and_residuals_against_targets) {
   EXPECT_EQ(statusLine("M", record(1, 1.0, 0.0, 1.25), {1.0, 0.0}, 7500.0),
             "M 3/1  1.2 s, 2 h 05 min left  |g^P| 1.0e+00/1.0e+00");
 }
+
+} // namespace test_live_view

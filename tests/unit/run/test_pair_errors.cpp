@@ -10,6 +10,8 @@
 
 #include <cmath>
 
+namespace test_pair_errors {
+
 using namespace Harmos;
 
 namespace {
@@ -118,3 +120,5 @@ TEST(PairErrors, doubtful_forces_are_named) {
             "relative to all "
             "forces of the scene; a smaller \"Solver/Tolerance\" reduces the error down to rounding level");
 }
+
+} // namespace test_pair_errors

@@ -16,6 +16,8 @@
 #include <fstream>
 #include <unistd.h>
 
+namespace test_pipeline {
+
 using namespace Harmos;
 
 namespace {
@@ -200,3 +202,5 @@ TEST(RunReport, audit_of_a_balanced_run_goes_by_the_error_it_allows) {
   report.solverError = 3e-3;
   EXPECT_FALSE(run::auditAgrees(report));
 }
+
+} // namespace test_pipeline

@@ -10,6 +10,8 @@
 
 #include <cmath>
 
+namespace test_reductions {
+
 using namespace Harmos;
 
 namespace {
@@ -66,3 +68,5 @@ TEST(Reductions, nothing_floats_and_there_is_no_coarse_problem) {
   LimitProblem floating(LinearLimit(1, 8, true, 0).contact);
   EXPECT_FALSE(floating.dual().equalityRows().is_null());
 }
+
+} // namespace test_reductions

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+namespace test_row_forces {
+
 using namespace Harmos;
 
 namespace {
@@ -35,3 +37,5 @@ TEST(RowForces, at_rest) {
   report.gapRounding = 1e-16;
   EXPECT_EQ(run::rowForceText(report), "");
 }
+
+} // namespace test_row_forces

@@ -9,6 +9,8 @@
 
 #include <cmath>
 
+namespace test_solution_comparison {
+
 using namespace Harmos;
 using fem::CellType;
 using fem::Point;
@@ -201,3 +203,5 @@ TEST(SolutionComparison, scenes_that_differ_are_refused) {
       inputErrorOf([&] { const run::SolutionComparison comparison(*testComm(), first, second); });
   EXPECT_TRUE(contains(message, "bodies: 1 here, 2 in the reference")) << message;
 }
+
+} // namespace test_solution_comparison

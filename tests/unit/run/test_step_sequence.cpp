@@ -16,6 +16,8 @@
 #include <cmath>
 #include <map>
 
+namespace test_step_sequence {
+
 using namespace Harmos;
 
 namespace {
@@ -293,3 +295,5 @@ TEST(StepRow, rows_come_back_from_a_checkpoint) {
             "3,0.10000000000000001,1,7,2,0.33333333333333331,0.69999999999999996,0.80000000000000004,"
             "0.90000000000000002,4,5,6,7,8,1,2,3\n");
 }
+
+} // namespace test_step_sequence

@@ -12,6 +12,8 @@
 
 #include <cmath>
 
+namespace test_boundary_rules {
+
 using namespace Harmos;
 using fem::BoundaryRule;
 using fem::CellType;
@@ -200,3 +202,5 @@ TEST(BoundaryRules, what_chooses_nothing_is_refused) {
   scene.boundaryRules = {rule};
   EXPECT_TRUE(contains(refusal(scene), "did you mean \"left\"?")) << refusal(scene);
 }
+
+} // namespace test_boundary_rules

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numeric>
 
+namespace test_compact_order {
+
 using namespace Harmos;
 using scene::compactOrder;
 
@@ -78,3 +80,5 @@ TEST(CompactOrder, groups_have_the_sizes_that_were_asked_for) {
   EXPECT_TRUE(std::is_sorted(order.begin() + 10, order.end()));
   EXPECT_EQ(compactOrder({}, {}), std::vector<int>());
 }
+
+} // namespace test_compact_order

@@ -12,6 +12,8 @@
 
 #include <cmath>
 
+namespace test_contact_setup {
+
 using namespace Harmos;
 
 namespace {
@@ -145,3 +147,5 @@ TEST(ContactFields, kinds_are_those_of_the_scene) {
     }
   }
 }
+
+} // namespace test_contact_setup

@@ -12,6 +12,8 @@
 #include <fstream>
 #include <unistd.h>
 
+namespace test_deck {
+
 using namespace Harmos;
 
 namespace {
@@ -124,3 +126,5 @@ TEST(Deck, contradictions_are_refused) {
   addTie(scene, {0, "right"}, {1, "left"});
   EXPECT_EQ(attempt("PCPG"), "");
 }
+
+} // namespace test_deck

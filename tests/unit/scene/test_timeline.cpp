@@ -8,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+namespace test_timeline {
+
 using namespace Harmos;
 
 namespace {
@@ -114,3 +116,5 @@ TEST(Timeline, histories_belong_to_magnitudes_and_are_defined) {
   scene.timeline.follow(*scene.effects[0], "press");
   EXPECT_NE(fault(1, "press").find("has no magnitude"), std::string::npos);
 }
+
+} // namespace test_timeline

@@ -10,6 +10,8 @@
 
 #include <algorithm>
 
+namespace test_functionals {
+
 using namespace Harmos;
 using sensitivity::Functional;
 using sensitivity::PressureNorm;
@@ -183,3 +185,5 @@ TEST(Functionals, that_there_are_not) {
   }
   EXPECT_EQ(item.value(Resultant(surfaces, {0.0, 1.0, 0.0}), none), 0.0);
 }
+
+} // namespace test_functionals

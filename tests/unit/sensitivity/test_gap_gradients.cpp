@@ -12,6 +12,8 @@
 
 #include <functional>
 
+namespace test_gap_gradients {
+
 using namespace Harmos;
 using sensitivity::ContactCost;
 using sensitivity::GapProfile;
@@ -51,3 +53,5 @@ TEST(GapGradients, agree_with_differences) {
         }
       }
 }
+
+} // namespace test_gap_gradients

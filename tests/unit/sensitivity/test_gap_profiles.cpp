@@ -11,6 +11,8 @@
 
 #include <algorithm>
 
+namespace test_gap_profiles {
+
 using namespace Harmos;
 using sensitivity::ContactCost;
 using sensitivity::DesignVolume;
@@ -358,3 +360,5 @@ TEST(GapProfiles, the_same_on_any_number_of_ranks) {
     }
   }
 }
+
+} // namespace test_gap_profiles

@@ -12,6 +12,8 @@
 
 #include <algorithm>
 
+namespace test_one_sided {
+
 using namespace Harmos;
 using sensitivity::ContactCost;
 using sensitivity::Energy;
@@ -313,3 +315,5 @@ TEST(OneSided, needs_a_solution) {
       inputErrorOf([&] { Sensitivities sensitivities(*problem.solver, problem.contact.rows); });
   EXPECT_TRUE(contains(text, "the solver has not converged")) << text;
 }
+
+} // namespace test_one_sided

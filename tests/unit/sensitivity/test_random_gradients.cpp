@@ -24,6 +24,8 @@
 #include <iostream>
 #include <random>
 
+namespace test_random_gradients {
+
 using namespace Harmos;
 using sensitivity::ContactCost;
 using sensitivity::GapProfile;
@@ -184,3 +186,5 @@ TEST(RandomGradients, agree_with_differences) {
   EXPECT_LE(tally.refused, 0.1 * tally.gradients);
   EXPECT_LE(tally.beyond, 0.05 * tally.gradients + 2);
 }
+
+} // namespace test_random_gradients

@@ -11,6 +11,8 @@
 
 #include <gtest/gtest.h>
 
+namespace test_shape_gradients {
+
 using namespace Harmos;
 using sensitivity::ContactCost;
 using sensitivity::ShapeMap;
@@ -67,3 +69,5 @@ TEST(ShapeGradients, agree_with_differences) {
         }
       }
 }
+
+} // namespace test_shape_gradients

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <functional>
 
+namespace test_spline_basis {
+
 using namespace Harmos;
 using fem::Point;
 using sensitivity::SplineBasis;
@@ -292,3 +294,5 @@ TEST(TensorSplineBasis, of_one_is_that_along_its_axis) {
   EXPECT_EQ(single.abscissa(2), (Point{0.0, basis.abscissa(2), 0.0}));
   EXPECT_EQ(single.integral(2), basis.integral(2));
 }
+
+} // namespace test_spline_basis

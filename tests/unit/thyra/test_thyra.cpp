@@ -16,6 +16,8 @@
 #include <Tpetra_Vector.hpp>
 #include <gtest/gtest.h>
 
+namespace test_thyra {
+
 using namespace Harmos;
 
 namespace {
@@ -178,3 +180,5 @@ TEST(Thyra, refuses_what_it_cannot_solve_with) {
     Thyra::createLinearSolveStrategy(builder, "Harmos FETI");
   });
 }
+
+} // namespace test_thyra

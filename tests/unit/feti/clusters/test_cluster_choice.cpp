@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <gtest/gtest.h>
 
+namespace test_cluster_choice {
+
 using namespace Harmos::feti;
 
 namespace {
@@ -157,3 +159,5 @@ TEST(ClusterChoice, predictions_of_what_is_asked_for) {
                   run.products * rank.growth * (run.productSeconds + predictStep(rank.step).sum()),
               1e-12 * rank.seconds);
 }
+
+} // namespace test_cluster_choice

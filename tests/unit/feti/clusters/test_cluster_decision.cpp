@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+namespace test_cluster_decision {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 
@@ -80,3 +82,5 @@ TEST(ClusterDecision, numbers_of_a_run) {
   EXPECT_EQ(held.step.motions, held.step.coarseDimension / 32.0);
   EXPECT_EQ(held.clusters.motions, 1.0);
 }
+
+} // namespace test_cluster_decision

@@ -10,6 +10,8 @@
 #include <numeric>
 #include <set>
 
+namespace test_clusters {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 
@@ -474,3 +476,5 @@ TEST(Clusters, none_are_made_where_none_are_asked_for) {
   options.kind = ClusterOptions::Kind::None;
   EXPECT_EQ(makeClusters(system, constraints, options), nullptr);
 }
+
+} // namespace test_clusters

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
+namespace test_coarse_model {
+
 using namespace Harmos::feti;
 
 namespace {
@@ -145,3 +147,5 @@ TEST(CoarseModel, groups) {
   huge.dimension = 1e8;
   EXPECT_EQ(coarseGroup(huge), 4);
 }
+
+} // namespace test_coarse_model

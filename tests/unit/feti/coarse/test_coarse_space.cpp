@@ -8,6 +8,8 @@
 
 #include <cmath>
 
+namespace test_coarse_space {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 
@@ -230,3 +232,5 @@ TEST(CoarseSpace, minimum_norm_solution_of_a_singular_system) {
       EXPECT_NEAR(x[k], e[k], 1e-12) << mostDense;
   }
 }
+
+} // namespace test_coarse_space

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <functional>
 
+namespace test_distributed_coarse {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 
@@ -193,3 +195,5 @@ TEST(DistributedCoarse, names_what_cannot_be_held) {
     }
   });
 }
+
+} // namespace test_distributed_coarse

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <map>
 
+namespace test_distributed_factor {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 
@@ -127,3 +129,5 @@ TEST(DistributedFactor, a_matrix_that_is_not_finite_is_refused_by_all_ranks) {
   const DistributedGraph graph(testComm(), grid.own, grid.places, 2);
   EXPECT_ANY_THROW(DistributedFactor(graph, grid.values, {Form::Rows, 0.0, {}}));
 }
+
+} // namespace test_distributed_factor

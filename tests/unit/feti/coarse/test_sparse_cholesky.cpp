@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 
+namespace test_sparse_cholesky {
+
 using namespace Harmos::feti;
 
 namespace {
@@ -106,3 +108,5 @@ TEST(SparseCholesky, rank_deficiency) {
   for (int d : factor.dependent())
     EXPECT_EQ(x[static_cast<std::size_t>(d)], 0.0);
 }
+
+} // namespace test_sparse_cholesky

@@ -6,6 +6,8 @@
 
 #include <cmath>
 
+namespace test_boundary_operator {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 
@@ -52,7 +54,7 @@ TEST(DenseOperator, product_of_each_storage_and_precision) {
     for (int count : {1, 2, 3, 5, 40})
       for (Precision precision : {Precision::Double, Precision::Single}) {
         const std::vector<double> a = symmetric(n), t = operand(n, count), expected = product(a, t, n, count);
-        const DenseOperator op(a, n, precision, count);
+        const feti::DenseOperator op(a, n, precision, count);
         std::vector<double> u(t.size(), std::nan(""));
         op.apply(t.data(), u.data(), count);
         const double tolerance =
@@ -71,10 +73,10 @@ TEST(DenseOperator, product_of_each_storage_and_precision) {
 TEST(DenseOperator, memory) {
   const int n = 256;
   const double whole = 8.0 * n * n;
-  EXPECT_EQ(DenseOperator(symmetric(n), n, Precision::Double, 10).bytes(), whole);
-  EXPECT_EQ(DenseOperator(symmetric(n), n, Precision::Single, 10).bytes(), 0.5 * whole);
-  EXPECT_NEAR(DenseOperator(symmetric(n), n, Precision::Double, 1).bytes(), 0.5 * whole, 0.02 * whole);
-  EXPECT_NEAR(DenseOperator(symmetric(n), n, Precision::Single, 1).bytes(), 0.25 * whole, 0.02 * whole);
+  EXPECT_EQ(feti::DenseOperator(symmetric(n), n, Precision::Double, 10).bytes(), whole);
+  EXPECT_EQ(feti::DenseOperator(symmetric(n), n, Precision::Single, 10).bytes(), 0.5 * whole);
+  EXPECT_NEAR(feti::DenseOperator(symmetric(n), n, Precision::Double, 1).bytes(), 0.5 * whole, 0.02 * whole);
+  EXPECT_NEAR(feti::DenseOperator(symmetric(n), n, Precision::Single, 1).bytes(), 0.25 * whole, 0.02 * whole);
 }
 
 TEST(SparseOperator, is_the_block_of_the_matrix) {
@@ -86,3 +88,5 @@ TEST(SparseOperator, is_the_block_of_the_matrix) {
   op.apply(t.data(), u.data(), 1);
   EXPECT_EQ(u, (std::vector<double>{53.0, 75.0}));
 }
+
+} // namespace test_boundary_operator

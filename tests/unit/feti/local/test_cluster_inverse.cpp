@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <numeric>
 
+namespace test_cluster_inverse {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 
@@ -500,3 +502,5 @@ TEST(ClusterInverse, products_of_bricks_are_within_twice_those_without) {
     EXPECT_GE(with, without / 2) << size;
   }
 }
+
+} // namespace test_cluster_inverse

@@ -15,6 +15,8 @@
 
 #include <cmath>
 
+namespace test_inverse_quality {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 
@@ -171,3 +173,5 @@ TEST(InverseQuality, too_ill_conditioned_for_the_precision) {
   const std::string factors = objection(Strip(quadratic, 55, 55, 1, 0.4999), options);
   EXPECT_TRUE(contains(factors, "too large for single precision")) << factors;
 }
+
+} // namespace test_inverse_quality

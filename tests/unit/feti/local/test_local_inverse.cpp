@@ -14,6 +14,8 @@
 #include <numeric>
 #include <set>
 
+namespace test_local_inverse {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 
@@ -531,3 +533,5 @@ TEST(LocalInverses, held_dofs_do_not_count_as_parts) {
   const LocalMatrix matrix = makeLocalMatrix(3, {{0, 0, 1}, {1, 1, 1}, {1, 2, -1}, {2, 1, -1}, {2, 2, 1}});
   EXPECT_TRUE(contains(causeOfHiddenMotion(matrix, Kernel{3, 0, {}}).cause, "lacks support"));
 }
+
+} // namespace test_local_inverse

@@ -13,6 +13,8 @@
 
 #include <cmath>
 
+namespace test_mumps {
+
 using namespace Harmos;
 using feti::Mumps;
 using feti::MumpsOptions;
@@ -349,3 +351,5 @@ TEST(MumpsSolver, offers_schur_complements_and_refuses_wrong_parameters) {
   value->sublist("Harmos MUMPS").set("Ordering", std::string("alphabetical"));
   EXPECT_THROW(solver->setParameters(value), std::exception);
 }
+
+} // namespace test_mumps

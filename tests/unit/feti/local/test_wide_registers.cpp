@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <string>
 
+namespace test_wide_registers {
+
 using namespace Harmos;
 
 // The test stability_order_of_sums runs this with HARMOS_WIDE_REGISTERS=0 too.
@@ -19,3 +21,5 @@ TEST(WideRegisters, the_environment_switches_them_off) {
   EXPECT_FALSE(feti::hasWideRegisters());
 #endif
 }
+
+} // namespace test_wide_registers

@@ -12,6 +12,8 @@
 
 #include <cmath>
 
+namespace test_force_errors {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 
@@ -105,3 +107,5 @@ TEST(ForceErrors, rows_of_no_group_do_not_count) {
   }
   EXPECT_TRUE(std::isinf((ForceError{0.0, 1.0}).relative()));
 }
+
+} // namespace test_force_errors

@@ -12,6 +12,8 @@
 #include <Tpetra_MultiVector.hpp>
 #include <gtest/gtest.h>
 
+namespace test_kept_answer {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 
@@ -113,3 +115,5 @@ TEST(KeptAnswer, goes_through_an_archive) {
     EXPECT_EQ(result.projectedGradientNorm, isThere ? 0.5 : 9.0);
   }
 }
+
+} // namespace test_kept_answer

@@ -11,6 +11,8 @@
 #include <Tpetra_MultiVector.hpp>
 #include <gtest/gtest.h>
 
+namespace test_stopping_test {
+
 using namespace Harmos;
 using namespace Harmos::feti;
 using feti::Details::GradientTest;
@@ -62,3 +64,5 @@ TEST(GradientTest, smaller_rounding_errors_change_nothing) {
   EXPECT_EQ(statusOf(plain, 0.11), qp::Status::Failed);
   EXPECT_EQ(statusOf(plain, 0.1), qp::Status::Passed);
 }
+
+} // namespace test_stopping_test

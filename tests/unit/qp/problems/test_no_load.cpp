@@ -10,6 +10,8 @@
 
 #include <cmath>
 
+namespace test_no_load {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -114,3 +116,5 @@ TEST(NoLoad, nothing_to_do) {
     EXPECT_LT(norm(moved.x), 1e-10 * 100.0 * 10.0) << name; // tol·‖Ax₀‖/λ_min
   }
 }
+
+} // namespace test_no_load

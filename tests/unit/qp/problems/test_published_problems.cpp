@@ -17,6 +17,8 @@
 #include <cstdlib>
 #include <iostream>
 
+namespace test_published_problems {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -183,3 +185,5 @@ TEST(PublishedProblems, string_over_a_plane) {
     expectSolution("string", qp, u);
   }
 }
+
+} // namespace test_published_problems

@@ -11,6 +11,8 @@
 
 #include <cmath>
 
+namespace test_tiny_curvatures {
+
 using namespace Harmos;
 using namespace Harmos::qp;
 
@@ -119,3 +121,5 @@ TEST(TinyCurvatures, kernels_are_told) {
     }
   }
 }
+
+} // namespace test_tiny_curvatures
