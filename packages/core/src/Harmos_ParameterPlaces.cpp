@@ -51,6 +51,18 @@ const ParameterSpec* ParameterSpec::expertOf(const std::string& name) const {
   return expert.find(name) != nullptr || expert.findList(name) != nullptr ? &expert : nullptr;
 }
 
+const ParameterSpec::Parameter* ParameterSpec::findFormer(const std::string& name) const {
+  for (const Parameter& parameter : parameters_)
+    if (!parameter.former.empty() && parameter.former == name)
+      return &parameter;
+  return nullptr;
+}
+
+std::string ParameterSpec::renamed(const std::string& path, const Parameter& parameter) {
+  return quoted(path + parameter.former) + " is now " + quoted(path + parameter.name) +
+         "; this version still reads the old name";
+}
+
 std::string ParameterSpec::moved(const std::string& path, const std::string& name) {
   return quoted(path + name) + " is now " + quoted(path + expertName + "/" + name) +
          "; this version still reads the old place";
@@ -122,6 +134,10 @@ void ParameterSpec::set(Teuchos::ParameterList& list, const std::string& head, c
   }
   if (slash == std::string::npos) {
     const Parameter* parameter = find(path);
+    if (parameter == nullptr && (parameter = findFormer(path)) != nullptr) {
+      findings.notes.push_back(renamed(head, *parameter));
+      list.remove(path, false);
+    }
     if (parameter == nullptr)
       throw InputError(source + ": " + unknownParameter(head, path), {{"path", head + path}});
     return set(*parameter, list, value, head + path, source);

@@ -416,6 +416,14 @@ void ParameterSpec::validate(const Teuchos::ParameterList& given, const std::str
       if (given.isSublist(expertName))
         findContradictions(entry, given.sublist(expertName), path, name, findings.faults);
     }
+    if (const Parameter* present = findFormer(name); present != nullptr && !entry.isList()) {
+      findings.notes.push_back(renamed(path, *present));
+      if (const auto* other = given.getEntryPtr(present->name); other != nullptr && *other != entry)
+        findings.faults.push_back(quoted(path + name) + " and " + quoted(path + present->name) +
+                                  ", its present name, have different values; keep the second");
+      validate(*present, entry, path, result, findings.faults);
+      continue;
+    }
     const ParameterSpec& owner = expert != nullptr ? *expert : *this;
     Teuchos::ParameterList& place = expert != nullptr ? result.sublist(expertName) : result;
     if (entry.isList())

@@ -65,6 +65,11 @@ class ParameterSpec {
     parameters_.back().range = Range::within(least, most);
     return *this;
   }
+  /// The parameter that was added last had this name before: it is still read, with a note.
+  ParameterSpec& formerly(const std::string& name) {
+    parameters_.back().former = name;
+    return *this;
+  }
   /// As many numbers as the default has; type "Array(double)" and "Array(int)" in a deck.
   ParameterSpec& reals(const std::string& name, const std::vector<double>& value, const Range& range,
                        const std::string& meaning);
@@ -167,10 +172,13 @@ class ParameterSpec {
     Range range;
     std::vector<Choice> allowed;
     bool mayBeInteger = false; ///< beside choices
+    std::string former;        ///< name; empty: it never had another
   };
 
   Parameter& add(const std::string& name, Type type, const std::string& meaning);
   const Parameter* find(const std::string& name) const;
+  /// Of a name that a parameter had before.
+  const Parameter* findFormer(const std::string& name) const;
   const ParameterSpec* findList(const std::string& name) const;
   /// Null, or the description of "Expert" if it has the name, which then stands at its old place.
   const ParameterSpec* expertOf(const std::string& name) const;
@@ -179,6 +187,7 @@ class ParameterSpec {
                           const std::vector<std::string>& candidates) const;
   std::string unknownParameter(const std::string& path, const std::string& name) const;
   static std::string moved(const std::string& path, const std::string& name);
+  static std::string renamed(const std::string& path, const Parameter& parameter);
   void set(Teuchos::ParameterList& list, const std::string& head, const std::string& path,
            const std::string& value, const std::string& source, Findings& findings) const;
   static void set(const Parameter& parameter, Teuchos::ParameterList& list, const std::string& value,

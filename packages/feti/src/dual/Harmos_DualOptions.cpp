@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_DualOptions.hpp"
 
+#include "Harmos_Errors.hpp"
+#include "Harmos_NearestName.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -54,6 +57,29 @@ void addExpertTo(ParameterSpec& expert) {
               "working directory. Empty: built-in rates, equal on all machines.");
 }
 
+// Amesos2's interface has neither Schur complements nor factors in single precision.
+void checkLocalSolver(DualOptions& options) {
+  const SparseSolverChoice& solver = options.inverses.solver;
+  const std::string path = "Dual operator/Local solver", given = "\"" + path + "\" = \"" + solver.name + "\"";
+  const std::string others = "; use \"multifrontal\" or \"MUMPS\"";
+  if (!SparseSolverChoice::isAvailable(solver.name))
+    throw InputError(given + " is not available in this Trilinos" +
+                         offer(solver.name, SparseSolverChoice::available()),
+                     {{"path", path}});
+  if (solver.hasSchurComplements())
+    return;
+  if (options.form == DualForm::Condensed)
+    throw InputError(given + " has no Schur complements, which \"Dual operator/Form\" = \"condensed\" needs" +
+                         others + ", or the form \"implicit\"",
+                     {{"path", path}});
+  if (options.inverses.precision == Precision::Single)
+    throw InputError(given + " has no factors in single precision" + others + ", or double precision",
+                     {{"path", path}});
+  if (solver.blockLowRank > 0.0)
+    throw InputError(given + " has no block low rank factors; use \"MUMPS\"", {{"path", path}});
+  options.form = DualForm::Implicit;
+}
+
 } // namespace
 
 void DualOptions::addTo(ParameterSpec& deck) {
@@ -80,9 +106,11 @@ void DualOptions::addTo(ParameterSpec& deck) {
        {"single", "dense blocks (condensed form) or factors (implicit form) in 32 bits, sums in 64: half the "
                   "memory; tolerances below 1e-6 need the implicit form"}},
       "Precision of dense blocks and factors.");
-  dual.text("Implicit solver", defaults.inverses.solver.name,
-            "Sparse direct solver of the subdomains. \"multifrontal\" (Harmos' own, for single right-hand "
-            "sides), \"MUMPS\" or, for the implicit form, a solver of Amesos2, such as \"KLU2\".");
+  dual.text("Local solver", defaults.inverses.solver.name,
+            "Sparse direct solver of the subdomains: \"multifrontal\" (Harmos' own Cholesky factorisation), "
+            "\"MUMPS\", or a solver of Amesos2, such as \"KLU2\" or \"Tacho\", with the implicit form and "
+            "double precision.")
+      .formerly("Implicit solver");
   dual.integer("Memory budget MiB", defaults.memoryBudgetMiB, 0, 2000000000,
                "Memory limit of factors and dense blocks on a rank, by the cost model; 0: none.");
   addExpertTo(dual.expert());
@@ -121,8 +149,9 @@ DualOptions DualOptions::fromList(const Teuchos::ParameterList& list) {
   const std::string precision = list.get<std::string>("Precision");
   inverses.precision = precision == "single" ? Precision::Single : Precision::Double;
   options.mayRound = precision == "auto";
-  inverses.solver.name = list.get<std::string>("Implicit solver");
+  inverses.solver.name = list.get<std::string>("Local solver");
   inverses.solver.blockLowRank = expert.get<double>("Block low rank tolerance");
+  checkLocalSolver(options);
   inverses.fixingPlaces = expert.get<int>("Fixing places");
   inverses.keepSchur = options.preconditioner.value_or(PreconditionerKind::Dirichlet) ==
                        PreconditionerKind::Dirichlet; // until it is decided

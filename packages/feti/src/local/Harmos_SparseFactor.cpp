@@ -136,6 +136,15 @@ bool SparseSolverChoice::isAvailable(const std::string& name) {
   return name == multifrontal || SparseSolve::isAvailable(name);
 }
 
+std::vector<std::string> SparseSolverChoice::available() {
+  std::vector<std::string> result = {multifrontal, mumps};
+  for (const char* name :
+       {"KLU2", "Basker", "Tacho", "CHOLMOD", "SuperLU", "UMFPACK", "PardisoMKL", "LAPACK"})
+    if (SparseSolve::isAvailable(name))
+      result.push_back(name);
+  return result;
+}
+
 std::shared_ptr<const FrontTree> FactorizationContext::tree(const LocalMatrix& pattern,
                                                             const std::vector<int>& rest, FrontTree::Rest use,
                                                             bool& isNew) {

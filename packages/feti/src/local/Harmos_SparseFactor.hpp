@@ -22,8 +22,15 @@ struct SparseSolverChoice {
 
   bool isMultifrontal() const { return name == multifrontal && blockLowRank == 0.0; }
   static constexpr const char* multifrontal = "multifrontal";
+  /// The name of the solver at work.
+  const char* effectiveName() const { return blockLowRank > 0.0 ? mumps : name.c_str(); }
+  /// Whether it makes Schur complements, which the condensed form needs: Amesos2's solvers do not.
+  bool hasSchurComplements() const { return name == multifrontal || name == mumps; }
+  static constexpr const char* mumps = "MUMPS";
   /// Whether there is such a solver.
   static bool isAvailable(const std::string& name);
+  /// Their names: Harmos' own, MUMPS, and those of this Amesos2.
+  static std::vector<std::string> available();
 };
 
 /// What factorisations that are made one after the other share: memory to work in, and orders of elimination

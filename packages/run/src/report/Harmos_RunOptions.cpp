@@ -133,21 +133,6 @@ void checkConsistency(const scene::Scene& scene, const RunOptions& options) {
                          "operator/Precision\" = \"double\", or \"Dual operator/Form\" = \"implicit\" (with "
                          "refined solves) or a tolerance of at least 1e-6",
                      {{"path", "Solver/Tolerance"}});
-  const feti::LocalInverseOptions& inverses = options.dual.inverses;
-  const std::string& solver = inverses.solver.name;
-  const bool isHarmos = solver == feti::SparseSolverChoice::multifrontal || solver == "MUMPS";
-  if (options.dual.form != feti::DualForm::Condensed && !isHarmos) {
-    if (!feti::SparseSolverChoice::isAvailable(solver))
-      throw InputError(
-          "\"Dual operator/Implicit solver\" = \"" + solver +
-              "\" is not available in this Trilinos; use \"multifrontal\", \"MUMPS\" or \"KLU2\"",
-          {{"path", "Dual operator/Implicit solver"}});
-    if (inverses.precision == feti::Precision::Single || inverses.solver.blockLowRank > 0.0)
-      throw InputError("contradictory options: single precision needs \"multifrontal\" or \"MUMPS\", block "
-                       "low rank factors need \"MUMPS\", but \"Dual operator/Implicit solver\" = \"" +
-                           solver + "\"",
-                       {{"path", "Dual operator/Implicit solver"}});
-  }
   if (options.outputDirectory.empty())
     throw InputError("\"Output/Directory\" is empty; give a directory, \".\" for the working directory",
                      {{"path", "Output/Directory"}});

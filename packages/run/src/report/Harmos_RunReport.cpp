@@ -157,6 +157,7 @@ std::string toJson(const RunReport& report) {
   json["restarted_from"] = report.restartedFrom;
   json["checkpoints"] = report.checkpoints;
   json["dual_operator"] = report.dualOperator;
+  json["local_solver"] = report.localSolver;
   json["attainable_accuracy"] = number(attainableAccuracy(report));
   json["local_condition"] = number(report.localCondition);
   json["dual_operator_mib"] = number(report.dualOperatorMiB);

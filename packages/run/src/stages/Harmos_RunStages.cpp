@@ -252,6 +252,7 @@ void RunStages::factorise() {
     inverseOptions_.clusters = feti::makeClusters(
         *system_, *constraints_, dual.clustersFor(*system_, *constraints_, decided, products, log_));
     report_.clusters = inverseOptions_.clusters ? inverseOptions_.clusters->total() : 0;
+    report_.localSolver = inverseOptions_.solver.effectiveName();
     report_.isSingle = inverseOptions_.precision == feti::Precision::Single;
     inverses_.emplace(feti::makeLocalInverses(*system_, *constraints_, inverseOptions_));
     report_.localCondition = globalMax(*comm_, inverses_->condition());
@@ -259,9 +260,10 @@ void RunStages::factorise() {
     tellFactors();
   }
   std::ostringstream text;
-  text << report_.distinctFactorizations << " local factorisations of " << report_.subdomains
-       << " subdomains, " << std::fixed << std::setprecision(0) << report_.dualOperatorMiB
-       << " MiB; condition number of subdomains about " << scientific(report_.localCondition, 0);
+  text << report_.distinctFactorizations << " local factorisations (" << report_.localSolver << ") of "
+       << report_.subdomains << " subdomains, " << std::fixed << std::setprecision(0)
+       << report_.dualOperatorMiB << " MiB; condition number of subdomains about "
+       << scientific(report_.localCondition, 0);
   if (report_.roundedFactorizations > 0)
     text << "; applications of " << report_.roundedFactorizations << " in single precision";
   if (const auto replaced = globalSum(*comm_, static_cast<long long>(inverses_->replacedFactorizations()));
