@@ -127,6 +127,29 @@ std::string told(const Plan& plan, const Row& row) {
   return text;
 }
 
+// Writes what the study has found. @return the exit status.
+int conclude(const Teuchos::Comm<int>& comm, const Plan& plan, const Table* table, const Log& log) {
+  bool anyConverged = false, drawn = false;
+  agree(comm, [&] {
+    if (!table)
+      return;
+    const Result result(plan, *table, comm.getSize());
+    io::writeAtomically(plan.output + "/study.json", toJson(plan, *table, result, comm.getSize()));
+    for (const std::string& sentence : result.sentences)
+      log.info(sentence);
+    anyConverged = std::any_of(result.points.begin(), result.points.end(),
+                               [](const Point& point) { return point.converged; });
+    drawn = plan.charts && drawCharts(plan.output, log);
+  });
+  log.info("Results in \"" + plan.output + "\": study.csv, study.json" +
+           (drawn ? ", charts as PNG and SVG" : ""));
+  if (globalMax(comm, anyConverged ? 1LL : 0LL) == 0) {
+    log.error("no run of the study converged; see the reasons in the table");
+    return 1;
+  }
+  return 0;
+}
+
 int runStudy(const app::ProgramContext& context) {
   const auto& comm = context.comm; // C++17's lambdas capture no structured bindings
   const app::CommandLine& line = context.line;
@@ -178,25 +201,7 @@ int runStudy(const app::ProgramContext& context) {
     log.info(std::to_string(k + 1) + "/" + std::to_string(todo.size()) + " " + plan.label(todo[k]) + ": " +
              told(plan, row) + (left > 0 ? "; " + duration(past.count() / done * left) + " left" : ""));
   }
-  bool anyConverged = false, drawn = false;
-  agree(*comm, [&] {
-    if (!table)
-      return;
-    const Result result(plan, *table, comm->getSize());
-    io::writeAtomically(plan.output + "/study.json", toJson(plan, *table, result, comm->getSize()));
-    for (const std::string& sentence : result.sentences)
-      log.info(sentence);
-    anyConverged = std::any_of(result.points.begin(), result.points.end(),
-                               [](const Point& point) { return point.converged; });
-    drawn = plan.charts && drawCharts(plan.output, log);
-  });
-  log.info("Results in \"" + plan.output + "\": study.csv, study.json" +
-           (drawn ? ", charts as PNG and SVG" : ""));
-  if (globalMax(*comm, anyConverged ? 1LL : 0LL) == 0) {
-    log.error("no run of the study converged; see the reasons in the table");
-    return 1;
-  }
-  return 0;
+  return conclude(*comm, plan, table.get(), log);
 }
 
 } // namespace

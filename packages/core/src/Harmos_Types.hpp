@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_TrilinosForward.hpp"
+#include "Harmos_TrilinosVersion.hpp"
 
 namespace Harmos {
 

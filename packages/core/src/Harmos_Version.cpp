@@ -10,7 +10,7 @@
 
 namespace Harmos {
 
-// What Harmos_TrilinosForward.hpp declares is what Tpetra has.
+// What Harmos_TrilinosVersion.hpp declares is what Tpetra has.
 static_assert(std::is_same_v<LocalOrdinal, Tpetra::Details::DefaultTypes::local_ordinal_type>);
 static_assert(std::is_same_v<GlobalOrdinal, Tpetra::Details::DefaultTypes::global_ordinal_type>);
 static_assert(std::is_same_v<Node, Tpetra::Details::DefaultTypes::node_type>);

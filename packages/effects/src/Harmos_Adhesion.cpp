@@ -40,7 +40,7 @@ void requireGiven(const Teuchos::ParameterList& list, const std::string& path, b
 }
 
 std::shared_ptr<const scene::Effect> makeAdhesion(const Teuchos::ParameterList& list, const std::string& path,
-                                          const scene::Scene& scene) {
+                                                  const scene::Scene& scene) {
   requireElastic(scene, "\"" + path + "\"");
   const CohesiveLaw law = cohesiveLawFrom(list, path);
   return std::make_shared<Adhesion>(contactByName(scene, list.get<std::string>("Contact"), path + "/Contact",

@@ -15,7 +15,7 @@ namespace {
 constexpr double noValue = -1.0;
 
 std::shared_ptr<const scene::Effect> makeFriction(const Teuchos::ParameterList& list, const std::string& path,
-                                          const scene::Scene& scene) {
+                                                  const scene::Scene& scene) {
   requireElastic(scene, "\"" + path + "\"");
   const bool isCoulomb = list.get<std::string>("Law") == "Coulomb";
   const std::string asked = isCoulomb ? "Coefficient" : "Slip bound",

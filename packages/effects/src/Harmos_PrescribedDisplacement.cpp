@@ -6,8 +6,9 @@
 namespace Harmos::effects {
 namespace {
 
-std::shared_ptr<const scene::Effect> makePrescribedDisplacement(const Teuchos::ParameterList& list, const std::string& path,
-                                          const scene::Scene& scene) {
+std::shared_ptr<const scene::Effect> makePrescribedDisplacement(const Teuchos::ParameterList& list,
+                                                                const std::string& path,
+                                                                const scene::Scene& scene) {
   const Part part = partIn(scene, list, "Part", path);
   const fem::Point value = pointIn(list, "Displacement");
   std::vector<PrescribedDisplacement::Component> held;

@@ -25,8 +25,8 @@ void requireGeometry(const contact::Obstacle& obstacle, const scene::Scene& scen
         {{"path", path + "/Radius"}});
 }
 
-std::shared_ptr<const scene::Effect> makeRigidObstacle(const Teuchos::ParameterList& list, const std::string& path,
-                                          const scene::Scene& scene) {
+std::shared_ptr<const scene::Effect> makeRigidObstacle(const Teuchos::ParameterList& list,
+                                                       const std::string& path, const scene::Scene& scene) {
   requireElastic(scene, "\"" + path + "\"");
   const Part part = partIn(scene, list, "Part", path);
   const std::string shape = list.get<std::string>("Shape");

@@ -167,7 +167,7 @@ TEST(Adhesion, decks_that_make_no_sense_are_refused) {
              Teuchos::ParameterList& list = whole(all.sublist("a")).set("Law", "brittle");
              list.remove(std::string(name) == "Fracture energy" ? "Fracture energy II" : "Fracture energy");
            }),
-           {std::string("Effects/Adhesion/a/") + name, "the brittle law has none"});
+           {std::string("Effects/Adhesion/a/") + name, "the brittle law does not use it"});
   }
   expect(with("Fracture energy", 0.004), {"Effects/Adhesion/a", "the law snap back", "5.0000e-03"});
   expect(with("Fracture energy II", 0.005), {"Effects/Adhesion/a", "the law snap back", "5.3333e-03"});

@@ -139,7 +139,7 @@ TEST(CutMeshFile, damage_is_told) {
 
 TEST(CutMeshFile, what_is_no_such_file_is_refused) {
   EXPECT_TRUE(
-      contains(inputErrorOf([] { CutMeshFile("nowhere.h5"); }), "there is no mesh file \"nowhere.h5\""));
+      contains(inputErrorOf([] { CutMeshFile("nowhere.h5"); }), "mesh file not found: \"nowhere.h5\""));
   std::ofstream(path("text.h5")) << "not HDF5\n";
   EXPECT_TRUE(contains(inputErrorOf([] { CutMeshFile(path("text.h5")); }), "cannot be read"));
   EXPECT_TRUE(CutMeshFile::isOne("a/b.h5"));

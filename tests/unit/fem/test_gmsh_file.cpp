@@ -283,7 +283,7 @@ TEST_F(GmshFile, refuses_groups_that_are_not_there) {
   std::string text = refusalOf(geo, {{"inner", {"inclsion"}}});
   EXPECT_TRUE(contains(text, "body \"inner\"") && contains(text, "no physical surface \"inclsion\"")) << text;
   EXPECT_TRUE(contains(text, "did you mean \"inclusion\"?")) << text;
-  EXPECT_TRUE(contains(text, "name at least one of: \"inclusion\", \"matrix\"")) << text;
+  EXPECT_TRUE(contains(text, "There are: \"inclusion\", \"matrix\"")) << text;
   text = refusalOf(geo, {{"inner", {"circle"}}});
   EXPECT_TRUE(contains(text, "that is a curve there")) << text;
   text = refusalOf(geo, {{"inner", {}}});

@@ -185,7 +185,7 @@ TEST(BoundaryRules, what_chooses_nothing_is_refused) {
   scene.boundaryRules = {rule};
   EXPECT_TRUE(contains(refusal(scene),
                        "\"Boundary parts/seat\" selects no side of body \"two\": of 18 on its "
-                       "boundary 4 are of that normal, 0 are on the plane, none of them all"))
+                       "boundary 4 are of that normal, 0 are on the plane, none meets all conditions"))
       << refusal(scene);
   rule.bodies.clear();
   rule.tolerance = 0.01;

@@ -109,8 +109,8 @@ class VtuReader {
     }
     if (pieces_ != 1)
       failVtu(path_, "it holds " + std::to_string(pieces_) +
-                      " pieces, where one is read; in ParaView, Merge Blocks or " +
-                      "Append Datasets makes one of them");
+                         " pieces, where one is read; in ParaView, Merge Blocks or " +
+                         "Append Datasets makes one of them");
     return std::move(grid_);
   }
 
@@ -124,7 +124,8 @@ class VtuReader {
     const std::string compressor = tag.get("compressor");
     isCompressed_ = !compressor.empty();
     if (isCompressed_ && compressor != "vtkZLibDataCompressor")
-      failVtu(path_, "it uses the unsupported compressor " + compressor + "; save it with zlib or uncompressed");
+      failVtu(path_,
+              "it uses the unsupported compressor " + compressor + "; save it with zlib or uncompressed");
     headerType_ = tag.get("header_type", "UInt32");
     const unsigned int one = 1;
     const bool isLittle = *reinterpret_cast<const char*>(&one) == 1;
@@ -202,7 +203,7 @@ class VtuReader {
       values.push_back(value);
     if (number != everything && values.size() < number)
       failVtu(path_, "the array \"" + tag.get("Name") + "\" has " + std::to_string(values.size()) +
-                      " numbers where " + std::to_string(number) + " were expected");
+                         " numbers where " + std::to_string(number) + " were expected");
     return values;
   }
 

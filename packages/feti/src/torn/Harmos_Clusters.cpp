@@ -42,7 +42,7 @@ struct GluedEntry {
 // values that are prescribed in the matrices: no force belongs to them, and an average over them and others
 // would move what is prescribed as long as forces of averages are not known well.
 std::map<int, std::vector<GluedEntry>> gluingRows(const SubdomainSystem& system,
-                                                const Constraints& constraints) {
+                                                  const Constraints& constraints) {
   std::map<int, std::vector<GluedEntry>> result;
   for (int i = 0; i < system.size(); ++i) {
     std::vector<char> isPrescribed(static_cast<std::size_t>(system.matrix(i).rows()), 0);

@@ -41,7 +41,7 @@ struct RunReport : feti::SolveReport {
   long long clusters = 0; ///< that they are joined to, of all ranks; 0: none
   long long distinctFactorizations = 0;
   long long roundedFactorizations = 0; ///< of them, with products in single precision
-  std::string localSolver; ///< of the subdomains
+  std::string localSolver;             ///< of the subdomains
   std::string dualOperator;
   std::string dualForms;        ///< feti::DualForms, for checkpoints
   bool isSingle = false;        ///< whether local factors are in single precision, as the deck asks for
