@@ -3,8 +3,8 @@
 #
 # From a bare Debian 12 to a solved problem or a tested build:
 #
-#   cmake/bootstrap.sh run     install what is missing, build, solve the model problem on 2 ranks, draw it
-#   cmake/bootstrap.sh test    install what is missing, build, run the tests
+#   cmake/bootstrap.sh run     install missing packages, build signorini and harmos, solve the model problem, draw it
+#   cmake/bootstrap.sh test    install missing packages, build everything, run the tests
 #
 # and the parts of these:
 #
@@ -76,11 +76,19 @@ select_openblas() {
   done
 }
 
-build_all() {
+# configure ON|OFF: with or without tests. A tree of another generator is left alone.
+configure() {
+  if [ -e "$build/CMakeCache.txt" ] && ! grep -q '^CMAKE_GENERATOR:INTERNAL=Ninja$' "$build/CMakeCache.txt"; then
+    fail "$build/ was configured for another build program than Ninja: remove it, then start again"
+  fi
   say "Configuring (preset release, in $build/)"
   cmake --preset release -DHARMOS_ENABLE_TESTS="$1"
-  say "Building with $jobs jobs"
-  cmake --build "$build" --parallel "$jobs"
+}
+
+# build_targets [TARGET...]: everything if there are none.
+build_targets() {
+  say "Building ${*:-everything} with $jobs jobs"
+  cmake --build "$build" --parallel "$jobs" ${1:+--target "$@"}
 }
 
 show_model() {
@@ -100,11 +108,15 @@ case $goal in
 packages) ;;
 show) show_model ;;
 run)
-  build_all OFF
+  # A tree that has tests keeps them.
+  [ -e "$build/CTestTestfile.cmake" ] || configure OFF
+  build_targets signorini harmos
   show_model
+  say "For the other programs: cmake --build $build"
   ;;
 test)
-  build_all ON
+  configure ON
+  build_targets
   say "Testing (all but the tests labelled long)"
   # Tests say how many processors they take: those of one rank go side by side.
   ctest --test-dir "$build" --output-on-failure -LE long --parallel "$(nproc)"
