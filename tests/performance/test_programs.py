@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The performance programs run, write what their README says, and converge. No time is judged.
 
+    test_programs.py [Programs|Sweeps]     Sweeps is long
+
 Guards against: a benchmark that rots; a document whose fields are not those described; counts that
 grow with the mesh where the users' guide says that they do not.
 """
@@ -14,13 +16,14 @@ import unittest.mock
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE / "peer"), str(HERE / "messages"), str(HERE.parent / "support")]
+sys.path[:0] = [str(HERE), str(HERE / "peer"), str(HERE / "messages"), str(HERE / "local"), str(HERE.parent / "support")]
 
 import communication  # noqa: E402
 import gmsh_meshes  # noqa: E402
 import harmos_runs as runs  # noqa: E402
 import headline  # noqa: E402
 import headline_page  # noqa: E402
+import local_solvers  # noqa: E402
 import peer_petsc  # noqa: E402
 import real_bodies_page  # noqa: E402
 import unstructured_page  # noqa: E402
@@ -45,7 +48,16 @@ def described(program):
     return names
 
 
-class Programs(unittest.TestCase):
+class Scripts(unittest.TestCase):
+    def script(self, name, *arguments, statuses=(0,)):
+        output = runs.scratch(Path(name).stem)
+        words = [sys.executable, HERE / name, *arguments, "--output", output]
+        status, _, errors = runs.execute(words)
+        self.assertIn(status, statuses, errors)
+        return json.loads(output.read_text(encoding="utf-8"))
+
+
+class Programs(Scripts):
     def test_qp_kernels(self):
         document = run("qp_kernels", "--sizes", "1000,10000", "--repetitions", "1")
         self.assertEqual([r["entries"] for r in document["runs"]], [1000, 10000])
@@ -146,13 +158,6 @@ class Programs(unittest.TestCase):
             self.assertAlmostEqual(item["collective_bytes_a_step"], item["model_collective_bytes"], delta=50)
             self.assertEqual(item["broadcast_calls_a_step"], 0)
 
-    def script(self, name, *arguments, statuses=(0,)):
-        output = runs.scratch(Path(name).stem)
-        words = [sys.executable, HERE / name, *arguments, "--output", output]
-        status, _, errors = runs.execute(words)
-        self.assertIn(status, statuses, errors)
-        return json.loads(output.read_text(encoding="utf-8"))
-
     def test_model_problem(self):
         document = self.script(
             "model_problem.py", "--cells", "2x8", "--kinds", "shared,unshared,tied", "--repetitions", "1"
@@ -161,6 +166,19 @@ class Programs(unittest.TestCase):
         self.assertEqual((shared["factorizations"], unshared["factorizations"]), (3, 8))
         self.assertEqual(tied["solver"], "PCPG")
         self.assertLess(abs(shared["energy"] - unshared["energy"]), 1e-4)
+
+    def test_local_solvers(self):
+        """Every solver that the page compares, on eight subdomains of a cube."""
+        document = self.script("local/local_solvers.py", "--only", "cube", "--scale", "3", "--repetitions", "1")
+        rows = document["scenes"]["cube"]
+        self.assertEqual({item["solver"] for item in rows}, set(local_solvers.SOLVERS))
+        for item in rows:
+            self.assertEqual(item["local_solver"], item["solver"])
+
+    def test_local_solvers_page(self):
+        document = json.loads((runs.SOURCE / "docs/local_solvers.json").read_text(encoding="utf-8"))
+        page = (runs.SOURCE / "docs/dual_operator.md").read_text(encoding="utf-8")
+        self.assertIn(local_solvers.table(document["scenes"]), page)
 
     def test_headline(self):
         """Tiny forms of all cases converge; page and README can be written from the JSON."""
@@ -213,15 +231,6 @@ class Programs(unittest.TestCase):
         self.assertEqual(status, 2)
         self.assertIn("there is no case paper-shard; did you mean paper-shared?", errors)
 
-    def test_real_bodies_table(self):
-        words = ["--scale", "12", "--only", "half-ball", "half-disc", "--parts", "8"]
-        document = self.script("real_bodies_table.py", *words)
-        self.assertEqual(len(document["runs"]), 2 * 2 * 2)
-        for item in document["runs"]:
-            self.assertEqual(set(item), described("real_bodies_table"))
-            self.assertEqual(item["solver"], "PCPG" if item["problem"] == "linear" else "PDAS")
-            self.assertLessEqual(item["products"], 40, item)
-
     def test_real_bodies_page(self):
         """From any runs: tables of what was measured, later runs in the place of earlier ones."""
         def made(problem, products, seed=1, **more):
@@ -250,6 +259,39 @@ class Programs(unittest.TestCase):
         self.assertIn("| `half-ball` | compact | failed | — | 3 |", page)
         with self.assertRaisesRegex(ValueError, "several tolerances"):
             real_bodies_page.merged([linear, made("contact", 9, tolerance=1e-6)])
+
+    def test_unstructured_skips_visibly(self):
+        """Without petsc4py, or Gmsh's module: status 77 and a line that names what to install."""
+        hidden = "import sys, unstructured as u; u.gmsh_meshes.available = lambda: False; sys.argv[1:] = []; u.main()"
+        script = [sys.executable, "-c", f"import sys; sys.path[:0] = [{str(HERE)!r}]; {hidden}"]
+        status, _, errors = runs.execute(script)
+        self.assertEqual(status, runs.SKIPPED)
+        self.assertIn(f"SKIP: Debian's {gmsh_meshes.PACKAGE}", errors)
+
+    def test_cases_of_the_performance_model(self):
+        """What C++ is compared with is what the program writes."""
+        output = runs.scratch("cases")
+        status, _, errors = runs.execute([sys.executable, HERE / "performance_model.py", "--cases", output])
+        self.assertEqual(status, 0, errors)
+        kept = HERE.parent / "unit" / "feti" / "step_model_cases.json"
+        self.assertEqual(
+            output.read_text(encoding="utf-8"),
+            kept.read_text(encoding="utf-8"),
+            f"performance_model.py --cases {kept} writes it anew; unit_feti_models compares C++ with it",
+        )
+
+
+class Sweeps(Scripts):
+    """Programs that run many decks: long."""
+
+    def test_real_bodies_table(self):
+        words = ["--scale", "12", "--only", "half-ball", "half-disc", "--parts", "8"]
+        document = self.script("real_bodies_table.py", *words)
+        self.assertEqual(len(document["runs"]), 2 * 2 * 2)
+        for item in document["runs"]:
+            self.assertEqual(set(item), described("real_bodies_table"))
+            self.assertEqual(item["solver"], "PCPG" if item["problem"] == "linear" else "PDAS")
+            self.assertLessEqual(item["products"], 40, item)
 
     def test_forms(self):
         # Which of such small ones is the fastest is noise, and so is the exit status.
@@ -292,14 +334,6 @@ class Programs(unittest.TestCase):
         self.assertEqual(page.read_text(encoding="utf-8"), unstructured_page.page(document))
         self.assertEqual(json.loads(unstructured_page.as_json(document)), document)
 
-    def test_unstructured_skips_visibly(self):
-        """Without petsc4py, or Gmsh's module: status 77 and a line that names what to install."""
-        hidden = "import sys, unstructured as u; u.gmsh_meshes.available = lambda: False; sys.argv[1:] = []; u.main()"
-        script = [sys.executable, "-c", f"import sys; sys.path[:0] = [{str(HERE)!r}]; {hidden}"]
-        status, _, errors = runs.execute(script)
-        self.assertEqual(status, runs.SKIPPED)
-        self.assertIn(f"SKIP: Debian's {gmsh_meshes.PACKAGE}", errors)
-
     def test_hertz_spread(self):
         document = self.script("hertz_spread.py", "--series", "approach")
         self.assertEqual(len(document["runs"]), 5)
@@ -339,18 +373,6 @@ class Programs(unittest.TestCase):
                 self.assertLess(document["distributed_from"], taken[-1])
             self.assertLess(taken[0], taken[1])
             self.assertEqual(taken[1], taken[2])
-
-    def test_cases_of_the_performance_model(self):
-        """What C++ is compared with is what the program writes."""
-        output = runs.scratch("cases")
-        status, _, errors = runs.execute([sys.executable, HERE / "performance_model.py", "--cases", output])
-        self.assertEqual(status, 0, errors)
-        kept = HERE.parent / "unit" / "feti" / "step_model_cases.json"
-        self.assertEqual(
-            output.read_text(encoding="utf-8"),
-            kept.read_text(encoding="utf-8"),
-            f"performance_model.py --cases {kept} writes it anew; unit_feti_models compares C++ with it",
-        )
 
 
 if __name__ == "__main__":

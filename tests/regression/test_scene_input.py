@@ -311,7 +311,7 @@ class Settings(Case):
     def test_component_that_is_none(self):
         path = "Effects/Prescribed displacement/side/Components"
         self.refuse(
-            changed(SCENE, path, ["u"]), f'"{path}" holds "u", expected "x", "y" or "z"'
+            changed(SCENE, path, ["u"]), f'"{path}" contains "u", expected "x", "y" or "z"'
         )
 
     def test_component_that_the_physics_does_not_have(self):
@@ -352,7 +352,7 @@ class Settings(Case):
 
 class MeshFiles(Case):
     def test_missing_file(self):
-        self.refuse(FILED, 'there is no mesh file "', "mesh.msh")
+        self.refuse(FILED, 'mesh file not found: "', "mesh.msh")
 
     def test_file_that_is_not_named(self):
         self.refuse(

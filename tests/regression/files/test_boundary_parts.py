@@ -174,7 +174,7 @@ class Faults(unittest.TestCase):
     def test_bad_rules(self):
         cases = (
             ({"Normal": "{0, 1}"}, '"Boundary parts/it/Normal" has 2 numbers'),
-            ({"Normal": "{0, 0, 0}"}, '"Boundary parts/it/Normal" is zero'),
+            ({"Normal": "{0, 0, 0}"}, '"Boundary parts/it/Normal" is a zero vector'),
             ({"Plane point": "{0, 0, 0}"}, 'is given without "Plane normal"'),
             ({"Angle": "20"}, 'is given without "Normal"'),
             ({"Cylinder axis": "{0, 0, 1}"}, 'is given without "Cylinder point"'),

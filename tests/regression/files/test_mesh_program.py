@@ -140,7 +140,7 @@ class Cut(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done)
         run = runs.run(DECKS / "tied_inclusion.xml", {"Model/Mesh file": directory / "nowhere.h5"}, program="harmos")
         self.assertEqual(run.returncode, 2, run)
-        self.assertIn("there is no mesh file", run.stderr)
+        self.assertIn("mesh file not found", run.stderr)
         run = runs.run(DECKS / "tied_inclusion.xml", {"Model/Mesh file": directory / "mesh.h5"}, program="harmos")
         self.assertEqual(run.returncode, 2, run)
         self.assertIn("but the mesh file is already partitioned into 1 subdomains", run.stderr)
@@ -205,7 +205,7 @@ class Formats(unittest.TestCase):
                 self.assertEqual(done.returncode, 2, done)
                 self.assertRegex(done.stderr, "(?m)^error: .*(" + said + ")")
         for words, said in (
-            ((directory / "nowhere.msh",), "there is no mesh file"),
+            ((directory / "nowhere.msh",), "mesh file not found"),
             ((DECKS / "punch.geo", "--output", "mesh.msh"), "does not end with"),
             ((DECKS / "punch.geo", "--cut", "nobody=3", "--output", directory / "m.h5"), "unknown body"),
             ((DECKS / "punch.geo", "--body", "a=block", "--body", "a=block"), "twice"),

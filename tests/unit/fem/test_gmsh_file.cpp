@@ -265,7 +265,7 @@ TEST_F(GmshFile, prints_nothing) {
 
 TEST_F(GmshFile, refuses_files_that_are_none) {
   std::string text = refusalOf(path("absent.msh"), {{"a", {"b"}}});
-  EXPECT_TRUE(contains(text, "there is no mesh file") && contains(text, "absent.msh")) << text;
+  EXPECT_TRUE(contains(text, "mesh file not found") && contains(text, "absent.msh")) << text;
   text = refusalOf(path(""), {{"a", {"b"}}});
   EXPECT_TRUE(contains(text, "is not a file")) << text;
   text = refusalOf(file("rubbish.msh", "garbage text here\n"), {{"a", {"b"}}});

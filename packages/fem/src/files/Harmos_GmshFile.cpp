@@ -122,7 +122,7 @@ class Reader {
   void open(const GmshMeshing& meshing) {
     std::error_code failure;
     if (!std::filesystem::exists(path_, failure))
-      throw InputError("there is no mesh file \"" + path_ + "\"; check its path");
+      throw InputError("mesh file not found: \"" + path_ + "\"; check its path");
     if (!std::filesystem::is_regular_file(path_, failure))
       throw InputError("\"" + path_ + "\" is not a file; give the path of a mesh file");
     std::vector<int> types;
