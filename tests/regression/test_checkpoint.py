@@ -42,7 +42,7 @@ LONG = {
     "Solver/Tolerance": 1e-8,
     "Dual operator/Preconditioner": "none",
     "Dual operator/Form": "implicit",
-    "Dual operator/Implicit solver": "MUMPS",
+    "Dual operator/Local solver": "MUMPS",
     "Dual operator/Expert/Share identical subdomains": False,
 }
 # Some seconds, so that matplotlib is there before the end.

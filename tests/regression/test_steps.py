@@ -292,7 +292,7 @@ class Restarts(unittest.TestCase):
         "Solver/Tolerance": 1e-8,
         "Dual operator/Preconditioner": "none",
         "Dual operator/Form": "implicit",
-        "Dual operator/Implicit solver": "MUMPS",
+        "Dual operator/Local solver": "MUMPS",
         "Dual operator/Expert/Share identical subdomains": False,
     }
     # A block that is tilted: forces and displacements are known to less than the tolerance here.
@@ -308,7 +308,7 @@ class Restarts(unittest.TestCase):
         "Bodies/upper/Elements a side": "{42,42,1}",
         "Solver/Tolerance": 1e-8,
         "Dual operator/Form": "implicit",
-        "Dual operator/Implicit solver": "MUMPS",
+        "Dual operator/Local solver": "MUMPS",
         "Dual operator/Expert/Share identical subdomains": False,
     }
 

@@ -15,7 +15,7 @@ SETTINGS = {
     "Decomposition/Clusters": ("none", "rank", "2"),
     "Decomposition/Coarse problem": ("replicated", "distributed"),
     "Dual operator/Form": ("condensed", "implicit"),
-    "Dual operator/Implicit solver": ("multifrontal", "MUMPS", "KLU2"),
+    "Dual operator/Local solver": ("multifrontal", "MUMPS", "KLU2"),
     "Decomposition/Dirichlet": ("primal", "dual"),
     "ranks": (1, 2, 3, 4),
 }
@@ -28,7 +28,7 @@ def name_of(scene):
 
 def sample(random):
     settings = {path: random.choice(values) for path, values in SETTINGS.items()}
-    if settings["Dual operator/Implicit solver"] == "KLU2":
+    if settings["Dual operator/Local solver"] == "KLU2":
         settings["Dual operator/Form"] = "implicit"
     return settings
 

@@ -151,7 +151,7 @@ class Forms(unittest.TestCase):
     OPTIONS = (
         {"Dual operator/Form": "condensed"},
         {"Dual operator/Form": "implicit"},
-        {"Dual operator/Form": "implicit", "Dual operator/Implicit solver": "MUMPS"},
+        {"Dual operator/Form": "implicit", "Dual operator/Local solver": "MUMPS"},
         {"Dual operator/Expert/Share identical subdomains": False},
         {"Dual operator/Preconditioner": "lumped"},
         {"Dual operator/Preconditioner": "none"},
