@@ -202,7 +202,7 @@ class SameHistory(unittest.TestCase):
                 np,
                 sets={"Solver/Maximum iterations": 10000, "Dual operator/Expert/Rates": ""},
             )
-            self.assertIn("as before, expected", run.stdout)
+            self.assertIn(" as before; cost model", run.stdout)
             self.assertEqual(run.summary["dual_operator"], plain.summary["dual_operator"])
             self.compare(run, plain, 20, exact=np == 2)
 
