@@ -29,7 +29,7 @@ def pages(program, printed):
         elif kind:
             continue
         elif re.match(r"## \w+/Effects\n", section):
-            own.append(section.rstrip("\n") + " Each kind has [a page of its own](effects).\n\n")
+            own.append(section.rstrip("\n") + "\nEach kind has [a page of its own](effects).\n\n")
         else:
             own.append(section)
     result = {f"{PLACE}/{program}.md": "".join(own)}

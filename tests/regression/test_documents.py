@@ -51,8 +51,8 @@ class Documents(unittest.TestCase):
                 self.assertEqual((ROOT / path).read_text(encoding="utf-8"), text,
                                  f"{path}: generate it by docs/tools/parameter_pages.py")
             for line in printed.stdout.splitlines():
-                # Neither a cell nor the meaning of a choice is empty.
-                self.assertNotRegex(line, r"\|\s*\||: (;|\|)", program)
+                # Neither the meaning of a parameter nor that of a choice is empty.
+                self.assertNotRegex(line, r"^\* .*`\. *$|^ +\* `[^`]*`: *$", program)
 
     def test_links_lead_somewhere(self):
         """To files that exist, and with an anchor to a heading as GitHub names it."""

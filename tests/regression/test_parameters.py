@@ -93,12 +93,14 @@ class Printed(Case):
         text = self.printed("--print-parameters", "markdown")
         for path, name in self.NAMES:
             section = text[text.index(f"## signorini/{path}\n") :]
-            self.assertIn(f"\n| `{name}` | ", section)
+            self.assertIn(f"\n* `{name}`: ", section)
             self.assertEqual(text.count(f"## signorini/{path}\n"), 1)
-        for row in text.splitlines():
-            if row.startswith("|"):
-                # Five columns; an unprotected bar in a text would make more.
-                self.assertEqual(row.count("|"), 6, row)
+        self.assertIn("\n* `Tolerance`: real in (0, 1), default `0.0001`. ", text)
+        self.assertIn("\n  * `lumped`: ", text)
+        for line in text.splitlines():
+            self.assertLessEqual(len(line), 118, line)
+            # Each line is a heading, an item, its continuation or a paragraph, and none begins as something else.
+            self.assertNotRegex(line, r"^\s*([-+|>]|\*(?! `)|\d+\.) ", line)
 
     def test_parameters_as_a_deck(self):
         text = self.printed("--print-parameters", "xml")

@@ -172,9 +172,25 @@ TEST(ParameterSpec, markdown_names_everything) {
   std::ostringstream text;
   deck().writeMarkdown(text);
   for (const char* part :
-       {"## deck/Solver", "| `Tolerance` | real | `0.0001` | (0, 1) | Relative tolerance. |",
-        "`SMALBE`: augmented Lagrangians", "## deck/Model"})
-    EXPECT_TRUE(contains(text.str(), part)) << part;
+       {"## deck/Solver\n\nThe solver.\n\n",
+        "\n* `Tolerance`: real in (0, 1), default `0.0001`. Relative tolerance.\n",
+        "\n* `Method`: choice, default `\"Auto\"`. The method.\n"
+        "  * `Auto`: automatic\n"
+        "  * `SMALBE`: augmented Lagrangians\n",
+        "## deck/Model"})
+    EXPECT_TRUE(contains(text.str(), part)) << part << "\n" << text.str();
+}
+
+TEST(ParameterSpec, markdown_is_wrapped_and_no_line_begins_with_a_mark) {
+  const std::string words(118 - 36, 'a'); // after the head they fill a line
+  ParameterSpec spec("deck", "A deck.");
+  spec.choice("Law", "power", {{"power", std::string(118 - 14, 'b') + " - 1. The next line."}},
+              words + " The next line.");
+  std::ostringstream text;
+  spec.writeMarkdown(text);
+  EXPECT_EQ(text.str(), "# Parameters of deck\n\nA deck.\n\n* `Law`: choice, default `\"power\"`. " + words +
+                            "\n  The next line.\n  * `power`:\n    " + std::string(118 - 14, 'b') +
+                            " - 1. The\n    next line.\n\n");
 }
 
 TEST(ParameterSpec, teuchos_validators_refuse_what_the_specification_refuses) {
@@ -288,10 +304,10 @@ TEST(ParameterSpec, families_in_the_reference) {
   scene().writeMarkdown(markdown);
   // The sign would begin an HTML element, and the name would not be shown.
   for (const char* part :
-       {"## scene/Bodies/\\<body>\n\nA body.\n", "| `Size` | reals | `{1, 1, 1}` | (0, inf) | Its sides. |",
-        "| `Elements` | integers | `{8, 4}` | [1, 100] | Of each side. |",
-        "| `Materials` | strings | `{}` | any | Their names. |",
-        "| `Rigid` | boolean | `false` | `true`, `false` | Whether it bends. |",
+       {"## scene/Bodies/\\<body>\n\nA body.\n", "* `Size`: reals in (0, inf), default `{1, 1, 1}`. Its sides.\n",
+        "* `Elements`: integers in [1, 100], default `{8, 4}`. Of each side.\n",
+        "* `Materials`: strings, default `{}`. Their names.\n",
+        "* `Rigid`: boolean, default `false`. Whether it bends.\n",
         "## scene/Bodies/\\<body>/Options\n"})
     EXPECT_TRUE(contains(markdown.str(), part)) << part << "\n" << markdown.str();
   scene().writeText(text);
@@ -411,12 +427,11 @@ TEST(ParameterSpec, choices_with_integers_in_the_reference) {
       .list(ParameterSpec("Inner", "A list.")
                 .choiceOrInteger("Groups", "3", {{"auto", "by a model"}}, 1, 9, "More sizes."))
       .writeMarkdown(markdown);
-  for (const char* part : {"| `Groups` | choice or integer | `\"auto\"` | `auto`: by a model; `rank`: one a "
-                           "rank; an integer in [1, "
-                           "100] "
-                           "| Sizes. |",
-                           "| `Groups` | choice or integer | `\"3\"` | `auto`: by a model; an integer in [1, "
-                           "9] | More sizes. |"})
+  for (const char* part :
+       {"* `Groups`: choice or integer in [1, 100], default `\"auto\"`. Sizes.\n"
+        "  * `auto`: by a model\n"
+        "  * `rank`: one a rank\n",
+        "* `Groups`: choice or integer in [1, 9], default `\"3\"`. More sizes.\n  * `auto`: by a model\n"})
     EXPECT_TRUE(contains(markdown.str(), part)) << part << "\n" << markdown.str();
   ParameterSpec outer("outer", "An outer deck.");
   outer.list(grouped());

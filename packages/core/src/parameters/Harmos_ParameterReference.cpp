@@ -32,14 +32,29 @@ std::size_t widthOf(const std::string& text) {
       std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
+// At the beginning of a line, Markdown takes these for an item of a list or for a heading.
+bool isMark(const std::string& word) {
+  const bool isNumber = word.size() > 1 && word.find_first_not_of("0123456789") == word.size() - 1;
+  return word == "-" || word == "+" || word == "*" || word == "#" || (isNumber && word.back() == '.');
+}
+
+// The end of the word at or after this place, with the marks behind it: no line begins with one.
+std::size_t endOfWord(const std::string& text, std::size_t begin) {
+  std::size_t end = begin;
+  do {
+    end = std::min(text.find_first_not_of(' ', end), text.size());
+    end = std::min(text.find(' ', end), text.size());
+  } while (end < text.size() && isMark(text.substr(end + 1, text.find(' ', end + 1) - end - 1)));
+  return end;
+}
+
 // Lines of whole words, the first one and the others indented by so many blanks.
 std::string wrapped(const std::string& text, std::size_t first, std::size_t others) {
   std::string result, line(first, ' ');
   std::size_t empty = first;
   std::size_t begin = 0;
   while (begin < text.size()) {
-    std::size_t end = text.find_first_not_of(' ', begin);
-    end = std::min(text.find(' ', end == std::string::npos ? text.size() : end), text.size());
+    const std::size_t end = endOfWord(text, begin);
     const std::string word = text.substr(begin, end - begin); // with the blanks before it
     if (widthOf(line) + widthOf(word) > lineWidth && line.size() > empty) {
       result += line + "\n";
@@ -100,28 +115,24 @@ void ParameterSpec::writeXml(std::ostream& out) const {
   Teuchos::writeParameterListToXmlOStream(*teuchosList(), out);
 }
 
+void ParameterSpec::writeMarkdown(std::ostream& out, const Parameter& parameter) {
+  std::string head = "* `" + parameter.name + "`: " + typeName(parameter.type);
+  if (parameter.mayBeInteger)
+    head += orInteger;
+  if (hasRange(parameter.type) || parameter.mayBeInteger)
+    head += " in " + parameter.range.text();
+  out << wrapped(head + ", default `" + defaultText(parameter) + "`. " + parameter.meaning, 0, 2);
+  for (const Choice& choice : parameter.allowed)
+    out << wrapped("* `" + choice.first + "`: " + choice.second, 2, 4);
+}
+
 void ParameterSpec::writeMarkdown(std::ostream& out, const std::string& path) const {
-  out << (path == name_ ? "# Parameters of " : "## ") << escaped(path) << "\n\n" << meaning_ << "\n\n";
-  if (!parameters_.empty()) {
-    out << "| Parameter | Type | Default | Allowed | Meaning |\n|---|---|---|---|---|\n";
-    for (const Parameter& parameter : parameters_) {
-      std::string allowed;
-      if (hasRange(parameter.type))
-        allowed = parameter.range.text();
-      else if (parameter.type == Type::Boolean)
-        allowed = "`true`, `false`";
-      else if (parameter.type == Type::Text || parameter.type == Type::Texts)
-        allowed = "any";
-      for (const Choice& choice : parameter.allowed)
-        allowed += (allowed.empty() ? "" : "; ") + ("`" + choice.first + "`: " + choice.second);
-      if (parameter.mayBeInteger)
-        allowed += "; an integer in " + parameter.range.text();
-      out << "| `" << parameter.name << "` | " << typeName(parameter.type)
-          << (parameter.mayBeInteger ? orInteger : "") << " | `" << defaultText(parameter) << "` | "
-          << allowed << " | " << parameter.meaning << " |\n";
-    }
+  out << (path == name_ ? "# Parameters of " : "## ") << escaped(path) << "\n\n"
+      << wrapped(meaning_, 0, 0) << "\n";
+  for (const Parameter& parameter : parameters_)
+    writeMarkdown(out, parameter);
+  if (!parameters_.empty())
     out << "\n";
-  }
   for (const auto* lists : {&lists_, &family_, &expert_})
     for (const ParameterSpec& sublist : *lists)
       sublist.writeMarkdown(out, path + "/" + sublist.name());

@@ -135,7 +135,7 @@ class ParameterSpec {
   /// A complete deck with the defaults, each parameter with its documentation string.
   void writeXml(std::ostream& out) const;
 
-  /// Tables for the documentation.
+  /// For the documentation: a heading for each list, an item for each parameter, at most 118 columns wide.
   void writeMarkdown(std::ostream& out) const;
 
   /// For the terminal: everything, each choice with its meaning.
@@ -208,6 +208,7 @@ class ParameterSpec {
   static bool hasRange(Type type);
   static std::string defaultText(const Parameter& parameter);
   void writeMarkdown(std::ostream& out, const std::string& path) const;
+  static void writeMarkdown(std::ostream& out, const Parameter& parameter);
   static void writeText(std::ostream& out, const Parameter& parameter);
   void writeLists(std::ostream& out, const std::string& path) const;
   void writeOverview(std::ostream& out, const std::string& path) const;
