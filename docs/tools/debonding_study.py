@@ -131,8 +131,8 @@ def stress_at(steps, strain):
 def group_table(directory, group):
     title, cases = GROUPS[group]
     lines = [
-        f"| {title} | Load | Initial modulus | " + " | ".join(f"Stress at {100 * s:g} %" for s in SHOWN)
-        + f" | Secant modulus at {100 * SHOWN[-1]:g} % | Dissipated | Released | Broken |",
+        f"| {title} | Load | Initial modulus | Stress at " + " | ".join(f"{100 * s:g} %" for s in SHOWN)
+        + f" | Secant, {100 * SHOWN[-1]:g} % | Dissipated | Released | Broken |",
         "|---" * (len(SHOWN) + 7) + "|",
     ]
     for load in LOADS:

@@ -128,9 +128,11 @@ def parts_table(study):
     name, title = next(iter(study["measures"].items()))
     if mesh is None or tolerance is None:
         return []
-    head = [f"solver error at {value['label'].split()[-1]}" for value in tolerance["values"]]
+    head = [value["label"].split()[-1] for value in tolerance["values"]]
     lines = [
-        f"| Mesh | Discretisation error ({title}) | " + " | ".join(head) + " | Local solve, worst |",
+        f"Parts of the error ({title}): of the mesh, of the solver by `Solver/Tolerance`, of local solves (largest):",
+        "",
+        "| Mesh | Discretisation | " + " | ".join(f"Solver, {word}" for word in head) + " | Local solve |",
         "|" + "---|" * (3 + len(head)),
     ]
     for value in mesh["values"]:

@@ -189,12 +189,22 @@ def with_block(readme, document):
     return f"{before}{BEGIN}\n\n{readme_block(document)}\n\n{END}{after}"
 
 
+def continued(words):
+    """A command of the shell in lines that end in a backslash."""
+    lines = [words[0]]
+    for word in words[1:]:
+        if len(lines[-1]) + len(word) + 1 > LINE - len(" \\"):
+            lines.append("   ")
+        lines[-1] += f" {word}"
+    return " \\\n".join(lines)
+
+
 def command(entry, ranks):
     words = [f"mpirun -np {ranks} build/bin/{entry['program']} {entry['deck']}"]
     for path, value in entry["set"].items():
         text = str(value).lower() if isinstance(value, bool) else str(value)
         words.append(f"--set {shlex.quote(f'{path}={text}')}".replace("'", '"'))
-    return " ".join([*words, "--output run"])
+    return continued([*words, "--output run"])
 
 
 def memory(entry):

@@ -40,10 +40,10 @@ def run(program, *arguments, np=2):
 
 
 def described(program):
-    """Fields of a run that the README's table names."""
+    """Fields of a run that the README's table or list names."""
     section = README.read_text(encoding="utf-8").split(f"## {program}\n")[1].split("\n## ")[0]
     names = set()
-    for row in re.findall(r"^\| (`[^|]*`) \|", section, re.M):
+    for row in re.findall(r"^(?:\| |\* )((?:`[^`]*`,?\s*)+)(?:\||:)", section, re.M):
         names.update(re.findall(r"`([^`]*)`", row))
     return names
 

@@ -67,6 +67,18 @@ class Documents(unittest.TestCase):
                 if anchor:
                     self.assertIn(anchor, anchors(file), f"{page}: {link}")
 
+    def test_lines_are_not_wider_than_120_columns(self):
+        """In the changelog too. Two kinds of lines may be wider: a line of one word with a URL, which cannot be
+        broken; and a line of a code block without a language, or of text, which quotes a program's output.
+        """
+        for page in [*pages(), ROOT / "CHANGELOG.md"]:
+            language = None  # of the block of code
+            for line in page.read_text(encoding="utf-8").splitlines():
+                if line.lstrip().startswith("```"):
+                    language = line.strip("` ") if language is None else None
+                elif language not in ("", "text") and (len(line.split()) > 1 or "://" not in line):
+                    self.assertLessEqual(len(line), 120, f"{page.relative_to(ROOT)}: {line}")
+
     def test_index_has_every_page(self):
         text = (ROOT / "docs/README.md").read_text(encoding="utf-8")
         for page in [*ROOT.glob("docs/*.md"), *ROOT.glob("docs/parameters/*.md")]:
@@ -197,7 +209,7 @@ class Documents(unittest.TestCase):
     def test_developers_guide_lists_packages_and_labels(self):
         """All of them, once; the presets that it names are there."""
         text = (ROOT / "docs/developing.md").read_text(encoding="utf-8")
-        row = re.compile(r"^\| \[(\w+)\]\(\.\./packages/(\w+)/README\.md\) \|(.*?)\|", re.M)
+        row = re.compile(r"^\* \[(\w+)\]\(\.\./packages/(\w+)/README\.md\):(.*(?:\n  .*)*)", re.M)
         listed = row.findall(text)
         packages = sorted(path.parent.name for path in ROOT.glob("packages/*/CMakeLists.txt"))
         self.assertEqual(sorted(name for name, _, _ in listed), packages)
@@ -296,22 +308,21 @@ class Documents(unittest.TestCase):
         self.assertIn("slenderInPlane = {}, slenderInSpace = {};".format(*slender), header)
 
     def test_every_hard_case_has_its_row_and_its_test(self):
-        """The table of docs/stability.md names each test of tests/stability once, and no other.
+        """docs/stability.md has each test of tests/stability once, and no other.
 
         They are declared for 1, 2 and 4 ranks, and the page has figures measured by them.
         """
         text = (ROOT / "docs/stability.md").read_text(encoding="utf-8")
-        rows = [line for line in text.splitlines() if re.match(r"\| .*`\w+` \|$", line)]
-        named = [re.search(r"`(\w+)` \|$", row).group(1) for row in rows]
+        entry = re.compile(r"^\* \*\*([^*]+)\*\*\s+\(`(\w+)`\)\n((?:  .+\n)+)", re.M)
+        cases = entry.findall(text)
         directory = ROOT / "tests/stability"
         tests = [name for source in sorted(directory.glob("*.cpp"))
                  for name in re.findall(r"TEST\(Stability, (\w+)\)", source.read_text(encoding="utf-8"))]
-        self.assertEqual(sorted(named), sorted(tests))
-        for row in rows:
-            cells = [cell.strip() for cell in row.strip("|").split("|")]
-            self.assertEqual(len(cells), 5, row)
-            self.assertTrue(all(cells), row)
-            self.assertRegex(cells[3], r"\d", f"how it behaves, with a figure: {row}")
+        self.assertEqual(sorted(name for _, name, _ in cases), sorted(tests))
+        for _, name, told in cases:
+            parts = dict(re.findall(r"^  \* ([\w ]+): (.+(?:\n    .+)*)", told, re.M))
+            self.assertEqual(list(parts), ["Without the remedy", "Remedy", "Measured"], name)
+            self.assertRegex(parts["Measured"], r"\d", f"how it behaves, with a figure: {name}")
         declared = (directory / "CMakeLists.txt").read_text(encoding="utf-8")
         self.assertIn("RANKS 1 2 4", declared)
         for source in directory.glob("test_*.cpp"):

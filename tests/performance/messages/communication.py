@@ -199,7 +199,7 @@ def line(row):
 
 
 def pages_table(document):
-    """As a table of docs/dual_operator.md: replicated; distributed, counted and in brackets by the model."""
+    """As a table of docs/dual_operator.md: replicated; distributed. In brackets the model, where it differs."""
     cases = {}
     for row in document["runs"]:
         if row["ranks"] > 1:
@@ -211,8 +211,8 @@ def pages_table(document):
         cells = [physics, f"{ranks}, {dimension}"]
         for name, by_model in BY_MODEL.items():
             by, digits = (1e3, 1) if "bytes" in name else (1, 0)
-            pairs = (f"{row[name] / by:.{digits}f} ({row[by_model] / by:.{digits}f})" for row in forms)
-            cells.append("; ".join(pairs))
+            pairs = [[f"{row[key] / by:.{digits}f}" for key in (name, by_model)] for row in forms]
+            cells.append("; ".join(one if one == model else f"{one} ({model})" for one, model in pairs))
         cells.append("; ".join(f"{row['memory_mib_of_a_rank']:.0f}" for row in forms))
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)

@@ -2,12 +2,13 @@
 """docs/unstructured.md as a function of docs/unstructured.json alone."""
 
 import sys
+import textwrap
 from pathlib import Path
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1]), str(Path(__file__).resolve().parents[2] / "support")]
 
 import real_bodies  # noqa: E402
-from real_bodies_page import as_json, table, wrapped  # noqa: E402, F401
+from real_bodies_page import LINE, as_json, table, wrapped  # noqa: E402, F401
 
 INTRODUCTION = """
 This page compares Harmos with a peer without domain decomposition, for contact of bodies with unstructured meshes of
@@ -58,8 +59,9 @@ TIMES = """
 Seconds (medians). In brackets: the time of the peer over that of Harmos. Below 1, the peer is faster.{ranges}"""
 
 COUNTS = """
-Applications of F and active sets of Harmos; CG iterations of the peer over all its active sets. The last column is
-the largest difference of an energy of the peer, relative to that of Harmos."""
+Candidates and closed contacts: of Harmos, of the peer. F: applications of F by Harmos. The next three columns are CG
+iterations of the peer over all its active sets. In brackets: numbers of active sets. The last column is the largest
+difference of an energy of the peer, relative to that of Harmos."""
 
 MEMORY = """
 Peak memory of all ranks together, in MiB."""
@@ -94,7 +96,7 @@ def times(entries):
             f"`{entry['name']}`",
             number(entry["unknowns"]),
             str(entry["parts"]),
-            entry["harmos"]["dual_operator"],
+            entry["harmos"]["dual_operator"].removesuffix(" preconditioner"),
             number(seconds(entry, "harmos")),
             *(
                 f"{number(seconds(entry, way))} ({seconds(entry, way) / seconds(entry, 'harmos'):.2f})"
@@ -119,8 +121,8 @@ def counts(entries):
         ]
         for entry in entries
     ]
-    header = ["Case", "Candidates: Harmos, peer", "Closed: Harmos, peer", "F (sets)"]
-    return table([*header, *(f"{way}: iterations (sets)" for way in WAYS), "Energy"], rows)
+    header = ["Case", "Candidates", "Closed", "F (sets)"]
+    return table([*header, *(f"Peer, {way}" for way in WAYS), "Energy"], rows)
 
 
 def memory(entries):
@@ -139,8 +141,9 @@ def memory(entries):
 
 
 def stages(entries):
-    rows = []
+    lines = []
     for entry in entries:
+        lines.append(f"* `{entry['name']}`")
         for who, title in (("harmos", "Harmos"), *((way, f"peer, {way}") for way in WAYS)):
             found = entry[who]["stages"]
             kept = {stage: value for stage, value in found.items() if stage not in ("mesh", "total")}
@@ -151,8 +154,9 @@ def stages(entries):
                 else f"assembly {number(entry[who]['assembly_seconds'])}, "
                 f"search {number(entry[who]['search_seconds'])}"
             )
-            rows.append([f"`{entry['name']}`", title, parts, outside])
-    return table(["Case", "Program", "Stages", "Left out"], rows)
+            lines += textwrap.wrap(f"* {title}: {parts}; left out: {outside}", LINE, break_on_hyphens=False,
+                                   initial_indent="  ", subsequent_indent="    ")
+    return "\n".join(lines)
 
 
 def introduction(document, entries):

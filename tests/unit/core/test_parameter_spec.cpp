@@ -171,13 +171,12 @@ TEST(ParameterSpec, printed_xml_is_a_valid_deck_with_the_defaults) {
 TEST(ParameterSpec, markdown_names_everything) {
   std::ostringstream text;
   deck().writeMarkdown(text);
-  for (const char* part :
-       {"## deck/Solver\n\nThe solver.\n\n",
-        "\n* `Tolerance`: real in (0, 1), default `0.0001`. Relative tolerance.\n",
-        "\n* `Method`: choice, default `\"Auto\"`. The method.\n"
-        "  * `Auto`: automatic\n"
-        "  * `SMALBE`: augmented Lagrangians\n",
-        "## deck/Model"})
+  for (const char* part : {"## deck/Solver\n\nThe solver.\n\n",
+                           "\n* `Tolerance`: real in (0, 1), default `0.0001`. Relative tolerance.\n",
+                           "\n* `Method`: choice, default `\"Auto\"`. The method.\n"
+                           "  * `Auto`: automatic\n"
+                           "  * `SMALBE`: augmented Lagrangians\n",
+                           "## deck/Model"})
     EXPECT_TRUE(contains(text.str(), part)) << part << "\n" << text.str();
 }
 
@@ -304,11 +303,11 @@ TEST(ParameterSpec, families_in_the_reference) {
   scene().writeMarkdown(markdown);
   // The sign would begin an HTML element, and the name would not be shown.
   for (const char* part :
-       {"## scene/Bodies/\\<body>\n\nA body.\n", "* `Size`: reals in (0, inf), default `{1, 1, 1}`. Its sides.\n",
+       {"## scene/Bodies/\\<body>\n\nA body.\n",
+        "* `Size`: reals in (0, inf), default `{1, 1, 1}`. Its sides.\n",
         "* `Elements`: integers in [1, 100], default `{8, 4}`. Of each side.\n",
         "* `Materials`: strings, default `{}`. Their names.\n",
-        "* `Rigid`: boolean, default `false`. Whether it bends.\n",
-        "## scene/Bodies/\\<body>/Options\n"})
+        "* `Rigid`: boolean, default `false`. Whether it bends.\n", "## scene/Bodies/\\<body>/Options\n"})
     EXPECT_TRUE(contains(markdown.str(), part)) << part << "\n" << markdown.str();
   scene().writeText(text);
   for (const char* part : {"Bodies/<body>  -- A body.", "  Size = {1, 1, 1}   [reals in (0, inf)]",
