@@ -261,7 +261,7 @@ PERMON 3.18 with CHOLMOD takes {PERMON_LARGEST_PRODUCTS} applications, {PERMON_L
 {PERMON_LARGEST_GB} GB for the largest problem of the paper, on a machine of two cores. The paper took
 {PAPER_LARGEST_SECONDS} s on 64 processors of its time."""
 
-COUNTED = re.compile(r"(\d+) (?:products with|applications of) F\b")
+COUNTED = re.compile(r"(?m)^Converged: .*?(\d+) (?:products with|applications of) F\b")
 
 
 def changed_counts(document):
