@@ -76,8 +76,8 @@ class Names(unittest.TestCase):
     def test_what_cannot_be_is_rejected(self):
         for sets, text in (
             (
-                {"Local solver": "KLU", "Form": "condensed"},
-                '"Dual operator/Local solver" = "KLU" is not available in this Trilinos; did you mean "KLU2"?',
+                {"Local solver": "multifrontl", "Form": "condensed"},
+                '"Dual operator/Local solver" = "multifrontl" is not available in this Trilinos; did you mean "multifrontal"?',
             ),
             (
                 {"Local solver": "KLU2", "Form": "condensed"},

@@ -168,8 +168,8 @@ TEST(ElasticFoundation, settings_that_make_no_sense_are_refused) {
   const auto refusal = [](double normal, double tangential) {
     return inputErrorOf([&] { runScene(column(CellType::Quadrilateral4, normal, tangential), tolerance); });
   };
-  EXPECT_TRUE(contains(refusal(0.0, 0.0), "an elastic foundation has no stiffness"));
-  EXPECT_TRUE(contains(refusal(1.0, -1.0), "an elastic foundation has no stiffness"));
+  EXPECT_TRUE(contains(refusal(0.0, 0.0), "has zero stiffness"));
+  EXPECT_TRUE(contains(refusal(1.0, -1.0), "has zero stiffness"));
 }
 
 } // namespace test_elastic_foundation

@@ -95,11 +95,11 @@ TEST(Friction, decks_that_make_no_sense_are_refused) {
                .set("Slip bound", 1.0)
                .set("Coefficient", 0.3);
          }),
-         {"Effects/Friction/f/Coefficient", "Tresca's law has none"});
+         {"Effects/Friction/f/Coefficient", "Tresca's law does not use it"});
   expect(refusalOf([](Teuchos::ParameterList& frictions) {
            frictions.sublist("f").set("Contact", "joint").set("Slip bound", 1.0);
          }),
-         {"Effects/Friction/f/Slip bound", "Coulomb's law has none"});
+         {"Effects/Friction/f/Slip bound", "Coulomb's law does not use it"});
   expect(refusalOf([](Teuchos::ParameterList& frictions) { frictions.sublist("f").set("Contact", "joint"); }),
          {"Effects/Friction/f/Coefficient", "missing"});
   expect(refusalOf([](Teuchos::ParameterList& frictions) {
