@@ -44,7 +44,6 @@ class Names(unittest.TestCase):
             ("multifrontal", ("implicit",)),
             ("MUMPS", ("condensed", "implicit")),
             ("KLU2", ("implicit",)),
-            ("Tacho", ("implicit",)),
         ):
             for form in forms:
                 with self.subTest(solver=solver, form=form):
@@ -78,6 +77,10 @@ class Names(unittest.TestCase):
             (
                 {"Local solver": "multifrontl", "Form": "condensed"},
                 '"Dual operator/Local solver" = "multifrontl" is not available in this Trilinos; did you mean "multifrontal"?',
+            ),
+            (
+                {"Local solver": "Tacho", "Form": "implicit"},
+                '"Dual operator/Local solver" = "Tacho" is not available in this Trilinos',
             ),
             (
                 {"Local solver": "KLU2", "Form": "condensed"},

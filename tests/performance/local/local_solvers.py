@@ -25,7 +25,7 @@ import harmos_runs as runs  # noqa: E402
 import real_bodies  # noqa: E402
 
 TOLERANCE = 1e-4
-SOLVERS = ("multifrontal", "MUMPS", "KLU2", "Tacho")
+SOLVERS = ("multifrontal", "MUMPS", "KLU2")
 IMPLICIT = {"Dual operator/Form": "implicit", "Dual operator/Preconditioner": "Dirichlet"}
 WAYS = {"auto": {}, "implicit, Dirichlet": IMPLICIT}
 

@@ -138,8 +138,7 @@ bool SparseSolverChoice::isAvailable(const std::string& name) {
 
 std::vector<std::string> SparseSolverChoice::available() {
   std::vector<std::string> result = {multifrontal, mumps};
-  for (const char* name :
-       {"KLU2", "Basker", "Tacho", "CHOLMOD", "SuperLU", "UMFPACK", "PardisoMKL", "LAPACK"})
+  for (const char* name : {"KLU2", "Basker", "CHOLMOD", "SuperLU", "UMFPACK", "PardisoMKL", "LAPACK"})
     if (SparseSolve::isAvailable(name))
       result.push_back(name);
   return result;
