@@ -78,11 +78,11 @@ def row(solver, way, summaries):
 
 
 def table(scenes):
-    lines = ["| Scene, form | Solver | Seconds without mesh | Applications of F | MiB |", "|---|---|---|---|---|"]
+    lines = ["| Scene | Operator | Solver | Seconds | Applications | MiB |", "|---|---|---|---|---|---|"]
     for name, rows in scenes.items():
         for item in rows:
             lines.append(
-                f"| {name}, {item['way']}: {item['dual_operator']} | {item['solver']} | "
+                f"| {name} | {item['dual_operator'].removesuffix(' preconditioner')} | {item['solver']} | "
                 f"{item['seconds_without_mesh']:.2f} | {item['hessian_applications']} | {item['peak_memory_mib']:.0f} |"
             )
     return "\n".join(lines)
