@@ -2,44 +2,35 @@
 #pragma once
 
 #include "Harmos_Deflation.hpp"
-
-#include <Tpetra_Operator.hpp>
+#include "Harmos_EndomorphicOperator.hpp"
 
 namespace Harmos::feti {
 
 /// F' = (I − WUᵀ)F as a Tpetra operator: so taken from the product, rounding errors along W, where F is
 /// largest, go with it.
-class DeflatedOperator : public Operator {
+class DeflatedOperator : public EndomorphicOperator {
  public:
   /// Both to outlive this.
   DeflatedOperator(const Operator& inner, const Deflation& deflation)
-      : inner_(inner), deflation_(deflation) {}
-  Teuchos::RCP<const Map> getDomainMap() const override { return inner_.getDomainMap(); }
-  Teuchos::RCP<const Map> getRangeMap() const override { return inner_.getRangeMap(); }
-  bool hasTransposeApply() const override { return true; }
+      : EndomorphicOperator(inner), deflation_(deflation) {}
   void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
              Scalar alpha = 1.0, Scalar beta = 0.0) const override;
 
  private:
-  const Operator& inner_;
   const Deflation& deflation_;
 };
 
 /// (I − UWᵀ)M(I − WUᵀ): directions have no share in span(U), where M has its largest ones, F' has nothing and
 /// iterates would drift away until rounding errors of what is taken from F are all that is left.
-class DeflatedPreconditioner : public Operator {
+class DeflatedPreconditioner : public EndomorphicOperator {
  public:
   /// Both to outlive this.
   DeflatedPreconditioner(const Operator& inner, const Deflation& deflation)
-      : inner_(inner), deflation_(deflation) {}
-  Teuchos::RCP<const Map> getDomainMap() const override { return inner_.getDomainMap(); }
-  Teuchos::RCP<const Map> getRangeMap() const override { return inner_.getRangeMap(); }
-  bool hasTransposeApply() const override { return true; }
+      : EndomorphicOperator(inner), deflation_(deflation) {}
   void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
              Scalar alpha = 1.0, Scalar beta = 0.0) const override;
 
  private:
-  const Operator& inner_;
   const Deflation& deflation_;
 };
 

@@ -133,12 +133,12 @@ void Deflation::complete(const MultiVector& d, MultiVector& lambda) const {
 void DeflatedOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp, Scalar alpha,
                              Scalar beta) const {
   if (alpha == 1.0 && beta == 0.0) {
-    inner_.apply(X, Y);
+    inner().apply(X, Y);
     deflation_.removeFromLoad(Y);
     return;
   }
   MultiVector image(Y.getMap(), X.getNumVectors());
-  inner_.apply(X, image);
+  inner().apply(X, image);
   deflation_.removeFromLoad(image);
   if (beta == 0.0)
     Y.scale(alpha, image);
@@ -150,7 +150,7 @@ void DeflatedPreconditioner::apply(const MultiVector& X, MultiVector& Y, Teuchos
                                    Scalar beta) const {
   MultiVector load(X, Teuchos::Copy), image(Y.getMap(), X.getNumVectors());
   deflation_.removeFromLoad(load);
-  inner_.apply(load, image);
+  inner().apply(load, image);
   deflation_.removeSpan(image);
   if (beta == 0.0)
     Y.scale(alpha, image);

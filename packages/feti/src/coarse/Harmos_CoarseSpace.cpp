@@ -93,11 +93,11 @@ void ProjectedOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETr
                               Scalar beta) const {
   MultiVector image(Y.getMap(), X.getNumVectors());
   if (onKernel_) {
-    inner_.apply(X, image);
+    inner().apply(X, image);
   } else {
     MultiVector projected(X, Teuchos::Copy);
     coarse_.project(projected);
-    inner_.apply(projected, image);
+    inner().apply(projected, image);
   }
   coarse_.project(image);
   if (beta == 0.0)

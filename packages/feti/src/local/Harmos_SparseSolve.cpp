@@ -85,8 +85,8 @@ FactorizationCounts SparseSolve::counts() const {
 }
 
 bool SparseSolve::isAvailable(const std::string& solver) {
-  // Tacho of Trilinos 13.2 ends with a segmentation fault in Tacho::Driver::factorize() for matrices of some
-  // hundred rows, and newer ones were not tried. Amesos2 ignores the case of names.
+  // Tacho of Trilinos 13.2 ends with a segmentation fault in Tacho::Driver::factorize() on half a ball in 48
+  // subdomains, and newer ones were not tried. Amesos2 ignores the case of names.
   std::string lower = solver;
   std::transform(lower.begin(), lower.end(), lower.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
