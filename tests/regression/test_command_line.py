@@ -423,6 +423,11 @@ class Information(Case):
             pattern = rf"\Asignorini \(Harmos\) {re.escape(version)} \S+\n\Z"
             self.assertRegex(self.printed("--version", np=np), pattern)
 
+    def test_programs_that_read_no_meshes_do_not_load_gmsh(self):
+        """libgmsh takes 40 MB on each rank; a batch of sources that names it once brought it to all programs."""
+        for name in ("signorini", "fiber_composite"):
+            self.assertNotIn(b"libgmsh", Path(runs.application(name)).read_bytes(), name)
+
     def test_help(self):
         for words, np in ((("--help",), 0), (("-h",), 2), ((runs.MODEL, "--help"), 2)):
             text = self.printed(*words, np=np)
