@@ -44,8 +44,8 @@ SEAM = {
         SolverFactory_def SolverManager SolverManager_def StatusTest TpetraViews VectorOps
     """,
     "feti": """
-        DeflatedOperators DualOperator DualPreconditioner Feti FetiSolver MumpsSolver ProjectedOperator
-        StoppingTest SubdomainSum TornOperator
+        DeflatedOperators DualOperator DualPreconditioner EndomorphicOperator Feti FetiSolver MumpsSolver
+        ProjectedOperator StoppingTest SubdomainSum TornOperator
     """,
     "thyra": """
         Thyra

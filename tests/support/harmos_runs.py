@@ -319,13 +319,27 @@ def skip(reason):
     sys.exit(SKIPPED)
 
 
+class TimedResult(unittest.TextTestResult):
+    """Prints what each case took as tests/support/seconds.py reads it."""
+
+    def startTest(self, test):
+        self.started = time.monotonic()
+        super().startTest(test)
+
+    def stopTest(self, test):
+        super().stopTest(test)
+        name = ".".join(test.id().split(".")[-2:])
+        self.stream.writeln(f"seconds: {time.monotonic() - self.started:.2f} {name}")
+
+
 def main():
     """Run the cases of the calling script; words on its command line choose classes.
 
     Exit status 1 after a failure and when no case ran at all; 77 when what could run has passed
     and something was skipped.
     """
-    result = unittest.main(module="__main__", verbosity=2, exit=False).result
+    runner = unittest.TextTestRunner(verbosity=2, resultclass=TimedResult)
+    result = unittest.main(module="__main__", testRunner=runner, exit=False).result
     bad = len(result.failures) + len(result.errors) + len(result.unexpectedSuccesses)
     print(
         f"{result.testsRun} tests: {bad} failures, {len(result.skipped)} skipped", flush=True

@@ -158,6 +158,34 @@ TEST(ExpertParameters, common_part_of_two_descriptions) {
   EXPECT_FALSE(part.sublist("Solver").sublist("Expert").isParameter("Initial guess"));
 }
 
+// A deck's old name gives way to an assignment of the present one, and the other way round.
+TEST(ExpertParameters, parameters_with_a_new_name) {
+  ParameterSpec spec("deck", "A deck.");
+  spec.text("Local solver", "own", "Whose.").formerly("Implicit solver");
+  const std::string note =
+      "\"Implicit solver\" is now \"Local solver\"; this version still reads the old name";
+  Teuchos::ParameterList old;
+  old.set("Implicit solver", std::string("MUMPS"));
+  std::vector<std::string> notes;
+  Teuchos::ParameterList result = spec.validated(old, "deck.xml", &notes);
+  EXPECT_EQ(result.get<std::string>("Local solver"), "MUMPS");
+  EXPECT_FALSE(result.isParameter("Implicit solver"));
+  EXPECT_EQ(notes, std::vector<std::string>{note});
+
+  Teuchos::ParameterList both = old;
+  both.set("Local solver", std::string("KLU2"));
+  EXPECT_TRUE(contains(inputErrorOf([&] { spec.validated(both, "deck.xml"); }),
+                       "\"Implicit solver\" and \"Local solver\", its present name, have different values"));
+  both.set("Local solver", std::string("MUMPS"));
+  EXPECT_EQ(spec.validated(both, "deck.xml").get<std::string>("Local solver"), "MUMPS");
+
+  for (const char* path : {"Local solver", "Implicit solver"}) {
+    Teuchos::ParameterList list = old;
+    spec.set(list, path, "KLU2", "--set");
+    EXPECT_EQ(spec.validated(list, "deck.xml").get<std::string>("Local solver"), "KLU2") << path;
+  }
+}
+
 TEST(ExpertParameters, printed) {
   std::ostringstream overview, all, one, markdown;
   deck().writeOverview(overview);

@@ -134,12 +134,12 @@ void ParameterSpec::set(Teuchos::ParameterList& list, const std::string& head, c
   }
   if (slash == std::string::npos) {
     const Parameter* parameter = find(path);
-    if (parameter == nullptr && (parameter = findFormer(path)) != nullptr) {
+    if (parameter == nullptr && (parameter = findFormer(path)) != nullptr)
       findings.notes.push_back(renamed(head, *parameter));
-      list.remove(path, false);
-    }
     if (parameter == nullptr)
       throw InputError(source + ": " + unknownParameter(head, path), {{"path", head + path}});
+    if (!parameter->former.empty())
+      list.remove(parameter->former, false);
     return set(*parameter, list, value, head + path, source);
   }
   const ParameterSpec* sublist = findList(first);
