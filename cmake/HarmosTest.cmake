@@ -18,7 +18,8 @@ execute_process(
   OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
 string(REPLACE "\n" ";" HARMOS_TEST_ENVIRONMENT "${HARMOS_TEST_ENVIRONMENT}")
 # No search for network hardware: 0.2 seconds of each start with Open MPI 4 (tests/support/harmos_runs.py).
-list(APPEND HARMOS_TEST_ENVIRONMENT "OMPI_MCA_pml=ob1" "OMPI_MCA_btl=^ofi")
+# Ranks that wait give their core to another test's.
+list(APPEND HARMOS_TEST_ENVIRONMENT "OMPI_MCA_pml=ob1" "OMPI_MCA_btl=^ofi" "OMPI_MCA_mpi_yield_when_idle=1")
 
 # harmos_add_test(NAME <name> SOURCES <files> LIBRARIES <targets> [RANKS <n>...] [LONG_RANKS <n>...] [LABELS <l>...])
 #
@@ -49,14 +50,16 @@ endfunction()
 
 # harmos_add_script_test(NAME <name> SCRIPT <file.py> [ARGUMENTS <a>...] [LABELS <l>...] [TIMEOUT <s>])
 #
-# A Python test of whole programs. Exit status 77 is shown as SKIPPED: a dependency is missing.
+# A Python test of whole programs. Exit status 77 is shown as SKIPPED: a dependency is missing. Though most of its runs
+# take two ranks, a script takes one processor by default: while it reads, compiles or draws, another's ranks work.
+# Scripts that kill runs or compare times take two.
 function(harmos_add_script_test)
   cmake_parse_arguments(ARG "" "NAME;SCRIPT;TIMEOUT;PROCESSORS" "ARGUMENTS;LABELS" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 300)
   endif()
   if(NOT ARG_PROCESSORS)
-    set(ARG_PROCESSORS 2)
+    set(ARG_PROCESSORS 1)
   endif()
   add_test(NAME ${ARG_NAME} COMMAND ${HARMOS_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/${ARG_SCRIPT}
                                     ${ARG_ARGUMENTS})

@@ -283,7 +283,9 @@ class Failures(unittest.TestCase):
         self.assertFalse((run.directory / "result_0003.vtkhdf").exists())
 
 
-class Restarts(unittest.TestCase):
+class Continued:
+    """What tests of restarts share."""
+
     # Contact closes bit by bit, and every step takes about a second.
     SETS = {
         "Steps/Number": 5,
@@ -371,6 +373,8 @@ class Restarts(unittest.TestCase):
                 a, b = (d[f"VTKHDF/PointData/{key}"] for d in (one, other))
                 self.assertLessEqual(abs(a - b).max(), tolerance * abs(a).max(), f"{name}, {key}")
 
+
+class Restarts(Continued, unittest.TestCase):
     def test_killed_in_the_third_of_five(self):
         directory = self.killed(CYLINDER, self.SETS, 2)
         self.restarted(directory)
@@ -476,6 +480,17 @@ class Restarts(unittest.TestCase):
         self.assertGreater(damaged[steps // 2], damaged[steps // 4])
         self.assertEqual(damaged[-1], damaged[steps // 2])
 
+    def test_taken_up_by_other_ranks(self):
+        cut = self.killed(BLOCKS, self.TILTED, 2, program="harmos")
+        plain = self.plain(BLOCKS, self.TILTED, program="harmos")
+        for np in (1, 3):
+            directory = runs.scratch("other")
+            shutil.copytree(cut, directory)
+            self.restarted(directory, np=np, program="harmos")
+            self.same_within(plain, directory, 10 * self.TILTED["Solver/Tolerance"])
+
+
+class LongRestarts(Continued, unittest.TestCase):
     def test_stopped_on_the_way_to_damage(self):
         """In steps of some twenty solutions: what all of them told of the bodies, bit for bit."""
         size = {"Model/Columns": 6, "Model/Rows": 6, "Output/Fields": False}
@@ -510,15 +525,6 @@ class Restarts(unittest.TestCase):
                     difference = abs(row[key] - float(other[key]))
                     self.assertLessEqual(difference, 10 * tolerance * size[key], f"{key}, step {other['step']}")
         self.assertGreater(numbers[-1]["dissipated"], numbers[steps // 6]["dissipated"])
-
-    def test_taken_up_by_other_ranks(self):
-        cut = self.killed(BLOCKS, self.TILTED, 2, program="harmos")
-        plain = self.plain(BLOCKS, self.TILTED, program="harmos")
-        for np in (1, 3):
-            directory = runs.scratch("other")
-            shutil.copytree(cut, directory)
-            self.restarted(directory, np=np, program="harmos")
-            self.same_within(plain, directory, 10 * self.TILTED["Solver/Tolerance"])
 
 
 class Live(unittest.TestCase):
