@@ -320,7 +320,7 @@ def skip(reason):
 
 
 class TimedResult(unittest.TextTestResult):
-    """Prints what each case took as tests/support/seconds.py reads it."""
+    """Prints what each case took as cmake/test_seconds.py reads it."""
 
     def startTest(self, test):
         self.started = time.monotonic()

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The dearest tests and cases of a run of CTest, in seconds.
 
-    tests/support/seconds.py [BUILD TREE, default: build] [--number N, default: 25]
+    cmake/test_seconds.py [BUILD TREE, default: build] [--number N, default: 25]
 
 Reads Testing/Temporary/LastTest.log, which has the output of all tests: GoogleTest tells the time of each case, and
 so does main() of harmos_runs.py. Seconds of a test that runs on several ranks are those of a clock.
