@@ -65,6 +65,8 @@ else
   make_chroot
 fi
 cp /etc/resolv.conf "$root/etc/resolv.conf"
+# The machine's own name: mpirun asks for it, and ranks would wait for servers of names, 5 seconds each.
+printf '127.0.0.1 localhost\n127.0.0.1 %s\n' "$(hostname)" >"$root/etc/hosts"
 
 say "Copying commit $(here_git rev-parse --short HEAD)"
 rm -rf "$root/srv/harmos.git"
