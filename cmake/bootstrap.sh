@@ -11,8 +11,8 @@
 #   cmake/bootstrap.sh packages    install what is missing
 #   cmake/bootstrap.sh show        solve the model problem with what is built, draw it
 #
-# Runs as root or as a user with sudo; a second call skips what is done. HARMOS_JOBS sets the number of compilers at
-# work (default: all cores).
+# Runs as root or as a user with sudo; a second call skips what is done. HARMOS_JOBS sets the number of compilers and of
+# tests at work (default: all cores).
 set -euo pipefail
 
 say() { printf '== %s\n' "$*"; }
@@ -24,7 +24,7 @@ case "$1" in run | test | packages | show) goal=$1 ;; *) fail "$usage" ;; esac
 
 cd "$(dirname "$0")/.."
 build=build
-jobs=${HARMOS_JOBS:-$(nproc)}
+jobs=${HARMOS_JOBS:-$(env -u OMP_NUM_THREADS nproc)}
 
 as_root() {
   if [ "$(id -u)" -eq 0 ]; then
@@ -118,7 +118,8 @@ test)
   configure ON
   build_targets
   say "Testing (all but the tests labelled long)"
-  # Tests say how many processors they take: those of one rank go side by side.
-  ctest --test-dir "$build" --output-on-failure -LE long --parallel "$(nproc)"
+  # Tests say how many processors they take: those of one rank go side by side. Not nproc, which answers 1 here:
+  # cmake/environment.sh sets OMP_NUM_THREADS.
+  ctest --test-dir "$build" --output-on-failure -LE long --parallel "$jobs"
   ;;
 esac
