@@ -261,7 +261,7 @@ void ShapeRun::restore() {
 // interrupted, within the tolerance.
 void ShapeRun::exchange(qp::StateArchive<MultiVector>& archive) {
   record_->exchange(archive);
-  bool hasStarts = solver_->problem() != nullptr;
+  bool hasStarts = !solver_->problem().is_null();
   archive.number("starts are known", hasStarts);
   if (hasStarts)
     solver_->exchangeStarts(archive);
@@ -338,7 +338,8 @@ void ShapeRun::save() {
     const std::string refusals = record_->refusals();
     const std::size_t texts = options_.checkpoint.deck.size() + options_.checkpoint.deckFile.size() +
                               assignments.size() + refusals.size();
-    const run::RowBasis basis = solver_->problem() ? run::rowBasis(*solver_->problem()) : run::RowBasis();
+    const Teuchos::RCP<const feti::DualProblem> problem = solver_->problem();
+    const run::RowBasis basis = problem.is_null() ? run::RowBasis() : run::rowBasis(*problem);
     run::CheckpointWriter writer(*comm_, path, basis, size.bytes() + static_cast<long long>(texts));
     writer.text("deck", options_.checkpoint.deck);
     writer.text("deck file", options_.checkpoint.deckFile);

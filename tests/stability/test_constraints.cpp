@@ -241,7 +241,7 @@ TEST(Stability, contact_where_both_are_tied_to_a_third) {
     const std::string name = "1 to " + std::to_string(static_cast<int>(jump));
     for (const TestRun* one : {&run, &other}) {
       EXPECT_TRUE(one->report.converged) << name << ": " << one->report.reason;
-      EXPECT_TRUE(run::auditAgrees(one->report)) << name;
+      EXPECT_TRUE(feti::auditAgrees(one->report)) << name;
     }
     EXPECT_NEAR(run.report.audit.energy / other.report.audit.energy, 1.0, bound) << name;
     tellFigure(name + ": products", products(run.report));

@@ -124,7 +124,7 @@ std::string contradictions(const scene::Scene& scene, double tolerance,
     if (!(value <= most))
       text << "  " << name << " is " << scientific(value) << ", at most " << scientific(most) << "\n";
   };
-  if (!run::auditAgrees(run.report))
+  if (!feti::auditAgrees(run.report))
     text << "  the audit does not agree: jump " << scientific(run.report.audit.gluingJump) << ", penetration "
          << scientific(run.report.audit.penetration) << ", equilibrium "
          << scientific(run.report.audit.equilibrium) << ", displacement "

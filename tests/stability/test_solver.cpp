@@ -160,7 +160,7 @@ TEST(Stability, products_rounded_too_much) {
   const TestRun exact = with("double"), rounded = with("auto");
   for (const TestRun* run : {&exact, &rounded}) {
     EXPECT_TRUE(run->report.converged) << run->report.reason;
-    EXPECT_TRUE(run::auditAgrees(run->report));
+    EXPECT_TRUE(feti::auditAgrees(run->report));
     EXPECT_EQ(run->report.roundedFactorizations, 0);
   }
   // Products were rounded at first, and then made anew.
@@ -190,7 +190,7 @@ TEST(Stability, single_precision_not_enough) {
     const TestRun exact = runScene(drawn.scene, drawn.tolerance, settings);
     for (const TestRun* run : {&exact, &single}) {
       EXPECT_TRUE(run->report.converged) << seed << " " << run->report.reason;
-      EXPECT_TRUE(run::auditAgrees(run->report)) << seed;
+      EXPECT_TRUE(feti::auditAgrees(run->report)) << seed;
     }
     if (seed == 127u) // the other one is at the limit
       EXPECT_FALSE(single.report.isSingle);

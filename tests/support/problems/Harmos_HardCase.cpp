@@ -88,8 +88,10 @@ TornRun solveTorn(const TestFeti& feti, double tolerance, const std::vector<std:
   run.report.tolerance = tolerance;
   run.report.inequalities = feti.constraints.inequalities();
   const feti::DualSolution solution = feti::solveDualProblem(
-      {feti.system, feti.constraints, feti.inverses, feti.coarse, feti.dual, preconditioner}, options,
-      nullptr, nullptr, Log(), run.report);
+      {Teuchos::rcpFromRef(feti.system), Teuchos::rcpFromRef(feti.constraints),
+       Teuchos::rcpFromRef(feti.inverses), Teuchos::rcpFromRef<const feti::CoarseSpace>(feti.coarse),
+       Teuchos::rcpFromRef(feti.dual), preconditioner, Teuchos::null},
+      options, nullptr, {}, Log(), run.report);
   run.torn = feti::recover(feti.system, feti.constraints, feti.inverses, feti.coarse, feti.dual,
                            *solution.lambda, solution.mu);
   run.mu = solution.mu;
@@ -113,7 +115,7 @@ void expectSound(const ReferenceSolution& reference, const run::RunReport& repor
                  double bound, const std::string& what) {
   EXPECT_TRUE(reference.solvable) << what;
   EXPECT_TRUE(report.converged) << what << ": " << report.reason;
-  EXPECT_TRUE(run::auditAgrees(report)) << what << "\n" << run::auditText(report);
+  EXPECT_TRUE(feti::auditAgrees(report)) << what << "\n" << run::auditText(report);
   EXPECT_LE(off.displacement, bound) << what;
   EXPECT_LE(off.force, bound) << what;
   EXPECT_LE(off.energy, bound) << what;

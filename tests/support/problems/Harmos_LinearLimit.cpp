@@ -45,13 +45,13 @@ LimitProblem::LimitProblem(const TestModel& model) {
   feti::LocalInverseOptions options;
   options.keepSchur = true;
   system_ =
-      std::make_unique<feti::SubdomainSystem>(testComm(), model.subdomains, feti::DirichletForm::Primal);
-  constraints_ = std::make_unique<feti::Constraints>(*system_, model.rows);
+      Teuchos::rcp(new feti::SubdomainSystem(testComm(), model.subdomains, feti::DirichletForm::Primal));
+  constraints_ = Teuchos::rcp(new feti::Constraints(*system_, model.rows));
   inverses_ =
-      std::make_unique<feti::LocalInverses>(feti::makeLocalInverses(*system_, *constraints_, options));
-  operator_ = std::make_unique<feti::DualOperator>(*constraints_, *inverses_);
-  coarse_ = std::make_unique<feti::ReplicatedCoarse>(*system_, *constraints_);
-  dual_ = std::make_unique<feti::DualProblem>(*system_, *constraints_, *inverses_, *operator_, *coarse_);
+      Teuchos::rcp(new feti::LocalInverses(feti::makeLocalInverses(*system_, *constraints_, options)));
+  operator_ = Teuchos::rcp(new feti::DualOperator(*constraints_, *inverses_));
+  coarse_ = Teuchos::rcp(new feti::ReplicatedCoarse(*system_, *constraints_));
+  dual_ = Teuchos::rcp(new feti::DualProblem(*system_, *constraints_, *inverses_, *operator_, *coarse_));
   preconditioner_ = Teuchos::rcp(new feti::DualPreconditioner(*system_, *constraints_, *inverses_,
                                                               feti::PreconditionerKind::Dirichlet,
                                                               feti::PreconditionerScaling::Multiplicity));
@@ -64,8 +64,9 @@ run::RunReport LimitProblem::solve(double tolerance) {
   options.tolerance = tolerance;
   options.progressFrequency = 0;
   run::RunReport report;
-  solution_ = feti::solveDualProblem({*system_, *constraints_, *inverses_, *coarse_, *dual_, preconditioner_},
-                                     options, nullptr, nullptr, Log(), report);
+  solution_ = feti::solveDualProblem(
+      {system_, constraints_, inverses_, coarse_, dual_, preconditioner_, Teuchos::null}, options, nullptr,
+      {}, Log(), report);
   return report;
 }
 

@@ -37,12 +37,12 @@ class LimitProblem {
   feti::KktAudit audit() const;
 
  private:
-  std::unique_ptr<feti::SubdomainSystem> system_;
-  std::unique_ptr<feti::Constraints> constraints_;
-  std::unique_ptr<feti::LocalInverses> inverses_;
-  std::unique_ptr<feti::DualOperator> operator_;
-  std::unique_ptr<feti::CoarseSpace> coarse_;
-  std::unique_ptr<feti::DualProblem> dual_;
+  Teuchos::RCP<feti::SubdomainSystem> system_;
+  Teuchos::RCP<feti::Constraints> constraints_;
+  Teuchos::RCP<feti::LocalInverses> inverses_;
+  Teuchos::RCP<feti::DualOperator> operator_;
+  Teuchos::RCP<feti::CoarseSpace> coarse_;
+  Teuchos::RCP<feti::DualProblem> dual_;
   Teuchos::RCP<const Operator> preconditioner_;
   feti::DualSolution solution_;
 };

@@ -106,7 +106,7 @@ TEST(AnswerCheck, jumps_that_contradict_small_residuals) {
   const std::vector<std::string> weak = {"Dual operator/Preconditioner=none"};
   const TestRun run = runScene(scene, 1e-3, weak);
   ASSERT_TRUE(run.report.converged) << run.report.reason;
-  EXPECT_TRUE(run::auditAgrees(run.report));
+  EXPECT_TRUE(feti::auditAgrees(run.report));
   EXPECT_LT(run.report.reachedTolerance, 0.5 * 1e-3);
   EXPECT_EQ(run.report.tolerance, 1e-3);
 }

@@ -63,13 +63,13 @@ TEST(PairErrors, small_contacts_make_the_solver_go_on) {
         const TestRun run = runScene(scene, tolerance, choice);
         ASSERT_TRUE(run.report.converged) << run.report.reason;
         ASSERT_EQ(run.report.pairErrors.size(), 1u);
-        const run::PairError& pair = run.report.pairErrors.front();
+        const feti::PairError& pair = run.report.pairErrors.front();
         EXPECT_EQ(pair.path, "Contact/1");
         const double wrong = norm(run, &exact);
         EXPECT_NEAR(pair.force, norm(run), 1e-9 * pair.force);
         // The estimate is within a factor of four.
-        EXPECT_LE(wrong, 4.0 * run::allowedForceError(run.report, pair)) << pull << " " << tolerance;
-        EXPECT_LE(pair.error, run::allowedForceError(run.report, pair)) << pull << " " << tolerance;
+        EXPECT_LE(wrong, 4.0 * feti::allowedForceError(run.report, pair)) << pull << " " << tolerance;
+        EXPECT_LE(pair.error, feti::allowedForceError(run.report, pair)) << pull << " " << tolerance;
         EXPECT_LE(wrong, 4.0 * pair.error) << pull << " " << tolerance << " " << preconditioner;
         EXPECT_EQ(run.report.tolerance, tolerance);
         if (pull == 100.0 && tolerance > 1e-5) // more than a hundred times as large an error without it
@@ -83,7 +83,7 @@ TEST(PairErrors, large_contacts_change_nothing) {
   const TestRun run = runScene(punched(0.0, 1.0), 1e-4);
   ASSERT_TRUE(run.report.converged);
   EXPECT_GT(run.report.reachedTolerance, 1e-5);
-  const run::PairError& pair = run.report.pairErrors.front();
+  const feti::PairError& pair = run.report.pairErrors.front();
   EXPECT_LT(pair.relative(), 0.01);
   EXPECT_EQ(run::doubtfulForces(run.report), "");
   ASSERT_TRUE(run.report.forces.effects.back().error || run.report.forces.effects.front().error);
@@ -94,19 +94,19 @@ TEST(PairErrors, what_is_allowed) {
   run::RunReport report;
   report.tolerance = 1e-4;
   report.audit.forces = 100.0;
-  run::PairError pair{{2.0, 0.0}, "Contact/c"};
-  EXPECT_NEAR(run::allowedForceError(report, pair), 0.02, 1e-14);
+  feti::PairError pair{{2.0, 0.0}, "Contact/c"};
+  EXPECT_NEAR(feti::allowedForceError(report, pair), 0.02, 1e-14);
   pair.force = 1e-9;
-  EXPECT_NEAR(run::allowedForceError(report, pair), 1e-2 * 1e-5 * 100.0, 1e-14);
+  EXPECT_NEAR(feti::allowedForceError(report, pair), 1e-2 * 1e-5 * 100.0, 1e-14);
   pair.force = 2.0;
   report.tolerance = 0.01; // a tenth at most
-  EXPECT_NEAR(run::allowedForceError(report, pair), 0.2, 1e-14);
+  EXPECT_NEAR(feti::allowedForceError(report, pair), 0.2, 1e-14);
   report.tolerance = 1e-4;
   report.allowedError = 0.05; // the rule "balanced"
-  EXPECT_NEAR(run::allowedForceError(report, pair), 0.1, 1e-14);
+  EXPECT_NEAR(feti::allowedForceError(report, pair), 0.1, 1e-14);
   report.allowedError = 0.0;
   report.audit.displacementForce = 1e11; // a stiff body that has gone far
-  EXPECT_NEAR(run::allowedForceError(report, pair), 0.02 + 0.01, 1e-12);
+  EXPECT_NEAR(feti::allowedForceError(report, pair), 0.02 + 0.01, 1e-12);
 }
 
 TEST(PairErrors, doubtful_forces_are_named) {

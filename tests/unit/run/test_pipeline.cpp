@@ -176,16 +176,16 @@ TEST(RunReport, audit_agrees_or_objects) {
   report.tolerance = 1e-4;
   report.audit.largestDisplacement = 2.0;
   report.audit.forces = 3.0;
-  EXPECT_TRUE(run::auditAgrees(report));
+  EXPECT_TRUE(feti::auditAgrees(report));
   report.audit.gluingJump = report.audit.penetration = 1.9e-2;
   report.audit.equilibrium = 2.9e-4;
-  EXPECT_TRUE(run::auditAgrees(report));
+  EXPECT_TRUE(feti::auditAgrees(report));
   for (double feti::KktAudit::*field :
        {&feti::KktAudit::gluingJump, &feti::KktAudit::penetration, &feti::KktAudit::equilibrium})
     for (double bad : {0.6, std::nan("")}) {
       run::RunReport wrong = report;
       wrong.audit.*field = bad;
-      EXPECT_FALSE(run::auditAgrees(wrong));
+      EXPECT_FALSE(feti::auditAgrees(wrong));
     }
 }
 
@@ -196,11 +196,11 @@ TEST(RunReport, audit_of_a_balanced_run_goes_by_the_error_it_allows) {
   report.tolerance = 1e-8;
   report.audit.energyNorm = 2.0;
   report.solverError = 1e-3;
-  EXPECT_FALSE(run::auditAgrees(report));
+  EXPECT_FALSE(feti::auditAgrees(report));
   report.allowedError = 1e-3; // of the energy norm
-  EXPECT_TRUE(run::auditAgrees(report));
+  EXPECT_TRUE(feti::auditAgrees(report));
   report.solverError = 3e-3;
-  EXPECT_FALSE(run::auditAgrees(report));
+  EXPECT_FALSE(feti::auditAgrees(report));
 }
 
 } // namespace test_pipeline

@@ -25,17 +25,17 @@ run::RunReport reportOf(double rowForce, double forces) {
 } // namespace
 
 TEST(RowForces, beyond_what_bodies_feel) {
-  EXPECT_TRUE(run::auditAgrees(reportOf(100.0, 2.0)));
+  EXPECT_TRUE(feti::auditAgrees(reportOf(100.0, 2.0)));
   const run::RunReport wrong = reportOf(1e15, 2.0);
-  EXPECT_FALSE(run::auditAgrees(wrong));
-  EXPECT_TRUE(contains(run::rowForceText(wrong), "1.00e+15")) << run::rowForceText(wrong);
+  EXPECT_FALSE(feti::auditAgrees(wrong));
+  EXPECT_TRUE(contains(feti::rowForceText(wrong), "1.00e+15")) << feti::rowForceText(wrong);
 }
 
 // Rounding errors of bodies at rest say nothing.
 TEST(RowForces, at_rest) {
   run::RunReport report = reportOf(1e-9, 1e-18);
   report.gapRounding = 1e-16;
-  EXPECT_EQ(run::rowForceText(report), "");
+  EXPECT_EQ(feti::rowForceText(report), "");
 }
 
 } // namespace test_row_forces

@@ -217,16 +217,18 @@ int LocalInverses::replacedFactorizations() const {
 }
 
 FactorizationCounts LocalInverses::counts() const {
-  FactorizationCounts sum;
+  FactorizationCounts sum = spent_;
   for (const auto& inverse : inverses_)
-    sum += inverse->counts();
+    if (inverse)
+      sum += inverse->counts();
   return sum;
 }
 
-void LocalInverses::take(std::size_t ofClass, Details::MadeInverse made) {
-  inverses_[ofClass] = std::move(made.inverse);
-  isReplaced_[ofClass] = made.isReplaced || isReplaced_[ofClass] != 0 ? 1 : 0;
-  qualities_[ofClass] = made.quality;
+void LocalInverses::take(CongruenceClass item, Details::MadeInverse made) {
+  classes_.push_back(std::move(item));
+  inverses_.push_back(std::move(made.inverse));
+  isReplaced_.push_back(made.isReplaced ? 1 : 0);
+  qualities_.push_back(made.quality);
 }
 
 void LocalInverses::judge() {
@@ -250,41 +252,64 @@ void LocalInverses::join(const std::shared_ptr<const Clusters>& clusters) {
     joined_ = std::make_unique<ClusterInverse>(clusters, groups);
 }
 
-void LocalInverses::refactor(const SubdomainSystem& system, const LocalInverseOptions& options,
-                             const std::vector<char>& isSame) {
+// What is left of them has been spent in vain.
+void LocalInverses::forget() {
+  spent_ = counts();
+  classes_.clear();
+  inverses_.clear();
+  isReplaced_.clear();
+  qualities_.clear();
+}
+
+void LocalInverses::renew(const SubdomainSystem& system, const Constraints& constraints,
+                          const LocalInverseOptions& options, const std::vector<char>& isSame) {
   const auto stays = [&](const CongruenceClass& item) {
     return !isSame.empty() && std::all_of(item.members.begin(), item.members.end(), [&](int member) {
       return isSame[static_cast<std::size_t>(member)] != 0;
     });
   };
+  const auto place = [&](const CongruenceClass& item) -> Place {
+    const int first = item.members.front();
+    return {system.matrix(first), system.kernel(first), item, std::to_string(system.subdomain(first).number)};
+  };
+  // The same class with other matrices, by the analysis that is there.
+  const auto refactored = [&](const Place& of, std::unique_ptr<LocalInverse>& inverse, bool wasReplaced) {
+    const auto again = [&] {
+      rethrowing(of.matrix, of.kernel, options, of.number, [&] { inverse->refactor(of.matrix, of.kernel); });
+      const InverseQuality quality = settled(of.matrix, of.kernel, *inverse, options, of.number);
+      return Made{std::move(inverse), quality, wasReplaced};
+    };
+    return wasReplaced ? again() : madeOrReplaced(of, options, context_, again);
+  };
   agree(*system.comm(), [&] {
-    for (std::size_t c = 0; c < classes_.size(); ++c) {
-      if (stays(classes_[c]))
-        continue;
-      const int first = classes_[c].members.front();
-      const LocalMatrix& matrix = system.matrix(first);
-      const Kernel& kernel = system.kernel(first);
-      const std::string number = std::to_string(system.subdomain(first).number);
-      for (int member : classes_[c].members)
-        if (&system.matrix(member) != &matrix)
-          throw InputError("subdomains " + number + " and " +
-                               std::to_string(system.subdomain(member).number) +
-                               " shared a factorisation, but their new matrices differ; create new inverses "
-                               "or switch sharing off",
-                           {{"subdomain", number}});
-      const auto again = [&] {
-        rethrowing(matrix, kernel, options, number, [&] { inverses_[c]->refactor(matrix, kernel); });
-        const InverseQuality quality = settled(matrix, kernel, *inverses_[c], options, number);
-        return Made{std::move(inverses_[c]), quality, false};
-      };
-      const bool wasReplaced = isReplaced_[c] != 0;
-      take(c, wasReplaced ? again()
-                          : madeOrReplaced({matrix, kernel, classes_[c], number}, options, context_, again));
+    if (!context_)
+      context_ = options.context ? options.context : std::make_shared<FactorizationContext>();
+    LocalInverses next;
+    try {
+      for (CongruenceClass& item :
+           congruenceClasses(system, constraints, options.share, options.fixingPlaces)) {
+        const auto before = std::find(classes_.begin(), classes_.end(), item);
+        const auto k = static_cast<std::size_t>(before - classes_.begin());
+        const Place of = place(item);
+        Made made = before == classes_.end() ? madeOrReplaced(of, options, context_,
+                                                              [&] { return makeOnce(of, options, context_); })
+                    : stays(item) ? Made{std::move(inverses_[k]), qualities_[k], isReplaced_[k] != 0}
+                                  : refactored(of, inverses_[k], isReplaced_[k] != 0);
+        next.take(std::move(item), std::move(made));
+      }
+    } catch (...) {
+      spent_ += next.counts();
+      forget();
+      throw;
     }
+    forget();
+    classes_ = std::move(next.classes_);
+    inverses_ = std::move(next.inverses_);
+    isReplaced_ = std::move(next.isReplaced_);
+    qualities_ = std::move(next.qualities_);
     judge();
     join(options.clusters);
-    if (context_ != nullptr) // inverses that were made elsewhere keep their own
-      context_->releaseWorkspace();
+    context_->releaseWorkspace();
   });
 }
 
@@ -294,28 +319,8 @@ RigidMotions motionsOf(const SubdomainSystem& system, const LocalInverses& inver
 
 LocalInverses makeLocalInverses(const SubdomainSystem& system, const Constraints& constraints,
                                 const LocalInverseOptions& options) {
-  std::vector<CongruenceClass> classes;
-  std::vector<Made> inverses;
-  std::shared_ptr<FactorizationContext> context;
-  agree(*system.comm(), [&] {
-    context = options.context ? options.context : std::make_shared<FactorizationContext>();
-    classes = congruenceClasses(system, constraints, options.share, options.fixingPlaces);
-    for (const CongruenceClass& item : classes) {
-      const int first = item.members.front();
-      const Place place = {system.matrix(first), system.kernel(first), item,
-                           std::to_string(system.subdomain(first).number)};
-      inverses.push_back(
-          madeOrReplaced(place, options, context, [&] { return makeOnce(place, options, context); }));
-    }
-    context->releaseWorkspace();
-  });
-  LocalInverses result(std::move(classes), std::vector<std::unique_ptr<LocalInverse>>(inverses.size()));
-  for (std::size_t c = 0; c < inverses.size(); ++c)
-    result.take(c, std::move(inverses[c]));
-  result.judge();
-  result.context_ = std::move(context);
-  if (options.clusters)
-    agree(*system.comm(), [&] { result.join(options.clusters); });
+  LocalInverses result;
+  result.renew(system, constraints, options);
   return result;
 }
 

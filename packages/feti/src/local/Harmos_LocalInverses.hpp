@@ -40,6 +40,9 @@ struct CongruenceClass {
   std::vector<int> members;  ///< subdomains of this rank
   std::vector<int> boundary; ///< dofs that a constraint touches in any of them, and what it takes to hold the
                              ///< kernel; rising
+  bool operator==(const CongruenceClass& other) const {
+    return members == other.members && boundary == other.boundary;
+  }
 };
 
 namespace Details {
@@ -68,7 +71,9 @@ std::vector<CongruenceClass> congruenceClasses(const SubdomainSystem& system, co
 /// once. What makes them congruent is the content of their matrices, see SubdomainSystem.
 class LocalInverses {
  public:
-  /// An inverse for each class.
+  /// None; see makeLocalInverses().
+  LocalInverses() = default;
+  /// Those that the caller made, an inverse for each class, and answers for.
   LocalInverses(std::vector<CongruenceClass> classes, std::vector<std::unique_ptr<LocalInverse>> inverses);
 
   const std::vector<CongruenceClass>& classes() const { return classes_; }
@@ -94,26 +99,27 @@ class LocalInverses {
   /// What was spent on this rank's factors so far.
   FactorizationCounts counts() const;
 
-  /// Become those of a system whose matrices have other values, and are verified again: numerical
-  /// factorisations by the analyses that are there. Operators made from these inverses are to be made anew.
-  /// @param isSame of this rank's subdomains, whether matrix and kernel are what they were: classes of such
-  /// alone stay.
-  /// @throws InputError on all ranks if a graph has changed, or subdomains that shared an inverse no longer
-  ///         have one matrix; NumericalError as makeLocalInverses(). @note Collective.
-  void refactor(const SubdomainSystem& system, const LocalInverseOptions& options,
-                const std::vector<char>& isSame = {});
+  /// Become those of a system or of constraints that have changed, and are verified again. Of classes with
+  /// the members and the boundary of before, inverses of the same matrices stay, and others are numerical
+  /// factorisations by the analyses that are there. All else is made anew. Operators made from these inverses
+  /// are to be made anew.
+  /// @param isSame of this rank's subdomains, whether matrix and kernel are what they were; empty: none.
+  /// @throws NumericalError as makeLocalInverses(); there are no inverses then on ranks that failed, and no
+  /// subdomain is the same in the next call. @note Collective.
+  void renew(const SubdomainSystem& system, const Constraints& constraints,
+             const LocalInverseOptions& options, const std::vector<char>& isSame = {});
 
  private:
-  void take(std::size_t ofClass, Details::MadeInverse made);
+  void take(CongruenceClass item, Details::MadeInverse made);
+  void forget();
   void judge();
   void join(const std::shared_ptr<const Clusters>& clusters);
-  friend LocalInverses makeLocalInverses(const SubdomainSystem&, const Constraints&,
-                                         const LocalInverseOptions&);
 
   std::vector<CongruenceClass> classes_;
   std::vector<std::unique_ptr<LocalInverse>> inverses_;
   std::vector<char> isReplaced_;
   std::vector<InverseQuality> qualities_;
+  FactorizationCounts spent_; // on inverses that are no more
   double condition_ = 1.0;
   double defect_ = 0.0;
   std::shared_ptr<FactorizationContext> context_;

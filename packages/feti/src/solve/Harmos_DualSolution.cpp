@@ -54,7 +54,7 @@ class DualSolve {
   DualSolve(const DualStages& stages, const SolverOptions& options, const Acceptance& acceptance,
             const Log& log, SolveReport& report, const Teuchos::RCP<DualMonitor>& monitor)
       : stages_(stages),
-        dual_(stages.problem),
+        dual_(*stages.problem),
         asked_(options),
         options_(options),
         acceptance_(acceptance),
@@ -62,7 +62,7 @@ class DualSolve {
         report_(report),
         monitor_(monitor),
         tolerance_(options.tolerance),
-        watch_(monitor, options.tolerance, tolerance_, stages.system.comm()->getSize()) {}
+        watch_(monitor, options.tolerance, tolerance_, stages.system->comm()->getSize()) {}
 
   DualSolution go(const WarmStart* start) {
     guess(start);
@@ -161,7 +161,7 @@ class KeptIsEnough : public qp::StatusTestValue<MultiVector> {
 };
 
 void DualSolve::guess(const WarmStart* start) {
-  solution_.lambda = Teuchos::rcp(new MultiVector(stages_.constraints.rowMap(), 1));
+  solution_.lambda = Teuchos::rcp(new MultiVector(stages_.constraints->rowMap(), 1));
   if (start != nullptr)
     startFrom(*start);
   else if (options_.initialGuess == InitialGuess::HalfLoad)
@@ -171,7 +171,7 @@ void DualSolve::guess(const WarmStart* start) {
 void DualSolve::startFrom(const WarmStart& start) {
   Tpetra::deep_copy(*solution_.lambda, *start.multiplier);
   solution_.lambda->update(-1.0, *dual_.shift(), 1.0);
-  stages_.coarse.project(*solution_.lambda);
+  stages_.coarse->project(*solution_.lambda);
   removeJoined();
   if (dual_.lowerBound().is_null())
     return;
@@ -181,16 +181,16 @@ void DualSolve::startFrom(const WarmStart& start) {
   const auto lambda = solution_.lambda->getLocalViewHost(Tpetra::Access::ReadWrite);
   for (std::size_t k = 0; k < total.extent(0); ++k)
     if (total(k, 0) == 0.0 && std::isfinite(lower(k, 0)) &&
-        stages_.constraints.rowType(static_cast<int>(k)) == RowType::Inequality)
+        stages_.constraints->rowType(static_cast<int>(k)) == RowType::Inequality)
       lambda(k, 0) = lower(k, 0);
 }
 
 // λ⁰ = ½Bf.
 void DualSolve::startFromHalfLoad() {
-  const Constraints& constraints = stages_.constraints;
+  const Constraints& constraints = *stages_.constraints;
   std::vector<double> overlap(localSize(*constraints.overlapMap()), 0.0);
-  for (int i = 0; i < stages_.system.size(); ++i)
-    constraints.addB(i, stages_.system.rhs(i).data(), overlap.data());
+  for (int i = 0; i < stages_.system->size(); ++i)
+    constraints.addB(i, stages_.system->rhs(i).data(), overlap.data());
   constraints.fromOverlap(overlap, *solution_.lambda);
   solution_.lambda->scale(0.5);
   removeJoined();
@@ -198,14 +198,14 @@ void DualSolve::startFromHalfLoad() {
 
 // What F of clusters does not see.
 void DualSolve::removeJoined() {
-  if (const ClusterInverse* joined = stages_.inverses.joined())
+  if (const ClusterInverse* joined = stages_.inverses->joined())
     joined->clusters().removeJoined(*solution_.lambda);
 }
 
 // Those of steps before are there, and a solver that had them when it was interrupted needs them.
 bool DualSolve::hasVectorsFromStart() const {
-  const AdaptiveSpace* space = stages_.adaptive;
-  if (space == nullptr || !space->isPossible() || options_.method == "Dual Penalty")
+  const Teuchos::RCP<AdaptiveSpace>& space = stages_.adaptive;
+  if (space.is_null() || !space->isPossible() || options_.method == "Dual Penalty")
     return false;
   return space->isMade() || space->options().vectors == AdaptiveVectors::All ||
          isHeld(SolveWatch::vectorsName);
@@ -227,11 +227,11 @@ void DualSolve::deflate() {
   hessian_ = deflated_;
   rhs_ = Teuchos::rcp(new MultiVector(dual_.d(), Teuchos::Copy));
   deflation_->removeFromLoad(*rhs_);
-  if (stages_.coarse.dimension() == 0)
+  if (stages_.coarse->dimension() == 0)
     return;
-  hessian_ = Teuchos::rcp(new ProjectedOperator(*deflated_, stages_.coarse));
-  hessianOnKernel_ = Teuchos::rcp(new ProjectedOperator(*deflated_, stages_.coarse, true));
-  stages_.coarse.project(*rhs_);
+  hessian_ = Teuchos::rcp(new ProjectedOperator(*deflated_, *stages_.coarse));
+  hessianOnKernel_ = Teuchos::rcp(new ProjectedOperator(*deflated_, *stages_.coarse, true));
+  stages_.coarse->project(*rhs_);
 }
 
 // From where the solver has come to.
@@ -295,7 +295,7 @@ void DualSolve::leaveOutBefore() {
 
 void DualSolve::run() {
   makeSolver();
-  if (acceptance_ && !isPenalty())
+  if (acceptance_.judge && !isPenalty())
     solver_->setAcceptance([this] { return isAccepted(); });
   begin();
   announce();
@@ -331,7 +331,7 @@ void DualSolve::addEquality(const WarmStart* start) {
   problem_->setEquality(dual_.equalityRows(), zero, multiplier_, qp::EqualityStructure::OrthonormalInvariant);
   problem_->setHessianOnKernel(deflation_ ? hessianOnKernel_ : dual_.hessianOnKernel());
   problem_->setUnprojectedHessian(deflation_ ? deflated_ : dual_.unprojectedHessian());
-  problem_->setFaceGram(stages_.coarse.faceGram());
+  problem_->setFaceGram(stages_.coarse->faceGram());
 }
 
 void DualSolve::makeSolver() {
@@ -370,7 +370,7 @@ Teuchos::RCP<Teuchos::ParameterList> DualSolve::parametersOf(const std::string& 
 // Friction hides that contacts are at their bounds, by which that is decided else.
 bool DualSolve::startsNearest() const {
   const std::string first = options_.methodLists.sublist("PDAS").get<std::string>("First active set");
-  return stages_.constraints.limited() > 0 && (first == "auto" || first == "tried") &&
+  return stages_.constraints->limited() > 0 && (first == "auto" || first == "tried") &&
          norm(*dual_.shift()) == 0.0;
 }
 
@@ -388,7 +388,7 @@ bool DualSolve::isAccepted() {
   if (deflation_)
     deflation_->complete(dual_.d(), *solution_.lambda);
   const Verdict verdict =
-      acceptance_(*solution_.lambda, valuesOf(multiplier_), std::isfinite(met) ? met : tolerance_);
+      acceptance_.judge(*solution_.lambda, valuesOf(multiplier_), std::isfinite(met) ? met : tolerance_);
   kept_.forget();
   if (!verdict.next)
     return true;
@@ -409,9 +409,9 @@ void DualSolve::takeKept() {
 }
 
 void DualSolve::begin() {
-  const AdaptiveSpace* space = stages_.adaptive;
+  const Teuchos::RCP<AdaptiveSpace>& space = stages_.adaptive;
   // SMALBE gets on slowly for reasons of its own, which vectors do not cure.
-  const bool mayAdapt = space != nullptr && space->isPossible() && !space->isMade() &&
+  const bool mayAdapt = !space.is_null() && space->isPossible() && !space->isMade() &&
                         !watch_.hasLeftVectors() && !isPenalty() && method_ != "SMALBE";
   const bool mayLeave = deflation_ != nullptr && method_ != "SMALBE";
   const auto target = [this] { return tolerance_ * report_.gradientScale; };
@@ -431,6 +431,8 @@ void DualSolve::begin() {
     solver_->setMonitor(Teuchos::rcpFromRef<qp::SolverMonitor<MultiVector>>(watch_));
   watch_.alsoKeep([this](qp::StateArchive<MultiVector>& archive) {
     kept_.exchange(archive, *solution_.lambda, multiplier_);
+    if (acceptance_.exchange)
+      acceptance_.exchange(archive);
   });
   if (!watch_.hasState())
     return;
@@ -460,9 +462,9 @@ void DualSolve::conclude() {
     measureEquality();
   // y with yᵀGλ > 0 for all admissible λ: forces of one sign act on the motion R L⁻ᵀy.
   if (report_.result.reason == qp::Reason::Infeasible && !solver_->certificate().is_null()) {
-    MultiVector forces(stages_.constraints.rowMap(), 1);
+    MultiVector forces(stages_.constraints->rowMap(), 1);
     dual_.equalityRows()->apply(*solver_->certificate(), forces, Teuchos::TRANS);
-    solution_.escape = stages_.coarse.solve(stages_.coarse.multiply(forces)); // A⁻G̃Gᵀy = L⁻ᵀy
+    solution_.escape = stages_.coarse->solve(stages_.coarse->multiply(forces)); // A⁻G̃Gᵀy = L⁻ᵀy
     solution_.isEscaping = true;
   }
   report_.converged = report_.result.converged();

@@ -15,15 +15,15 @@
 
 namespace Harmos::feti {
 
-/// The stages of the dual problem in their order. All objects must outlive what is made with them.
+/// The stages of the dual problem in their order.
 struct DualStages {
-  const SubdomainSystem& system;
-  const Constraints& constraints;
-  const LocalInverses& inverses;
-  const CoarseSpace& coarse;
-  const DualProblem& problem;
+  Teuchos::RCP<const SubdomainSystem> system;
+  Teuchos::RCP<const Constraints> constraints;
+  Teuchos::RCP<const LocalInverses> inverses;
+  Teuchos::RCP<const CoarseSpace> coarse;
+  Teuchos::RCP<const DualProblem> problem;
   Teuchos::RCP<const Operator> preconditioner; ///< or null
-  AdaptiveSpace* adaptive = nullptr;           ///< vectors are made when they are needed; or null
+  Teuchos::RCP<AdaptiveSpace> adaptive;        ///< vectors are made when they are needed; or null
 };
 
 /// The outcome of a solve of the dual problem.
@@ -67,7 +67,7 @@ struct DualTargets {
 
 /// A solve of the dual problem before its first iteration.
 struct DualRun {
-  const DualStages& stages;
+  DualStages stages;
   std::string method;
   std::function<DualTargets()> targets; ///< those of now: an acceptance may have made them stricter
 };
@@ -88,14 +88,19 @@ struct Verdict {
   bool isEnough = false;
 };
 
-/// Is asked about λ and μ that just meet a tolerance. Collective.
-using Acceptance =
-    std::function<Verdict(const MultiVector& lambda, const std::vector<double>& mu, double tolerance)>;
+/// Decides on what meets a tolerance. Collective.
+struct Acceptance {
+  /// Is asked about λ and μ that just meet a tolerance; null: they are accepted.
+  std::function<Verdict(const MultiVector& lambda, const std::vector<double>& mu, double tolerance)> judge;
+  /// What it knows, for checkpoints; or null.
+  std::function<void(qp::StateArchive<MultiVector>& archive)> exchange;
+};
 
 /// Hands the dual problem to the quadratic programming layer, with the solver, stopping rule and
 /// preconditioner of the options, and puts what became of it into the report.
-/// @param start or null: as the options say. @param acceptance null: what meets the tolerance is accepted; of
-/// the penalty method always. @param monitor or null; with a state to go on from, in the place of `start`.
+/// @param start or null: as the options say. @param acceptance is not asked
+/// about answers of the penalty method. @param monitor or null; with a state to go on from, in the place of
+/// `start`.
 /// @throws NumericalError, InternalError on all ranks. @note Collective.
 DualSolution solveDualProblem(const DualStages& stages, const SolverOptions& options, const WarmStart* start,
                               const Acceptance& acceptance, const Log& log, SolveReport& report,

@@ -30,9 +30,16 @@ void SolverOptions::addTo(ParameterSpec& solver) {
               "Time limit of a solve in seconds; 0: no limit.");
   solver.integer("Progress frequency", defaults.progressFrequency, 0, 1000000000,
                  "Inner iterations between two lines of progress; 0: no lines.");
+  solver.choice("Tolerance rule", "fixed",
+                {{"fixed", "ε is \"Tolerance\""},
+                 {"balanced", "ε is reduced until the solver error is below a share of the discretisation "
+                              "error; both are estimated during the run, in the energy norm"}},
+                "Choice of the tolerance.");
   ParameterSpec& expert = solver.expert();
   expert.choice("Initial guess", "zero", {{"zero", "λ⁰ = 0"}, {"half load", "λ⁰ = ½Bf"}},
                 "First iterate of the shifted dual problem, before the projection onto the bounds.");
+  expert.real("Solver error share", defaults.solverErrorShare, Range::above(0.0),
+              "Rule \"balanced\": the largest solver error, as a share of the discretisation error.");
   expert.list(qp::MethodSpecs::mprgp());
   expert.list(qp::MethodSpecs::smalbe());
   expert.list(qp::MethodSpecs::dualPenalty());
@@ -51,12 +58,19 @@ SolverOptions SolverOptions::fromList(const Teuchos::ParameterList& solver) {
                                             : StoppingRule::Scaled;
   options.initialGuess =
       expert.get<std::string>("Initial guess") == "half load" ? InitialGuess::HalfLoad : InitialGuess::Zero;
+  options.toleranceRule = solver.get<std::string>("Tolerance rule") == "balanced" ? ToleranceRule::Balanced
+                                                                                  : ToleranceRule::Fixed;
+  options.solverErrorShare = expert.get<double>("Solver error share");
   options.maximumIterations = solver.get<int>("Maximum iterations");
   options.maximumSeconds = solver.get<double>("Maximum seconds");
   options.progressFrequency = solver.get<int>("Progress frequency");
   for (const char* method : {"MPRGP", "SMALBE", "Dual Penalty", "PCPG", "PDAS"})
     options.methodLists.sublist(method) = expert.sublist(method);
   return options;
+}
+
+std::string toString(ToleranceRule rule) {
+  return rule == ToleranceRule::Balanced ? "balanced" : "fixed";
 }
 
 std::string toString(StoppingRule rule) {

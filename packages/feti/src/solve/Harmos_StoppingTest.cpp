@@ -63,25 +63,25 @@ qp::Status GradientTest::checkStatus(const qp::IterationState<MultiVector>& stat
 
 StoppingTest stoppingTest(const DualStages& stages, const SolverOptions& options, double tolerance,
                           bool judgeEquality, SolveReport& report) {
-  const DualProblem& dual = stages.problem;
+  const DualProblem& dual = *stages.problem;
   report.dNorm = norm(dual.d());
   report.gradientScale = options.stoppingRule == StoppingRule::Paper ? report.dNorm : norm(*dual.rhs());
   // Bodies that are moved as a whole and strained by nothing have no forces, and residuals of rounding
   // errors, of which no share is to be had: those of d, and what forces they stand for.
-  const double rounding = attainable * report.dNorm + stages.constraints.boundRounding();
+  const double rounding = attainable * report.dNorm + stages.constraints->boundRounding();
   if (report.gradientScale <= rounding)
     report.gradientScale = std::max(report.gradientScale, rounding / tolerance);
   StoppingTest result;
   GradientTest::Rounding ofOpenings;
-  if (stages.constraints.hasSoft() || stages.constraints.hasCompliance())
-    ofOpenings = [&constraints = stages.constraints, &dual](const MultiVector& lambda) {
+  if (stages.constraints->hasSoft() || stages.constraints->hasCompliance())
+    ofOpenings = [&constraints = *stages.constraints, &dual](const MultiVector& lambda) {
       return attainable * openings(constraints, *dual.shift(), lambda);
     };
   result.gradient = Teuchos::rcp(new GradientTest(tolerance, report.gradientScale, std::move(ofOpenings)));
   std::vector<Teuchos::RCP<qp::StatusTest<MultiVector>>> tests = {result.gradient};
   if (!dual.equalityRows().is_null()) {
     using EqualityTest = qp::StatusTestEqualityResidual<MultiVector>;
-    const double negligible = stiffnessScale(stages.system) * rounding;
+    const double negligible = stiffnessScale(*stages.system) * rounding;
     Teuchos::RCP<const MultiVector> shift;
     switch (options.stoppingRule) {
     case StoppingRule::Scaled:

@@ -107,6 +107,9 @@ class Constraints {
   /// @throws InputError on all ranks if they differ in more, and as the constructor. @note Collective.
   void setBounds(const std::vector<ConstraintRow>& rows);
 
+  /// The rows that this rank gave, as they are now.
+  const std::vector<ConstraintRow>& givenRows() const { return given_; }
+
   /// The same B with other bounds, limits, softness and statuses, for a system that differs in loads and
   /// prescribed values alone. @param system to outlive the answer. @throws InputError likewise. @note
   /// Collective.

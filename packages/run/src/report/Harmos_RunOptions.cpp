@@ -14,14 +14,6 @@ void RunOptions::addTo(ParameterSpec& deck) {
 
   ParameterSpec solver("Solver", "Solver of the dual quadratic program.");
   feti::SolverOptions::addTo(solver);
-  solver.choice("Tolerance rule", "fixed",
-                {{"fixed", "ε is \"Tolerance\""},
-                 {"balanced", "ε is reduced until the solver error is below a share of the discretisation "
-                              "error; both are estimated during the run, in the energy norm"}},
-                "Choice of the tolerance.");
-  solver.expert().real(
-      "Solver error share", 0.3, Range::above(0.0),
-      "Rule \"balanced\": the largest solver error, as a share of the discretisation error.");
   deck.list(std::move(solver));
 
   ParameterSpec output("Output", "Files of a run.");
@@ -62,9 +54,6 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
   options.dual = feti::DualOptions::fromList(deck.sublist("Dual operator"));
   options.dual.coarse = options.dual.coarseFrom(deck.sublist("Decomposition"));
   options.dual.clusters = feti::DualOptions::clustersFrom(deck.sublist("Decomposition"));
-  options.toleranceRule = solver.get<std::string>("Tolerance rule") == "balanced" ? ToleranceRule::Balanced
-                                                                                  : ToleranceRule::Fixed;
-  options.solverErrorShare = solver.sublist("Expert").get<double>("Solver error share");
   options.outputDirectory = deck.sublist("Output").get<std::string>("Directory");
   options.writeFields = deck.sublist("Output").get<bool>("Fields");
   options.writeStresses = deck.sublist("Output").get<bool>("Stresses");

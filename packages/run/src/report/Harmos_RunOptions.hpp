@@ -15,11 +15,7 @@
 
 namespace Harmos::run {
 
-/// What the tolerance is.
-enum class ToleranceRule {
-  Fixed,   ///< ε as given
-  Balanced ///< such that the solver's error is a given share of the discretisation error; see AnswerCheck
-};
+using feti::ToleranceRule;
 
 /// What a run was told from outside.
 enum class Told {
@@ -43,15 +39,10 @@ struct CheckpointOptions {
   std::vector<std::string> mayDiffer;   ///< lists of an application's own that may be others after a restart
 };
 
-/// The lists of a deck that every application shares: Decomposition, Dual operator, Solver, Output. Its
-/// tolerance is that of the rule Fixed.
+/// The lists of a deck that every application shares: Decomposition, Dual operator, Solver, Output.
 struct RunOptions : feti::SolverOptions {
   std::optional<feti::DirichletForm> dirichlet = feti::DirichletForm::Primal; ///< nothing: as the scene asks
   feti::DualOptions dual;
-  ToleranceRule toleranceRule = ToleranceRule::Fixed;
-  double solverErrorShare = 0.3; ///< of the rule Balanced
-  /// The one that is solved to; 0 where the rule decides as it goes on.
-  double fixedTolerance() const { return toleranceRule == ToleranceRule::Fixed ? tolerance : 0.0; }
   std::string outputDirectory;
   bool writeFields = true;
   bool writeStresses = true;

@@ -194,18 +194,6 @@ StepRow stepRow(const RunReport& report, const EnergyAccount& energy) {
 
 namespace {
 
-double balancedShare(const RunReport& report) {
-  return std::min(report.allowedError, 0.1);
-}
-
-double auditShare(const RunReport& report) {
-  return std::max(feti::auditShare(report.tolerance), balancedShare(report));
-}
-
-} // namespace
-
-namespace {
-
 double matrixRounding(const RunReport& report) {
   return 0.5 * std::numeric_limits<double>::epsilon() * report.localCondition;
 }
@@ -234,18 +222,9 @@ std::string attainableText(const RunReport& report) {
   return text;
 }
 
-double allowedForceError(const RunReport& report, const PairError& pair) {
-  constexpr double leastForce = 1e-5;
-  // As auditAgrees() has it for forces out of balance.
-  constexpr double rounding = 1e-13;
-  const feti::KktAudit& audit = report.audit;
-  return auditShare(report) * std::max(pair.force, leastForce * audit.forces) +
-         rounding * audit.displacementForce + report.gapRounding * audit.unitForce;
-}
-
 std::string doubtfulForces(const RunReport& report) {
   constexpr std::size_t most = 10;
-  const double share = std::max(auditShare(report), 0.01);
+  const double share = std::max(feti::allowedShare(report), 0.01);
   std::string names;
   std::size_t count = 0;
   for (const PairError& pair : report.pairErrors)
@@ -257,30 +236,6 @@ std::string doubtfulForces(const RunReport& report) {
                     : "Forces with a large estimated relative error: " + names +
                           ". They are small relative to all forces of the scene; a smaller "
                           "\"Solver/Tolerance\" reduces the error down to rounding level";
-}
-
-std::string rowForceText(const RunReport& report) {
-  // Rows of a scene have coefficients of one: a force that is so much larger than all that bodies feel is
-  // that of a row that nearly cancels, and is scaled to one.
-  constexpr double most = 1e6;
-  const feti::KktAudit& audit = report.audit;
-  const bool isAtRest = audit.forces <= report.gapRounding * audit.unitForce;
-  if (isAtRest || audit.largestRowForce <= most * audit.forces)
-    return "";
-  return "the row force of a contact or tie is " + scientific(audit.largestRowForce) +
-         ", the forces on bodies are only " + scientific(audit.forces) +
-         ": at some place both sides move together, so that the row nearly vanishes. Exclude that place from "
-         "one of the surfaces";
-}
-
-bool auditAgrees(const RunReport& report) {
-  if (!rowForceText(report).empty())
-    return false;
-  const double balanced = balancedShare(report);
-  const double share = auditShare(report);
-  const double energyShare = std::max(feti::energyErrorShare(report.tolerance), balanced);
-  return feti::auditAgrees(report.audit,
-                           {share, report.gapRounding, report.localDefect, report.solverError, energyShare});
 }
 
 std::string auditText(const RunReport& report) {

@@ -121,9 +121,10 @@ std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& com
   return result;
 }
 
-DiscretisationError estimateDiscretisationError(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
-                                                const std::vector<scene::OwnedSubdomain>& owned,
-                                                const feti::TornVector& displacement, double time) {
+feti::DiscretisationError estimateDiscretisationError(const Teuchos::Comm<int>& comm,
+                                                      const scene::Scene& scene,
+                                                      const std::vector<scene::OwnedSubdomain>& owned,
+                                                      const feti::TornVector& displacement, double time) {
   const std::vector<Group> groups = groupsOf(scene, owned, displacement, time);
   const std::vector<fem::StressSums> means = nodalStresses(comm, scene, owned, groups);
   std::vector<double> squares(2, 0.0);

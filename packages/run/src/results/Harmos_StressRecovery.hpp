@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_AnswerQuality.hpp"
 #include "Harmos_Decomposition.hpp"
 
 #include <Teuchos_Comm.hpp>
@@ -17,17 +18,12 @@ std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& com
                                                    const std::vector<scene::OwnedSubdomain>& owned,
                                                    const feti::TornVector& displacement, double time);
 
-/// Energy norms: √∫ σ : C⁻¹ : σ, of membranes √∫ |∇u|².
-struct DiscretisationError {
-  double error; ///< of the finite element solution, estimated
-  double norm;  ///< of the solution
-};
-
 /// Estimates by the recovered stresses how far the finite element solution is from that of the continuous
-/// problem; see fem::recoveryError().
+/// problem, in the energy norm √∫ σ : C⁻¹ : σ, of membranes √∫ |∇u|²; see fem::recoveryError().
 /// @note Collective.
-DiscretisationError estimateDiscretisationError(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
-                                                const std::vector<scene::OwnedSubdomain>& owned,
-                                                const feti::TornVector& displacement, double time);
+feti::DiscretisationError estimateDiscretisationError(const Teuchos::Comm<int>& comm,
+                                                      const scene::Scene& scene,
+                                                      const std::vector<scene::OwnedSubdomain>& owned,
+                                                      const feti::TornVector& displacement, double time);
 
 } // namespace Harmos::run

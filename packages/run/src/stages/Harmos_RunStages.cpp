@@ -6,12 +6,8 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_BoundaryParts.hpp"
 #include "Harmos_ContactFields.hpp"
-#include "Harmos_Decomposition.hpp"
-#include "Harmos_DualOperator.hpp"
-#include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_EnergyAccount.hpp"
 #include "Harmos_Exchange.hpp"
-#include "Harmos_Recovery.hpp"
 #include "Harmos_ResultFile.hpp"
 #include "Harmos_RunMonitor.hpp"
 #include "Harmos_StressRecovery.hpp"
@@ -25,16 +21,12 @@
 #include <limits>
 #include <set>
 #include <sstream>
+#include <unordered_map>
 
 namespace Harmos::run {
 namespace {
 
 constexpr double mebi = 1048576.0;
-
-const char* const contradiction =
-    "the residuals of the dual problem reached their rounding level, but the audit of displacements and "
-    "forces contradicts them. Likely causes are single precision, material jumps of many orders of magnitude "
-    "or slender bodies; use fewer subdomains or \"Dual operator/Precision\" = \"double\"";
 
 void logResult(const Log& log, const RunReport& report) {
   const qp::Counters& c = report.result.counters;
@@ -75,10 +67,7 @@ void RunStages::setUp() {
   announce();
   directory_.prepare(log_);
   decompose();
-  assemble();
-  constrain();
-  factorise();
-  makeDualProblem();
+  makePipeline();
 }
 
 RunStages::~RunStages() = default;
@@ -88,7 +77,7 @@ Solution RunStages::goOnce() {
   solve(nullptr, monitor(directory_.checkpoint(), log_, {}), log_, 0.0, options_.tolerance);
   if (report_.isInterrupted()) {
     leaveInterrupted();
-    return {std::move(owned_), {}, solution_.lambda};
+    return {std::move(owned_), {}, solve_->solution().lambda};
   }
   recover();
   tellResult();
@@ -119,7 +108,7 @@ StepRow RunStages::onlyStep() {
         0.5 * report_.audit.energyNorm * report_.audit.energyNorm - report_.audit.primalEnergy;
     double motion = 0.0;
     for (std::size_t i = 0; i < owned_.size(); ++i) {
-      const std::vector<feti::FixedDof>& fixed = system_->subdomain(static_cast<int>(i)).fixed;
+      const std::vector<feti::FixedDof>& fixed = pipeline_->system().subdomain(static_cast<int>(i)).fixed;
       std::set<int> counted;
       for (std::size_t k = 0; k < fixed.size(); ++k)
         if (counted.insert(fixed[k].dof).second)
@@ -140,7 +129,7 @@ StepRow RunStages::onlyStep() {
 
 Solution RunStages::hand() {
   report_.contactPoints = std::move(contact_.points);
-  return {std::move(owned_), std::move(torn_.displacement), solution_.lambda};
+  return {std::move(owned_), std::move(torn_.displacement), solve_->solution().lambda};
 }
 
 void RunStages::announce() {
@@ -148,7 +137,7 @@ void RunStages::announce() {
   report_.scene = scene_.name;
   report_.effects = scene_.effectKinds();
   report_.tolerance = options_.tolerance;
-  report_.toleranceRule = options_.toleranceRule == ToleranceRule::Balanced ? "balanced" : "fixed";
+  report_.toleranceRule = feti::toString(options_.toleranceRule);
   report_.stoppingRule = feti::toString(options_.stoppingRule);
   report_.subdomains = scene_.subdomains();
   std::string effects;
@@ -170,43 +159,86 @@ void RunStages::decompose() {
   scene::checkBoundaryParts(*comm_, scene_, owned_);
 }
 
-void RunStages::assemble() {
-  {
-    const auto scope = timers_.scope("assembly");
-    std::vector<feti::Subdomain> subdomains;
-    agree(*comm_, [&] {
-      if (scene_.goesInSteps()) {
-        loads_.emplace(scene_, owned_, costs_);
-        loads_->requireConsistent();
-      }
-      subdomains = scene::assemble(scene_, owned_, costs_);
-    });
-    system_.emplace(comm_, std::move(subdomains), dirichletForm(scene_, options_));
-  }
-  share_.subdomains = system_->size();
-  for (int i = 0; i < system_->size(); ++i)
-    share_.primalDimension += static_cast<long long>(system_->rhs(i).size());
-  report_.primalDimension = system_->primalDimension();
-  report_.kernelDimension = system_->kernelDimension();
+feti::SubdomainSystem RunStages::assemble() {
+  const auto scope = timers_.scope("assembly");
+  std::vector<feti::Subdomain> subdomains;
+  agree(*comm_, [&] {
+    if (scene_.goesInSteps()) {
+      loads_.emplace(scene_, owned_, costs_);
+      loads_->requireConsistent();
+    }
+    subdomains = scene::assemble(scene_, owned_, costs_);
+  });
+  return {comm_, std::move(subdomains), dirichletForm(scene_, options_)};
 }
 
-void RunStages::constrain() {
+void RunStages::makePipeline() {
+  feti::SubdomainSystem system = assemble();
+  share_.subdomains = system.size();
+  for (int i = 0; i < system.size(); ++i)
+    share_.primalDimension += static_cast<long long>(system.rhs(i).size());
+  report_.primalDimension = system.primalDimension();
+  report_.kernelDimension = system.kernelDimension();
   {
     const auto scope = timers_.scope("dual_operator");
     contact_ = scene::setUpContact(*comm_, scene_, owned_, costs_);
-    constraints_.emplace(*system_, contact_.rows, options_.dual.weightsFor(scene_.materialContrast()));
   }
+  feti::PipelineObserver* const observer = this; // which others need not know
+  pipeline_ = std::make_unique<feti::DualPipeline>(std::move(system), contact_.rows, dualOptions(), traits(),
+                                                   log_, observer);
+  pipeline_->problem();
+}
+
+// What the run that wrote a checkpoint has chosen; and that rounded products, or single precision, were not
+// good enough for it.
+feti::DualOptions RunStages::dualOptions() const {
+  feti::DualOptions options = options_.dual;
+  if (const CheckpointReader* checkpoint = directory_.checkpoint()) {
+    options.before = feti::dualFormsFrom(checkpoint->text("dual forms"));
+    if (checkpoint->text("products") == "double") {
+      options.mayRound = false;
+      options.inverses.precision = feti::Precision::Double;
+    }
+  }
+  // FU and what products say of it cancel to many digits.
+  if (options.adaptive.vectors == feti::AdaptiveVectors::All)
+    options.mayRound = false;
+  return options;
+}
+
+feti::ProblemTraits RunStages::traits() const {
+  return {scene_.materialContrast(), scene_.hasSeveralMaterials(), !scene_.hasSeveralMaterials(),
+          feti::DualOptions::usualProducts(isElastic(), options_.tolerance), options_.fixedTolerance()};
+}
+
+std::shared_ptr<void> RunStages::during(feti::PipelineStage stage) {
+  const char* const name = stage == feti::PipelineStage::Inverses ? "factorization"
+                           : stage == feti::PipelineStage::Coarse ? "coarse"
+                           : stage == feti::PipelineStage::Solve  ? "solve"
+                                                                  : "dual_operator";
+  return std::shared_ptr<void>(new StageTimers::Scope(timers_.scope(name)),
+                               [](void* scope) { delete static_cast<StageTimers::Scope*>(scope); });
+}
+
+void RunStages::made(feti::PipelineStage stage, const feti::DualPipeline& pipeline) {
+  if (stage == feti::PipelineStage::Constraints)
+    tellConstraints(pipeline);
+  else if (stage == feti::PipelineStage::Inverses)
+    tellInverses(pipeline);
+  else if (stage == feti::PipelineStage::Coarse)
+    tellCoarse(pipeline);
+}
+
+void RunStages::tellConstraints(const feti::DualPipeline& pipeline) {
   for (const std::string& note : contact_.notes)
     log_.info(note);
-  for (const ConstraintRow& row : contact_.rows)
-    report_.gapRounding = std::max(report_.gapRounding, row.rounding);
-  report_.gapRounding = globalMax(*comm_, report_.gapRounding);
-  if (system_->dirichletForm() == feti::DirichletForm::Dual)
+  const feti::Constraints& constraints = pipeline.constraints();
+  if (pipeline.system().dirichletForm() == feti::DirichletForm::Dual)
     costs_.countPrescribedAsRows();
   report_.effectCosts = costs_.total(*comm_);
-  report_.dualDimension = constraints_->dualDimension();
-  report_.inequalities = constraints_->inequalities();
-  report_.limited = constraints_->limited();
+  report_.dualDimension = constraints.dualDimension();
+  report_.inequalities = constraints.inequalities();
+  report_.limited = constraints.limited();
   report_.bonds = contact_.bondCount;
   log_.info(
       "Primal dimension " + std::to_string(report_.primalDimension) + ", dual dimension " +
@@ -219,46 +251,18 @@ void RunStages::constrain() {
     log_.info(scene::costText(report_.effectCosts));
 }
 
-namespace {
-
-// What the run that wrote it has chosen; and that rounded products, or single precision, were not good enough
-// for it.
-void takeFrom(const CheckpointReader& checkpoint, feti::DualOptions& options) {
-  options.before = feti::dualFormsFrom(checkpoint.text("dual forms"));
-  if (checkpoint.text("products") != "double")
+void RunStages::tellInverses(const feti::DualPipeline& pipeline) {
+  const feti::DualOptions::Decided& decided = pipeline.decided();
+  const bool isFirst = pipeline.counts().inverses == 1;
+  report_.isSingle = pipeline.isSingle();
+  report_.localCondition = pipeline.accuracy().condition;
+  tellFactors(pipeline);
+  if (!isFirst)
     return;
-  options.mayRound = false;
-  options.inverses.precision = feti::Precision::Double;
-}
-
-} // namespace
-
-void RunStages::factorise() {
-  {
-    const auto scope = timers_.scope("factorization");
-    feti::DualOptions dual = options_.dual;
-    if (directory_.checkpoint() != nullptr)
-      takeFrom(*directory_.checkpoint(), dual);
-    // FU and what products say of it cancel to many digits.
-    if (dual.adaptive.vectors == feti::AdaptiveVectors::All)
-      dual.mayRound = false;
-    const int products = feti::DualOptions::usualProducts(isElastic(), options_.tolerance);
-    const feti::DualOptions::Decided decided = dual.decided(
-        *system_, *constraints_, products, !scene_.hasSeveralMaterials(), log_, options_.fixedTolerance());
-    report_.dualOperator = decided.describe();
-    report_.dualForms = toString(decided.forms());
-    preconditionerKind_ = decided.preconditioner;
-    inverseOptions_ = decided.inverses;
-    inverseOptions_.clusters = feti::makeClusters(
-        *system_, *constraints_, dual.clustersFor(*system_, *constraints_, decided, products, log_));
-    report_.clusters = inverseOptions_.clusters ? inverseOptions_.clusters->total() : 0;
-    report_.localSolver = inverseOptions_.solver.effectiveName();
-    report_.isSingle = inverseOptions_.precision == feti::Precision::Single;
-    inverses_.emplace(feti::makeLocalInverses(*system_, *constraints_, inverseOptions_));
-    report_.localCondition = globalMax(*comm_, inverses_->condition());
-    report_.localDefect = globalMax(*comm_, inverses_->defect());
-    tellFactors();
-  }
+  report_.dualOperator = decided.describe();
+  report_.dualForms = toString(decided.forms());
+  report_.clusters = decided.inverses.clusters ? decided.inverses.clusters->total() : 0;
+  report_.localSolver = decided.inverses.solver.effectiveName();
   std::ostringstream text;
   text << report_.distinctFactorizations << " local factorisations (" << report_.localSolver << ") of "
        << report_.subdomains << " subdomains, " << std::fixed << std::setprecision(0)
@@ -266,104 +270,77 @@ void RunStages::factorise() {
        << scientific(report_.localCondition, 0);
   if (report_.roundedFactorizations > 0)
     text << "; applications of " << report_.roundedFactorizations << " in single precision";
-  if (const auto replaced = globalSum(*comm_, static_cast<long long>(inverses_->replacedFactorizations()));
+  if (const auto replaced =
+          globalSum(*comm_, static_cast<long long>(pipeline.inverses().replacedFactorizations()));
       replaced > 0)
     text << "; " << replaced << " of them implicit (too ill-conditioned to condense)";
   log_.info(text.str());
 }
 
 // To the report.
-void RunStages::tellFactors() {
-  share_.dualOperatorMiB = inverses_->bytes() / mebi;
+void RunStages::tellFactors(const feti::DualPipeline& pipeline) {
+  share_.dualOperatorMiB = pipeline.inverses().bytes() / mebi;
   report_.dualOperatorMiB = globalSum(*comm_, share_.dualOperatorMiB);
   report_.distinctFactorizations =
-      globalSum(*comm_, static_cast<long long>(inverses_->distinctFactorizations()));
-  report_.roundedFactorizations =
-      globalSum(*comm_, static_cast<long long>(inverses_->roundedFactorizations()));
-  countFactorisations();
+      globalSum(*comm_, static_cast<long long>(pipeline.inverses().distinctFactorizations()));
+  report_.roundedFactorizations = pipeline.accuracy().roundedFactorizations;
+  report_.factorisations =
+      globalSum(*comm_, static_cast<long long>(pipeline.factorizations().factorizations));
 }
 
 void RunStages::countFactorisations() {
-  report_.factorisations = globalSum(*comm_, static_cast<long long>(inverses_->counts().factorizations));
+  report_.factorisations =
+      globalSum(*comm_, static_cast<long long>(pipeline_->factorizations().factorizations));
 }
 
-feti::PreconditionerScaling RunStages::scaling() const {
-  return options_.dual.scalingFor(scene_.hasSeveralMaterials(), scene_.materialContrast());
-}
-
-void RunStages::makeOperators() {
-  dualOperator_ = std::make_unique<feti::DualOperator>(*constraints_, *inverses_);
-  if (preconditionerKind_ != feti::PreconditionerKind::None) {
-    const auto scope = timers_.scope("dual_operator");
-    preconditioner_ = Teuchos::rcp(
-        new feti::DualPreconditioner(*system_, *constraints_, *inverses_, preconditionerKind_, scaling()));
-  }
-}
-
-void RunStages::makeDualProblem() {
-  makeOperators();
-  {
-    const auto scope = timers_.scope("coarse");
-    coarse_ =
-        feti::makeCoarseSpace(feti::motionsOf(*system_, *inverses_), *constraints_, options_.dual.coarse);
-  }
-  report_.coarseDimension = coarse_->dimension();
-  report_.isCoarseDistributed = coarse_->isDistributed();
-  sayCoarse();
-  {
-    const auto scope = timers_.scope("dual_operator");
-    dual_.emplace(*system_, *constraints_, *inverses_, *dualOperator_, *coarse_);
-  }
-  bindStages();
-}
-
-void RunStages::bindStages() {
-  adaptive_.emplace(feti::AdaptiveSpace::Stages{*system_, *constraints_, *inverses_, *coarse_, *dualOperator_,
-                                                preconditioner_},
-                    feti::AdaptiveSpace::Forms{inverseOptions_, preconditionerKind_, scaling()},
-                    options_.dual.adaptive);
-  dualStages_.emplace(
-      feti::DualStages{*system_, *constraints_, *inverses_, *coarse_, *dual_, preconditioner_, &*adaptive_});
-}
+namespace {
 
 // Of G̃G̃ᵀ, whose pivots go with the squares of the singular values of G̃.
-bool RunStages::isHeldWeakly() const {
+bool isHeldWeakly(const feti::DualPipeline& pipeline) {
   constexpr double weak = 1e-6;
-  return coarse_->dimension() > 0 && coarse_->smallestPivotRatio() < weak && !constraints_->hasWeights();
+  const feti::CoarseSpace& coarse = pipeline.coarse();
+  return coarse.dimension() > 0 && coarse.smallestPivotRatio() < weak && !pipeline.constraints().hasWeights();
 }
 
-void RunStages::sayCoarse() const {
+} // namespace
+
+void RunStages::tellCoarse(const feti::DualPipeline& pipeline) {
+  const feti::CoarseSpace& coarse = pipeline.coarse();
+  report_.coarseDimension = coarse.dimension();
+  report_.isCoarseDistributed = coarse.isDistributed();
   if (report_.clusters > 0)
-    log_.info(feti::describeClusters(*system_, *inverses_));
+    log_.info(feti::describeClusters(pipeline.system(), pipeline.inverses()));
   if (report_.isCoarseDistributed)
-    log_.info("Coarse problem of dimension " + std::to_string(coarse_->dimension()) + ": " +
-              coarse_->description());
-  if (coarse_->dimension() < coarse_->kernelDimension())
-    log_.info(std::to_string(coarse_->kernelDimension() - coarse_->dimension()) +
+    log_.info("Coarse problem of dimension " + std::to_string(coarse.dimension()) + ": " +
+              coarse.description());
+  if (coarse.dimension() < coarse.kernelDimension())
+    log_.info(std::to_string(coarse.kernelDimension() - coarse.dimension()) +
               " rigid-body modes without any constraint (a round body without friction rotates freely); "
               "their displacement is set to zero");
-  if (isHeldWeakly())
+  if (isHeldWeakly(pipeline))
     log_.info("Weakly constrained rigid-body mode: smallest singular value of G about " +
-              scientific(std::pow(10.0, std::round(0.5 * std::log10(coarse_->smallestPivotRatio()))), 0) +
+              scientific(std::pow(10.0, std::round(0.5 * std::log10(coarse.smallestPivotRatio()))), 0) +
               " of the largest (a round body with faceted normals rotates almost freely)");
 }
 
 void RunStages::prepare(const Data& data) {
-  const auto scope = timers_.scope("dual_operator");
   time_ = data.time;
-  system_->setLoads(data.loads);
-  if (data.prescribed != nullptr)
-    system_->setPrescribed(*data.prescribed);
-  if (data.rows != nullptr)
-    constraints_->setBounds(*data.rows);
-  if (data.rows != nullptr && report_.limited > 0)
-    slipsBefore_ = slipsBefore(*data.rows);
-  dual_.emplace(*system_, *constraints_, *inverses_, *dualOperator_, *coarse_);
+  {
+    const auto scope = timers_.scope("dual_operator");
+    pipeline_->setLoads(data.loads);
+    if (data.prescribed != nullptr)
+      pipeline_->setPrescribed(*data.prescribed);
+    if (data.rows != nullptr)
+      pipeline_->setBounds(*data.rows);
+    if (data.rows != nullptr && report_.limited > 0)
+      slipsBefore_ = slipsBefore(*data.rows);
+  }
+  pipeline_->problem();
 }
 
 void RunStages::checkBounds(const std::vector<std::vector<double>>& prescribed) {
-  system_->setPrescribed(prescribed);
-  constraints_->setBounds(contact_.rows);
+  pipeline_->setPrescribed(prescribed);
+  pipeline_->setBounds(contact_.rows);
 }
 
 Teuchos::RCP<RunMonitor> RunStages::monitor(const CheckpointReader* checkpoint, const Log& log,
@@ -371,73 +348,62 @@ Teuchos::RCP<RunMonitor> RunStages::monitor(const CheckpointReader* checkpoint, 
   return Teuchos::rcp(new RunMonitor(*comm_, options_, checkpoint, contact_, log, report_, std::move(place)));
 }
 
+feti::IncrementSolver::Increment RunStages::increment(const feti::IncrementSolver::Task& task) {
+  if (!increments_)
+    increments_.emplace(*pipeline_, solverOptions(scene_, options_), log_);
+  return increments_->solve(task, report_.audit.largestDisplacement);
+}
+
+namespace {
+
+// What answers are judged by: an entry for each effect with rows.
+void addGroups(const Teuchos::Comm<int>& comm, const scene::Scene& scene, const scene::ContactSetup& contact,
+               feti::AnswerCriteria& criteria) {
+  std::unordered_map<const scene::Effect*, std::size_t> places;
+  for (std::size_t k = 0; k < scene.effects.size(); ++k)
+    places[scene.effects[k].get()] = k;
+  std::vector<double> rows(scene.effects.size(), 0.0);
+  for (const scene::ContactSetup::Origin& origin : contact.origins)
+    rows[places.at(origin.effect)] += 1.0;
+  globalSum(comm, rows);
+  const std::vector<std::string> paths = scene.effectPaths();
+  std::vector<int> groupOf(rows.size(), -1);
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    if (rows[k] > 0.0) {
+      groupOf[k] = static_cast<int>(criteria.groups.size());
+      criteria.groups.push_back(paths[k]);
+    }
+  for (const scene::ContactSetup::Origin& origin : contact.origins)
+    criteria.groupOf.push_back(groupOf[places.at(origin.effect)]);
+}
+
+} // namespace
+
+feti::AnswerCriteria RunStages::criteria() const {
+  feti::AnswerCriteria result;
+  result.rule = options_.toleranceRule;
+  result.solverErrorShare = options_.solverErrorShare;
+  result.estimate = [this](const feti::TornVector& displacement) {
+    return estimateDiscretisationError(*comm_, scene_, owned_, displacement, time_);
+  };
+  result.boundRounding = pipeline_->accuracy().boundRounding;
+  addGroups(*comm_, scene_, contact_, result);
+  return result;
+}
+
 void RunStages::solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log,
                       double secondsSpent, double tolerance) {
-  if (options_.toleranceRule != ToleranceRule::Balanced)
-    report_.tolerance = tolerance;
-  monitor->addState([this](qp::StateArchive<MultiVector>& archive) { check_->exchange(archive); });
-  const std::optional<feti::WarmStart> reached = monitor->startOfOtherClusters(*dual_);
-  solveOnce(reached ? &*reached : start, monitor, log, secondsSpent);
-  if (roundingIsSeen_)
-    solveUnrounded(monitor, log, secondsSpent);
-}
-
-// Slender bodies, whose pieces bend more when cut than the whole does, show rounding errors of products in
-// the jumps that are left: from where the solver has come to it goes on with products in double precision.
-void RunStages::solveUnrounded(const Teuchos::RCP<RunMonitor>& monitor, const Log& log, double secondsSpent) {
-  log.info(std::string(report_.isSingle ? "Single precision is" : "Single-precision application of F is") +
-           " too inaccurate for this problem: switch to double precision");
-  const qp::Result first = report_.result;
-  const auto reached = Teuchos::rcp(new MultiVector(*solution_.lambda, Teuchos::Copy));
-  reached->update(1.0, *dual_->shift(), 1.0);
-  const feti::WarmStart start = {reached, solution_.mu};
-  {
-    const auto scope = timers_.scope("factorization");
-    if (report_.isSingle) {
-      inverseOptions_.precision = feti::Precision::Double;
-      report_.isSingle = false;
-      inverses_.emplace(feti::makeLocalInverses(*system_, *constraints_, inverseOptions_));
-    } else {
-      inverses_->restoreProducts(*comm_);
-    }
-    tellFactors();
-  }
-  makeOperators();
-  dual_.emplace(*system_, *constraints_, *inverses_, *dualOperator_, *coarse_);
-  bindStages();
-  monitor->goesOnAfter(first.lastRecord());
-  solveOnce(&start, monitor, log, secondsSpent + first.lastRecord().seconds);
-  report_.result.goesOnAfter(first);
-}
-
-void RunStages::solveOnce(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor,
-                          const Log& log, double secondsSpent) {
-  roundingIsSeen_ = false;
-  static_cast<feti::SolveReport&>(report_) = {};
-  check_.emplace(*comm_, scene_, owned_, *dualStages_, contact_, options_, time_, log, report_);
-  const auto accept = [&](const MultiVector& lambda, const std::vector<double>& mu, double tolerance) {
-    const feti::Verdict verdict = check_->judge(lambda, mu, tolerance);
-    // Asked for less than what products were rounded to: more of the same brings nothing.
-    roundingIsSeen_ = (verdict.next && report_.roundedFactorizations > 0 &&
-                       *verdict.next < 0.5 * inverseOptions_.productError) ||
-                      (!verdict.next && report_.isSingle && !auditAgrees(report_));
-    return roundingIsSeen_ ? feti::Verdict() : verdict;
-  };
-  feti::SolverOptions first = solverOptions(scene_, options_);
-  first.tolerance =
-      options_.toleranceRule == ToleranceRule::Balanced ? firstBalancedTolerance() : report_.tolerance;
+  const std::optional<feti::WarmStart> reached = monitor->startOfOtherClusters(pipeline_->problem());
+  feti::SolverOptions options = solverOptions(scene_, options_);
+  options.tolerance = tolerance;
   constexpr double leastSeconds = 1e-3; // 0 is no limit
-  if (first.maximumSeconds > 0.0)
-    first.maximumSeconds = std::max(leastSeconds, first.maximumSeconds - secondsSpent);
+  if (options.maximumSeconds > 0.0)
+    options.maximumSeconds = std::max(leastSeconds, options.maximumSeconds - secondsSpent);
   if (log.showsStatus() || !log.writesInfo())
-    first.progressFrequency = 0;
-  {
-    const auto scope = timers_.scope("solve");
-    solution_ = feti::solveDualProblem(*dualStages_, first, start, accept, log, report_, monitor);
-  }
-  dualOperator_->rethrowFailure();
-  if (!preconditioner_.is_null())
-    preconditioner_->rethrowFailure();
+    options.progressFrequency = 0;
+  solve_.emplace(
+      *pipeline_, [this] { return pipeline_->stages(); }, options, criteria(), log, report_, report_);
+  solve_->go(reached ? &*reached : start, monitor);
   directory_.removeQuietly(directory_.place("contact.csv"));
 }
 
@@ -471,24 +437,26 @@ void RunStages::tellWhatIsAttainable() {
 
 void RunStages::recover() {
   tellWhatIsAttainable();
-  if (solution_.isEscaping)
+  if (solve_->solution().isEscaping)
     report_.reason += "; unconstrained rigid-body mode under load: " + escapingBodies();
   {
     const auto scope = timers_.scope("recovery");
-    torn_ = check_->finish(*solution_.lambda, solution_.mu, report_.converged && !leavesJumps());
+    torn_ = solve_->recover();
   }
-  judgeAudit();
+  judgeDrift();
+  solve_->conclude();
   const auto scope = timers_.scope("recovery");
   if (report_.inequalities > 0)
-    report_.contact = contactStates(*comm_, contact_.points, feti::contactState(*constraints_, torn_));
+    report_.contact =
+        contactStates(*comm_, contact_.points, feti::contactState(pipeline_->constraints(), torn_));
   if (report_.limited > 0) {
-    report_.slips = rowSlips(*comm_, contact_, feti::frictionState(*constraints_, torn_));
+    report_.slips = rowSlips(*comm_, contact_, feti::frictionState(pipeline_->constraints(), torn_));
     addSlips(*comm_, contact_, report_.slips, slipsBefore_, report_.contact);
   }
   report_.contactCounts = countContact(*comm_, report_.contact);
-  reactions_ = feti::reactions(*system_, *constraints_, torn_);
-  report_.forces = forcesOf(*comm_, scene_, owned_, *system_, contact_, torn_.displacement, reactions_,
-                            constraints_->givenMultipliers(*torn_.multiplier));
+  reactions_ = feti::reactions(pipeline_->system(), pipeline_->constraints(), torn_);
+  report_.forces = forcesOf(*comm_, scene_, owned_, pipeline_->system(), contact_, torn_.displacement,
+                            reactions_, pipeline_->constraints().givenMultipliers(*torn_.multiplier));
   // Where nothing is strained: rounding errors of stiffness times displacement are in no balance. Loads and
   // springs are no such errors.
   constexpr double rounding = 1e-12;
@@ -513,25 +481,23 @@ void RunStages::tellResult() const {
     log_.info(text);
 }
 
-void RunStages::judgeAudit() {
+// Soft springs let bodies move as far, and hold them.
+void RunStages::judgeDrift() {
+  const feti::SubdomainSystem& system = pipeline_->system();
   double prescribed = 0.0;
-  for (int i = 0; i < system_->size(); ++i)
-    for (const feti::FixedDof& fixed : system_->subdomain(i).fixed)
+  for (int i = 0; i < system.size(); ++i)
+    for (const feti::FixedDof& fixed : system.subdomain(i).fixed)
       prescribed = std::max(prescribed, std::abs(fixed.value));
-  // Soft springs let bodies move as far, and hold them.
   constexpr double hardly = 1e-3;
-  if (report_.converged && coarse_->dimension() > 0 && !constraints_->hasWeights() &&
-      coarse_->smallestPivotRatio() < hardly)
-    if (const std::string drift = driftText(*comm_, scene_, owned_, torn_.displacement, prescribed);
-        !drift.empty()) {
-      report_.converged = false;
-      report_.reason = drift;
-    }
-  if (!report_.converged || leavesJumps() || auditAgrees(report_))
+  const feti::CoarseSpace& coarse = pipeline_->coarse();
+  if (!report_.converged || coarse.dimension() == 0 || pipeline_->constraints().hasWeights() ||
+      coarse.smallestPivotRatio() >= hardly)
+    return;
+  const std::string drift = driftText(*comm_, scene_, owned_, torn_.displacement, prescribed);
+  if (drift.empty())
     return;
   report_.converged = false;
-  const std::string ofRows = rowForceText(report_);
-  report_.reason = ofRows.empty() ? contradiction : ofRows;
+  report_.reason = drift;
 }
 
 // "“second membrane”": the bodies that have a share in a rigid motion.
@@ -540,8 +506,8 @@ std::string RunStages::escapingBodies() const {
   for (const scene::OwnedSubdomain& item : owned_)
     bodyOf.push_back(item.body);
   std::string names;
-  for (const long long body : feti::escapingParts(coarse_->motions(), solution_.escape, bodyOf,
-                                                  static_cast<long long>(scene_.bodies.size())))
+  for (const long long body : feti::escapingParts(pipeline_->coarse().motions(), solve_->solution().escape,
+                                                  bodyOf, static_cast<long long>(scene_.bodies.size())))
     names += (names.empty() ? "\"" : ", \"") + scene_.bodies[static_cast<std::size_t>(body)].name + "\"";
   return names;
 }

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_AdaptiveSpace.hpp"
-#include "Harmos_AnswerCheck.hpp"
-#include "Harmos_CoarseSpace.hpp"
 #include "Harmos_ContactSetup.hpp"
-#include "Harmos_DualSolution.hpp"
-#include "Harmos_PreconditionerKind.hpp"
+#include "Harmos_Decomposition.hpp"
+#include "Harmos_IncrementSolver.hpp"
 #include "Harmos_RankTable.hpp"
 #include "Harmos_RunDirectory.hpp"
 #include "Harmos_RunMonitor.hpp"
@@ -26,14 +23,15 @@ namespace Harmos::run {
 /// The stages of one run, in their order. Each makes a value from those of the stages before, which is then
 /// left alone; is timed; and tells the log and the report what came of it.
 ///
-///     decompose() → assemble() → constrain() → factorise() → makeDualProblem() → solve() → recover() →
-///     write()
+///     decompose() → assemble() → makePipeline() → solve() → recover() → write()
+///
+/// What lies between the torn system and the dual problem is feti::DualPipeline's, which this observes.
 ///
 /// A run of several steps (StepSequence) goes through the first ones once, and for each step from prepare(),
 /// which brings new loads and bounds to what is there, to write().
 ///
 /// All members are collective; they throw what run::runScene() throws, on all ranks.
-class RunStages {
+class RunStages : private feti::PipelineObserver {
  public:
   /// Names for the timers.
   static const std::vector<std::string>& names();
@@ -42,7 +40,7 @@ class RunStages {
   RunStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
             const RunOptions& options, const Log& log, const StageTimers& timers, RunReport& report,
             RankShare& share);
-  ~RunStages();
+  ~RunStages() override;
 
   /// All of them, once: a static state.
   Solution goOnce();
@@ -77,6 +75,8 @@ class RunStages {
   void tellResult() const;
   /// Counts numerical factorisations so far into the report.
   void countFactorisations();
+  /// How the last answer changes. @note Collective.
+  feti::IncrementSolver::Increment increment(const feti::IncrementSolver::Task& task);
   /// The solution, of which this keeps nothing.
   Solution hand();
 
@@ -85,8 +85,9 @@ class RunStages {
   const scene::ContactSetup& contact() const { return contact_; }
   /// Of a run with several steps.
   const scene::TimedLoads& loads() const { return *loads_; }
-  const feti::DualProblem& dualProblem() const { return *dual_; }
-  const feti::DualSolution& dualSolution() const { return solution_; }
+  /// @note Collective after checkBounds().
+  const feti::DualProblem& dualProblem() const { return pipeline_->problem(); }
+  const feti::DualSolution& dualSolution() const { return solve_->solution(); }
   const feti::TornSolution& torn() const { return torn_; }
   const std::vector<std::vector<double>>& reactions() const { return reactions_; }
   const RunDirectory& directory() const { return directory_; }
@@ -96,29 +97,24 @@ class RunStages {
  private:
   void announce();
   void decompose();
-  void assemble();
-  void constrain();
-  void factorise();
-  void tellFactors();
-  feti::PreconditionerScaling scaling() const;
-  void makeOperators();
-  void makeDualProblem();
-  void bindStages();
-  void solveOnce(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log,
-                 double secondsSpent);
-  void solveUnrounded(const Teuchos::RCP<RunMonitor>& monitor, const Log& log, double secondsSpent);
+  feti::SubdomainSystem assemble();
+  void makePipeline();
+  feti::DualOptions dualOptions() const;
+  feti::ProblemTraits traits() const;
+  std::shared_ptr<void> during(feti::PipelineStage stage) override;
+  void made(feti::PipelineStage stage, const feti::DualPipeline& pipeline) override;
+  void tellConstraints(const feti::DualPipeline& pipeline);
+  void tellInverses(const feti::DualPipeline& pipeline);
+  void tellFactors(const feti::DualPipeline& pipeline);
+  void tellCoarse(const feti::DualPipeline& pipeline);
+  feti::AnswerCriteria criteria() const;
   void write();
 
-  void sayConstraints();
-  bool isHeldWeakly() const;
-  void sayCoarse() const;
   void leaveInterrupted();
   StepRow onlyStep();
-  void judgeAudit();
+  void judgeDrift();
   std::string escapingBodies() const;
   bool isElastic() const { return scene_.physics != scene::Physics::Membrane; }
-  // The penalty method leaves jumps by design, and says so.
-  bool leavesJumps() const { return report_.solver == "Dual Penalty"; }
 
   Teuchos::RCP<const Teuchos::Comm<int>> comm_;
   const scene::Scene& scene_;
@@ -133,21 +129,10 @@ class RunStages {
   scene::EffectCosts costs_;
   std::vector<scene::OwnedSubdomain> owned_;
   std::optional<scene::TimedLoads> loads_; // where there are several steps
-  std::optional<feti::SubdomainSystem> system_;
   scene::ContactSetup contact_;
-  std::optional<feti::Constraints> constraints_;
-  feti::LocalInverseOptions inverseOptions_; // as decided
-  std::optional<feti::LocalInverses> inverses_;
-  bool roundingIsSeen_ = false; // of products, or of single precision, in the last answer
-  std::unique_ptr<const feti::DualOperator> dualOperator_;
-  feti::PreconditionerKind preconditionerKind_ = feti::PreconditionerKind::Dirichlet; // as decided
-  Teuchos::RCP<const feti::DualPreconditioner> preconditioner_;                       // or null
-  std::unique_ptr<feti::CoarseSpace> coarse_;
-  std::optional<feti::AdaptiveSpace> adaptive_;
-  std::optional<feti::DualProblem> dual_;
-  std::optional<feti::DualStages> dualStages_; // these together
-  std::optional<AnswerCheck> check_;
-  feti::DualSolution solution_;
+  std::unique_ptr<feti::DualPipeline> pipeline_;
+  std::optional<feti::JudgedSolve> solve_; // the last one
+  std::optional<feti::IncrementSolver> increments_;
   feti::TornSolution torn_;
   std::vector<std::vector<double>> reactions_; // of prescribed values
   std::vector<double> slipsBefore_;            // of limited rows, when the step began; none: zeros

@@ -87,6 +87,7 @@ void StepSequence::requireConsistent() {
     } catch (const InputError& error) {
       throw InputError("at time " + timeText(time) + ": " + error.what(), error.data());
     }
+  run_.checkBounds(run_.loads().prescribed(clock_.to()));
 }
 
 // Less of the step would take more time, not less.

@@ -130,7 +130,7 @@ void RunMonitor::begins(const feti::DualRun& run) {
 // What tells whether this is still the problem that was being solved.
 void RunMonitor::exchangeProblem(Archive& archive) {
   // Pd is the same for every choice of K⁺, which depends on the subdomains that a rank has; d is not.
-  const MultiVector& load = *run_->stages.problem.rhs();
+  const MultiVector& load = *run_->stages.problem->rhs();
   MultiVector kept(load, Teuchos::Copy);
   archive.vector(loadName, kept);
   std::vector<double> method(run_->method.begin(), run_->method.end());
@@ -139,9 +139,9 @@ void RunMonitor::exchangeProblem(Archive& archive) {
   archive.numbers("rows shown", rows);
   rows_ = qp::historyOf(rows);
   if (!archive.isReading()) {
-    double clusters = run_->stages.problem.clusters();
+    double clusters = run_->stages.problem->clusters();
     archive.number(clustersName, clusters);
-    MultiVector reached(reached_.is_null() ? *run_->stages.problem.shift() : *reached_, Teuchos::Copy);
+    MultiVector reached(reached_.is_null() ? *run_->stages.problem->shift() : *reached_, Teuchos::Copy);
     archive.vector(reachedName, reached);
   }
   if (!archive.isReading())
@@ -152,7 +152,7 @@ void RunMonitor::exchangeProblem(Archive& archive) {
                          ", but this run uses " + run_->method +
                          "; restart with the deck of the run that wrote it",
                      {{"file", checkpoint_->path()}});
-  requireSame(*checkpoint_, kept, run_->stages.problem, report_.localCondition);
+  requireSame(*checkpoint_, kept, *run_->stages.problem, report_.localCondition);
 }
 
 void RunMonitor::recorded(const qp::IterationRecord& record) {
@@ -179,7 +179,7 @@ RunMonitor::Wish RunMonitor::ask(const qp::IterationState<MultiVector>& state) {
   const Wish wish = wishAt(state);
   if (wish != Wish::GoOn) {
     reached_ = Teuchos::rcp(new MultiVector(*state.x, Teuchos::Copy));
-    reached_->update(1.0, *run_->stages.problem.shift(), 1.0);
+    reached_->update(1.0, *run_->stages.problem->shift(), 1.0);
   }
   return wish;
 }
@@ -256,7 +256,7 @@ void RunMonitor::write(const Exchange& all) {
     all(size);
     const std::size_t texts = options_.checkpoint.deck.size() + options_.checkpoint.deckFile.size() +
                               assignments.size() + report_.dualForms.size();
-    CheckpointWriter writer(comm_, path, rowBasis(run_->stages.problem),
+    CheckpointWriter writer(comm_, path, rowBasis(*run_->stages.problem),
                             size.bytes() + static_cast<long long>(texts));
     writer.text("deck", options_.checkpoint.deck);
     writer.text("deck file", options_.checkpoint.deckFile);
@@ -283,7 +283,7 @@ void RunMonitor::write(const Exchange& all) {
 
 void RunMonitor::restore(const Exchange& state) {
   // Before the solver begins: numbers alone.
-  const RowBasis basis = run_ ? rowBasis(run_->stages.problem) : RowBasis();
+  const RowBasis basis = run_ ? rowBasis(*run_->stages.problem) : RowBasis();
   checkpoint_->restore(basis, [&](Archive& archive) { state(archive); });
 }
 
@@ -300,10 +300,10 @@ struct ShownPoint {
 
 // The forces that the present multipliers stand for, by row. Springs pull.
 std::vector<std::pair<long long, double>> RunMonitor::contactForces(const MultiVector& lambda) const {
-  const feti::Constraints& constraints = run_->stages.constraints;
+  const feti::Constraints& constraints = *run_->stages.constraints;
   std::vector<std::pair<long long, double>> forces;
   const auto free = lambda.getLocalViewHost(Tpetra::Access::ReadOnly);
-  const auto shift = run_->stages.problem.shift()->getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto shift = run_->stages.problem->shift()->getLocalViewHost(Tpetra::Access::ReadOnly);
   for (std::size_t r = 0; r < free.extent(0); ++r) {
     const int row = static_cast<int>(r);
     if (constraints.rowType(row) != feti::RowType::Inequality)

@@ -424,7 +424,7 @@ TEST(ClusterInverse, new_matrices_give_new_factors) {
   MultiVector before(lambda.getMap(), 1), after(lambda.getMap(), 1);
   DualOperator(problem.constraints, *problem.inverses).apply(lambda, before);
   problem.system.setMatrices(matrices);
-  problem.inverses->refactor(problem.system, options);
+  problem.inverses->renew(problem.system, problem.constraints, options);
   DualOperator(problem.constraints, *problem.inverses).apply(lambda, after);
   coarse.project(before);
   coarse.project(after);

@@ -2,13 +2,10 @@
 #pragma once
 
 #include "Harmos_DualOperator.hpp"
-#include "Harmos_DualOptions.hpp"
 #include "Harmos_DualPreconditioner.hpp"
-#include "Harmos_DualSolution.hpp"
-#include "Harmos_KktAudit.hpp"
+#include "Harmos_IncrementSolver.hpp"
 #include "Harmos_MumpsSolver.hpp"
 #include "Harmos_Reactions.hpp"
-#include "Harmos_SolutionHistory.hpp"
 #include "Harmos_SubdomainInput.hpp"
 
 #include <Teuchos_ParameterList.hpp>
@@ -56,6 +53,9 @@ class FetiSolver {
   void setPrescribed(const std::vector<std::vector<double>>& values);
   /// @param rows those of the constructor, with other bounds, limits and softness, or none or some of it.
   void setBounds(const std::vector<ConstraintRow>& rows);
+  /// @param rows others, of any number and kind: contacts that come and go. Factors stay but where rows touch
+  /// other dofs. There is no solution until solve() finds one.
+  void setRows(const std::vector<ConstraintRow>& rows);
   /// @param stiffness what was given before is not to be changed in place: where values are the same, factors
   /// stay. @param motions null pointers, or nothing: kernels as they were. Where subdomains that had equal
   /// matrices have not any more, or the other way round, everything is made anew. After a factorisation that
@@ -63,9 +63,9 @@ class FetiSolver {
   void setMatrices(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
                    const std::vector<std::shared_ptr<const Kernel>>& motions = {});
 
-  /// Bodies of another shape: matrices with the graphs of the old ones, kernels, loads, and rows with other
-  /// coefficients, of the same kinds and numbers. Subdomains with the matrices that they had keep their
-  /// factors. There is no solution until solve() finds one.
+  /// Bodies of another shape: matrices with the graphs of the old ones, kernels, loads, and other rows.
+  /// Subdomains with the matrices that they had keep their factors. There is no solution until solve() finds
+  /// one.
   /// @param motions as setMatrices(). @throws as setMatrices() and the constructor. After an error no solve()
   /// until a shape that succeeds was set. @note Collective.
   void setShape(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
@@ -81,6 +81,18 @@ class FetiSolver {
   /// To another tolerance than that of the parameters.
   const SolveReport& solve(double tolerance);
   double tolerance() const { return options_.tolerance; }
+  /// How wrong an answer is by its discretisation, which the tolerance rule "balanced" needs: Harmos knows
+  /// no elements here. @param estimate collective.
+  void setErrorEstimate(std::function<DiscretisationError(const TornVector& displacement)> estimate) {
+    groups_.estimate = std::move(estimate);
+  }
+  /// Of the rows that this rank gave, what belongs together: a contact, say. The solver goes on then until
+  /// the forces of each group are as accurate as displacements, beside all others; quality() has the
+  /// estimates. Forgotten with other rows (setRows(), setShape()). @param groupOf of each row the place of a
+  /// name, or −1. @throws InputError on all ranks. @note Collective.
+  void setRowGroups(std::vector<int> groupOf, std::vector<std::string> names);
+  /// Follows the next solves, may interrupt them, keep their state and bring it back; null: none.
+  void setMonitor(Teuchos::RCP<DualMonitor> monitor) { monitor_ = std::move(monitor); }
   /// The next solution starts cold, as the options say.
   void forgetSolutions() { history_.clear(); }
   /// For checkpoints: where the next solutions and increments start. With the same matrices and rows they are
@@ -90,103 +102,69 @@ class FetiSolver {
   void exchangeStarts(qp::StateArchive<MultiVector>& archive);
   /// The dual problem of the last solution; null before solve(), after changes, and where loads cannot be
   /// held.
-  const DualProblem* problem() const { return problem_.get(); }
+  Teuchos::RCP<const DualProblem> problem() const { return pipeline_->currentProblem(); }
 
-  /// How an answer changes: that of the matrices and rows that are here to other loads and bounds, with
-  /// prescribed values of zero. What solve() has found, and what it finds next, is as if this had not been
-  /// asked. Starts from what was asked before.
-  struct Increment {
-    SolveReport report;
-    TornVector displacement;       ///< empty where it was not asked for
-    std::vector<double> rowForces; ///< of the rows that this rank gave
-  };
-  /// @param loads of this rank's subdomains. @param rows those that are here, with other bounds, and with
-  /// statuses: where all inequalities are decided the problem is linear. @param tolerance as solve(). @param
-  /// withDisplacement without it there is no audit either, and a product with the local inverses less.
-  /// @throws InputError, NumericalError, InternalError on all ranks. @note Collective.
+  using Increment = IncrementSolver::Increment;
+  /// How an answer changes; see IncrementSolver. What solve() has found, and what it finds next, is as if
+  /// this had not been asked. @note Collective.
   Increment solveIncrement(std::vector<std::shared_ptr<const std::vector<double>>> loads,
                            const std::vector<ConstraintRow>& rows, double tolerance,
                            bool withDisplacement = true);
 
   /// Of the last solution, copies of a dof in each subdomain.
   const TornVector& displacement() const { return solution().displacement; }
-  const KktAudit& audit() const { return audit_; }
+  const KktAudit& audit() const { return quality_.audit; }
+  /// The audit with estimates of errors.
+  const AnswerQuality& quality() const { return quality_; }
   /// Gaps and forces of inequality rows that this rank owns. @note Collective.
-  ContactState contact() const { return contactState(*constraints_, solution()); }
+  ContactState contact() const { return contactState(constraints(), solution()); }
   /// Slips and forces of limited rows that this rank owns. @note Collective.
-  FrictionState friction() const { return frictionState(*constraints_, solution()); }
+  FrictionState friction() const { return frictionState(constraints(), solution()); }
   /// The forces by which the Dirichlet conditions of each subdomain hold it, see feti::reactions().
   /// @note Collective.
   std::vector<std::vector<double>> reactions() const {
-    return feti::reactions(*system_, *constraints_, solution());
+    return feti::reactions(system(), constraints(), solution());
   }
   /// Of the rows that this rank gave, in their order: a row exerts −coefficient · force on its dofs.
   /// @note Collective.
-  std::vector<double> rowForces() const { return constraints_->givenMultipliers(*solution().multiplier); }
+  std::vector<double> rowForces() const { return constraints().givenMultipliers(*solution().multiplier); }
   const TornSolution& solution() const;
   /// Of the last solve().
   const SolveReport& report() const { return report_; }
   /// Not before solve(), nor where loads cannot be held.
   bool hasSolution() const { return solution_ != nullptr; }
 
-  const SubdomainSystem& system() const { return *system_; }
-  const Constraints& constraints() const { return *constraints_; }
-  const LocalInverses& inverses() const { return *inverses_; }
-  const CoarseSpace& coarse() const { return *coarse_; }
+  const SubdomainSystem& system() const { return pipeline_->system(); }
+  const Constraints& constraints() const { return pipeline_->constraints(); }
+  const LocalInverses& inverses() const { return pipeline_->inverses(); }
+  const CoarseSpace& coarse() const { return pipeline_->coarse(); }
   /// That subdomains are joined to, of all ranks; 0: none.
-  long long clusters() const { return decided_.inverses.clusters ? decided_.inverses.clusters->total() : 0; }
+  long long clusters() const;
   /// What was decided: "condensed, double, Dirichlet preconditioner".
-  std::string dualOperatorText() const { return decided_.describe(); }
+  std::string dualOperatorText() const { return pipeline_->decided().describe(); }
   /// F, to be used alone. Made anew with new matrices.
-  const DualOperator& dualOperator() const { return *operator_; }
+  const DualOperator& dualOperator() const { return pipeline_->dualOperator(); }
+  /// How often each stage was made.
+  const StageCounts& counts() const { return pipeline_->counts(); }
   /// What this rank spent on factors so far.
-  FactorizationCounts factorizations() const;
+  FactorizationCounts factorizations() const { return pipeline_->factorizations(); }
 
  private:
-  // What is solved for, and where it starts.
-  struct Task {
-    const SubdomainSystem& system;
-    const Constraints& constraints;
-    const DualProblem& problem;
-    SolutionHistory& history;
-    double rounding, roundingShare; // bounds are known up to this, and this share of displacements
-  };
-  struct Answer {
-    SolveReport report;
-    TornSolution torn;
-    KktAudit audit;
-  };
-  Answer solved(const Task& task, double tolerance, bool recovers = true);
   void requireOperators() const;
-  void setUpInverses();
-  void forgetOperators();
-  using Factored = std::vector<std::pair<const LocalMatrix*, const Kernel*>>;
-  Factored factored() const;
-  void renewInverses(const Factored& before);
-  void setUpOperators();
-  std::string escapingSubdomains(const DualSolution& dual) const;
+  void forgetSolution();
+  void takeRows(const std::vector<ConstraintRow>& rows);
 
   Log log_;
   Teuchos::ParameterList list_;
-  DualOptions dual_;
   SolverOptions options_;
-  DualOptions::Decided decided_ = {};
-  ClusterOptions clusters_;   // the same
-  double contrast_ = 1.0;     // of stiffness
-  double defect_ = 0.0;       // of the inverses
-  double rounding_ = 0.0;     // bounds are known up to this
-  FactorizationCounts spent_; // on inverses that are no more
-  std::unique_ptr<SubdomainSystem> system_;
-  std::unique_ptr<Constraints> constraints_;
-  std::unique_ptr<LocalInverses> inverses_;
-  std::unique_ptr<DualOperator> operator_;
-  std::unique_ptr<CoarseSpace> coarse_;
-  std::unique_ptr<DualProblem> problem_;
-  Teuchos::RCP<const DualPreconditioner> preconditioner_;
-  std::unique_ptr<AdaptiveSpace> adaptive_;
+  std::unique_ptr<DualPipeline> pipeline_;
+  std::size_t givenRows_ = 0; // of this rank
+  AnswerCriteria groups_;     // of those rows, with the caller's estimate
+  Teuchos::RCP<DualMonitor> monitor_;
   std::unique_ptr<TornSolution> solution_;
-  SolutionHistory history_, increments_;
-  KktAudit audit_;
+  SolutionHistory history_;
+  std::unique_ptr<IncrementSolver> increments_;
+  AnswerQuality quality_;
   SolveReport report_;
 };
 

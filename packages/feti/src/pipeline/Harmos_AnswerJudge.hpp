@@ -1,25 +1,41 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_ContactSetup.hpp"
-#include "Harmos_Decomposition.hpp"
+#include "Harmos_AnswerQuality.hpp"
 #include "Harmos_DualSolution.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_PreconditionerKind.hpp"
 #include "Harmos_Recovery.hpp"
-#include "Harmos_RunOptions.hpp"
-#include "Harmos_RunReport.hpp"
-#include "Harmos_StressRecovery.hpp"
+#include "Harmos_SolverOptions.hpp"
 
+#include <functional>
 #include <optional>
+#include <string>
+#include <vector>
 
-namespace Harmos::run {
+namespace Harmos::feti {
+
+/// What an answer is judged by.
+struct AnswerCriteria {
+  ToleranceRule rule = ToleranceRule::Fixed;
+  double solverErrorShare = 0.3; ///< of the rule Balanced
+  /// Of an answer's displacements, for the rule Balanced; else null. Collective.
+  std::function<DiscretisationError(const TornVector& displacement)> estimate;
+  double boundRounding = 0.0; ///< bounds are known up to this, on all ranks
+  /// And to this share of the largest displacement: where they are those of an increment.
+  double roundingShare = 0.0;
+  /// Whether errors are estimated, in the energy norm and of the forces of groups of rows. Without, the audit
+  /// alone decides. The rule Balanced needs it.
+  bool estimatesErrors = true;
+  std::vector<int> groupOf;        ///< of each row that this rank gave: place among `groups`; −1: none
+  std::vector<std::string> groups; ///< names, the same on all ranks
+};
 
 /// Looks from the primal side at answers that meet the solver's tolerance, and says whether to go on.
 ///
 /// Three reasons to go on. The audit contradicts the answer (auditAgrees()): residuals of the dual problem
 /// are no measure of the jumps of u where the condition of F is bad. The forces of a contact, an obstacle or
-/// a tie are wrong by more than allowedForceError(), by the estimate of feti::forceErrors(): residuals are
+/// a tie are wrong by more than allowedForceError(), by the estimate of forceErrors(): residuals are
 /// measured against the whole load, of which a small contact has a small share. An answer that the audit
 /// agrees with is taken all the same if the solver comes no further. And, by the tolerance rule "balanced",
 /// the solver's error is still more than its share of the discretisation error:
@@ -31,55 +47,50 @@ namespace Harmos::run {
 ///    preconditioner's B_D and extended into the subdomains, ‖u − v‖² = rᵀM⁻¹r for the Dirichlet one; the
 ///    lumped one extends them by zero, which costs more energy and bounds it too. Rows of contacts that are
 ///    open, with λ = 0, count where they are violated only;
-///  - the discretisation error comes from recovered stresses, see estimateDiscretisationError().
+///  - the discretisation error is what the caller's estimate says.
 ///
-/// Guarded by tests/unit/run/test_answer_check.cpp.
-class AnswerCheck {
+/// Guarded by tests/unit/run/test_answer_check.cpp and tests/unit/run/test_capabilities.cpp.
+class AnswerJudge {
  public:
-  /// @param time of the loads.
-  AnswerCheck(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
-              const std::vector<scene::OwnedSubdomain>& owned, const feti::DualStages& stages,
-              const scene::ContactSetup& contact, const RunOptions& options, double time, const Log& log,
-              RunReport& report);
+  /// @param scaling of a preconditioner that is made where the stages have none. @param precision of the
+  /// stages' inverses. @param quality has tolerance and localDefect; gets the rest. To outlive this.
+  AnswerJudge(DualStages stages, AnswerCriteria criteria, PreconditionerScaling scaling, Precision precision,
+              const Log& log, AnswerQuality& quality);
 
   /// @param lambda, mu an answer; @param tolerance that it meets.
   /// @return the tolerance to go on to; nothing if the answer is accepted, or going on would not help.
-  /// @note Collective. Audit and estimates go to the report.
-  feti::Verdict judge(const MultiVector& lambda, const std::vector<double>& mu, double tolerance);
+  /// @note Collective. Audit and estimates go to the quality.
+  Verdict judge(const MultiVector& lambda, const std::vector<double>& mu, double tolerance);
 
   /// What it has learnt of the discretisation error. @note Collective.
   void exchange(qp::StateArchive<MultiVector>& archive);
 
   /// The solution that belongs to an answer, audited; that of the last one judged is at hand.
   /// @param isLastJudged whether it is that one. @note Collective.
-  feti::TornSolution finish(const MultiVector& lambda, const std::vector<double>& mu, bool isLastJudged);
+  TornSolution finish(const MultiVector& lambda, const std::vector<double>& mu, bool isLastJudged);
+
+  /// The tolerance that the rule Balanced starts with.
+  static double firstBalancedTolerance();
 
  private:
   void recover(const MultiVector& lambda, const std::vector<double>& mu);
-  void estimate();
+  void measureErrors();
   std::optional<double> improve(double tolerance);
-  void makeExtension(feti::PreconditionerKind kind);
+  void makeExtension(PreconditionerKind kind);
   std::optional<double> balance(double tolerance);
-  double forceExcess() const;
   std::optional<double> improveForces(double tolerance);
 
-  const Teuchos::Comm<int>& comm_;
-  const scene::Scene& scene_;
-  const std::vector<scene::OwnedSubdomain>& owned_;
-  const feti::DualStages& stages_;
-  std::vector<int> groupOf_; // of each row of this rank: place among the pairs
-  const RunOptions& options_;
-  double time_;
+  DualStages stages_;
+  AnswerCriteria criteria_;
+  PreconditionerScaling scaling_;
+  Precision precision_;
   Log log_; // by value: it may be the muted one of a step
-  RunReport& report_;
+  AnswerQuality& quality_;
   Teuchos::RCP<const Operator> extension_; // M⁻¹ of the estimate
   bool isBoundAlone_ = false;              // it was made for a bound that costs little
-  feti::TornSolution torn_;
+  TornSolution torn_;
   std::optional<DiscretisationError> discretisation_;
   bool trusted_ = false; // that estimate is not about the solver's error
 };
 
-/// The tolerance that a balanced run starts with.
-double firstBalancedTolerance();
-
-} // namespace Harmos::run
+} // namespace Harmos::feti

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_FetiSolver.hpp"
+
+#include "Harmos_Agreement.hpp"
+#include "Harmos_Errors.hpp"
+
+#include <algorithm>
+
+namespace Harmos::feti {
+ParameterSpec FetiSolver::parameters() {
+  ParameterSpec spec("Harmos FETI", "A torn problem of an application's own.");
+  DualOptions::addDecompositionTo(spec);
+  DualOptions::addTo(spec);
+  ParameterSpec solver("Solver", "Solution of the dual quadratic program.");
+  SolverOptions::addTo(solver);
+  spec.list(std::move(solver));
+  return spec;
+}
+
+FetiSolver::FetiSolver(Teuchos::RCP<const Teuchos::Comm<int>> comm, std::vector<Subdomain> subdomains,
+                       const std::vector<ConstraintRow>& rows, const Teuchos::ParameterList& given,
+                       const Log& log)
+    : log_(log) {
+  std::vector<std::string> notes;
+  list_ = parameters().validated(given, "the parameters given", &notes);
+  for (const std::string& note : notes)
+    log_.info("Note: " + note);
+  DualOptions dual = DualOptions::fromList(list_.sublist("Dual operator"));
+  dual.coarse = dual.coarseFrom(list_.sublist("Decomposition"));
+  dual.clusters = DualOptions::clustersFrom(list_.sublist("Decomposition"));
+  options_ = SolverOptions::fromList(list_.sublist("Solver"));
+  const DirichletForm form =
+      DualOptions::decompositionFrom(list_.sublist("Decomposition")).value_or(DirichletForm::Primal);
+  SubdomainSystem system(std::move(comm), std::move(subdomains), form);
+  ProblemTraits traits;
+  traits.contrast = std::max(stiffnessContrast(system), complianceContrast(system, rows));
+  // What the subdomains are made of is not known here: materials may jump within them.
+  traits.usualApplications = DualOptions::usualProducts(true, options_.tolerance);
+  pipeline_ = std::make_unique<DualPipeline>(std::move(system), rows, dual, traits, log_);
+  increments_ = std::make_unique<IncrementSolver>(*pipeline_, options_, log_);
+  givenRows_ = rows.size();
+}
+
+FetiSolver::~FetiSolver() = default;
+
+void FetiSolver::setLoads(std::vector<std::shared_ptr<const std::vector<double>>> loads) {
+  pipeline_->setLoads(std::move(loads));
+}
+
+void FetiSolver::setPrescribed(const std::vector<std::vector<double>>& values) {
+  pipeline_->setPrescribed(values);
+}
+
+void FetiSolver::setBounds(const std::vector<ConstraintRow>& rows) {
+  pipeline_->setBounds(rows);
+}
+
+void FetiSolver::setRows(const std::vector<ConstraintRow>& rows) {
+  forgetSolution();
+  takeRows(rows);
+  pipeline_->setRows(rows);
+}
+
+void FetiSolver::setMatrices(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
+                             const std::vector<std::shared_ptr<const Kernel>>& motions) {
+  pipeline_->setMatrices(stiffness, motions);
+  history_.clear();
+  increments_->clear();
+}
+
+void FetiSolver::setShape(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
+                          const std::vector<std::shared_ptr<const Kernel>>& motions,
+                          std::vector<std::shared_ptr<const std::vector<double>>> loads,
+                          const std::vector<ConstraintRow>& rows) {
+  forgetSolution();
+  takeRows(rows);
+  pipeline_->setShape(stiffness, motions, std::move(loads), rows);
+}
+
+// Groups are of the rows of before.
+void FetiSolver::takeRows(const std::vector<ConstraintRow>& rows) {
+  groups_.groupOf.clear();
+  groups_.groups.clear();
+  givenRows_ = rows.size();
+}
+
+// Its multipliers are those of the rows of before.
+void FetiSolver::forgetSolution() {
+  solution_.reset();
+  history_.clear();
+  increments_->clear();
+}
+
+void FetiSolver::setRowGroups(std::vector<int> groupOf, std::vector<std::string> names) {
+  agree(*system().comm(), [&] {
+    const int groups = static_cast<int>(names.size());
+    if (groupOf.size() != givenRows_)
+      throw InputError(
+          "each constraint row that this rank gave needs a group, or -1: " + std::to_string(groupOf.size()) +
+          " groups for " + std::to_string(givenRows_) + " rows");
+    for (int group : groupOf)
+      if (group < -1 || group >= groups)
+        throw InputError("group " + std::to_string(group) + " of a constraint row is none of 0 to " +
+                         std::to_string(groups - 1) + ", nor -1");
+  });
+  groups_.groupOf = std::move(groupOf);
+  groups_.groups = std::move(names);
+}
+
+const SolveReport& FetiSolver::solve() {
+  return solve(options_.tolerance);
+}
+
+void FetiSolver::requireOperators() const {
+  if (!pipeline_->isComplete())
+    throw InputError("the last setMatrices(), setShape() or setRows() failed; give matrices that can be "
+                     "factored, and rows "
+                     "that fit them, or make a new solver");
+}
+
+const SolveReport& FetiSolver::solve(double tolerance) {
+  requireOperators();
+  try {
+    pipeline_->problem();
+  } catch (const NumericalError& error) { // on all ranks: loads on a motion that nothing can hold
+    report_ = {};
+    report_.reason = error.what();
+    solution_.reset();
+    return report_;
+  }
+  SolverOptions options = options_;
+  options.tolerance = tolerance;
+  AnswerCriteria criteria = groups_;
+  criteria.estimatesErrors = !groups_.groups.empty() || options.toleranceRule == ToleranceRule::Balanced;
+  if (groups_.groups.empty())
+    criteria.groupOf.assign(givenRows_, -1);
+  criteria.rule = options.toleranceRule;
+  criteria.solverErrorShare = options.solverErrorShare;
+  criteria.boundRounding = pipeline_->accuracy().boundRounding;
+  quality_ = {};
+  JudgedSolve solve(
+      *pipeline_, [this] { return pipeline_->stages(); }, options, std::move(criteria), log_, report_,
+      quality_);
+  solution_ = std::make_unique<TornSolution>(solve.go(history_, tolerance, monitor_));
+  return report_;
+}
+
+FetiSolver::Increment
+FetiSolver::solveIncrement(std::vector<std::shared_ptr<const std::vector<double>>> loads,
+                           const std::vector<ConstraintRow>& rows, double tolerance, bool withDisplacement) {
+  requireOperators();
+  return increments_->solve({std::move(loads), rows, tolerance, withDisplacement},
+                            solution_ ? quality_.audit.largestDisplacement : 0.0);
+}
+
+void FetiSolver::exchangeStarts(qp::StateArchive<MultiVector>& archive) {
+  const Teuchos::RCP<const DualProblem> problem = pipeline_->currentProblem();
+  if (problem.is_null())
+    throw InputError("there is no dual problem yet, so no start for it can be set; call solve() first");
+  history_.exchange(archive, *problem);
+  increments_->exchange(archive, *problem);
+}
+
+const TornSolution& FetiSolver::solution() const {
+  if (!solution_)
+    throw InputError("there is no solution yet; call solve() first");
+  return *solution_;
+}
+
+long long FetiSolver::clusters() const {
+  const std::shared_ptr<const Clusters>& clusters = pipeline_->decided().inverses.clusters;
+  return clusters ? clusters->total() : 0;
+}
+
+} // namespace Harmos::feti
