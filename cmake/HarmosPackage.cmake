@@ -24,13 +24,15 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(harmos_setup_flags INTERFACE $<$<CONFIG:Release>:-Wno-maybe-uninitialized>)
 endif()
 
-# harmos_add_package(<name> SOURCES <files> [FOLDERS <f>...] [PUBLIC <targets>] [PRIVATE <targets>] [SETUP])
+# harmos_add_package(<name> SOURCES <files> [FOLDERS <f>...] [INTERNAL <headers>...] [PUBLIC <targets>]
+#                    [PRIVATE <targets>] [SETUP])
 #
 # Makes the library harmos_<name>, known to others as Harmos::<name>, and installs it with its headers. Headers lie in
 # src and in its FOLDERS; they are included and installed by their names alone, so that a file may move from folder to
-# folder. SETUP: there are no kernels among the sources, see harmos_setup_flags.
+# folder. INTERNAL: Harmos_<header>.hpp is not installed. SETUP: there are no kernels among the sources, see
+# harmos_setup_flags.
 function(harmos_add_package name)
-  cmake_parse_arguments(ARG "SETUP" "" "SOURCES;FOLDERS;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "SETUP" "" "SOURCES;FOLDERS;INTERNAL;PUBLIC;PRIVATE" ${ARGN})
   set(flags harmos_flags)
   if(ARG_SETUP)
     set(flags harmos_setup_flags)
@@ -38,6 +40,10 @@ function(harmos_add_package name)
   add_library(harmos_${name} ${ARG_SOURCES})
   add_library(Harmos::${name} ALIAS harmos_${name})
   list(TRANSFORM ARG_FOLDERS PREPEND src/ OUTPUT_VARIABLE folders)
+  set(internal "")
+  foreach(header IN LISTS ARG_INTERNAL)
+    list(APPEND internal PATTERN "Harmos_${header}.hpp" EXCLUDE)
+  endforeach()
   foreach(directory IN ITEMS src LISTS folders)
     target_include_directories(harmos_${name} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/${directory}>)
     set(below "")
@@ -51,7 +57,7 @@ function(harmos_add_package name)
       DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/harmos
       COMPONENT development
       FILES_MATCHING
-      PATTERN "Harmos_*.hpp" ${below})
+      PATTERN "Harmos_*.hpp" ${internal} ${below})
   endforeach()
   target_include_directories(harmos_${name} PUBLIC $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/harmos>)
   target_compile_features(harmos_${name} PUBLIC cxx_std_17)

@@ -132,23 +132,23 @@ void tell(const Answer& answer, const feti::SolveReport& solve, run::RunReport& 
   report.primalDimension = solver.system().primalDimension();
   report.kernelDimension = solver.system().kernelDimension();
   report.subdomains = solver.system().globalSubdomains();
-  report.dualDimension = solver.constraints().dualDimension();
-  report.inequalities = solver.constraints().inequalities();
-  report.limited = solver.constraints().limited();
-  report.coarseDimension = solver.coarse().dimension();
-  report.isCoarseDistributed = solver.coarse().isDistributed();
-  report.clusters = solver.clusters();
-  report.dualOperator = solver.dualOperatorText();
+  report.dualDimension = solver.constraints()->dualDimension();
+  report.inequalities = solver.constraints()->inequalities();
+  report.limited = solver.constraints()->limited();
+  report.coarseDimension = solver.pipeline().coarse()->dimension();
+  report.isCoarseDistributed = solver.pipeline().coarse()->isDistributed();
+  report.clusters = solver.pipeline().decided().clusters();
+  report.dualOperator = solver.pipeline().decided().describe();
   report.distinctFactorizations =
-      globalSum(answer.comm, static_cast<long long>(solver.inverses().distinctFactorizations()));
+      globalSum(answer.comm, static_cast<long long>(solver.pipeline().inverses()->distinctFactorizations()));
   report.roundedFactorizations =
-      globalSum(answer.comm, static_cast<long long>(solver.inverses().roundedFactorizations()));
-  report.localCondition = globalMax(answer.comm, solver.inverses().condition());
-  report.localDefect = globalMax(answer.comm, solver.inverses().defect());
+      globalSum(answer.comm, static_cast<long long>(solver.pipeline().inverses()->roundedFactorizations()));
+  report.localCondition = globalMax(answer.comm, solver.pipeline().inverses()->condition());
+  report.localDefect = globalMax(answer.comm, solver.pipeline().inverses()->defect());
   report.factorisations =
       globalSum(answer.comm, static_cast<long long>(solver.factorizations().factorizations));
   constexpr double mebi = 1048576.0;
-  report.dualOperatorMiB = globalSum(answer.comm, solver.inverses().bytes() / mebi);
+  report.dualOperatorMiB = globalSum(answer.comm, solver.pipeline().inverses()->bytes() / mebi);
   report.reachedTolerance = report.tolerance;
   report.audited = true;
   report.audit = solver.audit();

@@ -108,7 +108,7 @@ void ShapeRun::setUp() {
   std::ostringstream text;
   text << "Scene \"" << scene_.name << "\": " << solver_->system().globalSubdomains() << " subdomains on "
        << comm_->getSize() << (comm_->getSize() == 1 ? " rank" : " ranks") << ", "
-       << solver_->system().primalDimension() << " unknowns, " << solver_->constraints().inequalities()
+       << solver_->system().primalDimension() << " unknowns, " << solver_->constraints()->inequalities()
        << " contact points\nDesign of " << space_.size()
        << (deck_.kind == ShapeDeck::Kind::Gap ? " numbers: gaps" : " numbers: positions of nodes")
        << "; cost: "

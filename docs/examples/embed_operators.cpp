@@ -15,19 +15,19 @@ int main(int argc, char** argv) {
   return runOnHalves(argc, argv, [](const Teuchos::RCP<const Teuchos::Comm<int>>& comm, int half) {
     const TornMembrane membrane;
     const feti::FetiSolver feti(comm, membrane.subdomains(*comm, 1.0 + half, -1.0), {});
-    const Tpetra::Operator<Scalar, LocalOrdinal, GlobalOrdinal, Node>& f = feti.dualOperator();
-    MultiVector x(f.getDomainMap(), 1), y(f.getRangeMap(), 1);
+    const Teuchos::RCP<const feti::DualOperator> f = feti.dualOperator(); // a Tpetra::Operator
+    MultiVector x(f->getDomainMap(), 1), y(f->getRangeMap(), 1);
     {
       const auto view = x.getLocalViewHost(Tpetra::Access::OverwriteAll);
       for (std::size_t k = 0; k < view.extent(0); ++k)
-        view(k, 0) = 1.0 + static_cast<double>(f.getDomainMap()->getGlobalElement(static_cast<int>(k)) % 3);
+        view(k, 0) = 1.0 + static_cast<double>(f->getDomainMap()->getGlobalElement(static_cast<int>(k)) % 3);
     }
     double eigenvalue = 0.0;
     std::vector<double> norm(1);
     for (int k = 0; k < 200; ++k) { // power method
       x.norm2(Teuchos::arrayViewFromVector(norm));
       x.scale(1.0 / norm[0]);
-      f.apply(x, y);
+      f->apply(x, y);
       std::vector<double> product(1);
       x.dot(y, Teuchos::arrayViewFromVector(product));
       eigenvalue = product[0];

@@ -17,7 +17,7 @@ using namespace Harmos;
 /// x ← Π(x − s/‖A‖ (Ax − b)), for bounds alone; converges for every s in (0, 2), at the rate of the condition
 /// number (Goldstein 1964).
 class FixedStepGradient : public qp::TpetraSolverManager {
-  using Traits = qp::BoundTraits<Scalar, MultiVector>;
+  using Bounds = qp::BoundOps<Scalar, MultiVector>;
 
  public:
   std::string name() const override { return "Fixed Step Gradient"; }
@@ -51,7 +51,7 @@ class FixedStepGradient : public qp::TpetraSolverManager {
     double norm = problem_->hessianNorm();
     if (norm == 0.0) {
       MultiVector start(b.getMap(), 1);
-      Traits::setRandom(start);
+      Bounds::setRandom(start);
       norm = 1.05 * qp::estimateNorm<Scalar, MultiVector>(
                         [&](const MultiVector& v, MultiVector& w) { a.apply(v, w); }, start, 12,
                         counters.setupApplications);
@@ -63,12 +63,12 @@ class FixedStepGradient : public qp::TpetraSolverManager {
     MultiVector& x = *problem_->solution();
     MultiVector gradient(b.getMap(), 1), old(b.getMap(), 1);
     qp::LocalActiveSet active;
-    Traits::project(x, feasible);
+    Bounds::project(x, feasible);
     for (int k = 0;; ++k) {
       a.apply(x, gradient);
       gradient.update(-1.0, b, 1.0);
       ++counters.hessianApplications;
-      const qp::SplitSums sums = Traits::split(x, gradient, feasible, step, nullptr, active);
+      const qp::SplitSums sums = Bounds::split(x, gradient, feasible, step, nullptr, active);
 
       qp::IterationState<MultiVector> state;
       state.x = &x;
@@ -82,7 +82,7 @@ class FixedStepGradient : public qp::TpetraSolverManager {
       if (reason && (*reason != qp::Reason::Converged || accepted()))
         return stopFor(*reason, state);
 
-      Traits::projectedStep(x, old, gradient, step, feasible);
+      Bounds::projectedStep(x, old, gradient, step, feasible);
     }
   }
 };

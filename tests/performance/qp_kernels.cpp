@@ -3,6 +3,7 @@
 /// The vector part of a conjugate gradient step of MPRGP, fused (BoundTraits) against the same step composed
 /// of Belos' MultiVecTraits and one function for each definition; writes JSON, see README.md.
 
+#include "Harmos_BoundTraitsTpetra.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Qp.hpp"
 #include "Harmos_TrilinosVersion.hpp"
@@ -26,7 +27,7 @@ using namespace Harmos;
 namespace {
 
 using MVT = Belos::MultiVecTraits<Scalar, MultiVector>;
-using BT = qp::BoundTraits<Scalar, MultiVector>;
+using Bounds = qp::BoundOps<Scalar, MultiVector>;
 
 double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -42,13 +43,13 @@ double dot(const MultiVector& x, const MultiVector& y) {
 struct State {
   explicit State(const Teuchos::RCP<const Map>& map)
       : x(map, 1), g(map, 1), p(map, 1), image(map, 1), lower(map, 1) {
-    BT::setRandom(x);
-    BT::setRandom(g);
-    BT::setRandom(image);
+    Bounds::setRandom(x);
+    Bounds::setRandom(g);
+    Bounds::setRandom(image);
     const auto xs = x.getLocalViewHost(Tpetra::Access::ReadWrite);
     for (std::size_t i = 0; i < xs.extent(0); ++i)
       xs(i, 0) = i % 3 == 0 ? 0.0 : 1.0 + xs(i, 0) * xs(i, 0);
-    sums = BT::split(x, g, {&lower}, 1.0, &p, active);
+    sums = Bounds::split(x, g, {&lower}, 1.0, &p, active);
   }
   MultiVector x, g, p, image, lower;
   qp::LocalActiveSet active;
@@ -69,10 +70,10 @@ double damped(double beta) {
 constexpr double step = 1e-9, stepLength = 1.0;
 
 Outcome fused(State& s) {
-  const qp::CurvatureSums along = BT::curvature(s.g, s.p, s.image, s.active);
+  const qp::CurvatureSums along = Bounds::curvature(s.g, s.p, s.image, s.active);
   const double beta = damped((along.freeDotImage - step * along.freeImageNorm2) / along.directionDotImage);
   const qp::SplitSums sums =
-      BT::advance(s.x, s.g, s.p, s.image, step, beta, false, {&s.lower}, stepLength, s.p, s.active);
+      Bounds::advance(s.x, s.g, s.p, s.image, step, beta, false, {&s.lower}, stepLength, s.p, s.active);
   return {sums.freeNorm2, sums.choppedNorm2, sums.reducedNorm2, sums.longestStep};
 }
 

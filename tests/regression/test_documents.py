@@ -303,7 +303,7 @@ class Documents(unittest.TestCase):
         slender = performance_model.SLENDER.values()
         coefficients = "a = {} in the plane and {} in space, c = {} and {}".format(plane, space, *slender)
         self.assertIn(coefficients, page)
-        header = (ROOT / "packages/feti/src/dual/Harmos_ClusterModel.hpp").read_text(encoding="utf-8")
+        header = (ROOT / "packages/feti/src/model/Harmos_ClusterModel.hpp").read_text(encoding="utf-8")
         self.assertIn(f"plane = {plane}, space = {space};", header)
         self.assertIn("slenderInPlane = {}, slenderInSpace = {};".format(*slender), header)
 

@@ -9,7 +9,8 @@ headers of the tree. The list and the number of sources only shrink.
 What each class guards against:
 
     Includes   a header outside of the seam that reaches a heavy header, a header of the seam that
-               reaches none any more, more sources that reach one
+               reaches none any more, more sources that reach one; an installed header that includes
+               one that is not
     Planted    a check that finds nothing: one fault each of a small tree must be found
 """
 
@@ -28,7 +29,7 @@ HEAVY = re.compile(rf"(?:.*/)?(?:{LIBRARIES})(?!\w*(?:_fwd\.hpp|_config\.h)$)\w*
 FORWARD = "Harmos_TrilinosVersion.hpp"
 
 # Sources of packages and apps that reach a heavy header, at most.
-MOST_SOURCES = 54
+MOST_SOURCES = 53
 
 # Headers that reach one, without "Harmos_" and ".hpp".
 SEAM = {
@@ -41,7 +42,7 @@ SEAM = {
         NormEstimate_def PcpgSolver PcpgSolver_def PdasBalance_def PdasBeginning_def PdasSolver
         PdasSolver_def PdasSprings_def ProjectedCg ProjectedCgCoupled_def ProjectedCgStep_def
         ProjectedCg_def Qp QpProblem_def RowBasis SmalbeSolver SmalbeSolver_def SolverFactory
-        SolverFactory_def SolverManager SolverManager_def StatusTest TpetraViews VectorOps
+        SolverFactory_def SolverManager SolverManager_def StatusTest VectorOps
     """,
     "feti": """
         DeflatedOperators DualOperator DualPreconditioner EndomorphicOperator Feti FetiSolver MumpsSolver
@@ -116,7 +117,30 @@ def source_faults(source, most):
     ]
 
 
+INTERNAL = re.compile(r"\bINTERNAL ([\w\s]+?)\n  [A-Z]")
+
+
+def internal_faults(source, lists):
+    """Installed headers that include one that is not, and names of the lists that are no headers."""
+    internal = {f"Harmos_{name}.hpp" for text in lists for names in INTERNAL.findall(text) for name in names.split()}
+    headers = [file for file in files_of(source) if Path(file).suffix == ".hpp"]
+    faults = [f"{name}: is to be internal, and is no header"
+              for name in sorted(internal - {Path(file).name for file in headers})]
+    for file in headers:
+        if Path(file).name in internal:
+            continue
+        for _, name in layout.INCLUDE.findall(source.text(file)):
+            if name in internal:
+                faults.append(f"{file}: is installed, and includes {name}, which is not")
+    return faults
+
+
 class Includes(layout.Checks):
+    def test_internal_headers(self):
+        lists = [path.read_text(encoding="utf-8") for path in sorted(Path(__file__).resolve().parents[2].glob("packages/*/CMakeLists.txt"))]
+        self.assertGreaterEqual(sum(len(INTERNAL.findall(text)) for text in lists), 3)
+        self.assert_none(internal_faults(self.source, lists))
+
     def test_seam(self):
         self.assert_none(seam_faults(self.source, SEAM))
 
@@ -168,6 +192,14 @@ class Planted(unittest.TestCase):
             "2 sources reach a heavy header, more than 1:",
             "packages/qp/src/Harmos_A.cpp: Harmos_A.hpp -> Kokkos_Core.hpp",
             "packages/qp/src/Harmos_C.cpp: Harmos_B.inc -> Amesos2.hpp",
+        ])
+
+    def test_installed_header_that_includes_an_internal_one(self):
+        source = self.tree(A_hpp='"Harmos_B.hpp"', B_hpp='"Harmos_C.hpp"', C_hpp="<vector>")
+        lists = ["harmos_add_package(\n  qp\n  INTERNAL B C\n           D\n  PUBLIC Harmos::core)\n"]
+        self.assertEqual(internal_faults(source, lists), [
+            "Harmos_D.hpp: is to be internal, and is no header",
+            "packages/qp/src/Harmos_A.hpp: is installed, and includes Harmos_B.hpp, which is not",
         ])
 
     def test_headers_that_include_each_other(self):

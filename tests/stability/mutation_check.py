@@ -254,13 +254,13 @@ FAULTS = (
         "if (isWeak_[r] != 0 && !isAdjoint)", "if (isWeak_[r] > 1 && !isAdjoint)",
         ("unit_sensitivity",)),
     fault(
-        "increments that start from solutions", "packages/feti/src/solve/Harmos_FetiSolver.cpp",
-        "problem, increments_, rounding", "problem, history_, rounding", ("unit_feti",)),
+        "increments that move what is held", "packages/feti/src/pipeline/Harmos_DualPipeline.cpp",
+        "  system->setPrescribed(held);\n", "", ("unit_feti",)),
     fault(
         "rounding errors of gaps in adjoints", "packages/feti/src/torn/Harmos_ConstraintBounds.cpp",
         "  boundRounding_ = std::sqrt(sums[1]);\n", "", ("unit_sensitivity",)),
     fault(
-        "factors of shapes that moved", "packages/feti/src/solve/Harmos_FetiSolver.cpp",
+        "factors of shapes that moved", "packages/feti/src/pipeline/Harmos_DualPipeline.cpp",
         "!before.empty() && now[i] == before[i] ? 1 : 0", "!before.empty() ? 1 : 0", ("unit_feti",)),
 )
 

@@ -18,7 +18,6 @@
 #include "Harmos_InverseQuality.hpp"
 #include "Harmos_Partition.hpp"
 #include "Harmos_PlateMesh.hpp"
-#include "Harmos_SparseSolve.hpp"
 #include "Harmos_TestErrors.hpp"
 
 #include <gtest/gtest.h>
@@ -75,18 +74,24 @@ scene::Scene plate(const fem::BodyMesh& body, const std::vector<int>& part) {
 class HeldAt : public feti::LocalInverse {
  public:
   HeldAt(const LocalMatrix& matrix, const feti::Kernel& kernel, const std::vector<int>& dofs)
-      : solve_(feti::regularized(matrix, kernel, dofs), "MUMPS", feti::Precision::Double, 0.0),
+      : factor_(feti::makeLocalFactorization(feti::regularized(matrix, kernel, dofs), byMumps(),
+                                             std::make_shared<feti::FactorizationContext>())),
         block_(matrix, dofs) {}
-  void apply(double* x, int count) const override { solve_.solve(x, count); }
+  void apply(double* x, int count) const override { factor_->solve(x, count); }
   const feti::BoundaryOperator& boundaryOperator() const override { return block_; }
   std::shared_ptr<const feti::BoundaryOperator> schurComplement() const override { return nullptr; }
   double bytes() const override { return 0.0; }
-  void refactor(const LocalMatrix& matrix, const feti::Kernel&) override { solve_.refactor(matrix); }
+  void refactor(const LocalMatrix& matrix, const feti::Kernel&) override { factor_->refactor(matrix); }
   void roundSchurComplement() override {}
-  feti::FactorizationCounts counts() const override { return solve_.counts(); }
+  feti::FactorizationCounts counts() const override { return factor_->counts(); }
 
  private:
-  feti::SparseSolve solve_;
+  static feti::LocalFactorizationSettings byMumps() {
+    feti::LocalFactorizationSettings settings;
+    settings.solver.name = feti::SparseSolverChoice::mumps;
+    return settings;
+  }
+  std::unique_ptr<feti::LocalFactorization> factor_;
   feti::SparseOperator block_; // not asked for
 };
 

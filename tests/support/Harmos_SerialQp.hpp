@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-/// A serial vector and operator for the QP layer, as plain as can be: each function of BoundTraits is written
-/// from its definition, in passes of its own. Whole runs with it are the reference for the fused Tpetra
-/// kernels, and the proof that the layer works on types it has never heard of.
+/// A serial vector and operator for the QP layer, as plain as can be: each function of BoundOps and
+/// ActiveSetOps is written from its definition, in passes of its own. Whole runs with it are the reference
+/// for the fused Tpetra kernels, and the proof that the layer works on types it has never heard of.
 
-#include "Harmos_BoundKernels.hpp"
-#include "Harmos_BoundTraits.hpp"
+#include "Harmos_ActiveSetOps.hpp"
+#include "Harmos_BoundOps.hpp"
 #include "Harmos_DiscKernels.hpp"
-#include "Harmos_FollowingLimits.hpp"
-#include "Harmos_SecondOrderCones.hpp"
+#include "Harmos_FollowingOps.hpp"
 #include "Harmos_SerialVector.hpp"
 
 #include <algorithm>
@@ -24,6 +23,20 @@ namespace Harmos::qp {
 
 template<>
 struct BoundTraits<double, SerialVector> {
+  using V = SerialVector;
+  static std::size_t length(const V& v) { return v().size(); }
+  static const double* read(const V& v) { return v().data(); }
+  static double* write(V& v) { return v().data(); }
+  static long long globalIndex(const V&, std::size_t entry) { return static_cast<long long>(entry); }
+  static void sum(const V&, double*, int) {}
+  static void sumAndMin(const V&, double*, int, double&) {}
+  static double maximum(const V&, double value) { return value; }
+  static std::vector<double> gather(const V& v) { return v(); }
+  static void scatter(const std::vector<double>& values, V& v) { v() = values; }
+};
+
+// Sets from their definitions.
+struct SerialSets {
   using V = SerialVector;
   static constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -113,6 +126,16 @@ struct BoundTraits<double, SerialVector> {
     return step;
   }
 
+  static void moveToRim(V& x, const Disc& disc) {
+    const auto y = arm(x, disc);
+    const double factor = disc.radius / std::hypot(y[0], y[1]);
+    x()[place(disc.first)] = disc.centre[0] + factor * y[0];
+    x()[place(disc.second)] = disc.centre[1] + factor * y[1];
+  }
+};
+
+template<>
+struct BoundOps<double, SerialVector> : SerialSets {
   static SplitSums split(const V& x, const V& g, const Set& feasible, double stepLength, V* direction,
                          LocalActiveSet& active) {
     SplitSums sums;
@@ -227,12 +250,6 @@ struct BoundTraits<double, SerialVector> {
       sum += std::pow(phi(x, g, i, feasible) + beta(x, g, i, feasible), 2);
     return std::sqrt(sum);
   }
-  static void moveToRim(V& x, const Disc& disc) {
-    const auto y = arm(x, disc);
-    const double factor = disc.radius / std::hypot(y[0], y[1]);
-    x()[place(disc.first)] = disc.centre[0] + factor * y[0];
-    x()[place(disc.second)] = disc.centre[1] + factor * y[1];
-  }
   static void multiply(const V& w, V& v) {
     for (std::size_t i = 0; i < v().size(); ++i)
       v()[i] *= w()[i];
@@ -259,6 +276,76 @@ struct BoundTraits<double, SerialVector> {
         if (const auto y = arm(x, disc); std::hypot(y[0], y[1]) > disc.radius + rounding(disc))
           moveToRim(x, disc);
   }
+  static BoxInfimum boxInfimum(const V& like, const double* entries, const Set& feasible) {
+    return boxInfimum(V(std::vector<double>(entries, entries + like().size())), feasible);
+  }
+  static BoxInfimum boxInfimum(const V& w, const Set& feasible) {
+    BoxInfimum result;
+    for (std::size_t i = 0; i < w().size(); ++i) {
+      if (const Disc* disc = discOf(feasible, i)) {
+        const auto along = pairOf(w, *disc);
+        const std::size_t k = place(disc->first) == i ? 0 : 1;
+        const double length = std::hypot(along[0], along[1]);
+        const double rim = disc->centre[k] - (length > 0.0 ? disc->radius * along[k] / length : 0.0);
+        result.value += w()[i] * rim;
+        result.boundNorm = std::hypot(result.boundNorm, rim);
+        continue;
+      }
+      if (w()[i] == 0.0)
+        continue;
+      const double corner = w()[i] > 0.0 ? lowerOf(feasible, i) : upperOf(feasible, i);
+      if (std::isinf(corner)) {
+        result.openNorm = std::hypot(result.openNorm, w()[i]);
+      } else {
+        result.value += w()[i] * corner;
+        result.boundNorm = std::hypot(result.boundNorm, corner);
+      }
+    }
+    return result;
+  }
+  static double projectOntoRecessionCone(V& d, const Set& feasible) {
+    double removed = 0.0;
+    for (std::size_t i = 0; i < d().size(); ++i)
+      if (discOf(feasible, i) != nullptr || (d()[i] < 0.0 && lowerOf(feasible, i) > -infinity) ||
+          (d()[i] > 0.0 && upperOf(feasible, i) < infinity)) {
+        removed = std::hypot(removed, d()[i]);
+        d()[i] = 0.0;
+      }
+    return removed;
+  }
+  static bool isFit(const V& like, const LocalDiscs& discs) { return discs.length() == like().size(); }
+  static BoundFault findBoundFault(const V& like, const Set& feasible) {
+    for (std::size_t i = 0; i < like().size(); ++i) {
+      if (const Disc* disc = discOf(feasible, i); disc != nullptr && !(disc->radius >= 0.0))
+        return {true, static_cast<long long>(i), -disc->radius, disc->radius};
+      const double l = lowerOf(feasible, i), u = upperOf(feasible, i);
+      if (!(l <= u) || l == infinity || u == -infinity)
+        return {true, static_cast<long long>(i), l, u};
+    }
+    return {};
+  }
+  static void setRandom(V& x) {
+    // The start vector of a norm estimate: the same entries as Tpetra's, so that runs can be compared.
+    for (std::size_t i = 0; i < x().size(); ++i) {
+      std::uint64_t z = i + 0x9e3779b97f4a7c15ULL;
+      z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
+      z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
+      x()[i] = 2.0 * static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53 - 1.0;
+    }
+  }
+
+  // What projects onto cones of limits that follow, by the kernels of plain arrays.
+  static void clamp(const Set& feasible, std::size_t n, double* x) {
+    for (std::size_t i = 0; i < n; ++i)
+      x[i] = std::max(lowerOf(feasible, i), std::min(upperOf(feasible, i), x[i]));
+  }
+  static std::vector<double> localEntries(const V& v) { return v(); }
+  static void setLocalEntries(const std::vector<double>& entries, V& v) { v() = entries; }
+  static bool isFit(const V& like, const LocalSoftBounds& bounds) { return bounds.length() == like().size(); }
+};
+
+template<>
+struct ActiveSetOps<double, SerialVector> : SerialSets {
   static void maskActive(V& v, const LocalActiveSet& active) {
     for (std::size_t i = 0; i < active.size(); ++i)
       if (active[i] != 0 && active[i] != LocalActiveSet::slips)
@@ -328,38 +415,6 @@ struct BoundTraits<double, SerialVector> {
       x()[place(slip.first)] += (slip.radius - outwards) * slip.normal[0];
       x()[place(slip.second)] += (slip.radius - outwards) * slip.normal[1];
     }
-  }
-  using Followed = std::vector<FollowingLimit>;
-  // Limits that follow have no fused form: these are the kernels of plain arrays.
-  static void follow(const V& x, const V* g, const FollowUpdate& how, const Followed& limits, V& lower,
-                     V* upper, LocalDiscs* discs) {
-    Kernels::follow(limits, x().data(), g == nullptr ? nullptr : (*g)().data(), how, lower().data(),
-                    upper == nullptr ? nullptr : (*upper)().data(), discs);
-  }
-  static const double* dataOf(const V* v) { return v == nullptr ? nullptr : (*v)().data(); }
-  static FollowChange updateFollowing(const V& x, const V& g, const Set& feasible, const Followed& limits,
-                                      double stepLength, double gradientNoise, const LocalActiveSet& before,
-                                      LocalActiveSet& set) {
-    return Kernels::update(limits, x().data(), g().data(), dataOf(feasible.lower), dataOf(feasible.upper),
-                           feasible.discs, stepLength, gradientNoise, before, set);
-  }
-  static void addFollowing(const std::vector<FollowingEntry>& following, const V& x, V& y) {
-    Kernels::addFollowing(following, x().data(), y().data());
-  }
-  static void moveToFollowing(const std::vector<FollowingEntry>& following, const V& lower, V& x) {
-    Kernels::moveToFollowing(following, lower().data(), x().data());
-  }
-  static void moveToLimits(V& x, const Set& feasible, const Followed& limits, const LocalActiveSet& active) {
-    Kernels::moveToLimits(limits, dataOf(feasible.lower), dataOf(feasible.upper), feasible.discs, active,
-                          x().data());
-  }
-  static void limitsToVector(const Followed& limits, const Set& feasible, V& radii) {
-    std::fill(radii().begin(), radii().end(), 0.0);
-    Kernels::limitsToArray(limits, dataOf(feasible.upper), feasible.discs, radii().data());
-  }
-  static void vectorToLimits(const Followed& limits, const V& radii, V& lower, V* upper, LocalDiscs* discs) {
-    Kernels::arrayToLimits(limits, radii().data(), lower().data(),
-                           upper == nullptr ? nullptr : (*upper)().data(), discs);
   }
   static ActiveSetChange updateActiveSet(const V& x, const V& g, const Set& feasible, double xNoise,
                                          double gradientNoise, LocalActiveSet& set,
@@ -452,91 +507,6 @@ struct BoundTraits<double, SerialVector> {
       result += before.size() != set.size() || before[i] != set[i];
     return result;
   }
-
-  static void projectOntoCones(V& x, const Set& feasible, const Followed& limits) {
-    const Kernels::Cones before = Kernels::conesOf(limits, x().data(), feasible.discs);
-    project(x, feasible);
-    Kernels::projectOntoCones(before, limits, dataOf(feasible.lower), feasible.discs, x().data());
-  }
-  static Kernels::SecondOrderCones conesOf(const Set& feasible, const V& like, const Followed* limits) {
-    return {like().size(), feasible.lower == nullptr ? nullptr : (*feasible.lower)().data(),
-            feasible.upper == nullptr ? nullptr : (*feasible.upper)().data(),
-            feasible.discs == nullptr ? nullptr : &feasible.discs->discs(), limits};
-  }
-  static void read(const V& v, const std::function<void(const double*)>& use) { use(v().data()); }
-  static void write(V& v, const std::function<void(double*)>& use) { use(v().data()); }
-  static void sum(const V&, double*, int) {}
-  static bool isFit(const V& like, const LocalSoftBounds& bounds) { return bounds.length() == like().size(); }
-  static std::vector<double> localEntries(const V& v) { return v(); }
-  static void setLocalEntries(const std::vector<double>& entries, V& v) { v() = entries; }
-
-  static BoxInfimum coneInfimum(const V& w, const Set& feasible, const Followed& limits) {
-    V others = w;
-    double sums[3] = {0, 0, 0};
-    Kernels::takeConeInfimum(limits, dataOf(feasible.lower), feasible.discs, others().data(), sums);
-    BoxInfimum result = boxInfimum(others, feasible);
-    result.value += sums[0];
-    result.openNorm = std::hypot(result.openNorm, std::sqrt(sums[1]));
-    result.boundNorm = std::hypot(result.boundNorm, std::sqrt(sums[2]));
-    return result;
-  }
-  static BoxInfimum boxInfimum(const V& w, const Set& feasible) {
-    BoxInfimum result;
-    for (std::size_t i = 0; i < w().size(); ++i) {
-      if (const Disc* disc = discOf(feasible, i)) {
-        const auto along = pairOf(w, *disc);
-        const std::size_t k = place(disc->first) == i ? 0 : 1;
-        const double length = std::hypot(along[0], along[1]);
-        const double rim = disc->centre[k] - (length > 0.0 ? disc->radius * along[k] / length : 0.0);
-        result.value += w()[i] * rim;
-        result.boundNorm = std::hypot(result.boundNorm, rim);
-        continue;
-      }
-      if (w()[i] == 0.0)
-        continue;
-      const double corner = w()[i] > 0.0 ? lowerOf(feasible, i) : upperOf(feasible, i);
-      if (std::isinf(corner)) {
-        result.openNorm = std::hypot(result.openNorm, w()[i]);
-      } else {
-        result.value += w()[i] * corner;
-        result.boundNorm = std::hypot(result.boundNorm, corner);
-      }
-    }
-    return result;
-  }
-  static double projectOntoRecessionCone(V& d, const Set& feasible) {
-    double removed = 0.0;
-    for (std::size_t i = 0; i < d().size(); ++i)
-      if (discOf(feasible, i) != nullptr || (d()[i] < 0.0 && lowerOf(feasible, i) > -infinity) ||
-          (d()[i] > 0.0 && upperOf(feasible, i) < infinity)) {
-        removed = std::hypot(removed, d()[i]);
-        d()[i] = 0.0;
-      }
-    return removed;
-  }
-  static bool isFit(const V& like, const LocalDiscs& discs) { return discs.length() == like().size(); }
-  static BoundFault findBoundFault(const V& like, const Set& feasible) {
-    for (std::size_t i = 0; i < like().size(); ++i) {
-      if (const Disc* disc = discOf(feasible, i); disc != nullptr && !(disc->radius >= 0.0))
-        return {true, static_cast<long long>(i), -disc->radius, disc->radius};
-      const double l = lowerOf(feasible, i), u = upperOf(feasible, i);
-      if (!(l <= u) || l == infinity || u == -infinity)
-        return {true, static_cast<long long>(i), l, u};
-    }
-    return {};
-  }
-  static void setRandom(V& x) {
-    // The start vector of a norm estimate: the same entries as Tpetra's, so that runs can be compared.
-    for (std::size_t i = 0; i < x().size(); ++i) {
-      std::uint64_t z = i + 0x9e3779b97f4a7c15ULL;
-      z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-      z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-      x()[i] = 2.0 * static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53 - 1.0;
-    }
-  }
-  static std::vector<double> gather(const V& v) { return v(); }
-  static void scatter(const std::vector<double>& values, V& v) { v() = values; }
-  static double maximum(const V&, double value) { return value; }
 };
 
 } // namespace Harmos::qp

@@ -120,7 +120,7 @@ std::optional<std::vector<double>> GapProfile::reclosed(const std::vector<double
     return std::nullopt;
   const Teuchos::Comm<int>& comm = commOf(solver_);
   const std::vector<double> residuals =
-      solver_.constraints().givenResiduals(solver_.displacement(), *solver_.solution().multiplier);
+      solver_.constraints()->givenResiduals(solver_.displacement(), *solver_.solution().multiplier);
   std::vector<ConstraintRow> rows = rows_;
   std::vector<char> isOpen(rows.size(), 0);
   std::vector<double> sums(3, 0.0); // open points, force, area

@@ -37,7 +37,7 @@ Sensitivities::Sensitivities(feti::FetiSolver& solver, const std::vector<Constra
                      solver.report().reason);
   const std::vector<double> forces = solver.rowForces();
   const std::vector<double> residuals =
-      solver.constraints().givenResiduals(solver.displacement(), *solver.solution().multiplier);
+      solver.constraints()->givenResiduals(solver.displacement(), *solver.solution().multiplier);
   double largest = 0.0;
   long long limited = 0;
   for (std::size_t r = 0; r < rows.size(); ++r) {

@@ -32,7 +32,7 @@ double norm(const MultiVector& x, std::size_t column) {
 }
 
 bool hasInequalities(const feti::FetiSolver& solver) {
-  return solver.constraints().inequalities() + solver.constraints().limited() > 0;
+  return solver.constraints()->inequalities() + solver.constraints()->limited() > 0;
 }
 
 } // namespace

@@ -396,7 +396,7 @@ Deviation deviation(const ReferenceSolution& reference, const feti::TornVector& 
 }
 
 Deviation deviation(const ReferenceSolution& reference, const feti::FetiSolver& solver) {
-  std::vector<double> force(static_cast<std::size_t>(solver.constraints().inequalities()), 0.0);
+  std::vector<double> force(static_cast<std::size_t>(solver.constraints()->inequalities()), 0.0);
   const feti::ContactState state = solver.contact();
   for (std::size_t k = 0; k < state.row.size(); ++k)
     force[static_cast<std::size_t>(state.row[k])] = state.force[k];

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_BoundTraitsTpetra.hpp"
 #include "Harmos_Constraints.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
@@ -346,7 +347,7 @@ TEST(Constraints, transpose_is_the_transpose) {
   const SubdomainSystem system(testComm(), model.subdomains, DirichletForm::Dual);
   const Constraints constraints(system, model.rows);
   MultiVector lambda(constraints.rowMap(), 1), y(constraints.rowMap(), 1);
-  qp::BoundTraits<Scalar, MultiVector>::setRandom(lambda);
+  qp::BoundOps<Scalar, MultiVector>::setRandom(lambda);
   TornVector u = system.zeroVector();
   double right = 0.0;
   const std::vector<double> overlap = constraints.toOverlap(lambda);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_BoundTraitsTpetra.hpp"
 #include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_TestFeti.hpp"
@@ -225,7 +226,7 @@ TEST(DualPreconditioner, both_forms_give_the_same) {
                                PreconditionerScaling::Multiplicity);
     MultiVector x(condensed.constraints.rowMap(), 1), y(condensed.constraints.rowMap(), 1),
         z(condensed.constraints.rowMap(), 1);
-    qp::BoundTraits<Scalar, MultiVector>::setRandom(x);
+    qp::BoundOps<Scalar, MultiVector>::setRandom(x);
     a.apply(x, y);
     b.apply(x, z);
     const std::vector<double> first = fromVector(y), second = fromVector(z);

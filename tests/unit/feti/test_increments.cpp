@@ -397,7 +397,7 @@ TEST(Increments, statuses_of_bounds_themselves) {
   ASSERT_TRUE(solver.solve().converged);
   const std::vector<double> turned = solver.rowForces();
   const std::vector<double> residuals =
-      solver.constraints().givenResiduals(solver.displacement(), *solver.solution().multiplier);
+      solver.constraints()->givenResiduals(solver.displacement(), *solver.solution().multiplier);
   double pull = 0.0, penetration = 0.0, error = 0.0;
   for (std::size_t r = 0; r < rows.size(); ++r)
     if (rows[r].status == Status::Closed) {
@@ -446,9 +446,9 @@ TEST(Increments, products_with_given_rows) {
         }
       globalSum(*testComm(), sums);
       globalSum(*testComm(), counts);
-      const std::vector<double> products = solver.constraints().givenProducts(u);
+      const std::vector<double> products = solver.constraints()->givenProducts(u);
       const std::vector<double> residuals =
-          solver.constraints().givenResiduals(u, *solver.solution().multiplier);
+          solver.constraints()->givenResiduals(u, *solver.solution().multiplier);
       ASSERT_EQ(products.size(), model.rows.size());
       for (std::size_t r = 0; r < model.rows.size(); ++r) {
         double expected = 0.0, size = 0.0;

@@ -88,7 +88,7 @@ feti::TornSolution tampered(const feti::FetiSolver& solver, double factor) {
   {
     const auto view = multiplier->getLocalViewHost(Tpetra::Access::ReadWrite);
     for (std::size_t r = 0; r < view.extent(0); ++r)
-      if (solver.constraints().rowType(static_cast<int>(r)) == feti::RowType::Limited)
+      if (solver.constraints()->rowType(static_cast<int>(r)) == feti::RowType::Limited)
         view(r, 0) *= factor;
   }
   solution.multiplier = multiplier;
@@ -115,17 +115,17 @@ TEST(LimitedRows, audit_finds_faults) {
       slips += std::abs(slip) > 1e-6 ? 1 : 0;
     slips = globalSum(*testComm(), slips);
     EXPECT_GT(slips, 0);
-    EXPECT_LT(slips, solver.constraints().limited());
+    EXPECT_LT(slips, solver.constraints()->limited());
 
-    const feti::KktAudit turned = feti::audit(solver.system(), solver.constraints(), tampered(solver, -1.0));
+    const feti::KktAudit turned = feti::audit(solver.system(), *solver.constraints(), tampered(solver, -1.0));
     EXPECT_FALSE(feti::auditAgrees(turned, limits()));
     EXPECT_LT(turned.frictionWork, 0.0);
     EXPECT_GT(turned.slipError, 1e-3 * turned.largestDisplacement);
-    const feti::KktAudit strong = feti::audit(solver.system(), solver.constraints(), tampered(solver, 1.01));
+    const feti::KktAudit strong = feti::audit(solver.system(), *solver.constraints(), tampered(solver, 1.01));
     EXPECT_FALSE(feti::auditAgrees(strong, limits()));
     EXPECT_NEAR(strong.limitExcess, 0.01 * small, 1e-10);
     // Less than the limit, and slips all the same.
-    const feti::KktAudit weak = feti::audit(solver.system(), solver.constraints(), tampered(solver, 0.99));
+    const feti::KktAudit weak = feti::audit(solver.system(), *solver.constraints(), tampered(solver, 0.99));
     EXPECT_FALSE(feti::auditAgrees(weak, limits()));
     EXPECT_GT(weak.slipError, 1e-3 * weak.largestDisplacement);
   }
@@ -167,7 +167,7 @@ TEST(LimitedRows, coefficients_are_of_given_rows) {
       slips += std::abs(slip) > 1e-6 * length ? 1 : 0;
     slips = globalSum(*testComm(), slips);
     EXPECT_GT(slips, 0);
-    EXPECT_LT(slips, solver.constraints().limited());
+    EXPECT_LT(slips, solver.constraints()->limited());
     energy = length == 1.0 ? solver.audit().energy : energy;
     EXPECT_NEAR(solver.audit().energy, energy, 1e-8 * std::abs(energy)) << length;
   }

@@ -41,7 +41,7 @@ TEST(Reactions, balance_the_loads) {
     EXPECT_GT(sums[2], 0.0);
     EXPECT_NEAR(sums[0], -sums[1], 1e3 * tolerance * sums[2]) << dirichlet;
 
-    std::vector<double> byRow(static_cast<std::size_t>(solver.constraints().inequalities()), 0.0);
+    std::vector<double> byRow(static_cast<std::size_t>(solver.constraints()->inequalities()), 0.0);
     std::vector<double> byState = byRow;
     const std::vector<double> forces = solver.rowForces();
     ASSERT_EQ(forces.size(), model.rows.size());

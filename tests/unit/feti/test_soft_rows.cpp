@@ -145,7 +145,7 @@ TEST(SoftRows, answers_of_a_dense_solver) {
         const feti::SolveReport& report = solver.solve();
         ASSERT_TRUE(report.converged) << what << ": " << report.reason;
         EXPECT_EQ(report.solver, "PDAS");
-        EXPECT_FALSE(solver.constraints().hasDiscs() || solver.constraints().hasIntervals());
+        EXPECT_FALSE(solver.constraints()->hasDiscs() || solver.constraints()->hasIntervals());
         expectAnswer(solver, model, what);
         const Counts counts = countsOf(solver);
         EXPECT_GT(counts.pulled, 0) << what;
@@ -188,7 +188,7 @@ TEST(SoftRows, two_directions_of_different_softness) {
     feti::FetiSolver solver(testComm(), model.subdomains, model.rows, parametersOf(weights));
     const feti::SolveReport& report = solver.solve();
     ASSERT_TRUE(report.converged) << report.reason;
-    EXPECT_FALSE(solver.constraints().hasDiscs() || solver.constraints().hasIntervals());
+    EXPECT_FALSE(solver.constraints()->hasDiscs() || solver.constraints()->hasIntervals());
     expectAnswer(solver, model, weights);
     for (ConstraintRow& row : model.rows)
       if (row.kind == ConstraintRow::Kind::Limited && row.number >= points)
@@ -279,8 +279,8 @@ TEST(SoftRows, softness_changes_and_goes) {
       changes[k](row, row.disc >= 0 ? row.disc : row.number);
     }
     solver.setBounds(model.rows);
-    EXPECT_EQ(solver.constraints().hasSoft(), k != 2);
-    EXPECT_EQ(solver.constraints().hasDiscs(), k == 1 || k == 2);
+    EXPECT_EQ(solver.constraints()->hasSoft(), k != 2);
+    EXPECT_EQ(solver.constraints()->hasDiscs(), k == 1 || k == 2);
     feti::FetiSolver fresh(testComm(), model.subdomains, model.rows, parametersOf("auto"));
     const feti::SolveReport &report = solver.solve(), &other = fresh.solve();
     EXPECT_EQ(report.converged, other.converged) << k << ": " << other.reason;
@@ -345,11 +345,11 @@ TEST(SoftRows, audit_finds_faults) {
     {
       const auto view = multiplier->getLocalViewHost(Tpetra::Access::ReadWrite);
       for (std::size_t r = 0; r < view.extent(0); ++r)
-        if (solver.constraints().rowType(static_cast<int>(r)) == type && view(r, 0) < 0.0)
+        if (solver.constraints()->rowType(static_cast<int>(r)) == type && view(r, 0) < 0.0)
           view(r, 0) *= 1.01;
     }
     solution.multiplier = multiplier;
-    const feti::KktAudit wrong = feti::audit(solver.system(), solver.constraints(), solution);
+    const feti::KktAudit wrong = feti::audit(solver.system(), *solver.constraints(), solution);
     EXPECT_FALSE(feti::auditAgrees(wrong, limits));
     EXPECT_GT(wrong.springError, 1e-4 * wrong.largestDisplacement);
   }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_BoundTraitsTpetra.hpp"
 #include "Harmos_EqualityRows_def.hpp"
 #include "Harmos_FirstActiveSet.hpp"
 #include "Harmos_RandomQp.hpp"
@@ -32,7 +33,7 @@ std::vector<double> guessOf(const SmallQp& qp, bool* found = nullptr) {
     EXPECT_TRUE(has);
   EXPECT_EQ(counters.hessianApplications, 0);
   MultiVector states(distributed.map, 1);
-  BoundTraits<Scalar, MultiVector>::activeToVector(set, states);
+  ActiveSetOps<Scalar, MultiVector>::activeToVector(set, states);
   const std::vector<double> result = fromVector(states);
   EXPECT_EQ(active, std::count_if(result.begin(), result.end(), [](double side) { return side != 0.0; }));
   return result;

@@ -185,18 +185,20 @@ class SolverClient : public Client {
       }
       list.sublist("Solver").set("Tolerance", tolerance).set("Progress frequency", 0);
       auto result = std::make_unique<feti::FetiSolver>(testComm(), subdomains, contact.rows, list);
-      result->setErrorEstimate([this](const feti::TornVector& displacement) {
+      feti::AnswerCriteria criteria;
+      criteria.estimate = [this](const feti::TornVector& displacement) {
         return run::estimateDiscretisationError(*testComm(), scene, owned, displacement,
                                                 scene.timeline.ends().front());
-      });
-      const std::vector<int> one(contact.rows.size(), 0);
-      result->setRowGroups(one, {"contact"});
+      };
+      criteria.groups = {"contact"};
+      criteria.groupOf.assign(contact.rows.size(), 0);
+      result->judgeBy(criteria);
       return result;
     }
     Answer answer(feti::FetiSolver& solver) const {
       const feti::SolveReport& report = solver.solve();
-      const bool isSingle = solver.dualOperatorText().find("single") != std::string::npos;
-      return {report, solver.quality(), solver.clusters(), isSingle,
+      return {report, solver.quality(), solver.pipeline().decided().clusters(),
+              solver.pipeline().decided().isSingle(),
               solver.hasSolution() ? solver.displacement() : feti::TornVector()};
     }
 

@@ -66,7 +66,7 @@ struct WeakCase {
   // What is left between bodies, by the numbers of the design.
   std::vector<double> gapsOf() {
     std::vector<double> residuals =
-        solver().constraints().givenResiduals(solver().displacement(), *solver().solution().multiplier);
+        solver().constraints()->givenResiduals(solver().displacement(), *solver().solution().multiplier);
     for (double& residual : residuals)
       residual = -residual;
     return model.transposed(residuals);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_CoarseModel.hpp"
 #include "Harmos_PivotedCholesky.hpp"
 #include "Harmos_SparseCholesky.hpp"
 
@@ -13,7 +14,7 @@ namespace Harmos::feti {
 class CoarseFactor {
  public:
   /// Matrices up to this order are dense.
-  static constexpr int mostDense = 200;
+  static constexpr int mostDense = mostDenseCoarseRows;
 
   CoarseFactor() = default;
   /// @param rows, columns, values the lower triangle, each place once.

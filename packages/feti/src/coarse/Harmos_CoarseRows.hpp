@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_BoundTraits.hpp"
+#include "Harmos_BoundTypes.hpp"
 #include "Harmos_Constraints.hpp"
 #include "Harmos_RigidMotions.hpp"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_DistributedCoarse.hpp"
 
-#include "Harmos_BoundTraits.hpp"
+#include "Harmos_BoundTraitsTpetra.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Log.hpp"
@@ -279,7 +279,7 @@ Teuchos::RCP<const qp::FaceGramMaker<MultiVector>> DistributedCoarse::faceGram()
 // What P leaves of a vector of the range of G̃ᵀ, which it should take away.
 double DistributedCoarse::measuredInaccuracy() const {
   MultiVector v(dualMap_, 1);
-  qp::BoundTraits<Scalar, MultiVector>::setRandom(v);
+  qp::BoundOps<Scalar, MultiVector>::setRandom(v);
   const std::vector<double> s = multiply(v); // of no special direction
   v.putScalar(0.0);
   addTransposed(1.0, s, v);

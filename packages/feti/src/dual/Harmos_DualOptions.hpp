@@ -57,6 +57,10 @@ struct DualOptions {
     LocalInverseOptions inverses;
     PreconditionerKind preconditioner;
     DualForms forms() const { return {inverses.form, preconditioner}; }
+    /// Whether local factors are in single precision, as asked for.
+    bool isSingle() const { return inverses.precision == Precision::Single; }
+    /// That subdomains are joined to, of all ranks; 0: none.
+    long long clusters() const { return inverses.clusters ? inverses.clusters->total() : 0; }
     /// "condensed, double, Dirichlet preconditioner": for a summary.
     std::string describe() const;
   };

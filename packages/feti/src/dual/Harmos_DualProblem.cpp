@@ -242,6 +242,12 @@ DualProblem::DualProblem(const SubdomainSystem& system, const Constraints& const
   makeBounds(constraints);
 }
 
+Teuchos::RCP<MultiVector> DualProblem::total(const MultiVector& lambda) const {
+  const auto result = Teuchos::rcp(new MultiVector(lambda, Teuchos::Copy));
+  result->update(1.0, *shift_, 1.0);
+  return result;
+}
+
 void DualProblem::makeBounds(const Constraints& constraints) {
   constexpr double none = std::numeric_limits<double>::infinity();
   const auto makeBound = [&](auto&& boundOf) {

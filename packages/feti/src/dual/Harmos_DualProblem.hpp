@@ -62,6 +62,8 @@ class DualProblem {
   Teuchos::RCP<const Operator> equalityRows() const { return equalityRows_; }
   /// λ̃.
   Teuchos::RCP<const MultiVector> shift() const { return shift_; }
+  /// λ + λ̃.
+  Teuchos::RCP<MultiVector> total(const MultiVector& lambda) const;
   /// ‖(G̃G̃ᵀ)⁻¹ẽ‖.
   double scaledLoadNorm() const { return scaledLoadNorm_; }
   /// Clusters::fingerprint() of those that it was made with; 0: none. λ and d are those of one set of

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_LocalInverse.hpp"
 
-#include "Harmos_Condensation.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_FixingDofs.hpp"
 
@@ -53,13 +52,13 @@ class SchurBySolves : public BoundaryOperator {
                 Precision precision, std::shared_ptr<FactorizationContext> context)
       : boundary_(std::move(boundary)), rows_(static_cast<std::size_t>(matrix.rows())) {
     split(matrix);
-    SparseFactorSettings settings;
+    LocalFactorizationSettings settings;
     settings.solver = solver;
     settings.precision = precision;
     settings.isRefined = false;
-    settings.absent = boundary_;
+    settings.boundary = boundary_;
     settings.ends = coupling_.columns;
-    interior_ = makeSparseFactor(matrix, settings, std::move(context));
+    interior_ = makeLocalFactorization(matrix, settings, std::move(context));
   }
 
   void refactor(const LocalMatrix& matrix) {
@@ -115,7 +114,7 @@ class SchurBySolves : public BoundaryOperator {
   std::size_t rows_;
   std::unique_ptr<SparseOperator> block_;
   LocalMatrix coupling_;
-  std::unique_ptr<SparseFactor> interior_;
+  std::unique_ptr<LocalFactorization> interior_;
   mutable std::vector<double> interiorLoad_;
 };
 
@@ -129,11 +128,11 @@ class ImplicitInverse : public LocalInverse {
         context_(std::move(context)),
         boundary_(*this, std::move(boundary)) {
     hold(kernel);
-    SparseFactorSettings factor;
+    LocalFactorizationSettings factor;
     factor.solver = solver_;
     factor.precision = settings.precision;
     factor.ends = boundary_.boundary();
-    factor_ = makeSparseFactor(definite(), factor, context_);
+    factor_ = makeLocalFactorization(definite(), factor, context_);
   }
 
   void apply(double* x, int count) const override {
@@ -275,7 +274,7 @@ class ImplicitInverse : public LocalInverse {
   bool isRounded_ = false; ///< L
   bool isSchurRounded_ = false;
   FactorizationCounts spent_; ///< on an S that is no more
-  std::unique_ptr<SparseFactor> factor_;
+  std::unique_ptr<LocalFactorization> factor_;
   mutable std::shared_ptr<SchurBySolves> schur_; ///< made when it is asked for
 };
 
@@ -308,8 +307,6 @@ class CondensedInverse : public LocalInverse {
         columns_(columns),
         settings_(settings),
         context_(std::move(context)) {
-    if (b_ < n_)
-      interior_ = makeCondensation(settings.solver, boundary, context_);
     make(matrix, kernel);
   }
 
@@ -364,7 +361,7 @@ class CondensedInverse : public LocalInverse {
   void make(const LocalMatrix& matrix, const Kernel& kernel) {
     matrix_ = &matrix;
     late_.reset();
-    std::vector<double> s = interior_ ? interior_->condense(matrix) : whole(matrix);
+    std::vector<double> s = b_ < n_ ? condensed(matrix) : whole(matrix);
     if (settings_.keepSchur)
       schur_ = std::make_shared<DenseOperator>(s, b_, settings_.precision, columns_);
     if (kernel.columns > 0) {
@@ -388,6 +385,19 @@ class CondensedInverse : public LocalInverse {
     inverse_ = std::make_unique<DenseOperator>(std::move(s), b_, settings_.precision, columns_);
   }
 
+  std::vector<double> condensed(const LocalMatrix& matrix) {
+    if (interior_ != nullptr) {
+      interior_->refactor(matrix);
+    } else {
+      LocalFactorizationSettings factor; // in double: what is rounded is S⁺
+      factor.solver = settings_.solver;
+      factor.use = LocalFactorizationSettings::Boundary::Condensed;
+      factor.boundary = boundary_;
+      interior_ = makeLocalFactorization(matrix, factor, context_);
+    }
+    return interior_->takeSchurComplement();
+  }
+
   std::vector<double> whole(const LocalMatrix& matrix) const {
     std::vector<double> result(static_cast<std::size_t>(n_) * static_cast<std::size_t>(n_), 0.0);
     for (std::size_t i = 0; i + 1 < matrix.offsets.size(); ++i)
@@ -402,7 +412,7 @@ class CondensedInverse : public LocalInverse {
   std::vector<int> boundary_;
   int columns_;
   LocalInverseSettings settings_;
-  std::unique_ptr<Condensation> interior_; ///< of i; null if there is none
+  std::unique_ptr<LocalFactorization> interior_; ///< of i; null if there is none
   std::unique_ptr<DenseOperator> inverse_;
   std::shared_ptr<DenseOperator> schur_;
   const LocalMatrix* matrix_ = nullptr;

@@ -3,8 +3,8 @@
 
 #include "Harmos_BoundaryOperator.hpp"
 #include "Harmos_Kernel.hpp"
+#include "Harmos_LocalFactorization.hpp"
 #include "Harmos_LocalMatrix.hpp"
-#include "Harmos_SparseFactor.hpp"
 
 #include <memory>
 #include <vector>

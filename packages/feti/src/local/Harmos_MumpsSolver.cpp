@@ -30,6 +30,8 @@ class MumpsSolver : public Amesos2::SolverCore<MumpsSolver, Matrix, Vector>, pub
       : Core(matrix, x, b) {}
 
   void setSchurRows(std::vector<int> rows) override { schurRows_ = std::move(rows); }
+  void setOrdering(std::vector<int> position) override { position_ = std::move(position); }
+  std::vector<int> ordering() const override { return factored().ordering(); }
   std::vector<double> schurComplement() override { return factored().schurComplement(); }
   void condense(double* rightHandSides, double* reduced, int count) override {
     factored().condense(rightHandSides, reduced, count);
@@ -53,14 +55,18 @@ class MumpsSolver : public Amesos2::SolverCore<MumpsSolver, Matrix, Vector>, pub
   int symbolicFactorization_impl() {
     const auto mpi = Teuchos::rcp_dynamic_cast<const Teuchos::MpiComm<int>>(this->getComm());
     HARMOS_REQUIRE(!mpi.is_null(), "the MUMPS solver needs a matrix on an MPI communicator");
-    mumps_ = std::make_unique<Mumps>(*mpi->getRawMpiComm(), options_);
+    MumpsOptions options = options_;
+    if (!position_.empty())
+      options.ordering = MumpsOptions::Ordering::Given;
+    mumps_ = std::make_unique<Mumps>(*mpi->getRawMpiComm(), options);
     std::vector<int> rows, columns;
     if (this->root_)
       forEachEntry([&](int i, int j, double) {
         rows.push_back(i + 1);
         columns.push_back(j + 1);
       });
-    mumps_->analyse(static_cast<int>(this->globalNumRows_), std::move(rows), std::move(columns), schurRows_);
+    mumps_->analyse(static_cast<int>(this->globalNumRows_), std::move(rows), std::move(columns), schurRows_,
+                    position_);
     return 0;
   }
 
@@ -175,7 +181,7 @@ class MumpsSolver : public Amesos2::SolverCore<MumpsSolver, Matrix, Vector>, pub
   using Offsets = Kokkos::View<SizeType*, Host>;
 
   MumpsOptions options_;
-  std::vector<int> schurRows_;
+  std::vector<int> schurRows_, position_;
   std::unique_ptr<Mumps> mumps_;
   Values values_;
   Columns columns_;

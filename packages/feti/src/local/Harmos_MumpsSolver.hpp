@@ -23,6 +23,10 @@ class MumpsExtras {
   /// Before the symbolic factorisation: rows b, zero-based, to which the Schur complement condenses. A solve
   /// then answers with x_b = 0 and x_i = A_ii⁻¹f_i.
   virtual void setSchurRows(std::vector<int> rows) = 0;
+  /// Likewise: an order of elimination, as ordering() of a matrix with the same pattern and Schur rows;
+  /// empty: by the parameter "Ordering".
+  virtual void setOrdering(std::vector<int> position) = 0;
+  virtual std::vector<int> ordering() const = 0;
   /// S = A_bb − A_bi A_ii⁻¹ A_ib, whole, column after column; once after each numerical factorisation.
   virtual std::vector<double> schurComplement() = 0;
   /// g = f_b − A_bi A_ii⁻¹f_i of count right-hand sides. @param reduced count columns of b's length.

@@ -2,13 +2,24 @@
 #include "Harmos_DualPipeline.hpp"
 
 #include "Harmos_Agreement.hpp"
+#include "Harmos_CoarseForms.hpp"
 #include "Harmos_DualOperator.hpp"
 #include "Harmos_DualPreconditioner.hpp"
 #include "Harmos_Exchange.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 namespace Harmos::feti {
+namespace {
+
+// Keeps what an object refers to, as long as somebody has the object.
+template<class T, class... Others>
+Teuchos::RCP<T> keeping(T* made, const Teuchos::RCP<Others>&... others) {
+  return Teuchos::rcpWithEmbeddedObjPostDestroy(made, std::make_tuple(others...));
+}
+
+} // namespace
 
 DualPipeline::DualPipeline(SubdomainSystem system, const std::vector<ConstraintRow>& rows,
                            const DualOptions& options, const ProblemTraits& traits, const Log& log,
@@ -45,7 +56,7 @@ void DualPipeline::constrain(const std::vector<ConstraintRow>& rows) {
   {
     const auto scope = during(PipelineStage::Constraints);
     made_.constraints =
-        Teuchos::rcp(new Constraints(*made_.system, rows, options_.weightsFor(traits_.contrast)));
+        keeping(new Constraints(*made_.system, rows, options_.weightsFor(traits_.contrast)), made_.system);
     double rounding = 0.0;
     for (const ConstraintRow& row : rows)
       rounding = std::max(rounding, row.rounding);
@@ -88,9 +99,10 @@ void DualPipeline::measureInverses() {
 void DualPipeline::makeCoarse() {
   {
     const auto scope = during(PipelineStage::Coarse);
-    made_.coarse = Teuchos::rcp(
-        makeCoarseSpace(motionsOf(*made_.system, *made_.inverses), *made_.constraints, options_.coarse)
-            .release());
+    std::unique_ptr<CoarseSpace> coarse =
+        makeCoarseSpace(motionsOf(*made_.system, *made_.inverses), *made_.constraints, options_.coarse);
+    made_.coarse =
+        keeping<const CoarseSpace>(coarse.release(), made_.system, made_.constraints, made_.inverses);
     ++counts_.coarse;
   }
   tell(PipelineStage::Coarse);
@@ -101,12 +113,17 @@ void DualPipeline::makeOperators() {
   {
     const auto scope = during(PipelineStage::Operators);
     if (decided_.preconditioner != PreconditionerKind::None)
-      made_.preconditioner = Teuchos::rcp(new DualPreconditioner(
-          *made_.system, *made_.constraints, *made_.inverses, decided_.preconditioner, scaling()));
-    auto dual = Teuchos::rcp(new DualOperator(*made_.constraints, *made_.inverses));
-    made_.adaptive = Teuchos::rcp(new AdaptiveSpace(
-        {*made_.system, *made_.constraints, *made_.inverses, *made_.coarse, *dual, made_.preconditioner},
-        {decided_.inverses, decided_.preconditioner, scaling()}, options_.adaptive));
+      made_.preconditioner = keeping<const DualPreconditioner>(
+          new DualPreconditioner(*made_.system, *made_.constraints, *made_.inverses, decided_.preconditioner,
+                                 scaling()),
+          made_.system, made_.constraints, made_.inverses);
+    const Teuchos::RCP<const DualOperator> dual = keeping<const DualOperator>(
+        new DualOperator(*made_.constraints, *made_.inverses), made_.constraints, made_.inverses);
+    made_.adaptive =
+        keeping(new AdaptiveSpace({*made_.system, *made_.constraints, *made_.inverses, *made_.coarse, *dual,
+                                   made_.preconditioner},
+                                  {decided_.inverses, decided_.preconditioner, scaling()}, options_.adaptive),
+                made_.coarse, dual);
     made_.dual = dual;
     ++counts_.operators;
   }
@@ -215,7 +232,7 @@ void DualPipeline::useDoublePrecision() {
   {
     const auto scope = during(PipelineStage::Inverses);
     decided_.inverses.productError = 0.0;
-    if (isSingle()) {
+    if (decided_.isSingle()) {
       decided_.inverses.precision = Precision::Double;
       makeInverses();
     } else {
@@ -236,8 +253,9 @@ const DualProblem& DualPipeline::problem() {
         made_.constraints->setBounds(rows);
         areBoundsStale_ = false;
       }
-      made_.problem = Teuchos::rcp(
-          new DualProblem(*made_.system, *made_.constraints, *made_.inverses, *made_.dual, *made_.coarse));
+      made_.problem = keeping<const DualProblem>(
+          new DualProblem(*made_.system, *made_.constraints, *made_.inverses, *made_.dual, *made_.coarse),
+          made_.coarse, made_.dual);
       ++counts_.problem;
     }
     tell(PipelineStage::Problem);
@@ -259,9 +277,10 @@ DualStages DualPipeline::incrementStages(std::vector<std::shared_ptr<const std::
   for (int i = 0; i < system->size(); ++i)
     held.emplace_back(system->subdomain(i).fixed.size(), 0.0);
   system->setPrescribed(held);
-  const auto constraints = Teuchos::rcp(new Constraints(made_.constraints->withBounds(*system, rows)));
-  const auto problem =
-      Teuchos::rcp(new DualProblem(*system, *constraints, *made_.inverses, *made_.dual, *made_.coarse));
+  const auto constraints = keeping(new Constraints(made_.constraints->withBounds(*system, rows)), system);
+  const Teuchos::RCP<const DualProblem> problem = keeping<const DualProblem>(
+      new DualProblem(*system, *constraints, *made_.inverses, *made_.dual, *made_.coarse), constraints,
+      made_.coarse, made_.dual);
   return {system, constraints, made_.inverses, made_.coarse, problem, made_.preconditioner, made_.adaptive};
 }
 

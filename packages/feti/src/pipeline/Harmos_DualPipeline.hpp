@@ -105,17 +105,18 @@ class DualPipeline {
                 const std::vector<ConstraintRow>& rows);
   /// Products, and factors, in double precision from here on. @note Collective.
   void useDoublePrecision();
-  /// Whether local factors are in single precision, as asked for.
-  bool isSingle() const { return decided_.inverses.precision == Precision::Single; }
 
   /// Whether the last change succeeded.
   bool isComplete() const { return !made_.dual.is_null(); }
+  /// As long as this lives.
   const SubdomainSystem& system() const { return *made_.system; }
-  const Constraints& constraints() const { return *made_.constraints; }
+  // What is made anew by changes. Whoever keeps one keeps all that it was made of; of inverses that were
+  // factored anew it is that of the new matrices.
+  Teuchos::RCP<const Constraints> constraints() const { return made_.constraints; }
   // Once it is complete.
-  const LocalInverses& inverses() const { return *made_.inverses; }
-  const CoarseSpace& coarse() const { return *made_.coarse; }
-  const DualOperator& dualOperator() const { return *made_.dual; }
+  Teuchos::RCP<const LocalInverses> inverses() const { return made_.inverses; }
+  Teuchos::RCP<const CoarseSpace> coarse() const { return made_.coarse; }
+  Teuchos::RCP<const DualOperator> dualOperator() const { return made_.dual; }
   /// Null before it was asked for, and after changes.
   Teuchos::RCP<const DualProblem> currentProblem() const { return made_.problem; }
   /// @throws NumericalError on all ranks for loads on a motion that nothing can hold; InputError for

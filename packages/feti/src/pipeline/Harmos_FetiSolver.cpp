@@ -79,8 +79,8 @@ void FetiSolver::setShape(const std::vector<std::shared_ptr<const LocalMatrix>>&
 
 // Groups are of the rows of before.
 void FetiSolver::takeRows(const std::vector<ConstraintRow>& rows) {
-  groups_.groupOf.clear();
-  groups_.groups.clear();
+  criteria_.groupOf.clear();
+  criteria_.groups.clear();
   givenRows_ = rows.size();
 }
 
@@ -91,24 +91,19 @@ void FetiSolver::forgetSolution() {
   increments_->clear();
 }
 
-void FetiSolver::setRowGroups(std::vector<int> groupOf, std::vector<std::string> names) {
+void FetiSolver::judgeBy(AnswerCriteria criteria) {
   agree(*system().comm(), [&] {
-    const int groups = static_cast<int>(names.size());
-    if (groupOf.size() != givenRows_)
-      throw InputError(
-          "each constraint row that this rank gave needs a group, or -1: " + std::to_string(groupOf.size()) +
-          " groups for " + std::to_string(givenRows_) + " rows");
-    for (int group : groupOf)
+    const int groups = static_cast<int>(criteria.groups.size());
+    const std::size_t given = criteria.groupOf.size();
+    if (given != (groups > 0 ? givenRows_ : 0))
+      throw InputError("each constraint row that this rank gave needs a group, or -1: " +
+                       std::to_string(given) + " groups for " + std::to_string(givenRows_) + " rows");
+    for (int group : criteria.groupOf)
       if (group < -1 || group >= groups)
         throw InputError("group " + std::to_string(group) + " of a constraint row is none of 0 to " +
                          std::to_string(groups - 1) + ", nor -1");
   });
-  groups_.groupOf = std::move(groupOf);
-  groups_.groups = std::move(names);
-}
-
-const SolveReport& FetiSolver::solve() {
-  return solve(options_.tolerance);
+  criteria_ = std::move(criteria);
 }
 
 void FetiSolver::requireOperators() const {
@@ -118,7 +113,7 @@ void FetiSolver::requireOperators() const {
                      "that fit them, or make a new solver");
 }
 
-const SolveReport& FetiSolver::solve(double tolerance) {
+const SolveReport& FetiSolver::solve(std::optional<double> tolerance) {
   requireOperators();
   try {
     pipeline_->problem();
@@ -129,10 +124,10 @@ const SolveReport& FetiSolver::solve(double tolerance) {
     return report_;
   }
   SolverOptions options = options_;
-  options.tolerance = tolerance;
-  AnswerCriteria criteria = groups_;
-  criteria.estimatesErrors = !groups_.groups.empty() || options.toleranceRule == ToleranceRule::Balanced;
-  if (groups_.groups.empty())
+  options.tolerance = tolerance.value_or(options_.tolerance);
+  AnswerCriteria criteria = criteria_;
+  criteria.estimatesErrors = !criteria.groups.empty() || options.toleranceRule == ToleranceRule::Balanced;
+  if (criteria.groups.empty())
     criteria.groupOf.assign(givenRows_, -1);
   criteria.rule = options.toleranceRule;
   criteria.solverErrorShare = options.solverErrorShare;
@@ -141,7 +136,7 @@ const SolveReport& FetiSolver::solve(double tolerance) {
   JudgedSolve solve(
       *pipeline_, [this] { return pipeline_->stages(); }, options, std::move(criteria), log_, report_,
       quality_);
-  solution_ = std::make_unique<TornSolution>(solve.go(history_, tolerance, monitor_));
+  solution_ = std::make_unique<TornSolution>(solve.go(history_, options.tolerance, monitor_));
   return report_;
 }
 
@@ -165,11 +160,6 @@ const TornSolution& FetiSolver::solution() const {
   if (!solution_)
     throw InputError("there is no solution yet; call solve() first");
   return *solution_;
-}
-
-long long FetiSolver::clusters() const {
-  const std::shared_ptr<const Clusters>& clusters = pipeline_->decided().inverses.clusters;
-  return clusters ? clusters->total() : 0;
 }
 
 } // namespace Harmos::feti

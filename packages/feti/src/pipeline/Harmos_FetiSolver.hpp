@@ -11,6 +11,7 @@
 #include <Teuchos_ParameterList.hpp>
 
 #include <memory>
+#include <optional>
 
 namespace Harmos::feti {
 
@@ -77,20 +78,18 @@ class FetiSolver {
   /// and an answer that it contradicts to the end is not called converged. That there is no solution is no
   /// error, but a report with the reason, which names the subdomains that nothing holds.
   /// @throws NumericalError, InternalError on all ranks. @note Collective.
-  const SolveReport& solve();
-  /// To another tolerance than that of the parameters.
-  const SolveReport& solve(double tolerance);
+  /// @param tolerance nothing: that of the parameters.
+  const SolveReport& solve(std::optional<double> tolerance = std::nullopt);
   double tolerance() const { return options_.tolerance; }
-  /// How wrong an answer is by its discretisation, which the tolerance rule "balanced" needs: Harmos knows
-  /// no elements here. @param estimate collective.
-  void setErrorEstimate(std::function<DiscretisationError(const TornVector& displacement)> estimate) {
-    groups_.estimate = std::move(estimate);
-  }
-  /// Of the rows that this rank gave, what belongs together: a contact, say. The solver goes on then until
-  /// the forces of each group are as accurate as displacements, beside all others; quality() has the
-  /// estimates. Forgotten with other rows (setRows(), setShape()). @param groupOf of each row the place of a
-  /// name, or −1. @throws InputError on all ranks. @note Collective.
-  void setRowGroups(std::vector<int> groupOf, std::vector<std::string> names);
+  /// What the next solves are judged by, beside the audit:
+  ///  - groups of the rows that this rank gave, a contact for instance: the solver goes on until the forces
+  ///  of
+  ///    each are as accurate as displacements, beside all others. Forgotten with other rows;
+  ///  - an estimate of the discretisation error, which the tolerance rule "balanced" needs: Harmos knows no
+  ///    elements here. Collective.
+  /// quality() has the estimates. All else is the parameters'.
+  /// @throws InputError on all ranks for groups that do not fit the rows. @note Collective.
+  void judgeBy(AnswerCriteria criteria);
   /// Follows the next solves, may interrupt them, keep their state and bring it back; null: none.
   void setMonitor(Teuchos::RCP<DualMonitor> monitor) { monitor_ = std::move(monitor); }
   /// The next solution starts cold, as the options say.
@@ -117,17 +116,17 @@ class FetiSolver {
   /// The audit with estimates of errors.
   const AnswerQuality& quality() const { return quality_; }
   /// Gaps and forces of inequality rows that this rank owns. @note Collective.
-  ContactState contact() const { return contactState(constraints(), solution()); }
+  ContactState contact() const { return contactState(*constraints(), solution()); }
   /// Slips and forces of limited rows that this rank owns. @note Collective.
-  FrictionState friction() const { return frictionState(constraints(), solution()); }
+  FrictionState friction() const { return frictionState(*constraints(), solution()); }
   /// The forces by which the Dirichlet conditions of each subdomain hold it, see feti::reactions().
   /// @note Collective.
   std::vector<std::vector<double>> reactions() const {
-    return feti::reactions(system(), constraints(), solution());
+    return feti::reactions(system(), *constraints(), solution());
   }
   /// Of the rows that this rank gave, in their order: a row exerts −coefficient · force on its dofs.
   /// @note Collective.
-  std::vector<double> rowForces() const { return constraints().givenMultipliers(*solution().multiplier); }
+  std::vector<double> rowForces() const { return constraints()->givenMultipliers(*solution().multiplier); }
   const TornSolution& solution() const;
   /// Of the last solve().
   const SolveReport& report() const { return report_; }
@@ -135,17 +134,11 @@ class FetiSolver {
   bool hasSolution() const { return solution_ != nullptr; }
 
   const SubdomainSystem& system() const { return pipeline_->system(); }
-  const Constraints& constraints() const { return pipeline_->constraints(); }
-  const LocalInverses& inverses() const { return pipeline_->inverses(); }
-  const CoarseSpace& coarse() const { return pipeline_->coarse(); }
-  /// That subdomains are joined to, of all ranks; 0: none.
-  long long clusters() const;
-  /// What was decided: "condensed, double, Dirichlet preconditioner".
-  std::string dualOperatorText() const { return pipeline_->decided().describe(); }
-  /// F, to be used alone. Made anew with new matrices.
-  const DualOperator& dualOperator() const { return pipeline_->dualOperator(); }
-  /// How often each stage was made.
-  const StageCounts& counts() const { return pipeline_->counts(); }
+  Teuchos::RCP<const Constraints> constraints() const { return pipeline_->constraints(); }
+  /// F, to be used alone. Made anew with new matrices and rows: whoever keeps it keeps that of before.
+  Teuchos::RCP<const DualOperator> dualOperator() const { return pipeline_->dualOperator(); }
+  /// All stages, what was decided on them, and how often each was made.
+  const DualPipeline& pipeline() const { return *pipeline_; }
   /// What this rank spent on factors so far.
   FactorizationCounts factorizations() const { return pipeline_->factorizations(); }
 
@@ -159,7 +152,7 @@ class FetiSolver {
   SolverOptions options_;
   std::unique_ptr<DualPipeline> pipeline_;
   std::size_t givenRows_ = 0; // of this rank
-  AnswerCriteria groups_;     // of those rows, with the caller's estimate
+  AnswerCriteria criteria_;   // as given
   Teuchos::RCP<DualMonitor> monitor_;
   std::unique_ptr<TornSolution> solution_;
   SolutionHistory history_;

@@ -3,8 +3,6 @@
 
 #include "Harmos_Exchange.hpp"
 
-#include <Tpetra_MultiVector.hpp>
-
 #include <algorithm>
 #include <cmath>
 
@@ -49,8 +47,7 @@ IncrementSolver::Increment IncrementSolver::forcesAlone(const Task& task, const 
   const DualSolution dual =
       solveDualProblem(stages, options, start ? &*start : nullptr, {}, log_, result.report);
   pipeline_.rethrowFailures();
-  const auto total = Teuchos::rcp(new MultiVector(*dual.lambda, Teuchos::Copy));
-  total->update(1.0, *stages.problem->shift(), 1.0);
+  const Teuchos::RCP<MultiVector> total = stages.problem->total(*dual.lambda);
   if (result.report.converged)
     history_.add(*stages.problem, total, dual.mu);
   result.rowForces = stages.constraints->givenMultipliers(*total);

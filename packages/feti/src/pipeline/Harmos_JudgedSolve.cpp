@@ -3,8 +3,6 @@
 
 #include "Harmos_Errors.hpp"
 
-#include <Tpetra_MultiVector.hpp>
-
 #include <algorithm>
 
 namespace Harmos::feti {
@@ -49,7 +47,7 @@ const DualSolution& JudgedSolve::go(const WarmStart* start, const Teuchos::RCP<D
 bool JudgedSolve::showsRounding(const Verdict& verdict) const {
   const double error = pipeline_.decided().inverses.productError;
   return (verdict.next && pipeline_.accuracy().roundedFactorizations > 0 && *verdict.next < 0.5 * error) ||
-         (!verdict.next && pipeline_.isSingle() && !auditAgrees(quality_));
+         (!verdict.next && pipeline_.decided().isSingle() && !auditAgrees(quality_));
 }
 
 void JudgedSolve::solveOnce(const WarmStart* start, const Teuchos::RCP<DualMonitor>& monitor,
@@ -80,13 +78,11 @@ void JudgedSolve::solveOnce(const WarmStart* start, const Teuchos::RCP<DualMonit
 // Slender bodies, whose pieces bend more when cut than the whole does, show rounding errors of products in
 // the jumps that are left.
 void JudgedSolve::solveInDoublePrecision(const Teuchos::RCP<DualMonitor>& monitor) {
-  log_.info(
-      std::string(pipeline_.isSingle() ? "Single precision is" : "Single-precision application of F is") +
-      " too inaccurate for this problem: switch to double precision");
+  log_.info(std::string(pipeline_.decided().isSingle() ? "Single precision is"
+                                                       : "Single-precision application of F is") +
+            " too inaccurate for this problem: switch to double precision");
   const qp::Result first = report_.result;
-  const auto reached = Teuchos::rcp(new MultiVector(*solution_.lambda, Teuchos::Copy));
-  reached->update(1.0, *stages_.problem->shift(), 1.0);
-  const WarmStart start = {reached, solution_.mu};
+  const WarmStart start = {stages_.problem->total(*solution_.lambda), solution_.mu};
   judge_.reset();
   stages_ = {};
   pipeline_.useDoublePrecision();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_FollowingOps.hpp"
 #include "Harmos_NearestFeasible.hpp"
 
 #include <memory>
@@ -82,8 +83,8 @@ class BalancedActiveSet {
     nearest.setBounds(lower.get(), upper.get(), discs.get());
     for (int k = 0; k < mostWidenings; ++k) {
       MVT::MvAddMv(widening, *radii, 0.0, *radii, *radii);
-      BoundTraits<Scalar, MV>::vectorToLimits(problem_.followingLimits(), *radii, *lower, upper.get(),
-                                              discs.get());
+      FollowingOps<Scalar, MV>::vectorToLimits(problem_.followingLimits(), *radii, *lower, upper.get(),
+                                               discs.get());
       if (isFound(true))
         return true;
     }

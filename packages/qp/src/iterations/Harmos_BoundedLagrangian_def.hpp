@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ActiveSetOps.hpp"
+#include "Harmos_BoundOps.hpp"
 #include "Harmos_BoundedLagrangian.hpp"
 #include "Harmos_EqualityRows_def.hpp"
 #include "Harmos_MprgpIteration_def.hpp"
@@ -28,7 +30,7 @@ BoundedLagrangian<Scalar, MV, OP>::BoundedLagrangian(const ProblemType& problem,
   effectiveRhs_ = MVT::Clone(*problem.solution(), 1);
   normA_ = problem.hessianNorm();
   if (normA_ == 0.0 && !resumes) {
-    BoundTraits<Scalar, MV>::setRandom(*gradient_);
+    BoundOps<Scalar, MV>::setRandom(*gradient_);
     const std::function<void(const MV&, MV&)> product = [&](const MV& x, MV& y) {
       OPT::Apply(*problem.hessian(), x, y);
     };
@@ -75,12 +77,12 @@ void BoundedLagrangian<Scalar, MV, OP>::applyPreconditioner(const MV& phi, const
   MVT::Assign(phi, *projected_);
   rows_.apply(phi, *removed_);
   rows_.addTransposed(-1.0, *removed_, *projected_);
-  BoundTraits<Scalar, MV>::maskActive(*projected_, active);
+  ActiveSetOps<Scalar, MV>::maskActive(*projected_, active);
   preconditioner_.apply(*projected_, active, z);
   rows_.apply(z, *rowWork_);
   rows_.addTransposed(-1.0, *rowWork_, z);
   rows_.addTransposed(1.0 / penalty_, *removed_, z);
-  BoundTraits<Scalar, MV>::maskActive(z, active);
+  ActiveSetOps<Scalar, MV>::maskActive(z, active);
 }
 
 // Hx − effectiveRhs is the gradient: effectiveRhs = b − C̄ᵀμ + ρC̄ᵀc̄.
@@ -98,7 +100,7 @@ void BoundedLagrangian<Scalar, MV, OP>::start(double penalty) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   MV& x = *problem_.solution();
   penalty_ = penalty;
-  BoundTraits<Scalar, MV>::project(x, problem_.feasibleSet());
+  BoundOps<Scalar, MV>::project(x, problem_.feasibleSet());
   if (rows_.isPresent())
     rows_.toInternal(*problem_.multiplier(), *mu_);
   updateEffectiveRhs();
@@ -137,20 +139,21 @@ void BoundedLagrangian<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
 // bounds differently.
 template<class Scalar, class MV, class OP>
 void BoundedLagrangian<Scalar, MV, OP>::exchangeActive(StateArchive<MV>& archive) {
-  using BT = BoundTraits<Scalar, MV>;
+  using Bounds = BoundOps<Scalar, MV>;
+  using Sets = ActiveSetOps<Scalar, MV>;
   MV& x = *problem_.solution();
   const FeasibleSet<MV> feasible = problem_.feasibleSet();
   const Teuchos::RCP<MV> states = Belos::MultiVecTraits<Scalar, MV>::Clone(x, 1);
   LocalActiveSet active;
   if (!archive.isReading())
     active = iteration_->active();
-  BT::activeToVector(active, *states);
+  Sets::activeToVector(active, *states);
   archive.vector("active set", *states);
   if (!archive.isReading())
     return;
-  BT::vectorToActive(*states, active);
-  BT::project(x, feasible);
-  BT::moveToBounds(x, feasible, active);
+  Sets::vectorToActive(*states, active);
+  Bounds::project(x, feasible);
+  Sets::moveToBounds(x, feasible, active);
 }
 
 template<class Scalar, class MV, class OP>
@@ -243,7 +246,7 @@ Teuchos::RCP<MV> BoundedLagrangian<Scalar, MV, OP>::unboundedDirection(Certifica
   using OPT = Belos::OperatorTraits<Scalar, MV, OP>;
   const Teuchos::RCP<MV> d = MVT::CloneCopy(iteration_->direction());
   MVT::MvScale(*d, -1.0);
-  BoundTraits<Scalar, MV>::projectOntoRecessionCone(*d, problem_.feasibleSet());
+  BoundOps<Scalar, MV>::projectOntoRecessionCone(*d, problem_.feasibleSet());
   MVT::MvScale(*d, 1.0 / norm<Scalar>(*d));
   ++counters_.hessianApplications;
   OPT::Apply(*problem_.hessian(), *d, *gradient_);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_EqualityRows_def.hpp"
+#include "Harmos_FollowingOps.hpp"
 #include "Harmos_VectorOps.hpp"
 
 #include <Teuchos_RCP.hpp>
@@ -39,7 +40,7 @@ class ConeProbe {
   /// @param y receives the proof, in the user's rows, with norm 1. @note Collective.
   Verdict run(int mostSteps, MV& y, Certificate& certificate) {
     const Teuchos::RCP<MV> ahead = MVT::CloneCopy(*x_), last = MVT::CloneCopy(*x_), r = rows_.makeVector();
-    BT::projectOntoCones(*x_, problem_.feasibleSet(), problem_.followingLimits());
+    Limits::projectOntoCones(*x_, problem_.feasibleSet(), problem_.followingLimits());
     MVT::Assign(*x_, *ahead);
     double momentum = 1.0;
     constexpr int between = 25;
@@ -56,7 +57,7 @@ class ConeProbe {
       rows_.residual(*ahead, *r);
       MVT::Assign(*ahead, *x_);
       rows_.addTransposed(-1.0, *r, *x_);
-      BT::projectOntoCones(*x_, problem_.feasibleSet(), problem_.followingLimits());
+      Limits::projectOntoCones(*x_, problem_.feasibleSet(), problem_.followingLimits());
       MVT::MvAddMv(1.0, *x_, -1.0, *last, *last); // what it has moved by
       MVT::MvAddMv(1.0, *ahead, -1.0, *x_, *ahead);
       if (dot<Scalar>(*ahead, *last) > 0.0) { // uphill
@@ -73,7 +74,7 @@ class ConeProbe {
 
  private:
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
+  using Limits = FollowingOps<Scalar, MV>;
   static constexpr double met = 1e-9;
   static constexpr double farther = 1e4; // than the points at hand: where the proof holds
 
@@ -81,7 +82,7 @@ class ConeProbe {
     const Teuchos::RCP<MV> w = MVT::Clone(*x_, 1);
     MVT::MvInit(*w, 0.0);
     rows_.addTransposed(1.0 / residual, r, *w);
-    const BoxInfimum infimum = BT::coneInfimum(*w, problem_.feasibleSet(), problem_.followingLimits());
+    const BoxInfimum infimum = Limits::coneInfimum(*w, problem_.feasibleSet(), problem_.followingLimits());
     const double gap = infimum.value - dot<Scalar>(r, rows_.values()) / residual;
     const double radius = farther * std::max({norm<Scalar>(*x_), infimum.boundNorm, rows_.valuesNorm()});
     if (!(gap >= 0.5 * residual) || !(infimum.openNorm * radius <= gap))

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_BoundTraits.hpp"
+#include "Harmos_BoundOps.hpp"
 #include "Harmos_VectorOps.hpp"
 
 #include <BelosMultiVecTraits.hpp>
@@ -25,14 +25,14 @@ namespace Harmos::qp {
 template<class Scalar, class MV>
 double curvatureTerms(const std::function<void(const MV&, MV&)>& apply, const MV& p) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
+  using Bounds = BoundOps<Scalar, MV>;
   const Teuchos::RCP<MV> random = MVT::Clone(p, 1), scaled = MVT::CloneCopy(p), image = MVT::Clone(p, 1);
-  BT::setRandom(*random);
+  Bounds::setRandom(*random);
   const double length = norm<Scalar>(p);
   double terms = 0.0;
   constexpr int samples = 2;
   for (int k = 0; k < samples; ++k) {
-    BT::multiply(*random, *scaled);
+    Bounds::multiply(*random, *scaled);
     apply(*scaled, *image);
     terms = std::max(terms, dot<Scalar>(*scaled, *image) / (length * length));
   }

@@ -87,7 +87,7 @@ class DescentOfSets {
     MVT::MvInit(*work_, 0.0);
     constexpr double rounding = 10.0 * std::numeric_limits<double>::epsilon();
     const ActiveSetChange change =
-        BT::updateActiveSet(x_, *work_, feasible_, rounding * norm<Scalar>(x_), 1.0, copy);
+        Sets::updateActiveSet(x_, *work_, feasible_, rounding * norm<Scalar>(x_), 1.0, copy);
     return change.changed > 0 && 0.5 * cg_.curvatureBound() * change.violation2 > referenceCost_ - cg_.cost();
   }
 
@@ -130,7 +130,7 @@ class DescentOfSets {
 
  private:
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
+  using Sets = ActiveSetOps<Scalar, MV>;
   using Nearest = NearestFeasible<Scalar, MV, OP>;
   static constexpr int mostSets = 50, mostHalvings = 40;
 

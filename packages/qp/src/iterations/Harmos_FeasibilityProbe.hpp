@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_BoundOps.hpp"
 #include "Harmos_EqualityRows_def.hpp"
 #include "Harmos_MprgpIteration_def.hpp"
 
@@ -36,7 +37,7 @@ class FeasibilityProbe {
     const FeasibleSet<MV> feasible = problem_.feasibleSet();
     const Teuchos::RCP<MV> x = MVT::CloneCopy(*problem_.solution()), gradient = MVT::Clone(*x, 1),
                            rhs = MVT::Clone(*x, 1), r = rows_.makeVector(), work = rows_.makeVector();
-    BoundTraits<Scalar, MV>::project(*x, feasible);
+    BoundOps<Scalar, MV>::project(*x, feasible);
     MVT::MvInit(*rhs, 0.0);
     rows_.addTransposed(1.0, rows_.values(), *rhs);
     MprgpIteration<Scalar, MV> iteration(
@@ -75,7 +76,7 @@ class FeasibilityProbe {
     const Teuchos::RCP<MV> w = MVT::Clone(x, 1);
     MVT::MvInit(*w, 0.0);
     rows_.addTransposed(1.0 / residual, r, *w);
-    const BoxInfimum infimum = BoundTraits<Scalar, MV>::boxInfimum(*w, problem_.feasibleSet());
+    const BoxInfimum infimum = BoundOps<Scalar, MV>::boxInfimum(*w, problem_.feasibleSet());
     const double gap = infimum.value - dot<Scalar>(r, rows_.values()) / residual;
     // No size at hand is zero for a problem that has any: c̄ ≠ 0, or x = 0 would be feasible or out of bounds.
     const double radius =

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ActiveSetOps.hpp"
 #include "Harmos_QpProblem.hpp"
 #include "Harmos_QpTypes.hpp"
 #include "Harmos_VectorOps.hpp"
@@ -40,13 +41,13 @@ class InFacePreconditioner {
           mask_ = MVT::Clone(phi, 1);
         // Without bounds there is no active set, and all entries are free.
         MVT::MvInit(*mask_, 1.0);
-        BoundTraits<Scalar, MV>::maskActive(*mask_, active);
+        ActiveSetOps<Scalar, MV>::maskActive(*mask_, active);
         forFace_ = problem_.facePreconditioner()->build(*mask_);
         ++counters_.preconditionerSetups;
       }
       Belos::OperatorTraits<Scalar, MV, OP>::Apply(*forFace_, phi, z);
     }
-    BoundTraits<Scalar, MV>::maskActive(z, active);
+    ActiveSetOps<Scalar, MV>::maskActive(z, active);
   }
 
   /// Where pairs slip, and at springs, A gets their curvatures κ, and its inverse is about
@@ -57,20 +58,20 @@ class InFacePreconditioner {
   /// problem has no preconditioner. @note Collective.
   void applySoftened(const MV& phi, const LocalActiveSet& active, double q, MV& z) {
     using MVT = Belos::MultiVecTraits<Scalar, MV>;
-    using BT = BoundTraits<Scalar, MV>;
+    using Sets = ActiveSetOps<Scalar, MV>;
     const auto change = [q](double curvature) { return -curvature / (q + curvature); };
     const Teuchos::RCP<MV> softened = MVT::CloneCopy(phi);
-    BT::addAtSlips(active, change, phi, *softened);
+    Sets::addAtSlips(active, change, phi, *softened);
     SpringOps<Scalar, MV>::soften(active, q, *softened);
     if (isPresent())
       apply(*softened, active, z);
     else
       MVT::MvAddMv(1.0 / q, *softened, 0.0, *softened, z);
     MVT::Assign(z, *softened);
-    BT::addAtSlips(active, change, *softened, z);
+    Sets::addAtSlips(active, change, *softened, z);
     SpringOps<Scalar, MV>::soften(active, q, z);
     SpringOps<Scalar, MV>::addStiff(active, q, phi, z);
-    BT::addAtSlips(
+    Sets::addAtSlips(
         active, [q](double curvature) { return curvature / std::pow(q + curvature, 2); }, phi, z);
   }
 

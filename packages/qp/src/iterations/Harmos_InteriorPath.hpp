@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_BoundOps.hpp"
+#include "Harmos_BoundTraits.hpp"
 #include "Harmos_ConjugateDirections.hpp"
 #include "Harmos_EqualityRows.hpp"
 #include "Harmos_InFacePreconditioner.hpp"
@@ -54,8 +56,8 @@ class InteriorPath {
         preconditioner_(problem, counters),
         x_(MVT::Clone(*problem.rhs(), 1)),
         y_(MVT::Clone(*x_, 1)),
-        cones_(BT::conesOf(problem.feasibleSet(), *x_,
-                           problem.hasFollowingLimits() ? &problem.followingLimits() : nullptr)) {
+        cones_(Limits::conesOf(problem.feasibleSet(), *x_,
+                               problem.hasFollowingLimits() ? &problem.followingLimits() : nullptr)) {
     if (rows_.isPresent()) {
       mu_ = rows_.makeVector();
       MVT::MvInit(*mu_, 0.0);
@@ -112,6 +114,8 @@ class InteriorPath {
 
  private:
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using Bounds = BoundOps<Scalar, MV>;
+  using Limits = FollowingOps<Scalar, MV>;
   using BT = BoundTraits<Scalar, MV>;
   using Vector = Teuchos::RCP<MV>;
 
@@ -119,9 +123,9 @@ class InteriorPath {
 
   template<class Function>
   void onEntries(const Function& function, MV& v) const {
-    std::vector<double> entries = BT::localEntries(v);
+    std::vector<double> entries = Bounds::localEntries(v);
     function(entries.data());
-    BT::setLocalEntries(entries, v);
+    Bounds::setLocalEntries(entries, v);
   }
   // @param length receives the longest step within the cones.
   bool advance(double sigmaTau, double& length) {
@@ -183,7 +187,7 @@ class InteriorPath {
     Belos::OperatorTraits<Scalar, MV, OP>::Apply(hessian, p, image);
     SpringOps<Scalar, MV>::add(springs_, 1.0, p, false, image);
     const Vector whole = MVT::CloneCopy(image);
-    const std::vector<double> entries = BT::localEntries(p);
+    const std::vector<double> entries = Bounds::localEntries(p);
     onEntries([&](double* y) { cones_.addCurvature(entries.data(), y); }, *whole);
     return whole;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ActiveSetOps.hpp"
 #include "Harmos_EqualityRows.hpp"
 #include "Harmos_SolverMonitor.hpp"
 #include "Harmos_VectorOps.hpp"
@@ -44,7 +45,7 @@ class KeptDirections {
     for (int k = 0; k < given; ++k) {
       MVT::Assign(*MVT::CloneView(columns, Teuchos::Range1D(k, k)), *u);
       const double before = norm<Scalar>(*u);
-      BT::maskActive(*u, bounded);
+      Sets::maskActive(*u, bounded);
       if (!moveToKernel(gram, bounded, *u))
         continue;
       orthogonalise(*u, nullptr);
@@ -98,7 +99,7 @@ class KeptDirections {
 
  private:
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
+  using Sets = ActiveSetOps<Scalar, MV>;
   using Matrix = Teuchos::SerialDenseMatrix<int, Scalar>;
   // Of a vector that must be left without its entries at bounds and what is here already.
   static constexpr double least = 1e-2;
@@ -123,9 +124,9 @@ class KeptDirections {
     MVT::MvInit(*none, 0.0);
     LocalActiveSet below, above;
     MVT::MvInit(*x, -beyond);
-    BT::updateActiveSet(*x, *none, problem_.feasibleSet(), 0.0, 0.0, below);
+    Sets::updateActiveSet(*x, *none, problem_.feasibleSet(), 0.0, 0.0, below);
     MVT::MvInit(*x, beyond);
-    BT::updateActiveSet(*x, *none, problem_.feasibleSet(), 0.0, 0.0, above);
+    Sets::updateActiveSet(*x, *none, problem_.feasibleSet(), 0.0, 0.0, above);
     for (std::size_t i = 0; i < below.size(); ++i)
       if (below[i] == 0)
         below[i] = above[i];
@@ -150,7 +151,7 @@ class KeptDirections {
       rows_.apply(u, *w);
       gram->solve(*w);
       rows_.addTransposed(-1.0, *w, u);
-      BT::maskActive(u, bounded);
+      Sets::maskActive(u, bounded);
     }
     rows_.apply(u, *w);
     constexpr double rounding = 1e-10;

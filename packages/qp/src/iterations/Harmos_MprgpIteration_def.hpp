@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_BoundOps.hpp"
+#include "Harmos_BoundTraits.hpp"
 #include "Harmos_CurvatureTerms.hpp"
 #include "Harmos_MprgpIteration.hpp"
 #include "Harmos_VectorOps.hpp"
@@ -72,7 +74,7 @@ void MprgpIteration<Scalar, MV>::countFace() {
 // The splitting at x, and p = φ; preconditioned, the direction is made when a step needs it.
 template<class Scalar, class MV>
 void MprgpIteration<Scalar, MV>::begin() {
-  sums_ = BoundTraits<Scalar, MV>::split(*x_, *g_, feasible_, stepLength(), &freeGradient(), active_);
+  sums_ = BoundOps<Scalar, MV>::split(*x_, *g_, feasible_, stepLength(), &freeGradient(), active_);
   longestStep_ = sums_.longestStep;
   next_ = precondition_ ? Next::Fresh : Next::Ready;
   countFace();
@@ -86,7 +88,7 @@ void MprgpIteration<Scalar, MV>::completeDirection() {
   precondition_(*phi_, active_, faceChanged_, *z_);
   faceChanged_ = false;
   const double beta = next_ == Next::Conjugate ? dot<Scalar>(*z_, *image_) / directionDotImage_ : 0.0;
-  longestStep_ = BoundTraits<Scalar, MV>::conjugate(*x_, *z_, beta, feasible_, *p_);
+  longestStep_ = BoundOps<Scalar, MV>::conjugate(*x_, *z_, beta, feasible_, *p_);
   next_ = Next::Ready;
 }
 
@@ -100,12 +102,12 @@ void MprgpIteration<Scalar, MV>::refreshGradient() {
 template<class Scalar, class MV>
 bool MprgpIteration<Scalar, MV>::expandProjected(double cgStep) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
+  using Bounds = BoundOps<Scalar, MV>;
   MVT::Assign(*g_, *gOld_);
   const int staleBefore = staleness_;
-  BT::projectedStep(*x_, *xOld_, *p_, cgStep, feasible_);
+  Bounds::projectedStep(*x_, *xOld_, *p_, cgStep, feasible_);
   refreshGradient();
-  const ChangeSums change = BT::change(*x_, *xOld_, *g_, *gOld_);
+  const ChangeSums change = Bounds::change(*x_, *xOld_, *g_, *gOld_);
   if (change.cost < 0.0) {
     decrease_ = -change.cost;
     return true;
@@ -121,12 +123,12 @@ bool MprgpIteration<Scalar, MV>::expandProjected(double cgStep) {
 template<class Scalar, class MV>
 void MprgpIteration<Scalar, MV>::expandFixed(const CurvatureSums& along) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
+  using Bounds = BoundOps<Scalar, MV>;
   const double length = longestStep_;
   decrease_ = length * (along.gradientDotDirection - 0.5 * length * along.directionDotImage);
   // The set examined at the boundary point is not a face the iteration works in.
   LocalActiveSet boundary = active_;
-  BT::advance(*x_, *g_, *p_, *image_, length, 0.0, true, feasible_, stepLength(), *phi_, boundary);
+  Bounds::advance(*x_, *g_, *p_, *image_, length, 0.0, true, feasible_, stepLength(), *phi_, boundary);
   MVT::Assign(*g_, *gOld_);
   goDown(*phi_);
 }
@@ -135,16 +137,16 @@ void MprgpIteration<Scalar, MV>::expandFixed(const CurvatureSums& along) {
 template<class Scalar, class MV>
 void MprgpIteration<Scalar, MV>::goDown(const MV& direction) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
+  using Bounds = BoundOps<Scalar, MV>;
   constexpr int mostCuts = 60;
   for (int cut = 0; cut <= mostCuts; ++cut) {
     if (cut > 0)
       MVT::Assign(*xOld_, *x_);
-    BT::projectedStep(*x_, *xOld_, direction, stepLength(), feasible_);
+    Bounds::projectedStep(*x_, *xOld_, direction, stepLength(), feasible_);
     refreshGradient();
     // The projected step decreases the cost for every ᾱ ≤ 2/‖H‖: if it rose, ‖H‖ is larger than estimated.
     // Changes at the level of rounding errors prove nothing.
-    const ChangeSums change = BT::change(*x_, *xOld_, *g_, *gOld_);
+    const ChangeSums change = Bounds::change(*x_, *xOld_, *g_, *gOld_);
     double noise =
         10.0 * std::numeric_limits<double>::epsilon() * std::sqrt(change.moved2 * change.gradientNorm2);
     // Points on rims are there to rounding errors, along gradients that do not vanish.
@@ -185,7 +187,7 @@ double MprgpIteration<Scalar, MV>::roundingOfCurvature() const {
 
 template<class Scalar, class MV>
 typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::step() {
-  using BT = BoundTraits<Scalar, MV>;
+  using Bounds = BoundOps<Scalar, MV>;
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
   const bool proportional = sums_.choppedNorm2 <= options_.gamma * options_.gamma * sums_.reducedNorm2;
@@ -194,21 +196,21 @@ typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::step() 
   if (proportional)
     completeDirection();
   else
-    longestStep_ = BT::choppedDirection(*x_, *g_, feasible_, *p_);
+    longestStep_ = Bounds::choppedDirection(*x_, *g_, feasible_, *p_);
 
   apply_(*p_, *image_);
-  CurvatureSums along = BT::curvature(*g_, *p_, *image_, active_);
+  CurvatureSums along = Bounds::curvature(*g_, *p_, *image_, active_);
   // Rounding errors, or a preconditioner that is not positive definite, have turned the direction upwards or
   // across; −φ always leads down.
   constexpr double across = 1e-10;
   if (proportional && sums_.freeNorm2 > 0.0 &&
       !(along.gradientDotDirection > across * std::sqrt(along.directionNorm2 * sums_.freeNorm2))) {
     if (precondition_)
-      longestStep_ = BT::conjugate(*x_, *phi_, 0.0, feasible_, *p_);
+      longestStep_ = Bounds::conjugate(*x_, *phi_, 0.0, feasible_, *p_);
     else
       begin();
     apply_(*p_, *image_);
-    along = BT::curvature(*g_, *p_, *image_, active_);
+    along = Bounds::curvature(*g_, *p_, *image_, active_);
   }
   if (!std::isfinite(along.directionDotImage) || !std::isfinite(along.gradientDotDirection))
     return Outcome::Breakdown;
@@ -235,8 +237,8 @@ typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::step() 
     const bool conjugate = proportional && !precondition_;
     const double beta =
         conjugate ? (along.freeDotImage - length * along.freeImageNorm2) / along.directionDotImage : 0.0;
-    sums_ = BT::advance(*x_, *g_, *p_, *image_, length, beta, !feasible, feasible_, stepLength(),
-                        freeGradient(), active_);
+    sums_ = Bounds::advance(*x_, *g_, *p_, *image_, length, beta, !feasible, feasible_, stepLength(),
+                            freeGradient(), active_);
     longestStep_ = sums_.longestStep;
     ++staleness_;
     countFace();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ActiveSetOps.hpp"
+#include "Harmos_BoundOps.hpp"
 #include "Harmos_EqualityRows.hpp"
 #include "Harmos_VectorOps.hpp"
 
@@ -89,8 +91,8 @@ class NearestFeasible {
     for (int pass = 0; pass < 2; ++pass) { // the second for what was at its other bound
       moveToFace(set);
       MVT::MvAddMv(stiffness, *x_, -stiffness, *v_, *work_);
-      active = BT::updateActiveSet(*x_, *work_, whole, finest * size, stiffness * finest * size, set,
-                                   {1.0 / stiffness, 0.0})
+      active = Sets::updateActiveSet(*x_, *work_, whole, finest * size, stiffness * finest * size, set,
+                                     {1.0 / stiffness, 0.0})
                    .active;
     }
     return Outcome::Found;
@@ -119,8 +121,8 @@ class NearestFeasible {
   long long addSlips(const FeasibleSet<MV>& feasible, double stepLength, LocalActiveSet& set) {
     moveToFace(set);
     MVT::MvAddMv(1.0, *x_, -1.0, *v_, *work_);
-    return BT::updateActiveSet(*x_, *work_, feasible, touching * norm<Scalar>(*x_), noise_, set,
-                               {stepLength, 0.0})
+    return Sets::updateActiveSet(*x_, *work_, feasible, touching * norm<Scalar>(*x_), noise_, set,
+                                 {stepLength, 0.0})
         .active;
   }
 
@@ -128,12 +130,13 @@ class NearestFeasible {
   long long count(const LocalActiveSet& set) {
     constexpr double unmoved = std::numeric_limits<double>::max();
     LocalActiveSet copy = set;
-    return BT::updateActiveSet(*v_, *v_, feasible_, unmoved, unmoved, copy).active;
+    return Sets::updateActiveSet(*v_, *v_, feasible_, unmoved, unmoved, copy).active;
   }
 
  private:
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
+  using Bounds = BoundOps<Scalar, MV>;
+  using Sets = ActiveSetOps<Scalar, MV>;
 
   // Newton's steps from v on. @param fromV the first set is that of v.
   Outcome settle(int mostSets, bool fromV, LocalActiveSet& set, long long& active) {
@@ -157,7 +160,7 @@ class NearestFeasible {
     active = count(set);
     if (outcome == Outcome::Found) {
       moveToFace(set);
-      BT::project(*x_, feasible_);
+      Bounds::project(*x_, feasible_);
     }
     return outcome;
   }
@@ -169,7 +172,7 @@ class NearestFeasible {
     const FeasibleSet<MV> whole = {feasible_.lower, feasible_.upper, discs_};
     std::vector<Slip> rims;
     const auto residualAt = [&](const MV& at, MV& weights) {
-      BT::projectSmoothly(at, whole, width, *x_, weights, rims);
+      Bounds::projectSmoothly(at, whole, width, *x_, weights, rims);
       findResidual();
       return norm<Scalar>(*residual_);
     };
@@ -203,7 +206,7 @@ class NearestFeasible {
   // x = v where the set is free, else the bounds.
   void moveToFace(const LocalActiveSet& active) {
     MVT::Assign(*v_, *x_);
-    BT::moveToBounds(*x_, feasible_, active);
+    Sets::moveToBounds(*x_, feasible_, active);
   }
 
   void subtractRows(double factor, const MV& nu) {
@@ -233,7 +236,7 @@ class NearestFeasible {
       return true;
     const Teuchos::RCP<MV> before = MVT::CloneCopy(*v_);
     const double height = height_, last = value();
-    BT::project(*x_, feasible_);
+    Bounds::project(*x_, feasible_);
     findResidual();
     const Teuchos::RCP<MV> downwards = rows_.makeVector();
     MVT::Assign(*residual_, *downwards);
@@ -281,7 +284,7 @@ class NearestFeasible {
     const Teuchos::RCP<MV> image = MVT::Clone(*x_, 1), rest = rows_.makeVector();
     MVT::MvInit(*image, 0.0);
     rows_.addTransposed(1.0, *direction_, *image);
-    BT::maskActive(*image, active);
+    Sets::maskActive(*image, active);
     rows_.apply(*image, *rest);
     MVT::MvAddMv(1.0, *residual_, -1.0, *rest, *rest);
     MVT::Assign(*rest, *residual_);
@@ -307,7 +310,7 @@ class NearestFeasible {
   // φ.
   double value() {
     MVT::Assign(*v_, *work_);
-    BT::project(*work_, feasible_);
+    Bounds::project(*work_, feasible_);
     MVT::MvAddMv(1.0, *v_, -1.0, *work_, *work_);
     return 0.5 * (dot<Scalar>(*v_, *v_) - dot<Scalar>(*work_, *work_)) + height_;
   }
@@ -316,7 +319,7 @@ class NearestFeasible {
   long long updateSet(LocalActiveSet& set) {
     moveToFace(set);
     MVT::MvAddMv(1.0, *x_, -1.0, *v_, *work_);
-    return BT::updateActiveSet(*x_, *work_, feasible_, touching * norm<Scalar>(*x_), noise_, set).changed;
+    return Sets::updateActiveSet(*x_, *work_, feasible_, touching * norm<Scalar>(*x_), noise_, set).changed;
   }
 
   FeasibleSet<MV> feasible_; // without discs

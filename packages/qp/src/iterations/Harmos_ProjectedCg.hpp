@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ActiveSetOps.hpp"
 #include "Harmos_ConjugateDirections.hpp"
 #include "Harmos_CoupledDirections.hpp"
 #include "Harmos_EqualityRows.hpp"
+#include "Harmos_FollowingOps.hpp"
 #include "Harmos_InFacePreconditioner.hpp"
 #include "Harmos_KeptDirections.hpp"
 #include "Harmos_SolverMonitor.hpp"
@@ -133,6 +135,11 @@ class ProjectedCg {
   const MV& image() const { return *onFace_; }
 
  private:
+  using BT = BoundTraits<Scalar, MV>;
+  using Bounds = BoundOps<Scalar, MV>;
+  using Sets = ActiveSetOps<Scalar, MV>;
+  using Limits = FollowingOps<Scalar, MV>;
+
   // wᵀp, pᵀp, pᵀAp, and that of A without curvatures and springs; global.
   struct DirectionSums {
     double dotGradient, norm2, dotImage, dotHessian;

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ActiveSetOps.hpp"
+#include "Harmos_BoundTraits.hpp"
 #include "Harmos_EqualityRows_def.hpp"
+#include "Harmos_FollowingOps.hpp"
 #include "Harmos_ProjectedCg.hpp"
 #include "Harmos_VectorOps.hpp"
 
@@ -25,7 +28,7 @@ void ProjectedCg<Scalar, MV, OP>::keepMotions(const MV& before) {
   for (int pass = 0; pass < 2; ++pass) { // n ← n − (C̄_FC̄_Fᵀ)⁻C̄_FC̄_Fᵀn
     MVT::MvInit(*v, 0.0);
     rows_.addTransposed(1.0, *kept, *v);
-    BoundTraits<Scalar, MV>::maskActive(*v, active_);
+    Sets::maskActive(*v, active_);
     rows_.apply(*v, *part);
     faceGram_->solve(*part);
     MVT::MvAddMv(1.0, *kept, -1.0, *part, *kept);
@@ -39,7 +42,7 @@ void ProjectedCg<Scalar, MV, OP>::findFollowing() {
   if (!problem_.hasFollowingLimits())
     return;
   following_ = Kernels::followingEntries(problem_.followingLimits(), problem_.feasibleSet().discs, active_);
-  isCoupled_ = BoundTraits<Scalar, MV>::maximum(*problem_.solution(), following_.empty() ? 0.0 : 1.0) > 0.0;
+  isCoupled_ = BT::maximum(*problem_.solution(), following_.empty() ? 0.0 : 1.0) > 0.0;
   if (isCoupled_ && rows_.isPresent() && rowResidual_.is_null())
     rowResidual_ = rows_.makeVector();
 }
@@ -50,14 +53,13 @@ void ProjectedCg<Scalar, MV, OP>::letFollow(MV& x) const {
   if (!isCoupled_)
     return;
   const Teuchos::RCP<MV> free = Belos::MultiVecTraits<Scalar, MV>::CloneCopy(x);
-  BoundTraits<Scalar, MV>::addFollowing(following_, *free, x);
+  Limits::addFollowing(following_, *free, x);
 }
 
 // x ← C̄_Fᵀ(C̄_FC̄_Fᵀ)⁻r.
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::solveRows(const MV& residual, MV& x) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
   MVT::Assign(residual, *rowWork_);
   const bool isStiff = hasSprings_ && isSoftened_; // what springs hold is to stay
   const Teuchos::RCP<const FaceGram<MV>> gram = isStiff ? softGram_ : faceGram_;
@@ -65,7 +67,7 @@ void ProjectedCg<Scalar, MV, OP>::solveRows(const MV& residual, MV& x) {
     gram->solve(*rowWork_);
   MVT::MvInit(x, 0.0);
   rows_.addTransposed(1.0, *rowWork_, x);
-  BT::maskActive(x, active_);
+  Sets::maskActive(x, active_);
   if (isStiff)
     soften(x);
 }
@@ -146,7 +148,6 @@ void ProjectedCg<Scalar, MV, OP>::sumResidual() {
 template<class Scalar, class MV, class OP>
 CoupledDirection<MV> ProjectedCg<Scalar, MV, OP>::coupledDirection() {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
   CoupledDirection<MV> d;
   precondition();
   d.p = MVT::CloneCopy(*z_);
@@ -166,10 +167,10 @@ CoupledDirection<MV> ProjectedCg<Scalar, MV, OP>::coupledDirection() {
   ++counters_.hessianApplications;
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), *d.p, *d.image);
   curvatureBound_ = std::max(curvatureBound_, norm<Scalar>(*d.image) / norm<Scalar>(*d.p));
-  BT::addCurvature(active_, 1.0, *d.p, false, *d.image);
+  Sets::addCurvature(active_, 1.0, *d.p, false, *d.image);
   SpringOps<Scalar, MV>::add(active_, 1.0, *d.p, false, *d.image);
   d.onFace = MVT::CloneCopy(*d.image);
-  BT::maskActive(*d.onFace, active_);
+  Sets::maskActive(*d.onFace, active_);
   project(*d.onFace, d.removed.get());
   return d;
 }

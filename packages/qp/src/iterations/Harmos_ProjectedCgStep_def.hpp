@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ActiveSetOps.hpp"
+#include "Harmos_BoundOps.hpp"
+#include "Harmos_BoundTraits.hpp"
 #include "Harmos_CurvatureTerms.hpp"
 #include "Harmos_EqualityRows_def.hpp"
 #include "Harmos_ProjectedCg.hpp"
@@ -19,7 +22,6 @@ namespace Harmos::qp {
 // added up on the way.
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::project(MV& v, std::vector<double>& sums) {
-  using BT = BoundTraits<Scalar, MV>;
   if (!rows_.isPresent()) {
     if (!sums.empty())
       BT::sum(v, sums.data(), static_cast<int>(sums.size()));
@@ -28,7 +30,7 @@ void ProjectedCg<Scalar, MV, OP>::project(MV& v, std::vector<double>& sums) {
   rows_.solveFor(faceGram_.get(), v, *rowWork_, sums);
   rows_.addTransposed(-1.0, *rowWork_, v);
   if (hasFace_)
-    BT::maskActive(v, active_);
+    Sets::maskActive(v, active_);
 }
 
 // The same; what C̄ᵀ took away is added to `removed`.
@@ -62,18 +64,17 @@ void ProjectedCg<Scalar, MV, OP>::precondition() {
 // need not wait for the projection of z.
 template<class Scalar, class MV, class OP>
 ResidualSums ProjectedCg<Scalar, MV, OP>::preconditionAndSum() {
-  using BT = BoundTraits<Scalar, MV>;
   const MV& x = *problem_.solution();
   if (isSoftened_ || kept_.size() > 0) {
     precondition();
-    return BT::residualSums(*w_, *z_, *onFace_, x);
+    return Bounds::residualSums(*w_, *z_, *onFace_, x);
   }
   const bool isPreconditioned = preconditioner_.isPresent();
   if (isPreconditioned)
     preconditioner_.apply(*w_, active_, *z_);
   else if (z_ != w_)
     Belos::MultiVecTraits<Scalar, MV>::Assign(*w_, *z_);
-  const ResidualSums local = BT::localResidualSums(*w_, *z_, *onFace_, x);
+  const ResidualSums local = Bounds::localResidualSums(*w_, *z_, *onFace_, x);
   std::vector<double> sums = {local.residualNorm2, local.preconditionedDotImage, local.iterateNorm2};
   project(*z_, sums);
   if (!isPreconditioned && rows_.isPresent()) { // w itself
@@ -90,7 +91,6 @@ ResidualSums ProjectedCg<Scalar, MV, OP>::preconditionAndSum() {
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::preconditionSoftened() {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
   const double q = stiffness_;
   if (!rows_.isPresent()) {
     preconditioner_.applySoftened(*w_, active_, q, *z_);
@@ -101,7 +101,7 @@ void ProjectedCg<Scalar, MV, OP>::preconditionSoftened() {
     rows_.solveFor(softGram_.get(), v, *rowWork_, none);
     MVT::MvInit(part, 0.0);
     rows_.addTransposed(1.0, *rowWork_, part);
-    BT::maskActive(part, active_);
+    Sets::maskActive(part, active_);
   };
   const Teuchos::RCP<MV> left = MVT::CloneCopy(*w_), part = MVT::CloneCopy(*w_);
   soften(*part);
@@ -181,7 +181,6 @@ void ProjectedCg<Scalar, MV, OP>::watchRows() {
 // the rows, so that products with it need not wait for the projection.
 template<class Scalar, class MV, class OP>
 typename ProjectedCg<Scalar, MV, OP>::DirectionSums ProjectedCg<Scalar, MV, OP>::applyToDirection() {
-  using BT = BoundTraits<Scalar, MV>;
   ++counters_.hessianApplications;
   Teuchos::RCP<const OP> a = isUnprojected_ ? problem_.unprojectedHessian() : problem_.hessianOnKernel();
   if (a.is_null())
@@ -190,14 +189,14 @@ typename ProjectedCg<Scalar, MV, OP>::DirectionSums ProjectedCg<Scalar, MV, OP>:
   const bool hasMore = problem_.hasDiscs() || problem_.hasSoftBounds();
   std::vector<double> sums;
   if (hasMore)
-    sums.push_back(BT::localCurvature(*p_, *p_, *image_, {}).directionDotImage);
-  BT::addCurvature(active_, 1.0, *p_, false, *image_);
+    sums.push_back(Bounds::localCurvature(*p_, *p_, *image_, {}).directionDotImage);
+  Sets::addCurvature(active_, 1.0, *p_, false, *image_);
   SpringOps<Scalar, MV>::add(active_, 1.0, *p_, false, *image_);
   if (hasFace_) {
     Belos::MultiVecTraits<Scalar, MV>::Assign(*image_, *onFace_);
-    BT::maskActive(*onFace_, active_);
+    Sets::maskActive(*onFace_, active_);
   }
-  const CurvatureSums local = BT::localCurvature(*w_, *p_, *onFace_, active_);
+  const CurvatureSums local = Bounds::localCurvature(*w_, *p_, *onFace_, active_);
   sums.insert(sums.end(), {local.gradientDotDirection, local.directionNorm2, local.directionDotImage});
   project(*onFace_, sums);
   const std::size_t first = hasMore ? 1 : 0;
@@ -220,7 +219,7 @@ void ProjectedCg<Scalar, MV, OP>::settle() {
     // As far as the face holds them: nothing was taken away for motions that it leaves free.
     MVT::MvInit(*onFace_, 0.0);
     rows_.addTransposed(1.0, *rowWork_, *onFace_);
-    BoundTraits<Scalar, MV>::maskActive(*onFace_, active_);
+    Sets::maskActive(*onFace_, active_);
     rows_.solveFor(faceGram_.get(), *onFace_, *rowWork_, none);
   }
   MVT::MvAddMv(1.0, *removed_, -1.0, *rowWork_, *removed_);

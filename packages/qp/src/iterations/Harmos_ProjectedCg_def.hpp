@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ActiveSetOps.hpp"
+#include "Harmos_BoundTraits.hpp"
 #include "Harmos_EqualityRows_def.hpp"
+#include "Harmos_FollowingOps.hpp"
 #include "Harmos_ProjectedCg.hpp"
 #include "Harmos_ProjectedCgCoupled_def.hpp"
 #include "Harmos_ProjectedCgStep_def.hpp"
@@ -18,12 +21,13 @@ template<class Scalar, class MV>
 void exchangeSlips(StateArchive<MV>& archive, const std::string& name, const FeasibleSet<MV>& feasible,
                    const MV& like, LocalActiveSet& set) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using Sets = ActiveSetOps<Scalar, MV>;
   const Teuchos::RCP<MV> normals = MVT::Clone(like, 1), curvatures = MVT::Clone(like, 1);
-  BoundTraits<Scalar, MV>::slipsToVectors(set, *normals, *curvatures);
+  Sets::slipsToVectors(set, *normals, *curvatures);
   archive.vector(name + " slips", *normals);
   archive.vector(name + " curvatures", *curvatures);
   if (archive.isReading())
-    BoundTraits<Scalar, MV>::vectorsToSlips(feasible, *normals, *curvatures, set);
+    Sets::vectorsToSlips(feasible, *normals, *curvatures, set);
 }
 
 /// The same of springs.
@@ -82,7 +86,6 @@ void ProjectedCg<Scalar, MV, OP>::makeFaceVectors() {
 template<class Scalar, class MV, class OP>
 bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active, double leastHold) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
   MV& x = *problem_.solution();
   LocalActiveSet known;
   known.springs = active_.springs;
@@ -95,10 +98,10 @@ bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active, double lea
     SpringOps<Scalar, MV>::move(known, active_, stiffness_, x);
   makeFaceVectors();
   if (hasFace_) {
-    BT::moveToBounds(x, problem_.feasibleSet(), active_);
+    Sets::moveToBounds(x, problem_.feasibleSet(), active_);
     findFollowing();
     if (isCoupled_)
-      BT::moveToFollowing(following_, *problem_.lowerBound(), x);
+      Limits::moveToFollowing(following_, *problem_.lowerBound(), x);
   }
   if (rows_.isPresent()) {
     makeFaceGram();
@@ -123,7 +126,7 @@ bool ProjectedCg<Scalar, MV, OP>::start(const LocalActiveSet& active, double lea
       MVT::MvInit(*correction, 0.0);
       rows_.addTransposed(-1.0, *unused_, *correction);
       if (hasFace_)
-        BT::maskActive(*correction, active_);
+        Sets::maskActive(*correction, active_);
       if (hasSprings_ && isSoftened_)
         soften(*correction);
       MVT::MvAddMv(1.0, x, 1.0, *correction, x);
@@ -149,7 +152,7 @@ template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::makeFaceGram() {
   const bool isWhole =
       std::all_of(active_.begin(), active_.end(), [](signed char side) { return side == 0; });
-  const double anyActive = BoundTraits<Scalar, MV>::maximum(*problem_.solution(), isWhole ? 0.0 : 1.0);
+  const double anyActive = BT::maximum(*problem_.solution(), isWhole ? 0.0 : 1.0);
   faceGram_ = anyActive > 0.0 ? rows_.faceGram(active_) : Teuchos::null;
   if (isSoftened_)
     softGram_ = rows_.faceGram(active_, stiffness_);
@@ -159,9 +162,8 @@ void ProjectedCg<Scalar, MV, OP>::makeFaceGram() {
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::findSlips() {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  isSoftened_ =
-      problem_.hasDiscs() && preconditioner_.isPresent() &&
-      BoundTraits<Scalar, MV>::maximum(*problem_.solution(), active_.slipping.empty() ? 0.0 : 1.0) > 0.0;
+  isSoftened_ = problem_.hasDiscs() && preconditioner_.isPresent() &&
+                BT::maximum(*problem_.solution(), active_.slipping.empty() ? 0.0 : 1.0) > 0.0;
   hasSprings_ = problem_.hasSoftBounds() && isAnywhere(!active_.springs.empty());
   isSoftened_ = isSoftened_ || hasSprings_;
   softGram_ = Teuchos::null;
@@ -187,7 +189,7 @@ void ProjectedCg<Scalar, MV, OP>::findSlips() {
 
 template<class Scalar, class MV, class OP>
 bool ProjectedCg<Scalar, MV, OP>::isAnywhere(bool isHere) const {
-  return BoundTraits<Scalar, MV>::maximum(*problem_.solution(), isHere ? 1.0 : 0.0) > 0.0;
+  return BT::maximum(*problem_.solution(), isHere ? 1.0 : 0.0) > 0.0;
 }
 
 // v ← Tv, where pairs slip and at springs.
@@ -195,7 +197,7 @@ template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::soften(MV& v) const {
   const double q = stiffness_;
   const Teuchos::RCP<MV> whole = Belos::MultiVecTraits<Scalar, MV>::CloneCopy(v);
-  BoundTraits<Scalar, MV>::addAtSlips(
+  Sets::addAtSlips(
       active_, [q](double curvature) { return -curvature / (q + curvature); }, *whole, v);
   SpringOps<Scalar, MV>::share(active_, q, v);
 }
@@ -203,7 +205,6 @@ void ProjectedCg<Scalar, MV, OP>::soften(MV& v) const {
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
   archive.vector("x", *problem_.solution());
   archive.vector("cg gradient on the face", *w_);
   archive.vector("cg direction", *p_);
@@ -212,10 +213,10 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
   if (hasFace_) {
     archive.vector("cg gradient", *gradient_);
     const Teuchos::RCP<MV> active = MVT::Clone(*w_, 1);
-    BT::activeToVector(active_, *active);
+    Sets::activeToVector(active_, *active);
     archive.vector("cg active set", *active);
     if (archive.isReading()) {
-      BT::vectorToActive(*active, active_);
+      Sets::vectorToActive(*active, active_);
       isSettled_ = !isUnprojected_;
     }
     if (problem_.hasDiscs())
@@ -227,7 +228,7 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
       LocalActiveSet still = active_;
       if (problem_.hasFollowingLimits())
         Kernels::leaveOut(problem_.followingLimits(), problem_.feasibleSet().discs, still);
-      BT::moveToBounds(*problem_.solution(), problem_.feasibleSet(), still);
+      Sets::moveToBounds(*problem_.solution(), problem_.feasibleSet(), still);
     }
   }
   if (rows_.isPresent())
@@ -295,11 +296,11 @@ void ProjectedCg<Scalar, MV, OP>::restart() {
       lookAtRows();
   }
   if (hasFace_) {
-    BoundTraits<Scalar, MV>::addCurvature(active_, 1.0, x, true, *w_);
+    Sets::addCurvature(active_, 1.0, x, true, *w_);
     addSprings(x);
     MVT::Assign(*w_, *gradient_);
     isSettled_ = true;
-    BoundTraits<Scalar, MV>::maskActive(*w_, active_);
+    Sets::maskActive(*w_, active_);
   }
   if (rows_.isPresent())
     MVT::MvInit(*removed_, 0.0);
@@ -365,7 +366,7 @@ typename ProjectedCg<Scalar, MV, OP>::Slipping ProjectedCg<Scalar, MV, OP>::slip
   const double q = stiffness_ > 0.0 ? stiffness_ : curvatureBound_;
   if (!(problem_.hasDiscs() || hasSprings_) || !(q > 0.0))
     return {residualNorm(), 0.0};
-  const SlipSums sums = BoundTraits<Scalar, MV>::slipSums(active_, q, *w_);
+  const SlipSums sums = Sets::slipSums(active_, q, *w_);
   return {std::sqrt(std::max(0.0, residual2_ - sums.along2 - sums.springs2) + sums.softened2 +
                     sums.softenedSprings2),
           sums.rims2 > 0.0 ? std::sqrt(sums.along2 / sums.rims2) : 0.0};
@@ -405,7 +406,7 @@ template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::lagrangianGradient(MV& y) {
   settle();
   Belos::MultiVecTraits<Scalar, MV>::Assign(*gradient_, y);
-  BoundTraits<Scalar, MV>::addCurvature(active_, -1.0, *problem_.solution(), true, y);
+  Sets::addCurvature(active_, -1.0, *problem_.solution(), true, y);
   if (rows_.isPresent())
     rows_.addTransposed(-1.0, *removed_, y);
 }

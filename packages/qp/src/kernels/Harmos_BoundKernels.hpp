@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_BoundTraits.hpp"
+#include "Harmos_BoundTypes.hpp"
 
 #include <cstddef>
 
@@ -38,7 +38,7 @@ void projectedStep(std::size_t n, double* x, double* xOld, const double* p, doub
 
 ChangeSums change(std::size_t n, const double* x, const double* xOld, const double* g, const double* gOld);
 
-/// See BoundTraits::projectSmoothly().
+/// See BoundOps::projectSmoothly().
 struct Smoothed {
   double x, slope;
 };

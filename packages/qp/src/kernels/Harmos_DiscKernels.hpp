@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_BoundTraits.hpp"
+#include "Harmos_BoundTypes.hpp"
 
 #include <vector>
 
@@ -32,7 +32,7 @@ void projectedStep(const Discs& discs, double* x, double* xOld, const double* p,
 
 void project(const Discs& discs, double* x);
 
-/// See BoundTraits::projectSmoothly().
+/// See BoundOps::projectSmoothly().
 void projectSmoothly(const Discs& discs, double width, double* x, double* slope, std::vector<Slip>& rims);
 
 /// To the rim, along the radius, where the state says so.
@@ -53,7 +53,7 @@ struct DiscChange {
   double wrong2 = 0.0;               ///< of what is left of the gradient at the nearest point of the rim
 };
 
-/// See BoundTraits::updateActiveSet().
+/// See ActiveSetOps::updateActiveSet().
 DiscChange update(const Discs& discs, const double* x, const double* g, const DiscUpdate& how, double xNoise,
                   double gradientNoise, LocalActiveSet& set);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_BoundTraits.hpp"
+#include "Harmos_BoundTypes.hpp"
 #include "Harmos_FeasibleSet.hpp"
 
 #include <vector>
@@ -42,7 +42,7 @@ namespace Kernels {
 void follow(const FollowingLimits& limits, const double* x, const double* g, const FollowUpdate& how,
             double* lower, double* upper, LocalDiscs* discs);
 
-/// See BoundTraits::updateFollowing(); local sums.
+/// See FollowingOps::updateFollowing(); local sums.
 FollowChange update(const FollowingLimits& limits, const double* x, const double* g, const double* lower,
                     const double* upper, const LocalDiscs* discs, double stepLength, double gradientNoise,
                     const LocalActiveSet& before, LocalActiveSet& set);

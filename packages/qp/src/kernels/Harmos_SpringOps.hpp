@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_BoundTraits.hpp"
+#include "Harmos_BoundTypes.hpp"
 
 #include <cmath>
 
@@ -15,15 +16,11 @@ template<class Scalar, class MV>
 struct SpringOps {
   using BT = BoundTraits<Scalar, MV>;
 
-  /// @param random see Kernels::updateSprings(), by BoundTraits::setRandom().
+  /// @param random see Kernels::updateSprings(), by BoundOps::setRandom().
   static SpringChange update(const MV& x, const LocalSoftBounds& bounds, double noise, const MV& random,
                              LocalActiveSet& set) {
-    SpringChange local;
-    BT::read(x, [&](const double* entries) {
-      BT::read(random, [&](const double* numbers) {
-        local = Kernels::updateSprings(bounds.bounds(), entries, noise, numbers, set.springs);
-      });
-    });
+    const SpringChange local =
+        Kernels::updateSprings(bounds.bounds(), BT::read(x), noise, BT::read(random), set.springs);
     double sums[] = {static_cast<double>(local.changed), local.wrong2, local.signature[0],
                      local.signature[1]};
     BT::sum(x, sums, 4);
@@ -32,11 +29,8 @@ struct SpringOps {
 
   /// y ← y + fκx of springs; with fromCentre x − c in the place of x. Local.
   static void add(const LocalActiveSet& set, double f, const MV& x, bool fromCentre, MV& y) {
-    if (set.springs.empty())
-      return;
-    BT::read(x, [&](const double* from) {
-      BT::write(y, [&](double* to) { Kernels::addSprings(set.springs, f, from, fromCentre, to); });
-    });
+    if (!set.springs.empty())
+      Kernels::addSprings(set.springs, f, BT::read(x), fromCentre, BT::write(y));
   }
 
   /// v ← Tv, T = q/(q + κ) at springs. Local.
@@ -49,11 +43,8 @@ struct SpringOps {
   }
   /// z ← z + (I − T)Tq⁻¹v at springs. Local.
   static void addStiff(const LocalActiveSet& set, double q, const MV& v, MV& z) {
-    if (set.springs.empty())
-      return;
-    BT::read(v, [&](const double* from) {
-      BT::write(z, [&](double* to) { Kernels::addStiff(set.springs, q, from, to); });
-    });
+    if (!set.springs.empty())
+      Kernels::addStiff(set.springs, q, BT::read(v), BT::write(z));
   }
 
   /// y ← y + κ(x − Π(x)). Local.
@@ -61,45 +52,37 @@ struct SpringOps {
 
   /// The same where y knows springs already. Local.
   static void correct(const LocalSoftBounds* bounds, const LocalActiveSet& set, const MV& x, MV& y) {
-    if (bounds == nullptr)
-      return;
-    BT::read(x, [&](const double* from) {
-      BT::write(y, [&](double* to) { Kernels::correctSprings(bounds->bounds(), set.springs, from, to); });
-    });
+    if (bounds != nullptr)
+      Kernels::correctSprings(bounds->bounds(), set.springs, BT::read(x), BT::write(y));
   }
 
   /// See Kernels::moveToSprings(). Local.
   static void move(const LocalActiveSet& before, const LocalActiveSet& set, double q, MV& x) {
     if (!set.springs.empty())
-      BT::write(x, [&](double* to) { Kernels::moveToSprings(before.springs, set.springs, q, to); });
+      Kernels::moveToSprings(before.springs, set.springs, q, BT::write(x));
   }
 
   /// Springs as a vector, and back. Local.
   static void toVector(const LocalSoftBounds& bounds, const LocalActiveSet& set, MV& sides) {
-    BT::write(sides, [&](double* to) { Kernels::springsToSides(bounds.bounds(), set.springs, to); });
+    Kernels::springsToSides(bounds.bounds(), set.springs, BT::write(sides));
   }
   static void fromVector(const LocalSoftBounds& bounds, const MV& sides, LocalActiveSet& set) {
-    BT::read(sides,
-             [&](const double* from) { set.springs = Kernels::springsOfSides(bounds.bounds(), from); });
+    set.springs = Kernels::springsOfSides(bounds.bounds(), BT::read(sides));
   }
 
   /// dᵀκ(x − Π(x)).
   static double power(const LocalSoftBounds& bounds, const MV& x, const MV& d) {
-    double sum = 0.0;
-    BT::read(x, [&](const double* at) {
-      BT::read(d, [&](const double* along) { sum = Kernels::softPower(bounds.bounds(), at, along); });
-    });
+    double sum = Kernels::softPower(bounds.bounds(), BT::read(x), BT::read(d));
     BT::sum(x, &sum, 1);
     return sum;
   }
 
   /// Σcf over springs, f a vector.
   static double atCentres(const LocalActiveSet& set, const MV& f) {
+    const double* const values = BT::read(f);
     double sum = 0.0;
-    BT::read(f, [&](const double* values) {
-      for (const Spring& spring : set.springs)
-        sum += spring.centre * values[static_cast<std::size_t>(spring.entry)];
-    });
+    for (const Spring& spring : set.springs)
+      sum += spring.centre * values[spring.entry];
     BT::sum(f, &sum, 1);
     return sum;
   }
@@ -108,8 +91,7 @@ struct SpringOps {
   static double opposed(const LocalSoftBounds* bounds, const MV& d) {
     if (bounds == nullptr)
       return 0.0;
-    double sum = 0.0;
-    BT::read(d, [&](const double* along) { sum = Kernels::opposed2(bounds->bounds(), along); });
+    double sum = Kernels::opposed2(bounds->bounds(), BT::read(d));
     BT::sum(d, &sum, 1);
     return std::sqrt(sum);
   }
@@ -117,7 +99,7 @@ struct SpringOps {
  private:
   static void weigh(const LocalActiveSet& set, double q, double least, MV& v) {
     if (!set.springs.empty())
-      BT::write(v, [&](double* to) { Kernels::soften(set.springs, q, least, to); });
+      Kernels::soften(set.springs, q, least, BT::write(v));
   }
 };
 

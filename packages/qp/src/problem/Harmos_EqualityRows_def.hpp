@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ActiveSetOps.hpp"
+#include "Harmos_BoundOps.hpp"
+#include "Harmos_BoundTraits.hpp"
 #include "Harmos_EqualityRows.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"
@@ -46,7 +49,7 @@ void EqualityRows<Scalar, MV, OP>::prepare(int mostRows) {
     };
     int products = 0;
     const Teuchos::RCP<MV> start = MVT::Clone(*image_, 1);
-    BoundTraits<Scalar, MV>::setRandom(*start);
+    BoundOps<Scalar, MV>::setRandom(*start);
     norm2_ = 1.05 * estimateNorm<Scalar, MV>(product, *start, 20, products);
     return;
   }
@@ -133,23 +136,23 @@ Teuchos::RCP<const FaceGram<MV>> EqualityRows<Scalar, MV, OP>::faceGram(const Lo
     if (q > 0.0)
       SpringOps<Scalar, MV>::share(active, q, *free);
     if (!slips) {
-      BoundTraits<Scalar, MV>::maskActive(*free, active);
+      ActiveSetOps<Scalar, MV>::maskActive(*free, active);
       return problem_.faceGram()->build(*free);
     }
     LocalActiveSet held = active;
     std::replace(held.begin(), held.end(), LocalActiveSet::slips, LocalActiveSet::onRim);
     held.slipping.clear();
-    BoundTraits<Scalar, MV>::maskActive(*free, held);
+    ActiveSetOps<Scalar, MV>::maskActive(*free, held);
     const Teuchos::RCP<const FaceGram<MV>> gram =
         problem_.faceGram()->buildWithSlips(*free, active.slipping, q);
     if (!gram.is_null())
       return gram;
   }
   const auto weigh = [&](MV& v) {
-    BoundTraits<Scalar, MV>::maskActive(v, active);
+    ActiveSetOps<Scalar, MV>::maskActive(v, active);
     if (q > 0.0) {
       const Teuchos::RCP<MV> whole = MVT::CloneCopy(v);
-      BoundTraits<Scalar, MV>::addAtSlips(
+      ActiveSetOps<Scalar, MV>::addAtSlips(
           active, [q](double curvature) { return -curvature / (q + curvature); }, *whole, v);
       SpringOps<Scalar, MV>::share(active, q, v);
     }
@@ -173,8 +176,8 @@ EqualityRows<Scalar, MV, OP>::weightedGram(const MV& weights, const std::vector<
     slip.curvature = 1.0 / (1.0 + slip.curvature);
   return denseGram(gramOf([&](MV& v) {
     const Teuchos::RCP<MV> whole = Belos::MultiVecTraits<Scalar, MV>::CloneCopy(v);
-    BoundTraits<Scalar, MV>::multiply(weights, v);
-    BoundTraits<Scalar, MV>::addCurvature(tangents, 1.0, *whole, false, v);
+    BoundOps<Scalar, MV>::multiply(weights, v);
+    ActiveSetOps<Scalar, MV>::addCurvature(tangents, 1.0, *whole, false, v);
   }));
 }
 
@@ -293,7 +296,7 @@ void EqualityRows<Scalar, MV, OP>::checkOrthonormality() {
 
 template<class Scalar, class MV, class OP>
 void EqualityRows<Scalar, MV, OP>::setRandom(MV& w) const {
-  BoundTraits<Scalar, MV>::setRandom(w);
+  BoundOps<Scalar, MV>::setRandom(w);
   if (problem_.equalityStructure() == EqualityStructure::General)
     return;
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.equalityRows(), w, *image_, Belos::TRANS);

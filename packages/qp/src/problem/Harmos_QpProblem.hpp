@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_BoundTraits.hpp"
+#include "Harmos_BoundTypes.hpp"
 #include "Harmos_FaceGram.hpp"
 #include "Harmos_FacePreconditioner.hpp"
 #include "Harmos_FollowingLimits.hpp"

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_BoundOps.hpp"
 #include "Harmos_BoundTraits.hpp"
+#include "Harmos_FollowingOps.hpp"
 #include "Harmos_QpProblem.hpp"
 
 #include <BelosMultiVecTraits.hpp>
@@ -69,23 +71,23 @@ void Problem<Scalar, MV, OP>::setSoftBounds(std::shared_ptr<const LocalSoftBound
 
 template<class Scalar, class MV, class OP>
 void Problem<Scalar, MV, OP>::follow(const FollowUpdate& how, const MV* gradient) {
-  BoundTraits<Scalar, MV>::follow(*solution_, gradient, how, *following_, *ownLower_, ownUpper_.get(),
-                                  ownDiscs_.get());
+  FollowingOps<Scalar, MV>::follow(*solution_, gradient, how, *following_, *ownLower_, ownUpper_.get(),
+                                   ownDiscs_.get());
 }
 
 template<class Scalar, class MV, class OP>
 void Problem<Scalar, MV, OP>::moveToLimits(const LocalActiveSet& active) {
-  BoundTraits<Scalar, MV>::moveToLimits(*solution_, feasibleSet(), *following_, active);
+  FollowingOps<Scalar, MV>::moveToLimits(*solution_, feasibleSet(), *following_, active);
 }
 
 template<class Scalar, class MV, class OP>
 void Problem<Scalar, MV, OP>::limits(MV& radii) const {
-  BoundTraits<Scalar, MV>::limitsToVector(*following_, feasibleSet(), radii);
+  FollowingOps<Scalar, MV>::limitsToVector(*following_, feasibleSet(), radii);
 }
 
 template<class Scalar, class MV, class OP>
 void Problem<Scalar, MV, OP>::setLimits(const MV& radii) {
-  BoundTraits<Scalar, MV>::vectorToLimits(*following_, radii, *ownLower_, ownUpper_.get(), ownDiscs_.get());
+  FollowingOps<Scalar, MV>::vectorToLimits(*following_, radii, *ownLower_, ownUpper_.get(), ownDiscs_.get());
 }
 
 // What follows must not be what others hold.
@@ -172,12 +174,12 @@ bool Problem<Scalar, MV, OP>::areSoft() const {
       if (!limit.isDisc && limit.place >= 0 && static_cast<std::size_t>(limit.place) < isTaken.size())
         isTaken[static_cast<std::size_t>(limit.place)] = 1;
   const auto markBounded = [&](const Teuchos::RCP<const MV>& bound) {
-    if (!bound.is_null())
-      BoundTraits<Scalar, MV>::read(*bound, [&](const double* values) {
-        for (std::size_t i = 0; i < isTaken.size(); ++i)
-          if (std::abs(values[i]) != infinity)
-            isTaken[i] = 1;
-      });
+    if (bound.is_null())
+      return;
+    const double* const values = BoundTraits<Scalar, MV>::read(*bound);
+    for (std::size_t i = 0; i < isTaken.size(); ++i)
+      if (std::abs(values[i]) != infinity)
+        isTaken[i] = 1;
   };
   markBounded(lower_);
   markBounded(upper_);
@@ -206,17 +208,17 @@ bool Problem<Scalar, MV, OP>::setProblem() {
   };
   if (onAnyRank(hasDiscs()) && onAnyRank(!hasDiscs()))
     return refuse("discs are given on some ranks only; give empty ones on the others");
-  if (hasDiscs() && onAnyRank(!BoundTraits<Scalar, MV>::isFit(*solution_, *discs_)))
+  if (hasDiscs() && onAnyRank(!BoundOps<Scalar, MV>::isFit(*solution_, *discs_)))
     return refuse("discs do not match the length of the solution on a rank");
   if (onAnyRank(hasSoftBounds()) && onAnyRank(!hasSoftBounds()))
     return refuse("soft bounds are given on some ranks only; give empty ones on the others");
-  if (hasSoftBounds() && onAnyRank(!BoundTraits<Scalar, MV>::isFit(*solution_, *soft_)))
+  if (hasSoftBounds() && onAnyRank(!BoundOps<Scalar, MV>::isFit(*solution_, *soft_)))
     return refuse("soft bounds do not match the length of the solution on a rank");
   if (hasSoftBounds() && onAnyRank(!areSoft()))
     return refuse(
         "a soft bound is not a number, its lower end exceeds the upper one, its curvature is negative or not "
         "finite, or its entry has another bound, a disc or a solution-dependent limit");
-  const BoundFault fault = BoundTraits<Scalar, MV>::findBoundFault(*solution_, feasibleSet());
+  const BoundFault fault = BoundOps<Scalar, MV>::findBoundFault(*solution_, feasibleSet());
   if (fault.found && !(fault.lower > fault.upper))
     return refuse("the bounds of entry " + std::to_string(fault.entry) +
                   " are not numbers, a lower one is +infinity or an upper one -infinity, or the entry is in "

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ActiveSetOps.hpp"
+#include "Harmos_BoundOps.hpp"
+#include "Harmos_BoundTraits.hpp"
+#include "Harmos_FollowingOps.hpp"
 #include "Harmos_SolverManager.hpp"
 
 namespace Harmos::qp {
@@ -40,6 +44,9 @@ class FixedPointSolver : public SolverManager<Scalar, MV, OP> {
 
  private:
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using Bounds = BoundOps<Scalar, MV>;
+  using Sets = ActiveSetOps<Scalar, MV>;
+  using Limits = FollowingOps<Scalar, MV>;
   using BT = BoundTraits<Scalar, MV>;
 
   void begin();

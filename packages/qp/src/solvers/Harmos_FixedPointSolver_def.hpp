@@ -187,7 +187,7 @@ bool FixedPointSolver<Scalar, MV, OP>::isAnswer() {
   const Teuchos::RCP<MV> gradient = MVT::Clone(x, 1);
   MVT::MvInit(*gradient, 0.0);
   LocalActiveSet set;
-  BT::split(x, *gradient, this->problem_->feasibleSet(), 1.0, nullptr, set);
+  Bounds::split(x, *gradient, this->problem_->feasibleSet(), 1.0, nullptr, set);
   this->problem_->follow();
   this->problem_->limits(*step_);
   MVT::MvAddMv(1.0, *step_, -1.0, *radii_, *step_);
@@ -209,7 +209,7 @@ IterationState<MV> FixedPointSolver<Scalar, MV, OP>::measure() {
   Problem<Scalar, MV, OP>& problem = *this->problem_;
   Counters& counters = this->result_.counters;
   MV& x = *problem.solution();
-  BT::project(x, problem.feasibleSet());
+  Bounds::project(x, problem.feasibleSet());
   const Teuchos::RCP<MV> gradient = MVT::Clone(x, 1);
   ++counters.confirmations;
   ++counters.hessianApplications;
@@ -226,7 +226,7 @@ IterationState<MV> FixedPointSolver<Scalar, MV, OP>::measure() {
     state.equalityDistance = rows_->distance();
   }
   state.x = &x;
-  state.projectedGradient = BT::projectedGradientNorm(x, *gradient, problem.feasibleSet());
+  state.projectedGradient = Bounds::projectedGradientNorm(x, *gradient, problem.feasibleSet());
   state.decrease = std::numeric_limits<double>::quiet_NaN(); // not known
   state.outer = updates_ + 1;
   state.inner = this->result_.lastRecord().inner;

@@ -83,10 +83,10 @@ void PdasSolver<Scalar, MV, OP>::Run::findSetBeside(const MV& x, const MV& y, do
   const double noise = touching * norm<Scalar>(x);
   for (int pass = 0; pass < 2; ++pass) { // the second for what was at its other bound
     MVT::Assign(*v, *inside);
-    BT::moveToBounds(*inside, feasible_, set_);
+    Sets::moveToBounds(*inside, feasible_, set_);
     MVT::MvAddMv(q, *inside, -q, *v, *gradient);
     active_ =
-        BT::updateActiveSet(*inside, *gradient, feasible_, noise, q * noise, set_, {1.0 / q, 0.0}).active;
+        Sets::updateActiveSet(*inside, *gradient, feasible_, noise, q * noise, set_, {1.0 / q, 0.0}).active;
   }
 }
 
@@ -116,10 +116,10 @@ void PdasSolver<Scalar, MV, OP>::Run::exchangeBest(StateArchive<MV>& archive) {
   if (bestGradient_.is_null())
     bestGradient_ = MVT::Clone(x_, 1);
   archive.vector("pdas best gradient", *bestGradient_);
-  BT::activeToVector(bestSet_, *states);
+  Sets::activeToVector(bestSet_, *states);
   archive.vector("pdas best set", *states);
   if (archive.isReading())
-    BT::vectorToActive(*states, bestSet_);
+    Sets::vectorToActive(*states, bestSet_);
   if (problem_.hasDiscs())
     exchangeSlips<Scalar>(archive, "pdas best", feasible_, x_, bestSet_);
   exchangeSprings<Scalar>(archive, "pdas best", problem_.softBounds(), x_, bestSet_);

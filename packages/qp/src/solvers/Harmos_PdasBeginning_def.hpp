@@ -15,10 +15,10 @@ void PdasSolver<Scalar, MV, OP>::Run::begin() {
   isCold_ = norm<Scalar>(x_) == 0.0 && (!rows_.isPresent() || norm<Scalar>(*problem_.multiplier()) == 0.0);
   if (hasFollowing() && !isCold_)
     solver_.problem_->follow();
-  BT::project(x_, feasible_);
+  Bounds::project(x_, feasible_);
   if (problem_.hasSoftBounds()) {
     random_ = MVT::Clone(x_, 1);
-    BT::setRandom(*random_);
+    Bounds::setRandom(*random_);
   }
   best_ = MVT::CloneCopy(x_);
   if (rows_.isPresent()) {
@@ -47,7 +47,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::isAtAllBounds(double scale) {
     MVT::MvInit(*none, 0.0);
     LocalActiveSet active;
     const FeasibleSet<MV> bounds = {feasible_.lower, feasible_.upper, nullptr};
-    return BT::updateActiveSet(x, *none, bounds, 0.0, 0.0, active).active;
+    return Sets::updateActiveSet(x, *none, bounds, 0.0, 0.0, active).active;
   };
   constexpr double beyond = 1e100, rounding = 1e-10; // all bounds; of an entry
   const double slack = std::max(std::numeric_limits<double>::min(),
@@ -90,7 +90,7 @@ template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::guessBounds() {
   MVT::MvAddMv(-1.0, *problem_.rhs(), 0.0, *problem_.rhs(), *y_);
   addMultiplier();
-  BT::split(x_, *y_, feasible_, 1.0, nullptr, set_);
+  Bounds::split(x_, *y_, feasible_, 1.0, nullptr, set_);
   if (problem_.hasSoftBounds())
     guessSprings();
   if (isCold_ && firstSet_ != FirstSet::Gradient) {
@@ -103,7 +103,7 @@ void PdasSolver<Scalar, MV, OP>::Run::guessBounds() {
     }
   }
   LocalActiveSet pushed = set_;
-  change_ = BT::updateActiveSet(x_, *y_, feasible_, 0.0, 0.0, pushed);
+  change_ = Sets::updateActiveSet(x_, *y_, feasible_, 0.0, 0.0, pushed);
   if (norm<Scalar>(x_) > 0.0)
     started_ = startsWithActive();
   else
@@ -142,13 +142,13 @@ bool PdasSolver<Scalar, MV, OP>::Run::triesNearest(FirstActiveSet<Scalar, MV, OP
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::startsWithActive() {
   const Teuchos::RCP<MV> projected = MVT::CloneCopy(x_), free = MVT::CloneCopy(*y_);
-  BT::maskActive(*free, set_);
+  Sets::maskActive(*free, set_);
   const double atBounds2 = dot<Scalar>(*y_, *y_) - dot<Scalar>(*free, *free);
   if (change_.wrongSign2 <= 0.1 * atBounds2 && cg_.start(set_)) {
     cg_.lagrangianGradient(*y_);
-    change_ = BT::updateActiveSet(x_, *y_, feasible_,
-                                  10.0 * std::numeric_limits<double>::epsilon() * norm<Scalar>(x_),
-                                  10.0 * cg_.attainable(), set_);
+    change_ = Sets::updateActiveSet(x_, *y_, feasible_,
+                                    10.0 * std::numeric_limits<double>::epsilon() * norm<Scalar>(x_),
+                                    10.0 * cg_.attainable(), set_);
     return change_.changed == 0;
   }
   MVT::Assign(*projected, x_);
@@ -156,7 +156,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::startsWithActive() {
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), x_, *y_);
   MVT::MvAddMv(1.0, *y_, -1.0, *problem_.rhs(), *y_);
   addMultiplier();
-  change_ = BT::updateActiveSet(x_, *y_, feasible_, 0.0, 0.0, set_);
+  change_ = Sets::updateActiveSet(x_, *y_, feasible_, 0.0, 0.0, set_);
   return false;
 }
 

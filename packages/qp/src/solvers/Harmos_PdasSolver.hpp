@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ActiveSetOps.hpp"
 #include "Harmos_BalancedActiveSet.hpp"
+#include "Harmos_BoundOps.hpp"
+#include "Harmos_BoundTraits.hpp"
 #include "Harmos_DescentOfSets.hpp"
 #include "Harmos_FirstActiveSet.hpp"
+#include "Harmos_FollowingOps.hpp"
 #include "Harmos_InteriorPath.hpp"
 #include "Harmos_ProjectedCg.hpp"
 #include "Harmos_SolverManager.hpp"
@@ -79,6 +83,9 @@ class PdasSolver<Scalar, MV, OP>::Run {
 
  private:
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  using Bounds = BoundOps<Scalar, MV>;
+  using Sets = ActiveSetOps<Scalar, MV>;
+  using Limits = FollowingOps<Scalar, MV>;
   using BT = BoundTraits<Scalar, MV>;
   using Cg = ProjectedCg<Scalar, MV, OP>;
 

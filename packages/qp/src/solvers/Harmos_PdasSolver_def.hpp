@@ -181,10 +181,10 @@ void PdasSolver<Scalar, MV, OP>::Run::describeState() {
       archive.rowVector("pdas best multiplier", *bestMultiplier_);
     descent_.exchange(archive);
     const Teuchos::RCP<MV> states = MVT::Clone(x_, 1);
-    BT::activeToVector(set_, *states);
+    Sets::activeToVector(set_, *states);
     archive.vector("pdas active set", *states);
     if (archive.isReading())
-      BT::vectorToActive(*states, set_);
+      Sets::vectorToActive(*states, set_);
     if (problem_.hasDiscs()) {
       exchangeSlips<Scalar>(archive, "pdas", feasible_, x_, set_);
       archive.number("pdas slips", change_.slips);
@@ -382,8 +382,8 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
   const double stepLength = curvature > 0.0 ? 1.0 / curvature : 0.0;
   if (hasFollowing())
     solver_.problem_->follow({stepLength, 1.0}, y_.get());
-  change_ = BT::updateActiveSet(x_, *y_, feasible_, 10.0 * epsilon * norm<Scalar>(x_),
-                                10.0 * cg_.attainable(), set_, {stepLength, turn});
+  change_ = Sets::updateActiveSet(x_, *y_, feasible_, 10.0 * epsilon * norm<Scalar>(x_),
+                                  10.0 * cg_.attainable(), set_, {stepLength, turn});
   if (hasFollowing())
     lookAtFollowing(stepLength);
   if (problem_.hasSoftBounds())
@@ -399,7 +399,7 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
   if (expected_ < progress_.least) {
     progress_.least = expected_;
     MVT::Assign(x_, *best_);
-    BT::project(*best_, feasible_);
+    Bounds::project(*best_, feasible_);
     if (rows_.isPresent())
       cg_.multiplier(*bestMultiplier_);
     if (mayBalance()) {
@@ -415,8 +415,8 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
 // Limits that have moved by what counts beside the residual make another face.
 template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::lookAtFollowing(double stepLength) {
-  const FollowChange more = BT::updateFollowing(x_, *y_, feasible_, problem_.followingLimits(), stepLength,
-                                                10.0 * cg_.attainable(), before_, set_);
+  const FollowChange more = Limits::updateFollowing(x_, *y_, feasible_, problem_.followingLimits(),
+                                                    stepLength, 10.0 * cg_.attainable(), before_, set_);
   change_.active += more.active;
   change_.changed += more.changed;
   if (change_.changed == 0 && std::sqrt(more.distance2) > 0.5 * stepLength * cg_.residualNorm())
@@ -550,7 +550,7 @@ template<class Scalar, class MV, class OP>
 IterationState<MV> PdasSolver<Scalar, MV, OP>::Run::measure(int inner, bool feasible) {
   if (feasible && cg_.staleness() > 0) {
     cg_.trueGradient(*y_);
-    const double carried = BT::projectedGradientNorm(x_, *y_, feasible_);
+    const double carried = Bounds::projectedGradientNorm(x_, *y_, feasible_);
     if (10.0 * cg_.attainable() <= carried) {
       cg_.storeMultiplier();
       if (!cg_.hasLooked())
@@ -562,7 +562,7 @@ IterationState<MV> PdasSolver<Scalar, MV, OP>::Run::measure(int inner, bool feas
     solver_.problem_->follow();
     solver_.problem_->moveToLimits(set_);
   }
-  BT::project(x_, feasible_);
+  Bounds::project(x_, feasible_);
   ++counters_.confirmations;
   ++counters_.hessianApplications;
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), x_, *y_);
@@ -575,7 +575,7 @@ IterationState<MV> PdasSolver<Scalar, MV, OP>::Run::measure(int inner, bool feas
   }
   cg_.storeMultiplier();
   cg_.lookAtRows(); // x was moved
-  return evaluate(BT::projectedGradientNorm(x_, *y_, feasible_), inner);
+  return evaluate(Bounds::projectedGradientNorm(x_, *y_, feasible_), inner);
 }
 
 // Another method goes on from the best iterate.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_BoundOps.hpp"
+#include "Harmos_BoundTraits.hpp"
 #include "Harmos_EqualityRows_def.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Explanations.hpp"
@@ -96,7 +98,7 @@ void SolverManager<Scalar, MV, OP>::measureLoad(const EqualityRows<Scalar, MV, O
   const Teuchos::RCP<MV> x = MVT::Clone(*problem_->solution(), 1);
   MVT::MvInit(*x, 0.0);
   if (problem_->hasBounds())
-    BoundTraits<Scalar, MV>::project(*x, problem_->feasibleSet());
+    BoundOps<Scalar, MV>::project(*x, problem_->feasibleSet());
   loadTest_->raiseScale(imageNorm(*x));
   double length = norm<Scalar>(*x);
   if (rows != nullptr) {
@@ -109,7 +111,7 @@ void SolverManager<Scalar, MV, OP>::measureLoad(const EqualityRows<Scalar, MV, O
   // What A makes nothing of is no load: gradients of the size of its rounding errors are zero.
   double hessianNorm = problem_->hessianNorm();
   if (hessianNorm == 0.0 && length > 0.0) {
-    BoundTraits<Scalar, MV>::setRandom(*x);
+    BoundOps<Scalar, MV>::setRandom(*x);
     hessianNorm = estimateNorm<Scalar, MV>(
         [this](const MV& in, MV& out) {
           Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_->hessian(), in, out);
@@ -253,7 +255,7 @@ bool SolverManager<Scalar, MV, OP>::isSenseless() {
       return true;
     }
   const BoundFault crossed =
-      BoundTraits<Scalar, MV>::findBoundFault(*problem_->solution(), problem_->feasibleSet());
+      BoundOps<Scalar, MV>::findBoundFault(*problem_->solution(), problem_->feasibleSet());
   if (crossed.found && !(crossed.lower > crossed.upper)) {
     stop(Reason::Breakdown, Explanations::notFinite("the bounds"));
     return true;
@@ -274,7 +276,7 @@ template<class Scalar, class MV, class OP>
 bool SolverManager<Scalar, MV, OP>::fallsAlongNullSpace() {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using OPT = Belos::OperatorTraits<Scalar, MV, OP>;
-  using BT = BoundTraits<Scalar, MV>;
+  using Bounds = BoundOps<Scalar, MV>;
   const double noise = std::sqrt(std::numeric_limits<double>::epsilon());
   const MV& kernel = *problem_->nullSpace();
   const int columns = static_cast<int>(MVT::GetNumberVecs(kernel));
@@ -284,7 +286,7 @@ bool SolverManager<Scalar, MV, OP>::fallsAlongNullSpace() {
   Counters& counters = result_.counters;
   double hessianNorm = problem_->hessianNorm();
   if (hessianNorm == 0.0) {
-    BT::setRandom(*d);
+    Bounds::setRandom(*d);
     hessianNorm =
         estimateNorm<Scalar, MV>([&](const MV& x, MV& y) { OPT::Apply(*problem_->hessian(), x, y); }, *d, 12,
                                  counters.setupApplications);
@@ -319,7 +321,7 @@ bool SolverManager<Scalar, MV, OP>::fallsAlongNullSpace() {
   if (!(length > noise * norm<Scalar>(*problem_->rhs())))
     return false;
   MVT::MvScale(*d, 1.0 / length);
-  if (BT::projectOntoRecessionCone(*d, problem_->feasibleSet()) > noise ||
+  if (Bounds::projectOntoRecessionCone(*d, problem_->feasibleSet()) > noise ||
       SpringOps<Scalar, MV>::opposed(problem_->softBounds(), *d) > noise)
     return false;
   MVT::MvScale(*d, 1.0 / norm<Scalar>(*d));

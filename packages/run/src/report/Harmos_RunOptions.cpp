@@ -3,7 +3,6 @@
 
 #include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"
-#include "Harmos_SparseSolve.hpp"
 
 namespace Harmos::run {
 

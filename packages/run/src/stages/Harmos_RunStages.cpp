@@ -13,8 +13,6 @@
 #include "Harmos_StressRecovery.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
-#include <Tpetra_MultiVector.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -232,7 +230,7 @@ void RunStages::made(feti::PipelineStage stage, const feti::DualPipeline& pipeli
 void RunStages::tellConstraints(const feti::DualPipeline& pipeline) {
   for (const std::string& note : contact_.notes)
     log_.info(note);
-  const feti::Constraints& constraints = pipeline.constraints();
+  const feti::Constraints& constraints = *pipeline.constraints();
   if (pipeline.system().dirichletForm() == feti::DirichletForm::Dual)
     costs_.countPrescribedAsRows();
   report_.effectCosts = costs_.total(*comm_);
@@ -254,14 +252,14 @@ void RunStages::tellConstraints(const feti::DualPipeline& pipeline) {
 void RunStages::tellInverses(const feti::DualPipeline& pipeline) {
   const feti::DualOptions::Decided& decided = pipeline.decided();
   const bool isFirst = pipeline.counts().inverses == 1;
-  report_.isSingle = pipeline.isSingle();
+  report_.isSingle = decided.isSingle();
   report_.localCondition = pipeline.accuracy().condition;
   tellFactors(pipeline);
   if (!isFirst)
     return;
   report_.dualOperator = decided.describe();
   report_.dualForms = toString(decided.forms());
-  report_.clusters = decided.inverses.clusters ? decided.inverses.clusters->total() : 0;
+  report_.clusters = decided.clusters();
   report_.localSolver = decided.inverses.solver.effectiveName();
   std::ostringstream text;
   text << report_.distinctFactorizations << " local factorisations (" << report_.localSolver << ") of "
@@ -271,7 +269,7 @@ void RunStages::tellInverses(const feti::DualPipeline& pipeline) {
   if (report_.roundedFactorizations > 0)
     text << "; applications of " << report_.roundedFactorizations << " in single precision";
   if (const auto replaced =
-          globalSum(*comm_, static_cast<long long>(pipeline.inverses().replacedFactorizations()));
+          globalSum(*comm_, static_cast<long long>(pipeline.inverses()->replacedFactorizations()));
       replaced > 0)
     text << "; " << replaced << " of them implicit (too ill-conditioned to condense)";
   log_.info(text.str());
@@ -279,10 +277,10 @@ void RunStages::tellInverses(const feti::DualPipeline& pipeline) {
 
 // To the report.
 void RunStages::tellFactors(const feti::DualPipeline& pipeline) {
-  share_.dualOperatorMiB = pipeline.inverses().bytes() / mebi;
+  share_.dualOperatorMiB = pipeline.inverses()->bytes() / mebi;
   report_.dualOperatorMiB = globalSum(*comm_, share_.dualOperatorMiB);
   report_.distinctFactorizations =
-      globalSum(*comm_, static_cast<long long>(pipeline.inverses().distinctFactorizations()));
+      globalSum(*comm_, static_cast<long long>(pipeline.inverses()->distinctFactorizations()));
   report_.roundedFactorizations = pipeline.accuracy().roundedFactorizations;
   report_.factorisations =
       globalSum(*comm_, static_cast<long long>(pipeline.factorizations().factorizations));
@@ -298,18 +296,19 @@ namespace {
 // Of G̃G̃ᵀ, whose pivots go with the squares of the singular values of G̃.
 bool isHeldWeakly(const feti::DualPipeline& pipeline) {
   constexpr double weak = 1e-6;
-  const feti::CoarseSpace& coarse = pipeline.coarse();
-  return coarse.dimension() > 0 && coarse.smallestPivotRatio() < weak && !pipeline.constraints().hasWeights();
+  const feti::CoarseSpace& coarse = *pipeline.coarse();
+  return coarse.dimension() > 0 && coarse.smallestPivotRatio() < weak &&
+         !pipeline.constraints()->hasWeights();
 }
 
 } // namespace
 
 void RunStages::tellCoarse(const feti::DualPipeline& pipeline) {
-  const feti::CoarseSpace& coarse = pipeline.coarse();
+  const feti::CoarseSpace& coarse = *pipeline.coarse();
   report_.coarseDimension = coarse.dimension();
   report_.isCoarseDistributed = coarse.isDistributed();
   if (report_.clusters > 0)
-    log_.info(feti::describeClusters(pipeline.system(), pipeline.inverses()));
+    log_.info(feti::describeClusters(pipeline.system(), *pipeline.inverses()));
   if (report_.isCoarseDistributed)
     log_.info("Coarse problem of dimension " + std::to_string(coarse.dimension()) + ": " +
               coarse.description());
@@ -448,15 +447,15 @@ void RunStages::recover() {
   const auto scope = timers_.scope("recovery");
   if (report_.inequalities > 0)
     report_.contact =
-        contactStates(*comm_, contact_.points, feti::contactState(pipeline_->constraints(), torn_));
+        contactStates(*comm_, contact_.points, feti::contactState(*pipeline_->constraints(), torn_));
   if (report_.limited > 0) {
-    report_.slips = rowSlips(*comm_, contact_, feti::frictionState(pipeline_->constraints(), torn_));
+    report_.slips = rowSlips(*comm_, contact_, feti::frictionState(*pipeline_->constraints(), torn_));
     addSlips(*comm_, contact_, report_.slips, slipsBefore_, report_.contact);
   }
   report_.contactCounts = countContact(*comm_, report_.contact);
-  reactions_ = feti::reactions(pipeline_->system(), pipeline_->constraints(), torn_);
+  reactions_ = feti::reactions(pipeline_->system(), *pipeline_->constraints(), torn_);
   report_.forces = forcesOf(*comm_, scene_, owned_, pipeline_->system(), contact_, torn_.displacement,
-                            reactions_, pipeline_->constraints().givenMultipliers(*torn_.multiplier));
+                            reactions_, pipeline_->constraints()->givenMultipliers(*torn_.multiplier));
   // Where nothing is strained: rounding errors of stiffness times displacement are in no balance. Loads and
   // springs are no such errors.
   constexpr double rounding = 1e-12;
@@ -489,8 +488,8 @@ void RunStages::judgeDrift() {
     for (const feti::FixedDof& fixed : system.subdomain(i).fixed)
       prescribed = std::max(prescribed, std::abs(fixed.value));
   constexpr double hardly = 1e-3;
-  const feti::CoarseSpace& coarse = pipeline_->coarse();
-  if (!report_.converged || coarse.dimension() == 0 || pipeline_->constraints().hasWeights() ||
+  const feti::CoarseSpace& coarse = *pipeline_->coarse();
+  if (!report_.converged || coarse.dimension() == 0 || pipeline_->constraints()->hasWeights() ||
       coarse.smallestPivotRatio() >= hardly)
     return;
   const std::string drift = driftText(*comm_, scene_, owned_, torn_.displacement, prescribed);
@@ -506,7 +505,7 @@ std::string RunStages::escapingBodies() const {
   for (const scene::OwnedSubdomain& item : owned_)
     bodyOf.push_back(item.body);
   std::string names;
-  for (const long long body : feti::escapingParts(pipeline_->coarse().motions(), solve_->solution().escape,
+  for (const long long body : feti::escapingParts(pipeline_->coarse()->motions(), solve_->solution().escape,
                                                   bodyOf, static_cast<long long>(scene_.bodies.size())))
     names += (names.empty() ? "\"" : ", \"") + scene_.bodies[static_cast<std::size_t>(body)].name + "\"";
   return names;

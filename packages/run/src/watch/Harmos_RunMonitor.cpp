@@ -177,10 +177,8 @@ RunMonitor::Look RunMonitor::look() {
 
 RunMonitor::Wish RunMonitor::ask(const qp::IterationState<MultiVector>& state) {
   const Wish wish = wishAt(state);
-  if (wish != Wish::GoOn) {
-    reached_ = Teuchos::rcp(new MultiVector(*state.x, Teuchos::Copy));
-    reached_->update(1.0, *run_->stages.problem->shift(), 1.0);
-  }
+  if (wish != Wish::GoOn)
+    reached_ = run_->stages.problem->total(*state.x);
   return wish;
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_BoundTraitsTpetra.hpp"
 #include "Harmos_TestFeti.hpp"
 
 #include "Harmos_Errors.hpp"
@@ -40,7 +41,7 @@ TEST(CoarseSpace, rows_of_G_are_orthonormal_and_P_is_a_projector) {
     }
     // P² = P, GP = 0.
     MultiVector v(feti.constraints.rowMap(), 1);
-    qp::BoundTraits<Scalar, MultiVector>::setRandom(v);
+    qp::BoundOps<Scalar, MultiVector>::setRandom(v);
     coarse.project(v);
     MultiVector again(v, Teuchos::Copy);
     coarse.project(again);
@@ -120,7 +121,7 @@ TEST(CoarseSpace, dense_and_sparse_factors_agree) {
   ASSERT_FALSE(sparse.factor().isDense());
   ASSERT_EQ(dense.dimension(), sparse.dimension());
   MultiVector a(feti.constraints.rowMap(), 1), b(feti.constraints.rowMap(), 1);
-  qp::BoundTraits<Scalar, MultiVector>::setRandom(a);
+  qp::BoundOps<Scalar, MultiVector>::setRandom(a);
   b.assign(a);
   dense.project(a);
   sparse.project(b);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_BoundTraitsTpetra.hpp"
 #include "Harmos_DistributedCoarse.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_TestErrors.hpp"
@@ -32,7 +33,7 @@ double distance(const MultiVector& a, const MultiVector& b) {
 
 MultiVector randomVector(const Constraints& constraints) {
   MultiVector v(constraints.rowMap(), 1);
-  qp::BoundTraits<Scalar, MultiVector>::setRandom(v);
+  qp::BoundOps<Scalar, MultiVector>::setRandom(v);
   return v;
 }
 

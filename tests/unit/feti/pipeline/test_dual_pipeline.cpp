@@ -110,7 +110,7 @@ Counts operator-(Counts a, const Counts& b) {
   return a;
 }
 Counts countsOf(const feti::FetiSolver& solver) {
-  const feti::StageCounts& c = solver.counts();
+  const feti::StageCounts& c = solver.pipeline().counts();
   return {c.constraints, c.inverses, c.coarse, c.operators, c.problem, c.decisions};
 }
 long long factorizationsOf(const feti::FetiSolver& solver) {

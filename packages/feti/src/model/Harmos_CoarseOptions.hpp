@@ -3,13 +3,7 @@
 
 #include "Harmos_CoarseModel.hpp"
 
-#include <memory>
-
 namespace Harmos::feti {
-
-class CoarseSpace;
-class Constraints;
-class RigidMotions;
 
 /// How the coarse problem is solved: "Decomposition/Coarse problem" of a deck.
 struct CoarseOptions {
@@ -32,11 +26,5 @@ struct CoarseOptions {
 
 /// Whether a coarse problem of that shape is distributed: as was asked for, or by the cost model.
 bool takesDistributed(const CoarseOptions& options, const CoarseShape& shape);
-
-/// The coarse space in the form that was asked for, or by the cost model. Where the form is left open and a
-/// distributed one proves too inaccurate, it is the replicated one.
-/// @throws NumericalError on all ranks if a distributed one was asked for and proves so. @note Collective.
-std::unique_ptr<CoarseSpace> makeCoarseSpace(const RigidMotions& motions, const Constraints& constraints,
-                                             const CoarseOptions& options = {});
 
 } // namespace Harmos::feti

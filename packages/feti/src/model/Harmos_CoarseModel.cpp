@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_CoarseModel.hpp"
 
-#include "Harmos_CoarseFactor.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_RigidMotions.hpp"
 #include "Harmos_StepCalls.hpp"
@@ -24,7 +23,7 @@ double entriesOf(const CoarseShape& shape) {
 
 double coarseFactorEntries(const CoarseShape& shape) {
   const double n = shape.dimension;
-  if (n <= CoarseFactor::mostDense)
+  if (n <= mostDenseCoarseRows)
     return 0.5 * n * (n + 1.0);
   const double m = std::max(1.0, shape.motions), subdomains = std::max(2.0, n / m);
   if (shape.isInSpace()) {

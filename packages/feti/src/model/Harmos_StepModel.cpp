@@ -8,7 +8,7 @@
 namespace Harmos::feti {
 
 namespace {
-constexpr double word = 8.0;
+constexpr double number = 8.0;
 }
 
 CoarseShape StepShape::coarse() const {
@@ -27,10 +27,10 @@ StepSeconds predictStep(const StepShape& shape, const StepRates& rates) {
   const StepCalls& calls = callsOf(shape.isCoarseDistributed);
   const double tree = 2.0 * std::log2(shape.ranks) * rates.latency;
   StepSeconds step;
-  step.vectors = passes * word * shape.rows / rates.readBytes + rates.overhead;
+  step.vectors = passes * number * shape.rows / rates.readBytes + rates.overhead;
   if (shape.ranks > 1)
     step.exchange =
-        calls.exchanges * (shape.neighbours * rates.latency + word * shape.sharedRows / rates.bandwidth);
+        calls.exchanges * (shape.neighbours * rates.latency + number * shape.sharedRows / rates.bandwidth);
   step.reductions = calls.reductions * tree;
   step.coarse = shape.isCoarseDistributed ? distributedCoarseSeconds(shape.coarse(), rates)
                                           : replicatedCoarseSeconds(shape.coarse(), rates);
@@ -45,11 +45,11 @@ StepCounts predictCounts(const StepShape& shape) {
   const StepCalls& calls = callsOf(shape.isCoarseDistributed);
   counts.messages = 0.5 * (calls.exchanges + calls.coarseExchanges) * shape.neighbours;
   counts.messageBytes =
-      0.5 * word * (calls.exchanges * shape.sharedRows + calls.coarseExchanges * shape.sharedMotions);
+      0.5 * number * (calls.exchanges * shape.sharedRows + calls.coarseExchanges * shape.sharedMotions);
   counts.reductions = calls.reductions + (shape.isCoarseDistributed ? 0.0 : calls.coarseVectors);
   counts.gathers = shape.isCoarseDistributed ? calls.coarseVectors : 0.0;
   const double numbers = calls.reducedNumbers * (shape.isCoarseDistributed ? shape.ranks : 1);
-  counts.collectiveBytes = word * (calls.coarseVectors * shape.coarseDimension + numbers);
+  counts.collectiveBytes = number * (calls.coarseVectors * shape.coarseDimension + numbers);
   return counts;
 }
 

@@ -16,6 +16,9 @@ struct CoarseRates {
   double bandwidth = 1e10;         ///< bytes a second between two ranks
 };
 
+/// Up to so many rows a factor of the coarse problem is dense.
+constexpr int mostDenseCoarseRows = 200;
+
 /// What a coarse problem costs depends on.
 struct CoarseShape {
   double dimension = 0.0; ///< n

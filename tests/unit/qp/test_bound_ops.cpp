@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_BoundTraitsTpetra.hpp"
 #include "Harmos_DiscKernels.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_TestQp.hpp"
@@ -11,12 +12,14 @@
 #include <utility>
 #include <vector>
 
-namespace test_bound_traits {
+namespace test_bound_ops {
 
 using namespace Harmos;
 
 namespace {
 
+using Bounds = qp::BoundOps<Scalar, MultiVector>;
+using Sets = qp::ActiveSetOps<Scalar, MultiVector>;
 using BT = qp::BoundTraits<Scalar, MultiVector>;
 constexpr double inf = std::numeric_limits<double>::infinity();
 
@@ -35,12 +38,12 @@ struct Cases {
 } // namespace
 
 // Small whole numbers: every sum is exact.
-TEST(BoundTraits, splitting_of_every_case) {
+TEST(BoundOps, splitting_of_every_case) {
   const Cases c;
   MultiVector phi(c.map, 1);
   qp::LocalActiveSet active;
   const double step = 0.5;
-  const qp::SplitSums sums = BT::split(*c.xv, *c.gv, {c.lv.get(), c.uv.get()}, step, &phi, active);
+  const qp::SplitSums sums = Bounds::split(*c.xv, *c.gv, {c.lv.get(), c.uv.get()}, step, &phi, active);
   EXPECT_EQ(fromVector(phi), (std::vector<double>{2, -3, 0, 0, 0, 0, 4, -6, 0}));
   EXPECT_EQ(sums.freeNorm2, 4 + 9 + 16 + 36);
   EXPECT_EQ(sums.choppedNorm2, 49 + 121); // −7 at l, 11 at u; the others point outwards, l = u does not move
@@ -50,40 +53,40 @@ TEST(BoundTraits, splitting_of_every_case) {
   EXPECT_EQ(sums.changed, 9);                    // all are new
   EXPECT_NEAR(sums.longestStep, 0.1 / 6, 1e-16); // entry 7 meets its upper bound first: (0.9 − 1)/(−6)
   EXPECT_EQ(sums.projectedNorm2(), sums.freeNorm2 + sums.choppedNorm2);
-  EXPECT_NEAR(BT::projectedGradientNorm(*c.xv, *c.gv, {c.lv.get(), c.uv.get()}),
+  EXPECT_NEAR(Bounds::projectedGradientNorm(*c.xv, *c.gv, {c.lv.get(), c.uv.get()}),
               std::sqrt(sums.projectedNorm2()), 1e-14);
   MultiVector beta(c.map, 1);
   // Along β = −7 at l = 0 the upper bound 1 is met at 1/7, along 11 at u = 1 the lower one 0 at 1/11.
-  EXPECT_EQ(BT::choppedDirection(*c.xv, *c.gv, {c.lv.get(), c.uv.get()}, beta), 1.0 / 11.0);
+  EXPECT_EQ(Bounds::choppedDirection(*c.xv, *c.gv, {c.lv.get(), c.uv.get()}, beta), 1.0 / 11.0);
   EXPECT_EQ(fromVector(beta), (std::vector<double>{0, 0, 0, -7, 11, 0, 0, 0, 0}));
 
   auto moved = c.x;
   moved[2] = 0.25;
   const qp::SplitSums again =
-      BT::split(*toVector(moved, c.map), *c.gv, {c.lv.get(), c.uv.get()}, step, nullptr, active);
+      Bounds::split(*toVector(moved, c.map), *c.gv, {c.lv.get(), c.uv.get()}, step, nullptr, active);
   EXPECT_EQ(again.changed, 1);
   EXPECT_EQ(again.active, 4);
 }
 
-TEST(BoundTraits, absent_bounds_leave_all_free) {
+TEST(BoundOps, absent_bounds_leave_all_free) {
   const Cases c;
   MultiVector phi(c.map, 1);
   qp::LocalActiveSet active;
-  const qp::SplitSums sums = BT::split(*c.xv, *c.gv, {}, 1.0, &phi, active);
+  const qp::SplitSums sums = Bounds::split(*c.xv, *c.gv, {}, 1.0, &phi, active);
   EXPECT_EQ(sums.active, 0);
   EXPECT_EQ(fromVector(phi), c.g);
   EXPECT_EQ(sums.reducedNorm2, sums.freeNorm2);
   EXPECT_EQ(sums.longestStep, inf);
 }
 
-TEST(BoundTraits, sums_of_a_product) {
+TEST(BoundOps, sums_of_a_product) {
   const auto map = Teuchos::rcp(new Map(3, 0, testComm()));
   const auto g = toVector({1, 2, 3}, map), p = toVector({4, 5, 0}, map), image = toVector({7, -8, 9}, map);
   // Entry 2 is active on the rank that owns it.
   qp::LocalActiveSet active;
   for (std::size_t i = 0; i < g->getLocalLength(); ++i)
     active.push_back(map->getGlobalElement(static_cast<LocalOrdinal>(i)) == 2 ? -1 : 0);
-  const qp::CurvatureSums sums = BT::curvature(*g, *p, *image, active);
+  const qp::CurvatureSums sums = Bounds::curvature(*g, *p, *image, active);
   EXPECT_EQ(sums.gradientDotDirection, 14);
   EXPECT_EQ(sums.directionDotImage, -12);
   EXPECT_EQ(sums.directionNorm2, 41);
@@ -92,15 +95,15 @@ TEST(BoundTraits, sums_of_a_product) {
 }
 
 // One fused pass against its parts, each from the definition.
-TEST(BoundTraits, advance_is_step_splitting_and_direction) {
+TEST(BoundOps, advance_is_step_splitting_and_direction) {
   const auto map = Teuchos::rcp(new Map(4, 0, testComm()));
   const auto x = toVector({1.0, 1.0, 0.0, 5.0}, map), g = toVector({4.0, -4.0, 2.0, 8.0}, map),
              p = toVector({4.0, -4.0, 0.0, 8.0}, map), image = toVector({2.0, 1.0, 1.0, 4.0}, map),
              l = toVector({0.0, 0.0, 0.0, -inf}, map), u = toVector({inf, 3.0, inf, inf}, map);
   qp::LocalActiveSet active;
-  BT::split(*x, *g, {l.get(), u.get()}, 1.0, nullptr, active);
+  Bounds::split(*x, *g, {l.get(), u.get()}, 1.0, nullptr, active);
   const qp::SplitSums sums =
-      BT::advance(*x, *g, *p, *image, 0.125, 0.5, false, {l.get(), u.get()}, 1.0, *p, active);
+      Bounds::advance(*x, *g, *p, *image, 0.125, 0.5, false, {l.get(), u.get()}, 1.0, *p, active);
   EXPECT_EQ(fromVector(*x), (std::vector<double>{0.5, 1.5, 0.0, 4.0}));
   EXPECT_EQ(fromVector(*g), (std::vector<double>{3.75, -4.125, 1.875, 7.5}));
   EXPECT_EQ(fromVector(*p), (std::vector<double>{1.75, -2.125, 0.0, 3.5})); // φ − p/2, nothing at the bound
@@ -112,19 +115,20 @@ TEST(BoundTraits, advance_is_step_splitting_and_direction) {
   EXPECT_EQ(sums.longestStep, 0.5 / 1.75);
 }
 
-TEST(BoundTraits, steps_to_the_boundary_end_exactly_on_it) {
+TEST(BoundOps, steps_to_the_boundary_end_exactly_on_it) {
   const auto map = Teuchos::rcp(new Map(4, 0, testComm()));
   const auto x = toVector({1.0, 1.0, 1.0, 1.0}, map), g = toVector({0, 0, 0, 0}, map),
              p = toVector({3.0, -2.0, 0.5, 0.0}, map), l = toVector({0.0, 0.0, -inf, 1.0}, map),
              u = toVector({inf, 1.5, inf, 1.0}, map), next = toVector({0, 0, 0, 0}, map);
   MultiVector direction(*p, Teuchos::Copy);
-  EXPECT_EQ(BT::conjugate(*x, *p, 0.0, {l.get(), u.get()}, direction), 0.25); // entry 1; entry 0 allows 1/3
-  EXPECT_EQ(BT::conjugate(*x, *p, 0.0, {}, direction), inf);
+  EXPECT_EQ(Bounds::conjugate(*x, *p, 0.0, {l.get(), u.get()}, direction),
+            0.25); // entry 1; entry 0 allows 1/3
+  EXPECT_EQ(Bounds::conjugate(*x, *p, 0.0, {}, direction), inf);
   qp::LocalActiveSet active;
-  BT::split(*x, *g, {l.get(), u.get()}, 1.0, nullptr, active);
+  Bounds::split(*x, *g, {l.get(), u.get()}, 1.0, nullptr, active);
   // Exactly onto the bound, however the product rounds; beyond it for none.
   const qp::SplitSums sums =
-      BT::advance(*x, *g, *p, *g, 1.0 / 3.0, 0.0, true, {l.get(), u.get()}, 1.0, *next, active);
+      Bounds::advance(*x, *g, *p, *g, 1.0 / 3.0, 0.0, true, {l.get(), u.get()}, 1.0, *next, active);
   const std::vector<double> moved = fromVector(*x);
   EXPECT_EQ(moved[0], 0.0);
   EXPECT_EQ(moved[1], 1.5);
@@ -133,21 +137,21 @@ TEST(BoundTraits, steps_to_the_boundary_end_exactly_on_it) {
   EXPECT_EQ(sums.changed, 2);
 }
 
-TEST(BoundTraits, projected_step_and_the_change_it_makes) {
+TEST(BoundOps, projected_step_and_the_change_it_makes) {
   const auto map = Teuchos::rcp(new Map(2, 0, testComm()));
   const auto x = toVector({1.0, 2.0}, map), p = toVector({1.0, 8.0}, map), l = toVector({0.0, 0.0}, map),
              gOld = toVector({2.0, 4.0}, map), g = toVector({0.0, -2.0}, map);
   MultiVector old(map, 1);
-  BT::projectedStep(*x, old, *p, 0.5, {l.get()});
+  Bounds::projectedStep(*x, old, *p, 0.5, {l.get()});
   EXPECT_EQ(fromVector(*x), (std::vector<double>{0.5, 0.0}));
   EXPECT_EQ(fromVector(old), (std::vector<double>{1.0, 2.0}));
-  const qp::ChangeSums change = BT::change(*x, old, *g, *gOld);
+  const qp::ChangeSums change = Bounds::change(*x, old, *g, *gOld);
   EXPECT_EQ(change.cost, 0.5 * (-0.5 * 2.0 - 2.0 * 2.0));
   EXPECT_EQ(change.moved2, 4.25);
   EXPECT_EQ(change.gradientNorm2, 20.0);
 }
 
-TEST(BoundTraits, active_sets_follow_multipliers_and_violations) {
+TEST(BoundOps, active_sets_follow_multipliers_and_violations) {
   const auto map = Teuchos::rcp(new Map(6, 0, testComm()));
   //                          free,  below l, above u,  at l held, at l freed, l = u
   const auto x = toVector({0.5, -1.0, 2.0, 0.0, 0.0, 3.0}, map),
@@ -158,7 +162,7 @@ TEST(BoundTraits, active_sets_follow_multipliers_and_violations) {
   for (std::size_t i = 0; i < x->getLocalLength(); ++i)
     set.push_back(map->getGlobalElement(static_cast<LocalOrdinal>(i)) >= 3 ? -1 : 0);
   const qp::LocalActiveSet before = set;
-  const qp::ActiveSetChange change = BT::updateActiveSet(*x, *g, {l.get(), u.get()}, 0.0, 0.0, set);
+  const qp::ActiveSetChange change = Sets::updateActiveSet(*x, *g, {l.get(), u.get()}, 0.0, 0.0, set);
   EXPECT_EQ(change.active, 4);
   EXPECT_EQ(change.changed, 3);
   EXPECT_EQ(change.violation2, 2.0);
@@ -169,37 +173,37 @@ TEST(BoundTraits, active_sets_follow_multipliers_and_violations) {
   }
   // What lies within the noise is let be.
   qp::LocalActiveSet tolerant = before;
-  EXPECT_EQ(BT::updateActiveSet(*x, *g, {l.get(), u.get()}, 1.0, 2.0, tolerant).changed, 0);
+  EXPECT_EQ(Sets::updateActiveSet(*x, *g, {l.get(), u.get()}, 1.0, 2.0, tolerant).changed, 0);
   // Signatures: the same for the same set, another for another.
   qp::LocalActiveSet copy = before;
-  const qp::ActiveSetChange same = BT::updateActiveSet(*x, *g, {l.get(), u.get()}, 0.0, 0.0, copy);
+  const qp::ActiveSetChange same = Sets::updateActiveSet(*x, *g, {l.get(), u.get()}, 0.0, 0.0, copy);
   EXPECT_EQ(same.signature[0], change.signature[0]);
   EXPECT_EQ(same.signature[1], change.signature[1]);
-  const qp::ActiveSetChange other = BT::updateActiveSet(*x, *g, {l.get(), u.get()}, 1.0, 2.0, tolerant);
+  const qp::ActiveSetChange other = Sets::updateActiveSet(*x, *g, {l.get(), u.get()}, 1.0, 2.0, tolerant);
   EXPECT_NE(other.signature[0], change.signature[0]);
-  BT::moveToBounds(*x, {l.get(), u.get()}, set);
+  Sets::moveToBounds(*x, {l.get(), u.get()}, set);
   EXPECT_EQ(fromVector(*x), (std::vector<double>{0.5, 0.0, 1.0, 0.0, 0.0, 3.0}));
-  BT::maskActive(*g, set);
+  Sets::maskActive(*g, set);
   EXPECT_EQ(fromVector(*g), (std::vector<double>{9.0, 0.0, 0.0, 0.0, -2.0, 0.0}));
 }
 
-TEST(BoundTraits, infimum_over_the_box_and_recession_cone) {
+TEST(BoundOps, infimum_over_the_box_and_recession_cone) {
   const auto map = Teuchos::rcp(new Map(4, 0, testComm()));
   const auto l = toVector({-2.0, -inf, -inf, 1.0}, map), u = toVector({inf, 3.0, inf, 2.0}, map);
   const auto w = toVector({1.0, -1.0, 0.0, -4.0}, map);
-  const qp::BoxInfimum closed = BT::boxInfimum(*w, {l.get(), u.get()});
+  const qp::BoxInfimum closed = Bounds::boxInfimum(*w, {l.get(), u.get()});
   EXPECT_EQ(closed.value, -2.0 - 3.0 - 8.0);
   EXPECT_EQ(closed.openNorm, 0.0);
   EXPECT_EQ(closed.boundNorm, std::sqrt(4.0 + 9.0 + 4.0));
-  const qp::BoxInfimum open = BT::boxInfimum(*toVector({-3.0, 4.0, 12.0, 0.0}, map), {l.get(), u.get()});
+  const qp::BoxInfimum open = Bounds::boxInfimum(*toVector({-3.0, 4.0, 12.0, 0.0}, map), {l.get(), u.get()});
   EXPECT_EQ(open.value, 0.0);
   EXPECT_EQ(open.openNorm, 13.0);
   const auto d = toVector({-3.0, -1.0, 5.0, 4.0}, map);
-  EXPECT_EQ(BT::projectOntoRecessionCone(*d, {l.get(), u.get()}), 5.0);
+  EXPECT_EQ(Bounds::projectOntoRecessionCone(*d, {l.get(), u.get()}), 5.0);
   EXPECT_EQ(fromVector(*d), (std::vector<double>{0.0, -1.0, 5.0, 0.0}));
 }
 
-TEST(BoundTraits, gather_and_scatter) {
+TEST(BoundOps, gather_and_scatter) {
   const std::vector<double> values = {3, 1, 4, 1, 5, 9, 2};
   for (const auto& map : {Teuchos::rcp(new Map(7, 0, testComm())),
                           Teuchos::rcp(new Map(7, 0, testComm(), Tpetra::LocallyReplicated))}) {
@@ -216,33 +220,33 @@ TEST(BoundTraits, gather_and_scatter) {
   EXPECT_THROW(BT::gather(MultiVector(gaps, 1)), InputError);
 }
 
-TEST(BoundTraits, projection) {
+TEST(BoundOps, projection) {
   const Cases c;
   const auto x = toVector({-5, 5, -5, 5, 0.5, -5, 5, 0.5, 0}, c.map);
-  BT::project(*x, {c.lv.get(), c.uv.get()});
+  Bounds::project(*x, {c.lv.get(), c.uv.get()});
   EXPECT_EQ(fromVector(*x), (std::vector<double>{-5, 5, 0, 1, 0.5, 0, 1, 0.5, 2}));
 }
 
-TEST(BoundTraits, inconsistent_bounds_are_found) {
+TEST(BoundOps, inconsistent_bounds_are_found) {
   const auto map = Teuchos::rcp(new Map(3, 0, testComm()));
   const auto l = toVector({0.0, 0.0, 0.0}, map);
-  EXPECT_FALSE(BT::findBoundFault(*l, {l.get(), toVector({0.0, inf, 1.0}, map).get()}).found);
-  EXPECT_FALSE(BT::findBoundFault(*l, {}).found);
-  const qp::BoundFault crossed = BT::findBoundFault(*l, {l.get(), toVector({1.0, 1.0, -0.5}, map).get()});
+  EXPECT_FALSE(Bounds::findBoundFault(*l, {l.get(), toVector({0.0, inf, 1.0}, map).get()}).found);
+  EXPECT_FALSE(Bounds::findBoundFault(*l, {}).found);
+  const qp::BoundFault crossed = Bounds::findBoundFault(*l, {l.get(), toVector({1.0, 1.0, -0.5}, map).get()});
   EXPECT_TRUE(crossed.found);
   EXPECT_EQ(crossed.entry, 2);
   EXPECT_EQ(crossed.lower, 0.0);
   EXPECT_EQ(crossed.upper, -0.5);
   EXPECT_TRUE(
-      std::isnan(BT::findBoundFault(*l, {l.get(), toVector({1.0, std::nan(""), 1.0}, map).get()}).upper));
-  EXPECT_EQ(BT::findBoundFault(*l, {toVector({0.0, inf, 0.0}, map).get()}).entry, 1);
+      std::isnan(Bounds::findBoundFault(*l, {l.get(), toVector({1.0, std::nan(""), 1.0}, map).get()}).upper));
+  EXPECT_EQ(Bounds::findBoundFault(*l, {toVector({0.0, inf, 0.0}, map).get()}).entry, 1);
 }
 
-TEST(BoundTraits, random_vectors_do_not_depend_on_the_distribution) {
+TEST(BoundOps, random_vectors_do_not_depend_on_the_distribution) {
   MultiVector distributed(Teuchos::rcp(new Map(100, 0, testComm())), 1);
   MultiVector replicated(Teuchos::rcp(new Map(100, 0, testComm(), Tpetra::LocallyReplicated)), 1);
-  BT::setRandom(distributed);
-  BT::setRandom(replicated);
+  Bounds::setRandom(distributed);
+  Bounds::setRandom(replicated);
   EXPECT_EQ(fromVector(distributed), fromVector(replicated));
   double sum = 0.0;
   for (double value : fromVector(distributed)) {
@@ -254,7 +258,7 @@ TEST(BoundTraits, random_vectors_do_not_depend_on_the_distribution) {
 
 // A disc's projection, smoothed: along the radius that of an interval, along the tangent x/v; the derivative
 // that it says it has is the one of differences, and without width it is the projection itself.
-TEST(BoundTraits, smoothed_discs) {
+TEST(BoundOps, smoothed_discs) {
   const qp::Disc disc = {0, 1, {0.3, -0.2}, 0.7};
   std::vector<qp::Slip> rims;
   const auto projected = [&](double a, double b, double width, double* slope) {
@@ -293,4 +297,4 @@ TEST(BoundTraits, smoothed_discs) {
   EXPECT_NEAR(inside[1], 0.1, 1e-8);
 }
 
-} // namespace test_bound_traits
+} // namespace test_bound_ops

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_FeasibleSet.hpp"
+#include "Harmos_SoftBounds.hpp"
+
+#include <limits>
+#include <vector>
+
+namespace Harmos::qp {
+
+/// A pair of entries that moves along the tangent of its disc's rim: y = x − c has nᵀy = r, and tᵀy is free,
+/// t ⊥ n. What the rim bends away from its tangent is a curvature κ ≥ 0 of the cost, ½κ(tᵀy)².
+struct Slip {
+  int first, second; ///< local
+  double centre[2];
+  double radius;
+  double normal[2]; ///< n
+  double curvature; ///< κ
+};
+
+/// Which entries lie at a bound on this rank: −1 lower, +1 upper, 2 on the rim of a disc, 3 slipping along
+/// it, 0 free. Kept between two splittings, so that changes of the face can be counted.
+struct LocalActiveSet : std::vector<signed char> {
+  using std::vector<signed char>::vector;
+  static constexpr signed char onRim = 2, slips = 3;
+  std::vector<Slip> slipping;  ///< of each pair whose state is `slips`
+  std::vector<Spring> springs; ///< entries beyond their soft bounds, whose state is 0; see SpringOps
+};
+
+/// How updateActiveSet() deals with discs.
+struct DiscUpdate {
+  double stepLength = 0.0; ///< α: a pair sticks where |x − c − αg| < r
+  double turn = 0.0;       ///< of the gradient, by which a slipping pair may be wrong and go on as it is
+};
+
+struct FollowingLimit;
+struct FollowingEntry;
+namespace Kernels {
+class SecondOrderCones;
+}
+
+/// How limits follow the solution.
+struct FollowUpdate {
+  double stepLength = 0.0; ///< α: they go where x − αg is
+  double share = 1.0;      ///< s of the way
+};
+
+/// What limits that follow add to an ActiveSetChange; global.
+struct FollowChange {
+  long long changed = 0, active = 0;
+  double distance2 =
+      0.0; ///< of active entries from their limits, and of slipping pairs within theirs; squares
+};
+
+/// What one pass over an iterate and its gradient yields; global, the same on all ranks.
+struct SplitSums {
+  double freeNorm2 = 0.0;    ///< φᵀφ
+  double choppedNorm2 = 0.0; ///< βᵀβ
+  double reducedNorm2 = 0.0; ///< φ̃ᵀφ
+  double xNorm2 = 0.0;       ///< xᵀx
+  long long active = 0;      ///< entries at a bound
+  long long changed = 0;     ///< entries whose state differs from that in the given set
+  /// Largest α with x − αp within the bounds, p the direction written in the same pass.
+  double longestStep = std::numeric_limits<double>::infinity();
+
+  double projectedNorm2() const { return freeNorm2 + choppedNorm2; }
+};
+
+/// What a product Hp is asked for; global.
+struct CurvatureSums {
+  double gradientDotDirection = 0.0; ///< gᵀp
+  double directionDotImage = 0.0;    ///< pᵀHp
+  double directionNorm2 = 0.0;       ///< pᵀp
+  double freeDotImage = 0.0;         ///< φᵀHp
+  double freeImageNorm2 = 0.0;       ///< ‖Hp‖² over the free entries
+};
+
+/// What a conjugate gradient step ends with; global.
+struct ResidualSums {
+  double residualNorm2 = 0.0;          ///< wᵀw
+  double preconditionedDotImage = 0.0; ///< zᵀHp
+  double iterateNorm2 = 0.0;           ///< xᵀx
+};
+
+/// A step from an old iterate to a new one; global.
+struct ChangeSums {
+  double cost = 0.0;          ///< f(x) − f(x_old) = ½(x − x_old)ᵀ(g + g_old), free of cancellation
+  double moved2 = 0.0;        ///< ‖x − x_old‖²
+  double gradientNorm2 = 0.0; ///< ‖g_old‖²
+};
+
+/// Entries that a primal-dual active set method has moved between the sets; global.
+struct ActiveSetChange {
+  long long active = 0;
+  long long changed = 0;
+  double violation2 = 0.0; ///< of the bounds, squared, over free entries
+  double wrongSign2 = 0.0; ///< of the multipliers of active entries, squared, where the sign is wrong
+  double signature[2] = {0.0, 0.0}; ///< the same for the same set; differs with all but certainty else
+  long long slips = 0;              ///< pairs
+};
+
+/// What a residual w says of slipping pairs, with q for the diagonal of A; global.
+struct SlipSums {
+  double along2 = 0.0;                           ///< Σ(tᵀw)²
+  double softened2 = 0.0;                        ///< Σ(q/(q + κ))²(tᵀw)²
+  double springs2 = 0.0, softenedSprings2 = 0.0; ///< the same of springs, w in the place of tᵀw
+  double rims2 = 0.0; ///< Σ((q + κ)r)²: where tᵀw is as large, tᵀy is off by about r
+};
+
+/// Infimum of wᵀx over the feasible set.
+struct BoxInfimum {
+  double value = 0.0;     ///< over entries whose bound is there
+  double openNorm = 0.0;  ///< ‖w‖ over entries without the bound that w pushes against
+  double boundNorm = 0.0; ///< ‖x‖ of the corner where the value is attained
+};
+
+/// A pair l_i > u_i, or a bound that is no number; of a disc, ∓ its radius where that is negative, and no
+/// number where its entries have bounds of their own.
+struct BoundFault {
+  bool found = false;
+  long long entry = -1; ///< global index, if the vector type has one
+  double lower = 0.0;
+  double upper = 0.0;
+};
+
+} // namespace Harmos::qp
