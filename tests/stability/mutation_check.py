@@ -262,6 +262,17 @@ FAULTS = (
     fault(
         "factors of shapes that moved", "packages/feti/src/pipeline/Harmos_DualPipeline.cpp",
         "!before.empty() && now[i] == before[i] ? 1 : 0", "!before.empty() ? 1 : 0", ("unit_feti",)),
+    fault(
+        "factors of subdomains in which other dofs are constrained",
+        "packages/feti/src/local/Harmos_LocalInverses.hpp",
+        "return members == other.members && boundary == other.boundary;", "return members == other.members;",
+        ("unit_feti",)),
+    fault(
+        "bounds of the prescribed values of before", "packages/feti/src/pipeline/Harmos_DualPipeline.cpp",
+        "  areBoundsStale_ = true;\n", "", ("unit_feti",)),
+    fault(
+        "single precision that is never enough", "packages/feti/src/pipeline/Harmos_JudgedSolve.cpp",
+        "  if (roundingIsSeen_)\n    solveInDoublePrecision(monitor);\n", "", ("unit_run",)),
 )
 
 

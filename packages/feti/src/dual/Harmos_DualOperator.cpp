@@ -14,8 +14,7 @@ std::vector<SubdomainSum::Group> makeGroups(const Constraints& constraints, cons
   for (std::size_t c = 0; c < inverses.classes().size(); ++c) {
     const CongruenceClass& item = inverses.classes()[c];
     SubdomainSum::Group group;
-    // Owned by the inverses, which outlive the operator.
-    group.op = {std::shared_ptr<const void>(), &inverses.inverse(c).boundaryOperator()};
+    group.op = inverses.boundaryOperator(c);
     group.members = static_cast<int>(item.members.size());
     group.entries = boundaryEntries(constraints.entries(), item);
     groups.push_back(std::move(group));
@@ -40,16 +39,15 @@ std::vector<SubdomainSum::Entry> boundaryEntries(const std::vector<std::vector<C
 }
 
 DualOperator::DualOperator(const Constraints& constraints, const LocalInverses& inverses)
-    : SubdomainSum(constraints.importer(), makeGroups(constraints, inverses),
-                   {std::shared_ptr<const void>(), inverses.joined()}),
+    : SubdomainSum(constraints.importer(), makeGroups(constraints, inverses), inverses.sharedJoined()),
       constraints_(constraints),
-      inverses_(inverses) {}
+      joined_(inverses.sharedJoined()) {}
 
 void DualOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode, Scalar alpha,
                          Scalar beta) const {
   SubdomainSum::apply(X, Y, mode, alpha, beta);
-  if (inverses_.joined() != nullptr)
-    inverses_.joined()->clusters().removeJoined(Y);
+  if (joined_)
+    joined_->clusters().removeJoined(Y);
   if (!constraints_.hasCompliance())
     return;
   const auto x = X.getLocalViewHost(Tpetra::Access::ReadOnly);

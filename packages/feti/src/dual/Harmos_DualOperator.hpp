@@ -16,7 +16,8 @@ namespace Harmos::feti {
 /// Guarded by tests/unit/feti/test_dual_operator.cpp (symmetry, independence of ranks and forms).
 class DualOperator : public SubdomainSum {
  public:
-  /// All to outlive this.
+  /// @param constraints to outlive this. @param inverses whose inverses it keeps: factored anew, it is F of
+  /// the new matrices.
   DualOperator(const Constraints& constraints, const LocalInverses& inverses);
 
   void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
@@ -24,7 +25,7 @@ class DualOperator : public SubdomainSum {
 
  private:
   const Constraints& constraints_;
-  const LocalInverses& inverses_;
+  std::shared_ptr<const ClusterInverse> joined_; // or null
 };
 
 /// The entries of B, or B_D, of the members of a class, counted by boundary dofs. @param entries by

@@ -64,8 +64,7 @@ class AmesosFactorization : public LocalFactorization {
     else
       makeOther(matrix, settings);
     solver_->numericFactorization();
-    if (isSingle_)
-      matrix_ = matrix;
+    take(matrix);
   }
 
   // In single precision with a step of refinement.
@@ -94,8 +93,7 @@ class AmesosFactorization : public LocalFactorization {
     solver_->setA(tpetraOf(matrix), Amesos2::SYMBFACT);
     solver_->numericFactorization();
     ++factorizations_;
-    if (isSingle_)
-      matrix_ = matrix;
+    take(matrix);
   }
 
   double bytes() const override {
@@ -130,6 +128,10 @@ class AmesosFactorization : public LocalFactorization {
     analyse();
     if (position.empty())
       position = extras_->ordering();
+  }
+  void take(const LocalMatrix& matrix) {
+    if (isSingle_)
+      matrix_ = absent_.empty() ? matrix : without(matrix, absent_);
   }
   void analyse() { solver_->symbolicFactorization(); }
 

@@ -382,7 +382,11 @@ class CondensedInverse : public LocalInverse {
                 v.column(k)[i] * v.column(k)[j];
     }
     invert(s, b_);
-    inverse_ = std::make_unique<DenseOperator>(std::move(s), b_, settings_.precision, columns_);
+    DenseOperator made(std::move(s), b_, settings_.precision, columns_);
+    if (inverse_ == nullptr)
+      inverse_ = std::make_unique<DenseOperator>(std::move(made));
+    else // whoever has it goes on with it
+      *inverse_ = std::move(made);
   }
 
   std::vector<double> condensed(const LocalMatrix& matrix) {
@@ -390,7 +394,8 @@ class CondensedInverse : public LocalInverse {
       interior_->refactor(matrix);
     } else {
       LocalFactorizationSettings factor; // in double: what is rounded is S⁺
-      factor.solver = settings_.solver;
+      if (settings_.solver.hasSchurComplements() || settings_.solver.blockLowRank > 0.0)
+        factor.solver = settings_.solver; // else Harmos' own: adaptive vectors need S whatever the solver
       factor.use = LocalFactorizationSettings::Boundary::Condensed;
       factor.boundary = boundary_;
       interior_ = makeLocalFactorization(matrix, factor, context_);

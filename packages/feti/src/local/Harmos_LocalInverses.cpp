@@ -183,7 +183,7 @@ std::vector<CongruenceClass> congruenceClasses(const SubdomainSystem& system, co
 LocalInverses::LocalInverses(std::vector<CongruenceClass> classes,
                              std::vector<std::unique_ptr<LocalInverse>> inverses)
     : classes_(std::move(classes)),
-      inverses_(std::move(inverses)),
+      inverses_(std::make_move_iterator(inverses.begin()), std::make_move_iterator(inverses.end())),
       isReplaced_(classes_.size(), 0),
       qualities_(classes_.size()) {
   HARMOS_REQUIRE(classes_.size() == inverses_.size(), "each class of subdomains needs one inverse");
@@ -205,8 +205,8 @@ void LocalInverses::restoreProducts(const Teuchos::Comm<int>& comm) {
   agree(comm, [&] {
     for (const auto& inverse : inverses_)
       inverse->restoreProducts();
-    if (joined_)
-      join(joined_->sharedClusters());
+    if (joined_) // operators that were handed out have it
+      *joined_ = ClusterInverse(joined_->sharedClusters(), groups());
     if (context_ != nullptr)
       context_->releaseWorkspace();
   });
@@ -240,25 +240,23 @@ void LocalInverses::judge() {
   }
 }
 
-void LocalInverses::join(const std::shared_ptr<const Clusters>& clusters) {
-  if (!clusters)
-    return;
-  std::vector<ClusterInverse::Group> groups;
+std::vector<ClusterInverse::Group> LocalInverses::groups() const {
+  std::vector<ClusterInverse::Group> result;
   for (std::size_t c = 0; c < classes_.size(); ++c)
-    groups.push_back({classes_[c].members, classes_[c].boundary, &inverses_[c]->boundaryOperator()});
-  if (joined_) // operators that were handed out have it
-    *joined_ = ClusterInverse(clusters, groups);
-  else
-    joined_ = std::make_unique<ClusterInverse>(clusters, groups);
+    result.push_back({classes_[c].members, classes_[c].boundary, &inverses_[c]->boundaryOperator()});
+  return result;
+}
+
+// Operators that were handed out keep theirs.
+void LocalInverses::join(const std::shared_ptr<const Clusters>& clusters) {
+  if (clusters)
+    joined_ = std::make_shared<ClusterInverse>(clusters, groups());
 }
 
 // What is left of them has been spent in vain.
 void LocalInverses::forget() {
   spent_ = counts();
-  classes_.clear();
-  inverses_.clear();
-  isReplaced_.clear();
-  qualities_.clear();
+  inverses_.assign(classes_.size(), nullptr);
 }
 
 void LocalInverses::renew(const SubdomainSystem& system, const Constraints& constraints,
@@ -273,7 +271,7 @@ void LocalInverses::renew(const SubdomainSystem& system, const Constraints& cons
     return {system.matrix(first), system.kernel(first), item, std::to_string(system.subdomain(first).number)};
   };
   // The same class with other matrices, by the analysis that is there.
-  const auto refactored = [&](const Place& of, std::unique_ptr<LocalInverse>& inverse, bool wasReplaced) {
+  const auto refactored = [&](const Place& of, std::shared_ptr<LocalInverse>& inverse, bool wasReplaced) {
     const auto again = [&] {
       rethrowing(of.matrix, of.kernel, options, of.number, [&] { inverse->refactor(of.matrix, of.kernel); });
       const InverseQuality quality = settled(of.matrix, of.kernel, *inverse, options, of.number);
@@ -291,10 +289,11 @@ void LocalInverses::renew(const SubdomainSystem& system, const Constraints& cons
         const auto before = std::find(classes_.begin(), classes_.end(), item);
         const auto k = static_cast<std::size_t>(before - classes_.begin());
         const Place of = place(item);
-        Made made = before == classes_.end() ? madeOrReplaced(of, options, context_,
-                                                              [&] { return makeOnce(of, options, context_); })
-                    : stays(item) ? Made{std::move(inverses_[k]), qualities_[k], isReplaced_[k] != 0}
-                                  : refactored(of, inverses_[k], isReplaced_[k] != 0);
+        Made made =
+            before == classes_.end() || inverses_[k] == nullptr
+                ? madeOrReplaced(of, options, context_, [&] { return makeOnce(of, options, context_); })
+            : stays(item) ? Made{std::move(inverses_[k]), qualities_[k], isReplaced_[k] != 0}
+                          : refactored(of, inverses_[k], isReplaced_[k] != 0);
         next.take(std::move(item), std::move(made));
       }
     } catch (...) {

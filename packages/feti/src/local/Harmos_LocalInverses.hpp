@@ -48,7 +48,7 @@ struct CongruenceClass {
 namespace Details {
 /// An inverse that was made and verified.
 struct MadeInverse {
-  std::unique_ptr<LocalInverse> inverse;
+  std::shared_ptr<LocalInverse> inverse;
   InverseQuality quality;
   bool isReplaced = false; ///< by one of another form
 };
@@ -78,8 +78,13 @@ class LocalInverses {
 
   const std::vector<CongruenceClass>& classes() const { return classes_; }
   const LocalInverse& inverse(std::size_t ofClass) const { return *inverses_[ofClass]; }
+  /// Its boundary operator, which keeps it.
+  std::shared_ptr<const BoundaryOperator> boundaryOperator(std::size_t ofClass) const {
+    return {inverses_[ofClass], &inverses_[ofClass]->boundaryOperator()};
+  }
   /// What makes these the inverses of clusters; null: each subdomain is by itself.
   const ClusterInverse* joined() const { return joined_.get(); }
+  std::shared_ptr<const ClusterInverse> sharedJoined() const { return joined_; }
   /// Factorisations held on this rank.
   int distinctFactorizations() const { return static_cast<int>(inverses_.size()); }
   /// The largest of the estimated condition numbers, on this rank; 1 without subdomains.
@@ -104,8 +109,8 @@ class LocalInverses {
   /// factorisations by the analyses that are there. All else is made anew. Operators made from these inverses
   /// are to be made anew.
   /// @param isSame of this rank's subdomains, whether matrix and kernel are what they were; empty: none.
-  /// @throws NumericalError as makeLocalInverses(); there are no inverses then on ranks that failed, and no
-  /// subdomain is the same in the next call. @note Collective.
+  /// @throws NumericalError as makeLocalInverses(); on ranks that failed the classes of before are there
+  /// without inverses then, and no subdomain is the same in the next call. @note Collective.
   void renew(const SubdomainSystem& system, const Constraints& constraints,
              const LocalInverseOptions& options, const std::vector<char>& isSame = {});
 
@@ -113,17 +118,18 @@ class LocalInverses {
   void take(CongruenceClass item, Details::MadeInverse made);
   void forget();
   void judge();
+  std::vector<ClusterInverse::Group> groups() const;
   void join(const std::shared_ptr<const Clusters>& clusters);
 
   std::vector<CongruenceClass> classes_;
-  std::vector<std::unique_ptr<LocalInverse>> inverses_;
+  std::vector<std::shared_ptr<LocalInverse>> inverses_; // null after a failure
   std::vector<char> isReplaced_;
   std::vector<InverseQuality> qualities_;
   FactorizationCounts spent_; // on inverses that are no more
   double condition_ = 1.0;
   double defect_ = 0.0;
   std::shared_ptr<FactorizationContext> context_;
-  std::unique_ptr<ClusterInverse> joined_;
+  std::shared_ptr<ClusterInverse> joined_;
 };
 
 /// Makes them and verifies each: ‖K K⁺ K x − K x‖ ≤ δ ‖Kx‖, δ see defectLimit(), and ‖D⁻¹Kv‖ > 1e-12 ‖v‖ for

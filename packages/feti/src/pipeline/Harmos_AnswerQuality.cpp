@@ -36,12 +36,9 @@ double forceExcess(const AnswerQuality& quality) {
 }
 
 std::string rowForceText(const AnswerQuality& quality) {
-  // Rows of a scene have coefficients of one: a force that is so much larger than all that bodies feel is
-  // that of a row that nearly cancels, and is scaled to one.
-  constexpr double most = 1e6;
   const KktAudit& audit = quality.audit;
   const bool isAtRest = audit.forces <= quality.gapRounding * audit.unitForce;
-  if (isAtRest || audit.largestRowForce <= most * audit.forces)
+  if (quality.mostRowForce == 0.0 || isAtRest || audit.largestRowForce <= quality.mostRowForce * audit.forces)
     return "";
   return "the row force of a contact or tie is " + scientific(audit.largestRowForce) +
          ", the forces on bodies are only " + scientific(audit.forces) +

@@ -26,10 +26,12 @@ struct AnswerQuality {
   double tolerance = 0.0;        ///< asked for, or chosen by the rule "balanced"
   double reachedTolerance = 0.0; ///< below that, where the audit asked for more
   // Estimates in the energy norm; 0 where they were not made.
-  double solverError = 0.0;          ///< see AnswerJudge
-  double discretisationError = 0.0;  ///< rule "balanced" only, relative to the solution
-  double allowedError = 0.0;         ///< likewise: what that rule allows the solver
-  double gapRounding = 0.0;          ///< bounds are known up to this: gaps are differences of coordinates
+  double solverError = 0.0;         ///< see AnswerJudge
+  double discretisationError = 0.0; ///< rule "balanced" only, relative to the solution
+  double allowedError = 0.0;        ///< likewise: what that rule allows the solver
+  double gapRounding = 0.0;         ///< bounds are known up to this: gaps are differences of coordinates
+  /// The force of a row may be so many times all forces; 0: no limit, as rows may have any coefficients.
+  double mostRowForce = 0.0;
   double localDefect = 0.0;          ///< largest ‖KK⁺Kx − Kx‖/‖Kx‖ of all ranks
   std::vector<PairError> pairErrors; ///< estimates, of each group of rows
   bool audited = false;
@@ -41,8 +43,8 @@ struct AnswerQuality {
 /// Guarded by tests/unit/run/test_pipeline.cpp.
 bool auditAgrees(const AnswerQuality& quality);
 
-/// What is wrong where the force of a constraint row is beyond all that bodies feel; "" where none is.
-/// auditAgrees() objects then. Guarded by tests/unit/run/test_row_forces.cpp.
+/// What is wrong where the force of a constraint row is beyond all that bodies feel; "" where none is, and
+/// without a limit. auditAgrees() objects then. Guarded by tests/unit/run/test_row_forces.cpp.
 std::string rowForceText(const AnswerQuality& quality);
 
 /// The share of displacements and forces that an answer may be wrong by: auditShare() of its tolerance, or

@@ -101,8 +101,7 @@ void DualPipeline::makeCoarse() {
     const auto scope = during(PipelineStage::Coarse);
     std::unique_ptr<CoarseSpace> coarse =
         makeCoarseSpace(motionsOf(*made_.system, *made_.inverses), *made_.constraints, options_.coarse);
-    made_.coarse =
-        keeping<const CoarseSpace>(coarse.release(), made_.system, made_.constraints, made_.inverses);
+    made_.coarse = keeping<const CoarseSpace>(coarse.release(), made_.system, made_.constraints);
     ++counts_.coarse;
   }
   tell(PipelineStage::Coarse);
@@ -228,20 +227,32 @@ void DualPipeline::renewInverses(const Factored& before) {
 }
 
 void DualPipeline::useDoublePrecision() {
+  const bool hadProblem = !made_.problem.is_null();
+  const DualOptions::Decided before = decided_;
   forgetOperators();
+  // For good: also where all is decided anew.
+  options_.mayRound = false;
+  options_.inverses.precision = Precision::Double;
   {
     const auto scope = during(PipelineStage::Inverses);
     decided_.inverses.productError = 0.0;
-    if (decided_.isSingle()) {
-      decided_.inverses.precision = Precision::Double;
-      makeInverses();
-    } else {
-      made_.inverses->restoreProducts(*made_.system->comm());
-      measureInverses();
+    decided_.inverses.precision = Precision::Double;
+    try {
+      if (before.isSingle()) {
+        makeInverses();
+      } else {
+        made_.inverses->restoreProducts(*made_.system->comm());
+        measureInverses();
+      }
+    } catch (...) {
+      decided_ = before;
+      throw;
     }
   }
   tell(PipelineStage::Inverses);
   makeOperators();
+  if (hadProblem)
+    problem();
 }
 
 const DualProblem& DualPipeline::problem() {

@@ -38,7 +38,6 @@ FetiSolver::FetiSolver(Teuchos::RCP<const Teuchos::Comm<int>> comm, std::vector<
   traits.usualApplications = DualOptions::usualProducts(true, options_.tolerance);
   pipeline_ = std::make_unique<DualPipeline>(std::move(system), rows, dual, traits, log_);
   increments_ = std::make_unique<IncrementSolver>(*pipeline_, options_, log_);
-  givenRows_ = rows.size();
 }
 
 FetiSolver::~FetiSolver() = default;
@@ -56,9 +55,7 @@ void FetiSolver::setBounds(const std::vector<ConstraintRow>& rows) {
 }
 
 void FetiSolver::setRows(const std::vector<ConstraintRow>& rows) {
-  forgetSolution();
-  takeRows(rows);
-  pipeline_->setRows(rows);
+  changing([&] { pipeline_->setRows(rows); });
 }
 
 void FetiSolver::setMatrices(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
@@ -72,32 +69,36 @@ void FetiSolver::setShape(const std::vector<std::shared_ptr<const LocalMatrix>>&
                           const std::vector<std::shared_ptr<const Kernel>>& motions,
                           std::vector<std::shared_ptr<const std::vector<double>>> loads,
                           const std::vector<ConstraintRow>& rows) {
-  forgetSolution();
-  takeRows(rows);
-  pipeline_->setShape(stiffness, motions, std::move(loads), rows);
+  changing([&] { pipeline_->setShape(stiffness, motions, std::move(loads), rows); });
 }
 
-// Groups are of the rows of before.
-void FetiSolver::takeRows(const std::vector<ConstraintRow>& rows) {
-  criteria_.groupOf.clear();
-  criteria_.groups.clear();
-  givenRows_ = rows.size();
-}
-
-// Its multipliers are those of the rows of before.
-void FetiSolver::forgetSolution() {
-  solution_.reset();
-  history_.clear();
-  increments_->clear();
+// What belongs to rows is forgotten with them; where a change was refused as a whole, it stays.
+void FetiSolver::changing(const std::function<void()>& change) {
+  const auto forget = [&] {
+    solution_.reset();
+    history_.clear();
+    increments_->clear();
+    criteria_.groupOf.clear();
+    criteria_.groups.clear();
+  };
+  try {
+    change();
+  } catch (...) {
+    if (!pipeline_->isComplete())
+      forget();
+    throw;
+  }
+  forget();
 }
 
 void FetiSolver::judgeBy(AnswerCriteria criteria) {
+  const std::size_t rows = constraints()->givenRows().size();
   agree(*system().comm(), [&] {
     const int groups = static_cast<int>(criteria.groups.size());
     const std::size_t given = criteria.groupOf.size();
-    if (given != (groups > 0 ? givenRows_ : 0))
+    if (given != (groups > 0 ? rows : 0))
       throw InputError("each constraint row that this rank gave needs a group, or -1: " +
-                       std::to_string(given) + " groups for " + std::to_string(givenRows_) + " rows");
+                       std::to_string(given) + " groups for " + std::to_string(rows) + " rows");
     for (int group : criteria.groupOf)
       if (group < -1 || group >= groups)
         throw InputError("group " + std::to_string(group) + " of a constraint row is none of 0 to " +
@@ -128,15 +129,18 @@ const SolveReport& FetiSolver::solve(std::optional<double> tolerance) {
   AnswerCriteria criteria = criteria_;
   criteria.estimatesErrors = !criteria.groups.empty() || options.toleranceRule == ToleranceRule::Balanced;
   if (criteria.groups.empty())
-    criteria.groupOf.assign(givenRows_, -1);
+    criteria.groupOf.assign(constraints()->givenRows().size(), -1);
   criteria.rule = options.toleranceRule;
   criteria.solverErrorShare = options.solverErrorShare;
   criteria.boundRounding = pipeline_->accuracy().boundRounding;
-  quality_ = {};
+  AnswerQuality quality;
+  SolveReport report;
   JudgedSolve solve(
-      *pipeline_, [this] { return pipeline_->stages(); }, options, std::move(criteria), log_, report_,
-      quality_);
+      *pipeline_, [this] { return pipeline_->stages(); }, options, std::move(criteria), log_, report,
+      quality);
   solution_ = std::make_unique<TornSolution>(solve.go(history_, options.tolerance, monitor_));
+  report_ = std::move(report);
+  quality_ = std::move(quality);
   return report_;
 }
 

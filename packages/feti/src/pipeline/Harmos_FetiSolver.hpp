@@ -144,15 +144,13 @@ class FetiSolver {
 
  private:
   void requireOperators() const;
-  void forgetSolution();
-  void takeRows(const std::vector<ConstraintRow>& rows);
+  void changing(const std::function<void()>& change);
 
   Log log_;
   Teuchos::ParameterList list_;
   SolverOptions options_;
   std::unique_ptr<DualPipeline> pipeline_;
-  std::size_t givenRows_ = 0; // of this rank
-  AnswerCriteria criteria_;   // as given
+  AnswerCriteria criteria_; // as given
   Teuchos::RCP<DualMonitor> monitor_;
   std::unique_ptr<TornSolution> solution_;
   SolutionHistory history_;

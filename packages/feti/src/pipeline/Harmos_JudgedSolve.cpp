@@ -30,9 +30,8 @@ JudgedSolve::JudgedSolve(DualPipeline& pipeline, Stages stages, const SolverOpti
                        "error; give one, or use \"fixed\"",
                        {{"path", "Solver/Tolerance rule"}});
     options_.tolerance = AnswerJudge::firstBalancedTolerance();
-  } else {
-    quality_.tolerance = options_.tolerance;
   }
+  quality_.tolerance = options_.tolerance;
   stages_ = makeStages_();
 }
 

@@ -20,6 +20,9 @@ using feti::PairError;
 
 /// What is known of a run, finished or failed: the content of summary.json.
 struct RunReport : feti::SolveReport, feti::AnswerQuality {
+  // Rows of a scene have coefficients of one: a force that is so much larger than all that bodies feel is
+  // that of a row that nearly cancels, and is scaled to one.
+  RunReport() { mostRowForce = 1e6; }
   std::string deck;
   int ranks = 0;
   std::string scene;

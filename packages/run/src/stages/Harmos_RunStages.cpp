@@ -127,7 +127,9 @@ StepRow RunStages::onlyStep() {
 
 Solution RunStages::hand() {
   report_.contactPoints = std::move(contact_.points);
-  return {std::move(owned_), std::move(torn_.displacement), solve_->solution().lambda};
+  // A first step whose loads nothing can hold was not solved.
+  return {std::move(owned_), std::move(torn_.displacement),
+          solve_ ? solve_->solution().lambda : Teuchos::null};
 }
 
 void RunStages::announce() {

@@ -10,6 +10,7 @@
 #include "Harmos_TestErrors.hpp"
 #include "Harmos_TestModel.hpp"
 
+#include <Tpetra_MultiVector.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -274,6 +275,74 @@ TEST(DualPipeline, after_rows_that_were_rejected) {
   EXPECT_NE(inputErrorOf([&] { solver.solve(); }).find("setRows() failed"), std::string::npos);
   solver.setRows(model.rows);
   expectReference(model, solver, "after rejected rows");
+}
+
+// What was handed out stays valid: F of the rows of before, with clusters too, after each change.
+TEST(DualPipeline, operators_that_are_kept) {
+  for (const Form& form : forms) {
+    const TestModel model = different();
+    feti::FetiSolver solver(testComm(), model.subdomains, model.rows, parametersOf(form));
+    const Teuchos::RCP<const feti::DualOperator> f = solver.dualOperator();
+    MultiVector x(f->getDomainMap(), 1), before(f->getRangeMap(), 1), after(f->getRangeMap(), 1);
+    x.randomize();
+    f->apply(x, before);
+    solver.setRows(kept(
+        model.rows, [](long long k) { return k % 2 == 0; }, nothing));
+    f->apply(x, after);
+    after.update(-1.0, before, 1.0);
+    std::vector<double> norm(1);
+    after.norm2(Teuchos::arrayViewFromVector(norm));
+    EXPECT_EQ(norm[0], 0.0) << textOf(form);
+    // Of inverses that are factored anew: any numbers, and no fault.
+    solver.setMatrices(matricesOf(scaled(model, [](long long) { return 2.0; })));
+    f->apply(x, after);
+    f->rethrowFailure();
+  }
+}
+
+// A refused change as a whole leaves what was there; one that fails in its midst does not forget decisions.
+TEST(DualPipeline, after_changes_that_fail) {
+  const TestModel model = different();
+  feti::FetiSolver solver(testComm(), model.subdomains, model.rows, parametersOf(forms[0]));
+  ASSERT_TRUE(solver.solve().converged);
+  const feti::TornVector u = solver.displacement();
+  std::vector<std::shared_ptr<const LocalMatrix>> wrong = matricesOf(model), bad = wrong;
+  for (std::shared_ptr<const LocalMatrix>& matrix : wrong)
+    matrix = std::make_shared<const LocalMatrix>(makeLocalMatrix(2, {{0, 0, 1.0}, {1, 1, 1.0}}));
+  EXPECT_THROW(solver.setShape(wrong, {}, loadsOf(model), model.rows), InputError);
+  EXPECT_EQ(solver.displacement(), u);
+  // K − 1.4 k aaᵀ, a = e₆ − e₇: its graph and kernel, and indefinite.
+  for (std::size_t i = 0; i < bad.size(); ++i)
+    if (model.subdomains[i].number == 3) {
+      auto matrix = std::make_shared<LocalMatrix>(*bad[i]);
+      const double largest = matrix->maxNorm();
+      for (int row : {6, 7})
+        for (std::size_t k = matrix->offsets[static_cast<std::size_t>(row)];
+             k < matrix->offsets[static_cast<std::size_t>(row) + 1]; ++k)
+          if (matrix->columns[k] == 6 || matrix->columns[k] == 7)
+            matrix->values[k] += (matrix->columns[k] == row ? -0.7 : 0.7) * largest;
+      bad[i] = matrix;
+    }
+  EXPECT_THROW(solver.setMatrices(bad), NumericalError);
+  EXPECT_FALSE(solver.pipeline().isComplete());
+  solver.setMatrices(matricesOf(model));
+  EXPECT_EQ(solver.pipeline().counts().decisions, 1);
+  expectReference(model, solver, "after a failed factorisation");
+}
+
+// Their condensed inverses are by Harmos' own solver where the chosen one has no Schur complements.
+TEST(DualPipeline, adaptive_vectors_with_a_solver_of_amesos) {
+  const TestModel model = different();
+  Teuchos::ParameterList list = parametersOf({"implicit", "primal", "none", "Dirichlet"});
+  list.sublist("Dual operator").set("Local solver", std::string("KLU2"));
+  list.sublist("Dual operator").set("Precision", std::string("double"));
+  list.sublist("Dual operator")
+      .sublist("Expert")
+      .set("Adaptive coarse vectors", std::string("all"))
+      .set("Adaptive threshold", 1.0);
+  feti::FetiSolver solver(testComm(), model.subdomains, model.rows, list);
+  expectReference(model, solver, "KLU2");
+  EXPECT_GT(solver.report().adaptiveVectors, 0);
 }
 
 } // namespace test_dual_pipeline
