@@ -110,8 +110,7 @@ void FetiSolver::judgeBy(AnswerCriteria criteria) {
 void FetiSolver::requireOperators() const {
   if (!pipeline_->isComplete())
     throw InputError("the last setMatrices(), setShape() or setRows() failed; give matrices that can be "
-                     "factored, and rows "
-                     "that fit them, or make a new solver");
+                     "factored, and rows that fit them, or make a new solver");
 }
 
 const SolveReport& FetiSolver::solve(std::optional<double> tolerance) {

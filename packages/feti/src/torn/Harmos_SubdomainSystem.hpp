@@ -75,7 +75,7 @@ class SubdomainSystem {
   /// @throws InputError on all ranks likewise. @note Collective.
   void setPrescribed(const std::vector<std::vector<double>>& values);
   /// New stiffness matrices with the graphs of the old ones, and their kernels where they change too. What
-  /// was made of the old ones is to be made anew; see LocalInverses::refactor(). Of subdomains whose values
+  /// was made of the old ones is to be made anew; see LocalInverses::renew(). Of subdomains whose values
   /// do not change matrix(i) and kernel(i) stay the same objects.
   /// @param motions null pointers: as they were.
   /// @throws InputError, NumericalError on all ranks, as the constructor, and for another graph.

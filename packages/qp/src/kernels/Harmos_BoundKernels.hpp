@@ -7,7 +7,7 @@
 
 namespace Harmos::qp::Kernels {
 
-/// The passes of BoundTraits over one rank's entries of plain arrays, for vector types that can show them.
+/// The passes of BoundOps over one rank's entries of plain arrays, for vector types that can show them.
 ///
 /// Sums are local; a caller reduces them. Absent bounds are null. Each function reads and writes every array
 /// once.

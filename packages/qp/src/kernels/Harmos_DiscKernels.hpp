@@ -7,7 +7,7 @@
 
 namespace Harmos::qp::Kernels {
 
-/// The passes of BoundTraits over the discs of one rank, beside those of Harmos_BoundKernels.hpp over all
+/// The passes of BoundOps over the discs of one rank, beside those of Harmos_BoundKernels.hpp over all
 /// other entries: local sums are added to, and arrays are those of all entries.
 ///
 /// Discs are few; their passes are not made for wide registers.

@@ -35,7 +35,7 @@ class LocalDiscs {
   std::size_t length_;
 };
 
-/// A product of intervals l ≤ x ≤ u and discs, as BoundTraits take it: what it points to lives elsewhere.
+/// A product of intervals l ≤ x ≤ u and discs, as BoundOps take it: what it points to lives elsewhere.
 ///
 /// A null bound is an absent one; entries of ∓∞ are absent bounds too, and entries in discs have no others.
 /// Discs are null on all ranks, where there are none, or on no rank.

@@ -53,7 +53,7 @@ std::vector<FollowingEntry> followingEntries(const FollowingLimits& limits, cons
 /// Takes what has limits that follow out of a set.
 void leaveOut(const FollowingLimits& limits, const LocalDiscs* discs, LocalActiveSet& active);
 
-/// See BoundTraits.
+/// See FollowingOps.
 void addFollowing(const std::vector<FollowingEntry>& following, const double* x, double* y);
 void moveToFollowing(const std::vector<FollowingEntry>& following, const double* lower, double* x);
 
@@ -68,7 +68,7 @@ struct Cone {
 using Cones = std::vector<Cone>;
 Cones conesOf(const FollowingLimits& limits, const double* x, const LocalDiscs* discs);
 
-/// See BoundTraits. @param points as they were before other bounds had their say.
+/// See FollowingOps. @param points as they were before other bounds had their say.
 void projectOntoCones(const Cones& points, const FollowingLimits& limits, const double* lower,
                       const LocalDiscs* discs, double* x);
 

@@ -3,6 +3,7 @@
 /// What each change makes anew, by count: stages, and factorisations; and the answers after it, beside those
 /// without decomposition and those of a solver that has known nothing else.
 
+#include "Harmos_ChangedModels.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_FetiSolver.hpp"
@@ -50,36 +51,6 @@ Teuchos::ParameterList parametersOf(const Form& f) {
   list.sublist("Decomposition").set("Dirichlet", std::string(f.dirichlet));
   list.sublist("Decomposition").set("Clusters", std::string(f.clusters));
   return list;
-}
-
-// Each subdomain's matrix times a factor, in objects of their own.
-TestModel scaled(TestModel model, const std::function<double(long long)>& factor) {
-  for (feti::Subdomain& subdomain : model.subdomains) {
-    auto matrix = std::make_shared<LocalMatrix>(*subdomain.stiffness);
-    for (double& value : matrix->values)
-      value *= factor(subdomain.number);
-    subdomain.stiffness = matrix;
-  }
-  return model;
-}
-
-// Eight subdomains, none like another.
-TestModel different() {
-  return scaled(testModel(2, 4), [](long long number) { return 1.0 + 0.25 * static_cast<double>(number); });
-}
-
-std::vector<std::shared_ptr<const LocalMatrix>> matricesOf(const TestModel& model) {
-  std::vector<std::shared_ptr<const LocalMatrix>> matrices;
-  for (const feti::Subdomain& subdomain : model.subdomains)
-    matrices.push_back(subdomain.stiffness);
-  return matrices;
-}
-
-std::vector<std::shared_ptr<const std::vector<double>>> loadsOf(const TestModel& model) {
-  std::vector<std::shared_ptr<const std::vector<double>>> loads;
-  for (const feti::Subdomain& subdomain : model.subdomains)
-    loads.push_back(subdomain.load);
-  return loads;
 }
 
 // Of the rows of all ranks those that are kept, numbered without gaps.
@@ -306,24 +277,12 @@ TEST(DualPipeline, after_changes_that_fail) {
   feti::FetiSolver solver(testComm(), model.subdomains, model.rows, parametersOf(forms[0]));
   ASSERT_TRUE(solver.solve().converged);
   const feti::TornVector u = solver.displacement();
-  std::vector<std::shared_ptr<const LocalMatrix>> wrong = matricesOf(model), bad = wrong;
+  std::vector<std::shared_ptr<const LocalMatrix>> wrong = matricesOf(model);
   for (std::shared_ptr<const LocalMatrix>& matrix : wrong)
     matrix = std::make_shared<const LocalMatrix>(makeLocalMatrix(2, {{0, 0, 1.0}, {1, 1, 1.0}}));
   EXPECT_THROW(solver.setShape(wrong, {}, loadsOf(model), model.rows), InputError);
   EXPECT_EQ(solver.displacement(), u);
-  // K − 1.4 k aaᵀ, a = e₆ − e₇: its graph and kernel, and indefinite.
-  for (std::size_t i = 0; i < bad.size(); ++i)
-    if (model.subdomains[i].number == 3) {
-      auto matrix = std::make_shared<LocalMatrix>(*bad[i]);
-      const double largest = matrix->maxNorm();
-      for (int row : {6, 7})
-        for (std::size_t k = matrix->offsets[static_cast<std::size_t>(row)];
-             k < matrix->offsets[static_cast<std::size_t>(row) + 1]; ++k)
-          if (matrix->columns[k] == 6 || matrix->columns[k] == 7)
-            matrix->values[k] += (matrix->columns[k] == row ? -0.7 : 0.7) * largest;
-      bad[i] = matrix;
-    }
-  EXPECT_THROW(solver.setMatrices(bad), NumericalError);
+  EXPECT_THROW(solver.setMatrices(matricesOf(broken(model, 3))), NumericalError);
   EXPECT_FALSE(solver.pipeline().isComplete());
   solver.setMatrices(matricesOf(model));
   EXPECT_EQ(solver.pipeline().counts().decisions, 1);

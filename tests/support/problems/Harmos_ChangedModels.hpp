@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_TestModel.hpp"
+
+#include <functional>
+#include <memory>
+#include <tuple>
+#include <vector>
+
+namespace Harmos {
+
+/// Each subdomain's matrix times a factor, in objects of their own.
+inline TestModel scaled(TestModel model, const std::function<double(long long)>& factor) {
+  for (feti::Subdomain& subdomain : model.subdomains) {
+    auto matrix = std::make_shared<LocalMatrix>(*subdomain.stiffness);
+    for (double& value : matrix->values)
+      value *= factor(subdomain.number);
+    subdomain.stiffness = matrix;
+  }
+  return model;
+}
+
+/// Eight subdomains, none like another.
+inline TestModel different() {
+  return scaled(testModel(2, 4), [](long long number) { return 1.0 + 0.25 * static_cast<double>(number); });
+}
+
+inline std::vector<std::shared_ptr<const LocalMatrix>> matricesOf(const TestModel& model) {
+  std::vector<std::shared_ptr<const LocalMatrix>> matrices;
+  for (const feti::Subdomain& subdomain : model.subdomains)
+    matrices.push_back(subdomain.stiffness);
+  return matrices;
+}
+
+inline std::vector<std::shared_ptr<const std::vector<double>>> loadsOf(const TestModel& model) {
+  std::vector<std::shared_ptr<const std::vector<double>>> loads;
+  for (const feti::Subdomain& subdomain : model.subdomains)
+    loads.push_back(subdomain.load);
+  return loads;
+}
+
+/// K − 2aaᵀ, a = e₆ − e₇: its graph and kernel, and indefinite.
+inline TestModel broken(TestModel model, long long number) {
+  for (feti::Subdomain& subdomain : model.subdomains)
+    if (subdomain.number == number) {
+      auto matrix = std::make_shared<LocalMatrix>(*subdomain.stiffness);
+      double largest = matrix->maxNorm();
+      for (const auto& [i, j, value] : {std::tuple{6, 6, -1.0}, {6, 7, 1.0}, {7, 6, 1.0}, {7, 7, -1.0}})
+        for (std::size_t k = matrix->offsets[static_cast<std::size_t>(i)];
+             k < matrix->offsets[static_cast<std::size_t>(i) + 1]; ++k)
+          if (matrix->columns[k] == j)
+            matrix->values[k] += 0.7 * largest * value;
+      subdomain.stiffness = matrix;
+    }
+  return model;
+}
+
+} // namespace Harmos
