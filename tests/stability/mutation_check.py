@@ -62,7 +62,7 @@ FAULTS = (
         "row.terms.push_back({term.node * components + c, -term.weight * along});", CONTACT),
     Fault(
         "a dropped gluing row where four subdomains meet",
-        "packages/feti/src/torn/Harmos_Constraints.cpp",
+        "packages/feti/src/torn/Harmos_BuiltRows.cpp",
         (("for (std::size_t k = 0; k < rows.count(); ++k) {",
           "for (std::size_t k = 0; k < std::min<std::size_t>(rows.count(), 2); ++k) {"),
          ("DirichletForm::Dual ? copies : copies - 1;",
@@ -189,8 +189,8 @@ FAULTS = (
         "audit.penetration <= 1e9 * length + limits.boundRounding", ("unit_run",)),
     fault(
         "sign of the bound in residuals of rows", "packages/feti/src/torn/Harmos_Constraints.cpp",
-        "view(r, 0) -= bounds_[r] + compliances_[r] * force(r, 0);",
-        "view(r, 0) -= compliances_[r] * force(r, 0) - bounds_[r];", ("unit_feti",)),
+        "view(r, 0) -= bound(static_cast<int>(r)) + ",
+        "view(r, 0) -= -bound(static_cast<int>(r)) + ", ("unit_feti",)),
     fault(
         "gaps of open contacts in the solver's error", "packages/feti/src/solve/Harmos_RowErrors.cpp",
         "view(r, 0) = std::max(view(r, 0), 0.0);",
@@ -204,7 +204,7 @@ FAULTS = (
         "{-shift(static_cast<std::size_t>(first), 0),", "{shift(static_cast<std::size_t>(first), 0),",
         FRICTION),
     fault(
-        "limits scaled the other way", "packages/feti/src/torn/Harmos_Constraints.cpp",
+        "limits scaled the other way", "packages/feti/src/torn/Harmos_BuiltRows.cpp",
         "row.limit / scale", "row.limit * scale", FRICTION),
     fault(
         "sign of slips of the step before", "packages/effects/src/Harmos_Friction.cpp",
@@ -221,9 +221,9 @@ FAULTS = (
         "packages/scene/src/discretisation/Harmos_ConstraintCollector.cpp",
         "slip.follows ? value : value * points[k].area", "value", ("verification_friction",)),
     fault(
-        "a coefficient of scaled forces", "packages/feti/src/torn/Harmos_Constraints.cpp",
-        "head.coefficient * heads[static_cast<std::size_t>(normal)].scale / head.scale",
-        "head.coefficient * head.scale / heads[static_cast<std::size_t>(normal)].scale", ("unit_feti",)),
+        "a coefficient of scaled forces", "packages/feti/src/torn/Harmos_RowConditions.cpp",
+        "row.coefficient * rows[static_cast<std::size_t>(normal)].scale / row.scale",
+        "row.coefficient * row.scale / rows[static_cast<std::size_t>(normal)].scale", ("unit_feti",)),
     fault(
         "forces that do not take friction along", "packages/qp/src/kernels/Harmos_FollowingLimits.cpp",
         "const double moved = entry.factor * x[entry.source];", "const double moved = 0.0 * x[entry.source];",
@@ -257,7 +257,7 @@ FAULTS = (
         "increments that move what is held", "packages/feti/src/pipeline/Harmos_DualPipeline.cpp",
         "  system->setPrescribed(held);\n", "", ("unit_feti",)),
     fault(
-        "rounding errors of gaps in adjoints", "packages/feti/src/torn/Harmos_ConstraintBounds.cpp",
+        "rounding errors of gaps in adjoints", "packages/feti/src/torn/Harmos_RowConditions.cpp",
         "  boundRounding_ = std::sqrt(sums[1]);\n", "", ("unit_sensitivity",)),
     fault(
         "factors of shapes that moved", "packages/feti/src/pipeline/Harmos_DualPipeline.cpp",

@@ -92,7 +92,7 @@ class DeckClient : public Client {
     const Log log;
     run::RunReport report;
     run::RankShare ofRank;
-    run::RunStages stages(testComm(), scene, options, log, timers, report, ofRank);
+    run::RunStages stages({testComm(), scene, options, log, timers, report, ofRank});
     stages.setUp();
     stages.solve(nullptr, stages.monitor(nullptr, log, {}), log, 0.0, tolerance);
     stages.recover();

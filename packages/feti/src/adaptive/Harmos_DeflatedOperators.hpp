@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_Deflation.hpp"
+#include "Harmos_DualProblem.hpp"
 #include "Harmos_EndomorphicOperator.hpp"
 
 namespace Harmos::feti {
@@ -32,6 +33,19 @@ class DeflatedPreconditioner : public EndomorphicOperator {
 
  private:
   const Deflation& deflation_;
+};
+
+/// What is left of a dual problem without the span of adaptive vectors.
+struct DeflatedProblem {
+  /// All to outlive this, and what is made of it. @param dualOperator F, not projected.
+  DeflatedProblem(const DualProblem& dual, const Operator& dualOperator, const Operator& preconditioner,
+                  const CoarseSpace& coarse, const Deflation& deflation);
+
+  const Deflation* span;
+  Teuchos::RCP<const Operator> unprojected;              ///< F'
+  Teuchos::RCP<const Operator> hessian, hessianOnKernel; ///< PF'P, PF'; without a coarse problem F', null
+  Teuchos::RCP<const Operator> preconditioner;
+  Teuchos::RCP<const MultiVector> rhs; ///< projected likewise
 };
 
 } // namespace Harmos::feti

@@ -3,8 +3,6 @@
 
 #include "Harmos_SubdomainSum.hpp"
 
-#include "Harmos_DeflatedOperators.hpp"
-
 #include "Harmos_Exchange.hpp"
 #include "Harmos_PivotedCholesky.hpp"
 #include "Harmos_TrilinosVersion.hpp"
@@ -128,34 +126,6 @@ void Deflation::complete(const MultiVector& d, MultiVector& lambda) const {
   for (std::size_t k = 0; k < alpha.size(); ++k)
     alpha[k] -= has[k];
   add(1.0, *u_, alpha, lambda);
-}
-
-void DeflatedOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp, Scalar alpha,
-                             Scalar beta) const {
-  if (alpha == 1.0 && beta == 0.0) {
-    inner().apply(X, Y);
-    deflation_.removeFromLoad(Y);
-    return;
-  }
-  MultiVector image(Y.getMap(), X.getNumVectors());
-  inner().apply(X, image);
-  deflation_.removeFromLoad(image);
-  if (beta == 0.0)
-    Y.scale(alpha, image);
-  else
-    Y.update(alpha, image, beta);
-}
-
-void DeflatedPreconditioner::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp, Scalar alpha,
-                                   Scalar beta) const {
-  MultiVector load(X, Teuchos::Copy), image(Y.getMap(), X.getNumVectors());
-  deflation_.removeFromLoad(load);
-  inner().apply(load, image);
-  deflation_.removeSpan(image);
-  if (beta == 0.0)
-    Y.scale(alpha, image);
-  else
-    Y.update(alpha, image, beta);
 }
 
 } // namespace Harmos::feti

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_CoarseSpace.hpp"
 
-#include "Harmos_ProjectedOperator.hpp"
-
 #include "Harmos_Exchange.hpp"
 
 #include <Tpetra_MultiVector.hpp>
@@ -87,23 +85,6 @@ double CoarseSpace::norm(const std::vector<double>& s) const {
   for (double entry : s)
     sum += entry * entry;
   return std::sqrt(globalSum(*comm_, sum));
-}
-
-void ProjectedOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp, Scalar alpha,
-                              Scalar beta) const {
-  MultiVector image(Y.getMap(), X.getNumVectors());
-  if (onKernel_) {
-    inner().apply(X, image);
-  } else {
-    MultiVector projected(X, Teuchos::Copy);
-    coarse_.project(projected);
-    inner().apply(projected, image);
-  }
-  coarse_.project(image);
-  if (beta == 0.0)
-    Y.scale(alpha, image);
-  else
-    Y.update(alpha, image, beta);
 }
 
 } // namespace Harmos::feti

@@ -193,7 +193,6 @@ class EngineOf : public Mumps::Engine {
     // Without pivoting and compression its size is known beforehand.
     int ranks = 1;
     MPI_Comm_size(comm, &ranks);
-    hasEntries_ = isRoot_ || options.isDistributed;
     if (options.isDistributed) {
       icntl(18) = 3;
       icntl(13) = 1;
@@ -220,26 +219,24 @@ class EngineOf : public Mumps::Engine {
   void analyse(int order, std::vector<int> rows, std::vector<int> columns, std::vector<int> schurRows,
                const std::vector<int>& position) override {
     checkSchurRows(order, schurRows);
-    rows_ = std::move(rows);
-    columns_ = std::move(columns);
+    given_ = {std::move(rows), std::move(columns), position};
+    analysedEntries_ = given_.rows.size();
     schurRows_ = std::move(schurRows);
-    schurSize_ = static_cast<int>(schurRows_.size());
     for (int& row : schurRows_)
       ++row;
-    position_ = position;
     order_ = order;
     setEntries();
     if (isRoot_) {
       mumps_.n = order;
-      mumps_.perm_in = position_.empty() ? nullptr : position_.data();
+      mumps_.perm_in = position.empty() ? nullptr : given_.position.data();
     }
     icntl(7) = static_cast<MUMPS_INT>(position.empty() && options_.ordering == MumpsOptions::Ordering::Given
                                           ? MumpsOptions::Ordering::Metis
                                           : options_.ordering);
     icntl(28) = 1; // sequential analysis
-    if (schurSize_ > 0) {
+    if (schurSize() > 0) {
       icntl(19) = 1; // the Schur complement whole, on the root
-      mumps_.size_schur = schurSize_;
+      mumps_.size_schur = schurSize();
       mumps_.listvar_schur = schurRows_.data();
     } else {
       icntl(19) = 0;
@@ -248,7 +245,6 @@ class EngineOf : public Mumps::Engine {
     }
     call(jobAnalyse);
     ++statistics.analyses;
-    analysedEntries_ = rows_.size();
     workspaceEntries_ = sizeFrom(mumps_.info[7]);
     statistics.factorEntries = sizeFrom(mumps_.infog[19]);
     statistics.factorizationFlops = static_cast<double>(mumps_.rinfog[0]);
@@ -261,7 +257,7 @@ class EngineOf : public Mumps::Engine {
   }
 
   void factorize(std::vector<double> values) override {
-    HARMOS_REQUIRE(!rows_.empty() || !isRoot_ || options_.isDistributed,
+    HARMOS_REQUIRE(!given_.rows.empty() || !isRoot_ || options_.isDistributed,
                    "a matrix is factored once, after its analysis");
     scale(values);
     std::vector<Value> converted;
@@ -271,7 +267,7 @@ class EngineOf : public Mumps::Engine {
       converted.assign(values.begin(), values.end());
     (options_.isDistributed ? mumps_.a_loc : mumps_.a) = converted.data();
     if (isRoot_) {
-      schur_.assign(static_cast<std::size_t>(schurSize_) * static_cast<std::size_t>(schurSize_), Value(0));
+      schur_.assign(static_cast<std::size_t>(schurSize()) * static_cast<std::size_t>(schurSize()), Value(0));
       mumps_.schur = schur_.data();
     }
     if (ownsWorkspace_)
@@ -290,9 +286,7 @@ class EngineOf : public Mumps::Engine {
     // The factors are complete: a solve without iterative refinement does not read the matrix again.
     mumps_.a = mumps_.a_loc = nullptr;
     mumps_.irn = mumps_.jcn = mumps_.irn_loc = mumps_.jcn_loc = nullptr;
-    rows_ = {};
-    columns_ = {};
-    position_ = {};
+    given_ = {};
     statistics.factorEntries = sizeFrom(mumps_.infog[28]);
     statistics.factorizationFlops = static_cast<double>(mumps_.rinfog[2]);
     statistics.memoryMiB = mumps_.infog[21];
@@ -301,12 +295,12 @@ class EngineOf : public Mumps::Engine {
   void refactorize(std::vector<int> rows, std::vector<int> columns, std::vector<double> values) override {
     // Also after a factorisation that failed: the analysis is still good.
     HARMOS_REQUIRE(statistics.analyses > 0, "a matrix is factored again after its analysis");
-    if (hasEntries_ && (rows.size() != analysedEntries_ || values.size() != analysedEntries_))
+    if ((isRoot_ || options_.isDistributed) &&
+        (rows.size() != analysedEntries_ || values.size() != analysedEntries_))
       throw InputError("a matrix with " + std::to_string(values.size()) +
                        " entries does not match the analysis, which has " + std::to_string(analysedEntries_) +
                        "; repeat the analysis for the new graph");
-    rows_ = std::move(rows);
-    columns_ = std::move(columns);
+    given_ = {std::move(rows), std::move(columns), {}};
     setEntries();
     isFactored_ = false;
     condensed_ = 0;
@@ -318,7 +312,7 @@ class EngineOf : public Mumps::Engine {
     schur_ = {};
     for (double& entry : s)
       entry /= scale_;
-    const auto n = static_cast<std::size_t>(schurSize_);
+    const auto n = static_cast<std::size_t>(schurSize());
     // By rows. Of symmetric matrices MUMPS gives one triangle.
     for (std::size_t i = 0; i < n && !s.empty(); ++i)
       for (std::size_t j = 0; j < i; ++j) {
@@ -333,7 +327,7 @@ class EngineOf : public Mumps::Engine {
   void solve(double* rightHandSides, double* reduced, int count, int stage) override {
     std::vector<Value> rhs, red; // copies for single precision
     const std::size_t length = static_cast<std::size_t>(order_) * static_cast<std::size_t>(count);
-    const std::size_t reducedLength = static_cast<std::size_t>(schurSize_) * static_cast<std::size_t>(count);
+    const std::size_t reducedLength = static_cast<std::size_t>(schurSize()) * static_cast<std::size_t>(count);
     HARMOS_REQUIRE(isFactored_, "a solve needs a factorisation");
     HARMOS_REQUIRE(stage != 2 || count == condensed_,
                    "expand() is for the right-hand sides of the last condense()");
@@ -354,7 +348,7 @@ class EngineOf : public Mumps::Engine {
       }
       mumps_.nrhs = count;
       mumps_.lrhs = mumps_.n;
-      mumps_.lredrhs = schurSize_;
+      mumps_.lredrhs = schurSize();
     }
     icntl(26) = stage;
     call(jobSolve);
@@ -376,6 +370,7 @@ class EngineOf : public Mumps::Engine {
   }
 
  private:
+  int schurSize() const { return static_cast<int>(schurRows_.size()); }
   MUMPS_INT& icntl(int number) { return mumps_.icntl[number - 1]; }
 
   static void checkSchurRows(int order, std::vector<int> rows) {
@@ -415,13 +410,13 @@ class EngineOf : public Mumps::Engine {
 
   void setEntries() {
     if (options_.isDistributed) {
-      mumps_.nnz_loc = static_cast<MUMPS_INT8>(rows_.size());
-      mumps_.irn_loc = rows_.data();
-      mumps_.jcn_loc = columns_.data();
+      mumps_.nnz_loc = static_cast<MUMPS_INT8>(given_.rows.size());
+      mumps_.irn_loc = given_.rows.data();
+      mumps_.jcn_loc = given_.columns.data();
     } else if (isRoot_) {
-      mumps_.nnz = static_cast<MUMPS_INT8>(rows_.size());
-      mumps_.irn = rows_.data();
-      mumps_.jcn = columns_.data();
+      mumps_.nnz = static_cast<MUMPS_INT8>(given_.rows.size());
+      mumps_.irn = given_.rows.data();
+      mumps_.jcn = given_.columns.data();
     }
   }
 
@@ -461,14 +456,16 @@ class EngineOf : public Mumps::Engine {
 
   MumpsOptions options_;
   MPI_Comm comm_;
-  bool hasEntries_ = false; // whether entries of this rank are read
   typename Kind::Structure mumps_{};
-  std::vector<int> rows_, columns_, schurRows_, position_;
+  struct Given {
+    std::vector<int> rows, columns, position;
+  };
+  Given given_;                // until the matrix is factored
+  std::vector<int> schurRows_; // one-based
   std::vector<Value> schur_;
   int order_ = 0;
   std::size_t analysedEntries_ = 0;
   double workspaceEntries_ = 0.0; // INFO(8) of the analysis
-  int schurSize_ = 0;
   bool isRoot_ = false;
   Workspace workspace_;
   bool ownsWorkspace_ = false;

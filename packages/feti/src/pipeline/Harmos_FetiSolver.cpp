@@ -159,10 +159,4 @@ void FetiSolver::exchangeStarts(qp::StateArchive<MultiVector>& archive) {
   increments_->exchange(archive, *problem);
 }
 
-const TornSolution& FetiSolver::solution() const {
-  if (!solution_)
-    throw InputError("there is no solution yet; call solve() first");
-  return *solution_;
-}
-
 } // namespace Harmos::feti

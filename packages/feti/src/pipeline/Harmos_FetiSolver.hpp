@@ -3,9 +3,9 @@
 
 #include "Harmos_DualOperator.hpp"
 #include "Harmos_DualPreconditioner.hpp"
+#include "Harmos_FetiAnswer.hpp"
 #include "Harmos_IncrementSolver.hpp"
 #include "Harmos_MumpsSolver.hpp"
-#include "Harmos_Reactions.hpp"
 #include "Harmos_SubdomainInput.hpp"
 
 #include <Teuchos_ParameterList.hpp>
@@ -32,7 +32,7 @@ namespace Harmos::feti {
 /// docs/parameters; unknown names are rejected.
 ///
 /// Guarded by tests/unit/feti/test_feti_solver.cpp.
-class FetiSolver {
+class FetiSolver : public FetiAnswer {
  public:
   /// Sets up: constraints, factorisations, coarse problem, preconditioner.
   /// @param subdomains those of this rank, which may have none; see Subdomain and Harmos_SubdomainInput.hpp.
@@ -110,31 +110,6 @@ class FetiSolver {
                            const std::vector<ConstraintRow>& rows, double tolerance,
                            bool withDisplacement = true);
 
-  /// Of the last solution, copies of a dof in each subdomain.
-  const TornVector& displacement() const { return solution().displacement; }
-  const KktAudit& audit() const { return quality_.audit; }
-  /// The audit with estimates of errors.
-  const AnswerQuality& quality() const { return quality_; }
-  /// Gaps and forces of inequality rows that this rank owns. @note Collective.
-  ContactState contact() const { return contactState(*constraints(), solution()); }
-  /// Slips and forces of limited rows that this rank owns. @note Collective.
-  FrictionState friction() const { return frictionState(*constraints(), solution()); }
-  /// The forces by which the Dirichlet conditions of each subdomain hold it, see feti::reactions().
-  /// @note Collective.
-  std::vector<std::vector<double>> reactions() const {
-    return feti::reactions(system(), *constraints(), solution());
-  }
-  /// Of the rows that this rank gave, in their order: a row exerts −coefficient · force on its dofs.
-  /// @note Collective.
-  std::vector<double> rowForces() const { return constraints()->givenMultipliers(*solution().multiplier); }
-  const TornSolution& solution() const;
-  /// Of the last solve().
-  const SolveReport& report() const { return report_; }
-  /// Not before solve(), nor where loads cannot be held.
-  bool hasSolution() const { return solution_ != nullptr; }
-
-  const SubdomainSystem& system() const { return pipeline_->system(); }
-  Teuchos::RCP<const Constraints> constraints() const { return pipeline_->constraints(); }
   /// F, to be used alone. Made anew with new matrices and rows: whoever keeps it keeps that of before.
   Teuchos::RCP<const DualOperator> dualOperator() const { return pipeline_->dualOperator(); }
   /// All stages, what was decided on them, and how often each was made.
@@ -149,14 +124,10 @@ class FetiSolver {
   Log log_;
   Teuchos::ParameterList list_;
   SolverOptions options_;
-  std::unique_ptr<DualPipeline> pipeline_;
   AnswerCriteria criteria_; // as given
   Teuchos::RCP<DualMonitor> monitor_;
-  std::unique_ptr<TornSolution> solution_;
   SolutionHistory history_;
   std::unique_ptr<IncrementSolver> increments_;
-  AnswerQuality quality_;
-  SolveReport report_;
 };
 
 } // namespace Harmos::feti

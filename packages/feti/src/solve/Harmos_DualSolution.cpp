@@ -3,7 +3,6 @@
 
 #include "Harmos_DualOperator.hpp"
 #include "Harmos_DualPreconditioner.hpp"
-#include "Harmos_ProjectedOperator.hpp"
 
 #include "Harmos_DeflatedOperators.hpp"
 
@@ -46,23 +45,26 @@ std::vector<double> valuesOf(const Teuchos::RCP<const MultiVector>& vector) {
   return values;
 }
 
+// What is to be solved, and for whom.
+struct Task {
+  const DualStages& stages;
+  const SolverOptions& options;
+  const Acceptance& acceptance;
+  const Log& log;
+  SolveReport& report;
+  Teuchos::RCP<DualMonitor> monitor; // or null
+};
+
 // One solution of the dual problem: where it starts, what the quadratic programming layer gets, what became
 // of it.
 class DualSolve {
  public:
-  // All to outlive this.
-  DualSolve(const DualStages& stages, const SolverOptions& options, const Acceptance& acceptance,
-            const Log& log, SolveReport& report, const Teuchos::RCP<DualMonitor>& monitor)
-      : stages_(stages),
-        dual_(*stages.problem),
-        asked_(options),
-        options_(options),
-        acceptance_(acceptance),
-        log_(log),
-        report_(report),
-        monitor_(monitor),
-        tolerance_(options.tolerance),
-        watch_(monitor, options.tolerance, tolerance_, stages.system->comm()->getSize()) {}
+  // What the task refers to has to outlive this.
+  explicit DualSolve(const Task& task)
+      : task_(task),
+        options_(task.options),
+        tolerance_(task.options.tolerance),
+        watch_(task.monitor, task.options.tolerance, tolerance_, task.stages.system->comm()->getSize()) {}
 
   DualSolution go(const WarmStart* start) {
     guess(start);
@@ -76,11 +78,11 @@ class DualSolve {
     }
     makeProblem(start);
     run();
-    if (watch_.isStopped() && deflation_ == nullptr)
+    if (watch_.isStopped() && !deflated_)
       goOnWithVectors();
-    if (deflation_ != nullptr && isAtTheirEnd())
+    if (deflated_ && isAtTheirEnd())
       goOnWithoutVectors(start);
-    report_.result.goesOnAfter(watch_.before());
+    task_.report.result.goesOnAfter(watch_.before());
     conclude();
     return std::move(solution_);
   }
@@ -117,20 +119,13 @@ class DualSolve {
   void setTolerance();
   bool startsNearest() const;
 
-  const DualStages& stages_;
-  const DualProblem& dual_;
-  const SolverOptions& asked_;
+  const DualProblem& dual() const { return *task_.stages.problem; }
+
+  Task task_;
   SolverOptions options_; // limits: of what is left
-  const Acceptance& acceptance_;
-  const Log& log_;
-  SolveReport& report_;
-  Teuchos::RCP<DualMonitor> monitor_; // or null
-  double tolerance_;                  // an acceptance may lower it
+  double tolerance_;      // an acceptance may lower it
   SolveWatch watch_;
-  // Where there are adaptive vectors: what is left of the dual problem without their span.
-  const Deflation* deflation_ = nullptr;
-  Teuchos::RCP<const Operator> deflated_, hessian_, hessianOnKernel_, deflatedPreconditioner_;
-  Teuchos::RCP<MultiVector> rhs_;
+  std::optional<DeflatedProblem> deflated_; // where there are adaptive vectors
 
   DualSolution solution_;
   Teuchos::RCP<MultiVector> multiplier_; // μ, null without a coarse problem
@@ -161,7 +156,7 @@ class KeptIsEnough : public qp::StatusTestValue<MultiVector> {
 };
 
 void DualSolve::guess(const WarmStart* start) {
-  solution_.lambda = Teuchos::rcp(new MultiVector(stages_.constraints->rowMap(), 1));
+  solution_.lambda = Teuchos::rcp(new MultiVector(task_.stages.constraints->rowMap(), 1));
   if (start != nullptr)
     startFrom(*start);
   else if (options_.initialGuess == InitialGuess::HalfLoad)
@@ -170,27 +165,27 @@ void DualSolve::guess(const WarmStart* start) {
 
 void DualSolve::startFrom(const WarmStart& start) {
   Tpetra::deep_copy(*solution_.lambda, *start.multiplier);
-  solution_.lambda->update(-1.0, *dual_.shift(), 1.0);
-  stages_.coarse->project(*solution_.lambda);
+  solution_.lambda->update(-1.0, *dual().shift(), 1.0);
+  task_.stages.coarse->project(*solution_.lambda);
   removeJoined();
-  if (dual_.lowerBound().is_null())
+  if (dual().lowerBound().is_null())
     return;
   // Open contacts stay at their bounds to the last bit, or active sets would begin without them.
   const auto total = start.multiplier->getLocalViewHost(Tpetra::Access::ReadOnly);
-  const auto lower = dual_.lowerBound()->getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto lower = dual().lowerBound()->getLocalViewHost(Tpetra::Access::ReadOnly);
   const auto lambda = solution_.lambda->getLocalViewHost(Tpetra::Access::ReadWrite);
   for (std::size_t k = 0; k < total.extent(0); ++k)
     if (total(k, 0) == 0.0 && std::isfinite(lower(k, 0)) &&
-        stages_.constraints->rowType(static_cast<int>(k)) == RowType::Inequality)
+        task_.stages.constraints->rowType(static_cast<int>(k)) == RowType::Inequality)
       lambda(k, 0) = lower(k, 0);
 }
 
 // λ⁰ = ½Bf.
 void DualSolve::startFromHalfLoad() {
-  const Constraints& constraints = *stages_.constraints;
+  const Constraints& constraints = *task_.stages.constraints;
   std::vector<double> overlap(localSize(*constraints.overlapMap()), 0.0);
-  for (int i = 0; i < stages_.system->size(); ++i)
-    constraints.addB(i, stages_.system->rhs(i).data(), overlap.data());
+  for (int i = 0; i < task_.stages.system->size(); ++i)
+    constraints.addB(i, task_.stages.system->rhs(i).data(), overlap.data());
   constraints.fromOverlap(overlap, *solution_.lambda);
   solution_.lambda->scale(0.5);
   removeJoined();
@@ -198,13 +193,13 @@ void DualSolve::startFromHalfLoad() {
 
 // What F of clusters does not see.
 void DualSolve::removeJoined() {
-  if (const ClusterInverse* joined = stages_.inverses->joined())
+  if (const ClusterInverse* joined = task_.stages.inverses->joined())
     joined->clusters().removeJoined(*solution_.lambda);
 }
 
 // Those of steps before are there, and a solver that had them when it was interrupted needs them.
 bool DualSolve::hasVectorsFromStart() const {
-  const Teuchos::RCP<AdaptiveSpace>& space = stages_.adaptive;
+  const Teuchos::RCP<AdaptiveSpace>& space = task_.stages.adaptive;
   if (space.is_null() || !space->isPossible() || options_.method == "Dual Penalty")
     return false;
   return space->isMade() || space->options().vectors == AdaptiveVectors::All ||
@@ -212,32 +207,24 @@ bool DualSolve::hasVectorsFromStart() const {
 }
 
 void DualSolve::deflate() {
-  AdaptiveSpace& space = *stages_.adaptive;
+  AdaptiveSpace& space = *task_.stages.adaptive;
   if (!space.isMade())
-    space.make(log_);
+    space.make(task_.log);
   watch_.haveVectors();
-  report_.adaptiveSeconds = space.seconds();
-  deflation_ = space.deflation();
-  if (deflation_ == nullptr)
+  task_.report.adaptiveSeconds = space.seconds();
+  const Deflation* const deflation = space.deflation();
+  if (deflation == nullptr)
     return;
-  report_.adaptiveVectors = deflation_->dimension();
-  deflated_ = Teuchos::rcp(new DeflatedOperator(space.dualOperator(), *deflation_));
-  deflatedPreconditioner_ = Teuchos::rcp(new DeflatedPreconditioner(*stages_.preconditioner, *deflation_));
-  deflation_->removeSpan(*solution_.lambda);
-  hessian_ = deflated_;
-  rhs_ = Teuchos::rcp(new MultiVector(dual_.d(), Teuchos::Copy));
-  deflation_->removeFromLoad(*rhs_);
-  if (stages_.coarse->dimension() == 0)
-    return;
-  hessian_ = Teuchos::rcp(new ProjectedOperator(*deflated_, *stages_.coarse));
-  hessianOnKernel_ = Teuchos::rcp(new ProjectedOperator(*deflated_, *stages_.coarse, true));
-  stages_.coarse->project(*rhs_);
+  task_.report.adaptiveVectors = deflation->dimension();
+  deflation->removeSpan(*solution_.lambda);
+  deflated_.emplace(dual(), space.dualOperator(), *task_.stages.preconditioner, *task_.stages.coarse,
+                    *deflation);
 }
 
 // From where the solver has come to.
 void DualSolve::goOnWithVectors() {
-  log_.info("Slow convergence: adaptive coarse vectors after " +
-            std::to_string(report_.result.counters.hessianApplications) + " applications of F");
+  task_.log.info("Slow convergence: adaptive coarse vectors after " +
+                 std::to_string(task_.report.result.counters.hessianApplications) + " applications of F");
   deflate();
   goOn(valuesOf(multiplier_));
 }
@@ -245,29 +232,30 @@ void DualSolve::goOnWithVectors() {
 // What vectors leave of F is known to more than its own rounding errors: the solver may come no further, or
 // take for singular what is not.
 bool DualSolve::isAtTheirEnd() const {
-  return watch_.isStopped() || report_.result.reason == qp::Reason::Stagnation || hasGoneAstray();
+  return watch_.isStopped() || task_.report.result.reason == qp::Reason::Stagnation || hasGoneAstray();
 }
 
 bool DualSolve::hasGoneAstray() const {
-  return report_.result.reason == qp::Reason::Unbounded || report_.result.reason == qp::Reason::Breakdown;
+  return task_.report.result.reason == qp::Reason::Unbounded ||
+         task_.report.result.reason == qp::Reason::Breakdown;
 }
 
 // What they were good for is done.
 void DualSolve::goOnWithoutVectors(const WarmStart* start) {
-  log_.info("Stagnation with adaptive coarse vectors: continue without them");
+  task_.log.info("Stagnation with adaptive coarse vectors: continue without them");
   const bool isAstray = hasGoneAstray();
   if (isAstray)
     guess(start);
   else
-    deflation_->complete(dual_.d(), *solution_.lambda);
-  deflation_ = nullptr;
+    deflated_->span->complete(dual().d(), *solution_.lambda);
+  deflated_.reset();
   watch_.leaveVectors();
-  report_.result.goesOnAfter(watch_.before());
+  task_.report.result.goesOnAfter(watch_.before());
   goOn(isAstray ? std::vector<double>() : valuesOf(multiplier_));
 }
 
 void DualSolve::goOn(const std::vector<double>& mu) {
-  watch_.goesOnAfter(report_.result);
+  watch_.goesOnAfter(task_.report.result);
   leaveOutBefore();
   const WarmStart reached = {Teuchos::null, mu};
   makeProblem(&reached);
@@ -278,7 +266,8 @@ void DualSolve::goOn(const std::vector<double>& mu) {
 void DualSolve::recallBefore() {
   watch_.restore([this](qp::StateArchive<MultiVector>& archive) { watch_.exchangeBefore(archive); });
   if (watch_.isForeign())
-    log_.info("Restart on another number of ranks: new adaptive coarse vectors, and the solver starts again");
+    task_.log.info(
+        "Restart on another number of ranks: new adaptive coarse vectors, and the solver starts again");
   watch_.goesOnAfter(watch_.isForeign() ? qp::Result() : qp::Result(watch_.before()));
   leaveOutBefore();
 }
@@ -286,64 +275,64 @@ void DualSolve::recallBefore() {
 // Limits are of all that is done.
 void DualSolve::leaveOutBefore() {
   const qp::IterationRecord last = watch_.before().lastRecord();
-  options_.maximumIterations = std::max(1, asked_.maximumIterations - last.inner);
+  options_.maximumIterations = std::max(1, task_.options.maximumIterations - last.inner);
   constexpr double leastSeconds = 1e-3; // 0 is no limit
-  if (asked_.maximumSeconds > 0.0)
+  if (task_.options.maximumSeconds > 0.0)
     options_.maximumSeconds =
-        std::max(leastSeconds, asked_.maximumSeconds - last.seconds - report_.adaptiveSeconds);
+        std::max(leastSeconds, task_.options.maximumSeconds - last.seconds - task_.report.adaptiveSeconds);
 }
 
 void DualSolve::run() {
   makeSolver();
-  if (acceptance_.judge && !isPenalty())
+  if (task_.acceptance.judge && !isPenalty())
     solver_->setAcceptance([this] { return isAccepted(); });
   begin();
   announce();
-  report_.result = solver_->solve();
+  task_.report.result = solver_->solve();
 }
 
 void DualSolve::makeProblem(const WarmStart* start) {
-  problem_ =
-      Teuchos::rcp(new qp::TpetraProblem(deflation_ ? hessian_ : dual_.hessian(), solution_.lambda,
-                                         deflation_ ? Teuchos::RCP<const MultiVector>(rhs_) : dual_.rhs()));
-  problem_->setLowerBound(dual_.lowerBound());
-  problem_->setUpperBound(dual_.upperBound());
-  problem_->setDiscs(dual_.discs());
-  problem_->setFollowingLimits(dual_.followingLimits());
-  problem_->setSoftBounds(dual_.softBounds());
-  if (!dual_.equalityRows().is_null())
+  problem_ = Teuchos::rcp(new qp::TpetraProblem(deflated_ ? deflated_->hessian : dual().hessian(),
+                                                solution_.lambda, deflated_ ? deflated_->rhs : dual().rhs()));
+  problem_->setLowerBound(dual().lowerBound());
+  problem_->setUpperBound(dual().upperBound());
+  problem_->setDiscs(dual().discs());
+  problem_->setFollowingLimits(dual().followingLimits());
+  problem_->setSoftBounds(dual().softBounds());
+  if (!dual().equalityRows().is_null())
     addEquality(start);
-  if (!stages_.preconditioner.is_null())
-    problem_->setPreconditioner(deflation_ ? deflatedPreconditioner_ : stages_.preconditioner);
+  if (!task_.stages.preconditioner.is_null())
+    problem_->setPreconditioner(deflated_ ? deflated_->preconditioner : task_.stages.preconditioner);
   if (!problem_->setProblem())
     throw NumericalError("the dual problem cannot be solved: " + problem_->whyNotSet());
 }
 
 // Gλ = 0.
 void DualSolve::addEquality(const WarmStart* start) {
-  const Teuchos::RCP<const Map> map = dual_.equalityRows()->getRangeMap();
+  const Teuchos::RCP<const Map> map = dual().equalityRows()->getRangeMap();
   multiplier_ = Teuchos::rcp(new MultiVector(map, 1));
   if (start != nullptr && start->mu.size() == multiplier_->getLocalLength()) {
     const auto view = multiplier_->getLocalViewHost(Tpetra::Access::OverwriteAll);
     std::copy(start->mu.begin(), start->mu.end(), view.data());
   }
   const auto zero = Teuchos::rcp(new MultiVector(map, 1));
-  problem_->setEquality(dual_.equalityRows(), zero, multiplier_, qp::EqualityStructure::OrthonormalInvariant);
-  problem_->setHessianOnKernel(deflation_ ? hessianOnKernel_ : dual_.hessianOnKernel());
-  problem_->setUnprojectedHessian(deflation_ ? deflated_ : dual_.unprojectedHessian());
-  problem_->setFaceGram(stages_.coarse->faceGram());
+  problem_->setEquality(dual().equalityRows(), zero, multiplier_,
+                        qp::EqualityStructure::OrthonormalInvariant);
+  problem_->setHessianOnKernel(deflated_ ? deflated_->hessianOnKernel : dual().hessianOnKernel());
+  problem_->setUnprojectedHessian(deflated_ ? deflated_->unprojected : dual().unprojectedHessian());
+  problem_->setFaceGram(task_.stages.coarse->faceGram());
 }
 
 void DualSolve::makeSolver() {
   using Auto = qp::AutoSolver<Scalar, MultiVector, Operator>;
   method_ = options_.method == "Auto" ? Auto::choice(*problem_) : options_.method;
   solver_ = qp::TpetraSolverFactory().create(method_, parametersOf(method_));
-  report_.solver = solver_->name();
-  test_ = Details::stoppingTest(stages_, options_, tolerance_, !isPenalty(), report_);
+  task_.report.solver = solver_->name();
+  test_ = Details::stoppingTest(task_.stages, options_, tolerance_, !isPenalty(), task_.report);
   using Combo = qp::StatusTestCombo<MultiVector>;
   const Teuchos::RCP<qp::StatusTest<MultiVector>> spent = Teuchos::rcp(new KeptIsEnough(kept_, inner_));
   solver_->setConvergenceTest(Teuchos::rcp(new Combo(Combo::Type::Or, {test_.test, spent})));
-  solver_->setLog(log_);
+  solver_->setLog(task_.log);
   solver_->setProblem(problem_);
 }
 
@@ -370,8 +359,8 @@ Teuchos::RCP<Teuchos::ParameterList> DualSolve::parametersOf(const std::string& 
 // Friction hides that contacts are at their bounds, by which that is decided else.
 bool DualSolve::startsNearest() const {
   const std::string first = options_.methodLists.sublist("PDAS").get<std::string>("First active set");
-  return stages_.constraints->limited() > 0 && (first == "auto" || first == "tried") &&
-         norm(*dual_.shift()) == 0.0;
+  return task_.stages.constraints->limited() > 0 && (first == "auto" || first == "tried") &&
+         norm(*dual().shift()) == 0.0;
 }
 
 void DualSolve::setTolerance() {
@@ -385,10 +374,10 @@ bool DualSolve::isAccepted() {
   double met = tolerance_ * test_.gradient->value() / test_.gradient->limit();
   if (!test_.equality.is_null())
     met = std::max(met, tolerance_ * test_.equality->value() / test_.equality->limit());
-  if (deflation_)
-    deflation_->complete(dual_.d(), *solution_.lambda);
+  if (deflated_)
+    deflated_->span->complete(dual().d(), *solution_.lambda);
   const Verdict verdict =
-      acceptance_.judge(*solution_.lambda, valuesOf(multiplier_), std::isfinite(met) ? met : tolerance_);
+      task_.acceptance.judge(*solution_.lambda, valuesOf(multiplier_), std::isfinite(met) ? met : tolerance_);
   kept_.forget();
   if (!verdict.next)
     return true;
@@ -401,98 +390,99 @@ bool DualSolve::isAccepted() {
 }
 
 void DualSolve::takeKept() {
-  const std::string reason = qp::toString(report_.result.reason);
+  const std::string reason = qp::toString(task_.report.result.reason);
   const bool isSpent = kept_.isSpent(inner_);
-  if (kept_.replace(report_.result, *solution_.lambda, multiplier_))
-    log_.info("No further progress (" + (isSpent ? "iteration budget used up" : reason) +
-              "): the last solution that met the tolerance is used");
+  if (kept_.replace(task_.report.result, *solution_.lambda, multiplier_))
+    task_.log.info("No further progress (" + (isSpent ? "iteration budget used up" : reason) +
+                   "): the last solution that met the tolerance is used");
 }
 
 void DualSolve::begin() {
-  const Teuchos::RCP<AdaptiveSpace>& space = stages_.adaptive;
+  const Teuchos::RCP<AdaptiveSpace>& space = task_.stages.adaptive;
   // SMALBE gets on slowly for reasons of its own, which vectors do not cure.
   const bool mayAdapt = !space.is_null() && space->isPossible() && !space->isMade() &&
                         !watch_.hasLeftVectors() && !isPenalty() && method_ != "SMALBE";
-  const bool mayLeave = deflation_ != nullptr && method_ != "SMALBE";
-  const auto target = [this] { return tolerance_ * report_.gradientScale; };
+  const bool mayLeave = deflated_ && method_ != "SMALBE";
+  const auto target = [this] { return tolerance_ * task_.report.gradientScale; };
   if (mayAdapt)
     watch_.stopWhen(slowness(options_.tolerance), target);
   else if (mayLeave)
     watch_.stopWhen(standstill(), target);
-  if (!monitor_.is_null())
-    monitor_->begins({stages_, method_, [this] {
-                        // What the tests last measured against.
-                        DualTargets targets{tolerance_ * report_.gradientScale, 0.0};
-                        if (!test_.equality.is_null())
-                          targets.equality = tolerance_ * test_.equality->scale();
-                        return targets;
-                      }});
-  if (mayAdapt || mayLeave || !monitor_.is_null())
+  if (!task_.monitor.is_null())
+    task_.monitor->begins({task_.stages, method_, [this] {
+                             // What the tests last measured against.
+                             DualTargets targets{tolerance_ * task_.report.gradientScale, 0.0};
+                             if (!test_.equality.is_null())
+                               targets.equality = tolerance_ * test_.equality->scale();
+                             return targets;
+                           }});
+  if (mayAdapt || mayLeave || !task_.monitor.is_null())
     solver_->setMonitor(Teuchos::rcpFromRef<qp::SolverMonitor<MultiVector>>(watch_));
   watch_.alsoKeep([this](qp::StateArchive<MultiVector>& archive) {
     kept_.exchange(archive, *solution_.lambda, multiplier_);
-    if (acceptance_.exchange)
-      acceptance_.exchange(archive);
+    if (task_.acceptance.exchange)
+      task_.acceptance.exchange(archive);
   });
   if (!watch_.hasState())
     return;
   watch_.restore([this](qp::StateArchive<MultiVector>& archive) { watch_.exchange(archive); });
-  if (tolerance_ == asked_.tolerance) // another one was asked for then
+  if (tolerance_ == task_.options.tolerance) // another one was asked for then
     kept_.forget();
   setTolerance();
 }
 
 void DualSolve::announce() const {
   std::ostringstream text;
-  text << "Solver: " << report_.solver << ", tolerance " << scientific(tolerance_, 0) << " ("
+  text << "Solver: " << task_.report.solver << ", tolerance " << scientific(tolerance_, 0) << " ("
        << toString(options_.stoppingRule) << " rule)";
-  log_.info(text.str());
+  task_.log.info(text.str());
   if (options_.progressFrequency > 0)
-    log_.info("  outer  inner  step              |g^P|   |G lambda|   active     F*x  seconds");
+    task_.log.info("  outer  inner  step              |g^P|   |G lambda|   active     F*x  seconds");
 }
 
 void DualSolve::conclude() {
-  if (deflation_)
-    deflation_->complete(dual_.d(), *solution_.lambda);
+  if (deflated_)
+    deflated_->span->complete(dual().d(), *solution_.lambda);
   takeKept();
-  report_.result.counters.setupApplications += dual_.setupApplications();
-  report_.solved = true;
+  task_.report.result.counters.setupApplications += dual().setupApplications();
+  task_.report.solved = true;
   measureRounding();
   if (!test_.equality.is_null())
     measureEquality();
   // y with yᵀGλ > 0 for all admissible λ: forces of one sign act on the motion R L⁻ᵀy.
-  if (report_.result.reason == qp::Reason::Infeasible && !solver_->certificate().is_null()) {
-    MultiVector forces(stages_.constraints->rowMap(), 1);
-    dual_.equalityRows()->apply(*solver_->certificate(), forces, Teuchos::TRANS);
-    solution_.escape = stages_.coarse->solve(stages_.coarse->multiply(forces)); // A⁻G̃Gᵀy = L⁻ᵀy
+  if (task_.report.result.reason == qp::Reason::Infeasible && !solver_->certificate().is_null()) {
+    MultiVector forces(task_.stages.constraints->rowMap(), 1);
+    dual().equalityRows()->apply(*solver_->certificate(), forces, Teuchos::TRANS);
+    solution_.escape = task_.stages.coarse->solve(task_.stages.coarse->multiply(forces)); // A⁻G̃Gᵀy = L⁻ᵀy
     solution_.isEscaping = true;
   }
-  report_.converged = report_.result.converged();
-  report_.reason = qp::toString(report_.result.reason);
-  if (!report_.converged)
-    report_.reason += ": " + report_.result.explanation;
+  task_.report.converged = task_.report.result.converged();
+  task_.report.reason = qp::toString(task_.report.result.reason);
+  if (!task_.report.converged)
+    task_.report.reason += ": " + task_.report.result.explanation;
   solution_.mu = valuesOf(multiplier_);
 }
 
 // Springs that open far beside what bodies are strained by.
 void DualSolve::measureRounding() {
   const double rounding = test_.gradient->rounding();
-  if (!report_.result.converged() || !(rounding > tolerance_ * report_.gradientScale))
+  if (!task_.report.result.converged() || !(rounding > tolerance_ * task_.report.gradientScale))
     return;
-  report_.openingRounding = rounding / report_.gradientScale;
-  report_.gradientScale = rounding / tolerance_;
+  task_.report.openingRounding = rounding / task_.report.gradientScale;
+  task_.report.gradientScale = rounding / tolerance_;
 }
 
 // The scale that belongs to the last iterate, which the solver may not have asked for.
 void DualSolve::measureEquality() {
   qp::IterationState<MultiVector> last;
   last.x = solution_.lambda.get();
-  last.equalityResidual = report_.result.equalityNorm;
+  last.equalityResidual = task_.report.result.equalityNorm;
   const bool met = test_.equality->checkStatus(last) == qp::Status::Passed;
-  report_.equalityScale = test_.equality->scale();
-  if (!met && report_.result.converged())
-    log_.info("Note: the penalty method leaves |G lambda| = " + scientific(report_.result.equalityNorm) +
-              ", above the tolerance of the stopping rule, " + scientific(test_.equality->limit()));
+  task_.report.equalityScale = test_.equality->scale();
+  if (!met && task_.report.result.converged())
+    task_.log.info(
+        "Note: the penalty method leaves |G lambda| = " + scientific(task_.report.result.equalityNorm) +
+        ", above the tolerance of the stopping rule, " + scientific(test_.equality->limit()));
 }
 
 } // namespace
@@ -500,7 +490,7 @@ void DualSolve::measureEquality() {
 DualSolution solveDualProblem(const DualStages& stages, const SolverOptions& options, const WarmStart* start,
                               const Acceptance& acceptance, const Log& log, SolveReport& report,
                               const Teuchos::RCP<DualMonitor>& monitor) {
-  return DualSolve(stages, options, acceptance, log, report, monitor).go(start);
+  return DualSolve({stages, options, acceptance, log, report, monitor}).go(start);
 }
 
 std::vector<long long> escapingParts(const RigidMotions& motions, const std::vector<double>& escape,

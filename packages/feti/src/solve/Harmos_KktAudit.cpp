@@ -111,85 +111,118 @@ void auditRows(const Constraints& constraints, const TornSolution& solution, dou
   result.largestRowForce = globalLargest(comm, ofGiven);
 }
 
+// Over subdomains.
+struct BodySums {
+  double residual = 0.0;     // ‖Ku − f + Bᵀλ‖²
+  double load = 0.0;         // ‖f‖²
+  double energy = 0.0;       // ½uᵀKu − fᵀu
+  double strained = 0.0;     // ‖Ku‖²
+  double rows = 0.0;         // ‖Bᵀλ‖²
+  double displacement = 0.0; // ‖diag(K)u‖²
+  double strainEnergy = 0.0; // uᵀKu
+  double motionEnergy = 0.0; // uᵀdiag(K)u
+  double trace = 0.0;        // tr K
+  double loadEnergy = 0.0;   // fᵀdiag(K)⁻¹f
+  double unit = 0.0;         // ‖diag(K)‖²
+  double largest = 0.0;      // |u|, the largest of these three
+  double fromPrescribed = 0.0;
+  double byLoad = 0.0; // f/diag(K)
+};
+
+// @param force Bᵀλ of the subdomain.
+void auditBody(const SubdomainSystem& system, int i, const std::vector<double>& u,
+               const std::vector<double>& force, BodySums& sums) {
+  const Subdomain& physical = system.subdomain(i);
+  std::vector<double> image(u.size()), strained = u;
+  // K times a large rigid motion is rounding errors alone; KR = 0 has been verified.
+  removeKernel(system.kernel(i), strained);
+  const auto addEnergy = [&] {
+    for (std::size_t j = 0; j < u.size(); ++j) {
+      sums.energy += 0.5 * strained[j] * image[j] - u[j] * (*physical.load)[j];
+      sums.strainEnergy += strained[j] * image[j];
+    }
+  };
+  const bool hasTrivialEquations = physical.stiffness.get() != &system.matrix(i);
+  if (hasTrivialEquations) {
+    physical.stiffness->multiply(strained.data(), image.data());
+    addEnergy();
+  }
+  system.matrix(i).multiply(strained.data(), image.data());
+  if (!hasTrivialEquations)
+    addEnergy();
+  // Trivial equations k u = k g say nothing of forces; k g, which may be large, would hide those out of
+  // balance. Prescribed values are audited by themselves.
+  std::vector<bool> isTrivial(u.size(), false);
+  for (const FixedDof& fixed : physical.fixed) {
+    const auto dof = static_cast<std::size_t>(fixed.dof);
+    sums.fromPrescribed = largerOf(sums.fromPrescribed, std::abs(u[dof] - fixed.value));
+    isTrivial[dof] = hasTrivialEquations;
+  }
+  const std::vector<double>& diagonal = system.diagonal(i);
+  const std::vector<double>& load = system.rhs(i);
+  for (std::size_t j = 0; j < u.size(); ++j) {
+    sums.largest = largerOf(sums.largest, std::abs(u[j]));
+    sums.motionEnergy += diagonal[j] * u[j] * u[j];
+    sums.trace += diagonal[j];
+    sums.unit += diagonal[j] * diagonal[j];
+    if (isTrivial[j])
+      continue;
+    const double residual = image[j] - load[j] + force[j];
+    sums.residual += residual * residual;
+    sums.load += load[j] * load[j];
+    sums.strained += image[j] * image[j];
+    sums.rows += force[j] * force[j];
+    sums.displacement += std::pow(diagonal[j] * u[j], 2);
+    const double moved = load[j] / diagonal[j];
+    sums.byLoad = largerOf(sums.byLoad, std::abs(moved));
+    sums.loadEnergy += load[j] * moved;
+  }
+}
+
+void reduce(const Teuchos::Comm<int>& comm, BodySums& sums) {
+  double* const added[] = {&sums.residual, &sums.load,         &sums.energy,       &sums.strained,
+                           &sums.rows,     &sums.displacement, &sums.strainEnergy, &sums.motionEnergy,
+                           &sums.trace,    &sums.loadEnergy,   &sums.unit};
+  std::vector<double> values;
+  for (const double* sum : added)
+    values.push_back(*sum);
+  globalSum(comm, values);
+  for (std::size_t k = 0; k < values.size(); ++k)
+    *added[k] = values[k];
+  sums.largest = globalLargest(comm, sums.largest);
+  sums.byLoad = globalLargest(comm, sums.byLoad);
+}
+
 } // namespace
 
 KktAudit audit(const SubdomainSystem& system, const Constraints& constraints, const TornSolution& solution) {
   const Teuchos::Comm<int>& comm = *system.comm();
-  KktAudit result;
-
   const std::vector<double> overlap = constraints.toOverlap(*solution.multiplier);
-  // ‖residual‖², ‖f‖², energy, ‖Ku‖², ‖Bᵀλ‖², ‖diag(K)u‖², uᵀKu, uᵀdiag(K)u, tr K, fᵀdiag(K)⁻¹f, ‖diag(K)‖²
-  std::vector<double> sums(11, 0.0);
-  std::vector<double> image, force;
-  double largest = 0.0, fromPrescribed = 0.0, byLoad = 0.0;
+  BodySums sums;
+  std::vector<double> force;
   for (int i = 0; i < system.size(); ++i) {
     const std::vector<double>& u = solution.displacement[static_cast<std::size_t>(i)];
-    const Subdomain& physical = system.subdomain(i);
-    image.resize(u.size());
     force.assign(u.size(), 0.0);
-    // K times a large rigid motion is rounding errors alone; KR = 0 has been verified.
-    std::vector<double> strained = u;
-    removeKernel(system.kernel(i), strained);
-    const auto addEnergy = [&] {
-      for (std::size_t j = 0; j < u.size(); ++j) {
-        sums[2] += 0.5 * strained[j] * image[j] - u[j] * (*physical.load)[j];
-        sums[6] += strained[j] * image[j];
-      }
-    };
-    for (const FixedDof& fixed : physical.fixed)
-      fromPrescribed =
-          largerOf(fromPrescribed, std::abs(u[static_cast<std::size_t>(fixed.dof)] - fixed.value));
-    const bool hasTrivialEquations = physical.stiffness.get() != &system.matrix(i);
-    if (hasTrivialEquations) {
-      physical.stiffness->multiply(strained.data(), image.data());
-      addEnergy();
-    }
-    system.matrix(i).multiply(strained.data(), image.data());
-    if (!hasTrivialEquations)
-      addEnergy();
     constraints.addBt(i, overlap.data(), force.data());
-    const std::vector<double>& diagonal = system.diagonal(i);
-    // Trivial equations k u = k g say nothing of forces; k g, which may be large, would hide those out of
-    // balance. Prescribed values are audited above.
-    std::vector<bool> isTrivial(u.size(), false);
-    if (hasTrivialEquations)
-      for (const FixedDof& fixed : physical.fixed)
-        isTrivial[static_cast<std::size_t>(fixed.dof)] = true;
-    for (std::size_t j = 0; j < u.size(); ++j) {
-      largest = largerOf(largest, std::abs(u[j]));
-      sums[7] += diagonal[j] * u[j] * u[j];
-      sums[8] += diagonal[j];
-      sums[10] += diagonal[j] * diagonal[j];
-      if (isTrivial[j])
-        continue;
-      const double residual = image[j] - system.rhs(i)[j] + force[j];
-      sums[0] += residual * residual;
-      sums[1] += system.rhs(i)[j] * system.rhs(i)[j];
-      sums[3] += image[j] * image[j];
-      sums[4] += force[j] * force[j];
-      sums[5] += std::pow(diagonal[j] * u[j], 2);
-      const double moved = system.rhs(i)[j] / diagonal[j];
-      byLoad = largerOf(byLoad, std::abs(moved));
-      sums[9] += system.rhs(i)[j] * moved;
-    }
+    auditBody(system, i, u, force, sums);
   }
-  globalSum(comm, sums);
+  reduce(comm, sums);
+  KktAudit result;
   // Where nothing but rigid motion is left, all forces are rounding errors of stiffness times displacement.
   constexpr double least = 1e-24; // squared
-  const double forces = std::max({sums[1], sums[3], sums[4], least * sums[5]});
-  result.equilibrium = forces > 0.0 ? std::sqrt(sums[0] / forces) : 0.0;
+  const double forces = std::max({sums.load, sums.strained, sums.rows, least * sums.displacement});
+  result.equilibrium = forces > 0.0 ? std::sqrt(sums.residual / forces) : 0.0;
   result.forces = std::sqrt(forces);
-  result.displacementForce = std::sqrt(sums[5]);
-  result.unitForce = std::sqrt(sums[10]);
-  result.primalEnergy = sums[2];
-  result.energyNorm = std::sqrt(std::max(sums[6], 0.0));
-  result.displacementEnergy = std::sqrt(sums[7]);
-  result.unitEnergy = std::sqrt(sums[8]);
-  result.largestDisplacement = globalLargest(comm, largest);
-  result.loadDisplacement = globalLargest(comm, byLoad);
-  result.loadEnergy = std::sqrt(sums[9]);
-
-  auditRows(constraints, solution, fromPrescribed, comm, result);
+  result.displacementForce = std::sqrt(sums.displacement);
+  result.unitForce = std::sqrt(sums.unit);
+  result.primalEnergy = sums.energy;
+  result.energyNorm = std::sqrt(std::max(sums.strainEnergy, 0.0));
+  result.displacementEnergy = std::sqrt(sums.motionEnergy);
+  result.unitEnergy = std::sqrt(sums.trace);
+  result.largestDisplacement = sums.largest;
+  result.loadDisplacement = sums.byLoad;
+  result.loadEnergy = std::sqrt(sums.loadEnergy);
+  auditRows(constraints, solution, sums.fromPrescribed, comm, result);
   return result;
 }
 

@@ -99,6 +99,44 @@ ClusterInverse::Amounts joiningAnswer(const ClusterInverse& joined, const LocalI
   return answer;
 }
 
+// α of u = u₀ + Rα. @param solution λ and u₀.
+std::vector<double> rigidMotion(const Constraints& constraints, const CoarseSpace& coarse,
+                                const DualProblem& dual, const TornSolution& solution,
+                                const std::vector<double>& mu) {
+  // With the shifted λ, (F + C)λ − d = c + Cλ − Bu₀: no further product with F is needed.
+  MultiVector residual(constraints.rowMap(), 1);
+  constraints.residual(solution.displacement, *solution.multiplier, residual);
+  residual.scale(-1.0);
+  MultiVector left(residual, Teuchos::Copy);
+  if (!dual.equalityRows().is_null()) {
+    MultiVector multiplier(dual.equalityRows()->getRangeMap(), 1);
+    HARMOS_REQUIRE(mu.size() == multiplier.getLocalLength(), "mu has this rank's entries");
+    std::copy(mu.begin(), mu.end(), multiplier.getLocalViewHost(Tpetra::Access::OverwriteAll).data());
+    MultiVector image(left.getMap(), 1);
+    dual.equalityRows()->apply(multiplier, image, Teuchos::TRANS);
+    left.update(-1.0, image, 1.0);
+  }
+  std::vector<double> alpha = coarse.solve(coarse.multiply(left));
+
+  // δ: least squares for G̃ᵀδ = c − B(u₀ + Rα) on the rows that hold as equations.
+  MultiVector holds(constraints.rowMap(), 1);
+  coarse.addTransposed(-1.0, alpha, residual);
+  {
+    const auto gap = residual.getLocalViewHost(Tpetra::Access::ReadWrite);
+    const std::vector<char> isEquation = holdAsEquations(constraints, *solution.multiplier);
+    const auto mask = holds.getLocalViewHost(Tpetra::Access::OverwriteAll);
+    for (std::size_t r = 0; r < gap.extent(0); ++r) {
+      mask(r, 0) = isEquation[r];
+      if (mask(r, 0) == 0.0)
+        gap(r, 0) = 0.0;
+    }
+  }
+  const std::vector<double> delta = coarse.minimumNormSolution(holds, coarse.multiply(residual));
+  for (std::size_t k = 0; k < delta.size(); ++k)
+    alpha[k] += delta[k];
+  return alpha;
+}
+
 } // namespace
 
 TornSolution recover(const SubdomainSystem& system, const Constraints& constraints,
@@ -131,40 +169,8 @@ TornSolution recover(const SubdomainSystem& system, const Constraints& constrain
     joined->clusters().addJoined(answer.averages, *total);
   if (coarse.kernelDimension() == 0)
     return solution;
-
-  // With the shifted λ, (F + C)λ − d = c + Cλ − Bu₀: no further product with F is needed.
-  MultiVector residual(constraints.rowMap(), 1);
-  constraints.residual(solution.displacement, *total, residual);
-  residual.scale(-1.0);
-  MultiVector left(residual, Teuchos::Copy);
-  if (!dual.equalityRows().is_null()) {
-    MultiVector multiplier(dual.equalityRows()->getRangeMap(), 1);
-    HARMOS_REQUIRE(mu.size() == multiplier.getLocalLength(), "mu has this rank's entries");
-    std::copy(mu.begin(), mu.end(), multiplier.getLocalViewHost(Tpetra::Access::OverwriteAll).data());
-    MultiVector image(left.getMap(), 1);
-    dual.equalityRows()->apply(multiplier, image, Teuchos::TRANS);
-    left.update(-1.0, image, 1.0);
-  }
-  std::vector<double> alpha = coarse.solve(coarse.multiply(left));
-
-  // δ: least squares for G̃ᵀδ = c − B(u₀ + Rα) on the rows that hold as equations.
-  MultiVector holds(constraints.rowMap(), 1);
-  coarse.addTransposed(-1.0, alpha, residual);
-  {
-    const auto gap = residual.getLocalViewHost(Tpetra::Access::ReadWrite);
-    const std::vector<char> isEquation = holdAsEquations(constraints, *total);
-    const auto mask = holds.getLocalViewHost(Tpetra::Access::OverwriteAll);
-    for (std::size_t r = 0; r < gap.extent(0); ++r) {
-      mask(r, 0) = isEquation[r];
-      if (mask(r, 0) == 0.0)
-        gap(r, 0) = 0.0;
-    }
-  }
-  const std::vector<double> delta = coarse.minimumNormSolution(holds, coarse.multiply(residual));
-  for (std::size_t k = 0; k < delta.size(); ++k)
-    alpha[k] += delta[k];
-  addRigidMotion(coarse.motions(), alpha, solution.displacement);
-  solution.rigidMotion = alpha;
+  solution.rigidMotion = rigidMotion(constraints, coarse, dual, solution, mu);
+  addRigidMotion(coarse.motions(), solution.rigidMotion, solution.displacement);
   return solution;
 }
 

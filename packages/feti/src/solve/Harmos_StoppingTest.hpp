@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_DualSolution.hpp"
+#include "Harmos_DualStages.hpp"
+#include "Harmos_SolverOptions.hpp"
 #include "Harmos_StatusTest.hpp"
 
 #include <functional>

@@ -3,10 +3,10 @@
 /// The part of Constraints that changes: bounds, limits, softness and statuses.
 
 #include "Harmos_Agreement.hpp"
+#include "Harmos_BuiltRows.hpp"
 #include "Harmos_Constraints.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
-#include "Harmos_GivenRows.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
 #include <Tpetra_Import.hpp>
@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace Harmos::feti {
 namespace {
@@ -50,15 +51,18 @@ bool isSameRow(const ConstraintRow& a, const ConstraintRow& b) {
 
 } // namespace
 
-void Constraints::keepGiven(const std::vector<ConstraintRow>& rows, const std::vector<char>& isTaken,
-                            const std::vector<Details::GivenRow>& parts) {
+void Constraints::keepGiven(const std::vector<ConstraintRow>& rows, const Details::BuiltRows& built) {
   given_ = rows;
   prescribed_ = prescribedOf(*system_);
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    const bool isPlain = isTaken[r] == 0 && parts[r].hasUnknown && !parts[r].isIdle &&
+    const Details::GivenRow& part = built.parts[r];
+    const bool isPlain = built.isTaken[r] == 0 && part.hasUnknown && !part.isIdle &&
                          rows[r].kind == ConstraintRow::Kind::Inequality && !rows[r].softness;
-    standing_.push_back(isPlain ? Standing::Plain : isTaken[r] != 0 ? Standing::Taken : Standing::Other);
-    subtracted_.push_back(parts[r].prescribed);
+    standings_.push_back({isPlain                 ? Standing::Plain
+                          : built.isTaken[r] != 0 ? Standing::Taken
+                                                  : Standing::Other,
+                          part.prescribed,
+                          {}});
   }
 }
 
@@ -67,8 +71,7 @@ void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
     return;
   const Constraints changed(*system_, rows, hasWeights_, weights_);
   agree(*system_->comm(), [&] {
-    if (changed.types_ != types_ || changed.entries_ != entries_ || changed.compliances_ != compliances_ ||
-        changed.pairs_ != pairs_ || !changed.rowMap_->isLocallyFitted(*rowMap_))
+    if (!areOfOneKind(changed) || changed.entries_ != entries_)
       throw InputError("setBounds() changes bounds only, but the number, kinds, dofs, coefficients or "
                        "compliances of constraint rows differ (with weights, also a nonzero bound of a row "
                        "that glues two dofs); create new constraints");
@@ -80,13 +83,14 @@ void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
 // what was taken from their bounds stays, or is zero where all prescribed values are. @return whether that is
 // so, on all ranks.
 bool Constraints::setPlainBounds(const std::vector<ConstraintRow>& rows) {
-  const std::vector<std::vector<double>> prescribed = prescribedOf(*system_);
-  bool isPlain = rows.size() == given_.size() && followerCount_ == 0, onlyPlain = true;
+  std::vector<std::vector<double>> prescribed = prescribedOf(*system_);
+  bool isPlain = rows.size() == given_.size() && !hasFollowers(), onlyPlain = true;
   for (std::size_t r = 0; isPlain && r < rows.size(); ++r) {
-    const bool isMine = standing_[r] == Standing::Plain;
+    const Standing standing = standings_[r].standing;
+    const bool isMine = standing == Standing::Plain;
     const bool stays = rows[r].bound == given_[r].bound && rows[r].status == given_[r].status;
     isPlain = isSameRow(rows[r], given_[r]) && (isMine ? std::isfinite(rows[r].bound) : stays);
-    onlyPlain = onlyPlain && (isMine || (standing_[r] == Standing::Taken && rows[r].bound == 0.0));
+    onlyPlain = onlyPlain && (isMine || (standing == Standing::Taken && rows[r].bound == 0.0));
   }
   std::vector<double> differs = {isPlain && prescribed == prescribed_ ? 0.0 : 1.0,
                                  isPlain && onlyPlain && areZero(prescribed) ? 0.0 : 1.0};
@@ -94,18 +98,33 @@ bool Constraints::setPlainBounds(const std::vector<ConstraintRow>& rows) {
   const bool isSame = differs[0] == 0.0;
   if (!isSame && differs[1] != 0.0)
     return false;
-  MultiVector given(givenMap_, 3), owned(rowMap_, 3); // bound, status, whether it is one of these
+  changePlain(rows, isSame);
+  given_ = rows;
+  prescribed_ = std::move(prescribed);
+  for (Given& given : standings_)
+    for (double& part : given.subtracted)
+      part = isSame ? part : 0.0;
+  return true;
+}
+
+// @param isSame whether prescribed values are, or all of them zero.
+void Constraints::changePlain(const std::vector<ConstraintRow>& rows, bool isSame) {
+  MultiVector given(givenImport_->getTargetMap(), 3), owned(rowMap_, 3); // bound, status, whether it is one
+  double rounding2 = 0.0;
   {
     const auto view = given.getLocalViewHost(Tpetra::Access::OverwriteAll);
     for (std::size_t k = 0; k < view.extent(0); ++k)
       view(k, 0) = view(k, 1) = view(k, 2) = 0.0;
     for (std::size_t r = 0; r < rows.size(); ++r) {
-      if (standing_[r] != Standing::Plain)
+      if (standings_[r].standing == Standing::Taken)
+        continue;
+      const MultiplierTerm& term = standings_[r].multiplier.front();
+      rounding2 += std::pow(term.factor * rows[r].rounding, 2);
+      if (standings_[r].standing != Standing::Plain)
         continue;
       double bound = rows[r].bound;
-      for (double part : subtracted_[r])
+      for (double part : standings_[r].subtracted)
         bound -= isSame ? part : 0.0;
-      const MultiplierTerm& term = multipliers_[r].front();
       const auto place = static_cast<std::size_t>(term.place);
       view(place, 0) = term.factor * bound;
       view(place, 1) = static_cast<double>(static_cast<int>(rows[r].status));
@@ -115,29 +134,14 @@ bool Constraints::setPlainBounds(const std::vector<ConstraintRow>& rows) {
   owned.putScalar(0.0);
   owned.doExport(given, *givenImport_, Tpetra::ADD);
   const auto view = owned.getLocalViewHost(Tpetra::Access::ReadOnly);
-  std::vector<double> sums(2, 0.0); // open contacts, squares of what bounds are known to
-  for (std::size_t r = 0; r < rows.size(); ++r)
-    if (standing_[r] != Standing::Taken)
-      sums[1] += std::pow(multipliers_[r].front().factor * rows[r].rounding, 2);
+  std::vector<Change> changes;
   for (std::size_t r = 0; r < view.extent(0); ++r) {
-    if (view(r, 2) == 0.0) {
-      bounds_[r] = isSame ? bounds_[r] : 0.0;
-      continue;
-    }
-    bounds_[r] = view(r, 0);
-    statuses_[r] = static_cast<Status>(static_cast<int>(view(r, 1)));
-    isInterval_[r] = statuses_[r] == Status::Open ? 1 : 0;
-    sums[0] += isInterval_[r];
+    const int row = static_cast<int>(r);
+    changes.push_back(view(r, 2) != 0.0
+                          ? Change{view(r, 0), static_cast<Status>(static_cast<int>(view(r, 1)))}
+                          : Change{isSame ? bound(row) : 0.0, status(row)});
   }
-  globalSum(*system_->comm(), sums);
-  openCount_ = static_cast<long long>(sums[0]);
-  boundRounding_ = std::sqrt(sums[1]);
-  given_ = rows;
-  prescribed_ = prescribed;
-  for (std::vector<double>& parts : subtracted_)
-    for (double& part : parts)
-      part = isSame ? part : 0.0;
-  return true;
+  change(*system_->comm(), changes, rounding2);
 }
 
 Constraints Constraints::withBounds(const SubdomainSystem& system,
@@ -149,23 +153,13 @@ Constraints Constraints::withBounds(const SubdomainSystem& system,
 }
 
 void Constraints::takeBounds(const Constraints& changed) {
-  bounds_ = changed.bounds_;
-  limits_ = changed.limits_;
-  softness_ = changed.softness_;
-  hasSoft_ = changed.hasSoft_;
-  softLimited_ = changed.softLimited_;
-  discs_ = changed.discs_;
-  discCount_ = changed.discCount_;
-  statuses_ = changed.statuses_;
-  openCount_ = changed.openCount_;
-  isInterval_ = changed.isInterval_;
-  followers_ = changed.followers_;
-  followerCount_ = changed.followerCount_;
-  boundRounding_ = changed.boundRounding_;
+  static_cast<RowConditions&>(*this) = changed;
   given_ = changed.given_;
   prescribed_ = changed.prescribed_;
-  standing_ = changed.standing_;
-  subtracted_ = changed.subtracted_;
+  for (std::size_t r = 0; r < standings_.size(); ++r) {
+    standings_[r].standing = changed.standings_[r].standing;
+    standings_[r].subtracted = changed.standings_[r].subtracted;
+  }
 }
 
 } // namespace Harmos::feti

@@ -2,46 +2,26 @@
 #pragma once
 
 #include "Harmos_ConstraintRow.hpp"
+#include "Harmos_RowConditions.hpp"
 #include "Harmos_RowWeights.hpp"
 #include "Harmos_SubdomainSystem.hpp"
 #include "Harmos_Types.hpp"
 
 #include <Teuchos_RCP.hpp>
 
-#include <array>
 #include <map>
 #include <vector>
 
 namespace Harmos::feti {
 
 namespace Details {
-struct GivenRow;
-/// An entry of a finished row on its way to the rank of its subdomain.
-struct RowEntry {
-  long long row;
-  double value;
-  int place; ///< of the subdomain among those of its rank
-  int local; ///< dof
-  int owner; ///< rank of the row
-};
+struct BuiltRows;
+struct MultiplierTerm;
+struct RowEntry;
 } // namespace Details
 
-/// What a row of B stands for.
-enum class RowType {
-  Inequality, ///< B_I u ≤ c_I
-  Limited,    ///< an equality given by the application, whose force is limited
-  Equality,   ///< a tie or another equality given by the application
-  Gluing,     ///< copies of a dof are equal
-  Dirichlet   ///< a prescribed value, Total FETI only
-};
-
-/// Whether rows of a type hold as equations whatever their multipliers are.
-inline bool isUnconditional(RowType type) {
-  return type != RowType::Inequality && type != RowType::Limited;
-}
-
-/// The constraints B = [B_I; B_E], c of the torn problem, distributed by rows. B is immutable; c may be set
-/// anew.
+/// The constraints B = [B_I; B_E], c of the torn problem, distributed by rows: the dofs that rows act on, and
+/// what rows ask (RowConditions). B is immutable; c may be set anew.
 ///
 /// Rules (design of the dual problem):
 ///  - at a dof with m copies of weights d, the m − 1 gluing rows are orthonormal in the inner product of D⁻¹:
@@ -72,7 +52,7 @@ inline bool isUnconditional(RowType type) {
 /// They are scaled alike, by the mean of their lengths, so that a disc stays one.
 ///
 /// Guarded by tests/unit/feti/test_constraints.cpp.
-class Constraints {
+class Constraints : public RowConditions {
  public:
   /// A value at a local dof of a subdomain in a local (overlapping) row.
   struct Entry {
@@ -82,14 +62,6 @@ class Constraints {
     bool operator==(const Entry& other) const {
       return row == other.row && dof == other.dof && value == other.value;
     }
-  };
-
-  /// A limit that follows the force of an inequality: factor · (λ_normal)⁺, all of scaled rows of this rank.
-  struct Follower {
-    int row;    ///< of a disc its first one
-    int disc;   ///< place in discs(); −1: none
-    int normal; ///<
-    double factor;
   };
 
   /// @param system the torn problem, to outlive this.
@@ -118,7 +90,7 @@ class Constraints {
   /// Rows owned by this rank: the map of dual vectors.
   const Teuchos::RCP<const Map>& rowMap() const { return rowMap_; }
   /// Rows that touch a subdomain of this rank.
-  const Teuchos::RCP<const Map>& overlapMap() const { return overlapMap_; }
+  Teuchos::RCP<const Map> overlapMap() const;
   /// Rank that owns a row of overlapMap().
   int overlapOwner(int row) const { return overlapOwner_[static_cast<std::size_t>(row)]; }
   /// B_i, sorted by row.
@@ -129,61 +101,10 @@ class Constraints {
   /// B_i of all subdomains of this rank.
   const std::vector<std::vector<Entry>>& entries() const { return entries_; }
 
-  /// Of an owned row, by local index of rowMap(); an inequality that is decided is an equality where it is
-  /// closed, and where it is open limited to a force of zero.
-  RowType rowType(int row) const {
-    const auto r = static_cast<std::size_t>(row);
-    return statuses_[r] == ConstraintRow::Status::Undecided ? types_[r]
-           : statuses_[r] == ConstraintRow::Status::Closed  ? RowType::Equality
-                                                            : RowType::Limited;
-  }
-  /// Factor by which the physical row was multiplied: residual/scale and multiplier·scale are physical.
-  double rowScale(int row) const { return scales_[static_cast<std::size_t>(row)]; }
   /// Whether rows are orthonormal in the inner product of weights; see RowWeights.
   bool hasWeights() const { return hasWeights_; }
-  /// c of the scaled row.
-  double bound(int row) const { return bounds_[static_cast<std::size_t>(row)]; }
-  /// C of the scaled row: compliance · scale².
-  double compliance(int row) const { return compliances_[static_cast<std::size_t>(row)]; }
-  /// Whether the force of an owned row may leave its limits, see ConstraintRow::softness; and softness ·
-  /// scale².
-  bool isSoft(int row) const { return softness_[static_cast<std::size_t>(row)] >= 0.0; }
-  double softness(int row) const { return softness_[static_cast<std::size_t>(row)]; }
-  /// By which a soft row gives way: softness times what of its scaled multiplier is beyond its limits; else
-  /// 0.
-  double giving(int row, double lambda) const {
-    return !isSoft(row) || (rowType(row) == RowType::Inequality && lambda >= 0.0) ? 0.0
-                                                                                  : softness(row) * lambda;
-  }
-  /// Whether any row is soft, on any rank.
-  bool hasSoft() const { return hasSoft_; }
-  /// Of a limited row, scaled like its multiplier: limit / scale; zero where it follows.
-  double limit(int row) const { return limits_[static_cast<std::size_t>(row)]; }
-  /// Of each owned row, where forces are these: limits that follow are known by them alone. Local.
-  std::vector<double> limits(const MultiVector& lambda) const;
-  /// By rising rows.
-  const std::vector<Follower>& followers() const { return followers_; }
-  /// Whether any limit follows, on any rank.
-  bool hasFollowers() const { return followerCount_ > 0; }
-  /// Pairs of owned rows, each of a disc; by rising rows. Without those that are soft now.
-  const std::vector<std::array<int, 2>>& discs() const { return discs_; }
-  /// With those.
-  const std::vector<std::array<int, 2>>& pairs() const { return pairs_; }
-  /// Whether there are discs, and limited rows in none, on any rank. Soft ones are neither.
-  bool hasDiscs() const { return discCount_ > 0; }
-  bool hasIntervals() const { return limited_ > 2 * discCount_ + softLimited_ || openCount_ > 0; }
-  /// Whether an owned row is limited, in no disc and not soft; or an open inequality.
-  bool isInterval(int row) const { return isInterval_[static_cast<std::size_t>(row)] != 0; }
-  /// Whether any row gives way, on any rank.
-  bool hasCompliance() const { return hasCompliance_; }
-
-  /// ‖·‖ of what the bounds of all rows, scaled, are known to; see ConstraintRow::rounding.
-  double boundRounding() const { return boundRounding_; }
-
-  long long dualDimension() const { return dualDimension_; }
-  /// Whatever their statuses.
-  long long inequalities() const { return inequalities_; }
-  long long limited() const { return limited_; }
+  /// Rows of all ranks.
+  long long dualDimension() const;
 
   /// y = Bu. @note Collective.
   void applyB(const TornVector& u, MultiVector& y) const;
@@ -219,58 +140,48 @@ class Constraints {
  private:
   using Sent = std::vector<std::vector<Details::RowEntry>>; // by sender
   Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows, bool hasWeights,
-              Details::Weights weights);
+              const Details::Weights& weights);
+  Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows, bool hasWeights,
+              const Details::Weights& weights, const Details::BuiltRows& built);
+  void keepRows(const Details::BuiltRows& built);
   void keepFullRows(const Sent& held);
-  void findSoft(const Teuchos::Comm<int>& comm);
-  void keepGiven(const std::vector<ConstraintRow>& rows, const std::vector<char>& isTaken,
-                 const std::vector<Details::GivenRow>& parts);
+  void keepGiven(const std::vector<ConstraintRow>& rows, const Details::BuiltRows& built);
+  void keepMultipliers(const std::vector<Details::MultiplierTerm>& terms);
   bool setPlainBounds(const std::vector<ConstraintRow>& rows);
+  void changePlain(const std::vector<ConstraintRow>& rows, bool isSame);
   void takeBounds(const Constraints& changed);
   std::vector<double> atGiven(MultiVector& scaled) const;
   static std::vector<std::vector<Entry>>
   bySubdomain(const Sent& entries, const std::map<long long, int>& localRow, int subdomains);
 
+  // A row that this rank gave: an inequality with unknowns, one that is no row, or neither; what was taken
+  // from its bound; and its physical multiplier, a sum of factors times rows of givenImport_'s target.
+  enum class Standing { Plain, Taken, Other };
+  struct MultiplierTerm {
+    int place;
+    double factor;
+  };
+  struct Given {
+    Standing standing;
+    std::vector<double> subtracted;
+    std::vector<MultiplierTerm> multiplier;
+  };
+
   const SubdomainSystem* system_;
   Details::Weights weights_; // as they were at first
   bool hasWeights_ = false;
   Teuchos::RCP<const Map> rowMap_;
-  Teuchos::RCP<const Map> overlapMap_;
-  Teuchos::RCP<const Import> import_;
+  Teuchos::RCP<const Import> import_; // to overlapMap()
   std::vector<int> overlapOwner_;
   std::vector<std::vector<Entry>> entries_;
   // What given rows are at prescribed dofs: by row of heldMap_.
   Teuchos::RCP<const Map> heldMap_;
   std::vector<std::vector<Entry>> heldEntries_;
-  // Physical multipliers of the rows that this rank gave: sums of factors times rows of givenMap_.
-  struct MultiplierTerm {
-    int place;
-    double factor;
-  };
-  Teuchos::RCP<const Map> givenMap_;
-  std::vector<std::vector<MultiplierTerm>> multipliers_;
-  Teuchos::RCP<const Import> givenImport_;
-  // The rows that this rank gave last, at these prescribed values; an inequality with unknowns, one that is
-  // no row, or neither; and what was taken from its bound.
-  enum class Standing { Plain, Taken, Other };
+  // The rows that this rank gave last, at these prescribed values.
   std::vector<ConstraintRow> given_;
   std::vector<std::vector<double>> prescribed_;
-  std::vector<Standing> standing_;
-  std::vector<std::vector<double>> subtracted_;
-  std::vector<RowType> types_; // whatever the statuses
-  std::vector<ConstraintRow::Status> statuses_;
-  std::vector<double> scales_;
-  std::vector<double> bounds_;
-  std::vector<double> compliances_, limits_;
-  std::vector<double> softness_; // −1: none
-  std::vector<std::array<int, 2>> discs_, pairs_;
-  std::vector<char> isInterval_;
-  long long discCount_ = 0, followerCount_ = 0, softLimited_ = 0, openCount_ = 0;
-  bool hasSoft_ = false;
-  std::vector<Follower> followers_;
-  bool hasCompliance_ = false;
-  long long dualDimension_ = 0;
-  long long inequalities_ = 0, limited_ = 0;
-  double boundRounding_ = 0.0;
+  std::vector<Given> standings_; // of each
+  Teuchos::RCP<const Import> givenImport_;
 };
 
 } // namespace Harmos::feti

@@ -185,6 +185,62 @@ void SubdomainSystem::numberKernels() {
   }
 }
 
+namespace {
+
+void checkInterface(const Subdomain& s) {
+  for (std::size_t k = 0; k < s.interface->size(); ++k) {
+    const int dof = (*s.interface)[k];
+    if (dof < 0 || dof >= s.stiffness->rows())
+      throw InputError(name(s) + ": there is no interface dof " + std::to_string(dof), dataOf(s));
+    if (k > 0 && dof <= (*s.interface)[k - 1])
+      throw InputError(name(s) + ": interface dofs must be unique and ascending (dof " + std::to_string(dof) +
+                           ")",
+                       dataOf(s));
+  }
+}
+
+void checkFixed(const Subdomain& s) {
+  std::map<int, double> values;
+  for (const FixedDof& fixed : s.fixed)
+    if (const auto [place, isNew] = values.emplace(fixed.dof, fixed.value);
+        !isNew && place->second != fixed.value)
+      throw InputError(name(s) + ": dof " + std::to_string(fixed.dof) + " is fixed to " +
+                           scientific(place->second) + " and to " + scientific(fixed.value) +
+                           "; check boundary parts with different values that meet there",
+                       dataOf(s));
+  for (const FixedDof& fixed : s.fixed) {
+    if (!std::binary_search(s.interface->begin(), s.interface->end(), fixed.dof))
+      throw InputError(name(s) + ": dof " + std::to_string(fixed.dof) +
+                           " has a Dirichlet condition but is no interface dof; add it to them",
+                       dataOf(s));
+    if (!std::isfinite(fixed.value))
+      throw InputError(name(s) + ": the prescribed value of dof " + std::to_string(fixed.dof) +
+                           " is not finite",
+                       dataOf(s));
+  }
+}
+
+void checkStiffness(const Subdomain& s) {
+  requireFinite(s.stiffness->values, s, "stiffness matrix");
+  const std::vector<double> diagonal = s.stiffness->diagonal();
+  for (std::size_t i = 0; i < diagonal.size(); ++i) {
+    double largest = 0.0;
+    for (std::size_t k = s.stiffness->offsets[i]; k < s.stiffness->offsets[i + 1]; ++k)
+      largest = std::max(largest, std::abs(s.stiffness->values[k]));
+    if (largest == 0.0)
+      throw InputError("row " + std::to_string(i) + " of the stiffness matrix of " + name(s) +
+                           " is zero; check for a material with zero stiffness or a node without elements",
+                       dataOf(s));
+    if (!(diagonal[i] > 0.0))
+      throw InputError("the stiffness matrix of " + name(s) +
+                           " is not positive semidefinite: its diagonal entry " + std::to_string(i) + " is " +
+                           scientific(diagonal[i]) + "; check for a material with negative stiffness",
+                       dataOf(s));
+  }
+}
+
+} // namespace
+
 void SubdomainSystem::checkInput() const {
   std::set<const void*> checked; // what is shared is looked at once
   for (const Subdomain& s : subdomains_) {
@@ -192,60 +248,17 @@ void SubdomainSystem::checkInput() const {
       throw InputError(name(s) + " has no stiffness matrix, kernel, load or list of interface dofs",
                        dataOf(s));
     const int n = s.stiffness->rows();
-    const auto length = static_cast<std::size_t>(n);
-    if (s.load->size() != length || s.motions->rows != n)
+    if (s.load->size() != static_cast<std::size_t>(n) || s.motions->rows != n)
       throw InputError(name(s) + ": stiffness, load and kernel differ in length", dataOf(s));
     if (s.interface->size() != s.numbers.size())
       throw InputError(name(s) + ": each interface dof needs one global number", dataOf(s));
     if (checked.insert(s.interface.get()).second)
-      for (std::size_t k = 0; k < s.interface->size(); ++k) {
-        const int dof = (*s.interface)[k];
-        if (dof < 0 || dof >= n)
-          throw InputError(name(s) + ": there is no interface dof " + std::to_string(dof), dataOf(s));
-        if (k > 0 && dof <= (*s.interface)[k - 1])
-          throw InputError(name(s) + ": interface dofs must be unique and ascending (dof " +
-                               std::to_string(dof) + ")",
-                           dataOf(s));
-      }
-    std::map<int, double> values;
-    for (const FixedDof& fixed : s.fixed)
-      if (const auto [place, isNew] = values.emplace(fixed.dof, fixed.value);
-          !isNew && place->second != fixed.value)
-        throw InputError(name(s) + ": dof " + std::to_string(fixed.dof) + " is fixed to " +
-                             scientific(place->second) + " and to " + scientific(fixed.value) +
-                             "; check boundary parts with different values that meet there",
-                         dataOf(s));
-    for (const FixedDof& fixed : s.fixed) {
-      if (!std::binary_search(s.interface->begin(), s.interface->end(), fixed.dof))
-        throw InputError(name(s) + ": dof " + std::to_string(fixed.dof) +
-                             " has a Dirichlet condition but is no interface dof; add it to them",
-                         dataOf(s));
-      if (!std::isfinite(fixed.value))
-        throw InputError(name(s) + ": the prescribed value of dof " + std::to_string(fixed.dof) +
-                             " is not finite",
-                         dataOf(s));
-    }
+      checkInterface(s);
+    checkFixed(s);
     if (checked.insert(s.load.get()).second)
       requireFinite(*s.load, s, "load");
-    if (!checked.insert(s.stiffness.get()).second)
-      continue;
-    requireFinite(s.stiffness->values, s, "stiffness matrix");
-    const std::vector<double> diagonal = s.stiffness->diagonal();
-    for (std::size_t i = 0; i < length; ++i) {
-      double largest = 0.0;
-      for (std::size_t k = s.stiffness->offsets[i]; k < s.stiffness->offsets[i + 1]; ++k)
-        largest = std::max(largest, std::abs(s.stiffness->values[k]));
-      if (largest == 0.0)
-        throw InputError("row " + std::to_string(i) + " of the stiffness matrix of " + name(s) +
-                             " is zero; check for a material with zero stiffness or a node without elements",
-                         dataOf(s));
-      if (!(diagonal[i] > 0.0))
-        throw InputError("the stiffness matrix of " + name(s) +
-                             " is not positive semidefinite: its diagonal entry " + std::to_string(i) +
-                             " is " + scientific(diagonal[i]) +
-                             "; check for a material with negative stiffness",
-                         dataOf(s));
-    }
+    if (checked.insert(s.stiffness.get()).second)
+      checkStiffness(s);
   }
 }
 

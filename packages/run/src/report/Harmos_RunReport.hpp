@@ -3,7 +3,7 @@
 
 #include "Harmos_AnswerQuality.hpp"
 #include "Harmos_ContactFields.hpp"
-#include "Harmos_DualSolution.hpp"
+#include "Harmos_DualStages.hpp"
 #include "Harmos_EffectCosts.hpp"
 #include "Harmos_EnergyAccount.hpp"
 #include "Harmos_Forces.hpp"

@@ -62,8 +62,9 @@ Solution runScene(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scen
   std::exception_ptr failure;
   Solution solution;
   try {
-    RunStages run(comm, scene, options, log, timers, report, share);
-    solution = scene.goesInSteps() ? StepSequence(comm, scene, options, log, run, report).go() : run.goOnce();
+    const RunContext context{comm, scene, options, log, timers, report, share};
+    RunStages run(context);
+    solution = scene.goesInSteps() ? StepSequence(context, run).go() : run.goOnce();
   } catch (const NumericalError& error) {
     failure = std::make_exception_ptr(withBody(scene, error));
   } catch (const Error& error) {

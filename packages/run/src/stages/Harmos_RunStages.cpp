@@ -44,26 +44,18 @@ const std::vector<std::string>& RunStages::names() {
   return result;
 }
 
-RunStages::RunStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
-                     const RunOptions& options, const Log& log, const StageTimers& timers, RunReport& report,
-                     RankShare& share)
-    : comm_(comm),
-      scene_(scene),
-      options_(options),
-      log_(log),
-      timers_(timers),
-      report_(report),
-      share_(share),
-      directory_(*comm, options),
-      costs_(scene),
-      time_(scene.timeline.ends().front()) {}
+RunStages::RunStages(const RunContext& context)
+    : context_(context),
+      directory_(*context.comm, context.options),
+      costs_(context.scene),
+      time_(context.scene.timeline.ends().front()) {}
 
 void RunStages::setUp() {
-  report_.restartedFrom = directory_.restartedFrom();
+  context_.report.restartedFrom = directory_.restartedFrom();
   directory_.checkDeck();
-  scene_.timeline.check(scene_.effects);
+  context_.scene.timeline.check(context_.scene.effects);
   announce();
-  directory_.prepare(log_);
+  directory_.prepare(context_.log);
   decompose();
   makePipeline();
 }
@@ -72,38 +64,40 @@ RunStages::~RunStages() = default;
 
 Solution RunStages::goOnce() {
   setUp();
-  solve(nullptr, monitor(directory_.checkpoint(), log_, {}), log_, 0.0, options_.tolerance);
-  if (report_.isInterrupted()) {
+  solve(nullptr, monitor(directory_.checkpoint(), context_.log, {}), context_.log, 0.0,
+        context_.options.tolerance);
+  if (context_.report.isInterrupted()) {
     leaveInterrupted();
     return {std::move(owned_), {}, solve_->solution().lambda};
   }
   recover();
   tellResult();
-  report_.steps = {onlyStep()};
+  context_.report.steps = {onlyStep()};
   write();
   // The checkpoint has served, unless a limit stopped the solver.
-  const qp::Reason reason = report_.result.reason;
+  const qp::Reason reason = context_.report.result.reason;
   if (reason == qp::Reason::Converged || reason == qp::Reason::Infeasible || reason == qp::Reason::Unbounded)
-    directory_.removeCheckpoint(report_.checkpoints > 0);
+    directory_.removeCheckpoint(context_.report.checkpoints > 0);
   return hand();
 }
 
 // Of the state there is; loads and displacements went up together.
 StepRow RunStages::onlyStep() {
   const auto answer = [&](const scene::TimedLoads& loads) {
-    return EnergyAccount::Answer{loads.factors(time_), loads.products(*comm_, torn_.displacement, reactions_),
-                                 report_.audit.energy, scene::freeStrainEnergy(*comm_, scene_, owned_, time_),
-                                 report_.audit.frictionWork};
+    return EnergyAccount::Answer{
+        loads.factors(time_), loads.products(*context_.comm, torn_.displacement, reactions_),
+        context_.report.audit.energy, scene::freeStrainEnergy(*context_.comm, context_.scene, owned_, time_),
+        context_.report.audit.frictionWork};
   };
-  const std::vector<double> rises = scene_.temperatureRises(time_);
+  const std::vector<double> rises = context_.scene.temperatureRises(time_);
   std::optional<EnergyAccount> energy;
   if (std::any_of(rises.begin(), rises.end(), [](double rise) { return rise != 0.0; })) {
-    const scene::TimedLoads loads(scene_, owned_, costs_);
+    const scene::TimedLoads loads(context_.scene, owned_, costs_);
     energy.emplace(loads.cases());
     energy->reach(answer(loads));
   } else { // all loads are at hand: fᵀu = ½uᵀKu − (½uᵀKu − fᵀu)
-    const double load =
-        0.5 * report_.audit.energyNorm * report_.audit.energyNorm - report_.audit.primalEnergy;
+    const double load = 0.5 * context_.report.audit.energyNorm * context_.report.audit.energyNorm -
+                        context_.report.audit.primalEnergy;
     double motion = 0.0;
     for (std::size_t i = 0; i < owned_.size(); ++i) {
       const std::vector<feti::FixedDof>& fixed = pipeline_->system().subdomain(static_cast<int>(i)).fixed;
@@ -114,85 +108,86 @@ StepRow RunStages::onlyStep() {
     }
     energy.emplace(std::vector<scene::TimedLoads::Case>(1));
     energy->reach({{1.0},
-                   {{load}, {globalSum(*comm_, motion)}},
-                   report_.audit.energy,
+                   {{load}, {globalSum(*context_.comm, motion)}},
+                   context_.report.audit.energy,
                    0.0,
-                   report_.audit.frictionWork});
+                   context_.report.audit.frictionWork});
   }
-  StepRow row = stepRow(report_, *energy);
+  StepRow row = stepRow(context_.report, *energy);
   row.time = time_;
-  tellFurther(scene_, row);
+  tellFurther(context_.scene, row);
   return row;
 }
 
 Solution RunStages::hand() {
-  report_.contactPoints = std::move(contact_.points);
+  context_.report.contactPoints = std::move(contact_.points);
   // A first step whose loads nothing can hold was not solved.
   return {std::move(owned_), std::move(torn_.displacement),
           solve_ ? solve_->solution().lambda : Teuchos::null};
 }
 
 void RunStages::announce() {
-  report_.ranks = comm_->getSize();
-  report_.scene = scene_.name;
-  report_.effects = scene_.effectKinds();
-  report_.tolerance = options_.tolerance;
-  report_.toleranceRule = feti::toString(options_.toleranceRule);
-  report_.stoppingRule = feti::toString(options_.stoppingRule);
-  report_.subdomains = scene_.subdomains();
+  context_.report.ranks = context_.comm->getSize();
+  context_.report.scene = context_.scene.name;
+  context_.report.effects = context_.scene.effectKinds();
+  context_.report.tolerance = context_.options.tolerance;
+  context_.report.toleranceRule = feti::toString(context_.options.toleranceRule);
+  context_.report.stoppingRule = feti::toString(context_.options.stoppingRule);
+  context_.report.subdomains = context_.scene.subdomains();
   std::string effects;
-  for (const std::string& effect : report_.effects)
+  for (const std::string& effect : context_.report.effects)
     effects += (effects.empty() ? "" : ", ") + effect;
-  log_.info("Scene \"" + scene_.name + "\": " + std::to_string(scene_.bodies.size()) + " bodies, " +
-            std::to_string(report_.subdomains) + " subdomains on " + std::to_string(report_.ranks) +
-            (report_.ranks == 1 ? " rank" : " ranks") + "; effects: " + effects);
-  for (const std::string& note : scene_.notes)
-    log_.info(note);
+  context_.log.info("Scene \"" + context_.scene.name + "\": " + std::to_string(context_.scene.bodies.size()) +
+                    " bodies, " + std::to_string(context_.report.subdomains) + " subdomains on " +
+                    std::to_string(context_.report.ranks) +
+                    (context_.report.ranks == 1 ? " rank" : " ranks") + "; effects: " + effects);
+  for (const std::string& note : context_.scene.notes)
+    context_.log.info(note);
 }
 
 void RunStages::decompose() {
-  const auto scope = timers_.scope("mesh");
-  owned_ =
-      scene::decompose(*comm_, scene_,
-                       feti::mayJoin(options_.dual.clusters, comm_->getSize()) ? scene::Numbering::Compact
-                                                                               : scene::Numbering::AsMade);
-  scene::checkBoundaryParts(*comm_, scene_, owned_);
+  const auto scope = context_.timers.scope("mesh");
+  owned_ = scene::decompose(*context_.comm, context_.scene,
+                            feti::mayJoin(context_.options.dual.clusters, context_.comm->getSize())
+                                ? scene::Numbering::Compact
+                                : scene::Numbering::AsMade);
+  scene::checkBoundaryParts(*context_.comm, context_.scene, owned_);
 }
 
 feti::SubdomainSystem RunStages::assemble() {
-  const auto scope = timers_.scope("assembly");
+  const auto scope = context_.timers.scope("assembly");
   std::vector<feti::Subdomain> subdomains;
-  agree(*comm_, [&] {
-    if (scene_.goesInSteps()) {
-      loads_.emplace(scene_, owned_, costs_);
+  agree(*context_.comm, [&] {
+    if (context_.scene.goesInSteps()) {
+      loads_.emplace(context_.scene, owned_, costs_);
       loads_->requireConsistent();
     }
-    subdomains = scene::assemble(scene_, owned_, costs_);
+    subdomains = scene::assemble(context_.scene, owned_, costs_);
   });
-  return {comm_, std::move(subdomains), dirichletForm(scene_, options_)};
+  return {context_.comm, std::move(subdomains), dirichletForm(context_.scene, context_.options)};
 }
 
 void RunStages::makePipeline() {
   feti::SubdomainSystem system = assemble();
-  share_.subdomains = system.size();
+  context_.share.subdomains = system.size();
   for (int i = 0; i < system.size(); ++i)
-    share_.primalDimension += static_cast<long long>(system.rhs(i).size());
-  report_.primalDimension = system.primalDimension();
-  report_.kernelDimension = system.kernelDimension();
+    context_.share.primalDimension += static_cast<long long>(system.rhs(i).size());
+  context_.report.primalDimension = system.primalDimension();
+  context_.report.kernelDimension = system.kernelDimension();
   {
-    const auto scope = timers_.scope("dual_operator");
-    contact_ = scene::setUpContact(*comm_, scene_, owned_, costs_);
+    const auto scope = context_.timers.scope("dual_operator");
+    contact_ = scene::setUpContact(*context_.comm, context_.scene, owned_, costs_);
   }
   feti::PipelineObserver* const observer = this; // which others need not know
   pipeline_ = std::make_unique<feti::DualPipeline>(std::move(system), contact_.rows, dualOptions(), traits(),
-                                                   log_, observer);
+                                                   context_.log, observer);
   pipeline_->problem();
 }
 
 // What the run that wrote a checkpoint has chosen; and that rounded products, or single precision, were not
 // good enough for it.
 feti::DualOptions RunStages::dualOptions() const {
-  feti::DualOptions options = options_.dual;
+  feti::DualOptions options = context_.options.dual;
   if (const CheckpointReader* checkpoint = directory_.checkpoint()) {
     options.before = feti::dualFormsFrom(checkpoint->text("dual forms"));
     if (checkpoint->text("products") == "double") {
@@ -207,8 +202,10 @@ feti::DualOptions RunStages::dualOptions() const {
 }
 
 feti::ProblemTraits RunStages::traits() const {
-  return {scene_.materialContrast(), scene_.hasSeveralMaterials(), !scene_.hasSeveralMaterials(),
-          feti::DualOptions::usualProducts(isElastic(), options_.tolerance), options_.fixedTolerance()};
+  return {context_.scene.materialContrast(), context_.scene.hasSeveralMaterials(),
+          !context_.scene.hasSeveralMaterials(),
+          feti::DualOptions::usualProducts(isElastic(), context_.options.tolerance),
+          context_.options.fixedTolerance()};
 }
 
 std::shared_ptr<void> RunStages::during(feti::PipelineStage stage) {
@@ -216,7 +213,7 @@ std::shared_ptr<void> RunStages::during(feti::PipelineStage stage) {
                            : stage == feti::PipelineStage::Coarse ? "coarse"
                            : stage == feti::PipelineStage::Solve  ? "solve"
                                                                   : "dual_operator";
-  return std::shared_ptr<void>(new StageTimers::Scope(timers_.scope(name)),
+  return std::shared_ptr<void>(new StageTimers::Scope(context_.timers.scope(name)),
                                [](void* scope) { delete static_cast<StageTimers::Scope*>(scope); });
 }
 
@@ -231,66 +228,67 @@ void RunStages::made(feti::PipelineStage stage, const feti::DualPipeline& pipeli
 
 void RunStages::tellConstraints(const feti::DualPipeline& pipeline) {
   for (const std::string& note : contact_.notes)
-    log_.info(note);
+    context_.log.info(note);
   const feti::Constraints& constraints = *pipeline.constraints();
   if (pipeline.system().dirichletForm() == feti::DirichletForm::Dual)
     costs_.countPrescribedAsRows();
-  report_.effectCosts = costs_.total(*comm_);
-  report_.dualDimension = constraints.dualDimension();
-  report_.inequalities = constraints.inequalities();
-  report_.limited = constraints.limited();
-  report_.bonds = contact_.bondCount;
-  log_.info(
-      "Primal dimension " + std::to_string(report_.primalDimension) + ", dual dimension " +
-      std::to_string(report_.dualDimension) + " (" + std::to_string(report_.inequalities) + " inequalities" +
-      (report_.limited > 0 ? ", " + std::to_string(report_.limited) +
-                                 (contact_.bondCount == 0 ? " of friction" : " of friction and adhesion")
-                           : "") +
-      "), kernel dimension " + std::to_string(report_.kernelDimension));
-  if (!report_.effectCosts.empty())
-    log_.info(scene::costText(report_.effectCosts));
+  context_.report.effectCosts = costs_.total(*context_.comm);
+  context_.report.dualDimension = constraints.dualDimension();
+  context_.report.inequalities = constraints.inequalities();
+  context_.report.limited = constraints.limited();
+  context_.report.bonds = contact_.bondCount;
+  context_.log.info("Primal dimension " + std::to_string(context_.report.primalDimension) +
+                    ", dual dimension " + std::to_string(context_.report.dualDimension) + " (" +
+                    std::to_string(context_.report.inequalities) + " inequalities" +
+                    (context_.report.limited > 0
+                         ? ", " + std::to_string(context_.report.limited) +
+                               (contact_.bondCount == 0 ? " of friction" : " of friction and adhesion")
+                         : "") +
+                    "), kernel dimension " + std::to_string(context_.report.kernelDimension));
+  if (!context_.report.effectCosts.empty())
+    context_.log.info(scene::costText(context_.report.effectCosts));
 }
 
 void RunStages::tellInverses(const feti::DualPipeline& pipeline) {
   const feti::DualOptions::Decided& decided = pipeline.decided();
   const bool isFirst = pipeline.counts().inverses == 1;
-  report_.isSingle = decided.isSingle();
-  report_.localCondition = pipeline.accuracy().condition;
+  context_.report.isSingle = decided.isSingle();
+  context_.report.localCondition = pipeline.accuracy().condition;
   tellFactors(pipeline);
   if (!isFirst)
     return;
-  report_.dualOperator = decided.describe();
-  report_.dualForms = toString(decided.forms());
-  report_.clusters = decided.clusters();
-  report_.localSolver = decided.inverses.solver.effectiveName();
+  context_.report.dualOperator = decided.describe();
+  context_.report.dualForms = toString(decided.forms());
+  context_.report.clusters = decided.clusters();
+  context_.report.localSolver = decided.inverses.solver.effectiveName();
   std::ostringstream text;
-  text << report_.distinctFactorizations << " local factorisations (" << report_.localSolver << ") of "
-       << report_.subdomains << " subdomains, " << std::fixed << std::setprecision(0)
-       << report_.dualOperatorMiB << " MiB; condition number of subdomains about "
-       << scientific(report_.localCondition, 0);
-  if (report_.roundedFactorizations > 0)
-    text << "; applications of " << report_.roundedFactorizations << " in single precision";
+  text << context_.report.distinctFactorizations << " local factorisations (" << context_.report.localSolver
+       << ") of " << context_.report.subdomains << " subdomains, " << std::fixed << std::setprecision(0)
+       << context_.report.dualOperatorMiB << " MiB; condition number of subdomains about "
+       << scientific(context_.report.localCondition, 0);
+  if (context_.report.roundedFactorizations > 0)
+    text << "; applications of " << context_.report.roundedFactorizations << " in single precision";
   if (const auto replaced =
-          globalSum(*comm_, static_cast<long long>(pipeline.inverses()->replacedFactorizations()));
+          globalSum(*context_.comm, static_cast<long long>(pipeline.inverses()->replacedFactorizations()));
       replaced > 0)
     text << "; " << replaced << " of them implicit (too ill-conditioned to condense)";
-  log_.info(text.str());
+  context_.log.info(text.str());
 }
 
 // To the report.
 void RunStages::tellFactors(const feti::DualPipeline& pipeline) {
-  share_.dualOperatorMiB = pipeline.inverses()->bytes() / mebi;
-  report_.dualOperatorMiB = globalSum(*comm_, share_.dualOperatorMiB);
-  report_.distinctFactorizations =
-      globalSum(*comm_, static_cast<long long>(pipeline.inverses()->distinctFactorizations()));
-  report_.roundedFactorizations = pipeline.accuracy().roundedFactorizations;
-  report_.factorisations =
-      globalSum(*comm_, static_cast<long long>(pipeline.factorizations().factorizations));
+  context_.share.dualOperatorMiB = pipeline.inverses()->bytes() / mebi;
+  context_.report.dualOperatorMiB = globalSum(*context_.comm, context_.share.dualOperatorMiB);
+  context_.report.distinctFactorizations =
+      globalSum(*context_.comm, static_cast<long long>(pipeline.inverses()->distinctFactorizations()));
+  context_.report.roundedFactorizations = pipeline.accuracy().roundedFactorizations;
+  context_.report.factorisations =
+      globalSum(*context_.comm, static_cast<long long>(pipeline.factorizations().factorizations));
 }
 
 void RunStages::countFactorisations() {
-  report_.factorisations =
-      globalSum(*comm_, static_cast<long long>(pipeline_->factorizations().factorizations));
+  context_.report.factorisations =
+      globalSum(*context_.comm, static_cast<long long>(pipeline_->factorizations().factorizations));
 }
 
 namespace {
@@ -307,33 +305,35 @@ bool isHeldWeakly(const feti::DualPipeline& pipeline) {
 
 void RunStages::tellCoarse(const feti::DualPipeline& pipeline) {
   const feti::CoarseSpace& coarse = *pipeline.coarse();
-  report_.coarseDimension = coarse.dimension();
-  report_.isCoarseDistributed = coarse.isDistributed();
-  if (report_.clusters > 0)
-    log_.info(feti::describeClusters(pipeline.system(), *pipeline.inverses()));
-  if (report_.isCoarseDistributed)
-    log_.info("Coarse problem of dimension " + std::to_string(coarse.dimension()) + ": " +
-              coarse.description());
+  context_.report.coarseDimension = coarse.dimension();
+  context_.report.isCoarseDistributed = coarse.isDistributed();
+  if (context_.report.clusters > 0)
+    context_.log.info(feti::describeClusters(pipeline.system(), *pipeline.inverses()));
+  if (context_.report.isCoarseDistributed)
+    context_.log.info("Coarse problem of dimension " + std::to_string(coarse.dimension()) + ": " +
+                      coarse.description());
   if (coarse.dimension() < coarse.kernelDimension())
-    log_.info(std::to_string(coarse.kernelDimension() - coarse.dimension()) +
-              " rigid-body modes without any constraint (a round body without friction rotates freely); "
-              "their displacement is set to zero");
+    context_.log.info(
+        std::to_string(coarse.kernelDimension() - coarse.dimension()) +
+        " rigid-body modes without any constraint (a round body without friction rotates freely); "
+        "their displacement is set to zero");
   if (isHeldWeakly(pipeline))
-    log_.info("Weakly constrained rigid-body mode: smallest singular value of G about " +
-              scientific(std::pow(10.0, std::round(0.5 * std::log10(coarse.smallestPivotRatio()))), 0) +
-              " of the largest (a round body with faceted normals rotates almost freely)");
+    context_.log.info(
+        "Weakly constrained rigid-body mode: smallest singular value of G about " +
+        scientific(std::pow(10.0, std::round(0.5 * std::log10(coarse.smallestPivotRatio()))), 0) +
+        " of the largest (a round body with faceted normals rotates almost freely)");
 }
 
 void RunStages::prepare(const Data& data) {
   time_ = data.time;
   {
-    const auto scope = timers_.scope("dual_operator");
+    const auto scope = context_.timers.scope("dual_operator");
     pipeline_->setLoads(data.loads);
     if (data.prescribed != nullptr)
       pipeline_->setPrescribed(*data.prescribed);
     if (data.rows != nullptr)
       pipeline_->setBounds(*data.rows);
-    if (data.rows != nullptr && report_.limited > 0)
+    if (data.rows != nullptr && context_.report.limited > 0)
       slipsBefore_ = slipsBefore(*data.rows);
   }
   pipeline_->problem();
@@ -346,13 +346,14 @@ void RunStages::checkBounds(const std::vector<std::vector<double>>& prescribed) 
 
 Teuchos::RCP<RunMonitor> RunStages::monitor(const CheckpointReader* checkpoint, const Log& log,
                                             SolvePlace place) {
-  return Teuchos::rcp(new RunMonitor(*comm_, options_, checkpoint, contact_, log, report_, std::move(place)));
+  return Teuchos::rcp(new RunMonitor(*context_.comm, context_.options, checkpoint, contact_, log,
+                                     context_.report, std::move(place)));
 }
 
 feti::IncrementSolver::Increment RunStages::increment(const feti::IncrementSolver::Task& task) {
   if (!increments_)
-    increments_.emplace(*pipeline_, solverOptions(scene_, options_), log_);
-  return increments_->solve(task, report_.audit.largestDisplacement);
+    increments_.emplace(*pipeline_, solverOptions(context_.scene, context_.options), context_.log);
+  return increments_->solve(task, context_.report.audit.largestDisplacement);
 }
 
 namespace {
@@ -382,20 +383,20 @@ void addGroups(const Teuchos::Comm<int>& comm, const scene::Scene& scene, const 
 
 feti::AnswerCriteria RunStages::criteria() const {
   feti::AnswerCriteria result;
-  result.rule = options_.toleranceRule;
-  result.solverErrorShare = options_.solverErrorShare;
+  result.rule = context_.options.toleranceRule;
+  result.solverErrorShare = context_.options.solverErrorShare;
   result.estimate = [this](const feti::TornVector& displacement) {
-    return estimateDiscretisationError(*comm_, scene_, owned_, displacement, time_);
+    return estimateDiscretisationError(*context_.comm, context_.scene, owned_, displacement, time_);
   };
   result.boundRounding = pipeline_->accuracy().boundRounding;
-  addGroups(*comm_, scene_, contact_, result);
+  addGroups(*context_.comm, context_.scene, contact_, result);
   return result;
 }
 
 void RunStages::solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log,
                       double secondsSpent, double tolerance) {
   const std::optional<feti::WarmStart> reached = monitor->startOfOtherClusters(pipeline_->problem());
-  feti::SolverOptions options = solverOptions(scene_, options_);
+  feti::SolverOptions options = solverOptions(context_.scene, context_.options);
   options.tolerance = tolerance;
   constexpr double leastSeconds = 1e-3; // 0 is no limit
   if (options.maximumSeconds > 0.0)
@@ -403,83 +404,88 @@ void RunStages::solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonito
   if (log.showsStatus() || !log.writesInfo())
     options.progressFrequency = 0;
   solve_.emplace(
-      *pipeline_, [this] { return pipeline_->stages(); }, options, criteria(), log, report_, report_);
+      *pipeline_, [this] { return pipeline_->stages(); }, options, criteria(), log, context_.report,
+      context_.report);
   solve_->go(reached ? &*reached : start, monitor);
   directory_.removeQuietly(directory_.place("contact.csv"));
 }
 
 // There may be little time left.
 void RunStages::leaveInterrupted() {
-  const auto scope = timers_.scope("output");
-  report_.audited = false;
-  report_.reason += report_.checkpointFault.empty()
-                        ? "; continue with --restart \"" + options_.outputDirectory + "\""
-                        : "; no checkpoint: " + report_.checkpointFault;
-  logResult(log_, report_);
-  directory_.writeIterations(report_.result.history);
+  const auto scope = context_.timers.scope("output");
+  context_.report.audited = false;
+  context_.report.reason += context_.report.checkpointFault.empty()
+                                ? "; continue with --restart \"" + context_.options.outputDirectory + "\""
+                                : "; no checkpoint: " + context_.report.checkpointFault;
+  logResult(context_.log, context_.report);
+  directory_.writeIterations(context_.report.result.history);
 }
 
 // K is known to rounding errors, and what they do to its softest motions is κ times as large: no solver can
 // do better.
 void RunStages::tellWhatIsAttainable() {
-  const double attainable = 0.5 * std::numeric_limits<double>::epsilon() * report_.localCondition;
-  const qp::Reason reason = report_.result.reason;
+  const double attainable = 0.5 * std::numeric_limits<double>::epsilon() * context_.report.localCondition;
+  const qp::Reason reason = context_.report.result.reason;
   const bool isGivenUp = reason == qp::Reason::IterationLimit || reason == qp::Reason::Breakdown;
-  if (report_.converged || !isGivenUp || !(attainable >= report_.tolerance))
+  if (context_.report.converged || !isGivenUp || !(attainable >= context_.report.tolerance))
     return;
-  report_.reason =
+  context_.report.reason =
       "attainable accuracy: rounding errors of a subdomain's matrix change its softest modes by at least " +
       scientific(attainable, 0) + " (relative, condition number at least " +
-      scientific(report_.localCondition, 0) + "), above the tolerance " + scientific(report_.tolerance, 0) +
+      scientific(context_.report.localCondition, 0) + "), above the tolerance " +
+      scientific(context_.report.tolerance, 0) +
       ". Loosen the tolerance, or use less thin cells, smaller material jumps or a Poisson's ratio further "
       "from 0.5; " +
-      report_.reason;
+      context_.report.reason;
 }
 
 void RunStages::recover() {
   tellWhatIsAttainable();
   if (solve_->solution().isEscaping)
-    report_.reason += "; unconstrained rigid-body mode under load: " + escapingBodies();
+    context_.report.reason += "; unconstrained rigid-body mode under load: " + escapingBodies();
   {
-    const auto scope = timers_.scope("recovery");
+    const auto scope = context_.timers.scope("recovery");
     torn_ = solve_->recover();
   }
   judgeDrift();
   solve_->conclude();
-  const auto scope = timers_.scope("recovery");
-  if (report_.inequalities > 0)
-    report_.contact =
-        contactStates(*comm_, contact_.points, feti::contactState(*pipeline_->constraints(), torn_));
-  if (report_.limited > 0) {
-    report_.slips = rowSlips(*comm_, contact_, feti::frictionState(*pipeline_->constraints(), torn_));
-    addSlips(*comm_, contact_, report_.slips, slipsBefore_, report_.contact);
+  const auto scope = context_.timers.scope("recovery");
+  if (context_.report.inequalities > 0)
+    context_.report.contact =
+        contactStates(*context_.comm, contact_.points, feti::contactState(*pipeline_->constraints(), torn_));
+  if (context_.report.limited > 0) {
+    context_.report.slips =
+        rowSlips(*context_.comm, contact_, feti::frictionState(*pipeline_->constraints(), torn_));
+    addSlips(*context_.comm, contact_, context_.report.slips, slipsBefore_, context_.report.contact);
   }
-  report_.contactCounts = countContact(*comm_, report_.contact);
+  context_.report.contactCounts = countContact(*context_.comm, context_.report.contact);
   reactions_ = feti::reactions(pipeline_->system(), *pipeline_->constraints(), torn_);
-  report_.forces = forcesOf(*comm_, scene_, owned_, pipeline_->system(), contact_, torn_.displacement,
-                            reactions_, pipeline_->constraints()->givenMultipliers(*torn_.multiplier));
+  context_.report.forces =
+      forcesOf(*context_.comm, context_.scene, owned_, pipeline_->system(), contact_, torn_.displacement,
+               reactions_, pipeline_->constraints()->givenMultipliers(*torn_.multiplier));
   // Where nothing is strained: rounding errors of stiffness times displacement are in no balance. Loads and
   // springs are no such errors.
   constexpr double rounding = 1e-12;
-  const feti::KktAudit& audit = report_.audit;
-  if (report_.forces.known < 0.5 * report_.forces.size &&
-      report_.forces.size <= rounding * audit.unitEnergy * audit.unitEnergy * audit.largestDisplacement)
-    report_.forces.balance = 0.0;
-  for (const PairError& pair : report_.pairErrors)
-    for (Forces::Of& effect : report_.forces.effects)
+  const feti::KktAudit& audit = context_.report.audit;
+  if (context_.report.forces.known < 0.5 * context_.report.forces.size &&
+      context_.report.forces.size <=
+          rounding * audit.unitEnergy * audit.unitEnergy * audit.largestDisplacement)
+    context_.report.forces.balance = 0.0;
+  for (const PairError& pair : context_.report.pairErrors)
+    for (Forces::Of& effect : context_.report.forces.effects)
       if (effect.path == pair.path)
         effect.error = pair.relative();
 }
 
 void RunStages::tellResult() const {
-  logResult(log_, report_);
-  if (const std::string text = forcesText(report_.forces); !text.empty())
-    log_.info(text);
-  log_.info(auditText(report_));
-  if (const std::string text = attainableText(report_); report_.converged && !text.empty())
-    log_.info(text);
-  if (const std::string text = doubtfulForces(report_); report_.converged && !text.empty())
-    log_.info(text);
+  logResult(context_.log, context_.report);
+  if (const std::string text = forcesText(context_.report.forces); !text.empty())
+    context_.log.info(text);
+  context_.log.info(auditText(context_.report));
+  if (const std::string text = attainableText(context_.report); context_.report.converged && !text.empty())
+    context_.log.info(text);
+  if (const std::string text = doubtfulForces(context_.report); context_.report.converged && !text.empty())
+    context_.log.info(text);
 }
 
 // Soft springs let bodies move as far, and hold them.
@@ -491,14 +497,14 @@ void RunStages::judgeDrift() {
       prescribed = std::max(prescribed, std::abs(fixed.value));
   constexpr double hardly = 1e-3;
   const feti::CoarseSpace& coarse = *pipeline_->coarse();
-  if (!report_.converged || coarse.dimension() == 0 || pipeline_->constraints()->hasWeights() ||
+  if (!context_.report.converged || coarse.dimension() == 0 || pipeline_->constraints()->hasWeights() ||
       coarse.smallestPivotRatio() >= hardly)
     return;
-  const std::string drift = driftText(*comm_, scene_, owned_, torn_.displacement, prescribed);
+  const std::string drift = driftText(*context_.comm, context_.scene, owned_, torn_.displacement, prescribed);
   if (drift.empty())
     return;
-  report_.converged = false;
-  report_.reason = drift;
+  context_.report.converged = false;
+  context_.report.reason = drift;
 }
 
 // "“second membrane”": the bodies that have a share in a rigid motion.
@@ -507,35 +513,37 @@ std::string RunStages::escapingBodies() const {
   for (const scene::OwnedSubdomain& item : owned_)
     bodyOf.push_back(item.body);
   std::string names;
-  for (const long long body : feti::escapingParts(pipeline_->coarse()->motions(), solve_->solution().escape,
-                                                  bodyOf, static_cast<long long>(scene_.bodies.size())))
-    names += (names.empty() ? "\"" : ", \"") + scene_.bodies[static_cast<std::size_t>(body)].name + "\"";
+  for (const long long body :
+       feti::escapingParts(pipeline_->coarse()->motions(), solve_->solution().escape, bodyOf,
+                           static_cast<long long>(context_.scene.bodies.size())))
+    names +=
+        (names.empty() ? "\"" : ", \"") + context_.scene.bodies[static_cast<std::size_t>(body)].name + "\"";
   return names;
 }
 
 void RunStages::write() {
-  const auto scope = timers_.scope("output");
-  directory_.writeIterations(report_.result.history);
-  if (options_.writeFields)
+  const auto scope = context_.timers.scope("output");
+  directory_.writeIterations(context_.report.result.history);
+  if (context_.options.writeFields)
     writeFields("result.vtkhdf");
 }
 
 void RunStages::writeFields(const std::string& file) {
   ResultFields fields;
   fields.displacement = &torn_.displacement;
-  fields.components = scene_.components();
+  fields.components = context_.scene.components();
   std::vector<std::vector<fem::Voigt>> stress;
-  if (options_.writeStresses && isElastic()) {
-    stress = recoverStress(*comm_, scene_, owned_, torn_.displacement, time_);
+  if (context_.options.writeStresses && isElastic()) {
+    stress = recoverStress(*context_.comm, context_.scene, owned_, torn_.displacement, time_);
     fields.stress = &stress;
   }
   ContactFields atNodes;
-  if (report_.inequalities > 0) {
-    fields.kinds = {contact_.hasFriction, scene_.breaks()};
-    atNodes = contactFields(*comm_, owned_, contact_.points, report_.contact, fields.kinds);
+  if (context_.report.inequalities > 0) {
+    fields.kinds = {contact_.hasFriction, context_.scene.breaks()};
+    atNodes = contactFields(*context_.comm, owned_, contact_.points, context_.report.contact, fields.kinds);
     fields.contact = &atNodes;
   }
-  writeResult(*comm_, directory_.place(file), owned_, fields);
+  writeResult(*context_.comm, directory_.place(file), owned_, fields);
 }
 
 } // namespace Harmos::run

@@ -4,13 +4,10 @@
 #include "Harmos_ContactSetup.hpp"
 #include "Harmos_Decomposition.hpp"
 #include "Harmos_IncrementSolver.hpp"
-#include "Harmos_RankTable.hpp"
+#include "Harmos_RunContext.hpp"
 #include "Harmos_RunDirectory.hpp"
 #include "Harmos_RunMonitor.hpp"
-#include "Harmos_RunOptions.hpp"
-#include "Harmos_RunReport.hpp"
 #include "Harmos_Solution.hpp"
-#include "Harmos_StageTimers.hpp"
 #include "Harmos_TimedLoads.hpp"
 
 #include <memory>
@@ -36,10 +33,7 @@ class RunStages : private feti::PipelineObserver {
   /// Names for the timers.
   static const std::vector<std::string>& names();
 
-  /// All to outlive this. @param report, share are filled as far as the run gets.
-  RunStages(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
-            const RunOptions& options, const Log& log, const StageTimers& timers, RunReport& report,
-            RankShare& share);
+  explicit RunStages(const RunContext& context);
   ~RunStages() override;
 
   /// All of them, once: a static state.
@@ -70,7 +64,7 @@ class RunStages : private feti::PipelineObserver {
   /// The fields, to a file of the output directory.
   void writeFields(const std::string& file);
   /// Of what is written, while it lives.
-  StageTimers::Scope outputScope() const { return timers_.scope("output"); }
+  StageTimers::Scope outputScope() const { return context_.timers.scope("output"); }
   /// What the log says of the last solution.
   void tellResult() const;
   /// Counts numerical factorisations so far into the report.
@@ -114,15 +108,9 @@ class RunStages : private feti::PipelineObserver {
   StepRow onlyStep();
   void judgeDrift();
   std::string escapingBodies() const;
-  bool isElastic() const { return scene_.physics != scene::Physics::Membrane; }
+  bool isElastic() const { return context_.scene.physics != scene::Physics::Membrane; }
 
-  Teuchos::RCP<const Teuchos::Comm<int>> comm_;
-  const scene::Scene& scene_;
-  const RunOptions& options_;
-  const Log& log_;
-  const StageTimers& timers_;
-  RunReport& report_;
-  RankShare& share_;
+  RunContext context_;
   RunDirectory directory_;
 
   // What the stages make.

@@ -28,16 +28,8 @@ std::string timeText(double time) {
 
 } // namespace
 
-StepSequence::StepSequence(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
-                           const RunOptions& options, const Log& log, RunStages& run, RunReport& report)
-    : comm_(comm),
-      scene_(scene),
-      options_(options),
-      log_(log),
-      quiet_(log.withoutInfo()),
-      run_(run),
-      report_(report),
-      clock_(scene.timeline) {}
+StepSequence::StepSequence(const RunContext& context, RunStages& run)
+    : context_(context), quiet_(context.log.withoutInfo()), run_(run), clock_(context.scene.timeline) {}
 
 Solution StepSequence::go() {
   begin();
@@ -47,9 +39,9 @@ Solution StepSequence::go() {
     if (outcome == Outcome::Accepted)
       outcome = accept();
     else if (outcome == Outcome::Failed && !isOutOfTime() && clock_.halve()) {
-      log_.info("Step " + std::to_string(clock_.step()) + " of " + std::to_string(clock_.steps()) +
-                ": halved, new end time " + timeText(clock_.to()) + ": " +
-                failure_.substr(0, failure_.find(':')));
+      context_.log.info("Step " + std::to_string(clock_.step()) + " of " + std::to_string(clock_.steps()) +
+                        ": halved, new end time " + timeText(clock_.to()) + ": " +
+                        attempt_.failure.substr(0, attempt_.failure.find(':')));
       outcome = Outcome::Accepted;
     }
   }
@@ -58,22 +50,23 @@ Solution StepSequence::go() {
 
 void StepSequence::begin() {
   run_.setUp();
-  states_.emplace(*comm_, scene_, run_.contact());
-  energy_.emplace(run_.loads().cases(), run_.contact().limitedRows > 0, scene_.breaks());
-  prescribesMotion_ = globalMax(*comm_, run_.loads().prescribesMotion() ? 1LL : 0LL) > 0;
+  states_.emplace(*context_.comm, context_.scene, run_.contact());
+  energy_.emplace(run_.loads().cases(), run_.contact().limitedRows > 0, context_.scene.breaks());
+  prescribesMotion_ = globalMax(*context_.comm, run_.loads().prescribesMotion() ? 1LL : 0LL) > 0;
   requireConsistent();
   if (hasSteps())
-    log_.info(std::to_string(clock_.steps()) + " steps to time " + timeText(scene_.timeline.end()));
+    context_.log.info(std::to_string(clock_.steps()) + " steps to time " +
+                      timeText(context_.scene.timeline.end()));
   const bool goesOn = restore();
-  run_.directory().removeOtherResults(written_);
+  run_.directory().removeOtherResults(done_.written);
   if (hasSteps())
-    run_.directory().writeSteps(rows_, scene_.forcePaths(), furtherColumns(scene_));
-  if (!written_.empty())
-    run_.directory().writeSeries(written_);
-  run_.directory().writeIterations(iterations_);
+    run_.directory().writeSteps(done_.rows, context_.scene.forcePaths(), furtherColumns(context_.scene));
+  if (!done_.written.empty())
+    run_.directory().writeSeries(done_.written);
+  run_.directory().writeIterations(work_.iterations);
   if (goesOn)
-    log_.info("Restart after " + std::to_string(rows_.size()) + " accepted steps of \"" +
-              report_.restartedFrom + "\"");
+    context_.log.info("Restart after " + std::to_string(done_.rows.size()) + " accepted steps of \"" +
+                      context_.report.restartedFrom + "\"");
 }
 
 // At all times of the run, before the first step: what several subdomains say of a dof, and rows that hold
@@ -81,7 +74,7 @@ void StepSequence::begin() {
 void StepSequence::requireConsistent() {
   if (!prescribesMotion_)
     return;
-  for (double time : scene_.timeline.corners())
+  for (double time : context_.scene.timeline.corners())
     try {
       run_.checkBounds(run_.loads().prescribed(time));
     } catch (const InputError& error) {
@@ -92,7 +85,7 @@ void StepSequence::requireConsistent() {
 
 // Less of the step would take more time, not less.
 bool StepSequence::isOutOfTime() const {
-  return report_.solved && report_.result.reason == qp::Reason::TimeLimit;
+  return context_.report.solved && context_.report.result.reason == qp::Reason::TimeLimit;
 }
 
 std::string StepSequence::placeText() const {
@@ -103,28 +96,29 @@ std::string StepSequence::placeText() const {
 StepSequence::Outcome StepSequence::attempt() {
   if (within_ == nullptr) {
     states_->begin(advance());
-    updates_ = 0;
-    attemptCounters_ = {};
+    attempt_.updates = 0;
+    attempt_.counters = {};
   }
   const int most = mostUpdates + static_cast<int>(run_.contact().bondCount);
   while (true) {
     const Outcome outcome = solve();
     if (outcome != Outcome::Accepted)
       return outcome;
-    const double asked =
-        options_.toleranceRule == ToleranceRule::Balanced ? report_.tolerance : options_.tolerance;
-    const bool again =
-        states_->update(report_.contact, report_.slips, asked, lastSolution(), residualAtStart());
+    const double asked = context_.options.toleranceRule == ToleranceRule::Balanced
+                             ? context_.report.tolerance
+                             : context_.options.tolerance;
+    const bool again = states_->update(context_.report.contact, context_.report.slips, asked, lastSolution(),
+                                       residualAtStart());
     // On the way there more may be broken for a while, and where much breaks for good that takes its time.
     constexpr int manyUpdates = 25;
-    if ((!again || updates_ == manyUpdates) && states_->haste() > 1.0 && clock_.mayHalve()) {
-      failure_ = "too much breaks at once";
+    if ((!again || attempt_.updates == manyUpdates) && states_->haste() > 1.0 && clock_.mayHalve()) {
+      attempt_.failure = "too much breaks at once";
       return Outcome::Failed;
     }
     if (!again)
       return outcome;
-    if (++updates_ > most) {
-      failure_ = "the states of effects have not settled in " + std::to_string(most) + " solutions";
+    if (++attempt_.updates > most) {
+      attempt_.failure = "the states of effects have not settled in " + std::to_string(most) + " solutions";
       return Outcome::Failed;
     }
   }
@@ -141,11 +135,11 @@ void StepSequence::prepare(double time) {
 // Of the factors of loads in the step, in terms of what it was in the last one: they go on as they did, slow
 // down or turn back.
 std::optional<double> StepSequence::advance() const {
-  if (rows_.empty())
+  if (done_.rows.empty())
     return std::nullopt;
-  const std::vector<double> before =
-                                run_.loads().factors(rows_.size() > 1 ? rows_[rows_.size() - 2].time : 0.0),
-                            now = run_.loads().factors(rows_.back().time),
+  const std::vector<double> before = run_.loads().factors(
+                                done_.rows.size() > 1 ? done_.rows[done_.rows.size() - 2].time : 0.0),
+                            now = run_.loads().factors(done_.rows.back().time),
                             next = run_.loads().factors(clock_.to());
   double both = 0.0, last = 0.0;
   for (std::size_t k = 0; k < now.size(); ++k) {
@@ -157,10 +151,10 @@ std::optional<double> StepSequence::advance() const {
 
 // As a share of the problem's; all of it where there was nothing to solve.
 double StepSequence::residualAtStart() const {
-  const std::vector<qp::IterationRecord>& records = report_.result.history;
-  return records.empty() || !(report_.gradientScale > 0.0)
+  const std::vector<qp::IterationRecord>& records = context_.report.result.history;
+  return records.empty() || !(context_.report.gradientScale > 0.0)
              ? 1.0
-             : records.front().projectedGradient / report_.gradientScale;
+             : records.front().projectedGradient / context_.report.gradientScale;
 }
 
 feti::WarmStart StepSequence::lastSolution() const {
@@ -171,58 +165,61 @@ feti::WarmStart StepSequence::lastSolution() const {
 std::optional<feti::WarmStart> StepSequence::startOfSolve() const {
   if (!states_->start().multiplier.is_null())
     return states_->start();
-  if (updates_ > 0 && within_ == nullptr && report_.solved)
+  if (attempt_.updates > 0 && within_ == nullptr && context_.report.solved)
     return lastSolution();
-  return history_.start(run_.dualProblem(), options_.tolerance);
+  return history_.start(run_.dualProblem(), context_.options.tolerance);
 }
 
 StepSequence::Outcome StepSequence::solve() {
   try {
     prepare(clock_.to());
   } catch (const NumericalError& error) { // on all ranks: loads on a motion that nothing can hold
-    static_cast<feti::SolveReport&>(report_) = {};
-    failure_ = error.what();
+    static_cast<feti::SolveReport&>(context_.report) = {};
+    attempt_.failure = error.what();
     return Outcome::Failed;
   }
   const std::optional<feti::WarmStart> start = startOfSolve();
-  const qp::IterationRecord before = iterations_.empty() ? qp::IterationRecord{} : iterations_.back();
+  const qp::IterationRecord before =
+      work_.iterations.empty() ? qp::IterationRecord{} : work_.iterations.back();
   monitor_ = run_.monitor(within_, quiet_, {placeText(), before, watch_, true});
   monitor_->addState([this](Archive& archive) { exchange(archive, true); });
   within_ = nullptr;
-  run_.solve(start ? &*start : nullptr, monitor_, quiet_, before.seconds - secondsBefore_,
-             states_->tolerance(options_.tolerance));
-  counters_ += report_.result.counters;
-  attemptCounters_ += report_.result.counters;
-  for (const qp::IterationRecord& row : report_.result.history)
-    iterations_.push_back(qp::countedOn(row, before));
-  if (report_.isInterrupted())
+  run_.solve(start ? &*start : nullptr, monitor_, quiet_, before.seconds - work_.secondsBefore,
+             states_->tolerance(context_.options.tolerance));
+  work_.counters += context_.report.result.counters;
+  attempt_.counters += context_.report.result.counters;
+  for (const qp::IterationRecord& row : context_.report.result.history)
+    work_.iterations.push_back(qp::countedOn(row, before));
+  if (context_.report.isInterrupted())
     return Outcome::Interrupted;
   run_.recover();
-  failure_ = report_.reason;
+  attempt_.failure = context_.report.reason;
   if (isOutOfTime())
-    failure_ = "time limit: \"Solver/Maximum seconds\", " + timeText(options_.maximumSeconds) + ", are over";
-  return report_.converged ? Outcome::Accepted : Outcome::Failed;
+    attempt_.failure =
+        "time limit: \"Solver/Maximum seconds\", " + timeText(context_.options.maximumSeconds) + ", are over";
+  return context_.report.converged ? Outcome::Accepted : Outcome::Failed;
 }
 
 StepSequence::Outcome StepSequence::accept() {
   const auto scope = run_.outputScope();
   energy_->reach({run_.loads().factors(clock_.to()),
-                  run_.loads().products(*comm_, run_.torn().displacement, run_.reactions()),
-                  report_.audit.energy, scene::freeStrainEnergy(*comm_, scene_, run_.owned(), clock_.to()),
-                  report_.audit.frictionWork, states_->dissipated()});
-  states_->tell(report_.slips, report_.contact);
-  report_.contactCounts = countContact(*comm_, report_.contact);
-  StepRow row = stepRow(report_, *energy_);
+                  run_.loads().products(*context_.comm, run_.torn().displacement, run_.reactions()),
+                  context_.report.audit.energy,
+                  scene::freeStrainEnergy(*context_.comm, context_.scene, run_.owned(), clock_.to()),
+                  context_.report.audit.frictionWork, states_->dissipated()});
+  states_->tell(context_.report.slips, context_.report.contact);
+  context_.report.contactCounts = countContact(*context_.comm, context_.report.contact);
+  StepRow row = stepRow(context_.report, *energy_);
   row.step = clock_.step();
   row.time = clock_.to();
-  tellFurther(scene_, row);
-  row.products = attemptCounters_.hessianApplications;
-  row.activeSets = attemptCounters_.faces;
+  tellFurther(context_.scene, row);
+  row.products = attempt_.counters.hessianApplications;
+  row.activeSets = attempt_.counters.faces;
   const bool writes = writesFields();
   if (writes) {
     run_.writeFields(hasSteps() ? RunDirectory::resultOf(row.step) : "result.vtkhdf");
     if (hasSteps())
-      written_.push_back({row.step, row.time});
+      done_.written.push_back({row.step, row.time});
   }
   if (states_->hasSoftened()) // what loads come to is another matter from here on
     history_.clear();
@@ -233,14 +230,14 @@ StepSequence::Outcome StepSequence::accept() {
   const bool endsStep = clock_.endsStep();
   const bool isCalm = states_->haste() < calm;
   clock_.accept();
-  if (isCalm && scene_.breaks())
+  if (isCalm && context_.scene.breaks())
     clock_.join();
-  rows_.push_back(row);
-  report_.steps.push_back(row);
+  done_.rows.push_back(row);
+  context_.report.steps.push_back(row);
   if (hasSteps())
     run_.directory().appendStep(row);
   if (writes && hasSteps())
-    run_.directory().writeSeries(written_);
+    run_.directory().writeSeries(done_.written);
   tell(row, snapped);
   return clock_.isOver() ? Outcome::Accepted : look(endsStep);
 }
@@ -249,39 +246,39 @@ StepSequence::Outcome StepSequence::accept() {
 StepSequence::Outcome StepSequence::look(bool endsStep) {
   using Wish = RunMonitor::Wish;
   const Wish wish = monitor_->askBetween();
-  const int every = options_.checkpoint.steps;
-  const bool isDue = endsStep && every > 0 && rows_.back().step % every == 0;
+  const int every = context_.options.checkpoint.steps;
+  const bool isDue = endsStep && every > 0 && done_.rows.back().step % every == 0;
   if (isDue || wish != Wish::GoOn)
     saveBetweenSteps();
   if (wish != Wish::SaveAndStop)
     return Outcome::Accepted;
-  report_.converged = false;
-  report_.result.reason = qp::Reason::Interrupted;
-  report_.reason = qp::toString(qp::Reason::Interrupted) + ": stop requested";
+  context_.report.converged = false;
+  context_.report.result.reason = qp::Reason::Interrupted;
+  context_.report.reason = qp::toString(qp::Reason::Interrupted) + ": stop requested";
   return Outcome::Interrupted;
 }
 
 bool StepSequence::writesFields() const {
-  return options_.writeFields && clock_.endsStep() &&
-         (clock_.step() % options_.every == 0 || clock_.step() == clock_.steps());
+  return context_.options.writeFields && clock_.endsStep() &&
+         (clock_.step() % context_.options.every == 0 || clock_.step() == clock_.steps());
 }
 
 void StepSequence::tell(const StepRow& row, double snapped) const {
   std::ostringstream text;
   text << "Step " << row.step << " of " << clock_.steps() << ", time " << timeText(row.time) << ": "
        << row.products << " applications of F, energy " << scientific(row.energy, 6);
-  if (report_.inequalities > 0)
+  if (context_.report.inequalities > 0)
     text << ", " << row.closed << " of " << row.closed + row.open << " contact points closed";
   if (row.sticking + row.slipping > 0)
     text << ", " << row.slipping << " of " << row.sticking + row.slipping << " slipping";
   if (const long long bound = run_.contact().bondCount; bound > 0) {
-    text << ", " << report_.contactCounts.damaged << " of " << bound << " bonds damaged, " << row.broken
-         << " broken";
+    text << ", " << context_.report.contactCounts.damaged << " of " << bound << " bonds damaged, "
+         << row.broken << " broken";
     constexpr double known = 10.0; // tolerances of forces
-    if (snapped > known * report_.tolerance * std::abs(row.externalWork))
+    if (snapped > known * context_.report.tolerance * std::abs(row.externalWork))
       text << ", snap-through released " << scientific(snapped, 3);
   }
-  log_.info(text.str());
+  context_.log.info(text.str());
 }
 
 void StepSequence::exchange(Archive& archive, bool isWithinSolve) {
@@ -290,20 +287,20 @@ void StepSequence::exchange(Archive& archive, bool isWithinSolve) {
   energy_->exchange(archive);
   states_->exchange(archive);
   states_->exchangeAnswers(archive, run_.dualProblem());
-  archive.number("updates of states", updates_);
-  run::exchange(archive, rows_, scene_.forcePaths());
-  RunDirectory::exchange(archive, written_);
-  std::vector<double> counts = qp::toNumbers(counters_), table = qp::toNumbers(iterations_),
-                      attempt = qp::toNumbers(attemptCounters_);
+  archive.number("updates of states", attempt_.updates);
+  run::exchange(archive, done_.rows, context_.scene.forcePaths());
+  RunDirectory::exchange(archive, done_.written);
+  std::vector<double> counts = qp::toNumbers(work_.counters), table = qp::toNumbers(work_.iterations),
+                      attempt = qp::toNumbers(attempt_.counters);
   archive.numbers("counters of the steps", counts);
   archive.numbers("counters of the attempt", attempt);
   archive.numbers("iterations of the steps", table);
   if (archive.isReading()) {
-    counters_ = qp::countersOf(counts);
-    attemptCounters_ = qp::countersOf(attempt);
-    iterations_ = qp::historyOf(table);
-    for (StepRow& row : rows_)
-      tellFurther(scene_, row);
+    work_.counters = qp::countersOf(counts);
+    attempt_.counters = qp::countersOf(attempt);
+    work_.iterations = qp::historyOf(table);
+    for (StepRow& row : done_.rows)
+      tellFurther(context_.scene, row);
   }
   history_.exchange(archive, run_.dualProblem());
 }
@@ -324,44 +321,44 @@ bool StepSequence::restore() {
   });
   within_ = isWithinSolve ? checkpoint : nullptr;
   if (!isWithinSolve) { // the solver would look by itself
-    prepare(rows_.back().time);
-    requireSameProblem(*checkpoint, run_.dualProblem(), report_.localCondition);
+    prepare(done_.rows.back().time);
+    requireSameProblem(*checkpoint, run_.dualProblem(), context_.report.localCondition);
   }
-  secondsBefore_ = iterations_.empty() ? 0.0 : iterations_.back().seconds;
-  report_.steps = rows_;
+  work_.secondsBefore = work_.iterations.empty() ? 0.0 : work_.iterations.back().seconds;
+  context_.report.steps = done_.rows;
   return true;
 }
 
 // Of the whole run, for the report.
 void StepSequence::sumUp() {
   run_.countFactorisations();
-  report_.result.counters = counters_;
-  report_.result.history = iterations_;
-  run_.directory().writeIterations(iterations_);
+  context_.report.result.counters = work_.counters;
+  context_.report.result.history = work_.iterations;
+  run_.directory().writeIterations(work_.iterations);
 }
 
 Solution StepSequence::end(Outcome outcome) {
   sumUp();
   if (outcome == Outcome::Interrupted) {
-    report_.audited = false;
-    report_.forces = {};
-    report_.reason += report_.checkpointFault.empty()
-                          ? "; continue with --restart \"" + options_.outputDirectory + "\""
-                          : "; no checkpoint: " + report_.checkpointFault;
+    context_.report.audited = false;
+    context_.report.forces = {};
+    context_.report.reason += context_.report.checkpointFault.empty()
+                                  ? "; continue with --restart \"" + context_.options.outputDirectory + "\""
+                                  : "; no checkpoint: " + context_.report.checkpointFault;
     return run_.hand();
   }
   if (outcome == Outcome::Failed) {
-    report_.converged = false;
-    report_.reason =
+    context_.report.converged = false;
+    context_.report.reason =
         "step " + std::to_string(clock_.step()) + " of " + std::to_string(clock_.steps()) + ", from time " +
         timeText(clock_.from()) + " to " + timeText(clock_.to()) +
-        (clock_.isPart() ? " (the smallest part allowed)" : "") + ": " + failure_ + "; results up to time " +
-        timeText(rows_.empty() ? 0.0 : rows_.back().time) +
+        (clock_.isPart() ? " (the smallest part allowed)" : "") + ": " + attempt_.failure +
+        "; results up to time " + timeText(done_.rows.empty() ? 0.0 : done_.rows.back().time) +
         " are complete; continue with --restart and other limits or a smaller \"Steps/Smallest step\"";
     return run_.hand();
   }
   run_.tellResult();
-  run_.directory().removeCheckpoint(report_.checkpoints > 0);
+  run_.directory().removeCheckpoint(context_.report.checkpoints > 0);
   return run_.hand();
 }
 

@@ -26,9 +26,8 @@ namespace Harmos::run {
 /// All members are collective. Guarded by tests/regression/test_steps.py.
 class StepSequence {
  public:
-  /// All to outlive this. @param run before its set-up.
-  StepSequence(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
-               const RunOptions& options, const Log& log, RunStages& run, RunReport& report);
+  /// @param run of this context, before its set-up; to outlive this.
+  StepSequence(const RunContext& context, RunStages& run);
 
   /// @return the solution of the last solve. @throws what run::runScene() throws.
   Solution go();
@@ -53,36 +52,44 @@ class StepSequence {
   Solution end(Outcome outcome);
   std::string placeText() const;
   bool isOutOfTime() const;
-  bool hasSteps() const { return scene_.timeline.hasSteps(); }
+  bool hasSteps() const { return context_.scene.timeline.hasSteps(); }
   std::optional<feti::WarmStart> startOfSolve() const;
   feti::WarmStart lastSolution() const;
   double residualAtStart() const;
   std::optional<double> advance() const;
 
-  Teuchos::RCP<const Teuchos::Comm<int>> comm_;
-  const scene::Scene& scene_;
-  const RunOptions& options_;
-  const Log& log_;
+  // What is committed.
+  struct Done {
+    std::vector<StepRow> rows;
+    std::vector<RunDirectory::Written> written;
+  };
+  // What solvers did, in steps that were given up too.
+  struct Work {
+    std::vector<qp::IterationRecord> iterations; // counted on
+    qp::Counters counters;
+    double secondsBefore = 0.0; // of solves before the checkpoint
+  };
+  struct Attempt {
+    int updates = 0;       // of states
+    qp::Counters counters; // of all its solves
+    std::string failure;   // of the last attempt
+  };
+
+  RunContext context_;
   Log quiet_;
   RunStages& run_;
-  RunReport& report_;
 
   std::optional<EffectStates> states_;
   std::optional<EnergyAccount> energy_;
   bool prescribesMotion_ = false; // on any rank
   StepClock clock_;
   feti::SolutionHistory history_;
-  std::vector<StepRow> rows_;
-  std::vector<RunDirectory::Written> written_;
-  std::vector<qp::IterationRecord> iterations_; // of all solves, counted on
-  qp::Counters counters_;                       // likewise
-  int updates_ = 0;                             // of states in this attempt
-  qp::Counters attemptCounters_;                // of all its solves
-  Teuchos::RCP<RunMonitor> monitor_;            // of the last solve
+  Done done_;
+  Work work_;
+  Attempt attempt_;
+  Teuchos::RCP<RunMonitor> monitor_; // of the last solve
   std::shared_ptr<WatchClock> watch_ = std::make_shared<WatchClock>();
-  double secondsBefore_ = 0.0;               // of solves before the checkpoint
   const CheckpointReader* within_ = nullptr; // a solve to go on with
-  std::string failure_;                      // of the last attempt
 };
 
 } // namespace Harmos::run

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_DualSolution.hpp"
+#include "Harmos_DualStages.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_QpTypes.hpp"
 

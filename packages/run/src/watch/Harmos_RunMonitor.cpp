@@ -167,11 +167,11 @@ RunMonitor::Look RunMonitor::look() {
   double values[2] = {elapsed, static_cast<double>(mine)}, most[2] = {0.0, 0.0};
   Teuchos::reduceAll<int, double>(comm_, Teuchos::REDUCE_MAX, 2, values, most);
   const double perIteration =
-      (most[0] - lastElapsed_) / static_cast<double>(std::max(1LL, asked_ - lastLook_));
+      (most[0] - pace_.lastElapsed) / static_cast<double>(std::max(1LL, pace_.asked - pace_.lastLook));
   const double steps = std::clamp(lookInterval / std::max(perIteration, 1e-9), 1.0, 1000.0);
-  lastLook_ = asked_;
-  nextLook_ = asked_ + static_cast<long long>(steps);
-  lastElapsed_ = most[0];
+  pace_.lastLook = pace_.asked;
+  pace_.nextLook = pace_.asked + static_cast<long long>(steps);
+  pace_.lastElapsed = most[0];
   return {most[0], static_cast<Told>(static_cast<int>(most[1]))};
 }
 
@@ -184,7 +184,7 @@ RunMonitor::Wish RunMonitor::ask(const qp::IterationState<MultiVector>& state) {
 
 RunMonitor::Wish RunMonitor::wishAt(const qp::IterationState<MultiVector>& state) {
   checkpoint_ = nullptr; // the solver is beyond it
-  ++asked_;
+  ++pace_.asked;
   const CheckpointOptions& options = options_.checkpoint;
   Wish wish = Wish::GoOn;
   lastOuter_ = std::min(lastOuter_, state.outer); // a solver that took over counts from one
@@ -192,7 +192,7 @@ RunMonitor::Wish RunMonitor::wishAt(const qp::IterationState<MultiVector>& state
     lastOuter_ = state.outer;
     wish = Wish::Save;
   }
-  if (asked_ < nextLook_)
+  if (pace_.asked < pace_.nextLook)
     return wish;
   const Look now = look();
   if (options.minutes > 0.0 && now.elapsed - clock_->lastSave >= 60.0 * options.minutes)
@@ -227,7 +227,7 @@ void RunMonitor::save(const Exchange& state) {
 }
 
 RunMonitor::Wish RunMonitor::askBetween() {
-  ++asked_;
+  ++pace_.asked;
   const Look now = look();
   const double minutes = options_.checkpoint.minutes;
   if (now.told == Told::Stop)
@@ -271,7 +271,7 @@ void RunMonitor::write(const Exchange& all) {
     log_.warning(std::string("no checkpoint: ") + error.what());
     return;
   }
-  clock_->lastSave = lastElapsed_;
+  clock_->lastSave = pace_.lastElapsed;
   report_.checkpointFault.clear();
   report_.checkpoint = path;
   ++report_.checkpoints;

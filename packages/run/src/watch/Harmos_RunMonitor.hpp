@@ -79,6 +79,11 @@ class RunMonitor : public feti::DualMonitor {
     double elapsed;
     Told told;
   };
+  // Counts what the solver asks, so that ranks look at the clock together, and seldom.
+  struct Pace {
+    long long asked = 0, nextLook = 1, lastLook = 0;
+    double lastElapsed = 0.0; // seconds, at the last look
+  };
   Look look();
   Wish wishAt(const qp::IterationState<MultiVector>& state);
   void write(const Exchange& all);
@@ -97,8 +102,7 @@ class RunMonitor : public feti::DualMonitor {
   std::optional<feti::DualRun> run_;
   std::unique_ptr<LiveView> view_;
   std::shared_ptr<WatchClock> clock_;
-  long long asked_ = 0, nextLook_ = 1, lastLook_ = 0;
-  double lastElapsed_ = 0.0;
+  Pace pace_;
   int lastOuter_ = 1;
   std::vector<qp::IterationRecord> rows_;
   Teuchos::RCP<MultiVector> reached_; // λ + λ̃ when a checkpoint is due
