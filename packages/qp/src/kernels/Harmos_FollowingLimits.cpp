@@ -201,7 +201,7 @@ void projectOntoCones(const Cones& points, const FollowingLimits& limits, const 
     if (length > f * n) {
       height = std::max(0.0, (n + f * length) / (1.0 + f * f));
       for (double& part : arm)
-        part *= f * height / length;
+        part *= length > 0.0 ? f * height / length : 0.0;
     }
     x[limit.source] = bound + height;
     x[entries.first] = entries.centre[0] + arm[0];

@@ -356,7 +356,10 @@ bool PdasSolver<Scalar, MV, OP>::Run::advance() {
     return false;
   }
   if (outcome == Cg::Outcome::Breakdown) {
-    solver_.stop(Reason::Breakdown, Explanations::breakdown(), state_);
+    // Where pairs slip or limits follow, the equations of a face are those of a guess, and may be bad ones.
+    restarts_ = restartFromInteriorPoint("conjugate gradients break down on a face");
+    if (!restarts_)
+      solver_.stop(Reason::Breakdown, Explanations::breakdown(), state_);
     return false;
   }
   stepped_ = true;
