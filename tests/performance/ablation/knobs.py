@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What an ablation of the QP layer changes: its constants, which are found, and its rescues, which are listed.
+
+A constant is each number that a `constexpr double` or `constexpr int` of packages/qp names. It becomes a knob of the
+name FILE.NAME and is tried at three times its value and at a third. A rescue is a place that gives up when a switch is
+on. Texts that are not there exactly once are refused, so that the list cannot rot.
+"""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+PACKAGE = "packages/qp/src"
+DECLARATION = re.compile(r"^(\s*)(static )?constexpr (double|int) ([^;]*);", re.M)
+NUMBER = re.compile(r"^(\w+) = ([-+]?[0-9][0-9.e+-]*)$")
+
+# A third of these is senseless.
+VALUES = {"BalancedActiveSet.widening": [4.5, 1.17]}
+
+# Numbers that are no choice of a method.
+FIXED = {
+    "BoundKernels.open": "stands for infinity",
+    "FixedPointSolver_def.open": "stands for infinity",
+    "KeptDirections.beyond": "stands for infinity",
+    "PdasBeginning_def.beyond": "stands for infinity",
+    "CurvatureTerms.meanSquare": "a mean value",
+}
+
+
+@dataclass(frozen=True)
+class Place:
+    """A piece of text and what takes its place, which names the knob."""
+
+    knob: str
+    file: str
+    old: str
+    new: str
+    values: tuple
+    meaning: str
+
+
+def switch(knob, file, before, meaning):
+    """A rescue that `return false` ends, right behind a piece of text."""
+    new = f'{before}\n  if (HARMOS_TUNED("{knob}", 0.0) != 0.0)\n    return false;'
+    return Place(knob, f"{PACKAGE}/{file}", before, new, (1.0,), meaning)
+
+
+def number(knob, file, old, value, meaning, values=None):
+    """A number within an expression: {} in the old text."""
+    tuned = f'HARMOS_TUNED("{knob}", {value})'
+    return Place(
+        knob, f"{PACKAGE}/{file}", old.replace("{}", str(value)), old.replace("{}", tuned),
+        values or (3 * value, value / 3), meaning,
+    )
+
+
+BALANCE = "solvers/Harmos_PdasBalance_def.hpp"
+PDAS = "solvers/Harmos_PdasSolver_def.hpp"
+BEGINNING = "solvers/Harmos_PdasBeginning_def.hpp"
+SPRINGS = "solvers/Harmos_PdasSprings_def.hpp"
+FIXED_POINT = "solvers/Harmos_FixedPointSolver_def.hpp"
+CG = "iterations/Harmos_ProjectedCg_def.hpp"
+
+RESCUES = (
+    switch("off: balanced sets", BALANCE,
+           "  if (!mayBalance() || stiffening_ >= stiffest)\n    return false;",
+           "all sets balanced with springs, after a circle or no progress"),
+    switch("off: interior path", BALANCE,
+           "paths_ >= mostPaths || !(q > 0.0) || most <= 0)\n    return false;",
+           "restart from an interior point"),
+    switch("off: follow faces", PDAS,
+           "  if (descent_.isOn() || innerReduction_ < carefulReduction)\n    return false;",
+           "smaller inner residuals where sets bring no progress"),
+    switch("off: descent of sets", PDAS,
+           "|| (problem_.hasSoftBounds() && !sidesFrozen_))\n    return false;",
+           "sets that descend from the best iterate"),
+    switch("off: frozen sides", SPRINGS,
+           "  if (!hasNoOther() || sidesFrozen_)\n    return false;",
+           "sides of soft bounds stay until the rest has converged"),
+    switch("off: nearest set tried", BEGINNING,
+           "  LocalActiveSet set = set_;\n  long long active = 0;\n  if (!nearest.find(set, active))\n    return false;",
+           "the set of the nearest feasible point, where its residual is small"),
+    Place("off: nearest set at bounds", f"{PACKAGE}/{BEGINNING}",
+          "if (firstSet_ == FirstSet::Nearest || isAtAllBounds(nearest.scale())) {",
+          'if (HARMOS_TUNED("off: nearest set at bounds", 0.0) == 0.0 &&\n'
+          "        (firstSet_ == FirstSet::Nearest || isAtAllBounds(nearest.scale()))) {",
+          (1.0,), "the same, where the start is at all bounds"),
+    Place("off: start with active", f"{PACKAGE}/{BEGINNING}",
+          "if (change_.wrongSign2 <= 0.1 * atBounds2 && cg_.start(set_)) {",
+          'if (change_.wrongSign2 <= 0.1 * atBounds2 && HARMOS_TUNED("off: start with active", 0.0) == 0.0 &&\n'
+          "      cg_.start(set_)) {",
+          (1.0,), "the gradient at zero on the face where all bounds are active"),
+    Place("off: kept directions", f"{PACKAGE}/{PDAS}",
+          "  mostKept_ = list.get<int>(\"Kept directions\");",
+          '  mostKept_ = HARMOS_TUNED("off: kept directions", 0.0) != 0.0 ? 0 : list.get<int>("Kept directions");',
+          (1.0,), "directions of outlying eigenvalues kept for all faces"),
+    Place("off: nearest set on faces", f"{PACKAGE}/{BALANCE}",
+          "  const bool isFit = next_.isFit() && !descent_.isOn();",
+          "  const bool isFit = next_.isFit() && !descent_.isOn() &&\n"
+          '                     HARMOS_TUNED("off: nearest set on faces", 0.0) == 0.0;',
+          (1.0,), "a balanced set where a face cannot hold bodies"),
+    Place("off: overshoot of pairs", f"{PACKAGE}/{PDAS}",
+          "return slipping.residual <= target_ && slipping.overshoot <= mostOvershoot;",
+          "return slipping.residual <= target_ &&\n"
+          '         (slipping.overshoot <= mostOvershoot || HARMOS_TUNED("off: overshoot of pairs", 0.0) != 0.0);',
+          (1.0,), "faces are followed until pairs are near their rims"),
+    Place("off: return to rows", f"{PACKAGE}/{PDAS}",
+          "    if (cg_.returnToRows(state_.equalityDistance))",
+          '    if (HARMOS_TUNED("off: return to rows", 0.0) == 0.0 && cg_.returnToRows(state_.equalityDistance))',
+          (1.0,), "conjugate gradients begin again from the equalities"),
+    Place("off: refinement", f"{PACKAGE}/{PDAS}",
+          "  isMoved_ = cg_.isRefinable(); // the same face, from where x is now",
+          '  isMoved_ = HARMOS_TUNED("off: refinement", 0.0) == 0.0 && cg_.isRefinable();',
+          (1.0,), "the same face again, where springs have cost digits"),
+    Place("off: other method", f"{PACKAGE}/{PDAS}",
+          "  if (hasNoOther()) {",
+          '  if (hasNoOther() || HARMOS_TUNED("off: other method", 0.0) != 0.0) {',
+          (1.0,), "MPRGP, SMALBE or fixed limits take over"),
+    Place("off: disproved candidates", f"{PACKAGE}/{PDAS}",
+          "  disproved_ = expected; // unless it is the answer",
+          '  disproved_ = HARMOS_TUNED("off: disproved candidates", 0.0) != 0.0 ? disproved_ : expected;',
+          (1.0,), "what was no answer is not looked at again for a little less"),
+    Place("off: relaxed limits", f"{PACKAGE}/{FIXED_POINT}",
+          "  if (last > 0.0 && change2 > 0.0)",
+          '  if (last > 0.0 && change2 > 0.0 && HARMOS_TUNED("off: relaxed limits", 0.0) == 0.0)',
+          (1.0,), "Aitken's factor for limits that are updated"),
+)
+
+NUMBERS = (
+    Place("PDAS.Inner reduction", f"{PACKAGE}/{PDAS}",
+          '* list.get<double>("Inner reduction");',
+          '* HARMOS_TUNED("PDAS.Inner reduction", 1.0) * list.get<double>("Inner reduction");',
+          (1.8, 1.0 / 3.0), "of the residual on a face (0.5), as a factor"),
+    Place("PDAS.Sets without progress", f"{PACKAGE}/{PDAS}",
+          '  patience_ = list.get<int>("Active sets without progress");',
+          '  patience_ = static_cast<int>(HARMOS_TUNED("PDAS.Sets without progress", 1.0) *\n'
+          '                               list.get<int>("Active sets without progress"));',
+          (3.0, 1.0 / 3.0), "before something else is tried (10), as a factor"),
+    Place("PDAS.Share of iterations", f"{PACKAGE}/{PDAS}",
+          'static_cast<int>(list.get<double>("Share of iterations") * left));',
+          'static_cast<int>(HARMOS_TUNED("PDAS.Share of iterations", 1.0) *\n'
+          '                                                       list.get<double>("Share of iterations") * left));',
+          (1.9, 1.0 / 3.0), "before another method takes over (0.5), as a factor"),
+    Place("PDAS.discs", f"{PACKAGE}/{PDAS}",
+          "(problem_.hasDiscs() || hasFollowing() ? 0.5 : 1.0)",
+          '(problem_.hasDiscs() || hasFollowing() ? HARMOS_TUNED("PDAS.discs", 0.5) : 1.0)',
+          (1.0, 0.5 / 3.0), "factor of the inner reduction where pairs turn"),
+    number("PDAS.follow faces", PDAS, "  innerReduction_ *= {};", 0.2, "by which inner residuals become smaller",
+           (0.6, 0.07)),
+    number("PDAS.half", PDAS, "  if (least < {} * mark) {", 0.5, "what is called progress", (0.9, 0.17)),
+    number("PDAS.start with active", BEGINNING, "if (change_.wrongSign2 <= {} * atBounds2", 0.1,
+           "of the gradient that does not push against bounds"),
+    number("PDAS.disproved", PDAS, "cg_.residualNorm() > {} * disproved_)", 0.25, "of a residual looked at before",
+           (0.75, 0.08)),
+    number("PDAS.turn", PDAS, "      {} * cg_.slipping().residual / std::sqrt", 0.5,
+           "of the residual, by which pairs go on along tangents"),
+    number("InteriorPath.step", "iterations/Harmos_InteriorPath.hpp", "length < 1.0 ? {} * length : 1.0", 0.95,
+           "of the way to the boundary", (0.99, 0.85)),
+)
+
+
+def stem(file):
+    return Path(file).name.removeprefix("Harmos_").split(".")[0]
+
+
+def constants(file, text):
+    """The text with a knob for each constant; their values to be tried."""
+    trials = {}
+
+    def knob(name, kind, value):
+        key = f"{stem(file)}.{name}"
+        while key in trials:
+            key += "'"
+        if key in FIXED:
+            return None
+        number_ = float(value)
+        low = number_ / 3 if kind == "double" else max(1, int(number_) // 3)
+        trials[key] = VALUES.get(key, [v for v in (3 * number_, low) if v != number_])
+        return key
+
+    def replaced(match):
+        indent, static, kind, rest = match.groups()
+        found = [NUMBER.match(part) for part in rest.split(", ")]
+        if not all(found):
+            return match.group(0)
+        is_member = bool(static and indent)
+        plain, tuned = [], []
+        for name, value in (item.groups() for item in found):
+            key = knob(name, kind, value)
+            literal = value if kind == "int" or "." in value or "e" in value else value + ".0"
+            if key is None:
+                plain.append(f"{name} = {literal}")
+            else:
+                tuned.append(f'{name}{{"{key}", {literal}}}' if is_member else f'{name} = HARMOS_TUNED("{key}", {literal})')
+        lines = [f"{indent}{static or ''}constexpr {kind} {', '.join(plain)};"] if plain else []
+        if tuned:
+            what = f"static inline const ::Harmos::tuning::Constant<{kind}>" if is_member else f"const {kind}"
+            lines.append(f"{indent}{what} {', '.join(tuned)};")
+        return "\n".join(lines)
+
+    return DECLARATION.sub(replaced, text), trials
+
+
+def planted(root):
+    """Puts all knobs into the sources below a folder. @return the values of each to be tried."""
+    trials = {}
+    for place in RESCUES + NUMBERS:
+        path = root / place.file
+        text = path.read_text(encoding="utf-8")
+        if text.count(place.old) != 1:
+            raise SystemExit(f"{place.knob}: {place.file} has {text.count(place.old)} times {place.old!r}")
+        path.write_text(text.replace(place.old, place.new), encoding="utf-8")
+        trials[place.knob] = list(place.values)
+    for path in sorted((root / PACKAGE).rglob("*.[hc]pp")):
+        text, found = constants(path.name, path.read_text(encoding="utf-8"))
+        trials |= found
+        if "HARMOS_TUNED" in text or "tuning::Constant" in text:
+            first = text.index("#include")
+            text = text[:first] + '#include "Harmos_Tuning.hpp"\n' + text[first:]
+            path.write_text(text, encoding="utf-8")
+    return trials
