@@ -37,7 +37,7 @@ SEAM = {
         AutoSolver AutoSolver_def BalancedActiveSet BoundedLagrangian BoundedLagrangian_def
         BoundedSolver BoundedSolver_def ConeProbe ConjugateDirections CoupledDirections CurvatureTerms
         DescentOfSets DualPenaltySolver DualPenaltySolver_def EqualityRows EqualityRows_def
-        FeasibilityProbe FirstActiveSet FixedPointSolver FixedPointSolver_def InFacePreconditioner
+        FaceArchive FeasibilityProbe FirstActiveSet FixedPointSolver FixedPointSolver_def FrozenSides InFacePreconditioner
         InteriorPath KeptDirections MprgpIteration_def MprgpSolver MprgpSolver_def NearestFeasible
         NormEstimate_def PcpgSolver PcpgSolver_def PdasBalance_def PdasBeginning_def PdasSolver
         PdasSolver_def PdasSprings_def ProjectedCg ProjectedCgCoupled_def ProjectedCgStep_def

@@ -4,6 +4,7 @@
 #include "Harmos_ActiveSetOps.hpp"
 #include "Harmos_BoundTraits.hpp"
 #include "Harmos_EqualityRows_def.hpp"
+#include "Harmos_FaceArchive.hpp"
 #include "Harmos_FollowingOps.hpp"
 #include "Harmos_ProjectedCg.hpp"
 #include "Harmos_ProjectedCgCoupled_def.hpp"
@@ -15,34 +16,6 @@
 #include <limits>
 
 namespace Harmos::qp {
-
-/// The slipping pairs of an active set whose states are exchanged already.
-template<class Scalar, class MV>
-void exchangeSlips(StateArchive<MV>& archive, const std::string& name, const FeasibleSet<MV>& feasible,
-                   const MV& like, LocalActiveSet& set) {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using Sets = ActiveSetOps<Scalar, MV>;
-  const Teuchos::RCP<MV> normals = MVT::Clone(like, 1), curvatures = MVT::Clone(like, 1);
-  Sets::slipsToVectors(set, *normals, *curvatures);
-  archive.vector(name + " slips", *normals);
-  archive.vector(name + " curvatures", *curvatures);
-  if (archive.isReading())
-    Sets::vectorsToSlips(feasible, *normals, *curvatures, set);
-}
-
-/// The same of springs.
-template<class Scalar, class MV>
-void exchangeSprings(StateArchive<MV>& archive, const std::string& name, const LocalSoftBounds* bounds,
-                     const MV& like, LocalActiveSet& set) {
-  if (bounds == nullptr)
-    return;
-  const Teuchos::RCP<MV> sides = Belos::MultiVecTraits<Scalar, MV>::Clone(like, 1);
-  Belos::MultiVecTraits<Scalar, MV>::MvInit(*sides, 0.0);
-  SpringOps<Scalar, MV>::toVector(*bounds, set, *sides);
-  archive.vector(name + " springs", *sides);
-  if (archive.isReading())
-    SpringOps<Scalar, MV>::fromVector(*bounds, *sides, set);
-}
 
 template<class Scalar, class MV, class OP>
 ProjectedCg<Scalar, MV, OP>::ProjectedCg(const Problem<Scalar, MV, OP>& problem,
@@ -204,7 +177,6 @@ void ProjectedCg<Scalar, MV, OP>::soften(MV& v) const {
 
 template<class Scalar, class MV, class OP>
 void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
-  using MVT = Belos::MultiVecTraits<Scalar, MV>;
   archive.vector("x", *problem_.solution());
   archive.vector("cg gradient on the face", *w_);
   archive.vector("cg direction", *p_);
@@ -212,17 +184,9 @@ void ProjectedCg<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
   makeFaceVectors();
   if (hasFace_) {
     archive.vector("cg gradient", *gradient_);
-    const Teuchos::RCP<MV> active = MVT::Clone(*w_, 1);
-    Sets::activeToVector(active_, *active);
-    archive.vector("cg active set", *active);
+    exchangeFace(archive, "cg", problem_, *w_, active_);
     if (archive.isReading()) {
-      Sets::vectorToActive(*active, active_);
       isSettled_ = !isUnprojected_;
-    }
-    if (problem_.hasDiscs())
-      exchangeSlips<Scalar>(archive, "cg", problem_.feasibleSet(), *w_, active_);
-    exchangeSprings<Scalar>(archive, "cg", problem_.softBounds(), *w_, active_);
-    if (archive.isReading()) {
       // Bounds that another number of ranks has rounded differently. What follows is where its source had
       // it: limits themselves stay behind within a face, or are ahead after a look.
       LocalActiveSet still = active_;

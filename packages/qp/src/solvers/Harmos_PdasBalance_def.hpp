@@ -20,19 +20,19 @@ template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::balanceSets(const std::string& why) {
   constexpr double factor = 10.0, stiffAtFirst = 100.0;
   const double stiffest =
-      paths_ > 0 ? std::max(stiffAtFirst, cg_.curvatureBound() / cg_.stiffness()) : stiffAtFirst;
-  if (!mayBalance() || stiffening_ >= stiffest)
+      balance_.paths > 0 ? std::max(stiffAtFirst, cg_.curvatureBound() / cg_.stiffness()) : stiffAtFirst;
+  if (!mayBalance() || balance_.stiffening >= stiffest)
     return false;
-  stiffening_ *= balances_ || hasFollowing() ? factor : 1.0;
-  balances_ = true;
-  if (!bestGradient_.is_null()) {
-    MVT::Assign(*best_, x_);
-    set_ = bestSet_;
-    next_.aim(x_, *bestGradient_, stiffening_ * cg_.stiffness());
+  balance_.stiffening *= balance_.isOn || hasFollowing() ? factor : 1.0;
+  balance_.isOn = true;
+  if (!best_.gradient.is_null()) {
+    MVT::Assign(*best_.x, x_);
+    set_ = best_.set;
+    next_.aim(x_, *best_.gradient, balance_.stiffening * cg_.stiffness());
   }
   progress_.forget();
-  solver_.log_.detail("PDAS: " + why + "; balanced active sets with springs " + scientific(stiffening_, 1) +
-                      " times as stiff");
+  solver_.log_.detail("PDAS: " + why + "; balanced active sets with springs " +
+                      scientific(balance_.stiffening, 1) + " times as stiff");
   return true;
 }
 
@@ -42,13 +42,13 @@ bool PdasSolver<Scalar, MV, OP>::Run::restartFromInteriorPoint(const std::string
   constexpr int mostPaths = 2;
   const double q = cg_.stiffness();
   const int most = solver_.maximumIterations() - state_.inner;
-  if (!(hasFollowing() || problem_.hasDiscs()) || paths_ >= mostPaths || !(q > 0.0) || most <= 0)
+  if (!(hasFollowing() || problem_.hasDiscs()) || balance_.paths >= mostPaths || !(q > 0.0) || most <= 0)
     return false;
-  ++paths_;
+  ++balance_.paths;
   solver_.log_.detail("PDAS: " + why + "; restart from an interior point");
   InteriorPath<Scalar, MV, OP> path(problem_, rows_, CgOptions::fromList(solver_.methodParameters("PCPG")),
-                                    cg_.kept(), mostKept_, counters_, springsOf(set_));
-  const bool isThrough = path.run(*best_, q, paths_ == 1 ? 1e-8 : 1e-11, most, [&] {
+                                    cg_.kept(), options_.mostKept, counters_, springsOf(set_));
+  const bool isThrough = path.run(*best_.x, q, balance_.paths == 1 ? 1e-8 : 1e-11, most, [&] {
     IterationState<MV> now = state_;
     now.inner += path.steps();
     const std::optional<Reason> reason = solver_.judge(now);
@@ -63,9 +63,9 @@ bool PdasSolver<Scalar, MV, OP>::Run::restartFromInteriorPoint(const std::string
   cg_.knowSprings(set_);
   state_.inner += path.steps();
   // Its share is that of sets: what would take over where limits follow has no better way.
-  budget_ = std::min(budget_ + path.steps(), solver_.maximumIterations());
-  balances_ = false;
-  stiffening_ = 1.0;
+  options_.budget = std::min(options_.budget + path.steps(), solver_.maximumIterations());
+  balance_.isOn = false;
+  balance_.stiffening = 1.0;
   progress_ = {};
   solver_.log_.detail("PDAS: " + std::to_string(path.steps()) + " steps, " +
                       (isThrough ? "path complete" : "path incomplete") + "; its active set is next");
@@ -96,33 +96,13 @@ template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::startsOnFace() {
   constexpr double hardly = 1e-4; // of all forces that there are; a few points that touch have some 1e-3
   const bool isFit = next_.isFit() && !descent_.isOn();
-  if (!(balances_ && isFit) && cg_.start(set_, isFit ? hardly : 0.0))
+  if (!(balance_.isOn && isFit) && cg_.start(set_, isFit ? hardly : 0.0))
     return true;
   if (!isFit)
     return false;
   if (!next_.isAimed()) // the first set is none that can hold bodies
     next_.aim(x_, *y_, cg_.stiffness());
   return (next_.find(set_, active_) && cg_.start(set_)) || cg_.start(set_);
-}
-
-// What sets are balanced from.
-template<class Scalar, class MV, class OP>
-void PdasSolver<Scalar, MV, OP>::Run::exchangeBest(StateArchive<MV>& archive) {
-  bool isThere = !bestGradient_.is_null();
-  archive.number("pdas has best gradient", isThere);
-  if (!isThere)
-    return;
-  const Teuchos::RCP<MV> states = MVT::Clone(x_, 1);
-  if (bestGradient_.is_null())
-    bestGradient_ = MVT::Clone(x_, 1);
-  archive.vector("pdas best gradient", *bestGradient_);
-  Sets::activeToVector(bestSet_, *states);
-  archive.vector("pdas best set", *states);
-  if (archive.isReading())
-    Sets::vectorToActive(*states, bestSet_);
-  if (problem_.hasDiscs())
-    exchangeSlips<Scalar>(archive, "pdas best", feasible_, x_, bestSet_);
-  exchangeSprings<Scalar>(archive, "pdas best", problem_.softBounds(), x_, bestSet_);
 }
 
 } // namespace Harmos::qp

@@ -16,14 +16,10 @@ void PdasSolver<Scalar, MV, OP>::Run::begin() {
   if (hasFollowing() && !isCold_)
     solver_.problem_->follow();
   Bounds::project(x_, feasible_);
-  if (problem_.hasSoftBounds()) {
-    random_ = MVT::Clone(x_, 1);
-    Bounds::setRandom(*random_);
-  }
-  best_ = MVT::CloneCopy(x_);
+  best_.x = MVT::CloneCopy(x_);
   if (rows_.isPresent()) {
-    bestMultiplier_ = rows_.makeVector();
-    MVT::MvInit(*bestMultiplier_, 0.0);
+    best_.multiplier = rows_.makeVector();
+    MVT::MvInit(*best_.multiplier, 0.0);
   }
   describeState();
   if (solver_.resumes()) {
@@ -93,12 +89,12 @@ void PdasSolver<Scalar, MV, OP>::Run::guessBounds() {
   Bounds::split(x_, *y_, feasible_, 1.0, nullptr, set_);
   if (problem_.hasSoftBounds())
     guessSprings();
-  if (isCold_ && firstSet_ != FirstSet::Gradient) {
+  if (isCold_ && options_.firstSet != FirstSet::Gradient) {
     FirstActiveSet<Scalar, MV, OP> nearest(problem_, rows_, counters_);
-    if (firstSet_ == FirstSet::Nearest || isAtAllBounds(nearest.scale())) {
+    if (options_.firstSet == FirstSet::Nearest || isAtAllBounds(nearest.scale())) {
       if (nearest.find(set_, active_))
         return;
-    } else if (firstSet_ == FirstSet::Tried && triesNearest(nearest)) {
+    } else if (options_.firstSet == FirstSet::Tried && triesNearest(nearest)) {
       return;
     }
   }

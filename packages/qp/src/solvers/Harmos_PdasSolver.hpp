@@ -8,6 +8,7 @@
 #include "Harmos_DescentOfSets.hpp"
 #include "Harmos_FirstActiveSet.hpp"
 #include "Harmos_FollowingOps.hpp"
+#include "Harmos_FrozenSides.hpp"
 #include "Harmos_InteriorPath.hpp"
 #include "Harmos_ProjectedCg.hpp"
 #include "Harmos_SolverManager.hpp"
@@ -119,6 +120,36 @@ class PdasSolver<Scalar, MV, OP>::Run {
     bool isBack(const ActiveSetChange& change);
   };
 
+  // What goes wrong: a face cannot be entered; its equations are singular, or break down; sets do not get on;
+  // there were too many.
+  enum class Trouble { NoFace, BadFace, NoProgress, ManySets };
+
+  // The projected iterate with the least bound on ‖g^P‖, or the first one, and the multiplier with it. Where
+  // sets may be balanced from there: the gradient of the Lagrangian and the next set.
+  struct Best {
+    Teuchos::RCP<MV> x, multiplier, gradient;
+    LocalActiveSet set;
+    bool isFound = false;
+
+    void exchange(StateArchive<MV>& archive, const Problem<Scalar, MV, OP>& problem);
+  };
+
+  // How all sets are balanced, where limits follow or pairs turn.
+  struct Balance {
+    bool isOn = false;
+    double stiffening = 1.0; // of the springs of next_
+    int paths = 0;           // through interior points, that were followed
+
+    void exchange(StateArchive<MV>& archive);
+  };
+
+  struct Options {
+    double innerReduction;
+    int patience, mostSets, mostKept;
+    FirstSet firstSet;
+    int budget; // inner iterations before another method takes over
+  };
+
   // The steps, in their order. Where one of them returns false, the solver has stopped or handed over.
   void begin();
   bool enterFace();
@@ -132,16 +163,15 @@ class PdasSolver<Scalar, MV, OP>::Run {
   bool considerCandidate();
   bool confirmAnswer();
   bool advanceOrFallBack();
+  bool findWayOn(Trouble trouble, const std::string& why);
   bool followFaces(const std::string& why);
   bool mayBalance() const;
-  void exchangeBest(StateArchive<MV>& archive);
   bool balanceSets(const std::string& why);
   bool restartFromInteriorPoint(const std::string& why);
   void findSetBeside(const MV& x, const MV& y, double q);
   bool startDescent(const std::string& why);
   bool freezeSides(const std::string& why);
   bool moveSides();
-  void exchangeSides(StateArchive<MV>& archive);
   void guessSprings();
   void lookAtSprings(double noise);
 
@@ -175,11 +205,8 @@ class PdasSolver<Scalar, MV, OP>::Run {
   FeasibleSet<MV> feasible_;
 
   static constexpr double carefulReduction = 0.05; // below, faces are followed no further
-  double innerReduction_;
+  Options options_;
   double disproved_ = std::numeric_limits<double>::infinity(); // ‖g^P‖ that was expected, and was not
-  int patience_, mostSets_, mostKept_;
-  FirstSet firstSet_;
-  int budget_; // inner iterations before another method takes over
 
   Teuchos::RCP<MV> y_;
   Cg cg_;
@@ -192,27 +219,16 @@ class PdasSolver<Scalar, MV, OP>::Run {
   Progress progress_;
   DescentOfSets<Scalar, MV, OP> descent_;
   BalancedActiveSet<Scalar, MV, OP> next_;
-  // The projected iterate with the least bound on ‖g^P‖, or the first one, and the multiplier with it.
-  Teuchos::RCP<MV> best_, bestMultiplier_;
-  bool hasBest_ = false;
-  // Where sets may be balanced from there: the gradient of the Lagrangian and the next set.
-  Teuchos::RCP<MV> bestGradient_;
-  LocalActiveSet bestSet_;
+  Best best_;
 
-  bool isCold_ = false;     // nothing is known of the solution
-  bool settled_ = false;    // the last look changed nothing
-  bool isMoved_ = false;    // x, since then
-  bool balances_ = false;   // all sets, where limits follow
-  double stiffening_ = 1.0; // of the springs of next_
-  int paths_ = 0;           // through interior points, that were followed
-  bool restarts_ = false;   // on another face
+  bool isCold_ = false;   // nothing is known of the solution
+  bool settled_ = false;  // the last look changed nothing
+  bool isMoved_ = false;  // x, since then
+  bool restarts_ = false; // on another face
   bool newFace_ = true, started_ = false;
-  // Where soft bounds are: a number an entry; what springs are wrong by; whether their sides stay, and the
-  // point that they are those of, with its gradient without springs.
-  Teuchos::RCP<MV> random_, sidesAt_, sidesGradient_;
-  double wrongSprings_ = 0.0;
-  bool sidesFrozen_ = false;
-  int sideSteps_ = 0;
+  Balance balance_;
+  FrozenSides<Scalar, MV, OP> sides_;
+  double wrongSprings_ = 0.0; // what springs are wrong by
   // On a face.
   double target_ = 0.0;
   bool stepped_ = false, resumed_ = false;

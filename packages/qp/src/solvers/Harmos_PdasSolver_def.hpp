@@ -12,6 +12,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <vector>
 
 namespace Harmos::qp {
 
@@ -108,26 +110,29 @@ PdasSolver<Scalar, MV, OP>::Run::Run(PdasSolver& solver, EqualityRows<Scalar, MV
       cg_(problem_, rows, CgOptions::fromList(solver.methodParameters("PCPG")), counters_),
       descent_(problem_, rows, cg_),
       next_(problem_, rows),
+      sides_(problem_),
       inner_(solver.firstInner_) {
   const Teuchos::ParameterList& list = solver.methodParameters("PDAS");
-  // Where pairs turn, sets take a product and bring less.
-  innerReduction_ = (problem_.hasDiscs() || hasFollowing() ? 0.5 : 1.0) * list.get<double>("Inner reduction");
-  patience_ = list.get<int>("Active sets without progress");
-  mostSets_ = list.get<int>("Maximum active sets");
-  mostKept_ = list.get<int>("Kept directions");
   const std::string first = list.get<std::string>("First active set");
   const bool hasIntervals = feasible_.anyBound() != nullptr;
-  firstSet_ = !hasIntervals        ? FirstSet::Gradient
-              : first == "tried"   ? FirstSet::Tried
-              : first == "nearest" ? FirstSet::Nearest
-              : first == "auto"    ? FirstSet::Auto
-                                   : FirstSet::Gradient;
+  // Where pairs turn, sets take a product and bring less.
+  options_.innerReduction =
+      (problem_.hasDiscs() || hasFollowing() ? 0.5 : 1.0) * list.get<double>("Inner reduction");
+  options_.patience = list.get<int>("Active sets without progress");
+  options_.mostSets = list.get<int>("Maximum active sets");
+  options_.mostKept = list.get<int>("Kept directions");
+  options_.firstSet = !hasIntervals        ? FirstSet::Gradient
+                      : first == "tried"   ? FirstSet::Tried
+                      : first == "nearest" ? FirstSet::Nearest
+                      : first == "auto"    ? FirstSet::Auto
+                                           : FirstSet::Gradient;
   const int left = solver.maximumIterations() - solver.firstInner_;
   // Another method makes nothing of a handful of iterations.
   constexpr int fewIterations = 100;
-  budget_ = solver.firstInner_ + (left <= fewIterations || hasNoOther()
-                                      ? left
-                                      : static_cast<int>(list.get<double>("Share of iterations") * left));
+  options_.budget =
+      solver.firstInner_ + (left <= fewIterations || hasNoOther()
+                                ? left
+                                : static_cast<int>(list.get<double>("Share of iterations") * left));
 }
 
 template<class Scalar, class MV, class OP>
@@ -163,34 +168,21 @@ void PdasSolver<Scalar, MV, OP>::Run::describeState() {
     archive.number("pdas active", active_);
     archive.number("pdas settled", settled_);
     archive.number("pdas target", target_);
-    archive.number("pdas inner reduction", innerReduction_);
+    archive.number("pdas inner reduction", options_.innerReduction);
     if (hasFollowing())
       archive.number("pdas disproved", disproved_);
-    if (mayBalance()) {
-      archive.number("pdas balances", balances_);
-      archive.number("pdas stiffening", stiffening_);
-      archive.number("pdas paths", paths_);
-      exchangeBest(archive);
-    }
+    if (mayBalance())
+      balance_.exchange(archive);
     archive.number("pdas stepped", stepped_);
     archive.number("pdas face steps", faceSteps_);
     progress_.exchange(archive);
-    archive.vector("pdas best", *best_);
-    archive.number("pdas has best", hasBest_);
-    if (rows_.isPresent())
-      archive.rowVector("pdas best multiplier", *bestMultiplier_);
+    best_.exchange(archive, problem_);
     descent_.exchange(archive);
-    const Teuchos::RCP<MV> states = MVT::Clone(x_, 1);
-    Sets::activeToVector(set_, *states);
-    archive.vector("pdas active set", *states);
-    if (archive.isReading())
-      Sets::vectorToActive(*states, set_);
-    if (problem_.hasDiscs()) {
-      exchangeSlips<Scalar>(archive, "pdas", feasible_, x_, set_);
+    exchangeFace(archive, "pdas", problem_, x_, set_);
+    if (problem_.hasDiscs())
       archive.number("pdas slips", change_.slips);
-    }
     if (problem_.hasSoftBounds())
-      exchangeSides(archive);
+      sides_.exchange(archive);
     if (hasFollowing()) {
       const Teuchos::RCP<MV> radii = MVT::Clone(x_, 1);
       problem_.limits(*radii);
@@ -216,6 +208,30 @@ void PdasSolver<Scalar, MV, OP>::Run::Progress::exchange(StateArchive<MV>& archi
   archive.numbers("pdas sets seen", signatures);
   for (std::size_t k = 0; k + 1 < signatures.size(); k += 2)
     seen.insert({signatures[k], signatures[k + 1]});
+}
+
+template<class Scalar, class MV, class OP>
+void PdasSolver<Scalar, MV, OP>::Run::Best::exchange(StateArchive<MV>& archive,
+                                                     const Problem<Scalar, MV, OP>& problem) {
+  archive.vector("pdas best", *x);
+  archive.number("pdas has best", isFound);
+  if (!multiplier.is_null())
+    archive.rowVector("pdas best multiplier", *multiplier);
+  bool hasGradient = !gradient.is_null();
+  archive.number("pdas has best gradient", hasGradient);
+  if (!hasGradient)
+    return;
+  if (gradient.is_null())
+    gradient = MVT::Clone(*x, 1);
+  archive.vector("pdas best gradient", *gradient);
+  exchangeFace(archive, "pdas best", problem, *x, set);
+}
+
+template<class Scalar, class MV, class OP>
+void PdasSolver<Scalar, MV, OP>::Run::Balance::exchange(StateArchive<MV>& archive) {
+  archive.number("pdas balances", isOn);
+  archive.number("pdas stiffening", stiffening);
+  archive.number("pdas paths", paths);
 }
 
 template<class Scalar, class MV, class OP>
@@ -246,7 +262,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::enterFace() {
   // A face that took so long has outlying eigenvalues, and so have the others.
   constexpr int slow = 10;
   if (!started_ && cg_.staleness() >= slow)
-    if (const int found = cg_.keepOutliers(mostKept_); found > 0)
+    if (const int found = cg_.keepOutliers(options_.mostKept); found > 0)
       solver_.log_.detail("PDAS: " + std::to_string(found) + " search directions kept for all faces");
   const bool isOn = started_ || (startsOnFace() && descent_.enter(set_, active_));
   if (!isOn && descent_.isOn()) {
@@ -254,8 +270,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::enterFace() {
     return false;
   }
   const std::string why = "the equalities are infeasible on a face";
-  if (!isOn && !(restartFromInteriorPoint(why) && startsOnFace()) &&
-      !(startDescent(why) && cg_.start(set_) && descent_.enter(set_, active_))) {
+  if (!isOn && !findWayOn(Trouble::NoFace, why)) {
     handOver(why);
     return false;
   }
@@ -272,7 +287,7 @@ template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::aim() {
   counters_.outerIterations = counters_.activeSetUpdates + 1;
   if (!resumed_) {
-    target_ = settled_ && change_.slips == 0 ? 0.0 : innerReduction_ * cg_.slipping().residual;
+    target_ = settled_ && change_.slips == 0 ? 0.0 : options_.innerReduction * cg_.slipping().residual;
     stepped_ = false;
     faceSteps_ = 0;
   }
@@ -340,7 +355,7 @@ template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::advance() {
   // Exact conjugate gradients end within the dimension of the face.
   const auto length = static_cast<long long>(MVT::GetGlobalLength(x_));
-  const bool isSpent = state_.inner >= budget_ && budget_ < solver_.maximumIterations();
+  const bool isSpent = state_.inner >= options_.budget && options_.budget < solver_.maximumIterations();
   if (isSpent || faceSteps_++ > 2 * (length - active_) + 10) {
     const std::string why =
         isSpent ? "its share of the iterations is used up" : "conjugate gradients stagnate on a face";
@@ -350,14 +365,14 @@ bool PdasSolver<Scalar, MV, OP>::Run::advance() {
   const typename Cg::Outcome outcome = cg_.step();
   if (outcome == Cg::Outcome::Flat) {
     const std::string why = "the Hessian is singular on a face";
-    restarts_ = restartFromInteriorPoint(why);
+    restarts_ = findWayOn(Trouble::BadFace, why);
     if (!restarts_)
       handOver(why);
     return false;
   }
   if (outcome == Cg::Outcome::Breakdown) {
     // Where pairs slip or limits follow, the equations of a face are those of a guess, and may be bad ones.
-    restarts_ = restartFromInteriorPoint("conjugate gradients break down on a face");
+    restarts_ = findWayOn(Trouble::BadFace, "conjugate gradients break down on a face");
     if (!restarts_)
       solver_.stop(Reason::Breakdown, Explanations::breakdown(), state_);
     return false;
@@ -392,7 +407,7 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
   if (problem_.hasSoftBounds())
     lookAtSprings(10.0 * epsilon * norm<Scalar>(x_));
   if (next_.isFit())
-    next_.aim(x_, *y_, stiffening_ * cg_.stiffness());
+    next_.aim(x_, *y_, balance_.stiffening * cg_.stiffness());
   // ‖g^P‖ at the projection of x is at most ‖w‖ + ‖multipliers of the wrong sign‖ + ‖A‖‖x − Π(x)‖.
   expected_ = cg_.residualNorm() + std::sqrt(change_.wrongSign2) + curvature * std::sqrt(change_.violation2) +
               wrongSprings_;
@@ -401,17 +416,17 @@ void PdasSolver<Scalar, MV, OP>::Run::look() {
     faceCost_ = cg_.cost();
   if (expected_ < progress_.least) {
     progress_.least = expected_;
-    MVT::Assign(x_, *best_);
-    Bounds::project(*best_, feasible_);
+    MVT::Assign(x_, *best_.x);
+    Bounds::project(*best_.x, feasible_);
     if (rows_.isPresent())
-      cg_.multiplier(*bestMultiplier_);
+      cg_.multiplier(*best_.multiplier);
     if (mayBalance()) {
-      if (bestGradient_.is_null())
-        bestGradient_ = MVT::Clone(x_, 1);
-      MVT::Assign(*y_, *bestGradient_);
-      bestSet_ = set_;
+      if (best_.gradient.is_null())
+        best_.gradient = MVT::Clone(x_, 1);
+      MVT::Assign(*y_, *best_.gradient);
+      best_.set = set_;
     }
-    hasBest_ = true;
+    best_.isFound = true;
   }
 }
 
@@ -465,7 +480,7 @@ bool PdasSolver<Scalar, MV, OP>::Run::confirmAnswer() {
     }
     sentBack = true; // the test is stricter now
   }
-  if (sidesFrozen_ && change_.changed == 0 && !sentBack && moveSides())
+  if (sides_.areFrozen() && change_.changed == 0 && !sentBack && moveSides())
     return false;
   if (change_.changed != 0 || (cg_.residualNorm() > cg_.attainable() && (!exhausted || sentBack)))
     return false;
@@ -478,13 +493,35 @@ bool PdasSolver<Scalar, MV, OP>::Run::confirmAnswer() {
   return true;
 }
 
+// The order of escalation: what is tried, and at which troubles. What is found has to lead onto a face where
+// there was none.
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::findWayOn(Trouble trouble, const std::string& why) {
+  struct Way {
+    bool (Run::*propose)(const std::string& why);
+    std::vector<Trouble> against;
+  };
+  static const Way ways[] = {
+      {&Run::balanceSets, {Trouble::NoProgress}},
+      {&Run::restartFromInteriorPoint, {Trouble::NoFace, Trouble::BadFace, Trouble::NoProgress}},
+      {&Run::followFaces, {Trouble::NoProgress}},
+      {&Run::freezeSides, {Trouble::NoProgress, Trouble::ManySets}},
+      {&Run::startDescent, {Trouble::NoFace, Trouble::NoProgress}},
+  };
+  const auto leadsOntoFace = [&] { return startsOnFace() && descent_.enter(set_, active_); };
+  return std::any_of(std::begin(ways), std::end(ways), [&](const Way& way) {
+    return std::find(way.against.begin(), way.against.end(), trouble) != way.against.end() &&
+           (this->*way.propose)(why) && (trouble != Trouble::NoFace || leadsOntoFace());
+  });
+}
+
 // Sets that are made of iterates far from the solutions on their faces may wander where A is badly
 // conditioned, as in the bending of slender bodies: faces are followed further before anything else is tried.
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::followFaces(const std::string& why) {
-  if (descent_.isOn() || innerReduction_ < carefulReduction)
+  if (descent_.isOn() || options_.innerReduction < carefulReduction)
     return false;
-  innerReduction_ *= 0.2; // 0.1, 0.02
+  options_.innerReduction *= 0.2; // 0.1, 0.02
   progress_.forget();
   solver_.log_.detail("PDAS: " + why + "; smaller inner residuals on faces");
   return true;
@@ -493,10 +530,11 @@ bool PdasSolver<Scalar, MV, OP>::Run::followFaces(const std::string& why) {
 // From the best iterate on, sets descend.
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::startDescent(const std::string& why) {
-  if (descent_.isOn() || problem_.hasDiscs() || hasFollowing() || (problem_.hasSoftBounds() && !sidesFrozen_))
+  if (descent_.isOn() || problem_.hasDiscs() || hasFollowing() ||
+      (problem_.hasSoftBounds() && !sides_.areFrozen()))
     return false;
   const Teuchos::RCP<MV> present = MVT::CloneCopy(x_);
-  MVT::Assign(*best_, x_);
+  MVT::Assign(*best_.x, x_);
   if (!descent_.begin(set_, active_)) {
     MVT::Assign(*present, x_);
     return false;
@@ -510,10 +548,11 @@ bool PdasSolver<Scalar, MV, OP>::Run::startDescent(const std::string& why) {
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::advanceOrFallBack() {
   ++counters_.activeSetUpdates;
-  if (!descent_.isOn() && !sidesFrozen_ && counters_.activeSetUpdates >= mostSets_) {
-    if (freezeSides("limit of " + std::to_string(mostSets_) + " active sets"))
+  if (!descent_.isOn() && !sides_.areFrozen() && counters_.activeSetUpdates >= options_.mostSets) {
+    const std::string limit = "limit of " + std::to_string(options_.mostSets) + " active sets";
+    if (findWayOn(Trouble::ManySets, limit))
       return true;
-    handOver("the limit of " + std::to_string(mostSets_) + " active sets was reached");
+    handOver("the " + limit + " was reached");
     return false;
   }
   if (descent_.isOn()) {
@@ -524,18 +563,17 @@ bool PdasSolver<Scalar, MV, OP>::Run::advanceOrFallBack() {
   }
   // Motions of bodies that hardly anything holds grow with each set.
   constexpr double blownUp = 1e3;
-  const bool isBlownUp = mayBalance() && !balances_ && expected_ > blownUp * progress_.least;
-  const bool isLost = progress_.isLost(expected_, patience_) || isBlownUp;
+  const bool isBlownUp = mayBalance() && !balance_.isOn && expected_ > blownUp * progress_.least;
+  const bool isLost = progress_.isLost(expected_, options_.patience) || isBlownUp;
   const std::string why = isBlownUp ? "unbalanced forces have grown"
-                          : isLost  ? std::to_string(patience_) + " active sets without progress"
+                          : isLost  ? std::to_string(options_.patience) + " active sets without progress"
                                     : "an active set recurred";
   // Where limits follow a set may be the same again and again until these settle; the first that comes back
   // after another one goes in circles, for there is no cost that falls on the way.
   const bool isCircle = hasFollowing() ? progress_.isBack(change_) : progress_.isCircle(change_);
   if (!isLost && !isCircle)
     return true;
-  if (balanceSets(why) || restartFromInteriorPoint(why) || followFaces(why) || freezeSides(why) ||
-      startDescent(why))
+  if (findWayOn(Trouble::NoProgress, why))
     return true;
   handOver(why);
   return false;
@@ -584,9 +622,9 @@ IterationState<MV> PdasSolver<Scalar, MV, OP>::Run::measure(int inner, bool feas
 // Another method goes on from the best iterate.
 template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::handOver(const std::string& why) {
-  MVT::Assign(*best_, x_);
-  if (rows_.isPresent() && hasBest_)
-    rows_.toUser(*bestMultiplier_, *problem_.multiplier());
+  MVT::Assign(*best_.x, x_);
+  if (rows_.isPresent() && best_.isFound)
+    rows_.toUser(*best_.multiplier, *problem_.multiplier());
   if (hasNoOther()) {
     state_ = measure(state_.inner, false);
     return solver_.stop(Reason::Stagnation, Explanations::noOtherMethod(why), state_);

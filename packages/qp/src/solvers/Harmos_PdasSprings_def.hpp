@@ -3,8 +3,7 @@
 
 #include "Harmos_PdasSolver.hpp"
 
-#include <algorithm>
-#include <limits>
+#include <cmath>
 
 namespace Harmos::qp {
 
@@ -21,7 +20,7 @@ void PdasSolver<Scalar, MV, OP>::Run::guessSprings() {
     if (nearest.find(set, active))
       MVT::Assign(nearest.x(), *at);
   }
-  SpringOps<Scalar, MV>::update(*at, *problem_.softBounds(), 0.0, *random_, set_);
+  sides_.update(*at, 0.0, set_);
   if (!isCold_)
     cg_.knowSprings(set_);
 }
@@ -29,10 +28,9 @@ void PdasSolver<Scalar, MV, OP>::Run::guessSprings() {
 template<class Scalar, class MV, class OP>
 void PdasSolver<Scalar, MV, OP>::Run::lookAtSprings(double noise) {
   LocalActiveSet next = springsOf(set_);
-  const SpringChange change =
-      SpringOps<Scalar, MV>::update(x_, *problem_.softBounds(), noise, *random_, next);
+  const SpringChange change = sides_.update(x_, noise, next);
   wrongSprings_ = 0.0;
-  if (sidesFrozen_)
+  if (sides_.areFrozen())
     return;
   wrongSprings_ = std::sqrt(change.wrong2);
   set_.springs = next.springs;
@@ -44,12 +42,10 @@ void PdasSolver<Scalar, MV, OP>::Run::lookAtSprings(double noise) {
 // From the best iterate on, sides are those of points from which the cost falls.
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::freezeSides(const std::string& why) {
-  if (!hasNoOther() || sidesFrozen_)
+  if (!hasNoOther() || sides_.areFrozen())
     return false;
-  sidesFrozen_ = true;
-  sidesAt_ = Teuchos::null;
-  MVT::Assign(*best_, x_);
-  SpringOps<Scalar, MV>::update(x_, *problem_.softBounds(), 0.0, *random_, set_);
+  MVT::Assign(*best_.x, x_);
+  sides_.freeze(x_, set_);
   progress_.forget();
   ++counters_.descents;
   solver_.log_.detail("PDAS: " + why +
@@ -57,65 +53,15 @@ bool PdasSolver<Scalar, MV, OP>::Run::freezeSides(const std::string& why) {
   return true;
 }
 
-// x is the answer for these sides, y_ the true gradient. With the quadratic that has the gradient of the cost
-// at the point before, what leads from there to its least point leads downwards; along that line the slope of
-// the cost rises, and is known from both ends.
-// @return whether there is another set of sides, at a point below.
+// x is the answer for these sides, y_ the true gradient. @return whether there are others, at a point below.
 template<class Scalar, class MV, class OP>
 bool PdasSolver<Scalar, MV, OP>::Run::moveSides() {
-  constexpr int mostSteps = 1000, mostHalvings = 60;
-  const LocalSoftBounds& bounds = *problem_.softBounds();
-  const Teuchos::RCP<MV> smooth = MVT::Clone(x_, 1); // y without springs
-  MVT::MvInit(*smooth, 0.0);
-  SpringOps<Scalar, MV>::addForces(&bounds, x_, *smooth);
-  MVT::MvAddMv(1.0, *y_, -1.0, *smooth, *smooth);
-  if (!sidesAt_.is_null()) {
-    const Teuchos::RCP<MV> d = MVT::Clone(x_, 1), at = MVT::Clone(x_, 1);
-    MVT::MvAddMv(1.0, x_, -1.0, *sidesAt_, *d);
-    const double first = dot<Scalar>(*d, *sidesGradient_), last = dot<Scalar>(*d, *smooth);
-    const auto slope = [&](double t) {
-      MVT::MvAddMv(1.0, *sidesAt_, t, *d, *at);
-      return (1.0 - t) * first + t * last + SpringOps<Scalar, MV>::power(bounds, *at, *d);
-    };
-    if (!(slope(0.0) < 0.0))
-      return false;
-    double below = 0.0, above = 1.0;
-    if (slope(1.0) > 0.0) {
-      for (int k = 0; k < mostHalvings; ++k) {
-        const double middle = 0.5 * (below + above);
-        (slope(middle) > 0.0 ? above : below) = middle;
-      }
-      MVT::MvAddMv(1.0, *sidesAt_, below, *d, x_);
-      MVT::MvAddMv(1.0 - below, *sidesGradient_, below, *smooth, *smooth);
-    }
-  }
-  const SpringChange change = SpringOps<Scalar, MV>::update(
-      x_, bounds, 10.0 * std::numeric_limits<double>::epsilon() * norm<Scalar>(x_), *random_, set_);
-  if (change.changed == 0 || ++sideSteps_ > mostSteps)
+  if (!sides_.move(x_, *y_, set_))
     return false;
-  sidesAt_ = MVT::CloneCopy(x_);
-  sidesGradient_ = smooth;
   progress_.forget();
   descent_.end();
   isMoved_ = true;
   return true;
-}
-
-template<class Scalar, class MV, class OP>
-void PdasSolver<Scalar, MV, OP>::Run::exchangeSides(StateArchive<MV>& archive) {
-  exchangeSprings<Scalar>(archive, "pdas", problem_.softBounds(), x_, set_);
-  archive.number("pdas holds sides", sidesFrozen_);
-  archive.number("pdas side steps", sideSteps_);
-  bool isThere = !sidesAt_.is_null();
-  archive.number("pdas has sides", isThere);
-  if (!isThere)
-    return;
-  if (sidesAt_.is_null()) {
-    sidesAt_ = MVT::Clone(x_, 1);
-    sidesGradient_ = MVT::Clone(x_, 1);
-  }
-  archive.vector("pdas sides at", *sidesAt_);
-  archive.vector("pdas sides gradient", *sidesGradient_);
 }
 
 } // namespace Harmos::qp
