@@ -42,7 +42,6 @@ enum class Tolerances {
 /// which cost a gradient at another design each: use a secant. Guarded by tests/unit/rol/test_adapters.cpp.
 class DesignObjective : public ROL::Objective<double> {
  public:
-  /// @param function must outlive this.
   explicit DesignObjective(sensitivity::DesignFunction& function, Tolerances tolerances = Tolerances::AsAsked,
                            std::shared_ptr<Refusals> refusals = nullptr);
 
@@ -65,7 +64,6 @@ class DesignObjective : public ROL::Objective<double> {
 /// origin). Guarded by tests/unit/rol/test_adapters.cpp.
 class DesignLimit : public ROL::Constraint<double> {
  public:
-  /// @param function must outlive this.
   explicit DesignLimit(sensitivity::DesignFunction& function, Tolerances tolerances = Tolerances::AsAsked,
                        double factor = 1.0, double origin = 0.0,
                        std::shared_ptr<Refusals> refusals = nullptr);

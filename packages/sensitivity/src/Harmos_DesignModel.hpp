@@ -45,7 +45,7 @@ class DesignModel {
 /// Guarded by tests/unit/sensitivity/test_gap_gradients.cpp and test_shape_gradients.cpp.
 class ContactCost : public DesignFunction {
  public:
-  /// All to outlive this. @param sign −1: the functional is to be large.
+  /// @param sign −1: the functional is to be large.
   ContactCost(feti::FetiSolver& solver, DesignModel& model, const Functional& functional, double sign = 1.0);
 
   /// Solves, to the larger of the tolerance and that of the solver's parameters; not again for the same

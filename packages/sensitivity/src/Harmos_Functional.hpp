@@ -26,7 +26,7 @@ struct RowGeometry {
 /// Of the rows of a scene; surfaces are places of effects in the scene. Local.
 RowGeometry geometryOf(const scene::ContactSetup& setup, const scene::Scene& scene);
 
-/// An answer, as functionals see it. All to outlive this.
+/// An answer, as functionals see it.
 struct Response {
   const feti::FetiSolver& solver;    ///< that has it
   const std::vector<double>& forces; ///< of the rows that this rank gave

@@ -22,7 +22,7 @@ namespace Harmos::sensitivity {
 class GapProfile : public DesignModel {
  public:
   /// A number for each contact point, in the order of their rows.
-  /// @param solver to outlive this. @param rows those that it has. @param surfaces of the geometry.
+  /// @param rows those that it has. @param surfaces of the geometry.
   /// @throws InputError on all ranks where the surfaces have no contact points. @note Collective.
   GapProfile(feti::FetiSolver& solver, std::vector<ConstraintRow> rows, RowGeometry geometry,
              std::set<int> surfaces);

@@ -13,7 +13,6 @@ namespace Harmos::fem {
 /// the chain rule.
 class CellIntegrator {
  public:
-  /// Both have to outlive this.
   CellIntegrator(const Mesh& mesh, const ReferenceElement& element);
 
   /// Turns to a cell.

@@ -23,7 +23,6 @@ const VoigtMatrix& stiffnessOf(const std::vector<VoigtMatrix>& all, int region);
 /// 1, or 1, x, y(, z), relative to the centre of the cell and over its length.
 class DilatationSpace {
  public:
-  /// Both to outlive this.
   DilatationSpace(const Mesh& mesh, const CellIntegrator& cell);
 
   /// For the cell that the integrator has turned to.
@@ -45,7 +44,6 @@ class DilatationSpace {
 /// B̄ of a cell at all its quadrature points: strains of the basis functions, see Dilatation.
 class StrainOperator {
  public:
-  /// All to outlive this.
   StrainOperator(const Mesh& mesh, const CellIntegrator& cell, bool projected);
 
   /// Rows of strains that take part: xx, yy, zz, xy in the plane, else six.

@@ -11,7 +11,6 @@ namespace Harmos::feti {
 /// largest, go with it.
 class DeflatedOperator : public EndomorphicOperator {
  public:
-  /// Both to outlive this.
   DeflatedOperator(const Operator& inner, const Deflation& deflation)
       : EndomorphicOperator(inner), deflation_(deflation) {}
   void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
@@ -25,7 +24,6 @@ class DeflatedOperator : public EndomorphicOperator {
 /// iterates would drift away until rounding errors of what is taken from F are all that is left.
 class DeflatedPreconditioner : public EndomorphicOperator {
  public:
-  /// Both to outlive this.
   DeflatedPreconditioner(const Operator& inner, const Deflation& deflation)
       : EndomorphicOperator(inner), deflation_(deflation) {}
   void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,

@@ -89,7 +89,7 @@ class DistributedFactor {
     std::vector<int> leftOut; ///< rows to be left out at any rate, rising
   };
 
-  /// @param graph to outlive this. @param values of this rank's entries, as they were given to it.
+  /// @param values of this rank's entries, as they were given to it.
   /// @throws NumericalError, InternalError on all ranks, as Mumps does. @note Collective.
   DistributedFactor(const DistributedGraph& graph, const std::vector<double>& values, const Options& options);
 

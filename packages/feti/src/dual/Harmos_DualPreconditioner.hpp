@@ -34,7 +34,7 @@ class DualPreconditioner : public SubdomainSum {
  public:
   static constexpr int mostRows = 64;
 
-  /// @param kind not None. All to outlive this.
+  /// @param kind not None.
   /// @throws NumericalError on all ranks. @note Collective.
   DualPreconditioner(const SubdomainSystem& system, const Constraints& constraints,
                      const LocalInverses& inverses, PreconditionerKind kind, PreconditionerScaling scaling);

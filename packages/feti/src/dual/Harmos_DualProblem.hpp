@@ -27,7 +27,7 @@ class DualOperator;
 /// Guarded by tests/unit/feti/test_mixed_inverses.cpp and test_recovery.cpp.
 class DualProblem {
  public:
-  /// All to outlive this. Two products with the local inverses: one for d̃, one for Fλ̃ (none without a
+  /// Two products with the local inverses: one for d̃, one for Fλ̃ (none without a
   /// kernel).
   /// @throws NumericalError on all ranks if a load on a rigid motion that no constraint can hold is not zero,
   /// naming

@@ -30,7 +30,6 @@ class IncrementSolver {
     bool withDisplacement = true;
   };
 
-  /// @param pipeline, log to outlive this.
   IncrementSolver(DualPipeline& pipeline, const SolverOptions& options, const Log& log)
       : pipeline_(pipeline), options_(options), log_(log) {}
 

@@ -40,7 +40,7 @@ struct StoppingTest {
   Teuchos::RCP<qp::StatusTestEqualityResidual<MultiVector>> equality; // null without a coarse problem
 };
 
-/// @param judgeEquality whether ‖Gλ‖ has a say. @param report gets the scales. All to outlive the test.
+/// @param judgeEquality whether ‖Gλ‖ has a say. @param report gets the scales.
 /// @note Collective.
 StoppingTest stoppingTest(const DualStages& stages, const SolverOptions& options, double tolerance,
                           bool judgeEquality, SolveReport& report);

@@ -76,7 +76,7 @@ class Clusters {
     int motions = 0; ///< columns of these
   };
 
-  /// @param options of Kind Rank or Size. Both others to outlive this.
+  /// @param options of Kind Rank or Size.
   /// @throws NumericalError on all ranks for averages that are none. @note Collective.
   Clusters(const SubdomainSystem& system, const Constraints& constraints, const ClusterOptions& options);
   Clusters(const Clusters&) = delete;

@@ -13,7 +13,6 @@ namespace Harmos::feti::Details {
 /// k is (d₁, …, d_k, −s, 0, …)√d_{k+1}/√(s(s + d_{k+1})), s = d₁ + … + d_k.
 class GluingRows {
  public:
-  /// @param copies to outlive this.
   explicit GluingRows(const std::vector<Copy>& copies) : copies_(copies) {
     before_.reserve(copies.size() + 1);
     for (const Copy& copy : copies)

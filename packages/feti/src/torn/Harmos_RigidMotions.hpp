@@ -27,7 +27,7 @@ class RigidMotions {
 
   /// Each subdomain by itself. @param system to outlive this. Not explicit: a system has its motions.
   RigidMotions(const SubdomainSystem& system);
-  /// @param system to outlive this. @param parts each subdomain of this rank is in one of them.
+  /// @param parts each subdomain of this rank is in one of them.
   /// @param bases for each subdomain the one whose kernel, of the same space, stands for its own.
   /// @note Collective.
   RigidMotions(const SubdomainSystem& system, std::vector<Part> parts, std::vector<int> bases);

@@ -27,7 +27,6 @@ class BoundedLagrangian {
   using Iteration = MprgpIteration<Scalar, MV>;
 
   /// Estimates ‖A‖ unless the problem knows it, which counts as setup, or exchange() is to tell it.
-  /// All to outlive this.
   BoundedLagrangian(const ProblemType& problem, EqualityRows<Scalar, MV, OP>& rows,
                     const MprgpOptions& options, Counters& counters, bool resumes = false);
 

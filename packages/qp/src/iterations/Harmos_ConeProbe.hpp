@@ -30,7 +30,7 @@ class ConeProbe {
  public:
   enum class Verdict { Feasible, Infeasible, Undecided };
 
-  /// @param rows orthonormal. Both to outlive this.
+  /// @param rows orthonormal.
   ConeProbe(const Problem<Scalar, MV, OP>& problem, EqualityRows<Scalar, MV, OP>& rows)
       : problem_(problem), rows_(rows), x_(MVT::CloneCopy(*problem.solution())) {}
 

@@ -28,7 +28,6 @@ namespace Harmos::qp {
 template<class Scalar, class MV, class OP>
 class KeptDirections {
  public:
-  /// Both to outlive this.
   KeptDirections(const Problem<Scalar, MV, OP>& problem, const EqualityRows<Scalar, MV, OP>& rows)
       : problem_(problem), rows_(rows) {}
 

@@ -50,7 +50,6 @@ class ProjectedCg {
  public:
   enum class Outcome { Step, Flat, Breakdown };
 
-  /// All to outlive this.
   ProjectedCg(const Problem<Scalar, MV, OP>& problem, EqualityRows<Scalar, MV, OP>& rows,
               const CgOptions& options, Counters& counters);
 

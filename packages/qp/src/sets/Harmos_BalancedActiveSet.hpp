@@ -24,7 +24,6 @@ namespace Harmos::qp {
 template<class Scalar, class MV, class OP>
 class BalancedActiveSet {
  public:
-  /// Both to outlive this.
   BalancedActiveSet(const Problem<Scalar, MV, OP>& problem, const EqualityRows<Scalar, MV, OP>& rows)
       : problem_(problem), rows_(rows) {}
 

@@ -27,7 +27,6 @@ namespace Harmos::qp {
 template<class Scalar, class MV, class OP>
 class DescentOfSets {
  public:
-  /// All to outlive this.
   DescentOfSets(const Problem<Scalar, MV, OP>& problem, const EqualityRows<Scalar, MV, OP>& rows,
                 ProjectedCg<Scalar, MV, OP>& cg)
       : x_(*problem.solution()),

@@ -25,7 +25,7 @@ namespace Harmos::qp {
 template<class Scalar, class MV, class OP>
 class FirstActiveSet {
  public:
-  /// @param rows orthonormal, or none. All to outlive this.
+  /// @param rows orthonormal, or none.
   FirstActiveSet(const Problem<Scalar, MV, OP>& problem, const EqualityRows<Scalar, MV, OP>& rows,
                  Counters& counters)
       : problem_(problem),

@@ -40,7 +40,6 @@ namespace Harmos::qp {
 template<class Scalar, class MV, class OP>
 class InteriorPath {
  public:
-  /// All to outlive this.
   /// @param springs of soft bounds; they stay what they are. @param kept directions of outlying eigenvalues;
   /// more of them are added, up to `mostKept`.
   InteriorPath(const Problem<Scalar, MV, OP>& problem, const EqualityRows<Scalar, MV, OP>& rows,

@@ -33,7 +33,6 @@ class PcpgSolver : public SolverManager<Scalar, MV, OP> {
 template<class Scalar, class MV, class OP>
 class PcpgSolver<Scalar, MV, OP>::Run {
  public:
-  /// All to outlive this.
   Run(PcpgSolver& solver, EqualityRows<Scalar, MV, OP>& rows);
   void go();
 

@@ -78,7 +78,6 @@ class PdasSolver : public SolverManager<Scalar, MV, OP> {
 template<class Scalar, class MV, class OP>
 class PdasSolver<Scalar, MV, OP>::Run {
  public:
-  /// All to outlive this.
   Run(PdasSolver& solver, EqualityRows<Scalar, MV, OP>& rows);
   void go();
 

@@ -52,7 +52,6 @@ class SmalbeSolver : public BoundedSolver<Scalar, MV, OP> {
 template<class Scalar, class MV, class OP>
 class SmalbeSolver<Scalar, MV, OP>::Run {
  public:
-  /// All to outlive this.
   Run(SmalbeSolver& solver, EqualityRows<Scalar, MV, OP>& rows);
   void go();
 

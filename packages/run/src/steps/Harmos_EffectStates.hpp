@@ -21,7 +21,7 @@ namespace Harmos::run {
 /// tests/unit/run/test_step_sequence.cpp.
 class EffectStates {
  public:
-  /// @param scene, contact to outlive this. @note Collective.
+  /// @note Collective.
   EffectStates(const Teuchos::Comm<int>& comm, const scene::Scene& scene, const scene::ContactSetup& contact);
 
   bool any() const { return !states_.empty(); }

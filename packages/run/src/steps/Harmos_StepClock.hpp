@@ -14,7 +14,6 @@ namespace Harmos::run {
 /// All members are local. Guarded by tests/unit/run/test_step_sequence.cpp.
 class StepClock {
  public:
-  /// @param timeline to outlive this.
   explicit StepClock(const scene::Timeline& timeline) : timeline_(timeline) {}
 
   bool isOver() const { return step_ == static_cast<int>(timeline_.ends().size()); }

@@ -20,7 +20,7 @@ namespace Harmos::run {
 class RunDirectory {
  public:
   /// Opens the checkpoint of `Checkpoint/restart`, if there is one to go on from.
-  /// @param options to outlive this. @throws InputError on all ranks: it is not there, or damaged.
+  /// @throws InputError on all ranks: it is not there, or damaged.
   /// @note Collective.
   RunDirectory(const Teuchos::Comm<int>& comm, const RunOptions& options);
 

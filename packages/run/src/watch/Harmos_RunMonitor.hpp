@@ -47,7 +47,7 @@ struct SolvePlace {
 /// Guarded by tests/regression/test_checkpoint.py.
 class RunMonitor : public feti::DualMonitor {
  public:
-  /// @param checkpoint to go on from, or null. All to outlive this. Checkpoints and their fate go to the
+  /// @param checkpoint to go on from, or null. Checkpoints and their fate go to the
   /// report.
   RunMonitor(const Teuchos::Comm<int>& comm, const RunOptions& options, const CheckpointReader* checkpoint,
              const scene::ContactSetup& contact, const Log& log, RunReport& report, SolvePlace place = {});

@@ -26,7 +26,7 @@ namespace Harmos::scene {
 /// Guarded by tests/unit/run/test_step_sequence.cpp and tests/regression/test_steps.py.
 class TimedLoads {
  public:
-  /// @param scene, owned to outlive this. Assembles. Local.
+  /// Assembles. Local.
   TimedLoads(const Scene& scene, const std::vector<OwnedSubdomain>& owned, EffectCosts& costs);
 
   /// What follows one history.
