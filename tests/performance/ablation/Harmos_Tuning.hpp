@@ -9,7 +9,7 @@
 /// Constants of the QP layer that an ablation changes while a program runs. Only the copy of the sources that
 /// ablation.py makes has any: there each constant is a Knob, by the name of its file and its own.
 ///
-///     HARMOS_TUNE="PdasSolver.slow=30"     changes it from the start
+///     HARMOS_TUNE="PdasSolver_def.slow=30"     changes it from the start
 ///     HARMOS_TUNE_ASKED=FILE               appends the names of those that were asked for, at the end
 namespace Harmos::tuning {
 

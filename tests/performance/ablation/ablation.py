@@ -7,17 +7,19 @@
 
 The sources are copied into DIR, with a knob in the place of each constant and rescue (knobs.py), and built there. A
 scene is run as it is, and again for each knob that it asks for, and for each of its values: what it does not ask for
-makes no difference. LINES gets a line of JSON a run; a scene that is there already is not run again. Counts of
-applications do not depend on what else the machine does, so that all cores can be used.
+makes no difference. LINES gets a line of JSON a run; a scene that is there, with all knobs, is not run again. Counts
+of applications do not depend on what else the machine does, so that all cores can be used; a run that takes more than
+some minutes is given up, and says so.
 
-Families: random scenes without and with friction; decks: all decks of the programs; friction: plate, composites and
-real bodies, with coefficients from slip to stick; adhesion: composites and a delamination; real: bodies of
-tetrahedra, cut in several ways; hard: the hard cases of the stability tests are among the random scenes' kinds.
+Families: random scenes without and with friction; decks of harmos, signorini and fiber_composite; friction products:
+plate, composites and real bodies, with coefficients from slip to stick; adhesion: a composite and a delamination; real
+bodies of tetrahedra, cut in two ways.
 """
 
 import argparse
 import concurrent.futures
 import json
+import math
 import os
 import shutil
 import statistics
@@ -51,7 +53,9 @@ def prepared(directory, jobs):
             if (runs.SOURCE / name).is_file():
                 shutil.copy2(runs.SOURCE / name, place)
         trials = knobs.planted(Path(fresh))
-        shutil.copy2(HERE / "Harmos_Tuning.hpp", Path(fresh) / "packages/qp/src/kernels")
+        # Found where the package has its headers, by the program too.
+        here = Path(fresh) / HERE.relative_to(runs.SOURCE) / "Harmos_Tuning.hpp"
+        here.rename(Path(fresh) / "packages/qp/src/kernels/Harmos_Tuning.hpp")
         copy_changed(Path(fresh), tree)
     subprocess.run(
         ["cmake", "-S", tree, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DHARMOS_ENABLE_TESTS=ON"],
@@ -62,7 +66,10 @@ def prepared(directory, jobs):
 
 
 def copy_changed(fresh, tree):
-    """What is the same keeps its time, and is not built again."""
+    """What is the same keeps its time, and is not built again; what is gone goes."""
+    for place in (path for path in tree.rglob("*") if path.is_file()):
+        if not (fresh / place.relative_to(tree)).is_file():
+            place.unlink()
     for place in (path for path in fresh.rglob("*") if path.is_file()):
         target = tree / place.relative_to(fresh)
         if not target.is_file() or target.read_bytes() != place.read_bytes():
@@ -123,10 +130,12 @@ def run_program(build, program, deck, settings, knob=None, value=None):
         for name, setting in {**settings, "Output/Fields": False}.items():
             command += ["--set", f"{name}={str(setting).lower() if isinstance(setting, bool) else setting}"]
         try:
-            subprocess.run(command, env=environment, capture_output=True, timeout=SECONDS, check=False)
+            done = subprocess.run(command, env=environment, capture_output=True, timeout=SECONDS, check=False)
             summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
-        except (subprocess.TimeoutExpired, OSError, ValueError):
-            return {"converged": False, "applications": 0, "reason": "no summary"}, []
+        except subprocess.TimeoutExpired:
+            return failed(f"given up after {SECONDS} s"), []
+        except (OSError, ValueError):
+            return failed(f"exit status {done.returncode}: {done.stderr.decode()[-200:]}"), []
         line = {
             "converged": summary.get("converged", False),
             "applications": summary.get("hessian_applications", 0),
@@ -136,28 +145,37 @@ def run_program(build, program, deck, settings, knob=None, value=None):
         return line, asked.read_text(encoding="utf-8").split("\n") if asked.is_file() else []
 
 
-def try_deck(build, item, trials, only):
+def failed(reason):
+    return {"converged": False, "applications": 0, "reason": reason}
+
+
+def try_deck(build, item, trials):
     family, name, program, deck, settings = item
-    lines = []
     place = {"family": family, "scene": name, "solvable": True}
     base, asked = run_program(build, program, deck, settings)
-    lines.append(place | base)
+    lines = [place | base]
     for knob in asked:
-        for value in trials.get(knob, []) if not only or knob in only else []:
+        for value in trials.get(knob, []):
             line, _ = run_program(build, program, deck, settings, knob, value)
             lines.append(place | line | {"knob": knob, "value": value})
     return lines
 
 
-def try_seeds(build, family, first, last, trials):
+def try_seed(build, family, seed, trials):
     with tempfile.TemporaryDirectory() as place:
         table, out = Path(place) / "trials.json", Path(place) / "lines"
         table.write_text(json.dumps(trials), encoding="utf-8")
-        subprocess.run(
-            [build / "tests/bin/ablation_scenes", f"--{family}", f"{first}:{last}", "--trials", table, "--output", out],
-            cwd=place, check=True, capture_output=True,
-        )
-        return [json.loads(line) for line in out.read_text(encoding="utf-8").splitlines()]
+        command = [build / "tests/bin/ablation_scenes", f"--{family}", f"{seed}:{seed + 1}", "--trials", table,
+                   "--output", out]
+        try:
+            done = subprocess.run(command, cwd=place, capture_output=True, timeout=len(trials) * SECONDS, check=False)
+            status = f"exit status {done.returncode}: {done.stderr.decode()[-200:]}" if done.returncode else ""
+        except subprocess.TimeoutExpired:
+            status = "given up"
+        lines = whole_lines(out) if out.is_file() else []
+        if status:
+            lines.append({"family": family, "scene": seed, "knob": "?", "value": 0.0, **failed(status)})
+        return lines
 
 
 def measure(given):
@@ -166,35 +184,69 @@ def measure(given):
     trials = prepared(directory, given.jobs)
     if given.only:
         trials = {name: trials[name] for name in given.only}
-    known = set()
+    known = {}
     if Path(given.output).is_file():
-        known = {(line["family"], line["scene"]) for line in read([given.output])}
+        for line in read([given.output]):
+            if "complete" in line:
+                known.setdefault((line["family"], line["scene"]), set()).update(line["complete"])
     build = directory / "build"
+
+    def missing(family, scene):
+        """Knobs that this scene has not been tried with."""
+        return {name: values for name, values in trials.items() if name not in known.get((family, scene), set())}
+
     with tempfile.TemporaryDirectory() as place, concurrent.futures.ThreadPoolExecutor(given.jobs) as pool:
-        waiting = []
+        waiting = {}
+        for item in decks(Path(place)):
+            if item[0] in given.families and (left := missing(*item[:2])):
+                waiting[pool.submit(try_deck, build, item, left)] = (*item[:2], left)
         for family in ("random", "friction"):
             first, last = map(int, getattr(given, family).split(":"))
-            if family in given.families:
-                for seed in range(first, last):
-                    if (family, seed) not in known:
-                        waiting.append(pool.submit(try_seeds, build, family, seed, seed + 1, trials))
-        for item in decks(Path(place)):
-            if item[0] in given.families and item[:2] not in known:
-                waiting.append(pool.submit(try_deck, build, item, trials, given.only))
+            for seed in range(first, last) if family in given.families else ():
+                if left := missing(family, seed):
+                    waiting[pool.submit(try_seed, build, family, seed, left)] = (family, seed, left)
         for count, task in enumerate(concurrent.futures.as_completed(waiting), 1):
+            family, scene, left = waiting[task]
+            lines = task.result()
+            if any(line.get("knob") == "?" or ("knob" not in line and line["applications"] == 0) for line in lines):
+                print(f"{family}, {scene}: {lines[-1].get('reason')}", file=sys.stderr)
             with open(given.output, "a", encoding="utf-8") as file:
-                file.writelines(json.dumps(line) + "\n" for line in task.result())
+                file.writelines(json.dumps(line) + "\n" for line in lines)
+                file.write(json.dumps({"family": family, "scene": scene, "complete": sorted(left)}) + "\n")
             print(f"{count} of {len(waiting)} scenes", flush=True)
 
 
+def whole_lines(path):
+    """Of JSON; a run that was killed may have left half of one."""
+    lines = []
+    for line in Path(path).read_text(encoding="utf-8").splitlines():
+        try:
+            lines.append(json.loads(line))
+        except ValueError:
+            print(f"{path}: a line is not whole", file=sys.stderr)
+    return lines
+
+
 def read(paths):
-    return [
-        json.loads(line) for path in paths for line in Path(path).read_text(encoding="utf-8").splitlines() if line
-    ]
+    return [line for path in paths for line in whole_lines(path)]
 
 
 def percentile(values, share):
-    return sorted(values)[min(len(values) - 1, int(share * len(values)))]
+    return sorted(values)[max(0, math.ceil(share * len(values)) - 1)]
+
+
+def is_good(line):
+    """An answer where there is one; a proof where there is none."""
+    return line["converged"] if line.get("solvable", True) else line.get("reason", "").startswith("infeasible")
+
+
+def is_wrong(base, line):
+    """An answer where there is none, or another one, by a hundredth of the energy. With friction there may be several."""
+    if not line["converged"] or not base.get("solvable", True):
+        return line["converged"]
+    one, other = base.get("energy"), line.get("energy")
+    return (base["converged"] and "friction" not in base["family"] and one is not None and other is not None
+            and abs(one - other) > 0.01 * abs(one))
 
 
 def row(base, changed):
@@ -204,9 +256,10 @@ def row(base, changed):
     ratios = [b / a for a, b in both if a > 0]
     result = {
         "asked": len(pairs),
-        "differ": sum(a["applications"] != b["applications"] or a["converged"] != b["converged"] for a, b in pairs),
-        "lost": sum(a["converged"] and not b["converged"] for a, b in pairs),
-        "won": sum(b["converged"] and not a["converged"] for a, b in pairs),
+        "differ": sum(a["applications"] != b["applications"] or is_good(a) != is_good(b) for a, b in pairs),
+        "lost": sum(is_good(a) and not is_good(b) for a, b in pairs),
+        "won": sum(is_good(b) and not is_good(a) for a, b in pairs),
+        "wrong": sum(is_wrong(a, b) for a, b in pairs),
     }
     if ratios:
         result |= {
@@ -222,6 +275,8 @@ def table_of(lines):
     """Rows by knob, value and family; and what scenes take as they are."""
     base, changed = {}, {}
     for line in lines:
+        if "complete" in line:
+            continue
         place = base if "knob" not in line else changed.setdefault((line["knob"], line["value"]), {})
         place.setdefault(line["family"], {})[line["scene"]] = line
     families = {}
@@ -230,9 +285,10 @@ def table_of(lines):
         families[family] = {
             "scenes": len(scenes),
             "converged": len(counts),
-            "median": statistics.median(counts),
-            "share_95": percentile(counts, 0.95),
-            "largest": max(counts),
+            "good": sum(map(is_good, scenes.values())),
+            "median": statistics.median(counts or [0]),
+            "share_95": percentile(counts or [0], 0.95),
+            "largest": max(counts, default=0),
         }
     rows = [
         {"knob": knob, "value": value, "family": family, **row(base[family], scenes)}
@@ -253,28 +309,30 @@ def text_of(document):
         "# What rescues and constants of the QP layer are worth",
         "",
         "Each is switched off, or changed to three times its value and to a third, alone. A row counts the scenes of a",
-        "family that ask for it: how many come to another number of applications or to another end, how many of those",
-        "that converge are lost, how many are won, and the applications beside those without the change, of the scenes",
-        "that converge both ways. A change that no scene notices has no row. Written by",
-        "`tests/performance/ablation/ablation.py` from `ablation.json`.",
+        "family that ask for it: how many come to another number of applications or to another end; how many end well",
+        "no more (lost) or only so (won), which is with an answer, or with a proof that there is none; how many end with a",
+        "wrong answer; and the applications beside those without the change, of the scenes that converge both ways. A",
+        "change that no scene notices has no row. Written by `tests/performance/ablation/ablation.py` from",
+        "`ablation.json`.",
         "",
-        "| Family | Scenes | Converged | Median | 95 % | Largest |",
+        "| Family | Scenes | End well | Median | 95 % | Largest |",
         "|---|---|---|---|---|---|",
     ]
     for family, item in document["families"].items():
         lines.append(
-            f"| {family} | {item['scenes']} | {item['converged']} | {item['median']:g} | {item['share_95']} "
+            f"| {family} | {item['scenes']} | {item['good']} | {item['median']:g} | {item['share_95']} "
             f"| {item['largest']} |"
         )
     for title, is_here in (("Rescues", lambda name: name.startswith("off: ")), ("Constants", lambda name: not name.startswith("off: "))):
-        lines += ["", f"## {title}", "", "| | Value | Family | Asked | Differ | Lost | Won | Median | 95 % | Largest | All |",
-                  "|---|---|---|---|---|---|---|---|---|---|---|"]
+        lines += ["", f"## {title}", "", "| | Value | Family | Asked | Differ | Lost | Won | Wrong | Median | 95 % | Largest | All |",
+                  "|---|---|---|---|---|---|---|---|---|---|---|---|"]
         for item in document["rows"]:
             if is_here(item["knob"]) and item["differ"] > 0:
                 ratios = " | ".join(f"{item[key]:g}" if key in item else "" for key in ("median", "share_95", "largest", "total"))
                 lines.append(
                     f"| {item['knob'].removeprefix('off: ')} | {'off' if is_switch(item) else format(item['value'], '.3g')} "
-                    f"| {item['family']} | {item['asked']} | {item['differ']} | {item['lost']} | {item['won']} | {ratios} |"
+                    f"| {item['family']} | {item['asked']} | {item['differ']} | {item['lost']} | {item['won']} "
+                    f"| {item['wrong']} | {ratios} |"
                 )
     noticed = {item["knob"] for item in document["rows"] if item["differ"] > 0}
     asked = {item["knob"] for item in document["rows"]}

@@ -23,7 +23,6 @@ FIXED = {
     "FixedPointSolver_def.open": "stands for infinity",
     "KeptDirections.beyond": "stands for infinity",
     "PdasBeginning_def.beyond": "stands for infinity",
-    "CurvatureTerms.meanSquare": "a mean value",
 }
 
 
@@ -82,8 +81,8 @@ RESCUES = (
            "the set of the nearest feasible point, where its residual is small"),
     Place("off: nearest set at bounds", f"{PACKAGE}/{BEGINNING}",
           "if (options_.firstSet == FirstSet::Nearest || isAtAllBounds(nearest.scale())) {",
-          'if (HARMOS_TUNED("off: nearest set at bounds", 0.0) == 0.0 &&\n'
-          "        (options_.firstSet == FirstSet::Nearest || isAtAllBounds(nearest.scale()))) {",
+          "if (options_.firstSet == FirstSet::Nearest ||\n"
+          '        (HARMOS_TUNED("off: nearest set at bounds", 0.0) == 0.0 && isAtAllBounds(nearest.scale()))) {',
           (1.0,), "the same, where the start is at all bounds"),
     Place("off: start with active", f"{PACKAGE}/{BEGINNING}",
           "if (change_.wrongSign2 <= 0.1 * atBounds2 && cg_.start(set_)) {",
@@ -202,6 +201,15 @@ def constants(file, text):
     return DECLARATION.sub(replaced, text), trials
 
 
+def names_of(root):
+    """Of all numbers that are named, FIXED ones too."""
+    for path in (root / PACKAGE).rglob("*.[hc]pp"):
+        for match in DECLARATION.finditer(path.read_text(encoding="utf-8")):
+            for part in match[4].split(", "):
+                if found := NUMBER.match(part):
+                    yield f"{stem(path.name)}.{found[1]}"
+
+
 def planted(root):
     """Puts all knobs into the sources below a folder. @return the values of each to be tried."""
     trials = {}
@@ -212,6 +220,9 @@ def planted(root):
             raise SystemExit(f"{place.knob}: {place.file} has {text.count(place.old)} times {place.old!r}")
         path.write_text(text.replace(place.old, place.new), encoding="utf-8")
         trials[place.knob] = list(place.values)
+    missing = (set(FIXED) | set(VALUES)) - set(names_of(root))
+    if missing:
+        raise SystemExit(f"there are no constants {', '.join(sorted(missing))}")
     for path in sorted((root / PACKAGE).rglob("*.[hc]pp")):
         text, found = constants(path.name, path.read_text(encoding="utf-8"))
         trials |= found

@@ -55,24 +55,30 @@ def line(scene, applications, converged=True, **more):
 
 
 class Table(unittest.TestCase):
+    NONE = {"solvable": False, "reason": "infeasible: no x"}
     LINES = [
-        line(0, 10), line(1, 20), line(2, 30, False), line(3, 40), line(4, 50),
+        line(0, 10), line(1, 20, energy=-1.0), line(2, 30, False), line(3, 40), line(4, 50), line(5, 7, False, **NONE),
+        line(6, 8, False, **NONE),
         *(line(scene, count, converged, knob="off: a", value=1.0)
-          for scene, count, converged in ((0, 10, True), (1, 30, True), (2, 30, True), (3, 99, False))),
+          for scene, count, converged in ((0, 10, True), (2, 30, True), (3, 99, False))),
+        line(1, 30, energy=-1.1, knob="off: a", value=1.0),
+        line(5, 7, False, knob="off: a", value=1.0, solvable=False, reason="iteration limit"),
+        line(6, 8, True, knob="off: a", value=1.0, solvable=False),
         line(0, 10, knob="b", value=3.0),
+        {"family": "random", "scene": 0, "complete": ["b", "off: a"]},
     ]
 
     def test_rows(self):
         table = ablation.table_of(self.LINES)
-        self.assertEqual(table["families"]["random"], {"scenes": 5, "converged": 4, "median": 30.0, "share_95": 50, "largest": 50})
+        self.assertEqual(table["families"]["random"], {"scenes": 7, "converged": 4, "good": 6, "median": 30.0, "share_95": 50, "largest": 50})
         first = table["rows"][1]
-        self.assertEqual({key: first[key] for key in ("knob", "asked", "differ", "lost", "won")},
-                         {"knob": "off: a", "asked": 4, "differ": 3, "lost": 1, "won": 1})
+        self.assertEqual({key: first[key] for key in ("knob", "asked", "differ", "lost", "won", "wrong")},
+                         {"knob": "off: a", "asked": 6, "differ": 5, "lost": 3, "won": 1, "wrong": 2})
         self.assertEqual((first["median"], first["largest"], first["total"]), (1.25, 1.5, 1.333))
 
     def test_page(self):
         text = ablation.text_of({**ablation.table_of(self.LINES), "knobs": ["b", "c", "off: a"]})
-        self.assertIn("| a | off | random | 4 | 3 | 1 | 1 | 1.25 | 1.5 | 1.5 | 1.333 |", text)
+        self.assertIn("| a | off | random | 6 | 5 | 3 | 1 | 2 | 1.25 | 1.5 | 1.5 | 1.333 |", text)
         self.assertIn("no scene came to another count: b.", text)
         self.assertIn("Never asked for: c.", text)
 

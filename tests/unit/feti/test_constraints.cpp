@@ -477,6 +477,21 @@ TEST(Constraints, a_contact_row_of_prescribed_values_alone_depends_on_no_other_r
     const LocalOrdinal owned = constraints.rowMap()->getLocalElement(0);
     if (owned != Teuchos::OrdinalTraits<LocalOrdinal>::invalid())
       EXPECT_NEAR(constraints.bound(owned) / constraints.rowScale(owned), gap, 1e-15);
+    // An open one counts, also after other bounds, where it is none of the rows that are set alone.
+    std::vector<ConstraintRow> open = model.rows;
+    for (ConstraintRow& row : open)
+      if (row.number == 0)
+        row.status = ConstraintRow::Status::Open;
+    Constraints changed(system, open);
+    EXPECT_TRUE(changed.hasIntervals());
+    for (ConstraintRow& row : open)
+      row.bound += row.number == 0 ? 0.0 : 0.125;
+    changed.setBounds(open);
+    const Constraints fresh(system, open);
+    EXPECT_TRUE(fresh.hasIntervals() && changed.hasIntervals());
+    for (int r = 0; r < static_cast<int>(localSize(*fresh.rowMap())); ++r)
+      EXPECT_TRUE(changed.bound(r) == fresh.bound(r) && changed.rowType(r) == fresh.rowType(r) &&
+                  changed.isInterval(r) == fresh.isInterval(r));
     // Rows with entries are orthonormal, as ever.
     const int rows = static_cast<int>(constraints.dualDimension());
     const Dense product = gram(b, rows);

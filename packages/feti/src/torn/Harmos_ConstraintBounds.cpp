@@ -71,7 +71,8 @@ void Constraints::setBounds(const std::vector<ConstraintRow>& rows) {
     return;
   const Constraints changed(*system_, rows, hasWeights_, weights_);
   agree(*system_->comm(), [&] {
-    if (!areOfOneKind(changed) || changed.entries_ != entries_)
+    if (!areOfOneKind(changed) || changed.entries_ != entries_ ||
+        changed.standings_.size() != standings_.size())
       throw InputError("setBounds() changes bounds only, but the number, kinds, dofs, coefficients or "
                        "compliances of constraint rows differ (with weights, also a nonzero bound of a row "
                        "that glues two dofs); create new constraints");

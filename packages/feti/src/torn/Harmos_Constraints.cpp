@@ -195,7 +195,7 @@ std::vector<double> Constraints::atGiven(MultiVector& scaled) const {
   {
     const auto view = scaled.getLocalViewHost(Tpetra::Access::ReadWrite);
     for (std::size_t r = 0; r < view.extent(0); ++r)
-      view(r, 0) /= std::pow(rowScale(static_cast<int>(r)), 2);
+      view(r, 0) /= rowScale(static_cast<int>(r)) * rowScale(static_cast<int>(r));
   }
   return givenMultipliers(scaled);
 }

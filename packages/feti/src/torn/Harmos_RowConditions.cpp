@@ -97,7 +97,8 @@ bool RowConditions::areOfOneKind(const RowConditions& other) const {
   return pairs_ == other.pairs_ &&
          std::equal(rows_.begin(), rows_.end(), other.rows_.begin(), other.rows_.end(),
                     [](const RowCondition& a, const RowCondition& b) {
-                      return a.number == b.number && a.type == b.type && a.compliance == b.compliance;
+                      return a.number == b.number && a.type == b.type && a.scale == b.scale &&
+                             a.compliance == b.compliance;
                     });
 }
 

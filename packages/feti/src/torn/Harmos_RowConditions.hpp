@@ -120,7 +120,8 @@ class RowConditions {
   ConstraintRow::Status status(int row) const { return at(row).status; }
   /// Whether rows differ in nothing but what changes from step to step: bounds, limits, softness, statuses.
   bool areOfOneKind(const RowConditions& other) const;
-  /// Other bounds and statuses of rows that are inequalities without softness, or have a bound of zero.
+  /// Other bounds and statuses of inequalities without softness; all other rows keep theirs, but for bounds
+  /// that become zero with all prescribed values.
   struct Change {
     double bound;
     ConstraintRow::Status status;

@@ -13,6 +13,9 @@
 
 #include <Teuchos_RCP.hpp>
 
+#include <algorithm>
+#include <cmath>
+
 namespace Harmos::qp {
 
 /// Preconditioned conjugate gradients for min ½xᵀAx − bᵀx on { x : C̄x = c̄, x_i = bound_i for active i }, a
@@ -156,6 +159,11 @@ class ProjectedCg {
   void precondition();
   void preconditionSoftened();
   void raiseLevel(double iterateNorm2);
+  // What overflows says nothing of A, and would be believed on all faces to come.
+  void raiseCurvatureBound(double curvature) {
+    if (std::isfinite(curvature))
+      curvatureBound_ = std::max(curvatureBound_, curvature);
+  }
   void findSlips();
   void soften(MV& v) const;
   void addSprings(const MV& x);

@@ -166,7 +166,7 @@ CoupledDirection<MV> ProjectedCg<Scalar, MV, OP>::coupledDirection() {
   d.image = MVT::Clone(*d.p, 1);
   ++counters_.hessianApplications;
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), *d.p, *d.image);
-  curvatureBound_ = std::max(curvatureBound_, norm<Scalar>(*d.image) / norm<Scalar>(*d.p));
+  raiseCurvatureBound(norm<Scalar>(*d.image) / norm<Scalar>(*d.p));
   Sets::addCurvature(active_, 1.0, *d.p, false, *d.image);
   SpringOps<Scalar, MV>::add(active_, 1.0, *d.p, false, *d.image);
   d.onFace = MVT::CloneCopy(*d.image);

@@ -125,7 +125,7 @@ typename ProjectedCg<Scalar, MV, OP>::Outcome ProjectedCg<Scalar, MV, OP>::step(
   const double curvature = sums.dotImage / sums.norm2;
   if (!std::isfinite(curvature) || !std::isfinite(sums.dotGradient))
     return Outcome::Breakdown;
-  curvatureBound_ = std::max(curvatureBound_, sums.dotHessian / sums.norm2);
+  raiseCurvatureBound(sums.dotHessian / sums.norm2);
   if (curvature < -100.0 * epsilon * curvatureBound_)
     return Outcome::Breakdown;
   if (curvature <= 100.0 * epsilon * curvatureBound_ && isFlatAlongDirection(curvature))

@@ -198,7 +198,7 @@ void projectOntoCones(const Cones& points, const FollowingLimits& limits, const 
                     entries.second < 0 ? 0.0 : points[k].arm[1] - entries.centre[1]};
     const double length = std::hypot(arm[0], arm[1]);
     double height = n;
-    if (length > f * n) {
+    if (length > f * n || n < 0.0) { // the second where f is zero
       height = std::max(0.0, (n + f * length) / (1.0 + f * f));
       for (double& part : arm)
         part *= length > 0.0 ? f * height / length : 0.0;
