@@ -13,6 +13,7 @@ What each class guards against:
                    little or once a rank
     NotConverged   a run without a solution that looks like one with a solution
     Ranks          more ranks than subdomains: ranks that own nothing
+    Launcher       a launcher that loses a rank (PID 0) fails a test; one that says anything else does not
 """
 
 import json
@@ -21,6 +22,7 @@ import re
 import sys
 import unittest
 from pathlib import Path
+from unittest import mock
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 
@@ -544,6 +546,27 @@ class Ranks(Case):
         self.assertEqual(self.start([*words, "--check"], 3).returncode, 0)
         result = self.start([*words, "--set", "Solver/Tolerance=7"], 3)
         self.assert_refused(result, ['"Solver/Tolerance" = 7 is out of range'])
+
+
+class Launcher(unittest.TestCase):
+    def launch(self, remark):
+        """A launcher that fails once, with a remark; how often it was started, and its last exit status."""
+        place = runs.scratch("launcher")
+        place.write_text(
+            f'#!/bin/sh\necho started >> {place}.log\n[ "$(wc -l < {place}.log)" -gt 1 ] && exit 0\n'
+            f'echo "{remark}" >&2\nexit 1\n',
+            encoding="utf-8",
+        )
+        place.chmod(0o755)
+        with mock.patch.object(runs, "MPIEXEC", str(place)):
+            status = runs.start([]).returncode
+        return Path(f"{place}.log").read_text(encoding="utf-8").count("started"), status
+
+    def test_a_lost_rank_is_no_failure(self):
+        self.assertEqual(self.launch("mpiexec has exited due to process rank 0 with PID 0 on"), (2, 0))
+
+    def test_other_failures_are(self):
+        self.assertEqual(self.launch("mpiexec has exited due to process rank 0 with PID 4711 on"), (1, 1))
 
 
 if __name__ == "__main__":
