@@ -7,32 +7,16 @@
 
 namespace Harmos::feti {
 
-void DeflatedOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp, Scalar alpha,
-                             Scalar beta) const {
-  if (alpha == 1.0 && beta == 0.0) {
-    inner().apply(X, Y);
-    deflation_.removeFromLoad(Y);
-    return;
-  }
-  MultiVector image(Y.getMap(), X.getNumVectors());
-  inner().apply(X, image);
-  deflation_.removeFromLoad(image);
-  if (beta == 0.0)
-    Y.scale(alpha, image);
-  else
-    Y.update(alpha, image, beta);
+void DeflatedOperator::applyTo(const MultiVector& X, MultiVector& Y) const {
+  inner().apply(X, Y);
+  deflation_.removeFromLoad(Y);
 }
 
-void DeflatedPreconditioner::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp, Scalar alpha,
-                                   Scalar beta) const {
-  MultiVector load(X, Teuchos::Copy), image(Y.getMap(), X.getNumVectors());
+void DeflatedPreconditioner::applyTo(const MultiVector& X, MultiVector& Y) const {
+  MultiVector load(X, Teuchos::Copy);
   deflation_.removeFromLoad(load);
-  inner().apply(load, image);
-  deflation_.removeSpan(image);
-  if (beta == 0.0)
-    Y.scale(alpha, image);
-  else
-    Y.update(alpha, image, beta);
+  inner().apply(load, Y);
+  deflation_.removeSpan(Y);
 }
 
 DeflatedProblem::DeflatedProblem(const DualProblem& dual, const Operator& dualOperator, const Operator& kept,

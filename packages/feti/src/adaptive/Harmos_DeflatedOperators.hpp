@@ -13,10 +13,9 @@ class DeflatedOperator : public EndomorphicOperator {
  public:
   DeflatedOperator(const Operator& inner, const Deflation& deflation)
       : EndomorphicOperator(inner), deflation_(deflation) {}
-  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
-             Scalar alpha = 1.0, Scalar beta = 0.0) const override;
 
  private:
+  void applyTo(const MultiVector& X, MultiVector& Y) const override;
   const Deflation& deflation_;
 };
 
@@ -26,10 +25,9 @@ class DeflatedPreconditioner : public EndomorphicOperator {
  public:
   DeflatedPreconditioner(const Operator& inner, const Deflation& deflation)
       : EndomorphicOperator(inner), deflation_(deflation) {}
-  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
-             Scalar alpha = 1.0, Scalar beta = 0.0) const override;
 
  private:
+  void applyTo(const MultiVector& X, MultiVector& Y) const override;
   const Deflation& deflation_;
 };
 

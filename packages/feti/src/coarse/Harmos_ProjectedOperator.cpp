@@ -5,21 +5,15 @@
 
 namespace Harmos::feti {
 
-void ProjectedOperator::apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp, Scalar alpha,
-                              Scalar beta) const {
-  MultiVector image(Y.getMap(), X.getNumVectors());
+void ProjectedOperator::applyTo(const MultiVector& X, MultiVector& Y) const {
   if (onKernel_) {
-    inner().apply(X, image);
+    inner().apply(X, Y);
   } else {
     MultiVector projected(X, Teuchos::Copy);
     coarse_.project(projected);
-    inner().apply(projected, image);
+    inner().apply(projected, Y);
   }
-  coarse_.project(image);
-  if (beta == 0.0)
-    Y.scale(alpha, image);
-  else
-    Y.update(alpha, image, beta);
+  coarse_.project(Y);
 }
 
 } // namespace Harmos::feti

@@ -11,10 +11,9 @@ class ProjectedOperator : public EndomorphicOperator {
  public:
   ProjectedOperator(const Operator& inner, const CoarseSpace& coarse, bool onKernel = false)
       : EndomorphicOperator(inner), coarse_(coarse), onKernel_(onKernel) {}
-  void apply(const MultiVector& X, MultiVector& Y, Teuchos::ETransp mode = Teuchos::NO_TRANS,
-             Scalar alpha = 1.0, Scalar beta = 0.0) const override;
 
  private:
+  void applyTo(const MultiVector& X, MultiVector& Y) const override;
   const CoarseSpace& coarse_;
   bool onKernel_;
 };

@@ -1,14 +1,32 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ReferenceSolution.hpp"
+#include "Harmos_TestComm.hpp"
 #include "Harmos_TestModel.hpp"
+
+#include <gtest/gtest.h>
 
 #include <functional>
 #include <memory>
+#include <string>
 #include <tuple>
 #include <vector>
 
 namespace Harmos {
+
+constexpr double changedTolerance = 1e-10; ///< that solvers of changed models have
+/// ‖u − u*‖ by the condition of these F, a hundred at most, and norms.
+constexpr double changedBound = 1e3 * changedTolerance;
+
+/// Displacements and forces of a solve are those of the undecomposed problem.
+inline void expectReference(const TestModel& model, feti::FetiSolver& solver, const std::string& what) {
+  const feti::SolveReport& report = solver.solve();
+  ASSERT_TRUE(report.converged) << what << ": " << report.reason;
+  const ReferenceSolution reference = referenceSolution(*testComm(), model.subdomains, model.rows);
+  ASSERT_TRUE(reference.solvable) << what;
+  EXPECT_LE(deviation(reference, solver).largest(), changedBound) << what;
+}
 
 /// Each subdomain's matrix times a factor, in objects of their own.
 inline TestModel scaled(TestModel model, const std::function<double(long long)>& factor) {
