@@ -52,7 +52,7 @@ struct State {
     sums = Bounds::split(x, g, {&lower}, 1.0, &p, active);
   }
   MultiVector x, g, p, image, lower;
-  qp::LocalActiveSet active;
+  qp::ActiveFace active;
   qp::SplitSums sums;
 };
 

@@ -34,15 +34,15 @@ MOST_SOURCES = 58
 # Headers that reach one, without "Harmos_" and ".hpp".
 SEAM = {
     "qp": """
-        AutoSolver AutoSolver_def BalancedActiveSet BoundedLagrangian BoundedLagrangian_def
-        BoundedSolver BoundedSolver_def ConeProbe ConjugateDirections CoupledDirections CurvatureTerms
-        DescentOfSets DualPenaltySolver DualPenaltySolver_def EqualityRows EqualityRows_def
-        FaceArchive FeasibilityProbe FirstActiveSet FixedPointSolver FixedPointSolver_def FrozenSides InFacePreconditioner
-        InteriorPath KeptDirections MprgpIteration_def MprgpSolver MprgpSolver_def NearestFeasible
-        NormEstimate_def PcpgSolver PcpgSolver_def PdasBalance_def PdasBeginning_def PdasSolver
-        PdasSolver_def PdasSprings_def ProjectedCg ProjectedCgCoupled_def ProjectedCgStep_def
-        ProjectedCg_def Qp QpProblem_def RowBasis SmalbeSolver SmalbeSolver_def SolverFactory
-        SolverFactory_def SolverManager SolverManager_def StatusTest VectorOps
+        AutoSolver AutoSolver_def BalancedActiveSet BalancedFaces BlockOps BoundedLagrangian
+        BoundedLagrangian_def BoundedSolver BoundedSolver_def ConeProbe ConjugateDirections ConjugateGradients
+        ConjugateResiduals CurvatureTerms DescentOfSets DualPenaltySolver DualPenaltySolver_def EqualityRows
+        EqualityRows_def FaceArchive FaceDescent FaceIterate FaceSolver FaceSolver_def FaceSystem FaceSystem_def
+        FeasibilityProbe FirstActiveSet FirstFace FixedPointSolver FixedPointSolver_def FrozenSides
+        Globalization InFacePreconditioner InteriorPath InteriorRestart KeptDirections MprgpIteration_def
+        MprgpSolver MprgpSolver_def NearestFeasible NewtonState NormEstimate_def PcpgSolver PcpgSolver_def
+        PdasSolver PdasSolver_def Qp QpProblem_def ResidualDirections RowBasis SmalbeSolver SmalbeSolver_def
+        SolverFactory SolverFactory_def SolverManager SolverManager_def StatusTest Strategy VectorOps
     """,
     "feti": """
         DeflatedOperators DualOperator DualPreconditioner DualSystem EndomorphicOperator Feti FetiSolver MumpsSolver

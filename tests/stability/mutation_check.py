@@ -80,7 +80,7 @@ FAULTS = (
         "curvature <= flat && curvature <= roundingOfCurvature();", "curvature <= flat;", ("unit_qp_problems",)),
     fault(
         "b = 0 is measured by nothing", "packages/qp/src/solvers/Harmos_SolverManager_def.hpp",
-        "if (loadTest_.is_null() || loadTest_->scale() > 0.0)", "if (true)", ("unit_qp_problems",)),
+        "if (tests_.load.is_null() || tests_.load->scale() > 0.0)", "if (true)", ("unit_qp_problems",)),
     fault(
         "cells that cover each other are no fold", "packages/fem/src/mesh/Harmos_Mesh.cpp",
         "return cornerOf(b, (k + 1) % corners) == cornerOf(a, 1) &&",
@@ -225,14 +225,15 @@ FAULTS = (
         "row.coefficient * rows[static_cast<std::size_t>(normal)].scale / row.scale",
         "row.coefficient * row.scale / rows[static_cast<std::size_t>(normal)].scale", ("unit_feti",)),
     fault(
-        "forces that do not take friction along", "packages/qp/src/kernels/Harmos_FollowingLimits.cpp",
-        "const double moved = entry.factor * x[entry.source];", "const double moved = 0.0 * x[entry.source];",
+        "forces that do not take friction along", "packages/qp/src/kernels/Harmos_ActiveFace.cpp",
+        "const double moved = coupling.factor * x[coupling.source];",
+        "const double moved = 0.0 * x[coupling.source];",
         ("unit_qp",)),
     fault(
-        "friction that knows no sides", "packages/qp/src/kernels/Harmos_FollowingLimits.cpp",
-        "was != 0 && -was * g[i] > gradientNoise", "was != 0 && was * g[i] > gradientNoise", ("unit_qp",)),
+        "friction that knows no sides", "packages/qp/src/blocks/Harmos_FollowingLimits.cpp",
+        "was != 0 && -was * g[i] > how.gradientNoise", "was != 0 && was * g[i] > how.gradientNoise", ("unit_qp",)),
     fault(
-        "cones that are wider", "packages/qp/src/kernels/Harmos_FollowingLimits.cpp",
+        "cones that are wider", "packages/qp/src/blocks/Harmos_FollowingLimits.cpp",
         "std::max(0.0, (n + f * length) / (1.0 + f * f))", "std::max(0.0, (n + f * length))", ("unit_qp",)),
     fault(
         "a refused design that is not far worse", "packages/rol/src/Harmos_GuardedFunction.cpp",

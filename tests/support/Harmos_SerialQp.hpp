@@ -2,12 +2,12 @@
 #pragma once
 
 /// A serial vector and operator for the QP layer, as plain as can be: each function of BoundOps and
-/// ActiveSetOps is written from its definition, in passes of its own. Whole runs with it are the reference
+/// of faces is written from its definition, in passes of its own. Whole runs with it are the reference
 /// for the fused Tpetra kernels, and the proof that the layer works on types it has never heard of.
 
-#include "Harmos_ActiveSetOps.hpp"
 #include "Harmos_BoundOps.hpp"
 #include "Harmos_DiscKernels.hpp"
+#include "Harmos_FaceOps.hpp"
 #include "Harmos_FollowingOps.hpp"
 #include "Harmos_SerialVector.hpp"
 
@@ -137,7 +137,7 @@ struct SerialSets {
 template<>
 struct BoundOps<double, SerialVector> : SerialSets {
   static SplitSums split(const V& x, const V& g, const Set& feasible, double stepLength, V* direction,
-                         LocalActiveSet& active) {
+                         ActiveFace& active) {
     SplitSums sums;
     const bool fresh = active.size() != x().size();
     active.resize(x().size(), 0);
@@ -179,7 +179,7 @@ struct BoundOps<double, SerialVector> : SerialSets {
     }
     return sums;
   }
-  static CurvatureSums curvature(const V& g, const V& p, const V& image, const LocalActiveSet& active) {
+  static CurvatureSums curvature(const V& g, const V& p, const V& image, const ActiveFace& active) {
     CurvatureSums sums;
     for (std::size_t i = 0; i < g().size(); ++i) {
       sums.gradientDotDirection += g()[i] * p()[i];
@@ -195,12 +195,12 @@ struct BoundOps<double, SerialVector> : SerialSets {
   static ResidualSums localResidualSums(const V& w, const V& z, const V& image, const V& x) {
     return residualSums(w, z, image, x);
   }
-  static CurvatureSums localCurvature(const V& g, const V& p, const V& image, const LocalActiveSet& active) {
+  static CurvatureSums localCurvature(const V& g, const V& p, const V& image, const ActiveFace& active) {
     return curvature(g, p, image, active);
   }
   static SplitSums advance(V& x, V& g, const V& p, const V& image, double step, double factor,
                            bool toBoundary, const Set& feasible, double stepLength, V& next,
-                           LocalActiveSet& active) {
+                           ActiveFace& active) {
     const V direction = p;
     for (std::size_t i = 0; i < x().size(); ++i) {
       V one(std::vector<double>{x()[i]}), along(std::vector<double>{direction()[i]});
@@ -303,17 +303,6 @@ struct BoundOps<double, SerialVector> : SerialSets {
     }
     return result;
   }
-  static double projectOntoRecessionCone(V& d, const Set& feasible) {
-    double removed = 0.0;
-    for (std::size_t i = 0; i < d().size(); ++i)
-      if (discOf(feasible, i) != nullptr || (d()[i] < 0.0 && lowerOf(feasible, i) > -infinity) ||
-          (d()[i] > 0.0 && upperOf(feasible, i) < infinity)) {
-        removed = std::hypot(removed, d()[i]);
-        d()[i] = 0.0;
-      }
-    return removed;
-  }
-  static bool isFit(const V& like, const LocalDiscs& discs) { return discs.length() == like().size(); }
   static BoundFault findBoundFault(const V& like, const Set& feasible) {
     for (std::size_t i = 0; i < like().size(); ++i) {
       if (const Disc* disc = discOf(feasible, i); disc != nullptr && !(disc->radius >= 0.0))
@@ -341,14 +330,23 @@ struct BoundOps<double, SerialVector> : SerialSets {
   }
   static std::vector<double> localEntries(const V& v) { return v(); }
   static void setLocalEntries(const std::vector<double>& entries, V& v) { v() = entries; }
-  static bool isFit(const V& like, const LocalSoftBounds& bounds) { return bounds.length() == like().size(); }
 };
 
-template<>
-struct ActiveSetOps<double, SerialVector> : SerialSets {
-  static void maskActive(V& v, const LocalActiveSet& active) {
+// Faces from their definitions: the reference for blocks.
+struct SerialFaces : SerialSets {
+  static double recede(V& d, const Set& feasible) {
+    double removed = 0.0;
+    for (std::size_t i = 0; i < d().size(); ++i)
+      if (discOf(feasible, i) != nullptr || (d()[i] < 0.0 && lowerOf(feasible, i) > -infinity) ||
+          (d()[i] > 0.0 && upperOf(feasible, i) < infinity)) {
+        removed = std::hypot(removed, d()[i]);
+        d()[i] = 0.0;
+      }
+    return removed;
+  }
+  static void mask(V& v, const ActiveFace& active) {
     for (std::size_t i = 0; i < active.size(); ++i)
-      if (active[i] != 0 && active[i] != LocalActiveSet::slips)
+      if (active[i] != 0 && active[i] != ActiveFace::slips)
         v()[i] = 0.0;
     for (const Slip& slip : active.slipping) {
       double& a = v()[place(slip.first)];
@@ -358,7 +356,7 @@ struct ActiveSetOps<double, SerialVector> : SerialSets {
       b -= outwards * slip.normal[1];
     }
   }
-  static SlipSums slipSums(const LocalActiveSet& active, double q, const V& w) {
+  static SlipSums slipSums(const ActiveFace& active, double q, const V& w) {
     SlipSums sums;
     for (const Slip& slip : active.slipping) {
       const double along =
@@ -374,13 +372,12 @@ struct ActiveSetOps<double, SerialVector> : SerialSets {
     }
     return sums;
   }
-  static void addAtSlips(const LocalActiveSet& active, const std::function<double(double)>& f, const V& x,
-                         V& y) {
+  static void addAtSlips(const ActiveFace& active, const std::function<double(double)>& f, const V& x, V& y) {
     for (const Slip& slip : active.slipping)
       for (int entry : {slip.first, slip.second})
         y()[place(entry)] += f(slip.curvature) * x()[place(entry)];
   }
-  static void addCurvature(const LocalActiveSet& active, double f, const V& x, bool fromCentre, V& y) {
+  static void addCurvature(const ActiveFace& active, double f, const V& x, bool fromCentre, V& y) {
     for (const Slip& slip : active.slipping) {
       const double t[] = {-slip.normal[1], slip.normal[0]};
       double along = t[0] * x()[place(slip.first)] + t[1] * x()[place(slip.second)];
@@ -390,19 +387,7 @@ struct ActiveSetOps<double, SerialVector> : SerialSets {
       y()[place(slip.second)] += f * slip.curvature * along * t[1];
     }
   }
-  // Whole runs are compared from their beginning.
-  static void slipsToVectors(const LocalActiveSet&, V&, V&) {}
-  static void vectorsToSlips(const Set&, const V&, const V&, LocalActiveSet&) {}
-  static void activeToVector(const LocalActiveSet& active, V& v) {
-    v().assign(v().size(), 0.0);
-    std::copy(active.begin(), active.end(), v().begin());
-  }
-  static void vectorToActive(const V& v, LocalActiveSet& active) {
-    active.assign(v().size(), 0);
-    for (std::size_t i = 0; i < active.size(); ++i)
-      active[i] = static_cast<signed char>(v()[i]);
-  }
-  static void moveToBounds(V& x, const Set& feasible, const LocalActiveSet& active) {
+  static void moveToFace(V& x, const Set& feasible, const ActiveFace& active) {
     for (std::size_t i = 0; i < active.size(); ++i)
       if (active[i] == -1 || active[i] == 1)
         x()[i] = active[i] < 0 ? lowerOf(feasible, i) : upperOf(feasible, i);
@@ -416,10 +401,9 @@ struct ActiveSetOps<double, SerialVector> : SerialSets {
       x()[place(slip.second)] += (slip.radius - outwards) * slip.normal[1];
     }
   }
-  static ActiveSetChange updateActiveSet(const V& x, const V& g, const Set& feasible, double xNoise,
-                                         double gradientNoise, LocalActiveSet& set,
-                                         const DiscUpdate& how = {}) {
-    ActiveSetChange result;
+  static FaceChange update(const V& x, const V& g, const Set& feasible, const FaceUpdate& how,
+                           ActiveFace& set) {
+    FaceChange result;
     set.resize(x().size(), 0);
     for (std::size_t i = 0; i < x().size(); ++i) {
       if (discOf(feasible, i) != nullptr)
@@ -431,14 +415,14 @@ struct ActiveSetOps<double, SerialVector> : SerialSets {
         set[i] = -1;
       } else if (before != 0) {
         result.wrongSign2 += wrong * wrong;
-        if (wrong > gradientNoise)
+        if (wrong > how.gradientNoise)
           set[i] = 0;
       } else {
         const double below = std::max(l - x()[i], 0.0), above = std::max(x()[i] - u, 0.0);
         result.violation2 += below * below + above * above;
-        if (below > xNoise)
+        if (below > how.xNoise)
           set[i] = -1;
-        else if (above > xNoise)
+        else if (above > how.xNoise)
           set[i] = 1;
       }
       result.changed += set[i] != before;
@@ -453,13 +437,12 @@ struct ActiveSetOps<double, SerialVector> : SerialSets {
     set.slipping.clear();
     if (feasible.hasDiscs())
       for (const Disc& disc : feasible.discs->discs())
-        updateDisc(x, g, disc, xNoise, gradientNoise, how, before, set, result);
+        updateDisc(x, g, disc, how, before, set, result);
     result.slips = static_cast<long long>(set.slipping.size());
     return result;
   }
-  static void updateDisc(const V& x, const V& g, const Disc& disc, double xNoise, double gradientNoise,
-                         const DiscUpdate& how, const std::vector<Slip>& before, LocalActiveSet& set,
-                         ActiveSetChange& result) {
+  static void updateDisc(const V& x, const V& g, const Disc& disc, const FaceUpdate& how,
+                         const std::vector<Slip>& before, ActiveFace& set, FaceChange& result) {
     const auto y = arm(x, disc), gradient = pairOf(g, disc);
     const double z[] = {y[0] - how.stepLength * gradient[0], y[1] - how.stepLength * gradient[1]};
     const double reach = std::hypot(z[0], z[1]), length = std::hypot(y[0], y[1]);
@@ -468,9 +451,9 @@ struct ActiveSetOps<double, SerialVector> : SerialSets {
     const signed char was = state;
     const auto last = std::find_if(before.begin(), before.end(),
                                    [&](const Slip& slip) { return slip.first == disc.first; });
-    state = disc.radius <= rounding(disc)                            ? 2
-            : reach > disc.radius + std::max(xNoise, rounding(disc)) ? 3
-                                                                     : 0;
+    state = disc.radius <= rounding(disc)                                ? 2
+            : reach > disc.radius + std::max(how.xNoise, rounding(disc)) ? 3
+                                                                         : 0;
     set[place(disc.second)] = state;
     result.violation2 += beyond * beyond;
     bool isChanged = state != was;
@@ -480,8 +463,8 @@ struct ActiveSetOps<double, SerialVector> : SerialSets {
       const double wrong =
           std::hypot(gradient[0] - taken * y[0] / length, gradient[1] - taken * y[1] / length);
       result.wrongSign2 += wrong * wrong;
-      const double noise = std::max(gradientNoise, how.turn);
-      const bool hasTurned = wrong > noise || (beyond > xNoise && beyond > how.stepLength * noise);
+      const double noise = std::max(how.gradientNoise, how.turn);
+      const bool hasTurned = wrong > noise || (beyond > how.xNoise && beyond > how.stepLength * noise);
       isChanged = isChanged || hasTurned;
       if (state == 3 && was == 3 && !hasTurned)
         set.slipping.push_back(*last);
@@ -500,12 +483,6 @@ struct ActiveSetOps<double, SerialVector> : SerialSets {
       result.signature[0] += set.slipping.back().normal[0] * (1.0 + disc.first);
       result.signature[1] += set.slipping.back().normal[1] * (1.0 + disc.first);
     }
-  }
-  static long long changed(const V&, const LocalActiveSet& before, const LocalActiveSet& set) {
-    long long result = 0;
-    for (std::size_t i = 0; i < set.size(); ++i)
-      result += before.size() != set.size() || before[i] != set[i];
-    return result;
   }
 };
 

@@ -21,8 +21,7 @@ VALUES = {"BalancedActiveSet.widening": [4.5, 1.17]}
 FIXED = {
     "BoundKernels.open": "stands for infinity",
     "FixedPointSolver_def.open": "stands for infinity",
-    "KeptDirections.beyond": "stands for infinity",
-    "PdasBeginning_def.beyond": "stands for infinity",
+    "FirstFace.beyond": "stands for infinity",
 }
 
 
@@ -53,68 +52,65 @@ def number(knob, file, old, value, meaning, values=None):
     )
 
 
-BALANCE = "solvers/Harmos_PdasBalance_def.hpp"
 PDAS = "solvers/Harmos_PdasSolver_def.hpp"
-BEGINNING = "solvers/Harmos_PdasBeginning_def.hpp"
-SPRINGS = "solvers/Harmos_PdasSprings_def.hpp"
+AUTO = "solvers/Harmos_AutoSolver_def.hpp"
+BALANCED = "newton/Harmos_BalancedFaces.hpp"
+DESCENT = "newton/Harmos_FaceDescent.hpp"
+FIRST = "newton/Harmos_FirstFace.hpp"
 FIXED_POINT = "solvers/Harmos_FixedPointSolver_def.hpp"
-CG = "iterations/Harmos_ProjectedCg_def.hpp"
 
 RESCUES = (
-    switch("off: balanced sets", BALANCE,
-           "  if (!mayBalance() || balance_.stiffening >= stiffest)\n    return false;",
+    switch("off: balanced sets", BALANCED, "    if (!mayBalance() || stiffening_ >= stiffest)\n      return false;",
            "all sets balanced with springs, after a circle or no progress"),
-    switch("off: interior path", BALANCE,
-           "balance_.paths >= mostPaths || !(q > 0.0) || most <= 0)\n    return false;",
+    switch("off: interior path", "newton/Harmos_InteriorRestart.hpp",
+           "paths_ >= mostPaths || !(q > 0.0) || most <= 0)\n      return false;",
            "restart from an interior point"),
-    switch("off: follow faces", PDAS,
-           "  if (descent_.isOn() || options_.innerReduction < carefulReduction)\n    return false;",
+    switch("off: follow faces", DESCENT,
+           "    if (descent_.isOn() || s.options.innerReduction < carefulReduction)\n      return false;",
            "smaller inner residuals where sets bring no progress"),
-    switch("off: descent of sets", PDAS,
-           "(problem_.hasSoftBounds() && !sides_.areFrozen()))\n    return false;",
+    switch("off: descent of sets", DESCENT, "(!s.problem.kind().isSet && !sides_.areFrozen()))\n      return false;",
            "sets that descend from the best iterate"),
-    switch("off: frozen sides", SPRINGS,
-           "  if (!hasNoOther() || sides_.areFrozen())\n    return false;",
+    switch("off: frozen sides", "newton/Harmos_FrozenSides.hpp",
+           "    if (s.problem.kind().isSet || !s.problem.kind().isCost || areFrozen_)\n      return false;",
            "sides of soft bounds stay until the rest has converged"),
-    switch("off: nearest set tried", BEGINNING,
-           "  LocalActiveSet set = set_;\n  long long active = 0;\n  if (!nearest.find(set, active))\n    return false;",
+    switch("off: nearest set tried", FIRST,
+           "    ActiveFace face = s_.face;\n    long long active = 0;\n    if (!nearest.find(face, active))\n      return false;",
            "the set of the nearest feasible point, where its residual is small"),
-    Place("off: nearest set at bounds", f"{PACKAGE}/{BEGINNING}",
-          "if (options_.firstSet == FirstSet::Nearest || isAtAllBounds(nearest.scale())) {",
-          "if (options_.firstSet == FirstSet::Nearest ||\n"
-          '        (HARMOS_TUNED("off: nearest set at bounds", 0.0) == 0.0 && isAtAllBounds(nearest.scale()))) {',
+    Place("off: nearest set at bounds", f"{PACKAGE}/{FIRST}",
+          "if (first == First::Nearest || isAtAllBounds(nearest.scale())) {",
+          "if (first == First::Nearest ||\n"
+          '          (HARMOS_TUNED("off: nearest set at bounds", 0.0) == 0.0 && isAtAllBounds(nearest.scale()))) {',
           (1.0,), "the same, where the start is at all bounds"),
-    Place("off: start with active", f"{PACKAGE}/{BEGINNING}",
-          "if (change_.wrongSign2 <= 0.1 * atBounds2 && cg_.start(set_)) {",
-          'if (change_.wrongSign2 <= 0.1 * atBounds2 && HARMOS_TUNED("off: start with active", 0.0) == 0.0 &&\n'
-          "      cg_.start(set_)) {",
+    Place("off: start with active", f"{PACKAGE}/{FIRST}",
+          "if (s_.change.wrongSign2 <= mostWrong * atBounds2 && s_.solver.start(s_.face)) {",
+          'if (s_.change.wrongSign2 <= mostWrong * atBounds2 && HARMOS_TUNED("off: start with active", 0.0) == 0.0 &&\n'
+          "        s_.solver.start(s_.face)) {",
           (1.0,), "the gradient at zero on the face where all bounds are active"),
     Place("off: kept directions", f"{PACKAGE}/{PDAS}",
-          "  options_.mostKept = list.get<int>(\"Kept directions\");",
-          '  options_.mostKept =\n'
+          '  options.mostKept = list.get<int>("Kept directions");',
+          '  options.mostKept =\n'
           '      HARMOS_TUNED("off: kept directions", 0.0) != 0.0 ? 0 : list.get<int>("Kept directions");',
           (1.0,), "directions of outlying eigenvalues kept for all faces"),
-    Place("off: nearest set on faces", f"{PACKAGE}/{BALANCE}",
-          "  const bool isFit = next_.isFit() && !descent_.isOn();",
-          "  const bool isFit = next_.isFit() && !descent_.isOn() &&\n"
-          '                     HARMOS_TUNED("off: nearest set on faces", 0.0) == 0.0;',
+    Place("off: nearest set on faces", f"{PACKAGE}/{BALANCED}",
+          "    const bool isFit = next_.isFit() && mayChange;",
+          '    const bool isFit = next_.isFit() && mayChange && HARMOS_TUNED("off: nearest set on faces", 0.0) == 0.0;',
           (1.0,), "a balanced set where a face cannot hold bodies"),
     Place("off: overshoot of pairs", f"{PACKAGE}/{PDAS}",
-          "return slipping.residual <= target_ && slipping.overshoot <= mostOvershoot;",
-          "return slipping.residual <= target_ &&\n"
+          "return slipping.residual <= onFace_.target && slipping.overshoot <= mostOvershoot;",
+          "return slipping.residual <= onFace_.target &&\n"
           '         (slipping.overshoot <= mostOvershoot || HARMOS_TUNED("off: overshoot of pairs", 0.0) != 0.0);',
           (1.0,), "faces are followed until pairs are near their rims"),
     Place("off: return to rows", f"{PACKAGE}/{PDAS}",
-          "    if (cg_.returnToRows(state_.equalityDistance))",
-          '    if (HARMOS_TUNED("off: return to rows", 0.0) == 0.0 && cg_.returnToRows(state_.equalityDistance))',
+          "    if (solver.returnToRows(state_.now.equalityDistance))",
+          '    if (HARMOS_TUNED("off: return to rows", 0.0) == 0.0 && solver.returnToRows(state_.now.equalityDistance))',
           (1.0,), "conjugate gradients begin again from the equalities"),
     Place("off: refinement", f"{PACKAGE}/{PDAS}",
-          "  isMoved_ = cg_.isRefinable(); // the same face, from where x is now",
-          '  isMoved_ = HARMOS_TUNED("off: refinement", 0.0) == 0.0 && cg_.isRefinable();',
+          "  isMoved_ = solver.isRefinable(); // the same face, from where x is now",
+          '  isMoved_ = HARMOS_TUNED("off: refinement", 0.0) == 0.0 && solver.isRefinable();',
           (1.0,), "the same face again, where springs have cost digits"),
-    Place("off: other method", f"{PACKAGE}/{PDAS}",
-          "  if (hasNoOther()) {",
-          '  if (hasNoOther() || HARMOS_TUNED("off: other method", 0.0) != 0.0) {',
+    Place("off: other method", f"{PACKAGE}/{AUTO}",
+          "    const std::string why = k + 1 < stages.size() ?",
+          '    const std::string why = k + 1 < stages.size() && HARMOS_TUNED("off: other method", 0.0) == 0.0 ?',
           (1.0,), "MPRGP, SMALBE or fixed limits take over"),
     Place("off: disproved candidates", f"{PACKAGE}/{PDAS}",
           "  disproved_ = expected; // unless it is the answer",
@@ -132,28 +128,21 @@ NUMBERS = (
           '* HARMOS_TUNED("PDAS.Inner reduction", 1.0) * list.get<double>("Inner reduction");',
           (1.8, 1.0 / 3.0), "of the residual on a face (0.5), as a factor"),
     Place("PDAS.Sets without progress", f"{PACKAGE}/{PDAS}",
-          '  options_.patience = list.get<int>("Active sets without progress");',
-          '  options_.patience = static_cast<int>(HARMOS_TUNED("PDAS.Sets without progress", 1.0) *\n'
-          '                               list.get<int>("Active sets without progress"));',
+          '  options.patience = list.get<int>("Active sets without progress");',
+          '  options.patience = static_cast<int>(HARMOS_TUNED("PDAS.Sets without progress", 1.0) *\n'
+          '                              list.get<int>("Active sets without progress"));',
           (3.0, 1.0 / 3.0), "before something else is tried (10), as a factor"),
     Place("PDAS.Share of iterations", f"{PACKAGE}/{PDAS}",
-          'static_cast<int>(list.get<double>("Share of iterations") * left));',
+          'static_cast<int>(list.get<double>("Share of iterations") * left)',
           'static_cast<int>(HARMOS_TUNED("PDAS.Share of iterations", 1.0) *\n'
-          '                                                       list.get<double>("Share of iterations") * left));',
+          '                                                 list.get<double>("Share of iterations") * left)',
           (1.9, 1.0 / 3.0), "before another method takes over (0.5), as a factor"),
     Place("PDAS.discs", f"{PACKAGE}/{PDAS}",
-          "(problem_.hasDiscs() || hasFollowing() ? 0.5 : 1.0)",
-          '(problem_.hasDiscs() || hasFollowing() ? HARMOS_TUNED("PDAS.discs", 0.5) : 1.0)',
+          "options.innerReduction = (turns ? 0.5 : 1.0)",
+          'options.innerReduction = (turns ? HARMOS_TUNED("PDAS.discs", 0.5) : 1.0)',
           (1.0, 0.5 / 3.0), "factor of the inner reduction where pairs turn"),
-    number("PDAS.follow faces", PDAS, "  options_.innerReduction *= {};", 0.2, "by which inner residuals become smaller",
-           (0.6, 0.07)),
-    number("PDAS.half", PDAS, "  if (least < {} * mark) {", 0.5, "what is called progress", (0.9, 0.17)),
-    number("PDAS.start with active", BEGINNING, "if (change_.wrongSign2 <= {} * atBounds2", 0.1,
-           "of the gradient that does not push against bounds"),
-    number("PDAS.disproved", PDAS, "cg_.residualNorm() > {} * disproved_)", 0.25, "of a residual looked at before",
-           (0.75, 0.08)),
-    number("PDAS.turn", PDAS, "      {} * cg_.slipping().residual / std::sqrt", 0.5,
-           "of the residual, by which pairs go on along tangents"),
+    number("PDAS.half", "newton/Harmos_NewtonState.hpp", "    if (least_ < {} * mark_) {", 0.5, "what is called progress",
+           (0.9, 0.17)),
     number("InteriorPath.step", "sets/Harmos_InteriorPath.hpp", "length < 1.0 ? {} * length : 1.0", 0.95,
            "of the way to the boundary", (0.99, 0.85)),
 )

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_BlockOps.hpp"
 #include "Harmos_BoundTraitsTpetra.hpp"
 #include "Harmos_DiscKernels.hpp"
 #include "Harmos_Errors.hpp"
@@ -19,7 +20,9 @@ using namespace Harmos;
 namespace {
 
 using Bounds = qp::BoundOps<Scalar, MultiVector>;
-using Sets = qp::ActiveSetOps<Scalar, MultiVector>;
+using Faces = qp::FaceOps<Scalar, MultiVector>;
+using Terms = qp::BlockOps<Scalar, MultiVector>;
+using Set = qp::FeasibleSet<MultiVector>;
 using BT = qp::BoundTraits<Scalar, MultiVector>;
 constexpr double inf = std::numeric_limits<double>::infinity();
 
@@ -41,7 +44,7 @@ struct Cases {
 TEST(BoundOps, splitting_of_every_case) {
   const Cases c;
   MultiVector phi(c.map, 1);
-  qp::LocalActiveSet active;
+  qp::ActiveFace active;
   const double step = 0.5;
   const qp::SplitSums sums = Bounds::split(*c.xv, *c.gv, {c.lv.get(), c.uv.get()}, step, &phi, active);
   EXPECT_EQ(fromVector(phi), (std::vector<double>{2, -3, 0, 0, 0, 0, 4, -6, 0}));
@@ -71,7 +74,7 @@ TEST(BoundOps, splitting_of_every_case) {
 TEST(BoundOps, absent_bounds_leave_all_free) {
   const Cases c;
   MultiVector phi(c.map, 1);
-  qp::LocalActiveSet active;
+  qp::ActiveFace active;
   const qp::SplitSums sums = Bounds::split(*c.xv, *c.gv, {}, 1.0, &phi, active);
   EXPECT_EQ(sums.active, 0);
   EXPECT_EQ(fromVector(phi), c.g);
@@ -83,7 +86,7 @@ TEST(BoundOps, sums_of_a_product) {
   const auto map = Teuchos::rcp(new Map(3, 0, testComm()));
   const auto g = toVector({1, 2, 3}, map), p = toVector({4, 5, 0}, map), image = toVector({7, -8, 9}, map);
   // Entry 2 is active on the rank that owns it.
-  qp::LocalActiveSet active;
+  qp::ActiveFace active;
   for (std::size_t i = 0; i < g->getLocalLength(); ++i)
     active.push_back(map->getGlobalElement(static_cast<LocalOrdinal>(i)) == 2 ? -1 : 0);
   const qp::CurvatureSums sums = Bounds::curvature(*g, *p, *image, active);
@@ -100,7 +103,7 @@ TEST(BoundOps, advance_is_step_splitting_and_direction) {
   const auto x = toVector({1.0, 1.0, 0.0, 5.0}, map), g = toVector({4.0, -4.0, 2.0, 8.0}, map),
              p = toVector({4.0, -4.0, 0.0, 8.0}, map), image = toVector({2.0, 1.0, 1.0, 4.0}, map),
              l = toVector({0.0, 0.0, 0.0, -inf}, map), u = toVector({inf, 3.0, inf, inf}, map);
-  qp::LocalActiveSet active;
+  qp::ActiveFace active;
   Bounds::split(*x, *g, {l.get(), u.get()}, 1.0, nullptr, active);
   const qp::SplitSums sums =
       Bounds::advance(*x, *g, *p, *image, 0.125, 0.5, false, {l.get(), u.get()}, 1.0, *p, active);
@@ -124,7 +127,7 @@ TEST(BoundOps, steps_to_the_boundary_end_exactly_on_it) {
   EXPECT_EQ(Bounds::conjugate(*x, *p, 0.0, {l.get(), u.get()}, direction),
             0.25); // entry 1; entry 0 allows 1/3
   EXPECT_EQ(Bounds::conjugate(*x, *p, 0.0, {}, direction), inf);
-  qp::LocalActiveSet active;
+  qp::ActiveFace active;
   Bounds::split(*x, *g, {l.get(), u.get()}, 1.0, nullptr, active);
   // Exactly onto the bound, however the product rounds; beyond it for none.
   const qp::SplitSums sums =
@@ -158,11 +161,11 @@ TEST(BoundOps, active_sets_follow_multipliers_and_violations) {
              g = toVector({9.0, 0.0, 0.0, 1.0, -2.0, -5.0}, map),
              l = toVector({0.0, 0.0, 0.0, 0.0, 0.0, 3.0}, map),
              u = toVector({1.0, 1.0, 1.0, 1.0, 1.0, 3.0}, map);
-  qp::LocalActiveSet set;
+  qp::ActiveFace set;
   for (std::size_t i = 0; i < x->getLocalLength(); ++i)
     set.push_back(map->getGlobalElement(static_cast<LocalOrdinal>(i)) >= 3 ? -1 : 0);
-  const qp::LocalActiveSet before = set;
-  const qp::ActiveSetChange change = Sets::updateActiveSet(*x, *g, {l.get(), u.get()}, 0.0, 0.0, set);
+  const qp::ActiveFace before = set;
+  const qp::FaceChange change = Terms::update(Set{l.get(), u.get()}, *x, *g, {}, set);
   EXPECT_EQ(change.active, 4);
   EXPECT_EQ(change.changed, 3);
   EXPECT_EQ(change.violation2, 2.0);
@@ -172,18 +175,18 @@ TEST(BoundOps, active_sets_follow_multipliers_and_violations) {
     EXPECT_EQ(set[i], expected[map->getGlobalElement(static_cast<LocalOrdinal>(i))]);
   }
   // What lies within the noise is let be.
-  qp::LocalActiveSet tolerant = before;
-  EXPECT_EQ(Sets::updateActiveSet(*x, *g, {l.get(), u.get()}, 1.0, 2.0, tolerant).changed, 0);
+  qp::ActiveFace tolerant = before;
+  EXPECT_EQ(Terms::update(Set{l.get(), u.get()}, *x, *g, {1.0, 2.0}, tolerant).changed, 0);
   // Signatures: the same for the same set, another for another.
-  qp::LocalActiveSet copy = before;
-  const qp::ActiveSetChange same = Sets::updateActiveSet(*x, *g, {l.get(), u.get()}, 0.0, 0.0, copy);
+  qp::ActiveFace copy = before;
+  const qp::FaceChange same = Terms::update(Set{l.get(), u.get()}, *x, *g, {}, copy);
   EXPECT_EQ(same.signature[0], change.signature[0]);
   EXPECT_EQ(same.signature[1], change.signature[1]);
-  const qp::ActiveSetChange other = Sets::updateActiveSet(*x, *g, {l.get(), u.get()}, 1.0, 2.0, tolerant);
+  const qp::FaceChange other = Terms::update(Set{l.get(), u.get()}, *x, *g, {1.0, 2.0}, tolerant);
   EXPECT_NE(other.signature[0], change.signature[0]);
-  Sets::moveToBounds(*x, {l.get(), u.get()}, set);
+  Terms::moveToFace(Set{l.get(), u.get()}, set, *x);
   EXPECT_EQ(fromVector(*x), (std::vector<double>{0.5, 0.0, 1.0, 0.0, 0.0, 3.0}));
-  Sets::maskActive(*g, set);
+  Faces::mask(*g, set);
   EXPECT_EQ(fromVector(*g), (std::vector<double>{9.0, 0.0, 0.0, 0.0, -2.0, 0.0}));
 }
 
@@ -199,7 +202,7 @@ TEST(BoundOps, infimum_over_the_box_and_recession_cone) {
   EXPECT_EQ(open.value, 0.0);
   EXPECT_EQ(open.openNorm, 13.0);
   const auto d = toVector({-3.0, -1.0, 5.0, 4.0}, map);
-  EXPECT_EQ(Bounds::projectOntoRecessionCone(*d, {l.get(), u.get()}), 5.0);
+  EXPECT_EQ(Terms::recede(Terms::setsOf({l.get(), u.get()}), *d), 5.0);
   EXPECT_EQ(fromVector(*d), (std::vector<double>{0.0, -1.0, 5.0, 0.0}));
 }
 

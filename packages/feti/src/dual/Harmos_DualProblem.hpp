@@ -5,6 +5,7 @@
 #include "Harmos_FeasibleSet.hpp"
 #include "Harmos_FollowingLimits.hpp"
 #include "Harmos_LocalInverses.hpp"
+#include "Harmos_SoftBounds.hpp"
 
 #include <Teuchos_RCP.hpp>
 

@@ -78,7 +78,7 @@ class BoundedLagrangian {
   void exchangeActive(StateArchive<MV>& archive);
   void updateEffectiveRhs();
   void applyHessian(const MV& x, MV& y);
-  void applyPreconditioner(const MV& phi, const LocalActiveSet& active, MV& z);
+  void applyPreconditioner(const MV& phi, const ActiveFace& active, MV& z);
 
   const ProblemType& problem_;
   EqualityRows<Scalar, MV, OP>& rows_;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_ActiveSetOps.hpp"
 #include "Harmos_BoundOps.hpp"
 #include "Harmos_BoundedLagrangian.hpp"
 #include "Harmos_EqualityRows_def.hpp"
+#include "Harmos_FaceArchive.hpp"
+#include "Harmos_FaceOps.hpp"
 #include "Harmos_MprgpIteration_def.hpp"
 #include "Harmos_NormEstimate_def.hpp"
 
@@ -63,8 +64,7 @@ void BoundedLagrangian<Scalar, MV, OP>::applyHessian(const MV& x, MV& y) {
 }
 
 template<class Scalar, class MV, class OP>
-void BoundedLagrangian<Scalar, MV, OP>::applyPreconditioner(const MV& phi, const LocalActiveSet& active,
-                                                            MV& z) {
+void BoundedLagrangian<Scalar, MV, OP>::applyPreconditioner(const MV& phi, const ActiveFace& active, MV& z) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   if (!rows_.isPresent() || !rows_.isOrthonormal() || penalty_ == 0.0) {
     preconditioner_.apply(phi, active, z);
@@ -77,12 +77,12 @@ void BoundedLagrangian<Scalar, MV, OP>::applyPreconditioner(const MV& phi, const
   MVT::Assign(phi, *projected_);
   rows_.apply(phi, *removed_);
   rows_.addTransposed(-1.0, *removed_, *projected_);
-  ActiveSetOps<Scalar, MV>::maskActive(*projected_, active);
+  FaceOps<Scalar, MV>::mask(*projected_, active);
   preconditioner_.apply(*projected_, active, z);
   rows_.apply(z, *rowWork_);
   rows_.addTransposed(-1.0, *rowWork_, z);
   rows_.addTransposed(1.0 / penalty_, *removed_, z);
-  ActiveSetOps<Scalar, MV>::maskActive(z, active);
+  FaceOps<Scalar, MV>::mask(z, active);
 }
 
 // Hx − effectiveRhs is the gradient: effectiveRhs = b − C̄ᵀμ + ρC̄ᵀc̄.
@@ -139,28 +139,22 @@ void BoundedLagrangian<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
 // bounds differently.
 template<class Scalar, class MV, class OP>
 void BoundedLagrangian<Scalar, MV, OP>::exchangeActive(StateArchive<MV>& archive) {
-  using Bounds = BoundOps<Scalar, MV>;
-  using Sets = ActiveSetOps<Scalar, MV>;
   MV& x = *problem_.solution();
-  const FeasibleSet<MV> feasible = problem_.feasibleSet();
-  const Teuchos::RCP<MV> states = Belos::MultiVecTraits<Scalar, MV>::Clone(x, 1);
-  LocalActiveSet active;
+  ActiveFace face;
   if (!archive.isReading())
-    active = iteration_->active();
-  Sets::activeToVector(active, *states);
-  archive.vector("active set", *states);
+    face = iteration_->active();
+  FaceArchive<Scalar, MV>(archive, "mprgp", x).exchange(face);
   if (!archive.isReading())
     return;
-  Sets::vectorToActive(*states, active);
-  Bounds::project(x, feasible);
-  Sets::moveToBounds(x, feasible, active);
+  BoundOps<Scalar, MV>::project(x, problem_.feasibleSet());
+  BlockOps<Scalar, MV>::moveToFace(problem_.feasibleSet(), face, x);
 }
 
 template<class Scalar, class MV, class OP>
 void BoundedLagrangian<Scalar, MV, OP>::startIteration() {
   typename Iteration::Precondition precondition;
   if (preconditioner_.isPresent())
-    precondition = [this](const MV& phi, const LocalActiveSet& active, bool changed, MV& z) {
+    precondition = [this](const MV& phi, const ActiveFace& active, bool changed, MV& z) {
       if (changed)
         preconditioner_.invalidate();
       applyPreconditioner(phi, active, z);
@@ -246,7 +240,7 @@ Teuchos::RCP<MV> BoundedLagrangian<Scalar, MV, OP>::unboundedDirection(Certifica
   using OPT = Belos::OperatorTraits<Scalar, MV, OP>;
   const Teuchos::RCP<MV> d = MVT::CloneCopy(iteration_->direction());
   MVT::MvScale(*d, -1.0);
-  BoundOps<Scalar, MV>::projectOntoRecessionCone(*d, problem_.feasibleSet());
+  BlockOps<Scalar, MV>::recede(problem_.blocks(), *d);
   MVT::MvScale(*d, 1.0 / norm<Scalar>(*d));
   ++counters_.hessianApplications;
   OPT::Apply(*problem_.hessian(), *d, *gradient_);

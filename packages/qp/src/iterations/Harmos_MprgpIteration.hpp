@@ -68,7 +68,7 @@ class MprgpIteration {
   using Apply = std::function<void(const MV&, MV&)>;
   /// z = (M⁻¹φ)_F on the face given; null without a preconditioner. The flag tells whether the face is
   /// another than at the last call.
-  using Precondition = std::function<void(const MV&, const LocalActiveSet&, bool, MV&)>;
+  using Precondition = std::function<void(const MV&, const ActiveFace&, bool, MV&)>;
 
   enum class Outcome { ConjugateGradient, Expansion, Proportioning, Unbounded, Breakdown };
 
@@ -96,7 +96,7 @@ class MprgpIteration {
   void refreshGradient();
 
   const SplitSums& sums() const { return sums_; }
-  const LocalActiveSet& active() const { return active_; }
+  const ActiveFace& active() const { return active_; }
   double hessianNorm() const { return hessianNorm_; }
   /// Steps since the gradient was computed from x itself; rounding errors grow with it.
   int staleness() const { return staleness_; }
@@ -132,7 +132,7 @@ class MprgpIteration {
   Counters& counters_;
   Teuchos::RCP<MV> x_, g_, p_, image_, xOld_, gOld_, phi_, z_;
   Teuchos::RCP<const MV> b_;
-  LocalActiveSet active_;
+  ActiveFace active_;
   SplitSums sums_;
   Next next_ = Next::Ready;
   double hessianNorm_ = 0.0;

@@ -127,7 +127,7 @@ void MprgpIteration<Scalar, MV>::expandFixed(const CurvatureSums& along) {
   const double length = longestStep_;
   decrease_ = length * (along.gradientDotDirection - 0.5 * length * along.directionDotImage);
   // The set examined at the boundary point is not a face the iteration works in.
-  LocalActiveSet boundary = active_;
+  ActiveFace boundary = active_;
   Bounds::advance(*x_, *g_, *p_, *image_, length, 0.0, true, feasible_, stepLength(), *phi_, boundary);
   MVT::Assign(*g_, *gOld_);
   goDown(*phi_);

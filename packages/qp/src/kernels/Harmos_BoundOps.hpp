@@ -37,7 +37,7 @@ struct BoundOps {
 
   /// Splits the gradient at x. The direction, where not null, becomes φ, and its longest step is found.
   static SplitSums split(const MV& x, const MV& gradient, const Set& feasible, double stepLength,
-                         MV* direction, LocalActiveSet& active) {
+                         MV* direction, ActiveFace& active) {
     const std::size_t n = BT::length(x);
     const double *const xs = BT::read(x), *const gs = BT::read(gradient);
     double* const p = direction != nullptr ? BT::write(*direction) : nullptr;
@@ -58,7 +58,7 @@ struct BoundOps {
   /// All sums that a step along p needs. @param active of the iterate the gradient belongs to; empty: all
   /// entries are free.
   static CurvatureSums curvature(const MV& gradient, const MV& direction, const MV& image,
-                                 const LocalActiveSet& active) {
+                                 const ActiveFace& active) {
     const CurvatureSums local = localCurvature(gradient, direction, image, active);
     double sums[] = {local.gradientDotDirection, local.directionDotImage, local.directionNorm2,
                      local.freeDotImage, local.freeImageNorm2};
@@ -76,7 +76,7 @@ struct BoundOps {
 
   /// Of these sums the parts of this rank. Local.
   static CurvatureSums localCurvature(const MV& gradient, const MV& direction, const MV& image,
-                                      const LocalActiveSet& active) {
+                                      const ActiveFace& active) {
     return Kernels::curvature(BT::length(gradient), BT::read(gradient), BT::read(direction), BT::read(image),
                               active.empty() ? nullptr : active.data());
   }
@@ -89,7 +89,7 @@ struct BoundOps {
   /// exactly onto it; without, rounding may not carry them beyond it.
   static SplitSums advance(MV& x, MV& gradient, const MV& direction, const MV& image, double step,
                            double beta, bool toBoundary, const Set& feasible, double stepLength, MV& next,
-                           LocalActiveSet& active) {
+                           ActiveFace& active) {
     double *const xs = BT::write(x), *const gs = BT::write(gradient), *const ns = BT::write(next);
     const double* const p = &direction == &next ? ns : BT::read(direction);
     const double* const hs = BT::read(image);
@@ -149,7 +149,7 @@ struct BoundOps {
 
   /// ‖g^P‖.
   static double projectedGradientNorm(const MV& x, const MV& gradient, const Set& feasible) {
-    LocalActiveSet active;
+    ActiveFace active;
     return std::sqrt(split(x, gradient, feasible, 1.0, nullptr, active).projectedNorm2());
   }
 
@@ -230,26 +230,6 @@ struct BoundOps {
     Kernels::addInfimum(discsOf(feasible), w, sums[0], sums[2]);
     BT::sum(like, sums, 3);
     return {sums[0], std::sqrt(sums[1]), std::sqrt(sums[2])};
-  }
-
-  /// d ← its projection onto the recession cone: d_i ≥ 0 where there is a lower bound, d_i ≤ 0 where there is
-  /// an upper one, d_i = 0 in discs; returns the norm of what was taken away.
-  static double projectOntoRecessionCone(MV& d, const Set& feasible) {
-    double removed = 0.0;
-    if (!feasible.isEverything()) {
-      double* const ds = BT::write(d);
-      const Box box(feasible);
-      overOthers(feasible, BT::length(d), [&](std::size_t k, std::size_t n) {
-        for (std::size_t i = k; i < k + n; ++i)
-          if ((ds[i] < 0.0 && !std::isinf(box.lower(i))) || (ds[i] > 0.0 && !std::isinf(box.upper(i)))) {
-            removed += ds[i] * ds[i];
-            ds[i] = 0.0;
-          }
-      });
-      removed += Kernels::clear(discsOf(feasible), ds);
-    }
-    BT::sum(d, &removed, 1);
-    return std::sqrt(removed);
   }
 
   /// Whether discs or soft bounds are those of vectors of this length on this rank. Local.

@@ -68,7 +68,6 @@ void Traits::scatter(const std::vector<double>& values, MultiVector& v) {
 }
 
 template struct BoundOps<Scalar, MultiVector>;
-template struct ActiveSetOps<Scalar, MultiVector>;
-template struct FollowingOps<Scalar, MultiVector>;
+template struct FaceOps<Scalar, MultiVector>;
 
 } // namespace Harmos::qp

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_ActiveSetOps.hpp"
 #include "Harmos_BoundOps.hpp"
-#include "Harmos_FollowingOps.hpp"
+#include "Harmos_FaceOps.hpp"
 #include "Harmos_Types.hpp"
 
 namespace Harmos::qp {
@@ -23,7 +22,6 @@ struct BoundTraits<Scalar, MultiVector> {
 };
 
 extern template struct BoundOps<Scalar, MultiVector>;
-extern template struct ActiveSetOps<Scalar, MultiVector>;
-extern template struct FollowingOps<Scalar, MultiVector>;
+extern template struct FaceOps<Scalar, MultiVector>;
 
 } // namespace Harmos::qp

@@ -1,57 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ActiveFace.hpp"
 #include "Harmos_FeasibleSet.hpp"
-#include "Harmos_SoftBounds.hpp"
 
 #include <limits>
 #include <vector>
 
 namespace Harmos::qp {
-
-/// A pair of entries that moves along the tangent of its disc's rim: y = x − c has nᵀy = r, and tᵀy is free,
-/// t ⊥ n. What the rim bends away from its tangent is a curvature κ ≥ 0 of the cost, ½κ(tᵀy)².
-struct Slip {
-  int first, second; ///< local
-  double centre[2];
-  double radius;
-  double normal[2]; ///< n
-  double curvature; ///< κ
-};
-
-/// Which entries lie at a bound on this rank: −1 lower, +1 upper, 2 on the rim of a disc, 3 slipping along
-/// it, 0 free. Kept between two splittings, so that changes of the face can be counted.
-struct LocalActiveSet : std::vector<signed char> {
-  using std::vector<signed char>::vector;
-  static constexpr signed char onRim = 2, slips = 3;
-  std::vector<Slip> slipping;  ///< of each pair whose state is `slips`
-  std::vector<Spring> springs; ///< entries beyond their soft bounds, whose state is 0; see SpringOps
-};
-
-/// How updateActiveSet() deals with discs.
-struct DiscUpdate {
-  double stepLength = 0.0; ///< α: a pair sticks where |x − c − αg| < r
-  double turn = 0.0;       ///< of the gradient, by which a slipping pair may be wrong and go on as it is
-};
-
-struct FollowingLimit;
-struct FollowingEntry;
-namespace Kernels {
-class SecondOrderCones;
-}
-
-/// How limits follow the solution.
-struct FollowUpdate {
-  double stepLength = 0.0; ///< α: they go where x − αg is
-  double share = 1.0;      ///< s of the way
-};
-
-/// What limits that follow add to an ActiveSetChange; global.
-struct FollowChange {
-  long long changed = 0, active = 0;
-  double distance2 =
-      0.0; ///< of active entries from their limits, and of slipping pairs within theirs; squares
-};
 
 /// What one pass over an iterate and its gradient yields; global, the same on all ranks.
 struct SplitSums {
@@ -90,14 +46,15 @@ struct ChangeSums {
   double gradientNorm2 = 0.0; ///< ‖g_old‖²
 };
 
-/// Entries that a primal-dual active set method has moved between the sets; global.
-struct ActiveSetChange {
+/// How a face differs from the one before; global. The squares see FaceTally.
+struct FaceChange {
   long long active = 0;
   long long changed = 0;
-  double violation2 = 0.0; ///< of the bounds, squared, over free entries
-  double wrongSign2 = 0.0; ///< of the multipliers of active entries, squared, where the sign is wrong
-  double signature[2] = {0.0, 0.0}; ///< the same for the same set; differs with all but certainty else
+  double violation2 = 0.0;
+  double wrongSign2 = 0.0;
+  double signature[2] = {0.0, 0.0}; ///< the same for the same face; differs with all but certainty else
   long long slips = 0;              ///< pairs
+  double wrongForces2 = 0.0, distance2 = 0.0;
 };
 
 /// What a residual w says of slipping pairs, with q for the diagonal of A; global.

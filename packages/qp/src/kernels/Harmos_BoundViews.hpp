@@ -5,8 +5,8 @@
 #include "Harmos_BoundTraits.hpp"
 #include "Harmos_BoundTypes.hpp"
 #include "Harmos_Errors.hpp"
+#include "Harmos_MixedBits.hpp"
 
-#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -55,15 +55,6 @@ void overOthers(const FeasibleSet<MV>& set, std::size_t n, Pass&& pass) {
   HARMOS_REQUIRE(set.discs->length() == n, "discs are those of another vector");
   for (const auto& [begin, end] : set.discs->others())
     pass(begin, end - begin);
-}
-
-/// SplitMix64: well mixed bits of a counter (Steele, Lea, Flood: Fast splittable pseudorandom number
-/// generators, 2014).
-inline std::uint64_t mix(std::uint64_t z) {
-  z += 0x9e3779b97f4a7c15ULL;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-  return z ^ (z >> 31);
 }
 
 } // namespace Harmos::qp

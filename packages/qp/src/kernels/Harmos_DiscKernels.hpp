@@ -35,32 +35,7 @@ void project(const Discs& discs, double* x);
 /// See BoundOps::projectSmoothly().
 void projectSmoothly(const Discs& discs, double width, double* x, double* slope, std::vector<Slip>& rims);
 
-/// To the rim, along the radius, where the state says so.
-void moveToRims(const Discs& discs, const signed char* active, double* x);
-
-/// The part along the tangents is left.
-void maskSlips(const std::vector<Slip>& slipping, double* v);
-
-/// y ← y + f κt(tᵀx), x − c for x where fromCentre.
-void addCurvature(const std::vector<Slip>& slipping, double f, const double* x, bool fromCentre, double* y);
-
-/// nᵀ(x − c) ← r.
-void moveToTangents(const std::vector<Slip>& slipping, double* x);
-
-struct DiscChange {
-  long long active = 0, changed = 0; ///< pairs
-  double violation2 = 0.0;           ///< of the distance outside
-  double wrong2 = 0.0;               ///< of what is left of the gradient at the nearest point of the rim
-};
-
-/// See ActiveSetOps::updateActiveSet().
-DiscChange update(const Discs& discs, const double* x, const double* g, const DiscUpdate& how, double xNoise,
-                  double gradientNoise, LocalActiveSet& set);
-
 /// The infimum of wᵀx over the discs, and the square of where it is attained.
 void addInfimum(const Discs& discs, const double* w, double& value, double& boundNorm2);
-
-/// d ← 0; the square of what that takes away.
-double clear(const Discs& discs, double* d);
 
 } // namespace Harmos::qp::Kernels

@@ -48,6 +48,7 @@ struct FeasibleSet {
   /// Null if there is none.
   const MV* anyBound() const { return lower != nullptr ? lower : upper; }
   bool hasDiscs() const { return discs != nullptr; }
+  bool isTwoSided() const { return lower != nullptr && upper != nullptr; }
   bool isEverything() const { return lower == nullptr && upper == nullptr && discs == nullptr; }
 };
 

@@ -78,7 +78,7 @@ class EqualityRows {
 
   /// C̄M_FC̄ᵀ factored, M_F the mask of the free entries; needs orthonormal rows. @note Collective.
   /// @param q see FaceGramMaker::buildWithSlips(); springs have their share then, see SpringOps.
-  Teuchos::RCP<const FaceGram<MV>> faceGram(const LocalActiveSet& active, double q = 0.0) const;
+  Teuchos::RCP<const FaceGram<MV>> faceGram(const ActiveFace& active, double q = 0.0) const;
   /// C̄DC̄ᵀ for any D, at a product with C̄ and C̄ᵀ a row. @param weigh v ← Dv.
   Teuchos::RCP<const FaceGram<MV>> gramWith(const std::function<void(MV&)>& weigh) const {
     return denseGram(gramOf(weigh));

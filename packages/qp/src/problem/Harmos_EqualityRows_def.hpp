@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_ActiveSetOps.hpp"
 #include "Harmos_BoundOps.hpp"
 #include "Harmos_BoundTraits.hpp"
 #include "Harmos_EqualityRows.hpp"
 #include "Harmos_Errors.hpp"
+#include "Harmos_FaceOps.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_NormEstimate_def.hpp"
 #include "Harmos_VectorOps.hpp"
@@ -124,7 +124,7 @@ std::vector<double> EqualityRows<Scalar, MV, OP>::gramOf(const std::function<voi
 }
 
 template<class Scalar, class MV, class OP>
-Teuchos::RCP<const FaceGram<MV>> EqualityRows<Scalar, MV, OP>::faceGram(const LocalActiveSet& active,
+Teuchos::RCP<const FaceGram<MV>> EqualityRows<Scalar, MV, OP>::faceGram(const ActiveFace& active,
                                                                         double q) const {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   const bool slips =
@@ -134,27 +134,27 @@ Teuchos::RCP<const FaceGram<MV>> EqualityRows<Scalar, MV, OP>::faceGram(const Lo
     const Teuchos::RCP<MV> free = MVT::Clone(*image_, 1);
     MVT::MvInit(*free, 1.0);
     if (q > 0.0)
-      SpringOps<Scalar, MV>::share(active, q, *free);
+      FaceOps<Scalar, MV>::share(active, q, *free);
     if (!slips) {
-      ActiveSetOps<Scalar, MV>::maskActive(*free, active);
+      FaceOps<Scalar, MV>::mask(*free, active);
       return problem_.faceGram()->build(*free);
     }
-    LocalActiveSet held = active;
-    std::replace(held.begin(), held.end(), LocalActiveSet::slips, LocalActiveSet::onRim);
+    ActiveFace held = active;
+    std::replace(held.begin(), held.end(), ActiveFace::slips, ActiveFace::onRim);
     held.slipping.clear();
-    ActiveSetOps<Scalar, MV>::maskActive(*free, held);
+    FaceOps<Scalar, MV>::mask(*free, held);
     const Teuchos::RCP<const FaceGram<MV>> gram =
         problem_.faceGram()->buildWithSlips(*free, active.slipping, q);
     if (!gram.is_null())
       return gram;
   }
   const auto weigh = [&](MV& v) {
-    ActiveSetOps<Scalar, MV>::maskActive(v, active);
+    FaceOps<Scalar, MV>::mask(v, active);
     if (q > 0.0) {
       const Teuchos::RCP<MV> whole = MVT::CloneCopy(v);
-      ActiveSetOps<Scalar, MV>::addAtSlips(
+      FaceOps<Scalar, MV>::addAtSlips(
           active, [q](double curvature) { return -curvature / (q + curvature); }, *whole, v);
-      SpringOps<Scalar, MV>::share(active, q, v);
+      FaceOps<Scalar, MV>::share(active, q, v);
     }
   };
   return denseGram(gramOf(weigh));
@@ -170,14 +170,14 @@ EqualityRows<Scalar, MV, OP>::weightedGram(const MV& weights, const std::vector<
     if (!gram.is_null())
       return gram;
   }
-  LocalActiveSet tangents;
+  ActiveFace tangents;
   tangents.slipping = rims;
   for (Slip& slip : tangents.slipping)
     slip.curvature = 1.0 / (1.0 + slip.curvature);
   return denseGram(gramOf([&](MV& v) {
     const Teuchos::RCP<MV> whole = Belos::MultiVecTraits<Scalar, MV>::CloneCopy(v);
     BoundOps<Scalar, MV>::multiply(weights, v);
-    ActiveSetOps<Scalar, MV>::addCurvature(tangents, 1.0, *whole, false, v);
+    FaceOps<Scalar, MV>::addCurvature(tangents, 1.0, *whole, false, v);
   }));
 }
 

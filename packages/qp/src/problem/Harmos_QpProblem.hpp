@@ -5,7 +5,8 @@
 #include "Harmos_FaceGram.hpp"
 #include "Harmos_FacePreconditioner.hpp"
 #include "Harmos_FollowingLimits.hpp"
-#include "Harmos_SpringOps.hpp"
+#include "Harmos_NonsmoothBlock.hpp"
+#include "Harmos_SoftBounds.hpp"
 
 #include <Teuchos_RCP.hpp>
 
@@ -30,9 +31,9 @@ enum class EqualityStructure {
 ///     min ½ xᵀAx − bᵀx   subject to   l ≤ x ≤ u,  |(x_i, x_j) − m| ≤ r,  Cx = c,
 ///
 /// A symmetric positive semidefinite, (i, j) pairs of entries without bounds; entries may have soft bounds
-/// instead, which add ½κ dist(x_i, [l_i, u_i])² to the cost. Mirrors Belos::LinearProblem:
-/// every setter takes the "set" mark away, setProblem() checks and gives it, and no solver accepts a problem
-/// without it.
+/// instead, which add ½κ dist(x_i, [l_i, u_i])² to the cost, or nonsmooth terms of any kind (NonsmoothBlock;
+/// all of these are such). Mirrors Belos::LinearProblem: every setter takes the "set" mark away, setProblem()
+/// checks and gives it, and no solver accepts a problem without it.
 ///
 /// Operators are applied through Belos::OperatorTraits, C also transposed. The multiplier vector lives in the
 /// range of C, which may be a locally replicated map. Nothing is copied: the solution vector is the initial
@@ -59,18 +60,21 @@ class Problem {
   /// problem works with copies of bounds and discs then.
   void setFollowingLimits(std::shared_ptr<const FollowingLimits> limits);
   /// Entries, without bounds of other kinds, that may leave their intervals against a curvature. Null on all
-  /// ranks: none; else given on all, if empty. Not all solvers take them: SolverManager::takesSoftBounds().
+  /// ranks: none; else given on all, if empty. Not all solvers take them: SolverManager::takesAllBlocks().
   void setSoftBounds(std::shared_ptr<const LocalSoftBounds> bounds);
+  /// Nonsmooth terms of another kind, on entries that nothing else is about. On all ranks, if empty; they
+  /// stay for good. Not all solvers take them, as with soft bounds.
+  void addBlock(std::shared_ptr<NonsmoothBlock> block);
   /// @param multiplier μ in the range of C: initial value before, answer after solve().
   void setEquality(Teuchos::RCP<const OP> rows, Teuchos::RCP<const MV> values, Teuchos::RCP<MV> multiplier,
                    EqualityStructure structure = EqualityStructure::General);
   /// A quick way to C_FC_Fᵀ on faces, for orthonormal rows. Null: the general way.
-  void setFaceGram(Teuchos::RCP<const FaceGramMaker<MV>> maker) { faceGram_ = std::move(maker); }
+  void setFaceGram(Teuchos::RCP<const FaceGramMaker<MV>> maker) { known_.faceGram = std::move(maker); }
   /// An estimate of ‖A‖ from above that is already known; 0 (the default) lets a solver estimate it.
   void setHessianNorm(double norm);
   /// An operator that equals A on the kernel of the rows and is cheaper, such as PF where A = PFP. Null:
   /// none.
-  void setHessianOnKernel(Teuchos::RCP<const OP> hessian) { hessianOnKernel_ = std::move(hessian); }
+  void setHessianOnKernel(Teuchos::RCP<const OP> hessian) { known_.hessianOnKernel = std::move(hessian); }
   /// F, where A = PFP, P = I − CᵀC, of rows that are OrthonormalInvariant: for solvers that
   /// have projected vectors, and project images together with what they do on a face. Null: none.
   void setUnprojectedHessian(Teuchos::RCP<const OP> hessian);
@@ -93,79 +97,98 @@ class Problem {
   const std::string& whyNotSet() const { return fault_; }
 
   Teuchos::RCP<const OP> hessian() const { return hessian_; }
-  Teuchos::RCP<const OP> hessianOnKernel() const { return hessianOnKernel_; }
-  Teuchos::RCP<const OP> unprojectedHessian() const { return unprojectedHessian_; }
+  Teuchos::RCP<const OP> hessianOnKernel() const { return known_.hessianOnKernel; }
+  Teuchos::RCP<const OP> unprojectedHessian() const { return known_.unprojectedHessian; }
   Teuchos::RCP<const MV> rhs() const { return rhs_; }
   Teuchos::RCP<MV> solution() const { return solution_; }
-  Teuchos::RCP<const MV> lowerBound() const { return lower_; }
-  Teuchos::RCP<const MV> upperBound() const { return upper_; }
-  Teuchos::RCP<const OP> equalityRows() const { return equality_; }
-  Teuchos::RCP<const MV> equalityValues() const { return equalityValues_; }
-  Teuchos::RCP<MV> multiplier() const { return multiplier_; }
-  Teuchos::RCP<const OP> preconditioner() const { return preconditioner_; }
-  Teuchos::RCP<FacePreconditioner<MV, OP>> facePreconditioner() const { return facePreconditioner_; }
-  Teuchos::RCP<const FaceGramMaker<MV>> faceGram() const { return faceGram_; }
-  Teuchos::RCP<const MV> nullSpace() const { return nullSpace_; }
-  bool hasPreconditioner() const { return !preconditioner_.is_null() || !facePreconditioner_.is_null(); }
-  EqualityStructure equalityStructure() const { return structure_; }
-  double hessianNorm() const { return hessianNorm_; }
+  Teuchos::RCP<const MV> lowerBound() const { return terms_.lower; }
+  Teuchos::RCP<const MV> upperBound() const { return terms_.upper; }
+  Teuchos::RCP<const OP> equalityRows() const { return equalities_.rows; }
+  Teuchos::RCP<const MV> equalityValues() const { return equalities_.values; }
+  Teuchos::RCP<MV> multiplier() const { return equalities_.multiplier; }
+  Teuchos::RCP<const OP> preconditioner() const { return known_.preconditioner; }
+  Teuchos::RCP<FacePreconditioner<MV, OP>> facePreconditioner() const { return known_.facePreconditioner; }
+  Teuchos::RCP<const FaceGramMaker<MV>> faceGram() const { return known_.faceGram; }
+  Teuchos::RCP<const MV> nullSpace() const { return known_.nullSpace; }
+  bool hasPreconditioner() const { return !preconditioner().is_null() || !facePreconditioner().is_null(); }
+  EqualityStructure equalityStructure() const { return equalities_.structure; }
+  double hessianNorm() const { return known_.hessianNorm; }
   const std::string& label() const { return label_; }
+  bool hasEqualities() const { return !equalities_.rows.is_null(); }
 
-  /// To be used while this lives and is not changed.
-  FeasibleSet<MV> feasibleSet() const { return {lower_.get(), upper_.get(), discs_.get()}; }
-  bool hasDiscs() const { return discs_ != nullptr; }
-  bool hasSoftBounds() const { return soft_ != nullptr; }
-  /// Of this rank; null without.
-  const LocalSoftBounds* softBounds() const { return soft_.get(); }
-  bool isTwoSided() const { return !lower_.is_null() && !upper_.is_null(); }
+  /// All nonsmooth terms, of a problem that is set; intervals and discs come first.
+  const Blocks& blocks() const { return blocks_; }
+  /// What all of them are: sets, as gradient projection needs them; of piecewise linear proxes, so that faces
+  /// do not turn; terms of a cost, which the solution minimises.
+  NonsmoothBlock::Kind kind() const;
+  /// Whether there are some of addBlock().
+  bool hasOtherBlocks() const { return !terms_.others.empty(); }
+
+  /// Intervals and discs. To be used while this lives and is not changed.
+  FeasibleSet<MV> feasibleSet() const { return {terms_.lower.get(), terms_.upper.get(), terms_.discs.get()}; }
+  bool hasDiscs() const { return terms_.discs != nullptr; }
+  bool hasFollowingLimits() const { return terms_.following != nullptr; }
+  /// Local.
+  const FollowingLimits& followingLimits() const { return *terms_.following; }
   /// The problem with limits as they are, and as they will be when this one lets them follow; to be solved
   /// while this lives.
-  Teuchos::RCP<Problem> frozen() const {
-    const auto copy = Teuchos::rcp(new Problem(*this));
-    copy->following_ = nullptr;
-    return copy;
-  }
-  bool hasFollowingLimits() const { return following_ != nullptr; }
-  /// Local.
-  const FollowingLimits& followingLimits() const { return *following_; }
-  /// Limits go where the present solution is, or to what a step along −gradient would make of it. Local.
-  void follow(const FollowUpdate& how = {}, const MV* gradient = nullptr);
-  /// x goes to the limits that it follows: active entries, and pairs that slip along their radii. Local.
-  void moveToLimits(const LocalActiveSet& active);
-  /// The radii, each at the first entry it is of. Local.
+  Teuchos::RCP<Problem> frozen() const;
+  /// Limits go to where the present solution has them. Local.
+  void follow();
+  /// x goes to the limits that it follows: held entries, and pairs that slip along their radii. Local.
+  void moveToLimits(const ActiveFace& face);
+  /// What limits depend on, a number an entry: the radii, each at the first entry it is of. Local.
   void limits(MV& radii) const;
   void setLimits(const MV& radii);
-  /// Or discs.
-  bool hasBounds() const { return !feasibleSet().isEverything(); }
-  bool hasEqualities() const { return !equality_.is_null(); }
 
  private:
+  // What is added to the cost, as it was given.
+  struct Terms {
+    Teuchos::RCP<const MV> lower, upper;
+    std::shared_ptr<const LocalDiscs> discs;
+    std::shared_ptr<const LocalSoftBounds> soft;
+    std::shared_ptr<const FollowingLimits> following;
+    Blocks others;
+  };
+  struct Equalities {
+    Teuchos::RCP<const OP> rows;
+    Teuchos::RCP<const MV> values;
+    Teuchos::RCP<MV> multiplier;
+    EqualityStructure structure = EqualityStructure::General;
+  };
+  // What need not be told, and helps.
+  struct Knowledge {
+    Teuchos::RCP<const OP> hessianOnKernel, unprojectedHessian, preconditioner;
+    Teuchos::RCP<FacePreconditioner<MV, OP>> facePreconditioner;
+    Teuchos::RCP<const FaceGramMaker<MV>> faceGram;
+    Teuchos::RCP<const MV> nullSpace;
+    double hessianNorm = 0.0;
+  };
+  // Where limits follow: what the bounds point to.
+  struct OwnLimits {
+    Teuchos::RCP<MV> lower, upper;
+    std::shared_ptr<LocalDiscs> discs;
+  };
+
   bool refuse(const std::string& fault);
-  bool isFollowable() const;
-  bool areSoft() const;
+  std::string faultOfVectors() const;
+  std::string faultOfTerms() const;
+  std::string faultOfLimits() const;
+  std::string faultOfEqualities() const;
+  bool isOnAnyRank(bool is) const;
+  bool areFollowable() const;
+  bool areDisjoint() const;
   void ownLimits();
+  void makeBlocks();
 
   Teuchos::RCP<const OP> hessian_;
-  Teuchos::RCP<const OP> hessianOnKernel_, unprojectedHessian_;
   Teuchos::RCP<const MV> rhs_;
   Teuchos::RCP<MV> solution_;
-  Teuchos::RCP<const MV> lower_;
-  Teuchos::RCP<const MV> upper_;
-  std::shared_ptr<const LocalDiscs> discs_;
-  std::shared_ptr<const LocalSoftBounds> soft_;
-  std::shared_ptr<const FollowingLimits> following_;
-  // Where limits follow: what the bounds point to.
-  Teuchos::RCP<MV> ownLower_, ownUpper_;
-  std::shared_ptr<LocalDiscs> ownDiscs_;
-  Teuchos::RCP<const OP> equality_;
-  Teuchos::RCP<const MV> equalityValues_;
-  Teuchos::RCP<MV> multiplier_;
-  Teuchos::RCP<const OP> preconditioner_;
-  Teuchos::RCP<FacePreconditioner<MV, OP>> facePreconditioner_;
-  Teuchos::RCP<const FaceGramMaker<MV>> faceGram_;
-  Teuchos::RCP<const MV> nullSpace_;
-  EqualityStructure structure_ = EqualityStructure::General;
-  double hessianNorm_ = 0.0;
+  Terms terms_;
+  Equalities equalities_;
+  Knowledge known_;
+  OwnLimits own_;
+  Blocks blocks_;
   bool set_ = false;
   std::string fault_ = "setProblem() was not called after the last change";
   std::string label_;

@@ -28,7 +28,9 @@ class BalancedActiveSet {
       : problem_(problem), rows_(rows) {}
 
   /// Whether there is such a set: equalities, and limits on both sides, or discs.
-  bool isFit() const { return rows_.isPresent() && (problem_.hasDiscs() || problem_.isTwoSided()); }
+  bool isFit() const {
+    return rows_.isPresent() && (problem_.hasDiscs() || problem_.feasibleSet().isTwoSided());
+  }
 
   /// @param stiffness q; zero: not known.
   void aim(const MV& x, const MV& y, double stiffness) {
@@ -46,7 +48,7 @@ class BalancedActiveSet {
   /// @param set in: where to begin; out: the set, or what it was. @param active receives how many entries of
   /// it are active. @return whether there is one.
   /// @note Collective; some factorisations of C_FC_Fᵀ, tens where many bodies turn.
-  bool find(LocalActiveSet& set, long long& active) {
+  bool find(ActiveFace& set, long long& active) {
     if (aim_.is_null())
       return false;
     constexpr int mostSets = 4, mostWidenings = 20;
@@ -55,7 +57,7 @@ class BalancedActiveSet {
     Nearest nearest(problem_, rows_);
     nearest.unbalance(unbalance * size_);
     const auto isFound = [&](bool smoothly) {
-      LocalActiveSet next = set;
+      ActiveFace next = set;
       long long count = 0;
       const typename Nearest::Outcome outcome = smoothly
                                                     ? nearest.findSmoothly(*aim_, next, count, stiffness_)

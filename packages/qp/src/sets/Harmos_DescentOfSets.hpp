@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_FaceSolver.hpp"
 #include "Harmos_NearestFeasible.hpp"
-#include "Harmos_ProjectedCg.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -23,12 +23,12 @@ namespace Harmos::qp {
 /// projection and conjugate gradients in turns: Moré, Toraldo, SIAM J. Optim. 1, 1991, there for bounds).
 ///
 /// A face costs no product more than without, a safe step one. Guarded by
-/// tests/unit/qp/test_descent_of_sets.cpp.
+/// tests/unit/qp/newton/test_descent_of_sets.cpp.
 template<class Scalar, class MV, class OP>
 class DescentOfSets {
  public:
   DescentOfSets(const Problem<Scalar, MV, OP>& problem, const EqualityRows<Scalar, MV, OP>& rows,
-                ProjectedCg<Scalar, MV, OP>& cg)
+                FaceSolver<Scalar, MV, OP>& cg)
       : x_(*problem.solution()),
         cg_(cg),
         nearest_(problem, rows),
@@ -45,9 +45,9 @@ class DescentOfSets {
 
   /// Descends from now on: the problem's solution becomes the feasible point next to it.
   /// @return false if none is found; nothing has changed then.
-  bool begin(LocalActiveSet& set, long long& active) {
+  bool begin(ActiveFace& set, long long& active) {
     const Teuchos::RCP<MV> start = MVT::CloneCopy(x_);
-    LocalActiveSet next = set;
+    ActiveFace next = set;
     isOn_ = moveToFeasible(*start, next, active);
     if (isOn_)
       set = next;
@@ -58,7 +58,7 @@ class DescentOfSets {
 
   /// After conjugate gradients have begun on a face: is it below the last one? If not, they begin at a safe
   /// step from there. @return false if no step descends: rounding errors.
-  bool enter(LocalActiveSet& set, long long& active) {
+  bool enter(ActiveFace& set, long long& active) {
     if (!isOn_)
       return true;
     constexpr double part = 0.1; // of the gain
@@ -79,14 +79,14 @@ class DescentOfSets {
 
   /// Whether conjugate gradients have left the bounds so far behind that the way back may cost what they have
   /// gained: ½‖A‖‖x − Π(x)‖², Π onto the bounds.
-  bool isAstray(const LocalActiveSet& set) {
+  bool isAstray(const ActiveFace& set) {
     if (!isOn_)
       return false;
-    LocalActiveSet copy = set;
+    ActiveFace copy = set;
     MVT::MvInit(*work_, 0.0);
     constexpr double rounding = 10.0 * std::numeric_limits<double>::epsilon();
-    const ActiveSetChange change =
-        Sets::updateActiveSet(x_, *work_, feasible_, rounding * norm<Scalar>(x_), 1.0, copy);
+    const FaceChange change =
+        BlockOps<Scalar, MV>::update(feasible_, x_, *work_, {rounding * norm<Scalar>(x_), 1.0}, copy);
     return change.changed > 0 && 0.5 * cg_.curvatureBound() * change.violation2 > referenceCost_ - cg_.cost();
   }
 
@@ -95,8 +95,7 @@ class DescentOfSets {
   /// @param cost of x. @param before the set of the face. @param set that which primal-dual active sets go on
   /// with.
   /// @return whether there is a feasible point.
-  bool leave(double cost, bool isFeasible, const LocalActiveSet& before, LocalActiveSet& set,
-             long long& active) {
+  bool leave(double cost, bool isFeasible, const ActiveFace& before, ActiveFace& set, long long& active) {
     if (!isOn_)
       return true;
     promised_ = std::max(0.0, referenceCost_ - cost);
@@ -106,7 +105,7 @@ class DescentOfSets {
       return true;
     }
     const Teuchos::RCP<MV> z = MVT::CloneCopy(x_);
-    LocalActiveSet next = set;
+    ActiveFace next = set;
     if (!moveToFeasible(*z, next, active))
       return false;
     for (std::size_t i = 0; i < next.size() && i < before.size(); ++i)
@@ -129,12 +128,11 @@ class DescentOfSets {
 
  private:
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using Sets = ActiveSetOps<Scalar, MV>;
   using Nearest = NearestFeasible<Scalar, MV, OP>;
   static constexpr int mostSets = 50, mostHalvings = 40;
 
-  bool moveToFeasible(const MV& z, LocalActiveSet& set, long long& active) {
-    LocalActiveSet none(set.size(), 0);
+  bool moveToFeasible(const MV& z, ActiveFace& set, long long& active) {
+    ActiveFace none(set.size(), 0);
     none.springs = set.springs;
     if (nearest_.find(z, mostSets, set, active) != Nearest::Outcome::Found) {
       if (nearest_.find(z, mostSets, none, active) != Nearest::Outcome::Found)
@@ -162,7 +160,7 @@ class DescentOfSets {
   }
 
   MV& x_;
-  ProjectedCg<Scalar, MV, OP>& cg_;
+  FaceSolver<Scalar, MV, OP>& cg_;
   Nearest nearest_;
   Teuchos::RCP<MV> reference_, gradient_; // of the Lagrangian there
   Teuchos::RCP<MV> work_;

@@ -21,7 +21,7 @@ namespace Harmos::qp {
 ///
 /// Pairs that stay in discs are free while it is found, and slip in it where they are outside.
 ///
-/// Guarded by tests/unit/qp/test_first_active_set.cpp.
+/// Guarded by tests/unit/qp/newton/test_first_active_set.cpp.
 template<class Scalar, class MV, class OP>
 class FirstActiveSet {
  public:
@@ -46,11 +46,11 @@ class FirstActiveSet {
   /// @return whether there is a guess: not without a preconditioner, and not where the equalities cannot be
   /// met on the set to begin with.
   /// @note Collective; a factorisation of C_FC_Fᵀ for each set.
-  bool find(LocalActiveSet& set, long long& active) {
+  bool find(ActiveFace& set, long long& active) {
     if (!(scale() > 0.0))
       return false;
     for (signed char& state : set)
-      state = state == LocalActiveSet::onRim || state == LocalActiveSet::slips ? 0 : state;
+      state = state == ActiveFace::onRim || state == ActiveFace::slips ? 0 : state;
     set.slipping.clear();
     const Teuchos::RCP<MV> z = MVT::Clone(b_, 1);
     MVT::MvAddMv(1.0 / stiffness_, b_, 0.0, b_, *z);
@@ -71,7 +71,7 @@ class FirstActiveSet {
     if (!preconditioner.isPresent())
       return 0.0;
     const Teuchos::RCP<MV> y = MVT::Clone(b_, 1);
-    preconditioner.apply(b_, LocalActiveSet{}, *y);
+    preconditioner.apply(b_, ActiveFace{}, *y);
     return dot<Scalar>(b_, b_) / dot<Scalar>(b_, *y);
   }
 

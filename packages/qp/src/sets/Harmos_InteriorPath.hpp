@@ -5,6 +5,7 @@
 #include "Harmos_BoundTraits.hpp"
 #include "Harmos_ConjugateDirections.hpp"
 #include "Harmos_EqualityRows.hpp"
+#include "Harmos_FollowingOps.hpp"
 #include "Harmos_InFacePreconditioner.hpp"
 #include "Harmos_KeptDirections.hpp"
 #include "Harmos_QpProblem.hpp"
@@ -44,7 +45,7 @@ class InteriorPath {
   /// more of them are added, up to `mostKept`.
   InteriorPath(const Problem<Scalar, MV, OP>& problem, const EqualityRows<Scalar, MV, OP>& rows,
                const CgOptions& options, KeptDirections<Scalar, MV, OP>& kept, int mostKept,
-               Counters& counters, LocalActiveSet springs = {})
+               Counters& counters, ActiveFace springs = {})
       : problem_(problem),
         rows_(rows),
         kept_(kept),
@@ -151,7 +152,7 @@ class InteriorPath {
     ++counters_.hessianApplications;
     Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), *x_, *y_);
     MVT::MvAddMv(1.0, *y_, -1.0, *problem_.rhs(), *y_);
-    SpringOps<Scalar, MV>::add(springs_, 1.0, *x_, true, *y_);
+    FaceOps<Scalar, MV>::addSprings(springs_, 1.0, *x_, true, *y_);
     if (rows_.isPresent())
       rows_.addTransposed(1.0, *mu_, *y_);
   }
@@ -184,7 +185,7 @@ class InteriorPath {
   Vector imageOf(const MV& p, const OP& hessian, MV& image) {
     ++counters_.hessianApplications;
     Belos::OperatorTraits<Scalar, MV, OP>::Apply(hessian, p, image);
-    SpringOps<Scalar, MV>::add(springs_, 1.0, p, false, image);
+    FaceOps<Scalar, MV>::addSprings(springs_, 1.0, p, false, image);
     const Vector whole = MVT::CloneCopy(image);
     const std::vector<double> entries = Bounds::localEntries(p);
     onEntries([&](double* y) { cones_.addCurvature(entries.data(), y); }, *whole);
@@ -193,7 +194,7 @@ class InteriorPath {
 
   void weigh(MV& v) const {
     onEntries([&](double* entries) { cones_.weigh(entries); }, v);
-    SpringOps<Scalar, MV>::share(springs_, q_, v);
+    FaceOps<Scalar, MV>::share(springs_, q_, v);
   }
 
   // w ← (C̄DC̄ᵀ)⁻C̄Dv.
@@ -289,7 +290,7 @@ class InteriorPath {
     const Vector weighted = MVT::CloneCopy(rho);
     weigh(*weighted);
     if (preconditioner_.isPresent()) {
-      preconditioner_.apply(*weighted, LocalActiveSet{}, z);
+      preconditioner_.apply(*weighted, ActiveFace{}, z);
       MVT::MvAddMv(1.0, z, 1.0 / q_, rho, z);
       MVT::MvAddMv(1.0, z, -1.0 / q_, *weighted, z);
     } else {
@@ -312,7 +313,7 @@ class InteriorPath {
   KeptDirections<Scalar, MV, OP>& kept_;
   int mostKept_;
   ConjugateDirections<Scalar, MV> directions_;
-  LocalActiveSet springs_;
+  ActiveFace springs_;
   Counters& counters_;
   InFacePreconditioner<Scalar, MV, OP> preconditioner_;
   Vector x_, y_, mu_;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_ActiveSetOps.hpp"
+#include "Harmos_BlockOps.hpp"
 #include "Harmos_BoundOps.hpp"
 #include "Harmos_EqualityRows.hpp"
+#include "Harmos_FaceOps.hpp"
 #include "Harmos_VectorOps.hpp"
 
 #include <cmath>
@@ -21,7 +22,8 @@ namespace Harmos::qp {
 /// where φ does not fall, steps are halved, and one along −∇φ comes last: of length 1 it always falls there,
 /// ‖C̄‖ = 1. No product with A.
 ///
-/// Guarded by tests/unit/qp/test_first_active_set.cpp and tests/unit/qp/test_descent_of_sets.cpp.
+/// Guarded by tests/unit/qp/newton/test_first_active_set.cpp and
+/// tests/unit/qp/newton/test_descent_of_sets.cpp.
 template<class Scalar, class MV, class OP>
 class NearestFeasible {
  public:
@@ -50,7 +52,7 @@ class NearestFeasible {
   /// @param set in: where to begin; out: the set of x(), or what it was if there is none. @param active
   /// receives how many entries of it are active.
   /// @note Collective.
-  Outcome find(const MV& z, int mostSets, LocalActiveSet& set, long long& active) {
+  Outcome find(const MV& z, int mostSets, ActiveFace& set, long long& active) {
     noise_ = touching * norm<Scalar>(z);
     MVT::Assign(z, *v_);
     height_ = 0.0;
@@ -63,7 +65,7 @@ class NearestFeasible {
   /// at once; the width falls until find()'s steps get on from there.
   /// @note Collective; a factorisation for each of some ten to thirty steps.
   /// @param stiffness with discs: q, to make curvatures of. The set is that of the smoothed point then.
-  Outcome findSmoothly(const MV& z, LocalActiveSet& set, long long& active, double stiffness = 1.0) {
+  Outcome findSmoothly(const MV& z, ActiveFace& set, long long& active, double stiffness = 1.0) {
     constexpr double reduction = 0.3, widest = 3.0, finest = 1e-7;
     constexpr int mostSteps = 12, mostSets = 3;
     if (!rows_.isPresent())
@@ -91,9 +93,9 @@ class NearestFeasible {
     for (int pass = 0; pass < 2; ++pass) { // the second for what was at its other bound
       moveToFace(set);
       MVT::MvAddMv(stiffness, *x_, -stiffness, *v_, *work_);
-      active = Sets::updateActiveSet(*x_, *work_, whole, finest * size, stiffness * finest * size, set,
-                                     {1.0 / stiffness, 0.0})
-                   .active;
+      active =
+          Terms::update(whole, *x_, *work_, {finest * size, stiffness * finest * size, 1.0 / stiffness}, set)
+              .active;
     }
     return Outcome::Found;
   }
@@ -118,30 +120,30 @@ class NearestFeasible {
 
   /// Adds pairs of v that are outside of their discs to the set that was found. @param stepLength 1/‖A‖, to
   /// make curvatures of. @return how many entries of it are active. @note Collective.
-  long long addSlips(const FeasibleSet<MV>& feasible, double stepLength, LocalActiveSet& set) {
+  long long addSlips(const FeasibleSet<MV>& feasible, double stepLength, ActiveFace& set) {
     moveToFace(set);
     MVT::MvAddMv(1.0, *x_, -1.0, *v_, *work_);
-    return Sets::updateActiveSet(*x_, *work_, feasible, touching * norm<Scalar>(*x_), noise_, set,
-                                 {stepLength, 0.0})
+    return Terms::update(feasible, *x_, *work_, {touching * norm<Scalar>(*x_), noise_, stepLength}, set)
         .active;
   }
 
   /// How many entries of a set are active. @note Collective.
-  long long count(const LocalActiveSet& set) {
+  long long count(const ActiveFace& set) {
     constexpr double unmoved = std::numeric_limits<double>::max();
-    LocalActiveSet copy = set;
-    return Sets::updateActiveSet(*v_, *v_, feasible_, unmoved, unmoved, copy).active;
+    ActiveFace copy = set;
+    return Terms::update(feasible_, *v_, *v_, {unmoved, unmoved}, copy).active;
   }
 
  private:
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using Bounds = BoundOps<Scalar, MV>;
-  using Sets = ActiveSetOps<Scalar, MV>;
+  using Terms = BlockOps<Scalar, MV>;
+  using Faces = FaceOps<Scalar, MV>;
 
   // Newton's steps from v on. @param fromV the first set is that of v.
-  Outcome settle(int mostSets, bool fromV, LocalActiveSet& set, long long& active) {
+  Outcome settle(int mostSets, bool fromV, ActiveFace& set, long long& active) {
     Outcome outcome = Outcome::None;
-    LocalActiveSet next = set;
+    ActiveFace next = set;
     if (fromV) {
       updateSet(next);
       updateSet(next); // what was at its other bound
@@ -204,9 +206,9 @@ class NearestFeasible {
   static constexpr double sufficient = 1e-4; // part of what its slope promises
 
   // x = v where the set is free, else the bounds.
-  void moveToFace(const LocalActiveSet& active) {
+  void moveToFace(const ActiveFace& active) {
     MVT::Assign(*v_, *x_);
-    Sets::moveToBounds(*x_, feasible_, active);
+    Terms::moveToFace(feasible_, active, *x_);
   }
 
   void subtractRows(double factor, const MV& nu) {
@@ -215,7 +217,7 @@ class NearestFeasible {
   }
 
   // From a set that need not be that of Π(v): Newton's step alone, where it leads to the equalities.
-  bool begin(const LocalActiveSet& active) {
+  bool begin(const ActiveFace& active) {
     moveToFace(active);
     if (!rows_.isPresent())
       return true;
@@ -230,7 +232,7 @@ class NearestFeasible {
   }
 
   // A step that makes φ smaller; whether x on the face meets the equalities then.
-  bool descend(const LocalActiveSet& active) {
+  bool descend(const ActiveFace& active) {
     moveToFace(active);
     if (!rows_.isPresent())
       return true;
@@ -276,7 +278,7 @@ class NearestFeasible {
   }
 
   // Newton's, from x on the face; a second time for what rounding left, and for what a singular face leaves.
-  void findDirection(const LocalActiveSet& active) {
+  void findDirection(const ActiveFace& active) {
     const Teuchos::RCP<const FaceGram<MV>> gram = rows_.faceGram(active);
     findResidual();
     MVT::Assign(*residual_, *direction_);
@@ -284,7 +286,7 @@ class NearestFeasible {
     const Teuchos::RCP<MV> image = MVT::Clone(*x_, 1), rest = rows_.makeVector();
     MVT::MvInit(*image, 0.0);
     rows_.addTransposed(1.0, *direction_, *image);
-    Sets::maskActive(*image, active);
+    Faces::mask(*image, active);
     rows_.apply(*image, *rest);
     MVT::MvAddMv(1.0, *residual_, -1.0, *rest, *rest);
     MVT::Assign(*rest, *residual_);
@@ -294,7 +296,7 @@ class NearestFeasible {
   }
 
   // A face that misses the equalities does so by more than rounding errors.
-  bool meetsRows(const LocalActiveSet& active) {
+  bool meetsRows(const ActiveFace& active) {
     moveToFace(active);
     findResidual();
     const double scale = norm<Scalar>(*x_) + norm<Scalar>(*values_);
@@ -316,10 +318,10 @@ class NearestFeasible {
   }
 
   // To the entries that Π moves; how many have changed.
-  long long updateSet(LocalActiveSet& set) {
+  long long updateSet(ActiveFace& set) {
     moveToFace(set);
     MVT::MvAddMv(1.0, *x_, -1.0, *v_, *work_);
-    return Sets::updateActiveSet(*x_, *work_, feasible_, touching * norm<Scalar>(*x_), noise_, set).changed;
+    return Terms::update(feasible_, *x_, *work_, {touching * norm<Scalar>(*x_), noise_}, set).changed;
   }
 
   FeasibleSet<MV> feasible_; // without discs

@@ -2,8 +2,10 @@
 #pragma once
 
 #include "Harmos_AutoSolver.hpp"
+#include "Harmos_FixedPointSolver_def.hpp"
 #include "Harmos_PcpgSolver_def.hpp"
 #include "Harmos_PdasSolver_def.hpp"
+#include "Harmos_SmalbeSolver_def.hpp"
 
 namespace Harmos::qp {
 
@@ -22,10 +24,26 @@ const ParameterSpec& AutoSolver<Scalar, MV, OP>::spec() {
 }
 
 template<class Scalar, class MV, class OP>
+const ParameterSpec& AutoSolver<Scalar, MV, OP>::parameterSpec() const {
+  static const ParameterSpec ofPdas = [] {
+    ParameterSpec spec("PDAS", "The primal-dual active set solver.");
+    SolverManager<Scalar, MV, OP>::addCommonParameters(spec);
+    spec.expert().list(PdasSolver<Scalar, MV, OP>::methodSpec());
+    spec.expert().list(CgOptions::parameterSpec());
+    spec.expert().list(SmalbeSolver<Scalar, MV, OP>::methodSpec());
+    spec.expert().list(MprgpOptions::parameterSpec());
+    return spec;
+  }();
+  if (first_.is_null())
+    return spec();
+  return first_->name() == "PDAS" ? ofPdas : first_->parameterSpec();
+}
+
+template<class Scalar, class MV, class OP>
 std::string AutoSolver<Scalar, MV, OP>::choice(const Problem<Scalar, MV, OP>& problem) {
-  if (problem.hasSoftBounds())
+  if (!problem.kind().isSet)
     return "PDAS";
-  if (!problem.hasBounds())
+  if (problem.blocks().empty())
     return "PCPG";
   const bool cheapFaces = !problem.hasEqualities() || !problem.faceGram().is_null();
   if (problem.hasPreconditioner() && cheapFaces)
@@ -34,23 +52,106 @@ std::string AutoSolver<Scalar, MV, OP>::choice(const Problem<Scalar, MV, OP>& pr
 }
 
 template<class Scalar, class MV, class OP>
-void AutoSolver<Scalar, MV, OP>::doSolve() {
-  const std::string method = choice(*this->problem_);
-  Teuchos::RCP<SolverManager<Scalar, MV, OP>> solver;
+Teuchos::RCP<SolverManager<Scalar, MV, OP>> AutoSolver<Scalar, MV, OP>::make(const std::string& method) {
   if (method == "PCPG")
-    solver = Teuchos::rcp(new PcpgSolver<Scalar, MV, OP>);
-  else if (method == "SMALBE")
-    solver = Teuchos::rcp(new SmalbeSolver<Scalar, MV, OP>);
-  else if (method == "PDAS")
-    solver = Teuchos::rcp(new PdasSolver<Scalar, MV, OP>);
-  else
-    solver = Teuchos::rcp(new MprgpSolver<Scalar, MV, OP>);
-  this->delegate(*solver);
+    return Teuchos::rcp(new PcpgSolver<Scalar, MV, OP>);
+  if (method == "SMALBE")
+    return Teuchos::rcp(new SmalbeSolver<Scalar, MV, OP>);
+  if (method == "PDAS")
+    return Teuchos::rcp(new PdasSolver<Scalar, MV, OP>);
+  return Teuchos::rcp(new MprgpSolver<Scalar, MV, OP>);
+}
+
+template<class Scalar, class MV, class OP>
+bool AutoSolver<Scalar, MV, OP>::canBeOrthonormal() const {
+  const Problem<Scalar, MV, OP>& problem = *this->problem_;
+  if (!problem.hasEqualities() || problem.equalityStructure() != EqualityStructure::General)
+    return true;
+  const int most = this->parameters_->sublist("Expert").template get<int>("Orthonormalised Rows");
+  return Belos::MultiVecTraits<Scalar, MV>::GetGlobalLength(*problem.equalityValues()) <= most;
+}
+
+// Null: there is none.
+template<class Scalar, class MV, class OP>
+Teuchos::RCP<SolverManager<Scalar, MV, OP>> AutoSolver<Scalar, MV, OP>::successorOfPdas() const {
+  const Problem<Scalar, MV, OP>& problem = *this->problem_;
+  if (!problem.kind().isCost)
+    return Teuchos::rcp(new FixedPointSolver<Scalar, MV, OP>(Teuchos::rcp(new AutoSolver(make("PDAS")))));
+  if (!problem.kind().isSet)
+    return Teuchos::null;
+  return make(problem.hasEqualities() ? "SMALBE" : "MPRGP");
+}
+
+template<class Scalar, class MV, class OP>
+std::vector<typename AutoSolver<Scalar, MV, OP>::Stage> AutoSolver<Scalar, MV, OP>::plan() const {
+  constexpr double share = 0.25;
+  const Problem<Scalar, MV, OP>& problem = *this->problem_;
+  const Teuchos::RCP<Solver> first = first_.is_null() ? make(choice(problem)) : first_->clone();
+  if (first->name() == "PDAS") {
+    const Teuchos::RCP<Solver> next = !problem.blocks().empty() ? successorOfPdas() : Teuchos::null;
+    return next.is_null() ? std::vector<Stage>{{first}} : std::vector<Stage>{{first}, {next}};
+  }
+  if (problem.kind().isCost && problem.kind().isPiecewiseLinear)
+    return {{first}};
+  Stage stage{first};
+  if (!problem.kind().isCost)
+    stage.solver = Teuchos::rcp(new FixedPointSolver<Scalar, MV, OP>(first));
+  if (!canBeOrthonormal())
+    return {stage};
+  stage.share = share;
+  return {stage, {make("PDAS"), 1.0, true}};
+}
+
+// Empty: it does not.
+template<class Scalar, class MV, class OP>
+std::string AutoSolver<Scalar, MV, OP>::whyHandOver(const Stage& stage, int budget) const {
+  if (!stage.solver->gaveUp().empty())
+    return stage.solver->gaveUp();
+  const Result& result = this->result_;
+  const bool isSpent = stage.share < 1.0 && result.reason == Reason::IterationLimit &&
+                       result.lastRecord().inner < this->maximumIterations() &&
+                       result.lastRecord().inner >= budget;
+  return isSpent ? "slow convergence" : "";
+}
+
+template<class Scalar, class MV, class OP>
+void AutoSolver<Scalar, MV, OP>::doSolve() {
+  using MVT = Belos::MultiVecTraits<Scalar, MV>;
+  const std::vector<Stage> stages = plan();
+  std::size_t k = 0;
+  this->describeDelegation([&k](StateArchive<MV>& archive) { archive.number("auto stage", k); });
+  this->resumeDelegation();
+  for (;; ++k) {
+    const Stage& stage = stages[k];
+    if (stage.isFromZero) {
+      MVT::MvInit(*this->problem_->solution(), 0.0);
+      if (this->problem_->hasEqualities())
+        MVT::MvInit(*this->problem_->multiplier(), 0.0);
+    }
+    const int done = this->result_.history.empty() ? this->firstInner_ : this->result_.lastRecord().inner;
+    const int budget = done + static_cast<int>(stage.share * (this->maximumIterations() - done));
+    Teuchos::RCP<StatusTest<MV>> spent;
+    if (stage.share < 1.0)
+      spent = Teuchos::rcp(new StatusTestMaxIterations<MV>(budget));
+    stage.solver->setSuccessor(k + 1 < stages.size());
+    this->delegate(*stage.solver, {Teuchos::null, spent});
+    const std::string why = k + 1 < stages.size() ? whyHandOver(stage, budget) : "";
+    if (why.empty())
+      return;
+    ++this->result_.counters.safeguards;
+    const Teuchos::RCP<Solver>& next = stages[k + 1].solver;
+    this->log_.detail(
+        stage.solver->name() + ": " + why + "; fallback to " +
+        (next->name() == stage.solver->name() ? "fixed-point updates of the limits" : next->name()));
+  }
 }
 
 template<class Scalar, class MV, class OP>
 Teuchos::RCP<SolverManager<Scalar, MV, OP>> AutoSolver<Scalar, MV, OP>::clone() const {
-  return Details::cloneOf(*this);
+  const auto copy = Teuchos::rcp(new AutoSolver(first_));
+  if (!this->parameters_.is_null())
+    copy->setParameters(Teuchos::rcp(new Teuchos::ParameterList(*this->parameters_)));
+  return copy;
 }
 
 } // namespace Harmos::qp

@@ -20,13 +20,13 @@ class DualPenaltySolver : public BoundedSolver<Scalar, MV, OP> {
   std::string name() const override { return "Dual Penalty"; }
   Teuchos::RCP<SolverManager<Scalar, MV, OP>> clone() const override;
   const ParameterSpec& parameterSpec() const override { return spec(); }
+  bool meetsEqualities() const override { return false; }
   static const ParameterSpec& spec();
   /// The list "Dual Penalty" alone.
   static ParameterSpec methodSpec();
 
  protected:
   void doSolve() override;
-  Teuchos::RCP<StatusTest<MV>> defaultTest() const override;
 };
 
 } // namespace Harmos::qp

@@ -30,11 +30,6 @@ const ParameterSpec& DualPenaltySolver<Scalar, MV, OP>::spec() {
 }
 
 template<class Scalar, class MV, class OP>
-Teuchos::RCP<StatusTest<MV>> DualPenaltySolver<Scalar, MV, OP>::defaultTest() const {
-  return this->gradientTest();
-}
-
-template<class Scalar, class MV, class OP>
 void DualPenaltySolver<Scalar, MV, OP>::doSolve() {
   constexpr int mostProbeSteps = 1000; // each a product with C and Cᵀ
   using MVT = Belos::MultiVecTraits<Scalar, MV>;

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_ActiveSetOps.hpp"
+#include "Harmos_BlockOps.hpp"
 #include "Harmos_BoundOps.hpp"
-#include "Harmos_BoundTraits.hpp"
-#include "Harmos_FollowingOps.hpp"
 #include "Harmos_SolverManager.hpp"
 
 namespace Harmos::qp {
@@ -19,12 +17,7 @@ namespace Harmos::qp {
 /// feasible point, the step before it is halved, or forces that hold make the limits, see ConeProbe: it also
 /// tells where there are none.
 ///
-/// A solver of programs whose letsLimitsFollow() is false has a quarter of the iterations for that: PDAS,
-/// which solves for limits and solution at once, takes over then, if rows can be orthonormal. So it does
-/// where limits are given, but make discs, along whose rims gradient projection may creep.
-///
-/// For solvers whose letsLimitsFollow() is false, and where PDAS hands over. Guarded by
-/// tests/unit/qp/test_following_limits.cpp.
+/// Guarded by tests/unit/qp/test_following_limits.cpp.
 template<class Scalar, class MV, class OP>
 class FixedPointSolver : public SolverManager<Scalar, MV, OP> {
  public:
@@ -37,7 +30,7 @@ class FixedPointSolver : public SolverManager<Scalar, MV, OP> {
   Teuchos::RCP<Solver> clone() const override;
   const ParameterSpec& parameterSpec() const override { return inner_->parameterSpec(); }
   bool letsLimitsFollow() const override { return true; }
-  bool takesSoftBounds() const override { return inner_->takesSoftBounds(); }
+  bool takesAllBlocks() const override { return inner_->takesAllBlocks(); }
 
  protected:
   void doSolve() override;
@@ -45,21 +38,14 @@ class FixedPointSolver : public SolverManager<Scalar, MV, OP> {
  private:
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using Bounds = BoundOps<Scalar, MV>;
-  using Sets = ActiveSetOps<Scalar, MV>;
-  using Limits = FollowingOps<Scalar, MV>;
-  using BT = BoundTraits<Scalar, MV>;
+  using Terms = BlockOps<Scalar, MV>;
 
   void begin();
-  void solveGiven();
-  bool isBudgetSpent() const;
-  Teuchos::RCP<StatusTest<MV>> budgetTest() const; // null where nothing may be handed over
   void solveFrozen();
   bool findsLimits();
   bool isAnswer();
   void relax();
   void tellContraction();
-  bool mayHandOver() const;
-  void handOver();
   IterationState<MV> measure();
 
   Teuchos::RCP<const Solver> inner_;
@@ -68,9 +54,8 @@ class FixedPointSolver : public SolverManager<Scalar, MV, OP> {
   double share_ = 1.0;
   double wrong_ = 0.0; // ‖g^P‖ where limits have followed; 0: not known
   int updates_ = 0, retreats_ = 0;
-  double growth_ =
-      0.0;         // the largest of what limits moved by over the time before, where they went all the way
-  int budget_ = 0; // inner iterations before PDAS takes over
+  // The largest of what limits moved by over the time before, where they went all the way.
+  double growth_ = 0.0;
 };
 
 } // namespace Harmos::qp

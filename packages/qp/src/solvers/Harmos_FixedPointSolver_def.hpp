@@ -3,15 +3,13 @@
 
 #include "Harmos_ConeProbe.hpp"
 #include "Harmos_FixedPointSolver.hpp"
+#include "Harmos_SolverManager_def.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace Harmos::qp {
-
-template<class Scalar, class MV, class OP>
-class PdasSolver;
 
 template<class Scalar, class MV, class OP>
 Teuchos::RCP<SolverManager<Scalar, MV, OP>> FixedPointSolver<Scalar, MV, OP>::clone() const {
@@ -27,17 +25,9 @@ void FixedPointSolver<Scalar, MV, OP>::doSolve() {
   rows_ = this->makeRows();
   if (rows_.is_null())
     return;
-  constexpr double share = 0.25;
-  budget_ = this->firstInner_ + static_cast<int>(share * (this->maximumIterations() - this->firstInner_));
-  if (!this->problem_->hasFollowingLimits())
-    return solveGiven();
   begin();
-  if (this->resumesDelegateWith("fixed point handed over"))
-    return handOver();
   while (true) {
     solveFrozen();
-    if (isBudgetSpent())
-      return handOver();
     if (this->result_.reason == Reason::Infeasible) {
       if (!findsLimits())
         return;
@@ -51,52 +41,6 @@ void FixedPointSolver<Scalar, MV, OP>::doSolve() {
       return this->stop(Reason::Stagnation, Explanations::limitsDoNotSettle(mostUpdates));
     relax();
   }
-}
-
-template<class Scalar, class MV, class OP>
-bool FixedPointSolver<Scalar, MV, OP>::mayHandOver() const {
-  return !inner_->letsLimitsFollow() && (!rows_->isPresent() || rows_->isOrthonormal());
-}
-
-template<class Scalar, class MV, class OP>
-void FixedPointSolver<Scalar, MV, OP>::handOver() {
-  bool isHandedOver = true;
-  this->describeDelegation([isHandedOver](StateArchive<MV>& archive) mutable {
-    archive.number("fixed point handed over", isHandedOver);
-  });
-  ++this->result_.counters.safeguards;
-  MVT::MvInit(*this->problem_->solution(), 0.0); // its first set is better than what there is
-  if (rows_->isPresent())
-    MVT::MvInit(*this->problem_->multiplier(), 0.0);
-  PdasSolver<Scalar, MV, OP> solver;
-  this->log_.detail(this->name() + ": slow convergence; fallback to " + solver.name());
-  this->delegate(solver);
-}
-
-template<class Scalar, class MV, class OP>
-bool FixedPointSolver<Scalar, MV, OP>::isBudgetSpent() const {
-  const Result& result = this->result_;
-  return result.reason == Reason::IterationLimit && mayHandOver() &&
-         result.lastRecord().inner < this->maximumIterations();
-}
-
-template<class Scalar, class MV, class OP>
-Teuchos::RCP<StatusTest<MV>> FixedPointSolver<Scalar, MV, OP>::budgetTest() const {
-  if (!mayHandOver())
-    return Teuchos::null;
-  return Teuchos::rcp(new StatusTestMaxIterations<MV>(budget_));
-}
-
-// Discs whose radii are given: all there is to do is to hand over.
-template<class Scalar, class MV, class OP>
-void FixedPointSolver<Scalar, MV, OP>::solveGiven() {
-  if (this->resumesDelegateWith("fixed point handed over"))
-    return handOver();
-  const Teuchos::RCP<Solver> inner = inner_->clone();
-  inner->setHandsOver(false);
-  this->delegate(*inner, Teuchos::null, budgetTest());
-  if (isBudgetSpent())
-    handOver();
 }
 
 template<class Scalar, class MV, class OP>
@@ -128,11 +72,7 @@ void FixedPointSolver<Scalar, MV, OP>::begin() {
 template<class Scalar, class MV, class OP>
 void FixedPointSolver<Scalar, MV, OP>::solveFrozen() {
   this->resumeDelegation();
-  const Teuchos::RCP<typename Solver::ProblemType> whole = this->problem_;
-  const std::function<bool()> acceptance = this->acceptance_;
   const Teuchos::RCP<Solver> inner = inner_->clone();
-  inner->setHandsOver(false);
-  this->acceptance_ = nullptr;
   // A tenth of what was wrong with the limits before.
   constexpr double share = 0.1, ofEqualities = 1e-3;
   using Test = Teuchos::RCP<StatusTest<MV>>;
@@ -142,13 +82,7 @@ void FixedPointSolver<Scalar, MV, OP>::solveFrozen() {
                equality = Teuchos::rcp(new StatusTestEqualityDistance<MV, Scalar>(ofEqualities, 0.0));
     enough = Teuchos::rcp(new StatusTestCombo<MV>(StatusTestCombo<MV>::Type::And, {gradient, equality}));
   }
-  const Test spent = budgetTest();
-  if (enough.is_null())
-    enough = spent;
-  else if (!spent.is_null())
-    enough = Teuchos::rcp(new StatusTestCombo<MV>(StatusTestCombo<MV>::Type::Or, {enough, spent}));
-  this->delegate(*inner, whole->frozen(), enough);
-  this->acceptance_ = acceptance;
+  this->delegate(*inner, {this->problem_->frozen(), enough, false});
 }
 
 // That these limits cannot hold says nothing of others: towards those of the last program that had a
@@ -186,7 +120,7 @@ bool FixedPointSolver<Scalar, MV, OP>::isAnswer() {
   MV& x = *this->problem_->solution();
   const Teuchos::RCP<MV> gradient = MVT::Clone(x, 1);
   MVT::MvInit(*gradient, 0.0);
-  LocalActiveSet set;
+  ActiveFace set;
   Bounds::split(x, *gradient, this->problem_->feasibleSet(), 1.0, nullptr, set);
   this->problem_->follow();
   this->problem_->limits(*step_);
@@ -209,13 +143,13 @@ IterationState<MV> FixedPointSolver<Scalar, MV, OP>::measure() {
   Problem<Scalar, MV, OP>& problem = *this->problem_;
   Counters& counters = this->result_.counters;
   MV& x = *problem.solution();
-  Bounds::project(x, problem.feasibleSet());
+  Terms::project(problem.blocks(), x);
   const Teuchos::RCP<MV> gradient = MVT::Clone(x, 1);
   ++counters.confirmations;
   ++counters.hessianApplications;
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem.hessian(), x, *gradient);
   MVT::MvAddMv(1.0, *gradient, -1.0, *problem.rhs(), *gradient);
-  SpringOps<Scalar, MV>::addForces(problem.softBounds(), x, *gradient);
+  Terms::addForces(problem.blocks(), x, *gradient);
   IterationState<MV> state;
   if (rows_->isPresent()) {
     const Teuchos::RCP<MV> mu = rows_->makeVector(), residual = rows_->makeVector();
@@ -226,7 +160,8 @@ IterationState<MV> FixedPointSolver<Scalar, MV, OP>::measure() {
     state.equalityDistance = rows_->distance();
   }
   state.x = &x;
-  state.projectedGradient = Bounds::projectedGradientNorm(x, *gradient, problem.feasibleSet());
+  state.projectedGradient =
+      Terms::projectedGradientNorm(problem.feasibleSet(), problem.blocks(), x, *gradient);
   state.decrease = std::numeric_limits<double>::quiet_NaN(); // not known
   state.outer = updates_ + 1;
   state.inner = this->result_.lastRecord().inner;
@@ -270,5 +205,3 @@ void FixedPointSolver<Scalar, MV, OP>::relax() {
 }
 
 } // namespace Harmos::qp
-
-#include "Harmos_PdasSolver_def.hpp"

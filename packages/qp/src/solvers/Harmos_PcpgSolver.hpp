@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_ProjectedCg.hpp"
+#include "Harmos_FaceSolver.hpp"
 #include "Harmos_SolverManager.hpp"
 
 namespace Harmos::qp {
@@ -28,7 +28,7 @@ class PcpgSolver : public SolverManager<Scalar, MV, OP> {
   class Run;
 };
 
-/// One solution of a problem: steps of ProjectedCg, until the tests are met by residuals that can be
+/// One solution of a problem: steps of FaceSolver, until the tests are met by residuals that can be
 /// believed.
 template<class Scalar, class MV, class OP>
 class PcpgSolver<Scalar, MV, OP>::Run {
@@ -38,7 +38,7 @@ class PcpgSolver<Scalar, MV, OP>::Run {
 
  private:
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using Cg = ProjectedCg<Scalar, MV, OP>;
+  using Cg = FaceSolver<Scalar, MV, OP>;
 
   void begin();
   bool isConfirmed();

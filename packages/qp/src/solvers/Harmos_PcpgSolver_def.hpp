@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_FaceSolver_def.hpp"
 #include "Harmos_PcpgSolver.hpp"
-#include "Harmos_ProjectedCg_def.hpp"
 #include "Harmos_SolverManager_def.hpp"
 
 #include <cmath>
@@ -22,7 +22,7 @@ const ParameterSpec& PcpgSolver<Scalar, MV, OP>::spec() {
 
 template<class Scalar, class MV, class OP>
 void PcpgSolver<Scalar, MV, OP>::doSolve() {
-  if (this->problem_->hasBounds())
+  if (!this->problem_->blocks().empty())
     throw InputError("PCPG handles equalities only, but the problem has bounds; use SMALBE or MPRGP");
   const Teuchos::RCP<EqualityRows<Scalar, MV, OP>> rows = this->makeRows();
   if (rows.is_null())

@@ -23,16 +23,22 @@ inline std::string lowered(std::string text) {
   return text;
 }
 
+/// A method, and what goes on where it gives up.
+template<template<class, class, class> class Method, class Scalar, class MV, class OP>
+Teuchos::RCP<SolverManager<Scalar, MV, OP>> withFallback() {
+  return Teuchos::rcp(new AutoSolver<Scalar, MV, OP>(Teuchos::rcp(new Method<Scalar, MV, OP>)));
+}
+
 } // namespace Details
 
 template<class Scalar, class MV, class OP>
 SolverFactory<Scalar, MV, OP>::SolverFactory() {
   addSolver("Auto", [] { return Teuchos::rcp(new AutoSolver<Scalar, MV, OP>); });
-  addSolver("MPRGP", [] { return Teuchos::rcp(new MprgpSolver<Scalar, MV, OP>); });
-  addSolver("SMALBE", [] { return Teuchos::rcp(new SmalbeSolver<Scalar, MV, OP>); });
-  addSolver("Dual Penalty", [] { return Teuchos::rcp(new DualPenaltySolver<Scalar, MV, OP>); });
+  addSolver("MPRGP", &Details::withFallback<MprgpSolver, Scalar, MV, OP>);
+  addSolver("SMALBE", &Details::withFallback<SmalbeSolver, Scalar, MV, OP>);
+  addSolver("Dual Penalty", &Details::withFallback<DualPenaltySolver, Scalar, MV, OP>);
   addSolver("PCPG", [] { return Teuchos::rcp(new PcpgSolver<Scalar, MV, OP>); });
-  addSolver("PDAS", [] { return Teuchos::rcp(new PdasSolver<Scalar, MV, OP>); });
+  addSolver("PDAS", &Details::withFallback<PdasSolver, Scalar, MV, OP>);
 }
 
 template<class Scalar, class MV, class OP>

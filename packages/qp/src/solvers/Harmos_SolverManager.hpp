@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_EqualityRows.hpp"
+#include "Harmos_Explanations.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_ParameterSpec.hpp"
 #include "Harmos_QpProblem.hpp"
@@ -44,15 +45,19 @@ class SolverManager {
   /// A new solver of the same kind and parameters, without a problem.
   virtual Teuchos::RCP<SolverManager> clone() const = 0;
 
-  /// Whether it solves problems with limits that follow; for others a FixedPointSolver does so with them.
+  /// Whether it solves problems with limits that follow the solution; FixedPointSolver does so with others.
   virtual bool letsLimitsFollow() const { return false; }
 
-  /// Whether, not letting limits follow, it hands problems with discs over to PDAS when they take long. True
-  /// by default; those to which PDAS hands over do not hand back.
-  void setHandsOver(bool does) { handsOver_ = does; }
+  /// Whether it solves problems with terms that are no sets, as soft bounds are; others refuse them.
+  virtual bool takesAllBlocks() const { return false; }
 
-  /// Whether it solves problems with soft bounds; others refuse them.
-  virtual bool takesSoftBounds() const { return false; }
+  /// Whether its default test is about equalities, too: not of those that meet them by a penalty.
+  virtual bool meetsEqualities() const { return true; }
+
+  /// Whether another solver goes on where this one gives up: see AutoSolver, which has the order.
+  void setSuccessor(bool isThere) { outer_.hasSuccessor = isThere; }
+  /// After solve(): why it gave up, where another method may do better; empty if it did not.
+  const std::string& gaveUp() const { return session_.gaveUp; }
 
   /// Type, default, range and meaning of every parameter.
   virtual const ParameterSpec& parameterSpec() const = 0;
@@ -71,16 +76,16 @@ class SolverManager {
 
   /// In the place of the default test; null brings the default back. A test may also stop the solver for
   /// another reason than convergence, see StatusTest::reason().
-  void setConvergenceTest(const Teuchos::RCP<StatusTest<MV>>& test) { convergenceTest_ = test; }
+  void setConvergenceTest(const Teuchos::RCP<StatusTest<MV>>& test) { tests_.given = test; }
 
   /// Is asked when the solver would stop as converged, with x and the multiplier in the problem as they would
   /// be returned; if it says no, having made the convergence test stricter, the solver goes on from where it
   /// is, conjugate directions and all. For criteria that cost too much to be looked at in every iteration.
   /// Null: what passes the test is accepted. Called on all ranks at once; the answer has to be the same.
-  void setAcceptance(std::function<bool()> acceptance) { acceptance_ = std::move(acceptance); }
+  void setAcceptance(std::function<bool()> acceptance) { tests_.acceptance = std::move(acceptance); }
 
   /// Is asked about every iterate, and its answer ignored; null for none.
-  void setDebugStatusTest(const Teuchos::RCP<StatusTest<MV>>& test) { debugTest_ = test; }
+  void setDebugStatusTest(const Teuchos::RCP<StatusTest<MV>>& test) { tests_.debug = test; }
 
   /// Looks after the solver while it works: live views, checkpoints, signals. Null for none. With a state to
   /// go on from, solve() goes on from there: the iterates are those of the run that was left, up to what
@@ -115,12 +120,6 @@ class SolverManager {
   /// The solution itself; result_ is fresh, the problem is set.
   virtual void doSolve() = 0;
 
-  /// The test that is used when the caller gives none.
-  virtual Teuchos::RCP<StatusTest<MV>> defaultTest() const;
-
-  /// Its part for the projected gradient.
-  Teuchos::RCP<StatusTest<MV>> gradientTest() const { return loadTest_; }
-
   /// The parameters every solver has.
   static void addCommonParameters(ParameterSpec& spec);
 
@@ -129,7 +128,7 @@ class SolverManager {
   std::optional<Reason> judge(const IterationState<MV>& state);
 
   /// What setAcceptance() was given says of the answer that the problem holds now.
-  bool accepted() const { return !acceptance_ || acceptance_(); }
+  bool accepted() const { return !tests_.acceptance || tests_.acceptance(); }
 
   /// The rows as solvers use them; null, with the solver stopped, if they contradict each other.
   Teuchos::RCP<EqualityRows<Scalar, MV, OP>> makeRows();
@@ -138,15 +137,11 @@ class SolverManager {
 
   /// Describes what doSolve() knows; to be said once, before the first iteration. What it refers to has to
   /// live as long as doSolve() works.
-  void describeState(const std::function<void(Archive&)>& own) { state_ = own; }
+  void describeState(const std::function<void(Archive&)>& own) { session_.state = own; }
   /// Whether doSolve() is to go on from a state instead of beginning.
-  bool resumes() const { return mayResume_ && !hasResumed_ && hasStateOf(depth_); }
+  bool resumes() const { return outer_.mayResume && !session_.hasResumed && hasStateOf(outer_.depth); }
   /// The same, where that state belongs to the solver to which this one delegated.
-  bool resumesDelegate() const { return resumes() && hasStateOf(depth_ + 1); }
-  /// The same, where what was described for that delegation has numbers of this name.
-  bool resumesDelegateWith(const std::string& number) const {
-    return resumesDelegate() && monitor_->holds(number);
-  }
+  bool resumesDelegate() const { return resumes() && hasStateOf(outer_.depth + 1); }
   /// Brings the described state back, counters and history too.
   void resume();
   /// Asks the monitor, at a point where the described state is all there is; true if the solver has stopped.
@@ -164,22 +159,33 @@ class SolverManager {
   }
   /// With the residuals of a last state.
   void stop(Reason reason, const std::string& explanation, const IterationState<MV>& state);
+  /// Stops where another method may go on, with reason and residuals as if there were none.
+  void giveUp(const std::string& why, const IterationState<MV>& state) {
+    session_.gaveUp = why;
+    stop(Reason::Stagnation, Explanations::noOtherMethod(why), state);
+  }
+  bool hasSuccessor() const { return outer_.hasSuccessor; }
   /// For a reason that judge() gave.
   void stopFor(Reason reason, const IterationState<MV>& state);
   void stopInfeasible(const Teuchos::RCP<const MV>& y, const Certificate& certificate);
   void stopUnbounded(const Teuchos::RCP<const MV>& d, const Certificate& certificate);
 
+  /// What another solver is to do.
+  struct Delegation {
+    Teuchos::RCP<ProblemType> problem = Teuchos::null;   ///< null: the same one
+    Teuchos::RCP<StatusTest<MV>> orTest = Teuchos::null; ///< what passes it is enough, too; null for none
+    bool isWhole = true; ///< its answer is one; if not, nobody is asked whether to accept it
+  };
   /// Lets another solver finish the problem from the present solution, under this one's tests and with those
   /// of its parameters that the other one knows; its counters, history and result are added to this one's.
-  /// @param problem null: the same one. @param orTest what passes it is enough, too; null for none.
-  void delegate(SolverManager& other, const Teuchos::RCP<ProblemType>& problem = Teuchos::null,
-                const Teuchos::RCP<StatusTest<MV>>& orTest = Teuchos::null);
+  void delegate(SolverManager& other, const Delegation& what);
+  void delegate(SolverManager& other) { delegate(other, Delegation()); }
   /// Describes what this knows while another solver works for it.
-  void describeDelegation(const std::function<void(Archive&)>& own) { delegation_ = own; }
+  void describeDelegation(const std::function<void(Archive&)>& own) { session_.delegation = own; }
   /// Brings that back at once, if resumesDelegate(): what is given to delegate() may depend on it.
   void resumeDelegation() {
     if (resumesDelegate())
-      monitor_->restore(delegation_);
+      monitor_->restore(session_.delegation);
   }
 
   /// The expert parameters of a method: "PDAS", "PCPG" ...
@@ -191,15 +197,38 @@ class SolverManager {
 
   Teuchos::RCP<ProblemType> problem_;
   Teuchos::RCP<Teuchos::ParameterList> parameters_;
-  Teuchos::RCP<StatusTest<MV>> convergenceTest_;
-  Teuchos::RCP<StatusTest<MV>> debugTest_;
-  std::function<bool()> acceptance_;
   Teuchos::RCP<const MV> certificate_;
   Log log_;
   Result result_;
   int firstInner_ = 0; // iterations of the solver that delegates to this one
 
  private:
+  struct Tests {
+    Teuchos::RCP<StatusTest<MV>> given, debug, active;
+    Teuchos::RCP<StatusTestProjectedGradient<MV>> load; // of the default test, till its scale is known
+    std::function<bool()> acceptance;
+  };
+  // What the solvers that delegate to this one have told.
+  struct Outer {
+    std::function<void(Archive&)> state;
+    int depth = 0;    // how many they are
+    int products = 0; // of theirs
+    double seconds = 0.0;
+    bool mayResume = true; // of several solvers to which one delegates, the first after a state
+    bool hasTest = false;  // the test was begun there
+    bool hasSuccessor = false;
+  };
+  // Of one solve.
+  struct Session {
+    std::chrono::steady_clock::time_point start;
+    double secondsBefore = 0.0; // of the runs before this one
+    bool hasResumed = false;
+    std::string gaveUp;
+    std::function<void(Archive&)> state;      // of doSolve()
+    std::function<void(Archive&)> delegation; // of doSolve(), beside that of the solver it delegates to
+  };
+
+  Teuchos::RCP<StatusTest<MV>> defaultTest() const;
   void makeTest();
   void measureLoad(const EqualityRows<Scalar, MV, OP>* rows);
   double imageNorm(const MV& x);
@@ -212,21 +241,10 @@ class SolverManager {
   void save();
   double sessionSeconds() const;
 
-  Teuchos::RCP<StatusTestProjectedGradient<MV>> loadTest_; // of the default test, till its scale is known
+  Tests tests_;
   Teuchos::RCP<SolverMonitor<MV>> monitor_;
-  std::function<void(Archive&)> state_;      // of doSolve()
-  std::function<void(Archive&)> delegation_; // of doSolve(), beside that of the solver it delegates to
-  std::function<void(Archive&)> before_;     // of the solvers that delegate to this one
-  int depth_ = 0;                            // the number of those
-  bool handsOver_ = true;
-  int productsBefore_ = 0; // of those, as their seconds
-  double startedAfter_ = 0.0;
-  bool hasResumed_ = false;
-  bool mayResume_ = true;      // of several solvers to which one delegates, the first after a state
-  double secondsBefore_ = 0.0; // of the runs before this one
-  Teuchos::RCP<StatusTest<MV>> activeTest_;
-  std::chrono::steady_clock::time_point start_;
-  bool testGoesOn_ = false; // the test was begun by the solver that delegates to this one
+  Outer outer_;
+  Session session_;
 };
 
 } // namespace Harmos::qp

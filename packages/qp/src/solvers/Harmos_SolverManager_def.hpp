@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_BlockOps.hpp"
 #include "Harmos_BoundOps.hpp"
 #include "Harmos_BoundTraits.hpp"
 #include "Harmos_EqualityRows_def.hpp"
@@ -20,9 +21,6 @@
 #include <sstream>
 
 namespace Harmos::qp {
-
-template<class Scalar, class MV, class OP>
-class FixedPointSolver;
 
 namespace Details {
 
@@ -75,16 +73,16 @@ void SolverManager<Scalar, MV, OP>::setProblem(const Teuchos::RCP<ProblemType>& 
 
 template<class Scalar, class MV, class OP>
 void SolverManager<Scalar, MV, OP>::makeTest() {
-  if (!convergenceTest_.is_null()) {
-    activeTest_ = convergenceTest_;
+  if (!tests_.given.is_null()) {
+    tests_.active = tests_.given;
   } else {
-    loadTest_ = Teuchos::rcp(new StatusTestProjectedGradient<MV>(
+    tests_.load = Teuchos::rcp(new StatusTestProjectedGradient<MV>(
         parameters_->template get<double>("Convergence Tolerance"), norm<Scalar>(*problem_->rhs())));
-    activeTest_ = defaultTest();
+    tests_.active = defaultTest();
   }
-  if (testGoesOn_)
+  if (outer_.hasTest)
     return;
-  activeTest_->reset();
+  tests_.active->reset();
   if (!problem_->hasEqualities())
     measureLoad(nullptr);
 }
@@ -93,21 +91,20 @@ void SolverManager<Scalar, MV, OP>::makeTest() {
 template<class Scalar, class MV, class OP>
 void SolverManager<Scalar, MV, OP>::measureLoad(const EqualityRows<Scalar, MV, OP>* rows) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  if (loadTest_.is_null() || loadTest_->scale() > 0.0)
+  if (tests_.load.is_null() || tests_.load->scale() > 0.0)
     return;
   const Teuchos::RCP<MV> x = MVT::Clone(*problem_->solution(), 1);
   MVT::MvInit(*x, 0.0);
-  if (problem_->hasBounds())
-    BoundOps<Scalar, MV>::project(*x, problem_->feasibleSet());
-  loadTest_->raiseScale(imageNorm(*x));
+  BlockOps<Scalar, MV>::project(problem_->blocks(), *x);
+  tests_.load->raiseScale(imageNorm(*x));
   double length = norm<Scalar>(*x);
   if (rows != nullptr) {
     rows->nearestToZero(*x);
-    loadTest_->raiseScale(imageNorm(*x));
+    tests_.load->raiseScale(imageNorm(*x));
     length = std::max(length, norm<Scalar>(*x));
   }
-  if (loadTest_->scale() == 0.0)
-    loadTest_->raiseScale(imageNorm(*problem_->solution()));
+  if (tests_.load->scale() == 0.0)
+    tests_.load->raiseScale(imageNorm(*problem_->solution()));
   // What A makes nothing of is no load: gradients of the size of its rounding errors are zero.
   double hessianNorm = problem_->hessianNorm();
   if (hessianNorm == 0.0 && length > 0.0) {
@@ -118,9 +115,9 @@ void SolverManager<Scalar, MV, OP>::measureLoad(const EqualityRows<Scalar, MV, O
         },
         *x, 12, result_.counters.setupApplications);
   }
-  loadTest_->raiseScale(1e2 * std::numeric_limits<double>::epsilon() * hessianNorm * length /
-                        parameters_->template get<double>("Convergence Tolerance"));
-  loadTest_ = Teuchos::null; // others to which this one delegates need not do so again
+  tests_.load->raiseScale(1e2 * std::numeric_limits<double>::epsilon() * hessianNorm * length /
+                          parameters_->template get<double>("Convergence Tolerance"));
+  tests_.load = Teuchos::null; // others to which this one delegates need not do so again
 }
 
 // ‖Ax‖, with the forces of soft bounds that x has left.
@@ -133,18 +130,17 @@ double SolverManager<Scalar, MV, OP>::imageNorm(const MV& x) {
     Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_->hessian(), x, *image);
     ++result_.counters.setupApplications;
   }
-  SpringOps<Scalar, MV>::addForces(problem_->softBounds(), x, *image);
+  BlockOps<Scalar, MV>::addForces(problem_->blocks(), x, *image);
   return norm<Scalar>(*image);
 }
 
 template<class Scalar, class MV, class OP>
 Teuchos::RCP<StatusTest<MV>> SolverManager<Scalar, MV, OP>::defaultTest() const {
-  if (!problem_->hasEqualities())
-    return gradientTest();
+  if (!problem_->hasEqualities() || !meetsEqualities())
+    return tests_.load;
   const double tolerance = parameters_->template get<double>("Convergence Tolerance");
   const auto equality = Teuchos::rcp(new StatusTestEqualityDistance<MV, Scalar>(tolerance, 0.0));
-  return Teuchos::rcp(
-      new StatusTestCombo<MV>(StatusTestCombo<MV>::Type::Sequence, {gradientTest(), equality}));
+  return Teuchos::rcp(new StatusTestCombo<MV>(StatusTestCombo<MV>::Type::Sequence, {tests_.load, equality}));
 }
 
 template<class Scalar, class MV, class OP>
@@ -155,69 +151,62 @@ Result SolverManager<Scalar, MV, OP>::solve() {
     throw InputError(name() + ": solve() was called without a problem; call setProblem() first");
   if (!problem_->isProblemSet())
     throw InputError(name() + ": the problem was changed after setProblem(): " + problem_->whyNotSet());
-  if (problem_->hasSoftBounds() && !takesSoftBounds())
+  if (!problem_->kind().isSet && !takesAllBlocks())
     throw InputError(name() + " does not support soft bounds (bounds with a penalty curvature, as of a glued "
                               "interface); use PDAS or Auto");
+  if (!problem_->kind().isCost && !letsLimitsFollow())
+    throw InputError(name() +
+                     " does not support limits that depend on the solution, as of friction; use Auto");
   reset();
   result_.method = name();
-  start_ = std::chrono::steady_clock::now();
-  secondsBefore_ = 0.0;
-  hasResumed_ = false;
-  state_ = nullptr;
-  if (!testGoesOn_)
-    loadTest_ = Teuchos::null;
-  // It refers to what doSolve() leaves behind.
+  session_ = Session();
+  session_.start = std::chrono::steady_clock::now();
+  if (!outer_.hasTest)
+    tests_.load = Teuchos::null;
+  // They refer to what doSolve() leaves behind.
   struct Forget {
-    std::function<void(Archive&)>& state;
-    ~Forget() { state = nullptr; }
-  } forget{state_};
-  delegation_ = nullptr;
+    Session& session;
+    ~Forget() { session.state = session.delegation = nullptr; }
+  } forget{session_};
   if (isSenseless())
     return result_;
   makeTest();
-  const bool isHard = problem_->hasFollowingLimits() || (problem_->hasDiscs() && handsOver_);
-  if (isHard && !letsLimitsFollow()) {
-    FixedPointSolver<Scalar, MV, OP> solver(clone());
-    delegate(solver);
-  } else {
-    doSolve();
-  }
-  delegation_ = nullptr;
+  doSolve();
   return result_;
 }
 
 // Of this run alone: what a limit is about.
 template<class Scalar, class MV, class OP>
 double SolverManager<Scalar, MV, OP>::sessionSeconds() const {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - session_.start).count();
 }
 
 template<class Scalar, class MV, class OP>
 double SolverManager<Scalar, MV, OP>::elapsedSeconds() const {
-  return secondsBefore_ + sessionSeconds();
+  return session_.secondsBefore + sessionSeconds();
 }
 
 template<class Scalar, class MV, class OP>
 void SolverManager<Scalar, MV, OP>::save() {
-  if (monitor_.is_null() || !state_)
+  if (monitor_.is_null() || !session_.state)
     return;
   monitor_->save([&](Archive& archive) {
-    if (before_)
-      before_(archive);
+    if (outer_.state)
+      outer_.state(archive);
     double seconds = elapsedSeconds();
-    archive.number(prefix(depth_) + "seconds", seconds);
-    exchangeResult(archive, prefix(depth_), result_);
-    state_(archive);
+    archive.number(prefix(outer_.depth) + "seconds", seconds);
+    exchangeResult(archive, prefix(outer_.depth), result_);
+    session_.state(archive);
   });
 }
 
 template<class Scalar, class MV, class OP>
 void SolverManager<Scalar, MV, OP>::resume() {
-  hasResumed_ = true;
+  session_.hasResumed = true;
   monitor_->restore([&](Archive& archive) {
-    archive.number(prefix(depth_) + "seconds", secondsBefore_);
-    state_(archive);
-    exchangeResult(archive, prefix(depth_), result_);
+    archive.number(prefix(outer_.depth) + "seconds", session_.secondsBefore);
+    session_.state(archive);
+    exchangeResult(archive, prefix(outer_.depth), result_);
   });
 }
 
@@ -321,8 +310,7 @@ bool SolverManager<Scalar, MV, OP>::fallsAlongNullSpace() {
   if (!(length > noise * norm<Scalar>(*problem_->rhs())))
     return false;
   MVT::MvScale(*d, 1.0 / length);
-  if (Bounds::projectOntoRecessionCone(*d, problem_->feasibleSet()) > noise ||
-      SpringOps<Scalar, MV>::opposed(problem_->softBounds(), *d) > noise)
+  if (BlockOps<Scalar, MV>::recede(problem_->blocks(), *d) > noise)
     return false;
   MVT::MvScale(*d, 1.0 / norm<Scalar>(*d));
 
@@ -409,21 +397,20 @@ void SolverManager<Scalar, MV, OP>::stopUnbounded(const Teuchos::RCP<const MV>& 
 }
 
 template<class Scalar, class MV, class OP>
-void SolverManager<Scalar, MV, OP>::delegate(SolverManager& other, const Teuchos::RCP<ProblemType>& problem,
-                                             const Teuchos::RCP<StatusTest<MV>>& orTest) {
+void SolverManager<Scalar, MV, OP>::delegate(SolverManager& other, const Delegation& what) {
   double seconds = elapsedSeconds();
   const auto before = [&, this](Archive& archive) {
-    if (before_ && !archive.isReading())
-      before_(archive);
-    archive.number(prefix(depth_) + "seconds", seconds);
-    exchangeResult(archive, prefix(depth_), result_);
-    if (delegation_)
-      delegation_(archive);
+    if (outer_.state && !archive.isReading())
+      outer_.state(archive);
+    archive.number(prefix(outer_.depth) + "seconds", seconds);
+    exchangeResult(archive, prefix(outer_.depth), result_);
+    if (session_.delegation)
+      session_.delegation(archive);
   };
-  other.mayResume_ = resumesDelegate();
-  if (other.mayResume_) {
+  other.outer_.mayResume = resumesDelegate();
+  if (other.outer_.mayResume) {
     monitor_->restore(before);
-    hasResumed_ = true;
+    session_.hasResumed = true;
   }
   other.setParameters(Teuchos::parameterList(other.parameterSpec().commonPart(*parameters_)));
   // Ranks compare a common time with this limit; it has to be common itself.
@@ -434,23 +421,23 @@ void SolverManager<Scalar, MV, OP>::delegate(SolverManager& other, const Teuchos
   }
   other.firstInner_ = result_.history.empty() ? firstInner_ : result_.history.back().inner;
   other.monitor_ = monitor_;
-  other.before_ = before;
-  other.depth_ = depth_ + 1;
-  other.productsBefore_ = productsBefore_ + result_.counters.hessianApplications;
-  other.startedAfter_ = startedAfter_ + seconds;
-  other.setProblem(problem.is_null() ? problem_ : problem);
+  other.outer_.state = before;
+  other.outer_.depth = outer_.depth + 1;
+  other.outer_.products = outer_.products + result_.counters.hessianApplications;
+  other.outer_.seconds = outer_.seconds + seconds;
+  other.setProblem(what.problem.is_null() ? problem_ : what.problem);
   using Combo = StatusTestCombo<MV>;
-  Teuchos::RCP<StatusTest<MV>> test = activeTest_;
-  if (!orTest.is_null())
-    test = Teuchos::rcp(new Combo(Combo::Type::Or, {activeTest_, orTest}));
+  Teuchos::RCP<StatusTest<MV>> test = tests_.active;
+  if (!what.orTest.is_null())
+    test = Teuchos::rcp(new Combo(Combo::Type::Or, {tests_.active, what.orTest}));
   other.setConvergenceTest(test);
-  other.setAcceptance(acceptance_);
-  other.setDebugStatusTest(debugTest_);
+  other.setAcceptance(what.isWhole ? tests_.acceptance : nullptr);
+  other.setDebugStatusTest(tests_.debug);
   other.setLog(log_);
-  other.testGoesOn_ = true;
-  other.loadTest_ = loadTest_;
+  other.outer_.hasTest = true;
+  other.tests_.load = tests_.load;
   Result result = other.solve();
-  loadTest_ = other.loadTest_;
+  tests_.load = other.tests_.load;
   certificate_ = other.certificate();
   const Counters first = result_.counters;
   for (IterationRecord& record : result.history) {
@@ -466,10 +453,10 @@ void SolverManager<Scalar, MV, OP>::delegate(SolverManager& other, const Teuchos
 
 template<class Scalar, class MV, class OP>
 std::optional<Reason> SolverManager<Scalar, MV, OP>::judge(const IterationState<MV>& state) {
-  if (!debugTest_.is_null())
-    debugTest_->checkStatus(state);
-  if (activeTest_->checkStatus(state) == Status::Passed)
-    return activeTest_->reason();
+  if (!tests_.debug.is_null())
+    tests_.debug->checkStatus(state);
+  if (tests_.active->checkStatus(state) == Status::Passed)
+    return tests_.active->reason();
   if (state.inner >= maximumIterations())
     return Reason::IterationLimit;
   const double limit = parameters_->template get<double>("Maximum Seconds");
@@ -489,8 +476,8 @@ void SolverManager<Scalar, MV, OP>::record(const IterationState<MV>& state, Step
                              state.decrease});
   if (!monitor_.is_null()) {
     IterationRecord record = result_.history.back();
-    record.hessianApplications += productsBefore_;
-    record.seconds += startedAfter_;
+    record.hessianApplications += outer_.products;
+    record.seconds += outer_.seconds;
     monitor_->recorded(record);
   }
   const int frequency = parameters_->template get<int>("Output Frequency");
@@ -508,5 +495,3 @@ void SolverManager<Scalar, MV, OP>::record(const IterationState<MV>& state, Step
 }
 
 } // namespace Harmos::qp
-
-#include "Harmos_FixedPointSolver_def.hpp"

@@ -24,7 +24,7 @@ std::vector<double> guessOf(const SmallQp& qp, bool* found = nullptr) {
   distributed.precondition(jacobi(qp.a));
   const Rows rows(*distributed.problem, 100);
   Counters counters;
-  LocalActiveSet set(distributed.solution->getLocalLength(), 0);
+  ActiveFace set(distributed.solution->getLocalLength(), 0);
   long long active = 0;
   const bool has = First(*distributed.problem, rows, counters).find(set, active);
   if (found != nullptr)
@@ -33,7 +33,8 @@ std::vector<double> guessOf(const SmallQp& qp, bool* found = nullptr) {
     EXPECT_TRUE(has);
   EXPECT_EQ(counters.hessianApplications, 0);
   MultiVector states(distributed.map, 1);
-  ActiveSetOps<Scalar, MultiVector>::activeToVector(set, states);
+  for (std::size_t i = 0; i < set.size(); ++i)
+    states.replaceLocalValue(static_cast<LocalOrdinal>(i), 0, set[i]);
   const std::vector<double> result = fromVector(states);
   EXPECT_EQ(active, std::count_if(result.begin(), result.end(), [](double side) { return side != 0.0; }));
   return result;
@@ -92,7 +93,7 @@ TEST(FirstActiveSet, there_is_none_without_a_preconditioner) {
   ASSERT_TRUE(distributed.problem->setProblem());
   const Rows rows(*distributed.problem, 100);
   Counters counters;
-  LocalActiveSet set(distributed.solution->getLocalLength(), 0);
+  ActiveFace set(distributed.solution->getLocalLength(), 0);
   long long active = 0;
   EXPECT_FALSE(First(*distributed.problem, rows, counters).find(set, active));
 }

@@ -18,7 +18,7 @@ namespace Harmos::qp {
 /// A direction p on a face where limits follow, and what it does: Ap, what remains of that on the face (w),
 /// what of it the rows take away (ν), and C̄p.
 template<class MV>
-struct CoupledDirection {
+struct ResidualDirection {
   Teuchos::RCP<MV> p, image, onFace;
   Teuchos::RCP<MV> removed, rows; ///< null without rows
 };
@@ -30,7 +30,7 @@ struct CoupledDirection {
 /// Cost: three vectors of memory a direction; a step reads the images once more than twice, with two
 /// reductions. Guarded by tests/unit/qp/test_following_limits.cpp.
 template<class Scalar, class MV>
-class CoupledDirections {
+class ResidualDirections {
  public:
   void clear() { count_ = 0; }
   int size() const { return count_; }
@@ -47,7 +47,7 @@ class CoupledDirections {
   }
 
   /// Takes what the images before have of its own from the direction; twice is enough. @note Collective.
-  void orthogonalise(CoupledDirection<MV>& d) const {
+  void orthogonalise(ResidualDirection<MV>& d) const {
     for (int pass = 0; pass < 2 && count_ > 0; ++pass) {
       Matrix coefficients(count_, 1);
       MVT::MvTransMv(1.0, *view(blocks_[2]), *d.onFace, coefficients);
@@ -67,7 +67,7 @@ class CoupledDirections {
   }
 
   /// @param norm2 of its image, above zero.
-  void add(const CoupledDirection<MV>& d, double norm2) {
+  void add(const ResidualDirection<MV>& d, double norm2) {
     reserve(*d.p);
     const Teuchos::Range1D column(count_, count_);
     int block = 0;

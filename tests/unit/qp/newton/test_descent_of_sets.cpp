@@ -4,7 +4,7 @@
 
 #include "Harmos_DescentOfSets.hpp"
 #include "Harmos_EqualityRows_def.hpp"
-#include "Harmos_ProjectedCg_def.hpp"
+#include "Harmos_FaceSolver_def.hpp"
 #include "Harmos_RandomQp.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ using namespace Harmos::qp;
 namespace {
 
 using Rows = EqualityRows<Scalar, MultiVector, Operator>;
-using Cg = ProjectedCg<Scalar, MultiVector, Operator>;
+using Cg = FaceSolver<Scalar, MultiVector, Operator>;
 using Descent = DescentOfSets<Scalar, MultiVector, Operator>;
 using Nearest = NearestFeasible<Scalar, MultiVector, Operator>;
 
@@ -78,7 +78,7 @@ TEST(DescentOfSets, nearest_feasible_point_is_the_projection) {
     ASSERT_TRUE(distributed.problem->setProblem());
     const Rows rows(*distributed.problem, 100);
     Nearest nearest(*distributed.problem, rows);
-    LocalActiveSet set(distributed.solution->getLocalLength(), 0);
+    ActiveFace set(distributed.solution->getLocalLength(), 0);
     long long active = 0;
     ASSERT_EQ(nearest.find(*distributed.problem->rhs(), 50, set, active), Nearest::Outcome::Found) << k;
     EXPECT_LE(distance(fromVector(nearest.x()), bruteForce(qp)), 1e-8 * (1.0 + norm(qp.b))) << k;
@@ -99,7 +99,7 @@ TEST(DescentOfSets, a_safe_step_follows_a_bad_one) {
     Counters counters;
     Cg cg(*distributed.problem, rows, CgOptions(), counters);
     Descent descent(*distributed.problem, rows, cg);
-    LocalActiveSet set(distributed.solution->getLocalLength(), 0);
+    ActiveFace set(distributed.solution->getLocalLength(), 0);
     long long active = 0;
     ASSERT_TRUE(descent.begin(set, active)) << k;
     double last = std::numeric_limits<double>::infinity();
@@ -115,7 +115,7 @@ TEST(DescentOfSets, a_safe_step_follows_a_bad_one) {
       std::vector<double> bad(x.size());
       std::generate(bad.begin(), bad.end(), [&] { return anywhere(random); });
       distributed.solution->assign(*toVector(bad, distributed.map));
-      const LocalActiveSet before = set;
+      const ActiveFace before = set;
       ASSERT_TRUE(descent.leave(now - 1.0, false, before, set, active)); // "a gain of 1"
     }
     EXPECT_GE(last, cost(qp, bruteForce(qp)) - 1e-9 * (1.0 + std::abs(last)));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_BoundTypes.hpp"
 #include "Harmos_FeasibleSet.hpp"
+#include "Harmos_NonsmoothBlock.hpp"
 
 #include <vector>
 
@@ -25,16 +25,6 @@ struct FollowingLimit {
 
 using FollowingLimits = std::vector<FollowingLimit>;
 
-/// An entry, or a pair, that is held at a limit on a face, where that follows a free entry: it goes along,
-/// dx = f·dx_k e.
-struct FollowingEntry {
-  int first, second; ///< second −1 for an interval
-  double along[2];   ///< e: the sign of the side; the normal of the rim
-  double centre[2];
-  int source;
-  double factor;
-};
-
 namespace Kernels {
 
 /// r ← r + s(f·(x_k − αg_k − l_k)⁺ − r). @param g null: zeros. @param upper null without intervals; discs
@@ -42,24 +32,23 @@ namespace Kernels {
 void follow(const FollowingLimits& limits, const double* x, const double* g, const FollowUpdate& how,
             double* lower, double* upper, LocalDiscs* discs);
 
-/// See FollowingOps::updateFollowing(); local sums.
-FollowChange update(const FollowingLimits& limits, const double* x, const double* g, const double* lower,
-                    const double* upper, const LocalDiscs* discs, double stepLength, double gradientNoise,
-                    const LocalActiveSet& before, LocalActiveSet& set);
+/// See CoulombLimits::update().
+void update(const FollowingLimits& limits, const double* x, const double* g, const double* lower,
+            const double* upper, const LocalDiscs* discs, const FaceUpdate& how, const ActiveFace& before,
+            ActiveFace& face, FaceTally& tally);
 
-/// On the face of an active set.
-std::vector<FollowingEntry> followingEntries(const FollowingLimits& limits, const LocalDiscs* discs,
-                                             const LocalActiveSet& active);
-/// Takes what has limits that follow out of a set.
-void leaveOut(const FollowingLimits& limits, const LocalDiscs* discs, LocalActiveSet& active);
+/// What is held at limits that follow free entries.
+std::vector<Coupling> couplings(const FollowingLimits& limits, const LocalDiscs* discs,
+                                const ActiveFace& face);
+/// Takes what has limits that follow out of a face.
+void leaveOut(const FollowingLimits& limits, const LocalDiscs* discs, ActiveFace& face);
 
-/// See FollowingOps.
-void addFollowing(const std::vector<FollowingEntry>& following, const double* x, double* y);
-void moveToFollowing(const std::vector<FollowingEntry>& following, const double* lower, double* x);
+/// x goes to where it follows; along tangents it stays.
+void moveToFollowing(const std::vector<Coupling>& couplings, const double* lower, double* x);
 
-/// Active entries, and slipping pairs along their radii.
+/// Held entries, and slipping pairs along their radii.
 void moveToLimits(const FollowingLimits& limits, const double* lower, const double* upper,
-                  const LocalDiscs* discs, const LocalActiveSet& active, double* x);
+                  const LocalDiscs* discs, const ActiveFace& face, double* x);
 
 /// What belongs to each limit: x_k and (x_i, x_j), the last zero for intervals.
 struct Cone {

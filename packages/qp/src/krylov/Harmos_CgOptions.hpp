@@ -14,7 +14,7 @@ enum class Reorthogonalisation {
   Auto  ///< from where rounding errors are seen to have spoilt conjugacy
 };
 
-/// Parameters of ProjectedCg; the list "PCPG".
+/// Parameters of conjugate gradients; the list "PCPG".
 struct CgOptions {
   Reorthogonalisation reorthogonalisation = Reorthogonalisation::Auto;
   int storedDirections = 500;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_ActiveSetOps.hpp"
+#include "Harmos_BlockOps.hpp"
 #include "Harmos_EqualityRows.hpp"
+#include "Harmos_FaceOps.hpp"
 #include "Harmos_SolverMonitor.hpp"
 #include "Harmos_VectorOps.hpp"
 
@@ -24,7 +25,7 @@ namespace Harmos::qp {
 /// times the others. Conjugate gradients find them anew on each face, since each begins a new sequence;
 /// their Ritz vectors from one face, at a product each, spare that on all the others.
 ///
-/// Guarded by tests/unit/qp/test_kept_directions.cpp.
+/// Guarded by tests/unit/qp/newton/test_kept_directions.cpp.
 template<class Scalar, class MV, class OP>
 class KeptDirections {
  public:
@@ -37,14 +38,14 @@ class KeptDirections {
   /// @note Collective; a product with A a column.
   void add(const MV& columns, Counters& counters) {
     const int given = static_cast<int>(MVT::GetNumberVecs(columns));
-    const LocalActiveSet bounded = allBounds();
+    const ActiveFace bounded = allBounds();
     const Teuchos::RCP<MV> u = MVT::Clone(columns, 1), image = MVT::Clone(columns, 1);
     reserve(columns, count_ + given);
     const Teuchos::RCP<const FaceGram<MV>> gram = rows_.isPresent() ? rows_.faceGram(bounded) : Teuchos::null;
     for (int k = 0; k < given; ++k) {
       MVT::Assign(*MVT::CloneView(columns, Teuchos::Range1D(k, k)), *u);
       const double before = norm<Scalar>(*u);
-      Sets::maskActive(*u, bounded);
+      Faces::mask(*u, bounded);
       if (!moveToKernel(gram, bounded, *u))
         continue;
       orthogonalise(*u, nullptr);
@@ -98,7 +99,7 @@ class KeptDirections {
 
  private:
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  using Sets = ActiveSetOps<Scalar, MV>;
+  using Faces = FaceOps<Scalar, MV>;
   using Matrix = Teuchos::SerialDenseMatrix<int, Scalar>;
   // Of a vector that must be left without its entries at bounds and what is here already.
   static constexpr double least = 1e-2;
@@ -116,33 +117,15 @@ class KeptDirections {
     }
   }
 
-  // Entries that can be active on any face.
-  LocalActiveSet allBounds() const {
-    constexpr double beyond = 1e100;
-    const Teuchos::RCP<MV> x = MVT::Clone(*problem_.solution(), 1), none = MVT::Clone(*x, 1);
-    MVT::MvInit(*none, 0.0);
-    LocalActiveSet below, above;
-    MVT::MvInit(*x, -beyond);
-    Sets::updateActiveSet(*x, *none, problem_.feasibleSet(), 0.0, 0.0, below);
-    MVT::MvInit(*x, beyond);
-    Sets::updateActiveSet(*x, *none, problem_.feasibleSet(), 0.0, 0.0, above);
-    for (std::size_t i = 0; i < below.size(); ++i)
-      if (below[i] == 0)
-        below[i] = above[i];
-    below.slipping.clear();
-    if (problem_.hasDiscs())
-      for (const Disc& disc : problem_.feasibleSet().discs->discs())
-        for (int entry : {disc.first, disc.second})
-          below[static_cast<std::size_t>(entry)] = LocalActiveSet::onRim;
-    if (problem_.hasSoftBounds()) // the curvature of a spring is none of A
-      for (const SoftBound& bound : problem_.softBounds()->bounds())
-        below[static_cast<std::size_t>(bound.entry)] = 1;
-    return below;
+  // Entries that can be held on any face, or have curvatures that are none of A.
+  ActiveFace allBounds() const {
+    const std::size_t length = BoundTraits<Scalar, MV>::length(*problem_.solution());
+    const std::vector<char> marked = BlockOps<Scalar, MV>::marked(problem_.blocks(), length);
+    return ActiveFace(marked.begin(), marked.end());
   }
 
   // Where bodies are held by what is bounded alone, there is none for some vectors.
-  bool moveToKernel(const Teuchos::RCP<const FaceGram<MV>>& gram, const LocalActiveSet& bounded,
-                    MV& u) const {
+  bool moveToKernel(const Teuchos::RCP<const FaceGram<MV>>& gram, const ActiveFace& bounded, MV& u) const {
     if (gram.is_null())
       return true;
     const Teuchos::RCP<MV> w = rows_.makeVector();
@@ -150,7 +133,7 @@ class KeptDirections {
       rows_.apply(u, *w);
       gram->solve(*w);
       rows_.addTransposed(-1.0, *w, u);
-      Sets::maskActive(u, bounded);
+      Faces::mask(u, bounded);
     }
     rows_.apply(u, *w);
     constexpr double rounding = 1e-10;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_ActiveSetOps.hpp"
+#include "Harmos_FaceOps.hpp"
 #include "Harmos_QpProblem.hpp"
 #include "Harmos_QpTypes.hpp"
 #include "Harmos_VectorOps.hpp"
@@ -30,7 +30,7 @@ class InFacePreconditioner {
   void invalidate() { forFace_ = Teuchos::null; }
 
   /// @param phi zero on active entries, and so is the result. @note Collective.
-  void apply(const MV& phi, const LocalActiveSet& active, MV& z) {
+  void apply(const MV& phi, const ActiveFace& active, MV& z) {
     using MVT = Belos::MultiVecTraits<Scalar, MV>;
     ++counters_.preconditionerApplications;
     if (problem_.facePreconditioner().is_null()) {
@@ -41,13 +41,13 @@ class InFacePreconditioner {
           mask_ = MVT::Clone(phi, 1);
         // Without bounds there is no active set, and all entries are free.
         MVT::MvInit(*mask_, 1.0);
-        ActiveSetOps<Scalar, MV>::maskActive(*mask_, active);
+        FaceOps<Scalar, MV>::mask(*mask_, active);
         forFace_ = problem_.facePreconditioner()->build(*mask_);
         ++counters_.preconditionerSetups;
       }
       Belos::OperatorTraits<Scalar, MV, OP>::Apply(*forFace_, phi, z);
     }
-    ActiveSetOps<Scalar, MV>::maskActive(z, active);
+    FaceOps<Scalar, MV>::mask(z, active);
   }
 
   /// Where pairs slip, and at springs, A gets their curvatures κ, and its inverse is about
@@ -56,22 +56,22 @@ class InFacePreconditioner {
   ///
   /// q for the diagonal of A: exact where A is diagonal, and for what one pair does to others. M = q where a
   /// problem has no preconditioner. @note Collective.
-  void applySoftened(const MV& phi, const LocalActiveSet& active, double q, MV& z) {
+  void applySoftened(const MV& phi, const ActiveFace& active, double q, MV& z) {
     using MVT = Belos::MultiVecTraits<Scalar, MV>;
-    using Sets = ActiveSetOps<Scalar, MV>;
+    using Faces = FaceOps<Scalar, MV>;
     const auto change = [q](double curvature) { return -curvature / (q + curvature); };
     const Teuchos::RCP<MV> softened = MVT::CloneCopy(phi);
-    Sets::addAtSlips(active, change, phi, *softened);
-    SpringOps<Scalar, MV>::soften(active, q, *softened);
+    Faces::addAtSlips(active, change, phi, *softened);
+    FaceOps<Scalar, MV>::soften(active, q, *softened);
     if (isPresent())
       apply(*softened, active, z);
     else
       MVT::MvAddMv(1.0 / q, *softened, 0.0, *softened, z);
     MVT::Assign(z, *softened);
-    Sets::addAtSlips(active, change, *softened, z);
-    SpringOps<Scalar, MV>::soften(active, q, z);
-    SpringOps<Scalar, MV>::addStiff(active, q, phi, z);
-    Sets::addAtSlips(
+    Faces::addAtSlips(active, change, *softened, z);
+    FaceOps<Scalar, MV>::soften(active, q, z);
+    FaceOps<Scalar, MV>::addStiff(active, q, phi, z);
+    Faces::addAtSlips(
         active, [q](double curvature) { return curvature / std::pow(q + curvature, 2); }, phi, z);
   }
 

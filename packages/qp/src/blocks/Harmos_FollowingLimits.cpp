@@ -37,43 +37,41 @@ void follow(const FollowingLimits& limits, const double* x, const double* g, con
   }
 }
 
-FollowChange update(const FollowingLimits& limits, const double* x, const double* g, const double* lower,
-                    const double* upper, const LocalDiscs* discs, double stepLength, double gradientNoise,
-                    const LocalActiveSet& before, LocalActiveSet& set) {
-  FollowChange result;
+void update(const FollowingLimits& limits, const double* x, const double* g, const double* lower,
+            const double* upper, const LocalDiscs* discs, const FaceUpdate& how, const ActiveFace& before,
+            ActiveFace& face, FaceTally& tally) {
   for (const FollowingLimit& limit : limits) {
     double distance = 0.0;
     if (limit.isDisc) {
       const Disc& disc = discs->discs()[static_cast<std::size_t>(limit.place)];
-      if (set[static_cast<std::size_t>(disc.first)] == LocalActiveSet::slips)
+      if (face[static_cast<std::size_t>(disc.first)] == ActiveFace::slips)
         distance = std::max(
             0.0, disc.radius - std::hypot(x[disc.first] - disc.centre[0], x[disc.second] - disc.centre[1]));
     } else {
       const int i = limit.place;
       const auto place = static_cast<std::size_t>(i);
-      const signed char was = before.empty() ? 0 : before[place], by = set[place];
-      const double l = lower[i], u = upper[i], z = x[i] - stepLength * g[i];
-      const double noise = stepLength * gradientNoise;
+      const signed char was = before.empty() ? 0 : before[place], by = face[place];
+      const double l = lower[i], u = upper[i], z = x[i] - how.stepLength * g[i];
+      const double noise = how.stepLength * how.gradientNoise;
       signed char state = 0;
-      if (was != 0 && -was * g[i] > gradientNoise)
+      if (was != 0 && -was * g[i] > how.gradientNoise)
         state = was;
       else if (l == u)
         state = was != 0 ? was : z < l ? -1 : 1;
       else
         state = z < l - noise ? -1 : z > u + noise ? 1 : 0;
-      set[place] = state;
-      result.changed += (state != was) - (by != was);
-      result.active += (state != 0) - (by != 0);
+      face[place] = state;
+      tally.changed += (state != was) - (by != was);
+      tally.active += (state != 0) - (by != 0);
       distance = state < 0 ? x[i] - l : state > 0 ? u - x[i] : 0.0;
     }
-    result.distance2 += distance * distance;
+    tally.distance2 += distance * distance;
   }
-  return result;
 }
 
-std::vector<FollowingEntry> followingEntries(const FollowingLimits& limits, const LocalDiscs* discs,
-                                             const LocalActiveSet& active) {
-  std::vector<FollowingEntry> result;
+std::vector<Coupling> couplings(const FollowingLimits& limits, const LocalDiscs* discs,
+                                const ActiveFace& active) {
+  std::vector<Coupling> result;
   std::unordered_map<int, const Slip*> slips;
   for (const Slip& slip : active.slipping)
     slips.emplace(slip.first, &slip);
@@ -102,7 +100,7 @@ std::vector<FollowingEntry> followingEntries(const FollowingLimits& limits, cons
   return result;
 }
 
-void leaveOut(const FollowingLimits& limits, const LocalDiscs* discs, LocalActiveSet& active) {
+void leaveOut(const FollowingLimits& limits, const LocalDiscs* discs, ActiveFace& active) {
   for (const FollowingLimit& limit : limits) {
     if (!limit.isDisc) {
       active[static_cast<std::size_t>(limit.place)] = 0;
@@ -117,17 +115,8 @@ void leaveOut(const FollowingLimits& limits, const LocalDiscs* discs, LocalActiv
   }
 }
 
-void addFollowing(const std::vector<FollowingEntry>& following, const double* x, double* y) {
-  for (const FollowingEntry& entry : following) {
-    const double moved = entry.factor * x[entry.source];
-    y[entry.first] += moved * entry.along[0];
-    if (entry.second >= 0)
-      y[entry.second] += moved * entry.along[1];
-  }
-}
-
-void moveToFollowing(const std::vector<FollowingEntry>& following, const double* lower, double* x) {
-  for (const FollowingEntry& entry : following) {
+void moveToFollowing(const std::vector<Coupling>& couplings, const double* lower, double* x) {
+  for (const Coupling& entry : couplings) {
     const double radius = entry.factor * std::max(0.0, x[entry.source] - lower[entry.source]);
     if (entry.second < 0) {
       x[entry.first] = entry.centre[0] + radius * entry.along[0];
@@ -141,7 +130,7 @@ void moveToFollowing(const std::vector<FollowingEntry>& following, const double*
 }
 
 void moveToLimits(const FollowingLimits& limits, const double* lower, const double* upper,
-                  const LocalDiscs* discs, const LocalActiveSet& active, double* x) {
+                  const LocalDiscs* discs, const ActiveFace& active, double* x) {
   for (const FollowingLimit& limit : limits) {
     if (!limit.isDisc) {
       if (const signed char side = active[static_cast<std::size_t>(limit.place)]; side != 0)
@@ -150,7 +139,7 @@ void moveToLimits(const FollowingLimits& limits, const double* lower, const doub
     }
     const Disc& disc = discs->discs()[static_cast<std::size_t>(limit.place)];
     const signed char state = active[static_cast<std::size_t>(disc.first)];
-    if (state != LocalActiveSet::slips && state != LocalActiveSet::onRim)
+    if (state != ActiveFace::slips && state != ActiveFace::onRim)
       continue;
     const double arm[] = {x[disc.first] - disc.centre[0], x[disc.second] - disc.centre[1]};
     const double length = std::hypot(arm[0], arm[1]);
