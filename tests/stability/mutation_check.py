@@ -208,7 +208,8 @@ FAULTS = (
         "row.limit / scale", "row.limit * scale", FRICTION),
     fault(
         "sign of slips of the step before", "packages/effects/src/Harmos_Friction.cpp",
-        "bounds[k] += state[k];", "bounds[k] -= state[k];", ("verification_friction",)),
+        "bounds[k] += state.get<SlipState>(rows[k].place).begun[t];",
+        "bounds[k] -= state.get<SlipState>(rows[k].place).begun[t];", ("verification_friction",)),
     fault(
         "slips against their force in the audit", "packages/feti/src/solve/Harmos_RowErrors.cpp",
         "view(r, 0) * lambda(r, 0) > 0.0;", "view(r, 0) * lambda(r, 0) != 0.0;", ("unit_feti",)),

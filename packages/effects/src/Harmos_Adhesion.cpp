@@ -148,27 +148,23 @@ void Adhesion::addConstraints(scene::ConstraintCollector& collector) const {
   collector.addAdhesion(*contact_, {law.normalStiffness, law.tangentialStiffness, toughness});
 }
 
-std::size_t Adhesion::stateSize(std::size_t rows, std::size_t) const {
-  return rows > 0 ? DamageUpdate::size(rows) : 0;
-}
-
-void Adhesion::beginStep(std::vector<double>& trial) const {
+void Adhesion::beginStep(scene::PointStates& trial) const {
   DamageUpdate(law_, trial).beginStep();
 }
 
 namespace {
 
 // Which of a point's stretches rows are: the opening, slips in their order.
-std::vector<std::size_t> directionsOf(const std::vector<scene::Effect::Row>& rows, std::size_t points) {
+std::vector<std::size_t> directionsOf(const std::vector<scene::InterfaceLaw::Row>& rows, std::size_t points) {
   std::vector<std::size_t> directions, slips(points, 0);
-  for (const scene::Effect::Row& row : rows)
+  for (const scene::InterfaceLaw::Row& row : rows)
     directions.push_back(row.isLimited ? ++slips[row.place] : 0);
   return directions;
 }
 
-std::vector<double> openingsOf(const std::vector<scene::Effect::RowAnswer>& answer) {
+std::vector<double> openingsOf(const std::vector<scene::InterfaceLaw::RowAnswer>& answer) {
   std::vector<double> openings;
-  for (const scene::Effect::RowAnswer& row : answer)
+  for (const scene::InterfaceLaw::RowAnswer& row : answer)
     openings.push_back(row.opening());
   return openings;
 }
@@ -176,25 +172,25 @@ std::vector<double> openingsOf(const std::vector<scene::Effect::RowAnswer>& answ
 } // namespace
 
 // Rows grow where points close, and openings where they open.
-void Adhesion::soften(const std::vector<double>& state, const std::vector<Row>& rows,
+void Adhesion::soften(const scene::PointStates& state, const std::vector<Row>& rows,
                       std::vector<Spring>& springs) const {
-  const double* damage = DamageUpdate::damage(state);
-  const std::vector<std::size_t> directions = directionsOf(rows, DamageUpdate::points(state));
+  const std::vector<std::size_t> directions = directionsOf(rows, state.points());
   for (std::size_t k = 0; k < rows.size(); ++k) {
     std::optional<double>& softness = springs[k].softness;
     if (!softness)
       continue;
-    const DamageUpdate::Spring spring = DamageUpdate::spring(state, rows[k].place);
-    if (damage[rows[k].place] == 1.0) {
+    const DamageState its = state.get<DamageState>(rows[k].place);
+    const std::size_t direction = directions[k];
+    if (its.damage == 1.0) {
       softness.reset();
       if (rows[k].isLimited && softens()) // the brittle law breaks for good: from where the step began
-        if (const auto at = DamageUpdate::brokenAt(state, rows[k].place))
-          springs[k].brokenAt = (*at)[directions[k]] / root(directions[k]);
+        if (const auto at = its.brokenAt())
+          springs[k].brokenAt = (*at)[direction] / root(direction);
       continue;
     }
-    *softness /= spring.stiffness[directions[k]];
-    springs[k].unstretched =
-        spring.unstretched[directions[k]] / root(directions[k]) * (directions[k] == 0 ? -1.0 : 1.0);
+    const DamageState::Spring spring = its.spring();
+    *softness /= spring.stiffness[direction];
+    springs[k].unstretched = spring.unstretched[direction] / root(direction) * (direction == 0 ? -1.0 : 1.0);
   }
 }
 
@@ -216,52 +212,43 @@ std::vector<DamageUpdate::Point> Adhesion::pointsOf(const std::vector<Row>& rows
   return points;
 }
 
-bool Adhesion::updateState(const std::vector<RowAnswer>& answer, double tolerance,
-                           std::vector<double>& trial) const {
+bool Adhesion::updateState(const std::vector<RowAnswer>& answer, double tolerance, const Largest& largest,
+                           scene::PointStates& trial) const {
   // Tractions are known to some ten times what residuals are.
   constexpr double known = 10.0, most = 0.01;
   const std::vector<Row> rows(answer.begin(), answer.end());
   return DamageUpdate(law_, trial)
-      .breakWorst(pointsOf(rows, openingsOf(answer), DamageUpdate::points(trial)),
-                  std::min(known * tolerance, most));
+      .breakWorst(pointsOf(rows, openingsOf(answer), trial.points()), std::min(known * tolerance, most),
+                  largest);
 }
 
-std::vector<double> Adhesion::lawForces(const std::vector<double>& trial, const std::vector<Row>& rows,
+std::vector<double> Adhesion::lawForces(const scene::PointStates& trial, const std::vector<Row>& rows,
                                         const std::vector<double>& openings) const {
-  const std::vector<std::size_t> directions = directionsOf(rows, DamageUpdate::points(trial));
-  const std::vector<DamageUpdate::Point> points = pointsOf(rows, openings, DamageUpdate::points(trial));
-  std::vector<DamageUpdate::Stretch> tractions;
+  const std::vector<std::size_t> directions = directionsOf(rows, trial.points());
+  const std::vector<DamageUpdate::Point> points = pointsOf(rows, openings, trial.points());
+  std::vector<Stretch> tractions;
   for (std::size_t k = 0; k < points.size(); ++k)
-    tractions.push_back(DamageUpdate::traction(law_, trial, k, points[k].stretch));
+    tractions.push_back(DamageUpdate::traction(law_, trial.get<DamageState>(k), points[k].stretch));
   std::vector<double> forces;
   for (std::size_t k = 0; k < rows.size(); ++k)
     forces.push_back(rows[k].point->area * root(directions[k]) * tractions[rows[k].place][directions[k]]);
   return forces;
 }
 
-double Adhesion::misfit(const std::vector<RowAnswer>& answer, const std::vector<double>& trial) const {
+double Adhesion::misfit(const std::vector<RowAnswer>& answer, const scene::PointStates& trial) const {
   const std::vector<Row> rows(answer.begin(), answer.end());
-  return DamageUpdate::misfit(law_, trial, pointsOf(rows, openingsOf(answer), DamageUpdate::points(trial)));
+  return DamageUpdate::misfit(law_, trial, pointsOf(rows, openingsOf(answer), trial.points()));
 }
 
 bool Adhesion::follow(const std::vector<Row>& rows, const std::vector<double>& openings,
-                      std::optional<double> steepness, double known, std::vector<double>& trial) const {
-  return DamageUpdate(law_, trial)
-      .follow(pointsOf(rows, openings, DamageUpdate::points(trial)), steepness, known);
+                      std::optional<double> steepness, double known, scene::PointStates& trial) const {
+  return DamageUpdate(law_, trial).follow(pointsOf(rows, openings, trial.points()), steepness, known);
 }
 
-std::vector<double> Adhesion::damage(const std::vector<double>& state) const {
-  const double* begin = DamageUpdate::damage(state);
-  return {begin, begin + DamageUpdate::points(state)};
-}
-
-double Adhesion::dissipated(const std::vector<double>& state) const {
-  return DamageUpdate::dissipated(state);
-}
-
-double Adhesion::haste(const std::vector<double>& trial) const {
-  constexpr double most = 0.25; // of what the interface can dissipate
-  return DamageUpdate::brokenShare(trial) / most;
+scene::InterfaceLaw::Broken Adhesion::broken(const scene::PointStates& state,
+                                             const std::vector<Row>& rows) const {
+  return DamageUpdate::broken(law_, state,
+                              pointsOf(rows, std::vector<double>(rows.size(), 0.0), state.points()));
 }
 
 } // namespace Harmos::effects

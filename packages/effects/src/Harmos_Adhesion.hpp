@@ -25,7 +25,7 @@ namespace Harmos::effects {
 /// carry nothing any more.
 ///
 /// Guarded by tests/unit/effects/test_adhesion.cpp and tests/verification/test_adhesion.cpp.
-class Adhesion : public scene::Effect {
+class Adhesion : public scene::Effect, public scene::InterfaceLaw {
  public:
   static constexpr const char* kindName = "Adhesion";
 
@@ -38,22 +38,26 @@ class Adhesion : public scene::Effect {
   void check(const scene::Scene& scene) const override;
   void addConstraints(scene::ConstraintCollector& collector) const override;
 
-  std::size_t stateSize(std::size_t rows, std::size_t limited) const override;
-  void beginStep(std::vector<double>& trial) const override;
-  void soften(const std::vector<double>& state, const std::vector<Row>& rows,
+  const scene::InterfaceLaw* interfaceLaw() const override { return this; }
+  std::size_t stateSize() const override { return scene::PointStates::sizeOf<DamageState>(); }
+  void beginStep(scene::PointStates& trial) const override;
+  void soften(const scene::PointStates& state, const std::vector<Row>& rows,
               std::vector<Spring>& springs) const override;
-  bool updateState(const std::vector<RowAnswer>& answer, double tolerance,
-                   std::vector<double>& trial) const override;
+  bool updateState(const std::vector<RowAnswer>& answer, double tolerance, const Largest& largest,
+                   scene::PointStates& trial) const override;
   bool softens() const override { return !law_.isBrittle(); }
-  std::vector<double> lawForces(const std::vector<double>& trial, const std::vector<Row>& rows,
+  std::vector<double> lawForces(const scene::PointStates& trial, const std::vector<Row>& rows,
                                 const std::vector<double>& openings) const override;
-  double misfit(const std::vector<RowAnswer>& answer, const std::vector<double>& trial) const override;
+  double misfit(const std::vector<RowAnswer>& answer, const scene::PointStates& trial) const override;
   bool follow(const std::vector<Row>& rows, const std::vector<double>& openings,
-              std::optional<double> steepness, double known, std::vector<double>& trial) const override;
+              std::optional<double> steepness, double known, scene::PointStates& trial) const override;
   bool breaks() const override { return true; }
-  std::vector<double> damage(const std::vector<double>& state) const override;
-  double dissipated(const std::vector<double>& state) const override;
-  double haste(const std::vector<double>& trial) const override;
+  double damage(const scene::PointStates& state, std::size_t point) const override {
+    return state.get<DamageState>(point).damage;
+  }
+  Broken broken(const scene::PointStates& state, const std::vector<Row>& rows) const override;
+  /// A quarter of what the interface can dissipate.
+  double mostBroken() const override { return 0.25; }
 
  private:
   double root(std::size_t direction) const; // of the stiffness

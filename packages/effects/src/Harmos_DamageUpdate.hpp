@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_CohesiveLaw.hpp"
+#include "Harmos_InterfaceLaw.hpp"
 
 #include <array>
 #include <cstddef>
@@ -10,8 +11,29 @@
 
 namespace Harmos::effects {
 
-/// The damage of the points of an interface within a step, as numbers that a run keeps for it: from solution
-/// to solution towards d = max(d_0, D(δ)), d_0 that with which the step began, D the law, δ the openings.
+/// Opening, not negative, and two slips, each times the root of its stiffness.
+using Stretch = std::array<double, 3>;
+
+/// What adhesion keeps of a point.
+struct DamageState {
+  double damage, begun;    ///< d, and that when the step began
+  double lost, lostBefore; ///< what was dissipated, and that when the step began
+  double mode;             ///< the last share of mode II
+  Stretch place;           ///< of the answer through which its springs go
+  Stretch stiffness;       ///< of its springs, where it softens; else 0
+
+  /// The springs of a point that is not broken: so many times as stiff as intact ones, and where they have no
+  /// force.
+  struct Spring {
+    Stretch stiffness = {}, unstretched = {};
+  };
+  Spring spring() const;
+  /// Where it broke, if it did so in the step.
+  std::optional<Stretch> brokenAt() const;
+};
+
+/// The damage of the points of an interface within a step: from solution to solution towards d = max(d_0,
+/// D(δ)), d_0 that with which the step began, D the law, δ the openings.
 ///
 /// With d frozen the springs of a solution are (1 − d)k, and D(δ) over and over comes to the answer, from
 /// below, but slowly where they are stiff beside the bodies. Points that soften therefore get springs of a
@@ -31,28 +53,25 @@ namespace Harmos::effects {
 ///
 /// The brittle law breaks what is beyond its strength by at least nine tenths of what the worst point is.
 ///
-/// All members are local. Guarded by tests/unit/effects/test_damage_update.cpp.
+/// Points are those of one rank; members are local unless they say otherwise. Guarded by
+/// tests/unit/effects/test_damage_update.cpp.
 class DamageUpdate {
  public:
-  /// How many numbers it keeps of so many points.
-  static std::size_t size(std::size_t points);
-
-  /// @param numbers of that size, which it changes; to outlive this.
-  DamageUpdate(const CohesiveLaw& law, std::vector<double>& numbers);
+  /// @param states of DamageState, which it changes; to outlive this.
+  DamageUpdate(const CohesiveLaw& law, scene::PointStates& states) : law_(law), states_(states) {}
 
   /// A step begins, for the first time or again.
   void beginStep();
 
-  /// Opening, not negative, and two slips, each times the root of its stiffness.
-  using Stretch = std::array<double, 3>;
   /// Of a point in the answer, also of one that has broken.
   struct Point {
     double area = 0.0;
     Stretch stretch = {};
   };
-  /// Breaks what is beyond the strength of a brittle law; whether there was anything. @param tolerance of
-  /// tractions, as a share of the strength.
-  bool breakWorst(const std::vector<Point>& answer, double tolerance);
+  /// Breaks what is beyond the strength of a brittle law; whether there was anything, on any rank.
+  /// @param tolerance of tractions, as a share of the strength. @note Collective.
+  bool breakWorst(const std::vector<Point>& answer, double tolerance,
+                  const scene::InterfaceLaw::Largest& largest);
   /// Damage of such openings; springs through the origin, or, where points soften, so many times as stiff as
   /// softening is steep, through traction and opening. @return whether any does.
   /// @param known to what tractions are, as a share of the strength: less than that brings no broken point
@@ -60,40 +79,22 @@ class DamageUpdate {
   bool follow(const std::vector<Point>& points, std::optional<double> steepness, double known);
 
   /// By the law, each divided by the root of its stiffness, from the damage with which the step began.
-  static Stretch traction(const CohesiveLaw& law, const std::vector<double>& numbers, std::size_t point,
-                          const Stretch& stretch);
+  static Stretch traction(const CohesiveLaw& law, const DamageState& state, const Stretch& stretch);
   /// How far tractions of springs are from that in an answer, at the worst point: a share of the strength.
-  static double misfit(const CohesiveLaw& law, const std::vector<double>& numbers,
+  static double misfit(const CohesiveLaw& law, const scene::PointStates& states,
                        const std::vector<Point>& answer);
-
-  // What numbers say, also of committed states.
-  static const double* damage(const std::vector<double>& numbers);
-  static std::size_t points(const std::vector<double>& numbers);
-  static double dissipated(const std::vector<double>& numbers);
-  /// Area by area, the share of what the law dissipates in all that was dissipated in the step.
-  static double brokenShare(const std::vector<double>& numbers);
-
-  /// The springs of a point that is not broken: so many times as stiff as intact ones, and where they have no
-  /// force.
-  struct Spring {
-    Stretch stiffness = {}, unstretched = {};
-  };
-  static Spring spring(const std::vector<double>& numbers, std::size_t point);
-  /// Where a point of the bilinear law broke, if it did so in the step.
-  static std::optional<Stretch> brokenAt(const std::vector<double>& numbers, std::size_t point);
+  /// @param points of which the areas count.
+  static scene::InterfaceLaw::Broken broken(const CohesiveLaw& law, const scene::PointStates& states,
+                                            const std::vector<Point>& points);
 
  private:
-  void keepModes(const std::vector<Point>& points);
-  void place(std::size_t k, const Stretch& stretch, double share);
-  void linearise(std::size_t k, double steepness);
-  bool staysBroken(std::size_t k, const Stretch& stretch, double known) const;
-  void account(const std::vector<Point>& points);
-  double* part(std::size_t index) { return numbers_.data() + index * points_; }
-  const double* part(std::size_t index) const { return numbers_.data() + index * points_; }
+  void keepMode(DamageState& state, const Stretch& stretch) const;
+  void linearise(DamageState& state, double steepness) const;
+  bool staysBroken(const DamageState& state, const Stretch& stretch, double known) const;
+  void account(DamageState& state, double area) const;
 
   const CohesiveLaw& law_;
-  std::vector<double>& numbers_;
-  std::size_t points_;
+  scene::PointStates& states_;
 };
 
 } // namespace Harmos::effects

@@ -108,19 +108,50 @@ void Friction::addConstraints(scene::ConstraintCollector& collector) const {
     collector.addFriction(*contact_, value);
 }
 
-void Friction::beginStep(std::vector<double>& trial) const {
-  const auto rows = static_cast<std::ptrdiff_t>(trial.size() / 2);
-  std::copy(trial.begin() + rows, trial.end(), trial.begin());
+namespace {
+
+// Of a point, along its tangents.
+struct SlipState {
+  double begun[2]; // when the step began
+  double now[2];   // in the last answer
+};
+
+// visit(row, direction): which of its point's tangents a row is.
+template<class Rows, class Visit>
+void overTangents(const Rows& rows, std::size_t points, const Visit& visit) {
+  std::vector<std::size_t> next(points, 0);
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    visit(k, next[rows[k].place]++);
 }
 
-void Friction::addToBounds(const std::vector<double>& state, std::vector<double>& bounds) const {
-  for (std::size_t k = 0; k < bounds.size(); ++k)
-    bounds[k] += state[k];
+} // namespace
+
+std::size_t Friction::stateSize() const {
+  return scene::PointStates::sizeOf<SlipState>();
 }
 
-bool Friction::updateState(const std::vector<RowAnswer>& answer, double, std::vector<double>& trial) const {
-  for (std::size_t k = 0; k < answer.size(); ++k)
-    trial[answer.size() + k] = trial[k] - answer[k].gap;
+void Friction::beginStep(scene::PointStates& trial) const {
+  for (std::size_t point = 0; point < trial.points(); ++point) {
+    SlipState state = trial.get<SlipState>(point);
+    std::copy_n(state.now, 2, state.begun);
+    trial.set(point, state);
+  }
+}
+
+void Friction::addToBounds(const scene::PointStates& state, const std::vector<Row>& rows,
+                           std::vector<double>& bounds) const {
+  overTangents(rows, state.points(), [&](std::size_t k, std::size_t t) {
+    bounds[k] += state.get<SlipState>(rows[k].place).begun[t];
+  });
+}
+
+bool Friction::updateState(const std::vector<RowAnswer>& answer, double, const Largest&,
+                           scene::PointStates& trial) const {
+  overTangents(answer, trial.points(), [&](std::size_t k, std::size_t t) {
+    SlipState state = trial.get<SlipState>(answer[k].place);
+    state.now[t] = state.begun[t] - answer[k].gap;
+    trial.set(answer[k].place, state);
+  });
   return false;
 }
 

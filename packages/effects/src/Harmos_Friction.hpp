@@ -29,7 +29,7 @@ struct Coulomb {
 /// bound times the area of the point, whatever the pressure is, also where the contact is open.
 ///
 /// Guarded by tests/verification/test_friction.cpp and tests/unit/effects/test_friction.cpp.
-class Friction : public scene::Effect {
+class Friction : public scene::Effect, public scene::InterfaceLaw {
  public:
   static constexpr const char* kindName = "Friction";
 
@@ -48,12 +48,13 @@ class Friction : public scene::Effect {
   /// @throws InputError where the bound or the coefficient is negative or no number.
   void addConstraints(scene::ConstraintCollector& collector) const override;
 
-  // Of each row the slip when the step began, and that of the last answer.
-  std::size_t stateSize(std::size_t, std::size_t limited) const override { return 2 * limited; }
-  void beginStep(std::vector<double>& trial) const override;
-  void addToBounds(const std::vector<double>& state, std::vector<double>& bounds) const override;
-  bool updateState(const std::vector<RowAnswer>& answer, double tolerance,
-                   std::vector<double>& trial) const override;
+  const scene::InterfaceLaw* interfaceLaw() const override { return this; }
+  std::size_t stateSize() const override;
+  void beginStep(scene::PointStates& trial) const override;
+  void addToBounds(const scene::PointStates& state, const std::vector<Row>& rows,
+                   std::vector<double>& bounds) const override;
+  bool updateState(const std::vector<RowAnswer>& answer, double tolerance, const Largest& largest,
+                   scene::PointStates& trial) const override;
 
  private:
   std::shared_ptr<const scene::Effect> contact_;

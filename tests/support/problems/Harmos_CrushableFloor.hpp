@@ -11,7 +11,7 @@ namespace Harmos {
 /// An effect with state, for tests: a floor y = 0 under a part of a body in the plane that gives way where
 /// the pressure is more than its strength, and does not come back. What has been crushed is its state, a
 /// depth for each row.
-class CrushableFloor : public scene::Effect {
+class CrushableFloor : public scene::Effect, public scene::InterfaceLaw {
  public:
   /// @param stiffness pressure beyond the strength over the depth that one update adds: well above that of
   /// the body for the updates to settle.
@@ -30,18 +30,21 @@ class CrushableFloor : public scene::Effect {
     collector.addContacts(contact::obstaclePoints(collector.surface(body_, set_), floor));
   }
 
-  std::size_t stateSize(std::size_t rows, std::size_t) const override { return rows; }
-  void addToBounds(const std::vector<double>& state, std::vector<double>& bounds) const override {
+  const scene::InterfaceLaw* interfaceLaw() const override { return this; }
+  std::size_t stateSize() const override { return 1; }
+  void addToBounds(const scene::PointStates& state, const std::vector<Row>& rows,
+                   std::vector<double>& bounds) const override {
     for (std::size_t k = 0; k < bounds.size(); ++k)
-      bounds[k] += state[k];
+      bounds[k] += state.get<double>(rows[k].place);
   }
-  bool updateState(const std::vector<RowAnswer>& answer, double, std::vector<double>& trial) const override {
+  bool updateState(const std::vector<RowAnswer>& answer, double, const Largest&,
+                   scene::PointStates& trial) const override {
     bool again = false;
-    for (std::size_t k = 0; k < answer.size(); ++k) {
-      const double excess = answer[k].force / answer[k].point->area - strength_;
+    for (const RowAnswer& row : answer) {
+      const double excess = row.force / row.point->area - strength_;
       if (excess <= accuracy * strength_)
         continue;
-      trial[k] += excess / stiffness_;
+      trial.set(row.place, trial.get<double>(row.place) + excess / stiffness_);
       again = true;
     }
     return again;

@@ -257,6 +257,20 @@ TEST(Adhesion, points_apart_are_not_bound) {
   }
 }
 
+// A rank has the states of its own points, damage and slips of each, and nothing of others.
+TEST(Adhesion, states_are_where_their_points_are) {
+  scene::Scene scene = blocks();
+  const auto contact = jointOf(scene);
+  scene.effects.push_back(std::make_shared<effects::Friction>(contact, effects::Coulomb(0.5), "rub"));
+  scene.effects.push_back(std::make_shared<effects::Adhesion>(contact, brittle(), "glue"));
+  const std::vector<scene::OwnedSubdomain> owned = scene::decompose(*testComm(), scene);
+  const scene::ContactSetup setup = scene::setUpContact(*testComm(), scene, owned);
+  const run::EffectStates states(*testComm(), scene, setup);
+  constexpr std::size_t ofDamage = 11, ofSlips = 4;
+  EXPECT_EQ(states.size(), setup.points.size() * (ofDamage + ofSlips));
+  EXPECT_EQ(globalSum(*testComm(), static_cast<long long>(setup.points.size())), setup.pointCount);
+}
+
 // With friction the rows along the surfaces are its own, with springs while points hold: these are
 // unstretched where the run began, whatever has slipped. Where a point breaks friction takes over, and slips
 // are those from the last step on that was accepted. The point itself is a plain contact then.

@@ -9,11 +9,13 @@
 #include "Harmos_DamageUpdate.hpp"
 #include "Harmos_Softening.hpp"
 
+#include <Teuchos_DefaultSerialComm.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -21,6 +23,7 @@ namespace test_damage_update {
 
 using namespace Harmos;
 using effects::CohesiveLaw;
+using effects::DamageState;
 using effects::DamageUpdate;
 
 namespace {
@@ -85,8 +88,8 @@ class Interface {
         own_(ofBody),
         coupling_(ofNeighbours),
         places_(count),
-        numbers_(adhesion_.stateSize(count, 0), 0.0),
-        softening_(std::vector<double>(count, law.options().normalStiffness)) {
+        states_(scene::PointStates::of<DamageState>(count)),
+        softening_(alone_, keysOf(count), std::vector<double>(count, law.options().normalStiffness)) {
     for (std::size_t k = 0; k < count; ++k) {
       places_[k].area = 1.0;
       rows_.push_back({&places_[k], k, false});
@@ -96,7 +99,7 @@ class Interface {
   /// @param advance see run::Softening::begin(). @return nothing where it does not settle.
   std::vector<double> step(const std::vector<double>& ends, double tolerance,
                            std::optional<double> advance = std::nullopt) {
-    adhesion_.beginStep(numbers_);
+    adhesion_.beginStep(states_);
     softening_.begin(parts({}), advance);
     constexpr int many = 1000;
     for (solutions = 1; solutions < many; ++solutions) {
@@ -110,9 +113,12 @@ class Interface {
     return {};
   }
 
-  double damage(std::size_t point) const { return DamageUpdate::damage(numbers_)[point]; }
-  double dissipated() const { return DamageUpdate::dissipated(numbers_); }
-  double brokenShare() const { return DamageUpdate::brokenShare(numbers_); }
+  double damage(std::size_t point) const { return adhesion_.damage(states_, point); }
+  double dissipated() const { return adhesion_.broken(states_, rows_).dissipated; }
+  double brokenShare() const {
+    const scene::InterfaceLaw::Broken broken = adhesion_.broken(states_, rows_);
+    return broken.share / broken.area;
+  }
   void err(double error) { error_ = error; }
   double traction(double opening, std::size_t point) const {
     return (1.0 - damage(point)) * stiffness() * opening;
@@ -121,33 +127,39 @@ class Interface {
   int solutions = 0;
 
  private:
-  using Effect = scene::Effect;
+  using Law = scene::InterfaceLaw;
+
+  static std::vector<long long> keysOf(std::size_t count) {
+    std::vector<long long> keys(count);
+    std::iota(keys.begin(), keys.end(), 0LL);
+    return keys;
+  }
 
   double stiffness() const { return adhesion_.law().options().normalStiffness; }
-  std::vector<run::Softening::Part> parts(std::vector<Effect::RowAnswer> answer) {
-    return {{&adhesion_, &rows_, std::move(answer), &numbers_}};
+  std::vector<run::Softening::Part> parts(std::vector<Law::RowAnswer> answer) {
+    return {{&adhesion_, &rows_, std::move(answer), &states_}};
   }
-  std::vector<Effect::Spring> softened() const {
-    std::vector<Effect::Spring> result(rows_.size(), {1.0 / stiffness(), 0.0});
-    adhesion_.soften(numbers_, rows_, result);
+  std::vector<Law::Spring> softened() const {
+    std::vector<Law::Spring> result(rows_.size(), {1.0 / stiffness(), 0.0});
+    adhesion_.soften(states_, rows_, result);
     return result;
   }
   Springs springs() const {
     Springs result;
-    for (const Effect::Spring& spring : softened()) {
+    for (const Law::Spring& spring : softened()) {
       result.stiffness.push_back(spring.softness ? 1.0 / *spring.softness : 0.0);
       result.unstretched.push_back(-spring.unstretched);
     }
     return result;
   }
   // Forces are known to so much of the strength where springs are stiff, openings where they are soft.
-  std::vector<Effect::RowAnswer> answerOf(const std::vector<double>& open) {
-    const std::vector<Effect::Spring> its = softened();
-    std::vector<Effect::RowAnswer> answer(open.size());
+  std::vector<Law::RowAnswer> answerOf(const std::vector<double>& open) {
+    const std::vector<Law::Spring> its = softened();
+    std::vector<Law::RowAnswer> answer(open.size());
     for (std::size_t k = 0; k < open.size(); ++k) {
       const double error = error_ * std::uniform_real_distribution<double>(-1.0, 1.0)(random_);
       const double opening = open[k] + error / ((1.0 - damage(k)) * stiffness() + own_);
-      static_cast<Effect::Row&>(answer[k]) = rows_[k];
+      static_cast<Law::Row&>(answer[k]) = rows_[k];
       answer[k].softness = its[k].softness;
       answer[k].unstretched = its[k].unstretched;
       answer[k].gap = opening;
@@ -157,11 +169,12 @@ class Interface {
     return answer;
   }
 
+  const Teuchos::SerialComm<int> alone_;
   effects::Adhesion adhesion_;
   double own_, coupling_;
   std::vector<contact::ContactPoint> places_;
-  std::vector<Effect::Row> rows_;
-  std::vector<double> numbers_;
+  std::vector<Law::Row> rows_;
+  scene::PointStates states_;
   run::Softening softening_;
   double error_ = 0.0;
   std::mt19937 random_{3};
@@ -306,28 +319,37 @@ TEST(DamageUpdate, points_snap_where_bodies_are_soft) {
 // The worst points break first; those that others relieve stay.
 TEST(DamageUpdate, brittle_points_break_from_the_worst_on) {
   const CohesiveLaw law = lawOf(1e3, 0.0, CohesiveLaw::Kind::Brittle);
-  std::vector<double> numbers(DamageUpdate::size(4), 0.0);
-  DamageUpdate update(law, numbers);
+  scene::PointStates states = scene::PointStates::of<DamageState>(4);
+  DamageUpdate update(law, states);
   update.beginStep();
+  const std::vector<DamageUpdate::Point> places(4, at(law, 0.0, 2.0));
   const auto ask = [&](const std::vector<double>& strains) {
     std::vector<DamageUpdate::Point> points;
     for (double strain : strains)
       points.push_back(at(law, strain / 1e3, 2.0));
-    const bool again = update.breakWorst(points, 1e-6);
-    const double* damage = DamageUpdate::damage(numbers);
-    return std::make_pair(again, std::vector<double>(damage, damage + 4));
+    const bool again = update.breakWorst(points, 1e-6, [](double value) { return value; });
+    std::vector<double> damage;
+    for (std::size_t k = 0; k < 4; ++k)
+      damage.push_back(states.get<DamageState>(k).damage);
+    return std::make_pair(again, damage);
   };
+  const auto broken = [&] { return DamageUpdate::broken(law, states, places); };
   using Damage = std::vector<double>;
   EXPECT_EQ(ask({1.5, 1.4, 1.2, 0.5}), std::make_pair(true, Damage{1, 1, 0, 0}));
   EXPECT_EQ(ask({0, 0, 0.9, 0.5}), std::make_pair(false, Damage{1, 1, 0, 0}));
   EXPECT_EQ(ask({0, 0, 1.0 + 1e-7, 0.5}), std::make_pair(false, Damage{1, 1, 0, 0}));
   // σ²/2k each, whatever the openings were.
-  EXPECT_NEAR(DamageUpdate::dissipated(numbers), 2 * 2.0 * 0.5 / 1e3, 1e-15);
-  EXPECT_NEAR(DamageUpdate::brokenShare(numbers), 0.5, 1e-12);
+  EXPECT_NEAR(broken().dissipated, 2 * 2.0 * 0.5 / 1e3, 1e-15);
+  EXPECT_NEAR(broken().share / broken().area, 0.5, 1e-12);
   update.beginStep();
   EXPECT_EQ(ask({0, 0, 1.1, 0.5}), std::make_pair(true, Damage{1, 1, 1, 0}));
-  EXPECT_NEAR(DamageUpdate::dissipated(numbers), 3 * 2.0 * 0.5 / 1e3, 1e-15);
-  EXPECT_NEAR(DamageUpdate::brokenShare(numbers), 0.25, 1e-12);
+  EXPECT_NEAR(broken().dissipated, 3 * 2.0 * 0.5 / 1e3, 1e-15);
+  EXPECT_NEAR(broken().share / broken().area, 0.25, 1e-12);
+  // What the worst point of another rank is beyond its strength counts.
+  update.beginStep();
+  EXPECT_TRUE(update.breakWorst({at(law, 0.0), at(law, 0.0), at(law, 0.0), at(law, 1.5 / 1e3)}, 1e-6,
+                                [](double value) { return std::max(value, 2.0); }));
+  EXPECT_EQ(states.get<DamageState>(3).damage, 0.0);
 }
 
 // A point that breaks was, on its way, where the law ends; there friction takes over. It stays broken as long
@@ -339,14 +361,15 @@ TEST(DamageUpdate, broken_points_are_known_by_their_places) {
   const auto slipped = [&](double slip) {
     return std::vector<DamageUpdate::Point>{{1.0, {0.0, 0.6 * root * slip, -0.8 * root * slip}}};
   };
-  std::vector<double> numbers(DamageUpdate::size(1), 0.0);
-  DamageUpdate update(law, numbers);
+  scene::PointStates states = scene::PointStates::of<DamageState>(1);
+  DamageUpdate update(law, states);
+  const auto state = [&] { return states.get<DamageState>(0); };
   update.beginStep();
   update.follow(slipped(0.9 * last), std::nullopt, known);
-  EXPECT_FALSE(DamageUpdate::brokenAt(numbers, 0));
+  EXPECT_FALSE(state().brokenAt());
   update.follow(slipped(1.5 * last), std::nullopt, known);
   const auto expectPlace = [&] {
-    const auto at = DamageUpdate::brokenAt(numbers, 0);
+    const auto at = state().brokenAt();
     ASSERT_TRUE(at);
     EXPECT_NEAR((*at)[1], 0.6 * root * last, 1e-12);
     EXPECT_NEAR((*at)[2], -0.8 * root * last, 1e-12);
@@ -355,14 +378,14 @@ TEST(DamageUpdate, broken_points_are_known_by_their_places) {
   // (1 − d)kδ = (last − δ)/(last − 0.01) of a strength of one.
   const double slope = 1.0 / (last - 0.01);
   update.follow(slipped(last - 0.9 * known / slope), std::nullopt, known);
-  EXPECT_EQ(*DamageUpdate::damage(numbers), 1.0);
+  EXPECT_EQ(state().damage, 1.0);
   expectPlace();
   update.follow(slipped(last - 1.1 * known / slope), std::nullopt, known);
-  EXPECT_LT(*DamageUpdate::damage(numbers), 1.0);
-  EXPECT_FALSE(DamageUpdate::brokenAt(numbers, 0));
+  EXPECT_LT(state().damage, 1.0);
+  EXPECT_FALSE(state().brokenAt());
   update.follow(slipped(1.5 * last), std::nullopt, known);
   update.beginStep();
-  EXPECT_FALSE(DamageUpdate::brokenAt(numbers, 0));
+  EXPECT_FALSE(state().brokenAt());
 }
 
 } // namespace test_damage_update

@@ -231,6 +231,26 @@ TEST(SoftBounds, springs_that_begin_far_from_where_they_end) {
     EXPECT_NEAR(x[i], qp.b[i] / (1.0 + curvature), 1.01 * tolerance * norm(qp.b) / curvature) << i;
 }
 
+// The first face holds too much for the rows, and nothing else takes soft bounds: sides are frozen, and faces
+// descend. With other values of the rows nothing meets them, which is proven as without soft bounds.
+TEST(SoftBounds, faces_that_cannot_meet_the_rows) {
+  SmallQp qp = {Dense(3, 3), {-10.0, 10.0, -10.0}, {0.0, -infinity, 0.0}, {}, Dense(2, 3), {}};
+  for (int i = 0; i < 3; ++i)
+    qp.a(i, i) = 1.0;
+  qp.soft = {{1, -infinity, 10.0, 1.0}};
+  qp.c(0, 0) = qp.c(0, 1) = qp.c(1, 1) = qp.c(1, 2) = 1.0;
+  for (const bool isPreconditioned : {false, true}) {
+    qp.cRhs = {1.0, 1.5};
+    const Outcome run = solved(qp, "PDAS", parameters(1e-10), isPreconditioned);
+    ASSERT_TRUE(run.result.converged()) << run.result.explanation;
+    EXPECT_LE(distance(run.x, {0.0, 1.0, 0.5}), 1e-9); // ‖b‖ times the tolerance, eigenvalues from 1
+  }
+  qp.lower = {0.0, 0.0, -infinity};
+  qp.soft = {{2, -infinity, 10.0, 1.0}};
+  qp.cRhs = {-1.0, 1.5};
+  EXPECT_EQ(solved(qp, "PDAS", parameters(1e-10), false).result.reason, Reason::Infeasible);
+}
+
 TEST(SoftBounds, others_refuse_them) {
   std::mt19937 random(3);
   const SmallQp qp = softString(8, 1.0);

@@ -6,6 +6,7 @@
 #include "Harmos_BoundTypes.hpp"
 #include "Harmos_Discs.hpp"
 #include "Harmos_Intervals.hpp"
+#include "Harmos_MixedBits.hpp"
 
 #include <BelosMultiVecTraits.hpp>
 #include <Teuchos_RCP.hpp>
@@ -15,6 +16,7 @@
 #include <cstring>
 #include <iterator>
 #include <memory>
+#include <numeric>
 #include <vector>
 
 namespace Harmos::qp {
@@ -136,36 +138,30 @@ struct BlockOps {
     return result;
   }
 
-  /// Entries whose states differ. @param before empty: all do. @param like any vector of their length.
-  static long long changed(const MV& like, const ActiveFace& before, const ActiveFace& face) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < face.size(); ++i)
-      sum += before.size() != face.size() || before[i] != face[i] ? 1.0 : 0.0;
-    BT::sum(like, &sum, 1);
-    return std::llround(sum);
-  }
-
  private:
   static FaceChange updated(const Blocks& blocks, const MV& x, const double* xs, const double* gs,
                             const FaceUpdate& how, ActiveFace& face) {
-    FaceTally tally([&x](std::size_t entry) { return BT::globalIndex(x, entry); });
+    FaceTally tally;
     const ActiveFace before = face;
+    const bool mayPull = !withForces(blocks).empty();
     if (std::any_of(blocks.begin(), blocks.end(), [](const auto& block) { return block->kind().isSet; }))
       face.slipping.clear();
-    if (std::any_of(blocks.begin(), blocks.end(), [](const auto& block) { return !block->kind().isSet; }))
+    if (mayPull)
       face.springs.clear();
     for (const auto& block : blocks)
       block->update(xs, gs, how, before, face, tally);
     std::sort(face.springs.begin(), face.springs.end(),
               [](const Spring& a, const Spring& b) { return a.entry < b.entry; });
-    for (const Slip& slip : face.slipping) {
-      std::uint64_t turned[2];
-      std::memcpy(turned, slip.normal, sizeof turned);
-      tally.sign(static_cast<std::size_t>(slip.first), turned[0], turned[1]);
-    }
-    double sums[] = {tally.active,       tally.changed,      tally.violation2,
-                     tally.wrong2,       tally.signature[0], tally.signature[1],
-                     tally.wrongForces2, tally.distance2,    static_cast<double>(face.slipping.size())};
+    double sums[9] = {0.0,
+                      tally.turned,
+                      tally.violation2,
+                      tally.wrong2,
+                      0.0,
+                      0.0,
+                      mayPull && !how.keepsSprings ? wrongForces2(blocks, before, x) : 0.0,
+                      tally.distance2,
+                      static_cast<double>(face.slipping.size())};
+    count(x, before, face, sums);
     BT::sum(x, sums, 9);
     return {static_cast<long long>(sums[0]),
             static_cast<long long>(sums[1]),
@@ -175,6 +171,55 @@ struct BlockOps {
             static_cast<long long>(sums[8]),
             sums[6],
             sums[7]};
+  }
+
+  // Of ∇ψ(x) from what the springs of a face make of it, squared.
+  static double wrongForces2(const Blocks& blocks, const ActiveFace& before, const MV& x) {
+    const Teuchos::RCP<MV> forces = MVT::Clone(x, 1);
+    MVT::MvInit(*forces, 0.0);
+    addForces(blocks, x, *forces);
+    Kernels::addSprings(before.springs, -1.0, BT::read(x), true, BT::write(*forces));
+    const double* const fs = BT::read(*forces);
+    return std::inner_product(fs, fs + BT::length(*forces), fs, 0.0);
+  }
+
+  // Held entries; entries whose state or side is another one; the signature.
+  static void count(const MV& x, const ActiveFace& before, const ActiveFace& face, double* sums) {
+    const auto number = [&x](std::size_t entry) {
+      return static_cast<std::uint64_t>(BT::globalIndex(x, entry));
+    };
+    // 32 bits an entry, so that sums over two million entries are exact.
+    const auto sign = [sums](std::uint64_t first, std::uint64_t second) {
+      sums[4] += static_cast<double>(first >> 32);
+      sums[5] += static_cast<double>(second & 0xffffffffULL);
+    };
+    const auto isPaired = [](signed char state) {
+      return state == ActiveFace::onRim || state == ActiveFace::slips;
+    };
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      sums[0] += face[i] != 0 ? 1.0 : 0.0;
+      sums[1] += face[i] != before[i] && !isPaired(face[i]) && !isPaired(before[i]) ? 1.0 : 0.0;
+      if (face[i] == 0 || isPaired(face[i]))
+        continue;
+      const std::uint64_t bits = mix(2 * number(i) + (face[i] < 0 ? 0 : 1));
+      sign(bits, bits);
+    }
+    for (const Slip& slip : face.slipping) {
+      std::uint64_t turned[2];
+      std::memcpy(turned, slip.normal, sizeof turned);
+      const std::uint64_t bits = mix(2 * number(static_cast<std::size_t>(slip.first)) + 1 + turned[0]);
+      sign(bits, mix(bits + turned[1]));
+    }
+    Kernels::SpringOf last(before.springs), next(face.springs);
+    for (const Spring& spring : face.springs) {
+      const Spring* const was = last(spring.entry);
+      sums[1] += was == nullptr || was->side != spring.side ? 1.0 : 0.0;
+      const std::uint64_t bits =
+          mix(mix(2 * number(static_cast<std::size_t>(spring.entry)) + 1) + (spring.side < 0 ? 0 : 1));
+      sign(bits, bits);
+    }
+    for (const Spring& spring : before.springs)
+      sums[1] += next(spring.entry) == nullptr ? 1.0 : 0.0;
   }
 };
 

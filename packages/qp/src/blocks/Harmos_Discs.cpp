@@ -71,8 +71,7 @@ void Discs::update(const double* x, const double* g, const FaceUpdate& how, cons
              how.stepLength > 0.0 ? (reach - disc.radius) / (how.stepLength * disc.radius) : 0.0});
     }
     face[static_cast<std::size_t>(disc.first)] = face[static_cast<std::size_t>(disc.second)] = state;
-    tally.active += state != 0 ? 2.0 : 0.0;
-    tally.changed += isChanged ? 1.0 : 0.0;
+    tally.turned += isChanged ? 1.0 : 0.0;
   }
 }
 

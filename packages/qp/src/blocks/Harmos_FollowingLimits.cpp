@@ -50,7 +50,7 @@ void update(const FollowingLimits& limits, const double* x, const double* g, con
     } else {
       const int i = limit.place;
       const auto place = static_cast<std::size_t>(i);
-      const signed char was = before.empty() ? 0 : before[place], by = face[place];
+      const signed char was = before[place];
       const double l = lower[i], u = upper[i], z = x[i] - how.stepLength * g[i];
       const double noise = how.stepLength * how.gradientNoise;
       signed char state = 0;
@@ -61,8 +61,6 @@ void update(const FollowingLimits& limits, const double* x, const double* g, con
       else
         state = z < l - noise ? -1 : z > u + noise ? 1 : 0;
       face[place] = state;
-      tally.changed += (state != was) - (by != was);
-      tally.active += (state != 0) - (by != 0);
       distance = state < 0 ? x[i] - l : state > 0 ? u - x[i] : 0.0;
     }
     tally.distance2 += distance * distance;

@@ -59,13 +59,7 @@ class Intervals : public NonsmoothBlock {
   void update(const double* x, const double* g, const FaceUpdate& how, const ActiveFace& /*before*/,
               ActiveFace& face, FaceTally& tally) const override {
     overEntries([&](std::size_t i, double l, double u) {
-      const signed char before = face[i];
-      face[i] = updateInterval(before, x[i], g[i], l, u, how, tally);
-      tally.changed += face[i] != before ? 1.0 : 0.0;
-      if (face[i] != 0) {
-        tally.active += 1.0;
-        tally.sign(i, face[i] < 0 ? 0 : 1);
-      }
+      face[i] = updateInterval(face[i], x[i], g[i], l, u, how, tally);
     });
   }
 

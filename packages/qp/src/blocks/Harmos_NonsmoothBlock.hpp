@@ -2,13 +2,8 @@
 #pragma once
 
 #include "Harmos_ActiveFace.hpp"
-#include "Harmos_MixedBits.hpp"
 
-#include <cstddef>
-#include <cstdint>
-#include <functional>
 #include <memory>
-#include <utility>
 #include <vector>
 
 namespace Harmos::qp {
@@ -19,7 +14,7 @@ struct FaceUpdate {
   double gradientNoise = 0.0; ///< multipliers of the wrong sign that are smaller are rounding errors
   double stepLength = 0.0;    ///< t: pairs are judged by z = x − tg
   double turn = 0.0;          ///< of the gradient, by which a slipping pair may be wrong and go on as it is
-  bool keepsSprings = false;
+  bool keepsSprings = false;  ///< springs stay those of the face before; holding and freeing go on
 };
 
 /// How limits follow the solution.
@@ -28,41 +23,12 @@ struct FollowUpdate {
   double share = 1.0;      ///< s of the way
 };
 
-/// What an update of a face finds and changes: sums of one rank.
-class FaceTally {
- public:
-  /// @param globalIndex the number of a local entry, whatever the distribution.
-  explicit FaceTally(std::function<long long(std::size_t)> globalIndex)
-      : globalIndex_(std::move(globalIndex)) {}
-
-  double active = 0.0;       ///< held entries
-  double changed = 0.0;      ///< entries, or pairs, whose part of the face is another
-  double violation2 = 0.0;   ///< of free entries from where terms are finite, squared
-  double wrong2 = 0.0;       ///< of multipliers that push the wrong way, squared
-  double wrongForces2 = 0.0; ///< of ∇ψ(x) from what the springs of the face before make of it, squared
-  double distance2 = 0.0;    ///< of held entries from where they are held now, squared
-  double signature[2] = {0.0, 0.0};
-
-  /// An entry's part of the face: the same face has the same signature, another one with all but certainty
-  /// another.
-  void sign(std::size_t entry, unsigned state) {
-    sign(mix(2 * static_cast<std::uint64_t>(globalIndex_(entry)) + state));
-  }
-  /// What distinguishes faces beside states.
-  void sign(std::size_t entry, std::uint64_t first, std::uint64_t second) {
-    const std::uint64_t bits = mix(2 * static_cast<std::uint64_t>(globalIndex_(entry)) + 1 + first);
-    add(bits, mix(bits + second));
-  }
-
- private:
-  void sign(std::uint64_t bits) { add(bits, bits); }
-  // 32 bits an entry, so that sums over two million entries are exact.
-  void add(std::uint64_t first, std::uint64_t second) {
-    signature[0] += static_cast<double>(first >> 32);
-    signature[1] += static_cast<double>(second & 0xffffffffULL);
-  }
-
-  std::function<long long(std::size_t)> globalIndex_;
+/// What an update of a face finds, beside the face: sums of one rank.
+struct FaceTally {
+  double violation2 = 0.0; ///< of free entries from where terms are finite, squared
+  double wrong2 = 0.0;     ///< of multipliers that push the wrong way, squared
+  double distance2 = 0.0;  ///< of held entries from where they are held now, squared
+  double turned = 0.0;     ///< pairs that slip along another tangent, or have begun or ended to slip
 };
 
 /// Terms ψ of the cost that bend, or are infinite, where others are smooth:
@@ -75,15 +41,15 @@ class FaceTally {
 /// Sun, Math. Program. 58, 1993; of prox and natural residual: Facchinei, Pang, Finite-Dimensional
 /// Variational Inequalities, 2003, chapter 8): entries that are held, tangents, and curvatures (ActiveFace).
 ///
-/// Arrays are those of one rank's entries of the solution, of its gradient Ax − b + Cᵀμ, springs of the face
-/// included. All functions are local.
+/// Arrays are those of one rank's entries: of the solution, and of its gradient Ax − b + Cᵀμ, in update()
+/// with the springs of the face before, in project(x, g) with addForces(). All functions are local.
 ///
 /// Guarded by tests/unit/qp/test_blocks.cpp; docs/qp.md shows how to write one.
 class NonsmoothBlock {
  public:
   /// What solvers have to know of the terms.
   struct Kind {
-    bool isSet = true;             ///< ψ is zero or infinite
+    bool isSet = true;             ///< ψ is zero or infinite, of all of them
     bool isPiecewiseLinear = true; ///< its prox is; false: derivatives turn from point to point
     bool isCost = true;            ///< false: ψ depends on the solution, and there is no cost that falls
   };
@@ -101,9 +67,9 @@ class NonsmoothBlock {
   /// y ← y + ∇ψ(x), of terms that are no sets.
   virtual void addForces(const double* /*x*/, double* /*y*/) const {}
 
-  /// The face at x, where the gradient is g, and how it differs from the one before. Sets states of its
-  /// entries, and appends to the slips and springs, which are those of the blocks before this one.
-  /// @param before the face that x was found on; empty: none.
+  /// The face at x, where the gradient is g: sets the states of its entries, and appends to the slips and
+  /// springs, which are those of the blocks before this one.
+  /// @param before the face that x was found on. @param face in: with its states.
   virtual void update(const double* x, const double* g, const FaceUpdate& how, const ActiveFace& before,
                       ActiveFace& face, FaceTally& tally) const = 0;
 
@@ -114,8 +80,8 @@ class NonsmoothBlock {
   /// projected gradient.
   virtual void project(const double* x, double* g) const = 0;
 
-  /// d ← its projection onto the directions along which ψ does not grow for ever; returns the square of what
-  /// was taken away. Less than these is safe: no direction, unless a block knows better.
+  /// d ← its part along which ψ does not grow for ever; returns the square of what was taken away. To take
+  /// all of d away is safe: what leads to no end is then not found unbounded.
   virtual double recede(double* d) const = 0;
 
   // Of terms that depend on the solution.

@@ -17,10 +17,6 @@ double beyond(const SoftBound& bound, double x) {
   return x < bound.lower ? x - bound.lower : x > bound.upper ? x - bound.upper : 0.0;
 }
 
-double forceOf(const Spring* spring, double x) {
-  return spring == nullptr ? 0.0 : spring->curvature * (x - spring->centre);
-}
-
 int sideAt(const SoftBound& bound, double x, int was, double noise) {
   if (bound.lower == bound.upper)
     return -1;
@@ -62,26 +58,16 @@ void SoftIntervals::addForces(const double* x, double* y) const {
 }
 
 void SoftIntervals::update(const double* x, const double* /*g*/, const FaceUpdate& how,
-                           const ActiveFace& before, ActiveFace& face, FaceTally& tally) const {
+                           const ActiveFace& before, ActiveFace& face, FaceTally& /*tally*/) const {
   Kernels::SpringOf springOf(before.springs);
   for (const SoftBound& bound : bounds_) {
     if (bound.curvature == 0.0)
       continue;
     const Spring* const last = springOf(bound.entry);
-    if (how.keepsSprings) {
-      if (last != nullptr)
-        face.springs.push_back(*last);
-      continue;
-    }
-    const double at = x[bound.entry];
-    const int was = last == nullptr ? 0 : last->side, side = sideAt(bound, at, was, how.xNoise);
-    const double wrong = bound.curvature * beyond(bound, at) - forceOf(last, at);
-    tally.wrongForces2 += wrong * wrong;
-    tally.changed += side != was ? 1.0 : 0.0;
-    if (side == 0)
-      continue;
-    face.springs.push_back({bound.entry, side, side < 0 ? bound.lower : bound.upper, bound.curvature});
-    tally.sign(static_cast<std::size_t>(bound.entry), 1, side < 0 ? 2 : 3);
+    const int was = last == nullptr ? 0 : last->side;
+    const int side = how.keepsSprings ? was : sideAt(bound, x[bound.entry], was, how.xNoise);
+    if (side != 0)
+      face.springs.push_back({bound.entry, side, side < 0 ? bound.lower : bound.upper, bound.curvature});
   }
 }
 

@@ -42,7 +42,7 @@ struct ActiveFace : std::vector<signed char> {
   using std::vector<signed char>::vector;
   static constexpr signed char onRim = 2, slips = 3;
   std::vector<Slip> slipping;      ///< of each pair whose state is `slips`
-  std::vector<Spring> springs;     ///< of entries whose state is 0; by rising entries
+  std::vector<Spring> springs;     ///< of no account at held entries; by rising entries
   std::vector<Coupling> couplings; ///< see NonsmoothBlock::couple()
 };
 

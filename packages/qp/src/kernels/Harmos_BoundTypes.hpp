@@ -46,15 +46,16 @@ struct ChangeSums {
   double gradientNorm2 = 0.0; ///< ‖g_old‖²
 };
 
-/// How a face differs from the one before; global. The squares see FaceTally.
+/// How a face differs from the one before; global. For violations, wrong signs and distances see FaceTally.
 struct FaceChange {
-  long long active = 0;
-  long long changed = 0;
+  long long active = 0;  ///< held entries
+  long long changed = 0; ///< entries, or pairs, whose part of the face is another one
   double violation2 = 0.0;
   double wrongSign2 = 0.0;
   double signature[2] = {0.0, 0.0}; ///< the same for the same face; differs with all but certainty else
   long long slips = 0;              ///< pairs
-  double wrongForces2 = 0.0, distance2 = 0.0;
+  double wrongForces2 = 0.0; ///< of ∇ψ(x) from what the springs of the face before make of it, squared
+  double distance2 = 0.0;
 };
 
 /// What a residual w says of slipping pairs, with q for the diagonal of A; global.

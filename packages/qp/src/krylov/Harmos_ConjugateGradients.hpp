@@ -39,6 +39,7 @@ class ConjugateGradients : public Krylov<MV> {
                      KeptDirections<Scalar, MV, OP>& kept, const CgOptions& options, bool isUnprojected,
                      Counters& counters);
 
+  void forget() override { directions_.clear(); }
   void begin() override;
   Outcome step() override;
   void exchange(StateArchive<MV>& archive) override;
@@ -102,7 +103,6 @@ ConjugateGradients<Scalar, MV, OP>::ConjugateGradients(const Problem<Scalar, MV,
 
 template<class Scalar, class MV, class OP>
 void ConjugateGradients<Scalar, MV, OP>::begin() {
-  directions_.clear();
   precondition();
   MVT::Assign(*z_, *p_);
 }

@@ -25,8 +25,8 @@ class ConjugateResiduals : public Krylov<MV> {
                      FaceSystem<Scalar, MV, OP>& system, Iterate& iterate, Counters& counters)
       : problem_(problem), rows_(rows), system_(system), iterate_(iterate), counters_(counters) {}
 
+  void forget() override { directions_.clear(); }
   void begin() override {
-    directions_.clear();
     directions_.setRowWeight(iterate_.level.curvatureBound);
     sumResidual();
   }

@@ -98,6 +98,7 @@ class FaceSolver {
   bool moveToRows();
   double findGradient();
   void settle();
+  void pinMotions();
 
   const Problem<Scalar, MV, OP>& problem_;
   EqualityRows<Scalar, MV, OP>& rows_;
@@ -108,6 +109,7 @@ class FaceSolver {
   ConjugateGradients<Scalar, MV, OP> conjugate_;
   ConjugateResiduals<Scalar, MV, OP> residuals_;
   Teuchos::RCP<MV> rowsOfLoad_; // C̄b, where gradients are those of F
+  Teuchos::RCP<MV> unheld_;     // part of what is removed on which no force of the face acts; null: none
   double rayleigh_ = 0.0;       // of the last beginning
 };
 

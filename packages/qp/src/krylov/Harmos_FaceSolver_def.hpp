@@ -59,27 +59,35 @@ FaceIterate<Scalar, MV, OP> FaceSolver<Scalar, MV, OP>::makeIterate() {
 
 template<class Scalar, class MV, class OP>
 bool FaceSolver<Scalar, MV, OP>::start(const ActiveFace& face, double leastHold) {
-  bool isDeficient = false;
   system_.setFace(face, *iterate_.x);
+  unheld_ = Teuchos::null;
   if (rows_.isPresent()) {
     system_.factorRows();
-    const double held = system_.isCoupled() ? system_.hold() : 1.0;
-    if (held < leastHold)
+    const bool turns = !problem_.kind().isCost || !problem_.kind().isPiecewiseLinear;
+    const double held = turns ? system_.hold() : 1.0;
+    if (system_.isCoupled() && held < leastHold)
       return false;
-    isDeficient = held == 0.0;
     if (!moveToRows())
       return false;
+    if (held == 0.0) {
+      unheld_ = MVT::CloneCopy(*iterate_.removed);
+      system_.keepMotions(*unheld_);
+    }
   }
-  // Motions on which no force of the face acts are those of before: gradients at what slips tell slips with
-  // them.
-  const Teuchos::RCP<MV> kept = isDeficient ? MVT::CloneCopy(*iterate_.removed) : Teuchos::null;
   restart();
-  if (isDeficient) {
-    MVT::MvAddMv(1.0, *kept, -1.0, *iterate_.removed, *kept);
-    system_.keepMotions(*kept);
-    MVT::MvAddMv(1.0, *iterate_.removed, 1.0, *kept, *iterate_.removed);
-  }
   return true;
+}
+
+// Motions on which no force of the face acts have no multiplier; theirs is that of before: gradients at what
+// slips tell slips with them.
+template<class Scalar, class MV, class OP>
+void FaceSolver<Scalar, MV, OP>::pinMotions() {
+  if (unheld_.is_null())
+    return;
+  const Teuchos::RCP<MV> now = MVT::CloneCopy(*iterate_.removed);
+  system_.keepMotions(*now);
+  MVT::MvAddMv(1.0, *iterate_.removed, 1.0, *unheld_, *iterate_.removed);
+  MVT::MvAddMv(1.0, *iterate_.removed, -1.0, *now, *iterate_.removed);
 }
 
 // x_F ← x_F − C_Fᵀ(C_FC_Fᵀ)⁻(C̄x − c̄), a second time for what rounding left.
@@ -158,6 +166,8 @@ void FaceSolver<Scalar, MV, OP>::restart() {
   iterate_.level.staleness = 0;
   iterate_.level.value = 0.0;
   iterate_.level.raise(dot<Scalar>(x, x));
+  conjugate_.forget();
+  residuals_.forget();
   krylov().begin();
 }
 
@@ -169,6 +179,13 @@ void FaceSolver<Scalar, MV, OP>::exchange(StateArchive<MV>& archive) {
     archive.rowVector("cg projected away", *iterate_.removed);
   archive.number("cg residual", iterate_.residual2);
   archive.number("cg quotient", rayleigh_);
+  bool hasUnheld = !unheld_.is_null();
+  archive.number("cg has motions that nothing holds", hasUnheld);
+  if (hasUnheld) {
+    if (unheld_.is_null())
+      unheld_ = rows_.makeVector();
+    archive.rowVector("cg motions that nothing holds", *unheld_);
+  }
   iterate_.distance.exchange(archive);
   iterate_.level.exchange(archive);
   system_.exchangeStiffness(archive);
@@ -262,6 +279,7 @@ double FaceSolver<Scalar, MV, OP>::cost() {
 template<class Scalar, class MV, class OP>
 void FaceSolver<Scalar, MV, OP>::lagrangianGradient(MV& y) {
   settle();
+  pinMotions();
   MVT::Assign(*iterate_.gradient, y);
   FaceOps<Scalar, MV>::addCurvature(system_.face(), -1.0, *iterate_.x, true, y);
   if (rows_.isPresent())
@@ -300,6 +318,7 @@ void FaceSolver<Scalar, MV, OP>::settle() {
 template<class Scalar, class MV, class OP>
 void FaceSolver<Scalar, MV, OP>::multiplier(MV& mu) {
   settle();
+  pinMotions();
   MVT::MvAddMv(-1.0, *iterate_.removed, 0.0, *iterate_.removed, mu);
 }
 

@@ -15,6 +15,8 @@ class Krylov {
 
   virtual ~Krylov() = default;
 
+  /// Directions were those of another face. Local.
+  virtual void forget() = 0;
   /// From an iterate whose gradients were computed anew. @note Collective.
   virtual void begin() = 0;
   /// @note Collective.

@@ -25,8 +25,7 @@ class FaceDescent : public Strategy<Scalar, MV, OP> {
 
   bool propose(const std::string& why) override {
     State& s = this->s_;
-    if (descent_.isOn() || s.turns() || s.problem.hasOtherBlocks() ||
-        (!s.problem.kind().isSet && !sides_.areFrozen()))
+    if (descent_.isOn() || s.turns() || (!s.problem.kind().isSet && !sides_.areFrozen()))
       return false;
     const Teuchos::RCP<MV> present = MVT::CloneCopy(s.x);
     MVT::Assign(*s.best.x, s.x);

@@ -20,9 +20,7 @@ class FrozenSides : public Strategy<Scalar, MV, OP> {
 
   explicit FrozenSides(State& state) : Strategy<Scalar, MV, OP>(state) {}
 
-  bool isAgainst(Trouble trouble) const override {
-    return trouble == Trouble::NoProgress || trouble == Trouble::ManyFaces;
-  }
+  bool isAgainst(Trouble trouble) const override { return trouble != Trouble::BadFace; }
   bool areFrozen() const { return areFrozen_; }
   bool seesToProgress() const override { return areFrozen_; }
 

@@ -121,8 +121,6 @@ class Problem {
   /// What all of them are: sets, as gradient projection needs them; of piecewise linear proxes, so that faces
   /// do not turn; terms of a cost, which the solution minimises.
   NonsmoothBlock::Kind kind() const;
-  /// Whether there are some of addBlock().
-  bool hasOtherBlocks() const { return !terms_.others.empty(); }
 
   /// Intervals and discs. To be used while this lives and is not changed.
   FeasibleSet<MV> feasibleSet() const { return {terms_.lower.get(), terms_.upper.get(), terms_.discs.get()}; }

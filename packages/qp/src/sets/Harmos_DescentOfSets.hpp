@@ -35,7 +35,7 @@ class DescentOfSets {
         reference_(MVT::Clone(x_, 1)),
         gradient_(MVT::Clone(x_, 1)),
         work_(MVT::Clone(x_, 1)),
-        feasible_(problem.feasibleSet()) {
+        blocks_(problem.blocks()) {
     MVT::MvInit(*reference_, 0.0);
   }
 
@@ -85,8 +85,8 @@ class DescentOfSets {
     ActiveFace copy = set;
     MVT::MvInit(*work_, 0.0);
     constexpr double rounding = 10.0 * std::numeric_limits<double>::epsilon();
-    const FaceChange change =
-        BlockOps<Scalar, MV>::update(feasible_, x_, *work_, {rounding * norm<Scalar>(x_), 1.0}, copy);
+    const FaceChange change = BlockOps<Scalar, MV>::update(
+        blocks_, x_, *work_, {rounding * norm<Scalar>(x_), 1.0, 0.0, 0.0, true}, copy);
     return change.changed > 0 && 0.5 * cg_.curvatureBound() * change.violation2 > referenceCost_ - cg_.cost();
   }
 
@@ -164,7 +164,7 @@ class DescentOfSets {
   Nearest nearest_;
   Teuchos::RCP<MV> reference_, gradient_; // of the Lagrangian there
   Teuchos::RCP<MV> work_;
-  FeasibleSet<MV> feasible_;
+  Blocks blocks_;
   double referenceCost_ = std::numeric_limits<double>::infinity();
   double promised_ = 0.0; // what conjugate gradients have gained since
   double moved2_ = 0.0;

@@ -38,10 +38,12 @@ class NearestFeasible {
   NearestFeasible(const Problem<Scalar, MV, OP>& problem, const EqualityRows<Scalar, MV, OP>& rows)
       : feasible_{problem.lowerBound().get(), problem.upperBound().get(), nullptr},
         discs_(problem.feasibleSet().discs),
+        others_(othersOf(problem)),
         rows_(rows),
         x_(MVT::Clone(*problem.rhs(), 1)),
         v_(MVT::Clone(*x_, 1)),
         work_(MVT::Clone(*x_, 1)) {
+    gatherBlocks();
     if (rows_.isPresent()) {
       residual_ = rows_.makeVector();
       direction_ = rows_.makeVector();
@@ -116,6 +118,7 @@ class NearestFeasible {
     feasible_.lower = lower;
     feasible_.upper = upper;
     discs_ = discs;
+    gatherBlocks();
   }
 
   /// Adds pairs of v that are outside of their discs to the set that was found. @param stepLength 1/‖A‖, to
@@ -131,7 +134,7 @@ class NearestFeasible {
   long long count(const ActiveFace& set) {
     constexpr double unmoved = std::numeric_limits<double>::max();
     ActiveFace copy = set;
-    return Terms::update(feasible_, *v_, *v_, {unmoved, unmoved}, copy).active;
+    return update(*v_, *v_, unmoved, unmoved, copy).active;
   }
 
  private:
@@ -139,6 +142,23 @@ class NearestFeasible {
   using Bounds = BoundOps<Scalar, MV>;
   using Terms = BlockOps<Scalar, MV>;
   using Faces = FaceOps<Scalar, MV>;
+
+  // What is neither bound nor disc, and where it can be; springs stay what they are.
+  static Blocks othersOf(const Problem<Scalar, MV, OP>& problem) {
+    const std::size_t sets = Terms::setsOf(problem.feasibleSet()).size();
+    Blocks result;
+    for (std::size_t k = sets; k < problem.blocks().size(); ++k)
+      if (problem.blocks()[k]->kind().isCost)
+        result.push_back(problem.blocks()[k]);
+    return result;
+  }
+  void gatherBlocks() {
+    blocks_ = Terms::setsOf(feasible_);
+    blocks_.insert(blocks_.end(), others_.begin(), others_.end());
+  }
+  FaceChange update(const MV& x, const MV& g, double xNoise, double gradientNoise, ActiveFace& set) const {
+    return Terms::update(blocks_, x, g, {xNoise, gradientNoise, 0.0, 0.0, true}, set);
+  }
 
   // Newton's steps from v on. @param fromV the first set is that of v.
   Outcome settle(int mostSets, bool fromV, ActiveFace& set, long long& active) {
@@ -162,7 +182,7 @@ class NearestFeasible {
     active = count(set);
     if (outcome == Outcome::Found) {
       moveToFace(set);
-      Bounds::project(*x_, feasible_);
+      Terms::project(blocks_, *x_);
     }
     return outcome;
   }
@@ -208,7 +228,7 @@ class NearestFeasible {
   // x = v where the set is free, else the bounds.
   void moveToFace(const ActiveFace& active) {
     MVT::Assign(*v_, *x_);
-    Terms::moveToFace(feasible_, active, *x_);
+    Terms::moveToFace(blocks_, active, *x_);
   }
 
   void subtractRows(double factor, const MV& nu) {
@@ -238,7 +258,7 @@ class NearestFeasible {
       return true;
     const Teuchos::RCP<MV> before = MVT::CloneCopy(*v_);
     const double height = height_, last = value();
-    Bounds::project(*x_, feasible_);
+    Terms::project(blocks_, *x_);
     findResidual();
     const Teuchos::RCP<MV> downwards = rows_.makeVector();
     MVT::Assign(*residual_, *downwards);
@@ -312,7 +332,7 @@ class NearestFeasible {
   // φ.
   double value() {
     MVT::Assign(*v_, *work_);
-    Bounds::project(*work_, feasible_);
+    Terms::project(blocks_, *work_);
     MVT::MvAddMv(1.0, *v_, -1.0, *work_, *work_);
     return 0.5 * (dot<Scalar>(*v_, *v_) - dot<Scalar>(*work_, *work_)) + height_;
   }
@@ -321,11 +341,12 @@ class NearestFeasible {
   long long updateSet(ActiveFace& set) {
     moveToFace(set);
     MVT::MvAddMv(1.0, *x_, -1.0, *v_, *work_);
-    return Terms::update(feasible_, *x_, *work_, {touching * norm<Scalar>(*x_), noise_}, set).changed;
+    return update(*x_, *work_, touching * norm<Scalar>(*x_), noise_, set).changed;
   }
 
   FeasibleSet<MV> feasible_; // without discs
   const LocalDiscs* discs_;
+  Blocks others_, blocks_; // beside bounds; bounds and these
   const EqualityRows<Scalar, MV, OP>& rows_;
   Teuchos::RCP<MV> x_, v_, work_;
   Teuchos::RCP<MV> residual_, direction_; // of the rows

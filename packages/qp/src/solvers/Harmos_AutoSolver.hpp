@@ -65,7 +65,7 @@ class AutoSolver : public SolverManager<Scalar, MV, OP> {
   std::vector<Stage> plan() const;
   Teuchos::RCP<Solver> successorOfPdas() const;
   bool canBeOrthonormal() const;
-  std::string whyHandOver(const Stage& stage, int budget) const;
+  std::string whyHandOver(const Stage& stage) const;
 
   Teuchos::RCP<const Solver> first_;
 };

@@ -87,30 +87,32 @@ std::vector<typename AutoSolver<Scalar, MV, OP>::Stage> AutoSolver<Scalar, MV, O
   constexpr double share = 0.25;
   const Problem<Scalar, MV, OP>& problem = *this->problem_;
   const Teuchos::RCP<Solver> first = first_.is_null() ? make(choice(problem)) : first_->clone();
-  if (first->name() == "PDAS") {
-    const Teuchos::RCP<Solver> next = !problem.blocks().empty() ? successorOfPdas() : Teuchos::null;
-    return next.is_null() ? std::vector<Stage>{{first}} : std::vector<Stage>{{first}, {next}};
+  std::vector<Stage> stages = {{first}};
+  if (problem.blocks().empty())
+    return stages;
+  if (first->name() != "PDAS") {
+    if (problem.kind().isCost && problem.kind().isPiecewiseLinear)
+      return stages;
+    if (!problem.kind().isCost)
+      stages[0].solver = Teuchos::rcp(new FixedPointSolver<Scalar, MV, OP>(first));
+    if (!canBeOrthonormal())
+      return stages;
+    stages[0].share = share;
+    stages.push_back({make("PDAS"), 1.0, true});
   }
-  if (problem.kind().isCost && problem.kind().isPiecewiseLinear)
-    return {{first}};
-  Stage stage{first};
-  if (!problem.kind().isCost)
-    stage.solver = Teuchos::rcp(new FixedPointSolver<Scalar, MV, OP>(first));
-  if (!canBeOrthonormal())
-    return {stage};
-  stage.share = share;
-  return {stage, {make("PDAS"), 1.0, true}};
+  if (const Teuchos::RCP<Solver> last = successorOfPdas(); !last.is_null())
+    stages.push_back({last});
+  return stages;
 }
 
 // Empty: it does not.
 template<class Scalar, class MV, class OP>
-std::string AutoSolver<Scalar, MV, OP>::whyHandOver(const Stage& stage, int budget) const {
+std::string AutoSolver<Scalar, MV, OP>::whyHandOver(const Stage& stage) const {
   if (!stage.solver->gaveUp().empty())
     return stage.solver->gaveUp();
   const Result& result = this->result_;
   const bool isSpent = stage.share < 1.0 && result.reason == Reason::IterationLimit &&
-                       result.lastRecord().inner < this->maximumIterations() &&
-                       result.lastRecord().inner >= budget;
+                       result.lastRecord().inner < this->maximumIterations();
   return isSpent ? "slow convergence" : "";
 }
 
@@ -119,7 +121,8 @@ void AutoSolver<Scalar, MV, OP>::doSolve() {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   const std::vector<Stage> stages = plan();
   std::size_t k = 0;
-  this->describeDelegation([&k](StateArchive<MV>& archive) { archive.number("auto stage", k); });
+  this->describeDelegation(
+      [&k, this](StateArchive<MV>& archive) { archive.number(this->stateName("stage"), k); });
   this->resumeDelegation();
   for (;; ++k) {
     const Stage& stage = stages[k];
@@ -135,7 +138,7 @@ void AutoSolver<Scalar, MV, OP>::doSolve() {
       spent = Teuchos::rcp(new StatusTestMaxIterations<MV>(budget));
     stage.solver->setSuccessor(k + 1 < stages.size());
     this->delegate(*stage.solver, {Teuchos::null, spent});
-    const std::string why = k + 1 < stages.size() ? whyHandOver(stage, budget) : "";
+    const std::string why = k + 1 < stages.size() ? whyHandOver(stage) : "";
     if (why.empty())
       return;
     ++this->result_.counters.safeguards;

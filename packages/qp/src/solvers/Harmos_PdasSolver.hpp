@@ -4,7 +4,6 @@
 #include "Harmos_Globalization.hpp"
 #include "Harmos_SolverManager.hpp"
 
-#include <limits>
 #include <string>
 
 namespace Harmos::qp {
@@ -50,7 +49,7 @@ class PdasSolver : public SolverManager<Scalar, MV, OP> {
 
 /// One solution of a problem, from the first face to the answer, or to where it gives up:
 ///
-///     begin() → enterFace() → follow() → update() ┬→ considerCandidate(), confirmAnswer() → end
+///     begin() → enterFace() → follow() → update() ┬→ isCandidate(), confirmAnswer() → the end
 ///                   ↑            ↑                ├→ settled: follow() to the end
 ///                   └────────────┴────────────────┴→ another face: goOn()
 template<class Scalar, class MV, class OP>
@@ -87,7 +86,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   void update();
   void keepBest();
   bool isExhausted() const;
-  bool considerCandidate();
+  bool isCandidate();
   double expectedAt(double stiffness) const;
   bool confirmAnswer();
   Next goOn();
@@ -95,6 +94,7 @@ class PdasSolver<Scalar, MV, OP>::Run {
   IterationState<MV> evaluate(double gradientNorm, int inner);
   IterationState<MV> measure(int inner, bool feasible);
   Next giveUp(const std::string& why);
+  bool isInfeasible();
   Next otherWay(Trouble trouble, const std::string& why);
 
   PdasSolver& solver_;
@@ -102,9 +102,8 @@ class PdasSolver<Scalar, MV, OP>::Run {
   Globalization<Scalar, MV, OP> ways_;
   ActiveFace before_; // the face that x was found on
   OnFace onFace_;
-  double disproved_ = std::numeric_limits<double>::infinity(); // ‖g^P‖ that was expected, and was not
-  bool settled_ = false;                                       // the last update changed nothing
-  bool isMoved_ = false;                                       // x, since then
+  bool settled_ = false; // the last update changed nothing
+  bool isMoved_ = false; // x, since then
   int inner_;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_FaceSolver_def.hpp"
+#include "Harmos_FeasibilityProbe.hpp"
 #include "Harmos_FirstFace.hpp"
 #include "Harmos_PcpgSolver_def.hpp"
 #include "Harmos_PdasSolver.hpp"
@@ -128,7 +129,7 @@ void PdasSolver<Scalar, MV, OP>::Run::go() {
     isMoved_ = false;
     if (!std::isfinite(state_.expected))
       return solver_.stop(Reason::Breakdown, Explanations::breakdown(), state_.now);
-    if (considerCandidate() && confirmAnswer())
+    if (isCandidate() && confirmAnswer())
       return;
     settled_ = state_.change.changed == 0;
     if (!settled_ || isMoved_)
@@ -169,7 +170,6 @@ void PdasSolver<Scalar, MV, OP>::Run::describeState() {
     archive.number("inner", inner_);
     archive.number("pdas settled", settled_);
     archive.number("pdas target", onFace_.target);
-    archive.number("pdas disproved", disproved_);
     archive.number("pdas stepped", onFace_.isStepped);
     archive.number("pdas face steps", onFace_.steps);
     ways_.exchange(archive);
@@ -230,11 +230,6 @@ typename PdasSolver<Scalar, MV, OP>::Run::Next PdasSolver<Scalar, MV, OP>::Run::
     if (state_.turns())
       judged.projectedGradient *= 2.0;
     std::optional<Reason> reason = solver_.judge(judged);
-    // What was looked at before and was no answer is not looked at again for a little less.
-    constexpr double less = 0.25;
-    if (!state_.problem.kind().isCost && reason == Reason::Converged &&
-        solver.residualNorm() > less * disproved_)
-      reason.reset();
     // No end is believed by an old distance from the equalities.
     const bool isAttained = solver.residualNorm() <= solver.attainable();
     if ((reason == Reason::Converged || isAttained) && !solver.hasLooked()) {
@@ -363,20 +358,13 @@ bool PdasSolver<Scalar, MV, OP>::Run::isExhausted() const {
 }
 
 template<class Scalar, class MV, class OP>
-bool PdasSolver<Scalar, MV, OP>::Run::considerCandidate() {
+bool PdasSolver<Scalar, MV, OP>::Run::isCandidate() {
   if (state_.change.changed == 0 && isExhausted())
     return true;
-  constexpr double less = 0.5;
-  double expected = state_.expected;
-  if (!state_.problem.kind().isCost && state_.problem.kind().isPiecewiseLinear) {
-    expected = expectedAt(state_.solver.stiffness()); // what is beyond limits, by the stiffness that there is
-    if (state_.change.changed != 0 && expected > less * disproved_)
-      return false;
-  }
-  if (solver_.judge(evaluate(expected, state_.now.inner)) != Reason::Converged)
-    return false;
-  disproved_ = expected; // unless it is the answer
-  return true;
+  // What is beyond limits that follow counts by the stiffness that there is.
+  const bool follows = !state_.problem.kind().isCost && state_.problem.kind().isPiecewiseLinear;
+  const double expected = follows ? expectedAt(state_.solver.stiffness()) : state_.expected;
+  return solver_.judge(evaluate(expected, state_.now.inner)) == Reason::Converged;
 }
 
 // Whether the projection of x is the answer, or as near to it as rounding errors allow.
@@ -482,10 +470,28 @@ PdasSolver<Scalar, MV, OP>::Run::giveUp(const std::string& why) {
   MVT::Assign(*state_.best.x, state_.x);
   if (state_.rows.isPresent() && state_.best.isFound)
     state_.rows.toUser(*state_.best.multiplier, *state_.problem.multiplier());
-  if (!solver_.hasSuccessor())
+  if (!solver_.hasSuccessor()) {
+    if (isInfeasible())
+      return Next::Stopped;
     state_.now = measure(state_.now.inner, false);
+  }
   solver_.giveUp(why, state_.now);
   return Next::Stopped;
+}
+
+// Whether bounds, discs and equalities contradict each other, whatever other terms there are; with the proof.
+template<class Scalar, class MV, class OP>
+bool PdasSolver<Scalar, MV, OP>::Run::isInfeasible() {
+  constexpr int mostSteps = 1000; // each a product with C and Cᵀ
+  using Probe = FeasibilityProbe<Scalar, MV, OP>;
+  if (!state_.rows.isPresent())
+    return false;
+  const Teuchos::RCP<MV> y = state_.rows.makeVector();
+  Certificate certificate;
+  if (Probe(state_.problem, state_.rows).run(mostSteps, *y, certificate) != Probe::Verdict::Infeasible)
+    return false;
+  solver_.stopInfeasible(y, certificate);
+  return true;
 }
 
 template<class Scalar, class MV, class OP>

@@ -134,6 +134,8 @@ class SolverManager {
   Teuchos::RCP<EqualityRows<Scalar, MV, OP>> makeRows();
 
   using Archive = StateArchive<MV>;
+  /// What a state is called in an archive where several solvers of a kind delegate to each other.
+  std::string stateName(const std::string& name) const { return prefix(outer_.depth) + name; }
 
   /// Describes what doSolve() knows; to be said once, before the first iteration. What it refers to has to
   /// live as long as doSolve() works.

@@ -31,8 +31,9 @@ std::string limitsDoNotSettle(int updates) {
 }
 
 std::string noOtherMethod(const std::string& why) {
-  return why + ", and there is no fallback for soft bounds. Check for entries without any constraint, where "
-               "the Hessian is singular, and for a tolerance below rounding errors";
+  return why + ", and no other method takes such terms (soft bounds, or an application's own). Check for "
+               "entries without any constraint, where the Hessian is singular, and for a tolerance below "
+               "rounding errors, which go with the largest curvature";
 }
 
 std::string limit(const std::string& limit) {

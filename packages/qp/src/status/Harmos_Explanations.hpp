@@ -19,7 +19,7 @@ std::string limitsDoNotSettle(int updates);
 std::string limit(const std::string& limit);
 /// @param attainable the level of rounding errors that the projected gradient has reached.
 std::string stagnation(double projectedGradient, double attainable, double equalityDistance);
-/// Of PDAS with soft bounds. @param why it got no further.
+/// Where there is no successor. @param why it got no further.
 std::string noOtherMethod(const std::string& why);
 /// Of a test of the caller's.
 std::string stoppedByTest(Reason reason);

@@ -48,17 +48,20 @@ double normWhere(const std::vector<bool>& places, const Vector& v) {
 
 } // namespace
 
-AnswerSpan::AnswerSpan(Vector weights) : weights_(std::move(weights)) {}
+AnswerSpan::AnswerSpan(const KeyedNumbers& rows, Vector weights)
+    : rows_(rows), weights_(std::move(weights)) {}
 
 double AnswerSpan::dot(const Vector& a, const Vector& b) const {
-  double sum = 0.0;
+  Vector sum = {0.0};
   for (std::size_t k = 0; k < a.size(); ++k)
-    sum += weights_[k] * a[k] * b[k];
-  return sum;
+    sum[0] += weights_[k] * a[k] * b[k];
+  rows_.sum(sum);
+  return sum[0];
 }
 
 void AnswerSpan::begin() {
   last_ = {};
+  hasLast_ = false;
   forget();
 }
 
@@ -90,7 +93,7 @@ void AnswerSpan::add(const Vector& openings, const Vector& forces, const feti::W
   Pair next = {openings, forces, multipliers.mu, Teuchos::null, 0.0};
   if (!multipliers.multiplier.is_null())
     next.multiplier = Teuchos::rcp(new MultiVector(*multipliers.multiplier, Teuchos::Copy));
-  if (!last_.openings.empty()) {
+  if (hasLast_) {
     Pair change = copy(next);
     change.add(-1.0, last_);
     // Twice, for rounding errors (Björck: Numerical Methods for Least Squares Problems, 1996, 2.4).
@@ -98,10 +101,11 @@ void AnswerSpan::add(const Vector& openings, const Vector& forces, const feti::W
       for (const Pair& direction : directions_)
         change.add(-dot(direction.openings, change.openings), direction);
     const double length = std::sqrt(dot(change.openings, change.openings));
-    double stretch2 = 0.0;
+    Vector stretch2 = {0.0};
     for (std::size_t k = 0; k < forces.size(); ++k)
-      stretch2 += forces[k] * forces[k] / weights_[k];
-    if (length > leftOfOpenings * tolerance * std::sqrt(stretch2)) {
+      stretch2[0] += forces[k] * forces[k] / weights_[k];
+    rows_.sum(stretch2);
+    if (length > leftOfOpenings * tolerance * std::sqrt(stretch2[0])) {
       change.scale(1.0 / length);
       change.reach = length;
       if (directions_.size() == mostDirections)
@@ -110,6 +114,7 @@ void AnswerSpan::add(const Vector& openings, const Vector& forces, const feti::W
     }
   }
   last_ = std::move(next);
+  hasLast_ = true;
 }
 
 Vector AnswerSpan::at(const Vector& c, bool ofForces) const {
@@ -125,6 +130,7 @@ Vector AnswerSpan::gradient(const Law& law, const Vector& c) const {
   Vector result;
   for (const Pair& direction : directions_)
     result.push_back(product(direction.openings, rest));
+  rows_.sum(result);
   return result;
 }
 
@@ -230,22 +236,23 @@ AnswerSpan::Found AnswerSpan::settle(const Law& law) const {
 void AnswerSpan::exchange(qp::StateArchive<MultiVector>& archive, const feti::DualProblem& problem) {
   std::size_t count = directions_.size();
   archive.number("directions of interfaces", count);
-  bool hasLast = !last_.openings.empty();
-  archive.number("answers of interfaces", hasLast);
+  archive.number("answers of interfaces", hasLast_);
   if (archive.isReading()) {
     directions_.assign(count, {});
     last_ = {};
   }
   for (std::size_t k = 0; k < count; ++k)
     exchange(archive, problem, directions_[k], "direction of interfaces " + std::to_string(k));
-  if (hasLast)
+  if (hasLast_)
     exchange(archive, problem, last_, "answer of interfaces");
 }
 
 void AnswerSpan::exchange(qp::StateArchive<MultiVector>& archive, const feti::DualProblem& problem,
-                          Pair& pair, const std::string& name) {
-  archive.numbers(name + ", openings", pair.openings);
-  archive.numbers(name + ", forces", pair.forces);
+                          Pair& pair, const std::string& name) const {
+  pair.openings.resize(rows_.size());
+  pair.forces.resize(rows_.size());
+  rows_.exchange(archive, name + ", openings", "interfaces", pair.openings);
+  rows_.exchange(archive, name + ", forces", "interfaces", pair.forces);
   archive.number(name + ", reach", pair.reach);
   feti::WarmStart multipliers = {pair.multiplier, pair.mu};
   feti::exchange(archive, problem, name, multipliers);

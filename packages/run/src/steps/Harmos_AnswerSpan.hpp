@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_DualSolution.hpp"
+#include "Harmos_KeyedNumbers.hpp"
 #include "Harmos_SolverMonitor.hpp"
 #include "Harmos_Types.hpp"
 
@@ -23,30 +24,31 @@ namespace Harmos::run {
 /// between two solves as conjugate gradients accelerate a gradient method (Narkiss, Zibulevsky: Sequential
 /// subspace optimization, Technion CCIT 559, 2005).
 ///
-/// Openings and forces are the same on all ranks, multipliers shared. Members are local unless they say
-/// otherwise. Guarded by tests/unit/effects/test_damage_update.cpp.
+/// Openings and forces are those of this rank's rows, multipliers shared; inner products are sums over ranks.
+/// Guarded by tests/unit/effects/test_damage_update.cpp.
 class AnswerSpan {
  public:
   using Vector = std::vector<double>;
-  /// Forces by which the law holds rows that are open so far.
+  /// Forces by which the law holds rows that are open so far. Local.
   using Law = std::function<Vector(const Vector& openings)>;
 
-  /// @param weights of rows, > 0: stiffnesses, for lengths of openings.
-  explicit AnswerSpan(Vector weights);
+  /// @param rows of this rank; to outlive this. @param weights of them, > 0: stiffnesses, for lengths of
+  /// openings.
+  AnswerSpan(const KeyedNumbers& rows, Vector weights);
 
   /// A step begins, of which nothing is known.
   void begin();
   /// Differences so far: they have led nowhere.
   void forget() { directions_.clear(); }
   /// @param noise of an answer: what is not longer than this share of it, beyond what is spanned, is not
-  /// kept.
+  /// kept. @note Collective.
   void add(const Vector& openings, const Vector& forces, const feti::WarmStart& multipliers,
            double tolerance);
   struct Found {
     Vector openings;
     feti::WarmStart multipliers; ///< that go with them; null: those of the last answer
   };
-  /// From the last answer on; it, where nothing is better. @pre an answer of this step.
+  /// From the last answer on; it, where nothing is better. @pre an answer of this step. @note Collective.
   Found settle(const Law& law) const;
 
   /// @note Collective.
@@ -63,16 +65,18 @@ class AnswerSpan {
   };
   double dot(const Vector& a, const Vector& b) const;
   static Pair copy(const Pair& pair);
-  static void exchange(qp::StateArchive<MultiVector>& archive, const feti::DualProblem& problem, Pair& pair,
-                       const std::string& name);
+  void exchange(qp::StateArchive<MultiVector>& archive, const feti::DualProblem& problem, Pair& pair,
+                const std::string& name) const;
   Vector at(const Vector& c, bool ofForces) const;
   Vector gradient(const Law& law, const Vector& c) const;
   double lengthWithin(const Vector& c, const Vector& p, std::vector<bool>& isFree) const;
   Vector direction(const Law& law, const Vector& c, const Vector& gradient,
                    const std::vector<bool>& isFree) const;
 
+  const KeyedNumbers& rows_;
   Vector weights_;
   Pair last_;
+  bool hasLast_ = false;
   std::vector<Pair> directions_; // orthogonal, of length one
 };
 

@@ -3,252 +3,165 @@
 
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_KeyedNumbers.hpp"
 
 #include <algorithm>
 #include <map>
 #include <string>
-#include <tuple>
 
 namespace Harmos::run {
+
+using Bond = scene::ContactSetup::Bond;
+using Law = scene::InterfaceLaw;
 
 EffectStates::EffectStates(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
                            const scene::ContactSetup& contact)
     : comm_(comm), scene_(scene), contact_(contact) {
-  if (!anyHasState())
-    return;
-  gather();
+  placeRows();
   std::map<const scene::Effect*, std::vector<std::size_t>> points, limited;
-  for (std::size_t k = 0; k < whole_.effects.size(); ++k)
-    points[whole_.effects[k]].push_back(k);
-  for (std::size_t row = 0; row < whole_.slipEffects.size(); ++row)
-    if (whole_.slipEffects[row] != nullptr)
-      limited[whole_.slipEffects[row]].push_back(row);
-  for (const Whole::Bond& bond : whole_.bonds) {
+  const auto addSlips = [&](const scene::Effect* effect, const contact::SlipPoint& slip) {
+    for (std::size_t t = 0; t < slip.tangents.size(); ++t)
+      limited[effect].push_back(slip.firstPlace + t);
+  };
+  for (std::size_t k = 0; k < contact.points.size(); ++k)
+    points[contact.effects[k]].push_back(k);
+  for (std::size_t s = 0; s < contact.slips.size(); ++s)
+    if (contact.slips[s].hasFriction)
+      addSlips(contact.frictions[s], contact.slips[s]);
+  for (const Bond& bond : contact.bonds) {
     points[bond.effect].push_back(bond.point);
-    for (std::size_t t = 0; t < bond.slips; ++t)
-      limited[bond.effect].push_back(bond.firstSlip + t);
+    if (bond.slip != Bond::none)
+      addSlips(bond.effect, contact.slips[bond.slip]);
   }
   for (const auto& effect : scene.effects)
-    add(*effect, points[effect.get()], limited[effect.get()]);
-  if (std::vector<double> stiffnesses = stiffnessesOfSoftening(); !stiffnesses.empty())
-    softening_.emplace(std::move(stiffnesses));
+    if (effect->interfaceLaw() != nullptr)
+      add(*effect, points[effect.get()], limited[effect.get()]);
+  makeSoftening();
 }
 
-// Of all ranks' points and rows.
-bool EffectStates::anyHasState() const {
-  std::map<const scene::Effect*, std::size_t> places;
-  for (std::size_t k = 0; k < scene_.effects.size(); ++k)
-    places[scene_.effects[k].get()] = k;
-  std::vector<double> counts(2 * places.size(), 0.0); // points and limited rows of each effect
-  for (const scene::Effect* effect : contact_.effects)
-    counts[2 * places.at(effect)] += 1.0;
-  for (std::size_t s = 0; s < contact_.slips.size(); ++s)
-    if (contact_.slips[s].hasFriction)
-      counts[2 * places.at(contact_.frictions[s]) + 1] +=
-          static_cast<double>(contact_.slips[s].tangents.size());
-  for (const scene::ContactSetup::Bond& bond : contact_.bonds) {
-    counts[2 * places.at(bond.effect)] += 1.0;
-    if (bond.slip != scene::ContactSetup::Bond::none)
-      counts[2 * places.at(bond.effect) + 1] +=
-          static_cast<double>(contact_.slips[bond.slip].tangents.size());
-  }
-  globalSum(comm_, counts);
-  for (std::size_t k = 0; k < scene_.effects.size(); ++k)
-    if (scene_.effects[k]->stateSize(static_cast<std::size_t>(counts[2 * k]),
-                                     static_cast<std::size_t>(counts[2 * k + 1])) > 0)
-      return true;
-  return false;
-}
-
-// Effects are told by their places in the scene.
-void EffectStates::gather() {
-  std::map<const scene::Effect*, long long> places;
-  for (const auto& effect : scene_.effects)
-    places.emplace(effect.get(), static_cast<long long>(places.size()));
-  const auto effectAt = [&](long long place) {
-    return place < 0 ? nullptr : scene_.effects[static_cast<std::size_t>(place)].get();
-  };
-  struct PointEffect {
-    long long number, effect;
-  };
-  struct Slip {
-    long long row, point, effect;
-  };
-  struct Bond {
-    long long effect, point, firstSlip, slips;
-    double softness, tangentialSoftness;
-  };
-  std::vector<PointEffect> effects;
-  std::vector<Slip> slips;
-  std::vector<Bond> bonds;
+void EffectStates::placeRows() {
   for (std::size_t k = 0; k < contact_.points.size(); ++k)
-    effects.push_back({contact_.points[k].number, places.at(contact_.effects[k])});
-  for (std::size_t s = 0; s < contact_.slips.size(); ++s) {
-    const contact::SlipPoint& slip = contact_.slips[s];
-    for (std::size_t t = 0; t < slip.tangents.size(); ++t)
-      slips.push_back({slip.firstRow + static_cast<long long>(t), contact_.points[slip.point].number,
-                       slip.hasFriction ? places.at(contact_.frictions[s]) : -1});
-  }
-  for (const scene::ContactSetup::Bond& bond : contact_.bonds) {
-    Bond& item = bonds.emplace_back();
-    item = {places.at(bond.effect), contact_.points[bond.point].number, 0, 0, bond.softness,
-            bond.tangentialSoftness};
-    if (bond.slip == scene::ContactSetup::Bond::none)
-      continue;
-    item.firstSlip = contact_.slips[bond.slip].firstRow;
-    item.slips = static_cast<long long>(contact_.slips[bond.slip].tangents.size());
-  }
-  const auto at = [](long long k) { return static_cast<std::size_t>(k); };
-  whole_.points = contact::gatherPoints(comm_, contact_.points);
-  whole_.effects.resize(whole_.points.size());
-  for (const PointEffect& item : gatherAll(comm_, effects))
-    whole_.effects[at(item.number)] = effectAt(item.effect);
-  whole_.pointOfSlip.resize(at(contact_.limitedRows));
-  whole_.slipEffects.resize(at(contact_.limitedRows));
-  for (const Slip& item : gatherAll(comm_, slips)) {
-    whole_.pointOfSlip[at(item.row)] = at(item.point);
-    whole_.slipEffects[at(item.row)] = effectAt(item.effect);
-  }
-  bonds = gatherAll(comm_, bonds);
-  // Of several effects in their order.
-  std::sort(bonds.begin(), bonds.end(), [](const Bond& a, const Bond& b) {
-    return std::tie(a.effect, a.point) < std::tie(b.effect, b.point);
-  });
-  for (const Bond& item : bonds)
-    whole_.bonds.push_back({effectAt(item.effect), at(item.point), item.softness, item.tangentialSoftness,
-                            at(item.firstSlip), at(item.slips)});
-}
-
-std::vector<ContactState> EffectStates::gathered(const std::vector<ContactState>& answer) const {
-  struct Item {
-    long long number;
-    ContactState state;
-  };
-  std::vector<Item> mine;
-  for (std::size_t k = 0; k < answer.size(); ++k)
-    mine.push_back({contact_.points[k].number, answer[k]});
-  std::vector<ContactState> all(whole_.points.size());
-  for (const Item& item : gatherAll(comm_, mine))
-    all[static_cast<std::size_t>(item.number)] = item.state;
-  return all;
-}
-
-std::vector<RowSlip> EffectStates::gathered(const std::vector<RowSlip>& slips) const {
-  struct Item {
-    long long row;
-    RowSlip slip;
-  };
-  std::vector<Item> mine;
+    placeOfPoint_.emplace(contact_.points[k].number, k);
+  pointOfSlip_.resize(contact_.slipRows());
   for (const contact::SlipPoint& slip : contact_.slips)
-    for (std::size_t t = 0; t < slip.tangents.size() && !slips.empty(); ++t)
-      mine.push_back({slip.firstRow + static_cast<long long>(t), slips[slip.firstPlace + t]});
-  std::vector<RowSlip> all(whole_.pointOfSlip.size());
-  for (const Item& item : gatherAll(comm_, mine))
-    all[static_cast<std::size_t>(item.row)] = item.slip;
-  return all;
+    for (std::size_t t = 0; t < slip.tangents.size(); ++t) {
+      placeOfSlip_.emplace(slip.firstRow + static_cast<long long>(t), slip.firstPlace + t);
+      pointOfSlip_[slip.firstPlace + t] = slip.point;
+    }
 }
 
-void EffectStates::add(const scene::Effect& effect, std::vector<std::size_t> points,
-                       std::vector<std::size_t> limited) {
-  const std::size_t size = effect.stateSize(points.size(), limited.size());
-  if (size == 0)
+void EffectStates::add(const scene::Effect& effect, const std::vector<std::size_t>& points,
+                       const std::vector<std::size_t>& limited) {
+  if (globalMax(comm_, static_cast<long long>(points.size() + limited.size())) == 0)
     return;
-  State state = {&effect,
-                 std::move(points),
-                 std::move(limited),
-                 {},
-                 std::vector<double>(size, 0.0),
-                 std::vector<double>(size, 0.0)};
+  State state{&effect, effect.interfaceLaw(), points, limited, {}, {}, {}, {}};
   std::map<std::size_t, std::size_t> places;
   const auto addRow = [&](std::size_t point, bool isLimited) {
-    const std::size_t place = places.emplace(point, places.size()).first->second;
-    state.rows.push_back({&whole_.points[point], place, isLimited});
+    const auto [place, isNew] = places.emplace(point, places.size());
+    if (isNew)
+      state.numbers.push_back(contact_.points[point].number);
+    state.rows.push_back({&contact_.points[point], place->second, isLimited});
   };
-  for (std::size_t point : state.points)
+  for (const std::size_t point : points)
     addRow(point, false);
-  for (std::size_t row : state.limited)
-    addRow(whole_.pointOfSlip[row], true);
+  for (const std::size_t row : limited)
+    addRow(pointOfSlip_[row], true);
+  state.committed = state.trial = scene::PointStates(places.size(), state.law->stateSize());
   states_.push_back(std::move(state));
+}
+
+std::size_t EffectStates::size() const {
+  std::size_t sum = 0;
+  for (const State& state : states_)
+    sum += state.committed.points() * state.law->stateSize();
+  return sum;
+}
+
+// Of springs as they were made.
+void EffectStates::makeSoftening() {
+  const Rows rows = made();
+  std::vector<long long> keys;
+  std::vector<double> stiffnesses;
+  bool softens = false;
+  for (const State& state : states_) {
+    if (!state.law->softens())
+      continue;
+    softens = true;
+    for (const std::size_t point : state.points) {
+      keys.push_back(contact_.points[point].number);
+      stiffnesses.push_back(1.0 / *rows.softness[point]);
+    }
+    for (std::size_t k = 0; k < state.limited.size(); ++k)
+      stiffnesses.push_back(1.0 / *rows.slipSoftness[state.limited[k]]);
+    std::vector<long long> numbers(pointOfSlip_.size());
+    for (const auto& [number, place] : placeOfSlip_)
+      numbers[place] = number;
+    for (const std::size_t row : state.limited)
+      keys.push_back(contact_.pointCount + numbers[row]);
+  }
+  if (softens) // on every rank alike
+    softening_.emplace(comm_, std::move(keys), std::move(stiffnesses));
 }
 
 void EffectStates::begin(std::optional<double> advance) {
   for (State& state : states_) {
     state.trial = state.committed;
-    state.effect->beginStep(state.trial);
+    state.law->beginStep(state.trial);
   }
   if (softening_)
     softening_->begin(softeningParts(), advance);
 }
 
-bool EffectStates::update(const std::vector<ContactState>& ownAnswer, const std::vector<RowSlip>& ownSlips,
+bool EffectStates::update(const std::vector<ContactState>& answer, const std::vector<RowSlip>& slips,
                           double tolerance, const feti::WarmStart& multipliers, double startedAt) {
   if (!any())
     return false;
-  const std::vector<ContactState> answer = gathered(ownAnswer);
-  const std::vector<RowSlip> slips = gathered(ownSlips);
   const Rows rows = applied();
+  const auto largest = [this](double value) { return globalMax(comm_, value); };
   bool again = false;
   std::vector<Softening::Part> softening;
   for (State& state : states_) {
-    std::vector<scene::Effect::RowAnswer> answers = answersOf(state, rows, answer, slips);
-    if (state.effect->softens())
-      softening.push_back({state.effect, &state.rows, std::move(answers), &state.trial});
+    std::vector<Law::RowAnswer> answers = answersOf(state, rows, answer, slips);
+    if (state.law->softens())
+      softening.push_back({state.law, &state.rows, std::move(answers), &state.trial});
     else
-      again = state.effect->updateState(answers, tolerance, state.trial) || again; // each is asked
+      again = state.law->updateState(answers, tolerance, largest, state.trial) || again; // each is asked
   }
+  again = largest(again ? 1.0 : 0.0) > 0.0;
   return (softening_ && softening_->update(softening, multipliers, tolerance, startedAt)) || again;
 }
 
-std::vector<scene::Effect::RowAnswer> EffectStates::answersOf(const State& state, const Rows& rows,
-                                                              const std::vector<ContactState>& answer,
-                                                              const std::vector<RowSlip>& slips) const {
+std::vector<Law::RowAnswer> EffectStates::answersOf(const State& state, const Rows& rows,
+                                                    const std::vector<ContactState>& answer,
+                                                    const std::vector<RowSlip>& slips) const {
   const std::vector<double> own = shiftsBy(state);
-  std::vector<scene::Effect::RowAnswer> answers;
+  std::vector<Law::RowAnswer> answers;
   for (std::size_t k = 0; k < state.rows.size(); ++k) {
-    scene::Effect::RowAnswer& row = answers.emplace_back();
-    static_cast<scene::Effect::Row&>(row) = state.rows[k];
+    Law::RowAnswer& row = answers.emplace_back();
+    static_cast<Law::Row&>(row) = state.rows[k];
     if (!row.isLimited) {
-      const std::size_t number = state.points[k];
-      row.gap = answer[number].gap;
-      row.force = answer[number].force;
-      row.softness = rows.softness[number];
-      row.unstretched = rows.unstretched[number];
+      const std::size_t place = state.points[k];
+      row.gap = answer[place].gap;
+      row.force = answer[place].force;
+      row.softness = rows.softness[place];
+      row.unstretched = rows.unstretched[place];
       continue;
     }
-    // Against the bound that this effect thinks of, where several act on the row.
-    const std::size_t number = state.limited[k - state.points.size()];
-    row.softness = rows.slipSoftness[number];
-    row.unstretched = row.softness ? rows.slip[number] : 0.0;
-    row.force = slips[number].force;
-    row.gap = -(row.softness ? *row.softness * row.force : slips[number].slip) + (own[k] - rows.slip[number]);
+    // Against the bound that this law thinks of, where several act on the row.
+    const std::size_t place = state.limited[k - state.points.size()];
+    const RowSlip slip = slips.empty() ? RowSlip() : slips[place];
+    row.softness = rows.slipSoftness[place];
+    row.unstretched = row.softness ? rows.slip[place] : 0.0;
+    row.force = slip.force;
+    row.gap = -(row.softness ? *row.softness * row.force : slip.slip) + (own[k] - rows.slip[place]);
   }
   return answers;
-}
-
-// Of springs as they were made.
-std::vector<double> EffectStates::stiffnessesOfSoftening() const {
-  std::map<std::size_t, double> ofPoints, ofSlips;
-  for (const Whole::Bond& bond : whole_.bonds) {
-    ofPoints[bond.point] = 1.0 / bond.softness;
-    for (std::size_t t = 0; t < bond.slips; ++t)
-      ofSlips[bond.firstSlip + t] = 1.0 / bond.tangentialSoftness;
-  }
-  std::vector<double> stiffnesses;
-  for (const State& state : states_) {
-    if (!state.effect->softens())
-      continue;
-    for (std::size_t point : state.points)
-      stiffnesses.push_back(ofPoints.at(point));
-    for (std::size_t row : state.limited)
-      stiffnesses.push_back(ofSlips.at(row));
-  }
-  return stiffnesses;
 }
 
 // What breaks at once, and what slips, is to be sure.
 double EffectStates::tolerance(double asked) const {
   const bool allSoften =
-      std::all_of(states_.begin(), states_.end(), [](const State& state) { return state.effect->softens(); });
+      std::all_of(states_.begin(), states_.end(), [](const State& state) { return state.law->softens(); });
   return softening_ && allSoften ? softening_->tolerance(asked) : asked;
 }
 
@@ -262,34 +175,41 @@ void EffectStates::commit() {
 std::vector<Softening::Part> EffectStates::softeningParts() {
   std::vector<Softening::Part> parts;
   for (State& state : states_)
-    if (state.effect->softens())
-      parts.push_back({state.effect, &state.rows, {}, &state.trial});
+    if (state.law->softens())
+      parts.push_back({state.law, &state.rows, {}, &state.trial});
   return parts;
 }
 
 std::vector<double> EffectStates::shiftsBy(const State& state) const {
   std::vector<double> own(state.rows.size(), 0.0);
-  state.effect->addToBounds(state.trial, own);
+  state.law->addToBounds(state.trial, state.rows, own);
   return own;
 }
 
-EffectStates::Rows EffectStates::applied() const {
+// With springs as they were made, and nothing else.
+EffectStates::Rows EffectStates::made() const {
   Rows rows;
-  rows.shift.assign(whole_.points.size(), 0.0);
-  rows.slip.assign(whole_.pointOfSlip.size(), 0.0);
-  rows.unstretched.assign(whole_.points.size(), 0.0);
+  rows.shift.assign(contact_.points.size(), 0.0);
+  rows.slip.assign(pointOfSlip_.size(), 0.0);
+  rows.unstretched.assign(contact_.points.size(), 0.0);
   rows.softness.resize(rows.shift.size());
   rows.slipSoftness.resize(rows.slip.size());
-  for (const Whole::Bond& bond : whole_.bonds) {
+  for (const Bond& bond : contact_.bonds) {
     rows.softness[bond.point] = bond.softness;
-    for (std::size_t t = 0; t < bond.slips; ++t)
-      rows.slipSoftness[bond.firstSlip + t] = bond.tangentialSoftness;
+    if (bond.slip != Bond::none)
+      for (std::size_t t = 0; t < contact_.slips[bond.slip].tangents.size(); ++t)
+        rows.slipSoftness[contact_.slips[bond.slip].firstPlace + t] = bond.tangentialSoftness;
   }
+  return rows;
+}
+
+EffectStates::Rows EffectStates::applied() const {
+  Rows rows = made();
   std::vector<double> slipUnstretched(rows.slip.size(), 0.0);
   std::vector<std::optional<double>> brokenAt(rows.slip.size());
   for (const State& state : states_) {
     const std::vector<double> own = shiftsBy(state);
-    std::vector<scene::Effect::Spring> springs;
+    std::vector<Law::Spring> springs;
     const auto place = [&](std::size_t k, auto& ofPoints, auto& ofSlips) -> auto& {
       return k < state.points.size() ? ofPoints[state.points[k]]
                                      : ofSlips[state.limited[k - state.points.size()]];
@@ -298,7 +218,7 @@ EffectStates::Rows EffectStates::applied() const {
       place(k, rows.shift, rows.slip) += own[k];
       springs.push_back({place(k, rows.softness, rows.slipSoftness), 0.0, std::nullopt});
     }
-    state.effect->soften(state.trial, state.rows, springs);
+    state.law->soften(state.trial, state.rows, springs);
     for (std::size_t k = 0; k < own.size(); ++k) {
       place(k, rows.softness, rows.slipSoftness) = springs[k].softness;
       place(k, rows.unstretched, slipUnstretched) += springs[k].unstretched;
@@ -320,13 +240,14 @@ std::vector<ConstraintRow> EffectStates::rows() const {
     return result;
   const Rows rows = applied();
   for (ConstraintRow& row : result) {
-    const auto number = static_cast<std::size_t>(row.number);
     if (row.kind == ConstraintRow::Kind::Inequality) {
-      row.bound += rows.shift[number] + rows.unstretched[number];
-      row.softness = rows.softness[number];
+      const std::size_t place = placeOfPoint_.at(row.number);
+      row.bound += rows.shift[place] + rows.unstretched[place];
+      row.softness = rows.softness[place];
     } else if (row.kind == ConstraintRow::Kind::Limited) {
-      row.bound += rows.slip[number];
-      row.softness = rows.slipSoftness[number];
+      const std::size_t place = placeOfSlip_.at(row.number);
+      row.bound += rows.slip[place];
+      row.softness = rows.slipSoftness[place];
     }
   }
   return result;
@@ -335,14 +256,19 @@ std::vector<ConstraintRow> EffectStates::rows() const {
 double EffectStates::dissipated() const {
   double sum = 0.0;
   for (const State& state : states_)
-    sum += state.effect->dissipated(state.trial);
-  return sum;
+    sum += state.law->broken(state.trial, state.rows).dissipated;
+  return globalSum(comm_, sum);
 }
 
 double EffectStates::haste() const {
   double most = 0.0;
-  for (const State& state : states_)
-    most = std::max(most, state.effect->haste(state.trial));
+  for (const State& state : states_) {
+    const Law::Broken broken = state.law->broken(state.trial, state.rows);
+    std::vector<double> sums = {broken.share, broken.area};
+    globalSum(comm_, sums);
+    if (sums[1] > 0.0)
+      most = std::max(most, sums[0] / sums[1] / state.law->mostBroken());
+  }
   return most;
 }
 
@@ -350,20 +276,17 @@ void EffectStates::tell(const std::vector<RowSlip>& slips, std::vector<ContactSt
   if (contact_.bondCount == 0 || !any())
     return;
   const Rows rows = applied();
-  std::vector<double> damage(whole_.points.size(), 0.0);
-  for (const State& state : states_) {
-    const std::vector<double> own = state.effect->damage(state.trial);
-    for (std::size_t k = 0; k < own.size(); ++k)
-      damage[state.points[k]] = own[k];
-  }
+  std::vector<double> damage(contact_.points.size(), 0.0);
+  for (const State& state : states_)
+    for (std::size_t k = 0; k < state.points.size() && state.law->breaks(); ++k)
+      damage[state.points[k]] = state.law->damage(state.trial, state.rows[k].place);
   for (const scene::ContactSetup::Bond& bond : contact_.bonds) {
     ContactState& point = answer[bond.point];
     const contact::ContactPoint& place = contact_.points[bond.point];
-    const auto number = static_cast<std::size_t>(place.number);
-    const std::optional<double>& softness = rows.softness[number];
+    const std::optional<double>& softness = rows.softness[bond.point];
     const bool holds = softness.has_value();
     point.isBound = true;
-    point.damage = damage[number];
+    point.damage = damage[bond.point];
     if (holds) {
       point.pressure = point.force / place.area;
       point.gap = point.closed ? point.gap : -*softness * point.force;
@@ -375,7 +298,7 @@ void EffectStates::tell(const std::vector<RowSlip>& slips, std::vector<ContactSt
       point.traction = {};
       for (std::size_t t = 0; t < slip.tangents.size(); ++t) {
         const double force = slips[slip.firstPlace + t].force;
-        const double stretch = *rows.slipSoftness[static_cast<std::size_t>(slip.firstRow) + t] * force;
+        const double stretch = *rows.slipSoftness[slip.firstPlace + t] * force;
         for (std::size_t d = 0; d < 3; ++d) {
           point.slip[d] += stretch * slip.tangents[t][d];
           point.traction[d] -= force / place.area * slip.tangents[t][d];
@@ -396,14 +319,11 @@ void EffectStates::exchangeAnswers(qp::StateArchive<MultiVector>& archive, const
 
 void EffectStates::exchange(qp::StateArchive<MultiVector>& archive) {
   for (std::size_t k = 0; k < states_.size(); ++k) {
-    const std::size_t size = states_[k].committed.size();
-    archive.numbers("committed state " + std::to_string(k), states_[k].committed);
-    archive.numbers("trial state " + std::to_string(k), states_[k].trial);
-    if (states_[k].committed.size() != size || states_[k].trial.size() != size)
-      throw InputError("the checkpoint holds " + std::to_string(states_[k].committed.size()) +
-                       " numbers of " + states_[k].effect->label() + ", but there are " +
-                       std::to_string(size) +
-                       "; restart with the deck and the meshes of the run that wrote it");
+    State& state = states_[k];
+    const KeyedNumbers points(comm_, state.numbers);
+    const std::string number = std::to_string(k), label = state.effect->label();
+    points.exchange(archive, "committed state " + number, label, state.committed.numbers());
+    points.exchange(archive, "trial state " + number, label, state.trial.numbers());
   }
 }
 

@@ -13,7 +13,7 @@
 namespace Harmos::run {
 namespace {
 
-using Effect = scene::Effect;
+using Law = scene::InterfaceLaw;
 
 std::vector<double> cut(const std::vector<double>& all, std::size_t begin, std::size_t size) {
   const auto from = all.begin() + static_cast<std::ptrdiff_t>(begin);
@@ -28,27 +28,28 @@ double known(double tolerance) {
   return std::min(factor * tolerance, most);
 }
 
-bool isThroughOrigin(const Effect::RowAnswer& row) {
+bool isThroughOrigin(const Law::RowAnswer& row) {
   return row.unstretched == 0.0;
-}
-
-bool follow(const std::vector<Softening::Part>& parts, const std::vector<double>& openings,
-            std::optional<double> times, double known) {
-  bool softens = false;
-  std::size_t begin = 0;
-  for (const Softening::Part& part : parts) {
-    softens =
-        part.effect->follow(*part.rows, cut(openings, begin, part.rows->size()), times, known, *part.trial) ||
-        softens;
-    begin += part.rows->size();
-  }
-  return softens;
 }
 
 } // namespace
 
-Softening::Softening(std::vector<double> stiffnesses)
-    : stiffnesses_(std::move(stiffnesses)), span_(stiffnesses_) {}
+Softening::Softening(const Teuchos::Comm<int>& comm, std::vector<long long> keys,
+                     std::vector<double> stiffnesses)
+    : rows_(comm, std::move(keys)), stiffnesses_(std::move(stiffnesses)), span_(rows_, stiffnesses_) {}
+
+// Whether any point softens, on any rank.
+bool Softening::follow(const std::vector<Part>& parts, const std::vector<double>& openings,
+                       std::optional<double> times, double known) const {
+  bool softens = false;
+  std::size_t begin = 0;
+  for (const Part& part : parts) {
+    const std::vector<double> own = cut(openings, begin, part.rows->size());
+    softens = part.law->follow(*part.rows, own, times, known, *part.trial) || softens;
+    begin += part.rows->size();
+  }
+  return rows_.largest(softens ? 1.0 : 0.0) > 0.0;
+}
 
 void Softening::begin(const std::vector<Part>& parts, std::optional<double> advance) {
   span_.begin();
@@ -100,7 +101,7 @@ std::vector<double> Softening::forces(const std::vector<Part>& parts,
   std::vector<double> all;
   for (const Part& part : parts) {
     std::vector<double> own = cut(openings, all.size(), part.rows->size());
-    const std::vector<double> law = part.effect->lawForces(*part.trial, *part.rows, own);
+    const std::vector<double> law = part.law->lawForces(*part.trial, *part.rows, own);
     for (std::size_t k = 0; k < own.size(); ++k) {
       const double pressed =
           part.answer[k].isLimited
@@ -126,13 +127,15 @@ bool Softening::update(const std::vector<Part>& parts, const feti::WarmStart& mu
   bool isFrozen = true;
   std::vector<double> openings, holds;
   for (const Part& part : parts) {
-    worst = std::max(worst, part.effect->misfit(part.answer, *part.trial));
-    for (const Effect::RowAnswer& row : part.answer) {
+    worst = std::max(worst, part.law->misfit(part.answer, *part.trial));
+    for (const Law::RowAnswer& row : part.answer) {
       isFrozen = isFrozen && isThroughOrigin(row);
       openings.push_back(row.opening());
       holds.push_back(row.hold());
     }
   }
+  worst = rows_.largest(worst);
+  isFrozen = !(rows_.largest(isFrozen ? 0.0 : 1.0) > 0.0);
   // Springs through the origin have the same answer as those that met the law, but for what the solver
   // leaves: where it has met the law twice no more is to be had, up to a hundredth of the strength.
   constexpr double certain = 2.0, amplified = 100.0, most = 0.01;
@@ -177,7 +180,8 @@ void Softening::exchange(qp::StateArchive<MultiVector>& archive, const feti::Dua
   accepted_.resize(count);
   for (std::size_t k = 0; k < count; ++k) {
     const std::string name = "accepted answer " + std::to_string(k);
-    archive.numbers(name + ", openings", accepted_[k].openings);
+    accepted_[k].openings.resize(rows_.size());
+    rows_.exchange(archive, name + ", openings", "interfaces", accepted_[k].openings);
     feti::exchange(archive, problem, name, accepted_[k].multipliers);
   }
 }

@@ -2,15 +2,16 @@
 #pragma once
 
 #include "Harmos_AnswerSpan.hpp"
-#include "Harmos_Effect.hpp"
+#include "Harmos_InterfaceLaw.hpp"
+#include "Harmos_KeyedNumbers.hpp"
 
 namespace Harmos::run {
 
-/// The iteration to the solution of a step for all effects with softening points together
-/// (scene::Effect::softens()). Each solve has springs in place of the laws and is convex; the forces of the
-/// laws at its openings differ from those of the springs. AnswerSpan finds the best openings x̂ in the span
-/// of the solutions. The springs of the next solve pass through force and opening there, with a quarter of
-/// the softening slope s as stiffness:
+/// The iteration to the solution of a step for all laws with softening points together
+/// (scene::InterfaceLaw::softens()). Each solve has springs in place of the laws and is convex; the forces of
+/// the laws at its openings differ from those of the springs. AnswerSpan finds the best openings x̂ in the
+/// span of the solutions. The springs of the next solve pass through force and opening there, with a quarter
+/// of the softening slope s as stiffness:
 ///
 ///     f = f_law(x̂) + θs(x − x̂),   θ = 1/4.
 ///
@@ -19,19 +20,21 @@ namespace Harmos::run {
 /// springs through the origin, a convex problem with the energies of such springs. If points soften there, a
 /// step whose loads continue those of the previous step starts with springs at extrapolated openings.
 ///
-/// Openings and forces are the same on all ranks, multipliers shared. Members are local unless they say
-/// otherwise. Guarded by tests/unit/effects/test_damage_update.cpp.
+/// Openings and forces are those of this rank's rows, multipliers shared; members are collective. Guarded by
+/// tests/unit/effects/test_damage_update.cpp.
 class Softening {
  public:
   struct Part {
-    const scene::Effect* effect;
-    const std::vector<scene::Effect::Row>* rows;
-    std::vector<scene::Effect::RowAnswer> answer;
-    std::vector<double>* trial;
+    const scene::InterfaceLaw* law;
+    const std::vector<scene::InterfaceLaw::Row>* rows;
+    std::vector<scene::InterfaceLaw::RowAnswer> answer;
+    scene::PointStates* trial;
   };
 
-  /// @param stiffnesses of intact springs: of all rows of all parts, in their order.
-  explicit Softening(std::vector<double> stiffnesses);
+  /// @param keys, stiffnesses of intact springs: of this rank's rows of all parts, in their order.
+  Softening(const Teuchos::Comm<int>& comm, std::vector<long long> keys, std::vector<double> stiffnesses);
+  Softening(const Softening&) = delete;
+  Softening& operator=(const Softening&) = delete;
 
   /// A step begins: where loads go on as in the last one openings do, if points soften then. @param advance
   /// of loads, in terms of that of the last step; nothing where that says nothing.
@@ -49,7 +52,6 @@ class Softening {
   /// Of the next solution, after update(): null where the last answer is it.
   const feti::WarmStart& start() const { return start_; }
 
-  /// @note Collective.
   void exchange(qp::StateArchive<MultiVector>& archive, const feti::DualProblem& problem);
 
  private:
@@ -59,7 +61,10 @@ class Softening {
   };
   void watch(double misfit);
   std::vector<double> forces(const std::vector<Part>& parts, const std::vector<double>& openings) const;
+  bool follow(const std::vector<Part>& parts, const std::vector<double>& openings,
+              std::optional<double> times, double known) const;
 
+  KeyedNumbers rows_;
   std::vector<double> stiffnesses_;
   AnswerSpan span_;
   Answer last_;

@@ -49,18 +49,6 @@ std::string Effect::label() const {
   return (isVowel ? "an " : "a ") + kind;
 }
 
-double Effect::RowAnswer::opening() const {
-  if (isLimited)
-    return softness ? *softness * force + unstretched : -gap;
-  return softness ? -*softness * std::min(force, 0.0) - unstretched : gap;
-}
-
-double Effect::RowAnswer::hold() const {
-  if (isLimited)
-    return softness ? force : 0.0;
-  return -force;
-}
-
 void Effect::addTo(std::vector<double>& sum, const std::vector<double>& more) {
   for (std::size_t k = 0; k < sum.size(); ++k)
     sum[k] += more[k];

@@ -34,7 +34,9 @@ int Scene::subdomains() const {
 }
 
 bool Scene::breaks() const {
-  return std::any_of(effects.begin(), effects.end(), [](const auto& effect) { return effect->breaks(); });
+  return std::any_of(effects.begin(), effects.end(), [](const auto& effect) {
+    return effect->interfaceLaw() != nullptr && effect->interfaceLaw()->breaks();
+  });
 }
 
 bool Scene::hasInequalities() const {
