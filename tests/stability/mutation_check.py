@@ -72,8 +72,8 @@ FAULTS = (
         "at(point, a, column) = -scale *", "at(point, a, column) = scale *", FETI),
     fault(
         "too long step of MPRGP", "packages/qp/src/iterations/Harmos_MprgpIteration.hpp",
-        "return options_.stepFactor / hessianNorm_;",
-        "return 4.0 * options_.stepFactor / hessianNorm_;",
+        "return options_.stepFactor / hessian_.norm;",
+        "return 4.0 * options_.stepFactor / hessian_.norm;",
         ("unit_qp", "unit_qp_random")),
     fault(
         "curvatures below the norm's rounding are none", "packages/qp/src/iterations/Harmos_MprgpIteration_def.hpp",
@@ -88,8 +88,8 @@ FAULTS = (
     fault(
         "sign of the multiplier's update in SMALBE",
         "packages/qp/src/iterations/Harmos_BoundedLagrangian_def.hpp",
-        "MvAddMv(1.0, *mu_, factor * penalty_, *residual_, *mu_);",
-        "MvAddMv(1.0, *mu_, -factor * penalty_, *residual_, *mu_);",
+        "MvAddMv(1.0, *mu_, factor * penalty_, *residual_.vector, *mu_);",
+        "MvAddMv(1.0, *mu_, -factor * penalty_, *residual_.vector, *mu_);",
         ("unit_qp_serial", "unit_qp")),
     fault(
         "swapped scaling of the preconditioner",

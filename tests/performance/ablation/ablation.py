@@ -59,7 +59,8 @@ def prepared(directory, jobs):
         here.rename(Path(fresh) / "packages/qp/src/kernels/Harmos_Tuning.hpp")
         copy_changed(Path(fresh), tree)
     subprocess.run(
-        ["cmake", "-S", tree, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DHARMOS_ENABLE_TESTS=ON"],
+        ["cmake", "-S", tree, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DHARMOS_ENABLE_TESTS=ON",
+         "-DHARMOS_ENABLE_GMSH=ON"],
         check=True, stdout=subprocess.DEVNULL,
     )
     subprocess.run(["cmake", "--build", build, "-j", str(jobs), "--target", *PROGRAMS], check=True)

@@ -61,7 +61,7 @@ class BoundedLagrangian {
   /// L(x, μ, ρ).
   double value() const;
   /// ‖r‖ of the last evaluation, in the solvers' rows.
-  double residual() const { return residualNorm_; }
+  double residual() const { return residual_.norm; }
 
   /// Level of the rounding errors in g^P and in r: nothing below it can be asked for.
   double attainableGradient() const;
@@ -86,11 +86,20 @@ class BoundedLagrangian {
   Counters& counters_;
   InFacePreconditioner<Scalar, MV, OP> preconditioner_;
   Teuchos::RCP<Iteration> iteration_;
-  Teuchos::RCP<MV> gradient_, effectiveRhs_, mu_, residual_, rowWork_, projected_, removed_;
+  // With its norm.
+  struct Measured {
+    Teuchos::RCP<MV> vector;
+    double norm = 0.0;
+  };
+  struct Work {
+    Teuchos::RCP<MV> rows, projected, removed;
+  };
+  Teuchos::RCP<MV> gradient_, mu_;
+  Measured rhs_; // that of H, see updateEffectiveRhs()
+  Measured residual_;
+  Work work_;
   double penalty_ = 0.0;
   double normA_ = 0.0;
-  double residualNorm_ = 0.0;
-  double effectiveRhsNorm_ = 0.0;
   double level_ = 0.0;  // largest attainableGradient() since the gradient was computed directly
   bool direct_ = false; // the gradient is Ax − b + C̄ᵀμ⁺ itself
 };

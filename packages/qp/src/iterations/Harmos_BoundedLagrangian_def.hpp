@@ -28,7 +28,7 @@ BoundedLagrangian<Scalar, MV, OP>::BoundedLagrangian(const ProblemType& problem,
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using OPT = Belos::OperatorTraits<Scalar, MV, OP>;
   gradient_ = MVT::Clone(*problem.solution(), 1);
-  effectiveRhs_ = MVT::Clone(*problem.solution(), 1);
+  rhs_.vector = MVT::Clone(*problem.solution(), 1);
   normA_ = problem.hessianNorm();
   if (normA_ == 0.0 && !resumes) {
     BoundOps<Scalar, MV>::setRandom(*gradient_);
@@ -40,8 +40,8 @@ BoundedLagrangian<Scalar, MV, OP>::BoundedLagrangian(const ProblemType& problem,
   }
   if (rows_.isPresent()) {
     mu_ = rows_.makeVector();
-    residual_ = rows_.makeVector();
-    rowWork_ = rows_.makeVector();
+    residual_.vector = rows_.makeVector();
+    work_.rows = rows_.makeVector();
   }
 }
 
@@ -59,8 +59,8 @@ void BoundedLagrangian<Scalar, MV, OP>::applyHessian(const MV& x, MV& y) {
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), x, y);
   if (!rows_.isPresent() || penalty_ == 0.0)
     return;
-  rows_.apply(x, *rowWork_);
-  rows_.addTransposed(penalty_, *rowWork_, y);
+  rows_.apply(x, *work_.rows);
+  rows_.addTransposed(penalty_, *work_.rows, y);
 }
 
 template<class Scalar, class MV, class OP>
@@ -70,29 +70,29 @@ void BoundedLagrangian<Scalar, MV, OP>::applyPreconditioner(const MV& phi, const
     preconditioner_.apply(phi, active, z);
     return;
   }
-  if (projected_.is_null()) {
-    projected_ = MVT::Clone(phi, 1);
-    removed_ = rows_.makeVector();
+  if (work_.projected.is_null()) {
+    work_.projected = MVT::Clone(phi, 1);
+    work_.removed = rows_.makeVector();
   }
-  MVT::Assign(phi, *projected_);
-  rows_.apply(phi, *removed_);
-  rows_.addTransposed(-1.0, *removed_, *projected_);
-  FaceOps<Scalar, MV>::mask(*projected_, active);
-  preconditioner_.apply(*projected_, active, z);
-  rows_.apply(z, *rowWork_);
-  rows_.addTransposed(-1.0, *rowWork_, z);
-  rows_.addTransposed(1.0 / penalty_, *removed_, z);
+  MVT::Assign(phi, *work_.projected);
+  rows_.apply(phi, *work_.removed);
+  rows_.addTransposed(-1.0, *work_.removed, *work_.projected);
+  FaceOps<Scalar, MV>::mask(*work_.projected, active);
+  preconditioner_.apply(*work_.projected, active, z);
+  rows_.apply(z, *work_.rows);
+  rows_.addTransposed(-1.0, *work_.rows, z);
+  rows_.addTransposed(1.0 / penalty_, *work_.removed, z);
   FaceOps<Scalar, MV>::mask(z, active);
 }
 
 // Hx − effectiveRhs is the gradient: effectiveRhs = b − C̄ᵀμ + ρC̄ᵀc̄.
 template<class Scalar, class MV, class OP>
 void BoundedLagrangian<Scalar, MV, OP>::updateEffectiveRhs() {
-  Belos::MultiVecTraits<Scalar, MV>::Assign(*problem_.rhs(), *effectiveRhs_);
+  Belos::MultiVecTraits<Scalar, MV>::Assign(*problem_.rhs(), *rhs_.vector);
   if (!rows_.isPresent())
     return;
-  rows_.addTransposed(-1.0, *mu_, *effectiveRhs_);
-  rows_.addTransposed(penalty_, rows_.values(), *effectiveRhs_);
+  rows_.addTransposed(-1.0, *mu_, *rhs_.vector);
+  rows_.addTransposed(penalty_, rows_.values(), *rhs_.vector);
 }
 
 template<class Scalar, class MV, class OP>
@@ -106,9 +106,9 @@ void BoundedLagrangian<Scalar, MV, OP>::start(double penalty) {
   updateEffectiveRhs();
   if (norm<Scalar>(x) > 0.0) {
     applyHessian(x, *gradient_);
-    MVT::MvAddMv(1.0, *gradient_, -1.0, *effectiveRhs_, *gradient_);
+    MVT::MvAddMv(1.0, *gradient_, -1.0, *rhs_.vector, *gradient_);
   } else {
-    MVT::MvAddMv(-1.0, *effectiveRhs_, 0.0, *effectiveRhs_, *gradient_);
+    MVT::MvAddMv(-1.0, *rhs_.vector, 0.0, *rhs_.vector, *gradient_);
   }
   startIteration();
 }
@@ -161,10 +161,10 @@ void BoundedLagrangian<Scalar, MV, OP>::startIteration() {
     };
   iteration_ = Teuchos::rcp(new Iteration([this](const MV& in, MV& out) { applyHessian(in, out); },
                                           precondition, problem_.feasibleSet(), options_, counters_));
-  effectiveRhsNorm_ = norm<Scalar>(*effectiveRhs_);
+  rhs_.norm = norm<Scalar>(*rhs_.vector);
   level_ = 0.0;
   direct_ = false;
-  iteration_->start(problem_.solution(), gradient_, effectiveRhs_, augmentedNorm(),
+  iteration_->start(problem_.solution(), gradient_, rhs_.vector, augmentedNorm(),
                     normA_ > 0.0 ? normA_ : 1.0);
 }
 
@@ -175,8 +175,8 @@ IterationState<MV> BoundedLagrangian<Scalar, MV, OP>::evaluate(int outer, int in
   // Of L(·, μ, ρ), which is that of the Lagrangian with the multiplier μ + ρr: g(x, μ + ρr, 0) = g(x, μ, ρ).
   state.projectedGradient = std::sqrt(iteration_->sums().projectedNorm2());
   if (rows_.isPresent()) {
-    rows_.residual(*problem_.solution(), *residual_);
-    residualNorm_ = norm<Scalar>(*residual_);
+    rows_.residual(*problem_.solution(), *residual_.vector);
+    residual_.norm = norm<Scalar>(*residual_.vector);
     state.equalityResidual = rows_.residualNorm();
     state.equalityDistance = rows_.distance();
   }
@@ -202,9 +202,9 @@ bool BoundedLagrangian<Scalar, MV, OP>::confirmGradient(double projectedGradient
   Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), *problem_.solution(), *gradient_);
   MVT::MvAddMv(1.0, *gradient_, -1.0, *problem_.rhs(), *gradient_);
   if (rows_.isPresent()) {
-    rows_.residual(*problem_.solution(), *residual_);
-    MVT::MvAddMv(1.0, *mu_, penalty_, *residual_, *rowWork_);
-    rows_.addTransposed(1.0, *rowWork_, *gradient_);
+    rows_.residual(*problem_.solution(), *residual_.vector);
+    MVT::MvAddMv(1.0, *mu_, penalty_, *residual_.vector, *work_.rows);
+    rows_.addTransposed(1.0, *work_.rows, *gradient_);
   }
   iteration_->restart(iteration_->hessianNorm());
   direct_ = true;
@@ -214,13 +214,13 @@ bool BoundedLagrangian<Scalar, MV, OP>::confirmGradient(double projectedGradient
 
 template<class Scalar, class MV, class OP>
 void BoundedLagrangian<Scalar, MV, OP>::updateMultiplier(double penalty, double factor) {
-  rows_.residual(*problem_.solution(), *residual_);
-  Belos::MultiVecTraits<Scalar, MV>::MvAddMv(1.0, *mu_, factor * penalty_, *residual_, *mu_);
+  rows_.residual(*problem_.solution(), *residual_.vector);
+  Belos::MultiVecTraits<Scalar, MV>::MvAddMv(1.0, *mu_, factor * penalty_, *residual_.vector, *mu_);
   // The new gradient Ax − b + C̄ᵀ(μ_new + ρ_new r) differs from the old one by (ρ_new + (factor − 1)ρ)C̄ᵀr.
-  rows_.addTransposed(penalty + (factor - 1.0) * penalty_, *residual_, *gradient_);
+  rows_.addTransposed(penalty + (factor - 1.0) * penalty_, *residual_.vector, *gradient_);
   penalty_ = penalty;
   updateEffectiveRhs();
-  effectiveRhsNorm_ = norm<Scalar>(*effectiveRhs_);
+  rhs_.norm = norm<Scalar>(*rhs_.vector);
   direct_ = false;
   iteration_->restart(std::max(augmentedNorm(), iteration_->hessianNorm()));
 }
@@ -229,9 +229,9 @@ template<class Scalar, class MV, class OP>
 void BoundedLagrangian<Scalar, MV, OP>::storeMultiplier() {
   if (!rows_.isPresent())
     return;
-  rows_.residual(*problem_.solution(), *residual_);
-  Belos::MultiVecTraits<Scalar, MV>::MvAddMv(1.0, *mu_, penalty_, *residual_, *rowWork_);
-  rows_.toUser(*rowWork_, *problem_.multiplier());
+  rows_.residual(*problem_.solution(), *residual_.vector);
+  Belos::MultiVecTraits<Scalar, MV>::MvAddMv(1.0, *mu_, penalty_, *residual_.vector, *work_.rows);
+  rows_.toUser(*work_.rows, *problem_.multiplier());
 }
 
 template<class Scalar, class MV, class OP>
@@ -247,8 +247,8 @@ Teuchos::RCP<MV> BoundedLagrangian<Scalar, MV, OP>::unboundedDirection(Certifica
   certificate.gap = dot<Scalar>(*problem_.rhs(), *d);
   certificate.defect = normA_ > 0.0 ? norm<Scalar>(*gradient_) / normA_ : 0.0;
   if (rows_.isPresent()) {
-    rows_.apply(*d, *rowWork_);
-    certificate.defect = std::max(certificate.defect, norm<Scalar>(*rowWork_) / std::sqrt(rows_.norm2()));
+    rows_.apply(*d, *work_.rows);
+    certificate.defect = std::max(certificate.defect, norm<Scalar>(*work_.rows) / std::sqrt(rows_.norm2()));
   }
   return d;
 }
@@ -260,15 +260,16 @@ double BoundedLagrangian<Scalar, MV, OP>::value() const {
   const MV& x = *problem_.solution();
   double result = 0.5 * (dot<Scalar>(x, *gradient_) - dot<Scalar>(x, *problem_.rhs()));
   if (rows_.isPresent())
-    result += 0.5 * dot<Scalar>(*mu_, *residual_) -
-              0.5 * (dot<Scalar>(rows_.values(), *mu_) + penalty_ * dot<Scalar>(rows_.values(), *residual_));
+    result +=
+        0.5 * dot<Scalar>(*mu_, *residual_.vector) -
+        0.5 * (dot<Scalar>(rows_.values(), *mu_) + penalty_ * dot<Scalar>(rows_.values(), *residual_.vector));
   return result;
 }
 
 template<class Scalar, class MV, class OP>
 double BoundedLagrangian<Scalar, MV, OP>::attainableGradient() const {
   return std::numeric_limits<double>::epsilon() *
-         (augmentedNorm() * std::sqrt(iteration_->sums().xNorm2) + effectiveRhsNorm_);
+         (augmentedNorm() * std::sqrt(iteration_->sums().xNorm2) + rhs_.norm);
 }
 
 template<class Scalar, class MV, class OP>

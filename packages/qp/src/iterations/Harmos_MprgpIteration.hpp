@@ -97,13 +97,13 @@ class MprgpIteration {
 
   const SplitSums& sums() const { return sums_; }
   const ActiveFace& active() const { return active_; }
-  double hessianNorm() const { return hessianNorm_; }
+  double hessianNorm() const { return hessian_.norm; }
   /// Steps since the gradient was computed from x itself; rounding errors grow with it.
   int staleness() const { return staleness_; }
   /// f(x_k) − f(x_{k+1}) of the last step.
   double decrease() const { return decrease_; }
   /// After Outcome::Unbounded: the direction p, along −p the cost falls without end, and Hp.
-  const MV& direction() const { return *p_; }
+  const MV& direction() const { return *along_.p; }
 
  private:
   // What is known of p for the next step in the face.
@@ -113,9 +113,9 @@ class MprgpIteration {
     Conjugate // p is to be made of φ and the last p
   };
 
-  double stepLength() const { return options_.stepFactor / hessianNorm_; }
+  double stepLength() const { return options_.stepFactor / hessian_.norm; }
   // Where a pass writes φ: the next direction itself, or what the preconditioner is applied to.
-  MV& freeGradient() { return precondition_ ? *phi_ : *p_; }
+  MV& freeGradient() { return hessian_.precondition ? *work_.phi : *along_.p; }
   void countFace();
   void begin();
   void completeDirection();
@@ -125,21 +125,35 @@ class MprgpIteration {
   bool expandProjected(double cgStep);
   double roundingOfCurvature() const;
 
-  Apply apply_;
-  Precondition precondition_;
+  // H, and what is known of it.
+  struct Hessian {
+    Apply apply;
+    Precondition precondition;
+    double norm = 0.0;
+    double curvatureScale = 0.0;
+  };
+  // The last direction, or the next one.
+  struct Direction {
+    Teuchos::RCP<MV> p, image;
+    Next next = Next::Ready;
+    double longestStep = 0.0; // along p
+    double dotImage = 0.0;
+  };
+  struct Work {
+    Teuchos::RCP<MV> xOld, gOld, phi, z;
+  };
+
+  Hessian hessian_;
   FeasibleSet<MV> feasible_;
   MprgpOptions options_;
   Counters& counters_;
-  Teuchos::RCP<MV> x_, g_, p_, image_, xOld_, gOld_, phi_, z_;
+  Teuchos::RCP<MV> x_, g_;
   Teuchos::RCP<const MV> b_;
+  Direction along_;
+  Work work_;
   ActiveFace active_;
   SplitSums sums_;
-  Next next_ = Next::Ready;
-  double hessianNorm_ = 0.0;
-  double curvatureScale_ = 0.0;
-  double discSize_ = 0.0;    // the largest there is; none: 0
-  double longestStep_ = 0.0; // along p
-  double directionDotImage_ = 0.0;
+  double discSize_ = 0.0; // the largest there is; none: 0
   double decrease_ = 0.0;
   bool faceChanged_ = true; // since the preconditioner was last asked
   int staleness_ = 0;

@@ -17,8 +17,7 @@ template<class Scalar, class MV>
 MprgpIteration<Scalar, MV>::MprgpIteration(Apply apply, Precondition precondition,
                                            const FeasibleSet<MV>& feasible, const MprgpOptions& options,
                                            Counters& counters)
-    : apply_(std::move(apply)),
-      precondition_(std::move(precondition)),
+    : hessian_{std::move(apply), std::move(precondition)},
       feasible_(feasible),
       options_(options),
       counters_(counters) {}
@@ -31,35 +30,35 @@ void MprgpIteration<Scalar, MV>::start(Teuchos::RCP<MV> x, Teuchos::RCP<MV> grad
   x_ = x;
   g_ = gradient;
   b_ = rhs;
-  for (Teuchos::RCP<MV>* vector : {&p_, &image_, &xOld_, &gOld_, &phi_})
+  for (Teuchos::RCP<MV>* vector : {&along_.p, &along_.image, &work_.xOld, &work_.gOld, &work_.phi})
     *vector = MVT::Clone(*x, 1);
-  if (precondition_)
-    z_ = MVT::Clone(*x, 1);
+  if (hessian_.precondition)
+    work_.z = MVT::Clone(*x, 1);
   active_.clear();
   staleness_ = 0;
-  curvatureScale_ = curvatureScale;
+  hessian_.curvatureScale = curvatureScale;
   discSize_ = feasible_.hasDiscs() ? BoundTraits<Scalar, MV>::maximum(*x, feasible_.discs->largest()) : 0.0;
   restart(hessianNorm);
 }
 
 template<class Scalar, class MV>
 void MprgpIteration<Scalar, MV>::restart(double hessianNorm) {
-  hessianNorm_ = hessianNorm;
+  hessian_.norm = hessianNorm;
   begin();
 }
 
 template<class Scalar, class MV>
 void MprgpIteration<Scalar, MV>::exchange(StateArchive<MV>& archive) {
-  archive.vector("mprgp direction", *p_);
-  archive.vector("mprgp image", *image_);
-  archive.number("mprgp next", next_);
+  archive.vector("mprgp direction", *along_.p);
+  archive.vector("mprgp image", *along_.image);
+  archive.number("mprgp next", along_.next);
   archive.number("mprgp free norm", sums_.freeNorm2);
   archive.number("mprgp chopped norm", sums_.choppedNorm2);
   archive.number("mprgp reduced norm", sums_.reducedNorm2);
   archive.number("mprgp iterate norm", sums_.xNorm2);
-  archive.number("mprgp hessian norm", hessianNorm_);
-  archive.number("mprgp longest step", longestStep_);
-  archive.number("mprgp direction dot image", directionDotImage_);
+  archive.number("mprgp hessian norm", hessian_.norm);
+  archive.number("mprgp longest step", along_.longestStep);
+  archive.number("mprgp direction dot image", along_.dotImage);
   archive.number("mprgp decrease", decrease_);
   archive.number("mprgp staleness", staleness_);
 }
@@ -75,26 +74,27 @@ void MprgpIteration<Scalar, MV>::countFace() {
 template<class Scalar, class MV>
 void MprgpIteration<Scalar, MV>::begin() {
   sums_ = BoundOps<Scalar, MV>::split(*x_, *g_, feasible_, stepLength(), &freeGradient(), active_);
-  longestStep_ = sums_.longestStep;
-  next_ = precondition_ ? Next::Fresh : Next::Ready;
+  along_.longestStep = sums_.longestStep;
+  along_.next = hessian_.precondition ? Next::Fresh : Next::Ready;
   countFace();
 }
 
 // p ← z or p ← z − βp with z = (M⁻¹φ)_F.
 template<class Scalar, class MV>
 void MprgpIteration<Scalar, MV>::completeDirection() {
-  if (next_ == Next::Ready)
+  if (along_.next == Next::Ready)
     return;
-  precondition_(*phi_, active_, faceChanged_, *z_);
+  hessian_.precondition(*work_.phi, active_, faceChanged_, *work_.z);
   faceChanged_ = false;
-  const double beta = next_ == Next::Conjugate ? dot<Scalar>(*z_, *image_) / directionDotImage_ : 0.0;
-  longestStep_ = BoundOps<Scalar, MV>::conjugate(*x_, *z_, beta, feasible_, *p_);
-  next_ = Next::Ready;
+  const double beta =
+      along_.next == Next::Conjugate ? dot<Scalar>(*work_.z, *along_.image) / along_.dotImage : 0.0;
+  along_.longestStep = BoundOps<Scalar, MV>::conjugate(*x_, *work_.z, beta, feasible_, *along_.p);
+  along_.next = Next::Ready;
 }
 
 template<class Scalar, class MV>
 void MprgpIteration<Scalar, MV>::refreshGradient() {
-  apply_(*x_, *g_);
+  hessian_.apply(*x_, *g_);
   Belos::MultiVecTraits<Scalar, MV>::MvAddMv(1.0, *g_, -1.0, *b_, *g_);
   staleness_ = 0;
 }
@@ -103,18 +103,18 @@ template<class Scalar, class MV>
 bool MprgpIteration<Scalar, MV>::expandProjected(double cgStep) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using Bounds = BoundOps<Scalar, MV>;
-  MVT::Assign(*g_, *gOld_);
+  MVT::Assign(*g_, *work_.gOld);
   const int staleBefore = staleness_;
-  Bounds::projectedStep(*x_, *xOld_, *p_, cgStep, feasible_);
+  Bounds::projectedStep(*x_, *work_.xOld, *along_.p, cgStep, feasible_);
   refreshGradient();
-  const ChangeSums change = Bounds::change(*x_, *xOld_, *g_, *gOld_);
+  const ChangeSums change = Bounds::change(*x_, *work_.xOld, *g_, *work_.gOld);
   if (change.cost < 0.0) {
     decrease_ = -change.cost;
     return true;
   }
   ++counters_.fallbacks;
-  MVT::Assign(*xOld_, *x_);
-  MVT::Assign(*gOld_, *g_);
+  MVT::Assign(*work_.xOld, *x_);
+  MVT::Assign(*work_.gOld, *g_);
   staleness_ = staleBefore;
   return false;
 }
@@ -124,16 +124,17 @@ template<class Scalar, class MV>
 void MprgpIteration<Scalar, MV>::expandFixed(const CurvatureSums& along) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
   using Bounds = BoundOps<Scalar, MV>;
-  const double length = longestStep_;
+  const double length = along_.longestStep;
   decrease_ = length * (along.gradientDotDirection - 0.5 * length * along.directionDotImage);
   // The set examined at the boundary point is not a face the iteration works in.
   ActiveFace boundary = active_;
-  Bounds::advance(*x_, *g_, *p_, *image_, length, 0.0, true, feasible_, stepLength(), *phi_, boundary);
-  MVT::Assign(*g_, *gOld_);
-  goDown(*phi_);
+  Bounds::advance(*x_, *g_, *along_.p, *along_.image, length, 0.0, true, feasible_, stepLength(), *work_.phi,
+                  boundary);
+  MVT::Assign(*g_, *work_.gOld);
+  goDown(*work_.phi);
 }
 
-// x ← Π(x − ᾱ·direction), where the gradient is that of gOld_.
+// x ← Π(x − ᾱ·direction), where the gradient is that of work_.gOld.
 template<class Scalar, class MV>
 void MprgpIteration<Scalar, MV>::goDown(const MV& direction) {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
@@ -141,12 +142,12 @@ void MprgpIteration<Scalar, MV>::goDown(const MV& direction) {
   constexpr int mostCuts = 60;
   for (int cut = 0; cut <= mostCuts; ++cut) {
     if (cut > 0)
-      MVT::Assign(*xOld_, *x_);
-    Bounds::projectedStep(*x_, *xOld_, direction, stepLength(), feasible_);
+      MVT::Assign(*work_.xOld, *x_);
+    Bounds::projectedStep(*x_, *work_.xOld, direction, stepLength(), feasible_);
     refreshGradient();
     // The projected step decreases the cost for every ᾱ ≤ 2/‖H‖: if it rose, ‖H‖ is larger than estimated.
     // Changes at the level of rounding errors prove nothing.
-    const ChangeSums change = Bounds::change(*x_, *xOld_, *g_, *gOld_);
+    const ChangeSums change = Bounds::change(*x_, *work_.xOld, *g_, *work_.gOld);
     double noise =
         10.0 * std::numeric_limits<double>::epsilon() * std::sqrt(change.moved2 * change.gradientNorm2);
     // Points on rims are there to rounding errors, along gradients that do not vanish.
@@ -157,11 +158,11 @@ void MprgpIteration<Scalar, MV>::goDown(const MV& direction) {
       return;
     }
     ++counters_.stepCuts;
-    hessianNorm_ *= 2.0;
+    hessian_.norm *= 2.0;
   }
   // No step is short enough, which only rounding errors can bring about: stay at the boundary.
-  MVT::Assign(*xOld_, *x_);
-  MVT::Assign(*gOld_, *g_);
+  MVT::Assign(*work_.xOld, *x_);
+  MVT::Assign(*work_.gOld, *g_);
 }
 
 // Along the rim of a disc no step is feasible: the projected gradient step of MPGP takes the place of the
@@ -170,11 +171,11 @@ template<class Scalar, class MV>
 typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::proportionBySteps() {
   if (!std::isfinite(sums_.choppedNorm2))
     return Outcome::Breakdown;
-  Belos::MultiVecTraits<Scalar, MV>::Assign(*g_, *gOld_);
+  Belos::MultiVecTraits<Scalar, MV>::Assign(*g_, *work_.gOld);
   decrease_ = 0.0;
   ++counters_.proportioningSteps;
   ++staleness_;
-  goDown(*gOld_);
+  goDown(*work_.gOld);
   begin();
   return Outcome::Proportioning;
 }
@@ -182,7 +183,8 @@ typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::proport
 // Of pᵀHp/‖p‖², from the terms that it is a sum of.
 template<class Scalar, class MV>
 double MprgpIteration<Scalar, MV>::roundingOfCurvature() const {
-  return 100.0 * std::numeric_limits<double>::epsilon() * curvatureTerms<Scalar, MV>(apply_, *p_);
+  return 100.0 * std::numeric_limits<double>::epsilon() *
+         curvatureTerms<Scalar, MV>(hessian_.apply, *along_.p);
 }
 
 template<class Scalar, class MV>
@@ -196,61 +198,61 @@ typename MprgpIteration<Scalar, MV>::Outcome MprgpIteration<Scalar, MV>::step() 
   if (proportional)
     completeDirection();
   else
-    longestStep_ = Bounds::choppedDirection(*x_, *g_, feasible_, *p_);
+    along_.longestStep = Bounds::choppedDirection(*x_, *g_, feasible_, *along_.p);
 
-  apply_(*p_, *image_);
-  CurvatureSums along = Bounds::curvature(*g_, *p_, *image_, active_);
+  hessian_.apply(*along_.p, *along_.image);
+  CurvatureSums along = Bounds::curvature(*g_, *along_.p, *along_.image, active_);
   // Rounding errors, or a preconditioner that is not positive definite, have turned the direction upwards or
   // across; −φ always leads down.
   constexpr double across = 1e-10;
   if (proportional && sums_.freeNorm2 > 0.0 &&
       !(along.gradientDotDirection > across * std::sqrt(along.directionNorm2 * sums_.freeNorm2))) {
-    if (precondition_)
-      longestStep_ = Bounds::conjugate(*x_, *phi_, 0.0, feasible_, *p_);
+    if (hessian_.precondition)
+      along_.longestStep = Bounds::conjugate(*x_, *work_.phi, 0.0, feasible_, *along_.p);
     else
       begin();
-    apply_(*p_, *image_);
-    along = Bounds::curvature(*g_, *p_, *image_, active_);
+    hessian_.apply(*along_.p, *along_.image);
+    along = Bounds::curvature(*g_, *along_.p, *along_.image, active_);
   }
   if (!std::isfinite(along.directionDotImage) || !std::isfinite(along.gradientDotDirection))
     return Outcome::Breakdown;
   if (!(along.directionNorm2 > 0.0))
     return Outcome::Breakdown;
   const double curvature = along.directionDotImage / along.directionNorm2;
-  hessianNorm_ = std::max(hessianNorm_, curvature);
+  hessian_.norm = std::max(hessian_.norm, curvature);
   // Rounding errors of Ap: below this level, the sign of the curvature means nothing. A penalty's part of Hp
   // has none: along a direction that it does not resist, it is a square of rounding errors.
-  const double flat = 100.0 * epsilon * curvatureScale_;
+  const double flat = 100.0 * epsilon * hessian_.curvatureScale;
   if (curvature < -flat)
     return Outcome::Breakdown;
   const bool isFlat = curvature <= flat && curvature <= roundingOfCurvature();
-  if (isFlat && !std::isfinite(longestStep_))
+  if (isFlat && !std::isfinite(along_.longestStep))
     return Outcome::Unbounded;
   const double cgStep =
       isFlat ? std::numeric_limits<double>::infinity() : along.gradientDotDirection / along.directionDotImage;
-  const bool feasible = cgStep < longestStep_;
-  const double length = std::min(cgStep, longestStep_);
+  const bool feasible = cgStep < along_.longestStep;
+  const double length = std::min(cgStep, along_.longestStep);
 
   if (!proportional || feasible) {
     decrease_ = length * (along.gradientDotDirection - 0.5 * length * along.directionDotImage);
     // The β of the next direction, before its φ is there.
-    const bool conjugate = proportional && !precondition_;
+    const bool conjugate = proportional && !hessian_.precondition;
     const double beta =
         conjugate ? (along.freeDotImage - length * along.freeImageNorm2) / along.directionDotImage : 0.0;
-    sums_ = Bounds::advance(*x_, *g_, *p_, *image_, length, beta, !feasible, feasible_, stepLength(),
-                            freeGradient(), active_);
-    longestStep_ = sums_.longestStep;
+    sums_ = Bounds::advance(*x_, *g_, *along_.p, *along_.image, length, beta, !feasible, feasible_,
+                            stepLength(), freeGradient(), active_);
+    along_.longestStep = sums_.longestStep;
     ++staleness_;
     countFace();
-    directionDotImage_ = along.directionDotImage;
+    along_.dotImage = along.directionDotImage;
     if (!proportional) {
       // Towards the inside of an active bound; only another bound, on the far side, can cut the step.
       ++counters_.proportioningSteps;
-      next_ = precondition_ ? Next::Fresh : Next::Ready;
+      along_.next = hessian_.precondition ? Next::Fresh : Next::Ready;
       return Outcome::Proportioning;
     }
     ++counters_.cgSteps;
-    next_ = precondition_ ? Next::Conjugate : Next::Ready;
+    along_.next = hessian_.precondition ? Next::Conjugate : Next::Ready;
     // Rounding put an entry onto its bound: p is no longer conjugate within the face.
     if (sums_.changed > 0)
       begin();

@@ -49,18 +49,17 @@ class InteriorPath {
       : problem_(problem),
         rows_(rows),
         kept_(kept),
-        mostKept_(mostKept),
+        effort_{mostKept},
         directions_(options),
         springs_(std::move(springs)),
         counters_(counters),
         preconditioner_(problem, counters),
-        x_(MVT::Clone(*problem.rhs(), 1)),
-        y_(MVT::Clone(*x_, 1)),
-        cones_(Limits::conesOf(problem.feasibleSet(), *x_,
+        point_{MVT::Clone(*problem.rhs(), 1), MVT::Clone(*problem.rhs(), 1), Teuchos::null},
+        cones_(Limits::conesOf(problem.feasibleSet(), *point_.x,
                                problem.hasFollowingLimits() ? &problem.followingLimits() : nullptr)) {
     if (rows_.isPresent()) {
-      mu_ = rows_.makeVector();
-      MVT::MvInit(*mu_, 0.0);
+      point_.mu = rows_.makeVector();
+      MVT::MvInit(*point_.mu, 0.0);
     }
   }
 
@@ -70,14 +69,14 @@ class InteriorPath {
   /// @return whether the end of the path was reached. @note Collective.
   bool run(const MV& start, double q, double end, int mostSteps, const std::function<bool()>& ends) {
     q_ = q;
-    most_ = mostSteps;
-    const auto entries = static_cast<double>(MVT::GetGlobalLength(*x_));
+    effort_.most = mostSteps;
+    const auto entries = static_cast<double>(MVT::GetGlobalLength(*point_.x));
     const double load = norm<Scalar>(*problem_.rhs());
     const double size = std::max(norm<Scalar>(start), load / q) / std::sqrt(entries);
     if (!(size > 0.0))
       return false;
-    MVT::Assign(start, *x_);
-    onEntries([&](double* x) { cones_.begin(size, q * size * size, x); }, *x_);
+    MVT::Assign(start, *point_.x);
+    onEntries([&](double* x) { cones_.begin(size, q * size * size, x); }, *point_.x);
     findGradient();
     count_ = countCones();
     constexpr int mostPoints = 80, mostStuck = 4;
@@ -94,23 +93,24 @@ class InteriorPath {
       // What is wrong with the gradient is to fall with τ.
       constexpr double much = 3.0, tooMuch = 30.0;
       const double behind = dual / std::sqrt(tau * q * entries);
-      accuracy_ = behind > much && k > 0 ? std::max(1e-4, 0.1 * accuracy_) : std::min(0.1, 3.0 * accuracy_);
+      effort_.accuracy = behind > much && k > 0 ? std::max(1e-4, 0.1 * effort_.accuracy)
+                                                : std::min(0.1, 3.0 * effort_.accuracy);
       const double sigma = last > 0.9 && behind < tooMuch ? 0.1 : last > 0.5 ? 0.3 : 0.8;
       if (!advance(sigma * tau, last))
         return false;
       // No accuracy of steps that are better than the first ones makes them longer.
       constexpr double coarsest = 0.1;
-      if (last < 0.02 && accuracy_ < coarsest)
+      if (last < 0.02 && effort_.accuracy < coarsest)
         return false;
       stuck = last < 0.02 ? stuck + 1 : 0;
     }
     return false;
   }
 
-  const MV& x() const { return *x_; }
+  const MV& x() const { return *point_.x; }
   /// The gradient of the Lagrangian there.
-  const MV& y() const { return *y_; }
-  int steps() const { return steps_; }
+  const MV& y() const { return *point_.y; }
+  int steps() const { return effort_.steps; }
 
  private:
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
@@ -119,7 +119,7 @@ class InteriorPath {
   using BT = BoundTraits<Scalar, MV>;
   using Vector = Teuchos::RCP<MV>;
 
-  Vector like() const { return MVT::Clone(*x_, 1); }
+  Vector like() const { return MVT::Clone(*point_.x, 1); }
 
   template<class Function>
   void onEntries(const Function& function, MV& v) const {
@@ -130,31 +130,31 @@ class InteriorPath {
   // @param length receives the longest step within the cones.
   bool advance(double sigmaTau, double& length) {
     cones_.scale(q_);
-    const int before = steps_;
-    if (!findStep(sigmaTau) || steps_ >= most_)
+    const int before = effort_.steps;
+    if (!findStep(sigmaTau) || effort_.steps >= effort_.most)
       return false;
-    keepOutliers(steps_ - before);
+    keepOutliers(effort_.steps - before);
     double longest = 1.0;
-    onEntries([&](double* dx) { longest = cones_.findStep(dx, sigmaTau); }, *step_);
-    length = -BT::maximum(*x_, -longest);
+    onEntries([&](double* dx) { longest = cones_.findStep(dx, sigmaTau); }, *step_.x);
+    length = -BT::maximum(*point_.x, -longest);
     const double step = length < 1.0 ? 0.95 * length : 1.0;
     cones_.advance(step);
-    MVT::MvAddMv(1.0, *x_, step, *step_, *x_);
-    MVT::MvAddMv(1.0, *y_, step, *stepImage_, *y_);
+    MVT::MvAddMv(1.0, *point_.x, step, *step_.x, *point_.x);
+    MVT::MvAddMv(1.0, *point_.y, step, *step_.image, *point_.y);
     if (rows_.isPresent()) {
-      MVT::MvAddMv(1.0, *mu_, step, *muStep_, *mu_);
-      rows_.addTransposed(step, *muStep_, *y_);
+      MVT::MvAddMv(1.0, *point_.mu, step, *step_.mu, *point_.mu);
+      rows_.addTransposed(step, *step_.mu, *point_.y);
     }
     return true;
   }
 
   void findGradient() {
     ++counters_.hessianApplications;
-    Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), *x_, *y_);
-    MVT::MvAddMv(1.0, *y_, -1.0, *problem_.rhs(), *y_);
-    FaceOps<Scalar, MV>::addSprings(springs_, 1.0, *x_, true, *y_);
+    Belos::OperatorTraits<Scalar, MV, OP>::Apply(*problem_.hessian(), *point_.x, *point_.y);
+    MVT::MvAddMv(1.0, *point_.y, -1.0, *problem_.rhs(), *point_.y);
+    FaceOps<Scalar, MV>::addSprings(springs_, 1.0, *point_.x, true, *point_.y);
     if (rows_.isPresent())
-      rows_.addTransposed(1.0, *mu_, *y_);
+      rows_.addTransposed(1.0, *point_.mu, *point_.y);
   }
 
   double sumOf(void (Kernels::SecondOrderCones::*put)(double*) const) const {
@@ -168,7 +168,7 @@ class InteriorPath {
   double countCones() const { return std::max(1.0, sumOf(&Kernels::SecondOrderCones::putOnes)); }
 
   double dualResidual() const {
-    const Vector r = MVT::CloneCopy(*y_);
+    const Vector r = MVT::CloneCopy(*point_.y);
     onEntries([&](double* v) { cones_.subtractDual(v); }, *r);
     return norm<Scalar>(*r);
   }
@@ -176,9 +176,9 @@ class InteriorPath {
   void findRowResidual() {
     if (!rows_.isPresent())
       return;
-    e_ = rows_.makeVector();
-    rows_.apply(*x_, *e_);
-    MVT::MvAddMv(1.0, *e_, -1.0, rows_.values(), *e_);
+    step_.rows = rows_.makeVector();
+    rows_.apply(*point_.x, *step_.rows);
+    MVT::MvAddMv(1.0, *step_.rows, -1.0, rows_.values(), *step_.rows);
   }
 
   // y = Ap; the same with W⁻²p is returned.
@@ -202,46 +202,46 @@ class InteriorPath {
     const Vector weighted = MVT::CloneCopy(v), w = rows_.makeVector();
     weigh(*weighted);
     rows_.apply(*weighted, *w);
-    gram_->solve(*w);
+    step_.gram->solve(*w);
     return w;
   }
 
   bool findStep(double sigmaTau) {
     if (rows_.isPresent()) {
-      gram_ = rows_.gramWith([this](MV& v) { weigh(v); });
-      muStep_ = rows_.makeVector();
-      MVT::MvInit(*muStep_, 0.0);
+      step_.gram = rows_.gramWith([this](MV& v) { weigh(v); });
+      step_.mu = rows_.makeVector();
+      MVT::MvInit(*step_.mu, 0.0);
     }
-    step_ = like();
-    stepImage_ = like();
-    MVT::MvInit(*step_, 0.0);
-    MVT::MvInit(*stepImage_, 0.0);
+    step_.x = like();
+    step_.image = like();
+    MVT::MvInit(*step_.x, 0.0);
+    MVT::MvInit(*step_.image, 0.0);
     const Vector rho = like(), z = like(), p = like(), image = like();
-    MVT::MvAddMv(-1.0, *y_, 0.0, *y_, *rho);
+    MVT::MvAddMv(-1.0, *point_.y, 0.0, *point_.y, *rho);
     onEntries([&](double* r) { cones_.addCentring(sigmaTau, r); }, *rho);
-    if (rows_.isPresent() && norm<Scalar>(*e_) > 0.0) {
+    if (rows_.isPresent() && norm<Scalar>(*step_.rows) > 0.0) {
       const Vector w = rows_.makeVector();
-      MVT::Assign(*e_, *w);
-      gram_->solve(*w);
-      rows_.addTransposed(-1.0, *w, *step_);
-      weigh(*step_);
-      const Vector whole = imageOf(*step_, *problem_.hessian(), *stepImage_);
+      MVT::Assign(*step_.rows, *w);
+      step_.gram->solve(*w);
+      rows_.addTransposed(-1.0, *w, *step_.x);
+      weigh(*step_.x);
+      const Vector whole = imageOf(*step_.x, *problem_.hessian(), *step_.image);
       MVT::MvAddMv(1.0, *rho, -1.0, *whole, *rho);
     }
     const Vector before = like();
     MVT::MvAddMv(-1.0, *rho, 0.0, *rho, *rho);
     MVT::Assign(*rho, *before);
-    kept_.minimise(*step_, *rho);
+    kept_.minimise(*step_.x, *rho);
     MVT::MvAddMv(1.0, *rho, -1.0, *before, *before);
-    MVT::MvAddMv(1.0, *stepImage_, 1.0, *before, *stepImage_);
+    MVT::MvAddMv(1.0, *step_.image, 1.0, *before, *step_.image);
     MVT::MvAddMv(-1.0, *rho, 0.0, *rho, *rho);
     directions_.clear();
     double first = 0.0, last = 0.0;
-    for (int k = 0; steps_ < most_; ++k) {
+    for (int k = 0; effort_.steps < effort_.most; ++k) {
       if (rows_.isPresent()) {
         const Vector eta = rowPart(*rho);
         rows_.addTransposed(-1.0, *eta, *rho);
-        MVT::MvAddMv(1.0, *muStep_, 1.0, *eta, *muStep_);
+        MVT::MvAddMv(1.0, *step_.mu, 1.0, *eta, *step_.mu);
       }
       precondition(*rho, *z);
       const double now = dot<Scalar>(*rho, *z);
@@ -249,7 +249,7 @@ class InteriorPath {
         return false;
       if (k == 0)
         first = now;
-      if (!(now > accuracy_ * accuracy_ * first))
+      if (!(now > effort_.accuracy * effort_.accuracy * first))
         return true;
       MVT::MvAddMv(1.0, *z, k == 0 ? 0.0 : now / last, k == 0 ? *z : *p, *p);
       directions_.conjugate(*p);
@@ -257,14 +257,14 @@ class InteriorPath {
       const Teuchos::RCP<const OP> onKernel = problem_.hessianOnKernel();
       const Vector whole = imageOf(*p, onKernel.is_null() ? *problem_.hessian() : *onKernel, *image);
       const double curvature = dot<Scalar>(*p, *whole);
-      ++steps_;
+      ++effort_.steps;
       ++counters_.cgSteps;
       if (!(curvature > 0.0))
         return k > 0;
       const double length = dot<Scalar>(*rho, *p) / curvature;
       directions_.add(*p, *whole, curvature, length);
-      MVT::MvAddMv(1.0, *step_, length, *p, *step_);
-      MVT::MvAddMv(1.0, *stepImage_, length, *image, *stepImage_);
+      MVT::MvAddMv(1.0, *step_.x, length, *p, *step_.x);
+      MVT::MvAddMv(1.0, *step_.image, length, *image, *step_.image);
       MVT::MvAddMv(1.0, *rho, -length, *whole, *rho);
     }
     return false;
@@ -274,9 +274,9 @@ class InteriorPath {
   void keepOutliers(int taken) {
     constexpr int slow = 20;
     constexpr double outlying = 30.0;
-    if (taken < slow || kept_.size() >= mostKept_)
+    if (taken < slow || kept_.size() >= effort_.mostKept)
       return;
-    const Vector vectors = directions_.ritzVectors(mostKept_ - kept_.size(), outlying);
+    const Vector vectors = directions_.ritzVectors(effort_.mostKept - kept_.size(), outlying);
     if (!vectors.is_null())
       kept_.add(*vectors, counters_);
   }
@@ -301,29 +301,39 @@ class InteriorPath {
       return;
     const Vector w = rows_.makeVector(), part = like();
     rows_.apply(z, *w);
-    gram_->solve(*w);
+    step_.gram->solve(*w);
     MVT::MvInit(*part, 0.0);
     rows_.addTransposed(1.0, *w, *part);
     weigh(*part);
     MVT::MvAddMv(1.0, z, -1.0, *part, z);
   }
 
+  struct Point {
+    Vector x, y, mu;
+  };
+  struct Step {
+    Vector x, image, mu; // dx, A dx, δ
+    Vector rows;         // C̄x − c̄
+    Teuchos::RCP<const FaceGram<MV>> gram;
+  };
+  struct Effort {
+    int mostKept;
+    int steps = 0, most = 0;
+    double accuracy = 0.1; // of steps, in their energy
+  };
+
   const Problem<Scalar, MV, OP>& problem_;
   const EqualityRows<Scalar, MV, OP>& rows_;
   KeptDirections<Scalar, MV, OP>& kept_;
-  int mostKept_;
+  Effort effort_;
   ConjugateDirections<Scalar, MV> directions_;
   ActiveFace springs_;
   Counters& counters_;
   InFacePreconditioner<Scalar, MV, OP> preconditioner_;
-  Vector x_, y_, mu_;
+  Point point_;
   Kernels::SecondOrderCones cones_;
-  Teuchos::RCP<const FaceGram<MV>> gram_;
-  Vector step_, stepImage_, muStep_; // dx, A dx, δ
-  Vector e_;                         // C̄x − c̄
+  Step step_;
   double q_ = 1.0, count_ = 1.0;
-  double accuracy_ = 0.1; // of steps, in their energy
-  int steps_ = 0, most_ = 0;
 };
 
 } // namespace Harmos::qp

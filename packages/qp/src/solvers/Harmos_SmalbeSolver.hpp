@@ -69,6 +69,12 @@ class SmalbeSolver<Scalar, MV, OP>::Run {
       return true;
     }
   };
+  // Of the outer iteration before.
+  struct Previous {
+    double value = -std::numeric_limits<double>::infinity();
+    double residual = std::numeric_limits<double>::infinity();
+    int inner = -1;
+  };
   // What turns the parameters of the list into those of the problem.
   struct Scales {
     double norm = 1.0, gradient = 1.0, equality = 1.0;
@@ -99,10 +105,8 @@ class SmalbeSolver<Scalar, MV, OP>::Run {
   double precision_;                          // M
   double innerTolerance_, equalityTolerance_; // η of the rules
   IterationState<MV> state_;
-  double previousValue_ = -std::numeric_limits<double>::infinity();
-  double previousResidual_ = std::numeric_limits<double>::infinity();
+  Previous previous_;
   InfeasibilityWatch watch_;
-  int previousInner_ = -1;
   double stretch_ = 1.0; // of the multiplier's update
 };
 

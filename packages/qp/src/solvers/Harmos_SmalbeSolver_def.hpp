@@ -114,12 +114,12 @@ void SmalbeSolver<Scalar, MV, OP>::Run::exchange(StateArchive<MV>& archive) {
   archive.number("smalbe inner tolerance", innerTolerance_);
   archive.number("smalbe equality tolerance", equalityTolerance_);
   archive.number("smalbe largest penalty", largestPenalty_);
-  archive.number("smalbe previous value", previousValue_);
-  archive.number("smalbe previous residual", previousResidual_);
+  archive.number("smalbe previous value", previous_.value);
+  archive.number("smalbe previous residual", previous_.residual);
   archive.number("smalbe feasible", watch_.feasible);
   archive.number("smalbe slow", watch_.slow);
   archive.number("smalbe patience", watch_.patience);
-  archive.number("smalbe previous inner", previousInner_);
+  archive.number("smalbe previous inner", previous_.inner);
   archive.number("smalbe stretch", stretch_);
 }
 
@@ -156,10 +156,10 @@ bool SmalbeSolver<Scalar, MV, OP>::Run::isSpent() {
 // multiplier grows without end.
 template<class Scalar, class MV, class OP>
 bool SmalbeSolver<Scalar, MV, OP>::Run::isInfeasible() {
-  const bool isSlow = lagrangian_.residual() > 0.5 * previousResidual_;
+  const bool isSlow = lagrangian_.residual() > 0.5 * previous_.residual;
   if (watch_.suspects(isSlow) && solver_.stopIfInfeasible(rows_, mostProbeSteps, watch_.feasible))
     return true;
-  previousResidual_ = lagrangian_.residual();
+  previous_.residual = lagrangian_.residual();
   return false;
 }
 
@@ -183,9 +183,9 @@ void SmalbeSolver<Scalar, MV, OP>::Run::adaptPrecision() {
   const double rise = 0.5 * lagrangian_.penalty() * lagrangian_.residual() * lagrangian_.residual();
   // Below the rounding errors of the value the comparison means nothing.
   const double noise = 100.0 * std::numeric_limits<double>::epsilon() * std::abs(value);
-  if (rise > noise && value < previousValue_ + rise)
+  if (rise > noise && value < previous_.value + rise)
     precision_ *= list_.get<double>("Precision factor");
-  previousValue_ = value;
+  previous_.value = value;
 }
 
 // An iterate held by its bounds alone, which the new multiplier has left where it was, stays there until the
@@ -193,9 +193,9 @@ void SmalbeSolver<Scalar, MV, OP>::Run::adaptPrecision() {
 template<class Scalar, class MV, class OP>
 void SmalbeSolver<Scalar, MV, OP>::Run::updateMultiplier() {
   const bool held =
-      state_.inner == previousInner_ && state_.projectedGradient <= lagrangian_.attainableGradient();
+      state_.inner == previous_.inner && state_.projectedGradient <= lagrangian_.attainableGradient();
   stretch_ = held ? 2.0 * stretch_ : 1.0;
-  previousInner_ = state_.inner;
+  previous_.inner = state_.inner;
   lagrangian_.updateMultiplier(penalty_, stretch_);
   solver_.result_.counters.outerIterations = state_.outer + 1;
   state_ = lagrangian_.evaluate(state_.outer + 1, state_.inner);
