@@ -109,6 +109,36 @@ TEST(PairErrors, what_is_allowed) {
   EXPECT_NEAR(feti::allowedForceError(report, pair), 0.02 + 0.01, 1e-12);
 }
 
+// Tractions of a node: by the largest one of the pair, or by what forces are known to on the smallest area.
+TEST(PairErrors, what_is_allowed_at_a_node) {
+  run::RunReport report;
+  report.tolerance = 1e-4;
+  report.audit.forces = 100.0;
+  feti::PairError pair{{2.0, 0.0, 5.0, 0.3, 0.1}, "Contact/c"};
+  EXPECT_NEAR(feti::allowedTractionError(report, pair), 3.0 * 0.01 * 5.0, 1e-14);
+  EXPECT_NEAR(feti::forceExcess(report, pair), 2.0, 1e-14);
+  pair.error = 0.06; // of 0.02
+  EXPECT_NEAR(feti::forceExcess(report, pair), 3.0, 1e-14);
+  pair.traction = 1e-6;
+  EXPECT_NEAR(feti::allowedTractionError(report, pair), 0.01 * 1e-5 * 100.0 / 0.1, 1e-14);
+  report.pairErrors = {{{2.0, 0.0}, "Contact/no areas"}};
+  EXPECT_EQ(feti::forceExcess(report), 0.0);
+}
+
+// An answer that the solver came no further with: beyond what the estimate may be wrong by it is none.
+TEST(PairErrors, forces_that_are_wrong_beyond_doubt_are_told) {
+  run::RunReport report;
+  report.tolerance = 1e-4;
+  report.audit.forces = 100.0;
+  EXPECT_EQ(feti::wrongForcesText(report), "");
+  report.pairErrors = {{{1.0, 0.02}, "Contact/a"}, {{1.0, 0.039}, "Contact/b"}};
+  EXPECT_EQ(feti::wrongForcesText(report), "");
+  report.pairErrors[1].error = 0.041;
+  EXPECT_NE(feti::wrongForcesText(report).find("\"Contact/b\" have an estimated relative error of 4e-02"),
+            std::string::npos)
+      << feti::wrongForcesText(report);
+}
+
 TEST(PairErrors, doubtful_forces_are_named) {
   run::RunReport report;
   report.tolerance = 1e-6;

@@ -27,8 +27,8 @@ FIRST, SCENES = int(os.environ.get("HARMOS_FIRST_SCENE", "0")), int(os.environ.g
 # Solved to 1e-10; ten times that, and a factor of a thousand by which forces at single nodes are worse than the norm of
 # all: condition of local problems and constraints.
 ALLOWED = 1e-6
-# At the default tolerance forces of each effect are asked for to 1e-2 in the norm over its nodes, of which there are up
-# to 25: all of that may be at one of them, and its pressure is made of forces with weights up to two.
+# At the default tolerance the pressure of each node is asked for to 3e-2 of the largest; the estimate may be too small
+# by a factor of three.
 ALLOWED_PULLED = 1e-1
 # Of forces, at the default tolerance.
 ALLOWED_ROLLERS = 1e-3
@@ -61,6 +61,7 @@ def pressure_error(result):
 
 class Pressed:
     allowed = ALLOWED
+    also = ()  # seeds beside the first ones
 
     def scene(self, seed, directory):
         raise NotImplementedError
@@ -84,7 +85,7 @@ class Pressed:
 
     def test_scenes(self):
         worst, rejected = 0.0, 0
-        for seed in range(FIRST, FIRST + SCENES):
+        for seed in [*range(FIRST, FIRST + SCENES), *self.also]:
             directory = runs.scratch("pressed")
             directory.mkdir(parents=True, exist_ok=True)
             scene = self.scene(seed, directory)
@@ -117,6 +118,9 @@ class Slits(Pressed, unittest.TestCase):
 
 class Pulled(Pressed, unittest.TestCase):
     allowed = ALLOWED_PULLED
+    # The solver had stopped too soon for the forces of one interface; for the pressure of one node; after the first of
+    # two solves, in single precision.
+    also = (26, 99, 220, 445)
 
     def scene(self, seed, directory):
         return pressed_blocks.Pulled(seed)

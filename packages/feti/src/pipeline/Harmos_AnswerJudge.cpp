@@ -86,8 +86,8 @@ void AnswerJudge::measureErrors() {
   jumps.dot(forces, Teuchos::arrayViewFromVector(product));
   quality_.solverError = std::sqrt(std::max(product[0], 0.0));
   const std::vector<ForceError> errors =
-      forceErrors(*stages_.constraints, *torn_.multiplier, jumps, forces, criteria_.groupOf,
-                  static_cast<int>(quality_.pairErrors.size()));
+      forceErrors(*stages_.constraints, *torn_.multiplier, jumps, forces,
+                  {criteria_.groupOf, static_cast<int>(quality_.pairErrors.size()), criteria_.areaOf});
   for (std::size_t k = 0; k < errors.size(); ++k)
     static_cast<ForceError&>(quality_.pairErrors[k]) = errors[k];
 }
@@ -126,7 +126,7 @@ Verdict AnswerJudge::judge(const MultiVector& lambda, const std::vector<double>&
     next = improveForces(tolerance);
   if (next && *next < leastTolerance(precision_))
     return {};
-  return {next, isEnough};
+  return {next, isEnough && forceExcess(quality_) <= mostForceExcess};
 }
 
 // Forces of pairs that are measured by themselves.
@@ -134,13 +134,12 @@ std::optional<double> AnswerJudge::improveForces(double tolerance) {
   const double excess = forceExcess(quality_);
   if (!auditAgrees(quality_) || !(excess > 1.0))
     return std::nullopt;
-  const PairError* worst = nullptr;
-  for (const PairError& pair : quality_.pairErrors)
-    if (worst == nullptr ||
-        pair.error * allowedForceError(quality_, *worst) > worst->error * allowedForceError(quality_, pair))
-      worst = &pair;
+  const PairError* const worst = worstPair(quality_);
+  std::string tractions;
+  if (worst->traction > 0.0)
+    tractions = ", of its largest traction at one node " + scientific(worst->relativeTraction(), 1);
   log_.info("Estimated relative error of the forces of \"" + worst->path +
-            "\": " + scientific(worst->relative(), 1) + " (force " + scientific(worst->force) +
+            "\": " + scientific(worst->relative(), 1) + tractions + " (force " + scientific(worst->force) +
             ", all forces " + scientific(quality_.audit.forces) + "): continue with a smaller tolerance");
   // Errors fall about like residuals, and the estimate of a bad answer is bad itself.
   return tolerance * std::clamp(0.5 / excess, 0.01, 0.5);

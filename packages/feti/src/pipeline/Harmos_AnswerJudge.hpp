@@ -29,16 +29,19 @@ struct AnswerCriteria {
   bool estimatesErrors = true;
   std::vector<int> groupOf;        ///< of each row that this rank gave: place among `groups`; −1: none
   std::vector<std::string> groups; ///< names, the same on all ranks
+  /// Of each of those rows, for its traction; 0: it has none. Empty: tractions are not looked at.
+  std::vector<double> areaOf;
 };
 
 /// Looks from the primal side at answers that meet the solver's tolerance, and says whether to go on.
 ///
 /// Three reasons to go on. The audit contradicts the answer (auditAgrees()): residuals of the dual problem
 /// are no measure of the jumps of u where the condition of F is bad. The forces of a contact, an obstacle or
-/// a tie are wrong by more than allowedForceError(), by the estimate of forceErrors(): residuals are
-/// measured against the whole load, of which a small contact has a small share. An answer that the audit
-/// agrees with is taken all the same if the solver comes no further. And, by the tolerance rule "balanced",
-/// the solver's error is still more than its share of the discretisation error:
+/// a tie are wrong by more than allowedForceError(), by the estimate of forceErrors(), or its tractions by
+/// more than allowedTractionError(): residuals are measured against the whole load, of which a small contact
+/// has a small share. An answer that the audit agrees with is taken all the same if the solver comes no
+/// further, unless the excess is beyond mostForceExcess. And, by the tolerance rule "balanced", the solver's
+/// error is still more than its share of the discretisation error:
 ///
 ///  - the solver's error in the energy norm is at most ‖u − v‖, where u is in equilibrium with the
 ///  multipliers

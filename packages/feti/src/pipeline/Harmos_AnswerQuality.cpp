@@ -12,6 +12,17 @@ double balancedShare(const AnswerQuality& quality) {
   return std::min(quality.allowedError, 0.1);
 }
 
+// Forces below are taken for this.
+double leastForce(const AnswerQuality& quality) {
+  return 1e-5 * quality.audit.forces;
+}
+
+// As auditAgrees() has it for forces out of balance.
+double roundingOfForces(const AnswerQuality& quality) {
+  constexpr double rounding = 1e-13;
+  return rounding * quality.audit.displacementForce + quality.gapRounding * quality.audit.unitForce;
+}
+
 } // namespace
 
 double allowedShare(const AnswerQuality& quality) {
@@ -19,20 +30,47 @@ double allowedShare(const AnswerQuality& quality) {
 }
 
 double allowedForceError(const AnswerQuality& quality, const PairError& pair) {
-  constexpr double leastForce = 1e-5;
-  // As auditAgrees() has it for forces out of balance.
-  constexpr double rounding = 1e-13;
-  const KktAudit& audit = quality.audit;
-  return allowedShare(quality) * std::max(pair.force, leastForce * audit.forces) +
-         rounding * audit.displacementForce + quality.gapRounding * audit.unitForce;
+  return allowedShare(quality) * std::max(pair.force, leastForce(quality)) + roundingOfForces(quality);
+}
+
+double allowedTractionError(const AnswerQuality& quality, const PairError& pair) {
+  constexpr double ofOneNode = 3.0;
+  const double share = ofOneNode * allowedShare(quality);
+  return std::max(share * pair.traction,
+                  (allowedShare(quality) * leastForce(quality) + roundingOfForces(quality)) /
+                      pair.smallestArea);
+}
+
+double forceExcess(const AnswerQuality& quality, const PairError& pair) {
+  const double ofForces = pair.error > 0.0 ? pair.error / allowedForceError(quality, pair) : 0.0;
+  return pair.tractionError > 0.0
+             ? std::max(ofForces, pair.tractionError / allowedTractionError(quality, pair))
+             : ofForces;
 }
 
 double forceExcess(const AnswerQuality& quality) {
   double largest = 0.0;
   for (const PairError& pair : quality.pairErrors)
-    if (pair.error > 0.0)
-      largest = std::max(largest, pair.error / allowedForceError(quality, pair));
+    largest = std::max(largest, forceExcess(quality, pair));
   return largest;
+}
+
+const PairError* worstPair(const AnswerQuality& quality) {
+  const PairError* worst = nullptr;
+  for (const PairError& pair : quality.pairErrors)
+    if (worst == nullptr || forceExcess(quality, pair) > forceExcess(quality, *worst))
+      worst = &pair;
+  return worst;
+}
+
+std::string wrongForcesText(const AnswerQuality& quality) {
+  const PairError* const worst = worstPair(quality);
+  if (worst == nullptr || !(forceExcess(quality, *worst) > mostForceExcess))
+    return "";
+  return "the forces of \"" + worst->path + "\" have an estimated relative error of " +
+         scientific(worst->relative(), 0) + ", and the solver did not reach a smaller tolerance; they are " +
+         scientific(worst->force) + " where all forces of the scene are " + scientific(quality.audit.forces) +
+         ". Give \"Solver/Tolerance\" a smaller value, or look for parts that nothing holds";
 }
 
 std::string rowForceText(const AnswerQuality& quality) {

@@ -58,7 +58,24 @@ double allowedShare(const AnswerQuality& quality);
 /// of forces. Guarded by tests/unit/run/test_pair_errors.cpp.
 double allowedForceError(const AnswerQuality& quality, const PairError& pair);
 
-/// The largest error of a group's forces, as a multiple of what it may be.
+/// The same of tractions: ten times that share of the largest one of the group, as all of the error may be at
+/// one node out of a hundred.
+double allowedTractionError(const AnswerQuality& quality, const PairError& pair);
+
+/// The error of a group's forces, or of its tractions, as a multiple of what it may be: of the larger
+/// multiple.
+double forceExcess(const AnswerQuality& quality, const PairError& pair);
+/// The largest of all groups.
 double forceExcess(const AnswerQuality& quality);
+
+/// The group of the largest one; null without groups.
+const PairError* worstPair(const AnswerQuality& quality);
+
+/// What the estimate of errors may be too large by: an answer with a larger excess is none.
+constexpr double mostForceExcess = 4.0;
+
+/// Whose forces no smaller tolerance could be reached for, though their excess is larger; "" where there are
+/// none.
+std::string wrongForcesText(const AnswerQuality& quality);
 
 } // namespace Harmos::feti

@@ -80,6 +80,7 @@ void FetiSolver::changing(const std::function<void()>& change) {
     increments_->clear();
     criteria_.groupOf.clear();
     criteria_.groups.clear();
+    criteria_.areaOf.clear();
   };
   try {
     change();
@@ -99,6 +100,10 @@ void FetiSolver::judgeBy(AnswerCriteria criteria) {
     if (given != (groups > 0 ? rows : 0))
       throw InputError("each constraint row that this rank gave needs a group, or -1: " +
                        std::to_string(given) + " groups for " + std::to_string(rows) + " rows");
+    if (!criteria.areaOf.empty() && criteria.areaOf.size() != given)
+      throw InputError(
+          "each constraint row with a group needs an area, or 0: " + std::to_string(criteria.areaOf.size()) +
+          " areas for " + std::to_string(given) + " rows");
     for (int group : criteria.groupOf)
       if (group < -1 || group >= groups)
         throw InputError("group " + std::to_string(group) + " of a constraint row is none of 0 to " +

@@ -36,7 +36,7 @@ JudgedSolve::JudgedSolve(DualPipeline& pipeline, Stages stages, const SolverOpti
 }
 
 const DualSolution& JudgedSolve::go(const WarmStart* start, const Teuchos::RCP<DualMonitor>& monitor) {
-  solveOnce(start, monitor, 0.0);
+  solveOnce(start, monitor, {});
   if (roundingIsSeen_)
     solveInDoublePrecision(monitor);
   return solution_;
@@ -46,11 +46,12 @@ const DualSolution& JudgedSolve::go(const WarmStart* start, const Teuchos::RCP<D
 bool JudgedSolve::showsRounding(const Verdict& verdict) const {
   const double error = pipeline_.decided().inverses.productError;
   return (verdict.next && pipeline_.accuracy().roundedFactorizations > 0 && *verdict.next < 0.5 * error) ||
-         (!verdict.next && pipeline_.decided().isSingle() && !auditAgrees(quality_));
+         (!verdict.next && pipeline_.decided().isSingle() &&
+          (!auditAgrees(quality_) || forceExcess(quality_) > 1.0));
 }
 
 void JudgedSolve::solveOnce(const WarmStart* start, const Teuchos::RCP<DualMonitor>& monitor,
-                            double secondsSpent) {
+                            const qp::IterationRecord& spent) {
   roundingIsSeen_ = false;
   report_ = {};
   quality_.localDefect = pipeline_.accuracy().defect;
@@ -62,11 +63,12 @@ void JudgedSolve::solveOnce(const WarmStart* start, const Teuchos::RCP<DualMonit
     roundingIsSeen_ = showsRounding(verdict);
     return roundingIsSeen_ ? Verdict() : verdict;
   };
+  acceptance.iterationsBefore = spent.inner;
   acceptance.exchange = [&](qp::StateArchive<MultiVector>& archive) { judge_->exchange(archive); };
   SolverOptions options = options_;
   constexpr double leastSeconds = 1e-3; // 0 is no limit
   if (options.maximumSeconds > 0.0)
-    options.maximumSeconds = std::max(leastSeconds, options.maximumSeconds - secondsSpent);
+    options.maximumSeconds = std::max(leastSeconds, options.maximumSeconds - spent.seconds);
   {
     const auto scope = pipeline_.during(PipelineStage::Solve);
     solution_ = solveDualProblem(stages_, options, start, acceptance, log_, report_, monitor);
@@ -88,7 +90,7 @@ void JudgedSolve::solveInDoublePrecision(const Teuchos::RCP<DualMonitor>& monito
   stages_ = makeStages_();
   if (!monitor.is_null())
     monitor->goesOnAfter(first.lastRecord());
-  solveOnce(&start, monitor, first.lastRecord().seconds);
+  solveOnce(&start, monitor, first.lastRecord());
   report_.result.goesOnAfter(first);
 }
 
@@ -127,11 +129,16 @@ TornSolution JudgedSolve::recover() {
 }
 
 void JudgedSolve::conclude() {
-  if (!report_.converged || leavesJumps() || auditAgrees(quality_))
+  if (!report_.converged || leavesJumps())
+    return;
+  const std::string ofRows = rowForceText(quality_), ofGroups = wrongForcesText(quality_);
+  if (!auditAgrees(quality_))
+    report_.reason = ofRows.empty() ? contradiction : ofRows;
+  else if (!ofGroups.empty())
+    report_.reason = ofGroups;
+  else
     return;
   report_.converged = false;
-  const std::string ofRows = rowForceText(quality_);
-  report_.reason = ofRows.empty() ? contradiction : ofRows;
 }
 
 } // namespace Harmos::feti

@@ -45,7 +45,8 @@ class JudgedSolve {
   const DualStages& stages() const { return stages_; }
 
  private:
-  void solveOnce(const WarmStart* start, const Teuchos::RCP<DualMonitor>& monitor, double secondsSpent);
+  void solveOnce(const WarmStart* start, const Teuchos::RCP<DualMonitor>& monitor,
+                 const qp::IterationRecord& spent);
   void solveInDoublePrecision(const Teuchos::RCP<DualMonitor>& monitor);
   std::string escapingSubdomains() const;
   bool showsRounding(const Verdict& verdict) const;

@@ -109,6 +109,7 @@ class DualSolve {
   void makeSolver();
   Teuchos::RCP<Teuchos::ParameterList> parametersOf(const std::string& method) const;
   bool isAccepted();
+  void keep();
   void takeKept();
   void begin();
   void announce() const;
@@ -140,18 +141,19 @@ class DualSolve {
 // Whether it takes too long to improve an answer that is kept.
 class KeptIsEnough : public qp::StatusTestValue<MultiVector> {
  public:
-  KeptIsEnough(const Details::KeptAnswer& kept, int& inner)
+  KeptIsEnough(Details::KeptAnswer& kept, int& inner)
       : qp::StatusTestValue<MultiVector>("iterations left to improve a solution"),
         kept_(kept),
         inner_(inner) {}
   qp::Status checkStatus(const qp::IterationState<MultiVector>& state) override {
     inner_ = state.inner;
+    kept_.observe(state.inner, state.projectedGradient);
     return judge(kept_.isSpent(state.inner) ? 0.0 : 1.0, 0.0);
   }
   qp::Reason reason() const override { return qp::Reason::IterationLimit; }
 
  private:
-  const Details::KeptAnswer& kept_;
+  Details::KeptAnswer& kept_;
   int& inner_;
 };
 
@@ -382,11 +384,20 @@ bool DualSolve::isAccepted() {
   if (!verdict.next)
     return true;
   if (verdict.isEnough)
-    kept_.keep(*solution_.lambda, multiplier_, test_.gradient->value(),
-               test_.equality.is_null() ? 0.0 : test_.equality->value(), inner_);
+    keep();
   tolerance_ = *verdict.next;
   setTolerance();
   return false;
+}
+
+void DualSolve::keep() {
+  constexpr int few = 40;
+  // Rescues of a solver whose active sets recur may lead far away.
+  constexpr double rise = 30.0;
+  const int before = task_.acceptance.iterationsBefore + watch_.before().lastRecord().inner;
+  kept_.keep(*solution_.lambda, multiplier_, test_.gradient->value(),
+             test_.equality.is_null() ? 0.0 : test_.equality->value(), inner_,
+             {few + (before + inner_) / 2, rise});
 }
 
 void DualSolve::takeKept() {

@@ -40,6 +40,7 @@ struct Acceptance {
   std::function<Verdict(const MultiVector& lambda, const std::vector<double>& mu, double tolerance)> judge;
   /// What it knows, for checkpoints; or null.
   std::function<void(qp::StateArchive<MultiVector>& archive)> exchange;
+  int iterationsBefore = 0; ///< of a solve that this one goes on from
 };
 
 /// Hands the dual problem to the quadratic programming layer, with the solver, stopping rule and

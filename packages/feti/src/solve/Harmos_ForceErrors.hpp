@@ -11,8 +11,22 @@ namespace Harmos::feti {
 struct ForceError {
   double force = 0.0; ///< ‖λ‖ of the group's rows, physical
   double error = 0.0; ///< an estimate of ‖λ − λ*‖ of the same rows
+  // Of its rows with an area, a hundredth of the largest one at least; 0 where none has one.
+  double traction = 0.0;      ///< max |λ|/area
+  double tractionError = 0.0; ///< max |λ − λ*|/area, by the same estimate
+  double smallestArea = 0.0;
   /// error/force; 0 where there is no error, infinite where there are no forces.
   double relative() const;
+  /// tractionError/traction, likewise.
+  double relativeTraction() const;
+};
+
+/// Groups of the rows that this rank gave.
+struct RowGroups {
+  std::vector<int> of; ///< each row's, −1 for none
+  int count = 0;
+  /// Of each row, for its traction; 0: it has none. Empty: no row has one.
+  std::vector<double> areas;
 };
 
 /// By how much multipliers are wrong, group by group. The stopping rule measures the residual r = Bu − c of
@@ -26,12 +40,14 @@ struct ForceError {
 /// in cracks, punches, pins, Hertz' problems and composites, at tolerances of 1e-2 to 1e-6; 0.2 where faults
 /// are still to be found of which set of rows holds, and 12 to 27 times on a tie of meshes that do not match.
 ///
-/// @param jumps r, see keepErrors(). @param correction M⁻¹r. @param groupOf each given row of this rank, −1
-/// for none.
+/// Tractions are looked at by themselves: in the norm over all nodes those at corners, whose share of the
+/// area is small, hardly count.
+///
+/// @param jumps r, see keepErrors(). @param correction M⁻¹r.
 /// @return of each group, the same on all ranks. @note Collective.
 /// Guarded by tests/unit/feti/solve/test_force_errors.cpp.
 std::vector<ForceError> forceErrors(const Constraints& constraints, const MultiVector& multiplier,
                                     const MultiVector& jumps, const MultiVector& correction,
-                                    const std::vector<int>& groupOf, int groups);
+                                    const RowGroups& groups);
 
 } // namespace Harmos::feti

@@ -8,12 +8,21 @@
 namespace Harmos::feti::Details {
 
 void KeptAnswer::keep(const MultiVector& lambda, const Teuchos::RCP<const MultiVector>& mu, double gradient,
-                      double equality, int inner) {
-  constexpr int few = 20;
+                      double equality, int inner, const Patience& patience) {
   kept_ = {Teuchos::rcp(new MultiVector(lambda, Teuchos::Copy)),
            mu.is_null() ? Teuchos::null : Teuchos::rcp(new MultiVector(*mu, Teuchos::Copy)), gradient,
            equality};
-  most_ = inner + inner / 2 + few;
+  patience_ = patience;
+  least_ = {gradient, inner};
+  isAstray_ = false;
+}
+
+void KeptAnswer::observe(int inner, double gradient) {
+  if (!isThere())
+    return;
+  if (gradient < 0.5 * least_.gradient)
+    least_ = {gradient, inner};
+  isAstray_ = isAstray_ || gradient > patience_.rise * kept_->gradient;
 }
 
 bool KeptAnswer::replace(qp::Result& result, MultiVector& lambda, const Teuchos::RCP<MultiVector>& mu) const {
@@ -37,13 +46,17 @@ void KeptAnswer::exchange(qp::StateArchive<MultiVector>& archive, const MultiVec
     return;
   }
   if (!kept_)
-    keep(lambda, mu, 0.0, 0.0, 0);
+    keep(lambda, mu, 0.0, 0.0, 0, {});
   archive.vector("answer kept: lambda", *kept_->lambda);
   if (!kept_->mu.is_null())
     archive.rowVector("answer kept: mu", *kept_->mu);
   archive.number("answer kept: gradient", kept_->gradient);
   archive.number("answer kept: equality", kept_->equality);
-  archive.number("answer kept: iterations", most_);
+  archive.number("answer kept: patience", patience_.iterations);
+  archive.number("answer kept: rise", patience_.rise);
+  archive.number("answer kept: astray", isAstray_);
+  archive.number("answer kept: least gradient", least_.gradient);
+  archive.number("answer kept: iterations", least_.inner);
 }
 
 } // namespace Harmos::feti::Details

@@ -17,17 +17,29 @@ namespace Harmos::feti::Details {
 /// Guarded by tests/unit/feti/solve/test_kept_answer.cpp.
 class KeptAnswer {
  public:
+  /// With a solver that continues.
+  struct Patience {
+    int iterations; ///< without half of the least residual so far
+    double rise;    ///< of the residual, above that of what is kept
+  };
+
   bool isThere() const { return kept_.has_value(); }
   void forget() { kept_.reset(); }
 
   /// Copies. @param mu null without equality rows. @param gradient, equality its residuals. @param inner the
-  /// iterations that it took.
+  /// iterations after which it was found. @param patience see isSpent().
   void keep(const MultiVector& lambda, const Teuchos::RCP<const MultiVector>& mu, double gradient,
-            double equality, int inner);
+            double equality, int inner, const Patience& patience);
 
-  /// Whether going on has taken half as many iterations again, and a few: where Coulomb's friction holds
-  /// bodies by little, active sets may wander below a tolerance that they have met.
-  bool isSpent(int inner) const { return isThere() && inner > most_; }
+  /// Of the solver that continues. @param gradient its residual after so many iterations.
+  void observe(int inner, double gradient);
+
+  /// Whether the patience has come to its end: where Coulomb's friction holds bodies
+  /// by little, active sets may wander below a tolerance that they have met. Not a limit of the iterations in
+  /// all: what a residual first falls by says little of what follows.
+  bool isSpent(int inner) const {
+    return isThere() && (inner > least_.inner + patience_.iterations || isAstray_);
+  }
 
   /// Puts the answer in the place of one that has not converged, and its residuals with the result; unless
   /// there is none, or the solver is to go on in another run. @return whether it did.
@@ -42,8 +54,14 @@ class KeptAnswer {
     Teuchos::RCP<MultiVector> lambda, mu;
     double gradient, equality;
   };
+  struct Least { // residual that counts as progress
+    double gradient;
+    int inner;
+  };
   std::optional<Kept> kept_;
-  int most_ = 0; // iterations
+  Least least_{};
+  Patience patience_{};
+  bool isAstray_ = false;
 };
 
 } // namespace Harmos::feti::Details

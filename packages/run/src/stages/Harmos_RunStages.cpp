@@ -375,8 +375,10 @@ void addGroups(const Teuchos::Comm<int>& comm, const scene::Scene& scene, const 
       groupOf[k] = static_cast<int>(criteria.groups.size());
       criteria.groups.push_back(paths[k]);
     }
-  for (const scene::ContactSetup::Origin& origin : contact.origins)
+  for (const scene::ContactSetup::Origin& origin : contact.origins) {
     criteria.groupOf.push_back(groupOf[places.at(origin.effect)]);
+    criteria.areaOf.push_back(origin.area);
+  }
 }
 
 } // namespace

@@ -369,7 +369,7 @@ void ConstraintCollector::addContactRows(ContactSetup& setup, double extent) {
     costs_.addRows(effect.kind(), 1);
     costs_.addBytes(effect.kind(), bytesOf(setup.rows[k]));
     setup.origins.push_back(
-        {&effect, points[k].position, isScalar ? directionOf(scene_, 0) : points[k].normal});
+        {&effect, points[k].position, isScalar ? directionOf(scene_, 0) : points[k].normal, points[k].area});
   }
 }
 
@@ -494,7 +494,8 @@ void ConstraintCollector::addSlipRows(ContactSetup& setup, double extent) {
       costs_.addBytes(kind, bytesOf(rows[row]));
       setup.rows.push_back(rows[row++]);
       const std::size_t point = setup.slips[s].point;
-      setup.origins.push_back({setup.effects[point], points[point].position, tangent, true});
+      setup.origins.push_back(
+          {setup.effects[point], points[point].position, tangent, points[point].area, true});
     }
 }
 
@@ -546,7 +547,7 @@ void ConstraintCollector::addTieRows(ContactSetup& setup) {
       setup.rows.push_back(contact::tieRow(points[k], component, components, number++));
       costs_.addRows(effect.kind(), 1);
       costs_.addBytes(effect.kind(), bytesOf(setup.rows.back()));
-      setup.origins.push_back({&effect, points[k].position, directionOf(scene_, component)});
+      setup.origins.push_back({&effect, points[k].position, directionOf(scene_, component), points[k].area});
     }
   }
 }

@@ -27,6 +27,7 @@ struct ContactSetup {
   struct Origin {
     const Effect* effect;
     fem::Point position, direction;
+    double area;               ///< tributary, of its point
     bool isTangential = false; ///< of friction or adhesion, which act on that effect
   };
   /// A point that adhesion binds by springs.

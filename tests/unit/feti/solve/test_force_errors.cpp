@@ -40,7 +40,7 @@ struct Estimator {
   }
 
   // @param factor of M⁻¹r. @param group of all rows.
-  Estimate of(const TornSolution& torn, double factor = 1.0, int group = 0) const {
+  Estimate of(const TornSolution& torn, double factor = 1.0, int group = 0, double area = 0.0) const {
     MultiVector jumps(feti.constraints.rowMap(), 1), correction(feti.constraints.rowMap(), 1);
     feti.constraints.residual(torn.displacement, *torn.multiplier, jumps);
     keepErrors(feti.constraints, *torn.multiplier, jumps);
@@ -48,8 +48,9 @@ struct Estimator {
     correction.scale(factor);
     Estimate result;
     result.forces = feti.constraints.givenMultipliers(*torn.multiplier);
-    result.errors = forceErrors(feti.constraints, *torn.multiplier, jumps, correction,
-                                std::vector<int>(result.forces.size(), group), 2);
+    result.errors = forceErrors(
+        feti.constraints, *torn.multiplier, jumps, correction,
+        {std::vector<int>(result.forces.size(), group), 2, std::vector<double>(result.forces.size(), area)});
     return result;
   }
 };
@@ -95,6 +96,30 @@ TEST(ForceErrors, contacts_lose_no_more_than_they_have) {
   EXPECT_GT(std::max(lost.error, gained.error), lost.force);
   const ForceError plain = estimator.of(torn).errors[0];
   EXPECT_LT(std::min(lost.error, gained.error), 0.9e6 * plain.error);
+}
+
+// Of rows with an area, in another norm.
+TEST(ForceErrors, tractions_are_looked_at_by_themselves) {
+  const TestFeti feti(testModel(2, 4), DirichletForm::Primal);
+  const Estimator estimator(feti);
+  const TornSolution torn = estimator.solution(1e-3);
+  const ForceError none = estimator.of(torn).errors[0];
+  EXPECT_EQ(none.traction, 0.0);
+  EXPECT_EQ(none.tractionError, 0.0);
+  EXPECT_EQ(none.relativeTraction(), 0.0);
+  const double area = 0.25;
+  const Estimate estimate = estimator.of(torn, 1.0, 0, area);
+  double largest = 0.0;
+  for (const double force : estimate.forces)
+    largest = std::max(largest, std::abs(force));
+  const ForceError& error = estimate.errors[0];
+  EXPECT_DOUBLE_EQ(error.traction, globalMax(*testComm(), largest) / area);
+  EXPECT_DOUBLE_EQ(error.smallestArea, area);
+  EXPECT_EQ(error.error, none.error);
+  // The largest of n numbers against their Euclidean norm.
+  const double rows = globalSum(*testComm(), static_cast<double>(estimate.forces.size()));
+  EXPECT_LE(error.tractionError * area, error.error);
+  EXPECT_GE(error.tractionError * area * std::sqrt(rows), error.error);
 }
 
 TEST(ForceErrors, rows_of_no_group_do_not_count) {

@@ -47,7 +47,7 @@ TEST(KeptAnswer, takes_the_place_of_what_came_no_further) {
        {qp::Reason::Stagnation, qp::Reason::IterationLimit, qp::Reason::TimeLimit, qp::Reason::Breakdown}) {
     const auto lambda = vectorOf(1.0), mu = vectorOf(2.0);
     feti::Details::KeptAnswer kept;
-    kept.keep(*lambda, mu, 0.5, 0.25, 30);
+    kept.keep(*lambda, mu, 0.5, 0.25, 30, {55, 20.0});
     lambda->putScalar(5.0);
     mu->putScalar(6.0);
     qp::Result result = ended(reason);
@@ -64,7 +64,7 @@ TEST(KeptAnswer, leaves_a_better_one_and_a_run_that_is_to_go_on) {
   for (const qp::Reason reason : {qp::Reason::Converged, qp::Reason::Interrupted}) {
     const auto lambda = vectorOf(1.0);
     feti::Details::KeptAnswer kept;
-    kept.keep(*lambda, Teuchos::null, 0.5, 0.0, 30);
+    kept.keep(*lambda, Teuchos::null, 0.5, 0.0, 30, {55, 20.0});
     lambda->putScalar(5.0);
     qp::Result result = ended(reason);
     EXPECT_FALSE(kept.replace(result, *lambda, Teuchos::null));
@@ -73,7 +73,7 @@ TEST(KeptAnswer, leaves_a_better_one_and_a_run_that_is_to_go_on) {
   }
   const auto lambda = vectorOf(5.0);
   feti::Details::KeptAnswer none;
-  none.keep(*lambda, Teuchos::null, 0.5, 0.0, 30);
+  none.keep(*lambda, Teuchos::null, 0.5, 0.0, 30, {55, 20.0});
   none.forget();
   qp::Result result = ended(qp::Reason::Stagnation);
   EXPECT_FALSE(none.replace(result, *lambda, Teuchos::null));
@@ -84,11 +84,22 @@ TEST(KeptAnswer, leaves_a_better_one_and_a_run_that_is_to_go_on) {
 TEST(KeptAnswer, is_spent) {
   feti::Details::KeptAnswer kept;
   EXPECT_FALSE(kept.isSpent(1000));
-  kept.keep(*vectorOf(1.0), Teuchos::null, 0.5, 0.0, 40);
-  EXPECT_FALSE(kept.isSpent(80));
-  EXPECT_TRUE(kept.isSpent(81));
+  kept.keep(*vectorOf(1.0), Teuchos::null, 0.5, 0.0, 40, {60, 20.0});
+  EXPECT_FALSE(kept.isSpent(100));
+  EXPECT_TRUE(kept.isSpent(101));
+  kept.observe(60, 0.26); // no half of it
+  EXPECT_TRUE(kept.isSpent(101));
+  kept.observe(70, 0.24);
+  EXPECT_FALSE(kept.isSpent(130));
+  EXPECT_TRUE(kept.isSpent(131));
+  kept.observe(71, 9.9);
+  EXPECT_FALSE(kept.isSpent(72));
+  kept.observe(72, 10.1); // more than twenty times what is kept
+  kept.observe(73, 0.2);
+  EXPECT_TRUE(kept.isSpent(73));
   kept.forget();
-  EXPECT_FALSE(kept.isSpent(81));
+  kept.observe(120, 0.1);
+  EXPECT_FALSE(kept.isSpent(1000));
 }
 
 // It is part of what a checkpoint knows.
@@ -97,17 +108,19 @@ TEST(KeptAnswer, goes_through_an_archive) {
   for (const bool isThere : {false, true}) {
     feti::Details::KeptAnswer kept;
     if (isThere)
-      kept.keep(*lambda, mu, 0.5, 0.25, 30);
+      kept.keep(*lambda, mu, 0.5, 0.25, 30, {55, 20.0});
+    kept.observe(40, 0.2);
     MemoryState<MultiVector> state;
     MemoryArchive<MultiVector> writer(state, false), reader(state, true);
     kept.exchange(writer, *lambda, mu);
     feti::Details::KeptAnswer read;
-    read.keep(*vectorOf(3.0), vectorOf(3.0), 3.0, 3.0, 3); // what it knew before is no more
+    read.keep(*vectorOf(3.0), vectorOf(3.0), 3.0, 3.0, 3, {1, 1.0}); // what it knew before is no more
     const auto x = vectorOf(5.0), y = vectorOf(6.0);
     read.exchange(reader, *x, y);
     EXPECT_EQ(read.isThere(), isThere);
-    EXPECT_FALSE(read.isSpent(65));
-    EXPECT_EQ(read.isSpent(66), isThere);
+    read.observe(45, 0.15);
+    EXPECT_FALSE(read.isSpent(95));
+    EXPECT_EQ(read.isSpent(96), isThere);
     qp::Result result = ended(qp::Reason::Stagnation);
     EXPECT_EQ(read.replace(result, *x, y), isThere);
     EXPECT_EQ(firstOf(*x), isThere ? 1.0 : 5.0);
