@@ -109,7 +109,8 @@ TEST(PairErrors, what_is_allowed) {
   EXPECT_NEAR(feti::allowedForceError(report, pair), 0.02 + 0.01, 1e-12);
 }
 
-// Tractions of a node: by the largest one of the pair, or by what forces are known to on the smallest area.
+// Tractions of a node: by the largest one of the pair, and what rounding errors of forces make on the
+// smallest area.
 TEST(PairErrors, what_is_allowed_at_a_node) {
   run::RunReport report;
   report.tolerance = 1e-4;
@@ -119,8 +120,13 @@ TEST(PairErrors, what_is_allowed_at_a_node) {
   EXPECT_NEAR(feti::forceExcess(report, pair), 2.0, 1e-14);
   pair.error = 0.06; // of 0.02
   EXPECT_NEAR(feti::forceExcess(report, pair), 3.0, 1e-14);
-  pair.traction = 1e-6;
-  EXPECT_NEAR(feti::allowedTractionError(report, pair), 0.01 * 1e-5 * 100.0 / 0.1, 1e-14);
+  pair.force = 1e-5; // a hundredth of what counts
+  EXPECT_NEAR(feti::allowedTractionError(report, pair), 100.0 * 3.0 * 0.01 * 5.0, 1e-12);
+  pair.force = 0.0;
+  EXPECT_NEAR(feti::allowedTractionError(report, pair), 3.0 * 0.01 * 1e-5 * 100.0 / 0.1, 1e-14);
+  report.audit.displacementForce = 1e10;
+  EXPECT_NEAR(feti::allowedTractionError(report, pair), 3e-4 + 1e-3 / 0.1, 1e-12);
+  report.audit.displacementForce = 0.0;
   report.pairErrors = {{{2.0, 0.0}, "Contact/no areas"}};
   EXPECT_EQ(feti::forceExcess(report), 0.0);
 }

@@ -35,10 +35,10 @@ double allowedForceError(const AnswerQuality& quality, const PairError& pair) {
 
 double allowedTractionError(const AnswerQuality& quality, const PairError& pair) {
   constexpr double ofOneNode = 3.0;
-  const double share = ofOneNode * allowedShare(quality);
-  return std::max(share * pair.traction,
-                  (allowedShare(quality) * leastForce(quality) + roundingOfForces(quality)) /
-                      pair.smallestArea);
+  const double share = allowedShare(quality), least = leastForce(quality);
+  const double traction =
+      pair.force > 0.0 ? pair.traction * std::max(1.0, least / pair.force) : least / pair.smallestArea;
+  return ofOneNode * share * traction + roundingOfForces(quality) / pair.smallestArea;
 }
 
 double forceExcess(const AnswerQuality& quality, const PairError& pair) {

@@ -58,8 +58,7 @@ double allowedShare(const AnswerQuality& quality);
 /// of forces. Guarded by tests/unit/run/test_pair_errors.cpp.
 double allowedForceError(const AnswerQuality& quality, const PairError& pair);
 
-/// The same of tractions: ten times that share of the largest one of the group, as all of the error may be at
-/// one node out of a hundred.
+/// The same of tractions: three times that share of the largest one of the group.
 double allowedTractionError(const AnswerQuality& quality, const PairError& pair);
 
 /// The error of a group's forces, or of its tractions, as a multiple of what it may be: of the larger

@@ -391,13 +391,13 @@ bool DualSolve::isAccepted() {
 }
 
 void DualSolve::keep() {
-  constexpr int few = 40;
+  constexpr int few = 20;
   // Rescues of a solver whose active sets recur may lead far away.
   constexpr double rise = 30.0;
   const int before = task_.acceptance.iterationsBefore + watch_.before().lastRecord().inner;
   kept_.keep(*solution_.lambda, multiplier_, test_.gradient->value(),
              test_.equality.is_null() ? 0.0 : test_.equality->value(), inner_,
-             {few + (before + inner_) / 2, rise});
+             {std::max(few, (before + inner_) / 2), rise});
 }
 
 void DualSolve::takeKept() {

@@ -69,10 +69,10 @@ std::vector<double> largest(const Teuchos::Comm<int>& comm, const RowGroups& gro
 }
 
 // Nodes at the ends of surfaces that cover a sliver of their facets have hardly an area: their tractions are
-// no one's.
+// no one's. Of a ball on a block they would ask for a quarter more applications.
 void addTractions(const Teuchos::Comm<int>& comm, const RowGroups& groups, const std::vector<double>& forces,
                   const std::vector<double>& errors, std::vector<ForceError>& result) {
-  constexpr double sliver = 0.01;
+  constexpr double sliver = 0.1;
   const std::vector<double> areas = largest(comm, groups, [&](std::size_t k) { return groups.areas[k]; });
   const auto byArea = [&](double value, std::size_t k) {
     const double area = groups.areas[k];

@@ -11,7 +11,7 @@ namespace Harmos::feti {
 struct ForceError {
   double force = 0.0; ///< ‖λ‖ of the group's rows, physical
   double error = 0.0; ///< an estimate of ‖λ − λ*‖ of the same rows
-  // Of its rows with an area, a hundredth of the largest one at least; 0 where none has one.
+  // Of its rows with an area, a tenth of the largest one at least; 0 where none has one.
   double traction = 0.0;      ///< max |λ|/area
   double tractionError = 0.0; ///< max |λ − λ*|/area, by the same estimate
   double smallestArea = 0.0;
