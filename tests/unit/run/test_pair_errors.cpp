@@ -140,7 +140,12 @@ TEST(PairErrors, forces_that_are_wrong_beyond_doubt_are_told) {
   report.pairErrors = {{{1.0, 0.02}, "Contact/a"}, {{1.0, 0.039}, "Contact/b"}};
   EXPECT_EQ(feti::wrongForcesText(report), "");
   report.pairErrors[1].error = 0.041;
-  EXPECT_NE(feti::wrongForcesText(report).find("\"Contact/b\" have an estimated relative error of 4e-02"),
+  EXPECT_NE(feti::wrongForcesText(report).find("\"Contact/b\" have an estimated relative error of 4.1e-02"),
+            std::string::npos)
+      << feti::wrongForcesText(report);
+  // Of one node alone.
+  report.pairErrors = {{{1.0, 1e-3, 2.0, 0.5, 0.1}, "Contact/c"}};
+  EXPECT_NE(feti::wrongForcesText(report).find("1.0e-03, of its largest traction at one node 2.5e-01, and"),
             std::string::npos)
       << feti::wrongForcesText(report);
 }

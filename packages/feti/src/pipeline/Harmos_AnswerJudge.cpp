@@ -135,12 +135,9 @@ std::optional<double> AnswerJudge::improveForces(double tolerance) {
   if (!auditAgrees(quality_) || !(excess > 1.0))
     return std::nullopt;
   const PairError* const worst = worstPair(quality_);
-  std::string tractions;
-  if (worst->traction > 0.0)
-    tractions = ", of its largest traction at one node " + scientific(worst->relativeTraction(), 1);
-  log_.info("Estimated relative error of the forces of \"" + worst->path +
-            "\": " + scientific(worst->relative(), 1) + tractions + " (force " + scientific(worst->force) +
-            ", all forces " + scientific(quality_.audit.forces) + "): continue with a smaller tolerance");
+  log_.info("Estimated relative error of the forces of \"" + worst->path + "\": " + forceErrorText(*worst) +
+            " (force " + scientific(worst->force) + ", all forces " + scientific(quality_.audit.forces) +
+            "): continue with a smaller tolerance");
   // Errors fall about like residuals, and the estimate of a bad answer is bad itself.
   return tolerance * std::clamp(0.5 / excess, 0.01, 0.5);
 }

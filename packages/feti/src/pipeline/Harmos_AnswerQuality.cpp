@@ -63,12 +63,18 @@ const PairError* worstPair(const AnswerQuality& quality) {
   return worst;
 }
 
+std::string forceErrorText(const PairError& pair) {
+  return scientific(pair.relative(), 1) + (pair.traction > 0.0 ? ", of its largest traction at one node " +
+                                                                     scientific(pair.relativeTraction(), 1)
+                                                               : "");
+}
+
 std::string wrongForcesText(const AnswerQuality& quality) {
   const PairError* const worst = worstPair(quality);
   if (worst == nullptr || !(forceExcess(quality, *worst) > mostForceExcess))
     return "";
   return "the forces of \"" + worst->path + "\" have an estimated relative error of " +
-         scientific(worst->relative(), 0) + ", and the solver did not reach a smaller tolerance; they are " +
+         forceErrorText(*worst) + ", and the solver did not reach a smaller tolerance; they are " +
          scientific(worst->force) + " where all forces of the scene are " + scientific(quality.audit.forces) +
          ". Give \"Solver/Tolerance\" a smaller value, or look for parts that nothing holds";
 }

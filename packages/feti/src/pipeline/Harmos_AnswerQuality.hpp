@@ -73,6 +73,9 @@ const PairError* worstPair(const AnswerQuality& quality);
 /// What the estimate of errors may be too large by: an answer with a larger excess is none.
 constexpr double mostForceExcess = 4.0;
 
+/// "1.9e-01, of its largest traction at one node 9.8e-01": relative errors of a pair.
+std::string forceErrorText(const PairError& pair);
+
 /// Whose forces no smaller tolerance could be reached for, though their excess is larger; "" where there are
 /// none.
 std::string wrongForcesText(const AnswerQuality& quality);

@@ -316,7 +316,7 @@ void PdasSolver<Scalar, MV, OP>::Run::update() {
     // By far less than what an inexact solution leaves open nothing is decided: where symmetry makes forces
     // zero it would be by the order of sums. Composite of 6 × 6 fibres, μ = 1, on five kinds of kernels: 64
     // applications each, and 123 on two of them without; 224 scenes with friction: 223 converge, 222 without.
-    // A third of it changes nothing (123, 222), three times as much loses three scenes.
+    // With discs included, a third of it changes nothing (123, 222), three times as much loses three scenes.
     constexpr double undecided = 1e-4;
     const double noise = undecided * solver.slipping().residual;
     how.xNoise = std::max(how.xNoise, how.stepLength * noise);
