@@ -60,6 +60,9 @@ FAULTS = (
         "sign of a contact row", "packages/contact/src/Harmos_ContactRows.cpp",
         "row.terms.push_back({term.node * components + c, term.weight * along});",
         "row.terms.push_back({term.node * components + c, -term.weight * along});", CONTACT),
+    fault(
+        "weights of both signs hold a prescribed edge", "packages/contact/src/Harmos_ContactRows.cpp",
+        "row.follows += term.weight;", "row.follows += std::abs(term.weight);", ("unit_contact",)),
     Fault(
         "a dropped gluing row where four subdomains meet",
         "packages/feti/src/torn/Harmos_BuiltRows.cpp",

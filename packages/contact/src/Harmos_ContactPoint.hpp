@@ -217,9 +217,10 @@ std::vector<ConstraintRow> slipRows(const std::vector<ContactPoint>& points,
                                     const std::vector<SlipPoint>& slips, int components, double extent);
 
 /// The components c of a point for which a tie has a row w_c = 0.
-/// @param held dofs with prescribed values, and these. A row whose own dof is held, and at most half of the
-///        weight of whose counterparts is not, is left out: both surfaces end there on a held boundary, and
-///        what the row has beside them, the small weights of nodes further inside, would hold those too.
+/// @param held dofs with prescribed values, and these. A row whose own dof is held is left out if the weights
+///        of its dofs that are not sum up to at most a half: both surfaces end there on a held boundary, and
+///        what the row has beside them, the small weights of nodes further inside, would hold those too, with
+///        a force that nothing determines.
 /// @throws InputError if a row that is left out has prescribed values alone and they differ, naming the node.
 ///         Local.
 std::vector<int> tiedComponents(const ContactPoint& point, int components, const HeldDofs& held = {});

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace Harmos::contact {
 namespace {
@@ -28,48 +29,69 @@ void addTerms(const ContactPoint& point, const fem::Point& direction, int compon
 // Gaps are differences of coordinates; some thousand times their rounding errors.
 constexpr double roundingOfExtent = 1e-12;
 
-bool isHeldOnBothSides(const ContactPoint& point, int components, int component, const HeldDofs& held) {
+// A row whose own dof is held compares prescribed values if at most this of its counterparts' weight is free;
+// a half, as opposite to the middle of an edge with one end held, is among it.
+constexpr double mostFree = 0.5 + 1e-9;
+
+// What the prescribed values of one component make of a point's row.
+struct HeldRow {
+  // Σ weights of what is free, with their signs: how far the row follows if all that moves on. A sum of
+  // magnitudes would count what mortar coupling of second order, or next to nodes that another effect holds,
+  // has of nodes further inside, in weights of both signs: such a row says nothing of the dof it stands for,
+  // and the force that it is given is arbitrary.
+  double follows = 0.0;
+  double freeWeight = 0.0; // Σ their magnitudes
+  double difference = 0.0; // Σ weight · prescribed value
+  double size = 0.0;       // largest of these values, and of its own
+  bool areEqual = true;    // these values
+  bool isAlone = true;     // no node but its own
+  bool anyCounterpart = false;
+};
+
+// None if the point's own dof is free.
+std::optional<HeldRow> heldRow(const ContactPoint& point, int components, int component,
+                               const HeldDofs& held) {
   const auto own = held.find(point.node * components + component);
   if (own == held.end())
-    return false;
-  double freeWeight = 0.0, difference = 0.0, size = std::abs(own->second);
-  bool anyHeld = false;
+    return std::nullopt;
+  HeldRow row;
+  row.size = std::abs(own->second);
   for (const ContactPoint::Term& term : point.terms) {
+    row.isAlone = row.isAlone && term.node == point.node;
     const auto value = held.find(term.node * components + component);
     if (value == held.end()) {
-      freeWeight += std::abs(term.weight);
+      row.follows += term.weight;
+      row.freeWeight += std::abs(term.weight);
       continue;
     }
-    anyHeld = anyHeld || term.node != point.node;
-    difference += term.weight * value->second;
-    size = std::max(size, std::abs(value->second));
+    row.anyCounterpart = row.anyCounterpart || term.node != point.node;
+    row.areEqual = row.areEqual && value->second == own->second;
+    row.difference += term.weight * value->second;
+    row.size = std::max(row.size, std::abs(value->second));
   }
+  return row;
+}
+
+bool isHeldOnBothSides(const ContactPoint& point, int components, int component, const HeldDofs& held) {
+  const std::optional<HeldRow> row = heldRow(point, components, component, held);
+  if (!row)
+    return false;
   constexpr double rounding = 1e-9;
-  if (anyHeld && freeWeight <= rounding && std::abs(difference) > rounding * size)
+  if (row->anyCounterpart && row->freeWeight <= rounding && std::abs(row->difference) > rounding * row->size)
     throw InputError("a tie contradicts prescribed displacements: both sides are fixed at node " +
                          std::to_string(point.node) + ", to values that differ by " +
-                         scientific(std::abs(difference)) + " in component " + std::to_string(component) +
-                         "; prescribe equal values or release one side there",
+                         scientific(std::abs(row->difference)) + " in component " +
+                         std::to_string(component) + "; prescribe equal values or release one side there",
                      {{"node", std::to_string(point.node)}});
-  return anyHeld && freeWeight <= 0.5;
+  return row->anyCounterpart && std::abs(row->follows) <= mostFree;
 }
 
 // The same, and by one value; on an obstacle by none.
 bool isHeldAlike(const ContactPoint& point, int components, int component, const HeldDofs& held) {
-  const auto own = held.find(point.node * components + component);
-  if (own == held.end())
+  const std::optional<HeldRow> row = heldRow(point, components, component, held);
+  if (!row)
     return false;
-  double freeWeight = 0.0;
-  bool isAlone = true;
-  for (const ContactPoint::Term& term : point.terms) {
-    isAlone = isAlone && term.node == point.node;
-    const auto value = held.find(term.node * components + component);
-    if (value == held.end())
-      freeWeight += std::abs(term.weight);
-    else if (value->second != own->second)
-      return false;
-  }
-  return isAlone ? own->second == 0.0 : freeWeight <= 0.5;
+  return row->isAlone ? row->size == 0.0 : row->areEqual && std::abs(row->follows) <= mostFree;
 }
 
 // Tangents at a point, in the plane one.

@@ -86,6 +86,25 @@ TEST(ContactRows, ties_have_a_row_for_each_component) {
   }
 }
 
+// At an edge whose nodes 7, 20 and 21 are held, mortar coupling of second order beside nodes of another
+// effect has terms of nodes further inside, of both signs: more than the weight one, but nothing in sum.
+const std::vector<ContactPoint::Term> heldByWeightsOfBothSigns = {
+    {7, 1.0}, {20, -0.4}, {21, -0.6}, {30, 0.4}, {31, -0.35}, {40, -0.3}, {41, 0.25}};
+
+TEST(ContactRows, ties_leave_out_what_compares_prescribed_values) {
+  ContactPoint point = pointWith({0.0, 0.0, 1.0});
+  point.terms = heldByWeightsOfBothSigns;
+  const auto y = [](long long node) { return 3 * node + 1; };
+  EXPECT_EQ(tiedComponents(point, 3, {{y(7), 0.0}, {y(20), 0.0}, {y(21), 0.0}}), (std::vector<int>{0, 2}));
+  EXPECT_EQ(tiedComponents(point, 3, {{y(20), 0.0}, {y(21), 0.0}}), (std::vector<int>{0, 1, 2}));
+  EXPECT_EQ(tiedComponents(point, 3, {{y(7), 0.0}}), (std::vector<int>{0, 1, 2}))
+      << "one side follows the other";
+  // The middle of an edge with one end held.
+  point.terms = {{7, 1.0}, {20, -0.5}, {21, -0.5}};
+  EXPECT_EQ(tiedComponents(point, 3, {{y(7), 0.0}, {y(20), 0.0}}), (std::vector<int>{0, 2}));
+  EXPECT_THROW(tiedComponents(point, 3, {{y(7), 0.0}, {y(20), 1.0}, {y(21), 0.0}}), InputError);
+}
+
 // Orthonormal to the normal and each other, whichever way that looks.
 TEST(ContactRows, tangents) {
   for (const fem::Point& n :
@@ -112,7 +131,7 @@ TEST(ContactRows, tangents) {
 TEST(ContactRows, nothing_slips_across_a_plane_of_symmetry) {
   const fem::Point n = {0.6, 0.0, -0.8};
   ContactPoint point = pointWith(n);
-  point.terms = {{7, 1.0}, {20, -0.7}, {21, -0.5}, {22, 0.2}};
+  point.terms = {{7, 1.0}, {20, -0.3}, {21, -0.9}, {22, 0.2}};
   const auto y = [](long long node) { return 3 * node + 1; };
   using Held = std::map<double, HeldDofs>;
   const Held both = {{1.0, {{y(7), 0.0}, {y(20), 0.0}}}};
@@ -123,6 +142,9 @@ TEST(ContactRows, nothing_slips_across_a_plane_of_symmetry) {
   EXPECT_NEAR(std::abs(along(most)[0][0]), 0.8, 1e-15);
   EXPECT_EQ(along(most)[0][1], 0.0);
   EXPECT_NEAR(std::abs(along(most)[0][2]), 0.6, 1e-15);
+  point.terms = heldByWeightsOfBothSigns;
+  EXPECT_EQ(along(most).size(), 1u);
+  point.terms = {{7, 1.0}, {20, -0.3}, {21, -0.9}, {22, 0.2}};
   // At all times, on both sides, by one value, and along the surface.
   Held later = most;
   later[2.0] = {{y(7), 0.1}, {y(20), 0.0}, {y(21), 0.0}};

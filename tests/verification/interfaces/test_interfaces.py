@@ -24,8 +24,9 @@ import pressed_slits  # noqa: E402
 import rollers  # noqa: E402
 
 FIRST, SCENES = int(os.environ.get("HARMOS_FIRST_SCENE", "0")), int(os.environ.get("HARMOS_SCENES", "12"))
-# Solved to 1e-10; ten times that, and a factor of a thousand by which forces at single nodes are worse than the norm of
-# all: condition of local problems and constraints.
+# Of forces and displacements, and three times that of the pressure of each node, which is what the acceptance of an
+# answer allows beside forces (feti::allowedTractionError()). Solved to 1e-10; ten times that, and a factor of a thousand
+# by which forces at single nodes are worse than the norm of all: condition of local problems and constraints.
 ALLOWED = 1e-6
 # At the default tolerance the pressure of each node is asked for to 3e-2 of the largest; the estimate may be too small
 # by a factor of three.
@@ -61,6 +62,7 @@ def pressure_error(result):
 
 class Pressed:
     allowed = ALLOWED
+    ofPressure = 3.0  # times that
     also = ()  # seeds beside the first ones
 
     def scene(self, seed, directory):
@@ -98,6 +100,8 @@ class Pressed:
                     continue
                 self.assertEqual(run.returncode, 0, run)
                 errors = self.errors(scene, run)
+                if "pressure" in errors:
+                    errors["pressure"] /= self.ofPressure
                 worst = max(worst, *errors.values())
                 self.assertLess(max(errors.values()), self.allowed, errors)
         self.assertLessEqual(rejected, self.most_rejected())
@@ -105,6 +109,9 @@ class Pressed:
 
 
 class Blocks(Pressed, unittest.TestCase):
+    # Friction and ties at a front side that is held had rows of weights of both signs, with forces that are arbitrary.
+    also = (331, 494)
+
     def scene(self, seed, directory):
         return pressed_blocks.Blocks(seed)
 
@@ -118,6 +125,7 @@ class Slits(Pressed, unittest.TestCase):
 
 class Pulled(Pressed, unittest.TestCase):
     allowed = ALLOWED_PULLED
+    ofPressure = 1.0
     # The solver had stopped too soon for the forces of one interface; for the pressure of one node; after the first of
     # two solves, in single precision.
     also = (26, 99, 220, 445)
