@@ -373,6 +373,27 @@ class Continued:
                 a, b = (d[f"VTKHDF/PointData/{key}"] for d in (one, other))
                 self.assertLessEqual(abs(a - b).max(), tolerance * abs(a).max(), f"{name}, {key}")
 
+    GLUE = "Effects/Adhesion/glue/"
+    GLUED = {
+        "Output/Fields": False,
+        GLUE + "Contact": "joint",
+        GLUE + "Normal stiffness": 10.0,
+        GLUE + "Tangential stiffness": 10.0,
+        GLUE + "Normal strength": 0.03,
+        GLUE + "Tangential strength": 0.03,
+        GLUE + "Fracture energy": 0.002,
+        GLUE + "Fracture energy II": 0.002,
+    }
+
+    def stopped(self, deck, sets, rows, np=2, program="harmos"):
+        """The directory of a run that is told to stop when so many steps are done, wherever it is by then."""
+        run = runs.Background(deck, sets, np=np, program=program)
+        path = run.directory / "steps.csv"
+        run.wait_until(lambda: path.is_file() and len(path.read_bytes().splitlines()) > rows)
+        os.kill(run.ranks()[0], signal.SIGTERM)
+        self.assertEqual(run.end(), 4, run.text())
+        return run.directory
+
 
 class Restarts(Continued, unittest.TestCase):
     def test_killed_in_the_third_of_five(self):
@@ -429,15 +450,6 @@ class Restarts(Continued, unittest.TestCase):
             self.assertGreater(more, rows)
             rows = more
 
-    def stopped(self, deck, sets, rows, np=2, program="harmos"):
-        """The directory of a run that is told to stop when so many steps are done, wherever it is by then."""
-        run = runs.Background(deck, sets, np=np, program=program)
-        path = run.directory / "steps.csv"
-        run.wait_until(lambda: path.is_file() and len(path.read_bytes().splitlines()) > rows)
-        os.kill(run.ranks()[0], signal.SIGTERM)
-        self.assertEqual(run.end(), 4, run.text())
-        return run.directory
-
     def test_slips_go_on(self):
         """Friction: where surfaces have slipped to, and what was dissipated, bit for bit."""
         steps = 320
@@ -452,18 +464,6 @@ class Restarts(Continued, unittest.TestCase):
             self.assertEqual(*(read(d, "steps.csv") for d in (plain, directory)))
         last = steps_of(plain)[-1]
         self.assertGreater(float(last["dissipated"]), 0.0)
-
-    GLUE = "Effects/Adhesion/glue/"
-    GLUED = {
-        "Output/Fields": False,
-        GLUE + "Contact": "joint",
-        GLUE + "Normal stiffness": 10.0,
-        GLUE + "Tangential stiffness": 10.0,
-        GLUE + "Normal strength": 0.03,
-        GLUE + "Tangential strength": 0.03,
-        GLUE + "Fracture energy": 0.002,
-        GLUE + "Fracture energy II": 0.002,
-    }
 
     def test_damage_goes_on(self):
         """Adhesion: damage, what was dissipated and released, and the steps towards it, bit for bit."""

@@ -126,9 +126,10 @@ class Slits(Pressed, unittest.TestCase):
 class Pulled(Pressed, unittest.TestCase):
     allowed = ALLOWED_PULLED
     ofPressure = 1.0
-    # The solver had stopped too soon for the forces of one interface; for the pressure of one node; after the first of
-    # two solves, in single precision.
-    also = (26, 99, 220, 445)
+    # The solver had stopped too soon for the forces of one interface; for the pressure of one node, also where the
+    # estimate sees a tenth of its error; after the first of two solves, in single precision. In 424 a step of an interior
+    # path took all iterations that were left.
+    also = (26, 99, 220, 424, 432, 445)
 
     def scene(self, seed, directory):
         return pressed_blocks.Pulled(seed)

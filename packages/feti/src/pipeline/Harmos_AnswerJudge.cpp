@@ -85,9 +85,10 @@ void AnswerJudge::measureErrors() {
   std::vector<double> product(1);
   jumps.dot(forces, Teuchos::arrayViewFromVector(product));
   quality_.solverError = std::sqrt(std::max(product[0], 0.0));
-  const std::vector<ForceError> errors =
-      forceErrors(*stages_.constraints, *torn_.multiplier, jumps, forces,
-                  {criteria_.groupOf, static_cast<int>(quality_.pairErrors.size()), criteria_.areaOf});
+  forces_ = rowForces(*stages_.constraints, *torn_.multiplier, jumps, forces);
+  const std::vector<ForceError> errors = forceErrors(
+      *stages_.constraints, forces_, forcesBefore_.multiplier.is_null() ? nullptr : &forcesBefore_,
+      {criteria_.groupOf, static_cast<int>(quality_.pairErrors.size()), criteria_.areaOf});
   for (std::size_t k = 0; k < errors.size(); ++k)
     static_cast<ForceError&>(quality_.pairErrors[k]) = errors[k];
 }
@@ -118,6 +119,7 @@ std::optional<double> AnswerJudge::balance(double tolerance) {
 }
 
 Verdict AnswerJudge::judge(const MultiVector& lambda, const std::vector<double>& mu, double tolerance) {
+  forcesBefore_ = forces_;
   recover(lambda, mu);
   quality_.reachedTolerance = tolerance;
   std::optional<double> next = improve(tolerance);
@@ -174,6 +176,15 @@ void AnswerJudge::exchange(qp::StateArchive<MultiVector>& archive) {
   archive.number("discretisation error trusted", trusted_);
   if (known.size() == 2)
     discretisation_ = DiscretisationError{known[0], known[1]};
+  bool hasForces = !forces_.multiplier.is_null();
+  archive.number("forces judged", hasForces);
+  if (!hasForces)
+    return;
+  for (Teuchos::RCP<MultiVector>* vector : {&forces_.multiplier, &forces_.error})
+    if (vector->is_null())
+      *vector = Teuchos::rcp(new MultiVector(stages_.constraints->rowMap(), 1));
+  archive.vector("forces judged: multiplier", *forces_.multiplier);
+  archive.vector("forces judged: error", *forces_.error);
 }
 
 TornSolution AnswerJudge::finish(const MultiVector& lambda, const std::vector<double>& mu,

@@ -65,7 +65,7 @@ class AnswerJudge {
   /// @note Collective. Audit and estimates go to the quality.
   Verdict judge(const MultiVector& lambda, const std::vector<double>& mu, double tolerance);
 
-  /// What it has learnt of the discretisation error. @note Collective.
+  /// What it has learnt of the discretisation error, and the forces of the last answer. @note Collective.
   void exchange(qp::StateArchive<MultiVector>& archive);
 
   /// The solution that belongs to an answer, audited; that of the last one judged is at hand.
@@ -92,6 +92,7 @@ class AnswerJudge {
   Teuchos::RCP<const Operator> extension_; // M⁻¹ of the estimate
   bool isBoundAlone_ = false;              // it was made for a bound that costs little
   TornSolution torn_;
+  RowForces forces_, forcesBefore_; // of the answer that was judged last, and of the one before
   std::optional<DiscretisationError> discretisation_;
   bool trusted_ = false; // that estimate is not about the solver's error
 };

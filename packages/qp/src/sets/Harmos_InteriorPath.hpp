@@ -206,7 +206,8 @@ class InteriorPath {
     return w;
   }
 
-  bool findStep(double sigmaTau) {
+  // dx that meets the rows and minimises over the kept directions; @return what is left, ρ.
+  Vector beginStep(double sigmaTau) {
     if (rows_.isPresent()) {
       step_.gram = rows_.gramWith([this](MV& v) { weigh(v); });
       step_.mu = rows_.makeVector();
@@ -216,7 +217,7 @@ class InteriorPath {
     step_.image = like();
     MVT::MvInit(*step_.x, 0.0);
     MVT::MvInit(*step_.image, 0.0);
-    const Vector rho = like(), z = like(), p = like(), image = like();
+    const Vector rho = like();
     MVT::MvAddMv(-1.0, *point_.y, 0.0, *point_.y, *rho);
     onEntries([&](double* r) { cones_.addCentring(sigmaTau, r); }, *rho);
     if (rows_.isPresent() && norm<Scalar>(*step_.rows) > 0.0) {
@@ -235,9 +236,16 @@ class InteriorPath {
     MVT::MvAddMv(1.0, *rho, -1.0, *before, *before);
     MVT::MvAddMv(1.0, *step_.image, 1.0, *before, *step_.image);
     MVT::MvAddMv(-1.0, *rho, 0.0, *rho, *rho);
+    return rho;
+  }
+
+  bool findStep(double sigmaTau) {
+    const Vector rho = beginStep(sigmaTau), z = like(), p = like(), image = like();
     directions_.clear();
+    // Exact conjugate gradients end within the dimension; what takes longer is rounding errors.
+    const auto dimension = static_cast<long long>(MVT::GetGlobalLength(*point_.x));
     double first = 0.0, last = 0.0;
-    for (int k = 0; effort_.steps < effort_.most; ++k) {
+    for (int k = 0; effort_.steps < effort_.most && k < dimension; ++k) {
       if (rows_.isPresent()) {
         const Vector eta = rowPart(*rho);
         rows_.addTransposed(-1.0, *eta, *rho);

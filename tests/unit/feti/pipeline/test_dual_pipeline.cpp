@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <set>
 
@@ -186,6 +187,8 @@ TEST(DualPipeline, what_each_change_makes_anew) {
 
 // Subdomains that had one matrix and have not any more: form and preconditioner are decided anew.
 TEST(DualPipeline, classes_that_fall_apart_are_decided_on_anew) {
+  if (testComm()->getSize() > 2)
+    GTEST_SKIP() << "on more than two ranks none has two subdomains of one matrix";
   for (const Form& form : forms) {
     TestModel model = testModel(2, 4);
     feti::FetiSolver solver(testComm(), model.subdomains, model.rows, parametersOf(form));
@@ -198,8 +201,16 @@ TEST(DualPipeline, classes_that_fall_apart_are_decided_on_anew) {
   }
 }
 
-// Rows that come, go, and become others: answers are to the last bit those of a solver that has known them
-// alone.
+// To the last bit on one rank and two; on more the sums of shared rows have an order that depends on the rows
+// before, and answers differ by rounding errors of the solver: 3e-12 at most.
+void expectEqual(const std::vector<double>& a, const std::vector<double>& b, const std::string& what) {
+  ASSERT_EQ(a.size(), b.size()) << what;
+  const double most = testComm()->getSize() > 2 ? 0.1 * tolerance : 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k)
+    EXPECT_LE(std::abs(a[k] - b[k]), most) << what << ", " << k;
+}
+
+// Rows that come, go, and become others: answers are those of a solver that has known them alone.
 TEST(DualPipeline, contacts_that_come_and_go) {
   for (const Form& form : forms) {
     TestModel model = different();
@@ -219,8 +230,9 @@ TEST(DualPipeline, contacts_that_come_and_go) {
       expectReference(model, solver, what);
       feti::FetiSolver fresh(testComm(), model.subdomains, rows, parametersOf(form));
       ASSERT_TRUE(fresh.solve().converged) << what;
-      EXPECT_EQ(solver.displacement(), fresh.displacement()) << what;
-      EXPECT_EQ(solver.rowForces(), fresh.rowForces()) << what;
+      for (std::size_t i = 0; i < model.subdomains.size(); ++i)
+        expectEqual(solver.displacement()[i], fresh.displacement()[i], what);
+      expectEqual(solver.rowForces(), fresh.rowForces(), what);
     }
   }
 }

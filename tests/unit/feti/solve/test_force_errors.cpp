@@ -22,6 +22,7 @@ namespace {
 struct Estimate {
   std::vector<ForceError> errors;
   std::vector<double> forces; // of the given rows of this rank
+  RowForces rows;
 };
 
 struct Estimator {
@@ -40,7 +41,8 @@ struct Estimator {
   }
 
   // @param factor of M⁻¹r. @param group of all rows.
-  Estimate of(const TornSolution& torn, double factor = 1.0, int group = 0, double area = 0.0) const {
+  Estimate of(const TornSolution& torn, double factor = 1.0, int group = 0, double area = 0.0,
+              const RowForces* before = nullptr) const {
     MultiVector jumps(feti.constraints.rowMap(), 1), correction(feti.constraints.rowMap(), 1);
     feti.constraints.residual(torn.displacement, *torn.multiplier, jumps);
     keepErrors(feti.constraints, *torn.multiplier, jumps);
@@ -48,8 +50,9 @@ struct Estimator {
     correction.scale(factor);
     Estimate result;
     result.forces = feti.constraints.givenMultipliers(*torn.multiplier);
+    result.rows = rowForces(feti.constraints, *torn.multiplier, jumps, correction);
     result.errors = forceErrors(
-        feti.constraints, *torn.multiplier, jumps, correction,
+        feti.constraints, result.rows, before,
         {std::vector<int>(result.forces.size(), group), 2, std::vector<double>(result.forces.size(), area)});
     return result;
   }
@@ -120,6 +123,28 @@ TEST(ForceErrors, tractions_are_looked_at_by_themselves) {
   const double rows = globalSum(*testComm(), static_cast<double>(estimate.forces.size()));
   EXPECT_LE(error.tractionError * area, error.error);
   EXPECT_GE(error.tractionError * area * std::sqrt(rows), error.error);
+}
+
+// An estimate that was too small for the way that tractions have gone since is raised by as much, up to ten
+// times.
+TEST(ForceErrors, an_answer_before_measures_the_estimate) {
+  const TestFeti feti(testModel(2, 4), DirichletForm::Primal);
+  const Estimator estimator(feti);
+  const TornSolution loose = estimator.solution(1e-2), better = estimator.solution(1e-4);
+  const double area = 0.25;
+  for (double factor : {0.01, 1e3}) {
+    const Estimate before = estimator.of(loose, factor, 0, area);
+    const ForceError plain = estimator.of(better, factor, 0, area).errors[0],
+                     measured = estimator.of(better, factor, 0, area, &before.rows).errors[0];
+    EXPECT_EQ(measured.error, plain.error);
+    EXPECT_EQ(measured.traction, plain.traction);
+    if (factor > 1.0) {
+      EXPECT_EQ(measured.tractionError, plain.tractionError);
+    } else {
+      EXPECT_GT(measured.tractionError, 3.0 * plain.tractionError);
+      EXPECT_LE(measured.tractionError, 10.0 * plain.tractionError * (1.0 + 1e-15));
+    }
+  }
 }
 
 TEST(ForceErrors, rows_of_no_group_do_not_count) {
