@@ -1,45 +1,43 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_CellGraph.hpp"
 
+#include "Harmos_CellSides.hpp"
+#include "Harmos_Index.hpp"
+
 #include <algorithm>
-#include <array>
+#include <cstddef>
+#include <iterator>
 #include <numeric>
-#include <utility>
 
 namespace Harmos::fem {
 
 CellGraph graphOf(const Mesh& mesh) {
-  const CellShape& shape = shapeOf(mesh.cellType);
-  const auto corners = static_cast<std::size_t>(shapeOf(shape.side).corners);
-  using Key = std::array<int, 4>; // corners of a side, sorted; unused ones are -1
-  std::vector<std::pair<Key, int>> sides;
-  for (int c = 0; c < mesh.numberOfCells(); ++c)
-    for (const std::vector<int>& side : shape.sides) {
-      Key key = {-1, -1, -1, -1};
-      for (std::size_t k = 0; k < corners; ++k)
-        key[k] = mesh.cell(c)[side[k]];
-      std::sort(key.begin(), key.end());
-      sides.emplace_back(key, c);
+  const std::vector<CornerSide> sides = sidesByCorners(mesh);
+  const auto overPairs = [&](const auto& visit) { // of cells that share a side, both ways round
+    for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
+      while (last < sides.size() && sides[last].corners == sides[first].corners)
+        ++last;
+      for (std::size_t a = first; a < last; ++a)
+        for (std::size_t b = first; b < last; ++b)
+          if (a != b)
+            visit(at(sides[a].side.cell), sides[b].side.cell);
     }
-  std::sort(sides.begin(), sides.end());
-  std::vector<std::pair<int, int>> pairs;
-  for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
-    while (last < sides.size() && sides[last].first == sides[first].first)
-      ++last;
-    for (std::size_t a = first; a < last; ++a)
-      for (std::size_t b = first; b < last; ++b)
-        if (a != b)
-          pairs.emplace_back(sides[a].second, sides[b].second);
-  }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  };
+  std::vector<std::ptrdiff_t> first(at(mesh.numberOfCells()) + 1, 0);
+  overPairs([&](std::size_t cell, int) { ++first[cell + 1]; });
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<int> all(at(first.back()));
+  std::vector<std::ptrdiff_t> next(first.begin(), first.end() - 1);
+  overPairs([&](std::size_t cell, int other) { all[at(next[cell]++)] = other; });
   CellGraph graph;
-  graph.offsets.assign(static_cast<std::size_t>(mesh.numberOfCells()) + 1, 0);
-  for (const auto& [cell, neighbour] : pairs) {
-    ++graph.offsets[static_cast<std::size_t>(cell) + 1];
-    graph.neighbours.push_back(neighbour);
+  graph.offsets.push_back(0);
+  graph.neighbours.reserve(all.size());
+  for (std::size_t cell = 0; cell + 1 < first.size(); ++cell) {
+    const auto begin = all.begin() + first[cell], end = all.begin() + first[cell + 1];
+    std::sort(begin, end);
+    std::unique_copy(begin, end, std::back_inserter(graph.neighbours)); // cells may share two sides
+    graph.offsets.push_back(graph.neighbours.size());
   }
-  std::partial_sum(graph.offsets.begin(), graph.offsets.end(), graph.offsets.begin());
   return graph;
 }
 

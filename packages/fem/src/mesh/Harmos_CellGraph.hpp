@@ -18,7 +18,7 @@ struct CellGraph {
   const int* end(int cell) const { return neighbours.data() + offsets[static_cast<std::size_t>(cell) + 1]; }
 };
 
-/// Of cells that share all corners of a side. O(n log n). Local.
+/// Of cells that share all corners of a side. See sidesByCorners() for the cost. Local.
 CellGraph graphOf(const Mesh& mesh);
 
 /// The means of the cells' corners. Local.

@@ -1,36 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Mesh.hpp"
 
-#include <array>
+#include "Harmos_CellSides.hpp"
+
 #include <numeric>
 
 namespace Harmos::fem {
-
 namespace {
-
-struct CornerSide {
-  std::array<int, 4> corners; // sorted; unused ones are -1
-  Side side;
-};
-
-// All sides of all cells, those with the same corners next to each other, by their cells.
-std::vector<CornerSide> sidesByCorners(const Mesh& mesh) {
-  const CellShape& shape = shapeOf(mesh.cellType);
-  const auto corners = static_cast<std::size_t>(shapeOf(shape.side).corners);
-  std::vector<CornerSide> sides;
-  for (int c = 0; c < mesh.numberOfCells(); ++c)
-    for (std::size_t s = 0; s < shape.sides.size(); ++s) {
-      CornerSide side{{-1, -1, -1, -1}, {c, static_cast<int>(s)}};
-      for (std::size_t k = 0; k < corners; ++k)
-        side.corners[k] = mesh.cell(c)[shape.sides[s][k]];
-      std::sort(side.corners.begin(), side.corners.end());
-      sides.push_back(side);
-    }
-  std::sort(sides.begin(), sides.end(), [](const CornerSide& a, const CornerSide& b) {
-    return std::tie(a.corners, a.side.cell, a.side.side) < std::tie(b.corners, b.side.cell, b.side.side);
-  });
-  return sides;
-}
 
 // Whether corners go around in the same way, of two sides with the same ones.
 bool goTheSameWay(const Mesh& mesh, const Side& a, const Side& b, std::size_t corners) {

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_CellGraph.hpp"
+#include "Harmos_CellSides.hpp"
+#include "Harmos_StructuredBlock.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <random>
+#include <set>
+#include <tuple>
+
+namespace test_cell_sides {
+
+using namespace Harmos;
+using namespace Harmos::fem;
+
+namespace {
+
+// Of a block, with nodes in any order, and three cells at one side.
+Mesh shuffled(CellType type) {
+  StructuredBlock::Options options;
+  options.cellType = type;
+  options.elements = {4, 3, 2};
+  Mesh mesh = *StructuredBlock(options).subdomain(0).mesh;
+  std::vector<int> order(static_cast<std::size_t>(mesh.numberOfNodes()));
+  for (std::size_t k = 0; k < order.size(); ++k)
+    order[k] = static_cast<int>(k);
+  std::mt19937 random(7);
+  std::shuffle(order.begin(), order.end(), random);
+  for (int& node : mesh.cells)
+    node = order[static_cast<std::size_t>(node)];
+  const std::vector<int> again(mesh.cells.begin(), mesh.cells.begin() + mesh.nodesPerCell());
+  mesh.cells.insert(mesh.cells.end(), again.begin(), again.end());
+  return mesh;
+}
+
+std::set<int> cornersOf(const Mesh& mesh, const Side& side) {
+  const auto corners = static_cast<std::size_t>(shapeOf(shapeOf(mesh.cellType).side).corners);
+  const std::vector<int> nodes = mesh.nodesOf(side);
+  return {nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(corners)};
+}
+
+} // namespace
+
+TEST(CellSides, come_by_rising_corners_and_cells) {
+  for (CellType type :
+       {CellType::Triangle3, CellType::Triangle6, CellType::Quadrilateral4, CellType::Quadrilateral9,
+        CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8, CellType::Hexahedron27}) {
+    const Mesh mesh = shuffled(type);
+    const std::vector<CornerSide> sides = sidesByCorners(mesh);
+    const std::size_t each = shapeOf(type).sides.size();
+    ASSERT_EQ(sides.size(), each * static_cast<std::size_t>(mesh.numberOfCells()));
+    std::set<std::pair<int, int>> seen;
+    for (std::size_t k = 0; k < sides.size(); ++k) {
+      const CornerSide& side = sides[k];
+      EXPECT_TRUE(seen.emplace(side.side.cell, side.side.side).second);
+      const std::set<int> corners = cornersOf(mesh, side.side);
+      EXPECT_TRUE(std::equal(corners.rbegin(), corners.rend(), side.corners.rbegin()));
+      EXPECT_TRUE(std::all_of(side.corners.rbegin() + static_cast<std::ptrdiff_t>(corners.size()),
+                              side.corners.rend(), [](int corner) { return corner == -1; }));
+      if (k > 0) {
+        const CornerSide& before = sides[k - 1];
+        EXPECT_LT(std::tie(before.corners, before.side.cell, before.side.side),
+                  std::tie(side.corners, side.side.cell, side.side.side));
+      }
+    }
+  }
+}
+
+// Against all pairs of cells.
+TEST(CellSides, the_graph_has_the_cells_that_share_one) {
+  for (CellType type :
+       {CellType::Triangle3, CellType::Quadrilateral9, CellType::Tetrahedron10, CellType::Hexahedron8}) {
+    const Mesh mesh = shuffled(type);
+    const CellGraph graph = graphOf(mesh);
+    std::map<std::set<int>, std::vector<int>> cells;
+    for (int c = 0; c < mesh.numberOfCells(); ++c)
+      for (std::size_t s = 0; s < shapeOf(type).sides.size(); ++s)
+        cells[cornersOf(mesh, {c, static_cast<int>(s)})].push_back(c);
+    std::vector<std::set<int>> expected(static_cast<std::size_t>(mesh.numberOfCells()));
+    for (const auto& [corners, sharing] : cells)
+      for (int a : sharing)
+        for (int b : sharing)
+          if (a != b)
+            expected[static_cast<std::size_t>(a)].insert(b);
+    ASSERT_EQ(graph.cells(), mesh.numberOfCells());
+    for (int c = 0; c < mesh.numberOfCells(); ++c)
+      EXPECT_EQ(std::vector<int>(graph.begin(c), graph.end(c)),
+                std::vector<int>(expected[static_cast<std::size_t>(c)].begin(),
+                                 expected[static_cast<std::size_t>(c)].end()));
+  }
+}
+
+} // namespace test_cell_sides
