@@ -18,22 +18,30 @@ double distance2(const Point& a, const Point& b) {
   return sum;
 }
 
+// Of cells, or of clusters of them.
 class Sweeps {
  public:
-  Sweeps(const Mesh& mesh, const CellGraph& graph, int parts, std::vector<int>& labels)
+  /// @param counts cells of each; empty: one.
+  Sweeps(const CellGraph& graph, const std::vector<Point>& centres, const std::vector<int>& counts, int parts,
+         std::vector<int>& labels)
       : graph_(graph),
         labels_(labels),
-        centres_(centresOf(mesh)),
+        centres_(centres),
+        counts_(counts),
         sizes_(at(parts), 0),
         weights_(at(parts), 0.0),
         queued_(at(graph.cells()), 0) {
-    for (int label : labels_)
-      ++sizes_[at(label)];
+    count();
     wanted_ = sizes_;
   }
 
-  void go() {
-    constexpr int most = 50;
+  // With the sizes that are wanted, and the weights, of sweeps over clusters of these cells.
+  void goOnAfter(const Sweeps& clusters) {
+    wanted_ = clusters.wanted_;
+    weights_ = clusters.weights_;
+  }
+
+  void go(int most) {
     // Weights overshoot where cells differ much in size: of the later sweeps the last one that is balanced,
     // or the most balanced.
     constexpr double balanced = 1.15;
@@ -49,23 +57,38 @@ class Sweeps {
       least = score;
       best = labels_;
     }
-    if (!best.empty())
-      adopt(best);
+    if (!best.empty()) {
+      labels_ = best;
+      count();
+    }
+  }
+
+  // Cells join the part that most of their sides look at.
+  void smooth() {
     constexpr int votes = 10;
     for (int k = 0; k < votes && vote(); ++k) {
     }
   }
 
  private:
+  int countOf(std::size_t cell) const { return counts_.empty() ? 1 : counts_[cell]; }
+
+  void count() {
+    std::fill(sizes_.begin(), sizes_.end(), 0);
+    for (std::size_t c = 0; c < labels_.size(); ++c)
+      sizes_[at(labels_[c])] += countOf(c);
+  }
+
   // Centroids, and weights by how far the parts are from their sizes.
   void measure() {
     centroids_.assign(sizes_.size(), Point{});
     for (std::size_t c = 0; c < labels_.size(); ++c)
       for (std::size_t d = 0; d < 3; ++d)
-        centroids_[at(labels_[c])][d] += centres_[c][d] / sizes_[at(labels_[c])];
+        centroids_[at(labels_[c])][d] += countOf(c) * centres_[c][d] / sizes_[at(labels_[c])];
     std::vector<double> spread(sizes_.size(), 0.0); // mean square of the distance
     for (std::size_t c = 0; c < labels_.size(); ++c)
-      spread[at(labels_[c])] += distance2(centres_[c], centroids_[at(labels_[c])]) / sizes_[at(labels_[c])];
+      spread[at(labels_[c])] +=
+          countOf(c) * distance2(centres_[c], centroids_[at(labels_[c])]) / sizes_[at(labels_[c])];
     // A ball's boundary moves by R f/3 for a share f of its cells, and the weights it takes for that differ
     // by some 4/3 R² f = 2 f spread; parts are moved by a part of it only, for their neighbours move too.
     constexpr double pace = 0.5;
@@ -91,13 +114,6 @@ class Sweeps {
     return worst;
   }
 
-  void adopt(const std::vector<int>& labels) {
-    labels_ = labels;
-    std::fill(sizes_.begin(), sizes_.end(), 0);
-    for (int label : labels_)
-      ++sizes_[at(label)];
-  }
-
   bool isAtBoundary(int cell) const {
     for (const int* other = graph_.begin(cell); other != graph_.end(cell); ++other)
       if (labels_[at(*other)] != labels_[at(cell)])
@@ -119,7 +135,7 @@ class Sweeps {
       const int cell = queue[k];
       queued_[at(cell)] = 0;
       const int best = nearest(cell);
-      if (best == labels_[at(cell)] || sizes_[at(labels_[at(cell)])] == 1)
+      if (best == labels_[at(cell)] || sizes_[at(labels_[at(cell)])] == countOf(at(cell)))
         continue;
       move(cell, best);
       moved = true;
@@ -151,8 +167,8 @@ class Sweeps {
   }
 
   void move(int cell, int part) {
-    --sizes_[at(labels_[at(cell)])];
-    ++sizes_[at(part)];
+    sizes_[at(labels_[at(cell)])] -= countOf(at(cell));
+    sizes_[at(part)] += countOf(at(cell));
     labels_[at(cell)] = part;
   }
 
@@ -162,7 +178,7 @@ class Sweeps {
     return few(cell) && std::all_of(graph_.begin(cell), graph_.end(cell), few);
   }
 
-  // Cells join the part that most of their sides look at. Whether any has moved.
+  // Whether any has moved.
   bool vote() {
     bool moved = false;
     for (int cell = 0; cell < graph_.cells(); ++cell) {
@@ -196,7 +212,9 @@ class Sweeps {
 
   const CellGraph& graph_;
   std::vector<int>& labels_;
-  std::vector<Point> centres_, centroids_;
+  const std::vector<Point>& centres_;
+  const std::vector<int>& counts_;
+  std::vector<Point> centroids_;
   std::vector<int> sizes_, wanted_;
   std::vector<double> weights_;
   std::vector<std::uint8_t> queued_;
@@ -204,8 +222,27 @@ class Sweeps {
 
 } // namespace
 
-void roundOff(const Mesh& mesh, const CellGraph& graph, int parts, std::vector<int>& labels) {
-  Sweeps(mesh, graph, parts, labels).go();
+void roundOff(const CellGraph& graph, const std::vector<Point>& centres, int parts, std::vector<int>& labels,
+              const CellClusters* clusters) {
+  constexpr int most = 50, mostAfterClusters = 12;
+  static const std::vector<int> one; // cell each
+  if (clusters == nullptr) {
+    Sweeps sweeps(graph, centres, one, parts, labels);
+    sweeps.go(most);
+    sweeps.smooth();
+    return;
+  }
+  std::vector<int> ofClusters(clusters->sizes.size());
+  for (std::size_t c = 0; c < labels.size(); ++c)
+    ofClusters[at(clusters->of[c])] = labels[c];
+  Sweeps coarse(clusters->graph, clusters->centres, clusters->sizes, parts, ofClusters);
+  coarse.go(most);
+  for (std::size_t c = 0; c < labels.size(); ++c)
+    labels[c] = ofClusters[at(clusters->of[c])];
+  Sweeps sweeps(graph, centres, one, parts, labels);
+  sweeps.goOnAfter(coarse);
+  sweeps.go(mostAfterClusters);
+  sweeps.smooth();
 }
 
 } // namespace Harmos::fem

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_CellGraph.hpp"
+#include "Harmos_CellClusters.hpp"
 
 #include <vector>
 
@@ -21,8 +21,10 @@ namespace Harmos::fem {
 /// themselves by few sides. Such a part is soft: the Dirichlet-preconditioned dual operator has an eigenvalue
 /// of its own for each, and counts of iterations grow with the number of parts.
 ///
-/// @param labels part of each cell, from 0 to parts − 1; no part is empty, before and after. Local.
-/// Guarded by tests/unit/fem/test_compact_parts.cpp.
-void roundOff(const Mesh& mesh, const CellGraph& graph, int parts, std::vector<int>& labels);
+/// @param centres of the cells. @param labels part of each cell, from 0 to parts − 1; no part is empty,
+/// before and after. @param clusters null, or clusters with one label each: most sweeps are theirs, and few
+/// are left for the cells. Local. Guarded by tests/unit/fem/test_compact_parts.cpp.
+void roundOff(const CellGraph& graph, const std::vector<Point>& centres, int parts, std::vector<int>& labels,
+              const CellClusters* clusters = nullptr);
 
 } // namespace Harmos::fem

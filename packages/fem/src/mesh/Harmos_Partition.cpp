@@ -12,34 +12,48 @@
 #include <array>
 #include <map>
 #include <numeric>
+#include <optional>
 
 namespace Harmos::fem {
 namespace {
 
-// METIS' parts of some cells that hang together, written into labels from `firstLabel` on.
-void cut(const CellGraph& graph, const std::vector<int>& cells, int parts, int firstLabel, int seed,
+// What is cut: cells, or clusters of them with weights.
+struct Graph {
+  const CellGraph& graph;
+  const CellClusters* clusters; // null: cells
+};
+
+// METIS' parts of some vertices that hang together, written into labels from `firstLabel` on.
+void cut(const Graph& whole, const std::vector<int>& vertices, int parts, int firstLabel, int seed,
          std::vector<int>& labels) {
+  const CellGraph& graph = whole.graph;
   std::vector<idx_t> number(static_cast<std::size_t>(graph.cells()), -1);
-  for (std::size_t k = 0; k < cells.size(); ++k)
-    number[static_cast<std::size_t>(cells[k])] = static_cast<idx_t>(k);
-  std::vector<idx_t> offsets = {0}, neighbours, part(cells.size(), 0);
-  for (int cell : cells) {
-    for (const int* other = graph.begin(cell); other != graph.end(cell); ++other)
+  for (std::size_t k = 0; k < vertices.size(); ++k)
+    number[static_cast<std::size_t>(vertices[k])] = static_cast<idx_t>(k);
+  std::vector<idx_t> offsets = {0}, neighbours, part(vertices.size(), 0), sizes, sides;
+  for (int vertex : vertices) {
+    for (const int* other = graph.begin(vertex); other != graph.end(vertex); ++other) {
       neighbours.push_back(number[static_cast<std::size_t>(*other)]);
+      if (whole.clusters != nullptr)
+        sides.push_back(whole.clusters->sides[static_cast<std::size_t>(other - graph.neighbours.data())]);
+    }
     offsets.push_back(static_cast<idx_t>(neighbours.size()));
+    if (whole.clusters != nullptr)
+      sizes.push_back(whole.clusters->sizes[static_cast<std::size_t>(vertex)]);
   }
-  idx_t vertices = static_cast<idx_t>(cells.size()), constraints = 1, wanted = parts, edgeCut = 0;
+  idx_t count = static_cast<idx_t>(vertices.size()), constraints = 1, wanted = parts, edgeCut = 0;
   std::array<idx_t, METIS_NOPTIONS> options;
   METIS_SetDefaultOptions(options.data());
   options[METIS_OPTION_SEED] = seed;
   options[METIS_OPTION_NUMBERING] = 0;
   options[METIS_OPTION_CONTIG] = 1;
+  const auto orNull = [](std::vector<idx_t>& v) { return v.empty() ? nullptr : v.data(); };
   const int status =
-      METIS_PartGraphKway(&vertices, &constraints, offsets.data(), neighbours.data(), nullptr, nullptr,
-                          nullptr, &wanted, nullptr, nullptr, options.data(), &edgeCut, part.data());
+      METIS_PartGraphKway(&count, &constraints, offsets.data(), neighbours.data(), orNull(sizes), nullptr,
+                          orNull(sides), &wanted, nullptr, nullptr, options.data(), &edgeCut, part.data());
   HARMOS_REQUIRE(status == METIS_OK, "METIS failed with status " + std::to_string(status));
-  for (std::size_t k = 0; k < cells.size(); ++k)
-    labels[static_cast<std::size_t>(cells[k])] = firstLabel + static_cast<int>(part[k]);
+  for (std::size_t k = 0; k < vertices.size(); ++k)
+    labels[static_cast<std::size_t>(vertices[k])] = firstLabel + static_cast<int>(part[k]);
 }
 
 // At least one part each, the others one by one to the component with the largest parts.
@@ -117,6 +131,43 @@ Partition mended(const CellGraph& graph, const std::vector<int>& labels) {
   return result;
 }
 
+// Of cells in clusters; 1: cells are cut as they are. Bodies of fewer cells are cut in no time, and small
+// parts would have ragged edges of large clusters.
+int clusterSize(int cells, int parts, PartitionMethod method) {
+  constexpr int fewest = 30000, largest = 8, ofPart = 64; // clusters, at least
+  return method == PartitionMethod::Compact && cells >= fewest ? std::min(largest, cells / parts / ofPart)
+                                                               : 1;
+}
+
+// Part of each cell. @param parts of each component. @param label receives their number.
+std::vector<int> cutComponents(const CellGraph& graph, const CellClusters* clusters,
+                               const Components& components, const std::vector<int>& parts, int seed,
+                               int& label) {
+  const Graph whole = {clusters != nullptr ? clusters->graph : graph, clusters};
+  std::vector<int> labels(static_cast<std::size_t>(whole.graph.cells()), 0);
+  for (std::size_t k = 0; k < components.cells.size(); ++k) {
+    std::vector<int> vertices = components.cells[k];
+    if (clusters != nullptr) {
+      for (int& vertex : vertices)
+        vertex = clusters->of[static_cast<std::size_t>(vertex)];
+      std::sort(vertices.begin(), vertices.end());
+      vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    }
+    if (parts[k] == 1)
+      for (int vertex : vertices)
+        labels[static_cast<std::size_t>(vertex)] = label;
+    else
+      cut(whole, vertices, parts[k], label, seed, labels);
+    label += parts[k];
+  }
+  if (clusters == nullptr)
+    return labels;
+  std::vector<int> ofCells;
+  for (int cluster : clusters->of)
+    ofCells.push_back(labels[static_cast<std::size_t>(cluster)]);
+  return ofCells;
+}
+
 // Numbers parts in the order of their lowest cells.
 void number(Partition& partition) {
   std::vector<int> numbers(static_cast<std::size_t>(partition.parts), -1);
@@ -141,25 +192,21 @@ Partition partitionCells(const BodyMesh& body, int wanted, const PartitionOption
                      " parts: it has " + std::to_string(cells) +
                      " cells. Choose between 1 and that many parts");
   const CellGraph graph = graphOf(body.mesh);
+  const std::vector<Point> centres = centresOf(body.mesh);
   const Components whole = componentsOf(graph, std::vector<int>(static_cast<std::size_t>(cells), 0));
   const auto components = static_cast<int>(whole.cells.size());
   std::vector<std::string> notes;
   if (components > 1)
     notes.push_back("Body \"" + body.name + "\" consists of " + std::to_string(components) +
                     " components without common sides; each is partitioned separately.");
-  const std::vector<int> shares = sharedOut(wanted, whole.cells);
-  std::vector<int> labels(static_cast<std::size_t>(cells), 0);
+  std::optional<CellClusters> clusters;
+  if (const int size = clusterSize(cells, wanted, options.method); size > 1)
+    clusters = clustersOf(graph, centres, size);
   int label = 0;
-  for (std::size_t k = 0; k < whole.cells.size(); ++k) {
-    if (shares[k] == 1)
-      for (int cell : whole.cells[k])
-        labels[static_cast<std::size_t>(cell)] = label;
-    else
-      cut(graph, whole.cells[k], shares[k], label, options.seed, labels);
-    label += shares[k];
-  }
+  std::vector<int> labels = cutComponents(graph, clusters ? &*clusters : nullptr, whole,
+                                          sharedOut(wanted, whole.cells), options.seed, label);
   if (options.method == PartitionMethod::Compact)
-    roundOff(body.mesh, graph, label, labels);
+    roundOff(graph, centres, label, labels, clusters ? &*clusters : nullptr);
   Partition result = mended(graph, labels);
   result.necks = neckWidths(body.mesh, graph, result.part, result.parts);
   if (options.method == PartitionMethod::Compact &&
