@@ -5,6 +5,7 @@
 #include "Harmos_EqualityRows.hpp"
 #include "Harmos_FaceOps.hpp"
 #include "Harmos_InFacePreconditioner.hpp"
+#include "Harmos_SolverMonitor.hpp"
 
 #include <Teuchos_RCP.hpp>
 

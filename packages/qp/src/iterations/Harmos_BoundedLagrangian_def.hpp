@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_BlockOps.hpp"
 #include "Harmos_BoundOps.hpp"
 #include "Harmos_BoundedLagrangian.hpp"
 #include "Harmos_EqualityRows_def.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_ActiveFace.hpp"
 #include "Harmos_BoundTraits.hpp"
 #include "Harmos_PivotedCholesky.hpp"
 
