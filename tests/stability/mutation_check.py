@@ -232,7 +232,7 @@ FAULTS = (
         "forces that do not take friction along", "packages/qp/src/kernels/Harmos_ActiveFace.cpp",
         "const double moved = coupling.factor * x[coupling.source];",
         "const double moved = 0.0 * x[coupling.source];",
-        ("unit_qp",)),
+        ("unit_qp_serial",)),
     fault(
         "friction that knows no sides", "packages/qp/src/blocks/Harmos_FollowingLimits.cpp",
         "was != 0 && -was * g[i] > how.gradientNoise", "was != 0 && was * g[i] > how.gradientNoise", ("unit_qp",)),

@@ -135,6 +135,17 @@ TEST(Blocks, projected_gradients_and_receding_directions) {
   }
 }
 
+// What limits that follow an entry move with it: pairs along the normal of their rim, intervals by their
+// side.
+TEST(Blocks, what_is_held_at_limits_follows_them) {
+  const std::vector<Coupling> couplings = {{0, 1, {0.6, 0.8}, {3.0, 4.0}, 3, 0.5},
+                                           {2, -1, {-1.0, 0.0}, {5.0, 0.0}, 3, 0.25}};
+  const std::vector<double> x = {7.0, 7.0, 7.0, 2.0};
+  std::vector<double> y = {1.0, 1.0, 1.0, 1.0};
+  Kernels::addFollowing(couplings, x.data(), y.data());
+  EXPECT_EQ(y, (std::vector<double>{1.0 + 0.6, 1.0 + 0.8, 1.0 - 0.5, 1.0}));
+}
+
 // Forces are derivatives of ½κ dist², springs are what forces are beyond ends, and what the face makes of
 // them is their value.
 TEST(Blocks, soft_intervals_pull_and_bend) {
