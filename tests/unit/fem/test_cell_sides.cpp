@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_CellClusters.hpp"
 #include "Harmos_CellGraph.hpp"
 #include "Harmos_CellSides.hpp"
 #include "Harmos_StructuredBlock.hpp"
@@ -91,6 +92,33 @@ TEST(CellSides, the_graph_has_the_cells_that_share_one) {
                 std::vector<int>(expected[static_cast<std::size_t>(c)].begin(),
                                  expected[static_cast<std::size_t>(c)].end()));
   }
+}
+
+// Each cell is in one cluster, which hangs together; sides between clusters are all counted.
+TEST(CellSides, clusters_of_cells_and_their_graph) {
+  StructuredBlock::Options options;
+  options.cellType = CellType::Tetrahedron4;
+  options.elements = {6, 5, 4};
+  const Mesh mesh = *StructuredBlock(options).subdomain(0).mesh;
+  const CellGraph graph = graphOf(mesh);
+  const CellClusters clusters = clustersOf(graph, centresOf(mesh), 8);
+  std::vector<int> sizes(clusters.sizes.size(), 0);
+  std::map<std::pair<int, int>, int> sides;
+  for (int c = 0; c < graph.cells(); ++c) {
+    const int own = clusters.of.at(static_cast<std::size_t>(c));
+    ++sizes.at(static_cast<std::size_t>(own));
+    for (const int* other = graph.begin(c); other != graph.end(c); ++other)
+      if (const int beside = clusters.of[static_cast<std::size_t>(*other)]; beside != own)
+        ++sides[{own, beside}];
+  }
+  EXPECT_EQ(sizes, clusters.sizes);
+  EXPECT_EQ(*std::max_element(sizes.begin(), sizes.end()), 8);
+  EXPECT_EQ(componentsOf(graph, clusters.of).cells.size(), sizes.size());
+  std::map<std::pair<int, int>, int> found;
+  for (int k = 0; k < clusters.graph.cells(); ++k)
+    for (const int* other = clusters.graph.begin(k); other != clusters.graph.end(k); ++other)
+      found[{k, *other}] = clusters.sides[static_cast<std::size_t>(other - clusters.graph.neighbours.data())];
+  EXPECT_EQ(found, sides);
 }
 
 } // namespace test_cell_sides

@@ -19,7 +19,7 @@ struct CellClusters {
 
 /// Groups of up to `size` cells, one after the other along a space-filling curve (Morton's): each takes cells
 /// next to its own that no other has. O(n log n). Deterministic. Local. Guarded by
-/// tests/unit/fem/test_partition.cpp.
+/// tests/unit/fem/test_cell_sides.cpp.
 /// @param centres of the cells.
 CellClusters clustersOf(const CellGraph& graph, const std::vector<Point>& centres, int size);
 
