@@ -85,7 +85,7 @@ FAULTS = (
         "b = 0 is measured by nothing", "packages/qp/src/solvers/Harmos_SolverManager_def.hpp",
         "if (tests_.load.is_null() || tests_.load->scale() > 0.0)", "if (true)", ("unit_qp_problems",)),
     fault(
-        "cells that cover each other are no fold", "packages/fem/src/mesh/Harmos_Mesh.cpp",
+        "cells that cover each other are no fold", "packages/fem/src/mesh/Harmos_CellSides.cpp",
         "return cornerOf(b, (k + 1) % corners) == cornerOf(a, 1) &&",
         "return cornerOf(b, k) != cornerOf(a, 0) &&", ("unit_fem",)),
     fault(

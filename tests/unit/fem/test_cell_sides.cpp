@@ -50,22 +50,20 @@ TEST(CellSides, come_by_rising_corners_and_cells) {
        {CellType::Triangle3, CellType::Triangle6, CellType::Quadrilateral4, CellType::Quadrilateral9,
         CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8, CellType::Hexahedron27}) {
     const Mesh mesh = shuffled(type);
-    const std::vector<CornerSide> sides = sidesByCorners(mesh);
-    const std::size_t each = shapeOf(type).sides.size();
-    ASSERT_EQ(sides.size(), each * static_cast<std::size_t>(mesh.numberOfCells()));
-    std::set<std::pair<int, int>> seen;
-    for (std::size_t k = 0; k < sides.size(); ++k) {
-      const CornerSide& side = sides[k];
-      EXPECT_TRUE(seen.emplace(side.side.cell, side.side.side).second);
-      const std::set<int> corners = cornersOf(mesh, side.side);
-      EXPECT_TRUE(std::equal(corners.rbegin(), corners.rend(), side.corners.rbegin()));
-      EXPECT_TRUE(std::all_of(side.corners.rbegin() + static_cast<std::ptrdiff_t>(corners.size()),
-                              side.corners.rend(), [](int corner) { return corner == -1; }));
-      if (k > 0) {
-        const CornerSide& before = sides[k - 1];
-        EXPECT_LT(std::tie(before.corners, before.side.cell, before.side.side),
-                  std::tie(side.corners, side.side.cell, side.side.side));
-      }
+    std::map<std::set<int>, std::vector<std::pair<int, int>>> expected; // sets compare as their elements do
+    for (int c = 0; c < mesh.numberOfCells(); ++c)
+      for (std::size_t s = 0; s < shapeOf(type).sides.size(); ++s)
+        expected[cornersOf(mesh, {c, static_cast<int>(s)})].emplace_back(c, static_cast<int>(s));
+    const MatchedSides matched = matchSides(mesh);
+    ASSERT_EQ(matched.first.size(), expected.size() + 1);
+    ASSERT_EQ(matched.first.back(), matched.sides.size());
+    std::size_t group = 0;
+    for (const auto& [corners, sides] : expected) {
+      std::vector<std::pair<int, int>> found;
+      for (std::size_t k = matched.first[group]; k < matched.first[group + 1]; ++k)
+        found.emplace_back(matched.sides[k].cell, matched.sides[k].side);
+      EXPECT_EQ(found, sides);
+      ++group;
     }
   }
 }
@@ -101,7 +99,7 @@ TEST(CellSides, clusters_of_cells_and_their_graph) {
   options.elements = {6, 5, 4};
   const Mesh mesh = *StructuredBlock(options).subdomain(0).mesh;
   const CellGraph graph = graphOf(mesh);
-  const CellClusters clusters = clustersOf(graph, centresOf(mesh), 8);
+  const CellClusters clusters = clustersOf(graph, 8);
   std::vector<int> sizes(clusters.sizes.size(), 0);
   std::map<std::pair<int, int>, int> sides;
   for (int c = 0; c < graph.cells(); ++c) {

@@ -85,7 +85,7 @@ TEST(CompactParts, fingers_become_blocks) {
     labels.push_back((x[0] < border ? 0 : 1) + (x[1] < 0.5 ? 0 : 2));
   }
   ASSERT_GT(cutSides(graph, labels), 300);
-  roundOff(graph, centresOf(body.mesh), 4, labels);
+  roundOff(graph, 4, labels);
   // Quarters cut 64 sides, and have a spread of 2·(1/2)²/12.
   EXPECT_LE(cutSides(graph, labels), 80);
   EXPECT_NEAR(spread(body.mesh, labels, 4), 1.0 / 24.0, 0.1 / 24.0);

@@ -40,7 +40,8 @@ BodyMesh block(CellType type) {
 
 std::vector<int> labelled(const BodyMesh& body, const std::function<int(const Point&)>& labelAt) {
   std::vector<int> labels;
-  for (const Point& centre : centresOf(body.mesh))
+  const CellGraph graph = graphOf(body.mesh);
+  for (const Point& centre : graph.centres)
     labels.push_back(labelAt(centre));
   return labels;
 }
@@ -65,10 +66,10 @@ TEST(PartShape, a_dumbbell_is_ragged_and_its_neck_is_where_it_is_thin) {
     SCOPED_TRACE(shapeOf(type).name);
     const BodyMesh body = block(type);
     const CellGraph graph = graphOf(body.mesh);
-    const std::vector<Point> centres = centresOf(body.mesh);
+    const std::vector<Point>& centres = graph.centres;
     // The smaller end is to the right.
     const std::vector<int> cells = cellsOf(dumbbell(body, 1.0, 1.4), 2)[0];
-    const Neck neck = PartShapes(body.mesh, graph).neckOf(cells);
+    const Neck neck = PartShapes(graph).neckOf(cells);
     EXPECT_LT(neck.width, raggedNeck);
     EXPECT_TRUE(std::is_sorted(neck.cells.begin(), neck.cells.end()));
     // Up to the bar's cells, which may lie on either side.
@@ -95,9 +96,9 @@ TEST(PartShape, a_ball_in_a_shell_is_ragged) {
       const bool bridge = x[0] > 1.0 && radius(x) < 0.5 && aside(type, x) < 0.05;
       return bridge || radius(x) < 0.25 || (radius(x) > 0.34 && radius(x) < 0.5) ? 0 : 1;
     });
-    const Neck neck = PartShapes(body.mesh, graph).neckOf(cellsOf(labels, 2)[0]);
+    const Neck neck = PartShapes(graph).neckOf(cellsOf(labels, 2)[0]);
     EXPECT_LT(neck.width, raggedNeck);
-    const std::vector<Point> centres = centresOf(body.mesh);
+    const std::vector<Point>& centres = graph.centres;
     int inside = 0, outside = 0;
     for (const Point& centre : centres)
       inside += radius(centre) < 0.25 ? 1 : 0;
@@ -120,9 +121,9 @@ TEST(PartShape, a_block_in_a_bay_is_ragged) {
           x[0] > 0.58 && x[0] < 0.7 && x[1] < 0.5 && (isPlane(type) || std::abs(x[2] - 0.5) < 1.0 / 12.0);
       return bridge || isInBay(x) || x[0] < 0.41 || x[0] > 1.59 || x[1] < 0.25 ? 0 : 1;
     });
-    const Neck neck = PartShapes(body.mesh, graph).neckOf(cellsOf(labels, 2)[0]);
+    const Neck neck = PartShapes(graph).neckOf(cellsOf(labels, 2)[0]);
     EXPECT_LT(neck.width, raggedNeck);
-    const std::vector<Point> centres = centresOf(body.mesh);
+    const std::vector<Point>& centres = graph.centres;
     const auto inBay = std::count_if(centres.begin(), centres.end(), isInBay);
     const auto found = std::count_if(neck.cells.begin(), neck.cells.end(), [&](int cell) {
       return isInBay(centres[static_cast<std::size_t>(cell)]);
@@ -144,10 +145,10 @@ TEST(PartShape, blocks_and_balls_are_not_ragged) {
     });
     const std::vector<int> slices =
         labelled(body, [](const Point& x) { return static_cast<int>(2.0 * x[0]); });
-    for (double width : neckWidths(body.mesh, graph, halves, 2))
+    for (double width : neckWidths(graph, halves, 2))
       EXPECT_GT(width, 2.0 * raggedNeck);
-    EXPECT_GT(neckWidths(body.mesh, graph, ball, 2)[0], 1.5 * raggedNeck);
-    for (double width : neckWidths(body.mesh, graph, slices, 4))
+    EXPECT_GT(neckWidths(graph, ball, 2)[0], 1.5 * raggedNeck);
+    for (double width : neckWidths(graph, slices, 4))
       EXPECT_GT(width, 1.5 * raggedNeck);
   }
 }
@@ -157,7 +158,7 @@ TEST(PartShape, width_is_sides_across_over_the_root_of_the_smaller_side) {
   const BodyMesh body = block(CellType::Quadrilateral4);
   const CellGraph graph = graphOf(body.mesh);
   const std::vector<int> halves = labelled(body, [](const Point& x) { return x[0] < 1.0 ? 0 : 1; });
-  for (double width : neckWidths(body.mesh, graph, halves, 2)) {
+  for (double width : neckWidths(graph, halves, 2)) {
     EXPECT_GE(width, 0.95 * 30.0 / std::sqrt(450.0));
     EXPECT_LE(width, 1.15 * 30.0 / std::sqrt(450.0));
   }
@@ -166,12 +167,12 @@ TEST(PartShape, width_is_sides_across_over_the_root_of_the_smaller_side) {
 TEST(PartShape, what_has_no_neck_and_what_is_in_pieces) {
   const BodyMesh body = block(CellType::Triangle3);
   const CellGraph graph = graphOf(body.mesh);
-  PartShapes shapes(body.mesh, graph);
+  PartShapes shapes(graph);
   EXPECT_TRUE(std::isinf(shapes.neckOf({3}).width));
   EXPECT_TRUE(std::isinf(shapes.neckOf({0, 1, 2, 3, 4, 5}).width));
   // The only part of a body has the shape of the body.
   const std::vector<int> one(static_cast<std::size_t>(body.mesh.numberOfCells()), 0);
-  EXPECT_TRUE(std::isinf(neckWidths(body.mesh, graph, one, 1)[0]));
+  EXPECT_TRUE(std::isinf(neckWidths(graph, one, 1)[0]));
   const std::vector<int> ends =
       cellsOf(labelled(body, [](const Point& x) { return x[0] < 0.5 || x[0] > 1.7 ? 0 : 1; }), 2)[0];
   const Neck neck = shapes.neckOf(ends);
@@ -187,7 +188,7 @@ TEST(PartShape, a_row_of_cells) {
   std::vector<int> cells(40);
   std::iota(cells.begin(), cells.end(), 0);
   const CellGraph graph = graphOf(mesh);
-  EXPECT_NEAR(PartShapes(mesh, graph).neckOf(cells).width, 1.0 / std::sqrt(20.0), 1e-12);
+  EXPECT_NEAR(PartShapes(graph).neckOf(cells).width, 1.0 / std::sqrt(20.0), 1e-12);
 }
 
 TEST(PartShape, a_planted_dumbbell_is_mended) {
@@ -202,23 +203,23 @@ TEST(PartShape, a_planted_dumbbell_is_mended) {
       return bar || lump ? 1 : x[0] < 0.4 ? 0 : x[0] < 0.8 ? 1 : x[0] < 1.4 ? 2 : 3;
     });
     std::vector<int> labels = planted;
-    std::vector<double> necks = neckWidths(body.mesh, graph, labels, 4);
+    std::vector<double> necks = neckWidths(graph, labels, 4);
     ASSERT_LT(necks[1], raggedNeck);
-    EXPECT_EQ(mendNecks(body.mesh, graph, labels, necks), 1);
+    EXPECT_EQ(mendNecks(graph, labels, necks), 1);
     for (double width : necks)
       EXPECT_GE(width, raggedNeck);
-    EXPECT_EQ(necks, neckWidths(body.mesh, graph, labels, 4)) << "necks are those of the labels";
+    EXPECT_EQ(necks, neckWidths(graph, labels, 4)) << "necks are those of the labels";
     EXPECT_EQ(componentsOf(graph, labels).cells.size(), 4u);
     // Nothing else is changed.
-    const std::vector<Point> centres = centresOf(body.mesh);
+    const std::vector<Point>& centres = graph.centres;
     for (std::size_t cell = 0; cell < labels.size(); ++cell)
       if (labels[cell] != planted[cell]) {
         EXPECT_EQ(planted[cell], 1);
         EXPECT_GT(centres[cell][0], 0.8);
       }
     std::vector<int> again = planted;
-    std::vector<double> widths = neckWidths(body.mesh, graph, again, 4);
-    mendNecks(body.mesh, graph, again, widths);
+    std::vector<double> widths = neckWidths(graph, again, 4);
+    mendNecks(graph, again, widths);
     EXPECT_EQ(labels, again) << "the same again";
     EXPECT_EQ(necks, widths);
   }
@@ -236,10 +237,10 @@ TEST(PartShape, no_part_gets_larger_than_is_reasonable) {
       return lump || bar || x[0] > 1.3 ? 1 : x[0] < 0.1 && parts == 3 ? 2 : 0;
     });
     std::vector<int> labels = planted;
-    std::vector<double> necks = neckWidths(body.mesh, graph, labels, parts);
+    std::vector<double> necks = neckWidths(graph, labels, parts);
     ASSERT_LT(necks[1], raggedNeck);
     const std::vector<double> before = necks;
-    EXPECT_EQ(mendNecks(body.mesh, graph, labels, necks) == 0, parts == 3);
+    EXPECT_EQ(mendNecks(graph, labels, necks) == 0, parts == 3);
     EXPECT_EQ(labels == planted, parts == 3);
     EXPECT_EQ(necks == before, parts == 3);
   }

@@ -6,16 +6,18 @@
 #ifdef HARMOS_HAVE_GMSH
 
 #include "Harmos_GmshModel.hpp"
+#include "Harmos_Index.hpp"
 #include "Harmos_ParameterSpec.hpp"
 
 #include <gmsh.h>
 
 #include <cmath>
+#include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <limits>
 #include <new>
 #include <sstream>
-#include <unordered_map>
 
 namespace Harmos::fem {
 namespace {
@@ -60,15 +62,7 @@ class Reader {
       : path_(std::move(path)), dimension_(dimension) {
     open(meshing);
     groups_ = groupsOfModel();
-    std::vector<Tag> tags;
-    std::vector<double> unused;
-    gmsh::model::mesh::getNodes(tags, coordinates_, unused, -1, -1, false, false);
-    for (std::size_t k = 0; k < tags.size(); ++k)
-      places_.emplace(tags[k], k);
-    for (std::size_t k = 0; k < coordinates_.size(); ++k)
-      if (!std::isfinite(coordinates_[k]))
-        throw InputError("in \"" + path_ + "\", node " + std::to_string(tags[k / 3]) +
-                         " has a coordinate that is not a finite number; write the mesh again");
+    readNodes();
   }
 
   std::vector<GmshBody> eachGroup() const {
@@ -88,24 +82,23 @@ class Reader {
                        "\"; name at least one of: " + listed(names(dimension_)));
     const CellType type = typeOf(wanted);
     body.mesh.cellType = type;
-    const std::vector<Tag> cells = cellsOf(wanted, type, body.mesh.regions);
-    std::vector<Tag> nodes = cells;
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    std::unordered_map<Tag, int> numbers;
-    for (Tag node : nodes)
-      numbers.emplace(node, static_cast<int>(numbers.size()));
-    for (Tag node : cells)
-      body.mesh.cells.push_back(numbers.at(node));
+    const std::vector<int> cells = cellsOf(wanted, type, body.mesh.regions);
+    const std::vector<int> numbers = numberNodes(cells);
+    body.mesh.cells.reserve(cells.size());
+    for (int node : cells)
+      body.mesh.cells.push_back(numbers[at(node)]);
+    for (std::size_t node = 0; node < numbers.size(); ++node)
+      if (numbers[node] >= 0) {
+        const auto x = coordinates_.begin() + static_cast<std::ptrdiff_t>(3 * node);
+        body.mesh.coordinates.insert(body.mesh.coordinates.end(), x, x + dimension_);
+      }
     if (dimension_ == 2)
-      requirePlane(wanted.name, nodes);
-    for (Tag node : nodes) {
-      const Point x = place(node);
-      body.mesh.coordinates.insert(body.mesh.coordinates.end(), x.begin(), x.begin() + dimension_);
-    }
-    requireUnfolded(body, cells);
-    nameSides(body, numbers);
+      requirePlane(wanted.name, numbers);
+    auto matched = std::make_shared<const MatchedSides>(matchSides(body.mesh));
+    requireUnfolded(body, *matched, cells);
+    nameSides(body, *matched, numbers);
     nameNodes(body, numbers);
+    body.matched = std::move(matched);
     return body;
   }
 
@@ -170,9 +163,56 @@ class Reader {
       gmsh::option::setNumber("Mesh.ElementOrder", meshing.order);
   }
 
-  Point place(Tag node) const {
-    const std::size_t k = 3 * places_.at(node);
+  // By rising tags: nodes go by their places in this order from here on.
+  void readNodes() {
+    std::vector<double> coordinates, unused;
+    gmsh::model::mesh::getNodes(tags_, coordinates, unused, -1, -1, false, false);
+    if (std::is_sorted(tags_.begin(), tags_.end())) {
+      coordinates_ = std::move(coordinates);
+    } else {
+      std::vector<std::pair<Tag, std::size_t>> order;
+      for (Tag tag : tags_)
+        order.emplace_back(tag, order.size());
+      std::sort(order.begin(), order.end());
+      for (std::size_t k = 0; k < order.size(); ++k) {
+        tags_[k] = order[k].first;
+        const auto x = coordinates.begin() + static_cast<std::ptrdiff_t>(3 * order[k].second);
+        coordinates_.insert(coordinates_.end(), x, x + 3);
+      }
+    }
+    firstTag_ = tags_.empty() ? 0 : tags_.front();
+    for (std::size_t k = 0; k < coordinates_.size(); ++k)
+      if (!std::isfinite(coordinates_[k]))
+        throw InputError("in \"" + path_ + "\", node " + std::to_string(tags_[k / 3]) +
+                         " has a coordinate that is not a finite number; write the mesh again");
+  }
+
+  // Place of a node among all.
+  int placeOf(Tag tag) const {
+    const std::size_t guess = tag - firstTag_; // right where tags have no gaps, as in most files
+    if (guess < tags_.size() && tags_[guess] == tag && (guess == 0 || tags_[guess - 1] != tag))
+      return static_cast<int>(guess);
+    const auto found = std::lower_bound(tags_.begin(), tags_.end(), tag);
+    if (found == tags_.end() || *found != tag)
+      throw InputError("\"" + path_ + "\" has cells with node " + std::to_string(tag) +
+                       ", which it does not have; write the mesh again");
+    return static_cast<int>(found - tags_.begin());
+  }
+
+  Point place(int node) const {
+    const std::size_t k = 3 * at(node);
     return {coordinates_[k], coordinates_[k + 1], coordinates_[k + 2]};
+  }
+
+  // By place: the numbers of a body's nodes, −1 for others.
+  std::vector<int> numberNodes(const std::vector<int>& cells) const {
+    std::vector<int> numbers(tags_.size(), -1);
+    for (int node : cells)
+      numbers[at(node)] = 0;
+    int next = 0;
+    for (int& number : numbers)
+      number = number == 0 ? next++ : -1;
+    return numbers;
   }
 
   const ElementType& elementType(int type) {
@@ -222,7 +262,7 @@ class Reader {
     std::map<int, std::size_t> counts;
     for (const std::string& group : body.groups)
       for (int entity : entities(body.name, group)) {
-        const Elements elements = elementsOf(dimension_, entity);
+        const Elements& elements = cells_[entity] = elementsOf(dimension_, entity);
         for (std::size_t k = 0; k < elements.types.size(); ++k)
           counts[elements.types[k]] += elements.tags[k].size();
       }
@@ -250,9 +290,9 @@ class Reader {
     return *elementType(counts.begin()->first).ours;
   }
 
-  // Tags of the nodes of each cell, in our order.
-  std::vector<Tag> cellsOf(const GmshBody& body, CellType type, std::vector<int>& regions) {
-    std::vector<Tag> cells;
+  // Places of the nodes of each cell, in our order.
+  std::vector<int> cellsOf(const GmshBody& body, CellType type, std::vector<int>& regions) {
+    std::vector<int> cells;
     for (std::size_t region = 0; region < body.groups.size(); ++region)
       for (int entity : entities(body.name, body.groups[region])) {
         const std::string owner = "group " + quoted(body.groups[region]) + " of body " + quoted(body.name);
@@ -261,14 +301,14 @@ class Reader {
           throw InputError("in \"" + path_ + "\", " + entityName(dimension_) + " " + std::to_string(entity) +
                            " belongs to " + previous->second + " and to " + owner +
                            ". A cell belongs to one region of one body: make the groups disjoint");
-        const Elements elements = elementsOf(dimension_, entity);
+        const Elements elements = std::move(cells_[entity]);
         for (std::size_t k = 0; k < elements.types.size(); ++k) {
           const ElementType& element = elementType(elements.types[k]);
-          std::vector<Tag> ours;
+          std::vector<int> ours;
           ours.reserve(elements.nodes[k].size());
           for (std::size_t first = 0; first < elements.nodes[k].size(); first += element.nodes)
             for (std::size_t i : element.order)
-              ours.push_back(elements.nodes[k][first + i]);
+              ours.push_back(placeOf(elements.nodes[k][first + i]));
           dropCopies(type, ours);
           orient(type, entity, ours);
           cells.insert(cells.end(), ours.begin(), ours.end());
@@ -280,49 +320,62 @@ class Reader {
   }
 
   // Files of format 2 hold the cells of an entity once for each of its groups.
-  static void dropCopies(CellType type, std::vector<Tag>& cells) {
+  static void dropCopies(CellType type, std::vector<int>& cells) {
     const CellShape& shape = shapeOf(type);
-    const auto nodes = static_cast<std::size_t>(shape.nodes);
-    constexpr std::size_t most = 8;
-    std::vector<std::pair<std::array<Tag, most>, std::size_t>> keys; // sorted corners, first node
+    const auto nodes = at(shape.nodes);
+    std::vector<std::pair<std::uint64_t, std::size_t>> keys; // hash of the sorted corners, first node
+    keys.reserve(cells.size() / nodes);
+    const auto cornersAt = [&](std::size_t first) {
+      std::array<int, 8> corners;
+      corners.fill(-1);
+      std::copy_n(cells.begin() + static_cast<std::ptrdiff_t>(first), shape.corners, corners.begin());
+      std::sort(corners.begin(), corners.end());
+      return corners;
+    };
     for (std::size_t first = 0; first < cells.size(); first += nodes) {
-      std::array<Tag, most> key{};
-      std::copy_n(cells.begin() + static_cast<std::ptrdiff_t>(first), shape.corners, key.begin());
-      std::sort(key.begin(), key.end());
-      keys.emplace_back(key, first);
+      std::uint64_t hash = 0;
+      for (int corner : cornersAt(first))
+        hash = (hash ^ static_cast<std::uint64_t>(corner)) * 0x9e3779b97f4a7c15;
+      keys.emplace_back(hash, first);
     }
     std::sort(keys.begin(), keys.end());
-    const auto end = std::unique(keys.begin(), keys.end(),
-                                 [](const auto& a, const auto& b) { return a.first == b.first; });
-    if (end == keys.end())
-      return;
-    keys.erase(end, keys.end());
-    std::sort(keys.begin(), keys.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-    std::vector<Tag> once;
-    for (const auto& key : keys) {
-      const auto begin = cells.begin() + static_cast<std::ptrdiff_t>(key.second);
-      once.insert(once.end(), begin, begin + shape.nodes);
+    std::vector<std::uint8_t> isCopy(keys.size(), 0);
+    for (std::size_t first = 0, k = 1; k < keys.size(); ++k) {
+      if (keys[k].first != keys[first].first)
+        first = k;
+      for (std::size_t before = first; before < k; ++before)
+        if (isCopy[keys[before].second / nodes] == 0 &&
+            cornersAt(keys[before].second) == cornersAt(keys[k].second))
+          isCopy[keys[k].second / nodes] = 1;
     }
+    if (std::find(isCopy.begin(), isCopy.end(), 1) == isCopy.end())
+      return;
+    std::vector<int> once;
+    for (std::size_t cell = 0; cell < isCopy.size(); ++cell)
+      if (isCopy[cell] == 0) {
+        const auto begin = cells.begin() + static_cast<std::ptrdiff_t>(cell * nodes);
+        once.insert(once.end(), begin, begin + shape.nodes);
+      }
     cells = std::move(once);
   }
 
   // For messages: what a cell is called in the file.
-  std::string cellText(const CellShape& shape, const Tag* cell) const {
+  std::string cellText(const CellShape& shape, const int* cell) const {
     std::string nodes;
     for (int i = 0; i < shape.corners; ++i)
-      nodes += (i == 0 ? "" : ", ") + std::to_string(cell[i]);
+      nodes += (i == 0 ? "" : ", ") + std::to_string(tags_[at(cell[i])]);
     return "the cell at " + placeText(place(cell[0])) + " with the corner nodes " + nodes;
   }
 
   // Renumbers mirrored cells: writers of .vtk and others do not care how they go around.
-  void orient(CellType type, int entity, std::vector<Tag>& cells) const {
+  void orient(CellType type, int entity, std::vector<int>& cells) const {
     const CellShape& shape = shapeOf(type);
     const auto nodes = static_cast<std::size_t>(shape.nodes);
     std::vector<Point> swapped = shape.nodeCoordinates;
     for (Point& x : swapped)
       std::swap(x[0], x[1]);
     const std::vector<std::size_t> order = matched(swapped, shape.nodeCoordinates);
-    std::vector<Tag> cell(nodes);
+    std::vector<int> cell(nodes);
     for (std::size_t first = 0; first < cells.size(); first += nodes) {
       const int sign = orientation(shape, &cells[first]);
       if (sign == 0 && shape.isSimplex)
@@ -340,8 +393,9 @@ class Reader {
   }
 
   // Neighbours that cover each other, which no sign of a Jacobian tells.
-  void requireUnfolded(const BodyMesh& body, const std::vector<Tag>& cells) const {
-    const std::optional<std::pair<Side, Side>> folded = foldedSides(body.mesh);
+  void requireUnfolded(const BodyMesh& body, const MatchedSides& matched,
+                       const std::vector<int>& cells) const {
+    const std::optional<std::pair<Side, Side>> folded = foldedSides(body.mesh, matched);
     if (!folded)
       return;
     const CellShape& shape = shapeOf(body.mesh.cellType);
@@ -357,7 +411,7 @@ class Reader {
 
   // 1 or −1 if the Jacobian has this sign at every corner of the cell with straight edges; 0 otherwise, which
   // is left for the integration to judge.
-  int orientation(const CellShape& shape, const Tag* cell) const {
+  int orientation(const CellShape& shape, const int* cell) const {
     const auto corners = static_cast<std::size_t>(shape.corners);
     const auto dimension = static_cast<std::size_t>(dimension_);
     std::size_t positive = 0, negative = 0;
@@ -365,7 +419,7 @@ class Reader {
       // Along the edges to the neighbours: those that differ in one reference coordinate, or for simplices
       // the edges from the first corner, which tell of all.
       std::array<Point, 3> edges = {Point{1, 0, 0}, Point{0, 1, 0}, Point{0, 0, 1}};
-      const Point at = place(cell[c]);
+      const Point start = place(cell[c]);
       for (std::size_t d = 0; d < dimension; ++d) {
         std::size_t other = d + 1;
         double sign = 1.0;
@@ -379,7 +433,7 @@ class Reader {
         }
         const Point end = place(cell[other]);
         for (std::size_t k = 0; k < dimension; ++k)
-          edges[d][k] = sign * (end[k] - at[k]);
+          edges[d][k] = sign * (end[k] - start[k]);
       }
       const auto& [u, v, w] = edges;
       const double jacobian = u[0] * (v[1] * w[2] - v[2] * w[1]) - u[1] * (v[0] * w[2] - v[2] * w[0]) +
@@ -389,7 +443,8 @@ class Reader {
       if (shape.isSimplex) {
         double edgeProduct = 1.0; // the largest Jacobian that edges of these lengths can have
         for (std::size_t d = 0; d < dimension; ++d)
-          edgeProduct *= std::hypot(edges[d][0], edges[d][1], edges[d][2]);
+          edgeProduct *=
+              std::sqrt(edges[d][0] * edges[d][0] + edges[d][1] * edges[d][1] + edges[d][2] * edges[d][2]);
         constexpr double rounding = 1e-14;
         return std::abs(jacobian) <= rounding * edgeProduct ? 0 : jacobian > 0.0 ? 1 : -1;
       }
@@ -397,12 +452,14 @@ class Reader {
     return positive == corners ? 1 : negative == corners ? -1 : 0;
   }
 
-  void requirePlane(const std::string& body, const std::vector<Tag>& nodes) const {
-    Point least = place(nodes.front()), most = least;
-    for (Tag node : nodes)
-      for (std::size_t d = 0; d < 3; ++d) {
-        least[d] = std::min(least[d], place(node)[d]);
-        most[d] = std::max(most[d], place(node)[d]);
+  // @param numbers of the body's nodes, by place; −1: not one of them.
+  void requirePlane(const std::string& body, const std::vector<int>& numbers) const {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    Point least = {infinite, infinite, infinite}, most = {-infinite, -infinite, -infinite};
+    for (std::size_t node = 0; node < numbers.size(); ++node)
+      for (std::size_t d = 0; d < 3 && numbers[node] >= 0; ++d) {
+        least[d] = std::min(least[d], coordinates_[3 * node + d]);
+        most[d] = std::max(most[d], coordinates_[3 * node + d]);
       }
     constexpr double tolerance = 1e-9; // relative: files hold coordinates with some 16 digits
     const double size = std::max(most[0] - least[0], most[1] - least[1]);
@@ -415,8 +472,8 @@ class Reader {
     }
   }
 
-  void nameSides(BodyMesh& body, const std::unordered_map<Tag, int>& numbers) {
-    const std::vector<Side> boundary = boundarySides(body.mesh);
+  void nameSides(BodyMesh& body, const MatchedSides& matched, const std::vector<int>& numbers) {
+    const std::vector<Side> boundary = boundarySides(matched);
     body.mesh.boundary = nodesOf(body.mesh, boundary);
     const auto corners = static_cast<std::size_t>(shapeOf(shapeOf(body.mesh.cellType).side).corners);
     std::map<std::vector<int>, Side> byCorners;
@@ -436,9 +493,9 @@ class Reader {
           for (std::size_t first = 0; first < elements.nodes[k].size(); first += element.nodes) {
             std::vector<int> nodes;
             for (std::size_t i = 0; i < element.corners; ++i) {
-              const auto found = numbers.find(elements.nodes[k][first + i]);
-              if (found != numbers.end())
-                nodes.push_back(found->second);
+              const int number = numbers[at(placeOf(elements.nodes[k][first + i]))];
+              if (number >= 0)
+                nodes.push_back(number);
             }
             std::sort(nodes.begin(), nodes.end());
             const auto side = byCorners.find(nodes);
@@ -446,7 +503,7 @@ class Reader {
               sides.push_back(side->second);
             else if (nodes.size() == element.corners)
               for (std::size_t i = 0; i < element.nodes; ++i)
-                inside.push_back(numbers.at(elements.nodes[k][first + i]));
+                inside.push_back(numbers[at(placeOf(elements.nodes[k][first + i]))]);
           }
         }
       }
@@ -464,17 +521,15 @@ class Reader {
     }
   }
 
-  void nameNodes(BodyMesh& body, const std::unordered_map<Tag, int>& numbers) const {
+  void nameNodes(BodyMesh& body, const std::vector<int>& numbers) const {
     for (int dimension = 0; dimension < dimension_ - 1; ++dimension)
       for (const auto& [name, entities] : groups(dimension)) {
         std::vector<int> nodes;
         for (int entity : entities)
           for (const std::vector<Tag>& ofType : elementsOf(dimension, entity).nodes)
-            for (Tag node : ofType) {
-              const auto found = numbers.find(node);
-              if (found != numbers.end())
-                nodes.push_back(found->second);
-            }
+            for (Tag node : ofType)
+              if (const int number = numbers[at(placeOf(node))]; number >= 0)
+                nodes.push_back(number);
         if (nodes.empty())
           continue;
         std::vector<int>& all = body.nodes[name]; // a point and a curve may have one name
@@ -487,9 +542,11 @@ class Reader {
   std::string path_;
   int dimension_;
   Groups groups_;
-  std::vector<double> coordinates_;
-  std::unordered_map<Tag, std::size_t> places_; // of a node's coordinates
+  std::vector<Tag> tags_; // of all nodes, rising
+  Tag firstTag_ = 0;
+  std::vector<double> coordinates_; // of all nodes
   std::map<int, ElementType> types_;
+  std::map<int, Elements> cells_;     // of entities, from typeOf() to cellsOf()
   std::map<int, std::string> owners_; // of entities
 };
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_Mesh.hpp"
+#include "Harmos_CellSides.hpp"
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct BodyMesh {
   std::vector<std::string> regions;               ///< names of the regions that mesh.regions counts
   std::map<std::string, std::vector<Side>> sides; ///< named boundary parts
   std::map<std::string, std::vector<int>> nodes;  ///< named points, which are no sides
+  std::shared_ptr<const MatchedSides> matched;    ///< of the mesh, where they are known already; or null
 };
 
 } // namespace Harmos::fem

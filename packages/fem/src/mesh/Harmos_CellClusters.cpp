@@ -4,6 +4,7 @@
 #include "Harmos_Index.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <utility>
@@ -21,8 +22,9 @@ std::uint64_t spread(std::uint64_t x) {
   return (x | x << 2) & 0x1249249249249249;
 }
 
-// Along Morton's curve.
-std::vector<int> orderOf(const std::vector<Point>& points) {
+} // namespace
+
+std::vector<int> curveThrough(const std::vector<Point>& points) {
   constexpr double most = std::numeric_limits<double>::max();
   Point low = {most, most, most}, high = {-most, -most, -most};
   for (const Point& x : points)
@@ -35,6 +37,7 @@ std::vector<int> orderOf(const std::vector<Point>& points) {
     extent = std::max(extent, high[d] - low[d]);
   const double scale = extent > 0.0 ? 0x1fffff / extent : 0.0;
   std::vector<std::pair<std::uint64_t, int>> keys;
+  keys.reserve(points.size());
   for (std::size_t k = 0; k < points.size(); ++k) {
     std::uint64_t key = 0;
     for (std::size_t d = 0; d < 3; ++d)
@@ -48,10 +51,33 @@ std::vector<int> orderOf(const std::vector<Point>& points) {
   return order;
 }
 
-void group(const CellGraph& graph, const std::vector<int>& order, int size, CellClusters& clusters) {
-  clusters.of.assign(order.size(), -1);
+CellGraph reordered(const CellGraph& graph, const std::vector<int>& order) {
+  std::vector<int> place(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k)
+    place[at(order[k])] = static_cast<int>(k);
+  CellGraph result;
+  result.dimension = graph.dimension;
+  result.offsets = {0};
+  result.offsets.reserve(graph.offsets.size());
+  result.neighbours.reserve(graph.neighbours.size());
+  result.centres.reserve(graph.centres.size());
+  for (int old : order) {
+    const auto first = static_cast<std::ptrdiff_t>(result.neighbours.size());
+    for (const int* other = graph.begin(old); other != graph.end(old); ++other)
+      result.neighbours.push_back(place[at(*other)]);
+    std::sort(result.neighbours.begin() + first, result.neighbours.end());
+    result.offsets.push_back(result.neighbours.size());
+    result.centres.push_back(graph.centres[at(old)]);
+  }
+  return result;
+}
+
+namespace {
+
+void group(const CellGraph& graph, int size, CellClusters& clusters) {
+  clusters.of.assign(at(graph.cells()), -1);
   std::vector<int> cells;
-  for (int first : order) {
+  for (int first = 0; first < graph.cells(); ++first) {
     if (clusters.of[at(first)] >= 0)
       continue;
     const int cluster = static_cast<int>(clusters.sizes.size());
@@ -102,16 +128,18 @@ void connect(const CellGraph& graph, CellClusters& clusters) {
 
 } // namespace
 
-CellClusters clustersOf(const CellGraph& graph, const std::vector<Point>& centres, int size) {
+CellClusters clustersOf(const CellGraph& graph, int size) {
   CellClusters clusters;
-  group(graph, orderOf(centres), size, clusters);
-  clusters.centres.assign(clusters.sizes.size(), Point{});
-  for (std::size_t c = 0; c < centres.size(); ++c)
+  group(graph, size, clusters);
+  std::vector<Point>& centres = clusters.graph.centres;
+  centres.assign(clusters.sizes.size(), Point{});
+  for (std::size_t c = 0; c < graph.centres.size(); ++c)
     for (std::size_t d = 0; d < 3; ++d)
-      clusters.centres[at(clusters.of[c])][d] += centres[c][d];
-  for (std::size_t k = 0; k < clusters.sizes.size(); ++k)
+      centres[at(clusters.of[c])][d] += graph.centres[c][d];
+  for (std::size_t k = 0; k < centres.size(); ++k)
     for (std::size_t d = 0; d < 3; ++d)
-      clusters.centres[k][d] /= clusters.sizes[k];
+      centres[k][d] /= clusters.sizes[k];
+  clusters.graph.dimension = graph.dimension;
   connect(graph, clusters);
   return clusters;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_CellGraph.hpp"
 
-#include "Harmos_CellSides.hpp"
 #include "Harmos_Index.hpp"
 
 #include <algorithm>
@@ -11,17 +10,32 @@
 
 namespace Harmos::fem {
 
-CellGraph graphOf(const Mesh& mesh) {
-  const std::vector<CornerSide> sides = sidesByCorners(mesh);
-  const auto overPairs = [&](const auto& visit) { // of cells that share a side, both ways round
-    for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
-      while (last < sides.size() && sides[last].corners == sides[first].corners)
-        ++last;
-      for (std::size_t a = first; a < last; ++a)
-        for (std::size_t b = first; b < last; ++b)
-          if (a != b)
-            visit(at(sides[a].side.cell), sides[b].side.cell);
+namespace {
+
+std::vector<Point> centresOf(const Mesh& mesh) {
+  const auto corners = at(shapeOf(mesh.cellType).corners), dimension = at(mesh.dimension());
+  const double share = 1.0 / static_cast<double>(corners);
+  std::vector<Point> centres(at(mesh.numberOfCells()), Point{});
+  for (std::size_t c = 0; c < centres.size(); ++c) {
+    const int* cell = mesh.cell(static_cast<int>(c));
+    for (std::size_t k = 0; k < corners; ++k) {
+      const double* x = mesh.coordinates.data() + at(cell[k]) * dimension;
+      for (std::size_t d = 0; d < dimension; ++d)
+        centres[c][d] += share * x[d];
     }
+  }
+  return centres;
+}
+
+} // namespace
+
+CellGraph graphOf(const Mesh& mesh, const MatchedSides& sides) {
+  const auto overPairs = [&](const auto& visit) { // of cells that share a side, both ways round
+    for (std::size_t group = 0; group + 1 < sides.first.size(); ++group)
+      for (std::size_t a = sides.first[group]; a < sides.first[group + 1]; ++a)
+        for (std::size_t b = sides.first[group]; b < sides.first[group + 1]; ++b)
+          if (a != b)
+            visit(at(sides.sides[a].cell), sides.sides[b].cell);
   };
   std::vector<std::ptrdiff_t> first(at(mesh.numberOfCells()) + 1, 0);
   overPairs([&](std::size_t cell, int) { ++first[cell + 1]; });
@@ -30,6 +44,8 @@ CellGraph graphOf(const Mesh& mesh) {
   std::vector<std::ptrdiff_t> next(first.begin(), first.end() - 1);
   overPairs([&](std::size_t cell, int other) { all[at(next[cell]++)] = other; });
   CellGraph graph;
+  graph.centres = centresOf(mesh);
+  graph.dimension = mesh.dimension();
   graph.offsets.push_back(0);
   graph.neighbours.reserve(all.size());
   for (std::size_t cell = 0; cell + 1 < first.size(); ++cell) {
@@ -41,28 +57,19 @@ CellGraph graphOf(const Mesh& mesh) {
   return graph;
 }
 
-std::vector<Point> centresOf(const Mesh& mesh) {
-  const auto corners = shapeOf(mesh.cellType).corners;
-  std::vector<Point> centres(static_cast<std::size_t>(mesh.numberOfCells()), Point{});
-  for (int c = 0; c < mesh.numberOfCells(); ++c) {
-    for (int k = 0; k < static_cast<int>(corners); ++k) {
-      const Point x = mesh.local(mesh.cell(c)[k]);
-      for (std::size_t d = 0; d < 3; ++d)
-        centres[static_cast<std::size_t>(c)][d] += x[d] / static_cast<double>(corners);
-    }
-  }
-  return centres;
+CellGraph graphOf(const Mesh& mesh) {
+  return graphOf(mesh, matchSides(mesh));
 }
 
 Components componentsOf(const CellGraph& graph, const std::vector<int>& labels) {
   Components components;
   components.of.assign(labels.size(), -1);
-  const auto at = [](int cell) { return static_cast<std::size_t>(cell); };
+  std::vector<int> cells; // of one component
   for (int first = 0; first < graph.cells(); ++first) {
     if (components.of[at(first)] >= 0)
       continue;
     const int component = static_cast<int>(components.cells.size());
-    std::vector<int> cells = {first};
+    cells = {first};
     components.of[at(first)] = component;
     for (std::size_t k = 0; k < cells.size(); ++k) {
       const int cell = cells[k];
@@ -72,9 +79,10 @@ Components componentsOf(const CellGraph& graph, const std::vector<int>& labels) 
           cells.push_back(*other);
         }
     }
-    std::sort(cells.begin(), cells.end());
-    components.cells.push_back(std::move(cells));
+    components.cells.emplace_back().reserve(cells.size());
   }
+  for (std::size_t cell = 0; cell < labels.size(); ++cell)
+    components.cells[at(components.of[cell])].push_back(static_cast<int>(cell));
   return components;
 }
 

@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_Mesh.hpp"
+#include "Harmos_CellSides.hpp"
 
 #include <cstddef>
 #include <vector>
 
 namespace Harmos::fem {
 
-/// The cells that share a side, cell by cell.
+/// The cells that share a side, cell by cell, and where they are.
 struct CellGraph {
   std::vector<std::size_t> offsets;
-  std::vector<int> neighbours;
+  std::vector<int> neighbours; ///< rising
+  std::vector<Point> centres;  ///< the mean of each cell's corners
+  int dimension = 0;
 
   int cells() const { return static_cast<int>(offsets.size()) - 1; }
   const int* begin(int cell) const { return neighbours.data() + offsets[static_cast<std::size_t>(cell)]; }
   const int* end(int cell) const { return neighbours.data() + offsets[static_cast<std::size_t>(cell) + 1]; }
 };
 
-/// Of cells that share all corners of a side. See sidesByCorners() for the cost. Local.
+/// Of cells that share all corners of a side. See matchSides() for the cost. Local.
+CellGraph graphOf(const Mesh& mesh, const MatchedSides& sides);
 CellGraph graphOf(const Mesh& mesh);
-
-/// The means of the cells' corners. Local.
-std::vector<Point> centresOf(const Mesh& mesh);
 
 /// Cells that hang together and have one label.
 struct Components {

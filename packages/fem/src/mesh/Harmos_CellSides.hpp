@@ -3,21 +3,23 @@
 
 #include "Harmos_Mesh.hpp"
 
-#include <array>
+#include <cstddef>
 #include <vector>
 
 namespace Harmos::fem {
 
-/// A side of a cell by its corners, which are those of the side of the cell beside it too.
-struct CornerSide {
-  std::array<int, 4> corners; ///< rising; before them −1 for those that a side of fewer does not have
-  Side side;
+/// All sides of all cells, those with the same corners next to each other: sides that cells share.
+struct MatchedSides {
+  std::vector<Side> sides;        ///< groups by rising corners; in a group by cells
+  std::vector<std::size_t> first; ///< of each group among them, and the end
 };
 
-/// All sides of all cells by rising corners: those with the same ones next to each other, by their cells.
-///
 /// Sorted by counting the sides of each lowest corner first, then the few of one corner: O(n) as long as few
 /// sides meet in a node. Local. Guarded by tests/unit/fem/test_cell_sides.cpp.
-std::vector<CornerSide> sidesByCorners(const Mesh& mesh);
+MatchedSides matchSides(const Mesh& mesh);
+
+/// As boundarySides(mesh) and foldedSides(mesh), where the sides are matched already. Local.
+std::vector<Side> boundarySides(const MatchedSides& matched);
+std::optional<std::pair<Side, Side>> foldedSides(const Mesh& mesh, const MatchedSides& matched);
 
 } // namespace Harmos::fem

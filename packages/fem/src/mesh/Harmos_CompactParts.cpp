@@ -18,21 +18,26 @@ double distance2(const Point& a, const Point& b) {
   return sum;
 }
 
-// Of cells, or of clusters of them.
+// Of cells, or of clusters of them. Sums over the cells of a part follow each move, so that a sweep needs to
+// look at no cells but those that have a side in common with another part.
 class Sweeps {
  public:
   /// @param counts cells of each; empty: one.
-  Sweeps(const CellGraph& graph, const std::vector<Point>& centres, const std::vector<int>& counts, int parts,
-         std::vector<int>& labels)
+  Sweeps(const CellGraph& graph, const std::vector<int>& counts, int parts, std::vector<int>& labels)
       : graph_(graph),
         labels_(labels),
-        centres_(centres),
         counts_(counts),
-        sizes_(at(parts), 0),
+        sums_(at(parts)),
         weights_(at(parts), 0.0),
-        queued_(at(graph.cells()), 0) {
+        marks_(at(graph.cells()), 0) {
+    const Point none{};
+    origin_ = graph.centres.empty() ? none : graph.centres.front();
     count();
-    wanted_ = sizes_;
+    for (const Sums& sums : sums_)
+      wanted_.push_back(sums.cells);
+    for (int cell = 0; cell < graph_.cells(); ++cell)
+      if (isAtBoundary(cell))
+        boundary_.push_back(cell);
   }
 
   // With the sizes that are wanted, and the weights, of sweeps over clusters of these cells.
@@ -66,40 +71,62 @@ class Sweeps {
   // Cells join the part that most of their sides look at.
   void smooth() {
     constexpr int votes = 10;
+    std::fill(marks_.begin(), marks_.end(), std::uint8_t{1});
     for (int k = 0; k < votes && vote(); ++k) {
     }
+    std::fill(marks_.begin(), marks_.end(), std::uint8_t{0});
   }
 
  private:
+  // Of the cells of a part; of x and |x|², from the origin.
+  struct Sums {
+    int cells = 0;
+    Point x{};
+    double square = 0.0;
+  };
+
   int countOf(std::size_t cell) const { return counts_.empty() ? 1 : counts_[cell]; }
 
+  void add(Sums& sums, int cell, int sign) const {
+    const int count = sign * countOf(at(cell));
+    const Point& x = graph_.centres[at(cell)];
+    sums.cells += count;
+    for (std::size_t d = 0; d < 3; ++d)
+      sums.x[d] += count * (x[d] - origin_[d]);
+    sums.square += count * distance2(x, origin_);
+  }
+
   void count() {
-    std::fill(sizes_.begin(), sizes_.end(), 0);
-    for (std::size_t c = 0; c < labels_.size(); ++c)
-      sizes_[at(labels_[c])] += countOf(c);
+    std::fill(sums_.begin(), sums_.end(), Sums());
+    for (int cell = 0; cell < graph_.cells(); ++cell)
+      add(sums_[at(labels_[at(cell)])], cell, 1);
   }
 
   // Centroids, and weights by how far the parts are from their sizes.
   void measure() {
-    centroids_.assign(sizes_.size(), Point{});
-    for (std::size_t c = 0; c < labels_.size(); ++c)
-      for (std::size_t d = 0; d < 3; ++d)
-        centroids_[at(labels_[c])][d] += countOf(c) * centres_[c][d] / sizes_[at(labels_[c])];
-    std::vector<double> spread(sizes_.size(), 0.0); // mean square of the distance
-    for (std::size_t c = 0; c < labels_.size(); ++c)
-      spread[at(labels_[c])] +=
-          countOf(c) * distance2(centres_[c], centroids_[at(labels_[c])]) / sizes_[at(labels_[c])];
+    centroids_.assign(sums_.size(), Point{});
+    std::vector<double> spread(sums_.size(), 0.0); // mean square of the distance from the centroid
+    for (std::size_t p = 0; p < sums_.size(); ++p) {
+      const double cells = sums_[p].cells;
+      spread[p] = sums_[p].square / cells;
+      for (std::size_t d = 0; d < 3; ++d) {
+        const double mean = sums_[p].x[d] / cells;
+        centroids_[p][d] = origin_[d] + mean;
+        spread[p] -= mean * mean;
+      }
+      spread[p] = std::max(0.0, spread[p]); // but for rounding errors
+    }
     // A ball's boundary moves by R f/3 for a share f of its cells, and the weights it takes for that differ
     // by some 4/3 R² f = 2 f spread; parts are moved by a part of it only, for their neighbours move too.
     constexpr double pace = 0.5;
     // A small part among large ones grows on their scale, or they would swallow it.
     std::vector<double> scale = spread;
-    for (int cell = 0; cell < graph_.cells(); ++cell)
+    for (int cell : boundary_)
       for (const int* other = graph_.begin(cell); other != graph_.end(cell); ++other)
         scale[at(labels_[at(cell)])] =
             std::max(scale[at(labels_[at(cell)])], spread[at(labels_[at(*other)])]);
-    for (std::size_t p = 0; p < sizes_.size(); ++p) {
-      const double excess = 1.0 - static_cast<double>(sizes_[p]) / wanted_[p];
+    for (std::size_t p = 0; p < sums_.size(); ++p) {
+      const double excess = 1.0 - static_cast<double>(sums_[p].cells) / wanted_[p];
       weights_[p] += pace * (excess > 0.0 ? scale[p] : spread[p]) * excess;
     }
   }
@@ -107,8 +134,8 @@ class Sweeps {
   // The largest factor between what a part has of cells and what it had at first.
   double imbalance() const {
     double worst = 1.0;
-    for (std::size_t p = 0; p < sizes_.size(); ++p) {
-      const double ratio = static_cast<double>(sizes_[p]) / wanted_[p];
+    for (std::size_t p = 0; p < sums_.size(); ++p) {
+      const double ratio = static_cast<double>(sums_[p].cells) / wanted_[p];
       worst = std::max({worst, ratio, 1.0 / ratio});
     }
     return worst;
@@ -123,27 +150,33 @@ class Sweeps {
 
   // Each cell to the nearest part of those it touches. Whether any has moved.
   bool assign() {
-    std::vector<int> queue;
-    for (int cell = 0; cell < graph_.cells(); ++cell)
-      if (isAtBoundary(cell)) {
-        queue.push_back(cell);
-        queued_[at(cell)] = 1;
-      }
+    std::vector<int> queue = boundary_, met = boundary_; // met: what was ever in the queue
+    for (int cell : boundary_)
+      marks_[at(cell)] = queued | known;
     // Weighted distances fall with each move, so that there is an end.
     bool moved = false;
     for (std::size_t k = 0; k < queue.size(); ++k) {
       const int cell = queue[k];
-      queued_[at(cell)] = 0;
+      marks_[at(cell)] = known;
       const int best = nearest(cell);
-      if (best == labels_[at(cell)] || sizes_[at(labels_[at(cell)])] == countOf(at(cell)))
+      if (best == labels_[at(cell)] || sums_[at(labels_[at(cell)])].cells == countOf(at(cell)))
         continue;
       move(cell, best);
       moved = true;
       for (const int* other = graph_.begin(cell); other != graph_.end(cell); ++other)
-        if (queued_[at(*other)] == 0 && labels_[at(*other)] != best) {
-          queued_[at(*other)] = 1;
+        if ((marks_[at(*other)] & queued) == 0 && labels_[at(*other)] != best) {
+          if (marks_[at(*other)] == 0)
+            met.push_back(*other);
+          marks_[at(*other)] = queued | known;
           queue.push_back(*other);
         }
+    }
+    // A cell that came to the boundary has seen a neighbour leave, and was queued.
+    boundary_.clear();
+    for (int cell : met) {
+      marks_[at(cell)] = 0;
+      if (isAtBoundary(cell))
+        boundary_.push_back(cell);
     }
     return moved;
   }
@@ -163,12 +196,12 @@ class Sweeps {
   }
 
   double power(int cell, int part) const {
-    return distance2(centres_[at(cell)], centroids_[at(part)]) - weights_[at(part)];
+    return distance2(graph_.centres[at(cell)], centroids_[at(part)]) - weights_[at(part)];
   }
 
   void move(int cell, int part) {
-    sizes_[at(labels_[at(cell)])] -= countOf(at(cell));
-    sizes_[at(part)] += countOf(at(cell));
+    add(sums_[at(labels_[at(cell)])], cell, -1);
+    add(sums_[at(part)], cell, 1);
     labels_[at(cell)] = part;
   }
 
@@ -178,56 +211,67 @@ class Sweeps {
     return few(cell) && std::all_of(graph_.begin(cell), graph_.end(cell), few);
   }
 
-  // Whether any has moved.
+  int sidesWith(int cell, int part) const {
+    int sides = 0;
+    for (const int* other = graph_.begin(cell); other != graph_.end(cell); ++other)
+      sides += labels_[at(*other)] == part ? 1 : 0;
+    return sides;
+  }
+
+  // The marked cells vote: those of which a neighbour has moved since they did. Whether any has moved.
   bool vote() {
     bool moved = false;
     for (int cell = 0; cell < graph_.cells(); ++cell) {
-      if (sizes_[at(labels_[at(cell)])] == 1)
+      if (marks_[at(cell)] == 0)
         continue;
-      const auto sidesWith = [&](int part) {
-        int sides = 0;
-        for (const int* other = graph_.begin(cell); other != graph_.end(cell); ++other)
-          sides += labels_[at(*other)] == part ? 1 : 0;
-        return sides;
-      };
-      int best = labels_[at(cell)], most = sidesWith(best);
+      marks_[at(cell)] = 0;
+      const int own = labels_[at(cell)];
+      if (sums_[at(own)].cells == 1)
+        continue;
+      int best = own, most = sidesWith(cell, own);
       // A cell that hangs by one side is soft; but in a row of cells all do at the end of a part, and one
       // after the other would leave it.
       if (most == 1 && !isInRow(cell))
         most = 0;
       for (const int* other = graph_.begin(cell); other != graph_.end(cell); ++other) {
-        const int sides = sidesWith(labels_[at(*other)]);
+        const int sides = sidesWith(cell, labels_[at(*other)]);
         if (sides > most) {
           most = sides;
           best = labels_[at(*other)];
         }
       }
-      if (best != labels_[at(cell)]) {
-        move(cell, best);
-        moved = true;
-      }
+      if (best == own)
+        continue;
+      move(cell, best);
+      moved = true;
+      marks_[at(cell)] = 1;
+      for (const int* other = graph_.begin(cell); other != graph_.end(cell); ++other)
+        marks_[at(*other)] = 1;
     }
     return moved;
   }
 
+  static constexpr std::uint8_t known = 1, queued = 2;
+
   const CellGraph& graph_;
   std::vector<int>& labels_;
-  const std::vector<Point>& centres_;
   const std::vector<int>& counts_;
+  Point origin_;
+  std::vector<Sums> sums_;
   std::vector<Point> centroids_;
-  std::vector<int> sizes_, wanted_;
+  std::vector<int> wanted_; // sizes
   std::vector<double> weights_;
-  std::vector<std::uint8_t> queued_;
+  std::vector<int> boundary_;       // cells at the boundary of their part
+  std::vector<std::uint8_t> marks_; // of cells: what assign() has met, who is to vote()
 };
 
 } // namespace
 
-void roundOff(const CellGraph& graph, const std::vector<Point>& centres, int parts, std::vector<int>& labels,
-              const CellClusters* clusters) {
+void roundOff(const CellGraph& graph, int parts, std::vector<int>& labels, const CellClusters* clusters) {
   constexpr int most = 50, mostAfterClusters = 12;
   static const std::vector<int> one; // cell each
   if (clusters == nullptr) {
-    Sweeps sweeps(graph, centres, one, parts, labels);
+    Sweeps sweeps(graph, one, parts, labels);
     sweeps.go(most);
     sweeps.smooth();
     return;
@@ -235,11 +279,11 @@ void roundOff(const CellGraph& graph, const std::vector<Point>& centres, int par
   std::vector<int> ofClusters(clusters->sizes.size());
   for (std::size_t c = 0; c < labels.size(); ++c)
     ofClusters[at(clusters->of[c])] = labels[c];
-  Sweeps coarse(clusters->graph, clusters->centres, clusters->sizes, parts, ofClusters);
+  Sweeps coarse(clusters->graph, clusters->sizes, parts, ofClusters);
   coarse.go(most);
   for (std::size_t c = 0; c < labels.size(); ++c)
     labels[c] = ofClusters[at(clusters->of[c])];
-  Sweeps sweeps(graph, centres, one, parts, labels);
+  Sweeps sweeps(graph, one, parts, labels);
   sweeps.goOnAfter(coarse);
   sweeps.go(mostAfterClusters);
   sweeps.smooth();

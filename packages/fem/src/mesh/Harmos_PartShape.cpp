@@ -248,11 +248,7 @@ std::vector<int> chosen(const std::vector<int>& cells, const std::vector<std::ui
 
 } // namespace
 
-PartShapes::PartShapes(const Mesh& mesh, const CellGraph& graph)
-    : graph_(graph),
-      dimension_(mesh.dimension()),
-      centres_(centresOf(mesh)),
-      number_(at(mesh.numberOfCells()), -1) {}
+PartShapes::PartShapes(const CellGraph& graph) : graph_(graph), number_(at(graph.cells()), -1) {}
 
 Neck PartShapes::neckOf(const std::vector<int>& cells) {
   for (std::size_t k = 0; k < cells.size(); ++k)
@@ -277,7 +273,7 @@ Neck PartShapes::neckOf(const std::vector<int>& cells) {
 
   Vectors x;
   for (int cell : cells)
-    x.push_back({centres_[at(cell)][0], centres_[at(cell)][1], centres_[at(cell)][2], 0.0});
+    x.push_back({graph_.centres[at(cell)][0], graph_.centres[at(cell)][1], graph_.centres[at(cell)][2], 0.0});
   removeConstants(part, x);
   // And the square of the distance from the middle, for what is held in the middle of something.
   for (Values& values : x)
@@ -286,13 +282,13 @@ Neck PartShapes::neckOf(const std::vector<int>& cells) {
   // Of a compact part of n cells the least eigenvalues of D⁻¹L are some 2 n^(−2/d); all of them, and those
   // of ragged parts, lie well below four times as much. Polynomials of this degree are 100 there at least.
   constexpr int mostSteps = 60;
-  const double across = std::pow(part.cells(), 1.0 / dimension_);
+  const double across = std::pow(part.cells(), 1.0 / graph_.dimension);
   const int steps = std::min(mostSteps, static_cast<int>(std::ceil(1.3 * across)));
   const double least = std::min(0.5, 14.0 / (steps * steps));
   smooth(part, least, steps, x);
   removeConstants(part, x);
   separate(part, x);
-  Sweep sweep(part, dimension_, leastCells);
+  Sweep sweep(part, graph_.dimension, leastCells);
   for (std::size_t vector = 0; vector < most; ++vector) {
     if (std::all_of(x.begin(), x.end(), [=](const Values& values) { return values[vector] == 0.0; }))
       continue; // one of the coordinates, in the plane
@@ -312,14 +308,13 @@ std::vector<std::vector<int>> cellsOf(const std::vector<int>& labels, int parts)
   return cells;
 }
 
-std::vector<double> neckWidths(const Mesh& mesh, const CellGraph& graph, const std::vector<int>& labels,
-                               int parts) {
+std::vector<double> neckWidths(const CellGraph& graph, const std::vector<int>& labels, int parts) {
   std::vector<std::uint8_t> isAlone(at(parts), 1);
   for (int cell = 0; cell < graph.cells(); ++cell)
     for (const int* other = graph.begin(cell); other != graph.end(cell); ++other)
       if (labels[at(*other)] != labels[at(cell)])
         isAlone[at(labels[at(cell)])] = 0;
-  PartShapes shapes(mesh, graph);
+  PartShapes shapes(graph);
   std::vector<double> widths;
   for (const std::vector<int>& cells : cellsOf(labels, parts))
     widths.push_back(isAlone[widths.size()] ? Neck().width : shapes.neckOf(cells).width);
@@ -330,9 +325,9 @@ namespace {
 
 class Mending {
  public:
-  Mending(const Mesh& mesh, const CellGraph& graph, std::vector<int>& labels, std::vector<double>& necks)
+  Mending(const CellGraph& graph, std::vector<int>& labels, std::vector<double>& necks)
       : graph_(graph),
-        shapes_(mesh, graph),
+        shapes_(graph),
         labels_(labels),
         necks_(necks),
         cells_(cellsOf(labels, static_cast<int>(necks.size()))) {}
@@ -406,9 +401,8 @@ class Mending {
 
 } // namespace
 
-int mendNecks(const Mesh& mesh, const CellGraph& graph, std::vector<int>& labels,
-              std::vector<double>& necks) {
-  return Mending(mesh, graph, labels, necks).go();
+int mendNecks(const CellGraph& graph, std::vector<int>& labels, std::vector<double>& necks) {
+  return Mending(graph, labels, necks).go();
 }
 
 } // namespace Harmos::fem

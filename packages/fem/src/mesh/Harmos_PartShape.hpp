@@ -35,15 +35,13 @@ constexpr double raggedNeck = 0.4;
 class PartShapes {
  public:
   /// Keeps a reference to the graph.
-  PartShapes(const Mesh& mesh, const CellGraph& graph);
+  explicit PartShapes(const CellGraph& graph);
 
   /// @param cells of the part.
   Neck neckOf(const std::vector<int>& cells);
 
  private:
   const CellGraph& graph_;
-  int dimension_;
-  std::vector<Point> centres_;
   std::vector<int> number_; // of each cell within the part that is looked at; else -1
 };
 
@@ -52,8 +50,7 @@ std::vector<std::vector<int>> cellsOf(const std::vector<int>& labels, int parts)
 
 /// The width of the neck of each part; infinite for parts that have no other beside them, which no other cut
 /// would change. Local.
-std::vector<double> neckWidths(const Mesh& mesh, const CellGraph& graph, const std::vector<int>& labels,
-                               int parts);
+std::vector<double> neckWidths(const CellGraph& graph, const std::vector<int>& labels, int parts);
 
 /// Mends ragged parts: the smaller side of the neck goes to a part beside it, first to the one with which it
 /// shares most sides. Nothing is done that would make a part ragged, or larger than 1.5 times the average.
@@ -61,6 +58,6 @@ std::vector<double> neckWidths(const Mesh& mesh, const CellGraph& graph, const s
 /// @param labels part of each cell, from 0 to parts − 1; each part hangs together, before and after.
 /// @param necks their widths; changed with the labels.
 /// @return how many parts gave cells away. Local.
-int mendNecks(const Mesh& mesh, const CellGraph& graph, std::vector<int>& labels, std::vector<double>& necks);
+int mendNecks(const CellGraph& graph, std::vector<int>& labels, std::vector<double>& necks);
 
 } // namespace Harmos::fem

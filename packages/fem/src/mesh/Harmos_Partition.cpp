@@ -46,7 +46,7 @@ void cut(const Graph& whole, const std::vector<int>& vertices, int parts, int fi
   METIS_SetDefaultOptions(options.data());
   options[METIS_OPTION_SEED] = seed;
   options[METIS_OPTION_NUMBERING] = 0;
-  options[METIS_OPTION_CONTIG] = 1;
+  options[METIS_OPTION_CONTIG] = whole.clusters == nullptr ? 1 : 0;
   const auto orNull = [](std::vector<idx_t>& v) { return v.empty() ? nullptr : v.data(); };
   const int status =
       METIS_PartGraphKway(&count, &constraints, offsets.data(), neighbours.data(), orNull(sizes), nullptr,
@@ -139,6 +139,18 @@ int clusterSize(int cells, int parts, PartitionMethod method) {
                                                                : 1;
 }
 
+// The clusters of some cells, rising.
+std::vector<int> clustersOf(const std::vector<int>& cells, const CellClusters& clusters) {
+  std::vector<char> isOne(clusters.sizes.size(), 0);
+  for (int cell : cells)
+    isOne[static_cast<std::size_t>(clusters.of[static_cast<std::size_t>(cell)])] = 1;
+  std::vector<int> result;
+  for (std::size_t cluster = 0; cluster < isOne.size(); ++cluster)
+    if (isOne[cluster] != 0)
+      result.push_back(static_cast<int>(cluster));
+  return result;
+}
+
 // Part of each cell. @param parts of each component. @param label receives their number.
 std::vector<int> cutComponents(const CellGraph& graph, const CellClusters* clusters,
                                const Components& components, const std::vector<int>& parts, int seed,
@@ -146,13 +158,8 @@ std::vector<int> cutComponents(const CellGraph& graph, const CellClusters* clust
   const Graph whole = {clusters != nullptr ? clusters->graph : graph, clusters};
   std::vector<int> labels(static_cast<std::size_t>(whole.graph.cells()), 0);
   for (std::size_t k = 0; k < components.cells.size(); ++k) {
-    std::vector<int> vertices = components.cells[k];
-    if (clusters != nullptr) {
-      for (int& vertex : vertices)
-        vertex = clusters->of[static_cast<std::size_t>(vertex)];
-      std::sort(vertices.begin(), vertices.end());
-      vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    }
+    const std::vector<int> vertices =
+        clusters == nullptr ? components.cells[k] : clustersOf(components.cells[k], *clusters);
     if (parts[k] == 1)
       for (int vertex : vertices)
         labels[static_cast<std::size_t>(vertex)] = label;
@@ -163,6 +170,7 @@ std::vector<int> cutComponents(const CellGraph& graph, const CellClusters* clust
   if (clusters == nullptr)
     return labels;
   std::vector<int> ofCells;
+  ofCells.reserve(clusters->of.size());
   for (int cluster : clusters->of)
     ofCells.push_back(labels[static_cast<std::size_t>(cluster)]);
   return ofCells;
@@ -185,39 +193,57 @@ void number(Partition& partition) {
 
 } // namespace
 
+namespace {
+
+// Of cells in the order of the graph. Notes continue "Body X".
+Partition partition(const CellGraph& graph, int wanted, int clusterSize, const PartitionOptions& options) {
+  const Components whole = componentsOf(graph, std::vector<int>(static_cast<std::size_t>(graph.cells()), 0));
+  std::optional<CellClusters> clusters;
+  if (clusterSize > 1)
+    clusters = clustersOf(graph, clusterSize);
+  int label = 0;
+  std::vector<int> labels = cutComponents(graph, clusters ? &*clusters : nullptr, whole,
+                                          sharedOut(wanted, whole.cells), options.seed, label);
+  if (options.method == PartitionMethod::Compact)
+    roundOff(graph, label, labels, clusters ? &*clusters : nullptr);
+  Partition result = mended(graph, labels);
+  result.necks = neckWidths(graph, result.part, result.parts);
+  if (options.method == PartitionMethod::Compact)
+    mendNecks(graph, result.part, result.necks);
+  for (std::string& note : result.notes)
+    note.insert(0, ": ");
+  if (const std::size_t components = whole.cells.size(); components > 1)
+    result.notes.insert(result.notes.begin(),
+                        " consists of " + std::to_string(components) +
+                            " components without common sides; each is partitioned separately.");
+  if (result.parts != wanted)
+    result.notes.push_back(" is partitioned into " + std::to_string(result.parts) + " parts instead of " +
+                           std::to_string(wanted) + ".");
+  return result;
+}
+
+} // namespace
+
 Partition partitionCells(const BodyMesh& body, int wanted, const PartitionOptions& options) {
   const int cells = body.mesh.numberOfCells();
   if (wanted < 1 || wanted > cells)
     throw InputError("body \"" + body.name + "\" cannot be partitioned into " + std::to_string(wanted) +
                      " parts: it has " + std::to_string(cells) +
                      " cells. Choose between 1 and that many parts");
-  const CellGraph graph = graphOf(body.mesh);
-  const std::vector<Point> centres = centresOf(body.mesh);
-  const Components whole = componentsOf(graph, std::vector<int>(static_cast<std::size_t>(cells), 0));
-  const auto components = static_cast<int>(whole.cells.size());
-  std::vector<std::string> notes;
-  if (components > 1)
-    notes.push_back("Body \"" + body.name + "\" consists of " + std::to_string(components) +
-                    " components without common sides; each is partitioned separately.");
-  std::optional<CellClusters> clusters;
-  if (const int size = clusterSize(cells, wanted, options.method); size > 1)
-    clusters = clustersOf(graph, centres, size);
-  int label = 0;
-  std::vector<int> labels = cutComponents(graph, clusters ? &*clusters : nullptr, whole,
-                                          sharedOut(wanted, whole.cells), options.seed, label);
-  if (options.method == PartitionMethod::Compact)
-    roundOff(graph, centres, label, labels, clusters ? &*clusters : nullptr);
-  Partition result = mended(graph, labels);
-  result.necks = neckWidths(body.mesh, graph, result.part, result.parts);
-  if (options.method == PartitionMethod::Compact &&
-      mendNecks(body.mesh, graph, result.part, result.necks) > 0)
-    number(result);
+  const CellGraph graph = body.matched ? graphOf(body.mesh, *body.matched) : graphOf(body.mesh);
+  Partition result;
+  if (const int size = clusterSize(cells, wanted, options.method); size > 1) {
+    const std::vector<int> curve = curveThrough(graph.centres);
+    result = partition(reordered(graph, curve), wanted, size, options);
+    const std::vector<int> alongCurve = result.part;
+    for (std::size_t k = 0; k < curve.size(); ++k)
+      result.part[static_cast<std::size_t>(curve[k])] = alongCurve[k];
+  } else {
+    result = partition(graph, wanted, 1, options);
+  }
+  number(result);
   for (std::string& note : result.notes)
-    note = "Body \"" + body.name + "\": " + note;
-  result.notes.insert(result.notes.begin(), notes.begin(), notes.end());
-  if (result.parts != wanted)
-    result.notes.push_back("Body \"" + body.name + "\" is partitioned into " + std::to_string(result.parts) +
-                           " parts instead of " + std::to_string(wanted) + ".");
+    note.insert(0, "Body \"" + body.name + "\"");
   return result;
 }
 

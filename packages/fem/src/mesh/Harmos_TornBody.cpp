@@ -159,32 +159,130 @@ void unpackWhole(std::vector<char>& bytes, std::vector<PlacedMesh>& meshes) {
 
 } // namespace
 
+namespace {
+
+// A node in a part.
+struct NodeCopy {
+  int part, number; // the latter among the part's
+};
+
+// Cells and nodes of the parts of a body.
+class Parts {
+ public:
+  Parts(const Mesh& whole, const std::vector<int>& part, int parts)
+      : whole_(whole), part_(part), cells_(at(parts)), nodes_(at(parts)), cellNumber_(part.size()) {
+    for (int c = 0; c < whole.numberOfCells(); ++c) {
+      HARMOS_REQUIRE(part[at(c)] >= 0 && part[at(c)] < parts, "there is no such part");
+      std::vector<int>& own = cells_[at(part[at(c)])];
+      cellNumber_[at(c)] = static_cast<int>(own.size());
+      own.push_back(c);
+    }
+    findNodes();
+    countCopies();
+  }
+
+  std::size_t count() const { return cells_.size(); }
+  const std::vector<int>& cells(std::size_t p) const { return cells_[p]; }
+  const std::vector<int>& nodes(std::size_t p) const { return nodes_[p]; } // of the body, rising
+  int cellNumber(int cell) const { return cellNumber_[at(cell)]; }
+
+  const NodeCopy* begin(int node) const { return copies_.data() + first_[at(node)]; }
+  const NodeCopy* end(int node) const { return copies_.data() + first_[at(node) + 1]; }
+
+  // By part: whether each of its nodes is on the boundary of the part, or of those that are marked.
+  std::vector<std::vector<char>> boundaries(const MatchedSides& matched,
+                                            const std::vector<char>& isMarked) const {
+    std::vector<std::vector<char>> isOn;
+    for (const std::vector<int>& nodes : nodes_)
+      isOn.emplace_back(nodes.size(), 0);
+    for (int node = 0; node < whole_.numberOfNodes(); ++node)
+      if (isMarked[at(node)] || end(node) - begin(node) > 1)
+        for (const NodeCopy* copy = begin(node); copy != end(node); ++copy)
+          isOn[at(copy->part)][at(copy->number)] = 1;
+    // Nodes of sides between parts have several copies; what is left are sides of one cell.
+    const std::vector<std::vector<int>>& sides = shapeOf(whole_.cellType).sides;
+    for (std::size_t group = 0; group + 1 < matched.first.size(); ++group) {
+      if (matched.first[group + 1] > matched.first[group] + 1)
+        continue;
+      const Side& side = matched.sides[matched.first[group]];
+      for (int corner : sides[at(side.side)])
+        for (const NodeCopy* copy = begin(whole_.cell(side.cell)[corner]);
+             copy != end(whole_.cell(side.cell)[corner]); ++copy)
+          if (copy->part == part_[at(side.cell)])
+            isOn[at(copy->part)][at(copy->number)] = 1;
+    }
+    return isOn;
+  }
+
+ private:
+  void findNodes() {
+    std::vector<int> seen(at(whole_.numberOfNodes()), -1); // the last part with a node
+    for (std::size_t p = 0; p < cells_.size(); ++p) {
+      HARMOS_REQUIRE(!cells_[p].empty(), "a part without cells cannot be a subdomain");
+      for (int c : cells_[p])
+        for (int i = 0; i < whole_.nodesPerCell(); ++i)
+          if (const int node = whole_.cell(c)[i]; seen[at(node)] != static_cast<int>(p)) {
+            seen[at(node)] = static_cast<int>(p);
+            nodes_[p].push_back(node);
+          }
+      std::sort(nodes_[p].begin(), nodes_[p].end());
+    }
+  }
+
+  void countCopies() {
+    first_.assign(at(whole_.numberOfNodes()) + 1, 0);
+    for (const std::vector<int>& nodes : nodes_)
+      for (int node : nodes)
+        ++first_[at(node) + 1];
+    for (std::size_t k = 1; k < first_.size(); ++k)
+      first_[k] += first_[k - 1];
+    copies_.resize(first_.back());
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    for (std::size_t p = 0; p < nodes_.size(); ++p)
+      for (std::size_t k = 0; k < nodes_[p].size(); ++k)
+        copies_[next[at(nodes_[p][k])]++] = {static_cast<int>(p), static_cast<int>(k)};
+  }
+
+  const Mesh& whole_;
+  const std::vector<int>& part_;
+  std::vector<std::vector<int>> cells_, nodes_;
+  std::vector<int> cellNumber_;    // of each cell in its part
+  std::vector<std::size_t> first_; // copy of each node
+  std::vector<NodeCopy> copies_;   // by node and part
+};
+
+// The mesh of a part, without its boundary. @param number receives its nodes' numbers by those of the body.
+std::shared_ptr<Mesh> meshOf(const Mesh& whole, const std::vector<int>& cells, const std::vector<int>& nodes,
+                             const Point& anchor, std::vector<int>& number) {
+  const auto nodesPerCell = at(whole.nodesPerCell());
+  const auto dimension = at(whole.dimension());
+  auto mesh = std::make_shared<Mesh>();
+  mesh->cellType = whole.cellType;
+  mesh->coordinates.reserve(nodes.size() * dimension);
+  mesh->cells.reserve(cells.size() * nodesPerCell);
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    number[at(nodes[k])] = static_cast<int>(k);
+    for (std::size_t d = 0; d < dimension; ++d)
+      mesh->coordinates.push_back(whole.coordinates[at(nodes[k]) * dimension + d] - anchor[d]);
+  }
+  for (int c : cells) {
+    for (std::size_t i = 0; i < nodesPerCell; ++i)
+      mesh->cells.push_back(number[at(whole.cell(c)[i])]);
+    if (!whole.regions.empty())
+      mesh->regions.push_back(whole.regions[at(c)]);
+  }
+  return mesh;
+}
+
+} // namespace
+
 std::vector<PlacedMesh> tear(const BodyMesh& body, const std::vector<int>& part, int parts,
                              long long firstNode) {
   const Mesh& whole = body.mesh;
   HARMOS_REQUIRE(static_cast<int>(part.size()) == whole.numberOfCells(), "each cell needs a part");
-  std::vector<std::vector<int>> cells(at(parts));
-  std::vector<int> cellNumber(part.size()); // in its part
-  for (int c = 0; c < whole.numberOfCells(); ++c) {
-    HARMOS_REQUIRE(part[at(c)] >= 0 && part[at(c)] < parts, "there is no such part");
-    std::vector<int>& own = cells[at(part[at(c)])];
-    cellNumber[at(c)] = static_cast<int>(own.size());
-    own.push_back(c);
-  }
-  const auto nodesPerCell = at(whole.nodesPerCell());
-  const auto dimension = at(whole.dimension());
-
-  std::vector<std::vector<int>> nodes(at(parts)); // of the body, rising
-  std::vector<int> copies(at(whole.numberOfNodes()), 0);
-  for (std::size_t p = 0; p < nodes.size(); ++p) {
-    for (int c : cells[p])
-      nodes[p].insert(nodes[p].end(), whole.cell(c), whole.cell(c) + nodesPerCell);
-    makeSet(nodes[p]);
-    for (int node : nodes[p])
-      ++copies[at(node)];
-  }
+  const Parts torn(whole, part, parts);
   std::map<std::string, std::vector<int>> sets = body.nodes; // nodes of the body
-  std::vector<char> isNamed(copies.size(), 0);
+  std::vector<char> isNamed(at(whole.numberOfNodes()), 0);
   for (const auto& [name, sides] : body.sides) {
     const std::vector<int> more = nodesOf(whole, sides);
     sets[name].insert(sets[name].end(), more.begin(), more.end());
@@ -194,48 +292,30 @@ std::vector<PlacedMesh> tear(const BodyMesh& body, const std::vector<int>& part,
     for (int node : set)
       isNamed[at(node)] = 1;
   }
+  const std::vector<std::vector<char>> isOnBoundary =
+      body.matched ? torn.boundaries(*body.matched, isNamed) : torn.boundaries(matchSides(whole), isNamed);
 
-  std::vector<PlacedMesh> result(at(parts));
-  std::vector<int> number(copies.size(), -1); // in the part at hand
+  std::vector<PlacedMesh> result(torn.count());
+  std::vector<int> number(isNamed.size(), -1);
   for (std::size_t p = 0; p < result.size(); ++p) {
     PlacedMesh& placed = result[p];
-    HARMOS_REQUIRE(!cells[p].empty(), "a part without cells cannot be a subdomain");
-    for (std::size_t k = 0; k < nodes[p].size(); ++k)
-      number[at(nodes[p][k])] = static_cast<int>(k);
-    auto mesh = std::make_shared<Mesh>();
-    mesh->cellType = whole.cellType;
-    placed.anchor = whole.local(nodes[p].front());
-    for (int node : nodes[p])
-      for (std::size_t d = 0; d < dimension; ++d)
-        mesh->coordinates.push_back(whole.coordinates[at(node) * dimension + d] - placed.anchor[d]);
-    for (int c : cells[p]) {
-      for (std::size_t i = 0; i < nodesPerCell; ++i)
-        mesh->cells.push_back(number[at(whole.cell(c)[i])]);
-      if (!whole.regions.empty())
-        mesh->regions.push_back(whole.regions[at(c)]);
-    }
-    mesh->boundary = nodesOf(*mesh, boundarySides(*mesh));
-    for (int node : nodes[p])
-      if (copies[at(node)] > 1 || isNamed[at(node)])
-        mesh->boundary.push_back(number[at(node)]);
-    makeSet(mesh->boundary);
-    for (int node : mesh->boundary)
-      placed.boundaryNumbers.push_back(firstNode + nodes[p][at(node)]);
+    const std::vector<int>& nodes = torn.nodes(p);
+    placed.anchor = whole.local(nodes.front());
+    const std::shared_ptr<Mesh> mesh = meshOf(whole, torn.cells(p), nodes, placed.anchor, number);
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      if (isOnBoundary[p][k]) {
+        mesh->boundary.push_back(static_cast<int>(k));
+        placed.boundaryNumbers.push_back(firstNode + nodes[k]);
+      }
     placed.mesh = mesh;
-    for (const auto& [name, set] : sets) {
-      std::vector<int> local;
-      for (int node : set)
-        if (number[at(node)] >= 0)
-          local.push_back(number[at(node)]);
-      if (!local.empty())
-        placed.sets[name] = std::move(local); // in order: numbers rise with the body's
-    }
-    for (int node : nodes[p])
-      number[at(node)] = -1;
   }
+  for (const auto& [name, set] : sets)
+    for (int node : set)
+      for (const NodeCopy* copy = torn.begin(node); copy != torn.end(node); ++copy)
+        result[at(copy->part)].sets[name].push_back(copy->number); // in order: numbers rise with the body's
   for (const auto& [name, sides] : body.sides)
     for (const Side& side : sides)
-      result[at(part[at(side.cell)])].sides[name].push_back({cellNumber[at(side.cell)], side.side});
+      result[at(part[at(side.cell)])].sides[name].push_back({torn.cellNumber(side.cell), side.side});
   return result;
 }
 
