@@ -490,7 +490,7 @@ std::vector<Cluster> clustersOf(const SubdomainSystem& system, const Constraints
                                                  : std::set<std::pair<int, int>>();
   for (const auto& [who, dofs] : places) {
     const auto of = [&](int i) { return clusterOf[static_cast<std::size_t>(i)]; };
-    if (!std::all_of(who.begin(), who.end(), [&](int i) { return of(i) == of(who.front()); }))
+    if (!std::all_of(who.begin(), who.end(), [&, first = who.front()](int i) { return of(i) == of(first); }))
       continue;
     Cluster& cluster = clusters[of(who.front())];
     if (who.size() == 2 &&

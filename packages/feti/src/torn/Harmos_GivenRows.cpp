@@ -37,17 +37,22 @@ void checkNumbers(const Teuchos::Comm<int>& comm, const std::vector<ConstraintRo
     throw InputError("constraint rows of one kind must be numbered 0, 1, ... without gaps over all ranks");
 }
 
+// A dof of a row by the name that it goes by, with its copies.
+struct NamedTerm {
+  long long name;
+  double coefficient;
+  const std::vector<Copy>* copies;
+  const Copy* fixed; // the first copy that is prescribed; null: none
+};
+
 // A row of prescribed values alone has to hold already: no force can change it. What is left of its bound.
-double requireMet(const ConstraintRow& row, const std::map<long long, double>& coefficients,
-                  const DofCopies::Table& copies) {
+double requireMet(const ConstraintRow& row, const std::vector<NamedTerm>& terms) {
   double value = 0.0, size = std::abs(row.bound);
-  for (const auto& [dof, coefficient] : coefficients)
-    for (const Copy& copy : copies.at(dof))
-      if (copy.fixed != 0) {
-        value += coefficient * copy.value;
-        size = std::max(size, std::abs(coefficient * copy.value));
-        break;
-      }
+  for (const NamedTerm& term : terms)
+    if (term.fixed != nullptr) {
+      value += term.coefficient * term.fixed->value;
+      size = std::max(size, std::abs(term.coefficient * term.fixed->value));
+    }
   const bool inequality = row.kind == ConstraintRow::Kind::Inequality;
   const double excess = inequality ? value - row.bound : std::abs(value - row.bound);
   // Prescribed values and gaps come from decks and coordinates.
@@ -55,7 +60,7 @@ double requireMet(const ConstraintRow& row, const std::map<long long, double>& c
     throw InputError("prescribed displacements contradict " +
                          std::string(inequality ? "a contact or an obstacle" : "a tie") +
                          ": constraint row " + std::to_string(row.number) + " (" +
-                         dofText(copies.at(coefficients.begin()->first).front()) +
+                         dofText(terms.front().copies->front()) +
                          ") contains prescribed values only, which violate it by " + scientific(excess) +
                          "; release a component there or move the obstacle",
                      {{"row", std::to_string(row.number)}});
@@ -64,21 +69,36 @@ double requireMet(const ConstraintRow& row, const std::map<long long, double>& c
 
 // By name: a dof named twice counts once, with the sum, and so do dofs that are united. Of what cancels there
 // rounding errors would be left, which scaling makes a row of.
-std::map<long long, double> coefficientsOf(const ConstraintRow& row, const DofCopies::Answers& answers) {
+std::vector<NamedTerm> termsOf(const ConstraintRow& row, const DofCopies::Answers& answers) {
   constexpr double rounding = 1e-12; // as where contact rows are compared
-  std::map<long long, double> sums, sizes;
+  std::vector<NamedTerm> named;
   for (const ConstraintRow::Term& term : row.terms) {
-    if (answers.of(term.dof) == nullptr)
+    const auto known = answers.name.find(term.dof);
+    if (known == answers.name.end())
       throw InputError("constraint row " + std::to_string(row.number) + " names dof " +
                            std::to_string(term.dof) + ", which is not an interface dof of any subdomain",
                        {{"dof", std::to_string(term.dof)}});
-    sums[answers.name.at(term.dof)] += term.coefficient;
-    sizes[answers.name.at(term.dof)] += std::abs(term.coefficient);
+    named.push_back({known->second, term.coefficient, nullptr, nullptr});
   }
-  for (const ConstraintRow::Term& term : row.terms)
-    if (const long long name = answers.name.at(term.dof); std::abs(sums[name]) <= rounding * sizes[name])
-      sums[name] = 0.0;
-  return sums;
+  std::stable_sort(named.begin(), named.end(),
+                   [](const NamedTerm& a, const NamedTerm& b) { return a.name < b.name; });
+  std::size_t count = 0;
+  for (std::size_t first = 0, last = 0; first < named.size(); first = last) {
+    NamedTerm sum = {named[first].name, 0.0, &answers.copies.at(named[first].name), nullptr};
+    double size = 0.0;
+    for (; last < named.size() && named[last].name == sum.name; ++last) {
+      sum.coefficient += named[last].coefficient;
+      size += std::abs(named[last].coefficient);
+    }
+    if (std::abs(sum.coefficient) <= rounding * size)
+      sum.coefficient = 0.0;
+    const auto fixed = std::find_if(sum.copies->begin(), sum.copies->end(),
+                                    [](const Copy& copy) { return copy.fixed != 0; });
+    sum.fixed = fixed == sum.copies->end() ? nullptr : &*fixed;
+    named[count++] = sum;
+  }
+  named.resize(count);
+  return named;
 }
 
 bool namesUnited(const ConstraintRow& row, const DofCopies::Answers& answers) {
@@ -102,35 +122,27 @@ void requireJoined(const ConstraintRow& row, const Copy& copy) {
 
 // A prescribed value is no unknown: its share goes to the bound (equality rows may be added to any row), or
 // the force of the row would move the trivial equation. A row of prescribed values alone stays as it is.
-GivenRow byCopies(const ConstraintRow& row, const std::map<long long, double>& coefficients,
-                  const DofCopies::Table& copies) {
+GivenRow byCopies(const ConstraintRow& row, const std::vector<NamedTerm>& terms) {
   GivenRow result;
   result.bound = row.bound;
-  const auto fixedCopyOf = [&](long long dof) -> const Copy* {
-    const std::vector<Copy>& all = copies.at(dof);
-    const auto found = std::find_if(all.begin(), all.end(), [](const Copy& copy) { return copy.fixed != 0; });
-    return found == all.end() ? nullptr : &*found;
-  };
-  result.hasUnknown = std::any_of(coefficients.begin(), coefficients.end(), [&](const auto& term) {
-    return term.second != 0.0 && fixedCopyOf(term.first) == nullptr;
+  result.hasUnknown = std::any_of(terms.begin(), terms.end(), [](const NamedTerm& term) {
+    return term.coefficient != 0.0 && term.fixed == nullptr;
   });
-  for (const auto& [dof, coefficient] : coefficients) {
-    const std::vector<Copy>& all = copies.at(dof);
+  for (const NamedTerm& term : terms) {
     double whole = 0.0;
-    for (const Copy& copy : all)
+    for (const Copy& copy : *term.copies)
       whole += copy.weight;
-    const Copy* fixed = fixedCopyOf(dof);
-    for (const Copy& copy : all) {
-      const double share = coefficient * copy.weight / whole;
-      if (fixed != nullptr)
+    for (const Copy& copy : *term.copies) {
+      const double share = term.coefficient * copy.weight / whole;
+      if (term.fixed != nullptr)
         result.held.push_back({copy, share});
-      if (fixed != nullptr && result.hasUnknown)
+      if (term.fixed != nullptr && result.hasUnknown)
         continue;
       result.terms.push_back({copy, share});
       result.norm2 += share * share / copy.weight;
     }
-    if (fixed != nullptr && result.hasUnknown) {
-      result.prescribed.push_back(coefficient * fixed->value);
+    if (term.fixed != nullptr && result.hasUnknown) {
+      result.prescribed.push_back(term.coefficient * term.fixed->value);
       result.bound -= result.prescribed.back();
     }
   }
@@ -138,14 +150,11 @@ GivenRow byCopies(const ConstraintRow& row, const std::map<long long, double>& c
 }
 
 // Σ coefficient · value over prescribed dofs.
-double ofPrescribed(const std::map<long long, double>& coefficients, const DofCopies::Table& copies) {
+double ofPrescribed(const std::vector<NamedTerm>& terms) {
   double sum = 0.0;
-  for (const auto& [dof, coefficient] : coefficients)
-    for (const Copy& copy : copies.at(dof))
-      if (copy.fixed != 0) {
-        sum += coefficient * copy.value;
-        break;
-      }
+  for (const NamedTerm& term : terms)
+    if (term.fixed != nullptr)
+      sum += term.coefficient * term.fixed->value;
   return sum;
 }
 
@@ -182,9 +191,8 @@ void requireUnstretched(const ConstraintRow& row, double gap) {
 }
 
 // No force of a row without unknowns moves anything.
-void settle(GivenRow& given, const ConstraintRow& row, const std::map<long long, double>& coefficients,
+void settle(GivenRow& given, const ConstraintRow& row, const std::vector<NamedTerm>& terms,
             const DofCopies::Answers& answers, DirichletForm form, double softness) {
-  const DofCopies::Table& copies = answers.copies;
   const bool isJoined = given.norm2 == 0.0 && namesUnited(row, answers);
   if (!(given.norm2 > 0.0 || isJoined) || !std::isfinite(given.norm2) || !std::isfinite(given.bound))
     throw InputError("constraint row " + std::to_string(row.number) +
@@ -200,20 +208,20 @@ void settle(GivenRow& given, const ConstraintRow& row, const std::map<long long,
     given.compliance = small * softness;
   if (given.compliance > 0.0) {
     given.isIdle = true;
-    given.bound -= ofPrescribed(coefficients, copies);
+    given.bound -= ofPrescribed(terms);
     given.norm2 = isJoined ? 1.0 : given.norm2;
     if (isLimited && std::abs(given.bound) <= row.rounding)
       given.bound = 0.0;
     if (!isLimited)
       requireUnstretched(row, given.bound);
   } else if (isJoined) {
-    requireJoined(row, copies.at(coefficients.begin()->first).front());
+    requireJoined(row, terms.front().copies->front());
     requireUnstretched(row, row.bound);
     given.isIdle = true;
     given.bound = 0.0;
     given.norm2 = 1.0;
   } else {
-    const double left = requireMet(row, coefficients, copies);
+    const double left = requireMet(row, terms);
     requireUnstretched(row, left);
     // Beside the rows of its dofs' prescribed values it would be a dependent one, which the preconditioner
     // could not tell from those.
@@ -240,9 +248,9 @@ GivenCounts countGiven(const Teuchos::Comm<int>& comm, const std::vector<Constra
 
 GivenRow givenRow(const ConstraintRow& row, const DofCopies::Answers& answers, DirichletForm form,
                   double softness) {
-  const std::map<long long, double> coefficients = coefficientsOf(row, answers);
-  GivenRow given = byCopies(row, coefficients, answers.copies);
-  settle(given, row, coefficients, answers, form, softness);
+  const std::vector<NamedTerm> terms = termsOf(row, answers);
+  GivenRow given = byCopies(row, terms);
+  settle(given, row, terms, answers, form, softness);
   return given;
 }
 

@@ -16,7 +16,7 @@ using Law = scene::InterfaceLaw;
 
 EffectStates::EffectStates(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
                            const scene::ContactSetup& contact)
-    : comm_(comm), scene_(scene), contact_(contact) {
+    : comm_(comm), contact_(contact) {
   placeRows();
   std::map<const scene::Effect*, std::vector<std::size_t>> points, limited;
   const auto addSlips = [&](const scene::Effect* effect, const contact::SlipPoint& slip) {

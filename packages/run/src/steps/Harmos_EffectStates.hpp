@@ -88,7 +88,6 @@ class EffectStates {
   void placeRows();
 
   const Teuchos::Comm<int>& comm_;
-  const scene::Scene& scene_;
   const scene::ContactSetup& contact_;
   std::vector<std::size_t> pointOfSlip_; // of each limited row of this rank
   // Places on this rank of points and limited rows, by their numbers.

@@ -13,7 +13,7 @@ namespace {
 
 // 27 groups are three times three times three; seven are not made seven slices.
 std::size_t piecesOf(std::size_t groups) {
-  for (std::size_t prime : {2, 3, 5, 7})
+  for (const std::size_t prime : {2U, 3U, 5U, 7U})
     if (groups % prime == 0 && (prime <= 3 || groups / prime >= prime))
       return prime;
   return 2;
