@@ -22,7 +22,7 @@ std::vector<double> multiplied(std::vector<double> v, const std::vector<double>&
 template<class Real>
 CoarseFactor::CoarseFactor(int n, const std::vector<int>& rows, const std::vector<int>& columns,
                            const std::vector<Real>& values, double relativeThreshold, int mostDenseRows,
-                           std::vector<double> scale)
+                           std::vector<double> scale, const CoarseFactor* like)
     : isDense_(n <= mostDenseRows), scale_(std::move(scale)) {
   std::vector<Real> scaled = values;
   if (!scale_.empty())
@@ -30,7 +30,8 @@ CoarseFactor::CoarseFactor(int n, const std::vector<int>& rows, const std::vecto
       scaled[k] /= static_cast<Real>(scale_[static_cast<std::size_t>(rows[k])]) *
                    scale_[static_cast<std::size_t>(columns[k])];
   if (!isDense_) {
-    sparse_ = SparseCholesky(n, rows, columns, scaled, relativeThreshold);
+    sparse_ = SparseCholesky(n, rows, columns, scaled, relativeThreshold,
+                             like != nullptr && !like->isDense_ ? &like->sparse_ : nullptr);
     return;
   }
   const auto size = static_cast<std::size_t>(n);
@@ -43,9 +44,11 @@ CoarseFactor::CoarseFactor(int n, const std::vector<int>& rows, const std::vecto
 }
 
 template CoarseFactor::CoarseFactor(int, const std::vector<int>&, const std::vector<int>&,
-                                    const std::vector<double>&, double, int, std::vector<double>);
+                                    const std::vector<double>&, double, int, std::vector<double>,
+                                    const CoarseFactor*);
 template CoarseFactor::CoarseFactor(int, const std::vector<int>&, const std::vector<int>&,
-                                    const std::vector<long double>&, double, int, std::vector<double>);
+                                    const std::vector<long double>&, double, int, std::vector<double>,
+                                    const CoarseFactor*);
 
 std::vector<int> CoarseFactor::dependent() const {
   if (!isDense_)

@@ -21,11 +21,12 @@ class CoarseFactor {
   /// @param scale by which rows and columns are divided before ranks are decided: of rows whose sizes differ
   /// by orders
   ///        of magnitude, √a_ii. Empty: none. L is that of the matrix as it was given.
+  /// @param like of the same rows and columns, whose order of elimination is taken; or null.
   /// @tparam Real double, or long double; see SparseCholesky.
   template<class Real>
   CoarseFactor(int n, const std::vector<int>& rows, const std::vector<int>& columns,
                const std::vector<Real>& values, double relativeThreshold = 0.0, int mostDenseRows = mostDense,
-               std::vector<double> scale = {});
+               std::vector<double> scale = {}, const CoarseFactor* like = nullptr);
 
   int rank() const { return isDense_ ? dense_.rank() : sparse_.rank(); }
   double smallestPivotRatio() const {

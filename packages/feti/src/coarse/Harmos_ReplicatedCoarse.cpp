@@ -258,7 +258,8 @@ CoarseFactor ReplicatedCoarse::factorOf(const double* mask, double threshold,
       for (std::size_t k = 0; k < values.size(); ++k)
         if (gramRows_[k] == column || gramColumns_[k] == column)
           values[k] = 0.0;
-    return CoarseFactor(kernelDimension(), gramRows_, gramColumns_, values, threshold, mostDense_, scale_);
+    return CoarseFactor(kernelDimension(), gramRows_, gramColumns_, values, threshold, mostDense_, scale_,
+                        factor_.rank() > 0 ? &factor_ : nullptr);
   };
   return scale_.empty() ? factored(gram<double>(mask, slipping, q))
                         : factored(gram<long double>(mask, slipping, q));
@@ -290,8 +291,8 @@ std::vector<double> ReplicatedCoarse::minimumNormSolution(const MultiVector& mas
     values = gram<double>(view.data(), {}, 0.0);
   }
   const double threshold = 1e2 * kernelDimension() * std::numeric_limits<double>::epsilon();
-  const CoarseFactor factor(kernelDimension(), gramRows_, gramColumns_, values, threshold, mostDense_,
-                            scale_);
+  const CoarseFactor factor(kernelDimension(), gramRows_, gramColumns_, values, threshold, mostDense_, scale_,
+                            &factor_);
   const auto solve = [&](const std::vector<double>& b) { return factor.solveLt(factor.solveL(b)); };
   std::vector<double> x = solve(r);
   // Each row left out gives a null vector z: z_d = 1 there, −A⁻A_d at the kept rows. With Z of these columns

@@ -1,199 +1,369 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_SparseCholesky.hpp"
 
-#include "Harmos_Errors.hpp"
+#include "Harmos_Index.hpp"
+
+#include <Teuchos_BLAS.hpp>
+#include <Teuchos_LAPACK.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
-#include <metis.h>
-#include <numeric>
 #include <type_traits>
 
 namespace Harmos::feti {
 namespace {
 
-// Rows in METIS' order of elimination.
-std::vector<int> nestedDissection(int n, const std::vector<int>& rows, const std::vector<int>& columns) {
-  std::vector<std::vector<idx_t>> neighbours(static_cast<std::size_t>(n));
+using Blas = Teuchos::BLAS<int, double>;
+
+// Both triangles, and the diagonal, of ones.
+LocalMatrix patternOf(int n, const std::vector<int>& rows, const std::vector<int>& columns) {
+  std::vector<MatrixEntry> entries;
+  for (int i = 0; i < n; ++i)
+    entries.push_back({i, i, 1.0});
   for (std::size_t k = 0; k < rows.size(); ++k)
     if (rows[k] != columns[k]) {
-      neighbours[static_cast<std::size_t>(rows[k])].push_back(columns[k]);
-      neighbours[static_cast<std::size_t>(columns[k])].push_back(rows[k]);
+      entries.push_back({rows[k], columns[k], 1.0});
+      entries.push_back({columns[k], rows[k], 1.0});
     }
-  std::vector<idx_t> offsets = {0}, adjacent;
-  for (const std::vector<idx_t>& list : neighbours) {
-    adjacent.insert(adjacent.end(), list.begin(), list.end());
-    offsets.push_back(static_cast<idx_t>(adjacent.size()));
-  }
-  std::vector<int> order(static_cast<std::size_t>(n));
-  std::iota(order.begin(), order.end(), 0);
-  if (adjacent.empty())
-    return order;
-  idx_t count = n;
-  std::vector<idx_t> permutation(static_cast<std::size_t>(n)), inverse(static_cast<std::size_t>(n));
-  const int status = METIS_NodeND(&count, offsets.data(), adjacent.data(), nullptr, nullptr,
-                                  permutation.data(), inverse.data());
-  HARMOS_REQUIRE(status == METIS_OK, "METIS could not order the coarse matrix");
-  std::copy(permutation.begin(), permutation.end(), order.begin());
-  return order;
+  return makeLocalMatrix(n, std::move(entries));
 }
+
+// The lower triangle in the order of elimination, column by column.
+template<class Real>
+struct Permuted {
+  struct Entry {
+    int row;
+    Real value;
+  };
+  std::vector<std::size_t> first;
+  std::vector<Entry> entries;
+  Real largest = 0.0; // on the diagonal
+
+  Permuted(const FrontTree& tree, const std::vector<int>& rows, const std::vector<int>& columns,
+           const std::vector<Real>& values)
+      : first(at(tree.size()) + 1, 0), entries(values.size()) {
+    const auto placesOf = [&](std::size_t k) {
+      return std::minmax(tree.place[at(rows[k])], tree.place[at(columns[k])]);
+    };
+    for (std::size_t k = 0; k < values.size(); ++k)
+      ++first[at(placesOf(k).first) + 1];
+    for (std::size_t j = 1; j < first.size(); ++j)
+      first[j] += first[j - 1];
+    std::vector<std::size_t> next(first.begin(), first.end() - 1);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const auto [column, row] = placesOf(k);
+      entries[next[at(column)]++] = {row, values[k]};
+      if (row == column)
+        largest = std::max(largest, values[k]);
+    }
+  }
+};
+
+// The lower triangle of a front, of the height of all its rows, and its elimination.
+template<class Real>
+class Front {
+ public:
+  Front(int columns, int below, Real zero)
+      : columns_(at(columns)), height_(at(columns + below)), zero_(zero), a_(height_ * height_, Real(0.0)) {}
+
+  Real& operator()(std::size_t i, std::size_t j) { return a_[j * height_ + i]; }
+  const std::vector<Real>& values() const { return a_; }
+
+  // Divides by the pivots, and takes the columns from what is below. Of rows left out the column is zero,
+  // under a one. @param pivots receives them, zero for rows that are left out.
+  void eliminate(std::vector<Real>& pivots) {
+    pivots.assign(columns_, Real(0.0));
+    if constexpr (std::is_same_v<Real, double>) {
+      const std::vector<double> before = a_;
+      if (isRegular(pivots))
+        return;
+      a_ = before;
+    }
+    for (std::size_t j = 0; j < columns_; ++j)
+      eliminateColumn(j, pivots[j]);
+  }
+
+  // What is left for the parent: the square of the rows below, of which the lower triangle counts.
+  std::vector<Real> left() const {
+    const std::size_t r = height_ - columns_;
+    std::vector<Real> square(r * r);
+    for (std::size_t j = 0; j < r; ++j) {
+      const auto column = a_.begin() + static_cast<std::ptrdiff_t>((columns_ + j) * height_ + columns_);
+      std::copy(column, column + static_cast<std::ptrdiff_t>(r),
+                square.begin() + static_cast<std::ptrdiff_t>(j * r));
+    }
+    return square;
+  }
+
+ private:
+  // By LAPACK; whether no pivot is a rounding error.
+  bool isRegular(std::vector<Real>& pivots) {
+    const auto k = static_cast<int>(columns_), height = static_cast<int>(height_), r = height - k;
+    int info = 0;
+    Teuchos::LAPACK<int, double>().POTRF('L', k, a_.data(), height, &info);
+    if (info != 0)
+      return false;
+    for (std::size_t j = 0; j < columns_; ++j) {
+      pivots[j] = (*this)(j, j) * (*this)(j, j);
+      if (!(pivots[j] > zero_))
+        return false;
+    }
+    if (r > 0) {
+      double* below = a_.data() + columns_;
+      Blas().TRSM(Teuchos::RIGHT_SIDE, Teuchos::LOWER_TRI, Teuchos::TRANS, Teuchos::NON_UNIT_DIAG, r, k, 1.0,
+                  a_.data(), height, below, height);
+      Blas().SYRK(Teuchos::LOWER_TRI, Teuchos::NO_TRANS, r, k, -1.0, below, height, 1.0,
+                  a_.data() + columns_ * height_ + columns_, height);
+    }
+    return true;
+  }
+
+  void eliminateColumn(std::size_t j, Real& pivot) {
+    Real* column = a_.data() + j * height_;
+    pivot = column[j];
+    if (!(pivot > zero_)) {
+      pivot = 0.0;
+      std::fill(column + j, column + height_, Real(0.0));
+      column[j] = 1.0;
+      return;
+    }
+    const Real root = std::sqrt(pivot);
+    column[j] = root;
+    for (std::size_t i = j + 1; i < height_; ++i)
+      column[i] /= root;
+    for (std::size_t c = j + 1; c < height_; ++c) {
+      Real* other = a_.data() + c * height_;
+      const Real factor = column[c];
+      for (std::size_t i = c; factor != 0.0 && i < height_; ++i)
+        other[i] -= factor * column[i];
+    }
+  }
+
+  std::size_t columns_, height_;
+  Real zero_;
+  std::vector<Real> a_;
+};
+
+// Fronts, one after the other, from the matrix and from what their children left.
+template<class Real>
+class Assembly {
+ public:
+  Assembly(const FrontTree& tree, const Permuted<Real>& matrix)
+      : tree_(tree), matrix_(matrix), local_(at(tree.size())) {}
+
+  Front<Real> next(std::size_t f, Real zero) {
+    const FrontTree::Front& front = tree_.fronts[f];
+    const auto k = at(front.columns), r = at(front.below);
+    Front<Real> dense(front.columns, front.below, zero);
+    for (std::size_t j = 0; j < k; ++j)
+      local_[at(front.first) + j] = static_cast<int>(j);
+    for (std::size_t i = 0; i < r; ++i)
+      local_[at(tree_.rows[front.rows + i])] = static_cast<int>(k + i);
+    for (std::size_t j = 0; j < k; ++j)
+      for (std::size_t e = matrix_.first[at(front.first) + j]; e < matrix_.first[at(front.first) + j + 1];
+           ++e)
+        dense(at(local_[at(matrix_.entries[e].row)]), j) += matrix_.entries[e].value;
+    for (; !waiting_.empty() && tree_.fronts[waiting_.back().front].parent == static_cast<int>(f);
+         waiting_.pop_back()) {
+      const FrontTree::Front& child = tree_.fronts[waiting_.back().front];
+      const std::vector<Real>& values = waiting_.back().values;
+      const int* rows = tree_.rows.data() + child.rows;
+      const auto size = at(child.below);
+      for (std::size_t j = 0; j < size; ++j)
+        for (std::size_t i = j; i < size; ++i)
+          dense(at(local_[at(rows[i])]), at(local_[at(rows[j])])) += values[j * size + i];
+    }
+    return dense;
+  }
+
+  // Takes what a front leaves for its parent, until that is assembled.
+  void keep(std::size_t f, const Front<Real>& dense) {
+    if (tree_.fronts[f].parent >= 0)
+      waiting_.push_back({f, dense.left()});
+  }
+
+ private:
+  struct Update {
+    std::size_t front;
+    std::vector<Real> values; // the square of the rows below; its lower triangle counts
+  };
+  const FrontTree& tree_;
+  const Permuted<Real>& matrix_;
+  std::vector<Update> waiting_;
+  std::vector<int> local_; // of places, in the front at hand
+};
 
 } // namespace
 
 template<class Real>
 SparseCholesky::SparseCholesky(int n, const std::vector<int>& rows, const std::vector<int>& columns,
-                               const std::vector<Real>& values, double relativeThreshold)
-    : n_(n), order_(nestedDissection(n, rows, columns)) {
-  const auto size = static_cast<std::size_t>(n);
-  std::vector<int> place(size);
-  for (std::size_t k = 0; k < size; ++k)
-    place[static_cast<std::size_t>(order_[k])] = static_cast<int>(k);
-
-  // Row k of the permuted matrix, its entries left of the diagonal.
-  std::vector<std::vector<EntryOf<Real>>> a(size);
-  std::vector<Real> diagonal(size, 0.0);
-  Real largest = 0.0;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const int i = place[static_cast<std::size_t>(rows[k])], j = place[static_cast<std::size_t>(columns[k])];
-    if (i == j) {
-      diagonal[static_cast<std::size_t>(i)] = values[k];
-      largest = std::max(largest, values[k]);
-    } else {
-      a[static_cast<std::size_t>(std::max(i, j))].push_back({std::min(i, j), values[k]});
-    }
-  }
-  const Real zero = std::max(n * std::numeric_limits<double>::epsilon(), relativeThreshold) * largest;
-
-  std::vector<std::vector<EntryOf<Real>>> below(size); // of L, under the diagonal
-  std::vector<Real> roots(size, 1.0);
-  std::vector<bool> isKept(size, false);
-  std::vector<int> parent(size, -1), ancestor(size, -1), mark(size, -1), pattern, path;
-  std::vector<Real> x(size, 0.0);
-  for (std::size_t k = 0; k < size; ++k) {
-    const int row = static_cast<int>(k);
-    // The elimination tree, with compressed paths.
-    for (const EntryOf<Real>& entry : a[k])
-      for (int j = entry.row; j >= 0 && j < row;) {
-        const int next = ancestor[static_cast<std::size_t>(j)];
-        ancestor[static_cast<std::size_t>(j)] = row;
-        if (next < 0)
-          parent[static_cast<std::size_t>(j)] = row;
-        j = next;
-      }
-    // Pattern of row k of L: what is reached in the tree from the entries of A, below k, in rising order.
-    pattern.clear();
-    mark[k] = row;
-    for (const EntryOf<Real>& entry : a[k]) {
-      x[static_cast<std::size_t>(entry.row)] = entry.value;
-      for (int j = entry.row; j >= 0 && mark[static_cast<std::size_t>(j)] != row;
-           j = parent[static_cast<std::size_t>(j)]) {
-        mark[static_cast<std::size_t>(j)] = row;
-        pattern.push_back(j);
+                               const std::vector<Real>& values, double relativeThreshold,
+                               const SparseCholesky* like)
+    : tree_(like != nullptr
+                ? like->tree_
+                : std::make_shared<const FrontTree>(patternOf(n, rows, columns), std::vector<int>())),
+      isKept_(at(n), 0) {
+  const FrontTree& tree = *tree_;
+  const Permuted<Real> matrix(tree, rows, columns, values);
+  const Real zero = std::max(n * std::numeric_limits<double>::epsilon(), relativeThreshold) * matrix.largest;
+  Assembly<Real> assembly(tree, matrix);
+  std::vector<Real> pivots;
+  for (std::size_t f = 0; f < tree.fronts.size(); ++f) {
+    const FrontTree::Front& front = tree.fronts[f];
+    Front<Real> dense = assembly.next(f, zero);
+    dense.eliminate(pivots);
+    begin_.push_back(values_.size());
+    const auto columnsEnd = static_cast<std::ptrdiff_t>(pivots.size() * at(front.columns + front.below));
+    std::transform(dense.values().begin(), dense.values().begin() + columnsEnd, std::back_inserter(values_),
+                   [](Real value) { return static_cast<double>(value); });
+    for (std::size_t j = 0; j < pivots.size(); ++j) {
+      const int place = front.first + static_cast<int>(j);
+      if (pivots[j] > 0.0) {
+        isKept_[at(place)] = 1;
+        kept_.push_back(place);
+        smallestRatio_ = std::min(smallestRatio_, static_cast<double>(pivots[j] / matrix.largest));
+      } else {
+        dependent_.push_back(tree.order[at(place)]);
       }
     }
-    std::sort(pattern.begin(), pattern.end());
-    Real pivot = diagonal[k];
-    std::vector<Real> rowOfL(pattern.size());
-    for (std::size_t p = 0; p < pattern.size(); ++p) {
-      const auto j = static_cast<std::size_t>(pattern[p]);
-      const Real value = isKept[j] ? x[j] / roots[j] : Real(0.0);
-      x[j] = 0.0;
-      rowOfL[p] = value;
-      if (value == 0.0)
-        continue;
-      for (const EntryOf<Real>& entry : below[j])
-        if (mark[static_cast<std::size_t>(entry.row)] == row)
-          x[static_cast<std::size_t>(entry.row)] -= entry.value * value;
-      pivot -= value * value;
-    }
-    x[k] = 0.0; // a column may reach the diagonal; the pivot was gathered apart
-    if (!(pivot > zero)) {
-      dependent_.push_back(order_[k]);
-      continue;
-    }
-    isKept[k] = true;
-    kept_.push_back(row);
-    roots[k] = std::sqrt(pivot);
-    smallestRatio_ = std::min(smallestRatio_, static_cast<double>(pivot / largest));
-    for (std::size_t p = 0; p < pattern.size(); ++p)
-      if (rowOfL[p] != 0.0)
-        below[static_cast<std::size_t>(pattern[p])].push_back({row, rowOfL[p]});
-  }
-  if constexpr (std::is_same_v<Real, double>) {
-    columns_ = std::move(below);
-    diagonal_ = std::move(roots);
-  } else {
-    for (const std::vector<EntryOf<Real>>& column : below) {
-      std::vector<Entry>& rounded = columns_.emplace_back();
-      for (const EntryOf<Real>& entry : column)
-        rounded.push_back({entry.row, static_cast<double>(entry.value)});
-    }
-    diagonal_.assign(roots.begin(), roots.end());
+    assembly.keep(f, dense);
   }
 }
 
 template SparseCholesky::SparseCholesky(int, const std::vector<int>&, const std::vector<int>&,
-                                        const std::vector<double>&, double);
+                                        const std::vector<double>&, double, const SparseCholesky*);
 template SparseCholesky::SparseCholesky(int, const std::vector<int>&, const std::vector<int>&,
-                                        const std::vector<long double>&, double);
+                                        const std::vector<long double>&, double, const SparseCholesky*);
 
 double SparseCholesky::entries() const {
-  double sum = static_cast<double>(kept_.size());
-  for (const std::vector<Entry>& column : columns_)
-    sum += static_cast<double>(column.size());
+  double sum = 0.0;
+  if (tree_ != nullptr)
+    for (const FrontTree::Front& front : tree_->fronts)
+      sum += 0.5 * front.columns * (front.columns + 1.0) + static_cast<double>(front.columns) * front.below;
   return sum;
 }
 
-std::vector<double> SparseCholesky::solveL(const std::vector<double>& e) const {
-  std::vector<double> x(static_cast<std::size_t>(n_), 0.0), w;
+// Zero at rows left out: what L has in these rows is of no account then.
+std::vector<double> SparseCholesky::byPlaces(const std::vector<double>& v) const {
+  std::vector<double> x(isKept_.size(), 0.0);
+  for (int place : kept_)
+    x[at(place)] = v[at(tree_->order[at(place)])];
+  return x;
+}
+
+std::vector<double> SparseCholesky::byRows(const std::vector<double>& x) const {
+  std::vector<double> v(x.size(), 0.0);
+  for (int place : kept_)
+    v[at(tree_->order[at(place)])] = x[at(place)];
+  return v;
+}
+
+std::vector<double> SparseCholesky::keptOf(const std::vector<double>& x) const {
+  std::vector<double> w;
   w.reserve(kept_.size());
-  for (std::size_t k = 0; k < x.size(); ++k)
-    x[k] = e[static_cast<std::size_t>(order_[k])];
-  for (int place : kept_) {
-    const auto k = static_cast<std::size_t>(place);
-    x[k] /= diagonal_[k];
-    w.push_back(x[k]);
-    for (const Entry& entry : columns_[k])
-      x[static_cast<std::size_t>(entry.row)] -= entry.value * x[k];
-  }
+  for (int place : kept_)
+    w.push_back(x[at(place)]);
   return w;
+}
+
+std::vector<double> SparseCholesky::scattered(const std::vector<double>& w) const {
+  std::vector<double> x(isKept_.size(), 0.0);
+  for (std::size_t r = 0; r < kept_.size(); ++r)
+    x[at(kept_[r])] = w[r];
+  return x;
+}
+
+namespace {
+
+// Calls work(columns of L, front, the entries of x at its columns, those below gathered in `below`).
+template<class Work>
+void throughFronts(const FrontTree& tree, bool upwards, std::vector<double>& x, const Work& work) {
+  std::vector<double> below(at(tree.largestFront));
+  const std::size_t count = tree.fronts.size();
+  for (std::size_t step = 0; step < count; ++step) {
+    const std::size_t f = upwards ? step : count - 1 - step;
+    const FrontTree::Front& front = tree.fronts[f];
+    work(f, front, tree.rows.data() + front.rows, x.data() + front.first, below);
+  }
+}
+
+} // namespace
+
+std::vector<double> SparseCholesky::solveL(const std::vector<double>& e) const {
+  std::vector<double> x = byPlaces(e);
+  if (x.empty())
+    return {};
+  throughFronts(*tree_, true, x,
+                [&](std::size_t f, const auto& front, const int* rows, double* own, auto& y) {
+                  const double* l = columnsOf(f);
+                  const int k = front.columns, r = front.below, height = k + r;
+                  Blas().TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::NO_TRANS,
+                              Teuchos::NON_UNIT_DIAG, k, 1, 1.0, l, height, own, k);
+                  if (r == 0)
+                    return;
+                  Blas().GEMV(Teuchos::NO_TRANS, r, k, 1.0, l + k, height, own, 1, 0.0, y.data(), 1);
+                  for (int i = 0; i < r; ++i)
+                    x[at(rows[i])] -= y[at(i)];
+                });
+  return keptOf(x);
 }
 
 std::vector<double> SparseCholesky::solveLt(const std::vector<double>& w) const {
-  std::vector<double> x(static_cast<std::size_t>(n_), 0.0), result(x.size(), 0.0);
-  for (std::size_t r = kept_.size(); r-- > 0;) {
-    const auto k = static_cast<std::size_t>(kept_[r]);
-    double sum = w[r];
-    for (const Entry& entry : columns_[k])
-      sum -= entry.value * x[static_cast<std::size_t>(entry.row)];
-    x[k] = sum / diagonal_[k];
-    result[static_cast<std::size_t>(order_[k])] = x[k];
-  }
-  return result;
+  std::vector<double> x = scattered(w);
+  if (x.empty())
+    return {};
+  throughFronts(*tree_, false, x,
+                [&](std::size_t f, const auto& front, const int* rows, double* own, auto& y) {
+                  const double* l = columnsOf(f);
+                  const int k = front.columns, r = front.below, height = k + r;
+                  for (int i = 0; i < r; ++i)
+                    y[at(i)] = x[at(rows[i])];
+                  if (r > 0)
+                    Blas().GEMV(Teuchos::TRANS, r, k, -1.0, l + k, height, y.data(), 1, 1.0, own, 1);
+                  Blas().TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::TRANS, Teuchos::NON_UNIT_DIAG,
+                              k, 1, 1.0, l, height, own, k);
+                });
+  return byRows(x);
 }
 
 std::vector<double> SparseCholesky::multiplyL(const std::vector<double>& w) const {
-  std::vector<double> result(static_cast<std::size_t>(n_), 0.0);
-  for (std::size_t r = 0; r < kept_.size(); ++r) {
-    const auto k = static_cast<std::size_t>(kept_[r]);
-    result[static_cast<std::size_t>(order_[k])] += diagonal_[k] * w[r];
-    for (const Entry& entry : columns_[k])
-      result[static_cast<std::size_t>(order_[static_cast<std::size_t>(entry.row)])] += entry.value * w[r];
-  }
-  return result;
+  std::vector<double> x = scattered(w);
+  if (x.empty())
+    return {};
+  // Parents first: what is added to rows above belongs to those that are done.
+  throughFronts(*tree_, false, x,
+                [&](std::size_t f, const auto& front, const int* rows, double* own, auto& y) {
+                  const double* l = columnsOf(f);
+                  const int k = front.columns, r = front.below, height = k + r;
+                  if (r > 0)
+                    Blas().GEMV(Teuchos::NO_TRANS, r, k, 1.0, l + k, height, own, 1, 0.0, y.data(), 1);
+                  for (int i = 0; i < r; ++i)
+                    x[at(rows[i])] += y[at(i)];
+                  Blas().TRMM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::NO_TRANS,
+                              Teuchos::NON_UNIT_DIAG, k, 1, 1.0, l, height, own, k);
+                });
+  return byRows(x);
 }
 
 std::vector<double> SparseCholesky::multiplyLt(const std::vector<double>& v) const {
-  std::vector<double> w;
-  for (int place : kept_) {
-    const auto k = static_cast<std::size_t>(place);
-    double sum = diagonal_[k] * v[static_cast<std::size_t>(order_[k])];
-    for (const Entry& entry : columns_[k])
-      sum += entry.value * v[static_cast<std::size_t>(order_[static_cast<std::size_t>(entry.row)])];
-    w.push_back(sum);
-  }
-  return w;
+  std::vector<double> x = byPlaces(v);
+  if (x.empty())
+    return {};
+  // Children first, as they need their parents' entries as they were.
+  throughFronts(*tree_, true, x,
+                [&](std::size_t f, const auto& front, const int* rows, double* own, auto& y) {
+                  const double* l = columnsOf(f);
+                  const int k = front.columns, r = front.below, height = k + r;
+                  Blas().TRMM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::TRANS, Teuchos::NON_UNIT_DIAG,
+                              k, 1, 1.0, l, height, own, k);
+                  for (int i = 0; i < r; ++i)
+                    y[at(i)] = x[at(rows[i])];
+                  if (r > 0)
+                    Blas().GEMV(Teuchos::TRANS, r, k, 1.0, l + k, height, y.data(), 1, 1.0, own, 1);
+                });
+  return keptOf(x);
 }
 
 } // namespace Harmos::feti

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_FrontTree.hpp"
+
+#include <cstddef>
+#include <memory>
 #include <vector>
 
 namespace Harmos::feti {
 
-/// A = LLᵀ of a sparse symmetric positive semidefinite matrix, in METIS' nested dissection order, with rows
-/// left out whose pivot is a rounding error: it reveals the rank like PivotedCholesky, which it replaces
-/// where the matrix is too large to be dense. Unlike the solvers behind Amesos2 it gives L⁻¹ and L⁻ᵀ apart.
+/// A = LLᵀ of a sparse symmetric positive semidefinite matrix, with rows left out whose pivot is a rounding
+/// error: it reveals the rank like PivotedCholesky, which it replaces where the matrix is too large to be
+/// dense. Unlike the solvers behind Amesos2 it gives L⁻¹ and L⁻ᵀ apart.
 ///
-/// Up-looking, by the elimination tree (Davis: Direct methods for sparse linear systems, SIAM 2006, chapter
-/// 4). Guarded by tests/unit/feti/coarse/test_sparse_cholesky.cpp.
+/// Multifrontal, in dense pieces (FrontTree); rows are left out in the order of elimination. Guarded by
+/// tests/unit/feti/coarse/test_sparse_cholesky.cpp.
 class SparseCholesky {
  public:
   SparseCholesky() = default;
@@ -18,13 +22,15 @@ class SparseCholesky {
   /// @param rows, columns, values the lower triangle, entry by entry, each place once.
   /// @param relativeThreshold pivots up to this part of the largest diagonal entry count as zero; nε at
   /// least.
+  /// @param like of the same rows and columns, whose order of elimination is taken; or null.
   /// @tparam Real double; or long double for matrices that are badly conditioned, of which L is rounded to
   /// double after it was made; see PivotedCholesky.
   template<class Real>
   SparseCholesky(int n, const std::vector<int>& rows, const std::vector<int>& columns,
-                 const std::vector<Real>& values, double relativeThreshold = 0.0);
+                 const std::vector<Real>& values, double relativeThreshold = 0.0,
+                 const SparseCholesky* like = nullptr);
 
-  int size() const { return n_; }
+  int size() const { return static_cast<int>(isKept_.size()); }
   int rank() const { return static_cast<int>(kept_.size()); }
   /// Rows left out, in no special order.
   const std::vector<int>& dependent() const { return dependent_; }
@@ -43,17 +49,17 @@ class SparseCholesky {
   std::vector<double> multiplyLt(const std::vector<double>& v) const;
 
  private:
-  template<class Real>
-  struct EntryOf {
-    int row; ///< in the order of elimination
-    Real value;
-  };
-  using Entry = EntryOf<double>;
-  int n_ = 0;
-  std::vector<int> order_;                  // row of A at each place of the order of elimination
-  std::vector<std::vector<Entry>> columns_; // of L below the diagonal
-  std::vector<double> diagonal_;
-  std::vector<int> kept_; // places that were kept
+  const double* columnsOf(std::size_t front) const { return values_.data() + begin_[front]; }
+  std::vector<double> byPlaces(const std::vector<double>& v) const;
+  std::vector<double> byRows(const std::vector<double>& x) const;
+  std::vector<double> keptOf(const std::vector<double>& x) const;
+  std::vector<double> scattered(const std::vector<double>& w) const;
+
+  std::shared_ptr<const FrontTree> tree_;
+  std::vector<double> values_;     // of L, front after front, its columns of the height of all its rows
+  std::vector<std::size_t> begin_; // of each front in them
+  std::vector<char> isKept_;       // of each place
+  std::vector<int> kept_;          // places that were kept
   std::vector<int> dependent_;
   double smallestRatio_ = 1.0;
 };

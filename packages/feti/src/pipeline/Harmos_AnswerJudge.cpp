@@ -54,6 +54,9 @@ void AnswerJudge::makeExtension(PreconditionerKind kind) {
   extension_ = Teuchos::rcp(
       new DualPreconditioner(*stages_.system, *stages_.constraints, *stages_.inverses, kind, scaling_));
   isBoundAlone_ = kind == PreconditionerKind::Lumped;
+  // Estimates of two answers are compared with each other: one way for both.
+  if (!before_.jumps.is_null())
+    before_.forces = forcesOf(*before_.forces.multiplier, *before_.jumps);
 }
 
 void AnswerJudge::recover(const MultiVector& lambda, const std::vector<double>& mu) {
@@ -66,7 +69,15 @@ void AnswerJudge::recover(const MultiVector& lambda, const std::vector<double>& 
   quality_.audited = true;
   if (extension_.is_null())
     return;
+  last_.jumps = Teuchos::rcp(new MultiVector(stages_.constraints->rowMap(), 1));
+  stages_.constraints->residual(torn_.displacement, *torn_.multiplier, *last_.jumps);
+  keepErrors(*stages_.constraints, *torn_.multiplier, *last_.jumps);
   measureErrors();
+}
+
+// The sharper bound costs as much as ten products. It is asked for where it decides: not of answers that the
+// audit refuses without it.
+void AnswerJudge::sharpen() {
   const auto made = Teuchos::rcp_dynamic_cast<const DualPreconditioner>(extension_);
   const bool isLumped = !made.is_null() && made->kind() == PreconditionerKind::Lumped;
   if (!(isBoundAlone_ && !auditAgrees(quality_)) && !(isLumped && forceExcess(quality_) > 1.0))
@@ -76,19 +87,34 @@ void AnswerJudge::recover(const MultiVector& lambda, const std::vector<double>& 
   measureErrors();
 }
 
+bool AnswerJudge::isRefusedByAudit() const {
+  return !rowForceText(quality_).empty() ||
+         !auditAgrees(quality_.audit,
+                      {auditShare(quality_.tolerance), quality_.gapRounding, quality_.localDefect});
+}
+
+// M⁻¹ of jumps.
+RowForces AnswerJudge::forcesOf(const MultiVector& multiplier, const MultiVector& jumps,
+                                double* energy) const {
+  MultiVector forces(stages_.constraints->rowMap(), 1);
+  extension_->apply(jumps, forces);
+  if (energy != nullptr) {
+    std::vector<double> product(1);
+    jumps.dot(forces, Teuchos::arrayViewFromVector(product));
+    *energy = product[0];
+  }
+  return rowForces(*stages_.constraints, multiplier, jumps, forces);
+}
+
 // √(rᵀM⁻¹r), and M⁻¹r of each pair.
 void AnswerJudge::measureErrors() {
-  MultiVector jumps(stages_.constraints->rowMap(), 1), forces(stages_.constraints->rowMap(), 1);
-  stages_.constraints->residual(torn_.displacement, *torn_.multiplier, jumps);
-  keepErrors(*stages_.constraints, *torn_.multiplier, jumps);
-  extension_->apply(jumps, forces);
-  std::vector<double> product(1);
-  jumps.dot(forces, Teuchos::arrayViewFromVector(product));
-  quality_.solverError = std::sqrt(std::max(product[0], 0.0));
-  forces_ = rowForces(*stages_.constraints, *torn_.multiplier, jumps, forces);
-  const std::vector<ForceError> errors = forceErrors(
-      *stages_.constraints, forces_, forcesBefore_.multiplier.is_null() ? nullptr : &forcesBefore_,
-      {criteria_.groupOf, static_cast<int>(quality_.pairErrors.size()), criteria_.areaOf});
+  double energy = 0.0;
+  last_.forces = forcesOf(*torn_.multiplier, *last_.jumps, &energy);
+  quality_.solverError = std::sqrt(std::max(energy, 0.0));
+  const bool hasBefore = !before_.jumps.is_null();
+  const std::vector<ForceError> errors =
+      forceErrors(*stages_.constraints, last_.forces, hasBefore ? &before_.forces : nullptr,
+                  {criteria_.groupOf, static_cast<int>(quality_.pairErrors.size()), criteria_.areaOf});
   for (std::size_t k = 0; k < errors.size(); ++k)
     static_cast<ForceError&>(quality_.pairErrors[k]) = errors[k];
 }
@@ -119,8 +145,10 @@ std::optional<double> AnswerJudge::balance(double tolerance) {
 }
 
 Verdict AnswerJudge::judge(const MultiVector& lambda, const std::vector<double>& mu, double tolerance) {
-  forcesBefore_ = forces_;
+  before_ = last_;
   recover(lambda, mu);
+  if (!extension_.is_null() && (criteria_.rule == ToleranceRule::Balanced || !isRefusedByAudit()))
+    sharpen();
   quality_.reachedTolerance = tolerance;
   std::optional<double> next = improve(tolerance);
   const bool isEnough = !next;
@@ -159,9 +187,7 @@ std::optional<double> AnswerJudge::improve(double tolerance) {
     // Errors fall about like residuals: where they alone are too large, no further than they ask for.
     const double share = std::max(energyErrorShare(quality_.tolerance), std::min(quality_.allowedError, 0.1));
     const double allowed = share * quality_.audit.energyNorm;
-    const bool isErrorAlone = auditAgrees(
-        quality_.audit, {auditShare(quality_.tolerance), quality_.gapRounding, quality_.localDefect});
-    next = tolerance * (isErrorAlone && quality_.solverError > 0.0
+    next = tolerance * (!isRefusedByAudit() && quality_.solverError > 0.0
                             ? std::clamp(0.5 * allowed / quality_.solverError, 0.1, 0.5)
                             : 0.1);
   }
@@ -176,21 +202,25 @@ void AnswerJudge::exchange(qp::StateArchive<MultiVector>& archive) {
   archive.number("discretisation error trusted", trusted_);
   if (known.size() == 2)
     discretisation_ = DiscretisationError{known[0], known[1]};
-  bool hasForces = !forces_.multiplier.is_null();
+  bool hasForces = !last_.jumps.is_null();
   archive.number("forces judged", hasForces);
   if (!hasForces)
     return;
-  for (Teuchos::RCP<MultiVector>* vector : {&forces_.multiplier, &forces_.error})
+  for (Teuchos::RCP<MultiVector>* vector : {&last_.forces.multiplier, &last_.forces.error, &last_.jumps})
     if (vector->is_null())
       *vector = Teuchos::rcp(new MultiVector(stages_.constraints->rowMap(), 1));
-  archive.vector("forces judged: multiplier", *forces_.multiplier);
-  archive.vector("forces judged: error", *forces_.error);
+  archive.vector("forces judged: multiplier", *last_.forces.multiplier);
+  archive.vector("forces judged: error", *last_.forces.error);
+  archive.vector("forces judged: jumps", *last_.jumps);
 }
 
 TornSolution AnswerJudge::finish(const MultiVector& lambda, const std::vector<double>& mu,
                                  bool isLastJudged) {
-  if (!isLastJudged)
+  if (!isLastJudged) {
     recover(lambda, mu);
+    if (!extension_.is_null())
+      sharpen();
+  }
   return std::move(torn_);
 }
 

@@ -76,7 +76,16 @@ class AnswerJudge {
   static double firstBalancedTolerance();
 
  private:
+  // Of an answer: its forces, and the jumps that their errors are estimated from.
+  struct Judged {
+    RowForces forces;
+    Teuchos::RCP<MultiVector> jumps; // null: there is no answer
+  };
+
   void recover(const MultiVector& lambda, const std::vector<double>& mu);
+  void sharpen();
+  bool isRefusedByAudit() const;
+  RowForces forcesOf(const MultiVector& multiplier, const MultiVector& jumps, double* energy = nullptr) const;
   void measureErrors();
   std::optional<double> improve(double tolerance);
   void makeExtension(PreconditionerKind kind);
@@ -92,7 +101,7 @@ class AnswerJudge {
   Teuchos::RCP<const Operator> extension_; // M⁻¹ of the estimate
   bool isBoundAlone_ = false;              // it was made for a bound that costs little
   TornSolution torn_;
-  RowForces forces_, forcesBefore_; // of the answer that was judged last, and of the one before
+  Judged last_, before_; // the answer that was judged last, and the one before
   std::optional<DiscretisationError> discretisation_;
   bool trusted_ = false; // that estimate is not about the solver's error
 };
