@@ -217,7 +217,8 @@ void takeBodies(const DeckContext& context, const std::shared_ptr<const fem::Cut
   }
 }
 
-// Bodies from the mesh file: read and cut on rank 0; the others learn how many parts and nodes there are.
+// Bodies from the mesh file: read on rank 0 and cut by all; the others learn how many parts and nodes there
+// are.
 void readBodies(const DeckContext& context, int dimension, const std::vector<std::size_t>& which,
                 scene::Scene& scene, long long& firstNode) {
   const ParameterList& bodies = context.deck.sublist("Bodies");
@@ -230,34 +231,42 @@ void readBodies(const DeckContext& context, int dimension, const std::vector<std
                    "\"");
   std::vector<long long> counts(2 * which.size(), 0); // parts, nodes
   std::vector<std::shared_ptr<std::vector<fem::PlacedMesh>>> torn(which.size());
+  const bool isRoot = context.comm.getRank() == 0;
+  std::vector<fem::BodyMesh> meshes(which.size());
   agree(context.comm, [&] {
-    if (context.comm.getRank() != 0)
+    if (!isRoot)
       return;
     std::vector<fem::GmshBody> wanted;
     for (std::size_t b : which)
       wanted.push_back(
           {scene.bodies[b].name, groupsOf(scene.bodies[b].name, bodies.sublist(scene.bodies[b].name))});
-    const std::vector<fem::BodyMesh> meshes = fem::readGmsh(file, wanted, dimension);
-    long long first = firstNode;
-    for (std::size_t k = 0; k < which.size(); ++k) {
-      const std::string& name = scene.bodies[which[k]].name;
-      const fem::PartitionOptions cut = partitionOptions(bodies.sublist(name));
-      const fem::Partition partition =
-          fem::partitionCells(meshes[k], bodies.sublist(name).get<int>("Subdomains"), cut);
+    meshes = fem::readGmsh(file, wanted, dimension);
+  });
+  long long first = firstNode;
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    const std::string& name = scene.bodies[which[k]].name;
+    const fem::PartitionOptions cut = partitionOptions(bodies.sublist(name));
+    const fem::Partition partition = fem::partitionCells(context.comm, isRoot ? &meshes[k] : nullptr,
+                                                         bodies.sublist(name).get<int>("Subdomains"), cut);
+    agree(context.comm, [&] {
+      if (!isRoot)
+        return;
+      const fem::Mesh& mesh = meshes[k].mesh;
       torn[k] = std::make_shared<std::vector<fem::PlacedMesh>>(
           fem::tear(meshes[k], partition.part, partition.parts, first));
       counts[2 * k] = partition.parts;
-      counts[2 * k + 1] = meshes[k].mesh.numberOfNodes();
+      counts[2 * k + 1] = mesh.numberOfNodes();
       first += counts[2 * k + 1];
       context.log.info("Body \"" + name + "\": " + std::to_string(counts[2 * k + 1]) + " nodes, " +
-                       std::to_string(meshes[k].mesh.numberOfCells()) + " cells (" +
-                       fem::shapeOf(meshes[k].mesh.cellType).name + "), cut into " + sizesOf(partition));
+                       std::to_string(mesh.numberOfCells()) + " cells (" + fem::shapeOf(mesh.cellType).name +
+                       "), cut into " + sizesOf(partition));
       scene.notes.insert(scene.notes.end(), partition.notes.begin(), partition.notes.end());
-      notePieces(name, meshes[k].mesh, scene.notes);
+      notePieces(name, mesh, scene.notes);
       noteRagged(name, partition, cut.method, scene.notes);
-      noteLocking(scene.bodies[which[k]], scene.physics, meshes[k].mesh.cellType, scene.notes);
-    }
-  });
+      noteLocking(scene.bodies[which[k]], scene.physics, mesh.cellType, scene.notes);
+    });
+    meshes[k] = {}; // its parts are there
+  }
   Teuchos::broadcast<int, long long>(context.comm, 0, static_cast<int>(counts.size()), counts.data());
   for (std::size_t k = 0; k < which.size(); ++k) {
     scene.bodies[which[k]].subdomains = static_cast<int>(counts[2 * k]);

@@ -1,179 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Partition.hpp"
 
-#include "Harmos_CellGraph.hpp"
-#include "Harmos_CompactParts.hpp"
-#include "Harmos_Errors.hpp"
+#include "Harmos_Agreement.hpp"
+#include "Harmos_CellClusters.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_GraphPartition.hpp"
+#include "Harmos_Index.hpp"
 #include "Harmos_PartShape.hpp"
 
-#include <metis.h>
-
 #include <algorithm>
-#include <array>
-#include <map>
-#include <numeric>
-#include <optional>
+#include <utility>
 
 namespace Harmos::fem {
 namespace {
 
-// What is cut: cells, or clusters of them with weights.
-struct Graph {
-  const CellGraph& graph;
-  const CellClusters* clusters; // null: cells
-};
-
-// METIS' parts of some vertices that hang together, written into labels from `firstLabel` on.
-void cut(const Graph& whole, const std::vector<int>& vertices, int parts, int firstLabel, int seed,
-         std::vector<int>& labels) {
-  const CellGraph& graph = whole.graph;
-  std::vector<idx_t> number(static_cast<std::size_t>(graph.cells()), -1);
-  for (std::size_t k = 0; k < vertices.size(); ++k)
-    number[static_cast<std::size_t>(vertices[k])] = static_cast<idx_t>(k);
-  std::vector<idx_t> offsets = {0}, neighbours, part(vertices.size(), 0), sizes, sides;
-  for (int vertex : vertices) {
-    for (const int* other = graph.begin(vertex); other != graph.end(vertex); ++other) {
-      neighbours.push_back(number[static_cast<std::size_t>(*other)]);
-      if (whole.clusters != nullptr)
-        sides.push_back(whole.clusters->sides[static_cast<std::size_t>(other - graph.neighbours.data())]);
-    }
-    offsets.push_back(static_cast<idx_t>(neighbours.size()));
-    if (whole.clusters != nullptr)
-      sizes.push_back(whole.clusters->sizes[static_cast<std::size_t>(vertex)]);
-  }
-  idx_t count = static_cast<idx_t>(vertices.size()), constraints = 1, wanted = parts, edgeCut = 0;
-  std::array<idx_t, METIS_NOPTIONS> options;
-  METIS_SetDefaultOptions(options.data());
-  options[METIS_OPTION_SEED] = seed;
-  options[METIS_OPTION_NUMBERING] = 0;
-  options[METIS_OPTION_CONTIG] = whole.clusters == nullptr ? 1 : 0;
-  const auto orNull = [](std::vector<idx_t>& v) { return v.empty() ? nullptr : v.data(); };
-  const int status =
-      METIS_PartGraphKway(&count, &constraints, offsets.data(), neighbours.data(), orNull(sizes), nullptr,
-                          orNull(sides), &wanted, nullptr, nullptr, options.data(), &edgeCut, part.data());
-  HARMOS_REQUIRE(status == METIS_OK, "METIS failed with status " + std::to_string(status));
-  for (std::size_t k = 0; k < vertices.size(); ++k)
-    labels[static_cast<std::size_t>(vertices[k])] = firstLabel + static_cast<int>(part[k]);
-}
-
-// At least one part each, the others one by one to the component with the largest parts.
-std::vector<int> sharedOut(int wanted, const std::vector<std::vector<int>>& components) {
-  std::vector<int> parts(components.size(), 1);
-  for (int left = wanted - static_cast<int>(components.size()); left > 0; --left) {
-    std::size_t best = 0;
-    double size = 0.0;
-    for (std::size_t k = 0; k < components.size(); ++k) {
-      const double candidate = static_cast<double>(components[k].size()) / parts[k];
-      if (candidate > size) {
-        best = k;
-        size = candidate;
-      }
-    }
-    ++parts[best];
-  }
-  return parts;
-}
-
-int rootOf(const std::vector<int>& parent, int k) {
-  while (parent[static_cast<std::size_t>(k)] != k)
-    k = parent[static_cast<std::size_t>(k)];
-  return k;
-}
-
-Partition mended(const CellGraph& graph, const std::vector<int>& labels) {
-  const Components pieces = componentsOf(graph, labels);
-  const auto at = [](int k) { return static_cast<std::size_t>(k); };
-  const auto count = pieces.cells.size();
-  Partition result;
-  std::map<int, std::size_t> largest; // piece of each label
-  for (std::size_t k = 0; k < count; ++k) {
-    const auto [place, isNew] = largest.emplace(labels[at(pieces.cells[k].front())], k);
-    if (!isNew && pieces.cells[k].size() > pieces.cells[place->second].size())
-      place->second = k;
-  }
-  constexpr double tiny = 0.1;
-  const double averageSize = static_cast<double>(labels.size()) / static_cast<double>(largest.size());
-  std::vector<int> parent(count); // pieces that are one part
-  std::iota(parent.begin(), parent.end(), 0);
-  std::size_t joined = 0, alone = 0;
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::vector<int>& cells = pieces.cells[k];
-    if (largest.at(labels[at(cells.front())]) == k)
-      continue;
-    std::map<int, int> shared; // sides with each other part
-    if (static_cast<double>(cells.size()) < tiny * averageSize)
-      for (int cell : cells)
-        for (const int* other = graph.begin(cell); other != graph.end(cell); ++other) {
-          const int root = rootOf(parent, pieces.of[at(*other)]);
-          if (root != rootOf(parent, static_cast<int>(k)))
-            ++shared[root];
-        }
-    const auto best = std::max_element(shared.begin(), shared.end(),
-                                       [](const auto& a, const auto& b) { return a.second < b.second; });
-    if (best == shared.end()) {
-      ++alone;
-      continue;
-    }
-    parent[at(rootOf(parent, static_cast<int>(k)))] = best->first;
-    ++joined;
-  }
-  if (alone + joined > 0)
-    result.notes.push_back("Parts in pieces without common sides: " + std::to_string(alone) +
-                           " pieces became separate parts, " + std::to_string(joined) +
-                           " tiny pieces joined a neighbour.");
-  std::vector<int> numbers(count, -1);
-  for (std::size_t cell = 0; cell < labels.size(); ++cell) {
-    int& number = numbers[at(rootOf(parent, pieces.of[cell]))];
-    if (number < 0)
-      number = result.parts++;
-    result.part.push_back(number);
-  }
-  return result;
-}
-
-// Of cells in clusters; 1: cells are cut as they are. Bodies of fewer cells are cut in no time, and small
-// parts would have ragged edges of large clusters.
-int clusterSize(int cells, int parts, PartitionMethod method) {
-  constexpr int fewest = 30000, largest = 8, ofPart = 64; // clusters, at least
-  return method == PartitionMethod::Compact && cells >= fewest ? std::min(largest, cells / parts / ofPart)
-                                                               : 1;
-}
-
-// The clusters of some cells, rising.
-std::vector<int> clustersOf(const std::vector<int>& cells, const CellClusters& clusters) {
-  std::vector<char> isOne(clusters.sizes.size(), 0);
-  for (int cell : cells)
-    isOne[static_cast<std::size_t>(clusters.of[static_cast<std::size_t>(cell)])] = 1;
-  std::vector<int> result;
-  for (std::size_t cluster = 0; cluster < isOne.size(); ++cluster)
-    if (isOne[cluster] != 0)
-      result.push_back(static_cast<int>(cluster));
-  return result;
-}
-
-// Part of each cell. @param parts of each component. @param label receives their number.
-std::vector<int> cutComponents(const CellGraph& graph, const CellClusters* clusters,
-                               const Components& components, const std::vector<int>& parts, int seed,
-                               int& label) {
-  const Graph whole = {clusters != nullptr ? clusters->graph : graph, clusters};
-  std::vector<int> labels(static_cast<std::size_t>(whole.graph.cells()), 0);
-  for (std::size_t k = 0; k < components.cells.size(); ++k) {
-    const std::vector<int> vertices =
-        clusters == nullptr ? components.cells[k] : clustersOf(components.cells[k], *clusters);
-    if (parts[k] == 1)
-      for (int vertex : vertices)
-        labels[static_cast<std::size_t>(vertex)] = label;
-    else
-      cut(whole, vertices, parts[k], label, seed, labels);
-    label += parts[k];
-  }
-  if (clusters == nullptr)
-    return labels;
-  std::vector<int> ofCells;
-  ofCells.reserve(clusters->of.size());
-  for (int cluster : clusters->of)
-    ofCells.push_back(labels[static_cast<std::size_t>(cluster)]);
-  return ofCells;
+void requirePossible(const BodyMesh& body, int wanted) {
+  const int cells = body.mesh.numberOfCells();
+  if (wanted < 1 || wanted > cells)
+    throw InputError("body \"" + body.name + "\" cannot be partitioned into " + std::to_string(wanted) +
+                     " parts: it has " + std::to_string(cells) +
+                     " cells. Choose between 1 and that many parts");
 }
 
 // Numbers parts in the order of their lowest cells.
@@ -191,65 +37,191 @@ void number(Partition& partition) {
   partition.necks = necks;
 }
 
-} // namespace
-
-namespace {
-
-// Of cells in the order of the graph. Notes continue "Body X".
-Partition partition(const CellGraph& graph, int wanted, int clusterSize, const PartitionOptions& options) {
-  const Components whole = componentsOf(graph, std::vector<int>(static_cast<std::size_t>(graph.cells()), 0));
-  std::optional<CellClusters> clusters;
-  if (clusterSize > 1)
-    clusters = clustersOf(graph, clusterSize);
-  int label = 0;
-  std::vector<int> labels = cutComponents(graph, clusters ? &*clusters : nullptr, whole,
-                                          sharedOut(wanted, whole.cells), options.seed, label);
-  if (options.method == PartitionMethod::Compact)
-    roundOff(graph, label, labels, clusters ? &*clusters : nullptr);
-  Partition result = mended(graph, labels);
-  result.necks = neckWidths(graph, result.part, result.parts);
-  if (options.method == PartitionMethod::Compact)
-    mendNecks(graph, result.part, result.necks);
-  for (std::string& note : result.notes)
-    note.insert(0, ": ");
-  if (const std::size_t components = whole.cells.size(); components > 1)
-    result.notes.insert(result.notes.begin(),
-                        " consists of " + std::to_string(components) +
-                            " components without common sides; each is partitioned separately.");
-  if (result.parts != wanted)
-    result.notes.push_back(" is partitioned into " + std::to_string(result.parts) + " parts instead of " +
-                           std::to_string(wanted) + ".");
-  return result;
+// Of a body's parts, in any order.
+void finish(const BodyMesh& body, Partition& partition) {
+  number(partition);
+  for (std::string& note : partition.notes)
+    note.insert(0, "Body \"" + body.name + "\"");
 }
 
 } // namespace
 
 Partition partitionCells(const BodyMesh& body, int wanted, const PartitionOptions& options) {
+  requirePossible(body, wanted);
   const int cells = body.mesh.numberOfCells();
-  if (wanted < 1 || wanted > cells)
-    throw InputError("body \"" + body.name + "\" cannot be partitioned into " + std::to_string(wanted) +
-                     " parts: it has " + std::to_string(cells) +
-                     " cells. Choose between 1 and that many parts");
   const CellGraph graph = body.matched ? graphOf(body.mesh, *body.matched) : graphOf(body.mesh);
   Partition result;
-  if (const int size = clusterSize(cells, wanted, options.method); size > 1) {
+  if (const int size = Details::clusterSize(cells, wanted, options.method); size > 1) {
     const std::vector<int> curve = curveThrough(graph.centres);
-    result = partition(reordered(graph, curve), wanted, size, options);
+    result = Details::partition(reordered(graph, curve), wanted, size, options);
     const std::vector<int> alongCurve = result.part;
     for (std::size_t k = 0; k < curve.size(); ++k)
       result.part[static_cast<std::size_t>(curve[k])] = alongCurve[k];
   } else {
-    result = partition(graph, wanted, 1, options);
+    result = Details::partition(graph, wanted, 1, options);
   }
-  number(result);
-  for (std::string& note : result.notes)
-    note.insert(0, "Body \"" + body.name + "\"");
+  finish(body, result);
+  return result;
+}
+
+namespace {
+
+// A piece of a body on its way to the rank that cuts it.
+struct Piece {
+  std::vector<int> numbers; // parts wanted, dimension, cells; how many neighbours each has; neighbours
+  std::vector<Point> centres;
+};
+
+// What becomes of it.
+struct CutPiece {
+  std::vector<int> part; // of each of its cells
+  std::vector<double> necks;
+  std::vector<char> notes; // sentences, each with its end
+};
+
+Piece pieceOf(const CellGraph& graph, const std::vector<int>& cells, int wanted, std::vector<int>& number) {
+  Piece piece = {{wanted, graph.dimension, static_cast<int>(cells.size())}, {}};
+  for (std::size_t k = 0; k < cells.size(); ++k)
+    number[at(cells[k])] = static_cast<int>(k);
+  std::vector<int> neighbours;
+  for (int cell : cells) {
+    const std::size_t before = neighbours.size();
+    for (const int* other = graph.begin(cell); other != graph.end(cell); ++other)
+      if (number[at(*other)] >= 0)
+        neighbours.push_back(number[at(*other)]);
+    piece.numbers.push_back(static_cast<int>(neighbours.size() - before));
+    piece.centres.push_back(graph.centres[at(cell)]);
+  }
+  piece.numbers.insert(piece.numbers.end(), neighbours.begin(), neighbours.end());
+  for (int cell : cells)
+    number[at(cell)] = -1;
+  return piece;
+}
+
+CutPiece cutPiece(const Piece& piece, const PartitionOptions& options) {
+  if (piece.numbers.empty())
+    return {};
+  const int wanted = piece.numbers[0], cells = piece.numbers[2];
+  CellGraph graph;
+  graph.dimension = piece.numbers[1];
+  graph.centres = piece.centres;
+  graph.offsets = {0};
+  const auto counts = piece.numbers.begin() + 3;
+  for (int k = 0; k < cells; ++k)
+    graph.offsets.push_back(graph.offsets.back() + at(counts[k]));
+  graph.neighbours.assign(counts + cells, piece.numbers.end());
+  const int size = std::max(1, Details::clusterSize(cells, wanted, options.method));
+  Partition partition = Details::partition(graph, wanted, size, options);
+  CutPiece result = {std::move(partition.part), std::move(partition.necks), {}};
+  for (const std::string& note : partition.notes) {
+    result.notes.insert(result.notes.end(), note.begin(), note.end());
+    result.notes.push_back('\0');
+  }
+  return result;
+}
+
+// How many ranks cut a body: each gets so many cells that they are cut in clusters, and parts enough for the
+// border between pieces to be a small share of all.
+int cuttingRanks(int cells, int wanted, int ranks, PartitionMethod method) {
+  constexpr int leastCells = 30000, leastParts = 8;
+  return method == PartitionMethod::Compact
+             ? std::max(1, std::min({ranks, cells / leastCells, wanted / leastParts}))
+             : 1;
+}
+
+// A body between the ranks.
+struct SharedBody {
+  std::vector<int> curve;              // cells along it
+  std::vector<std::vector<int>> cells; // of each piece, by their places on the curve
+};
+
+// Pieces for the ranks; none if the body is not to be shared.
+std::vector<Piece> piecesOf(const BodyMesh& body, int wanted, const PartitionOptions& options, int ranks,
+                            SharedBody& shared) {
+  const CellGraph whole = body.matched ? graphOf(body.mesh, *body.matched) : graphOf(body.mesh);
+  shared.curve = curveThrough(whole.centres);
+  const CellGraph graph = reordered(whole, shared.curve);
+  const Partition few = Details::fewPieces(graph, ranks, options.seed);
+  if (few.parts != ranks)
+    return {};
+  shared.cells = cellsOf(few.part, few.parts);
+  const std::vector<int> parts = Details::sharedOut(wanted, shared.cells);
+  std::vector<int> number(at(graph.cells()), -1);
+  std::vector<Piece> pieces;
+  for (std::size_t r = 0; r < parts.size(); ++r)
+    pieces.push_back(pieceOf(graph, shared.cells[r], parts[r], number));
+  return pieces;
+}
+
+// One of the pieces that came back.
+void add(const SharedBody& shared, std::size_t piece, const CutPiece& cut, Partition& partition) {
+  for (std::size_t k = 0; k < cut.part.size(); ++k)
+    partition.part[at(shared.curve[at(shared.cells[piece][k])])] = partition.parts + cut.part[k];
+  partition.parts += static_cast<int>(cut.necks.size());
+  partition.necks.insert(partition.necks.end(), cut.necks.begin(), cut.necks.end());
+  for (auto begin = cut.notes.begin(); begin != cut.notes.end();) {
+    const auto end = std::find(begin, cut.notes.end(), '\0');
+    if (*begin == ':') // of pieces of parts; what else there is to be told of the piece is not of the body
+      partition.notes.emplace_back(begin, end);
+    begin = end + 1;
+  }
+}
+
+} // namespace
+
+Partition partitionCells(const Teuchos::Comm<int>& comm, const BodyMesh* body, int wanted,
+                         const PartitionOptions& options) {
+  const bool isRoot = comm.getRank() == 0;
+  const auto ranks = at(comm.getSize());
+  Partition result;
+  SharedBody shared;
+  std::vector<std::vector<int>> numbers(ranks);
+  std::vector<std::vector<Point>> centres(ranks);
+  agree(comm, [&] {
+    if (!isRoot)
+      return;
+    HARMOS_REQUIRE(body != nullptr, "rank 0 has the body");
+    requirePossible(*body, wanted);
+    const int sharing = cuttingRanks(body->mesh.numberOfCells(), wanted, comm.getSize(), options.method);
+    if (sharing > 1) {
+      std::vector<Piece> pieces = piecesOf(*body, wanted, options, sharing, shared);
+      for (std::size_t r = 0; r < pieces.size(); ++r) {
+        numbers[r] = std::move(pieces[r].numbers);
+        centres[r] = std::move(pieces[r].centres);
+      }
+    }
+    if (numbers.front().empty())
+      result = partitionCells(*body, wanted, options);
+  });
+  if (globalMax(comm, static_cast<long long>(isRoot && !numbers.front().empty())) == 0)
+    return result;
+  const Piece mine = {exchangeItems(comm, numbers).front(), exchangeItems(comm, centres).front()};
+  std::vector<std::vector<int>> part(ranks);
+  std::vector<std::vector<double>> necks(ranks);
+  std::vector<std::vector<char>> notes(ranks);
+  agree(comm, [&] {
+    CutPiece cut = cutPiece(mine, options);
+    part.front() = std::move(cut.part);
+    necks.front() = std::move(cut.necks);
+    notes.front() = std::move(cut.notes);
+  });
+  part = exchangeItems(comm, part);
+  necks = exchangeItems(comm, necks);
+  notes = exchangeItems(comm, notes);
+  if (!isRoot)
+    return result;
+  result.part.assign(shared.curve.size(), 0);
+  for (std::size_t r = 0; r < shared.cells.size(); ++r)
+    add(shared, r, {part[r], necks[r], notes[r]}, result);
+  if (result.parts != wanted)
+    result.notes.push_back(Details::otherThanWanted(result.parts, wanted));
+  finish(*body, result);
   return result;
 }
 
 Partition mendParts(const BodyMesh& body, const std::vector<int>& part) {
   HARMOS_REQUIRE(static_cast<int>(part.size()) == body.mesh.numberOfCells(), "each cell needs a part");
-  return mended(graphOf(body.mesh), part);
+  return Details::mended(graphOf(body.mesh), part);
 }
 
 } // namespace Harmos::fem

@@ -3,6 +3,8 @@
 
 #include "Harmos_BodyMesh.hpp"
 
+#include <Teuchos_Comm.hpp>
+
 #include <string>
 #include <vector>
 
@@ -41,6 +43,13 @@ struct PartitionOptions {
 /// @param wanted number of parts.
 /// @throws InputError if more parts are wanted than there are cells, or less than one.
 Partition partitionCells(const BodyMesh& body, int wanted, const PartitionOptions& options = {});
+
+/// The same by all ranks, of a body that rank 0 has. Large ones that hang together are cut into a piece for
+/// each rank first, which cuts it by itself. The same body gives the same partition on as many ranks.
+/// @param body null on other ranks. @return on rank 0; nothing on others. @note Collective.
+/// @throws InputError on all ranks, as above.
+Partition partitionCells(const Teuchos::Comm<int>& comm, const BodyMesh* body, int wanted,
+                         const PartitionOptions& options = {});
 
 /// Makes parts whose cells are connected through sides, so that each is a solid: pieces that hang together in
 /// a node, or in space in an edge, would have a mechanism (a hinge) in their kernel.
