@@ -7,6 +7,7 @@
 #include "Harmos_PartShape.hpp"
 #include "Harmos_Partition.hpp"
 #include "Harmos_StructuredBlock.hpp"
+#include "Harmos_SubdomainChoice.hpp"
 #include "Harmos_TornBody.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
@@ -189,8 +190,9 @@ std::size_t placeIn(const fem::CutMeshFile& cut, const std::string& name, const 
     throw InputError("\"" + path + "\": the mesh file has no body of this name" + offer(name, names),
                      {{"path", path}});
   const auto place = static_cast<std::size_t>(found - names.begin());
-  const int subdomains = list.get<int>("Subdomains");
-  if (!texts(list, "Groups").empty() || (subdomains != 1 && subdomains != cut.bodies()[place].subdomains))
+  const std::string subdomains = list.get<std::string>("Subdomains");
+  if (!texts(list, "Groups").empty() ||
+      (subdomains != "auto" && std::stoi(subdomains) != cut.bodies()[place].subdomains))
     throw InputError(
         "\"" + path + "\" has \"Groups\" or \"Subdomains\", but the mesh file is already partitioned into " +
             std::to_string(cut.bodies()[place].subdomains) +
@@ -217,6 +219,54 @@ void takeBodies(const DeckContext& context, const std::shared_ptr<const fem::Cut
   }
 }
 
+// Nodes that an equation at a node couples, on average.
+double stencilOf(fem::CellType type) {
+  const fem::CellShape& shape = fem::shapeOf(type);
+  const bool isFirst = shape.order == 1;
+  if (shape.dimension == 2)
+    return shape.isSimplex ? (isFirst ? 7.0 : 11.5) : (isFirst ? 9.0 : 16.0);
+  return shape.isSimplex ? (isFirst ? 15.0 : 28.0) : (isFirst ? 27.0 : 64.0);
+}
+
+// Parts of each body: as the deck says, or its share of what the cost model says of all. On rank 0.
+std::vector<int> partsOf(const DeckContext& context, const std::vector<fem::BodyMesh>& meshes,
+                         int dofsPerNode, double memoryMiB) {
+  feti::WholeBodies whole;
+  whole.dofsPerNode = dofsPerNode;
+  double coupled = 0.0;
+  for (const fem::BodyMesh& body : meshes) {
+    whole.nodes += body.mesh.numberOfNodes();
+    coupled += stencilOf(body.mesh.cellType) * body.mesh.numberOfNodes();
+    whole.dimension = body.mesh.dimension();
+  }
+  whole.stencil = coupled / whole.nodes;
+  const auto chosen = [&](int ranks) {
+    return feti::chooseSubdomains(whole, ranks, ranks == context.comm.getSize() ? memoryMiB : 0.0).parts;
+  };
+  const int all = chosen(context.comm.getSize());
+  bool isAuto = false;
+  std::vector<int> parts;
+  for (const fem::BodyMesh& body : meshes) {
+    const std::string given =
+        context.deck.sublist("Bodies").sublist(body.name).get<std::string>("Subdomains");
+    isAuto = isAuto || given == "auto";
+    parts.push_back(
+        given != "auto"
+            ? std::stoi(given)
+            : std::clamp(static_cast<int>(std::lround(all * (body.mesh.numberOfNodes() / whole.nodes))), 1,
+                         body.mesh.numberOfCells()));
+  }
+  if (isAuto) {
+    std::string others;
+    for (int ranks : {1, 4, 16, 64})
+      others += (others.empty() ? "" : ", ") + std::to_string(ranks) + ": " + std::to_string(chosen(ranks));
+    context.log.info(
+        "Subdomains, auto: " + std::to_string(all) + " in all for " + std::to_string(context.comm.getSize()) +
+        (context.comm.getSize() == 1 ? " rank" : " ranks") + " by the cost model (by ranks: " + others + ")");
+  }
+  return parts;
+}
+
 // Bodies from the mesh file: read on rank 0 and cut by all; the others learn how many parts and nodes there
 // are.
 void readBodies(const DeckContext& context, int dimension, const std::vector<std::size_t>& which,
@@ -233,6 +283,9 @@ void readBodies(const DeckContext& context, int dimension, const std::vector<std
   std::vector<std::shared_ptr<std::vector<fem::PlacedMesh>>> torn(which.size());
   const bool isRoot = context.comm.getRank() == 0;
   std::vector<fem::BodyMesh> meshes(which.size());
+  std::vector<int> parts(which.size(), 1);
+  constexpr double share = 0.5; // of the memory, for factors
+  const double memoryMiB = share * feti::machineMemoryMiB(context.comm);
   agree(context.comm, [&] {
     if (!isRoot)
       return;
@@ -241,13 +294,14 @@ void readBodies(const DeckContext& context, int dimension, const std::vector<std
       wanted.push_back(
           {scene.bodies[b].name, groupsOf(scene.bodies[b].name, bodies.sublist(scene.bodies[b].name))});
     meshes = fem::readGmsh(file, wanted, dimension);
+    parts = partsOf(context, meshes, scene.physics == scene::Physics::Membrane ? 1 : dimension, memoryMiB);
   });
   long long first = firstNode;
   for (std::size_t k = 0; k < which.size(); ++k) {
     const std::string& name = scene.bodies[which[k]].name;
     const fem::PartitionOptions cut = partitionOptions(bodies.sublist(name));
-    const fem::Partition partition = fem::partitionCells(context.comm, isRoot ? &meshes[k] : nullptr,
-                                                         bodies.sublist(name).get<int>("Subdomains"), cut);
+    const fem::Partition partition =
+        fem::partitionCells(context.comm, isRoot ? &meshes[k] : nullptr, parts[k], cut);
     agree(context.comm, [&] {
       if (!isRoot)
         return;
@@ -328,7 +382,9 @@ void addBodyParameters(ParameterSpec& deck) {
               "Source of the mesh.");
   body.texts("Groups", {},
              "Source file: physical groups of the body, each a region; none: the group of the body's name.");
-  body.integer("Subdomains", 1, 1, 1000000, "Source file: number of subdomains.");
+  body.choiceOrInteger("Subdomains", "auto", {{"auto", "by the cost model, for the number of ranks"}}, 1,
+                       1000000,
+                       "Source file: number of subdomains. Of a mesh that harmos-mesh has cut: auto.");
   body.reals("Origin", {0.0, 0.0, 0.0}, Range(), "Source block: corner of least coordinates.");
   body.reals("Size", {1.0, 1.0, 1.0}, Range::above(0.0),
              "Source block: lengths along x, y, z; plane scenes do not use the third.");

@@ -24,15 +24,16 @@ The bodies are pressed by {press:g} of their radius: {titles}. E is 1 and ν is 
 mesh; a decomposition has more."""
 
 HARMOS = """
-**Harmos** is the program `harmos` with a tolerance of {tolerance:g} and default settings, except for the number of
-subdomains{settings}. Its time is that of a whole run without reading, meshing, cutting and decomposition. It includes
-assembly, the search for contact, the choice of the first active set, factorisations, the solver, the recovery of
-displacements, and the audit of the result on the primal side, which can make the solver continue."""
+**Harmos** is the program `harmos` with a tolerance of {tolerance:g} and default settings{settings}; it chooses the
+number of subdomains. Its time is that of a whole run: reading the mesh file, cutting, assembly, the search for contact,
+the choice of the first active set, factorisations, the solver, the recovery of displacements, and the audit of the
+result on the primal side, which can make the solver continue."""
 
 PEER = """
-**The peer** has an advantage: its time starts when its matrix is assembled and its contact candidates are known. There
-is no decomposition, no assembly, no search and no audit in it. Contact constraints are eliminated row by row. The
-first active set consists of the points where rigid bodies would penetrate. Three variants were measured.
+**The peer** assembles in numpy. Its time is made of three parts: reading the same file by Gmsh's module, the assembly
+of Harmos (its stage *assembly*) in the place of its own, and its search and solution. Distribution of the matrix and
+an audit of the result are not in it. Contact constraints are eliminated row by row. The first active set consists of
+the points where rigid bodies would penetrate. Three variants were measured.
 
 `plain` makes a new hierarchy with GAMG's defaults for each active set, and solves from zero to {rtol:g} of the
 right-hand side.
@@ -50,13 +51,14 @@ Between two bodies the discretisations differ: Harmos uses dual mortar contact, 
 along the normals of the ball. The energies differ for this reason too; the difference decreases on finer meshes."""
 
 LIMITS = """
-**Not compared**: assembly, which only the times of Harmos include; meshes with congruent parts, for which Harmos
+**Not compared**: meshes with congruent parts, for which Harmos
 shares factorisations; many ranks; several materials, ties, and constraints that an elimination cannot take. The peer
 is a program for these scenes only. It assembles in numpy, and its memory includes Python and the assembly; the number
 in brackets is its peak after assembly, with the matrix."""
 
 TIMES = """
-Seconds (medians). In brackets: the time of the peer over that of Harmos. Below 1, the peer is faster.{ranges}"""
+Seconds of whole runs (medians). In brackets: the time of the peer over that of Harmos. Below 1, the peer is
+faster.{ranges}"""
 
 COUNTS = """
 Candidates and closed contacts: of Harmos, of the peer. F: applications of F by Harmos. The next three columns are CG
@@ -67,7 +69,7 @@ MEMORY = """
 Peak memory of all ranks together, in MiB."""
 
 STAGES = """
-Seconds of each stage, and of the stages that the table of times leaves out."""
+Seconds of each stage; of the peer those of its solution, and what is before it."""
 
 
 def number(value):
@@ -146,15 +148,16 @@ def stages(entries):
         lines.append(f"* `{entry['name']}`")
         for who, title in (("harmos", "Harmos"), *((way, f"peer, {way}") for way in WAYS)):
             found = entry[who]["stages"]
-            kept = {stage: value for stage, value in found.items() if stage not in ("mesh", "total")}
+            kept = {stage: value for stage, value in found.items() if stage != "total"}
             parts = ", ".join(f"{stage.replace('_', ' ')} {number(value)}" for stage, value in kept.items())
-            outside = (
-                f"mesh {number(found['mesh'])}"
+            before = (
+                ""
                 if who == "harmos"
-                else f"assembly {number(entry[who]['assembly_seconds'])}, "
-                f"search {number(entry[who]['search_seconds'])}"
+                else f"; before it reading {number(entry['reading_seconds'])}, "
+                f"search {number(entry[who]['search_seconds'])}, its own assembly "
+                f"{number(entry[who]['assembly_seconds'])}"
             )
-            lines += textwrap.wrap(f"* {title}: {parts}; left out: {outside}", LINE, break_on_hyphens=False,
+            lines += textwrap.wrap(f"* {title}: {parts}{before}", LINE, break_on_hyphens=False,
                                    initial_indent="  ", subsequent_indent="    ")
     return "\n".join(lines)
 

@@ -72,7 +72,7 @@ WATCHED = """
 import os, resource, subprocess, sys
 done = subprocess.run(sys.argv[1:], stdout=subprocess.DEVNULL)
 peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
-print("rank", os.environ["OMPI_COMM_WORLD_RANK"], "peak", peak, flush=True)
+os.write(1, f"rank {os.environ['OMPI_COMM_WORLD_RANK']} peak {peak}\\n".encode())  # at once, or ranks' words mix
 sys.exit(done.returncode)
 """
 

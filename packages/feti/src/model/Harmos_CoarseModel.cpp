@@ -13,7 +13,7 @@ namespace Harmos::feti {
 namespace {
 
 constexpr double word = 8.0;
-constexpr double bytesOfEntry = 16.0; // with the number of a row; MUMPS: fronts and workspace beside factors
+constexpr double bytesOfEntry = 16.0; // with fronts and workspace beside factors
 
 double entriesOf(const CoarseShape& shape) {
   return shape.factorEntries > 0.0 ? shape.factorEntries : coarseFactorEntries(shape);
@@ -31,7 +31,8 @@ double coarseFactorEntries(const CoarseShape& shape) {
     return m * m * subdomains * (x < 6.0 ? 0.8 * x * x : 9.6 * (x - 3.0));
   }
   const double levels = std::log2(subdomains);
-  return m * m * subdomains * std::max(3.6 * levels - 15.5, 1.35 * levels);
+  const double joined = m < 1.5 ? 4.3 : 0.0; // zeros in fronts of few columns that are one
+  return m * m * subdomains * std::max(3.6 * levels - 15.5 + joined, 1.35 * levels);
 }
 
 double likelyNeighbours(const CoarseShape& shape) {

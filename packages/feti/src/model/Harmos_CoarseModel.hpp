@@ -36,12 +36,13 @@ CoarseShape shapeOf(const RigidMotions& motions);
 /// Entries of L, LLᵀ = G̃G̃ᵀ, of N = n/m subdomains on a grid, each coupled to all that it touches:
 ///
 ///     up to 200 rows           n(n + 1)/2: dense, see CoarseFactor
-///     plane (m = 1 or 3)       m²N max(3.6 log₂N − 15.5, 1.35 log₂N)
+///     plane, m = 3             m²N max(3.6 log₂N − 15.5, 1.35 log₂N)
+///     plane, m = 1             N max(3.6 log₂N − 11.2, 1.35 log₂N): joined fronts store zeros
 ///     space, x = N^(1/3)       m²N·0.8x² up to x = 6, then m²N·9.6 (x − 3)
 ///
 /// Nested dissection of a square takes (31/8) N log₂N and less (George, SIAM J. Numer. Anal. 10, 1973), of a
-/// cube N^(4/3) by a constant; these are fitted to what SparseCholesky has, to a tenth of it from 8² to 256²
-/// subdomains and from 3³ to 20³.
+/// cube N^(4/3) by a constant; these are fitted to what SparseCholesky has: to 15 per cent of it with
+/// 16² and 32² subdomains and 4³ to 8³.
 double coarseFactorEntries(const CoarseShape& shape);
 
 /// Ranks whose subdomains touch those of a rank, if its share is about a square or a cube: 8 and 26 at most.
@@ -71,7 +72,7 @@ bool isDistributedCheaper(const CoarseShape& shape, const CoarseRates& rates);
 /// on a face, more solves than they save.
 bool coarseSolves(const CoarseShape& shape, int groupSize, bool isFace);
 
-/// Bytes of a rank for A⁻: L with the number of a row beside each entry, 16 entries; or its own rows of the
+/// Bytes of a rank for A⁻: L in rectangles, with fronts while it is made, 16 entries; or its own rows of the
 /// inverse, 8 n·own, or where groups solve its part of MUMPS' factor, 16 entries/group.
 double coarseBytes(const CoarseShape& shape, bool isDistributed);
 /// Bytes of a rank while rows of the inverse are made: its part of MUMPS' factor.
