@@ -190,9 +190,9 @@ std::size_t placeIn(const fem::CutMeshFile& cut, const std::string& name, const 
     throw InputError("\"" + path + "\": the mesh file has no body of this name" + offer(name, names),
                      {{"path", path}});
   const auto place = static_cast<std::size_t>(found - names.begin());
-  const std::string subdomains = list.get<std::string>("Subdomains");
+  const std::string subdomains = list.get<std::string>("Subdomains"); // 1: what was the default
   if (!texts(list, "Groups").empty() ||
-      (subdomains != "auto" && std::stoi(subdomains) != cut.bodies()[place].subdomains))
+      (subdomains != "auto" && subdomains != "1" && std::stoi(subdomains) != cut.bodies()[place].subdomains))
     throw InputError(
         "\"" + path + "\" has \"Groups\" or \"Subdomains\", but the mesh file is already partitioned into " +
             std::to_string(cut.bodies()[place].subdomains) +

@@ -105,7 +105,7 @@ FAULTS = (
         "isByDiagonal[static_cast<std::size_t>(factor.pivots()[k])] = 0;", FETI),
     fault(
         "terms of a dof that cancel leave rounding errors", "packages/feti/src/torn/Harmos_GivenRows.cpp",
-        "std::abs(sums[name]) <= rounding * sizes[name])", "sizes[name] == 0.0)", FETI),
+        "if (std::abs(sum.coefficient) <= rounding * size)", "if (size == 0.0)", FETI),
     fault(
         "deformation is taken for drift", "packages/run/src/results/Harmos_Drift.cpp",
         "left -= m[i] * rhs[i];", "left -= m[i] * m[i];", ("unit_run",)),

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_CellGraph.hpp"
 #include "Harmos_CellIntegrator.hpp"
 #include "Harmos_GmshFile.hpp"
 #include "Harmos_TestErrors.hpp"
@@ -131,6 +132,46 @@ TEST(GmshFileWithoutGmsh, says_how_to_get_it) {
   const std::string text = refusalOf("scene.msh", {});
   EXPECT_TRUE(contains(text, "\"scene.msh\" cannot be read")) << text;
   EXPECT_TRUE(contains(text, "-DHARMOS_ENABLE_GMSH=ON")) << text;
+}
+
+// Cells of large bodies come along a curve: neighbours in memory are neighbours in space; regions, parts and
+// points go with them.
+TEST_F(GmshFile, large_bodies_come_along_a_curve) {
+  const std::string geo = R"(
+Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Point(3) = {3, 0, 0};
+Point(4) = {0, 1, 0}; Point(5) = {1, 1, 0}; Point(6) = {3, 1, 0};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {4, 5}; Line(4) = {5, 6};
+Line(5) = {1, 4}; Line(6) = {2, 5}; Line(7) = {3, 6};
+Curve Loop(1) = {1, 6, -3, -5}; Curve Loop(2) = {2, 7, -4, -6};
+Plane Surface(1) = {1}; Plane Surface(2) = {2};
+Transfinite Curve{1 : 7} = 91; Transfinite Surface{1, 2};
+Physical Surface("left") = {1}; Physical Surface("right") = {2};
+Physical Curve("end") = {7}; Physical Point("corner") = {6};
+Mesh.ElementOrder = )";
+  for (const int order : {1, 2}) {
+    const BodyMesh body =
+        readGmsh(file("large.geo", geo + std::to_string(order) + ";\n"), {{"both", {"left", "right"}}}, 2)[0];
+    const fem::Mesh& mesh = body.mesh;
+    ASSERT_GE(mesh.numberOfCells(), 30000);
+    EXPECT_TRUE(body.isAlongCurve);
+    EXPECT_EQ(mesh.numberOfNodes(), order == 1 ? 181 * 91 : 361 * 181);
+    EXPECT_NEAR(sizeOf(body), 3.0, 1e-10);
+    EXPECT_NEAR(sizeOfPart(body, "end"), 1.0, 1e-12);
+    ASSERT_EQ(body.nodes.at("corner").size(), 1u);
+    EXPECT_EQ(mesh.local(body.nodes.at("corner")[0]), (Point{3.0, 1.0, 0.0}));
+    EXPECT_EQ(mesh.boundary, nodesOf(mesh, boundarySides(mesh)));
+    const fem::CellGraph graph = fem::graphOf(mesh);
+    ASSERT_EQ(mesh.regions.size(), graph.centres.size());
+    double apart = 0.0;
+    for (std::size_t c = 0; c < graph.centres.size(); ++c) {
+      EXPECT_EQ(mesh.regions[c], graph.centres[c][0] < 1.0 ? 0 : 1);
+      if (c > 0)
+        apart += std::hypot(graph.centres[c][0] - graph.centres[c - 1][0],
+                            graph.centres[c][1] - graph.centres[c - 1][1]);
+    }
+    // Cells are 1/90 high and up to 2/90 wide; curves make a few large steps.
+    EXPECT_LT(apart / static_cast<double>(graph.centres.size()), 3.0 / 90.0);
+  }
 }
 
 TEST_F(GmshFile, plane_bodies_of_all_types) {

@@ -5,6 +5,7 @@
 
 #ifdef HARMOS_HAVE_GMSH
 
+#include "Harmos_CellClusters.hpp"
 #include "Harmos_GmshModel.hpp"
 #include "Harmos_Index.hpp"
 #include "Harmos_ParameterSpec.hpp"
@@ -55,6 +56,9 @@ std::string remedyFor(const std::string& reason) {
                    "\": " + (reason.empty() ? "no reason given" : reason) + remedyFor(reason));
 }
 
+// Bodies of fewer cells keep the order of the file: they are read and cut in no time.
+constexpr std::size_t fewestAlongCurve = 30000;
+
 /// A file's mesh, as far as bodies are made from it.
 class Reader {
  public:
@@ -82,16 +86,19 @@ class Reader {
                        "\"; name at least one of: " + listed(names(dimension_)));
     const CellType type = typeOf(wanted);
     body.mesh.cellType = type;
-    const std::vector<int> cells = cellsOf(wanted, type, body.mesh.regions);
-    const std::vector<int> numbers = numberNodes(cells);
+    std::vector<int> cells = cellsOf(wanted, type, body.mesh.regions);
+    body.isAlongCurve = cells.size() >= fewestAlongCurve * at(shapeOf(type).nodes);
+    if (body.isAlongCurve)
+      putAlongCurve(shapeOf(type), cells, body.mesh.regions);
+    const std::vector<int> numbers = numberNodes(cells, body.isAlongCurve);
     body.mesh.cells.reserve(cells.size());
     for (int node : cells)
       body.mesh.cells.push_back(numbers[at(node)]);
+    const auto dimension = at(dimension_);
+    body.mesh.coordinates.resize(dimension * at(*std::max_element(numbers.begin(), numbers.end()) + 1));
     for (std::size_t node = 0; node < numbers.size(); ++node)
-      if (numbers[node] >= 0) {
-        const auto x = coordinates_.begin() + static_cast<std::ptrdiff_t>(3 * node);
-        body.mesh.coordinates.insert(body.mesh.coordinates.end(), x, x + dimension_);
-      }
+      for (std::size_t d = 0; d < dimension && numbers[node] >= 0; ++d)
+        body.mesh.coordinates[dimension * at(numbers[node]) + d] = coordinates_[3 * node + d];
     if (dimension_ == 2)
       requirePlane(wanted.name, numbers);
     auto matched = std::make_shared<const MatchedSides>(matchSides(body.mesh));
@@ -204,14 +211,35 @@ class Reader {
     return {coordinates_[k], coordinates_[k + 1], coordinates_[k + 2]};
   }
 
-  // By place: the numbers of a body's nodes, −1 for others.
-  std::vector<int> numberNodes(const std::vector<int>& cells) const {
+  // Cells, and their regions, in the order of a curve through them: what follows goes through memory in it.
+  void putAlongCurve(const CellShape& shape, std::vector<int>& cells, std::vector<int>& regions) const {
+    const auto nodes = at(shape.nodes), corners = at(shape.corners);
+    std::vector<Point> centres(cells.size() / nodes, Point{});
+    for (std::size_t c = 0; c < centres.size(); ++c)
+      for (std::size_t k = 0; k < corners; ++k)
+        for (std::size_t d = 0; d < 3; ++d)
+          centres[c][d] += coordinates_[3 * at(cells[c * nodes + k]) + d] / static_cast<double>(corners);
+    const std::vector<int> cellsBefore = cells, regionsBefore = regions, order = curveThrough(centres);
+    for (std::size_t c = 0; c < order.size(); ++c) {
+      const auto from = cellsBefore.begin() + static_cast<std::ptrdiff_t>(at(order[c]) * nodes);
+      std::copy_n(from, nodes, cells.begin() + static_cast<std::ptrdiff_t>(c * nodes));
+      if (!regions.empty())
+        regions[c] = regionsBefore[at(order[c])];
+    }
+  }
+
+  // By place: the numbers of a body's nodes, −1 for others; by rising tags, or in the order of the cells.
+  std::vector<int> numberNodes(const std::vector<int>& cells, bool byCells) const {
     std::vector<int> numbers(tags_.size(), -1);
-    for (int node : cells)
-      numbers[at(node)] = 0;
     int next = 0;
+    for (int node : cells)
+      if (numbers[at(node)] < 0)
+        numbers[at(node)] = next++;
+    if (byCells)
+      return numbers;
+    next = 0;
     for (int& number : numbers)
-      number = number == 0 ? next++ : -1;
+      number = number >= 0 ? next++ : -1;
     return numbers;
   }
 
@@ -323,40 +351,42 @@ class Reader {
   static void dropCopies(CellType type, std::vector<int>& cells) {
     const CellShape& shape = shapeOf(type);
     const auto nodes = at(shape.nodes);
-    std::vector<std::pair<std::uint64_t, std::size_t>> keys; // hash of the sorted corners, first node
-    keys.reserve(cells.size() / nodes);
-    const auto cornersAt = [&](std::size_t first) {
+    const std::size_t count = cells.size() / nodes;
+    const auto cornersOf = [&](std::size_t cell) {
       std::array<int, 8> corners;
       corners.fill(-1);
-      std::copy_n(cells.begin() + static_cast<std::ptrdiff_t>(first), shape.corners, corners.begin());
+      std::copy_n(cells.begin() + static_cast<std::ptrdiff_t>(cell * nodes), shape.corners, corners.begin());
       std::sort(corners.begin(), corners.end());
       return corners;
     };
-    for (std::size_t first = 0; first < cells.size(); first += nodes) {
+    struct Slot {
       std::uint64_t hash = 0;
-      for (int corner : cornersAt(first))
+      std::size_t cell = 0; // and one; 0: the slot is free
+    };
+    std::size_t size = 16;
+    while (size < 2 * count)
+      size *= 2;
+    std::vector<Slot> table(size);
+    std::size_t kept = 0;
+    for (std::size_t cell = 0; cell < count; ++cell) {
+      const std::array<int, 8> corners = cornersOf(cell);
+      std::uint64_t hash = 0;
+      for (int corner : corners)
         hash = (hash ^ static_cast<std::uint64_t>(corner)) * 0x9e3779b97f4a7c15;
-      keys.emplace_back(hash, first);
+      std::size_t slot = hash >> 20 & (size - 1);
+      const auto isIt = [&](const Slot& other) {
+        return other.hash == hash && cornersOf(other.cell - 1) == corners;
+      };
+      while (table[slot].cell != 0 && !isIt(table[slot]))
+        slot = (slot + 1) & (size - 1);
+      if (table[slot].cell != 0)
+        continue;
+      if (kept != cell)
+        std::copy_n(cells.begin() + static_cast<std::ptrdiff_t>(cell * nodes), nodes,
+                    cells.begin() + static_cast<std::ptrdiff_t>(kept * nodes));
+      table[slot] = {hash, ++kept};
     }
-    std::sort(keys.begin(), keys.end());
-    std::vector<std::uint8_t> isCopy(keys.size(), 0);
-    for (std::size_t first = 0, k = 1; k < keys.size(); ++k) {
-      if (keys[k].first != keys[first].first)
-        first = k;
-      for (std::size_t before = first; before < k; ++before)
-        if (isCopy[keys[before].second / nodes] == 0 &&
-            cornersAt(keys[before].second) == cornersAt(keys[k].second))
-          isCopy[keys[k].second / nodes] = 1;
-    }
-    if (std::find(isCopy.begin(), isCopy.end(), 1) == isCopy.end())
-      return;
-    std::vector<int> once;
-    for (std::size_t cell = 0; cell < isCopy.size(); ++cell)
-      if (isCopy[cell] == 0) {
-        const auto begin = cells.begin() + static_cast<std::ptrdiff_t>(cell * nodes);
-        once.insert(once.end(), begin, begin + shape.nodes);
-      }
-    cells = std::move(once);
+    cells.resize(kept * nodes);
   }
 
   // For messages: what a cell is called in the file.

@@ -18,6 +18,7 @@ struct BodyMesh {
   std::map<std::string, std::vector<Side>> sides; ///< named boundary parts
   std::map<std::string, std::vector<int>> nodes;  ///< named points, which are no sides
   std::shared_ptr<const MatchedSides> matched;    ///< of the mesh, where they are known already; or null
+  bool isAlongCurve = false;                      ///< whether cells come in the order of curveThrough()
 };
 
 } // namespace Harmos::fem

@@ -7,19 +7,39 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <utility>
 
 namespace Harmos::fem {
 namespace {
 
-// Two zeros after each of the lower 21 bits.
+constexpr int bitsOfCoordinate = 16, bitsOfDigit = 12;
+
+// Two zeros after each of the lower 16 bits.
 std::uint64_t spread(std::uint64_t x) {
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffff;
-  x = (x | x << 16) & 0x1f0000ff0000ff;
-  x = (x | x << 8) & 0x100f00f00f00f00f;
-  x = (x | x << 4) & 0x10c30c30c30c30c3;
-  return (x | x << 2) & 0x1249249249249249;
+  x &= 0xffff;
+  x = (x | x << 16) & 0xff0000ff;
+  x = (x | x << 8) & 0xf00f00f00f;
+  x = (x | x << 4) & 0xc30c30c30c3;
+  return (x | x << 2) & 0x249249249249;
+}
+
+// Places of rising keys, of equal ones in order: digit by digit.
+std::vector<int> sortedPlaces(const std::vector<std::uint64_t>& keys) {
+  constexpr std::uint64_t digits = std::uint64_t{1} << bitsOfDigit;
+  std::vector<int> order(keys.size()), next(keys.size());
+  for (std::size_t k = 0; k < order.size(); ++k)
+    order[k] = static_cast<int>(k);
+  for (int shift = 0; shift < 3 * bitsOfCoordinate; shift += bitsOfDigit) {
+    std::vector<std::size_t> first(digits + 1, 0);
+    const auto digitOf = [&](int k) { return keys[at(k)] >> shift & (digits - 1); };
+    for (int k : order)
+      ++first[digitOf(k) + 1];
+    for (std::size_t d = 0; d < digits; ++d)
+      first[d + 1] += first[d];
+    for (int k : order)
+      next[first[digitOf(k)]++] = k;
+    order.swap(next);
+  }
+  return order;
 }
 
 } // namespace
@@ -35,20 +55,12 @@ std::vector<int> curveThrough(const std::vector<Point>& points) {
   double extent = 0.0;
   for (std::size_t d = 0; d < 3; ++d)
     extent = std::max(extent, high[d] - low[d]);
-  const double scale = extent > 0.0 ? 0x1fffff / extent : 0.0;
-  std::vector<std::pair<std::uint64_t, int>> keys;
-  keys.reserve(points.size());
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    std::uint64_t key = 0;
+  const double scale = extent > 0.0 ? ((1 << bitsOfCoordinate) - 1) / extent : 0.0;
+  std::vector<std::uint64_t> keys(points.size(), 0);
+  for (std::size_t k = 0; k < points.size(); ++k)
     for (std::size_t d = 0; d < 3; ++d)
-      key |= spread(static_cast<std::uint64_t>(scale * (points[k][d] - low[d]))) << d;
-    keys.emplace_back(key, static_cast<int>(k));
-  }
-  std::sort(keys.begin(), keys.end());
-  std::vector<int> order;
-  for (const auto& [key, k] : keys)
-    order.push_back(k);
-  return order;
+      keys[k] |= spread(static_cast<std::uint64_t>(scale * (points[k][d] - low[d]))) << d;
+  return sortedPlaces(keys);
 }
 
 CellGraph reordered(const CellGraph& graph, const std::vector<int>& order) {

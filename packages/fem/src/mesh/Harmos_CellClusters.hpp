@@ -20,8 +20,7 @@ struct CellClusters {
 /// has. O(n). Deterministic. Local. Guarded by tests/unit/fem/test_cell_sides.cpp.
 CellClusters clustersOf(const CellGraph& graph, int size);
 
-/// The points along a space-filling curve (Morton's): neighbours in space are neighbours there. O(n log n).
-/// Local.
+/// The points along a space-filling curve (Morton's): neighbours in space are neighbours there. O(n). Local.
 std::vector<int> curveThrough(const std::vector<Point>& points);
 
 /// The same graph with its cells in another order. Memory is read from near one place to the next where it is

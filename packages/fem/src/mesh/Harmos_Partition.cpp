@@ -9,6 +9,7 @@
 #include "Harmos_PartShape.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace Harmos::fem {
@@ -51,14 +52,14 @@ Partition partitionCells(const BodyMesh& body, int wanted, const PartitionOption
   const int cells = body.mesh.numberOfCells();
   const CellGraph graph = body.matched ? graphOf(body.mesh, *body.matched) : graphOf(body.mesh);
   Partition result;
-  if (const int size = Details::clusterSize(cells, wanted, options.method); size > 1) {
+  if (const int size = Details::clusterSize(cells, wanted, options.method); size > 1 && !body.isAlongCurve) {
     const std::vector<int> curve = curveThrough(graph.centres);
     result = Details::partition(reordered(graph, curve), wanted, size, options);
     const std::vector<int> alongCurve = result.part;
     for (std::size_t k = 0; k < curve.size(); ++k)
       result.part[static_cast<std::size_t>(curve[k])] = alongCurve[k];
   } else {
-    result = Details::partition(graph, wanted, 1, options);
+    result = Details::partition(graph, wanted, size, options);
   }
   finish(body, result);
   return result;
@@ -135,12 +136,19 @@ struct SharedBody {
   std::vector<std::vector<int>> cells; // of each piece, by their places on the curve
 };
 
+std::vector<int> asTheyAre(int cells) {
+  std::vector<int> order(at(cells));
+  std::iota(order.begin(), order.end(), 0);
+  return order;
+}
+
 // Pieces for the ranks; none if the body is not to be shared.
 std::vector<Piece> piecesOf(const BodyMesh& body, int wanted, const PartitionOptions& options, int ranks,
                             SharedBody& shared) {
   const CellGraph whole = body.matched ? graphOf(body.mesh, *body.matched) : graphOf(body.mesh);
-  shared.curve = curveThrough(whole.centres);
-  const CellGraph graph = reordered(whole, shared.curve);
+  shared.curve = body.isAlongCurve ? asTheyAre(whole.cells()) : curveThrough(whole.centres);
+  const CellGraph along = body.isAlongCurve ? CellGraph() : reordered(whole, shared.curve);
+  const CellGraph& graph = body.isAlongCurve ? whole : along;
   const Partition few = Details::fewPieces(graph, ranks, options.seed);
   if (few.parts != ranks)
     return {};
