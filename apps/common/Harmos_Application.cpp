@@ -205,6 +205,17 @@ void leaveSummary(const ProgramContext& context, const run::RunOptions& options,
   }
 }
 
+// What the run that this one goes on with has chosen. Collective.
+std::map<std::string, int> chosenBefore(const Teuchos::Comm<int>& comm, const std::string& restart) {
+  std::map<std::string, int> chosen;
+  if (restart.empty())
+    return chosen;
+  std::istringstream stored(run::CheckpointReader(comm, run::checkpointPath(restart)).text("subdomains"));
+  for (std::string body, number; std::getline(stored, body, '\0') && std::getline(stored, number, '\0');)
+    chosen[body] = std::stoi(number);
+  return chosen;
+}
+
 int runDeck(const Application& application, const ProgramContext& context) {
   const auto& [comm, line, log, begin] = context;
   const Teuchos::ParameterList deck = readDeck(context, deckSpec(application));
@@ -222,7 +233,9 @@ int runDeck(const Application& application, const ProgramContext& context) {
   plan::PlanRequest planRequest = line.planRequest;
   planRequest.programMiB = run::peakMemoryMiB();
   const auto start = std::chrono::steady_clock::now();
-  scene::Scene scene = sceneOf(application, {*comm, deck, directoryOf(line.deck), log});
+  scene::Scene scene =
+      sceneOf(application, {*comm, deck, directoryOf(line.deck), log, chosenBefore(*comm, line.restart)});
+  options.checkpoint.subdomains = scene.chosenSubdomains;
   scene.secondsToMake = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (line.parts) {
     run::showParts(*comm, scene, line.output, log);

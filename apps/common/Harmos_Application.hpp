@@ -16,6 +16,7 @@
 
 #include <chrono>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -28,6 +29,7 @@ struct DeckContext {
   const Teuchos::ParameterList& deck; ///< validated
   std::string directory;              ///< of the deck, with a slash: what its file names are relative to
   const Log& log;
+  std::map<std::string, int> chosenSubdomains = {}; ///< of the run that this one goes on with
 };
 
 /// What distinguishes one application from another: its part of the deck, and the scene it makes of it.

@@ -249,12 +249,16 @@ std::vector<int> partsOf(const DeckContext& context, const std::vector<fem::Body
   for (const fem::BodyMesh& body : meshes) {
     const std::string given =
         context.deck.sublist("Bodies").sublist(body.name).get<std::string>("Subdomains");
-    isAuto = isAuto || given == "auto";
-    parts.push_back(
-        given != "auto"
-            ? std::stoi(given)
-            : std::clamp(static_cast<int>(std::lround(all * (body.mesh.numberOfNodes() / whole.nodes))), 1,
-                         body.mesh.numberOfCells()));
+    const auto before = context.chosenSubdomains.find(body.name);
+    if (given != "auto") {
+      parts.push_back(std::stoi(given));
+    } else if (before != context.chosenSubdomains.end()) {
+      parts.push_back(before->second);
+    } else {
+      isAuto = true;
+      const auto share = static_cast<int>(std::lround(all * (body.mesh.numberOfNodes() / whole.nodes)));
+      parts.push_back(std::max(1, std::min(share, body.mesh.numberOfCells())));
+    }
   }
   if (isAuto) {
     std::string others;
@@ -296,9 +300,12 @@ void readBodies(const DeckContext& context, int dimension, const std::vector<std
     meshes = fem::readGmsh(file, wanted, dimension);
     parts = partsOf(context, meshes, scene.physics == scene::Physics::Membrane ? 1 : dimension, memoryMiB);
   });
+  Teuchos::broadcast<int, int>(context.comm, 0, static_cast<int>(parts.size()), parts.data());
   long long first = firstNode;
   for (std::size_t k = 0; k < which.size(); ++k) {
     const std::string& name = scene.bodies[which[k]].name;
+    if (bodies.sublist(name).get<std::string>("Subdomains") == "auto")
+      scene.chosenSubdomains[name] = parts[k];
     const fem::PartitionOptions cut = partitionOptions(bodies.sublist(name));
     const fem::Partition partition =
         fem::partitionCells(context.comm, isRoot ? &meshes[k] : nullptr, parts[k], cut);

@@ -226,6 +226,18 @@ class SameHistory(unittest.TestCase):
         run = restarted(self, cut.directory, sets={"Solver/Maximum iterations": 10000}, program="harmos")
         self.compare(run, plain, steps // 2, exact=True)
 
+    def test_chosen_subdomains_are_kept(self):
+        """`auto` chooses by the number of ranks: a restart on others goes on with what the run before chose."""
+        sets = {"Bodies/block/Subdomains": "auto", "Output/Fields": False}
+        deck = runs.SOURCE / "apps/harmos/decks/punch.xml"
+        number = {np: runs.solved(self, deck, sets, np=np, program="harmos").summary["subdomains"] for np in (1, 4)}
+        self.assertNotEqual(number[1], number[4])
+        cut = runs.run(deck, {**sets, "Solver/Maximum iterations": 2}, np=4, program="harmos")
+        self.assertTrue((cut.directory / "checkpoint.h5").is_file(), cut)
+        run = restarted(self, cut.directory, 1, sets={"Solver/Maximum iterations": 10000}, program="harmos")
+        self.assertEqual(run.summary["subdomains"], number[4])
+        self.assertTrue(run.summary["restarted_from"], run)
+
     def test_adaptive_vectors(self):
         """Vectors are made anew, before the first step of the run that goes on: with those that it had, it takes the same steps."""
         deck = inclusions.Inclusions(2, 6, 10, 1e6, "scattered").write(runs.scratch("inclusions"))

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_CellClusters.hpp"
 #include "Harmos_CellGraph.hpp"
 #include "Harmos_Errors.hpp"
+#include "Harmos_GraphPartition.hpp"
 #include "Harmos_PartShape.hpp"
 #include "Harmos_Partition.hpp"
 #include "Harmos_StructuredBlock.hpp"
@@ -17,7 +19,7 @@ using namespace Harmos::fem;
 
 namespace {
 
-// As many tetrahedra as four ranks share.
+// As many tetrahedra as are cut in pieces.
 BodyMesh block() {
   StructuredBlock::Options options;
   options.cellType = CellType::Tetrahedron4;
@@ -53,13 +55,13 @@ TEST(SharedPartition, is_as_good_as_that_of_one_rank) {
     EXPECT_EQ(shared.parts, 0);
     return;
   }
-  const Partition alone = partitionCells(body, wanted);
-  EXPECT_EQ(shared.part == alone.part, comm->getSize() == 1);
+  EXPECT_EQ(shared.part, partitionCells(body, wanted).part) << "the same on any number of ranks";
   ASSERT_EQ(shared.parts, wanted);
-  ASSERT_EQ(shared.part.size(), alone.part.size());
-  const CellGraph graph = graphOf(body.mesh);
+  const CellGraph graph = graphOf(body.mesh), along = reordered(graph, curveThrough(graph.centres));
+  ASSERT_EQ(shared.part.size(), static_cast<std::size_t>(graph.cells()));
+  const Partition whole = fem::Details::partition(along, wanted, 8, {});
   EXPECT_EQ(componentsOf(graph, shared.part).cells.size(), static_cast<std::size_t>(wanted));
-  EXPECT_LT(cutSides(graph, shared.part), 1.06 * cutSides(graph, alone.part));
+  EXPECT_LT(cutSides(graph, shared.part), 1.06 * cutSides(along, whole.part));
   std::vector<int> sizes, lowest;
   for (const std::vector<int>& cells : cellsOf(shared.part, wanted)) {
     ASSERT_FALSE(cells.empty());
@@ -80,8 +82,8 @@ TEST(SharedPartition, is_as_good_as_that_of_one_rank) {
   }
 }
 
-// A body in components is cut as by one rank, and so is a small one.
-TEST(SharedPartition, of_what_is_not_to_be_shared) {
+// A body in components is cut component by component, and says so.
+TEST(SharedPartition, of_bodies_in_components_and_small_ones) {
   const auto comm = testComm();
   const bool isRoot = comm->getRank() == 0;
   BodyMesh two = block();
@@ -95,9 +97,14 @@ TEST(SharedPartition, of_what_is_not_to_be_shared) {
   BodyMesh small = block();
   small.mesh.cells.resize(static_cast<std::size_t>(4 * 20000));
   for (const BodyMesh* body : {&two, &small}) {
-    const Partition shared = partitionCells(*comm, isRoot ? body : nullptr, 9);
-    if (isRoot)
-      EXPECT_EQ(shared.part, partitionCells(*body, 9).part);
+    const Partition shared = partitionCells(*comm, isRoot ? body : nullptr, 41);
+    if (!isRoot)
+      continue;
+    EXPECT_EQ(shared.part, partitionCells(*body, 41).part);
+    const bool isTwo = std::any_of(shared.notes.begin(), shared.notes.end(), [](const std::string& note) {
+      return note.find("consists of 2 components") != std::string::npos;
+    });
+    EXPECT_EQ(isTwo, body == &two);
   }
 }
 

@@ -193,7 +193,7 @@ Partition fewPieces(const CellGraph& graph, int wanted, int seed) {
   constexpr int cells = 8; // a cluster
   const Components whole = componentsOf(graph, std::vector<int>(static_cast<std::size_t>(graph.cells()), 0));
   if (whole.cells.size() > 1)
-    return mended(graph, std::vector<int>(static_cast<std::size_t>(graph.cells()), 0));
+    return {};
   const CellClusters clusters = clustersOf(graph, cells);
   int label = 0;
   std::vector<int> labels = cutComponents(graph, &clusters, whole, {wanted}, seed, label);

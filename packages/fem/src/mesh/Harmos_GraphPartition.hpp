@@ -22,8 +22,8 @@ Partition mended(const CellGraph& graph, const std::vector<int>& labels);
 /// A note that continues "Body X".
 std::string otherThanWanted(int parts, int wanted);
 
-/// A few compact pieces that hang together, to be cut further by themselves. Not always as many as wanted; of
-/// a graph in components these. @param graph its cells along a curve, see reordered().
+/// A few compact pieces that hang together, to be cut further by themselves. Not always as many as wanted;
+/// none of a graph in components. @param graph its cells along a curve, see reordered().
 Partition fewPieces(const CellGraph& graph, int wanted, int seed);
 
 /// As partitionCells(), of cells in the order of the graph. Notes continue "Body X".

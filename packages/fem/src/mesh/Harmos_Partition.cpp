@@ -45,10 +45,8 @@ void finish(const BodyMesh& body, Partition& partition) {
     note.insert(0, "Body \"" + body.name + "\"");
 }
 
-} // namespace
-
-Partition partitionCells(const BodyMesh& body, int wanted, const PartitionOptions& options) {
-  requirePossible(body, wanted);
+// A body that is not cut in pieces first.
+Partition partitionWhole(const BodyMesh& body, int wanted, const PartitionOptions& options) {
   const int cells = body.mesh.numberOfCells();
   const CellGraph graph = body.matched ? graphOf(body.mesh, *body.matched) : graphOf(body.mesh);
   Partition result;
@@ -57,15 +55,13 @@ Partition partitionCells(const BodyMesh& body, int wanted, const PartitionOption
     result = Details::partition(reordered(graph, curve), wanted, size, options);
     const std::vector<int> alongCurve = result.part;
     for (std::size_t k = 0; k < curve.size(); ++k)
-      result.part[static_cast<std::size_t>(curve[k])] = alongCurve[k];
+      result.part[at(curve[k])] = alongCurve[k];
   } else {
     result = Details::partition(graph, wanted, size, options);
   }
   finish(body, result);
   return result;
 }
-
-namespace {
 
 // A piece of a body on its way to the rank that cuts it.
 struct Piece {
@@ -121,12 +117,13 @@ CutPiece cutPiece(const Piece& piece, const PartitionOptions& options) {
   return result;
 }
 
-// How many ranks cut a body: each gets so many cells that they are cut in clusters, and parts enough for the
-// border between pieces to be a small share of all.
-int cuttingRanks(int cells, int wanted, int ranks, PartitionMethod method) {
-  constexpr int leastCells = 30000, leastParts = 8;
-  return method == PartitionMethod::Compact
-             ? std::max(1, std::min({ranks, cells / leastCells, wanted / leastParts}))
+// In how many pieces a body is cut first: each has so many cells that it is cut in clusters, and parts enough
+// for the borders between pieces to be a small share of all. Not by the number of ranks: the same body gives
+// the same parts on any. An exchange between ranks carries no more cells.
+int piecesOfBody(int cells, int wanted, PartitionMethod method) {
+  constexpr int mostPieces = 2, leastCells = 30000, leastParts = 8, mostCells = 50000000;
+  return method == PartitionMethod::Compact && cells <= mostCells
+             ? std::max(1, std::min({mostPieces, cells / leastCells, wanted / leastParts}))
              : 1;
 }
 
@@ -142,15 +139,18 @@ std::vector<int> asTheyAre(int cells) {
   return order;
 }
 
-// Pieces for the ranks; none if the body is not to be shared.
-std::vector<Piece> piecesOf(const BodyMesh& body, int wanted, const PartitionOptions& options, int ranks,
+// Pieces of a body; none if it is cut as a whole.
+std::vector<Piece> piecesOf(const BodyMesh& body, int wanted, const PartitionOptions& options,
                             SharedBody& shared) {
+  const int count = piecesOfBody(body.mesh.numberOfCells(), wanted, options.method);
+  if (count == 1)
+    return {};
   const CellGraph whole = body.matched ? graphOf(body.mesh, *body.matched) : graphOf(body.mesh);
   shared.curve = body.isAlongCurve ? asTheyAre(whole.cells()) : curveThrough(whole.centres);
   const CellGraph along = body.isAlongCurve ? CellGraph() : reordered(whole, shared.curve);
   const CellGraph& graph = body.isAlongCurve ? whole : along;
-  const Partition few = Details::fewPieces(graph, ranks, options.seed);
-  if (few.parts != ranks)
+  const Partition few = Details::fewPieces(graph, count, options.seed);
+  if (few.parts != count)
     return {};
   shared.cells = cellsOf(few.part, few.parts);
   const std::vector<int> parts = Details::sharedOut(wanted, shared.cells);
@@ -175,38 +175,32 @@ void add(const SharedBody& shared, std::size_t piece, const CutPiece& cut, Parti
   }
 }
 
-} // namespace
-
-Partition partitionCells(const Teuchos::Comm<int>& comm, const BodyMesh* body, int wanted,
-                         const PartitionOptions& options) {
-  const bool isRoot = comm.getRank() == 0;
-  const auto ranks = at(comm.getSize());
+// Of all pieces, cut.
+Partition joined(const BodyMesh& body, int wanted, const SharedBody& shared,
+                 const std::vector<CutPiece>& pieces) {
   Partition result;
-  SharedBody shared;
-  std::vector<std::vector<int>> numbers(ranks);
+  result.part.assign(shared.curve.size(), 0);
+  for (std::size_t p = 0; p < pieces.size(); ++p)
+    add(shared, p, pieces[p], result);
+  if (result.parts != wanted)
+    result.notes.push_back(Details::otherThanWanted(result.parts, wanted));
+  finish(body, result);
+  return result;
+}
+
+// Pieces that are cut by as many ranks, one each. @param pieces of rank 0. @return there; nothing elsewhere.
+std::vector<CutPiece> cutTogether(const Teuchos::Comm<int>& comm, std::vector<Piece> pieces,
+                                  const PartitionOptions& options) {
+  const auto ranks = at(comm.getSize());
+  std::vector<std::vector<int>> numbers(ranks), part(ranks);
   std::vector<std::vector<Point>> centres(ranks);
-  agree(comm, [&] {
-    if (!isRoot)
-      return;
-    HARMOS_REQUIRE(body != nullptr, "rank 0 has the body");
-    requirePossible(*body, wanted);
-    const int sharing = cuttingRanks(body->mesh.numberOfCells(), wanted, comm.getSize(), options.method);
-    if (sharing > 1) {
-      std::vector<Piece> pieces = piecesOf(*body, wanted, options, sharing, shared);
-      for (std::size_t r = 0; r < pieces.size(); ++r) {
-        numbers[r] = std::move(pieces[r].numbers);
-        centres[r] = std::move(pieces[r].centres);
-      }
-    }
-    if (numbers.front().empty())
-      result = partitionCells(*body, wanted, options);
-  });
-  if (globalMax(comm, static_cast<long long>(isRoot && !numbers.front().empty())) == 0)
-    return result;
-  const Piece mine = {exchangeItems(comm, numbers).front(), exchangeItems(comm, centres).front()};
-  std::vector<std::vector<int>> part(ranks);
   std::vector<std::vector<double>> necks(ranks);
   std::vector<std::vector<char>> notes(ranks);
+  for (std::size_t r = 0; r < pieces.size(); ++r) {
+    numbers[r] = std::move(pieces[r].numbers);
+    centres[r] = std::move(pieces[r].centres);
+  }
+  const Piece mine = {exchangeItems(comm, numbers).front(), exchangeItems(comm, centres).front()};
   agree(comm, [&] {
     CutPiece cut = cutPiece(mine, options);
     part.front() = std::move(cut.part);
@@ -216,14 +210,54 @@ Partition partitionCells(const Teuchos::Comm<int>& comm, const BodyMesh* body, i
   part = exchangeItems(comm, part);
   necks = exchangeItems(comm, necks);
   notes = exchangeItems(comm, notes);
-  if (!isRoot)
-    return result;
-  result.part.assign(shared.curve.size(), 0);
-  for (std::size_t r = 0; r < shared.cells.size(); ++r)
-    add(shared, r, {part[r], necks[r], notes[r]}, result);
-  if (result.parts != wanted)
-    result.notes.push_back(Details::otherThanWanted(result.parts, wanted));
-  finish(*body, result);
+  std::vector<CutPiece> result;
+  for (std::size_t r = 0; r < pieces.size(); ++r)
+    result.push_back({std::move(part[r]), std::move(necks[r]), std::move(notes[r])});
+  return result;
+}
+
+} // namespace
+
+Partition partitionCells(const BodyMesh& body, int wanted, const PartitionOptions& options) {
+  requirePossible(body, wanted);
+  SharedBody shared;
+  const std::vector<Piece> pieces = piecesOf(body, wanted, options, shared);
+  if (pieces.empty())
+    return partitionWhole(body, wanted, options);
+  std::vector<CutPiece> cut;
+  for (const Piece& piece : pieces)
+    cut.push_back(cutPiece(piece, options));
+  return joined(body, wanted, shared, cut);
+}
+
+Partition partitionCells(const Teuchos::Comm<int>& comm, const BodyMesh* body, int wanted,
+                         const PartitionOptions& options) {
+  const bool isRoot = comm.getRank() == 0;
+  Partition result;
+  SharedBody shared;
+  std::vector<Piece> pieces;
+  agree(comm, [&] {
+    if (!isRoot)
+      return;
+    HARMOS_REQUIRE(body != nullptr, "rank 0 has the body");
+    requirePossible(*body, wanted);
+    pieces = piecesOf(*body, wanted, options, shared);
+    if (pieces.empty())
+      result = partitionWhole(*body, wanted, options);
+  });
+  const auto count = at(globalMax(comm, static_cast<long long>(pieces.size())));
+  std::vector<CutPiece> cut;
+  for (std::size_t first = 0; first < count; first += at(comm.getSize())) {
+    std::vector<Piece> round;
+    for (std::size_t p = first; p < std::min(pieces.size(), first + at(comm.getSize())); ++p)
+      round.push_back(std::move(pieces[p]));
+    for (CutPiece& piece : cutTogether(comm, std::move(round), options))
+      cut.push_back(std::move(piece));
+  }
+  agree(comm, [&] {
+    if (isRoot && count > 0)
+      result = joined(*body, wanted, shared, cut);
+  });
   return result;
 }
 

@@ -44,8 +44,8 @@ struct PartitionOptions {
 /// @throws InputError if more parts are wanted than there are cells, or less than one.
 Partition partitionCells(const BodyMesh& body, int wanted, const PartitionOptions& options = {});
 
-/// The same by all ranks, of a body that rank 0 has. Large ones that hang together are cut into a piece for
-/// each rank first, which cuts it by itself. The same body gives the same partition on as many ranks.
+/// The same, to the last cell, by all ranks, of a body that rank 0 has: large ones that hang together are cut
+/// in two pieces first, and these by themselves.
 /// @param body null on other ranks. @return on rank 0; nothing on others. @note Collective.
 /// @throws InputError on all ranks, as above.
 Partition partitionCells(const Teuchos::Comm<int>& comm, const BodyMesh* body, int wanted,

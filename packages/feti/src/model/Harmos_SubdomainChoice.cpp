@@ -113,7 +113,7 @@ SubdomainChoice chooseSubdomains(const WholeBodies& bodies, int ranks, double me
       if (parts == mostParts)
         return std::isfinite(best.seconds) ? best : leanest;
     }
-  return best;
+  return std::isfinite(best.seconds) ? best : leanest;
 }
 
 } // namespace Harmos::feti

@@ -54,6 +54,7 @@ void AnswerJudge::makeExtension(PreconditionerKind kind) {
   extension_ = Teuchos::rcp(
       new DualPreconditioner(*stages_.system, *stages_.constraints, *stages_.inverses, kind, scaling_));
   isBoundAlone_ = kind == PreconditionerKind::Lumped;
+  isSharp_ = kind == PreconditionerKind::Dirichlet;
   // Estimates of two answers are compared with each other: one way for both.
   if (!before_.jumps.is_null())
     before_.forces = forcesOf(*before_.forces.multiplier, *before_.jumps);
@@ -202,6 +203,10 @@ void AnswerJudge::exchange(qp::StateArchive<MultiVector>& archive) {
   archive.number("discretisation error trusted", trusted_);
   if (known.size() == 2)
     discretisation_ = DiscretisationError{known[0], known[1]};
+  bool isSharp = isSharp_;
+  archive.number("bound sharpened", isSharp);
+  if (isSharp && !isSharp_)
+    makeExtension(PreconditionerKind::Dirichlet);
   bool hasForces = !last_.jumps.is_null();
   archive.number("forces judged", hasForces);
   if (!hasForces)

@@ -104,6 +104,7 @@ class AnswerJudge {
   Judged last_, before_; // the answer that was judged last, and the one before
   std::optional<DiscretisationError> discretisation_;
   bool trusted_ = false; // that estimate is not about the solver's error
+  bool isSharp_ = false; // the extension was made anew, by Dirichlet's preconditioner
 };
 
 } // namespace Harmos::feti

@@ -9,6 +9,7 @@
 #include <Teuchos_ParameterList.hpp>
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,11 +33,12 @@ struct CheckpointOptions {
   int steps = 1;           ///< likewise, of a run with several steps
   /// What this rank was told since it was last asked; null: nothing. Local.
   std::function<Told()> told;
-  std::string restart;                  ///< the output directory of the run to go on from; "" for none
-  std::string deck;                     ///< the validated deck, as XML
-  std::string deckFile;                 ///< where it was read
-  std::vector<std::string> assignments; ///< that were applied to it
-  std::vector<std::string> mayDiffer;   ///< lists of an application's own that may be others after a restart
+  std::string restart;                   ///< the output directory of the run to go on from; "" for none
+  std::string deck;                      ///< the validated deck, as XML
+  std::string deckFile;                  ///< where it was read
+  std::vector<std::string> assignments;  ///< that were applied to it
+  std::map<std::string, int> subdomains; ///< that were chosen, by body; see Scene::chosenSubdomains
+  std::vector<std::string> mayDiffer;    ///< lists of an application's own that may be others after a restart
 };
 
 /// The lists of a deck that every application shares: Decomposition, Dual operator, Solver, Output.

@@ -250,15 +250,20 @@ void RunMonitor::write(const Exchange& all) {
     std::string assignments;
     for (const std::string& assignment : options_.checkpoint.assignments)
       assignments += assignment + '\0'; // which none of them contains
+    std::string subdomains;
+    for (const auto& [body, number] : options_.checkpoint.subdomains)
+      subdomains += body + '\0' + std::to_string(number) + '\0';
     StateSize size;
     all(size);
-    const std::size_t texts = options_.checkpoint.deck.size() + options_.checkpoint.deckFile.size() +
-                              assignments.size() + report_.dualForms.size();
+    const std::size_t texts = subdomains.size() + options_.checkpoint.deck.size() +
+                              options_.checkpoint.deckFile.size() + assignments.size() +
+                              report_.dualForms.size();
     CheckpointWriter writer(comm_, path, rowBasis(*run_->stages.problem),
                             size.bytes() + static_cast<long long>(texts));
     writer.text("deck", options_.checkpoint.deck);
     writer.text("deck file", options_.checkpoint.deckFile);
     writer.text("assignments", assignments);
+    writer.text("subdomains", subdomains);
     writer.text("dual forms", report_.dualForms);
     writer.text("products", report_.isSingle                    ? "single"
                             : report_.roundedFactorizations > 0 ? "rounded"

@@ -8,6 +8,7 @@
 #include "Harmos_Timeline.hpp"
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -67,7 +68,9 @@ struct Scene {
   Timeline timeline;
   std::vector<Measure> measures;
   std::vector<std::string> notes; ///< told at the beginning of the run
-  double secondsToMake = 0.0;     ///< of reading and cutting meshes before the run: part of its mesh stage
+  /// By body, of those whose number of subdomains a cost model chose: a restart keeps them. On all ranks.
+  std::map<std::string, int> chosenSubdomains;
+  double secondsToMake = 0.0; ///< of reading and cutting meshes before the run: part of its mesh stage
 
   int components() const { return componentsOf(physics); }
   int subdomains() const;
