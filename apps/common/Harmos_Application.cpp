@@ -225,8 +225,7 @@ int runDeck(const Application& application, const ProgramContext& context) {
   std::ostringstream text;
   Teuchos::writeParameterListToXmlOStream(deck, text);
   options.checkpoint.deck = text.str();
-  // Also from another directory.
-  options.checkpoint.deckFile = std::filesystem::absolute(line.deck).string();
+  options.checkpoint.deckFile = std::filesystem::absolute(line.deck).string(); // from any directory
   options.checkpoint.assignments = line.assignments;
   options.checkpoint.restart = line.restart;
   options.checkpoint.told = Signals::told;

@@ -271,16 +271,20 @@ std::vector<int> partsOf(const DeckContext& context, const std::vector<fem::Body
   return parts;
 }
 
+void requireMeshFile(const std::string& file, const std::string& body) {
+  if (file.empty())
+    throw InputError("\"Model/Mesh file\" is empty, but body \"" + body +
+                         "\" has the source \"file\"; give the file or choose another \"Source\"",
+                     {{"path", "Model/Mesh file"}});
+}
+
 // Bodies from the mesh file: read on rank 0 and cut by all; the others learn how many parts and nodes there
 // are.
 void readBodies(const DeckContext& context, int dimension, const std::vector<std::size_t>& which,
                 scene::Scene& scene, long long& firstNode) {
   const ParameterList& bodies = context.deck.sublist("Bodies");
   const std::string file = meshFileOf(context);
-  if (file.empty())
-    throw InputError("\"Model/Mesh file\" is empty, but body \"" + scene.bodies[which.front()].name +
-                         "\" has the source \"file\"; give the file or choose another \"Source\"",
-                     {{"path", "Model/Mesh file"}});
+  requireMeshFile(file, scene.bodies[which.front()].name);
   context.log.info("Reading the mesh file \"" + context.deck.sublist("Model").get<std::string>("Mesh file") +
                    "\"");
   std::vector<long long> counts(2 * which.size(), 0); // parts, nodes
