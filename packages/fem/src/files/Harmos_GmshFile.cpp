@@ -5,7 +5,7 @@
 
 #ifdef HARMOS_HAVE_GMSH
 
-#include "Harmos_CellClusters.hpp"
+#include "Harmos_FileCells.hpp"
 #include "Harmos_GmshModel.hpp"
 #include "Harmos_Index.hpp"
 #include "Harmos_ParameterSpec.hpp"
@@ -13,7 +13,6 @@
 #include <gmsh.h>
 
 #include <cmath>
-#include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <limits>
@@ -89,7 +88,7 @@ class Reader {
     std::vector<int> cells = cellsOf(wanted, type, body.mesh.regions);
     body.isAlongCurve = cells.size() >= fewestAlongCurve * at(shapeOf(type).nodes);
     if (body.isAlongCurve)
-      putAlongCurve(shapeOf(type), cells, body.mesh.regions);
+      putAlongCurve(shapeOf(type), coordinates_, cells, body.mesh.regions);
     const std::vector<int> numbers = numberNodes(cells, body.isAlongCurve);
     body.mesh.cells.reserve(cells.size());
     for (int node : cells)
@@ -211,23 +210,6 @@ class Reader {
     return {coordinates_[k], coordinates_[k + 1], coordinates_[k + 2]};
   }
 
-  // Cells, and their regions, in the order of a curve through them: what follows goes through memory in it.
-  void putAlongCurve(const CellShape& shape, std::vector<int>& cells, std::vector<int>& regions) const {
-    const auto nodes = at(shape.nodes), corners = at(shape.corners);
-    std::vector<Point> centres(cells.size() / nodes, Point{});
-    for (std::size_t c = 0; c < centres.size(); ++c)
-      for (std::size_t k = 0; k < corners; ++k)
-        for (std::size_t d = 0; d < 3; ++d)
-          centres[c][d] += coordinates_[3 * at(cells[c * nodes + k]) + d] / static_cast<double>(corners);
-    const std::vector<int> cellsBefore = cells, regionsBefore = regions, order = curveThrough(centres);
-    for (std::size_t c = 0; c < order.size(); ++c) {
-      const auto from = cellsBefore.begin() + static_cast<std::ptrdiff_t>(at(order[c]) * nodes);
-      std::copy_n(from, nodes, cells.begin() + static_cast<std::ptrdiff_t>(c * nodes));
-      if (!regions.empty())
-        regions[c] = regionsBefore[at(order[c])];
-    }
-  }
-
   // By place: the numbers of a body's nodes, −1 for others; by rising tags, or in the order of the cells.
   std::vector<int> numberNodes(const std::vector<int>& cells, bool byCells) const {
     std::vector<int> numbers(tags_.size(), -1);
@@ -337,7 +319,7 @@ class Reader {
           for (std::size_t first = 0; first < elements.nodes[k].size(); first += element.nodes)
             for (std::size_t i : element.order)
               ours.push_back(placeOf(elements.nodes[k][first + i]));
-          dropCopies(type, ours);
+          dropCopies(shapeOf(type), ours); // files of format 2 hold cells once for each group
           orient(type, entity, ours);
           cells.insert(cells.end(), ours.begin(), ours.end());
           if (body.groups.size() > 1)
@@ -345,48 +327,6 @@ class Reader {
         }
       }
     return cells;
-  }
-
-  // Files of format 2 hold the cells of an entity once for each of its groups.
-  static void dropCopies(CellType type, std::vector<int>& cells) {
-    const CellShape& shape = shapeOf(type);
-    const auto nodes = at(shape.nodes);
-    const std::size_t count = cells.size() / nodes;
-    const auto cornersOf = [&](std::size_t cell) {
-      std::array<int, 8> corners;
-      corners.fill(-1);
-      std::copy_n(cells.begin() + static_cast<std::ptrdiff_t>(cell * nodes), shape.corners, corners.begin());
-      std::sort(corners.begin(), corners.end());
-      return corners;
-    };
-    struct Slot {
-      std::uint64_t hash = 0;
-      std::size_t cell = 0; // and one; 0: the slot is free
-    };
-    std::size_t size = 16;
-    while (size < 2 * count)
-      size *= 2;
-    std::vector<Slot> table(size);
-    std::size_t kept = 0;
-    for (std::size_t cell = 0; cell < count; ++cell) {
-      const std::array<int, 8> corners = cornersOf(cell);
-      std::uint64_t hash = 0;
-      for (int corner : corners)
-        hash = (hash ^ static_cast<std::uint64_t>(corner)) * 0x9e3779b97f4a7c15;
-      std::size_t slot = hash >> 20 & (size - 1);
-      const auto isIt = [&](const Slot& other) {
-        return other.hash == hash && cornersOf(other.cell - 1) == corners;
-      };
-      while (table[slot].cell != 0 && !isIt(table[slot]))
-        slot = (slot + 1) & (size - 1);
-      if (table[slot].cell != 0)
-        continue;
-      if (kept != cell)
-        std::copy_n(cells.begin() + static_cast<std::ptrdiff_t>(cell * nodes), nodes,
-                    cells.begin() + static_cast<std::ptrdiff_t>(kept * nodes));
-      table[slot] = {hash, ++kept};
-    }
-    cells.resize(kept * nodes);
   }
 
   // For messages: what a cell is called in the file.

@@ -277,92 +277,100 @@ std::vector<double> SparseCholesky::scattered(const std::vector<double>& w) cons
 
 namespace {
 
-// Calls work(columns of L, front, the entries of x at its columns, those below gathered in `below`).
-template<class Work>
-void throughFronts(const FrontTree& tree, bool upwards, std::vector<double>& x, const Work& work) {
-  std::vector<double> below(at(tree.largestFront));
-  const std::size_t count = tree.fronts.size();
-  for (std::size_t step = 0; step < count; ++step) {
-    const std::size_t f = upwards ? step : count - 1 - step;
-    const FrontTree::Front& front = tree.fronts[f];
-    work(f, front, tree.rows.data() + front.rows, x.data() + front.first, below);
+// Columns of L in a front, with the entries of a vector at them and at the rows below.
+struct Step {
+  const double* l;
+  int columns, below;
+  double* own;     // entries of the vector at the columns
+  const int* rows; // places of the rows below
+  double* atRows;  // room for their entries
+  std::vector<double>& x;
+
+  int height() const { return columns + below; }
+  void gather() const {
+    for (int i = 0; i < below; ++i)
+      atRows[i] = x[at(rows[i])];
   }
-}
+  void scatter(double factor) const {
+    for (int i = 0; i < below; ++i)
+      x[at(rows[i])] += factor * atRows[i];
+  }
+  // atRows ← L₂₁·own.
+  void multiplyBelow() const {
+    if (below > 0)
+      Blas().GEMV(Teuchos::NO_TRANS, below, columns, 1.0, l + columns, height(), own, 1, 0.0, atRows, 1);
+  }
+  // own += factor·L₂₁ᵀ·atRows.
+  void addTransposed(double factor) const {
+    if (below > 0)
+      Blas().GEMV(Teuchos::TRANS, below, columns, factor, l + columns, height(), atRows, 1, 1.0, own, 1);
+  }
+  void solveOwn(Teuchos::ETransp mode) const {
+    Blas().TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, mode, Teuchos::NON_UNIT_DIAG, columns, 1, 1.0, l,
+                height(), own, columns);
+  }
+  void multiplyOwn(Teuchos::ETransp mode) const {
+    Blas().TRMM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, mode, Teuchos::NON_UNIT_DIAG, columns, 1, 1.0, l,
+                height(), own, columns);
+  }
+};
 
 } // namespace
 
+// Children before their parents, or the other way round.
+template<class Work>
+void SparseCholesky::throughFronts(bool upwards, std::vector<double>& x, const Work& work) const {
+  if (x.empty())
+    return;
+  std::vector<double> atRows(at(tree_->largestFront));
+  const std::size_t count = tree_->fronts.size();
+  for (std::size_t step = 0; step < count; ++step) {
+    const std::size_t f = upwards ? step : count - 1 - step;
+    const FrontTree::Front& front = tree_->fronts[f];
+    work(Step{values_.data() + begin_[f], front.columns, front.below, x.data() + front.first,
+              tree_->rows.data() + front.rows, atRows.data(), x});
+  }
+}
+
 std::vector<double> SparseCholesky::solveL(const std::vector<double>& e) const {
   std::vector<double> x = byPlaces(e);
-  if (x.empty())
-    return {};
-  throughFronts(*tree_, true, x,
-                [&](std::size_t f, const auto& front, const int* rows, double* own, auto& y) {
-                  const double* l = columnsOf(f);
-                  const int k = front.columns, r = front.below, height = k + r;
-                  Blas().TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::NO_TRANS,
-                              Teuchos::NON_UNIT_DIAG, k, 1, 1.0, l, height, own, k);
-                  if (r == 0)
-                    return;
-                  Blas().GEMV(Teuchos::NO_TRANS, r, k, 1.0, l + k, height, own, 1, 0.0, y.data(), 1);
-                  for (int i = 0; i < r; ++i)
-                    x[at(rows[i])] -= y[at(i)];
-                });
+  throughFronts(true, x, [](const Step& step) {
+    step.solveOwn(Teuchos::NO_TRANS);
+    step.multiplyBelow();
+    step.scatter(-1.0);
+  });
   return keptOf(x);
 }
 
 std::vector<double> SparseCholesky::solveLt(const std::vector<double>& w) const {
   std::vector<double> x = scattered(w);
-  if (x.empty())
-    return {};
-  throughFronts(*tree_, false, x,
-                [&](std::size_t f, const auto& front, const int* rows, double* own, auto& y) {
-                  const double* l = columnsOf(f);
-                  const int k = front.columns, r = front.below, height = k + r;
-                  for (int i = 0; i < r; ++i)
-                    y[at(i)] = x[at(rows[i])];
-                  if (r > 0)
-                    Blas().GEMV(Teuchos::TRANS, r, k, -1.0, l + k, height, y.data(), 1, 1.0, own, 1);
-                  Blas().TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::TRANS, Teuchos::NON_UNIT_DIAG,
-                              k, 1, 1.0, l, height, own, k);
-                });
+  throughFronts(false, x, [](const Step& step) {
+    step.gather();
+    step.addTransposed(-1.0);
+    step.solveOwn(Teuchos::TRANS);
+  });
   return byRows(x);
 }
 
 std::vector<double> SparseCholesky::multiplyL(const std::vector<double>& w) const {
   std::vector<double> x = scattered(w);
-  if (x.empty())
-    return {};
   // Parents first: what is added to rows above belongs to those that are done.
-  throughFronts(*tree_, false, x,
-                [&](std::size_t f, const auto& front, const int* rows, double* own, auto& y) {
-                  const double* l = columnsOf(f);
-                  const int k = front.columns, r = front.below, height = k + r;
-                  if (r > 0)
-                    Blas().GEMV(Teuchos::NO_TRANS, r, k, 1.0, l + k, height, own, 1, 0.0, y.data(), 1);
-                  for (int i = 0; i < r; ++i)
-                    x[at(rows[i])] += y[at(i)];
-                  Blas().TRMM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::NO_TRANS,
-                              Teuchos::NON_UNIT_DIAG, k, 1, 1.0, l, height, own, k);
-                });
+  throughFronts(false, x, [](const Step& step) {
+    step.multiplyBelow();
+    step.scatter(1.0);
+    step.multiplyOwn(Teuchos::NO_TRANS);
+  });
   return byRows(x);
 }
 
 std::vector<double> SparseCholesky::multiplyLt(const std::vector<double>& v) const {
   std::vector<double> x = byPlaces(v);
-  if (x.empty())
-    return {};
   // Children first, as they need their parents' entries as they were.
-  throughFronts(*tree_, true, x,
-                [&](std::size_t f, const auto& front, const int* rows, double* own, auto& y) {
-                  const double* l = columnsOf(f);
-                  const int k = front.columns, r = front.below, height = k + r;
-                  Blas().TRMM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::TRANS, Teuchos::NON_UNIT_DIAG,
-                              k, 1, 1.0, l, height, own, k);
-                  for (int i = 0; i < r; ++i)
-                    y[at(i)] = x[at(rows[i])];
-                  if (r > 0)
-                    Blas().GEMV(Teuchos::TRANS, r, k, 1.0, l + k, height, y.data(), 1, 1.0, own, 1);
-                });
+  throughFronts(true, x, [](const Step& step) {
+    step.multiplyOwn(Teuchos::TRANS);
+    step.gather();
+    step.addTransposed(1.0);
+  });
   return keptOf(x);
 }
 

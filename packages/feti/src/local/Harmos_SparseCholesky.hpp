@@ -49,7 +49,8 @@ class SparseCholesky {
   std::vector<double> multiplyLt(const std::vector<double>& v) const;
 
  private:
-  const double* columnsOf(std::size_t front) const { return values_.data() + begin_[front]; }
+  template<class Work>
+  void throughFronts(bool upwards, std::vector<double>& x, const Work& work) const;
   std::vector<double> byPlaces(const std::vector<double>& v) const;
   std::vector<double> byRows(const std::vector<double>& x) const;
   std::vector<double> keptOf(const std::vector<double>& x) const;

@@ -88,9 +88,9 @@ void AnswerJudge::sharpen() {
   measureErrors();
 }
 
+// Whether jumps, penetrations or forces out of balance alone refuse the answer.
 bool AnswerJudge::isRefusedByAudit() const {
-  return !rowForceText(quality_).empty() ||
-         !auditAgrees(quality_.audit,
+  return !auditAgrees(quality_.audit,
                       {auditShare(quality_.tolerance), quality_.gapRounding, quality_.localDefect});
 }
 
