@@ -15,8 +15,8 @@
 namespace Harmos::fem {
 namespace {
 
-constexpr std::size_t most = 4; // vectors at a time
-using Values = std::array<double, most>;
+constexpr std::size_t mostVectors = 4; // vectors at a time
+using Values = std::array<double, mostVectors>;
 using Vectors = std::vector<Values>; // a number of each vector at every cell
 
 // The graph of a part by itself.
@@ -40,10 +40,10 @@ double degree(const CellGraph& part, int k) {
 void removeConstants(const CellGraph& part, Vectors& x) {
   Values mean{};
   for (int k = 0; k < part.cells(); ++k)
-    for (std::size_t d = 0; d < most; ++d)
+    for (std::size_t d = 0; d < mostVectors; ++d)
       mean[d] += degree(part, k) * x[at(k)][d] / static_cast<double>(part.neighbours.size());
   for (Values& values : x)
-    for (std::size_t d = 0; d < most; ++d)
+    for (std::size_t d = 0; d < mostVectors; ++d)
       values[d] -= mean[d];
 }
 
@@ -57,10 +57,10 @@ void smooth(const CellGraph& part, double least, int steps, Vectors& x) {
     for (int k = 0; k < part.cells(); ++k) {
       Values sum{};
       for (const int* other = part.begin(k); other != part.end(k); ++other)
-        for (std::size_t d = 0; d < most; ++d)
+        for (std::size_t d = 0; d < mostVectors; ++d)
           sum[d] += x[at(*other)][d];
       const double mean = others / degree(part, k);
-      for (std::size_t d = 0; d < most; ++d)
+      for (std::size_t d = 0; d < mostVectors; ++d)
         before[at(k)][d] =
             factor * (own * x[at(k)][d] + mean * sum[d]) - (step == 0 ? 0.0 : before[at(k)][d]);
     }
@@ -68,26 +68,26 @@ void smooth(const CellGraph& part, double least, int steps, Vectors& x) {
   }
 }
 
-using Matrix = std::array<Values, most>;
+using Matrix = std::array<Values, mostVectors>;
 
 // Jacobi's rotations: eigenvectors are the columns of the result.
 Matrix eigenvectors(Matrix a) {
   Matrix v{};
-  for (std::size_t k = 0; k < most; ++k)
+  for (std::size_t k = 0; k < mostVectors; ++k)
     v[k][k] = 1.0;
   constexpr int sweeps = 10; // converges quadratically
   for (int sweep = 0; sweep < sweeps; ++sweep)
-    for (std::size_t p = 0; p + 1 < most; ++p)
-      for (std::size_t q = p + 1; q < most; ++q) {
+    for (std::size_t p = 0; p + 1 < mostVectors; ++p)
+      for (std::size_t q = p + 1; q < mostVectors; ++q) {
         if (a[p][q] == 0.0)
           continue;
         const double angle = 0.5 * std::atan2(2.0 * a[p][q], a[q][q] - a[p][p]);
         const double c = std::cos(angle), s = std::sin(angle);
-        for (std::size_t k = 0; k < most; ++k)
+        for (std::size_t k = 0; k < mostVectors; ++k)
           std::tie(a[k][p], a[k][q]) = std::pair(c * a[k][p] - s * a[k][q], s * a[k][p] + c * a[k][q]);
-        for (std::size_t k = 0; k < most; ++k)
+        for (std::size_t k = 0; k < mostVectors; ++k)
           std::tie(a[p][k], a[q][k]) = std::pair(c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
-        for (std::size_t k = 0; k < most; ++k)
+        for (std::size_t k = 0; k < mostVectors; ++k)
           std::tie(v[k][p], v[k][q]) = std::pair(c * v[k][p] - s * v[k][q], s * v[k][p] + c * v[k][q]);
       }
   return v;
@@ -101,7 +101,7 @@ void orthonormalise(const CellGraph& part, Vectors& x) {
       sum += degree(part, k) * x[at(k)][a] * x[at(k)][b];
     return sum;
   };
-  for (std::size_t a = 0; a < most; ++a) {
+  for (std::size_t a = 0; a < mostVectors; ++a) {
     const double before = product(a, a);
     for (std::size_t b = 0; b < a; ++b) {
       const double share = product(a, b);
@@ -123,15 +123,15 @@ void separate(const CellGraph& part, Vectors& x) {
   Matrix a{};
   for (int k = 0; k < part.cells(); ++k)
     for (const int* other = part.begin(k); other != part.end(k); ++other)
-      for (std::size_t p = 0; p < most; ++p)
-        for (std::size_t q = 0; q < most; ++q)
+      for (std::size_t p = 0; p < mostVectors; ++p)
+        for (std::size_t q = 0; q < mostVectors; ++q)
           a[p][q] += 0.5 * (x[at(k)][p] - x[at(*other)][p]) * (x[at(k)][q] - x[at(*other)][q]);
   const Matrix v = eigenvectors(a);
   for (Values& values : x) {
     const Values old = values;
     values.fill(0.0);
-    for (std::size_t p = 0; p < most; ++p)
-      for (std::size_t k = 0; k < most; ++k)
+    for (std::size_t p = 0; p < mostVectors; ++p)
+      for (std::size_t k = 0; k < mostVectors; ++k)
         values[p] += old[k] * v[k][p];
   }
 }
@@ -289,7 +289,7 @@ Neck PartShapes::neckOf(const std::vector<int>& cells) {
   removeConstants(part, x);
   separate(part, x);
   Sweep sweep(part, graph_.dimension, leastCells);
-  for (std::size_t vector = 0; vector < most; ++vector) {
+  for (std::size_t vector = 0; vector < mostVectors; ++vector) {
     if (std::all_of(x.begin(), x.end(), [=](const Values& values) { return values[vector] == 0.0; }))
       continue; // one of the coordinates, in the plane
     const Cut cut = sweep.alongVector(x, vector);

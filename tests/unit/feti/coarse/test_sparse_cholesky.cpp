@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_PivotedCholesky.hpp"
 #include "Harmos_SparseCholesky.hpp"
 
 #include <gtest/gtest.h>
@@ -70,6 +71,59 @@ TEST(SparseCholesky, factors_solve_and_multiply) {
       EXPECT_NEAR(llx[k], ax[k], 1e-12) << n;
       EXPECT_NEAR(solved[k], x[k], 1e-14 / factor.smallestPivotRatio() * n) << n;
       EXPECT_NEAR(back[k], w[k], 1e-12 / factor.smallestPivotRatio()) << n;
+    }
+  }
+}
+
+// Fewer columns than rows: as many rows are left out as where the matrix is dense, in fronts with rows below
+// them; what is in the range is solved, in double precision and from long double, with an order of one's own
+// or that of a factor of the same pattern. Rows of zeros among others are left out too, as on faces.
+TEST(SparseCholesky, rows_left_out_inside_of_fronts) {
+  for (const int columns : {100, 180, 260}) {
+    const int n = 300;
+    Gram a(n, columns);
+    const SparseCholesky whole(n, a.rows, a.columnsOf, a.values);
+    for (const bool isFace : {false, true}) {
+      if (isFace)
+        for (std::size_t k = 0; k < a.values.size(); ++k)
+          if (a.rows[k] % 7 == 3 || a.columnsOf[k] % 7 == 3)
+            a.values[k] = 0.0;
+      const auto size = static_cast<std::size_t>(n);
+      std::vector<double> dense(size * size, 0.0);
+      for (std::size_t k = 0; k < a.values.size(); ++k) {
+        const auto i = static_cast<std::size_t>(a.rows[k]), j = static_cast<std::size_t>(a.columnsOf[k]);
+        dense[i * size + j] = dense[j * size + i] = a.values[k];
+      }
+      constexpr double threshold = 1e-11; // pivots are rounding errors, some 1e-15, or 1e-6 and more
+      const int rank = Harmos::PivotedCholesky(dense, n, threshold).rank();
+      ASSERT_LT(rank, n);
+      const std::vector<long double> extended(a.values.begin(), a.values.end());
+      for (const SparseCholesky& factor :
+           {SparseCholesky(n, a.rows, a.columnsOf, a.values, threshold),
+            SparseCholesky(n, a.rows, a.columnsOf, a.values, threshold, &whole),
+            SparseCholesky(n, a.rows, a.columnsOf, extended, threshold, &whole)}) {
+        SCOPED_TRACE(std::to_string(columns) + (isFace ? " columns, face" : " columns"));
+        EXPECT_EQ(factor.rank(), rank);
+        EXPECT_EQ(factor.rank() + static_cast<int>(factor.dependent().size()), n);
+        const std::vector<double> b = a.multiply(wave(size)), x = factor.solveLt(factor.solveL(b));
+        const std::vector<double> image = a.multiply(x);
+        for (std::size_t k = 0; k < size; ++k)
+          EXPECT_NEAR(image[k], b[k], 1e-14 / factor.smallestPivotRatio() * n) << k;
+        const std::vector<double> w = wave(static_cast<std::size_t>(rank)),
+                                  back = factor.solveL(factor.multiplyL(w));
+        for (std::size_t k = 0; k < w.size(); ++k)
+          EXPECT_NEAR(back[k], w[k], 1e-12 / factor.smallestPivotRatio()) << k;
+        // wᵀ(Lᵀx) = (Lw)ᵀx.
+        const std::vector<double> lw = factor.multiplyL(w), ltx = factor.multiplyLt(x);
+        double left = 0.0, right = 0.0;
+        for (std::size_t k = 0; k < w.size(); ++k)
+          left += w[k] * ltx[k];
+        for (std::size_t k = 0; k < size; ++k)
+          right += lw[k] * x[k];
+        EXPECT_NEAR(left, right, 1e-12 * (std::abs(left) + n));
+        for (int d : factor.dependent())
+          EXPECT_EQ(x[static_cast<std::size_t>(d)], 0.0);
+      }
     }
   }
 }
