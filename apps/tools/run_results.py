@@ -20,6 +20,7 @@ VTK_CORNERS = {5: 3, 9: 4}  # VTK_TRIANGLE, VTK_QUAD
 # For elastic bodies: what is drawn of each type of cell, as flat pieces in the plane and as faces
 # in space. A triangle repeats its last corner. Cells with nodes between the corners are cut up.
 TRIANGLE_6 = ((0, 3, 5, 5), (3, 1, 4, 4), (5, 4, 2, 2), (3, 4, 5, 5))
+QUAD_8 = ((0, 4, 7, 7), (4, 1, 5, 5), (5, 2, 6, 6), (6, 3, 7, 7), (4, 5, 6, 7))
 QUAD_9 = ((0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3))
 TETRA_FACES = ((0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (2, 0, 3, 6, 7, 9), (0, 2, 1, 6, 5, 4))
 HEX_FACES = (
@@ -39,10 +40,12 @@ VTK_PIECES = {
     5: (2, 3, ((0, 1, 2),), TRIANGLE),
     9: (2, 4, ((0, 1, 2, 3),), QUAD),
     22: (2, 6, ((0, 1, 2, 3, 4, 5),), TRIANGLE_6),
+    23: (2, 8, ((0, 1, 2, 3, 4, 5, 6, 7),), QUAD_8),
     28: (2, 9, ((0, 1, 2, 3, 4, 5, 6, 7, 8),), QUAD_9),
     10: (3, 4, TETRA_FACES, TRIANGLE),
     12: (3, 8, HEX_FACES, QUAD),
     24: (3, 10, TETRA_FACES, TRIANGLE_6),
+    25: (3, 20, tuple(face[:8] for face in HEX_FACES), QUAD_8),
     29: (3, 27, HEX_FACES, QUAD_9),
 }
 

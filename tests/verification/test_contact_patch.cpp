@@ -97,8 +97,8 @@ TEST(ContactPatch, matching_meshes) {
 }
 
 TEST(ContactPatch, matching_meshes_of_the_second_order) {
-  for (CellType type :
-       {CellType::Triangle6, CellType::Quadrilateral9, CellType::Hexahedron27, CellType::Tetrahedron10}) {
+  for (CellType type : {CellType::Triangle6, CellType::Quadrilateral9, CellType::Hexahedron27,
+                        CellType::Tetrahedron10, CellType::Quadrilateral8, CellType::Hexahedron20}) {
     const scene::Scene scene = tower(type, type, {2, 2, 2}, {2, 2, 2}, Joint::Contact, 0.03);
     expectConstantStrain(scene, runScene(scene, tolerance), fem::shapeOf(type).name);
   }
@@ -106,16 +106,42 @@ TEST(ContactPatch, matching_meshes_of_the_second_order) {
 
 TEST(ContactPatch, meshes_that_do_not_match) {
   const std::vector<std::pair<CellType, CellType>> pairs = {
-      {CellType::Quadrilateral4, CellType::Quadrilateral4}, {CellType::Quadrilateral4, CellType::Triangle3},
-      {CellType::Quadrilateral9, CellType::Quadrilateral9}, {CellType::Quadrilateral9, CellType::Triangle3},
-      {CellType::Hexahedron8, CellType::Hexahedron8},       {CellType::Hexahedron8, CellType::Tetrahedron4},
-      {CellType::Tetrahedron4, CellType::Hexahedron8}};
+      {CellType::Quadrilateral4, CellType::Quadrilateral4},
+      {CellType::Quadrilateral4, CellType::Triangle3},
+      {CellType::Quadrilateral9, CellType::Quadrilateral9},
+      {CellType::Quadrilateral9, CellType::Triangle3},
+      {CellType::Hexahedron8, CellType::Hexahedron8},
+      {CellType::Hexahedron8, CellType::Tetrahedron4},
+      {CellType::Tetrahedron4, CellType::Hexahedron8},
+      {CellType::Hexahedron20, CellType::Tetrahedron10}};
   for (const auto& [lower, upper] : pairs)
     for (Joint joint : {Joint::Contact, Joint::Tie}) {
       const scene::Scene scene = tower(lower, upper, {2, 3, 2}, {3, 2, 2}, joint, 0.05);
       expectConstantStrain(scene, runScene(scene, tolerance),
                            fem::shapeOf(lower).name + " under " + fem::shapeOf(upper).name);
     }
+}
+
+// A rigid floor bears a constant pressure, whatever forces at nodes that has: at corners of serendipity
+// elements they pull.
+TEST(ContactPatch, on_a_rigid_floor) {
+  for (CellType type :
+       {CellType::Quadrilateral4, CellType::Triangle6, CellType::Quadrilateral8, CellType::Tetrahedron10,
+        CellType::Hexahedron8, CellType::Hexahedron27, CellType::Hexahedron20}) {
+    scene::Scene scene = tower(type, type, {2, 3, 2}, {3, 2, 2}, Joint::Tie, 0.03);
+    const auto effects = scene.effects;
+    scene.effects.clear();
+    // All but the support of the bottom.
+    for (const auto& effect : effects)
+      if (effect->boundaryParts().front().set != "bottom" || effect->tiesSurfaces())
+        scene.effects.push_back(effect);
+    contact::Obstacle floor;
+    floor.direction = scene.components() == 3 ? Point{0.0, 0.0, 1.0} : Point{0.0, 1.0, 0.0};
+    addObstacle(scene, {0, "bottom"}, floor);
+    const TestRun run = runScene(scene, tolerance);
+    expectConstantStrain(scene, run, fem::shapeOf(type).name + " on a floor");
+    EXPECT_GE(globalSum(*testComm(), static_cast<long long>(run.report.contact.size())), 5);
+  }
 }
 
 // The same contact named twice, once with the surfaces exchanged, is one contact.

@@ -122,9 +122,9 @@ void expectPatch(CellType lower, CellType upper, Joint joint) {
 }
 
 const std::vector<CellType> plane = {CellType::Triangle3, CellType::Triangle6, CellType::Quadrilateral4,
-                                     CellType::Quadrilateral9};
+                                     CellType::Quadrilateral9, CellType::Quadrilateral8};
 const std::vector<CellType> space = {CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8,
-                                     CellType::Hexahedron27};
+                                     CellType::Hexahedron27, CellType::Hexahedron20};
 
 } // namespace
 
@@ -260,4 +260,6 @@ TEST(MortarPairs, rates_of_second_order) {
   expectRates(CellType::Tetrahedron10, CellType::Tetrahedron10, {2, 3, 5, 7}, inSpace);
   expectRates(CellType::Tetrahedron10, CellType::Hexahedron27, {2, 3, 5, 7}, inSpace);
   expectRates(CellType::Hexahedron27, CellType::Tetrahedron10, {2, 3, 5, 7}, inSpace);
+  expectRates(CellType::Hexahedron20, CellType::Hexahedron20, {4, 5, 7, 9}, inSpace);
+  expectRates(CellType::Hexahedron20, CellType::Tetrahedron10, {2, 3, 5, 7}, inSpace);
 }

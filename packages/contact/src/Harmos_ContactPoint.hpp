@@ -38,6 +38,7 @@ struct ContactPoint {
   fem::Point normal{};     ///< outward from the first surface
   double gap = 0.0;        ///< initial distance along the normal; negative: penetration
   double area = 0.0;       ///< tributary area, positive
+  double compliance = 0.0; ///< penetration by force; 0: none gives way
   /// Contact pressure = Σ weight · force; empty: force of the row / area. See setPressures().
   std::vector<PressureTerm> pressure{};
   /// Nodes beside it that have no point of their own, where another effect or both surfaces have them: the
@@ -152,7 +153,8 @@ struct Obstacle {
 };
 
 /// Contact with a rigid obstacle: n·u ≤ gap at each node of the surface, n the direction towards the
-/// obstacle at the initial position of the node, gap its distance.
+/// obstacle at the initial position of the node, gap its distance. On quadrilaterals of eight nodes, where a
+/// constant pressure pulls at the corners, rows are those of the coefficients of the carriers (Carriers).
 /// @return those of this rank's own nodes, by node number; areas from tributaryAreas().
 /// @throws InputError on all ranks for a direction of length zero, a radius of zero, and a node at the
 /// centre.

@@ -133,6 +133,7 @@ std::vector<ConstraintRow> contactRows(const std::vector<ContactPoint>& points, 
     row.number = point.number;
     row.bound = point.gap;
     row.rounding = roundingOfExtent * extent;
+    row.compliance = point.compliance;
     addTerms(point, point.normal, components, row);
     rows.push_back(row);
   }

@@ -38,6 +38,27 @@ FacetBasis product(const Line& x, const Line& y, std::size_t nodes) {
   return basis;
 }
 
+// Quadrilateral of eight nodes, see fem::cellBasis(): 1 − x² and the linear functions of its directions.
+FacetBasis serendipity(const FacetPlace& at) {
+  const std::array<Line, 2> linears = {linear(at[0]), linear(at[1])};
+  const std::array<Line, 2> squares = {quadratic(at[0]), quadratic(at[1])};
+  constexpr std::array<double, 2> ends = {-1.0, 1.0};
+  FacetBasis basis;
+  for (std::size_t k = 0; k < 8; ++k) {
+    const auto [i, j] = tensor[k];
+    const Line &x = i == 2 ? squares[0] : linears[0], &y = j == 2 ? squares[1] : linears[1];
+    basis.values[k] = x.values[i] * y.values[j];
+    basis.gradients[k] = {x.slopes[i] * y.values[j], x.values[i] * y.slopes[j]};
+    if (k >= 4)
+      continue;
+    const double product = basis.values[k], rest = ends[i] * at[0] + ends[j] * at[1] - 1.0;
+    basis.values[k] *= rest;
+    basis.gradients[k] = {basis.gradients[k][0] * rest + product * ends[i],
+                          basis.gradients[k][1] * rest + product * ends[j]};
+  }
+  return basis;
+}
+
 FacetBasis triangle(const FacetPlace& at, bool isQuadratic) {
   const std::array<double, 3> b = {1.0 - at[0] - at[1], at[0], at[1]};
   constexpr std::array<FacetPlace, 3> slopes = {{{-1.0, -1.0}, {1.0, 0.0}, {0.0, 1.0}}};
@@ -80,6 +101,8 @@ FacetBasis facetBasis(CellType type, const FacetPlace& at) {
     return triangle(at, true);
   case CellType::Quadrilateral4:
     return product(linear(at[0]), linear(at[1]), 4);
+  case CellType::Quadrilateral8:
+    return serendipity(at);
   case CellType::Quadrilateral9:
     return product(quadratic(at[0]), quadratic(at[1]), 9);
   default:
@@ -101,8 +124,13 @@ Carriers::Carriers(CellType type, const std::array<double, 4>& shares, bool isPa
       shares_(shares) {
   if (!isPartial)
     return;
-  toCorner_ = partialShare * partialShare;
-  toEdge_ = partialShare * (1.0 - 2.0 * partialShare);
+  const double share = partialShare(type);
+  toCorner_ = share * share;
+  toEdge_ = share * (1.0 - 2.0 * share);
+}
+
+Carriers::Carriers(CellType type) : Carriers(type, {}, false) {
+  shares_.fill(usualShare(type));
 }
 
 // The corners that an edge node lies between.

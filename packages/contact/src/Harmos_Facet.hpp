@@ -34,20 +34,28 @@ FacetBasis facetBasis(fem::CellType type, const FacetPlace& at);
 ///
 /// a local change of basis (Popp, Wohlmuth, Gee, Wall, SIAM J. Sci. Comput. 34, 2012, who take 1/5). With a
 /// share of 1/4, and the function in the middle of a quadrilateral shared likewise, they are the Bernstein
-/// polynomials, which are nowhere negative: so on facets that are covered in part.
-/// Guarded by tests/unit/contact/test_surface.cpp.
+/// polynomials, which are nowhere negative: so on facets that are covered in part. Corner functions of
+/// quadrilaterals of eight nodes, ¼(1 + x)(1 + y)((1 − 2s)(x + y) + 4s − 1), are nowhere negative from 3/8
+/// on. Guarded by tests/unit/contact/test_surface.cpp.
 class Carriers {
  public:
   /// Of facets that are covered as a whole. Triangles of six nodes, the area of whose corner functions is
   /// zero, take 1/10: between 1/20 and 1/4 that has the smallest errors of smooth solutions and the fewest
   /// products (tests/verification/test_mortar_pairs.cpp; 40 to 43 on half a ball on a block, with 1/4 45 to
-  /// 56). Other facets of second order have positive areas as they are.
-  static double usualShare(fem::CellType type) { return type == fem::CellType::Triangle6 ? 0.1 : 0.0; }
-  static constexpr double partialShare = 0.25;
+  /// 56). Quadrilaterals of eight nodes, whose corner functions have −1/12 of the area, take 1/5. Other
+  /// facets of second order have positive areas as they are.
+  static double usualShare(fem::CellType type) {
+    return type == fem::CellType::Triangle6 ? 0.1 : type == fem::CellType::Quadrilateral8 ? 0.2 : 0.0;
+  }
+  static double partialShare(fem::CellType type) {
+    return type == fem::CellType::Quadrilateral8 ? 0.375 : 0.25;
+  }
 
   /// @param shares of the edge nodes, in their order. @param isPartial whether the facet is covered in part;
-  /// then all of its shares are partialShare.
+  /// then all of its shares are partialShare().
   Carriers(fem::CellType type, const std::array<double, 4>& shares, bool isPartial);
+  /// Of a facet that is covered as a whole, like its neighbours.
+  explicit Carriers(fem::CellType type);
 
   /// Their values at a place, from those of the functions of the facet.
   std::array<double, maxFacetNodes> values(const std::array<double, maxFacetNodes>& lagrange) const;
@@ -84,6 +92,7 @@ class Facet {
 
   std::size_t size() const { return static_cast<std::size_t>(surface_.nodesPerFacet()); }
   std::size_t corners() const { return static_cast<std::size_t>(fem::shapeOf(surface_.facetType).corners); }
+  fem::CellType type() const { return surface_.facetType; }
   const fem::CellShape& shape() const { return fem::shapeOf(surface_.facetType); }
   /// Place of a node in the lists of the surface.
   std::size_t node(std::size_t k) const { return static_cast<std::size_t>(nodes_[k]); }

@@ -104,7 +104,7 @@ class SurfaceCarriers {
     isPartial_[static_cast<std::size_t>(facet)] = true;
     const Facet nodes(surface_, facet);
     for (std::size_t k = nodes.corners(); k < nodes.size(); ++k)
-      share_[nodes.node(k)] = Carriers::partialShare;
+      share_[nodes.node(k)] = Carriers::partialShare(surface_.facetType);
   }
 
   // What other ranks have seen of the edges of these facets. @note Collective.
@@ -113,7 +113,7 @@ class SurfaceCarriers {
     std::vector<std::size_t> places;
     std::vector<long long> asked;
     for (std::size_t i = 0; i < share_.size(); ++i)
-      if (share_[i] == Carriers::partialShare)
+      if (share_[i] == Carriers::partialShare(surface_.facetType))
         known.emplace_back(surface_.numbers[i], 1);
     for (int f : facets) {
       const Facet nodes(surface_, f);
@@ -125,7 +125,7 @@ class SurfaceCarriers {
     const auto answers = lookUp(*surface_.comm, known, asked);
     for (std::size_t k = 0; k < places.size(); ++k)
       if (answers[k])
-        share_[places[k]] = Carriers::partialShare;
+        share_[places[k]] = Carriers::partialShare(surface_.facetType);
   }
 
   Carriers of(int facet) const {

@@ -2,7 +2,11 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_ContactPoint.hpp"
 #include "Harmos_Errors.hpp"
+#include "Harmos_Facet.hpp"
 #include "Harmos_PointAlgebra.hpp"
+
+#include <algorithm>
+#include <map>
 
 namespace Harmos::contact {
 namespace {
@@ -39,6 +43,36 @@ Separation roundSeparation(const Point& fromCentre, double radius, const Surface
   return {scaled(1.0 / distance, fromCentre), -radius - distance};
 }
 
+// On quadrilaterals of eight nodes a constant pressure pulls at the corners: points there are those of the
+// carriers (Carriers), which are positive. That of an edge node is (u_e − s(u_a + u_b))/(1 − 2s).
+void useCarriers(const Surface& surface, const std::vector<Point>& towards, const std::vector<double>& gaps,
+                 std::vector<ContactPoint>& points) {
+  if (surface.facetType != fem::CellType::Quadrilateral8)
+    return;
+  const Carriers carriers(surface.facetType);
+  std::map<long long, ContactPoint*> pointOf;
+  for (ContactPoint& point : points)
+    pointOf[point.node] = &point;
+  for (int f = 0; f < surface.numberOfFacets(); ++f) {
+    const Facet facet(surface, f);
+    for (std::size_t k = facet.corners(); k < facet.size(); ++k) {
+      const auto found = pointOf.find(surface.numbers[facet.node(k)]);
+      if (found == pointOf.end() || found->second->terms.size() > 1)
+        continue;
+      ContactPoint& point = *found->second;
+      point.terms.clear();
+      point.gap = 0.0;
+      for (const auto& [place, weight] : carriers.coefficient(k)) {
+        const std::size_t i = facet.node(place);
+        point.terms.push_back({surface.numbers[i], weight});
+        point.gap += weight * gaps[i] * dot(point.normal, towards[i]);
+      }
+      std::sort(point.terms.begin(), point.terms.end(),
+                [](const ContactPoint::Term& a, const ContactPoint::Term& b) { return a.node < b.node; });
+    }
+  }
+}
+
 std::vector<ContactPoint> pointsOf(const Surface& surface, const Obstacle& obstacle) {
   const bool isRound = obstacle.shape != Obstacle::Shape::HalfSpace;
   if (isRound && (obstacle.radius == 0.0 || !std::isfinite(obstacle.radius)))
@@ -50,6 +84,7 @@ std::vector<ContactPoint> pointsOf(const Surface& surface, const Obstacle& obsta
                          : direction(obstacle, surface.dimension, surface.name);
   std::vector<ContactPoint> points;
   std::vector<Point> towards; // the obstacle, of all nodes
+  std::vector<double> gaps;
   for (std::size_t i = 0; i < surface.numbers.size(); ++i) {
     Point offset = difference(surface.positions[i], obstacle.point);
     if (surface.dimension == 2)
@@ -68,6 +103,7 @@ std::vector<ContactPoint> pointsOf(const Surface& surface, const Obstacle& obsta
       break;
     }
     towards.push_back(separation.normal);
+    gaps.push_back(separation.gap);
     if (surface.isOwnNode[i] == 0)
       continue;
     ContactPoint point;
@@ -83,6 +119,7 @@ std::vector<ContactPoint> pointsOf(const Surface& surface, const Obstacle& obsta
   for (std::size_t i = 0; i < surface.numbers.size(); ++i)
     if (surface.isOwnNode[i] != 0)
       points[next++].area = areas[i];
+  useCarriers(surface, towards, gaps, points);
   setPressures(surface, towards, points);
   return points;
 }

@@ -479,9 +479,14 @@ Surface gatherSurface(const Teuchos::Comm<int>& comm, const std::vector<const fe
 
 namespace {
 
-// Of triangles of six nodes from functions that are linear on four pieces.
-FacetIntegrals tributaryOn(const Facet& facet, const fem::Quadrature& rule, bool hasSixNodes) {
-  if (!hasSixNodes)
+// Of triangles of six nodes from functions that are linear on four pieces, else of the carriers.
+FacetIntegrals tributaryOn(const Facet& facet, const fem::Quadrature& rule) {
+  if (facet.type() == CellType::Quadrilateral8) {
+    FacetIntegrals result = integralsOn(facet, rule);
+    result.ofNodes = Carriers(facet.type()).values(result.ofNodes);
+    return result;
+  }
+  if (facet.type() != CellType::Triangle6)
     return integralsOn(facet, rule);
   constexpr std::array<std::array<std::size_t, 3>, 4> pieces = {{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
   FacetIntegrals result;
@@ -518,8 +523,8 @@ double sagitta(const Surface& surface) {
 }
 
 std::vector<double> tributaryAreas(const Surface& surface, const std::vector<Point>& towards) {
-  const bool hasSixNodes = surface.facetType == CellType::Triangle6;
-  if (!hasSixNodes && towards.empty())
+  const bool areFunctions = Carriers::usualShare(surface.facetType) == 0.0;
+  if (areFunctions && towards.empty())
     return surface.areas;
   const fem::Quadrature rule =
       fem::quadratureOn(surface.facetType, 2 * fem::shapeOf(surface.facetType).order + 4);
@@ -527,7 +532,7 @@ std::vector<double> tributaryAreas(const Surface& surface, const std::vector<Poi
   std::vector<char> isPartial(surface.numbers.size(), 0);
   for (int f = 0; f < surface.numberOfFacets(); ++f) {
     const Facet facet(surface, f);
-    const FacetIntegrals integrals = tributaryOn(facet, rule, hasSixNodes);
+    const FacetIntegrals integrals = tributaryOn(facet, rule);
     for (std::size_t k = 0; k < facet.size(); ++k) {
       const std::size_t i = facet.node(k);
       whole[i] += integrals.ofNodes[k];
@@ -540,7 +545,7 @@ std::vector<double> tributaryAreas(const Surface& surface, const std::vector<Poi
   for (std::size_t i = 0; i < whole.size(); ++i) {
     if (isPartial[i] != 0 && facing[i] > 0.0)
       whole[i] = facing[i];
-    else if (!hasSixNodes)
+    else if (areFunctions)
       whole[i] = surface.areas[i];
   }
   return whole;

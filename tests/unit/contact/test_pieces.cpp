@@ -125,7 +125,8 @@ TEST(Pieces, mortar_points_are_those_of_whole_surfaces) {
                                       std::pair(CellType::Triangle6, CellType::Quadrilateral4),
                                       std::pair(CellType::Hexahedron8, CellType::Tetrahedron4),
                                       std::pair(CellType::Tetrahedron10, CellType::Tetrahedron10),
-                                      std::pair(CellType::Hexahedron27, CellType::Hexahedron8)}) {
+                                      std::pair(CellType::Hexahedron27, CellType::Hexahedron8),
+                                      std::pair(CellType::Hexahedron20, CellType::Hexahedron20)}) {
     const auto below = lower(first, {3, 2, 1}, {2, 3, 1}), above = upper(second, {2, 3, 1}, {3, 2, 1});
     const std::string what = fem::shapeOf(first).name + " on " + fem::shapeOf(second).name;
     const bool isPlane = fem::shapeOf(first).dimension == 2;

@@ -34,7 +34,7 @@ double total(const std::vector<double>& values) {
 
 TEST(Facet, basis_is_that_of_the_elements) {
   for (CellType type : {CellType::Line2, CellType::Line3, CellType::Triangle3, CellType::Triangle6,
-                        CellType::Quadrilateral4, CellType::Quadrilateral9}) {
+                        CellType::Quadrilateral4, CellType::Quadrilateral9, CellType::Quadrilateral8}) {
     const std::vector<Point> places = {{0.1, 0.2, 0.0}, {0.7, 0.15, 0.0}, {0.0, 1.0, 0.0}};
     const auto values = fem::basisValues(type, places);
     const auto gradients = fem::basisGradients(type, places);
@@ -53,12 +53,13 @@ TEST(Facet, basis_is_that_of_the_elements) {
 // they are not negative, on whole triangles of six nodes all have areas.
 TEST(Facet, carriers_span_what_the_basis_spans) {
   for (CellType type : {CellType::Line2, CellType::Line3, CellType::Triangle3, CellType::Triangle6,
-                        CellType::Quadrilateral4, CellType::Quadrilateral9})
+                        CellType::Quadrilateral4, CellType::Quadrilateral9, CellType::Quadrilateral8})
     for (const bool isPartial : {false, true}) {
       std::array<double, 4> shares{};
       if (fem::shapeOf(type).order == 2)
-        shares = isPartial ? std::array<double, 4>{0.25, 0.25, 0.25, 0.25}
-                           : std::array<double, 4>{0.1, 0.25, 0.0, 0.2}; // whole, beside others that are not
+        shares = {0.1, 0.25, 0.0, 0.2}; // whole, beside others that are not
+      if (isPartial && fem::shapeOf(type).order == 2)
+        shares.fill(Carriers::partialShare(type));
       const Carriers carriers(type, shares, isPartial && fem::shapeOf(type).order == 2);
       const auto size = static_cast<std::size_t>(fem::shapeOf(type).nodes);
       for (const FacetPlace& place : {FacetPlace{0.1, 0.2}, FacetPlace{0.7, 0.15}, FacetPlace{0.0, 1.0}}) {
@@ -114,8 +115,8 @@ TEST(Surface, sides_of_a_brick_look_outward) {
   const std::map<std::string, Point> outward = {{"left", {-1, 0, 0}},   {"right", {1, 0, 0}},
                                                 {"front", {0, -1, 0}},  {"back", {0, 1, 0}},
                                                 {"bottom", {0, 0, -1}}, {"top", {0, 0, 1}}};
-  for (CellType type :
-       {CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8, CellType::Hexahedron27}) {
+  for (CellType type : {CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8,
+                        CellType::Hexahedron27, CellType::Hexahedron20}) {
     const auto body = block(type, {1, 2, 0}, {3, 2, 1}, {2, 1, 2}, {1, 2, 1}, 7);
     for (const auto& [set, normal] : outward) {
       const Surface surface = surfaceOf(body, set);
@@ -169,7 +170,8 @@ TEST(Surface, does_not_depend_on_the_decomposition) {
   const Map bend = [](const Point& x) {
     return Point{x[0] + 0.1 * x[1] * x[1], x[1], x[2] + 0.2 * x[0] * x[1]};
   };
-  for (CellType type : {CellType::Hexahedron8, CellType::Tetrahedron10, CellType::Hexahedron27}) {
+  for (CellType type :
+       {CellType::Hexahedron8, CellType::Tetrahedron10, CellType::Hexahedron27, CellType::Hexahedron20}) {
     const Surface whole = surfaceOf(block(type, {0, 0, 0}, {1, 1, 1}, {1, 1, 1}, {6, 4, 2}, 5, bend), "top");
     const Surface parts = surfaceOf(block(type, {0, 0, 0}, {1, 1, 1}, {3, 2, 1}, {2, 2, 2}, 5, bend), "top");
     ASSERT_EQ(whole.numbers, parts.numbers);

@@ -30,8 +30,9 @@ Surface skinOf(const fem::StructuredBlock& body, int rank = 0, int ranks = 1,
 }
 
 const std::vector<CellType> allTypes = {
-    CellType::Triangle3,    CellType::Triangle6,     CellType::Quadrilateral4, CellType::Quadrilateral9,
-    CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8,    CellType::Hexahedron27};
+    CellType::Triangle3,      CellType::Triangle6,     CellType::Quadrilateral4, CellType::Quadrilateral9,
+    CellType::Tetrahedron4,   CellType::Tetrahedron10, CellType::Hexahedron8,    CellType::Hexahedron27,
+    CellType::Quadrilateral8, CellType::Hexahedron20};
 
 bool isSpace(CellType type) {
   return fem::shapeOf(type).dimension == 3;

@@ -48,7 +48,8 @@ std::set<int> cornersOf(const Mesh& mesh, const Side& side) {
 TEST(CellSides, come_by_rising_corners_and_cells) {
   for (CellType type :
        {CellType::Triangle3, CellType::Triangle6, CellType::Quadrilateral4, CellType::Quadrilateral9,
-        CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8, CellType::Hexahedron27}) {
+        CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8, CellType::Hexahedron27,
+        CellType::Quadrilateral8, CellType::Hexahedron20}) {
     const Mesh mesh = shuffled(type);
     std::map<std::set<int>, std::vector<std::pair<int, int>>> expected; // sets compare as their elements do
     for (int c = 0; c < mesh.numberOfCells(); ++c)

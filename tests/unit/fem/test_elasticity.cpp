@@ -2,6 +2,7 @@
 #include "Harmos_Elasticity.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Loads.hpp"
+#include "Harmos_StrainOperator.hpp"
 #include "Harmos_StressSums.hpp"
 #include "Harmos_StructuredBlock.hpp"
 #include "Harmos_TestErrors.hpp"
@@ -27,8 +28,9 @@ namespace {
 constexpr double roundoff = 1e-13;
 
 const std::vector<CellType> types = {
-    CellType::Triangle3,    CellType::Triangle6,     CellType::Quadrilateral4, CellType::Quadrilateral9,
-    CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8,    CellType::Hexahedron27};
+    CellType::Triangle3,      CellType::Triangle6,     CellType::Quadrilateral4, CellType::Quadrilateral9,
+    CellType::Tetrahedron4,   CellType::Tetrahedron10, CellType::Hexahedron8,    CellType::Hexahedron27,
+    CellType::Quadrilateral8, CellType::Hexahedron20};
 
 Kinematics kinematicsOf(CellType type) {
   return fem::shapeOf(type).dimension == 2 ? Kinematics::PlaneStrain : Kinematics::Solid;
@@ -266,6 +268,56 @@ TEST(Elasticity, regions_have_their_materials) {
   k.multiply(u.data(), image.data());
   EXPECT_NEAR(image[2] + image[8], 1.0, roundoff);
   EXPECT_NEAR(image[4] + image[10], 0.0, roundoff);
+}
+
+// Axes anywhere: about z they are what the angle is; a strain that turns with the axes keeps its energy.
+TEST(Material, axes_in_space) {
+  const double angle = 0.4;
+  const Material about = orthotropic(angle);
+  const Material same =
+      orthotropic(0.0).turnedTo({2.0 * std::cos(angle), 2.0 * std::sin(angle), 0.0}, {-1.0, 5.0, 0.0});
+  for (Kinematics kinematics : {Kinematics::Solid, Kinematics::PlaneStrain, Kinematics::PlaneStress}) {
+    const VoigtMatrix a = about.stiffness(kinematics), b = same.stiffness(kinematics);
+    for (std::size_t r = 0; r < 6; ++r)
+      for (std::size_t s = 0; s < 6; ++s)
+        EXPECT_NEAR(a[r][s], b[r][s], roundoff * 10.0) << r << s;
+  }
+  // Uniaxial stress along axis 1 strains by 1/E_1 along it and −ν_12/E_1 across, wherever it points.
+  const Point first = {2.0 / 3, 1.0 / 3, 2.0 / 3}, second = {-2.0 / 3, 2.0 / 3, 1.0 / 3};
+  const Material turned = orthotropic(0.0).turnedTo(first, second);
+  const auto along = [](const Voigt& e, const Point& d) {
+    return e[0] * d[0] * d[0] + e[1] * d[1] * d[1] + e[2] * d[2] * d[2] + e[3] * d[0] * d[1] +
+           e[4] * d[1] * d[2] + e[5] * d[0] * d[2];
+  };
+  std::vector<double> c;
+  for (const Voigt& row : turned.stiffness(Kinematics::Solid))
+    c.insert(c.end(), row.begin(), row.end());
+  Voigt strain = {first[0] * first[0], first[1] * first[1], first[2] * first[2],
+                  first[0] * first[1], first[1] * first[2], first[0] * first[2]};
+  fem::solveSmall(6, c, 1, strain.data());
+  EXPECT_NEAR(along(strain, first), 1.0 / turned.young[0], roundoff);
+  EXPECT_NEAR(along(strain, second), -turned.poisson[0] / turned.young[0], roundoff);
+  EXPECT_TRUE(contains(inputErrorOf([&] { orthotropic(0.0).turnedTo({1, 0, 0}, {2, 0, 0}); }), "parallel"));
+}
+
+// By its stiffness an orthotropic material is the same; moduli come from the inverse.
+TEST(Material, anisotropic) {
+  const Material given = orthotropic(0.0);
+  Material same = Material::anisotropic(given.stiffness(Kinematics::Solid));
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(same.young[k], given.young[k], roundoff * 10.0);
+    EXPECT_NEAR(same.poisson[k], given.poisson[k], roundoff);
+    EXPECT_NEAR(same.shear[k], given.shear[k], roundoff);
+  }
+  same.angle = 0.7;
+  const VoigtMatrix a = orthotropic(0.7).stiffness(Kinematics::PlaneStress),
+                    b = same.stiffness(Kinematics::PlaneStress);
+  for (std::size_t r = 0; r < 6; ++r)
+    for (std::size_t s = 0; s < 6; ++s)
+      EXPECT_NEAR(a[r][s], b[r][s], roundoff * 10.0) << r << s;
+  VoigtMatrix indefinite = given.stiffness(Kinematics::Solid);
+  indefinite[3][3] = -1.0;
+  EXPECT_TRUE(contains(inputErrorOf([&] { Material::anisotropic(indefinite); }), "positive definite"));
 }
 
 } // namespace test_elasticity

@@ -16,8 +16,9 @@ using namespace Harmos::fem;
 namespace {
 
 const std::vector<CellType> volumes = {
-    CellType::Triangle3,    CellType::Triangle6,     CellType::Quadrilateral4, CellType::Quadrilateral9,
-    CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8,    CellType::Hexahedron27};
+    CellType::Triangle3,      CellType::Triangle6,     CellType::Quadrilateral4, CellType::Quadrilateral9,
+    CellType::Tetrahedron4,   CellType::Tetrahedron10, CellType::Hexahedron8,    CellType::Hexahedron27,
+    CellType::Quadrilateral8, CellType::Hexahedron20};
 
 std::vector<Point> positions(const Mesh& mesh) {
   std::vector<Point> nodes;

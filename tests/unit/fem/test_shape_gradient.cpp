@@ -25,8 +25,9 @@ using fem::Point;
 namespace {
 
 const std::vector<CellType> types = {
-    CellType::Triangle3,    CellType::Triangle6,     CellType::Quadrilateral4, CellType::Quadrilateral9,
-    CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8,    CellType::Hexahedron27};
+    CellType::Triangle3,      CellType::Triangle6,     CellType::Quadrilateral4, CellType::Quadrilateral9,
+    CellType::Tetrahedron4,   CellType::Tetrahedron10, CellType::Hexahedron8,    CellType::Hexahedron27,
+    CellType::Quadrilateral8, CellType::Hexahedron20};
 
 class RandomNumbers {
  public:

@@ -85,11 +85,36 @@ void simplexBasis(const CellShape& shape, const Point& x, CellBasis& basis) {
   }
 }
 
+// On corners Π ½(1 + n_d x_d) · (Σ n_d x_d − (dimension − 1)), on middles of edges (1 − x_e²) times the
+// linear functions of the other directions (Zienkiewicz, Taylor: The Finite Element Method, vol. 1, 2000,
+// 8.7 and 8.11).
+void serendipityBasis(const CellShape& shape, const Point& x, CellBasis& basis) {
+  const auto dimension = static_cast<std::size_t>(shape.dimension);
+  for (std::size_t i = 0; i < shape.nodeCoordinates.size(); ++i) {
+    const Point& node = shape.nodeCoordinates[i];
+    const bool isCorner = i < static_cast<std::size_t>(shape.corners);
+    Point factor = {1.0, 1.0, 1.0}, slope{};
+    double rest = isCorner ? -(shape.dimension - 1.0) : 1.0;
+    for (std::size_t d = 0; d < dimension; ++d) {
+      lineBasis(node[d], node[d] == 0.0 ? 2 : 1, x[d], factor[d], slope[d]);
+      rest += isCorner ? node[d] * x[d] : 0.0;
+    }
+    const double product = factor[0] * factor[1] * factor[2];
+    basis.values[i] = product * rest;
+    for (std::size_t d = 0; d < 3; ++d) {
+      const double others = factor[(d + 1) % 3] * factor[(d + 2) % 3];
+      basis.gradients[i][d] = slope[d] * others * rest + (isCorner ? product * node[d] : 0.0);
+    }
+  }
+}
+
 } // namespace
 
 void cellBasis(const CellShape& shape, const Point& reference, CellBasis& basis) {
   if (shape.isSimplex)
     simplexBasis(shape, reference, basis);
+  else if (shape.isSerendipity)
+    serendipityBasis(shape, reference, basis);
   else
     tensorBasis(shape, reference, basis);
 }

@@ -11,7 +11,7 @@ struct CellBasis {
   std::array<Point, 27> gradients;
 };
 
-/// Lagrange basis of any cell type at any point of its reference cell, without memory or tables: for places
+/// Basis of any cell type at any point of its reference cell, without memory or tables: for places
 /// that are not known beforehand. Where they are, ReferenceElement is faster.
 /// Guarded by tests/unit/fem/test_point_locator.cpp.
 void cellBasis(const CellShape& shape, const Point& reference, CellBasis& basis);

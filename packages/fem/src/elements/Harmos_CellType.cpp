@@ -30,6 +30,10 @@ const CellTopologyData* topologyOf(CellType type) {
     return shards::getCellTopologyData<shards::Hexahedron<8>>();
   case CellType::Hexahedron27:
     return shards::getCellTopologyData<shards::Hexahedron<27>>();
+  case CellType::Quadrilateral8:
+    return shards::getCellTopologyData<shards::Quadrilateral<8>>();
+  case CellType::Hexahedron20:
+    return shards::getCellTopologyData<shards::Hexahedron<20>>();
   }
   return nullptr;
 }
@@ -40,6 +44,7 @@ CellType sideOf(CellType type) {
   case CellType::Quadrilateral4:
     return CellType::Line2;
   case CellType::Triangle6:
+  case CellType::Quadrilateral8:
   case CellType::Quadrilateral9:
     return CellType::Line3;
   case CellType::Tetrahedron4:
@@ -50,6 +55,8 @@ CellType sideOf(CellType type) {
     return CellType::Quadrilateral4;
   case CellType::Hexahedron27:
     return CellType::Quadrilateral9;
+  case CellType::Hexahedron20:
+    return CellType::Quadrilateral8;
   default:
     return type;
   }
@@ -64,12 +71,14 @@ std::string nameOf(CellType type, int nodes) {
   case CellType::Triangle6:
     return "triangle of " + std::to_string(nodes) + " nodes";
   case CellType::Quadrilateral4:
+  case CellType::Quadrilateral8:
   case CellType::Quadrilateral9:
     return "quadrilateral of " + std::to_string(nodes) + " nodes";
   case CellType::Tetrahedron4:
   case CellType::Tetrahedron10:
     return "tetrahedron of " + std::to_string(nodes) + " nodes";
   case CellType::Hexahedron8:
+  case CellType::Hexahedron20:
   case CellType::Hexahedron27:
     return "hexahedron of " + std::to_string(nodes) + " nodes";
   }
@@ -83,6 +92,7 @@ CellShape makeShape(CellType type) {
   shape.nodes = static_cast<int>(topology.getNodeCount());
   shape.corners = static_cast<int>(topology.getVertexCount());
   shape.order = shape.nodes == shape.corners ? 1 : 2;
+  shape.isSerendipity = wholeOf(type) != type;
   shape.isSimplex = shape.dimension > 1 && shape.corners == shape.dimension + 1;
   shape.name = nameOf(type, shape.nodes);
   shape.nodeCoordinates = nodeCoordinates(type);
@@ -101,9 +111,15 @@ CellShape makeShape(CellType type) {
 
 } // namespace
 
+CellType wholeOf(CellType type) {
+  return type == CellType::Quadrilateral8 ? CellType::Quadrilateral9
+         : type == CellType::Hexahedron20 ? CellType::Hexahedron27
+                                          : type;
+}
+
 const CellShape& shapeOf(CellType type) {
-  static const std::array<CellShape, 10> shapes = [] {
-    std::array<CellShape, 10> all;
+  static const std::array<CellShape, 12> shapes = [] {
+    std::array<CellShape, 12> all;
     for (std::size_t k = 0; k < all.size(); ++k)
       all[k] = makeShape(static_cast<CellType>(k));
     return all;

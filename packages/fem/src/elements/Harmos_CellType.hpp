@@ -9,7 +9,9 @@ namespace Harmos::fem {
 
 using Point = std::array<double, 3>;
 
-/// Lagrange elements, by the number of their nodes. Lines are sides of plane cells only.
+/// Elements by the number of their nodes: Lagrange elements, and serendipity elements of second order, which
+/// have no nodes inside of their faces and cells (Quadrilateral8, Hexahedron20). Lines are sides of plane
+/// cells only.
 enum class CellType {
   Line2,
   Line3,
@@ -20,7 +22,9 @@ enum class CellType {
   Tetrahedron4,
   Tetrahedron10,
   Hexahedron8,
-  Hexahedron27
+  Hexahedron27,
+  Quadrilateral8,
+  Hexahedron20
 };
 
 /// What is known of a cell type without any mesh. Node orders are those of Shards and Intrepid2: corners
@@ -32,6 +36,7 @@ struct CellShape {
   int corners;
   int order;                           ///< 1 or 2
   bool isSimplex;                      ///< line: no
+  bool isSerendipity;                  ///< second order with nodes on corners and edges alone; no simplex
   std::vector<Point> nodeCoordinates;  ///< on the reference cell
   CellType side;                       ///< type of its sides; itself for lines
   std::vector<std::vector<int>> sides; ///< nodes of each side, corners first, so ordered that the normal of
@@ -39,5 +44,8 @@ struct CellShape {
 };
 
 const CellShape& shapeOf(CellType type);
+
+/// The Lagrange element whose first nodes are those of a serendipity element; other types: themselves.
+CellType wholeOf(CellType type);
 
 } // namespace Harmos::fem

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_ReferenceElement.hpp"
 
+#include "Harmos_CellBasis.hpp"
 #include "Harmos_Errors.hpp"
 
 #include <Intrepid2_DefaultCubatureFactory.hpp>
@@ -28,7 +29,7 @@ using View = Kokkos::DynRankView<double, Device>;
 using Basis = Intrepid2::Basis<Device, double, double>;
 
 std::shared_ptr<const Basis> basisOf(CellType type) {
-  switch (type) {
+  switch (wholeOf(type)) {
   case CellType::Line2:
     return std::make_shared<Intrepid2::Basis_HGRAD_LINE_C1_FEM<Device, double, double>>();
   case CellType::Line3:
@@ -50,6 +51,8 @@ std::shared_ptr<const Basis> basisOf(CellType type) {
     return std::make_shared<Intrepid2::Basis_HGRAD_HEX_C1_FEM<Device, double, double>>();
   case CellType::Hexahedron27:
     return std::make_shared<Intrepid2::Basis_HGRAD_HEX_C2_FEM<Device, double, double>>();
+  default:
+    break;
   }
   HARMOS_REQUIRE(false, "the cell type has no basis");
   return nullptr;
@@ -84,6 +87,13 @@ View pointsView(const std::vector<Point>& points, std::size_t dimension) {
   return view;
 }
 
+std::vector<CellBasis> basesAt(CellType type, const std::vector<Point>& points) {
+  std::vector<CellBasis> result(points.size());
+  for (std::size_t q = 0; q < points.size(); ++q)
+    cellBasis(shapeOf(type), points[q], result[q]);
+  return result;
+}
+
 } // namespace
 
 Quadrature quadratureOn(CellType type, int degree) {
@@ -116,10 +126,18 @@ std::vector<Point> nodeCoordinates(CellType type) {
       point[d] = coordinates(i, d);
     result.push_back(point);
   }
+  if (wholeOf(type) != type)
+    result.resize(dimension == 2 ? 8 : 20);
   return result;
 }
 
 std::vector<std::vector<double>> basisValues(CellType type, const std::vector<Point>& points) {
+  if (wholeOf(type) != type) {
+    std::vector<std::vector<double>> result;
+    for (const CellBasis& at : basesAt(type, points))
+      result.emplace_back(at.values.begin(), at.values.begin() + shapeOf(type).nodes);
+    return result;
+  }
   const std::shared_ptr<const Basis> basis = basisOf(type);
   View values("values", cardinalityOf(*basis), points.size());
   basis->getValues(values, pointsView(points, dimensionOf(*basis)), Intrepid2::OPERATOR_VALUE);
@@ -131,6 +149,12 @@ std::vector<std::vector<double>> basisValues(CellType type, const std::vector<Po
 }
 
 std::vector<std::vector<Point>> basisGradients(CellType type, const std::vector<Point>& points) {
+  if (wholeOf(type) != type) {
+    std::vector<std::vector<Point>> result;
+    for (const CellBasis& at : basesAt(type, points))
+      result.emplace_back(at.gradients.begin(), at.gradients.begin() + shapeOf(type).nodes);
+    return result;
+  }
   const std::shared_ptr<const Basis> basis = basisOf(type);
   const std::size_t dimension = dimensionOf(*basis);
   View gradients("gradients", cardinalityOf(*basis), points.size(), dimension);

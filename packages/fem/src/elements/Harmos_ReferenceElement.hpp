@@ -18,10 +18,11 @@ struct Quadrature {
 Quadrature quadratureOn(CellType type, int degree);
 
 /// Node positions on the reference cell: (0,0), (1,0), (0,1) for triangles, [−1,1]^d for lines,
-/// quadrilaterals and hexahedra. From Intrepid2.
+/// quadrilaterals and hexahedra. From Intrepid2; of serendipity elements the first ones of wholeOf().
 std::vector<Point> nodeCoordinates(CellType type);
 
-/// Values of the basis functions at any reference points: result[point][function].
+/// Values of the basis functions at any reference points: result[point][function]. From Intrepid2; of
+/// serendipity elements, which it lacks in some versions, from cellBasis().
 std::vector<std::vector<double>> basisValues(CellType type, const std::vector<Point>& points);
 /// Their reference gradients.
 std::vector<std::vector<Point>> basisGradients(CellType type, const std::vector<Point>& points);

@@ -34,9 +34,10 @@ std::vector<std::string> namesIn(const Bytes& bytes) {
   return names;
 }
 
-constexpr std::array<CellType, 8> cells = {
-    CellType::Triangle3,    CellType::Triangle6,     CellType::Quadrilateral4, CellType::Quadrilateral9,
-    CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8,    CellType::Hexahedron27};
+constexpr std::array<CellType, 10> cells = {
+    CellType::Triangle3,      CellType::Triangle6,     CellType::Quadrilateral4, CellType::Quadrilateral9,
+    CellType::Tetrahedron4,   CellType::Tetrahedron10, CellType::Hexahedron8,    CellType::Hexahedron27,
+    CellType::Quadrilateral8, CellType::Hexahedron20};
 
 // FNV-1a (Fowler, Noll, Vo) of 64 bits.
 long long checkOf(const PlacedMesh& mesh) {

@@ -289,9 +289,8 @@ class Reader {
     for (const auto& [type, count] : counts)
       if (!elementType(type).ours)
         throw InputError(place + " has cells of unsupported type (" + kinds +
-                         "). Use triangles of 3 or 6 nodes, quadrilaterals of 4 or 9, tetrahedra of 4 or "
-                         "10, hexahedra of 8 or 27: Mesh.ElementOrder = 1 or 2, "
-                         "Mesh.SecondOrderIncomplete = 0");
+                         "). Use triangles of 3 or 6 nodes, quadrilaterals of 4, 8 or 9, tetrahedra of 4 or "
+                         "10, hexahedra of 8, 20 or 27: Mesh.ElementOrder = 1 or 2");
     if (counts.size() > 1)
       throw InputError(
           place + " has cells of several types (" + kinds +

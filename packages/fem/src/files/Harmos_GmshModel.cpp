@@ -263,7 +263,8 @@ ElementType makeElementType(int type) {
       places[i][d] = coordinates[i * dimension + d];
   for (CellType candidate :
        {CellType::Triangle3, CellType::Triangle6, CellType::Quadrilateral4, CellType::Quadrilateral9,
-        CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8, CellType::Hexahedron27}) {
+        CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8, CellType::Hexahedron27,
+        CellType::Quadrilateral8, CellType::Hexahedron20}) {
     const CellShape& shape = shapeOf(candidate);
     if (shape.dimension != result.dimension || shape.corners != corners)
       continue;

@@ -18,16 +18,25 @@ enum class Dilatation {
             ///< which lock, and in plane stress, where nothing does
 };
 
+/// Points of the quadrature.
+enum class Integration {
+  Full,
+  Reduced ///< 2 in each direction on quadrilaterals and hexahedra of second order, as other programs have it
+          ///< (C3D20R, CPS8R): softer in bending; a cell alone has motions of no energy besides the rigid
+          ///< ones. Without effect on other elements
+};
+
 /// Linear elasticity on a mesh: what is integrated, and with what. dof = node · dimension + component.
 struct Elasticity {
   Kinematics kinematics = Kinematics::PlaneStrain;
   Dilatation dilatation = Dilatation::Full;
   std::vector<Material> materials; ///< of each region
+  Integration integration = Integration::Full;
 };
 
-/// Degree of the quadrature of stiffness matrices: on curved or distorted cells none is exact; this is that
-/// of affine ones, and for order 2 one more, for curved sides.
-int stiffnessDegree(CellType type);
+/// Degree of the quadrature of stiffness matrices: on curved or distorted cells none is exact; the full one
+/// is that of affine ones, and for order 2 one more, for curved sides.
+int stiffnessDegree(CellType type, Integration integration = Integration::Full);
 
 /// K = Σ ∫ B̄ᵀ C B̄, no boundary conditions; thickness one in the plane. Relative coordinates only: congruent
 /// meshes give identical matrices.

@@ -24,8 +24,11 @@ void addLoad(const CellIntegrator& cell, const int* nodes, std::size_t dimension
 
 } // namespace
 
-std::vector<double> assembleBodyForce(const Mesh& mesh, const Point& anchor, const VectorField& force) {
-  const ReferenceElement element(mesh.cellType, loadDegree(shapeOf(mesh.cellType)));
+std::vector<double> assembleBodyForce(const Mesh& mesh, const Point& anchor, const VectorField& force,
+                                      Integration integration) {
+  const ReferenceElement element(mesh.cellType, integration == Integration::Reduced
+                                                    ? stiffnessDegree(mesh.cellType, integration)
+                                                    : loadDegree(shapeOf(mesh.cellType)));
   CellIntegrator cell(mesh, element);
   const auto dimension = static_cast<std::size_t>(mesh.dimension());
   std::vector<double> f(static_cast<std::size_t>(mesh.numberOfNodes()) * dimension, 0.0);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_Elasticity.hpp"
 #include "Harmos_Mesh.hpp"
 
 #include <functional>
@@ -11,8 +12,10 @@ namespace Harmos::fem {
 /// A vector field in space: density of a force, a displacement. The position is the global one.
 using VectorField = std::function<Point(const Point&)>;
 
-/// f_i = ∫ b φ_i of a body force. @param anchor of the mesh: the field is given globally.
-std::vector<double> assembleBodyForce(const Mesh& mesh, const Point& anchor, const VectorField& force);
+/// f_i = ∫ b φ_i of a body force. @param anchor of the mesh: the field is given globally. @param integration
+/// that of the stiffness: a reduced one takes its points.
+std::vector<double> assembleBodyForce(const Mesh& mesh, const Point& anchor, const VectorField& force,
+                                      Integration integration = Integration::Full);
 
 /// A quadrature point of a side.
 struct SidePoint {

@@ -23,7 +23,116 @@ double determinant(const std::array<std::array<double, 3>, 3>& s) {
          s[0][2] * (s[1][0] * s[2][1] - s[1][1] * s[2][0]);
 }
 
+// Cholesky; 0 where it is not positive definite.
+VoigtMatrix inverseOf(const VoigtMatrix& c) {
+  VoigtMatrix l{}, inverse{};
+  for (std::size_t j = 0; j < 6; ++j)
+    for (std::size_t i = j; i < 6; ++i) {
+      double sum = c[i][j];
+      for (std::size_t k = 0; k < j; ++k)
+        sum -= l[i][k] * l[j][k];
+      if (i == j && !(sum > 1e-14 * c[j][j]))
+        return VoigtMatrix{};
+      l[i][j] = i == j ? std::sqrt(sum) : sum / l[j][j];
+    }
+  for (std::size_t column = 0; column < 6; ++column) {
+    Voigt x{};
+    for (std::size_t i = 0; i < 6; ++i) {
+      x[i] = i == column ? 1.0 : 0.0;
+      for (std::size_t k = 0; k < i; ++k)
+        x[i] -= l[i][k] * x[k];
+      x[i] /= l[i][i];
+    }
+    for (std::size_t i = 6; i-- > 0;) {
+      for (std::size_t k = i + 1; k < 6; ++k)
+        x[i] -= l[k][i] * x[k];
+      x[i] /= l[i][i];
+    }
+    for (std::size_t i = 0; i < 6; ++i)
+      inverse[i][column] = x[i];
+  }
+  return inverse;
+}
+
+using Axes = std::array<std::array<double, 3>, 3>;
+
+Axes axesOf(const std::array<std::array<double, 3>, 2>& two) {
+  const auto &a = two[0], &b = two[1];
+  return {a, b, {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}};
+}
+
+// ε_material = T ε for strains of which shears are twice the tensor's: ε'_ij = a_ik a_jl ε_kl.
+VoigtMatrix strainTurning(const Axes& a) {
+  constexpr std::array<std::array<std::size_t, 2>, 6> pairs = {
+      {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}}};
+  VoigtMatrix t{};
+  for (std::size_t r = 0; r < 6; ++r)
+    for (std::size_t s = 0; s < 6; ++s) {
+      const auto [i, j] = pairs[r];
+      const auto [k, l] = pairs[s];
+      t[r][s] = (r < 3 ? 1.0 : 2.0) * 0.5 * (a[i][k] * a[j][l] + a[i][l] * a[j][k]);
+    }
+  return t;
+}
+
+// Energy equality gives C = Tᵀ C_material T.
+VoigtMatrix turned(const VoigtMatrix& local, const VoigtMatrix& t) {
+  VoigtMatrix result{};
+  for (std::size_t a = 0; a < 6; ++a)
+    for (std::size_t b = 0; b < 6; ++b) {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < 6; ++i)
+        for (std::size_t j = 0; j < 6; ++j)
+          sum += t[i][a] * local[i][j] * t[j][b];
+      result[a][b] = sum;
+    }
+  return result;
+}
+
+// Without stress across the plane.
+VoigtMatrix planeStressOf(VoigtMatrix c) {
+  for (std::size_t zero : {std::size_t{2}, std::size_t{4}, std::size_t{5}}) {
+    const VoigtMatrix whole = c;
+    for (std::size_t a = 0; a < 6; ++a)
+      for (std::size_t b = 0; b < 6; ++b)
+        c[a][b] =
+            a == zero || b == zero ? 0.0 : whole[a][b] - whole[a][zero] * whole[zero][b] / whole[zero][zero];
+  }
+  return c;
+}
+
 } // namespace
+
+Material Material::anisotropic(const VoigtMatrix& stiffness) {
+  Material material;
+  const VoigtMatrix s = inverseOf(stiffness);
+  if (s == VoigtMatrix{})
+    throw InputError("the stiffness of an anisotropic material is not positive definite; its energy must be "
+                     "positive for every strain");
+  material.young = {1.0 / s[0][0], 1.0 / s[1][1], 1.0 / s[2][2]};
+  material.poisson = {-s[0][1] / s[0][0], -s[0][2] / s[0][0], -s[1][2] / s[1][1]};
+  material.shear = {1.0 / s[3][3], 1.0 / s[5][5], 1.0 / s[4][4]};
+  material.coupled = stiffness;
+  return material;
+}
+
+Material Material::turnedTo(const std::array<double, 3>& first, const std::array<double, 3>& second) const {
+  const auto dot = [](const auto& a, const auto& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+  std::array<std::array<double, 3>, 2> two = {first, second};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double before = std::sqrt(dot(two[k], two[k]));
+    for (std::size_t d = 0; d < 3 && k > 0; ++d)
+      two[k][d] = second[d] - dot(two[0], second) * two[0][d];
+    const double length = std::sqrt(dot(two[k], two[k]));
+    if (!(length > 1e-9 * before))
+      throw InputError("the axes of a material are zero or parallel; give two directions");
+    for (double& x : two[k])
+      x /= length;
+  }
+  Material result = *this;
+  result.axes = two;
+  return result;
+}
 
 Material Material::isotropic(double young, double poisson) {
   Material material;
@@ -39,14 +148,14 @@ void Material::check(const std::string& name) const {
     throw InputError("material \"" + name + "\": " + what + " is " + scientific(value, 6) + "; " + allowed,
                      {{"material", name}});
   };
-  static const std::array<const char*, 3> axes = {"1", "2", "3"}, pairs = {"12", "13", "23"};
+  static const std::array<const char*, 3> numbers = {"1", "2", "3"}, pairs = {"12", "13", "23"};
   for (std::size_t k = 0; k < 3; ++k) {
     if (!(young[k] > 0.0) || !std::isfinite(young[k]))
-      fail(std::string("Young's modulus ") + axes[k], young[k], "it must be positive and finite");
+      fail(std::string("Young's modulus ") + numbers[k], young[k], "it must be positive and finite");
     if (!std::isfinite(poisson[k]))
       fail(std::string("Poisson's ratio ") + pairs[k], poisson[k], "it must be finite");
     if (!std::isfinite(expansion[k]))
-      fail(std::string("the thermal expansion ") + axes[k], expansion[k], "it must be finite");
+      fail(std::string("the thermal expansion ") + numbers[k], expansion[k], "it must be finite");
   }
   if (poisson[0] == poisson[1] && poisson[0] == poisson[2] && young[0] == young[1] && young[0] == young[2] &&
       !(poisson[0] > -1.0 && poisson[0] < 0.5))
@@ -67,6 +176,17 @@ void Material::check(const std::string& name) const {
 }
 
 VoigtMatrix Material::stiffness(Kinematics kinematics) const {
+  if (axes || coupled) {
+    Material straight = *this;
+    straight.axes = std::nullopt;
+    straight.coupled = std::nullopt;
+    straight.angle = 0.0;
+    const VoigtMatrix local = coupled ? *coupled : straight.stiffness(Kinematics::Solid);
+    const double c = std::cos(angle), d = std::sin(angle);
+    const Axes own = axes ? axesOf(*axes) : Axes{{{c, d, 0.0}, {-d, c, 0.0}, {0.0, 0.0, 1.0}}};
+    const VoigtMatrix result = turned(local, strainTurning(own));
+    return kinematics == Kinematics::PlaneStress ? planeStressOf(result) : result;
+  }
   const auto s = normalCompliance(*this);
   const double det = determinant(s);
   VoigtMatrix local{};
@@ -81,7 +201,6 @@ VoigtMatrix Material::stiffness(Kinematics kinematics) const {
 
   VoigtMatrix result = local;
   if (angle != 0.0) {
-    // ε_material = T ε: energy equality gives C = Tᵀ C_material T.
     const double c = std::cos(angle), d = std::sin(angle);
     VoigtMatrix t{};
     t[0] = {c * c, d * d, 0, c * d, 0, 0};
@@ -92,14 +211,7 @@ VoigtMatrix Material::stiffness(Kinematics kinematics) const {
     t[4][5] = -d;
     t[5][4] = d;
     t[5][5] = c;
-    for (std::size_t a = 0; a < 6; ++a)
-      for (std::size_t b = 0; b < 6; ++b) {
-        double sum = 0.0;
-        for (std::size_t i = 0; i < 6; ++i)
-          for (std::size_t j = 0; j < 6; ++j)
-            sum += t[i][a] * local[i][j] * t[j][b];
-        result[a][b] = sum;
-      }
+    result = turned(local, t);
   }
   if (kinematics == Kinematics::PlaneStress) {
     const VoigtMatrix whole = result;
@@ -114,6 +226,14 @@ VoigtMatrix Material::stiffness(Kinematics kinematics) const {
 }
 
 Voigt Material::thermalStrain() const {
+  if (axes) {
+    const Axes a = axesOf(*axes);
+    const auto entry = [&](std::size_t k, std::size_t l) {
+      return expansion[0] * a[0][k] * a[0][l] + expansion[1] * a[1][k] * a[1][l] +
+             expansion[2] * a[2][k] * a[2][l];
+    };
+    return {entry(0, 0), entry(1, 1), entry(2, 2), 2.0 * entry(0, 1), 2.0 * entry(1, 2), 2.0 * entry(0, 2)};
+  }
   const double c = std::cos(angle), d = std::sin(angle);
   return {c * c * expansion[0] + d * d * expansion[1],
           d * d * expansion[0] + c * c * expansion[1],

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 
 namespace Harmos::fem {
@@ -17,7 +18,8 @@ enum class Kinematics {
 using Voigt = std::array<double, 6>;
 using VoigtMatrix = std::array<Voigt, 6>;
 
-/// A linear elastic orthotropic material, its axes turned about z by an angle.
+/// A linear elastic orthotropic material, its axes turned about z by an angle, or anywhere; or an anisotropic
+/// one.
 ///
 /// Compliance: ε_11 = σ_11/E_1 − ν_12 σ_22/E_1 − ν_13 σ_33/E_1, ..., γ_12 = σ_12/G_12, with
 /// ν_ij/E_i = ν_ji/E_j (Jones: Mechanics of Composite Materials, 1999, section 2.3).
@@ -27,8 +29,18 @@ struct Material {
   std::array<double, 3> shear = {1.0 / 2.6, 1.0 / 2.6, 1.0 / 2.6}; ///< G_12, G_13, G_23
   double angle = 0.0;                                              ///< of axis 1 from x, in radians
   std::array<double, 3> expansion = {0.0, 0.0, 0.0};               ///< thermal, along the axes
+  /// Axes 1 and 2, of length one and at right angles, in the place of the angle.
+  std::optional<std::array<std::array<double, 3>, 2>> axes = std::nullopt;
+  /// C in the material's axes, of an anisotropic material: see anisotropic().
+  std::optional<VoigtMatrix> coupled = std::nullopt;
 
   static Material isotropic(double young, double poisson);
+  /// @param stiffness C, symmetric. Moduli and Poisson's ratios are those of its inverse.
+  /// @throws InputError if it is not positive definite.
+  static Material anisotropic(const VoigtMatrix& stiffness);
+  /// The same with axes along the first direction, and that part of the second that is at right angles.
+  /// @throws InputError for directions that are zero or parallel.
+  Material turnedTo(const std::array<double, 3>& first, const std::array<double, 3>& second) const;
   /// @throws InputError, naming the material and the value that is out of range: moduli not positive or not
   /// finite, or an energy that is not positive definite (isotropic: −1 < ν < 0.5).
   void check(const std::string& name) const;

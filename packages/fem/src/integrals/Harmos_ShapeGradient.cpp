@@ -205,7 +205,7 @@ std::vector<double> shapeGradient(const Mesh& mesh, const Elasticity& elasticity
                                   const std::vector<double>& v, const std::vector<double>& u) {
   HARMOS_REQUIRE(v.size() == mesh.coordinates.size() && u.size() == mesh.coordinates.size(),
                  "a shape gradient needs as many nodal values as the mesh has coordinates");
-  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh.cellType));
+  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh.cellType, elasticity.integration));
   CellIntegrator cell(mesh, element);
   CellShapeGradient derivative(mesh, cell, elasticity);
   std::vector<double> gradient(mesh.coordinates.size(), 0.0);

@@ -16,11 +16,11 @@ std::size_t strainSize(const Mesh& mesh) {
 
 } // namespace
 
-int stiffnessDegree(CellType type) {
+int stiffnessDegree(CellType type, Integration integration) {
   const CellShape& shape = shapeOf(type);
   if (shape.isSimplex)
     return shape.order == 1 ? 1 : 4;
-  return shape.order == 1 ? 3 : 5;
+  return shape.order == 1 || integration == Integration::Reduced ? 3 : 5;
 }
 
 void solveSmall(int n, std::vector<double>& matrix, int columns, double* rhs) {

@@ -94,9 +94,9 @@ std::vector<StressSums> sumsOf(const Mesh& mesh, const Elasticity* elasticity,
   const bool projected = elasticity != nullptr && isProjected(mesh, *elasticity);
   // Stresses are sampled at fewer points than stiffness has; with a projected dilatation, which needs those,
   // where they are integrated.
-  const int sampleDegree = shape.order == 1 ? 1 : (shape.isSimplex ? 2 : 3);
-  const ReferenceElement element(mesh.cellType, projected && shape.order == 2 ? stiffnessDegree(mesh.cellType)
-                                                                              : sampleDegree);
+  const int degree = projected && shape.order == 2 ? stiffnessDegree(mesh.cellType, elasticity->integration)
+                                                   : (shape.order == 1 ? 1 : (shape.isSimplex ? 2 : 3));
+  const ReferenceElement element(mesh.cellType, degree);
   CellIntegrator cell(mesh, element);
   CellStress<Entries> stress(mesh, cell, elasticity);
   const auto nodes = static_cast<std::size_t>(mesh.numberOfNodes());
@@ -191,7 +191,9 @@ template<std::size_t Entries>
 RecoveryError errorOf(const Mesh& mesh, const Elasticity* elasticity,
                       const std::vector<NodalSolution>& solutions,
                       const std::vector<const StressSums*>& recovered) {
-  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh.cellType));
+  const ReferenceElement element(
+      mesh.cellType,
+      stiffnessDegree(mesh.cellType, elasticity != nullptr ? elasticity->integration : Integration::Full));
   CellIntegrator cell(mesh, element);
   CellStress<Entries> stress(mesh, cell, elasticity);
   const std::vector<VoigtMatrix> compliance =

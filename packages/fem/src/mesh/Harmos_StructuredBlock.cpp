@@ -70,6 +70,12 @@ std::vector<Index> nodeOffsets(const CellShape& shape, const std::vector<Index>&
   return offsets;
 }
 
+// Whether an element has a node there: serendipity elements have none inside of faces and cells.
+bool isNode(const CellShape& shape, const Index& at) {
+  const int odd = at[0] % 2 + at[1] % 2 + at[2] % 2;
+  return !shape.isSerendipity || odd <= 1;
+}
+
 } // namespace
 
 StructuredBlock::StructuredBlock(Options options)
@@ -88,9 +94,15 @@ StructuredBlock::StructuredBlock(Options options)
 
   auto mesh = std::make_shared<Mesh>();
   mesh->cellType = options_.cellType;
-  const int nodes = lattice_[0] * lattice_[1] * lattice_[2];
-  for (int node = 0; node < nodes; ++node) {
-    const Index at = localNode(node);
+  std::vector<int> nodeAt; // of each place on the lattice
+  for (int place = 0; place < lattice_[0] * lattice_[1] * lattice_[2]; ++place) {
+    const auto node = static_cast<int>(places_.size());
+    const Index at = {place % lattice_[0], place / lattice_[0] % lattice_[1],
+                      place / lattice_[0] / lattice_[1]};
+    nodeAt.push_back(node);
+    if (!isNode(shape, at))
+      continue;
+    places_.push_back(at);
     bool onBoundary = false;
     for (std::size_t d = 0; d < dimension; ++d) {
       // From numbers of this block alone, so that all its subdomains get the same.
@@ -114,11 +126,17 @@ StructuredBlock::StructuredBlock(Options options)
       for (int i = 0; i < options_.elements[0]; ++i)
         for (const std::vector<Index>& cell : cells)
           for (const Index& offset : cell)
-            mesh->cells.push_back(
+            mesh->cells.push_back(nodeAt[static_cast<std::size_t>(
                 shape.order * i + offset[0] +
-                lattice_[0] * (shape.order * j + offset[1] + lattice_[1] * (shape.order * k + offset[2])));
-  for (const Side& side : boundarySides(*mesh)) {
-    const std::vector<int> sideNodes = mesh->nodesOf(side);
+                lattice_[0] * (shape.order * j + offset[1] + lattice_[1] * (shape.order * k + offset[2])))]);
+  mesh_ = mesh;
+  findFaces();
+}
+
+void StructuredBlock::findFaces() {
+  const auto dimension = static_cast<std::size_t>(dimension_);
+  for (const Side& side : boundarySides(*mesh_)) {
+    const std::vector<int> sideNodes = mesh_->nodesOf(side);
     for (std::size_t face = 0; face < 2 * dimension; ++face) {
       const int end = face % 2 == 0 ? 0 : lattice_[face / 2] - 1;
       if (std::all_of(sideNodes.begin(), sideNodes.end(),
@@ -126,11 +144,6 @@ StructuredBlock::StructuredBlock(Options options)
         faces_[face].push_back(side);
     }
   }
-  mesh_ = mesh;
-}
-
-StructuredBlock::Index StructuredBlock::localNode(int node) const {
-  return {node % lattice_[0], node / lattice_[0] % lattice_[1], node / lattice_[0] / lattice_[1]};
 }
 
 int StructuredBlock::numberOfSubdomains() const {
@@ -158,7 +171,7 @@ PlacedMesh StructuredBlock::subdomain(int s) const {
     auto bent = std::make_shared<Mesh>(*mesh_);
     for (int node = 0; node < bent->numberOfNodes(); ++node) {
       Point x = options_.origin;
-      const Index at = localNode(node);
+      const Index& at = localNode(node);
       // From the number in the whole block, so that copies of a node agree to the bit.
       for (std::size_t d = 0; d < dimension; ++d) {
         const int intervals = lattice_[d] - 1;
@@ -178,7 +191,7 @@ PlacedMesh StructuredBlock::subdomain(int s) const {
   for (std::size_t d = 1; d < 3; ++d)
     stride[d] = stride[d - 1] * (static_cast<long long>(count[d - 1]) * (lattice_[d - 1] - 1) + 1);
   for (int local : mesh_->boundary) {
-    const Index at = localNode(local);
+    const Index& at = localNode(local);
     long long number = options_.firstNode;
     for (std::size_t d = 0; d < 3; ++d)
       number += stride[d] * (static_cast<long long>(place[d]) * (lattice_[d] - 1) + at[d]);

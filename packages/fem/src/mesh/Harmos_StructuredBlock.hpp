@@ -32,6 +32,7 @@ class StructuredBlock {
   explicit StructuredBlock(Options options);
 
   int numberOfSubdomains() const;
+  /// How many numbers its nodes take. Serendipity elements leave out those inside of faces and cells.
   long long numberOfNodes() const;
 
   /// Subdomain s = column + columns · (row + rows · layer).
@@ -39,11 +40,13 @@ class StructuredBlock {
 
  private:
   using Index = std::array<int, 3>;
-  Index localNode(int node) const;
+  void findFaces();
+  const Index& localNode(int node) const { return places_[static_cast<std::size_t>(node)]; }
 
   Options options_;
   int dimension_;
   Index lattice_{};                        // nodes of a subdomain in each direction
+  std::vector<Index> places_;              // of its nodes on the lattice
   std::shared_ptr<const Mesh> mesh_;       // unbent
   std::array<std::vector<Side>, 6> faces_; // of mesh_: least x, most x, least y, ...
   std::array<std::vector<int>, 6> faceNodes_;

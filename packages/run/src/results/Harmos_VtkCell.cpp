@@ -6,8 +6,8 @@
 
 namespace Harmos::run {
 
-// VTK's cells agree with ours but for the order of the nodes of a hexahedron of 27, which is found from where
-// they lie (VTK file formats: VTK_TRIQUADRATIC_HEXAHEDRON).
+// VTK's cells agree with ours but for the order of the nodes of hexahedra of 20 and 27, which is found from
+// where they lie (VTK file formats: VTK_QUADRATIC_HEXAHEDRON, VTK_TRIQUADRATIC_HEXAHEDRON).
 VtkCell vtkCell(fem::CellType type) {
   const fem::CellShape& shape = fem::shapeOf(type);
   VtkCell cell{0, {}};
@@ -32,6 +32,9 @@ VtkCell vtkCell(fem::CellType type) {
   case fem::CellType::Quadrilateral9:
     cell.type = 28;
     break;
+  case fem::CellType::Quadrilateral8:
+    cell.type = 23;
+    break;
   case fem::CellType::Tetrahedron4:
     cell.type = 10;
     break;
@@ -41,14 +44,15 @@ VtkCell vtkCell(fem::CellType type) {
   case fem::CellType::Hexahedron8:
     cell.type = 12;
     break;
+  case fem::CellType::Hexahedron20:
   case fem::CellType::Hexahedron27: {
-    cell.type = 29;
+    cell.type = type == fem::CellType::Hexahedron20 ? 25 : 29; // the first nodes of which are the same
     static const std::array<fem::Point, 27> places = {
         {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1},  {-1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {1, 1, 1},
          {-1, 1, 1},   {0, -1, -1}, {1, 0, -1},  {0, 1, -1},  {-1, 0, -1}, {0, -1, 1}, {1, 0, 1},
          {0, 1, 1},    {-1, 0, 1},  {-1, -1, 0}, {1, -1, 0},  {1, 1, 0},   {-1, 1, 0}, {-1, 0, 0},
          {1, 0, 0},    {0, -1, 0},  {0, 1, 0},   {0, 0, -1},  {0, 0, 1},   {0, 0, 0}}};
-    for (std::size_t k = 0; k < places.size(); ++k)
+    for (std::size_t k = 0; k < cell.nodes.size(); ++k)
       cell.nodes[k] =
           static_cast<int>(std::find(shape.nodeCoordinates.begin(), shape.nodeCoordinates.end(), places[k]) -
                            shape.nodeCoordinates.begin());
