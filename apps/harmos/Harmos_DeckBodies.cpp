@@ -41,16 +41,49 @@ std::vector<std::string> namesIn(const ParameterList& list) {
   return names;
 }
 
+// C_11, C_12, C_22, C_13, ...: the upper triangle by columns, in the order 11, 22, 33, 12, 13, 23.
+fem::Material anisotropicFrom(const ParameterList& list) {
+  const auto& given = list.sublist("Expert").get<Teuchos::Array<double>>("Stiffness");
+  if (given.size() != 21)
+    throw InputError("\"" + list.name() + "/Stiffness\" has " + std::to_string(given.size()) +
+                         " numbers; an anisotropic material has 21",
+                     {{"path", list.name() + "/Stiffness"}});
+  constexpr std::array<std::size_t, 6> place = {0, 1, 2, 3, 5, 4}; // 23 comes before 13 here
+  fem::VoigtMatrix c{};
+  Teuchos::Ordinal next = 0;
+  for (std::size_t column = 0; column < 6; ++column)
+    for (std::size_t row = 0; row <= column; ++row)
+      c[place[row]][place[column]] = c[place[column]][place[row]] = given[next++];
+  return fem::Material::anisotropic(c);
+}
+
+std::array<double, 3> directionIn(const ParameterList& list, const std::string& name) {
+  const auto& given = list.sublist("Expert").get<Teuchos::Array<double>>(name);
+  if (given.size() != 3)
+    throw InputError("\"" + list.name() + "/" + name + "\" has " + std::to_string(given.size()) +
+                         " numbers; give both axes, each with three",
+                     {{"path", list.name() + "/" + name}});
+  return {given[0], given[1], given[2]};
+}
+
 fem::Material materialFrom(const ParameterList& list) {
   fem::Material material;
-  if (list.get<std::string>("Type") == "isotropic") {
+  if (list.get<std::string>("Type") == "anisotropic") {
+    material = anisotropicFrom(list);
+  } else if (list.get<std::string>("Type") == "isotropic") {
     material =
         fem::Material::isotropic(list.get<double>("Young's modulus"), list.get<double>("Poisson's ratio"));
   } else {
     material.young = triple<double>(list, "Young's moduli");
     material.poisson = triple<double>(list, "Poisson's ratios");
     material.shear = triple<double>(list, "Shear moduli");
+  }
+  if (list.get<std::string>("Type") != "isotropic") {
     material.angle = list.get<double>("Angle") * std::acos(-1.0) / 180.0;
+    const ParameterList& expert = list.sublist("Expert");
+    if (!expert.get<Teuchos::Array<double>>("Axis 1").empty() ||
+        !expert.get<Teuchos::Array<double>>("Axis 2").empty())
+      material = material.turnedTo(directionIn(list, "Axis 1"), directionIn(list, "Axis 2"));
   }
   material.expansion = triple<double>(list, "Thermal expansion");
   return material;
@@ -71,10 +104,12 @@ fem::CellType cellTypeOf(const std::string& name, int dimension) {
   if (dimension == 2)
     return name == "Q1"   ? fem::CellType::Quadrilateral4
            : name == "Q2" ? fem::CellType::Quadrilateral9
+           : name == "S2" ? fem::CellType::Quadrilateral8
            : name == "P1" ? fem::CellType::Triangle3
                           : fem::CellType::Triangle6;
   return name == "Q1"   ? fem::CellType::Hexahedron8
          : name == "Q2" ? fem::CellType::Hexahedron27
+         : name == "S2" ? fem::CellType::Hexahedron20
          : name == "P1" ? fem::CellType::Tetrahedron4
                         : fem::CellType::Tetrahedron10;
 }
@@ -224,8 +259,8 @@ double stencilOf(fem::CellType type) {
   const fem::CellShape& shape = fem::shapeOf(type);
   const bool isFirst = shape.order == 1;
   if (shape.dimension == 2)
-    return shape.isSimplex ? (isFirst ? 7.0 : 11.5) : (isFirst ? 9.0 : 16.0);
-  return shape.isSimplex ? (isFirst ? 15.0 : 28.0) : (isFirst ? 27.0 : 64.0);
+    return shape.isSimplex ? (isFirst ? 7.0 : 11.5) : (isFirst ? 9.0 : shape.isSerendipity ? 15.7 : 16.0);
+  return shape.isSimplex ? (isFirst ? 15.0 : 28.0) : (isFirst ? 27.0 : shape.isSerendipity ? 58.5 : 64.0);
 }
 
 // Parts of each body: as the deck says, or its share of what the cost model says of all. On rank 0.
@@ -360,7 +395,8 @@ void addMaterials(ParameterSpec& deck) {
   ParameterSpec material("<material>", "A linear elastic material, by a name of your choice.");
   material.choice("Type", "isotropic",
                   {{"isotropic", "by Young's modulus and Poisson's ratio"},
-                   {"orthotropic", "by three of each and three shear moduli, about rotated axes"}},
+                   {"orthotropic", "by three of each and three shear moduli, about rotated axes"},
+                   {"anisotropic", "by its stiffness, about rotated axes"}},
                   "Symmetry of the material.");
   material.real("Young's modulus", 1.0, Range::above(0.0), "Isotropic: Young's modulus, force per area.");
   material.real("Poisson's ratio", 0.3, Range::strictlyWithin(-1.0, 0.5),
@@ -371,9 +407,18 @@ void addMaterials(ParameterSpec& deck) {
                  "Orthotropic: ν_12, ν_13, ν_23; ν_ij/E_i = ν_ji/E_j.");
   material.reals("Shear moduli", {0.4, 0.4, 0.4}, Range::above(0.0),
                  "Orthotropic: G_12, G_13, G_23, force per area.");
-  material.real("Angle", 0.0, Range(), "Orthotropic: angle from x to axis 1, about z, in degrees.");
+  material.real("Angle", 0.0, Range(), "Not isotropic: angle from x to axis 1, about z, in degrees.");
   material.reals("Thermal expansion", {0.0, 0.0, 0.0}, Range(),
                  "Strain per degree along the axes 1, 2, 3 (isotropic: x, y, z).");
+  material.expert().series(
+      "Stiffness", Range(),
+      "Anisotropic: 21 moduli, force per area: C_11, C_12, C_22, C_13, ..., the columns of the upper "
+      "triangle in the order 11, 22, 33, 12, 13, 23. Required by this type.");
+  material.expert().series("Axis 1", Range(),
+                           "Not isotropic: direction of axis 1, in the place of \"Angle\".");
+  material.expert().series(
+      "Axis 2", Range(),
+      "Not isotropic, with \"Axis 1\": a direction whose part at right angles to axis 1 is axis 2.");
   ParameterSpec materials("Materials", "Materials of the bodies.");
   materials.family(std::move(material));
   deck.list(std::move(materials));
@@ -406,6 +451,7 @@ void addBodyParameters(ParameterSpec& deck) {
   body.choice("Element", "Q1",
               {{"Q1", "quadrilaterals of 4, hexahedra of 8 nodes"},
                {"Q2", "of 9 and 27 nodes"},
+               {"S2", "serendipity elements, of 8 and 20 nodes"},
                {"P1", "triangles of 3, tetrahedra of 4 nodes"},
                {"P2", "of 6 and 10 nodes"}},
               "Source block: type of the cells. P1 and P2 split each quadrilateral into two cells, each "
@@ -425,6 +471,13 @@ void addBodyParameters(ParameterSpec& deck) {
                         {"full", "from the displacements"},
                         {"projected", "B-bar, for nearly incompressible materials"}},
                        "Volume change in the stiffness.");
+  body.expert().choice(
+      "Integration", "full",
+      {{"full", "exact on affine cells"},
+       {"reduced", "2 points in each direction on quadrilaterals and hexahedra of second order, "
+                   "as C3D20R and CPS8R of other programs; use one subdomain, or several cells "
+                   "across each"}},
+      "Quadrature of the stiffness.");
   ParameterSpec bodies("Bodies", "The bodies of the scene.");
   bodies.family(std::move(body));
   deck.list(std::move(bodies));
@@ -455,6 +508,8 @@ void addBodies(const DeckContext& context, scene::Scene& scene) {
         body.materials.push_back(
             materialNamed(context.deck, materials[std::min(r, materials.size() - 1)], name));
       body.dilatation = dilatationOf(list, body.materials);
+      if (list.sublist("Expert").get<std::string>("Integration") == "reduced")
+        body.integration = fem::Integration::Reduced;
     }
     if (isFile)
       fromFile.push_back(scene.bodies.size());

@@ -56,10 +56,11 @@ std::optional<scene::Effect::Key> BodyForce::loadKey(const scene::Scene&,
   return key.empty() ? std::nullopt : std::optional<Key>(key);
 }
 
-void BodyForce::addLoad(const scene::Scene&, const scene::OwnedSubdomain& subdomain,
+void BodyForce::addLoad(const scene::Scene& scene, const scene::OwnedSubdomain& subdomain,
                         std::vector<double>& load) const {
   const fem::PlacedMesh& placed = subdomain.mesh;
-  addTo(load, density_ ? fem::assembleBodyForce(*placed.mesh, placed.anchor, density_)
+  addTo(load, density_ ? fem::assembleBodyForce(*placed.mesh, placed.anchor, density_,
+                                                scene.bodies[static_cast<std::size_t>(body_)].integration)
                        : fem::assembleLoad(*placed.mesh, fem::localLoads(placed, boxes_)));
 }
 

@@ -6,7 +6,7 @@
 namespace Harmos::effects {
 
 /// Two boundary parts do not penetrate each other, without friction or adhesion, unless effects of their own
-/// say so: n·(u¹ − u²) ≤ gap.
+/// say so: n·(u¹ − u²) ≤ gap, or, where the surfaces give way, ≤ gap + p/k under the pressure p.
 ///
 /// Guarded by tests/verification/test_contact_patch.cpp and tests/unit/scene/test_contact_setup.cpp.
 class Contact : public scene::Effect {
@@ -14,7 +14,8 @@ class Contact : public scene::Effect {
   static constexpr const char* kindName = "Contact";
 
   /// @param gap added to the distance of the meshes; negative: penetration.
-  explicit Contact(SurfacePair pair, double gap = 0.0, std::string name = "");
+  /// @param stiffness k, pressure by penetration; 0: the contact is hard.
+  explicit Contact(SurfacePair pair, double gap = 0.0, std::string name = "", double stiffness = 0.0);
 
   std::vector<BoundaryPart> boundaryParts() const override { return pair_.parts(); }
   bool givesInequalities() const override { return true; }
@@ -22,7 +23,7 @@ class Contact : public scene::Effect {
 
  private:
   SurfacePair pair_;
-  double gap_;
+  double gap_, stiffness_;
 };
 
 /// What decks may say of it.

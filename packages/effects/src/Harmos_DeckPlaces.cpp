@@ -28,8 +28,10 @@ int bodyIn(const scene::Scene& scene, const Teuchos::ParameterList& list, const 
 
 Part partIn(const scene::Scene& scene, const Teuchos::ParameterList& list, const std::string& parameter,
             const std::string& path) {
-  const std::string text = list.get<std::string>(parameter);
-  const std::string place = path + "/" + parameter;
+  return partNamed(scene, list.get<std::string>(parameter), path + "/" + parameter);
+}
+
+Part partNamed(const scene::Scene& scene, const std::string& text, const std::string& place) {
   const std::size_t slash = text.rfind('/');
   if (slash == std::string::npos || slash == 0 || slash + 1 == text.size())
     throw InputError("\"" + place + "\" = \"" + text + "\" is not of the form \"body/boundary part\"",

@@ -26,6 +26,9 @@ int bodyIn(const scene::Scene& scene, const Teuchos::ParameterList& list, const 
 Part partIn(const scene::Scene& scene, const Teuchos::ParameterList& list, const std::string& parameter,
             const std::string& path);
 
+/// The same for a text.
+Part partNamed(const scene::Scene& scene, const std::string& text, const std::string& place);
+
 /// @param what is for elastic bodies alone. @throws InputError for membranes.
 void requireElastic(const scene::Scene& scene, const std::string& what);
 

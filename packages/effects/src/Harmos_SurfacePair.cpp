@@ -145,11 +145,18 @@ std::vector<contact::ContactPoint> SurfacePair::points(scene::ConstraintCollecto
     for (std::size_t i = 0; i < without.size(); ++i)
       without[i] = std::max(without[i], isOfBoth[i]);
   }
-  // Node to node cannot pass on what a node without a row has: mortar coupling can.
+  // Node to node cannot pass on what a node without a row has: mortar coupling can. Nor are forces of a
+  // constant pressure at corners of quadrilaterals of eight nodes positive, which inequalities need.
+  const bool canMatch = isTie || one.facetType != fem::CellType::Quadrilateral8;
+  if (coupling == Coupling::Nodes && !canMatch)
+    throw InputError(one.name + " on " + other.name +
+                         ": contact node to node needs elements whose corner nodes bear pressure, which "
+                         "quadrilaterals of eight nodes lack; use the coupling \"mortar\" or \"automatic\"",
+                     {{"first", one.name}, {"second", other.name}});
   std::optional<std::vector<contact::ContactPoint>> matched;
   if (coupling == Coupling::Nodes)
     matched = contact::matchNodes(one, other, contact::samePlace, joinsEdges);
-  else if (coupling == Coupling::Automatic && countOf(one, without) == 0)
+  else if (coupling == Coupling::Automatic && canMatch && countOf(one, without) == 0)
     matched = contact::matchNodesIfAll(one, other, contact::samePlace, joinsEdges);
   std::vector<contact::ContactPoint> points =
       matched ? std::move(*matched)

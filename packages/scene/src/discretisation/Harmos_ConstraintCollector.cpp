@@ -209,17 +209,17 @@ ConstraintCollector::ConstraintCollector(const Teuchos::Comm<int>& comm, const S
       held_[time];
   for (const OwnedSubdomain& item : owned) {
     for (const auto& set : item.mesh.sides)
-      withSides_[{item.body, set.first}].push_back(&item.mesh);
+      here_.withSides[{item.body, set.first}].push_back(&item.mesh);
     for (const auto& set : item.mesh.sets)
-      withNodes_[{item.body, set.first}].push_back(&item);
+      here_.withNodes[{item.body, set.first}].push_back(&item);
   }
 }
 
 contact::Surface ConstraintCollector::surface(int body, const std::string& set,
                                               const contact::NormalField& normal) const {
-  const auto found = withSides_.find({body, set});
+  const auto found = here_.withSides.find({body, set});
   return contact::gatherSurface(
-      comm_, found == withSides_.end() ? std::vector<const fem::PlacedMesh*>() : found->second, set,
+      comm_, found == here_.withSides.end() ? std::vector<const fem::PlacedMesh*>() : found->second, set,
       scene_.bodies[static_cast<std::size_t>(body)].name + "/" + set, normal);
 }
 
@@ -312,8 +312,8 @@ void ConstraintCollector::findHeldDofs() {
   std::vector<long long> asked;
   agree(comm_, [&] {
     for (const Part& part : heldParts_) {
-      const auto subdomains = withNodes_.find(part);
-      if (subdomains == withNodes_.end())
+      const auto subdomains = here_.withNodes.find(part);
+      if (subdomains == here_.withNodes.end())
         continue;
       for (const OwnedSubdomain* item : subdomains->second) {
         const std::vector<int>& nodes = item->mesh.sets.at(part.second);
@@ -335,6 +335,9 @@ void ConstraintCollector::findHeldDofs() {
           for (const ContactPoint::Term& term : point.terms)
             for (int c = 0; c < components; ++c)
               asked.push_back(term.node * components + c);
+    for (const auto& [equation, effect] : equations_)
+      for (const Equation::Term& term : equation.terms)
+        asked.push_back(term.node.number * components + term.component);
     std::sort(asked.begin(), asked.end());
     asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
     std::vector<long long> withTimes;
@@ -552,6 +555,84 @@ void ConstraintCollector::addTieRows(ContactSetup& setup) {
   }
 }
 
+std::vector<ConstraintCollector::Node> ConstraintCollector::nodesOf(const std::vector<Part>& parts) {
+  askForHeldDofs(parts);
+  struct Found {
+    std::size_t part;
+    Node node;
+  };
+  std::vector<Found> found;
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    if (const auto subdomains = here_.withNodes.find(parts[k]); subdomains != here_.withNodes.end())
+      for (const OwnedSubdomain* item : subdomains->second)
+        for (int node : item->mesh.sets.at(parts[k].second))
+          found.push_back({k, {item->mesh.number(node), item->mesh.position(node)}});
+  std::vector<Node> nodes(parts.size(), Node{-1, {}});
+  for (const Found& item : gatherAll(comm_, found)) {
+    Node& node = nodes[item.part];
+    if (node.number >= 0 && node.number != item.node.number)
+      throw InputError(asked_->label() + ": the boundary part \"" + parts[item.part].second +
+                           "\" of body \"" +
+                           scene_.bodies[static_cast<std::size_t>(parts[item.part].first)].name +
+                           "\" has several nodes; a term of an equation needs a part of one node",
+                       {{"set", parts[item.part].second}});
+    node = item.node;
+  }
+  return nodes;
+}
+
+// On rank 0, behind the ties.
+void ConstraintCollector::addEquationRows(ContactSetup& setup) {
+  if (equations_.empty())
+    return;
+  const int components = scene_.components();
+  long long number = 0;
+  for (const ConstraintRow& row : setup.rows)
+    number += row.kind == ConstraintRow::Kind::Equality ? 1 : 0;
+  number = globalSum(comm_, number);
+  for (const auto& [equation, effect] : equations_) {
+    ConstraintRow row;
+    row.bound = equation.value;
+    for (const Equation::Term& term : equation.terms)
+      row.terms.push_back({term.node.number * components + term.component, term.coefficient});
+    if (isHeld(row, effect->label()) || row.terms.empty())
+      continue;
+    row.number = number++;
+    if (comm_.getRank() != 0)
+      continue;
+    const Equation::Term& first = equation.terms.front();
+    fem::Point direction = directionOf(scene_, first.component);
+    for (double& x : direction)
+      x *= first.coefficient;
+    costs_.addRows(effect->kind(), 1);
+    costs_.addBytes(effect->kind(), bytesOf(row));
+    setup.rows.push_back(row);
+    setup.origins.push_back({effect, first.node.position, direction, 0.0});
+  }
+}
+
+// Whether all of its dofs are prescribed.
+bool ConstraintCollector::isHeld(const ConstraintRow& row, const std::string& label) const {
+  for (const auto& [time, held] : held_) {
+    double sum = 0.0, size = std::abs(row.bound);
+    for (const ConstraintRow::Term& term : row.terms) {
+      const auto value = held.find(term.dof);
+      if (value == held.end())
+        return false;
+      sum += term.coefficient * value->second;
+      size = std::max(size, std::abs(term.coefficient * value->second));
+    }
+    constexpr double rounding = 1e-9;
+    if (std::abs(sum - row.bound) > rounding * size)
+      throw InputError(label +
+                       " contradicts prescribed displacements: all displacements of an equation are "
+                       "prescribed, and they make " +
+                       scientific(sum) + " in the place of " + scientific(row.bound) +
+                       "; prescribe other values or release one of them");
+  }
+  return true;
+}
+
 // Over all ranks.
 void ConstraintCollector::count(ContactSetup& setup) const {
   setup.pointCount = contacts_.count();
@@ -589,6 +670,7 @@ ContactSetup ConstraintCollector::finish() {
   addSlipRows(result, extent);
   soften(result);
   addTieRows(result);
+  addEquationRows(result);
   count(result);
   result.notes = std::move(notes_);
   return result;

@@ -143,6 +143,29 @@ class ConstraintCollector {
   void addTies(const std::vector<contact::ContactPoint>& points,
                const std::vector<std::pair<int, std::string>>& surfaces);
 
+  /// A node of the bodies.
+  struct Node {
+    long long number;
+    fem::Point position;
+  };
+  /// The node of each of these parts, on all ranks.
+  /// @param parts body and boundary part. @throws InputError on all ranks for a part of several nodes.
+  /// @note Collective.
+  std::vector<Node> nodesOf(const std::vector<std::pair<int, std::string>>& parts);
+
+  struct Equation {
+    struct Term {
+      Node node;
+      int component;
+      double coefficient;
+    };
+    std::vector<Term> terms;
+    double value = 0.0;
+  };
+  /// An equality row Σ coefficient · displacement = value. Where all of its dofs are prescribed it is left
+  /// out. @note The same on every rank.
+  void addEquation(const Equation& equation) { equations_.push_back({equation, asked_}); }
+
   /// Friction at the points of a contact or an obstacle: rows t·w = 0, whose force is limited by the bound
   /// times the area of the point. A point of two contacts bears the first friction alone. In directions in
   /// which both sides are held there is none, see contact::slipDirections().
@@ -181,7 +204,8 @@ class ConstraintCollector {
   void collect(const Effect& effect);
 
   /// All that was collected; the collector is empty then.
-  /// @throws InputError on all ranks if a tie contradicts prescribed displacements. @note Collective.
+  /// @throws InputError on all ranks if a tie or an equation contradicts prescribed displacements.
+  /// @note Collective.
   ContactSetup finish();
 
  private:
@@ -194,6 +218,8 @@ class ConstraintCollector {
   void count(ContactSetup& setup) const;
   void soften(ContactSetup& setup) const;
   void addTieRows(ContactSetup& setup);
+  void addEquationRows(ContactSetup& setup);
+  bool isHeld(const ConstraintRow& row, const std::string& label) const;
   void findHeldDofs();
   struct Friction {
     const Effect *contact, *effect;
@@ -217,16 +243,19 @@ class ConstraintCollector {
   EffectCosts& costs_;
   SubdomainEffects effects_;
   // This rank's subdomains by body and boundary part: scenes may have thousands of parts.
-  std::map<Part, std::vector<const fem::PlacedMesh*>> withSides_;
-  std::map<Part, std::vector<const OwnedSubdomain*>> withNodes_;
+  struct {
+    std::map<Part, std::vector<const fem::PlacedMesh*>> withSides;
+    std::map<Part, std::vector<const OwnedSubdomain*>> withNodes;
+  } here_;
   const Effect* asked_ = nullptr;
   int askedBefore_ = -1;
   DistinctPoints contacts_, ties_;
   std::vector<Friction> frictions_;
   std::vector<Adhesion> adhesions_;
+  std::vector<std::pair<Equation, const Effect*>> equations_; // the same on all ranks
   std::vector<std::size_t> slipOrder_; // of each slip: place of what asked for it, friction before adhesion
   std::map<const Effect*, std::vector<Part>> surfacesOf_; // of contacts
-  std::set<Part> heldParts_;                              // where ties are, and limited rows
+  std::set<Part> heldParts_;                              // where ties are, equations, and limited rows
   std::map<double, contact::HeldDofs> held_;              // of dofs of this rank's points there, by time
   std::map<std::pair<int, int>, std::vector<std::pair<long long, Taken>>> taken_; // of this rank, by bodies
   std::vector<std::string> notes_;

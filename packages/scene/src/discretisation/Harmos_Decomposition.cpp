@@ -7,11 +7,13 @@
 #include "Harmos_CompactOrder.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Log.hpp"
+#include "Harmos_Rendezvous.hpp"
 #include "Harmos_SubdomainEffects.hpp"
 #include "Harmos_TornBody.hpp"
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 namespace Harmos::scene {
 namespace {
@@ -119,6 +121,37 @@ std::vector<int> orderOf(const Teuchos::Comm<int>& comm, const Body& body, long 
   return compactOrder(gatherAll(comm, centres), sizes);
 }
 
+// OwnedSubdomain::ownNodes of the parts that effects count. @note Collective.
+void findOwnNodes(const Teuchos::Comm<int>& comm, const Scene& scene, std::vector<OwnedSubdomain>& owned) {
+  std::set<std::pair<int, std::string>> counted;
+  for (const auto& effect : scene.effects)
+    for (const Effect::BoundaryPart& part : effect->boundaryParts())
+      if (part.countsNodes)
+        counted.emplace(part.body, part.set);
+  if (counted.empty())
+    return;
+  std::vector<std::pair<long long, long long>> known; // node, subdomain
+  std::vector<long long> asked;
+  const auto visit = [&](const auto& take) {
+    for (OwnedSubdomain& item : owned)
+      for (const auto& [name, nodes] : item.mesh.sets)
+        if (counted.count({item.body, name}) > 0)
+          for (int node : nodes)
+            take(item, name, node);
+  };
+  visit([&](const OwnedSubdomain& item, const std::string&, int node) {
+    known.emplace_back(item.mesh.number(node), item.number);
+    asked.push_back(known.back().first);
+  });
+  const std::vector<std::optional<long long>> lowest =
+      lookUp(comm, known, asked, [](long long next, long long present) { return next < present; });
+  std::size_t k = 0;
+  visit([&](OwnedSubdomain& item, const std::string& name, int node) {
+    if (*lowest[k++] == item.number)
+      item.ownNodes[name].push_back(node);
+  });
+}
+
 } // namespace
 
 std::vector<OwnedSubdomain> decompose(const Teuchos::Comm<int>& comm, const Scene& scene,
@@ -163,6 +196,7 @@ std::vector<OwnedSubdomain> decompose(const Teuchos::Comm<int>& comm, const Scen
     first += body.subdomains;
   }
   chooseBoundaryParts(comm, scene, owned);
+  findOwnNodes(comm, scene, owned);
   return owned;
 }
 

@@ -56,6 +56,8 @@ class Effect {
     int body;
     std::string set;
     bool needsSides; ///< sides of cells; else nodes are enough
+    /// What acts at its nodes acts once at each: on the subdomain that OwnedSubdomain::ownNodes says.
+    bool countsNodes = false;
   };
   virtual std::vector<BoundaryPart> boundaryParts() const { return {}; }
   /// Bodies whose subdomains it is asked about: for Dirichlet conditions, loads and stiffness.

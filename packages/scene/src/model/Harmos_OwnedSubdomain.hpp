@@ -10,6 +10,9 @@ struct OwnedSubdomain {
   long long number; ///< over all bodies
   int body;
   fem::PlacedMesh mesh;
+  /// Of boundary parts whose nodes an effect counts (Effect::BoundaryPart): those of its nodes of which no
+  /// subdomain of a lower number has a copy, rising.
+  std::map<std::string, std::vector<int>> ownNodes = {};
 };
 
 } // namespace Harmos::scene

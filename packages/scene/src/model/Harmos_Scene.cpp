@@ -56,7 +56,9 @@ bool Scene::hasFloatingBody() const {
 }
 
 bool Scene::hasSeveralMaterials() const {
-  const auto elastic = [](const fem::Material& m) { return std::tie(m.young, m.poisson, m.shear, m.angle); };
+  const auto elastic = [](const fem::Material& m) {
+    return std::tie(m.young, m.poisson, m.shear, m.angle, m.axes, m.coupled);
+  };
   const fem::Material* first = nullptr;
   for (const Body& body : bodies)
     for (const fem::Material& material : body.materials) {
@@ -131,7 +133,7 @@ fem::Point directionOf(const Scene& scene, int component) {
 }
 
 fem::Elasticity elasticityOf(const Scene& scene, const Body& body) {
-  return {kinematicsOf(scene.physics), body.dilatation, body.materials};
+  return {kinematicsOf(scene.physics), body.dilatation, body.materials, body.integration};
 }
 
 } // namespace Harmos::scene

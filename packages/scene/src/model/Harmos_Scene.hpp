@@ -43,6 +43,7 @@ struct Body {
   // Of an elastic body.
   std::vector<fem::Material> materials; ///< of each region of the meshes
   fem::Dilatation dilatation = fem::Dilatation::Full;
+  fem::Integration integration = fem::Integration::Full;
 };
 
 /// A number that a run of several steps tells of each besides: a force as a stress, a factor as a strain.
