@@ -129,6 +129,7 @@ class Programs(Installed):
 class Tools(Installed):
     # What --help has to speak of, beside what all do.
     HELP = {
+        "harmos-inp": ("MODEL.xml", "MODEL.msh", "listed", "--output"),
         "harmos-plot": ("result.vtkhdf", "solution.png", "convergence.png", "contact.png", "scaling.csv", "--follow", "curve.png", "steps.gif", "damage.png", "shape.png"),
         "harmos-study-plot": ("study.json", "error_against_seconds", "error_parts"),
         "harmos-submit": ("harmos.slurm", "harmos.pbs", "--scaling weak", "--dry-run", "--resubmissions"),
@@ -167,7 +168,7 @@ class Tools(Installed):
         for name in self.HELP:
             place = (self.tree.prefix / "bin" / name).resolve()
             self.assertIn(self.tree.prefix.resolve(), place.parents)
-        for pattern in ("*.py", "jobs/*"):
+        for pattern in ("*.py", "inp/*.py", "jobs/*"):
             here, there = SOURCE / "apps" / "tools", self.tree.prefix / "share" / "harmos" / "tools"
             self.assertEqual({p.name for p in there.glob(pattern)}, {p.name for p in here.glob(pattern)})
 

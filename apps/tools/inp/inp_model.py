@@ -1,0 +1,580 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The model that an input of CalculiX or Abaqus describes: nodes, elements, sets, sections, steps."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from inp_file import InpError
+
+
+@dataclass(frozen=True)
+class ElementType:
+    """An element of a keyword's TYPE, and what it is here."""
+
+    dimension: int
+    nodes: int
+    gmsh: int  # its number in Gmsh's files
+    order: tuple  # Gmsh's node k is this node
+    sides: tuple  # of each face S1, S2, ...: its nodes, corners first
+    physics: str = "solid"
+    reduced: bool = False
+
+
+TETRA = ((0, 1, 2, 4, 5, 6), (0, 3, 1, 7, 8, 4), (1, 3, 2, 8, 9, 5), (2, 3, 0, 9, 7, 6))
+HEXA = (
+    (0, 1, 2, 3, 8, 9, 10, 11),
+    (4, 7, 6, 5, 15, 14, 13, 12),
+    (0, 4, 5, 1, 16, 12, 17, 8),
+    (1, 5, 6, 2, 17, 13, 18, 9),
+    (2, 6, 7, 3, 18, 14, 19, 10),
+    (3, 7, 4, 0, 19, 15, 16, 11),
+)
+TRIANGLE = ((0, 1, 3), (1, 2, 4), (2, 0, 5))
+QUADRILATERAL = ((0, 1, 4), (1, 2, 5), (2, 3, 6), (3, 0, 7))
+HEXA_20 = (0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14)
+GMSH_SIDES = {2: 1, 3: 8, (3, 3): 2, (3, 6): 9, (4, 4): 3, (4, 8): 16}
+
+
+def _corners(sides, count):
+    return tuple(side[:count] for side in sides)
+
+
+def _types():
+    tetra4, hexa8 = _corners(TETRA, 3), _corners(HEXA, 4)
+    types = {
+        "C3D4": ElementType(3, 4, 4, tuple(range(4)), tetra4),
+        "C3D10": ElementType(3, 10, 11, (0, 1, 2, 3, 4, 5, 6, 7, 9, 8), TETRA),
+        "C3D8": ElementType(3, 8, 5, tuple(range(8)), hexa8),
+        "C3D20": ElementType(3, 20, 17, HEXA_20, HEXA),
+        "C3D20R": ElementType(3, 20, 17, HEXA_20, HEXA, reduced=True),
+    }
+    for prefix, physics in (("CPE", "plane strain"), ("CPS", "plane stress")):
+        types[prefix + "3"] = ElementType(2, 3, 2, (0, 1, 2), _corners(TRIANGLE, 2), physics)
+        types[prefix + "6"] = ElementType(2, 6, 9, tuple(range(6)), TRIANGLE, physics)
+        types[prefix + "4"] = ElementType(2, 4, 3, (0, 1, 2, 3), _corners(QUADRILATERAL, 2), physics)
+        types[prefix + "8"] = ElementType(2, 8, 16, tuple(range(8)), QUADRILATERAL, physics)
+        types[prefix + "8R"] = ElementType(
+            2, 8, 16, tuple(range(8)), QUADRILATERAL, physics, reduced=True
+        )
+    return types
+
+
+TYPES = _types()
+
+
+@dataclass
+class Block:
+    """Elements of one *ELEMENT."""
+
+    type: str
+    numbers: np.ndarray
+    nodes: np.ndarray  # (elements, nodes)
+
+
+@dataclass
+class Surface:
+    faces: list = field(default_factory=list)  # (element, face from 0)
+    nodes: list = None  # where it is made of nodes
+
+
+@dataclass
+class Material:
+    place: str
+    elastic: dict = None
+    expansion: tuple = None
+    zero: float = 0.0  # temperature without expansion
+    density: float = None
+
+
+@dataclass
+class Section:
+    place: str
+    elset: str
+    material: str
+    orientation: str = ""
+    thickness: float = 1.0
+
+
+@dataclass
+class Interaction:
+    behaviour: str = "HARD"
+    stiffness: float = 0.0
+    friction: float = None
+
+
+@dataclass
+class Pair:
+    place: str
+    interaction: str
+    slave: str
+    master: str
+    options: dict = field(default_factory=dict)
+
+
+@dataclass
+class Step:
+    """What a step changes: lists of (place, what)."""
+
+    place: str
+    options: dict = field(default_factory=dict)
+    period: float = 1.0
+    isStatic: bool = False
+    boundary: list = field(default_factory=list)
+    cload: list = field(default_factory=list)
+    dload: list = field(default_factory=list)
+    temperature: list = field(default_factory=list)
+    resets: set = field(default_factory=set)  # kinds of loads that OP=NEW removes
+
+
+@dataclass
+class Equation:
+    place: str
+    terms: list  # (node, dof from 1, coefficient)
+
+
+@dataclass
+class Model:
+    nodes: dict = field(default_factory=dict)  # number -> (x, y, z)
+    blocks: list = field(default_factory=list)
+    nsets: dict = field(default_factory=dict)
+    elsets: dict = field(default_factory=dict)
+    surfaces: dict = field(default_factory=dict)
+    materials: dict = field(default_factory=dict)
+    sections: list = field(default_factory=list)
+    orientations: dict = field(default_factory=dict)
+    interactions: dict = field(default_factory=dict)
+    contacts: list = field(default_factory=list)
+    ties: list = field(default_factory=list)
+    equations: list = field(default_factory=list)
+    transforms: list = field(default_factory=list)  # (nodes, type, six numbers)
+    amplitudes: dict = field(default_factory=dict)
+    initial: dict = field(default_factory=dict)  # temperature of nodes
+    steps: list = field(default_factory=list)
+    notes: list = field(default_factory=list)
+    typeOf: dict = field(default_factory=dict)  # number of an element -> (block, row)
+
+    def node_list(self, text, place):
+        """Nodes of a set, or the one of a number."""
+        if text in self.nsets:
+            return self.nsets[text]
+        try:
+            number = int(text)
+        except ValueError:
+            raise ValueError(f"{place}: there is no node set \"{text}\"") from None
+        if number not in self.nodes:
+            raise ValueError(f"{place}: there is no node {number}")
+        return [number]
+
+    def element_list(self, text, place):
+        if text in self.elsets:
+            return [e for e in self.elsets[text] if e in self.typeOf]  # others are faults already
+        try:
+            number = int(text)
+        except ValueError:
+            raise ValueError(f"{place}: there is no element set \"{text}\"") from None
+        if number not in self.typeOf:
+            raise ValueError(f"{place}: there is no element {number}")
+        return [number]
+
+    def face_nodes(self, element, face):
+        """Nodes of a face, corners first."""
+        block, row = self.typeOf[element]
+        return tuple(int(n) for n in block.nodes[row][list(TYPES[block.type].sides[face])])
+
+
+# Keywords that change nothing of what is computed here.
+IGNORED = frozenset(
+    (
+        "HEADING",
+        "NODE PRINT",
+        "EL PRINT",
+        "NODE FILE",
+        "EL FILE",
+        "CONTACT FILE",
+        "CONTACT PRINT",
+        "NODE OUTPUT",
+        "ELEMENT OUTPUT",
+        "CONTACT OUTPUT",
+        "OUTPUT",
+        "SECTION PRINT",
+        "FACE PRINT",
+        "PREPRINT",
+        "PHYSICAL CONSTANTS",
+        "TIME POINTS",
+        "CONTROLS",
+        "SPECIFIC HEAT",
+        "CONDUCTIVITY",
+        "END STEP",
+    )
+)
+
+
+class Reader:
+    """Makes a model of keywords; what it does not take is a fault with its line."""
+
+    def __init__(self):
+        self.model = Model()
+        self.faults = []
+        self.material = None
+        self.interaction = None
+        self.step = None
+        self.before = []  # prescribed before the first step
+
+    def read(self, keywords):
+        for keyword in keywords:
+            method = getattr(self, "_" + keyword.name.lower().replace(" ", "_").replace("-", "_"), None)
+            try:
+                if method is not None:
+                    method(keyword)
+                elif keyword.name not in IGNORED:
+                    self.faults.append(f"{keyword.place}: *{keyword.name} is not supported")
+            except (ValueError, OverflowError) as error:
+                self.faults.append(str(error))
+        if not self.model.blocks and not self.faults:
+            self.faults.append("the input has no elements")
+        if not self.model.steps and not self.faults:
+            self.faults.append("the input has no *STEP")
+        if self.faults:
+            raise InpError(self.faults)
+        return self.model
+
+    # Geometry.
+
+    def _node(self, keyword):
+        if keyword.option("SYSTEM", "R") != "R":
+            raise ValueError(f"{keyword.place}: *NODE with SYSTEM={keyword.option('SYSTEM')} is not supported")
+        numbers = []
+        for row in keyword.rows:
+            number = row.integer(0)
+            self.model.nodes[number] = tuple(row.number(k, 0.0) for k in (1, 2, 3))
+            numbers.append(number)
+        if keyword.option("NSET"):
+            self.model.nsets.setdefault(keyword.option("NSET"), []).extend(numbers)
+
+    def _element(self, keyword):
+        name = keyword.option("TYPE")
+        if name not in TYPES:
+            raise ValueError(f"{keyword.place}: element type {name or '(none)'} is not supported")
+        size = TYPES[name].nodes
+        values = []
+        for row in keyword.rows:
+            values += [row.integer(k) for k in range(len(row.texts)) if row.texts[k] != ""]
+        if len(values) % (size + 1) != 0:
+            raise ValueError(
+                f"{keyword.place}: {len(values)} numbers are no whole number of elements {name}, each of "
+                f"which has {size + 1}"
+            )
+        if not values:
+            raise ValueError(f"{keyword.place}: *ELEMENT without elements")
+        table = np.array(values, dtype=np.int64).reshape(-1, size + 1)
+        block = Block(name, table[:, 0], table[:, 1:])
+        unknown = set(block.nodes.ravel().tolist()) - set(self.model.nodes)
+        if unknown:
+            raise ValueError(f"{keyword.place}: elements have the node {min(unknown)}, which does not exist")
+        for row, number in enumerate(block.numbers.tolist()):
+            self.model.typeOf[number] = (block, row)
+        self.model.blocks.append(block)
+        if keyword.option("ELSET"):
+            self.model.elsets.setdefault(keyword.option("ELSET"), []).extend(block.numbers.tolist())
+
+    def _set(self, keyword, name, sets, known):
+        if not name:
+            raise ValueError(f"{keyword.place}: *{keyword.name} has no name")
+        members = sets.setdefault(name, [])
+        for row in keyword.rows:
+            if "GENERATE" in keyword.options:
+                first, last, by = row.integer(0), row.integer(1), row.integer(2, 1)
+                members += [k for k in range(first, last + 1, max(1, by)) if k in known]
+                continue
+            for k, text in enumerate(row.texts):
+                if text in sets and text != name:
+                    members += sets[text]
+                elif text:
+                    members.append(row.integer(k))
+        missing = [k for k in members if k not in known]
+        if missing:
+            raise ValueError(f"{keyword.place}: the set {name} has the member {missing[0]}, which does not exist")
+
+    def _nset(self, keyword):
+        if keyword.option("ELSET"):
+            elements = self.model.element_list(keyword.option("ELSET"), keyword.place)
+            nodes = {int(n) for e in elements for n in self.model.typeOf[e][0].nodes[self.model.typeOf[e][1]]}
+            self.model.nsets.setdefault(keyword.option("NSET"), []).extend(sorted(nodes))
+            return
+        self._set(keyword, keyword.option("NSET"), self.model.nsets, self.model.nodes)
+
+    def _elset(self, keyword):
+        self._set(keyword, keyword.option("ELSET"), self.model.elsets, self.model.typeOf)
+
+    def _surface(self, keyword):
+        surface = Surface()
+        if keyword.option("TYPE", "ELEMENT") == "NODE":
+            surface.nodes = []
+            for row in keyword.rows:
+                surface.nodes += self.model.node_list(row.text(0), row.place)
+        elif keyword.option("TYPE", "ELEMENT") == "ELEMENT":
+            for row in keyword.rows:
+                surface.faces += self._faces(row.text(0), row.text(1), row.place)
+        else:
+            raise ValueError(f"{keyword.place}: *SURFACE of TYPE={keyword.option('TYPE')} is not supported")
+        self.model.surfaces[keyword.option("NAME")] = surface
+
+    def _faces(self, elements, label, place):
+        if len(label) != 2 or label[0] not in "SP" or not label[1].isdigit():
+            raise ValueError(f"{place}: \"{label}\" is no face of an element; expected S1, S2, ...")
+        faces = []
+        for element in self.model.element_list(elements, place):
+            count = len(TYPES[self.model.typeOf[element][0].type].sides)
+            if not 1 <= int(label[1]) <= count:
+                raise ValueError(f"{place}: element {element} has no face {label}")
+            faces.append((element, int(label[1]) - 1))
+        return faces
+
+    # Materials and sections.
+
+    def _material(self, keyword):
+        self.material = Material(keyword.place)
+        self.model.materials[keyword.option("NAME")] = self.material
+
+    def _of_material(self, keyword):
+        if self.material is None:
+            raise ValueError(f"{keyword.place}: *{keyword.name} before the first *MATERIAL")
+        if not keyword.rows:
+            raise ValueError(f"{keyword.place}: *{keyword.name} without a line of data")
+        if len({row.text(len(row.texts) - 1) for row in keyword.rows}) > 1 and keyword.name != "ELASTIC":
+            raise ValueError(f"{keyword.place}: *{keyword.name} that depends on temperature is not supported")
+        return self.material
+
+    def _elastic(self, keyword):
+        material = self._of_material(keyword)
+        kind = keyword.option("TYPE", "ISOTROPIC")
+        numbers = [row.number(k) for row in keyword.rows for k in range(len(row.texts)) if row.texts[k]]
+        names = {"ISO": "ISOTROPIC", "ORTHO": "ORTHOTROPIC", "ANISO": "ANISOTROPIC"}
+        kind = names.get(kind, kind)
+        size = {"ISOTROPIC": 2, "ORTHOTROPIC": 9, "ENGINEERING CONSTANTS": 9, "ANISOTROPIC": 21}.get(kind)
+        if size is None:
+            raise ValueError(f"{keyword.place}: *ELASTIC of TYPE={kind} is not supported")
+        if len(keyword.rows) > 1 + size // 8 or not size <= len(numbers) <= size + 1:
+            raise ValueError(
+                f"{keyword.place}: *ELASTIC has {len(numbers)} numbers, expected {size}; moduli that depend on "
+                "temperature are not supported"
+            )
+        material.elastic = {"kind": kind, "numbers": numbers[:size], "place": keyword.place}
+
+    def _expansion(self, keyword):
+        material = self._of_material(keyword)
+        kind = keyword.option("TYPE", "ISO")
+        row = keyword.rows[0]
+        if kind not in ("ISO", "ORTHO") or len(keyword.rows) > 1:
+            raise ValueError(
+                f"{keyword.place}: *EXPANSION that is anisotropic or depends on temperature is not supported"
+            )
+        material.expansion = tuple(row.number(k if kind == "ORTHO" else 0) for k in range(3))
+        material.zero = float(keyword.option("ZERO", "0") or 0)
+
+    def _density(self, keyword):
+        material = self._of_material(keyword)
+        material.density = keyword.rows[0].number(0)
+
+    def _solid_section(self, keyword):
+        row = keyword.rows[0] if keyword.rows else None
+        self.model.sections.append(
+            Section(
+                keyword.place,
+                keyword.option("ELSET"),
+                keyword.option("MATERIAL"),
+                keyword.option("ORIENTATION"),
+                row.number(0, 1.0) if row is not None else 1.0,
+            )
+        )
+
+    def _orientation(self, keyword):
+        if keyword.option("SYSTEM", "RECTANGULAR") not in ("RECTANGULAR", "R") or len(keyword.rows) > 1:
+            raise ValueError(
+                f"{keyword.place}: *ORIENTATION that is not rectangular, or turned besides, is not supported"
+            )
+        self.model.orientations[keyword.option("NAME")] = [keyword.rows[0].number(k) for k in range(6)]
+
+    # Interactions.
+
+    def _surface_interaction(self, keyword):
+        self.interaction = Interaction()
+        self.model.interactions[keyword.option("NAME")] = self.interaction
+
+    def _surface_behavior(self, keyword):
+        if self.interaction is None:
+            raise ValueError(f"{keyword.place}: *SURFACE BEHAVIOR before *SURFACE INTERACTION")
+        kind = keyword.option("PRESSURE-OVERCLOSURE", "HARD")
+        if kind not in ("HARD", "LINEAR", "TIED"):
+            raise ValueError(f"{keyword.place}: PRESSURE-OVERCLOSURE={kind} is not supported")
+        self.interaction.behaviour = kind
+        if kind == "LINEAR" and keyword.rows:
+            self.interaction.stiffness = keyword.rows[0].number(0)
+
+    def _friction(self, keyword):
+        if self.interaction is None or not keyword.rows:
+            raise ValueError(f"{keyword.place}: *FRICTION without an interaction or without a coefficient")
+        self.interaction.friction = keyword.rows[0].number(0)
+
+    def _contact_pair(self, keyword):
+        for row in keyword.rows:
+            self.model.contacts.append(
+                Pair(row.place, keyword.option("INTERACTION"), row.text(0), row.text(1), keyword.options)
+            )
+
+    def _tie(self, keyword):
+        if "CYCLIC SYMMETRY" in keyword.options or "MULTISTAGE" in keyword.options:
+            raise ValueError(f"{keyword.place}: *TIE of cyclic symmetry is not supported")
+        for row in keyword.rows:
+            self.model.ties.append(Pair(row.place, "", row.text(0), row.text(1), keyword.options))
+
+    def _equation(self, keyword):
+        rows = iter(keyword.rows)
+        for row in rows:
+            count, terms = row.integer(0), []
+            while len(terms) < count:
+                data = next(rows, None)
+                if data is None:
+                    raise ValueError(f"{row.place}: an equation of {count} terms ends early")
+                for k in range(0, len(data.texts) - 2, 3):
+                    node = self.model.node_list(data.text(k), data.place)
+                    if len(node) != 1:
+                        raise ValueError(f"{data.place}: a term of an equation names a set of several nodes")
+                    dof = data.integer(k + 1)
+                    if not 1 <= dof <= 3:
+                        raise ValueError(f"{data.place}: an equation of dof {dof} is not supported")
+                    terms.append((node[0], dof, data.number(k + 2)))
+            self.model.equations.append(Equation(row.place, terms[:count]))
+
+    def _transform(self, keyword):
+        kind = keyword.option("TYPE", "R")
+        if kind not in ("R", "C") or not keyword.rows:
+            raise ValueError(f"{keyword.place}: *TRANSFORM of TYPE={kind} is not supported")
+        nodes = self.model.node_list(keyword.option("NSET"), keyword.place)
+        numbers = [keyword.rows[0].number(k) for k in range(6)]
+        a, b = np.array(numbers[:3]), np.array(numbers[3:])
+        if np.linalg.norm(np.cross(a, b) if kind == "R" else b - a) == 0.0:
+            raise ValueError(f"{keyword.place}: *TRANSFORM has points that make no axes")
+        self.model.transforms.append((nodes, kind, numbers))
+
+    def _amplitude(self, keyword):
+        numbers = [row.number(k) for row in keyword.rows for k in range(len(row.texts))]
+        if "USER" in keyword.options or len(numbers) % 2 or not numbers:
+            raise ValueError(f"{keyword.place}: *AMPLITUDE needs pairs of time and value")
+        isTotal = keyword.option("TIME") == "TOTAL TIME" or "TOTAL TIME" in keyword.options
+        self.model.amplitudes[keyword.option("NAME")] = (numbers[0::2], numbers[1::2], isTotal)
+
+    def _initial_conditions(self, keyword):
+        if keyword.option("TYPE") != "TEMPERATURE":
+            raise ValueError(
+                f"{keyword.place}: *INITIAL CONDITIONS of TYPE={keyword.option('TYPE')} is not supported"
+            )
+        for row in keyword.rows:
+            for node in self.model.node_list(row.text(0), row.place):
+                self.model.initial[node] = row.number(1)
+
+    # Steps.
+
+    def _step(self, keyword):
+        self.step = Step(keyword.place, keyword.options)
+        if "PERTURBATION" in keyword.options:
+            raise ValueError(f"{keyword.place}: *STEP, PERTURBATION is not supported")
+        if "NLGEOM" in keyword.options and keyword.option("NLGEOM") != "NO":
+            self.model.notes.append(
+                f"{keyword.place}: NLGEOM asks for finite deformations; displacements are taken to be small"
+            )
+        self.model.steps.append(self.step)
+
+    def _of_step(self, keyword):
+        if self.step is None:
+            raise ValueError(f"{keyword.place}: *{keyword.name} outside of a step")
+        return self.step
+
+    def _static(self, keyword):
+        step = self._of_step(keyword)
+        step.isStatic = True
+        if keyword.rows and len(keyword.rows[0].texts) > 1:
+            step.period = keyword.rows[0].number(1, 1.0)
+
+    def _amplitude_of(self, keyword):
+        name = keyword.option("AMPLITUDE")
+        if name and name not in self.model.amplitudes:
+            raise ValueError(f"{keyword.place}: there is no amplitude \"{name}\"")
+        return name
+
+    def _boundary(self, keyword):
+        for option in ("FIXED", "USER", "SUBMODEL"):
+            if option in keyword.options:
+                raise ValueError(f"{keyword.place}: *BOUNDARY, {option} is not supported")
+        amplitude = self._amplitude_of(keyword)
+        if keyword.option("OP") == "NEW" and self.step is not None:
+            self.step.resets.add("boundary")
+        entries = self.step.boundary if self.step is not None else self.before
+        for row in keyword.rows:
+            nodes = self.model.node_list(row.text(0), row.place)
+            first = row.integer(1)
+            for dof in range(first, row.integer(2, first) + 1):
+                if dof <= 3:
+                    entries += [(row.place, node, dof, row.number(3, 0.0), amplitude) for node in nodes]
+                elif dof == 11:
+                    raise ValueError(f"{row.place}: prescribed temperatures (dof 11) are not supported")
+
+    def _cload(self, keyword):
+        step, amplitude = self._of_step(keyword), self._amplitude_of(keyword)
+        if "USER" in keyword.options or "SECTOR" in keyword.options:
+            raise ValueError(f"{keyword.place}: *CLOAD of a user or a sector is not supported")
+        if keyword.option("OP") == "NEW":
+            step.resets.add("cload")
+        for row in keyword.rows:
+            for node in self.model.node_list(row.text(0), row.place):
+                step.cload.append((row.place, node, row.integer(1), row.number(2), amplitude))
+
+    def _dload(self, keyword):
+        step, amplitude = self._of_step(keyword), self._amplitude_of(keyword)
+        if keyword.option("OP") == "NEW":
+            step.resets.add("dload")
+        for row in keyword.rows:
+            label = row.text(1)
+            if label == "GRAV":
+                elements = self.model.element_list(row.text(0), row.place)
+                direction = np.array([row.number(k, 0.0) for k in (3, 4, 5)])
+                pull = row.number(2) * direction / (np.linalg.norm(direction) or 1.0)
+                step.dload.append((row.place, "GRAV", elements, pull, amplitude))
+            elif label == "CENTRIF":
+                elements = self.model.element_list(row.text(0), row.place)
+                turning = tuple(row.number(k, 0.0) for k in range(3, 9))
+                step.dload.append((row.place, "CENTRIF", elements, turning, row.number(2), amplitude))
+            elif len(label) == 2 and label[0] == "P" and label[1].isdigit():
+                faces = self._faces(row.text(0), label, row.place)
+                step.dload.append((row.place, "P", faces, row.number(2), amplitude))
+            else:
+                raise ValueError(f"{row.place}: the distributed load {label} is not supported")
+
+    def _dsload(self, keyword):
+        step, amplitude = self._of_step(keyword), self._amplitude_of(keyword)
+        for row in keyword.rows:
+            surface = self.model.surfaces.get(row.text(0))
+            if surface is None or surface.nodes is not None or row.text(1) != "P":
+                raise ValueError(f"{row.place}: *DSLOAD needs a surface of faces and the load P")
+            step.dload.append((row.place, "P", surface.faces, row.number(2), amplitude))
+
+    def _temperature(self, keyword):
+        step, amplitude = self._of_step(keyword), self._amplitude_of(keyword)
+        if "FILE" in keyword.options or "USER" in keyword.options:
+            raise ValueError(f"{keyword.place}: *TEMPERATURE from a file is not supported")
+        for row in keyword.rows:
+            for node in self.model.node_list(row.text(0), row.place):
+                step.temperature.append((row.place, node, row.number(1), amplitude))
+
+
+def read_model(keywords):
+    """Raises InpError with every fault."""
+    reader = Reader()
+    model = reader.read(keywords)
+    model.steps[0].boundary = reader.before + model.steps[0].boundary
+    faults = [
+        f"{step.place}: only static steps (*STATIC) are supported" for step in model.steps if not step.isStatic
+    ]
+    if faults:
+        raise InpError(faults)
+    return model

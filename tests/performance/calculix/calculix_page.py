@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The page of calculix_models.py."""
+
+import re
+import textwrap
+from collections import Counter
+
+HEAD = """# Models of CalculiX and Abaqus
+
+This page shows how to run a model of CalculiX or Abaqus with Harmos, what is converted, and how the results compare.
+It is for engineers who have such models.
+
+## Convert a model
+
+```text
+harmos-inp bracket.inp --output bracket
+mpirun -np 2 harmos bracket/bracket.xml --output run
+harmos-plot run
+```
+
+`harmos-inp` writes a [deck](scenes.md) and a mesh. Node sets and surfaces that loads, supports and contacts use become
+boundary parts. Elements that hang together by nodes become a body; a body has the name of the element set that it
+equals, else `body_1`, `body_2` and so on. The deck is the model: edit it like any other.
+
+What cannot be converted is an error with file and line. All errors are listed at once, and nothing is written. What is
+taken otherwise than the model says is told as a note.
+
+## What is converted
+
+* `*NODE`, `*ELEMENT`, `*NSET`, `*ELSET`, `*SURFACE`, `*INCLUDE`: bodies and boundary parts. Elements: C3D4, C3D8,
+  C3D10, C3D20 and C3D20R; CPE and CPS with 3, 4, 6 and 8 nodes, CPE8R, CPS8R
+* `*SOLID SECTION`, `*MATERIAL`, `*ELASTIC`, `*EXPANSION`, `*DENSITY`, `*ORIENTATION`: isotropic, orthotropic and
+  anisotropic materials, turned in any direction
+* `*BOUNDARY`: `Prescribed displacement`; with `*TRANSFORM` and for `*EQUATION`: `Linear constraint`
+* `*CLOAD`: `Force`; `*DLOAD` with P, GRAV and CENTRIF, `*DSLOAD`: `Traction`, `Body force`, `Centrifugal force`
+* `*INITIAL CONDITIONS` and `*TEMPERATURE`, the same in all of a body: `Thermal strain`
+* `*TIE`, `*CONTACT PAIR`, `*SURFACE BEHAVIOR`, `*FRICTION`: `Tie`, `Contact` (hard, or soft by a linear
+  pressure-overclosure), `Friction`
+* `*STEP`, `*STATIC`, `*AMPLITUDE`: steps and histories
+
+Keywords for output are ignored: Harmos always writes displacements, stresses, contact pressures and forces.
+
+## What differs
+
+* **Small displacements.** `NLGEOM` is told as a note; displacements and rotations are taken to be small.
+* **Contact and ties** are mortar couplings where meshes do not match. CalculiX ties nodes to faces one by one, which
+  does not pass the patch test on meshes that do not match.
+* **`ADJUST`** is told as a note; gaps stay as they are.
+* **Plane sections** have the thickness 1 in Harmos; forces are divided by the thickness of the model.
+* **Reduced elements** (C3D20R and its like) keep their reduced integration, and their body is one subdomain. A body
+  of one such cell has mechanisms and is rejected.
+
+## Its own test suite
+
+Debian's package `calculix-ccx-test` has the test suite of CalculiX. `tests/performance/calculix/calculix_models.py`
+converts each model, solves it on one rank, and compares displacements at each node: with the results of the suite, and
+with those of Debian's `ccx`, which solves the same input with the displacements of all nodes printed. The difference is
+the largest one over the largest displacement. Both print seven digits.
+"""
+
+REMARKS = {
+    "beampic": "the suite's result is that of an iterative solver, with three digits",
+    "cubef2f3": "ccx ties nodes one by one",
+    "planestress3": "ccx expands the elements to solid ones, in which the stress across is not zero at each point",
+}
+
+
+def line(entry):
+    """An entry for the terminal."""
+    parts = [f"{entry['name']:20} {entry['status']:8}"]
+    for field in ("reference", "ccx"):
+        if field in entry:
+            parts.append(f"{field} {entry[field]['difference']:.1e} at {entry[field]['node']}")
+    return "  ".join(parts + [entry.get("reason", "")])
+
+
+def wrapped(text):
+    return textwrap.fill(text, 120)
+
+
+def page(document):
+    runs = document["runs"]
+    inside = [entry for entry in runs if not entry["outside"]]
+    counts = Counter(entry["status"] for entry in inside)
+    reasons = Counter(entry["outside"] for entry in runs if entry["outside"])
+    lines = [
+        HEAD,
+        wrapped(
+            f"Of {len(runs)} models {len(inside)} are in scope: static, of solids, elastic, with small displacements. "
+            f"{counts['agrees']} agree, {counts['differs']} differ, {counts['refused']} are not converted, "
+            f"{counts['fails']} fail."
+        ),
+        "",
+        "| Out of scope because of | Models |",
+        "|---|---|",
+        *[f"| {reason} | {count} |" for reason, count in reasons.most_common()],
+        "",
+        wrapped(
+            "A model agrees if the difference from `ccx` is at most 1e-4, at most 1e-2 with coupled surfaces, whose "
+            "discretisation differs. Seconds are those of a whole run, output included."
+        ),
+        "",
+        "| Model | Nodes | | from the suite | from ccx | Harmos, s | ccx, s |",
+        "|---|---|---|---|---|---|---|",
+        *[row(entry) for entry in inside if entry["status"] in ("agrees", "differs")],
+        "",
+        "What does not agree, and why:",
+        "",
+        *[remark(entry) for entry in inside if remark(entry)],
+        "",
+        wrapped(f"*Measured by `tests/performance/calculix/calculix_models.py` with {document['harmos']}.*"),
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def row(entry):
+    cells = [entry["name"], str(entry.get("nodes", "")), entry["status"]]
+    cells += [f"{entry[f]['difference']:.1e}" if f in entry else "" for f in ("reference", "ccx")]
+    cells += [f"{entry[f]:.2f}" if f in entry else "" for f in ("seconds", "ccx_seconds")]
+    return "| " + " | ".join(cells) + " |"
+
+
+def remark(entry):
+    text = REMARKS.get(entry["name"], entry.get("reason", ""))
+    text = re.sub(r"^\S+\.inp, (line \d+): ", r"\1, ", text)
+    return f"* `{entry['name']}`: {text}" if text else ""

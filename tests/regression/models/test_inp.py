@@ -1,0 +1,308 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Models of CalculiX and Abaqus, converted by harmos-inp and solved.
+
+What each class guards against:
+
+    Answers   sets, surfaces, loads, local axes, equations, steps that mean something else after the conversion
+    Faults    keywords that are dropped without a word; faults that are told one by one, without their line
+    Damage    damaged input that ends in anything but a sentence and exit status 2
+"""
+
+import random
+import re
+import subprocess
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "apps" / "tools" / "inp"))
+
+import harmos_runs as runs  # noqa: E402
+
+try:
+    import h5py
+    import numpy as np
+
+    import inp_deck
+    import inp_file
+    import inp_model
+except ImportError as missing:
+    runs.skip(f"the Python module {missing.name} is missing")
+
+TOOL = runs.BINARY / "bin/harmos-inp"
+YOUNG = 200.0
+
+# Two bricks of one cell of 20 nodes each, one on the other: 1 × 1 × 1, from z = 0 and z = 1.
+CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
+EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
+PLACES = [np.array(c, float) for c in CORNERS]
+PLACES += [0.5 * (PLACES[a] + PLACES[b]) for a, b in EDGES]
+
+
+def brick(first, lift):
+    """Lines of nodes and of the element, numbered from first."""
+    nodes = [f"{first + k}, {x[0]}, {x[1]}, {x[2] + lift}" for k, x in enumerate(PLACES)]
+    numbers = [str(first + k) for k in range(20)]
+    return nodes, [f"{first}, " + ", ".join(numbers[:12]) + ",", ", ".join(numbers[12:])]
+
+
+def bricks(element="C3D20"):
+    lower, upper = brick(1, 0.0), brick(101, 1.0)
+    return [
+        "*NODE, NSET=NALL",
+        *lower[0],
+        *upper[0],
+        f"*ELEMENT, TYPE={element}, ELSET=LOWER",
+        *lower[1],
+        f"*Element, type={element}, elset=upper",
+        *upper[1],
+        "*MATERIAL, NAME=STEEL",
+        "*ELASTIC",
+        f"{YOUNG}, 0.",
+        "*DENSITY",
+        "3.0",
+        "*ELSET, ELSET=BOTH",
+        "LOWER, UPPER",
+        "*SOLID SECTION, ELSET=BOTH, MATERIAL=STEEL",
+        "*NSET, NSET=FLOOR",
+        "1, 2, 3, 4, 9, 10, 11, 12",
+        "*NSET, NSET=SIDES",
+        *[f"{n}," for k, x in enumerate(PLACES) if x[0] == 0 for n in (1 + k, 101 + k)],
+        "*NSET, NSET=FRONTS",
+        *[f"{n}," for k, x in enumerate(PLACES) if x[1] == 0 for n in (1 + k, 101 + k)],
+        "*BOUNDARY",
+        "FLOOR, 3, 3",
+        "SIDES, 1",
+        "FRONTS, 2, 2, 0.",
+    ]
+
+
+CONTACT = [
+    "*SURFACE, NAME=S1",
+    "LOWER, S2",
+    "*SURFACE, NAME=S2, TYPE=ELEMENT",
+    "101, S1",
+    "*SURFACE INTERACTION, NAME=I1",
+    "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
+    "50.",
+    "*CONTACT PAIR, INTERACTION=I1, TYPE=SURFACE TO SURFACE",
+    "S2, S1",
+]
+
+
+def step(*lines, head="*STEP"):
+    return [head, "*STATIC", *lines, "*END STEP"]
+
+
+def write(lines, name="model"):
+    directory = runs.scratch(name)
+    directory.mkdir(parents=True, exist_ok=True)
+    path = directory / f"{name}.inp"
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def convert(path):
+    return subprocess.run([TOOL, path], capture_output=True, text=True, timeout=60, check=False)
+
+
+def field(directory):
+    """Points, displacements and bodies of a result."""
+    with h5py.File(sorted(directory.glob("result*.vtkhdf"))[-1], "r") as file:
+        root = file["VTKHDF"]
+        first = np.cumsum(root["NumberOfCells"][()]) - root["NumberOfCells"][()]
+        body = np.repeat(root["CellData/body"][()].ravel()[first], root["NumberOfPoints"][()])
+        return root["Points"][()], root["PointData/displacement"][()], body
+
+
+class Answers(unittest.TestCase):
+    def solve(self, lines, name="model", np_=2):
+        path = write(lines, name)
+        converted = convert(path)
+        self.assertEqual(converted.returncode, 0, converted.stderr)
+        out = path.parent / "out"
+        run = runs.run(path.with_suffix(".xml"), {"Solver/Tolerance": 1e-10}, np=np_, output=out, program="harmos")
+        self.assertEqual(run.returncode, 0, f"{run}")
+        return converted, run, *field(out)
+
+    def expect(self, points, u, exact):
+        size = max(abs(exact(x, b)[c]) for x, b in zip(*points) for c in range(3))
+        for x, b, value in zip(*points, u):
+            np.testing.assert_allclose(value, exact(x, b), atol=1e-7 * size)
+
+    def test_pressed_bricks_in_soft_contact(self):
+        lines = bricks() + CONTACT + step("*DLOAD", "UPPER, P2, 2.0")
+        converted, _, points, u, body = self.solve(lines)
+        self.assertIn("model.xml", converted.stdout)
+        # Shortened by p/E each; the upper one sinks in by p/k.
+        self.expect((points, body), u, lambda x, b: (0, 0, -2.0 * x[2] / YOUNG - (b == 1) * 2.0 / 50.0))
+
+    def test_forces_at_nodes_are_those_of_a_pressure(self):
+        # A constant pressure has −1/12 of its force at corners, 1/3 at the middles of edges.
+        corners = [f"{105 + k}, 3, {2.0 / 12}" for k in range(4)]
+        edges = [f"{113 + k}, 3, {-2.0 / 3}" for k in range(4)]
+        lines = bricks() + CONTACT + step("*CLOAD", *corners, *edges)
+        _, _, points, u, body = self.solve(lines)
+        self.expect((points, body), u, lambda x, b: (0, 0, -2.0 * x[2] / YOUNG - (b == 1) * 2.0 / 50.0))
+
+    def test_ties_weight_and_tied_contact(self):
+        # ρ g over two heights: u = ρ g/E (z²/2 − 2 z), exact at corners.
+        for tie in (
+            ["*TIE, NAME=T", "S2, S1"],
+            ["*CONTACT PAIR, INTERACTION=I2", "S2, S1", "*SURFACE INTERACTION, NAME=I2",
+             "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED"],
+        ):
+            lines = bricks() + CONTACT[:4] + tie + step("*DLOAD", "BOTH, GRAV, 10., 0., 0., -2.")
+            _, _, points, u, _ = self.solve(lines)
+            for x, value in zip(points, u):
+                z = x[2]
+                if z == int(z):
+                    np.testing.assert_allclose(value[2], 30.0 / YOUNG * (z * z / 2 - 2 * z), atol=1e-8)
+
+    def test_local_axes_and_equations(self):
+        # Tied by equations node by node; the top is pulled in an axis of its own, which is −z.
+        pairs = [(5 + k, 101 + k) for k in range(4)] + [(13 + k, 109 + k) for k in range(4)]
+        rows = []
+        for low, high in pairs:
+            for dof in (1, 2, 3):
+                rows += ["2", f"{low}, {dof}, 1., {high}, {dof}, -1."]
+        top = [105, 106, 107, 108, 113, 114, 115, 116]
+        lines = bricks() + ["*NSET, NSET=TOP", ", ".join(map(str, top)), "*TRANSFORM, NSET=TOP, TYPE=R",
+                            "0., 0., -1., 0., 1., 0.", "*EQUATION", *rows]
+        # Of the axes 1 is −z; 2 is y, which the front holds.
+        held = [line for line in lines if line != "SIDES, 1"]
+        held = [re.sub("^FRONTS.*", "FREE, 2, 2, 0.", line) for line in held]
+        where = held.index("*BOUNDARY")
+        free = [str(n) for k, x in enumerate(PLACES) if x[1] == 0 for n in (1 + k, 101 + k) if n not in top]
+        side = [str(n) for k, x in enumerate(PLACES) if x[0] == 0 for n in (1 + k, 101 + k) if n not in top]
+        held[where:where] = ["*NSET, NSET=FREE", *[n + "," for n in free], "*NSET, NSET=SIDE", *[n + "," for n in side]]
+        held += ["*BOUNDARY", "SIDE, 1, 1"]
+        _, _, points, u, body = self.solve(held + step("*BOUNDARY", "TOP, 1, 1, 0.04"))
+        self.expect((points, body), u, lambda x, b: (0, 0, -0.02 * x[2]))
+
+    def test_steps_and_amplitudes(self):
+        lines = bricks() + CONTACT[:4] + ["*TIE, NAME=T", "S2, S1", "*AMPLITUDE, NAME=A", "0., 0., 1., 0.5"]
+        lines += step("*DLOAD", "UPPER, P2, 2.0") + step("*DLOAD, AMPLITUDE=A", "UPPER, P2, 6.0")
+        _, run, points, u, body = self.solve(lines)
+        self.expect((points, body), u, lambda x, b: (0, 0, -3.0 * x[2] / YOUNG))
+        self.assertEqual(len((Path(run.directory) / "steps.csv").read_text().splitlines()), 3)
+
+    def test_rotation(self):
+        # ω² = 4 about z, without sideways contraction: u_x = ρω²/E (x/2 − x³/6), exact at corners.
+        lines = bricks() + CONTACT[:4] + ["*TIE, NAME=T", "S2, S1"]
+        lines += step("*DLOAD", "BOTH, CENTRIF, 4., 0., 0., 9., 0., 0., 2.")
+        _, _, points, u, _ = self.solve(lines)
+        for x, value in zip(points, u):
+            for c in (0, 1):
+                if x[c] == int(x[c]):
+                    exact = 12.0 / YOUNG * (x[c] / 2 - x[c] ** 3 / 6)
+                    np.testing.assert_allclose(value[c], exact, atol=1e-8)
+
+    def test_included_files_and_generated_sets(self):
+        directory = write(bricks(), "part").parent
+        main = directory / "whole.inp"
+        lines = ["** a comment", "*INCLUDE, INPUT=part.inp", *CONTACT, "*NSET, NSET=T, GENERATE", "105, 108, 1"]
+        main.write_text("\n".join(lines + step("*CLOAD", "T, 3, -0.5")) + "\n", encoding="utf-8")
+        self.assertEqual(convert(main).returncode, 0)
+        deck = main.with_suffix(".xml").read_text(encoding="utf-8")
+        self.assertIn('value="{0.0, 0.0, -0.5}"', deck)
+
+
+class Faults(unittest.TestCase):
+    def faults(self, lines):
+        path = write(lines)
+        done = convert(path)
+        self.assertEqual(done.returncode, 2, done.stdout)
+        self.assertFalse(path.with_suffix(".xml").exists())
+        return done.stderr
+
+    def line_of(self, lines, text):
+        return f"line {lines.index(text) + 1}"
+
+    def test_every_keyword_that_is_not_taken_is_told(self):
+        lines = bricks() + ["*PLASTIC", "200., 0.", "*RIGID BODY, NSET=TOP, REF NODE=3"] + step("*VIEWFACTOR", "1")
+        text = self.faults(lines)
+        for keyword in ("PLASTIC", "RIGID BODY", "VIEWFACTOR"):
+            line = next(line for line in lines if line.startswith("*" + keyword))
+            self.assertRegex(text, rf"{self.line_of(lines, line)}: \*{keyword} is not supported")
+
+    def test_faults_name_what_is_wrong(self):
+        base, load = bricks(), step("*CLOAD", "NALL, 3, 1.")
+        for lines, wanted in (
+            (base + step("*CLOAD", "NOWHERE, 3, 1."), "there is no node set"),
+            (base + step("*DLOAD", "UPPER, P7, 1."), "has no face P7"),
+            (base + step("*DLOAD", "UPPER, P2NP, 1."), "P2NP is not supported"),
+            (base + step("*CLOAD", "105, 4, 1."), "moment"),
+            (base + step("*BOUNDARY, FIXED", "NALL, 1"), "FIXED is not supported"),
+            (base + ["*EQUATION", "2", "1, 1, 1."] + load, "ends early"),
+            (base + ["*EQUATION", "2", "1, 1, 1., 999, 1, 1."] + load, "there is no node 999"),
+            (base + ["*TIE, NAME=T", "A, B"] + load, "there is no surface"),
+            ([*base[:-3], "FLOOR, x"] + load, "is not a number"),
+            (base, "no *STEP"),
+            ([line.replace("C3D20", "S8R") for line in base] + load, "S8R is not supported"),
+            ([line for line in base if "SOLID" not in line] + load, "has no *SOLID SECTION"),
+            (base + ["*STEP", "*FREQUENCY", "1", "*END STEP"], "*FREQUENCY is not supported"),
+        ):
+            self.assertIn(wanted, self.faults(lines))
+
+    def test_what_is_taken_otherwise_is_told(self):
+        lines = bricks() + CONTACT[:-2] + ["*CONTACT PAIR, INTERACTION=I1, ADJUST=0.1", "S2, S1"]
+        done = convert(write(lines + step("*CLOAD", "105, 3, -1.", head="*STEP, NLGEOM")))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("note: ", done.stdout)
+        for word in ("ADJUST", "NLGEOM"):
+            self.assertIn(word, done.stdout)
+
+    def test_help_and_a_file_that_is_not_there(self):
+        done = subprocess.run([TOOL, "--help"], capture_output=True, text=True, check=False)
+        self.assertIn("MODEL.inp", done.stdout)
+        done = convert(runs.scratch("nothing") / "none.inp")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("cannot be read", done.stderr)
+
+
+class Damage(unittest.TestCase):
+    COUNT = 300
+
+    def test_damaged_models_end_in_a_sentence(self):
+        source = random.Random(7)
+        pairs = ["*EQUATION", "2", "5, 1, 1., 101, 1, -1.", "*TRANSFORM, NSET=FLOOR, TYPE=C", "-1,-1,0,-1,-1,5"]
+        whole = bricks() + CONTACT + pairs + step("*CLOAD", "105, 3, -1.", "*DLOAD", "UPPER, P2, 2.0")
+        refused = 0
+        for _ in range(self.COUNT):
+            lines = list(whole)
+            for _ in range(source.randint(1, 3)):
+                damage(lines, source)
+            path = write(lines, "damaged")
+            try:
+                conversion = inp_deck.Conversion(inp_model.read_model(inp_file.read(path)), "damaged")
+                inp_deck.write_mesh(conversion, path.with_suffix(".msh"))
+                inp_deck.write_deck(conversion, path.with_suffix(".xml"), "damaged.msh")
+            except inp_file.InpError as error:
+                refused += 1
+                self.assertTrue(error.faults and all(error.faults), lines)
+        self.assertGreater(refused, self.COUNT // 4)
+
+
+def damage(lines, source):
+    k = source.randrange(len(lines))
+    kind = source.randrange(6)
+    if kind == 0:
+        del lines[k]
+    elif kind == 1:
+        lines[k] = lines[k][: source.randrange(len(lines[k]) + 1)]
+    elif kind == 2:
+        lines.insert(k, lines[source.randrange(len(lines))])
+    elif kind == 3:
+        place = source.randrange(len(lines[k]) + 1)
+        lines[k] = lines[k][:place] + source.choice(",*=.-7xE\0é ") + lines[k][place:]
+    elif kind == 4:
+        lines[k] = re.sub(r"\d+", lambda m: str(source.choice((0, -1, 10**12, m.group()))), lines[k], count=2)
+    else:
+        other = source.randrange(len(lines))
+        lines[k], lines[other] = lines[other], lines[k]
+
+
+if __name__ == "__main__":
+    runs.main()
