@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_DeckScene.hpp"
 
+#include "Harmos_AxisOfSymmetry.hpp"
 #include "Harmos_DeckBodies.hpp"
 #include "Harmos_DeckParts.hpp"
 
@@ -10,6 +11,7 @@ namespace {
 const std::vector<std::pair<std::string, scene::Physics>> physicsNames = {
     {"plane strain", scene::Physics::PlaneStrain},
     {"plane stress", scene::Physics::PlaneStress},
+    {"axisymmetric", scene::Physics::Axisymmetric},
     {"solid", scene::Physics::Solid},
     {"membrane", scene::Physics::Membrane}};
 
@@ -20,9 +22,10 @@ void addSceneParameters(ParameterSpec& deck, const scene::EffectRegistry& regist
   model.choice("Physics", "plane strain",
                {{"plane strain", "elastic, no strain out of the plane"},
                 {"plane stress", "elastic, no stress out of the plane"},
+                {"axisymmetric", "elastic bodies of revolution: x is the distance from the axis, y along it"},
                 {"solid", "elastic, three dimensions"},
                 {"membrane", "−Δu = f in the plane, one displacement a node"}},
-               "Physics of all bodies.");
+               "Of all bodies.");
   model.text("Name", "scene", "Name of the scene in log and summary.");
   model.text("Mesh file", "",
              "Mesh file of bodies with the source \"file\", relative to the deck. A file that Gmsh reads "
@@ -44,6 +47,8 @@ scene::Scene sceneFromDeck(const DeckContext& context, const scene::EffectRegist
   addBodies(context, scene);
   addBoundaryRules(context.deck, scene);
   registry.addEffects(context.deck, scene);
+  if (scene.physics == scene::Physics::Axisymmetric)
+    scene.effects.push_back(std::make_shared<effects::AxisOfSymmetry>(scene.bodies.size()));
   return scene;
 }
 

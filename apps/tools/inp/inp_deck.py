@@ -63,8 +63,10 @@ class Conversion:
         self.materials, self.histories = {}, {}
         self.body_of_element, self.body_of_node = {}, {}
         self.part_names = {}
+        self.cuts = {}  # node of a pretension -> (direction, pairs of nodes)
         self.thickness = 1.0
         for make in (
+            self.make_cuts,
             self.make_bodies,
             self.make_materials,
             self.make_supports,
@@ -78,10 +80,68 @@ class Conversion:
                 make()
             except ValueError as error:
                 self.faults += str(error).split("\n")
-            if self.faults and make in (self.make_bodies, self.make_materials):
+            if self.faults and make in (self.make_cuts, self.make_bodies, self.make_materials):
                 break  # what follows needs them
         if self.faults:
             raise InpError(self.faults)
+
+    # Pretension: bolts are cut, and the sides held together but for a shift along the bolt.
+
+    def make_cuts(self):
+        model = self.model
+        for pretension in model.pretensions:
+            surface = model.surfaces.get(pretension.surface)
+            if surface is None or not surface.faces:
+                raise ValueError(f"{pretension.place}: there is no surface of faces \"{pretension.surface}\"")
+            below = {element for element, _ in surface.faces}
+            nodes = sorted({n for face in surface.faces for n in model.face_nodes(*face)})
+            places = np.array([model.nodes[n] for n in nodes])
+            normal = self.direction_of(pretension, surface, places)
+            twins = dict(zip(nodes, range(max(model.nodes) + 1, max(model.nodes) + 1 + len(nodes))))
+            for node, twin in twins.items():
+                model.nodes[twin] = model.nodes[node]
+            for block in model.blocks:
+                for row, number in enumerate(block.numbers.tolist()):
+                    members = block.nodes[row].tolist()
+                    if number in below or not twins.keys() & set(members):
+                        continue
+                    middle = np.mean([model.nodes[n] for n in members], axis=0)
+                    if (middle - places.mean(axis=0)).dot(normal) > 0.0:
+                        block.nodes[row] = [twins.get(n, n) for n in members]
+            self.cuts[pretension.node] = (normal, list(twins.items()))
+
+    def direction_of(self, pretension, surface, places):
+        """Unit normal of a cut, away from the elements whose faces it is."""
+        model = self.model
+        block, row = model.typeOf[surface.faces[0][0]]
+        inside = np.mean([model.nodes[int(n)] for n in block.nodes[row]], axis=0)
+        away = places.mean(axis=0) - inside
+        if pretension.direction is not None and any(pretension.direction):
+            normal = np.array(pretension.direction)
+        else:
+            normal = np.linalg.svd(places - places.mean(axis=0))[2][-1]
+        normal = normal / np.linalg.norm(normal)
+        return normal if normal.dot(away) > 0.0 else -normal
+
+    def hold_cut(self, node, shift):
+        """Rows of a cut: the same jump everywhere, along the bolt or none; shift: that along it, if given."""
+        normal, pairs = self.cuts[node]
+        dimension = 3 if self.physics == "solid" else 2
+        frame = np.linalg.svd(normal[None, :dimension])[2]
+        name = f"pretension_{node}"
+        for k, direction in enumerate(frame):
+            for low, high in pairs:
+                terms = [(low, c, float(x)) for c, x in enumerate(direction) if abs(x) > 1e-14]
+                terms += [(high, c, -float(x)) for c, x in enumerate(direction) if abs(x) > 1e-14]
+                if k > 0:
+                    self.add_equation(terms, 0.0, name)
+                elif shift is not None:
+                    self.add_equation(terms, shift * float(np.sign(direction.dot(normal[:dimension]))), name)
+                elif low != pairs[0][0]:
+                    first, last = pairs[0]
+                    less = [(n, c, -x) for n, c, x in terms]
+                    same = [(first if n == low else last, c, x) for n, c, x in less]
+                    self.add_equation(terms + same, 0.0, name)
 
     # Bodies.
 
@@ -148,7 +208,7 @@ class Conversion:
                 group = body.name if len(body.regions) == 1 else f"{body.name}_{k}"
                 self.mesh.cells[group] = (body.type, rows)
         thickness = {s.thickness for body in self.bodies for s, _ in body.regions.values()}
-        if self.physics != "solid":
+        if self.physics in ("plane strain", "plane stress"):
             if len(thickness) > 1:
                 raise ValueError("plane sections of several thicknesses are not supported")
             self.thickness = thickness.pop()
@@ -399,6 +459,9 @@ class Conversion:
     def make_forces(self):
         loads = defaultdict(dict)
         for (node, dof), points in self.series("cload").items():
+            if node in self.cuts and dof == 1:
+                self.pull_cut(node, points)
+                continue
             if not 1 <= dof <= 3:
                 raise ValueError(f"node {node}: a moment (*CLOAD on dof {dof}) is not supported")
             loads[node][dof] = points
@@ -418,6 +481,15 @@ class Conversion:
                 self.add_effect(
                     "Force", "force", Part=f"{body}/{part}", Force=list(force), History=history
                 )
+
+    def pull_cut(self, node, points):
+        """A force that pulls both sides of a cut together, at a pair of nodes, since all jumps are the same."""
+        normal, pairs = self.cuts[node]
+        size, history = self.history(points)
+        for part, sign in zip(pairs[0], (1.0, -1.0)):
+            force = (sign * size / self.thickness * normal).tolist()
+            for body, name in self.node_part([part], f"n{part}").items():
+                self.add_effect("Force", f"pretension_{node}", Part=f"{body}/{name}", Force=force, History=history)
 
     def make_distributed(self):
         pressures = defaultdict(list)
@@ -484,6 +556,12 @@ class Conversion:
                 )
 
     def make_equations(self):
+        for node in self.cuts:
+            points = self.free_nodes.get((node, 1))
+            shift, history = self.history(points) if points is not None else (None, "")
+            if history and shift:
+                raise ValueError(f"node {node}: the shift of a pretension over steps is not supported")
+            self.hold_cut(node, shift)
         for equation in self.model.equations:
             terms, value = [], 0.0
             for node, dof, factor in equation.terms:
@@ -514,20 +592,39 @@ class Conversion:
                 self.couple("Tie", "tie", pair)
                 continue
             soft = interaction.stiffness if interaction.behaviour == "LINEAR" else ""
-            if "ADJUST" in pair.options:
-                self.notes.append(f"{pair.place}: ADJUST is not supported; gaps stay as they are")
-            for name in self.couple("Contact", "contact", pair, Stiffness=soft):
+            for name in self.couple("Contact", "contact", pair, Stiffness=soft, Adjust=self.adjust(pair)):
                 if interaction.friction:
                     self.add_effect("Friction", name, Contact=name, Coefficient=interaction.friction)
 
+    def adjust(self, pair):
+        """Distances up to this are zero; "": they stay."""
+        text = pair.options.get("ADJUST", "")
+        try:
+            return max(float(text), 1e-300) if text else ""
+        except ValueError:
+            self.notes.append(f"{pair.place}: ADJUST of a node set is not supported; gaps stay as they are")
+            return ""
+
     def couple(self, kind, name, pair, **more):
         slaves, masters = (self.surface(text, pair.place) for text in (pair.slave, pair.master))
-        names = []
+        names, pairs = [], len(slaves) * len(masters)
         for slave, first in slaves.items():
             for master, second in masters.items():
+                if pairs > 1 and not self.are_near(first, second):
+                    continue
                 sides = {"First": f"{slave}/{first}", "Second": f"{master}/{second}"}
                 names.append(self.add_effect(kind, name, **sides, **more))
         return names
+
+    def are_near(self, first, second):
+        """Whether two parts may meet: boxes around them, wider by a tenth."""
+        boxes = []
+        for part in (first, second):
+            places = np.array([self.model.nodes[n] for face in self.mesh.sides[part] for n in face])
+            margin = 0.1 * np.ptp(places, axis=0).max()
+            boxes.append((places.min(axis=0) - margin, places.max(axis=0) + margin))
+        (low, high), (least, most) = boxes
+        return bool(np.all(low <= most) and np.all(least <= high))
 
     def surface(self, name, place):
         surface = self.model.surfaces.get(name)

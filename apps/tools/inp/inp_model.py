@@ -48,7 +48,7 @@ def _types():
         "C3D20": ElementType(3, 20, 17, HEXA_20, HEXA),
         "C3D20R": ElementType(3, 20, 17, HEXA_20, HEXA, reduced=True),
     }
-    for prefix, physics in (("CPE", "plane strain"), ("CPS", "plane stress")):
+    for prefix, physics in (("CPE", "plane strain"), ("CPS", "plane stress"), ("CAX", "axisymmetric")):
         types[prefix + "3"] = ElementType(2, 3, 2, (0, 1, 2), _corners(TRIANGLE, 2), physics)
         types[prefix + "6"] = ElementType(2, 6, 9, tuple(range(6)), TRIANGLE, physics)
         types[prefix + "4"] = ElementType(2, 4, 3, (0, 1, 2, 3), _corners(QUADRILATERAL, 2), physics)
@@ -112,6 +112,16 @@ class Pair:
 
 
 @dataclass
+class Pretension:
+    """A cut through a bolt at faces of elements; the force or the shift is that of dof 1 of a node."""
+
+    place: str
+    surface: str
+    node: int
+    direction: tuple = None
+
+
+@dataclass
 class Step:
     """What a step changes: lists of (place, what)."""
 
@@ -145,6 +155,7 @@ class Model:
     interactions: dict = field(default_factory=dict)
     contacts: list = field(default_factory=list)
     ties: list = field(default_factory=list)
+    pretensions: list = field(default_factory=list)
     equations: list = field(default_factory=list)
     transforms: list = field(default_factory=list)  # (nodes, type, six numbers)
     amplitudes: dict = field(default_factory=dict)
@@ -427,6 +438,13 @@ class Reader:
             raise ValueError(f"{keyword.place}: *TIE of cyclic symmetry is not supported")
         for row in keyword.rows:
             self.model.ties.append(Pair(row.place, "", row.text(0), row.text(1), keyword.options))
+
+    def _pre_tension_section(self, keyword):
+        if not keyword.option("SURFACE") or not keyword.option("NODE"):
+            raise ValueError(f"{keyword.place}: *PRE-TENSION SECTION needs SURFACE and NODE")
+        direction = tuple(keyword.rows[0].number(k, 0.0) for k in range(3)) if keyword.rows else None
+        (node,) = self.model.node_list(keyword.option("NODE"), keyword.place)[:1]
+        self.model.pretensions.append(Pretension(keyword.place, keyword.option("SURFACE"), node, direction))
 
     def _equation(self, keyword):
         rows = iter(keyword.rows)

@@ -191,6 +191,11 @@ Facet::State Facet::at(const FacetPlace& place) const {
     }
   const Point& t = state.tangents[0];
   state.areaNormal = surface_.dimension == 2 ? Point{t[1], -t[0], 0.0} : cross(t, state.tangents[1]);
+  state.measure = norm(state.areaNormal);
+  if (surface_.isAxisymmetric) {
+    constexpr double turn = 6.283185307179586;
+    state.measure *= turn * state.position[0];
+  }
   return state;
 }
 
@@ -204,7 +209,7 @@ FacetIntegrals integralsOn(const Facet& facet, const fem::Quadrature& rule) {
   FacetIntegrals result;
   for (std::size_t q = 0; q < rule.points.size(); ++q) {
     const Facet::State state = facet.at({rule.points[q][0], rule.points[q][1]});
-    const double weight = rule.weights[q] * norm(state.areaNormal);
+    const double weight = rule.weights[q] * state.measure;
     result.area += weight;
     for (std::size_t k = 0; k < facet.size(); ++k)
       result.ofNodes[k] += weight * state.basis.values[k];

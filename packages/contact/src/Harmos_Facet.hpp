@@ -83,6 +83,7 @@ class Facet {
     fem::Point position{};
     std::array<fem::Point, 2> tangents{};
     fem::Point areaNormal{}; ///< outward; its length is the measure of the facet by that of the reference one
+    double measure = 0.0;    ///< that length; axisymmetric: times that of the circle, 2πx
   };
 
   Facet(const Surface& surface, int facet)

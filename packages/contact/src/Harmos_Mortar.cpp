@@ -146,7 +146,7 @@ class SurfaceCarriers {
     const fem::Quadrature rule = fem::quadratureOn(surface_.facetType, 4);
     double area = 0.0;
     for (std::size_t q = 0; q < rule.points.size(); ++q)
-      area += rule.weights[q] * norm(facet.at({rule.points[q][0], rule.points[q][1]}).areaNormal);
+      area += rule.weights[q] * facet.at({rule.points[q][0], rule.points[q][1]}).measure;
     return area;
   }
 

@@ -85,7 +85,7 @@ MortarSample sampleAt(const Surface& second, const Facet& facet, double x, int o
   return {{x, 0.0},
           opposite,
           met,
-          norm(state.areaNormal),
+          state.measure,
           dot(difference(other.at(met).position, state.position), normal)};
 }
 

@@ -37,6 +37,7 @@ struct NodeCopy {
 // What the subdomains of this rank see of the surface.
 struct Part {
   long long leastType = std::numeric_limits<long long>::max(), largestType = -1; // of facets
+  bool isAxisymmetric = false;
   std::vector<FacetItem> facets;
   std::vector<NodeCopy> nodes; // once each
 };
@@ -52,6 +53,7 @@ Part partOf(const std::vector<const fem::PlacedMesh*>& meshes, const std::string
     const auto type = static_cast<long long>(fem::shapeOf(mesh.cellType).side);
     part.leastType = std::min(part.leastType, type);
     part.largestType = std::max(part.largestType, type);
+    part.isAxisymmetric = part.isAxisymmetric || mesh.isAxisymmetric;
     for (const fem::Side& side : found->second) {
       FacetItem& facet = part.facets.emplace_back();
       facet.nodes.fill(noNode);
@@ -276,7 +278,7 @@ void setAreasAndNormals(Surface& surface, const std::vector<char>& inside) {
     double area = 0.0, size = 0.0;
     for (std::size_t q = 0; q < rule.points.size(); ++q) {
       const Facet::State state = facet.at({rule.points[q][0], rule.points[q][1]});
-      const double weight = rule.weights[q] * norm(state.areaNormal);
+      const double weight = rule.weights[q] * state.measure;
       area += weight;
       for (std::size_t k = 0; k < facet.size(); ++k)
         surface.areas[facet.node(k)] += weight * state.basis.values[k];
@@ -431,6 +433,7 @@ Surface gatherSurface(const Teuchos::Comm<int>& comm, const std::vector<const fe
   surface.name = name;
   surface.comm = &comm;
   setType(surface, set, globalMin(comm, mine.leastType), globalMax(comm, mine.largestType));
+  surface.isAxisymmetric = globalMax(comm, mine.isAxisymmetric ? 1LL : 0LL) > 0;
   const Meetings meetings = meet(comm, mine.nodes);
   surface.wholeNodes = meetings.wholeNodes;
   std::vector<std::vector<std::size_t>> forOthers;

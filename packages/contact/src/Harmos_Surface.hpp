@@ -28,11 +28,12 @@ struct Surface {
   std::string name;               ///< for messages: "ring/inner"
   int dimension = 0;              ///< of the space: 2 or 3
   fem::CellType facetType{};      ///< of its facets
+  bool isAxisymmetric = false;    ///< in the meridian plane: integrals go around the axis, see fem::Mesh
   std::vector<long long> numbers; ///< global node numbers, rising: of the nodes of all facets that are here
   std::vector<fem::Point> positions; ///< of each node
   std::vector<fem::Point> normals;   ///< of each node, outward, of length one
-  std::vector<double> areas;    ///< ∫ φ_i: lengths in the plane (per unit thickness); 0 at the corners of
-                                ///< straight triangles of six nodes
+  std::vector<double> areas; ///< ∫ φ_i: lengths in the plane (per unit thickness); axisymmetric: areas; 0 at
+                             ///< the corners of straight triangles of six nodes
   std::vector<int> facets;      ///< nodes (places in numbers) of each facet, in the order of its shape,
                                 ///< seen from outside
   std::vector<char> isOwnFacet; ///< 1: of a subdomain of this rank

@@ -144,6 +144,7 @@ Surface facetsTouching(const Surface& surface, const std::vector<Box>& boxes) {
   found.name = surface.name;
   found.dimension = surface.dimension;
   found.facetType = surface.facetType;
+  found.isAxisymmetric = surface.isAxisymmetric;
   found.comm = surface.comm;
   found.wholeNodes = surface.wholeNodes;
   found.wholeBox = surface.wholeBox;

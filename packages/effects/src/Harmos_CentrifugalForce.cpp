@@ -16,7 +16,8 @@ scene::EffectKind kindOfCentrifugalForce() {
   spec.real("Angular velocity", 0.0, Range(),
             "Radians per time. With a \"History\" the factor scales the force, the square of it.");
   spec.reals("Point", {0.0, 0.0, 0.0}, Range(), "A point on the axis.");
-  spec.reals("Axis", {0.0, 0.0, 1.0}, Range(), "Direction of the axis; in plane scenes z.");
+  spec.reals("Axis", {0.0, 0.0, 1.0}, Range(),
+             "Direction of the axis; in plane scenes z, in axisymmetric ones y.");
   return {CentrifugalForce::kindName, spec,
           [](const Teuchos::ParameterList& list, const std::string& path, const scene::Scene& scene) {
             requireElastic(scene, "\"" + path + "\"");
@@ -37,8 +38,12 @@ void CentrifugalForce::check(const scene::Scene& scene) const {
   const fem::Point& axis = rotation_.axis;
   if (!(norm(axis) > 0.0))
     throw InputError(label() + ": its axis is a zero vector; give a direction");
-  if (scene.components() == 2 && (axis[0] != 0.0 || axis[1] != 0.0))
+  if (scene.physics == scene::Physics::Axisymmetric) {
+    if (axis[0] != 0.0 || axis[2] != 0.0 || rotation_.point[0] != 0.0)
+      throw InputError(label() + ": its axis is not y; axisymmetric bodies turn about their own axis, x = 0");
+  } else if (scene.components() == 2 && (axis[0] != 0.0 || axis[1] != 0.0)) {
     throw InputError(label() + ": its axis is not z; bodies in the plane turn about an axis normal to it");
+  }
 }
 
 std::optional<scene::Effect::Key> CentrifugalForce::loadKey(const scene::Scene&,

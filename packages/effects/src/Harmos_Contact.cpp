@@ -12,23 +12,34 @@ scene::EffectKind kindOfContact() {
             "Length added to the distance of the meshes; negative: initial penetration.");
   spec.real("Stiffness", 0.0, Range::atLeast(0.0),
             "Soft contact: pressure by penetration, a force per volume. 0: hard contact, no penetration.");
+  spec.real(
+      "Adjust", 0.0, Range::atLeast(0.0),
+      "Distances of the meshes up to this length, and penetrations, are taken to be zero, without strain, "
+      "before the gap is added. 0: distances stay as they are.");
   return {Contact::kindName, spec,
           [](const Teuchos::ParameterList& list, const std::string& path, const scene::Scene& scene) {
-            return std::make_shared<Contact>(SurfacePair::fromList(list, path, scene),
-                                             list.get<double>("Gap"), scene::nameIn(path),
-                                             list.get<double>("Stiffness"));
+            const Contact::Options options = {list.get<double>("Gap"), list.get<double>("Stiffness"),
+                                              list.get<double>("Adjust")};
+            return std::make_shared<Contact>(SurfacePair::fromList(list, path, scene), options,
+                                             scene::nameIn(path));
           }};
 }
 
-Contact::Contact(SurfacePair pair, double gap, std::string name, double stiffness)
-    : Effect(kindName, std::move(name)), pair_(std::move(pair)), gap_(gap), stiffness_(stiffness) {}
+Contact::Contact(SurfacePair pair, double gap, std::string name)
+    : Contact(std::move(pair), Options{gap, 0.0, 0.0}, std::move(name)) {}
+
+Contact::Contact(SurfacePair pair, const Options& options, std::string name)
+    : Effect(kindName, std::move(name)), pair_(std::move(pair)), options_(options) {}
 
 void Contact::addConstraints(scene::ConstraintCollector& collector) const {
-  std::vector<contact::ContactPoint> points = pair_.points(collector, SurfacePair::Purpose::Contact, gap_);
+  std::vector<contact::ContactPoint> points =
+      pair_.points(collector, SurfacePair::Purpose::Contact, options_.gap);
   for (contact::ContactPoint& point : points) {
-    point.gap += gap_;
-    if (stiffness_ > 0.0)
-      point.compliance = 1.0 / (stiffness_ * point.area);
+    if (options_.adjust > 0.0 && point.gap <= options_.adjust)
+      point.gap = 0.0;
+    point.gap += options_.gap;
+    if (options_.stiffness > 0.0)
+      point.compliance = 1.0 / (options_.stiffness * point.area);
   }
   collector.addContacts(points, {{pair_.first.body, pair_.first.set}, {pair_.second.body, pair_.second.set}});
 }

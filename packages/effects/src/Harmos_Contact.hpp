@@ -13,9 +13,13 @@ class Contact : public scene::Effect {
  public:
   static constexpr const char* kindName = "Contact";
 
-  /// @param gap added to the distance of the meshes; negative: penetration.
-  /// @param stiffness k, pressure by penetration; 0: the contact is hard.
-  explicit Contact(SurfacePair pair, double gap = 0.0, std::string name = "", double stiffness = 0.0);
+  struct Options {
+    double gap = 0.0;       ///< added to the distance of the meshes; negative: penetration
+    double stiffness = 0.0; ///< k, pressure by penetration; 0: the contact is hard
+    double adjust = 0.0;    ///< distances up to this, and penetrations, are taken to be zero; 0: none
+  };
+  explicit Contact(SurfacePair pair, double gap = 0.0, std::string name = "");
+  Contact(SurfacePair pair, const Options& options, std::string name);
 
   std::vector<BoundaryPart> boundaryParts() const override { return pair_.parts(); }
   bool givesInequalities() const override { return true; }
@@ -23,7 +27,7 @@ class Contact : public scene::Effect {
 
  private:
   SurfacePair pair_;
-  double gap_, stiffness_;
+  Options options_;
 };
 
 /// What decks may say of it.

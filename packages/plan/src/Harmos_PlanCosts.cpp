@@ -222,8 +222,8 @@ feti::StepShape shapeOf(const PlanSurvey& survey, const std::vector<RankLoad>& l
 // Clusters as asked for, or as a run chooses them; the coarse problem as a run decides, which has no factor
 // then and takes all motions.
 feti::ClusterPrediction clustersOf(const PlanSurvey& survey, const std::vector<RankLoad>& loads,
-                                   const feti::DualOptions& options, bool elastic, double productSeconds,
-                                   int usualProducts, const feti::StepRates& rates) {
+                                   const feti::DualOptions& options, double productSeconds, int usualProducts,
+                                   const feti::StepRates& rates) {
   using Kind = feti::ClusterOptions::Kind;
   feti::UnjoinedRun run;
   run.step = shapeOf(survey, loads);
@@ -232,7 +232,7 @@ feti::ClusterPrediction clustersOf(const PlanSurvey& survey, const std::vector<R
   run.products = options.expectedProducts > 0 ? options.expectedProducts : usualProducts;
   run.clusters.subdomains = most(loads, &RankLoad::subdomains);
   run.clusters.distinct = most(loads, &RankLoad::classes);
-  run.clusters.motions = !elastic ? 1.0 : survey.dimension == 3 ? 6.0 : 3.0;
+  run.clusters.motions = survey.rigidBodyModes;
   for (const std::vector<int>& boundary : survey.boundaries)
     run.clusters.boundary += static_cast<double>(boundary.size()) / run.subdomains;
   // Ranks without subdomains have no shape.
@@ -309,7 +309,7 @@ PlanRow planRow(const PlanSurvey& survey, const run::RunOptions& options, bool e
   for (const RankLoad& load : loads)
     productSeconds = std::max(productSeconds, load.predictions[way].productSeconds);
   const feti::ClusterPrediction clusters =
-      clustersOf(survey, loads, options.dual, elastic, productSeconds,
+      clustersOf(survey, loads, options.dual, productSeconds,
                  feti::DualOptions::usualProducts(elastic, options.tolerance), rates.step);
   row.clusters = clusters.clusters;
   row.productsGrowth = clusters.growth;

@@ -236,6 +236,7 @@ class Surveyor {
       : comm_(*comm), scene_(scene), options_(options), watch_(*comm) {
     survey_.ranks = comm->getSize();
     survey_.dimension = scene.physics == scene::Physics::Solid ? 3 : 2;
+    survey_.rigidBodyModes = scene::rigidBodyModesOf(scene.physics);
     makeSystem(comm);
     makeConstraints();
     makeCoarse();

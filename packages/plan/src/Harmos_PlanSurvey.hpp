@@ -40,7 +40,8 @@ struct PlanSurvey {
   /// multifrontal factorisation (feti::FrontTree), whatever solver the deck asks for. Of more than 64
   /// matrices, 64 are analysed; the others are scaled by n.
   std::vector<feti::FactorizationEstimate> matrices;
-  int dimension = 2; ///< of space
+  int dimension = 2;      ///< of space
+  int rigidBodyModes = 3; ///< of a free subdomain
 
   long long primalDimension = 0, dualDimension = 0, inequalities = 0;
   long long limited = 0; ///< rows of friction

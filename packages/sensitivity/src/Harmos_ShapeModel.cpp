@@ -121,6 +121,8 @@ ShapeModel::ShapeModel(feti::FetiSolver& solver, const scene::Scene& scene,
   const Teuchos::Comm<int>& comm = communicatorOf(solver_);
   if (scene_.physics == scene::Physics::Membrane)
     throw InputError("the node positions of membranes cannot be designed; design their gaps");
+  if (scene_.physics == scene::Physics::Axisymmetric)
+    throw InputError("the node positions of axisymmetric bodies cannot be designed; design their gaps");
   completeRows(reference_, scene_.components());
   contact_ = reference_;
   std::vector<double> moved(map_.size(), 0.0);

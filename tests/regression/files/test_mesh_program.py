@@ -187,7 +187,7 @@ class Formats(unittest.TestCase):
         directory = runs.scratch("refused")
         directory.mkdir()
         cases = {
-            "eight.msh": (MSH_2.replace("2 2 2 1 1 1 2 5", "2 16 2 1 1 1 2 3 4 5 1 2 3"), "cells of unsupported type"),
+            "ten.msh": (MSH_2.replace("2 2 2 1 1 1 2 5", "2 21 2 1 1 1 2 3 4 5 1 2 3 4 5"), "cells of unsupported type"),
             "mixed.msh": (MSH_2.replace("2 2 2 1 1 1 2 5", "2 3 2 1 1 1 2 3 5"), "cells of several types"),
             "nan.msh": (MSH_2.replace("5 0.5 0.5 0", "5 nan 0.5 0"), "not a finite number"),
             "crossed.geo": (CROSSED, r"cut each other.*use smaller cells \(--size\)"),

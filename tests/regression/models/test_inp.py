@@ -247,7 +247,7 @@ class Faults(unittest.TestCase):
             self.assertIn(wanted, self.faults(lines))
 
     def test_what_is_taken_otherwise_is_told(self):
-        lines = bricks() + CONTACT[:-2] + ["*CONTACT PAIR, INTERACTION=I1, ADJUST=0.1", "S2, S1"]
+        lines = bricks() + CONTACT[:-2] + ["*CONTACT PAIR, INTERACTION=I1, ADJUST=NEAR", "S2, S1"]
         done = convert(write(lines + step("*CLOAD", "105, 3, -1.", head="*STEP, NLGEOM")))
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("note: ", done.stdout)

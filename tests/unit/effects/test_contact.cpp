@@ -24,7 +24,8 @@ constexpr double young = 2.0, stiffness = 5.0, gap = 0.002;
 constexpr double tolerance = 1e-13, allowed = 1e-9;
 
 // Two blocks without sideways contraction, one on the other, pressed by p on top.
-scene::Scene stacked(CellType lower, CellType upper, double pressure) {
+scene::Scene stacked(CellType lower, CellType upper, double pressure, double apart = 0.0,
+                     double adjust = 0.0) {
   const bool isSpace = fem::shapeOf(lower).dimension == 3;
   scene::Scene scene;
   scene.physics = isSpace ? scene::Physics::Solid : scene::Physics::PlaneStrain;
@@ -32,7 +33,8 @@ scene::Scene stacked(CellType lower, CellType upper, double pressure) {
   for (const CellType type : {lower, upper}) {
     const bool isUpper = !scene.bodies.empty();
     options.cellType = type;
-    options.origin = isSpace ? Point{0, 0, isUpper ? 1.0 : 0.0} : Point{0, isUpper ? 1.0 : 0.0, 0};
+    options.origin =
+        isSpace ? Point{0, 0, isUpper ? 1.0 + apart : 0.0} : Point{0, isUpper ? 1.0 + apart : 0.0, 0};
     options.elements = isUpper ? std::array<int, 3>{3, 2, 2} : std::array<int, 3>{2, 3, 2};
     options.subdomains = {2, 1, 1};
     scene.bodies.push_back(
@@ -51,7 +53,8 @@ scene::Scene stacked(CellType lower, CellType upper, double pressure) {
   effects::SurfacePair pair;
   pair.first = {0, "top"};
   pair.second = {1, "bottom"};
-  scene.effects.push_back(std::make_shared<effects::Contact>(pair, gap, "", stiffness));
+  scene.effects.push_back(
+      std::make_shared<effects::Contact>(pair, effects::Contact::Options{gap, stiffness, adjust}, ""));
   return scene;
 }
 
@@ -81,6 +84,28 @@ TEST(SoftContact, blocks_penetrate_by_pressure_over_stiffness) {
       for (const run::ContactState& state : run.report.contact)
         EXPECT_NEAR(state.pressure, p, allowed * p);
     }
+}
+
+// Meshes a small distance apart, or overlapping, are taken to touch: the upper block moves as if it lay on
+// the lower one. Distances beyond what is adjusted stay.
+TEST(AdjustedContact, distances_are_taken_to_be_zero) {
+  const double p = 0.01;
+  for (double apart : {0.003, -0.003, 0.02}) {
+    const scene::Scene scene = stacked(CellType::Quadrilateral4, CellType::Triangle3, p, apart, 0.01);
+    const TestRun run = runScene(scene, tolerance);
+    ASSERT_TRUE(run.report.converged) << run.report.reason;
+    const double closed = gap + p / stiffness + (apart > 0.01 ? apart : 0.0);
+    double worst = 0.0;
+    for (std::size_t i = 0; i < run.solution.owned.size(); ++i)
+      for (std::size_t k = 1; k < run.solution.displacement[i].size(); k += 2) {
+        const bool isUpper = run.solution.owned[i].body == 1;
+        const double y =
+            run.solution.owned[i].mesh.position(static_cast<int>(k / 2))[1] - (isUpper ? apart : 0.0);
+        worst = std::max(
+            worst, std::abs(run.solution.displacement[i][k] + p * y / young + (isUpper ? closed : 0.0)));
+      }
+    EXPECT_LE(globalMax(*testComm(), worst), allowed * p) << apart;
+  }
 }
 
 } // namespace test_contact

@@ -22,7 +22,7 @@ class CellIntegrator {
 
   int points() const { return element_.points(); }
   int basisSize() const { return element_.basisSize(); }
-  /// Weight times Jacobian.
+  /// Weight times Jacobian, times what Mesh::around() says.
   double measure(int q) const { return measures_[static_cast<std::size_t>(q)]; }
   double value(int i, int q) const { return element_.value(i, q); }
   /// ∇φ_i.
@@ -31,7 +31,7 @@ class CellIntegrator {
   }
   /// Position, relative to the anchor.
   Point position(int q) const;
-  /// Area or volume of the cell.
+  /// Area or volume of the cell; axisymmetric: of the ring.
   double size() const;
 
  private:

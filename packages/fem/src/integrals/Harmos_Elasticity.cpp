@@ -8,7 +8,7 @@
 namespace Harmos::fem {
 
 LocalMatrix assembleElasticity(const Mesh& mesh, const Elasticity& elasticity) {
-  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh.cellType, elasticity.integration));
+  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh, elasticity.integration));
   CellIntegrator cell(mesh, element);
   StrainOperator strain(mesh, cell, isProjected(mesh, elasticity));
   const std::vector<VoigtMatrix> stiffness = stiffnesses(elasticity);
@@ -43,7 +43,7 @@ LocalMatrix assembleElasticity(const Mesh& mesh, const Elasticity& elasticity) {
 }
 
 std::vector<double> assembleThermalLoad(const Mesh& mesh, const Elasticity& elasticity, double temperature) {
-  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh.cellType, elasticity.integration));
+  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh, elasticity.integration));
   CellIntegrator cell(mesh, element);
   StrainOperator strain(mesh, cell, isProjected(mesh, elasticity));
   const std::vector<VoigtMatrix> stiffness = stiffnesses(elasticity);
@@ -68,7 +68,7 @@ std::vector<double> assembleThermalLoad(const Mesh& mesh, const Elasticity& elas
 }
 
 double thermalEnergy(const Mesh& mesh, const Elasticity& elasticity) {
-  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh.cellType, elasticity.integration));
+  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh, elasticity.integration));
   CellIntegrator cell(mesh, element);
   std::vector<double> densities; // of each region
   const std::vector<VoigtMatrix> stiffness = stiffnesses(elasticity);

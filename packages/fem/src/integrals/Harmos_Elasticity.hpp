@@ -37,6 +37,9 @@ struct Elasticity {
 /// Degree of the quadrature of stiffness matrices: on curved or distorted cells none is exact; the full one
 /// is that of affine ones, and for order 2 one more, for curved sides.
 int stiffnessDegree(CellType type, Integration integration = Integration::Full);
+/// That of a mesh: axisymmetric triangles of three nodes need more than the one point of plane ones, which
+/// leaves a motion without energy.
+int stiffnessDegree(const Mesh& mesh, Integration integration);
 
 /// K = Σ ∫ B̄ᵀ C B̄, no boundary conditions; thickness one in the plane. Relative coordinates only: congruent
 /// meshes give identical matrices.

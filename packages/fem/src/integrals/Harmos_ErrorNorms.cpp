@@ -59,6 +59,8 @@ SquaredErrors squaredErrors(const Mesh& mesh, const Point& anchor, int degree, i
           for (std::size_t b = 0; b < dimension; ++b)
             g[a][b] += cell.gradient(i, q)[b] * value;
         }
+      if (mesh.isAxisymmetric)
+        g[2][2] = u[0] / cell.position(q)[0];
       for (std::size_t a = 0; a < m; ++a)
         errors.l2 += cell.measure(q) * u[a] * u[a];
       errors.energy += cell.measure(q) * energy(mesh.region(c), g);

@@ -23,7 +23,7 @@ struct SidePoint {
   std::vector<double> values; ///< of their basis functions
   Point position{};           ///< relative to the mesh's anchor
   Point normal{};             ///< outward, of length one
-  double measure = 0.0;       ///< weight · area: Σ measure · f = ∫ f
+  double measure = 0.0;       ///< weight · area, times Mesh::around(): Σ measure · f = ∫ f
 };
 
 /// Visits the points of a quadrature rule on each side.

@@ -9,9 +9,10 @@ namespace Harmos::fem {
 
 /// What a cross-section may do.
 enum class Kinematics {
-  PlaneStrain, ///< ε_zz = ε_xz = ε_yz = 0
-  PlaneStress, ///< σ_zz = σ_xz = σ_yz = 0
-  Solid        ///< three dimensions
+  PlaneStrain,  ///< ε_zz = ε_xz = ε_yz = 0
+  PlaneStress,  ///< σ_zz = σ_xz = σ_yz = 0
+  Axisymmetric, ///< z is around the axis: ε_zz = u_x/x, ε_xz = ε_yz = 0
+  Solid         ///< three dimensions
 };
 
 /// Stresses and strains in the order of VTK: xx, yy, zz, xy, yz, xz; shear strains are twice the tensor's.

@@ -5,6 +5,7 @@
 
 #include <Teuchos_LAPACK.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace Harmos::fem {
@@ -21,6 +22,11 @@ int stiffnessDegree(CellType type, Integration integration) {
   if (shape.isSimplex)
     return shape.order == 1 ? 1 : 4;
   return shape.order == 1 || integration == Integration::Reduced ? 3 : 5;
+}
+
+int stiffnessDegree(const Mesh& mesh, Integration integration) {
+  const int degree = stiffnessDegree(mesh.cellType, integration);
+  return mesh.isAxisymmetric ? std::max(degree, 2) : degree;
 }
 
 void solveSmall(int n, std::vector<double>& matrix, int columns, double* rhs) {
@@ -76,6 +82,7 @@ StrainOperator::StrainOperator(const Mesh& mesh, const CellIntegrator& cell, boo
       rows_(strainSize(mesh)),
       dofs_(static_cast<std::size_t>(cell.basisSize()) * dimension_),
       projected_(projected),
+      hasHoop_(mesh.isAxisymmetric),
       space_(mesh, cell) {
   values_.resize(static_cast<std::size_t>(cell.points()) * rows_ * dofs_);
 }
@@ -90,6 +97,8 @@ void StrainOperator::update() {
       at(q, 1)[k + 1] = g[1];
       at(q, 3)[k] = g[1];
       at(q, 3)[k + 1] = g[0];
+      if (hasHoop_)
+        at(q, 2)[k] = cell_.value(i, q) / cell_.position(q)[0];
       if (dimension_ == 3) {
         at(q, 2)[k + 2] = g[2];
         at(q, 4)[k + 1] = g[2];
@@ -113,7 +122,8 @@ void StrainOperator::project() {
     const int iq = static_cast<int>(q);
     const double* psi = space_.at(q);
     for (std::size_t j = 0; j < dofs_; ++j)
-      divergence[q * dofs_ + j] = row(iq, 0)[j] + row(iq, 1)[j] + (dimension_ == 3 ? row(iq, 2)[j] : 0.0);
+      divergence[q * dofs_ + j] =
+          row(iq, 0)[j] + row(iq, 1)[j] + (dimension_ == 3 || hasHoop_ ? row(iq, 2)[j] : 0.0);
     for (std::size_t a = 0; a < m; ++a) {
       const double weight = cell_.measure(iq) * psi[a];
       for (std::size_t b = 0; b < m; ++b)

@@ -46,7 +46,8 @@ class StrainOperator {
  public:
   StrainOperator(const Mesh& mesh, const CellIntegrator& cell, bool projected);
 
-  /// Rows of strains that take part: xx, yy, zz, xy in the plane, else six.
+  /// Rows of strains that take part: xx, yy, zz, xy in the plane, of which zz is around the axis of
+  /// axisymmetric meshes; else six.
   std::size_t rows() const { return rows_; }
   std::size_t dofs() const { return dofs_; }
 
@@ -69,7 +70,7 @@ class StrainOperator {
 
   const CellIntegrator& cell_;
   std::size_t dimension_, rows_, dofs_;
-  bool projected_;
+  bool projected_, hasHoop_;
   DilatationSpace space_;
   std::vector<double> values_;
 };

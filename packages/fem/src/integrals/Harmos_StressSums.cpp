@@ -94,7 +94,7 @@ std::vector<StressSums> sumsOf(const Mesh& mesh, const Elasticity* elasticity,
   const bool projected = elasticity != nullptr && isProjected(mesh, *elasticity);
   // Stresses are sampled at fewer points than stiffness has; with a projected dilatation, which needs those,
   // where they are integrated.
-  const int degree = projected && shape.order == 2 ? stiffnessDegree(mesh.cellType, elasticity->integration)
+  const int degree = projected && shape.order == 2 ? stiffnessDegree(mesh, elasticity->integration)
                                                    : (shape.order == 1 ? 1 : (shape.isSimplex ? 2 : 3));
   const ReferenceElement element(mesh.cellType, degree);
   CellIntegrator cell(mesh, element);
@@ -193,7 +193,7 @@ RecoveryError errorOf(const Mesh& mesh, const Elasticity* elasticity,
                       const std::vector<const StressSums*>& recovered) {
   const ReferenceElement element(
       mesh.cellType,
-      stiffnessDegree(mesh.cellType, elasticity != nullptr ? elasticity->integration : Integration::Full));
+      stiffnessDegree(mesh, elasticity != nullptr ? elasticity->integration : Integration::Full));
   CellIntegrator cell(mesh, element);
   CellStress<Entries> stress(mesh, cell, elasticity);
   const std::vector<VoigtMatrix> compliance =

@@ -31,6 +31,9 @@ struct Mesh {
   std::vector<int> cells;          ///< nodes of each cell, in the order of shapeOf(cellType)
   std::vector<int> boundary;       ///< nodes on the boundary, rising
   std::vector<int> regions;        ///< region of each cell; empty: all are in region 0
+  /// Of a plane mesh: the meridian plane of bodies of revolution, x the distance from their axis, y along it.
+  /// The anchor is on the axis then, and all integrals go around it.
+  bool isAxisymmetric = false;
 
   int dimension() const { return shapeOf(cellType).dimension; }
   int nodesPerCell() const { return shapeOf(cellType).nodes; }
@@ -47,6 +50,12 @@ struct Mesh {
     for (std::size_t k = 0; k < d; ++k)
       x[k] = coordinates[static_cast<std::size_t>(node) * d + k];
     return x;
+  }
+  /// What integrals over the mesh are multiplied by at a place relative to the anchor: the length of the
+  /// circle through it, 2πx, of axisymmetric meshes; else 1.
+  double around(const Point& local) const {
+    constexpr double turn = 6.283185307179586;
+    return isAxisymmetric ? turn * local[0] : 1.0;
   }
   /// Nodes of a side, in the order of shapeOf(shape.side).
   std::vector<int> nodesOf(const Side& side) const {

@@ -42,6 +42,13 @@ Kernel constantKernel(int rows) {
   return {rows, 1, std::vector<double>(static_cast<std::size_t>(rows), 1.0)};
 }
 
+Kernel translationKernel(int rows, int components, int component) {
+  Kernel kernel{rows, 1, std::vector<double>(static_cast<std::size_t>(rows), 0.0)};
+  for (int row = component; row < rows; row += components)
+    kernel.values[static_cast<std::size_t>(row)] = 1.0;
+  return kernel;
+}
+
 Kernel rigidBodyKernel(const std::vector<double>& coordinates, int dimension) {
   HARMOS_REQUIRE(dimension == 2 || dimension == 3,
                  "rigid motions are those of a body in the plane or in space");

@@ -21,6 +21,9 @@ struct Kernel {
 
 /// The constants: the kernel of a scalar operator.
 Kernel constantKernel(int rows);
+/// The translation along a component, of dofs = node · components + component: what bodies of revolution can
+/// do without strain, along their axis.
+Kernel translationKernel(int rows, int components, int component);
 
 /// The rigid motions of an elastic body at given points, about their centre: two translations and a rotation
 /// in the plane, three of each in space. dof = point · dimension + component.

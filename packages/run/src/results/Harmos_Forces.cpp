@@ -95,7 +95,10 @@ class Sums {
     forces.size = outer[3];
     forces.known = outer[4];
     if (outer[3] > 0.0)
-      forces.balance = length({outer[0], outer[1], outer[2]}) / outer[3];
+      // Radial forces are in equilibrium around the axis.
+      forces.balance =
+          length({scene_.physics == scene::Physics::Axisymmetric ? 0.0 : outer[0], outer[1], outer[2]}) /
+          outer[3];
     return forces;
   }
 

@@ -45,8 +45,9 @@ SharedParts sharedParts(const Scene& scene, const Body& body, const std::shared_
   }
   parts.elastic.matrix =
       std::make_shared<LocalMatrix>(fem::assembleElasticity(*mesh, elasticityOf(scene, body)));
-  parts.elastic.motions =
-      std::make_shared<feti::Kernel>(feti::rigidBodyKernel(mesh->coordinates, mesh->dimension()));
+  parts.elastic.motions = std::make_shared<feti::Kernel>(
+      mesh->isAxisymmetric ? feti::translationKernel(mesh->numberOfNodes() * components, components, 1)
+                           : feti::rigidBodyKernel(mesh->coordinates, mesh->dimension()));
   const auto interface = std::make_shared<std::vector<int>>();
   for (int node : mesh->boundary)
     for (int c = 0; c < components; ++c)
@@ -119,6 +120,36 @@ std::vector<int> orderOf(const Teuchos::Comm<int>& comm, const Body& body, long 
         centres.push_back(centreOf(placed, known));
   });
   return compactOrder(gatherAll(comm, centres), sizes);
+}
+
+// Moves the anchors of meridian planes onto the axis: matrices depend on the distance from it. Subdomains of
+// one mesh at one distance still share it.
+void placeAroundAxis(const Scene& scene, std::vector<OwnedSubdomain>& owned) {
+  std::map<std::pair<const fem::Mesh*, double>, std::shared_ptr<const fem::Mesh>> made;
+  std::vector<std::shared_ptr<const fem::Mesh>> before; // no other mesh gets the place of one
+  for (OwnedSubdomain& item : owned) {
+    before.push_back(item.mesh.mesh);
+    std::shared_ptr<const fem::Mesh>& mesh = made[{item.mesh.mesh.get(), item.mesh.anchor[0]}];
+    if (!mesh) {
+      auto copy = std::make_shared<fem::Mesh>(*item.mesh.mesh);
+      copy->isAxisymmetric = true;
+      double least = 0.0, most = 0.0;
+      for (std::size_t k = 0; k < copy->coordinates.size(); k += 2) {
+        const double x = copy->coordinates[k] += item.mesh.anchor[0];
+        least = std::min(least, x);
+        most = std::max(most, x);
+      }
+      constexpr double rounding = 1e-12;
+      if (least < -rounding * most)
+        throw InputError("body \"" + scene.bodies[static_cast<std::size_t>(item.body)].name +
+                             "\" reaches to x = " + scientific(least) +
+                             ", beyond the axis of an axisymmetric scene, x = 0; move or mirror it",
+                         {{"body", scene.bodies[static_cast<std::size_t>(item.body)].name}});
+      mesh = copy;
+    }
+    item.mesh.mesh = mesh;
+    item.mesh.anchor[0] = 0.0;
+  }
 }
 
 // OwnedSubdomain::ownNodes of the parts that effects count. @note Collective.
@@ -195,6 +226,8 @@ std::vector<OwnedSubdomain> decompose(const Teuchos::Comm<int>& comm, const Scen
     }
     first += body.subdomains;
   }
+  if (scene.physics == Physics::Axisymmetric)
+    agree(comm, [&] { placeAroundAxis(scene, owned); });
   chooseBoundaryParts(comm, scene, owned);
   findOwnNodes(comm, scene, owned);
   return owned;

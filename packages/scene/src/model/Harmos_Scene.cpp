@@ -13,6 +13,7 @@ int componentsOf(Physics physics) {
     return 1;
   case Physics::PlaneStrain:
   case Physics::PlaneStress:
+  case Physics::Axisymmetric:
     return 2;
   case Physics::Solid:
     return 3;
@@ -20,10 +21,23 @@ int componentsOf(Physics physics) {
   return 0;
 }
 
+int rigidBodyModesOf(Physics physics) {
+  switch (physics) {
+  case Physics::PlaneStrain:
+  case Physics::PlaneStress:
+    return 3;
+  case Physics::Solid:
+    return 6;
+  default:
+    return 1;
+  }
+}
+
 fem::Kinematics kinematicsOf(Physics physics) {
-  return physics == Physics::PlaneStress ? fem::Kinematics::PlaneStress
-         : physics == Physics::Solid     ? fem::Kinematics::Solid
-                                         : fem::Kinematics::PlaneStrain;
+  return physics == Physics::PlaneStress    ? fem::Kinematics::PlaneStress
+         : physics == Physics::Axisymmetric ? fem::Kinematics::Axisymmetric
+         : physics == Physics::Solid        ? fem::Kinematics::Solid
+                                            : fem::Kinematics::PlaneStrain;
 }
 
 int Scene::subdomains() const {

@@ -21,12 +21,15 @@ enum class Physics {
   Membrane,    ///< −Δu = f, one displacement a node, normal to the plane
   PlaneStrain, ///< elastic, two displacements a node
   PlaneStress,
-  Solid ///< elastic, three displacements a node
+  Axisymmetric, ///< elastic bodies of revolution: x is the distance from the axis, y along it
+  Solid         ///< elastic, three displacements a node
 };
 
 /// Degrees of freedom a node.
 int componentsOf(Physics physics);
 fem::Kinematics kinematicsOf(Physics physics);
+/// Rigid-body modes of a body that nothing holds.
+int rigidBodyModesOf(Physics physics);
 
 /// A body, already cut into subdomains.
 struct Body {
