@@ -474,9 +474,8 @@ void addBodyParameters(ParameterSpec& deck) {
   body.expert().choice(
       "Integration", "full",
       {{"full", "exact on affine cells"},
-       {"reduced", "2 points in each direction on quadrilaterals and hexahedra of second order, "
-                   "as C3D20R and CPS8R of other programs; use one subdomain, or several cells "
-                   "across each"}},
+       {"reduced", "2 points in each direction on serendipity elements, as C3D20R and CPS8R of "
+                   "other programs; use one subdomain, or several cells across each"}},
       "Quadrature of the stiffness.");
   ParameterSpec bodies("Bodies", "The bodies of the scene.");
   bodies.family(std::move(body));

@@ -33,6 +33,7 @@ class Mesh:
     cells: dict = field(default_factory=dict)  # group -> (type, elements' nodes)
     sides: dict = field(default_factory=dict)  # group -> list of nodes of faces
     points: dict = field(default_factory=dict)  # group -> nodes
+    fields: dict = field(default_factory=dict)  # name -> {node: value}
 
 
 def safe(name):
@@ -546,14 +547,25 @@ class Conversion:
                 start = self.model.initial.get(node, 0.0)
                 points = rises.get((node,), [(0.0, start)])
                 known.add(tuple((float(t), float(value) - start) for t, value in points))
-            if len({points[-1][1] for points in known}) > 1 or len(known) > 1 and not self.is_one_state():
-                raise ValueError(f"body {body.name}: temperatures that vary within a body are not supported")
+            if len({points[-1][1] for points in known}) > 1 and self.is_one_state():
+                self.add_temperature_field(body, nodes, rises)
+                continue
+            if len(known) > 1 and not self.is_one_state():
+                raise ValueError(f"body {body.name}: temperatures that vary within a body and over steps are not supported")
             points = [(0.0, 0.0)] + [p for p in known.pop() if p[0] > 0.0]
             size, history = self.history(points)
             if size != 0.0:
                 self.add_effect(
                     "Thermal strain", f"temperature_{body.name}", Body=body.name, Temperature=size, History=history
                 )
+
+    def add_temperature_field(self, body, nodes, rises):
+        values = self.mesh.fields.setdefault("temperature", {})
+        for node in nodes:
+            start = self.model.initial.get(node, 0.0)
+            points = rises.get((node,))
+            values[node] = float(points[-1][1]) - start if points else 0.0
+        self.add_effect("Thermal strain", f"temperature_{body.name}", Body=body.name, Field="temperature")
 
     def make_equations(self):
         for node in self.cuts:
@@ -673,7 +685,11 @@ def write_mesh(conversion, path):
     lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(groups))]
     lines += [*groups, "$EndPhysicalNames", "$Nodes", str(len(used))]
     lines += [f"{n} " + " ".join(map(repr, model.nodes[n])) for n in used]
-    lines += ["$EndNodes", "$Elements", str(len(elements)), *elements, "$EndElements", ""]
+    lines += ["$EndNodes", "$Elements", str(len(elements)), *elements, "$EndElements"]
+    for name, values in mesh.fields.items():
+        lines += ["$NodeData", "1", f'"{name}"', "1", "0.0", "3", "0", "1", str(len(values))]
+        lines += [f"{node} {value!r}" for node, value in sorted(values.items())] + ["$EndNodeData"]
+    lines.append("")
     path.write_text("\n".join(lines), encoding="utf-8")
 
 

@@ -15,6 +15,8 @@ class ThermalStrain : public scene::Effect {
 
   /// @param rise in degrees.
   ThermalStrain(int body, double rise, std::string name = "");
+  /// @param field of the body's mesh: rises at nodes.
+  ThermalStrain(int body, std::string field, std::string name);
 
   std::vector<int> bodies() const override { return {body_}; }
   bool hasMagnitude() const override { return true; }
@@ -24,10 +26,12 @@ class ThermalStrain : public scene::Effect {
   void addLoad(const scene::Scene& scene, const scene::OwnedSubdomain& subdomain,
                std::vector<double>& load) const override;
   double temperatureRise(int body) const override { return body == body_ ? rise_ : 0.0; }
+  std::string temperatureField(int body) const override { return body == body_ ? field_ : ""; }
 
  private:
   int body_;
-  double rise_;
+  double rise_ = 0.0;
+  std::string field_;
 };
 
 /// What decks may say of it.

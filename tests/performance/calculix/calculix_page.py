@@ -33,7 +33,7 @@ taken otherwise than the model says is told as a note.
   anisotropic materials, turned in any direction
 * `*BOUNDARY`: `Prescribed displacement`; with `*TRANSFORM` and for `*EQUATION`: `Linear constraint`
 * `*CLOAD`: `Force`; `*DLOAD` with P, GRAV and CENTRIF, `*DSLOAD`: `Traction`, `Body force`, `Centrifugal force`
-* `*INITIAL CONDITIONS` and `*TEMPERATURE`, the same in all of a body: `Thermal strain`
+* `*INITIAL CONDITIONS` of temperatures, `*TEMPERATURE`: `Thermal strain`, by a nodal field where temperatures vary
 * `*TIE`, `*CONTACT PAIR`, `*SURFACE BEHAVIOR`, `*FRICTION`: `Tie`, `Contact` (hard, or soft by a linear
   pressure-overclosure; `Adjust`), `Friction`
 * `*PRE-TENSION SECTION`: the bolt is cut; `Linear constraint` holds the sides together, but for the same shift
@@ -62,6 +62,7 @@ the largest one over the largest displacement. Both print seven digits.
 REMARKS = {
     "beampic": "the suite's result is that of an iterative solver, with three digits",
     "thread": "a tie of surfaces that look the same way; Harmos' surfaces have to face each other",
+    "pret1": "a bolt of reduced elements that is one element thick: once it is cut, its ends have mechanisms",
     "cubef2f3": "ccx ties nodes one by one",
     "planestress3": "ccx expands the elements to solid ones, in which the stress across is not zero at each point",
 }

@@ -199,6 +199,20 @@ class Answers(unittest.TestCase):
                     exact = 12.0 / YOUNG * (x[c] / 2 - x[c] ** 3 / 6)
                     np.testing.assert_allclose(value[c], exact, atol=1e-8)
 
+    def test_temperatures_that_vary(self):
+        # Linear along z: no stress in a free body, u_z = α g z²/2, the top bends by −α g (x² + y²)/2.
+        warm = [f"{n}, {10.0 * (x[2] + lift)}" for lift, first in ((0, 1), (1, 101))
+                for n, x in enumerate(PLACES, first)]
+        lines = [*bricks(), "*EXPANSION", "1e-3", *CONTACT[:4], "*TIE, NAME=T", "S2, S1"]
+        # Of the floor a node alone is held along z, the others bend.
+        lines[lines.index("FLOOR, 3, 3")] = "1, 3, 3"
+        lines.insert(lines.index("*BOUNDARY"), "*INITIAL CONDITIONS, TYPE=TEMPERATURE")
+        lines.insert(lines.index("*BOUNDARY"), "NALL, 0.")
+        _, _, points, u, body = self.solve(lines + step("*TEMPERATURE", *warm))
+        scale = 1e-2
+        self.expect((points, body), u, lambda x, b: (
+            scale * x[2] * x[0], scale * x[2] * x[1], scale * (x[2] ** 2 - x[0] ** 2 - x[1] ** 2) / 2))
+
     def test_included_files_and_generated_sets(self):
         directory = write(bricks(), "part").parent
         main = directory / "whole.inp"

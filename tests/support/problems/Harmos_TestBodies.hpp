@@ -24,6 +24,8 @@ inline fem::BodyMesh testBody(fem::CellType type, int n) {
   for (int c = 0; c < body.mesh.numberOfCells(); ++c)
     body.mesh.regions.push_back(2 * c < body.mesh.numberOfCells() ? 0 : 1);
   body.nodes["centre"] = {body.mesh.numberOfNodes() / 2};
+  for (int node = 0; node < body.mesh.numberOfNodes(); ++node)
+    body.fields["heat"].push_back(body.mesh.local(node)[0] + 10.0 * body.mesh.local(node)[1]);
   return body;
 }
 
@@ -37,6 +39,7 @@ inline void expectSame(const fem::PlacedMesh& a, const fem::PlacedMesh& b) {
   EXPECT_EQ(a.anchor, b.anchor);
   EXPECT_EQ(a.boundaryNumbers, b.boundaryNumbers);
   EXPECT_EQ(a.sets, b.sets);
+  EXPECT_EQ(a.fields, b.fields);
   ASSERT_EQ(a.sides.size(), b.sides.size());
   for (const auto& [name, sides] : a.sides) {
     ASSERT_EQ(b.sides.count(name), 1u) << name;

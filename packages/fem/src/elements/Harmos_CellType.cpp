@@ -117,6 +117,25 @@ CellType wholeOf(CellType type) {
                                           : type;
 }
 
+CellType linearOf(CellType type) {
+  switch (type) {
+  case CellType::Line3:
+    return CellType::Line2;
+  case CellType::Triangle6:
+    return CellType::Triangle3;
+  case CellType::Quadrilateral8:
+  case CellType::Quadrilateral9:
+    return CellType::Quadrilateral4;
+  case CellType::Tetrahedron10:
+    return CellType::Tetrahedron4;
+  case CellType::Hexahedron20:
+  case CellType::Hexahedron27:
+    return CellType::Hexahedron8;
+  default:
+    return type;
+  }
+}
+
 const CellShape& shapeOf(CellType type) {
   static const std::array<CellShape, 12> shapes = [] {
     std::array<CellShape, 12> all;

@@ -48,4 +48,7 @@ const CellShape& shapeOf(CellType type);
 /// The Lagrange element whose first nodes are those of a serendipity element; other types: themselves.
 CellType wholeOf(CellType type);
 
+/// The element of first order with the same corners.
+CellType linearOf(CellType type);
+
 } // namespace Harmos::fem

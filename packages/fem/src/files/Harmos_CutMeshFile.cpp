@@ -132,6 +132,20 @@ void writeParts(const CutBody& body, const std::string& place, Writer& file) {
   }
 }
 
+// Of all nodes, in the order of the coordinates.
+void writeFields(const CutBody& body, const std::string& place, Writer& file) {
+  std::vector<std::string> names;
+  for (const auto& field : body.subdomains.front().fields)
+    names.push_back(field.first);
+  file.write(place + "/fields", linesOf(names));
+  for (std::size_t f = 0; f < names.size(); ++f) {
+    Column<double> values;
+    for (const PlacedMesh& mesh : body.subdomains)
+      values.add(mesh.fields.at(names[f]));
+    file.write(place + "/field_" + std::to_string(f), values.rows);
+  }
+}
+
 void writeBody(const CutBody& body, const std::string& place, Writer& file) {
   file.group(place);
   const CellShape& shape = shapeOf(body.cellType);
@@ -167,6 +181,7 @@ void writeBody(const CutBody& body, const std::string& place, Writer& file) {
   file.write(place + "/cell_regions", regions.rows);
   file.write(place + "/boundary", boundary.rows);
   file.write(place + "/boundary_numbers", numbers);
+  writeFields(body, place, file);
   writeParts(body, place, file);
 }
 
@@ -196,7 +211,7 @@ void writeCutMesh(const Teuchos::Comm<int>& comm, const std::string& path,
 
 struct CutMeshFile::File {
   io::Hdf5Reader reader;
-  std::vector<std::vector<std::string>> parts; // of each body
+  std::vector<std::vector<std::string>> parts, fields; // of each body
 
   explicit File(const std::string& path) : reader(path, fileKind) {}
 
@@ -239,6 +254,7 @@ CutMeshFile::CutMeshFile(const std::string& path) : path_(path) {
     body.regions = file_->names(place + "/regions");
     bodies_.push_back(body);
     file_->parts.push_back(file_->names(place + "/parts"));
+    file_->fields.push_back(file_->names(place + "/fields"));
   }
 }
 
@@ -273,6 +289,8 @@ PlacedMesh CutMeshFile::subdomain(std::size_t body, int number, long long firstN
     for (std::size_t k = 0; k + 1 < sides.size(); k += 2)
       placed.sides[parts[p]].push_back({sides[k], sides[k + 1]});
   }
+  for (std::size_t f = 0; f < file_->fields[body].size(); ++f)
+    placed.fields[file_->fields[body][f]] = rows(0.0, "/field_" + std::to_string(f), 0);
   placed.mesh = mesh;
   if (checkOf(placed) != file.rows<long long>(place + "/check", number, 1).front())
     throw InputError("the mesh file \"" + path_ + "\" is damaged: subdomain " + std::to_string(number) +

@@ -104,6 +104,7 @@ class Reader {
     requireUnfolded(body, *matched, cells);
     nameSides(body, *matched, numbers);
     nameNodes(body, numbers);
+    addFields(body, numbers);
     body.matched = std::move(matched);
     return body;
   }
@@ -506,6 +507,29 @@ class Reader {
         std::sort(all.begin(), all.end());
         all.erase(std::unique(all.begin(), all.end()), all.end());
       }
+  }
+
+  // Scalar values at nodes, as far as the file has them for all nodes of the body.
+  void addFields(BodyMesh& body, const std::vector<int>& numbers) const {
+    std::vector<int> views;
+    gmsh::view::getTags(views);
+    for (int view : views) {
+      std::string kind, name;
+      std::vector<Tag> tags;
+      std::vector<std::vector<double>> data;
+      double time = 0.0;
+      int components = 0;
+      gmsh::view::getModelData(view, 0, kind, tags, data, time, components);
+      gmsh::option::getString("View[" + std::to_string(gmsh::view::getIndex(view)) + "].Name", name);
+      if (kind != "NodeData" || components != 1)
+        continue;
+      std::vector<double> values(at(body.mesh.numberOfNodes()), std::numeric_limits<double>::quiet_NaN());
+      for (std::size_t k = 0; k < tags.size(); ++k)
+        if (const int number = numbers[at(placeOf(tags[k]))]; number >= 0 && !data[k].empty())
+          values[at(number)] = data[k].front();
+      if (std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); }))
+        body.fields[name] = std::move(values);
+    }
   }
 
   std::string path_;

@@ -67,6 +67,35 @@ std::vector<double> assembleThermalLoad(const Mesh& mesh, const Elasticity& elas
   return f;
 }
 
+std::vector<double> assembleThermalLoad(const Mesh& mesh, const Elasticity& elasticity,
+                                        const std::vector<double>& temperatures) {
+  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh, elasticity.integration));
+  CellIntegrator cell(mesh, element);
+  StrainOperator strain(mesh, cell, isProjected(mesh, elasticity));
+  const TemperatureField field(mesh, element, elasticity.integration, &temperatures);
+  const std::vector<VoigtMatrix> stiffness = stiffnesses(elasticity);
+  const auto dimension = static_cast<std::size_t>(mesh.dimension());
+  std::vector<double> f(static_cast<std::size_t>(mesh.numberOfNodes()) * dimension, 0.0);
+  for (int c = 0; c < mesh.numberOfCells(); ++c) {
+    cell.turnTo(c);
+    strain.update();
+    const VoigtMatrix& material = stiffnessOf(stiffness, mesh.region(c));
+    const Voigt expansion = elasticity.materials[static_cast<std::size_t>(mesh.region(c))].thermalStrain();
+    for (std::size_t r = 0; r < strain.rows(); ++r) {
+      double stress = 0.0; // of one degree
+      for (std::size_t s = 0; s < 6; ++s)
+        stress += material[r][s] * expansion[s];
+      for (int q = 0; q < cell.points() && stress != 0.0; ++q) {
+        const double weight = cell.measure(q) * stress * field.at(c, q);
+        for (std::size_t j = 0; j < strain.dofs(); ++j)
+          f[static_cast<std::size_t>(mesh.cell(c)[j / dimension]) * dimension + j % dimension] +=
+              weight * strain.row(q, r)[j];
+      }
+    }
+  }
+  return f;
+}
+
 double thermalEnergy(const Mesh& mesh, const Elasticity& elasticity) {
   const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh, elasticity.integration));
   CellIntegrator cell(mesh, element);
@@ -86,6 +115,27 @@ double thermalEnergy(const Mesh& mesh, const Elasticity& elasticity) {
     cell.turnTo(c);
     for (int q = 0; q < cell.points(); ++q)
       energy += cell.measure(q) * densities[static_cast<std::size_t>(mesh.region(c))];
+  }
+  return energy;
+}
+
+double thermalEnergy(const Mesh& mesh, const Elasticity& elasticity,
+                     const std::vector<double>& temperatures) {
+  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh, elasticity.integration));
+  CellIntegrator cell(mesh, element);
+  const TemperatureField field(mesh, element, elasticity.integration, &temperatures);
+  const std::vector<VoigtMatrix> stiffness = stiffnesses(elasticity);
+  double energy = 0.0;
+  for (int c = 0; c < mesh.numberOfCells(); ++c) {
+    cell.turnTo(c);
+    const Voigt expansion = elasticity.materials[static_cast<std::size_t>(mesh.region(c))].thermalStrain();
+    const VoigtMatrix& material = stiffnessOf(stiffness, mesh.region(c));
+    double density = 0.0; // of one degree
+    for (std::size_t r = 0; r < 6; ++r)
+      for (std::size_t s = 0; s < 6; ++s)
+        density += 0.5 * expansion[r] * material[r][s] * expansion[s];
+    for (int q = 0; q < cell.points(); ++q)
+      energy += cell.measure(q) * density * field.at(c, q) * field.at(c, q);
   }
   return energy;
 }

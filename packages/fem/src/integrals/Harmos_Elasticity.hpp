@@ -21,9 +21,9 @@ enum class Dilatation {
 /// Points of the quadrature.
 enum class Integration {
   Full,
-  Reduced ///< 2 in each direction on quadrilaterals and hexahedra of second order, as other programs have it
-          ///< (C3D20R, CPS8R): softer in bending; a cell alone has motions of no energy besides the rigid
-          ///< ones. Without effect on other elements
+  Reduced ///< 2 in each direction on serendipity elements, as other programs have it (C3D20R, CPS8R): softer
+          ///< in bending; a cell alone has motions of no energy besides the rigid ones. Without effect on
+          ///< other elements: on Lagrange elements of second order such motions spread over all cells
 };
 
 /// Linear elasticity on a mesh: what is integrated, and with what. dof = node · dimension + component.
@@ -50,7 +50,13 @@ LocalMatrix assembleElasticity(const Mesh& mesh, const Elasticity& elasticity);
 /// f = ∫ B̄ᵀ C ε_T, the load of a temperature rise.
 std::vector<double> assembleThermalLoad(const Mesh& mesh, const Elasticity& elasticity, double temperature);
 
+/// The same of rises at the nodes, see TemperatureField.
+std::vector<double> assembleThermalLoad(const Mesh& mesh, const Elasticity& elasticity,
+                                        const std::vector<double>& temperatures);
+
 /// ½∫ε_T:C:ε_T for a temperature of one degree. Local.
 double thermalEnergy(const Mesh& mesh, const Elasticity& elasticity);
+/// The same of rises at the nodes.
+double thermalEnergy(const Mesh& mesh, const Elasticity& elasticity, const std::vector<double>& temperatures);
 
 } // namespace Harmos::fem

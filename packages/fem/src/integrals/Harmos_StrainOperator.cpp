@@ -21,7 +21,7 @@ int stiffnessDegree(CellType type, Integration integration) {
   const CellShape& shape = shapeOf(type);
   if (shape.isSimplex)
     return shape.order == 1 ? 1 : 4;
-  return shape.order == 1 || integration == Integration::Reduced ? 3 : 5;
+  return shape.order == 1 || (shape.isSerendipity && integration == Integration::Reduced) ? 3 : 5;
 }
 
 int stiffnessDegree(const Mesh& mesh, Integration integration) {
@@ -51,6 +51,46 @@ std::vector<VoigtMatrix> stiffnesses(const Elasticity& elasticity) {
 const VoigtMatrix& stiffnessOf(const std::vector<VoigtMatrix>& all, int region) {
   HARMOS_REQUIRE(region >= 0 && region < static_cast<int>(all.size()), "a region has no material");
   return all[static_cast<std::size_t>(region)];
+}
+
+TemperatureField::TemperatureField(const Mesh& mesh, const ReferenceElement& element, Integration integration,
+                                   const std::vector<double>* nodal)
+    : mesh_(mesh), nodal_(nodal) {
+  if (nodal == nullptr)
+    return;
+  const CellType linear = linearOf(mesh.cellType);
+  if (linear == mesh.cellType ||
+      (shapeOf(mesh.cellType).isSerendipity && integration == Integration::Reduced)) {
+    weights_ = basisValues(mesh.cellType, element.quadrature().points);
+    return;
+  }
+  const auto size = static_cast<std::size_t>(mesh.nodesPerCell()),
+             corners = static_cast<std::size_t>(shapeOf(linear).nodes);
+  const auto atNodes = basisValues(linear, shapeOf(mesh.cellType).nodeCoordinates);
+  std::vector<double> gram(corners * corners, 0.0), moments(corners * size);
+  for (std::size_t i = 0; i < size; ++i)
+    for (std::size_t a = 0; a < corners; ++a) {
+      moments[i * corners + a] = atNodes[i][a];
+      for (std::size_t b = 0; b < corners; ++b)
+        gram[a * corners + b] += atNodes[i][a] * atNodes[i][b];
+    }
+  solveSmall(static_cast<int>(corners), gram, static_cast<int>(size), moments.data());
+  for (const std::vector<double>& functions : basisValues(linear, element.quadrature().points)) {
+    std::vector<double>& weights = weights_.emplace_back(size, 0.0);
+    for (std::size_t i = 0; i < size; ++i)
+      for (std::size_t a = 0; a < corners; ++a)
+        weights[i] += functions[a] * moments[i * corners + a];
+  }
+}
+
+double TemperatureField::at(int cell, int q) const {
+  if (nodal_ == nullptr)
+    return 0.0;
+  double sum = 0.0;
+  const std::vector<double>& weights = weights_[static_cast<std::size_t>(q)];
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    sum += weights[i] * (*nodal_)[static_cast<std::size_t>(mesh_.cell(cell)[i])];
+  return sum;
 }
 
 DilatationSpace::DilatationSpace(const Mesh& mesh, const CellIntegrator& cell)

@@ -19,6 +19,22 @@ std::vector<VoigtMatrix> stiffnesses(const Elasticity& elasticity);
 /// @throws InternalError if the region has no material.
 const VoigtMatrix& stiffnessOf(const std::vector<VoigtMatrix>& all, int region);
 
+/// Temperatures at the points of cells, from those of nodes. On elements of second order, whose strains are
+/// linear, by the functions of first order that come nearest to the values at the nodes (least squares); with
+/// reduced integration by the element's own, which do that at its points.
+class TemperatureField {
+ public:
+  /// @param nodal null: zero everywhere. What is given by reference has to outlive it.
+  TemperatureField(const Mesh& mesh, const ReferenceElement& element, Integration integration,
+                   const std::vector<double>* nodal);
+  double at(int cell, int q) const;
+
+ private:
+  const Mesh& mesh_;
+  const std::vector<double>* nodal_;
+  std::vector<std::vector<double>> weights_; // of the values at the nodes, at each point
+};
+
 /// The functions that the dilatation of a cell is projected onto, see Dilatation, at its quadrature points:
 /// 1, or 1, x, y(, z), relative to the centre of the cell and over its length.
 class DilatationSpace {

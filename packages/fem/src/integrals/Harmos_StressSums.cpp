@@ -7,6 +7,7 @@
 #include <climits>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 namespace Harmos::fem {
 namespace {
@@ -27,14 +28,16 @@ constexpr std::size_t elastic = 6, membrane = 2;
 template<std::size_t Entries>
 class CellStress {
  public:
-  CellStress(const Mesh& mesh, const CellIntegrator& cell, const Elasticity* elasticity)
+  CellStress(const Mesh& mesh, const ReferenceElement& element, const CellIntegrator& cell,
+             const Elasticity* elasticity)
       : mesh_(mesh),
+        element_(element),
         cell_(cell),
         components_(Entries == membrane ? 1 : static_cast<std::size_t>(mesh.dimension())),
         values_(static_cast<std::size_t>(cell.basisSize()) * components_) {
     if (elasticity == nullptr)
       return;
-    materials_ = &elasticity->materials;
+    elasticity_ = elasticity;
     stiffness_ = stiffnesses(*elasticity);
     strain_ = std::make_unique<StrainOperator>(mesh, cell, isProjected(mesh, *elasticity));
   }
@@ -42,11 +45,12 @@ class CellStress {
   // For the cell that the integrator has turned to.
   void turnTo(int c) {
     members_ = mesh_.cell(c);
-    if (materials_ == nullptr)
+    number_ = c;
+    if (elasticity_ == nullptr)
       return;
     strain_->update();
     material_ = &stiffnessOf(stiffness_, mesh_.region(c));
-    expansion_ = (*materials_)[static_cast<std::size_t>(mesh_.region(c))].thermalStrain();
+    expansion_ = elasticity_->materials[static_cast<std::size_t>(mesh_.region(c))].thermalStrain();
   }
 
   // For one of the solutions on the mesh.
@@ -58,11 +62,20 @@ class CellStress {
         *next++ = all[static_cast<std::size_t>(members_[i]) * components_ + d];
     for (std::size_t r = 0; r < 6; ++r)
       thermal_[r] = solution.temperature * expansion_[r];
+    const std::vector<double>* nodal = solution.temperatures.get();
+    if (nodal != nullptr && nodal != varying_.nodal)
+      varying_.field.emplace(mesh_, element_, elasticity_->integration, nodal);
+    varying_.nodal = nodal;
   }
 
   Stress<Entries> at(int q) const {
     if constexpr (Entries == elastic) {
-      return strain_->stress(q, values_.data(), *material_, thermal_);
+      if (varying_.nodal == nullptr)
+        return strain_->stress(q, values_.data(), *material_, thermal_);
+      Voigt thermal = thermal_;
+      for (std::size_t r = 0; r < 6; ++r)
+        thermal[r] += varying_.field->at(number_, q) * expansion_[r];
+      return strain_->stress(q, values_.data(), *material_, thermal);
     } else {
       Stress<Entries> flux{};
       for (int i = 0; i < cell_.basisSize(); ++i) {
@@ -76,9 +89,15 @@ class CellStress {
 
  private:
   const Mesh& mesh_;
+  const ReferenceElement& element_;
   const CellIntegrator& cell_;
   std::size_t components_;
-  const std::vector<Material>* materials_ = nullptr;
+  int number_ = 0;
+  struct {
+    const std::vector<double>* nodal = nullptr;
+    std::optional<TemperatureField> field; // of these
+  } varying_;
+  const Elasticity* elasticity_ = nullptr;
   std::vector<VoigtMatrix> stiffness_;
   std::unique_ptr<StrainOperator> strain_;
   std::vector<double> values_;
@@ -98,7 +117,7 @@ std::vector<StressSums> sumsOf(const Mesh& mesh, const Elasticity* elasticity,
                                                    : (shape.order == 1 ? 1 : (shape.isSimplex ? 2 : 3));
   const ReferenceElement element(mesh.cellType, degree);
   CellIntegrator cell(mesh, element);
-  CellStress<Entries> stress(mesh, cell, elasticity);
+  CellStress<Entries> stress(mesh, element, cell, elasticity);
   const auto nodes = static_cast<std::size_t>(mesh.numberOfNodes());
   const int m = polynomials(shape.order - 1, mesh.dimension());
   const auto functions = static_cast<std::size_t>(m), points = static_cast<std::size_t>(cell.points()),
@@ -195,7 +214,7 @@ RecoveryError errorOf(const Mesh& mesh, const Elasticity* elasticity,
       mesh.cellType,
       stiffnessDegree(mesh, elasticity != nullptr ? elasticity->integration : Integration::Full));
   CellIntegrator cell(mesh, element);
-  CellStress<Entries> stress(mesh, cell, elasticity);
+  CellStress<Entries> stress(mesh, element, cell, elasticity);
   const std::vector<VoigtMatrix> compliance =
       elasticity != nullptr ? compliances(*elasticity) : std::vector<VoigtMatrix>{};
   RecoveryError result;

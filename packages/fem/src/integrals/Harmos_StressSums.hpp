@@ -4,6 +4,7 @@
 #include "Harmos_Elasticity.hpp"
 
 #include <array>
+#include <memory>
 #include <vector>
 
 namespace Harmos::fem {
@@ -12,6 +13,8 @@ namespace Harmos::fem {
 struct NodalSolution {
   const std::vector<double>* values; ///< displacements; one value a node of a membrane
   double temperature = 0.0;          ///< rise
+  /// Rises at nodes, besides; see TemperatureField. Null: none.
+  std::shared_ptr<const std::vector<double>> temperatures = nullptr;
 };
 
 /// Stresses at nodes, to be averaged over subdomains: sums over the cells around each node of size times

@@ -13,12 +13,13 @@ namespace Harmos::fem {
 /// A whole body, as a file or a generator gives it: on one rank only.
 struct BodyMesh {
   std::string name;
-  Mesh mesh;                                      ///< boundary: all nodes on the body's boundary
-  std::vector<std::string> regions;               ///< names of the regions that mesh.regions counts
-  std::map<std::string, std::vector<Side>> sides; ///< named boundary parts
-  std::map<std::string, std::vector<int>> nodes;  ///< named points, which are no sides
-  std::shared_ptr<const MatchedSides> matched;    ///< of the mesh, where they are known already; or null
-  bool isAlongCurve = false;                      ///< whether cells come in the order of curveThrough()
+  Mesh mesh;                                         ///< boundary: all nodes on the body's boundary
+  std::vector<std::string> regions;                  ///< names of the regions that mesh.regions counts
+  std::map<std::string, std::vector<Side>> sides;    ///< named boundary parts
+  std::map<std::string, std::vector<int>> nodes;     ///< named points, which are no sides
+  std::map<std::string, std::vector<double>> fields; ///< named values of all nodes
+  std::shared_ptr<const MatchedSides> matched;       ///< of the mesh, where they are known already; or null
+  bool isAlongCurve = false;                         ///< whether cells come in the order of curveThrough()
 };
 
 } // namespace Harmos::fem

@@ -75,6 +75,7 @@ struct PlacedMesh {
   std::map<std::string, std::vector<int>> sets;   ///< local nodes of the body's named boundary parts, sorted;
                                                   ///< those that only touch a part are among them
   std::map<std::string, std::vector<Side>> sides; ///< sides of cells that make up the named boundary parts
+  std::map<std::string, std::vector<double>> fields{}; ///< named values of all local nodes
 
   /// Global number of a node on the boundary.
   long long number(int boundaryNode) const {

@@ -302,6 +302,9 @@ std::vector<PlacedMesh> tear(const BodyMesh& body, const std::vector<int>& part,
     const std::vector<int>& nodes = torn.nodes(p);
     placed.anchor = whole.local(nodes.front());
     const std::shared_ptr<Mesh> mesh = meshOf(whole, torn.cells(p), nodes, placed.anchor, number);
+    for (const auto& [name, values] : body.fields)
+      for (int node : nodes)
+        placed.fields[name].push_back(values[at(node)]);
     for (std::size_t k = 0; k < nodes.size(); ++k)
       if (isOnBoundary[p][k]) {
         mesh->boundary.push_back(static_cast<int>(k));
@@ -331,6 +334,7 @@ std::vector<char> pack(const PlacedMesh& placed) {
   writer.putAll(placed.boundaryNumbers);
   writer.putNamed(placed.sets);
   writer.putNamed(placed.sides);
+  writer.putNamed(placed.fields);
   return writer.take();
 }
 
@@ -348,6 +352,7 @@ PlacedMesh unpack(const std::vector<char>& bytes) {
   placed.boundaryNumbers = reader.getAll<long long>();
   placed.sets = reader.getNamed<int>();
   placed.sides = reader.getNamed<Side>();
+  placed.fields = reader.getNamed<double>();
   HARMOS_REQUIRE(reader.left() == 0, "the bytes of a mesh are more than the mesh");
   return placed;
 }

@@ -82,7 +82,8 @@ std::vector<Group> groupsOf(const scene::Scene& scene, const std::vector<scene::
       groups.push_back({&scene.bodies[static_cast<std::size_t>(owned[i].body)], mesh, {}, {}});
     Group& group = groups[place->second];
     group.members.push_back(i);
-    group.solutions.push_back({&displacement[i], temperature[static_cast<std::size_t>(owned[i].body)]});
+    group.solutions.push_back({&displacement[i], temperature[static_cast<std::size_t>(owned[i].body)],
+                               scene.nodalRises(owned[i], time)});
   }
   return groups;
 }

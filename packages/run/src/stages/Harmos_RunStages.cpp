@@ -89,9 +89,8 @@ StepRow RunStages::onlyStep() {
         context_.report.audit.energy, scene::freeStrainEnergy(*context_.comm, context_.scene, owned_, time_),
         context_.report.audit.frictionWork};
   };
-  const std::vector<double> rises = context_.scene.temperatureRises(time_);
   std::optional<EnergyAccount> energy;
-  if (std::any_of(rises.begin(), rises.end(), [](double rise) { return rise != 0.0; })) {
+  if (context_.scene.hasTemperatures(time_)) {
     const scene::TimedLoads loads(context_.scene, owned_, costs_);
     energy.emplace(loads.cases());
     energy->reach(answer(loads));

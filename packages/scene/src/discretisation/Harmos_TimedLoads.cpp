@@ -15,8 +15,9 @@ namespace {
 // A strain is a load whose body has a temperature of its own by that effect.
 bool isStrain(const Effect& effect) {
   const std::vector<int> bodies = effect.bodies();
-  return std::any_of(bodies.begin(), bodies.end(),
-                     [&](int body) { return effect.temperatureRise(body) != 0.0; });
+  return std::any_of(bodies.begin(), bodies.end(), [&](int body) {
+    return effect.temperatureRise(body) != 0.0 || !effect.temperatureField(body).empty();
+  });
 }
 
 } // namespace
@@ -152,6 +153,14 @@ double freeStrainEnergy(const Teuchos::Comm<int>& comm, const Scene& scene,
   double sum = 0.0;
   for (const OwnedSubdomain& item : owned) {
     const double rise = rises[static_cast<std::size_t>(item.body)];
+    if (const auto nodal = scene.nodalRises(item, time)) {
+      std::vector<double> all = *nodal;
+      for (double& value : all)
+        value += rise;
+      sum += fem::thermalEnergy(*item.mesh.mesh,
+                                elasticityOf(scene, scene.bodies[static_cast<std::size_t>(item.body)]), all);
+      continue;
+    }
     if (rise == 0.0)
       continue;
     const auto [place, isNew] = known.try_emplace({item.mesh.mesh.get(), item.body}, 0.0);

@@ -96,6 +96,8 @@ class Effect {
   virtual void addStiffness(const Scene&, const OwnedSubdomain&, std::vector<MatrixEntry>&) const {}
   /// Rise of the temperature of a body, which stresses at given displacements depend on.
   virtual double temperatureRise(int) const { return 0.0; }
+  /// The nodal field of the body's mesh (fem::PlacedMesh::fields) that is such a rise; "": none.
+  virtual std::string temperatureField(int) const { return ""; }
 
   // What it adds to the constraints.
 

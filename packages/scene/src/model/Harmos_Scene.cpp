@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Scene.hpp"
 
+#include "Harmos_Errors.hpp"
+
 #include <algorithm>
 #include <map>
 #include <set>
@@ -106,6 +108,48 @@ std::vector<double> Scene::temperatureRises(double time) const {
       if (const double own = effect->temperatureRise(b); own != 0.0)
         rises[static_cast<std::size_t>(b)] += timeline.factor(*effect, time) * own;
   return rises;
+}
+
+std::shared_ptr<const std::vector<double>> Scene::nodalRises(const OwnedSubdomain& subdomain,
+                                                             double time) const {
+  std::shared_ptr<std::vector<double>> rises;
+  for (const auto& effect : effects) {
+    const std::string called = effect->temperatureField(subdomain.body);
+    if (called.empty())
+      continue;
+    const std::vector<double>& field = nodalField(*this, subdomain, called, effect->label());
+    if (!rises)
+      rises = std::make_shared<std::vector<double>>(field.size(), 0.0);
+    const double factor = timeline.factor(*effect, time);
+    for (std::size_t node = 0; node < field.size(); ++node)
+      (*rises)[node] += factor * field[node];
+  }
+  return rises;
+}
+
+const std::vector<double>& nodalField(const Scene& scene, const OwnedSubdomain& subdomain,
+                                      const std::string& name, const std::string& label) {
+  const auto found = subdomain.mesh.fields.find(name);
+  if (found != subdomain.mesh.fields.end())
+    return found->second;
+  const std::string& body = scene.bodies[static_cast<std::size_t>(subdomain.body)].name;
+  std::string known;
+  for (const auto& field : subdomain.mesh.fields)
+    known += (known.empty() ? "\"" : ", \"") + field.first + "\"";
+  throw InputError(label + ": the mesh of body \"" + body + "\" has no field \"" + name +
+                       "\" with a value at each node (available: " + (known.empty() ? "none" : known) + ")",
+                   {{"body", body}, {"field", name}});
+}
+
+bool Scene::hasTemperatures(double time) const {
+  for (const double rise : temperatureRises(time))
+    if (rise != 0.0)
+      return true;
+  for (const auto& effect : effects)
+    for (int b : effect->bodies())
+      if (!effect->temperatureField(b).empty() && timeline.factor(*effect, time) != 0.0)
+        return true;
+  return false;
 }
 
 std::vector<std::string> Scene::effectKinds() const {

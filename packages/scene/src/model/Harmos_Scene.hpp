@@ -92,6 +92,11 @@ struct Scene {
   double materialContrast() const;
   /// Rise of each body's temperature, of all effects, at a time.
   std::vector<double> temperatureRises(double time) const;
+  /// Rises at the nodes of a subdomain at a time, from nodal fields of its mesh; null without these.
+  /// @throws InputError if the mesh has no such field.
+  std::shared_ptr<const std::vector<double>> nodalRises(const OwnedSubdomain& subdomain, double time) const;
+  /// Whether any body has another temperature than in its stress-free state, at a time.
+  bool hasTemperatures(double time) const;
   /// Kinds of the effects that are on, each once, in their order.
   std::vector<std::string> effectKinds() const;
   /// Of each effect, for people and files: "Contact/joint"; one without a name has its number among those of
@@ -100,6 +105,11 @@ struct Scene {
   /// Of those that exert a force.
   std::vector<std::string> forcePaths() const;
 };
+
+/// A nodal field of a subdomain's mesh. @param label of the effect that asks, for the message.
+/// @throws InputError if there is none of this name, naming those that there are.
+const std::vector<double>& nodalField(const Scene& scene, const OwnedSubdomain& subdomain,
+                                      const std::string& name, const std::string& label);
 
 /// The direction in space of a component of the displacement; that of membranes is z.
 fem::Point directionOf(const Scene& scene, int component);
