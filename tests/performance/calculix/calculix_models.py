@@ -229,8 +229,8 @@ def solve(name, source, conversion, work, np_):
         program="harmos",
     )
     if run.returncode != 0:
-        lines = [line for line in (run.stderr or run.stdout).splitlines() if line.strip()]
-        return {"status": "fails", "reason": lines[-1][:300] if lines else f"status {run.returncode}"}
+        errors = re.findall(r"(?m)^error: (.*)$", run.stderr)
+        return {"status": "fails", "reason": errors[0][:300] if errors else f"status {run.returncode}"}
     ours = displacements(sorted((directory / "out").glob("result*.vtkhdf"))[-1], conversion)
     reference = last_displacements(text_of(source.with_suffix(".dat.ref")))
     if prints_local_axes(text_of(source)):
