@@ -6,7 +6,7 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 
 import numpy as np
-from inp_file import InpError
+from inp_file import InpError, number_of
 from inp_model import GMSH_SIDES, TYPES
 
 AXES = "xyz"
@@ -20,6 +20,7 @@ class Body:
     type: str
     blocks: list  # (numbers, nodes) of its elements
     regions: dict = field(default_factory=dict)  # section -> elements
+    groups: list = field(default_factory=list)  # of the mesh file, one for each region
 
     @property
     def reduced(self):
@@ -61,9 +62,10 @@ class Conversion:
         self.model, self.name = model, name
         self.faults, self.notes = [], list(model.notes)
         self.mesh, self.bodies, self.effects = Mesh(), [], defaultdict(dict)
-        self.materials, self.histories = {}, {}
+        self.materials, self.histories, self.material_names = {}, {}, {}
         self.body_of_element, self.body_of_node = {}, {}
-        self.part_names = {}
+        self.part_names, self.members = {}, {}
+        self.sharers = None  # of faces
         self.cuts = {}  # node of a pretension -> (direction, pairs of nodes)
         self.thickness = 1.0
         for make in (
@@ -94,25 +96,37 @@ class Conversion:
             surface = model.surfaces.get(pretension.surface)
             if surface is None or not surface.faces:
                 raise ValueError(f"{pretension.place}: there is no surface of faces \"{pretension.surface}\"")
-            below = {element for element, _ in surface.faces}
+            faces = {element for element, _ in surface.faces}
             nodes = sorted({n for face in surface.faces for n in model.face_nodes(*face)})
             places = np.array([model.nodes[n] for n in nodes])
-            normal = self.direction_of(pretension, surface, places)
+            normal, sign = self.direction_of(pretension, surface, places)
             twins = dict(zip(nodes, range(max(model.nodes) + 1, max(model.nodes) + 1 + len(nodes))))
-            for node, twin in twins.items():
-                model.nodes[twin] = model.nodes[node]
+            self.add_twins(twins)
+            # The elements of the surface get the new nodes, as in CalculiX.
             for block in model.blocks:
                 for row, number in enumerate(block.numbers.tolist()):
                     members = block.nodes[row].tolist()
-                    if number in below or not twins.keys() & set(members):
+                    if not twins.keys() & set(members):
                         continue
                     middle = np.mean([model.nodes[n] for n in members], axis=0)
-                    if (middle - places.mean(axis=0)).dot(normal) > 0.0:
+                    if number in faces or (middle - places.mean(axis=0)).dot(normal) < 0.0:
                         block.nodes[row] = [twins.get(n, n) for n in members]
-            self.cuts[pretension.node] = (normal, list(twins.items()))
+            self.cuts[pretension.node] = (normal, sign, [(twin, node) for node, twin in twins.items()])
+
+    def add_twins(self, twins):
+        """New nodes at the places of others, as warm as they."""
+        model = self.model
+        for node, twin in twins.items():
+            model.nodes[twin] = model.nodes[node]
+            if node in model.initial:
+                model.initial[twin] = model.initial[node]
+        for step in model.steps:
+            step.temperature += [
+                (place, twins[node], *rest) for place, node, *rest in step.temperature if node in twins
+            ]
 
     def direction_of(self, pretension, surface, places):
-        """Unit normal of a cut, away from the elements whose faces it is."""
+        """Unit normal of a cut, away from the elements whose faces it is; −1: the model has the other one."""
         model = self.model
         block, row = model.typeOf[surface.faces[0][0]]
         inside = np.mean([model.nodes[int(n)] for n in block.nodes[row]], axis=0)
@@ -122,11 +136,13 @@ class Conversion:
         else:
             normal = np.linalg.svd(places - places.mean(axis=0))[2][-1]
         normal = normal / np.linalg.norm(normal)
-        return normal if normal.dot(away) > 0.0 else -normal
+        if normal.dot(away) > 0.0:
+            return normal, 1.0
+        return -normal, -1.0 if pretension.direction is not None and any(pretension.direction) else 1.0
 
     def hold_cut(self, node, shift):
         """Rows of a cut: the same jump everywhere, along the bolt or none; shift: that along it, if given."""
-        normal, pairs = self.cuts[node]
+        normal, sign, pairs = self.cuts[node]
         dimension = 3 if self.physics == "solid" else 2
         frame = np.linalg.svd(normal[None, :dimension])[2]
         name = f"pretension_{node}"
@@ -137,7 +153,7 @@ class Conversion:
                 if k > 0:
                     self.add_equation(terms, 0.0, name)
                 elif shift is not None:
-                    self.add_equation(terms, shift * float(np.sign(direction.dot(normal[:dimension]))), name)
+                    self.add_equation(terms, sign * shift * float(np.sign(direction.dot(normal[:dimension]))), name)
                 elif low != pairs[0][0]:
                     first, last = pairs[0]
                     less = [(n, c, -x) for n, c, x in terms]
@@ -206,8 +222,11 @@ class Conversion:
                         raise ValueError(f"element {number} has no *SOLID SECTION")
                     body.regions.setdefault(section.place, (section, []))[1].append(row)
             for k, (section, rows) in enumerate(body.regions.values(), 1):
-                group = body.name if len(body.regions) == 1 else f"{body.name}_{k}"
+                group, taken = body.name if len(body.regions) == 1 else f"{body.name}_{k}", self.mesh.cells
+                while group in taken or group != body.name and group in {b.name for b in self.bodies}:
+                    group += "_"
                 self.mesh.cells[group] = (body.type, rows)
+                body.groups.append(group)
         thickness = {s.thickness for body in self.bodies for s, _ in body.regions.values()}
         if self.physics in ("plane strain", "plane stress"):
             if len(thickness) > 1:
@@ -234,13 +253,25 @@ class Conversion:
                 self.materials[key] = self.material(material, section)
 
     def material_name(self, section):
-        turned = f"_{safe(section.orientation)}" if section.orientation else ""
-        return safe(section.material) + turned
+        """One for each material and orientation."""
+        key = (section.material, section.orientation)
+        if key not in self.material_names:
+            name = safe(section.material) + (f"_{safe(section.orientation)}" if section.orientation else "")
+            while name in self.material_names.values():
+                name += "_"
+            self.material_names[key] = name
+        return self.material_names[key]
 
     def material(self, material, section):
         kind, numbers = material.elastic["kind"], material.elastic["numbers"]
         values = {}
-        if kind == "ISOTROPIC":
+        uneven = len(set(material.expansion or ())) > 1
+        if kind == "ISOTROPIC" and section.orientation and uneven:
+            young, ratio = numbers
+            shear = 0.5 * young / (1.0 + ratio)
+            values.update({"Type": "orthotropic", "Young's moduli": [young] * 3})
+            values.update({"Poisson's ratios": [ratio] * 3, "Shear moduli": [shear] * 3})
+        elif kind == "ISOTROPIC":
             values["Young's modulus"], values["Poisson's ratio"] = numbers
             if numbers[1] > 0.4:
                 self.notes.append(
@@ -251,8 +282,11 @@ class Conversion:
             values.update({"Type": "anisotropic", "Stiffness": list(numbers)})
         else:
             values["Type"] = "orthotropic"
-            values.update(self.engineering(kind, numbers))
-        if section.orientation and (kind != "ISOTROPIC" or len(set(material.expansion or ())) > 1):
+            try:
+                values.update(self.engineering(kind, numbers))
+            except np.linalg.LinAlgError:
+                raise ValueError(f"{material.elastic['place']}: the moduli make a singular matrix") from None
+        if section.orientation and (kind != "ISOTROPIC" or uneven):
             values.update(self.axes_of_material(section))
         if material.expansion:
             values["Thermal expansion"] = list(material.expansion)
@@ -280,29 +314,45 @@ class Conversion:
         return np.cumsum([step.period for step in self.model.steps])
 
     def series(self, kind):
-        """key -> [(time, value)] of one kind of entries (place, ..., value, amplitude)."""
-        result, ends = defaultdict(list), self.step_ends()
-        current = {}
+        """key -> [(time, value)] of one kind of entries (place, ..., value, amplitude).
+
+        Loads that a step gives again add up, and take the place of those of the step before; what is prescribed is
+        that of the last line.
+        """
+        result, current, ends = defaultdict(list), {}, self.step_ends()
         for step, end in zip(self.model.steps, ends):
-            begin = end - step.period
-            fresh = {}
-            for place, *key, value, amplitude in getattr(step, kind):
-                fresh[self.key_of(key)] = (value, amplitude, place)
-            if kind in step.resets:
-                gone = set(current) - set(fresh)
-                if kind == "boundary" and gone:
-                    raise ValueError(f"{step.place}: supports that are released (OP=NEW) are not supported")
-                fresh.update({key: (0.0 * np.asarray(current[key]), "", step.place) for key in gone})
-            for key, (value, amplitude, _) in fresh.items():
+            begin, fresh = end - step.period, self.fresh(step, kind)
+            gone = set(current) - set(fresh) if kind in step.resets else set()
+            if kind == "boundary" and gone:
+                raise ValueError(f"{step.place}: supports that are released (OP=NEW) are not supported")
+            for key in gone:
+                fresh[key] = (0.0, "", step.place)
+            for key, (_, amplitude) in current.items():
+                if key not in fresh and amplitude and self.model.amplitudes[amplitude][2]:
+                    fresh[key] = (*current[key][0], amplitude, step.place)  # total time goes on
+            for key, (value, amplitude, place) in fresh.items():
                 points = result[key]
-                if not points and begin > 0.0 and kind == "boundary" and np.any(value):
-                    raise ValueError(f"{step.place}: a support that begins in a later step is not supported")
-                if amplitude:
-                    points += self.follow(amplitude, np.asarray(value), begin, end)
-                else:
-                    points += [(begin, current.get(key, 0.0 * np.asarray(value))), (end, np.asarray(value))]
-                current[key] = points[-1][1]
+                if not points and begin > 0.0 and kind == "boundary":
+                    raise ValueError(f"{place}: a support that begins in a later step is not supported")
+                before = points[-1][1] if points else self.at_rest(kind, key)
+                points += self.follow(amplitude, value, begin, end) if amplitude else [(begin, before), (end, value)]
+                current[key] = ((value,), amplitude)
         return result
+
+    def at_rest(self, kind, key):
+        return self.model.initial.get(key[0], 0.0) if kind == "temperature" else 0.0
+
+    def fresh(self, step, kind):
+        """key -> (value, amplitude, place) of a step."""
+        fresh = {}
+        for place, *key, value, amplitude in getattr(step, kind):
+            key = self.key_of(key)
+            if key in fresh and kind in ("cload", "dload"):
+                if fresh[key][1] != amplitude:
+                    raise ValueError(f"{place}: a load with two amplitudes in one step is not supported")
+                value += fresh[key][0]
+            fresh[key] = (value, amplitude, place)
+        return fresh
 
     @staticmethod
     def key_of(key):
@@ -312,7 +362,7 @@ class Conversion:
         times, values, is_total = self.model.amplitudes[amplitude]
         shift = 0.0 if is_total else begin
         inside = sorted({begin, end, *(t + shift for t in times if begin < t + shift < end)})
-        return [(t, np.interp(t - shift, times, values) * value) for t in inside]
+        return [(t, float(np.interp(t - shift, times, values)) * value) for t in inside]
 
     def is_one_state(self):
         rough = any(i.friction for i in self.model.interactions.values())
@@ -327,11 +377,13 @@ class Conversion:
         if magnitude == 0.0:
             return 0.0, ""
         shape = tuple((float(t), value / magnitude) for (t, _), value in zip(points, values))
-        unique = []
-        for point in shape:
-            if unique and point[0] == unique[-1][0]:
-                unique.pop()
-            unique.append(point)
+        jump, unique = 1e-9 * float(self.step_ends()[-1]), []
+        for time, factor in shape:
+            if unique and time <= unique[-1][0]:
+                if factor == unique[-1][1]:
+                    continue
+                time = unique[-1][0] + jump  # the step before ends with another value
+            unique.append((time, factor))
         name = self.histories.setdefault(tuple(unique), f"history_{len(self.histories) + 1}")
         return magnitude, name
 
@@ -363,6 +415,7 @@ class Conversion:
                 while (body, name) in taken or name in self.mesh.cells:
                     name, k = f"{safe(hint)}_{k}", k + 1
                 self.part_names[key] = (body, name)
+                self.members[body, name] = own
                 groups.setdefault(name, []).extend(own)
             result[body] = self.part_names[key][1]
         return result
@@ -485,37 +538,49 @@ class Conversion:
 
     def pull_cut(self, node, points):
         """A force that pulls both sides of a cut together, at a pair of nodes, since all jumps are the same."""
-        normal, pairs = self.cuts[node]
+        normal, turn, pairs = self.cuts[node]
         size, history = self.history(points)
         for part, sign in zip(pairs[0], (1.0, -1.0)):
-            force = (sign * size / self.thickness * normal).tolist()
+            force = (turn * sign * size / self.thickness * normal).tolist()
             for body, name in self.node_part([part], f"n{part}").items():
                 self.add_effect("Force", f"pretension_{node}", Part=f"{body}/{name}", Force=force, History=history)
 
     def make_distributed(self):
-        pressures = defaultdict(list)
+        pressures, turning = defaultdict(list), {}
         for key, points in self.series("dload").items():
-            if key[0] in ("GRAV", "CENTRIF"):
-                self.add_volume_force(key, points)
+            if key[0] == "P":
+                size, history = self.history(points)
+                if size != 0.0:
+                    pressures[size, history].append(key[1])
+                    self.require_outer(key[1])
                 continue
-            size, history = self.history(points)
-            if size != 0.0:
-                pressures[size, history] += list(key[1])
+            for body in self.add_volume_force(key, points):
+                if key[0] == "CENTRIF" and turning.setdefault(body, key) != key:
+                    raise ValueError(f"body {body} has two CENTRIF loads, which is not supported")
         for (size, history), faces in pressures.items():
             for body, part in self.side_part(faces, "pressed").items():
                 self.add_effect(
                     "Traction", "pressure", Part=f"{body}/{part}", Pressure=size, History=history
                 )
 
+    def require_outer(self, face):
+        """Faces inside of a body have no pressure in Harmos."""
+        if self.sharers is None:
+            self.sharers = defaultdict(int)
+            for element in self.body_of_element:
+                block, _ = self.model.typeOf[element]
+                for number in range(len(TYPES[block.type].sides)):
+                    self.sharers[frozenset(self.model.face_nodes(element, number))] += 1
+        if self.sharers[frozenset(self.model.face_nodes(*face))] > 1:
+            raise ValueError(f"element {face[0]}, face {face[1] + 1}: a pressure inside of a body is not supported")
+
     def add_volume_force(self, key, points):
-        """GRAV or CENTRIF on the bodies of a set of elements."""
-        label, elements = key[0], set(key[1])
-        if not self.is_one_state():
-            raise ValueError(f"{label} in several steps is not supported")
-        size = points[-1][1]
+        """GRAV or CENTRIF on the bodies of a set of elements; their names."""
+        label, elements, bodies = key[0], set(key[1]), []
+        size, history = self.history(points)
         for body in self.bodies:
             own = {int(n) for numbers, _ in body.blocks for n in numbers}
-            if not own & elements:
+            if not own & elements or size == 0.0:
                 continue
             densities = {self.model.materials[s.material].density for s, _ in body.regions.values()}
             if not own <= elements or len(densities) > 1 or None in densities:
@@ -523,18 +588,23 @@ class Conversion:
                     f"{label} on a part of body {body.name}, or on several densities or none, is not supported"
                 )
             density = densities.pop()
+            bodies.append(body.name)
             if label == "GRAV":
-                self.add_effect("Body force", "weight", Body=body.name, Density=(density * np.asarray(size)).tolist())
-            else:
-                self.add_effect(
-                    "Centrifugal force",
-                    "rotation",
-                    Body=body.name,
-                    Mass_density=density,
-                    Angular_velocity=float(np.sqrt(size)),
-                    Point=list(key[2][:3]),
-                    Axis=list(key[2][3:]),
-                )
+                pull = [density * size * x for x in key[2]]
+                self.add_effect("Body force", "weight", Body=body.name, Density=pull, History=history)
+                continue
+            if history:
+                raise ValueError("CENTRIF in several steps is not supported")
+            self.add_effect(
+                "Centrifugal force",
+                "rotation",
+                Body=body.name,
+                Mass_density=density,
+                Angular_velocity=float(np.sqrt(size)),
+                Point=list(key[2][:3]),
+                Axis=list(key[2][3:]),
+            )
+        return bodies
 
     def make_temperatures(self):
         rises = self.series("temperature")
@@ -619,20 +689,28 @@ class Conversion:
 
     def couple(self, kind, name, pair, **more):
         slaves, masters = (self.surface(text, pair.place) for text in (pair.slave, pair.master))
-        names, pairs = [], len(slaves) * len(masters)
+        reach = pair.options.get("POSITION TOLERANCE", "")
+        if kind == "Tie" and reach:
+            more["Reach"] = number_of(reach, pair.place)
+        names, pairs, left = [], len(slaves) * len(masters), []
         for slave, first in slaves.items():
             for master, second in masters.items():
-                if pairs > 1 and not self.are_near(first, second):
-                    continue
                 sides = {"First": f"{slave}/{first}", "Second": f"{master}/{second}"}
+                if pairs > 1 and not self.are_near((slave, first), (master, second)):
+                    left.append(" and ".join(sides.values()))
+                    continue
                 names.append(self.add_effect(kind, name, **sides, **more))
+        if not names:
+            raise ValueError(f"{pair.place}: no part of {pair.slave} is near to one of {pair.master}")
+        if left:
+            self.notes.append(f"{pair.place}: too far apart to meet, and left out: {', '.join(left)}")
         return names
 
     def are_near(self, first, second):
-        """Whether two parts may meet: boxes around them, wider by a tenth."""
+        """Whether two parts, each (body, part), may meet: boxes around them, wider by a tenth."""
         boxes = []
         for part in (first, second):
-            places = np.array([self.model.nodes[n] for face in self.mesh.sides[part] for n in face])
+            places = np.array([self.model.nodes[n] for face in self.members[part] for n in face])
             margin = 0.1 * np.ptp(places, axis=0).max()
             boxes.append((places.min(axis=0) - margin, places.max(axis=0) + margin))
         (low, high), (least, most) = boxes
@@ -735,15 +813,17 @@ def deck_of(conversion, mesh_file):
         sections = [section for section, _ in body.regions.values()]
         entry = {"Materials": [conversion.material_name(section) for section in sections]}
         if len(sections) > 1:
-            entry["Groups"] = [f"{body.name}_{k}" for k in range(1, len(sections) + 1)]
+            entry["Groups"] = body.groups
         entry["Expert"] = {"Dilatation": "full"}  # as the model's elements have it
         if body.reduced:
             entry["Expert"]["Integration"] = "reduced"
             entry["Subdomains"] = 1
         deck["Bodies"][body.name] = entry
     if conversion.histories or len(conversion.model.steps) > 1:
-        times = set(conversion.step_ends().tolist())
-        times |= {t for points in conversion.histories for t, _ in points if t > 0.0}
+        ends = conversion.step_ends()
+        times = set(ends.tolist())
+        for points in conversion.histories:  # but for those of jumps, next to the end of a step
+            times |= {t for t, _ in points if t > 0.0 and np.abs(ends - t).min() > 1e-8 * ends[-1]}
         deck["Steps"] = {"Times": sorted(times), "Histories": {}}
         for points, name in conversion.histories.items():
             deck["Steps"]["Histories"][name] = {
@@ -755,6 +835,7 @@ def deck_of(conversion, mesh_file):
 
 
 def write_deck(conversion, path, mesh_file):
-    head = f"<!-- From the model {conversion.name}, by harmos-inp. -->"
+    name = conversion.name.replace("--", "- -")  # which no comment may have
+    head = f"<!-- From the model {name}, by harmos-inp. -->"
     lines = [head, *_lines(deck_of(conversion, mesh_file), 0), ""]
     path.write_text("\n".join(lines), encoding="utf-8")

@@ -17,9 +17,21 @@ class InpError(Exception):
         self.faults = faults
 
 
+def number_of(text, place):
+    """A finite number, also with Fortran's exponent D. Raises ValueError with the place."""
+    try:
+        value = float(text.replace("D", "E"))
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ValueError(f"{place}: \"{text}\" is not a number")
+    return value
+
+
 @dataclass
 class Row:
-    """A line of data: where it is, and its texts between commas; upper case, without blanks."""
+    """A line of data: where it is, and its texts between commas; upper case, without blanks, which
+    mean nothing in names either."""
 
     place: str
     texts: list
@@ -31,22 +43,16 @@ class Row:
             if default is not None:
                 return default
             raise ValueError(f"{self.place}: number {k + 1} of the line is missing")
-        try:
-            value = float(text.replace("D", "E"))
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise ValueError(f"{self.place}: \"{text}\" is not a number")
-        return value
+        return number_of(text, self.place)
 
     def integer(self, k, default=None):
         value = self.number(k, default)
         if value != int(value) or abs(value) > LARGEST:
-            raise ValueError(f"{self.place}: \"{self.texts[k]}\" is not a whole number")
+            raise ValueError(f"{self.place}: \"{self.text(k)}\" is not a whole number")
         return int(value)
 
     def text(self, k):
-        return self.texts[k] if k < len(self.texts) else ""
+        return self.texts[k] if 0 <= k < len(self.texts) else ""
 
 
 @dataclass
@@ -58,6 +64,11 @@ class Keyword:
     place: str
     rows: list = field(default_factory=list)
 
+    @property
+    def key(self):
+        """The name without blanks, hyphens and underscores, which may be left out."""
+        return self.name.replace(" ", "").replace("-", "").replace("_", "")
+
     def option(self, name, default=""):
         return self.options.get(name, default)
 
@@ -68,7 +79,7 @@ def _keyword(line, place):
     for text in rest:
         name, _, value = text.partition("=")
         if name.strip():
-            options[name.strip().upper()] = value.strip().strip('"').upper()
+            options[name.strip().upper()] = "".join(value.split()).strip('"').upper()
     return Keyword(head.upper(), options, place)
 
 
@@ -95,7 +106,7 @@ def read(path, depth=0):
             else:
                 keywords.append(keyword)
         elif keywords:
-            texts = [part.strip().upper() for part in line.split(",")]
+            texts = ["".join(part.split()).upper() for part in line.split(",")]
             while texts and texts[-1] == "":
                 texts.pop()
             keywords[-1].rows.append(Row(place, texts))

@@ -4,7 +4,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from inp_file import InpError
+from inp_file import InpError, number_of
 
 
 @dataclass(frozen=True)
@@ -134,6 +134,7 @@ class Step:
     dload: list = field(default_factory=list)
     temperature: list = field(default_factory=list)
     resets: set = field(default_factory=set)  # kinds of loads that OP=NEW removes
+    seen: set = field(default_factory=set)  # kinds of loads that the step has
 
 
 @dataclass
@@ -166,26 +167,18 @@ class Model:
 
     def node_list(self, text, place):
         """Nodes of a set, or the one of a number."""
+        if text.isdigit() and int(text) in self.nodes:
+            return [int(text)]
         if text in self.nsets:
             return self.nsets[text]
-        try:
-            number = int(text)
-        except ValueError:
-            raise ValueError(f"{place}: there is no node set \"{text}\"") from None
-        if number not in self.nodes:
-            raise ValueError(f"{place}: there is no node {number}")
-        return [number]
+        raise ValueError(f"{place}: there is no node {'' if text.isdigit() else 'set '}\"{text}\"")
 
     def element_list(self, text, place):
+        if text.isdigit() and int(text) in self.typeOf:
+            return [int(text)]
         if text in self.elsets:
             return [e for e in self.elsets[text] if e in self.typeOf]  # others are faults already
-        try:
-            number = int(text)
-        except ValueError:
-            raise ValueError(f"{place}: there is no element set \"{text}\"") from None
-        if number not in self.typeOf:
-            raise ValueError(f"{place}: there is no element {number}")
-        return [number]
+        raise ValueError(f"{place}: there is no element {'' if text.isdigit() else 'set '}\"{text}\"")
 
     def face_nodes(self, element, face):
         """Nodes of a face, corners first."""
@@ -194,30 +187,42 @@ class Model:
 
 
 # Keywords that change nothing of what is computed here.
-IGNORED = frozenset(
-    (
-        "HEADING",
-        "NODE PRINT",
-        "EL PRINT",
-        "NODE FILE",
-        "EL FILE",
-        "CONTACT FILE",
-        "CONTACT PRINT",
-        "NODE OUTPUT",
-        "ELEMENT OUTPUT",
-        "CONTACT OUTPUT",
-        "OUTPUT",
-        "SECTION PRINT",
-        "FACE PRINT",
-        "PREPRINT",
-        "PHYSICAL CONSTANTS",
-        "TIME POINTS",
-        "CONTROLS",
-        "SPECIFIC HEAT",
-        "CONDUCTIVITY",
-        "END STEP",
-    )
-)
+IGNORED = (
+    "HEADING NODEPRINT ELPRINT NODEFILE ELFILE CONTACTFILE CONTACTPRINT NODEOUTPUT ELEMENTOUTPUT CONTACTOUTPUT "
+    "OUTPUT SECTIONPRINT FACEPRINT PREPRINT PHYSICALCONSTANTS TIMEPOINTS CONTROLS SPECIFICHEAT CONDUCTIVITY ENDSTEP"
+).split()
+
+# Options that are taken, or change nothing here; others are faults, for they may change the model.
+OPTIONS = {
+    "NODE": "NSET SYSTEM",
+    "ELEMENT": "TYPE ELSET",
+    "NSET": "NSET GENERATE ELSET",
+    "ELSET": "ELSET GENERATE",
+    "SURFACE": "NAME TYPE",
+    "MATERIAL": "NAME",
+    "ELASTIC": "TYPE",
+    "EXPANSION": "TYPE ZERO",
+    "DENSITY": "",
+    "SOLIDSECTION": "ELSET MATERIAL ORIENTATION",
+    "ORIENTATION": "NAME SYSTEM DEFINITION",
+    "SURFACEINTERACTION": "NAME",
+    "SURFACEBEHAVIOR": "PRESSURE-OVERCLOSURE",
+    "FRICTION": "",
+    "CONTACTPAIR": "INTERACTION TYPE ADJUST SMALLSLIDING",
+    "TIE": "NAME POSITIONTOLERANCE ADJUST TYPE CYCLICSYMMETRY MULTISTAGE",
+    "PRETENSIONSECTION": "SURFACE NODE",
+    "EQUATION": "",
+    "TRANSFORM": "NSET TYPE",
+    "AMPLITUDE": "NAME TIME TOTALTIME DEFINITION",
+    "INITIALCONDITIONS": "TYPE",
+    "STEP": "NAME NLGEOM INC INCF PERTURBATION",
+    "STATIC": "SOLVER DIRECT",
+    "BOUNDARY": "OP AMPLITUDE FIXED USER SUBMODEL",
+    "CLOAD": "OP AMPLITUDE USER SECTOR",
+    "DLOAD": "OP AMPLITUDE",
+    "DSLOAD": "OP AMPLITUDE",
+    "TEMPERATURE": "AMPLITUDE FILE USER",
+}
 
 
 class Reader:
@@ -230,14 +235,18 @@ class Reader:
         self.interaction = None
         self.step = None
         self.before = []  # prescribed before the first step
+        self.takers = {
+            name[5:].replace("_", "").upper(): getattr(self, name) for name in dir(self) if name.startswith("take_")
+        }
 
     def read(self, keywords):
         for keyword in keywords:
-            method = getattr(self, "_" + keyword.name.lower().replace(" ", "_").replace("-", "_"), None)
+            method = self.takers.get(keyword.key)
             try:
                 if method is not None:
+                    self.check_options(keyword)
                     method(keyword)
-                elif keyword.name not in IGNORED:
+                elif keyword.key not in IGNORED:
                     self.faults.append(f"{keyword.place}: *{keyword.name} is not supported")
             except (ValueError, OverflowError) as error:
                 self.faults.append(str(error))
@@ -249,20 +258,28 @@ class Reader:
             raise InpError(self.faults)
         return self.model
 
+    @staticmethod
+    def check_options(keyword):
+        for option in keyword.options:
+            if option.replace(" ", "") not in OPTIONS[keyword.key].split():
+                raise ValueError(f"{keyword.place}: the option {option} of *{keyword.name} is not supported")
+
     # Geometry.
 
-    def _node(self, keyword):
+    def take_node(self, keyword):
         if keyword.option("SYSTEM", "R") != "R":
             raise ValueError(f"{keyword.place}: *NODE with SYSTEM={keyword.option('SYSTEM')} is not supported")
         numbers = []
         for row in keyword.rows:
             number = row.integer(0)
+            if number < 1:
+                raise ValueError(f"{row.place}: nodes have numbers from 1 on")
             self.model.nodes[number] = tuple(row.number(k, 0.0) for k in (1, 2, 3))
             numbers.append(number)
         if keyword.option("NSET"):
             self.model.nsets.setdefault(keyword.option("NSET"), []).extend(numbers)
 
-    def _element(self, keyword):
+    def take_element(self, keyword):
         name = keyword.option("TYPE")
         if name not in TYPES:
             raise ValueError(f"{keyword.place}: element type {name or '(none)'} is not supported")
@@ -283,6 +300,10 @@ class Reader:
         if unknown:
             raise ValueError(f"{keyword.place}: elements have the node {min(unknown)}, which does not exist")
         for row, number in enumerate(block.numbers.tolist()):
+            if len(set(block.nodes[row].tolist())) < size:
+                raise ValueError(f"{keyword.place}: element {number} has a node twice, which is not supported")
+            if number in self.model.typeOf:
+                raise ValueError(f"{keyword.place}: element {number} is there twice")
             self.model.typeOf[number] = (block, row)
         self.model.blocks.append(block)
         if keyword.option("ELSET"):
@@ -306,7 +327,7 @@ class Reader:
         if missing:
             raise ValueError(f"{keyword.place}: the set {name} has the member {missing[0]}, which does not exist")
 
-    def _nset(self, keyword):
+    def take_nset(self, keyword):
         if keyword.option("ELSET"):
             elements = self.model.element_list(keyword.option("ELSET"), keyword.place)
             nodes = {int(n) for e in elements for n in self.model.typeOf[e][0].nodes[self.model.typeOf[e][1]]}
@@ -314,10 +335,10 @@ class Reader:
             return
         self._set(keyword, keyword.option("NSET"), self.model.nsets, self.model.nodes)
 
-    def _elset(self, keyword):
+    def take_elset(self, keyword):
         self._set(keyword, keyword.option("ELSET"), self.model.elsets, self.model.typeOf)
 
-    def _surface(self, keyword):
+    def take_surface(self, keyword):
         surface = Surface()
         if keyword.option("TYPE", "ELEMENT") == "NODE":
             surface.nodes = []
@@ -343,7 +364,7 @@ class Reader:
 
     # Materials and sections.
 
-    def _material(self, keyword):
+    def take_material(self, keyword):
         self.material = Material(keyword.place)
         self.model.materials[keyword.option("NAME")] = self.material
 
@@ -356,7 +377,7 @@ class Reader:
             raise ValueError(f"{keyword.place}: *{keyword.name} that depends on temperature is not supported")
         return self.material
 
-    def _elastic(self, keyword):
+    def take_elastic(self, keyword):
         material = self._of_material(keyword)
         kind = keyword.option("TYPE", "ISOTROPIC")
         numbers = [row.number(k) for row in keyword.rows for k in range(len(row.texts)) if row.texts[k]]
@@ -372,7 +393,7 @@ class Reader:
             )
         material.elastic = {"kind": kind, "numbers": numbers[:size], "place": keyword.place}
 
-    def _expansion(self, keyword):
+    def take_expansion(self, keyword):
         material = self._of_material(keyword)
         kind = keyword.option("TYPE", "ISO")
         row = keyword.rows[0]
@@ -381,13 +402,13 @@ class Reader:
                 f"{keyword.place}: *EXPANSION that is anisotropic or depends on temperature is not supported"
             )
         material.expansion = tuple(row.number(k if kind == "ORTHO" else 0) for k in range(3))
-        material.zero = float(keyword.option("ZERO", "0") or 0)
+        material.zero = number_of(keyword.option("ZERO") or "0", keyword.place)
 
-    def _density(self, keyword):
+    def take_density(self, keyword):
         material = self._of_material(keyword)
         material.density = keyword.rows[0].number(0)
 
-    def _solid_section(self, keyword):
+    def take_solid_section(self, keyword):
         row = keyword.rows[0] if keyword.rows else None
         self.model.sections.append(
             Section(
@@ -399,8 +420,9 @@ class Reader:
             )
         )
 
-    def _orientation(self, keyword):
-        if keyword.option("SYSTEM", "RECTANGULAR") not in ("RECTANGULAR", "R") or len(keyword.rows) > 1:
+    def take_orientation(self, keyword):
+        known = keyword.option("SYSTEM", "RECTANGULAR") in ("RECTANGULAR", "R")
+        if not known or len(keyword.rows) != 1 or keyword.option("DEFINITION", "COORDINATES") != "COORDINATES":
             raise ValueError(
                 f"{keyword.place}: *ORIENTATION that is not rectangular, or turned besides, is not supported"
             )
@@ -408,11 +430,11 @@ class Reader:
 
     # Interactions.
 
-    def _surface_interaction(self, keyword):
+    def take_surface_interaction(self, keyword):
         self.interaction = Interaction()
         self.model.interactions[keyword.option("NAME")] = self.interaction
 
-    def _surface_behavior(self, keyword):
+    def take_surface_behavior(self, keyword):
         if self.interaction is None:
             raise ValueError(f"{keyword.place}: *SURFACE BEHAVIOR before *SURFACE INTERACTION")
         kind = keyword.option("PRESSURE-OVERCLOSURE", "HARD")
@@ -422,31 +444,33 @@ class Reader:
         if kind == "LINEAR" and keyword.rows:
             self.interaction.stiffness = keyword.rows[0].number(0)
 
-    def _friction(self, keyword):
+    def take_friction(self, keyword):
         if self.interaction is None or not keyword.rows:
             raise ValueError(f"{keyword.place}: *FRICTION without an interaction or without a coefficient")
         self.interaction.friction = keyword.rows[0].number(0)
 
-    def _contact_pair(self, keyword):
+    def take_contact_pair(self, keyword):
         for row in keyword.rows:
             self.model.contacts.append(
                 Pair(row.place, keyword.option("INTERACTION"), row.text(0), row.text(1), keyword.options)
             )
 
-    def _tie(self, keyword):
+    def take_tie(self, keyword):
+        if keyword.option("TYPE", "SURFACETOSURFACE") not in ("SURFACETOSURFACE", "NODETOSURFACE"):
+            raise ValueError(f"{keyword.place}: *TIE of TYPE={keyword.option('TYPE')} is not supported")
         if "CYCLIC SYMMETRY" in keyword.options or "MULTISTAGE" in keyword.options:
             raise ValueError(f"{keyword.place}: *TIE of cyclic symmetry is not supported")
         for row in keyword.rows:
             self.model.ties.append(Pair(row.place, "", row.text(0), row.text(1), keyword.options))
 
-    def _pre_tension_section(self, keyword):
+    def take_pre_tension_section(self, keyword):
         if not keyword.option("SURFACE") or not keyword.option("NODE"):
             raise ValueError(f"{keyword.place}: *PRE-TENSION SECTION needs SURFACE and NODE")
         direction = tuple(keyword.rows[0].number(k, 0.0) for k in range(3)) if keyword.rows else None
-        (node,) = self.model.node_list(keyword.option("NODE"), keyword.place)[:1]
+        node = (self.model.node_list(keyword.option("NODE"), keyword.place) or [0])[0]
         self.model.pretensions.append(Pretension(keyword.place, keyword.option("SURFACE"), node, direction))
 
-    def _equation(self, keyword):
+    def take_equation(self, keyword):
         rows = iter(keyword.rows)
         for row in rows:
             count, terms = row.integer(0), []
@@ -464,7 +488,7 @@ class Reader:
                     terms.append((node[0], dof, data.number(k + 2)))
             self.model.equations.append(Equation(row.place, terms[:count]))
 
-    def _transform(self, keyword):
+    def take_transform(self, keyword):
         kind = keyword.option("TYPE", "R")
         if kind not in ("R", "C") or not keyword.rows:
             raise ValueError(f"{keyword.place}: *TRANSFORM of TYPE={kind} is not supported")
@@ -475,14 +499,17 @@ class Reader:
             raise ValueError(f"{keyword.place}: *TRANSFORM has points that make no axes")
         self.model.transforms.append((nodes, kind, numbers))
 
-    def _amplitude(self, keyword):
+    def take_amplitude(self, keyword):
         numbers = [row.number(k) for row in keyword.rows for k in range(len(row.texts))]
+        if keyword.option("DEFINITION", "TABULAR") != "TABULAR":
+            raise ValueError(f"{keyword.place}: *AMPLITUDE of DEFINITION={keyword.option('DEFINITION')} is not supported")
         if "USER" in keyword.options or len(numbers) % 2 or not numbers:
             raise ValueError(f"{keyword.place}: *AMPLITUDE needs pairs of time and value")
-        isTotal = keyword.option("TIME") == "TOTAL TIME" or "TOTAL TIME" in keyword.options
-        self.model.amplitudes[keyword.option("NAME")] = (numbers[0::2], numbers[1::2], isTotal)
+        isTotal = keyword.option("TIME") == "TOTALTIME" or "TOTAL TIME" in keyword.options
+        # CalculiX keeps the first of two that have one name.
+        self.model.amplitudes.setdefault(keyword.option("NAME"), (numbers[0::2], numbers[1::2], isTotal))
 
-    def _initial_conditions(self, keyword):
+    def take_initial_conditions(self, keyword):
         if keyword.option("TYPE") != "TEMPERATURE":
             raise ValueError(
                 f"{keyword.place}: *INITIAL CONDITIONS of TYPE={keyword.option('TYPE')} is not supported"
@@ -493,7 +520,7 @@ class Reader:
 
     # Steps.
 
-    def _step(self, keyword):
+    def take_step(self, keyword):
         self.step = Step(keyword.place, keyword.options)
         if "PERTURBATION" in keyword.options:
             raise ValueError(f"{keyword.place}: *STEP, PERTURBATION is not supported")
@@ -508,11 +535,19 @@ class Reader:
             raise ValueError(f"{keyword.place}: *{keyword.name} outside of a step")
         return self.step
 
-    def _static(self, keyword):
+    def take_static(self, keyword):
         step = self._of_step(keyword)
         step.isStatic = True
         if keyword.rows and len(keyword.rows[0].texts) > 1:
             step.period = keyword.rows[0].number(1, 1.0)
+
+    def reset(self, kind, keyword):
+        """OP=NEW of the first keyword of a kind in a step counts alone."""
+        step = self.step
+        if step is not None and kind not in step.seen and keyword.option("OP") == "NEW":
+            step.resets.add(kind)
+        if step is not None:
+            step.seen.add(kind)
 
     def _amplitude_of(self, keyword):
         name = keyword.option("AMPLITUDE")
@@ -520,63 +555,65 @@ class Reader:
             raise ValueError(f"{keyword.place}: there is no amplitude \"{name}\"")
         return name
 
-    def _boundary(self, keyword):
+    def take_boundary(self, keyword):
         for option in ("FIXED", "USER", "SUBMODEL"):
             if option in keyword.options:
                 raise ValueError(f"{keyword.place}: *BOUNDARY, {option} is not supported")
         amplitude = self._amplitude_of(keyword)
-        if keyword.option("OP") == "NEW" and self.step is not None:
-            self.step.resets.add("boundary")
+        self.reset("boundary", keyword)
         entries = self.step.boundary if self.step is not None else self.before
         for row in keyword.rows:
             nodes = self.model.node_list(row.text(0), row.place)
             first = row.integer(1)
+            if first < 1:
+                raise ValueError(f"{row.place}: there is no dof {first}")
             for dof in range(first, row.integer(2, first) + 1):
                 if dof <= 3:
                     entries += [(row.place, node, dof, row.number(3, 0.0), amplitude) for node in nodes]
                 elif dof == 11:
                     raise ValueError(f"{row.place}: prescribed temperatures (dof 11) are not supported")
 
-    def _cload(self, keyword):
+    def take_cload(self, keyword):
         step, amplitude = self._of_step(keyword), self._amplitude_of(keyword)
         if "USER" in keyword.options or "SECTOR" in keyword.options:
             raise ValueError(f"{keyword.place}: *CLOAD of a user or a sector is not supported")
-        if keyword.option("OP") == "NEW":
-            step.resets.add("cload")
+        self.reset("cload", keyword)
         for row in keyword.rows:
             for node in self.model.node_list(row.text(0), row.place):
                 step.cload.append((row.place, node, row.integer(1), row.number(2), amplitude))
 
-    def _dload(self, keyword):
+    def take_dload(self, keyword):
         step, amplitude = self._of_step(keyword), self._amplitude_of(keyword)
-        if keyword.option("OP") == "NEW":
-            step.resets.add("dload")
+        self.reset("dload", keyword)
         for row in keyword.rows:
             label = row.text(1)
             if label == "GRAV":
                 elements = self.model.element_list(row.text(0), row.place)
                 direction = np.array([row.number(k, 0.0) for k in (3, 4, 5)])
-                pull = row.number(2) * direction / (np.linalg.norm(direction) or 1.0)
-                step.dload.append((row.place, "GRAV", elements, pull, amplitude))
+                direction = tuple((direction / (np.linalg.norm(direction) or 1.0)).tolist())
+                step.dload.append((row.place, "GRAV", tuple(elements), direction, row.number(2), amplitude))
             elif label == "CENTRIF":
                 elements = self.model.element_list(row.text(0), row.place)
                 turning = tuple(row.number(k, 0.0) for k in range(3, 9))
-                step.dload.append((row.place, "CENTRIF", elements, turning, row.number(2), amplitude))
+                if row.number(2) < 0.0:
+                    raise ValueError(f"{row.place}: the square of a speed is negative")
+                step.dload.append((row.place, "CENTRIF", tuple(elements), turning, row.number(2), amplitude))
             elif len(label) == 2 and label[0] == "P" and label[1].isdigit():
-                faces = self._faces(row.text(0), label, row.place)
-                step.dload.append((row.place, "P", faces, row.number(2), amplitude))
+                for face in self._faces(row.text(0), label, row.place):
+                    step.dload.append((row.place, "P", face, row.number(2), amplitude))
             else:
                 raise ValueError(f"{row.place}: the distributed load {label} is not supported")
 
-    def _dsload(self, keyword):
+    def take_dsload(self, keyword):
         step, amplitude = self._of_step(keyword), self._amplitude_of(keyword)
+        self.reset("dload", keyword)
         for row in keyword.rows:
             surface = self.model.surfaces.get(row.text(0))
             if surface is None or surface.nodes is not None or row.text(1) != "P":
                 raise ValueError(f"{row.place}: *DSLOAD needs a surface of faces and the load P")
-            step.dload.append((row.place, "P", surface.faces, row.number(2), amplitude))
+            step.dload += [(row.place, "P", face, row.number(2), amplitude) for face in surface.faces]
 
-    def _temperature(self, keyword):
+    def take_temperature(self, keyword):
         step, amplitude = self._of_step(keyword), self._amplitude_of(keyword)
         if "FILE" in keyword.options or "USER" in keyword.options:
             raise ValueError(f"{keyword.place}: *TEMPERATURE from a file is not supported")

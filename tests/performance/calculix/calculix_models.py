@@ -134,14 +134,10 @@ def displacements(result, conversion):
 
     for x, value, b in zip(points, u, body):
         known.setdefault(key(names[int(b)], x), []).append(value.tolist())
-    found = {
+    return {
         node: known[key(owner.name, conversion.model.nodes[node])]
         for node, owner in conversion.body_of_node.items()
     }
-    for _, pairs in conversion.cuts.values():  # ccx may keep either side's number
-        for low, high in pairs:
-            found[low] = found[low] + found[high]
-    return found
 
 
 def with_all_displacements(text):

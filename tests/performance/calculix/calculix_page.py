@@ -47,6 +47,8 @@ Keywords for output are ignored: Harmos always writes displacements, stresses, c
 * **Small displacements.** `NLGEOM` is told as a note; displacements and rotations are taken to be small.
 * **Contact and ties** are mortar couplings where meshes do not match. CalculiX ties nodes to faces one by one, which
   does not pass the patch test on meshes that do not match.
+* **Integration.** Elements of full integration are integrated exactly on straight cells. CalculiX has 4 points in C3D10
+  and one in CAX3, and expands plane and axisymmetric elements to solid ones: on coarse or curved meshes results differ.
 * **Plane sections** have the thickness 1 in Harmos; forces are divided by the thickness of the model.
 * **Reduced elements** (C3D20R and its like) keep their reduced integration, and their body is one subdomain. A body
   of one such cell has mechanisms and is rejected.

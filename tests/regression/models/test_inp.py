@@ -4,6 +4,7 @@
 What each class guards against:
 
     Answers   sets, surfaces, loads, local axes, equations, steps that mean something else after the conversion
+    Meanings  loads that are lost or counted twice, names and options that are mistaken
     Faults    keywords that are dropped without a word; faults that are told one by one, without their line
     Damage    damaged input that ends in anything but a sentence and exit status 2
 """
@@ -223,6 +224,67 @@ class Answers(unittest.TestCase):
         self.assertIn('value="{0.0, 0.0, -0.5}"', deck)
 
 
+class Meanings(unittest.TestCase):
+    """What keywords mean, as CalculiX has it; of the conversion alone."""
+
+    def convert(self, lines):
+        conversion = inp_deck.Conversion(inp_model.read_model(inp_file.read(write(lines, "meant"))), "meant")
+        self.histories = {name: points for points, name in conversion.histories.items()}
+        return conversion
+
+    def loads(self, *steps, more=()):
+        """(force along z, its history) of all Force effects."""
+        effects = self.convert([*bricks(), *more, *sum(steps, [])]).effects["Force"].values()
+        return sorted((e["Force"][2], self.histories.get(e.get("History"), ())) for e in effects)
+
+    def test_loads_of_a_step_add_up(self):
+        once = [(3.0, ())]
+        self.assertEqual(self.loads(step("*CLOAD", "105, 3, 1.", "105, 3, 2.")), once)
+        self.assertEqual(self.loads(step("*CLOAD", "105, 3, 1.", "*CLOAD", "105, 3, 2.")), once)
+        twice = ["*NSET, NSET=T", "105, 106, 105"]
+        self.assertEqual(self.loads(step("*CLOAD", "T, 3, 1."), more=twice), [(1.0, ()), (2.0, ())])
+
+    def test_loads_of_a_step_replace_those_before(self):
+        value = self.loads(step("*CLOAD", "105, 3, 1."), step("*CLOAD", "105, 3, 4."))
+        self.assertEqual(value, [(4.0, ((0.0, 0.0), (1.0, 0.25), (2.0, 1.0)))])
+        value = self.loads(step("*CLOAD", "105, 3, 4."), step("*CLOAD, OP=NEW", "106, 3, 0."))
+        self.assertEqual(value, [(4.0, ((0.0, 0.0), (1.0, 1.0), (2.0, 0.0)))])
+        lines = [*bricks(), *step("*DLOAD", "BOTH, P2, 1."), *step("*DLOAD", "UPPER, P2, 3.")]
+        pressures = self.convert(lines).effects["Traction"].values()
+        self.assertEqual(sorted(e["Pressure"] for e in pressures), [1.0, 3.0])
+
+    def test_amplitudes_in_total_time_go_on(self):
+        more = ["*AMPLITUDE, NAME=A, TIME=TOTAL TIME", "0., 0., 2., 4."]
+        value = self.loads(step("*CLOAD, AMPLITUDE=A", "105, 3, 0.5"), step(), more=more)
+        self.assertEqual(value, [(2.0, ((0.0, 0.0), (1.0, 0.5), (2.0, 1.0)))])
+
+    def test_numbers_come_before_names(self):
+        conversion = self.convert([*bricks(), "*NSET, NSET=5", "105", *step("*CLOAD", "5, 3, 1.")])
+        self.assertEqual(list(conversion.mesh.points["loaded"]), [5])
+
+    def test_names_that_look_alike_stay_apart(self):
+        lines = bricks()
+        where = next(k for k, line in enumerate(lines) if line.startswith("*ELSET"))
+        end = next(k for k, line in enumerate(lines) if line.startswith("*NSET, NSET=FLOOR"))
+        lines[where:end] = [
+            "*MATERIAL, NAME=A%B", "*ELASTIC", "1., 0.", "*MATERIAL, NAME=A_B", "*ELASTIC", "2., 0.",
+            "*SOLID SECTION, ELSET=LOWER, MATERIAL=A%B", "*SOLIDSECTION, ELSET=UP PER, MATERIAL=A_B",
+        ]
+        conversion = self.convert(lines + step("*CLOAD", "105, 3, 1."))
+        self.assertEqual(sorted(m["Young's modulus"] for m in conversion.materials.values()), [1.0, 2.0])
+
+    def test_what_would_change_the_model_is_a_fault(self):
+        for lines, wanted in (
+            (step("*CLOAD, TIME DELAY=1.", "105, 3, 1."), "the option TIME DELAY"),
+            (step("*CLOAD", "105, 3, 1.") + step("*BOUNDARY", "107, 1"), "begins in a later step"),
+            (["*AMPLITUDE, NAME=A, SHIFTY=1.", "0., 0., 1., 1."] + step(), "the option SHIFTY"),
+            (step("*BOUNDARY", "105, 0, 1"), "there is no dof 0"),
+        ):
+            with self.assertRaises(inp_file.InpError) as caught:
+                self.convert(bricks() + lines)
+            self.assertIn(wanted, str(caught.exception))
+
+
 class Faults(unittest.TestCase):
     def faults(self, lines):
         path = write(lines)
@@ -250,7 +312,7 @@ class Faults(unittest.TestCase):
             (base + step("*CLOAD", "105, 4, 1."), "moment"),
             (base + step("*BOUNDARY, FIXED", "NALL, 1"), "FIXED is not supported"),
             (base + ["*EQUATION", "2", "1, 1, 1."] + load, "ends early"),
-            (base + ["*EQUATION", "2", "1, 1, 1., 999, 1, 1."] + load, "there is no node 999"),
+            (base + ["*EQUATION", "2", "1, 1, 1., 999, 1, 1."] + load, "there is no node \"999\""),
             (base + ["*TIE, NAME=T", "A, B"] + load, "there is no surface"),
             ([*base[:-3], "FLOOR, x"] + load, "is not a number"),
             (base, "no *STEP"),

@@ -59,8 +59,13 @@ TemperatureField::TemperatureField(const Mesh& mesh, const ReferenceElement& ele
   if (nodal == nullptr)
     return;
   const CellType linear = linearOf(mesh.cellType);
-  if (linear == mesh.cellType ||
-      (shapeOf(mesh.cellType).isSerendipity && integration == Integration::Reduced)) {
+  if (linear == mesh.cellType) {
+    const auto nodes = static_cast<std::size_t>(mesh.nodesPerCell());
+    weights_.assign(element.quadrature().points.size(),
+                    std::vector<double>(nodes, 1.0 / static_cast<double>(nodes)));
+    return;
+  }
+  if (shapeOf(mesh.cellType).isSerendipity && integration == Integration::Reduced) {
     weights_ = basisValues(mesh.cellType, element.quadrature().points);
     return;
   }

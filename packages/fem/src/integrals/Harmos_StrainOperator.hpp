@@ -19,9 +19,10 @@ std::vector<VoigtMatrix> stiffnesses(const Elasticity& elasticity);
 /// @throws InternalError if the region has no material.
 const VoigtMatrix& stiffnessOf(const std::vector<VoigtMatrix>& all, int region);
 
-/// Temperatures at the points of cells, from those of nodes. On elements of second order, whose strains are
-/// linear, by the functions of first order that come nearest to the values at the nodes (least squares); with
-/// reduced integration by the element's own, which do that at its points.
+/// Temperatures at the points of cells, from those of nodes, of one order less than the displacements, as
+/// strains are: the mean of the nodes on elements of first order; on those of second order the functions of
+/// first order that come nearest to the values at the nodes (least squares), with reduced integration the
+/// element's own, which do that at its points.
 class TemperatureField {
  public:
   /// @param nodal null: zero everywhere. What is given by reference has to outlive it.
