@@ -82,7 +82,6 @@ class Material:
     place: str
     elastic: dict = None
     expansion: tuple = None
-    zero: float = 0.0  # temperature without expansion
     density: float = None
 
 
@@ -126,9 +125,8 @@ class Step:
     """What a step changes: lists of (place, what)."""
 
     place: str
-    options: dict = field(default_factory=dict)
     period: float = 1.0
-    isStatic: bool = False
+    is_static: bool = False
     boundary: list = field(default_factory=list)
     cload: list = field(default_factory=list)
     dload: list = field(default_factory=list)
@@ -158,12 +156,12 @@ class Model:
     ties: list = field(default_factory=list)
     pretensions: list = field(default_factory=list)
     equations: list = field(default_factory=list)
-    transforms: list = field(default_factory=list)  # (nodes, type, six numbers)
+    transforms: dict = field(default_factory=dict)  # node -> (type, six numbers)
     amplitudes: dict = field(default_factory=dict)
     initial: dict = field(default_factory=dict)  # temperature of nodes
     steps: list = field(default_factory=list)
     notes: list = field(default_factory=list)
-    typeOf: dict = field(default_factory=dict)  # number of an element -> (block, row)
+    block_of: dict = field(default_factory=dict)  # number of an element -> (block, row)
 
     def node_list(self, text, place):
         """Nodes of a set, or the one of a number."""
@@ -174,15 +172,15 @@ class Model:
         raise ValueError(f"{place}: there is no node {'' if text.isdigit() else 'set '}\"{text}\"")
 
     def element_list(self, text, place):
-        if text.isdigit() and int(text) in self.typeOf:
+        if text.isdigit() and int(text) in self.block_of:
             return [int(text)]
         if text in self.elsets:
-            return [e for e in self.elsets[text] if e in self.typeOf]  # others are faults already
+            return [e for e in self.elsets[text] if e in self.block_of]  # others are faults already
         raise ValueError(f"{place}: there is no element {'' if text.isdigit() else 'set '}\"{text}\"")
 
     def face_nodes(self, element, face):
         """Nodes of a face, corners first."""
-        block, row = self.typeOf[element]
+        block, row = self.block_of[element]
         return tuple(int(n) for n in block.nodes[row][list(TYPES[block.type].sides[face])])
 
 
@@ -302,9 +300,9 @@ class Reader:
         for row, number in enumerate(block.numbers.tolist()):
             if len(set(block.nodes[row].tolist())) < size:
                 raise ValueError(f"{keyword.place}: element {number} has a node twice, which is not supported")
-            if number in self.model.typeOf:
+            if number in self.model.block_of:
                 raise ValueError(f"{keyword.place}: element {number} is there twice")
-            self.model.typeOf[number] = (block, row)
+            self.model.block_of[number] = (block, row)
         self.model.blocks.append(block)
         if keyword.option("ELSET"):
             self.model.elsets.setdefault(keyword.option("ELSET"), []).extend(block.numbers.tolist())
@@ -330,13 +328,13 @@ class Reader:
     def take_nset(self, keyword):
         if keyword.option("ELSET"):
             elements = self.model.element_list(keyword.option("ELSET"), keyword.place)
-            nodes = {int(n) for e in elements for n in self.model.typeOf[e][0].nodes[self.model.typeOf[e][1]]}
+            nodes = {int(n) for e in elements for n in self.model.block_of[e][0].nodes[self.model.block_of[e][1]]}
             self.model.nsets.setdefault(keyword.option("NSET"), []).extend(sorted(nodes))
             return
         self._set(keyword, keyword.option("NSET"), self.model.nsets, self.model.nodes)
 
     def take_elset(self, keyword):
-        self._set(keyword, keyword.option("ELSET"), self.model.elsets, self.model.typeOf)
+        self._set(keyword, keyword.option("ELSET"), self.model.elsets, self.model.block_of)
 
     def take_surface(self, keyword):
         surface = Surface()
@@ -356,7 +354,7 @@ class Reader:
             raise ValueError(f"{place}: \"{label}\" is no face of an element; expected S1, S2, ...")
         faces = []
         for element in self.model.element_list(elements, place):
-            count = len(TYPES[self.model.typeOf[element][0].type].sides)
+            count = len(TYPES[self.model.block_of[element][0].type].sides)
             if not 1 <= int(label[1]) <= count:
                 raise ValueError(f"{place}: element {element} has no face {label}")
             faces.append((element, int(label[1]) - 1))
@@ -402,7 +400,7 @@ class Reader:
                 f"{keyword.place}: *EXPANSION that is anisotropic or depends on temperature is not supported"
             )
         material.expansion = tuple(row.number(k if kind == "ORTHO" else 0) for k in range(3))
-        material.zero = number_of(keyword.option("ZERO") or "0", keyword.place)
+        number_of(keyword.option("ZERO") or "0", keyword.place)  # of no effect where expansion is constant
 
     def take_density(self, keyword):
         material = self._of_material(keyword)
@@ -497,7 +495,7 @@ class Reader:
         a, b = np.array(numbers[:3]), np.array(numbers[3:])
         if np.linalg.norm(np.cross(a, b) if kind == "R" else b - a) == 0.0:
             raise ValueError(f"{keyword.place}: *TRANSFORM has points that make no axes")
-        self.model.transforms.append((nodes, kind, numbers))
+        self.model.transforms.update((node, (kind, numbers)) for node in nodes)
 
     def take_amplitude(self, keyword):
         numbers = [row.number(k) for row in keyword.rows for k in range(len(row.texts))]
@@ -505,9 +503,9 @@ class Reader:
             raise ValueError(f"{keyword.place}: *AMPLITUDE of DEFINITION={keyword.option('DEFINITION')} is not supported")
         if "USER" in keyword.options or len(numbers) % 2 or not numbers:
             raise ValueError(f"{keyword.place}: *AMPLITUDE needs pairs of time and value")
-        isTotal = keyword.option("TIME") == "TOTALTIME" or "TOTAL TIME" in keyword.options
+        is_total = keyword.option("TIME") == "TOTALTIME" or "TOTAL TIME" in keyword.options
         # CalculiX keeps the first of two that have one name.
-        self.model.amplitudes.setdefault(keyword.option("NAME"), (numbers[0::2], numbers[1::2], isTotal))
+        self.model.amplitudes.setdefault(keyword.option("NAME"), (numbers[0::2], numbers[1::2], is_total))
 
     def take_initial_conditions(self, keyword):
         if keyword.option("TYPE") != "TEMPERATURE":
@@ -521,7 +519,7 @@ class Reader:
     # Steps.
 
     def take_step(self, keyword):
-        self.step = Step(keyword.place, keyword.options)
+        self.step = Step(keyword.place)
         if "PERTURBATION" in keyword.options:
             raise ValueError(f"{keyword.place}: *STEP, PERTURBATION is not supported")
         if "NLGEOM" in keyword.options and keyword.option("NLGEOM") != "NO":
@@ -537,7 +535,7 @@ class Reader:
 
     def take_static(self, keyword):
         step = self._of_step(keyword)
-        step.isStatic = True
+        step.is_static = True
         if keyword.rows and len(keyword.rows[0].texts) > 1:
             step.period = keyword.rows[0].number(1, 1.0)
 
@@ -628,7 +626,7 @@ def read_model(keywords):
     model = reader.read(keywords)
     model.steps[0].boundary = reader.before + model.steps[0].boundary
     faults = [
-        f"{step.place}: only static steps (*STATIC) are supported" for step in model.steps if not step.isStatic
+        f"{step.place}: only static steps (*STATIC) are supported" for step in model.steps if not step.is_static
     ]
     if faults:
         raise InpError(faults)

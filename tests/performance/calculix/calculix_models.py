@@ -136,7 +136,7 @@ def displacements(result, conversion):
         known.setdefault(key(names[int(b)], x), []).append(value.tolist())
     return {
         node: known[key(owner.name, conversion.model.nodes[node])]
-        for node, owner in conversion.body_of_node.items()
+        for node, owner in conversion.parts.body_of_node.items()
     }
 
 
@@ -211,12 +211,12 @@ def in_global_axes(conversion, node, u):
 
 def solve(name, source, conversion, work, np_):
     """Runs a converted model; fields of its entry."""
-    import inp_deck
+    import inp_write
 
     directory = work / name
     directory.mkdir(parents=True, exist_ok=True)
-    inp_deck.write_mesh(conversion, directory / f"{name}.msh")
-    inp_deck.write_deck(conversion, directory / f"{name}.xml", f"{name}.msh")
+    inp_write.write_mesh(conversion, directory / f"{name}.msh")
+    inp_write.write_deck(conversion, directory / f"{name}.xml", f"{name}.msh")
     run = runs.run(
         directory / f"{name}.xml",
         {"Solver/Tolerance": TOLERANCE},
@@ -233,7 +233,7 @@ def solve(name, source, conversion, work, np_):
         reference = {node: in_global_axes(conversion, node, u) for node, u in reference.items()}
     everywhere, ccx_seconds = run_ccx(name, text_of(source), work)
     entry = {
-        "nodes": len(conversion.body_of_node),
+        "nodes": len(conversion.parts.body_of_node),
         "seconds": run.summary["seconds"]["total"],
         "ccx_seconds": round(ccx_seconds, 3),
         "notes": conversion.notes,
@@ -257,6 +257,7 @@ def entry_of(source, work, np_):
     import inp_deck
     import inp_file
     import inp_model
+    import inp_write
 
     name, text = source.stem, text_of(source)
     entry = {"name": name, "outside": outside(text)}
@@ -268,7 +269,7 @@ def entry_of(source, work, np_):
         return {**entry, "status": "refused", "reason": error.faults[0]}
     if entry["outside"]:
         return {**entry, "status": "converted"}
-    conversion.deck_bodies = inp_deck.deck_of(conversion, "")["harmos"]["Bodies"]
+    conversion.deck_bodies = inp_write.deck_of(conversion, "")["harmos"]["Bodies"]
     entry.update(solve(name, source, conversion, work, np_))
     if "status" in entry:
         return entry

@@ -28,6 +28,7 @@ try:
     import inp_deck
     import inp_file
     import inp_model
+    import inp_write
 except ImportError as missing:
     runs.skip(f"the Python module {missing.name} is missing")
 
@@ -229,7 +230,7 @@ class Meanings(unittest.TestCase):
 
     def convert(self, lines):
         conversion = inp_deck.Conversion(inp_model.read_model(inp_file.read(write(lines, "meant"))), "meant")
-        self.histories = {name: points for points, name in conversion.histories.items()}
+        self.histories = {name: points for points, name in conversion.history.names.items()}
         return conversion
 
     def loads(self, *steps, more=()):
@@ -260,7 +261,7 @@ class Meanings(unittest.TestCase):
 
     def test_numbers_come_before_names(self):
         conversion = self.convert([*bricks(), "*NSET, NSET=5", "105", *step("*CLOAD", "5, 3, 1.")])
-        self.assertEqual(list(conversion.mesh.points["loaded"]), [5])
+        self.assertEqual(list(conversion.parts.mesh.points["loaded"]), [5])
 
     def test_names_that_look_alike_stay_apart(self):
         lines = bricks()
@@ -271,7 +272,7 @@ class Meanings(unittest.TestCase):
             "*SOLID SECTION, ELSET=LOWER, MATERIAL=A%B", "*SOLIDSECTION, ELSET=UP PER, MATERIAL=A_B",
         ]
         conversion = self.convert(lines + step("*CLOAD", "105, 3, 1."))
-        self.assertEqual(sorted(m["Young's modulus"] for m in conversion.materials.values()), [1.0, 2.0])
+        self.assertEqual(sorted(m["Young's modulus"] for m in conversion.materials.lists.values()), [1.0, 2.0])
 
     def test_what_would_change_the_model_is_a_fault(self):
         for lines, wanted in (
@@ -353,8 +354,8 @@ class Damage(unittest.TestCase):
             path = write(lines, "damaged")
             try:
                 conversion = inp_deck.Conversion(inp_model.read_model(inp_file.read(path)), "damaged")
-                inp_deck.write_mesh(conversion, path.with_suffix(".msh"))
-                inp_deck.write_deck(conversion, path.with_suffix(".xml"), "damaged.msh")
+                inp_write.write_mesh(conversion, path.with_suffix(".msh"))
+                inp_write.write_deck(conversion, path.with_suffix(".xml"), "damaged.msh")
             except inp_file.InpError as error:
                 refused += 1
                 self.assertTrue(error.faults and all(error.faults), lines)

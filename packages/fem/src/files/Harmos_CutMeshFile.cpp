@@ -132,11 +132,13 @@ void writeParts(const CutBody& body, const std::string& place, Writer& file) {
   }
 }
 
-// Of all nodes, in the order of the coordinates.
+// Of all nodes, in the order of the coordinates. A file without fields is one of before there were any.
 void writeFields(const CutBody& body, const std::string& place, Writer& file) {
   std::vector<std::string> names;
   for (const auto& field : body.subdomains.front().fields)
     names.push_back(field.first);
+  if (names.empty())
+    return;
   file.write(place + "/fields", linesOf(names));
   for (std::size_t f = 0; f < names.size(); ++f) {
     Column<double> values;
@@ -254,7 +256,9 @@ CutMeshFile::CutMeshFile(const std::string& path) : path_(path) {
     body.regions = file_->names(place + "/regions");
     bodies_.push_back(body);
     file_->parts.push_back(file_->names(place + "/parts"));
-    file_->fields.push_back(file_->names(place + "/fields"));
+    file_->fields.emplace_back();
+    if (file_->reader.has(place + "/fields"))
+      file_->fields.back() = file_->names(place + "/fields");
   }
 }
 

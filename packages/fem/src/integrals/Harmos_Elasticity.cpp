@@ -42,8 +42,12 @@ LocalMatrix assembleElasticity(const Mesh& mesh, const Elasticity& elasticity) {
   return assembler.take();
 }
 
-std::vector<double> assembleThermalLoad(const Mesh& mesh, const Elasticity& elasticity, double temperature) {
-  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh, elasticity.integration));
+namespace {
+
+// @param rise of the temperature at a point of a cell.
+template<class Rise>
+std::vector<double> thermalLoad(const Mesh& mesh, const ReferenceElement& element,
+                                const Elasticity& elasticity, const Rise& rise) {
   CellIntegrator cell(mesh, element);
   StrainOperator strain(mesh, cell, isProjected(mesh, elasticity));
   const std::vector<VoigtMatrix> stiffness = stiffnesses(elasticity);
@@ -54,52 +58,25 @@ std::vector<double> assembleThermalLoad(const Mesh& mesh, const Elasticity& elas
     strain.update();
     const VoigtMatrix& material = stiffnessOf(stiffness, mesh.region(c));
     const Voigt expansion = elasticity.materials[static_cast<std::size_t>(mesh.region(c))].thermalStrain();
-    for (std::size_t r = 0; r < strain.rows(); ++r) {
-      double stress = 0.0;
-      for (std::size_t s = 0; s < 6; ++s)
-        stress += material[r][s] * expansion[s] * temperature;
-      for (int q = 0; q < cell.points() && stress != 0.0; ++q)
-        for (std::size_t j = 0; j < strain.dofs(); ++j)
+    for (std::size_t r = 0; r < strain.rows(); ++r)
+      for (int q = 0; q < cell.points(); ++q) {
+        double stress = 0.0;
+        for (std::size_t s = 0; s < 6; ++s)
+          stress += material[r][s] * expansion[s] * rise(c, q);
+        for (std::size_t j = 0; j < strain.dofs() && stress != 0.0; ++j)
           f[static_cast<std::size_t>(mesh.cell(c)[j / dimension]) * dimension + j % dimension] +=
               cell.measure(q) * stress * strain.row(q, r)[j];
-    }
-  }
-  return f;
-}
-
-std::vector<double> assembleThermalLoad(const Mesh& mesh, const Elasticity& elasticity,
-                                        const std::vector<double>& temperatures) {
-  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh, elasticity.integration));
-  CellIntegrator cell(mesh, element);
-  StrainOperator strain(mesh, cell, isProjected(mesh, elasticity));
-  const TemperatureField field(mesh, element, elasticity.integration, &temperatures);
-  const std::vector<VoigtMatrix> stiffness = stiffnesses(elasticity);
-  const auto dimension = static_cast<std::size_t>(mesh.dimension());
-  std::vector<double> f(static_cast<std::size_t>(mesh.numberOfNodes()) * dimension, 0.0);
-  for (int c = 0; c < mesh.numberOfCells(); ++c) {
-    cell.turnTo(c);
-    strain.update();
-    const VoigtMatrix& material = stiffnessOf(stiffness, mesh.region(c));
-    const Voigt expansion = elasticity.materials[static_cast<std::size_t>(mesh.region(c))].thermalStrain();
-    for (std::size_t r = 0; r < strain.rows(); ++r) {
-      double stress = 0.0; // of one degree
-      for (std::size_t s = 0; s < 6; ++s)
-        stress += material[r][s] * expansion[s];
-      for (int q = 0; q < cell.points() && stress != 0.0; ++q) {
-        const double weight = cell.measure(q) * stress * field.at(c, q);
-        for (std::size_t j = 0; j < strain.dofs(); ++j)
-          f[static_cast<std::size_t>(mesh.cell(c)[j / dimension]) * dimension + j % dimension] +=
-              weight * strain.row(q, r)[j];
       }
-    }
   }
   return f;
 }
 
-double thermalEnergy(const Mesh& mesh, const Elasticity& elasticity) {
-  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh, elasticity.integration));
+// The same.
+template<class Rise>
+double energyOf(const Mesh& mesh, const ReferenceElement& element, const Elasticity& elasticity,
+                const Rise& rise) {
   CellIntegrator cell(mesh, element);
-  std::vector<double> densities; // of each region
+  std::vector<double> densities; // of each region, for one degree
   const std::vector<VoigtMatrix> stiffness = stiffnesses(elasticity);
   for (std::size_t region = 0; region < elasticity.materials.size(); ++region) {
     const Voigt expansion = elasticity.materials[region].thermalStrain();
@@ -114,30 +91,38 @@ double thermalEnergy(const Mesh& mesh, const Elasticity& elasticity) {
   for (int c = 0; c < mesh.numberOfCells(); ++c) {
     cell.turnTo(c);
     for (int q = 0; q < cell.points(); ++q)
-      energy += cell.measure(q) * densities[static_cast<std::size_t>(mesh.region(c))];
+      energy +=
+          cell.measure(q) * densities[static_cast<std::size_t>(mesh.region(c))] * rise(c, q) * rise(c, q);
   }
   return energy;
 }
 
+ReferenceElement elementOf(const Mesh& mesh, const Elasticity& elasticity) {
+  return {mesh.cellType, stiffnessDegree(mesh, elasticity.integration)};
+}
+
+} // namespace
+
+std::vector<double> assembleThermalLoad(const Mesh& mesh, const Elasticity& elasticity, double temperature) {
+  return thermalLoad(mesh, elementOf(mesh, elasticity), elasticity, [=](int, int) { return temperature; });
+}
+
+std::vector<double> assembleThermalLoad(const Mesh& mesh, const Elasticity& elasticity,
+                                        const std::vector<double>& temperatures) {
+  const ReferenceElement element = elementOf(mesh, elasticity);
+  const TemperatureField field(mesh, element, elasticity.integration);
+  return thermalLoad(mesh, element, elasticity, [&](int c, int q) { return field.at(temperatures, c, q); });
+}
+
+double thermalEnergy(const Mesh& mesh, const Elasticity& elasticity) {
+  return energyOf(mesh, elementOf(mesh, elasticity), elasticity, [](int, int) { return 1.0; });
+}
+
 double thermalEnergy(const Mesh& mesh, const Elasticity& elasticity,
                      const std::vector<double>& temperatures) {
-  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh, elasticity.integration));
-  CellIntegrator cell(mesh, element);
-  const TemperatureField field(mesh, element, elasticity.integration, &temperatures);
-  const std::vector<VoigtMatrix> stiffness = stiffnesses(elasticity);
-  double energy = 0.0;
-  for (int c = 0; c < mesh.numberOfCells(); ++c) {
-    cell.turnTo(c);
-    const Voigt expansion = elasticity.materials[static_cast<std::size_t>(mesh.region(c))].thermalStrain();
-    const VoigtMatrix& material = stiffnessOf(stiffness, mesh.region(c));
-    double density = 0.0; // of one degree
-    for (std::size_t r = 0; r < 6; ++r)
-      for (std::size_t s = 0; s < 6; ++s)
-        density += 0.5 * expansion[r] * material[r][s] * expansion[s];
-    for (int q = 0; q < cell.points(); ++q)
-      energy += cell.measure(q) * density * field.at(c, q) * field.at(c, q);
-  }
-  return energy;
+  const ReferenceElement element = elementOf(mesh, elasticity);
+  const TemperatureField field(mesh, element, elasticity.integration);
+  return energyOf(mesh, element, elasticity, [&](int c, int q) { return field.at(temperatures, c, q); });
 }
 
 } // namespace Harmos::fem

@@ -26,9 +26,10 @@ void addLoad(const CellIntegrator& cell, const int* nodes, std::size_t dimension
 
 std::vector<double> assembleBodyForce(const Mesh& mesh, const Point& anchor, const VectorField& force,
                                       Integration integration) {
-  const ReferenceElement element(mesh.cellType, integration == Integration::Reduced
-                                                    ? stiffnessDegree(mesh.cellType, integration)
-                                                    : loadDegree(shapeOf(mesh.cellType)));
+  const CellShape& shape = shapeOf(mesh.cellType);
+  const bool isReduced = integration == Integration::Reduced && shape.isSerendipity;
+  const ReferenceElement element(mesh.cellType,
+                                 isReduced ? stiffnessDegree(mesh.cellType, integration) : loadDegree(shape));
   CellIntegrator cell(mesh, element);
   const auto dimension = static_cast<std::size_t>(mesh.dimension());
   std::vector<double> f(static_cast<std::size_t>(mesh.numberOfNodes()) * dimension, 0.0);

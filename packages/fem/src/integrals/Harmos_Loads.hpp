@@ -13,7 +13,7 @@ namespace Harmos::fem {
 using VectorField = std::function<Point(const Point&)>;
 
 /// f_i = ∫ b φ_i of a body force. @param anchor of the mesh: the field is given globally. @param integration
-/// that of the stiffness: a reduced one takes its points.
+/// that of the stiffness, whose points a reduced one takes.
 std::vector<double> assembleBodyForce(const Mesh& mesh, const Point& anchor, const VectorField& force,
                                       Integration integration = Integration::Full);
 

@@ -53,11 +53,8 @@ const VoigtMatrix& stiffnessOf(const std::vector<VoigtMatrix>& all, int region) 
   return all[static_cast<std::size_t>(region)];
 }
 
-TemperatureField::TemperatureField(const Mesh& mesh, const ReferenceElement& element, Integration integration,
-                                   const std::vector<double>* nodal)
-    : mesh_(mesh), nodal_(nodal) {
-  if (nodal == nullptr)
-    return;
+TemperatureField::TemperatureField(const Mesh& mesh, const ReferenceElement& element, Integration integration)
+    : mesh_(mesh) {
   const CellType linear = linearOf(mesh.cellType);
   if (linear == mesh.cellType) {
     const auto nodes = static_cast<std::size_t>(mesh.nodesPerCell());
@@ -88,13 +85,11 @@ TemperatureField::TemperatureField(const Mesh& mesh, const ReferenceElement& ele
   }
 }
 
-double TemperatureField::at(int cell, int q) const {
-  if (nodal_ == nullptr)
-    return 0.0;
+double TemperatureField::at(const std::vector<double>& nodal, int cell, int q) const {
   double sum = 0.0;
   const std::vector<double>& weights = weights_[static_cast<std::size_t>(q)];
   for (std::size_t i = 0; i < weights.size(); ++i)
-    sum += weights[i] * (*nodal_)[static_cast<std::size_t>(mesh_.cell(cell)[i])];
+    sum += weights[i] * nodal[static_cast<std::size_t>(mesh_.cell(cell)[i])];
   return sum;
 }
 

@@ -25,14 +25,13 @@ const VoigtMatrix& stiffnessOf(const std::vector<VoigtMatrix>& all, int region);
 /// element's own, which do that at its points.
 class TemperatureField {
  public:
-  /// @param nodal null: zero everywhere. What is given by reference has to outlive it.
-  TemperatureField(const Mesh& mesh, const ReferenceElement& element, Integration integration,
-                   const std::vector<double>* nodal);
-  double at(int cell, int q) const;
+  /// @param mesh has to outlive it.
+  TemperatureField(const Mesh& mesh, const ReferenceElement& element, Integration integration);
+  /// At point q of a cell. @param nodal of all nodes of the mesh.
+  double at(const std::vector<double>& nodal, int cell, int q) const;
 
  private:
   const Mesh& mesh_;
-  const std::vector<double>* nodal_;
   std::vector<std::vector<double>> weights_; // of the values at the nodes, at each point
 };
 

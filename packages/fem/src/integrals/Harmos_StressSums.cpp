@@ -62,19 +62,18 @@ class CellStress {
         *next++ = all[static_cast<std::size_t>(members_[i]) * components_ + d];
     for (std::size_t r = 0; r < 6; ++r)
       thermal_[r] = solution.temperature * expansion_[r];
-    const std::vector<double>* nodal = solution.temperatures.get();
-    if (nodal != nullptr && nodal != varying_.nodal)
-      varying_.field.emplace(mesh_, element_, elasticity_->integration, nodal);
-    varying_.nodal = nodal;
+    nodal_ = solution.temperatures.get();
+    if (nodal_ != nullptr && !field_)
+      field_.emplace(mesh_, element_, elasticity_->integration);
   }
 
   Stress<Entries> at(int q) const {
     if constexpr (Entries == elastic) {
-      if (varying_.nodal == nullptr)
+      if (nodal_ == nullptr)
         return strain_->stress(q, values_.data(), *material_, thermal_);
       Voigt thermal = thermal_;
       for (std::size_t r = 0; r < 6; ++r)
-        thermal[r] += varying_.field->at(number_, q) * expansion_[r];
+        thermal[r] += field_->at(*nodal_, number_, q) * expansion_[r];
       return strain_->stress(q, values_.data(), *material_, thermal);
     } else {
       Stress<Entries> flux{};
@@ -93,10 +92,8 @@ class CellStress {
   const CellIntegrator& cell_;
   std::size_t components_;
   int number_ = 0;
-  struct {
-    const std::vector<double>* nodal = nullptr;
-    std::optional<TemperatureField> field; // of these
-  } varying_;
+  const std::vector<double>* nodal_ = nullptr; // temperatures
+  std::optional<TemperatureField> field_;      // where there are any
   const Elasticity* elasticity_ = nullptr;
   std::vector<VoigtMatrix> stiffness_;
   std::unique_ptr<StrainOperator> strain_;

@@ -334,7 +334,8 @@ std::vector<char> pack(const PlacedMesh& placed) {
   writer.putAll(placed.boundaryNumbers);
   writer.putNamed(placed.sets);
   writer.putNamed(placed.sides);
-  writer.putNamed(placed.fields);
+  if (!placed.fields.empty())
+    writer.putNamed(placed.fields);
   return writer.take();
 }
 
@@ -352,7 +353,8 @@ PlacedMesh unpack(const std::vector<char>& bytes) {
   placed.boundaryNumbers = reader.getAll<long long>();
   placed.sets = reader.getNamed<int>();
   placed.sides = reader.getNamed<Side>();
-  placed.fields = reader.getNamed<double>();
+  if (reader.left() > 0)
+    placed.fields = reader.getNamed<double>();
   HARMOS_REQUIRE(reader.left() == 0, "the bytes of a mesh are more than the mesh");
   return placed;
 }

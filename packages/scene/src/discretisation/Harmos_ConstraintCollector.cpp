@@ -29,198 +29,25 @@ std::size_t bytesOf(const ConstraintRow& row) {
 
 } // namespace
 
-void DistinctPoints::add(const std::vector<ContactPoint>& more, const Effect& effect) {
-  for (const ContactPoint& point : more) {
-    all_.push_back(point);
-    effects_.push_back({batches_.size()});
-  }
-  batches_.push_back(&effect);
-}
-
-namespace {
-
-// Of points that came from all ranks, in the order in which their effects gave them.
-struct Arrival {
-  std::size_t batch, rank, place;
-  const ContactPoint* point;
-};
-
-// What a rank is told of a point of its own: that it is kept, or, with a gap of no meaning, of one more
-// effect.
-struct Verdict {
-  std::size_t point, batch;
-  double gap;
-  bool isFirst;
-};
-
-} // namespace
-
-std::vector<DistinctPoints::Kept> DistinctPoints::distinct(const Teuchos::Comm<int>& comm) const {
-  const auto ranks = static_cast<std::size_t>(comm.getSize());
-  std::vector<std::vector<ContactPoint>> points(ranks);
-  std::vector<std::vector<std::array<std::size_t, 2>>> places(ranks); // batch, and place here
-  agree(comm, [&] {
-    for (std::size_t k = 0; k < all_.size(); ++k) {
-      const std::size_t home = homeOf(all_[k].terms.front().node, comm);
-      points[home].push_back(all_[k]);
-      places[home].push_back({effects_[k].front(), k});
-    }
-  });
-  points = contact::exchangePoints(comm, points);
-  places = exchangeItems(comm, places);
-  std::vector<std::vector<Verdict>> verdicts(ranks);
-  agree(comm, [&] {
-    std::vector<Arrival> arrivals;
-    for (std::size_t r = 0; r < ranks; ++r)
-      for (std::size_t k = 0; k < points[r].size(); ++k)
-        arrivals.push_back({places[r][k][0], r, places[r][k][1], &points[r][k]});
-    std::sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) {
-      return std::tie(a.batch, a.point->node, a.rank, a.place) <
-             std::tie(b.batch, b.point->node, b.rank, b.place);
-    });
-    struct Survivor {
-      const Arrival* first;
-      std::size_t verdict; // of its rank
-    };
-    std::unordered_map<long long, std::vector<Survivor>> withNode; // by the lowest node
-    for (const Arrival& item : arrivals) {
-      std::vector<Survivor>& here = withNode[item.point->terms.front().node];
-      const auto twin = std::find_if(here.begin(), here.end(), [&](const Survivor& survivor) {
-        return sameRow(*survivor.first->point, *item.point);
-      });
-      if (twin == here.end()) {
-        here.push_back({&item, verdicts[item.rank].size()});
-        verdicts[item.rank].push_back({item.place, item.batch, item.point->gap, true});
-        continue;
-      }
-      const Arrival& first = *twin->first;
-      double& gap = verdicts[first.rank][twin->verdict].gap;
-      if (std::isnan(item.point->gap) || item.point->gap < gap) // a NaN is kept, to be refused
-        gap = item.point->gap;
-      if (batches_[first.batch] != batches_[item.batch])
-        verdicts[first.rank].push_back({first.place, item.batch, 0.0, false});
-    }
-  });
-  std::map<std::size_t, Kept> kept;
-  for (const std::vector<Verdict>& part : exchangeItems(comm, verdicts))
-    for (const Verdict& verdict : part) {
-      Kept& point = kept[verdict.point];
-      point.point = verdict.point;
-      point.batches.push_back(verdict.batch);
-      if (verdict.isFirst)
-        point.gap = verdict.gap;
-    }
-  std::vector<Kept> result;
-  for (auto& [place, point] : kept)
-    result.push_back(std::move(point));
-  return result;
-}
-
-void DistinctPoints::finish(const Teuchos::Comm<int>& comm) {
-  std::vector<Kept> kept = distinct(comm);
-  const auto keyOf = [&](const Kept& point) {
-    return OrderKey{static_cast<long long>(point.batches.front()), all_[point.point].node};
-  };
-  std::stable_sort(kept.begin(), kept.end(),
-                   [&](const Kept& a, const Kept& b) { return keyOf(a) < keyOf(b); });
-  std::vector<OrderKey> keys;
-  std::vector<ContactPoint> points;
-  effects_.clear();
-  for (Kept& point : kept) {
-    keys.push_back(keyOf(point));
-    points.push_back(std::move(all_[point.point]));
-    points.back().gap = point.gap;
-    effects_.push_back(std::move(point.batches));
-  }
-  const std::vector<long long> numbers = sumsBefore(comm, keys, std::vector<long long>(keys.size(), 1));
-  for (std::size_t k = 0; k < points.size(); ++k)
-    points[k].number = numbers[k];
-  all_ = std::move(points);
-  numberPressures(comm);
-  count_ = globalSum(comm, static_cast<long long>(all_.size()));
-}
-
-// Terms of pressures name points of the same effect by node and side. Where one of them is another effect's,
-// and goes by that one's node, the force of the row per area is what is left.
-void DistinctPoints::numberPressures(const Teuchos::Comm<int>& comm) {
-  const auto keyOf = [this](long long node, int side, std::size_t batch) {
-    constexpr long long mostSides = 64;
-    return (node * mostSides + side) * static_cast<long long>(batches_.size()) +
-           static_cast<long long>(batch);
-  };
-  std::vector<std::pair<long long, long long>> known;
-  std::vector<long long> asked;
-  for (std::size_t k = 0; k < all_.size(); ++k) {
-    for (const std::size_t batch : effects_[k])
-      known.emplace_back(keyOf(all_[k].node, all_[k].side, batch), all_[k].number);
-    for (const ContactPoint::PressureTerm& term : all_[k].pressure)
-      asked.push_back(keyOf(term.node, term.side, effects_[k].front()));
-  }
-  if (globalMax(comm, static_cast<long long>(asked.size())) == 0)
-    return;
-  const std::vector<std::optional<long long>> numbers = lookUp(comm, known, asked);
-  std::size_t next = 0;
-  for (ContactPoint& point : all_) {
-    bool isComplete = true;
-    for (ContactPoint::PressureTerm& term : point.pressure) {
-      term.number = numbers[next].value_or(-1);
-      isComplete = isComplete && numbers[next++].has_value();
-    }
-    if (!isComplete)
-      point.pressure.clear();
-  }
-}
-
-std::vector<const Effect*> DistinctPoints::effectsAt(std::size_t point) const {
-  std::vector<const Effect*> result;
-  for (std::size_t batch : effects_[point])
-    result.push_back(batches_[batch]);
-  return result;
-}
-
-bool DistinctPoints::sameRow(const ContactPoint& a, const ContactPoint& b) const {
-  constexpr double rounding = 1e-12;
-  if (a.terms.size() != b.terms.size())
-    return false;
-  for (double sign : {1.0, -1.0}) {
-    bool same = true;
-    for (std::size_t d = 0; d < 3 && normalsMatter_; ++d)
-      same = same && std::abs(a.normal[d] - sign * b.normal[d]) <= rounding;
-    for (std::size_t k = 0; same && k < a.terms.size(); ++k)
-      same = a.terms[k].node == b.terms[k].node &&
-             std::abs(a.terms[k].weight - sign * b.terms[k].weight) <= rounding;
-    if (same)
-      return true;
-  }
-  return false;
-}
-
 ConstraintCollector::ConstraintCollector(const Teuchos::Comm<int>& comm, const Scene& scene,
                                          const std::vector<OwnedSubdomain>& owned, EffectCosts& costs)
     : comm_(comm),
       scene_(scene),
       costs_(costs),
       effects_(scene, costs),
+      parts_(owned),
       contacts_(scene.physics != Physics::Membrane),
       ties_(false) {
   held_[scene.timeline.ends().front()];
   if (scene.timeline.hasSteps())
     for (double time : scene.timeline.corners())
       held_[time];
-  for (const OwnedSubdomain& item : owned) {
-    for (const auto& set : item.mesh.sides)
-      here_.withSides[{item.body, set.first}].push_back(&item.mesh);
-    for (const auto& set : item.mesh.sets)
-      here_.withNodes[{item.body, set.first}].push_back(&item);
-  }
 }
 
 contact::Surface ConstraintCollector::surface(int body, const std::string& set,
                                               const contact::NormalField& normal) const {
-  const auto found = here_.withSides.find({body, set});
-  return contact::gatherSurface(
-      comm_, found == here_.withSides.end() ? std::vector<const fem::PlacedMesh*>() : found->second, set,
-      scene_.bodies[static_cast<std::size_t>(body)].name + "/" + set, normal);
+  return contact::gatherSurface(comm_, parts_.withSides({body, set}), set,
+                                scene_.bodies[static_cast<std::size_t>(body)].name + "/" + set, normal);
 }
 
 void ConstraintCollector::addContacts(const std::vector<ContactPoint>& points,
@@ -312,10 +139,7 @@ void ConstraintCollector::findHeldDofs() {
   std::vector<long long> asked;
   agree(comm_, [&] {
     for (const Part& part : heldParts_) {
-      const auto subdomains = here_.withNodes.find(part);
-      if (subdomains == here_.withNodes.end())
-        continue;
-      for (const OwnedSubdomain* item : subdomains->second) {
+      for (const OwnedSubdomain* item : parts_.withNodes(part)) {
         const std::vector<int>& nodes = item->mesh.sets.at(part.second);
         long long time = 0;
         for (const auto& timed : held_) {
@@ -335,9 +159,8 @@ void ConstraintCollector::findHeldDofs() {
           for (const ContactPoint::Term& term : point.terms)
             for (int c = 0; c < components; ++c)
               asked.push_back(term.node * components + c);
-    for (const auto& [equation, effect] : equations_)
-      for (const Equation::Term& term : equation.terms)
-        asked.push_back(term.node.number * components + term.component);
+    for (const long long dof : equations_.dofs(components))
+      asked.push_back(dof);
     std::sort(asked.begin(), asked.end());
     asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
     std::vector<long long> withTimes;
@@ -563,10 +386,9 @@ std::vector<ConstraintCollector::Node> ConstraintCollector::nodesOf(const std::v
   };
   std::vector<Found> found;
   for (std::size_t k = 0; k < parts.size(); ++k)
-    if (const auto subdomains = here_.withNodes.find(parts[k]); subdomains != here_.withNodes.end())
-      for (const OwnedSubdomain* item : subdomains->second)
-        for (int node : item->mesh.sets.at(parts[k].second))
-          found.push_back({k, {item->mesh.number(node), item->mesh.position(node)}});
+    for (const OwnedSubdomain* item : parts_.withNodes(parts[k]))
+      for (int node : item->mesh.sets.at(parts[k].second))
+        found.push_back({k, {item->mesh.number(node), item->mesh.position(node)}});
   std::vector<Node> nodes(parts.size(), Node{-1, {}});
   for (const Found& item : gatherAll(comm_, found)) {
     Node& node = nodes[item.part];
@@ -583,54 +405,22 @@ std::vector<ConstraintCollector::Node> ConstraintCollector::nodesOf(const std::v
 
 // On rank 0, behind the ties.
 void ConstraintCollector::addEquationRows(ContactSetup& setup) {
-  if (equations_.empty())
+  const std::vector<EquationRows::Row> rows = equations_.rows(scene_, held_);
+  if (rows.empty())
     return;
-  const int components = scene_.components();
   long long number = 0;
   for (const ConstraintRow& row : setup.rows)
     number += row.kind == ConstraintRow::Kind::Equality ? 1 : 0;
   number = globalSum(comm_, number);
-  for (const auto& [equation, effect] : equations_) {
-    ConstraintRow row;
-    row.bound = equation.value;
-    for (const Equation::Term& term : equation.terms)
-      row.terms.push_back({term.node.number * components + term.component, term.coefficient});
-    if (isHeld(row, effect->label()) || row.terms.empty())
-      continue;
-    row.number = number++;
+  for (const EquationRows::Row& item : rows) {
     if (comm_.getRank() != 0)
       continue;
-    const Equation::Term& first = equation.terms.front();
-    fem::Point direction = directionOf(scene_, first.component);
-    for (double& x : direction)
-      x *= first.coefficient;
-    costs_.addRows(effect->kind(), 1);
-    costs_.addBytes(effect->kind(), bytesOf(row));
-    setup.rows.push_back(row);
-    setup.origins.push_back({effect, first.node.position, direction, 0.0});
+    setup.rows.push_back(item.row);
+    setup.rows.back().number = number++;
+    setup.origins.push_back({item.effect, item.position, item.direction, 0.0});
+    costs_.addRows(item.effect->kind(), 1);
+    costs_.addBytes(item.effect->kind(), bytesOf(item.row));
   }
-}
-
-// Whether all of its dofs are prescribed.
-bool ConstraintCollector::isHeld(const ConstraintRow& row, const std::string& label) const {
-  for (const auto& [time, held] : held_) {
-    double sum = 0.0, size = std::abs(row.bound);
-    for (const ConstraintRow::Term& term : row.terms) {
-      const auto value = held.find(term.dof);
-      if (value == held.end())
-        return false;
-      sum += term.coefficient * value->second;
-      size = std::max(size, std::abs(term.coefficient * value->second));
-    }
-    constexpr double rounding = 1e-9;
-    if (std::abs(sum - row.bound) > rounding * size)
-      throw InputError(label +
-                       " contradicts prescribed displacements: all displacements of an equation are "
-                       "prescribed, and they make " +
-                       scientific(sum) + " in the place of " + scientific(row.bound) +
-                       "; prescribe other values or release one of them");
-  }
-  return true;
 }
 
 // Over all ranks.

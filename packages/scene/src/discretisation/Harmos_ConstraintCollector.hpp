@@ -3,8 +3,11 @@
 
 #include "Harmos_ConstraintRow.hpp"
 #include "Harmos_ContactPoint.hpp"
+#include "Harmos_DistinctPoints.hpp"
 #include "Harmos_EffectCosts.hpp"
+#include "Harmos_EquationRows.hpp"
 #include "Harmos_OwnedSubdomain.hpp"
+#include "Harmos_PartsOfRank.hpp"
 #include "Harmos_Scene.hpp"
 #include "Harmos_SubdomainEffects.hpp"
 
@@ -62,46 +65,6 @@ struct ContactSetup {
   std::vector<std::string> notes;  ///< what the user should know; sentences
 };
 
-/// Points whose rows differ. Effects that overlap give the same row twice, perhaps with the surfaces
-/// exchanged; two of them would be dependent, and of contacts the one with the smaller gap is enough. Such
-/// points meet at the rank of their lowest node, and the one that is kept stays where it came from.
-class DistinctPoints {
- public:
-  /// @param normalsMatter not for ties, which have rows in every direction, nor for scalar problems.
-  explicit DistinctPoints(bool normalsMatter) : normalsMatter_(normalsMatter) {}
-
-  /// This rank's points of an effect; all ranks ask for the same effects in the same order. Local.
-  void add(const std::vector<contact::ContactPoint>& more, const Effect& effect);
-  /// Leaves out what is there twice, and numbers the others: by effects, then by nodes. @note Collective.
-  void finish(const Teuchos::Comm<int>& comm);
-
-  // After that.
-
-  const std::vector<contact::ContactPoint>& all() const { return all_; }
-  /// On all ranks.
-  long long count() const { return count_; }
-  /// The one that named a point first.
-  const Effect& effect(std::size_t point) const { return *batches_[effects_[point].front()]; }
-  /// All that named it, in their order.
-  std::vector<const Effect*> effectsAt(std::size_t point) const;
-
- private:
-  struct Kept {
-    std::size_t point;                // of those that were added
-    double gap;                       // the smallest
-    std::vector<std::size_t> batches; // the first one's, and those of others
-  };
-  bool sameRow(const contact::ContactPoint& a, const contact::ContactPoint& b) const;
-  void numberPressures(const Teuchos::Comm<int>& comm);
-  std::vector<Kept> distinct(const Teuchos::Comm<int>& comm) const;
-
-  bool normalsMatter_;
-  std::vector<const Effect*> batches_; // of each call of add()
-  std::vector<contact::ContactPoint> all_;
-  std::vector<std::vector<std::size_t>> effects_; // places in batches_ of each point
-  long long count_ = 0;
-};
-
 /// Where effects put their constraints, and what they need to find them. Every row is told apart from those
 /// of all effects before.
 class ConstraintCollector {
@@ -143,28 +106,16 @@ class ConstraintCollector {
   void addTies(const std::vector<contact::ContactPoint>& points,
                const std::vector<std::pair<int, std::string>>& surfaces);
 
-  /// A node of the bodies.
-  struct Node {
-    long long number;
-    fem::Point position;
-  };
+  using Node = EquationRows::Node;
   /// The node of each of these parts, on all ranks.
   /// @param parts body and boundary part. @throws InputError on all ranks for a part of several nodes.
   /// @note Collective.
   std::vector<Node> nodesOf(const std::vector<std::pair<int, std::string>>& parts);
 
-  struct Equation {
-    struct Term {
-      Node node;
-      int component;
-      double coefficient;
-    };
-    std::vector<Term> terms;
-    double value = 0.0;
-  };
+  using Equation = EquationRows::Equation;
   /// An equality row Σ coefficient · displacement = value. Where all of its dofs are prescribed it is left
   /// out. @note The same on every rank.
-  void addEquation(const Equation& equation) { equations_.push_back({equation, asked_}); }
+  void addEquation(const Equation& equation) { equations_.add(equation, *asked_); }
 
   /// Friction at the points of a contact or an obstacle: rows t·w = 0, whose force is limited by the bound
   /// times the area of the point. A point of two contacts bears the first friction alone. In directions in
@@ -219,7 +170,6 @@ class ConstraintCollector {
   void soften(ContactSetup& setup) const;
   void addTieRows(ContactSetup& setup);
   void addEquationRows(ContactSetup& setup);
-  bool isHeld(const ConstraintRow& row, const std::string& label) const;
   void findHeldDofs();
   struct Friction {
     const Effect *contact, *effect;
@@ -242,17 +192,13 @@ class ConstraintCollector {
   const Scene& scene_;
   EffectCosts& costs_;
   SubdomainEffects effects_;
-  // This rank's subdomains by body and boundary part: scenes may have thousands of parts.
-  struct {
-    std::map<Part, std::vector<const fem::PlacedMesh*>> withSides;
-    std::map<Part, std::vector<const OwnedSubdomain*>> withNodes;
-  } here_;
+  PartsOfRank parts_;
   const Effect* asked_ = nullptr;
   int askedBefore_ = -1;
   DistinctPoints contacts_, ties_;
   std::vector<Friction> frictions_;
   std::vector<Adhesion> adhesions_;
-  std::vector<std::pair<Equation, const Effect*>> equations_; // the same on all ranks
+  EquationRows equations_;
   std::vector<std::size_t> slipOrder_; // of each slip: place of what asked for it, friction before adhesion
   std::map<const Effect*, std::vector<Part>> surfacesOf_; // of contacts
   std::set<Part> heldParts_;                              // where ties are, equations, and limited rows
