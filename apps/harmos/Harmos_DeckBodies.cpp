@@ -131,8 +131,8 @@ fem::Dilatation dilatationOf(const ParameterList& list, const std::vector<fem::M
 void noteLocking(const scene::Body& body, scene::Physics physics, fem::CellType type,
                  std::vector<std::string>& notes) {
   const fem::CellShape& shape = fem::shapeOf(type);
-  if (body.dilatation == fem::Dilatation::Projected && shape.isSimplex && shape.order == 1 &&
-      physics != scene::Physics::PlaneStress)
+  if (body.dilatation == fem::Dilatation::Projected && (shape.isSimplex || shape.isWedge) &&
+      shape.order == 1 && physics != scene::Physics::PlaneStress)
     notes.push_back("Body \"" + body.name + "\": a " + shape.name +
                     " locks near incompressibility even with projected dilatation; use second-order "
                     "elements, quadrilaterals or hexahedra");
@@ -260,6 +260,8 @@ double stencilOf(fem::CellType type) {
   const bool isFirst = shape.order == 1;
   if (shape.dimension == 2)
     return shape.isSimplex ? (isFirst ? 7.0 : 11.5) : (isFirst ? 9.0 : shape.isSerendipity ? 15.7 : 16.0);
+  if (shape.isWedge)
+    return isFirst ? 21.0 : shape.isSerendipity ? 44.2 : 46.0;
   return shape.isSimplex ? (isFirst ? 15.0 : 28.0) : (isFirst ? 27.0 : shape.isSerendipity ? 58.5 : 64.0);
 }
 

@@ -36,18 +36,26 @@ double simplexQuality(const std::vector<Point>& x, int dimension) {
          std::pow(squares / 6.0, 1.5);
 }
 
-// Corners in the order of Shards: around the bottom, around the top.
-double boxQuality(const std::vector<Point>& x, int dimension) {
+// Corners in the order of Shards: `around` of the bottom, and of the top in space. @param best of a regular
+// cell.
+double prismQuality(const std::vector<Point>& x, std::size_t around, double best) {
   double least = 1.0;
   for (std::size_t i = 0; i < x.size(); ++i) {
-    const std::size_t ring = i / 4 * 4, k = i % 4;
-    Point a = difference(x[ring + (k + 1) % 4], x[i]), b = difference(x[ring + (k + 3) % 4], x[i]),
-          c = {0, 0, 1};
-    if (dimension == 3)
-      c = ring == 0 ? difference(x[i + 4], x[i]) : difference(x[i], x[i - 4]);
-    least = std::min(least, determinant(a, b, c) / std::sqrt(square(a) * square(b) * square(c)));
+    const std::size_t ring = i / around * around, k = i % around;
+    const Point a = difference(x[ring + (k + 1) % around], x[i]),
+                b = difference(x[ring + (k + around - 1) % around], x[i]);
+    Point c = {0, 0, 1};
+    if (x.size() > around)
+      c = ring == 0 ? difference(x[i + around], x[i]) : difference(x[i], x[i - around]);
+    least = std::min(least, determinant(a, b, c) / std::sqrt(square(a) * square(b) * square(c)) / best);
   }
   return least;
+}
+
+double qualityOf(const fem::CellShape& shape, const std::vector<Point>& corners) {
+  if (shape.isSimplex)
+    return simplexQuality(corners, shape.dimension);
+  return shape.isWedge ? prismQuality(corners, 3, std::sqrt(0.75)) : prismQuality(corners, 4, 1.0);
 }
 
 struct PartBoxes {
@@ -99,8 +107,7 @@ Quality qualityOf(const fem::Mesh& mesh) {
     std::vector<Point> corners;
     for (int k = 0; k < shape.corners; ++k)
       corners.push_back(mesh.local(mesh.cell(c)[k]));
-    const double value =
-        shape.isSimplex ? simplexQuality(corners, shape.dimension) : boxQuality(corners, shape.dimension);
+    const double value = qualityOf(shape, corners);
     quality.mean += value / mesh.numberOfCells();
     if (value < quality.least) {
       quality.least = value;

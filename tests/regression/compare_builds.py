@@ -27,7 +27,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 import harmos_runs as runs  # noqa: E402
 
 # What differs from run to run.
-MEASURED = {"seconds", "peak_memory_mib", "git", "version", "dual_operator_mib"}
+MEASURED = {"seconds", "peak_memory_mib", "git", "version", "dual_operator_mib", "bytes"}
 APPLICATIONS = ("signorini", "fiber_composite", "harmos")
 HERE = Path(__file__).resolve().parent
 

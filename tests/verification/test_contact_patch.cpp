@@ -88,8 +88,8 @@ void expectConstantStrain(const scene::Scene& scene, const TestRun& run, const s
 } // namespace
 
 TEST(ContactPatch, matching_meshes) {
-  for (CellType type :
-       {CellType::Triangle3, CellType::Quadrilateral4, CellType::Hexahedron8, CellType::Tetrahedron4})
+  for (CellType type : {CellType::Triangle3, CellType::Quadrilateral4, CellType::Hexahedron8,
+                        CellType::Tetrahedron4, CellType::Wedge6})
     for (double tilt : {0.0, 0.05}) {
       const scene::Scene scene = tower(type, type, {2, 2, 3}, {2, 2, 3}, Joint::Contact, tilt);
       expectConstantStrain(scene, runScene(scene, tolerance), fem::shapeOf(type).name);
@@ -97,8 +97,9 @@ TEST(ContactPatch, matching_meshes) {
 }
 
 TEST(ContactPatch, matching_meshes_of_the_second_order) {
-  for (CellType type : {CellType::Triangle6, CellType::Quadrilateral9, CellType::Hexahedron27,
-                        CellType::Tetrahedron10, CellType::Quadrilateral8, CellType::Hexahedron20}) {
+  for (CellType type :
+       {CellType::Triangle6, CellType::Quadrilateral9, CellType::Hexahedron27, CellType::Tetrahedron10,
+        CellType::Quadrilateral8, CellType::Hexahedron20, CellType::Wedge15, CellType::Wedge18}) {
     const scene::Scene scene = tower(type, type, {2, 2, 2}, {2, 2, 2}, Joint::Contact, 0.03);
     expectConstantStrain(scene, runScene(scene, tolerance), fem::shapeOf(type).name);
   }
@@ -127,7 +128,7 @@ TEST(ContactPatch, meshes_that_do_not_match) {
 TEST(ContactPatch, on_a_rigid_floor) {
   for (CellType type :
        {CellType::Quadrilateral4, CellType::Triangle6, CellType::Quadrilateral8, CellType::Tetrahedron10,
-        CellType::Hexahedron8, CellType::Hexahedron27, CellType::Hexahedron20}) {
+        CellType::Hexahedron8, CellType::Hexahedron27, CellType::Hexahedron20, CellType::Wedge15}) {
     scene::Scene scene = tower(type, type, {2, 3, 2}, {3, 2, 2}, Joint::Tie, 0.03);
     const auto effects = scene.effects;
     scene.effects.clear();

@@ -124,7 +124,7 @@ void expectPatch(CellType lower, CellType upper, Joint joint) {
 const std::vector<CellType> plane = {CellType::Triangle3, CellType::Triangle6, CellType::Quadrilateral4,
                                      CellType::Quadrilateral9, CellType::Quadrilateral8};
 const std::vector<CellType> space = {CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8,
-                                     CellType::Hexahedron27, CellType::Hexahedron20};
+                                     CellType::Hexahedron27, CellType::Hexahedron20,  CellType::Wedge15};
 
 } // namespace
 

@@ -27,8 +27,8 @@ class Body:
     groups: list = field(default_factory=list)  # of the mesh file, one for each region
 
     @property
-    def reduced(self):
-        return TYPES[self.type].reduced
+    def element(self):
+        return TYPES[self.type]
 
 
 def labels_of(count, elements):

@@ -19,6 +19,11 @@ class ElementType:
     physics: str = "solid"
     reduced: bool = False
 
+    @property
+    def has_mechanisms(self):
+        """Whether single elements have motions without energy that are not rigid."""
+        return self.reduced and self.nodes != 15
+
 
 TETRA = ((0, 1, 2, 4, 5, 6), (0, 3, 1, 7, 8, 4), (1, 3, 2, 8, 9, 5), (2, 3, 0, 9, 7, 6))
 HEXA = (
@@ -29,6 +34,14 @@ HEXA = (
     (2, 6, 7, 3, 18, 14, 19, 10),
     (3, 7, 4, 0, 19, 15, 16, 11),
 )
+WEDGE = (
+    (0, 1, 2, 6, 7, 8),
+    (3, 5, 4, 11, 10, 9),
+    (0, 3, 4, 1, 12, 9, 13, 6),
+    (1, 4, 5, 2, 13, 10, 14, 7),
+    (2, 5, 3, 0, 14, 11, 12, 8),
+)
+WEDGE_15 = (0, 1, 2, 3, 4, 5, 6, 8, 12, 7, 13, 14, 9, 11, 10)
 TRIANGLE = ((0, 1, 3), (1, 2, 4), (2, 0, 5))
 QUADRILATERAL = ((0, 1, 4), (1, 2, 5), (2, 3, 6), (3, 0, 7))
 HEXA_20 = (0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14)
@@ -44,6 +57,8 @@ def _types():
     types = {
         "C3D4": ElementType(3, 4, 4, tuple(range(4)), tetra4),
         "C3D10": ElementType(3, 10, 11, (0, 1, 2, 3, 4, 5, 6, 7, 9, 8), TETRA),
+        "C3D6": ElementType(3, 6, 6, tuple(range(6)), tuple(side[: len(side) // 2] for side in WEDGE)),
+        "C3D15": ElementType(3, 15, 18, WEDGE_15, WEDGE, reduced=True),  # 9 points
         "C3D8": ElementType(3, 8, 5, tuple(range(8)), hexa8),
         "C3D20": ElementType(3, 20, 17, HEXA_20, HEXA),
         "C3D20R": ElementType(3, 20, 17, HEXA_20, HEXA, reduced=True),

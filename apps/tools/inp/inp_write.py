@@ -81,8 +81,9 @@ def deck_of(conversion, mesh_file):
         if len(sections) > 1:
             entry["Groups"] = body.groups
         entry["Expert"] = {"Dilatation": "full"}  # as the model's elements have it
-        if body.reduced:
+        if body.element.reduced:
             entry["Expert"]["Integration"] = "reduced"
+        if body.element.has_mechanisms:
             entry["Subdomains"] = 1
         deck["Bodies"][body.name] = entry
     if conversion.history.names or len(conversion.model.steps) > 1:

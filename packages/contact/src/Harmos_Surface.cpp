@@ -50,11 +50,11 @@ Part partOf(const std::vector<const fem::PlacedMesh*>& meshes, const std::string
     if (found == placed->sides.end() || found->second.empty())
       continue;
     const fem::Mesh& mesh = *placed->mesh;
-    const auto type = static_cast<long long>(fem::shapeOf(mesh.cellType).side);
-    part.leastType = std::min(part.leastType, type);
-    part.largestType = std::max(part.largestType, type);
     part.isAxisymmetric = part.isAxisymmetric || mesh.isAxisymmetric;
     for (const fem::Side& side : found->second) {
+      const auto type = static_cast<long long>(mesh.typeOf(side));
+      part.leastType = std::min(part.leastType, type);
+      part.largestType = std::max(part.largestType, type);
       FacetItem& facet = part.facets.emplace_back();
       facet.nodes.fill(noNode);
       std::size_t k = 0;

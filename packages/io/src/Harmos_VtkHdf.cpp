@@ -72,13 +72,14 @@ void VtkHdfWriter::pointData(const std::string& name, const std::vector<T>& valu
 }
 
 template<class T>
-void VtkHdfWriter::cellData(const std::string& name, const std::vector<T>& values) {
+void VtkHdfWriter::cellData(const std::string& name, const std::vector<T>& values, std::size_t width) {
   openGroup("CellData");
-  write("CellData/" + name, values, 1, cells_);
+  write("CellData/" + name, values, width, cells_);
 }
 
 template void VtkHdfWriter::pointData(const std::string&, const std::vector<double>&, std::size_t);
 template void VtkHdfWriter::pointData(const std::string&, const std::vector<unsigned char>&, std::size_t);
-template void VtkHdfWriter::cellData(const std::string&, const std::vector<int>&);
+template void VtkHdfWriter::cellData(const std::string&, const std::vector<int>&, std::size_t);
+template void VtkHdfWriter::cellData(const std::string&, const std::vector<double>&, std::size_t);
 
 } // namespace Harmos::io

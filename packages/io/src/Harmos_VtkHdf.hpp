@@ -38,11 +38,11 @@ class VtkHdfWriter {
   void cells(const std::vector<long long>& links, const std::vector<long long>& offsets,
              const std::vector<unsigned char>& types);
 
-  /// Fields: `width` numbers a point, one a cell; after points and cells, those of points first.
+  /// Fields: `width` numbers a point or a cell; after points and cells, those of points first.
   template<class T>
   void pointData(const std::string& name, const std::vector<T>& values, std::size_t width = 1);
   template<class T>
-  void cellData(const std::string& name, const std::vector<T>& values);
+  void cellData(const std::string& name, const std::vector<T>& values, std::size_t width = 1);
 
   /// Gives the file its name.
   void commit() { file_.commit(); }

@@ -4,9 +4,9 @@
     calculix_models.py [NAME...] [--suite DIR] [--work DIR] [--np 1] [--output JSON] [--page MARKDOWN]
     calculix_models.py --render [--output JSON] [--page MARKDOWN]
 
-Each model is converted by harmos-inp. What is converted is solved, and its displacements are compared, at each node,
-with those that the suite has as reference; where the suite prints none, with those of ccx, which solves the same input
-with all displacements printed. The difference is the largest one over the largest displacement.
+Each model is converted by harmos-inp. What is converted is solved, and compared with the reference of the suite and
+with ccx, which solves the same input with all displacements printed: displacements at each node, and the mean stresses
+of the elements whose stresses the model prints. Differences are the largest one over the largest value.
 
 The suite is that of Debian's package calculix-ccx-test. Exit status 1 if a model of those in scope does not agree; 77
 where the suite, ccx or h5py are missing.
@@ -26,6 +26,7 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parents[1] / "support"), str(HERE.parents[2] / "apps/tools/inp")]
 
 import calculix_page  # noqa: E402
+import calculix_results as results  # noqa: E402
 import harmos_measure  # noqa: E402
 import harmos_runs as runs  # noqa: E402
 
@@ -57,6 +58,7 @@ OUTSIDE_LINES = (
     (r"^\*INITIAL CONDITIONS.*TYPE *= *(STRESS|PLASTIC)", "initial stresses and strains"),
     (r"^\*BOUNDARY.*FIXED", "supports at deformed positions"),
     (r"P\dNP *,", "loads of user subroutines"),
+    (r"^\*MEMBRANE *,", "words that are no keyword of CalculiX"),
 )
 TEMPERATURE = "depend on temperature"  # in a refusal
 
@@ -87,57 +89,6 @@ def outside(text):
         if re.search(pattern, text, re.MULTILINE | re.IGNORECASE):
             return reason
     return ""
-
-
-def tables(text, title):
-    """Of each table with this title, in order: {node: numbers}."""
-    result, rows = [], None
-    for line in text.splitlines():
-        if line.strip().startswith(title):
-            rows = {}
-            result.append(rows)
-        elif rows is not None and re.match(r"\s*\d+\s+[-+0-9.]", line):
-            numbers = line.split()
-            rows[int(numbers[0])] = [float(number) for number in numbers[1:4]]
-        elif line.strip():
-            rows = None
-    return result
-
-
-def last_displacements(text):
-    """{node: u} of the last time that is printed, over all sets."""
-    last, result = None, {}
-    for title in re.findall(r"displacements \(vx,vy,vz\) for set .* and time +(\S+)", text):
-        last = title
-    for match in re.finditer(r"displacements \(vx,vy,vz\) for set (.*) and time +(\S+)", text):
-        if match.group(2) == last:
-            result.update(tables(text[match.start() :], "displacements")[0])
-    return result
-
-
-def displacements(result, conversion):
-    """{node: [u]} of a run: of all points at its place in its body, as on both sides of a slit."""
-    import h5py
-    import numpy as np
-
-    with h5py.File(result, "r") as file:
-        root = file["VTKHDF"]
-        points, u = root["Points"][()], root["PointData/displacement"][()]
-        first = np.cumsum(root["NumberOfCells"][()]) - root["NumberOfCells"][()]
-        body = np.repeat(root["CellData/body"][()].ravel()[first], root["NumberOfPoints"][()])
-    names = list(conversion.deck_bodies)
-    extent, known = float(np.ptp(points, axis=0).max()), {}
-
-    def key(name, x):
-        # Shifted by an odd amount: multiples of simple fractions lie on no border of the boxes.
-        return name, tuple(np.floor((np.asarray(x) / extent + 0.2718281828459) * 2**22).astype(int).tolist())
-
-    for x, value, b in zip(points, u, body):
-        known.setdefault(key(names[int(b)], x), []).append(value.tolist())
-    return {
-        node: known[key(owner.name, conversion.model.nodes[node])]
-        for node, owner in conversion.parts.body_of_node.items()
-    }
 
 
 def with_all_displacements(text):
@@ -171,7 +122,7 @@ def node_numbers(text):
 
 
 def run_ccx(name, text, work):
-    """Displacements and seconds of ccx, once; None where it fails."""
+    """What ccx prints, "" where it fails, and its seconds, of one run."""
     directory = work / "ccx" / name
     directory.mkdir(parents=True, exist_ok=True)
     (directory / f"{name}.inp").write_text(with_all_displacements(text), encoding="utf-8")
@@ -179,23 +130,7 @@ def run_ccx(name, text, work):
     status, _, _ = runs.execute(["ccx", "-i", name], cwd=directory)
     seconds = time.perf_counter() - begin
     printed = directory / f"{name}.dat"
-    if status != 0 or not printed.exists():
-        return {}, seconds
-    return last_displacements(printed.read_text(encoding="utf-8")), seconds
-
-
-def difference(ours, theirs):
-    """Largest difference at a node that both have, over the largest displacement; the node."""
-    size = max((abs(x) for u in theirs.values() for x in u), default=0.0)
-    worst, where, compared = 0.0, None, 0
-    for node, u in theirs.items():
-        if node not in ours:
-            continue
-        compared += 1
-        apart = min(max(abs(a - b) for a, b in zip(own, u)) for own in ours[node])
-        if apart >= worst:
-            worst, where = apart, node
-    return (worst / size if size else worst), where, compared
+    return (text_of(printed) if status == 0 else ""), seconds
 
 
 def prints_local_axes(text):
@@ -219,7 +154,7 @@ def solve(name, source, conversion, work, np_):
     inp_write.write_deck(conversion, directory / f"{name}.xml", f"{name}.msh")
     run = runs.run(
         directory / f"{name}.xml",
-        {"Solver/Tolerance": TOLERANCE},
+        {"Solver/Tolerance": TOLERANCE, "Output/Expert/Cell fields": "stress"},
         np=np_,
         output=directory / "out",
         program="harmos",
@@ -227,21 +162,26 @@ def solve(name, source, conversion, work, np_):
     if run.returncode != 0:
         errors = re.findall(r"(?m)^error: (.*)$", run.stderr)
         return {"status": "fails", "reason": errors[0][:300] if errors else f"status {run.returncode}"}
-    ours = displacements(sorted((directory / "out").glob("result*.vtkhdf"))[-1], conversion)
-    reference = last_displacements(text_of(source.with_suffix(".dat.ref")))
+    result = results.Result(sorted((directory / "out").glob("result*.vtkhdf"))[-1], conversion)
+    ours = result.displacements()
+    reference = results.last_displacements(text_of(source.with_suffix(".dat.ref")))
     if prints_local_axes(text_of(source)):
         reference = {node: in_global_axes(conversion, node, u) for node, u in reference.items()}
-    everywhere, ccx_seconds = run_ccx(name, text_of(source), work)
+    printed, ccx_seconds = run_ccx(name, text_of(source), work)
     entry = {
         "nodes": len(conversion.parts.body_of_node),
         "seconds": run.summary["seconds"]["total"],
         "ccx_seconds": round(ccx_seconds, 3),
         "notes": conversion.notes,
     }
-    for field, theirs in (("reference", reference), ("ccx", everywhere)):
-        if theirs:
-            apart, node, compared = difference(ours, theirs)
+    for field, theirs in (("reference", reference), ("ccx", results.last_displacements(printed))):
+        apart, node, compared = results.difference(ours, theirs)
+        if compared:
             entry[field] = {"difference": float(f"{apart:.3g}"), "node": node, "nodes": compared}
+    stresses = results.last_stresses(printed, conversion.model)
+    if stresses:
+        apart, element, compared = results.stress_difference(result, stresses)
+        entry["stress"] = {"difference": float(f"{apart:.3g}"), "element": element, "elements": compared}
     return entry
 
 
@@ -276,7 +216,8 @@ def entry_of(source, work, np_):
     # Results of the suite that come from an iterative solver are not exact: ccx solves anew, directly.
     chief = entry.get("ccx", entry.get("reference"))
     entry["tolerance"] = tolerance_of(conversion)
-    entry["status"] = "agrees" if chief and chief["difference"] <= entry["tolerance"] else "differs"
+    agree = chief and max(chief["difference"], entry.get("stress", chief)["difference"]) <= entry["tolerance"]
+    entry["status"] = "agrees" if agree else "differs"
     return entry
 
 

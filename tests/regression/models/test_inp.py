@@ -6,6 +6,7 @@ What each class guards against:
     Answers   sets, surfaces, loads, local axes, equations, steps that mean something else after the conversion
     Meanings  loads that are lost or counted twice, names and options that are mistaken
     Faults    keywords that are dropped without a word; faults that are told one by one, without their line
+    Wedges    nodes and faces of wedges in another order, for the solver or for VTK; stresses of cells
     Damage    damaged input that ends in anything but a sentence and exit status 2
 """
 
@@ -223,6 +224,79 @@ class Answers(unittest.TestCase):
         self.assertEqual(convert(main).returncode, 0)
         deck = main.with_suffix(".xml").read_text(encoding="utf-8")
         self.assertIn('value="{0.0, 0.0, -0.5}"', deck)
+
+
+# A cube of two wedges: corners, and the middles of the edges of the lower triangle, the upper one, and between them.
+WEDGES = {
+    "C3D6": ((1, 2, 3, 5, 6, 7), (1, 3, 4, 5, 7, 8)),
+    "C3D15": (
+        (1, 2, 3, 5, 6, 7, 9, 10, 21, 13, 14, 22, 17, 18, 19),
+        (1, 3, 4, 5, 7, 8, 21, 11, 12, 22, 15, 16, 17, 19, 20),
+    ),
+}
+
+
+class Wedges(unittest.TestCase):
+    PRESSURE = 2.0
+
+    def solved(self, element):
+        extra = ["21, 0.5, 0.5, 0.", "22, 0.5, 0.5, 1."]
+        cells = [f"{k}, " + ", ".join(map(str, nodes)) for k, nodes in enumerate(WEDGES[element], 1)]
+        lines = bricks()
+        first = lines.index("101, 0.0, 0.0, 1.0")
+        lines = lines[:first] + extra + [f"*ELEMENT, TYPE={element}, ELSET=BOTH", *cells]
+        lines += ["*MATERIAL, NAME=M", "*ELASTIC", f"{YOUNG}, 0.25", "*SOLID SECTION, ELSET=BOTH, MATERIAL=M"]
+        lines += ["*BOUNDARY", *[f"{n}, 3" for n in (1, 2, 3, 4, 9, 10, 11, 12, 21)], "1, 1, 2", "2, 2"]
+        path = write(lines + step("*DLOAD", f"BOTH, P2, {self.PRESSURE}"), element.lower())
+        self.assertEqual(convert(path).returncode, 0)
+        out = path.parent / "out"
+        run = runs.run(path.with_suffix(".xml"), {"Solver/Tolerance": 1e-10, "Output/Expert/Cell fields": "stress"},
+                       output=out, program="harmos")
+        self.assertEqual(run.returncode, 0, f"{run}")
+        return out / "result.vtkhdf"
+
+    def test_a_pressed_cube_has_one_stress(self):
+        strain = self.PRESSURE / YOUNG
+        for element in WEDGES:
+            with self.subTest(element=element), h5py.File(self.solved(element), "r") as file:
+                root = file["VTKHDF"]
+                exact = root["Points"][()] * strain * np.array([0.25, 0.25, -1.0])
+                np.testing.assert_allclose(root["PointData/displacement"][()], exact, atol=1e-8 * strain)
+                stress = root["CellData/cell_stress"][()]
+                expected = np.tile([0.0, 0.0, -self.PRESSURE, 0.0, 0.0, 0.0], (2, 1))
+                np.testing.assert_allclose(stress, expected, atol=1e-8 * self.PRESSURE)
+
+    def test_nodes_are_where_vtk_expects_them(self):
+        try:
+            from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
+            from vtkmodules.vtkIOHDF import vtkHDFReader
+        except ImportError as error:
+            raise unittest.SkipTest(f"the Python module {error.name} is missing") from error
+        for element in WEDGES:
+            reader = vtkHDFReader()
+            reader.SetFileName(str(self.solved(element)))
+            reader.Update()
+            grid = pieces(reader.GetOutputDataObject(0))
+            volume = 0.0
+            for part in grid:
+                sizes = vtkCellSizeFilter()
+                sizes.SetInputData(part)
+                sizes.Update()
+                for k in range(part.GetNumberOfCells()):
+                    cell = part.GetCell(k)
+                    places = np.reshape(cell.GetParametricCoords(), (-1, 3))
+                    points = np.array([cell.GetPoints().GetPoint(i) for i in range(cell.GetNumberOfPoints())])
+                    edges = np.array([points[1] - points[0], points[2] - points[0], points[3] - points[0]])
+                    np.testing.assert_allclose(points, points[0] + places @ edges, atol=1e-14)
+                    volume += sizes.GetOutput().GetCellData().GetArray("Volume").GetValue(k)
+            self.assertAlmostEqual(volume, 1.0, delta=1e-12)
+
+
+def pieces(data):
+    """The grids of a result, one a subdomain."""
+    if data.IsA("vtkUnstructuredGrid"):
+        return [data]
+    return [data.GetPartition(k) for k in range(data.GetNumberOfPartitions())]
 
 
 class Meanings(unittest.TestCase):

@@ -116,7 +116,7 @@ TEST(Surface, sides_of_a_brick_look_outward) {
                                                 {"front", {0, -1, 0}},  {"back", {0, 1, 0}},
                                                 {"bottom", {0, 0, -1}}, {"top", {0, 0, 1}}};
   for (CellType type : {CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8,
-                        CellType::Hexahedron27, CellType::Hexahedron20}) {
+                        CellType::Hexahedron27, CellType::Hexahedron20, CellType::Wedge15}) {
     const auto body = block(type, {1, 2, 0}, {3, 2, 1}, {2, 1, 2}, {1, 2, 1}, 7);
     for (const auto& [set, normal] : outward) {
       const Surface surface = surfaceOf(body, set);

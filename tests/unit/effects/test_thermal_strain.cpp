@@ -56,8 +56,9 @@ scene::Scene warm(CellType type, const std::string& field) {
 } // namespace
 
 TEST(ThermalStrain, linear_temperatures_cause_no_stress) {
-  for (CellType type : {CellType::Triangle6, CellType::Quadrilateral8, CellType::Quadrilateral9,
-                        CellType::Tetrahedron10, CellType::Hexahedron20, CellType::Hexahedron27})
+  for (CellType type :
+       {CellType::Triangle6, CellType::Quadrilateral8, CellType::Quadrilateral9, CellType::Tetrahedron10,
+        CellType::Hexahedron20, CellType::Hexahedron27, CellType::Wedge15})
     for (fem::Integration integration : {fem::Integration::Full, fem::Integration::Reduced}) {
       SCOPED_TRACE(fem::shapeOf(type).name);
       scene::Scene scene = warm(type, "heat");

@@ -38,7 +38,7 @@ Mesh shuffled(CellType type) {
 }
 
 std::set<int> cornersOf(const Mesh& mesh, const Side& side) {
-  const auto corners = static_cast<std::size_t>(shapeOf(shapeOf(mesh.cellType).side).corners);
+  const auto corners = static_cast<std::size_t>(shapeOf(mesh.typeOf(side)).corners);
   const std::vector<int> nodes = mesh.nodesOf(side);
   return {nodes.begin(), nodes.begin() + static_cast<std::ptrdiff_t>(corners)};
 }
@@ -46,10 +46,10 @@ std::set<int> cornersOf(const Mesh& mesh, const Side& side) {
 } // namespace
 
 TEST(CellSides, come_by_rising_corners_and_cells) {
-  for (CellType type :
-       {CellType::Triangle3, CellType::Triangle6, CellType::Quadrilateral4, CellType::Quadrilateral9,
-        CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8, CellType::Hexahedron27,
-        CellType::Quadrilateral8, CellType::Hexahedron20}) {
+  for (CellType type : {CellType::Triangle3, CellType::Triangle6, CellType::Quadrilateral4,
+                        CellType::Quadrilateral9, CellType::Tetrahedron4, CellType::Tetrahedron10,
+                        CellType::Hexahedron8, CellType::Hexahedron27, CellType::Quadrilateral8,
+                        CellType::Hexahedron20, CellType::Wedge6, CellType::Wedge15, CellType::Wedge18}) {
     const Mesh mesh = shuffled(type);
     std::map<std::set<int>, std::vector<std::pair<int, int>>> expected; // sets compare as their elements do
     for (int c = 0; c < mesh.numberOfCells(); ++c)

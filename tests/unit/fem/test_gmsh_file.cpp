@@ -68,8 +68,8 @@ std::string incomplete(bool isSerendipity) {
   return std::string("Mesh.SecondOrderIncomplete = ") + (isSerendipity ? "1;\n" : "0;\n");
 }
 
-std::string twoCubes(bool hexahedra, int order, bool isDownwards = false) {
-  const std::string layers = hexahedra ? " Layers{2}; Recombine;" : "";
+std::string twoCubes(bool hexahedra, int order, bool isDownwards = false, bool wedges = false) {
+  const std::string layers = hexahedra || wedges ? " Layers{2}; Recombine;" : "";
   const std::string height = isDownwards ? "-1" : "1";
   return R"(
 Point(1) = {0, 0, 0, 0.5}; Point(2) = {1, 0, 0, 0.5}; Point(3) = {1, 1, 0, 0.5}; Point(4) = {0, 1, 0, 0.5};
@@ -115,7 +115,7 @@ double sizeOfPart(const BodyMesh& body, const std::string& name) {
   for (const fem::Side& side : body.sides.at(name)) {
     const std::vector<int> nodes = body.mesh.nodesOf(side);
     const auto x = [&](std::size_t k) { return body.mesh.local(nodes[k]); };
-    const int corners = shapeOf(shapeOf(body.mesh.cellType).side).corners;
+    const int corners = fem::shapeOf(body.mesh.typeOf(side)).corners;
     if (corners == 2)
       sum += distanceOf(x(0), x(1));
     else
@@ -214,13 +214,15 @@ TEST_F(GmshFile, plane_bodies_of_all_types) {
 }
 
 TEST_F(GmshFile, solid_bodies_of_all_types) {
-  for (const CellType type : {CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8,
-                              CellType::Hexahedron27, CellType::Hexahedron20})
+  for (const CellType type :
+       {CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8, CellType::Hexahedron27,
+        CellType::Hexahedron20, CellType::Wedge6, CellType::Wedge15, CellType::Wedge18})
     for (const bool isDownwards : {false, true}) {
       const fem::CellShape& shape = shapeOf(type);
       SCOPED_TRACE(shape.name + (isDownwards ? ", downwards" : ""));
-      const std::string geo = file("cubes.geo", twoCubes(!shape.isSimplex, shape.order, isDownwards) +
-                                                    incomplete(shape.isSerendipity));
+      const std::string geo = file(
+          "cubes.geo", twoCubes(!shape.isSimplex && !shape.isWedge, shape.order, isDownwards, shape.isWedge) +
+                           incomplete(shape.isSerendipity));
       const std::vector<BodyMesh> bodies = readGmsh(geo, {{"a", {"lower"}}, {"b", {"upper"}}}, 3);
       for (const BodyMesh& body : bodies) {
         EXPECT_EQ(body.mesh.cellType, type);
@@ -236,8 +238,10 @@ TEST_F(GmshFile, solid_bodies_of_all_types) {
         EXPECT_NEAR(bodies[0].mesh.local(node)[1], 0.0, 1e-14);
         EXPECT_NEAR(bodies[0].mesh.local(node)[2], 0.0, 1e-14);
       }
-      if (!shape.isSimplex)
+      if (!shape.isSimplex && !shape.isWedge)
         EXPECT_EQ(bodies[0].mesh.numberOfCells(), 18);
+      if (shape.isWedge)
+        EXPECT_EQ(bodies[0].sides.at("bottom").size(), bodies[0].sides.at("middle").size());
     }
 }
 

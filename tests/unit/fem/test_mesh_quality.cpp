@@ -29,7 +29,8 @@ constexpr double roundoff = 1e-13;
 const std::vector<CellType> types = {
     CellType::Triangle3,      CellType::Triangle6,     CellType::Quadrilateral4, CellType::Quadrilateral9,
     CellType::Tetrahedron4,   CellType::Tetrahedron10, CellType::Hexahedron8,    CellType::Hexahedron27,
-    CellType::Quadrilateral8, CellType::Hexahedron20};
+    CellType::Quadrilateral8, CellType::Hexahedron20,  CellType::Wedge6,         CellType::Wedge15,
+    CellType::Wedge18};
 
 // One cell with its nodes at the images of those of a square or brick of 2 × 2 (× 2), or of the corner of
 // one.

@@ -65,7 +65,7 @@ bool hangsTogether(const BodyMesh& body, const Partition& partition, int part) {
     if (partition.part[c] == part)
       cells.push_back(static_cast<int>(c));
   const fem::CellShape& shape = fem::shapeOf(body.mesh.cellType);
-  const auto needed = static_cast<std::size_t>(fem::shapeOf(shape.side).corners);
+  const auto needed = static_cast<std::size_t>(fem::shapeOf(shape.sideTypes.front()).corners);
   const auto corners = [&](int c) {
     return std::set<int>(body.mesh.cell(c), body.mesh.cell(c) + shape.corners);
   };

@@ -18,7 +18,8 @@ namespace {
 const std::vector<CellType> volumes = {
     CellType::Triangle3,      CellType::Triangle6,     CellType::Quadrilateral4, CellType::Quadrilateral9,
     CellType::Tetrahedron4,   CellType::Tetrahedron10, CellType::Hexahedron8,    CellType::Hexahedron27,
-    CellType::Quadrilateral8, CellType::Hexahedron20};
+    CellType::Quadrilateral8, CellType::Hexahedron20,  CellType::Wedge6,         CellType::Wedge15,
+    CellType::Wedge18};
 
 std::vector<Point> positions(const Mesh& mesh) {
   std::vector<Point> nodes;
@@ -117,7 +118,9 @@ TEST(PointLocator, finds_points_of_every_cell_again) {
       PointLocator::Place place;
       place.cell = c;
       for (std::size_t d = 0; d < static_cast<std::size_t>(mesh.dimension()); ++d)
-        place.reference[d] = shapeOf(type).isSimplex ? number(random) / 3 : 2 * number(random) - 1;
+        place.reference[d] = shapeOf(type).isSimplex || (shapeOf(type).isWedge && d < 2)
+                                 ? number(random) / 3
+                                 : 2 * number(random) - 1;
       const Point x = locator.position(place);
       for (int hint : {-1, c, 0}) {
         const PointLocator::Place found = locator.nearest(x, hint);

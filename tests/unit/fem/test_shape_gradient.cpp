@@ -27,7 +27,8 @@ namespace {
 const std::vector<CellType> types = {
     CellType::Triangle3,      CellType::Triangle6,     CellType::Quadrilateral4, CellType::Quadrilateral9,
     CellType::Tetrahedron4,   CellType::Tetrahedron10, CellType::Hexahedron8,    CellType::Hexahedron27,
-    CellType::Quadrilateral8, CellType::Hexahedron20};
+    CellType::Quadrilateral8, CellType::Hexahedron20,  CellType::Wedge6,         CellType::Wedge15,
+    CellType::Wedge18};
 
 class RandomNumbers {
  public:

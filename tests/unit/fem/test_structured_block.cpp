@@ -69,7 +69,7 @@ TEST(StructuredBlock, refuses_empty_ones) {
 // Every cell type, bent: copies of a node agree in number and place, the named sides make up the surface, and
 // every subdomain's share of a number range is what the lattice says.
 TEST(StructuredBlock, subdomains_of_every_cell_type_fit_together) {
-  for (int t = static_cast<int>(fem::CellType::Triangle3); t <= static_cast<int>(fem::CellType::Hexahedron20);
+  for (int t = static_cast<int>(fem::CellType::Triangle3); t <= static_cast<int>(fem::CellType::Wedge18);
        ++t) {
     fem::StructuredBlock::Options options;
     options.cellType = static_cast<fem::CellType>(t);
@@ -107,7 +107,7 @@ TEST(StructuredBlock, subdomains_of_every_cell_type_fit_together) {
     EXPECT_EQ(distinct.size(), places.size()) << shape.name;
     const int cut = shape.isSimplex && shape.dimension == 3 ? 2 : 1; // triangles on a square
     EXPECT_EQ(sides["left"], shape.dimension == 2 ? 3 : 3 * 4 * cut) << shape.name;
-    EXPECT_EQ(sides["top"], shape.dimension == 2 ? 4 : 4 * 3 * cut) << shape.name;
+    EXPECT_EQ(sides["top"], shape.dimension == 2 ? 4 : 4 * 3 * (shape.isWedge ? 2 : cut)) << shape.name;
   }
 }
 

@@ -40,8 +40,9 @@ fem::Point bodyPlace(const BodyMesh& body, long long number, long long firstNode
 
 TEST(TornBody, copies_agree_and_the_parts_are_the_body) {
   constexpr long long firstNode = 1000;
-  for (CellType type : {CellType::Triangle6, CellType::Quadrilateral4, CellType::Tetrahedron4,
-                        CellType::Tetrahedron10, CellType::Hexahedron27, CellType::Hexahedron20}) {
+  for (CellType type :
+       {CellType::Triangle6, CellType::Quadrilateral4, CellType::Tetrahedron4, CellType::Tetrahedron10,
+        CellType::Hexahedron27, CellType::Hexahedron20, CellType::Wedge15}) {
     SCOPED_TRACE(fem::shapeOf(type).name);
     const BodyMesh body = testBody(type, 4);
     const fem::Partition partition = partitionCells(body, 5);

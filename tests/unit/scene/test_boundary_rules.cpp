@@ -49,7 +49,7 @@ scene::Scene sceneOf(CellType type, bool isRing = false) {
   for (int c = 0; c < mesh.mesh.numberOfCells(); ++c) {
     const fem::CellShape& shape = fem::shapeOf(type);
     const auto corners = std::count_if(mesh.mesh.cell(c), mesh.mesh.cell(c) + shape.corners, isRight);
-    part.push_back((corners < fem::shapeOf(shape.side).corners ? 0 : 2) +
+    part.push_back((corners < fem::shapeOf(shape.sideTypes.front()).corners ? 0 : 2) +
                    (centreOf(mesh.mesh, c)[1] < 0.5 ? 0 : 1));
   }
   long long firstNode = 0;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_CellBasis.hpp"
 
+#include <cmath>
+
 namespace Harmos::fem {
 namespace {
 
@@ -85,6 +87,40 @@ void simplexBasis(const CellShape& shape, const Point& x, CellBasis& basis) {
   }
 }
 
+// A polynomial of the triangle times one of the line. Of 15 nodes, with λ the barycentric coordinate of a
+// node and n its place on the axis: on corners ½λ((2λ − 1)(1 + nz) − (1 − z²)), on edges of the triangles
+// 2λ_aλ_b(1 + nz), on the others λ(1 − z²) (Bathe: Finite Element Procedures, 1996, 5.3).
+void wedgeBasis(const CellShape& shape, const Point& x, CellBasis& basis) {
+  static const CellShape &linear = shapeOf(CellType::Triangle3), &quadratic = shapeOf(CellType::Triangle6);
+  const CellShape& triangle = shape.order == 1 ? linear : quadratic;
+  CellBasis flat, corners;
+  simplexBasis(triangle, {x[0], x[1], 0.0}, flat);
+  simplexBasis(linear, {x[0], x[1], 0.0}, corners);
+  for (std::size_t i = 0; i < shape.nodeCoordinates.size(); ++i) {
+    const Point& node = shape.nodeCoordinates[i];
+    std::size_t k = 0; // node of the triangle
+    while (std::abs(triangle.nodeCoordinates[k][0] - node[0]) +
+               std::abs(triangle.nodeCoordinates[k][1] - node[1]) >
+           1e-8)
+      ++k;
+    const bool isLinearAlong = shape.isSerendipity && node[2] != 0.0,
+               isLinearAcross = shape.isSerendipity && node[2] == 0.0;
+    const CellBasis& across = isLinearAcross ? corners : flat;
+    double along = 0.0, slope = 0.0;
+    lineBasis(node[2], isLinearAlong ? 1 : shape.order, x[2], along, slope);
+    basis.values[i] = across.values[k] * along;
+    basis.gradients[i] = {across.gradients[k][0] * along, across.gradients[k][1] * along,
+                          across.values[k] * slope};
+    if (isLinearAlong && k < 3) { // ½λ(1 − z²) less
+      const double bubble = 0.5 * (1.0 - x[2] * x[2]);
+      basis.values[i] -= corners.values[k] * bubble;
+      for (std::size_t d = 0; d < 2; ++d)
+        basis.gradients[i][d] -= corners.gradients[k][d] * bubble;
+      basis.gradients[i][2] += corners.values[k] * x[2];
+    }
+  }
+}
+
 // On corners Π ½(1 + n_d x_d) · (Σ n_d x_d − (dimension − 1)), on middles of edges (1 − x_e²) times the
 // linear functions of the other directions (Zienkiewicz, Taylor: The Finite Element Method, vol. 1, 2000,
 // 8.7 and 8.11).
@@ -113,6 +149,8 @@ void serendipityBasis(const CellShape& shape, const Point& x, CellBasis& basis) 
 void cellBasis(const CellShape& shape, const Point& reference, CellBasis& basis) {
   if (shape.isSimplex)
     simplexBasis(shape, reference, basis);
+  else if (shape.isWedge)
+    wedgeBasis(shape, reference, basis);
   else if (shape.isSerendipity)
     serendipityBasis(shape, reference, basis);
   else

@@ -34,31 +34,30 @@ const CellTopologyData* topologyOf(CellType type) {
     return shards::getCellTopologyData<shards::Quadrilateral<8>>();
   case CellType::Hexahedron20:
     return shards::getCellTopologyData<shards::Hexahedron<20>>();
+  case CellType::Wedge6:
+    return shards::getCellTopologyData<shards::Wedge<6>>();
+  case CellType::Wedge15:
+    return shards::getCellTopologyData<shards::Wedge<15>>();
+  case CellType::Wedge18:
+    return shards::getCellTopologyData<shards::Wedge<18>>();
   }
   return nullptr;
 }
 
-CellType sideOf(CellType type) {
-  switch (type) {
-  case CellType::Triangle3:
-  case CellType::Quadrilateral4:
-    return CellType::Line2;
-  case CellType::Triangle6:
-  case CellType::Quadrilateral8:
-  case CellType::Quadrilateral9:
-    return CellType::Line3;
-  case CellType::Tetrahedron4:
+CellType sideType(int dimension, std::size_t nodes) {
+  if (dimension == 1)
+    return nodes == 2 ? CellType::Line2 : CellType::Line3;
+  switch (nodes) {
+  case 3:
     return CellType::Triangle3;
-  case CellType::Tetrahedron10:
-    return CellType::Triangle6;
-  case CellType::Hexahedron8:
+  case 4:
     return CellType::Quadrilateral4;
-  case CellType::Hexahedron27:
-    return CellType::Quadrilateral9;
-  case CellType::Hexahedron20:
+  case 6:
+    return CellType::Triangle6;
+  case 8:
     return CellType::Quadrilateral8;
   default:
-    return type;
+    return CellType::Quadrilateral9;
   }
 }
 
@@ -81,8 +80,19 @@ std::string nameOf(CellType type, int nodes) {
   case CellType::Hexahedron20:
   case CellType::Hexahedron27:
     return "hexahedron of " + std::to_string(nodes) + " nodes";
+  case CellType::Wedge6:
+  case CellType::Wedge15:
+  case CellType::Wedge18:
+    return "wedge of " + std::to_string(nodes) + " nodes";
   }
   return "";
+}
+
+// Products of gradients on affine cells; of Wedge6 in the middle of the triangle, which is the usual rule.
+int stiffnessDegree(const CellShape& shape) {
+  if (shape.isSimplex || shape.isWedge)
+    return shape.order == 1 ? 1 : 4;
+  return 2 * shape.order + 1;
 }
 
 CellShape makeShape(CellType type) {
@@ -94,9 +104,10 @@ CellShape makeShape(CellType type) {
   shape.order = shape.nodes == shape.corners ? 1 : 2;
   shape.isSerendipity = wholeOf(type) != type;
   shape.isSimplex = shape.dimension > 1 && shape.corners == shape.dimension + 1;
+  shape.isWedge = linearOf(type) == CellType::Wedge6;
+  shape.stiffnessDegree = stiffnessDegree(shape);
   shape.name = nameOf(type, shape.nodes);
   shape.nodeCoordinates = nodeCoordinates(type);
-  shape.side = sideOf(type);
   if (shape.dimension > 1) {
     const auto dimension = static_cast<unsigned>(shape.dimension - 1);
     for (unsigned s = 0; s < topology.getSideCount(); ++s) {
@@ -104,6 +115,7 @@ CellShape makeShape(CellType type) {
       for (unsigned k = 0; k < topology.getNodeCount(dimension, s); ++k)
         nodes.push_back(static_cast<int>(topology.getNodeMap(dimension, s, k)));
       shape.sides.push_back(nodes);
+      shape.sideTypes.push_back(sideType(shape.dimension - 1, nodes.size()));
     }
   }
   return shape;
@@ -114,6 +126,7 @@ CellShape makeShape(CellType type) {
 CellType wholeOf(CellType type) {
   return type == CellType::Quadrilateral8 ? CellType::Quadrilateral9
          : type == CellType::Hexahedron20 ? CellType::Hexahedron27
+         : type == CellType::Wedge15      ? CellType::Wedge18
                                           : type;
 }
 
@@ -131,14 +144,17 @@ CellType linearOf(CellType type) {
   case CellType::Hexahedron20:
   case CellType::Hexahedron27:
     return CellType::Hexahedron8;
+  case CellType::Wedge15:
+  case CellType::Wedge18:
+    return CellType::Wedge6;
   default:
     return type;
   }
 }
 
 const CellShape& shapeOf(CellType type) {
-  static const std::array<CellShape, 12> shapes = [] {
-    std::array<CellShape, 12> all;
+  static const std::array<CellShape, 15> shapes = [] {
+    std::array<CellShape, 15> all;
     for (std::size_t k = 0; k < all.size(); ++k)
       all[k] = makeShape(static_cast<CellType>(k));
     return all;

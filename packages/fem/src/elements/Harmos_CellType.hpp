@@ -10,8 +10,8 @@ namespace Harmos::fem {
 using Point = std::array<double, 3>;
 
 /// Elements by the number of their nodes: Lagrange elements, and serendipity elements of second order, which
-/// have no nodes inside of their faces and cells (Quadrilateral8, Hexahedron20). Lines are sides of plane
-/// cells only.
+/// have no nodes inside of their faces and cells (Quadrilateral8, Hexahedron20, Wedge15). Lines are sides of
+/// plane cells only.
 enum class CellType {
   Line2,
   Line3,
@@ -24,8 +24,18 @@ enum class CellType {
   Hexahedron8,
   Hexahedron27,
   Quadrilateral8,
-  Hexahedron20
+  Hexahedron20,
+  Wedge6,
+  Wedge15,
+  Wedge18
 };
+
+/// All types that bodies may have.
+inline constexpr std::array<CellType, 13> bodyCells = {
+    CellType::Triangle3,      CellType::Triangle6,    CellType::Quadrilateral4, CellType::Quadrilateral8,
+    CellType::Quadrilateral9, CellType::Tetrahedron4, CellType::Tetrahedron10,  CellType::Wedge6,
+    CellType::Wedge15,        CellType::Wedge18,      CellType::Hexahedron8,    CellType::Hexahedron20,
+    CellType::Hexahedron27};
 
 /// What is known of a cell type without any mesh. Node orders are those of Shards and Intrepid2: corners
 /// first, then edges, faces, the inside.
@@ -36,11 +46,13 @@ struct CellShape {
   int corners;
   int order;                           ///< 1 or 2
   bool isSimplex;                      ///< line: no
+  bool isWedge;                        ///< a triangle times the line from −1 to 1
   bool isSerendipity;                  ///< second order with nodes on corners and edges alone; no simplex
+  int stiffnessDegree;                 ///< of quadrature for stiffness matrices in full: see quadratureOn()
   std::vector<Point> nodeCoordinates;  ///< on the reference cell
-  CellType side;                       ///< type of its sides; itself for lines
   std::vector<std::vector<int>> sides; ///< nodes of each side, corners first, so ordered that the normal of
                                        ///< sideNormal() looks outward
+  std::vector<CellType> sideTypes;     ///< of each side; wedges have triangles and quadrilaterals
 };
 
 const CellShape& shapeOf(CellType type);

@@ -15,6 +15,8 @@
 #include <Intrepid2_HGRAD_TET_C2_FEM.hpp>
 #include <Intrepid2_HGRAD_TRI_C1_FEM.hpp>
 #include <Intrepid2_HGRAD_TRI_C2_FEM.hpp>
+#include <Intrepid2_HGRAD_WEDGE_C1_FEM.hpp>
+#include <Intrepid2_HGRAD_WEDGE_C2_FEM.hpp>
 #include <Shards_CellTopology.hpp>
 
 #include <algorithm>
@@ -51,6 +53,10 @@ std::shared_ptr<const Basis> basisOf(CellType type) {
     return std::make_shared<Intrepid2::Basis_HGRAD_HEX_C1_FEM<Device, double, double>>();
   case CellType::Hexahedron27:
     return std::make_shared<Intrepid2::Basis_HGRAD_HEX_C2_FEM<Device, double, double>>();
+  case CellType::Wedge6:
+    return std::make_shared<Intrepid2::Basis_HGRAD_WEDGE_C1_FEM<Device, double, double>>();
+  case CellType::Wedge18:
+    return std::make_shared<Intrepid2::Basis_HGRAD_WEDGE_C2_FEM<Device, double, double>>();
   default:
     break;
   }
@@ -94,9 +100,24 @@ std::vector<CellBasis> basesAt(CellType type, const std::vector<Point>& points) 
   return result;
 }
 
+// Along the axis as many points as products of gradients need: two or three, unless the degree asks for more.
+Quadrature quadratureOnWedge(int order, int degree) {
+  const Quadrature triangle = quadratureOn(CellType::Triangle3, degree),
+                   line = quadratureOn(CellType::Line2, std::max(degree, 2 * order + 1));
+  Quadrature result;
+  for (std::size_t z = 0; z < line.points.size(); ++z)
+    for (std::size_t q = 0; q < triangle.points.size(); ++q) {
+      result.points.push_back({triangle.points[q][0], triangle.points[q][1], line.points[z][0]});
+      result.weights.push_back(triangle.weights[q] * line.weights[z]);
+    }
+  return result;
+}
+
 } // namespace
 
 Quadrature quadratureOn(CellType type, int degree) {
+  if (linearOf(type) == CellType::Wedge6)
+    return quadratureOnWedge(type == CellType::Wedge6 ? 1 : 2, degree);
   const auto topology = basisOf(type)->getBaseCellTopology();
   const auto rule = Intrepid2::DefaultCubatureFactory::create<Device, double, double>(topology, degree);
   const auto n = static_cast<std::size_t>(rule->getNumPoints());
@@ -127,7 +148,7 @@ std::vector<Point> nodeCoordinates(CellType type) {
     result.push_back(point);
   }
   if (wholeOf(type) != type)
-    result.resize(dimension == 2 ? 8 : 20);
+    result.resize(type == CellType::Quadrilateral8 ? 8 : type == CellType::Wedge15 ? 15 : 20);
   return result;
 }
 

@@ -34,11 +34,6 @@ std::vector<std::string> namesIn(const Bytes& bytes) {
   return names;
 }
 
-constexpr std::array<CellType, 10> cells = {
-    CellType::Triangle3,      CellType::Triangle6,     CellType::Quadrilateral4, CellType::Quadrilateral9,
-    CellType::Tetrahedron4,   CellType::Tetrahedron10, CellType::Hexahedron8,    CellType::Hexahedron27,
-    CellType::Quadrilateral8, CellType::Hexahedron20};
-
 // FNV-1a (Fowler, Noll, Vo) of 64 bits.
 long long checkOf(const PlacedMesh& mesh) {
   unsigned long long hash = 14695981039346656037ull;
@@ -243,12 +238,12 @@ CutMeshFile::CutMeshFile(const std::string& path) : path_(path) {
     Body body;
     body.name = name;
     const std::vector<std::string> type = file_->names(place + "/type");
-    const auto cell = std::find_if(cells.begin(), cells.end(), [&](CellType c) {
+    const auto cell = std::find_if(bodyCells.begin(), bodyCells.end(), [&](CellType c) {
       return type.size() == 1 && shapeOf(c).name == type[0];
     });
     const std::vector<long long> nodes = file_->reader.all<long long>(place + "/nodes");
     const io::Hdf5Reader::Shape begin = file_->reader.shape(place + "/begin");
-    if (cell == cells.end() || nodes.size() != 1 || begin.width != 3 || begin.rows < 2)
+    if (cell == bodyCells.end() || nodes.size() != 1 || begin.width != 3 || begin.rows < 2)
       fail("is damaged: body \"" + name + "\" has no cells, nodes or subdomains");
     body.cellType = *cell;
     body.nodes = nodes[0];

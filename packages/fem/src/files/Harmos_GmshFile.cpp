@@ -9,6 +9,8 @@
 #include "Harmos_GmshModel.hpp"
 #include "Harmos_Index.hpp"
 #include "Harmos_ParameterSpec.hpp"
+#include "Harmos_PointAlgebra.hpp"
+#include "Harmos_ReferenceElement.hpp"
 
 #include <gmsh.h>
 
@@ -291,7 +293,7 @@ class Reader {
       if (!elementType(type).ours)
         throw InputError(place + " has cells of unsupported type (" + kinds +
                          "). Use triangles of 3 or 6 nodes, quadrilaterals of 4, 8 or 9, tetrahedra of 4 or "
-                         "10, hexahedra of 8, 20 or 27: Mesh.ElementOrder = 1 or 2");
+                         "10, wedges of 6, 15 or 18, hexahedra of 8, 20 or 27: Mesh.ElementOrder = 1 or 2");
     if (counts.size() > 1)
       throw InputError(
           place + " has cells of several types (" + kinds +
@@ -345,9 +347,11 @@ class Reader {
     for (Point& x : swapped)
       std::swap(x[0], x[1]);
     const std::vector<std::size_t> order = matched(swapped, shape.nodeCoordinates);
+    const CellType linear = linearOf(type);
+    const auto gradients = basisGradients(linear, shapeOf(linear).nodeCoordinates);
     std::vector<int> cell(nodes);
     for (std::size_t first = 0; first < cells.size(); first += nodes) {
-      const int sign = orientation(shape, &cells[first]);
+      const int sign = orientation(shape, gradients, &cells[first]);
       if (sign == 0 && shape.isSimplex)
         throw InputError(
             "in \"" + path_ + "\", " + entityName(dimension_) + " " + std::to_string(entity) + ", " +
@@ -381,45 +385,29 @@ class Reader {
 
   // 1 or −1 if the Jacobian has this sign at every corner of the cell with straight edges; 0 otherwise, which
   // is left for the integration to judge.
-  int orientation(const CellShape& shape, const int* cell) const {
-    const auto corners = static_cast<std::size_t>(shape.corners);
-    const auto dimension = static_cast<std::size_t>(dimension_);
+  // @param gradients of the basis of first order at the corners
+  int orientation(const CellShape& shape, const std::vector<std::vector<Point>>& gradients,
+                  const int* cell) const {
     std::size_t positive = 0, negative = 0;
-    for (std::size_t c = 0; c < corners; ++c) {
-      // Along the edges to the neighbours: those that differ in one reference coordinate, or for simplices
-      // the edges from the first corner, which tell of all.
-      std::array<Point, 3> edges = {Point{1, 0, 0}, Point{0, 1, 0}, Point{0, 0, 1}};
-      const Point start = place(cell[c]);
-      for (std::size_t d = 0; d < dimension; ++d) {
-        std::size_t other = d + 1;
-        double sign = 1.0;
-        if (!shape.isSimplex) {
-          Point target = shape.nodeCoordinates[c];
-          sign = target[d] < 0.0 ? 1.0 : -1.0;
-          target[d] = -target[d];
-          for (std::size_t k = 0; k < corners; ++k)
-            if (isSamePlace(shape.nodeCoordinates[k], target))
-              other = k;
-        }
-        const Point end = place(cell[other]);
-        for (std::size_t k = 0; k < dimension; ++k)
-          edges[d][k] = sign * (end[k] - start[k]);
+    for (const std::vector<Point>& atCorner : gradients) {
+      std::array<Point, 3> frame{};
+      if (dimension_ == 2)
+        frame[2] = {0, 0, 1};
+      double most = 1.0; // the square of the largest Jacobian that columns of these lengths can have
+      for (std::size_t d = 0; d < at(dimension_); ++d) {
+        for (std::size_t k = 0; k < gradients.size(); ++k)
+          if (atCorner[k][d] != 0.0)
+            frame[d] = sum(frame[d], scaled(atCorner[k][d], place(cell[k])));
+        most *= dot(frame[d], frame[d]);
       }
-      const auto& [u, v, w] = edges;
-      const double jacobian = u[0] * (v[1] * w[2] - v[2] * w[1]) - u[1] * (v[0] * w[2] - v[2] * w[0]) +
-                              u[2] * (v[0] * w[1] - v[1] * w[0]);
+      const double jacobian = dot(frame[0], cross(frame[1], frame[2]));
+      constexpr double rounding = 1e-14;
+      if (shape.isSimplex)
+        return jacobian * jacobian <= rounding * rounding * most ? 0 : jacobian > 0.0 ? 1 : -1;
       positive += jacobian > 0.0 ? 1 : 0;
       negative += jacobian < 0.0 ? 1 : 0;
-      if (shape.isSimplex) {
-        double edgeProduct = 1.0; // the largest Jacobian that edges of these lengths can have
-        for (std::size_t d = 0; d < dimension; ++d)
-          edgeProduct *=
-              std::sqrt(edges[d][0] * edges[d][0] + edges[d][1] * edges[d][1] + edges[d][2] * edges[d][2]);
-        constexpr double rounding = 1e-14;
-        return std::abs(jacobian) <= rounding * edgeProduct ? 0 : jacobian > 0.0 ? 1 : -1;
-      }
     }
-    return positive == corners ? 1 : negative == corners ? -1 : 0;
+    return positive == gradients.size() ? 1 : negative == gradients.size() ? -1 : 0;
   }
 
   // @param numbers of the body's nodes, by place; −1: not one of them.
@@ -445,11 +433,10 @@ class Reader {
   void nameSides(BodyMesh& body, const MatchedSides& matched, const std::vector<int>& numbers) {
     const std::vector<Side> boundary = boundarySides(matched);
     body.mesh.boundary = nodesOf(body.mesh, boundary);
-    const auto corners = static_cast<std::size_t>(shapeOf(shapeOf(body.mesh.cellType).side).corners);
     std::map<std::vector<int>, Side> byCorners;
     for (const Side& side : boundary) {
       std::vector<int> nodes = body.mesh.nodesOf(side);
-      nodes.resize(corners);
+      nodes.resize(at(shapeOf(body.mesh.typeOf(side)).corners));
       std::sort(nodes.begin(), nodes.end());
       byCorners.emplace(nodes, side);
     }

@@ -261,10 +261,7 @@ ElementType makeElementType(int type) {
   for (std::size_t i = 0; i < result.nodes; ++i)
     for (std::size_t d = 0; d < dimension; ++d)
       places[i][d] = coordinates[i * dimension + d];
-  for (CellType candidate :
-       {CellType::Triangle3, CellType::Triangle6, CellType::Quadrilateral4, CellType::Quadrilateral9,
-        CellType::Tetrahedron4, CellType::Tetrahedron10, CellType::Hexahedron8, CellType::Hexahedron27,
-        CellType::Quadrilateral8, CellType::Hexahedron20}) {
+  for (CellType candidate : bodyCells) {
     const CellShape& shape = shapeOf(candidate);
     if (shape.dimension != result.dimension || shape.corners != corners)
       continue;

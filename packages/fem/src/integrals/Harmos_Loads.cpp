@@ -3,7 +3,9 @@
 
 #include "Harmos_CellIntegrator.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace Harmos::fem {
 namespace {
@@ -47,9 +49,12 @@ std::vector<double> assembleBodyForce(const Mesh& mesh, const Point& anchor, con
 
 void visitSides(const Mesh& mesh, const std::vector<Side>& sides, int degree,
                 const std::function<void(const SidePoint&)>& visit) {
-  const ReferenceElement element(shapeOf(mesh.cellType).side, degree);
+  std::map<CellType, ReferenceElement> elements;
+  for (CellType type : shapeOf(mesh.cellType).sideTypes)
+    elements.try_emplace(type, type, degree);
   const auto dimension = static_cast<std::size_t>(mesh.dimension());
   for (const Side& side : sides) {
+    const ReferenceElement& element = elements.at(mesh.typeOf(side));
     SidePoint point;
     point.nodes = mesh.nodesOf(side);
     point.values.resize(point.nodes.size());
@@ -86,7 +91,10 @@ std::vector<double> assembleTraction(const Mesh& mesh, const Point& anchor, cons
                                      const Traction& traction) {
   const auto dimension = static_cast<std::size_t>(mesh.dimension());
   std::vector<double> f(static_cast<std::size_t>(mesh.numberOfNodes()) * dimension, 0.0);
-  visitSides(mesh, sides, loadDegree(shapeOf(shapeOf(mesh.cellType).side)), [&](const SidePoint& point) {
+  int degree = 0;
+  for (CellType type : shapeOf(mesh.cellType).sideTypes)
+    degree = std::max(degree, loadDegree(shapeOf(type)));
+  visitSides(mesh, sides, degree, [&](const SidePoint& point) {
     Point x = anchor;
     for (std::size_t d = 0; d < 3; ++d)
       x[d] += point.position[d];

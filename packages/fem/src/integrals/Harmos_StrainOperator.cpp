@@ -19,9 +19,9 @@ std::size_t strainSize(const Mesh& mesh) {
 
 int stiffnessDegree(CellType type, Integration integration) {
   const CellShape& shape = shapeOf(type);
-  if (shape.isSimplex)
-    return shape.order == 1 ? 1 : 4;
-  return shape.order == 1 || (shape.isSerendipity && integration == Integration::Reduced) ? 3 : 5;
+  if (!shape.isSerendipity || integration == Integration::Full)
+    return shape.stiffnessDegree;
+  return shape.isWedge ? 2 : 3;
 }
 
 int stiffnessDegree(const Mesh& mesh, Integration integration) {
@@ -96,7 +96,7 @@ double TemperatureField::at(const std::vector<double>& nodal, int cell, int q) c
 DilatationSpace::DilatationSpace(const Mesh& mesh, const CellIntegrator& cell)
     : cell_(cell), dimension_(static_cast<std::size_t>(mesh.dimension())) {
   const CellShape& shape = shapeOf(mesh.cellType);
-  size_ = shape.order == 2 && !shape.isSimplex ? 1 + dimension_ : 1;
+  size_ = shape.order == 2 && !shape.isSimplex && !shape.isWedge ? 1 + dimension_ : 1;
   values_.assign(static_cast<std::size_t>(cell.points()) * size_, 1.0);
 }
 

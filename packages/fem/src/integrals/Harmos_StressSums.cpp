@@ -269,6 +269,29 @@ std::vector<StressSums> stressSums(const Mesh& mesh, const Elasticity& elasticit
   return sumsOf<elastic>(mesh, &elasticity, solutions);
 }
 
+std::vector<std::vector<Voigt>> cellStresses(const Mesh& mesh, const Elasticity& elasticity,
+                                             const std::vector<NodalSolution>& solutions) {
+  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh, elasticity.integration));
+  CellIntegrator cell(mesh, element);
+  CellStress<elastic> stress(mesh, element, cell, &elasticity);
+  std::vector<std::vector<Voigt>> means(solutions.size(),
+                                        std::vector<Voigt>(static_cast<std::size_t>(mesh.numberOfCells())));
+  for (int c = 0; c < mesh.numberOfCells(); ++c) {
+    cell.turnTo(c);
+    stress.turnTo(c);
+    for (std::size_t k = 0; k < solutions.size(); ++k) {
+      stress.setSolution(solutions[k]);
+      Voigt& mean = means[k][static_cast<std::size_t>(c)];
+      for (int q = 0; q < cell.points(); ++q) {
+        const Voigt at = stress.at(q);
+        for (std::size_t r = 0; r < at.size(); ++r)
+          mean[r] += cell.measure(q) / cell.size() * at[r];
+      }
+    }
+  }
+  return means;
+}
+
 std::vector<StressSums> fluxSums(const Mesh& mesh, const std::vector<NodalSolution>& solutions) {
   return sumsOf<membrane>(mesh, nullptr, solutions);
 }

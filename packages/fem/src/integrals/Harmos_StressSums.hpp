@@ -31,7 +31,12 @@ struct StressSums {
 std::vector<StressSums> stressSums(const Mesh& mesh, const Elasticity& elasticity,
                                    const std::vector<NodalSolution>& solutions);
 
-/// The same for −Δ: the gradient of u, in the first two entries.
+/// The mean over each cell of the stresses that its element has, by the quadrature of the stiffness; of each
+/// solution. Not recovered: they jump from cell to cell.
+std::vector<std::vector<Voigt>> cellStresses(const Mesh& mesh, const Elasticity& elasticity,
+                                             const std::vector<NodalSolution>& solutions);
+
+/// Like stressSums() for −Δ: the gradient of u, in the first two entries.
 std::vector<StressSums> fluxSums(const Mesh& mesh, const std::vector<NodalSolution>& solutions);
 
 /// Squared, over a mesh and all its solutions. What the recovered stresses σ* (continuous, by the basis

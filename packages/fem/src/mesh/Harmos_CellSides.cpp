@@ -28,24 +28,31 @@ struct Key {
   }
 };
 
+std::size_t cornersOf(const CellShape& shape, int side) {
+  return at(shapeOf(shape.sideTypes[at(side)]).corners);
+}
+
 // Calls take(corners, number) for every side, corners rising, −1 before them where there are fewer than four.
 template<class Take>
 void visitSides(const Mesh& mesh, const Take& take) {
   const CellShape& shape = shapeOf(mesh.cellType);
-  const auto corners = at(shapeOf(shape.side).corners);
-  std::vector<std::array<int, mostCorners>> places; // of the corners of each side, in the cell
-  for (const std::vector<int>& side : shape.sides) {
-    places.emplace_back();
-    std::copy_n(side.begin(), corners, places.back().begin());
+  struct Place {
+    std::size_t corners;
+    std::array<int, mostCorners> of; // the corners, in the cell
+  };
+  std::vector<Place> places; // of each side
+  for (std::size_t s = 0; s < shape.sides.size(); ++s) {
+    places.push_back({cornersOf(shape, static_cast<int>(s)), {}});
+    std::copy_n(shape.sides[s].begin(), places.back().corners, places.back().of.begin());
   }
   int number = 0;
   for (int c = 0; c < mesh.numberOfCells(); ++c) {
     const int* cell = mesh.cell(c);
-    for (const std::array<int, mostCorners>& place : places) {
+    for (const Place& place : places) {
       std::array<int, mostCorners> side = {-1, -1, -1, -1};
-      for (std::size_t k = 0; k < corners; ++k) {
+      for (std::size_t k = 0; k < place.corners; ++k) {
         std::size_t free = mostCorners - 1 - k; // insertion from behind, as there are few
-        const int corner = cell[place[k]];
+        const int corner = cell[place.of[k]];
         for (; free + 1 < mostCorners && side[free + 1] < corner; ++free)
           side[free] = side[free + 1];
         side[free] = corner;
@@ -59,15 +66,20 @@ void visitSides(const Mesh& mesh, const Take& take) {
 
 MatchedSides matchSides(const Mesh& mesh) {
   const CellShape& shape = shapeOf(mesh.cellType);
-  const std::size_t lowest = mostCorners - at(shapeOf(shape.side).corners);
+  std::vector<std::size_t> lowestOf; // places of the first corner, by side
+  for (std::size_t s = 0; s < shape.sides.size(); ++s)
+    lowestOf.push_back(mostCorners - cornersOf(shape, static_cast<int>(s)));
   const auto each = static_cast<int>(shape.sides.size());
   HARMOS_REQUIRE(mesh.numberOfCells() <= std::numeric_limits<int>::max() / each, "sides are counted by int");
   std::vector<std::ptrdiff_t> first(at(mesh.numberOfNodes()) + 1, 0);
-  visitSides(mesh, [&](const std::array<int, mostCorners>& side, int) { ++first[at(side[lowest]) + 1]; });
+  visitSides(mesh, [&](const std::array<int, mostCorners>& side, int number) {
+    ++first[at(side[lowestOf[at(number % each)]]) + 1];
+  });
   std::partial_sum(first.begin(), first.end(), first.begin());
   std::vector<Key> keys(at(first.back()));
   std::vector<std::ptrdiff_t> next(first.begin(), first.end() - 1);
   visitSides(mesh, [&](const std::array<int, mostCorners>& side, int number) {
+    const std::size_t lowest = lowestOf[at(number % each)];
     const auto corner = [&](std::size_t k) { // of those that the bucket does not tell
       const std::size_t place = lowest + 1 + k;
       return place < mostCorners ? static_cast<std::uint32_t>(side[place]) : 0U;
@@ -118,13 +130,13 @@ bool goTheSameWay(const Mesh& mesh, const Side& a, const Side& b, std::size_t co
 
 // Corners of sides go around outwards: the other way, seen from the cell behind.
 std::optional<std::pair<Side, Side>> foldedSides(const Mesh& mesh, const MatchedSides& matched) {
-  const auto corners = at(shapeOf(shapeOf(mesh.cellType).side).corners);
+  const CellShape& shape = shapeOf(mesh.cellType);
   for (std::size_t group = 0; group + 1 < matched.first.size(); ++group) {
     const std::size_t first = matched.first[group], count = matched.first[group + 1] - first;
     if (count < 2)
       continue;
     const Side &a = matched.sides[first], &b = matched.sides[first + 1];
-    if (goTheSameWay(mesh, a, b, corners))
+    if (goTheSameWay(mesh, a, b, cornersOf(shape, a.side)))
       return std::make_pair(a, b);
     if (count > 2)
       return std::make_pair(b, matched.sides[first + 2]);

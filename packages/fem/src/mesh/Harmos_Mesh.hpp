@@ -57,7 +57,10 @@ struct Mesh {
     constexpr double turn = 6.283185307179586;
     return isAxisymmetric ? turn * local[0] : 1.0;
   }
-  /// Nodes of a side, in the order of shapeOf(shape.side).
+  CellType typeOf(const Side& side) const {
+    return shapeOf(cellType).sideTypes[static_cast<std::size_t>(side.side)];
+  }
+  /// Nodes of a side, in the order of shapeOf(typeOf(side)).
   std::vector<int> nodesOf(const Side& side) const {
     std::vector<int> nodes = shapeOf(cellType).sides[static_cast<std::size_t>(side.side)];
     for (int& node : nodes)

@@ -43,9 +43,7 @@ class Samples {
  public:
   explicit Samples(CellType type)
       : shape_(shapeOf(type)), dimension_(static_cast<std::size_t>(shape_.dimension)) {
-    // The points of stiffness matrices, whose degree this folder does not see: stiffnessDegree().
-    const Quadrature rule =
-        quadratureOn(type, shape_.isSimplex ? (shape_.order == 1 ? 1 : 4) : 2 * shape_.order + 1);
+    const Quadrature rule = quadratureOn(type, shape_.stiffnessDegree); // the points of stiffness matrices
     points_ = rule.points;
     weights_ = rule.weights;
     // Jacobians of simplices of the first order are constant.
@@ -89,20 +87,10 @@ class Samples {
   // Product of the lengths of the sides of a sample's frame, for which equilateral cells have det J.
   double lengths(std::size_t k) const {
     const Frame& frame = frames_[k];
-    if (!shape_.isSimplex)
-      return norm(frame[0]) * norm(frame[1]) * norm(frame[2]);
-    std::array<Point, 4> corners{};
-    std::copy_n(frame.begin(), dimension_, corners.begin() + 1);
-    double most = 0.0;
-    for (std::size_t c = 0; c <= dimension_; ++c) {
-      double product = 1.0;
-      for (std::size_t other = 0; other <= dimension_; ++other)
-        if (other != c)
-          product *= norm(difference(corners[other], corners[c]));
-      most = std::max(most, product);
-    }
-    // det J of an equilateral triangle and tetrahedron with sides of length 1.
-    return most * (dimension_ == 2 ? std::sqrt(0.75) : std::sqrt(0.5));
+    if (shape_.isWedge)
+      return lengthsOfSimplex(frame, 2) * norm(frame[2]);
+    return shape_.isSimplex ? lengthsOfSimplex(frame, dimension_)
+                            : norm(frame[0]) * norm(frame[1]) * norm(frame[2]);
   }
 
   // Position of a sample relative to the anchor.
@@ -114,6 +102,21 @@ class Samples {
   }
 
  private:
+  static double lengthsOfSimplex(const Frame& frame, std::size_t dimension) {
+    std::array<Point, 4> corners{};
+    std::copy_n(frame.begin(), dimension, corners.begin() + 1);
+    double most = 0.0;
+    for (std::size_t c = 0; c <= dimension; ++c) {
+      double product = 1.0;
+      for (std::size_t other = 0; other <= dimension; ++other)
+        if (other != c)
+          product *= norm(difference(corners[other], corners[c]));
+      most = std::max(most, product);
+    }
+    // det J of an equilateral triangle and tetrahedron with sides of length 1.
+    return most * (dimension == 2 ? std::sqrt(0.75) : std::sqrt(0.5));
+  }
+
   const CellShape& shape_;
   std::size_t dimension_;
   std::vector<Point> points_; // of the rule first

@@ -22,21 +22,27 @@ Point difference(const Point& a, const Point& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
+// Reference coordinates that are those of a simplex, the first ones.
+std::size_t barycentricOf(const CellShape& shape) {
+  return shape.isSimplex ? static_cast<std::size_t>(shape.dimension) : shape.isWedge ? 2 : 0;
+}
+
 bool isInside(const CellShape& shape, const Point& x) {
-  const auto dimension = static_cast<std::size_t>(shape.dimension);
+  const auto dimension = static_cast<std::size_t>(shape.dimension), barycentric = barycentricOf(shape);
   double rest = 1.0;
   for (std::size_t d = 0; d < dimension; ++d) {
-    if (x[d] < (shape.isSimplex ? 0.0 : -1.0) - insideTolerance || x[d] > 1.0 + insideTolerance)
+    if (x[d] < (d < barycentric ? 0.0 : -1.0) - insideTolerance || x[d] > 1.0 + insideTolerance)
       return false;
-    rest -= x[d];
+    rest -= d < barycentric ? x[d] : 0.0;
   }
-  return !shape.isSimplex || rest >= -insideTolerance;
+  return rest >= -insideTolerance;
 }
 
 Point centreOf(const CellShape& shape) {
   Point x{};
-  for (std::size_t d = 0; shape.isSimplex && d < static_cast<std::size_t>(shape.dimension); ++d)
-    x[d] = 1.0 / (shape.dimension + 1);
+  const std::size_t barycentric = barycentricOf(shape);
+  for (std::size_t d = 0; d < barycentric; ++d)
+    x[d] = 1.0 / static_cast<double>(barycentric + 1);
   return x;
 }
 
@@ -164,8 +170,9 @@ double PointLocator::nearestOn(const Piece& piece, const Point& x, Point& refere
     }
     return least;
   }
-  for (const std::vector<int>& side : shape.sides) {
-    Piece part{shape.side, {}};
+  for (std::size_t s = 0; s < shape.sides.size(); ++s) {
+    const std::vector<int>& side = shape.sides[s];
+    Piece part{shape.sideTypes[s], {}};
     for (std::size_t k = 0; k < side.size(); ++k)
       part.nodes[k] = piece.nodes[static_cast<std::size_t>(side[k])];
     Point onSide{};
@@ -173,7 +180,7 @@ double PointLocator::nearestOn(const Piece& piece, const Point& x, Point& refere
     if (distance < least) {
       least = distance;
       CellBasis basis;
-      cellBasis(shapeOf(shape.side), onSide, basis);
+      cellBasis(shapeOf(part.type), onSide, basis);
       reference = {};
       for (std::size_t k = 0; k < side.size(); ++k)
         for (std::size_t d = 0; d < 3; ++d)

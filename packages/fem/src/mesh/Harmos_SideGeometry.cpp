@@ -12,7 +12,7 @@ namespace Harmos::fem {
 SideGeometry geometryOf(const Mesh& mesh, const Point& anchor, const Side& side) {
   const CellShape& shape = shapeOf(mesh.cellType);
   const std::vector<int>& nodes = shape.sides[static_cast<std::size_t>(side.side)];
-  const auto corners = static_cast<std::size_t>(shapeOf(shape.side).corners);
+  const auto corners = static_cast<std::size_t>(shapeOf(mesh.typeOf(side)).corners);
   SideGeometry result;
   for (std::size_t k = 0; k < corners; ++k) {
     result.corners.push_back(sum(anchor, mesh.local(mesh.cell(side.cell)[nodes[k]])));

@@ -19,6 +19,9 @@ const std::array<const char*, 6>& faceNames(int dimension) {
 
 // Corners of the cells that one quadrilateral or hexahedron is cut into, as offsets of 0 or 1.
 std::vector<std::vector<Index>> pieces(const CellShape& shape) {
+  if (shape.isWedge)
+    return {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}},
+            {{0, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}, {0, 1, 1}}};
   if (!shape.isSimplex) {
     std::vector<Index> corners;
     for (int k = 0; k < shape.corners; ++k) {
@@ -56,10 +59,12 @@ std::vector<Index> nodeOffsets(const CellShape& shape, const std::vector<Index>&
     Index offset{};
     for (std::size_t d = 0; d < static_cast<std::size_t>(shape.dimension); ++d) {
       double place = 0.0;
-      if (shape.isSimplex) {
-        place = corners[0][d] * (1.0 - r[0] - r[1] - r[2]);
-        for (std::size_t k = 0; k < static_cast<std::size_t>(shape.dimension); ++k)
-          place += corners[k + 1][d] * r[k];
+      const bool isOfSimplex = shape.isSimplex || (shape.isWedge && d < 2);
+      const std::size_t barycentric = shape.isWedge ? 2 : static_cast<std::size_t>(shape.dimension);
+      if (isOfSimplex) {
+        place = corners[0][d];
+        for (std::size_t k = 0; k < barycentric; ++k)
+          place += (corners[k + 1][d] - corners[0][d]) * r[k];
       } else {
         place = 0.5 * (1.0 + r[d]);
       }
@@ -73,7 +78,8 @@ std::vector<Index> nodeOffsets(const CellShape& shape, const std::vector<Index>&
 // Whether an element has a node there: serendipity elements have none inside of faces and cells.
 bool isNode(const CellShape& shape, const Index& at) {
   const int odd = at[0] % 2 + at[1] % 2 + at[2] % 2;
-  return !shape.isSerendipity || odd <= 1;
+  const bool isOnDiagonal = shape.isWedge && at[2] % 2 == 0;
+  return !shape.isSerendipity || odd <= (isOnDiagonal ? 2 : 1);
 }
 
 } // namespace

@@ -38,6 +38,11 @@ void RunOptions::addTo(ParameterSpec& deck) {
   output.list(std::move(checkpoint));
   output.expert().boolean("Rank diagnostics", false,
                           "Write ranks.csv: host, subdomains, memory and seconds of each rank.");
+  output.expert().choice(
+      "Cell fields", "none",
+      {{"none", "subdomain, body and region alone"},
+       {"stress", "besides, the mean stress of each cell of elastic bodies, as its element has it"}},
+      "Fields of cells in the result files of a run.");
   output.expert().real(
       "Live seconds", RunOptions().liveSeconds, Range::atLeast(0.0),
       "Seconds between two versions of contact.csv during a solve, for harmos-plot --follow; "
@@ -56,6 +61,9 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
   options.outputDirectory = deck.sublist("Output").get<std::string>("Directory");
   options.writeFields = deck.sublist("Output").get<bool>("Fields");
   options.writeStresses = deck.sublist("Output").get<bool>("Stresses");
+  options.cellFields = deck.sublist("Output").sublist("Expert").get<std::string>("Cell fields") == "stress"
+                           ? CellFields::Stress
+                           : CellFields::None;
   options.every = deck.sublist("Output").get<int>("Every");
   options.writeRanks = deck.sublist("Output").sublist("Expert").get<bool>("Rank diagnostics");
   options.liveSeconds = deck.sublist("Output").sublist("Expert").get<double>("Live seconds");

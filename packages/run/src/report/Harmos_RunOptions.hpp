@@ -41,6 +41,12 @@ struct CheckpointOptions {
   std::vector<std::string> mayDiffer;    ///< lists of an application's own that may be others after a restart
 };
 
+/// Fields of cells in the result file, besides subdomain, body and region.
+enum class CellFields {
+  None,
+  Stress ///< mean stresses of elastic bodies, see run::cellStresses()
+};
+
 /// The lists of a deck that every application shares: Decomposition, Dual operator, Solver, Output.
 struct RunOptions : feti::SolverOptions {
   std::optional<feti::DirichletForm> dirichlet = feti::DirichletForm::Primal; ///< nothing: as the scene asks
@@ -48,6 +54,7 @@ struct RunOptions : feti::SolverOptions {
   std::string outputDirectory;
   bool writeFields = true;
   bool writeStresses = true;
+  CellFields cellFields = CellFields::None;
   int every = 1;            ///< of several steps, the first of those whose fields are written
   bool writeRanks = false;  ///< ranks.csv
   double liveSeconds = 5.0; ///< between two contact.csv; 0 for none

@@ -43,7 +43,6 @@ class PartsGrid {
 
   void add(const scene::OwnedSubdomain& item, const std::vector<fem::Side>& outer) {
     const fem::Mesh& mesh = *item.mesh.mesh;
-    const VtkCell vtk = vtkCell(fem::shapeOf(mesh.cellType).side);
     const std::string& body = scene_.bodies[static_cast<std::size_t>(item.body)].name;
     std::map<int, long long> pointOf; // of a node
     std::vector<long long> cellEnds = {0};
@@ -73,6 +72,7 @@ class PartsGrid {
         for (const fem::Side& side : sides->second)
           sidesOn[p].emplace(side.cell, side.side);
     for (const fem::Side& side : outer) {
+      const VtkCell vtk = vtkCell(mesh.typeOf(side));
       const std::vector<int> nodes = mesh.nodesOf(side);
       std::vector<int> ordered;
       for (int place : vtk.nodes)

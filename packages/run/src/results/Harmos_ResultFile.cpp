@@ -53,9 +53,10 @@ long long bytesOf(const Owned& owned, const ResultFields& fields) {
   const long long atPoint = 8LL * width + (fields.contact != nullptr ? 17 : 0) +
                             (fields.contact != nullptr && !fields.contact->friction.empty() ? 49 : 0) +
                             (fields.contact != nullptr && !fields.contact->damage.empty() ? 57 : 0);
+  const long long ofCell = 3LL * 4 + (fields.cellStress != nullptr ? 6LL * 8 : 0);
   long long bytes = 0;
   for (const scene::OwnedSubdomain& item : owned)
-    bytes += atPoint * item.mesh.mesh->numberOfNodes() + 3LL * 4 * item.mesh.mesh->numberOfCells();
+    bytes += atPoint * item.mesh.mesh->numberOfNodes() + ofCell * item.mesh.mesh->numberOfCells();
   return bytes;
 }
 
@@ -101,14 +102,20 @@ void writeCells(io::VtkHdfWriter& file, const Owned& owned) {
   file.cells(links, offsets, types);
 }
 
-void writeStress(io::VtkHdfWriter& file, const std::vector<std::vector<fem::Voigt>>& stresses) {
-  std::vector<double> stress, equivalent;
+std::vector<double> flat(const std::vector<std::vector<fem::Voigt>>& stresses) {
+  std::vector<double> result;
   for (const std::vector<fem::Voigt>& part : stresses)
-    for (const fem::Voigt& s : part) {
-      stress.insert(stress.end(), s.begin(), s.end());
+    for (const fem::Voigt& s : part)
+      result.insert(result.end(), s.begin(), s.end());
+  return result;
+}
+
+void writeStress(io::VtkHdfWriter& file, const std::vector<std::vector<fem::Voigt>>& stresses) {
+  std::vector<double> equivalent;
+  for (const std::vector<fem::Voigt>& part : stresses)
+    for (const fem::Voigt& s : part)
       equivalent.push_back(vonMises(s));
-    }
-  file.pointData("stress", stress, 6);
+  file.pointData("stress", flat(stresses), 6);
   file.pointData("von_mises", equivalent);
 }
 
@@ -154,6 +161,8 @@ void writeResult(const Teuchos::Comm<int>& comm, const std::string& path,
     writeStress(file, *fields.stress);
   if (fields.contact != nullptr)
     writeContact(file, *fields.contact, fields.kinds);
+  if (fields.cellStress != nullptr)
+    file.cellData("cell_stress", flat(*fields.cellStress), 6);
   using Item = scene::OwnedSubdomain;
   file.cellData("subdomain",
                 cellNumbers(owned, [](const Item& item, int) { return static_cast<int>(item.number); }));

@@ -14,10 +14,11 @@ namespace Harmos::run {
 /// What is drawn: values at the nodes of this rank's subdomains.
 struct ResultFields {
   const feti::TornVector* displacement = nullptr;
-  int components = 1;                                           ///< of the displacement at a node
-  const std::vector<std::vector<fem::Voigt>>* stress = nullptr; ///< null: none
-  const ContactFields* contact = nullptr;                       ///< null without contact
-  ContactFieldKinds kinds;                                      ///< that this has
+  int components = 1;                                               ///< of the displacement at a node
+  const std::vector<std::vector<fem::Voigt>>* stress = nullptr;     ///< null: none
+  const std::vector<std::vector<fem::Voigt>>* cellStress = nullptr; ///< of cells; null: none
+  const ContactFields* contact = nullptr;                           ///< null without contact
+  ContactFieldKinds kinds;                                          ///< that this has
 };
 
 /// Writes the result for ParaView by io::VtkHdfWriter, one part a subdomain: the file does not depend on the
@@ -26,7 +27,7 @@ struct ResultFields {
 /// Point data: displacement (a scalar for membranes, else a vector); stress (xx, yy, zz, xy, yz, xz) and
 /// von_mises; with contact also contact_pressure, gap, active_set; with friction also
 /// friction_traction, slip (vectors), friction_state; with adhesion also bound (1 where it acts), damage,
-/// jump, interface_traction (vectors). Cell data: subdomain, body, region.
+/// jump, interface_traction (vectors). Cell data: subdomain, body, region, and on request cell_stress.
 ///
 /// Arrays are made when they are written and then let go of: cells with their types and offsets, stresses
 /// with those of von Mises, all else one by one.

@@ -145,7 +145,7 @@ std::vector<ContactFacet> contactFacets(const FinishedRun& run) {
     for (const auto& [name, sides] : item.mesh.sides)
       for (const fem::Side& side : sides) {
         const std::vector<int> nodes = mesh.nodesOf(side);
-        ContactFacet facet{static_cast<int>(fem::shapeOf(mesh.cellType).side), {}, {}};
+        ContactFacet facet{static_cast<int>(mesh.typeOf(side)), {}, {}};
         bool all = true;
         for (std::size_t k = 0; all && k < nodes.size(); ++k) {
           const auto found = pointOf.find(item.mesh.number(nodes[k]));

@@ -122,6 +122,18 @@ std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& com
   return result;
 }
 
+std::vector<std::vector<fem::Voigt>> cellStresses(const scene::Scene& scene,
+                                                  const std::vector<scene::OwnedSubdomain>& owned,
+                                                  const feti::TornVector& displacement, double time) {
+  std::vector<std::vector<fem::Voigt>> result(owned.size());
+  for (const Group& group : groupsOf(scene, owned, displacement, time)) {
+    auto part = fem::cellStresses(*group.mesh, scene::elasticityOf(scene, *group.body), group.solutions);
+    for (std::size_t k = 0; k < part.size(); ++k)
+      result[group.members[k]] = std::move(part[k]);
+  }
+  return result;
+}
+
 feti::DiscretisationError estimateDiscretisationError(const Teuchos::Comm<int>& comm,
                                                       const scene::Scene& scene,
                                                       const std::vector<scene::OwnedSubdomain>& owned,

@@ -18,6 +18,11 @@ std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& com
                                                    const std::vector<scene::OwnedSubdomain>& owned,
                                                    const feti::TornVector& displacement, double time);
 
+/// Mean stresses of the cells of this rank's subdomains, see fem::cellStresses(). Local.
+std::vector<std::vector<fem::Voigt>> cellStresses(const scene::Scene& scene,
+                                                  const std::vector<scene::OwnedSubdomain>& owned,
+                                                  const feti::TornVector& displacement, double time);
+
 /// Estimates by the recovered stresses how far the finite element solution is from that of the continuous
 /// problem, in the energy norm √∫ σ : C⁻¹ : σ, of membranes √∫ |∇u|²; see fem::recoveryError().
 /// @note Collective.

@@ -533,10 +533,15 @@ void RunStages::writeFields(const std::string& file) {
   ResultFields fields;
   fields.displacement = &torn_.displacement;
   fields.components = context_.scene.components();
-  std::vector<std::vector<fem::Voigt>> stress;
+  std::vector<std::vector<fem::Voigt>> stress, cellStress;
   if (context_.options.writeStresses && isElastic()) {
     stress = recoverStress(*context_.comm, context_.scene, owned_, torn_.displacement, time_);
     fields.stress = &stress;
+  }
+  if (context_.options.cellFields == CellFields::Stress && isElastic()) {
+    agree(*context_.comm,
+          [&] { cellStress = cellStresses(context_.scene, owned_, torn_.displacement, time_); });
+    fields.cellStress = &cellStress;
   }
   ContactFields atNodes;
   if (context_.report.inequalities > 0) {

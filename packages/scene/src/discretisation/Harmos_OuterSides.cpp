@@ -18,10 +18,9 @@ using SideKey = std::array<long long, 4>;
 
 SideKey keyOf(const std::unordered_map<int, long long>& numbers, const fem::Mesh& mesh,
               const fem::Side& side) {
-  const fem::CellShape& shape = fem::shapeOf(mesh.cellType);
-  const std::vector<int>& nodes = shape.sides[at(side.side)];
+  const std::vector<int>& nodes = fem::shapeOf(mesh.cellType).sides[at(side.side)];
   SideKey key{-1, -1, -1, -1};
-  for (std::size_t k = 0; k < at(fem::shapeOf(shape.side).corners); ++k)
+  for (std::size_t k = 0; k < at(fem::shapeOf(mesh.typeOf(side)).corners); ++k)
     key[k] = numbers.at(mesh.cell(side.cell)[nodes[k]]);
   std::sort(key.begin(), key.end());
   return key;
