@@ -27,6 +27,8 @@ double simplexQuality(const std::vector<Point>& x, int dimension) {
   for (std::size_t i = 0; i < x.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       squares += square(difference(x[i], x[j]));
+  if (squares <= 0.0)
+    return 0.0;
   if (dimension == 2)
     return 2.0 * std::sqrt(3.0) * determinant(difference(x[1], x[0]), difference(x[2], x[0]), {0, 0, 1}) /
            squares;
@@ -47,7 +49,8 @@ double prismQuality(const std::vector<Point>& x, std::size_t around, double best
     Point c = {0, 0, 1};
     if (x.size() > around)
       c = ring == 0 ? difference(x[i + around], x[i]) : difference(x[i], x[i - around]);
-    least = std::min(least, determinant(a, b, c) / std::sqrt(square(a) * square(b) * square(c)) / best);
+    const double lengths = std::sqrt(square(a) * square(b) * square(c));
+    least = std::min(least, lengths > 0.0 ? determinant(a, b, c) / lengths / best : 0.0);
   }
   return least;
 }

@@ -16,6 +16,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
+import exodus_files  # noqa: E402
 import harmos_runs as runs  # noqa: E402
 import test_mesh_program as meshes  # noqa: E402
 
@@ -83,10 +84,14 @@ class Damaged(unittest.TestCase):
         cut = cls.directory / "cut.h5"
         done = meshes.mesh(DECK.with_suffix(".geo"), "--output", cut, "--dimension", 2, "--subdomains", 4)
         assert done.returncode == 0, done
+        exodus = cls.directory / "brick.exo"
+        corners = [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        exodus_files.write(exodus, corners, [("brick", "HEX8", [list(range(1, 9))])], [("floor", [1], [5])],
+                           [("corner", [1])], {"temperature": range(8)})
         cls.files = {
             "two.msh": (meshes.MSH_2.encode(), 2), "four.msh": (meshes.MSH_4.encode(), 2),
             "square.vtk": (meshes.VTK.encode(), 2), "square.geo": (SQUARE_GEO.encode(), 2),
-            "boxes.step": (step.read_bytes(), 3), "cut.h5": (cut.read_bytes(), 2),
+            "brick.exo": (exodus.read_bytes(), 3), "boxes.step": (step.read_bytes(), 3), "cut.h5": (cut.read_bytes(), 2),
         }
         sets = {"Model/Mesh file": cut, "Bodies/plate/Subdomains": 1, "Bodies/inclusion/Subdomains": 1}
         cls.energy = runs.solved(cls("test_all"), DECK, sets, np=0, program="harmos").summary["energy"]

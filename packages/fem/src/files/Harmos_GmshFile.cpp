@@ -131,6 +131,8 @@ class Reader {
     try {
       if (isVtk(path_))
         loadGrid(path_, readVtk(path_));
+      else if (isExodus(path_))
+        loadExodus(path_, readExodus(path_));
       else
         gmsh::open(path_);
       if (dimension_ == 0)

@@ -27,7 +27,7 @@ struct GmshMeshing {
 bool canReadGmsh();
 
 /// Reads bodies from a file that Gmsh can open: .msh, .mesh, .bdf, .unv; .geo, .step and other geometries are
-/// meshed first; and VTK's .vtk and .vtu, see readVtk().
+/// meshed first; VTK's .vtk and .vtu, see readVtk(); and files of Exodus, see readExodus().
 ///
 /// Bodies share no nodes: a node that two bodies use in the file becomes one of each. Within a body, regions
 /// share theirs. Nodes and cells are numbered anew, nodes in the order of the file's tags, cells group by

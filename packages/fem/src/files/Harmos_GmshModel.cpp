@@ -65,9 +65,12 @@ void onExit() {
 
 EndGuard::EndGuard(const std::string& path)
     : aborted_(std::signal(SIGABRT, onSignal)), faulted_(std::signal(SIGSEGV, onSignal)) {
-  sentence = "error: Gmsh ended the program that reads \"" + path +
-             "\": the file is damaged, contains Exit or uses an unsupported feature. Open it in Gmsh to "
-             "locate the failure\n";
+  sentence = isExodus(path)
+                 ? "error: the library of Exodus ended the program that reads \"" + path +
+                       "\": the file is damaged\n"
+                 : "error: Gmsh ended the program that reads \"" + path +
+                       "\": the file is damaged, contains Exit or uses an unsupported feature. Open it in "
+                       "Gmsh to locate the failure\n";
   static const bool registered = std::atexit(onExit) == 0;
   inGmsh = registered ? 1 : 0;
 }
@@ -126,6 +129,8 @@ const std::vector<VtkType>& vtkTypes() {
       {29, 12, 3, {0,  1,  2,  3,  4,  5,  6,  7,  8,  11, 16, 9,  17, 10,
                    18, 19, 12, 15, 13, 14, 24, 22, 20, 21, 23, 25, 26}},
       {13, 6, 3, asTheyAre(6)},
+      {26, 18, 3, {0, 1, 2, 3, 4, 5, 6, 8, 12, 7, 13, 14, 9, 11, 10}},
+      {32, 13, 3, {0, 1, 2, 3, 4, 5, 6, 8, 12, 7, 13, 14, 9, 11, 10, 15, 17, 16}},
       {14, 7, 3, asTheyAre(5)}};
   return types;
 }
@@ -135,8 +140,8 @@ const VtkType& vtkType(const std::string& path, int type) {
     if (known.vtk == type)
       return known;
   throw InputError("\"" + path + "\" has cells of VTK's type " + std::to_string(type) +
-                   ", which is not supported; use triangles, quadrilaterals, tetrahedra or hexahedra of "
-                   "first or second order");
+                   ", which is not supported; use triangles, quadrilaterals, tetrahedra, wedges or "
+                   "hexahedra of first or second order");
 }
 
 // What tells the regions; empty: nothing does.
@@ -195,6 +200,100 @@ void loadGrid(const std::string& path, const VtkGrid& grid) {
       gmsh::model::setPhysicalName(dimension, group, std::to_string(region));
     }
   }
+}
+
+namespace {
+
+int gmshType(CellType type) {
+  static const std::map<CellType, int> types = {
+      {CellType::Line2, 1},           {CellType::Line3, 8},          {CellType::Triangle3, 2},
+      {CellType::Triangle6, 9},       {CellType::Quadrilateral4, 3}, {CellType::Quadrilateral8, 16},
+      {CellType::Quadrilateral9, 10}, {CellType::Tetrahedron4, 4},   {CellType::Tetrahedron10, 11},
+      {CellType::Wedge6, 6},          {CellType::Wedge15, 18},       {CellType::Wedge18, 13},
+      {CellType::Hexahedron8, 5},     {CellType::Hexahedron20, 17},  {CellType::Hexahedron27, 12}};
+  return types.at(type);
+}
+
+/// Entities of a discrete model, one after the other, each with a group of a name.
+class DiscreteModel {
+ public:
+  explicit DiscreteModel(const std::vector<double>& points) : points_(points) { gmsh::model::add(name); }
+
+  void add(int dimension, const std::string& group, const std::map<int, std::vector<Tag>>& cells) {
+    const int entity = ++entities_[static_cast<std::size_t>(dimension)];
+    gmsh::model::addDiscreteEntity(dimension, entity);
+    if (tags_.empty()) {
+      tags_.resize(points_.size() / 3);
+      std::iota(tags_.begin(), tags_.end(), Tag(1));
+      gmsh::model::mesh::addNodes(dimension, entity, tags_, points_);
+    }
+    for (const auto& [type, nodes] : cells)
+      gmsh::model::mesh::addElementsByType(entity, type, {}, nodes);
+    gmsh::model::setPhysicalName(dimension, gmsh::model::addPhysicalGroup(dimension, {entity}), group);
+  }
+
+  void addField(const std::string& field, const std::vector<double>& values) const {
+    std::vector<std::vector<double>> rows;
+    for (double value : values)
+      rows.push_back({value});
+    gmsh::view::addModelData(gmsh::view::add(field), 0, name, "NodeData", tags_, rows);
+  }
+
+ private:
+  static constexpr const char* name = "mesh";
+  const std::vector<double>& points_;
+  std::vector<Tag> tags_;
+  std::array<int, 4> entities_{};
+};
+
+std::vector<Tag> inOrderOfGmsh(const ExodusMesh::Block& block) {
+  const std::vector<std::size_t> order = makeElementType(gmshType(block.type)).order;
+  std::vector<Tag> nodes(block.nodes.size());
+  for (std::size_t first = 0; first < nodes.size(); first += order.size())
+    for (std::size_t i = 0; i < order.size(); ++i)
+      nodes[first + order[i]] = static_cast<Tag>(block.nodes[first + i]);
+  return nodes;
+}
+
+// Of a side set, its sides by their types.
+std::map<int, std::vector<Tag>> sidesOf(const std::string& path, const ExodusMesh& mesh,
+                                        const ExodusMesh::SideSet& set) {
+  std::map<int, std::vector<Tag>> cells;
+  for (std::size_t k = 0; k < set.elements.size(); ++k) {
+    long long row = set.elements[k] - 1;
+    std::size_t b = 0;
+    const auto countOf = [&](std::size_t block) {
+      return static_cast<long long>(mesh.blocks[block].nodes.size()) / shapeOf(mesh.blocks[block].type).nodes;
+    };
+    for (; row >= countOf(b); ++b)
+      row -= countOf(b);
+    const CellShape& shape = shapeOf(mesh.blocks[b].type);
+    if (set.sides[k] < 1 || set.sides[k] > static_cast<long long>(shape.sides.size()))
+      throw InputError("\"" + path + "\" cannot be read: the side set \"" + set.name + "\" has the side " +
+                       std::to_string(set.sides[k]) + " of element " + std::to_string(set.elements[k]) +
+                       ", a " + shape.name + "; the file is damaged");
+    const auto side = static_cast<std::size_t>(set.sides[k] - 1);
+    std::vector<Tag>& nodes = cells[gmshType(shape.sideTypes[side])];
+    for (int node : shape.sides[side])
+      nodes.push_back(
+          static_cast<Tag>(mesh.blocks[b].nodes[static_cast<std::size_t>(row * shape.nodes + node)]));
+  }
+  return cells;
+}
+
+} // namespace
+
+void loadExodus(const std::string& path, const ExodusMesh& mesh) {
+  DiscreteModel model(mesh.points);
+  for (const ExodusMesh::Block& block : mesh.blocks)
+    model.add(mesh.dimension, block.name, {{gmshType(block.type), inOrderOfGmsh(block)}});
+  for (const ExodusMesh::SideSet& set : mesh.sideSets)
+    model.add(mesh.dimension - 1, set.name, sidesOf(path, mesh, set));
+  constexpr int point = 15; // of Gmsh
+  for (const ExodusMesh::NodeSet& set : mesh.nodeSets)
+    model.add(0, set.name, {{point, {set.nodes.begin(), set.nodes.end()}}});
+  for (const auto& [name, values] : mesh.fields)
+    model.addField(name, values);
 }
 
 const char* entityName(int dimension) {

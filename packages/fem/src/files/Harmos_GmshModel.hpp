@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_CellType.hpp"
+#include "Harmos_ExodusFile.hpp"
 #include "Harmos_VtkFile.hpp"
 
 #include <array>
@@ -66,6 +67,11 @@ class GmshSession {
 /// @throws InputError for cells of a type that Gmsh does not know; for several integers none of which is
 /// known.
 void loadGrid(const std::string& path, const VtkGrid& grid);
+
+/// Likewise of a mesh of Exodus: an entity and a group for each block, each side set and each node set, and a
+/// view of each field.
+/// @throws InputError for sides that an element does not have.
+void loadExodus(const std::string& path, const ExodusMesh& mesh);
 
 /// "point", "curve", "surface", "volume".
 const char* entityName(int dimension);
