@@ -49,8 +49,7 @@ std::pair<std::string, std::string> halves(const std::string& text) {
 
 std::optional<int> parse(int argc, char** argv, Request& request) {
   CLI::App cli("Reads a mesh (.msh, .exo, .vtk, .vtu, .mesh, .bdf, .unv) or meshes a geometry (.geo, .step), "
-               "tells what "
-               "it holds and partitions it. A deck reads the output file by \"Model/Mesh file\"",
+               "tells what it holds and partitions it. A deck reads the output file by \"Model/Mesh file\"",
                "harmos-mesh");
   cli.add_option("file", request.file, "Mesh or geometry")->type_name("FILE");
   cli.add_option("--output", request.output, "Output file with the partitioned mesh; without it, report only")
