@@ -476,8 +476,10 @@ void addBodyParameters(ParameterSpec& deck) {
   body.expert().choice(
       "Integration", "full",
       {{"full", "exact on affine cells"},
-       {"reduced", "2 points in each direction on serendipity elements, as C3D20R and CPS8R of "
-                   "other programs; use one subdomain, or several cells across each"}},
+       {"reduced",
+        "2 points in each direction on serendipity elements, 2 and 9 on wedges of 6 and 15 nodes, as "
+        "C3D20R, CPS8R, C3D6 and C3D15 of other programs; use one subdomain, or several cells across "
+        "each"}},
       "Quadrature of the stiffness.");
   ParameterSpec bodies("Bodies", "The bodies of the scene.");
   bodies.family(std::move(body));

@@ -77,6 +77,8 @@ void ShapeRun::go() {
 void ShapeRun::setUp() {
   report_.ranks = comm_->getSize();
   report_.scene = scene_.name;
+  for (const scene::Body& body : scene_.bodies)
+    report_.bodies.push_back(body.name);
   report_.effects = scene_.effectKinds();
   report_.tolerance = options_.tolerance;
   report_.toleranceRule = "fixed";

@@ -129,6 +129,7 @@ class Programs(Installed):
 class Tools(Installed):
     # What --help has to speak of, beside what all do.
     HELP = {
+        "harmos-exodus": ("result.vtkhdf", "result.exo", "blocks", "--output"),
         "harmos-inp": ("MODEL.xml", "MODEL.msh", "listed", "--output"),
         "harmos-plot": ("result.vtkhdf", "solution.png", "convergence.png", "contact.png", "scaling.csv", "--follow", "curve.png", "steps.gif", "damage.png", "shape.png"),
         "harmos-study-plot": ("study.json", "error_against_seconds", "error_parts"),

@@ -57,7 +57,7 @@ def _types():
     types = {
         "C3D4": ElementType(3, 4, 4, tuple(range(4)), tetra4),
         "C3D10": ElementType(3, 10, 11, (0, 1, 2, 3, 4, 5, 6, 7, 9, 8), TETRA),
-        "C3D6": ElementType(3, 6, 6, tuple(range(6)), tuple(side[: len(side) // 2] for side in WEDGE)),
+        "C3D6": ElementType(3, 6, 6, tuple(range(6)), tuple(side[: len(side) // 2] for side in WEDGE), reduced=True),
         "C3D15": ElementType(3, 15, 18, WEDGE_15, WEDGE, reduced=True),  # 9 points
         "C3D8": ElementType(3, 8, 5, tuple(range(8)), hexa8),
         "C3D20": ElementType(3, 20, 17, HEXA_20, HEXA),

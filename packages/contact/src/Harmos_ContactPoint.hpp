@@ -153,8 +153,8 @@ struct Obstacle {
 };
 
 /// Contact with a rigid obstacle: n·u ≤ gap at each node of the surface, n the direction towards the
-/// obstacle at the initial position of the node, gap its distance. On quadrilaterals of eight nodes, where a
-/// constant pressure pulls at the corners, rows are those of the coefficients of the carriers (Carriers).
+/// obstacle at the initial position of the node, gap its distance. Where a constant pressure does not push at
+/// all corners (hasCarrierRows()), rows are those of the coefficients of the carriers (Carriers).
 /// @return those of this rank's own nodes, by node number; areas from tributaryAreas().
 /// @throws InputError on all ranks for a direction of length zero, a radius of zero, and a node at the
 /// centre.

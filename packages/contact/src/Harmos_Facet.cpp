@@ -129,8 +129,8 @@ Carriers::Carriers(CellType type, const std::array<double, 4>& shares, bool isPa
   toEdge_ = share * (1.0 - 2.0 * share);
 }
 
-Carriers::Carriers(CellType type) : Carriers(type, {}, false) {
-  shares_.fill(usualShare(type));
+Carriers::Carriers(CellType type, bool isAxisymmetric) : Carriers(type, {}, false) {
+  shares_.fill(usualShare(type, isAxisymmetric));
 }
 
 // The corners that an edge node lies between.

@@ -42,10 +42,13 @@ class Carriers {
   /// Of facets that are covered as a whole. Triangles of six nodes, the area of whose corner functions is
   /// zero, take 1/10: between 1/20 and 1/4 that has the smallest errors of smooth solutions and the fewest
   /// products (tests/verification/test_mortar_pairs.cpp; 40 to 43 on half a ball on a block, with 1/4 45 to
-  /// 56). Quadrilaterals of eight nodes, whose corner functions have −1/12 of the area, take 1/5. Other
-  /// facets of second order have positive areas as they are.
-  static double usualShare(fem::CellType type) {
-    return type == fem::CellType::Triangle6 ? 0.1 : type == fem::CellType::Quadrilateral8 ? 0.2 : 0.0;
+  /// 56). Quadrilaterals of eight nodes, whose corner functions have −1/12 of the area, take 1/5, as do lines
+  /// around an axis, whose functions on it have none. Other facets of second order have positive areas as
+  /// they are.
+  static double usualShare(fem::CellType type, bool isAxisymmetric = false) {
+    const bool pulls =
+        type == fem::CellType::Quadrilateral8 || (isAxisymmetric && type == fem::CellType::Line3);
+    return type == fem::CellType::Triangle6 ? 0.1 : pulls ? 0.2 : 0.0;
   }
   static double partialShare(fem::CellType type) {
     return type == fem::CellType::Quadrilateral8 ? 0.375 : 0.25;
@@ -55,7 +58,7 @@ class Carriers {
   /// then all of its shares are partialShare().
   Carriers(fem::CellType type, const std::array<double, 4>& shares, bool isPartial);
   /// Of a facet that is covered as a whole, like its neighbours.
-  explicit Carriers(fem::CellType type);
+  explicit Carriers(fem::CellType type, bool isAxisymmetric = false);
 
   /// Their values at a place, from those of the functions of the facet.
   std::array<double, maxFacetNodes> values(const std::array<double, maxFacetNodes>& lagrange) const;

@@ -90,7 +90,7 @@ class SurfaceCarriers {
  public:
   explicit SurfaceCarriers(const Surface& surface)
       : surface_(surface),
-        share_(surface.numbers.size(), Carriers::usualShare(surface.facetType)),
+        share_(surface.numbers.size(), Carriers::usualShare(surface.facetType, surface.isAxisymmetric)),
         isPartial_(static_cast<std::size_t>(surface.numberOfFacets()), false) {}
 
   bool dependOnCoverage() const { return fem::shapeOf(surface_.facetType).order > 1; }

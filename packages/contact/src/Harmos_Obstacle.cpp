@@ -43,13 +43,13 @@ Separation roundSeparation(const Point& fromCentre, double radius, const Surface
   return {scaled(1.0 / distance, fromCentre), -radius - distance};
 }
 
-// On quadrilaterals of eight nodes a constant pressure pulls at the corners: points there are those of the
+// Where a constant pressure does not push at all corners (hasCarrierRows()) points are those of the
 // carriers (Carriers), which are positive. That of an edge node is (u_e − s(u_a + u_b))/(1 − 2s).
 void useCarriers(const Surface& surface, const std::vector<Point>& towards, const std::vector<double>& gaps,
                  std::vector<ContactPoint>& points) {
-  if (surface.facetType != fem::CellType::Quadrilateral8)
+  if (!hasCarrierRows(surface))
     return;
-  const Carriers carriers(surface.facetType);
+  const Carriers carriers(surface.facetType, surface.isAxisymmetric);
   std::map<long long, ContactPoint*> pointOf;
   for (ContactPoint& point : points)
     pointOf[point.node] = &point;

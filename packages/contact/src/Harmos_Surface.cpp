@@ -483,10 +483,10 @@ Surface gatherSurface(const Teuchos::Comm<int>& comm, const std::vector<const fe
 namespace {
 
 // Of triangles of six nodes from functions that are linear on four pieces, else of the carriers.
-FacetIntegrals tributaryOn(const Facet& facet, const fem::Quadrature& rule) {
-  if (facet.type() == CellType::Quadrilateral8) {
+FacetIntegrals tributaryOn(const Surface& surface, const Facet& facet, const fem::Quadrature& rule) {
+  if (hasCarrierRows(surface)) {
     FacetIntegrals result = integralsOn(facet, rule);
-    result.ofNodes = Carriers(facet.type()).values(result.ofNodes);
+    result.ofNodes = Carriers(facet.type(), surface.isAxisymmetric).values(result.ofNodes);
     return result;
   }
   if (facet.type() != CellType::Triangle6)
@@ -526,7 +526,7 @@ double sagitta(const Surface& surface) {
 }
 
 std::vector<double> tributaryAreas(const Surface& surface, const std::vector<Point>& towards) {
-  const bool areFunctions = Carriers::usualShare(surface.facetType) == 0.0;
+  const bool areFunctions = Carriers::usualShare(surface.facetType, surface.isAxisymmetric) == 0.0;
   if (areFunctions && towards.empty())
     return surface.areas;
   const fem::Quadrature rule =
@@ -535,7 +535,7 @@ std::vector<double> tributaryAreas(const Surface& surface, const std::vector<Poi
   std::vector<char> isPartial(surface.numbers.size(), 0);
   for (int f = 0; f < surface.numberOfFacets(); ++f) {
     const Facet facet(surface, f);
-    const FacetIntegrals integrals = tributaryOn(facet, rule);
+    const FacetIntegrals integrals = tributaryOn(surface, facet, rule);
     for (std::size_t k = 0; k < facet.size(); ++k) {
       const std::size_t i = facet.node(k);
       whole[i] += integrals.ofNodes[k];

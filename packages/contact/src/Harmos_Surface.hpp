@@ -52,6 +52,14 @@ struct Surface {
   int numberOfFacets() const { return static_cast<int>(facets.size()) / nodesPerFacet(); }
 };
 
+/// Whether a constant pressure has forces at corners that are no pushes: quadrilaterals of eight nodes, where
+/// it pulls; lines of three nodes around an axis, which have none on it. Rows of contact are those of the
+/// carriers then, see Carriers.
+inline bool hasCarrierRows(const Surface& surface) {
+  return surface.facetType == fem::CellType::Quadrilateral8 ||
+         (surface.isAxisymmetric && surface.facetType == fem::CellType::Line3);
+}
+
 /// Gathers the pieces of a boundary part. Nodes meet at a rank that follows from their number, which tells
 /// who else has them; facets at such nodes go from rank to rank. Memory and time go with the piece.
 /// @param comm to outlive the surface. @param parts this rank's subdomains of the body. @param field null:

@@ -146,12 +146,13 @@ std::vector<contact::ContactPoint> SurfacePair::points(scene::ConstraintCollecto
       without[i] = std::max(without[i], isOfBoth[i]);
   }
   // Node to node cannot pass on what a node without a row has: mortar coupling can. Nor are forces of a
-  // constant pressure at corners of quadrilaterals of eight nodes positive, which inequalities need.
-  const bool canMatch = isTie || one.facetType != fem::CellType::Quadrilateral8;
+  // constant pressure positive at all corners of each facet, which inequalities need.
+  const bool canMatch = isTie || !contact::hasCarrierRows(one);
   if (coupling == Coupling::Nodes && !canMatch)
     throw InputError(one.name + " on " + other.name +
                          ": contact node to node needs elements whose corner nodes bear pressure, which "
-                         "quadrilaterals of eight nodes lack; use the coupling \"mortar\" or \"automatic\"",
+                         "quadrilaterals of eight nodes, and lines of three nodes around an axis, lack; use "
+                         "the coupling \"mortar\" or \"automatic\"",
                      {{"first", one.name}, {"second", other.name}});
   std::optional<std::vector<contact::ContactPoint>> matched;
   if (coupling == Coupling::Nodes)

@@ -88,9 +88,11 @@ std::string nameOf(CellType type, int nodes) {
   return "";
 }
 
-// Products of gradients on affine cells; of Wedge6 in the middle of the triangle, which is the usual rule.
+// Products of gradients on affine cells.
 int stiffnessDegree(const CellShape& shape) {
-  if (shape.isSimplex || shape.isWedge)
+  if (shape.isWedge)
+    return 2 * shape.order;
+  if (shape.isSimplex)
     return shape.order == 1 ? 1 : 4;
   return 2 * shape.order + 1;
 }

@@ -21,8 +21,9 @@ enum class Dilatation {
 /// Points of the quadrature.
 enum class Integration {
   Full,
-  Reduced ///< 2 in each direction on serendipity elements, as other programs have it (C3D20R, CPS8R): softer
-          ///< in bending; a cell alone has motions of no energy besides the rigid ones. Without effect on
+  Reduced ///< 2 in each direction on serendipity quadrilaterals and hexahedra, 2 on wedges of 6 nodes, 9 on
+          ///< those of 15, as other programs have it (C3D20R, CPS8R, C3D6, C3D15): softer in bending; a cell
+          ///< alone, but the last one, has motions of no energy besides the rigid ones. Without effect on
           ///< other elements: on Lagrange elements of second order such motions spread over all cells
 };
 

@@ -17,11 +17,15 @@ std::size_t strainSize(const Mesh& mesh) {
 
 } // namespace
 
+bool isReducible(const CellShape& shape) {
+  return shape.isSerendipity || (shape.isWedge && shape.order == 1);
+}
+
 int stiffnessDegree(CellType type, Integration integration) {
   const CellShape& shape = shapeOf(type);
-  if (!shape.isSerendipity || integration == Integration::Full)
+  if (integration == Integration::Full || !isReducible(shape))
     return shape.stiffnessDegree;
-  return shape.isWedge ? 2 : 3;
+  return shape.isWedge ? shape.order : 3;
 }
 
 int stiffnessDegree(const Mesh& mesh, Integration integration) {

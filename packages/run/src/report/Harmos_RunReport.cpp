@@ -65,6 +65,15 @@ nlohmann::ordered_json auditJson(const RunReport& report) {
   return json;
 }
 
+// What was run.
+nlohmann::ordered_json headOf(const RunReport& report) {
+  return {{"harmos", {{"version", version()}, {"git", gitHash()}}},
+          {"deck", report.deck},
+          {"scene", report.scene},
+          {"bodies", report.bodies},
+          {"ranks", report.ranks}};
+}
+
 double ratio(double value, double scale) {
   return scale > 0.0 ? value / scale : value;
 }
@@ -74,11 +83,7 @@ double ratio(double value, double scale) {
 std::string toJson(const RunReport& report) {
   const qp::Result& result = report.result;
   const qp::Counters& counters = result.counters;
-  nlohmann::ordered_json json;
-  json["harmos"] = {{"version", version()}, {"git", gitHash()}};
-  json["deck"] = report.deck;
-  json["scene"] = report.scene;
-  json["ranks"] = report.ranks;
+  nlohmann::ordered_json json = headOf(report);
   json["converged"] = report.converged;
   json["reason"] = report.reason;
   json["primal_dimension"] = report.primalDimension;

@@ -128,6 +128,8 @@ Solution RunStages::hand() {
 void RunStages::announce() {
   context_.report.ranks = context_.comm->getSize();
   context_.report.scene = context_.scene.name;
+  for (const scene::Body& body : context_.scene.bodies)
+    context_.report.bodies.push_back(body.name);
   context_.report.effects = context_.scene.effectKinds();
   context_.report.tolerance = context_.options.tolerance;
   context_.report.toleranceRule = feti::toString(context_.options.toleranceRule);
