@@ -268,6 +268,24 @@ class Programs(Scripts):
         self.assertEqual(status, runs.SKIPPED)
         self.assertIn(f"SKIP: Debian's {gmsh_meshes.PACKAGE}", errors)
 
+    def test_calculix_models(self):
+        output, page = runs.scratch("calculix"), runs.scratch("page")
+        words = [sys.executable, HERE / "calculix/calculix_models.py", "beamt", "c3d15", "hueeber1", "beamcr",
+                 "--output", output, "--page", page]
+        status, _, errors = runs.execute(words)
+        if status == runs.SKIPPED:
+            self.assertRegex(errors, "SKIP: Debian's .* must be installed")
+            self.skipTest(errors.strip())
+        self.assertEqual(status, 0, errors)
+        entries = json.loads(output.read_text(encoding="utf-8"))["runs"]
+        self.assertEqual([entry["name"] for entry in entries if not entry["outside"]], ["beamt", "c3d15", "hueeber1"])
+        fields = described("calculix_models")
+        for entry in entries:
+            self.assertLessEqual(set(entry), fields)
+        for name, entry in ((entry["name"], entry) for entry in entries if not entry["outside"]):
+            self.assertEqual(entry["status"], "agrees", name)
+        self.assertIn("| beamt |", page.read_text(encoding="utf-8"))
+
     def test_cases_of_the_performance_model(self):
         """What C++ is compared with is what the program writes."""
         output = runs.scratch("cases")

@@ -530,9 +530,13 @@ class Steps(unittest.TestCase):
         }
         self.refused(press | {load: "pres"}, "which is not defined", 'did you mean "press"?')
         self.refused(
-            press | {"Effects/Contact/joint/History": "press"},
-            'unknown parameter "Effects/Contact/joint/History"',
+            press | {"Effects/Tie/joint/History": "press"},
+            'unknown parameter "Effects/Tie/joint/History"',
             "have no magnitude to scale by a history",
+        )
+        self.refused(
+            press | {"Effects/Contact/joint/History": "press"},
+            'contact "joint" follows the history "press", but has no magnitude to scale',
         )
         self.refused(
             press | {"Steps/Histories/press/Values": "{0,1,2}", load: "press"},

@@ -232,17 +232,18 @@ class Conversion:
 
     def hold_along(self, node, values):
         for dof, points in values.items():
-            size, history = self.history.of(points)
-            if history and size != 0.0:
-                raise ValueError(f"node {node}: prescribed motion over steps in local axes is not supported")
-            self.add_equation(self.terms(node, dof), size, "local_axes")
+            self.add_equation(self.terms(node, dof), *self.history.of(points), "local_axes")
 
-    def add_equation(self, terms, value, name):
+    def add_equation(self, terms, value, history, name):
+        """With a history, equations of each are an effect of its own."""
         texts = []
         for node, component, factor in terms:
             (body, part), *_ = self.parts.of_nodes([node], f"n{node}").items()
             texts.append(f"{factor!r} {body}/{part} {AXES[component]}")
+        name = f"{name}_{history}" if history else name
         effect = self.effects["Linear constraint"].setdefault(name, {"Equations": [], "Values": []})
+        if history:
+            effect["History"] = history
         effect["Equations"].append("; ".join(texts))
         effect["Values"].append(value)
 
@@ -365,12 +366,10 @@ class Conversion:
         for node, cut in self.cuts.items():
             points = self.free_nodes.get((node, 1))
             shift, history = self.history.of(points) if points is not None else (None, "")
-            if history and shift:
-                raise ValueError(f"node {node}: the shift of a pretension over steps is not supported")
             for terms, value in cut.equations(3 if self.physics == "solid" else 2, shift):
-                self.add_equation(terms, value, f"pretension_{node}")
+                self.add_equation(terms, value, history if value != 0.0 else "", f"pretension_{node}")
         for equation in self.model.equations:
-            terms, value = [], 0.0
+            terms, prescribed = [], []
             for node, dof, factor in equation.terms:
                 if node in self.parts.body_of_node:
                     terms += self.terms(node, dof, factor)
@@ -381,12 +380,16 @@ class Conversion:
                         f"{equation.place}: node {node} belongs to no element and is not prescribed, which is "
                         "not supported"
                     )
-                size, history = self.history.of(points)
-                if history and size != 0.0:
-                    raise ValueError(f"{equation.place}: a value over steps is not supported")
-                value -= factor * size
+                prescribed.append((-factor, points))
             if terms:
-                self.add_equation(terms, value, "equations")
+                self.add_equation(terms, *self.history.of_sum(prescribed), "equations")
+
+    def name_sets(self):
+        """All node sets and surfaces become boundary parts, whether something acts on them or not."""
+        for name, nodes in self.model.nsets.items():
+            self.parts.of_nodes([node for node in nodes if node in self.parts.body_of_node], name)
+        for name, surface in self.model.surfaces.items():
+            self.parts.of_faces(surface.faces, name)
 
     def make_contacts(self):
         for pair in self.model.ties:
@@ -399,9 +402,15 @@ class Conversion:
                 self.couple("Tie", "tie", pair)
                 continue
             soft = interaction.stiffness if interaction.behaviour == "LINEAR" else ""
-            for name in self.couple("Contact", "contact", pair, Stiffness=soft, Adjust=self.adjust(pair)):
+            gaps = {"Stiffness": soft, "Adjust": self.adjust(pair)}
+            if (pair.slave, pair.master) in self.model.clearances:  # whatever the distance is
+                gaps |= {"Adjust": self.extent(), "Gap": self.model.clearances[pair.slave, pair.master]}
+            for name in self.couple("Contact", "contact", pair, **gaps):
                 if interaction.friction:
                     self.add_effect("Friction", name, Contact=name, Coefficient=interaction.friction)
+
+    def extent(self):
+        return float(np.linalg.norm(np.ptp(list(self.model.nodes.values()), axis=0)))
 
     def adjust(self, pair):
         """Distances up to this are zero; "": they stay."""

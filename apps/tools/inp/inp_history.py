@@ -71,6 +71,16 @@ class History:
         rough = any(i.friction for i in self.model.interactions.values())
         return len(self.model.steps) == 1 and not (rough and self.model.amplitudes)
 
+    def of_sum(self, items):
+        """Like of(), of a sum of factor · (scalar over time)."""
+        if not items:
+            return 0.0, ""
+        times = sorted({float(t) for _, points in items for t, _ in points})
+        sums = np.zeros(len(times))
+        for factor, points in items:
+            sums += factor * np.interp(times, *np.transpose([(float(t), float(value)) for t, value in points]))
+        return self.of(list(zip(times, sums.tolist())))
+
     def of(self, points):
         """Magnitude and name of the history of scalars over time; "" in one state: the last value counts."""
         values = [float(value) for _, value in points]

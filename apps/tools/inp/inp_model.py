@@ -168,6 +168,7 @@ class Model:
     orientations: dict = field(default_factory=dict)
     interactions: dict = field(default_factory=dict)
     contacts: list = field(default_factory=list)
+    clearances: dict = field(default_factory=dict)  # (slave, master) -> gap
     ties: list = field(default_factory=list)
     pretensions: list = field(default_factory=list)
     equations: list = field(default_factory=list)
@@ -222,6 +223,7 @@ OPTIONS = {
     "SURFACEBEHAVIOR": "PRESSURE-OVERCLOSURE",
     "FRICTION": "",
     "CONTACTPAIR": "INTERACTION TYPE ADJUST SMALLSLIDING",
+    "CLEARANCE": "MASTER SLAVE VALUE",
     "TIE": "NAME POSITIONTOLERANCE ADJUST TYPE CYCLICSYMMETRY MULTISTAGE",
     "PRETENSIONSECTION": "SURFACE NODE",
     "EQUATION": "",
@@ -467,6 +469,12 @@ class Reader:
             self.model.contacts.append(
                 Pair(row.place, keyword.option("INTERACTION"), row.text(0), row.text(1), keyword.options)
             )
+
+    def take_clearance(self, keyword):
+        pair = (keyword.option("SLAVE"), keyword.option("MASTER"))
+        if pair not in {(known.slave, known.master) for known in self.model.contacts}:
+            raise ValueError(f"{keyword.place}: there is no contact pair before of {pair[0]} and {pair[1]}")
+        self.model.clearances[pair] = number_of(keyword.option("VALUE"), keyword.place)
 
     def take_tie(self, keyword):
         if keyword.option("TYPE", "SURFACETOSURFACE") not in ("SURFACETOSURFACE", "NODETOSURFACE"):

@@ -12,7 +12,7 @@ struct Head {
   long long node, number, terms, pressures, beside;
   int side;
   fem::Point position, normal;
-  double gap, area;
+  double gap, interference, area;
 };
 
 } // namespace
@@ -27,7 +27,7 @@ std::vector<std::vector<ContactPoint>> exchangePoints(const Teuchos::Comm<int>& 
       heads[r].push_back({point.node, point.number, static_cast<long long>(point.terms.size()),
                           static_cast<long long>(point.pressure.size()),
                           static_cast<long long>(point.beside.size()), point.side, point.position,
-                          point.normal, point.gap, point.area});
+                          point.normal, point.gap, point.interference, point.area});
       terms[r].insert(terms[r].end(), point.terms.begin(), point.terms.end());
       pressures[r].insert(pressures[r].end(), point.pressure.begin(), point.pressure.end());
       beside[r].insert(beside[r].end(), point.beside.begin(), point.beside.end());
@@ -48,6 +48,7 @@ std::vector<std::vector<ContactPoint>> exchangePoints(const Teuchos::Comm<int>& 
       point.position = head.position;
       point.normal = head.normal;
       point.gap = head.gap;
+      point.interference = head.interference;
       point.area = head.area;
       point.terms.assign(next, next + head.terms);
       next += head.terms;

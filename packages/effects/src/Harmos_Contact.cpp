@@ -16,28 +16,32 @@ scene::EffectKind kindOfContact() {
       "Adjust", 0.0, Range::atLeast(0.0),
       "Distances of the meshes up to this length, and penetrations, are taken to be zero, without strain, "
       "before the gap is added. 0: distances stay as they are.");
+  spec.real("Interference", 0.0, Range(),
+            "Penetration besides, as of a shrink fit, a length; \"History\" scales it over the steps.");
   return {Contact::kindName, spec,
           [](const Teuchos::ParameterList& list, const std::string& path, const scene::Scene& scene) {
             const Contact::Options options = {list.get<double>("Gap"), list.get<double>("Stiffness"),
-                                              list.get<double>("Adjust")};
+                                              list.get<double>("Adjust"), list.get<double>("Interference")};
             return std::make_shared<Contact>(SurfacePair::fromList(list, path, scene), options,
                                              scene::nameIn(path));
-          }};
+          },
+          true};
 }
 
 Contact::Contact(SurfacePair pair, double gap, std::string name)
-    : Contact(std::move(pair), Options{gap, 0.0, 0.0}, std::move(name)) {}
+    : Contact(std::move(pair), Options{gap, 0.0, 0.0, 0.0}, std::move(name)) {}
 
 Contact::Contact(SurfacePair pair, const Options& options, std::string name)
     : Effect(kindName, std::move(name)), pair_(std::move(pair)), options_(options) {}
 
 void Contact::addConstraints(scene::ConstraintCollector& collector) const {
   std::vector<contact::ContactPoint> points =
-      pair_.points(collector, SurfacePair::Purpose::Contact, options_.gap);
+      pair_.points(collector, SurfacePair::Purpose::Contact, options_.gap - options_.interference);
   for (contact::ContactPoint& point : points) {
     if (options_.adjust > 0.0 && point.gap <= options_.adjust)
       point.gap = 0.0;
-    point.gap += options_.gap;
+    point.gap += options_.gap - options_.interference;
+    point.interference = options_.interference;
     if (options_.stiffness > 0.0)
       point.compliance = 1.0 / (options_.stiffness * point.area);
   }

@@ -17,12 +17,15 @@ class Contact : public scene::Effect {
     double gap = 0.0;       ///< added to the distance of the meshes; negative: penetration
     double stiffness = 0.0; ///< k, pressure by penetration; 0: the contact is hard
     double adjust = 0.0;    ///< distances up to this, and penetrations, are taken to be zero; 0: none
+    /// Penetration besides, which the history of the effect scales over time: a shrink fit.
+    double interference = 0.0;
   };
   explicit Contact(SurfacePair pair, double gap = 0.0, std::string name = "");
   Contact(SurfacePair pair, const Options& options, std::string name);
 
   std::vector<BoundaryPart> boundaryParts() const override { return pair_.parts(); }
   bool givesInequalities() const override { return true; }
+  bool hasMagnitude() const override { return options_.interference != 0.0; }
   void addConstraints(scene::ConstraintCollector& collector) const override;
 
  private:

@@ -4,6 +4,7 @@
 #include "Harmos_ConstraintCollector.hpp"
 #include "Harmos_Errors.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <sstream>
@@ -68,12 +69,18 @@ scene::EffectKind kindOfLinearConstraint() {
   spec.texts("Equations", {},
              "Terms separated by semicolons: coefficient, \"body/boundary part\" of one node, and x, y or z. "
              "\"1 beam/end x; -1 plate/hole x\". Required.");
-  spec.series("Values", Range(), "Right-hand side of each equation; none: zeros.");
-  return {LinearConstraint::kindName, spec, makeConstraint};
+  spec.series("Values", Range(),
+              "Right-hand side of each equation; none: zeros. \"History\" scales them over the steps.");
+  return {LinearConstraint::kindName, spec, makeConstraint, true};
 }
 
 LinearConstraint::LinearConstraint(std::vector<Equation> equations, std::string name)
     : Effect(kindName, std::move(name)), equations_(std::move(equations)) {}
+
+bool LinearConstraint::hasMagnitude() const {
+  return std::any_of(equations_.begin(), equations_.end(),
+                     [](const Equation& equation) { return equation.value != 0.0; });
+}
 
 std::vector<scene::Effect::BoundaryPart> LinearConstraint::boundaryParts() const {
   std::vector<BoundaryPart> parts;

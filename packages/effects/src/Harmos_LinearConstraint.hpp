@@ -6,7 +6,8 @@
 namespace Harmos::effects {
 
 /// Linear conditions on displacements of nodes, which may belong to several bodies: Σ c_i u_i = g, each a row
-/// of B. The force of the condition, its multiplier λ, acts with −λ c_i at each of its nodes.
+/// of B. The force of the condition, its multiplier λ, acts with −λ c_i at each of its nodes. A history
+/// scales g.
 ///
 /// Guarded by tests/unit/effects/test_linear_constraint.cpp.
 class LinearConstraint : public scene::Effect {
@@ -28,6 +29,7 @@ class LinearConstraint : public scene::Effect {
   std::vector<BoundaryPart> boundaryParts() const override;
   /// The force is that on the node of the first term, summed over the equations.
   bool exertsForce() const override { return true; }
+  bool hasMagnitude() const override;
   /// @throws InputError for components that a node does not have.
   void check(const scene::Scene& scene) const override;
   void addConstraints(scene::ConstraintCollector& collector) const override;

@@ -19,7 +19,7 @@ harmos-plot run
 ```
 
 `harmos-inp` writes a [deck](scenes.md) and a mesh. Node sets and surfaces that loads, supports and contacts use become
-boundary parts. Elements that hang together by nodes become a body; a body has the name of the element set that it
+boundary parts, with `--sets` all of them. Elements that hang together by nodes become a body; a body has the name of the element set that it
 equals, else `body_1`, `body_2` and so on. The deck is the model: edit it like any other.
 
 What cannot be converted is an error with file and line. All errors are listed at once, and nothing is written. Notes
@@ -35,9 +35,10 @@ tell where the deck says something else than the model.
 * `*CLOAD`: `Force`; `*DLOAD` with P, GRAV and CENTRIF, `*DSLOAD`: `Traction`, `Body force`, `Centrifugal force`
 * `*INITIAL CONDITIONS` of temperatures, `*TEMPERATURE`: `Thermal strain`, by a nodal field where temperatures vary
 * `*TIE`, `*CONTACT PAIR`, `*SURFACE BEHAVIOR`, `*FRICTION`: `Tie`, `Contact` (hard, or soft by a linear
-  pressure-overclosure; `Adjust`), `Friction`
+  pressure-overclosure; `Adjust`), `Friction`; `*CLEARANCE`: `Adjust` and `Gap`
 * `*PRE-TENSION SECTION`: the bolt is cut; `Linear constraint` holds the sides together, but for the same shift
-  everywhere, which a pair of forces or a value determines
+  everywhere, which a pair of forces or a value determines. A bolt's force is that of its stresses: where a force is
+  prescribed, the pair at one node carries a part that the constraint does not have
 * `*STEP`, `*STATIC`, `*AMPLITUDE`: steps and histories
 
 Keywords for output are ignored: Harmos always writes displacements, stresses at nodes, contact pressures and forces.

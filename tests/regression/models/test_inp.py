@@ -216,6 +216,24 @@ class Answers(unittest.TestCase):
         self.expect((points, body), u, lambda x, b: (
             scale * x[2] * x[0], scale * x[2] * x[1], scale * (x[2] ** 2 - x[0] ** 2 - x[1] ** 2) / 2))
 
+    def test_clearance(self):
+        # The surfaces touch; a gap of 0.01 closes before anything bears.
+        lines = [*bricks(), *CONTACT[:5], *CONTACT[7:], "*CLEARANCE, MASTER=S1, SLAVE=S2, VALUE=0.01"]
+        lines = [re.sub("^S2, S1", "S2, S1", line) for line in lines]
+        _, _, points, u, body = self.solve(lines + step("*DLOAD", "UPPER, P2, 2.0"))
+        self.expect((points, body), u, lambda x, b: (0, 0, -2.0 * x[2] / YOUNG - (b == 1) * 0.01))
+
+    def test_all_sets_on_request(self):
+        path = write(bricks() + CONTACT + step("*DLOAD", "UPPER, P2, 2.0"), "sets")
+        self.assertEqual(subprocess.run([TOOL, path, "--sets"], capture_output=True, check=False).returncode, 0)
+        text = path.with_suffix(".msh").read_text(encoding="utf-8")
+        names = re.findall(r'^\d+ \d+ "(.*)"$', text, re.MULTILINE)
+        self.assertEqual(sorted({name.removesuffix("_2") for name in names}),
+                         sorted({"LOWER", "UPPER", "NALL", "FLOOR", "SIDES", "FRONTS", "S1", "S2", "pressed",
+                                 "held_x", "held_y", "held_xy", "held_xz", "held_yz", "held_z", "held_xyz"}
+                                & {*(name.removesuffix("_2") for name in names)}
+                                | {"NALL", "FLOOR", "SIDES", "FRONTS", "S1", "S2"}))
+
     def test_included_files_and_generated_sets(self):
         directory = write(bricks(), "part").parent
         main = directory / "whole.inp"

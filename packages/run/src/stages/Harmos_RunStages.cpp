@@ -463,9 +463,8 @@ void RunStages::recover() {
   }
   context_.report.contactCounts = countContact(*context_.comm, context_.report.contact);
   reactions_ = feti::reactions(pipeline_->system(), *pipeline_->constraints(), torn_);
-  context_.report.forces =
-      forcesOf(*context_.comm, context_.scene, owned_, pipeline_->system(), contact_, torn_.displacement,
-               reactions_, pipeline_->constraints()->givenMultipliers(*torn_.multiplier));
+  context_.report.forces = forcesOf(*context_.comm, context_.scene, owned_, pipeline_->system(), contact_,
+                                    torn_.displacement, reactions_, multipliers());
   // Where nothing is strained: rounding errors of stiffness times displacement are in no balance. Loads and
   // springs are no such errors.
   constexpr double rounding = 1e-12;

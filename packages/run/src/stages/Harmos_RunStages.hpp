@@ -84,6 +84,10 @@ class RunStages : private feti::PipelineObserver {
   const feti::DualSolution& dualSolution() const { return solve_->solution(); }
   const feti::TornSolution& torn() const { return torn_; }
   const std::vector<std::vector<double>>& reactions() const { return reactions_; }
+  /// λ of the rows of contact(), as they were given. @note Collective.
+  std::vector<double> multipliers() const {
+    return pipeline_->constraints()->givenMultipliers(*torn_.multiplier);
+  }
   const RunDirectory& directory() const { return directory_; }
   /// A monitor of the next solution. @param checkpoint that it goes on from, or null.
   Teuchos::RCP<RunMonitor> monitor(const CheckpointReader* checkpoint, const Log& log, SolvePlace place);

@@ -51,6 +51,7 @@ Solution StepSequence::go() {
 void StepSequence::begin() {
   run_.setUp();
   states_.emplace(*context_.comm, context_.scene, run_.contact());
+  bounds_.emplace(context_.scene, run_.contact());
   energy_.emplace(run_.loads().cases(), run_.contact().limitedRows > 0, context_.scene.breaks());
   prescribesMotion_ = globalMax(*context_.comm, run_.loads().prescribesMotion() ? 1LL : 0LL) > 0;
   requireConsistent();
@@ -126,8 +127,9 @@ StepSequence::Outcome StepSequence::attempt() {
 
 void StepSequence::prepare(double time) {
   const std::vector<std::vector<double>> prescribed = run_.loads().prescribed(time);
-  const bool changesBounds = prescribesMotion_ || states_->any();
-  const std::vector<ConstraintRow> rows = changesBounds ? states_->rows() : std::vector<ConstraintRow>();
+  const bool changesBounds = prescribesMotion_ || states_->any() || bounds_->any();
+  std::vector<ConstraintRow> rows = changesBounds ? states_->rows() : std::vector<ConstraintRow>();
+  bounds_->move(rows, time);
   run_.prepare({time, run_.loads().loads(time), prescribesMotion_ ? &prescribed : nullptr,
                 changesBounds ? &rows : nullptr});
 }
@@ -202,9 +204,10 @@ StepSequence::Outcome StepSequence::solve() {
 
 StepSequence::Outcome StepSequence::accept() {
   const auto scope = run_.outputScope();
-  energy_->reach({run_.loads().factors(clock_.to()),
-                  run_.loads().products(*context_.comm, run_.torn().displacement, run_.reactions()),
-                  context_.report.audit.energy,
+  scene::TimedLoads::Products products =
+      run_.loads().products(*context_.comm, run_.torn().displacement, run_.reactions());
+  bounds_->addProducts(*context_.comm, run_.multipliers(), run_.loads().cases(), products);
+  energy_->reach({run_.loads().factors(clock_.to()), products, context_.report.audit.energy,
                   scene::freeStrainEnergy(*context_.comm, context_.scene, run_.owned(), clock_.to()),
                   context_.report.audit.frictionWork, states_->dissipated()});
   states_->tell(context_.report.slips, context_.report.contact);

@@ -3,6 +3,7 @@
 
 #include "Harmos_EffectStates.hpp"
 #include "Harmos_EnergyAccount.hpp"
+#include "Harmos_MovingBounds.hpp"
 #include "Harmos_RunStages.hpp"
 #include "Harmos_SolutionHistory.hpp"
 #include "Harmos_StepClock.hpp"
@@ -80,6 +81,7 @@ class StepSequence {
   RunStages& run_;
 
   std::optional<EffectStates> states_;
+  std::optional<MovingBounds> bounds_;
   std::optional<EnergyAccount> energy_;
   bool prescribesMotion_ = false; // on any rank
   StepClock clock_;

@@ -37,7 +37,7 @@ struct Arrival {
 // effect.
 struct Verdict {
   std::size_t point, batch;
-  double gap;
+  double gap, interference;
   bool isFirst;
 };
 
@@ -78,15 +78,18 @@ std::vector<DistinctPoints::Kept> DistinctPoints::distinct(const Teuchos::Comm<i
       });
       if (twin == here.end()) {
         here.push_back({&item, verdicts[item.rank].size()});
-        verdicts[item.rank].push_back({item.place, item.batch, item.point->gap, true});
+        verdicts[item.rank].push_back(
+            {item.place, item.batch, item.point->gap, item.point->interference, true});
         continue;
       }
       const Arrival& first = *twin->first;
-      double& gap = verdicts[first.rank][twin->verdict].gap;
-      if (std::isnan(item.point->gap) || item.point->gap < gap) // a NaN is kept, to be refused
-        gap = item.point->gap;
+      Verdict& least = verdicts[first.rank][twin->verdict];
+      if (std::isnan(item.point->gap) || item.point->gap < least.gap) { // a NaN is kept, to be refused
+        least.gap = item.point->gap;
+        least.interference = item.point->interference;
+      }
       if (batches_[first.batch] != batches_[item.batch])
-        verdicts[first.rank].push_back({first.place, item.batch, 0.0, false});
+        verdicts[first.rank].push_back({first.place, item.batch, 0.0, 0.0, false});
     }
   });
   std::map<std::size_t, Kept> kept;
@@ -95,8 +98,10 @@ std::vector<DistinctPoints::Kept> DistinctPoints::distinct(const Teuchos::Comm<i
       Kept& point = kept[verdict.point];
       point.point = verdict.point;
       point.batches.push_back(verdict.batch);
-      if (verdict.isFirst)
+      if (verdict.isFirst) {
         point.gap = verdict.gap;
+        point.interference = verdict.interference;
+      }
     }
   std::vector<Kept> result;
   for (auto& [place, point] : kept)
@@ -118,6 +123,7 @@ void DistinctPoints::finish(const Teuchos::Comm<int>& comm) {
     keys.push_back(keyOf(point));
     points.push_back(std::move(all_[point.point]));
     points.back().gap = point.gap;
+    points.back().interference = point.interference;
     effects_.push_back(std::move(point.batches));
   }
   const std::vector<long long> numbers = sumsBefore(comm, keys, std::vector<long long>(keys.size(), 1));

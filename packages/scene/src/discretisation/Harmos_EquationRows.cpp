@@ -12,9 +12,10 @@ namespace {
 
 // Whether all of its dofs are prescribed.
 bool isHeld(const ConstraintRow& row, const std::map<double, contact::HeldDofs>& heldByTime,
-            const std::string& label) {
+            const Timeline& timeline, const Effect& effect) {
   for (const auto& [time, held] : heldByTime) {
-    double sum = 0.0, size = std::abs(row.bound);
+    const double bound = timeline.factor(effect, time) * row.bound;
+    double sum = 0.0, size = std::abs(bound);
     for (const ConstraintRow::Term& term : row.terms) {
       const auto value = held.find(term.dof);
       if (value == held.end())
@@ -23,11 +24,11 @@ bool isHeld(const ConstraintRow& row, const std::map<double, contact::HeldDofs>&
       size = std::max(size, std::abs(term.coefficient * value->second));
     }
     constexpr double rounding = 1e-9;
-    if (std::abs(sum - row.bound) > rounding * size)
-      throw InputError(label +
+    if (std::abs(sum - bound) > rounding * size)
+      throw InputError(effect.label() +
                        " contradicts prescribed displacements: all displacements of an equation are "
                        "prescribed, and they make " +
-                       scientific(sum) + " in the place of " + scientific(row.bound) +
+                       scientific(sum) + " in the place of " + scientific(bound) +
                        "; prescribe other values or release one of them");
   }
   return true;
@@ -53,13 +54,13 @@ std::vector<EquationRows::Row> EquationRows::rows(const Scene& scene,
     item.row.bound = equation.value;
     for (const Equation::Term& term : equation.terms)
       item.row.terms.push_back({term.node.number * components + term.component, term.coefficient});
-    if (item.row.terms.empty() || isHeld(item.row, held, effect->label()))
+    if (item.row.terms.empty() || isHeld(item.row, held, scene.timeline, *effect))
       continue;
-    const Equation::Term& first = equation.terms.front();
-    item.position = first.node.position;
-    item.direction = directionOf(scene, first.component);
-    for (double& x : item.direction)
-      x *= first.coefficient;
+    item.position = equation.terms.front().node.position;
+    for (const Equation::Term& term : equation.terms)
+      if (term.node.number == equation.terms.front().node.number)
+        for (std::size_t d = 0; d < 3; ++d)
+          item.direction[d] += term.coefficient * directionOf(scene, term.component)[d];
     result.push_back(item);
   }
   return result;

@@ -39,7 +39,8 @@ class EquationRows {
   struct Row {
     ConstraintRow row; ///< not numbered
     const Effect* effect;
-    fem::Point position, direction; ///< of the first term, whose force is the effect's
+    /// Of the node of the first term, whose force is the effect's: Σ c_i e_i over the terms there.
+    fem::Point position, direction{};
   };
   /// Equations all of whose dofs are prescribed are left out.
   /// @param held prescribed values of these dofs by time. @throws InputError if they contradict an equation.

@@ -150,7 +150,7 @@ void Timeline::check(const std::vector<std::shared_ptr<const Effect>>& effects) 
     const std::string& name = found->second;
     if (!effect->hasMagnitude())
       throw InputError(effect->label() + " follows the history \"" + name +
-                           "\", but has no magnitude to scale",
+                           "\", but has no magnitude to scale; give it one, or no history",
                        {{"history", name}});
     if (std::find(known.begin(), known.end(), name) != known.end())
       continue;
