@@ -33,6 +33,20 @@ struct Arrival {
   const ContactPoint* point;
 };
 
+using Places = std::vector<std::vector<std::array<std::size_t, 2>>>; // batch, and place on its rank
+
+std::vector<Arrival> inOrder(const std::vector<std::vector<ContactPoint>>& points, const Places& places) {
+  std::vector<Arrival> arrivals;
+  for (std::size_t r = 0; r < points.size(); ++r)
+    for (std::size_t k = 0; k < points[r].size(); ++k)
+      arrivals.push_back({places[r][k][0], r, places[r][k][1], &points[r][k]});
+  std::sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) {
+    return std::tie(a.batch, a.point->node, a.rank, a.place) <
+           std::tie(b.batch, b.point->node, b.rank, b.place);
+  });
+  return arrivals;
+}
+
 // What a rank is told of a point of its own: that it is kept, or, with a gap of no meaning, of one more
 // effect.
 struct Verdict {
@@ -46,7 +60,7 @@ struct Verdict {
 std::vector<DistinctPoints::Kept> DistinctPoints::distinct(const Teuchos::Comm<int>& comm) const {
   const auto ranks = static_cast<std::size_t>(comm.getSize());
   std::vector<std::vector<ContactPoint>> points(ranks);
-  std::vector<std::vector<std::array<std::size_t, 2>>> places(ranks); // batch, and place here
+  Places places(ranks);
   agree(comm, [&] {
     for (std::size_t k = 0; k < all_.size(); ++k) {
       const std::size_t home = homeOf(all_[k].terms.front().node, comm);
@@ -58,14 +72,7 @@ std::vector<DistinctPoints::Kept> DistinctPoints::distinct(const Teuchos::Comm<i
   places = exchangeItems(comm, places);
   std::vector<std::vector<Verdict>> verdicts(ranks);
   agree(comm, [&] {
-    std::vector<Arrival> arrivals;
-    for (std::size_t r = 0; r < ranks; ++r)
-      for (std::size_t k = 0; k < points[r].size(); ++k)
-        arrivals.push_back({places[r][k][0], r, places[r][k][1], &points[r][k]});
-    std::sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) {
-      return std::tie(a.batch, a.point->node, a.rank, a.place) <
-             std::tie(b.batch, b.point->node, b.rank, b.place);
-    });
+    const std::vector<Arrival> arrivals = inOrder(points, places);
     struct Survivor {
       const Arrival* first;
       std::size_t verdict; // of its rank
