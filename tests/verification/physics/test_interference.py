@@ -78,8 +78,10 @@ class Interference(unittest.TestCase):
             self.assertAlmostEqual(forces[path][1], sign * exact, delta=1e-9 * FORCE, msg=path)
 
     def test_one_state(self):
-        forces = self.solve().summary["forces"]
-        self.expect({path: entry["force"] for path, entry in forces.items()}, 1.0)
+        summary = self.solve().summary
+        self.expect({path: entry["force"] for path, entry in summary["forces"].items()}, 1.0)
+        for column in ("energy", "external_work"):
+            self.assertAlmostEqual(summary["steps"][0][column], 0.5 * FORCE * OVERLAP, delta=1e-9 * FORCE * OVERLAP)
 
     def test_history(self):
         for np_ in (1, 2, 4):

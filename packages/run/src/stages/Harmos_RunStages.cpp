@@ -8,6 +8,7 @@
 #include "Harmos_ContactFields.hpp"
 #include "Harmos_EnergyAccount.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_MovingBounds.hpp"
 #include "Harmos_ResultFile.hpp"
 #include "Harmos_RunMonitor.hpp"
 #include "Harmos_StressRecovery.hpp"
@@ -83,11 +84,13 @@ Solution RunStages::goOnce() {
 
 // Of the state there is; loads and displacements went up together.
 StepRow RunStages::onlyStep() {
+  const MovingBounds bounds(context_.scene, contact_);
   const auto answer = [&](const scene::TimedLoads& loads) {
-    return EnergyAccount::Answer{
-        loads.factors(time_), loads.products(*context_.comm, torn_.displacement, reactions_),
-        context_.report.audit.energy, scene::freeStrainEnergy(*context_.comm, context_.scene, owned_, time_),
-        context_.report.audit.frictionWork};
+    scene::TimedLoads::Products products = loads.products(*context_.comm, torn_.displacement, reactions_);
+    bounds.addProducts(*context_.comm, multipliers(), loads.cases(), products);
+    return EnergyAccount::Answer{loads.factors(time_), products, context_.report.audit.energy,
+                                 scene::freeStrainEnergy(*context_.comm, context_.scene, owned_, time_),
+                                 context_.report.audit.frictionWork};
   };
   std::optional<EnergyAccount> energy;
   if (context_.scene.hasTemperatures(time_)) {
@@ -97,7 +100,7 @@ StepRow RunStages::onlyStep() {
   } else { // all loads are at hand: fᵀu = ½uᵀKu − (½uᵀKu − fᵀu)
     const double load = 0.5 * context_.report.audit.energyNorm * context_.report.audit.energyNorm -
                         context_.report.audit.primalEnergy;
-    double motion = 0.0;
+    double motion = bounds.product(multipliers());
     for (std::size_t i = 0; i < owned_.size(); ++i) {
       const std::vector<feti::FixedDof>& fixed = pipeline_->system().subdomain(static_cast<int>(i)).fixed;
       std::set<int> counted;

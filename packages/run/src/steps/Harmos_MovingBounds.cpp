@@ -44,6 +44,13 @@ void MovingBounds::move(std::vector<ConstraintRow>& rows, double time) const {
       rows[k].bound += (scene_.timeline.factor(*contact_.origins[k].effect, time) - 1.0) * moving_[k];
 }
 
+double MovingBounds::product(const std::vector<double>& multipliers) const {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < moving_.size(); ++k)
+    sum -= multipliers[k] * moving_[k];
+  return sum;
+}
+
 void MovingBounds::addProducts(const Teuchos::Comm<int>& comm, const std::vector<double>& multipliers,
                                const std::vector<scene::TimedLoads::Case>& cases,
                                scene::TimedLoads::Products& products) const {

@@ -20,6 +20,8 @@ class MovingBounds {
   bool any() const { return any_; }
   /// @param rows of this rank, as ContactSetup has them: with the bounds of h = 1.
   void move(std::vector<ConstraintRow>& rows, double time) const;
+  /// −Σλm of this rank's rows, for the one state of a run without steps, in which h = 1. Local.
+  double product(const std::vector<double>& multipliers) const;
   /// Adds −Σλm to what prescribed values of the same history do by their forces: E = ½uᵀKu − fᵀu changes by
   /// −λ dc. @param multipliers λ of this rank's rows. @note Collective.
   void addProducts(const Teuchos::Comm<int>& comm, const std::vector<double>& multipliers,
