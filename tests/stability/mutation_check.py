@@ -178,8 +178,8 @@ FAULTS = (
         "point.gap = separation.gap;", "point.gap = -separation.gap;", CONTACT),
     fault(
         "thermal load of the wrong sign", "packages/fem/src/integrals/Harmos_Elasticity.cpp",
-        "stress += material[r][s] * expansion[s] * temperature;",
-        "stress -= material[r][s] * expansion[s] * temperature;",
+        "stress += material[r][s] * expansion[s] * rise(c, q);",
+        "stress -= material[r][s] * expansion[s] * rise(c, q);",
         ("unit_fem", "verification_elements")),
     fault(
         "outward normal that looks inward", "packages/fem/src/integrals/Harmos_Loads.cpp",
