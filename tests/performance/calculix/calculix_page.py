@@ -19,7 +19,7 @@ harmos-plot run
 ```
 
 `harmos-inp` writes a [deck](scenes.md) and a mesh. Node sets and surfaces that loads, supports and contacts use become
-boundary parts, with `--sets` all of them. Elements that hang together by nodes become a body; a body has the name of the
+boundary parts, with `--sets` all of them. Elements that hang together by nodes become a body. It has the name of the
 element set that it equals, else `body_1`, `body_2` and so on. The deck is the model: edit it like any other.
 
 What cannot be converted is an error with file and line. All errors are listed at once, and nothing is written. Notes
