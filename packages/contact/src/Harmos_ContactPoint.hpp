@@ -192,9 +192,10 @@ struct SlipPoint {
   bool hasFriction = true;          ///< or has a limit of zero, once it is not bound any more
 };
 
-/// Whether the surfaces touch at a point: its gap is zero to what matchNodes() takes for the same place.
+/// Whether the surfaces touch at a point with this gap: it is zero to what matchNodes() takes for the same
+/// place.
 /// @param extent the largest coordinate of all the points that it is one of.
-bool touches(const ContactPoint& point, double extent);
+bool touches(double gap, double extent);
 /// That coordinate. @note Collective.
 double extentOf(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>& points);
 

@@ -119,8 +119,8 @@ double extentOf(const Teuchos::Comm<int>& comm, const std::vector<ContactPoint>&
   return globalMax(comm, largest);
 }
 
-bool touches(const ContactPoint& point, double extent) {
-  return std::abs(point.gap) <= samePlace * extent;
+bool touches(double gap, double extent) {
+  return std::abs(gap) <= samePlace * extent;
 }
 
 std::vector<ConstraintRow> contactRows(const std::vector<ContactPoint>& points, int components,

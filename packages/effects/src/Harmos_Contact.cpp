@@ -16,8 +16,10 @@ scene::EffectKind kindOfContact() {
       "Adjust", 0.0, Range::atLeast(0.0),
       "Distances of the meshes up to this length, and penetrations, are taken to be zero, without strain, "
       "before the gap is added. 0: distances stay as they are.");
-  spec.real("Interference", 0.0, Range(),
-            "Penetration besides, as of a shrink fit, a length; \"History\" scales it over the steps.");
+  spec.real(
+      "Interference", 0.0, Range(),
+      "Penetration besides, as of a shrink fit, a length; \"History\" scales it over the steps. No other "
+      "contact may act at the same points.");
   return {Contact::kindName, spec,
           [](const Teuchos::ParameterList& list, const std::string& path, const scene::Scene& scene) {
             const Contact::Options options = {list.get<double>("Gap"), list.get<double>("Stiffness"),

@@ -104,6 +104,31 @@ class Interference(unittest.TestCase):
         for force, factor in zip(forces, VALUES):
             self.assertAlmostEqual(force, FORCE * max(0.0, factor - 0.5), delta=1e-9 * FORCE)
 
+    def test_glue_binds_what_touches_at_the_beginning(self):
+        # h goes below zero: the joint opens by −δh, against bars and glue of k in series.
+        glue, values = 1000.0, (0.5, 1.0, -0.5, -1.0)
+        kind = "Effects/Adhesion/glue"
+        run = self.solve(HISTORY | {
+            "Steps/Histories/h/Values": "{0,0.5,1,-0.5,-1}", f"{kind}/Contact": "joint",
+            f"{kind}/Normal stiffness": glue, f"{kind}/Tangential stiffness": glue, f"{kind}/Normal strength": 100.0,
+            f"{kind}/Tangential strength": 100.0, f"{kind}/Law": "brittle",
+        })
+        soft = WIDTH / (2 * LENGTH / YOUNG + 1 / glue)
+        with open(Path(run.directory) / "steps.csv", newline="", encoding="utf-8") as file:
+            for row, factor in zip(csv.DictReader(file), values):
+                exact = FORCE * factor if factor > 0 else OVERLAP * factor * soft
+                self.assertAlmostEqual(-float(row["Contact/joint/fy"]), exact, delta=1e-8 * FORCE)
+
+    def test_two_contacts_at_a_point_are_refused(self):
+        other = "Effects/Contact/other"
+        directory = runs.scratch("two")
+        directory.mkdir(parents=True, exist_ok=True)
+        (directory / "deck.xml").write_text(DECK, encoding="utf-8")
+        sets = HISTORY | {f"{other}/First": "lower/top", f"{other}/Second": "upper/bottom"}
+        run = runs.run(directory / "deck.xml", sets, np=2, output=directory / "out", program="harmos")
+        self.assertEqual(run.returncode, 2, f"{run}")
+        self.assertIn('contact "joint" has an interference where contact "other" has the same point', run.stderr)
+
 
 if __name__ == "__main__":
     runs.main()

@@ -2,9 +2,11 @@
 #include "Harmos_ConstraintCollector.hpp"
 
 #include "Harmos_Agreement.hpp"
+#include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_GlobalOrder.hpp"
 #include "Harmos_Log.hpp"
+#include "Harmos_PointAlgebra.hpp"
 #include "Harmos_Rendezvous.hpp"
 
 #include <algorithm>
@@ -244,6 +246,29 @@ void ConstraintCollector::findSlips(ContactSetup& setup) {
 }
 
 // Likewise, after all friction.
+// When the run begins.
+double ConstraintCollector::gapAtBegin(std::size_t point) const {
+  const ContactPoint& at = contacts_.all()[point];
+  return at.gap + (1.0 - scene_.timeline.factor(contacts_.effect(point), 0.0)) * at.interference;
+}
+
+// Which of two gaps is the smaller one would change over time.
+void ConstraintCollector::requireOneInterference() const {
+  agree(comm_, [&] {
+    for (std::size_t k = 0; k < contacts_.all().size(); ++k) {
+      const std::vector<const Effect*> effects = contacts_.effectsAt(k);
+      const auto moves =
+          std::find_if(effects.begin(), effects.end(), [](const Effect* e) { return e->hasMagnitude(); });
+      if (effects.size() < 2 || moves == effects.end())
+        continue;
+      throw InputError((*moves)->label() + " has an interference where " +
+                       (moves == effects.begin() ? effects.back() : effects.front())->label() +
+                       " has the same point, at " + placeText(contacts_.all()[k].position) +
+                       "; let one contact act there");
+    }
+  });
+}
+
 void ConstraintCollector::findBonds(ContactSetup& setup, double extent) {
   const std::vector<ContactPoint>& points = contacts_.all();
   std::unordered_map<std::size_t, std::size_t> slipAt;
@@ -255,7 +280,7 @@ void ConstraintCollector::findBonds(ContactSetup& setup, double extent) {
     const std::size_t before = setup.bonds.size();
     double area = 0.0;
     for (std::size_t k : own[a]) {
-      if (!contact::touches(points[k], extent))
+      if (!contact::touches(gapAtBegin(k), extent))
         continue;
       ContactSetup::Bond bond = {adhesion.effect, k, ContactSetup::Bond::none,
                                  1.0 / (adhesion.glue.normal * points[k].area),
@@ -448,6 +473,7 @@ void ConstraintCollector::count(ContactSetup& setup) const {
 ContactSetup ConstraintCollector::finish() {
   ContactSetup result;
   contacts_.finish(comm_);
+  requireOneInterference();
   ties_.finish(comm_);
   findHeldDofs();
   const double extent = contact::extentOf(comm_, contacts_.all());

@@ -164,6 +164,8 @@ class ConstraintCollector {
   void addContactRows(ContactSetup& setup, double extent);
   void findSlips(ContactSetup& setup);
   void findBonds(ContactSetup& setup, double extent);
+  double gapAtBegin(std::size_t point) const;
+  void requireOneInterference() const;
   void numberSlips(ContactSetup& setup) const;
   void addSlipRows(ContactSetup& setup, double extent);
   void count(ContactSetup& setup) const;
