@@ -79,7 +79,7 @@ def parse_parts(source):
             points.append(nodes[:, 0])
             of_point.append(chosen)
             continue
-        cut = np.array(LINES[kind]) if kind in LINES else np.array(VTK_PIECES[kind][3])
+        cut = np.array(LINES[kind]) if kind in LINES else np.array(VTK_PIECES[kind][2][0][1])
         pieces.append(nodes[:, cut].reshape(-1, cut.shape[1]))
         of_piece.append(np.repeat(chosen, len(cut)))
     if len({piece.shape[1] for piece in pieces}) != 1:

@@ -33,20 +33,31 @@ HEX_FACES = (
 )
 
 
+WEDGE_ENDS = ((0, 1, 2, 6, 7, 8), (3, 5, 4, 11, 10, 9))
+WEDGE_SIDES = ((0, 3, 4, 1, 12, 9, 13, 6, 15), (1, 4, 5, 2, 13, 10, 14, 7, 16), (2, 5, 3, 0, 14, 11, 12, 8, 17))
 TRIANGLE, QUAD = ((0, 1, 2, 2),), ((0, 1, 2, 3),)
+QUADS = (QUAD, QUAD_8, QUAD_9)
 
-# By type: dimension, nodes, faces, pieces of a face or of a cell in the plane.
+
+def _faces(sides, pieces):
+    return tuple((side, pieces) for side in sides)
+
+
+# By type: dimension, nodes, faces (the cell itself in the plane), each with its pieces.
 VTK_PIECES = {
-    5: (2, 3, ((0, 1, 2),), TRIANGLE),
-    9: (2, 4, ((0, 1, 2, 3),), QUAD),
-    22: (2, 6, ((0, 1, 2, 3, 4, 5),), TRIANGLE_6),
-    23: (2, 8, ((0, 1, 2, 3, 4, 5, 6, 7),), QUAD_8),
-    28: (2, 9, ((0, 1, 2, 3, 4, 5, 6, 7, 8),), QUAD_9),
-    10: (3, 4, TETRA_FACES, TRIANGLE),
-    12: (3, 8, HEX_FACES, QUAD),
-    24: (3, 10, TETRA_FACES, TRIANGLE_6),
-    25: (3, 20, tuple(face[:8] for face in HEX_FACES), QUAD_8),
-    29: (3, 27, HEX_FACES, QUAD_9),
+    5: (2, 3, _faces((range(3),), TRIANGLE)),
+    9: (2, 4, _faces((range(4),), QUAD)),
+    22: (2, 6, _faces((range(6),), TRIANGLE_6)),
+    23: (2, 8, _faces((range(8),), QUAD_8)),
+    28: (2, 9, _faces((range(9),), QUAD_9)),
+    10: (3, 4, _faces(TETRA_FACES, TRIANGLE)),
+    12: (3, 8, _faces(HEX_FACES, QUAD)),
+    13: (3, 6, _faces(WEDGE_ENDS, TRIANGLE) + _faces(WEDGE_SIDES, QUAD)),
+    24: (3, 10, _faces(TETRA_FACES, TRIANGLE_6)),
+    25: (3, 20, _faces(HEX_FACES, QUAD_8)),
+    26: (3, 15, _faces(WEDGE_ENDS, TRIANGLE_6) + _faces(WEDGE_SIDES, QUAD_8)),
+    29: (3, 27, _faces(HEX_FACES, QUAD_9)),
+    32: (3, 18, _faces(WEDGE_ENDS, TRIANGLE_6) + _faces(WEDGE_SIDES, QUAD_9)),
 }
 
 STEPS = ("start", "cg", "expansion", "proportioning", "pcpg", "active set")
@@ -463,15 +474,15 @@ def drawn_pieces(volumes, part_of_point, xyz, place):
     """Flat pieces (pieces, 4) of cells, or given the points' places of outer faces; face and part of each."""
     faces = []
     for kind, nodes in volumes.items():
-        _, _, sides, pieces = VTK_PIECES[kind]
-        faces += [(nodes, np.array(side), pieces, part_of_point[nodes[:, 0]]) for side in sides]
+        parts = part_of_point[nodes[:, 0]]
+        faces += [(nodes, np.array(side), pieces, parts) for side, pieces in VTK_PIECES[kind][2]]
     count = sum(len(nodes) for nodes, *_ in faces)
     drawn = np.ones(count, dtype=bool)
     if place is not None:
         # A triangle lacks the last: which corner its pieces repeat differs between the cells of a face.
         corners, first = np.full((count, 4), -1, dtype=np.int32), 0
         for nodes, side, pieces, _ in faces:
-            ends = 4 if pieces in (QUAD, QUAD_9) else 3
+            ends = 4 if pieces in QUADS else 3
             for k in range(ends):
                 corners[first : first + len(nodes), k] = place[nodes[:, side[k]]]
             first += len(nodes)

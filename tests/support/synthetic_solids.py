@@ -5,22 +5,37 @@ from itertools import permutations
 
 import numpy as np
 
-TETRA, HEXAHEDRON, TETRA_10 = 10, 12, 24
+TETRA, HEXAHEDRON, WEDGE, TETRA_10, HEXAHEDRON_20, WEDGE_15 = 10, 12, 13, 24, 25, 26
 MIDDLES = ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3))
 CUBE = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
 
 
+# Edges in VTK's order: of the lower end, of the upper one, between them.
+HEXAHEDRON_EDGES = [*((k, (k + 1) % 4) for k in range(4)), *((4 + k, 4 + (k + 1) % 4) for k in range(4)),
+                    *((k, k + 4) for k in range(4))]
+WEDGE_EDGES = [*((k, (k + 1) % 3) for k in range(3)), *((3 + k, 3 + (k + 1) % 3) for k in range(3)),
+               *((k, k + 3) for k in range(3))]
+
+
+def with_middles(cell, edges):
+    return np.concatenate([cell, [(cell[a] + cell[b]) // 2 for a, b in edges]])
+
+
 def corners_of(kind):
     """The cells that fill a cube of side two, as lattice points (nodes, 3)."""
-    if kind == HEXAHEDRON:
-        return [2 * np.array(CUBE)]
+    cube = 2 * np.array(CUBE)
+    if kind in (HEXAHEDRON, HEXAHEDRON_20):
+        return [cube if kind == HEXAHEDRON else with_middles(cube, HEXAHEDRON_EDGES)]
+    if kind in (WEDGE, WEDGE_15):
+        cells = [cube[[0, 2, 1, 4, 6, 5]], cube[[2, 0, 3, 6, 4, 7]]]
+        return [cell if kind == WEDGE else with_middles(cell, WEDGE_EDGES) for cell in cells]
     cells = []
     for k, order in enumerate(permutations(range(3))):
         cell = np.cumsum([np.zeros(3, dtype=int), *np.eye(3, dtype=int)[list(order)] * 2], axis=0)
         # Neither do all have one orientation nor do neighbours begin at one corner, as in mesh files.
         cell = np.roll(cell, k, axis=0)
         if kind == TETRA_10:
-            cell = np.concatenate([cell, [(cell[a] + cell[b]) // 2 for a, b in MIDDLES]])
+            cell = with_middles(cell, MIDDLES)
         cells.append(cell)
     return cells
 

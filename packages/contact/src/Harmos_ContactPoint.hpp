@@ -37,9 +37,9 @@ struct ContactPoint {
   std::vector<Term> terms; ///< by rising node number
   fem::Point normal{};     ///< outward from the first surface
   double gap = 0.0;        ///< initial distance along the normal; negative: penetration
-  double interference =
-      0.0;           ///< the part of a penetration that goes with a history; gap is that of the factor 1
-  double area = 0.0; ///< tributary area, positive
+  /// The part of a penetration that goes with a history; gap is that of the factor 1.
+  double interference = 0.0;
+  double area = 0.0;       ///< tributary area, positive
   double compliance = 0.0; ///< penetration by force; 0: none gives way
   /// Contact pressure = Σ weight · force; empty: force of the row / area. See setPressures().
   std::vector<PressureTerm> pressure{};

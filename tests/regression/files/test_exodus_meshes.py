@@ -83,26 +83,36 @@ class Read(unittest.TestCase):
         return done.stdout
 
     def test_every_type_has_its_nodes_and_sides(self):
-        for type_, ((_, _, sides), _, _) in TYPES.items():
-            places, plane = places_of(type_), type_[0] in "TQ" and not type_.startswith("TETRA")
-            sets = [(f"side{k}", [1], [k]) for k in range(1, len(sides) + 1)]
-            cell = [list(range(1, len(places) + 1))]
-            with self.subTest(type=type_):
-                path = self.file("one.exo", places, [("block", type_, cell)], sets, dimension=2 if plane else 3)
-                self.read(path)
-                with h5py.File(self.directory / "out.h5", "r") as file:
-                    body = file["body_0"]
-                    width = 2 if plane else 3
-                    read = body["coordinates"][()].reshape(-1, width) + body["anchor"][()][0, :width]
-                    np.testing.assert_allclose(read[body["cells"][()].ravel()], places[:, :width], atol=1e-14)
-                    names = bytes(body["parts"][()]).decode().split()
-                    self.assertEqual(sorted(names), sorted(name for name, _, _ in sets))
-                    for p, name in enumerate(names):
-                        nodes = read[body[f"part_{p}/nodes"][()].ravel()]
-                        corners = places[[k - 1 for k in sides[int(name[4:]) - 1]], :width]
-                        for corner in corners:  # and the middles of what is between them
-                            self.assertTrue((np.abs(nodes - corner).max(axis=1) < 1e-14).any(), f"{name} of {type_}")
-                        self.assertTrue(((nodes <= corners.max(axis=0)) & (nodes >= corners.min(axis=0))).all())
+        """A file for each dimension, with a block of one element of each type."""
+        for width in (2, 3):
+            points, blocks, sets = [], [], []
+            types = [type_ for type_ in TYPES if (type_[:3] in ("TRI", "QUA")) == (width == 2)]
+            for type_ in types:
+                places = places_of(type_)
+                blocks.append((type_.lower(), type_, [list(range(len(points) + 1, len(points) + len(places) + 1))]))
+                points += list(places)
+                sides = range(1, len(TYPES[type_][0][2]) + 1)
+                sets += [(f"{type_.lower()}_{k}", [len(blocks)], [k]) for k in sides]
+            self.read(self.file("all.exo", points, blocks, sets, dimension=width))
+            with h5py.File(self.directory / "out.h5", "r") as file:
+                order = bytes(file["bodies"][()]).decode().split()
+                self.assertEqual(sorted(order), sorted(type_.lower() for type_ in types))
+                for type_ in types:
+                    with self.subTest(type=type_):
+                        self.check(file[f"body_{order.index(type_.lower())}"], type_, width)
+
+    def check(self, body, type_, width):
+        places, sides = places_of(type_)[:, :width], TYPES[type_][0][2]
+        read = body["coordinates"][()].reshape(-1, width) + body["anchor"][()][0, :width]
+        np.testing.assert_allclose(read[body["cells"][()].ravel()], places, atol=1e-14)
+        names = bytes(body["parts"][()]).decode().split()
+        self.assertEqual(sorted(names), sorted(f"{type_.lower()}_{k}" for k in range(1, len(sides) + 1)))
+        for p, name in enumerate(names):
+            nodes = read[body[f"part_{p}/nodes"][()].ravel()]
+            corners = places[[k - 1 for k in sides[int(name.rsplit("_", 1)[1]) - 1]]]
+            for corner in corners:  # and the middles of what is between them
+                self.assertTrue((np.abs(nodes - corner).max(axis=1) < 1e-14).any(), f"{name} of {type_}")
+            self.assertTrue(((nodes <= corners.max(axis=0)) & (nodes >= corners.min(axis=0))).all())
 
     def two_blocks(self, name="two.exo", **more):
         """A wedge of 6 and a hexahedron, whose numbers go on; a field that is z."""

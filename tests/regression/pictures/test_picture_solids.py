@@ -38,7 +38,9 @@ try:
 except ImportError as missing:
     runs.skip(f"the Python module {missing.name} is missing")
 
-KINDS = (bodies.TETRA, bodies.HEXAHEDRON, bodies.TETRA_10)
+KINDS = (
+    bodies.TETRA, bodies.HEXAHEDRON, bodies.WEDGE, bodies.TETRA_10, bodies.HEXAHEDRON_20, bodies.WEDGE_15,
+)
 MAGENTA = (1.0, 0.0, 1.0)
 RIGHT, UP = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])  # seen from the front, -y
 

@@ -55,7 +55,7 @@ LinearConstraint::Term term(const std::string& part, int component, double coeff
 
 // Corners move along together, one of them by a given amount more; the middle of the top follows both.
 std::vector<LinearConstraint::Equation> equations() {
-  return {{{term("a", 0, 1.0), term("b", 0, -2.0)}, 0.0},
+  return {{{term("a", 0, 1.0), term("b", 0, -2.0), term("a", 1, 0.25)}, 0.0},
           {{term("a", 1, 1.0), term("b", 1, -1.0)}, 0.05},
           {{term("c", 1, 3.0), term("a", 1, -1.0), term("b", 0, 0.5), term("held", 1, 7.0)}, 0.01}};
 }
@@ -75,8 +75,12 @@ scene::Scene constrained(const std::vector<LinearConstraint::Equation>& rows) {
   return scene;
 }
 
+struct Dense {
+  std::vector<double> u, lambda; ///< of the equations
+};
+
 // K u + Bᵀλ = f, Bu = g by LU, Dirichlet conditions among the rows.
-std::vector<double> denseSolution() {
+Dense denseSolution() {
   const fem::BodyMesh body = square();
   fem::Elasticity elasticity;
   elasticity.materials = {material};
@@ -114,15 +118,14 @@ std::vector<double> denseSolution() {
   int info = 0;
   Teuchos::LAPACK<int, double>().GESV(size, 1, a.data(), size, pivots.data(), x.data(), size, &info);
   EXPECT_EQ(info, 0);
-  x.resize(static_cast<std::size_t>(n));
-  return x;
+  return {{x.begin(), x.begin() + n}, {x.end() - static_cast<std::ptrdiff_t>(equations().size()), x.end()}};
 }
 
 } // namespace
 
 TEST(LinearConstraint, agrees_with_a_dense_solution) {
   const scene::Scene scene = constrained(equations());
-  const std::vector<double> exact = denseSolution();
+  const auto [exact, lambda] = denseSolution();
   const fem::BodyMesh body = square();
   for (const char* form : {"implicit", "condensed"}) {
     const TestRun run = runScene(scene, tolerance, {std::string("Dual operator/Form=") + form});
@@ -140,6 +143,17 @@ TEST(LinearConstraint, agrees_with_a_dense_solution) {
                                         exact[static_cast<std::size_t>(2 * whole + c)]));
     }
     EXPECT_LE(globalMax(*testComm(), worst), allowed) << form;
+    // −λ c of all terms at the node of each equation's first one.
+    std::array<double, 2> force{};
+    const std::vector<LinearConstraint::Equation> all = equations();
+    for (std::size_t k = 0; k < all.size(); ++k)
+      for (const LinearConstraint::Term& t : all[k].terms)
+        if (t.part.set == all[k].terms.front().part.set)
+          force[static_cast<std::size_t>(t.component)] -= lambda[k] * t.coefficient;
+    for (const run::Forces::Of& effect : run.report.forces.effects)
+      if (effect.path.rfind("Linear constraint", 0) == 0)
+        for (std::size_t d = 0; d < 2; ++d)
+          EXPECT_NEAR(effect.resultant.force[d], force[d], allowed) << form;
   }
 }
 

@@ -86,7 +86,8 @@ fem::PlacedMesh moved(const fem::PlacedMesh& placed, const std::function<Point(c
 
 } // namespace
 
-// Rectangles and bricks are as good as cells get, whatever their sides; equilateral triangles and tetrahedra;
+// Rectangles and bricks are as good as cells get, whatever their sides; equilateral triangles, alone and as
+// ends of wedges, and tetrahedra;
 // the corner of a cube is a tetrahedron with the volume 1/6, and the largest product of the lengths of three
 // edges that meet is 1 · √2 · √2: √2 · 6/6 / 2.
 TEST(MeshQuality, of_regular_cells) {
@@ -102,6 +103,14 @@ TEST(MeshQuality, of_regular_cells) {
                           }),
                 1.0, roundoff);
     // Right-angled: (2/√3) · 1/√2.
+    EXPECT_NEAR(qualityOf(type, same), std::sqrt(2.0 / 3.0), roundoff);
+  }
+  for (CellType type : {CellType::Wedge6, CellType::Wedge15, CellType::Wedge18}) {
+    EXPECT_NEAR(qualityOf(type,
+                          [&](const Point& x) {
+                            return Point{x[0] + 0.5 * x[1], 0.5 * root3 * x[1], 0.1 * x[2]};
+                          }),
+                1.0, roundoff);
     EXPECT_NEAR(qualityOf(type, same), std::sqrt(2.0 / 3.0), roundoff);
   }
   for (CellType type : {CellType::Tetrahedron4, CellType::Tetrahedron10}) {

@@ -313,6 +313,22 @@ TEST(Axisymmetric, press_fit) {
 
 namespace {
 
+// A body of n/2 × n/2 cells of second order, whose bottom is moved towards an obstacle at its top.
+scene::Scene pressed(int n, const std::function<Point(const Point&)>& map,
+                     const contact::Obstacle& obstacle) {
+  scene::Scene scene = emptyScene();
+  fem::StructuredBlock::Options options;
+  options.cellType = CellType::Quadrilateral9;
+  options.subdomains = {2, 2, 1};
+  options.elements = {n / 4, n / 4, 1};
+  options.map = map;
+  addBlock(scene, options);
+  addAxis(scene);
+  prescribe(scene, {0, "bottom"}, 1, 0.006);
+  addObstacle(scene, {0, "top"}, obstacle);
+  return scene;
+}
+
 // Of a contact with an obstacle around the axis: p₀ and a that follow from its force F, p₀³ = 6FE*²/π³R²,
 // a³ = 3FR/4E*, and those that were found: 2a²/5 is the second moment of the pressure over F.
 struct Hertz {
@@ -340,23 +356,14 @@ TEST(Axisymmetric, ball_on_a_rigid_plane) {
   const double radius = 1.0;
   std::vector<double> peaks, widths;
   for (int n : {16, 32, 64, 96}) {
-    scene::Scene scene = emptyScene();
-    fem::StructuredBlock::Options options;
-    options.cellType = CellType::Quadrilateral9;
-    options.subdomains = {2, 2, 1};
-    options.elements = {n / 4, n / 4, 1};
-    options.map = [radius](const Point& s) { // a quarter of a disc, fine near the pole
-      const double x = s[0] * s[0], y = 1.0 - (1.0 - s[1]) * (1.0 - s[1]);
-      return Point{radius * x * std::sqrt(1.0 - y * y / 2.0), radius * y * std::sqrt(1.0 - x * x / 2.0), 0.0};
-    };
-    addBlock(scene, options);
-    addAxis(scene);
-    prescribe(scene, {0, "bottom"}, 1, 0.006);
     contact::Obstacle plane;
     plane.point = {0.0, radius, 0.0};
     plane.direction = {0.0, -1.0, 0.0};
-    addObstacle(scene, {0, "top"}, plane);
-    const TestRun run = runScene(scene, 1e-9);
+    const auto quarter = [radius](const Point& s) { // of a disc, fine near the pole
+      const double x = s[0] * s[0], y = 1.0 - (1.0 - s[1]) * (1.0 - s[1]);
+      return Point{radius * x * std::sqrt(1.0 - y * y / 2.0), radius * y * std::sqrt(1.0 - x * x / 2.0), 0.0};
+    };
+    const TestRun run = runScene(pressed(n, quarter, plane), 1e-9);
     ASSERT_TRUE(run.report.converged) << run.report.reason;
     const Hertz hertz = hertzOf(run, radius);
     if (testComm()->getRank() == 0)
@@ -377,24 +384,15 @@ TEST(Axisymmetric, spherical_indenter) {
   const double radius = 1.0;
   std::vector<double> widths, errors;
   for (int n : {24, 32, 48, 64}) {
-    scene::Scene scene = emptyScene();
-    fem::StructuredBlock::Options options;
-    options.cellType = CellType::Quadrilateral9;
-    options.subdomains = {2, 2, 1};
-    options.elements = {n / 4, n / 4, 1};
-    options.map = [](const Point& s) { // fine below the sphere
-      const auto graded = [](double x) { return x * (0.15 + 0.85 * x); };
-      return Point{graded(s[0]), -graded(1.0 - s[1]), 0.0};
-    };
-    addBlock(scene, options);
-    addAxis(scene);
-    prescribe(scene, {0, "bottom"}, 1, 0.006);
     contact::Obstacle sphere;
     sphere.shape = contact::Obstacle::Shape::Sphere;
     sphere.point = {0.0, radius, 0.0};
     sphere.radius = radius;
-    addObstacle(scene, {0, "top"}, sphere);
-    const TestRun run = runScene(scene, 1e-9);
+    const auto cylinder = [](const Point& s) { // fine below the sphere
+      const auto graded = [](double x) { return x * (0.15 + 0.85 * x); };
+      return Point{graded(s[0]), -graded(1.0 - s[1]), 0.0};
+    };
+    const TestRun run = runScene(pressed(n, cylinder, sphere), 1e-9);
     ASSERT_TRUE(run.report.converged) << run.report.reason;
     const Hertz hertz = hertzOf(run, radius);
     double worst = 0.0;

@@ -24,6 +24,20 @@ HISTORY = {
     "Steps/Times": "{1,2,3,4}", "Steps/Histories/h/Times": "{0,1,2,3,4}", "Steps/Histories/h/Values": "{0,0.5,1,0.25,0}",
     "Effects/Contact/joint/History": "h",
 }
+
+
+def bar(name, bottom, elements, parts):
+    return f"""    <ParameterList name="{name}">
+      <Parameter name="Source" type="string" value="block"/>
+      <Parameter name="Origin" type="Array(double)" value="{{0, {bottom}, 0}}"/>
+      <Parameter name="Size" type="Array(double)" value="{{{WIDTH}, {LENGTH}, 1}}"/>
+      <Parameter name="Elements a side" type="Array(int)" value="{{{elements}, 1}}"/>
+      <Parameter name="Subdomains a side" type="Array(int)" value="{{1, {parts}, 1}}"/>
+      <Parameter name="Materials" type="Array(string)" value="{{steel}}"/>
+    </ParameterList>
+"""
+
+
 DECK = f"""<ParameterList>
   <ParameterList name="Model"><Parameter name="Physics" type="string" value="plane strain"/></ParameterList>
   <ParameterList name="Materials"><ParameterList name="steel">
@@ -31,21 +45,7 @@ DECK = f"""<ParameterList>
     <Parameter name="Poisson's ratio" type="double" value="0"/>
   </ParameterList></ParameterList>
   <ParameterList name="Bodies">
-    <ParameterList name="lower">
-      <Parameter name="Source" type="string" value="block"/>
-      <Parameter name="Size" type="Array(double)" value="{{{WIDTH}, {LENGTH}, 1}}"/>
-      <Parameter name="Elements a side" type="Array(int)" value="{{3, 2, 1}}"/>
-      <Parameter name="Subdomains a side" type="Array(int)" value="{{1, 2, 1}}"/>
-      <Parameter name="Materials" type="Array(string)" value="{{steel}}"/>
-    </ParameterList>
-    <ParameterList name="upper">
-      <Parameter name="Source" type="string" value="block"/>
-      <Parameter name="Origin" type="Array(double)" value="{{0, {LENGTH}, 0}}"/>
-      <Parameter name="Size" type="Array(double)" value="{{{WIDTH}, {LENGTH}, 1}}"/>
-      <Parameter name="Elements a side" type="Array(int)" value="{{5, 3, 1}}"/>
-      <Parameter name="Materials" type="Array(string)" value="{{steel}}"/>
-    </ParameterList>
-  </ParameterList>
+{bar("lower", 0.0, "3, 2", 2)}{bar("upper", LENGTH, "5, 3", 1)}  </ParameterList>
   <ParameterList name="Effects">
     <ParameterList name="Prescribed displacement">
       <ParameterList name="bottom"><Parameter name="Part" type="string" value="lower/bottom"/></ParameterList>

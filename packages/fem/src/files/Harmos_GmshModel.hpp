@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-/// What Gmsh's interface tells of the model it has open, in our terms. Internal to Harmos_GmshFile.cpp; only
-/// compiled with Gmsh.
+/// What Gmsh's interface tells of the model it has open, in our terms, and models for it of files that it
+/// does not read (Harmos_GmshForeign.cpp). Internal to Harmos_GmshFile.cpp; only compiled with Gmsh.
 namespace Harmos::fem::Details {
 
 using Tag = std::size_t; ///< of a node or an element

@@ -34,7 +34,7 @@ class Header {
     attributes();
     list([&] { // variables
       name();
-      skip(number(width_) * width_);
+      skip(count() * width_); // its dimensions
       attributes();
       number(4);
       number(width_);

@@ -15,11 +15,11 @@ std::size_t strainSize(const Mesh& mesh) {
   return mesh.dimension() == 2 ? 4 : 6;
 }
 
-} // namespace
-
 bool isReducible(const CellShape& shape) {
   return shape.isSerendipity || (shape.isWedge && shape.order == 1);
 }
+
+} // namespace
 
 int stiffnessDegree(CellType type, Integration integration) {
   const CellShape& shape = shapeOf(type);

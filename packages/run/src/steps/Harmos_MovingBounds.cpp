@@ -64,6 +64,7 @@ void MovingBounds::addProducts(const Teuchos::Comm<int>& comm, const std::vector
     const auto found = std::find_if(cases.begin(), cases.end(), [&](const scene::TimedLoads::Case& c) {
       return c.history == history && !c.isStrain;
     });
+    HARMOS_REQUIRE(found != cases.end(), "an effect follows a history that loads do not know");
     sums[static_cast<std::size_t>(found - cases.begin())] -= multipliers[k] * moving_[k];
   }
   globalSum(comm, sums);

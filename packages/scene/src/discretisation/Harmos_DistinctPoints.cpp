@@ -51,7 +51,7 @@ std::vector<Arrival> inOrder(const std::vector<std::vector<ContactPoint>>& point
 // effect.
 struct Verdict {
   std::size_t point, batch;
-  double gap, interference;
+  double gap;
   bool isFirst;
 };
 
@@ -85,18 +85,15 @@ std::vector<DistinctPoints::Kept> DistinctPoints::distinct(const Teuchos::Comm<i
       });
       if (twin == here.end()) {
         here.push_back({&item, verdicts[item.rank].size()});
-        verdicts[item.rank].push_back(
-            {item.place, item.batch, item.point->gap, item.point->interference, true});
+        verdicts[item.rank].push_back({item.place, item.batch, item.point->gap, true});
         continue;
       }
       const Arrival& first = *twin->first;
-      Verdict& least = verdicts[first.rank][twin->verdict];
-      if (std::isnan(item.point->gap) || item.point->gap < least.gap) { // a NaN is kept, to be refused
-        least.gap = item.point->gap;
-        least.interference = item.point->interference;
-      }
+      double& gap = verdicts[first.rank][twin->verdict].gap;
+      if (std::isnan(item.point->gap) || item.point->gap < gap) // a NaN is kept, to be refused
+        gap = item.point->gap;
       if (batches_[first.batch] != batches_[item.batch])
-        verdicts[first.rank].push_back({first.place, item.batch, 0.0, 0.0, false});
+        verdicts[first.rank].push_back({first.place, item.batch, 0.0, false});
     }
   });
   std::map<std::size_t, Kept> kept;
@@ -105,10 +102,8 @@ std::vector<DistinctPoints::Kept> DistinctPoints::distinct(const Teuchos::Comm<i
       Kept& point = kept[verdict.point];
       point.point = verdict.point;
       point.batches.push_back(verdict.batch);
-      if (verdict.isFirst) {
+      if (verdict.isFirst)
         point.gap = verdict.gap;
-        point.interference = verdict.interference;
-      }
     }
   std::vector<Kept> result;
   for (auto& [place, point] : kept)
@@ -130,7 +125,6 @@ void DistinctPoints::finish(const Teuchos::Comm<int>& comm) {
     keys.push_back(keyOf(point));
     points.push_back(std::move(all_[point.point]));
     points.back().gap = point.gap;
-    points.back().interference = point.interference;
     effects_.push_back(std::move(point.batches));
   }
   const std::vector<long long> numbers = sumsBefore(comm, keys, std::vector<long long>(keys.size(), 1));

@@ -36,7 +36,7 @@ class DistinctPoints {
  private:
   struct Kept {
     std::size_t point;                // of those that were added
-    double gap, interference;         // of the effect with the smallest gap
+    double gap;                       // the smallest
     std::vector<std::size_t> batches; // the first one's, and those of others
   };
   bool sameRow(const contact::ContactPoint& a, const contact::ContactPoint& b) const;
