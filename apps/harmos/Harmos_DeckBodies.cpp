@@ -2,6 +2,7 @@
 #include "Harmos_DeckBodies.hpp"
 
 #include "Harmos_Agreement.hpp"
+#include "Harmos_BodyBlocks.hpp"
 #include "Harmos_CutMeshFile.hpp"
 #include "Harmos_GmshFile.hpp"
 #include "Harmos_PartShape.hpp"
@@ -167,8 +168,9 @@ std::string listed(const std::vector<int>& parts) {
 }
 
 // As files have them that were made of several solids, or whose nodes were not merged.
-void notePieces(const std::string& name, const fem::Mesh& mesh, std::vector<std::string>& notes) {
-  if (const int pieces = fem::numberOfPieces(mesh); pieces > 1)
+void notePieces(const std::string& name, const std::vector<fem::BodyMesh>& blocks,
+                std::vector<std::string>& notes) {
+  if (const int pieces = fem::numberOfPieces(blocks); pieces > 1)
     notes.push_back("Body \"" + name + "\" is in " + std::to_string(pieces) +
                     " pieces without common nodes, which nothing couples. Merge the nodes in the mesh "
                     "generator, or make each piece a body and tie them");
@@ -214,26 +216,31 @@ std::shared_ptr<const fem::CutMeshFile> cutMeshOf(const DeckContext& context) {
   return cut;
 }
 
-// Its place in the file.
-std::size_t placeIn(const fem::CutMeshFile& cut, const std::string& name, const ParameterList& list) {
+// The places of its blocks in the file.
+std::vector<std::size_t> placesIn(const fem::CutMeshFile& cut, const std::string& name,
+                                  const ParameterList& list) {
   const std::string path = "Bodies/" + name;
   std::vector<std::string> names;
-  for (const fem::CutMeshFile::Body& body : cut.bodies())
-    names.push_back(body.name);
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end())
+  std::vector<std::size_t> places;
+  int known = 0;
+  for (const fem::CutMeshFile::Body& block : cut.bodies()) {
+    if (block.name == name) {
+      places.push_back(names.size());
+      known += block.subdomains;
+    }
+    names.push_back(block.name);
+  }
+  if (places.empty())
     throw InputError("\"" + path + "\": the mesh file has no body of this name" + offer(name, names),
                      {{"path", path}});
-  const auto place = static_cast<std::size_t>(found - names.begin());
   const std::string subdomains = list.get<std::string>("Subdomains"); // 1: what was the default
   if (!texts(list, "Groups").empty() ||
-      (subdomains != "auto" && subdomains != "1" && std::stoi(subdomains) != cut.bodies()[place].subdomains))
+      (subdomains != "auto" && subdomains != "1" && std::stoi(subdomains) != known))
     throw InputError(
         "\"" + path + "\" has \"Groups\" or \"Subdomains\", but the mesh file is already partitioned into " +
-            std::to_string(cut.bodies()[place].subdomains) +
-            " subdomains; remove them or partition it again with harmos-mesh",
+            std::to_string(known) + " subdomains; remove them or partition it again with harmos-mesh",
         {{"path", path}});
-  return place;
+  return places;
 }
 
 // Bodies of a file that is cut: each rank reads its own subdomains.
@@ -241,16 +248,28 @@ void takeBodies(const DeckContext& context, const std::shared_ptr<const fem::Cut
                 const std::vector<std::size_t>& which, scene::Scene& scene, long long& firstNode) {
   for (std::size_t b : which) {
     scene::Body& body = scene.bodies[b];
-    const std::size_t place = placeIn(*cut, body.name, context.deck.sublist("Bodies").sublist(body.name));
-    const fem::CutMeshFile::Body& known = cut->bodies()[place];
-    body.subdomains = known.subdomains;
+    const std::vector<std::size_t> places =
+        placesIn(*cut, body.name, context.deck.sublist("Bodies").sublist(body.name));
+    std::vector<std::pair<std::size_t, int>> blocks; // place in the file, subdomains
+    std::string types;
+    for (std::size_t place : places) {
+      const fem::CutMeshFile::Body& known = cut->bodies()[place];
+      blocks.emplace_back(place, known.subdomains);
+      body.subdomains += known.subdomains;
+      types += (types.empty() ? "" : ", ") + fem::shapeOf(known.cellType).name;
+      noteLocking(body, scene.physics, known.cellType, scene.notes);
+    }
     body.isCut = true;
-    body.subdomain = [cut, place, first = firstNode](int k) { return cut->subdomain(place, k, first); };
-    firstNode += known.nodes;
-    context.log.info("Body \"" + body.name + "\": " + std::to_string(known.nodes) + " nodes (" +
-                     fem::shapeOf(known.cellType).name + "), cut into " + std::to_string(known.subdomains) +
-                     " parts by the mesh file");
-    noteLocking(body, scene.physics, known.cellType, scene.notes);
+    body.subdomain = [cut, blocks, first = firstNode](int k) {
+      auto block = blocks.begin();
+      for (; k >= block->second; ++block)
+        k -= block->second;
+      return cut->subdomain(block->first, k, first);
+    };
+    const long long nodes = cut->bodies()[places.front()].nodes;
+    firstNode += nodes;
+    context.log.info("Body \"" + body.name + "\": " + std::to_string(nodes) + " nodes (" + types +
+                     "), cut into " + std::to_string(body.subdomains) + " parts by the mesh file");
   }
 }
 
@@ -265,16 +284,27 @@ double stencilOf(fem::CellType type) {
   return shape.isSimplex ? (isFirst ? 15.0 : 28.0) : (isFirst ? 27.0 : shape.isSerendipity ? 58.5 : 64.0);
 }
 
+// The blocks of a body.
+using Blocks = std::vector<fem::BodyMesh>;
+
+int numberOfCells(const Blocks& body) {
+  int cells = 0;
+  for (const fem::BodyMesh& block : body)
+    cells += block.mesh.numberOfCells();
+  return cells;
+}
+
 // Parts of each body: as the deck says, or its share of what the cost model says of all. On rank 0.
-std::vector<int> partsOf(const DeckContext& context, const std::vector<fem::BodyMesh>& meshes,
-                         int dofsPerNode, double memoryMiB) {
+std::vector<int> partsOf(const DeckContext& context, const std::vector<Blocks>& bodies, int dofsPerNode,
+                         double memoryMiB) {
   feti::WholeBodies whole;
   whole.dofsPerNode = dofsPerNode;
   double coupled = 0.0;
-  for (const fem::BodyMesh& body : meshes) {
-    whole.nodes += body.mesh.numberOfNodes();
-    coupled += stencilOf(body.mesh.cellType) * body.mesh.numberOfNodes();
-    whole.dimension = body.mesh.dimension();
+  for (const Blocks& body : bodies) {
+    whole.nodes += fem::numberOfNodes(body);
+    for (const fem::BodyMesh& block : body)
+      coupled += stencilOf(block.mesh.cellType) * block.mesh.numberOfNodes();
+    whole.dimension = body.front().mesh.dimension();
   }
   whole.stencil = coupled / whole.nodes;
   const auto chosen = [&](int ranks) {
@@ -283,18 +313,18 @@ std::vector<int> partsOf(const DeckContext& context, const std::vector<fem::Body
   const int all = chosen(context.comm.getSize());
   bool isAuto = false;
   std::vector<int> parts;
-  for (const fem::BodyMesh& body : meshes) {
-    const std::string given =
-        context.deck.sublist("Bodies").sublist(body.name).get<std::string>("Subdomains");
-    const auto before = context.chosenSubdomains.find(body.name);
+  for (const Blocks& body : bodies) {
+    const std::string& name = body.front().name;
+    const std::string given = context.deck.sublist("Bodies").sublist(name).get<std::string>("Subdomains");
+    const auto before = context.chosenSubdomains.find(name);
     if (given != "auto") {
       parts.push_back(std::stoi(given));
     } else if (before != context.chosenSubdomains.end()) {
       parts.push_back(before->second);
     } else {
       isAuto = true;
-      const auto share = static_cast<int>(std::lround(all * (body.mesh.numberOfNodes() / whole.nodes)));
-      parts.push_back(std::max(1, std::min(share, body.mesh.numberOfCells())));
+      const auto share = static_cast<int>(std::lround(all * (fem::numberOfNodes(body) / whole.nodes)));
+      parts.push_back(std::max(1, std::min(share, numberOfCells(body))));
     }
   }
   if (isAuto) {
@@ -315,65 +345,105 @@ void requireMeshFile(const std::string& file, const std::string& body) {
                      {{"path", "Model/Mesh file"}});
 }
 
+// Reads the blocks of each body, on rank 0.
+std::vector<Blocks> readBlocks(const DeckContext& context, const std::string& file, int dimension,
+                               const std::vector<std::size_t>& which, const scene::Scene& scene) {
+  const ParameterList& bodies = context.deck.sublist("Bodies");
+  std::vector<fem::GmshBody> wanted;
+  for (std::size_t b : which)
+    wanted.push_back(
+        {scene.bodies[b].name, groupsOf(scene.bodies[b].name, bodies.sublist(scene.bodies[b].name))});
+  return fem::groupedByBody(fem::readGmsh(file, wanted, dimension));
+}
+
+// A body that is cut, on rank 0; on the others nothing is in it.
+struct CutBlocks {
+  std::shared_ptr<std::vector<fem::PlacedMesh>> subdomains;
+  long long nodes = 0;
+};
+
+// Cuts the blocks of a body by all ranks, and tells what came of it. @note Collective.
+CutBlocks cutBody(const DeckContext& context, Blocks& blocks, int wanted, long long firstNode,
+                  const scene::Body& body, scene::Scene& scene) {
+  const fem::PartitionOptions options = partitionOptions(context.deck.sublist("Bodies").sublist(body.name));
+  const bool isRoot = context.comm.getRank() == 0;
+  std::vector<int> parts;
+  int count = 0;
+  if (isRoot) {
+    parts = fem::partsOfBlocks(blocks, wanted);
+    count = static_cast<int>(parts.size());
+  }
+  Teuchos::broadcast<int, int>(context.comm, 0, 1, &count);
+  parts.resize(static_cast<std::size_t>(count));
+  Teuchos::broadcast<int, int>(context.comm, 0, count, parts.data());
+  CutBlocks cut;
+  fem::Partition whole; // of all blocks, one after the other
+  std::string cells;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const fem::Partition partition =
+        fem::partitionCells(context.comm, isRoot ? &blocks[k] : nullptr, parts[k], options);
+    agree(context.comm, [&] {
+      if (!isRoot)
+        return;
+      if (k == 0) {
+        cut.subdomains = std::make_shared<std::vector<fem::PlacedMesh>>();
+        cut.nodes = fem::numberOfNodes(blocks);
+        notePieces(body.name, blocks, scene.notes);
+      }
+      const fem::Mesh& mesh = blocks[k].mesh;
+      for (fem::PlacedMesh& subdomain : fem::tear(blocks[k], partition.part, partition.parts, firstNode))
+        cut.subdomains->push_back(std::move(subdomain));
+      for (int part : partition.part)
+        whole.part.push_back(whole.parts + part);
+      whole.parts += partition.parts;
+      whole.necks.insert(whole.necks.end(), partition.necks.begin(), partition.necks.end());
+      cells += (k == 0 ? "" : ", ") + std::to_string(mesh.numberOfCells()) + " cells (" +
+               fem::shapeOf(mesh.cellType).name + ")";
+      scene.notes.insert(scene.notes.end(), partition.notes.begin(), partition.notes.end());
+      noteLocking(body, scene.physics, mesh.cellType, scene.notes);
+    });
+  }
+  agree(context.comm, [&] {
+    if (!isRoot)
+      return;
+    context.log.info("Body \"" + body.name + "\": " + std::to_string(cut.nodes) + " nodes, " + cells +
+                     ", cut into " + sizesOf(whole));
+    noteRagged(body.name, whole, options.method, scene.notes);
+  });
+  return cut;
+}
+
 // Bodies from the mesh file: read on rank 0 and cut by all; the others learn how many parts and nodes there
 // are.
 void readBodies(const DeckContext& context, int dimension, const std::vector<std::size_t>& which,
                 scene::Scene& scene, long long& firstNode) {
-  const ParameterList& bodies = context.deck.sublist("Bodies");
   const std::string file = meshFileOf(context);
   requireMeshFile(file, scene.bodies[which.front()].name);
   context.log.info("Reading the mesh file \"" + context.deck.sublist("Model").get<std::string>("Mesh file") +
                    "\"");
-  std::vector<long long> counts(2 * which.size(), 0); // parts, nodes
-  std::vector<std::shared_ptr<std::vector<fem::PlacedMesh>>> torn(which.size());
-  const bool isRoot = context.comm.getRank() == 0;
-  std::vector<fem::BodyMesh> meshes(which.size());
+  std::vector<Blocks> bodies(which.size());
   std::vector<int> parts(which.size(), 1);
   constexpr double share = 0.5; // of the memory, for factors
   const double memoryMiB = share * feti::machineMemoryMiB(context.comm);
   agree(context.comm, [&] {
-    if (!isRoot)
+    if (context.comm.getRank() != 0)
       return;
-    std::vector<fem::GmshBody> wanted;
-    for (std::size_t b : which)
-      wanted.push_back(
-          {scene.bodies[b].name, groupsOf(scene.bodies[b].name, bodies.sublist(scene.bodies[b].name))});
-    meshes = fem::readGmsh(file, wanted, dimension);
-    parts = partsOf(context, meshes, scene.physics == scene::Physics::Membrane ? 1 : dimension, memoryMiB);
+    bodies = readBlocks(context, file, dimension, which, scene);
+    parts = partsOf(context, bodies, scene.physics == scene::Physics::Membrane ? 1 : dimension, memoryMiB);
   });
   Teuchos::broadcast<int, int>(context.comm, 0, static_cast<int>(parts.size()), parts.data());
-  long long first = firstNode;
   for (std::size_t k = 0; k < which.size(); ++k) {
-    const std::string& name = scene.bodies[which[k]].name;
-    if (bodies.sublist(name).get<std::string>("Subdomains") == "auto")
-      scene.chosenSubdomains[name] = parts[k];
-    const fem::PartitionOptions cut = partitionOptions(bodies.sublist(name));
-    const fem::Partition partition =
-        fem::partitionCells(context.comm, isRoot ? &meshes[k] : nullptr, parts[k], cut);
-    agree(context.comm, [&] {
-      if (!isRoot)
-        return;
-      const fem::Mesh& mesh = meshes[k].mesh;
-      torn[k] = std::make_shared<std::vector<fem::PlacedMesh>>(
-          fem::tear(meshes[k], partition.part, partition.parts, first));
-      counts[2 * k] = partition.parts;
-      counts[2 * k + 1] = mesh.numberOfNodes();
-      first += counts[2 * k + 1];
-      context.log.info("Body \"" + name + "\": " + std::to_string(counts[2 * k + 1]) + " nodes, " +
-                       std::to_string(mesh.numberOfCells()) + " cells (" + fem::shapeOf(mesh.cellType).name +
-                       "), cut into " + sizesOf(partition));
-      scene.notes.insert(scene.notes.end(), partition.notes.begin(), partition.notes.end());
-      notePieces(name, mesh, scene.notes);
-      noteRagged(name, partition, cut.method, scene.notes);
-      noteLocking(scene.bodies[which[k]], scene.physics, mesh.cellType, scene.notes);
-    });
-    meshes[k] = {}; // its parts are there
-  }
-  Teuchos::broadcast<int, long long>(context.comm, 0, static_cast<int>(counts.size()), counts.data());
-  for (std::size_t k = 0; k < which.size(); ++k) {
-    scene.bodies[which[k]].subdomains = static_cast<int>(counts[2 * k]);
-    scene.bodies[which[k]].onRoot = torn[k];
-    firstNode += counts[2 * k + 1];
+    scene::Body& body = scene.bodies[which[k]];
+    if (context.deck.sublist("Bodies").sublist(body.name).get<std::string>("Subdomains") == "auto")
+      scene.chosenSubdomains[body.name] = parts[k];
+    const CutBlocks cut = cutBody(context, bodies[k], parts[k], firstNode, body, scene);
+    bodies[k].clear(); // its parts are there
+    std::array<long long, 2> counts = {cut.subdomains ? static_cast<long long>(cut.subdomains->size()) : 0LL,
+                                       cut.nodes};
+    Teuchos::broadcast<int, long long>(context.comm, 0, 2, counts.data());
+    body.subdomains = static_cast<int>(counts[0]);
+    body.onRoot = cut.subdomains;
+    firstNode += counts[1];
   }
 }
 
@@ -499,7 +569,7 @@ void addBodies(const DeckContext& context, scene::Scene& scene) {
     const bool isFile = list.get<std::string>("Source") == "file";
     if (scene.physics != scene::Physics::Membrane) {
       const std::size_t regions = !isFile ? 1
-                                  : cut   ? cut->bodies()[placeIn(*cut, name, list)].regions.size()
+                                  : cut   ? cut->bodies()[placesIn(*cut, name, list).front()].regions.size()
                                           : groupsOf(name, list).size();
       const std::vector<std::string> materials = texts(list, "Materials");
       if (materials.size() != 1 && materials.size() != regions)

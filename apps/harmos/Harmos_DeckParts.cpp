@@ -82,7 +82,14 @@ fem::BoundaryRule ruleFrom(const RuleList& given, const std::string& name) {
   if (centre)
     rule.cylinder = fem::BoundaryRule::Cylinder{
         *centre, given.direction("Cylinder axis").value_or(fem::Point{0.0, 0.0, 1.0}), radius};
-  rule.tolerance = given.list.sublist("Expert").get<double>("Tolerance");
+  const RuleList expert = {given.list.sublist("Expert"), given.path + "/Expert"};
+  const std::vector<std::string> faced = expert.texts("Facing");
+  const double distance = expert.list.get<double>("Distance");
+  if (!faced.empty())
+    rule.facing = fem::BoundaryRule::Facing{faced, distance};
+  else if (distance > 0.0)
+    throw fault(expert.path + "/Distance", "is given without \"Facing\", the bodies that are to be near");
+  rule.tolerance = expert.list.get<double>("Tolerance");
   return rule;
 }
 
@@ -104,6 +111,11 @@ void addPartParameters(ParameterSpec& deck) {
   part.series("Cylinder point", Range(), "Point on the axis of a cylinder that contains the sides.");
   part.series("Cylinder axis", Range(), "Direction of the axis; none: z.");
   part.real("Cylinder radius", 0.0, Range::atLeast(0.0), "Radius of the cylinder; 0: no cylinder.");
+  part.expert().texts("Facing", {},
+                      "Bodies that the sides face: within \"Distance\", with opposite normals.");
+  part.expert().real(
+      "Distance", 0.0, Range::atLeast(0.0),
+      "Largest distance to \"Facing\", a length; 0: a twentieth of the diagonal of the smaller body.");
   part.expert().real("Tolerance", 1e-5, Range::within(0.0, 1.0),
                      "Tolerance of box, plane and cylinder, as a share of the diagonal of the box around the "
                      "body.");
@@ -126,10 +138,16 @@ void addBoundaryRules(const ParameterList& deck, scene::Scene& scene) {
                   "has a part \"" + name +
                       "\" whose name is empty or contains a slash or a line break; use another name");
     scene.boundaryRules.push_back(ruleFrom({parts.sublist(name), path}, name));
-    for (const std::string& body : scene.boundaryRules.back().bodies)
-      if (std::find(bodies.begin(), bodies.end(), body) == bodies.end())
-        throw fault(path + "/Bodies",
-                    "names the body \"" + body + "\", which does not exist" + offer(body, bodies));
+    const fem::BoundaryRule& rule = scene.boundaryRules.back();
+    const auto requireBodies = [&](const std::vector<std::string>& named, const std::string& parameter) {
+      for (const std::string& body : named)
+        if (std::find(bodies.begin(), bodies.end(), body) == bodies.end())
+          throw fault(path + "/" + parameter,
+                      "names the body \"" + body + "\", which does not exist" + offer(body, bodies));
+    };
+    requireBodies(rule.bodies, "Bodies");
+    if (rule.facing)
+      requireBodies(rule.facing->bodies, "Expert/Facing");
   }
 }
 

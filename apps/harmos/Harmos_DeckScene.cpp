@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_DeckScene.hpp"
 
+#include "Harmos_AutomaticContact.hpp"
 #include "Harmos_AxisOfSymmetry.hpp"
 #include "Harmos_DeckBodies.hpp"
 #include "Harmos_DeckParts.hpp"
@@ -46,7 +47,7 @@ scene::Scene sceneFromDeck(const DeckContext& context, const scene::EffectRegist
       scene.physics = kind;
   addBodies(context, scene);
   addBoundaryRules(context.deck, scene);
-  registry.addEffects(context.deck, scene);
+  registry.addEffects(withAutomaticContacts(context, registry, scene), scene);
   if (scene.physics == scene::Physics::Axisymmetric)
     scene.effects.push_back(std::make_shared<effects::AxisOfSymmetry>(scene.bodies.size()));
   return scene;

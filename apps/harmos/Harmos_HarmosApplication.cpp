@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_HarmosApplication.hpp"
 
+#include "Harmos_AutomaticContact.hpp"
 #include "Harmos_DeckScene.hpp"
 #include "Harmos_Effects.hpp"
 
@@ -9,6 +10,7 @@ namespace Harmos::app {
 Application harmosApplication() {
   const auto registry = std::make_shared<scene::EffectRegistry>();
   effects::registerEffects(*registry);
+  registry->add(kindOfAutomaticContact());
   Application application;
   application.name = "harmos";
   application.description = "contact of elastic bodies, from a deck alone";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_MeshProgram.hpp"
 
+#include "Harmos_BodyBlocks.hpp"
 #include "Harmos_CutMeshFile.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_GmshFile.hpp"
@@ -18,6 +19,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <iostream>
+#include <numeric>
 #include <optional>
 #include <sstream>
 #include <sys/prctl.h>
@@ -148,19 +150,23 @@ int numberIn(const std::string& text, const std::string& option) {
   return static_cast<int>(number);
 }
 
+using Bodies = std::vector<std::vector<fem::BodyMesh>>; // the blocks of each
+
 // Of each body: what is said of it, else its share of all cells.
-std::vector<int> subdomainsOf(const Request& request, const std::vector<fem::BodyMesh>& meshes) {
+std::vector<int> subdomainsOf(const Request& request, const Bodies& bodies) {
   std::vector<std::string> names;
-  double cells = 0.0;
-  for (const fem::BodyMesh& mesh : meshes) {
-    names.push_back(mesh.name);
-    cells += mesh.mesh.numberOfCells();
+  std::vector<double> cells;
+  for (const std::vector<fem::BodyMesh>& blocks : bodies) {
+    names.push_back(blocks.front().name);
+    cells.push_back(0.0);
+    for (const fem::BodyMesh& block : blocks)
+      cells.back() += block.mesh.numberOfCells();
   }
+  const double all = std::accumulate(cells.begin(), cells.end(), 0.0);
   std::vector<int> wanted;
-  for (const fem::BodyMesh& mesh : meshes)
+  for (double own : cells)
     // In double: the product of the two numbers is beyond an int.
-    wanted.push_back(
-        std::max(1, static_cast<int>(std::lround(request.subdomains * (mesh.mesh.numberOfCells() / cells)))));
+    wanted.push_back(std::max(1, static_cast<int>(std::lround(request.subdomains * (own / all)))));
   for (const std::string& text : request.perBody) {
     const auto [name, number] = halves(text);
     const auto found = std::find(names.begin(), names.end(), name);
@@ -171,29 +177,31 @@ std::vector<int> subdomainsOf(const Request& request, const std::vector<fem::Bod
   return wanted;
 }
 
-void cutAndWrite(const Request& request, std::vector<fem::BodyMesh> meshes) {
-  const std::vector<int> wanted = subdomainsOf(request, meshes);
+void cutAndWrite(const Request& request, Bodies bodies) {
+  const std::vector<int> wanted = subdomainsOf(request, bodies);
   fem::PartitionOptions options;
   if (request.partition == "METIS")
     options.method = fem::PartitionMethod::Metis;
   options.seed = request.seed;
-  std::vector<fem::CutBody> bodies;
-  for (std::size_t b = 0; b < meshes.size(); ++b) {
-    const fem::Partition partition = fem::partitionCells(meshes[b], wanted[b], options);
-    fem::CutBody body;
-    body.name = meshes[b].name;
-    body.cellType = meshes[b].mesh.cellType;
-    body.nodes = meshes[b].mesh.numberOfNodes();
-    body.regions = meshes[b].regions;
-    body.subdomains = fem::tear(meshes[b], partition.part, partition.parts, 0);
-    meshes[b] = {}; // its memory is needed
-    std::cout << "Body \"" << body.name << "\": cut into " << partition.parts
-              << (partition.parts == 1 ? " part\n" : " parts\n");
-    for (const std::string& note : partition.notes)
-      std::cout << note << "\n";
-    bodies.push_back(std::move(body));
+  std::vector<fem::CutBody> cut;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const std::vector<int> parts = fem::partsOfBlocks(bodies[b], wanted[b]);
+    const long long nodes = fem::numberOfNodes(bodies[b]);
+    int count = 0;
+    std::string notes;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      fem::BodyMesh block = std::move(bodies[b][k]); // its memory is needed afterwards
+      const fem::Partition partition = fem::partitionCells(block, parts[k], options);
+      cut.push_back({block.name, block.mesh.cellType, nodes, block.regions,
+                     fem::tear(block, partition.part, partition.parts, 0)});
+      count += partition.parts;
+      for (const std::string& note : partition.notes)
+        notes += note + "\n";
+    }
+    std::cout << "Body \"" << cut.back().name << "\": cut into " << count
+              << (count == 1 ? " part\n" : " parts\n") << notes;
   }
-  fem::writeCutMesh(Teuchos::MpiComm<int>(MPI_COMM_SELF), request.output, bodies);
+  fem::writeCutMesh(Teuchos::MpiComm<int>(MPI_COMM_SELF), request.output, cut);
   std::cout << "Written: \"" << request.output << "\"\n";
 }
 
@@ -202,11 +210,11 @@ int work(int argc, char** argv, const Request& request) {
   try {
     if (Tpetra::getDefaultComm()->getSize() > 1)
       throw InputError("harmos-mesh is a serial program; start it without mpirun");
-    std::vector<fem::BodyMesh> meshes =
-        fem::readGmsh(request.file, bodiesOf(request), request.dimension, request.meshing);
-    std::cout << reportOf(meshes) << std::flush;
+    Bodies bodies = fem::groupedByBody(
+        fem::readGmsh(request.file, bodiesOf(request), request.dimension, request.meshing));
+    std::cout << reportOf(bodies) << std::flush;
     if (!request.output.empty())
-      cutAndWrite(request, std::move(meshes));
+      cutAndWrite(request, std::move(bodies));
     return done;
   } catch (const Error& error) {
     std::cerr << "error: " << error.what() << "\n";

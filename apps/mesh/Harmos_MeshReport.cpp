@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_MeshReport.hpp"
 
+#include "Harmos_BodyBlocks.hpp"
 #include "Harmos_PointAlgebra.hpp"
 #include "Harmos_SideGeometry.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <map>
+#include <set>
 #include <sstream>
 
 namespace Harmos::app {
@@ -77,27 +80,75 @@ bool isFacing(const PartBoxes& part, std::size_t side, const PartBoxes& other, c
   });
 }
 
-std::vector<PartBoxes> partBoxes(const std::vector<fem::BodyMesh>& bodies, double margin) {
+using Bodies = std::vector<std::vector<fem::BodyMesh>>; // the blocks of each
+
+// The names of a body's boundary parts, rising.
+std::set<std::string> partsOf(const std::vector<fem::BodyMesh>& blocks) {
+  std::set<std::string> names;
+  for (const fem::BodyMesh& block : blocks)
+    for (const auto& part : block.sides)
+      names.insert(part.first);
+  return names;
+}
+
+// take(block, side) of all sides of a part.
+template<class Take>
+void visitPart(const std::vector<fem::BodyMesh>& blocks, const std::string& name, const Take& take) {
+  for (const fem::BodyMesh& block : blocks)
+    if (const auto part = block.sides.find(name); part != block.sides.end())
+      for (const fem::Side& side : part->second)
+        take(block, side);
+}
+
+std::vector<PartBoxes> partBoxes(const Bodies& bodies, double margin) {
   std::vector<PartBoxes> parts;
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    for (const auto& [name, sides] : bodies[b].sides) {
-      parts.push_back({bodies[b].name + "/" + name, b, {}, {}});
-      for (const fem::Side& side : sides) {
+    for (const std::string& name : partsOf(bodies[b])) {
+      parts.push_back({bodies[b].front().name + "/" + name, b, {}, {}});
+      visitPart(bodies[b], name, [&](const fem::BodyMesh& block, const fem::Side& side) {
         std::vector<Point> places;
-        for (int node : bodies[b].mesh.nodesOf(side))
-          places.push_back(bodies[b].mesh.local(node));
+        for (int node : block.mesh.nodesOf(side))
+          places.push_back(block.mesh.local(node));
         parts.back().boxes.push_back(fem::widened(fem::boxAround(places), margin));
-        parts.back().normals.push_back(fem::geometryOf(bodies[b].mesh, {}, side).normal);
-      }
+        parts.back().normals.push_back(fem::geometryOf(block.mesh, {}, side).normal);
+      });
     }
   return parts;
 }
 
-fem::SidesGeometry geometryOf(const fem::BodyMesh& body, const std::vector<fem::Side>& sides) {
-  fem::SidesGeometry all;
-  for (const fem::Side& side : sides)
-    all.add(fem::geometryOf(body.mesh, {}, side));
-  return all;
+// "4 cells (hexahedron of 8 nodes), quality 0.9 mean, 0.8 minimum at (0, 0, 0)"
+void tellCells(const fem::Mesh& mesh, std::ostream& text) {
+  const Quality quality = app::qualityOf(mesh);
+  const Point at = mesh.local(mesh.cell(quality.worst)[0]);
+  text << mesh.numberOfCells() << " cells (" << fem::shapeOf(mesh.cellType).name << "), quality "
+       << quality.mean << " mean, " << quality.least << " minimum at (" << at[0] << ", " << at[1] << ", "
+       << at[2] << ")\n";
+}
+
+void tellParts(const std::vector<fem::BodyMesh>& blocks, std::ostream& text) {
+  for (const std::string& name : partsOf(blocks)) {
+    fem::SidesGeometry all;
+    std::size_t count = 0;
+    visitPart(blocks, name, [&](const fem::BodyMesh& block, const fem::Side& side) {
+      all.add(fem::geometryOf(block.mesh, {}, side));
+      ++count;
+    });
+    text << "  part \"" << name << "\": " << count << " sides, "
+         << (blocks.front().mesh.dimension() == 2 ? "length " : "area ") << fem::textOf(all) << "\n";
+  }
+  std::map<std::string, std::set<int>> named;
+  for (const fem::BodyMesh& block : blocks)
+    for (const auto& [name, nodes] : block.nodes)
+      for (int node : nodes)
+        named[name].insert(block.number(node));
+  // Of a geometry without groups every point and curve has a name.
+  constexpr std::size_t most = 6;
+  std::size_t told = 0;
+  for (const auto& [name, nodes] : named)
+    if (++told <= most)
+      text << "  nodes \"" << name << "\": " << nodes.size() << "\n";
+  if (told > most)
+    text << "  and node sets of " << told - most << " other names\n";
 }
 
 } // namespace
@@ -120,11 +171,12 @@ Quality qualityOf(const fem::Mesh& mesh) {
   return quality;
 }
 
-std::vector<TouchingParts> touchingParts(const std::vector<fem::BodyMesh>& bodies) {
+std::vector<TouchingParts> touchingParts(const Bodies& bodies) {
   std::vector<Point> all;
-  for (const fem::BodyMesh& body : bodies)
-    for (int node : body.mesh.boundary)
-      all.push_back(body.mesh.local(node));
+  for (const std::vector<fem::BodyMesh>& blocks : bodies)
+    for (const fem::BodyMesh& block : blocks)
+      for (int node : block.mesh.boundary)
+        all.push_back(block.mesh.local(node));
   if (all.empty())
     return {};
   const fem::Box whole = fem::boxAround(all);
@@ -147,30 +199,20 @@ std::vector<TouchingParts> touchingParts(const std::vector<fem::BodyMesh>& bodie
   return result;
 }
 
-std::string reportOf(const std::vector<fem::BodyMesh>& bodies) {
+std::string reportOf(const Bodies& bodies) {
   std::ostringstream text;
   text << std::setprecision(3);
-  for (const fem::BodyMesh& body : bodies) {
-    const Quality quality = qualityOf(body.mesh);
-    const Point at = body.mesh.local(body.mesh.cell(quality.worst)[0]);
-    text << "Body \"" << body.name << "\": " << body.mesh.numberOfNodes() << " nodes, "
-         << body.mesh.numberOfCells() << " cells (" << fem::shapeOf(body.mesh.cellType).name << "), quality "
-         << quality.mean << " mean, " << quality.least << " minimum at (" << at[0] << ", " << at[1] << ", "
-         << at[2] << ")\n";
-    if (const int pieces = fem::numberOfPieces(body.mesh); pieces > 1)
+  for (const std::vector<fem::BodyMesh>& blocks : bodies) {
+    text << "Body \"" << blocks.front().name << "\": " << fem::numberOfNodes(blocks) << " nodes, ";
+    if (blocks.size() > 1)
+      text << "cells of " << blocks.size() << " types\n";
+    for (const fem::BodyMesh& block : blocks) {
+      text << (blocks.size() > 1 ? "  " : "");
+      tellCells(block.mesh, text);
+    }
+    if (const int pieces = fem::numberOfPieces(blocks); pieces > 1)
       text << "  in " << pieces << " pieces without common nodes: only effects can couple them\n";
-    for (const auto& [name, sides] : body.sides)
-      text << "  part \"" << name << "\": " << sides.size() << " sides, "
-           << (body.mesh.dimension() == 2 ? "length " : "area ") << fem::textOf(geometryOf(body, sides))
-           << "\n";
-    // Of a geometry without groups every point and curve has a name.
-    constexpr std::size_t most = 6;
-    std::size_t told = 0;
-    for (const auto& [name, nodes] : body.nodes)
-      if (++told <= most)
-        text << "  nodes \"" << name << "\": " << nodes.size() << "\n";
-    if (told > most)
-      text << "  and node sets of " << told - most << " other names\n";
+    tellParts(blocks, text);
   }
   for (const TouchingParts& pair : touchingParts(bodies))
     text << "Facing surfaces: " << pair.first << " and " << pair.second << " (" << pair.facets << " of "

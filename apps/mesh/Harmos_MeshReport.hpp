@@ -27,9 +27,10 @@ struct TouchingParts {
 
 /// Pairs of parts of different bodies with facets whose boxes, widened by a thousandth of the extent of all,
 /// meet.
-std::vector<TouchingParts> touchingParts(const std::vector<fem::BodyMesh>& bodies);
+/// @param bodies the blocks of each, see fem::joinBlocks().
+std::vector<TouchingParts> touchingParts(const std::vector<std::vector<fem::BodyMesh>>& bodies);
 
 /// What a mesh file holds, for people.
-std::string reportOf(const std::vector<fem::BodyMesh>& bodies);
+std::string reportOf(const std::vector<std::vector<fem::BodyMesh>>& bodies);
 
 } // namespace Harmos::app

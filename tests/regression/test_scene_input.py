@@ -396,16 +396,6 @@ class MeshFiles(Case):
             reported=True,
         )
 
-    def test_cells_of_several_types(self):
-        nodes = (*SQUARE, (2, 0))
-        cells = [(QUADRILATERAL, 1, 1, 2, 3, 4), (TRIANGLE, 1, 2, 5, 3), (LINE, 2, 1, 4)]
-        self.refuse(
-            FILED,
-            'body "plate" of',
-            "has cells of several types (1 × triangle of 3 nodes, 1 × quadrilateral of 4 nodes)",
-            mesh=msh(nodes, cells),
-        )
-
     def test_more_subdomains_than_cells(self):
         plate = msh(SQUARE, [(QUADRILATERAL, 1, 1, 2, 3, 4), (LINE, 2, 1, 4)])
         self.refuse(

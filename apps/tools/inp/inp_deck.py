@@ -21,14 +21,14 @@ class Body:
     """Elements that hang together by nodes."""
 
     name: str
-    type: str
-    blocks: list  # (numbers, nodes) of its elements
+    blocks: list  # (type, numbers, nodes) of its elements
     regions: dict = field(default_factory=dict)  # section -> elements
     groups: list = field(default_factory=list)  # of the mesh file, one for each region
 
     @property
-    def element(self):
-        return TYPES[self.type]
+    def elements(self):
+        """The types of its elements."""
+        return [TYPES[type_] for type_, _, _ in self.blocks]
 
 
 def labels_of(count, elements):
@@ -101,14 +101,11 @@ class Conversion:
         self.make_regions()
 
     def add_body(self, pieces, count):
-        types = {TYPES[type_].gmsh for type_, _, _ in pieces}
-        reduced = {TYPES[type_].reduced for type_, _, _ in pieces}
         elements = np.concatenate([numbers for _, numbers, _ in pieces])
-        if len(types) > 1 or len(reduced) > 1:
-            names = ", ".join(sorted({type_ for type_, _, _ in pieces}))
-            raise ValueError(f"elements of several types ({names}) share nodes, which is not supported")
-        name = self.body_name(set(elements.tolist()), count)
-        body = Body(name, pieces[0][0], [(numbers, nodes) for _, numbers, nodes in pieces])
+        if len({TYPES[type_].reduced for type_, _, _ in pieces if TYPES[type_].has_choice}) > 1:
+            names = ", ".join(sorted({type_ for type_, _, _ in pieces if TYPES[type_].has_choice}))
+            raise ValueError(f"elements of full and of reduced integration ({names}) share nodes, which is not supported")
+        body = Body(self.body_name(set(elements.tolist()), count), pieces)
         self.parts.add_body(body)
         self.bodies.append(body)
 
@@ -129,17 +126,17 @@ class Conversion:
             for element in self.model.elsets[section.elset]:
                 section_of[element] = section
         for body in self.bodies:
-            for numbers, nodes in body.blocks:
+            for type_, numbers, nodes in body.blocks:
                 for number, row in zip(numbers.tolist(), nodes.tolist()):
                     section = section_of.get(number)
                     if section is None:
                         raise ValueError(f"element {number} has no *SOLID SECTION")
-                    body.regions.setdefault(section.place, (section, []))[1].append(row)
+                    body.regions.setdefault(section.place, (section, []))[1].append((type_, row))
             for k, (section, rows) in enumerate(body.regions.values(), 1):
                 group, taken = body.name if len(body.regions) == 1 else f"{body.name}_{k}", self.parts.mesh.cells
                 while group in taken or group != body.name and group in {b.name for b in self.bodies}:
                     group += "_"
-                self.parts.mesh.cells[group] = (body.type, rows)
+                self.parts.mesh.cells[group] = rows
                 body.groups.append(group)
         thickness = {s.thickness for body in self.bodies for s, _ in body.regions.values()}
         if self.physics in ("plane strain", "plane stress"):
@@ -304,7 +301,7 @@ class Conversion:
         label, elements, bodies = key[0], set(key[1]), []
         size, history = self.history.of(points)
         for body in self.bodies:
-            own = {int(n) for numbers, _ in body.blocks for n in numbers}
+            own = {int(n) for _, numbers, _ in body.blocks for n in numbers}
             if not own & elements or size == 0.0:
                 continue
             densities = {self.model.materials[s.material].density for s, _ in body.regions.values()}
@@ -336,7 +333,7 @@ class Conversion:
         for body in self.bodies:
             if not any(self.model.materials[s.material].expansion for s, _ in body.regions.values()):
                 continue
-            nodes = {int(n) for _, rows in body.blocks for n in rows.ravel()}
+            nodes = {int(n) for _, _, rows in body.blocks for n in rows.ravel()}
             known = set()
             for node in nodes:
                 start = self.model.initial.get(node, 0.0)

@@ -20,6 +20,11 @@ class ElementType:
     reduced: bool = False
 
     @property
+    def has_choice(self):
+        """Whether Harmos' element of these nodes knows a reduced integration."""
+        return self.nodes in (6, 15, 20) and self.dimension == 3 or self.nodes == 8 and self.dimension == 2
+
+    @property
     def has_mechanisms(self):
         """Whether single elements have motions without energy that are not rigid."""
         return self.reduced and self.nodes != 15

@@ -13,7 +13,7 @@ from inp_model import TYPES
 class Mesh:
     """Named groups of the mesh file: cells, sides by their nodes, and nodes."""
 
-    cells: dict = field(default_factory=dict)  # group -> (type, elements' nodes)
+    cells: dict = field(default_factory=dict)  # group -> list of (type, nodes)
     sides: dict = field(default_factory=dict)  # group -> list of nodes of faces
     points: dict = field(default_factory=dict)  # group -> nodes
     fields: dict = field(default_factory=dict)  # name -> {node: value}
@@ -34,7 +34,7 @@ class Parts:
         self.sharers = None  # of faces
 
     def add_body(self, body):
-        for numbers, nodes in body.blocks:
+        for _, numbers, nodes in body.blocks:
             self.body_of_element.update((number, body) for number in numbers.tolist())
             self.body_of_node.update((node, body) for node in nodes.ravel().tolist())
 

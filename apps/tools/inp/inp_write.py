@@ -18,9 +18,9 @@ def write_mesh(conversion, path):
             elements.append(f"{len(elements) + 1} {type_} 2 {tag} {tag} {members}")
 
     dimension = 3 if conversion.physics == "solid" else 2
-    for name, (type_, rows) in mesh.cells.items():
-        kind = TYPES[type_]
-        add(dimension, name, [(kind.gmsh, [row[k] for k in kind.order]) for row in rows])
+    for name, cells in mesh.cells.items():
+        kinds = [(TYPES[type_], row) for type_, row in cells]
+        add(dimension, name, [(kind.gmsh, [row[k] for k in kind.order]) for kind, row in kinds])
     for name, faces in mesh.sides.items():
         add(dimension - 1, name, [(side_type(dimension, face), face) for face in faces])
     for name, nodes in mesh.points.items():
@@ -81,9 +81,9 @@ def deck_of(conversion, mesh_file):
         if len(sections) > 1:
             entry["Groups"] = body.groups
         entry["Expert"] = {"Dilatation": "full"}  # as the model's elements have it
-        if body.element.reduced:
+        if any(element.reduced for element in body.elements):
             entry["Expert"]["Integration"] = "reduced"
-        if body.element.has_mechanisms:
+        if any(element.has_mechanisms for element in body.elements):
             entry["Subdomains"] = 1
         deck["Bodies"][body.name] = entry
     if conversion.history.names or len(conversion.model.steps) > 1:

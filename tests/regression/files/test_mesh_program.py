@@ -188,7 +188,7 @@ class Formats(unittest.TestCase):
         directory.mkdir()
         cases = {
             "ten.msh": (MSH_2.replace("2 2 2 1 1 1 2 5", "2 21 2 1 1 1 2 3 4 5 1 2 3 4 5"), "cells of unsupported type"),
-            "mixed.msh": (MSH_2.replace("2 2 2 1 1 1 2 5", "2 3 2 1 1 1 2 3 5"), "cells of several types"),
+            "mixed.msh": (MSH_2.replace("2 2 2 1 1 1 2 5", "2 3 2 1 1 1 2 3 5"), "cells of different types meet at .* on the same side"),
             "nan.msh": (MSH_2.replace("5 0.5 0.5 0", "5 nan 0.5 0"), "not a finite number"),
             "crossed.geo": (CROSSED, r"cut each other.*use smaller cells \(--size\)"),
             "exit.geo": (BOXES + "Exit;\n", "contains Exit"),

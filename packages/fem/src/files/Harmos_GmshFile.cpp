@@ -5,6 +5,7 @@
 
 #ifdef HARMOS_HAVE_GMSH
 
+#include "Harmos_BodyBlocks.hpp"
 #include "Harmos_FileCells.hpp"
 #include "Harmos_GmshModel.hpp"
 #include "Harmos_Index.hpp"
@@ -78,40 +79,69 @@ class Reader {
     return bodies;
   }
 
-  BodyMesh body(const GmshBody& wanted) {
-    BodyMesh body;
-    body.name = wanted.name;
-    body.regions = wanted.groups;
+  // Its blocks, each of the cells of one type.
+  std::vector<BodyMesh> body(const GmshBody& wanted) {
     if (wanted.groups.empty())
       throw InputError("body " + quoted(wanted.name) + " has no group of \"" + path_ +
                        "\"; name at least one of: " + listed(names(dimension_)));
-    const CellType type = typeOf(wanted);
-    body.mesh.cellType = type;
-    std::vector<int> cells = cellsOf(wanted, type, body.mesh.regions);
-    body.isAlongCurve = cells.size() >= fewestAlongCurve * at(shapeOf(type).nodes);
-    if (body.isAlongCurve)
-      putAlongCurve(shapeOf(type), coordinates_, cells, body.mesh.regions);
-    const std::vector<int> numbers = numberNodes(cells, body.isAlongCurve);
-    body.mesh.cells.reserve(cells.size());
-    for (int node : cells)
-      body.mesh.cells.push_back(numbers[at(node)]);
-    const auto dimension = at(dimension_);
-    body.mesh.coordinates.resize(dimension * at(*std::max_element(numbers.begin(), numbers.end()) + 1));
-    for (std::size_t node = 0; node < numbers.size(); ++node)
-      for (std::size_t d = 0; d < dimension && numbers[node] >= 0; ++d)
-        body.mesh.coordinates[dimension * at(numbers[node]) + d] = coordinates_[3 * node + d];
-    if (dimension_ == 2)
-      requirePlane(wanted.name, numbers);
-    auto matched = std::make_shared<const MatchedSides>(matchSides(body.mesh));
-    requireUnfolded(body, *matched, cells);
-    nameSides(body, *matched, numbers);
-    nameNodes(body, numbers);
-    addFields(body, numbers);
-    body.matched = std::move(matched);
-    return body;
+    std::vector<Cells> ofTypes = cellsOf(wanted, typesOf(wanted));
+    bool isAlongCurve = false;
+    for (Cells& cells : ofTypes) {
+      const CellShape& shape = shapeOf(cells.type);
+      cells.isAlongCurve = cells.nodes.size() >= fewestAlongCurve * at(shape.nodes);
+      if (cells.isAlongCurve)
+        putAlongCurve(shape, coordinates_, cells.nodes, cells.regions);
+      isAlongCurve = isAlongCurve || cells.isAlongCurve;
+    }
+    const std::vector<int> numbers = numberNodes(ofTypes, isAlongCurve);
+    std::vector<BodyMesh> blocks;
+    for (Cells& cells : ofTypes) {
+      BodyMesh& block = blocks.emplace_back();
+      block.name = wanted.name;
+      block.regions = wanted.groups;
+      if (ofTypes.size() > 1) {
+        const std::vector<int> own = numbersIn(cells, numbers, block.numbers);
+        fill(block, cells, own);
+      } else {
+        fill(block, cells, numbers);
+      }
+    }
+    joinBlocks(blocks, "in \"" + path_ + "\", body " + quoted(wanted.name));
+    return blocks;
   }
 
  private:
+  // The cells of one type of a body.
+  struct Cells {
+    CellType type;
+    std::vector<int> nodes; // places of the nodes of each
+    std::vector<int> regions;
+    bool isAlongCurve = false;
+  };
+
+  // @param numbers of the block's nodes, by place; −1: not one of them.
+  void fill(BodyMesh& block, Cells& cells, const std::vector<int>& numbers) {
+    block.mesh.cellType = cells.type;
+    block.mesh.regions = std::move(cells.regions);
+    block.isAlongCurve = cells.isAlongCurve;
+    block.mesh.cells.reserve(cells.nodes.size());
+    for (int node : cells.nodes)
+      block.mesh.cells.push_back(numbers[at(node)]);
+    const auto dimension = at(dimension_);
+    block.mesh.coordinates.resize(dimension * at(*std::max_element(numbers.begin(), numbers.end()) + 1));
+    for (std::size_t node = 0; node < numbers.size(); ++node)
+      for (std::size_t d = 0; d < dimension && numbers[node] >= 0; ++d)
+        block.mesh.coordinates[dimension * at(numbers[node]) + d] = coordinates_[3 * node + d];
+    if (dimension_ == 2)
+      requirePlane(block.name, numbers);
+    auto matched = std::make_shared<const MatchedSides>(matchSides(block.mesh));
+    requireUnfolded(block, *matched, cells.nodes);
+    nameSides(block, *matched, numbers);
+    nameNodes(block, numbers);
+    addFields(block, numbers);
+    block.matched = std::move(matched);
+  }
+
   // Whether there are cells or shapes of a dimension.
   static bool has(int dimension) {
     std::vector<int> types;
@@ -216,18 +246,34 @@ class Reader {
   }
 
   // By place: the numbers of a body's nodes, −1 for others; by rising tags, or in the order of the cells.
-  std::vector<int> numberNodes(const std::vector<int>& cells, bool byCells) const {
+  std::vector<int> numberNodes(const std::vector<Cells>& ofTypes, bool byCells) const {
     std::vector<int> numbers(tags_.size(), -1);
     int next = 0;
-    for (int node : cells)
-      if (numbers[at(node)] < 0)
-        numbers[at(node)] = next++;
+    for (const Cells& cells : ofTypes)
+      for (int node : cells.nodes)
+        if (numbers[at(node)] < 0)
+          numbers[at(node)] = next++;
     if (byCells)
       return numbers;
     next = 0;
     for (int& number : numbers)
       number = number >= 0 ? next++ : -1;
     return numbers;
+  }
+
+  // By place: the numbers of a block's nodes within it, in the order of those in the body.
+  // @param own receives the latter.
+  static std::vector<int> numbersIn(const Cells& cells, const std::vector<int>& numbers,
+                                    std::vector<int>& own) {
+    for (int node : cells.nodes)
+      own.push_back(numbers[at(node)]);
+    std::sort(own.begin(), own.end());
+    own.erase(std::unique(own.begin(), own.end()), own.end());
+    std::vector<int> within(numbers.size(), -1);
+    for (int node : cells.nodes)
+      within[at(node)] =
+          static_cast<int>(std::lower_bound(own.begin(), own.end(), numbers[at(node)]) - own.begin());
+    return within;
   }
 
   const ElementType& elementType(int type) {
@@ -272,8 +318,8 @@ class Reader {
                                                 : "are: " + listed(names(dimension_))));
   }
 
-  // The only cell type of a body.
-  CellType typeOf(const GmshBody& body) {
+  // Of the cells of a body.
+  std::vector<CellType> typesOf(const GmshBody& body) {
     std::map<int, std::size_t> counts;
     for (const std::string& group : body.groups)
       for (int entity : entities(body.name, group)) {
@@ -296,17 +342,17 @@ class Reader {
         throw InputError(place + " has cells of unsupported type (" + kinds +
                          "). Use triangles of 3 or 6 nodes, quadrilaterals of 4, 8 or 9, tetrahedra of 4 or "
                          "10, wedges of 6, 15 or 18, hexahedra of 8, 20 or 27: Mesh.ElementOrder = 1 or 2");
-    if (counts.size() > 1)
-      throw InputError(
-          place + " has cells of several types (" + kinds +
-          "). Split it into bodies of one cell type each or mesh it with one type: Recombine for all or none "
-          "of its surfaces, Mesh.SubdivisionAlgorithm = 1 (plane) or 2 (space) where triangles remain");
-    return *elementType(counts.begin()->first).ours;
+    std::vector<CellType> types;
+    for (const auto& [type, count] : counts)
+      types.push_back(*elementType(type).ours);
+    return types;
   }
 
-  // Places of the nodes of each cell, in our order.
-  std::vector<int> cellsOf(const GmshBody& body, CellType type, std::vector<int>& regions) {
-    std::vector<int> cells;
+  // In our order of nodes.
+  std::vector<Cells> cellsOf(const GmshBody& body, const std::vector<CellType>& types) {
+    std::vector<Cells> ofTypes;
+    for (CellType type : types)
+      ofTypes.push_back({type, {}, {}});
     for (std::size_t region = 0; region < body.groups.size(); ++region)
       for (int entity : entities(body.name, body.groups[region])) {
         const std::string owner = "group " + quoted(body.groups[region]) + " of body " + quoted(body.name);
@@ -323,14 +369,16 @@ class Reader {
           for (std::size_t first = 0; first < elements.nodes[k].size(); first += element.nodes)
             for (std::size_t i : element.order)
               ours.push_back(placeOf(elements.nodes[k][first + i]));
-          dropCopies(shapeOf(type), ours); // files of format 2 hold cells once for each group
-          orient(type, entity, ours);
-          cells.insert(cells.end(), ours.begin(), ours.end());
+          dropCopies(shapeOf(*element.ours), ours); // files of format 2 hold cells once for each group
+          orient(*element.ours, entity, ours);
+          Cells& cells = *std::find_if(ofTypes.begin(), ofTypes.end(),
+                                       [&](const Cells& c) { return c.type == *element.ours; });
+          cells.nodes.insert(cells.nodes.end(), ours.begin(), ours.end());
           if (body.groups.size() > 1)
-            regions.insert(regions.end(), ours.size() / element.nodes, static_cast<int>(region));
+            cells.regions.insert(cells.regions.end(), ours.size() / element.nodes, static_cast<int>(region));
         }
       }
-    return cells;
+    return ofTypes;
   }
 
   // For messages: what a cell is called in the file.
@@ -548,7 +596,8 @@ std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBo
       Reader reader(path, dimension, meshing);
       std::vector<BodyMesh> result;
       for (const GmshBody& body : bodies.empty() ? reader.eachGroup() : bodies)
-        result.push_back(reader.body(body));
+        for (BodyMesh& block : reader.body(body))
+          result.push_back(std::move(block));
       return result;
     } catch (int) {
       std::string reason;

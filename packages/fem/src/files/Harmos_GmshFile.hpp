@@ -61,10 +61,13 @@ bool canReadGmsh();
 ///
 /// @param bodies none: each group of the highest dimension is one. @param dimension of the bodies, 2 or 3; 0:
 /// 3 if the file has anything of it, else 2. Plane meshes lie in a plane z = constant.
+/// @return the bodies in the order that was wanted; of one with cells of several types its blocks, one after
+/// the other, with the name of the body each.
 /// @throws InputError if this build has no Gmsh; for sizes where the file has cells already; for a file that
-/// is missing, broken or empty; for groups it does not have; for a body with cells of more than one type or
-/// of one that Harmos does not have; for cells that belong to two regions; for folded meshes and simplices of
-/// no size, naming the cell; for plane meshes that are not in a plane.
+/// is missing, broken or empty; for groups it does not have; for a body with cells of a type that Harmos does
+/// not have, or of several that do not meet side by side, see joinBlocks(); for cells that belong to two
+/// regions; for folded meshes and simplices of no size, naming the cell; for plane meshes that are not in a
+/// plane.
 std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBody>& bodies, int dimension,
                                const GmshMeshing& meshing = {});
 

@@ -25,7 +25,7 @@ bool BoundaryRule::isOn(const std::string& body) const {
   return bodies.empty() || std::find(bodies.begin(), bodies.end(), body) != bodies.end();
 }
 
-BoundaryRule::Verdict BoundaryRule::judge(const SideGeometry& side, double length) const {
+BoundaryRule::Verdict BoundaryRule::judge(const SideGeometry& side, double length, bool faces) const {
   Verdict verdict;
   verdict.fill(true);
   if (box) {
@@ -53,12 +53,13 @@ BoundaryRule::Verdict BoundaryRule::judge(const SideGeometry& side, double lengt
       return std::abs(norm(radius(x)) - cylinder->radius) <= length;
     });
   }
+  verdict[4] = !facing || faces;
   return verdict;
 }
 
 std::array<std::string, BoundaryRule::conditions> BoundaryRule::words() const {
   return {box ? "in the box" : "", direction ? "of that normal" : "", plane ? "on the plane" : "",
-          cylinder ? "on the cylinder" : ""};
+          cylinder ? "on the cylinder" : "", facing ? "facing these bodies" : ""};
 }
 
 } // namespace Harmos::fem

@@ -26,8 +26,13 @@ struct BoundaryRule {
     Point point, axis;
     double radius;
   };
+  /// That a side faces one of other bodies, which only who knows all bodies can tell.
+  struct Facing {
+    std::vector<std::string> bodies;
+    double distance; ///< 0: a usual one
+  };
   /// Conditions, in the order in which words() tells of them.
-  static constexpr std::size_t conditions = 4;
+  static constexpr std::size_t conditions = 5;
   using Verdict = std::array<bool, conditions>;
 
   std::string name;                ///< of the part
@@ -38,12 +43,13 @@ struct BoundaryRule {
   std::optional<Plane> plane; ///< all corners on it, and no rim: the normal is nearer to its than across
   std::optional<Cylinder> cylinder; ///< all corners on it, and no cap: the normal is nearer to the radius
                                     ///< than to the axis
+  std::optional<Facing> facing;
   double tolerance = 1e-5; ///< of box, plane and cylinder, in shares of the diagonal of the body's box
 
   bool isOn(const std::string& body) const;
   /// Of each condition whether the side meets it; those that are not given are met. @param length tolerance
-  /// times the body's size.
-  Verdict judge(const SideGeometry& side, double length) const;
+  /// times the body's size. @param faces whether the side is one that faces the bodies of `facing`.
+  Verdict judge(const SideGeometry& side, double length, bool faces = false) const;
   /// "in the box", ...; "": the condition is not given.
   std::array<std::string, conditions> words() const;
 };

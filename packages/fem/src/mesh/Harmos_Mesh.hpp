@@ -99,9 +99,6 @@ std::vector<Side> boundarySides(const Mesh& mesh);
 /// folded, and cells cover each other. None in a sound one. Of cells that are not mirrored. Local.
 std::optional<std::pair<Side, Side>> foldedSides(const Mesh& mesh);
 
-/// The number of pieces that share no node with each other; 1 for a body that hangs together. Local.
-int numberOfPieces(const Mesh& mesh);
-
 /// The nodes of the given sides, sorted, once each. Local.
 std::vector<int> nodesOf(const Mesh& mesh, const std::vector<Side>& sides);
 

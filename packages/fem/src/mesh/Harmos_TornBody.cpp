@@ -308,7 +308,7 @@ std::vector<PlacedMesh> tear(const BodyMesh& body, const std::vector<int>& part,
     for (std::size_t k = 0; k < nodes.size(); ++k)
       if (isOnBoundary[p][k]) {
         mesh->boundary.push_back(static_cast<int>(k));
-        placed.boundaryNumbers.push_back(firstNode + nodes[k]);
+        placed.boundaryNumbers.push_back(firstNode + body.number(nodes[k]));
       }
     placed.mesh = mesh;
   }

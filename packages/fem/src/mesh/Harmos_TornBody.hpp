@@ -10,7 +10,7 @@
 
 namespace Harmos::fem {
 
-/// Tears a body into subdomains along the sides between its parts.
+/// Tears a body, or a block of one, into subdomains along the sides between its parts.
 ///
 /// Nodes of a subdomain are numbered in the order they have in the body, and so are its cells; its anchor is
 /// its first node. Boundary nodes are those on sides that no other cell of the subdomain shares, those that

@@ -76,42 +76,39 @@ Point between(const Point& a, const Point& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
-// All nodes and cells of a body on every rank: rank by rank, subdomain by subdomain.
-struct GatheredBody {
-  CellType type{};
+// Locators of a body on every rank, one for each type of cells. All have all nodes: rank by rank, subdomain
+// by subdomain. @note Collective.
+std::vector<fem::PointLocator> locatorsOf(const Teuchos::Comm<int>& comm,
+                                          const std::vector<scene::OwnedSubdomain>& owned, int body) {
   std::vector<Point> nodes;
-  std::vector<int> cells;
-};
-
-GatheredBody gatherBody(const Teuchos::Comm<int>& comm, const std::vector<scene::OwnedSubdomain>& owned,
-                        int body) {
-  std::vector<Point> nodes;
-  std::vector<int> cells, types;
+  std::map<int, std::vector<int>> cells; // by type
   for (const scene::OwnedSubdomain& item : owned) {
     if (item.body != body)
       continue;
     const auto first = static_cast<int>(nodes.size());
     for (int node = 0; node < item.mesh.mesh->numberOfNodes(); ++node)
       nodes.push_back(item.mesh.position(node));
+    std::vector<int>& ofType = cells[static_cast<int>(item.mesh.mesh->cellType)];
     for (int node : item.mesh.mesh->cells)
-      cells.push_back(first + node);
-    types = {static_cast<int>(item.mesh.mesh->cellType)};
+      ofType.push_back(first + node);
   }
-  const auto before = exclusiveScan(comm, static_cast<long long>(nodes.size()));
-  for (int& node : cells)
-    node += static_cast<int>(before);
-  GatheredBody result;
-  result.nodes = gatherAll(comm, nodes);
-  result.cells = gatherAll(comm, cells);
+  const auto before = static_cast<int>(exclusiveScan(comm, static_cast<long long>(nodes.size())));
+  std::vector<int> types;
+  for (auto& [type, ofType] : cells) {
+    types.push_back(type);
+    for (int& node : ofType)
+      node += before;
+  }
+  nodes = gatherAll(comm, nodes);
   types = gatherAll(comm, types);
+  std::vector<fem::PointLocator> locators;
+  for (int type : std::set<int>(types.begin(), types.end()))
+    locators.emplace_back(static_cast<CellType>(type), nodes, gatherAll(comm, cells[type]));
   agree(comm, [&] {
-    if (types.empty())
+    if (locators.empty())
       throw InputError("a body without cells cannot be compared");
-    if (std::any_of(types.begin(), types.end(), [&](int type) { return type != types.front(); }))
-      throw InternalError("the subdomains of a body have cells of several types");
   });
-  result.type = static_cast<CellType>(types.front());
-  return result;
+  return locators;
 }
 
 std::vector<double> gatherValues(const Teuchos::Comm<int>& comm, const Solution& solution, int body) {
@@ -218,27 +215,32 @@ SolutionComparison::SolutionComparison(const Teuchos::Comm<int>& comm, const Fin
                        std::to_string(other.scene.bodies.size()) + " here, " +
                        std::to_string(reference.scene.bodies.size()) + " in the reference)");
   });
-  for (std::size_t b = 0; b < reference.scene.bodies.size(); ++b) {
-    GatheredBody body = gatherBody(comm, other.solution.owned, static_cast<int>(b));
-    bodies_.emplace_back(body.type, std::move(body.nodes), std::move(body.cells));
-  }
+  for (std::size_t b = 0; b < reference.scene.bodies.size(); ++b)
+    bodies_.push_back(locatorsOf(comm, other.solution.owned, static_cast<int>(b)));
   agree(comm, [&] {
     for (const scene::OwnedSubdomain& item : reference.solution.owned) {
       const fem::Mesh& mesh = *item.mesh.mesh;
-      const fem::PointLocator& locator = bodies_[static_cast<std::size_t>(item.body)];
+      const std::vector<fem::PointLocator>& locators = bodies_[static_cast<std::size_t>(item.body)];
       const fem::ReferenceElement element(mesh.cellType, fem::errorDegree(mesh.cellType));
       fem::CellIntegrator cell(mesh, element);
       std::vector<Place> places;
-      int hint = -1;
+      std::vector<int> hints(locators.size(), -1);
       for (int c = 0; c < mesh.numberOfCells(); ++c) {
         cell.turnTo(c);
         for (int q = 0; q < cell.points(); ++q) {
           Point x = cell.position(q);
           for (std::size_t d = 0; d < 3; ++d)
             x[d] += item.mesh.anchor[d];
-          const fem::PointLocator::Place place = locator.nearest(x, hint);
-          hint = place.cell;
-          places.push_back({place.cell, place.reference});
+          Place best{};
+          double least = std::numeric_limits<double>::infinity();
+          for (std::size_t k = 0; k < locators.size(); ++k) {
+            const fem::PointLocator::Place place = locators[k].nearest(x, hints[k]);
+            hints[k] = place.cell;
+            if (place.distance < least)
+              best = {k, place.cell, place.reference};
+            least = std::min(least, place.distance);
+          }
+          places.push_back(best);
         }
       }
       places_.push_back(std::move(places));
@@ -302,7 +304,8 @@ SolutionNorms SolutionComparison::difference(const FinishedRun& run) const {
     values.push_back(gatherValues(comm_, run.solution, static_cast<int>(b)));
   agree(comm_, [&] {
     for (std::size_t b = 0; b < bodies_.size(); ++b)
-      HARMOS_REQUIRE(values[b].size() == bodies_[b].numberOfNodes() * static_cast<std::size_t>(components),
+      HARMOS_REQUIRE(values[b].size() ==
+                         bodies_[b].front().numberOfNodes() * static_cast<std::size_t>(components),
                      "a run is not on the meshes that were located");
     for (const Surface& surface : surfaces_)
       for (int point : surface.pointOfNode)
@@ -318,7 +321,8 @@ SolutionNorms SolutionComparison::difference(const FinishedRun& run) const {
         std::size_t next = 0; // cells and points come in the order in which they were located
         return [&, body, next](int, int, const Point&) mutable {
           const Place& place = places[next++];
-          return bodies_[body].valueAndGradient({place.cell, place.reference, 0.0}, values[body], components);
+          return bodies_[body][place.locator].valueAndGradient({place.cell, place.reference, 0.0},
+                                                               values[body], components);
         };
       });
   const std::vector<Point> pressures = onSurface(run, 1, [](const ContactState& state) {

@@ -69,7 +69,9 @@ class SolutionComparison {
   SolutionNorms difference(const FinishedRun& run) const;
 
  private:
+  /// On the other mesh: which of its body's locators, and the place on that.
   struct Place {
+    std::size_t locator;
     int cell;
     fem::Point reference;
   };
@@ -90,7 +92,8 @@ class SolutionComparison {
 
   const Teuchos::Comm<int>& comm_;
   const FinishedRun& reference_;
-  std::vector<fem::PointLocator> bodies_;
+  std::vector<std::vector<fem::PointLocator>>
+      bodies_;                             ///< of each one for each type of cells, all nodes in it
   std::vector<std::vector<Place>> places_; ///< of each owned subdomain: cell by cell, point by point
   std::vector<Surface> surfaces_;
   std::vector<SurfacePlace> surfacePlaces_; ///< of the reference's contact points

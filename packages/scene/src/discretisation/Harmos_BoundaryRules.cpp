@@ -4,12 +4,11 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_BoundaryParts.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_FacingSides.hpp"
 #include "Harmos_Index.hpp"
 #include "Harmos_NearestName.hpp"
 #include "Harmos_OuterSides.hpp"
 #include "Harmos_PointAlgebra.hpp"
-
-#include <Teuchos_CommHelpers.hpp>
 
 #include <algorithm>
 #include <array>
@@ -19,30 +18,6 @@
 
 namespace Harmos::scene {
 namespace {
-
-// The diagonals of the boxes around the bodies. Collective.
-std::vector<double> diagonalsOf(const Teuchos::Comm<int>& comm, std::size_t bodies,
-                                const std::vector<OwnedSubdomain>& owned) {
-  std::vector<double> ends(6 * bodies, -std::numeric_limits<double>::infinity()),
-      all(ends.size()); // −low, high
-  for (const OwnedSubdomain& item : owned)
-    for (int node : item.mesh.mesh->boundary) {
-      const fem::Point x = item.mesh.position(node);
-      double* own = &ends[6 * at(item.body)];
-      for (std::size_t d = 0; d < 3; ++d) {
-        own[d] = std::max(own[d], -x[d]);
-        own[3 + d] = std::max(own[3 + d], x[d]);
-      }
-    }
-  Teuchos::reduceAll<int, double>(comm, Teuchos::REDUCE_MAX, static_cast<int>(ends.size()), ends.data(),
-                                  all.data());
-  std::vector<double> diagonals;
-  for (std::size_t b = 0; b < bodies; ++b) {
-    const double* own = &all[6 * b];
-    diagonals.push_back(norm({own[0] + own[3], own[1] + own[4], own[2] + own[5]}));
-  }
-  return diagonals;
-}
 
 // What a rule has met on a body: sides it looked at, those that met each condition, those that met all.
 constexpr std::size_t tallies = fem::BoundaryRule::conditions + 2;
@@ -54,16 +29,20 @@ class RuleWork {
         scene_(scene),
         owned_(owned),
         names_(gatherPartNames(comm, scene.bodies.size(), owned)),
-        diagonals_(diagonalsOf(comm, scene.bodies.size(), owned)),
+        diagonals_(bodyDiagonals(comm, scene.bodies.size(), owned)),
         counts_(scene.boundaryRules.size() * scene.bodies.size() * tallies, 0.0) {}
 
   void go() {
     requireNames();
-    const std::vector<std::vector<fem::Side>> outer = outerSides(comm_, owned_);
+    outer_ = outerSides(comm_, owned_);
+    for (const fem::BoundaryRule& rule : scene_.boundaryRules)
+      if (rule.facing && faced_.count(rule.facing->distance) == 0)
+        faced_[rule.facing->distance] =
+            facedBodies(comm_, scene_.bodies.size(), owned_, outer_, rule.facing->distance);
     agree(comm_, [&] {
       for (std::size_t r = 0; r < scene_.boundaryRules.size(); ++r)
         for (std::size_t i = 0; i < owned_.size(); ++i)
-          chooseSides(r, owned_[i], outer[i]);
+          chooseSides(r, i);
     });
     globalSum(comm_, counts_);
     requireSides();
@@ -105,16 +84,32 @@ class RuleWork {
     }
   }
 
-  void chooseSides(std::size_t r, OwnedSubdomain& item, const std::vector<fem::Side>& outer) {
+  // Whether a side of a subdomain faces one of a rule's bodies.
+  bool faces(const fem::BoundaryRule& rule, std::size_t i, const fem::Side& side) const {
+    if (!rule.facing)
+      return false;
+    const std::vector<fem::Side>& outer = outer_[i];
+    const auto found = std::lower_bound(outer.begin(), outer.end(), side, isBefore);
+    if (found == outer.end() || isBefore(side, *found))
+      return false; // inside the body
+    const std::vector<int>& bodies = faced_.at(rule.facing->distance)[i][at(found - outer.begin())];
+    return std::any_of(bodies.begin(), bodies.end(), [&](int body) {
+      const std::vector<std::string>& named = rule.facing->bodies;
+      return std::find(named.begin(), named.end(), bodyName(at(body))) != named.end();
+    });
+  }
+
+  void chooseSides(std::size_t r, std::size_t i) {
     const fem::BoundaryRule& rule = scene_.boundaryRules[r];
+    OwnedSubdomain& item = owned_[i];
     const auto body = at(item.body);
     if (!rule.isOn(bodyName(body)))
       return;
     std::vector<fem::Side> chosen;
     double* counts = countsOf(r, body);
-    for (const fem::Side& side : rule.of.empty() ? outer : sidesOf(item.mesh, rule.of)) {
-      const fem::BoundaryRule::Verdict verdict =
-          rule.judge(fem::geometryOf(item.mesh, side), rule.tolerance * diagonals_[body]);
+    for (const fem::Side& side : rule.of.empty() ? outer_[i] : sidesOf(item.mesh, rule.of)) {
+      const fem::BoundaryRule::Verdict verdict = rule.judge(
+          fem::geometryOf(item.mesh, side), rule.tolerance * diagonals_[body], faces(rule, i, side));
       counts[0] += 1.0;
       for (std::size_t c = 0; c < verdict.size(); ++c)
         counts[1 + c] += verdict[c] ? 1.0 : 0.0;
@@ -126,11 +121,12 @@ class RuleWork {
       item.mesh.sides[rule.name] = chosen;
   }
 
+  static bool isBefore(const fem::Side& a, const fem::Side& b) {
+    return std::tie(a.cell, a.side) < std::tie(b.cell, b.side);
+  }
+
   static std::vector<fem::Side> sidesOf(const fem::PlacedMesh& mesh, const std::vector<std::string>& parts) {
-    const auto before = [](const fem::Side& a, const fem::Side& b) {
-      return std::tie(a.cell, a.side) < std::tie(b.cell, b.side);
-    };
-    std::set<fem::Side, decltype(before)> all(before);
+    std::set<fem::Side, decltype(&isBefore)> all(&isBefore);
     for (const std::string& part : parts)
       if (const auto found = mesh.sides.find(part); found != mesh.sides.end())
         all.insert(found->second.begin(), found->second.end());
@@ -251,7 +247,9 @@ class RuleWork {
   std::vector<OwnedSubdomain>& owned_;
   PartNames names_;
   std::vector<double> diagonals_;
-  std::vector<double> counts_; // by rule and body
+  std::vector<double> counts_;                // by rule and body
+  std::vector<std::vector<fem::Side>> outer_; // of each subdomain
+  std::map<double, FacedBodies> faced_;       // by distance
 };
 
 } // namespace

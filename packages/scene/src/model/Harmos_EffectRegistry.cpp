@@ -42,6 +42,13 @@ void EffectRegistry::addParameters(ParameterSpec& deck) const {
   deck.list(spec());
 }
 
+Teuchos::ParameterList EffectRegistry::defaultsOf(const std::string& kind) const {
+  for (const EffectKind& known : kinds_)
+    if (known.name == kind)
+      return parametersOf(known).defaults();
+  throw InternalError("no effect of the kind \"" + kind + "\" is registered");
+}
+
 void EffectRegistry::addEffects(const Teuchos::ParameterList& deck, Scene& scene) const {
   for (const EffectKind& kind : kinds_) {
     const Teuchos::ParameterList& list = deck.sublist("Effects").sublist(kind.name);

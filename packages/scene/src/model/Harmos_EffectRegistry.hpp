@@ -42,6 +42,10 @@ class EffectRegistry {
   /// The list Effects: a sublist a kind, in which each effect has a name of its own.
   void addParameters(ParameterSpec& deck) const;
 
+  /// The parameters of an effect of a kind, all at their defaults.
+  /// @throws InternalError for a kind that is not registered.
+  Teuchos::ParameterList defaultsOf(const std::string& kind) const;
+
   /// Adds the effects that a validated deck names to a scene that has its bodies.
   /// @throws InputError, see EffectKind::make. Local.
   void addEffects(const Teuchos::ParameterList& deck, Scene& scene) const;

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_AutomaticContact.hpp"
+
+#include "Harmos_Decomposition.hpp"
+#include "Harmos_Errors.hpp"
+#include "Harmos_FacingSides.hpp"
+#include "Harmos_NearestName.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace Harmos::app {
+namespace {
+
+using Teuchos::ParameterList;
+using BodyPair = std::pair<int, int>; // the lower number first
+
+constexpr const char* kindName = "Automatic contact";
+
+std::vector<std::string> namesOf(const scene::Scene& scene) {
+  std::vector<std::string> names;
+  for (const scene::Body& body : scene.bodies)
+    names.push_back(body.name);
+  return names;
+}
+
+std::set<int> bodiesIn(const ParameterList& list, const std::string& path,
+                       const std::vector<std::string>& names) {
+  std::set<int> bodies;
+  for (const std::string& name : list.get<Teuchos::Array<std::string>>("Bodies")) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end())
+      throw InputError("\"" + path + "/Bodies\" names the body \"" + name + "\", which does not exist" +
+                           offer(name, names),
+                       {{"path", path + "/Bodies"}});
+    bodies.insert(static_cast<int>(found - names.begin()));
+  }
+  for (int b = 0;
+       b < static_cast<int>(names.size()) && list.get<Teuchos::Array<std::string>>("Bodies").empty(); ++b)
+    bodies.insert(b);
+  return bodies;
+}
+
+// Those that a contact or tie of the deck couples.
+std::set<BodyPair> coupledPairs(const ParameterList& effects, const std::vector<std::string>& names) {
+  std::set<BodyPair> pairs;
+  for (const char* kind : {"Contact", "Tie"}) {
+    const ParameterList& list = effects.sublist(kind);
+    for (auto item = list.begin(); item != list.end(); ++item) {
+      const auto bodyOf = [&](const char* side) {
+        const auto part = list.sublist(list.name(item)).get<std::string>(side);
+        const auto found = std::find(names.begin(), names.end(), part.substr(0, part.find('/')));
+        return static_cast<int>(found - names.begin());
+      };
+      pairs.insert(std::minmax(bodyOf("First"), bodyOf("Second")));
+    }
+  }
+  return pairs;
+}
+
+// Adds contacts of pairs to the effects of a deck, and their parts to the scene.
+class Pairs {
+ public:
+  Pairs(const DeckContext& context, const scene::EffectRegistry& registry, ParameterList& effects,
+        scene::Scene& scene)
+      : context_(context),
+        registry_(registry),
+        effects_(effects),
+        scene_(scene),
+        names_(namesOf(scene)),
+        taken_(coupledPairs(effects, names_)) {}
+
+  /// @param faced of the scene's meshes.
+  void add(const ParameterList& list, const std::string& path,
+           const std::map<BodyPair, std::pair<long long, long long>>& faced,
+           const std::vector<double>& diagonals) {
+    const std::set<int> bodies = bodiesIn(list, path, names_);
+    int count = 0;
+    for (const auto& [pair, sides] : faced) {
+      // Both need sides: a corner that reaches into another body faces nothing.
+      if (bodies.count(pair.first) == 0 || bodies.count(pair.second) == 0 || sides.first == 0 ||
+          sides.second == 0 || !taken_.insert(pair).second)
+        continue;
+      const double nearness =
+          scene::usualNearness * std::min(diagonals[static_cast<std::size_t>(pair.first)],
+                                          diagonals[static_cast<std::size_t>(pair.second)]);
+      const bool isFirst = sides.first >= sides.second;
+      addContact(list, isFirst ? pair : BodyPair{pair.second, pair.first}, nearness);
+      tell(pair, sides);
+      ++count;
+    }
+    if (count == 0)
+      scene_.notes.push_back("\"" + path +
+                             "\": no two of its bodies have sides that face each other within \"Distance\", "
+                             "or other effects couple them all");
+  }
+
+ private:
+  const std::string& name(int body) const { return names_[static_cast<std::size_t>(body)]; }
+  std::string partFacing(int body, int other, double distance) {
+    const std::string part = "facing " + name(other);
+    fem::BoundaryRule rule;
+    rule.name = part;
+    rule.bodies = {name(body)};
+    rule.facing = fem::BoundaryRule::Facing{{name(other)}, distance};
+    scene_.boundaryRules.push_back(rule);
+    return name(body) + "/" + part;
+  }
+
+  // @param nearness of the two, where the list has none.
+  void addContact(const ParameterList& list, const BodyPair& pair, double nearness) {
+    const std::string key = name(pair.first) + "-" + name(pair.second);
+    const double distance = list.get<double>("Distance");
+    ParameterList contact = registry_.defaultsOf("Contact");
+    contact.set("First", partFacing(pair.first, pair.second, distance));
+    contact.set("Second", partFacing(pair.second, pair.first, distance));
+    contact.set("Reach", distance > 0.0 ? distance : nearness);
+    for (const char* parameter : {"Gap", "Adjust", "Stiffness"})
+      contact.set(parameter, list.get<double>(parameter));
+    effects_.sublist("Contact").set(key, contact);
+    if (list.get<double>("Friction coefficient") > 0.0) {
+      ParameterList friction = registry_.defaultsOf("Friction");
+      friction.set("Contact", "Contact/" + key);
+      friction.set("Coefficient", list.get<double>("Friction coefficient"));
+      effects_.sublist("Friction").set(key, friction);
+    }
+  }
+
+  void tell(const BodyPair& pair, const std::pair<long long, long long>& sides) const {
+    context_.log.info("Automatic contact: \"" + name(pair.first) + "\" (" + std::to_string(sides.first) +
+                      " sides) and \"" + name(pair.second) + "\" (" + std::to_string(sides.second) +
+                      " sides)");
+  }
+
+  const DeckContext& context_;
+  const scene::EffectRegistry& registry_;
+  ParameterList& effects_;
+  scene::Scene& scene_;
+  std::vector<std::string> names_;
+  std::set<BodyPair> taken_;
+};
+
+} // namespace
+
+scene::EffectKind kindOfAutomaticContact() {
+  ParameterSpec spec("<contacts>",
+                     "A contact between any two bodies that have sides near each other. It is "
+                     "called \"first-second\" by the bodies; their parts are \"facing <body>\".");
+  spec.texts("Bodies", {}, "The bodies; none: all.");
+  spec.real("Distance", 0.0, Range::atLeast(0.0),
+            "Largest distance of sides that face each other, a length: more than what closes under load. "
+            "0: a twentieth of the diagonal of the smaller body.");
+  spec.real("Friction coefficient", 0.0, Range::atLeast(0.0), "Coulomb friction; 0: none.");
+  spec.real("Gap", 0.0, Range(), "As of a contact.");
+  spec.real("Adjust", 0.0, Range::atLeast(0.0), "As of a contact.");
+  spec.real("Stiffness", 0.0, Range::atLeast(0.0), "As of a contact.");
+  return {kindName, spec,
+          [](const ParameterList&, const std::string& path,
+             const scene::Scene&) -> std::shared_ptr<const scene::Effect> {
+            throw InternalError("\"" + path + "\" was not replaced by contacts");
+          },
+          false};
+}
+
+ParameterList withAutomaticContacts(const DeckContext& context, const scene::EffectRegistry& registry,
+                                    scene::Scene& scene) {
+  ParameterList deck = context.deck;
+  const ParameterList automatic = deck.sublist("Effects").sublist(kindName);
+  if (automatic.begin() == automatic.end())
+    return deck;
+  deck.sublist("Effects").set(kindName, ParameterList());
+  scene::Scene bodies = scene; // no rules, no effects
+  bodies.boundaryRules.clear();
+  const std::vector<scene::OwnedSubdomain> owned = scene::decompose(context.comm, bodies);
+  const std::vector<double> diagonals = scene::bodyDiagonals(context.comm, scene.bodies.size(), owned);
+  Pairs pairs(context, registry, deck.sublist("Effects"), scene);
+  for (auto item = automatic.begin(); item != automatic.end(); ++item) {
+    const ParameterList& list = automatic.sublist(automatic.name(item));
+    const auto faced =
+        scene::facingPairs(context.comm, scene.bodies.size(), owned, list.get<double>("Distance"));
+    pairs.add(list, std::string("Effects/") + kindName + "/" + automatic.name(item), faced, diagonals);
+  }
+  return deck;
+}
+
+} // namespace Harmos::app
