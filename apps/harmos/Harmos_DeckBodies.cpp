@@ -551,10 +551,36 @@ void addBodyParameters(ParameterSpec& deck) {
         "C3D20R, CPS8R, C3D6 and C3D15 of other programs; use one subdomain, or several cells across "
         "each"}},
       "Quadrature of the stiffness.");
+  body.expert().series(
+      "Thickness", Range::above(0.0),
+      "Plane strain and stress: thickness of each region, or one for all; none: 1. Forces and "
+      "energies are those of the thickness; contacts need the thickness 1.");
   ParameterSpec bodies("Bodies", "The bodies of the scene.");
   bodies.family(std::move(body));
   deck.list(std::move(bodies));
 }
+
+namespace {
+
+// One for each region.
+std::vector<double> thicknessOf(const ParameterList& list, const std::string& name, std::size_t regions,
+                                scene::Physics physics) {
+  const auto& given = list.sublist("Expert").get<Teuchos::Array<double>>("Thickness");
+  if (given.empty())
+    return {};
+  const std::string path = "Bodies/" + name + "/Expert/Thickness";
+  if (physics != scene::Physics::PlaneStrain && physics != scene::Physics::PlaneStress)
+    throw InputError("\"" + path + "\" is given in a scene that is not plane; remove it", {{"path", path}});
+  if (given.size() != 1 && static_cast<std::size_t>(given.size()) != regions)
+    throw InputError("\"" + path + "\" has " + std::to_string(given.size()) + " numbers for " +
+                         std::to_string(regions) + " regions; give one for all or one per region",
+                     {{"path", path}});
+  std::vector<double> thickness(given.begin(), given.end());
+  thickness.resize(regions, thickness.back());
+  return thickness;
+}
+
+} // namespace
 
 void addBodies(const DeckContext& context, scene::Scene& scene) {
   const ParameterList& bodies = context.deck.sublist("Bodies");
@@ -581,6 +607,7 @@ void addBodies(const DeckContext& context, scene::Scene& scene) {
         body.materials.push_back(
             materialNamed(context.deck, materials[std::min(r, materials.size() - 1)], name));
       body.dilatation = dilatationOf(list, body.materials);
+      body.thickness = thicknessOf(list, name, regions, scene.physics);
       if (list.sublist("Expert").get<std::string>("Integration") == "reduced")
         body.integration = fem::Integration::Reduced;
     }

@@ -140,9 +140,10 @@ class Conversion:
                 body.groups.append(group)
         thickness = {s.thickness for body in self.bodies for s, _ in body.regions.values()}
         if self.physics in ("plane strain", "plane stress"):
-            if len(thickness) > 1:
-                raise ValueError("plane sections of several thicknesses are not supported")
-            self.thickness = thickness.pop()
+            if len(thickness) > 1 and (self.model.contacts or self.model.ties):
+                raise ValueError("plane sections of several thicknesses, and contacts, are not supported")
+            if len(thickness) == 1:
+                self.thickness = thickness.pop()
             if self.thickness != 1.0:
                 self.notes.append(
                     f"thickness {self.thickness:g}: forces are divided by it, since Harmos' plane bodies have "

@@ -81,6 +81,8 @@ def deck_of(conversion, mesh_file):
         if len(sections) > 1:
             entry["Groups"] = body.groups
         entry["Expert"] = {"Dilatation": "full"}  # as the model's elements have it
+        if len({section.thickness for body in conversion.bodies for section, _ in body.regions.values()}) > 1:
+            entry["Expert"]["Thickness"] = [section.thickness for section in sections]
         if any(element.reduced for element in body.elements):
             entry["Expert"]["Integration"] = "reduced"
         if any(element.has_mechanisms for element in body.elements):

@@ -149,6 +149,20 @@ class Answers(unittest.TestCase):
         _, _, points, u, body = self.solve(lines)
         self.expect((points, body), u, lambda x, b: (0, 0, -2.0 * x[2] / YOUNG - (b == 1) * 2.0 / 50.0))
 
+    def test_thicknesses_and_types_side_by_side(self):
+        # A quadrilateral of the thickness 1/2, two triangles of 2: 4 N go through both.
+        nodes = ((0, 0), (1, 0), (1, 1), (0, 1), (2, 0), (2, 1))
+        lines = ["*NODE", *[f"{k}, {x}, {y}" for k, (x, y) in enumerate(nodes, 1)], "*ELEMENT, TYPE=CPS4, ELSET=THIN",
+                 "1, 1, 2, 3, 4", "*ELEMENT, TYPE=CPS3, ELSET=THICK", "2, 2, 5, 6", "3, 2, 6, 3",
+                 "*MATERIAL, NAME=STEEL", "*ELASTIC", f"{YOUNG}, 0.", "*SOLID SECTION, ELSET=THIN, MATERIAL=STEEL", "0.5",
+                 "*SOLID SECTION, ELSET=THICK, MATERIAL=STEEL", "2.0", "*BOUNDARY", "1, 1, 2", "4, 1"]
+        for load in (["*DLOAD", "2, P2, -2."], ["*CLOAD", "5, 1, 2.", "6, 1, 2."]):
+            _, run, points, u, body = self.solve(lines + step(*load))
+            self.expect((points, body), u, lambda x, b: ((8.0 * min(x[0], 1) + 2.0 * max(x[0] - 1, 0)) / YOUNG, 0, 0))
+            held = sum(entry["force"][0] for entry in run.summary["forces"].values())
+            self.assertAlmostEqual(held, -4.0, delta=1e-8)
+            self.assertAlmostEqual(run.summary["energy"], -0.5 * 4.0 * 10.0 / YOUNG, delta=1e-8)
+
     def test_ties_weight_and_tied_contact(self):
         # ρ g over two heights: u = ρ g/E (z²/2 − 2 z), exact at corners.
         for tie in (

@@ -77,8 +77,8 @@ void CellIntegrator::turnTo(int cell) {
                            {{"cell", std::to_string(cell)}, {"jacobian", scientific(det)}});
     }
     measures_[static_cast<std::size_t>(q)] = element_.weight(q) * det;
-    if (mesh_.isAxisymmetric)
-      measures_[static_cast<std::size_t>(q)] *= mesh_.around(position(q));
+    if (mesh_.isAxisymmetric || !mesh_.thickness.empty())
+      measures_[static_cast<std::size_t>(q)] *= mesh_.around(cell_, position(q));
     for (int i = 0; i < basisSize(); ++i) {
       const Point& g = element_.gradient(i, q);
       Point& gradient = gradients_[static_cast<std::size_t>(q * basisSize() + i)];

@@ -81,7 +81,7 @@ void visitSides(const Mesh& mesh, const std::vector<Side>& sides, int degree,
       const double area = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
       for (std::size_t d = 0; d < 3; ++d)
         point.normal[d] = normal[d] / area;
-      point.measure = element.weight(q) * area * mesh.around(point.position);
+      point.measure = element.weight(q) * area * mesh.around(side.cell, point.position);
       visit(point);
     }
   }

@@ -34,6 +34,7 @@ struct Mesh {
   /// Of a plane mesh: the meridian plane of bodies of revolution, x the distance from their axis, y along it.
   /// The anchor is on the axis then, and all integrals go around it.
   bool isAxisymmetric = false;
+  std::vector<double> thickness; ///< of a plane mesh, by region; empty: 1 everywhere
 
   int dimension() const { return shapeOf(cellType).dimension; }
   int nodesPerCell() const { return shapeOf(cellType).nodes; }
@@ -57,6 +58,11 @@ struct Mesh {
     constexpr double turn = 6.283185307179586;
     return isAxisymmetric ? turn * local[0] : 1.0;
   }
+  /// The same of a cell's thickness, and of both.
+  double thicknessOf(int cell) const {
+    return thickness.empty() ? 1.0 : thickness[static_cast<std::size_t>(region(cell))];
+  }
+  double around(int cell, const Point& local) const { return thicknessOf(cell) * around(local); }
   CellType typeOf(const Side& side) const {
     return shapeOf(cellType).sideTypes[static_cast<std::size_t>(side.side)];
   }

@@ -152,6 +152,25 @@ void placeAroundAxis(const Scene& scene, std::vector<OwnedSubdomain>& owned) {
   }
 }
 
+// Subdomains of one mesh and body still share it.
+void takeThickness(const Scene& scene, std::vector<OwnedSubdomain>& owned) {
+  std::map<std::pair<const fem::Mesh*, int>, std::shared_ptr<const fem::Mesh>> made;
+  std::vector<std::shared_ptr<const fem::Mesh>> before; // no other mesh gets the place of one
+  for (OwnedSubdomain& item : owned) {
+    const std::vector<double>& thickness = scene.bodies[static_cast<std::size_t>(item.body)].thickness;
+    if (thickness.empty())
+      continue;
+    before.push_back(item.mesh.mesh);
+    std::shared_ptr<const fem::Mesh>& mesh = made[{item.mesh.mesh.get(), item.body}];
+    if (!mesh) {
+      auto copy = std::make_shared<fem::Mesh>(*item.mesh.mesh);
+      copy->thickness = thickness;
+      mesh = copy;
+    }
+    item.mesh.mesh = mesh;
+  }
+}
+
 // OwnedSubdomain::ownNodes of the parts that effects count. @note Collective.
 void findOwnNodes(const Teuchos::Comm<int>& comm, const Scene& scene, std::vector<OwnedSubdomain>& owned) {
   std::set<std::pair<int, std::string>> counted;
@@ -228,6 +247,7 @@ std::vector<OwnedSubdomain> decompose(const Teuchos::Comm<int>& comm, const Scen
   }
   if (scene.physics == Physics::Axisymmetric)
     agree(comm, [&] { placeAroundAxis(scene, owned); });
+  agree(comm, [&] { takeThickness(scene, owned); });
   chooseBoundaryParts(comm, scene, owned);
   findOwnNodes(comm, scene, owned);
   return owned;

@@ -47,6 +47,7 @@ struct Body {
   std::vector<fem::Material> materials; ///< of each region of the meshes
   fem::Dilatation dilatation = fem::Dilatation::Full;
   fem::Integration integration = fem::Integration::Full;
+  std::vector<double> thickness; ///< in the plane, of each region; empty: 1
 };
 
 /// A number that a run of several steps tells of each besides: a force as a stress, a factor as a strain.
