@@ -56,8 +56,11 @@ def report(path, status=0, *words):
     return done.stdout + done.stderr
 
 
-def universal(path):
-    """An I-DEAS universal file: 2411 nodes, 2412 elements with their property's number."""
+def universal(path, groups=()):
+    """An I-DEAS universal file: 2411 nodes, 2412 elements with their property's number, 2467 groups.
+
+    @param groups (name, type of its entities, their numbers)
+    """
     points, cells, triangles, (ofCells, ofTriangles) = two_cubes()
     kinds = [(111, cell, region) for cell, region in zip(cells, ofCells)]
     kinds += [(91, cell, region) for cell, region in zip(triangles, ofTriangles)]
@@ -69,6 +72,12 @@ def universal(path):
     for number, (kind, cell, region) in enumerate(kinds, 1):
         lines.append(f"{number:10d}{kind:10d}{region:10d}{region:10d}{7:10d}{len(cell):10d}")
         lines.append("".join(f"{node + 1:10d}" for node in cell))
+    if groups:
+        lines += ["    -1", "    -1", "  2467"]
+    for number, (name, kind, members) in enumerate(groups, 1):
+        lines += ["".join(f"{n:10d}" for n in (number, 0, 0, 0, 0, 0, 0, len(members))), name]
+        for k in range(0, len(members), 2):
+            lines.append("".join(f"{kind:10d}{member:10d}{0:10d}{0:10d}" for member in members[k : k + 2]))
     path.write_text("\n".join([*lines, "    -1", ""]), encoding="utf-8")
 
 
@@ -248,6 +257,36 @@ class Others(Case):
         for region in (1, 2):
             self.assertIn(f'Body "{region}": {CUBE}', text)
             self.assertIn(f'part "{region + 10}": 8 sides, area 1', text)
+
+    def test_groups_of_a_universal_file(self):
+        node, element = 7, 8
+        path = self.path("groups.unv")
+        cells = len(cube(0.0)[1])
+        groups = [("lower half", element, range(1, cells + 1)), ("upper half", element, range(cells + 1, 2 * cells + 1)),
+                  ("both", element, range(1, 2 * cells + 1)), ("lid", element, range(2 * cells + 9, 2 * cells + 17)),
+                  ("corner", node, [1])]
+        universal(path, groups)
+        text = report(path, 0, "--body", "lower=lower half", "--body", "upper=upper half")
+        for name in ("lower", "upper"):
+            self.assertIn(f'Body "{name}": {CUBE}', text)
+        self.assertEqual(text.count('part "lid": 8 sides, area 1, flat with normal (0, 0, 1), from (0, 0, 2)'), 1)
+        self.assertEqual(text.count('nodes "corner": 1'), 1)
+        self.assertIn('Body "all": 54 nodes, 96 cells', report(path, 0, "--body", "all=both"))
+        for groups, said in (
+            ([("lid", element, [999])], 'the group "lid" names the element 999'),
+            ([("corner", node, [0])], 'the group "corner" names the node 0'),
+        ):
+            universal(path, groups)
+            self.assertIn(said, report(path, 2))
+        universal(path, [("corner", node, [1, 2, 3])])
+        lines = path.read_text(encoding="utf-8").splitlines()
+        path.write_text("\n".join(lines[:-2]) + "\n", encoding="utf-8")
+        self.assertIn('ends within the group "corner"', report(path, 2))
+
+    def test_models_are_told_apart_from_meshes(self):
+        path = self.path("model.inp")
+        path.write_text("*NODE\n1, 0, 0, 0\n", encoding="utf-8")
+        self.assertIn("convert it to a deck and a mesh: harmos-inp", report(path, 2))
 
     def test_other_kinds_of_vtk_files(self):
         path = self.path("points.vtk")

@@ -164,7 +164,7 @@ class Reader {
       else if (isExodus(path_))
         loadExodus(path_, readExodus(path_));
       else
-        gmsh::open(path_);
+        openByGmsh();
       if (dimension_ == 0)
         dimension_ = has(3) ? 3 : 2;
       gmsh::model::mesh::getElementTypes(types, dimension_);
@@ -193,6 +193,17 @@ class Reader {
                        (dimension_ == 3 && has(2)
                             ? "is a plane mesh of dimension 2 or the surface of a solid without volume mesh"
                             : "is not a mesh or has another dimension"));
+  }
+
+  void openByGmsh() const {
+    if (std::filesystem::path(path_).extension() == ".inp")
+      throw InputError(
+          "\"" + path_ +
+          "\" is an input of CalculiX or Abaqus, which is a model; convert it to a deck and a mesh: "
+          "harmos-inp, with --sets for all sets");
+    gmsh::open(path_);
+    if (isUniversal(path_))
+      addGroups(path_, readUniversalGroups(path_));
   }
 
   static void prescribe(const GmshMeshing& meshing) {

@@ -6,6 +6,7 @@
 #include <gmsh.h>
 
 #include <numeric>
+#include <set>
 
 namespace Harmos::fem::Details {
 namespace {
@@ -194,6 +195,82 @@ void loadExodus(const std::string& path, const ExodusMesh& mesh) {
     model.add(0, set.name, {{point, {set.nodes.begin(), set.nodes.end()}}});
   for (const auto& [name, values] : mesh.fields)
     model.addField(name, values);
+}
+
+namespace {
+
+struct NumberedElement {
+  int type, dimension;
+  std::vector<Tag> nodes;
+};
+
+// All elements of the model by their numbers.
+std::map<Tag, NumberedElement> elementsByNumber() {
+  std::map<Tag, NumberedElement> result;
+  for (int dimension = 1; dimension < 4; ++dimension) {
+    std::vector<int> types;
+    std::vector<std::vector<Tag>> tags, nodes;
+    gmsh::model::mesh::getElements(types, tags, nodes, dimension);
+    for (std::size_t k = 0; k < types.size(); ++k) {
+      const std::size_t each = tags[k].empty() ? 0 : nodes[k].size() / tags[k].size();
+      for (std::size_t e = 0; e < tags[k].size(); ++e) {
+        const auto first = nodes[k].begin() + static_cast<std::ptrdiff_t>(e * each);
+        result[tags[k][e]] = {types[k], dimension, {first, first + static_cast<std::ptrdiff_t>(each)}};
+      }
+    }
+  }
+  return result;
+}
+
+// A new entity with these elements, and its group.
+void addGroup(int dimension, const std::string& name, const std::map<int, std::vector<Tag>>& cells) {
+  const int entity = gmsh::model::addDiscreteEntity(dimension);
+  for (const auto& [type, nodes] : cells)
+    gmsh::model::mesh::addElementsByType(entity, type, {}, nodes);
+  gmsh::model::setPhysicalName(dimension, gmsh::model::addPhysicalGroup(dimension, {entity}), name);
+}
+
+} // namespace
+
+void addGroups(const std::string& path, const std::vector<UniversalGroup>& groups) {
+  const std::map<Tag, NumberedElement> elements = elementsByNumber();
+  std::vector<Tag> nodes;
+  std::vector<double> unused, unusedToo;
+  gmsh::model::mesh::getNodes(nodes, unused, unusedToo);
+  const std::set<Tag> known(nodes.begin(), nodes.end());
+  const auto fail = [&](const UniversalGroup& group, const std::string& what, long long number) {
+    throw InputError("\"" + path + "\": the group \"" + group.name + "\" names the " + what + " " +
+                     std::to_string(number) + ", which the file does not have; write it again");
+  };
+  std::map<std::pair<int, std::string>, std::map<int, std::vector<Tag>>> cells; // by dimension and name
+  constexpr int point = 15;                                                     // of Gmsh
+  for (const UniversalGroup& group : groups) {
+    for (long long number : group.nodes) {
+      if (number < 0 || known.count(static_cast<Tag>(number)) == 0)
+        fail(group, "node", number);
+      cells[{0, group.name}][point].push_back(static_cast<Tag>(number));
+    }
+    for (long long number : group.elements) {
+      const auto found = elements.find(static_cast<Tag>(number));
+      if (found == elements.end())
+        fail(group, "element", number);
+      const NumberedElement& element = found->second;
+      std::vector<Tag>& all = cells[{element.dimension, group.name}][element.type];
+      all.insert(all.end(), element.nodes.begin(), element.nodes.end());
+    }
+  }
+  std::set<int> dimensions;
+  for (const auto& entry : cells)
+    dimensions.insert(entry.first.first);
+  // Of files of this format Gmsh removes all groups or none.
+  const Groups byProperty = groupsOfModel();
+  gmsh::model::removePhysicalGroups();
+  for (int dimension = 0; dimension < 4; ++dimension)
+    for (const auto& [name, entities] : byProperty[static_cast<std::size_t>(dimension)])
+      if (dimensions.count(dimension) == 0)
+        gmsh::model::setPhysicalName(dimension, gmsh::model::addPhysicalGroup(dimension, entities), name);
+  for (const auto& [place, ofTypes] : cells)
+    addGroup(place.first, place.second, ofTypes);
 }
 
 } // namespace Harmos::fem::Details

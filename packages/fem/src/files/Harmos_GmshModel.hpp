@@ -3,6 +3,7 @@
 
 #include "Harmos_CellType.hpp"
 #include "Harmos_ExodusFile.hpp"
+#include "Harmos_UniversalGroups.hpp"
 #include "Harmos_VtkFile.hpp"
 
 #include <array>
@@ -72,6 +73,12 @@ void loadGrid(const std::string& path, const VtkGrid& grid);
 /// view of each field.
 /// @throws InputError for sides that an element does not have.
 void loadExodus(const std::string& path, const ExodusMesh& mesh);
+
+/// Adds groups of a universal file to the model that Gmsh has read from it, which knows the properties of
+/// elements only: an entity for each group and dimension. Where groups have elements of a dimension, its
+/// groups by property go.
+/// @throws InputError for numbers that no node or element of the file has.
+void addGroups(const std::string& path, const std::vector<UniversalGroup>& groups);
 
 /// "point", "curve", "surface", "volume".
 const char* entityName(int dimension);
