@@ -58,6 +58,13 @@ std::set<BodyPair> coupledPairs(const ParameterList& effects, const std::vector<
   return pairs;
 }
 
+long long sumOf(const std::map<std::size_t, long long>& counts) {
+  long long sum = 0;
+  for (const auto& entry : counts)
+    sum += entry.second;
+  return sum;
+}
+
 // Adds contacts of pairs to the effects of a deck, and their parts to the scene.
 class Pairs {
  public:
@@ -72,21 +79,23 @@ class Pairs {
 
   /// @param faced of the scene's meshes.
   void add(const ParameterList& list, const std::string& path,
-           const std::map<BodyPair, std::pair<long long, long long>>& faced,
-           const std::vector<double>& diagonals) {
+           const std::map<BodyPair, scene::FacingCounts>& faced, const std::vector<double>& diagonals) {
     const std::set<int> bodies = bodiesIn(list, path, names_);
+    for (int body : bodies)
+      if (name(body).find('/') != std::string::npos)
+        throw InputError("\"" + path + "\" names contacts by their bodies, but body \"" + name(body) +
+                             "\" has a slash in its name, the separator of lists; rename it, or leave it out",
+                         {{"path", path + "/Bodies"}});
     int count = 0;
     for (const auto& [pair, sides] : faced) {
       // Both need sides: a corner that reaches into another body faces nothing.
-      if (bodies.count(pair.first) == 0 || bodies.count(pair.second) == 0 || sides.first == 0 ||
-          sides.second == 0 || !taken_.insert(pair).second)
+      if (bodies.count(pair.first) == 0 || bodies.count(pair.second) == 0 || sides.first.empty() ||
+          sides.second.empty() || !taken_.insert(pair).second)
         continue;
       const double nearness =
           scene::usualNearness * std::min(diagonals[static_cast<std::size_t>(pair.first)],
                                           diagonals[static_cast<std::size_t>(pair.second)]);
-      const bool isFirst = sides.first >= sides.second;
-      addContact(list, isFirst ? pair : BodyPair{pair.second, pair.first}, nearness);
-      tell(pair, sides);
+      addPair(list, pair, sides, nearness);
       ++count;
     }
     if (count == 0)
@@ -97,24 +106,67 @@ class Pairs {
 
  private:
   const std::string& name(int body) const { return names_[static_cast<std::size_t>(body)]; }
-  std::string partFacing(int body, int other, double distance) {
-    const std::string part = "facing " + name(other);
-    fem::BoundaryRule rule;
-    rule.name = part;
-    rule.bodies = {name(body)};
-    rule.facing = fem::BoundaryRule::Facing{{name(other)}, distance};
-    scene_.boundaryRules.push_back(rule);
-    return name(body) + "/" + part;
+
+  // A name that nothing has yet.
+  template<class IsTaken>
+  static std::string unused(const std::string& wanted, const IsTaken& isTaken) {
+    std::string result = wanted;
+    for (int k = 2; isTaken(result); ++k)
+      result = wanted + "-" + std::to_string(k);
+    return result;
   }
 
-  // @param nearness of the two, where the list has none.
-  void addContact(const ParameterList& list, const BodyPair& pair, double nearness) {
-    const std::string key = name(pair.first) + "-" + name(pair.second);
+  // A contact for each two shapes of sides. @param nearness of the two, where the list has none.
+  void addPair(const ParameterList& list, const BodyPair& pair, const scene::FacingCounts& sides,
+               double nearness) {
     const double distance = list.get<double>("Distance");
+    const std::map<std::size_t, std::string> first =
+                                                 partsFacing(pair.first, pair.second, distance, sides.first),
+                                             second =
+                                                 partsFacing(pair.second, pair.first, distance, sides.second);
+    const bool isFirst = sumOf(sides.first) >= sumOf(sides.second);
+    for (const auto& one : first)
+      for (const auto& other : second) {
+        const std::string key =
+            addContact(list, name(pair.first) + "-" + name(pair.second), isFirst ? one.second : other.second,
+                       isFirst ? other.second : one.second, distance > 0.0 ? distance : nearness);
+        context_.log.info("Automatic contact \"" + key + "\": \"" + name(pair.first) + "\" (" +
+                          std::to_string(sides.first.at(one.first)) + " sides) and \"" + name(pair.second) +
+                          "\" (" + std::to_string(sides.second.at(other.first)) + " sides)");
+      }
+  }
+
+  // By the numbers of corners of their sides.
+  std::map<std::size_t, std::string> partsFacing(int body, int other, double distance,
+                                                 const std::map<std::size_t, long long>& sides) {
+    std::map<std::size_t, std::string> parts;
+    for (const auto& entry : sides) {
+      fem::BoundaryRule rule;
+      rule.name = unused("facing " + name(other), [&](const std::string& part) {
+        return std::any_of(
+            scene_.boundaryRules.begin(), scene_.boundaryRules.end(),
+            [&](const fem::BoundaryRule& known) { return known.name == part && known.isOn(name(body)); });
+      });
+      rule.bodies = {name(body)};
+      rule.facing = fem::BoundaryRule::Facing{{name(other)}, distance};
+      if (sides.size() > 1)
+        rule.corners = entry.first;
+      scene_.boundaryRules.push_back(rule);
+      parts[entry.first] = name(body) + "/" + rule.name;
+    }
+    return parts;
+  }
+
+  // @return its name.
+  std::string addContact(const ParameterList& list, const std::string& wanted, const std::string& first,
+                         const std::string& second, double reach) {
+    const std::string key = unused(wanted, [&](const std::string& known) {
+      return effects_.sublist("Contact").isSublist(known) || effects_.sublist("Friction").isSublist(known);
+    });
     ParameterList contact = registry_.defaultsOf("Contact");
-    contact.set("First", partFacing(pair.first, pair.second, distance));
-    contact.set("Second", partFacing(pair.second, pair.first, distance));
-    contact.set("Reach", distance > 0.0 ? distance : nearness);
+    contact.set("First", first);
+    contact.set("Second", second);
+    contact.set("Reach", reach);
     for (const char* parameter : {"Gap", "Adjust", "Stiffness"})
       contact.set(parameter, list.get<double>(parameter));
     effects_.sublist("Contact").set(key, contact);
@@ -124,12 +176,7 @@ class Pairs {
       friction.set("Coefficient", list.get<double>("Friction coefficient"));
       effects_.sublist("Friction").set(key, friction);
     }
-  }
-
-  void tell(const BodyPair& pair, const std::pair<long long, long long>& sides) const {
-    context_.log.info("Automatic contact: \"" + name(pair.first) + "\" (" + std::to_string(sides.first) +
-                      " sides) and \"" + name(pair.second) + "\" (" + std::to_string(sides.second) +
-                      " sides)");
+    return key;
   }
 
   const DeckContext& context_;
@@ -143,9 +190,9 @@ class Pairs {
 } // namespace
 
 scene::EffectKind kindOfAutomaticContact() {
-  ParameterSpec spec("<contacts>",
-                     "A contact between any two bodies that have sides near each other. It is "
-                     "called \"first-second\" by the bodies; their parts are \"facing <body>\".");
+  ParameterSpec spec(
+      "<contacts>", "A contact between any two bodies that have sides near each other. It is "
+                    "called \"one-other\" by the bodies, in their order; their parts are \"facing <body>\".");
   spec.texts("Bodies", {}, "The bodies; none: all.");
   spec.real("Distance", 0.0, Range::atLeast(0.0),
             "Largest distance of sides that face each other, a length: more than what closes under load. "

@@ -369,10 +369,12 @@ CutBlocks cutBody(const DeckContext& context, Blocks& blocks, int wanted, long l
   const bool isRoot = context.comm.getRank() == 0;
   std::vector<int> parts;
   int count = 0;
-  if (isRoot) {
+  agree(context.comm, [&] {
+    if (!isRoot)
+      return;
     parts = fem::partsOfBlocks(blocks, wanted);
     count = static_cast<int>(parts.size());
-  }
+  });
   Teuchos::broadcast<int, int>(context.comm, 0, 1, &count);
   parts.resize(static_cast<std::size_t>(count));
   Teuchos::broadcast<int, int>(context.comm, 0, count, parts.data());
@@ -496,6 +498,34 @@ void addMaterials(ParameterSpec& deck) {
   deck.list(std::move(materials));
 }
 
+// Of a body.
+void addExpertParameters(ParameterSpec& body) {
+  body.expert().choice("Partition", "compact",
+                       {{"compact", "METIS' parts, rounded off: iterations do not grow with their number"},
+                        {"METIS", "METIS' parts, unchanged"}},
+                       "Source file: method of the decomposition.");
+  body.expert().integer("Partition seed", 1, 0, 1000000,
+                        "Source file: seed of METIS' random numbers. Each seed gives another decomposition, "
+                        "of equal quality.");
+  body.expert().choice("Dilatation", "auto",
+                       {{"auto", "projected if a Poisson's ratio is above 0.4"},
+                        {"full", "from the displacements"},
+                        {"projected", "B-bar, for nearly incompressible materials"}},
+                       "Volume change in the stiffness.");
+  body.expert().choice(
+      "Integration", "full",
+      {{"full", "exact on affine cells"},
+       {"reduced",
+        "2 points in each direction on serendipity elements, 2 and 9 on wedges of 6 and 15 nodes, as "
+        "C3D20R, CPS8R, C3D6 and C3D15 of other programs; use one subdomain, or several cells across "
+        "each"}},
+      "Quadrature of the stiffness.");
+  body.expert().series(
+      "Thickness", Range::above(0.0),
+      "Plane strain and stress: thickness of each region, or one for all; none: 1. Forces and "
+      "energies are those of the thickness; contacts need the thickness 1.");
+}
+
 } // namespace
 
 void addBodyParameters(ParameterSpec& deck) {
@@ -531,30 +561,7 @@ void addBodyParameters(ParameterSpec& deck) {
   body.texts("Materials", {},
              "Names from the list Materials, one for each region in the order of the groups, or one for all. "
              "Membranes have none.");
-  body.expert().choice("Partition", "compact",
-                       {{"compact", "METIS' parts, rounded off: iterations do not grow with their number"},
-                        {"METIS", "METIS' parts, unchanged"}},
-                       "Source file: method of the decomposition.");
-  body.expert().integer("Partition seed", 1, 0, 1000000,
-                        "Source file: seed of METIS' random numbers. Each seed gives another decomposition, "
-                        "of equal quality.");
-  body.expert().choice("Dilatation", "auto",
-                       {{"auto", "projected if a Poisson's ratio is above 0.4"},
-                        {"full", "from the displacements"},
-                        {"projected", "B-bar, for nearly incompressible materials"}},
-                       "Volume change in the stiffness.");
-  body.expert().choice(
-      "Integration", "full",
-      {{"full", "exact on affine cells"},
-       {"reduced",
-        "2 points in each direction on serendipity elements, 2 and 9 on wedges of 6 and 15 nodes, as "
-        "C3D20R, CPS8R, C3D6 and C3D15 of other programs; use one subdomain, or several cells across "
-        "each"}},
-      "Quadrature of the stiffness.");
-  body.expert().series(
-      "Thickness", Range::above(0.0),
-      "Plane strain and stress: thickness of each region, or one for all; none: 1. Forces and "
-      "energies are those of the thickness; contacts need the thickness 1.");
+  addExpertParameters(body);
   ParameterSpec bodies("Bodies", "The bodies of the scene.");
   bodies.family(std::move(body));
   deck.list(std::move(bodies));

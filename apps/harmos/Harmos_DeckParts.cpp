@@ -89,6 +89,8 @@ fem::BoundaryRule ruleFrom(const RuleList& given, const std::string& name) {
     rule.facing = fem::BoundaryRule::Facing{faced, distance};
   else if (distance > 0.0)
     throw fault(expert.path + "/Distance", "is given without \"Facing\", the bodies that are to be near");
+  if (const auto facets = expert.list.get<std::string>("Facets"); facets != "all")
+    rule.corners = facets == "triangles" ? 3 : 4;
   rule.tolerance = expert.list.get<double>("Tolerance");
   return rule;
 }
@@ -111,6 +113,10 @@ void addPartParameters(ParameterSpec& deck) {
   part.series("Cylinder point", Range(), "Point on the axis of a cylinder that contains the sides.");
   part.series("Cylinder axis", Range(), "Direction of the axis; none: z.");
   part.real("Cylinder radius", 0.0, Range::atLeast(0.0), "Radius of the cylinder; 0: no cylinder.");
+  part.expert().choice(
+      "Facets", "all",
+      {{"all", "of any shape"}, {"triangles", "with three corners"}, {"quadrilaterals", "with four corners"}},
+      "In space: shape of the sides. A surface in contact has one.");
   part.expert().texts("Facing", {},
                       "Bodies that the sides face: within \"Distance\", with opposite normals.");
   part.expert().real(

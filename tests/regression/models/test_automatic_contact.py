@@ -49,7 +49,8 @@ DECK = f"""<ParameterList>
 """
 
 
-PARTS = {"base-middle": ("base/top", "middle/bottom"), "top-middle": ("top/bottom", "middle/top")}  # more sides come first
+# First is the side of more sides.
+PARTS = {"base-middle": ("base/top", "middle/bottom"), "middle-top": ("top/bottom", "middle/top")}
 
 
 def by_name(names=PARTS, more="", kind="Contact"):
@@ -93,8 +94,8 @@ class Automatic(unittest.TestCase):
         for np_ in (1, 2, 4):
             with self.subTest(ranks=np_):
                 run = self.solve(automatic(), np_=np_)
-                self.assertIn('Automatic contact: "base" (8 sides) and "middle" (5 sides)', run.stdout)
-                self.assertIn('Automatic contact: "middle" (5 sides) and "top" (6 sides)', run.stdout)
+                self.assertIn('Automatic contact "base-middle": "base" (8 sides) and "middle" (5 sides)', run.stdout)
+                self.assertIn('Automatic contact "middle-top": "middle" (5 sides) and "top" (6 sides)', run.stdout)
                 self.compare(run, other)
 
     def test_parameters_reach_the_contact(self):
@@ -104,11 +105,20 @@ class Automatic(unittest.TestCase):
         self.assertGreater(abs(run.summary["forces"]["Contact/base-middle"]["tangential"][0]), 0.01)
 
     def test_pairs_that_are_coupled_are_left_out(self):
-        run = self.solve(automatic(), by_name(["top-middle"], kind="Tie"))
+        run = self.solve(automatic(), by_name(["middle-top"], kind="Tie"))
         self.assertEqual([path for path in run.summary["forces"] if path.startswith("Contact")], ["Contact/base-middle"])
 
+    def test_names_of_the_deck_stay(self):
+        # A contact that the deck calls "base-middle" is another one.
+        own = by_name(["middle-top"]).replace('"middle-top"', '"base-middle"')
+        run = self.solve(automatic(), own)
+        self.assertIn('Automatic contact "base-middle-2"', run.stdout)
+        forces = run.summary["forces"]
+        for name in ("base-middle", "base-middle-2"):
+            self.assertAlmostEqual(abs(forces[f"Contact/{name}"]["force"][1]), 2.0, delta=1e-8)
+
     def test_bodies_are_chosen(self):
-        run = self.solve(automatic(Bodies="{middle, base}"), by_name(["top-middle"]))
+        run = self.solve(automatic(Bodies="{middle, base}"), by_name(["middle-top"]))
         self.compare(run, self.solve(by_name()))
         run = self.solve(automatic(Bodies="{midle}"), by_name(), status=2)
         self.assertIn('did you mean "middle"', run.stderr)

@@ -323,6 +323,26 @@ class Space(Case):
         self.expect(x, u, tension(POISSON))
 
 
+    def test_contact_of_quadrilaterals_and_triangles(self):
+        # A block on hexahedra and wedges: a contact for each shape of sides.
+        prism("1", kinds=("hexahedra", "wedges")).write(self.directory / "mesh.msh", PARTS)
+        block = """<ParameterList name="block"><Parameter name="Source" type="string" value="block"/>
+          <Parameter name="Origin" type="Array(double)" value="{0, 0, 1}"/>
+          <Parameter name="Size" type="Array(double)" value="{2, 1, 1}"/>
+          <Parameter name="Elements a side" type="Array(int)" value="{3, 3, 2}"/>
+          <Parameter name="Materials" type="Array(string)" value="{steel}"/></ParameterList>"""
+        contact = """<ParameterList name="Automatic contact"><ParameterList name="all"/></ParameterList>"""
+        supports = (self.supports + support("sides", "block/left", 0) + support("fronts", "block/front", 1))
+        load = TENSION.replace("body/roof", "block/top").replace(str(-PRESSURE), str(PRESSURE))
+        text = deck("mesh.msh", "solid", load, body("body", 4) + block, supports, contact)
+        run, x, u = self.solved(text, 2)
+        forces = {path: entry["force"][2] for path, entry in run.summary["forces"].items() if path.startswith("Contact")}
+        self.assertEqual(sorted(forces), ["Contact/body-block", "Contact/body-block-2"])
+        for force in forces.values():
+            self.assertAlmostEqual(abs(force), PRESSURE, delta=1e-7)
+        self.expect(x, u, lambda x: PRESSURE / YOUNG * x * (POISSON, POISSON, -1.0))
+
+
 class Refused(Case):
     def refused(self, mesh, *words):
         mesh.write(self.directory / "mesh.msh", PARTS)
@@ -340,6 +360,34 @@ class Refused(Case):
         whole = mesh.whole
         mesh.whole = lambda shape, corners: corners if shape is QUADRILATERAL else whole(shape, corners)
         self.refused(mesh, "with sides of different order")
+
+    def test_hanging_nodes(self):
+        mesh = Mesh(2, "1")
+        low, high = mesh.node(1.0, 0.0), mesh.node(1.0, 1.0)
+        mesh.add("body", mesh.node(0.0, 0.0), low, high, mesh.node(0.0, 1.0))
+        middle, end = mesh.node(1.0, 0.5), mesh.node(2.0, 0.5)
+        mesh.add("body", low, end, middle)
+        mesh.add("body", middle, end, high)
+        self.refused(mesh, "cells of different types meet at (1, 0, 0)", "a node of one is within a side of the other")
+
+    def test_a_side_cut_in_four(self):
+        # A hexahedron whose side is cut at its middle: no triangle has three of its corners.
+        mesh = Mesh(3, "1")
+        ring = ((0, 0), (1, 0), (1, 1), (0, 1))
+        corners = [mesh.node(x, y, z) for z in (0, 1) for x, y in ring]
+        mesh.add("body", *corners)
+        middle, tip = mesh.node(0.5, 0.5, 1.0), mesh.node(0.5, 0.5, 2.0)
+        for k in range(4):
+            mesh.add("body", corners[4 + k], corners[4 + (k + 1) % 4], middle, tip)
+        self.refused(mesh, "a node of one is within a side of the other")
+
+    def test_more_parts_than_cells(self):
+        plane("1", 1).write(self.directory / "mesh.msh", PARTS)
+        text = deck("mesh.msh", "plane stress", TENSION, body("body", 9), Plane.supports)
+        (self.directory / "deck.xml").write_text(text, encoding="utf-8")
+        run = runs.run(self.directory / "deck.xml", np=2, output=self.directory / "out", program="harmos")
+        self.assertEqual(run.returncode, 2, f"{run}")
+        self.assertIn('body "body" cannot be partitioned into 9 parts: it has 3 cells', run.stderr)
 
     def test_cells_that_overlap(self):
         mesh = plane("1", 1)

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_BodyBlocks.hpp"
 
+#include "Harmos_BoxTree.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Index.hpp"
+#include "Harmos_PointAlgebra.hpp"
 
 #include <array>
 #include <cmath>
@@ -60,6 +62,7 @@ class Interfaces {
         requireNoTriangles(*begin);
       begin = end;
     }
+    requireNoHangingNodes();
   }
 
   bool isInside(std::size_t block, const Side& side) const {
@@ -101,6 +104,71 @@ class Interfaces {
              "with a quadrilateral on one side and triangles on the other. Put wedges or a tie between them, "
              "or make them bodies of their own; pyramids are not supported");
     }
+  }
+
+  // Of a side whose corners another block has, too: nodes of that on it, which are none of its own. It would
+  // be on the boundary, and what is finer on the other side as well.
+  void requireNoHangingNodes() const {
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+      std::vector<Box> boxes;
+      std::vector<const BlockSide*> alone;
+      for (const BlockSide& side : sides_)
+        if (side.isAlone && side.block != b && !isInside(side.block, side.side) && isShared(side, b)) {
+          std::vector<Point> corners = cornerPlaces(side);
+          boxes.push_back(widened(boxAround(corners), 1e-6 * norm(difference(corners[1], corners[0]))));
+          alone.push_back(&side);
+        }
+      const BoxTree tree(std::move(boxes));
+      const BodyMesh& block = blocks_[b];
+      for (int node : fem::nodesOf(block.mesh, boundarySides(*block.matched))) {
+        const Point x = block.mesh.local(node);
+        for (int place : tree.touching({x, x})) {
+          const BlockSide& side = *alone[at(place)];
+          const std::vector<int> own = nodesOf(side);
+          if (!std::binary_search(own.begin(), own.end(), block.number(node)) && isOn(x, cornerPlaces(side)))
+            fail(side, "with sides that do not match: a node of one is within a side of the other. Mesh both "
+                       "with the same sides, or make them bodies of their own and tie them");
+        }
+      }
+    }
+  }
+
+  // Whether a block has all corners of a side.
+  bool isShared(const BlockSide& side, std::size_t block) const {
+    const std::vector<int>& numbers = blocks_[block].numbers;
+    return std::all_of(side.corners.begin(), side.corners.end(), [&](int corner) {
+      return corner < 0 || std::binary_search(numbers.begin(), numbers.end(), corner);
+    });
+  }
+
+  std::vector<Point> cornerPlaces(const BlockSide& side) const {
+    const Mesh& mesh = blocks_[side.block].mesh;
+    std::vector<int> nodes = mesh.nodesOf(side.side);
+    nodes.resize(at(shapeOf(mesh.typeOf(side.side)).corners));
+    std::vector<Point> places;
+    for (int node : nodes)
+      places.push_back(mesh.local(node));
+    return places;
+  }
+
+  // Within a line or a facet of straight edges, up to rounding, and not at its ends.
+  static bool isOn(const Point& x, const std::vector<Point>& corners) {
+    constexpr double rounding = 1e-6;
+    if (corners.size() == 4)
+      return isOn(x, {corners[0], corners[1], corners[2]}) || isOn(x, {corners[0], corners[2], corners[3]});
+    const Point a = difference(corners[1], corners[0]), r = difference(x, corners[0]);
+    const double aa = dot(a, a), ra = dot(r, a);
+    if (corners.size() == 2) {
+      const double t = ra / aa;
+      return t > rounding && t < 1.0 - rounding &&
+             norm(difference(r, scaled(t, a))) <= rounding * std::sqrt(aa);
+    }
+    const Point b = difference(corners[2], corners[0]);
+    const double ab = dot(a, b), bb = dot(b, b), rb = dot(r, b), det = aa * bb - ab * ab;
+    const double s = (ra * bb - rb * ab) / det, t = (rb * aa - ra * ab) / det;
+    const Point away = difference(r, sum(scaled(s, a), scaled(t, b)));
+    const bool isCorner = std::max({s, t, 1.0 - s - t}) > 1.0 - rounding;
+    return !isCorner && std::min({s, t, 1.0 - s - t}) > -rounding && norm(away) <= rounding * std::sqrt(aa);
   }
 
   std::vector<int> nodesOf(const BlockSide& side) const {
@@ -232,6 +300,11 @@ std::vector<int> partsOfBlocks(const std::vector<BodyMesh>& blocks, int wanted) 
   double cells = 0.0;
   for (const BodyMesh& block : blocks)
     cells += block.mesh.numberOfCells();
+  if (blocks.size() > 1 && wanted > cells)
+    throw InputError("body \"" + blocks.front().name + "\" cannot be partitioned into " +
+                     std::to_string(wanted) + " parts: it has " +
+                     std::to_string(static_cast<long long>(cells)) +
+                     " cells. Choose between 1 and that many parts");
   // Where the share of cells that is dealt out passes a half, another part begins: sums to what is wanted.
   std::vector<int> parts;
   double dealt = 0.0;

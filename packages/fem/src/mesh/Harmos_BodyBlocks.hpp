@@ -27,7 +27,7 @@ std::vector<std::vector<BodyMesh>> groupedByBody(std::vector<BodyMesh> blocks);
 void joinBlocks(std::vector<BodyMesh>& blocks, const std::string& place);
 
 /// Parts for each block of a body, by their numbers of cells: at least one each, else as many as wanted in
-/// all, as far as there are cells. Local.
+/// all. Local. @throws InputError if more are wanted than there are cells.
 std::vector<int> partsOfBlocks(const std::vector<BodyMesh>& blocks, int wanted);
 
 /// The number of pieces of a body that share no node with each other. Local.

@@ -54,12 +54,19 @@ BoundaryRule::Verdict BoundaryRule::judge(const SideGeometry& side, double lengt
     });
   }
   verdict[4] = !facing || faces;
+  verdict[5] = !corners || side.corners.size() == *corners;
   return verdict;
 }
 
 std::array<std::string, BoundaryRule::conditions> BoundaryRule::words() const {
-  return {box ? "in the box" : "", direction ? "of that normal" : "", plane ? "on the plane" : "",
-          cylinder ? "on the cylinder" : "", facing ? "facing these bodies" : ""};
+  return {box ? "in the box" : "",
+          direction ? "of that normal" : "",
+          plane ? "on the plane" : "",
+          cylinder ? "on the cylinder" : "",
+          facing ? "facing these bodies" : "",
+          !corners        ? ""
+          : *corners == 3 ? "triangles"
+                          : "quadrilaterals"};
 }
 
 } // namespace Harmos::fem

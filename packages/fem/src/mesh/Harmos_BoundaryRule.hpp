@@ -32,7 +32,7 @@ struct BoundaryRule {
     double distance; ///< 0: a usual one
   };
   /// Conditions, in the order in which words() tells of them.
-  static constexpr std::size_t conditions = 5;
+  static constexpr std::size_t conditions = 6;
   using Verdict = std::array<bool, conditions>;
 
   std::string name;                ///< of the part
@@ -44,6 +44,7 @@ struct BoundaryRule {
   std::optional<Cylinder> cylinder; ///< all corners on it, and no cap: the normal is nearer to the radius
                                     ///< than to the axis
   std::optional<Facing> facing;
+  std::optional<std::size_t> corners; ///< of sides in space: 3, triangles, or 4
   double tolerance = 1e-5; ///< of box, plane and cylinder, in shares of the diagonal of the body's box
 
   bool isOn(const std::string& body) const;

@@ -130,6 +130,31 @@ void addLoads(const scene::Scene& scene, const feti::SubdomainSystem& system, Su
   }
 }
 
+// Of loads that are forces of effects, see scene::Effect::addForce().
+void addGivenForces(const scene::Scene& scene, const std::vector<scene::OwnedSubdomain>& owned, double time,
+                    Sums& sums) {
+  const auto components = static_cast<std::size_t>(scene.components());
+  for (const auto& effect : scene.effects) {
+    const std::vector<int> bodies = effect->bodies();
+    if (!effect->loadsWithItsForce())
+      continue;
+    const double factor = scene.timeline.factor(*effect, time);
+    for (const scene::OwnedSubdomain& item : owned) {
+      if (std::find(bodies.begin(), bodies.end(), item.body) == bodies.end())
+        continue;
+      std::vector<double> load(static_cast<std::size_t>(item.mesh.mesh->numberOfNodes()) * components, 0.0);
+      effect->addForce(scene, item, load);
+      for (std::size_t k = 0; k < load.size(); k += components) {
+        Point force = vectorOf(load.data() + k, static_cast<int>(components));
+        for (double& component : force)
+          component *= factor;
+        if (length(force) > 0.0)
+          sums.add(*effect, item.mesh.position(static_cast<int>(k / components)), force);
+      }
+    }
+  }
+}
+
 // What holds prescribed dofs. Effects are asked in the order in which the system was made.
 void addReactions(const scene::Scene& scene, const std::vector<scene::OwnedSubdomain>& owned,
                   const feti::SubdomainSystem& system, const std::vector<std::vector<double>>& reactions,
@@ -198,6 +223,8 @@ void addRows(const scene::Scene& scene, const scene::ContactSetup& contact,
     for (std::size_t d = 0; d < 3; ++d)
       force[d] = -multipliers[k] * origin.direction[d];
     sums.add(*origin.effect, origin.position, force);
+    if (origin.counter)
+      sums.add(*origin.effect, *origin.counter, {-force[0], -force[1], -force[2]});
     if (origin.isTangential)
       sums.addTangential(*origin.effect, force);
     for (const ConstraintRow::Term& term : contact.rows[k].terms) {
@@ -214,8 +241,10 @@ void addRows(const scene::Scene& scene, const scene::ContactSetup& contact,
 Forces forcesOf(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
                 const std::vector<scene::OwnedSubdomain>& owned, const feti::SubdomainSystem& system,
                 const scene::ContactSetup& contact, const feti::TornVector& displacement,
-                const std::vector<std::vector<double>>& reactions, const std::vector<double>& multipliers) {
+                const std::vector<std::vector<double>>& reactions, const std::vector<double>& multipliers,
+                std::optional<double> time) {
   Sums sums(scene, contact);
+  addGivenForces(scene, owned, time.value_or(scene.timeline.ends().front()), sums);
   addLoads(scene, system, sums);
   addReactions(scene, owned, system, reactions, sums);
   addSprings(scene, owned, displacement, sums);

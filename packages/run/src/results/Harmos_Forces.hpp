@@ -42,13 +42,14 @@ struct Forces {
 /// two effects hold, and a row that two effects ask for, counts for the first of them.
 /// @param system, contact of the scene and this rank's subdomains. @param reactions see feti::reactions().
 /// @param multipliers see feti::Constraints::givenMultipliers(), of the rows of the contact.
-/// @return the same on every rank.
+/// @param time of loads; none: of the first step. @return the same on every rank.
 /// @note Collective.
 /// Guarded by tests/unit/run/test_forces.cpp.
 Forces forcesOf(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
                 const std::vector<scene::OwnedSubdomain>& owned, const feti::SubdomainSystem& system,
                 const scene::ContactSetup& contact, const feti::TornVector& displacement,
-                const std::vector<std::vector<double>>& reactions, const std::vector<double>& multipliers);
+                const std::vector<std::vector<double>>& reactions, const std::vector<double>& multipliers,
+                std::optional<double> time = std::nullopt);
 
 /// A table for people; of many effects the first ones. "" without any.
 std::string forcesText(const Forces& forces);

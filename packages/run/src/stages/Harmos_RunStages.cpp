@@ -239,7 +239,7 @@ void RunStages::tellConstraints(const feti::DualPipeline& pipeline) {
   context_.report.effectCosts = costs_.total(*context_.comm);
   context_.report.dualDimension = constraints.dualDimension();
   context_.report.inequalities = constraints.inequalities();
-  context_.report.limited = constraints.limited();
+  context_.report.limited = constraints.limited() - static_cast<long long>(contact_.locks.size());
   context_.report.bonds = contact_.bondCount;
   context_.log.info("Primal dimension " + std::to_string(context_.report.primalDimension) +
                     ", dual dimension " + std::to_string(context_.report.dualDimension) + " (" +
@@ -467,7 +467,7 @@ void RunStages::recover() {
   context_.report.contactCounts = countContact(*context_.comm, context_.report.contact);
   reactions_ = feti::reactions(pipeline_->system(), *pipeline_->constraints(), torn_);
   context_.report.forces = forcesOf(*context_.comm, context_.scene, owned_, pipeline_->system(), contact_,
-                                    torn_.displacement, reactions_, multipliers());
+                                    torn_.displacement, reactions_, multipliers(), time_);
   // Where nothing is strained: rounding errors of stiffness times displacement are in no balance. Loads and
   // springs are no such errors.
   constexpr double rounding = 1e-12;

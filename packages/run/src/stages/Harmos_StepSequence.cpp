@@ -51,7 +51,8 @@ Solution StepSequence::go() {
 void StepSequence::begin() {
   run_.setUp();
   states_.emplace(*context_.comm, context_.scene, run_.contact());
-  bounds_.emplace(context_.scene, run_.contact());
+  bounds_.emplace(Bounds{{context_.scene, run_.contact()},
+                         {*context_.comm, run_.contact(), run_.owned(), context_.scene.components()}});
   energy_.emplace(run_.loads().cases(), run_.contact().limitedRows > 0, context_.scene.breaks());
   prescribesMotion_ = globalMax(*context_.comm, run_.loads().prescribesMotion() ? 1LL : 0LL) > 0;
   requireConsistent();
@@ -129,7 +130,9 @@ void StepSequence::prepare(double time) {
   const std::vector<std::vector<double>> prescribed = run_.loads().prescribed(time);
   const bool changesBounds = prescribesMotion_ || states_->any() || bounds_->any();
   std::vector<ConstraintRow> rows = changesBounds ? states_->rows() : std::vector<ConstraintRow>();
-  bounds_->move(rows, time);
+  bounds_->moving.move(rows, time);
+  if (changesBounds)
+    bounds_->locks.apply(rows, time);
   run_.prepare({time, run_.loads().loads(time), prescribesMotion_ ? &prescribed : nullptr,
                 changesBounds ? &rows : nullptr});
 }
@@ -206,7 +209,7 @@ StepSequence::Outcome StepSequence::accept() {
   const auto scope = run_.outputScope();
   scene::TimedLoads::Products products =
       run_.loads().products(*context_.comm, run_.torn().displacement, run_.reactions());
-  bounds_->addProducts(*context_.comm, run_.multipliers(), run_.loads().cases(), products);
+  bounds_->moving.addProducts(*context_.comm, run_.multipliers(), run_.loads().cases(), products);
   energy_->reach({run_.loads().factors(clock_.to()), products, context_.report.audit.energy,
                   scene::freeStrainEnergy(*context_.comm, context_.scene, run_.owned(), clock_.to()),
                   context_.report.audit.frictionWork, states_->dissipated()});
@@ -229,6 +232,8 @@ StepSequence::Outcome StepSequence::accept() {
   history_.add(run_.dualProblem(), run_.torn().multiplier, run_.dualSolution().mu);
   const double snapped = energy_->snapped();
   states_->commit();
+  if (const std::string text = bounds_->locks.commit(clock_.to(), run_.torn().displacement); !text.empty())
+    context_.log.info(text);
   energy_->commit();
   const bool endsStep = clock_.endsStep();
   const bool isCalm = states_->haste() < calm;
@@ -289,6 +294,7 @@ void StepSequence::exchange(Archive& archive, bool isWithinSolve) {
   clock_.exchange(archive);
   energy_->exchange(archive);
   states_->exchange(archive);
+  bounds_->locks.exchange(archive);
   states_->exchangeAnswers(archive, run_.dualProblem());
   archive.number("updates of states", attempt_.updates);
   run::exchange(archive, done_.rows, context_.scene.forcePaths());

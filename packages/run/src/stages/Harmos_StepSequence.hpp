@@ -3,6 +3,7 @@
 
 #include "Harmos_EffectStates.hpp"
 #include "Harmos_EnergyAccount.hpp"
+#include "Harmos_Locks.hpp"
 #include "Harmos_MovingBounds.hpp"
 #include "Harmos_RunStages.hpp"
 #include "Harmos_SolutionHistory.hpp"
@@ -81,7 +82,13 @@ class StepSequence {
   RunStages& run_;
 
   std::optional<EffectStates> states_;
-  std::optional<MovingBounds> bounds_;
+  // Of rows, besides what states say.
+  struct Bounds {
+    MovingBounds moving;
+    Locks locks;
+    bool any() const { return moving.any() || locks.any(); }
+  };
+  std::optional<Bounds> bounds_;
   std::optional<EnergyAccount> energy_;
   bool prescribesMotion_ = false; // on any rank
   StepClock clock_;

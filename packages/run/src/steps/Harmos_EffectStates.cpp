@@ -244,10 +244,10 @@ std::vector<ConstraintRow> EffectStates::rows() const {
       const std::size_t place = placeOfPoint_.at(row.number);
       row.bound += rows.shift[place] + rows.unstretched[place];
       row.softness = rows.softness[place];
-    } else if (row.kind == ConstraintRow::Kind::Limited) {
-      const std::size_t place = placeOfSlip_.at(row.number);
-      row.bound += rows.slip[place];
-      row.softness = rows.slipSoftness[place];
+    } else if (const auto slip = placeOfSlip_.find(row.number);
+               row.kind == ConstraintRow::Kind::Limited && slip != placeOfSlip_.end()) { // no lock
+      row.bound += rows.slip[slip->second];
+      row.softness = rows.slipSoftness[slip->second];
     }
   }
   return result;

@@ -428,7 +428,34 @@ std::vector<ConstraintCollector::Node> ConstraintCollector::nodesOf(const std::v
   return nodes;
 }
 
-// On rank 0, behind the ties.
+PartMeasure ConstraintCollector::measureOf(int body, const std::string& set) const {
+  std::vector<PartMeasure> mine;
+  for (const OwnedSubdomain* item : parts_.withNodes({body, set}))
+    if (mine.empty())
+      mine.push_back(item->measures.at(set));
+  mine = gatherAll(comm_, mine);
+  HARMOS_REQUIRE(!mine.empty(), "a part that an effect measures has no nodes");
+  return mine.front();
+}
+
+std::vector<ConstraintCollector::Node> ConstraintCollector::allNodesOf(int body, const std::string& set) {
+  askForHeldDofs({{body, set}});
+  std::vector<Node> nodes;
+  for (const OwnedSubdomain* item : parts_.withNodes({body, set}))
+    for (int node : item->mesh.sets.at(set))
+      nodes.push_back({item->mesh.number(node), item->mesh.position(node)});
+  nodes = gatherAll(comm_, nodes);
+  const auto isBefore = [](const Node& a, const Node& b) {
+    return std::tie(a.number, a.position) < std::tie(b.number, b.position);
+  };
+  std::sort(nodes.begin(), nodes.end(), isBefore);
+  nodes.erase(std::unique(nodes.begin(), nodes.end(),
+                          [](const Node& a, const Node& b) { return a.number == b.number; }),
+              nodes.end());
+  return nodes;
+}
+
+// On rank 0, behind the ties, and behind the slips.
 void ConstraintCollector::addEquationRows(ContactSetup& setup) {
   const std::vector<EquationRows::Row> rows = equations_.rows(scene_, held_);
   if (rows.empty())
@@ -437,12 +464,15 @@ void ConstraintCollector::addEquationRows(ContactSetup& setup) {
   for (const ConstraintRow& row : setup.rows)
     number += row.kind == ConstraintRow::Kind::Equality ? 1 : 0;
   number = globalSum(comm_, number);
+  long long limited = globalSum(comm_, static_cast<long long>(setup.slipRows()));
   for (const EquationRows::Row& item : rows) {
+    if (item.lockedFrom)
+      setup.locks.push_back({item.effect, *item.lockedFrom, setup.rows.size(), item.row.terms});
     if (comm_.getRank() != 0)
       continue;
     setup.rows.push_back(item.row);
-    setup.rows.back().number = number++;
-    setup.origins.push_back({item.effect, item.position, item.direction, 0.0});
+    setup.rows.back().number = item.lockedFrom ? limited++ : number++;
+    setup.origins.push_back({item.effect, item.position, item.direction, 0.0, false, item.counter});
     costs_.addRows(item.effect->kind(), 1);
     costs_.addBytes(item.effect->kind(), bytesOf(item.row));
   }

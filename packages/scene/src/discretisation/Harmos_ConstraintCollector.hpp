@@ -32,6 +32,16 @@ struct ContactSetup {
     fem::Point position, direction;
     double area;               ///< tributary, of its point
     bool isTangential = false; ///< of friction or adhesion, which act on that effect
+    /// Where the opposite force acts on the same body, of rows that make couples alone.
+    std::optional<fem::Point> counter = std::nullopt;
+  };
+  /// An equation without force up to a time, which keeps the value that it has then: a limited row of rank 0,
+  /// of limit zero, behind those of slips.
+  struct Lock {
+    const Effect* effect;
+    double from;       ///< that time
+    std::size_t place; ///< of its row on rank 0, among all
+    std::vector<ConstraintRow::Term> terms;
   };
   /// A point that adhesion binds by springs.
   struct Bond {
@@ -50,7 +60,8 @@ struct ContactSetup {
   /// so: of a point that does both friction.
   std::vector<contact::SlipPoint> slips;
   std::vector<const Effect*> frictions;
-  long long limitedRows = 0; ///< of all ranks
+  long long limitedRows = 0; ///< of slips, of all ranks
+  std::vector<Lock> locks;   ///< the same on all ranks
   bool hasFriction = false;  ///< whether any of these points, on any rank, does not only hold by springs
   std::set<const Effect*> tangential; ///< effects of points with limited rows, on any rank
   /// In the order of the effects that bind them and of points.
@@ -111,6 +122,13 @@ class ConstraintCollector {
   /// @param parts body and boundary part. @throws InputError on all ranks for a part of several nodes.
   /// @note Collective.
   std::vector<Node> nodesOf(const std::vector<std::pair<int, std::string>>& parts);
+
+  /// Of each node of the bodies.
+  int components() const { return scene_.components(); }
+  /// Of a part that an effect measures, see Effect::BoundaryPart; the same on all ranks. @note Collective.
+  PartMeasure measureOf(int body, const std::string& set) const;
+  /// All nodes of a part, by their numbers, on all ranks. @note Collective.
+  std::vector<Node> allNodesOf(int body, const std::string& set);
 
   using Equation = EquationRows::Equation;
   /// An equality row Σ coefficient · displacement = value. Where all of its dofs are prescribed it is left

@@ -6,6 +6,7 @@
 #include "Harmos_BoundaryRules.hpp"
 #include "Harmos_CompactOrder.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_Loads.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_Rendezvous.hpp"
 #include "Harmos_SubdomainEffects.hpp"
@@ -202,6 +203,35 @@ void findOwnNodes(const Teuchos::Comm<int>& comm, const Scene& scene, std::vecto
   });
 }
 
+// OwnedSubdomain::measures of the parts that effects measure. @note Collective.
+void measureParts(const Teuchos::Comm<int>& comm, const Scene& scene, std::vector<OwnedSubdomain>& owned) {
+  std::set<std::pair<int, std::string>> measured;
+  for (const auto& effect : scene.effects)
+    for (const Effect::BoundaryPart& part : effect->boundaryParts())
+      if (part.isMeasured)
+        measured.emplace(part.body, part.set);
+  for (const auto& [body, set] : measured) {
+    std::vector<double> sums(4, 0.0); // ∫n, area
+    agree(comm, [&] {
+      for (const OwnedSubdomain& item : owned) {
+        const auto sides = item.mesh.sides.find(set);
+        if (item.body != body || sides == item.mesh.sides.end())
+          continue;
+        constexpr int degree = 4;
+        fem::visitSides(*item.mesh.mesh, sides->second, degree, [&](const fem::SidePoint& point) {
+          for (std::size_t d = 0; d < 3; ++d)
+            sums[d] += point.measure * point.normal[d];
+          sums[3] += point.measure;
+        });
+      }
+    });
+    globalSum(comm, sums);
+    for (OwnedSubdomain& item : owned)
+      if (item.body == body)
+        item.measures[set] = {sums[3], {sums[0], sums[1], sums[2]}};
+  }
+}
+
 } // namespace
 
 std::vector<OwnedSubdomain> decompose(const Teuchos::Comm<int>& comm, const Scene& scene,
@@ -250,6 +280,7 @@ std::vector<OwnedSubdomain> decompose(const Teuchos::Comm<int>& comm, const Scen
   agree(comm, [&] { takeThickness(scene, owned); });
   chooseBoundaryParts(comm, scene, owned);
   findOwnNodes(comm, scene, owned);
+  measureParts(comm, scene, owned);
   return owned;
 }
 

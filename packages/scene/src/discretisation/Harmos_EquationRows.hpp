@@ -6,6 +6,7 @@
 #include "Harmos_Scene.hpp"
 
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -29,6 +30,10 @@ class EquationRows {
     };
     std::vector<Term> terms;
     double value = 0.0;
+    /// Node whose body bears what the first one does not: the force of the row is a couple of the two.
+    std::optional<Node> counter = std::nullopt;
+    /// Given, it is a row without force up to this time, and afterwards keeps the value that it has then.
+    std::optional<double> lockedFrom = std::nullopt;
   };
 
   void add(const Equation& equation, const Effect& effect) { equations_.push_back({equation, &effect}); }
@@ -41,6 +46,8 @@ class EquationRows {
     const Effect* effect;
     /// Of the node of the first term, whose force is the effect's: Σ c_i e_i over the terms there.
     fem::Point position, direction{};
+    std::optional<fem::Point> counter; ///< of Equation::counter
+    std::optional<double> lockedFrom;
   };
   /// Equations all of whose dofs are prescribed are left out.
   /// @param held prescribed values of these dofs by time. @throws InputError if they contradict an equation.

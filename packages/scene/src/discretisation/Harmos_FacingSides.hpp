@@ -22,8 +22,9 @@ std::vector<double> bodyDiagonals(const Teuchos::Comm<int>& comm, std::size_t bo
 constexpr double usualNearness = 0.05;
 
 /// Finds what may touch: a side of another body whose normal looks against its own, up to 60 degrees, that is
-/// no further away along one of the normals, measured at the corners, and no further aside than both sides
-/// are large. Overlaps count as near, up to the same distance.
+/// no further away along one of the normals, measured at the nodes, and no further aside than both sides
+/// are large. Overlaps count as near, up to the same distance and half of how thick both bodies are there. No
+/// side of a third body may be between.
 ///
 /// Sides go to the ranks whose boxes around the bodies they are near; nothing is gathered but these boxes.
 /// Guarded by tests/unit/scene/test_facing_sides.cpp.
@@ -34,10 +35,14 @@ FacedBodies facedBodies(const Teuchos::Comm<int>& comm, std::size_t bodies,
                         const std::vector<OwnedSubdomain>& owned,
                         const std::vector<std::vector<fem::Side>>& sides, double distance);
 
-/// Pairs of bodies, the lower number first, with the number of sides of each that face the other.
-/// @note Collective; the same on all ranks.
-std::map<std::pair<int, int>, std::pair<long long, long long>>
-facingPairs(const Teuchos::Comm<int>& comm, std::size_t bodies, const std::vector<OwnedSubdomain>& owned,
-            double distance);
+/// How many sides of two bodies face the other body, by their numbers of corners.
+struct FacingCounts {
+  std::map<std::size_t, long long> first, second;
+};
+
+/// By pairs of bodies, the lower number first. @note Collective; the same on all ranks.
+std::map<std::pair<int, int>, FacingCounts> facingPairs(const Teuchos::Comm<int>& comm, std::size_t bodies,
+                                                        const std::vector<OwnedSubdomain>& owned,
+                                                        double distance);
 
 } // namespace Harmos::scene

@@ -58,6 +58,8 @@ class Effect {
     bool needsSides; ///< sides of cells; else nodes are enough
     /// What acts at its nodes acts once at each: on the subdomain that OwnedSubdomain::ownNodes says.
     bool countsNodes = false;
+    /// What acts on it depends on its area or direction: OwnedSubdomain::measures.
+    bool isMeasured = false;
   };
   virtual std::vector<BoundaryPart> boundaryParts() const { return {}; }
   /// Bodies whose subdomains it is asked about: for Dirichlet conditions, loads and stiffness.
@@ -89,6 +91,10 @@ class Effect {
   virtual std::optional<Key> loadKey(const Scene&, const OwnedSubdomain&) const { return std::nullopt; }
   /// f += ...; a number for each dof = node · components + component.
   virtual void addLoad(const Scene&, const OwnedSubdomain&, std::vector<double>&) const {}
+  /// Whether loads are of the force which the effect tells of, as between two sides of a cut.
+  virtual bool loadsWithItsForce() const { return false; }
+  /// f += those on the first side alone.
+  virtual void addForce(const Scene&, const OwnedSubdomain&, std::vector<double>&) const {}
   /// As loadKey(), for addStiffness().
   virtual std::optional<Key> stiffnessKey(const Scene&, const OwnedSubdomain&) const { return std::nullopt; }
   /// K += a symmetric positive semidefinite matrix; entries at equal places add up. The kernel of the sum

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Pretension.hpp"
+
+#include "Harmos_Errors.hpp"
+#include "Harmos_Loads.hpp"
+#include "Harmos_Log.hpp"
+#include "Harmos_PointAlgebra.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace Harmos::effects {
+namespace {
+
+constexpr double notGiven = -1.0;
+
+std::shared_ptr<const scene::Effect> makePretension(const Teuchos::ParameterList& list,
+                                                    const std::string& path, const scene::Scene& scene) {
+  requireElastic(scene, "\"" + path + "\"");
+  Pretension::Options options;
+  const double force = list.get<double>("Force"), shift = list.get<double>("Shift"),
+               from = list.get<double>("Locked from");
+  if ((force != 0.0) == (shift != 0.0))
+    throw InputError("\"" + path + "\" has " +
+                         (force != 0.0 ? "both \"Force\" and \"Shift\"" : "neither \"Force\" nor \"Shift\"") +
+                         "; give one of them",
+                     {{"path", path}});
+  if (from != notGiven && force == 0.0)
+    throw InputError("\"" + path +
+                         "/Locked from\" is given with \"Shift\", which is its length already; remove it",
+                     {{"path", path + "/Locked from"}});
+  (force != 0.0 ? options.force : options.shift) = force != 0.0 ? force : shift;
+  if (from != notGiven)
+    options.lockedFrom = from;
+  return std::make_shared<Pretension>(partIn(scene, list, "First", path), partIn(scene, list, "Second", path),
+                                      options, scene::nameIn(path));
+}
+
+// Two directions at right angles to n and each other, along axes where n is along one; one in the plane.
+std::vector<fem::Point> tangentsOf(const fem::Point& n, int components) {
+  if (components == 2)
+    return {{-n[1], n[0], 0.0}};
+  std::size_t least = 0;
+  for (std::size_t d = 1; d < 3; ++d)
+    if (std::abs(n[d]) < std::abs(n[least]))
+      least = d;
+  fem::Point axis{};
+  axis[least] = 1.0;
+  const fem::Point across = cross(n, axis), t = scaled(1.0 / norm(across), across);
+  return {t, cross(n, t)};
+}
+
+} // namespace
+
+scene::EffectKind kindOfPretension() {
+  ParameterSpec spec("<bolt>", "A bolt is cut and pulled together: by a force, or by a shift of both sides.");
+  spec.text("First", "", "\"body/boundary part\": one side of a plane cut through the bolt. Required.");
+  spec.text("Second", "",
+            "\"body/boundary part\": the other side, with the same nodes: of a surface between two volumes, "
+            "each a body, both have it. Required.");
+  spec.real("Force", 0.0, Range(), "Force of the bolt, positive in tension; 0: not given.");
+  spec.real("Shift", 0.0, Range(), "Length by which the bolt is shorter; 0: not given.");
+  spec.real("Locked from", notGiven, Range(),
+            "With \"Force\": time, the end of a step, from which on the bolt keeps its length; -1: never.");
+  return {Pretension::kindName, spec, makePretension, true};
+}
+
+Pretension::Pretension(Part first, Part second, const Options& options, std::string name)
+    : Effect(kindName, std::move(name)),
+      first_(std::move(first)),
+      second_(std::move(second)),
+      options_(options) {}
+
+std::vector<scene::Effect::BoundaryPart> Pretension::boundaryParts() const {
+  return {{first_.body, first_.set, true, false, true}, {second_.body, second_.set, true, false, true}};
+}
+
+std::vector<int> Pretension::bodies() const {
+  if (!options_.force)
+    return {};
+  return first_.body == second_.body ? std::vector<int>{first_.body}
+                                     : std::vector<int>{first_.body, second_.body};
+}
+
+void Pretension::check(const scene::Scene& scene) const {
+  if (!options_.lockedFrom)
+    return;
+  const std::vector<double>& ends = scene.timeline.ends();
+  const bool isEnd = std::any_of(ends.begin(), ends.end(), [&](double end) {
+    return std::abs(end - *options_.lockedFrom) <= 1e-12 * std::abs(end);
+  });
+  if (!scene.timeline.hasSteps() || !isEnd)
+    throw InputError(label() + " is locked from time " + scientific(*options_.lockedFrom) +
+                     ", which is not the end of a step; name one of \"Steps/Times\"");
+}
+
+std::optional<scene::Effect::Key> Pretension::loadKey(const scene::Scene&,
+                                                      const scene::OwnedSubdomain& subdomain) const {
+  const auto has = [&](const Part& part) {
+    return subdomain.body == part.body && subdomain.mesh.sides.count(part.set) > 0;
+  };
+  return options_.force && (has(first_) || has(second_)) ? std::optional<Key>(ownKey(subdomain))
+                                                         : std::nullopt;
+}
+
+// Outwards, on either side.
+void Pretension::pull(const Part& part, const scene::OwnedSubdomain& subdomain,
+                      std::vector<double>& load) const {
+  const auto sides = subdomain.mesh.sides.find(part.set);
+  if (subdomain.body != part.body || sides == subdomain.mesh.sides.end())
+    return;
+  const scene::PartMeasure& whole = subdomain.measures.at(part.set);
+  const fem::Point traction = scaled(*options_.force / whole.area / norm(whole.normal), whole.normal);
+  const fem::PlacedMesh& placed = subdomain.mesh;
+  addTo(load, fem::assembleTraction(*placed.mesh, placed.anchor, sides->second,
+                                    [&](const fem::Point&, const fem::Point&) { return traction; }));
+}
+
+void Pretension::addLoad(const scene::Scene&, const scene::OwnedSubdomain& subdomain,
+                         std::vector<double>& load) const {
+  pull(first_, subdomain, load);
+  pull(second_, subdomain, load);
+}
+
+void Pretension::addForce(const scene::Scene&, const scene::OwnedSubdomain& subdomain,
+                          std::vector<double>& load) const {
+  pull(first_, subdomain, load);
+}
+
+// Outward on the first side.
+fem::Point Pretension::normalOf(const scene::ConstraintCollector& collector) const {
+  const scene::PartMeasure first = collector.measureOf(first_.body, first_.set),
+                           second = collector.measureOf(second_.body, second_.set);
+  constexpr double flat = 1e-6; // cosine of a tenth of a degree
+  const double length = norm(first.normal);
+  if (!(length >= (1.0 - flat) * first.area) ||
+      !(-dot(first.normal, second.normal) >= (1.0 - flat) * length * second.area))
+    throw InputError(label() +
+                     ": the cut is not plane, or its sides do not face each other; cut the bolt along "
+                     "a plane between two volumes");
+  return scaled(1.0 / length, first.normal);
+}
+
+// Nodes of both sides at the same places.
+std::vector<std::pair<Pretension::Node, Pretension::Node>>
+Pretension::pairsOf(scene::ConstraintCollector& collector) const {
+  const std::vector<Node> first = collector.allNodesOf(first_.body, first_.set),
+                          second = collector.allNodesOf(second_.body, second_.set);
+  double extent = 0.0;
+  for (const Node& node : first)
+    extent = std::max(extent, norm(difference(node.position, first.front().position)));
+  constexpr double tolerance = 1e-6;
+  std::vector<std::pair<Node, Node>> pairs;
+  for (const Node& node : first) {
+    const Node* nearest = nullptr;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Node& other : second)
+      if (const double distance = norm(difference(node.position, other.position)); distance < least) {
+        least = distance;
+        nearest = &other;
+      }
+    if (!(least <= tolerance * extent))
+      throw InputError(label() + ": the node at " + placeText(node.position) +
+                       " of the first side has no counterpart on the second one; both sides need the same "
+                       "nodes, as of one surface between two volumes");
+    pairs.emplace_back(node, *nearest);
+  }
+  if (first.size() != second.size())
+    throw InputError(label() + ": its sides have " + std::to_string(first.size()) + " and " +
+                     std::to_string(second.size()) + " nodes; both need the same ones");
+  return pairs;
+}
+
+void Pretension::addConstraints(scene::ConstraintCollector& collector) const {
+  const fem::Point n = normalOf(collector);
+  const std::vector<std::pair<Node, Node>> pairs = pairsOf(collector);
+  const int components = collector.components();
+  using Equation = scene::ConstraintCollector::Equation;
+  const auto addJump = [&](Equation& row, const std::pair<Node, Node>& pair, const fem::Point& along,
+                           double sign) {
+    for (int c = 0; c < components; ++c)
+      if (const double coefficient = sign * along[static_cast<std::size_t>(c)]; coefficient != 0.0) {
+        row.terms.push_back({pair.first, c, coefficient});
+        row.terms.push_back({pair.second, c, -coefficient});
+      }
+  };
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    for (const fem::Point& t : tangentsOf(n, components)) {
+      Equation row;
+      addJump(row, pairs[k], t, 1.0);
+      collector.addEquation(row);
+    }
+    Equation row;
+    addJump(row, pairs[k], n, 1.0);
+    if (options_.shift) {
+      row.value = *options_.shift;
+    } else if (k > 0) {
+      addJump(row, pairs.front(), n, -1.0);
+      row.counter = pairs.front().first;
+    } else if (options_.lockedFrom) {
+      row.lockedFrom = options_.lockedFrom;
+    } else {
+      continue;
+    }
+    collector.addEquation(row);
+  }
+}
+
+} // namespace Harmos::effects

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_ConstraintCollector.hpp"
+#include "Harmos_DeckPlaces.hpp"
+
+namespace Harmos::effects {
+
+/// A bolt under pretension: both sides of a plane cut through it keep together, but for the same shift s
+/// along the normal n of the cut everywhere, by which the bolt is shorter: with the outward normal of the
+/// first side
+///
+///     u¹ − u² = s n.
+///
+/// Either the force F of the bolt is given, and s follows, until the bolt is locked and keeps the s that it
+/// has then; or s is given. The sides have the same nodes. F loads them evenly, F/A n; −λ n is added where s
+/// does not give way. A history scales F or s.
+///
+/// Guarded by tests/verification/physics/test_pretension.py.
+class Pretension : public scene::Effect {
+ public:
+  static constexpr const char* kindName = "Pretension";
+
+  struct Options {
+    std::optional<double> force, shift; ///< one of them
+    std::optional<double> lockedFrom;   ///< time, with a force; none: never
+  };
+
+  Pretension(Part first, Part second, const Options& options, std::string name = "");
+
+  std::vector<BoundaryPart> boundaryParts() const override;
+  std::vector<int> bodies() const override;
+  bool exertsForce() const override { return true; }
+  bool hasMagnitude() const override { return true; }
+  /// @throws InputError for a time that is not the end of a step.
+  void check(const scene::Scene& scene) const override;
+
+  std::optional<Key> loadKey(const scene::Scene& scene,
+                             const scene::OwnedSubdomain& subdomain) const override;
+  void addLoad(const scene::Scene& scene, const scene::OwnedSubdomain& subdomain,
+               std::vector<double>& load) const override;
+  bool loadsWithItsForce() const override { return options_.force.has_value(); }
+  void addForce(const scene::Scene& scene, const scene::OwnedSubdomain& subdomain,
+                std::vector<double>& load) const override;
+  /// @throws InputError on all ranks where the cut is not plane, or its sides have not the same nodes.
+  void addConstraints(scene::ConstraintCollector& collector) const override;
+
+ private:
+  using Node = scene::ConstraintCollector::Node;
+  void pull(const Part& part, const scene::OwnedSubdomain& subdomain, std::vector<double>& load) const;
+  fem::Point normalOf(const scene::ConstraintCollector& collector) const;
+  std::vector<std::pair<Node, Node>> pairsOf(scene::ConstraintCollector& collector) const;
+
+  Part first_, second_;
+  Options options_;
+};
+
+/// What decks may say of it.
+scene::EffectKind kindOfPretension();
+
+} // namespace Harmos::effects
