@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 namespace Harmos::effects {
 namespace {
@@ -172,39 +173,104 @@ Pretension::pairsOf(scene::ConstraintCollector& collector) const {
   return pairs;
 }
 
-void Pretension::addConstraints(scene::ConstraintCollector& collector) const {
-  const fem::Point n = normalOf(collector);
-  const std::vector<std::pair<Node, Node>> pairs = pairsOf(collector);
-  const int components = collector.components();
-  using Equation = scene::ConstraintCollector::Equation;
-  const auto addJump = [&](Equation& row, const std::pair<Node, Node>& pair, const fem::Point& along,
-                           double sign) {
-    for (int c = 0; c < components; ++c)
-      if (const double coefficient = sign * along[static_cast<std::size_t>(c)]; coefficient != 0.0) {
+namespace {
+
+using NodePair = std::pair<scene::ConstraintCollector::Node, scene::ConstraintCollector::Node>;
+using Equation = scene::ConstraintCollector::Equation;
+
+// Jumps of pairs of nodes, u¹ − u², along a direction.
+class JumpRows {
+ public:
+  JumpRows(scene::ConstraintCollector& collector, std::vector<NodePair> pairs, const fem::Point& along)
+      : collector_(collector), pairs_(std::move(pairs)), along_(along) {}
+
+  void addEach(double value) const {
+    for (const NodePair& pair : pairs_) {
+      Equation row;
+      add(row, pair, 1.0);
+      row.value = value;
+      collector_.addEquation(row);
+    }
+  }
+
+  // All are the same: the mean jump of one half of the nodes is that of the other one, and likewise within
+  // the halves. These rows are orthogonal (Haar 1910), so that they cost no more iterations than addEach().
+  void addEqual() { split(0, pairs_.size()); }
+
+  // Their mean, which keeps its value from a time on.
+  void addLocked(double from) const {
+    Equation row;
+    for (const NodePair& pair : pairs_)
+      add(row, pair, 1.0 / static_cast<double>(pairs_.size()));
+    row.resultant = Equation::Resultant{middle(0, pairs_.size()), along_, std::nullopt};
+    row.lockedFrom = from;
+    collector_.addEquation(row);
+  }
+
+ private:
+  void add(Equation& row, const NodePair& pair, double factor) const {
+    for (int c = 0; c < collector_.components(); ++c)
+      if (const double coefficient = factor * along_[static_cast<std::size_t>(c)]; coefficient != 0.0) {
         row.terms.push_back({pair.first, c, coefficient});
         row.terms.push_back({pair.second, c, -coefficient});
       }
-  };
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    for (const fem::Point& t : tangentsOf(n, components)) {
-      Equation row;
-      addJump(row, pairs[k], t, 1.0);
-      collector.addEquation(row);
-    }
-    Equation row;
-    addJump(row, pairs[k], n, 1.0);
-    if (options_.shift) {
-      row.value = *options_.shift;
-    } else if (k > 0) {
-      addJump(row, pairs.front(), n, -1.0);
-      row.counter = pairs.front().first;
-    } else if (options_.lockedFrom) {
-      row.lockedFrom = options_.lockedFrom;
-    } else {
-      continue;
-    }
-    collector.addEquation(row);
   }
+
+  fem::Point middle(std::size_t begin, std::size_t end) const {
+    fem::Point sum{};
+    for (std::size_t k = begin; k < end; ++k)
+      for (std::size_t d = 0; d < 3; ++d)
+        sum[d] += pairs_[k].first.position[d] / static_cast<double>(end - begin);
+    return sum;
+  }
+
+  // Along the axis on which they reach farthest.
+  void split(std::size_t begin, std::size_t end) {
+    if (end - begin < 2)
+      return;
+    std::vector<fem::Point> places;
+    for (std::size_t k = begin; k < end; ++k)
+      places.push_back(pairs_[k].first.position);
+    const fem::Box box = fem::boxAround(places);
+    std::size_t axis = 0;
+    for (std::size_t d = 1; d < 3; ++d)
+      if (box.high[d] - box.low[d] > box.high[axis] - box.low[axis])
+        axis = d;
+    const auto place = [&](std::size_t k) { return pairs_.begin() + static_cast<std::ptrdiff_t>(k); };
+    std::sort(place(begin), place(end), [&](const NodePair& a, const NodePair& b) {
+      return std::tie(a.first.position[axis], a.first.number) <
+             std::tie(b.first.position[axis], b.first.number);
+    });
+    const std::size_t centre = begin + (end - begin) / 2;
+    const auto low = static_cast<double>(centre - begin), high = static_cast<double>(end - centre);
+    const double size = std::sqrt(low * high / (low + high)); // for rows of length one
+    Equation row;
+    for (std::size_t k = begin; k < end; ++k)
+      add(row, pairs_[k], k < centre ? size / low : -size / high);
+    row.resultant = Equation::Resultant{middle(begin, centre), scaled(size, along_), middle(centre, end)};
+    collector_.addEquation(row);
+    split(begin, centre);
+    split(centre, end);
+  }
+
+  scene::ConstraintCollector& collector_;
+  std::vector<NodePair> pairs_;
+  fem::Point along_;
+};
+
+} // namespace
+
+void Pretension::addConstraints(scene::ConstraintCollector& collector) const {
+  const fem::Point n = normalOf(collector);
+  const std::vector<NodePair> pairs = pairsOf(collector);
+  for (const fem::Point& t : tangentsOf(n, collector.components()))
+    JumpRows(collector, pairs, t).addEach(0.0);
+  JumpRows along(collector, pairs, n);
+  if (options_.shift)
+    return along.addEach(*options_.shift);
+  along.addEqual();
+  if (options_.lockedFrom)
+    along.addLocked(*options_.lockedFrom);
 }
 
 } // namespace Harmos::effects

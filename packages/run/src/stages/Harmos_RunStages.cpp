@@ -362,7 +362,8 @@ feti::IncrementSolver::Increment RunStages::increment(const feti::IncrementSolve
 
 namespace {
 
-// What answers are judged by: an entry for each effect with rows.
+// What answers are judged by: an entry for each effect with rows, but for those whose force loads make most
+// of: what rows add may be nothing.
 void addGroups(const Teuchos::Comm<int>& comm, const scene::Scene& scene, const scene::ContactSetup& contact,
                feti::AnswerCriteria& criteria) {
   std::unordered_map<const scene::Effect*, std::size_t> places;
@@ -375,7 +376,7 @@ void addGroups(const Teuchos::Comm<int>& comm, const scene::Scene& scene, const 
   const std::vector<std::string> paths = scene.effectPaths();
   std::vector<int> groupOf(rows.size(), -1);
   for (std::size_t k = 0; k < rows.size(); ++k)
-    if (rows[k] > 0.0) {
+    if (rows[k] > 0.0 && !scene.effects[k]->loadsWithItsForce()) {
       groupOf[k] = static_cast<int>(criteria.groups.size());
       criteria.groups.push_back(paths[k]);
     }

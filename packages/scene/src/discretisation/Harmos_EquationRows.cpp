@@ -61,8 +61,11 @@ std::vector<EquationRows::Row> EquationRows::rows(const Scene& scene,
       if (term.node.number == equation.terms.front().node.number)
         for (std::size_t d = 0; d < 3; ++d)
           item.direction[d] += term.coefficient * directionOf(scene, term.component)[d];
-    if (equation.counter)
-      item.counter = equation.counter->position;
+    if (equation.resultant) {
+      item.position = equation.resultant->position;
+      item.direction = equation.resultant->direction;
+      item.counter = equation.resultant->counter;
+    }
     item.lockedFrom = equation.lockedFrom;
     if (item.lockedFrom)
       item.row.kind = ConstraintRow::Kind::Limited;

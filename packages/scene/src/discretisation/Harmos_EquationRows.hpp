@@ -30,8 +30,13 @@ class EquationRows {
     };
     std::vector<Term> terms;
     double value = 0.0;
-    /// Node whose body bears what the first one does not: the force of the row is a couple of the two.
-    std::optional<Node> counter = std::nullopt;
+    /// What the effect's force is, where the node of the first term does not say it: λ times a direction at a
+    /// place, and against it at another one, where that is given.
+    struct Resultant {
+      fem::Point position, direction;
+      std::optional<fem::Point> counter;
+    };
+    std::optional<Resultant> resultant = std::nullopt;
     /// Given, it is a row without force up to this time, and afterwards keeps the value that it has then.
     std::optional<double> lockedFrom = std::nullopt;
   };
@@ -46,7 +51,7 @@ class EquationRows {
     const Effect* effect;
     /// Of the node of the first term, whose force is the effect's: Σ c_i e_i over the terms there.
     fem::Point position, direction{};
-    std::optional<fem::Point> counter; ///< of Equation::counter
+    std::optional<fem::Point> counter;
     std::optional<double> lockedFrom;
   };
   /// Equations all of whose dofs are prescribed are left out.
