@@ -52,6 +52,38 @@ TEST(BodyBlocks, pieces_hang_together_across_blocks) {
   EXPECT_EQ(fem::numberOfPieces({triangles, beside}), 2);
 }
 
+// A square of nodes 0 1 2 3 around, and a triangle 1 4 2 beside it.
+std::vector<BodyMesh> squareAndTriangle() {
+  BodyMesh square = block(CellType::Quadrilateral4, {0, 1, 2, 3}, {0, 1, 2, 3});
+  BodyMesh triangle = block(CellType::Triangle3, {0, 2, 1}, {1, 2, 4});
+  square.mesh.coordinates = {0, 0, 1, 0, 1, 1, 0, 1};
+  triangle.mesh.coordinates = {1, 0, 1, 1, 2, 0.5};
+  for (BodyMesh* block : {&square, &triangle})
+    block->matched = std::make_shared<const fem::MatchedSides>(matchSides(block->mesh));
+  return {square, triangle};
+}
+
+TEST(BodyBlocks, sides_between_blocks_leave_parts_and_copies_of_nodes_join_them) {
+  std::vector<BodyMesh> blocks = squareAndTriangle();
+  blocks[0].sides["bottom"] = {{0, 0}}; // 0 1
+  blocks[0].sides["seam"] = {{0, 1}};   // 1 2
+  blocks[1].sides["seam"] = {{0, 2}};   // the same
+  blocks[1].sides["outside"] = {{0, 0}, {0, 1}};
+  blocks[0].fields = {{"both", {0, 0, 0, 0}}, {"one", {0, 0, 0, 0}}};
+  blocks[1].fields = {{"both", {0, 0, 0}}};
+  joinBlocks(blocks, "here");
+  EXPECT_EQ(blocks[0].sides.count("seam") + blocks[1].sides.count("seam"), 0u);
+  EXPECT_EQ(blocks[0].nodes.at("seam"), (std::vector<int>{1, 2}));
+  EXPECT_EQ(blocks[1].nodes.at("seam"), (std::vector<int>{0, 1}));
+  EXPECT_EQ(blocks[0].sides.at("bottom").size(), 1u);
+  EXPECT_EQ(blocks[1].nodes.at("bottom"), (std::vector<int>{0}));
+  EXPECT_EQ(blocks[0].nodes.at("outside"), (std::vector<int>{1, 2}));
+  EXPECT_EQ(blocks[1].sides.at("outside").size(), 2u);
+  EXPECT_EQ(blocks[0].nodes.count("bottom"), 0u); // its own sides say so
+  EXPECT_EQ(blocks[0].fields.size(), 1u);
+  EXPECT_EQ(blocks[0].mesh.boundary, (std::vector<int>{0, 1, 2, 3}));
+}
+
 TEST(BodyBlocks, bodies_are_put_together_by_name) {
   BodyMesh a, b;
   a.name = "a";
