@@ -18,6 +18,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import exodus_files  # noqa: E402
 import harmos_runs as runs  # noqa: E402
+import test_foreign_meshes as foreign  # noqa: E402
 import test_mesh_program as meshes  # noqa: E402
 
 NUMBER = int(sys.argv.pop()) if sys.argv[-1].isdigit() else 1000
@@ -27,6 +28,25 @@ Point(1) = {0, 0, 0, 0.5}; Point(2) = {1, 0, 0, 0.5}; Point(3) = {1, 1, 0, 0.5};
 Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1};
 Curve Loop(1) = {1, 2, 3, 4}; Plane Surface(1) = {1};
 Physical Curve("left") = {4}; Physical Surface("plate") = {1};
+"""
+# A quadrilateral and a triangle.
+MIXED = """$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+5
+1 0 0 0
+2 1 0 0
+3 1 1 0
+4 0 1 0
+5 2 0.5 0
+$EndNodes
+$Elements
+3
+1 3 2 1 1 1 2 3 4
+2 2 2 1 1 2 5 3
+3 1 2 2 2 4 1
+$EndElements
 """
 DECK = runs.SOURCE / "apps/harmos/decks/tied_inclusion.xml"
 
@@ -88,7 +108,10 @@ class Damaged(unittest.TestCase):
         corners = [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
         exodus_files.write(exodus, corners, [("brick", "HEX8", [list(range(1, 9))])], [("floor", [1], [5])],
                            [("corner", [1])], {"temperature": range(8)})
+        universal = cls.directory / "cubes.unv"
+        foreign.universal(universal, [("lower", 8, range(1, 49)), ("upper", 8, range(49, 97)), ("corner", 7, [1, 2])])
         cls.files = {
+            "cubes.unv": (universal.read_bytes(), 3), "mixed.msh": (MIXED.encode(), 2),
             "two.msh": (meshes.MSH_2.encode(), 2), "four.msh": (meshes.MSH_4.encode(), 2),
             "square.vtk": (meshes.VTK.encode(), 2), "square.geo": (SQUARE_GEO.encode(), 2),
             "brick.exo": (exodus.read_bytes(), 3), "boxes.step": (step.read_bytes(), 3), "cut.h5": (cut.read_bytes(), 2),
