@@ -5,7 +5,6 @@
 #include "Harmos_AxisOfSymmetry.hpp"
 #include "Harmos_DeckBodies.hpp"
 #include "Harmos_DeckParts.hpp"
-#include "Harmos_Errors.hpp"
 
 namespace Harmos::app {
 namespace {
@@ -16,20 +15,6 @@ const std::vector<std::pair<std::string, scene::Physics>> physicsNames = {
     {"axisymmetric", scene::Physics::Axisymmetric},
     {"solid", scene::Physics::Solid},
     {"membrane", scene::Physics::Membrane}};
-
-// Pressures of contacts are forces by lengths, of the thickness 1.
-void requireThicknessOne(const scene::Scene& scene) {
-  for (const auto& effect : scene.effects)
-    for (const scene::Effect::BoundaryPart& part : effect->boundaryParts())
-      for (double thickness : scene.bodies[static_cast<std::size_t>(part.body)].thickness)
-        if (effect->givesInequalities() && thickness != 1.0) {
-          const std::string& body = scene.bodies[static_cast<std::size_t>(part.body)].name;
-          throw InputError(
-              effect->label() + " acts on body \"" + body +
-                  "\", which has a \"Thickness\" other than 1; remove it and divide forces by it",
-              {{"path", "Bodies/" + body + "/Expert/Thickness"}});
-        }
-}
 
 } // namespace
 
@@ -63,7 +48,6 @@ scene::Scene sceneFromDeck(const DeckContext& context, const scene::EffectRegist
   addBodies(context, scene);
   addBoundaryRules(context.deck, scene);
   registry.addEffects(withAutomaticContacts(context, registry, scene), scene);
-  requireThicknessOne(scene);
   if (scene.physics == scene::Physics::Axisymmetric)
     scene.effects.push_back(std::make_shared<effects::AxisOfSymmetry>(scene.bodies.size()));
   return scene;

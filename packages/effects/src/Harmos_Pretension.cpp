@@ -140,7 +140,12 @@ fem::Point Pretension::normalOf(const scene::ConstraintCollector& collector) con
     throw InputError(label() +
                      ": the cut is not plane, or its sides do not face each other; cut the bolt along "
                      "a plane between two volumes");
-  return scaled(1.0 / length, first.normal);
+  // An axis is one to the last bit: rows of what is held on a plane of symmetry are told by their dofs.
+  constexpr double rounding = 1e-12;
+  fem::Point n = scaled(1.0 / length, first.normal);
+  for (double& component : n)
+    component = std::abs(component) <= rounding ? 0.0 : component;
+  return scaled(1.0 / norm(n), n);
 }
 
 // Nodes of both sides at the same places.

@@ -117,6 +117,27 @@ class Automatic(unittest.TestCase):
         for name in ("base-middle", "base-middle-2"):
             self.assertAlmostEqual(abs(forces[f"Contact/{name}"]["force"][1]), 2.0, delta=1e-8)
 
+    def test_frictions_of_the_deck_stay(self):
+        # The deck's friction "base-middle" acts on a contact of another name.
+        own = by_name(["middle-top"]).replace('"middle-top"', '"joint"')
+        friction = FRICTION[: FRICTION.index("</ParameterList>") + len("</ParameterList>")] + "</ParameterList>"
+        run = self.solve(automatic(), own, friction.replace("Contact/base-middle", "joint"))
+        other = self.solve(by_name().replace('"middle-top"', '"joint"'), friction.replace("Contact/base-middle", "joint"))
+        expected = other.summary["forces"]["Contact/joint"]["tangential"]
+        self.assertGreater(abs(expected[0]), 1e-4)
+        self.assertAlmostEqual(run.summary["forces"]["Contact/joint"]["tangential"][0], expected[0], delta=1e-8)
+        self.assertNotIn("tangential", run.summary["forces"]["Contact/base-middle-2"])
+
+    def test_a_contact_on_a_thick_body_is_refused(self):
+        thick = '<ParameterList name="Expert"><Parameter name="Thickness" type="Array(double)" value="{2}"/></ParameterList>'
+        deck = DECK.replace('<ParameterList name="base">', '<ParameterList name="base">' + thick)
+        directory = runs.scratch("thick")
+        directory.mkdir(parents=True)
+        (directory / "deck.xml").write_text(deck.replace("CONTACTS", automatic()), encoding="utf-8")
+        run = runs.run(directory / "deck.xml", np=2, output=directory / "out", program="harmos")
+        self.assertEqual(run.returncode, 2, f"{run}")
+        self.assertIn('acts on body "base", which has a "Thickness" other than 1', run.stderr)
+
     def test_bodies_are_chosen(self):
         run = self.solve(automatic(Bodies="{middle, base}"), by_name(["middle-top"]))
         self.compare(run, self.solve(by_name()))

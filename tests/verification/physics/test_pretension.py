@@ -143,6 +143,29 @@ class OneState(Case):
         work = 0.5 * FORCE**2 / STIFFNESS
         self.assertAlmostEqual(run.summary["steps"][0]["external_work"], work, delta=1e-7 * work)
 
+    def test_half_of_a_bolt(self):
+        # Along x, with a plane of symmetry through the cut: what is held on both sides is no row.
+        straight = GEO
+        for k, (y, z) in enumerate(((0, 0), (0.5, 0), (0.5, 0.75), (0, 0.75)), 1):
+            head = straight.index(f"Point({k}) = ")
+            end = straight.index(";", head)
+            straight = straight[:head] + f"Point({k}) = {{0, {y}, {z}, 0.5}}" + straight[end:]
+        straight = straight.replace(HALF, f"{LENGTH / 2}, 0, 0")
+        straight += 'Physical Surface("plane") = {a[2], b[2]};\nMesh.ElementOrder = 2;\n'
+        (self.directory / "bar1.geo").write_text(straight, encoding="utf-8")
+        planes = "".join(named(f"plane of {body}", parameters(Part=f"{body}/plane") + arrays(Components=["z"]))
+                         for body in ("lower", "upper"))
+        run = self.solved(deck({"Force": FORCE}, (held()[0] + planes, "")))
+        entry = run.summary["forces"]["Pretension/bolt"]
+        np.testing.assert_allclose(entry["force"], [FORCE, 0, 0], atol=1e-8)
+        np.testing.assert_allclose(entry["moment"], np.cross([2, 0.25, 0.375], [FORCE, 0, 0]), atol=1e-7)
+        with h5py.File(Path(run.directory) / "result.vtkhdf", "r") as file:
+            x, u = file["VTKHDF/Points"][()], file["VTKHDF/PointData/displacement"][()]
+        np.testing.assert_allclose(u[:, 1:], 0.0, atol=1e-8)
+        inner = np.abs(x[:, 0] - LENGTH / 2) > 1e-6
+        exact = FORCE / (YOUNG * AREA) * np.where(x[:, 0] < LENGTH / 2, x[:, 0], x[:, 0] - LENGTH)
+        np.testing.assert_allclose(u[inner, 0], exact[inner], atol=1e-7 * np.abs(exact).max())
+
     def test_a_free_bolt_keeps_its_force(self):
         run = self.solved(deck({"Force": FORCE}, held(MOVE)))
         self.expect_bar(run, FORCE, MOVE)

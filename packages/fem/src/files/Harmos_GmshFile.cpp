@@ -44,20 +44,6 @@ std::string placeText(const Point& x) {
   return text.str();
 }
 
-// What helps, where Gmsh's own words do not say so.
-std::string remedyFor(const std::string& reason) {
-  for (const char* word : {"overlapping facets", "intersect", "PLC", "self-intersect", "boundary mesh"})
-    if (reason.find(word) != std::string::npos)
-      return ". The surface triangles cut each other because cells are too large for the geometry; use "
-             "smaller cells (--size) or more cells on curved parts (--per-circle)";
-  return ". Open the file in Gmsh to locate the failure";
-}
-
-[[noreturn]] void throwGmshError(const std::string& path, const std::string& reason) {
-  throw InputError("Gmsh cannot read or mesh \"" + path +
-                   "\": " + (reason.empty() ? "no reason given" : reason) + remedyFor(reason));
-}
-
 // Bodies of fewer cells keep the order of the file: they are read and cut in no time.
 constexpr std::size_t fewestAlongCurve = 30000;
 
@@ -66,7 +52,7 @@ class Reader {
  public:
   Reader(std::string path, int dimension, const GmshMeshing& meshing)
       : path_(std::move(path)), dimension_(dimension) {
-    open(meshing);
+    dimension_ = openModel(path_, dimension_, meshing);
     groups_ = groupsOfModel();
     readNodes();
   }
@@ -140,79 +126,6 @@ class Reader {
     nameNodes(block, numbers);
     addFields(block, numbers);
     block.matched = std::move(matched);
-  }
-
-  // Whether there are cells or shapes of a dimension.
-  static bool has(int dimension) {
-    std::vector<int> types;
-    gmsh::model::mesh::getElementTypes(types, dimension);
-    gmsh::vectorpair entities;
-    gmsh::model::getEntities(entities, dimension);
-    return !types.empty() || !entities.empty();
-  }
-
-  void open(const GmshMeshing& meshing) {
-    std::error_code failure;
-    if (!std::filesystem::exists(path_, failure))
-      throw InputError("mesh file not found: \"" + path_ + "\"; check its path");
-    if (!std::filesystem::is_regular_file(path_, failure))
-      throw InputError("\"" + path_ + "\" is not a file; give the path of a mesh file");
-    std::vector<int> types;
-    try {
-      if (isVtk(path_))
-        loadGrid(path_, readVtk(path_));
-      else if (isExodus(path_))
-        loadExodus(path_, readExodus(path_));
-      else
-        openByGmsh();
-      if (dimension_ == 0)
-        dimension_ = has(3) ? 3 : 2;
-      gmsh::model::mesh::getElementTypes(types, dimension_);
-      if (!types.empty() && meshing.isGiven())
-        throw InputError(
-            "\"" + path_ +
-            "\" is already meshed, so size and order have no effect; set them in the mesh generator");
-      if (types.empty()) {
-        prescribe(meshing);
-        gmsh::vectorpair entities;
-        gmsh::model::getEntities(entities, dimension_);
-        if (!entities.empty())
-          gmsh::model::mesh::generate(dimension_);
-        gmsh::model::mesh::getElementTypes(types, dimension_);
-      }
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const Error&) {
-      throw;
-    } catch (const std::exception& error) {
-      throwGmshError(path_, error.what());
-    }
-    if (types.empty())
-      throw InputError("\"" + path_ + "\" holds no cells of dimension " + std::to_string(dimension_) +
-                       " and no geometry to mesh: it " +
-                       (dimension_ == 3 && has(2)
-                            ? "is a plane mesh of dimension 2 or the surface of a solid without volume mesh"
-                            : "is not a mesh or has another dimension"));
-  }
-
-  void openByGmsh() const {
-    if (std::filesystem::path(path_).extension() == ".inp")
-      throw InputError(
-          "\"" + path_ +
-          "\" is an input of CalculiX or Abaqus, which is a model; convert it to a deck and a mesh: "
-          "harmos-inp, with --sets for all sets");
-    gmsh::open(path_);
-    if (isUniversal(path_))
-      addGroups(path_, readUniversalGroups(path_));
-  }
-
-  static void prescribe(const GmshMeshing& meshing) {
-    if (meshing.size > 0.0)
-      gmsh::option::setNumber("Mesh.MeshSizeMax", meshing.size);
-    if (meshing.perCircle > 0)
-      gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", meshing.perCircle);
-    if (meshing.order > 0)
-      gmsh::option::setNumber("Mesh.ElementOrder", meshing.order);
   }
 
   // By rising tags: nodes go by their places in this order from here on.

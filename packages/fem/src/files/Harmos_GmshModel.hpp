@@ -3,6 +3,7 @@
 
 #include "Harmos_CellType.hpp"
 #include "Harmos_ExodusFile.hpp"
+#include "Harmos_GmshFile.hpp"
 #include "Harmos_UniversalGroups.hpp"
 #include "Harmos_VtkFile.hpp"
 
@@ -60,6 +61,14 @@ class GmshSession {
   EndGuard guard_;
   Silence silence_;
 };
+
+/// Has Gmsh open a file, or gives it the cells of one that it does not read; geometries are meshed.
+/// @param dimension 0: 3 if the file has anything of it, else 2. @return the dimension.
+/// @throws InputError as readGmsh() has it.
+int openModel(const std::string& path, int dimension, const GmshMeshing& meshing);
+
+/// With what helps, where Gmsh's own words do not say so.
+[[noreturn]] void throwGmshError(const std::string& path, const std::string& reason);
 
 /// Gives Gmsh the cells of a grid in the place of a file that it opens: an entity for each region and
 /// dimension. Regions are what integers of the cells say, "gmsh:physical" and the like first, or the only

@@ -97,6 +97,20 @@ void requirePart(const Scene& scene, const PartNames& names, const Effect::Bound
                    {{"set", set}, {"body", scene.bodies[body].name}});
 }
 
+// Pressures of contacts are forces by lengths, of the thickness 1.
+void requireThicknessOne(const Scene& scene, const Effect& effect) {
+  if (!effect.givesInequalities())
+    return;
+  for (const Effect::BoundaryPart& part : effect.boundaryParts()) {
+    const Body& body = scene.bodies[static_cast<std::size_t>(part.body)];
+    for (double thickness : body.thickness)
+      if (thickness != 1.0)
+        throw InputError(effect.label() + " acts on body \"" + body.name +
+                             "\", which has a \"Thickness\" other than 1; remove it and divide forces by it",
+                         {{"body", body.name}});
+  }
+}
+
 } // namespace
 
 void checkBoundaryParts(const Teuchos::Comm<int>& comm, const Scene& scene,
@@ -109,6 +123,7 @@ void checkBoundaryParts(const Teuchos::Comm<int>& comm, const Scene& scene,
     effect->check(scene);
     for (const Effect::BoundaryPart& part : effect->boundaryParts())
       requirePart(scene, names, part, effect->label());
+    requireThicknessOne(scene, *effect);
   }
 }
 
