@@ -57,9 +57,10 @@ std::vector<fem::Point> tangentsOf(const fem::Point& n, int components) {
 scene::EffectKind kindOfPretension() {
   ParameterSpec spec("<bolt>", "A bolt is cut and pulled together: by a force, or by a shift of both sides.");
   spec.text("First", "", "\"body/boundary part\": one side of a plane cut through the bolt. Required.");
-  spec.text("Second", "",
-            "\"body/boundary part\": the other side, with the same nodes: of a surface between two volumes, "
-            "each a body, both have it. Required.");
+  spec.text(
+      "Second", "",
+      "\"body/boundary part\": the other side, with the same nodes. Mesh the bolt in two volumes, each a "
+      "body: their common surface is a part of both. Required.");
   spec.real("Force", 0.0, Range(), "Force of the bolt, positive in tension; 0: not given.");
   spec.real("Shift", 0.0, Range(), "Length by which the bolt is shorter; 0: not given.");
   spec.real("Locked from", notGiven, Range(),

@@ -27,6 +27,7 @@ except ImportError as missing:
     runs.skip(f"the Python module {missing.name} is missing")
 
 TOLERANCE = 1e-11  # of the solver
+YY, ZZ = 1, 2  # of stresses xx, yy, zz, xy, yz, xz
 YOUNG, POISSON, PRESSURE = 200.0, 0.3, 1.5
 
 # Corners' places, edges and faces as Gmsh's manual numbers them; its numbers of the types by the number of nodes.
@@ -225,6 +226,22 @@ class Case(unittest.TestCase):
         self.directory = runs.scratch("mixed")
         self.directory.mkdir(parents=True, exist_ok=True)
 
+    def expect_stress(self, component, value, contact=None):
+        """One component everywhere; the pressure of contact at all nodes of the first body at a height, and nowhere else."""
+        with h5py.File(self.directory / "out/result.vtkhdf", "r") as file:
+            root = file["VTKHDF"]
+            stress, x = root["PointData/stress"][()], root["Points"][()]
+            pressure = root["PointData/contact_pressure"][()].ravel() if contact else None
+            first = np.cumsum(root["NumberOfCells"][()]) - root["NumberOfCells"][()]
+            body = np.repeat(root["CellData/body"][()].ravel()[first], root["NumberOfPoints"][()])
+        expected = np.zeros_like(stress)
+        expected[:, component] = value
+        np.testing.assert_allclose(stress, expected, rtol=0.0, atol=1e-6 * PRESSURE)
+        if contact:
+            axis, height = contact
+            on = (body == 0) & (np.abs(x[:, axis] - height) < 1e-9)
+            np.testing.assert_allclose(pressure, np.where(on, PRESSURE, 0.0), rtol=0.0, atol=1e-6 * PRESSURE)
+
     def expect(self, x, u, exact):
         """c ε κ of these meshes is far below; the solver's tolerance is of the residual."""
         np.testing.assert_allclose(u, exact(x), rtol=0.0, atol=1e-8 * np.abs(exact(x)).max())
@@ -252,6 +269,7 @@ class Plane(Case):
                 run, x, u = self.solved(text, np_)
                 self.assertEqual(run.summary["subdomains"], subdomains)
                 self.expect(x, u, lambda x: tension(POISSON)(x) * (1.0, 1.0, 0.0))
+                self.expect_stress(YY, PRESSURE)
 
     def test_weight(self):
         for order in ("S", "2"):
@@ -280,6 +298,7 @@ class Plane(Case):
                 run, x, u = self.solved(text, 2)
                 self.assertAlmostEqual(abs(run.summary["forces"]["Contact/joint"]["force"][1]), 2 * PRESSURE, delta=1e-8)
                 self.expect(x, u, lambda x: -tension(POISSON)(x) * (1.0, 1.0, 0.0))
+                self.expect_stress(YY, -PRESSURE, (1, 1.0))
 
 
 class Space(Case):
@@ -296,6 +315,7 @@ class Space(Case):
                 self.mesh(order)
                 text = deck("mesh.msh", "solid", TENSION, body("body", subdomains), self.supports)
                 self.expect(*self.solved(text, np_)[1:], tension(POISSON))
+                self.expect_stress(YY, PRESSURE)
 
     def test_weight(self):
         self.mesh("2")
@@ -341,6 +361,7 @@ class Space(Case):
         for force in forces.values():
             self.assertAlmostEqual(abs(force), PRESSURE, delta=1e-7)
         self.expect(x, u, lambda x: PRESSURE / YOUNG * x * (POISSON, POISSON, -1.0))
+        self.expect_stress(ZZ, -PRESSURE, (2, 1.0))
 
 
 class Refused(Case):

@@ -16,10 +16,7 @@
 #include <gmsh.h>
 
 #include <cmath>
-#include <exception>
-#include <filesystem>
 #include <limits>
-#include <new>
 #include <sstream>
 
 namespace Harmos::fem {
